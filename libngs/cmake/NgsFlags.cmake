@@ -1,0 +1,14 @@
+# One place for compiler flags. No fast-math and no contraction: a fused product is written fma() where it
+# is wanted, so that every build of one source gives the same numbers.
+add_library(ngs_flags INTERFACE)
+target_compile_options(ngs_flags INTERFACE
+  $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wpedantic -Wconversion -ffp-contract=off -fno-math-errno -march=x86-64-v3>)
+if(NGS_WERROR)
+  target_compile_options(ngs_flags INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Werror>)
+endif()
+set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
+if(NGS_SANITIZE)
+  target_compile_options(ngs_flags INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-fsanitize=${NGS_SANITIZE} -fno-omit-frame-pointer>)
+  string(REPLACE "fuzzer-no-link," "" NGS_SANITIZE_LINK "${NGS_SANITIZE}")
+  target_link_options(ngs_flags INTERFACE -fsanitize=${NGS_SANITIZE_LINK})
+endif()

@@ -1,0 +1,26 @@
+# Third-party libraries. Each is linked by exactly the layer that may include it (libngs/CMakeLists.txt).
+find_package(OpenMP REQUIRED COMPONENTS CXX)
+find_package(Eigen3 REQUIRED NO_MODULE)
+find_package(nlohmann_json REQUIRED)
+find_package(OpenEXR REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(Threads REQUIRED)
+
+# OpenCV without its CMake package: Debian ships that only in libopencv-dev, which pulls in 200 packages
+# that ngs does not need.
+find_path(NGS_OPENCV_INCLUDE opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
+add_library(ngs_opencv INTERFACE)
+target_include_directories(ngs_opencv SYSTEM INTERFACE ${NGS_OPENCV_INCLUDE})
+foreach(module core imgproc imgcodecs)
+  find_library(NGS_OPENCV_${module} opencv_${module} REQUIRED)
+  target_link_libraries(ngs_opencv INTERFACE ${NGS_OPENCV_${module}})
+endforeach()
+
+find_path(NGS_FLANN_INCLUDE flann/flann.hpp REQUIRED)
+find_library(NGS_LZ4 lz4 REQUIRED)  # flann.hpp instantiates its index serialisation inline
+add_library(ngs_flann INTERFACE)
+target_include_directories(ngs_flann SYSTEM INTERFACE ${NGS_FLANN_INCLUDE})
+target_link_libraries(ngs_flann INTERFACE ${NGS_LZ4})
+
+find_path(NGS_XXHASH_INCLUDE xxhash.h REQUIRED)
+find_library(NGS_XXHASH xxhash REQUIRED)

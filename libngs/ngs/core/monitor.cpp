@@ -1,0 +1,59 @@
+#include "ngs/core/monitor.h"
+
+#include <sys/resource.h>
+
+#include <chrono>
+
+namespace ngs {
+namespace {
+
+double cpu_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) { return double(t.tv_sec) + 1e-6 * double(t.tv_usec); };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+double peak_rss_mib() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return double(usage.ru_maxrss) / 1024.0;
+}
+
+}  // namespace
+
+double wall_seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+Monitor::Monitor() : current_(&root_) {}
+
+Monitor::Scope::Scope(Monitor& monitor, std::string name)
+    : monitor_(monitor), parent_(monitor.current_), wall_start_(wall_seconds()), cpu_start_(cpu_seconds()) {
+  // A step that runs many times under one parent is one node: its times and items add up.
+  for (StageNode& child : parent_->children)
+    if (child.name == name) node_ = &child, name.clear();
+  if (!name.empty()) {
+    node_ = &parent_->children.emplace_back();
+    node_->name = std::move(name);
+  }
+  monitor_.current_ = node_;
+}
+
+Monitor::Scope::~Scope() {
+  node_->wall_s += wall_seconds() - wall_start_;
+  node_->cpu_s += cpu_seconds() - cpu_start_;
+  node_->max_rss_mib = peak_rss_mib();
+  monitor_.current_ = parent_;
+}
+
+void Monitor::warn(std::string message) {
+  if (on_warning) on_warning(message);
+  warnings_.push_back(std::move(message));
+}
+
+void Monitor::progress(std::int64_t done, std::int64_t total) {
+  if (on_progress) on_progress(current_->name, done, total);
+}
+
+}  // namespace ngs

@@ -1,0 +1,45 @@
+#pragma once
+// Elementary functions in the form that keeps its accuracy at both ends.
+#include <cmath>
+
+#include "ngs/core/hd.h"
+
+namespace ngs {
+
+template <class T> NGS_HD T min2(T a, T b) { return b < a ? b : a; }
+template <class T> NGS_HD T max2(T a, T b) { return a < b ? b : a; }
+template <class T> NGS_HD T clamp3(T x, T lo, T hi) { return x < lo ? lo : (hi < x ? hi : x); }
+
+/// 1 / (1 + e^-x), without overflow at either end.
+template <class T>
+NGS_HD T sigmoid(T x) {
+  using std::exp;
+  if (x >= T(0)) return T(1) / (T(1) + exp(-x));
+  const T e = exp(x);
+  return e / (T(1) + e);
+}
+
+/// ln(1 + e^x). For large x the exponential would overflow: x + ln(1 + e^-x).
+template <class T>
+NGS_HD T softplus(T x) {
+  using std::exp;
+  using std::log1p;
+  return x > T(0) ? x + log1p(exp(-x)) : log1p(exp(x));
+}
+
+/// 1 - e^-x, accurate for small x.
+template <class T>
+NGS_HD T one_minus_exp(T x) {
+  using std::expm1;
+  return -expm1(-x);
+}
+
+/// ln(p / (1 - p)).
+template <class T>
+NGS_HD T logit(T p) {
+  using std::log;
+  using std::log1p;
+  return log(p) - log1p(-p);
+}
+
+}  // namespace ngs

@@ -1,0 +1,58 @@
+#pragma once
+// Differentiable Gaussian splatting of one view: project, bin, composite.              Eq. (2), facts §4
+//
+// Depth order is (camera z, Gaussian index), so equal depths have a defined order. Gaussians with
+// `usable == 0`, behind the near plane or off-screen contribute nothing. Results do not depend on
+// exec.threads.
+#include <memory>
+
+#include "ngs/backend/exec.h"
+#include "ngs/scene/camera.h"
+#include "ngs/scene/gaussian_cloud.h"
+#include "ngs/scene/rendered_view.h"
+
+namespace ngs {
+
+/// Whose constants to follow where the two families differ (facts §4.2-4.5).
+enum class Compat : std::uint8_t { kInria, kGsplat };
+
+struct SplatOptions {
+  Compat compat = Compat::kInria;
+  bool antialiased = false;  // multiply opacity by sqrt(det / det_blurred)
+  int max_sh_degree = 3;     // bands above it are not evaluated
+};
+
+/// Which images to produce, and from which Gaussians.
+struct RenderRequest {
+  bool colour = true;
+  bool depth = false;
+  Matrix<const float> label;              // [N, K] label channel values in [0, 1]; n = 0: none
+  Vec3<float> background{0, 0, 0};        // colour behind everything
+  const std::uint8_t* include = nullptr;  // [N] 1: draw; null: draw all (amodal rendering passes a subset)
+};
+
+/// Forward only.
+RenderedView render(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
+                    const SplatOptions& options, const RenderRequest& request);
+
+/// One forward pass that can be differentiated. Keeps the projection and the tile lists of the last forward.
+class SplatPass {
+ public:
+  explicit SplatPass(SplatOptions options);
+  ~SplatPass();
+  SplatPass(SplatPass&&) noexcept;
+  SplatPass& operator=(SplatPass&&) noexcept;
+
+  /// `cloud` and `request.label` must outlive the matching backward call.
+  const RenderedView& forward(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
+                              const RenderRequest& request);
+
+  /// Overwrites `out` with the gradients of the last forward. Adjoint of forward; ∂α/∂· = 0 where α is capped.
+  void backward(const Exec& exec, const ViewGradients& gradients, CloudGradients& out);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace ngs

@@ -1,0 +1,48 @@
+#pragma once
+// The canonical description of a capture: what scene.json holds and every tool reads.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "ngs/scene/camera.h"
+#include "ngs/scene/views.h"
+
+namespace ngs {
+
+enum class MaskMode : std::uint8_t { kBinary, kLabel, kSoft, kBands };
+enum class MissingMask : std::uint8_t { kUnknown, kEmpty, kError };
+enum class Split : std::uint8_t { kTrain, kHeldOut };
+
+/// An object to cut out. `id` is its value in label maps; 0 where the masks are not label maps.
+struct SceneObject {
+  std::string name = "object";
+  std::uint32_t id = 0;
+};
+
+struct SceneView {
+  Camera camera;            // at the working size (after image_scale)
+  std::string image_path;   // absolute or relative to the working directory; empty: no photo
+  std::string mask_path;    // empty: no mask for this view
+  Split split = Split::kTrain;
+};
+
+struct Scene {
+  std::string model_path;
+  std::vector<SceneView> views;      // sorted by name
+  std::vector<SceneObject> objects;  // at least one
+  MaskMode mask_mode = MaskMode::kBinary;
+  bool mask_invert = false;
+  double mask_threshold = 128;       // 8-bit scale; binary mode: object where value >= threshold
+  MissingMask missing_mask = MissingMask::kUnknown;
+  double image_scale = 1.0;
+};
+
+/// The masks of one view at the camera's size, one plane per object.
+struct ViewMasks {
+  int width_px = 0, height_px = 0;
+  std::vector<std::vector<float>> target;  // [K][H·W] in [0, 1]; exactly 0/1 for binary and label masks
+  std::vector<std::uint8_t> known;         // [H·W] 1: evidence; empty: every pixel known (if `available`)
+  bool available = false;                  // false: the view gives no evidence
+};
+
+}  // namespace ngs
