@@ -1,0 +1,38 @@
+#pragma once
+// Adam on flat parameter blocks.
+//
+// A gradient that is not finite, or so large that its square is not representable, is an Error (kNumeric) that
+// names the index; the block is then unchanged. A zero gradient with zero moments leaves the value as it is.
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "ngs/backend/exec.h"
+
+namespace ngs {
+
+struct AdamOptions {
+  double lr = 1e-3;
+  double beta1 = 0.9, beta2 = 0.999;
+  double eps = 1e-15;  // 3DGS's; it only guards 0/0
+  int sparse_columns = 0;  // > 0: rows of this many values with an all-zero gradient are skipped entirely
+};
+
+/// Moments of one block; empty means zero. Both have the block's length once stepped.
+struct AdamMoments {
+  std::vector<float> m, v;
+};
+
+/// Step number `step` (the first is 1) of `value` against `grad` (same length). `name` goes into the error.
+void adam_step(const Exec& exec, const AdamOptions& options, std::int64_t step, std::string_view name,
+               std::span<float> value, std::span<const float> grad, AdamMoments& moments);
+/// The same in double, for tests and small problems. `m`, `v`: same length as `value`.
+void adam_step(const Exec& exec, const AdamOptions& options, std::int64_t step, std::string_view name,
+               std::span<double> value, std::span<const double> grad, std::span<double> m, std::span<double> v);
+
+/// Index of the first value that is NaN, infinite or larger in magnitude than `limit`; -1 if none.
+std::int64_t first_unusable(const Exec& exec, std::span<const float> values, float limit);
+std::int64_t first_unusable(const Exec& exec, std::span<const double> values, double limit);
+
+}  // namespace ngs
