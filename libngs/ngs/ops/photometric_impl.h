@@ -1,0 +1,75 @@
+#pragma once
+// Body of PhotometricPass; included by photometric.cpp and by the gradient test, which instantiates it with Dual.
+#include <algorithm>
+
+#include "ngs/backend/for_each.h"
+#include "ngs/core/check.h"
+#include "ngs/ops/photometric.h"
+#include "ngs/ops/photometric_kernels.h"
+
+namespace ngs {
+
+template <class T, class Acc>
+auto PhotometricPass<T, Acc>::evaluate(const Exec& exec, const PhotometricOptions& options, const Image<T>& rendered,
+                                       const Image<T>& target, const ImageF* weight, Image<T>* gradient) -> Value {
+  const int W = rendered.width_px, H = rendered.height_px, C = rendered.channels;
+  NGS_CHECK(W == target.width_px && H == target.height_px && C == target.channels,
+            "photometric: rendered and target differ in size");
+  NGS_CHECK(!weight || (weight->width_px == W && weight->height_px == H && weight->channels == 1),
+            "photometric: the weight image has another size");
+  if (gradient) *gradient = Image<T>(W, H, C);
+
+  const PixelRegion whole{0, 0, W, H};
+  const PixelRegion inner = options.region.empty() ? whole : options.region;
+  NGS_CHECK(inner.x0 >= 0 && inner.y0 >= 0 && inner.x1 <= W && inner.y1 <= H, "photometric: region outside the image");
+  // Windows of pixels inside reach kRadius further; what lies beyond has no influence at all.
+  const int x0 = std::max(0, inner.x0 - ssim::kRadius), y0 = std::max(0, inner.y0 - ssim::kRadius);
+  const ssim::Layout layout{std::min(W, inner.x1 + ssim::kRadius) - x0, std::min(H, inner.y1 + ssim::kRadius) - y0, C};
+  const int inner_x0 = inner.x0 - x0, inner_x1 = inner.x1 - x0, inner_y0 = inner.y0 - y0, inner_y1 = inner.y1 - y0;
+
+  double weight_sum = double(inner.x1 - inner.x0) * (inner.y1 - inner.y0);
+  if (weight) {
+    weight_sum = 0;
+    for (int y = inner.y0; y < inner.y1; ++y)
+      for (int x = inner.x0; x < inner.x1; ++x) weight_sum += double(weight->at(x, y));
+  }
+  if (!(weight_sum > 0)) return {Acc(0), Acc(0), Acc(1)};
+  const double norm = 1.0 / (weight_sum * C);
+
+  const auto plane = std::size_t(layout.plane());
+  products_.assign(plane * ssim::kMoments, T(0));
+  rows_.resize(plane * ssim::kMoments);
+  blurred_.resize(plane * ssim::kMoments);
+  row_l1_.resize(std::size_t(layout.h)), row_ssim_.resize(std::size_t(layout.h));
+
+  const std::int64_t stride = std::int64_t(W) * C;
+  const ssim::Crop<const T> x{rendered.data.data() + rendered.index(x0, y0), stride};
+  const ssim::Crop<const T> y{target.data.data() + target.index(x0, y0), stride};
+  const ssim::Crop<const float> w{weight ? weight->data.data() + weight->index(x0, y0) : nullptr, W};
+  const ssim::Window window;
+  const auto blur = [&](int planes, T* data_in, T* data_out) {
+    for_each_index(exec, std::int64_t(planes) * layout.h, ssim::BlurRow<T>{layout, window, data_in, rows_.data()});
+    for_each_index(exec, std::int64_t(planes) * layout.h,
+                   ssim::BlurColumn<T>{layout, window, rows_.data(), data_out});
+  };
+  for_each_index(exec, layout.h, ssim::Products<T>{layout, x, y, products_.data()});
+  blur(ssim::kMoments, products_.data(), blurred_.data());
+  // The products are spent; their planes, zero padded, take the partials.
+  for_each_index(exec, layout.h,
+                 ssim::RowLoss<T, Acc>{layout, blurred_.data(), gradient ? products_.data() : nullptr, x, y, w,
+                                       inner_x0, inner_x1, inner_y0, inner_y1, -options.dssim_weight * norm,
+                                       row_l1_.data(), row_ssim_.data()});
+  if (gradient) {
+    blur(ssim::kPartials, products_.data(), blurred_.data());
+    const ssim::Crop<T> out{gradient->data.data() + gradient->index(x0, y0), stride};
+    for_each_index(exec, layout.h,
+                   ssim::RowGradient<T>{layout, blurred_.data(), x, y, w, inner_x0, inner_x1, inner_y0, inner_y1,
+                                        (1 - options.dssim_weight) * norm, out});
+  }
+  Acc l1 = Acc(0), similarity = Acc(0);
+  for (std::size_t row = 0; row < row_l1_.size(); ++row) l1 += row_l1_[row], similarity += row_ssim_[row];
+  l1 = l1 * Acc(norm), similarity = similarity * Acc(norm);
+  return {Acc(1 - options.dssim_weight) * l1 + Acc(options.dssim_weight) * (Acc(1) - similarity), l1, similarity};
+}
+
+}  // namespace ngs

@@ -1,0 +1,197 @@
+#pragma once
+// Scalar source of ops/photometric.h: SSIM by separable moments and its adjoint.
+//
+// Images are [h, w, c] interleaved; all kernels run over rows of the window W = w·c values. Moments live in planes
+// with `pad` = kRadius·c zeros left and right of every row, so that a horizontal tap never tests a bound; a vertical
+// tap outside the image is skipped, which is the zero padding of 3DGS's conv2d.
+#include <cmath>
+#include <cstdint>
+
+#include "ngs/core/hd.h"
+#include "ngs/scene/views.h"
+
+namespace ngs::ssim {
+
+inline constexpr int kRadius = 5;        // 11 x 11 window
+inline constexpr double kSigma = 1.5;    // px
+inline constexpr double kC1 = 1e-4, kC2 = 9e-4;  // (0.01)², (0.03)² for values in [0, 1]
+enum Moment { kX, kY, kXX, kYY, kXY, kMoments };
+enum Partial { kDx, kDxx, kDxy, kPartials };
+
+struct Window {
+  double tap[2 * kRadius + 1];
+  Window() {
+    double sum = 0;
+    for (int k = -kRadius; k <= kRadius; ++k) sum += tap[k + kRadius] = std::exp(-k * k / (2 * kSigma * kSigma));
+    for (double& t : tap) t /= sum;
+  }
+};
+
+struct Layout {
+  int w = 0, h = 0, c = 0;
+  NGS_HD std::int64_t width() const { return std::int64_t(w) * c; }
+  NGS_HD std::int64_t pad() const { return std::int64_t(kRadius) * c; }
+  NGS_HD std::int64_t stride() const { return width() + 2 * pad(); }
+  NGS_HD std::int64_t plane() const { return stride() * h; }
+  NGS_HD std::int64_t row(int y) const { return y * stride() + pad(); }  // index of column 0
+};
+
+/// The part of a larger image that is looked at: its first value and the distance of two rows, in values.
+template <class T>
+struct Crop {
+  T* first = nullptr;
+  std::int64_t stride = 0;
+  NGS_HD T* row(int y) const { return first + y * stride; }
+};
+
+/// x, y, x², y², xy of one row into the padded planes.
+template <class T>
+struct Products {
+  Layout layout;
+  Crop<const T> x, y;
+  T* planes;  // [kMoments, plane]
+
+  NGS_HD void operator()(std::int64_t row) const {
+    const T* a = x.row(int(row));
+    const T* b = y.row(int(row));
+    T* out = planes + layout.row(int(row));
+    const std::int64_t n = layout.width(), plane = layout.plane();
+    for (std::int64_t i = 0; i < n; ++i) {
+      out[kX * plane + i] = a[i];
+      out[kY * plane + i] = b[i];
+      out[kXX * plane + i] = a[i] * a[i];
+      out[kYY * plane + i] = b[i] * b[i];
+      out[kXY * plane + i] = a[i] * b[i];
+    }
+  }
+};
+
+/// One row of `count` planes convolved along the row. Item = plane · h + row.
+template <class T>
+struct BlurRow {
+  Layout layout;
+  Window window;
+  const T* in;
+  T* out;
+
+  NGS_HD void operator()(std::int64_t item) const {
+    const std::int64_t offset = (item / layout.h) * layout.plane() + layout.row(int(item % layout.h));
+    const T* source = in + offset;
+    T* target = out + offset;
+    const std::int64_t n = layout.width();
+    T tap[2 * kRadius + 1];
+    for (int k = 0; k <= 2 * kRadius; ++k) tap[k] = T(window.tap[k]);
+    for (std::int64_t i = 0; i < n; ++i) {
+      T sum = T(0);
+      for (int k = -kRadius; k <= kRadius; ++k) sum += tap[k + kRadius] * source[i + k * layout.c];
+      target[i] = sum;
+    }
+  }
+};
+
+/// The same along columns. Reads and writes whole rows, so neighbours in memory are neighbours in the loop.
+template <class T>
+struct BlurColumn {
+  Layout layout;
+  Window window;
+  const T* in;
+  T* out;
+
+  NGS_HD void operator()(std::int64_t item) const {
+    const int y = int(item % layout.h);
+    const std::int64_t base = (item / layout.h) * layout.plane();
+    T* target = out + base + layout.row(y);
+    const std::int64_t n = layout.width();
+    for (std::int64_t i = 0; i < n; ++i) target[i] = T(0);
+    for (int k = -kRadius; k <= kRadius; ++k) {
+      if (y + k < 0 || y + k >= layout.h) continue;
+      const T tap = T(window.tap[k + kRadius]);
+      const T* source = in + base + layout.row(y + k);
+      for (std::int64_t i = 0; i < n; ++i) target[i] += tap * source[i];
+    }
+  }
+};
+
+/// SSIM of one window from its blurred moments, and ∂S/∂(blurred x, x², xy).
+///   S = (2 μx μy + C1)(2 σxy + C2) / ((μx² + μy² + C1)(σx² + σy² + C2)),  σx² = E[x²] - μx²
+/// In float σ² carries an absolute error of about eps·E[x²]; C2 keeps that below 1e-3 of the denominator.
+template <class T>
+NGS_HD T similarity(const T* moment, T* partial) {
+  const T mx = moment[kX], my = moment[kY];
+  const T a1 = T(2) * mx * my + T(kC1), b1 = mx * mx + my * my + T(kC1);
+  const T a2 = T(2) * (moment[kXY] - mx * my) + T(kC2);
+  const T b2 = (moment[kXX] - mx * mx) + (moment[kYY] - my * my) + T(kC2);
+  const T inv = T(1) / (b1 * b2), s = a1 * a2 * inv;
+  partial[kDxx] = -s / b2;
+  partial[kDxy] = T(2) * a1 * inv;
+  partial[kDx] = T(2) * ((a2 - a1) * my * inv - s * mx / b1 + s * mx / b2);
+  return s;
+}
+
+/// Sums over one row; the partials are already times the factor of S in the loss. Acc: double, or Dual in tests.
+template <class T, class Acc>
+struct RowLoss {
+  Layout layout;
+  const T* blurred;          // [kMoments, plane]
+  T* partials;               // [kPartials, plane] out; null: value only
+  Crop<const T> x, y;
+  Crop<const float> weight;  // per pixel; null: 1
+  int inner_x0, inner_x1, inner_y0, inner_y1;  // pixels that count; the others only feed windows
+  double ssim_factor;        // ∂L/∂S of a pixel of weight 1
+  Acc* l1;                   // [h] Σ w |x - y|
+  Acc* ssim;                 // [h] Σ w S
+
+  NGS_HD void operator()(std::int64_t item) const {
+    using std::abs;
+    const int row = int(item);
+    const std::int64_t plane = layout.plane(), base = layout.row(row);
+    Acc sum_l1 = Acc(0), sum_ssim = Acc(0);
+    for (int px = 0; px < layout.w; ++px) {
+      const bool counts = px >= inner_x0 && px < inner_x1 && row >= inner_y0 && row < inner_y1;
+      const double w = !counts ? 0.0 : (weight.first ? double(weight.row(row)[px]) : 1.0);
+      for (int ch = 0; ch < layout.c; ++ch) {
+        const std::int64_t i = std::int64_t(px) * layout.c + ch;
+        T moment[kMoments], partial[kPartials];
+        for (int m = 0; m < kMoments; ++m) moment[m] = blurred[m * plane + base + i];
+        const T s = similarity(moment, partial);
+        sum_l1 += Acc(w) * Acc(abs(x.row(row)[i] - y.row(row)[i]));
+        sum_ssim += Acc(w) * Acc(s);
+        if (partials)
+          for (int d = 0; d < kPartials; ++d) partials[d * plane + base + i] = T(w * ssim_factor) * partial[d];
+      }
+    }
+    l1[row] = sum_l1;
+    ssim[row] = sum_ssim;
+  }
+};
+
+/// ∂L/∂x = blur(dx) + 2x·blur(dxx) + y·blur(dxy) + l1_factor·w·sign(x - y).        adjoint of RowLoss
+template <class T>
+struct RowGradient {
+  Layout layout;
+  const T* blurred;  // [kPartials, plane]; the window is symmetric, so the adjoint of the blur is the blur
+  Crop<const T> x, y;
+  Crop<const float> weight;
+  int inner_x0, inner_x1, inner_y0, inner_y1;
+  double l1_factor;
+  Crop<T> gradient;  // out, overwritten
+
+  NGS_HD void operator()(std::int64_t item) const {
+    const int row = int(item);
+    const std::int64_t plane = layout.plane(), base = layout.row(row);
+    for (int px = 0; px < layout.w; ++px) {
+      const bool counts = px >= inner_x0 && px < inner_x1 && row >= inner_y0 && row < inner_y1;
+      const double w = !counts ? 0.0 : (weight.first ? double(weight.row(row)[px]) : 1.0);
+      const T factor = T(w * l1_factor);
+      for (int ch = 0; ch < layout.c; ++ch) {
+        const std::int64_t i = std::int64_t(px) * layout.c + ch;
+        const T a = x.row(row)[i], b = y.row(row)[i], difference = a - b;
+        const T sign = difference > T(0) ? T(1) : (difference < T(0) ? T(-1) : T(0));
+        gradient.row(row)[i] = blurred[kDx * plane + base + i] + T(2) * a * blurred[kDxx * plane + base + i] +
+                               b * blurred[kDxy * plane + base + i] + factor * sign;
+      }
+    }
+  }
+};
+
+}  // namespace ngs::ssim
