@@ -1,0 +1,183 @@
+#include "ngs/stages/eval_stage.h"
+
+#include <algorithm>
+#include <charconv>
+#include <set>
+
+namespace ngs {
+namespace {
+
+template <class T>
+bool parse_number(std::string_view text, T& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size() && !text.empty();
+}
+
+std::vector<std::string_view> split(std::string_view text, char separator) {
+  std::vector<std::string_view> parts;
+  while (true) {
+    const std::size_t end = text.find(separator);
+    parts.push_back(text.substr(0, end));
+    if (end == std::string_view::npos) return parts;
+    text.remove_prefix(end + 1);
+  }
+}
+
+void require_pixels(const MaskSamples& samples, const std::string& view, const char* role) {
+  if (samples.width_px > 0 && samples.height_px > 0 &&
+      samples.data.size() == std::size_t(samples.width_px) * std::size_t(samples.height_px) * std::size_t(samples.channels))
+    return;
+  throw Error(ErrorCode::kBadInput, view + ": " + role + " mask has no pixels, expected an image");
+}
+
+std::vector<std::uint8_t> equal_to(const std::vector<std::uint32_t>& labels, std::uint32_t id) {
+  std::vector<std::uint8_t> mask(labels.size());
+  for (std::size_t i = 0; i < labels.size(); ++i) mask[i] = labels[i] == id;
+  return mask;
+}
+
+PairScore score_planes(const Exec& exec, const EvalOptions& options, const EvalPair& pair,
+                       const std::vector<std::uint8_t>& predicted, const std::vector<std::uint8_t>& truth) {
+  const int w = pair.truth.width_px, h = pair.truth.height_px;
+  PairScore score;
+  score.view = pair.view;
+  score.object = pair.object;
+  score.width_px = w;
+  score.height_px = h;
+  score.predicted_width_px = pair.predicted.width_px;
+  score.predicted_height_px = pair.predicted.height_px;
+  score.scores = score_mask(exec, {predicted.data(), w, h}, {truth.data(), w, h}, options.contour_tolerance);
+  return score;
+}
+
+void add(ScoreValues& sum, const ScoreValues& values) {
+  for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += values[k];
+}
+
+void divide(ScoreValues& sum, std::size_t count) {
+  for (double& value : sum) value /= double(count);
+}
+
+}  // namespace
+
+ObjectIds parse_object_ids(const std::vector<std::string>& texts) {
+  ObjectIds ids;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.rfind('=');
+    const std::string number = equals == std::string::npos ? text : text.substr(equals + 1);
+    std::uint32_t id = 0;
+    if (!parse_number(number, id) || id == 0)
+      throw Error(ErrorCode::kUsage, "object_id = '" + text + "', expected ID or NAME=ID with ID >= 1");
+    ids[id] = equals == std::string::npos ? number : text.substr(0, equals);
+  }
+  return ids;
+}
+
+bool is_zero_one(const MaskSamples& samples) {
+  return !samples.data.empty() && *std::max_element(samples.data.begin(), samples.data.end()) == 1;
+}
+
+std::vector<std::uint8_t> binarised(const MaskSamples& samples, double threshold) {
+  const double scale = samples.bits == 16 ? 257.0 : 1.0;
+  const double limit = is_zero_one(samples) ? 0.0 : threshold * scale;
+  const std::size_t pixels = std::size_t(samples.width_px) * std::size_t(samples.height_px);
+  const std::size_t channels = std::size_t(samples.channels), colours = std::min<std::size_t>(channels, 3);
+  std::vector<std::uint8_t> mask(pixels);
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const auto first = samples.data.begin() + std::ptrdiff_t(i * channels);
+    mask[i] = double(*std::max_element(first, first + std::ptrdiff_t(colours))) > limit;
+  }
+  return mask;
+}
+
+std::vector<std::uint32_t> label_ids(const MaskSamples& samples) {
+  const std::size_t pixels = std::size_t(samples.width_px) * std::size_t(samples.height_px);
+  const std::size_t channels = std::size_t(samples.channels);
+  std::vector<std::uint32_t> labels(pixels);
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const std::uint16_t* sample = samples.data.data() + i * channels;
+    labels[i] = channels >= 3 ? sample[0] + 256u * sample[1] + 65536u * sample[2] : sample[0];
+  }
+  return labels;
+}
+
+std::vector<PairScore> evaluate_pair(const Exec& exec, const EvalOptions& options, const ObjectIds& ids,
+                                     const EvalPair& pair) {
+  require_pixels(pair.predicted, pair.view, "the predicted");
+  require_pixels(pair.truth, pair.view, "the true");
+  const int w = pair.truth.width_px, h = pair.truth.height_px;
+  const auto fitted = [&](const auto& plane) {
+    return resized_nearest(plane.data(), pair.predicted.width_px, pair.predicted.height_px, w, h);
+  };
+  if (!options.label_map) {
+    PairScore score = score_planes(exec, options, pair, fitted(binarised(pair.predicted, options.threshold)),
+                                   binarised(pair.truth, options.threshold));
+    score.predicted_zero_one = is_zero_one(pair.predicted);
+    score.truth_zero_one = is_zero_one(pair.truth);
+    return {score};
+  }
+  const std::vector<std::uint32_t> predicted = fitted(label_ids(pair.predicted)), truth = label_ids(pair.truth);
+  std::set<std::uint32_t> present(predicted.begin(), predicted.end());
+  present.insert(truth.begin(), truth.end());
+  present.erase(0);
+  std::vector<PairScore> scores;
+  for (std::uint32_t id : present) {
+    const auto wanted = ids.find(id);
+    if (!ids.empty() && wanted == ids.end()) continue;
+    PairScore score = score_planes(exec, options, pair, equal_to(predicted, id), equal_to(truth, id));
+    score.object = wanted == ids.end() ? std::to_string(id) : wanted->second;
+    if (!pair.object.empty()) score.object = pair.object + "/" + score.object;
+    scores.push_back(std::move(score));
+  }
+  return scores;
+}
+
+EvalSummary summarise(std::span<const PairScore> pairs) {
+  EvalSummary summary;
+  std::map<std::string, ObjectMean> objects;
+  for (const PairScore& pair : pairs) {
+    const MaskScores& s = pair.scores;
+    ObjectMean& object = objects[pair.object];
+    ++object.pairs;
+    object.both_empty += s.both_empty;
+    object.one_empty += s.one_empty;
+    object.counts.tp += s.counts.tp, object.counts.fp += s.counts.fp;
+    object.counts.fn += s.counts.fn, object.counts.tn += s.counts.tn;
+    object.far_fp += s.far_fp, object.far_fn += s.far_fn;
+    add(object.mean, score_values(s));
+    add(summary.mean_over_pairs, score_values(s));
+  }
+  for (auto& [name, object] : objects) {
+    object.object = name;
+    divide(object.mean, std::size_t(object.pairs));
+    add(summary.mean, object.mean);
+    summary.objects.push_back(object);
+  }
+  divide(summary.mean, objects.size());
+  divide(summary.mean_over_pairs, pairs.size());
+  return summary;
+}
+
+std::vector<ScoreCheck> check_scores(const std::string& rule, const std::map<std::string, double>& found) {
+  std::vector<ScoreCheck> checks;
+  if (rule.empty()) return checks;
+  for (std::string_view part : split(rule, ',')) {
+    const std::size_t equals = part.find('=');
+    ScoreCheck check;
+    check.score = part.substr(0, equals);
+    if (check.score == "boundary_iou") check.score = "biou";
+    if (equals == std::string_view::npos || !parse_number(part.substr(equals + 1), check.at_least))
+      throw Error(ErrorCode::kUsage, "fail_below = '" + rule + "', expected SCORE=MIN,... as in iou=0.9,biou=0.6");
+    const auto value = found.find(check.score);
+    if (value == found.end()) {
+      std::string known;
+      for (const auto& [name, unused] : found) known += (known.empty() ? "" : ", ") + name;
+      throw Error(ErrorCode::kUsage, "fail_below: unknown score '" + check.score + "', expected one of " + known);
+    }
+    check.found = value->second;
+    checks.push_back(check);
+  }
+  return checks;
+}
+
+}  // namespace ngs

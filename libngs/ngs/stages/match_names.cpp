@@ -1,0 +1,150 @@
+#include "ngs/stages/match_names.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <map>
+
+#include "ngs/core/error.h"
+
+namespace ngs {
+namespace {
+
+using namespace std::string_view_literals;
+
+bool digit(char c) { return c >= '0' && c <= '9'; }
+
+std::string folder_of(std::string_view name) {
+  const std::size_t slash = name.rfind('/');
+  return slash == std::string_view::npos ? std::string() : std::string(name.substr(0, slash + 1));
+}
+
+std::string lower(std::string_view text) {
+  std::string out(text);
+  for (char& c : out) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return out;
+}
+
+bool drop_extension(std::string& text) {
+  constexpr std::array kExtensions = {".png"sv, ".jpg"sv, ".jpeg"sv, ".tif"sv, ".tiff"sv, ".bmp"sv, ".exr"sv};
+  for (std::string_view extension : kExtensions)
+    if (text.size() > extension.size() && text.ends_with(extension)) {
+      text.resize(text.size() - extension.size());
+      return true;
+    }
+  return false;
+}
+
+std::string stem_key(std::string_view name) { return path_stem(name); }
+
+std::string affix_key(std::string_view name) {
+  const std::string folder = lower(folder_of(name));
+  std::string base = lower(name.substr(folder.size()));
+  while (drop_extension(base)) {
+  }
+  constexpr std::array kPrefixes = {"mask"sv, "gt"sv, "pred"sv, "frame"sv};
+  constexpr std::array kSuffixes = {"mask"sv, "gt"sv, "pred"sv, "label"sv, "seg"sv, "object"sv, "rgb"sv};
+  const auto joins = [](char c) { return c == '_' || c == '-' || c == '.'; };
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::string_view prefix : kPrefixes)
+      if (base.size() > prefix.size() + 1 && base.starts_with(prefix) && joins(base[prefix.size()]))
+        base.erase(0, prefix.size() + 1), changed = true;
+    for (std::string_view suffix : kSuffixes)
+      if (base.size() > suffix.size() + 1 && base.ends_with(suffix) && joins(base[base.size() - suffix.size() - 1]))
+        base.resize(base.size() - suffix.size() - 1), changed = true;
+  }
+  return folder + base;
+}
+
+std::string number_key(std::string_view name) {
+  const std::string key = affix_key(name), folder = folder_of(key);
+  std::size_t end = key.size();
+  while (end > folder.size() && !digit(key[end - 1])) --end;
+  std::size_t begin = end;
+  while (begin > folder.size() && digit(key[begin - 1])) --begin;
+  if (begin == end) return {};
+  while (begin + 1 < end && key[begin] == '0') ++begin;
+  return folder + "#" + key.substr(begin, end - begin);
+}
+
+struct Rule {
+  std::string_view name;
+  std::string (*key)(std::string_view);
+};
+constexpr std::array<Rule, 3> kRules = {{{"stem", stem_key}, {"affix", affix_key}, {"number", number_key}}};
+
+constexpr std::size_t kAmbiguous = std::size_t(-1);
+
+/// key -> index, kAmbiguous where several of the open names share it; an empty key names nothing.
+std::map<std::string, std::size_t> keys_of(std::span<const std::string> names, const std::vector<std::size_t>& open,
+                                           const Rule& rule) {
+  std::map<std::string, std::size_t> keys;
+  for (std::size_t i : open) {
+    std::string key = rule.key(names[i]);
+    if (key.empty()) continue;
+    const auto [entry, added] = keys.emplace(std::move(key), i);
+    if (!added) entry->second = kAmbiguous;
+  }
+  return keys;
+}
+
+void require_unique_stems(std::span<const std::string> names) {
+  std::map<std::string, std::string_view> seen;
+  for (const std::string& name : names) {
+    const auto [entry, added] = seen.emplace(path_stem(name), name);
+    if (!added)
+      throw Error(ErrorCode::kInconsistent,
+                  "masks: '" + std::string(entry->second) + "' and '" + name + "' have the same stem, expected one file per view",
+                  "move one of them out of the folder");
+  }
+}
+
+}  // namespace
+
+std::string path_stem(std::string_view name) {
+  const std::size_t dot = name.rfind('.'), slash = name.rfind('/');
+  const std::size_t base = slash == std::string_view::npos ? 0 : slash + 1;
+  return std::string(dot == std::string_view::npos || dot <= base ? name : name.substr(0, dot));
+}
+
+NameMatch match_names(std::span<const std::string> predicted, std::span<const std::string> truth) {
+  require_unique_stems(predicted);
+  require_unique_stems(truth);
+  NameMatch match;
+  for (std::size_t i = 0; i < predicted.size(); ++i) match.unmatched_predicted.push_back(i);
+  for (std::size_t i = 0; i < truth.size(); ++i) match.unmatched_truth.push_back(i);
+  for (const Rule& rule : kRules) {
+    const auto p = keys_of(predicted, match.unmatched_predicted, rule);
+    for (const auto& [key, t] : keys_of(truth, match.unmatched_truth, rule)) {
+      const auto found = p.find(key);
+      if (t == kAmbiguous || found == p.end() || found->second == kAmbiguous) continue;
+      match.pairs.push_back({found->second, t, rule.name});
+      std::erase(match.unmatched_predicted, found->second);
+      std::erase(match.unmatched_truth, t);
+    }
+  }
+  std::sort(match.pairs.begin(), match.pairs.end(),
+            [&](const NamePair& a, const NamePair& b) { return truth[a.truth] < truth[b.truth]; });
+  return match;
+}
+
+std::vector<std::size_t> select_every(std::string_view rule, std::size_t count) {
+  std::size_t n = 1, k = 0;
+  if (rule != "all") {
+    const auto number = [&](std::string_view text, std::size_t& value) {
+      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+      return error == std::errc() && end == text.data() + text.size();
+    };
+    const std::size_t colon = rule.rfind(':');
+    if (!rule.starts_with("every:") || colon < 6 || !number(rule.substr(6, colon - 6), n) ||
+        !number(rule.substr(colon + 1), k) || n == 0 || k >= n)
+      throw Error(ErrorCode::kUsage, "views = '" + std::string(rule) + "', expected all, every:N:K with K < N, or a file of names");
+  }
+  std::vector<std::size_t> selected;
+  for (std::size_t i = k; i < count; i += n) selected.push_back(i);
+  return selected;
+}
+
+}  // namespace ngs
