@@ -1,0 +1,123 @@
+#include "ngs/ops/knn.h"
+
+#include <algorithm>
+#include <cmath>
+#include <flann/algorithms/kdtree_single_index.h>
+#include <flann/flann.hpp>
+#include <limits>
+
+#include "ngs/backend/for_each.h"
+#include "ngs/core/check.h"
+
+namespace ngs {
+namespace {
+
+using Distance = flann::L2_Simple<double>;
+using Tree = flann::KDTreeSingleIndex<Distance>;
+
+// FLANN bounds a subtree by sums that are rounded; pruning with this much slack keeps the search exact.
+constexpr float kPruningSlack = 1e-6f;
+constexpr std::int64_t kQueriesPerTask = 256;
+
+struct Neighbour {
+  double dist2;
+  std::size_t index;
+  bool operator<(const Neighbour& o) const { return dist2 < o.dist2 || (dist2 == o.dist2 && index < o.index); }
+};
+
+/// The K smallest (dist2, index). FLANN's own result sets keep whichever of several equal distances the tree
+/// visits first; this one admits ties (worstDist is just above the K-th) and orders them by index.
+class OrderedResult : public flann::ResultSet<double> {
+ public:
+  OrderedResult(int capacity, std::size_t excluded) : capacity_(capacity), excluded_(excluded) {}
+  bool full() const override { return count_ == capacity_; }
+  double worstDist() const override { return admitted_; }
+  void addPoint(double dist2, std::size_t index) override {
+    const Neighbour candidate{dist2, index};
+    if (index == excluded_ || (full() && !(candidate < best_[count_ - 1]))) return;
+    int slot = full() ? count_ - 1 : count_++;
+    for (; slot > 0 && candidate < best_[slot - 1]; --slot) best_[slot] = best_[slot - 1];
+    best_[slot] = candidate;
+    if (full()) admitted_ = std::nextafter(best_[count_ - 1].dist2, std::numeric_limits<double>::infinity());
+  }
+  const Neighbour& operator[](int slot) const { return best_[slot]; }
+
+ private:
+  int capacity_, count_ = 0;
+  std::size_t excluded_;
+  double admitted_ = std::numeric_limits<double>::infinity();
+  Neighbour best_[kMaxNeighbours];
+};
+
+constexpr std::size_t kNoExclusion = std::numeric_limits<std::size_t>::max();
+
+std::vector<double> to_double(Rows<const float, 3> rows, const char* what) {
+  std::vector<double> out(rows.data, rows.data + rows.n * 3);
+  for (const double x : out) NGS_CHECK(std::isfinite(x), std::string(what) + " must be finite");
+  return out;
+}
+
+KnnGraph search(const Exec& exec, Rows<const float, 3> points, Rows<const float, 3> queries, int neighbours,
+                bool exclude_self) {
+  NGS_CHECK(neighbours >= 1 && neighbours <= kMaxNeighbours, "neighbours must be in [1, kMaxNeighbours]");
+  NGS_CHECK(points.n <= std::numeric_limits<std::int32_t>::max(), "the search tree counts points in 32 bits");
+  KnnGraph graph;
+  graph.points = points.n;
+  graph.neighbours = int(std::min<std::int64_t>(neighbours, points.n - (exclude_self ? 1 : 0)));
+  if (graph.neighbours <= 0 || queries.n == 0) {
+    graph.neighbours = 0;
+    build_transpose(graph);
+    return graph;
+  }
+  std::vector<double> point = to_double(points, "points"), query = to_double(queries, "queries");
+  Tree tree(flann::Matrix<double>(point.data(), std::size_t(points.n), 3), flann::KDTreeSingleIndexParams());
+  tree.buildIndex();
+
+  const int k = graph.neighbours;
+  graph.index.resize(std::size_t(queries.n) * std::size_t(k));
+  graph.dist2.resize(graph.index.size());
+  const flann::SearchParams params(flann::FLANN_CHECKS_UNLIMITED, -kPruningSlack);
+  for_each_task(exec, (queries.n + kQueriesPerTask - 1) / kQueriesPerTask, [&](std::int64_t task) {
+    const std::int64_t end = std::min(queries.n, (task + 1) * kQueriesPerTask);
+    for (std::int64_t i = task * kQueriesPerTask; i < end; ++i) {
+      OrderedResult result(k, exclude_self ? std::size_t(i) : kNoExclusion);
+      tree.findNeighbors(result, &query[std::size_t(i) * 3], params);
+      for (int slot = 0; slot < k; ++slot) {
+        const std::size_t at = std::size_t(i) * std::size_t(k) + std::size_t(slot);
+        graph.index[at] = std::uint32_t(result[slot].index);
+        graph.dist2[at] = float(result[slot].dist2);
+      }
+    }
+  });
+  build_transpose(graph);
+  return graph;
+}
+
+}  // namespace
+
+KnnGraph nearest_points(const Exec& exec, Rows<const float, 3> points, Rows<const float, 3> queries, int neighbours) {
+  return search(exec, points, queries, neighbours, false);
+}
+
+KnnGraph nearest_others(const Exec& exec, Rows<const float, 3> points, int neighbours) {
+  return search(exec, points, points, neighbours, true);
+}
+
+void build_transpose(KnnGraph& graph) {
+  // A counting sort by point: stable, so edges ascend within a row.
+  graph.row_begin.assign(std::size_t(graph.points) + 1, 0);
+  for (const std::uint32_t j : graph.index) ++graph.row_begin[j + 1];
+  for (std::size_t j = 1; j < graph.row_begin.size(); ++j) graph.row_begin[j] += graph.row_begin[j - 1];
+  graph.edge.resize(graph.index.size());
+  std::vector<std::int64_t> next(graph.row_begin.begin(), graph.row_begin.end() - 1);
+  for (std::size_t e = 0; e < graph.index.size(); ++e)
+    graph.edge[std::size_t(next[graph.index[e]]++)] = std::int64_t(e);
+}
+
+double mean_spacing(const KnnGraph& graph) {
+  double sum = 0;
+  for (const float d2 : graph.dist2) sum += std::sqrt(double(d2));
+  return graph.dist2.empty() ? 0 : sum / double(graph.dist2.size());
+}
+
+}  // namespace ngs
