@@ -1,0 +1,57 @@
+#pragma once
+// Rotation matrices of quaternions (w, x, y, z), with their adjoints.
+#include <cmath>
+
+#include "ngs/math/vec.h"
+
+namespace ngs {
+
+/// Unit quaternion of q; the zero quaternion means the identity. `inv_norm` is 0 in that case (no gradient).
+/// Scaled by the largest component first: q of any finite size neither overflows nor underflows.
+template <class T>
+NGS_HD Vec4<T> normalised(Vec4<T> q, T& inv_norm) {
+  using std::sqrt;
+  const auto magnitude = [](T x) { return x < T(0) ? -x : x; };
+  T largest = magnitude(q.x);
+  for (const T c : {magnitude(q.y), magnitude(q.z), magnitude(q.w)})
+    if (largest < c) largest = c;
+  if (!(largest > T(0))) {
+    inv_norm = T(0);
+    return {T(1), T(0), T(0), T(0)};
+  }
+  const Vec4<T> s{q.x / largest, q.y / largest, q.z / largest, q.w / largest};
+  const T inv = T(1) / sqrt(s.x * s.x + s.y * s.y + s.z * s.z + s.w * s.w);
+  inv_norm = inv / largest;
+  return {s.x * inv, s.y * inv, s.z * inv, s.w * inv};
+}
+
+/// ∂L/∂q from ∂L/∂(unit quaternion): (g - (g·u) u) / |q|.
+template <class T>
+NGS_HD Vec4<T> normalised_backward(Vec4<T> unit, T inv_norm, Vec4<T> g) {
+  const T along = g.x * unit.x + g.y * unit.y + g.z * unit.z + g.w * unit.w;
+  return {(g.x - along * unit.x) * inv_norm, (g.y - along * unit.y) * inv_norm,
+          (g.z - along * unit.z) * inv_norm, (g.w - along * unit.w) * inv_norm};
+}
+
+/// Members of Vec4 hold (w, x, y, z) in this order, as the PLY does.
+template <class T>
+NGS_HD Mat3<T> rotation_matrix(Vec4<T> q) {
+  const T w = q.x, x = q.y, y = q.z, z = q.w;
+  const T two(2);
+  return {{T(1) - two * (y * y + z * z), two * (x * y - w * z), two * (x * z + w * y),
+           two * (x * y + w * z), T(1) - two * (x * x + z * z), two * (y * z - w * x),
+           two * (x * z - w * y), two * (y * z + w * x), T(1) - two * (x * x + y * y)}};
+}
+
+/// ∂L/∂(unit quaternion) from ∂L/∂(rotation matrix).
+template <class T>
+NGS_HD Vec4<T> rotation_matrix_backward(Vec4<T> q, const Mat3<T>& g) {
+  const T w = q.x, x = q.y, y = q.z, z = q.w;
+  const T two(2);
+  return {two * (x * (g(2, 1) - g(1, 2)) + y * (g(0, 2) - g(2, 0)) + z * (g(1, 0) - g(0, 1))),
+          two * (y * (g(0, 1) + g(1, 0)) + z * (g(0, 2) + g(2, 0)) + w * (g(2, 1) - g(1, 2)) - two * x * (g(1, 1) + g(2, 2))),
+          two * (x * (g(0, 1) + g(1, 0)) + z * (g(1, 2) + g(2, 1)) + w * (g(0, 2) - g(2, 0)) - two * y * (g(0, 0) + g(2, 2))),
+          two * (x * (g(0, 2) + g(2, 0)) + y * (g(1, 2) + g(2, 1)) + w * (g(1, 0) - g(0, 1)) - two * z * (g(0, 0) + g(1, 1)))};
+}
+
+}  // namespace ngs

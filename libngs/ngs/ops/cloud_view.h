@@ -1,0 +1,20 @@
+#pragma once
+// GaussianCloud and Camera in the form the float kernels take. Internal to ops.
+#include "ngs/ops/splat_view.h"
+
+namespace ngs {
+
+inline CloudView<float> cloud_view(const GaussianCloud& cloud, int max_sh_degree, const std::uint8_t* include) {
+  return {cloud.size(), cloud.position.data(), cloud.rotation.data(), cloud.log_scale.data(),
+          cloud.logit_opacity.data(), cloud.sh_dc.data(), cloud.sh_rest.data(),
+          std::min(cloud.sh_degree, max_sh_degree), cloud.rest_count(), cloud.usable.data(), include};
+}
+
+/// The camera in coordinates relative to the cloud's origin.
+inline Camera relative_camera(Camera camera, const GaussianCloud& cloud) {
+  const Vec3<double> origin{cloud.origin[0], cloud.origin[1], cloud.origin[2]};
+  camera.translation = camera.translation + camera.rotation * origin;
+  return camera;
+}
+
+}  // namespace ngs

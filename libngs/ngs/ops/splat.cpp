@@ -1,0 +1,93 @@
+#include "ngs/ops/splat.h"
+
+#include "ngs/ops/cloud_view.h"
+#include "ngs/ops/splat_engine.h"
+
+namespace ngs {
+namespace {
+
+ChannelRequest<float> channel_request(const RenderRequest& request) {
+  const Vec3<float> b = request.background;
+  return {request.colour, request.depth, request.label, b};
+}
+
+/// Planes of the images of a view in channel order; `alpha` last. F maps an image to its data pointer (or null).
+template <class T, class View>
+std::vector<Plane<T>> planes(const ChannelRequest<float>& request, View& view) {
+  std::vector<Plane<T>> out;
+  const auto add = [&](auto& image, int channels) {
+    for (int c = 0; c < channels; ++c)
+      out.push_back({image.empty() ? nullptr : image.data.data() + c, channels});
+  };
+  if (request.colour) add(view.colour, 3);
+  if (request.label.n > 0) add(view.label, request.label.c);
+  if (request.depth) add(view.depth, 1);
+  add(view.alpha, 1);
+  return out;
+}
+
+RenderedView allocate(const Camera& camera, const ChannelRequest<float>& request) {
+  RenderedView view;
+  const int w = camera.width_px, h = camera.height_px;
+  view.width_px = w, view.height_px = h;
+  if (request.colour) view.colour = ImageF(w, h, 3);
+  if (request.label.n > 0) view.label = ImageF(w, h, request.label.c);
+  if (request.depth) view.depth = ImageF(w, h, 1);
+  view.alpha = ImageF(w, h, 1);
+  return view;
+}
+
+}  // namespace
+
+struct SplatPass::State {
+  SplatOptions options;
+  ChannelRequest<float> request;
+  std::unique_ptr<SplatEngine<PackF>> engine;
+  RenderedView rendered;
+  std::int64_t gaussians = 0;
+  std::size_t rest_values = 0;
+};
+
+SplatPass::SplatPass(SplatOptions options) : state_(std::make_unique<State>()) { state_->options = options; }
+SplatPass::~SplatPass() = default;
+SplatPass::SplatPass(SplatPass&&) noexcept = default;
+SplatPass& SplatPass::operator=(SplatPass&&) noexcept = default;
+
+const RenderedView& SplatPass::forward(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
+                                       const RenderRequest& request) {
+  State& s = *state_;
+  s.request = channel_request(request);
+  s.rendered = allocate(camera, s.request);
+  s.gaussians = cloud.size(), s.rest_values = cloud.sh_rest.size();
+  s.engine = std::make_unique<SplatEngine<PackF>>(s.options, cloud_view(cloud, s.options.max_sh_degree, request.include),
+                                                  relative_camera(camera, cloud), s.request);
+  s.engine->forward(exec, planes<float>(s.request, s.rendered));
+  return s.rendered;
+}
+
+void SplatPass::backward(const Exec& exec, const ViewGradients& gradients, CloudGradients& out) {
+  const State& s = *state_;
+  const auto n = std::size_t(s.gaussians);
+  out.position.resize(n * 3), out.rotation.resize(n * 4), out.log_scale.resize(n * 3), out.logit_opacity.resize(n);
+  out.sh_dc.resize(n * 3), out.sh_rest.resize(s.rest_values), out.mean_px.resize(n * 2), out.visible.resize(n);
+  out.label.resize(s.request.label.n > 0 ? n * std::size_t(s.request.label.c) : 0);
+  std::vector<std::uint8_t> moves;
+  if (s.request.colour) moves.insert(moves.end(), 3, gradients.colour_moves_geometry);
+  if (s.request.label.n > 0) moves.insert(moves.end(), std::size_t(s.request.label.c), gradients.label_moves_geometry);
+  if (s.request.depth) moves.push_back(gradients.depth_moves_geometry);
+  s.engine->backward(exec, planes<const float>(s.request, gradients), moves,
+                     {out.position.data(), out.rotation.data(), out.log_scale.data(), out.logit_opacity.data(),
+                      out.sh_dc.data(), out.sh_rest.data(), out.label.data(), out.mean_px.data(), out.visible.data()});
+}
+
+RenderedView render(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options,
+                    const RenderRequest& request) {
+  const ChannelRequest<float> channels = channel_request(request);
+  RenderedView view = allocate(camera, channels);
+  SplatEngine<PackF> engine(options, cloud_view(cloud, options.max_sh_degree, request.include),
+                            relative_camera(camera, cloud), channels);
+  engine.forward(exec, planes<float>(channels, view));
+  return view;
+}
+
+}  // namespace ngs
