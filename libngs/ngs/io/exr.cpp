@@ -1,0 +1,176 @@
+#include "ngs/io/exr.h"
+
+#include <ImfChannelList.h>
+#include <ImfDoubleAttribute.h>
+#include <ImfFloatAttribute.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIO.h>
+#include <ImfInputFile.h>
+#include <ImfIntAttribute.h>
+#include <ImfOutputFile.h>
+#include <ImfStringAttribute.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "ngs/core/check.h"
+#include "ngs/core/error.h"
+#include "ngs/io/atomic_file.h"
+#include "ngs/io/mapped_file.h"
+
+namespace ngs::io {
+namespace {
+
+/// A highest compression ratio and size that real files do not reach; beyond it a header is a lie.
+constexpr double kMaxExpansion = 1 << 16;
+constexpr std::int64_t kMaxExrPixels = std::int64_t(1) << 28;
+
+class MemoryOut : public Imf::OStream {
+ public:
+  MemoryOut() : OStream("memory") {}
+  void write(const char data[], int n) override {
+    const std::size_t end = at_ + std::size_t(n);
+    if (bytes_.size() < end) bytes_.resize(end);
+    std::memcpy(bytes_.data() + at_, data, std::size_t(n));
+    at_ = end;
+  }
+  std::uint64_t tellp() override { return at_; }
+  void seekp(std::uint64_t position) override { at_ = position; }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+  std::size_t at_ = 0;
+};
+
+class MemoryIn : public Imf::IStream {
+ public:
+  explicit MemoryIn(Bytes bytes) : IStream("memory"), bytes_(bytes) {}
+  bool read(char data[], int n) override {
+    if (n < 0 || at_ > bytes_.size() || std::size_t(n) > bytes_.size() - at_)
+      throw std::runtime_error("unexpected end of file");
+    std::memcpy(data, bytes_.data() + at_, std::size_t(n));
+    at_ += std::size_t(n);
+    return at_ < bytes_.size();
+  }
+  std::uint64_t tellg() override { return at_; }
+  void seekg(std::uint64_t position) override { at_ = position; }
+
+ private:
+  Bytes bytes_;
+  std::size_t at_ = 0;
+};
+
+char* base_of(const float* data) { return const_cast<char*>(reinterpret_cast<const char*>(data)); }
+
+void check_attribute_name(const std::string& name) {
+  NGS_CHECK(name.rfind("ngs:", 0) == 0, "EXR attribute names start with ngs:, got " + name);
+}
+
+void read_attributes(const Imf::Header& header, ExrImage& image) {
+  for (auto it = header.begin(); it != header.end(); ++it) {
+    const std::string name = it.name();
+    if (name.rfind("ngs:", 0) != 0) continue;
+    if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&it.attribute()))
+      image.text[name] = text->value();
+    if (const auto* f = dynamic_cast<const Imf::FloatAttribute*>(&it.attribute()))
+      image.numbers[name] = double(f->value());
+    if (const auto* d = dynamic_cast<const Imf::DoubleAttribute*>(&it.attribute()))
+      image.numbers[name] = d->value();
+    if (const auto* i = dynamic_cast<const Imf::IntAttribute*>(&it.attribute()))
+      image.numbers[name] = i->value();
+  }
+}
+
+void check_size(std::int64_t width, std::int64_t height, std::int64_t channels, std::size_t file_bytes) {
+  if (width < 1 || height < 1 || width > kMaxExrPixels || height > kMaxExrPixels ||
+      width * height > kMaxExrPixels)
+    throw std::runtime_error("image of " + std::to_string(width) + "x" + std::to_string(height) + " px");
+  if (double(width) * double(height) * double(channels) * 4.0 > kMaxExpansion * double(file_bytes))
+    throw std::runtime_error("header claims " + std::to_string(width) + "x" + std::to_string(height) +
+                             " px in " + std::to_string(file_bytes) + " bytes");
+}
+
+ExrImage read_stream(Imf::IStream& stream, std::size_t file_bytes) {
+  Imf::InputFile file(stream);
+  if (!file.isComplete()) throw std::runtime_error("file is truncated");
+  const Imath::Box2i window = file.header().dataWindow();
+  const std::int64_t width = std::int64_t(window.max.x) - window.min.x + 1;
+  const std::int64_t height = std::int64_t(window.max.y) - window.min.y + 1;
+  std::int64_t count = 0;
+  for (auto it = file.header().channels().begin(); it != file.header().channels().end(); ++it, ++count)
+    if (it.channel().xSampling != 1 || it.channel().ySampling != 1)
+      throw std::runtime_error("subsampled channels");
+  if (count == 0) throw std::runtime_error("file has no channels");
+  check_size(width, height, count, file_bytes);
+  ExrImage image{int(width), int(height), {}, {}, {}};
+  Imf::FrameBuffer target;
+  for (auto it = file.header().channels().begin(); it != file.header().channels().end(); ++it) {
+    auto& values = image.channels[it.name()];
+    values.resize(std::size_t(width * height));
+    const std::size_t row_bytes = std::size_t(width) * sizeof(float);
+    target.insert(it.name(), Imf::Slice::Make(Imf::FLOAT, values.data(), window, sizeof(float), row_bytes));
+  }
+  file.setFrameBuffer(target);
+  file.readPixels(window.min.y, window.max.y);
+  read_attributes(file.header(), image);
+  return image;
+}
+
+}  // namespace
+
+void ExrImage::add(const std::vector<std::string>& names, const ImageF& image) {
+  if (width_px == 0 && height_px == 0) width_px = image.width_px, height_px = image.height_px;
+  NGS_CHECK(image.width_px == width_px && image.height_px == height_px && int(names.size()) == image.channels,
+            "EXR layers of one file have one size and a name per channel");
+  for (std::size_t c = 0; c < names.size(); ++c) {
+    auto& values = channels[names[c]];
+    values.resize(std::size_t(image.pixels()));
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = image.data[i * names.size() + c];
+  }
+}
+
+void write_exr(const std::string& path, const ExrImage& image) {
+  NGS_CHECK(image.width_px > 0 && image.height_px > 0 && !image.channels.empty(),
+            "EXR needs pixels and channels");
+  Imf::Header header(image.width_px, image.height_px);
+  header.compression() = Imf::ZIP_COMPRESSION;
+  Imf::FrameBuffer source;
+  for (const auto& [name, values] : image.channels) {
+    NGS_CHECK(values.size() == std::size_t(image.width_px) * std::size_t(image.height_px),
+              "EXR channel size");
+    header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+    source.insert(name, Imf::Slice(Imf::FLOAT, base_of(values.data()), sizeof(float),
+                                   std::size_t(image.width_px) * sizeof(float)));
+  }
+  for (const auto& [name, value] : image.text)
+    check_attribute_name(name), header.insert(name, Imf::StringAttribute(value));
+  for (const auto& [name, value] : image.numbers)
+    check_attribute_name(name), header.insert(name, Imf::DoubleAttribute(value));
+  MemoryOut stream;
+  try {
+    Imf::OutputFile file(stream, header, 0);
+    file.setFrameBuffer(source);
+    file.writePixels(image.height_px);
+  } catch (const std::exception& e) {
+    throw Error(ErrorCode::kEnvironment,
+                path + ": the EXR encoder failed (" + e.what() + "), expected an image");
+  }
+  write_file(path, stream.bytes());
+}
+
+ExrImage parse_exr(Bytes bytes, const std::string& object) {
+  try {
+    MemoryIn stream(bytes);
+    return read_stream(stream, bytes.size());
+  } catch (const std::exception& e) {
+    std::string reason = e.what();
+    std::replace(reason.begin(), reason.end(), '\n', ' ');
+    throw Error(ErrorCode::kBadInput, object + ": " + reason + ", expected a complete EXR image");
+  }
+}
+
+ExrImage read_exr(const std::string& path) { return parse_exr(MappedFile(path).bytes(), path); }
+
+}  // namespace ngs::io

@@ -1,0 +1,42 @@
+#pragma once
+// Photos and masks in, PNG out. The only user of OpenCV. All files are hostile: an unreadable one is
+// kBadInput. EXIF orientation is ignored, as the trainers and COLMAP do.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "ngs/scene/views.h"
+
+namespace ngs::io {
+
+/// [H, W, 3] RGB in [0, 1]; 8 or 16 bit; grey is replicated, alpha is dropped.
+ImageF read_image_rgb(const std::string& path);
+
+/// Samples as they are in the file. A palette PNG gives its indices.
+struct RawMask {
+  int width_px = 0, height_px = 0, channels = 0;  // 1, 3 (RGB) or 4 (RGBA)
+  int bits = 8;                                   // 8 or 16
+  bool lossy = false;                             // JPEG: contours are blurred by compression
+  std::vector<std::uint16_t> data;                // [H, W, C]
+};
+RawMask read_mask_raw(const std::string& path);
+
+struct ImageSize {
+  int width_px = 0, height_px = 0;
+  bool operator==(const ImageSize&) const = default;
+};
+/// "1024x768"
+std::string to_string(ImageSize size);
+/// Reads no more than the header of PNG and JPEG; decodes anything else.
+ImageSize read_image_size(const std::string& path);
+
+/// 1, 3 (RGB) or 4 (RGBA) channels. The same image gives the same bytes; appears by rename.
+void write_png(const std::string& path, const ImageU8& image);
+void write_png16(const std::string& path, const ImageU16& image);
+
+/// Mean over the covered area (exact for integer factors); for reductions.
+ImageF resize_area(const ImageF& image, int width_px, int height_px);
+/// The sample under each target pixel's centre.
+ImageF resize_nearest(const ImageF& image, int width_px, int height_px);
+
+}  // namespace ngs::io

@@ -1,0 +1,26 @@
+#include "ngs/io/photo.h"
+
+#include "ngs/core/check.h"
+#include "ngs/core/error.h"
+#include "ngs/io/image_file.h"
+#include "ngs/io/size_rule.h"
+
+namespace ngs::io {
+
+ImageF load_photo(const Scene& scene, std::size_t view) {
+  NGS_CHECK(view < scene.views.size(), "view index");
+  const SceneView& v = scene.views[view];
+  if (v.image_path.empty()) return {};
+  const ImageF photo = read_image_rgb(v.image_path);
+  const ImageSize camera{v.camera.width_px, v.camera.height_px}, file{photo.width_px, photo.height_px};
+  const SizeRelation relation = relate_sizes(file, camera, scene.image_scale);
+  if (!relation.allowed || (!relation.same && !relation.larger))
+    throw Error(
+        ErrorCode::kInconsistent,
+        v.image_path + ": photo of " + to_string(file) + " px, expected the camera's " + to_string(camera) +
+            " px or an integer multiple of it",
+        "import the scene again with the folder of these photos: ngs-scene import SOURCE --images DIR");
+  return resize_area(photo, camera.width_px, camera.height_px);
+}
+
+}  // namespace ngs::io

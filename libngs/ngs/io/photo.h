@@ -1,0 +1,13 @@
+#pragma once
+// The photograph of a view at its camera's size.
+#include <cstddef>
+
+#include "ngs/scene/scene.h"
+
+namespace ngs::io {
+
+/// [H, W, 3] RGB in [0, 1], reduced by area averaging where the file is larger than the camera by an integer
+/// factor or by the scene's image_scale; any other size is kInconsistent. Empty image: the view has no photo.
+ImageF load_photo(const Scene& scene, std::size_t view);
+
+}  // namespace ngs::io

@@ -1,0 +1,220 @@
+#include "ngs/io/scene_json.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <set>
+
+#include "ngs/core/error.h"
+#include "ngs/io/atomic_file.h"
+#include "ngs/io/json_file.h"
+#include "ngs/io/pose.h"
+
+namespace ngs::io {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using nlohmann::ordered_json;
+
+template <class E>
+struct Name {
+  E value;
+  const char* name;
+};
+constexpr std::array kModes{
+    Name<MaskMode>{MaskMode::kBinary, "binary"}, Name<MaskMode>{MaskMode::kLabel, "label"},
+    Name<MaskMode>{MaskMode::kSoft, "soft"}, Name<MaskMode>{MaskMode::kBands, "bands"}};
+constexpr std::array kMissing{Name<MissingMask>{MissingMask::kUnknown, "unknown"},
+                              Name<MissingMask>{MissingMask::kEmpty, "empty"},
+                              Name<MissingMask>{MissingMask::kError, "error"}};
+constexpr std::array kSplits{Name<Split>{Split::kTrain, "train"}, Name<Split>{Split::kHeldOut, "held-out"}};
+
+template <class E, std::size_t N>
+const char* name_of(const std::array<Name<E>, N>& names, E value) {
+  return std::find_if(names.begin(), names.end(), [&](const Name<E>& n) { return n.value == value; })->name;
+}
+
+template <class E, std::size_t N>
+E value_of(const std::array<Name<E>, N>& names, const JsonReader& reader, const std::string& key) {
+  const std::string found = reader.text(key);
+  std::string expected = "one of";
+  for (const Name<E>& n : names) {
+    if (found == n.name) return n.value;
+    expected += std::string(" ") + n.name;
+  }
+  reader.fail(key, expected);
+}
+
+std::string from_folder(const std::string& folder, const std::string& path) {
+  if (path.empty() || folder.empty()) return path;
+  return (fs::path(folder) / path).lexically_normal().string();
+}
+
+/// Links in the folders are resolved, or ".." would lead elsewhere; the file's own name is kept.
+std::string to_folder(const fs::path& folder, const std::string& path) {
+  if (path.empty()) return path;
+  const fs::path absolute = fs::absolute(path).lexically_normal();
+  const fs::path relative =
+      (fs::weakly_canonical(absolute.parent_path()) / absolute.filename()).lexically_relative(folder);
+  return relative.empty() ? absolute.string() : relative.string();
+}
+
+SceneView parse_view(const JsonReader& reader, const std::string& folder) {
+  SceneView view;
+  Camera& camera = view.camera;
+  camera.name = reader.text("name");
+  camera.width_px = int(reader.integer("width", 1, kMaxSide)),
+  camera.height_px = int(reader.integer("height", 1, kMaxSide));
+  camera.fx = reader.number("fx"), camera.fy = reader.number("fy");
+  camera.cx = reader.number("cx"), camera.cy = reader.number("cy");
+  const std::vector<double> r = reader.matrix("rotation", 9, 0), t = reader.matrix("translation", 3, 0);
+  std::copy(r.begin(), r.end(), camera.rotation.m);
+  camera.translation = vec3(t.data());
+  view.image_path = from_folder(folder, reader.text_or("image", ""));
+  view.mask_path = from_folder(folder, reader.text_or("mask", ""));
+  view.split = value_of(kSplits, reader, "split");
+  reader.refuse_unknown_keys();
+  return view;
+}
+
+ordered_json view_to_json(const SceneView& view, const fs::path& folder) {
+  const Camera& c = view.camera;
+  ordered_json out{{"name", c.name},
+                   {"width", c.width_px},
+                   {"height", c.height_px},
+                   {"fx", c.fx},
+                   {"fy", c.fy},
+                   {"cx", c.cx},
+                   {"cy", c.cy},
+                   {"rotation", std::vector<double>(c.rotation.m, c.rotation.m + 9)},
+                   {"translation", {c.translation.x, c.translation.y, c.translation.z}}};
+  if (!view.image_path.empty()) out["image"] = to_folder(folder, view.image_path);
+  if (!view.mask_path.empty()) out["mask"] = to_folder(folder, view.mask_path);
+  out["split"] = name_of(kSplits, view.split);
+  return out;
+}
+
+/// Readable and easy to compare: one line per top-level key, per object and per view.
+std::string one_line_per_entry(const ordered_json& root) {
+  std::string text = "{";
+  for (const auto& item : root.items()) {
+    text += (text.size() > 1 ? ",\n \"" : "\n \"") + item.key() + "\": ";
+    if (!item.value().is_array()) {
+      text += item.value().dump();
+      continue;
+    }
+    text += "[";
+    for (const auto& entry : item.value()) text += (text.back() == '[' ? "\n  " : ",\n  ") + entry.dump();
+    text += "\n ]";
+  }
+  return text + "\n}\n";
+}
+
+[[noreturn]] void refuse(const std::string& object, const std::string& text) {
+  throw Error(ErrorCode::kBadInput, object + ": " + text);
+}
+
+void validate_objects(const Scene& scene, const std::string& object) {
+  if (scene.objects.empty()) refuse(object, "no objects, expected at least one");
+  std::set<std::string> names;
+  std::set<std::uint32_t> ids;
+  for (const SceneObject& o : scene.objects) {
+    if (o.name.empty() || o.name == "." || o.name == ".." ||
+        o.name.find_first_of(std::string("/\\\0", 3)) != std::string::npos)
+      refuse(object, "object name \"" + o.name + "\", expected a name that can be a folder");
+    if (!names.insert(o.name).second) refuse(object, "object name \"" + o.name + "\" twice, expected once");
+    if (scene.mask_mode != MaskMode::kLabel) continue;
+    if (o.id > 65535) refuse(object, "object id " + std::to_string(o.id) + ", expected 0..65535");
+    if (!ids.insert(o.id).second)
+      refuse(object, "object id " + std::to_string(o.id) + " twice, expected once");
+  }
+  if (scene.mask_mode == MaskMode::kLabel && scene.mask_invert)
+    refuse(object, "inverted label maps, expected invert only with binary, soft or bands");
+  const bool has_plain_mask = std::any_of(scene.views.begin(), scene.views.end(), [](const SceneView& v) {
+    return !v.mask_path.empty() && v.mask_path.find("{object}") == std::string::npos;
+  });
+  if (scene.objects.size() > 1 && scene.mask_mode != MaskMode::kLabel && has_plain_mask)
+    refuse(object, std::to_string(scene.objects.size()) +
+                       " objects in one mask per view, expected label maps or one "
+                       "folder per object (\"{object}\" in the mask's path)");
+}
+
+}  // namespace
+
+void validate_scene(const Scene& scene, const std::string& object) {
+  if (scene.views.empty()) refuse(object, "no views, expected at least one");
+  if (!(scene.image_scale > 0 && scene.image_scale <= 1))
+    refuse(object, "image_scale " + std::to_string(scene.image_scale) + ", expected (0, 1]");
+  if (!(scene.mask_threshold >= 0 && scene.mask_threshold <= 255))
+    refuse(object, "mask threshold " + std::to_string(scene.mask_threshold) + ", expected [0, 255]");
+  std::set<std::string> names;
+  for (const SceneView& view : scene.views) {
+    validate_camera(view.camera, object);
+    if (!names.insert(view.camera.name).second)
+      refuse(object, "view " + view.camera.name + " twice, expected once");
+  }
+  validate_objects(scene, object);
+}
+
+Scene parse_scene_json(const json& root, const std::string& folder, const std::string& object) {
+  const JsonReader reader(root, object);
+  const std::int64_t version = reader.integer("ngs_scene", 0, 1000000);
+  if (version != kSceneVersion)
+    throw Error(
+        ErrorCode::kBadInput,
+        object + ": scene version " + std::to_string(version) + ", expected " + std::to_string(kSceneVersion),
+        "write it again with this version: ngs-scene import SOURCE -o scene.json");
+  Scene scene;
+  scene.model_path = from_folder(folder, reader.text("model"));
+  scene.image_scale = reader.number("image_scale");
+  const JsonReader masks = reader.object("masks");
+  scene.mask_mode = value_of(kModes, masks, "mode");
+  scene.mask_invert = masks.boolean("invert");
+  scene.mask_threshold = masks.number("threshold");
+  scene.missing_mask = value_of(kMissing, masks, "missing");
+  masks.refuse_unknown_keys();
+  for (const json& entry : reader.array("objects")) {
+    const JsonReader o(entry, object + ": objects[" + std::to_string(scene.objects.size()) + "]");
+    scene.objects.push_back({o.text("name"), std::uint32_t(o.integer("id", 0, 65535))});
+    o.refuse_unknown_keys();
+  }
+  for (const json& entry : reader.array("views"))
+    scene.views.push_back(parse_view(
+        JsonReader(entry, object + ": views[" + std::to_string(scene.views.size()) + "]"), folder));
+  reader.refuse_unknown_keys();
+  std::stable_sort(scene.views.begin(), scene.views.end(),
+                   [](const SceneView& a, const SceneView& b) { return a.camera.name < b.camera.name; });
+  validate_scene(scene, object);
+  return scene;
+}
+
+Scene read_scene_json(const std::string& path) {
+  return parse_scene_json(read_json_file(path), fs::path(path).parent_path().string(), path);
+}
+
+void write_scene_json(const std::string& path, const Scene& scene) {
+  validate_scene(scene, path);
+  const fs::path folder = fs::weakly_canonical(fs::absolute(path).parent_path());
+  ordered_json out{{"ngs_scene", kSceneVersion},
+                   {"model", to_folder(folder, scene.model_path)},
+                   {"image_scale", scene.image_scale}};
+  out["masks"] = {{"mode", name_of(kModes, scene.mask_mode)},
+                  {"invert", scene.mask_invert},
+                  {"threshold", scene.mask_threshold},
+                  {"missing", name_of(kMissing, scene.missing_mask)}};
+  out["objects"] = ordered_json::array();
+  for (const SceneObject& o : scene.objects) out["objects"].push_back({{"name", o.name}, {"id", o.id}});
+  out["views"] = ordered_json::array();
+  for (const SceneView& view : scene.views) out["views"].push_back(view_to_json(view, folder));
+  try {
+    write_file(path, one_line_per_entry(out));
+  } catch (const json::exception&) {
+    throw Error(ErrorCode::kBadInput,
+                path + ": a name or path is not UTF-8, expected names that JSON can hold",
+                "rename the files");
+  }
+}
+
+}  // namespace ngs::io

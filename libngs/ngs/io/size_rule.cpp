@@ -1,0 +1,27 @@
+#include "ngs/io/size_rule.h"
+
+#include <cmath>
+
+namespace ngs::io {
+
+SizeRelation relate_sizes(ImageSize file, ImageSize camera, double image_scale) {
+  SizeRelation relation;
+  relation.same = file == camera;
+  relation.allowed = relation.same;
+  relation.larger = file.width_px > camera.width_px || file.height_px > camera.height_px;
+  constexpr int kMaxFactor = 16;
+  const auto matches = [&](double factor) {  // floor, ceil and round of the true size all lie within 1 px
+    return std::abs(file.width_px * factor - camera.width_px) < 1 &&
+           std::abs(file.height_px * factor - camera.height_px) < 1;
+  };
+  for (int k = 1; k <= kMaxFactor && !relation.allowed; ++k)
+    for (const double scale : {1.0, image_scale})
+      relation.allowed |=
+          matches(scale * k) || matches(scale / k) ||
+          // both rounded on the way: the file to the full size / k, the camera to full · scale
+          (std::abs(camera.width_px / scale / k - file.width_px) < 1 &&
+           std::abs(camera.height_px / scale / k - file.height_px) < 1);
+  return relation;
+}
+
+}  // namespace ngs::io

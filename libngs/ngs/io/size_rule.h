@@ -1,0 +1,17 @@
+#pragma once
+// Which sizes of a file are "the same picture" as a camera's image.
+#include "ngs/io/image_file.h"
+
+namespace ngs::io {
+
+/// How far a file's size is from the camera's. `allowed`: both sides differ by the same integer factor k
+/// (1..16, either way), with or without the scene's image_scale, each side within 1 px of rounding.
+struct SizeRelation {
+  bool allowed = false;
+  bool same = false;
+  bool larger = false;  // the file has more pixels
+};
+
+SizeRelation relate_sizes(ImageSize file, ImageSize camera, double image_scale);
+
+}  // namespace ngs::io

@@ -1,0 +1,76 @@
+#include "ngs/io/exr.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "ngs/core/error.h"
+#include "ngs/core/rng.h"
+#include "support/temp_dir.h"
+
+namespace ngs::io {
+namespace {
+
+ExrImage sample(int width, int height) {
+  ExrImage image;
+  ImageF colour(width, height, 3), mask(width, height, 1);
+  for (std::size_t i = 0; i < colour.data.size(); ++i)
+    colour.data[i] = float(rng_normal(1, RngStream::kTest, i));
+  for (std::size_t i = 0; i < mask.data.size(); ++i)
+    mask.data[i] = float(rng_uniform(2, RngStream::kTest, i));
+  image.add({"R", "G", "B"}, colour);
+  image.add({"ngs.mask"}, mask);
+  image.text["ngs:schema"] = "layers-1";
+  image.numbers["ngs:tau"] = 0.6;
+  return image;
+}
+
+}  // namespace
+
+TEST_CASE("an EXR comes back bit for bit with all channels and attributes") {
+  const test::TempDir dir;
+  ExrImage image = sample(37, 21);
+  image.channels["Z"] = std::vector<float>(37 * 21, std::numeric_limits<float>::infinity());
+  image.channels["Z"][5] = std::nextafter(1.f, 2.f);
+  write_exr(dir.file("a.exr"), image);
+  const ExrImage back = read_exr(dir.file("a.exr"));
+  CHECK(back.width_px == 37);
+  CHECK(back.height_px == 21);
+  CHECK(back.channels == image.channels);
+  CHECK(back.text == image.text);
+  CHECK(back.numbers == image.numbers);
+}
+
+TEST_CASE("write_exr gives the same bytes for the same content") {
+  const test::TempDir dir;
+  write_exr(dir.file("a.exr"), sample(64, 33));
+  write_exr(dir.file("b.exr"), sample(64, 33));
+  CHECK(test::read_bytes(dir.file("a.exr")) == test::read_bytes(dir.file("b.exr")));
+}
+
+TEST_CASE("every prefix of an EXR is refused as bad input") {
+  const test::TempDir dir;
+  write_exr(dir.file("a.exr"), sample(5, 3));
+  const std::string bytes = test::read_bytes(dir.file("a.exr"));
+  for (std::size_t n = 0; n < bytes.size(); ++n) {
+    CAPTURE(n);
+    const Bytes prefix(reinterpret_cast<const std::uint8_t*>(bytes.data()), n);
+    CHECK_THROWS_AS(parse_exr(prefix, "a.exr"), Error);
+  }
+}
+
+TEST_CASE("an EXR header that claims far more pixels than its bytes can hold is refused") {
+  const test::TempDir dir;
+  write_exr(dir.file("a.exr"), sample(5, 3));
+  std::string bytes = test::read_bytes(dir.file("a.exr"));
+  const std::size_t at =
+      bytes.find("dataWindow") + std::string("dataWindow").size() + 1 + 6 + 4;  // name, "box2i", size
+  const std::int32_t huge = 12000;
+  for (const std::size_t corner : {8, 12})
+    bytes.replace(at + corner, 4, reinterpret_cast<const char*>(&huge), 4);
+  CHECK_THROWS_AS(parse_exr({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, "a.exr"),
+                  Error);
+}
+
+}  // namespace ngs::io

@@ -1,0 +1,145 @@
+#include "ngs/io/image_file.h"
+
+#include <doctest/doctest.h>
+
+#include "ngs/core/error.h"
+#include "support/temp_dir.h"
+
+namespace ngs::io {
+namespace {
+
+using test::TempDir;
+
+std::string crc_chunk(const std::string& type, const std::string& data) {
+  std::uint32_t crc = ~0u;
+  for (const char c : type + data) {
+    crc ^= static_cast<unsigned char>(c);
+    for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ ((crc & 1) ? 0xEDB88320u : 0u);
+  }
+  const auto be = [](std::uint32_t v) {
+    return std::string{char(v >> 24), char(v >> 16), char(v >> 8), char(v)};
+  };
+  return be(std::uint32_t(data.size())) + type + data + be(~crc);
+}
+
+/// A PNG with stored (uncompressed) deflate data; rows hold the filter byte and packed samples.
+std::string raw_png(int width, int height, int bits, int colour_type, const std::string& rows,
+                    const std::string& palette) {
+  std::uint32_t a = 1, b = 0;
+  for (const char c : rows) a = (a + static_cast<unsigned char>(c)) % 65521, b = (b + a) % 65521;
+  const auto n = std::uint16_t(rows.size());
+  const auto inverse = std::uint16_t(~n);
+  const std::string zlib =
+      std::string{0x78, 0x01, 0x01, char(n & 255), char(n >> 8), char(inverse & 255), char(inverse >> 8)} +
+      rows + std::string{char(b >> 8), char(b), char(a >> 8), char(a)};
+  const std::string header{0, 0, 0, char(width), 0, 0, 0, char(height), char(bits), char(colour_type),
+                           0, 0, 0};
+  return "\x89PNG\r\n\x1a\n" + crc_chunk("IHDR", header) +
+         (palette.empty() ? "" : crc_chunk("PLTE", palette)) + crc_chunk("IDAT", zlib) +
+         crc_chunk("IEND", "");
+}
+
+}  // namespace
+
+TEST_CASE("a PNG comes back as it was written, 8 and 16 bit, 1, 3 and 4 channels") {
+  const TempDir dir;
+  for (const int channels : {1, 3, 4}) {
+    ImageU8 small(3, 2, channels);
+    ImageU16 large(3, 2, channels);
+    for (std::size_t i = 0; i < small.data.size(); ++i)
+      small.data[i] = std::uint8_t(i * 11), large.data[i] = std::uint16_t(i * 2741 + 1);
+    write_png(dir.file("a.png"), small);
+    write_png16(dir.file("b.png"), large);
+    const RawMask a = read_mask_raw(dir.file("a.png")), b = read_mask_raw(dir.file("b.png"));
+    CHECK(a.bits == 8);
+    CHECK(b.bits == 16);
+    CHECK(a.channels == channels);
+    CHECK(std::equal(a.data.begin(), a.data.end(), small.data.begin(), small.data.end()));
+    CHECK(b.data == large.data);
+  }
+}
+
+TEST_CASE("write_png gives the same bytes for the same image") {
+  const TempDir dir;
+  ImageU8 image(64, 48, 3);
+  for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] = std::uint8_t(i * i);
+  write_png(dir.file("a.png"), image);
+  write_png(dir.file("b.png"), image);
+  CHECK(test::read_bytes(dir.file("a.png")) == test::read_bytes(dir.file("b.png")));
+}
+
+TEST_CASE("read_image_rgb scales to [0, 1], replicates grey and drops alpha") {
+  const TempDir dir;
+  ImageU16 grey(1, 1, 1, 65535);
+  write_png16(dir.file("grey.png"), grey);
+  CHECK(read_image_rgb(dir.file("grey.png")).data == std::vector<float>{1, 1, 1});
+  ImageU8 rgba(1, 1, 4);
+  rgba.data = {255, 51, 0, 7};
+  write_png(dir.file("rgba.png"), rgba);
+  const ImageF rgb = read_image_rgb(dir.file("rgba.png"));
+  CHECK(rgb.channels == 3);
+  CHECK(rgb.data[0] == 1.f);
+  CHECK(rgb.data[1] == doctest::Approx(0.2));
+  CHECK(rgb.data[2] == 0.f);
+}
+
+TEST_CASE("a palette PNG gives its indices, whatever the colours and the bit depth") {
+  const TempDir dir;
+  const std::string palette("\x00\x00\x00\xff\x00\x00\x00\xff\x00\x00\x00\xff", 12);
+  dir.write("p8.png", raw_png(3, 1, 8, 3, std::string("\0\0\1\3", 4), palette));
+  dir.write("p2.png", raw_png(3, 1, 2, 3, std::string{0, char(0b00011100)}, palette));
+  for (const char* name : {"p8.png", "p2.png"}) {
+    const RawMask mask = read_mask_raw(dir.file(name));
+    CHECK(mask.channels == 1);
+    CHECK(mask.data == std::vector<std::uint16_t>{0, 1, 3});
+  }
+}
+
+TEST_CASE("image size is read from the header and equals the decoded size") {
+  const TempDir dir;
+  write_png(dir.file("a.png"), ImageU8(17, 5, 3));
+  CHECK(read_image_size(dir.file("a.png")) == ImageSize{17, 5});
+}
+
+TEST_CASE("every prefix of a PNG is refused as bad input") {
+  const TempDir dir;
+  write_png(dir.file("a.png"), ImageU8(4, 3, 1, 9));
+  const std::string bytes = test::read_bytes(dir.file("a.png"));
+  for (std::size_t n = 0; n < bytes.size(); ++n) {
+    dir.write("cut.png", bytes.substr(0, n));
+    CAPTURE(n);
+    CHECK_THROWS_AS(read_image_rgb(dir.file("cut.png")), Error);
+    CHECK_THROWS_AS(read_mask_raw(dir.file("cut.png")), Error);
+  }
+}
+
+TEST_CASE("a header that claims an absurd size is refused before decoding") {
+  const TempDir dir;
+  const std::string header{0x7f, 0, 0, 0, 0x7f, 0, 0, 0, 8, 0, 0, 0, 0};
+  dir.write("huge.png",
+            "\x89PNG\r\n\x1a\n" + crc_chunk("IHDR", header) + crc_chunk("IDAT", "x") + crc_chunk("IEND", ""));
+  CHECK_THROWS_WITH_AS(read_image_rgb(dir.file("huge.png")), doctest::Contains("expected between 1 px"),
+                       Error);
+}
+
+TEST_CASE("a truncated JPEG is refused instead of padded with grey") {
+  const TempDir dir;
+  // SOI, SOF0 (8 bit, 16x16, 1 component), SOS, data, no EOI
+  const std::string jpeg(
+      "\xFF\xD8\xFF\xC0\x00\x0B\x08\x00\x10\x00\x10\x01\x01\x11\x00\xFF\xDA\x00\x08\x01\x01\x00\x00\x3F\x00"
+      "\x12\x34",
+      27);
+  dir.write("cut.jpg", jpeg);
+  CHECK_THROWS_WITH_AS(read_image_rgb(dir.file("cut.jpg")), doctest::Contains("JPEG ends before"), Error);
+}
+
+TEST_CASE("area reduction averages exactly and nearest enlargement repeats") {
+  ImageF image(4, 2, 1);
+  image.data = {0, 1, 2, 3, 4, 5, 6, 7};
+  CHECK(resize_area(image, 2, 1).data == std::vector<float>{2.5f, 4.5f});
+  ImageF two(2, 1, 1);
+  two.data = {3, 8};
+  CHECK(resize_nearest(two, 4, 2).data == std::vector<float>{3, 3, 8, 8, 3, 3, 8, 8});
+}
+
+}  // namespace ngs::io

@@ -1,0 +1,208 @@
+#include "ngs/io/masks.h"
+
+#include <doctest/doctest.h>
+
+#include "ngs/core/error.h"
+#include "ngs/io/exr.h"
+#include "ngs/io/image_file.h"
+#include "ngs/io/photo.h"
+#include "support/temp_dir.h"
+
+namespace ngs::io {
+namespace {
+
+using test::TempDir;
+using Values = std::vector<float>;
+
+Scene one_view(MaskMode mode, int width, int height, const std::string& mask) {
+  Scene scene;
+  scene.mask_mode = mode;
+  scene.objects = {{"object", 0}};
+  SceneView view;
+  view.camera.name = "a.png", view.camera.width_px = width, view.camera.height_px = height;
+  view.mask_path = mask;
+  scene.views = {view};
+  return scene;
+}
+
+std::string grey(const TempDir& dir, const std::string& name, int width, std::vector<std::uint8_t> values) {
+  ImageU8 image(width, int(values.size()) / width, 1);
+  image.data = std::move(values);
+  write_png(dir.file(name), image);
+  return dir.file(name);
+}
+
+}  // namespace
+
+TEST_CASE("binary masks are cut at the threshold, object at and above it") {
+  const TempDir dir;
+  Scene scene = one_view(MaskMode::kBinary, 4, 1, grey(dir, "m.png", 4, {0, 127, 128, 255}));
+  CHECK(load_masks(scene, 0).target[0] == Values{0, 0, 1, 1});
+  scene.mask_threshold = 127;
+  CHECK(load_masks(scene, 0).target[0] == Values{0, 1, 1, 1});
+  scene.mask_invert = true;
+  CHECK(load_masks(scene, 0).target[0] == Values{1, 0, 0, 0});
+}
+
+TEST_CASE("a binary mask of 16 bit is cut at the same share of its range") {
+  const TempDir dir;
+  ImageU16 image(3, 1, 1);
+  image.data = {128 * 257 - 1, 128 * 257, 65535};
+  write_png16(dir.file("m.png"), image);
+  CHECK(load_masks(one_view(MaskMode::kBinary, 3, 1, dir.file("m.png")), 0).target[0] == Values{0, 1, 1});
+}
+
+TEST_CASE("a mask of zeros and ones is recognised and noted") {
+  const TempDir dir;
+  const LoadedMasks got =
+      load_masks_with_notes(one_view(MaskMode::kBinary, 2, 1, grey(dir, "m.png", 2, {0, 1})), 0);
+  CHECK(got.masks.target[0] == Values{0, 1});
+  REQUIRE(got.notes.size() == 1);
+  CHECK(got.notes[0].find("values are 0 and 1 only") != std::string::npos);
+}
+
+TEST_CASE("an all-zero mask stays empty, with no note") {
+  const TempDir dir;
+  const LoadedMasks got =
+      load_masks_with_notes(one_view(MaskMode::kBinary, 2, 1, grey(dir, "m.png", 2, {0, 0})), 0);
+  CHECK(got.masks.target[0] == Values{0, 0});
+  CHECK(got.notes.empty());
+}
+
+TEST_CASE("label maps give one plane per object, 8 and 16 bit") {
+  const TempDir dir;
+  Scene scene = one_view(MaskMode::kLabel, 4, 1, grey(dir, "m.png", 4, {0, 7, 3, 7}));
+  scene.objects = {{"cup", 7}, {"spoon", 3}};
+  const ViewMasks masks = load_masks(scene, 0);
+  CHECK(masks.target[0] == Values{0, 1, 0, 1});
+  CHECK(masks.target[1] == Values{0, 0, 1, 0});
+  ImageU16 wide(2, 1, 1);
+  wide.data = {300, 44};  // 300 & 255 == 44: the high byte counts
+  write_png16(dir.file("w.png"), wide);
+  scene = one_view(MaskMode::kLabel, 2, 1, dir.file("w.png"));
+  scene.objects = {{"o", 300}};
+  CHECK(load_masks(scene, 0).target[0] == Values{1, 0});
+}
+
+TEST_CASE("a coloured label map is refused") {
+  const TempDir dir;
+  ImageU8 image(1, 1, 3);
+  image.data = {255, 0, 0};
+  write_png(dir.file("m.png"), image);
+  CHECK_THROWS_WITH_AS(load_masks(one_view(MaskMode::kLabel, 1, 1, dir.file("m.png")), 0),
+                       doctest::Contains("expected a label map"), Error);
+}
+
+TEST_CASE("soft masks keep their values, from 16-bit PNG and from EXR") {
+  const TempDir dir;
+  ImageU16 image(2, 1, 1);
+  image.data = {13107, 65535};
+  write_png16(dir.file("m.png"), image);
+  CHECK(load_masks(one_view(MaskMode::kSoft, 2, 1, dir.file("m.png")), 0).target[0] == Values{0.2f, 1.f});
+  ExrImage exr{2, 1, {{"Z", {5, 5}}, {"ngs.mask", {0.25f, 0.75f}}}, {}, {}};
+  write_exr(dir.file("m.exr"), exr);
+  CHECK(load_masks(one_view(MaskMode::kSoft, 2, 1, dir.file("m.exr")), 0).target[0] == Values{0.25f, 0.75f});
+  CHECK(load_masks(one_view(MaskMode::kBinary, 2, 1, dir.file("m.exr")), 0).target[0] == Values{0, 1});
+  exr.channels["ngs.mask"][0] = 1.5f;
+  write_exr(dir.file("m.exr"), exr);
+  CHECK_THROWS_AS(load_masks(one_view(MaskMode::kSoft, 2, 1, dir.file("m.exr")), 0), Error);
+}
+
+TEST_CASE("the three bands are unknown, background and object, with LichtFeld's borders") {
+  const TempDir dir;
+  Scene scene = one_view(MaskMode::kBands, 5, 1, grey(dir, "m.png", 5, {0, 127, 128, 250, 251}));
+  ViewMasks masks = load_masks(scene, 0);
+  CHECK(masks.target[0] == Values{0, 0, 0, 0, 1});
+  CHECK(masks.known == std::vector<std::uint8_t>{0, 0, 1, 1, 1});
+  scene.mask_invert = true;  // swaps object and background, never the unknown
+  masks = load_masks(scene, 0);
+  CHECK(masks.target[0] == Values{0, 0, 1, 1, 0});
+  CHECK(masks.known == std::vector<std::uint8_t>{0, 0, 1, 1, 1});
+}
+
+TEST_CASE("the alpha channel of a cut-out is the mask") {
+  const TempDir dir;
+  ImageU8 image(2, 1, 4);
+  image.data = {200, 10, 10, 0, 200, 10, 10, 255};
+  write_png(dir.file("m.png"), image);
+  CHECK(load_masks(one_view(MaskMode::kBinary, 2, 1, dir.file("m.png")), 0).target[0] == Values{0, 1});
+}
+
+TEST_CASE("a binary mask twice as large is reduced by majority, the object wins a tie") {
+  const TempDir dir;
+  // columns of 2x2 blocks: 1 of 4, 2 of 4, 3 of 4 object
+  const std::string path = grey(dir, "m.png", 6, {255, 0, 255, 0, 255, 255, 0, 0, 0, 255, 255, 0});
+  const LoadedMasks got = load_masks_with_notes(one_view(MaskMode::kBinary, 3, 1, path), 0);
+  CHECK(got.masks.target[0] == Values{0, 1, 1});
+  CHECK(got.resized);
+  CHECK(got.notes[0].find("6x2 px brought to the camera's 3x1 px") != std::string::npos);
+}
+
+TEST_CASE("a label map is reduced to the label with the largest share") {
+  const TempDir dir;
+  Scene scene = one_view(MaskMode::kLabel, 1, 1, grey(dir, "m.png", 3, {1, 1, 1, 2, 2, 2, 2, 0, 0}));
+  scene.objects = {{"a", 1}, {"b", 2}};
+  const ViewMasks masks = load_masks(scene, 0);
+  CHECK(masks.target[0] == Values{0});
+  CHECK(masks.target[1] == Values{1});
+}
+
+TEST_CASE("a soft mask is reduced by area, a smaller mask is enlarged by nearest") {
+  const TempDir dir;
+  CHECK(load_masks(one_view(MaskMode::kSoft, 1, 1, grey(dir, "m.png", 2, {0, 255, 0, 0})), 0).target[0] ==
+        Values{0.25f});
+  CHECK(load_masks(one_view(MaskMode::kBinary, 4, 2, grey(dir, "n.png", 2, {0, 255})), 0).target[0] ==
+        Values{0, 0, 1, 1, 0, 0, 1, 1});
+}
+
+TEST_CASE("masks of the full-size photos suit cameras at image_scale") {
+  const TempDir dir;
+  Scene scene = one_view(MaskMode::kBinary, 3, 3, grey(dir, "m.png", 4, std::vector<std::uint8_t>(16, 255)));
+  CHECK_THROWS_AS(load_masks(scene, 0), Error);
+  scene.image_scale = 0.75;
+  CHECK(load_masks(scene, 0).target[0] == Values(9, 1.f));
+}
+
+TEST_CASE("a mask of another shape is refused and both sizes are named") {
+  const TempDir dir;
+  const Scene scene = one_view(MaskMode::kBinary, 4, 3, grey(dir, "m.png", 5, {0, 0, 0, 0, 0}));
+  CHECK_THROWS_WITH_AS(load_masks(scene, 0), doctest::Contains("mask of 5x1 px for view a.png of 4x3 px"),
+                       Error);
+}
+
+TEST_CASE("a missing mask is unknown, empty or an error, as the scene says") {
+  Scene scene = one_view(MaskMode::kBinary, 2, 2, "");
+  CHECK_FALSE(load_masks(scene, 0).available);
+  scene.missing_mask = MissingMask::kEmpty;
+  CHECK(load_masks(scene, 0).available);
+  CHECK(load_masks(scene, 0).target[0] == Values(4, 0.f));
+  scene.missing_mask = MissingMask::kError;
+  CHECK_THROWS_WITH_AS(load_masks(scene, 0), doctest::Contains("view a.png: no mask"), Error);
+}
+
+TEST_CASE("one folder per object gives one plane per object, and an absent file makes the view unknown") {
+  const TempDir dir;
+  grey(dir, "cup/a.png", 2, {255, 0});
+  grey(dir, "spoon/a.png", 2, {0, 255});
+  Scene scene = one_view(MaskMode::kBinary, 2, 1, dir.path() + "/{object}/a.png");
+  scene.objects = {{"cup", 0}, {"spoon", 0}};
+  CHECK(load_masks(scene, 0).target == std::vector<Values>{{1, 0}, {0, 1}});
+  scene.objects.push_back({"fork", 0});
+  CHECK_FALSE(load_masks(scene, 0).available);
+  scene.missing_mask = MissingMask::kEmpty;
+  CHECK(load_masks(scene, 0).target == std::vector<Values>{{1, 0}, {0, 1}, {0, 0}});
+}
+
+TEST_CASE("a photo is reduced by area to the camera, and never enlarged") {
+  const TempDir dir;
+  Scene scene = one_view(MaskMode::kBinary, 2, 1, "");
+  CHECK(load_photo(scene, 0).empty());
+  scene.views[0].image_path = grey(dir, "p.png", 4, {0, 255, 255, 255, 0, 255, 255, 255});
+  const ImageF photo = load_photo(scene, 0);
+  CHECK(photo.width_px == 2);
+  CHECK(photo.at(0, 0, 1) == doctest::Approx(0.5));
+  scene.views[0].camera.width_px = 8, scene.views[0].camera.height_px = 4;
+  CHECK_THROWS_WITH_AS(load_photo(scene, 0), doctest::Contains("expected the camera's 8x4 px"), Error);
+}
+
+}  // namespace ngs::io
