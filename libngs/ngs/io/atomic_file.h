@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "ngs/io/unfinished_files.h"
+
 namespace ngs::io {
 
 class AtomicFile {
@@ -36,6 +38,7 @@ class AtomicFile {
   std::string temporary_;
   int descriptor_ = -1;
   bool direct_ = false;
+  UnfinishedFile unfinished_;  // removed by the signal handlers of the tools
 };
 
 /// The whole file at once.

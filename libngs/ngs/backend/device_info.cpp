@@ -1,0 +1,12 @@
+#include "ngs/backend/device_info.h"
+
+#include "ngs/backend/exec.h"
+
+namespace ngs {
+
+DeviceInfo cuda_device() {
+  static_assert(!kWithCuda, "a build with the CUDA backend defines this function in device_info_cuda.cu");
+  return {.usable = false, .name = {}, .reason = "this build has no CUDA backend"};
+}
+
+}  // namespace ngs

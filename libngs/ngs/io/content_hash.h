@@ -1,0 +1,17 @@
+#pragma once
+// Content hashes for the report: which bytes a result came from. XXH3 with 128 bits; not for security.
+#include <cstdint>
+#include <string>
+
+namespace ngs::io {
+
+struct ContentHash {
+  std::uint64_t bytes = 0;
+  std::string xxh3;  // 32 hexadecimal digits, most significant first
+};
+
+/// Of a file's bytes; of a folder: of the names, sizes and hashes of all files under it in the order of their
+/// names. Throws kBadInput if something cannot be read.
+ContentHash content_hash(const std::string& path);
+
+}  // namespace ngs::io

@@ -1,0 +1,210 @@
+#include "ngs/options/option_set.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <set>
+
+#include "ngs/core/error.h"
+#include "ngs/options/near_matches.h"
+
+namespace ngs {
+namespace {
+
+template <class T>
+bool parses_whole(std::string_view text, T* value) {
+  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
+  const std::from_chars_result r = std::from_chars(text.data(), text.data() + text.size(), *value);
+  return r.ec == std::errc() && r.ptr == text.data() + text.size();
+}
+
+/// What was typed as the JSON value that it stands for. Text that is no number stays text, so that the
+/// check of the option words the message.
+Json typed_number(std::string_view text, OptionKind kind) {
+  std::int64_t integer = 0;
+  std::uint64_t large = 0;
+  double real = 0;
+  if (parses_whole(text, &integer)) return integer;
+  if (parses_whole(text, &large)) return large;
+  if (kind == OptionKind::kReal && parses_whole(text, &real)) return real;
+  return std::string(text);
+}
+
+Json typed_bool(const std::string& text) {
+  if (text == "true" || text == "on" || text == "1" || text == "yes") return true;
+  if (text == "false" || text == "off" || text == "0" || text == "no") return false;
+  return text;
+}
+
+/// A value for a message: short, and not the null that JSON has for numbers which are not finite.
+std::string shown(const Json& value) {
+  if (value.is_number_float() && !std::isfinite(value.get<double>()))
+    return std::isnan(value.get<double>()) ? "nan" : "infinity";
+  if (value.is_structured()) return "an " + std::string(value.type_name());
+  const std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return text.size() <= 80 ? text : text.substr(0, 77) + "...";
+}
+
+[[noreturn]] void fail(std::string_view name, const Json& value, const std::string& expected,
+                       std::string remedy = {}) {
+  throw Error(ErrorCode::kUsage, std::string(name) + " = " + shown(value) + ", expected " + expected,
+              std::move(remedy));
+}
+
+template <class T>
+std::string describe_range(const option_detail::Range<T>& range, const char* what) {
+  const std::string unit = range.unit.empty() ? "" : " " + range.unit;
+  return what + std::string("in [") + Json(range.min).dump() + ", " + Json(range.max).dump() + "]" + unit;
+}
+
+}  // namespace
+
+namespace option_detail {
+
+std::int64_t checked(const Range<std::int64_t>& range, const Json& value) {
+  if (!value.is_number_integer()) fail(range.name, value, describe_range(range, "an integer "));
+  const bool fits = !value.is_number_unsigned() || value.get<std::uint64_t>() <= std::uint64_t(INT64_MAX);
+  if (!fits || value.get<std::int64_t>() < range.min || value.get<std::int64_t>() > range.max)
+    fail(range.name, value, describe_range(range, ""));
+  return value.get<std::int64_t>();
+}
+
+std::uint64_t checked(const Range<std::uint64_t>& range, const Json& value) {
+  if (!value.is_number_integer()) fail(range.name, value, describe_range(range, "an integer "));
+  const bool negative = !value.is_number_unsigned() && value.get<std::int64_t>() < 0;
+  if (negative || value.get<std::uint64_t>() < range.min || value.get<std::uint64_t>() > range.max)
+    fail(range.name, value, describe_range(range, ""));
+  return value.get<std::uint64_t>();
+}
+
+double checked(const Range<double>& range, const Json& value) {
+  if (!value.is_number()) fail(range.name, value, describe_range(range, "a number "));
+  const double number = value.get<double>();
+  if (!(number >= range.min && number <= range.max)) fail(range.name, value, describe_range(range, ""));
+  return number;
+}
+
+bool checked_bool(std::string_view name, const Json& value) {
+  if (!value.is_boolean()) fail(name, value, "true or false");
+  return value.get<bool>();
+}
+
+std::string checked_text(std::string_view name, const Json& value) {
+  if (!value.is_string()) fail(name, value, "a text");
+  return value.get<std::string>();
+}
+
+std::vector<std::string> checked_texts(std::string_view name, const Json& value) {
+  if (!value.is_array()) fail(name, value, "a list of texts");
+  std::vector<std::string> texts;
+  for (const Json& item : value) texts.push_back(checked_text(name, item));
+  return texts;
+}
+
+std::size_t checked_choice(std::string_view name, const Json& value,
+                           const std::vector<std::string>& choices) {
+  std::string listed;
+  for (const std::string& choice : choices) listed += (listed.empty() ? "" : ", ") + choice;
+  if (!value.is_string()) fail(name, value, "one of " + listed);
+  const auto found = std::find(choices.begin(), choices.end(), value.get<std::string>());
+  if (found == choices.end())
+    fail(name, value, "one of " + listed, suggestion(value.get<std::string>(), choices));
+  return std::size_t(found - choices.begin());
+}
+
+}  // namespace option_detail
+
+std::string option_flag(std::string_view name) {
+  std::string flag = "--" + std::string(name);
+  std::replace(flag.begin(), flag.end(), '_', '-');
+  return flag;
+}
+
+Json parse_json(std::string_view text, std::string_view source) {
+  std::vector<std::set<std::string>> open_objects;  // the keys seen so far, outermost object first
+  const auto refuse_duplicates = [&](int, Json::parse_event_t event, Json& parsed) {
+    if (event == Json::parse_event_t::object_start) open_objects.emplace_back();
+    if (event == Json::parse_event_t::object_end) open_objects.pop_back();
+    if (event == Json::parse_event_t::key && !open_objects.back().insert(parsed.get<std::string>()).second)
+      throw Error(ErrorCode::kUsage, std::string(source) + ": key '" + parsed.get<std::string>() +
+                                         "' occurs twice, expected once");
+    return true;
+  };
+  try {
+    return Json::parse(text.begin(), text.end(), refuse_duplicates);
+  } catch (const Json::parse_error& e) {
+    const std::string_view what = e.what();
+    const std::size_t position = what.find("parse error");  // behind the exception's number
+    throw Error(ErrorCode::kUsage, std::string(source) + ": not JSON: " +
+                                       std::string(what.substr(position == what.npos ? 0 : position)));
+  }
+}
+
+void OptionSet::push(OptionEntry entry) {
+  for (const OptionEntry& other : entries_)
+    NGS_CHECK(other.name != entry.name, "option '" + entry.name + "' is described twice");
+  entry.default_value = entry.get();
+  entries_.push_back(std::move(entry));
+}
+
+std::vector<std::string> OptionSet::names() const {
+  std::vector<std::string> names;
+  for (const OptionEntry& entry : entries_) names.push_back(entry.name);
+  return names;
+}
+
+const OptionEntry& OptionSet::at(std::string_view name, std::string_view source) const {
+  for (const OptionEntry& entry : entries_)
+    if (entry.name == name) return entry;
+  throw Error(
+      ErrorCode::kUsage,
+      (source.empty() ? "" : std::string(source) + ": ") + "unknown option '" + std::string(name) + "'",
+      suggestion(name, names()));
+}
+
+void OptionSet::set_text(std::string_view name, const std::vector<std::string>& texts) const {
+  const OptionEntry& entry = at(name);
+  if (entry.kind == OptionKind::kTextList) return entry.set(texts);
+  NGS_CHECK(!texts.empty(), "set_text needs a value");
+  const std::string& text = texts.back();
+  if (entry.kind == OptionKind::kInteger || entry.kind == OptionKind::kReal)
+    return entry.set(typed_number(text, entry.kind));
+  entry.set(entry.kind == OptionKind::kBool ? typed_bool(text) : Json(text));
+}
+
+void OptionSet::set_json(const Json& values, std::string_view source) const {
+  if (!values.is_object())
+    throw Error(ErrorCode::kUsage,
+                std::string(source) + ": found " + values.type_name() + ", expected an object of options");
+  for (const auto& [name, value] : values.items()) {
+    const OptionEntry& entry = at(name, source);
+    with_context(source, [&] { entry.set(value); });
+  }
+}
+
+Json OptionSet::to_json() const {
+  Json values = Json::object();
+  for (const OptionEntry& entry : entries_) values[entry.name] = entry.get();
+  return values;
+}
+
+Json OptionSet::schema(std::string_view title) const {
+  static constexpr const char* kTypes[] = {"boolean", "integer", "number", "string", "array", "string"};
+  Json properties = Json::object();
+  for (const OptionEntry& entry : entries_) {
+    Json property = {{"type", kTypes[int(entry.kind)]}, {"description", entry.help}};
+    if (!entry.min.is_null()) property.update({{"minimum", entry.min}, {"maximum", entry.max}});
+    if (entry.kind == OptionKind::kTextList) property["items"] = {{"type", "string"}};
+    if (!entry.choices.empty()) property["enum"] = entry.choices;
+    if (!entry.unit.empty() && !entry.min.is_null()) property["x-unit"] = entry.unit;
+    property["default"] = entry.default_value;
+    properties[entry.name] = std::move(property);
+  }
+  return {{"$schema", "http://json-schema.org/draft-07/schema#"},
+          {"title", std::string(title)},
+          {"type", "object"},
+          {"additionalProperties", false},
+          {"properties", std::move(properties)}};
+}
+
+}  // namespace ngs

@@ -1,0 +1,78 @@
+// ngs-probe: a tool that does nothing but what the contract tests ask of it, so that the rules which hold for
+// every tool are tested without the work of any.
+#include <chrono>
+#include <cstdio>
+#include <stdexcept>
+#include <thread>
+
+#include "ngs/core/error.h"
+#include "ngs/io/atomic_file.h"
+#include "shared/tool.h"
+
+namespace {
+
+using namespace ngs;
+
+enum class Act { kWrite, kSlowWrite, kCheckFails, kEmpty, kNumeric, kNoMemory, kBug, kPoll };
+constexpr NamedValue<Act> kActs[] = {{Act::kWrite, "write"},      {Act::kSlowWrite, "slow-write"},
+                                     {Act::kCheckFails, "check"}, {Act::kEmpty, "empty"},
+                                     {Act::kNumeric, "numeric"},  {Act::kNoMemory, "no-memory"},
+                                     {Act::kBug, "bug"},          {Act::kPoll, "poll"}};
+
+struct ProbeOptions {
+  Act act = Act::kWrite;
+  int count = 3;
+  double width = 0.5;
+  bool fast = true;
+  std::vector<std::string> names;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.act, Choice<Act>{"act", "what to do", kActs});
+    visit(self.count, Field<int>{"count", "", "lines to write", 0, 1000});
+    visit(self.width, Field<double>{"line_width", "px", "written", 0, 10});
+    visit(self.fast, Flag{"fast", "written"});
+    visit(self.names, Text{"names", "NAME", "written"});
+  }
+};
+
+int act(cli::Run& run, const ProbeOptions& options, const std::string& path) {
+  const auto nap = [] { std::this_thread::sleep_for(std::chrono::milliseconds(20)); };
+  if (options.act == Act::kEmpty) run.nothing_found("probe: nothing there", "look elsewhere");
+  if (options.act == Act::kNumeric) throw Error(ErrorCode::kNumeric, "row 3: nan, expected finite");
+  if (options.act == Act::kNoMemory) throw std::bad_alloc();
+  if (options.act == Act::kBug) throw std::logic_error("probe");
+  while (options.act == Act::kPoll && !run.monitor().stop_requested()) nap();
+  if (options.act == Act::kPoll) return run.stop_code();
+  io::AtomicFile file(path);
+  for (int i = 0; i < options.count; ++i) {
+    file.write("line\n");
+    if (options.act == Act::kSlowWrite) std::fprintf(stderr, "line %d is written\n", i), nap();
+  }
+  for (const std::string& name : options.names) file.write(name + "\n");
+  file.commit();
+  run.result()["lines"] = options.count;
+  return options.act == Act::kCheckFails ? cli::kCheckFailed : cli::kDone;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  cli::Tool tool("ngs-probe", "Do what a test asks.",
+                 {"ngs-probe in.txt -o out.txt", "ngs-probe in.txt -o out.txt --count 5"});
+  ProbeOptions options;
+  tool.options(options);
+  const cli::Input& in = tool.input("text", "any file");
+  const cli::Input& more = tool.optional_input("--more", "any file or folder");
+  const cli::Output& out = tool.output("-o,--output", "lines");
+  if (argc > 1 && std::string(argv[argc - 1]) == "--act=poll") tool.stops_on_request();
+  return tool.run(argc, argv, [&](cli::Run& run) {
+    run.result()["input"] = in.path;
+    run.result()["more"] = more.path;
+    if (run.dry_run()) {
+      run.plan({{"lines", options.count}});
+      return cli::kDone;
+    }
+    return act(run, options, out.path);
+  });
+}

@@ -1,0 +1,181 @@
+#include "ngs/options/option_set.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdint>
+
+#include "ngs/core/error.h"
+#include "ngs/options/near_matches.h"
+
+namespace ngs {
+namespace {
+
+enum class Window { kMean, kPixel };
+constexpr NamedValue<Window> kWindows[] = {{Window::kMean, "mean"}, {Window::kPixel, "pixel"}};
+
+struct SampleOptions {  // one option of every kind
+  int neighbours = 8;
+  std::int64_t offset = -5;
+  std::uint64_t salt = 7;
+  double tau = 0.6;
+  bool antialiased = true;
+  std::string note = "x";
+  std::vector<std::string> objects;
+  Window window = Window::kPixel;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.neighbours, Field<int>{"neighbours", "", "how many", 1, 32});
+    visit(self.offset, Field<std::int64_t>{"offset", "px", "moves", INT64_MIN, 10});
+    visit(self.salt, Field<std::uint64_t>{"salt", "", "mixes", 1, UINT64_MAX});
+    visit(self.tau, Field<double>{"tau", "", "threshold", 0, 1});
+    visit(self.antialiased, Flag{"antialiased", "compensates"});
+    visit(self.note, Text{"note", "TEXT", "is kept"});
+    visit(self.objects, Text{"objects", "NAME", "to cut out"});
+    visit(self.window, Choice<Window>{"window", "centre", kWindows});
+  }
+};
+
+struct Fixture {
+  SampleOptions options;
+  OptionSet set;
+  Fixture() { set.add(options); }
+};
+
+std::string message_of(const std::function<void()>& body) {
+  try {
+    body();
+  } catch (const Error& e) {
+    CHECK(e.code() == ErrorCode::kUsage);
+    return std::string(e.what()) + " | " + e.remedy();
+  }
+  return "nothing was thrown";
+}
+
+}  // namespace
+
+TEST_CASE_FIXTURE(Fixture, "options survive the way to JSON and back") {
+  options = {3, -9, UINT64_MAX, 0.1, false, "y", {"a", "b"}, Window::kMean};
+  const Json written = parse_json(set.to_json().dump(), "a test");
+  options = {};
+  set.set_json(written, "a test");
+  CHECK(options.neighbours == 3);
+  CHECK(options.offset == -9);
+  CHECK(options.salt == UINT64_MAX);
+  CHECK(options.tau == 0.1);
+  CHECK_FALSE(options.antialiased);
+  CHECK(options.note == "y");
+  CHECK(options.objects == std::vector<std::string>{"a", "b"});
+  CHECK(options.window == Window::kMean);
+}
+
+TEST_CASE_FIXTURE(Fixture, "typed text sets every kind of option, the last of several wins") {
+  set.set_text("neighbours", {"3", "4"});
+  set.set_text("tau", {"1e-3"});
+  set.set_text("antialiased", {"off"});
+  set.set_text("objects", {"a", "b"});
+  set.set_text("window", {"mean"});
+  set.set_text("note", {"12"});  // looks like a number, is a text
+  CHECK(options.neighbours == 4);
+  CHECK(options.tau == 1e-3);
+  CHECK_FALSE(options.antialiased);
+  CHECK(options.objects == std::vector<std::string>{"a", "b"});
+  CHECK(options.window == Window::kMean);
+  CHECK(options.note == "12");
+}
+
+TEST_CASE_FIXTURE(Fixture, "a value outside its range is refused with the range, the ends are inside") {
+  CHECK(message_of([&] { set.set_text("neighbours", {"0"}); }) == "neighbours = 0, expected in [1, 32] | ");
+  CHECK(message_of([&] { set.set_text("neighbours", {"33"}); }) == "neighbours = 33, expected in [1, 32] | ");
+  CHECK(message_of([&] { set.set_text("offset", {"11"}); }) ==
+        "offset = 11, expected in [-9223372036854775808, 10] px | ");
+  CHECK(message_of([&] { set.set_text("salt", {"-1"}); }) ==
+        "salt = -1, expected in [1, 18446744073709551615] | ");
+  CHECK(message_of([&] { set.set_text("offset", {"18446744073709551615"}); }).find("expected in") !=
+        std::string::npos);
+  set.set_text("neighbours", {"1"});
+  set.set_text("neighbours", {"32"});
+  CHECK(options.neighbours == 32);
+}
+
+TEST_CASE_FIXTURE(Fixture, "numbers that are none, not whole or not finite are refused") {
+  CHECK(message_of([&] { set.set_text("neighbours", {"abc"}); }) ==
+        "neighbours = \"abc\", expected an integer in [1, 32] | ");
+  for (const char* text : {"", "1.5", "8x", "0x8", " 8", "1e1"}) {
+    CAPTURE(text);
+    CHECK(message_of([&] { set.set_text("neighbours", {text}); }).find("an integer") != std::string::npos);
+  }
+  CHECK(message_of([&] { set.set_text("tau", {"nan"}); }) == "tau = nan, expected in [0.0, 1.0] | ");
+  CHECK(message_of([&] { set.set_text("tau", {"inf"}); }) == "tau = infinity, expected in [0.0, 1.0] | ");
+  CHECK(options.tau == 0.6);
+}
+
+TEST_CASE_FIXTURE(Fixture, "an unknown name is refused with the nearest ones") {
+  CHECK(message_of([&] {
+          set.set_json({{"neighbors", 3}}, "o.json");
+        }) == "o.json: unknown option 'neighbors' | did you mean 'neighbours'?");
+  CHECK(message_of([&] {
+          set.set_json({{"window", "pixels"}}, "o.json");
+        }) == "o.json: window = \"pixels\", expected one of mean, pixel | did you mean 'pixel'?");
+}
+
+TEST_CASE_FIXTURE(Fixture, "a wrong JSON type is refused") {
+  for (const Json& wrong : {Json{{"neighbours", 8.0}}, Json{{"tau", "0.5"}}, Json{{"antialiased", 1}},
+                            Json{{"note", 1}}, Json{{"objects", "a"}}, Json{{"objects", {1}}},
+                            Json{{"window", 0}}, Json{{"tau", nullptr}}, Json::array({1}), Json(3)}) {
+    CAPTURE(wrong.dump());
+    CHECK(message_of([&] { set.set_json(wrong, "o.json"); }).find("expected") != std::string::npos);
+  }
+}
+
+TEST_CASE("JSON with a key twice is refused, in one object only") {
+  CHECK(message_of([] { parse_json(R"({"a": 1, "a": 2})", "o.json"); }) ==
+        "o.json: key 'a' occurs twice, expected once | ");
+  CHECK(message_of([] {
+          parse_json(R"({"b": {"a": 1, "c": 2, "a": 3}})", "o.json");
+        }).find("'a' occurs twice") != std::string::npos);
+  CHECK(parse_json(R"({"a": {"a": 1}, "b": [{"a": 1}, {"a": 2}]})", "o.json").size() == 2);
+  for (const char* broken : {"", "{", "{}x", "{'a': 1}", "[1,]"}) {
+    CAPTURE(broken);
+    CHECK(message_of([&] { parse_json(broken, "o.json"); }).find("o.json: not JSON: ") == 0);
+  }
+}
+
+TEST_CASE_FIXTURE(Fixture, "the schema says type, range, choices and default of every option") {
+  options.neighbours = 30;  // a default is what stood there when the option was added
+  const Json schema = set.schema("sample");
+  CHECK(schema["additionalProperties"] == false);
+  CHECK(schema["properties"].size() == 8);
+  CHECK(
+      schema["properties"]["neighbours"] ==
+      Json{
+          {"type", "integer"}, {"description", "how many"}, {"minimum", 1}, {"maximum", 32}, {"default", 8}});
+  CHECK(schema["properties"]["offset"]["x-unit"] == "px");
+  CHECK(schema["properties"]["window"]["enum"] == Json{"mean", "pixel"});
+  CHECK(schema["properties"]["objects"]["items"]["type"] == "string");
+}
+
+TEST_CASE("a prefix keeps two sets of the same options apart, and one name twice is a bug") {
+  SampleOptions coarse, fine;
+  OptionSet set;
+  set.add(coarse, "coarse_");
+  set.add(fine, "fine_");
+  set.set_text("fine_neighbours", {"9"});
+  CHECK(coarse.neighbours == 8);
+  CHECK(fine.neighbours == 9);
+  CHECK_THROWS_AS(set.add(fine, "fine_"), std::logic_error);
+}
+
+TEST_CASE("edit distance counts insertions, deletions, substitutions and swaps") {
+  CHECK(edit_distance("", "") == 0);
+  CHECK(edit_distance("", "abc") == 3);
+  CHECK(edit_distance("abc", "") == 3);
+  CHECK(edit_distance("abc", "adc") == 1);
+  CHECK(edit_distance("abc", "acb") == 1);
+  CHECK(edit_distance("kitten", "sitting") == 3);
+  CHECK(near_matches("thread", {"seed", "threads", "tau"}) == std::vector<std::string>{"threads"});
+  CHECK(suggestion("zzz", {"seed", "tau"}) == "known: seed, tau");
+}
+
+}  // namespace ngs

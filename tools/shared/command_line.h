@@ -1,0 +1,14 @@
+#pragma once
+// argv -> CommonFlags and the values of a Spec. The only file that knows CLI11 is command_line.cpp.
+#include "shared/spec.h"
+
+namespace ngs::cli {
+
+/// Fills the options (options file first, then flags), inputs and outputs of `spec`. Throws Error(kUsage) for
+/// what cannot be understood; what is missing is check_required()'s matter, so that --help, --version,
+/// --print-options and --print-schema need no inputs.
+CommonFlags parse_command_line(int argc, char** argv, Spec& spec);
+
+void check_required(const Spec& spec);
+
+}  // namespace ngs::cli

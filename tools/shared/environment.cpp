@@ -1,0 +1,43 @@
+#include "shared/environment.h"
+
+#include <sched.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <cstring>
+
+#include "ngs/backend/device_info.h"
+
+namespace ngs::cli {
+
+int choose_threads(const std::optional<int>& flag) {
+  if (flag) return *flag;
+  for (const char* name : {"NGS_THREADS", "SLURM_CPUS_PER_TASK"}) {
+    const char* text = std::getenv(name);
+    if (text == nullptr || *text == '\0') continue;
+    int threads = 0;
+    const char* end = text + std::strlen(text);
+    const auto parsed = std::from_chars(text, end, threads);
+    if (parsed.ec != std::errc() || parsed.ptr != end || threads < 1 || threads > 4096)
+      throw Error(ErrorCode::kUsage, std::string(name) + " = '" + text + "', expected in [1, 4096]",
+                  std::string("unset it or use -j"));
+    return threads;
+  }
+  cpu_set_t cpus;
+  if (sched_getaffinity(0, sizeof cpus, &cpus) != 0) return 1;
+  return std::max(1, CPU_COUNT(&cpus));
+}
+
+ChosenDevice choose_device(DeviceChoice choice) {
+  if (choice == DeviceChoice::kCpu) return {Device::kCpu, "cpu", "--device cpu"};
+  const DeviceInfo cuda = cuda_device();
+  if (choice == DeviceChoice::kCuda && !cuda.usable)
+    throw Error(ErrorCode::kEnvironment, "--device cuda: " + cuda.reason,
+                "use --device cpu, or build with -DNGS_WITH_CUDA=ON");
+  if (choice == DeviceChoice::kCuda) return {Device::kCuda, cuda.name, "--device cuda"};
+  if (cuda.usable) return {Device::kCuda, cuda.name, "auto: a usable CUDA device was found"};
+  return {Device::kCpu, "cpu", "auto: " + cuda.reason};
+}
+
+}  // namespace ngs::cli

@@ -1,0 +1,22 @@
+#pragma once
+// What the machine and the environment variables say: threads and device.
+#include <optional>
+#include <string>
+
+#include "ngs/backend/exec.h"
+#include "shared/spec.h"
+
+namespace ngs::cli {
+
+/// -j, else NGS_THREADS, else SLURM_CPUS_PER_TASK, else the CPUs that this process may run on.
+int choose_threads(const std::optional<int>& flag);
+
+struct ChosenDevice {
+  Device device = Device::kCpu;
+  std::string name;    // "cpu" or the GPU's name
+  std::string reason;  // why this one
+};
+/// Throws kEnvironment where CUDA is asked for and cannot be had.
+ChosenDevice choose_device(DeviceChoice choice);
+
+}  // namespace ngs::cli

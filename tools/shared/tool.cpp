@@ -1,0 +1,221 @@
+#include "shared/tool.h"
+
+#include <sys/resource.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <locale>
+#include <new>
+
+#include "ngs/core/error.h"
+#include "ngs/io/atomic_file.h"
+#include "shared/command_line.h"
+#include "shared/console.h"
+#include "shared/help.h"
+#include "shared/paths.h"
+#include "shared/signals.h"
+
+namespace ngs::cli {
+
+struct RunState {
+  const CommonFlags& flags;
+  Console& console;
+  Exec exec;
+  Monitor monitor;
+  std::vector<ReadInput> inputs;
+  Json result = Json::object();
+  Json plan = Json::object();
+};
+
+const Exec& Run::exec() const { return state_.exec; }
+Monitor& Run::monitor() { return state_.monitor; }
+std::uint64_t Run::seed() const { return state_.flags.seed; }
+bool Run::dry_run() const { return state_.flags.dry_run; }
+bool Run::allow_empty() const { return state_.flags.allow_empty; }
+bool Run::overwrite() const { return state_.flags.overwrite; }
+Json& Run::result() { return state_.result; }
+void Run::plan(Json plan) { state_.plan = std::move(plan); }
+void Run::info(const std::string& message) { state_.console.info(message); }
+int Run::stop_code() const { return signal_exit_code(); }
+
+void Run::add_input(const std::string& name, const std::string& path) {
+  state_.inputs.push_back(describe_input(name, path, !dry_run()));
+}
+
+void Run::nothing_found(const std::string& message, const std::string& remedy) {
+  if (!allow_empty())
+    throw Error(ErrorCode::kNothingFound, message,
+                remedy.empty() ? "--allow-empty makes this a result" : remedy);
+  state_.monitor.warn(message);
+}
+
+struct Tool::Impl {
+  Spec spec;
+
+  Input& add_input(std::string name, std::string help, bool required) {
+    Input& input = spec.inputs.emplace_back(Input{std::move(name), std::move(help), required, {}});
+    if (input.name[0] != '-') add_positional(input.name, input.path);
+    return input;
+  }
+  void add_positional(const std::string& name, std::string& target) {
+    spec.positionals.push_back(&target);
+    spec.positional_names.push_back(name);
+  }
+  Output& add_output(std::string flags, std::string help, bool required, bool directory) {
+    return spec.outputs.emplace_back(Output{std::move(flags), std::move(help), required, directory, {}});
+  }
+  int run(const CommonFlags& flags, Console& console, const std::function<int(Run&)>& body);
+};
+
+Tool::Tool(std::string name, std::string summary, std::initializer_list<std::string> examples)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->spec.name = std::move(name);
+  impl_->spec.summary = std::move(summary);
+  impl_->spec.examples = examples;
+}
+Tool::~Tool() = default;
+
+OptionSet& Tool::option_set() { return impl_->spec.options; }
+const Input& Tool::input(std::string name, std::string help) {
+  return impl_->add_input(std::move(name), std::move(help), true);
+}
+const Input& Tool::optional_input(std::string name, std::string help) {
+  return impl_->add_input(std::move(name), std::move(help), false);
+}
+const Inputs& Tool::inputs(std::string name, std::string help) {
+  return impl_->spec.input_lists.emplace_back(Inputs{std::move(name), std::move(help), {}});
+}
+const Argument& Tool::argument(std::string name, std::string help) {
+  Argument& argument = impl_->spec.arguments.emplace_back(Argument{std::move(name), std::move(help), {}});
+  impl_->add_positional(argument.name, argument.value);
+  return argument;
+}
+const Output& Tool::output(std::string flags, std::string help) {
+  return impl_->add_output(std::move(flags), std::move(help), true, false);
+}
+const Output& Tool::optional_output(std::string flags, std::string help) {
+  return impl_->add_output(std::move(flags), std::move(help), false, false);
+}
+const Output& Tool::output_dir(std::string flags, std::string help) {
+  return impl_->add_output(std::move(flags), std::move(help), true, true);
+}
+const Output& Tool::optional_output_dir(std::string flags, std::string help) {
+  return impl_->add_output(std::move(flags), std::move(help), false, true);
+}
+void Tool::stops_on_request() { impl_->spec.stops_on_request = true; }
+
+namespace {
+
+double process_cpu_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) { return double(t.tv_sec) + 1e-6 * double(t.tv_usec); };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+void print(const std::string& text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+    throw Error(ErrorCode::kEnvironment, "stdout: cannot be written");
+}
+
+std::string json_text(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+/// True if the command line asked for a text instead of a run.
+bool print_text(const Spec& spec, const CommonFlags& flags) {
+  if (flags.help)
+    print(help_text(spec));
+  else if (flags.version)
+    print(version_text(spec, flags.json));
+  else if (flags.print_schema == "report")
+    print(json_text(report_schema(spec)));
+  else if (!flags.print_schema.empty())
+    print(json_text(spec.options.schema(spec.name + " options")));
+  else if (flags.print_options)
+    print(json_text(spec.options.to_json()));
+  else
+    return false;
+  return true;
+}
+
+/// The only place that turns exceptions into messages and exit codes.
+int guarded(Console& console, const std::function<int()>& body) {
+  try {
+    return body();
+  } catch (const Error& e) {
+    console.error(e.what(), e.remedy());
+    return int(e.code());
+  } catch (const std::bad_alloc&) {
+    console.error("out of memory", "--dry-run estimates what is needed");
+    return int(ErrorCode::kEnvironment);
+  } catch (const std::filesystem::filesystem_error& e) {
+    console.error(e.what(), "");
+    return int(ErrorCode::kEnvironment);
+  } catch (const std::exception& e) {
+    console.error(std::string("bug in ngs: ") + e.what(), "report it with the command line and --version");
+    return kBug;
+  }
+}
+
+}  // namespace
+
+int Tool::Impl::run(const CommonFlags& flags, Console& console, const std::function<int(Run&)>& body) {
+  const double start_s = wall_seconds();
+  check_required(spec);
+  check_inputs(spec);
+  check_outputs(spec, flags.overwrite);
+  const ChosenDevice device = choose_device(flags.device);
+  RunState state{.flags = flags, .console = console, .exec = {}, .monitor = {}, .inputs = {}};
+  state.exec.device = device.device;
+  state.exec.threads = choose_threads(flags.threads);
+  state.monitor.stop_flag(&stop_flag());
+  state.monitor.on_warning = [&](const std::string& message) { console.warning(message); };
+  state.monitor.on_progress = [&](const std::string& stage, std::int64_t done, std::int64_t total) {
+    console.progress(stage, done, total);
+  };
+  console.info("device: " + device.name + " (" + device.reason +
+               "), threads: " + std::to_string(state.exec.threads));
+  install_signal_handlers(spec.stops_on_request);
+  {
+    const Monitor::Scope scope = state.monitor.scope("hash inputs");
+    state.inputs = describe_inputs(spec, !flags.dry_run);
+  }
+  for (const Output& output : spec.outputs)
+    if (output && output.directory && !flags.dry_run) std::filesystem::create_directories(output.path);
+
+  Run run(state);
+  const int exit_code = body(run);
+  const Json report = make_report({.spec = spec,
+                                   .flags = flags,
+                                   .device = device,
+                                   .threads = state.exec.threads,
+                                   .inputs = state.inputs,
+                                   .monitor = state.monitor,
+                                   .result = state.result,
+                                   .plan = state.plan,
+                                   .wall_s = wall_seconds() - start_s,
+                                   .cpu_s = process_cpu_seconds(),
+                                   .exit_code = exit_code});
+  if (flags.report_path.empty())
+    print(json_text(report));
+  else
+    io::write_file(flags.report_path, json_text(report));
+  return exit_code;
+}
+
+int Tool::run(int argc, char** argv, const std::function<int(Run&)>& body) {
+  std::locale::global(std::locale::classic());
+  Console early(impl_->spec.name, LogLevel::kWarning, LogFormat::kText);
+  CommonFlags flags;
+  const int parsed = guarded(early, [&] {
+    flags = parse_command_line(argc, argv, impl_->spec);
+    return 0;
+  });
+  if (parsed != 0) return parsed;
+  Console console(impl_->spec.name, flags.log_level, flags.log_format);
+  return guarded(console,
+                 [&] { return print_text(impl_->spec, flags) ? 0 : impl_->run(flags, console, body); });
+}
+
+}  // namespace ngs::cli
