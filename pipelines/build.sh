@@ -1,0 +1,9 @@
+#!/usr/bin/env bash
+# Builds the tools and tests into build/ (preset ci: CUDA where nvcc is found). Arguments go to `cmake --build`:
+#   pipelines/build.sh                       everything
+#   pipelines/build.sh --target ngs-joint    one tool
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+cmake --preset ci
+cmake --build --preset ci "$@"

@@ -1,0 +1,34 @@
+#!/usr/bin/env bash
+# Installs the Debian packages of packages.txt that are missing (Debian 12, Ubuntu 22.04 and later).
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+
+say() { echo "setup: $*" >&2; }
+installed() { dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null | grep -qx installed; }
+
+missing=()
+if command -v dpkg-query >/dev/null; then
+  while read -r package; do
+    installed "$package" || missing+=("$package")
+  done < <(grep -v '^#' "$here/packages.txt")
+else
+  say "error: this is no Debian or Ubuntu; install the equivalents of pipelines/packages.txt, then run pipelines/build.sh"
+  exit 8
+fi
+if [ ${#missing[@]} -eq 0 ]; then
+  say "all $(grep -vc '^#' "$here/packages.txt") packages are installed"
+  exit 0
+fi
+
+as_root=()
+if [ "$(id -u)" -ne 0 ]; then
+  if ! command -v sudo >/dev/null; then
+    say "error: neither root nor sudo; ask an administrator to run: apt-get install --no-install-recommends ${missing[*]}"
+    exit 8
+  fi
+  as_root=(sudo)
+fi
+say "installing ${missing[*]}"
+export DEBIAN_FRONTEND=noninteractive
+"${as_root[@]}" apt-get update -q
+"${as_root[@]}" apt-get install -q -y --no-install-recommends "${missing[@]}"
