@@ -1,0 +1,226 @@
+#include "ngs/io/gaussian_ply.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "ngs/core/error.h"
+#include "ngs/io/gaussian_columns.h"
+
+namespace ngs::io {
+namespace {
+
+struct Columns {
+  std::array<PlyColumn, 3> position, scale, sh_dc;
+  std::array<PlyColumn, 4> rotation;
+  PlyColumn opacity;
+  std::vector<PlyColumn> rest;  // file order: channel-major
+};
+
+class Reader {
+ public:
+  explicit Reader(GaussianPly& ply) : ply_(ply), name_(ply.file.name()) {}
+
+  void read() {
+    load_rows();
+    find_columns();
+    ply_.cloud.resize(ply_.rows.rows, degree());
+    choose_origin();
+    copy_positions();
+    copy_attributes();
+    copy_labels();
+    read_comments();
+    ply_.health = classify(ply_.cloud);
+  }
+
+ private:
+  [[noreturn]] void bad(const std::string& message, std::string remedy = {}) const {
+    throw Error(ErrorCode::kBadInput, name_ + ": " + message, std::move(remedy));
+  }
+
+  void load_rows() {
+    if (is_compressed(ply_.file)) {
+      ply_.rows = decode_compressed(ply_.file);
+      ply_.notes.push_back("compressed.ply: attributes are quantised");
+      return;
+    }
+    const PlyElement* vertex = ply_.file.find("vertex");
+    if (vertex == nullptr) bad("no element 'vertex', expected a Gaussian splatting model");
+    ply_.rows = ply_.file.table(*vertex);
+    if (ply_.rows.properties.size() != vertex->properties.size())
+      ply_.notes.push_back("list properties of the Gaussians are left out");
+    for (const PlyElement& e : ply_.file.elements())
+      if (&e != vertex) ply_.notes.push_back("element '" + e.name + "' is left out");
+  }
+
+  PlyColumn required(const std::string& column) const {
+    const PlyColumn found = ply_.rows.column(column);
+    if (found) return found;
+    const auto& p = ply_.rows.properties;
+    const std::string range = p.empty() ? "" : " (found " + std::to_string(p.size()) + " properties, " +
+                                                   p.front().name + " ... " + p.back().name + ")";
+    bad("vertex property '" + column + "' is missing" + range,
+        ply_.rows.find("red") >= 0 ? "this is a point cloud, not a Gaussian model: ngs-fit makes one from posed photos"
+                                   : "");
+  }
+
+  void find_columns() {
+    columns_.position = {required("x"), required("y"), required("z")};
+    columns_.scale = {required("scale_0"), required("scale_1"), ply_.rows.column("scale_2")};
+    for (int k = 0; k < 4; ++k) columns_.rotation[std::size_t(k)] = required("rot_" + std::to_string(k));
+    columns_.opacity = required("opacity");
+    for (int c = 0; c < 3; ++c) columns_.sh_dc[std::size_t(c)] = required("f_dc_" + std::to_string(c));
+    std::size_t rest = 0;
+    for (const PlyProperty& p : ply_.rows.properties) rest += p.name.starts_with("f_rest_");
+    if (rest != 0 && rest != 9 && rest != 24 && rest != 45)
+      bad(std::to_string(rest) + " properties f_rest_*, expected 0, 9, 24 or 45 (SH degree 0 to 3)");
+    for (std::size_t k = 0; k < rest; ++k) columns_.rest.push_back(required("f_rest_" + std::to_string(k)));
+    if (!columns_.scale[2])
+      ply_.notes.push_back("no scale_2 (a 2DGS model): read as flat Gaussians, 1/1000 of the smaller scale thick");
+  }
+
+  int degree() const {
+    for (int degree = 0; degree < 3; ++degree)
+      if (std::size_t(sh_rest_count(degree)) * 3 == columns_.rest.size()) return degree;
+    return 3;
+  }
+
+  // Only double coordinates have detail that float would lose; the centre is a float, so that a strict file
+  // and its cameras need no more digits than the centre has.
+  void choose_origin() {
+    if (std::none_of(columns_.position.begin(), columns_.position.end(),
+                     [](const PlyColumn& c) { return c.type == PlyType::kFloat64; }))
+      return;
+    std::array<double, 3> low, high;
+    low.fill(INFINITY), high.fill(-INFINITY);
+    for (std::size_t a = 0; a < 3; ++a)
+      for (std::int64_t i = 0; i < ply_.rows.rows; ++i)
+        if (const double v = columns_.position[a].value(i); std::abs(v) < 1e30)
+          low[a] = std::min(low[a], v), high[a] = std::max(high[a], v);
+    double half_extent = 0, distance = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (low[a] > high[a]) return;
+      half_extent = std::max(half_extent, 0.5 * (high[a] - low[a]));
+      distance = std::max(distance, std::abs(0.5 * (low[a] + high[a])));
+    }
+    if (distance <= 8 * half_extent) return;
+    for (std::size_t a = 0; a < 3; ++a) ply_.cloud.origin[a] = double(float(0.5 * (low[a] + high[a])));
+    ply_.notes.push_back("double positions far from 0 are kept relative to their centre; strict outputs round them");
+  }
+
+  void copy_positions() {
+    for (std::int64_t i = 0; i < ply_.rows.rows; ++i)
+      for (std::size_t a = 0; a < 3; ++a) {
+        const PlyColumn& column = columns_.position[a];
+        ply_.cloud.position[std::size_t(i) * 3 + a] = column.type == PlyType::kFloat32
+                                                          ? column.value_float(i)
+                                                          : float(column.value(i) - ply_.cloud.origin[a]);
+      }
+  }
+
+  void copy_attributes() {
+    GaussianCloud& cloud = ply_.cloud;
+    const std::size_t rest = columns_.rest.size() / 3;
+    for (std::int64_t i = 0; i < ply_.rows.rows; ++i) {
+      const std::size_t r = std::size_t(i);
+      for (std::size_t k = 0; k < 4; ++k) cloud.rotation[r * 4 + k] = columns_.rotation[k].value_float(i);
+      for (std::size_t c = 0; c < 3; ++c) cloud.sh_dc[r * 3 + c] = columns_.sh_dc[c].value_float(i);
+      cloud.logit_opacity[r] = columns_.opacity.value_float(i);
+      float* scale = &cloud.log_scale[r * 3];
+      for (std::size_t k = 0; k < 2; ++k) scale[k] = columns_.scale[k].value_float(i);
+      scale[2] = columns_.scale[2] ? columns_.scale[2].value_float(i) : std::min(scale[0], scale[1]) - kLog1000;
+      float* to = cloud.sh_rest.data() + r * rest * 3;
+      for (std::size_t k = 0; k < rest; ++k)
+        for (std::size_t c = 0; c < 3; ++c) to[k * 3 + c] = columns_.rest[c * rest + k].value_float(i);
+    }
+  }
+
+  std::vector<float> floats(const std::string& column) const {
+    const PlyColumn from = ply_.rows.column(column);
+    std::vector<float> values(from ? std::size_t(ply_.rows.rows) : 0);
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = from.value_float(std::int64_t(i));
+    return values;
+  }
+
+  LabelColumns label_set(const std::string& suffix) const {
+    LabelColumns set;
+    for (const LabelField& f : kLabelFields) set.*f.column = floats(std::string(f.name) + suffix);
+    return set;
+  }
+
+  // Names of objects come from the comment where it agrees with the columns, else from the columns.
+  std::vector<std::string> object_names() const {
+    for (const std::string& comment : ply_.file.comments()) {
+      if (!comment.starts_with(kObjectsComment)) continue;
+      const auto json = nlohmann::json::parse(comment.substr(kObjectsComment.size()), nullptr, false);
+      std::vector<std::string> names;
+      if (json.is_array())
+        for (const auto& name : json)
+          if (name.is_string()) names.push_back(name);
+      return names;
+    }
+    return {};
+  }
+
+  void copy_labels() {
+    ply_.labels = label_set("");
+    const std::vector<std::string> names = object_names();
+    if (names.size() == 1) ply_.object = names[0];
+    const std::string prefix = std::string(kLabelFields[0].name) + "_";
+    for (const PlyProperty& p : ply_.rows.properties) {
+      if (!p.name.starts_with(prefix)) continue;
+      const std::string suffix = p.name.substr(prefix.size());
+      const auto named = std::find_if(names.begin(), names.end(),
+                                      [&](const std::string& name) { return column_suffix(name) == suffix; });
+      ply_.objects.push_back({named != names.end() ? *named : suffix, label_set("_" + suffix)});
+    }
+    ply_.fixed = floats(std::string(kFixedColumn));
+    for (const float v : floats(std::string(kStateColumn)))
+      ply_.state.push_back(v >= 0 && v <= 255 ? std::uint8_t(v) : std::uint8_t(0));
+  }
+
+  void read_comments() {
+    for (const std::string& comment : ply_.file.comments()) {
+      if (!is_render_comment(comment)) continue;
+      ply_.cloud.antialiased |= comment.find("mip") != std::string::npos || comment.find('1') != std::string::npos ||
+                                comment.find("true") != std::string::npos;
+    }
+    if (ply_.cloud.antialiased) ply_.notes.push_back("trained with antialiasing (header comment)");
+  }
+
+  static constexpr float kLog1000 = 6.9077554f;
+  GaussianPly& ply_;
+  std::string name_;
+  Columns columns_;
+};
+
+}  // namespace
+
+bool is_render_comment(std::string_view comment) {
+  return comment.starts_with("SplatRenderMode") || comment.starts_with("antialiased");
+}
+
+std::string column_suffix(const std::string& object) {
+  std::string suffix = object;
+  for (char& c : suffix) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '-';
+    if (!plain) c = '_';
+  }
+  return suffix;
+}
+
+GaussianPly read_gaussian_ply(const std::string& path) {
+  GaussianPly ply;
+  ply.file = PlyFile::open(path);
+  Reader(ply).read();
+  return ply;
+}
+
+GaussianPly parse_gaussian_ply(std::string name, Bytes bytes) {
+  GaussianPly ply;
+  ply.file = PlyFile::parse(std::move(name), bytes);
+  Reader(ply).read();
+  return ply;
+}
+
+}  // namespace ngs::io
