@@ -40,6 +40,9 @@ inline SplatCase splat_case(std::uint64_t seed, int gaussians, int width_px, int
     for (int k = 0; k < 45; ++k) c.sh_rest.push_back(uniform(-0.3, 0.3));
     for (int k = 0; k < 2; ++k) c.label.push_back(uniform(0, 1));
   }
+  // Values that float holds exactly: the float path and the references then see the same input.
+  for (auto* column : {&c.position, &c.rotation, &c.log_scale, &c.logit_opacity, &c.sh_dc, &c.sh_rest, &c.label})
+    for (double& x : *column) x = double(float(x));
   return c;
 }
 
@@ -49,6 +52,16 @@ std::vector<S> converted(const std::vector<double>& v) {
   out.reserve(v.size());
   for (const double x : v) out.push_back(S(x));
   return out;
+}
+
+/// The case as a GaussianCloud.
+inline GaussianCloud float_cloud(const SplatCase& c) {
+  GaussianCloud cloud;
+  cloud.resize(c.gaussians, c.degree);
+  cloud.position = converted<float>(c.position), cloud.rotation = converted<float>(c.rotation);
+  cloud.log_scale = converted<float>(c.log_scale), cloud.logit_opacity = converted<float>(c.logit_opacity);
+  cloud.sh_dc = converted<float>(c.sh_dc), cloud.sh_rest = converted<float>(c.sh_rest);
+  return cloud;
 }
 
 /// The case's arrays in scalar S, and views of them.

@@ -15,6 +15,7 @@ struct ReferencePixel {
   std::array<double, 3> rgb{};
   std::array<double, 2> label{};
   double depth = 0, transmittance = 1;
+  double closest_threshold = 1;  // smallest relative distance of any alpha to 1/255 or of any T to 1e-4
   std::vector<std::pair<int, double>> weight;  // (Gaussian, alpha · T) in depth order
 };
 
@@ -119,8 +120,10 @@ inline std::vector<ReferencePixel> reference_render(const SplatCase& c, const Sp
         const double power = -0.5 * (k.a * dx * dx + k.c * dy * dy) - k.b * dx * dy;
         if (power > 0) continue;
         const double alpha = std::min(0.99, k.opacity * std::exp(power));
+        px.closest_threshold = std::min(px.closest_threshold, std::abs(alpha * 255 - 1));
         if (alpha < 1.0 / 255) continue;
         const double next = px.transmittance * (1 - alpha);
+        px.closest_threshold = std::min(px.closest_threshold, std::abs(next * 1e4 - 1));
         if (o.compat == Compat::kInria ? next < 1e-4 : next <= 1e-4) break;
         const double weight = alpha * px.transmittance;
         for (int ch = 0; ch < 3; ++ch) px.rgb[std::size_t(ch)] += weight * k.rgb[ch];

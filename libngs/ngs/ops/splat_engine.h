@@ -1,8 +1,6 @@
 #pragma once
 // Forward and backward of one whole view, templated on the lane type. Internal to ops: splat.cpp instantiates it
 // with PackF; tests with double and Dual<double>.
-#include <type_traits>
-
 #include "ngs/ops/splat_tiles.h"
 
 namespace ngs {
@@ -30,9 +28,6 @@ struct CloudGradientView {
   S *sh_dc = nullptr, *sh_rest = nullptr, *label = nullptr, *mean_px = nullptr;
   std::uint8_t* visible = nullptr;
 };
-
-template <class S>
-using WideOf = std::conditional_t<std::is_same_v<S, float>, double, S>;
 
 template <class L>
 class SplatEngine {
@@ -76,7 +71,7 @@ class SplatEngine {
       S* row = channel_.data() + v * count;
       const std::int64_t i = view_.id[std::size_t(v)];
       if (request_.colour) {
-        const Vec3<S> rgb = sh_colour(cloud_.sh_degree, offset_from(centre, cloud_.position + i * 3),
+        const Vec3<S> rgb = sh_colour(cloud_.sh_degree, narrowed<S>(offset_from(centre, cloud_.position + i * 3)),
                                       cloud_.sh_dc + i * 3, cloud_.sh_rest + i * cloud_.rest_stride * 3);
         *row++ = rgb.x, *row++ = rgb.y, *row++ = rgb.z;
       }
@@ -173,7 +168,8 @@ class SplatEngine {
 
     const Vec3<double> centre = camera_.centre();
     const ProjectionCamera<S> pc = projection_camera<S>(camera_, options_.compat);
-    const Vec3<S> offset = offset_from(centre, cloud_.position + i * 3), t = pc.rotation * offset;
+    const Vec3<Wide> wide_offset = offset_from(centre, cloud_.position + i * 3);
+    const Vec3<S> offset = narrowed<S>(wide_offset), t = narrowed<S>(mat3_cast<Wide>(camera_.rotation) * wide_offset);
     ProjectionContext<S> ctx;
     const ProjectedGaussian<S> p = project_gaussian(pc, t, cloud_.rotation + i * 4, cloud_.log_scale + i * 3,
                                                     cloud_.logit_opacity[i], options_.antialiased, ctx);

@@ -54,6 +54,7 @@ void composite_tile(const TileFrame& frame, const TileLists& lists, std::int64_t
                     L* transmittance, Sink& sink) {
   using S = typename LaneTraits<L>::Scalar;
   using Mask = typename LaneTraits<L>::Mask;
+  using W = WideOf<S>;
   constexpr int kLanes = LaneTraits<L>::kLanes, kPerRow = kPacksPerRow<L>;
   Mask live[kPacksPerTile<L>];
   int live_pixels = 0;
@@ -76,6 +77,8 @@ void composite_tile(const TileFrame& frame, const TileLists& lists, std::int64_t
     const int row_begin = clamped_int(std::ceil(mean_y - half_height), 0, frame.rows());
     const int row_end = clamped_int(std::floor(mean_y + half_height) + 1, 0, frame.rows());
     const L conic_a_half(S(-0.5) * g.conic_a), opacity(g.opacity);
+    const L tile_x(S(g.mean_x - W(frame.x_px + 0.5)));  // relative to the tile: the same bits for any pack width
+    const S tile_y = S(g.mean_y - W(frame.y_px + 0.5));
     sink.begin(entry);
     for (int row = row_begin; row < row_end; ++row) {
       const double dy = row - mean_y;
@@ -83,12 +86,12 @@ void composite_tile(const TileFrame& frame, const TileLists& lists, std::int64_t
       const double middle = mean_x - b_over_a * dy;
       const int first = clamped_int(std::ceil(middle - half), 0, frame.columns()) / kLanes;
       const int last = (clamped_int(std::floor(middle + half) + 1, 0, frame.columns()) + kLanes - 1) / kLanes;
-      const S v = g.mean_y - S(frame.y_px + row) - S(0.5);
+      const S v = tile_y - S(row);
       const L linear(-g.conic_b * v), constant(S(-0.5) * g.conic_c * v * v);
       for (int column = first; column < last; ++column) {
         const int pack = row * kPerRow + column;
         if (!any(live[pack])) continue;
-        const L u = L(g.mean_x - S(frame.x_px + column * kLanes) - S(0.5)) - lane;
+        const L u = tile_x - (lane + L(S(column * kLanes)));
         const L power = fma_lanes(u, fma_lanes(conic_a_half, u, linear), constant);
         const L alpha = min_lanes(L(S(kAlphaCap)), opacity * exp_nonpositive(min_lanes(power, L(S(0)))));
         const Mask reached = live[pack] & (alpha >= L(S(kAlphaMin))) & (power <= L(S(0)));
@@ -168,6 +171,7 @@ void composite_tile_backward(const TileFrame& frame, const TileLists& lists,
                              const L* grad, const std::uint8_t* moves, const typename LaneTraits<L>::Scalar* background,
                              Matrix<typename LaneTraits<L>::Scalar> pair_grad) {
   using S = typename LaneTraits<L>::Scalar;
+  using W = WideOf<S>;
   constexpr int kLanes = LaneTraits<L>::kLanes, kPerRow = kPacksPerRow<L>, kPacks = kPacksPerTile<L>;
   const int channels = value.c;
   L behind[kPacks], lane;
@@ -184,6 +188,8 @@ void composite_tile_backward(const TileFrame& frame, const TileLists& lists,
     const auto entry = std::size_t(tape.span[k].entry);
     const SplatRecord<S>& g = records[lists.visible[entry]];
     const S* c_i = value.row(lists.visible[entry]);
+    const L tile_x(S(g.mean_x - W(frame.x_px + 0.5)));
+    const S tile_y = S(g.mean_y - W(frame.y_px + 0.5));
     const L zero = S(0), cap = S(kAlphaCap);
     L p0 = zero, px = zero, py = zero, pxx = zero, pxy = zero, pyy = zero;
     std::fill(grad_value.begin(), grad_value.end(), zero);
@@ -201,8 +207,8 @@ void composite_tile_backward(const TileFrame& frame, const TileLists& lists,
       s = fma_lanes(hit.alpha, difference, s);
       // ∂L/∂power = α ∂L/∂α: zero in unreached lanes (α = 0) and where α is capped.
       const L grad_power = select(hit.alpha < cap, weight * difference, zero);
-      const L u = L(g.mean_x - S(frame.x_px + hit.pack % kPerRow * kLanes) - S(0.5)) - lane;
-      const L w(g.mean_y - S(frame.y_px + hit.pack / kPerRow) - S(0.5));
+      const L u = tile_x - (lane + L(S(hit.pack % kPerRow * kLanes)));
+      const L w(tile_y - S(hit.pack / kPerRow));
       const L gu = grad_power * u, gw = grad_power * w;
       p0 = p0 + grad_power, px = px + gu, py = py + gw;
       pxx = fma_lanes(gu, u, pxx), pxy = fma_lanes(gu, w, pxy), pyy = fma_lanes(gw, w, pyy);

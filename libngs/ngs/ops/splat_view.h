@@ -26,12 +26,18 @@ struct CloudView {
   const std::uint8_t *usable = nullptr, *include = nullptr;  // null: all
 };
 
-/// A visible Gaussian as the inner loop reads it: 32 bytes for float.
-///   two_cut    2 ln(255 · opacity): the quadratic form above which alpha < 1/255
-///   inv_det    1 / det(blurred covariance)
+/// The scalar in which positions are subtracted and per-Gaussian sums are kept.
+template <class S>
+using WideOf = std::conditional_t<std::is_same_v<S, float>, double, S>;
+
+/// A visible Gaussian as the inner loop reads it: 40 bytes for float.
+///   mean_x, mean_y   px; wide, because a float mean at 1000 px is off by 3e-5 px, and alpha by as much
+///   two_cut          2 ln(255 · opacity): the quadratic form above which alpha < 1/255
+///   inv_det          1 / det(blurred covariance)
 template <class S>
 struct SplatRecord {
-  S mean_x, mean_y, conic_a, conic_b, conic_c, opacity, two_cut, inv_det;
+  WideOf<S> mean_x, mean_y;
+  S conic_a, conic_b, conic_c, opacity, two_cut, inv_det;
 };
 
 struct TileRect {
@@ -70,14 +76,14 @@ ProjectionCamera<S> projection_camera(const Camera& camera, Compat compat) {
           S(compat == Compat::kInria ? 0.2 : 0.01)};
 }
 
-/// p - centre, subtracted in double for float clouds: both may be far from the origin and close to each other.
+/// p - centre in the wide scalar: both may be far from the origin and close to each other.
 template <class S>
-Vec3<S> offset_from(const Vec3<double>& centre, const S* p) {
-  if constexpr (std::is_same_v<S, float>)
-    return {float(p[0] - centre.x), float(p[1] - centre.y), float(p[2] - centre.z)};
-  else
-    return {p[0] - S(centre.x), p[1] - S(centre.y), p[2] - S(centre.z)};
+Vec3<WideOf<S>> offset_from(const Vec3<double>& centre, const S* p) {
+  using W = WideOf<S>;
+  return {W(p[0]) - W(centre.x), W(p[1]) - W(centre.y), W(p[2]) - W(centre.z)};
 }
+template <class S, class W>
+Vec3<S> narrowed(Vec3<W> v) { return {S(v.x), S(v.y), S(v.z)}; }
 
 /// Rounds towards zero after clamping to [lo, hi]; NaN gives lo.
 template <class S>
@@ -114,6 +120,7 @@ ProjectedView<S> project_view(const Exec& exec, const CloudView<S>& cloud, const
                               const SplatOptions& options) {
   constexpr std::int64_t kChunk = 1 << 14;
   const ProjectionCamera<S> pc = projection_camera<S>(camera, options.compat);
+  const ProjectionCamera<WideOf<S>> wide = projection_camera<WideOf<S>>(camera, options.compat);
   const Vec3<double> centre = camera.centre();
   const int tiles_x = (camera.width_px + kTilePx - 1) / kTilePx, tiles_y = (camera.height_px + kTilePx - 1) / kTilePx;
   const std::int64_t chunks = (cloud.size + kChunk - 1) / kChunk;
@@ -122,7 +129,8 @@ ProjectedView<S> project_view(const Exec& exec, const CloudView<S>& cloud, const
     ProjectedView<S>& out = part[std::size_t(chunk)];
     for (std::int64_t i = chunk * kChunk; i < std::min(cloud.size, (chunk + 1) * kChunk); ++i) {
       if ((cloud.usable && !cloud.usable[i]) || (cloud.include && !cloud.include[i])) continue;
-      const Vec3<S> t = pc.rotation * offset_from(centre, cloud.position + i * 3);
+      const Vec3<WideOf<S>> t_wide = wide.rotation * offset_from(centre, cloud.position + i * 3);
+      const Vec3<S> t = narrowed<S>(t_wide);
       if (!(t.z > pc.near_z)) continue;
       ProjectionContext<S> ctx;
       const ProjectedGaussian<S> p = project_gaussian(pc, t, cloud.rotation + i * 4, cloud.log_scale + i * 3,
@@ -134,8 +142,8 @@ ProjectedView<S> project_view(const Exec& exec, const CloudView<S>& cloud, const
       if (rect.x_begin >= rect.x_end || rect.y_begin >= rect.y_end) continue;
       using std::log;
       out.id.push_back(std::uint32_t(i));
-      out.record.push_back({p.mean_x, p.mean_y, p.conic_a, p.conic_b, p.conic_c, p.opacity,
-                            S(2) * log(S(255) * p.opacity), S(1) / p.det});
+      out.record.push_back({wide.f_x * (t_wide.x / t_wide.z) + wide.c_x, wide.f_y * (t_wide.y / t_wide.z) + wide.c_y, p.conic_a, p.conic_b,
+                            p.conic_c, p.opacity, S(2) * log(S(255) * p.opacity), S(1) / p.det});
       out.depth.push_back(t.z);
       out.rect.push_back(rect);
     }

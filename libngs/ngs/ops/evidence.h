@@ -1,0 +1,14 @@
+#pragma once
+// Mask evidence per Gaussian: one forward pass per view.                    m_ij before Eq. (3); facts §3, §9a
+#include "ngs/ops/splat.h"
+#include "ngs/scene/evidence.h"
+#include "ngs/scene/scene.h"
+
+namespace ngs {
+
+/// Adds what one view says to `evidence`. `masks` at the camera's size; a view that is not available adds nothing.
+/// A pixel's weights are those of rendering (occlusion included); pixels with masks.known == 0 are not counted.
+void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
+                       const SplatOptions& options, const ViewMasks& masks, Evidence& evidence);
+
+}  // namespace ngs

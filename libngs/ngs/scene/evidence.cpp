@@ -1,0 +1,38 @@
+#include "ngs/scene/evidence.h"
+
+#include "ngs/core/check.h"
+
+namespace ngs {
+
+Evidence::Evidence(std::int64_t n, int k) : gaussians(n), objects(k) {
+  const auto rows = std::size_t(n), cells = rows * std::size_t(k);
+  weight.resize(rows), object_weight.resize(cells), pixels.resize(rows), object_pixels.resize(cells);
+  views.resize(rows), signal_sum.resize(cells), signal_square_sum.resize(cells), contrast_sum.resize(cells);
+}
+
+void Evidence::add(const Evidence& other) {
+  NGS_CHECK(gaussians == other.gaussians && objects == other.objects, "evidence of different models");
+  for (std::size_t i = 0; i < std::size_t(gaussians); ++i) {
+    weight.add(i, other.weight);
+    pixels[i] += other.pixels[i];
+    views[i] += other.views[i];
+  }
+  for (std::size_t i = 0; i < signal_sum.size(); ++i) {
+    object_weight.add(i, other.object_weight);
+    signal_square_sum.add(i, other.signal_square_sum);
+    object_pixels[i] += other.object_pixels[i];
+    signal_sum[i] += other.signal_sum[i];
+    contrast_sum[i] += other.contrast_sum[i];
+  }
+}
+
+double between_views_variance(const Evidence& evidence, std::size_t row, std::uint32_t views) {
+  if (views < 2) return 0.0;
+  __extension__ using Wide = unsigned __int128;  // V Σm² < 2^32 · 2^32 · 2^64 / V: fits for V < 2^32
+  const Wide squares = (Wide(evidence.signal_square_sum.whole[row]) << 64) | evidence.signal_square_sum.fraction[row];
+  const Wide sum = evidence.signal_sum[row];
+  const Wide numerator = squares * views - sum * sum;
+  return 4.0 * (double(numerator) * 0x1p-64) / (double(views) * double(views));
+}
+
+}  // namespace ngs
