@@ -1,0 +1,95 @@
+#!/usr/bin/env bash
+# One scene from photos, poses, masks and a trained splat to the cut-out object:
+#
+#   pipelines/ngs-gs.sh SCENE_DIR OUT_DIR [options] [options of ngs-joint]
+#
+#   --model PLY          trained splat            (default: SCENE_DIR/point_cloud.ply, point_cloud/iteration_*/)
+#   --masks DIR          input masks, by stem     (default: SCENE_DIR/masks, masks_sam)
+#   --gt DIR             true masks               (default: SCENE_DIR/masks_gt, gt; else the held-out input masks)
+#   --hold-out RULE      every:N:K or a file of names: views whose masks no stage sees, and which are scored
+#   --image-scale S      working size             (default 1)
+#   --quality Q          draft|standard|high|reference
+#   --method M           paper|bce|cob|flash|sa3d|saga|released
+#   --until FILE         stop at this artifact, e.g. --until boundary.ply
+#   -j N, --threads N    threads of every tool; as are --seed N, --device D, --log-format F, --allow-empty, -q, -v
+#   -n, --dry-run        print the commands only
+#   -h, --help
+#
+# SCENE_DIR holds images/ and the poses: sparse/0 (COLMAP), transforms.json, cameras.json or poses_bounds.npy.
+# OUT_DIR then holds scene.json boundary.ply queries.ply field.ply labelled.ply object.ply background.ply,
+# masks/STEM.png of the held-out views (of all views without --hold-out), metrics.json, report.html and each
+# tool's report in reports/. A second call does only what changed. Exit codes are those of the tools.
+#
+# The tools come from $NGS_BIN, else from the build folder, else from PATH.
+set -euo pipefail
+# shellcheck source=pipelines/common.sh
+. "$(dirname "$0")/common.sh"
+
+usage() { sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "$0"; }
+absolute() { case $1 in '' | /*) printf '%s' "$1" ;; *) printf '%s/%s' "$PWD" "$1" ;; esac; }
+existing() { [ -e "$2" ] || fail 3 "$1 $2: no such file or folder"; absolute "$2"; }
+
+export SCENE='' MODEL='' MASKS='' GT='' HOLD_OUT='' IMAGE_SCALE=1 METHOD='' QUALITY='' JOINT_FLAGS='' COMMON_FLAGS='' THREAD_FLAGS=''
+out='' until=report.html dry_run='' joint=()
+while [ $# -gt 0 ]; do
+  option=$1 value=
+  case $option in
+    -h | --help) usage; exit 0 ;;
+    -n | --dry-run) dry_run=1; shift; continue ;;
+    -q | -v | --allow-empty) COMMON_FLAGS+=" $option"; shift; continue ;;
+    -j?*) THREAD_FLAGS=$option; shift; continue ;;
+    --model | --masks | --gt | --hold-out | --image-scale | --quality | --method | --until | \
+      --seed | --device | --log-format | -j | --threads)
+      [ $# -ge 2 ] || fail 2 "$option: no value given" "see $0 --help"
+      value=$2
+      shift 2 ;;
+    --model=* | --masks=* | --gt=* | --hold-out=* | --image-scale=* | --quality=* | --method=* | --until=* | \
+      --seed=* | --device=* | --log-format=* | --threads=*)
+      value=${option#*=} option=${option%%=*}
+      shift ;;
+    -*) joint+=("$option"); shift
+      # A word behind an option of ngs-joint is its value, once both folders are named.
+      if [ -n "$out" ] && [ $# -gt 0 ] && [ "${1#-}" = "$1" ]; then joint+=("$1"); shift; fi
+      continue ;;
+    *)
+      if [ -z "$SCENE" ]; then SCENE=$option
+      elif [ -z "$out" ]; then out=$option
+      else fail 2 "unexpected argument '$option'" "see $0 --help"; fi
+      shift; continue ;;
+  esac
+  case $option in
+    --model) MODEL=$(existing --model "$value") ;;
+    --masks) MASKS=$(existing --masks "$value") ;;
+    --gt) GT=$(existing --gt "$value") ;;
+    --hold-out) if [ -f "$value" ]; then HOLD_OUT=$(absolute "$value"); else HOLD_OUT=$value; fi ;;
+    --image-scale) IMAGE_SCALE=$value ;;
+    --quality) QUALITY=$value ;;
+    --method) METHOD=$value ;;
+    --until) until=$value ;;
+    -j | --threads) THREAD_FLAGS=$(printf '%q ' -j "$value") ;;
+    --seed | --device | --log-format) COMMON_FLAGS+=$(printf ' %q' "$option" "$value") ;;
+  esac
+done
+[ -n "$out" ] || fail 2 "expected SCENE_DIR and OUT_DIR" "see $0 --help"
+SCENE=$(existing SCENE_DIR "$SCENE")
+[[ $IMAGE_SCALE =~ ^[0-9]*\.?[0-9]+$ ]] && [[ $IMAGE_SCALE =~ [1-9] ]] ||
+  fail 2 "--image-scale $IMAGE_SCALE: expected a positive number"
+if [ ${#joint[@]} -gt 0 ]; then JOINT_FLAGS=$(printf '%q ' "${joint[@]}"); fi
+
+mkdir -p "$out" || fail 8 "$out: cannot be made"
+BIN=$(find_bin)
+export BIN NGS_STAGE=$pipelines/stage.sh
+# In its own folder every target is a plain name, so OUT_DIR may hold spaces although make cannot.
+cd "$out"
+export OUT=.
+if [ -n "$dry_run" ]; then
+  for stage in scene variance sample rbf joint extract render eval report; do
+    NGS_DRY_RUN=1 bash "$NGS_STAGE" "$stage"
+  done
+  exit 0
+fi
+rm -f .state/exit_code
+make --no-print-directory --silent -f "$pipelines/experiment.mk" "./$until" || {
+  [ -f .state/exit_code ] && exit "$(cat .state/exit_code)"
+  exit 70
+}

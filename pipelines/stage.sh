@@ -1,0 +1,193 @@
+#!/usr/bin/env bash
+# One stage of experiment.mk: `stage.sh STAGE` runs its tool, `stage.sh key STAGE` prints what the stage depends on
+# beside the artifacts before it; with NGS_DRY_RUN set the commands are printed only. All values come through the environment, so that paths may hold any character.
+# Not called by hand.
+set -euo pipefail
+# shellcheck source=pipelines/common.sh
+. "$(dirname "$0")/common.sh"
+
+for name in SCENE MODEL MASKS GT HOLD_OUT METHOD QUALITY {SCENE,VARIANCE,SAMPLE,RBF,JOINT,EXTRACT,RENDER,EVAL,COMMON,THREAD}_FLAGS; do
+  declare "$name=${!name:-}"
+done
+
+first_existing() {  # the first path that exists, else nothing
+  local path
+  for path in "$@"; do
+    if [ -e "$path" ]; then printf '%s' "$path"; return; fi
+  done
+}
+
+source_of_scene() {
+  first_existing "$SCENE/sparse" "$SCENE/cameras.bin" "$SCENE/cameras.txt" "$SCENE/transforms.json" \
+    "$SCENE/cameras.json" "$SCENE/poses_bounds.npy"
+}
+
+model_of_scene() {
+  if [ -n "$MODEL" ]; then printf '%s' "$MODEL"; return; fi
+  local trained
+  trained=$(first_existing "$SCENE/point_cloud.ply" "$SCENE/model.ply")
+  # A folder of the Inria trainer: the last iteration.
+  if [ -z "$trained" ] && [ -d "$SCENE/point_cloud" ]; then
+    trained=$(find "$SCENE/point_cloud" -name point_cloud.ply | sort -V | tail -n 1)
+  fi
+  printf '%s' "$trained"
+}
+
+masks_of_scene() {
+  if [ -n "$MASKS" ]; then printf '%s' "$MASKS"; else first_existing "$SCENE/masks" "$SCENE/masks_sam"; fi
+}
+
+# The truth: GT, else the scene's own, else the input masks of the held-out views, which no stage has seen.
+truth_of_scene() {
+  if [ -n "$GT" ]; then printf '%s' "$GT"; return; fi
+  local truth
+  truth=$(first_existing "$SCENE/masks_gt" "$SCENE/gt")
+  if [ -z "$truth" ] && [ -n "$HOLD_OUT" ]; then truth=$(masks_of_scene); fi
+  printf '%s' "$truth"
+}
+
+fingerprint() {  # names, sizes and times of the files under the given paths
+  local path
+  for path in "$@"; do
+    [ -n "$path" ] || continue
+    printf '%s\n' "$path"
+    find -L "$path" -type f -printf '%p %s %T@\n' 2>/dev/null | LC_ALL=C sort
+  done
+}
+
+tool_path() {
+  if [ -n "${BIN:-}" ]; then printf '%s/%s' "$BIN" "$1"; else command -v "$1" || printf '%s' "$1"; fi
+}
+
+# run TOOL ARGUMENTS...: the report goes to reports/. A budget that was hit leaves a usable result: code 7 goes on.
+run() {
+  local tool=$1 name=$1 code=0
+  shift
+  if [ "${1:-}" = --report-name ]; then name=$2; shift 2; fi
+  eval "set -- \"\$@\" --report '$OUT/reports/$name.json' -w $COMMON_FLAGS $THREAD_FLAGS"
+  if [ -n "${NGS_DRY_RUN:-}" ]; then
+    printf '%q ' "$tool" "$@"
+    printf '\n'
+    return
+  fi
+  mkdir -p "$OUT/reports"
+  "$(tool_path "$tool")" "$@" || code=$?
+  if [ "$code" -eq 7 ]; then
+    say "$tool stopped at its budget; going on with its partial result"
+  elif [ "$code" -ne 0 ]; then
+    printf '%s' "$code" > "$OUT/.state/exit_code"
+    exit "$code"
+  fi
+}
+
+flags() {  # words of a *_FLAGS variable, which is quoted for the shell, into the array `words`
+  eval "words=(${1:-})"
+}
+
+stage_scene() {
+  local source model masks optional=()
+  source=$(source_of_scene) model=$(model_of_scene) masks=$(masks_of_scene)
+  [ -n "$source" ] || fail 3 "$SCENE: no poses found (sparse/, transforms.json, cameras.json or poses_bounds.npy)"
+  [ -n "$model" ] || fail 3 "$SCENE: no point_cloud.ply found" "give one with --model, or fit one: ngs-fit"
+  [ -n "$masks" ] || fail 3 "$SCENE: no folder 'masks' found" "give one with --masks DIR"
+  case $source in */sparse | */cameras.bin | */cameras.txt) source=$SCENE ;; esac
+  if [ -d "$SCENE/images" ]; then optional+=(--images "$SCENE/images"); fi
+  if [ -n "$HOLD_OUT" ]; then optional+=(--hold-out "$HOLD_OUT"); fi
+  flags "$SCENE_FLAGS"
+  run ngs-scene import "$source" --ply "$model" --masks "$masks" "${optional[@]}" --image-scale "$IMAGE_SCALE" \
+    "${words[@]}" -o "$OUT/scene.json"
+}
+
+stage_variance() {
+  flags "$VARIANCE_FLAGS"
+  run ngs-variance "$OUT/scene.json" "${words[@]}" -o "$OUT/boundary.ply"
+}
+
+stage_sample() {
+  flags "$SAMPLE_FLAGS"
+  run ngs-sample "$OUT/scene.json" "$OUT/boundary.ply" "${words[@]}" -o "$OUT/queries.ply"
+}
+
+stage_rbf() {
+  flags "$RBF_FLAGS"
+  run ngs-rbf "$OUT/boundary.ply" "$OUT/queries.ply" "${words[@]}" -o "$OUT/field.ply"
+}
+
+stage_joint() {
+  flags "$JOINT_FLAGS"
+  if [ -n "$METHOD" ]; then words+=(--method "$METHOD"); fi
+  if [ -n "$QUALITY" ]; then words+=(--quality "$QUALITY"); fi
+  run ngs-joint "$OUT/scene.json" "$OUT/boundary.ply" --field "$OUT/field.ply" --trace "$OUT/trace.jsonl" \
+    "${words[@]}" -o "$OUT/labelled.ply"
+}
+
+stage_extract() {
+  flags "$EXTRACT_FLAGS"
+  run ngs-extract "$OUT/labelled.ply" --object "$OUT/object.ply" --background "$OUT/background.ply" "${words[@]}"
+}
+
+# Masks at the size of the photos, not at the working size: the truth is compared there.
+stage_render() {
+  local views=all scale
+  if [ -n "$HOLD_OUT" ]; then views=held-out; fi
+  scale=$(awk -v s="$IMAGE_SCALE" 'BEGIN { printf "%.10g", 1 / s }')
+  if [ -z "${NGS_DRY_RUN:-}" ]; then rm -rf "$OUT/masks" "$OUT/.state/render"; fi
+  flags "$RENDER_FLAGS"
+  run ngs-render "$OUT/scene.json" "$OUT/labelled.ply" --views "$views" --layers mask --scale "$scale" --format png \
+    "${words[@]}" -o "$OUT/.state/render"
+  if [ -z "${NGS_DRY_RUN:-}" ]; then mv "$OUT/.state/render" "$OUT/masks"; fi
+}
+
+stage_eval() {
+  local truth masks names=$OUT/.state/scored_views.txt
+  truth=$(truth_of_scene) masks=$(masks_of_scene)
+  if [ -z "${NGS_DRY_RUN:-}" ]; then
+    rm -f "$OUT/metrics.json" "$OUT/metrics_input.json" "$OUT/reports/ngs-eval.json" "$OUT/reports/ngs-eval-input.json"
+    (cd "$OUT/masks" && find . -name '*.png' | sed 's|^\./||' | LC_ALL=C sort) > "$names"
+  fi
+  if [ -z "$truth" ]; then
+    say "no ground truth and no held-out views: nothing is scored"
+    return
+  fi
+  if [ "$truth" = "$masks" ]; then
+    say "no ground truth given: the input masks of the held-out views stand in for it"
+  else  # the input masks' own score on the same views, for comparison
+    run ngs-eval --report-name ngs-eval-input "$masks" "$truth" --views "$names" -q -o "$OUT/metrics_input.json"
+  fi
+  flags "$EVAL_FLAGS"
+  run ngs-eval "$OUT/masks" "$truth" --views "$names" "${words[@]}" -o "$OUT/metrics.json"
+}
+
+stage_report() {
+  run ngs-report --report-name ngs-report "$OUT" -o "$OUT/report.html"
+}
+
+key() {
+  local stage=$1 tool=ngs-$1
+  stat -L -c '%n %s %Y' "$(tool_path "$tool")" 2>/dev/null || true
+  printf '%s\n' "$COMMON_FLAGS"
+  case $stage in
+    scene)
+      printf '%s\n' "$HOLD_OUT" "$IMAGE_SCALE" "$SCENE_FLAGS"
+      fingerprint "$(source_of_scene)" "$(model_of_scene)" "$(masks_of_scene)" "$SCENE/images"
+      if [ -f "$HOLD_OUT" ]; then fingerprint "$HOLD_OUT"; fi ;;
+    variance) printf '%s\n' "$VARIANCE_FLAGS" ;;
+    sample) printf '%s\n' "$SAMPLE_FLAGS" ;;
+    rbf) printf '%s\n' "$RBF_FLAGS" ;;
+    joint) printf '%s\n' "$METHOD" "$QUALITY" "$JOINT_FLAGS" ;;
+    extract) printf '%s\n' "$EXTRACT_FLAGS" ;;
+    render)
+      printf '%s\n' "$RENDER_FLAGS"
+      if [ ! -d "$OUT/masks" ]; then rm -f "$OUT/.state/render.done"; fi ;;
+    eval)
+      if [ ! -f "$OUT/metrics.json" ]; then rm -f "$OUT/.state/eval.done"; fi
+      printf '%s\n' "$EVAL_FLAGS"
+      fingerprint "$(truth_of_scene)" ;;
+    report) ;;
+  esac
+}
+
+[ -n "$SCENE" ] || fail 2 "SCENE is not set, expected a folder with photos, poses and masks"
+[ -d "$SCENE" ] || fail 3 "$SCENE: no such folder"
+BIN=${BIN:-$(find_bin)}
+if [ "$1" = key ]; then key "$2"; else "stage_$1"; fi
