@@ -39,6 +39,13 @@ void Console::info(const std::string& message) {
   if (level_ >= LogLevel::kInfo) line("info", "", message);
 }
 
+void Console::text(const std::string& lines) {
+  if (level_ < LogLevel::kWarning) return;
+  if (format_ == LogFormat::kJson) return line("text", "", lines);
+  end_progress_line();
+  write_stderr(lines);
+}
+
 void Console::line(std::string_view level, std::string_view colour, const std::string& message) {
   end_progress_line();
   if (format_ == LogFormat::kJson)

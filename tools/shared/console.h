@@ -14,6 +14,8 @@ class Console {
   void error(const std::string& message, const std::string& remedy);
   void warning(const std::string& message);
   void info(const std::string& message);
+  /// A table or another text of several lines for people, as it is; silent with -q.
+  void text(const std::string& lines);
   /// On a terminal one line that is rewritten, else a line every five seconds at most.
   void progress(const std::string& stage, std::int64_t done, std::int64_t total);
 

@@ -36,6 +36,7 @@ bool Run::overwrite() const { return state_.flags.overwrite; }
 Json& Run::result() { return state_.result; }
 void Run::plan(Json plan) { state_.plan = std::move(plan); }
 void Run::info(const std::string& message) { state_.console.info(message); }
+void Run::text(const std::string& lines) { state_.console.text(lines); }
 int Run::stop_code() const { return signal_exit_code(); }
 
 void Run::add_input(const std::string& name, const std::string& path) {

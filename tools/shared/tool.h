@@ -70,6 +70,8 @@ class Run {
   void plan(Json plan);
   /// A line on stderr with -v.
   void info(const std::string& message);
+  /// A table for people, on stderr unless -q.
+  void text(const std::string& lines);
   /// A further file that was read (found through an input), for the report.
   void add_input(const std::string& name, const std::string& path);
   /// Nothing to work on: Error(kNothingFound), or with --allow-empty a warning.

@@ -30,6 +30,24 @@ void require_pixels(const MaskSamples& samples, const std::string& view, const c
   throw Error(ErrorCode::kBadInput, view + ": " + role + " mask has no pixels, expected an image");
 }
 
+/// [H·W] the samples that decide whether a pixel is object.
+std::vector<std::uint16_t> decisive_channel(const MaskSamples& samples) {
+  const std::size_t channels = std::size_t(samples.channels);
+  bool cut_out = false;
+  for (std::size_t i = channels - 1; channels == 4 && i < samples.data.size(); i += channels)
+    cut_out = cut_out || samples.data[i] != samples.data[3];
+  std::vector<std::uint16_t> plane(samples.data.size() / channels);
+  for (std::size_t i = 0; i < plane.size(); ++i) {
+    const std::uint16_t* sample = samples.data.data() + i * channels;
+    plane[i] = cut_out ? sample[3] : *std::max_element(sample, sample + std::min<std::size_t>(channels, 3));
+  }
+  return plane;
+}
+
+std::uint16_t largest(const std::vector<std::uint16_t>& plane) {
+  return plane.empty() ? std::uint16_t(0) : *std::max_element(plane.begin(), plane.end());
+}
+
 std::vector<std::uint8_t> equal_to(const std::vector<std::uint32_t>& labels, std::uint32_t id) {
   std::vector<std::uint8_t> mask(labels.size());
   for (std::size_t i = 0; i < labels.size(); ++i) mask[i] = labels[i] == id;
@@ -73,20 +91,13 @@ ObjectIds parse_object_ids(const std::vector<std::string>& texts) {
   return ids;
 }
 
-bool is_zero_one(const MaskSamples& samples) {
-  return !samples.data.empty() && *std::max_element(samples.data.begin(), samples.data.end()) == 1;
-}
+bool is_zero_one(const MaskSamples& samples) { return largest(decisive_channel(samples)) == 1; }
 
 std::vector<std::uint8_t> binarised(const MaskSamples& samples, double threshold) {
-  const double scale = samples.bits == 16 ? 257.0 : 1.0;
-  const double limit = is_zero_one(samples) ? 0.0 : threshold * scale;
-  const std::size_t pixels = std::size_t(samples.width_px) * std::size_t(samples.height_px);
-  const std::size_t channels = std::size_t(samples.channels), colours = std::min<std::size_t>(channels, 3);
-  std::vector<std::uint8_t> mask(pixels);
-  for (std::size_t i = 0; i < pixels; ++i) {
-    const auto first = samples.data.begin() + std::ptrdiff_t(i * channels);
-    mask[i] = double(*std::max_element(first, first + std::ptrdiff_t(colours))) > limit;
-  }
+  const std::vector<std::uint16_t> plane = decisive_channel(samples);
+  const double limit = largest(plane) == 1 ? 0.0 : threshold * (samples.bits == 16 ? 257.0 : 1.0);
+  std::vector<std::uint8_t> mask(plane.size());
+  for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = double(plane[i]) > limit;
   return mask;
 }
 
@@ -166,6 +177,7 @@ std::vector<ScoreCheck> check_scores(const std::string& rule, const std::map<std
     ScoreCheck check;
     check.score = part.substr(0, equals);
     if (check.score == "boundary_iou") check.score = "biou";
+    if (check.score == "psnr") check.score = "psnr_db";
     if (equals == std::string_view::npos || !parse_number(part.substr(equals + 1), check.at_least))
       throw Error(ErrorCode::kUsage, "fail_below = '" + rule + "', expected SCORE=MIN,... as in iou=0.9,biou=0.6");
     const auto value = found.find(check.score);

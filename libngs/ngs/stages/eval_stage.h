@@ -4,7 +4,7 @@
 //
 // Protocol (Boundary IoU, NVOS, LERF-Mask): the prediction is resized to the truth by nearest neighbour, both
 // are made binary by `> threshold` on the 8-bit scale. A file whose largest sample is 1 counts as {0,1}-valued.
-// Of several channels the largest of R, G, B decides. In label maps an object is `value == id`; colour-coded
+// Of several channels the largest of R, G, B decides, or alpha where it is not constant. In label maps an object is `value == id`; colour-coded
 // maps have id = R + 256 G + 65536 B, and a pair of maps in which neither has the object is no pair.
 #include <cstdint>
 #include <map>

@@ -34,9 +34,13 @@ TEST_CASE("a file of zeros and ones is recognised") {
   CHECK_FALSE(is_zero_one(Samples{{0, 1, 2, 0}, 4, 1}.view()));
 }
 
-TEST_CASE("of several channels the largest colour decides and alpha is ignored") {
+TEST_CASE("of several channels the largest colour decides, and alpha where it is not constant") {
   const Samples red{{255, 0, 0, 255, 0, 0, 0, 255}, 2, 1, 4};
   CHECK(binarised(red.view(), 128) == std::vector<std::uint8_t>{1, 0});
+  const Samples cut_out{{9, 9, 9, 255, 250, 250, 250, 0}, 2, 1, 4};
+  CHECK(binarised(cut_out.view(), 128) == std::vector<std::uint8_t>{1, 0});
+  const Samples ones{{1, 1, 1, 255, 0, 0, 0, 255}, 2, 1, 4};
+  CHECK(binarised(ones.view(), 128) == std::vector<std::uint8_t>{1, 0});
 }
 
 TEST_CASE("the prediction is resized to the truth by nearest neighbour") {
@@ -105,7 +109,7 @@ TEST_CASE("the mean is over objects of their means over views, beside the mean o
 }
 
 TEST_CASE("checks pass at the bound, fail below it, and never pass on NaN") {
-  const std::map<std::string, double> found{{"iou", 0.9}, {"biou", 0.5}, {"psnr", std::nan("")}};
+  const std::map<std::string, double> found{{"iou", 0.9}, {"biou", 0.5}, {"psnr_db", std::nan("")}};
   const auto checks = check_scores("iou=0.9,boundary_iou=0.6,psnr=20", found);
   REQUIRE(checks.size() == 3);
   CHECK(checks[0].passed());

@@ -1,0 +1,149 @@
+#include "evaluation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <map>
+
+#include "ngs/backend/for_each.h"
+#include "ngs/io/exr.h"
+#include "ngs/io/image_file.h"
+#include "ngs/ops/image_metrics.h"
+#include "ngs/stages/match_names.h"
+
+namespace ngs::cli {
+namespace {
+
+std::vector<std::string> select_truth(const ImageList& truth, const std::string& rule, Pairing& pairing) {
+  std::vector<std::string> selected;
+  if (rule == "all" || rule.starts_with("every:")) {
+    for (std::size_t i : select_every(rule, truth.names.size())) selected.push_back(truth.names[i]);
+    return selected;
+  }
+  const std::vector<std::string> listed = read_lines(rule);
+  const NameMatch match = match_names(listed, truth.names);
+  for (const NamePair& pair : match.pairs) selected.push_back(truth.names[pair.truth]);
+  for (std::size_t i : match.unmatched_predicted) pairing.listed_only.push_back(listed[i]);
+  return selected;
+}
+
+/// Predictions outside the selection are no leftovers: only those that match no truth at all are reported.
+void note_unmatched(const NameMatch& all, const ImageList& predicted, Pairing& pairing) {
+  for (std::size_t i : all.unmatched_predicted) pairing.predicted_only.push_back(predicted.names[i]);
+}
+
+void name_parts(const std::string& name, Layout layout, FilePair& pair) {
+  const std::string stem = path_stem(name);
+  const std::size_t slash = stem.find('/');
+  if (slash == std::string::npos) {
+    pair.view = stem;
+    return;
+  }
+  const std::string folder = stem.substr(0, slash), file = stem.substr(slash + 1);
+  pair.view = layout == Layout::kViewObject ? folder : file;
+  pair.object = layout == Layout::kViewObject ? file : folder;
+}
+
+io::RawMask read_exr_mask(const std::string& path) {
+  const io::ExrImage exr = io::read_exr(path);
+  const auto mask = exr.channels.find("ngs.mask");
+  if (mask == exr.channels.end())
+    throw Error(ErrorCode::kBadInput, path + ": no channel 'ngs.mask', expected the EXR of ngs-render --layers mask");
+  io::RawMask raw{.width_px = exr.width_px, .height_px = exr.height_px, .channels = 1, .bits = 16, .data = {}};
+  raw.data.reserve(mask->second.size());
+  for (float value : mask->second)
+    raw.data.push_back(std::uint16_t(std::lround(65535.0 * std::clamp(double(value), 0.0, 1.0))));
+  return raw;
+}
+
+io::RawMask read_mask(const std::string& path) {
+  return path.ends_with(".exr") ? read_exr_mask(path) : io::read_mask_raw(path);
+}
+
+MaskSamples samples_of(const io::RawMask& raw) {
+  return {raw.width_px, raw.height_px, raw.channels, raw.bits, raw.data};
+}
+
+/// task(i) for every pair on all threads; the exception of the first failing pair leaves.
+template <class Task>
+void for_each_pair(Run& run, std::size_t count, const Task& task) {
+  std::vector<std::exception_ptr> failures(count);
+  for_each_task(run.exec(), std::int64_t(count), [&](std::int64_t i) {
+    try {
+      task(std::size_t(i));
+    } catch (...) {
+      failures[std::size_t(i)] = std::current_exception();
+    }
+  });
+  for (const std::exception_ptr& failure : failures)
+    if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace
+
+Pairing pair_files(const ImageList& predicted, const ImageList& truth, const EvalFileOptions& options) {
+  Pairing pairing;
+  const std::vector<std::string> selected = select_truth(truth, options.views, pairing);
+  NameMatch match = match_names(predicted.names, truth.names);
+  note_unmatched(match, predicted, pairing);
+  // One file each: the caller has said what belongs together.
+  if (match.pairs.empty() && predicted.names.size() == 1 && truth.names.size() == 1) {
+    match = {.pairs = {{0, 0, "given"}}, .unmatched_predicted = {}, .unmatched_truth = {}};
+    pairing.predicted_only.clear();
+  }
+  const auto is_selected = [&](std::size_t i) {
+    return std::find(selected.begin(), selected.end(), truth.names[i]) != selected.end();
+  };
+  std::map<std::string, int> rules;
+  for (const NamePair& found : match.pairs) {
+    if (!is_selected(found.truth)) continue;
+    FilePair pair{{}, {}, predicted.path(found.predicted), truth.path(found.truth)};
+    name_parts(truth.names[found.truth], options.layout, pair);
+    pairing.pairs.push_back(std::move(pair));
+    ++rules[std::string(found.rule)];
+  }
+  for (std::size_t i : match.unmatched_truth)
+    if (is_selected(i)) pairing.truth_only.push_back(truth.names[i]);
+  pairing.matched_by.assign(rules.begin(), rules.end());
+  if (pairing.pairs.empty())
+    throw Error(ErrorCode::kInconsistent,
+                predicted.folder + " and " + truth.folder + ": no file matches, found '" + predicted.names.front() +
+                    "' and '" + truth.names.front() + "', expected the same stems or numbers",
+                "name the predictions like the true masks, or check --views " + options.views);
+  return pairing;
+}
+
+std::vector<PairScore> score_masks(Run& run, const EvalOptions& options, const std::vector<FilePair>& pairs) {
+  const ObjectIds ids = parse_object_ids(options.object_id);
+  auto scope = run.monitor().scope("score masks");
+  scope.items(std::int64_t(pairs.size()));
+  std::vector<std::vector<PairScore>> found(pairs.size());
+  for_each_pair(run, pairs.size(), [&](std::size_t i) {
+    const io::RawMask predicted = read_mask(pairs[i].predicted), truth = read_mask(pairs[i].truth);
+    const EvalPair pair{pairs[i].view, pairs[i].object, samples_of(predicted), samples_of(truth)};
+    found[i] = evaluate_pair(Exec{}, options, ids, pair);
+  });
+  std::vector<PairScore> scores;
+  for (std::vector<PairScore>& of_pair : found) std::move(of_pair.begin(), of_pair.end(), std::back_inserter(scores));
+  return scores;
+}
+
+std::vector<PhotoScore> score_photos(Run& run, const std::vector<FilePair>& pairs) {
+  auto scope = run.monitor().scope("score photos");
+  scope.items(std::int64_t(pairs.size()));
+  std::vector<PhotoScore> scores(pairs.size());
+  for_each_pair(run, pairs.size(), [&](std::size_t i) {
+    const ImageF predicted = io::read_image_rgb(pairs[i].predicted), truth = io::read_image_rgb(pairs[i].truth);
+    if (predicted.width_px != truth.width_px || predicted.height_px != truth.height_px)
+      throw Error(ErrorCode::kInconsistent,
+                  pairs[i].predicted + ": " + std::to_string(predicted.width_px) + "x" +
+                      std::to_string(predicted.height_px) + ", expected the size of " + pairs[i].truth + ", " +
+                      std::to_string(truth.width_px) + "x" + std::to_string(truth.height_px),
+                  "render at the photo's size: ngs-render --scale S");
+    scores[i] = {pairs[i].view, std::min(psnr_db(Exec{}, predicted, truth), kEqualPsnrDb),
+                 ssim_index(Exec{}, predicted, truth)};
+  });
+  return scores;
+}
+
+}  // namespace ngs::cli

@@ -1,0 +1,55 @@
+#pragma once
+// The work of ngs-eval between files and metrics.json.
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "image_list.h"
+#include "ngs/stages/eval_stage.h"
+#include "shared/tool.h"
+
+namespace ngs::cli {
+
+enum class Layout : std::uint8_t { kViewObject, kObjectView };
+
+struct EvalFileOptions {
+  std::string views = "all";
+  Layout layout = Layout::kViewObject;
+  bool image_metrics = false;
+
+  static constexpr NamedValue<Layout> kLayouts[] = {{Layout::kViewObject, "view/object"},
+                                                    {Layout::kObjectView, "object/view"}};
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.views, Text{"views", "all|every:N:K|FILE", "which views to score: all, index % N == K of the truth's "
+                                                          "sorted names, or a file of names"});
+    visit(self.layout, Choice<Layout>{"layout", "what the sub-folders of a nested folder are", kLayouts});
+    visit(self.image_metrics, Flag{"image_metrics", "the files are photos: PSNR and SSIM instead of mask scores"});
+  }
+};
+
+struct FilePair {
+  std::string view, object, predicted, truth;  // the last two are paths
+};
+
+struct Pairing {
+  std::vector<FilePair> pairs;
+  std::vector<std::pair<std::string, int>> matched_by;      // rule, how many
+  std::vector<std::string> predicted_only, truth_only;      // of the selected views
+  std::vector<std::string> listed_only;                     // names of a --views file that the truth lacks
+};
+
+/// Throws kInconsistent where nothing matches.
+Pairing pair_files(const ImageList& predicted, const ImageList& truth, const EvalFileOptions& options);
+
+struct PhotoScore {
+  std::string view;
+  double psnr_db = 0, ssim = 0;  // equal photos count as kEqualPsnrDb
+};
+inline constexpr double kEqualPsnrDb = 100;
+
+std::vector<PairScore> score_masks(Run& run, const EvalOptions& options, const std::vector<FilePair>& pairs);
+std::vector<PhotoScore> score_photos(Run& run, const std::vector<FilePair>& pairs);
+
+}  // namespace ngs::cli

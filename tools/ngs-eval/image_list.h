@@ -1,0 +1,21 @@
+#pragma once
+// The image files of a folder, or one file, as names relative to the folder.
+#include <string>
+#include <vector>
+
+namespace ngs::cli {
+
+struct ImageList {
+  std::string folder;              // what the names are relative to
+  std::vector<std::string> names;  // sorted; "view.png" or, one folder deep, "sub/view.png"
+  std::string path(std::size_t i) const { return folder + "/" + names[i]; }
+};
+
+/// Images directly in the folder, or, if there are none, those of its sub-folders. Hidden entries are skipped.
+/// Throws kBadInput where there is no image.
+ImageList list_images(const std::string& path);
+
+/// Lines of a text file; blank ones and those that begin with '#' are skipped. Throws kBadInput.
+std::vector<std::string> read_lines(const std::string& path);
+
+}  // namespace ngs::cli

@@ -1,0 +1,25 @@
+#pragma once
+// metrics.json and the table for people.
+#include <string>
+
+#include "evaluation.h"
+
+namespace ngs::cli {
+
+inline constexpr int kMetricsVersion = 1;
+
+/// No clock, host or path: the same masks give the same bytes.
+Json metrics_json(const std::vector<PairScore>& scores, const EvalSummary& summary);
+Json photo_metrics_json(const std::vector<PhotoScore>& scores);
+Json pairing_json(const Pairing& pairing);
+Json checks_json(const std::vector<ScoreCheck>& checks);
+
+/// What --fail-below may ask for.
+std::map<std::string, double> mean_scores(const EvalSummary& summary);
+std::map<std::string, double> mean_scores(const std::vector<PhotoScore>& scores);
+
+/// Objects and their means, then the worst views by boundary IoU.
+std::string score_table(const std::vector<PairScore>& scores, const EvalSummary& summary);
+std::string photo_table(const std::vector<PhotoScore>& scores);
+
+}  // namespace ngs::cli
