@@ -1,0 +1,29 @@
+#pragma once
+// Options every tool shares that splats a model.
+#include "ngs/ops/splat.h"
+#include "ngs/options/field.h"
+
+namespace ngs {
+
+enum class Antialias : std::uint8_t { kAuto, kOn, kOff };
+inline constexpr NamedValue<Compat> kCompatNames[] = {{Compat::kInria, "inria"}, {Compat::kGsplat, "gsplat"}};
+inline constexpr NamedValue<Antialias> kAntialiasNames[] = {
+    {Antialias::kAuto, "auto"}, {Antialias::kOn, "on"}, {Antialias::kOff, "off"}};
+
+struct RasterOptions {
+  Compat compat = Compat::kInria;
+  Antialias antialias = Antialias::kAuto;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.compat, Choice<Compat>{"compat", "whose near plane and footprint rule to follow", kCompatNames});
+    visit(self.antialias, Choice<Antialias>{"antialias", "opacity compensation; auto: as the PLY's comments say", kAntialiasNames});
+  }
+};
+
+inline SplatOptions splat_options(const RasterOptions& options, const GaussianCloud& cloud) {
+  const bool antialiased = options.antialias == Antialias::kAuto ? cloud.antialiased : options.antialias == Antialias::kOn;
+  return {options.compat, antialiased, 3};
+}
+
+}  // namespace ngs

@@ -1,0 +1,55 @@
+// ngs-render: scene.json + model -> pictures of colour, mask, alpha, depth and labels at any camera.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <set>
+#include <sstream>
+
+#include "ngs/io/gaussian_ply.h"
+#include "ngs/io/scene_json.h"
+#include "ngs/stages/render_options.h"
+#include "ngs/stages/render_stage.h"
+#include "render_output.h"
+#include "shared/tool.h"
+
+int main(int argc, char** argv) {
+  using namespace ngs;
+  cli::Tool tool("ngs-render", "Render colour, masks, alpha, depth and labels of a model at the scene's cameras.",
+                 {"ngs-render scene.json labelled.ply --views held-out --layers mask -o masks/",
+                  "ngs-render scene.json labelled.ply --layers color,mask,depth --format exr -o layers/"});
+  RenderOptions options;
+  RasterOptions raster;
+  picture::OutputOptions format;
+  tool.options(options);
+  tool.options(raster);
+  tool.options(format);
+  const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene");
+  const cli::Input& model = tool.input("model", "any 3DGS PLY; masks need a labelled one");
+  const cli::Output& out = tool.output_dir("-o,--output", "folder for the pictures");
+
+  return tool.run(argc, argv, [&](cli::Run& run) {
+    const Scene scene = io::read_scene_json(scene_json.path);
+    const io::GaussianPly ply = io::read_gaussian_ply(model.path);
+    const picture::Objects objects = picture::objects_of(ply);
+    const std::set<std::string> layers = picture::parse_layers(options.layers, objects);
+    const Vec3<float> background = parse_background(options.background);
+    const std::vector<std::size_t> views = select_views(scene, options.views);
+    run.result()["views"] = views.size();
+    if (run.dry_run()) {
+      run.plan({{"views", views.size()}, {"layers", layers}});
+      return 0;
+    }
+    for (std::size_t n = 0; n < views.size(); ++n) {
+      const Camera& full = scene.views[views[n]].camera;
+      const Camera camera = resized(full, scaled_size_px(full.width_px, options.scale), scaled_size_px(full.height_px, options.scale));
+      const RenderedView view = [&] {
+        const auto timed = run.monitor().scope("render");
+        return render_labelled(run.exec(), ply.cloud, objects.columns, camera, splat_options(raster, ply.cloud), background, options.amodal);
+      }();
+      const auto timed = run.monitor().scope("write");
+      picture::write_view({out.path, std::filesystem::path(camera.name).stem().string()}, view, objects, layers, options, format);
+      run.monitor().progress(std::int64_t(n) + 1, std::int64_t(views.size()));
+    }
+    return 0;
+  });
+}

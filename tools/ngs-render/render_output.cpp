@@ -1,0 +1,127 @@
+#include "render_output.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <sstream>
+
+#include "ngs/io/exr.h"
+#include "ngs/io/image_file.h"
+
+namespace ngs::picture {
+namespace {
+
+constexpr const char* kLayers[] = {"color", "mask", "alpha", "depth", "labels", "overlay"};
+
+ImageU8 to_8bit(const ImageF& image) {
+  ImageU8 out(image.width_px, image.height_px, image.channels);
+  for (std::size_t i = 0; i < out.data.size(); ++i)
+    out.data[i] = std::uint8_t(std::lround(255 * std::clamp(image.data[i], 0.f, 1.f)));
+  return out;
+}
+
+/// Expected depth of the covered pixels scaled so that 65535 is the view's largest.
+ImageU16 depth_to_16bit(const RenderedView& view) {
+  ImageU16 out(view.width_px, view.height_px, 1);
+  float largest = 0;
+  std::vector<float> depth(out.data.size(), 0.f);
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    if (view.alpha.data[i] > 0.f) depth[i] = view.depth.data[i] / view.alpha.data[i];
+    largest = std::max(largest, depth[i]);
+  }
+  for (std::size_t i = 0; i < depth.size(); ++i)
+    out.data[i] = largest > 0 ? std::uint16_t(std::lround(65535 * depth[i] / largest)) : std::uint16_t(0);
+  return out;
+}
+
+ImageU8 binary_mask(const ImageF& label, std::size_t object, double threshold) {
+  ImageU8 out(label.width_px, label.height_px, 1);
+  for (std::size_t p = 0; p < out.data.size(); ++p)
+    out.data[p] = label.data[p * std::size_t(label.channels) + object] > threshold ? 255 : 0;
+  return out;
+}
+
+std::string prepared(const std::filesystem::path& folder, const std::string& file) {
+  std::filesystem::create_directories(folder);
+  return (folder / file).string();
+}
+
+void write_masks(const std::filesystem::path& folder, const std::string& stem, const RenderedView& view, const Objects& objects,
+                 double threshold) {
+  for (std::size_t k = 0; k < objects.names.size(); ++k) {
+    const auto mine = objects.names.size() > 1 ? folder / objects.names[k] : folder;
+    io::write_png(prepared(mine, stem + ".png"), binary_mask(view.label, k, threshold));
+  }
+}
+
+void write_exr_view(const Destination& to, const RenderedView& view, const Objects& objects, const std::set<std::string>& layers,
+                    const RenderOptions& options) {
+  io::ExrImage image;
+  image.width_px = view.width_px, image.height_px = view.height_px;
+  const auto plane = [&](std::size_t object) {
+    std::vector<float> out(view.alpha.data.size());
+    for (std::size_t p = 0; p < out.size(); ++p) out[p] = view.label.data[p * objects.names.size() + object];
+    return out;
+  };
+  if (layers.contains("color")) image.add({"R", "G", "B"}, view.colour);
+  if (layers.contains("alpha")) image.add({"A"}, view.alpha);
+  if (layers.contains("depth")) {
+    ImageF depth = view.depth;
+    for (std::size_t p = 0; p < depth.data.size(); ++p)
+      depth.data[p] = view.alpha.data[p] > 0 ? depth.data[p] / view.alpha.data[p] : 0.f;
+    image.add({"Z"}, depth);
+  }
+  if (layers.contains("mask"))
+    for (std::size_t k = 0; k < objects.names.size(); ++k)
+      image.channels[objects.names.size() == 1 ? "ngs.mask" : "ngs.mask_" + objects.names[k]] = plane(k);
+  if (layers.contains("labels")) {
+    const ImageU16 map = label_map(view, options.threshold);
+    image.channels["ngs.id"].assign(map.data.begin(), map.data.end());
+  }
+  image.text["ngs:schema"] = "ngs.render.1";
+  io::write_exr(prepared(to.folder, to.stem + ".exr"), image);
+}
+
+}  // namespace
+
+Objects objects_of(const io::GaussianPly& ply) {
+  Objects objects;
+  for (const io::NamedLabels& o : ply.objects) objects.names.push_back(o.object), objects.columns.push_back(o.columns);
+  if (objects.names.empty() && !ply.labels.label.empty()) objects = {{ply.object}, {ply.labels}};
+  return objects;
+}
+
+std::set<std::string> parse_layers(const std::vector<std::string>& layers, const Objects& objects) {
+  std::set<std::string> chosen;
+  for (const std::string& entry : layers) {
+    std::istringstream in(entry);
+    for (std::string layer; std::getline(in, layer, ',');) {
+      if (std::find(std::begin(kLayers), std::end(kLayers), layer) == std::end(kLayers))
+        throw Error(ErrorCode::kUsage, "--layers: '" + layer + "', expected color, mask, alpha, depth, labels or overlay");
+      chosen.insert(layer);
+    }
+  }
+  if (chosen.empty()) chosen.insert("mask");
+  const bool needs_labels = chosen.contains("mask") || chosen.contains("labels") || chosen.contains("overlay");
+  if (needs_labels && objects.names.empty())
+    throw Error(ErrorCode::kBadInput, "the model has no property ngs_label, expected a labelled PLY for masks",
+                "label it first: ngs-variance scene.json -o boundary.ply, or ask for --layers color");
+  return chosen;
+}
+
+void write_view(const Destination& to, const RenderedView& view, const Objects& objects, const std::set<std::string>& layers,
+                const RenderOptions& options, const OutputOptions& format) {
+  if (format.format == Format::kExr) return write_exr_view(to, view, objects, layers, options);
+  for (const std::string& layer : layers) {
+    const std::filesystem::path folder = layers.size() > 1 ? std::filesystem::path(to.folder) / layer : std::filesystem::path(to.folder);
+    const std::string file = to.stem + ".png";
+    if (layer == "mask") write_masks(folder, to.stem, view, objects, options.threshold);
+    else if (layer == "color") io::write_png(prepared(folder, file), to_8bit(view.colour));
+    else if (layer == "alpha") io::write_png(prepared(folder, file), to_8bit(view.alpha));
+    else if (layer == "depth") io::write_png16(prepared(folder, file), depth_to_16bit(view));
+    else if (layer == "labels") io::write_png16(prepared(folder, file), label_map(view, options.threshold));
+    else if (layer == "overlay") io::write_png(prepared(folder, file), overlay_picture(view, options.threshold));
+  }
+}
+
+}  // namespace ngs::picture

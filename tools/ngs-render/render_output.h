@@ -1,0 +1,43 @@
+#pragma once
+// Where ngs-render puts what it rendered.
+//   png, one layer:     DIR/STEM.png              several layers: DIR/<layer>/STEM.png
+//   masks of several objects: .../<object>/STEM.png
+//   exr:                DIR/STEM.exr with R G B A Z ngs.mask ngs.id (masks of several objects: ngs.mask_<object>)
+#include <set>
+#include <string>
+#include <vector>
+
+#include "ngs/io/gaussian_ply.h"
+#include "ngs/options/field.h"
+#include "ngs/stages/render_stage.h"
+
+namespace ngs::picture {
+
+enum class Format : std::uint8_t { kPng, kExr };
+inline constexpr NamedValue<Format> kFormatNames[] = {{Format::kPng, "png"}, {Format::kExr, "exr"}};
+
+struct OutputOptions {
+  Format format = Format::kPng;
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.format, Choice<Format>{"format", "png: 8 bit (16 bit for depth and labels); exr: float layers", kFormatNames});
+  }
+};
+
+struct Objects {
+  std::vector<std::string> names;
+  std::vector<LabelColumns> columns;
+};
+/// The label sets of a model; none for a plain one.
+Objects objects_of(const io::GaussianPly& ply);
+
+/// Known layer names, default {"mask"}; kUsage for others and for masks of a model without labels.
+std::set<std::string> parse_layers(const std::vector<std::string>& layers, const Objects& objects);
+
+struct Destination {
+  std::string folder, stem;
+};
+void write_view(const Destination& to, const RenderedView& view, const Objects& objects, const std::set<std::string>& layers,
+                const RenderOptions& options, const OutputOptions& format);
+
+}  // namespace ngs::picture
