@@ -1,0 +1,38 @@
+#pragma once
+// What every method of ngs-joint takes and gives back: the paper's joint optimisation and the methods beside it
+// (flash, sa3d, cob, saga, bce, released) run on the same inputs through the same splat core.
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "ngs/core/monitor.h"
+#include "ngs/ops/splat.h"
+#include "ngs/scene/evidence.h"
+#include "ngs/scene/scene.h"
+
+namespace ngs {
+
+struct MethodInput {
+  const GaussianCloud& cloud;
+  const Scene& scene;
+  std::vector<std::size_t> views;                          // indices of scene.views that may supervise
+  std::function<ViewMasks(std::size_t view)> load_masks;   // at the camera's size
+  std::function<ImageF(std::size_t view)> load_photo;      // [H, W, 3] at the camera's size; empty: no photo
+  SplatOptions splat;
+  Vec3<float> background{0, 0, 0};
+  std::uint64_t seed = 0;
+  std::vector<float> fixed;                                // [N] ngs_fixed of a hand edit: 1 keeps its label; may be empty
+  std::vector<LabelColumns> labels;                        // of ngs-variance, one per object
+};
+
+struct MethodResult {
+  GaussianCloud cloud;                    // the input's, with optimised attributes; rows may be added or removed
+  std::vector<std::int64_t> source_row;   // [rows] input row each row descends from; empty: unchanged rows
+  std::vector<LabelColumns> labels;       // one per object; label is the method's decision, prob its soft value
+  std::map<std::string, double> figures;  // what the method has to say about itself: steps, losses, gap, ...
+  bool converged = true;                  // false: a budget ended it early with a usable result
+};
+
+}  // namespace ngs
