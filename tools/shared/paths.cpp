@@ -55,9 +55,12 @@ void check_inputs(const Spec& spec) {
   });
 }
 
-void check_outputs(const Spec& spec, bool overwrite) {
+void check_outputs(const Spec& spec, const std::string& report_path, bool overwrite) {
   for (const Output& output : spec.outputs)
     if (output) check_output(spec, output, overwrite);
+  Output report;
+  report.path = report_path;
+  if (report) check_output(spec, report, overwrite);
 }
 
 ReadInput describe_input(const std::string& name, const std::string& path, bool hash) {

@@ -163,9 +163,10 @@ int guarded(Console& console, const std::function<int()>& body) {
 
 int Tool::Impl::run(const CommonFlags& flags, Console& console, const std::function<int(Run&)>& body) {
   const double start_s = wall_seconds();
+  install_signal_handlers(spec.stops_on_request);
   check_required(spec);
   check_inputs(spec);
-  check_outputs(spec, flags.overwrite);
+  check_outputs(spec, flags.report_path, flags.overwrite);
   const ChosenDevice device = choose_device(flags.device);
   RunState state{.flags = flags, .console = console, .exec = {}, .monitor = {}, .inputs = {}};
   state.exec.device = device.device;
@@ -177,7 +178,6 @@ int Tool::Impl::run(const CommonFlags& flags, Console& console, const std::funct
   };
   console.info("device: " + device.name + " (" + device.reason +
                "), threads: " + std::to_string(state.exec.threads));
-  install_signal_handlers(spec.stops_on_request);
   {
     const Monitor::Scope scope = state.monitor.scope("hash inputs");
     state.inputs = describe_inputs(spec, !flags.dry_run);

@@ -1,0 +1,286 @@
+// Runs the cases of cases/*.json (see cases/README.md) against the built tools. Beside what a case says,
+// every case is held to the rules that all tools share: an error leaves stdout empty, one "error" line first
+// on stderr, no output and no temporary file; a success leaves one report that satisfies its own schema.
+#include <doctest/doctest.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iostream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
+
+#include "support/mutations.h"
+#include "support/process.h"
+#include "support/schema_check.h"
+#include "support/temp_dir.h"
+#include "support/tiny_scene.h"
+
+namespace ngs {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+using test::ProcessResult;
+using test::ProcessSpec;
+using Words = std::vector<std::string>;
+
+const fs::path kCases = fs::path(NGS_SOURCE_DIR) / "tests/contract/cases";
+
+std::string substituted(std::string text, const std::string& from, const std::string& to) {
+  for (std::size_t at = text.find(from); at != text.npos; at = text.find(from, at + to.size()))
+    text.replace(at, from.size(), to);
+  return text;
+}
+
+/// `json` with {tmp} and {fixture} replaced in every text.
+Json resolved(const Json& json, const std::string& tmp, const std::string& fixture) {
+  if (json.is_string())
+    return substituted(substituted(json.get<std::string>(), "{tmp}", tmp), "{fixture}", fixture);
+  if (!json.is_structured()) return json;
+  Json copy = json;
+  for (Json& item : copy) item = resolved(item, tmp, fixture);
+  return copy;
+}
+
+Words words(const Json& list) {
+  Words result;
+  for (const Json& word : list) result.push_back(word.get<std::string>());
+  return result;
+}
+
+ProcessSpec command(const Json& run) {
+  ProcessSpec spec;
+  spec.argv = words(run);
+  if (spec.argv[0].rfind("ngs-", 0) == 0) spec.argv[0] = std::string(NGS_TOOL_DIR "/") + spec.argv[0];
+  spec.environment = {{"NGS_THREADS", "2"}};
+  return spec;
+}
+
+/// The scene that cases start from: files rendered by libngs, then the artifacts of fixture.json in order.
+const std::string& fixture_folder() {
+  static const test::TempDir dir;
+  static const bool made = [] {
+    const std::string folder = dir.path();
+    test::write_tiny_scene(folder);
+    for (const Json& step :
+         resolved(Json::parse(std::ifstream(kCases / "../fixture.json")), folder, folder)) {
+      const ProcessResult result = test::run_process(command(step["run"]));
+      INFO(step.dump() << "\n" << result.err);
+      REQUIRE(result.exit_code == 0);
+    }
+    return true;
+  }();
+  REQUIRE(made);
+  return dir.path();
+}
+
+std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
+
+Words outputs_of(const Words& argv) {
+  static const std::set<std::string> flags = {"-o",         "--output", "--object", "--background",
+                                              "--labelled", "--report", "--layers"};
+  Words paths;
+  for (std::size_t i = 1; i + 1 < argv.size(); ++i)
+    if (flags.count(argv[i]) != 0 && argv[i + 1][0] == '/' && argv[i + 1].rfind("/dev/", 0) != 0)
+      paths.push_back(argv[i + 1]);
+  return paths;
+}
+
+Words temporaries_under(const std::string& folder) {
+  Words found;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
+    if (entry.path().filename().string().find(".tmp") != std::string::npos)
+      found.push_back(entry.path().string());
+  return found;
+}
+
+const Json& report_schema(const std::string& tool) {
+  static std::map<std::string, Json> schemas;
+  if (schemas.count(tool) == 0) {
+    Json run = Json::array();
+    for (std::size_t begin = 0; begin <= tool.size();
+         begin = std::min(tool.find(' ', begin), tool.size()) + 1)
+      run.push_back(tool.substr(begin, tool.find(' ', begin) - begin));
+    run.push_back("--print-schema"), run.push_back("report");
+    schemas[tool] = Json::parse(test::run_process(command(run)).out);
+  }
+  return schemas[tool];
+}
+
+void check_report(const std::string& text) {
+  const Json report = Json::parse(text, nullptr, false);
+  REQUIRE_MESSAGE(!report.is_discarded(), "the report is not JSON: ", text);
+  CHECK(test::schema_violations(report_schema(report.value("tool", "ngs-probe")), report) == "");
+}
+
+struct Prepared {
+  Json spec;
+  std::string tmp;
+  std::set<std::string> before;  // outputs that are there already
+};
+
+void check_failure(const Prepared& prepared, const Words& argv, const ProcessResult& result) {
+  if (result.exit_code < 128)
+    CHECK(result.out == "");
+  else if (!result.out.empty())
+    check_report(result.out);  // of a body that ended in its own way
+  const Words present = words(prepared.spec.value("present", Json::array()));
+  for (const std::string& path : outputs_of(argv))
+    if (prepared.before.count(path) == 0 && std::count(present.begin(), present.end(), path) == 0) {
+      INFO("a failed run left " << path);
+      CHECK((!fs::exists(path) || (fs::is_directory(path) && fs::is_empty(path))));
+    }
+  if (result.exit_code < 128) {
+    static const std::regex shape("ngs-[a-z]+( [a-z]+)?: error: .+");
+    INFO("first line: " << first_line(result.err));
+    CHECK(std::regex_match(first_line(result.err), shape));
+  }
+}
+
+void check_texts(const Json& expected, const std::string& text) {
+  for (const Json& part : expected) {
+    INFO("expected part: " << part.get<std::string>() << "\nfound: " << text.substr(0, 2000));
+    CHECK(text.find(part.get<std::string>()) != text.npos);
+  }
+}
+
+void check_result(const Prepared& prepared, const Words& argv, const ProcessResult& result) {
+  const Json& spec = prepared.spec;
+  INFO("stderr: " << result.err.substr(0, 2000));
+  CHECK(result.exit_code == spec["exit"].get<int>());
+  check_texts(spec.value("stdout_contains", Json::array()), result.out);
+  check_texts(spec.value("stderr_contains", Json::array()), result.err);
+  if (spec.contains("stdout")) CHECK(result.out == spec["stdout"].get<std::string>());
+  if (spec.contains("stderr")) CHECK(result.err == spec["stderr"].get<std::string>());
+  for (const std::string& path : words(spec.value("absent", Json::array()))) CHECK_FALSE(fs::exists(path));
+  for (const std::string& path : words(spec.value("present", Json::array()))) {
+    INFO("expected " << path);
+    CHECK(fs::exists(path));
+  }
+  const bool killed = spec.value("signal", "") == "KILL";  // nobody is left to tidy up
+  if (!killed) CHECK(temporaries_under(prepared.tmp) == Words{});
+  const bool done = result.exit_code == 0 || result.exit_code == 1 || result.exit_code == 7;
+  if (!done)
+    check_failure(prepared, argv, result);
+  else if (!spec.value("text", false) && !result.out.empty())
+    check_report(result.out);
+  if (done && spec.contains("report")) check_report(test::read_bytes(spec["report"]));
+}
+
+/// The bytes of files, or of all files of folders.
+std::map<std::string, std::string> contents(const Words& paths) {
+  std::map<std::string, std::string> bytes;
+  for (const std::string& path : paths) {
+    if (!fs::is_directory(path)) {
+      REQUIRE_MESSAGE(fs::exists(path), path);
+      bytes[path] = test::read_bytes(path);
+      continue;
+    }
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(path))
+      if (entry.is_regular_file()) bytes[entry.path().string()] = test::read_bytes(entry.path().string());
+  }
+  return bytes;
+}
+
+/// Three threads and one, and again: the same bytes.
+void check_same_bytes(const Prepared& prepared, const ProcessSpec& base) {
+  const Words paths = words(prepared.spec["same_bytes"]);
+  const auto first = contents(paths);
+  CHECK_FALSE(first.empty());
+  for (const char* threads : {"3", "1"}) {
+    ProcessSpec again = base;
+    for (const char* word : {"-w", "-j", threads}) again.argv.emplace_back(word);
+    const ProcessResult result = test::run_process(again);
+    INFO("with -j " << threads << ": " << result.err);
+    CHECK(result.exit_code == prepared.spec["exit"].get<int>());
+    const auto bytes = contents(paths);
+    CHECK(bytes.size() == first.size());
+    for (const auto& [path, content] : first) {
+      INFO(path << " differs with -j " << threads);
+      CHECK((bytes.count(path) != 0 && bytes.at(path) == content));
+    }
+  }
+}
+
+/// Killed at many moments: the output is either not there or the complete one.
+void check_killed(const Prepared& prepared, const ProcessSpec& base) {
+  const Words paths = words(prepared.spec["killed"]);
+  const auto complete = contents(paths);
+  for (const int signal : {SIGKILL, SIGTERM})
+    for (const int after_ms : {1, 3, 6, 10, 20, 40, 80}) {
+      for (const std::string& path : paths) fs::remove_all(path);
+      ProcessSpec run = base;
+      run.signal = signal, run.signal_after_ms = after_ms;
+      const ProcessResult result = test::run_process(run);
+      INFO("signal " << signal << " after " << after_ms << " ms: exit " << result.exit_code);
+      CHECK((result.exit_code == 128 + signal || result.exit_code == prepared.spec["exit"].get<int>()));
+      for (const auto& [path, content] : complete)
+        CHECK((!fs::exists(path) || test::read_bytes(path) == content));
+    }
+}
+
+int signal_number(const std::string& name) {
+  static const std::map<std::string, int> numbers = {
+      {"", 0}, {"TERM", SIGTERM}, {"INT", SIGINT}, {"USR1", SIGUSR1}, {"KILL", SIGKILL}};
+  return numbers.at(name);
+}
+
+ProcessResult run_case(const Json& raw) {
+  const test::TempDir dir;
+  const bool mutates = raw.contains("setup");
+  const std::string fixture = mutates ? dir.path() + "/scene" : fixture_folder();
+  if (mutates) fs::copy(fixture_folder(), fixture, fs::copy_options::recursive);
+  Prepared prepared{resolved(raw, dir.path(), fixture), dir.path(), {}};
+  for (const Json& step : prepared.spec.value("setup", Json::array())) test::apply_mutation(step);
+
+  ProcessSpec spec = command(prepared.spec["run"]);
+  spec.folder = dir.path();
+  const Json environment = prepared.spec.value("environment", Json::object());
+  for (const auto& [name, value] : environment.items()) spec.environment.emplace_back(name, value);
+  spec.input = prepared.spec.value("stdin", "");
+  spec.signal = signal_number(prepared.spec.value("signal", ""));
+  spec.signal_after = prepared.spec.value("signal_after", "");
+  spec.closed_stdout = prepared.spec.value("closed_stdout", false);
+  for (const std::string& path : outputs_of(spec.argv))
+    if (fs::exists(path)) prepared.before.insert(path);
+  const ProcessResult result = test::run_process(spec);
+  CHECK_FALSE(result.timed_out);
+  check_result(prepared, spec.argv, result);
+  if (prepared.spec.contains("same_bytes")) check_same_bytes(prepared, spec);
+  if (prepared.spec.contains("killed")) check_killed(prepared, spec);
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("every tool keeps the contract in every listed case") {
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(kCases))
+    if (entry.path().extension() == ".json") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  REQUIRE_FALSE(files.empty());
+  std::string table;
+  int cases = 0;
+  std::set<std::string> names;
+  for (const fs::path& file : files)
+    for (const Json& spec : Json::parse(std::ifstream(file))) {
+      const std::string name = file.stem().string() + ": " + spec["name"].get<std::string>();
+      INFO("case: " << name);
+      CHECK_MESSAGE(names.insert(name).second, "two cases of one name");
+      const ProcessResult result = run_case(spec);
+      static const std::regex folder("/[^ ]*/ngs-test-[A-Za-z0-9]+");  // differs from run to run
+      const std::string said = std::regex_replace(first_line(result.err), folder, "...");
+      table += name + " | " + std::to_string(result.exit_code) + " | " + said + "\n";
+      ++cases;
+    }
+  std::cout << table << "contract cases: " << cases << "\n";
+  if (const char* path = std::getenv("NGS_CONTRACT_TABLE"))
+    std::ofstream(path) << "case | exit | first line of stderr\n" << table;
+}
+
+}  // namespace ngs

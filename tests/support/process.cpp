@@ -1,0 +1,90 @@
+#include "support/process.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <stdexcept>
+
+namespace ngs::test {
+namespace {
+
+constexpr double kLimitS = 60;
+
+struct Pipe {
+  int read_end = -1, write_end = -1;
+  Pipe() {
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("pipe failed");
+    read_end = ends[0], write_end = ends[1];
+  }
+  ~Pipe() { close_read(), close_write(); }
+  void close_read() { read_end = read_end >= 0 ? (close(read_end), -1) : -1; }
+  void close_write() { write_end = write_end >= 0 ? (close(write_end), -1) : -1; }
+};
+
+[[noreturn]] void become(const ProcessSpec& spec, const Pipe& in, const Pipe& out, const Pipe& err) {
+  dup2(in.read_end, STDIN_FILENO);
+  dup2(out.write_end, STDOUT_FILENO);
+  dup2(err.write_end, STDERR_FILENO);
+  if (!spec.folder.empty() && chdir(spec.folder.c_str()) != 0) _exit(126);
+  for (const auto& [name, value] : spec.environment) setenv(name.c_str(), value.c_str(), 1);
+  std::vector<char*> argv;
+  for (const std::string& word : spec.argv) argv.push_back(const_cast<char*>(word.c_str()));
+  argv.push_back(nullptr);
+  execvp(argv[0], argv.data());
+  _exit(127);
+}
+
+/// Appends what is there; false at the end of the stream.
+bool drain(int descriptor, std::string& text) {
+  char buffer[65536];
+  const ssize_t count = read(descriptor, buffer, sizeof buffer);
+  if (count > 0) text.append(buffer, std::size_t(count));
+  return count > 0;
+}
+
+}  // namespace
+
+ProcessResult run_process(const ProcessSpec& spec) {
+  using Clock = std::chrono::steady_clock;
+  signal(SIGPIPE, SIG_IGN);  // a program that does not read its stdin must not end the test
+  Pipe in, out, err;
+  const pid_t child = fork();
+  if (child < 0) throw std::runtime_error("fork failed");
+  if (child == 0) {
+    signal(SIGPIPE, SIG_DFL);
+    if (spec.closed_stdout) close(out.read_end);
+    become(spec, in, out, err);
+  }
+  in.close_read(), out.close_write(), err.close_write();
+  if (spec.closed_stdout) out.close_read();
+  if (!spec.input.empty() && write(in.write_end, spec.input.data(), spec.input.size()) < 0) in.close_write();
+  in.close_write();
+
+  ProcessResult result;
+  const Clock::time_point start = Clock::now();
+  bool signal_sent = spec.signal == 0, out_open = !spec.closed_stdout, err_open = true;
+  while (out_open || err_open) {
+    pollfd streams[2] = {{out_open ? out.read_end : -1, POLLIN, 0},
+                         {err_open ? err.read_end : -1, POLLIN, 0}};
+    poll(streams, 2, signal_sent ? 100 : 1);
+    if (streams[0].revents != 0) out_open = drain(out.read_end, result.out);
+    if (streams[1].revents != 0) err_open = drain(err.read_end, result.err);
+    const double elapsed_s = std::chrono::duration<double>(Clock::now() - start).count();
+    const bool due = spec.signal_after_ms >= 0 ? elapsed_s * 1e3 >= spec.signal_after_ms
+                                               : result.err.find(spec.signal_after) != std::string::npos;
+    if (!signal_sent && due) kill(child, spec.signal), signal_sent = true;
+    if (elapsed_s > kLimitS && !result.timed_out) kill(child, SIGKILL), result.timed_out = true;
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return result;
+}
+
+}  // namespace ngs::test
