@@ -17,7 +17,7 @@
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
 #include "ngs/io/atomic_file.h"
-#include "ngs/io/mapped_file.h"
+#include "ngs/io/regular_file.h"
 
 namespace ngs::io {
 namespace {
@@ -171,6 +171,6 @@ ExrImage parse_exr(Bytes bytes, const std::string& object) {
   }
 }
 
-ExrImage read_exr(const std::string& path) { return parse_exr(MappedFile(path).bytes(), path); }
+ExrImage read_exr(const std::string& path) { return parse_exr(map_regular_file(path).bytes(), path); }
 
 }  // namespace ngs::io

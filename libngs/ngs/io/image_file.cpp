@@ -10,7 +10,7 @@
 #include "ngs/core/error.h"
 #include "ngs/io/atomic_file.h"
 #include "ngs/io/image_header.h"
-#include "ngs/io/mapped_file.h"
+#include "ngs/io/regular_file.h"
 
 namespace ngs::io {
 namespace {
@@ -84,7 +84,7 @@ ImageF resize(const ImageF& image, int width_px, int height_px, int method) {
 }  // namespace
 
 ImageF read_image_rgb(const std::string& path) {
-  const MappedFile file(path);
+  const MappedFile file = map_regular_file(path);
   parse_image_header(file.bytes(), path);
   const cv::Mat image = decode(file.bytes(), path);
   const std::size_t channels = std::size_t(image.channels());
@@ -103,7 +103,7 @@ ImageF read_image_rgb(const std::string& path) {
 }
 
 RawMask read_mask_raw(const std::string& path) {
-  const MappedFile file(path);
+  const MappedFile file = map_regular_file(path);
   const auto header = parse_image_header(file.bytes(), path);
   const bool palette = header && header->palette;
   const std::vector<std::uint8_t> indices =
@@ -124,7 +124,7 @@ RawMask read_mask_raw(const std::string& path) {
 }
 
 ImageSize read_image_size(const std::string& path) {
-  const MappedFile file(path);
+  const MappedFile file = map_regular_file(path);
   if (const auto header = parse_image_header(file.bytes(), path))
     return {header->width_px, header->height_px};
   const cv::Mat image = decode(file.bytes(), path);

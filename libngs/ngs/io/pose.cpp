@@ -1,7 +1,9 @@
 #include "ngs/io/pose.h"
 
 #include <Eigen/SVD>
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "ngs/core/error.h"
 
@@ -67,6 +69,10 @@ void set_pose(Camera& camera, const Mat3<double>& axes, Vec3<double> centre) {
 void validate_camera(const Camera& camera, const std::string& object) {
   if (camera.name.empty()) refuse(object, "a view without a name, expected an image name");
   const std::string where = object + ": view " + camera.name;
+  const std::filesystem::path name(camera.name);
+  if (name.is_absolute() || camera.name.find('\0') != std::string::npos ||
+      std::find(name.begin(), name.end(), "..") != name.end())
+    refuse(where, "name that leaves the folder of the images, expected a relative one without \"..\"");
   if (camera.width_px < 1 || camera.height_px < 1 || camera.width_px > kMaxSide ||
       camera.height_px > kMaxSide)
     refuse(where, "size " + std::to_string(camera.width_px) + "x" + std::to_string(camera.height_px) +

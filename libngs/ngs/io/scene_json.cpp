@@ -167,7 +167,7 @@ Scene parse_scene_json(const json& root, const std::string& folder, const std::s
         object + ": scene version " + std::to_string(version) + ", expected " + std::to_string(kSceneVersion),
         "write it again with this version: ngs-scene import SOURCE -o scene.json");
   Scene scene;
-  scene.model_path = from_folder(folder, reader.text("model"));
+  scene.model_path = from_folder(folder, reader.text_or("model", ""));
   scene.image_scale = reader.number("image_scale");
   const JsonReader masks = reader.object("masks");
   scene.mask_mode = value_of(kModes, masks, "mode");

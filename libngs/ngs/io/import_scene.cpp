@@ -1,0 +1,211 @@
+#include "ngs/io/import_scene.h"
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <set>
+#include <sstream>
+
+#include "ngs/core/error.h"
+#include "ngs/io/folder_index.h"
+#include "ngs/io/image_file.h"
+#include "ngs/io/mask_names.h"
+#include "ngs/io/regular_file.h"
+#include "ngs/io/scene_json.h"
+
+namespace ngs::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool parse_count(std::string_view text, std::uint32_t& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size() && !text.empty();
+}
+
+/// The newest point_cloud/iteration_N/point_cloud.ply of a trainer's output folder.
+std::string newest_iteration(const fs::path& base) {
+  std::uint32_t newest = 0;
+  std::string path;
+  for (const std::string& name : list_folders((base / "point_cloud").string())) {
+    std::uint32_t iteration = 0;
+    const std::string file = (base / "point_cloud" / name / "point_cloud.ply").string();
+    if (name.rfind("iteration_", 0) != 0 || !parse_count(name.substr(10), iteration) ||
+        !is_regular_file(file))
+      continue;
+    if (path.empty() || iteration > newest) newest = iteration, path = file;
+  }
+  return path;
+}
+
+std::string find_model(const std::string& base, std::vector<std::string>& notes) {
+  for (const char* name : {"point_cloud.ply", "model.ply"})
+    if (const std::string file = (fs::path(base) / name).string(); is_regular_file(file)) return file;
+  if (const std::string file = newest_iteration(base); !file.empty()) return file;
+  std::vector<std::string> found;
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(base, ignored)) {
+    const fs::path name = entry.path().filename();
+    if (name.extension() == ".ply" && name != "input.ply" && name != "points3D.ply")
+      found.push_back(entry.path().string());
+  }
+  if (found.size() == 1) return found[0];
+  notes.push_back(base + (found.empty() ? ": no model found" : ": several models found, none chosen") +
+                  " (name it with --ply MODEL.ply)");
+  return {};
+}
+
+std::string find_masks_dir(const ImportRequest& request, const std::string& base,
+                           std::vector<std::string>& notes) {
+  std::error_code ignored;
+  if (!request.masks_dir.empty()) {
+    if (!fs::is_directory(request.masks_dir, ignored))
+      throw Error(ErrorCode::kBadInput, request.masks_dir + ": no such folder, expected masks");
+    return request.masks_dir;
+  }
+  std::vector<std::string> candidates;
+  for (const std::string& name : list_folders(base)) {
+    if (name == "masks") return (fs::path(base) / name).string();
+    if (name.find("mask") != std::string::npos) candidates.push_back(name);
+  }
+  if (candidates.size() == 1) return (fs::path(base) / candidates[0]).string();
+  if (!candidates.empty()) {
+    std::string names;
+    for (const std::string& name : candidates) names += " " + name;
+    notes.push_back(base + ": several folders of masks (" + names.substr(1) +
+                    "), none chosen (name one with --masks DIR)");
+  }
+  return {};
+}
+
+/// "7" -> {"object-7", 7} for label maps, {"7", 0} else; "cup=7" -> {"cup", 7}; "cup" -> {"cup", 0}.
+SceneObject parse_object(const std::string& text, MaskMode mode) {
+  const std::size_t equals = text.rfind('=');
+  const std::string name = text.substr(0, equals);
+  const std::string digits = equals == std::string::npos ? text : text.substr(equals + 1);
+  std::uint32_t id = 0;
+  const bool has_id = parse_count(digits, id);
+  if (equals != std::string::npos && (!has_id || name.empty()))
+    throw Error(ErrorCode::kUsage,
+                "--object-id " + text + ": no id after \"=\", expected name=id such as cup=7");
+  if (mode != MaskMode::kLabel) return {name, equals == std::string::npos ? 0 : id};
+  if (!has_id || id > 65535)
+    throw Error(ErrorCode::kUsage,
+                "--object-id " + text + ": no id in 0..65535, expected 7 or cup=7 for label maps");
+  return {equals == std::string::npos ? "object-" + digits : name, id};
+}
+
+std::vector<SceneObject> objects_in_label_maps(const std::vector<SceneView>& views) {
+  std::set<std::uint32_t> ids;
+  for (const SceneView& view : views) {
+    if (view.mask_path.empty()) continue;
+    const RawMask mask = read_mask_raw(view.mask_path);
+    for (std::size_t i = 0; i < mask.data.size(); i += std::size_t(mask.channels)) ids.insert(mask.data[i]);
+    constexpr std::size_t kMostObjects = 1024;
+    if (ids.size() > kMostObjects)
+      throw Error(ErrorCode::kBadInput,
+                  view.mask_path + ": more than 1024 different values, expected a label map",
+                  "choose the objects with --object-id, or use --mask-mode soft");
+  }
+  ids.erase(0);
+  std::vector<SceneObject> objects;
+  for (const std::uint32_t id : ids) objects.push_back({"object-" + std::to_string(id), id});
+  return objects;
+}
+
+void attach_masks(const ImportRequest& request, ImportedScene& out) {
+  Scene& scene = out.scene;
+  for (const std::string& text : request.object_ids)
+    scene.objects.push_back(parse_object(text, request.mask_mode));
+  std::vector<std::string> names;
+  for (const SceneObject& object : scene.objects) names.push_back(object.name);
+  const MaskMatches matches = match_masks(out.masks_dir, names, scene.views);
+  out.views_by_mask_rule = matches.views_by_rule;
+  const bool none = matches.unmatched.size() == scene.views.size();
+  if (none && !request.masks_dir.empty())
+    throw Error(ErrorCode::kInconsistent,
+                out.masks_dir + ": no mask of any view (such as " + scene.views[0].camera.name +
+                    "), expected names like <stem>.png, <name>.png, <stem>.mask.png or <object>/<stem>.png",
+                "rename the masks after their photos");
+  if (none && out.masks_dir.empty())
+    out.notes.push_back("no masks");
+  else if (!matches.unmatched.empty())
+    out.notes.push_back("no mask for " + std::to_string(matches.unmatched.size()) + " of " +
+                        std::to_string(scene.views.size()) + " views (first: " + matches.unmatched[0] + ")");
+  if (!scene.objects.empty()) return;
+  for (const std::string& name : matches.objects) scene.objects.push_back({name, 0});
+  if (scene.objects.empty() && scene.mask_mode == MaskMode::kLabel)
+    scene.objects = objects_in_label_maps(scene.views);
+  if (scene.objects.empty()) scene.objects.push_back({});
+}
+
+std::set<std::string> read_names(const std::string& path) {
+  const MappedFile file(path);
+  std::istringstream lines{std::string(file.text())};
+  std::set<std::string> names;
+  for (std::string line; std::getline(lines, line);) {
+    line.erase(0, line.find_first_not_of(" \t\r"));
+    line.erase(line.find_last_not_of(" \t\r") + 1);
+    if (!line.empty() && line[0] != '#') names.insert(line);
+  }
+  return names;
+}
+
+void hold_out_every(const std::string& text, std::vector<SceneView>& views) {
+  const std::size_t colon = text.find(':');
+  std::uint32_t n = 0, k = 0;
+  if (colon == std::string::npos || !parse_count(text.substr(0, colon), n) ||
+      !parse_count(text.substr(colon + 1), k) || k >= n)
+    throw Error(ErrorCode::kUsage,
+                "--hold-out every:" + text + ": not every:N:K with K < N, expected e.g. every:8:0");
+  for (std::size_t i = 0; i < views.size(); ++i)
+    if (i % n == k) views[i].split = Split::kHeldOut;
+}
+
+void hold_out_named(const std::string& path, std::vector<SceneView>& views) {
+  for (const std::string& name : read_names(path)) {
+    const auto view = std::find_if(views.begin(), views.end(), [&](const SceneView& v) {
+      return v.camera.name == name || image_stem(v.camera.name) == image_stem(name);
+    });
+    if (view == views.end())
+      throw Error(ErrorCode::kInconsistent,
+                  path + ": " + name + " is no view, expected image names, one per line");
+    view->split = Split::kHeldOut;
+  }
+}
+
+}  // namespace
+
+void assign_splits(const std::string& hold_out, std::vector<SceneView>& views) {
+  if (hold_out.empty()) return;
+  if (hold_out.rfind("every:", 0) == 0)
+    hold_out_every(hold_out.substr(6), views);
+  else
+    hold_out_named(hold_out, views);
+  if (std::all_of(views.begin(), views.end(), [](const SceneView& v) { return v.split == Split::kHeldOut; }))
+    throw Error(ErrorCode::kInconsistent,
+                "--hold-out " + hold_out + ": holds out every view, expected some to train on");
+}
+
+ImportedScene import_scene(const ImportRequest& request) {
+  CaptureSource source = read_capture(request.capture);
+  ImportedScene out;
+  out.format = source.capture.format, out.notes = source.capture.notes;
+  out.cameras_file = source.file, out.images_dir = source.images_dir;
+  Scene& scene = out.scene;
+  scene.views = std::move(source.capture.views);
+  scene.model_path = request.model_path.empty() ? find_model(source.base, out.notes) : request.model_path;
+  scene.mask_mode = request.mask_mode, scene.mask_invert = request.mask_invert;
+  scene.mask_threshold = request.mask_threshold, scene.missing_mask = request.missing_mask;
+  scene.image_scale = request.image_scale;
+  out.masks_dir = find_masks_dir(request, source.base, out.notes);
+  attach_masks(request, out);
+  assign_splits(request.hold_out, scene.views);
+  for (SceneView& view : scene.views)
+    view.camera = resized(view.camera, scaled_size_px(view.camera.width_px, scene.image_scale),
+                          scaled_size_px(view.camera.height_px, scene.image_scale));
+  validate_scene(scene, request.capture.source);
+  return out;
+}
+
+}  // namespace ngs::io

@@ -1,0 +1,41 @@
+#pragma once
+// Cameras, photos, masks and a model of any origin -> Scene. What ngs-scene import does, without the checks
+// that need the model (stages/scene_check.h).
+#include <map>
+#include <string>
+#include <vector>
+
+#include "ngs/io/capture_source.h"
+#include "ngs/scene/scene.h"
+
+namespace ngs::io {
+
+struct ImportRequest {
+  CaptureRequest capture;
+  std::string model_path;               // empty: looked for beside the cameras
+  std::string masks_dir;                // empty: masks/ beside the cameras, or the only folder named mask*
+  std::vector<std::string> object_ids;  // "7", "cup=7" (label maps), "cup" (one folder per object)
+  std::string hold_out;                 // "every:N:K", a file of names, or empty
+  MaskMode mask_mode = MaskMode::kBinary;
+  bool mask_invert = false;
+  double mask_threshold = 128;
+  MissingMask missing_mask = MissingMask::kUnknown;
+  double image_scale = 1;
+};
+
+struct ImportedScene {
+  Scene scene;
+  std::string format;
+  std::string cameras_file, images_dir, masks_dir;
+  std::map<std::string, int> views_by_mask_rule;
+  std::vector<std::string> notes;
+};
+
+/// Usage errors (a bad --object-id or --hold-out) are kUsage; see the readers for the others. Label maps
+/// without object_ids: every non-zero id that occurs in a mask becomes an object "object-<id>".
+ImportedScene import_scene(const ImportRequest& request);
+
+/// `hold_out` as above; kInconsistent for a name that no view has or when no view is left to train on.
+void assign_splits(const std::string& hold_out, std::vector<SceneView>& views);
+
+}  // namespace ngs::io

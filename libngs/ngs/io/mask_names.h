@@ -1,0 +1,31 @@
+#pragma once
+// Which mask file belongs to which view, whatever tool named it. For a view "a/0001.jpg", in this order:
+//
+//   <name>.png        a/0001.jpg.png     COLMAP; Brush
+//   <name>            a/0001.jpg         same name as the photo
+//   <stem>.png        a/0001.png         the usual one
+//   <stem>.mask.png   a/0001.mask.png    Brush
+//   <stem>.<other>    a/0001.exr ...     any other image format; refused where there are several
+//
+// each also without the folders of the name. If no view has a file so, sub-folders are objects: <object>/ and
+// any of the above. A path that the source itself names (nerfstudio's mask_path) comes before all of these.
+#include <map>
+#include <string>
+#include <vector>
+
+#include "ngs/scene/scene.h"
+
+namespace ngs::io {
+
+struct MaskMatches {
+  std::map<std::string, int> views_by_rule;  // "<stem>.png" -> 21
+  std::vector<std::string> unmatched;        // views without a mask
+  std::vector<std::string> objects;          // sub-folders that were taken as objects; empty: none
+};
+
+/// Sets mask_path of every view of `views` that has a mask in `folder` and no mask_path yet. `objects`: the
+/// names that the user gave (only these sub-folders count); empty: every sub-folder with a mask is an object.
+MaskMatches match_masks(const std::string& folder, const std::vector<std::string>& objects,
+                        std::vector<SceneView>& views);
+
+}  // namespace ngs::io

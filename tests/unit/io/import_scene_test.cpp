@@ -1,0 +1,272 @@
+#include "ngs/io/import_scene.h"
+
+#include <doctest/doctest.h>
+
+#include "ngs/core/error.h"
+#include "ngs/io/folder_index.h"
+#include "ngs/io/image_file.h"
+#include "ngs/io/mask_names.h"
+#include "ngs/io/scene_json.h"
+#include "ngs/io/size_rule.h"
+#include "support/camera_files.h"
+#include "support/temp_dir.h"
+
+namespace ngs::io {
+namespace {
+
+using test::TempDir;
+
+/// A COLMAP scene of 64x48 px photos 0.png ... in `dir`.
+void make_scene(const TempDir& dir, int count, ImageSize photo = {64, 48}) {
+  auto views = test::random_cameras(count, false);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    views[i].camera.name = std::to_string(i) + ".jpg.png";
+    views[i].camera.width_px = 64, views[i].camera.height_px = 48;
+    write_png(dir.file("images/" + views[i].camera.name), ImageU8(photo.width_px, photo.height_px, 3, 9));
+  }
+  const test::ColmapFiles files = test::colmap_text(views);
+  dir.write("sparse/0/cameras.txt", files.cameras);
+  dir.write("sparse/0/images.txt", files.images);
+}
+
+void mask(const TempDir& dir, const std::string& name, std::uint8_t value = 255) {
+  write_png(dir.file(name), ImageU8(64, 48, 1, value));
+}
+
+ImportRequest request_for(const TempDir& dir) {
+  ImportRequest request;
+  request.capture.source = dir.path();
+  return request;
+}
+
+std::vector<SceneView> views_named(const std::vector<std::string>& names) {
+  std::vector<SceneView> views(names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) views[i].camera.name = names[i];
+  return views;
+}
+
+ErrorCode code_of(const std::function<void()>& body) {
+  try {
+    body();
+  } catch (const Error& e) {
+    return e.code();
+  }
+  return ErrorCode(0);
+}
+
+}  // namespace
+
+TEST_CASE("every naming rule finds the mask and is reported by its name") {
+  const struct {
+    const char *view, *file, *rule;
+  } cases[] = {{"a.jpg", "a.jpg.png", "<name>.png"},
+               {"a.png", "a.png", "<name>"},
+               {"a.jpg", "a.png", "<stem>.png"},
+               {"a.jpg", "a.mask.png", "<stem>.mask.png"},
+               {"a.jpg", "a.exr", "<stem>.exr"},
+               {"a.jpg", "a.JPEG", "<stem>.JPEG"},
+               {"cam/a.jpg", "cam/a.png", "<stem>.png"},
+               {"cam/a.jpg", "a.jpg.png", "<name>.png"},
+               {"cam/a.jpg", "a.tif", "<stem>.tif"},
+               {"frame.0001", "frame.0001.png", "<name>.png"},
+               {"a.jpg", "cup/a.png", "<object>/<stem>.png"}};
+  for (const auto& c : cases) {
+    CAPTURE(c.file);
+    const TempDir dir;
+    dir.write(c.file, "x");
+    std::vector<SceneView> views = views_named({c.view, "other.png"});
+    const MaskMatches matches = match_masks(dir.path(), {}, views);
+    CHECK(matches.views_by_rule == std::map<std::string, int>{{c.rule, 1}});
+    CHECK(matches.unmatched == std::vector<std::string>{"other.png"});
+  }
+}
+
+TEST_CASE("a name in several formats is no match, and prefixes do not match") {
+  const TempDir dir;
+  dir.write("a.tif", "x");
+  dir.write("a.exr", "x");
+  dir.write("ab.png", "x");
+  std::vector<SceneView> views = views_named({"a.jpg"});
+  CHECK(match_masks(dir.path(), {}, views).views_by_rule.empty());
+}
+
+TEST_CASE("a path that the source names comes before the folder") {
+  const TempDir dir;
+  dir.write("a.png", "x");
+  std::vector<SceneView> views = views_named({"a.png"});
+  views[0].mask_path = "/own/mask.png";
+  CHECK(match_masks(dir.path(), {}, views).views_by_rule.at("mask_path of the source") == 1);
+  CHECK(views[0].mask_path == "/own/mask.png");
+}
+
+TEST_CASE("sub-folders become objects, or only those that were named") {
+  const TempDir dir;
+  for (const char* file : {"cup/a.png", "spoon/a.png", "spoon/b.png", "empty/z.png"}) dir.write(file, "x");
+  std::vector<SceneView> views = views_named({"a.jpg", "b.jpg"});
+  CHECK(match_masks(dir.path(), {}, views).objects == std::vector<std::string>{"cup", "spoon"});
+  CHECK(views[0].mask_path == dir.path() + "/{object}/a.png");
+  CHECK(views[1].mask_path == dir.path() + "/{object}/b.png");
+  views = views_named({"a.jpg", "b.jpg"});
+  CHECK(match_masks(dir.path(), {"cup"}, views).unmatched == std::vector<std::string>{"b.jpg"});
+}
+
+TEST_CASE("sizes: same, integer factors and image_scale are related, others are not") {
+  CHECK(relate_sizes({10, 8}, {10, 8}, 1).same);
+  CHECK(relate_sizes({20, 16}, {10, 8}, 1).allowed);
+  CHECK(relate_sizes({5, 4}, {10, 8}, 1).allowed);
+  CHECK(relate_sizes({4032, 3024}, {504, 378}, 1).allowed);
+  CHECK(relate_sizes({1023, 767}, {511, 383}, 1).allowed);  // floor
+  CHECK(relate_sizes({1023, 767}, {512, 384}, 1).allowed);  // round
+  CHECK_FALSE(relate_sizes({15, 12}, {10, 8}, 1).allowed);
+  CHECK(relate_sizes({1000, 800}, {300, 240}, 0.3).allowed);
+  CHECK(relate_sizes({250, 200}, {300, 240}, 0.3).allowed);  // masks of images_4, cameras at 0.3
+  CHECK_FALSE(relate_sizes({8, 10}, {10, 8}, 1).allowed);
+  CHECK_FALSE(relate_sizes({20, 8}, {10, 8}, 1).allowed);
+}
+
+TEST_CASE("a folder is imported with its photos, masks and model, and says what it chose") {
+  const TempDir dir;
+  make_scene(dir, 3);
+  mask(dir, "masks/0.jpg.png");
+  mask(dir, "masks/2.jpg.png");
+  dir.write("point_cloud/iteration_7000/point_cloud.ply", "x");
+  dir.write("point_cloud/iteration_30000/point_cloud.ply", "x");
+  dir.write("input.ply", "x");
+  const ImportedScene got = import_scene(request_for(dir));
+  REQUIRE(got.scene.views.size() == 3);
+  CHECK(got.format == "COLMAP text");
+  CHECK(got.scene.model_path == dir.path() + "/point_cloud/iteration_30000/point_cloud.ply");
+  CHECK(got.scene.views[1].image_path == dir.path() + "/images/1.jpg.png");
+  CHECK(got.scene.views[1].mask_path.empty());
+  CHECK(got.scene.views[2].mask_path == dir.path() + "/masks/2.jpg.png");
+  CHECK(got.scene.objects.size() == 1);
+  CHECK(got.views_by_mask_rule.at("<name>") == 2);
+  REQUIRE(got.notes.size() == 1);
+  CHECK(got.notes[0] == "no mask for 1 of 3 views (first: 1.jpg.png)");
+  write_scene_json(dir.file("scene.json"), got.scene);
+  CHECK(read_scene_json(dir.file("scene.json")).views[2].mask_path == got.scene.views[2].mask_path);
+}
+
+TEST_CASE("the model's own folder is as good a source as the scene's") {
+  const TempDir dir;
+  make_scene(dir, 1);
+  for (const char* source : {"", "/", "/sparse", "/sparse/0", "/sparse/0/"}) {
+    CAPTURE(source);
+    ImportRequest request = request_for(dir);
+    request.capture.source += source;
+    CHECK(std::filesystem::exists(import_scene(request).scene.views[0].image_path));
+  }
+}
+
+TEST_CASE("several folders of masks are not guessed between") {
+  const TempDir dir;
+  make_scene(dir, 1);
+  mask(dir, "masks_a/0.jpg.png");
+  CHECK(import_scene(request_for(dir)).masks_dir == dir.path() + "/masks_a");
+  mask(dir, "masks_b/0.jpg.png");
+  const ImportedScene got = import_scene(request_for(dir));
+  CHECK(got.masks_dir.empty());
+  CHECK(std::any_of(got.notes.begin(), got.notes.end(), [](const std::string& note) {
+    return note.find("several folders of masks (masks_a masks_b)") != std::string::npos;
+  }));
+}
+
+TEST_CASE("cameras follow the size of their photos, then image_scale") {
+  const TempDir dir;
+  make_scene(dir, 1, {32, 24});
+  ImportRequest request = request_for(dir);
+  const Camera full = test::random_cameras(1, false)[0].camera;
+  request.image_scale = 0.5;
+  const Camera got = import_scene(request).scene.views[0].camera;
+  CHECK((got.width_px == 16 && got.height_px == 12));
+  CHECK(got.fx == doctest::Approx(full.fx / 4));
+  CHECK(got.cy == doctest::Approx(full.cy / 4));
+}
+
+TEST_CASE("photos of another shape, no photo at all and no mask at all are inconsistent") {
+  const TempDir dir;
+  make_scene(dir, 1, {30, 30});
+  CHECK(code_of([&] { import_scene(request_for(dir)); }) == ErrorCode::kInconsistent);
+  const TempDir other;
+  make_scene(other, 1);
+  other.write("elsewhere/z.png", "x");
+  ImportRequest request = request_for(other);
+  request.capture.images_dir = other.path() + "/elsewhere";
+  CHECK(code_of([&] { import_scene(request); }) == ErrorCode::kInconsistent);
+  request = request_for(other);
+  request.masks_dir = other.path() + "/elsewhere";
+  CHECK(code_of([&] { import_scene(request); }) == ErrorCode::kInconsistent);
+  request.masks_dir = other.path() + "/nowhere";
+  CHECK(code_of([&] { import_scene(request); }) == ErrorCode::kBadInput);
+}
+
+TEST_CASE("label maps without ids give one object per id, with ids only those") {
+  const TempDir dir;
+  make_scene(dir, 2);
+  mask(dir, "masks/0.jpg.png", 7);
+  mask(dir, "masks/1.jpg.png", 3);
+  ImportRequest request = request_for(dir);
+  request.mask_mode = MaskMode::kLabel;
+  const ImportedScene all = import_scene(request);
+  REQUIRE(all.scene.objects.size() == 2);
+  CHECK(all.scene.objects[0].name == "object-3");
+  CHECK(all.scene.objects[1].id == 7);
+  request.object_ids = {"cup=7"};
+  const ImportedScene one = import_scene(request);
+  REQUIRE(one.scene.objects.size() == 1);
+  CHECK(one.scene.objects[0].name == "cup");
+  CHECK(one.scene.objects[0].id == 7);
+  for (const char* wrong : {"cup", "cup=", "=7", "70000", "cup=-1"}) {
+    CAPTURE(wrong);
+    request.object_ids = {wrong};
+    CHECK(code_of([&] { import_scene(request); }) == ErrorCode::kUsage);
+  }
+}
+
+TEST_CASE("every:N:K holds out the views with index K modulo N, a file those it names") {
+  std::vector<SceneView> views = views_named({"a.png", "b.png", "c.png", "d.png", "e.png"});
+  assign_splits("every:4:2", views);
+  for (std::size_t i = 0; i < 5; ++i) CHECK((views[i].split == Split::kHeldOut) == (i == 2));
+  const TempDir dir;
+  views = views_named({"a.png", "b.png", "c.png"});
+  assign_splits(dir.write("test.txt", "# held out\r\n b.png\r\nc\n"), views);
+  CHECK(views[0].split == Split::kTrain);
+  CHECK(views[1].split == Split::kHeldOut);
+  CHECK(views[2].split == Split::kHeldOut);
+  CHECK(code_of([&] { assign_splits(dir.write("t.txt", "nobody.png\n"), views); }) ==
+        ErrorCode::kInconsistent);
+  CHECK(code_of([&] { assign_splits("every:1:0", views); }) == ErrorCode::kInconsistent);
+  for (const char* wrong : {"every:", "every:0:0", "every:4:4", "every:4", "every:4:2:1", "every:4:-2"})
+    CHECK(code_of([&] { assign_splits(wrong, views); }) == ErrorCode::kUsage);
+}
+
+TEST_CASE("a transforms.json that names a device as its image does not hang the reader") {
+  const TempDir dir;
+  dir.write("transforms.json", R"({"camera_angle_x": 1, "frames": [{"file_path": "/dev/zero",
+      "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]})");
+  CHECK(code_of([&] { import_scene(request_for(dir)); }) == ErrorCode::kBadInput);
+}
+
+TEST_CASE("an LLFF folder takes its names from the sorted images") {
+  const TempDir dir;
+  const auto views = test::random_cameras(2, true);
+  dir.write("poses_bounds.npy", test::llff_npy(views));
+  for (const char* name : {"images/b.png", "images/a.png"}) write_png(dir.file(name), ImageU8(640, 480, 1));
+  const ImportedScene got = import_scene(request_for(dir));
+  CHECK(got.format == "LLFF");
+  CHECK(got.scene.views[0].camera.name == "a.png");
+  CHECK(got.scene.views[0].camera.translation.z == doctest::Approx(views[0].camera.translation.z));
+}
+
+TEST_CASE("a cameras.json without extensions finds its photos by stem") {
+  const TempDir dir;
+  auto views = test::random_cameras(1, true);
+  views[0].camera.name = "IMG_1.5";
+  dir.write("cameras.json", test::cameras_json(views).dump());
+  write_png(dir.file("images/IMG_1.5.png"), ImageU8(320, 240, 1));
+  const ImportedScene got = import_scene(request_for(dir));
+  CHECK(got.scene.views[0].image_path == dir.path() + "/images/IMG_1.5.png");
+  CHECK(got.scene.views[0].camera.width_px == 320);
+}
+
+}  // namespace ngs::io
