@@ -69,13 +69,14 @@ std::vector<std::string> included(const std::string& text) {
 Offenders layer_offences(const SourceFile& file) {
   Offenders offences;
   const std::string layer = layer_of(file.path);
-  static const std::regex kernel_may("ngs/(core/hd\\.h|math/.*|scene/views\\.h|ops/.*_kernels\\.h)");
+  static const std::regex kernel_may("ngs/(core/hd\\.h|math/.*|scene/views\\.h|ops/.*_(kernels|layout)\\.h)");
   for (const std::string& header : included(file.text)) {
     if (header.rfind("ngs/", 0) != 0) continue;
     const std::string target = header.substr(4, header.find('/', 4) - 4);
     if (!layer.empty() && kMayInclude.at(layer).count(target) == 0)
       offences.push_back(file.path + ": includes " + header + ", but " + layer + " may not see " + target);
-    if (file.ends_with("_kernels.h") && !std::regex_match(header, kernel_may))
+    if ((file.ends_with("_kernels.h") || file.ends_with("_layout.h")) &&
+        !std::regex_match(header, kernel_may))
       offences.push_back(file.path + ": includes " + header +
                          ", a kernel header sees core/hd.h, math/ and scene/views.h");
   }
