@@ -73,24 +73,24 @@ int main(int argc, char** argv) {
   const cli::Input& truth = tool.input("truth", "folder of true masks, or one file");
   const cli::Output& out = tool.output("-o,--output", "metrics.json");
   return tool.run(argc, argv, [&](cli::Run& run) {
-    const cli::Pairing pairing = cli::pair_files(cli::list_images(predicted.path), cli::list_images(truth.path), files);
-    cli::warn_about_leftovers(run, pairing);
-    run.result()["pairs"] = pairing.pairs.size();
-    run.result()["pairing"] = cli::pairing_json(pairing);
     // A misspelt score is found before the work.
     check_scores(options.fail_below, files.image_metrics ? cli::mean_scores({cli::PhotoScore{}}) : cli::mean_scores(EvalSummary{}));
+    const cli::Pairing pairing = cli::pair_files(cli::list_images(predicted.path), cli::list_images(truth.path), files);
+    run.result()["pairs"] = pairing.pairs.size();
+    run.result()["pairing"] = cli::pairing_json(pairing);
     if (run.dry_run()) return cli::kDone;
 
     cli::Outcome outcome = files.image_metrics ? cli::photos_outcome(run, pairing) : cli::masks_outcome(run, options, pairing);
     const std::vector<ScoreCheck> checks = check_scores(options.fail_below, outcome.mean);
     outcome.metrics["pairing"] = cli::pairing_json(pairing);
     outcome.metrics["checks"] = cli::checks_json(checks);
+    cli::warn_about_leftovers(run, pairing);
     io::write_file(out.path, outcome.metrics.dump(2) + "\n");
 
     run.result()["mean"] = outcome.metrics["mean"];
     run.result()["files"] = Json::array();
     for (const cli::FilePair& pair : pairing.pairs)
-      run.result()["files"].push_back({{"view", pair.view}, {"predicted", pair.predicted}, {"truth", pair.truth}});
+      run.result()["files"].push_back({{"view", pair.view}, {"object", pair.object}, {"predicted", pair.predicted}, {"truth", pair.truth}});
     run.text(outcome.table);
     bool passed = true;
     for (const ScoreCheck& check : checks) {

@@ -138,6 +138,17 @@ std::string to_string(ImageSize size) {
 void write_png(const std::string& path, const ImageU8& image) { write_png_of(path, image, CV_8U); }
 void write_png16(const std::string& path, const ImageU16& image) { write_png_of(path, image, CV_16U); }
 
+std::vector<std::uint8_t> encode_jpeg(const ImageU8& image, int quality) {
+  NGS_CHECK(image.channels == 3 && !image.empty(), "JPEG needs an RGB image");
+  const cv::Mat mat(image.height_px, image.width_px, CV_8UC3, const_cast<std::uint8_t*>(image.data.data()));
+  cv::Mat ordered;
+  cv::cvtColor(mat, ordered, cv::COLOR_RGB2BGR);
+  std::vector<std::uint8_t> bytes;
+  if (!cv::imencode(".jpg", ordered, bytes, {cv::IMWRITE_JPEG_QUALITY, quality, cv::IMWRITE_JPEG_OPTIMIZE, 1}))
+    throw Error(ErrorCode::kEnvironment, "the JPEG encoder failed, expected a compressed image");
+  return bytes;
+}
+
 ImageF resize_area(const ImageF& image, int width_px, int height_px) {
   return resize(image, width_px, height_px, cv::INTER_AREA);
 }

@@ -1,0 +1,111 @@
+// The page of ngs-report, made from a run of the tools on the tiny scene.
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <regex>
+
+#include "ngs/scene/camera.h"
+#include "support/process.h"
+#include "support/temp_dir.h"
+#include "support/tiny_scene.h"
+
+namespace ngs {
+namespace {
+
+namespace fs = std::filesystem;
+
+void run_tool(const std::string& folder, std::vector<std::string> argv) {
+  argv[0] = std::string(NGS_TOOL_DIR "/") + argv[0];
+  const test::ProcessResult result = test::run_process({.argv = argv, .environment = {{"NGS_THREADS", "2"}}, .folder = folder,
+                                                        .input = {}, .signal_after = {}});
+  INFO(argv[0] << ": " << result.err);
+  REQUIRE(result.exit_code == 0);
+}
+
+/// A run as pipelines/ngs-gs.sh leaves it, as far as the page is concerned.
+std::string made_run(const test::TempDir& dir) {
+  const std::string scene = dir.path() + "/scene", out = dir.path() + "/a <run> & more";
+  fs::create_directories(scene);
+  test::write_tiny_scene(scene);
+  fs::create_directories(out + "/reports");
+  fs::create_directories(out + "/masks");
+  fs::copy_file(scene + "/masks/v5.png", out + "/masks/v5.png");
+  dir.write("scene/scene.json", std::regex_replace(test::read_bytes(scene + "/scene.json"), std::regex("\"(model.ply|images/|masks/)"),
+                                                   "\"../scene/$1"));
+  fs::copy_file(scene + "/scene.json", out + "/scene.json");
+  run_tool(out, {"ngs-eval", scene + "/masks", scene + "/masks", "--views", "every:6:4", "-q", "-o", "metrics_input.json", "--report",
+                 "reports/ngs-eval-input.json"});
+  run_tool(out, {"ngs-eval", "masks", scene + "/masks", "-q", "-o", "metrics.json", "--report", "reports/ngs-eval.json"});
+  dir.write("a <run> & more/reports/ngs-joint.json",
+            R"({"tool":"ngs-joint","version":"0.1.0","options":{"method":"bce","steps":5},"inputs":[],"device":{"name":"cpu","reason":"r"},
+                "threads":2,"seed":0,"exit_code":7,"stages":{"name":"ngs-joint","wall_s":2.5,"cpu_s":5,"items":0,"items_per_s":0,
+                "max_rss_mib":99,"children":[{"name":"label solve","wall_s":2,"items":40,"items_per_s":20,"max_rss_mib":99}]},
+                "result":{"effects":[{"effect":"continuity","state":"off","reason":"no gain <measured>"}]},
+                "warnings":["a \"strange\" <mask>"]})");
+  dir.write("a <run> & more/trace.jsonl", "{\"step\":1,\"wall_s\":0.1,\"loss\":0.5}\n{\"step\":2,\"wall_s\":0.2,\"loss\":0.25}\n");
+  return out;
+}
+
+std::size_t occurrences(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != text.npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+TEST_CASE("the page of a run holds every section, names what is odd and needs nothing from outside") {
+  const test::TempDir dir;
+  const std::string out = made_run(dir);
+  run_tool(out, {"ngs-report", ".", "-o", "report.html"});
+  const std::string page = test::read_bytes(out + "/report.html");
+
+  for (const char* id : {"oddities", "accuracy", "views", "objects", "decisions", "times", "trace", "inputs", "tools"}) {
+    CAPTURE(id);
+    CHECK(page.find("<section id=\"" + std::string(id) + "\">") != page.npos);
+  }
+  CHECK(page.find("a &quot;strange&quot; &lt;mask&gt;") != page.npos);
+  CHECK(page.find("stopped at its budget") != page.npos);
+  CHECK(page.find("no gain &lt;measured&gt;") != page.npos);
+  CHECK(page.find("<title>a &lt;run&gt; &amp; more") != page.npos);
+  CHECK(page.find("input masks, same views") != page.npos);
+  CHECK(page.find("prefers-color-scheme:dark") != page.npos);
+
+  SUBCASE("no address, script or foreign file is named") {
+    CHECK(page.find("http:") == page.npos);
+    CHECK(page.find("https:") == page.npos);
+    CHECK(page.find("<script") == page.npos);
+    CHECK(page.find("<link") == page.npos);
+    CHECK(page.find("@import") == page.npos);
+    CHECK(occurrences(page, "url(") == 0);
+    CHECK(occurrences(page, "src=") == occurrences(page, "src=\"data:image/jpeg;base64,"));
+  }
+  SUBCASE("each picture has a text and the outlines of prediction, truth and input") {
+    CHECK(occurrences(page, "<img ") >= 2);  // the sheet and a crop
+    CHECK(occurrences(page, "<img ") == occurrences(page, "<img alt=\"View") + occurrences(page, "<img alt=\"Crop"));
+    for (const char* kind : {"predicted", "truth", "input"}) {
+      CAPTURE(kind);
+      CHECK(occurrences(page, std::string("<g class=") + kind + "><path class=casing d=\"M") >= 3);  // and the legend
+    }
+  }
+  SUBCASE("the page is small and the same for the same run") {
+    CHECK(page.size() < 5u << 20);
+    run_tool(out, {"ngs-report", ".", "-o", "again.html", "-j", "1"});
+    CHECK(test::read_bytes(out + "/again.html") == page);
+  }
+  SUBCASE("pictures stop at the budget and the page says so") {
+    run_tool(out, {"ngs-report", ".", "--picture-budget", "0", "-o", "bare.html"});
+    const std::string bare = test::read_bytes(out + "/bare.html");
+    CHECK(occurrences(bare, "<img ") == 0);
+    CHECK(bare.find("better views are not shown") != bare.npos);
+  }
+  SUBCASE("several runs are compared") {
+    fs::copy(out, dir.path() + "/second", fs::copy_options::recursive);
+    run_tool(dir.path(), {"ngs-report", out, "second", "-o", "both.html"});
+    const std::string both = test::read_bytes(dir.path() + "/both.html");
+    CHECK(both.find("mean over runs") != both.npos);
+    CHECK(both.find("Boundary IoU against time") != both.npos);
+    CHECK(occurrences(both, "<details class=run>") == 2);
+  }
+}
+
+}  // namespace
+}  // namespace ngs

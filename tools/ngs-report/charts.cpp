@@ -1,0 +1,102 @@
+#include "charts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "html.h"
+
+namespace ngs::cli {
+namespace {
+
+constexpr double kWidth = 560, kHeight = 300, kLeft = 62, kRight = 16, kTop = 14, kBottom = 48;
+
+struct Axis {
+  double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
+  double step = 1;
+
+  void include(double value) { low = std::min(low, value), high = std::max(high, value); }
+  /// Widens to round ticks, about four of them.
+  void settle() {
+    if (!(high > low)) high = low + (low == 0 ? 1 : std::abs(low) * 0.1);
+    const double rough = (high - low) / 4, power = std::pow(10, std::floor(std::log10(rough)));
+    step = power * (rough / power < 1.5 ? 1 : rough / power < 3.5 ? 2 : rough / power < 7.5 ? 5 : 10);
+    low = std::floor(low / step) * step;
+    high = std::ceil(high / step) * step;
+  }
+  double share(double value) const { return (value - low) / (high - low); }
+  int decimals() const { return std::clamp(int(-std::floor(std::log10(step) + 1e-9)), 0, 6); }
+};
+
+std::string text_svg(double x, double y, const char* anchor, const std::string& text) {
+  return "<text x=" + decimal(x, 1) + " y=" + decimal(y, 1) + " text-anchor=" + anchor + ">" + escaped(text) + "</text>";
+}
+
+struct Frame {
+  Axis x, y;
+  double px(double value) const { return kLeft + x.share(value) * (kWidth - kLeft - kRight); }
+  double py(double value) const { return kHeight - kBottom - y.share(value) * (kHeight - kTop - kBottom); }
+};
+
+std::string axes_svg(const Plot& plot, const Frame& frame) {
+  std::string svg;
+  for (int i = 0; frame.x.low + i * frame.x.step <= frame.x.high + frame.x.step / 2; ++i) {
+    const double value = frame.x.low + i * frame.x.step;
+    svg += text_svg(frame.px(value), kHeight - kBottom + 18, "middle", decimal(value, frame.x.decimals()));
+  }
+  for (int i = 0; frame.y.low + i * frame.y.step <= frame.y.high + frame.y.step / 2; ++i) {
+    const double value = frame.y.low + i * frame.y.step, y = frame.py(value);
+    svg += "<line class=grid x1=" + decimal(kLeft, 0) + " x2=" + decimal(kWidth - kRight, 0) + " y1=" + decimal(y, 1) +
+           " y2=" + decimal(y, 1) + " />" + text_svg(kLeft - 8, y + 4, "end", decimal(value, frame.y.decimals()));
+  }
+  svg += text_svg((kLeft + kWidth - kRight) / 2, kHeight - 8, "middle", plot.x_label);
+  svg += "<text transform=\"translate(14 " + decimal((kTop + kHeight - kBottom) / 2, 0) + ") rotate(-90)\" text-anchor=middle>" +
+         escaped(plot.y_label) + "</text>";
+  return svg;
+}
+
+std::string series_svg(const PlotSeries& series, const Frame& frame, std::size_t index) {
+  std::string points, labels;
+  for (const PlotPoint& p : series.points) {
+    const double x = frame.px(p.x), y = frame.py(p.y);
+    points += decimal(x, 1) + "," + decimal(y, 1) + " ";
+    if (series.line) continue;
+    labels += "<circle r=5 cx=" + decimal(x, 1) + " cy=" + decimal(y, 1) + " />";
+    const bool left_half = x < kWidth / 2;
+    labels += text_svg(x + (left_half ? 9 : -9), y + 4, left_half ? "start" : "end", p.label);
+  }
+  std::string svg = "<g class=series" + std::to_string(index) + ">";
+  if (series.line) {
+    svg += "<polyline points=\"" + points + "\" />";
+    const PlotPoint& last = series.points.back();
+    labels = text_svg(kWidth - kRight - 4, std::max(kTop + 12, frame.py(last.y) - 8), "end", series.name);
+  }
+  return svg + labels + "</g>";
+}
+
+}  // namespace
+
+std::string bar_svg(double value, double largest) {
+  const double share = largest > 0 && std::isfinite(value) ? std::clamp(value / largest, 0.0, 1.0) : 0;
+  return "<svg class=bar viewBox=\"0 0 100 10\" preserveAspectRatio=none aria-hidden=true><rect width=" +
+         decimal(std::max(100 * share, 0.4), 2) + " height=10 rx=0 /></svg>";
+}
+
+std::string plot_svg(const Plot& plot) {
+  Frame frame;
+  std::vector<PlotSeries> shown;
+  for (PlotSeries series : plot.series) {
+    std::erase_if(series.points, [](const PlotPoint& p) { return !std::isfinite(p.x) || !std::isfinite(p.y); });
+    for (const PlotPoint& p : series.points) frame.x.include(p.x), frame.y.include(p.y);
+    if (!series.points.empty()) shown.push_back(std::move(series));
+  }
+  if (shown.empty()) return {};
+  frame.x.settle();
+  frame.y.settle();
+  std::string svg = "<svg class=plot role=img aria-label=\"" + escaped(plot.title) + "\" viewBox=\"0 0 " + decimal(kWidth, 0) + " " +
+                    decimal(kHeight, 0) + "\"><title>" + escaped(plot.title) + "</title>" + axes_svg(plot, frame);
+  for (std::size_t i = 0; i < shown.size(); ++i) svg += series_svg(shown[i], frame, i);
+  return "<figure class=chart>" + svg + "</svg><figcaption>" + escaped(plot.title) + "</figcaption></figure>";
+}
+
+}  // namespace ngs::cli

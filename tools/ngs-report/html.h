@@ -1,0 +1,42 @@
+#pragma once
+// Pieces of HTML. Everything that comes from a file goes through escaped().
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "ngs/options/option_set.h"
+
+namespace ngs::cli {
+
+std::string escaped(std::string_view text);
+std::string base64(std::span<const std::uint8_t> bytes);
+
+/// Fixed decimals; an en dash for what is not a finite number.
+std::string decimal(double value, int decimals);
+std::string whole(std::int64_t value);  // 12 345 678
+std::string duration(double seconds);   // 350 ms, 12.3 s, 4 min 05 s
+
+/// The first cell of each row names the row. Cells are HTML.
+struct Table {
+  std::string caption;
+  std::vector<std::string> head;
+  std::vector<std::vector<std::string>> rows;
+  std::string html() const;
+};
+
+/// Any JSON for reading: objects as two columns, lists of objects as tables, the rest as text.
+std::string json_html(const Json& json);
+/// A scalar as text; a container as compact JSON.
+std::string json_text(const Json& json);
+
+/// The number at json[keys...], NaN where there is none.
+double number_at(const Json& json, std::initializer_list<std::string_view> keys);
+/// The value at json[keys...], null where there is none.
+const Json& value_at(const Json& json, std::initializer_list<std::string_view> keys);
+
+std::string section(const std::string& id, const std::string& title, const std::string& body);
+std::string details(const std::string& summary, const std::string& body);
+
+}  // namespace ngs::cli

@@ -1,0 +1,47 @@
+// ngs-report: the folders of runs -> one self-contained HTML page.
+#include "ngs/io/atomic_file.h"
+#include "html.h"
+#include "page.h"
+#include "shared/tool.h"
+
+namespace {
+
+struct ReportOptions : ngs::cli::PictureOptions {
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    using ngs::Field;
+    visit(self.sheet_width_px, Field<int>{"sheet_width", "px", "width of the pictures of the contact sheet", 64, 2048});
+    visit(self.crop_side_px, Field<int>{"crop_side", "px", "side of the zoomed crops, in pixels of the truth", 16, 512});
+    visit(self.zoomed_views, Field<int>{"zoomed_views", "", "how many of the worst views are shown zoomed", 0, 100});
+    visit(self.budget_mib, Field<double>{"picture_budget", "MiB", "all pictures of the page together", 0, 1000});
+  }
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace ngs;
+  cli::Tool tool("ngs-report", "Show runs on one self-contained page: scores, contours, decisions, times, inputs.",
+                 {"ngs-report out -o report.html", "ngs-report out/fern out/flower -o report.html"});
+  ReportOptions options;
+  tool.options(options);
+  const cli::Inputs& folders = tool.inputs("runs", "output folders of pipelines/ngs-gs.sh");
+  const cli::Output& out = tool.output("-o,--output", "HTML page");
+  return tool.run(argc, argv, [&](cli::Run& run) {
+    std::vector<cli::RunFolder> runs;
+    for (const std::string& path : folders.paths) runs.push_back(cli::read_run_folder(path));
+    run.result()["runs"] = runs.size();
+    if (run.dry_run()) return 0;
+    const std::string page = cli::report_page(runs, options);
+    io::write_file(out.path, page);
+    for (const cli::RunFolder& folder : runs) {
+      for (const std::string& problem : folder.problems) run.monitor().warn(problem);
+      run.result()["means"].push_back({{"run", folder.title},
+                                       {"method", cli::method_of(folder)},
+                                       {"wall_s", cli::run_seconds(folder)},
+                                       {"mean", cli::value_at(folder.metrics, {"mean"})}});
+    }
+    run.result()["bytes"] = page.size();
+    return 0;
+  });
+}

@@ -1,0 +1,75 @@
+#include "page.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "charts.h"
+#include "html.h"
+#include "ngs/core/version.h"
+#include "ngs/ops/metrics.h"
+#include "sections.h"
+#include "style.h"
+
+namespace ngs::cli {
+namespace {
+
+std::string text_or(const Json& json, const std::string& otherwise) {
+  return json.is_string() && !json.get<std::string>().empty() ? json.get<std::string>() : otherwise;
+}
+
+std::string comparison(const std::vector<RunFolder>& runs) {
+  Table table{.caption = "Mean scores of each run", .head = {"run", "method", "time"}, .rows = {}};
+  for (std::string_view name : kScoreNames) table.head.emplace_back(score_title(name));
+  PlotSeries dots{.name = {}, .points = {}, .line = false};
+  for (const RunFolder& run : runs) {
+    std::vector<std::string> row{escaped(run.title), escaped(method_of(run)), duration(run_seconds(run))};
+    for (std::string_view name : kScoreNames) row.push_back(decimal(number_at(run.metrics, {"mean", name}), 4));
+    table.rows.push_back(std::move(row));
+    dots.points.push_back({run_seconds(run), number_at(run.metrics, {"mean", "biou"}), run.title});
+  }
+  std::vector<std::string> mean{"mean over runs", "", ""};
+  for (std::string_view name : kScoreNames) mean.push_back(decimal(mean_over_runs(runs, name), 4));
+  table.rows.push_back(std::move(mean));
+  const std::string plot = plot_svg({.title = "Boundary IoU against time", .x_label = "time of the whole chain, s",
+                                     .y_label = "boundary IoU", .series = {dots}});
+  return section("comparison", "Comparison", table.html() + plot);
+}
+
+std::string run_html(RunFolder& run, Pictures& pictures) {
+  const std::string views = views_section(run, pictures);  // first: it may find problems
+  return tiles(run) + oddities_section(run) + accuracy_section(run) + views + objects_section(run) + decisions_section(run) +
+         times_section(run) + trace_section(run) + inputs_section(run) + tools_section(run);
+}
+
+}  // namespace
+
+double run_seconds(const RunFolder& run) {
+  double seconds = 0;
+  for (const ToolReport& tool : run.reports) {
+    const double wall = number_at(tool.report, {"stages", "wall_s"});
+    if (std::isfinite(wall) && !tool.name.starts_with("ngs-eval")) seconds += wall;
+  }
+  return seconds;
+}
+
+std::string method_of(const RunFolder& run) {
+  return text_or(value_at(run.report("ngs-joint"), {"options", "method"}), "–");
+}
+
+std::string report_page(std::vector<RunFolder>& runs, const PictureOptions& options) {
+  Pictures pictures(options);
+  std::string title = runs.size() == 1 ? runs[0].title : std::to_string(runs.size()) + " runs";
+  std::string body;
+  if (runs.size() > 1) body += comparison(runs);
+  for (RunFolder& run : runs)
+    body += runs.size() == 1 ? run_html(run, pictures)
+                             : "<details class=run><summary><b>" + escaped(run.title) + "</b></summary>" + run_html(run, pictures) +
+                                   "</details>\n";
+  return "<!doctype html>\n<html lang=en><head><meta charset=utf-8><meta name=viewport "
+         "content=\"width=device-width,initial-scale=1\"><title>" +
+         escaped(title) + " – ngs report</title><style>" + kStyle + "</style></head>\n<body><header><h1>" + escaped(title) +
+         "</h1><p class=note>Object cut out of a 3D Gaussian splat. This page needs neither network nor scripts.</p></header>\n<main>" +
+         body + "</main>\n<footer>ngs " + kVersion + "</footer></body></html>\n";
+}
+
+}  // namespace ngs::cli

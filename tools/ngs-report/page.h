@@ -1,0 +1,18 @@
+#pragma once
+// The whole page from the folders of the runs.
+#include <string>
+#include <vector>
+
+#include "pictures.h"
+#include "run_folder.h"
+
+namespace ngs::cli {
+
+/// One section per run; several runs are compared first. Problems found on the way are added to the runs.
+std::string report_page(std::vector<RunFolder>& runs, const PictureOptions& options);
+
+/// Seconds a run took: the sum over its tools' reports.
+double run_seconds(const RunFolder& run);
+std::string method_of(const RunFolder& run);
+
+}  // namespace ngs::cli

@@ -1,0 +1,253 @@
+#include "pictures.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "html.h"
+#include "ngs/core/error.h"
+#include "ngs/io/image_file.h"
+#include "ngs/ops/outline.h"
+#include "ngs/stages/eval_stage.h"
+
+namespace ngs::cli {
+namespace {
+
+struct Plane {
+  int width_px = 0, height_px = 0;
+  std::vector<std::uint8_t> data;  // empty: there is no such mask
+  bool empty() const { return data.empty(); }
+  MaskPlane view() const { return {data.data(), width_px, height_px}; }
+};
+
+struct Window {
+  int x = 0, y = 0, width_px = 0, height_px = 0;
+};
+
+/// The pixels of one object; `ids` is true where files are label maps named by id.
+Plane read_plane(const std::string& path, const std::string& object, const Json& options) {
+  if (path.empty() || path.ends_with(".exr")) return {};
+  const io::RawMask raw = io::read_mask_raw(path);
+  const MaskSamples samples{raw.width_px, raw.height_px, raw.channels, raw.bits, raw.data};
+  Plane plane{raw.width_px, raw.height_px, {}};
+  const Json& label_map = value_at(options, {"label_map"});
+  if (!label_map.is_boolean() || !label_map.get<bool>()) {
+    const double threshold = number_at(options, {"threshold"});
+    plane.data = binarised(samples, std::isfinite(threshold) ? threshold : 128);
+    return plane;
+  }
+  std::uint32_t wanted = 0;
+  const Json& named = value_at(options, {"object_id"});
+  ObjectIds ids;
+  if (named.is_array()) ids = parse_object_ids(named.get<std::vector<std::string>>());
+  for (const auto& [id, name] : ids)
+    if (name == object) wanted = id;
+  if (wanted == 0) wanted = std::uint32_t(std::strtoul(object.c_str(), nullptr, 10));
+  plane.data.reserve(raw.data.size());
+  for (std::uint32_t id : label_ids(samples)) plane.data.push_back(id == wanted);
+  return plane;
+}
+
+Plane fitted(const Plane& plane, int width_px, int height_px) {
+  if (plane.empty() || (plane.width_px == width_px && plane.height_px == height_px)) return plane;
+  return {width_px, height_px, resized_nearest(plane.data.data(), plane.width_px, plane.height_px, width_px, height_px)};
+}
+
+Plane cropped(const Plane& plane, Window w) {
+  Plane out{w.width_px, w.height_px, {}};
+  if (plane.empty()) return out;
+  for (int y = w.y; y < w.y + w.height_px; ++y)
+    for (int x = w.x; x < w.x + w.width_px; ++x) {
+      const bool inside = x >= 0 && y >= 0 && x < plane.width_px && y < plane.height_px;
+      out.data.push_back(inside ? plane.data[std::size_t(y) * std::size_t(plane.width_px) + std::size_t(x)] : 0);
+    }
+  return out;
+}
+
+std::string path_data(const Plane& plane) {
+  std::string d;
+  for (const Loop& loop : outlines(plane.view())) {
+    GridPoint at = loop.back();
+    d += "M" + std::to_string(at.x) + " " + std::to_string(at.y);
+    for (std::size_t i = 0; i + 1 < loop.size(); ++i) {
+      const GridPoint next = loop[i];
+      d += next.y == at.y ? "h" + std::to_string(next.x - at.x) : "v" + std::to_string(next.y - at.y);
+      at = next;
+    }
+    d += "z";
+  }
+  return d;
+}
+
+std::string outline_html(const char* kind, const Plane& plane) {
+  if (plane.empty()) return {};
+  const std::string d = path_data(plane);
+  return std::string("<g class=") + kind + "><path class=casing d=\"" + d + "\"/><path d=\"" + d + "\"/></g>";
+}
+
+struct Layers {
+  Plane input, truth, predicted;
+};
+
+/// A picture with outlines; the outlines' unit is the pixel of `view_box`.
+std::string stack_html(const ImageU8& picture, const Layers& layers, Window view_box, const std::string& alt) {
+  const std::vector<std::uint8_t> jpeg = io::encode_jpeg(picture, picture.width_px < 200 ? 92 : 82);
+  std::string html = "<div class=stack><img alt=\"" + escaped(alt) + "\" width=" + std::to_string(picture.width_px) +
+                     " height=" + std::to_string(picture.height_px) + " src=\"data:image/jpeg;base64," + base64(jpeg) + "\">";
+  html += "<svg aria-hidden=true viewBox=\"" + std::to_string(view_box.x) + " " + std::to_string(view_box.y) + " " +
+          std::to_string(view_box.width_px) + " " + std::to_string(view_box.height_px) + "\">";
+  html += outline_html("input", layers.input) + outline_html("truth", layers.truth) +
+          outline_html("predicted", layers.predicted);
+  return html + "</svg></div>";
+}
+
+ImageU8 to_bytes(const ImageF& image) {
+  ImageU8 out(image.width_px, image.height_px, image.channels);
+  for (std::size_t i = 0; i < out.data.size(); ++i)
+    out.data[i] = std::uint8_t(std::lround(255.0 * std::clamp(double(image.data[i]), 0.0, 1.0)));
+  return out;
+}
+
+/// The photo, or grey of the masks' size.
+ImageF photo_of(const ShownView& view, const Plane& reference) {
+  if (!view.photo.empty()) return io::read_image_rgb(view.photo);
+  return ImageF(reference.width_px, reference.height_px, 3, 0.5f);
+}
+
+ImageF resized(const ImageF& image, int width_px, int height_px) {
+  return width_px <= image.width_px ? io::resize_area(image, width_px, height_px)
+                                    : io::resize_nearest(image, width_px, height_px);
+}
+
+std::string name_of(const ShownView& view) { return view.object.empty() ? view.view : view.view + ", " + view.object; }
+
+std::string caption_of(const ShownView& view) {
+  std::string text = "<b>" + escaped(name_of(view)) + "</b>";
+  if (view.scores.is_null()) return text;
+  text += " IoU " + decimal(number_at(view.scores, {"iou"}), 3) + ", boundary IoU " + decimal(number_at(view.scores, {"biou"}), 3);
+  for (const char* flag : {"both_empty", "one_empty"})
+    if (value_at(view.scores, {flag}) == Json(true))
+      text += flag[0] == 'b' ? " <em>both masks are empty</em>" : " <em>one mask is empty</em>";
+  return text;
+}
+
+Layers read_layers(const RunFolder& run, const ShownView& view) {
+  const Json& options = value_at(run.report("ngs-eval"), {"options"});
+  return {read_plane(view.input, view.object, options), read_plane(view.truth, view.object, options),
+          read_plane(view.predicted, view.object, options)};
+}
+
+Layers fitted(const Layers& layers, int width_px, int height_px) {
+  return {fitted(layers.input, width_px, height_px), fitted(layers.truth, width_px, height_px),
+          fitted(layers.predicted, width_px, height_px)};
+}
+
+const Plane& reference_of(const Layers& layers) {
+  return !layers.truth.empty() ? layers.truth : !layers.predicted.empty() ? layers.predicted : layers.input;
+}
+
+/// The window of the given side with the most wrong pixels.
+Window worst_window(const Plane& predicted, const Plane& truth, int side_px) {
+  const int w = truth.width_px, h = truth.height_px;
+  const int side_x = std::min(side_px, w), side_y = std::min(side_px, h);
+  std::vector<std::int64_t> sum(std::size_t(w + 1) * std::size_t(h + 1), 0);  // wrong pixels above and left
+  const auto at = [&](int x, int y) -> std::int64_t& { return sum[std::size_t(y) * std::size_t(w + 1) + std::size_t(x)]; };
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      const std::size_t i = std::size_t(y) * std::size_t(w) + std::size_t(x);
+      at(x + 1, y + 1) = at(x, y + 1) + at(x + 1, y) - at(x, y) + ((predicted.data[i] != 0) != (truth.data[i] != 0));
+    }
+  Window best{0, 0, side_x, side_y};
+  std::int64_t most = -1;
+  for (int y = 0; y + side_y <= h; ++y)
+    for (int x = 0; x + side_x <= w; ++x) {
+      const std::int64_t wrong = at(x + side_x, y + side_y) - at(x, y + side_y) - at(x + side_x, y) + at(x, y);
+      if (wrong > most) most = wrong, best.x = x, best.y = y;
+    }
+  return best;
+}
+
+ImageF crop_of(const ImageF& image, Window w) {
+  ImageF out(w.width_px, w.height_px, image.channels);
+  for (int y = 0; y < w.height_px; ++y)
+    for (int x = 0; x < w.width_px; ++x)
+      for (int c = 0; c < image.channels; ++c) out.at(x, y, c) = image.at(w.x + x, w.y + y, c);
+  return out;
+}
+
+std::string sheet_figure(const RunFolder& run, const ShownView& view, int width_px) {
+  Layers layers = read_layers(run, view);
+  const ImageF photo = photo_of(view, reference_of(layers));
+  if (photo.empty()) return {};
+  const int w = std::min(width_px, photo.width_px);
+  const int h = std::max(1, int(std::lround(double(photo.height_px) * w / photo.width_px)));
+  const std::string alt = "View " + name_of(view) + " with the outline of the predicted mask" +
+                          (view.truth.empty() ? "" : ", of the true mask") + (view.input.empty() ? "" : ", of the input mask");
+  return "<figure>" + stack_html(to_bytes(resized(photo, w, h)), fitted(layers, w, h), {0, 0, w, h}, alt) + "<figcaption>" +
+         caption_of(view) + "</figcaption></figure>\n";
+}
+
+std::string crop_figure(const RunFolder& run, const ShownView& view, int side_px) {
+  Layers layers = read_layers(run, view);
+  if (layers.truth.empty() || layers.predicted.empty()) return {};
+  const int w = layers.truth.width_px, h = layers.truth.height_px;
+  layers = fitted(layers, w, h);
+  const Window window = worst_window(layers.predicted, layers.truth, side_px);
+  // One pixel more on each side, so that no outline runs along the border of the crop.
+  const Window wider{window.x - 1, window.y - 1, window.width_px + 2, window.height_px + 2};
+  const Layers parts{cropped(layers.input, wider), cropped(layers.truth, wider), cropped(layers.predicted, wider)};
+  const ImageF photo = resized(photo_of(view, layers.truth), w, h);
+  const std::string place = std::to_string(window.x) + ", " + std::to_string(window.y);
+  const std::string alt = "Crop of view " + name_of(view) + " at pixel " + place + " where prediction and truth differ most";
+  return "<figure class=crop>" +
+         stack_html(to_bytes(crop_of(photo, window)), parts, {1, 1, window.width_px, window.height_px}, alt) + "<figcaption><b>" +
+         escaped(name_of(view)) + "</b> " + std::to_string(window.width_px) + "×" + std::to_string(window.height_px) +
+         " px at (" + place + ")</figcaption></figure>\n";
+}
+
+}  // namespace
+
+bool Pictures::spend(std::size_t bytes) {
+  if (double(spent_bytes_ + bytes) > options_.budget_mib * 1048576.0) return false;
+  spent_bytes_ += bytes;
+  return true;
+}
+
+std::string Pictures::sheet(RunFolder& run) {
+  std::string html;
+  std::size_t shown = 0;
+  for (const ShownView& view : run.views) {
+    std::string figure;
+    try {
+      figure = sheet_figure(run, view, options_.sheet_width_px);
+    } catch (const Error& e) {
+      run.problems.push_back(e.what());
+    }
+    if (!spend(figure.size())) break;
+    html += figure;
+    ++shown;
+  }
+  if (shown < run.views.size())
+    html += "<p class=note>" + whole(std::int64_t(run.views.size() - shown)) +
+            " better views are not shown, to keep the page small.</p>";
+  return html;
+}
+
+std::string Pictures::crops(RunFolder& run) {
+  std::string html;
+  int shown = 0;
+  for (const ShownView& view : run.views) {
+    if (shown == options_.zoomed_views) break;
+    std::string figure;
+    try {
+      figure = crop_figure(run, view, options_.crop_side_px);
+    } catch (const Error& e) {
+      run.problems.push_back(e.what());
+    }
+    if (figure.empty() || !spend(figure.size())) continue;
+    html += figure;
+    ++shown;
+  }
+  return html;
+}
+
+}  // namespace ngs::cli

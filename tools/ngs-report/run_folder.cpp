@@ -1,0 +1,177 @@
+#include "run_folder.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "html.h"
+#include "ngs/core/error.h"
+#include "ngs/io/masks.h"
+#include "ngs/io/scene_json.h"
+#include "ngs/stages/match_names.h"
+
+namespace ngs::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uintmax_t kLargestJsonBytes = 256u << 20;
+
+std::string read_text(const fs::path& path) {
+  if (fs::file_size(path) > kLargestJsonBytes)
+    throw Error(ErrorCode::kBadInput, path.string() + ": larger than 256 MiB, expected a report");
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  if (!file) throw Error(ErrorCode::kBadInput, path.string() + ": cannot be read");
+  return text.str();
+}
+
+/// Runs `read` if the file is there; a failure is a problem of the run, not of the report.
+template <class Read>
+void if_present(RunFolder& run, const fs::path& path, const Read& read) {
+  if (!fs::is_regular_file(path)) return;
+  try {
+    read();
+  } catch (const std::exception& e) {
+    run.problems.push_back(e.what());
+  }
+}
+
+int chain_position(std::string_view name) {
+  constexpr std::array kChain = {"ngs-synth",  "ngs-fit",     "ngs-scene",  "ngs-variance",   "ngs-sample", "ngs-rbf",
+                                 "ngs-joint", "ngs-extract", "ngs-render", "ngs-eval-input", "ngs-eval"};
+  return int(std::find(kChain.begin(), kChain.end(), name) - kChain.begin());
+}
+
+void read_reports(RunFolder& run) {
+  const fs::path folder = fs::path(run.path) / "reports";
+  if (!fs::is_directory(folder)) return;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().stem().string();
+    if (entry.path().extension() != ".json" || name == "ngs-report") continue;
+    if_present(run, entry.path(), [&] {
+      Json report = parse_json(read_text(entry.path()), entry.path().string());
+      if (!report.is_object()) throw Error(ErrorCode::kBadInput, entry.path().string() + ": expected a JSON object");
+      run.reports.push_back({name, std::move(report)});
+    });
+  }
+  std::sort(run.reports.begin(), run.reports.end(), [](const ToolReport& a, const ToolReport& b) {
+    return std::pair(chain_position(a.name), a.name) < std::pair(chain_position(b.name), b.name);
+  });
+}
+
+void read_trace(RunFolder& run, const fs::path& path) {
+  std::istringstream text(read_text(path));
+  for (std::string line; std::getline(text, line);)
+    if (!line.empty()) run.trace.push_back(parse_json(line, path.string()));
+}
+
+/// A path of a report: the tools may have run inside the folder or elsewhere.
+std::string found_path(const RunFolder& run, const std::string& path) {
+  if (path.empty()) return {};
+  std::error_code ignored;
+  for (const fs::path& candidate : {fs::path(run.path) / path, fs::path(path)})
+    if (fs::is_regular_file(candidate, ignored)) return candidate.string();
+  return {};
+}
+
+std::string text_at(const Json& json, std::string_view key) {
+  const Json& value = value_at(json, {key});
+  return value.is_string() ? value.get<std::string>() : std::string();
+}
+
+/// The scored pairs: files from the report of ngs-eval, scores from metrics.json.
+void add_scored_views(RunFolder& run) {
+  std::map<std::pair<std::string, std::string>, const Json*> files;
+  for (const Json& file : value_at(run.report("ngs-eval"), {"result", "files"}))
+    files[{text_at(file, "view"), text_at(file, "object")}] = &file;
+  for (const Json& scores : value_at(run.metrics, {"views"})) {
+    ShownView view{.view = text_at(scores, "view"), .object = text_at(scores, "object"),
+                   .photo = {}, .predicted = {}, .truth = {}, .input = {}, .scores = scores};
+    auto file = files.find({view.view, view.object});
+    if (file == files.end()) file = files.find({view.view, ""});
+    if (file != files.end()) {
+      view.predicted = found_path(run, text_at(*file->second, "predicted"));
+      view.truth = found_path(run, text_at(*file->second, "truth"));
+    }
+    run.views.push_back(std::move(view));
+  }
+  std::stable_sort(run.views.begin(), run.views.end(), [](const ShownView& a, const ShownView& b) {
+    const auto key = [](const ShownView& v) { return value_at(v.scores, {"biou"}).is_number() ? number_at(v.scores, {"biou"}) : -1; };
+    return key(a) < key(b);
+  });
+}
+
+/// Without scores: the rendered masks.
+void add_rendered_views(RunFolder& run) {
+  const fs::path folder = fs::path(run.path) / "masks";
+  if (!run.views.empty() || !fs::is_directory(folder)) return;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+    if (entry.path().extension() == ".png")
+      run.views.push_back({.view = entry.path().stem().string(), .object = {}, .photo = {},
+                           .predicted = entry.path().string(), .truth = {}, .input = {}, .scores = {}});
+  std::sort(run.views.begin(), run.views.end(), [](const ShownView& a, const ShownView& b) { return a.view < b.view; });
+}
+
+void add_scene_files(RunFolder& run) {
+  if (!run.scene) return;
+  std::vector<std::string> shown, known;
+  for (const SceneView& view : run.scene->views) known.push_back(view.camera.name);
+  std::map<std::string, std::size_t> by_stem;
+  for (std::size_t i = 0; i < known.size(); ++i) by_stem[path_stem(known[i])] = i;
+  for (ShownView& view : run.views) {
+    auto found = by_stem.find(view.view);
+    if (found == by_stem.end()) {
+      const std::vector<std::string> one{view.view};
+      const NameMatch match = match_names(one, known);
+      if (match.pairs.empty()) continue;
+      found = by_stem.find(path_stem(known[match.pairs[0].truth]));
+    }
+    std::error_code ignored;
+    const SceneView& camera = run.scene->views[found->second];
+    if (fs::is_regular_file(camera.image_path, ignored)) view.photo = camera.image_path;
+    const std::vector<std::string> masks = io::mask_files(*run.scene, found->second);
+    for (std::size_t k = 0; k < masks.size(); ++k)
+      if ((masks.size() == 1 || run.scene->objects[k].name == view.object) && fs::is_regular_file(masks[k], ignored))
+        view.input = masks[k];
+  }
+}
+
+}  // namespace
+
+const Json& RunFolder::report(std::string_view name) const {
+  static const Json kNothing;
+  for (const ToolReport& tool : reports)
+    if (tool.name == name) return tool.report;
+  return kNothing;
+}
+
+RunFolder read_run_folder(const std::string& path) {
+  if (!fs::is_directory(path))
+    throw Error(ErrorCode::kBadInput, path + ": no such folder, expected the output of pipelines/ngs-gs.sh");
+  RunFolder run;
+  run.path = path;
+  run.title = fs::weakly_canonical(path).filename().string();
+  const fs::path folder(path);
+  read_reports(run);
+  if_present(run, folder / "scene.json", [&] { run.scene = io::read_scene_json((folder / "scene.json").string()); });
+  const auto metrics = [&](const char* name, Json& json) {
+    if_present(run, folder / name, [&] { json = parse_json(read_text(folder / name), (folder / name).string()); });
+  };
+  metrics("metrics.json", run.metrics);
+  metrics("metrics_input.json", run.metrics_input);
+  if_present(run, folder / "trace.jsonl", [&] { read_trace(run, folder / "trace.jsonl"); });
+  if (run.reports.empty() && !run.scene && run.metrics.is_null())
+    throw Error(ErrorCode::kBadInput, path + ": no reports/*.json, scene.json or metrics.json, expected the output of a run",
+                "make one with pipelines/ngs-gs.sh SCENE_DIR " + path);
+  add_scored_views(run);
+  add_rendered_views(run);
+  add_scene_files(run);
+  return run;
+}
+
+}  // namespace ngs::cli

@@ -1,0 +1,40 @@
+#pragma once
+// What a run left behind: OUT_DIR of pipelines/ngs-gs.sh, or any folder with some of the same files. Every file is
+// optional and may be broken; what could not be read is said in `problems`.
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ngs/options/option_set.h"
+#include "ngs/scene/scene.h"
+
+namespace ngs::cli {
+
+struct ToolReport {
+  std::string name;  // of the file, "ngs-joint"
+  Json report;
+};
+
+/// One mask to show; paths are empty where there is no such file.
+struct ShownView {
+  std::string view, object;
+  std::string photo, predicted, truth, input;
+  Json scores;  // an entry of metrics.json "views", or null
+};
+
+struct RunFolder {
+  std::string path, title;
+  std::vector<ToolReport> reports;  // in the order of the chain
+  std::optional<Scene> scene;
+  Json metrics, metrics_input;
+  std::vector<Json> trace;       // lines of trace.jsonl
+  std::vector<ShownView> views;  // worst boundary IoU first
+  std::vector<std::string> problems;
+
+  const Json& report(std::string_view name) const;  // null where there is none
+};
+
+/// Throws kBadInput where the folder holds nothing of a run.
+RunFolder read_run_folder(const std::string& path);
+
+}  // namespace ngs::cli

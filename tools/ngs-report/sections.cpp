@@ -1,0 +1,261 @@
+#include "sections.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "charts.h"
+#include "html.h"
+#include "ngs/ops/metrics.h"
+#include "page.h"
+
+namespace ngs::cli {
+namespace {
+
+void add_tile(std::string& html, const std::string& name, const std::string& value, const std::string& note = {}) {
+  html += "<div><dt>" + name + "</dt><dd>" + value + (note.empty() ? "" : "<small>" + note + "</small>") + "</dd></div>";
+}
+
+std::string beside_input(const RunFolder& run, std::string_view score) {
+  const double input = number_at(run.metrics_input, {"mean", score});
+  return std::isfinite(input) ? "input masks " + decimal(input, 3) : std::string();
+}
+
+std::vector<std::string> score_row(const std::string& name, const Json& mean) {
+  std::vector<std::string> row{name};
+  for (std::string_view score : kScoreNames) row.push_back(decimal(number_at(mean, {score}), 4));
+  return row;
+}
+
+std::vector<std::string> score_head(const std::string& first) {
+  std::vector<std::string> head{first};
+  for (std::string_view score : kScoreNames) head.push_back(score_title(score));
+  return head;
+}
+
+std::string legend(bool truth, bool input) {
+  const auto entry = [](const char* kind, const char* name) {
+    return std::string("<label><input type=checkbox checked class=t-") + kind + "><svg aria-hidden=true viewBox=\"0 0 38 16\"><g class=" +
+           kind + "><path class=casing d=\"M3 8h32\"/><path d=\"M3 8h32\"/></g></svg>" + name + "</label>";
+  };
+  return "<div class=legend>" + entry("predicted", "prediction") + (truth ? entry("truth", "truth") : "") +
+         (input ? entry("input", "input mask") : "") + "</div>";
+}
+
+double seconds_of(const Json& stage) { return number_at(stage, {"wall_s"}); }
+
+std::string bar_row(const char* row_class, const std::string& name, const Json& stage, double largest) {
+  const Json& items = value_at(stage, {"items"});
+  std::string row = std::string("<tr class=") + row_class + "><th scope=row>" + escaped(name) + "</th><td>" +
+                    bar_svg(seconds_of(stage), largest) + "</td><td>" + duration(seconds_of(stage)) + "</td><td>";
+  if (items.is_number_integer() && items.get<std::int64_t>() > 0)
+    row += whole(items.get<std::int64_t>()) + " items, " + decimal(number_at(stage, {"items_per_s"}), 1) + "/s";
+  return row + "</td><td>" + decimal(number_at(stage, {"max_rss_mib"}), 0) + " MiB</td></tr>";
+}
+
+const Json& list_at(const Json& json, std::initializer_list<std::string_view> keys) {
+  static const Json kEmptyList = Json::array();
+  const Json& value = value_at(json, keys);
+  return value.is_array() ? value : kEmptyList;
+}
+
+}  // namespace
+
+std::string score_title(std::string_view name) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kTitles = {{{"iou", "IoU"},
+                                                                                    {"accuracy", "accuracy"},
+                                                                                    {"class_accuracy", "class accuracy"},
+                                                                                    {"biou", "B-IoU 2&nbsp;%"},
+                                                                                    {"biou_005", "B-IoU 0.5&nbsp;%"},
+                                                                                    {"biou_1px", "B-IoU 1&nbsp;px"},
+                                                                                    {"biou_3px", "B-IoU 3&nbsp;px"},
+                                                                                    {"biou_5px", "B-IoU 5&nbsp;px"},
+                                                                                    {"contour_f", "contour F"}}};
+  for (const auto& [key, title] : kTitles)
+    if (key == name) return std::string(title);
+  return escaped(name);
+}
+
+double mean_over_runs(const std::vector<RunFolder>& runs, std::string_view score) {
+  double sum = 0;
+  int count = 0;
+  for (const RunFolder& run : runs) {
+    const double value = number_at(run.metrics, {"mean", score});
+    if (std::isfinite(value)) sum += value, ++count;
+  }
+  return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::string tiles(const RunFolder& run) {
+  std::string html = "<dl class=tiles>";
+  for (const auto& [score, name] : {std::pair{"iou", "IoU"}, {"biou", "boundary IoU"}, {"accuracy", "accuracy"}})
+    if (std::isfinite(number_at(run.metrics, {"mean", score})))
+      add_tile(html, name, decimal(number_at(run.metrics, {"mean", score}), 3), beside_input(run, score));
+  if (const double psnr = number_at(run.metrics, {"mean", "psnr_db"}); std::isfinite(psnr))
+    add_tile(html, "PSNR", decimal(psnr, 2) + " dB", "SSIM " + decimal(number_at(run.metrics, {"mean", "ssim"}), 3));
+  if (!run.report("ngs-joint").is_null()) add_tile(html, "method", escaped(method_of(run)));
+  if (run_seconds(run) > 0) add_tile(html, "time", duration(run_seconds(run)), "whole chain without scoring");
+  if (run.scene) {
+    const auto held_out = std::count_if(run.scene->views.begin(), run.scene->views.end(),
+                                        [](const SceneView& view) { return view.split == Split::kHeldOut; });
+    add_tile(html, "views", whole(std::int64_t(run.scene->views.size())), whole(held_out) + " held out");
+  }
+  return html + "</dl>\n";
+}
+
+std::string oddities_section(const RunFolder& run) {
+  std::string list;
+  for (const std::string& problem : run.problems) list += "<li><b>report</b> " + escaped(problem) + "</li>";
+  for (const ToolReport& tool : run.reports) {
+    for (const Json& warning : list_at(tool.report, {"warnings"}))
+      list += "<li><b>" + escaped(tool.name) + "</b> " + escaped(json_text(warning)) + "</li>";
+    const double code = number_at(tool.report, {"exit_code"});
+    if (code == 1) list += "<li><b>" + escaped(tool.name) + "</b> a requested check failed</li>";
+    if (code == 7) list += "<li><b>" + escaped(tool.name) + "</b> stopped at its budget with a partial result</li>";
+  }
+  return section("oddities", "Oddities", list.empty() ? "<p>No tool had anything to remark.</p>" : "<ul class=odd>" + list + "</ul>");
+}
+
+std::string accuracy_section(const RunFolder& run) {
+  if (value_at(run.metrics, {"mean"}).is_null() || value_at(run.metrics, {"kind"}) == Json("photos")) return {};
+  Table table{.caption = "Mean over the scored views; boundary IoU by band width (share of the diagonal, or px)",
+              .head = score_head("masks"), .rows = {}};
+  if (!run.metrics_input.is_null())
+    table.rows.push_back(score_row("input masks, same views", value_at(run.metrics_input, {"mean"})));
+  table.rows.push_back(score_row(run.report("ngs-joint").is_null() ? "predicted masks" : escaped(method_of(run)) + ", rendered", value_at(run.metrics, {"mean"})));
+  std::string html = table.html();
+  Table checks{.caption = "Requested checks", .head = {"score", "at least", "found", "result"}, .rows = {}};
+  for (const Json& check : list_at(run.metrics, {"checks"}))
+    checks.rows.push_back({score_title(json_text(value_at(check, {"score"}))), decimal(number_at(check, {"at_least"}), 4),
+                           decimal(number_at(check, {"found"}), 4), value_at(check, {"passed"}) == Json(true) ? "passed" : "<b>failed</b>"});
+  if (!checks.rows.empty()) html += checks.html();
+  return section("accuracy", "Accuracy", html);
+}
+
+std::string views_section(RunFolder& run, Pictures& pictures) {
+  if (run.views.empty()) return {};
+  const auto any = [&](std::string ShownView::*path) {
+    return std::any_of(run.views.begin(), run.views.end(), [&](const ShownView& view) { return !(view.*path).empty(); });
+  };
+  const bool scored = !run.views.front().scores.is_null();
+  const std::string crops = pictures.crops(run), sheet = pictures.sheet(run);
+  std::string html = legend(any(&ShownView::truth), any(&ShownView::input));
+  if (!crops.empty()) html += "<h3>Where the worst views go wrong</h3><div class=\"sheet crops\">" + crops + "</div>";
+  html += std::string("<h3>") + (scored ? "All views, worst boundary IoU first" : "All views") + "</h3><div class=sheet>" + sheet + "</div>";
+  Table table{.caption = {}, .head = score_head("view"), .rows = {}};
+  for (const ShownView& view : run.views)
+    if (!view.scores.is_null())
+      table.rows.push_back(score_row(escaped(view.view + (view.object.empty() ? "" : " " + view.object)), view.scores));
+  if (!table.rows.empty()) html += details("Scores of every view", table.html());
+  return "<div class=views>" + section("views", "Views", html) + "</div>";
+}
+
+std::string objects_section(const RunFolder& run) {
+  const Json& objects = list_at(run.metrics, {"objects"});
+  if (objects.empty()) return {};
+  Table scores{.caption = "Mean over the views of each object", .head = score_head("object"), .rows = {}};
+  Table errors{.caption = "Wrong pixels, summed over the views. Far: beyond the 2 % band of the true contour.",
+               .head = {"object", "pairs", "too much", "of these far (leaks)", "missing", "of these far (holes)", "right"}, .rows = {}};
+  for (const Json& object : objects) {
+    const std::string name = json_text(value_at(object, {"object"}));
+    scores.rows.push_back(score_row(name.empty() ? "object" : escaped(name), object));
+    std::vector<std::string> row{name.empty() ? "object" : escaped(name), decimal(number_at(object, {"pairs"}), 0)};
+    for (const char* key : {"fp", "far_fp", "fn", "far_fn", "tp"}) {
+      const Json& count = value_at(object, {"counts", key});
+      row.push_back(count.is_number_integer() ? whole(count.get<std::int64_t>()) : "–");
+    }
+    errors.rows.push_back(std::move(row));
+  }
+  return section("objects", "Objects", (objects.size() > 1 ? scores.html() : std::string()) + errors.html());
+}
+
+std::string decisions_section(const RunFolder& run) {
+  const Json& result = value_at(run.report("ngs-joint"), {"result"});
+  for (const char* key : {"effects", "decisions"})
+    if (const Json& decisions = value_at(result, {key}); decisions.is_structured() && !decisions.empty())
+      return section("decisions", "Decisions", "<p>What the optimisation switched on and off, and why.</p>" + json_html(decisions));
+  return {};
+}
+
+std::string times_section(const RunFolder& run) {
+  double largest = 0;
+  for (const ToolReport& tool : run.reports) largest = std::max(largest, seconds_of(value_at(tool.report, {"stages"})));
+  if (!(largest > 0)) return {};
+  std::string rows;
+  for (const ToolReport& tool : run.reports) {
+    const Json& stages = value_at(tool.report, {"stages"});
+    if (stages.is_null()) continue;
+    rows += bar_row("tool", tool.name, stages, largest);
+    for (const Json& child : list_at(stages, {"children"}))
+      if (seconds_of(child) >= 0.02 * largest) rows += bar_row("child", json_text(value_at(child, {"name"})), child, largest);
+  }
+  return section("times", "Stage times",
+                 "<p class=note>Wall time of each tool and of its longer steps</p><div class=\"scroll bars\"><table><thead><tr><th "
+                 "scope=col>stage</th><th scope=col></th><th scope=col>time</th><th scope=col>work</th><th scope=col>peak memory</th></tr></thead><tbody>" +
+                     rows + "</tbody></table></div>");
+}
+
+std::string trace_section(const RunFolder& run) {
+  std::string html;
+  for (const char* key : {"biou", "iou", "gap", "loss"}) {
+    PlotSeries series{.name = {}, .points = {}, .line = true};
+    for (const Json& step : run.trace) {
+      const double seconds = number_at(step, {"wall_s"});
+      series.points.push_back({std::isfinite(seconds) ? seconds : number_at(step, {"step"}), number_at(step, {key}), {}});
+    }
+    const bool timed = !run.trace.empty() && value_at(run.trace.front(), {"wall_s"}).is_number();
+    html += plot_svg({.title = std::string(key) + " during the optimisation", .x_label = timed ? "time, s" : "step", .y_label = key,
+                      .series = {series}});
+  }
+  return html.empty() ? html : section("trace", "Optimisation", html);
+}
+
+std::string inputs_section(const RunFolder& run) {
+  std::string html;
+  if (run.scene) {
+    const Scene& scene = *run.scene;
+    Table table;
+    table.rows.push_back({"views", whole(std::int64_t(scene.views.size()))});
+    if (!scene.views.empty()) {
+      const Camera& camera = scene.views.front().camera;
+      table.rows.push_back({"working size of the first view", std::to_string(camera.width_px) + " × " + std::to_string(camera.height_px) + " px"});
+    }
+    table.rows.push_back({"image scale", decimal(scene.image_scale, 4)});
+    std::string objects;
+    for (const SceneObject& object : scene.objects) objects += (objects.empty() ? "" : ", ") + escaped(object.name);
+    table.rows.push_back({"objects", objects});
+    html += table.html();
+  }
+  const Json& checks = value_at(run.report("ngs-scene"), {"result"});
+  if (!checks.is_null() && !checks.empty()) html += details("Checks of ngs-scene", json_html(checks));
+  Table hashes{.caption = {}, .head = {"tool", "input", "path", "bytes", "hash (XXH3-128)"}, .rows = {}};
+  for (const ToolReport& tool : run.reports)
+    for (const Json& input : list_at(tool.report, {"inputs"}))
+      hashes.rows.push_back({escaped(tool.name), escaped(json_text(value_at(input, {"name"}))), escaped(json_text(value_at(input, {"path"}))),
+                             escaped(json_text(value_at(input, {"bytes"}))), "<code>" + escaped(json_text(value_at(input, {"xxh3"}))) + "</code>"});
+  if (!hashes.rows.empty()) html += details("Files that were read, with their hashes", hashes.html());
+  return html.empty() ? html : section("inputs", "Inputs", html);
+}
+
+std::string tools_section(const RunFolder& run) {
+  std::string html;
+  for (const ToolReport& tool : run.reports) {
+    const Json& report = tool.report;
+    std::string body = "<p>ngs " + escaped(json_text(value_at(report, {"version"}))) + ", device " +
+                       escaped(json_text(value_at(report, {"device", "name"}))) + " (" + escaped(json_text(value_at(report, {"device", "reason"}))) +
+                       "), threads " + escaped(json_text(value_at(report, {"threads"}))) + ", seed " +
+                       escaped(json_text(value_at(report, {"seed"}))) + "</p>";
+    Table options{.caption = "Options as resolved", .head = {}, .rows = {}};
+    const Json& resolved = value_at(report, {"options"});
+    if (resolved.is_object())
+      for (const auto& [key, value] : resolved.items()) options.rows.push_back({"<code>" + escaped(key) + "</code>", json_html(value)});
+    body += options.html();
+    // The file lists of ngs-eval and the checks of ngs-scene are shown elsewhere.
+    if (!tool.name.starts_with("ngs-eval") && tool.name != "ngs-scene") body += json_html(value_at(report, {"result"}));
+    html += details(escaped(tool.name), body);
+  }
+  return html.empty() ? html : section("tools", "Tools and options", html);
+}
+
+}  // namespace ngs::cli

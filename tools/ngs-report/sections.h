@@ -1,0 +1,27 @@
+#pragma once
+// The sections of one run. Each is empty where the run has nothing for it, except the oddities.
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pictures.h"
+#include "run_folder.h"
+
+namespace ngs::cli {
+
+std::string tiles(const RunFolder& run);
+std::string oddities_section(const RunFolder& run);
+std::string accuracy_section(const RunFolder& run);
+std::string views_section(RunFolder& run, Pictures& pictures);
+std::string objects_section(const RunFolder& run);
+std::string decisions_section(const RunFolder& run);
+std::string times_section(const RunFolder& run);
+std::string trace_section(const RunFolder& run);
+std::string inputs_section(const RunFolder& run);
+std::string tools_section(const RunFolder& run);
+
+std::string score_title(std::string_view name);  // "biou" -> "boundary IoU"
+/// Over the runs that have the score; NaN if none has.
+double mean_over_runs(const std::vector<RunFolder>& runs, std::string_view score);
+
+}  // namespace ngs::cli
