@@ -176,9 +176,9 @@ void OptionSet::set_json(const Json& values, std::string_view source) const {
   if (!values.is_object())
     throw Error(ErrorCode::kUsage,
                 std::string(source) + ": found " + values.type_name() + ", expected an object of options");
-  for (const auto& [name, value] : values.items()) {
-    const OptionEntry& entry = at(name, source);
-    with_context(source, [&] { entry.set(value); });
+  for (const auto& item : values.items()) {
+    const OptionEntry& entry = at(item.key(), source);
+    with_context(source, [&] { entry.set(item.value()); });
   }
 }
 

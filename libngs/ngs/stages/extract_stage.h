@@ -1,0 +1,75 @@
+#pragma once
+// Which Gaussians are the object: a threshold on what was accumulated, an answer for those that no view has
+// seen, hand-made constraints, and small pieces removed.                            facts §3.3, §3.6, §8.1
+#include <span>
+#include <string>
+
+#include "ngs/backend/exec.h"
+#include "ngs/options/field.h"
+#include "ngs/scene/gaussian_cloud.h"
+
+namespace ngs {
+
+enum class UnseenRule : std::uint8_t { kKnn, kObject, kBackground };
+inline constexpr NamedValue<UnseenRule> kUnseenRuleNames[] = {
+    {UnseenRule::kKnn, "knn"}, {UnseenRule::kObject, "object"}, {UnseenRule::kBackground, "background"}};
+
+enum class ScoreColumn : std::uint8_t { kAuto, kLabel, kProb };
+inline constexpr NamedValue<ScoreColumn> kScoreColumnNames[] = {
+    {ScoreColumn::kAuto, "auto"}, {ScoreColumn::kLabel, "label"}, {ScoreColumn::kProb, "prob"}};
+
+struct ExtractOptions {
+  std::string rule = "threshold:0.5";
+  ScoreColumn score = ScoreColumn::kAuto;
+  UnseenRule unseen = UnseenRule::kKnn;
+  int unseen_neighbours = 8;
+  int min_component = 0;
+  int component_neighbours = 8;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.rule, Text{"rule", "RULE",
+                          "threshold:T (score >= T), flash:GAMMA (f > (1+GAMMA)/2), flash-l2:GAMMA (as its code "
+                          "normalises), sa3d (f > 0.3/1.3), cob:T (score > T)"});
+    visit(self.score, Choice<ScoreColumn>{"score", "what the rule compares; auto: ngs_prob for flash and sa3d, else "
+                                                   "ngs_label", kScoreColumnNames});
+    visit(self.unseen, Choice<UnseenRule>{"unseen", "Gaussians that no view has seen: vote of the nearest seen ones, "
+                                                    "or all to one side", kUnseenRuleNames});
+    visit(self.unseen_neighbours, Field<int>{"unseen_neighbours", "", "voters per unseen Gaussian", 1, 32});
+    visit(self.min_component, Field<int>{"min_component", "Gaussians", "smaller connected pieces of the object go to the "
+                                                          "background; 0 keeps all", 0, 1 << 30});
+    visit(self.component_neighbours, Field<int>{"component_neighbours", "", "neighbours a piece may connect through", 1, 32});
+  }
+};
+
+/// A Gaussian is object where score > cut, or score >= cut if `inclusive`.
+struct ExtractRule {
+  double cut = 0.5;
+  bool inclusive = true;
+  bool on_prob = false;
+};
+/// Throws kUsage for an unknown rule or a value out of range.
+ExtractRule parse_extract_rule(const std::string& rule);
+
+struct ExtractInput {
+  const GaussianCloud& cloud;
+  const LabelColumns& labels;        // label or prob; without `views` every Gaussian counts as seen
+  std::span<const float> fixed = {}; // [N] 1: label is final; empty: none is
+};
+
+struct Extraction {
+  std::vector<std::uint8_t> object;  // [N] 1: object. Gaussians that cannot be used are background
+  std::int64_t objects = 0, unusable = 0, unseen = 0, unseen_to_object = 0, fixed = 0;
+  std::int64_t components = 0, removed_components = 0, removed = 0;  // only counted with min_component > 0
+};
+
+/// kBadInput where neither ngs_label nor ngs_prob is there.
+Extraction extract_object(const Exec& exec, const ExtractOptions& options, const ExtractInput& input);
+
+/// Pieces of the Gaussians with member[i] != 0: piece[i] >= 0 numbers them in order of their first row, -1
+/// elsewhere. Two nearest neighbours touch if their distance is at most 3 (σ_i + σ_j), σ the largest scale, or
+/// at most three times the median distance to the nearest neighbour.
+std::vector<std::int32_t> connected_pieces(const Exec& exec, const GaussianCloud& cloud,
+                                           const std::vector<std::uint8_t>& member, int neighbours);
+
+}  // namespace ngs
