@@ -18,7 +18,7 @@
 #include "support/process.h"
 #include "support/schema_check.h"
 #include "support/temp_dir.h"
-#include "support/tiny_scene.h"
+#include "support/tool_fixture.h"
 
 namespace ngs {
 namespace {
@@ -28,56 +28,9 @@ using Json = nlohmann::json;
 using test::ProcessResult;
 using test::ProcessSpec;
 using Words = std::vector<std::string>;
+using test::command, test::fixture_folder, test::resolved, test::words;
 
 const fs::path kCases = fs::path(NGS_SOURCE_DIR) / "tests/contract/cases";
-
-std::string substituted(std::string text, const std::string& from, const std::string& to) {
-  for (std::size_t at = text.find(from); at != text.npos; at = text.find(from, at + to.size()))
-    text.replace(at, from.size(), to);
-  return text;
-}
-
-/// `json` with {tmp} and {fixture} replaced in every text.
-Json resolved(const Json& json, const std::string& tmp, const std::string& fixture) {
-  if (json.is_string())
-    return substituted(substituted(json.get<std::string>(), "{tmp}", tmp), "{fixture}", fixture);
-  if (!json.is_structured()) return json;
-  Json copy = json;
-  for (Json& item : copy) item = resolved(item, tmp, fixture);
-  return copy;
-}
-
-Words words(const Json& list) {
-  Words result;
-  for (const Json& word : list) result.push_back(word.get<std::string>());
-  return result;
-}
-
-ProcessSpec command(const Json& run) {
-  ProcessSpec spec;
-  spec.argv = words(run);
-  if (spec.argv[0].rfind("ngs-", 0) == 0) spec.argv[0] = std::string(NGS_TOOL_DIR "/") + spec.argv[0];
-  spec.environment = {{"NGS_THREADS", "2"}};
-  return spec;
-}
-
-/// The scene that cases start from: files rendered by libngs, then the artifacts of fixture.json in order.
-const std::string& fixture_folder() {
-  static const test::TempDir dir;
-  static const bool made = [] {
-    const std::string folder = dir.path();
-    test::write_tiny_scene(folder);
-    for (const Json& step :
-         resolved(Json::parse(std::ifstream(kCases / "../fixture.json")), folder, folder)) {
-      const ProcessResult result = test::run_process(command(step["run"]));
-      INFO(step.dump() << "\n" << result.err);
-      REQUIRE(result.exit_code == 0);
-    }
-    return true;
-  }();
-  REQUIRE(made);
-  return dir.path();
-}
 
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 

@@ -54,13 +54,19 @@ ProcessResult run_process(const ProcessSpec& spec) {
   using Clock = std::chrono::steady_clock;
   signal(SIGPIPE, SIG_IGN);  // a program that does not read its stdin must not end the test
   Pipe in, out, err;
+  // The child must not run the handlers of the test framework between fork and exec.
+  sigset_t all, before;
+  sigfillset(&all);
+  sigprocmask(SIG_BLOCK, &all, &before);
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error("fork failed");
   if (child == 0) {
-    signal(SIGPIPE, SIG_DFL);
+    for (const int number : {SIGPIPE, SIGTERM, SIGINT, SIGUSR1}) signal(number, SIG_DFL);
+    sigprocmask(SIG_SETMASK, &before, nullptr);
     if (spec.closed_stdout) close(out.read_end);
     become(spec, in, out, err);
   }
+  sigprocmask(SIG_SETMASK, &before, nullptr);
   in.close_read(), out.close_write(), err.close_write();
   if (spec.closed_stdout) out.close_read();
   if (!spec.input.empty() && write(in.write_end, spec.input.data(), spec.input.size()) < 0) in.close_write();

@@ -116,6 +116,7 @@ void declare(const Spec& spec, Splitter& splitter) {
   for (const char* flags : kCommonSwitches) splitter.flag(flags);
   for (const char* flags : kCommonTexts) splitter.value(flags);
   splitter.flag("--print-schema");
+  splitter.flag("--print-commands");
   for (const OptionEntry& entry : spec.options.entries())
     entry.kind == OptionKind::kBool ? splitter.flag(option_flags(entry))
                                     : splitter.value(option_flags(entry));
@@ -135,6 +136,7 @@ CommonFlags common_flags(const Splitter& splitter) {
   flags.overwrite = splitter.has("-w,--overwrite");
   flags.allow_empty = splitter.has("--allow-empty");
   flags.print_options = splitter.has("--print-options");
+  flags.print_commands = splitter.has("--print-commands");
   if (splitter.has("--options")) flags.options_file = splitter["--options"].back();
   if (splitter.has("--report")) flags.report_path = splitter["--report"].back();
 

@@ -38,6 +38,7 @@ struct CommonFlags {
   std::uint64_t seed = 0;
   std::string options_file, report_path;
   bool print_options = false;
+  bool print_commands = false;  // for scripts that walk over all tools: one empty line (see dispatch())
   std::string print_schema;  // empty, "options" or "report"
 };
 

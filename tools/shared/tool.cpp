@@ -135,6 +135,8 @@ bool print_text(const Spec& spec, const CommonFlags& flags) {
     print(json_text(spec.options.schema(spec.name + " options")));
   else if (flags.print_options)
     print(json_text(spec.options.to_json()));
+  else if (flags.print_commands)
+    print("\n");
   else
     return false;
   return true;

@@ -1,0 +1,50 @@
+#include "ngs/stages/method_labels.h"
+
+#include <algorithm>
+
+#include "ngs/core/check.h"
+
+namespace ngs {
+
+std::vector<LabelColumns> closed_form_labels(const Exec& exec, Monitor& monitor, const MethodInput& input) {
+  if (!input.labels.empty()) {
+    NGS_CHECK(input.labels.size() == input.scene.objects.size(), "one LabelColumns per object");
+    return input.labels;
+  }
+  const auto timed = monitor.scope("evidence");
+  return label_gaussians({}, accumulate_evidence(exec, monitor, input.cloud, input.scene, input.views, input.splat,
+                                                 input.load_masks));
+}
+
+Evidence object_evidence(const Evidence& all, int object) {
+  Evidence one(all.gaussians, 1);
+  one.weight = all.weight, one.pixels = all.pixels, one.views = all.views;
+  for (std::size_t i = 0; i < std::size_t(all.gaussians); ++i) {
+    const std::size_t cell = i * std::size_t(all.objects) + std::size_t(object);
+    one.object_weight.whole[i] = all.object_weight.whole[cell];
+    one.object_weight.fraction[i] = all.object_weight.fraction[cell];
+    one.signal_square_sum.whole[i] = all.signal_square_sum.whole[cell];
+    one.signal_square_sum.fraction[i] = all.signal_square_sum.fraction[cell];
+    one.object_pixels[i] = all.object_pixels[cell];
+    one.signal_sum[i] = all.signal_sum[cell];
+    one.contrast_sum[i] = all.contrast_sum[cell];
+  }
+  return one;
+}
+
+void restore_fixed(const MethodInput& input, const std::vector<std::int64_t>& source_row, std::vector<LabelColumns>& labels) {
+  if (input.fixed.empty() || input.labels.empty()) return;
+  for (std::size_t k = 0; k < labels.size(); ++k)
+    for (std::size_t row = 0; row < labels[k].label.size(); ++row) {
+      const std::size_t source = source_row.empty() ? row : std::size_t(source_row[row]);
+      if (!is_fixed(input, source)) continue;
+      labels[k].label[row] = input.labels[k].label[source];
+      labels[k].prob[row] = input.labels[k].prob[source];
+    }
+}
+
+double labelled_count(const LabelColumns& labels) {
+  return double(std::count_if(labels.label.begin(), labels.label.end(), [](float label) { return label > 0.5f; }));
+}
+
+}  // namespace ngs

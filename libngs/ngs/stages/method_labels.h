@@ -1,0 +1,23 @@
+#pragma once
+// What the methods of ngs-joint share: where evidence comes from, and whose label no method may change.
+#include "ngs/stages/method.h"
+#include "ngs/stages/variance_stage.h"
+
+namespace ngs {
+
+/// One LabelColumns per object: the input's, or those of the closed form over its views where it brings none.
+std::vector<LabelColumns> closed_form_labels(const Exec& exec, Monitor& monitor, const MethodInput& input);
+
+/// The part of `all` that concerns object k, as evidence of one object.
+Evidence object_evidence(const Evidence& all, int object);
+
+/// Hand-fixed Gaussians get their input label (and prob) back. Rows of `labels` are the input's unless
+/// `source_row` says from which input row each descends.
+void restore_fixed(const MethodInput& input, const std::vector<std::int64_t>& source_row, std::vector<LabelColumns>& labels);
+
+inline bool is_fixed(const MethodInput& input, std::size_t row) { return !input.fixed.empty() && input.fixed[row] == 1.f; }
+
+/// Number of Gaussians labelled as the object, for MethodResult::figures.
+double labelled_count(const LabelColumns& labels);
+
+}  // namespace ngs

@@ -1,0 +1,117 @@
+// What the tools really write satisfies data-schema/.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+
+#include "ngs/io/exr.h"
+#include "ngs/io/ply.h"
+#include "support/schema_check.h"
+#include "support/temp_dir.h"
+#include "support/tool_fixture.h"
+
+namespace ngs {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+Json schema(const std::string& name) {
+  return Json::parse(std::ifstream(fs::path(NGS_SOURCE_DIR) / "data-schema" / name));
+}
+
+std::vector<std::string> fixture_files(const std::string& extension) {
+  std::vector<std::string> paths;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(test::fixture_folder()))
+    if (entry.path().extension() == extension) paths.push_back(entry.path().string());
+  std::sort(paths.begin(), paths.end());
+  return paths;
+}
+
+/// The entry of a table whose name is `name`, '*' standing for anything; the exact ones come first.
+const Json* entry_of(const Json& table, const std::string& name) {
+  for (const bool exact : {true, false})
+    for (const Json& entry : table) {
+      const std::string pattern = entry["name"];
+      const std::string stem = pattern.substr(0, pattern.find('*'));
+      const bool star = stem.size() != pattern.size();
+      if (exact ? pattern == name : star && name.rfind(stem, 0) == 0) return &entry;
+    }
+  return nullptr;
+}
+
+/// Empty, or the first value outside [min, max] of `entry`.
+template <class Value>
+std::string outside(const Json& entry, std::int64_t n, const Value& value) {
+  const Json &min = entry["range"][0], &max = entry["range"][1];
+  for (std::int64_t i = 0; i < n; ++i)
+    if ((!min.is_null() && !(value(i) >= min.get<double>())) ||
+        (!max.is_null() && !(value(i) <= max.get<double>())))
+      return "row " + std::to_string(i) + ": " + std::to_string(value(i));
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("every PLY of the chain has listed properties of the listed type and range only") {
+  const Json table = schema("ply-properties.json");
+  const std::vector<std::string> paths = fixture_files(".ply");
+  REQUIRE_FALSE(paths.empty());
+  for (const std::string& path : paths) {
+    const io::PlyFile file = io::PlyFile::open(path);
+    const io::PlyElement* vertex = file.find("vertex");
+    REQUIRE(vertex != nullptr);
+    const io::PlyTable rows = file.table(*vertex);
+    const std::string header = test::read_bytes(path).substr(0, 1 << 16);
+    const std::regex property("property ([a-z0-9]+) (\\S+)\n");
+    int found = 0;
+    for (std::sregex_iterator at(header.begin(), header.end(), property), end; at != end; ++at, ++found) {
+      INFO(path << ": " << (*at)[2].str());
+      const Json* entry = entry_of(table, (*at)[2]);
+      REQUIRE(entry != nullptr);
+      CHECK((*entry)["type"] == (*at)[1].str());
+      const io::PlyColumn column = rows.column((*at)[2].str());
+      CHECK(outside(*entry, rows.rows, [&](std::int64_t i) { return column.value(i); }) == "");
+    }
+    CHECK(found >= 3);
+  }
+}
+
+TEST_CASE("every EXR of the chain has listed channels in the listed range only") {
+  const Json table = schema("exr-channels.json");
+  for (const std::string& path : fixture_files(".exr")) {
+    const io::ExrImage image = io::read_exr(path);
+    for (const auto& [name, values] : image.channels) {
+      INFO(path << ": " << name);
+      const Json* entry = entry_of(table, name);
+      REQUIRE(entry != nullptr);
+      CHECK(outside(*entry, std::int64_t(values.size()),
+                    [&](std::int64_t i) { return double(values[std::size_t(i)]); }) == "");
+    }
+  }
+}
+
+TEST_CASE("scene.json and metrics.json of the chain satisfy their schemas, and broken ones do not") {
+  const auto file = [](const std::string& name) {
+    return Json::parse(std::ifstream(test::fixture_folder() + "/" + name));
+  };
+  for (const char* scene : {"scene.json", "imported.json"}) {
+    if (!fs::exists(test::fixture_folder() + "/" + scene)) continue;
+    INFO(scene);
+    CHECK(test::schema_violations(schema("scene.schema.json"), file(scene)) == "");
+  }
+  Json broken = file("scene.json");
+  broken["views"][0]["width"] = 0;
+  CHECK(test::schema_violations(schema("scene.schema.json"), broken) != "");
+  for (const char* metrics : {"metrics.json", "photos.json"}) {
+    INFO(metrics);
+    CHECK(test::schema_violations(schema("metrics.schema.json"), file(metrics)) == "");
+  }
+  broken = file("metrics.json");
+  broken["mean"]["iou"] = 1.5;
+  CHECK(test::schema_violations(schema("metrics.schema.json"), broken) != "");
+}
+
+}  // namespace ngs

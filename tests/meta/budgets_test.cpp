@@ -1,0 +1,67 @@
+// Sizes beyond which a file is two files, and marks of unfinished work.
+#include <doctest/doctest.h>
+
+#include <regex>
+
+#include "support/source_tree.h"
+
+namespace ngs {
+namespace {
+
+using test::SourceFile;
+
+constexpr int kFileLines = 400, kMainLines = 110;
+
+int lines(const std::string& text) { return int(std::count(text.begin(), text.end(), '\n')); }
+
+std::vector<SourceFile> all_code() {
+  return test::source_files({"libngs", "tools", "tests"}, {".h", ".cpp", ".cu", ".cuh"});
+}
+
+}  // namespace
+
+TEST_CASE("no file is longer than its budget") {
+  std::vector<std::string> offenders;
+  for (const SourceFile& file : all_code()) {
+    const bool is_main = file.in("tools") && file.ends_with("/main.cpp");
+    const int budget = is_main ? kMainLines : kFileLines;
+    if (lines(file.text) > budget)
+      offenders.push_back(file.path + ": " + std::to_string(lines(file.text)) + " lines, expected at most " +
+                          std::to_string(budget));
+  }
+  CHECK(test::listed(offenders) == "");
+}
+
+TEST_CASE("headers begin with #pragma once and a comment") {
+  std::vector<std::string> offenders;
+  for (const SourceFile& file : test::source_files({"libngs", "tools", "tests"}, {".h", ".cuh"}))
+    if (file.text.rfind("#pragma once\n//", 0) != 0) offenders.push_back(file.path);
+  CHECK(test::listed(offenders) == "");
+}
+
+TEST_CASE("no file holds a note of unfinished work or a path of one machine") {
+  // the words are split so that this file does not find itself
+  const std::regex marks(
+      "\\b(TO"
+      "DO|FIX"
+      "ME|XX"
+      "X|HA"
+      "CK)\\b");
+  const std::regex machine(
+      "[\"' =](/ho"
+      "me/|/ro"
+      "ot/|/wo"
+      "rk/|/Use"
+      "rs/)[a-z]");
+  std::vector<std::string> offenders;
+  for (const SourceFile& file :
+       test::source_files({"libngs", "tools", "tests", "pipelines"},
+                          {".h", ".cpp", ".cu", ".cuh", ".sh", ".mk", ".md", ".cmake", "CMakeLists.txt"})) {
+    std::smatch match;
+    if (std::regex_search(file.text, match, marks) || std::regex_search(file.text, match, machine))
+      offenders.push_back(file.path + ": " + match[0].str());
+  }
+  CHECK(test::listed(offenders) == "");
+}
+
+}  // namespace ngs

@@ -1,0 +1,53 @@
+#include <doctest/doctest.h>
+
+#include <map>
+#include <regex>
+#include <set>
+
+#include "support/source_tree.h"
+
+namespace ngs {
+namespace {
+
+using test::SourceFile;
+
+/// Headers that are parts of another op: its gradient test runs through them.
+const std::map<std::string, std::string> kPartOf = {
+    {"project", "splat"}, {"splat_engine", "splat"}, {"splat_tiles", "splat"}};
+
+/// "rbf" for libngs/ngs/ops/rbf_kernels.h
+std::string family(const std::string& path) {
+  const std::string stem =
+      std::regex_replace(std::filesystem::path(path).stem().string(), std::regex("_(kernels|impl)$"), "");
+  return kPartOf.count(stem) != 0 ? kPartOf.at(stem) : stem;
+}
+
+bool has_backward(const std::string& text) {
+  return std::regex_search(text, std::regex("\\b\\w*([Bb]ackward|_gradient)\\w*\\s*[({]"));
+}
+
+}  // namespace
+
+TEST_CASE("every op with a backward has a gradient test") {
+  std::set<std::string> differentiable;
+  for (const SourceFile& file : test::source_files({"libngs/ngs/ops"}, {".h"}))
+    if (has_backward(file.text)) differentiable.insert(family(file.path));
+  REQUIRE(differentiable.count("splat") == 1);
+  REQUIRE(differentiable.count("rbf") == 1);
+  for (const std::string& op : differentiable) {
+    INFO(op);
+    CHECK(std::filesystem::exists(std::string(NGS_SOURCE_DIR "/tests/grad/") + op + "_grad_test.cpp"));
+  }
+}
+
+TEST_CASE("parts of ops name headers that exist") {
+  for (const auto& [part, whole] : kPartOf) {
+    INFO(part);
+    const std::string folder = NGS_SOURCE_DIR "/libngs/ngs/ops/";
+    CHECK((std::filesystem::exists(folder + part + ".h") ||
+           std::filesystem::exists(folder + part + "_kernels.h")));
+    CHECK(std::filesystem::exists(folder + whole + ".h"));
+  }
+}
+
+}  // namespace ngs

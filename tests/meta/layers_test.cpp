@@ -1,0 +1,169 @@
+// Who may include whom, and which words may stand where. The rules are functions of one file, so that each is
+// also shown a file that breaks it.
+#include <doctest/doctest.h>
+
+#include <map>
+#include <regex>
+#include <set>
+
+#include "support/source_tree.h"
+
+namespace ngs {
+namespace {
+
+using test::SourceFile;
+using Offenders = std::vector<std::string>;
+
+const std::map<std::string, std::set<std::string>> kMayInclude = {
+    {"core", {"core"}},
+    {"math", {"core", "math"}},
+    {"scene", {"core", "math", "scene"}},
+    {"backend", {"core", "math", "scene", "backend"}},
+    {"ops", {"core", "math", "scene", "backend", "ops"}},
+    {"options", {"core", "options"}},
+    {"stages", {"core", "math", "scene", "backend", "ops", "options", "stages"}},
+    {"io", {"core", "math", "scene", "options", "io"}},
+};
+
+struct Confinement {
+  std::regex header;
+  std::regex allowed;  // paths
+  const char* rule;
+};
+const std::vector<Confinement>& confinements() {
+  static const std::vector<Confinement> rules = [] {
+    std::vector<Confinement> list;
+    const auto only = [&](const char* header, const char* allowed, const char* rule) {
+      list.push_back({std::regex(header), std::regex(allowed), rule});
+    };
+    only("opencv2?/.*", "libngs/ngs/io/image_file\\.cpp", "OpenCV belongs to io/image_file.cpp");
+    only("(Imf|Imath|OpenEXR|Iex).*", "libngs/ngs/io/exr\\.cpp", "OpenEXR belongs to io/exr.cpp");
+    only("flann/.*", "libngs/ngs/ops/knn\\.cpp", "FLANN belongs to ops/knn.cpp");
+    only("CLI/.*", "tools/shared/.*\\.cpp", "CLI11 belongs to tools/shared/*.cpp");
+    only("nlohmann/.*", "(libngs/ngs/(options|io)|tools)/.*", "nlohmann belongs to options/, io/ and tools/");
+    only("Eigen/.*", ".*\\.cpp", "Eigen belongs to .cpp files");
+    only("xxhash\\.h", "libngs/ngs/io/content_hash\\.cpp", "xxHash belongs to io/content_hash.cpp");
+    only("omp\\.h", "libngs/ngs/backend/.*", "OpenMP belongs to backend/");
+    only("immintrin\\.h", "libngs/ngs/math/.*", "vector intrinsics belong to math/");
+    only("(cuda|cub/|thrust/|cooperative_groups).*", "libngs/ngs/(backend/.*|.*\\.cuh?)",
+         "CUDA belongs to backend/ and *.cu");
+    return list;
+  }();
+  return rules;
+}
+
+std::string layer_of(const std::string& path) {
+  static const std::regex layer("libngs/ngs/([a-z]+)/.*");
+  std::smatch match;
+  return std::regex_match(path, match, layer) ? match[1].str() : "";
+}
+
+std::vector<std::string> included(const std::string& text) {
+  static const std::regex include("#\\s*include\\s*[<\"]([^>\"]+)[>\"]");
+  std::vector<std::string> headers;
+  for (std::sregex_iterator at(text.begin(), text.end(), include), end; at != end; ++at)
+    headers.push_back((*at)[1]);
+  return headers;
+}
+
+Offenders layer_offences(const SourceFile& file) {
+  Offenders offences;
+  const std::string layer = layer_of(file.path);
+  static const std::regex kernel_may("ngs/(core/hd\\.h|math/.*|scene/views\\.h|ops/.*_(kernels|layout)\\.h)");
+  for (const std::string& header : included(file.text)) {
+    if (header.rfind("ngs/", 0) != 0) continue;
+    const std::string target = header.substr(4, header.find('/', 4) - 4);
+    if (!layer.empty() && kMayInclude.at(layer).count(target) == 0)
+      offences.push_back(file.path + ": includes " + header + ", but " + layer + " may not see " + target);
+    if ((file.ends_with("_kernels.h") || file.ends_with("_layout.h")) &&
+        !std::regex_match(header, kernel_may))
+      offences.push_back(file.path + ": includes " + header +
+                         ", a kernel header sees core/hd.h, math/ and scene/views.h");
+  }
+  return offences;
+}
+
+Offenders third_party_offences(const SourceFile& file) {
+  Offenders offences;
+  for (const std::string& header : included(file.text))
+    for (const Confinement& rule : confinements())
+      if (std::regex_match(header, rule.header) && !std::regex_match(file.path, rule.allowed))
+        offences.push_back(file.path + ": includes " + header + ", but " + rule.rule);
+  return offences;
+}
+
+Offenders word_offences(const SourceFile& file) {
+  Offenders offences;
+  const auto search = [&](const char* words, bool allowed, const char* rule) {
+    std::smatch match;
+    if (!allowed && std::regex_search(file.text, match, std::regex(words)))
+      offences.push_back(file.path + ": has '" + match[0].str() + "', but " + rule);
+  };
+  const bool backend = file.in("libngs/ngs/backend"),
+             cuda = backend || file.ends_with(".cu") || file.ends_with(".cuh");
+  search("__(global|device|host|shared|constant|launch_bounds)__|\\bcuda[A-Z]\\w+|<<<",
+         cuda || file.path == "libngs/ngs/core/hd.h", "CUDA words belong to backend/ and *.cu");
+  search("#\\s*pragma\\s+omp", backend, "OpenMP pragmas belong to backend/");
+  search("\\batomic(Add|CAS|Max|Min|Exch)\\b|omp\\s+(atomic|critical)|std::atomic_ref", false,
+         "kernels gather, they do not scatter");
+  return offences;
+}
+
+Offenders flag_offences(const SourceFile& file) {
+  static const std::regex fast(
+      "-ffast-math|-Ofast|use_fast_math|-funsafe-math|-ffp-contract=(fast|on)|-fassociative-math");
+  std::smatch match;
+  if (!std::regex_search(file.text, match, fast)) return {};
+  return {file.path + ": has " + match[0].str() + ", but results may not depend on the optimiser"};
+}
+
+template <class Rule>
+std::string over(const std::vector<SourceFile>& files, const Rule& rule) {
+  Offenders all;
+  for (const SourceFile& file : files)
+    for (const std::string& offence : rule(file)) all.push_back(offence);
+  return test::listed(all);
+}
+
+}  // namespace
+
+TEST_CASE("the layers include only what lies below them") {
+  REQUIRE(test::code_files().size() > 100);
+  CHECK(over(test::code_files(), layer_offences) == "");
+  CHECK(layer_offences({"libngs/ngs/ops/x.h", "#include \"ngs/io/ply.h\"\n"}).size() == 1);
+  CHECK(layer_offences({"libngs/ngs/io/x.cpp", "#include \"ngs/ops/splat.h\"\n"}).size() == 1);
+  CHECK(layer_offences({"libngs/ngs/ops/x_kernels.h", "#include \"ngs/backend/exec.h\"\n"}).size() == 1);
+  CHECK(layer_offences({"tools/ngs-x/main.cpp", "#include \"ngs/io/ply.h\"\n"}).empty());
+}
+
+TEST_CASE("every folder of the library is a known layer") {
+  for (const SourceFile& file : test::source_files({"libngs/ngs"}, {".h", ".cpp", ".cu", ".cuh"})) {
+    INFO(file.path);
+    CHECK(kMayInclude.count(layer_of(file.path)) == 1);
+  }
+}
+
+TEST_CASE("every third-party library is confined to its file or layer") {
+  CHECK(over(test::code_files(), third_party_offences) == "");
+  CHECK(third_party_offences({"libngs/ngs/io/ply.cpp", "#include <opencv2/core.hpp>\n"}).size() == 1);
+  CHECK(third_party_offences({"libngs/ngs/io/ply.h", "# include <Eigen/Core>\n"}).size() == 1);
+  CHECK(third_party_offences({"tools/ngs-rbf/main.cpp", "#include <CLI/CLI.hpp>\n"}).size() == 1);
+  CHECK(third_party_offences({"libngs/ngs/stages/x.h", "#include <nlohmann/json.hpp>\n"}).size() == 1);
+}
+
+TEST_CASE("CUDA and OpenMP words stand in the backend only, and nothing scatters") {
+  CHECK(over(test::code_files(), word_offences) == "");
+  CHECK(word_offences({"libngs/ngs/ops/x.cpp", "#pragma omp parallel for\n"}).size() == 1);
+  CHECK(word_offences({"libngs/ngs/ops/x.h", "__device__ float f();\n"}).size() == 1);
+  CHECK(word_offences({"libngs/ngs/ops/x.cu", "__global__ void f() { atomicAdd(p, 1); }\n"}).size() == 1);
+}
+
+TEST_CASE("no build file asks for fast-math or contraction") {
+  const std::vector<SourceFile> files =
+      test::source_files({"libngs", "tools", "tests"}, {"CMakeLists.txt", ".cmake"});
+  CHECK(files.size() >= 6);
+  CHECK(over(files, flag_offences) == "");
+  CHECK(flag_offences({"x.cmake", "add_compile_options(-O3 -ffast-math)"}).size() == 1);
+}
+
+}  // namespace ngs

@@ -1,0 +1,79 @@
+#include <doctest/doctest.h>
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "support/process.h"
+#include "support/source_tree.h"
+
+namespace ngs {
+namespace {
+
+namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
+
+const fs::path kSchemas = fs::path(NGS_SOURCE_DIR) / "data-schema";
+
+Words tools() {
+  Words names;
+  for (const fs::directory_entry& entry : fs::directory_iterator(fs::path(NGS_SOURCE_DIR) / "tools"))
+    if (entry.path().filename().string().rfind("ngs-", 0) == 0)
+      names.push_back(entry.path().filename().string());
+  return names;
+}
+
+std::string said(Words argv) {
+  argv[0] = NGS_TOOL_DIR "/" + argv[0];
+  test::ProcessSpec spec;
+  spec.argv = std::move(argv);
+  const test::ProcessResult result = test::run_process(spec);
+  INFO(spec.argv[0] << ": " << result.err);
+  CHECK(result.exit_code == 0);
+  return result.out;
+}
+
+/// The name of the schema file -> the command line of the tool or sub-command.
+std::map<std::string, Words> commands() {
+  std::map<std::string, Words> all;
+  for (const std::string& tool : tools()) {
+    std::istringstream lines(said({tool, "--print-commands"}));
+    for (std::string command; std::getline(lines, command);) {
+      if (command.empty())
+        all[tool + ".schema.json"] = {tool};
+      else
+        all[tool + "-" + command + ".schema.json"] = {tool, command};
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("the committed schemas are what the tools print; otherwise run data-schema/regenerate.sh") {
+  const std::map<std::string, Words> all = commands();
+  REQUIRE(all.size() >= tools().size());
+  for (const auto& [file, command] : all)
+    for (const std::string& kind : {std::string("options"), std::string("report")}) {
+      INFO(kind << "/" << file);
+      Words argv = command;
+      argv.insert(argv.end(), {"--print-schema", kind});
+      const fs::path path = kSchemas / kind / file;
+      REQUIRE(fs::exists(path));
+      CHECK(test::read_bytes(path.string()) == said(argv));
+    }
+  for (const std::string& kind : {std::string("options"), std::string("report")})
+    for (const fs::directory_entry& entry : fs::directory_iterator(kSchemas / kind)) {
+      INFO(entry.path().string() << " belongs to no tool");
+      CHECK(all.count(entry.path().filename().string()) == 1);
+    }
+}
+
+TEST_CASE("every committed JSON file of data-schema/ is JSON") {
+  for (const test::SourceFile& file : test::source_files({"data-schema"}, {".json"})) {
+    INFO(file.path);
+    CHECK_FALSE(nlohmann::json::parse(file.text, nullptr, false).is_discarded());
+  }
+}
+
+}  // namespace ngs

@@ -1,0 +1,74 @@
+#include <doctest/doctest.h>
+
+#include "ngs/stages/method_flash.h"
+#include "ngs/stages/method_sa3d.h"
+#include "support/method_case.h"
+
+namespace ngs {
+namespace {
+
+using Run = MethodResult (*)(const Exec&, Monitor&, const MethodInput&);
+struct NamedRun {
+  const char* name;
+  Run run;
+  bool view_order_matters;
+};
+
+const NamedRun kRuns[] = {
+    {"flash", [](const Exec& e, Monitor& m, const MethodInput& in) { return run_flash(e, m, {}, in); }, false},
+    {"sa3d", [](const Exec& e, Monitor& m, const MethodInput& in) { return run_sa3d(e, m, {}, in); }, true},
+};
+
+void check_equal(const MethodResult& a, const MethodResult& b) {
+  REQUIRE(a.labels.size() == b.labels.size());
+  CHECK(a.source_row == b.source_row);
+  CHECK(a.cloud.position == b.cloud.position);
+  CHECK(a.cloud.sh_dc == b.cloud.sh_dc);
+  for (std::size_t k = 0; k < a.labels.size(); ++k) {
+    CHECK(a.labels[k].label == b.labels[k].label);
+    CHECK(a.labels[k].prob == b.labels[k].prob);
+    CHECK(a.labels[k].views == b.labels[k].views);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a method's result does not depend on the number of threads") {
+  const test::MethodCase c = test::method_case(11, 70, 4, 2);
+  for (const NamedRun& method : kRuns) {
+    CAPTURE(method.name);
+    Monitor monitor;
+    check_equal(method.run({.threads = 1}, monitor, c.input()), method.run({.threads = 3}, monitor, c.input()));
+  }
+}
+
+TEST_CASE("a method that sums over views gives the same labels for any order of them") {
+  const test::MethodCase c = test::method_case(12, 70, 4);
+  for (const NamedRun& method : kRuns) {
+    if (method.view_order_matters) continue;
+    CAPTURE(method.name);
+    Monitor monitor;
+    MethodInput shuffled = c.input();
+    shuffled.views = {2, 0, 3, 1};
+    const MethodResult a = method.run({}, monitor, c.input()), b = method.run({}, monitor, shuffled);
+    CHECK(a.labels[0].label == b.labels[0].label);
+  }
+}
+
+TEST_CASE("permuting the Gaussians permutes the labels") {
+  const test::MethodCase c = test::method_case(13, 70, 4);
+  std::vector<std::size_t> order(70);
+  for (std::size_t i = 0; i < 70; ++i) order[i] = (i * 37 + 11) % 70;
+  test::MethodCase p = c;
+  p.cloud = test::permuted(c.cloud, order);
+  for (const NamedRun& method : kRuns) {
+    CAPTURE(method.name);
+    Monitor monitor;
+    const MethodResult a = method.run({}, monitor, c.input()), b = method.run({}, monitor, p.input());
+    int same = 0;
+    for (std::size_t i = 0; i < order.size(); ++i) same += b.labels[0].label[i] == a.labels[0].label[order[i]];
+    CHECK(same == 70);
+  }
+}
+
+}  // namespace ngs

@@ -1,0 +1,63 @@
+#include "support/tool_fixture.h"
+
+#include <doctest/doctest.h>
+
+#include <fstream>
+
+#include "support/temp_dir.h"
+#include "support/tiny_scene.h"
+
+namespace ngs::test {
+namespace {
+
+using Json = nlohmann::json;
+
+std::string substituted(std::string text, const std::string& from, const std::string& to) {
+  for (std::size_t at = text.find(from); at != text.npos; at = text.find(from, at + to.size()))
+    text.replace(at, from.size(), to);
+  return text;
+}
+
+}  // namespace
+
+Json resolved(const Json& json, const std::string& tmp, const std::string& fixture) {
+  if (json.is_string())
+    return substituted(substituted(json.get<std::string>(), "{tmp}", tmp), "{fixture}", fixture);
+  if (!json.is_structured()) return json;
+  Json copy = json;
+  for (Json& item : copy) item = resolved(item, tmp, fixture);
+  return copy;
+}
+
+std::vector<std::string> words(const Json& list) {
+  std::vector<std::string> result;
+  for (const Json& word : list) result.push_back(word.get<std::string>());
+  return result;
+}
+
+ProcessSpec command(const Json& run) {
+  ProcessSpec spec;
+  spec.argv = words(run);
+  if (spec.argv[0].rfind("ngs-", 0) == 0) spec.argv[0] = std::string(NGS_TOOL_DIR "/") + spec.argv[0];
+  spec.environment = {{"NGS_THREADS", "2"}};
+  return spec;
+}
+
+const std::string& fixture_folder() {
+  static const TempDir dir;
+  static const bool made = [] {
+    const std::string folder = dir.path();
+    write_tiny_scene(folder);
+    for (const Json& step : resolved(
+             Json::parse(std::ifstream(NGS_SOURCE_DIR "/tests/contract/fixture.json")), folder, folder)) {
+      const ProcessResult result = run_process(command(step["run"]));
+      INFO(step.dump() << "\n" << result.err);
+      REQUIRE(result.exit_code == 0);
+    }
+    return true;
+  }();
+  REQUIRE(made);
+  return dir.path();
+}
+
+}  // namespace ngs::test
