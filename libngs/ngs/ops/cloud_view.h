@@ -11,10 +11,6 @@ inline CloudView<float> cloud_view(const GaussianCloud& cloud, int max_sh_degree
 }
 
 /// The camera in coordinates relative to the cloud's origin.
-inline Camera relative_camera(Camera camera, const GaussianCloud& cloud) {
-  const Vec3<double> origin{cloud.origin[0], cloud.origin[1], cloud.origin[2]};
-  camera.translation = camera.translation + camera.rotation * origin;
-  return camera;
-}
+inline Camera relative_camera(const Camera& camera, const GaussianCloud& cloud) { return relative_to(camera, cloud.origin); }
 
 }  // namespace ngs

@@ -35,11 +35,6 @@ void store(float* p, Vec3<double> v) { p[0] = float(v.x), p[1] = float(v.y), p[2
 
 }  // namespace
 
-Camera relative_to(Camera camera, const std::array<double, 3>& origin) {
-  camera.translation = camera.translation + camera.rotation * Vec3<double>{origin[0], origin[1], origin[2]};
-  return camera;
-}
-
 RayQueries ray_queries(const Exec& exec, const Camera& camera, const PixelGrid& grid, const RayOptions& options,
                        const DepthMap& map) {
   NGS_CHECK(options.samples >= 1, "a ray has at least one sample");

@@ -3,7 +3,6 @@
 //
 // Defined for every input: an empty grid has no rays; a window that would cross the camera starts kNearZ in
 // front of it. Positions are in the frame of the camera that is passed (see relative_to).
-#include <array>
 #include <vector>
 
 #include "ngs/backend/exec.h"
@@ -12,9 +11,6 @@
 #include "ngs/scene/views.h"
 
 namespace ngs {
-
-/// The camera for coordinates relative to `origin` (GaussianCloud::origin): x_world = origin + x.
-Camera relative_to(Camera camera, const std::array<double, 3>& origin);
 
 struct RayOptions {
   int samples = 8;            // per ray, >= 1

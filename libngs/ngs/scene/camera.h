@@ -1,6 +1,7 @@
 #pragma once
 // Pinhole camera. Camera axes: +x right, +y down, +z forward (COLMAP, 3DGS). Pixel (i, j) has its centre at
 // (i + 0.5, j + 0.5), the convention in which cx, cy are given.
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -24,6 +25,12 @@ inline Camera resized(Camera camera, int width_px, int height_px) {
   const double sx = double(width_px) / camera.width_px, sy = double(height_px) / camera.height_px;
   camera.fx *= sx, camera.cx *= sx, camera.fy *= sy, camera.cy *= sy;
   camera.width_px = width_px, camera.height_px = height_px;
+  return camera;
+}
+
+/// The camera for coordinates relative to `origin` (GaussianCloud::origin): x_world = origin + x.
+inline Camera relative_to(Camera camera, const std::array<double, 3>& origin) {
+  camera.translation = camera.translation + camera.rotation * Vec3<double>{origin[0], origin[1], origin[2]};
   return camera;
 }
 
