@@ -15,15 +15,15 @@ namespace ngs {
 ///   f_x, f_y, c_x, c_y        px, pixel centres at +0.5
 ///   x_lo, x_hi, y_lo, y_hi    limits of x/z and y/z inside the Jacobian: 0.15 image sizes beyond the border
 ///   near_z       Gaussians with z <= near_z are culled            world
+///   blur         variance of the low-pass filter added to the projected covariance        px^2
 template <class T>
 struct ProjectionCamera {
   Mat3<T> rotation;
   T f_x, f_y, c_x, c_y;
   T x_lo, x_hi, y_lo, y_hi;
-  T near_z;
+  T near_z, blur;
 };
 
-inline constexpr double kBlurPx2 = 0.3;               // low-pass added to the projected covariance
 inline constexpr double kCompensationFloor2 = 2.5e-5;  // of (det / blurred det): opacity factor >= 0.005
 
 /// A projected Gaussian.
@@ -86,7 +86,7 @@ NGS_HD ProjectedGaussian<T> project_gaussian(const ProjectionCamera<T>& camera, 
   const T a = dot(ctx.v0, ctx.v0), b = dot(ctx.v0, ctx.v1), c = dot(ctx.v1, ctx.v1);
   ctx.v_cross = cross(ctx.v0, ctx.v1);
   ctx.det_raw = dot(ctx.v_cross, ctx.v_cross);
-  const T blur = T(kBlurPx2);
+  const T blur = camera.blur;
   ProjectedGaussian<T> p;
   p.cov_xx = a + blur, p.cov_yy = c + blur;
   p.det = ctx.det_raw + blur * (a + c) + blur * blur;
@@ -140,7 +140,7 @@ NGS_HD GaussianGradient<T> project_gaussian_backward(const ProjectionCamera<T>& 
     const T grad_ratio = g.opacity * ctx.sigmoid_opacity / (T(2) * ctx.compensation);
     const T grad_det = -grad_ratio * (ctx.det_raw / p.det) / p.det;
     grad_det_raw = grad_ratio / p.det + grad_det;
-    grad_a += T(kBlurPx2) * grad_det, grad_c += T(kBlurPx2) * grad_det;
+    grad_a += camera.blur * grad_det, grad_c += camera.blur * grad_det;
   }
   const T two(2);
   const Vec3<T> grad_v0 = (two * grad_a) * ctx.v0 + grad_b * ctx.v1 + (two * grad_det_raw) * cross(ctx.v1, ctx.v_cross);

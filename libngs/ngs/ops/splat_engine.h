@@ -167,7 +167,7 @@ class SplatEngine {
       for (int c = 0; c < pairs.c; ++c) sum[std::size_t(c)] += Wide(pairs.row(slot)[c]);
 
     const Vec3<double> centre = camera_.centre();
-    const ProjectionCamera<S> pc = projection_camera<S>(camera_, options_.compat);
+    const ProjectionCamera<S> pc = projection_camera<S>(camera_, options_);
     const Vec3<Wide> wide_offset = offset_from(centre, cloud_.position + i * 3);
     const Vec3<S> offset = narrowed<S>(wide_offset), t = narrowed<S>(mat3_cast<Wide>(camera_.rotation) * wide_offset);
     ProjectionContext<S> ctx;

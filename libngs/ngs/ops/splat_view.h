@@ -68,12 +68,12 @@ struct TileLists {
 /// The camera in coordinates relative to `origin` (GaussianCloud::origin), with the Jacobian limits of gsplat,
 /// which for a centred principal point are the 1.3 tan(fov/2) of 3DGS.
 template <class S>
-ProjectionCamera<S> projection_camera(const Camera& camera, Compat compat) {
+ProjectionCamera<S> projection_camera(const Camera& camera, const SplatOptions& options) {
   const double margin_x = 0.15 * camera.width_px / camera.fx, margin_y = 0.15 * camera.height_px / camera.fy;
   return {mat3_cast<S>(camera.rotation), S(camera.fx), S(camera.fy), S(camera.cx), S(camera.cy),
           S(-camera.cx / camera.fx - margin_x), S((camera.width_px - camera.cx) / camera.fx + margin_x),
           S(-camera.cy / camera.fy - margin_y), S((camera.height_px - camera.cy) / camera.fy + margin_y),
-          S(compat == Compat::kInria ? 0.2 : 0.01)};
+          S(options.compat == Compat::kInria ? 0.2 : 0.01), S(options.blur_px2)};
 }
 
 /// p - centre in the wide scalar: both may be far from the origin and close to each other.
@@ -119,8 +119,8 @@ template <class S>
 ProjectedView<S> project_view(const Exec& exec, const CloudView<S>& cloud, const Camera& camera,
                               const SplatOptions& options) {
   constexpr std::int64_t kChunk = 1 << 14;
-  const ProjectionCamera<S> pc = projection_camera<S>(camera, options.compat);
-  const ProjectionCamera<WideOf<S>> wide = projection_camera<WideOf<S>>(camera, options.compat);
+  const ProjectionCamera<S> pc = projection_camera<S>(camera, options);
+  const ProjectionCamera<WideOf<S>> wide = projection_camera<WideOf<S>>(camera, options);
   const Vec3<double> centre = camera.centre();
   const int tiles_x = (camera.width_px + kTilePx - 1) / kTilePx, tiles_y = (camera.height_px + kTilePx - 1) / kTilePx;
   const std::int64_t chunks = (cloud.size + kChunk - 1) / kChunk;
