@@ -33,6 +33,7 @@ int main(int argc, char** argv) {
     const picture::Objects objects = picture::objects_of(ply);
     const std::set<std::string> layers = picture::parse_layers(options.layers, objects);
     const Vec3<float> background = parse_background(options.background);
+    const SplatOptions splat = filter_at_scale(splat_options(raster, ply.cloud), options.native_filter ? 1.0 : options.scale);
     const std::vector<std::size_t> views = select_views(scene, options.views);
     run.result()["views"] = views.size();
     if (run.dry_run()) {
@@ -44,7 +45,7 @@ int main(int argc, char** argv) {
       const Camera camera = resized(full, scaled_size_px(full.width_px, options.scale), scaled_size_px(full.height_px, options.scale));
       const RenderedView view = [&] {
         const auto timed = run.monitor().scope("render");
-        return render_labelled(run.exec(), ply.cloud, objects.columns, camera, splat_options(raster, ply.cloud), background, options.amodal);
+        return render_labelled(run.exec(), ply.cloud, objects.columns, camera, splat, background, options.amodal);
       }();
       const auto timed = run.monitor().scope("write");
       picture::write_view({out.path, std::filesystem::path(camera.name).stem().string()}, view, objects, layers, options, format);

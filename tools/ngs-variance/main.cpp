@@ -1,56 +1,94 @@
 // ngs-variance: scene.json -> labelled PLY with evidence, variance and the boundary set. Algorithm 1, step 1.
-#include "ngs/io/gaussian_ply.h"
+// Sharded: `--views i/N --partial part.evidence` for each i, then `ngs-variance merge *.evidence -o boundary.ply`.
+#include "ngs/io/content_hash.h"
 #include "ngs/io/masks.h"
 #include "ngs/io/scene_json.h"
 #include "ngs/stages/render_options.h"
-#include "ngs/stages/variance_stage.h"
-#include "shared/tool.h"
+#include "variance_output.h"
 
 namespace {
 
 using namespace ngs;
 
-/// Counts for the report; refuses an empty boundary set unless the user allows it.
-void report_labels(cli::Run& run, const Scene& scene, const VarianceOptions& options, const std::vector<LabelColumns>& labels) {
-  std::int64_t boundary_total = 0;
-  const auto count = [](const std::vector<float>& column) { return std::count(column.begin(), column.end(), 1.f); };
-  for (std::size_t k = 0; k < labels.size(); ++k) {
-    const std::int64_t boundary = count(labels[k].boundary);
-    boundary_total += boundary;
-    run.result()["objects"].push_back({{"name", scene.objects[k].name}, {"boundary", boundary}, {"object", count(labels[k].label)}});
+struct ShardOptions {
+  std::string views = "0/1";
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.views, Text{"views", "i/N", "only shard i of N (from 0) of the training views; for --partial"});
   }
-  run.result()["never_seen"] = std::count(labels[0].views.begin(), labels[0].views.end(), 0.f);
-  run.result()["boundary"] = boundary_total;
-  if (boundary_total == 0)
-    run.nothing_found("no Gaussian has a normalised mask variance above tau = " + std::to_string(options.tau),
-                      "lower --tau, or check the masks: ngs-scene check scene.json");
+};
+
+int label_scene(int argc, char** argv) {
+  cli::Tool tool("ngs-variance", "Find the boundary Gaussians: evidence of all masks, normalised variance (Eq. 3).",
+                 {"ngs-variance scene.json -o boundary.ply",
+                  "ngs-variance scene.json --views 0/8 --partial part0.evidence"});
+  VarianceOptions options;
+  RasterOptions raster;
+  ShardOptions shard;
+  tool.options(options);
+  tool.options(raster);
+  tool.options(shard);
+  const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene");
+  const cli::Output& out = tool.optional_output("-o,--output", "labelled PLY");
+  const cli::Output& partial = tool.optional_output("--partial", "the evidence itself, for `ngs-variance merge`");
+  const cli::Output& layers = tool.optional_output_dir("--layers", "folder for one EXR per view: mask, prob, variance, boundary");
+
+  return tool.run(argc, argv, [&](cli::Run& run) {
+    check_tau(options);
+    const Scene scene = io::read_scene_json(scene_json.path);
+    run.add_input("model", scene.model_path);
+    if (!out && !partial) throw Error(ErrorCode::kUsage, "no output is asked for", "give -o boundary.ply or --partial part.evidence");
+    const std::vector<std::size_t> views = variance::shard_of(training_views(scene), shard.views);
+    if (out && views.size() != training_views(scene).size())
+      throw Error(ErrorCode::kUsage, "-o needs the evidence of all views, --views " + shard.views + " is a part of them",
+                  "write it with --partial and merge the parts");
+    const io::GaussianPly ply = io::read_gaussian_ply(scene.model_path);
+    if (run.dry_run()) {
+      run.plan(variance::memory_plan(ply.cloud, scene, views.size()));
+      return 0;
+    }
+    io::EvidencePart part;
+    part.evidence = accumulate_evidence(run.exec(), run.monitor(), ply.cloud, scene, views, splat_options(raster, ply.cloud),
+                                        [&](std::size_t view) { return io::load_masks(scene, view); });
+    if (partial) {
+      part.model_hash = io::content_hash(scene.model_path).xxh3;
+      part.scene_path = scene_json.path;
+      for (const SceneObject& object : scene.objects) part.objects.push_back(object.name);
+      for (const std::size_t view : views) part.views.push_back(scene.views[view].camera.name);
+      io::write_evidence(partial.path, part);
+    }
+    run.result()["views"] = views.size();
+    if (!out) return 0;
+    const std::vector<LabelColumns> labels = label_gaussians(options, part.evidence);
+    variance::write_labels(run, scene, ply, options, labels, out.path);
+    if (layers) variance::write_layers(run, scene, ply.cloud, labels, splat_options(raster, ply.cloud), layers.path);
+    return 0;
+  });
+}
+
+int merge_parts(int argc, char** argv) {
+  cli::Tool tool("ngs-variance merge", "Add up the evidence of parts; the same bytes as one run over all views.",
+                 {"ngs-variance merge part0.evidence part1.evidence -o boundary.ply"});
+  VarianceOptions options;
+  tool.options(options);
+  const cli::Input& scene_json = tool.optional_input("--scene", "scene.json; default: the one the parts name");
+  const cli::Inputs& parts = tool.inputs("parts", "files written with --partial");
+  const cli::Output& out = tool.output("-o,--output", "labelled PLY");
+
+  return tool.run(argc, argv, [&](cli::Run& run) {
+    check_tau(options);
+    const io::EvidencePart sum = io::merge_evidence(parts.paths);
+    const Scene scene = io::read_scene_json(scene_json ? scene_json.path : sum.scene_path);
+    variance::check_complete(sum, scene);
+    const io::GaussianPly ply = io::read_gaussian_ply(scene.model_path);
+    if (run.dry_run()) return 0;
+    variance::write_labels(run, scene, ply, options, label_gaussians(options, sum.evidence), out.path);
+    return 0;
+  });
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  cli::Tool tool("ngs-variance", "Find the boundary Gaussians: evidence of all masks, normalised variance (Eq. 3).",
-                 {"ngs-variance scene.json -o boundary.ply", "ngs-variance scene.json -o boundary.ply --tau 0.5 --criterion between-views"});
-  VarianceOptions options;
-  RasterOptions raster;
-  tool.options(options);
-  tool.options(raster);
-  const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene");
-  const cli::Output& out = tool.output("-o,--output", "labelled PLY");
-
-  return tool.run(argc, argv, [&](cli::Run& run) {
-    const Scene scene = io::read_scene_json(scene_json.path);
-    run.add_input("model", scene.model_path);
-    io::GaussianPly ply = io::read_gaussian_ply(scene.model_path);
-    const std::vector<std::size_t> views = training_views(scene);
-    const Evidence evidence = accumulate_evidence(run.exec(), run.monitor(), ply.cloud, scene, views, splat_options(raster, ply.cloud),
-                                                  [&](std::size_t view) { return io::load_masks(scene, view); });
-    const std::vector<LabelColumns> labels = label_gaussians(options, evidence);
-    report_labels(run, scene, options, labels);
-    std::vector<io::NamedLabels> named;
-    for (std::size_t k = 0; k < labels.size(); ++k) named.push_back({scene.objects[k].name, labels[k]});
-    const auto timed = run.monitor().scope("write");
-    io::write_labelled_ply(out.path, ply, named);
-    return 0;
-  });
+  return ngs::cli::dispatch(argc, argv, {{"", label_scene, "label the Gaussians of a scene"}, {"merge", merge_parts, "add up partial evidence"}});
 }

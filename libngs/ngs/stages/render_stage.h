@@ -14,6 +14,7 @@ struct RenderOptions {
   std::string views = "all";
   std::vector<std::string> layers;
   double scale = 1.0;
+  bool native_filter = false;
   bool amodal = false;
   double threshold = 0.5;
   std::string background = "0,0,0";
@@ -23,6 +24,7 @@ struct RenderOptions {
     visit(self.views, Text{"views", "train|held-out|all|NAME,...", "which cameras"});
     visit(self.layers, Text{"layers", "color,mask,alpha,depth,labels,overlay", "what to render; default mask"});
     visit(self.scale, Field<double>{"scale", "", "image size relative to the scene's working size", 1e-3, 64.0});
+    visit(self.native_filter, Flag{"native_filter", "0.3 px² low-pass at the rendered size, not that of the working size scaled"});
     visit(self.amodal, Flag{"amodal", "mask of the object alone, as if nothing stood before it"});
     visit(self.threshold, Field<double>{"threshold", "", "PNG masks: 255 where the rendered mask exceeds this", 0.0, 1.0});
     visit(self.background, Text{"background", "R,G,B", "colour behind the model, each in [0, 1]"});

@@ -58,12 +58,15 @@ Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const GaussianC
   return evidence;
 }
 
+void check_tau(const VarianceOptions& options) {
+  if (options.tau >= 0 && options.tau < 1) return;
+  std::ostringstream found;
+  found << "tau = " << options.tau << ", expected a value in [0, 1): the normalised variance 4 Var never exceeds 1";
+  throw Error(ErrorCode::kUsage, found.str(), "a raw variance threshold v (at most 0.25) is --tau 4v; the default is 0.6");
+}
+
 std::vector<LabelColumns> label_gaussians(const VarianceOptions& options, const Evidence& e) {
-  if (!(options.tau >= 0 && options.tau < 1)) {
-    std::ostringstream found;
-    found << "tau = " << options.tau << ", expected a value in [0, 1): the normalised variance 4 Var never exceeds 1";
-    throw Error(ErrorCode::kUsage, found.str(), "a raw variance threshold v (at most 0.25) is --tau 4v; the default is 0.6");
-  }
+  check_tau(options);
   const auto n = std::size_t(e.gaussians);
   std::vector<LabelColumns> columns(std::size_t(e.objects));
   for (LabelColumns& c : columns)

@@ -41,9 +41,12 @@ Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const GaussianC
 /// Indices of the scene's views that may supervise.
 std::vector<std::size_t> training_views(const Scene& scene);
 
+/// kUsage unless tau lies in the attainable range [0, 1) of the normalised variance.
+void check_tau(const VarianceOptions& options);
+
 /// Labels, probabilities, variances and boundary membership, one LabelColumns per object. Gaussians without
 /// evidence have views = 0, prob = 0, label = 0: the third state that ngs-extract resolves by its rule.
-/// Throws kUsage when tau lies outside the attainable range [0, 1) of the normalised variance.
+/// Calls check_tau.
 std::vector<LabelColumns> label_gaussians(const VarianceOptions& options, const Evidence& evidence);
 
 }  // namespace ngs

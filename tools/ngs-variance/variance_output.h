@@ -1,0 +1,30 @@
+#pragma once
+// What ngs-variance and ngs-variance merge share: shards, checks and the artifacts.
+#include <string>
+#include <vector>
+
+#include "ngs/io/evidence_file.h"
+#include "ngs/io/gaussian_ply.h"
+#include "ngs/stages/variance_stage.h"
+#include "shared/tool.h"
+
+namespace ngs::variance {
+
+/// Shard "i/N" of the views: contiguous, sizes differing by at most one. kUsage for anything else.
+std::vector<std::size_t> shard_of(const std::vector<std::size_t>& views, const std::string& shard);
+
+/// Estimated peak memory for --dry-run.
+Json memory_plan(const GaussianCloud& cloud, const Scene& scene, std::size_t views);
+
+/// kInconsistent unless the merged parts are of this scene's model and of exactly its training views.
+void check_complete(const io::EvidencePart& sum, const Scene& scene);
+
+/// Writes the labelled PLY and the counts; an empty boundary set is kNothingFound unless allowed.
+void write_labels(cli::Run& run, const Scene& scene, const io::GaussianPly& ply, const VarianceOptions& options,
+                  const std::vector<LabelColumns>& labels, const std::string& path);
+
+/// One EXR per training view: the first object's ngs.mask, ngs.prob, ngs.variance and ngs.boundary, composited.
+void write_layers(cli::Run& run, const Scene& scene, const GaussianCloud& cloud, const std::vector<LabelColumns>& labels,
+                  const SplatOptions& splat, const std::string& folder);
+
+}  // namespace ngs::variance
