@@ -16,8 +16,11 @@ namespace fs = std::filesystem;
 
 void run_tool(const std::string& folder, std::vector<std::string> argv) {
   argv[0] = std::string(NGS_TOOL_DIR "/") + argv[0];
-  const test::ProcessResult result = test::run_process({.argv = argv, .environment = {{"NGS_THREADS", "2"}}, .folder = folder,
-                                                        .input = {}, .signal_after = {}});
+  const test::ProcessResult result = test::run_process({.argv = argv,
+                                                        .environment = {{"NGS_THREADS", "2"}},
+                                                        .folder = folder,
+                                                        .input = {},
+                                                        .signal_after = {}});
   INFO(argv[0] << ": " << result.err);
   REQUIRE(result.exit_code == 0);
 }
@@ -30,19 +33,23 @@ std::string made_run(const test::TempDir& dir) {
   fs::create_directories(out + "/reports");
   fs::create_directories(out + "/masks");
   fs::copy_file(scene + "/masks/v5.png", out + "/masks/v5.png");
-  dir.write("scene/scene.json", std::regex_replace(test::read_bytes(scene + "/scene.json"), std::regex("\"(model.ply|images/|masks/)"),
-                                                   "\"../scene/$1"));
+  dir.write("scene/scene.json",
+            std::regex_replace(test::read_bytes(scene + "/scene.json"),
+                               std::regex("\"(model.ply|images/|masks/)"), "\"../scene/$1"));
   fs::copy_file(scene + "/scene.json", out + "/scene.json");
-  run_tool(out, {"ngs-eval", scene + "/masks", scene + "/masks", "--views", "every:6:4", "-q", "-o", "metrics_input.json", "--report",
-                 "reports/ngs-eval-input.json"});
-  run_tool(out, {"ngs-eval", "masks", scene + "/masks", "-q", "-o", "metrics.json", "--report", "reports/ngs-eval.json"});
-  dir.write("a <run> & more/reports/ngs-joint.json",
-            R"({"tool":"ngs-joint","version":"0.1.0","options":{"method":"bce","steps":5},"inputs":[],"device":{"name":"cpu","reason":"r"},
+  run_tool(out, {"ngs-eval", scene + "/masks", scene + "/masks", "--views", "every:6:4", "-q", "-o",
+                 "metrics_input.json", "--report", "reports/ngs-eval-input.json"});
+  run_tool(out, {"ngs-eval", "masks", scene + "/masks", "-q", "-o", "metrics.json", "--report",
+                 "reports/ngs-eval.json"});
+  dir.write(
+      "a <run> & more/reports/ngs-joint.json",
+      R"({"tool":"ngs-joint","version":"0.1.0","options":{"method":"bce","steps":5},"inputs":[],"device":{"name":"cpu","reason":"r"},
                 "threads":2,"seed":0,"exit_code":7,"stages":{"name":"ngs-joint","wall_s":2.5,"cpu_s":5,"items":0,"items_per_s":0,
                 "max_rss_mib":99,"children":[{"name":"label solve","wall_s":2,"items":40,"items_per_s":20,"max_rss_mib":99}]},
                 "result":{"effects":[{"effect":"continuity","state":"off","reason":"no gain <measured>"}]},
                 "warnings":["a \"strange\" <mask>"]})");
-  dir.write("a <run> & more/trace.jsonl", "{\"step\":1,\"wall_s\":0.1,\"loss\":0.5}\n{\"step\":2,\"wall_s\":0.2,\"loss\":0.25}\n");
+  dir.write("a <run> & more/trace.jsonl",
+            "{\"step\":1,\"wall_s\":0.1,\"loss\":0.5}\n{\"step\":2,\"wall_s\":0.2,\"loss\":0.25}\n");
   return out;
 }
 
@@ -58,7 +65,8 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
   run_tool(out, {"ngs-report", ".", "-o", "report.html"});
   const std::string page = test::read_bytes(out + "/report.html");
 
-  for (const char* id : {"oddities", "accuracy", "views", "objects", "decisions", "times", "trace", "inputs", "tools"}) {
+  for (const char* id :
+       {"oddities", "accuracy", "views", "objects", "decisions", "times", "trace", "inputs", "tools"}) {
     CAPTURE(id);
     CHECK(page.find("<section id=\"" + std::string(id) + "\">") != page.npos);
   }
@@ -80,10 +88,12 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
   }
   SUBCASE("each picture has a text and the outlines of prediction, truth and input") {
     CHECK(occurrences(page, "<img ") >= 2);  // the sheet and a crop
-    CHECK(occurrences(page, "<img ") == occurrences(page, "<img alt=\"View") + occurrences(page, "<img alt=\"Crop"));
+    CHECK(occurrences(page, "<img ") ==
+          occurrences(page, "<img alt=\"View") + occurrences(page, "<img alt=\"Crop"));
     for (const char* kind : {"predicted", "truth", "input"}) {
       CAPTURE(kind);
-      CHECK(occurrences(page, std::string("<g class=") + kind + "><path class=casing d=\"M") >= 3);  // and the legend
+      CHECK(occurrences(page, std::string("<g class=") + kind + "><path class=casing d=\"M") >=
+            3);  // and the legend
     }
   }
   SUBCASE("the page is small and the same for the same run") {

@@ -48,8 +48,10 @@ io::RawMask read_exr_mask(const std::string& path) {
   const io::ExrImage exr = io::read_exr(path);
   const auto mask = exr.channels.find("ngs.mask");
   if (mask == exr.channels.end())
-    throw Error(ErrorCode::kBadInput, path + ": no channel 'ngs.mask', expected the EXR of ngs-render --layers mask");
-  io::RawMask raw{.width_px = exr.width_px, .height_px = exr.height_px, .channels = 1, .bits = 16, .data = {}};
+    throw Error(ErrorCode::kBadInput,
+                path + ": no channel 'ngs.mask', expected the EXR of ngs-render --layers mask");
+  io::RawMask raw{
+      .width_px = exr.width_px, .height_px = exr.height_px, .channels = 1, .bits = 16, .data = {}};
   raw.data.reserve(mask->second.size());
   for (float value : mask->second)
     raw.data.push_back(std::uint16_t(std::lround(65535.0 * std::clamp(double(value), 0.0, 1.0))));
@@ -107,8 +109,9 @@ Pairing pair_files(const ImageList& predicted, const ImageList& truth, const Eva
   pairing.matched_by.assign(rules.begin(), rules.end());
   if (pairing.pairs.empty())
     throw Error(ErrorCode::kInconsistent,
-                predicted.folder + " and " + truth.folder + ": no file matches, found '" + predicted.names.front() +
-                    "' and '" + truth.names.front() + "', expected the same stems or numbers",
+                predicted.folder + " and " + truth.folder + ": no file matches, found '" +
+                    predicted.names.front() + "' and '" + truth.names.front() +
+                    "', expected the same stems or numbers",
                 "name the predictions like the true masks, or check --views " + options.views);
   return pairing;
 }
@@ -124,7 +127,8 @@ std::vector<PairScore> score_masks(Run& run, const EvalOptions& options, const s
     found[i] = evaluate_pair(Exec{}, options, ids, pair);
   });
   std::vector<PairScore> scores;
-  for (std::vector<PairScore>& of_pair : found) std::move(of_pair.begin(), of_pair.end(), std::back_inserter(scores));
+  for (std::vector<PairScore>& of_pair : found)
+    std::move(of_pair.begin(), of_pair.end(), std::back_inserter(scores));
   return scores;
 }
 
@@ -133,12 +137,13 @@ std::vector<PhotoScore> score_photos(Run& run, const std::vector<FilePair>& pair
   scope.items(std::int64_t(pairs.size()));
   std::vector<PhotoScore> scores(pairs.size());
   for_each_pair(run, pairs.size(), [&](std::size_t i) {
-    const ImageF predicted = io::read_image_rgb(pairs[i].predicted), truth = io::read_image_rgb(pairs[i].truth);
+    const ImageF predicted = io::read_image_rgb(pairs[i].predicted),
+                 truth = io::read_image_rgb(pairs[i].truth);
     if (predicted.width_px != truth.width_px || predicted.height_px != truth.height_px)
       throw Error(ErrorCode::kInconsistent,
                   pairs[i].predicted + ": " + std::to_string(predicted.width_px) + "x" +
-                      std::to_string(predicted.height_px) + ", expected the size of " + pairs[i].truth + ", " +
-                      std::to_string(truth.width_px) + "x" + std::to_string(truth.height_px),
+                      std::to_string(predicted.height_px) + ", expected the size of " + pairs[i].truth +
+                      ", " + std::to_string(truth.width_px) + "x" + std::to_string(truth.height_px),
                   "render at the photo's size: ngs-render --scale S");
     scores[i] = {pairs[i].view, std::min(psnr_db(Exec{}, predicted, truth), kEqualPsnrDb),
                  ssim_index(Exec{}, predicted, truth)};

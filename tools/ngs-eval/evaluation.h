@@ -22,10 +22,12 @@ struct EvalFileOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.views, Text{"views", "all|every:N:K|FILE", "which views to score: all, index % N == K of the truth's "
-                                                          "sorted names, or a file of names"});
+    visit(self.views, Text{"views", "all|every:N:K|FILE",
+                           "which views to score: all, index % N == K of the truth's "
+                           "sorted names, or a file of names"});
     visit(self.layout, Choice<Layout>{"layout", "what the sub-folders of a nested folder are", kLayouts});
-    visit(self.image_metrics, Flag{"image_metrics", "the files are photos: PSNR and SSIM instead of mask scores"});
+    visit(self.image_metrics,
+          Flag{"image_metrics", "the files are photos: PSNR and SSIM instead of mask scores"});
   }
 };
 
@@ -35,9 +37,9 @@ struct FilePair {
 
 struct Pairing {
   std::vector<FilePair> pairs;
-  std::vector<std::pair<std::string, int>> matched_by;      // rule, how many
-  std::vector<std::string> predicted_only, truth_only;      // of the selected views
-  std::vector<std::string> listed_only;                     // names of a --views file that the truth lacks
+  std::vector<std::pair<std::string, int>> matched_by;  // rule, how many
+  std::vector<std::string> predicted_only, truth_only;  // of the selected views
+  std::vector<std::string> listed_only;                 // names of a --views file that the truth lacks
 };
 
 /// Throws kInconsistent where nothing matches.

@@ -11,8 +11,8 @@ struct ImageList {
   std::string path(std::size_t i) const { return folder + "/" + names[i]; }
 };
 
-/// Images directly in the folder, or, if there are none, those of its sub-folders. Hidden entries are skipped.
-/// Throws kBadInput where there is no image.
+/// Images directly in the folder, or, if there are none, those of its sub-folders. Hidden entries are
+/// skipped. Throws kBadInput where there is no image.
 ImageList list_images(const std::string& path);
 
 /// Lines of a text file; blank ones and those that begin with '#' are skipped. Throws kBadInput.

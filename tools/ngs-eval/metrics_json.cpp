@@ -13,7 +13,8 @@ Json values_json(const ScoreValues& values) {
 }
 
 Json counts_json(const Confusion& counts, std::uint64_t far_fp, std::uint64_t far_fn) {
-  return {{"tp", counts.tp}, {"fp", counts.fp}, {"fn", counts.fn}, {"tn", counts.tn}, {"far_fp", far_fp}, {"far_fn", far_fn}};
+  return {{"tp", counts.tp}, {"fp", counts.fp},  {"fn", counts.fn},
+          {"tn", counts.tn}, {"far_fp", far_fp}, {"far_fn", far_fn}};
 }
 
 Json view_json(const PairScore& pair) {
@@ -58,23 +59,23 @@ std::string table_head(const std::string& name) {
   std::snprintf(cell, sizeof cell, "%-20.20s", name.c_str());
   std::string row = cell;
   for (std::string_view score : kScoreNames) {
-    std::snprintf(cell, sizeof cell, "  %9.9s", score == "class_accuracy" ? "class_acc" : std::string(score).c_str());
+    std::snprintf(cell, sizeof cell, "  %9.9s",
+                  score == "class_accuracy" ? "class_acc" : std::string(score).c_str());
     row += cell;
   }
   return row + "\n";
 }
 
-std::string label_of(const PairScore& pair) { return pair.object.empty() ? pair.view : pair.view + " " + pair.object; }
+std::string label_of(const PairScore& pair) {
+  return pair.object.empty() ? pair.view : pair.view + " " + pair.object;
+}
 
 }  // namespace
 
 Json metrics_json(const std::vector<PairScore>& scores, const EvalSummary& summary) {
-  Json json = {{"ngs_metrics", kMetricsVersion},
-               {"kind", "masks"},
-               {"mean", values_json(summary.mean)},
-               {"mean_over_pairs", values_json(summary.mean_over_pairs)},
-               {"objects", Json::array()},
-               {"views", Json::array()}};
+  Json json = {{"ngs_metrics", kMetricsVersion},    {"kind", "masks"},
+               {"mean", values_json(summary.mean)}, {"mean_over_pairs", values_json(summary.mean_over_pairs)},
+               {"objects", Json::array()},          {"views", Json::array()}};
   for (const ObjectMean& object : summary.objects) json["objects"].push_back(object_json(object));
   for (const PairScore& pair : scores) json["views"].push_back(view_json(pair));
   return json;
@@ -103,8 +104,10 @@ Json pairing_json(const Pairing& pairing) {
 Json checks_json(const std::vector<ScoreCheck>& checks) {
   Json json = Json::array();
   for (const ScoreCheck& check : checks)
-    json.push_back(
-        {{"score", check.score}, {"at_least", check.at_least}, {"found", check.found}, {"passed", check.passed()}});
+    json.push_back({{"score", check.score},
+                    {"at_least", check.at_least},
+                    {"found", check.found},
+                    {"passed", check.passed()}});
   return json;
 }
 
@@ -139,7 +142,8 @@ std::string score_table(const std::vector<PairScore>& scores, const EvalSummary&
 std::string photo_table(const std::vector<PhotoScore>& scores) {
   const std::map<std::string, double> mean = mean_scores(scores);
   char line[128];
-  std::snprintf(line, sizeof line, "%zu photos: PSNR %.2f dB, SSIM %.4f\n", scores.size(), mean.at("psnr_db"), mean.at("ssim"));
+  std::snprintf(line, sizeof line, "%zu photos: PSNR %.2f dB, SSIM %.4f\n", scores.size(), mean.at("psnr_db"),
+                mean.at("ssim"));
   return line;
 }
 

@@ -29,7 +29,8 @@ struct Axis {
 };
 
 std::string text_svg(double x, double y, const char* anchor, const std::string& text) {
-  return "<text x=" + decimal(x, 1) + " y=" + decimal(y, 1) + " text-anchor=" + anchor + ">" + escaped(text) + "</text>";
+  return "<text x=" + decimal(x, 1) + " y=" + decimal(y, 1) + " text-anchor=" + anchor + ">" + escaped(text) +
+         "</text>";
 }
 
 struct Frame {
@@ -46,12 +47,13 @@ std::string axes_svg(const Plot& plot, const Frame& frame) {
   }
   for (int i = 0; frame.y.low + i * frame.y.step <= frame.y.high + frame.y.step / 2; ++i) {
     const double value = frame.y.low + i * frame.y.step, y = frame.py(value);
-    svg += "<line class=grid x1=" + decimal(kLeft, 0) + " x2=" + decimal(kWidth - kRight, 0) + " y1=" + decimal(y, 1) +
-           " y2=" + decimal(y, 1) + " />" + text_svg(kLeft - 8, y + 4, "end", decimal(value, frame.y.decimals()));
+    svg += "<line class=grid x1=" + decimal(kLeft, 0) + " x2=" + decimal(kWidth - kRight, 0) +
+           " y1=" + decimal(y, 1) + " y2=" + decimal(y, 1) + " />" +
+           text_svg(kLeft - 8, y + 4, "end", decimal(value, frame.y.decimals()));
   }
   svg += text_svg((kLeft + kWidth - kRight) / 2, kHeight - 8, "middle", plot.x_label);
-  svg += "<text transform=\"translate(14 " + decimal((kTop + kHeight - kBottom) / 2, 0) + ") rotate(-90)\" text-anchor=middle>" +
-         escaped(plot.y_label) + "</text>";
+  svg += "<text transform=\"translate(14 " + decimal((kTop + kHeight - kBottom) / 2, 0) +
+         ") rotate(-90)\" text-anchor=middle>" + escaped(plot.y_label) + "</text>";
   return svg;
 }
 
@@ -86,15 +88,17 @@ std::string plot_svg(const Plot& plot) {
   Frame frame;
   std::vector<PlotSeries> shown;
   for (PlotSeries series : plot.series) {
-    std::erase_if(series.points, [](const PlotPoint& p) { return !std::isfinite(p.x) || !std::isfinite(p.y); });
+    std::erase_if(series.points,
+                  [](const PlotPoint& p) { return !std::isfinite(p.x) || !std::isfinite(p.y); });
     for (const PlotPoint& p : series.points) frame.x.include(p.x), frame.y.include(p.y);
     if (!series.points.empty()) shown.push_back(std::move(series));
   }
   if (shown.empty()) return {};
   frame.x.settle();
   frame.y.settle();
-  std::string svg = "<svg class=plot role=img aria-label=\"" + escaped(plot.title) + "\" viewBox=\"0 0 " + decimal(kWidth, 0) + " " +
-                    decimal(kHeight, 0) + "\"><title>" + escaped(plot.title) + "</title>" + axes_svg(plot, frame);
+  std::string svg = "<svg class=plot role=img aria-label=\"" + escaped(plot.title) + "\" viewBox=\"0 0 " +
+                    decimal(kWidth, 0) + " " + decimal(kHeight, 0) + "\"><title>" + escaped(plot.title) +
+                    "</title>" + axes_svg(plot, frame);
   for (std::size_t i = 0; i < shown.size(); ++i) svg += series_svg(shown[i], frame, i);
   return "<figure class=chart>" + svg + "</svg><figcaption>" + escaped(plot.title) + "</figcaption></figure>";
 }

@@ -35,7 +35,8 @@ std::string list_table(const Json& list) {
   }
   std::string html = table.html();
   if (list.size() > kLongestList)
-    html += "<p class=note>" + whole(std::int64_t(list.size() - kLongestList)) + " more rows are not shown.</p>";
+    html +=
+        "<p class=note>" + whole(std::int64_t(list.size() - kLongestList)) + " more rows are not shown.</p>";
   return html;
 }
 
@@ -45,12 +46,23 @@ std::string escaped(std::string_view text) {
   std::string out;
   out.reserve(text.size());
   for (char c : text) switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      case '\'': out += "&#39;"; break;
-      default: out += c;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\'':
+        out += "&#39;";
+        break;
+      default:
+        out += c;
     }
   return out;
 }
@@ -91,7 +103,8 @@ std::string duration(double seconds) {
   if (seconds < 100) return decimal(seconds, 1) + " s";
   const auto total = std::int64_t(std::llround(seconds));
   char text[64];
-  std::snprintf(text, sizeof text, "%lld min %02lld s", static_cast<long long>(total / 60), static_cast<long long>(total % 60));
+  std::snprintf(text, sizeof text, "%lld min %02lld s", static_cast<long long>(total / 60),
+                static_cast<long long>(total % 60));
   return text;
 }
 
@@ -106,7 +119,8 @@ std::string Table::html() const {
   out += "<tbody>";
   for (const auto& row : rows) {
     out += "<tr>";
-    for (std::size_t i = 0; i < row.size(); ++i) out += (i == 0 ? "<th scope=row>" : "<td>") + row[i] + (i == 0 ? "</th>" : "</td>");
+    for (std::size_t i = 0; i < row.size(); ++i)
+      out += (i == 0 ? "<th scope=row>" : "<td>") + row[i] + (i == 0 ? "</th>" : "</td>");
     out += "</tr>";
   }
   return out + "</tbody></table></div>";
@@ -134,7 +148,8 @@ std::string json_html(const Json& json) {
   if (json.is_array() && all_objects(json)) return list_table(json);
   if (json.is_array()) {
     std::string text;
-    for (std::size_t i = 0; i < std::min(json.size(), kLongestList); ++i) text += (i ? ", " : "") + json_text(json[i]);
+    for (std::size_t i = 0; i < std::min(json.size(), kLongestList); ++i)
+      text += (i ? ", " : "") + json_text(json[i]);
     return escaped(text) + (json.size() > kLongestList ? ", …" : "");
   }
   return escaped(json_text(json));

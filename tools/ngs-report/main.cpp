@@ -1,6 +1,6 @@
 // ngs-report: the folders of runs -> one self-contained HTML page.
-#include "ngs/io/atomic_file.h"
 #include "html.h"
+#include "ngs/io/atomic_file.h"
 #include "page.h"
 #include "shared/tool.h"
 
@@ -10,10 +10,14 @@ struct ReportOptions : ngs::cli::PictureOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     using ngs::Field;
-    visit(self.sheet_width_px, Field<int>{"sheet_width", "px", "width of the pictures of the contact sheet", 64, 2048});
-    visit(self.crop_side_px, Field<int>{"crop_side", "px", "side of the zoomed crops, in pixels of the truth", 16, 512});
-    visit(self.zoomed_views, Field<int>{"zoomed_views", "", "how many of the worst views are shown zoomed", 0, 100});
-    visit(self.budget_mib, Field<double>{"picture_budget", "MiB", "all pictures of the page together", 0, 1000});
+    visit(self.sheet_width_px,
+          Field<int>{"sheet_width", "px", "width of the pictures of the contact sheet", 64, 2048});
+    visit(self.crop_side_px,
+          Field<int>{"crop_side", "px", "side of the zoomed crops, in pixels of the truth", 16, 512});
+    visit(self.zoomed_views,
+          Field<int>{"zoomed_views", "", "how many of the worst views are shown zoomed", 0, 100});
+    visit(self.budget_mib,
+          Field<double>{"picture_budget", "MiB", "all pictures of the page together", 0, 1000});
   }
 };
 
@@ -21,7 +25,8 @@ struct ReportOptions : ngs::cli::PictureOptions {
 
 int main(int argc, char** argv) {
   using namespace ngs;
-  cli::Tool tool("ngs-report", "Show runs on one self-contained page: scores, contours, decisions, times, inputs.",
+  cli::Tool tool("ngs-report",
+                 "Show runs on one self-contained page: scores, contours, decisions, times, inputs.",
                  {"ngs-report out -o report.html", "ngs-report out/fern out/flower -o report.html"});
   ReportOptions options;
   tool.options(options);

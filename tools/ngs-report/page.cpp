@@ -23,22 +23,26 @@ std::string comparison(const std::vector<RunFolder>& runs) {
   PlotSeries dots{.name = {}, .points = {}, .line = false};
   for (const RunFolder& run : runs) {
     std::vector<std::string> row{escaped(run.title), escaped(method_of(run)), duration(run_seconds(run))};
-    for (std::string_view name : kScoreNames) row.push_back(decimal(number_at(run.metrics, {"mean", name}), 4));
+    for (std::string_view name : kScoreNames)
+      row.push_back(decimal(number_at(run.metrics, {"mean", name}), 4));
     table.rows.push_back(std::move(row));
     dots.points.push_back({run_seconds(run), number_at(run.metrics, {"mean", "biou"}), run.title});
   }
   std::vector<std::string> mean{"mean over runs", "", ""};
   for (std::string_view name : kScoreNames) mean.push_back(decimal(mean_over_runs(runs, name), 4));
   table.rows.push_back(std::move(mean));
-  const std::string plot = plot_svg({.title = "Boundary IoU against time", .x_label = "time of the whole chain, s",
-                                     .y_label = "boundary IoU", .series = {dots}});
+  const std::string plot = plot_svg({.title = "Boundary IoU against time",
+                                     .x_label = "time of the whole chain, s",
+                                     .y_label = "boundary IoU",
+                                     .series = {dots}});
   return section("comparison", "Comparison", table.html() + plot);
 }
 
 std::string run_html(RunFolder& run, Pictures& pictures) {
   const std::string views = views_section(run, pictures);  // first: it may find problems
-  return tiles(run) + oddities_section(run) + accuracy_section(run) + views + objects_section(run) + decisions_section(run) +
-         times_section(run) + trace_section(run) + inputs_section(run) + tools_section(run);
+  return tiles(run) + oddities_section(run) + accuracy_section(run) + views + objects_section(run) +
+         decisions_section(run) + times_section(run) + trace_section(run) + inputs_section(run) +
+         tools_section(run);
 }
 
 }  // namespace
@@ -63,12 +67,14 @@ std::string report_page(std::vector<RunFolder>& runs, const PictureOptions& opti
   if (runs.size() > 1) body += comparison(runs);
   for (RunFolder& run : runs)
     body += runs.size() == 1 ? run_html(run, pictures)
-                             : "<details class=run><summary><b>" + escaped(run.title) + "</b></summary>" + run_html(run, pictures) +
-                                   "</details>\n";
+                             : "<details class=run><summary><b>" + escaped(run.title) + "</b></summary>" +
+                                   run_html(run, pictures) + "</details>\n";
   return "<!doctype html>\n<html lang=en><head><meta charset=utf-8><meta name=viewport "
          "content=\"width=device-width,initial-scale=1\"><title>" +
-         escaped(title) + " – ngs report</title><style>" + kStyle + "</style></head>\n<body><header><h1>" + escaped(title) +
-         "</h1><p class=note>Object cut out of a 3D Gaussian splat. This page needs neither network nor scripts.</p></header>\n<main>" +
+         escaped(title) + " – ngs report</title><style>" + kStyle + "</style></head>\n<body><header><h1>" +
+         escaped(title) +
+         "</h1><p class=note>Object cut out of a 3D Gaussian splat. This page needs neither network nor "
+         "scripts.</p></header>\n<main>" +
          body + "</main>\n<footer>ngs " + kVersion + "</footer></body></html>\n";
 }
 

@@ -49,7 +49,8 @@ Plane read_plane(const std::string& path, const std::string& object, const Json&
 
 Plane fitted(const Plane& plane, int width_px, int height_px) {
   if (plane.empty() || (plane.width_px == width_px && plane.height_px == height_px)) return plane;
-  return {width_px, height_px, resized_nearest(plane.data.data(), plane.width_px, plane.height_px, width_px, height_px)};
+  return {width_px, height_px,
+          resized_nearest(plane.data.data(), plane.width_px, plane.height_px, width_px, height_px)};
 }
 
 Plane cropped(const Plane& plane, Window w) {
@@ -58,7 +59,8 @@ Plane cropped(const Plane& plane, Window w) {
   for (int y = w.y; y < w.y + w.height_px; ++y)
     for (int x = w.x; x < w.x + w.width_px; ++x) {
       const bool inside = x >= 0 && y >= 0 && x < plane.width_px && y < plane.height_px;
-      out.data.push_back(inside ? plane.data[std::size_t(y) * std::size_t(plane.width_px) + std::size_t(x)] : 0);
+      out.data.push_back(inside ? plane.data[std::size_t(y) * std::size_t(plane.width_px) + std::size_t(x)]
+                                : 0);
     }
   return out;
 }
@@ -89,12 +91,15 @@ struct Layers {
 };
 
 /// A picture with outlines; the outlines' unit is the pixel of `view_box`.
-std::string stack_html(const ImageU8& picture, const Layers& layers, Window view_box, const std::string& alt) {
+std::string stack_html(const ImageU8& picture, const Layers& layers, Window view_box,
+                       const std::string& alt) {
   const std::vector<std::uint8_t> jpeg = io::encode_jpeg(picture, picture.width_px < 200 ? 92 : 82);
-  std::string html = "<div class=stack><img alt=\"" + escaped(alt) + "\" width=" + std::to_string(picture.width_px) +
-                     " height=" + std::to_string(picture.height_px) + " src=\"data:image/jpeg;base64," + base64(jpeg) + "\">";
-  html += "<svg aria-hidden=true viewBox=\"" + std::to_string(view_box.x) + " " + std::to_string(view_box.y) + " " +
-          std::to_string(view_box.width_px) + " " + std::to_string(view_box.height_px) + "\">";
+  std::string html = "<div class=stack><img alt=\"" + escaped(alt) +
+                     "\" width=" + std::to_string(picture.width_px) +
+                     " height=" + std::to_string(picture.height_px) + " src=\"data:image/jpeg;base64," +
+                     base64(jpeg) + "\">";
+  html += "<svg aria-hidden=true viewBox=\"" + std::to_string(view_box.x) + " " + std::to_string(view_box.y) +
+          " " + std::to_string(view_box.width_px) + " " + std::to_string(view_box.height_px) + "\">";
   html += outline_html("input", layers.input) + outline_html("truth", layers.truth) +
           outline_html("predicted", layers.predicted);
   return html + "</svg></div>";
@@ -118,12 +123,15 @@ ImageF resized(const ImageF& image, int width_px, int height_px) {
                                     : io::resize_nearest(image, width_px, height_px);
 }
 
-std::string name_of(const ShownView& view) { return view.object.empty() ? view.view : view.view + ", " + view.object; }
+std::string name_of(const ShownView& view) {
+  return view.object.empty() ? view.view : view.view + ", " + view.object;
+}
 
 std::string caption_of(const ShownView& view) {
   std::string text = "<b>" + escaped(name_of(view)) + "</b>";
   if (view.scores.is_null()) return text;
-  text += " IoU " + decimal(number_at(view.scores, {"iou"}), 3) + ", boundary IoU " + decimal(number_at(view.scores, {"biou"}), 3);
+  text += " IoU " + decimal(number_at(view.scores, {"iou"}), 3) + ", boundary IoU " +
+          decimal(number_at(view.scores, {"biou"}), 3);
   for (const char* flag : {"both_empty", "one_empty"})
     if (value_at(view.scores, {flag}) == Json(true))
       text += flag[0] == 'b' ? " <em>both masks are empty</em>" : " <em>one mask is empty</em>";
@@ -150,17 +158,21 @@ Window worst_window(const Plane& predicted, const Plane& truth, int side_px) {
   const int w = truth.width_px, h = truth.height_px;
   const int side_x = std::min(side_px, w), side_y = std::min(side_px, h);
   std::vector<std::int64_t> sum(std::size_t(w + 1) * std::size_t(h + 1), 0);  // wrong pixels above and left
-  const auto at = [&](int x, int y) -> std::int64_t& { return sum[std::size_t(y) * std::size_t(w + 1) + std::size_t(x)]; };
+  const auto at = [&](int x, int y) -> std::int64_t& {
+    return sum[std::size_t(y) * std::size_t(w + 1) + std::size_t(x)];
+  };
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x) {
       const std::size_t i = std::size_t(y) * std::size_t(w) + std::size_t(x);
-      at(x + 1, y + 1) = at(x, y + 1) + at(x + 1, y) - at(x, y) + ((predicted.data[i] != 0) != (truth.data[i] != 0));
+      at(x + 1, y + 1) =
+          at(x, y + 1) + at(x + 1, y) - at(x, y) + ((predicted.data[i] != 0) != (truth.data[i] != 0));
     }
   Window best{0, 0, side_x, side_y};
   std::int64_t most = -1;
   for (int y = 0; y + side_y <= h; ++y)
     for (int x = 0; x + side_x <= w; ++x) {
-      const std::int64_t wrong = at(x + side_x, y + side_y) - at(x, y + side_y) - at(x + side_x, y) + at(x, y);
+      const std::int64_t wrong =
+          at(x + side_x, y + side_y) - at(x, y + side_y) - at(x + side_x, y) + at(x, y);
       if (wrong > most) most = wrong, best.x = x, best.y = y;
     }
   return best;
@@ -181,9 +193,10 @@ std::string sheet_figure(const RunFolder& run, const ShownView& view, int width_
   const int w = std::min(width_px, photo.width_px);
   const int h = std::max(1, int(std::lround(double(photo.height_px) * w / photo.width_px)));
   const std::string alt = "View " + name_of(view) + " with the outline of the predicted mask" +
-                          (view.truth.empty() ? "" : ", of the true mask") + (view.input.empty() ? "" : ", of the input mask");
-  return "<figure>" + stack_html(to_bytes(resized(photo, w, h)), fitted(layers, w, h), {0, 0, w, h}, alt) + "<figcaption>" +
-         caption_of(view) + "</figcaption></figure>\n";
+                          (view.truth.empty() ? "" : ", of the true mask") +
+                          (view.input.empty() ? "" : ", of the input mask");
+  return "<figure>" + stack_html(to_bytes(resized(photo, w, h)), fitted(layers, w, h), {0, 0, w, h}, alt) +
+         "<figcaption>" + caption_of(view) + "</figcaption></figure>\n";
 }
 
 std::string crop_figure(const RunFolder& run, const ShownView& view, int side_px) {
@@ -194,14 +207,16 @@ std::string crop_figure(const RunFolder& run, const ShownView& view, int side_px
   const Window window = worst_window(layers.predicted, layers.truth, side_px);
   // One pixel more on each side, so that no outline runs along the border of the crop.
   const Window wider{window.x - 1, window.y - 1, window.width_px + 2, window.height_px + 2};
-  const Layers parts{cropped(layers.input, wider), cropped(layers.truth, wider), cropped(layers.predicted, wider)};
+  const Layers parts{cropped(layers.input, wider), cropped(layers.truth, wider),
+                     cropped(layers.predicted, wider)};
   const ImageF photo = resized(photo_of(view, layers.truth), w, h);
   const std::string place = std::to_string(window.x) + ", " + std::to_string(window.y);
-  const std::string alt = "Crop of view " + name_of(view) + " at pixel " + place + " where prediction and truth differ most";
+  const std::string alt =
+      "Crop of view " + name_of(view) + " at pixel " + place + " where prediction and truth differ most";
   return "<figure class=crop>" +
-         stack_html(to_bytes(crop_of(photo, window)), parts, {1, 1, window.width_px, window.height_px}, alt) + "<figcaption><b>" +
-         escaped(name_of(view)) + "</b> " + std::to_string(window.width_px) + "×" + std::to_string(window.height_px) +
-         " px at (" + place + ")</figcaption></figure>\n";
+         stack_html(to_bytes(crop_of(photo, window)), parts, {1, 1, window.width_px, window.height_px}, alt) +
+         "<figcaption><b>" + escaped(name_of(view)) + "</b> " + std::to_string(window.width_px) + "×" +
+         std::to_string(window.height_px) + " px at (" + place + ")</figcaption></figure>\n";
 }
 
 }  // namespace

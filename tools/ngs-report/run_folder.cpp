@@ -42,8 +42,9 @@ void if_present(RunFolder& run, const fs::path& path, const Read& read) {
 }
 
 int chain_position(std::string_view name) {
-  constexpr std::array kChain = {"ngs-synth",  "ngs-fit",     "ngs-scene",  "ngs-variance",   "ngs-sample", "ngs-rbf",
-                                 "ngs-joint", "ngs-extract", "ngs-render", "ngs-eval-input", "ngs-eval"};
+  constexpr std::array kChain = {"ngs-synth",  "ngs-fit",        "ngs-scene", "ngs-variance",
+                                 "ngs-sample", "ngs-rbf",        "ngs-joint", "ngs-extract",
+                                 "ngs-render", "ngs-eval-input", "ngs-eval"};
   return int(std::find(kChain.begin(), kChain.end(), name) - kChain.begin());
 }
 
@@ -55,7 +56,8 @@ void read_reports(RunFolder& run) {
     if (entry.path().extension() != ".json" || name == "ngs-report") continue;
     if_present(run, entry.path(), [&] {
       Json report = parse_json(read_text(entry.path()), entry.path().string());
-      if (!report.is_object()) throw Error(ErrorCode::kBadInput, entry.path().string() + ": expected a JSON object");
+      if (!report.is_object())
+        throw Error(ErrorCode::kBadInput, entry.path().string() + ": expected a JSON object");
       run.reports.push_back({name, std::move(report)});
     });
   }
@@ -90,8 +92,13 @@ void add_scored_views(RunFolder& run) {
   for (const Json& file : value_at(run.report("ngs-eval"), {"result", "files"}))
     files[{text_at(file, "view"), text_at(file, "object")}] = &file;
   for (const Json& scores : value_at(run.metrics, {"views"})) {
-    ShownView view{.view = text_at(scores, "view"), .object = text_at(scores, "object"),
-                   .photo = {}, .predicted = {}, .truth = {}, .input = {}, .scores = scores};
+    ShownView view{.view = text_at(scores, "view"),
+                   .object = text_at(scores, "object"),
+                   .photo = {},
+                   .predicted = {},
+                   .truth = {},
+                   .input = {},
+                   .scores = scores};
     auto file = files.find({view.view, view.object});
     if (file == files.end()) file = files.find({view.view, ""});
     if (file != files.end()) {
@@ -101,7 +108,9 @@ void add_scored_views(RunFolder& run) {
     run.views.push_back(std::move(view));
   }
   std::stable_sort(run.views.begin(), run.views.end(), [](const ShownView& a, const ShownView& b) {
-    const auto key = [](const ShownView& v) { return value_at(v.scores, {"biou"}).is_number() ? number_at(v.scores, {"biou"}) : -1; };
+    const auto key = [](const ShownView& v) {
+      return value_at(v.scores, {"biou"}).is_number() ? number_at(v.scores, {"biou"}) : -1;
+    };
     return key(a) < key(b);
   });
 }
@@ -112,9 +121,15 @@ void add_rendered_views(RunFolder& run) {
   if (!run.views.empty() || !fs::is_directory(folder)) return;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder))
     if (entry.path().extension() == ".png")
-      run.views.push_back({.view = entry.path().stem().string(), .object = {}, .photo = {},
-                           .predicted = entry.path().string(), .truth = {}, .input = {}, .scores = {}});
-  std::sort(run.views.begin(), run.views.end(), [](const ShownView& a, const ShownView& b) { return a.view < b.view; });
+      run.views.push_back({.view = entry.path().stem().string(),
+                           .object = {},
+                           .photo = {},
+                           .predicted = entry.path().string(),
+                           .truth = {},
+                           .input = {},
+                           .scores = {}});
+  std::sort(run.views.begin(), run.views.end(),
+            [](const ShownView& a, const ShownView& b) { return a.view < b.view; });
 }
 
 void add_scene_files(RunFolder& run) {
@@ -136,7 +151,8 @@ void add_scene_files(RunFolder& run) {
     if (fs::is_regular_file(camera.image_path, ignored)) view.photo = camera.image_path;
     const std::vector<std::string> masks = io::mask_files(*run.scene, found->second);
     for (std::size_t k = 0; k < masks.size(); ++k)
-      if ((masks.size() == 1 || run.scene->objects[k].name == view.object) && fs::is_regular_file(masks[k], ignored))
+      if ((masks.size() == 1 || run.scene->objects[k].name == view.object) &&
+          fs::is_regular_file(masks[k], ignored))
         view.input = masks[k];
   }
 }
@@ -158,15 +174,18 @@ RunFolder read_run_folder(const std::string& path) {
   run.title = fs::weakly_canonical(path).filename().string();
   const fs::path folder(path);
   read_reports(run);
-  if_present(run, folder / "scene.json", [&] { run.scene = io::read_scene_json((folder / "scene.json").string()); });
+  if_present(run, folder / "scene.json",
+             [&] { run.scene = io::read_scene_json((folder / "scene.json").string()); });
   const auto metrics = [&](const char* name, Json& json) {
-    if_present(run, folder / name, [&] { json = parse_json(read_text(folder / name), (folder / name).string()); });
+    if_present(run, folder / name,
+               [&] { json = parse_json(read_text(folder / name), (folder / name).string()); });
   };
   metrics("metrics.json", run.metrics);
   metrics("metrics_input.json", run.metrics_input);
   if_present(run, folder / "trace.jsonl", [&] { read_trace(run, folder / "trace.jsonl"); });
   if (run.reports.empty() && !run.scene && run.metrics.is_null())
-    throw Error(ErrorCode::kBadInput, path + ": no reports/*.json, scene.json or metrics.json, expected the output of a run",
+    throw Error(ErrorCode::kBadInput,
+                path + ": no reports/*.json, scene.json or metrics.json, expected the output of a run",
                 "make one with pipelines/ngs-gs.sh SCENE_DIR " + path);
   add_scored_views(run);
   add_rendered_views(run);

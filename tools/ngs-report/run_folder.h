@@ -1,6 +1,6 @@
 #pragma once
-// What a run left behind: OUT_DIR of pipelines/ngs-gs.sh, or any folder with some of the same files. Every file is
-// optional and may be broken; what could not be read is said in `problems`.
+// What a run left behind: OUT_DIR of pipelines/ngs-gs.sh, or any folder with some of the same files. Every
+// file is optional and may be broken; what could not be read is said in `problems`.
 #include <optional>
 #include <string>
 #include <vector>

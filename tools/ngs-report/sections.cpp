@@ -13,8 +13,10 @@
 namespace ngs::cli {
 namespace {
 
-void add_tile(std::string& html, const std::string& name, const std::string& value, const std::string& note = {}) {
-  html += "<div><dt>" + name + "</dt><dd>" + value + (note.empty() ? "" : "<small>" + note + "</small>") + "</dd></div>";
+void add_tile(std::string& html, const std::string& name, const std::string& value,
+              const std::string& note = {}) {
+  html += "<div><dt>" + name + "</dt><dd>" + value + (note.empty() ? "" : "<small>" + note + "</small>") +
+          "</dd></div>";
 }
 
 std::string beside_input(const RunFolder& run, std::string_view score) {
@@ -36,8 +38,9 @@ std::vector<std::string> score_head(const std::string& first) {
 
 std::string legend(bool truth, bool input) {
   const auto entry = [](const char* kind, const char* name) {
-    return std::string("<label><input type=checkbox checked class=t-") + kind + "><svg aria-hidden=true viewBox=\"0 0 38 16\"><g class=" +
-           kind + "><path class=casing d=\"M3 8h32\"/><path d=\"M3 8h32\"/></g></svg>" + name + "</label>";
+    return std::string("<label><input type=checkbox checked class=t-") + kind +
+           "><svg aria-hidden=true viewBox=\"0 0 38 16\"><g class=" + kind +
+           "><path class=casing d=\"M3 8h32\"/><path d=\"M3 8h32\"/></g></svg>" + name + "</label>";
   };
   return "<div class=legend>" + entry("predicted", "prediction") + (truth ? entry("truth", "truth") : "") +
          (input ? entry("input", "input mask") : "") + "</div>";
@@ -48,9 +51,11 @@ double seconds_of(const Json& stage) { return number_at(stage, {"wall_s"}); }
 std::string bar_row(const char* row_class, const std::string& name, const Json& stage, double largest) {
   const Json& items = value_at(stage, {"items"});
   std::string row = std::string("<tr class=") + row_class + "><th scope=row>" + escaped(name) + "</th><td>" +
-                    bar_svg(seconds_of(stage), largest) + "</td><td>" + duration(seconds_of(stage)) + "</td><td>";
+                    bar_svg(seconds_of(stage), largest) + "</td><td>" + duration(seconds_of(stage)) +
+                    "</td><td>";
   if (items.is_number_integer() && items.get<std::int64_t>() > 0)
-    row += whole(items.get<std::int64_t>()) + " items, " + decimal(number_at(stage, {"items_per_s"}), 1) + "/s";
+    row +=
+        whole(items.get<std::int64_t>()) + " items, " + decimal(number_at(stage, {"items_per_s"}), 1) + "/s";
   return row + "</td><td>" + decimal(number_at(stage, {"max_rss_mib"}), 0) + " MiB</td></tr>";
 }
 
@@ -63,15 +68,16 @@ const Json& list_at(const Json& json, std::initializer_list<std::string_view> ke
 }  // namespace
 
 std::string score_title(std::string_view name) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kTitles = {{{"iou", "IoU"},
-                                                                                    {"accuracy", "accuracy"},
-                                                                                    {"class_accuracy", "class accuracy"},
-                                                                                    {"biou", "B-IoU 2&nbsp;%"},
-                                                                                    {"biou_005", "B-IoU 0.5&nbsp;%"},
-                                                                                    {"biou_1px", "B-IoU 1&nbsp;px"},
-                                                                                    {"biou_3px", "B-IoU 3&nbsp;px"},
-                                                                                    {"biou_5px", "B-IoU 5&nbsp;px"},
-                                                                                    {"contour_f", "contour F"}}};
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kTitles = {
+      {{"iou", "IoU"},
+       {"accuracy", "accuracy"},
+       {"class_accuracy", "class accuracy"},
+       {"biou", "B-IoU 2&nbsp;%"},
+       {"biou_005", "B-IoU 0.5&nbsp;%"},
+       {"biou_1px", "B-IoU 1&nbsp;px"},
+       {"biou_3px", "B-IoU 3&nbsp;px"},
+       {"biou_5px", "B-IoU 5&nbsp;px"},
+       {"contour_f", "contour F"}}};
   for (const auto& [key, title] : kTitles)
     if (key == name) return std::string(title);
   return escaped(name);
@@ -89,11 +95,13 @@ double mean_over_runs(const std::vector<RunFolder>& runs, std::string_view score
 
 std::string tiles(const RunFolder& run) {
   std::string html = "<dl class=tiles>";
-  for (const auto& [score, name] : {std::pair{"iou", "IoU"}, {"biou", "boundary IoU"}, {"accuracy", "accuracy"}})
+  for (const auto& [score, name] :
+       {std::pair{"iou", "IoU"}, {"biou", "boundary IoU"}, {"accuracy", "accuracy"}})
     if (std::isfinite(number_at(run.metrics, {"mean", score})))
       add_tile(html, name, decimal(number_at(run.metrics, {"mean", score}), 3), beside_input(run, score));
   if (const double psnr = number_at(run.metrics, {"mean", "psnr_db"}); std::isfinite(psnr))
-    add_tile(html, "PSNR", decimal(psnr, 2) + " dB", "SSIM " + decimal(number_at(run.metrics, {"mean", "ssim"}), 3));
+    add_tile(html, "PSNR", decimal(psnr, 2) + " dB",
+             "SSIM " + decimal(number_at(run.metrics, {"mean", "ssim"}), 3));
   if (!run.report("ngs-joint").is_null()) add_tile(html, "method", escaped(method_of(run)));
   if (run_seconds(run) > 0) add_tile(html, "time", duration(run_seconds(run)), "whole chain without scoring");
   if (run.scene) {
@@ -112,23 +120,32 @@ std::string oddities_section(const RunFolder& run) {
       list += "<li><b>" + escaped(tool.name) + "</b> " + escaped(json_text(warning)) + "</li>";
     const double code = number_at(tool.report, {"exit_code"});
     if (code == 1) list += "<li><b>" + escaped(tool.name) + "</b> a requested check failed</li>";
-    if (code == 7) list += "<li><b>" + escaped(tool.name) + "</b> stopped at its budget with a partial result</li>";
+    if (code == 7)
+      list += "<li><b>" + escaped(tool.name) + "</b> stopped at its budget with a partial result</li>";
   }
-  return section("oddities", "Oddities", list.empty() ? "<p>No tool had anything to remark.</p>" : "<ul class=odd>" + list + "</ul>");
+  return section("oddities", "Oddities",
+                 list.empty() ? "<p>No tool had anything to remark.</p>" : "<ul class=odd>" + list + "</ul>");
 }
 
 std::string accuracy_section(const RunFolder& run) {
-  if (value_at(run.metrics, {"mean"}).is_null() || value_at(run.metrics, {"kind"}) == Json("photos")) return {};
-  Table table{.caption = "Mean over the scored views; boundary IoU by band width (share of the diagonal, or px)",
-              .head = score_head("masks"), .rows = {}};
+  if (value_at(run.metrics, {"mean"}).is_null() || value_at(run.metrics, {"kind"}) == Json("photos"))
+    return {};
+  Table table{
+      .caption = "Mean over the scored views; boundary IoU by band width (share of the diagonal, or px)",
+      .head = score_head("masks"),
+      .rows = {}};
   if (!run.metrics_input.is_null())
     table.rows.push_back(score_row("input masks, same views", value_at(run.metrics_input, {"mean"})));
-  table.rows.push_back(score_row(run.report("ngs-joint").is_null() ? "predicted masks" : escaped(method_of(run)) + ", rendered", value_at(run.metrics, {"mean"})));
+  table.rows.push_back(score_row(
+      run.report("ngs-joint").is_null() ? "predicted masks" : escaped(method_of(run)) + ", rendered",
+      value_at(run.metrics, {"mean"})));
   std::string html = table.html();
   Table checks{.caption = "Requested checks", .head = {"score", "at least", "found", "result"}, .rows = {}};
   for (const Json& check : list_at(run.metrics, {"checks"}))
-    checks.rows.push_back({score_title(json_text(value_at(check, {"score"}))), decimal(number_at(check, {"at_least"}), 4),
-                           decimal(number_at(check, {"found"}), 4), value_at(check, {"passed"}) == Json(true) ? "passed" : "<b>failed</b>"});
+    checks.rows.push_back({score_title(json_text(value_at(check, {"score"}))),
+                           decimal(number_at(check, {"at_least"}), 4),
+                           decimal(number_at(check, {"found"}), 4),
+                           value_at(check, {"passed"}) == Json(true) ? "passed" : "<b>failed</b>"});
   if (!checks.rows.empty()) html += checks.html();
   return section("accuracy", "Accuracy", html);
 }
@@ -136,17 +153,21 @@ std::string accuracy_section(const RunFolder& run) {
 std::string views_section(RunFolder& run, Pictures& pictures) {
   if (run.views.empty()) return {};
   const auto any = [&](std::string ShownView::*path) {
-    return std::any_of(run.views.begin(), run.views.end(), [&](const ShownView& view) { return !(view.*path).empty(); });
+    return std::any_of(run.views.begin(), run.views.end(),
+                       [&](const ShownView& view) { return !(view.*path).empty(); });
   };
   const bool scored = !run.views.front().scores.is_null();
   const std::string crops = pictures.crops(run), sheet = pictures.sheet(run);
   std::string html = legend(any(&ShownView::truth), any(&ShownView::input));
-  if (!crops.empty()) html += "<h3>Where the worst views go wrong</h3><div class=\"sheet crops\">" + crops + "</div>";
-  html += std::string("<h3>") + (scored ? "All views, worst boundary IoU first" : "All views") + "</h3><div class=sheet>" + sheet + "</div>";
+  if (!crops.empty())
+    html += "<h3>Where the worst views go wrong</h3><div class=\"sheet crops\">" + crops + "</div>";
+  html += std::string("<h3>") + (scored ? "All views, worst boundary IoU first" : "All views") +
+          "</h3><div class=sheet>" + sheet + "</div>";
   Table table{.caption = {}, .head = score_head("view"), .rows = {}};
   for (const ShownView& view : run.views)
     if (!view.scores.is_null())
-      table.rows.push_back(score_row(escaped(view.view + (view.object.empty() ? "" : " " + view.object)), view.scores));
+      table.rows.push_back(
+          score_row(escaped(view.view + (view.object.empty() ? "" : " " + view.object)), view.scores));
   if (!table.rows.empty()) html += details("Scores of every view", table.html());
   return "<div class=views>" + section("views", "Views", html) + "</div>";
 }
@@ -155,12 +176,16 @@ std::string objects_section(const RunFolder& run) {
   const Json& objects = list_at(run.metrics, {"objects"});
   if (objects.empty()) return {};
   Table scores{.caption = "Mean over the views of each object", .head = score_head("object"), .rows = {}};
-  Table errors{.caption = "Wrong pixels, summed over the views. Far: beyond the 2 % band of the true contour.",
-               .head = {"object", "pairs", "too much", "of these far (leaks)", "missing", "of these far (holes)", "right"}, .rows = {}};
+  Table errors{
+      .caption = "Wrong pixels, summed over the views. Far: beyond the 2 % band of the true contour.",
+      .head = {"object", "pairs", "too much", "of these far (leaks)", "missing", "of these far (holes)",
+               "right"},
+      .rows = {}};
   for (const Json& object : objects) {
     const std::string name = json_text(value_at(object, {"object"}));
     scores.rows.push_back(score_row(name.empty() ? "object" : escaped(name), object));
-    std::vector<std::string> row{name.empty() ? "object" : escaped(name), decimal(number_at(object, {"pairs"}), 0)};
+    std::vector<std::string> row{name.empty() ? "object" : escaped(name),
+                                 decimal(number_at(object, {"pairs"}), 0)};
     for (const char* key : {"fp", "far_fp", "fn", "far_fn", "tp"}) {
       const Json& count = value_at(object, {"counts", key});
       row.push_back(count.is_number_integer() ? whole(count.get<std::int64_t>()) : "–");
@@ -174,13 +199,15 @@ std::string decisions_section(const RunFolder& run) {
   const Json& result = value_at(run.report("ngs-joint"), {"result"});
   for (const char* key : {"effects", "decisions"})
     if (const Json& decisions = value_at(result, {key}); decisions.is_structured() && !decisions.empty())
-      return section("decisions", "Decisions", "<p>What the optimisation switched on and off, and why.</p>" + json_html(decisions));
+      return section("decisions", "Decisions",
+                     "<p>What the optimisation switched on and off, and why.</p>" + json_html(decisions));
   return {};
 }
 
 std::string times_section(const RunFolder& run) {
   double largest = 0;
-  for (const ToolReport& tool : run.reports) largest = std::max(largest, seconds_of(value_at(tool.report, {"stages"})));
+  for (const ToolReport& tool : run.reports)
+    largest = std::max(largest, seconds_of(value_at(tool.report, {"stages"})));
   if (!(largest > 0)) return {};
   std::string rows;
   for (const ToolReport& tool : run.reports) {
@@ -188,11 +215,14 @@ std::string times_section(const RunFolder& run) {
     if (stages.is_null()) continue;
     rows += bar_row("tool", tool.name, stages, largest);
     for (const Json& child : list_at(stages, {"children"}))
-      if (seconds_of(child) >= 0.02 * largest) rows += bar_row("child", json_text(value_at(child, {"name"})), child, largest);
+      if (seconds_of(child) >= 0.02 * largest)
+        rows += bar_row("child", json_text(value_at(child, {"name"})), child, largest);
   }
   return section("times", "Stage times",
-                 "<p class=note>Wall time of each tool and of its longer steps</p><div class=\"scroll bars\"><table><thead><tr><th "
-                 "scope=col>stage</th><th scope=col></th><th scope=col>time</th><th scope=col>work</th><th scope=col>peak memory</th></tr></thead><tbody>" +
+                 "<p class=note>Wall time of each tool and of its longer steps</p><div class=\"scroll "
+                 "bars\"><table><thead><tr><th "
+                 "scope=col>stage</th><th scope=col></th><th scope=col>time</th><th scope=col>work</th><th "
+                 "scope=col>peak memory</th></tr></thead><tbody>" +
                      rows + "</tbody></table></div>");
 }
 
@@ -202,10 +232,13 @@ std::string trace_section(const RunFolder& run) {
     PlotSeries series{.name = {}, .points = {}, .line = true};
     for (const Json& step : run.trace) {
       const double seconds = number_at(step, {"wall_s"});
-      series.points.push_back({std::isfinite(seconds) ? seconds : number_at(step, {"step"}), number_at(step, {key}), {}});
+      series.points.push_back(
+          {std::isfinite(seconds) ? seconds : number_at(step, {"step"}), number_at(step, {key}), {}});
     }
     const bool timed = !run.trace.empty() && value_at(run.trace.front(), {"wall_s"}).is_number();
-    html += plot_svg({.title = std::string(key) + " during the optimisation", .x_label = timed ? "time, s" : "step", .y_label = key,
+    html += plot_svg({.title = std::string(key) + " during the optimisation",
+                      .x_label = timed ? "time, s" : "step",
+                      .y_label = key,
                       .series = {series}});
   }
   return html.empty() ? html : section("trace", "Optimisation", html);
@@ -219,11 +252,13 @@ std::string inputs_section(const RunFolder& run) {
     table.rows.push_back({"views", whole(std::int64_t(scene.views.size()))});
     if (!scene.views.empty()) {
       const Camera& camera = scene.views.front().camera;
-      table.rows.push_back({"working size of the first view", std::to_string(camera.width_px) + " × " + std::to_string(camera.height_px) + " px"});
+      table.rows.push_back({"working size of the first view", std::to_string(camera.width_px) + " × " +
+                                                                  std::to_string(camera.height_px) + " px"});
     }
     table.rows.push_back({"image scale", decimal(scene.image_scale, 4)});
     std::string objects;
-    for (const SceneObject& object : scene.objects) objects += (objects.empty() ? "" : ", ") + escaped(object.name);
+    for (const SceneObject& object : scene.objects)
+      objects += (objects.empty() ? "" : ", ") + escaped(object.name);
     table.rows.push_back({"objects", objects});
     html += table.html();
   }
@@ -232,8 +267,10 @@ std::string inputs_section(const RunFolder& run) {
   Table hashes{.caption = {}, .head = {"tool", "input", "path", "bytes", "hash (XXH3-128)"}, .rows = {}};
   for (const ToolReport& tool : run.reports)
     for (const Json& input : list_at(tool.report, {"inputs"}))
-      hashes.rows.push_back({escaped(tool.name), escaped(json_text(value_at(input, {"name"}))), escaped(json_text(value_at(input, {"path"}))),
-                             escaped(json_text(value_at(input, {"bytes"}))), "<code>" + escaped(json_text(value_at(input, {"xxh3"}))) + "</code>"});
+      hashes.rows.push_back({escaped(tool.name), escaped(json_text(value_at(input, {"name"}))),
+                             escaped(json_text(value_at(input, {"path"}))),
+                             escaped(json_text(value_at(input, {"bytes"}))),
+                             "<code>" + escaped(json_text(value_at(input, {"xxh3"}))) + "</code>"});
   if (!hashes.rows.empty()) html += details("Files that were read, with their hashes", hashes.html());
   return html.empty() ? html : section("inputs", "Inputs", html);
 }
@@ -243,16 +280,19 @@ std::string tools_section(const RunFolder& run) {
   for (const ToolReport& tool : run.reports) {
     const Json& report = tool.report;
     std::string body = "<p>ngs " + escaped(json_text(value_at(report, {"version"}))) + ", device " +
-                       escaped(json_text(value_at(report, {"device", "name"}))) + " (" + escaped(json_text(value_at(report, {"device", "reason"}))) +
-                       "), threads " + escaped(json_text(value_at(report, {"threads"}))) + ", seed " +
+                       escaped(json_text(value_at(report, {"device", "name"}))) + " (" +
+                       escaped(json_text(value_at(report, {"device", "reason"}))) + "), threads " +
+                       escaped(json_text(value_at(report, {"threads"}))) + ", seed " +
                        escaped(json_text(value_at(report, {"seed"}))) + "</p>";
     Table options{.caption = "Options as resolved", .head = {}, .rows = {}};
     const Json& resolved = value_at(report, {"options"});
     if (resolved.is_object())
-      for (const auto& [key, value] : resolved.items()) options.rows.push_back({"<code>" + escaped(key) + "</code>", json_html(value)});
+      for (const auto& [key, value] : resolved.items())
+        options.rows.push_back({"<code>" + escaped(key) + "</code>", json_html(value)});
     body += options.html();
     // The file lists of ngs-eval and the checks of ngs-scene are shown elsewhere.
-    if (!tool.name.starts_with("ngs-eval") && tool.name != "ngs-scene") body += json_html(value_at(report, {"result"}));
+    if (!tool.name.starts_with("ngs-eval") && tool.name != "ngs-scene")
+      body += json_html(value_at(report, {"result"}));
     html += details(escaped(tool.name), body);
   }
   return html.empty() ? html : section("tools", "Tools and options", html);

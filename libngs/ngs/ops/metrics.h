@@ -1,7 +1,7 @@
 #pragma once
-// How well a predicted mask agrees with the true one: counts in, ratios out. Planes are row-major [H·W] bytes,
-// nonzero = object; both planes of a pair have the same size. Counts are exact integers, so a score depends on
-// nothing but the pixels.
+// How well a predicted mask agrees with the true one: counts in, ratios out. Planes are row-major [H·W]
+// bytes, nonzero = object; both planes of a pair have the same size. Counts are exact integers, so a score
+// depends on nothing but the pixels.
 //
 //   IoU            TP / (TP + FP + FN)
 //   accuracy       (TP + TN) / all                       the papers' "Acc": background counts
@@ -9,12 +9,14 @@
 //   boundary IoU   |P_d ∩ G_d| / |P_d ∪ G_d|             Cheng et al., CVPR 2021
 //                  X_d = pixels of X whose chessboard distance to the complement is <= d; outside the image
 //                  counts as complement. The same set as X minus X eroded d times by a 3x3 square.
-//   contour F      2PR / (P + R), P = share of the prediction's contour pixels with a contour pixel of the truth
+//   contour F      2PR / (P + R), P = share of the prediction's contour pixels with a contour pixel of the
+//   truth
 //                  within r (Euclidean), R the same the other way round. Contour = object pixels with a
 //                  4-neighbour inside the image that is not object, so the frame is never a contour.
 //                  r = ceil(0.008 · diagonal) as in DAVIS (Perazzi et al., CVPR 2016).
 //
-// Degenerate pairs have a defined answer and are flagged: both masks empty -> every score 1; exactly one empty
+// Degenerate pairs have a defined answer and are flagged: both masks empty -> every score 1; exactly one
+// empty
 // -> IoU, boundary IoU and contour F 0.
 #include <array>
 #include <cstdint>
@@ -53,8 +55,8 @@ enum class Outside : std::uint8_t { kComplement, kUnknown };
 inline constexpr std::int32_t kUnbounded = 1 << 30;
 std::vector<std::int32_t> chessboard_distance(MaskPlane mask, Outside outside = Outside::kComplement);
 
-/// Width in px of the boundary band for a share of the diagonal: max(1, round(ratio · sqrt(h² + w²))), ties to
-/// even as in the official Python.
+/// Width in px of the boundary band for a share of the diagonal: max(1, round(ratio · sqrt(h² + w²))), ties
+/// to even as in the official Python.
 int band_width_px(double ratio, int width_px, int height_px);
 
 /// Boundary IoU at band width d, from the two distance maps; both bands empty -> 1.
@@ -68,10 +70,10 @@ double contour_f(MaskPlane predicted, MaskPlane truth, int tolerance_px);
 struct MaskScores {
   Confusion counts;
   double iou = 0, accuracy = 0, class_accuracy = 0;
-  double biou = 0;                             // 0.02 of the diagonal, the papers' B-IoU
-  double biou_005 = 0;                         // 0.005 of the diagonal
+  double biou = 0;      // 0.02 of the diagonal, the papers' B-IoU
+  double biou_005 = 0;  // 0.005 of the diagonal
   double biou_1px = 0, biou_3px = 0, biou_5px = 0;
-  double contour_f = 0;                        // DAVIS tolerance
+  double contour_f = 0;  // DAVIS tolerance
   // Where the wrong pixels are: far = farther from the truth's contour than the 0.02 band (chessboard). Far
   // false positives are leaks and floaters, far false negatives lost parts; the rest is contour error.
   std::uint64_t far_fp = 0, far_fn = 0;
@@ -82,13 +84,16 @@ inline constexpr std::array<std::string_view, 9> kScoreNames = {
     "iou", "accuracy", "class_accuracy", "biou", "biou_005", "biou_1px", "biou_3px", "biou_5px", "contour_f"};
 std::array<double, kScoreNames.size()> score_values(const MaskScores& scores);
 
-/// `contour_tolerance` is a share of the diagonal. Runs on exec.threads threads; the result does not depend on them.
-MaskScores score_mask(const Exec& exec, MaskPlane predicted, MaskPlane truth, double contour_tolerance = 0.008);
+/// `contour_tolerance` is a share of the diagonal. Runs on exec.threads threads; the result does not depend
+/// on them.
+MaskScores score_mask(const Exec& exec, MaskPlane predicted, MaskPlane truth,
+                      double contour_tolerance = 0.008);
 
-/// The nearest-neighbour resize of the official evaluators (Pillow's NEAREST): the destination pixel's centre is
-/// mapped into the source. Integer arithmetic, so every machine takes the same pixel.
+/// The nearest-neighbour resize of the official evaluators (Pillow's NEAREST): the destination pixel's centre
+/// is mapped into the source. Integer arithmetic, so every machine takes the same pixel.
 template <class T>
-std::vector<T> resized_nearest(const T* source, int source_width, int source_height, int width_px, int height_px) {
+std::vector<T> resized_nearest(const T* source, int source_width, int source_height, int width_px,
+                               int height_px) {
   std::vector<T> out;
   out.reserve(std::size_t(width_px) * std::size_t(height_px));
   for (std::int64_t y = 0; y < height_px; ++y) {

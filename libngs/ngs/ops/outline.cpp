@@ -34,8 +34,10 @@ struct Walker {
       x += kStepX[heading];
       y += kStepY[heading];
       const Heading before = heading;
-      if (left_of(x, y, before)) heading = Heading((before + 3) % 4);
-      else if (!right_of(x, y, before)) heading = Heading((before + 1) % 4);
+      if (left_of(x, y, before))
+        heading = Heading((before + 3) % 4);
+      else if (!right_of(x, y, before))
+        heading = Heading((before + 1) % 4);
       if (heading != before) loop.push_back({x, y});
     } while (x != start_x || y != start_y || heading != kRight);
     return loop;
@@ -50,7 +52,8 @@ std::vector<Loop> outlines(MaskPlane mask) {
   std::vector<Loop> loops;
   for (int y = 0; y < mask.height_px; ++y)
     for (int x = 0; x < mask.width_px; ++x)
-      if (walker.object(x, y) && !walker.object(x, y - 1) && !seen[std::size_t(y) * std::size_t(mask.width_px) + std::size_t(x)])
+      if (walker.object(x, y) && !walker.object(x, y - 1) &&
+          !seen[std::size_t(y) * std::size_t(mask.width_px) + std::size_t(x)])
         loops.push_back(walker.walk(x, y));
   return loops;
 }

@@ -1,8 +1,8 @@
 #pragma once
-// Outlines of a mask along pixel edges, for drawing: closed loops of grid corners (x, y), 0 <= x <= width. Each
-// loop has the object on its right (image axes: clockwise around the object, counter-clockwise around a
-// hole) and lists only the corners where it turns. Pixels that touch by a corner belong to one loop. The loops
-// enclose exactly the mask: the signed areas sum to the number of object pixels.
+// Outlines of a mask along pixel edges, for drawing: closed loops of grid corners (x, y), 0 <= x <= width.
+// Each loop has the object on its right (image axes: clockwise around the object, counter-clockwise around a
+// hole) and lists only the corners where it turns. Pixels that touch by a corner belong to one loop. The
+// loops enclose exactly the mask: the signed areas sum to the number of object pixels.
 #include <vector>
 
 #include "ngs/ops/metrics.h"

@@ -25,7 +25,8 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
 
 void require_pixels(const MaskSamples& samples, const std::string& view, const char* role) {
   if (samples.width_px > 0 && samples.height_px > 0 &&
-      samples.data.size() == std::size_t(samples.width_px) * std::size_t(samples.height_px) * std::size_t(samples.channels))
+      samples.data.size() ==
+          std::size_t(samples.width_px) * std::size_t(samples.height_px) * std::size_t(samples.channels))
     return;
   throw Error(ErrorCode::kBadInput, view + ": " + role + " mask has no pixels, expected an image");
 }
@@ -127,7 +128,8 @@ std::vector<PairScore> evaluate_pair(const Exec& exec, const EvalOptions& option
     score.truth_zero_one = is_zero_one(pair.truth);
     return {score};
   }
-  const std::vector<std::uint32_t> predicted = fitted(label_ids(pair.predicted)), truth = label_ids(pair.truth);
+  const std::vector<std::uint32_t> predicted = fitted(label_ids(pair.predicted)),
+                                   truth = label_ids(pair.truth);
   std::set<std::uint32_t> present(predicted.begin(), predicted.end());
   present.insert(truth.begin(), truth.end());
   present.erase(0);
@@ -179,12 +181,14 @@ std::vector<ScoreCheck> check_scores(const std::string& rule, const std::map<std
     if (check.score == "boundary_iou") check.score = "biou";
     if (check.score == "psnr") check.score = "psnr_db";
     if (equals == std::string_view::npos || !parse_number(part.substr(equals + 1), check.at_least))
-      throw Error(ErrorCode::kUsage, "fail_below = '" + rule + "', expected SCORE=MIN,... as in iou=0.9,biou=0.6");
+      throw Error(ErrorCode::kUsage,
+                  "fail_below = '" + rule + "', expected SCORE=MIN,... as in iou=0.9,biou=0.6");
     const auto value = found.find(check.score);
     if (value == found.end()) {
       std::string known;
       for (const auto& [name, unused] : found) known += (known.empty() ? "" : ", ") + name;
-      throw Error(ErrorCode::kUsage, "fail_below: unknown score '" + check.score + "', expected one of " + known);
+      throw Error(ErrorCode::kUsage,
+                  "fail_below: unknown score '" + check.score + "', expected one of " + known);
     }
     check.found = value->second;
     checks.push_back(check);

@@ -3,9 +3,10 @@
 // definitions). Stage of ngs-eval; pure functions of pixels that are already in memory.
 //
 // Protocol (Boundary IoU, NVOS, LERF-Mask): the prediction is resized to the truth by nearest neighbour, both
-// are made binary by `> threshold` on the 8-bit scale. A file whose largest sample is 1 counts as {0,1}-valued.
-// Of several channels the largest of R, G, B decides, or alpha where it is not constant. In label maps an object is `value == id`; colour-coded
-// maps have id = R + 256 G + 65536 B, and a pair of maps in which neither has the object is no pair.
+// are made binary by `> threshold` on the 8-bit scale. A file whose largest sample is 1 counts as
+// {0,1}-valued. Of several channels the largest of R, G, B decides, or alpha where it is not constant. In
+// label maps an object is `value == id`; colour-coded maps have id = R + 256 G + 65536 B, and a pair of maps
+// in which neither has the object is no pair.
 #include <cstdint>
 #include <map>
 #include <span>
@@ -27,10 +28,11 @@ struct EvalOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.threshold, Field<double>{"threshold", "of 255", "object where the sample is greater", 0, 255});
-    visit(self.contour_tolerance,
-          Field<double>{"contour_tolerance", "of the diagonal", "match distance of the contour F-score", 0, 0.1});
+    visit(self.contour_tolerance, Field<double>{"contour_tolerance", "of the diagonal",
+                                                "match distance of the contour F-score", 0, 0.1});
     visit(self.label_map, Flag{"label_map", "files are label maps: score every object id by itself"});
-    visit(self.object_id, Text{"object_id", "ID|NAME=ID", "score only this id of the label maps (repeatable)"});
+    visit(self.object_id,
+          Text{"object_id", "ID|NAME=ID", "score only this id of the label maps (repeatable)"});
     visit(self.fail_below,
           Text{"fail_below", "SCORE=MIN,...", "exit 1 where a mean score is lower, e.g. iou=0.9,biou=0.6"});
   }

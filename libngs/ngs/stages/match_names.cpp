@@ -52,7 +52,8 @@ std::string affix_key(std::string_view name) {
       if (base.size() > prefix.size() + 1 && base.starts_with(prefix) && joins(base[prefix.size()]))
         base.erase(0, prefix.size() + 1), changed = true;
     for (std::string_view suffix : kSuffixes)
-      if (base.size() > suffix.size() + 1 && base.ends_with(suffix) && joins(base[base.size() - suffix.size() - 1]))
+      if (base.size() > suffix.size() + 1 && base.ends_with(suffix) &&
+          joins(base[base.size() - suffix.size() - 1]))
         base.resize(base.size() - suffix.size() - 1), changed = true;
   }
   return folder + base;
@@ -78,8 +79,8 @@ constexpr std::array<Rule, 3> kRules = {{{"stem", stem_key}, {"affix", affix_key
 constexpr std::size_t kAmbiguous = std::size_t(-1);
 
 /// key -> index, kAmbiguous where several of the open names share it; an empty key names nothing.
-std::map<std::string, std::size_t> keys_of(std::span<const std::string> names, const std::vector<std::size_t>& open,
-                                           const Rule& rule) {
+std::map<std::string, std::size_t> keys_of(std::span<const std::string> names,
+                                           const std::vector<std::size_t>& open, const Rule& rule) {
   std::map<std::string, std::size_t> keys;
   for (std::size_t i : open) {
     std::string key = rule.key(names[i]);
@@ -96,7 +97,8 @@ void require_unique_stems(std::span<const std::string> names) {
     const auto [entry, added] = seen.emplace(path_stem(name), name);
     if (!added)
       throw Error(ErrorCode::kInconsistent,
-                  "masks: '" + std::string(entry->second) + "' and '" + name + "' have the same stem, expected one file per view",
+                  "masks: '" + std::string(entry->second) + "' and '" + name +
+                      "' have the same stem, expected one file per view",
                   "move one of them out of the folder");
   }
 }
@@ -140,7 +142,8 @@ std::vector<std::size_t> select_every(std::string_view rule, std::size_t count) 
     const std::size_t colon = rule.rfind(':');
     if (!rule.starts_with("every:") || colon < 6 || !number(rule.substr(6, colon - 6), n) ||
         !number(rule.substr(colon + 1), k) || n == 0 || k >= n)
-      throw Error(ErrorCode::kUsage, "views = '" + std::string(rule) + "', expected all, every:N:K with K < N, or a file of names");
+      throw Error(ErrorCode::kUsage, "views = '" + std::string(rule) +
+                                         "', expected all, every:N:K with K < N, or a file of names");
   }
   std::vector<std::size_t> selected;
   for (std::size_t i = k; i < count; i += n) selected.push_back(i);

@@ -1,6 +1,6 @@
 #pragma once
-// Pairs the files of two folders whose authors named them by different rules. Names are relative paths without
-// leading "./"; a folder in front ("view/object.png") belongs to the name.
+// Pairs the files of two folders whose authors named them by different rules. Names are relative paths
+// without leading "./"; a folder in front ("view/object.png") belongs to the name.
 //
 // Rules, the strict ones first; a later rule sees only what the earlier ones left over, and pairs two names
 // only where its key is unique on both sides:
@@ -31,7 +31,8 @@ NameMatch match_names(std::span<const std::string> predicted, std::span<const st
 /// The path without its extension.
 std::string path_stem(std::string_view name);
 
-/// Which of `names` (sorted) the rule "every:N:K" or "all" selects: index % N == K. Throws kUsage for another rule.
+/// Which of `names` (sorted) the rule "every:N:K" or "all" selects: index % N == K. Throws kUsage for another
+/// rule.
 std::vector<std::size_t> select_every(std::string_view rule, std::size_t count);
 
 }  // namespace ngs

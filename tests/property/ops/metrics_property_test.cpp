@@ -40,9 +40,11 @@ TEST_CASE("boundary IoU equals the definition by repeated erosion on 1000 random
       CAPTURE(d);
       const Mask band = test::boundary_band(pair.predicted, d);
       bool same = true;
-      for (std::size_t i = 0; i < p.size(); ++i) same = same && (band.data[i] != 0) == (p[i] > 0 && p[i] <= d);
+      for (std::size_t i = 0; i < p.size(); ++i)
+        same = same && (band.data[i] != 0) == (p[i] > 0 && p[i] <= d);
       REQUIRE(same);
-      REQUIRE(boundary_iou({}, p, t, pair.truth.width_px, d) == boundary_iou_by_erosion(pair.predicted, pair.truth, d));
+      REQUIRE(boundary_iou({}, p, t, pair.truth.width_px, d) ==
+              boundary_iou_by_erosion(pair.predicted, pair.truth, d));
     }
     const MaskScores s = score_mask({}, pair.predicted.plane(), pair.truth.plane());
     const int w = pair.truth.width_px, h = pair.truth.height_px;
@@ -88,7 +90,8 @@ double contour_f_by_all_pairs(const Mask& predicted, const Mask& truth, int tole
         const auto off = [&](int i, int j) {
           return i >= 0 && j >= 0 && i < m.width_px && j < m.height_px && m.at(i, j) == 0;
         };
-        if (m.at(x, y) && (off(x - 1, y) || off(x + 1, y) || off(x, y - 1) || off(x, y + 1))) points.emplace_back(x, y);
+        if (m.at(x, y) && (off(x - 1, y) || off(x + 1, y) || off(x, y - 1) || off(x, y + 1)))
+          points.emplace_back(x, y);
       }
     return points;
   };

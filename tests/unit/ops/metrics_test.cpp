@@ -57,7 +57,8 @@ TEST_CASE("one empty mask scores 0 in overlap and contour, whichever side it is,
   for (const Mask& other : {box(9, 7, 2, 2, 5, 5), box(9, 7, 0, 0, 9, 7)})
     for (bool swap : {false, true}) {
       CAPTURE(swap);
-      const MaskScores s = swap ? score_mask({}, other.plane(), empty.plane()) : score_mask({}, empty.plane(), other.plane());
+      const MaskScores s =
+          swap ? score_mask({}, other.plane(), empty.plane()) : score_mask({}, empty.plane(), other.plane());
       CHECK(s.one_empty);
       CHECK_FALSE(s.both_empty);
       CHECK(s.iou == 0);
@@ -116,7 +117,8 @@ TEST_CASE("contour F measures the tolerance as a Euclidean distance") {
 TEST_CASE("the image frame is no contour") {
   const Mask half = box(10, 10, 0, 0, 5, 10), shorter = box(10, 10, 0, 0, 5, 9);
   CHECK(contour_f(half.plane(), half.plane(), 0) == 1);
-  // `shorter` has a contour along y = 8 which `half`, cut off by the frame, has not: recall 1, precision below.
+  // `shorter` has a contour along y = 8 which `half`, cut off by the frame, has not: recall 1, precision
+  // below.
   const double f = contour_f(shorter.plane(), half.plane(), 1);
   CHECK(f < 1);
   CHECK(f > 0.5);

@@ -45,7 +45,9 @@ TEST_CASE("a ring has an outer and an inner loop") {
 TEST_CASE("outlines enclose exactly the object, for every kind of mask") {
   for (int n = 0; n < 300; ++n) {
     CAPTURE(n);
-    const auto side = [&](std::uint64_t i) { return 1 + int(rng_bits(3, RngStream::kTest, 2 * std::uint64_t(n) + i) % 30); };
+    const auto side = [&](std::uint64_t i) {
+      return 1 + int(rng_bits(3, RngStream::kTest, 2 * std::uint64_t(n) + i) % 30);
+    };
     const Mask mask = test::zoo_mask(MaskKind(n % int(MaskKind::kCount)), side(0), side(1), std::uint64_t(n));
     std::int64_t pixels = 0, edges = 0, walked = 0;
     const auto on = [&](int x, int y) {

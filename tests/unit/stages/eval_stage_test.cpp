@@ -13,8 +13,8 @@ struct Samples {
   MaskSamples view() const { return {width_px, height_px, channels, bits, data}; }
 };
 
-std::vector<PairScore> evaluate(const Samples& predicted, const Samples& truth, const EvalOptions& options = {},
-                                const ObjectIds& ids = {}) {
+std::vector<PairScore> evaluate(const Samples& predicted, const Samples& truth,
+                                const EvalOptions& options = {}, const ObjectIds& ids = {}) {
   return evaluate_pair({}, options, ids, {"view", "", predicted.view(), truth.view()});
 }
 
@@ -79,7 +79,8 @@ TEST_CASE("label maps are scored per id that either of them has") {
 }
 
 TEST_CASE("colour-coded label maps give one id per colour") {
-  CHECK(label_ids(Samples{{1, 2, 3, 0, 0, 0}, 2, 1, 3}.view()) == std::vector<std::uint32_t>{1 + 512 + 196608, 0});
+  CHECK(label_ids(Samples{{1, 2, 3, 0, 0, 0}, 2, 1, 3}.view()) ==
+        std::vector<std::uint32_t>{1 + 512 + 196608, 0});
 }
 
 TEST_CASE("object ids are numbers from 1 on, with or without a name") {
