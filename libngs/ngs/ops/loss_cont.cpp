@@ -1,0 +1,26 @@
+#include "ngs/ops/loss_cont.h"
+
+#include "ngs/backend/for_each.h"
+#include "ngs/core/check.h"
+#include "ngs/ops/loss_cont_kernels.h"
+
+namespace ngs {
+
+double loss_cont(const Exec& exec, const KnnGraph& graph, Rows<const float, 3> colour, const std::vector<float>& weight,
+                 double scale, std::vector<float>* gradient) {
+  if (gradient) gradient->assign(std::size_t(colour.n) * 3, 0.f);
+  if (graph.neighbours == 0) return 0;
+  NGS_CHECK(graph.queries() == colour.n && graph.points == colour.n, "the graph is of other points");
+  NGS_CHECK(weight.empty() || weight.size() == graph.index.size(), "one weight per edge, or none");
+  const ContinuityGraph<float> view{graph.indices(), graph.row_begin.data(), graph.edge.data(),
+                                    weight.empty() ? nullptr : weight.data(), colour};
+  std::vector<float> term(std::size_t(colour.n));
+  for_each_index(exec, colour.n, ContinuityForward<float>{view, term.data()});
+  if (gradient)
+    for_each_index(exec, colour.n, ContinuityBackward<float>{view, float(scale / double(colour.n)), {gradient->data(), colour.n}});
+  double sum = 0;
+  for (const float t : term) sum += double(t);
+  return sum / double(colour.n);
+}
+
+}  // namespace ngs

@@ -1,0 +1,19 @@
+#pragma once
+// L_cont: neighbouring boundary Gaussians have similar colours.
+//
+//   L = 1/|B| Σ_i Σ_{j ∈ N_i} ω_ij ‖C_i - C_j‖²,   ω = 1/|N_i|, or the given weights (rows that sum to 1)
+//
+// C is the colour of the constant SH band, rgb = 0.5 + 0.2820948 · sh_dc. The graph (nearest_others) and the
+// weights count as constant. An empty graph: loss 0. Results do not depend on exec.threads.
+#include <vector>
+
+#include "ngs/backend/exec.h"
+#include "ngs/scene/knn_graph.h"
+
+namespace ngs {
+
+/// `colour` [B, 3]; `weight` [B, K] or empty. `gradient`: null, or scale · ∂L/∂colour [B, 3], overwritten.
+double loss_cont(const Exec& exec, const KnnGraph& graph, Rows<const float, 3> colour, const std::vector<float>& weight,
+                 double scale, std::vector<float>* gradient);
+
+}  // namespace ngs

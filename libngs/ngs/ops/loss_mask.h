@@ -1,0 +1,44 @@
+#pragma once
+// L_mask: rendered masks against given masks, heavier where the field is dense.        facts C18, C19
+//
+//   L = trust / N Σ_p s_p Σ_k ℓ(rendered_pk, target_pk),   s_p = sigmoid(D_p) in [0.5, 1),   N = known pixels
+//
+// The paper's formula has prediction and truth exchanged; ℓ is the ordinary cross-entropy, or the linear loss that
+// the literal formula amounts to. Pixels that are not known give no loss and no gradient; no known pixel: loss 0.
+// The weights s carry no gradient. Results do not depend on exec.threads.
+#include <vector>
+
+#include "ngs/backend/exec.h"
+#include "ngs/math/pixel_grid.h"
+#include "ngs/scene/query_field.h"
+#include "ngs/scene/scene.h"
+
+namespace ngs {
+
+enum class MaskLossForm : std::uint8_t { kBce, kLinear };
+
+struct MaskLossOptions {
+  MaskLossForm form = MaskLossForm::kBce;
+  double lambda = 1;  // linear form: weight of pixels outside the object
+};
+
+/// s_p for every pixel. `optical_depth`: one value per node, VolumeOutput::optical_depth.
+ImageF density_weights(const Exec& exec, int width_px, int height_px, const PixelGrid& grid, const PixelBox& box,
+                       const std::vector<float>& optical_depth);
+
+struct MaskLossInputs {
+  const ImageF* rendered = nullptr;      // [H, W, K] RenderedView::label
+  const ViewMasks* masks = nullptr;      // K targets of the same size; not available: loss 0
+  const ImageF* pixel_weight = nullptr;  // [H, W, 1] density_weights; null: 1
+  double trust = 1;                      // of this view's masks, >= 0
+};
+
+struct MaskLoss {
+  double total = 0;
+  std::int64_t known = 0;  // pixels
+};
+
+/// `gradient`: null, or weight · ∂total/∂rendered, overwritten, shaped like `rendered`.
+MaskLoss loss_mask(const Exec& exec, const MaskLossOptions& options, const MaskLossInputs& in, double weight, ImageF* gradient);
+
+}  // namespace ngs
