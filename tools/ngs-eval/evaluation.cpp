@@ -1,9 +1,11 @@
 #include "evaluation.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <exception>
 #include <map>
+#include <set>
 
 #include "ngs/backend/for_each.h"
 #include "ngs/io/exr.h"
@@ -14,13 +16,31 @@
 namespace ngs::cli {
 namespace {
 
+/// The file names, each once.
+std::vector<std::string> without_folders(const std::vector<std::string>& names) {
+  std::set<std::string> files;
+  for (const std::string& name : names) files.insert(name.substr(name.rfind('/') + 1));
+  return {files.begin(), files.end()};
+}
+
+std::uint32_t id_of(const std::string& object, const ObjectIds& ids) {
+  for (const auto& [id, name] : ids)
+    if (name == object) return id;
+  std::uint32_t id = 0;
+  const auto [end, error] = std::from_chars(object.data(), object.data() + object.size(), id);
+  if (error == std::errc() && end == object.data() + object.size() && id > 0) return id;
+  throw Error(ErrorCode::kUsage, "the id of object '" + object + "' in the true label maps is not known",
+              "say it: --object-id " + object + "=ID");
+}
+
 std::vector<std::string> select_truth(const ImageList& truth, const std::string& rule, Pairing& pairing) {
   std::vector<std::string> selected;
   if (rule == "all" || rule.starts_with("every:")) {
     for (std::size_t i : select_every(rule, truth.names.size())) selected.push_back(truth.names[i]);
     return selected;
   }
-  const std::vector<std::string> listed = read_lines(rule);
+  std::vector<std::string> listed = read_lines(rule);
+  if (!is_nested(truth)) listed = without_folders(listed);
   const NameMatch match = match_names(listed, truth.names);
   for (const NamePair& pair : match.pairs) selected.push_back(truth.names[pair.truth]);
   for (std::size_t i : match.unmatched_predicted) pairing.listed_only.push_back(listed[i]);
@@ -81,9 +101,7 @@ void for_each_pair(Run& run, std::size_t count, const Task& task) {
     if (failure) std::rethrow_exception(failure);
 }
 
-}  // namespace
-
-Pairing pair_files(const ImageList& predicted, const ImageList& truth, const EvalFileOptions& options) {
+Pairing matched_files(const ImageList& predicted, const ImageList& truth, const EvalFileOptions& options) {
   Pairing pairing;
   const std::vector<std::string> selected = select_truth(truth, options.views, pairing);
   NameMatch match = match_names(predicted.names, truth.names);
@@ -107,13 +125,55 @@ Pairing pair_files(const ImageList& predicted, const ImageList& truth, const Eva
   for (std::size_t i : match.unmatched_truth)
     if (is_selected(i)) pairing.truth_only.push_back(truth.names[i]);
   pairing.matched_by.assign(rules.begin(), rules.end());
-  if (pairing.pairs.empty())
-    throw Error(ErrorCode::kInconsistent,
-                predicted.folder + " and " + truth.folder + ": no file matches, found '" +
-                    predicted.names.front() + "' and '" + truth.names.front() +
-                    "', expected the same stems or numbers",
-                "name the predictions like the true masks, or check --views " + options.views);
   return pairing;
+}
+
+void require_pairs(const Pairing& pairing, const ImageList& predicted, const ImageList& truth,
+                   const EvalFileOptions& options) {
+  if (!pairing.pairs.empty()) return;
+  throw Error(ErrorCode::kInconsistent,
+              predicted.folder + " and " + truth.folder + ": no file matches, found '" +
+                  predicted.names.front() + "' and '" + truth.names.front() +
+                  "', expected the same stems or numbers",
+              "name the predictions like the true masks, or check --views " + options.views);
+}
+
+}  // namespace
+
+bool is_nested(const ImageList& list) { return list.names.front().find('/') != std::string::npos; }
+
+Pairing pair_files(const ImageList& predicted, const ImageList& truth, const EvalFileOptions& options) {
+  Pairing pairing = matched_files(predicted, truth, options);
+  require_pairs(pairing, predicted, truth, options);
+  return pairing;
+}
+
+Pairing pair_objects(const ImageList& predicted, const ImageList& truth, const EvalFileOptions& options,
+                     const ObjectIds& ids) {
+  std::map<std::string, ImageList> objects;
+  for (const std::string& name : predicted.names) {
+    const std::size_t slash = name.find('/');
+    ImageList& list = objects[name.substr(0, slash)];
+    list.folder = predicted.folder + "/" + name.substr(0, slash);
+    list.names.push_back(name.substr(slash + 1));
+  }
+  Pairing all;
+  std::map<std::string, int> rules;
+  for (const auto& [object, list] : objects) {
+    Pairing mine = matched_files(list, truth, options);
+    for (FilePair& pair : mine.pairs) {
+      pair.object = object;
+      pair.truth_id = id_of(object, ids);
+      all.pairs.push_back(std::move(pair));
+    }
+    for (const auto& [rule, count] : mine.matched_by) rules[rule] += count;
+    for (const std::string& name : mine.predicted_only) all.predicted_only.push_back(object + "/" + name);
+    for (const std::string& name : mine.truth_only) all.truth_only.push_back(name + " (" + object + ")");
+    all.listed_only = mine.listed_only;
+  }
+  all.matched_by.assign(rules.begin(), rules.end());
+  require_pairs(all, predicted, truth, options);
+  return all;
 }
 
 std::vector<PairScore> score_masks(Run& run, const EvalOptions& options, const std::vector<FilePair>& pairs) {
@@ -123,7 +183,8 @@ std::vector<PairScore> score_masks(Run& run, const EvalOptions& options, const s
   std::vector<std::vector<PairScore>> found(pairs.size());
   for_each_pair(run, pairs.size(), [&](std::size_t i) {
     const io::RawMask predicted = read_mask(pairs[i].predicted), truth = read_mask(pairs[i].truth);
-    const EvalPair pair{pairs[i].view, pairs[i].object, samples_of(predicted), samples_of(truth)};
+    const EvalPair pair{pairs[i].view, pairs[i].object, samples_of(predicted), samples_of(truth),
+                        pairs[i].truth_id};
     found[i] = evaluate_pair(Exec{}, options, ids, pair);
   });
   std::vector<PairScore> scores;

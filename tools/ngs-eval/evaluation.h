@@ -33,6 +33,7 @@ struct EvalFileOptions {
 
 struct FilePair {
   std::string view, object, predicted, truth;  // the last two are paths
+  std::uint32_t truth_id = 0;                  // EvalPair::truth_id
 };
 
 struct Pairing {
@@ -44,6 +45,12 @@ struct Pairing {
 
 /// Throws kInconsistent where nothing matches.
 Pairing pair_files(const ImageList& predicted, const ImageList& truth, const EvalFileOptions& options);
+
+/// For a folder of predicted masks per object against true label maps; the folders are named like `ids`, or
+/// by number. Throws kUsage where the id of a folder is not known.
+Pairing pair_objects(const ImageList& predicted, const ImageList& truth, const EvalFileOptions& options,
+                     const ObjectIds& ids);
+bool is_nested(const ImageList& list);
 
 struct PhotoScore {
   std::string view;

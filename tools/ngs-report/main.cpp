@@ -46,7 +46,9 @@ int main(int argc, char** argv) {
                                        {"wall_s", cli::run_seconds(folder)},
                                        {"mean", cli::value_at(folder.metrics, {"mean"})}});
     }
+    run.result()["mean_over_runs"] = cli::means_json(runs);
     run.result()["bytes"] = page.size();
+    run.text(cli::means_table(runs));
     return 0;
   });
 }

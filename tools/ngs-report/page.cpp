@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "charts.h"
 #include "html.h"
@@ -58,6 +59,33 @@ double run_seconds(const RunFolder& run) {
 
 std::string method_of(const RunFolder& run) {
   return text_or(value_at(run.report("ngs-joint"), {"options", "method"}), "–");
+}
+
+std::string means_table(const std::vector<RunFolder>& runs) {
+  char line[160];
+  const auto row = [&](const std::string& name, const auto& score) {
+    std::snprintf(line, sizeof line, "%-28.28s  %9s  %9s  %9s  %9s\n", name.c_str(),
+                  decimal(score("iou"), 4).c_str(), decimal(score("accuracy"), 4).c_str(),
+                  decimal(score("biou"), 4).c_str(), decimal(score("contour_f"), 4).c_str());
+    return std::string(line);
+  };
+  std::snprintf(line, sizeof line, "%-28s  %9s  %9s  %9s  %9s\n", "run", "iou", "accuracy", "biou",
+                "contour_f");
+  std::string table = line;
+  for (const RunFolder& run : runs)
+    table += row(run.title, [&](const char* score) { return number_at(run.metrics, {"mean", score}); });
+  if (runs.size() > 1)
+    table += row("mean over runs", [&](const char* score) { return mean_over_runs(runs, score); });
+  return table;
+}
+
+Json means_json(const std::vector<RunFolder>& runs) {
+  Json means = Json::object();
+  for (std::string_view score : kScoreNames) {
+    const double mean = mean_over_runs(runs, score);
+    means[std::string(score)] = std::isfinite(mean) ? Json(mean) : Json();
+  }
+  return means;
 }
 
 std::string report_page(std::vector<RunFolder>& runs, const PictureOptions& options) {

@@ -11,6 +11,10 @@ namespace ngs::cli {
 /// One section per run; several runs are compared first. Problems found on the way are added to the runs.
 std::string report_page(std::vector<RunFolder>& runs, const PictureOptions& options);
 
+/// The comparison of the runs for people and for scripts.
+std::string means_table(const std::vector<RunFolder>& runs);
+Json means_json(const std::vector<RunFolder>& runs);
+
 /// Seconds a run took: the sum over its tools' reports.
 double run_seconds(const RunFolder& run);
 std::string method_of(const RunFolder& run);

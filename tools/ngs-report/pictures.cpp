@@ -23,27 +23,18 @@ struct Window {
   int x = 0, y = 0, width_px = 0, height_px = 0;
 };
 
-/// The pixels of one object; `ids` is true where files are label maps named by id.
-Plane read_plane(const std::string& path, const std::string& object, const Json& options) {
+/// `id` as in ShownView. Pictures with layers are not shown.
+Plane read_plane(const std::string& path, std::uint32_t id) {
   if (path.empty() || path.ends_with(".exr")) return {};
   const io::RawMask raw = io::read_mask_raw(path);
   const MaskSamples samples{raw.width_px, raw.height_px, raw.channels, raw.bits, raw.data};
   Plane plane{raw.width_px, raw.height_px, {}};
-  const Json& label_map = value_at(options, {"label_map"});
-  if (!label_map.is_boolean() || !label_map.get<bool>()) {
-    const double threshold = number_at(options, {"threshold"});
-    plane.data = binarised(samples, std::isfinite(threshold) ? threshold : 128);
+  if (id == 0) {
+    plane.data = binarised(samples, 128);
     return plane;
   }
-  std::uint32_t wanted = 0;
-  const Json& named = value_at(options, {"object_id"});
-  ObjectIds ids;
-  if (named.is_array()) ids = parse_object_ids(named.get<std::vector<std::string>>());
-  for (const auto& [id, name] : ids)
-    if (name == object) wanted = id;
-  if (wanted == 0) wanted = std::uint32_t(std::strtoul(object.c_str(), nullptr, 10));
   plane.data.reserve(raw.data.size());
-  for (std::uint32_t id : label_ids(samples)) plane.data.push_back(id == wanted);
+  for (std::uint32_t label : label_ids(samples)) plane.data.push_back(label == id);
   return plane;
 }
 
@@ -138,10 +129,9 @@ std::string caption_of(const ShownView& view) {
   return text;
 }
 
-Layers read_layers(const RunFolder& run, const ShownView& view) {
-  const Json& options = value_at(run.report("ngs-eval"), {"options"});
-  return {read_plane(view.input, view.object, options), read_plane(view.truth, view.object, options),
-          read_plane(view.predicted, view.object, options)};
+Layers read_layers(const ShownView& view) {
+  return {read_plane(view.input, view.input_id), read_plane(view.truth, view.truth_id),
+          read_plane(view.predicted, view.predicted_id)};
 }
 
 Layers fitted(const Layers& layers, int width_px, int height_px) {
@@ -186,8 +176,8 @@ ImageF crop_of(const ImageF& image, Window w) {
   return out;
 }
 
-std::string sheet_figure(const RunFolder& run, const ShownView& view, int width_px) {
-  Layers layers = read_layers(run, view);
+std::string sheet_figure(const ShownView& view, int width_px) {
+  Layers layers = read_layers(view);
   const ImageF photo = photo_of(view, reference_of(layers));
   if (photo.empty()) return {};
   const int w = std::min(width_px, photo.width_px);
@@ -199,8 +189,8 @@ std::string sheet_figure(const RunFolder& run, const ShownView& view, int width_
          "<figcaption>" + caption_of(view) + "</figcaption></figure>\n";
 }
 
-std::string crop_figure(const RunFolder& run, const ShownView& view, int side_px) {
-  Layers layers = read_layers(run, view);
+std::string crop_figure(const ShownView& view, int side_px) {
+  Layers layers = read_layers(view);
   if (layers.truth.empty() || layers.predicted.empty()) return {};
   const int w = layers.truth.width_px, h = layers.truth.height_px;
   layers = fitted(layers, w, h);
@@ -233,7 +223,7 @@ std::string Pictures::sheet(RunFolder& run) {
   for (const ShownView& view : run.views) {
     std::string figure;
     try {
-      figure = sheet_figure(run, view, options_.sheet_width_px);
+      figure = sheet_figure(view, options_.sheet_width_px);
     } catch (const Error& e) {
       run.problems.push_back(e.what());
     }
@@ -254,7 +244,7 @@ std::string Pictures::crops(RunFolder& run) {
     if (shown == options_.zoomed_views) break;
     std::string figure;
     try {
-      figure = crop_figure(run, view, options_.crop_side_px);
+      figure = crop_figure(view, options_.crop_side_px);
     } catch (const Error& e) {
       run.problems.push_back(e.what());
     }

@@ -86,6 +86,23 @@ std::string text_at(const Json& json, std::string_view key) {
   return value.is_string() ? value.get<std::string>() : std::string();
 }
 
+std::uint32_t count_at(const Json& json, std::string_view key) {
+  const Json& value = value_at(json, {key});
+  return value.is_number_unsigned() ? value.get<std::uint32_t>() : 0;
+}
+
+/// The id of an object in the label maps that ngs-eval read; 0 where it read masks.
+std::uint32_t label_id(const RunFolder& run, const std::string& object) {
+  const Json& options = value_at(run.report("ngs-eval"), {"options"});
+  if (value_at(options, {"label_map"}) != Json(true)) return 0;
+  for (const Json& entry : value_at(options, {"object_id"})) {
+    const std::string text = entry.is_string() ? entry.get<std::string>() : std::string();
+    if (text.size() > object.size() && text.starts_with(object) && text[object.size()] == '=')
+      return std::uint32_t(std::strtoul(text.c_str() + object.size() + 1, nullptr, 10));
+  }
+  return std::uint32_t(std::strtoul(object.c_str(), nullptr, 10));
+}
+
 /// The scored pairs: files from the report of ngs-eval, scores from metrics.json.
 void add_scored_views(RunFolder& run) {
   std::map<std::pair<std::string, std::string>, const Json*> files;
@@ -104,6 +121,8 @@ void add_scored_views(RunFolder& run) {
     if (file != files.end()) {
       view.predicted = found_path(run, text_at(*file->second, "predicted"));
       view.truth = found_path(run, text_at(*file->second, "truth"));
+      view.truth_id = count_at(*file->second, "truth_id");
+      if (view.truth_id == 0) view.truth_id = view.predicted_id = label_id(run, view.object);
     }
     run.views.push_back(std::move(view));
   }
@@ -154,6 +173,10 @@ void add_scene_files(RunFolder& run) {
       if ((masks.size() == 1 || run.scene->objects[k].name == view.object) &&
           fs::is_regular_file(masks[k], ignored))
         view.input = masks[k];
+    for (const SceneObject& object : run.scene->objects)
+      if (run.scene->mask_mode == MaskMode::kLabel &&
+          (run.scene->objects.size() == 1 || object.name == view.object))
+        view.input_id = object.id;
   }
 }
 

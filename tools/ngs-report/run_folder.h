@@ -19,7 +19,9 @@ struct ToolReport {
 struct ShownView {
   std::string view, object;
   std::string photo, predicted, truth, input;
-  Json scores;  // an entry of metrics.json "views", or null
+  std::uint32_t predicted_id = 0, truth_id = 0,
+                input_id = 0;  // 0: a mask; else the object's id in a label map
+  Json scores;                 // an entry of metrics.json "views", or null
 };
 
 struct RunFolder {

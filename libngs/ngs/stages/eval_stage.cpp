@@ -128,6 +128,13 @@ std::vector<PairScore> evaluate_pair(const Exec& exec, const EvalOptions& option
     score.truth_zero_one = is_zero_one(pair.truth);
     return {score};
   }
+  if (pair.truth_id > 0) {
+    PairScore score = score_planes(exec, options, pair, fitted(binarised(pair.predicted, options.threshold)),
+                                   equal_to(label_ids(pair.truth), pair.truth_id));
+    score.predicted_zero_one = is_zero_one(pair.predicted);
+    if (score.scores.both_empty) return {};
+    return {score};
+  }
   const std::vector<std::uint32_t> predicted = fitted(label_ids(pair.predicted)),
                                    truth = label_ids(pair.truth);
   std::set<std::uint32_t> present(predicted.begin(), predicted.end());

@@ -57,6 +57,7 @@ std::vector<std::uint32_t> label_ids(const MaskSamples& samples);
 struct EvalPair {
   std::string view, object;  // of label maps the ids name the objects, `object` is their prefix
   MaskSamples predicted, truth;
+  std::uint32_t truth_id = 0;  // > 0: the prediction is the mask of this object alone, the truth a label map
 };
 
 struct PairScore {
@@ -67,7 +68,8 @@ struct PairScore {
   MaskScores scores;
 };
 
-/// One score for binary masks, one per object that either label map has. Throws kBadInput for empty images.
+/// One score for binary masks, one per object that either label map has (none for an object that neither
+/// has). Throws kBadInput for empty images.
 std::vector<PairScore> evaluate_pair(const Exec& exec, const EvalOptions& options, const ObjectIds& ids,
                                      const EvalPair& pair);
 

@@ -78,6 +78,20 @@ TEST_CASE("label maps are scored per id that either of them has") {
   CHECK(chosen[0].object == "leaf");
 }
 
+TEST_CASE("the mask of one object is scored against its id in the true label map") {
+  EvalOptions options;
+  options.label_map = true;
+  const Samples predicted{{255, 255, 0, 0}, 4, 1}, truth{{7, 3, 3, 0}, 4, 1}, empty{{0, 0, 0, 0}, 4, 1};
+  const auto score = [&](const Samples& mask, std::uint32_t id) {
+    return evaluate_pair({}, options, {}, {"view", "ball", mask.view(), truth.view(), id});
+  };
+  REQUIRE(score(predicted, 3).size() == 1);
+  CHECK(score(predicted, 3)[0].scores.iou == doctest::Approx(1.0 / 3));
+  CHECK(score(predicted, 3)[0].object == "ball");
+  CHECK(score(predicted, 9)[0].scores.one_empty);
+  CHECK(score(empty, 9).empty());
+}
+
 TEST_CASE("colour-coded label maps give one id per colour") {
   CHECK(label_ids(Samples{{1, 2, 3, 0, 0, 0}, 2, 1, 3}.view()) ==
         std::vector<std::uint32_t>{1 + 512 + 196608, 0});

@@ -1,0 +1,73 @@
+#include "outcome.h"
+
+namespace ngs::cli {
+namespace {
+
+void warn_about_conventions(Run& run, const std::vector<PairScore>& scores) {
+  int both_empty = 0, one_empty = 0, zero_one = 0;
+  for (const PairScore& pair : scores) {
+    both_empty += pair.scores.both_empty;
+    one_empty += pair.scores.one_empty;
+    zero_one += pair.predicted_zero_one || pair.truth_zero_one;
+  }
+  const auto warn = [&](int count, const std::string& what) {
+    if (count > 0)
+      run.monitor().warn(std::to_string(count) + " of " + std::to_string(scores.size()) + " pairs " + what);
+  };
+  warn(both_empty, "have two empty masks: scored 1");
+  warn(one_empty, "have exactly one empty mask: overlap and contour scored 0");
+  warn(zero_one, "have a mask of zeros and ones: read as 0/255");
+}
+
+}  // namespace
+
+void warn_about_leftovers(Run& run, const Pairing& pairing) {
+  const auto warn = [&](const std::vector<std::string>& names, const std::string& what) {
+    if (names.empty()) return;
+    run.monitor().warn(std::to_string(names.size()) + " " + what + ", the first is " + names.front());
+  };
+  warn(pairing.truth_only, "true masks without a prediction are not scored");
+  warn(pairing.predicted_only, "predictions without a true mask are not scored");
+  warn(pairing.listed_only, "listed views without a true mask are not scored");
+  for (const auto& [rule, count] : pairing.matched_by)
+    if (rule == "number")
+      run.monitor().warn(std::to_string(count) +
+                         " pairs were matched by their last number only, the first is " +
+                         pairing.pairs.front().predicted + " = " + pairing.pairs.front().truth);
+}
+
+Pairing paired(const ImageList& predicted, const ImageList& truth, const EvalOptions& options,
+               const EvalFileOptions& files) {
+  if (options.label_map && is_nested(predicted) && !is_nested(truth))
+    return pair_objects(predicted, truth, files, parse_object_ids(options.object_id));
+  return pair_files(predicted, truth, files);
+}
+
+Outcome masks_outcome(Run& run, const EvalOptions& options, const Pairing& pairing) {
+  const std::vector<PairScore> scores = score_masks(run, options, pairing.pairs);
+  if (scores.empty())
+    throw Error(ErrorCode::kNothingFound,
+                "label maps: no object with one of the ids occurs, expected at least one",
+                "see the ids with ngs-eval --label-map without --object-id");
+  warn_about_conventions(run, scores);
+  const EvalSummary summary = summarise(scores);
+  return {metrics_json(scores, summary), mean_scores(summary), score_table(scores, summary)};
+}
+
+Outcome photos_outcome(Run& run, const Pairing& pairing) {
+  const std::vector<PhotoScore> scores = score_photos(run, pairing.pairs);
+  return {photo_metrics_json(scores), mean_scores(scores), photo_table(scores)};
+}
+
+bool all_passed(Run& run, const std::vector<ScoreCheck>& checks) {
+  bool passed = true;
+  for (const ScoreCheck& check : checks) {
+    if (check.passed()) continue;
+    passed = false;
+    run.monitor().warn("check failed: " + check.score + " = " + std::to_string(check.found) +
+                       ", expected at least " + std::to_string(check.at_least));
+  }
+  return passed;
+}
+
+}  // namespace ngs::cli
