@@ -2,15 +2,27 @@
 // One function per reader of bytes from strangers, in the form libFuzzer calls. A reader may refuse with
 // kBadInput or kInconsistent; anything else (a crash, a sanitizer report, another exception) is a finding.
 //
-// To add a reader: a function here, its line in kTargets, and <name>_fuzz.cpp of three lines. Every finding goes
-// to corpus/<name>/ and is replayed by replay_test.cpp from then on.
+// To add a reader: a function here, its line in kTargets, and <name>_fuzz.cpp of three lines. Every finding
+// goes to corpus/<name>/ and is replayed by replay_test.cpp from then on.
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "ngs/core/error.h"
+#include "ngs/io/cameras_json.h"
+#include "ngs/io/colmap.h"
+#include "ngs/io/exr.h"
 #include "ngs/io/gaussian_ply.h"
+#include "ngs/io/image_header.h"
+#include "ngs/io/json_file.h"
+#include "ngs/io/llff.h"
 #include "ngs/io/query_ply.h"
 #include "ngs/io/safetensors.h"
+#include "ngs/io/scene_json.h"
+#include "ngs/io/transforms_json.h"
 
 namespace ngs::fuzz {
 
@@ -47,6 +59,76 @@ inline int fuzz_safetensors(const std::uint8_t* data, std::size_t size) {
   return refuses_or_reads([&] { (void)io::parse_safetensors("fuzz.safetensors", {data, size}); });
 }
 
+inline std::string_view text_of(const std::uint8_t* data, std::size_t size) {
+  return {reinterpret_cast<const char*>(data), size};
+}
+
+/// Two files in one input: the first `split` bytes are cameras.*, the rest is images.*; `split` is a
+/// little-endian u16 before them.
+inline int fuzz_colmap_files(const std::uint8_t* data, std::size_t size, bool binary) {
+  if (size < 2) return 0;
+  const std::size_t split = std::min(size - 2, std::size_t(data[0]) | std::size_t(data[1]) << 8);
+  const std::uint8_t *cameras = data + 2, *images = cameras + split;
+  const std::size_t rest = size - 2 - split;
+  return refuses_or_reads([&] {
+    if (binary)
+      (void)io::parse_colmap_binary({cameras, split}, {images, rest}, "fuzz");
+    else
+      (void)io::parse_colmap_text(text_of(cameras, split), text_of(images, rest), "fuzz");
+  });
+}
+inline int fuzz_colmap_bin(const std::uint8_t* data, std::size_t size) {
+  return fuzz_colmap_files(data, size, true);
+}
+inline int fuzz_colmap_txt(const std::uint8_t* data, std::size_t size) {
+  return fuzz_colmap_files(data, size, false);
+}
+
+inline int fuzz_transforms_json(const std::uint8_t* data, std::size_t size) {
+  return refuses_or_reads([&] {
+    const io::TransformsSource source{"/data",
+                                      "fuzz.json",
+                                      true,
+                                      {[](const std::string& path) { return path.size() % 2 == 0; },
+                                       [](const std::string&) {
+                                         return io::ImageSize{640, 480};
+                                       }}};
+    (void)io::parse_transforms_json(io::parse_json(text_of(data, size), "fuzz.json"), source);
+  });
+}
+
+inline int fuzz_cameras_json(const std::uint8_t* data, std::size_t size) {
+  return refuses_or_reads(
+      [&] { (void)io::parse_cameras_json(io::parse_json(text_of(data, size), "fuzz.json"), "fuzz.json"); });
+}
+
+inline int fuzz_scene_json(const std::uint8_t* data, std::size_t size) {
+  return refuses_or_reads([&] {
+    (void)io::parse_scene_json(io::parse_json(text_of(data, size), "fuzz.json"), "/data", "fuzz.json");
+  });
+}
+
+inline int fuzz_npy(const std::uint8_t* data, std::size_t size) {
+  return refuses_or_reads([&] {
+    const io::NpyMatrix matrix = io::parse_npy({data, size}, "fuzz.npy");
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < std::min<std::size_t>(matrix.rows, 1000); ++i)
+      names.push_back(std::to_string(i));
+    (void)io::llff_capture(matrix, names, "fuzz.npy");
+  });
+}
+
+inline int fuzz_exr(const std::uint8_t* data, std::size_t size) {
+  return refuses_or_reads([&] { (void)io::parse_exr({data, size}, "fuzz.exr"); });
+}
+
+inline int fuzz_image_header(const std::uint8_t* data, std::size_t size) {
+  return refuses_or_reads([&] {
+    const auto header = io::parse_image_header({data, size}, "fuzz.png");
+    if (header && header->palette) (void)io::palette_png_as_indices({data, size});
+  });
+}
+
 struct Target {
   const char* name;  // of its corpus folder
   int (*run)(const std::uint8_t*, std::size_t);
@@ -56,6 +138,14 @@ inline constexpr Target kTargets[] = {
     {"gaussian_ply", fuzz_gaussian_ply},
     {"query_ply", fuzz_query_ply},
     {"safetensors", fuzz_safetensors},
+    {"colmap_bin", fuzz_colmap_bin},
+    {"colmap_txt", fuzz_colmap_txt},
+    {"transforms_json", fuzz_transforms_json},
+    {"cameras_json", fuzz_cameras_json},
+    {"scene_json", fuzz_scene_json},
+    {"npy", fuzz_npy},
+    {"exr", fuzz_exr},
+    {"image_header", fuzz_image_header},
 };
 
 }  // namespace ngs::fuzz

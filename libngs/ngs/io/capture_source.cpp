@@ -40,6 +40,11 @@ struct Located {
 Located locate(const std::string& source) {
   if (is_regular_file(source)) {
     const fs::path folder = fs::path(source).parent_path();
+    const std::string stem =
+        fs::path(source).stem().string();  // one file of a COLMAP model stands for its folder
+    if ((stem == "cameras" || stem == "images") && fs::path(source).extension() != ".json")
+      if (const std::string model = find_colmap_model(folder.empty() ? "." : folder.string()); !model.empty())
+        return {model, base_of_model(model), true, {}};
     return {source, folder.empty() ? "." : folder.string(), false, {}};
   }
   std::error_code ignored;

@@ -1,0 +1,33 @@
+#pragma once
+// Do cameras and model belong together? The model is rendered at a few cameras and compared with the photos;
+// if it does not fit, the usual mistakes in pose files are tried and the one that makes it fit is named.
+#include <string>
+#include <vector>
+
+#include "ngs/ops/splat.h"
+
+namespace ngs {
+
+/// How well the model explains one photo. The colour behind the model is not in a PLY, so the one that fits
+/// the photo best is used; thereby a model that is not in view at all scores exactly `constant_db`.
+struct PhotoMatch {
+  double psnr_db = 0;      // rendered model, over the fitted background, against the photo
+  double constant_db = 0;  // PSNR of the photo's own mean colour: what a picture that knows nothing reaches
+  double covered = 0;      // mean alpha
+  Vec3<double> background{0, 0, 0};
+  double gain_db() const { return psnr_db - constant_db; }
+};
+
+/// `photo` has the camera's size.
+PhotoMatch match_photo(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
+                       const SplatOptions& splat, const ImageF& photo);
+
+/// A mistake that pose files have, as the change that undoes it.
+struct PoseRepair {
+  std::string mistake;  // "quaternions stored as x y z w"
+  std::string remedy;   // what to do about it
+  Camera (*apply)(Camera);
+};
+const std::vector<PoseRepair>& pose_repairs();
+
+}  // namespace ngs

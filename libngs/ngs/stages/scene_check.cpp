@@ -1,0 +1,224 @@
+#include "ngs/stages/scene_check.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "ngs/backend/for_each.h"
+#include "ngs/core/error.h"
+#include "ngs/stages/mask_check.h"
+
+namespace ngs {
+namespace {
+
+constexpr double kLowestInside = 0.01;
+constexpr std::int64_t kMostSampled =
+    1 << 18;  // Gaussians for the shares: exact to 0.1 % and fast for any model
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+struct Shares {
+  double in_front = 0, inside = 0;
+};
+
+Shares shares_of(const GaussianCloud& cloud, const Camera& camera, const std::vector<std::int64_t>& sample) {
+  std::int64_t in_front = 0, inside = 0;
+  for (const std::int64_t i : sample) {
+    const float* p = &cloud.position[std::size_t(i) * 3];
+    const Vec3<double> world{cloud.origin[0] + double(p[0]), cloud.origin[1] + double(p[1]),
+                             cloud.origin[2] + double(p[2])};
+    const Vec3<double> t = camera.rotation * world + camera.translation;
+    if (!(t.z > 0)) continue;
+    ++in_front;
+    const double x = camera.fx * t.x / t.z + camera.cx, y = camera.fy * t.y / t.z + camera.cy;
+    inside += x >= 0 && x < camera.width_px && y >= 0 && y < camera.height_px;
+  }
+  return {double(in_front) / double(sample.size()), double(inside) / double(sample.size())};
+}
+
+std::vector<std::int64_t> sample_usable(const GaussianCloud& cloud) {
+  const std::int64_t stride = (cloud.size() + kMostSampled - 1) / kMostSampled;
+  std::vector<std::int64_t> sample;
+  for (std::int64_t i = 0; i < cloud.size(); i += stride)
+    if (cloud.usable[std::size_t(i)] != 0) sample.push_back(i);
+  if (sample.empty())
+    throw Error(ErrorCode::kNothingFound,
+                "the model has no usable Gaussian, expected at least one finite row");
+  return sample;
+}
+
+/// A photo and its camera at the size of the comparison.
+struct Shot {
+  std::size_t view = 0;
+  Camera camera;
+  ImageF photo;
+};
+
+/// Mean over whole blocks of pixels; the last row and column of blocks may be smaller.
+ImageF reduced(const ImageF& image, int factor) {
+  if (factor <= 1) return image;
+  ImageF out((image.width_px + factor - 1) / factor, (image.height_px + factor - 1) / factor, image.channels);
+  for (int y = 0; y < out.height_px; ++y)
+    for (int x = 0; x < out.width_px; ++x) {
+      const int right = std::min((x + 1) * factor, image.width_px),
+                bottom = std::min((y + 1) * factor, image.height_px);
+      for (int c = 0; c < image.channels; ++c) {
+        double sum = 0;
+        for (int v = y * factor; v < bottom; ++v)
+          for (int u = x * factor; u < right; ++u) sum += double(image.at(u, v, c));
+        out.at(x, y, c) = float(sum / ((right - x * factor) * (bottom - y * factor)));
+      }
+    }
+  return out;
+}
+
+Shot take_shot(const Scene& scene, std::size_t view, int longest_px, ImageF photo) {
+  Camera camera = scene.views[view].camera;
+  const int factor = (std::max(camera.width_px, camera.height_px) + longest_px - 1) / longest_px;
+  // blocks start at pixel 0 and may stick out at the far sides: the scale is exactly 1 / factor
+  camera.fx /= factor, camera.cx /= factor, camera.fy /= factor, camera.cy /= factor;
+  ImageF small = reduced(photo, factor);
+  camera.width_px = small.width_px, camera.height_px = small.height_px;
+  return {view, camera, std::move(small)};
+}
+
+std::vector<Shot> take_shots(Monitor& monitor, const SceneCheckOptions& options, const Scene& scene,
+                             const SceneLoaders& loaders) {
+  const auto timed = monitor.scope("photos");
+  std::vector<std::size_t> with_photo;
+  for (std::size_t i = 0; i < scene.views.size(); ++i)
+    if (!scene.views[i].image_path.empty()) with_photo.push_back(i);
+  std::vector<Shot> shots;
+  for (const std::size_t i : evenly_spaced(std::size_t(options.check_views), with_photo.size()))
+    shots.push_back(take_shot(scene, with_photo[i], options.check_size_px, loaders.photo(with_photo[i])));
+  return shots;
+}
+
+double median_gain(const Exec& exec, const GaussianCloud& cloud, const std::vector<Shot>& shots,
+                   const PoseRepair& repair) {
+  std::vector<double> gains;
+  for (const Shot& shot : shots)
+    gains.push_back(match_photo(exec, cloud, repair.apply(shot.camera),
+                                {Compat::kInria, cloud.antialiased, 3}, shot.photo)
+                        .gain_db());
+  return median(gains);
+}
+
+/// The repair that makes the model fit a few of the shots; null: none does.
+const PoseRepair* find_repair(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options,
+                              const GaussianCloud& cloud, const std::vector<Shot>& shots) {
+  const auto timed = monitor.scope("pose repairs");
+  constexpr std::size_t kShots = 3;
+  std::vector<Shot> few;
+  for (const std::size_t i : evenly_spaced(kShots, shots.size())) few.push_back(shots[i]);
+  const PoseRepair* best = nullptr;
+  double best_gain = options.min_fit_db;
+  for (const PoseRepair& repair : pose_repairs()) {
+    const double gain = median_gain(exec, cloud, few, repair);
+    if (gain > best_gain) best = &repair, best_gain = gain;
+  }
+  return best;
+}
+
+std::string decibels(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f dB", value + 0.0);
+  return text;
+}
+
+std::string percent(double share) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g %%", 100 * share);
+  return text;
+}
+
+void check_photos(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options,
+                  const GaussianCloud& cloud, const Scene& scene, const std::vector<Shot>& shots,
+                  SceneCheck& result) {
+  std::vector<double> gains, psnrs;
+  {
+    const auto timed = monitor.scope("compare");
+    for (const Shot& shot : shots) {
+      const PhotoMatch match =
+          match_photo(exec, cloud, shot.camera, {Compat::kInria, cloud.antialiased, 3}, shot.photo);
+      gains.push_back(match.gain_db()), psnrs.push_back(match.psnr_db);
+      result.views[shot.view].match = match;
+    }
+  }
+  result.median_fit_db = median(gains), result.median_psnr_db = median(psnrs);
+  if (result.median_fit_db >= options.min_fit_db) {
+    for (std::size_t i = 0; i < shots.size(); ++i)
+      if (gains[i] < options.min_fit_db)
+        result.warnings.push_back("view " + scene.views[shots[i].view].camera.name +
+                                  ": the model explains its photo only " + decibels(gains[i]) +
+                                  " better than a constant colour (" + decibels(psnrs[i]) + ")");
+    return;
+  }
+  const PoseRepair* repair = find_repair(exec, monitor, options, cloud, shots);
+  throw Error(ErrorCode::kInconsistent,
+              "cameras and model: rendered views match the photos " + decibels(result.median_psnr_db) +
+                  ", " + decibels(result.median_fit_db) + " above a constant colour (" +
+                  percent(result.median_inside) + " of the Gaussians in view), expected at least " +
+                  decibels(options.min_fit_db) + " above it",
+              repair != nullptr
+                  ? "it fits if " + repair->mistake + ": " + repair->remedy
+                  : "the model was trained on other poses, or in a world that was moved or scaled since; "
+                    "import the cameras it was trained with");
+}
+
+void check_inside_only(const SceneCheck& result) {
+  if (result.median_inside >= kLowestInside) return;
+  throw Error(
+      ErrorCode::kInconsistent,
+      "cameras and model: " + percent(result.median_inside) +
+          " of the Gaussians lie inside the median view, expected at least 1 %",
+      "poses are world-to-camera with x right, y down, z forward; with photos (--images DIR) the likely "
+      "mistake is found by itself");
+}
+
+void check_cloud(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options,
+                 const GaussianCloud& cloud, const Scene& scene, const SceneLoaders& loaders,
+                 SceneCheck& result) {
+  const std::vector<std::int64_t> sample = sample_usable(cloud);
+  result.sampled_gaussians = std::int64_t(sample.size());
+  {
+    const auto timed = monitor.scope("project");
+    for_each_task(exec, std::int64_t(scene.views.size()), [&](std::int64_t i) {
+      const Shares shares = shares_of(cloud, scene.views[std::size_t(i)].camera, sample);
+      result.views[std::size_t(i)].in_front = shares.in_front,
+      result.views[std::size_t(i)].inside = shares.inside;
+    });
+  }
+  std::vector<double> inside;
+  for (const ViewCheck& view : result.views) inside.push_back(view.inside);
+  result.median_inside = median(inside);
+  const std::vector<Shot> shots = take_shots(monitor, options, scene, loaders);
+  if (shots.empty())
+    check_inside_only(result);
+  else
+    check_photos(exec, monitor, options, cloud, scene, shots, result);
+}
+
+}  // namespace
+
+std::vector<std::size_t> evenly_spaced(std::size_t count, std::size_t n) {
+  std::vector<std::size_t> out;
+  count = std::min(count, n);
+  for (std::size_t i = 0; i < count; ++i) out.push_back((2 * i + 1) * n / (2 * count));
+  return out;
+}
+
+SceneCheck check_scene(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options,
+                       const GaussianCloud* cloud, const Scene& scene, const SceneLoaders& loaders) {
+  SceneCheck result;
+  result.views.resize(scene.views.size());
+  if (cloud != nullptr) check_cloud(exec, monitor, options, *cloud, scene, loaders, result);
+  check_masks(monitor, scene, loaders, result);
+  return result;
+}
+
+}  // namespace ngs

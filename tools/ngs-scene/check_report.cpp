@@ -1,0 +1,84 @@
+#include "check_report.h"
+
+#include <cstdio>
+
+namespace ngs::capture {
+namespace {
+
+std::string format(const char* pattern, double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, pattern, value);
+  return text;
+}
+
+Json view_json(const SceneView& view, const ViewCheck& check, bool has_model) {
+  Json out{{"name", view.camera.name}, {"split", view.split == Split::kTrain ? "train" : "held-out"}};
+  if (has_model) out["in_front"] = check.in_front, out["inside"] = check.inside;
+  if (check.match) {
+    out["psnr_db"] = check.match->psnr_db, out["constant_db"] = check.match->constant_db;
+    out["fit_db"] = check.match->gain_db(), out["covered"] = check.match->covered;
+  }
+  if (check.masks) out["coverage"] = check.masks->coverage, out["known"] = check.masks->known;
+  return out;
+}
+
+std::string table_row(const SceneView& view, const ViewCheck& check) {
+  const std::string& name = view.camera.name;
+  std::string text = name + std::string(name.size() < 26 ? 26 - name.size() : 1, ' ');
+  text += view.split == Split::kTrain ? "train      " : "held-out   ";
+  text += format("%-10.3f", check.in_front) + format("%-10.3f", check.inside);
+  text += check.match ? format("%-9.2f", check.match->psnr_db) + format("%-9.2f", check.match->gain_db())
+                      : "-        -        ";
+  if (!check.masks) return text + "-\n";
+  for (const double share : check.masks->coverage) text += format("%.4f ", share);
+  text.back() = '\n';
+  return text;
+}
+
+}  // namespace
+
+Json check_json(const Scene& scene, const SceneCheck& check) {
+  const bool has_model = check.sampled_gaussians > 0;
+  Json out;
+  int compared = 0, masks = 0;
+  for (const ViewCheck& view : check.views)
+    compared += view.match.has_value(), masks += view.masks.has_value();
+  out["views"] = scene.views.size(), out["compared_views"] = compared, out["mask_views"] = masks;
+  if (has_model)
+    out["median_inside"] = check.median_inside, out["sampled_gaussians"] = check.sampled_gaussians;
+  if (compared > 0) out["median_psnr_db"] = check.median_psnr_db, out["median_fit_db"] = check.median_fit_db;
+  for (std::size_t k = 0; k < scene.objects.size(); ++k) {
+    const ObjectCheck& o = check.objects[k];
+    out["objects"].push_back({{"name", scene.objects[k].name},
+                              {"id", scene.objects[k].id},
+                              {"views", o.views},
+                              {"empty", o.empty},
+                              {"full", o.full},
+                              {"mean_coverage", o.mean_coverage},
+                              {"border", o.border}});
+  }
+  for (std::size_t i = 0; i < scene.views.size(); ++i)
+    out["per_view"].push_back(view_json(scene.views[i], check.views[i], has_model));
+  return out;
+}
+
+Json health_json(const CloudHealth& health) {
+  return {{"gaussians", health.total},
+          {"non_finite", health.non_finite},
+          {"absurd_scale", health.absurd_scale},
+          {"zero_rotation", health.zero_rotation}};
+}
+
+std::string check_table(const Scene& scene, const SceneCheck& check) {
+  constexpr std::size_t kMostRows = 60;
+  const bool shortened = scene.views.size() > kMostRows;
+  std::string text = "view                      split      in front  inside    PSNR dB  fit dB   coverage\n";
+  for (std::size_t i = 0; i < scene.views.size(); ++i)
+    if (!shortened || check.views[i].match) text += table_row(scene.views[i], check.views[i]);
+  if (shortened)
+    text += "(of " + std::to_string(scene.views.size()) +
+            " views those compared with their photos; the report has all)\n";
+  return text;
+}
+
+}  // namespace ngs::capture

@@ -1,0 +1,13 @@
+#pragma once
+// scene_check.h as JSON for the report and as a table for people.
+#include "ngs/options/option_set.h"
+#include "ngs/scene/gaussian_cloud.h"
+#include "ngs/stages/scene_check.h"
+
+namespace ngs::capture {
+
+Json check_json(const Scene& scene, const SceneCheck& check);
+Json health_json(const CloudHealth& health);
+std::string check_table(const Scene& scene, const SceneCheck& check);
+
+}  // namespace ngs::capture

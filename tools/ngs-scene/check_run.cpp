@@ -1,0 +1,48 @@
+#include "check_run.h"
+
+#include <optional>
+
+#include "check_report.h"
+#include "ngs/io/gaussian_ply.h"
+#include "ngs/io/masks.h"
+#include "ngs/io/photo.h"
+
+namespace ngs::capture {
+namespace {
+
+std::optional<io::GaussianPly> read_model(cli::Run& run, const Scene& scene,
+                                          std::vector<std::string>& notes) {
+  if (scene.model_path.empty()) return std::nullopt;
+  const auto timed = run.monitor().scope("model");
+  io::GaussianPly model = io::read_gaussian_ply(scene.model_path);
+  run.add_input("model", scene.model_path);
+  notes.insert(notes.end(), model.notes.begin(), model.notes.end());
+  if (model.health.excluded() > 0)
+    notes.push_back(scene.model_path + ": " + std::to_string(model.health.excluded()) +
+                    " Gaussians are not finite or absurdly large and take no part");
+  run.result()["model"] = health_json(model.health);
+  return model;
+}
+
+SceneLoaders loaders_from_files(const Scene& scene) {
+  return {[&scene](std::size_t view) { return io::load_photo(scene, view); },
+          [&scene](std::size_t view) {
+            io::LoadedMasks loaded = io::load_masks_with_notes(scene, view);
+            return MaskSample{std::move(loaded.masks), std::move(loaded.notes), loaded.lossy};
+          }};
+}
+
+}  // namespace
+
+void run_checks(cli::Run& run, const SceneCheckOptions& options, const Scene& scene,
+                std::vector<std::string> notes) {
+  const std::optional<io::GaussianPly> model = read_model(run, scene, notes);
+  const SceneCheck result = check_scene(run.exec(), run.monitor(), options, model ? &model->cloud : nullptr,
+                                        scene, loaders_from_files(scene));
+  notes.insert(notes.end(), result.warnings.begin(), result.warnings.end());
+  for (const std::string& note : notes) run.monitor().warn(note);
+  run.result().update(check_json(scene, result));
+  run.text(check_table(scene, result));
+}
+
+}  // namespace ngs::capture

@@ -1,0 +1,15 @@
+#pragma once
+// The checks of stages/scene_check.h with files behind them: what import and check have in common.
+#include "ngs/scene/scene.h"
+#include "ngs/stages/scene_check.h"
+#include "shared/tool.h"
+
+namespace ngs::capture {
+
+/// Reads the model, photos and masks, fills "result" of the report, prints the table. `notes` become
+/// warnings, after the checks: an error must stand first on stderr. Throws where the scene does not hold
+/// together.
+void run_checks(cli::Run& run, const SceneCheckOptions& options, const Scene& scene,
+                std::vector<std::string> notes);
+
+}  // namespace ngs::capture

@@ -1,0 +1,86 @@
+// ngs-scene: cameras, photos, masks and a model of any origin -> the canonical scene.json, checked.
+#include "check_run.h"
+#include "ngs/io/scene_json.h"
+#include "options.h"
+
+namespace {
+
+using namespace ngs;
+
+Json import_json(const io::ImportedScene& imported) {
+  return {{"format", imported.format},
+          {"cameras", imported.cameras_file},
+          {"images", imported.images_dir},
+          {"masks", imported.masks_dir},
+          {"model_path", imported.scene.model_path},
+          {"mask_rules", imported.views_by_mask_rule},
+          {"views", imported.scene.views.size()}};
+}
+
+int import_command(int argc, char** argv) {
+  cli::Tool tool(
+      "ngs-scene import",
+      "Import cameras, photos, masks and a model of any origin, and check that they belong together.",
+      {"ngs-scene import captures/garden --ply garden.ply --masks garden/masks -o scene.json",
+       "ngs-scene import transforms.json --ply splat.ply --hold-out every:8:0 --image-scale 0.5 -o "
+       "scene.json"});
+  capture::ImportOptions options;
+  SceneCheckOptions checks;
+  tool.options(options);
+  tool.options(checks);
+  const cli::Argument& source = tool.argument(
+      "source", "COLMAP folder, transforms.json, cameras.json, poses_bounds.npy, or a folder holding one");
+  const cli::Input& ply =
+      tool.optional_input("--ply", "the 3DGS model; else point_cloud.ply or model.ply beside the cameras");
+  const cli::Input& images =
+      tool.optional_input("--images", "folder of photos; else images/ beside the cameras");
+  const cli::Input& masks = tool.optional_input("--masks", "folder of masks; else masks/ beside the cameras");
+  const cli::Input& world = tool.optional_input("--world-transform",
+                                                "JSON {transform, scale}: from the cameras' world to the "
+                                                "model's (nerfstudio's dataparser_transforms.json)");
+  const cli::Output& out = tool.output("-o,--output", "scene.json");
+
+  return tool.run(argc, argv, [&](cli::Run& run) {
+    const io::ImportedScene imported = [&] {
+      const auto timed = run.monitor().scope("import");
+      return io::import_scene(
+          capture::request_from(options, source.value, {ply.path, images.path, masks.path, world.path}));
+    }();
+    run.add_input("cameras", imported.cameras_file);
+    run.result() = import_json(imported);
+    if (run.dry_run()) {
+      run.plan({{"views", imported.scene.views.size()}, {"compared_views", checks.check_views}});
+      return cli::kDone;
+    }
+    capture::run_checks(run, checks, imported.scene, imported.notes);
+    io::write_scene_json(out.path, imported.scene);
+    return cli::kDone;
+  });
+}
+
+int check_command(int argc, char** argv) {
+  cli::Tool tool(
+      "ngs-scene check", "Check that cameras, model, photos and masks of a scene belong together.",
+      {"ngs-scene check scene.json", "ngs-scene check scene.json --check-views 100000 --report check.json"});
+  SceneCheckOptions checks;
+  tool.options(checks);
+  const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene import");
+
+  return tool.run(argc, argv, [&](cli::Run& run) {
+    const Scene scene = io::read_scene_json(scene_json.path);
+    run.result()["views"] = scene.views.size();
+    if (run.dry_run())
+      run.plan({{"views", scene.views.size()}, {"compared_views", checks.check_views}});
+    else
+      capture::run_checks(run, checks, scene, {});
+    return cli::kDone;
+  });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return ngs::cli::dispatch(argc, argv,
+                            {{"import", import_command, "cameras, photos, masks, model -> scene.json"},
+                             {"check", check_command, "repeat the checks on a scene.json"}});
+}

@@ -1,0 +1,66 @@
+#pragma once
+// What ngs-scene import asks for beside its inputs.
+#include "ngs/io/import_scene.h"
+#include "ngs/options/field.h"
+
+namespace ngs::capture {
+
+inline constexpr NamedValue<MaskMode> kMaskModeNames[] = {{MaskMode::kBinary, "binary"},
+                                                          {MaskMode::kLabel, "label"},
+                                                          {MaskMode::kSoft, "soft"},
+                                                          {MaskMode::kBands, "bands"}};
+inline constexpr NamedValue<MissingMask> kMissingNames[] = {
+    {MissingMask::kUnknown, "unknown"}, {MissingMask::kEmpty, "empty"}, {MissingMask::kError, "error"}};
+
+struct ImportOptions {
+  MaskMode mask_mode = MaskMode::kBinary;
+  std::vector<std::string> object_id;
+  bool mask_invert = false;
+  double mask_threshold = 128;
+  MissingMask missing_mask = MissingMask::kUnknown;
+  std::string hold_out;
+  double image_scale = 1;
+  bool original_world = false;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.mask_mode,
+          Choice<MaskMode>{"mask_mode", "how mask values are read (bands: <128 unknown, <=250 background)",
+                           kMaskModeNames});
+    visit(self.object_id,
+          Text{"object_id", "N|NAME=N|NAME",
+               "an object: its id in label maps, or the name of its folder of masks; repeat for more"});
+    visit(self.mask_invert, Flag{"mask_invert", "black is the object"});
+    visit(self.mask_threshold,
+          Field<double>{"mask_threshold", "", "binary masks: object at and above this (8-bit scale)", 0.0,
+                        255.0});
+    visit(self.missing_mask,
+          Choice<MissingMask>{"missing_mask", "what a view without a mask says", kMissingNames});
+    visit(
+        self.hold_out,
+        Text{"hold_out", "every:N:K|FILE",
+             "views that never supervise: index i of the sorted names with i % N == K, or a list of names"});
+    visit(self.image_scale,
+          Field<double>{"image_scale", "", "working size relative to the photos", 0.001, 1.0});
+    visit(self.original_world, Flag{"original_world", "transforms.json: undo its applied_transform"});
+  }
+};
+
+/// The inputs of the command line; empty: not given.
+struct ImportPaths {
+  std::string ply, images, masks, world_transform;
+};
+
+inline io::ImportRequest request_from(const ImportOptions& options, const std::string& source,
+                                      const ImportPaths& paths) {
+  io::ImportRequest request;
+  request.capture = {source, paths.images, paths.world_transform, options.original_world};
+  request.model_path = paths.ply, request.masks_dir = paths.masks;
+  request.object_ids = options.object_id, request.hold_out = options.hold_out;
+  request.mask_mode = options.mask_mode, request.mask_invert = options.mask_invert;
+  request.mask_threshold = options.mask_threshold, request.missing_mask = options.missing_mask;
+  request.image_scale = options.image_scale;
+  return request;
+}
+
+}  // namespace ngs::capture
