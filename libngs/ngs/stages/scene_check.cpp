@@ -1,6 +1,7 @@
 #include "ngs/stages/scene_check.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "ngs/backend/for_each.h"
@@ -126,7 +127,7 @@ const PoseRepair* find_repair(const Exec& exec, Monitor& monitor, const SceneChe
 
 std::string decibels(double value) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.1f dB", value + 0.0);
+  std::snprintf(text, sizeof text, "%.1f dB", std::round(value * 10) / 10 + 0.0);  // no "-0.0"
   return text;
 }
 
