@@ -3,7 +3,9 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -37,6 +39,7 @@ std::string digits(const State& state) {
 
 ContentHash file_hash(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
+  if (!file) throw Error(ErrorCode::kBadInput, path.string() + ": cannot be read: " + std::strerror(errno));
   std::vector<char> chunk(1 << 20);
   ContentHash hash;
   const State state = new_state();
