@@ -206,6 +206,8 @@ ProcessResult run_case(const Json& raw) {
   check_result(prepared, spec.argv, result);
   if (prepared.spec.contains("same_bytes")) check_same_bytes(prepared, spec);
   if (prepared.spec.contains("killed")) check_killed(prepared, spec);
+  if (prepared.spec.contains("equal"))
+    CHECK(test::read_bytes(prepared.spec["equal"][0]) == test::read_bytes(prepared.spec["equal"][1]));
   return result;
 }
 
@@ -217,6 +219,7 @@ TEST_CASE("every tool keeps the contract in every listed case") {
     if (entry.path().extension() == ".json") files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   REQUIRE_FALSE(files.empty());
+  REQUIRE_NOTHROW(test::fixture_folder());
   std::string table;
   int cases = 0;
   std::set<std::string> names;

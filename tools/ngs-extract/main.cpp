@@ -1,156 +1,33 @@
 // ngs-extract: labelled PLY -> object and background as plain splats, decided labels, hand edits taken back.
-#include <filesystem>
-
-#include "ngs/io/gaussian_ply.h"
-#include "ngs/stages/extract_stage.h"
-#include "ngs/stages/import_stage.h"
-#include "shared/tool.h"
-
-namespace {
-
-using namespace ngs;
-
-struct SelectOptions {
-  std::string select;
-
-  template <class Self, class Visitor>
-  static void describe(Self& self, Visitor&& visit) {
-    visit(self.select, Text{"select", "NAME", "the object to extract from a model with several; default: all of them"});
-  }
-};
-
-/// The objects of the model, every column filled: a column that the file lacks cannot say "unseen".
-std::vector<io::NamedLabels> labels_of(const io::GaussianPly& ply) {
-  std::vector<io::NamedLabels> objects = ply.objects;
-  if (objects.empty()) objects = {{ply.object, ply.labels}};
-  const std::size_t n = std::size_t(ply.cloud.size());
-  for (io::NamedLabels& object : objects) {
-    LabelColumns& c = object.columns;
-    if (c.label.empty() && c.prob.empty() && n > 0)
-      throw Error(ErrorCode::kBadInput, ply.file.name() + ": vertex property 'ngs_label' is missing",
-                  "label the model first: ngs-variance scene.json -o boundary.ply");
-    if (c.label.empty()) c.label = c.prob;
-    if (c.prob.empty()) c.prob = c.label;
-    if (c.views.empty()) c.views.assign(n, 1.f);
-    c.variance.resize(n), c.boundary.resize(n);
-  }
-  return objects;
-}
-
-std::vector<std::size_t> selected(const std::vector<io::NamedLabels>& objects, const std::string& name) {
-  std::vector<std::size_t> chosen;
-  std::string names;
-  for (std::size_t k = 0; k < objects.size(); ++k) {
-    if (name.empty() || objects[k].object == name) chosen.push_back(k);
-    names += (k > 0 ? ", " : "") + objects[k].object;
-  }
-  if (chosen.empty()) throw Error(ErrorCode::kUsage, "select = " + name + ", expected one of: " + names);
-  return chosen;
-}
-
-Json counts(const std::string& name, const Extraction& e) {
-  return {{"name", name}, {"object", e.objects}, {"unseen", e.unseen}, {"unseen_to_object", e.unseen_to_object},
-          {"unusable", e.unusable}, {"fixed", e.fixed}, {"components", e.components},
-          {"removed_components", e.removed_components}, {"removed", e.removed}};
-}
-
-class Extractor {
- public:
-  Extractor(cli::Run& run, io::GaussianPly ply, const ExtractOptions& options, const std::string& select)
-      : run_(run), options_(options), ply_(std::move(ply)), objects_(labels_of(ply_)), chosen_(selected(objects_, select)) {
-    for (const std::string& note : ply_.notes) run_.info(note);
-  }
-
-  /// Labels and ngs_fixed of the selected object from a hand-edited splat.
-  void import(const std::string& path) {
-    if (chosen_.size() != 1)
-      throw Error(ErrorCode::kUsage, "import with " + std::to_string(chosen_.size()) + " objects, expected one",
-                  "name the object that the edit is about: --select NAME");
-    const io::GaussianPly edit = io::read_gaussian_ply(path);
-    LabelColumns& columns = objects_[chosen_[0]].columns;
-    const Extraction before = extract_object(run_.exec(), options_, {ply_.cloud, columns, ply_.fixed});
-    const ImportedEdit imported = import_edit(ply_.cloud, before.object, columns.label, edit.cloud, edit.state);
-    columns.label = imported.label;
-    ply_.fixed = imported.fixed;
-    run_.result()["import"] = {{"matched", imported.matched}, {"unmatched", imported.unmatched},
-                               {"to_object", imported.to_object}, {"to_background", imported.to_background}};
-    if (imported.unmatched > 0)
-      run_.monitor().warn(std::to_string(imported.unmatched) + " Gaussians of the edit are not in the labelled model");
-  }
-
-  void decide() {
-    const auto timed = run_.monitor().scope("decide");
-    keep_.assign(std::size_t(ply_.cloud.size()), 0);
-    for (std::size_t k = 0; k < objects_.size(); ++k) {
-      LabelColumns& columns = objects_[k].columns;
-      const bool is_chosen = std::find(chosen_.begin(), chosen_.end(), k) != chosen_.end();
-      // Hand-made labels are about one object; of several only the selected one.
-      const auto fixed = objects_.size() == 1 || (is_chosen && chosen_.size() == 1) ? std::span<const float>(ply_.fixed)
-                                                                                   : std::span<const float>();
-      const Extraction e = extract_object(run_.exec(), options_, {ply_.cloud, columns, fixed});
-      for (std::size_t i = 0; i < keep_.size(); ++i) {
-        columns.label[i] = e.object[i];
-        if (is_chosen) keep_[i] |= e.object[i];
-      }
-      run_.result()["objects"].push_back(counts(objects_[k].object, e));
-    }
-    const std::int64_t kept = std::count(keep_.begin(), keep_.end(), std::uint8_t(1));
-    run_.result()["gaussians"] = ply_.cloud.size();
-    run_.result()["object"] = kept;
-    run_.result()["background"] = ply_.cloud.size() - kept;
-    if (kept == 0)
-      run_.nothing_found("no Gaussian is object by rule " + options_.rule,
-                         "lower the threshold, or check the masks: ngs-scene check scene.json");
-    if (kept == ply_.cloud.size() && kept > 0) run_.monitor().warn("every Gaussian is object: the background is empty");
-  }
-
-  void write_object(const std::string& path) const { io::write_strict_ply(path, ply_, keep_); }
-
-  void write_background(const std::string& path) const {
-    std::vector<std::uint8_t> rest(keep_.size());
-    for (std::size_t i = 0; i < rest.size(); ++i) rest[i] = !keep_[i];
-    io::write_strict_ply(path, ply_, rest);
-  }
-
-  void write_labelled(const std::string& path, bool with_state) const {
-    io::LabelledWrite options;
-    options.fixed = ply_.fixed;
-    if (with_state) options.state = keep_;
-    io::write_labelled_ply(path, ply_, objects_, options);
-  }
-
- private:
-  cli::Run& run_;
-  const ExtractOptions& options_;
-  io::GaussianPly ply_;
-  std::vector<io::NamedLabels> objects_;
-  std::vector<std::size_t> chosen_;
-  std::vector<std::uint8_t> keep_;
-};
-
-}  // namespace
+#include "extractor.h"
 
 int main(int argc, char** argv) {
-  cli::Tool tool("ngs-extract", "Cut the object out: object and background as plain splats, labels decided.",
-                 {"ngs-extract labelled.ply --object object.ply --background background.ply",
-                  "ngs-extract labelled.ply --supersplat edit_me.ply",
-                  "ngs-extract labelled.ply --import edited.ply --labelled corrected.ply --object object.ply"});
+  using namespace ngs;
+  cli::Tool tool(
+      "ngs-extract", "Cut the object out: object and background as plain splats, labels decided.",
+      {"ngs-extract labelled.ply --object object.ply --background background.ply",
+       "ngs-extract labelled.ply --supersplat edit_me.ply",
+       "ngs-extract labelled.ply --import edited.ply --labelled corrected.ply --object object.ply"});
   ExtractOptions options;
-  SelectOptions select;
+  cli::SelectOptions select;
   tool.options(options);
   tool.options(select);
   const cli::Input& labelled = tool.input("labelled", "labelled PLY of ngs-variance or ngs-joint");
-  const cli::Input& edited = tool.optional_input("--import", "hand-edited splat: rows that are left (or selected) are the object");
+  const cli::Input& edited =
+      tool.optional_input("--import", "hand-edited splat: rows that are left (or selected) are the object");
   const cli::Output& object = tool.optional_output("--object", "the object, plain 3DGS PLY");
   const cli::Output& background = tool.optional_output("--background", "everything else, plain 3DGS PLY");
-  const cli::Output& decided = tool.optional_output("--labelled", "the labelled model with ngs_label decided to 0 or 1");
-  const cli::Output& supersplat = tool.optional_output("--supersplat", "the same with the object selected in SuperSplat");
+  const cli::Output& decided =
+      tool.optional_output("--labelled", "the labelled model with ngs_label decided to 0 or 1");
+  const cli::Output& supersplat =
+      tool.optional_output("--supersplat", "the same with the object selected in SuperSplat");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
     parse_extract_rule(options.rule);
     if (!object && !background && !decided && !supersplat)
-      throw Error(ErrorCode::kUsage, "no output was asked for, expected --object, --background, --labelled or --supersplat");
-    Extractor extractor(run, io::read_gaussian_ply(labelled.path), options, select.select);
+      throw Error(ErrorCode::kUsage,
+                  "no output was asked for, expected --object, --background, --labelled or --supersplat");
+    cli::Extractor extractor(run, io::read_gaussian_ply(labelled.path), options, select.select);
     if (run.dry_run()) return cli::kDone;
     if (edited) extractor.import(edited.path);
     extractor.decide();

@@ -53,7 +53,7 @@ std::string option_row(const OptionEntry& entry) {
       left += " " + names;
     }
   }
-  if (entry.kind == OptionKind::kTextList) help += " (repeatable)";
+  if (entry.kind == OptionKind::kTextList && help.find("(repeatable)") == help.npos) help += " (repeatable)";
   std::string defaults =
       entry.default_value.is_string() ? entry.default_value.get<std::string>() : entry.default_value.dump();
   if (!entry.min.is_null()) {

@@ -1,0 +1,45 @@
+#pragma once
+// The work of ngs-extract between reading the labelled model and writing its parts.
+#include <string>
+#include <vector>
+
+#include "ngs/io/gaussian_ply.h"
+#include "ngs/stages/extract_stage.h"
+#include "shared/tool.h"
+
+namespace ngs::cli {
+
+struct SelectOptions {
+  std::string select;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.select,
+          Text{"select", "NAME", "the object to extract from a model with several; default: all of them"});
+  }
+};
+
+class Extractor {
+ public:
+  /// kBadInput if the model has no labels, kUsage if no object is named `select`.
+  Extractor(Run& run, io::GaussianPly ply, const ExtractOptions& options, const std::string& select);
+
+  /// Labels and ngs_fixed of the selected object from a hand-edited splat.
+  void import(const std::string& path);
+  /// Every object's label becomes 0 or 1; counts go into the result. kNothingFound if the object is empty.
+  void decide();
+
+  void write_object(const std::string& path) const;
+  void write_background(const std::string& path) const;
+  void write_labelled(const std::string& path, bool with_state) const;
+
+ private:
+  Run& run_;
+  const ExtractOptions& options_;
+  io::GaussianPly ply_;
+  std::vector<io::NamedLabels> objects_;
+  std::vector<std::size_t> chosen_;
+  std::vector<std::uint8_t> keep_;
+};
+
+}  // namespace ngs::cli
