@@ -20,7 +20,7 @@ struct PixelRegion {
 
 struct PhotometricOptions {
   double dssim_weight = 0.2;  // λ
-  PixelRegion region;
+  PixelRegion region = {};
 };
 
 struct PhotometricLoss {

@@ -17,7 +17,10 @@ auto PhotometricPass<T, Acc>::evaluate(const Exec& exec, const PhotometricOption
             "photometric: rendered and target differ in size");
   NGS_CHECK(!weight || (weight->width_px == W && weight->height_px == H && weight->channels == 1),
             "photometric: the weight image has another size");
-  if (gradient) *gradient = Image<T>(W, H, C);
+  if (gradient && (gradient->width_px != W || gradient->height_px != H || gradient->channels != C))
+    *gradient = Image<T>(W, H, C);
+  else if (gradient)
+    std::fill(gradient->data.begin(), gradient->data.end(), T(0));
 
   const PixelRegion whole{0, 0, W, H};
   const PixelRegion inner = options.region.empty() ? whole : options.region;
@@ -25,7 +28,6 @@ auto PhotometricPass<T, Acc>::evaluate(const Exec& exec, const PhotometricOption
   // Windows of pixels inside reach kRadius further; what lies beyond has no influence at all.
   const int x0 = std::max(0, inner.x0 - ssim::kRadius), y0 = std::max(0, inner.y0 - ssim::kRadius);
   const ssim::Layout layout{std::min(W, inner.x1 + ssim::kRadius) - x0, std::min(H, inner.y1 + ssim::kRadius) - y0, C};
-  const int inner_x0 = inner.x0 - x0, inner_x1 = inner.x1 - x0, inner_y0 = inner.y0 - y0, inner_y1 = inner.y1 - y0;
 
   double weight_sum = double(inner.x1 - inner.x0) * (inner.y1 - inner.y0);
   if (weight) {
@@ -45,7 +47,8 @@ auto PhotometricPass<T, Acc>::evaluate(const Exec& exec, const PhotometricOption
   const std::int64_t stride = std::int64_t(W) * C;
   const ssim::Crop<const T> x{rendered.data.data() + rendered.index(x0, y0), stride};
   const ssim::Crop<const T> y{target.data.data() + target.index(x0, y0), stride};
-  const ssim::Crop<const float> w{weight ? weight->data.data() + weight->index(x0, y0) : nullptr, W};
+  const ssim::PixelWeights weights{{weight ? weight->data.data() + weight->index(x0, y0) : nullptr, W},
+                                   inner.x0 - x0, inner.x1 - x0, inner.y0 - y0, inner.y1 - y0};
   const ssim::Window window;
   const auto blur = [&](int planes, T* data_in, T* data_out) {
     for_each_index(exec, std::int64_t(planes) * layout.h, ssim::BlurRow<T>{layout, window, data_in, rows_.data()});
@@ -56,15 +59,13 @@ auto PhotometricPass<T, Acc>::evaluate(const Exec& exec, const PhotometricOption
   blur(ssim::kMoments, products_.data(), blurred_.data());
   // The products are spent; their planes, zero padded, take the partials.
   for_each_index(exec, layout.h,
-                 ssim::RowLoss<T, Acc>{layout, blurred_.data(), gradient ? products_.data() : nullptr, x, y, w,
-                                       inner_x0, inner_x1, inner_y0, inner_y1, -options.dssim_weight * norm,
-                                       row_l1_.data(), row_ssim_.data()});
+                 ssim::RowLoss<T, Acc>{layout, blurred_.data(), products_.data(), x, y, weights,
+                                       -options.dssim_weight * norm, row_l1_.data(), row_ssim_.data()});
   if (gradient) {
     blur(ssim::kPartials, products_.data(), blurred_.data());
     const ssim::Crop<T> out{gradient->data.data() + gradient->index(x0, y0), stride};
     for_each_index(exec, layout.h,
-                   ssim::RowGradient<T>{layout, blurred_.data(), x, y, w, inner_x0, inner_x1, inner_y0, inner_y1,
-                                        (1 - options.dssim_weight) * norm, out});
+                   ssim::RowGradient<T>{layout, blurred_.data(), x, y, weights, (1 - options.dssim_weight) * norm, out});
   }
   Acc l1 = Acc(0), similarity = Acc(0);
   for (std::size_t row = 0; row < row_l1_.size(); ++row) l1 += row_l1_[row], similarity += row_ssim_[row];

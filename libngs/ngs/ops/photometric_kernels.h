@@ -66,7 +66,9 @@ struct Products {
   }
 };
 
-/// One row of `count` planes convolved along the row. Item = plane · h + row.
+inline constexpr int kStrip = 64;  // values whose sums are kept at hand while the taps pass by; only speed depends on it
+
+/// One row of a plane convolved along the row. Item = plane · h + row.
 template <class T>
 struct BlurRow {
   Layout layout;
@@ -76,20 +78,22 @@ struct BlurRow {
 
   NGS_HD void operator()(std::int64_t item) const {
     const std::int64_t offset = (item / layout.h) * layout.plane() + layout.row(int(item % layout.h));
-    const T* source = in + offset;
-    T* target = out + offset;
-    const std::int64_t n = layout.width();
-    T tap[2 * kRadius + 1];
-    for (int k = 0; k <= 2 * kRadius; ++k) tap[k] = T(window.tap[k]);
-    for (std::int64_t i = 0; i < n; ++i) {
-      T sum = T(0);
-      for (int k = -kRadius; k <= kRadius; ++k) sum += tap[k + kRadius] * source[i + k * layout.c];
-      target[i] = sum;
+    for (std::int64_t begin = 0; begin < layout.width(); begin += kStrip) {
+      const int count = layout.width() - begin < kStrip ? int(layout.width() - begin) : kStrip;
+      const T* source = in + offset + begin;
+      T sum[kStrip];
+      for (int i = 0; i < count; ++i) sum[i] = T(window.tap[kRadius]) * source[i];
+      for (int k = 1; k <= kRadius; ++k) {
+        const T tap = T(window.tap[kRadius + k]);
+        const T *left = source - k * layout.c, *right = source + k * layout.c;
+        for (int i = 0; i < count; ++i) sum[i] += tap * (left[i] + right[i]);
+      }
+      for (int i = 0; i < count; ++i) out[offset + begin + i] = sum[i];
     }
   }
 };
 
-/// The same along columns. Reads and writes whole rows, so neighbours in memory are neighbours in the loop.
+/// The same along columns.
 template <class T>
 struct BlurColumn {
   Layout layout;
@@ -99,15 +103,18 @@ struct BlurColumn {
 
   NGS_HD void operator()(std::int64_t item) const {
     const int y = int(item % layout.h);
-    const std::int64_t base = (item / layout.h) * layout.plane();
-    T* target = out + base + layout.row(y);
-    const std::int64_t n = layout.width();
-    for (std::int64_t i = 0; i < n; ++i) target[i] = T(0);
-    for (int k = -kRadius; k <= kRadius; ++k) {
-      if (y + k < 0 || y + k >= layout.h) continue;
-      const T tap = T(window.tap[k + kRadius]);
-      const T* source = in + base + layout.row(y + k);
-      for (std::int64_t i = 0; i < n; ++i) target[i] += tap * source[i];
+    const int first = y < kRadius ? -y : -kRadius, last = layout.h - 1 - y < kRadius ? layout.h - 1 - y : kRadius;
+    const std::int64_t base = (item / layout.h) * layout.plane() + layout.row(y), n = layout.width();
+    for (std::int64_t begin = 0; begin < n; begin += kStrip) {
+      const int count = n - begin < kStrip ? int(n - begin) : kStrip;
+      T sum[kStrip];
+      for (int i = 0; i < count; ++i) sum[i] = T(0);
+      for (int k = first; k <= last; ++k) {
+        const T tap = T(window.tap[k + kRadius]);
+        const T* source = in + base + k * layout.stride() + begin;
+        for (int i = 0; i < count; ++i) sum[i] += tap * source[i];
+      }
+      for (int i = 0; i < count; ++i) out[base + begin + i] = sum[i];
     }
   }
 };
@@ -128,36 +135,51 @@ NGS_HD T similarity(const T* moment, T* partial) {
   return s;
 }
 
+/// Which pixels of the crop count, and how much.
+struct PixelWeights {
+  Crop<const float> weight;  // per pixel; null: 1
+  int x0, x1, y0, y1;        // pixels outside only feed the windows of others
+  NGS_HD double at(int px, int row) const {
+    if (px < x0 || px >= x1 || row < y0 || row >= y1) return 0;
+    return weight.first ? double(weight.row(row)[px]) : 1;
+  }
+};
+
 /// Sums over one row; the partials are already times the factor of S in the loss. Acc: double, or Dual in tests.
+/// Two passes: what is the same for every value vectorises, the ordered sums do not.
 template <class T, class Acc>
 struct RowLoss {
   Layout layout;
-  const T* blurred;          // [kMoments, plane]
-  T* partials;               // [kPartials, plane] out; null: value only
+  const T* blurred;  // [kMoments, plane]
+  T* planes;         // [kMoments, plane] out: partials, then S and |x - y|
   Crop<const T> x, y;
-  Crop<const float> weight;  // per pixel; null: 1
-  int inner_x0, inner_x1, inner_y0, inner_y1;  // pixels that count; the others only feed windows
-  double ssim_factor;        // ∂L/∂S of a pixel of weight 1
-  Acc* l1;                   // [h] Σ w |x - y|
-  Acc* ssim;                 // [h] Σ w S
+  PixelWeights weights;
+  double ssim_factor;  // ∂L/∂S of a pixel of weight 1
+  Acc* l1;             // [h] Σ w |x - y|
+  Acc* ssim;           // [h] Σ w S
 
   NGS_HD void operator()(std::int64_t item) const {
     using std::abs;
     const int row = int(item);
-    const std::int64_t plane = layout.plane(), base = layout.row(row);
+    const std::int64_t plane = layout.plane(), base = layout.row(row), n = layout.width();
+    const T* in = blurred + base;
+    T* __restrict out = planes + base;
+    const T *a = x.row(row), *b = y.row(row);
+    for (std::int64_t i = 0; i < n; ++i) {
+      const T moment[kMoments] = {in[i], in[plane + i], in[2 * plane + i], in[3 * plane + i], in[4 * plane + i]};
+      T partial[kPartials];
+      out[3 * plane + i] = similarity(moment, partial);
+      out[4 * plane + i] = abs(a[i] - b[i]);
+      out[i] = partial[kDx], out[plane + i] = partial[kDxx], out[2 * plane + i] = partial[kDxy];
+    }
     Acc sum_l1 = Acc(0), sum_ssim = Acc(0);
     for (int px = 0; px < layout.w; ++px) {
-      const bool counts = px >= inner_x0 && px < inner_x1 && row >= inner_y0 && row < inner_y1;
-      const double w = !counts ? 0.0 : (weight.first ? double(weight.row(row)[px]) : 1.0);
-      for (int ch = 0; ch < layout.c; ++ch) {
-        const std::int64_t i = std::int64_t(px) * layout.c + ch;
-        T moment[kMoments], partial[kPartials];
-        for (int m = 0; m < kMoments; ++m) moment[m] = blurred[m * plane + base + i];
-        const T s = similarity(moment, partial);
-        sum_l1 += Acc(w) * Acc(abs(x.row(row)[i] - y.row(row)[i]));
-        sum_ssim += Acc(w) * Acc(s);
-        if (partials)
-          for (int d = 0; d < kPartials; ++d) partials[d * plane + base + i] = T(w * ssim_factor) * partial[d];
+      const double w = weights.at(px, row);
+      const T factor = T(w * ssim_factor);
+      for (std::int64_t i = std::int64_t(px) * layout.c; i < std::int64_t(px + 1) * layout.c; ++i) {
+        sum_l1 += Acc(w) * Acc(out[4 * plane + i]);
+        sum_ssim += Acc(w) * Acc(out[3 * plane + i]);
+        for (int d = 0; d < kPartials; ++d) out[d * plane + i] *= factor;
       }
     }
     l1[row] = sum_l1;
@@ -171,8 +193,7 @@ struct RowGradient {
   Layout layout;
   const T* blurred;  // [kPartials, plane]; the window is symmetric, so the adjoint of the blur is the blur
   Crop<const T> x, y;
-  Crop<const float> weight;
-  int inner_x0, inner_x1, inner_y0, inner_y1;
+  PixelWeights weights;
   double l1_factor;
   Crop<T> gradient;  // out, overwritten
 
@@ -180,9 +201,7 @@ struct RowGradient {
     const int row = int(item);
     const std::int64_t plane = layout.plane(), base = layout.row(row);
     for (int px = 0; px < layout.w; ++px) {
-      const bool counts = px >= inner_x0 && px < inner_x1 && row >= inner_y0 && row < inner_y1;
-      const double w = !counts ? 0.0 : (weight.first ? double(weight.row(row)[px]) : 1.0);
-      const T factor = T(w * l1_factor);
+      const T factor = T(weights.at(px, row) * l1_factor);
       for (int ch = 0; ch < layout.c; ++ch) {
         const std::int64_t i = std::int64_t(px) * layout.c + ch;
         const T a = x.row(row)[i], b = y.row(row)[i], difference = a - b;

@@ -111,7 +111,7 @@ Object table_item(int k, double x, double y, Dice& dice) {
     default: item.solids = {torus({x, y, 0.035}, kUpright, r, 0.035)}; break;
   }
   const V a = bright(dice), b{1.25 - a.x, 1.25 - a.y, 1.25 - a.z};
-  item.texture = {Pattern(k % 3), a, b, dice.uniform(4, 7), 0.1, std::uint32_t(40 + k)};
+  item.texture = {Pattern(k % 3), a, b, dice.uniform(3, 5), 0.1, std::uint32_t(40 + k)};
   return item;
 }
 
@@ -175,6 +175,7 @@ std::vector<std::string> recipe_names() {
 Recipe named_recipe(const std::string& name) {
   Recipe recipe;
   if (name == "tiny") {
+    recipe.scene = SceneKind::kTwoSpheres;
     recipe.views = 6, recipe.width_px = 64, recipe.height_px = 48, recipe.points = 500;
     return recipe;
   }

@@ -24,9 +24,9 @@ inline constexpr NamedValue<Rig> kRigNames[] = {{Rig::kOrbit, "orbit"}, {Rig::kF
 
 /// Everything that decides what a scene looks like.
 struct Recipe {
-  SceneKind scene = SceneKind::kTwoSpheres;
+  SceneKind scene = SceneKind::kTorusBox;
   Rig rig = Rig::kOrbit;
-  int views = 18;
+  int views = 20;
   int width_px = 320, height_px = 240;
   double fov_deg = 50;
   int samples_per_side = 4;

@@ -148,8 +148,8 @@ double value_noise(Vec3<double> p, std::uint32_t seed) {
 
 Vec3<double> albedo(const Texture& t, Vec3<double> p) {
   const double blend = pattern_value(t, p);
-  const Vec3<double> q = (5 * t.frequency) * p;
-  const double fine = t.detail * (value_noise(q, t.seed) + 0.5 * value_noise(2.0 * q, t.seed + 5));
+  const Vec3<double> q = (3.5 * t.frequency) * p;
+  const double fine = t.detail * (value_noise(q, t.seed) + 0.3 * value_noise(2.0 * q, t.seed + 5));
   const auto channel = [&](double a, double b) { return std::clamp(mix(a, b, blend) + fine, 0.0, 1.0); };
   return {channel(t.colour_a.x, t.colour_b.x), channel(t.colour_a.y, t.colour_b.y),
           channel(t.colour_a.z, t.colour_b.z)};

@@ -1,0 +1,93 @@
+#include <algorithm>
+#include <cmath>
+
+#include "ngs/core/error.h"
+#include "ngs/core/rng.h"
+#include "ngs/math/stable.h"
+#include "ngs/ops/knn.h"
+#include "ngs/stages/fit_stage.h"
+
+namespace ngs {
+namespace {
+
+constexpr float kSh0 = 0.28209479177387814f;
+
+/// The point nearest to all optical axes; a pull towards the point one extent ahead settles parallel axes.
+Vec3<double> looked_at(std::span<const FitView> views, double extent) {
+  constexpr double kPull = 1e-3;
+  Vec3<double> row[3] = {}, right{0, 0, 0};  // the normal equations (Σ (1 - aaᵀ) + pull) x = right
+  const Vec3<double> unit[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (const FitView& view : views) {
+    const Mat3<double>& r = view.camera.rotation;
+    const Vec3<double> axis{r(2, 0), r(2, 1), r(2, 2)}, centre = view.camera.centre();
+    for (int k = 0; k < 3; ++k) row[k] = row[k] + (1 + kPull) * unit[k] - dot(axis, unit[k]) * axis;
+    right = right + centre - dot(axis, centre) * axis + kPull * (centre + extent * axis);
+  }
+  const Vec3<double> c0 = cross(row[1], row[2]), c1 = cross(row[2], row[0]), c2 = cross(row[0], row[1]);
+  const double det = dot(row[0], c0);
+  return (1 / det) * (right.x * c0 + right.y * c1 + right.z * c2);
+}
+
+std::vector<FitPoint> random_cube(const FitOptions& options, std::span<const FitView> views, std::uint64_t seed) {
+  const double extent = scene_extent(views);
+  const Vec3<double> middle = looked_at(views, extent);
+  std::vector<FitPoint> points(std::size_t(options.random_points));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto draw = [&](std::uint64_t k) { return rng_uniform(seed, RngStream::kFitInit, 8 * i + k); };
+    const auto coordinate = [&](double at, std::uint64_t k) { return float(at + 1.3 * extent * (2 * draw(k) - 1)); };
+    points[i] = {{coordinate(middle.x, 0), coordinate(middle.y, 1), coordinate(middle.z, 2)},
+                 {float(draw(3)), float(draw(4)), float(draw(5))}};
+  }
+  return points;
+}
+
+}  // namespace
+
+double scene_extent(std::span<const FitView> views) {
+  Vec3<double> mean{0, 0, 0};
+  double count = 0, farthest = 0;
+  for (const FitView& view : views)
+    if (view.split == Split::kTrain) mean = mean + view.camera.centre(), ++count;
+  if (count == 0) return 1;
+  mean = (1 / count) * mean;
+  for (const FitView& view : views) {
+    if (view.split != Split::kTrain) continue;
+    const Vec3<double> d = view.camera.centre() - mean;
+    farthest = std::max(farthest, std::sqrt(dot(d, d)));
+  }
+  return farthest > 0 ? 1.1 * farthest : 1.0;
+}
+
+FitState initial_fit(const Exec& exec, const FitOptions& options, std::span<const FitPoint> points,
+                     std::span<const FitView> views, std::uint64_t seed) {
+  std::vector<FitPoint> start(points.begin(), points.end());
+  if (start.empty()) start = random_cube(options, views, seed);
+  if (start.size() > std::size_t(options.max_gaussians)) start.resize(std::size_t(options.max_gaussians));
+  FitState state;
+  GaussianCloud& cloud = state.cloud;
+  cloud.resize(std::int64_t(start.size()), options.sh_degree);
+  cloud.antialiased = options.antialiased;
+  for (std::size_t i = 0; i < start.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (!std::isfinite(start[i].position[k]) || !std::isfinite(start[i].rgb[k]))
+        throw Error(ErrorCode::kBadInput, "point " + std::to_string(i) + " is not finite, expected a position and a colour");
+      cloud.position[3 * i + k] = start[i].position[k];
+      cloud.sh_dc[3 * i + k] = (start[i].rgb[k] - 0.5f) / kSh0;
+    }
+  const KnnGraph near = nearest_others(exec, {cloud.position.data(), cloud.size()}, 3);
+  const float alone = float(0.01 * scene_extent(views));  // a single point has no neighbours
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    double mean = 0;
+    for (int k = 0; k < near.neighbours; ++k)
+      mean += double(near.dist2[i * std::size_t(near.neighbours) + std::size_t(k)]) / near.neighbours;
+    const float log_scale = near.neighbours > 0 ? float(0.5 * std::log(std::max(mean, 1e-7))) : std::log(alone);
+    std::fill_n(cloud.log_scale.begin() + std::ptrdiff_t(3 * i), 3, log_scale);
+    cloud.rotation[4 * i] = 1;
+    cloud.logit_opacity[i] = logit(0.1f);
+  }
+  state.gradient_sum.assign(start.size(), 0.f);
+  state.gradient_views.assign(start.size(), 0.f);
+  return state;
+}
+
+}  // namespace ngs
