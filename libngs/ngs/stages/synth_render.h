@@ -3,6 +3,7 @@
 #include <span>
 
 #include "ngs/backend/exec.h"
+#include "ngs/scene/sparse_points.h"
 #include "ngs/scene/views.h"
 #include "ngs/stages/synth_scene.h"
 
@@ -29,14 +30,6 @@ Hit trace(const AnalyticScene& scene, Vec3<double> origin, Vec3<double> directio
 
 /// Unit world direction of the ray through image point (x, y), px.
 Vec3<double> ray_direction(const Camera& camera, double x, double y);
-
-/// A point of a sparse reconstruction: a surface point with its colour and the views that see it.
-struct SparsePoint {
-  Vec3<double> position{};
-  std::uint8_t rgb[3] = {0, 0, 0};
-  struct Observation { int view; double x, y; };  // px
-  std::vector<Observation> track;
-};
 
 /// `count` points on the surfaces, each seen through a random pixel of a random view, disturbed as structure from
 /// motion would: 0.3 px in every observation and the matching distance in space. Deterministic in `seed`.

@@ -1,0 +1,86 @@
+#include "checkpoint.h"
+
+#include <filesystem>
+
+#include "ngs/core/error.h"
+#include "ngs/io/safetensors.h"
+
+namespace ngs::cli {
+namespace {
+
+constexpr const char* kGroupNames[kFitGroups] = {"position", "rotation", "log_scale", "logit_opacity", "sh_dc", "sh_rest"};
+
+using Column = std::vector<float> GaussianCloud::*;
+constexpr Column kColumns[kFitGroups] = {&GaussianCloud::position, &GaussianCloud::rotation, &GaussianCloud::log_scale,
+                                         &GaussianCloud::logit_opacity, &GaussianCloud::sh_dc, &GaussianCloud::sh_rest};
+
+std::int64_t width_of(const GaussianCloud& cloud, std::size_t group) {
+  const std::int64_t widths[kFitGroups] = {3, 4, 3, 1, 3, 3 * cloud.rest_count()};
+  return widths[group];
+}
+
+}  // namespace
+
+std::string fit_identity(const FitOptions& options, std::uint64_t seed, const std::vector<FitView>& views) {
+  FitOptions copy = options;
+  OptionSet set;
+  set.add(copy);
+  Json json = {{"options", set.to_json()}, {"seed", seed}, {"views", Json::array()}};
+  for (const FitView& v : views)
+    json["views"].push_back({v.camera.name, v.camera.width_px, v.camera.height_px, v.split == Split::kTrain});
+  return json.dump();
+}
+
+std::string checkpoint_path(const std::string& folder) { return folder + "/fit.safetensors"; }
+
+void write_checkpoint(const std::string& folder, const FitState& state, const std::string& identity) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw Error(ErrorCode::kEnvironment, folder + ": " + error.message() + ", expected a folder to write to");
+  io::TensorFile file;
+  file.metadata = {{"ngs", "ngs-fit checkpoint 1"}, {"identity", identity}};
+  file.add("step", {1}, std::vector<std::int64_t>{state.step});
+  const GaussianCloud& cloud = state.cloud;
+  const std::int64_t n = cloud.size();
+  for (std::size_t g = 0; g < kFitGroups; ++g) {
+    const std::string name = kGroupNames[g];
+    file.add(name, {n, width_of(cloud, g)}, cloud.*kColumns[g]);
+    file.add(name + ".m", {std::int64_t(state.moments[g].m.size())}, state.moments[g].m);
+    file.add(name + ".v", {std::int64_t(state.moments[g].v.size())}, state.moments[g].v);
+  }
+  file.add("gradient_sum", {n}, state.gradient_sum);
+  file.add("gradient_views", {n}, state.gradient_views);
+  io::write_safetensors(checkpoint_path(folder), file);
+}
+
+FitState read_checkpoint(const std::string& folder, const std::string& identity) {
+  const std::string path = checkpoint_path(folder);
+  const io::TensorFile file = io::read_safetensors(path);
+  if (file.meta("identity") != identity)
+    throw Error(ErrorCode::kInconsistent, path + ": of another run, expected the same options, seed and views",
+                "repeat the options of the interrupted run, or leave out --resume");
+  FitState state;
+  const std::int64_t n = std::int64_t(file.get<float>("logit_opacity").size());
+  const std::vector<float> rest = file.get<float>("sh_rest");
+  int degree = 0;
+  while (degree < 3 && n > 0 && 3 * sh_rest_count(degree) * n != std::int64_t(rest.size())) ++degree;
+  state.cloud.resize(n, degree);
+  for (std::size_t g = 0; g < kFitGroups; ++g) {
+    const std::string name = kGroupNames[g];
+    state.cloud.*kColumns[g] = file.get<float>(name, {n, width_of(state.cloud, g)});
+    const auto moments = [&](const std::string& kind) {
+      std::vector<float> values = file.get<float>(name + kind);
+      if (!values.empty() && values.size() != (state.cloud.*kColumns[g]).size())
+        throw Error(ErrorCode::kBadInput, path + ": " + name + kind + " has " + std::to_string(values.size()) +
+                                              " values, expected none or one per parameter");
+      return values;
+    };
+    state.moments[g] = {moments(".m"), moments(".v")};
+  }
+  state.gradient_sum = file.get<float>("gradient_sum", {n});
+  state.gradient_views = file.get<float>("gradient_views", {n});
+  state.step = file.get<std::int64_t>("step", {1})[0];
+  return state;
+}
+
+}  // namespace ngs::cli

@@ -1,0 +1,20 @@
+#pragma once
+// A FitState on disk: DIR/fit.safetensors, written by rename. It holds everything that later steps read, so a run
+// that goes on from it ends with the bytes of one that was never interrupted.
+#include <string>
+#include <vector>
+
+#include "ngs/options/option_set.h"
+#include "ngs/stages/fit_stage.h"
+
+namespace ngs::cli {
+
+/// What must be equal for a checkpoint to be continued: options, seed, and the views' names, sizes and splits.
+std::string fit_identity(const FitOptions& options, std::uint64_t seed, const std::vector<FitView>& views);
+
+std::string checkpoint_path(const std::string& folder);
+void write_checkpoint(const std::string& folder, const FitState& state, const std::string& identity);
+/// Another identity is kInconsistent; shapes that do not fit together are kBadInput.
+FitState read_checkpoint(const std::string& folder, const std::string& identity);
+
+}  // namespace ngs::cli

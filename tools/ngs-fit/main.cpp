@@ -1,0 +1,106 @@
+// ngs-fit: scene.json with photos -> a trained splat.
+#include <filesystem>
+
+#include "checkpoint.h"
+#include "ngs/io/gaussian_ply.h"
+#include "ngs/io/photo.h"
+#include "ngs/io/scene_json.h"
+#include "ngs/io/sparse_points.h"
+#include "shared/tool.h"
+
+namespace {
+
+using namespace ngs;
+
+struct CheckpointOptions {
+  std::string checkpoint;
+  int checkpoint_every = 1000;
+  bool resume = false;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.checkpoint, Text{"checkpoint", "DIR", "keep what is needed to go on in this folder"});
+    visit(self.checkpoint_every, Field<int>{"checkpoint_every", "steps", "and when a signal asks to stop", 1, 10000000});
+    visit(self.resume, Flag{"resume", "go on from --checkpoint where there is one"});
+  }
+};
+
+std::vector<FitView> load_views(cli::Run& run, const Scene& scene) {
+  const auto timed = run.monitor().scope("load");
+  std::vector<FitView> views;
+  for (std::size_t i = 0; i < scene.views.size(); ++i) {
+    ImageF photo = io::load_photo(scene, i);
+    if (!photo.empty()) views.push_back({scene.views[i].camera, std::move(photo), scene.views[i].split});
+  }
+  if (views.size() < scene.views.size())
+    run.monitor().warn(std::to_string(scene.views.size() - views.size()) + " views have no photo and are left out");
+  return views;
+}
+
+std::vector<FitPoint> load_points(cli::Run& run, const cli::Input& input) {
+  std::vector<FitPoint> points;
+  if (!input) {
+    run.monitor().warn("no --points: starting from random Gaussians, which takes more steps");
+    return points;
+  }
+  for (const SparsePoint& p : io::read_points(input.path))
+    points.push_back({{float(p.position.x), float(p.position.y), float(p.position.z)},
+                      {float(p.rgb[0]) / 255.f, float(p.rgb[1]) / 255.f, float(p.rgb[2]) / 255.f}});
+  return points;
+}
+
+Json score_json(const FitScore& score) {
+  return {{"views", score.views}, {"psnr_db", score.psnr_db}, {"ssim", score.ssim}};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  cli::Tool tool("ngs-fit", "Fit 3D Gaussians to posed photos (L1 + DSSIM, densify, prune, SH in steps).",
+                 {"ngs-fit scene.json --points sparse/0/points3D.txt -o model.ply --steps 7000",
+                  "ngs-fit scene.json --points sparse/0/points3D.txt -o model.ply --checkpoint fit/ --resume"});
+  FitOptions options;
+  CheckpointOptions keep;
+  tool.options(options);
+  tool.options(keep);
+  const cli::Input& scene_json = tool.input("scene", "scene.json with photos");
+  const cli::Input& points = tool.optional_input("--points", "points3D.txt, points3D.bin or a PLY to start from; default: random");
+  const cli::Output& out = tool.output("-o,--output", "trained model, plain 3DGS PLY");
+  tool.stops_on_request();
+
+  return tool.run(argc, argv, [&](cli::Run& run) {
+    if (keep.resume && keep.checkpoint.empty())
+      throw Error(ErrorCode::kUsage, "resume without checkpoint, expected --checkpoint DIR", "name the folder of the interrupted run");
+    const Scene scene = io::read_scene_json(scene_json.path);
+    const bool kept = !keep.checkpoint.empty() && std::filesystem::exists(cli::checkpoint_path(keep.checkpoint));
+    if (kept && !keep.resume && !run.overwrite())
+      throw Error(ErrorCode::kUsage, cli::checkpoint_path(keep.checkpoint) + ": already there, expected none", "go on with --resume, or start over with -w");
+    run.result()["views"] = scene.views.size();
+    if (run.dry_run()) return run.plan({{"views", scene.views.size()}, {"steps", options.steps}, {"resumes", kept && keep.resume}}), cli::kDone;
+
+    const std::vector<FitView> views = load_views(run, scene);
+    const std::string identity = cli::fit_identity(options, run.seed(), views);
+    FitState state = kept && keep.resume ? cli::read_checkpoint(keep.checkpoint, identity)
+                                         : initial_fit(run.exec(), options, load_points(run, points), views, run.seed());
+    const std::int64_t first = state.step;
+    Fitter fitter(options, views, std::move(state), run.seed());
+    const double start = wall_seconds();
+    run_fit(run.exec(), run.monitor(), fitter, options, [&](const Fitter& f) {
+      if (!keep.checkpoint.empty() && f.state().step % keep.checkpoint_every == 0) cli::write_checkpoint(keep.checkpoint, f.state(), identity);
+    });
+    const double seconds = wall_seconds() - start;
+    if (!keep.checkpoint.empty()) cli::write_checkpoint(keep.checkpoint, fitter.state(), identity);
+    run.result()["step"] = fitter.state().step;
+    if (fitter.state().step < options.steps) return run.stop_code();
+
+    const GaussianCloud& cloud = fitter.state().cloud;
+    std::vector<std::string> comments;
+    if (options.antialiased) comments.push_back("antialiased 1");
+    io::write_strict_ply(out.path, cloud, {}, comments);
+    run.result()["gaussians"] = cloud.size();
+    run.result()["steps_per_s"] = double(fitter.state().step - first) / std::max(seconds, 1e-9);
+    run.result()["train"] = score_json(score_fit(run.exec(), options, cloud, views, Split::kTrain));
+    run.result()["held_out"] = score_json(score_fit(run.exec(), options, cloud, views, Split::kHeldOut));
+    return cli::kDone;
+  });
+}

@@ -1,0 +1,121 @@
+#include "dataset.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "ngs/core/error.h"
+#include "ngs/io/atomic_file.h"
+#include "ngs/io/exr.h"
+#include "ngs/io/image_file.h"
+#include "ngs/io/mapped_file.h"
+#include "ngs/io/sparse_points.h"
+
+namespace ngs::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string in_folder(const std::string& folder, const std::string& name) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw Error(ErrorCode::kEnvironment, folder + ": " + error.message() + ", expected a folder to write to");
+  return folder + "/" + name;
+}
+
+ImageU8 binary_mask(const ImageU16& labels, std::uint32_t id) {
+  ImageU8 mask(labels.width_px, labels.height_px, 1);
+  for (std::size_t i = 0; i < mask.data.size(); ++i) mask.data[i] = labels.data[i] == id ? 255 : 0;
+  return mask;
+}
+
+io::ExrImage layers_of(const synth::SynthView& view) {
+  io::ExrImage exr;
+  exr.width_px = view.label.width_px, exr.height_px = view.label.height_px;
+  exr.channels["Z"] = view.depth.data;
+  exr.channels["ngs.mask"] = view.coverage.data;
+  exr.channels["ngs.id"] = {view.label.data.begin(), view.label.data.end()};
+  exr.text["ngs:schema"] = "ngs-synth layers 1";
+  return exr;
+}
+
+}  // namespace
+
+ImageU8 to_bytes(const ImageF& image) {
+  ImageU8 bytes(image.width_px, image.height_px, image.channels);
+  for (std::size_t i = 0; i < bytes.data.size(); ++i)
+    bytes.data[i] = std::uint8_t(std::lround(255 * std::clamp(image.data[i], 0.f, 1.f)));
+  return bytes;
+}
+
+void write_view(const Exec& exec, const std::string& folder, const SynthData& data, std::size_t view,
+                const MaskErrors& errors) {
+  const synth::SynthView& v = data.views[view];
+  const std::string& name = data.cameras[view].name;
+  const auto target = std::uint32_t(data.scene.target) + 1;
+  const auto write_mask = [&](const std::string& kind, const ImageU8& mask) {
+    io::write_png(in_folder(folder + "/" + kind, name), mask);
+  };
+  io::write_png(in_folder(folder + "/images", name), to_bytes(v.colour));
+  write_mask("masks_gt", binary_mask(v.label, target));
+  io::write_png16(in_folder(folder + "/labels_gt", name), v.label);
+  for (std::size_t k = 0; k < data.scene.objects.size(); ++k)
+    write_mask("objects/" + data.scene.objects[k].name, binary_mask(v.label, std::uint32_t(k) + 1));
+  const auto disturbed = [&](std::uint32_t only_id) {
+    return synth::disturb_labels(exec, v.label, errors.noise, only_id, int(view), errors.seed);
+  };
+  write_mask("masks", binary_mask(disturbed(target), 1));
+  io::write_png16(in_folder(folder + "/labels", name), disturbed(0));
+  io::write_exr(in_folder(folder + "/layers", fs::path(name).stem().string() + ".exr"), layers_of(v));
+}
+
+void write_description(const std::string& folder, const SynthData& data, const MaskErrors& errors) {
+  io::write_colmap_text(folder + "/sparse/0", data.cameras, data.points);
+  io::write_file(folder + "/recipe.json", recipe_json(data.recipe).dump(2) + "\n");
+  Json truth = {{"target", data.scene.objects[std::size_t(data.scene.target)].name}, {"objects", Json::array()}};
+  for (std::size_t k = 0; k < data.scene.objects.size(); ++k)
+    truth["objects"].push_back({{"name", data.scene.objects[k].name}, {"id", k + 1}});
+  truth["mask_noise"] = errors.specs;
+  truth["seed"] = errors.seed;
+  io::write_file(folder + "/ground_truth.json", truth.dump(2) + "\n");
+}
+
+synth::Recipe load_recipe(const std::string& name_or_path, bool& is_file) {
+  const std::vector<std::string> names = synth::recipe_names();
+  is_file = std::find(names.begin(), names.end(), name_or_path) == names.end() && fs::is_regular_file(name_or_path);
+  if (!is_file) return synth::named_recipe(name_or_path);
+  synth::Recipe recipe;
+  OptionSet options;
+  options.add(recipe);
+  const io::MappedFile file(name_or_path);
+  options.set_json(parse_json(file.text(), name_or_path), name_or_path);
+  return recipe;
+}
+
+Json recipe_json(const synth::Recipe& recipe) {
+  synth::Recipe copy = recipe;
+  OptionSet options;
+  options.add(copy);
+  return options.to_json();
+}
+
+std::vector<FitView> fit_views(const SynthData& data) {
+  std::vector<FitView> views;
+  for (std::size_t i = 0; i < data.views.size(); ++i) {
+    FitView view{data.cameras[i], data.views[i].colour, Split::kTrain};
+    const ImageU8 bytes = to_bytes(view.photo);
+    for (std::size_t k = 0; k < bytes.data.size(); ++k) view.photo.data[k] = float(bytes.data[k]) / 255.f;
+    views.push_back(std::move(view));
+  }
+  return views;
+}
+
+std::vector<FitPoint> fit_points(const std::vector<SparsePoint>& points) {
+  std::vector<FitPoint> out;
+  for (const SparsePoint& p : points)
+    out.push_back({{float(p.position.x), float(p.position.y), float(p.position.z)},
+                   {float(p.rgb[0]) / 255.f, float(p.rgb[1]) / 255.f, float(p.rgb[2]) / 255.f}});
+  return out;
+}
+
+}  // namespace ngs::cli
