@@ -12,7 +12,7 @@ struct SynthOptions {
   std::int64_t scene_seed = -1;
   std::string target;
   std::vector<std::string> mask_noise;
-  bool no_fit = false;
+  bool fit = true;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -23,7 +23,7 @@ struct SynthOptions {
     visit(self.target, Text{"target", "NAME", "object that masks/ shows; default: as the recipe says"});
     visit(self.mask_noise, Text{"mask_noise", "KIND:AMOUNT",
                                 "errors in masks/ and labels/: erode:PX dilate:PX jitter:PX drop:P swap:P blob:P"});
-    visit(self.no_fit, Flag{"no_fit", "write no point_cloud.ply"});
+    visit(self.fit, Flag{"fit", "write point_cloud.ply, fitted to the photos"});
   }
 };
 
@@ -41,7 +41,7 @@ Json estimate(const synth::Recipe& recipe, const SynthOptions& options, const Fi
   const double pixels = double(recipe.width_px) * recipe.height_px, views = recipe.views;
   const double samples = pixels * views * (1 + recipe.samples_per_side * recipe.samples_per_side);
   const double step_s = 2.5e-7 * pixels + 1e-6 * fit.max_gaussians;
-  const double seconds = 4e-7 * samples + (options.no_fit ? 0 : fit.steps * step_s);
+  const double seconds = 4e-7 * samples + (options.fit ? fit.steps * step_s : 0);
   return {{"views", recipe.views}, {"time_s", seconds / threads}, {"memory_mib", 40 + 60e-6 * pixels * views}};
 }
 
@@ -97,7 +97,7 @@ int main(int argc, char** argv) {
     if (run.stop_code() != 0) return run.stop_code();
     data.points = synth::sample_points(data.cameras, data.views, data.recipe.points, std::uint64_t(data.recipe.scene_seed));
     cli::write_description(out.path, data, errors);
-    if (!options.no_fit) fit(run, data, fit_options, out.path + "/point_cloud.ply");
+    if (options.fit) fit(run, data, fit_options, out.path + "/point_cloud.ply");
     return run.stop_code();
   });
 }

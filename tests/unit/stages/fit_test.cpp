@@ -32,7 +32,7 @@ const TinyScene& tiny() {
       views.push_back(synth::render_view({.threads = 2}, analytic, rig[i], 4));
       out.views.push_back({rig[i], views[i].colour, i % 6 == 2 ? Split::kHeldOut : Split::kTrain});
     }
-    for (const synth::SparsePoint& p : synth::sample_points(rig, views, 400, 1)) {
+    for (const SparsePoint& p : synth::sample_points(rig, views, 400, 1)) {
       const auto value = [](std::uint8_t c) { return float(c) / 255.f; };
       out.points.push_back({{float(p.position.x), float(p.position.y), float(p.position.z)},
                             {value(p.rgb[0]), value(p.rgb[1]), value(p.rgb[2])}});
