@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include "ngs/stages/method_bce.h"
 #include "ngs/stages/method_flash.h"
 #include "ngs/stages/method_sa3d.h"
 #include "support/method_case.h"
@@ -16,6 +17,7 @@ struct NamedRun {
 
 const NamedRun kRuns[] = {
     {"flash", [](const Exec& e, Monitor& m, const MethodInput& in) { return run_flash(e, m, {}, in); }, false},
+    {"bce", [](const Exec& e, Monitor& m, const MethodInput& in) { return run_bce(e, m, {}, in); }, false},
     {"sa3d", [](const Exec& e, Monitor& m, const MethodInput& in) { return run_sa3d(e, m, {}, in); }, true},
 };
 

@@ -1,0 +1,72 @@
+#pragma once
+// Compact weights of one tile and the two products with them. Internal to ops (label_system.cpp).
+#include "ngs/ops/splat_tiles.h"
+
+namespace ngs {
+
+using LabelPack = PackF;
+inline constexpr int kLabelPacks = kPacksPerTile<LabelPack>;
+
+/// Targets of 8 pixels and what the folded Gaussians contribute to them.
+struct PixelPack {
+  LabelPack inside, outside;         // a, b
+  LabelPack foreground, background;  // Σ_folded w m;  T + Σ_folded w (1 - m)
+};
+
+/// The columns of one tile nearest first, with their weights in packs.
+struct LabelBlock {
+  struct Entry {
+    std::uint32_t column, slot, packs;  // packs: number of its (pack, weight) pairs
+  };
+  std::vector<Entry> entry;
+  std::vector<std::uint8_t> pack;  // index into pixel
+  std::vector<LabelPack> weight;
+  std::vector<PixelPack> pixel;    // reached by at least one column
+  double constant_loss = 0;        // -Σ a ln q + b ln c of the pixels that no column reaches
+  double target_sum = 0;           // Σ a + b of the tile
+  bool binary = true;              // every target is 0 or 1, and only one of a pixel's two is 1
+
+  void clear() {
+    entry.clear(), pack.clear(), weight.clear(), pixel.clear();
+    constant_loss = target_sum = 0, binary = true;
+  }
+  std::int64_t bytes() const {
+    return std::int64_t(sizeof(LabelBlock) + entry.size() * sizeof(Entry) + weight.size() * (sizeof(LabelPack) + 1) +
+                        pixel.size() * sizeof(PixelPack));
+  }
+};
+
+/// What the columns stand at: m and 1 - m as floats, each with its own relative accuracy.
+struct ColumnValues {
+  const float *m, *rest;
+};
+
+/// Sums over a slot: P and Q of one (column, tile) pair.
+struct SlotSums {
+  float inside, outside;
+};
+
+/// The block's part of Σ a ln q + b ln c, negated; writes its entries' slots.
+double evaluate_block(const LabelBlock& block, ColumnValues at, SlotSums* slots);
+
+/// Where a Gaussian's label is, for collect_block: its column, or -1 and the folded value.
+struct LabelPlaces {
+  const std::int32_t* column;  // [N]
+  const double* label;         // [N]
+};
+
+/// Targets of a whole view, [H·W] each.
+struct TargetPlanes {
+  const float *inside, *outside;
+};
+
+/// Composites the tile and collects its block; slots are those of `lists`. `against` [pairs], if not null, gets at
+/// the slot of every folded entry its weight against the folded value: Σ w b where that is 1, Σ w a where it is 0.
+void collect_block(const TileLists& lists, std::int64_t tile, const ProjectedView<float>& view, const Camera& camera,
+                   Compat compat, LabelPlaces places, TargetPlanes targets, float* against, LabelBlock& out);
+
+/// The block with only the columns whose `new_column` is >= 0, renumbered; the others are folded at their values.
+/// Its constant_loss is that of the pixels which no column reaches any more; its target_sum is 0.
+LabelBlock reduced_block(const LabelBlock& block, const std::int32_t* new_column, ColumnValues at);
+
+}  // namespace ngs

@@ -1,0 +1,226 @@
+#include "ngs/ops/label_system.h"
+
+#include "ngs/core/check.h"
+#include "ngs/ops/cloud_view.h"
+#include "ngs/ops/label_blocks.h"
+
+namespace ngs {
+namespace {
+
+/// m and 1 - m of the columns as floats.
+struct FloatColumns {
+  std::vector<float> m, rest;
+  void assign(const std::vector<double>& value) {
+    m.resize(value.size()), rest.resize(value.size());
+    for (std::size_t i = 0; i < value.size(); ++i) m[i] = float(value[i]), rest[i] = float(1 - value[i]);
+  }
+  ColumnValues view() const { return {m.data(), rest.data()}; }
+};
+
+/// One view composited for the purpose of label sums.
+struct OpenView {
+  Camera camera;
+  ProjectedView<float> view;
+  TileLists lists;
+  PixelTargets targets;
+
+  OpenView(const Exec& exec, const LabelProblem& problem, std::size_t index)
+      : camera(relative_camera(problem.cameras[index], problem.cloud)), targets(problem.load_targets(index)) {
+    if (targets.inside.empty()) return;
+    const auto pixels = std::size_t(camera.width_px) * std::size_t(camera.height_px);
+    NGS_CHECK(targets.inside.size() == pixels && targets.outside.size() == pixels, "target size");
+    view = project_view(exec, cloud_view(problem.cloud, 0, nullptr), camera, problem.splat);
+    lists = bin_tiles(exec, view, camera.width_px, camera.height_px);
+  }
+  bool empty() const { return targets.inside.empty(); }
+  void collect(std::int64_t tile, Compat compat, LabelPlaces places, float* against, LabelBlock& out) const {
+    collect_block(lists, tile, view, camera, compat, places, {targets.inside.data(), targets.outside.data()}, against, out);
+  }
+  /// f(Gaussian, first slot, end slot) for every visible Gaussian; f owns what belongs to the Gaussian.
+  template <class F>
+  void for_each_visible(const Exec& exec, const F& f) const {
+    for_each_index(exec, std::int64_t(view.id.size()), [&](std::int64_t v) {
+      f(view.id[std::size_t(v)], std::size_t(lists.slot_begin[std::size_t(v)]), std::size_t(lists.slot_begin[std::size_t(v) + 1]));
+    });
+  }
+};
+
+}  // namespace
+
+struct LabelSystem::State {
+  const LabelProblem& problem;
+  std::vector<std::int32_t> column_of;
+  std::vector<double> label, against;
+  std::int64_t columns = 0;
+  std::vector<std::vector<LabelBlock>> block;  // [cached views][tiles with columns]
+  std::vector<std::size_t> streamed;           // cameras after the cached ones
+  std::vector<std::int64_t> slot_begin;        // [columns + 1] into slots
+  mutable std::vector<SlotSums> slots;
+  struct Constants {
+    double loss = 0, target_sum = 0;
+  };
+  Constants of_cached, of_streamed;            // views
+  Stats stats;
+
+  State(const LabelProblem& p, std::vector<std::int32_t> columns_of, std::vector<double> labels)
+      : problem(p), column_of(std::move(columns_of)), label(std::move(labels)) {
+    NGS_CHECK(std::int64_t(column_of.size()) == p.cloud.size() && label.size() == column_of.size(), "label system shape");
+    for (const std::int32_t c : column_of) columns = std::max(columns, std::int64_t(c) + 1);
+  }
+  LabelPlaces places() const { return {column_of.data(), label.data()}; }
+  double target_sum() const { return of_cached.target_sum + of_streamed.target_sum; }
+  void open_view(const Exec& exec, std::size_t camera, std::int64_t cache_bytes);
+  bool add_view(std::vector<LabelBlock> tiles, std::int64_t cache_bytes);
+  void number_slots();
+  double stream(const Exec& exec, std::size_t camera, ColumnValues at, LabelSums& out) const;
+};
+
+/// Collects the view's blocks and keeps them while they fit; once one did not, all later views are streamed too, so
+/// that sums keep the order of the views.
+void LabelSystem::State::open_view(const Exec& exec, std::size_t camera, std::int64_t cache_bytes) {
+  const OpenView open(exec, problem, camera);
+  if (open.empty()) return;
+  std::vector<LabelBlock> tiles(std::size_t(open.lists.tiles()));
+  std::vector<float> pair_against(against.empty() ? 0 : std::size_t(open.lists.pairs()), 0.f);
+  for_each_task(exec, open.lists.tiles(), [&](std::int64_t tile) {
+    static thread_local LabelBlock block;  // grows once; the copy is exactly as large as needed
+    open.collect(tile, problem.splat.compat, places(), pair_against.empty() ? nullptr : pair_against.data(), block);
+    tiles[std::size_t(tile)] = block;
+  });
+  if (!pair_against.empty())
+    open.for_each_visible(exec, [&](std::uint32_t gaussian, std::size_t first, std::size_t end) {
+      for (std::size_t s = first; s < end; ++s) against[gaussian] += double(pair_against[s]);
+    });
+  if (!add_view(std::move(tiles), cache_bytes)) streamed.push_back(camera), ++stats.streamed_views;
+}
+
+bool LabelSystem::State::add_view(std::vector<LabelBlock> tiles, std::int64_t cache_bytes) {
+  std::int64_t bytes = 0;
+  for (const LabelBlock& t : tiles) bytes += t.entry.empty() ? 0 : t.bytes();
+  const bool fits = streamed.empty() && stats.cached_bytes + bytes <= cache_bytes;
+  Constants& constants = fits ? of_cached : of_streamed;
+  for (const LabelBlock& t : tiles) constants.loss += t.constant_loss, constants.target_sum += t.target_sum;
+  if (!fits) return false;
+  stats.cached_bytes += bytes, ++stats.cached_views;
+  std::erase_if(tiles, [](const LabelBlock& t) { return t.entry.empty(); });
+  block.push_back(std::move(tiles));
+  return true;
+}
+
+/// Gives the (column, tile) pairs of the cache their slots: column by column, each in order of (view, tile).
+void LabelSystem::State::number_slots() {
+  slot_begin.assign(std::size_t(columns) + 1, 0);
+  for (const auto& view : block)
+    for (const LabelBlock& b : view)
+      for (const LabelBlock::Entry& e : b.entry) ++slot_begin[e.column + 1];
+  for (std::size_t c = 0; c < std::size_t(columns); ++c) slot_begin[c + 1] += slot_begin[c];
+  NGS_CHECK(slot_begin.back() < std::int64_t(1) << 32, "slots fit 32 bits");
+  std::vector<std::int64_t> next(slot_begin.begin(), slot_begin.end() - 1);
+  for (auto& view : block)
+    for (LabelBlock& b : view)
+      for (LabelBlock::Entry& e : b.entry) e.slot = std::uint32_t(next[e.column]++);
+  slots.resize(std::size_t(slot_begin.back()));
+}
+
+/// Adds what one view that is not cached says; returns its loss beside the constant.
+double LabelSystem::State::stream(const Exec& exec, std::size_t camera, ColumnValues at, LabelSums& out) const {
+  const OpenView open(exec, problem, camera);
+  std::vector<SlotSums> pair(std::size_t(open.lists.pairs()), SlotSums{0.f, 0.f});
+  std::vector<double> tile_loss(std::size_t(open.lists.tiles()));
+  for_each_task(exec, open.lists.tiles(), [&](std::int64_t tile) {
+    static thread_local LabelBlock scratch;
+    open.collect(tile, problem.splat.compat, places(), nullptr, scratch);
+    tile_loss[std::size_t(tile)] = evaluate_block(scratch, at, pair.data());
+  });
+  open.for_each_visible(exec, [&](std::uint32_t gaussian, std::size_t first, std::size_t end) {
+    if (column_of[gaussian] < 0) return;
+    const auto c = std::size_t(column_of[gaussian]);
+    for (std::size_t s = first; s < end; ++s) out.inside[c] += double(pair[s].inside), out.outside[c] += double(pair[s].outside);
+  });
+  double loss = 0;
+  for (const double l : tile_loss) loss += l;
+  return loss;
+}
+
+PixelTargets pixel_targets(const ViewMasks& masks, int object) {
+  PixelTargets t;
+  if (!masks.available) return t;
+  t.inside = masks.target[std::size_t(object)];
+  t.outside.resize(t.inside.size());
+  for (std::size_t p = 0; p < t.inside.size(); ++p) {
+    const bool known = masks.known.empty() || masks.known[p];
+    t.outside[p] = known ? 1 - t.inside[p] : 0.f;
+    if (!known) t.inside[p] = 0.f;
+  }
+  return t;
+}
+
+LabelSystem::LabelSystem(std::unique_ptr<State> state) : state_(std::move(state)) {}
+LabelSystem::LabelSystem(LabelSystem&&) noexcept = default;
+LabelSystem::~LabelSystem() = default;
+
+LabelSystem::LabelSystem(const Exec& exec, const LabelProblem& problem, const std::vector<std::int32_t>& column_of,
+                         const std::vector<double>& label, std::int64_t cache_bytes)
+    : state_(std::make_unique<State>(problem, column_of, label)) {
+  state_->against.assign(column_of.size(), 0.0);
+  for (std::size_t camera = 0; camera < problem.cameras.size(); ++camera) state_->open_view(exec, camera, cache_bytes);
+  state_->number_slots();
+}
+
+LabelSystem LabelSystem::reduced(const Exec& exec, const std::vector<std::int32_t>& new_column, const std::vector<double>& m,
+                                 std::int64_t cache_bytes) const {
+  const State& s = *state_;
+  NGS_CHECK(std::int64_t(new_column.size()) == s.columns && m.size() == new_column.size(), "label columns");
+  FloatColumns at;
+  at.assign(m);
+  std::vector<std::int32_t> column_of = s.column_of;
+  std::vector<double> label = s.label;
+  for (std::size_t i = 0; i < column_of.size(); ++i)
+    if (column_of[i] >= 0) label[i] = m[std::size_t(column_of[i])], column_of[i] = new_column[std::size_t(column_of[i])];
+  auto out = std::make_unique<State>(s.problem, std::move(column_of), std::move(label));
+  out->of_cached = s.of_cached;  // a reduced block brings only what became constant
+  for (const auto& view : s.block) {
+    std::vector<LabelBlock> tiles(view.size());
+    for_each_task(exec, std::int64_t(view.size()), [&](std::int64_t b) {
+      tiles[std::size_t(b)] = reduced_block(view[std::size_t(b)], new_column.data(), at.view());
+    });
+    out->add_view(std::move(tiles), s.stats.cached_bytes);
+  }
+  for (const std::size_t camera : s.streamed) out->open_view(exec, camera, cache_bytes);
+  out->number_slots();
+  return LabelSystem(std::move(out));
+}
+
+std::int64_t LabelSystem::columns() const { return state_->columns; }
+double LabelSystem::gradient_scale() const {
+  return state_->target_sum() > 0 ? (1 - 2 * kMaskEps) / state_->target_sum() : 0.0;
+}
+const std::vector<double>& LabelSystem::weight_against() const { return state_->against; }
+const LabelSystem::Stats& LabelSystem::stats() const { return state_->stats; }
+
+void LabelSystem::evaluate(const Exec& exec, const std::vector<double>& m, LabelSums& out) const {
+  const State& s = *state_;
+  NGS_CHECK(std::int64_t(m.size()) == s.columns, "label columns");
+  FloatColumns at;
+  at.assign(m);
+  out.inside.assign(m.size(), 0.0), out.outside.assign(m.size(), 0.0);
+  double loss = s.of_cached.loss + s.of_streamed.loss;
+  std::vector<const LabelBlock*> blocks;
+  for (const auto& view : s.block)
+    for (const LabelBlock& b : view) blocks.push_back(&b);
+  std::vector<double> block_loss(blocks.size());
+  for_each_task(exec, std::int64_t(blocks.size()), [&](std::int64_t b) {
+    block_loss[std::size_t(b)] = evaluate_block(*blocks[std::size_t(b)], at.view(), s.slots.data());
+  });
+  for (const double l : block_loss) loss += l;
+  for_each_index(exec, s.columns, [&](std::int64_t c) {
+    for (std::int64_t i = s.slot_begin[std::size_t(c)]; i < s.slot_begin[std::size_t(c) + 1]; ++i) {
+      out.inside[std::size_t(c)] += double(s.slots[std::size_t(i)].inside);
+      out.outside[std::size_t(c)] += double(s.slots[std::size_t(i)].outside);
+    }
+  });
+  for (const std::size_t camera : s.streamed) loss += s.stream(exec, camera, at.view(), out);
+  out.loss = s.target_sum() > 0 ? loss / s.target_sum() : 0.0;
+}
+
+}  // namespace ngs

@@ -1,0 +1,71 @@
+#include "ngs/stages/method_bce.h"
+
+#include "ngs/stages/method_labels.h"
+
+namespace ngs {
+namespace {
+
+void note_figures(const LabelSolution& s, const std::string& suffix, std::map<std::string, double>& figures) {
+  figures["loss" + suffix] = s.loss;
+  figures["gap" + suffix] = s.gap;
+  figures["relative_gap" + suffix] = s.loss > 0 ? s.gap / s.loss : 0.0;
+  figures["evaluations" + suffix] = s.evaluations;
+  figures["rounds" + suffix] = s.rounds;
+  figures["columns" + suffix] = double(s.columns);
+  figures["cache_mib" + suffix] = double(s.cache.cached_bytes) / (1 << 20);
+  figures["streamed_views" + suffix] = double(s.cache.streamed_views);
+}
+
+/// Labels from the soft values; of several objects that claim a Gaussian the one with the largest, if exclusive.
+void decide(const BceOptions& options, std::vector<LabelColumns>& labels) {
+  for (std::size_t i = 0; i < labels[0].label.size(); ++i) {
+    std::size_t best = 0;
+    for (std::size_t k = 1; k < labels.size(); ++k)
+      if (labels[k].prob[i] > labels[best].prob[i]) best = k;
+    for (std::size_t k = 0; k < labels.size(); ++k) {
+      LabelColumns& c = labels[k];
+      if (c.views[i] > 0) c.label[i] = float(double(c.prob[i]) > options.label_threshold && (!options.exclusive || k == best));
+    }
+  }
+}
+
+}  // namespace
+
+BceResult solve_bce(const Exec& exec, Monitor& monitor, const BceOptions& options, const MethodInput& input) {
+  BceResult result;
+  result.method.cloud = input.cloud;
+  std::vector<LabelColumns>& labels = result.method.labels = closed_form_labels(exec, monitor, input);
+  const auto timed = monitor.scope("label solve");
+  LabelSolveOptions solve;
+  solve.relative_gap = options.relative_gap, solve.relaxation = options.relaxation;
+  solve.max_evaluations = options.max_evaluations, solve.cache_bytes = std::int64_t(options.cache_mib) << 20;
+  solve.stop = [&] { return monitor.stop_requested(); };
+  const auto n = std::size_t(input.cloud.size());
+  for (std::size_t k = 0; k < labels.size(); ++k) {
+    LabelProblem problem{input.cloud, {}, {}, input.splat};
+    for (const std::size_t view : input.views) problem.cameras.push_back(input.scene.views[view].camera);
+    problem.load_targets = [&](std::size_t i) { return pixel_targets(input.load_masks(input.views[i]), int(k)); };
+    std::vector<double> start(n);
+    std::vector<std::uint8_t> movable(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      movable[i] = labels[k].views[i] > 0 && !is_fixed(input, i);
+      start[i] = double(movable[i] ? labels[k].prob[i] : labels[k].label[i]);
+    }
+    LabelSolution solution = solve_labels(exec, problem, solve, start, movable);
+    for (std::size_t i = 0; i < n; ++i)
+      if (movable[i]) labels[k].prob[i] = float(solution.label[i]);
+    note_figures(solution, labels.size() > 1 ? "_" + input.scene.objects[k].name : "", result.method.figures);
+    result.method.converged &= solution.converged;
+    result.trace.push_back(std::move(solution.trace));
+  }
+  decide(options, labels);
+  restore_fixed(input, {}, labels);
+  for (const LabelColumns& c : labels) result.method.figures["object_gaussians"] += labelled_count(c);
+  return result;
+}
+
+MethodResult run_bce(const Exec& exec, Monitor& monitor, const BceOptions& options, const MethodInput& input) {
+  return std::move(solve_bce(exec, monitor, options, input).method);
+}
+
+}  // namespace ngs
