@@ -1,0 +1,354 @@
+#include "ngs/stages/joint_stage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "ngs/core/rng.h"
+#include "ngs/math/sh.h"
+#include "ngs/ops/knn.h"
+#include "ngs/ops/loss_cont.h"
+#include "ngs/ops/photometric.h"
+
+namespace ngs {
+namespace {
+
+constexpr double kMaxInitialConfidence = 0.99;            // sigmoid logits can move away from it
+constexpr std::size_t kViewCacheBytes = 512u << 20;       // decoded photos and masks that are kept
+
+/// 3DGS's rates for a trained model (facts C20); position per world unit of the cameras' extent.
+struct GaussianRates {
+  double position = 1.6e-6, rotation = 1e-3, log_scale = 5e-3, logit_opacity = 2.5e-2, sh_dc = 2.5e-3, sh_rest = 1.25e-4;
+};
+
+/// 1.1 times the largest distance of a camera from their mean (facts §2.1).
+double camera_extent(const Scene& scene, const std::vector<std::size_t>& views) {
+  Vec3<double> mean{0, 0, 0};
+  for (const std::size_t v : views) mean = mean + scene.views[v].camera.centre();
+  mean = (1.0 / double(std::max<std::size_t>(views.size(), 1))) * mean;
+  double largest = 0;
+  for (const std::size_t v : views) {
+    const Vec3<double> d = scene.views[v].camera.centre() - mean;
+    largest = std::max(largest, std::sqrt(dot(d, d)));
+  }
+  return 1.1 * largest;
+}
+
+std::vector<float> boundary_flags(const MethodInput& input, const JointEffects& effects) {
+  std::vector<float> flags(std::size_t(input.cloud.size()), 0.f);
+  for (const LabelColumns& object : input.labels)
+    for (std::size_t i = 0; i < flags.size(); ++i)
+      if (effects.boundary ? object.boundary[i] >= 0.5f : object.views[i] > 0.f) flags[i] = 1.f;
+  return flags;
+}
+
+void refresh_positions(const GaussianCloud& cloud, BoundarySet& boundary) {
+  for (std::size_t b = 0; b < boundary.row.size(); ++b)
+    std::copy_n(&cloud.position[std::size_t(boundary.row[b]) * 3], 3, &boundary.position[b * 3]);
+}
+
+void add_scaled(const ImageF& from, double scale, ImageF& to) {
+  for (std::size_t i = 0; i < from.data.size(); ++i) to.data[i] += float(scale * double(from.data[i]));
+}
+
+}  // namespace
+
+struct JointTrainer::Impl {
+  Exec exec;
+  Monitor& monitor;
+  JointOptions options;
+  JointEffects effects;
+  SampleOptions sample;
+  RbfOptions rbf;
+  const MethodInput& input;
+  const QueryField* given_field;
+
+  GaussianCloud cloud;
+  BoundarySet boundary;
+  std::vector<float> logit;             // [N, K]
+  std::vector<std::uint8_t> trainable;  // [N, K] seen and not fixed by hand
+  std::unique_ptr<JointField> field;
+  std::int64_t steps = 0, done = 0;
+  double extent = 1;
+
+  SplatPass splat;
+  PhotometricPass<float> photometric;
+  CloudGradients gradients;
+  AdamMoments position_m, rotation_m, scale_m, opacity_m, dc_m, rest_m, label_m;
+  KnnGraph cont_graph;
+  struct CachedView {
+    ImageF photo;
+    ViewMasks masks;
+  };
+  std::vector<std::unique_ptr<CachedView>> cache;
+  std::size_t cached_bytes = 0;
+
+  Impl(const Exec& e, Monitor& m, const JointSetup& s)
+      : exec(e), monitor(m), options(s.options), effects(parse_effects(s.options.effect)), sample(s.sample), rbf(s.rbf),
+        input(s.input), given_field(s.field), cloud(s.input.cloud), splat(s.input.splat), cache(s.input.views.size()) {}
+
+  std::size_t objects() const { return input.labels.size(); }
+
+  void start(bool empty_boundary_is_fine) {
+    boundary = boundary_set(cloud, boundary_flags(input, effects));
+    if (boundary.size() == 0) {
+      if (!empty_boundary_is_fine)
+        throw Error(ErrorCode::kNothingFound, "the boundary set is empty", "lower --tau of ngs-variance, or pass --allow-empty to train labels alone");
+      effects.nerf = false;
+    }
+    if (!effects.nerf) effects.align = effects.density = effects.smooth = effects.variance = false;
+    extent = camera_extent(input.scene, input.views);
+    steps = options.steps > 0 ? options.steps : visits_of(options.quality) * std::int64_t(input.views.size());
+    start_labels();
+    if (boundary.size() > 1) {
+      cont_graph = nearest_others(exec, boundary.positions(), rbf.neighbours);
+      build_transpose(cont_graph);
+    }
+    if (!effects.nerf) return;
+    double reach = 0;
+    for (const std::size_t v : input.views)
+      reach = std::max(reach, sample.depth_span * boundary_box(relative_to(input.scene.views[v].camera, cloud.origin), boundary.positions(), sample.bbox_pad_px).mean_distance);
+    field = std::make_unique<JointField>(exec, JointField::Setup{options, effects, sample, rbf, cloud, boundary, reach, input.seed});
+  }
+
+  void start_labels() {
+    const auto n = std::size_t(cloud.size()), k_count = objects();
+    logit.resize(n * k_count), trainable.resize(n * k_count);
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t k = 0; k < k_count; ++k) {
+        const LabelColumns& object = input.labels[k];
+        const bool fixed = !input.fixed.empty() && input.fixed[i] == 1.f;
+        trainable[i * k_count + k] = object.views[i] > 0.f && !fixed;
+        const double prob = fixed ? double(object.label[i]) : double(object.prob[i]);
+        logit[i * k_count + k] = float(ngs::logit(std::clamp(prob, 1 - kMaxInitialConfidence, kMaxInitialConfidence)));
+      }
+  }
+
+  std::vector<float> label_values() const {
+    std::vector<float> values(logit.size());
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = sigmoid(logit[i]);
+    return values;
+  }
+
+  /// Position in input.views of step `s` (from 0): every round is a new permutation.
+  std::size_t view_of(std::int64_t s) const {
+    const auto n = input.views.size();
+    const std::uint64_t round = std::uint64_t(s) / n;
+    std::vector<std::size_t> order(n);
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    for (std::size_t i = n; i-- > 1;) std::swap(order[i], order[rng_bits(input.seed, RngStream::kViewOrder, round * n + i) % (i + 1)]);
+    return order[std::size_t(s) % n];
+  }
+
+  const CachedView& load(std::size_t n, CachedView& scratch) {
+    if (cache[n]) return *cache[n];
+    const auto timed = monitor.scope("load view");
+    scratch.masks = input.load_masks(input.views[n]);
+    if (effects.photometric || effects.align) scratch.photo = input.load_photo(input.views[n]);
+    std::size_t bytes = scratch.photo.data.size() * sizeof(float);
+    for (const auto& target : scratch.masks.target) bytes += target.size() * sizeof(float);
+    if (cached_bytes + bytes > kViewCacheBytes) return scratch;
+    cached_bytes += bytes;
+    cache[n] = std::make_unique<CachedView>(std::move(scratch));
+    return *cache[n];
+  }
+
+  FieldRays rays_of(std::size_t n, const RenderedView& rendered) {
+    const auto timed = monitor.scope("rays");
+    const std::size_t v = input.views[n];
+    const Camera& world = input.scene.views[v].camera;
+    const Camera camera = relative_to(world, cloud.origin);
+    const DepthMap map{&rendered.depth, &rendered.alpha};
+    FieldRays rays;
+    if (done < std::int64_t(input.views.size())) {
+      rays = first_rays(world, camera, v);
+    } else {
+      rays = field->rays(exec, camera, boundary.positions(), sample.window == WindowCentre::kPixel ? map : DepthMap{});
+    }
+    if (rays.rays.rays() > 0) rays.on_surface = rays_on_surface(camera, rays.rays, map);
+    return rays;
+  }
+
+  FieldRays first_rays(const Camera& world, const Camera& camera, std::size_t v) {
+    const BoundarySet initial = boundary_set(input.cloud, boundary_flags(input, effects));
+    if (given_field != nullptr) {
+      for (std::size_t i = 0; i < given_field->views.size(); ++i)
+        if (given_field->views[i].name == world.name) return field->rays(exec, camera, *given_field, i, initial);
+      throw Error(ErrorCode::kInconsistent, "the field has no view '" + world.name + "', expected every training view", "sample again: ngs-sample scene.json boundary.ply --views all -o queries.ply");
+    }
+    Monitor quiet;
+    QueryField sampled = sample_queries(exec, quiet, sample, input.cloud, initial, input.scene, {v}, input.splat);
+    interpolate_features(exec, quiet, rbf, input.cloud, initial, sampled);
+    return field->rays(exec, camera, sampled, 0, initial);
+  }
+
+  LossTerms step_view(std::size_t n);
+  void field_terms(const FieldRays& rays, const RenderedView& rendered, const CachedView& view, LossTerms& loss, ViewGradients& grad, ImageF& weights);
+  void cont_term(LossTerms& loss);
+  void update(double decay);
+};
+
+void JointTrainer::Impl::field_terms(const FieldRays& rays, const RenderedView& rendered, const CachedView& view, LossTerms& loss,
+                                     ViewGradients& grad, ImageF& weights) {
+  if (rays.rays.rays() == 0) return;
+  const auto timed = monitor.scope("field");
+  const VolumeOutput& volume = field->forward(exec, rays, boundary.positions(), input.background);
+  if (effects.density) {
+    const PixelGrid& g = rays.rays.grid;
+    const PixelBox box{g.first_x - g.step_x / 2, g.first_y - g.step_y / 2, g.x(g.cols - 1) + g.step_x / 2, g.y(g.rows - 1) + g.step_y / 2};
+    weights = density_weights(exec, rendered.width_px, rendered.height_px, g, box, volume.optical_depth);
+  }
+  if (effects.align) {
+    const AlignOptions align{options.weight_opacity, effects.variance ? options.weight_variance : 0.0};
+    const AlignInputs in{.grid = rays.rays.grid, .colour = &rendered.colour, .alpha = &rendered.alpha,
+                         .photo = options.excess_variance ? &view.photo : nullptr, .field_colour = &volume.colour,
+                         .field_alpha = &volume.alpha, .active = &rays.on_surface};
+    AlignContext context;
+    const AlignLoss value = loss_align(exec, align, in, context);
+    AlignFieldGradients to_field;
+    loss_align_backward(exec, align, in, value, context, 1.0, to_field, grad.colour, grad.alpha);
+    field->backward(exec, rays, boundary.positions(), input.background, to_field);
+    loss.align = value.total;
+  }
+  if (effects.smooth) loss.smooth = field->smoothness(exec, rays, boundary.positions(), options.lambda_smooth, done);
+}
+
+void JointTrainer::Impl::cont_term(LossTerms& loss) {
+  if (!effects.cont || cont_graph.queries() == 0) return;
+  std::vector<float> colour(boundary.row.size() * 3), grad;
+  for (std::size_t b = 0; b < boundary.row.size(); ++b)
+    for (std::size_t c = 0; c < 3; ++c) colour[b * 3 + c] = float(0.5 + kShC0 * double(cloud.sh_dc[std::size_t(boundary.row[b]) * 3 + c]));
+  loss.cont = loss_cont(exec, cont_graph, {colour.data(), boundary.size()}, {}, options.lambda_cont, &grad);
+  for (std::size_t b = 0; b < boundary.row.size(); ++b)
+    for (std::size_t c = 0; c < 3; ++c) gradients.sh_dc[std::size_t(boundary.row[b]) * 3 + c] += float(kShC0 * double(grad[b * 3 + c]));
+}
+
+LossTerms JointTrainer::Impl::step_view(std::size_t n) {
+  CachedView scratch;
+  const CachedView& view = load(n, scratch);
+  const Camera& camera = input.scene.views[input.views[n]].camera;
+  const std::vector<float> label = label_values();
+  const bool colour = effects.photometric || effects.align;
+  RenderRequest request;
+  request.colour = colour, request.depth = effects.nerf, request.background = input.background;
+  request.label = {label.data(), cloud.size(), int(objects())};
+  const RenderedView& rendered = [&]() -> const RenderedView& {
+    const auto timed = monitor.scope("splat forward");
+    return splat.forward(exec, cloud, camera, request);
+  }();
+  LossTerms loss;
+  ViewGradients grad;
+  grad.label_moves_geometry = effects.mask_geometry;
+  if (colour) grad.colour = ImageF(camera.width_px, camera.height_px, 3);
+  grad.alpha = ImageF(camera.width_px, camera.height_px, 1);
+  if (effects.photometric && !view.photo.empty()) {
+    const auto timed = monitor.scope("photometric");
+    ImageF to_colour;
+    loss.photometric = photometric.evaluate(exec, {}, rendered.colour, view.photo, nullptr, &to_colour).total;
+    add_scaled(to_colour, options.photometric_weight, grad.colour);
+  }
+  ImageF weights;
+  if (effects.nerf) field_terms(rays_of(n, rendered), rendered, view, loss, grad, weights);
+  if (effects.mask && view.masks.available) {
+    const auto timed = monitor.scope("mask loss");
+    loss.mask = loss_mask(exec, {options.mask_loss, 1.0}, {&rendered.label, &view.masks, weights.empty() ? nullptr : &weights, 1.0},
+                          options.lambda_mask, &grad.label).total;
+  }
+  {
+    const auto timed = monitor.scope("splat backward");
+    splat.backward(exec, grad, gradients);
+  }
+  for (std::size_t i = 0; i < label.size(); ++i)
+    gradients.label[i] = trainable[i] ? gradients.label[i] * label[i] * (1 - label[i]) : 0.f;
+  cont_term(loss);
+  loss.total = options.photometric_weight * loss.photometric + loss.align + options.lambda_mask * loss.mask +
+               options.lambda_cont * loss.cont + options.lambda_smooth * loss.smooth;
+  return loss;
+}
+
+void JointTrainer::Impl::update(double decay) {
+  const auto timed = monitor.scope("adam");
+  const std::int64_t t = done + 1;
+  adam_step(exec, {.lr = options.rate_label * decay}, t, "label", logit, gradients.label, label_m);
+  if (effects.geometry) {
+    const GaussianRates rates;
+    const auto apply = [&](const char* name, double rate, std::vector<float>& value, const std::vector<float>& grad, AdamMoments& moments) {
+      const double lr = options.rate_literal ? 1.6e-4 : rate * options.rate_scale;
+      if (lr > 0) adam_step(exec, {.lr = lr * decay}, t, name, value, grad, moments);
+    };
+    apply("position", rates.position * extent, cloud.position, gradients.position, position_m);
+    apply("rotation", rates.rotation, cloud.rotation, gradients.rotation, rotation_m);
+    apply("log_scale", rates.log_scale, cloud.log_scale, gradients.log_scale, scale_m);
+    apply("logit_opacity", rates.logit_opacity, cloud.logit_opacity, gradients.logit_opacity, opacity_m);
+    apply("sh_dc", rates.sh_dc, cloud.sh_dc, gradients.sh_dc, dc_m);
+    apply("sh_rest", rates.sh_rest, cloud.sh_rest, gradients.sh_rest, rest_m);
+    refresh_positions(cloud, boundary);
+  }
+  if (field) field->step(exec, t, decay);
+}
+
+JointTrainer::JointTrainer(const Exec& exec, Monitor& monitor, const JointSetup& setup, bool empty_boundary_is_fine)
+    : impl_(std::make_unique<Impl>(exec, monitor, setup)) {
+  impl_->start(empty_boundary_is_fine);
+}
+JointTrainer::~JointTrainer() = default;
+
+bool JointTrainer::finished() const { return impl_->done >= impl_->steps; }
+std::int64_t JointTrainer::steps_done() const { return impl_->done; }
+const JointField* JointTrainer::field() const { return impl_->field.get(); }
+const BoundarySet& JointTrainer::boundary() const { return impl_->boundary; }
+
+JointProgress JointTrainer::step() {
+  Impl& s = *impl_;
+  const std::size_t n = s.view_of(s.done);
+  const std::string& name = s.input.scene.views[s.input.views[n]].camera.name;
+  JointProgress progress;
+  with_context("view '" + name + "', step " + std::to_string(s.done + 1), [&] {
+    progress.loss = s.step_view(n);
+    s.update(std::pow(s.options.rate_decay, double(s.done) / double(s.steps)));
+  });
+  ++s.done;
+  progress.step = s.done, progress.steps = s.steps, progress.view = s.input.views[n];
+  return progress;
+}
+
+MethodResult JointTrainer::result() const {
+  const Impl& s = *impl_;
+  MethodResult result;
+  result.cloud = s.cloud;
+  result.labels = s.input.labels;
+  result.converged = finished();
+  const std::vector<float> label = s.label_values();
+  const std::size_t k_count = s.objects();
+  for (std::size_t k = 0; k < k_count; ++k)
+    for (std::size_t i = 0; i < std::size_t(s.cloud.size()); ++i)
+      if (s.trainable[i * k_count + k]) result.labels[k].label[i] = result.labels[k].prob[i] = label[i * k_count + k];
+  result.figures["steps"] = double(s.done);
+  result.figures["boundary"] = double(s.boundary.size());
+  return result;
+}
+
+std::vector<StateBlock> JointTrainer::state() {
+  Impl& s = *impl_;
+  std::vector<StateBlock> blocks{{"position", &s.cloud.position}, {"rotation", &s.cloud.rotation}, {"log_scale", &s.cloud.log_scale},
+                                 {"logit_opacity", &s.cloud.logit_opacity}, {"sh_dc", &s.cloud.sh_dc}, {"sh_rest", &s.cloud.sh_rest},
+                                 {"label", &s.logit}};
+  const auto moments = [&](const std::string& name, AdamMoments& m) {
+    blocks.push_back({name + ".m", &m.m});
+    blocks.push_back({name + ".v", &m.v});
+  };
+  moments("position", s.position_m), moments("rotation", s.rotation_m), moments("log_scale", s.scale_m);
+  moments("logit_opacity", s.opacity_m), moments("sh_dc", s.dc_m), moments("sh_rest", s.rest_m), moments("label", s.label_m);
+  if (s.field) {
+    blocks.push_back({"field", &s.field->parameters().values});
+    for (std::size_t b = 0; b < s.field->moments().size(); ++b) moments("field." + std::to_string(b), s.field->moments()[b]);
+  }
+  return blocks;
+}
+
+void JointTrainer::resume_at(std::int64_t step) {
+  impl_->done = step;
+  refresh_positions(impl_->cloud, impl_->boundary);
+}
+
+}  // namespace ngs

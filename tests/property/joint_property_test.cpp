@@ -1,0 +1,148 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "ngs/stages/joint_stage.h"
+#include "support/joint_case.h"
+
+namespace ngs {
+namespace {
+
+JointOptions small_options(std::int64_t steps) {
+  JointOptions options;
+  options.steps = steps;
+  options.hash_levels = 4, options.hash_log2_table = 8, options.hash_finest = 64;
+  options.mlp_hidden = 16, options.smooth_points = 64;
+  return options;
+}
+SampleOptions small_grid() {
+  SampleOptions sample;
+  sample.rows = sample.cols = 12, sample.depth_samples = 4;
+  return sample;
+}
+
+/// All state after `steps` steps, as one vector.
+std::vector<float> flat_state(JointTrainer& trainer) {
+  std::vector<float> all;
+  for (const StateBlock& block : trainer.state()) all.insert(all.end(), block.values->begin(), block.values->end());
+  return all;
+}
+
+std::vector<float> state_after(const test::JointCase& c, const JointOptions& options, std::int64_t steps, int threads, const QueryField* field = nullptr) {
+  Monitor monitor;
+  const SampleOptions sample = small_grid();
+  const RbfOptions rbf;
+  const MethodInput input = c.input();
+  JointTrainer trainer({.threads = threads}, monitor, {options, sample, rbf, input, field}, false);
+  for (std::int64_t s = 0; s < steps; ++s) trainer.step();
+  return flat_state(trainer);
+}
+
+}  // namespace
+
+TEST_CASE("joint: the state after some steps has the same bits for any number of threads") {
+  const auto c = test::joint_case();
+  const auto one = state_after(*c, small_options(9), 9, 1);
+  for (const int threads : {2, 7}) CHECK(state_after(*c, small_options(9), 9, threads) == one);
+}
+
+TEST_CASE("joint: interrupted and resumed equals uninterrupted, bit for bit") {
+  const auto c = test::joint_case();
+  const JointOptions options = small_options(11);
+  const auto whole = state_after(*c, options, 11, 2);
+  const SampleOptions sample = small_grid();
+  const RbfOptions rbf;
+  const MethodInput input = c->input();
+  for (const std::int64_t cut : {1, 4, 7}) {
+    CAPTURE(cut);
+    Monitor monitor;
+    JointTrainer first({.threads = 1}, monitor, {options, sample, rbf, input, nullptr}, false);
+    for (std::int64_t s = 0; s < cut; ++s) first.step();
+    JointTrainer second({.threads = 3}, monitor, {options, sample, rbf, input, nullptr}, false);
+    const auto from = first.state(), to = second.state();
+    for (std::size_t b = 0; b < from.size(); ++b) *to[b].values = *from[b].values;
+    second.resume_at(cut);
+    while (!second.finished()) second.step();
+    CHECK(flat_state(second) == whole);
+  }
+}
+
+TEST_CASE("joint: the artifact of ngs-sample and ngs-rbf gives the same result as sampling here") {
+  const auto c = test::joint_case();
+  Monitor monitor;
+  const MethodInput input = c->input();
+  const SampleOptions sample = small_grid();
+  const BoundarySet boundary = boundary_set(c->model, c->labels[0].boundary);
+  REQUIRE(boundary.size() > 8);
+  QueryField field = sample_queries({}, monitor, sample, c->model, boundary, c->scene, input.views, {});
+  interpolate_features({}, monitor, {}, c->model, boundary, field);
+  CHECK(state_after(*c, small_options(6), 6, 2, &field) == state_after(*c, small_options(6), 6, 2));
+}
+
+TEST_CASE("joint: every part of the method can be switched off alone, and matters") {
+  const auto c = test::joint_case();
+  const auto all = state_after(*c, small_options(6), 6, 2);
+  for (const EffectName& effect : kEffects) {
+    CAPTURE(std::string(effect.name));
+    JointOptions options = small_options(6);
+    const bool on = JointEffects{}.*effect.member;
+    options.effect = {std::string(effect.name) + (on ? "=off" : "=on")};
+    const auto other = state_after(*c, options, 6, 2);
+    for (const float x : other) REQUIRE(std::isfinite(x));
+    CHECK(other != all);
+  }
+}
+
+TEST_CASE("joint: photometric and mask loss fall, and the labels find the ball") {
+  const auto c = test::joint_case();
+  Monitor monitor;
+  const MethodInput input = c->input();
+  JointOptions options = small_options(80);
+  options.rate_scale = 1;
+  const SampleOptions sample = small_grid();
+  const RbfOptions rbf;
+  JointTrainer trainer({.threads = 2}, monitor, {options, sample, rbf, input, nullptr}, false);
+  double first[4] = {}, last[4] = {};
+  for (int s = 0; s < 80; ++s) {
+    const JointProgress p = trainer.step();
+    double* at = s < 4 ? first : s >= 76 ? last : nullptr;
+    if (at == nullptr) continue;
+    at[0] += p.loss.photometric, at[1] += p.loss.mask, at[2] += p.loss.align, at[3] += p.loss.cont;
+  }
+  for (int term = 0; term < 3; ++term) {
+    CAPTURE(term);
+    CHECK(last[term] < first[term]);
+  }
+  const MethodResult result = trainer.result();
+  int wrong = 0, seen = 0;
+  for (std::size_t i = 0; i < c->is_ball.size(); ++i) {
+    if (result.labels[0].views[i] == 0) continue;
+    ++seen, wrong += (result.labels[0].label[i] > 0.5f) != (c->is_ball[i] > 0.5f);
+  }
+  CHECK(seen > 200);
+  CHECK(wrong <= seen / 20);
+}
+
+TEST_CASE("joint: unknown effects and values are refused") {
+  CHECK_THROWS_AS(parse_effects({"nerv=off"}), Error);
+  CHECK_THROWS_AS(parse_effects({"nerf=maybe"}), Error);
+  CHECK_THROWS_AS(parse_effects({"nerf"}), Error);
+  CHECK_FALSE(parse_effects({"nerf=off"}).nerf);
+  CHECK(parse_effects({"nerf=off", "nerf=auto"}).nerf == false);
+}
+
+TEST_CASE("joint: an empty boundary set is nothing found, or labels alone if allowed") {
+  auto c = test::joint_case();
+  std::fill(c->labels[0].boundary.begin(), c->labels[0].boundary.end(), 0.f);
+  Monitor monitor;
+  const MethodInput input = c->input();
+  const SampleOptions sample = small_grid();
+  const RbfOptions rbf;
+  const JointOptions options = small_options(4);
+  CHECK_THROWS_AS(JointTrainer({}, monitor, {options, sample, rbf, input, nullptr}, false), Error);
+  JointTrainer trainer({}, monitor, {options, sample, rbf, input, nullptr}, true);
+  while (!trainer.finished()) trainer.step();
+  CHECK(trainer.result().converged);
+}
+
+}  // namespace ngs

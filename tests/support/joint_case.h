@@ -1,0 +1,82 @@
+#pragma once
+// A tiny capture for the joint stage: a ball of Gaussians before a wall, seen by four cameras; photos are renders of
+// the true model, masks those of the ball, and the model to optimise is the true one with shifted colours.
+#include <memory>
+
+#include "ngs/core/rng.h"
+#include "ngs/stages/method.h"
+#include "ngs/stages/variance_stage.h"
+
+namespace ngs::test {
+
+struct JointCase {
+  GaussianCloud truth, model;
+  std::vector<float> is_ball;
+  Scene scene;
+  std::vector<ImageF> photos;
+  std::vector<ViewMasks> masks;
+  std::vector<LabelColumns> labels;
+
+  MethodInput input() const {
+    return {.cloud = model, .scene = scene, .views = {0, 1, 2, 3},
+            .load_masks = [this](std::size_t v) { return masks[v]; },
+            .load_photo = [this](std::size_t v) { return photos[v]; },
+            .splat = {}, .background = {0, 0, 0}, .seed = 7, .fixed = {}, .labels = labels};
+  }
+};
+
+inline std::unique_ptr<JointCase> joint_case(int ball = 160, int wall = 120) {
+  auto c = std::make_unique<JointCase>();
+  std::uint64_t index = 0;
+  const auto uniform = [&](double lo, double hi) { return float(lo + (hi - lo) * rng_uniform(3, RngStream::kTest, index++)); };
+  GaussianCloud& t = c->truth;
+  t.resize(ball + wall, 1);
+  for (int i = 0; i < ball + wall; ++i) {
+    const auto k = std::size_t(i);
+    const bool in_ball = i < ball;
+    c->is_ball.push_back(in_ball ? 1.f : 0.f);
+    if (in_ball) {
+      const double z = 2 * (i + 0.5) / ball - 1, phi = 2.399963 * i, r = std::sqrt(1 - z * z);  // Fibonacci sphere
+      t.position[k * 3] = float(0.6 * r * std::cos(phi)), t.position[k * 3 + 1] = float(0.6 * r * std::sin(phi)), t.position[k * 3 + 2] = float(4 + 0.6 * z);
+    } else {
+      t.position[k * 3] = uniform(-2, 2), t.position[k * 3 + 1] = uniform(-1.6, 1.6), t.position[k * 3 + 2] = uniform(5.6, 5.8);
+    }
+    t.rotation[k * 4] = 1;
+    for (std::size_t a = 0; a < 3; ++a) {
+      t.log_scale[k * 3 + a] = in_ball ? uniform(-2.6, -2.2) : uniform(-1.6, -1.2);
+      t.sh_dc[k * 3 + a] = in_ball ? uniform(0.2, 1.6) : uniform(-1.4, 0.1);
+    }
+    t.logit_opacity[k] = uniform(1, 3);
+  }
+  c->model = t;
+  for (float& x : c->model.sh_dc) x += 0.1f;
+  c->scene.objects = {{"ball", 0}};
+  for (int v = 0; v < 4; ++v) {
+    Camera camera;
+    camera.name = "view" + std::to_string(v) + ".png";
+    camera.width_px = 48, camera.height_px = 40;
+    camera.fx = camera.fy = 60, camera.cx = 24.5, camera.cy = 19;
+    const double angle = 0.12 * (v - 1.5);
+    camera.rotation = {{std::cos(angle), 0, std::sin(angle), 0, 1, 0, -std::sin(angle), 0, std::cos(angle)}};
+    camera.translation = {-4 * std::sin(angle), 0.05 * v, 4 - 4 * std::cos(angle)};
+    c->scene.views.push_back({camera, "", "", Split::kTrain});
+    RenderRequest request;
+    request.label = {c->is_ball.data(), t.size(), 1};
+    const RenderedView view = render({}, t, camera, {}, request);
+    c->photos.push_back(view.colour);
+    ViewMasks masks;
+    masks.width_px = 48, masks.height_px = 40, masks.available = true;
+    masks.target.resize(1);
+    for (const float m : view.label.data) masks.target[0].push_back(m > 0.5f ? 1.f : 0.f);
+    c->masks.push_back(std::move(masks));
+  }
+  Monitor monitor;
+  const auto load = [&](std::size_t v) { return c->masks[v]; };
+  const Evidence evidence = accumulate_evidence({}, monitor, c->model, c->scene, {0, 1, 2, 3}, {}, load);
+  VarianceOptions options;
+  options.tau = 0.2;
+  c->labels = label_gaussians(options, evidence);
+  return c;
+}
+
+}  // namespace ngs::test

@@ -1,0 +1,123 @@
+#include "joint_run.h"
+
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+
+#include "ngs/io/safetensors.h"
+#include "ngs/ops/metrics.h"
+
+namespace ngs::joint {
+namespace {
+
+std::optional<double> number_before(std::string_view text, std::string_view& rest) {
+  double value = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || !std::isfinite(value)) return std::nullopt;
+  rest = text.substr(std::size_t(stop - text.data()));
+  return value;
+}
+
+}  // namespace
+
+std::optional<double> parse_budget(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  std::string_view unit;
+  const std::optional<double> value = number_before(text, unit);
+  const double seconds = unit == "m" ? 60 : unit == "h" ? 3600 : 1;
+  if (!value || !(*value > 0) || !(unit.empty() || unit == "s" || unit == "m" || unit == "h"))
+    throw Error(ErrorCode::kUsage, "--time-budget: '" + text + "', expected a time such as 60s, 5m or 1h");
+  return *value * seconds;
+}
+
+std::optional<Target> parse_target(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  const bool boundary = text.starts_with("biou=");
+  std::string_view rest = "x";
+  std::optional<double> value;
+  if (boundary || text.starts_with("iou=")) value = number_before(std::string_view(text).substr(text.find('=') + 1), rest);
+  if (!value || !rest.empty() || *value < 0 || *value > 1)
+    throw Error(ErrorCode::kUsage, "--target: '" + text + "', expected biou=X or iou=X with X in [0, 1]");
+  return Target{boundary, *value};
+}
+
+Agreement training_agreement(const Exec& exec, const MethodInput& input, const MethodResult& result) {
+  const std::size_t objects = result.labels.size();
+  const auto n = std::size_t(result.cloud.size());
+  std::vector<float> label(n * objects);
+  for (std::size_t k = 0; k < objects; ++k)
+    for (std::size_t i = 0; i < n; ++i) label[i * objects + k] = result.labels[k].label[i];
+  Agreement sum;
+  double count = 0;
+  for (const std::size_t view : input.views) {
+    const ViewMasks masks = input.load_masks(view);
+    if (!masks.available) continue;
+    RenderRequest request;
+    request.colour = false;
+    request.label = {label.data(), result.cloud.size(), int(objects)};
+    const RenderedView rendered = render(exec, result.cloud, input.scene.views[view].camera, input.splat, request);
+    const int w = rendered.width_px, h = rendered.height_px;
+    for (std::size_t k = 0; k < objects; ++k) {
+      std::vector<std::uint8_t> predicted(masks.target[k].size()), wanted(masks.target[k].size());
+      for (std::size_t p = 0; p < predicted.size(); ++p) {
+        const bool known = masks.known.empty() || masks.known[p];
+        predicted[p] = known && rendered.label.data[p * objects + k] > 0.5f, wanted[p] = known && masks.target[k][p] >= 0.5f;
+      }
+      const MaskPlane a{predicted.data(), w, h}, b{wanted.data(), w, h};
+      sum.iou += iou(confusion(exec, a, b));
+      sum.biou += boundary_iou(exec, chessboard_distance(a), chessboard_distance(b), w, band_width_px(0.02, w, h));
+      count += 1;
+    }
+  }
+  if (count > 0) sum.iou /= count, sum.biou /= count;
+  return sum;
+}
+
+std::string Checkpoint::path() const { return (std::filesystem::path(folder_) / "checkpoint.safetensors").string(); }
+
+void Checkpoint::save(JointTrainer& trainer) const {
+  std::error_code ignored;
+  std::filesystem::create_directories(folder_, ignored);
+  io::TensorFile file;
+  for (const StateBlock& block : trainer.state()) file.add(block.name, {std::int64_t(block.values->size())}, *block.values);
+  file.metadata["ngs:schema"] = "ngs.checkpoint.1";
+  file.metadata["step"] = std::to_string(trainer.steps_done());
+  file.metadata["run"] = fingerprint_;
+  io::write_safetensors(path(), file);
+}
+
+bool Checkpoint::load(JointTrainer& trainer) const {
+  if (!std::filesystem::exists(path())) return false;
+  const io::TensorFile file = io::read_safetensors(path());
+  if (file.meta("run") != fingerprint_)
+    throw Error(ErrorCode::kInconsistent, path() + ": the checkpoint of a run with another model or other options",
+                "use the same inputs and options, or another --checkpoint folder");
+  for (const StateBlock& block : trainer.state()) *block.values = file.get<float>(block.name);
+  std::string_view rest;
+  const std::optional<double> step = number_before(file.meta("step"), rest);
+  if (!step || !rest.empty() || *step < 0) throw Error(ErrorCode::kBadInput, path() + ": 'step' is not a number", "delete the checkpoint");
+  trainer.resume_at(std::int64_t(*step));
+  return true;
+}
+
+void write_nerf(const std::string& path, const JointTrainer& trainer) {
+  io::TensorFile file;
+  file.metadata["ngs:schema"] = "ngs.nerf.1";
+  if (const JointField* field = trainer.field()) {
+    const ParamStore& store = field->parameters();
+    for (const ParamBlock& block : store.blocks) file.add(block.name, block.shape, store.value_of(block));
+    file.add("boundary_row", {trainer.boundary().size()}, trainer.boundary().row);
+    file.metadata["width"] = std::to_string(field->width());
+  }
+  io::write_safetensors(path, file);
+}
+
+Json explain(const JointOptions& options) {
+  const JointEffects defaults, chosen = parse_effects(options.effect);
+  Json table = Json::array();
+  for (const EffectName& e : kEffects)
+    table.push_back({{"effect", e.name}, {"what", e.help}, {"default", defaults.*e.member ? "on" : "off"}, {"chosen", chosen.*e.member ? "on" : "off"}});
+  return table;
+}
+
+}  // namespace ngs::joint

@@ -1,0 +1,71 @@
+#pragma once
+// What surrounds the optimisation in ngs-joint: its own options, budget, target, trace and checkpoints.
+#include <optional>
+#include <string>
+
+#include "ngs/options/field.h"
+#include "ngs/stages/joint_stage.h"
+#include "shared/tool.h"
+
+namespace ngs::joint {
+
+enum class Method : std::uint8_t { kPaper, kFlash, kSa3d };
+inline constexpr NamedValue<Method> kMethodNames[] = {{Method::kPaper, "paper"}, {Method::kFlash, "flash"}, {Method::kSa3d, "sa3d"}};
+
+struct RunOptions {
+  Method method = Method::kPaper;
+  std::string time_budget, target, background = "0,0,0", checkpoint;
+  std::int64_t checkpoint_every = 0;
+  int trace_every = 0;
+  bool resume = false, explain = false;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.method, Choice<Method>{"method", "what decides the labels", kMethodNames});
+    visit(self.time_budget, Text{"time_budget", "60s|5m", "end by then with what there is (exit 7)"});
+    visit(self.target, Text{"target", "biou=0.9|iou=0.95", "stop when the training views agree this well with their masks"});
+    visit(self.background, Text{"background", "R,G,B", "colour behind the model, each in [0, 1]"});
+    visit(self.checkpoint, Text{"checkpoint", "DIR", "folder in which the state of the run is kept"});
+    visit(self.checkpoint_every, Field<std::int64_t>{"checkpoint_every", "", "steps between checkpoints; 0: only when interrupted", 0, 1'000'000'000});
+    visit(self.trace_every, Field<int>{"trace_every", "", "steps between scores in the trace; 0: once per round of views", 0, 1 << 30});
+    visit(self.resume, Flag{"resume", "go on from the checkpoint in --checkpoint, if there is one"});
+    visit(self.explain, Flag{"explain", "list the parts of the method and whether they are on; run nothing"});
+  }
+};
+
+/// Seconds of "60s", "5m", "1h" or "90"; kUsage otherwise. Empty: none.
+std::optional<double> parse_budget(const std::string& text);
+
+struct Target {
+  bool boundary;  // biou, else iou
+  double value;
+};
+std::optional<Target> parse_target(const std::string& text);
+
+/// How well the rendered masks agree with the training views' own masks, on the mean over views and objects.
+struct Agreement {
+  double iou = 0, biou = 0;
+};
+Agreement training_agreement(const Exec& exec, const MethodInput& input, const MethodResult& result);
+
+/// Where the state of a run is kept; the file appears by rename. `fingerprint` names model and options: another run's
+/// checkpoint is kInconsistent.
+class Checkpoint {
+ public:
+  Checkpoint(std::string folder, std::string fingerprint) : folder_(std::move(folder)), fingerprint_(std::move(fingerprint)) {}
+  bool given() const { return !folder_.empty(); }
+  void save(JointTrainer& trainer) const;
+  /// False if there is none.
+  bool load(JointTrainer& trainer) const;
+
+ private:
+  std::string path() const;
+  std::string folder_, fingerprint_;
+};
+
+void write_nerf(const std::string& path, const JointTrainer& trainer);
+
+/// The table of --explain as a report value; also printed on stderr by the tool's info line.
+Json explain(const JointOptions& options);
+
+}  // namespace ngs::joint

@@ -1,0 +1,40 @@
+#pragma once
+// The loop of ngs-joint --method paper, and what it shares with the methods beside it.
+#include <string>
+#include <vector>
+
+#include "joint_run.h"
+#include "ngs/io/gaussian_ply.h"
+
+namespace ngs::joint {
+
+struct Settings {
+  RunOptions run;
+  JointOptions joint;
+  SampleOptions sample;
+  RbfOptions rbf;
+};
+
+/// The options that change the result, as one line of JSON.
+std::string options_text(Settings& settings);
+
+/// The model's label columns, one per object of the scene; kBadInput where they are missing.
+std::vector<LabelColumns> labels_of(const io::GaussianPly& ply, const Scene& scene);
+
+/// The labelled PLY and the figures of a finished method.
+void write_result(cli::Run& run, const io::GaussianPly& ply, const Scene& scene, const MethodResult& result, const std::string& path);
+
+struct Problem {
+  const MethodInput& input;
+  const QueryField* field;
+  const io::GaussianPly& ply;
+  Checkpoint checkpoint;
+};
+struct Artifacts {
+  std::string labelled, nerf, trace;  // empty: not wanted
+};
+
+/// Steps until the end, the budget, the target or a signal. Returns the exit code.
+int optimise(cli::Run& run, Settings& settings, const Problem& problem, const Artifacts& artifacts);
+
+}  // namespace ngs::joint
