@@ -20,3 +20,43 @@ find_bin() {
     if [ -x "$folder/ngs-scene" ]; then (cd "$folder" && pwd); return; fi
   done
 }
+
+# run_scene NAME SCENE_DIR OUT_DIR [options of ngs-gs.sh]: one scene of a loop. A failure is said and counted in
+# `failed_scenes`; the loop goes on. Finished folders are collected in `finished_runs`.
+finished_runs=() failed_scenes=0
+run_scene() {
+  local name=$1 scene=$2 out=$3 code=0
+  shift 3
+  say "== $name"
+  "$pipelines/ngs-gs.sh" "$scene" "$out" "$@" || code=$?
+  if [ "$code" -eq 0 ]; then
+    finished_runs+=("$out")
+  else
+    failed_scenes=$((failed_scenes + 1))
+    say "$name failed with exit code $code"
+  fi
+}
+
+# compare_runs OUT_DIR RUN...: report.html and summary.json of several runs, their table on stderr.
+compare_runs() {
+  local out=$1 bin
+  shift
+  [ $# -gt 0 ] || fail 5 "no scene was finished"
+  bin=$(find_bin)
+  "${bin:+$bin/}ngs-report" "$@" -o "$out/report.html" -w --report "$out/summary.json"
+  say "summary: $out/summary.json, page: $out/report.html"
+}
+
+# mean_of_summaries SUMMARY...: the mean over scenes of the means that compare_runs left.
+mean_of_summaries() {
+  awk '
+    FNR == 1 { inside = 0; ++files }
+    /"mean_over_runs": \{/ { inside = 1; next }
+    inside && /\}/ { inside = 0 }
+    inside { gsub(/[",:]/, " "); name = $1; if (!(name in sum)) order[++names] = name; if ($2 != "null") sum[name] += $2 }
+    END { for (i = 1; i <= names; ++i) printf "mean over %d scenes: %-16s %.4f\n", files, order[i], sum[order[i]] / files }
+  ' "$@" >&2
+}
+
+# usage_of SCRIPT: its leading comment.
+usage_of() { sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "$1"; }

@@ -18,14 +18,17 @@
 # SCENE_DIR holds images/ and the poses: sparse/0 (COLMAP), transforms.json, cameras.json or poses_bounds.npy.
 # OUT_DIR then holds scene.json boundary.ply queries.ply field.ply labelled.ply object.ply background.ply,
 # masks/STEM.png of the held-out views (of all views without --hold-out), metrics.json, report.html and each
-# tool's report in reports/. A second call does only what changed. Exit codes are those of the tools.
+# tool's report in reports/. A second call does only what changed. Exit codes are those of the tools; 1 where
+# --fail-below in EVAL_FLAGS was not met.
+#
+# Options for the other tools go in SCENE_FLAGS, VARIANCE_FLAGS, SAMPLE_FLAGS, RBF_FLAGS, EXTRACT_FLAGS,
+# RENDER_FLAGS and EVAL_FLAGS, quoted as for the shell: SCENE_FLAGS='--mask-mode label --object-id 7' ...
 #
 # The tools come from $NGS_BIN, else from the build folder, else from PATH.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"
 
-usage() { sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "$0"; }
 absolute() { case $1 in '' | /*) printf '%s' "$1" ;; *) printf '%s/%s' "$PWD" "$1" ;; esac; }
 existing() { [ -e "$2" ] || fail 3 "$1 $2: no such file or folder"; absolute "$2"; }
 
@@ -34,7 +37,7 @@ out='' until=report.html dry_run='' joint=()
 while [ $# -gt 0 ]; do
   option=$1 value=
   case $option in
-    -h | --help) usage; exit 0 ;;
+    -h | --help) usage_of "$0"; exit 0 ;;
     -n | --dry-run) dry_run=1; shift; continue ;;
     -q | -v | --allow-empty) COMMON_FLAGS+=" $option"; shift; continue ;;
     -j?*) THREAD_FLAGS=$option; shift; continue ;;
@@ -93,3 +96,4 @@ make --no-print-directory --silent -f "$pipelines/experiment.mk" "./$until" || {
   [ -f .state/exit_code ] && exit "$(cat .state/exit_code)"
   exit 70
 }
+if [ -f .state/check_failed ]; then exit 1; fi

@@ -74,6 +74,8 @@ run() {
   "$(tool_path "$tool")" "$@" || code=$?
   if [ "$code" -eq 7 ]; then
     say "$tool stopped at its budget; going on with its partial result"
+  elif [ "$code" -eq 1 ]; then  # done; --fail-below was not met
+    if [ "$name" = ngs-eval ]; then printf 1 > "$OUT/.state/check_failed"; fi
   elif [ "$code" -ne 0 ]; then
     printf '%s' "$code" > "$OUT/.state/exit_code"
     exit "$code"
@@ -142,7 +144,7 @@ stage_eval() {
   local truth masks names=$OUT/.state/scored_views.txt
   truth=$(truth_of_scene) masks=$(masks_of_scene)
   if [ -z "${NGS_DRY_RUN:-}" ]; then
-    rm -f "$OUT/metrics.json" "$OUT/metrics_input.json" "$OUT/reports/ngs-eval.json" "$OUT/reports/ngs-eval-input.json"
+    rm -f "$OUT/.state/check_failed" "$OUT/metrics.json" "$OUT/metrics_input.json" "$OUT/reports/ngs-eval.json" "$OUT/reports/ngs-eval-input.json"
     (cd "$OUT/masks" && find . -name '*.png' | sed 's|^\./||' | LC_ALL=C sort) > "$names"
   fi
   if [ -z "$truth" ]; then
@@ -152,9 +154,12 @@ stage_eval() {
   if [ "$truth" = "$masks" ]; then
     say "no ground truth given: the input masks of the held-out views stand in for it"
   else  # the input masks' own score on the same views, for comparison
-    run ngs-eval --report-name ngs-eval-input "$masks" "$truth" --views "$names" -q -o "$OUT/metrics_input.json"
+    flags "$EVAL_FLAGS"
+    run ngs-eval --report-name ngs-eval-input "$masks" "$truth" --views "$names" "${words[@]}" -q -o "$OUT/metrics_input.json"
   fi
   flags "$EVAL_FLAGS"
+  # Masks of several objects lie in a folder each.
+  if [ -n "$(find "$OUT/masks" -mindepth 2 -name '*.png' -print -quit 2>/dev/null)" ]; then words+=(--layout object/view); fi
   run ngs-eval "$OUT/masks" "$truth" --views "$names" "${words[@]}" -o "$OUT/metrics.json"
 }
 

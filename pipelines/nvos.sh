@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# The NVOS benchmark: 8 tasks over 7 LLFF scenes, one true mask of one target view each.
+#
+#   pipelines/nvos.sh NVOS_DIR LLFF_DIR MASKS_DIR OUT_DIR [options of ngs-gs.sh]
+#
+#   NVOS_DIR   the labels: masks/TASK/IMAGE_mask.png
+#   LLFF_DIR   SCENE/ with images/, the poses and a trained splat (point_cloud.ply or point_cloud/iteration_*/)
+#   MASKS_DIR  TASK/ with the input masks of the views, named like the images
+#   OUT_DIR    one folder per task, report.html and summary.json
+#
+# The target view supervises nothing. The mean is over tasks, unweighted; "mAcc" of the papers is pixel
+# accuracy. Which views have an input mask, and how the splat was trained, decides the numbers: state both.
+# Tasks without a scene, masks or truth are skipped and said. Exit code 1 if a task failed.
+set -euo pipefail
+# shellcheck source=pipelines/common.sh
+. "$(dirname "$0")/common.sh"
+
+case ${1:-} in -h | --help) usage_of "$0"; exit 0 ;; esac
+[ $# -ge 4 ] || fail 2 "expected NVOS_DIR LLFF_DIR MASKS_DIR OUT_DIR" "see $0 --help"
+nvos=$1 llff=$2 masks=$3 out=$4
+shift 4
+
+targets="fern IMG_4027
+flower IMG_2962
+fortress IMG_1800
+horns_center DJI_20200223_163024_597
+horns_left DJI_20200223_163024_597
+leaves IMG_2997
+orchids IMG_4480
+trex DJI_20200223_163619_411"
+
+mkdir -p "$out"
+while read -r task target <&3; do
+  scene=$llff/${task%%_*} truth=$nvos/masks/$task
+  missing=
+  for path in "$scene" "$truth" "$masks/$task"; do
+    if [ ! -d "$path" ]; then missing=$path; fi
+  done
+  if [ -n "$missing" ]; then
+    say "== $task skipped: $missing is not there"
+    continue
+  fi
+  printf '%s\n' "$target" > "$out/$task.target"
+  run_scene "$task" "$scene" "$out/$task" --masks "$masks/$task" --gt "$truth" --hold-out "$out/$task.target" "$@"
+done 3<<< "$targets"
+compare_runs "$out" "${finished_runs[@]}"
+[ "$failed_scenes" -eq 0 ]
