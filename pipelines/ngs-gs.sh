@@ -32,15 +32,16 @@ set -euo pipefail
 absolute() { case $1 in '' | /*) printf '%s' "$1" ;; *) printf '%s/%s' "$PWD" "$1" ;; esac; }
 existing() { [ -e "$2" ] || fail 3 "$1 $2: no such file or folder"; absolute "$2"; }
 
-export SCENE='' MODEL='' MASKS='' GT='' HOLD_OUT='' IMAGE_SCALE=1 METHOD='' QUALITY='' JOINT_FLAGS='' COMMON_FLAGS='' THREAD_FLAGS=''
+export SCENE='' MODEL='' MASKS='' GT='' HOLD_OUT='' IMAGE_SCALE=1 METHOD='' QUALITY='' JOINT_FLAGS='' COMMON_FLAGS='' UNKEYED_FLAGS=''
 out='' until=report.html dry_run='' joint=()
 while [ $# -gt 0 ]; do
   option=$1 value=
   case $option in
     -h | --help) usage_of "$0"; exit 0 ;;
     -n | --dry-run) dry_run=1; shift; continue ;;
-    -q | -v | --allow-empty) COMMON_FLAGS+=" $option"; shift; continue ;;
-    -j?*) THREAD_FLAGS=$option; shift; continue ;;
+    -q | -v) UNKEYED_FLAGS+=" $option"; shift; continue ;;
+    --allow-empty) COMMON_FLAGS+=" $option"; shift; continue ;;
+    -j?*) UNKEYED_FLAGS+=" $option"; shift; continue ;;
     --model | --masks | --gt | --hold-out | --image-scale | --quality | --method | --until | \
       --seed | --device | --log-format | -j | --threads)
       [ $# -ge 2 ] || fail 2 "$option: no value given" "see $0 --help"
@@ -69,8 +70,9 @@ while [ $# -gt 0 ]; do
     --quality) QUALITY=$value ;;
     --method) METHOD=$value ;;
     --until) until=$value ;;
-    -j | --threads) THREAD_FLAGS=$(printf '%q ' -j "$value") ;;
-    --seed | --device | --log-format) COMMON_FLAGS+=$(printf ' %q' "$option" "$value") ;;
+    -j | --threads) UNKEYED_FLAGS+=$(printf ' %q' -j "$value") ;;
+    --log-format) UNKEYED_FLAGS+=$(printf ' %q' "$option" "$value") ;;
+    --seed | --device) COMMON_FLAGS+=$(printf ' %q' "$option" "$value") ;;
   esac
 done
 [ -n "$out" ] || fail 2 "expected SCENE_DIR and OUT_DIR" "see $0 --help"

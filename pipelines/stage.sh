@@ -6,9 +6,12 @@ set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"
 
-for name in SCENE MODEL MASKS GT HOLD_OUT METHOD QUALITY {SCENE,VARIANCE,SAMPLE,RBF,JOINT,EXTRACT,RENDER,EVAL,COMMON,THREAD}_FLAGS; do
+for name in SCENE MODEL MASKS GT HOLD_OUT METHOD QUALITY {SCENE,VARIANCE,SAMPLE,RBF,JOINT,EXTRACT,RENDER,EVAL,COMMON,UNKEYED}_FLAGS; do
   declare "$name=${!name:-}"
 done
+
+# Make turns every failure into its own code; ngs-gs.sh finds the tool's here.
+trap 'code=$?; if [ $code -ne 0 ] && [ -d "$OUT/.state" ]; then printf %s $code > "$OUT/.state/exit_code"; fi' EXIT
 
 first_existing() {  # the first path that exists, else nothing
   local path
@@ -64,7 +67,7 @@ run() {
   local tool=$1 name=$1 code=0
   shift
   if [ "${1:-}" = --report-name ]; then name=$2; shift 2; fi
-  eval "set -- \"\$@\" --report '$OUT/reports/$name.json' -w $COMMON_FLAGS $THREAD_FLAGS"
+  eval "set -- \"\$@\" --report '$OUT/reports/$name.json' -w $COMMON_FLAGS $UNKEYED_FLAGS"
   if [ -n "${NGS_DRY_RUN:-}" ]; then
     printf '%q ' "$tool" "$@"
     printf '\n'
@@ -77,7 +80,6 @@ run() {
   elif [ "$code" -eq 1 ]; then  # done; --fail-below was not met
     if [ "$name" = ngs-eval ]; then printf 1 > "$OUT/.state/check_failed"; fi
   elif [ "$code" -ne 0 ]; then
-    printf '%s' "$code" > "$OUT/.state/exit_code"
     exit "$code"
   fi
 }

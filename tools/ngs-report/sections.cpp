@@ -48,14 +48,17 @@ std::string legend(bool truth, bool input) {
 
 double seconds_of(const Json& stage) { return number_at(stage, {"wall_s"}); }
 
+std::string rate(double per_second) {
+  return per_second >= 100 && per_second < 1e15 ? whole(std::llround(per_second)) : decimal(per_second, 1);
+}
+
 std::string bar_row(const char* row_class, const std::string& name, const Json& stage, double largest) {
   const Json& items = value_at(stage, {"items"});
   std::string row = std::string("<tr class=") + row_class + "><th scope=row>" + escaped(name) + "</th><td>" +
                     bar_svg(seconds_of(stage), largest) + "</td><td>" + duration(seconds_of(stage)) +
                     "</td><td>";
   if (items.is_number_integer() && items.get<std::int64_t>() > 0)
-    row +=
-        whole(items.get<std::int64_t>()) + " items, " + decimal(number_at(stage, {"items_per_s"}), 1) + "/s";
+    row += whole(items.get<std::int64_t>()) + " items, " + rate(number_at(stage, {"items_per_s"})) + "/s";
   return row + "</td><td>" + decimal(number_at(stage, {"max_rss_mib"}), 0) + " MiB</td></tr>";
 }
 

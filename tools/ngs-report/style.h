@@ -31,6 +31,7 @@ td table{margin:0}
 tr.best td,b{font-weight:650}
 .bars td:nth-child(2){min-width:9rem;width:40%}
 .bars table{width:100%;max-width:46rem}
+.bars th,.bars td{white-space:nowrap}
 .bars .child th{padding-left:1.2rem;font-weight:400;color:var(--soft)}
 svg.bar{display:block;width:100%;height:.8rem;margin-top:.32rem}
 svg.bar rect{fill:var(--bar)}

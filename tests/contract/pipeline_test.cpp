@@ -1,0 +1,138 @@
+// pipelines/ngs-gs.sh on the tiny scene with the built tools.
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <map>
+
+#include "support/process.h"
+#include "support/temp_dir.h"
+#include "support/tiny_scene.h"
+
+namespace ngs {
+namespace {
+
+namespace fs = std::filesystem;
+
+const char* const kScript = NGS_SOURCE_DIR "/pipelines/ngs-gs.sh";
+
+test::ProcessResult run_script(const std::string& folder, std::vector<std::string> arguments,
+                               std::vector<std::pair<std::string, std::string>> environment = {}) {
+  test::ProcessSpec spec;
+  spec.argv = {kScript};
+  spec.argv.insert(spec.argv.end(), arguments.begin(), arguments.end());
+  spec.folder = folder;
+  spec.environment = std::move(environment);
+  spec.environment.emplace_back("NGS_BIN", NGS_TOOL_DIR);
+  spec.environment.emplace_back("NGS_THREADS", "2");
+  return test::run_process(spec);
+}
+
+std::map<std::string, fs::file_time_type> times_of(const std::string& folder) {
+  std::map<std::string, fs::file_time_type> times;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file() && entry.path().string().find("/.state/") == std::string::npos)
+      times[fs::relative(entry.path(), folder).string()] = entry.last_write_time();
+  return times;
+}
+
+struct Capture {
+  test::TempDir dir;
+  std::string out;
+  Capture() {
+    fs::create_directories(dir.path() + "/my scene");
+    test::write_tiny_scene(dir.path() + "/my scene");
+    fs::remove(dir.path() + "/my scene/scene.json");
+    out = dir.path() + "/the output";
+  }
+  /// The tiny scene with spaces in both folders, v2 held out.
+  test::ProcessResult run(std::vector<std::string> further,
+                          std::vector<std::pair<std::string, std::string>> environment = {}) const {
+    further.insert(further.begin(),
+                   {"my scene", "the output", "--hold-out", "every:4:2", "--gt", "my scene/masks"});
+    return run_script(dir.path(), further, std::move(environment));
+  }
+};
+
+TEST_CASE("ngs-gs.sh makes every promised file, then runs only what changed") {
+  if (!fs::exists(NGS_TOOL_DIR "/ngs-joint")) {
+    MESSAGE("ngs-joint is not built: skipped");
+    return;
+  }
+  const Capture capture;
+  const test::ProcessResult first = capture.run({"--method", "flash"});
+  INFO(first.err);
+  REQUIRE(first.exit_code == 0);
+  for (const char* name :
+       {"scene.json", "boundary.ply", "queries.ply", "field.ply", "labelled.ply", "object.ply",
+        "background.ply", "masks/v2.png", "metrics.json", "report.html", "reports/ngs-joint.json"}) {
+    CAPTURE(name);
+    CHECK(fs::exists(capture.out + "/" + name));
+  }
+  const auto before = times_of(capture.out);
+
+  SUBCASE("nothing, if nothing changed") {
+    const test::ProcessResult second = capture.run({"--method", "flash", "-q", "-j", "1"});
+    CHECK(second.exit_code == 0);
+    CHECK(second.err == "");
+    CHECK(times_of(capture.out) == before);
+  }
+  SUBCASE("the optimisation and what follows it, if the method changed") {
+    const test::ProcessResult second = capture.run({"--method", "sa3d"});
+    CHECK(second.exit_code == 0);
+    auto after = times_of(capture.out);
+    CHECK(after["field.ply"] == before.at("field.ply"));
+    CHECK(after["labelled.ply"] != before.at("labelled.ply"));
+    CHECK(after["report.html"] != before.at("report.html"));
+  }
+  SUBCASE("everything, if a mask changed") {
+    fs::copy_file(capture.dir.path() + "/my scene/masks/v0.png",
+                  capture.dir.path() + "/my scene/masks/v1.png", fs::copy_options::overwrite_existing);
+    const test::ProcessResult second = capture.run({"--method", "flash"});
+    INFO(second.err);
+    CHECK(second.exit_code == 0);
+    auto after = times_of(capture.out);
+    CHECK(after["boundary.ply"] != before.at("boundary.ply"));
+    CHECK(after["metrics.json"] != before.at("metrics.json"));
+  }
+  SUBCASE("the scores, if a bound was added; it exits 1 where it is not met") {
+    const test::ProcessResult second =
+        capture.run({"--method", "flash"}, {{"EVAL_FLAGS", "--fail-below iou=1.01"}});
+    INFO(second.err);
+    CHECK(second.exit_code == 1);
+    auto after = times_of(capture.out);
+    CHECK(after["labelled.ply"] == before.at("labelled.ply"));
+    CHECK(after["metrics.json"] != before.at("metrics.json"));
+  }
+}
+
+TEST_CASE("ngs-gs.sh prints the commands in a dry run and writes nothing") {
+  const Capture capture;
+  const test::ProcessResult result = capture.run({"-n", "--steps", "5", "--quality", "draft"});
+  INFO(result.err);
+  CHECK(result.exit_code == 0);
+  CHECK(result.out.find("ngs-variance ./scene.json -o ./boundary.ply") != std::string::npos);
+  CHECK(result.out.find("--quality draft") != std::string::npos);
+  CHECK(result.out.find("--steps 5") != std::string::npos);
+  CHECK(times_of(capture.out).empty());
+}
+
+TEST_CASE("ngs-gs.sh passes on the exit code of the tool that failed") {
+  const Capture capture;
+  fs::resize_file(capture.dir.path() + "/my scene/model.ply", 300);
+  const test::ProcessResult result = capture.run({});
+  CHECK(result.exit_code == 3);
+  CHECK(result.err.find("model.ply") != std::string::npos);
+}
+
+TEST_CASE("ngs-gs.sh refuses what it cannot use") {
+  const test::TempDir dir;
+  CHECK(run_script(dir.path(), {}).exit_code == 2);
+  CHECK(run_script(dir.path(), {"nowhere", "out"}).exit_code == 3);
+  CHECK(run_script(dir.path(), {".", "out", "--image-scale", "none"}).exit_code == 2);
+  const test::ProcessResult empty = run_script(dir.path(), {".", "out"});
+  CHECK(empty.exit_code == 3);
+  CHECK(empty.err.find("no poses found") != std::string::npos);
+}
+
+}  // namespace
+}  // namespace ngs
