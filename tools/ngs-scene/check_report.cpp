@@ -22,11 +22,12 @@ Json view_json(const SceneView& view, const ViewCheck& check, bool has_model) {
   return out;
 }
 
-std::string table_row(const SceneView& view, const ViewCheck& check) {
+std::string table_row(const SceneView& view, const ViewCheck& check, bool has_model) {
   const std::string& name = view.camera.name;
   std::string text = name + std::string(name.size() < 26 ? 26 - name.size() : 1, ' ');
   text += view.split == Split::kTrain ? "train      " : "held-out   ";
-  text += format("%-10.3f", check.in_front) + format("%-10.3f", check.inside);
+  text += has_model ? format("%-10.3f", check.in_front) + format("%-10.3f", check.inside)
+                    : "-         -         ";
   text += check.match ? format("%-9.2f", check.match->psnr_db) + format("%-9.2f", check.match->gain_db())
                       : "-        -        ";
   if (!check.masks) return text + "-\n";
@@ -74,7 +75,8 @@ std::string check_table(const Scene& scene, const SceneCheck& check) {
   const bool shortened = scene.views.size() > kMostRows;
   std::string text = "view                      split      in front  inside    PSNR dB  fit dB   coverage\n";
   for (std::size_t i = 0; i < scene.views.size(); ++i)
-    if (!shortened || check.views[i].match) text += table_row(scene.views[i], check.views[i]);
+    if (!shortened || check.views[i].match)
+      text += table_row(scene.views[i], check.views[i], check.sampled_gaussians > 0);
   if (shortened)
     text += "(of " + std::to_string(scene.views.size()) +
             " views those compared with their photos; the report has all)\n";

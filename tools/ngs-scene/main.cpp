@@ -47,6 +47,7 @@ int import_command(int argc, char** argv) {
           capture::request_from(options, source.value, {ply.path, images.path, masks.path, world.path}));
     }();
     run.add_input("cameras", imported.cameras_file);
+    if (!masks && !imported.masks_dir.empty()) run.add_input("masks", imported.masks_dir);
     run.result() = import_json(imported);
     if (run.dry_run()) {
       run.plan({{"views", imported.scene.views.size()}, {"compared_views", checks.check_views}});

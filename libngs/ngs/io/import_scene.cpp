@@ -8,8 +8,8 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/folder_index.h"
-#include "ngs/io/image_file.h"
 #include "ngs/io/mask_names.h"
+#include "ngs/io/masks.h"
 #include "ngs/io/regular_file.h"
 #include "ngs/io/scene_json.h"
 
@@ -98,9 +98,8 @@ SceneObject parse_object(const std::string& text, MaskMode mode) {
 std::vector<SceneObject> objects_in_label_maps(const std::vector<SceneView>& views) {
   std::set<std::uint32_t> ids;
   for (const SceneView& view : views) {
-    if (view.mask_path.empty()) continue;
-    const RawMask mask = read_mask_raw(view.mask_path);
-    for (std::size_t i = 0; i < mask.data.size(); i += std::size_t(mask.channels)) ids.insert(mask.data[i]);
+    if (view.mask_path.empty() || view.split == Split::kHeldOut) continue;
+    ids.merge(ids_in_label_map(view.mask_path));
     constexpr std::size_t kMostObjects = 1024;
     if (ids.size() > kMostObjects)
       throw Error(ErrorCode::kBadInput,
@@ -199,8 +198,8 @@ ImportedScene import_scene(const ImportRequest& request) {
   scene.mask_threshold = request.mask_threshold, scene.missing_mask = request.missing_mask;
   scene.image_scale = request.image_scale;
   out.masks_dir = find_masks_dir(request, source.base, out.notes);
-  attach_masks(request, out);
   assign_splits(request.hold_out, scene.views);
+  attach_masks(request, out);
   for (SceneView& view : scene.views)
     view.camera = resized(view.camera, scaled_size_px(view.camera.width_px, scene.image_scale),
                           scaled_size_px(view.camera.height_px, scene.image_scale));

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <optional>
+#include <set>
 
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
@@ -38,22 +38,26 @@ bool has_extension(const std::string& path, const char* extension) {
   return found == extension;
 }
 
-Plane read_exr_plane(const std::string& path) {
+Plane read_exr_plane(const std::string& path, MaskMode mode) {
   ExrImage exr = read_exr(path);
-  const char* const preferred[] = {"ngs.mask", "A", "Y", "R"};
-  const auto* name = std::find_if(std::begin(preferred), std::end(preferred),
-                                  [&](const char* candidate) { return exr.channels.count(candidate) != 0; });
-  if (name == std::end(preferred) && exr.channels.size() != 1)
+  const bool label = mode == MaskMode::kLabel;
+  const std::vector<std::string> preferred = label ? std::vector<std::string>{"ngs.id", "Y", "R"}
+                                                   : std::vector<std::string>{"ngs.mask", "A", "Y", "R"};
+  const auto name = std::find_if(preferred.begin(), preferred.end(), [&](const std::string& candidate) {
+    return exr.channels.count(candidate) != 0;
+  });
+  if (name == preferred.end() && exr.channels.size() != 1)
     throw Error(ErrorCode::kBadInput,
-                path + ": EXR without a channel ngs.mask, A, Y or R, expected one of them");
+                path + ": EXR without a channel " + preferred[0] + ", Y or R, expected one of them");
   Plane plane;
-  plane.value = ImageF(exr.width_px, exr.height_px, 0);
-  plane.value.channels = 1;
+  plane.value.width_px = exr.width_px, plane.value.height_px = exr.height_px, plane.value.channels = 1;
   plane.value.data =
-      std::move(name != std::end(preferred) ? exr.channels.at(*name) : exr.channels.begin()->second);
+      std::move(name != preferred.end() ? exr.channels.at(*name) : exr.channels.begin()->second);
+  const float largest = label ? 65535.f : 1.f;
   for (const float v : plane.value.data)
-    if (!(v >= 0.f && v <= 1.f))
-      throw Error(ErrorCode::kBadInput, path + ": mask value " + std::to_string(v) + ", expected [0, 1]");
+    if (!(v >= 0.f && v <= largest) || (label && v != std::floor(v)))
+      throw Error(ErrorCode::kBadInput, path + ": mask value " + std::to_string(v) + ", expected " +
+                                            (label ? "ids in 0..65535" : "[0, 1]"));
   return plane;
 }
 
@@ -72,7 +76,7 @@ bool alpha_varies(const RawMask& raw) {
 }
 
 Plane read_plane(const std::string& path, MaskMode mode, std::vector<std::string>& notes) {
-  if (has_extension(path, ".exr")) return read_exr_plane(path);
+  if (has_extension(path, ".exr")) return read_exr_plane(path, mode);
   const RawMask raw = read_mask_raw(path);
   Plane plane{ImageF(raw.width_px, raw.height_px, 1), raw.bits == 8 ? 255.f : 65535.f, raw.lossy};
   const std::size_t c = std::size_t(raw.channels);
@@ -248,6 +252,18 @@ LoadedMasks load_masks_with_notes(const Scene& scene, std::size_t view) {
   if (files.empty()) out.masks.target.assign(scene.objects.size(), std::vector<float>(pixels, 0.f));
   NGS_CHECK(out.masks.target.size() == scene.objects.size(), "one mask plane per object");
   return out;
+}
+
+std::set<std::uint32_t> ids_in_label_map(const std::string& path) {
+  std::vector<std::string> notes;
+  const Plane plane = read_plane(path, MaskMode::kLabel, notes);
+  std::set<std::uint32_t> ids;
+  float last = -1;
+  for (const float v : plane.value.data) {
+    if (v != last) ids.insert(std::uint32_t(v));  // neighbours are mostly equal
+    last = v;
+  }
+  return ids;
 }
 
 ViewMasks load_masks(const Scene& scene, std::size_t view) {

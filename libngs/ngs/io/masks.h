@@ -3,8 +3,9 @@
 //
 //   binary  object where value >= threshold (8-bit scale; 16-bit and EXR values are brought to it). A file
 //           whose largest value is 1 is a {0,1} mask: object where 1 (with a note).
-//   label   object k where value == its id; 8 or 16 bit, palette PNGs by index.
-//   soft    value / full scale of the file; EXR in [0, 1] (channel ngs.mask, else A, else Y, else R, else the
+//   label   object k where value == its id; 8 or 16 bit, palette PNGs by index, EXR by channel ngs.id, Y or
+//   R. soft    value / full scale of the file; EXR in [0, 1] (channel ngs.mask, else A, else Y, else R, else
+//   the
 //           only one).
 //   bands   value < 128: unknown; 128..250: background; > 250: object (LichtFeld's ignore / segment / keep).
 //
@@ -18,6 +19,8 @@
 // A mask_path holding "{object}" stands for one file per object (binary, soft or bands). A view is available
 // only if every object has its file; with missing_mask kEmpty an absent one is an empty mask.
 #include <cstddef>
+#include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -36,6 +39,9 @@ struct LoadedMasks {
 /// missing_mask is kError.
 LoadedMasks load_masks_with_notes(const Scene& scene, std::size_t view);
 ViewMasks load_masks(const Scene& scene, std::size_t view);
+
+/// Every value that occurs in a label map.
+std::set<std::uint32_t> ids_in_label_map(const std::string& path);
 
 /// The files of a view: one, or one per object where the path holds "{object}". Empty: no mask.
 std::vector<std::string> mask_files(const Scene& scene, std::size_t view);

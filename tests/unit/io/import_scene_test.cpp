@@ -211,6 +211,9 @@ TEST_CASE("label maps without ids give one object per id, with ids only those") 
   REQUIRE(all.scene.objects.size() == 2);
   CHECK(all.scene.objects[0].name == "object-3");
   CHECK(all.scene.objects[1].id == 7);
+  request.hold_out = "every:2:0";  // the only view with id 7
+  CHECK(import_scene(request).scene.objects.size() == 1);
+  request.hold_out.clear();
   request.object_ids = {"cup=7"};
   const ImportedScene one = import_scene(request);
   REQUIRE(one.scene.objects.size() == 1);

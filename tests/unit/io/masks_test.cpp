@@ -84,6 +84,19 @@ TEST_CASE("label maps give one plane per object, 8 and 16 bit") {
   CHECK(load_masks(scene, 0).target[0] == Values{1, 0});
 }
 
+TEST_CASE("label maps are read from EXR by their ids, and other numbers refused") {
+  const TempDir dir;
+  ExrImage exr{3, 1, {{"ngs.id", {0, 300, 7}}, {"R", {1, 1, 1}}}, {}, {}};
+  write_exr(dir.file("m.exr"), exr);
+  Scene scene = one_view(MaskMode::kLabel, 3, 1, dir.file("m.exr"));
+  scene.objects = {{"cup", 300}};
+  CHECK(load_masks(scene, 0).target[0] == Values{0, 1, 0});
+  CHECK(ids_in_label_map(dir.file("m.exr")) == std::set<std::uint32_t>{0, 7, 300});
+  exr.channels["ngs.id"][2] = 7.5f;
+  write_exr(dir.file("m.exr"), exr);
+  CHECK_THROWS_WITH_AS(load_masks(scene, 0), doctest::Contains("expected ids in 0..65535"), Error);
+}
+
 TEST_CASE("a coloured label map is refused") {
   const TempDir dir;
   ImageU8 image(1, 1, 3);
