@@ -43,19 +43,23 @@ std::vector<FitPoint> random_cube(const FitOptions& options, std::span<const Fit
 
 }  // namespace
 
-double scene_extent(std::span<const FitView> views) {
+double scene_extent(std::span<const Camera> cameras) {
   Vec3<double> mean{0, 0, 0};
-  double count = 0, farthest = 0;
-  for (const FitView& view : views)
-    if (view.split == Split::kTrain) mean = mean + view.camera.centre(), ++count;
-  if (count == 0) return 1;
-  mean = (1 / count) * mean;
-  for (const FitView& view : views) {
-    if (view.split != Split::kTrain) continue;
-    const Vec3<double> d = view.camera.centre() - mean;
+  double farthest = 0;
+  for (const Camera& camera : cameras) mean = mean + camera.centre();
+  mean = (1 / std::max(1.0, double(cameras.size()))) * mean;
+  for (const Camera& camera : cameras) {
+    const Vec3<double> d = camera.centre() - mean;
     farthest = std::max(farthest, std::sqrt(dot(d, d)));
   }
   return farthest > 0 ? 1.1 * farthest : 1.0;
+}
+
+double scene_extent(std::span<const FitView> views) {
+  std::vector<Camera> training;
+  for (const FitView& view : views)
+    if (view.split == Split::kTrain) training.push_back(view.camera);
+  return scene_extent(training);
 }
 
 FitState initial_fit(const Exec& exec, const FitOptions& options, std::span<const FitPoint> points,

@@ -96,6 +96,7 @@ struct FitState {
 
 /// 1.1 times the largest distance of a training camera from their mean; of one camera: 1. 3DGS's spatial scale.
 double scene_extent(std::span<const FitView> views);
+double scene_extent(std::span<const Camera> cameras);
 
 /// Isotropic Gaussians, opacity 0.1, as wide as the root mean square distance of their 3 nearest neighbours.
 /// No points: `random_points` grey ones in a cube that the cameras look into.

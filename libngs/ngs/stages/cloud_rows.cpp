@@ -1,0 +1,70 @@
+#include "ngs/stages/cloud_rows.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ngs/backend/for_each.h"
+#include "ngs/core/rng.h"
+#include "ngs/math/quat.h"
+
+namespace ngs {
+namespace {
+
+void gather_moments(const std::vector<CloudRow>& rows, int width, std::vector<float>& moments) {
+  if (moments.empty()) return;
+  std::vector<float> out(rows.size() * std::size_t(width), 0.f);
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    if (rows[r].origin == RowOrigin::kKept)
+      std::copy_n(moments.begin() + std::ptrdiff_t(rows[r].source * width), width,
+                  out.begin() + std::ptrdiff_t(r * std::size_t(width)));
+  moments = std::move(out);
+}
+
+/// Moves a gathered copy of its parent to a place drawn from the parent, and shrinks it.
+void place_child(GaussianCloud& cloud, std::size_t r, const CloudRow& row, std::uint64_t seed) {
+  const float *q = &cloud.rotation[r * 4], *s = &cloud.log_scale[r * 3];
+  double inv;
+  const Mat3<double> turn =
+      rotation_matrix(normalised(Vec4<double>{double(q[0]), double(q[1]), double(q[2]), double(q[3])}, inv));
+  const std::uint64_t draw = 2 * std::uint64_t(row.source) + (row.origin == RowOrigin::kChild1);
+  double local[3];
+  for (std::uint64_t k = 0; k < 3; ++k)
+    local[k] = std::exp(double(s[k])) * rng_normal(seed, RngStream::kSplit, 3 * draw + k);
+  const Vec3<double> offset = turn * Vec3<double>{local[0], local[1], local[2]};
+  float* p = &cloud.position[r * 3];
+  p[0] += float(offset.x), p[1] += float(offset.y), p[2] += float(offset.z);
+  for (std::size_t k = 0; k < 3; ++k) cloud.log_scale[r * 3 + k] -= float(std::log(kSplitShrink));
+}
+
+}  // namespace
+
+void edit_column(const Exec& exec, const std::vector<CloudRow>& rows, int width, std::vector<float>& values) {
+  std::vector<float> out(rows.size() * std::size_t(width));
+  for_each_index(exec, std::int64_t(rows.size()), [&](std::int64_t r) {
+    const auto source = std::size_t(rows[std::size_t(r)].source) * std::size_t(width);
+    std::copy_n(values.begin() + std::ptrdiff_t(source), width, out.begin() + std::ptrdiff_t(r * width));
+  });
+  values = std::move(out);
+}
+
+void edit_rows(const Exec& exec, const std::vector<CloudRow>& rows, std::uint64_t seed, GaussianCloud& cloud) {
+  edit_column(exec, rows, 3, cloud.position), edit_column(exec, rows, 4, cloud.rotation);
+  edit_column(exec, rows, 3, cloud.log_scale), edit_column(exec, rows, 1, cloud.logit_opacity);
+  edit_column(exec, rows, 3, cloud.sh_dc), edit_column(exec, rows, cloud.rest_count() * 3, cloud.sh_rest);
+  std::vector<std::uint8_t> usable(rows.size());
+  for (std::size_t r = 0; r < rows.size(); ++r) usable[r] = cloud.usable[std::size_t(rows[r].source)];
+  cloud.usable = std::move(usable);
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    if (rows[r].origin >= RowOrigin::kChild0) place_child(cloud, r, rows[r], seed);
+}
+
+void edit_moments(const std::vector<CloudRow>& rows, int width, AdamMoments& moments) {
+  gather_moments(rows, width, moments.m), gather_moments(rows, width, moments.v);
+}
+
+double largest_scale(const GaussianCloud& cloud, std::int64_t row) {
+  const float* s = &cloud.log_scale[std::size_t(row) * 3];
+  return std::exp(double(std::max({s[0], s[1], s[2]})));
+}
+
+}  // namespace ngs

@@ -1,0 +1,33 @@
+#pragma once
+// Adding and removing Gaussians: an edited cloud as a list of rows of the one before.
+#include <cstdint>
+#include <vector>
+
+#include "ngs/backend/exec.h"
+#include "ngs/ops/adam.h"
+#include "ngs/scene/gaussian_cloud.h"
+
+namespace ngs {
+
+inline constexpr double kSplitShrink = 1.6;
+
+/// kChild0, kChild1: the two halves of a split, drawn from the parent's own distribution with scales / kSplitShrink.
+enum class RowOrigin : std::uint8_t { kKept, kClone, kChild0, kChild1 };
+struct CloudRow {
+  std::int64_t source;
+  RowOrigin origin;
+};
+
+/// Replaces the cloud by `rows` of it. `seed` places the children; it must differ from call to call.
+void edit_rows(const Exec& exec, const std::vector<CloudRow>& rows, std::uint64_t seed, GaussianCloud& cloud);
+
+/// The same for a column of `width` values per Gaussian.
+void edit_column(const Exec& exec, const std::vector<CloudRow>& rows, int width, std::vector<float>& values);
+
+/// Moments follow their Gaussian; new Gaussians start with zeros.
+void edit_moments(const std::vector<CloudRow>& rows, int width, AdamMoments& moments);
+
+/// The largest of the three scales, world.
+double largest_scale(const GaussianCloud& cloud, std::int64_t row);
+
+}  // namespace ngs
