@@ -22,6 +22,7 @@
 #include "ngs/io/query_ply.h"
 #include "ngs/io/safetensors.h"
 #include "ngs/io/scene_json.h"
+#include "ngs/io/sparse_points.h"
 #include "ngs/io/transforms_json.h"
 
 namespace ngs::fuzz {
@@ -129,6 +130,10 @@ inline int fuzz_image_header(const std::uint8_t* data, std::size_t size) {
   });
 }
 
+inline int fuzz_sparse_points(const std::uint8_t* data, std::size_t size) {
+  return refuses_or_reads([&] { (void)io::parse_points({data, size}, "fuzz"); });
+}
+
 struct Target {
   const char* name;  // of its corpus folder
   int (*run)(const std::uint8_t*, std::size_t);
@@ -146,6 +151,7 @@ inline constexpr Target kTargets[] = {
     {"npy", fuzz_npy},
     {"exr", fuzz_exr},
     {"image_header", fuzz_image_header},
+    {"sparse_points", fuzz_sparse_points},
 };
 
 }  // namespace ngs::fuzz

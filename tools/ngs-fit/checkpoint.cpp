@@ -80,6 +80,9 @@ FitState read_checkpoint(const std::string& folder, const std::string& identity)
   state.gradient_sum = file.get<float>("gradient_sum", {n});
   state.gradient_views = file.get<float>("gradient_views", {n});
   state.step = file.get<std::int64_t>("step", {1})[0];
+  if (state.step < 0 || n == 0)
+    throw Error(ErrorCode::kBadInput, path + ": step " + std::to_string(state.step) + " with " + std::to_string(n) +
+                                          " Gaussians, expected a state that a fit has written");
   return state;
 }
 

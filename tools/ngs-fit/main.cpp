@@ -2,11 +2,9 @@
 #include <filesystem>
 
 #include "checkpoint.h"
+#include "fit_input.h"
 #include "ngs/io/gaussian_ply.h"
-#include "ngs/io/photo.h"
 #include "ngs/io/scene_json.h"
-#include "ngs/io/sparse_points.h"
-#include "shared/tool.h"
 
 namespace {
 
@@ -24,34 +22,6 @@ struct CheckpointOptions {
     visit(self.resume, Flag{"resume", "go on from --checkpoint where there is one"});
   }
 };
-
-std::vector<FitView> load_views(cli::Run& run, const Scene& scene) {
-  const auto timed = run.monitor().scope("load");
-  std::vector<FitView> views;
-  for (std::size_t i = 0; i < scene.views.size(); ++i) {
-    ImageF photo = io::load_photo(scene, i);
-    if (!photo.empty()) views.push_back({scene.views[i].camera, std::move(photo), scene.views[i].split});
-  }
-  if (views.size() < scene.views.size())
-    run.monitor().warn(std::to_string(scene.views.size() - views.size()) + " views have no photo and are left out");
-  return views;
-}
-
-std::vector<FitPoint> load_points(cli::Run& run, const cli::Input& input) {
-  std::vector<FitPoint> points;
-  if (!input) {
-    run.monitor().warn("no --points: starting from random Gaussians, which takes more steps");
-    return points;
-  }
-  for (const SparsePoint& p : io::read_points(input.path))
-    points.push_back({{float(p.position.x), float(p.position.y), float(p.position.z)},
-                      {float(p.rgb[0]) / 255.f, float(p.rgb[1]) / 255.f, float(p.rgb[2]) / 255.f}});
-  return points;
-}
-
-Json score_json(const FitScore& score) {
-  return {{"views", score.views}, {"psnr_db", score.psnr_db}, {"ssim", score.ssim}};
-}
 
 }  // namespace
 
@@ -76,12 +46,12 @@ int main(int argc, char** argv) {
     if (kept && !keep.resume && !run.overwrite())
       throw Error(ErrorCode::kUsage, cli::checkpoint_path(keep.checkpoint) + ": already there, expected none", "go on with --resume, or start over with -w");
     run.result()["views"] = scene.views.size();
-    if (run.dry_run()) return run.plan({{"views", scene.views.size()}, {"steps", options.steps}, {"resumes", kept && keep.resume}}), cli::kDone;
+    if (run.dry_run()) return run.plan(cli::fit_plan(options, scene, kept && keep.resume, run.exec().threads)), cli::kDone;
 
-    const std::vector<FitView> views = load_views(run, scene);
+    const std::vector<FitView> views = cli::load_views(run, scene);
     const std::string identity = cli::fit_identity(options, run.seed(), views);
     FitState state = kept && keep.resume ? cli::read_checkpoint(keep.checkpoint, identity)
-                                         : initial_fit(run.exec(), options, load_points(run, points), views, run.seed());
+                                         : initial_fit(run.exec(), options, cli::load_points(run, points), views, run.seed());
     const std::int64_t first = state.step;
     Fitter fitter(options, views, std::move(state), run.seed());
     const double start = wall_seconds();
@@ -94,13 +64,13 @@ int main(int argc, char** argv) {
     if (fitter.state().step < options.steps) return run.stop_code();
 
     const GaussianCloud& cloud = fitter.state().cloud;
-    std::vector<std::string> comments;
+    std::vector<std::string> comments{cli::history(options)};
     if (options.antialiased) comments.push_back("antialiased 1");
     io::write_strict_ply(out.path, cloud, {}, comments);
     run.result()["gaussians"] = cloud.size();
     run.result()["steps_per_s"] = double(fitter.state().step - first) / std::max(seconds, 1e-9);
-    run.result()["train"] = score_json(score_fit(run.exec(), options, cloud, views, Split::kTrain));
-    run.result()["held_out"] = score_json(score_fit(run.exec(), options, cloud, views, Split::kHeldOut));
+    run.result()["train"] = cli::score_json(score_fit(run.exec(), options, cloud, views, Split::kTrain));
+    run.result()["held_out"] = cli::score_json(score_fit(run.exec(), options, cloud, views, Split::kHeldOut));
     return cli::kDone;
   });
 }

@@ -36,13 +36,13 @@ synth::Recipe resolved(synth::Recipe recipe, const SynthOptions& o) {
   return recipe;
 }
 
-/// Seconds and MiB, from the cost per sample and per Gaussian measured on one core of a current machine.
-Json estimate(const synth::Recipe& recipe, const SynthOptions& options, const FitOptions& fit, int threads) {
-  const double pixels = double(recipe.width_px) * recipe.height_px, views = recipe.views;
-  const double samples = pixels * views * (1 + recipe.samples_per_side * recipe.samples_per_side);
-  const double step_s = 2.5e-7 * pixels + 1e-6 * fit.max_gaussians;
-  const double seconds = 4e-7 * samples + (options.fit ? fit.steps * step_s : 0);
-  return {{"views", recipe.views}, {"time_s", seconds / threads}, {"memory_mib", 40 + 60e-6 * pixels * views}};
+/// Wall seconds and MiB; 4e-7 s per ray on one core of a current machine.
+Json estimate(const cli::SynthData& data, const SynthOptions& options, const FitOptions& fit, int threads) {
+  double rays = 0;
+  for (const Camera& c : data.cameras)
+    rays += double(c.width_px) * c.height_px * (1 + data.recipe.samples_per_side * data.recipe.samples_per_side);
+  const FitCost cost = options.fit ? fit_cost(fit, data.cameras) : FitCost{};
+  return {{"time_s", (4e-7 * rays + cost.cpu_s) / threads}, {"memory_mib", 40 + 2e-6 * rays + cost.memory_mib}};
 }
 
 void fit(cli::Run& run, const cli::SynthData& data, const FitOptions& options, const std::string& path) {
@@ -55,7 +55,7 @@ void fit(cli::Run& run, const cli::SynthData& data, const FitOptions& options, c
   if (run.stop_code() != 0) return;
   const GaussianCloud& cloud = fitter.state().cloud;
   const FitScore score = score_fit(run.exec(), options, cloud, views, Split::kTrain);
-  io::write_strict_ply(path, cloud, {});
+  io::write_strict_ply(path, cloud, {}, {io::history_line("ngs-synth", cli::recipe_json(data.recipe).dump())});
   run.result()["gaussians"] = cloud.size();
   run.result()["fit"] = {{"steps", options.steps}, {"steps_per_s", options.steps / seconds}, {"psnr_db", score.psnr_db}, {"ssim", score.ssim}};
 }
@@ -68,7 +68,7 @@ int main(int argc, char** argv) {
                   "ngs-synth recipe.json -o again/ --no-fit"});
   SynthOptions options;
   FitOptions fit_options;
-  fit_options.steps = 1500, fit_options.sh_degree = 1, fit_options.max_gaussians = 12000;
+  fit_options.steps = 1500, fit_options.sh_degree = 1, fit_options.max_gaussians = 8000;
   tool.options(options);
   tool.options(fit_options, "fit_");
   const cli::Argument& name = tool.argument("recipe", "two-spheres, torus-box, leaves, bones, table, tiny, or a JSON file of recipe options");
@@ -86,7 +86,7 @@ int main(int argc, char** argv) {
     run.result()["views"] = data.cameras.size();
     run.result()["objects"] = data.scene.objects.size();
     run.result()["target"] = data.scene.objects[std::size_t(data.scene.target)].name;
-    if (run.dry_run()) return run.plan(estimate(data.recipe, options, fit_options, run.exec().threads)), cli::kDone;
+    if (run.dry_run()) return run.plan(estimate(data, options, fit_options, run.exec().threads)), cli::kDone;
 
     for (std::size_t i = 0; i < data.cameras.size() && run.stop_code() == 0; ++i) {
       const auto timed = run.monitor().scope("render");

@@ -95,12 +95,17 @@ std::vector<SparsePoint> parse_ply(const std::string& path, Bytes bytes) {
 
 }  // namespace
 
+std::vector<SparsePoint> parse_points(Bytes bytes, const std::string& object) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (text.starts_with("ply")) return parse_ply(object, bytes);
+  // The count that a binary file begins with has NUL bytes at its end unless it is absurd.
+  const bool binary = text.substr(0, 8).find('\0') != std::string_view::npos;
+  return binary ? parse_binary(bytes, object) : parse_text(text, object);
+}
+
 std::vector<SparsePoint> read_points(const std::string& path) {
   const MappedFile file(path);
-  if (file.text().starts_with("ply")) return parse_ply(path, file.bytes());
-  // Text begins with '#' or a digit; the count of a binary file has NUL bytes at its end unless it is absurd.
-  const bool binary = file.text().substr(0, 8).find('\0') != std::string_view::npos;
-  return binary ? parse_binary(file.bytes(), path) : parse_text(file.text(), path);
+  return parse_points(file.bytes(), path);
 }
 
 }  // namespace ngs::io

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "ngs/io/mapped_file.h"
 #include "ngs/scene/camera.h"
 #include "ngs/scene/sparse_points.h"
 
@@ -12,6 +13,8 @@ namespace ngs::io {
 /// COLMAP's points3D.txt or points3D.bin, or a PLY with x y z and, if there, red green blue (else grey). Told apart by
 /// content. Tracks are not kept. Anything odd, points that are not finite included, is kBadInput.
 std::vector<SparsePoint> read_points(const std::string& path);
+/// The same from memory; `object` names it in messages.
+std::vector<SparsePoint> parse_points(Bytes bytes, const std::string& object);
 
 /// cameras.txt (PINHOLE, one per distinct size and intrinsics), images.txt and points3D.txt in `folder`, which is
 /// made. All numbers keep all bits. Image k has the id k + 1, point k too.

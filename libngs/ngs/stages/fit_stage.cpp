@@ -32,7 +32,18 @@ double position_lr(const FitOptions& options, std::int64_t step, double extent) 
 FitSchedule resolved_schedule(const FitOptions& o) {
   const auto pick = [](int given, int derived) { return given > 0 ? given : std::max(1, derived); };
   return {pick(o.sh_every, std::min(1000, o.steps / 8)), pick(o.densify_from, std::min(500, o.steps / 10)),
-          pick(o.densify_until, std::min(15000, o.steps / 2)), pick(o.densify_every, std::min(100, o.steps / 15))};
+          pick(o.densify_until, std::min(15000, o.steps / 2)), pick(o.densify_every, std::clamp(o.steps / 15, 10, 100))};
+}
+
+FitCost fit_cost(const FitOptions& options, std::span<const Camera> cameras) {
+  double pixels = 0;
+  for (const Camera& c : cameras) pixels += double(c.width_px) * c.height_px;
+  const double per_view = cameras.empty() ? 0 : pixels / double(cameras.size()), gaussians = options.max_gaussians;
+  constexpr double kSecondsPerPixel = 2.5e-7, kSecondsPerGaussian = 5e-7;  // of one step, forward and backward
+  constexpr double kBytesPerPhotoPixel = 12, kBytesPerPixel = 250, kFloatsPerParameter = 4;  // value, gradient, m, v
+  const double parameters = 14 + 3 * sh_rest_count(options.sh_degree);
+  return {options.steps * (kSecondsPerPixel * per_view + kSecondsPerGaussian * gaussians),
+          (kBytesPerPhotoPixel * pixels + kBytesPerPixel * per_view + 4 * kFloatsPerParameter * parameters * gaussians) / 1048576};
 }
 
 Fitter::Fitter(const FitOptions& options, std::span<const FitView> views, FitState state, std::uint64_t seed)

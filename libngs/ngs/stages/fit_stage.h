@@ -49,7 +49,7 @@ struct FitOptions {
     visit(self.sh_every, Field<int>{"sh_every", "steps", "one more SH band each; 0: min(1000, steps/8)", 0, 10000000});
     visit(self.densify_from, Field<int>{"densify_from", "step", "0: min(500, steps/10)", 0, 10000000});
     visit(self.densify_until, Field<int>{"densify_until", "step", "0: min(15000, steps/2)", 0, 10000000});
-    visit(self.densify_every, Field<int>{"densify_every", "steps", "0: min(100, steps/15)", 0, 10000000});
+    visit(self.densify_every, Field<int>{"densify_every", "steps", "0: steps/15, 10 to 100", 0, 10000000});
     visit(self.opacity_reset_every, Field<int>{"opacity_reset_every", "steps", "while densifying", 1, 10000000});
     visit(self.densify_gradient, Field<double>{"densify_gradient", "per NDC",
                                                "mean view-space gradient above which a Gaussian is cloned or split", 0, 1});
@@ -71,6 +71,12 @@ struct FitSchedule {
   int sh_every, densify_from, densify_until, densify_every;
 };
 FitSchedule resolved_schedule(const FitOptions& options);
+
+/// What a fit will cost: seconds of one core, peak memory. From a current machine; right within a factor of two.
+struct FitCost {
+  double cpu_s = 0, memory_mib = 0;
+};
+FitCost fit_cost(const FitOptions& options, std::span<const Camera> cameras);
 
 struct FitView {
   Camera camera;

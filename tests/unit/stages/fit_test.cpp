@@ -88,7 +88,8 @@ TEST_CASE("the schedule of 30000 steps is that of 3DGS, and given numbers win") 
   CHECK(s.densify_from == 500);
   CHECK(s.densify_until == 15000);
   CHECK(s.densify_every == 100);
-  CHECK(resolved_schedule({.steps = 1}).densify_every == 1);
+  CHECK(resolved_schedule({.steps = 1}).densify_every == 10);
+  CHECK(resolved_schedule({.steps = 1}).sh_every == 1);
   FitOptions given;
   given.densify_every = 7;
   CHECK(resolved_schedule(given).densify_every == 7);

@@ -1,0 +1,51 @@
+#include "fit_input.h"
+
+#include "ngs/io/gaussian_ply.h"
+#include "ngs/io/photo.h"
+#include "ngs/io/sparse_points.h"
+
+namespace ngs::cli {
+
+std::vector<FitView> load_views(Run& run, const Scene& scene) {
+  const auto timed = run.monitor().scope("load");
+  std::vector<FitView> views;
+  for (std::size_t i = 0; i < scene.views.size(); ++i) {
+    ImageF photo = io::load_photo(scene, i);
+    if (!photo.empty()) views.push_back({scene.views[i].camera, std::move(photo), scene.views[i].split});
+  }
+  if (views.size() < scene.views.size())
+    run.monitor().warn(std::to_string(scene.views.size() - views.size()) + " views have no photo and are left out");
+  return views;
+}
+
+std::vector<FitPoint> load_points(Run& run, const Input& input) {
+  std::vector<FitPoint> points;
+  if (!input) {
+    run.monitor().warn("no --points: starting from random Gaussians, which takes more steps");
+    return points;
+  }
+  for (const SparsePoint& p : io::read_points(input.path))
+    points.push_back({{float(p.position.x), float(p.position.y), float(p.position.z)},
+                      {float(p.rgb[0]) / 255.f, float(p.rgb[1]) / 255.f, float(p.rgb[2]) / 255.f}});
+  return points;
+}
+
+Json fit_plan(const FitOptions& options, const Scene& scene, bool resumes, int threads) {
+  std::vector<Camera> cameras;
+  for (const SceneView& view : scene.views) cameras.push_back(view.camera);
+  const FitCost cost = fit_cost(options, cameras);
+  return {{"steps", options.steps}, {"resumes", resumes}, {"time_s", cost.cpu_s / threads}, {"memory_mib", cost.memory_mib}};
+}
+
+std::string history(const FitOptions& options) {
+  FitOptions copy = options;
+  OptionSet set;
+  set.add(copy);
+  return io::history_line("ngs-fit", set.to_json().dump());
+}
+
+Json score_json(const FitScore& score) {
+  return {{"views", score.views}, {"psnr_db", score.psnr_db}, {"ssim", score.ssim}};
+}
+
+}  // namespace ngs::cli

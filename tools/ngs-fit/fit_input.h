@@ -1,0 +1,22 @@
+#pragma once
+// What a fit starts from, and how it is described.
+#include <string>
+#include <vector>
+
+#include "ngs/stages/fit_stage.h"
+#include "shared/tool.h"
+
+namespace ngs::cli {
+
+/// Every view of the scene that has a photo.
+std::vector<FitView> load_views(Run& run, const Scene& scene);
+/// Empty, with a warning, if no file is given.
+std::vector<FitPoint> load_points(Run& run, const Input& input);
+
+/// What a dry run says.
+Json fit_plan(const FitOptions& options, const Scene& scene, bool resumes, int threads);
+/// The comment of the model.
+std::string history(const FitOptions& options);
+Json score_json(const FitScore& score);
+
+}  // namespace ngs::cli
