@@ -19,7 +19,8 @@ GaussianCloud any_cloud(std::int64_t n, int degree) {
   GaussianCloud cloud;
   cloud.resize(n, degree);
   std::uint64_t at = 0;
-  for (auto* column : {&cloud.position, &cloud.rotation, &cloud.log_scale, &cloud.logit_opacity, &cloud.sh_dc, &cloud.sh_rest})
+  for (auto* column : {&cloud.position, &cloud.rotation, &cloud.log_scale, &cloud.logit_opacity, &cloud.sh_dc,
+                       &cloud.sh_rest})
     for (float& v : *column) {
       const std::uint32_t bits = std::uint32_t(rng_bits(std::uint64_t(degree), RngStream::kTest, at++));
       std::memcpy(&v, &bits, sizeof v);
@@ -30,14 +31,16 @@ GaussianCloud any_cloud(std::int64_t n, int degree) {
 std::string body_of(const std::string& file) { return file.substr(file.find("end_header\n") + 11); }
 
 /// Every column of `strict` that the model has under the same name, bit for bit, for the kept rows in order.
-void check_common_columns(const io::GaussianPly& model, const io::GaussianPly& strict, const std::vector<std::uint8_t>& keep) {
+void check_common_columns(const io::GaussianPly& model, const io::GaussianPly& strict,
+                          const std::vector<std::uint8_t>& keep) {
   std::int64_t to = 0;
   for (std::int64_t i = 0; i < model.cloud.size(); ++i) {
     if (!keep[std::size_t(i)]) continue;
     for (std::size_t p = 0; p < strict.rows.properties.size(); ++p) {
       const int q = model.rows.find(strict.rows.properties[p].name);
       if (q < 0) continue;
-      REQUIRE(std::memcmp(strict.rows.row(to) + strict.rows.offset[p], model.rows.row(i) + model.rows.offset[std::size_t(q)], 4) == 0);
+      REQUIRE(std::memcmp(strict.rows.row(to) + strict.rows.offset[p],
+                          model.rows.row(i) + model.rows.offset[std::size_t(q)], 4) == 0);
     }
     ++to;
   }
@@ -67,7 +70,8 @@ TEST_CASE("object and background hold every row exactly once and in order") {
   }
   io::write_strict_ply(dir.file("o.ply"), model, keep);
   io::write_strict_ply(dir.file("b.ply"), model, rest);
-  const io::GaussianPly object = io::read_gaussian_ply(dir.file("o.ply")), background = io::read_gaussian_ply(dir.file("b.ply"));
+  const io::GaussianPly object = io::read_gaussian_ply(dir.file("o.ply")),
+                        background = io::read_gaussian_ply(dir.file("b.ply"));
   CHECK(object.cloud.size() + background.cloud.size() == 3001);
   check_common_columns(model, object, keep);
   check_common_columns(model, background, rest);
@@ -75,8 +79,12 @@ TEST_CASE("object and background hold every row exactly once and in order") {
 
 TEST_CASE("real models are read whole and come back bit for bit") {
   const std::string scenes = NGS_SOURCE_DIR "/../shared/scenes/";
-  const struct { const char* path; std::int64_t gaussians; } files[] = {
-      {"bird/point_cloud.ply", 9070}, {"bird/point_cloud_floaters.ply", 35741}, {"flower/point_cloud.ply", 129065}};
+  const struct {
+    const char* path;
+    std::int64_t gaussians;
+  } files[] = {{"bird/point_cloud.ply", 9070},
+               {"bird/point_cloud_floaters.ply", 35741},
+               {"flower/point_cloud.ply", 129065}};
   if (!std::filesystem::exists(scenes + files[0].path)) {
     MESSAGE("skipped: no scenes at " << scenes);
     return;
@@ -88,7 +96,8 @@ TEST_CASE("real models are read whole and come back bit for bit") {
     CHECK(model.cloud.sh_degree == 2);
     CHECK(model.health.excluded() == 0);
     io::write_strict_ply(dir.file("s.ply"), model, {});
-    check_common_columns(model, io::read_gaussian_ply(dir.file("s.ply")), std::vector<std::uint8_t>(std::size_t(file.gaussians), 1));
+    check_common_columns(model, io::read_gaussian_ply(dir.file("s.ply")),
+                         std::vector<std::uint8_t>(std::size_t(file.gaussians), 1));
     CHECK(body_of(test::read_bytes(dir.file("s.ply"))) == body_of(test::read_bytes(scenes + file.path)));
   }
 }

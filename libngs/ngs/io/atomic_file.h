@@ -33,8 +33,8 @@ class AtomicFile {
  private:
   void fail(const char* what) const;
 
-  std::string path_;       // as given, for messages
-  std::string target_;     // symbolic links resolved
+  std::string path_;    // as given, for messages
+  std::string target_;  // symbolic links resolved
   std::string temporary_;
   int descriptor_ = -1;
   bool direct_ = false;

@@ -57,11 +57,13 @@ class Reader {
     const PlyColumn found = ply_.rows.column(column);
     if (found) return found;
     const auto& p = ply_.rows.properties;
-    const std::string range = p.empty() ? "" : " (found " + std::to_string(p.size()) + " properties, " +
-                                                   p.front().name + " ... " + p.back().name + ")";
+    const std::string range = p.empty() ? ""
+                                        : " (found " + std::to_string(p.size()) + " properties, " +
+                                              p.front().name + " ... " + p.back().name + ")";
     bad("vertex property '" + column + "' is missing" + range,
-        ply_.rows.find("red") >= 0 ? "this is a point cloud, not a Gaussian model: ngs-fit makes one from posed photos"
-                                   : "");
+        ply_.rows.find("red") >= 0
+            ? "this is a point cloud, not a Gaussian model: ngs-fit makes one from posed photos"
+            : "");
   }
 
   void find_columns() {
@@ -76,7 +78,8 @@ class Reader {
       bad(std::to_string(rest) + " properties f_rest_*, expected 0, 9, 24 or 45 (SH degree 0 to 3)");
     for (std::size_t k = 0; k < rest; ++k) columns_.rest.push_back(required("f_rest_" + std::to_string(k)));
     if (!columns_.scale[2])
-      ply_.notes.push_back("no scale_2 (a 2DGS model): read as flat Gaussians, 1/1000 of the smaller scale thick");
+      ply_.notes.push_back(
+          "no scale_2 (a 2DGS model): read as flat Gaussians, 1/1000 of the smaller scale thick");
   }
 
   int degree() const {
@@ -105,7 +108,8 @@ class Reader {
     }
     if (distance <= 8 * half_extent) return;
     for (std::size_t a = 0; a < 3; ++a) ply_.cloud.origin[a] = double(float(0.5 * (low[a] + high[a])));
-    ply_.notes.push_back("double positions far from 0 are kept relative to their centre; strict outputs round them");
+    ply_.notes.push_back(
+        "double positions far from 0 are kept relative to their centre; strict outputs round them");
   }
 
   void copy_positions() {
@@ -128,7 +132,8 @@ class Reader {
       cloud.logit_opacity[r] = columns_.opacity.value_float(i);
       float* scale = &cloud.log_scale[r * 3];
       for (std::size_t k = 0; k < 2; ++k) scale[k] = columns_.scale[k].value_float(i);
-      scale[2] = columns_.scale[2] ? columns_.scale[2].value_float(i) : std::min(scale[0], scale[1]) - kLog1000;
+      scale[2] =
+          columns_.scale[2] ? columns_.scale[2].value_float(i) : std::min(scale[0], scale[1]) - kLog1000;
       float* to = cloud.sh_rest.data() + r * rest * 3;
       for (std::size_t k = 0; k < rest; ++k)
         for (std::size_t c = 0; c < 3; ++c) to[k * 3 + c] = columns_.rest[c * rest + k].value_float(i);
@@ -182,7 +187,8 @@ class Reader {
   void read_comments() {
     for (const std::string& comment : ply_.file.comments()) {
       if (!is_render_comment(comment)) continue;
-      ply_.cloud.antialiased |= comment.find("mip") != std::string::npos || comment.find('1') != std::string::npos ||
+      ply_.cloud.antialiased |= comment.find("mip") != std::string::npos ||
+                                comment.find('1') != std::string::npos ||
                                 comment.find("true") != std::string::npos;
     }
     if (ply_.cloud.antialiased) ply_.notes.push_back("trained with antialiasing (header comment)");
@@ -203,7 +209,8 @@ bool is_render_comment(std::string_view comment) {
 std::string column_suffix(const std::string& object) {
   std::string suffix = object;
   for (char& c : suffix) {
-    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '-';
+    const bool plain =
+        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '-';
     if (!plain) c = '_';
   }
   return suffix;

@@ -1,12 +1,14 @@
 #pragma once
-// Gaussian splatting models in PLY, read by property name: the Inria layout with or without normals, SH degree
-// 0-3 (0, 9, 24 or 45 f_rest; anything else is refused), columns in any order and of any scalar type, foreign
-// columns (`mask`, `obj_dc_*`, ...) and elements, ascii and both byte orders, 2DGS without scale_2, and
-// SuperSplat's compressed.ply. Missing or contradictory columns are kBadInput.
+// Gaussian splatting models in PLY, read by property name: the Inria layout with or without normals, SH
+// degree 0-3 (0, 9, 24 or 45 f_rest; anything else is refused), columns in any order and of any scalar type,
+// foreign columns (`mask`, `obj_dc_*`, ...) and elements, ascii and both byte orders, 2DGS without scale_2,
+// and SuperSplat's compressed.ply. Missing or contradictory columns are kBadInput.
 //
 // Three profiles are written, all binary little-endian and free of clock, host and path:
-//   strict      exactly the Inria record: x y z nx ny nz (0) f_dc_0..2 f_rest_* opacity scale_0..2 rot_0..3, all
-//               float, with the model's own number of f_rest (62 floats = 248 bytes at degree 3, 17 at degree 0)
+//   strict      exactly the Inria record: x y z nx ny nz (0) f_dc_0..2 f_rest_* opacity scale_0..2 rot_0..3,
+//   all
+//               float, with the model's own number of f_rest (62 floats = 248 bytes at degree 3, 17 at degree
+//               0)
 //   labelled    the input's own columns bit for bit, then float ngs_label ngs_prob ngs_variance ngs_views
 //               ngs_boundary (replacing columns of these names); see write_labelled_ply for several objects
 //   supersplat  labelled, then `uchar state`, 1 = selected: the editor opens with the object selected
@@ -25,11 +27,11 @@ struct NamedLabels {
 };
 
 struct GaussianPly {
-  PlyFile file;    // kept: `rows` may borrow from it
-  PlyTable rows;   // the input's columns, verbatim; for compressed.ply the decoded ones
+  PlyFile file;   // kept: `rows` may borrow from it
+  PlyTable rows;  // the input's columns, verbatim; for compressed.ply the decoded ones
   GaussianCloud cloud;
   CloudHealth health;
-  LabelColumns labels;               // the unsuffixed ngs_* columns; a vector is empty where its column is absent
+  LabelColumns labels;  // the unsuffixed ngs_* columns; a vector is empty where its column is absent
   std::vector<NamedLabels> objects;  // the suffixed sets of a file with several objects, else empty
   std::string object = "object";     // the object's name, where the file has one
   std::vector<float> fixed;          // ngs_fixed: 1 = labelled by hand (ngs-extract --import); empty: absent
@@ -50,28 +52,28 @@ GaussianPly parse_gaussian_ply(std::string name, Bytes bytes);
 std::string history_line(const std::string& tool, const std::string& options_json);
 
 /// Rows with keep[i] != 0, in order; an empty `keep` means all. `comments` are written as they are.
-void write_strict_ply(const std::string& path, const GaussianCloud& cloud, const std::vector<std::uint8_t>& keep,
-                      const std::vector<std::string>& comments = {});
+void write_strict_ply(const std::string& path, const GaussianCloud& cloud,
+                      const std::vector<std::uint8_t>& keep, const std::vector<std::string>& comments = {});
 /// The same with the comments of the input that say how to render it.
 void write_strict_ply(const std::string& path, const GaussianPly& ply, const std::vector<std::uint8_t>& keep,
                       const std::vector<std::string>& history = {});
 
 struct LabelledWrite {
-  const GaussianCloud* edited = nullptr;    // optimised attributes; null: the input's. Unusable rows and values
-                                            // equal to the input's keep the input's bits
-  std::span<const std::int64_t> source_row; // [edited rows] row of the input that a row descends from (its other
-                                            // columns are copied); empty: the same rows as the input
-  std::span<const float> fixed;             // [rows] adds ngs_fixed; empty: the input's column, if any, is kept
-  std::span<const std::uint8_t> state;      // [rows] adds `uchar state` (supersplat)
-  std::vector<std::string> history;         // appended to the input's comments
+  const GaussianCloud* edited = nullptr;  // optimised attributes; null: the input's. Unusable rows and values
+                                          // equal to the input's keep the input's bits
+  std::span<const std::int64_t> source_row;  // [edited rows] row of the input that a row descends from (its
+                                             // other columns are copied); empty: the same rows as the input
+  std::span<const float> fixed;         // [rows] adds ngs_fixed; empty: the input's column, if any, is kept
+  std::span<const std::uint8_t> state;  // [rows] adds `uchar state` (supersplat)
+  std::vector<std::string> history;     // appended to the input's comments
 };
 
 /// One object: the unsuffixed columns. Several: the unsuffixed columns describe their union (the largest
 /// value per column), then every object has its own set `ngs_label_<object>` ..., characters other than
 /// [A-Za-z0-9_.-] replaced by '_' (two objects that become one name: kInconsistent). The names themselves
 /// are kept in a comment. Every column of every set must have as many rows as the output.
-void write_labelled_ply(const std::string& path, const GaussianPly& source, std::span<const NamedLabels> objects,
-                        const LabelledWrite& options = {});
+void write_labelled_ply(const std::string& path, const GaussianPly& source,
+                        std::span<const NamedLabels> objects, const LabelledWrite& options = {});
 
 /// The largest value per column and row.
 LabelColumns union_of(std::span<const NamedLabels> objects);

@@ -23,9 +23,9 @@ bool same_bits(float a, float b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 struct Edited {
   const float* source;  // first value of the column in the input's cloud
   const float* edited;
-  std::size_t stride;   // in floats
+  std::size_t stride;  // in floats
   double origin;
-  std::size_t offset;   // in the row
+  std::size_t offset;  // in the row
   PlyType type;
 };
 
@@ -47,7 +47,8 @@ class RowSource {
     }
     NGS_CHECK(options.edited->sh_degree == source.cloud.sh_degree, "an edit keeps the SH degree");
     NGS_CHECK(options.edited->size() == rows, "labels and edited cloud have one row each");
-    NGS_CHECK(options.source_row.empty() ? rows == source.cloud.size() : std::int64_t(options.source_row.size()) == rows,
+    NGS_CHECK(options.source_row.empty() ? rows == source.cloud.size()
+                                         : std::int64_t(options.source_row.size()) == rows,
               "source_row has one entry per row");
     list_edits();
   }
@@ -58,14 +59,18 @@ class RowSource {
   void fill(std::int64_t i, std::uint8_t* to) const {
     const std::int64_t from = options_.source_row.empty() ? i : options_.source_row[std::size_t(i)];
     const std::uint8_t* row = source_.rows.row(from);
-    if (plain_) std::memcpy(to, row, row_bytes_);
-    else copy_columns(row, to);
+    if (plain_)
+      std::memcpy(to, row, row_bytes_);
+    else
+      copy_columns(row, to);
     if (options_.edited == nullptr || !options_.edited->usable[std::size_t(i)]) return;
     for (const Edited& e : edits_) {
       const float value = e.edited[std::size_t(i) * e.stride];
       if (same_bits(value, e.source[std::size_t(from) * e.stride])) continue;
-      if (e.type == PlyType::kFloat32) ply_store_float(value, to + e.offset);
-      else ply_store(e.type, e.origin + double(value), to + e.offset);
+      if (e.type == PlyType::kFloat32)
+        ply_store_float(value, to + e.offset);
+      else
+        ply_store(e.type, e.origin + double(value), to + e.offset);
     }
   }
 
@@ -91,8 +96,8 @@ class RowSource {
     std::size_t offset = 0;
     for (const PlyProperty& p : properties_) {
       if (p.name == column)
-        edits_.push_back({(source_.cloud.*values).data() + at, (options_.edited->*values).data() + at, stride, origin,
-                          offset, p.type});
+        edits_.push_back({(source_.cloud.*values).data() + at, (options_.edited->*values).data() + at, stride,
+                          origin, offset, p.type});
       offset += ply_type_bytes(p.type);
     }
   }
@@ -218,8 +223,8 @@ LabelColumns union_of(std::span<const NamedLabels> objects) {
   return all;
 }
 
-void write_strict_ply(const std::string& path, const GaussianCloud& cloud, const std::vector<std::uint8_t>& keep,
-                      const std::vector<std::string>& comments) {
+void write_strict_ply(const std::string& path, const GaussianCloud& cloud,
+                      const std::vector<std::uint8_t>& keep, const std::vector<std::string>& comments) {
   PlyWriter writer(path, inria_element(count_kept(cloud.size(), keep), cloud.sh_degree), comments);
   for (std::int64_t i = 0; i < cloud.size(); ++i)
     if (keep.empty() || keep[std::size_t(i)]) store_inria_row(cloud, i, writer.row());
@@ -235,8 +240,8 @@ void write_strict_ply(const std::string& path, const GaussianPly& ply, const std
   write_strict_ply(path, ply.cloud, keep, comments);
 }
 
-void write_labelled_ply(const std::string& path, const GaussianPly& source, std::span<const NamedLabels> objects,
-                        const LabelledWrite& options) {
+void write_labelled_ply(const std::string& path, const GaussianPly& source,
+                        std::span<const NamedLabels> objects, const LabelledWrite& options) {
   NGS_CHECK(!objects.empty(), "at least one object");
   const LabelColumns all = union_of(objects);
   const std::int64_t rows = std::int64_t(all.label.size());

@@ -45,7 +45,7 @@ std::vector<std::uint8_t> read_all(const std::string& path, int descriptor) {
 MappedFile::MappedFile(const std::string& path) {
   const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
   if (file.value < 0) fail(path, errno);
-  struct stat status{};
+  struct stat status {};
   if (::fstat(file.value, &status) != 0) fail(path, errno);
   if (S_ISDIR(status.st_mode)) fail(path, EISDIR);
   if (!S_ISREG(status.st_mode)) {

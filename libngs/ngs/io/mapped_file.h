@@ -1,6 +1,7 @@
 #pragma once
 // A whole input as read-only bytes. A regular file is mapped (its pages are read when they are touched and
-// cost no heap); a pipe is read to its end. An output renamed over the path leaves the mapping as it was.
+// cost no heap); a pipe is read to its end. An output renamed over the path leaves the mapping as it was; a
+// program that shortens a mapped file in place ends its readers (SIGBUS), which ngs itself never does.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -25,9 +26,7 @@ class MappedFile {
   }
 
   Bytes bytes() const { return map_ != nullptr ? Bytes(map_, map_bytes_) : Bytes(read_); }
-  std::string_view text() const {
-    return {reinterpret_cast<const char*>(bytes().data()), bytes().size()};
-  }
+  std::string_view text() const { return {reinterpret_cast<const char*>(bytes().data()), bytes().size()}; }
 
  private:
   void swap(MappedFile& other) noexcept;

@@ -57,7 +57,8 @@ PlyProperty parse_property(const std::string& name, const std::vector<std::strin
   property.is_list = list;
   if (list) property.count_type = parse_type(name, words[2]);
   if (list && property.count_type >= PlyType::kFloat32)
-    bad(name, "list '" + printable(words[4]) + "' counts in " + std::string(words[2]) + ", expected an integer type");
+    bad(name, "list '" + printable(words[4]) + "' counts in " + std::string(words[2]) +
+                  ", expected an integer type");
   property.type = parse_type(name, words[list ? 3 : 1]);
   property.name = std::string(words[list ? 4 : 2]);
   return property;
@@ -154,7 +155,8 @@ void PlyFile::parse_header() {
     if (end == std::string_view::npos)
       bad(name_, "the header stops after " + std::to_string(text.size()) + " bytes, expected 'end_header'");
     if (end > kMaxHeaderBytes)
-      bad(name_, "no 'end_header' in the first " + std::to_string(kMaxHeaderBytes) + " bytes, expected a PLY header");
+      bad(name_, "no 'end_header' in the first " + std::to_string(kMaxHeaderBytes) +
+                     " bytes, expected a PLY header");
     std::string_view line = text.substr(at, end - at);
     if (line.ends_with('\r')) line.remove_suffix(1);
     at = end + 1;
@@ -175,7 +177,8 @@ void PlyFile::parse_header() {
     } else if (key == "property") {
       add_property(name_, elements_, parse_property(name_, words));
     } else if (!key.empty()) {
-      bad(name_, "header line starting with '" + printable(key) + "', expected format, comment, element, property");
+      bad(name_,
+          "header line starting with '" + printable(key) + "', expected format, comment, element, property");
     }
   }
   if (!has_format) bad(name_, "the header has no format line, expected 'format binary_little_endian 1.0'");
@@ -217,14 +220,22 @@ void PlyTable::set_properties(std::vector<PlyProperty> scalar_properties) {
 double PlyColumn::value(std::int64_t row) const {
   const std::uint8_t* from = first + std::size_t(row) * stride;
   switch (type) {
-    case PlyType::kInt8: return load_as<std::int8_t>(from);
-    case PlyType::kUint8: return load_as<std::uint8_t>(from);
-    case PlyType::kInt16: return load_as<std::int16_t>(from);
-    case PlyType::kUint16: return load_as<std::uint16_t>(from);
-    case PlyType::kInt32: return load_as<std::int32_t>(from);
-    case PlyType::kUint32: return load_as<std::uint32_t>(from);
-    case PlyType::kFloat32: return load_as<float>(from);
-    case PlyType::kFloat64: return load_as<double>(from);
+    case PlyType::kInt8:
+      return load_as<std::int8_t>(from);
+    case PlyType::kUint8:
+      return load_as<std::uint8_t>(from);
+    case PlyType::kInt16:
+      return load_as<std::int16_t>(from);
+    case PlyType::kUint16:
+      return load_as<std::uint16_t>(from);
+    case PlyType::kInt32:
+      return load_as<std::int32_t>(from);
+    case PlyType::kUint32:
+      return load_as<std::uint32_t>(from);
+    case PlyType::kFloat32:
+      return load_as<float>(from);
+    case PlyType::kFloat64:
+      return load_as<double>(from);
   }
   return 0;
 }

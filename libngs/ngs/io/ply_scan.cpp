@@ -19,14 +19,15 @@ struct Place {
     throw Error(ErrorCode::kBadInput, name + ": " + message, std::move(remedy));
   }
   [[noreturn]] void truncated(std::int64_t row) const {
-    bad("the data stop in row " + std::to_string(row) + " of element '" + printable(element.name) + "', expected " +
-            std::to_string(element.count) + " rows",
+    bad("the data stop in row " + std::to_string(row) + " of element '" + printable(element.name) +
+            "', expected " + std::to_string(element.count) + " rows",
         "the file is cut short: copy or download it again");
   }
 };
 
 bool has_list(const PlyElement& element) {
-  return std::any_of(element.properties.begin(), element.properties.end(), [](const auto& p) { return p.is_list; });
+  return std::any_of(element.properties.begin(), element.properties.end(),
+                     [](const auto& p) { return p.is_list; });
 }
 
 /// The bytes of a row when every list in it is empty: no row is shorter.
@@ -46,10 +47,14 @@ void copy_swapped(const std::uint8_t* from, std::uint8_t* to, Swap swap) {
 
 void load_little(PlyFormat format, PlyType type, const std::uint8_t* from, std::uint8_t* to) {
   const std::size_t bytes = ply_type_bytes(type);
-  if (format != PlyFormat::kBinaryBig || bytes == 1) std::memcpy(to, from, bytes);
-  else if (bytes == 2) copy_swapped<std::uint16_t>(from, to, [](std::uint16_t w) { return __builtin_bswap16(w); });
-  else if (bytes == 4) copy_swapped<std::uint32_t>(from, to, [](std::uint32_t w) { return __builtin_bswap32(w); });
-  else copy_swapped<std::uint64_t>(from, to, [](std::uint64_t w) { return __builtin_bswap64(w); });
+  if (format != PlyFormat::kBinaryBig || bytes == 1)
+    std::memcpy(to, from, bytes);
+  else if (bytes == 2)
+    copy_swapped<std::uint16_t>(from, to, [](std::uint16_t w) { return __builtin_bswap16(w); });
+  else if (bytes == 4)
+    copy_swapped<std::uint32_t>(from, to, [](std::uint32_t w) { return __builtin_bswap32(w); });
+  else
+    copy_swapped<std::uint64_t>(from, to, [](std::uint64_t w) { return __builtin_bswap64(w); });
 }
 
 std::size_t list_bytes(const Place& place, PlyFormat format, const PlyProperty& p, const std::uint8_t* from) {
@@ -62,8 +67,8 @@ std::size_t list_bytes(const Place& place, PlyFormat format, const PlyProperty& 
 
 /// Calls visit(property index, its bytes) for the scalars of the row at `at`; returns where the row ends.
 template <class Visit>
-std::size_t walk_binary_row(const Place& place, PlyFormat format, Bytes bytes, std::size_t at, std::int64_t row,
-                            const Visit& visit) {
+std::size_t walk_binary_row(const Place& place, PlyFormat format, Bytes bytes, std::size_t at,
+                            std::int64_t row, const Visit& visit) {
   const auto need = [&](std::size_t n) {
     if (n > bytes.size() - at) place.truncated(row);
   };
@@ -148,8 +153,9 @@ void parse_line(const Place& place, std::string_view line, std::int64_t row, std
                 "' ends before property '" + printable(p.name) + "', expected one row per line");
   };
   const auto refuse = [&](const PlyProperty& p) {
-    place.bad("row " + std::to_string(row) + ": '" + printable(token) + "' for property '" + printable(p.name) +
-              "', expected a " + std::string(ply_type_name(p.is_list ? p.count_type : p.type)));
+    place.bad("row " + std::to_string(row) + ": '" + printable(token) + "' for property '" +
+              printable(p.name) + "', expected a " +
+              std::string(ply_type_name(p.is_list ? p.count_type : p.type)));
   };
   for (const PlyProperty& p : place.element.properties) {
     need_token(p);
@@ -164,7 +170,8 @@ void parse_line(const Place& place, std::string_view line, std::int64_t row, std
   }
   if (tokens.next(token))
     place.bad("row " + std::to_string(row) + " of element '" + printable(place.element.name) +
-              "' has more values than its " + std::to_string(place.element.properties.size()) + " properties");
+              "' has more values than its " + std::to_string(place.element.properties.size()) +
+              " properties");
 }
 
 }  // namespace
@@ -177,9 +184,9 @@ std::size_t element_end(const std::string& name, PlyFormat format, const PlyElem
   const std::size_t left = bytes.size() - at;  // a value of text takes a digit and a blank at least
   const std::size_t row_bytes = ascii ? 2 * element.properties.size() : least_row_bytes(element);
   if (std::uint64_t(element.count) > left / row_bytes)
-    place.bad("element '" + printable(element.name) + "': " + std::to_string(left) + " bytes are left, expected " +
-                  std::to_string(element.count) + " rows of " + (ascii || has_list(element) ? "at least " : "") +
-                  std::to_string(row_bytes) + " bytes",
+    place.bad("element '" + printable(element.name) + "': " + std::to_string(left) +
+                  " bytes are left, expected " + std::to_string(element.count) + " rows of " +
+                  (ascii || has_list(element) ? "at least " : "") + std::to_string(row_bytes) + " bytes",
               "the file is cut short: copy or download it again");
   if (ascii) {
     for (std::int64_t i = 0; i < element.count; ++i) next_line(place, bytes, at, i);

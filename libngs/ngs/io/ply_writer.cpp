@@ -13,7 +13,8 @@ constexpr std::size_t kBufferBytes = std::size_t(1) << 20;
 
 template <class T>
 void store_integer(double value, std::uint8_t* to) {
-  constexpr double kLow = double(std::numeric_limits<T>::min()), kHigh = double(std::numeric_limits<T>::max());
+  constexpr double kLow = double(std::numeric_limits<T>::min()),
+                   kHigh = double(std::numeric_limits<T>::max());
   const T v = std::isnan(value) ? T(0) : T(std::clamp(std::nearbyint(value), kLow, kHigh));
   std::memcpy(to, &v, sizeof v);
 }
@@ -22,18 +23,28 @@ void store_integer(double value, std::uint8_t* to) {
 
 void ply_store(PlyType type, double value, std::uint8_t* to) {
   switch (type) {
-    case PlyType::kInt8: return store_integer<std::int8_t>(value, to);
-    case PlyType::kUint8: return store_integer<std::uint8_t>(value, to);
-    case PlyType::kInt16: return store_integer<std::int16_t>(value, to);
-    case PlyType::kUint16: return store_integer<std::uint16_t>(value, to);
-    case PlyType::kInt32: return store_integer<std::int32_t>(value, to);
-    case PlyType::kUint32: return store_integer<std::uint32_t>(value, to);
-    case PlyType::kFloat32: return ply_store_float(float(value), to);
-    case PlyType::kFloat64: std::memcpy(to, &value, sizeof value); return;
+    case PlyType::kInt8:
+      return store_integer<std::int8_t>(value, to);
+    case PlyType::kUint8:
+      return store_integer<std::uint8_t>(value, to);
+    case PlyType::kInt16:
+      return store_integer<std::int16_t>(value, to);
+    case PlyType::kUint16:
+      return store_integer<std::uint16_t>(value, to);
+    case PlyType::kInt32:
+      return store_integer<std::int32_t>(value, to);
+    case PlyType::kUint32:
+      return store_integer<std::uint32_t>(value, to);
+    case PlyType::kFloat32:
+      return ply_store_float(float(value), to);
+    case PlyType::kFloat64:
+      std::memcpy(to, &value, sizeof value);
+      return;
   }
 }
 
-PlyWriter::PlyWriter(const std::string& path, const PlyElement& element, const std::vector<std::string>& comments)
+PlyWriter::PlyWriter(const std::string& path, const PlyElement& element,
+                     const std::vector<std::string>& comments)
     : file_(std::make_unique<AtomicFile>(path)), rows_left_(element.count) {
   std::string header = "ply\nformat binary_little_endian 1.0\nelement " + element.name + " " +
                        std::to_string(element.count) + "\n";
@@ -42,7 +53,8 @@ PlyWriter::PlyWriter(const std::string& path, const PlyElement& element, const s
     row_bytes_ += ply_type_bytes(p.type);
   }
   for (std::string comment : comments) {
-    std::replace_if(comment.begin(), comment.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+    std::replace_if(
+        comment.begin(), comment.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
     header += "comment " + comment + "\n";
   }
   header += "end_header\n";

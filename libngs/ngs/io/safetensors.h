@@ -1,7 +1,7 @@
 #pragma once
-// Named arrays in the safetensors layout, which Python's stock package reads: u64 header length, a JSON header
-// {name: {dtype, shape, data_offsets}, "__metadata__": {string: string}}, then the raw little-endian values
-// without gaps. Used for NeRF parameters, checkpoints and evidence partials.
+// Named arrays in the safetensors layout, which Python's stock package reads: u64 header length, a JSON
+// header {name: {dtype, shape, data_offsets}, "__metadata__": {string: string}}, then the raw little-endian
+// values without gaps. Used for NeRF parameters, checkpoints and evidence partials.
 //
 // Reading checks everything against the file's size before it allocates; anything odd is kBadInput.
 #include <cstdint>
@@ -19,13 +19,34 @@ enum class TensorType : std::uint8_t { kU8, kU32, kI32, kU64, kI64, kF32, kF64 }
 
 template <class T>
 struct TensorTypeOf;
-template <> struct TensorTypeOf<std::uint8_t> { static constexpr TensorType value = TensorType::kU8; };
-template <> struct TensorTypeOf<std::uint32_t> { static constexpr TensorType value = TensorType::kU32; };
-template <> struct TensorTypeOf<std::int32_t> { static constexpr TensorType value = TensorType::kI32; };
-template <> struct TensorTypeOf<std::uint64_t> { static constexpr TensorType value = TensorType::kU64; };
-template <> struct TensorTypeOf<std::int64_t> { static constexpr TensorType value = TensorType::kI64; };
-template <> struct TensorTypeOf<float> { static constexpr TensorType value = TensorType::kF32; };
-template <> struct TensorTypeOf<double> { static constexpr TensorType value = TensorType::kF64; };
+template <>
+struct TensorTypeOf<std::uint8_t> {
+  static constexpr TensorType value = TensorType::kU8;
+};
+template <>
+struct TensorTypeOf<std::uint32_t> {
+  static constexpr TensorType value = TensorType::kU32;
+};
+template <>
+struct TensorTypeOf<std::int32_t> {
+  static constexpr TensorType value = TensorType::kI32;
+};
+template <>
+struct TensorTypeOf<std::uint64_t> {
+  static constexpr TensorType value = TensorType::kU64;
+};
+template <>
+struct TensorTypeOf<std::int64_t> {
+  static constexpr TensorType value = TensorType::kI64;
+};
+template <>
+struct TensorTypeOf<float> {
+  static constexpr TensorType value = TensorType::kF32;
+};
+template <>
+struct TensorTypeOf<double> {
+  static constexpr TensorType value = TensorType::kF64;
+};
 
 struct Tensor {
   std::string name;
@@ -35,13 +56,14 @@ struct Tensor {
 };
 
 struct TensorFile {
-  std::string name;                             // of the file, for messages
+  std::string name;  // of the file, for messages
   std::vector<Tensor> tensors;
   std::map<std::string, std::string> metadata;
 
   template <class T>
   void add(std::string tensor, std::vector<std::int64_t> shape, std::span<const T> values) {
-    add_bytes(std::move(tensor), TensorTypeOf<T>::value, std::move(shape), values.data(), values.size_bytes());
+    add_bytes(std::move(tensor), TensorTypeOf<T>::value, std::move(shape), values.data(),
+              values.size_bytes());
   }
   template <class T>
   void add(std::string tensor, std::vector<std::int64_t> shape, const std::vector<T>& values) {

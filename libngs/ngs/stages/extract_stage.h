@@ -28,17 +28,25 @@ struct ExtractOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.rule, Text{"rule", "RULE",
-                          "threshold:T (score >= T), flash:GAMMA (f > (1+GAMMA)/2), flash-l2:GAMMA (as its code "
-                          "normalises), sa3d (f > 0.3/1.3), cob:T (score > T)"});
-    visit(self.score, Choice<ScoreColumn>{"score", "what the rule compares; auto: ngs_prob for flash and sa3d, else "
-                                                   "ngs_label", kScoreColumnNames});
-    visit(self.unseen, Choice<UnseenRule>{"unseen", "Gaussians that no view has seen: vote of the nearest seen ones, "
-                                                    "or all to one side", kUnseenRuleNames});
+    visit(self.rule,
+          Text{"rule", "RULE",
+               "threshold:T (score >= T), flash:GAMMA (f > (1+GAMMA)/2), flash-l2:GAMMA (as its code "
+               "normalises), sa3d (f > 0.3/1.3), cob:T (score > T)"});
+    visit(self.score, Choice<ScoreColumn>{"score",
+                                          "what the rule compares; auto: ngs_prob for flash and sa3d, else "
+                                          "ngs_label",
+                                          kScoreColumnNames});
+    visit(self.unseen, Choice<UnseenRule>{"unseen",
+                                          "Gaussians that no view has seen: vote of the nearest seen ones, "
+                                          "or all to one side",
+                                          kUnseenRuleNames});
     visit(self.unseen_neighbours, Field<int>{"unseen_neighbours", "", "voters per unseen Gaussian", 1, 32});
-    visit(self.min_component, Field<int>{"min_component", "Gaussians", "smaller connected pieces of the object go to the "
-                                                          "background; 0 keeps all", 0, 1 << 30});
-    visit(self.component_neighbours, Field<int>{"component_neighbours", "", "neighbours a piece may connect through", 1, 32});
+    visit(self.min_component, Field<int>{"min_component", "Gaussians",
+                                         "smaller connected pieces of the object go to the "
+                                         "background; 0 keeps all",
+                                         0, 1 << 30});
+    visit(self.component_neighbours,
+          Field<int>{"component_neighbours", "", "neighbours a piece may connect through", 1, 32});
   }
 };
 
@@ -53,8 +61,8 @@ ExtractRule parse_extract_rule(const std::string& rule);
 
 struct ExtractInput {
   const GaussianCloud& cloud;
-  const LabelColumns& labels;        // label or prob; without `views` every Gaussian counts as seen
-  std::span<const float> fixed = {}; // [N] 1: label is final; empty: none is
+  const LabelColumns& labels;         // label or prob; without `views` every Gaussian counts as seen
+  std::span<const float> fixed = {};  // [N] 1: label is final; empty: none is
 };
 
 struct Extraction {
@@ -67,8 +75,8 @@ struct Extraction {
 Extraction extract_object(const Exec& exec, const ExtractOptions& options, const ExtractInput& input);
 
 /// Pieces of the Gaussians with member[i] != 0: piece[i] >= 0 numbers them in order of their first row, -1
-/// elsewhere. Two nearest neighbours touch if their distance is at most 3 (σ_i + σ_j), σ the largest scale, or
-/// at most three times the median distance to the nearest neighbour.
+/// elsewhere. Two nearest neighbours touch if their distance is at most 3 (σ_i + σ_j), σ the largest scale,
+/// or at most three times the median distance to the nearest neighbour.
 std::vector<std::int32_t> connected_pieces(const Exec& exec, const GaussianCloud& cloud,
                                            const std::vector<std::uint8_t>& member, int neighbours);
 

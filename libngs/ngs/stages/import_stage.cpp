@@ -32,9 +32,8 @@ std::vector<Keyed> sorted_keys(const GaussianCloud& cloud) {
     keys[i].key[3] = bits(cloud.logit_opacity[i]);
     keys[i].row = std::uint32_t(i);
   }
-  std::sort(keys.begin(), keys.end(), [](const Keyed& a, const Keyed& b) {
-    return a.key != b.key ? a.key < b.key : a.row < b.row;
-  });
+  std::sort(keys.begin(), keys.end(),
+            [](const Keyed& a, const Keyed& b) { return a.key != b.key ? a.key < b.key : a.row < b.row; });
   return keys;
 }
 
@@ -43,11 +42,15 @@ void pair_group(std::span<const Keyed> model, std::span<const Keyed> edit, std::
   std::vector<std::uint32_t> model_left, edit_left;
   std::size_t m = 0, e = 0;
   while (m < model.size() || e < edit.size()) {
-    if (m < model.size() && e < edit.size() && model[m].key == edit[e].key) found[edit[e++].row] = model[m++].row;
-    else if (e == edit.size() || (m < model.size() && model[m].key < edit[e].key)) model_left.push_back(model[m++].row);
-    else edit_left.push_back(edit[e++].row);
+    if (m < model.size() && e < edit.size() && model[m].key == edit[e].key)
+      found[edit[e++].row] = model[m++].row;
+    else if (e == edit.size() || (m < model.size() && model[m].key < edit[e].key))
+      model_left.push_back(model[m++].row);
+    else
+      edit_left.push_back(edit[e++].row);
   }
-  for (std::size_t k = 0; k < std::min(model_left.size(), edit_left.size()); ++k) found[edit_left[k]] = model_left[k];
+  for (std::size_t k = 0; k < std::min(model_left.size(), edit_left.size()); ++k)
+    found[edit_left[k]] = model_left[k];
 }
 
 /// [edit rows] row of the model, -1 where there is none.
@@ -60,8 +63,8 @@ std::vector<std::int64_t> match_rows(const GaussianCloud& cloud, const GaussianC
     return end;
   };
   for (std::size_t m = 0, e = 0; m < model.size() && e < edited.size();) {
-    const auto order = std::lexicographical_compare_three_way(model[m].key.begin(), model[m].key.begin() + 3,
-                                                              edited[e].key.begin(), edited[e].key.begin() + 3);
+    const auto order = std::lexicographical_compare_three_way(
+        model[m].key.begin(), model[m].key.begin() + 3, edited[e].key.begin(), edited[e].key.begin() + 3);
     const std::size_t m_end = group_end(model, m), e_end = group_end(edited, e);
     if (order == 0) pair_group({&model[m], m_end - m}, {&edited[e], e_end - e}, found);
     if (order <= 0) m = m_end;
@@ -88,7 +91,8 @@ ImportedEdit import_edit(const GaussianCloud& cloud, const std::vector<std::uint
                     " Gaussians are at positions of the labelled one, expected at least half",
                 "edit an output of this model and do not move, rotate or scale it in the editor");
 
-  const bool by_selection = std::any_of(state.begin(), state.end(), [](std::uint8_t s) { return s & kSelected; });
+  const bool by_selection =
+      std::any_of(state.begin(), state.end(), [](std::uint8_t s) { return s & kSelected; });
   std::vector<std::int8_t> verdict(n, -1);  // -1 not in the edit, 0 background, 1 object
   for (std::size_t e = 0; e < found.size(); ++e) {
     if (found[e] < 0) continue;

@@ -62,7 +62,7 @@ TEST_CASE("outputs have the permissions of ordinary files") {
   const mode_t old = ::umask(022);
   io::write_file(dir.file("f"), "x");
   ::umask(old);
-  struct stat status{};
+  struct stat status {};
   REQUIRE(::stat(dir.file("f").c_str(), &status) == 0);
   CHECK((status.st_mode & 0777) == 0644);
 }

@@ -41,14 +41,16 @@ TEST_CASE("the rules are the thresholds of facts 3.3 and 3.6") {
   CHECK(parse_extract_rule("sa3d").cut == doctest::Approx(0.231).epsilon(1e-3));
   CHECK(parse_extract_rule("cob:0.9").cut == 0.9);
   CHECK_FALSE(parse_extract_rule("cob:0.9").on_prob);
-  const struct { double gamma, l2, l1; } table[] = {
-      {-0.8, 0.157, 0.10}, {-0.7, 0.215, 0.15}, {0, 0.5, 0.5}, {0.4, 0.647, 0.70}, {0.75, 0.813, 0.875}, {1, 1, 1}, {-1, 0, 0}};
+  const struct {
+    double gamma, l2, l1;
+  } table[] = {{-0.8, 0.157, 0.10},  {-0.7, 0.215, 0.15}, {0, 0.5, 0.5}, {0.4, 0.647, 0.70},
+               {0.75, 0.813, 0.875}, {1, 1, 1},           {-1, 0, 0}};
   for (const auto& row : table) {
     CHECK(parse_extract_rule("flash:" + std::to_string(row.gamma)).cut == doctest::Approx(row.l1));
     CHECK(std::abs(parse_extract_rule("flash-l2:" + std::to_string(row.gamma)).cut - row.l2) < 5e-4);
   }
-  for (const char* rule : {"", "threshold", "threshold:", "threshold:2", "threshold:nan", "threshold:0.5x", "flash:-1.1",
-                           "sa3d:1", "knn:3"}) {
+  for (const char* rule : {"", "threshold", "threshold:", "threshold:2", "threshold:nan", "threshold:0.5x",
+                           "flash:-1.1", "sa3d:1", "knn:3"}) {
     CAPTURE(rule);
     try {
       parse_extract_rule(rule);
@@ -190,7 +192,8 @@ TEST_CASE("a selection in the edit decides what is object, and a deletion what i
   const ImportedEdit selected = import_edit(cloud, {1, 1, 0, 0}, label, edit, {1, 0, 5, 3});
   CHECK(selected.label == std::vector<float>{1, 0, 0, 1});
   CHECK(selected.fixed == std::vector<float>{1, 1, 1, 1});
-  const ImportedEdit deleted = import_edit(cloud, {1, 1, 0, 0}, label, edit, {4, 4, 4, 0});  // nothing selected
+  const ImportedEdit deleted =
+      import_edit(cloud, {1, 1, 0, 0}, label, edit, {4, 4, 4, 0});  // nothing selected
   CHECK(deleted.label == std::vector<float>{1, 0, 0, 0});
 }
 
@@ -200,7 +203,8 @@ TEST_CASE("Gaussians at one position are told apart by opacity and colour, else 
     for (std::size_t a = 0; a < 3; ++a) cloud.position[i * 3 + a] = cloud.position[a];
   const Flags object(5, 1);
   const std::vector<float> label(5, 1.f);
-  CHECK(import_edit(cloud, object, label, rows_of(cloud, {2, 0, 4}), {}).label == std::vector<float>{1, 0, 1, 0, 1});
+  CHECK(import_edit(cloud, object, label, rows_of(cloud, {2, 0, 4}), {}).label ==
+        std::vector<float>{1, 0, 1, 0, 1});
   GaussianCloud repainted = rows_of(cloud, {2, 0, 4});
   repainted.sh_dc[0] = 7;  // matches nothing exactly: takes the first of the position that is left
   const ImportedEdit e = import_edit(cloud, object, label, repainted, {});
