@@ -49,7 +49,7 @@ std::string made_run(const test::TempDir& dir) {
                 "result":{"effects":[{"effect":"continuity","state":"off","reason":"no gain <measured>"}]},
                 "warnings":["a \"strange\" <mask>"]})");
   dir.write("a <run> & more/trace.jsonl",
-            "{\"step\":1,\"wall_s\":0.1,\"loss\":0.5}\n{\"step\":2,\"wall_s\":0.2,\"loss\":0.25}\n");
+            "{\"step\":1,\"t\":0.1,\"loss\":{\"total\":0.5}}\n{\"step\":2,\"t\":0.2,\"loss\":{\"total\":0.25}}\n");
   return out;
 }
 

@@ -71,7 +71,9 @@ std::string series_svg(const PlotSeries& series, const Frame& frame, std::size_t
   if (series.line) {
     svg += "<polyline points=\"" + points + "\" />";
     const PlotPoint& last = series.points.back();
-    labels = text_svg(kWidth - kRight - 4, std::max(kTop + 12, frame.py(last.y) - 8), "end", series.name);
+    labels =
+        "<circle r=3.5 cx=" + decimal(frame.px(last.x), 1) + " cy=" + decimal(frame.py(last.y), 1) + " />";
+    labels += text_svg(kWidth - kRight - 4, std::max(kTop + 12, frame.py(last.y) - 8), "end", series.name);
   }
   return svg + labels + "</g>";
 }

@@ -203,7 +203,7 @@ std::string decisions_section(const RunFolder& run) {
   for (const char* key : {"effects", "decisions"})
     if (const Json& decisions = value_at(result, {key}); decisions.is_structured() && !decisions.empty())
       return section("decisions", "Decisions",
-                     "<p>What the optimisation switched on and off, and why.</p>" + json_html(decisions));
+                     "<p>The parts of the method, and whether they were on.</p>" + json_html(decisions));
   return {};
 }
 
@@ -230,21 +230,26 @@ std::string times_section(const RunFolder& run) {
 }
 
 std::string trace_section(const RunFolder& run) {
+  const auto series = [&](const char* name, std::initializer_list<std::string_view> keys) {
+    PlotSeries line{.name = name, .points = {}, .line = true};
+    for (const Json& step : run.trace)
+      line.points.push_back({number_at(step, {"t"}), number_at(step, keys), {}});
+    return line;
+  };
   std::string html;
-  for (const char* key : {"biou", "iou", "gap", "loss"}) {
-    PlotSeries series{.name = {}, .points = {}, .line = true};
-    for (const Json& step : run.trace) {
-      const double seconds = number_at(step, {"wall_s"});
-      series.points.push_back(
-          {std::isfinite(seconds) ? seconds : number_at(step, {"step"}), number_at(step, {key}), {}});
-    }
-    const bool timed = !run.trace.empty() && value_at(run.trace.front(), {"wall_s"}).is_number();
-    html += plot_svg({.title = std::string(key) + " during the optimisation",
-                      .x_label = timed ? "time, s" : "step",
-                      .y_label = key,
-                      .series = {series}});
-  }
-  return html.empty() ? html : section("trace", "Optimisation", html);
+  html += plot_svg({.title = "Agreement of the training views with their masks",
+                    .x_label = "time of the optimisation, s",
+                    .y_label = "share",
+                    .series = {series("boundary IoU", {"training_biou"}), series("IoU", {"training_iou"})}});
+  html += plot_svg({.title = "Loss of each step",
+                    .x_label = "time of the optimisation, s",
+                    .y_label = "loss",
+                    .series = {series("total", {"loss", "total"}), series("mask", {"loss", "mask"})}});
+  html += plot_svg({.title = "Duality gap: how far the loss is from its optimum at most",
+                    .x_label = "time of the optimisation, s",
+                    .y_label = "gap",
+                    .series = {series("gap", {"gap"})}});
+  return html.empty() ? html : section("trace", "Optimisation", "<div class=charts>" + html + "</div>");
 }
 
 std::string inputs_section(const RunFolder& run) {

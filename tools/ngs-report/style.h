@@ -62,7 +62,8 @@ path.casing{stroke:#000!important;stroke-opacity:.45;stroke-width:3.6px!importan
 .truth path{stroke:#22d3ff}
 .input path{stroke:#fff;stroke-dasharray:4 3}
 .views:has(.t-predicted:not(:checked)) .stack .predicted,.views:has(.t-truth:not(:checked)) .stack .truth,.views:has(.t-input:not(:checked)) .stack .input{display:none}
-figure.chart{max-width:40rem}
+.charts{display:flex;flex-wrap:wrap;gap:1.2rem}
+figure.chart{flex:1 1 22rem;max-width:40rem}
 svg.plot{width:100%;height:auto;font-size:13px}
 svg.plot text{fill:var(--soft)}
 svg.plot .grid{stroke:var(--line)}
