@@ -7,7 +7,7 @@
 #   --masks DIR          input masks, by stem     (default: SCENE_DIR/masks, masks_sam)
 #   --gt DIR             true masks               (default: SCENE_DIR/masks_gt, gt; else the held-out input masks)
 #   --hold-out RULE      every:N:K or a file of names: views whose masks no stage sees, and which are scored
-#   --image-scale S      working size             (default 1)
+#   --image-scale S      working size             (default: 1, 1/2, 1/4 ... so that no side exceeds 800 px)
 #   --quality Q          draft|standard|high|reference
 #   --method M           paper|bce|cob|flash|sa3d|saga|released
 #   --until FILE         stop at this artifact, e.g. --until boundary.ply
@@ -32,7 +32,7 @@ set -euo pipefail
 absolute() { case $1 in '' | /*) printf '%s' "$1" ;; *) printf '%s/%s' "$PWD" "$1" ;; esac; }
 existing() { [ -e "$2" ] || fail 3 "$1 $2: no such file or folder"; absolute "$2"; }
 
-export SCENE='' MODEL='' MASKS='' GT='' HOLD_OUT='' IMAGE_SCALE=1 METHOD='' QUALITY='' JOINT_FLAGS='' COMMON_FLAGS='' UNKEYED_FLAGS=''
+export SCENE='' MODEL='' MASKS='' GT='' HOLD_OUT='' IMAGE_SCALE=0 METHOD='' QUALITY='' JOINT_FLAGS='' COMMON_FLAGS='' UNKEYED_FLAGS=''
 out='' until=report.html dry_run='' joint=()
 while [ $# -gt 0 ]; do
   option=$1 value=
@@ -77,8 +77,7 @@ while [ $# -gt 0 ]; do
 done
 [ -n "$out" ] || fail 2 "expected SCENE_DIR and OUT_DIR" "see $0 --help"
 SCENE=$(existing SCENE_DIR "$SCENE")
-[[ $IMAGE_SCALE =~ ^[0-9]*\.?[0-9]+$ ]] && [[ $IMAGE_SCALE =~ [1-9] ]] ||
-  fail 2 "--image-scale $IMAGE_SCALE: expected a positive number"
+[[ $IMAGE_SCALE =~ ^[0-9]*\.?[0-9]+$ ]] || fail 2 "--image-scale $IMAGE_SCALE: expected a number, 0 for automatic"
 if [ ${#joint[@]} -gt 0 ]; then JOINT_FLAGS=$(printf '%q ' "${joint[@]}"); fi
 
 mkdir -p "$out" || fail 8 "$out: cannot be made"

@@ -132,12 +132,11 @@ stage_extract() {
 
 # Masks at the size of the photos, not at the working size: the truth is compared there.
 stage_render() {
-  local views=all scale
+  local views=all
   if [ -n "$HOLD_OUT" ]; then views=held-out; fi
-  scale=$(awk -v s="$IMAGE_SCALE" 'BEGIN { printf "%.10g", 1 / s }')
   if [ -z "${NGS_DRY_RUN:-}" ]; then rm -rf "$OUT/masks" "$OUT/.state/render"; fi
   flags "$RENDER_FLAGS"
-  run ngs-render "$OUT/scene.json" "$OUT/labelled.ply" --views "$views" --layers mask --scale "$scale" --format png \
+  run ngs-render "$OUT/scene.json" "$OUT/labelled.ply" --views "$views" --layers mask --scale 0 --format png \
     "${words[@]}" -o "$OUT/.state/render"
   if [ -z "${NGS_DRY_RUN:-}" ]; then mv "$OUT/.state/render" "$OUT/masks"; fi
 }

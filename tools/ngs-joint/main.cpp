@@ -42,7 +42,7 @@ int main(int argc, char** argv) {
     MethodInput input{.cloud = ply.cloud, .scene = scene, .views = training_views(scene),
                       .load_masks = [&](std::size_t view) { return io::load_masks(scene, view); },
                       .load_photo = [&](std::size_t view) { return io::load_photo(scene, view); },
-                      .splat = splat_options(raster, ply.cloud), .background = parse_background(settings.run.background),
+                      .splat = splat_options(raster, ply.cloud, scene), .background = parse_background(settings.run.background),
                       .seed = run.seed(), .fixed = ply.fixed, .labels = joint::labels_of(ply, scene)};
     if (settings.run.explain || run.dry_run()) {
       run.plan({{"effects", joint::explain(settings.joint)}, {"training_views", input.views.size()}, {"gaussians", ply.cloud.size()}});

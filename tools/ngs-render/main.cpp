@@ -33,7 +33,8 @@ int main(int argc, char** argv) {
     const picture::Objects objects = picture::objects_of(ply);
     const std::set<std::string> layers = picture::parse_layers(options.layers, objects);
     const Vec3<float> background = parse_background(options.background);
-    const SplatOptions splat = filter_at_scale(splat_options(raster, ply.cloud), options.native_filter ? 1.0 : options.scale);
+    const double scale = options.scale > 0 ? options.scale : 1 / scene.image_scale;
+    const SplatOptions splat = filter_at_scale(splat_options(raster, ply.cloud, scene), options.native_filter ? 1.0 : scale);
     const std::vector<std::size_t> views = select_views(scene, options.views);
     run.result()["views"] = views.size();
     if (run.dry_run()) {
@@ -42,7 +43,7 @@ int main(int argc, char** argv) {
     }
     for (std::size_t n = 0; n < views.size(); ++n) {
       const Camera& full = scene.views[views[n]].camera;
-      const Camera camera = resized(full, scaled_size_px(full.width_px, options.scale), scaled_size_px(full.height_px, options.scale));
+      const Camera camera = resized(full, scaled_size_px(full.width_px, scale), scaled_size_px(full.height_px, scale));
       const RenderedView view = [&] {
         const auto timed = run.monitor().scope("render");
         return render_labelled(run.exec(), ply.cloud, objects.columns, camera, splat, background, options.amodal);

@@ -61,7 +61,7 @@ int main(int argc, char** argv) {
       return 0;
     }
     const QueryField field =
-        sample_queries(run.exec(), run.monitor(), options, ply.cloud, boundary, scene, views, splat_options(raster, ply.cloud));
+        sample_queries(run.exec(), run.monitor(), options, ply.cloud, boundary, scene, views, splat_options(raster, ply.cloud, scene));
     report_views(run, field);
     if (field.size() == 0 && boundary.size() > 0)
       run.nothing_found("the boundary is visible in none of the chosen views", "choose other views, or check the poses: ngs-scene check scene.json");

@@ -6,6 +6,7 @@
 #include "ngs/io/gaussian_ply.h"
 #include "ngs/io/masks.h"
 #include "ngs/io/photo.h"
+#include "ngs/stages/filter_probe.h"
 
 namespace ngs::capture {
 namespace {
@@ -33,6 +34,19 @@ SceneLoaders loaders_from_files(const Scene& scene) {
 }
 
 }  // namespace
+
+double probe_model_filter(cli::Run& run, const SceneCheckOptions& options, const Scene& scene) {
+  if (scene.model_path.empty()) return scene.filter_px2;
+  const auto timed = run.monitor().scope("filter");
+  const io::GaussianPly model = io::read_gaussian_ply(scene.model_path);
+  std::vector<std::size_t> with_photo, compared;
+  for (std::size_t i = 0; i < scene.views.size(); ++i)
+    if (!scene.views[i].image_path.empty()) with_photo.push_back(i);
+  for (const std::size_t i : evenly_spaced(std::size_t(options.check_views), with_photo.size())) compared.push_back(with_photo[i]);
+  const FilterProbe probe = probe_filter(run.exec(), model.cloud, scene, compared, [&](std::size_t view) { return io::load_photo(scene, view); });
+  for (const FilterCandidate& c : probe.candidates) run.result()["filter"].push_back({{"filter_px2", c.filter_px2}, {"psnr_db", c.psnr_db}});
+  return probe.filter_px2;
+}
 
 void run_checks(cli::Run& run, const SceneCheckOptions& options, const Scene& scene,
                 std::vector<std::string> notes) {

@@ -41,7 +41,7 @@ int import_command(int argc, char** argv) {
   const cli::Output& out = tool.output("-o,--output", "scene.json");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
-    const io::ImportedScene imported = [&] {
+    io::ImportedScene imported = [&] {
       const auto timed = run.monitor().scope("import");
       return io::import_scene(
           capture::request_from(options, source.value, {ply.path, images.path, masks.path, world.path}));
@@ -53,6 +53,7 @@ int import_command(int argc, char** argv) {
       run.plan({{"views", imported.scene.views.size()}, {"compared_views", checks.check_views}});
       return cli::kDone;
     }
+    imported.scene.filter_px2 = options.filter_px2 > 0 ? options.filter_px2 : capture::probe_model_filter(run, checks, imported.scene);
     capture::run_checks(run, checks, imported.scene, imported.notes);
     io::write_scene_json(out.path, imported.scene);
     return cli::kDone;

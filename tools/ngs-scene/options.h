@@ -19,7 +19,8 @@ struct ImportOptions {
   double mask_threshold = 128;
   MissingMask missing_mask = MissingMask::kUnknown;
   std::string hold_out;
-  double image_scale = 1;
+  double image_scale = 0;
+  double filter_px2 = 0;
   bool original_world = false;
 
   template <class Self, class Visitor>
@@ -41,7 +42,11 @@ struct ImportOptions {
         Text{"hold_out", "every:N:K|FILE",
              "views that never supervise: index i of the sorted names with i % N == K, or a list of names"});
     visit(self.image_scale,
-          Field<double>{"image_scale", "", "working size relative to the photos", 0.001, 1.0});
+          Field<double>{"image_scale", "", "working size relative to the photos; 0: 1, 1/2, 1/4 ... so that no side exceeds 800 px",
+                        0, 1.0});
+    visit(self.filter_px2,
+          Field<double>{"filter_px2", "px^2", "low-pass filter the model was fitted with, at the working size; 0: the one that "
+                        "explains the photos best", 0, 1e4});
     visit(self.original_world, Flag{"original_world", "transforms.json: undo its applied_transform"});
   }
 };

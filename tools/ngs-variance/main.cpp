@@ -48,7 +48,7 @@ int label_scene(int argc, char** argv) {
       return 0;
     }
     io::EvidencePart part;
-    part.evidence = accumulate_evidence(run.exec(), run.monitor(), ply.cloud, scene, views, splat_options(raster, ply.cloud),
+    part.evidence = accumulate_evidence(run.exec(), run.monitor(), ply.cloud, scene, views, splat_options(raster, ply.cloud, scene),
                                         [&](std::size_t view) { return io::load_masks(scene, view); });
     if (partial) {
       part.model_hash = io::content_hash(scene.model_path).xxh3;
@@ -61,7 +61,7 @@ int label_scene(int argc, char** argv) {
     if (!out) return 0;
     const std::vector<LabelColumns> labels = label_gaussians(options, part.evidence);
     variance::write_labels(run, scene, ply, options, labels, out.path);
-    if (layers) variance::write_layers(run, scene, ply.cloud, labels, splat_options(raster, ply.cloud), layers.path);
+    if (layers) variance::write_layers(run, scene, ply.cloud, labels, splat_options(raster, ply.cloud, scene), layers.path);
     return 0;
   });
 }

@@ -186,6 +186,15 @@ void assign_splits(const std::string& hold_out, std::vector<SceneView>& views) {
                 "--hold-out " + hold_out + ": holds out every view, expected some to train on");
 }
 
+/// The largest of 1, 1/2, 1/4 ... at which no photo's longer side exceeds kWorkingSizePx.
+double automatic_scale(const std::vector<SceneView>& views) {
+  int longest = 1;
+  for (const SceneView& view : views) longest = std::max({longest, view.camera.width_px, view.camera.height_px});
+  double scale = 1;
+  while (longest * scale > kWorkingSizePx) scale /= 2;
+  return scale;
+}
+
 ImportedScene import_scene(const ImportRequest& request) {
   CaptureSource source = read_capture(request.capture);
   ImportedScene out;
@@ -196,7 +205,7 @@ ImportedScene import_scene(const ImportRequest& request) {
   scene.model_path = request.model_path.empty() ? find_model(source.base, out.notes) : request.model_path;
   scene.mask_mode = request.mask_mode, scene.mask_invert = request.mask_invert;
   scene.mask_threshold = request.mask_threshold, scene.missing_mask = request.missing_mask;
-  scene.image_scale = request.image_scale;
+  scene.image_scale = request.image_scale > 0 ? request.image_scale : automatic_scale(scene.views);
   out.masks_dir = find_masks_dir(request, source.base, out.notes);
   assign_splits(request.hold_out, scene.views);
   attach_masks(request, out);

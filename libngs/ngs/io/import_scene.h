@@ -10,6 +10,8 @@
 
 namespace ngs::io {
 
+inline constexpr int kWorkingSizePx = 800;  // longest side that the automatic image_scale allows
+
 struct ImportRequest {
   CaptureRequest capture;
   std::string model_path;               // empty: looked for beside the cameras
@@ -20,7 +22,7 @@ struct ImportRequest {
   bool mask_invert = false;
   double mask_threshold = 128;
   MissingMask missing_mask = MissingMask::kUnknown;
-  double image_scale = 1;
+  double image_scale = 1;  // (0, 1]; 0: automatic, see kWorkingSizePx
 };
 
 struct ImportedScene {

@@ -147,6 +147,8 @@ void validate_scene(const Scene& scene, const std::string& object) {
   if (scene.views.empty()) refuse(object, "no views, expected at least one");
   if (!(scene.image_scale > 0 && scene.image_scale <= 1))
     refuse(object, "image_scale " + std::to_string(scene.image_scale) + ", expected (0, 1]");
+  if (!(scene.filter_px2 > 0 && scene.filter_px2 <= 1e4))
+    refuse(object, "filter_px2 " + std::to_string(scene.filter_px2) + ", expected (0, 10000] px²");
   if (!(scene.mask_threshold >= 0 && scene.mask_threshold <= 255))
     refuse(object, "mask threshold " + std::to_string(scene.mask_threshold) + ", expected [0, 255]");
   std::set<std::string> names;
@@ -169,6 +171,7 @@ Scene parse_scene_json(const json& root, const std::string& folder, const std::s
   Scene scene;
   scene.model_path = from_folder(folder, reader.text_or("model", ""));
   scene.image_scale = reader.number("image_scale");
+  scene.filter_px2 = reader.number_or("filter_px2", scene.filter_px2);
   const JsonReader masks = reader.object("masks");
   scene.mask_mode = value_of(kModes, masks, "mode");
   scene.mask_invert = masks.boolean("invert");
@@ -199,7 +202,8 @@ void write_scene_json(const std::string& path, const Scene& scene) {
   const fs::path folder = fs::weakly_canonical(fs::absolute(path).parent_path());
   ordered_json out{{"ngs_scene", kSceneVersion},
                    {"model", to_folder(folder, scene.model_path)},
-                   {"image_scale", scene.image_scale}};
+                   {"image_scale", scene.image_scale},
+                   {"filter_px2", scene.filter_px2}};
   out["masks"] = {{"mode", name_of(kModes, scene.mask_mode)},
                   {"invert", scene.mask_invert},
                   {"threshold", scene.mask_threshold},

@@ -2,7 +2,7 @@
 // scene.json, the canonical description of a capture (scene/scene.h). Written by ngs-scene, read by every
 // tool.
 //
-//   {"ngs_scene": 1, "model": PATH, "image_scale": S,
+//   {"ngs_scene": 1, "model": PATH, "image_scale": S, "filter_px2": V (optional, default 0.3),
 //    "masks": {"mode": "binary"|"label"|"soft"|"bands", "invert": BOOL, "threshold": 0..255,
 //              "missing": "unknown"|"empty"|"error"},
 //    "objects": [{"name": TEXT, "id": INT}],

@@ -35,6 +35,7 @@ struct Scene {
   double mask_threshold = 128;       // 8-bit scale; binary mode: object where value >= threshold
   MissingMask missing_mask = MissingMask::kUnknown;
   double image_scale = 1.0;
+  double filter_px2 = 0.3;           // variance of the low-pass filter the model was fitted with, px² at the working size
 };
 
 /// The masks of one view at the camera's size, one plane per object.

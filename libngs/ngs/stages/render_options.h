@@ -2,6 +2,7 @@
 // Options every tool shares that splats a model.
 #include "ngs/ops/splat.h"
 #include "ngs/options/field.h"
+#include "ngs/scene/scene.h"
 
 namespace ngs {
 
@@ -21,9 +22,10 @@ struct RasterOptions {
   }
 };
 
-inline SplatOptions splat_options(const RasterOptions& options, const GaussianCloud& cloud) {
+/// For renders of `scene`'s views at its working size.
+inline SplatOptions splat_options(const RasterOptions& options, const GaussianCloud& cloud, const Scene& scene) {
   const bool antialiased = options.antialias == Antialias::kAuto ? cloud.antialiased : options.antialias == Antialias::kOn;
-  return {options.compat, antialiased, 3};
+  return {options.compat, antialiased, 3, scene.filter_px2};
 }
 
 }  // namespace ngs

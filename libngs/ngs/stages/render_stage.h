@@ -23,7 +23,7 @@ struct RenderOptions {
   static void describe(Self& self, Visitor&& visit) {
     visit(self.views, Text{"views", "train|held-out|all|NAME,...", "which cameras"});
     visit(self.layers, Text{"layers", "color,mask,alpha,depth,labels,overlay", "what to render; default mask"});
-    visit(self.scale, Field<double>{"scale", "", "image size relative to the scene's working size", 1e-3, 64.0});
+    visit(self.scale, Field<double>{"scale", "", "image size relative to the scene's working size; 0: the photos' size", 0, 64.0});
     visit(self.native_filter, Flag{"native_filter", "0.3 px² low-pass at the rendered size, not that of the working size scaled"});
     visit(self.amodal, Flag{"amodal", "mask of the object alone, as if nothing stood before it"});
     visit(self.threshold, Field<double>{"threshold", "", "PNG masks: 255 where the rendered mask exceeds this", 0.0, 1.0});
