@@ -140,7 +140,7 @@ struct AlignBackwardField {
 };
 
 /// ∂L/∂(rendered images) at one pixel of the rectangle [x0, ...) x [y0, ...): the transpose of the bilinear
-/// reading and of the patches, gathered over the nodes near the pixel. Owns pixel i of the rectangle.
+/// reading and of the patches, gathered over the nodes near the pixel (inactive ones hold zeros). Owns pixel i of the rectangle.
 ///   ∂Var/∂C_p = 2 (C_p - mean) / n   (the mean's own derivative cancels)
 template <class T>
 struct AlignBackwardImage {
@@ -164,7 +164,6 @@ struct AlignBackwardImage {
     for (int row = rows.first; row <= rows.last; ++row)
       for (int col = cols.first; col <= cols.last; ++col) {
         const std::int64_t r = static_cast<std::int64_t>(row) * in.grid.cols + col;
-        if (!in.is_active(r)) continue;
         const double u = in.grid.x(col), v = in.grid.y(row);
         const double reading = bilinear_weight(u, width, x) * bilinear_weight(v, height, y);
         if (reading > 0) {

@@ -77,6 +77,10 @@ TEST_CASE("loss_align: variance that the photo has as well is no error") {
   CHECK(loss_align({}, {}, in, context).variance > 0);
   in.photo = &s.colour;
   CHECK(loss_align({}, {}, in, context).variance == 0);
+  ImageF busier = s.colour;  // more than the render has: no reward for that
+  for (float& x : busier.data) x *= 2;
+  in.photo = &busier;
+  CHECK(loss_align({}, {}, in, context).variance == 0);
 }
 
 TEST_CASE("loss_align: variance keeps its accuracy far from zero") {
