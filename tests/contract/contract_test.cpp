@@ -1,6 +1,6 @@
 // Runs the cases of cases/*.json (see cases/README.md) against the built tools. Beside what a case says,
-// every case is held to the rules that all tools share: an error leaves stdout empty, says "error" on stderr, and
-// leaves no output and no temporary file; a success leaves one report that satisfies its own schema.
+// every case is held to the rules that all tools share: an error leaves stdout empty, says "error" on stderr,
+// and leaves no output and no temporary file; a success leaves one report that satisfies its own schema.
 #include <doctest/doctest.h>
 #include <signal.h>
 
@@ -192,6 +192,16 @@ ProcessResult run_case(const Json& raw) {
   Prepared prepared{resolved(raw, dir.path(), fixture), dir.path(), {}};
   for (const Json& step : prepared.spec.value("setup", Json::array())) test::apply_mutation(step);
 
+  for (const Json& step : prepared.spec.value("before", Json::array())) {
+    ProcessSpec spec = command(step["run"]);
+    spec.folder = dir.path();
+    spec.signal = signal_number(step.value("signal", ""));
+    spec.signal_after = step.value("signal_after", "");
+    const ProcessResult result = test::run_process(spec);
+    INFO("before: " << result.err);
+    CHECK(result.exit_code == step["exit"].get<int>());
+  }
+
   ProcessSpec spec = command(prepared.spec["run"]);
   spec.folder = dir.path();
   const Json environment = prepared.spec.value("environment", Json::object());
@@ -221,12 +231,14 @@ TEST_CASE("every tool keeps the contract in every listed case") {
   std::sort(files.begin(), files.end());
   REQUIRE_FALSE(files.empty());
   REQUIRE_NOTHROW(test::fixture_folder());
+  const char* only = std::getenv("NGS_CONTRACT_ONLY");
   std::string table;
   int cases = 0;
   std::set<std::string> names;
   for (const fs::path& file : files)
     for (const Json& spec : Json::parse(std::ifstream(file))) {
       const std::string name = file.stem().string() + ": " + spec["name"].get<std::string>();
+      if (only != nullptr && !std::regex_search(name, std::regex(only))) continue;
       INFO("case: " << name);
       CHECK_MESSAGE(names.insert(name).second, "two cases of one name");
       ProcessResult result;

@@ -37,6 +37,8 @@ int main(int argc, char** argv) {
   tool.stops_on_request();
 
   return tool.run(argc, argv, [&](cli::Run& run) {
+    if (settings.run.resume && settings.run.checkpoint.empty())
+      throw Error(ErrorCode::kUsage, "--resume without --checkpoint, expected the folder to go on from", "--checkpoint DIR");
     const Scene scene = io::read_scene_json(scene_json.path);
     const io::GaussianPly ply = io::read_gaussian_ply(boundary.path);
     MethodInput input{.cloud = ply.cloud, .scene = scene, .views = training_views(scene),

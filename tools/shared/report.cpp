@@ -70,7 +70,7 @@ Json make_report(const ReportData& data) {
                  {"counts", whole_numbers(data.result)},
                  {"result", data.result},
                  {"warnings", data.monitor.warnings()}};
-  if (data.flags.dry_run) report["plan"] = data.plan;
+  if (data.flags.dry_run || !data.plan.empty()) report["plan"] = data.plan;
   return report;
 }
 

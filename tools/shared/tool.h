@@ -66,7 +66,7 @@ class Run {
 
   /// "result" of the report. Whole numbers at its top level are also its "counts".
   Json& result();
-  /// What a dry run has to say: estimated memory and time, sizes.
+  /// "plan" of the report: what a dry run has to say (estimated memory and time, sizes).
   void plan(Json plan);
   /// A line on stderr with -v.
   void info(const std::string& message);
