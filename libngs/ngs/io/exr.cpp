@@ -10,6 +10,7 @@
 #include <ImfIntAttribute.h>
 #include <ImfOutputFile.h>
 #include <ImfStringAttribute.h>
+#include <ImfVersion.h>
 
 #include <algorithm>
 #include <cstring>
@@ -92,18 +93,60 @@ void check_size(std::int64_t width, std::int64_t height, std::int64_t channels, 
                              " px in " + std::to_string(file_bytes) + " bytes");
 }
 
-ExrImage read_stream(Imf::IStream& stream, std::size_t file_bytes) {
+/// Attributes are name, type, size, value. The library allocates what a size claims before it reads the
+/// value.
+void check_attribute_sizes(Bytes bytes, std::size_t at, bool multi_part) {
+  const auto skip_text = [&] {
+    const auto end = std::find(bytes.begin() + std::ptrdiff_t(at), bytes.end(), std::uint8_t(0));
+    if (end == bytes.end()) throw std::runtime_error("file is truncated");
+    const bool is_empty = std::size_t(end - bytes.begin()) == at;
+    at = std::size_t(end - bytes.begin()) + 1;
+    return is_empty;
+  };
+  for (bool more_headers = true; more_headers;) {
+    while (!skip_text()) {  // an empty name ends a header
+      skip_text();
+      std::int32_t size = 0;
+      if (bytes.size() - at < sizeof size) throw std::runtime_error("file is truncated");
+      std::memcpy(&size, bytes.data() + at, sizeof size);
+      at += sizeof size;
+      if (size < 0 || std::size_t(size) > bytes.size() - at) throw std::runtime_error("file is truncated");
+      at += std::size_t(size);
+    }
+    more_headers = multi_part && at < bytes.size() && bytes[at] != 0;  // an empty header ends them
+  }
+}
+
+/// What the header claims, checked before the library allocates anything for it.
+void check_header(Bytes bytes) {
+  std::int32_t start[2];  // magic number, version and flags
+  if (bytes.size() < sizeof start) throw std::runtime_error("file is truncated");
+  std::memcpy(start, bytes.data(), sizeof start);
+  if (start[0] != Imf::MAGIC) throw std::runtime_error("no EXR file");
+  check_attribute_sizes(bytes, sizeof start, Imf::isMultiPart(start[1]));
+  MemoryIn stream(bytes);
+  stream.seekg(sizeof start);
+  Imf::Header header;
+  header.readFrom(stream, start[1]);
+  std::int64_t count = 0;
+  for (auto it = header.channels().begin(); it != header.channels().end(); ++it, ++count)
+    if (it.channel().xSampling != 1 || it.channel().ySampling != 1)
+      throw std::runtime_error("subsampled channels");
+  if (count == 0) throw std::runtime_error("file has no channels");
+  const Imath::Box2i window = header.dataWindow();
+  const std::int64_t height = std::int64_t(window.max.y) - window.min.y + 1;
+  check_size(std::int64_t(window.max.x) - window.min.x + 1, height, count, bytes.size());
+  constexpr std::int64_t kMostLinesPerChunk = 256, kOffsetBytes = 8;
+  if (height / kMostLinesPerChunk * kOffsetBytes > std::int64_t(bytes.size()))
+    throw std::runtime_error("file is truncated");
+}
+
+ExrImage read_stream(Imf::IStream& stream) {
   Imf::InputFile file(stream);
   if (!file.isComplete()) throw std::runtime_error("file is truncated");
   const Imath::Box2i window = file.header().dataWindow();
   const std::int64_t width = std::int64_t(window.max.x) - window.min.x + 1;
   const std::int64_t height = std::int64_t(window.max.y) - window.min.y + 1;
-  std::int64_t count = 0;
-  for (auto it = file.header().channels().begin(); it != file.header().channels().end(); ++it, ++count)
-    if (it.channel().xSampling != 1 || it.channel().ySampling != 1)
-      throw std::runtime_error("subsampled channels");
-  if (count == 0) throw std::runtime_error("file has no channels");
-  check_size(width, height, count, file_bytes);
   ExrImage image{int(width), int(height), {}, {}, {}};
   Imf::FrameBuffer target;
   for (auto it = file.header().channels().begin(); it != file.header().channels().end(); ++it) {
@@ -162,8 +205,9 @@ void write_exr(const std::string& path, const ExrImage& image) {
 
 ExrImage parse_exr(Bytes bytes, const std::string& object) {
   try {
+    check_header(bytes);
     MemoryIn stream(bytes);
-    return read_stream(stream, bytes.size());
+    return read_stream(stream);
   } catch (const std::exception& e) {
     std::string reason = e.what();
     std::replace(reason.begin(), reason.end(), '\n', ' ');

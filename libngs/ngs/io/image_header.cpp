@@ -122,7 +122,7 @@ std::vector<std::uint8_t> palette_png_as_indices(Bytes bytes) {
     if (type == "PLTE" || type == "tRNS") return;
     const Bytes source = bytes.subspan(at, length + 12);
     std::vector<std::uint8_t> chunk(source.begin(), source.end());
-    if (type == "IHDR") {
+    if (type == "IHDR" && length >= 13) {
       chunk[17] = 0;  // colour type: grey
       const std::uint32_t crc = crc32(Bytes(chunk).subspan(4, length + 4));
       for (std::size_t i = 0; i < 4; ++i) chunk[length + 8 + i] = std::uint8_t(crc >> (24 - 8 * i) & 0xFF);
