@@ -16,7 +16,10 @@ struct AlignCase {
   std::vector<std::uint8_t> active;
 
   AlignCase(test::Random& random, PixelGrid g, int w, int h, bool with_photo)
-      : grid(g), width(w), height(h), colour(random.uniform_vector(std::size_t(w * h) * 3, 0, 1)),
+      : grid(g),
+        width(w),
+        height(h),
+        colour(random.uniform_vector(std::size_t(w * h) * 3, 0, 1)),
         alpha(random.uniform_vector(std::size_t(w * h), 0, 1)),
         photo(with_photo ? random.uniform_vector(colour.size(), 0, 1) : std::vector<double>()),
         field_colour(random.uniform_vector(std::size_t(g.nodes()) * 3, 0, 1)),
@@ -29,9 +32,15 @@ struct AlignCase {
   };
   template <class T>
   AlignView<T> view(const Inputs<T>& in) const {
-    return {grid, {in.colour.data(), width, height}, {in.alpha.data(), width, height},
-            {in.photo.empty() ? nullptr : in.photo.data(), width, height}, in.field_colour.data(), in.field_alpha.data(),
-            active.data(), T(0.7), T(0.3)};
+    return {grid,
+            {in.colour.data(), width, height},
+            {in.alpha.data(), width, height},
+            {in.photo.empty() ? nullptr : in.photo.data(), width, height},
+            in.field_colour.data(),
+            in.field_alpha.data(),
+            active.data(),
+            T(0.7),
+            T(0.3)};
   }
   template <class T>
   struct Nodes {
@@ -45,7 +54,8 @@ struct AlignCase {
     T sum(0);
     for (std::int64_t r = 0; r < grid.nodes(); ++r) {
       kernel(r);
-      sum += nodes.term[std::size_t(r) * 3] + T(0.7) * nodes.term[std::size_t(r) * 3 + 1] + T(0.3) * nodes.term[std::size_t(r) * 3 + 2];
+      sum += nodes.term[std::size_t(r) * 3] + T(0.7) * nodes.term[std::size_t(r) * 3 + 1] +
+             T(0.3) * nodes.term[std::size_t(r) * 3 + 2];
     }
     return T(2.5) * sum;
   }
@@ -54,11 +64,16 @@ struct AlignCase {
     Nodes<double> nodes(std::size_t(grid.nodes()));
     const Inputs<double> in = inputs();
     loss(in, nodes);
-    Inputs<double> g{std::vector<double>(colour.size()), std::vector<double>(alpha.size()), {},
-                     std::vector<double>(field_colour.size()), std::vector<double>(field_alpha.size())};
-    const AlignBackwardField<double> field{nodes.view(), 0.7, 2.5, g.field_colour.data(), g.field_alpha.data()};
+    Inputs<double> g{std::vector<double>(colour.size()),
+                     std::vector<double>(alpha.size()),
+                     {},
+                     std::vector<double>(field_colour.size()),
+                     std::vector<double>(field_alpha.size())};
+    const AlignBackwardField<double> field{nodes.view(), 0.7, 2.5, g.field_colour.data(),
+                                           g.field_alpha.data()};
     for (std::int64_t r = 0; r < grid.nodes(); ++r) field(r);
-    const AlignBackwardImage<double> image{view(in), nodes.view(), 2.5, 0, 0, width, g.colour.data(), g.alpha.data()};
+    const AlignBackwardImage<double> image{view(in), nodes.view(),    2.5,           0, 0,
+                                           width,    g.colour.data(), g.alpha.data()};
     for (int i = 0; i < width * height; ++i) image(i);
     return g;
   }
@@ -68,19 +83,26 @@ struct AlignCase {
 
 TEST_CASE("loss_align: backward is the adjoint of forward, up to the image border and beyond") {
   test::Random random(51);
-  const PixelGrid grids[] = {{4.5, 3.25, 1, 1, 1, 1}, {0.2, 0.1, 1.9, 2.3, 10, 6}, {-3, 0, 4, 1, 8, 16}, {0, 0, 2.5, 15, 9, 2}};
+  const PixelGrid grids[] = {
+      {4.5, 3.25, 1, 1, 1, 1}, {0.2, 0.1, 1.9, 2.3, 10, 6}, {-3, 0, 4, 1, 8, 16}, {0, 0, 2.5, 15, 9, 2}};
   for (const PixelGrid& grid : grids)
     for (const bool with_photo : {false, true}) {
       CAPTURE(grid.cols);
       CAPTURE(with_photo);
       const AlignCase c(random, grid, 20, 15, with_photo);
-      const auto v = AlignCase::Inputs<double>{random.uniform_vector(c.colour.size(), -1, 1), random.uniform_vector(c.alpha.size(), -1, 1), {},
-                                               random.uniform_vector(c.field_colour.size(), -1, 1), random.uniform_vector(c.field_alpha.size(), -1, 1)};
+      const auto v = AlignCase::Inputs<double>{random.uniform_vector(c.colour.size(), -1, 1),
+                                               random.uniform_vector(c.alpha.size(), -1, 1),
+                                               {},
+                                               random.uniform_vector(c.field_colour.size(), -1, 1),
+                                               random.uniform_vector(c.field_alpha.size(), -1, 1)};
       AlignCase::Nodes<test::DualD> nodes(std::size_t(grid.nodes()));
-      const test::DualD loss = c.loss<test::DualD>({test::seed(c.colour, v.colour), test::seed(c.alpha, v.alpha), test::constant<test::DualD>(c.photo),
-                                                    test::seed(c.field_colour, v.field_colour), test::seed(c.field_alpha, v.field_alpha)}, nodes);
+      const test::DualD loss = c.loss<test::DualD>(
+          {test::seed(c.colour, v.colour), test::seed(c.alpha, v.alpha), test::constant<test::DualD>(c.photo),
+           test::seed(c.field_colour, v.field_colour), test::seed(c.field_alpha, v.field_alpha)},
+          nodes);
       const auto g = c.gradient();
-      const double jtu_v = test::dot(g.colour, v.colour) + test::dot(g.alpha, v.alpha) + test::dot(g.field_colour, v.field_colour) +
+      const double jtu_v = test::dot(g.colour, v.colour) + test::dot(g.alpha, v.alpha) +
+                           test::dot(g.field_colour, v.field_colour) +
                            test::dot(g.field_alpha, v.field_alpha);
       CHECK(test::relative_difference(loss.d, jtu_v) < 1e-11);
     }

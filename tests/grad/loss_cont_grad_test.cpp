@@ -12,7 +12,8 @@ struct ContCase {
   KnnGraph graph;
   std::vector<double> colour, weight;
 
-  ContCase(test::Random& random, std::int64_t n, bool weighted) : colour(random.uniform_vector(std::size_t(n) * 3, 0, 1)) {
+  ContCase(test::Random& random, std::int64_t n, bool weighted)
+      : colour(random.uniform_vector(std::size_t(n) * 3, 0, 1)) {
     const auto points = random.uniform_vector<float>(std::size_t(n) * 3, -1, 1);
     graph = nearest_others({}, {points.data(), n}, 4);
     if (weighted) weight = random.uniform_vector(graph.index.size(), 0, 1);
@@ -20,7 +21,11 @@ struct ContCase {
   std::int64_t size() const { return std::int64_t(colour.size() / 3); }
   template <class T>
   ContinuityGraph<T> view(const std::vector<T>& c, const std::vector<T>& w) const {
-    return {graph.indices(), graph.row_begin.data(), graph.edge.data(), w.empty() ? nullptr : w.data(), {c.data(), size()}};
+    return {graph.indices(),
+            graph.row_begin.data(),
+            graph.edge.data(),
+            w.empty() ? nullptr : w.data(),
+            {c.data(), size()}};
   }
   template <class T>
   T loss(const std::vector<T>& c) const {

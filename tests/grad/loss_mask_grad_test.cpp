@@ -16,8 +16,10 @@ struct MaskCase {
   std::vector<float> weight;
   bool linear;
 
-  MaskCase(test::Random& random, bool use_linear) : rendered(random.uniform_vector(60, -0.1, 1.1)), linear(use_linear) {
-    rendered[0] = 0, rendered[1] = 1, rendered[2] = 5e-7, rendered[3] = 1 - 2e-7;  // beyond the logarithm's range
+  MaskCase(test::Random& random, bool use_linear)
+      : rendered(random.uniform_vector(60, -0.1, 1.1)), linear(use_linear) {
+    rendered[0] = 0, rendered[1] = 1, rendered[2] = 5e-7,
+    rendered[3] = 1 - 2e-7;  // beyond the logarithm's range
     for (int k = 0; k < 3; ++k) target.push_back(random.uniform_vector<float>(20, 0, 1));
     target[0][0] = 1, target[1][0] = 0, target[0][1] = 1;
     for (const auto& t : target) plane.push_back(t.data());
@@ -27,8 +29,17 @@ struct MaskCase {
   template <class T>
   T loss(const std::vector<T>& p, std::vector<T>* gradient = nullptr) const {
     std::vector<T> row(std::size_t(height), T(0));
-    const MaskLossRow<T, T> kernel{width, objects, p.data(), plane.data(), known.data(), weight.data(), linear, T(0.3), T(1.7),
-                                   row.data(), gradient ? gradient->data() : nullptr};
+    const MaskLossRow<T, T> kernel{width,
+                                   objects,
+                                   p.data(),
+                                   plane.data(),
+                                   known.data(),
+                                   weight.data(),
+                                   linear,
+                                   T(0.3),
+                                   T(1.7),
+                                   row.data(),
+                                   gradient ? gradient->data() : nullptr};
     T sum(0);
     for (int y = 0; y < height; ++y) {
       kernel(y);

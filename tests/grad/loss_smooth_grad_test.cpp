@@ -8,11 +8,13 @@ namespace ngs {
 namespace {
 
 template <class T>
-T smoothness(const std::vector<T>& a, const std::vector<T>& b, std::vector<T>& grad_a, std::vector<T>& grad_b) {
+T smoothness(const std::vector<T>& a, const std::vector<T>& b, std::vector<T>& grad_a,
+             std::vector<T>& grad_b) {
   const std::int64_t n = std::int64_t(a.size() / 3);
   std::vector<T> term(a.size() / 3, T(0));
   grad_a.resize(a.size()), grad_b.resize(a.size());
-  const SmoothnessForwardBackward<T> kernel{{a.data(), n}, {b.data(), n}, T(0.8), term.data(), {grad_a.data(), n}, {grad_b.data(), n}};
+  const SmoothnessForwardBackward<T> kernel{{a.data(), n}, {b.data(), n},      T(0.8),
+                                            term.data(),   {grad_a.data(), n}, {grad_b.data(), n}};
   T sum(0);
   for (std::int64_t i = 0; i < n; ++i) {
     kernel(i);
@@ -38,7 +40,8 @@ TEST_CASE("loss_smooth: the gradients of both colours are the adjoint of the los
 
 TEST_CASE("loss_smooth: the gradient agrees with extrapolated finite differences") {
   test::Random random(82);
-  const auto a = random.uniform_vector(30, 0, 1), b = random.uniform_vector(30, 0, 1), v = random.uniform_vector(30, -1, 1);
+  const auto a = random.uniform_vector(30, 0, 1), b = random.uniform_vector(30, 0, 1),
+             v = random.uniform_vector(30, -1, 1);
   std::vector<double> ga, gb, unused_a, unused_b;
   smoothness(a, b, ga, gb);
   const auto along = [&](double t) { return smoothness(test::moved(a, v, t), b, unused_a, unused_b); };

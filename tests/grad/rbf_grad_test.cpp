@@ -10,9 +10,11 @@ namespace {
 constexpr double kInv2h2 = 1.3;
 constexpr test::RbfShape kShapes[] = {{1, 1, 1, 1}, {7, 5, 3, 4}, {64, 9, 8, 3}, {3, 2, 8, 1}};
 
-std::vector<double> backward_feature(const test::RbfCase& c, const std::vector<double>& weight, const std::vector<double>& u) {
+std::vector<double> backward_feature(const test::RbfCase& c, const std::vector<double>& weight,
+                                     const std::vector<double>& u) {
   std::vector<double> g(c.feature.size());
-  const RbfBackwardFeature<double> kernel{c.graph.row_begin.data(), c.graph.edge.data(),
+  const RbfBackwardFeature<double> kernel{c.graph.row_begin.data(),
+                                          c.graph.edge.data(),
                                           {weight.data(), c.shape.queries, c.graph.neighbours},
                                           {u.data(), c.shape.queries, c.shape.features},
                                           {g.data(), c.shape.boundary, c.shape.features}};
@@ -20,16 +22,22 @@ std::vector<double> backward_feature(const test::RbfCase& c, const std::vector<d
   return g;
 }
 
-std::vector<double> backward_position(const test::RbfCase& c, const std::vector<double>& weight, const std::vector<double>& u) {
+std::vector<double> backward_position(const test::RbfCase& c, const std::vector<double>& weight,
+                                      const std::vector<double>& u) {
   std::vector<double> exponent(weight.size()), g(c.boundary.size());
   const std::int64_t n = c.shape.queries;
-  const RbfBackwardExponent<double> first{c.graph.indices(), {c.feature.data(), c.shape.boundary, c.shape.features},
-                                          {weight.data(), n, c.graph.neighbours}, {u.data(), n, c.shape.features},
+  const RbfBackwardExponent<double> first{c.graph.indices(),
+                                          {c.feature.data(), c.shape.boundary, c.shape.features},
+                                          {weight.data(), n, c.graph.neighbours},
+                                          {u.data(), n, c.shape.features},
                                           {exponent.data(), n, c.graph.neighbours}};
   for (std::int64_t i = 0; i < n; ++i) first(i);
-  const RbfBackwardPosition<double> second{c.graph.row_begin.data(), c.graph.edge.data(),
-                                           {exponent.data(), n, c.graph.neighbours}, {c.query.data(), n},
-                                           {c.boundary.data(), c.shape.boundary}, kInv2h2,
+  const RbfBackwardPosition<double> second{c.graph.row_begin.data(),
+                                           c.graph.edge.data(),
+                                           {exponent.data(), n, c.graph.neighbours},
+                                           {c.query.data(), n},
+                                           {c.boundary.data(), c.shape.boundary},
+                                           kInv2h2,
                                            {g.data(), c.shape.boundary}};
   for (int j = 0; j < c.shape.boundary; ++j) second(j);
   return g;
@@ -44,7 +52,8 @@ TEST_CASE("rbf: backward with respect to features is the adjoint of forward") {
     const test::RbfCase c(shape, random);
     const auto v = random.uniform_vector(c.feature.size(), -1, 1);
     const auto u = random.uniform_vector(std::size_t(shape.queries * shape.features), -1, 1);
-    const auto dual = test::rbf_run(c, test::constant<test::DualD>(c.boundary), test::seed(c.feature, v), kInv2h2);
+    const auto dual =
+        test::rbf_run(c, test::constant<test::DualD>(c.boundary), test::seed(c.feature, v), kInv2h2);
     const double u_jv = test::dot(u, test::deriv(dual.feature));
     const double jtu_v = test::dot(backward_feature(c, test::value(dual.weight), u), v);
     CHECK(test::relative_difference(u_jv, jtu_v) < 1e-12);
@@ -58,11 +67,14 @@ TEST_CASE("rbf: backward with respect to boundary positions is the adjoint of fo
     const test::RbfCase c(shape, random);
     const auto v = random.uniform_vector(c.boundary.size(), -1, 1);
     const auto u = random.uniform_vector(std::size_t(shape.queries * shape.features), -1, 1);
-    const auto dual = test::rbf_run(c, test::seed(c.boundary, v), test::constant<test::DualD>(c.feature), kInv2h2);
+    const auto dual =
+        test::rbf_run(c, test::seed(c.boundary, v), test::constant<test::DualD>(c.feature), kInv2h2);
     const double u_jv = test::dot(u, test::deriv(dual.feature));
     const double jtu_v = test::dot(backward_position(c, test::value(dual.weight), u), v);
-    if (shape.boundary == 1) CHECK((u_jv == 0 && jtu_v == 0));  // one neighbour: weight 1 wherever it is
-    else CHECK(test::relative_difference(u_jv, jtu_v) < 1e-12);
+    if (shape.boundary == 1)
+      CHECK((u_jv == 0 && jtu_v == 0));  // one neighbour: weight 1 wherever it is
+    else
+      CHECK(test::relative_difference(u_jv, jtu_v) < 1e-12);
   }
 }
 
@@ -75,7 +87,8 @@ TEST_CASE("rbf: the position gradient agrees with extrapolated finite difference
     return test::dot(u, test::rbf_run(c, test::moved(c.boundary, v, t), c.feature, kInv2h2).feature);
   };
   const auto weight = test::rbf_run(c, c.boundary, c.feature, kInv2h2).weight;
-  CHECK(test::relative_difference(test::ridders(along, 0.1), test::dot(backward_position(c, weight, u), v)) < 1e-9);
+  CHECK(test::relative_difference(test::ridders(along, 0.1), test::dot(backward_position(c, weight, u), v)) <
+        1e-9);
 }
 
 }  // namespace ngs

@@ -27,8 +27,10 @@ struct Cluster {
   Cluster(test::Random& random, float width, float distance, float origin) : h(width) {
     x = random.uniform_vector<float>(3 * kNeighbours, -0.5, 0.5);
     for (std::size_t j = 0; j < kNeighbours; ++j) x[3 * j] += origin;
-    const double z = random.uniform(-1, 1), phi = random.uniform(0, 6.283185307179586), r = std::sqrt(1 - z * z);
-    q = {origin + distance * h * float(r * std::cos(phi)), distance * h * float(r * std::sin(phi)), distance * h * float(z)};
+    const double z = random.uniform(-1, 1), phi = random.uniform(0, 6.283185307179586),
+                 r = std::sqrt(1 - z * z);
+    q = {origin + distance * h * float(r * std::cos(phi)), distance * h * float(r * std::sin(phi)),
+         distance * h * float(z)};
     const long double at[3] = {q.x, q.y, q.z};
     std::vector<long double> d2(kNeighbours);
     for (std::size_t j = 0; j < kNeighbours; ++j)
@@ -52,14 +54,16 @@ struct Cluster {
     for (std::size_t l = 0; l < kNeighbours; ++l) shared += double(std::exp(-e[l]) / sum) * condition[l];
     double worst = 0;
     for (std::size_t j = 0; j < kNeighbours; ++j)
-      if (e[j] < 80) worst = std::max(worst, test::ratio(w[j], double(std::exp(-e[j]) / sum), condition[j] + shared));
+      if (e[j] < 80)
+        worst = std::max(worst, test::ratio(w[j], double(std::exp(-e[j]) / sum), condition[j] + shared));
     return worst;
   }
 };
 
 std::vector<float> weights_ours(const Cluster& c) {
   std::vector<float> w(kNeighbours);
-  rbf_weights<float>(c.q, {c.x.data(), kNeighbours}, c.nearest.data(), kNeighbours, 1.f / (2 * c.h * c.h), w.data());
+  rbf_weights<float>(c.q, {c.x.data(), kNeighbours}, c.nearest.data(), kNeighbours, 1.f / (2 * c.h * c.h),
+                     w.data());
   return w;
 }
 

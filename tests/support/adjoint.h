@@ -33,7 +33,9 @@ inline std::vector<double> deriv(const std::vector<DualD>& d) {
   return r;
 }
 template <class T>
-std::vector<T> constant(const std::vector<double>& x) { return std::vector<T>(x.begin(), x.end()); }
+std::vector<T> constant(const std::vector<double>& x) {
+  return std::vector<T>(x.begin(), x.end());
+}
 
 inline double dot(const std::vector<double>& a, const std::vector<double>& b) {
   double s = 0;
@@ -58,7 +60,8 @@ double ridders(const F& f, double step) {
     double factor = kShrink * kShrink;
     for (int j = 1; j <= i; ++j, factor *= kShrink * kShrink) {
       table[j][i] = (table[j - 1][i] * factor - table[j - 1][i - 1]) / (factor - 1);
-      const double error = std::max(std::abs(table[j][i] - table[j - 1][i]), std::abs(table[j][i] - table[j - 1][i - 1]));
+      const double error =
+          std::max(std::abs(table[j][i] - table[j - 1][i]), std::abs(table[j][i] - table[j - 1][i - 1]));
       if (error <= best_error) best_error = error, best = table[j][i];
     }
   }

@@ -7,7 +7,8 @@
 int main(int argc, char** argv) {
   using namespace ngs;
   cli::Tool tool("ngs-rbf", "Interpolate boundary features at query points (Eqs. 8-9).",
-                 {"ngs-rbf boundary.ply queries.ply -o field.ply", "ngs-rbf boundary.ply queries.ply -o field.ply --neighbours 16 --width 0.35"});
+                 {"ngs-rbf boundary.ply queries.ply -o field.ply",
+                  "ngs-rbf boundary.ply queries.ply -o field.ply --neighbours 16 --width 0.35"});
   RbfOptions options;
   tool.options(options);
   const cli::Input& boundary_ply = tool.input("boundary", "PLY written by ngs-variance");
@@ -24,7 +25,8 @@ int main(int argc, char** argv) {
       run.plan({{"queries", field.size()}, {"output_mib", double(bytes) / 1048576}});
       return 0;
     }
-    const RbfSummary summary = interpolate_features(run.exec(), run.monitor(), options, ply.cloud, boundary, field);
+    const RbfSummary summary =
+        interpolate_features(run.exec(), run.monitor(), options, ply.cloud, boundary, field);
     run.result()["width"] = summary.width;
     run.result()["far_queries"] = summary.far_queries;
     run.result()["mean_nearest"] = summary.mean_nearest;

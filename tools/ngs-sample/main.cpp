@@ -22,11 +22,12 @@ void report_views(ngs::cli::Run& run, const ngs::QueryField& field) {
   std::int64_t empty = 0;
   for (const ngs::QueryView& view : field.views) {
     empty += view.rows == 0;
-    run.result()["views"].push_back({{"name", view.name},
-                                     {"box_px", {view.box.min_x, view.box.min_y, view.box.max_x, view.box.max_y}},
-                                     {"rows", view.rows},
-                                     {"cols", view.cols},
-                                     {"mean_depth", view.mean_depth}});
+    run.result()["views"].push_back(
+        {{"name", view.name},
+         {"box_px", {view.box.min_x, view.box.min_y, view.box.max_x, view.box.max_y}},
+         {"rows", view.rows},
+         {"cols", view.cols},
+         {"mean_depth", view.mean_depth}});
   }
   run.result()["queries"] = field.size();
   run.result()["views_without_boundary"] = empty;
@@ -36,7 +37,8 @@ void report_views(ngs::cli::Run& run, const ngs::QueryField& field) {
 
 int main(int argc, char** argv) {
   using namespace ngs;
-  cli::Tool tool("ngs-sample", "Lay a grid of rays over the boundary in every view and place query points (Eqs. 4-7).",
+  cli::Tool tool("ngs-sample",
+                 "Lay a grid of rays over the boundary in every view and place query points (Eqs. 4-7).",
                  {"ngs-sample scene.json boundary.ply -o queries.ply",
                   "ngs-sample scene.json boundary.ply -o queries.ply --rows 128 --cols 128 --window mean"});
   SampleOptions options;
@@ -57,14 +59,17 @@ int main(int argc, char** argv) {
     if (run.dry_run()) {
       constexpr std::int64_t kBytesPerQuery = 32;
       const std::int64_t queries = most_queries(options, views.size());
-      run.plan({{"views", views.size()}, {"queries_at_most", queries}, {"output_mib_at_most", double(queries * kBytesPerQuery) / 1048576}});
+      run.plan({{"views", views.size()},
+                {"queries_at_most", queries},
+                {"output_mib_at_most", double(queries * kBytesPerQuery) / 1048576}});
       return 0;
     }
-    const QueryField field =
-        sample_queries(run.exec(), run.monitor(), options, ply.cloud, boundary, scene, views, splat_options(raster, ply.cloud, scene));
+    const QueryField field = sample_queries(run.exec(), run.monitor(), options, ply.cloud, boundary, scene,
+                                            views, splat_options(raster, ply.cloud, scene));
     report_views(run, field);
     if (field.size() == 0 && boundary.size() > 0)
-      run.nothing_found("the boundary is visible in none of the chosen views", "choose other views, or check the poses: ngs-scene check scene.json");
+      run.nothing_found("the boundary is visible in none of the chosen views",
+                        "choose other views, or check the poses: ngs-scene check scene.json");
     const auto timed = run.monitor().scope("write");
     io::write_query_ply(out.path, field);
     return 0;

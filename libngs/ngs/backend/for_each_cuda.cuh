@@ -17,7 +17,8 @@ __global__ void for_each_index_kernel(std::int64_t n, Kernel kernel) {
 
 inline void check_cuda(cudaError_t status, const char* what) {
   if (status != cudaSuccess)
-    throw Error(ErrorCode::kEnvironment, std::string(what) + ": " + cudaGetErrorString(status) + ", expected success",
+    throw Error(ErrorCode::kEnvironment,
+                std::string(what) + ": " + cudaGetErrorString(status) + ", expected success",
                 "run with --device cpu");
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 // Small matrix products over a block of lanes: one lane = one query, so a matrix of activations is
-// [features, columns] with the queries of the block side by side. Written once for every scalar (math/lanes.h);
-// each result has one fixed order of summation whatever the tile that computes it.
+// [features, columns] with the queries of the block side by side. Written once for every scalar
+// (math/lanes.h); each result has one fixed order of summation whatever the tile that computes it.
 //
 // Why not a library: the blocking of a general GEMM follows the cache sizes of the machine it runs on, and so
 // would the rounding of its sums; it also could not be run on dual numbers.
@@ -13,7 +13,7 @@ namespace ngs {
 inline constexpr int kBlockPacks = 12;
 inline constexpr int kTilePacks = 3, kTileRows = 4;
 template <class L>
-inline constexpr int kBlockColumns = kBlockPacks * LaneTraits<L>::kLanes;
+inline constexpr int kBlockColumns = kBlockPacks* LaneTraits<L>::kLanes;
 
 /// Row-major weights [rows, cols] of scalars.
 template <class S>

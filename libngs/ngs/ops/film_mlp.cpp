@@ -45,16 +45,19 @@ struct Initialiser {
 
 void check_config(const FilmMlpConfig& c) {
   NGS_CHECK(c.inputs >= 1 && c.condition >= 1, "the network needs inputs and a condition");
-  NGS_CHECK(c.hidden >= 1 && c.hidden <= 128 && c.layers >= 1 && c.layers <= kMaxFilmLayers, "hidden in [1, 128], layers in [1, 4]");
+  NGS_CHECK(c.hidden >= 1 && c.hidden <= 128 && c.layers >= 1 && c.layers <= kMaxFilmLayers,
+            "hidden in [1, 128], layers in [1, 4]");
   NGS_CHECK(c.direction_degree >= 0 && c.direction_degree <= 3, "direction_degree in [0, 3]");
 }
 
 }  // namespace
 
-std::size_t add_film_mlp(ParamStore& store, const std::string& prefix, const FilmMlpConfig& c, const FilmMlpInit& init) {
+std::size_t add_film_mlp(ParamStore& store, const std::string& prefix, const FilmMlpConfig& c,
+                         const FilmMlpInit& init) {
   check_config(c);
   constexpr double kModulation = 0.5;  // γ stays near 1 and β near 0 for conditions of order 1
-  const double from_condition = kModulation / std::sqrt(double(c.condition)), from_hidden = std::sqrt(3.0 / c.hidden);
+  const double from_condition = kModulation / std::sqrt(double(c.condition)),
+               from_hidden = std::sqrt(3.0 / c.hidden);
   Initialiser block{store, prefix, init.seed};
   const std::size_t begin = store.values.size();
   for (int l = 0; l < c.layers; ++l) {
@@ -71,7 +74,8 @@ std::size_t add_film_mlp(ParamStore& store, const std::string& prefix, const Fil
   const std::size_t head_bias = block.add("head_bias", {4}, 0);
   store.values[head_bias] = float(init.density_bias);
   const int direction = film_direction_inputs(c);
-  block.add("direction_weight", {3, direction}, direction > 0 ? kModulation / std::sqrt(double(direction)) : 0);
+  block.add("direction_weight", {3, direction},
+            direction > 0 ? kModulation / std::sqrt(double(direction)) : 0);
   NGS_CHECK(store.values.size() - begin == film_mlp_layout(c).size, "blocks and layout disagree");
   return begin;
 }
@@ -82,10 +86,12 @@ FilmMlp::FilmMlp(const FilmMlpConfig& config, std::size_t offset, double density
   NGS_CHECK(density_length > 0, "density_length must be positive");
 }
 
-void FilmMlp::forward(const Exec& exec, const ParamStore& store, const FilmMlpInputs& in, FilmMlpOutput& out) const {
+void FilmMlp::forward(const Exec& exec, const ParamStore& store, const FilmMlpInputs& in,
+                      FilmMlpOutput& out) const {
   const std::int64_t queries = in.feature.n, blocks = block_count(queries);
-  NGS_CHECK(in.feature.c == config_.inputs && in.condition.c == config_.condition && in.condition.n == queries,
-            "shapes of the network's inputs");
+  NGS_CHECK(
+      in.feature.c == config_.inputs && in.condition.c == config_.condition && in.condition.n == queries,
+      "shapes of the network's inputs");
   out.density.resize(std::size_t(queries)), out.rgb.resize(std::size_t(queries) * 3);
   FilmMlpData<float> data = data_of(store.values.data() + offset_, in, density_scale_);
   data.density = out.density.data(), data.rgb = out.rgb.data();
@@ -94,20 +100,23 @@ void FilmMlp::forward(const Exec& exec, const ParamStore& store, const FilmMlpIn
   for_each_task(exec, (blocks + kBlocksPerTask - 1) / kBlocksPerTask, [&](std::int64_t task) {
     Block block(config_);
     const std::int64_t end = std::min(blocks, (task + 1) * kBlocksPerTask);
-    for (std::int64_t b = task * kBlocksPerTask; b < end; ++b) block.forward(data, b, &out.context[std::size_t(b) * kept]);
+    for (std::int64_t b = task * kBlocksPerTask; b < end; ++b)
+      block.forward(data, b, &out.context[std::size_t(b) * kept]);
   });
 }
 
-void FilmMlp::backward(const Exec& exec, ParamStore& store, const FilmMlpInputs& in, const FilmMlpOutput& forward,
-                       const std::vector<float>& grad_density, const std::vector<float>& grad_rgb,
-                       FilmMlpGradients& out) const {
+void FilmMlp::backward(const Exec& exec, ParamStore& store, const FilmMlpInputs& in,
+                       const FilmMlpOutput& forward, const std::vector<float>& grad_density,
+                       const std::vector<float>& grad_rgb, FilmMlpGradients& out) const {
   const std::int64_t queries = in.feature.n, blocks = block_count(queries);
   NGS_CHECK(std::int64_t(grad_density.size()) == queries && std::int64_t(grad_rgb.size()) == 3 * queries,
             "one gradient per output");
-  out.feature.resize(std::size_t(queries * config_.inputs)), out.condition.resize(std::size_t(queries * config_.condition));
+  out.feature.resize(std::size_t(queries * config_.inputs)),
+      out.condition.resize(std::size_t(queries * config_.condition));
   const FilmMlpData<float> data = data_of(store.values.data() + offset_, in, density_scale_);
   const std::size_t kept = film_context_size<PackF>(config_);
-  const FilmMlpGrads<float> grads{grad_density.data(), grad_rgb.data(), out.feature.data(), out.condition.data()};
+  const FilmMlpGrads<float> grads{grad_density.data(), grad_rgb.data(), out.feature.data(),
+                                  out.condition.data()};
   const std::size_t params = film_mlp_layout(config_).size;
   std::vector<float> partial(std::size_t(kPartialSums) * params, 0.f);
   for_each_task(exec, kPartialSums, [&](std::int64_t sum) {
@@ -115,11 +124,13 @@ void FilmMlp::backward(const Exec& exec, ParamStore& store, const FilmMlpInputs&
     if (begin == end) return;
     Block block(config_);
     for (std::int64_t b = begin; b < end; ++b)
-      block.backward(data, grads, b, &forward.context[std::size_t(b) * kept], &partial[std::size_t(sum) * params]);
+      block.backward(data, grads, b, &forward.context[std::size_t(b) * kept],
+                     &partial[std::size_t(sum) * params]);
   });
   for_each_index(exec, std::int64_t(params), [&](std::int64_t i) {
     double total = 0;
-    for (std::size_t sum = 0; sum < std::size_t(kPartialSums); ++sum) total += double(partial[sum * params + std::size_t(i)]);
+    for (std::size_t sum = 0; sum < std::size_t(kPartialSums); ++sum)
+      total += double(partial[sum * params + std::size_t(i)]);
     store.grads[offset_ + std::size_t(i)] += float(total);
   });
 }

@@ -22,11 +22,12 @@ struct FilmMlpInit {
 
 /// Appends the network's blocks "PREFIX.0.weight", ... to the store and initialises them. Returns the offset
 /// of the first. Weights: He-uniform; modulation weights small; biases 0 but b_γ = 1 and the density's.
-std::size_t add_film_mlp(ParamStore& store, const std::string& prefix, const FilmMlpConfig& config, const FilmMlpInit& init);
+std::size_t add_film_mlp(ParamStore& store, const std::string& prefix, const FilmMlpConfig& config,
+                         const FilmMlpInit& init);
 
 struct FilmMlpInputs {
-  Matrix<const float> feature;    // [Q, inputs]    f_hash
-  Matrix<const float> condition;  // [Q, condition] f_inter
+  Matrix<const float> feature;     // [Q, inputs]    f_hash
+  Matrix<const float> condition;   // [Q, condition] f_inter
   Rows<const float, 3> direction;  // [Q / queries_per_direction, 3] unit; unused if direction_degree = 0
   std::int64_t queries_per_direction = 1;
 };
@@ -51,7 +52,8 @@ class FilmMlp {
   void forward(const Exec& exec, const ParamStore& store, const FilmMlpInputs& in, FilmMlpOutput& out) const;
   /// Overwrites `out`; adds the parameters' gradients to store.grads. `grad_density` [Q], `grad_rgb` [Q, 3].
   void backward(const Exec& exec, ParamStore& store, const FilmMlpInputs& in, const FilmMlpOutput& forward,
-                const std::vector<float>& grad_density, const std::vector<float>& grad_rgb, FilmMlpGradients& out) const;
+                const std::vector<float>& grad_density, const std::vector<float>& grad_rgb,
+                FilmMlpGradients& out) const;
 
  private:
   FilmMlpConfig config_;

@@ -22,14 +22,14 @@ namespace ngs {
 /// What goes in and comes out for all Q queries. S = scalar of the lanes.
 template <class S>
 struct FilmMlpData {
-  const S* params = nullptr;        // FilmMlpLayout
-  Matrix<const S> input;            // [Q, inputs]     f_hash
-  Matrix<const S> condition;        // [Q, condition]  f_inter
-  Rows<const S, 3> direction;       // [Q / queries_per_direction, 3] unit; n = 0 if the network takes none
+  const S* params = nullptr;   // FilmMlpLayout
+  Matrix<const S> input;       // [Q, inputs]     f_hash
+  Matrix<const S> condition;   // [Q, condition]  f_inter
+  Rows<const S, 3> direction;  // [Q / queries_per_direction, 3] unit; n = 0 if the network takes none
   std::int64_t queries_per_direction = 1;
-  S density_scale = S(1);           // world^-1
-  S* density = nullptr;             // [Q]     out
-  S* rgb = nullptr;                 // [Q, 3]  out
+  S density_scale = S(1);  // world^-1
+  S* density = nullptr;    // [Q]     out
+  S* rgb = nullptr;        // [Q, 3]  out
 };
 
 /// ∂L/∂ of the outputs in, ∂L/∂ of the inputs out (null: not wanted).
@@ -57,7 +57,8 @@ class FilmMlpBlock {
       : c_(config), at_(film_mlp_layout(config)), direction_inputs_(film_direction_inputs(config)) {
     widest_ = c_.hidden > c_.inputs ? c_.hidden : c_.inputs;
     for (std::vector<S>* v : {&x_, &gamma_, &beta_, &grad_x_, &grad_h_}) v->resize(plane(widest_));
-    in_.resize(plane(c_.inputs)), condition_.resize(plane(c_.condition)), grad_condition_.resize(plane(c_.condition));
+    in_.resize(plane(c_.inputs)), condition_.resize(plane(c_.condition)),
+        grad_condition_.resize(plane(c_.condition));
     direction_.resize(plane(direction_inputs_)), raw_.resize(plane(4)), head_.resize(plane(3));
     transposed_.resize(std::size_t(widest_) * std::size_t(c_.hidden));
     partial_.resize(plane(c_.condition));
@@ -71,12 +72,14 @@ class FilmMlpBlock {
     for (int l = 0; l < c_.layers; ++l, h += plane(c_.hidden)) {
       const FilmMlpLayout::Layer& layer = at_.layer[l];
       const S* p = data.params;
-      lanes_product<L>({p + layer.weight, c_.hidden, layer.inputs}, l == 0 ? in_.data() : x_.data(), p + layer.bias, h);
+      lanes_product<L>({p + layer.weight, c_.hidden, layer.inputs}, l == 0 ? in_.data() : x_.data(),
+                       p + layer.bias, h);
       if (l == 0) relu_in_place(h);
       modulate(p, l, h);
     }
     S* raw = h;
-    lanes_product<L>({data.params + at_.head_weight, 4, c_.hidden}, x_.data(), data.params + at_.head_bias, raw);
+    lanes_product<L>({data.params + at_.head_weight, 4, c_.hidden}, x_.data(), data.params + at_.head_bias,
+                     raw);
     if (direction_inputs_ > 0) {
       lanes_product<L>({data.params + at_.direction_weight, 3, direction_inputs_}, direction_.data(),
                        static_cast<const S*>(nullptr), head_.data());
@@ -91,8 +94,8 @@ class FilmMlpBlock {
   }
 
   /// Adjoint of forward. Adds the block's part to `grad_params_accumulate` [FilmMlpLayout::size].
-  void backward(const FilmMlpData<S>& data, const FilmMlpGrads<S>& grads, std::int64_t block, const S* context,
-                S* grad_params_accumulate) {
+  void backward(const FilmMlpData<S>& data, const FilmMlpGrads<S>& grads, std::int64_t block,
+                const S* context, S* grad_params_accumulate) {
     load_block(data, block);
     const S* p = data.params;
     S* g = grad_params_accumulate;
@@ -102,7 +105,8 @@ class FilmMlpBlock {
     lanes_outer_accumulate<L>(raw_.data(), 4, x_.data(), c_.hidden, g + at_.head_weight);
     lanes_row_sums_accumulate<L>(raw_.data(), 4, g + at_.head_bias);
     if (direction_inputs_ > 0)
-      lanes_outer_accumulate<L>(raw_.data() + kColumns, 3, direction_.data(), direction_inputs_, g + at_.direction_weight);
+      lanes_outer_accumulate<L>(raw_.data() + kColumns, 3, direction_.data(), direction_inputs_,
+                                g + at_.direction_weight);
     product_transposed(p + at_.head_weight, 4, c_.hidden, raw_.data(), grad_x_.data());
 
     for (int l = c_.layers - 1; l >= 0; --l) {
@@ -151,7 +155,8 @@ class FilmMlpBlock {
       for (int i = 0; i < rows.c; ++i) columns[std::size_t(i * kColumns + q)] = row[i];
     }
   }
-  void store_rows(S* rows, const S* columns, int width, const FilmMlpData<S>& data, std::int64_t block) const {
+  void store_rows(S* rows, const S* columns, int width, const FilmMlpData<S>& data,
+                  std::int64_t block) const {
     if (rows == nullptr) return;
     const int count = columns_used(data, block);
     for (int q = 0; q < count; ++q)
@@ -177,8 +182,10 @@ class FilmMlpBlock {
   /// gamma_, beta_ of layer l, and x_ = ReLU(γ h + β).
   void modulate(const S* p, int l, const S* h) {
     const FilmMlpLayout::Layer& layer = at_.layer[l];
-    lanes_product<L>({p + layer.gamma_weight, c_.hidden, c_.condition}, condition_.data(), p + layer.gamma_bias, gamma_.data());
-    lanes_product<L>({p + layer.beta_weight, c_.hidden, c_.condition}, condition_.data(), p + layer.beta_bias, beta_.data());
+    lanes_product<L>({p + layer.gamma_weight, c_.hidden, c_.condition}, condition_.data(),
+                     p + layer.gamma_bias, gamma_.data());
+    lanes_product<L>({p + layer.beta_weight, c_.hidden, c_.condition}, condition_.data(), p + layer.beta_bias,
+                     beta_.data());
     each_pack([h, gamma = gamma_.data(), beta = beta_.data(), x = x_.data()](std::size_t i) {
       store_lanes(x + i, relu(fma_lanes(load(gamma + i), load(h + i), load(beta + i))));
     });
@@ -197,9 +204,11 @@ class FilmMlpBlock {
       store_lanes(gamma + i, grad * value);
       store_lanes(beta + i, grad);
     });
-    lanes_outer_accumulate<L>(gamma_.data(), c_.hidden, condition_.data(), c_.condition, g + layer.gamma_weight);
+    lanes_outer_accumulate<L>(gamma_.data(), c_.hidden, condition_.data(), c_.condition,
+                              g + layer.gamma_weight);
     lanes_row_sums_accumulate<L>(gamma_.data(), c_.hidden, g + layer.gamma_bias);
-    lanes_outer_accumulate<L>(beta_.data(), c_.hidden, condition_.data(), c_.condition, g + layer.beta_weight);
+    lanes_outer_accumulate<L>(beta_.data(), c_.hidden, condition_.data(), c_.condition,
+                              g + layer.beta_weight);
     lanes_row_sums_accumulate<L>(beta_.data(), c_.hidden, g + layer.beta_bias);
     for (const auto& [weight, grad] : {std::pair{layer.gamma_weight, &gamma_}, {layer.beta_weight, &beta_}}) {
       product_transposed(p + weight, c_.hidden, c_.condition, grad->data(), partial_.data());
@@ -215,7 +224,8 @@ class FilmMlpBlock {
   }
 
   /// raw_ = ∂L/∂(the four raw outputs).
-  void load_raw_gradient(const FilmMlpData<S>& data, const FilmMlpGrads<S>& grads, std::int64_t block, const S* raw) {
+  void load_raw_gradient(const FilmMlpData<S>& data, const FilmMlpGrads<S>& grads, std::int64_t block,
+                         const S* raw) {
     zero(raw_);
     const int count = columns_used(data, block);
     for (int q = 0; q < count; ++q) {
@@ -231,8 +241,8 @@ class FilmMlpBlock {
   FilmMlpConfig c_;
   FilmMlpLayout at_;
   int direction_inputs_, widest_;
-  std::vector<S> in_, condition_, direction_;   // inputs of the block, [features, columns]
-  std::vector<S> x_, gamma_, beta_;             // of the layer at hand
+  std::vector<S> in_, condition_, direction_;  // inputs of the block, [features, columns]
+  std::vector<S> x_, gamma_, beta_;            // of the layer at hand
   std::vector<S> grad_x_, grad_h_, grad_condition_, partial_, raw_, head_;
   std::vector<S> transposed_;
 };

@@ -1,5 +1,6 @@
 #pragma once
-// Where the parameters of the FiLM network lie in their flat vector. Only integers, so kernels may include it.
+// Where the parameters of the FiLM network lie in their flat vector. Only integers, so kernels may include
+// it.
 #include <cstddef>
 
 namespace ngs {
@@ -8,15 +9,18 @@ inline constexpr int kMaxFilmLayers = 4;
 
 /// Sizes of the network.
 struct FilmMlpConfig {
-  int inputs = 16;           // L·F of the hash encoding
-  int condition = 3;         // F of f_inter
-  int hidden = 64;           // 16..128
-  int layers = 2;            // 1..4 hidden layers, each with its own modulation
-  int direction_degree = 2;  // 0..3: SH bands of the view direction that reach the colour head; 0: none (facts C14)
+  int inputs = 16;    // L·F of the hash encoding
+  int condition = 3;  // F of f_inter
+  int hidden = 64;    // 16..128
+  int layers = 2;     // 1..4 hidden layers, each with its own modulation
+  int direction_degree =
+      2;  // 0..3: SH bands of the view direction that reach the colour head; 0: none (facts C14)
 };
 
 /// Inputs that the view direction adds: the SH bands beyond the constant one (the bias is that).
-constexpr int film_direction_inputs(const FilmMlpConfig& c) { return (c.direction_degree + 1) * (c.direction_degree + 1) - 1; }
+constexpr int film_direction_inputs(const FilmMlpConfig& c) {
+  return (c.direction_degree + 1) * (c.direction_degree + 1) - 1;
+}
 
 /// Offsets from the start of the network's parameters. Outputs of the head: density, r, g, b.
 struct FilmMlpLayout {

@@ -11,23 +11,29 @@
 namespace ngs {
 namespace {
 
-// Queries one task encodes level after level: their rows stay in the cache, the levels' tables do not have to.
+// Queries one task encodes level after level: their rows stay in the cache, the levels' tables do not have
+// to.
 constexpr std::int64_t kQueriesPerTask = 512;
 
 /// Calls body(std::integral_constant<int, F>) for the F of the configuration.
 template <class Body>
 void with_features(int features, const Body& body) {
   switch (features) {
-    case 1: return body(std::integral_constant<int, 1>{});
-    case 2: return body(std::integral_constant<int, 2>{});
-    case 4: return body(std::integral_constant<int, 4>{});
-    default: return body(std::integral_constant<int, 8>{});
+    case 1:
+      return body(std::integral_constant<int, 1>{});
+    case 2:
+      return body(std::integral_constant<int, 2>{});
+    case 4:
+      return body(std::integral_constant<int, 4>{});
+    default:
+      return body(std::integral_constant<int, 8>{});
   }
 }
 
 void check_config(const HashGridConfig& c) {
   NGS_CHECK(c.levels >= 1 && c.levels <= kMaxHashLevels, "levels in [1, 16]");
-  NGS_CHECK(c.features == 1 || c.features == 2 || c.features == 4 || c.features == 8, "features is 1, 2, 4 or 8");
+  NGS_CHECK(c.features == 1 || c.features == 2 || c.features == 4 || c.features == 8,
+            "features is 1, 2, 4 or 8");
   NGS_CHECK(c.log2_table >= 3 && c.log2_table <= 24, "log2_table in [3, 24]");
   NGS_CHECK(c.base_resolution >= 2 && c.max_resolution >= c.base_resolution && c.max_resolution <= 65536,
             "2 <= base_resolution <= max_resolution <= 65536");
@@ -40,18 +46,21 @@ HashBox<float> hash_box(Rows<const float, 3> points, double pad) {
   for (int a = 0; a < 3; ++a) {
     low[a] = std::numeric_limits<double>::infinity(), high[a] = -low[a];
     for (std::int64_t i = 0; i < points.n; ++i) {
-      low[a] = std::min(low[a], double(points.row(i)[a])), high[a] = std::max(high[a], double(points.row(i)[a]));
+      low[a] = std::min(low[a], double(points.row(i)[a])),
+      high[a] = std::max(high[a], double(points.row(i)[a]));
     }
     if (points.n == 0) low[a] = high[a] = 0;
     side = std::max(side, high[a] - low[a] + 2 * pad);
   }
   const float inv = side > 0 ? float(1 / side) : 0.f;
-  return {{float((low[0] + high[0]) / 2), float((low[1] + high[1]) / 2), float((low[2] + high[2]) / 2)}, {inv, inv, inv}};
+  return {{float((low[0] + high[0]) / 2), float((low[1] + high[1]) / 2), float((low[2] + high[2]) / 2)},
+          {inv, inv, inv}};
 }
 
 std::vector<HashLevel> hash_levels(const HashGridConfig& c) {
   check_config(c);
-  const double growth = c.levels > 1 ? std::log2(double(c.max_resolution) / c.base_resolution) / (c.levels - 1) : 0;
+  const double growth =
+      c.levels > 1 ? std::log2(double(c.max_resolution) / c.base_resolution) / (c.levels - 1) : 0;
   std::vector<HashLevel> levels;
   std::uint64_t offset = 0;
   for (int l = 0; l < c.levels; ++l) {
@@ -70,7 +79,8 @@ std::vector<HashLevel> hash_levels(const HashGridConfig& c) {
   return levels;
 }
 
-std::size_t add_hash_grid(ParamStore& store, const std::string& prefix, const HashGridConfig& config, std::uint64_t seed) {
+std::size_t add_hash_grid(ParamStore& store, const std::string& prefix, const HashGridConfig& config,
+                          std::uint64_t seed) {
   constexpr double kInit = 1e-4;
   const std::vector<HashLevel> levels = hash_levels(config);
   const std::int64_t entries = std::int64_t(levels.back().offset) + levels.back().size;
@@ -87,7 +97,8 @@ HashGridView<float> HashGrid::view(const ParamStore& store, Rows<const float, 3>
   return {levels_.data(), config_.levels, box_, config_.smoothstep, store.values.data() + offset_, points};
 }
 
-void HashGrid::forward(const Exec& exec, const ParamStore& store, Rows<const float, 3> points, std::vector<float>& out) const {
+void HashGrid::forward(const Exec& exec, const ParamStore& store, Rows<const float, 3> points,
+                       std::vector<float>& out) const {
   out.resize(std::size_t(points.n) * std::size_t(config_.outputs()));
   with_features(config_.features, [&](auto features) {
     const HashForward<float, features> kernel{view(store, points), out.data()};
@@ -99,21 +110,26 @@ void HashGrid::forward(const Exec& exec, const ParamStore& store, Rows<const flo
   });
 }
 
-void HashGrid::backward(const Exec& exec, ParamStore& store, Rows<const float, 3> points, const std::vector<float>& grad_out) const {
-  NGS_CHECK(grad_out.size() == std::size_t(points.n) * std::size_t(config_.outputs()), "one gradient row per point");
+void HashGrid::backward(const Exec& exec, ParamStore& store, Rows<const float, 3> points,
+                        const std::vector<float>& grad_out) const {
+  NGS_CHECK(grad_out.size() == std::size_t(points.n) * std::size_t(config_.outputs()),
+            "one gradient row per point");
   with_features(config_.features, [&](auto features) {
-    for_each_task(exec, config_.levels, HashBackwardTable<float, features>{view(store, points), grad_out.data(),
-                                                                           store.grads.data() + offset_});
+    for_each_task(exec, config_.levels,
+                  HashBackwardTable<float, features>{view(store, points), grad_out.data(),
+                                                     store.grads.data() + offset_});
   });
 }
 
 void HashGrid::backward_points(const Exec& exec, const ParamStore& store, Rows<const float, 3> points,
                                const std::vector<float>& grad_out, std::vector<float>& grad_points) const {
-  NGS_CHECK(grad_out.size() == std::size_t(points.n) * std::size_t(config_.outputs()), "one gradient row per point");
+  NGS_CHECK(grad_out.size() == std::size_t(points.n) * std::size_t(config_.outputs()),
+            "one gradient row per point");
   grad_points.resize(std::size_t(points.n) * 3);
   with_features(config_.features, [&](auto features) {
-    for_each_index(exec, points.n, HashBackwardPosition<float, features>{view(store, points), grad_out.data(),
-                                                                         {grad_points.data(), points.n}});
+    for_each_index(exec, points.n,
+                   HashBackwardPosition<float, features>{
+                       view(store, points), grad_out.data(), {grad_points.data(), points.n}});
   });
 }
 

@@ -64,12 +64,16 @@ NGS_HD std::uint32_t hash_axis(T world, T centre, T inv_extent, T scale, bool sm
 
 /// Inlined by force: called per level and query, it costs a third less than through memory (measured).
 template <class T>
-[[gnu::always_inline]] NGS_HD inline HashCell<T> hash_cell(const HashLevel& level, const HashBox<T>& box, Vec3<T> p, bool smoothstep) {
+[[gnu::always_inline]] NGS_HD inline HashCell<T> hash_cell(const HashLevel& level, const HashBox<T>& box,
+                                                           Vec3<T> p, bool smoothstep) {
   HashCell<T> cell;
   const T scale = T(level.scale);
-  const std::uint32_t x = detail::hash_axis(p.x, box.centre.x, box.inv_extent.x, scale, smoothstep, cell.frac[0], cell.slope[0]);
-  const std::uint32_t y = detail::hash_axis(p.y, box.centre.y, box.inv_extent.y, scale, smoothstep, cell.frac[1], cell.slope[1]);
-  const std::uint32_t z = detail::hash_axis(p.z, box.centre.z, box.inv_extent.z, scale, smoothstep, cell.frac[2], cell.slope[2]);
+  const std::uint32_t x =
+      detail::hash_axis(p.x, box.centre.x, box.inv_extent.x, scale, smoothstep, cell.frac[0], cell.slope[0]);
+  const std::uint32_t y =
+      detail::hash_axis(p.y, box.centre.y, box.inv_extent.y, scale, smoothstep, cell.frac[1], cell.slope[1]);
+  const std::uint32_t z =
+      detail::hash_axis(p.z, box.centre.z, box.inv_extent.z, scale, smoothstep, cell.frac[2], cell.slope[2]);
   for (std::uint32_t corner = 0; corner < 8; ++corner) {
     const std::uint32_t cx = x + (corner & 1), cy = y + (corner >> 1 & 1), cz = z + (corner >> 2);
     std::uint32_t entry;
@@ -101,7 +105,7 @@ struct HashGridView {
   int levels;
   HashBox<T> box;
   bool smoothstep;
-  const T* table;         // [entries, F]
+  const T* table;          // [entries, F]
   Rows<const T, 3> point;  // [Q, 3] world
 };
 
@@ -120,7 +124,8 @@ struct HashForward {
     corner_weights(cell.frac, weight);
     for (int f = 0; f < F; ++f) sum[f] = T(0);
     for (int corner = 0; corner < 8; ++corner)
-      for (int f = 0; f < F; ++f) sum[f] += weight[corner] * grid.table[std::size_t(cell.entry[corner]) * F + std::size_t(f)];
+      for (int f = 0; f < F; ++f)
+        sum[f] += weight[corner] * grid.table[std::size_t(cell.entry[corner]) * F + std::size_t(f)];
     T* row = out + (q * grid.levels + l) * F;
     for (int f = 0; f < F; ++f) row[f] = sum[f];
   }
@@ -143,7 +148,8 @@ struct HashBackwardTable {
       const T* g = grad_out + (q * grid.levels + l) * F;
       for (int corner = 0; corner < 8; ++corner)
         for (int f = 0; f < F; ++f)
-          grad_table_accumulate[std::size_t(cell.entry[corner]) * F + std::size_t(f)] += weight[corner] * g[f];
+          grad_table_accumulate[std::size_t(cell.entry[corner]) * F + std::size_t(f)] +=
+              weight[corner] * g[f];
     }
   }
 };
@@ -154,7 +160,7 @@ template <class T, int F>
 struct HashBackwardPosition {
   static constexpr const char* kName = "hash_backward_position";
   HashGridView<T> grid;
-  const T* grad_out;     // [Q, L·F]
+  const T* grad_out;      // [Q, L·F]
   Rows<T, 3> grad_point;  // [Q, 3] out, overwritten
 
   NGS_HD void operator()(std::int64_t q) const {
@@ -165,9 +171,11 @@ struct HashBackwardPosition {
       T value[8];  // ∂L/∂out · table entry
       for (int corner = 0; corner < 8; ++corner) {
         value[corner] = T(0);
-        for (int f = 0; f < F; ++f) value[corner] += g[f] * grid.table[std::size_t(cell.entry[corner]) * F + std::size_t(f)];
+        for (int f = 0; f < F; ++f)
+          value[corner] += g[f] * grid.table[std::size_t(cell.entry[corner]) * F + std::size_t(f)];
       }
-      for (int axis = 0; axis < 3; ++axis) sum[axis] += cell.slope[axis] * edge_difference(value, cell.frac, axis);
+      for (int axis = 0; axis < 3; ++axis)
+        sum[axis] += cell.slope[axis] * edge_difference(value, cell.frac, axis);
     }
     T* row = grad_point.row(q);
     for (int axis = 0; axis < 3; ++axis) row[axis] = sum[axis];

@@ -1,8 +1,9 @@
 #include "ngs/ops/knn.h"
 
+#include <flann/algorithms/kdtree_single_index.h>
+
 #include <algorithm>
 #include <cmath>
-#include <flann/algorithms/kdtree_single_index.h>
 #include <flann/flann.hpp>
 #include <limits>
 
@@ -22,7 +23,9 @@ constexpr std::int64_t kQueriesPerTask = 256;
 struct Neighbour {
   double dist2;
   std::size_t index;
-  bool operator<(const Neighbour& o) const { return dist2 < o.dist2 || (dist2 == o.dist2 && index < o.index); }
+  bool operator<(const Neighbour& o) const {
+    return dist2 < o.dist2 || (dist2 == o.dist2 && index < o.index);
+  }
 };
 
 /// The K smallest (dist2, index). FLANN's own result sets keep whichever of several equal distances the tree
@@ -95,7 +98,8 @@ KnnGraph search(const Exec& exec, Rows<const float, 3> points, Rows<const float,
 
 }  // namespace
 
-KnnGraph nearest_points(const Exec& exec, Rows<const float, 3> points, Rows<const float, 3> queries, int neighbours) {
+KnnGraph nearest_points(const Exec& exec, Rows<const float, 3> points, Rows<const float, 3> queries,
+                        int neighbours) {
   return search(exec, points, queries, neighbours, false);
 }
 

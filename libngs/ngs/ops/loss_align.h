@@ -1,10 +1,10 @@
 #pragma once
 // L_align: the rendered view and the field must agree on the boundary.                 facts C15, C17
 //
-// Colour and opacity are compared at the nodes of the view's grid; the variance term damps the render's colour
-// variance in the 7x7 patches about them, either in full (the paper's form) or only what exceeds the photo's own
-// variance, so that texture is no error. Nodes can be switched off (rays_on_surface). No active node: loss 0.
-// Results do not depend on exec.threads.
+// Colour and opacity are compared at the nodes of the view's grid; the variance term damps the render's
+// colour variance in the 7x7 patches about them, either in full (the paper's form) or only what exceeds the
+// photo's own variance, so that texture is no error. Nodes can be switched off (rays_on_surface). No active
+// node: loss 0. Results do not depend on exec.threads.
 #include <vector>
 
 #include "ngs/backend/exec.h"
@@ -20,11 +20,11 @@ struct AlignOptions {
 
 struct AlignInputs {
   PixelGrid grid;
-  const ImageF* colour = nullptr;        // [H, W, 3] rendered
-  const ImageF* alpha = nullptr;         // [H, W, 1] rendered
-  const ImageF* photo = nullptr;         // [H, W, 3]: count only variance beyond the photo's; null: all of it
-  const std::vector<float>* field_colour = nullptr;  // [R, 3] VolumeOutput::colour
-  const std::vector<float>* field_alpha = nullptr;   // [R]
+  const ImageF* colour = nullptr;  // [H, W, 3] rendered
+  const ImageF* alpha = nullptr;   // [H, W, 1] rendered
+  const ImageF* photo = nullptr;   // [H, W, 3]: count only variance beyond the photo's; null: all of it
+  const std::vector<float>* field_colour = nullptr;   // [R, 3] VolumeOutput::colour
+  const std::vector<float>* field_alpha = nullptr;    // [R]
   const std::vector<std::uint8_t>* active = nullptr;  // [R]; null: every node
 };
 
@@ -38,15 +38,17 @@ struct AlignContext {
   std::vector<float> colour_residual, alpha_residual, patch_mean, patch_share;
 };
 
-AlignLoss loss_align(const Exec& exec, const AlignOptions& options, const AlignInputs& in, AlignContext& context);
+AlignLoss loss_align(const Exec& exec, const AlignOptions& options, const AlignInputs& in,
+                     AlignContext& context);
 
 struct AlignFieldGradients {
   std::vector<float> colour, alpha;  // [R, 3], [R]
 };
 
 /// `weight` · ∂total: overwrites `field`, adds to the images (shaped like the rendered ones).
-void loss_align_backward(const Exec& exec, const AlignOptions& options, const AlignInputs& in, const AlignLoss& loss,
-                         AlignContext& context, double weight, AlignFieldGradients& field,
-                         ImageF& grad_colour_accumulate, ImageF& grad_alpha_accumulate);
+void loss_align_backward(const Exec& exec, const AlignOptions& options, const AlignInputs& in,
+                         const AlignLoss& loss, AlignContext& context, double weight,
+                         AlignFieldGradients& field, ImageF& grad_colour_accumulate,
+                         ImageF& grad_alpha_accumulate);
 
 }  // namespace ngs

@@ -1,11 +1,12 @@
 #pragma once
-// Alignment of the rendered view and the field at the nodes of the boundary grid.          L_align; facts C15, C17
+// Alignment of the rendered view and the field at the nodes of the boundary grid.          L_align; facts
+// C15, C17
 //
 //   L = 1/|B| Σ_i [ ‖C_gs - C_f‖² + w_α (α_gs - α_f)² + w_v · excess(Var(R_i)) ]      over the active nodes
 //
-// C_gs, α_gs: the rendered images read bilinearly at the node. R_i: the 7x7 pixels about the node's pixel, cut at
-// the image border; Var = mean squared distance to the mean colour, in two passes (E[x²] - E[x]² cancels).
-// excess(v) = v, or max(0, v - Var of the photo's patch) where there is a photo.
+// C_gs, α_gs: the rendered images read bilinearly at the node. R_i: the 7x7 pixels about the node's pixel,
+// cut at the image border; Var = mean squared distance to the mean colour, in two passes (E[x²] - E[x]²
+// cancels). excess(v) = v, or max(0, v - Var of the photo's patch) where there is a photo.
 #include "ngs/core/hd.h"
 #include "ngs/math/pixel_grid.h"
 #include "ngs/math/vec.h"
@@ -58,11 +59,11 @@ NGS_HD T patch_variance(const PixelView<T>& image, const PatchRect& patch, Vec3<
 template <class T>
 struct AlignView {
   PixelGrid grid;
-  PixelView<T> colour, alpha;         // rendered, [H, W, 3] and [H, W, 1]
-  PixelView<T> photo;                 // [H, W, 3]; null: variance counts in full
-  const T* field_colour;              // [R, 3]
-  const T* field_alpha;               // [R]
-  const std::uint8_t* active;         // [R]; null: all
+  PixelView<T> colour, alpha;  // rendered, [H, W, 3] and [H, W, 1]
+  PixelView<T> photo;          // [H, W, 3]; null: variance counts in full
+  const T* field_colour;       // [R, 3]
+  const T* field_alpha;        // [R]
+  const std::uint8_t* active;  // [R]; null: all
   T weight_alpha, weight_variance;
 
   NGS_HD bool is_active(std::int64_t r) const { return active == nullptr || active[r] != 0; }
@@ -99,8 +100,10 @@ struct AlignForward {
         Vec3<T> photo_mean;
         variance = variance - patch_variance(in.photo, patch, photo_mean);
       }
-      if (variance > T(0)) share = T(1) / T(patch.pixels());
-      else variance = T(0);
+      if (variance > T(0))
+        share = T(1) / T(patch.pixels());
+      else
+        variance = T(0);
     }
     T* residual = node.colour_residual + r * 3;
     residual[0] = colour.x, residual[1] = colour.y, residual[2] = colour.z;
@@ -114,7 +117,8 @@ struct AlignForward {
  private:
   NGS_HD Vec3<T> sample_colour(const BilinearAxis& x, const BilinearAxis& y) const {
     const T x1 = T(x.weight), x0 = T(1) - x1, y1 = T(y.weight), y0 = T(1) - y1;
-    return y0 * (x0 * vec3(in.colour.at(x.lower, y.lower, 3)) + x1 * vec3(in.colour.at(x.upper, y.lower, 3))) +
+    return y0 *
+               (x0 * vec3(in.colour.at(x.lower, y.lower, 3)) + x1 * vec3(in.colour.at(x.upper, y.lower, 3))) +
            y1 * (x0 * vec3(in.colour.at(x.lower, y.upper, 3)) + x1 * vec3(in.colour.at(x.upper, y.upper, 3)));
   }
   NGS_HD T sample_alpha(const BilinearAxis& x, const BilinearAxis& y) const {
@@ -140,7 +144,8 @@ struct AlignBackwardField {
 };
 
 /// ∂L/∂(rendered images) at one pixel of the rectangle [x0, ...) x [y0, ...): the transpose of the bilinear
-/// reading and of the patches, gathered over the nodes near the pixel (inactive ones hold zeros). Owns pixel i of the rectangle.
+/// reading and of the patches, gathered over the nodes near the pixel (inactive ones hold zeros). Owns pixel
+/// i of the rectangle.
 ///   ∂Var/∂C_p = 2 (C_p - mean) / n   (the mean's own derivative cancels)
 template <class T>
 struct AlignBackwardImage {
@@ -171,7 +176,8 @@ struct AlignBackwardImage {
           alpha += T(reading) * in.weight_alpha * node.alpha_residual[r];
         }
         if (patch_at(u, v, width, height).contains(x, y))
-          colour = colour + (in.weight_variance * node.patch_share[r]) * (here - vec3(node.patch_mean + r * 3));
+          colour =
+              colour + (in.weight_variance * node.patch_share[r]) * (here - vec3(node.patch_mean + r * 3));
       }
     const std::int64_t pixel = static_cast<std::int64_t>(y) * width + x;
     T* g = grad_colour_accumulate + pixel * 3;

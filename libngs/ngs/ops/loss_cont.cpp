@@ -6,8 +6,8 @@
 
 namespace ngs {
 
-double loss_cont(const Exec& exec, const KnnGraph& graph, Rows<const float, 3> colour, const std::vector<float>& weight,
-                 double scale, std::vector<float>* gradient) {
+double loss_cont(const Exec& exec, const KnnGraph& graph, Rows<const float, 3> colour,
+                 const std::vector<float>& weight, double scale, std::vector<float>* gradient) {
   if (gradient) gradient->assign(std::size_t(colour.n) * 3, 0.f);
   if (graph.neighbours == 0) return 0;
   NGS_CHECK(graph.queries() == colour.n && graph.points == colour.n, "the graph is of other points");
@@ -17,7 +17,9 @@ double loss_cont(const Exec& exec, const KnnGraph& graph, Rows<const float, 3> c
   std::vector<float> term(std::size_t(colour.n));
   for_each_index(exec, colour.n, ContinuityForward<float>{view, term.data()});
   if (gradient)
-    for_each_index(exec, colour.n, ContinuityBackward<float>{view, float(scale / double(colour.n)), {gradient->data(), colour.n}});
+    for_each_index(
+        exec, colour.n,
+        ContinuityBackward<float>{view, float(scale / double(colour.n)), {gradient->data(), colour.n}});
   double sum = 0;
   for (const float t : term) sum += double(t);
   return sum / double(colour.n);

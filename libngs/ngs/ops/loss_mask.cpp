@@ -8,26 +8,31 @@
 
 namespace ngs {
 
-ImageF density_weights(const Exec& exec, int width_px, int height_px, const PixelGrid& grid, const PixelBox& box,
-                       const std::vector<float>& optical_depth) {
+ImageF density_weights(const Exec& exec, int width_px, int height_px, const PixelGrid& grid,
+                       const PixelBox& box, const std::vector<float>& optical_depth) {
   NGS_CHECK(std::int64_t(optical_depth.size()) == grid.nodes(), "one optical depth per node");
   ImageF weight(width_px, height_px, 1);
-  for_each_index(exec, weight.pixels(), DensityWeight{grid, box.min_x, box.min_y, box.max_x, box.max_y, width_px,
-                                                      optical_depth.data(), weight.data.data()});
+  for_each_index(exec, weight.pixels(),
+                 DensityWeight{grid, box.min_x, box.min_y, box.max_x, box.max_y, width_px,
+                               optical_depth.data(), weight.data.data()});
   return weight;
 }
 
-MaskLoss loss_mask(const Exec& exec, const MaskLossOptions& options, const MaskLossInputs& in, double weight, ImageF* gradient) {
+MaskLoss loss_mask(const Exec& exec, const MaskLossOptions& options, const MaskLossInputs& in, double weight,
+                   ImageF* gradient) {
   const ImageF& rendered = *in.rendered;
   const ViewMasks& masks = *in.masks;
   if (gradient) *gradient = ImageF(rendered.width_px, rendered.height_px, rendered.channels);
   MaskLoss loss;
   if (!masks.available) return loss;
-  NGS_CHECK(masks.width_px == rendered.width_px && masks.height_px == rendered.height_px, "masks have the render's size");
+  NGS_CHECK(masks.width_px == rendered.width_px && masks.height_px == rendered.height_px,
+            "masks have the render's size");
   NGS_CHECK(int(masks.target.size()) == rendered.channels, "one target per label channel");
-  NGS_CHECK(in.pixel_weight == nullptr || in.pixel_weight->pixels() == rendered.pixels(), "one weight per pixel");
-  loss.known = masks.known.empty() ? rendered.pixels()
-                                   : rendered.pixels() - std::count(masks.known.begin(), masks.known.end(), std::uint8_t(0));
+  NGS_CHECK(in.pixel_weight == nullptr || in.pixel_weight->pixels() == rendered.pixels(),
+            "one weight per pixel");
+  loss.known = masks.known.empty()
+                   ? rendered.pixels()
+                   : rendered.pixels() - std::count(masks.known.begin(), masks.known.end(), std::uint8_t(0));
   if (loss.known == 0) return loss;
 
   std::vector<const float*> target;
@@ -35,11 +40,12 @@ MaskLoss loss_mask(const Exec& exec, const MaskLossOptions& options, const MaskL
   std::vector<double> row_sum(std::size_t(rendered.height_px));
   const double scale = in.trust / double(loss.known);
   for_each_index(exec, rendered.height_px,
-                 MaskLossRow<float, double>{rendered.width_px, rendered.channels, rendered.data.data(), target.data(),
-                                            masks.known.empty() ? nullptr : masks.known.data(),
+                 MaskLossRow<float, double>{rendered.width_px, rendered.channels, rendered.data.data(),
+                                            target.data(), masks.known.empty() ? nullptr : masks.known.data(),
                                             in.pixel_weight ? in.pixel_weight->data.data() : nullptr,
                                             options.form == MaskLossForm::kLinear, float(options.lambda),
-                                            float(weight * scale), row_sum.data(), gradient ? gradient->data.data() : nullptr});
+                                            float(weight * scale), row_sum.data(),
+                                            gradient ? gradient->data.data() : nullptr});
   for (const double sum : row_sum) loss.total += sum;
   loss.total *= scale;
   return loss;

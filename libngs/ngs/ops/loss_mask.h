@@ -3,9 +3,9 @@
 //
 //   L = trust / N Σ_p s_p Σ_k ℓ(rendered_pk, target_pk),   s_p = sigmoid(D_p) in [0.5, 1),   N = known pixels
 //
-// The paper's formula has prediction and truth exchanged; ℓ is the ordinary cross-entropy, or the linear loss that
-// the literal formula amounts to. Pixels that are not known give no loss and no gradient; no known pixel: loss 0.
-// The weights s carry no gradient. Results do not depend on exec.threads.
+// The paper's formula has prediction and truth exchanged; ℓ is the ordinary cross-entropy, or the linear loss
+// that the literal formula amounts to. Pixels that are not known give no loss and no gradient; no known
+// pixel: loss 0. The weights s carry no gradient. Results do not depend on exec.threads.
 #include <vector>
 
 #include "ngs/backend/exec.h"
@@ -23,8 +23,8 @@ struct MaskLossOptions {
 };
 
 /// s_p for every pixel. `optical_depth`: one value per node, VolumeOutput::optical_depth.
-ImageF density_weights(const Exec& exec, int width_px, int height_px, const PixelGrid& grid, const PixelBox& box,
-                       const std::vector<float>& optical_depth);
+ImageF density_weights(const Exec& exec, int width_px, int height_px, const PixelGrid& grid,
+                       const PixelBox& box, const std::vector<float>& optical_depth);
 
 struct MaskLossInputs {
   const ImageF* rendered = nullptr;      // [H, W, K] RenderedView::label
@@ -39,6 +39,7 @@ struct MaskLoss {
 };
 
 /// `gradient`: null, or weight · ∂total/∂rendered, overwritten, shaped like `rendered`.
-MaskLoss loss_mask(const Exec& exec, const MaskLossOptions& options, const MaskLossInputs& in, double weight, ImageF* gradient);
+MaskLoss loss_mask(const Exec& exec, const MaskLossOptions& options, const MaskLossInputs& in, double weight,
+                   ImageF* gradient);
 
 }  // namespace ngs

@@ -18,8 +18,8 @@ struct LossSlope {
   T value, slope;
 };
 
-/// -m ln p - (1 - m) ln(1 - p). Beyond [eps, 1 - eps] the loss goes on along its tangent: a clamp would leave a
-/// saturated wrong pixel without a gradient.
+/// -m ln p - (1 - m) ln(1 - p). Beyond [eps, 1 - eps] the loss goes on along its tangent: a clamp would leave
+/// a saturated wrong pixel without a gradient.
 template <class T>
 NGS_HD LossSlope<T> mask_bce(T p, T m) {
   using std::log;
@@ -40,15 +40,15 @@ template <class T, class Acc>
 struct MaskLossRow {
   static constexpr const char* kName = "mask_loss_row";
   int width, objects;
-  const T* rendered;             // [H, W, K]
-  const float* const* target;    // [K][H, W]
-  const std::uint8_t* known;     // [H, W]; null: all known
-  const float* pixel_weight;     // [H, W]; null: 1
+  const T* rendered;           // [H, W, K]
+  const float* const* target;  // [K][H, W]
+  const std::uint8_t* known;   // [H, W]; null: all known
+  const float* pixel_weight;   // [H, W]; null: 1
   bool linear;
   T lambda;
-  T scale;                       // of the gradient: ∂(total)/∂(sum)
-  Acc* row_sum;                  // [H]       out
-  T* grad_rendered;              // [H, W, K] out, overwritten; null: not wanted
+  T scale;           // of the gradient: ∂(total)/∂(sum)
+  Acc* row_sum;      // [H]       out
+  T* grad_rendered;  // [H, W, K] out, overwritten; null: not wanted
 
   NGS_HD void operator()(std::int64_t y) const {
     Acc sum(0);
@@ -68,8 +68,8 @@ struct MaskLossRow {
   }
 };
 
-/// sigmoid(D) at a pixel, D interpolated between the nodes of the grid (held constant from the outer nodes to the
-/// box); 0.5 outside the box, where the field says nothing. Owns pixel i.
+/// sigmoid(D) at a pixel, D interpolated between the nodes of the grid (held constant from the outer nodes to
+/// the box); 0.5 outside the box, where the field says nothing. Owns pixel i.
 struct DensityWeight {
   static constexpr const char* kName = "density_weight";
   PixelGrid grid;

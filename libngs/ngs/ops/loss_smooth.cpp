@@ -25,7 +25,8 @@ std::vector<float> jittered_points(const Exec& exec, Rows<const float, 3> points
   std::vector<float> moved(std::size_t(points.n) * 3);
   for_each_index(exec, points.n, [&](std::int64_t i) {
     const float* p = points.row(i);
-    const Vec3<double> x = Vec3<double>{p[0], p[1], p[2]} + jitter_length * unit_vector(seed, first_index + std::uint64_t(i));
+    const Vec3<double> x =
+        Vec3<double>{p[0], p[1], p[2]} + jitter_length * unit_vector(seed, first_index + std::uint64_t(i));
     float* out = &moved[std::size_t(i) * 3];
     out[0] = float(x.x), out[1] = float(x.y), out[2] = float(x.z);
   });
@@ -41,8 +42,13 @@ double loss_smooth_backward(const Exec& exec, const SmoothnessScale& scale, cons
   NGS_CHECK(scale.jitter_length > 0 && scale.unit_length > 0, "lengths must be positive");
   const double ratio = scale.unit_length / scale.jitter_length, factor = 3 * ratio * ratio / double(n);
   std::vector<float> term(colour.size() / 3);
-  for_each_index(exec, n, SmoothnessForwardBackward<float>{{colour.data(), n}, {moved_colour.data(), n}, float(weight * factor),
-                                                           term.data(), {out.colour.data(), n}, {out.moved_colour.data(), n}});
+  for_each_index(exec, n,
+                 SmoothnessForwardBackward<float>{{colour.data(), n},
+                                                  {moved_colour.data(), n},
+                                                  float(weight * factor),
+                                                  term.data(),
+                                                  {out.colour.data(), n},
+                                                  {out.moved_colour.data(), n}});
   double sum = 0;
   for (const float t : term) sum += double(t);
   return factor * sum;

@@ -3,9 +3,10 @@
 //
 //   L = 3 (u/h)² · 1/N Σ_i ‖c(x_i + h n_i) - c(x_i)‖²,   n_i random unit vectors
 //
-// For small h this is an unbiased estimate of the mean of Σ_channels ‖u ∇c‖²: E (n·g)² = ‖g‖²/3. u is the unit of
-// length in which the gradient counts (the RBF width), so the loss does not depend on the unit of the scene.
-// It needs no second derivatives; the caller evaluates the field at both sets of points. No points: loss 0.
+// For small h this is an unbiased estimate of the mean of Σ_channels ‖u ∇c‖²: E (n·g)² = ‖g‖²/3. u is the
+// unit of length in which the gradient counts (the RBF width), so the loss does not depend on the unit of the
+// scene. It needs no second derivatives; the caller evaluates the field at both sets of points. No points:
+// loss 0.
 #include <vector>
 
 #include "ngs/backend/exec.h"

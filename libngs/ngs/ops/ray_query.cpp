@@ -8,7 +8,7 @@
 namespace ngs {
 namespace {
 
-constexpr double kCovered = 0.5;       // alpha above which a pixel has a depth of its own
+constexpr double kCovered = 0.5;        // alpha above which a pixel has a depth of its own
 constexpr double kNothingThere = 1e-3;  // alpha below which the view shows only background
 
 struct Node {
@@ -19,7 +19,8 @@ struct Node {
 Node node_at(const Camera& camera, const PixelGrid& grid, std::int64_t ray) {
   Node node;
   node.u = grid.x(int(ray % grid.cols)), node.v = grid.y(int(ray / grid.cols));
-  node.direction = ray_direction(camera.rotation, camera.fx, camera.fy, camera.cx, camera.cy, node.u, node.v, node.cosine);
+  node.direction =
+      ray_direction(camera.rotation, camera.fx, camera.fy, camera.cx, camera.cy, node.u, node.v, node.cosine);
   return node;
 }
 
@@ -35,8 +36,8 @@ void store(float* p, Vec3<double> v) { p[0] = float(v.x), p[1] = float(v.y), p[2
 
 }  // namespace
 
-RayQueries ray_queries(const Exec& exec, const Camera& camera, const PixelGrid& grid, const RayOptions& options,
-                       const DepthMap& map) {
+RayQueries ray_queries(const Exec& exec, const Camera& camera, const PixelGrid& grid,
+                       const RayOptions& options, const DepthMap& map) {
   NGS_CHECK(options.samples >= 1, "a ray has at least one sample");
   RayQueries out;
   out.grid = grid, out.samples = options.samples;
@@ -68,7 +69,8 @@ RayQueries ray_queries(const Exec& exec, const Camera& camera, const PixelGrid& 
 std::vector<std::uint8_t> rays_on_surface(const Camera& camera, const RayQueries& rays, const DepthMap& map) {
   std::vector<std::uint8_t> on(std::size_t(rays.rays()), 1);
   for (std::size_t r = 0; r < on.size(); ++r) {
-    const double distance = expected_distance(map, node_at(camera, rays.grid, std::int64_t(r)), kNothingThere);
+    const double distance =
+        expected_distance(map, node_at(camera, rays.grid, std::int64_t(r)), kNothingThere);
     on[r] = distance == 0 || (distance >= double(rays.near[r]) && distance <= double(rays.far[r]));
   }
   return on;

@@ -13,14 +13,15 @@
 namespace ngs {
 
 struct RayOptions {
-  int samples = 8;            // per ray, >= 1
-  double depth_span = 0.1;    // half window / distance
+  int samples = 8;              // per ray, >= 1
+  double depth_span = 0.1;      // half window / distance
   double depth_epsilon = 1e-4;  // world, least half window
-  double mean_distance = 0;   // world > 0: centre of the window where the depth map has no answer
+  double mean_distance = 0;     // world > 0: centre of the window where the depth map has no answer
 };
 
-/// A rendered depth map of the same camera (RenderedView): the window of a ray is centred on its expected depth
-/// where more than half of the pixel is covered. Null members: every window is centred on mean_distance.
+/// A rendered depth map of the same camera (RenderedView): the window of a ray is centred on its expected
+/// depth where more than half of the pixel is covered. Null members: every window is centred on
+/// mean_distance.
 struct DepthMap {
   const ImageF* depth = nullptr;  // [H, W, 1] Σ α T z
   const ImageF* alpha = nullptr;  // [H, W, 1]
@@ -40,8 +41,8 @@ struct RayQueries {
   Rows<const float, 3> positions() const { return {position.data(), rays() * samples}; }
 };
 
-RayQueries ray_queries(const Exec& exec, const Camera& camera, const PixelGrid& grid, const RayOptions& options,
-                       const DepthMap& map);
+RayQueries ray_queries(const Exec& exec, const Camera& camera, const PixelGrid& grid,
+                       const RayOptions& options, const DepthMap& map);
 
 /// [R] 1 where the view renders nothing at the node (alpha < 1e-3) or its expected depth lies in the ray's
 /// window: where rendered colour and field colour are about the same piece of space (facts C15).

@@ -17,7 +17,7 @@ struct RbfProblem {
   Rows<const float, 3> boundary;  // [B, 3] world
   Matrix<const float> feature;    // [B, F]
   const KnnGraph* graph = nullptr;
-  double width = 1;               // kernel width h > 0, world
+  double width = 1;  // kernel width h > 0, world
 };
 
 struct RbfField {
@@ -33,8 +33,8 @@ struct RbfGradients {
 };
 
 /// Overwrites `out`. `grad_feature` = ∂L/∂(field.feature) [Q, F]. The neighbour lists count as constant.
-void rbf_backward(const Exec& exec, const RbfProblem& problem, const RbfField& field, Matrix<const float> grad_feature,
-                  bool with_positions, RbfGradients& out);
+void rbf_backward(const Exec& exec, const RbfProblem& problem, const RbfField& field,
+                  Matrix<const float> grad_feature, bool with_positions, RbfGradients& out);
 
 /// The kernel width: factor · mean spacing of the boundary Gaussians (facts C22). 1 where the spacing is 0
 /// (a single or only coincident Gaussians): every width then gives the same weights.

@@ -120,7 +120,7 @@ struct RbfBackwardPosition {
   Rows<const T, 3> query;         // [Q, 3]
   Rows<const T, 3> boundary;      // [B, 3]
   T inv_2h2;
-  Rows<T, 3> grad_boundary;       // [B, 3]  out, overwritten
+  Rows<T, 3> grad_boundary;  // [B, 3]  out, overwritten
 
   NGS_HD void operator()(std::int64_t j) const {
     const Vec3<T> x = vec3(boundary.row(j));

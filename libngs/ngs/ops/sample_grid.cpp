@@ -34,7 +34,8 @@ BoundaryBox boundary_box(const Camera& camera, Rows<const float, 3> boundary, do
     const Vec3<double> world{p[0], p[1], p[2]}, t = camera.rotation * world + camera.translation;
     if (!(t.z > kNearZ)) continue;
     const double x = camera.fx * t.x / t.z + camera.cx, y = camera.fy * t.y / t.z + camera.cy;
-    const bool inside = x >= -pad_px && x <= camera.width_px + pad_px && y >= -pad_px && y <= camera.height_px + pad_px;
+    const bool inside =
+        x >= -pad_px && x <= camera.width_px + pad_px && y >= -pad_px && y <= camera.height_px + pad_px;
     if (!inside) continue;
     ++result.visible;
     distance_sum += std::sqrt(dot(world - centre, world - centre));
@@ -43,13 +44,15 @@ BoundaryBox boundary_box(const Camera& camera, Rows<const float, 3> boundary, do
   if (result.visible == 0) return result;
   result.mean_distance = distance_sum / double(result.visible);
   result.box = {std::max(box.min_x - pad_px, 0.0), std::max(box.min_y - pad_px, 0.0),
-                std::min(box.max_x + pad_px, double(camera.width_px)), std::min(box.max_y + pad_px, double(camera.height_px))};
+                std::min(box.max_x + pad_px, double(camera.width_px)),
+                std::min(box.max_y + pad_px, double(camera.height_px))};
   return result;
 }
 
 PixelGrid pixel_grid(const PixelBox& box, int rows, int cols, GridNodes nodes) {
   if (!(box.max_x > box.min_x) || !(box.max_y > box.min_y)) return {};
-  const Axis x = axis_nodes(box.min_x, box.max_x, cols, nodes), y = axis_nodes(box.min_y, box.max_y, rows, nodes);
+  const Axis x = axis_nodes(box.min_x, box.max_x, cols, nodes),
+             y = axis_nodes(box.min_y, box.max_y, rows, nodes);
   return {x.first, y.first, x.step, y.step, x.count, y.count};
 }
 

@@ -10,9 +10,9 @@
 namespace ngs {
 
 struct BoundaryBox {
-  PixelBox box;               // clipped to the image; empty (all 0) if visible == 0
-  std::int64_t visible = 0;   // boundary Gaussians in front of the camera that project into the padded image
-  double mean_distance = 0;   // world, Euclidean, from the camera centre, over the visible ones (facts C12)
+  PixelBox box;              // clipped to the image; empty (all 0) if visible == 0
+  std::int64_t visible = 0;  // boundary Gaussians in front of the camera that project into the padded image
+  double mean_distance = 0;  // world, Euclidean, from the camera centre, over the visible ones (facts C12)
 };
 
 /// Gaussians nearer than this (camera z, world) do not count: their projection is meaningless.

@@ -17,9 +17,10 @@ void volume_forward(const Exec& exec, const VolumeInputs& in, VolumeOutput& out)
   const auto rays = std::size_t(in.rays), samples = std::size_t(in.samples);
   out.colour.resize(rays * 3), out.alpha.resize(rays), out.optical_depth.resize(rays);
   out.weight.resize(rays * samples), out.transmittance_after.resize(rays * samples);
-  for_each_index(exec, in.rays,
-                 VolumeForward<float>{rays_of(in), out.colour.data(), out.alpha.data(), out.optical_depth.data(),
-                                      out.weight.data(), out.transmittance_after.data()});
+  for_each_index(
+      exec, in.rays,
+      VolumeForward<float>{rays_of(in), out.colour.data(), out.alpha.data(), out.optical_depth.data(),
+                           out.weight.data(), out.transmittance_after.data()});
 }
 
 void volume_backward(const Exec& exec, const VolumeInputs& in, const VolumeOutput& forward,
@@ -27,7 +28,8 @@ void volume_backward(const Exec& exec, const VolumeInputs& in, const VolumeOutpu
                      const std::vector<float>& grad_optical_depth, VolumeGradients& out) {
   const auto rays = std::size_t(in.rays), samples = std::size_t(in.samples);
   NGS_CHECK(grad_colour.size() == rays * 3 && grad_alpha.size() == rays, "one gradient per output");
-  NGS_CHECK(grad_optical_depth.empty() || grad_optical_depth.size() == rays, "one gradient per output, or none");
+  NGS_CHECK(grad_optical_depth.empty() || grad_optical_depth.size() == rays,
+            "one gradient per output, or none");
   out.density.resize(rays * samples), out.rgb.resize(rays * samples * 3);
   for_each_index(exec, in.rays,
                  VolumeBackward<float>{rays_of(in), forward.weight.data(), forward.transmittance_after.data(),

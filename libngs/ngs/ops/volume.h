@@ -11,7 +11,7 @@
 namespace ngs {
 
 struct VolumeInputs {
-  int samples = 0;              // K
+  int samples = 0;                 // K
   const float* density = nullptr;  // [R, K]    world^-1
   const float* rgb = nullptr;      // [R, K, 3]
   const float* spacing = nullptr;  // [R]       world, RayQueries::spacing
@@ -20,9 +20,9 @@ struct VolumeInputs {
 };
 
 struct VolumeOutput {
-  std::vector<float> colour;         // [R, 3]
-  std::vector<float> alpha;          // [R]
-  std::vector<float> optical_depth;  // [R] Σ σ Δ, unit-free (facts C19)
+  std::vector<float> colour;                       // [R, 3]
+  std::vector<float> alpha;                        // [R]
+  std::vector<float> optical_depth;                // [R] Σ σ Δ, unit-free (facts C19)
   std::vector<float> weight, transmittance_after;  // [R, K] for backward
 };
 

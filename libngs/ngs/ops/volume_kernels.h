@@ -17,10 +17,10 @@ namespace ngs {
 template <class T>
 struct VolumeRays {
   std::int64_t rays;
-  int samples;         // K, near to far
-  const T* density;    // [R, K]     world^-1, >= 0
-  const T* rgb;        // [R, K, 3]
-  const T* spacing;    // [R]        Δ, world, >= 0
+  int samples;       // K, near to far
+  const T* density;  // [R, K]     world^-1, >= 0
+  const T* rgb;      // [R, K, 3]
+  const T* spacing;  // [R]        Δ, world, >= 0
   Vec3<T> background;
 };
 
@@ -29,10 +29,10 @@ template <class T>
 struct VolumeForward {
   static constexpr const char* kName = "volume_forward";
   VolumeRays<T> in;
-  T* colour;              // [R, 3] out, background included
-  T* alpha;               // [R]    out
-  T* optical_depth;       // [R]    out, D
-  T* weight;              // [R, K] out, w_k: kept for backward
+  T* colour;               // [R, 3] out, background included
+  T* alpha;                // [R]    out
+  T* optical_depth;        // [R]    out, D
+  T* weight;               // [R, K] out, w_k: kept for backward
   T* transmittance_after;  // [R, K] out, T_{k+1}: kept for backward
 
   NGS_HD void operator()(std::int64_t r) const {

@@ -17,8 +17,11 @@ struct RbfOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.neighbours, Field<int>{"neighbours", "", "boundary Gaussians per query point (before Eq. 8)", 1, kMaxNeighbours});
-    visit(self.width, Text{"width", "auto|WORLD", "kernel width, the paper's sigma (Eq. 8); auto: from the mean spacing of the boundary (C22)"});
+    visit(self.neighbours, Field<int>{"neighbours", "", "boundary Gaussians per query point (before Eq. 8)",
+                                      1, kMaxNeighbours});
+    visit(self.width,
+          Text{"width", "auto|WORLD",
+               "kernel width, the paper's sigma (Eq. 8); auto: from the mean spacing of the boundary (C22)"});
     visit(self.width_factor, Field<double>{"width_factor", "", "--width auto: times this", 1e-3, 1e3});
   }
 };
@@ -27,14 +30,15 @@ struct RbfOptions {
 double rbf_width(const Exec& exec, const RbfOptions& options, Rows<const float, 3> boundary);
 
 struct RbfSummary {
-  double width = 0;               // world
-  std::int64_t far_queries = 0;   // nearest boundary Gaussian beyond 4 widths: practically its own feature
-  double mean_nearest = 0;        // world, mean distance to the nearest
+  double width = 0;              // world
+  std::int64_t far_queries = 0;  // nearest boundary Gaussian beyond 4 widths: practically its own feature
+  double mean_nearest = 0;       // world, mean distance to the nearest
 };
 
-/// Fills feature (the colours of the neighbours, weighted), neighbour (rows of the model) and weight of `field`.
-/// kInconsistent where the field is of a model with another origin, kBadInput where a position is not finite.
-RbfSummary interpolate_features(const Exec& exec, Monitor& monitor, const RbfOptions& options, const GaussianCloud& cloud,
-                                const BoundarySet& boundary, QueryField& field);
+/// Fills feature (the colours of the neighbours, weighted), neighbour (rows of the model) and weight of
+/// `field`. kInconsistent where the field is of a model with another origin, kBadInput where a position is
+/// not finite.
+RbfSummary interpolate_features(const Exec& exec, Monitor& monitor, const RbfOptions& options,
+                                const GaussianCloud& cloud, const BoundarySet& boundary, QueryField& field);
 
 }  // namespace ngs

@@ -3,7 +3,8 @@
 namespace ngs {
 namespace {
 
-RenderedView render_depth(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& splat) {
+RenderedView render_depth(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
+                          const SplatOptions& splat) {
   RenderRequest request;
   request.colour = false;
   request.depth = true;
@@ -13,7 +14,8 @@ RenderedView render_depth(const Exec& exec, const GaussianCloud& cloud, const Ca
 void append(const ViewSample& sample, const Camera& camera, QueryField& field) {
   const RayQueries& rays = sample.rays;
   const auto view = std::int32_t(field.views.size());
-  field.views.push_back({camera.name, sample.boundary.box, rays.grid.rows, rays.grid.cols, rays.samples, sample.boundary.mean_distance});
+  field.views.push_back({camera.name, sample.boundary.box, rays.grid.rows, rays.grid.cols, rays.samples,
+                         sample.boundary.mean_distance});
   const std::size_t queries = rays.depth.size();
   field.position.insert(field.position.end(), rays.position.begin(), rays.position.end());
   field.depth.insert(field.depth.end(), rays.depth.begin(), rays.depth.end());
@@ -38,15 +40,17 @@ ViewSample sample_view(const Exec& exec, const SampleOptions& options, const Cam
   sample.boundary = boundary_box(camera, boundary, options.bbox_pad_px);
   const PixelGrid grid = pixel_grid(sample.boundary.box, options.rows, options.cols, options.nodes);
   sample.rays = ray_queries(exec, camera, grid,
-                            {.samples = options.depth_samples, .depth_span = options.depth_span,
-                             .depth_epsilon = options.depth_epsilon, .mean_distance = sample.boundary.mean_distance},
+                            {.samples = options.depth_samples,
+                             .depth_span = options.depth_span,
+                             .depth_epsilon = options.depth_epsilon,
+                             .mean_distance = sample.boundary.mean_distance},
                             map);
   return sample;
 }
 
-QueryField sample_queries(const Exec& exec, Monitor& monitor, const SampleOptions& options, const GaussianCloud& cloud,
-                          const BoundarySet& boundary, const Scene& scene, const std::vector<std::size_t>& views,
-                          const SplatOptions& splat) {
+QueryField sample_queries(const Exec& exec, Monitor& monitor, const SampleOptions& options,
+                          const GaussianCloud& cloud, const BoundarySet& boundary, const Scene& scene,
+                          const std::vector<std::size_t>& views, const SplatOptions& splat) {
   auto timed = monitor.scope("sample");
   QueryField field;
   field.origin = cloud.origin;
@@ -56,7 +60,8 @@ QueryField sample_queries(const Exec& exec, Monitor& monitor, const SampleOption
     const Camera camera = relative_to(world, cloud.origin);
     RenderedView rendered;
     DepthMap map;
-    if (options.window == WindowCentre::kPixel && boundary_box(camera, boundary.positions(), options.bbox_pad_px).visible > 0) {
+    if (options.window == WindowCentre::kPixel &&
+        boundary_box(camera, boundary.positions(), options.bbox_pad_px).visible > 0) {
       rendered = render_depth(exec, cloud, world, splat);
       map = {&rendered.depth, &rendered.alpha};
     }

@@ -15,8 +15,10 @@
 namespace ngs {
 
 enum class WindowCentre : std::uint8_t { kMean, kPixel };
-inline constexpr NamedValue<WindowCentre> kWindowNames[] = {{WindowCentre::kMean, "mean"}, {WindowCentre::kPixel, "pixel"}};
-inline constexpr NamedValue<GridNodes> kNodesNames[] = {{GridNodes::kCentres, "centres"}, {GridNodes::kInclusive, "inclusive"}};
+inline constexpr NamedValue<WindowCentre> kWindowNames[] = {{WindowCentre::kMean, "mean"},
+                                                            {WindowCentre::kPixel, "pixel"}};
+inline constexpr NamedValue<GridNodes> kNodesNames[] = {{GridNodes::kCentres, "centres"},
+                                                        {GridNodes::kInclusive, "inclusive"}};
 
 struct SampleOptions {
   int rows = 64, cols = 64;
@@ -29,14 +31,25 @@ struct SampleOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.rows, Field<int>{"rows", "", "grid rows, fewer where they would be under 1 px (Eq. 5)", 1, 4096});
+    visit(self.rows,
+          Field<int>{"rows", "", "grid rows, fewer where they would be under 1 px (Eq. 5)", 1, 4096});
     visit(self.cols, Field<int>{"cols", "", "grid columns (Eq. 5)", 1, 4096});
-    visit(self.depth_samples, Field<int>{"depth_samples", "", "query points per ray, the paper's K (Eq. 7)", 1, 256});
-    visit(self.bbox_pad_px, Field<double>{"bbox_pad_px", "px", "margin of the box about the boundary, the paper's delta (Eq. 4)", 0, 1e4});
-    visit(self.depth_span, Field<double>{"depth_span", "", "half depth window relative to the depth, the paper's alpha (Eq. 7)", 0, 1});
-    visit(self.depth_epsilon, Field<double>{"depth_epsilon", "world", "least half depth window (Eq. 7)", 0, 1e6});
-    visit(self.window, Choice<WindowCentre>{"window", "depth windows about the view's mean, or the rendered depth of the pixel (C12)", kWindowNames});
-    visit(self.nodes, Choice<GridNodes>{"nodes", "grid nodes: cell centres, or the paper's corners 0..N (C7)", kNodesNames});
+    visit(self.depth_samples,
+          Field<int>{"depth_samples", "", "query points per ray, the paper's K (Eq. 7)", 1, 256});
+    visit(self.bbox_pad_px,
+          Field<double>{"bbox_pad_px", "px",
+                        "margin of the box about the boundary, the paper's delta (Eq. 4)", 0, 1e4});
+    visit(self.depth_span,
+          Field<double>{"depth_span", "",
+                        "half depth window relative to the depth, the paper's alpha (Eq. 7)", 0, 1});
+    visit(self.depth_epsilon,
+          Field<double>{"depth_epsilon", "world", "least half depth window (Eq. 7)", 0, 1e6});
+    visit(self.window,
+          Choice<WindowCentre>{
+              "window", "depth windows about the view's mean, or the rendered depth of the pixel (C12)",
+              kWindowNames});
+    visit(self.nodes, Choice<GridNodes>{"nodes", "grid nodes: cell centres, or the paper's corners 0..N (C7)",
+                                        kNodesNames});
   }
 };
 
@@ -54,8 +67,8 @@ ViewSample sample_view(const Exec& exec, const SampleOptions& options, const Cam
                        Rows<const float, 3> boundary, const DepthMap& map);
 
 /// Query points of the given views of the scene; renders depth where the options ask for it.
-QueryField sample_queries(const Exec& exec, Monitor& monitor, const SampleOptions& options, const GaussianCloud& cloud,
-                          const BoundarySet& boundary, const Scene& scene, const std::vector<std::size_t>& views,
-                          const SplatOptions& splat);
+QueryField sample_queries(const Exec& exec, Monitor& monitor, const SampleOptions& options,
+                          const GaussianCloud& cloud, const BoundarySet& boundary, const Scene& scene,
+                          const std::vector<std::size_t>& views, const SplatOptions& splat);
 
 }  // namespace ngs

@@ -33,9 +33,12 @@ struct AlignScene {
   explicit AlignScene(std::uint64_t seed) {
     test::Random random(seed);
     colour = random_image(random, 40, 30, 3), alpha = random_image(random, 40, 30, 1);
-    field_colour = random.uniform_vector<float>(144, 0, 1), field_alpha = random.uniform_vector<float>(48, 0, 1);
+    field_colour = random.uniform_vector<float>(144, 0, 1),
+    field_alpha = random.uniform_vector<float>(48, 0, 1);
   }
-  AlignInputs inputs() const { return {grid, &colour, &alpha, nullptr, &field_colour, &field_alpha, nullptr}; }
+  AlignInputs inputs() const {
+    return {grid, &colour, &alpha, nullptr, &field_colour, &field_alpha, nullptr};
+  }
 };
 
 ViewMasks masks_of(int width, int height, std::vector<std::vector<float>> target) {
@@ -61,7 +64,8 @@ TEST_CASE("loss_align: its parts have the values of the formula") {
   AlignScene s(1);
   s.colour = ImageF(40, 30, 3, 0.25f), s.alpha = ImageF(40, 30, 1, 0.5f);
   for (int y = 0; y < 30; ++y)
-    for (int x = 0; x < 40; ++x) s.colour.at(x, y, 0) = x % 2 == 0 ? 0.2f : 0.4f;  // patches of 7: 3 or 4 of each
+    for (int x = 0; x < 40; ++x)
+      s.colour.at(x, y, 0) = x % 2 == 0 ? 0.2f : 0.4f;  // patches of 7: 3 or 4 of each
   s.field_colour.assign(144, 0.25f), s.field_alpha.assign(48, 0.1f);
   AlignContext context;
   const AlignLoss loss = loss_align({}, {.weight_alpha = 0.5, .weight_variance = 2}, s.inputs(), context);
@@ -144,14 +148,18 @@ TEST_CASE("density weights are sigmoids of the interpolated optical depth inside
   const ImageF w = density_weights({}, 8, 6, grid, box, {0, 4, 0, 4});
   CHECK(w.at(0, 0) == 0.5f);
   CHECK(w.at(7, 3) == 0.5f);
-  CHECK(w.at(2, 2) == 0.5f);                                         // x 2.5: left of the first node, D = 0
+  CHECK(w.at(2, 2) == 0.5f);  // x 2.5: left of the first node, D = 0
   CHECK(double(w.at(3, 2)) == doctest::Approx(1 / (1 + std::exp(-1.0))));  // x 3.5: a quarter of the way
   CHECK(double(w.at(5, 3)) == doctest::Approx(1 / (1 + std::exp(-4.0))));
   CHECK(density_weights({}, 3, 2, {}, {}, {}).data == std::vector<float>(6, 0.5f));
 }
 
 TEST_CASE("loss_mask: cross-entropy has its closed values and stays finite at the ends") {
-  const ImageF p = [] { ImageF i(2, 1, 1); i.data = {0.25f, 0.75f}; return i; }();
+  const ImageF p = [] {
+    ImageF i(2, 1, 1);
+    i.data = {0.25f, 0.75f};
+    return i;
+  }();
   const ViewMasks masks = masks_of(2, 1, {{0, 1}});
   ImageF g;
   const MaskLoss loss = loss_mask({}, {}, {&p, &masks, nullptr, 1}, 1, &g);
@@ -205,10 +213,13 @@ TEST_CASE("loss_mask: the literal reading of the paper is the linear loss times 
 TEST_CASE("loss_mask gives the same bytes for 1 and 7 threads") {
   test::Random random(9);
   const ImageF p = random_image(random, 50, 40, 3);
-  const ViewMasks masks = masks_of(50, 40, {std::vector<float>(2000, 1.f), std::vector<float>(2000, 0.f), random.uniform_vector<float>(2000, 0, 1)});
+  const ViewMasks masks = masks_of(50, 40,
+                                   {std::vector<float>(2000, 1.f), std::vector<float>(2000, 0.f),
+                                    random.uniform_vector<float>(2000, 0, 1)});
   const ImageF weight = random_image(random, 50, 40, 1);
   ImageF a, b;
-  CHECK(loss_mask(threads(1), {}, {&p, &masks, &weight, 1}, 1, &a).total == loss_mask(threads(7), {}, {&p, &masks, &weight, 1}, 1, &b).total);
+  CHECK(loss_mask(threads(1), {}, {&p, &masks, &weight, 1}, 1, &a).total ==
+        loss_mask(threads(7), {}, {&p, &masks, &weight, 1}, 1, &b).total);
   CHECK(a.data == b.data);
 }
 
@@ -228,23 +239,27 @@ TEST_CASE("loss_cont: constant colours cost nothing, one step costs its square")
 
 TEST_CASE("loss_cont gives the same bytes for 1 and 7 threads") {
   test::Random random(10);
-  const auto points = random.uniform_vector<float>(3000, -1, 1), colour = random.uniform_vector<float>(3000, 0, 1);
+  const auto points = random.uniform_vector<float>(3000, -1, 1),
+             colour = random.uniform_vector<float>(3000, 0, 1);
   const KnnGraph graph = nearest_others({}, {points.data(), 1000}, 8);
   std::vector<float> a, b;
-  CHECK(loss_cont(threads(1), graph, {colour.data(), 1000}, {}, 1, &a) == loss_cont(threads(7), graph, {colour.data(), 1000}, {}, 1, &b));
+  CHECK(loss_cont(threads(1), graph, {colour.data(), 1000}, {}, 1, &a) ==
+        loss_cont(threads(7), graph, {colour.data(), 1000}, {}, 1, &b));
   CHECK(a == b);
 }
 
 TEST_CASE("loss_smooth: jittered points lie on spheres, differ between steps and repeat with the seed") {
   const std::vector<float> points(3000, 0.5f);
   const Rows<const float, 3> rows{points.data(), 1000};
-  const auto a = jittered_points(threads(1), rows, 1, 0, 0.25), b = jittered_points(threads(7), rows, 1, 0, 0.25);
+  const auto a = jittered_points(threads(1), rows, 1, 0, 0.25),
+             b = jittered_points(threads(7), rows, 1, 0, 0.25);
   CHECK(a == b);
   CHECK(jittered_points({}, rows, 1, 1000, 0.25) != a);
   double mean[3] = {0, 0, 0};
   for (std::size_t i = 0; i < 1000; ++i) {
     double d2 = 0;
-    for (std::size_t c = 0; c < 3; ++c) d2 += std::pow(double(a[i * 3 + c]) - 0.5, 2), mean[c] += (double(a[i * 3 + c]) - 0.5) / 1000;
+    for (std::size_t c = 0; c < 3; ++c)
+      d2 += std::pow(double(a[i * 3 + c]) - 0.5, 2), mean[c] += (double(a[i * 3 + c]) - 0.5) / 1000;
     CHECK(std::sqrt(d2) == doctest::Approx(0.25).epsilon(1e-5));
   }
   for (const double m : mean) CHECK(std::abs(m) < 0.02);  // 4 standard deviations of the mean of 1000: 0.018
@@ -256,9 +271,11 @@ TEST_CASE("loss_smooth estimates the squared gradient of a linear field without 
   const auto moved = jittered_points({}, {points.data(), 20000}, 5, 0, 0.1);
   std::vector<float> colour(60000, 0.f), moved_colour(60000);
   for (std::size_t i = 0; i < 20000; ++i)
-    for (std::size_t c = 0; c < 3; ++c) moved_colour[i * 3 + c] = moved[i * 3] + 2 * moved[i * 3 + 1] - 2 * moved[i * 3 + 2];
+    for (std::size_t c = 0; c < 3; ++c)
+      moved_colour[i * 3 + c] = moved[i * 3] + 2 * moved[i * 3 + 1] - 2 * moved[i * 3 + 2];
   SmoothnessGradients g;
-  const double loss = loss_smooth_backward({}, {.jitter_length = 0.1, .unit_length = 2}, colour, moved_colour, 1, g);
+  const double loss =
+      loss_smooth_backward({}, {.jitter_length = 0.1, .unit_length = 2}, colour, moved_colour, 1, g);
   CHECK(loss == doctest::Approx(108).epsilon(0.03));  // relative standard deviation 0.9 / sqrt(20000) = 0.6 %
   CHECK(loss_smooth_backward({}, {}, {}, {}, 1, g) == 0);
 }

@@ -1,8 +1,9 @@
+#include "ngs/ops/film_mlp.h"
+
 #include <doctest/doctest.h>
 
 #include <cmath>
 
-#include "ngs/ops/film_mlp.h"
 #include "ngs/ops/film_mlp_kernels.h"
 #include "support/random.h"
 
@@ -25,7 +26,10 @@ struct Net {
     for (std::int64_t r = 0; r < n; ++r) direction.insert(direction.end(), {0.36f, 0.48f, 0.8f});
   }
   FilmMlpInputs inputs() const {
-    return {{feature.data(), queries, config.inputs}, {condition.data(), queries, config.condition}, {direction.data(), queries}, 1};
+    return {{feature.data(), queries, config.inputs},
+            {condition.data(), queries, config.condition},
+            {direction.data(), queries},
+            1};
   }
 };
 
@@ -35,9 +39,11 @@ TEST_CASE("film mlp equals the formulas written out for one neuron") {
   Net net({.inputs = 1, .condition = 1, .hidden = 1, .layers = 2, .direction_degree = 0}, 1, 1);
   net.feature = {2}, net.condition = {0.5f};
   // per layer: W b Wγ bγ Wβ bβ; then head weight [4], head bias [4]
-  const float p[] = {0.5f, 0.25f, 1, 1, 0.5f, -0.25f, 2, -1, -1, 1, 1, 0.5f, 0.5f, -1, 0.25f, 1, 0.1f, 0.2f, 0.3f, 0.4f};
+  const float p[] = {0.5f, 0.25f, 1,    1,  0.5f,  -0.25f, 2,    -1,   -1,   1,
+                     1,    0.5f,  0.5f, -1, 0.25f, 1,      0.1f, 0.2f, 0.3f, 0.4f};
   std::copy(std::begin(p), std::end(p), net.store.values.begin() + std::ptrdiff_t(net.offset));
-  const double h0 = 0.5 * 2 + 0.25, x1 = (0.5 + 1) * h0 + 0.25 - 0.25, h1 = 2 * x1 - 1, x2 = (-0.5 + 1) * h1 + 0.5 + 0.5;
+  const double h0 = 0.5 * 2 + 0.25, x1 = (0.5 + 1) * h0 + 0.25 - 0.25, h1 = 2 * x1 - 1,
+               x2 = (-0.5 + 1) * h1 + 0.5 + 0.5;
   FilmMlpOutput out;
   FilmMlp(net.config, net.offset, 0.5).forward({}, net.store, net.inputs(), out);
   CHECK(double(out.density[0]) == doctest::Approx(2 * std::log1p(std::exp(0.5 * x2 + 0.1))).epsilon(1e-6));
@@ -65,14 +71,17 @@ TEST_CASE("film mlp: the packed network agrees with the same source in double") 
     const FilmMlp mlp(net.config, net.offset, 0.1);
     mlp.forward({}, net.store, net.inputs(), out);
     test::Random random(4);
-    const auto gd = random.uniform_vector<float>(std::size_t(n), -1, 1), gc = random.uniform_vector<float>(std::size_t(n) * 3, -1, 1);
+    const auto gd = random.uniform_vector<float>(std::size_t(n), -1, 1),
+               gc = random.uniform_vector<float>(std::size_t(n) * 3, -1, 1);
     FilmMlpGradients grads;
     mlp.backward({}, net.store, net.inputs(), out, gd, gc, grads);
 
     const auto wide = [](const std::vector<float>& v) { return std::vector<double>(v.begin(), v.end()); };
     const auto params = wide({net.store.values.begin() + std::ptrdiff_t(net.offset), net.store.values.end()});
-    const auto x = wide(net.feature), c = wide(net.condition), d = wide(net.direction), ugd = wide(gd), ugc = wide(gc);
-    std::vector<double> density(std::size_t(n), 0.0), rgb(std::size_t(n) * 3), context(film_context_size<double>(net.config));
+    const auto x = wide(net.feature), c = wide(net.condition), d = wide(net.direction), ugd = wide(gd),
+               ugc = wide(gc);
+    std::vector<double> density(std::size_t(n), 0.0), rgb(std::size_t(n) * 3),
+        context(film_context_size<double>(net.config));
     std::vector<double> gp(params.size()), gx(x.size()), gcond(c.size());
     FilmMlpData<double> data;
     data.params = params.data(), data.input = {x.data(), n, 16}, data.condition = {c.data(), n, 3};
@@ -87,7 +96,8 @@ TEST_CASE("film mlp: the packed network agrees with the same source in double") 
     const auto close = [](const auto& got, const std::vector<double>& want, std::size_t offset = 0) {
       double largest = 0, worst = 0;
       for (const double w : want) largest = std::max(largest, std::abs(w));
-      for (std::size_t i = 0; i < want.size(); ++i) worst = std::max(worst, std::abs(double(got[offset + i]) - want[i]));
+      for (std::size_t i = 0; i < want.size(); ++i)
+        worst = std::max(worst, std::abs(double(got[offset + i]) - want[i]));
       return worst <= 1e-5 * largest;
     };
     CHECK(close(out.density, density));
@@ -109,7 +119,8 @@ TEST_CASE("film mlp gives the same bytes for 1 and 7 threads, gradients included
   Exec one, seven;
   seven.threads = 7;
   mlp.forward(one, a.store, a.inputs(), out_a), mlp.forward(seven, b.store, b.inputs(), out_b);
-  mlp.backward(one, a.store, a.inputs(), out_a, gd, gc, grads_a), mlp.backward(seven, b.store, b.inputs(), out_b, gd, gc, grads_b);
+  mlp.backward(one, a.store, a.inputs(), out_a, gd, gc, grads_a),
+      mlp.backward(seven, b.store, b.inputs(), out_b, gd, gc, grads_b);
   CHECK(out_a.density == out_b.density);
   CHECK(out_a.rgb == out_b.rgb);
   CHECK(grads_a.feature == grads_b.feature);

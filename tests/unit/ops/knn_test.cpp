@@ -1,9 +1,10 @@
+#include "ngs/ops/knn.h"
+
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "ngs/ops/knn.h"
 #include "support/random.h"
 
 namespace ngs {
@@ -18,7 +19,8 @@ double dist2(const float* a, const float* b) {
 }
 
 /// By sorting everything: what nearest_points must return.
-KnnGraph brute_force(const std::vector<float>& points, const std::vector<float>& queries, int k, bool exclude_self) {
+KnnGraph brute_force(const std::vector<float>& points, const std::vector<float>& queries, int k,
+                     bool exclude_self) {
   KnnGraph graph;
   const std::size_t n = points.size() / 3;
   graph.neighbours = int(std::min<std::size_t>(std::size_t(k), n - (exclude_self ? 1 : 0)));
@@ -57,7 +59,8 @@ TEST_CASE("knn equals a full sort for every small number of points") {
   test::Random random(1);
   for (const std::size_t n : {1u, 2u, unsigned(k) - 1, unsigned(k), unsigned(k) + 1, 40u}) {
     CAPTURE(n);
-    const auto points = random.uniform_vector<float>(3 * n, -1, 1), queries = random.uniform_vector<float>(3 * 9, -2, 2);
+    const auto points = random.uniform_vector<float>(3 * n, -1, 1),
+               queries = random.uniform_vector<float>(3 * 9, -2, 2);
     check_equal(nearest_points({}, rows(points), rows(queries), k), brute_force(points, queries, k, false));
     if (n > 1) check_equal(nearest_others({}, rows(points), k), brute_force(points, points, k, true));
   }
@@ -93,7 +96,8 @@ TEST_CASE("knn stays exact for far queries, offset scenes and points that differ
   for (const float offset : {0.f, 1e4f}) {
     std::vector<float> points = random.uniform_vector<float>(3 * 300, -1, 1);
     for (float& x : points) x += offset;
-    for (std::size_t i = 0; i < 60; ++i) points.push_back(std::nextafter(points[i], 2e4f));  // nearly coincident
+    for (std::size_t i = 0; i < 60; ++i)
+      points.push_back(std::nextafter(points[i], 2e4f));  // nearly coincident
     std::vector<float> queries = random.uniform_vector<float>(3 * 50, -1e3, 1e3);
     queries.insert(queries.end(), points.begin(), points.begin() + 90);
     check_equal(nearest_points({}, rows(points), rows(queries), 8), brute_force(points, queries, 8, false));
@@ -102,17 +106,20 @@ TEST_CASE("knn stays exact for far queries, offset scenes and points that differ
 
 TEST_CASE("knn gives the same tables for any number of threads") {
   test::Random random(3);
-  const auto points = random.uniform_vector<float>(3 * 700, -1, 1), queries = random.uniform_vector<float>(3 * 2000, -1, 1);
+  const auto points = random.uniform_vector<float>(3 * 700, -1, 1),
+             queries = random.uniform_vector<float>(3 * 2000, -1, 1);
   Exec seven;
   seven.threads = 7;
-  const KnnGraph a = nearest_points({}, rows(points), rows(queries), 8), b = nearest_points(seven, rows(points), rows(queries), 8);
+  const KnnGraph a = nearest_points({}, rows(points), rows(queries), 8),
+                 b = nearest_points(seven, rows(points), rows(queries), 8);
   check_equal(a, b);
   CHECK(a.edge == b.edge);
 }
 
 TEST_CASE("the transpose of a graph lists every edge once, ascending, under its point") {
   test::Random random(4);
-  const auto points = random.uniform_vector<float>(3 * 30, -1, 1), queries = random.uniform_vector<float>(3 * 100, -1, 1);
+  const auto points = random.uniform_vector<float>(3 * 30, -1, 1),
+             queries = random.uniform_vector<float>(3 * 100, -1, 1);
   const KnnGraph graph = nearest_points({}, rows(points), rows(queries), 5);
   REQUIRE(graph.row_begin.size() == 31);
   CHECK(graph.row_begin.back() == 500);

@@ -1,8 +1,9 @@
+#include "ngs/ops/ray_query.h"
+
 #include <doctest/doctest.h>
 
 #include <cmath>
 
-#include "ngs/ops/ray_query.h"
 #include "ngs/ops/ray_query_kernels.h"
 #include "ngs/ops/sample_grid.h"
 #include "support/cameras.h"
@@ -117,7 +118,8 @@ TEST_CASE("ray queries are the same bytes for any number of threads") {
   Exec seven;
   seven.threads = 7;
   const RayOptions options{.mean_distance = 4};
-  CHECK(ray_queries({}, camera, grid, options, {}).position == ray_queries(seven, camera, grid, options, {}).position);
+  CHECK(ray_queries({}, camera, grid, options, {}).position ==
+        ray_queries(seven, camera, grid, options, {}).position);
 }
 
 }  // namespace ngs

@@ -1,8 +1,9 @@
+#include "ngs/ops/sample_grid.h"
+
 #include <doctest/doctest.h>
 
 #include <vector>
 
-#include "ngs/ops/sample_grid.h"
 #include "support/cameras.h"
 
 namespace ngs {
@@ -49,7 +50,8 @@ TEST_CASE("Gaussians behind the camera or far off-screen do not stretch the box"
 }
 
 TEST_CASE("the boundary box is clipped to the image") {
-  const BoundaryBox b = box_of({-1.04f, 0, 1, 1.04f, 0.78f, 1});  // x at -2 and 102, y at 79: inside the padding
+  const BoundaryBox b =
+      box_of({-1.04f, 0, 1, 1.04f, 0.78f, 1});  // x at -2 and 102, y at 79: inside the padding
   CHECK(b.visible == 2);
   CHECK(b.box.min_x == 0);
   CHECK(b.box.max_x == 100);
@@ -101,7 +103,8 @@ TEST_CASE("the bilinear weights of an image position sum to one and name every p
 }
 
 TEST_CASE("the node range of a pixel misses no node that reads it") {
-  const PixelGrid grids[] = {pixel_grid({-0.5, 0, 9.7, 5}, 5, 7, GridNodes::kCentres), pixel_grid({0, 0, 9, 5}, 5, 9, GridNodes::kInclusive),
+  const PixelGrid grids[] = {pixel_grid({-0.5, 0, 9.7, 5}, 5, 7, GridNodes::kCentres),
+                             pixel_grid({0, 0, 9, 5}, 5, 9, GridNodes::kInclusive),
                              pixel_grid({3.2, 0, 3.9, 5}, 5, 9, GridNodes::kCentres)};
   for (const PixelGrid& g : grids)
     for (int pixel = 0; pixel < 9; ++pixel) {

@@ -1,8 +1,8 @@
+#include "ngs/scene/boundary_set.h"
+
 #include <doctest/doctest.h>
 
 #include <stdexcept>
-
-#include "ngs/scene/boundary_set.h"
 
 namespace ngs {
 
