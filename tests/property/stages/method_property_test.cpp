@@ -4,6 +4,7 @@
 #include "ngs/stages/method_cob.h"
 #include "ngs/stages/method_flash.h"
 #include "ngs/stages/method_sa3d.h"
+#include "ngs/stages/method_saga.h"
 #include "support/method_case.h"
 
 namespace ngs {
@@ -20,6 +21,11 @@ const NamedRun kRuns[] = {
     {"flash", [](const Exec& e, Monitor& m, const MethodInput& in) { return run_flash(e, m, {}, in); }, false, false},
     {"bce", [](const Exec& e, Monitor& m, const MethodInput& in) { return run_bce(e, m, {}, in); }, false, false},
     {"cob", [](const Exec& e, Monitor& m, const MethodInput& in) { return run_cob(e, m, {}, in); }, true, true},
+    {"saga", [](const Exec& e, Monitor& m, const MethodInput& in) {
+       SagaOptions few;
+       few.steps = 12, few.dims = 8, few.pixels = 64;
+       return run_saga(e, m, few, in);
+     }, true, true},
     {"sa3d", [](const Exec& e, Monitor& m, const MethodInput& in) { return run_sa3d(e, m, {}, in); }, true, false},
 };
 
