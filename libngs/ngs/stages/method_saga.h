@@ -14,7 +14,7 @@ namespace ngs {
 
 struct SagaOptions {
   int dims = 32, steps = 300, pixels = 512, neighbours = 16;
-  double lr = 0.01, image_scale = 0.5, threshold = 0.75;
+  double lr = 0.005, image_scale = 0.5, threshold = 0.75;
   std::string reference;
 
   template <class Self, class Visitor>

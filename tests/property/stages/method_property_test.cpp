@@ -3,6 +3,7 @@
 #include "ngs/stages/method_bce.h"
 #include "ngs/stages/method_cob.h"
 #include "ngs/stages/method_flash.h"
+#include "ngs/stages/method_released.h"
 #include "ngs/stages/method_sa3d.h"
 #include "ngs/stages/method_saga.h"
 #include "support/method_case.h"
@@ -21,6 +22,11 @@ const NamedRun kRuns[] = {
     {"flash", [](const Exec& e, Monitor& m, const MethodInput& in) { return run_flash(e, m, {}, in); }, false, false},
     {"bce", [](const Exec& e, Monitor& m, const MethodInput& in) { return run_bce(e, m, {}, in); }, false, false},
     {"cob", [](const Exec& e, Monitor& m, const MethodInput& in) { return run_cob(e, m, {}, in); }, true, true},
+    {"released", [](const Exec& e, Monitor& m, const MethodInput& in) {
+       ReleasedOptions short_run;
+       short_run.cob.rounds = 1;
+       return run_released(e, m, short_run, in);
+     }, true, true},
     {"saga", [](const Exec& e, Monitor& m, const MethodInput& in) {
        SagaOptions few;
        few.steps = 12, few.dims = 8, few.pixels = 64;
