@@ -106,7 +106,7 @@ TEST_CASE("the contrastive loss has the gradient of finite differences, with bac
 TEST_CASE("saga separates two clusters of which the masks show one") {
   const test::MethodCase c = two_clusters();
   SagaOptions options;
-  options.steps = 120, options.dims = 8, options.pixels = 128, options.image_scale = 1;
+  options.steps = 120, options.dims = 8, options.pixels = 128, options.image_scale = 1, options.lr = 0.02;
   Monitor monitor;
   const MethodResult r = run_saga({}, monitor, options, c.input());
   int right = 0, seen = 0;
