@@ -25,7 +25,8 @@ out=$(cd "$out" && pwd)
 # masks/ is what a mask maker might have given: contours off by 1.5 px, one in ten views without the object.
 if [ ! -f "$out/scene/point_cloud.ply" ]; then
   say "== making the scene"
-  "${bin:+$bin/}ngs-synth" leaves -o "$out/scene" -w --mask-noise jitter:1.5,drop:0.1 --fit-steps 1000 --report "$out/ngs-synth.json"
+  "${bin:+$bin/}ngs-synth" leaves -o "$out/scene" -w --views 16 --width-px 256 --height-px 192 --fit-steps 800 \
+    --mask-noise jitter:1.5,drop:0.1 --report "$out/ngs-synth.json"
 fi
 say "== cutting out the object"
 "$pipelines/ngs-gs.sh" "$out/scene" "$out/run" --gt "$out/scene/masks_gt" --hold-out every:4:2 --quality draft "$@"

@@ -67,6 +67,9 @@ for name in $scenes; do
   # A folder that reads like any other capture.
   mkdir -p "$view"
   ln -sfn "$scene/color" "$view/images"
+  for model in point_cloud.ply point_cloud; do
+    if [ -e "$scene/$model" ]; then ln -sfn "$scene/$model" "$view/$model"; fi
+  done
   if [ -n "$masks" ]; then ln -sfn "$(cd "$masks/$name" && pwd)" "$view/masks"; else ln -sfn "$scene/instance-filt" "$view/masks"; fi
   transforms "$scene" "$view/transforms.json.new"
   # The same poses keep their file, so that nothing is run again.

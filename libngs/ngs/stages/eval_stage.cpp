@@ -92,6 +92,11 @@ ObjectIds parse_object_ids(const std::vector<std::string>& texts) {
   return ids;
 }
 
+bool is_black_and_white(const MaskSamples& samples) {
+  return std::all_of(samples.data.begin(), samples.data.end(),
+                     [](std::uint16_t value) { return value == 0 || value == 255; });
+}
+
 bool is_zero_one(const MaskSamples& samples) { return largest(decisive_channel(samples)) == 1; }
 
 std::vector<std::uint8_t> binarised(const MaskSamples& samples, double threshold) {
@@ -127,6 +132,13 @@ std::vector<PairScore> evaluate_pair(const Exec& exec, const EvalOptions& option
     score.predicted_zero_one = is_zero_one(pair.predicted);
     score.truth_zero_one = is_zero_one(pair.truth);
     return {score};
+  }
+  if (pair.truth_id == 0 && ids.size() == 1 && ids.begin()->first != 255 &&
+      is_black_and_white(pair.predicted)) {
+    EvalPair one = pair;
+    one.truth_id = ids.begin()->first;
+    one.object = ids.begin()->second;
+    return evaluate_pair(exec, options, ids, one);
   }
   if (pair.truth_id > 0) {
     PairScore score = score_planes(exec, options, pair, fitted(binarised(pair.predicted, options.threshold)),

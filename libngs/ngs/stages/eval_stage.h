@@ -6,7 +6,8 @@
 // are made binary by `> threshold` on the 8-bit scale. A file whose largest sample is 1 counts as
 // {0,1}-valued. Of several channels the largest of R, G, B decides, or alpha where it is not constant. In
 // label maps an object is `value == id`; colour-coded maps have id = R + 256 G + 65536 B, and a pair of maps
-// in which neither has the object is no pair.
+// in which neither has the object is no pair. Where one id is asked for, a prediction of nothing but 0 and
+// 255 is the mask of that object.
 #include <cstdint>
 #include <map>
 #include <span>
@@ -51,6 +52,8 @@ ObjectIds parse_object_ids(const std::vector<std::string>& texts);
 /// [H·W] 0/1.
 std::vector<std::uint8_t> binarised(const MaskSamples& samples, double threshold);
 bool is_zero_one(const MaskSamples& samples);
+/// Nothing but 0 and 255: a mask, not a label map.
+bool is_black_and_white(const MaskSamples& samples);
 /// [H·W] object ids.
 std::vector<std::uint32_t> label_ids(const MaskSamples& samples);
 

@@ -92,6 +92,19 @@ TEST_CASE("the mask of one object is scored against its id in the true label map
   CHECK(score(empty, 9).empty());
 }
 
+TEST_CASE("a black and white prediction is the mask of the one object that is asked for") {
+  EvalOptions options;
+  options.label_map = true;
+  const Samples mask{{255, 255, 0, 0}, 4, 1}, truth{{7, 3, 3, 0}, 4, 1};
+  const auto scores = evaluate(mask, truth, options, parse_object_ids({"ball=3"}));
+  REQUIRE(scores.size() == 1);
+  CHECK(scores[0].object == "ball");
+  CHECK(scores[0].scores.iou == doctest::Approx(1.0 / 3));
+  CHECK(evaluate(mask, truth, options).size() == 3);  // 3, 7 and 255: all are ids
+  const Samples labels{{0, 3, 255, 0}, 4, 1};
+  CHECK(evaluate(labels, truth, options, parse_object_ids({"3"}))[0].scores.iou == 0.5);
+}
+
 TEST_CASE("colour-coded label maps give one id per colour") {
   CHECK(label_ids(Samples{{1, 2, 3, 0, 0, 0}, 2, 1, 3}.view()) ==
         std::vector<std::uint32_t>{1 + 512 + 196608, 0});

@@ -1,0 +1,129 @@
+// The data-set loops of pipelines/ on data sets of one tiny scene each, laid out like the real ones.
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "support/process.h"
+#include "support/temp_dir.h"
+#include "support/tiny_scene.h"
+
+namespace ngs {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+struct DataSet {
+  test::TempDir dir;
+  std::string tiny = dir.path() + "/tiny";
+  DataSet() {
+    fs::create_directories(tiny);
+    test::write_tiny_scene(tiny);
+  }
+  std::string path(const std::string& name) const { return dir.path() + "/" + name; }
+  void copy(const std::string& from, const std::string& to) const {
+    fs::create_directories(fs::path(path(to)).parent_path());
+    fs::copy(tiny + "/" + from, path(to), fs::copy_options::recursive);
+  }
+  test::ProcessResult run(const std::string& script, std::vector<std::string> arguments) const {
+    test::ProcessSpec spec;
+    spec.argv = {NGS_SOURCE_DIR "/pipelines/" + script};
+    spec.argv.insert(spec.argv.end(), arguments.begin(), arguments.end());
+    spec.folder = dir.path();
+    spec.environment = {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}};
+    return test::run_process(spec);
+  }
+  Json json(const std::string& name) const { return Json::parse(std::ifstream(path(name)), nullptr, false); }
+};
+
+TEST_CASE("nvos.sh scores the target view of the tasks that are there and says which are not") {
+  const DataSet data;
+  data.copy("images", "llff/fern/images");
+  data.copy("model.ply", "llff/fern/point_cloud.ply");
+  data.copy("masks", "masks/fern");
+  data.copy("masks/v2.png", "nvos/masks/fern/IMG_4027_mask.png");
+  fs::rename(data.path("llff/fern/images/v2.png"), data.path("llff/fern/images/IMG_4027.png"));
+  fs::rename(data.path("masks/fern/v2.png"), data.path("masks/fern/IMG_4027.png"));
+  std::string poses = test::read_bytes(data.tiny + "/transforms.json");
+  REQUIRE(poses.find("v2.png") != poses.npos);
+  data.dir.write("llff/fern/transforms.json", poses.replace(poses.find("v2.png"), 6, "IMG_4027.png"));
+
+  const test::ProcessResult result =
+      data.run("nvos.sh", {"nvos", "llff", "masks", "out", "--method", "flash", "-q"});
+  INFO(result.err);
+  CHECK(result.exit_code == 0);
+  CHECK(result.err.find("trex skipped") != std::string::npos);
+  const Json metrics = data.json("out/fern/metrics.json");
+  REQUIRE(metrics["views"].size() == 1);
+  CHECK(metrics["views"][0]["view"] == "IMG_4027_mask");
+  CHECK(metrics["mean"]["iou"].get<double>() > 0.8);
+  CHECK(data.json("out/summary.json")["result"]["mean_over_runs"]["iou"] == metrics["mean"]["iou"]);
+  CHECK(fs::exists(data.path("out/report.html")));
+  const Json scene = data.json("out/fern/scene.json");
+  for (const Json& view : scene["views"])
+    CHECK((view["split"] == "held-out") ==
+          (view["name"].get<std::string>().find("IMG_4027") != std::string::npos));
+}
+
+TEST_CASE("lerf-mask.sh scores each prompt and averages over prompts and scenes") {
+  const DataSet data;
+  data.copy("images", "lerf/ramen/images");
+  data.copy("transforms.json", "lerf/ramen/transforms.json");
+  data.copy("model.ply", "lerf/ramen/point_cloud.ply");
+  for (const char* view : {"v2", "v4"})
+    data.copy(std::string("masks/") + view + ".png",
+              std::string("lerf/ramen/test_mask/") + view + "/red ball.png");
+  data.copy("masks", "masks/ramen/red ball");
+
+  const test::ProcessResult result =
+      data.run("lerf-mask.sh", {"lerf", "masks", "out", "--method", "flash", "-q"});
+  INFO(result.err);
+  CHECK(result.exit_code == 0);
+  CHECK(data.json("out/ramen/red ball/metrics.json")["views"].size() == 2);
+  CHECK(result.err.find("mean over 1 scenes: biou") != std::string::npos);
+}
+
+/// pose/N.txt: camera -> world in OpenCV axes, from the OpenGL axes of transforms.json.
+void write_scannet_poses(const DataSet& data) {
+  const Json transforms = Json::parse(test::read_bytes(data.tiny + "/transforms.json"));
+  int index = 0;
+  for (const Json& frame : transforms["frames"]) {
+    std::string text;
+    for (const Json& row : frame["transform_matrix"])
+      for (int c = 0; c < 4; ++c)
+        text += std::to_string((c == 1 || c == 2 ? -1 : 1) * row[std::size_t(c)].get<double>()) +
+                (c == 3 ? "\n" : " ");
+    data.dir.write("scans/scene0/pose/" + std::to_string(index) + ".txt", text);
+    const std::string name = fs::path(frame["file_path"].get<std::string>()).stem().string();
+    data.copy("images/" + name + ".png", "scans/scene0/color/" + std::to_string(index) + ".jpg");
+    data.copy("labels/" + name + ".png", "scans/scene0/instance-filt/" + std::to_string(index) + ".png");
+    ++index;
+  }
+  data.dir.write("scans/scene0/pose/99.txt",
+                 "-inf -inf -inf -inf\n-inf -inf -inf -inf\n-inf -inf -inf -inf\n0 0 0 1\n");
+  const Json& k = transforms.contains("fl_x") ? transforms : transforms["frames"][0];
+  const auto value = [&](const char* key) { return std::to_string(k[key].get<double>()); };
+  data.dir.write("scans/scene0/intrinsic/intrinsic_color.txt", value("fl_x") + " 0 " + value("cx") +
+                                                                   " 0\n0 " + value("fl_y") + " " +
+                                                                   value("cy") + " 0\n0 0 1 0\n0 0 0 1\n");
+}
+
+TEST_CASE("scannet.sh turns poses into a capture and scores instances of label maps") {
+  const DataSet data;
+  write_scannet_poses(data);
+  data.copy("model.ply", "scans/scene0/point_cloud.ply");
+  const test::ProcessResult result =
+      data.run("scannet.sh", {"scans", "out", "--objects", "7", "--method", "flash", "-q"});
+  INFO(result.err);
+  CHECK(result.exit_code == 0);
+  CHECK(result.err.find("frame 99 has no finite pose") != std::string::npos);
+  const Json metrics = data.json("out/scene0/run/metrics.json");
+  REQUIRE(metrics["objects"].size() == 1);
+  CHECK(metrics["objects"][0]["object"] == "7");
+  CHECK(metrics["mean"]["iou"].get<double>() > 0.8);
+}
+
+}  // namespace
+}  // namespace ngs
