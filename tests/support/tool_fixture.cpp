@@ -21,8 +21,13 @@ std::string substituted(std::string text, const std::string& from, const std::st
 }  // namespace
 
 Json resolved(const Json& json, const std::string& tmp, const std::string& fixture) {
-  if (json.is_string())
-    return substituted(substituted(json.get<std::string>(), "{tmp}", tmp), "{fixture}", fixture);
+  if (json.is_string()) {
+    std::string text = json;
+    for (const auto& [name, value] :
+         {std::pair("{tmp}", tmp), {"{fixture}", fixture}, {"{tools}", NGS_TOOL_DIR}})
+      text = substituted(text, name, value);
+    return text;
+  }
   if (!json.is_structured()) return json;
   Json copy = json;
   for (Json& item : copy) item = resolved(item, tmp, fixture);

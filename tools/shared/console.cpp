@@ -63,7 +63,8 @@ void Console::progress(const std::string& stage, std::int64_t done, std::int64_t
   if (format_ == LogFormat::kJson)
     return write_stderr(json_line(
         {{"tool", tool_}, {"event", "progress"}, {"stage", stage}, {"done", done}, {"total", total}}));
-  const std::string text = tool_ + ": " + stage + (stage.empty() ? "" : " ") + std::to_string(done) + "/" + std::to_string(total);
+  const std::string text =
+      tool_ + ": " + stage + (stage.empty() ? "" : " ") + std::to_string(done) + "/" + std::to_string(total);
   write_stderr(terminal_ ? "\r\033[K" + text : text + "\n");
   std::fflush(stderr);
   progress_line_open_ = terminal_;

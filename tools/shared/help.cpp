@@ -78,6 +78,7 @@ constexpr const char* kCommonHelp =
     "      --print-options         the resolved options as JSON\n"
     "      --print-schema [report] JSON Schema of the options, or of the report\n"
     "      --report FILE           the JSON report goes there instead of to stdout\n"
+    "      -                       as a path: stdin, stdout (the report then needs --report)\n"
     "  -q, --quiet / -v, --verbose less / more on stderr\n"
     "      --log-level LEVEL       error|warning|info [warning]\n"
     "      --log-format FORMAT     text|json (one object per line) [text]\n";

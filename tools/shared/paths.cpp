@@ -57,7 +57,7 @@ void check_inputs(const Spec& spec) {
 
 void check_outputs(const Spec& spec, const std::string& report_path, bool overwrite) {
   for (const Output& output : spec.outputs)
-    if (output) check_output(spec, output, overwrite);
+    if (output && output.path != "-") check_output(spec, output, overwrite);
   Output report;
   report.path = report_path;
   if (report) check_output(spec, report, overwrite);

@@ -45,7 +45,8 @@ Json make_report(const ReportData& data) {
   }
   for (const Output& output : data.spec.outputs)
     if (output)
-      outputs.push_back({{"name", output.flags.substr(output.flags.rfind('-') + 1)}, {"path", output.path}});
+      outputs.push_back({{"name", output.flags.substr(output.flags.rfind('-') + 1)},
+                         {"path", data.streams.given(output.path)}});
   StageNode root = data.monitor.root();
   root.name = data.spec.name;
   root.wall_s = data.wall_s;

@@ -5,6 +5,7 @@
 
 #include "shared/environment.h"
 #include "shared/spec.h"
+#include "shared/streams.h"
 
 namespace ngs::cli {
 
@@ -18,6 +19,7 @@ struct ReadInput {
 struct ReportData {
   const Spec& spec;
   const CommonFlags& flags;
+  const Streams& streams;
   const ChosenDevice& device;
   int threads;
   const std::vector<ReadInput>& inputs;

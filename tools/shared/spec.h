@@ -39,7 +39,7 @@ struct CommonFlags {
   std::string options_file, report_path;
   bool print_options = false;
   bool print_commands = false;  // for scripts that walk over all tools: one empty line (see dispatch())
-  std::string print_schema;  // empty, "options" or "report"
+  std::string print_schema;     // empty, "options" or "report"
 };
 
 }  // namespace ngs::cli

@@ -14,6 +14,7 @@
 #include "shared/help.h"
 #include "shared/paths.h"
 #include "shared/signals.h"
+#include "shared/streams.h"
 
 namespace ngs::cli {
 
@@ -167,8 +168,9 @@ int Tool::Impl::run(const CommonFlags& flags, Console& console, const std::funct
   const double start_s = wall_seconds();
   install_signal_handlers(spec.stops_on_request);
   check_required(spec);
-  check_inputs(spec);
   check_outputs(spec, flags.report_path, flags.overwrite);
+  const Streams streams(spec);
+  check_inputs(spec);
   const ChosenDevice device = choose_device(flags.device);
   RunState state{.flags = flags, .console = console, .exec = {}, .monitor = {}, .inputs = {}};
   state.exec.device = device.device;
@@ -183,6 +185,7 @@ int Tool::Impl::run(const CommonFlags& flags, Console& console, const std::funct
   {
     const Monitor::Scope scope = state.monitor.scope("hash inputs");
     state.inputs = describe_inputs(spec, !flags.dry_run);
+    for (ReadInput& input : state.inputs) input.path = streams.given(input.path);
   }
   for (const Output& output : spec.outputs)
     if (output && output.directory && !flags.dry_run) std::filesystem::create_directories(output.path);
@@ -191,6 +194,7 @@ int Tool::Impl::run(const CommonFlags& flags, Console& console, const std::funct
   const int exit_code = body(run);
   const Json report = make_report({.spec = spec,
                                    .flags = flags,
+                                   .streams = streams,
                                    .device = device,
                                    .threads = state.exec.threads,
                                    .inputs = state.inputs,
@@ -200,10 +204,11 @@ int Tool::Impl::run(const CommonFlags& flags, Console& console, const std::funct
                                    .wall_s = wall_seconds() - start_s,
                                    .cpu_s = process_cpu_seconds(),
                                    .exit_code = exit_code});
-  if (flags.report_path.empty())
-    print(json_text(report));
-  else
+  streams.copy_output();
+  if (!flags.report_path.empty())
     io::write_file(flags.report_path, json_text(report));
+  else if (!streams.to_stdout())
+    print(json_text(report));
   return exit_code;
 }
 

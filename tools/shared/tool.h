@@ -12,6 +12,7 @@
 // Positional inputs come in the order of their declaration; a name that begins with '-' declares a flag. The
 // references stay valid for the tool's life and hold paths once the body runs. Before it runs: every given
 // input exists, no output exists (unless -w), none is also an input, and the folders of the outputs exist.
+// "-" is stdin or stdout (streams.h); the report then goes to --report only.
 #include <functional>
 #include <initializer_list>
 #include <memory>
