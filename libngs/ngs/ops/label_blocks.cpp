@@ -12,8 +12,8 @@ L quotient(L a, L b) { return L(a.v / b.v); }
 
 L squeezed(L sum) { return fma_lanes(L(float(1 - 2 * kMaskEps)), sum, L(float(kMaskEps))); }
 
-/// -Σ a ln q + b ln c. Binary targets select one factor per pixel; a logarithm is taken of products of 32 factors,
-/// each >= 1e-6: 4 in float, 8 of these in double.
+/// -Σ a ln q + b ln c. Binary targets select one factor per pixel; a logarithm is taken of products of 32
+/// factors, each >= 1e-6: 4 in float, 8 of these in double.
 class LossSum {
  public:
   explicit LossSum(bool binary) : binary_(binary) { std::fill_n(product_, L::kLanes, 1.0); }
@@ -61,7 +61,8 @@ struct TileTargets {
     float lane[2][kTilePacks * L::kLanes] = {};
     for (int y = 0; y < frame.rows(); ++y)
       for (int x = 0; x < frame.columns(); ++x) {
-        const auto pixel = std::size_t(frame.y_px + y) * std::size_t(frame.width_px) + std::size_t(frame.x_px + x);
+        const auto pixel =
+            std::size_t(frame.y_px + y) * std::size_t(frame.width_px) + std::size_t(frame.x_px + x);
         const auto at = std::size_t(y) * kTilePx + std::size_t(x);  // packs are row-major and 8 wide
         const float a = planes.inside[pixel], b = planes.outside[pixel];
         lane[0][at] = a, lane[1][at] = b;
@@ -107,7 +108,8 @@ struct WeightSink {
       reached[k] = true;
       return;
     }
-    foreground[k] = fma_lanes(weight, m, foreground[k]), background[k] = fma_lanes(weight, rest, background[k]);
+    foreground[k] = fma_lanes(weight, m, foreground[k]),
+    background[k] = fma_lanes(weight, rest, background[k]);
     against_sum = fma_lanes(weight, against_target[k], against_sum);
   }
   void end() {
@@ -127,7 +129,8 @@ struct WeightSink {
 
 double evaluate_block(const LabelBlock& block, ColumnValues at, SlotSums* slots) {
   L q[kTilePacks], c[kTilePacks];
-  for (std::size_t k = 0; k < block.pixel.size(); ++k) q[k] = block.pixel[k].foreground, c[k] = block.pixel[k].background;
+  for (std::size_t k = 0; k < block.pixel.size(); ++k)
+    q[k] = block.pixel[k].foreground, c[k] = block.pixel[k].background;
   std::size_t i = 0;
   for (const LabelBlock::Entry& e : block.entry) {
     const L m(at.m[e.column]), rest(at.rest[e.column]);
@@ -138,7 +141,8 @@ double evaluate_block(const LabelBlock& block, ColumnValues at, SlotSums* slots)
   }
   LossSum loss(block.binary);
   for (std::size_t k = 0; k < block.pixel.size(); ++k) {
-    const L fore = squeezed(q[k]), back = squeezed(c[k]), a = block.pixel[k].inside, b = block.pixel[k].outside;
+    const L fore = squeezed(q[k]), back = squeezed(c[k]), a = block.pixel[k].inside,
+            b = block.pixel[k].outside;
     loss.add(a, b, fore, back);
     q[k] = quotient(a, fore), c[k] = quotient(b, back);
   }
@@ -154,8 +158,9 @@ double evaluate_block(const LabelBlock& block, ColumnValues at, SlotSums* slots)
   return loss.value();
 }
 
-void collect_block(const TileLists& lists, std::int64_t tile, const ProjectedView<float>& view, const Camera& camera,
-                   Compat compat, LabelPlaces places, TargetPlanes planes, float* against, LabelBlock& out) {
+void collect_block(const TileLists& lists, std::int64_t tile, const ProjectedView<float>& view,
+                   const Camera& camera, Compat compat, LabelPlaces places, TargetPlanes planes,
+                   float* against, LabelBlock& out) {
   out.clear();
   const TileFrame frame = tile_frame(lists, tile, camera.width_px, camera.height_px);
   const TileTargets targets(frame, planes);
@@ -193,22 +198,28 @@ LabelBlock reduced_block(const LabelBlock& block, const std::int32_t* new_column
     const std::size_t end = i + e.packs;
     if (new_column[e.column] >= 0) {
       out.entry.push_back({std::uint32_t(new_column[e.column]), e.slot, e.packs});
-      out.weight.insert(out.weight.end(), block.weight.begin() + std::ptrdiff_t(i), block.weight.begin() + std::ptrdiff_t(end));
-      out.pack.insert(out.pack.end(), block.pack.begin() + std::ptrdiff_t(i), block.pack.begin() + std::ptrdiff_t(end));
+      out.weight.insert(out.weight.end(), block.weight.begin() + std::ptrdiff_t(i),
+                        block.weight.begin() + std::ptrdiff_t(end));
+      out.pack.insert(out.pack.end(), block.pack.begin() + std::ptrdiff_t(i),
+                      block.pack.begin() + std::ptrdiff_t(end));
       for (; i < end; ++i) reached[block.pack[i]] = true;
       continue;
     }
     const L m(at.m[e.column]), rest(at.rest[e.column]);
     for (; i < end; ++i) {
       PixelPack& p = pixel[block.pack[i]];
-      p.foreground = fma_lanes(block.weight[i], m, p.foreground), p.background = fma_lanes(block.weight[i], rest, p.background);
+      p.foreground = fma_lanes(block.weight[i], m, p.foreground),
+      p.background = fma_lanes(block.weight[i], rest, p.background);
     }
   }
   std::uint8_t place[kTilePacks] = {};
   LossSum constant(out.binary);
   for (std::size_t k = 0; k < pixel.size(); ++k) {
-    if (reached[k]) place[k] = std::uint8_t(out.pixel.size()), out.pixel.push_back(pixel[k]);
-    else constant.add(pixel[k].inside, pixel[k].outside, squeezed(pixel[k].foreground), squeezed(pixel[k].background));
+    if (reached[k])
+      place[k] = std::uint8_t(out.pixel.size()), out.pixel.push_back(pixel[k]);
+    else
+      constant.add(pixel[k].inside, pixel[k].outside, squeezed(pixel[k].foreground),
+                   squeezed(pixel[k].background));
   }
   out.constant_loss = constant.value();
   for (std::uint8_t& k : out.pack) k = place[k];

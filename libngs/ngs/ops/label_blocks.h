@@ -21,18 +21,18 @@ struct LabelBlock {
   std::vector<Entry> entry;
   std::vector<std::uint8_t> pack;  // index into pixel
   std::vector<LabelPack> weight;
-  std::vector<PixelPack> pixel;    // reached by at least one column
-  double constant_loss = 0;        // -Σ a ln q + b ln c of the pixels that no column reaches
-  double target_sum = 0;           // Σ a + b of the tile
-  bool binary = true;              // every target is 0 or 1, and only one of a pixel's two is 1
+  std::vector<PixelPack> pixel;  // reached by at least one column
+  double constant_loss = 0;      // -Σ a ln q + b ln c of the pixels that no column reaches
+  double target_sum = 0;         // Σ a + b of the tile
+  bool binary = true;            // every target is 0 or 1, and only one of a pixel's two is 1
 
   void clear() {
     entry.clear(), pack.clear(), weight.clear(), pixel.clear();
     constant_loss = target_sum = 0, binary = true;
   }
   std::int64_t bytes() const {
-    return std::int64_t(sizeof(LabelBlock) + entry.size() * sizeof(Entry) + weight.size() * (sizeof(LabelPack) + 1) +
-                        pixel.size() * sizeof(PixelPack));
+    return std::int64_t(sizeof(LabelBlock) + entry.size() * sizeof(Entry) +
+                        weight.size() * (sizeof(LabelPack) + 1) + pixel.size() * sizeof(PixelPack));
   }
 };
 
@@ -60,13 +60,15 @@ struct TargetPlanes {
   const float *inside, *outside;
 };
 
-/// Composites the tile and collects its block; slots are those of `lists`. `against` [pairs], if not null, gets at
-/// the slot of every folded entry its weight against the folded value: Σ w b where that is 1, Σ w a where it is 0.
-void collect_block(const TileLists& lists, std::int64_t tile, const ProjectedView<float>& view, const Camera& camera,
-                   Compat compat, LabelPlaces places, TargetPlanes targets, float* against, LabelBlock& out);
+/// Composites the tile and collects its block; slots are those of `lists`. `against` [pairs], if not null,
+/// gets at the slot of every folded entry its weight against the folded value: Σ w b where that is 1, Σ w a
+/// where it is 0.
+void collect_block(const TileLists& lists, std::int64_t tile, const ProjectedView<float>& view,
+                   const Camera& camera, Compat compat, LabelPlaces places, TargetPlanes targets,
+                   float* against, LabelBlock& out);
 
-/// The block with only the columns whose `new_column` is >= 0, renumbered; the others are folded at their values.
-/// Its constant_loss is that of the pixels which no column reaches any more; its target_sum is 0.
+/// The block with only the columns whose `new_column` is >= 0, renumbered; the others are folded at their
+/// values. Its constant_loss is that of the pixels which no column reaches any more; its target_sum is 0.
 LabelBlock reduced_block(const LabelBlock& block, const std::int32_t* new_column, ColumnValues at);
 
 }  // namespace ngs

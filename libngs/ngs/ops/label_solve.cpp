@@ -9,12 +9,14 @@
 namespace ngs {
 namespace {
 
-// Working sets. After kFullSteps plain steps of all labels, those within kBand of a bound that the gradient holds them
-// to are tried at the bound. Later rounds fold only what stands at a bound exactly. A label lifted off one starts at kLift.
+// Working sets. After kFullSteps plain steps of all labels, those within kBand of a bound that the gradient
+// holds them to are tried at the bound. Later rounds fold only what stands at a bound exactly. A label lifted
+// off one starts at kLift.
 constexpr int kFullSteps = 2;
 constexpr double kBand = 1e-3, kLift = 0.02;
 constexpr double kRoundingOfLoss = 1e-7;  // relative: what float predictions leave uncertain
-constexpr double kFirstShare = 10, kInnerShare = 0.5;  // of the wanted gap, left to the first and to later working sets
+constexpr double kFirstShare = 10,
+                 kInnerShare = 0.5;  // of the wanted gap, left to the first and to later working sets
 constexpr int kMaxRounds = 50;
 
 double seconds_now() {
@@ -31,8 +33,8 @@ double relaxed(double from, double to, double omega) {
 
 class Solver {
  public:
-  Solver(const Exec& exec, const LabelProblem& problem, const LabelSolveOptions& options, const std::vector<double>& start,
-         const std::vector<std::uint8_t>& movable)
+  Solver(const Exec& exec, const LabelProblem& problem, const LabelSolveOptions& options,
+         const std::vector<double>& start, const std::vector<std::uint8_t>& movable)
       : exec_(exec), options_(options), begin_(seconds_now()), system_(make_system(problem, start, movable)) {
     solution_.label = start;
     solution_.columns = system_.columns();
@@ -61,9 +63,12 @@ class Solver {
   }
 
  private:
-  /// Columns: the movable labels that are not at a bound, and those at a bound that some pixel speaks against.
-  LabelSystem make_system(const LabelProblem& problem, const std::vector<double>& start, const std::vector<std::uint8_t>& movable) {
-    NGS_CHECK(start.size() == std::size_t(problem.cloud.size()) && movable.size() == start.size(), "labels to solve for");
+  /// Columns: the movable labels that are not at a bound, and those at a bound that some pixel speaks
+  /// against.
+  LabelSystem make_system(const LabelProblem& problem, const std::vector<double>& start,
+                          const std::vector<std::uint8_t>& movable) {
+    NGS_CHECK(start.size() == std::size_t(problem.cloud.size()) && movable.size() == start.size(),
+              "labels to solve for");
     std::vector<std::uint8_t> column(start.size());
     for (std::size_t i = 0; i < start.size(); ++i) column[i] = movable[i] && start[i] > 0 && start[i] < 1;
     number_columns(column);
@@ -87,11 +92,12 @@ class Solver {
            (options_.time_budget_s > 0 && seconds_now() - begin_ > options_.time_budget_s);
   }
   void note(const std::vector<double>& m, const LabelSums& sums, bool certified) {
-    solution_.trace.push_back({seconds_now() - begin_, sums.loss, frank_wolfe_gap(m, sums, system_.gradient_scale()), certified});
+    solution_.trace.push_back(
+        {seconds_now() - begin_, sums.loss, frank_wolfe_gap(m, sums, system_.gradient_scale()), certified});
   }
 
-  /// A label that starts almost at a bound but is wanted elsewhere moves there in a step or two: the working set is
-  /// better chosen after them.
+  /// A label that starts almost at a bound but is wanted elsewhere moves there in a step or two: the working
+  /// set is better chosen after them.
   void step_all() {
     for (int i = 0; i < kFullSteps && !out_of_budget(); ++i) {
       m_ = em_update(m_, sums_);

@@ -3,9 +3,9 @@
 //
 // The problem is convex (label_system.h). Update: over-relaxed EM of the mixture q = Σ w m,
 //   logit m <- logit m + ω (logit EM(m) - logit m),   EM(m) = m P / (m P + (1 - m) Q),
-// which for ω = 1 never increases the loss; a relaxed step that does is taken back and replaced by a plain one.
-// Labels that the gradient holds at a bound are folded and the rest solved on its own (working sets); every round ends
-// with the Frank-Wolfe gap over all movable labels,
+// which for ω = 1 never increases the loss; a relaxed step that does is taken back and replaced by a plain
+// one. Labels that the gradient holds at a bound are folded and the rest solved on its own (working sets);
+// every round ends with the Frank-Wolfe gap over all movable labels,
 //   gap(m) = Σ_i max(g_i m_i, -g_i (1 - m_i)) >= L(m) - min L,   g = ∂L/∂m,
 // an upper bound on what any further optimisation could gain. It needs no ground truth.
 #include <functional>
@@ -15,33 +15,33 @@
 namespace ngs {
 
 struct LabelSolveOptions {
-  double relative_gap = 1e-3;    // stop when gap <= relative_gap · loss
-  double relaxation = 1.8;       // ω in [1, 2)
+  double relative_gap = 1e-3;  // stop when gap <= relative_gap · loss
+  double relaxation = 1.8;     // ω in [1, 2)
   int max_evaluations = 2000;
-  double time_budget_s = 0;      // 0: none
+  double time_budget_s = 0;                          // 0: none
   std::int64_t cache_bytes = std::int64_t(2) << 30;  // for the weights, see label_system.h
-  std::function<bool()> stop;    // asked once per evaluation; may be empty
+  std::function<bool()> stop;                        // asked once per evaluation; may be empty
 };
 
-/// The state of the solve at one time. `certified`: the gap is over all labels; else over the working set, the others
-/// being held where they are.
+/// The state of the solve at one time. `certified`: the gap is over all labels; else over the working set,
+/// the others being held where they are.
 struct GapPoint {
   double seconds = 0, loss = 0, gap = 0;
   bool certified = false;
 };
 
 struct LabelSolution {
-  std::vector<double> label;     // [N] in [0, 1]
-  double loss = 0, gap = 0;      // at `label`, over all movable Gaussians
-  bool converged = false;        // gap <= relative_gap · loss
+  std::vector<double> label;  // [N] in [0, 1]
+  double loss = 0, gap = 0;   // at `label`, over all movable Gaussians
+  bool converged = false;     // gap <= relative_gap · loss
   int evaluations = 0, rounds = 0;
-  std::int64_t columns = 0;      // labels that could not be folded beforehand
+  std::int64_t columns = 0;  // labels that could not be folded beforehand
   LabelSystem::Stats cache;
   std::vector<GapPoint> trace;
 };
 
-/// Starts at `start` [N]. Gaussians with movable[i] == 0 keep it. A movable one that starts at exactly 0 or 1 is
-/// folded there if no pixel speaks against that (then it is optimal); else it moves like the others.
+/// Starts at `start` [N]. Gaussians with movable[i] == 0 keep it. A movable one that starts at exactly 0 or 1
+/// is folded there if no pixel speaks against that (then it is optimal); else it moves like the others.
 LabelSolution solve_labels(const Exec& exec, const LabelProblem& problem, const LabelSolveOptions& options,
                            const std::vector<double>& start, const std::vector<std::uint8_t>& movable);
 

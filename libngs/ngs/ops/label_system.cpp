@@ -34,13 +34,15 @@ struct OpenView {
   }
   bool empty() const { return targets.inside.empty(); }
   void collect(std::int64_t tile, Compat compat, LabelPlaces places, float* against, LabelBlock& out) const {
-    collect_block(lists, tile, view, camera, compat, places, {targets.inside.data(), targets.outside.data()}, against, out);
+    collect_block(lists, tile, view, camera, compat, places, {targets.inside.data(), targets.outside.data()},
+                  against, out);
   }
   /// f(Gaussian, first slot, end slot) for every visible Gaussian; f owns what belongs to the Gaussian.
   template <class F>
   void for_each_visible(const Exec& exec, const F& f) const {
     for_each_index(exec, std::int64_t(view.id.size()), [&](std::int64_t v) {
-      f(view.id[std::size_t(v)], std::size_t(lists.slot_begin[std::size_t(v)]), std::size_t(lists.slot_begin[std::size_t(v) + 1]));
+      f(view.id[std::size_t(v)], std::size_t(lists.slot_begin[std::size_t(v)]),
+        std::size_t(lists.slot_begin[std::size_t(v) + 1]));
     });
   }
 };
@@ -59,12 +61,13 @@ struct LabelSystem::State {
   struct Constants {
     double loss = 0, target_sum = 0;
   };
-  Constants of_cached, of_streamed;            // views
+  Constants of_cached, of_streamed;  // views
   Stats stats;
 
   State(const LabelProblem& p, std::vector<std::int32_t> columns_of, std::vector<double> labels)
       : problem(p), column_of(std::move(columns_of)), label(std::move(labels)) {
-    NGS_CHECK(std::int64_t(column_of.size()) == p.cloud.size() && label.size() == column_of.size(), "label system shape");
+    NGS_CHECK(std::int64_t(column_of.size()) == p.cloud.size() && label.size() == column_of.size(),
+              "label system shape");
     for (const std::int32_t c : column_of) columns = std::max(columns, std::int64_t(c) + 1);
   }
   LabelPlaces places() const { return {column_of.data(), label.data()}; }
@@ -75,8 +78,8 @@ struct LabelSystem::State {
   double stream(const Exec& exec, std::size_t camera, ColumnValues at, LabelSums& out) const;
 };
 
-/// Collects the view's blocks and keeps them while they fit; once one did not, all later views are streamed too, so
-/// that sums keep the order of the views.
+/// Collects the view's blocks and keeps them while they fit; once one did not, all later views are streamed
+/// too, so that sums keep the order of the views.
 void LabelSystem::State::open_view(const Exec& exec, std::size_t camera, std::int64_t cache_bytes) {
   const OpenView open(exec, problem, camera);
   if (open.empty()) return;
@@ -84,7 +87,8 @@ void LabelSystem::State::open_view(const Exec& exec, std::size_t camera, std::in
   std::vector<float> pair_against(against.empty() ? 0 : std::size_t(open.lists.pairs()), 0.f);
   for_each_task(exec, open.lists.tiles(), [&](std::int64_t tile) {
     static thread_local LabelBlock block;  // grows once; the copy is exactly as large as needed
-    open.collect(tile, problem.splat.compat, places(), pair_against.empty() ? nullptr : pair_against.data(), block);
+    open.collect(tile, problem.splat.compat, places(), pair_against.empty() ? nullptr : pair_against.data(),
+                 block);
     tiles[std::size_t(tile)] = block;
   });
   if (!pair_against.empty())
@@ -123,7 +127,8 @@ void LabelSystem::State::number_slots() {
 }
 
 /// Adds what one view that is not cached says; returns its loss beside the constant.
-double LabelSystem::State::stream(const Exec& exec, std::size_t camera, ColumnValues at, LabelSums& out) const {
+double LabelSystem::State::stream(const Exec& exec, std::size_t camera, ColumnValues at,
+                                  LabelSums& out) const {
   const OpenView open(exec, problem, camera);
   std::vector<SlotSums> pair(std::size_t(open.lists.pairs()), SlotSums{0.f, 0.f});
   std::vector<double> tile_loss(std::size_t(open.lists.tiles()));
@@ -135,7 +140,8 @@ double LabelSystem::State::stream(const Exec& exec, std::size_t camera, ColumnVa
   open.for_each_visible(exec, [&](std::uint32_t gaussian, std::size_t first, std::size_t end) {
     if (column_of[gaussian] < 0) return;
     const auto c = std::size_t(column_of[gaussian]);
-    for (std::size_t s = first; s < end; ++s) out.inside[c] += double(pair[s].inside), out.outside[c] += double(pair[s].outside);
+    for (std::size_t s = first; s < end; ++s)
+      out.inside[c] += double(pair[s].inside), out.outside[c] += double(pair[s].outside);
   });
   double loss = 0;
   for (const double l : tile_loss) loss += l;
@@ -159,16 +165,18 @@ LabelSystem::LabelSystem(std::unique_ptr<State> state) : state_(std::move(state)
 LabelSystem::LabelSystem(LabelSystem&&) noexcept = default;
 LabelSystem::~LabelSystem() = default;
 
-LabelSystem::LabelSystem(const Exec& exec, const LabelProblem& problem, const std::vector<std::int32_t>& column_of,
-                         const std::vector<double>& label, std::int64_t cache_bytes)
+LabelSystem::LabelSystem(const Exec& exec, const LabelProblem& problem,
+                         const std::vector<std::int32_t>& column_of, const std::vector<double>& label,
+                         std::int64_t cache_bytes)
     : state_(std::make_unique<State>(problem, column_of, label)) {
   state_->against.assign(column_of.size(), 0.0);
-  for (std::size_t camera = 0; camera < problem.cameras.size(); ++camera) state_->open_view(exec, camera, cache_bytes);
+  for (std::size_t camera = 0; camera < problem.cameras.size(); ++camera)
+    state_->open_view(exec, camera, cache_bytes);
   state_->number_slots();
 }
 
-LabelSystem LabelSystem::reduced(const Exec& exec, const std::vector<std::int32_t>& new_column, const std::vector<double>& m,
-                                 std::int64_t cache_bytes) const {
+LabelSystem LabelSystem::reduced(const Exec& exec, const std::vector<std::int32_t>& new_column,
+                                 const std::vector<double>& m, std::int64_t cache_bytes) const {
   const State& s = *state_;
   NGS_CHECK(std::int64_t(new_column.size()) == s.columns && m.size() == new_column.size(), "label columns");
   FloatColumns at;
@@ -176,7 +184,8 @@ LabelSystem LabelSystem::reduced(const Exec& exec, const std::vector<std::int32_
   std::vector<std::int32_t> column_of = s.column_of;
   std::vector<double> label = s.label;
   for (std::size_t i = 0; i < column_of.size(); ++i)
-    if (column_of[i] >= 0) label[i] = m[std::size_t(column_of[i])], column_of[i] = new_column[std::size_t(column_of[i])];
+    if (column_of[i] >= 0)
+      label[i] = m[std::size_t(column_of[i])], column_of[i] = new_column[std::size_t(column_of[i])];
   auto out = std::make_unique<State>(s.problem, std::move(column_of), std::move(label));
   out->of_cached = s.of_cached;  // a reduced block brings only what became constant
   for (const auto& view : s.block) {

@@ -1,18 +1,19 @@
 #pragma once
-// The mask loss as a function of the labels alone, with geometry fixed.              house §0.10, facts C18 (a)
+// The mask loss as a function of the labels alone, with geometry fixed.              house §0.10, facts C18
+// (a)
 //
 //   q(p) = ε + (1 - 2ε) Σ_i w_ip m_i                          rendered foreground of pixel p
-//   c(p) = ε + (1 - 2ε) (T_p + Σ_i w_ip (1 - m_i)) = 1 - q    rendered background, final transmittance T included
-//   L(m) = -(1 / Σ_p (a_p + b_p)) Σ_p [a_p ln q(p) + b_p ln c(p)]
+//   c(p) = ε + (1 - 2ε) (T_p + Σ_i w_ip (1 - m_i)) = 1 - q    rendered background, final transmittance T
+//   included L(m) = -(1 / Σ_p (a_p + b_p)) Σ_p [a_p ln q(p) + b_p ln c(p)]
 //
-// a, b: weights of the pixel as inside and as outside of the mask (binary mask: one is 1, the other 0; unknown pixel:
-// both 0). Squeezing by ε instead of clamping keeps L convex, finite, and the mixture that the EM update needs. q and
-// c are both summed from non-negative terms, so neither suffers cancellation near 0.
+// a, b: weights of the pixel as inside and as outside of the mask (binary mask: one is 1, the other 0;
+// unknown pixel: both 0). Squeezing by ε instead of clamping keeps L convex, finite, and the mixture that the
+// EM update needs. q and c are both summed from non-negative terms, so neither suffers cancellation near 0.
 //
-// The weights w_ip of the columns (the labels that may move) are cached, 8 pixels of a row at a time; everything else
-// is folded into two constants per pixel. Pixels that no column reaches cost nothing. Views that do not fit the memory
-// budget are composited anew in every evaluation, which changes no result. Cache: 33 bytes per (column, pack of 8
-// pixels) pair, 12 per (column, tile) pair, 128 per pack reached.
+// The weights w_ip of the columns (the labels that may move) are cached, 8 pixels of a row at a time;
+// everything else is folded into two constants per pixel. Pixels that no column reaches cost nothing. Views
+// that do not fit the memory budget are composited anew in every evaluation, which changes no result. Cache:
+// 33 bytes per (column, pack of 8 pixels) pair, 12 per (column, tile) pair, 128 per pack reached.
 #include <functional>
 #include <memory>
 #include <vector>
@@ -52,24 +53,24 @@ class LabelSystem {
     std::int64_t cached_bytes = 0, cached_views = 0, streamed_views = 0;
   };
 
-  /// `column_of` [N]: index of the Gaussian's column, -1: folded at label[i]. Columns are numbered 0..columns-1 in
-  /// any order, each used once. `label` [N] in [0, 1]. Keeps a reference to `problem`.
+  /// `column_of` [N]: index of the Gaussian's column, -1: folded at label[i]. Columns are numbered
+  /// 0..columns-1 in any order, each used once. `label` [N] in [0, 1]. Keeps a reference to `problem`.
   LabelSystem(const Exec& exec, const LabelProblem& problem, const std::vector<std::int32_t>& column_of,
               const std::vector<double>& label, std::int64_t cache_bytes);
   LabelSystem(LabelSystem&&) noexcept;
   ~LabelSystem();
 
-  /// The system of the columns with new_column[c] >= 0, renumbered; the others are folded at m[c]. Its cache of the
-  /// views that are cached here is never larger than theirs; `cache_bytes` limits it for the others.
-  LabelSystem reduced(const Exec& exec, const std::vector<std::int32_t>& new_column, const std::vector<double>& m,
-                      std::int64_t cache_bytes) const;
+  /// The system of the columns with new_column[c] >= 0, renumbered; the others are folded at m[c]. Its cache
+  /// of the views that are cached here is never larger than theirs; `cache_bytes` limits it for the others.
+  LabelSystem reduced(const Exec& exec, const std::vector<std::int32_t>& new_column,
+                      const std::vector<double>& m, std::int64_t cache_bytes) const;
 
   std::int64_t columns() const;
   /// `m` [columns] in [0, 1].
   void evaluate(const Exec& exec, const std::vector<double>& m, LabelSums& out) const;
   double gradient_scale() const;  // (1 - 2ε) / Σ (a + b); 0 without any target
-  /// [N] weight of each folded Gaussian against its label: Σ w b where that is 1, Σ w a where it is 0. Where it is
-  /// zero, the label is optimal whatever the others are. Of reduced systems: empty.
+  /// [N] weight of each folded Gaussian against its label: Σ w b where that is 1, Σ w a where it is 0. Where
+  /// it is zero, the label is optimal whatever the others are. Of reduced systems: empty.
   const std::vector<double>& weight_against() const;
   const Stats& stats() const;
 

@@ -47,7 +47,8 @@ void edit_column(const Exec& exec, const std::vector<CloudRow>& rows, int width,
   values = std::move(out);
 }
 
-void edit_rows(const Exec& exec, const std::vector<CloudRow>& rows, std::uint64_t seed, GaussianCloud& cloud) {
+void edit_rows(const Exec& exec, const std::vector<CloudRow>& rows, std::uint64_t seed,
+               GaussianCloud& cloud) {
   edit_column(exec, rows, 3, cloud.position), edit_column(exec, rows, 4, cloud.rotation);
   edit_column(exec, rows, 3, cloud.log_scale), edit_column(exec, rows, 1, cloud.logit_opacity);
   edit_column(exec, rows, 3, cloud.sh_dc), edit_column(exec, rows, cloud.rest_count() * 3, cloud.sh_rest);

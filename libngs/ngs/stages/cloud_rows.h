@@ -11,7 +11,8 @@ namespace ngs {
 
 inline constexpr double kSplitShrink = 1.6;
 
-/// kChild0, kChild1: the two halves of a split, drawn from the parent's own distribution with scales / kSplitShrink.
+/// kChild0, kChild1: the two halves of a split, drawn from the parent's own distribution with scales /
+/// kSplitShrink.
 enum class RowOrigin : std::uint8_t { kKept, kClone, kChild0, kChild1 };
 struct CloudRow {
   std::int64_t source;

@@ -20,8 +20,13 @@ std::vector<Camera> cameras_of(const MethodInput& input) {
 }  // namespace
 
 CobTrainer::CobTrainer(const CobOptions& options, const MethodInput& input)
-    : options_(options), input_(input), extent_(scene_extent(cameras_of(input))), objects_(int(input.scene.objects.size())),
-      cloud_(input.cloud), evidence_(input.cloud.size(), objects_), pass_(input.splat) {
+    : options_(options),
+      input_(input),
+      extent_(scene_extent(cameras_of(input))),
+      objects_(int(input.scene.objects.size())),
+      cloud_(input.cloud),
+      evidence_(input.cloud.size(), objects_),
+      pass_(input.splat) {
   source_row_.resize(std::size_t(cloud_.size()));
   std::iota(source_row_.begin(), source_row_.end(), std::int64_t(0));
   logit_.assign(source_row_.size() * std::size_t(objects_), 0.f);
@@ -31,7 +36,9 @@ CobTrainer::CobTrainer(const CobOptions& options, const MethodInput& input)
 std::vector<std::size_t> CobTrainer::shuffled_views() {
   std::vector<std::size_t> order = input_.views;
   const std::uint64_t pass = std::uint64_t(epochs_++) << 32;
-  const auto rank = [&](std::size_t view) { return rng_bits(input_.seed, RngStream::kViewOrder, pass + view); };
+  const auto rank = [&](std::size_t view) {
+    return rng_bits(input_.seed, RngStream::kViewOrder, pass + view);
+  };
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
   return order;
 }
@@ -59,7 +66,8 @@ void CobTrainer::label_step(const Exec& exec, const Evidence& view) {
   for_each_index(exec, cloud_.size(), [&](std::int64_t row) {
     for (int k = 0; k < objects_; ++k) {
       const std::size_t cell = std::size_t(row) * std::size_t(objects_) + std::size_t(k);
-      const double inside = view.object_weight.value(cell), outside = view.weight.value(std::size_t(row)) - inside;
+      const double inside = view.object_weight.value(cell),
+                   outside = view.weight.value(std::size_t(row)) - inside;
       const double m = sigmoid(double(logit_[cell]));
       gradient[cell] = float((options_.lambda * outside - inside) * m * (1 - m));
     }
@@ -88,8 +96,10 @@ void CobTrainer::split(const Exec& exec) {
   for (std::int64_t i = 0; i < cloud_.size(); ++i) {
     const bool chosen = certain[std::size_t(i)] < options_.ambiguity && !keeps_label(std::size_t(i)) &&
                         largest_scale(cloud_, i) > options_.split_scale * extent_;
-    if (!chosen) rows.push_back({i, RowOrigin::kKept});
-    else children.push_back({i, RowOrigin::kChild0}), children.push_back({i, RowOrigin::kChild1});
+    if (!chosen)
+      rows.push_back({i, RowOrigin::kKept});
+    else
+      children.push_back({i, RowOrigin::kChild0}), children.push_back({i, RowOrigin::kChild1});
   }
   split_ += std::int64_t(children.size()) / 2;
   rows.insert(rows.end(), children.begin(), children.end());
@@ -100,7 +110,8 @@ void CobTrainer::prune(const Exec& exec) {
   const std::vector<double> certain = certainty();
   std::vector<CloudRow> rows;
   for (std::int64_t i = 0; i < cloud_.size(); ++i)
-    if (!(certain[std::size_t(i)] < options_.ambiguity) || keeps_label(std::size_t(i))) rows.push_back({i, RowOrigin::kKept});
+    if (!(certain[std::size_t(i)] < options_.ambiguity) || keeps_label(std::size_t(i)))
+      rows.push_back({i, RowOrigin::kKept});
   pruned_ += cloud_.size() - std::int64_t(rows.size());
   apply(exec, rows);
 }
@@ -113,11 +124,13 @@ void CobTrainer::apply(const Exec& exec, const std::vector<CloudRow>& rows) {
   edit_moments(rows, objects_, label_moments_);
   edit_column(exec, rows, objects_, logit_);
   for (LabelColumns& c : columns_)
-    for (auto* column : {&c.label, &c.prob, &c.variance, &c.views, &c.boundary}) edit_column(exec, rows, 1, *column);
+    for (auto* column : {&c.label, &c.prob, &c.variance, &c.views, &c.boundary})
+      edit_column(exec, rows, 1, *column);
   std::vector<std::int64_t> source(rows.size());
   for (std::size_t r = 0; r < rows.size(); ++r) {
     source[r] = source_row_[std::size_t(rows[r].source)];
-    if (rows[r].origin != RowOrigin::kKept) std::fill_n(logit_.begin() + std::ptrdiff_t(r) * objects_, objects_, 0.f);
+    if (rows[r].origin != RowOrigin::kKept)
+      std::fill_n(logit_.begin() + std::ptrdiff_t(r) * objects_, objects_, 0.f);
   }
   source_row_ = std::move(source);
 }
@@ -131,23 +144,29 @@ void CobTrainer::texture_phase(const Exec& exec, Monitor& monitor, const ColourT
       if (!photo.empty()) texture_step(exec, view, photo, colour_term);
     }
   if (texture_steps_ == 0)
-    throw Error(ErrorCode::kInconsistent, "cob: no training view with a photo, expected at least one for the texture phases",
+    throw Error(ErrorCode::kInconsistent,
+                "cob: no training view with a photo, expected at least one for the texture phases",
                 "give the photos to ngs-scene import, or train labels only: --cob-rounds 0");
 }
 
-void CobTrainer::texture_step(const Exec& exec, std::size_t view, const ImageF& photo, const ColourTerm& colour_term) {
+void CobTrainer::texture_step(const Exec& exec, std::size_t view, const ImageF& photo,
+                              const ColourTerm& colour_term) {
   RenderRequest request;
   request.background = input_.background;
   const RenderedView& rendered = pass_.forward(exec, cloud_, input_.scene.views[view].camera, request);
   PhotometricOptions photometric;
   photometric.dssim_weight = options_.dssim_weight;
-  last_photometric_ = photometric_.evaluate(exec, photometric, rendered.colour, photo, nullptr, &image_gradient_.colour).total;
+  last_photometric_ =
+      photometric_.evaluate(exec, photometric, rendered.colour, photo, nullptr, &image_gradient_.colour)
+          .total;
   if (texture_steps_ == 0) first_photometric_ = last_photometric_;
   pass_.backward(exec, image_gradient_, gradients_);
   if (colour_term) colour_term(exec, cloud_, logit_, gradients_.sh_dc);
   ++texture_steps_;
-  const auto update = [&](FitGroup group, const char* name, double lr, std::vector<float>& value, const std::vector<float>& gradient) {
-    if (!value.empty() && lr > 0) adam_step(exec, {.lr = lr}, texture_steps_, name, value, gradient, moments_[group]);
+  const auto update = [&](FitGroup group, const char* name, double lr, std::vector<float>& value,
+                          const std::vector<float>& gradient) {
+    if (!value.empty() && lr > 0)
+      adam_step(exec, {.lr = lr}, texture_steps_, name, value, gradient, moments_[group]);
   };
   update(kGroupPosition, "position", options_.position_lr * extent_, cloud_.position, gradients_.position);
   update(kGroupRotation, "rotation", options_.rotation_lr, cloud_.rotation, gradients_.rotation);
@@ -170,13 +189,15 @@ MethodResult CobTrainer::result(Monitor& monitor) {
     const double count = labelled_count(c);
     out.figures["object_gaussians"] += count;
     if (count == 0)
-      monitor.warn("cob: no label of " + input_.scene.objects[std::size_t(k)].name + " reached the extraction threshold");
+      monitor.warn("cob: no label of " + input_.scene.objects[std::size_t(k)].name +
+                   " reached the extraction threshold");
   }
   restore_fixed(input_, source_row_, out.labels);
   out.cloud = cloud_, out.source_row = source_row_;
   out.figures["split"] = double(split_), out.figures["pruned"] = double(pruned_);
   out.figures["label_steps"] = double(label_steps_), out.figures["texture_steps"] = double(texture_steps_);
-  out.figures["first_photometric_loss"] = first_photometric_, out.figures["last_photometric_loss"] = last_photometric_;
+  out.figures["first_photometric_loss"] = first_photometric_,
+  out.figures["last_photometric_loss"] = last_photometric_;
   out.converged = !monitor.stop_requested();
   return out;
 }

@@ -1,5 +1,6 @@
 #pragma once
-// The state of a COB-GS run and its phases. Internal to the methods cob and released.              facts §1.2, §2
+// The state of a COB-GS run and its phases. Internal to the methods cob and released.              facts
+// §1.2, §2
 #include "ngs/ops/photometric.h"
 #include "ngs/stages/cloud_rows.h"
 #include "ngs/stages/fit_stage.h"
@@ -9,8 +10,8 @@
 namespace ngs {
 
 /// Adds a term to the colours' gradient in a texture step. `logit` [N, K]: label logits.
-using ColourTerm = std::function<void(const Exec& exec, const GaussianCloud& cloud, const std::vector<float>& logit,
-                                      std::vector<float>& grad_sh_dc)>;
+using ColourTerm = std::function<void(const Exec& exec, const GaussianCloud& cloud,
+                                      const std::vector<float>& logit, std::vector<float>& grad_sh_dc)>;
 
 class CobTrainer {
  public:
@@ -46,8 +47,8 @@ class CobTrainer {
   std::vector<float> logit_;  // [N, K]
   AdamMoments label_moments_;
   std::array<AdamMoments, kFitGroups> moments_;
-  Evidence evidence_;                 // of the last mask phase
-  std::vector<LabelColumns> columns_; // of that evidence, following the rows
+  Evidence evidence_;                  // of the last mask phase
+  std::vector<LabelColumns> columns_;  // of that evidence, following the rows
   std::int64_t label_steps_ = 0, texture_steps_ = 0, epochs_ = 0, edits_ = 0;
   std::int64_t split_ = 0, pruned_ = 0, mask_views_ = 0;
   double first_photometric_ = 0, last_photometric_ = 0;
@@ -58,7 +59,7 @@ class CobTrainer {
 };
 
 /// The whole schedule. `colour_term` may be empty.
-MethodResult run_cob_schedule(const Exec& exec, Monitor& monitor, const CobOptions& options, const MethodInput& input,
-                              const ColourTerm& colour_term);
+MethodResult run_cob_schedule(const Exec& exec, Monitor& monitor, const CobOptions& options,
+                              const MethodInput& input, const ColourTerm& colour_term);
 
 }  // namespace ngs

@@ -16,7 +16,8 @@ void note_figures(const LabelSolution& s, const std::string& suffix, std::map<st
   figures["streamed_views" + suffix] = double(s.cache.streamed_views);
 }
 
-/// Labels from the soft values; of several objects that claim a Gaussian the one with the largest, if exclusive.
+/// Labels from the soft values; of several objects that claim a Gaussian the one with the largest, if
+/// exclusive.
 void decide(const BceOptions& options, std::vector<LabelColumns>& labels) {
   for (std::size_t i = 0; i < labels[0].label.size(); ++i) {
     std::size_t best = 0;
@@ -24,7 +25,8 @@ void decide(const BceOptions& options, std::vector<LabelColumns>& labels) {
       if (labels[k].prob[i] > labels[best].prob[i]) best = k;
     for (std::size_t k = 0; k < labels.size(); ++k) {
       LabelColumns& c = labels[k];
-      if (c.views[i] > 0) c.label[i] = float(double(c.prob[i]) > options.label_threshold && (!options.exclusive || k == best));
+      if (c.views[i] > 0)
+        c.label[i] = float(double(c.prob[i]) > options.label_threshold && (!options.exclusive || k == best));
     }
   }
 }
@@ -44,7 +46,9 @@ BceResult solve_bce(const Exec& exec, Monitor& monitor, const BceOptions& option
   for (std::size_t k = 0; k < labels.size(); ++k) {
     LabelProblem problem{input.cloud, {}, {}, input.splat};
     for (const std::size_t view : input.views) problem.cameras.push_back(input.scene.views[view].camera);
-    problem.load_targets = [&](std::size_t i) { return pixel_targets(input.load_masks(input.views[i]), int(k)); };
+    problem.load_targets = [&](std::size_t i) {
+      return pixel_targets(input.load_masks(input.views[i]), int(k));
+    };
     std::vector<double> start(n);
     std::vector<std::uint8_t> movable(n);
     for (std::size_t i = 0; i < n; ++i) {
@@ -64,7 +68,8 @@ BceResult solve_bce(const Exec& exec, Monitor& monitor, const BceOptions& option
   return result;
 }
 
-MethodResult run_bce(const Exec& exec, Monitor& monitor, const BceOptions& options, const MethodInput& input) {
+MethodResult run_bce(const Exec& exec, Monitor& monitor, const BceOptions& options,
+                     const MethodInput& input) {
   return std::move(solve_bce(exec, monitor, options, input).method);
 }
 

@@ -1,9 +1,10 @@
 #pragma once
-// ngs-joint --method bce: the labels that explain the masks best, geometry fixed.       L_mask of Eq. (18); C18 (a)
+// ngs-joint --method bce: the labels that explain the masks best, geometry fixed.       L_mask of Eq. (18);
+// C18 (a)
 //
-// Convex: started from the closed form, solved to a certified gap (ops/label_solve.h). Figures of the result, each
-// with the object's name appended where there are several: loss, gap, relative_gap, evaluations, rounds, columns,
-// cache_mib, streamed_views.
+// Convex: started from the closed form, solved to a certified gap (ops/label_solve.h). Figures of the result,
+// each with the object's name appended where there are several: loss, gap, relative_gap, evaluations, rounds,
+// columns, cache_mib, streamed_views.
 #include "ngs/ops/label_solve.h"
 #include "ngs/options/field.h"
 #include "ngs/stages/method.h"
@@ -20,12 +21,20 @@ struct BceOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.relative_gap, Field<double>{"bce_gap", "of the loss", "bce: stop at this duality gap (bound on loss - optimum)", 1e-6, 1.0});
-    visit(self.relaxation, Field<double>{"bce_relaxation", "", "bce: over-relaxation of the EM steps; 1 is plain EM", 1.0, 1.99});
-    visit(self.label_threshold, Field<double>{"bce_threshold", "", "bce: label 1 where the soft label exceeds this", 0.0, 1.0});
-    visit(self.max_evaluations, Field<int>{"bce_evaluations", "", "bce: at most this many evaluations of the loss", 1, 1000000});
-    visit(self.cache_mib, Field<int>{"bce_cache_mib", "MiB", "bce: memory for weights; views beyond it are composited anew", 0, 1 << 24});
-    visit(self.exclusive, Flag{"bce_exclusive", "bce: a Gaussian belongs to at most one object (the largest soft label)"});
+    visit(self.relative_gap,
+          Field<double>{"bce_gap", "of the loss", "bce: stop at this duality gap (bound on loss - optimum)",
+                        1e-6, 1.0});
+    visit(self.relaxation, Field<double>{"bce_relaxation", "",
+                                         "bce: over-relaxation of the EM steps; 1 is plain EM", 1.0, 1.99});
+    visit(self.label_threshold,
+          Field<double>{"bce_threshold", "", "bce: label 1 where the soft label exceeds this", 0.0, 1.0});
+    visit(self.max_evaluations,
+          Field<int>{"bce_evaluations", "", "bce: at most this many evaluations of the loss", 1, 1000000});
+    visit(self.cache_mib,
+          Field<int>{"bce_cache_mib", "MiB", "bce: memory for weights; views beyond it are composited anew",
+                     0, 1 << 24});
+    visit(self.exclusive,
+          Flag{"bce_exclusive", "bce: a Gaussian belongs to at most one object (the largest soft label)"});
   }
 };
 

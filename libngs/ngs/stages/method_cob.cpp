@@ -9,10 +9,11 @@ constexpr int kLabelOnlyPhases = 5;  // 10 V iterations, the code's default with
 
 }  // namespace
 
-MethodResult run_cob_schedule(const Exec& exec, Monitor& monitor, const CobOptions& options, const MethodInput& input,
-                              const ColourTerm& colour_term) {
+MethodResult run_cob_schedule(const Exec& exec, Monitor& monitor, const CobOptions& options,
+                              const MethodInput& input, const ColourTerm& colour_term) {
   CobTrainer trainer(options, input);
-  for (int phase = 0; phase < (options.rounds > 0 ? 1 : kLabelOnlyPhases); ++phase) trainer.mask_phase(exec, monitor);
+  for (int phase = 0; phase < (options.rounds > 0 ? 1 : kLabelOnlyPhases); ++phase)
+    trainer.mask_phase(exec, monitor);
   for (int round = 0; round < options.rounds && !monitor.stop_requested(); ++round) {
     trainer.split(exec);
     trainer.texture_phase(exec, monitor, colour_term);
@@ -23,7 +24,8 @@ MethodResult run_cob_schedule(const Exec& exec, Monitor& monitor, const CobOptio
   return trainer.result(monitor);
 }
 
-MethodResult run_cob(const Exec& exec, Monitor& monitor, const CobOptions& options, const MethodInput& input) {
+MethodResult run_cob(const Exec& exec, Monitor& monitor, const CobOptions& options,
+                     const MethodInput& input) {
   return run_cob_schedule(exec, monitor, options, input, nullptr);
 }
 

@@ -27,11 +27,13 @@ int heaviest_object(const FlashOptions& options, const std::vector<LabelColumns>
 
 double flash_threshold(const FlashOptions& options) {
   if (options.norm == FlashNorm::kL1) return (1 + options.gamma) / 2;
-  const double quarter_turn = std::atan(1.0), angle = quarter_turn + std::asin(options.gamma / std::sqrt(2.0));
+  const double quarter_turn = std::atan(1.0),
+               angle = quarter_turn + std::asin(options.gamma / std::sqrt(2.0));
   return std::sin(angle) / (std::cos(angle) + std::sin(angle));  // t / (1 + t) with t = tan(angle)
 }
 
-MethodResult run_flash(const Exec& exec, Monitor& monitor, const FlashOptions& options, const MethodInput& input) {
+MethodResult run_flash(const Exec& exec, Monitor& monitor, const FlashOptions& options,
+                       const MethodInput& input) {
   MethodResult result;
   result.cloud = input.cloud;
   result.labels = closed_form_labels(exec, monitor, input);

@@ -1,10 +1,11 @@
 #pragma once
-// ngs-joint --method flash: labels by majority of the rendering weights, in closed form.            facts §3.2-3.4
+// ngs-joint --method flash: labels by majority of the rendering weights, in closed form.            facts
+// §3.2-3.4
 //
-// With A1 the weight inside the object and A0 outside, label 1 where the object's share beats the background's share
-// plus gamma; shares are normalised by their sum (l1, as the FlashSplat paper prints it) or by their Euclidean length
-// (l2, as its code does). For one object these are thresholds on f = A1 / (A0 + A1), see flash_threshold().
-// Gaussians without evidence stay in the third state for any gamma.
+// With A1 the weight inside the object and A0 outside, label 1 where the object's share beats the
+// background's share plus gamma; shares are normalised by their sum (l1, as the FlashSplat paper prints it)
+// or by their Euclidean length (l2, as its code does). For one object these are thresholds on f = A1 / (A0 +
+// A1), see flash_threshold(). Gaussians without evidence stay in the third state for any gamma.
 #include "ngs/options/field.h"
 #include "ngs/stages/method.h"
 
@@ -20,15 +21,20 @@ struct FlashOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.gamma, Field<double>{"flash_gamma", "", "flash: bias towards the background; < 0 favours the object", -1.0, 1.0});
-    visit(self.norm, Choice<FlashNorm>{"flash_norm", "flash: normalisation of the shares that gamma is added to", kFlashNormNames});
-    visit(self.exclusive, Flag{"flash_exclusive", "flash: a Gaussian belongs to at most one object (the heaviest)"});
+    visit(self.gamma, Field<double>{"flash_gamma", "",
+                                    "flash: bias towards the background; < 0 favours the object", -1.0, 1.0});
+    visit(self.norm,
+          Choice<FlashNorm>{"flash_norm", "flash: normalisation of the shares that gamma is added to",
+                            kFlashNormNames});
+    visit(self.exclusive,
+          Flag{"flash_exclusive", "flash: a Gaussian belongs to at most one object (the heaviest)"});
   }
 };
 
 /// The share f above which a Gaussian belongs to the object (facts §3.3).
 double flash_threshold(const FlashOptions& options);
 
-MethodResult run_flash(const Exec& exec, Monitor& monitor, const FlashOptions& options, const MethodInput& input);
+MethodResult run_flash(const Exec& exec, Monitor& monitor, const FlashOptions& options,
+                       const MethodInput& input);
 
 }  // namespace ngs

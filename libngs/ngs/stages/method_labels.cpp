@@ -12,8 +12,8 @@ std::vector<LabelColumns> closed_form_labels(const Exec& exec, Monitor& monitor,
     return input.labels;
   }
   const auto timed = monitor.scope("evidence");
-  return label_gaussians({}, accumulate_evidence(exec, monitor, input.cloud, input.scene, input.views, input.splat,
-                                                 input.load_masks));
+  return label_gaussians({}, accumulate_evidence(exec, monitor, input.cloud, input.scene, input.views,
+                                                 input.splat, input.load_masks));
 }
 
 Evidence object_evidence(const Evidence& all, int object) {
@@ -32,7 +32,8 @@ Evidence object_evidence(const Evidence& all, int object) {
   return one;
 }
 
-void restore_fixed(const MethodInput& input, const std::vector<std::int64_t>& source_row, std::vector<LabelColumns>& labels) {
+void restore_fixed(const MethodInput& input, const std::vector<std::int64_t>& source_row,
+                   std::vector<LabelColumns>& labels) {
   if (input.fixed.empty() || input.labels.empty()) return;
   for (std::size_t k = 0; k < labels.size(); ++k)
     for (std::size_t row = 0; row < labels[k].label.size(); ++row) {
@@ -44,7 +45,8 @@ void restore_fixed(const MethodInput& input, const std::vector<std::int64_t>& so
 }
 
 double labelled_count(const LabelColumns& labels) {
-  return double(std::count_if(labels.label.begin(), labels.label.end(), [](float label) { return label > 0.5f; }));
+  return double(
+      std::count_if(labels.label.begin(), labels.label.end(), [](float label) { return label > 0.5f; }));
 }
 
 }  // namespace ngs

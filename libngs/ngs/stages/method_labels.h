@@ -13,9 +13,12 @@ Evidence object_evidence(const Evidence& all, int object);
 
 /// Hand-fixed Gaussians get their input label (and prob) back. Rows of `labels` are the input's unless
 /// `source_row` says from which input row each descends.
-void restore_fixed(const MethodInput& input, const std::vector<std::int64_t>& source_row, std::vector<LabelColumns>& labels);
+void restore_fixed(const MethodInput& input, const std::vector<std::int64_t>& source_row,
+                   std::vector<LabelColumns>& labels);
 
-inline bool is_fixed(const MethodInput& input, std::size_t row) { return !input.fixed.empty() && input.fixed[row] == 1.f; }
+inline bool is_fixed(const MethodInput& input, std::size_t row) {
+  return !input.fixed.empty() && input.fixed[row] == 1.f;
+}
 
 /// Number of Gaussians labelled as the object, for MethodResult::figures.
 double labelled_count(const LabelColumns& labels);

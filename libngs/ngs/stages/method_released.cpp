@@ -13,7 +13,8 @@ constexpr double kShDc = 0.28209479177387814;  // rgb = 0.5 + kShDc · sh_dc
 
 }  // namespace
 
-std::vector<std::size_t> most_undecided(const GaussianCloud& cloud, const std::vector<float>& logit, int count) {
+std::vector<std::size_t> most_undecided(const GaussianCloud& cloud, const std::vector<float>& logit,
+                                        int count) {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < cloud.usable.size(); ++i)
     if (cloud.usable[i]) order.push_back(i);
@@ -24,23 +25,26 @@ std::vector<std::size_t> most_undecided(const GaussianCloud& cloud, const std::v
     return least;
   };
   const std::size_t taken = std::min(order.size(), std::size_t(count));
-  std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(taken), order.end(), [&](std::size_t a, std::size_t b) {
-    const float da = doubt(a), db = doubt(b);
-    return da != db ? da < db : a < b;
-  });
+  std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(taken), order.end(),
+                    [&](std::size_t a, std::size_t b) {
+                      const float da = doubt(a), db = doubt(b);
+                      return da != db ? da < db : a < b;
+                    });
   order.resize(taken);
   std::sort(order.begin(), order.end());
   return order;
 }
 
-MethodResult run_released(const Exec& exec, Monitor& monitor, const ReleasedOptions& options, const MethodInput& input) {
+MethodResult run_released(const Exec& exec, Monitor& monitor, const ReleasedOptions& options,
+                          const MethodInput& input) {
   CobOptions cob = options.cob;
   cob.divisor = CobDivisor::kLiteral;
   const ReleasedWeights weights{options.align, options.continuity, options.smooth, options.density};
   ReleasedField field(input.seed);
   ReleasedLosses last;
   std::uint64_t draw = 0;
-  const ColourTerm regulariser = [&](const Exec& e, const GaussianCloud& cloud, const std::vector<float>& logit, std::vector<float>& grad_sh_dc) {
+  const ColourTerm regulariser = [&](const Exec& e, const GaussianCloud& cloud,
+                                     const std::vector<float>& logit, std::vector<float>& grad_sh_dc) {
     const std::vector<std::size_t> rows = most_undecided(cloud, logit, options.count);
     std::vector<float> position;
     std::vector<double> base, grad_base;

@@ -9,9 +9,9 @@ namespace {
 struct ObjectState {
   int object;
   double threshold;
-  GaussianCloud cloud;                 // `usable` loses what a pass removed
-  Evidence evidence;                   // of the current pass
-  std::vector<std::size_t> accepted;   // views that passed the gate in the first pass
+  GaussianCloud cloud;                // `usable` loses what a pass removed
+  Evidence evidence;                  // of the current pass
+  std::vector<std::size_t> accepted;  // views that passed the gate in the first pass
   std::vector<float> label() const {
     std::vector<float> out(std::size_t(evidence.gaussians), 0.f);
     for (std::size_t i = 0; i < out.size(); ++i)
@@ -21,8 +21,8 @@ struct ObjectState {
 };
 
 /// IoU of the rendered label mask and the given one over known pixels; two empty masks agree.
-double mask_agreement(const Exec& exec, const ObjectState& state, const MethodInput& input, const Camera& camera,
-                      const ViewMasks& masks) {
+double mask_agreement(const Exec& exec, const ObjectState& state, const MethodInput& input,
+                      const Camera& camera, const ViewMasks& masks) {
   const std::vector<float> label = state.label();
   RenderRequest request;
   request.colour = false;
@@ -38,19 +38,22 @@ double mask_agreement(const Exec& exec, const ObjectState& state, const MethodIn
   return either == 0 ? 1.0 : double(both) / double(either);
 }
 
-void take_view(const Exec& exec, const MethodInput& input, std::size_t view, const ViewMasks& masks, ObjectState& state) {
+void take_view(const Exec& exec, const MethodInput& input, std::size_t view, const ViewMasks& masks,
+               ObjectState& state) {
   Evidence one(state.cloud.size(), int(masks.target.size()));
   add_view_evidence(exec, state.cloud, input.scene.views[view].camera, input.splat, masks, one);
   state.evidence.add(one.objects == 1 ? one : object_evidence(one, state.object));
 }
 
-void first_pass(const Exec& exec, Monitor& monitor, const Sa3dOptions& options, const MethodInput& input, ObjectState& state) {
+void first_pass(const Exec& exec, Monitor& monitor, const Sa3dOptions& options, const MethodInput& input,
+                ObjectState& state) {
   for (const std::size_t view : input.views) {
     if (monitor.stop_requested()) return;
     const ViewMasks masks = input.load_masks(view);
     if (!masks.available) continue;
     const Camera& camera = input.scene.views[view].camera;
-    if (!state.accepted.empty() && mask_agreement(exec, state, input, camera, masks) < options.gate_iou) continue;
+    if (!state.accepted.empty() && mask_agreement(exec, state, input, camera, masks) < options.gate_iou)
+      continue;
     state.accepted.push_back(view);
     take_view(exec, input, view, masks, state);
   }
@@ -67,7 +70,8 @@ void later_pass(const Exec& exec, const Sa3dOptions& options, const MethodInput&
 
 }  // namespace
 
-MethodResult run_sa3d(const Exec& exec, Monitor& monitor, const Sa3dOptions& options, const MethodInput& input) {
+MethodResult run_sa3d(const Exec& exec, Monitor& monitor, const Sa3dOptions& options,
+                      const MethodInput& input) {
   const auto timed = monitor.scope("sa3d");
   MethodResult result;
   result.cloud = input.cloud;

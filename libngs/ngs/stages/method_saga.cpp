@@ -16,7 +16,8 @@ std::vector<int> pixel_ids(const ViewMasks& masks, int width_px, int height_px) 
   std::vector<int> id;
   for (int y = 0; y < height_px; ++y)
     for (int x = 0; x < width_px; ++x) {
-      const auto column = std::size_t((x + 0.5) * masks.width_px / width_px), row = std::size_t((y + 0.5) * masks.height_px / height_px);
+      const auto column = std::size_t((x + 0.5) * masks.width_px / width_px),
+                 row = std::size_t((y + 0.5) * masks.height_px / height_px);
       const std::size_t p = row * std::size_t(masks.width_px) + column;
       int found = masks.known.empty() || masks.known[p] ? 0 : -1;
       for (std::size_t k = masks.target.size(); found >= 0 && k-- > 0;)
@@ -28,17 +29,20 @@ std::vector<int> pixel_ids(const ViewMasks& masks, int width_px, int height_px) 
 
 class Saga {
  public:
-  Saga(const Exec& exec, const SagaOptions& options, const MethodInput& input) : options_(options), input_(input), pass_(input.splat) {
+  Saga(const Exec& exec, const SagaOptions& options, const MethodInput& input)
+      : options_(options), input_(input), pass_(input.splat) {
     std::vector<CloudRow> rows;
     for (std::int64_t i = 0; i < input.cloud.size(); ++i)
-      if (input.cloud.usable[std::size_t(i)]) rows.push_back({i, RowOrigin::kKept}), row_.push_back(std::size_t(i));
+      if (input.cloud.usable[std::size_t(i)])
+        rows.push_back({i, RowOrigin::kKept}), row_.push_back(std::size_t(i));
     cloud_ = input.cloud;
     edit_rows(exec, rows, 0, cloud_);
     const Rows<const float, 3> points{cloud_.position.data(), cloud_.size()};
     graph_ = nearest_points(exec, points, points, options.neighbours);  // the nearest is the point itself
     build_transpose(graph_);
     features_.resize(rows.size() * std::size_t(options.dims));
-    for (std::size_t i = 0; i < features_.size(); ++i) features_[i] = float(rng_normal(input.seed, RngStream::kSaga, i));
+    for (std::size_t i = 0; i < features_.size(); ++i)
+      features_[i] = float(rng_normal(input.seed, RngStream::kSaga, i));
     for (std::size_t i = 0; i < features_.size(); ++i) features_[i] /= std::sqrt(float(options.dims));
   }
 
@@ -47,16 +51,17 @@ class Saga {
     std::vector<float> u, grad_features;
     for (; step_ < options_.steps && !monitor.stop_requested(); ++step_) {
       const std::size_t view = input_.views[std::size_t(draw(0) % input_.views.size())];
-      const ViewMasks masks = input_.load_masks(view);
-      if (!masks.available) continue;
+      const std::vector<int>& id = ids_of(view);
+      if (id.empty()) continue;
       smooth.forward(exec, features_, drawn_slots(), u);
       const ImageF& image = rendered(exec, view, u);
-      const std::vector<std::size_t> pixel = drawn_pixels(pixel_ids(masks, image.width_px, image.height_px));
+      const std::vector<std::size_t> pixel = drawn_pixels(id);
       if (pixel.empty()) continue;
       loss_ = backward_pixels(exec, image, pixel);
       pass_.backward(exec, image_gradient_, gradients_);
       smooth.backward(exec, features_, u, gradients_.label, grad_features);
-      adam_step(exec, {.lr = options_.lr}, ++updates_, "affinity feature", features_, grad_features, moments_);
+      adam_step(exec, {.lr = options_.lr}, ++updates_, "affinity feature", features_, grad_features,
+                moments_);
       monitor.progress(step_ + 1, options_.steps);
     }
   }
@@ -69,7 +74,8 @@ class Saga {
     const std::vector<double> prototype = prototype_of(exec, object, u);
     std::vector<float> out(std::size_t(input_.cloud.size()), 0.f);
     for (std::size_t i = 0; i < row_.size(); ++i)
-      for (std::size_t c = 0; c < prototype.size(); ++c) out[row_[i]] += float(prototype[c] * double(u[i * prototype.size() + c]));
+      for (std::size_t c = 0; c < prototype.size(); ++c)
+        out[row_[i]] += float(prototype[c] * double(u[i * prototype.size() + c]));
     return out;
   }
 
@@ -77,19 +83,23 @@ class Saga {
   std::int64_t updates() const { return updates_; }
 
  private:
-  std::uint64_t draw(std::uint64_t what) const { return rng_bits(input_.seed, RngStream::kSaga, (std::uint64_t(step_) + 1) << 32 | what); }
+  std::uint64_t draw(std::uint64_t what) const {
+    return rng_bits(input_.seed, RngStream::kSaga, (std::uint64_t(step_) + 1) << 32 | what);
+  }
 
   /// A random half of the neighbour slots, at least one.
   std::vector<std::uint8_t> drawn_slots() const {
     std::vector<std::uint8_t> used(std::size_t(graph_.neighbours), 0);
     std::vector<std::size_t> order(used.size());
     for (std::size_t s = 0; s < order.size(); ++s) order[s] = s;
-    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return draw(1 + a) < draw(1 + b); });
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return draw(1 + a) < draw(1 + b); });
     for (std::size_t s = 0; s < (used.size() + 1) / 2; ++s) used[order[s]] = 1;
     return used;
   }
 
-  /// Half of the pixels from objects, half from the background, with repetition; fills id_. Empty: no object in view.
+  /// Half of the pixels from objects, half from the background, with repetition; fills id_. Empty: no object
+  /// in view.
   std::vector<std::size_t> drawn_pixels(const std::vector<int>& id) {
     std::vector<std::size_t> group[2], pixel;
     for (std::size_t p = 0; p < id.size(); ++p)
@@ -104,19 +114,36 @@ class Saga {
     return pixel;
   }
 
-  const ImageF& rendered(const Exec& exec, std::size_t view, const std::vector<float>& u) {
+  Camera feature_camera(std::size_t view) const {
     const Camera& full = input_.scene.views[view].camera;
+    const double s = options_.image_scale;
+    return resized(full, scaled_size_px(full.width_px, s), scaled_size_px(full.height_px, s));
+  }
+
+  /// Ids at the size of the feature images, read once; empty: the view has no masks.
+  const std::vector<int>& ids_of(std::size_t view) {
+    const auto [at, is_new] = ids_.try_emplace(view);
+    if (is_new) {
+      const ViewMasks masks = input_.load_masks(view);
+      const Camera camera = feature_camera(view);
+      if (masks.available) at->second = pixel_ids(masks, camera.width_px, camera.height_px);
+    }
+    return at->second;
+  }
+
+  const ImageF& rendered(const Exec& exec, std::size_t view, const std::vector<float>& u) {
     RenderRequest request;
     request.colour = false;
     request.label = {u.data(), cloud_.size(), options_.dims};
-    const double s = options_.image_scale;
-    return pass_.forward(exec, cloud_, resized(full, scaled_size_px(full.width_px, s), scaled_size_px(full.height_px, s)), request).label;
+    return pass_.forward(exec, cloud_, feature_camera(view), request).label;
   }
 
   double backward_pixels(const Exec& exec, const ImageF& image, const std::vector<std::size_t>& pixel) {
     const auto d = std::size_t(options_.dims);
     std::vector<float> feature, grad;
-    for (const std::size_t p : pixel) feature.insert(feature.end(), image.data.begin() + std::ptrdiff_t(p * d), image.data.begin() + std::ptrdiff_t((p + 1) * d));
+    for (const std::size_t p : pixel)
+      feature.insert(feature.end(), image.data.begin() + std::ptrdiff_t(p * d),
+                     image.data.begin() + std::ptrdiff_t((p + 1) * d));
     const double loss = contrastive_loss(exec, options_.dims, feature, id_, grad);
     image_gradient_.label = ImageF(image.width_px, image.height_px, options_.dims);
     for (std::size_t i = 0; i < pixel.size(); ++i)
@@ -125,7 +152,7 @@ class Saga {
   }
 
   /// The training view named by the option, or the one with the most pixels of the object.
-  std::size_t reference_view(int object) const {
+  std::size_t reference_view(int object) {
     std::size_t best = input_.views.front();
     std::int64_t most = -1;
     for (const std::size_t view : input_.views) {
@@ -133,14 +160,13 @@ class Saga {
         if (input_.scene.views[view].camera.name == options_.reference) return view;
         continue;
       }
-      const ViewMasks masks = input_.load_masks(view);
-      if (!masks.available) continue;
-      const auto& t = masks.target[std::size_t(object)];
-      const std::int64_t count = std::count_if(t.begin(), t.end(), [](float m) { return m >= 0.5f; });
+      const std::vector<int>& id = ids_of(view);
+      const std::int64_t count = std::count(id.begin(), id.end(), object + 1);
       if (count > most) most = count, best = view;
     }
     if (!options_.reference.empty())
-      throw Error(ErrorCode::kUsage, "saga: reference view " + options_.reference + ", expected the name of a training view",
+      throw Error(ErrorCode::kUsage,
+                  "saga: reference view " + options_.reference + ", expected the name of a training view",
                   "leave --saga-reference out to take the view where the object is largest");
     return best;
   }
@@ -149,9 +175,7 @@ class Saga {
     const std::size_t view = reference_view(object), d = std::size_t(options_.dims);
     const ImageF& image = rendered(exec, view, u);
     std::vector<double> mean(d, 0.0);
-    const ViewMasks masks = input_.load_masks(view);
-    if (!masks.available) return mean;
-    const std::vector<int> id = pixel_ids(masks, image.width_px, image.height_px);
+    const std::vector<int>& id = ids_of(view);
     double square = 0;
     for (std::size_t p = 0; p < id.size(); ++p)
       if (id[p] == object + 1)
@@ -166,9 +190,10 @@ class Saga {
   GaussianCloud cloud_;           // the usable Gaussians
   std::vector<std::size_t> row_;  // of the input
   KnnGraph graph_;
-  std::vector<float> features_;   // [usable, D]
+  std::vector<float> features_;  // [usable, D]
   AdamMoments moments_;
-  std::vector<int> id_;
+  std::map<std::size_t, std::vector<int>> ids_;
+  std::vector<int> id_;  // of the pixels drawn last
   SplatPass pass_;
   CloudGradients gradients_;
   ViewGradients image_gradient_;
@@ -178,10 +203,14 @@ class Saga {
 
 }  // namespace
 
-MethodResult run_saga(const Exec& exec, Monitor& monitor, const SagaOptions& options, const MethodInput& input) {
+MethodResult run_saga(const Exec& exec, Monitor& monitor, const SagaOptions& options,
+                      const MethodInput& input) {
   MethodResult result;
   result.cloud = input.cloud;
   result.labels = closed_form_labels(exec, monitor, input);
+  if (input.views.empty())
+    throw Error(ErrorCode::kInconsistent, "saga: no training view, expected at least one",
+                "hold out fewer views");
   const auto timed = monitor.scope("saga");
   Saga saga(exec, options, input);
   saga.train(exec, monitor);

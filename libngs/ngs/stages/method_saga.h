@@ -1,10 +1,12 @@
 #pragma once
-// ngs-joint --method saga: contrastive affinity features from given masks alone.                    facts §8.2
+// ngs-joint --method saga: contrastive affinity features from given masks alone.                    facts
+// §8.2
 //
-// The reduction of SAGA that needs no segmentation network: every Gaussian carries a feature; rendered features of one
-// object's pixels attract each other, those of different ids repel. An object's prototype is the mean feature of its
-// pixels in a reference view; label 1 where the cosine to it exceeds a threshold. Object ids need to agree between
-// views only for the prototype's own object, since pairs are formed within a view.
+// The reduction of SAGA that needs no segmentation network: every Gaussian carries a feature; rendered
+// features of one object's pixels attract each other, those of different ids repel. An object's prototype is
+// the mean feature of its pixels in a reference view; label 1 where the cosine to it exceeds a threshold.
+// Object ids need to agree between views only for the prototype's own object, since pairs are formed within a
+// view.
 #include <string>
 
 #include "ngs/options/field.h"
@@ -22,14 +24,22 @@ struct SagaOptions {
     visit(self.dims, Field<int>{"saga_dims", "", "saga: length of a Gaussian's feature", 2, 64});
     visit(self.steps, Field<int>{"saga_steps", "", "saga: optimisation steps, one view each", 1, 1000000});
     visit(self.pixels, Field<int>{"saga_pixels", "", "saga: pixels that a step compares", 2, 8192});
-    visit(self.neighbours, Field<int>{"saga_neighbours", "", "saga: Gaussians that a feature is averaged over", 1, 32});
-    visit(self.lr, Field<double>{"saga_lr", "", "saga: Adam rate (0.0025 in the code, which takes 10000 steps)", 1e-6, 10.0});
-    visit(self.image_scale, Field<double>{"saga_image_scale", "", "saga: size of the feature images", 1e-2, 4.0});
-    visit(self.threshold, Field<double>{"saga_threshold", "", "saga: label 1 where the cosine to the prototype exceeds this", -1.0, 1.0});
-    visit(self.reference, Text{"saga_reference", "VIEW", "saga: view of the prototypes; default: where the object is largest"});
+    visit(self.neighbours,
+          Field<int>{"saga_neighbours", "", "saga: Gaussians that a feature is averaged over", 1, 32});
+    visit(self.lr,
+          Field<double>{"saga_lr", "", "saga: Adam rate (0.0025 in the code, which takes 10000 steps)", 1e-6,
+                        10.0});
+    visit(self.image_scale,
+          Field<double>{"saga_image_scale", "", "saga: size of the feature images", 1e-2, 4.0});
+    visit(self.threshold,
+          Field<double>{"saga_threshold", "", "saga: label 1 where the cosine to the prototype exceeds this",
+                        -1.0, 1.0});
+    visit(self.reference, Text{"saga_reference", "VIEW",
+                               "saga: view of the prototypes; default: where the object is largest"});
   }
 };
 
-MethodResult run_saga(const Exec& exec, Monitor& monitor, const SagaOptions& options, const MethodInput& input);
+MethodResult run_saga(const Exec& exec, Monitor& monitor, const SagaOptions& options,
+                      const MethodInput& input);
 
 }  // namespace ngs

@@ -13,17 +13,18 @@
 namespace ngs {
 namespace {
 
-constexpr int kLevels = 8, kFeatures = 2, kInputs = kLevels * kFeatures + 3, kHidden = 64, kHeads = 4, kNeighbours = 8;
+constexpr int kLevels = 8, kFeatures = 2, kInputs = kLevels * kFeatures + 3, kHidden = 64, kHeads = 4,
+              kNeighbours = 8;
 constexpr std::size_t kTable = 1u << 15;
 constexpr double kTint = 0.1, kBaseShare = 0.25, kJitter = 0.01, kLeastWeight = 1e-6;
 constexpr std::int64_t kChunk = 256;  // rows that one task differentiates
 
 // Parameters: tables, then weight and bias of each layer.
 constexpr std::size_t kTables = kLevels * kTable * kFeatures;
-constexpr std::size_t kW1 = 0, kB1 = kW1 + kHidden * kInputs, kW2 = kB1 + kHidden, kB2 = kW2 + kHidden * kHidden,
-                      kGammaW = kB2 + kHidden, kGammaB = kGammaW + kHidden * 3, kBetaW = kGammaB + kHidden,
-                      kBetaB = kBetaW + kHidden * 3, kHeadW = kBetaB + kHidden, kHeadB = kHeadW + kHeads * kHidden,
-                      kNetwork = kHeadB + kHeads;
+constexpr std::size_t kW1 = 0, kB1 = kW1 + kHidden * kInputs, kW2 = kB1 + kHidden,
+                      kB2 = kW2 + kHidden * kHidden, kGammaW = kB2 + kHidden, kGammaB = kGammaW + kHidden * 3,
+                      kBetaW = kGammaB + kHidden, kBetaB = kBetaW + kHidden * 3, kHeadW = kBetaB + kHidden,
+                      kHeadB = kHeadW + kHeads * kHidden, kNetwork = kHeadB + kHeads;
 
 /// y = W x + b and its adjoint.
 void affine(const double* w, const double* b, const double* x, int rows, int columns, double* y) {
@@ -33,16 +34,19 @@ void affine(const double* w, const double* b, const double* x, int rows, int col
     y[r] = sum;
   }
 }
-void affine_backward(const double* w, const double* x, const double* gy, int rows, int columns, double* gw, double* gb, double* gx_add) {
+void affine_backward(const double* w, const double* x, const double* gy, int rows, int columns, double* gw,
+                     double* gb, double* gx_add) {
   for (int r = 0; r < rows; ++r) {
     gb[r] += gy[r];
-    for (int c = 0; c < columns; ++c) gw[r * columns + c] += gy[r] * x[c], gx_add[c] += w[r * columns + c] * gy[r];
+    for (int c = 0; c < columns; ++c)
+      gw[r * columns + c] += gy[r] * x[c], gx_add[c] += w[r * columns + c] * gy[r];
   }
 }
 
 /// What one row's forward pass leaves for its backward pass.
 struct RowState {
-  double in[kInputs], a1[kHidden], a2[kHidden], gamma[kHidden], beta[kHidden], film[kHidden], h3[kHidden], head[kHeads];
+  double in[kInputs], a1[kHidden], a2[kHidden], gamma[kHidden], beta[kHidden], film[kHidden], h3[kHidden],
+      head[kHeads];
 };
 
 struct RowOutput {
@@ -77,9 +81,11 @@ void backward_row(const double* net, const RowState& s, const RowOutput& g, doub
   const double* base = s.in + kLevels * kFeatures;
   std::fill_n(grad_in, kInputs, 0.0);
   double* grad_base = grad_in + kLevels * kFeatures;
-  double g_head[kHeads], g3[kHidden] = {}, g_gamma[kHidden], g_film[kHidden], g2[kHidden] = {}, g1[kHidden] = {}, h1[kHidden];
+  double g_head[kHeads], g3[kHidden] = {}, g_gamma[kHidden], g_film[kHidden], g2[kHidden] = {},
+                         g1[kHidden] = {}, h1[kHidden];
   for (int c = 0; c < 3; ++c) {
-    const double t = std::tanh(s.head[c]), raw = base[c] + kTint * t, through = raw > 0 && raw < 1 ? g.rgb[c] : 0;
+    const double t = std::tanh(s.head[c]), raw = base[c] + kTint * t,
+                 through = raw > 0 && raw < 1 ? g.rgb[c] : 0;
     grad_base[c] += through, g_head[c] = through * kTint * (1 - t * t);
   }
   g_head[3] = g.density * sigmoid(s.head[3]);
@@ -101,7 +107,8 @@ void backward_row(const double* net, const RowState& s, const RowOutput& g, doub
 std::vector<std::uint32_t> hash_cells(const std::vector<double>& position) {
   const std::size_t rows = position.size() / 3;
   double lo[3] = {INFINITY, INFINITY, INFINITY}, hi[3] = {-INFINITY, -INFINITY, -INFINITY};
-  for (std::size_t i = 0; i < position.size(); ++i) lo[i % 3] = std::min(lo[i % 3], position[i]), hi[i % 3] = std::max(hi[i % 3], position[i]);
+  for (std::size_t i = 0; i < position.size(); ++i)
+    lo[i % 3] = std::min(lo[i % 3], position[i]), hi[i % 3] = std::max(hi[i % 3], position[i]);
   std::vector<std::uint32_t> entry(rows * kLevels);
   for (std::size_t r = 0; r < rows; ++r)
     for (std::size_t l = 0; l < kLevels; ++l) {
@@ -125,35 +132,44 @@ struct Batch {
   std::vector<RowState> state;
   std::vector<RowOutput> out;
 
-  Batch(const Exec& exec, const std::vector<double>& parameters, const std::vector<double>& position, const std::vector<double>& colours)
-      : value(parameters), base(colours), entry(hash_cells(position)), state(colours.size() / 3), out(colours.size() / 3) {
+  Batch(const Exec& exec, const std::vector<double>& parameters, const std::vector<double>& position,
+        const std::vector<double>& colours)
+      : value(parameters),
+        base(colours),
+        entry(hash_cells(position)),
+        state(colours.size() / 3),
+        out(colours.size() / 3) {
     for_each_index(exec, std::int64_t(state.size()), [&](std::int64_t row) {
       const auto r = std::size_t(row);
       for (std::size_t l = 0; l < kLevels; ++l)
-        for (std::size_t f = 0; f < kFeatures; ++f) state[r].in[l * kFeatures + f] = value[entry[r * kLevels + l] * kFeatures + f];
+        for (std::size_t f = 0; f < kFeatures; ++f)
+          state[r].in[l * kFeatures + f] = value[entry[r * kLevels + l] * kFeatures + f];
       std::copy_n(&base[r * 3], 3, state[r].in + kLevels * kFeatures);
       out[r] = forward_row(value.data() + kTables, state[r]);
     });
   }
 
   /// Adds to `grad` (all parameters) and `grad_base`.
-  void backward(const Exec& exec, const std::vector<RowOutput>& grad_out, std::vector<double>& grad, std::vector<double>& grad_base) const {
+  void backward(const Exec& exec, const std::vector<RowOutput>& grad_out, std::vector<double>& grad,
+                std::vector<double>& grad_base) const {
     const auto rows = std::int64_t(state.size()), chunks = (rows + kChunk - 1) / kChunk;
     std::vector<double> part(std::size_t(chunks) * kNetwork, 0.0), grad_in(std::size_t(rows) * kInputs);
     for_each_task(exec, chunks, [&](std::int64_t chunk) {
       for (std::int64_t r = chunk * kChunk; r < std::min(rows, (chunk + 1) * kChunk); ++r)
-        backward_row(value.data() + kTables, state[std::size_t(r)], grad_out[std::size_t(r)], &part[std::size_t(chunk) * kNetwork],
-                     &grad_in[std::size_t(r) * kInputs]);
+        backward_row(value.data() + kTables, state[std::size_t(r)], grad_out[std::size_t(r)],
+                     &part[std::size_t(chunk) * kNetwork], &grad_in[std::size_t(r) * kInputs]);
     });
     for (std::size_t i = 0; i < part.size(); ++i) grad[kTables + i % kNetwork] += part[i];
-    for_each_task(exec, kLevels, [&](std::int64_t level) {  // a level owns its table and visits the rows in order
-      for (std::size_t r = 0; r < state.size(); ++r)
-        for (std::size_t f = 0; f < kFeatures; ++f) {
-          const std::size_t l = std::size_t(level);
-          grad[entry[r * kLevels + l] * kFeatures + f] += grad_in[r * kInputs + l * kFeatures + f];
-        }
-    });
-    for (std::size_t i = 0; i < grad_base.size(); ++i) grad_base[i] += grad_in[i / 3 * kInputs + kLevels * kFeatures + i % 3];
+    for_each_task(
+        exec, kLevels, [&](std::int64_t level) {  // a level owns its table and visits the rows in order
+          for (std::size_t r = 0; r < state.size(); ++r)
+            for (std::size_t f = 0; f < kFeatures; ++f) {
+              const std::size_t l = std::size_t(level);
+              grad[entry[r * kLevels + l] * kFeatures + f] += grad_in[r * kInputs + l * kFeatures + f];
+            }
+        });
+    for (std::size_t i = 0; i < grad_base.size(); ++i)
+      grad_base[i] += grad_in[i / 3 * kInputs + kLevels * kFeatures + i % 3];
   }
 };
 
@@ -164,14 +180,16 @@ std::vector<double> rbf_weights(const KnnGraph& graph) {
   std::vector<double> weight(graph.index.size());
   for (std::size_t i = 0; i < std::size_t(graph.queries()); ++i) {
     double sum = 0;
-    for (std::size_t s = i * k; s < (i + 1) * k; ++s) sum += weight[s] = std::exp(-double(graph.dist2[s]) / (2 * sigma * sigma));
+    for (std::size_t s = i * k; s < (i + 1) * k; ++s)
+      sum += weight[s] = std::exp(-double(graph.dist2[s]) / (2 * sigma * sigma));
     for (std::size_t s = i * k; s < (i + 1) * k; ++s) weight[s] /= std::max(sum, kLeastWeight);
   }
   return weight;
 }
 
 /// Continuity mean_i Σ_j w_ij |base_i - base_j|² / 3 with its gradient; fills the RBF colour of every row.
-double continuity(const KnnGraph& graph, const std::vector<double>& base, double factor, std::vector<double>& rbf, std::vector<double>& grad_base) {
+double continuity(const KnnGraph& graph, const std::vector<double>& base, double factor,
+                  std::vector<double>& rbf, std::vector<double>& grad_base) {
   const std::vector<double> weight = rbf_weights(graph);
   const double scale = 1 / double(base.size());
   double loss = 0;
@@ -192,10 +210,12 @@ std::vector<double> jittered(const std::vector<double>& position, std::uint64_t 
   const double n = double(position.size()) / 3;
   std::array<double, 3> sum{}, square{};
   for (std::size_t i = 0; i < position.size(); ++i) sum[i % 3] += position[i] / n;
-  for (std::size_t i = 0; i < position.size(); ++i) square[i % 3] += (position[i] - sum[i % 3]) * (position[i] - sum[i % 3]) / n;
+  for (std::size_t i = 0; i < position.size(); ++i)
+    square[i % 3] += (position[i] - sum[i % 3]) * (position[i] - sum[i % 3]) / n;
   const double eps = kJitter * (std::sqrt(square[0]) + std::sqrt(square[1]) + std::sqrt(square[2])) / 3;
   std::vector<double> out = position;
-  for (std::size_t i = 0; i < out.size(); ++i) out[i] += eps * rng_normal(seed, RngStream::kReleased, (draw + 1) << 24 | i);
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out[i] += eps * rng_normal(seed, RngStream::kReleased, (draw + 1) << 24 | i);
   return out;
 }
 
@@ -207,14 +227,17 @@ ReleasedField::ReleasedField(std::uint64_t seed) : value_(kTables + kNetwork), s
   };
   for (std::size_t i = 0; i < kTables; ++i) value_[i] = uniform(i, 1e-4);
   const auto layer = [&](std::size_t begin, std::size_t end, int inputs) {
-    for (std::size_t i = begin; i < end; ++i) value_[kTables + i] = uniform(kTables + i, 1 / std::sqrt(double(inputs)));
+    for (std::size_t i = begin; i < end; ++i)
+      value_[kTables + i] = uniform(kTables + i, 1 / std::sqrt(double(inputs)));
   };
-  layer(kW1, kW2, kInputs), layer(kW2, kGammaW, kHidden), layer(kGammaW, kHeadW, 3), layer(kHeadW, kNetwork, kHidden);
+  layer(kW1, kW2, kInputs), layer(kW2, kGammaW, kHidden), layer(kGammaW, kHeadW, 3),
+      layer(kHeadW, kNetwork, kHidden);
   grad_.resize(value_.size()), m_.resize(value_.size()), v_.resize(value_.size());
 }
 
-ReleasedLosses ReleasedField::evaluate(const Exec& exec, const ReleasedWeights& weights, const std::vector<float>& position,
-                                       const std::vector<double>& base, std::uint64_t draw, std::vector<double>& grad_base) {
+ReleasedLosses ReleasedField::evaluate(const Exec& exec, const ReleasedWeights& weights,
+                                       const std::vector<float>& position, const std::vector<double>& base,
+                                       std::uint64_t draw, std::vector<double>& grad_base) {
   ReleasedLosses loss;
   std::fill(grad_.begin(), grad_.end(), 0.0);
   grad_base.assign(base.size(), 0.0);
@@ -230,7 +253,8 @@ ReleasedLosses ReleasedField::evaluate(const Exec& exec, const ReleasedWeights& 
   const double mean = 1 / double(base.size());
   for (std::size_t i = 0; i < std::size_t(rows); ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
-      const double refined = here.out[i].rgb[c], target = refined - rbf[i * 3 + c], step = refined - near.out[i].rgb[c];
+      const double refined = here.out[i].rgb[c], target = refined - rbf[i * 3 + c],
+                   step = refined - near.out[i].rgb[c];
       const double from_base = base[i * 3 + c] - refined;
       loss.align += mean * (target * target + kBaseShare * from_base * from_base);
       loss.smooth += mean * step * step;
@@ -242,12 +266,14 @@ ReleasedLosses ReleasedField::evaluate(const Exec& exec, const ReleasedWeights& 
     grad_here[i].density = weights.density / double(rows);
   }
   here.backward(exec, grad_here, grad_, grad_base), near.backward(exec, grad_near, grad_, grad_base);
-  loss.total = weights.align * loss.align + weights.continuity * loss.continuity + weights.smooth * loss.smooth + weights.density * loss.density;
+  loss.total = weights.align * loss.align + weights.continuity * loss.continuity +
+               weights.smooth * loss.smooth + weights.density * loss.density;
   return loss;
 }
 
 void ReleasedField::step(const Exec& exec, double lr) {
-  adam_step(exec, {.lr = lr}, ++steps_, "released field", std::span<double>(value_), std::span<const double>(grad_), std::span<double>(m_), std::span<double>(v_));
+  adam_step(exec, {.lr = lr}, ++steps_, "released field", std::span<double>(value_),
+            std::span<const double>(grad_), std::span<double>(m_), std::span<double>(v_));
 }
 
 }  // namespace ngs

@@ -1,10 +1,12 @@
 #pragma once
-// The colour regulariser of the authors' released code, with what is odd about it.                 facts §1.1-1.3
+// The colour regulariser of the authors' released code, with what is odd about it.                 facts
+// §1.1-1.3
 //
-// A network refines the constant colours of at most 4096 Gaussians: 8 hash levels of 2 features, looked up at the floor
-// cell without interpolation, in coordinates renormalised by the minimum and maximum of each batch, with composite
-// "primes"; two layers, one modulation by the colour itself, rgb = clamp(base + 0.1 tanh). Its output only ever meets
-// the loss below: no ray, no pixel and no mask takes part. In double, for a gradient that can be tested.
+// A network refines the constant colours of at most 4096 Gaussians: 8 hash levels of 2 features, looked up at
+// the floor cell without interpolation, in coordinates renormalised by the minimum and maximum of each batch,
+// with composite "primes"; two layers, one modulation by the colour itself, rgb = clamp(base + 0.1 tanh). Its
+// output only ever meets the loss below: no ray, no pixel and no mask takes part. In double, for a gradient
+// that can be tested.
 #include <cstdint>
 #include <vector>
 
@@ -24,10 +26,12 @@ class ReleasedField {
  public:
   explicit ReleasedField(std::uint64_t seed);
 
-  /// Losses of M Gaussians (`position`, `base` [M, 3], base in [0, 1]) and their gradients: `grad_base` [M, 3] and
-  /// grad() are overwritten. `draw` numbers the step, for its jitter. Gradients stop where the code detaches.
-  ReleasedLosses evaluate(const Exec& exec, const ReleasedWeights& weights, const std::vector<float>& position,
-                          const std::vector<double>& base, std::uint64_t draw, std::vector<double>& grad_base);
+  /// Losses of M Gaussians (`position`, `base` [M, 3], base in [0, 1]) and their gradients: `grad_base` [M,
+  /// 3] and grad() are overwritten. `draw` numbers the step, for its jitter. Gradients stop where the code
+  /// detaches.
+  ReleasedLosses evaluate(const Exec& exec, const ReleasedWeights& weights,
+                          const std::vector<float>& position, const std::vector<double>& base,
+                          std::uint64_t draw, std::vector<double>& grad_base);
   /// One Adam step of the network and its tables against grad().
   void step(const Exec& exec, double lr);
 

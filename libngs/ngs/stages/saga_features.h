@@ -1,7 +1,9 @@
 #pragma once
-// Affinity features of the method saga: smoothing over neighbours, the contrastive loss, and their gradients. facts §8.2
+// Affinity features of the method saga: smoothing over neighbours, the contrastive loss, and their gradients.
+// facts §8.2
 //
-// Templated on the scalar: float for the features in production, double in tests. The loss is always in double.
+// Templated on the scalar: float for the features in production, double in tests. The loss is always in
+// double.
 #include <cmath>
 #include <span>
 #include <vector>
@@ -18,10 +20,13 @@ class SmoothedFeatures {
   SmoothedFeatures(const KnnGraph& graph, int dims) : graph_(graph), dims_(dims) {}
 
   /// `features` [N, D]; `slot_used` [K]. Writes u [N, D].
-  void forward(const Exec& exec, const std::vector<T>& features, const std::vector<std::uint8_t>& slot_used, std::vector<T>& u) {
+  void forward(const Exec& exec, const std::vector<T>& features, const std::vector<std::uint8_t>& slot_used,
+               std::vector<T>& u) {
     const auto d = std::size_t(dims_);
     unit_.resize(features.size()), sum_.resize(features.size()), u.resize(features.size());
-    for_each_index(exec, graph_.points, [&](std::int64_t i) { normalise(&features[std::size_t(i) * d], &unit_[std::size_t(i) * d]); });
+    for_each_index(exec, graph_.points, [&](std::int64_t i) {
+      normalise(&features[std::size_t(i) * d], &unit_[std::size_t(i) * d]);
+    });
     for_each_index(exec, graph_.points, [&](std::int64_t i) {
       T* sum = &sum_[std::size_t(i) * d];
       std::fill_n(sum, dims_, T(0));
@@ -35,9 +40,10 @@ class SmoothedFeatures {
     used_ = slot_used;
   }
 
-  /// Overwrites `grad_features` from ∂L/∂u of the last forward, of which `features` and `u` are in- and output.
-  void backward(const Exec& exec, const std::vector<T>& features, const std::vector<T>& u, const std::vector<T>& grad_u,
-                std::vector<T>& grad_features) {
+  /// Overwrites `grad_features` from ∂L/∂u of the last forward, of which `features` and `u` are in- and
+  /// output.
+  void backward(const Exec& exec, const std::vector<T>& features, const std::vector<T>& u,
+                const std::vector<T>& grad_u, std::vector<T>& grad_features) {
     const auto d = std::size_t(dims_);
     grad_sum_.resize(u.size()), grad_features.resize(u.size());
     for_each_index(exec, graph_.points, [&](std::int64_t i) {
@@ -82,8 +88,9 @@ class SmoothedFeatures {
 
 /// Loss over all pairs of S rendered pixel features P [S, D] with cos = P_i · P_j / (|P_i| |P_j|):
 ///   - mean cos over pairs of one object + mean max(0, cos) over pairs of different ids + (1 - mean |P|)²
-/// id 0 is background: it repels objects, but not every background pixel is alike. Features shorter than 1e-3 (hardly
-/// covered pixels) take part in the last term only. Overwrites `grad` [S, D].
-double contrastive_loss(const Exec& exec, int dims, std::span<const float> features, std::span<const int> id, std::vector<float>& grad);
+/// id 0 is background: it repels objects, but not every background pixel is alike. Features shorter than 1e-3
+/// (hardly covered pixels) take part in the last term only. Overwrites `grad` [S, D].
+double contrastive_loss(const Exec& exec, int dims, std::span<const float> features, std::span<const int> id,
+                        std::vector<float>& grad);
 
 }  // namespace ngs

@@ -1,8 +1,9 @@
+#include "ngs/ops/label_solve.h"
+
 #include <doctest/doctest.h>
 
 #include <cmath>
 
-#include "ngs/ops/label_solve.h"
 #include "support/method_case.h"
 #include "support/random.h"
 
@@ -22,7 +23,8 @@ struct BookSums {
 };
 
 /// The definition in label_system.h, from the reference renderer's weights, in double.
-BookSums by_the_book(const test::MethodCase& c, const std::vector<double>& m, const std::vector<PixelTargets>& targets) {
+BookSums by_the_book(const test::MethodCase& c, const std::vector<double>& m,
+                     const std::vector<PixelTargets>& targets) {
   BookSums s;
   s.inside.resize(m.size()), s.outside.resize(m.size());
   double total = 0;
@@ -52,8 +54,8 @@ std::vector<std::int32_t> every(std::size_t n, std::size_t step) {
 
 std::vector<std::uint8_t> ones(std::size_t n) { return std::vector<std::uint8_t>(n, 1); }
 
-/// Two Gaussians so wide that alpha is 0.5 at every pixel: the nearer has weight 0.5, the other 0.25. The second camera
-/// looks from the other side. The masks claim `share[v]` of the pixels of view v.
+/// Two Gaussians so wide that alpha is 0.5 at every pixel: the nearer has weight 0.5, the other 0.25. The
+/// second camera looks from the other side. The masks claim `share[v]` of the pixels of view v.
 struct TwoSheets {
   GaussianCloud cloud;
   std::vector<Camera> cameras;
@@ -75,7 +77,8 @@ struct TwoSheets {
       cameras.push_back(camera);
       const double share = v == 0 ? share0 : share1;
       PixelTargets t;
-      for (int p = 0; p < 400; ++p) t.inside.push_back(p < share * 400 ? 1.f : 0.f), t.outside.push_back(1 - t.inside.back());
+      for (int p = 0; p < 400; ++p)
+        t.inside.push_back(p < share * 400 ? 1.f : 0.f), t.outside.push_back(1 - t.inside.back());
       targets.push_back(t);
     }
   }
@@ -86,7 +89,9 @@ struct TwoSheets {
 
 }  // namespace
 
-TEST_CASE("the label system evaluates loss and gradient sums as defined, with any labels folded and soft targets too") {
+TEST_CASE(
+    "the label system evaluates loss and gradient sums as defined, with any labels folded and soft targets "
+    "too") {
   int compared = 0;
   for (std::uint64_t seed = 20; seed < 26; ++seed) {
     CAPTURE(seed);
@@ -96,7 +101,8 @@ TEST_CASE("the label system evaluates loss and gradient sums as defined, with an
     test::Random random(seed);
     if (seed % 2)  // soft masks and pixel weights
       for (PixelTargets& t : targets)
-        for (std::size_t p = 0; p < t.inside.size(); ++p) t.inside[p] *= float(random.uniform(0, 2)), t.outside[p] += t.inside[p] * 0.25f;
+        for (std::size_t p = 0; p < t.inside.size(); ++p)
+          t.inside[p] *= float(random.uniform(0, 2)), t.outside[p] += t.inside[p] * 0.25f;
     LabelProblem problem = problem_of(c);
     problem.load_targets = [&](std::size_t v) { return targets[v]; };
     const std::vector<double> m = random.uniform_vector(70, 0.02, 0.98);
@@ -156,13 +162,15 @@ TEST_CASE("a reduced label system is the full one with the other labels held") {
     LabelSums want, got;
     full.evaluate({}, moved, want), reduced.evaluate({}, at, got);
     CHECK(got.loss == doctest::Approx(want.loss).epsilon(1e-6));
-    for (std::size_t i = 0; i < 120; i += 4) CHECK(got.inside[i / 4] == doctest::Approx(want.inside[i]).epsilon(1e-5));
+    for (std::size_t i = 0; i < 120; i += 4)
+      CHECK(got.inside[i / 4] == doctest::Approx(want.inside[i]).epsilon(1e-5));
   }
 }
 
-// 0.5 m0 + 0.25 m1 = share0 and 0.25 m0 + 0.5 m1 = share1 wherever that has a solution in the box: then both views are
-// fitted exactly. Float sums leave a relative gap of about 1e-7; with 2e-6 asked for, the loss is within 2e-6 of its
-// minimum and, the curvature along any direction being above 0.3, the labels within sqrt(2 · 2e-6 · 0.7 / 0.3) = 3e-3.
+// 0.5 m0 + 0.25 m1 = share0 and 0.25 m0 + 0.5 m1 = share1 wherever that has a solution in the box: then both
+// views are fitted exactly. Float sums leave a relative gap of about 1e-7; with 2e-6 asked for, the loss is
+// within 2e-6 of its minimum and, the curvature along any direction being above 0.3, the labels within sqrt(2
+// · 2e-6 · 0.7 / 0.3) = 3e-3.
 TEST_CASE("the label solve finds the optimum of a problem of two Gaussians that can be solved by hand") {
   LabelSolveOptions options;
   options.relative_gap = 2e-6;
@@ -171,7 +179,8 @@ TEST_CASE("the label solve finds the optimum of a problem of two Gaussians that 
   CHECK(a.converged);
   CHECK(a.label[0] == doctest::Approx(0.8).epsilon(3e-3));
   CHECK(a.label[1] == doctest::Approx(0.4).epsilon(3e-3));
-  const double entropy = -(0.5 * std::log(0.5) + 0.5 * std::log(0.5) + 0.4 * std::log(0.4) + 0.6 * std::log(0.6)) / 2;
+  const double entropy =
+      -(0.5 * std::log(0.5) + 0.5 * std::log(0.5) + 0.4 * std::log(0.4) + 0.6 * std::log(0.6)) / 2;
   CHECK(a.loss == doctest::Approx(entropy).epsilon(1e-5));
 
   // share0 = 0.6, share1 = 0: the second Gaussian is held at 0 and the first balances 0.5 m against 0.25 m:
@@ -225,7 +234,9 @@ TEST_CASE("an EM update never increases the loss") {
   }
 }
 
-TEST_CASE("the duality gap bounds what is left to gain at any labels, and the certificate is what double arithmetic finds") {
+TEST_CASE(
+    "the duality gap bounds what is left to gain at any labels, and the certificate is what double "
+    "arithmetic finds") {
   for (std::uint64_t seed = 50; seed < 54; ++seed) {
     CAPTURE(seed);
     const test::MethodCase c = test::method_case(seed, 120, 4);
@@ -257,7 +268,8 @@ TEST_CASE("the duality gap bounds what is left to gain at any labels, and the ce
     for (const ViewMasks& mask : c.masks) targets.push_back(pixel_targets(mask, 0));
     const BookSums book = by_the_book(c, usual.label, targets);
     if (book.near_threshold) continue;
-    const double gap = frank_wolfe_gap(usual.label, {book.loss, book.inside, book.outside}, system.gradient_scale());
+    const double gap =
+        frank_wolfe_gap(usual.label, {book.loss, book.inside, book.outside}, system.gradient_scale());
     CHECK(gap == doctest::Approx(usual.gap).epsilon(0.02));
   }
 }
@@ -266,7 +278,8 @@ TEST_CASE("the label solve stops at its budgets with what it has") {
   const test::MethodCase c = test::method_case(60, 120, 3);
   LabelSolveOptions options;
   options.relative_gap = 1e-9, options.max_evaluations = 6;
-  const LabelSolution s = solve_labels({}, problem_of(c), options, test::Random(3).uniform_vector(120, 0.05, 0.95), ones(120));
+  const LabelSolution s =
+      solve_labels({}, problem_of(c), options, test::Random(3).uniform_vector(120, 0.05, 0.95), ones(120));
   CHECK_FALSE(s.converged);
   CHECK(s.evaluations <= 8);
   CHECK(s.trace.back().certified);

@@ -1,6 +1,7 @@
+#include "ngs/stages/method_bce.h"
+
 #include <doctest/doctest.h>
 
-#include "ngs/stages/method_bce.h"
 #include "ngs/stages/method_labels.h"
 #include "support/method_case.h"
 

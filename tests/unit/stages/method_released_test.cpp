@@ -1,8 +1,9 @@
+#include "ngs/stages/method_released.h"
+
 #include <doctest/doctest.h>
 
 #include <cmath>
 
-#include "ngs/stages/method_released.h"
 #include "ngs/stages/released_field.h"
 #include "support/method_case.h"
 #include "support/random.h"
@@ -21,8 +22,8 @@ struct FieldCase {
 
 }  // namespace
 
-// The align terms hold what they compare with fixed, so their sum is no function to differentiate; the three other
-// terms are. Central differences with step 1e-5: error below 1e-9.
+// The align terms hold what they compare with fixed, so their sum is no function to differentiate; the three
+// other terms are. Central differences with step 1e-5: error below 1e-9.
 TEST_CASE("the released regulariser has the gradients of finite differences") {
   const FieldCase c;
   const ReleasedWeights parts[] = {{0, 0, 1, 0}, {0, 0, 0, 1}, {0, 1, 0, 0}};
@@ -30,9 +31,12 @@ TEST_CASE("the released regulariser has the gradients of finite differences") {
     CAPTURE(weights.smooth);
     CAPTURE(weights.density);
     ReleasedField field(1);
-    for (std::size_t i = 0; i < std::size_t(8 * 2) << 15; ++i) field.parameters()[i] *= 2000;  // entries of 1e-4 hardly matter
+    for (std::size_t i = 0; i < std::size_t(8 * 2) << 15; ++i)
+      field.parameters()[i] *= 2000;  // entries of 1e-4 hardly matter
     std::vector<double> grad_base, ignored;
-    const auto total = [&](const std::vector<double>& base) { return field.evaluate({}, weights, c.position, base, 5, ignored).total; };
+    const auto total = [&](const std::vector<double>& base) {
+      return field.evaluate({}, weights, c.position, base, 5, ignored).total;
+    };
     field.evaluate({.threads = 2}, weights, c.position, c.base, 5, grad_base);
     const std::vector<double> grad = field.grad();
     std::vector<std::size_t> moving;
@@ -62,7 +66,8 @@ TEST_CASE("the released regulariser learns its target, the mean colour of the ne
   ReleasedField field(2);
   std::vector<double> grad_base;
   const double before = field.evaluate({}, {}, c.position, c.base, 0, grad_base).align;
-  for (int i = 0; i < 60; ++i) field.step({}, 1e-2), field.evaluate({}, {}, c.position, c.base, std::uint64_t(i), grad_base);
+  for (int i = 0; i < 60; ++i)
+    field.step({}, 1e-2), field.evaluate({}, {}, c.position, c.base, std::uint64_t(i), grad_base);
   CHECK(field.evaluate({}, {}, c.position, c.base, 0, grad_base).align < 0.8 * before);
   CHECK(field.evaluate({}, {}, {}, {}, 0, grad_base).total == 0);
 }
@@ -83,7 +88,8 @@ TEST_CASE("released changes colours against cob, but no label and no geometry of
   Monitor monitor;
   ReleasedOptions options;
   options.cob.rounds = 1;
-  options.cob.rest_lr = options.cob.opacity_lr = options.cob.scale_lr = options.cob.rotation_lr = options.cob.position_lr = 0;
+  options.cob.rest_lr = options.cob.opacity_lr = options.cob.scale_lr = options.cob.rotation_lr =
+      options.cob.position_lr = 0;
   const MethodResult with = run_released({}, monitor, options, c.input());
   CobOptions cob = options.cob;
   cob.divisor = CobDivisor::kLiteral;

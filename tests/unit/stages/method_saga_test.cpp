@@ -1,9 +1,10 @@
+#include "ngs/stages/method_saga.h"
+
 #include <doctest/doctest.h>
 
 #include <cmath>
 
 #include "ngs/ops/knn.h"
-#include "ngs/stages/method_saga.h"
 #include "ngs/stages/saga_features.h"
 #include "support/method_case.h"
 #include "support/random.h"
@@ -45,7 +46,8 @@ test::MethodCase two_clusters() {
     const double side = i % 2 ? 0.25 : -0.2, z = random.uniform(2.8, 3.2);
     const Vec3<double> t{(side + random.uniform(-0.12, 0.12)) * z, random.uniform(-0.12, 0.12) * z, z};
     const Vec3<double> p = camera.centre() + transpose(camera.rotation) * t;
-    for (std::size_t k = 0; k < 3; ++k) c.cloud.position[i * 3 + k] = float((&p.x)[k]), c.cloud.log_scale[i * 3 + k] = std::log(0.06f);
+    for (std::size_t k = 0; k < 3; ++k)
+      c.cloud.position[i * 3 + k] = float((&p.x)[k]), c.cloud.log_scale[i * 3 + k] = std::log(0.06f);
     c.cloud.rotation[i * 4] = 1, c.cloud.logit_opacity[i] = 1;
   }
   for (std::size_t v = 0; v < 3; ++v) {
@@ -54,7 +56,8 @@ test::MethodCase two_clusters() {
     ViewMasks& m = c.masks[v];
     for (int y = 0; y < m.height_px; ++y)
       for (int x = 0; x < m.width_px; ++x)
-        m.target[0][std::size_t(y) * std::size_t(m.width_px) + std::size_t(x)] = float(x + 0.5 > camera.cx + 0.025 * camera.fx);
+        m.target[0][std::size_t(y) * std::size_t(m.width_px) + std::size_t(x)] =
+            float(x + 0.5 > camera.cx + 0.025 * camera.fx);
   }
   return c;
 }
@@ -73,7 +76,8 @@ TEST_CASE("smoothing affinity features has the gradient of finite differences, d
     lo[i] -= 1e-6, hi[i] += 1e-6;
     CHECK(std::abs((c.value(hi) - c.value(lo)) / 2e-6 - grad[i]) < 1e-8);
   }
-  for (std::size_t i = 0; i < 30; ++i) CHECK(std::hypot(u[i * 3], u[i * 3 + 1], u[i * 3 + 2]) == doctest::Approx(1));
+  for (std::size_t i = 0; i < 30; ++i)
+    CHECK(std::hypot(u[i * 3], u[i * 3 + 1], u[i * 3 + 2]) == doctest::Approx(1));
 }
 
 TEST_CASE("the contrastive loss is what its formula says for three pixels") {
@@ -98,7 +102,9 @@ TEST_CASE("the contrastive loss has the gradient of finite differences, with bac
     if (i / 4 == 4) continue;
     std::vector<float> lo = features, hi = features;
     lo[i] -= 1e-2f, hi[i] += 1e-2f;
-    const double numeric = (contrastive_loss({}, 4, hi, id, ignored) - contrastive_loss({}, 4, lo, id, ignored)) / (double(hi[i]) - double(lo[i]));
+    const double numeric =
+        (contrastive_loss({}, 4, hi, id, ignored) - contrastive_loss({}, 4, lo, id, ignored)) /
+        (double(hi[i]) - double(lo[i]));
     CHECK(std::abs(numeric - double(grad[i])) < 1e-3);
   }
 }
@@ -117,6 +123,19 @@ TEST_CASE("saga separates two clusters of which the masks show one") {
   CHECK(seen > 100);
   CHECK(right >= seen * 95 / 100);
   CHECK(r.figures.at("loss") < -0.5);
+}
+
+TEST_CASE("saga refuses a scene without training views, and passes over views without masks") {
+  test::MethodCase c = test::method_case(91, 30, 2);
+  SagaOptions options;
+  options.steps = 4;
+  Monitor monitor;
+  c.masks[0].available = false;
+  const MethodResult r = run_saga({}, monitor, options, c.input());
+  CHECK(r.figures.at("steps") < 4);
+  MethodInput none = c.input();
+  none.views.clear();
+  CHECK_THROWS_AS(run_saga({}, monitor, options, none), Error);
 }
 
 TEST_CASE("saga refuses a reference view that does not train") {
