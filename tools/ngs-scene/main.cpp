@@ -53,8 +53,9 @@ int import_command(int argc, char** argv) {
       run.plan({{"views", imported.scene.views.size()}, {"compared_views", checks.check_views}});
       return cli::kDone;
     }
-    imported.scene.filter_px2 = options.filter_px2 > 0 ? options.filter_px2 : capture::probe_model_filter(run, checks, imported.scene);
     capture::run_checks(run, checks, imported.scene, imported.notes);
+    imported.scene.filter_px2 =
+        options.filter_px2 > 0 ? options.filter_px2 : capture::probe_model_filter(run, checks, imported.scene);
     io::write_scene_json(out.path, imported.scene);
     return cli::kDone;
   });

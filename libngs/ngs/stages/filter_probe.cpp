@@ -1,6 +1,6 @@
 #include "ngs/stages/filter_probe.h"
 
-#include "ngs/ops/image_metrics.h"
+#include "ngs/stages/pose_check.h"
 
 namespace ngs {
 
@@ -14,8 +14,8 @@ FilterProbe probe_filter(const Exec& exec, const GaussianCloud& cloud, const Sce
     for (FilterCandidate& c : probe.candidates) {
       SplatOptions splat{.antialiased = cloud.antialiased};
       splat.blur_px2 = c.filter_px2;
-      const RenderedView rendered = render(exec, cloud, scene.views[view].camera, splat, {});
-      c.psnr_db += psnr_db(exec, rendered.colour, photo) / double(views.size());
+      // over the background that fits best: it is not in the PLY, and over black the largest footprints would win
+      c.psnr_db += match_photo(exec, cloud, scene.views[view].camera, splat, photo).psnr_db / double(views.size());
     }
   }
   double best = probe.candidates.front().psnr_db + kFilterMarginDb;
