@@ -16,7 +16,7 @@ constexpr int kFullSteps = 2;
 constexpr double kBand = 1e-3, kLift = 0.02;
 constexpr double kRoundingOfLoss = 1e-7;  // relative: what float predictions leave uncertain
 constexpr double kFirstShare = 10,
-                 kInnerShare = 0.5;  // of the wanted gap, left to the first and to later working sets
+                 kInnerShare = 0.8;  // of the wanted gap, left to the first and to later working sets
 constexpr int kMaxRounds = 50;
 
 double seconds_now() {
