@@ -94,7 +94,7 @@ inline Mask zoo_mask(MaskKind kind, int width_px, int height_px, std::uint64_t s
   return mask;
 }
 
-/// One erosion by a 3x3 square; what lies outside the image is not object (facts: padded by zeros).
+/// One erosion by a 3x3 square; what lies outside the image is not object (zero padding).
 inline Mask eroded(const Mask& mask) {
   Mask out(mask.width_px, mask.height_px);
   for (int y = 0; y < mask.height_px; ++y)

@@ -1,7 +1,7 @@
 #pragma once
 // The rendering equation by the book, in double: every Gaussian at every pixel, covariance by explicit matrix
-// products, no tiles beyond the rectangle rule itself, no spans, no packs. Written from facts §4, independently of
-// libngs (which it must not include beyond plain structs).
+// products, no tiles beyond the rectangle rule itself, no spans, no packs. Written from the published
+// conventions of 3DGS and gsplat, independently of libngs (of which it may include plain structs only).
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,5 +1,5 @@
 #pragma once
-// Real spherical harmonics up to degree 3 in the sign convention of 3DGS (facts §4.3).
+// Real spherical harmonics up to degree 3 in the sign convention of 3DGS.
 #include "ngs/math/vec.h"
 
 namespace ngs {

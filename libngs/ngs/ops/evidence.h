@@ -1,5 +1,5 @@
 #pragma once
-// Mask evidence per Gaussian: one forward pass per view.                    m_ij before Eq. (3); facts §3, §9a
+// Mask evidence per Gaussian: one forward pass per view.                 m_ij before Eq. (3); PAPER.md §5.2
 #include "ngs/ops/splat.h"
 #include "ngs/scene/evidence.h"
 #include "ngs/scene/scene.h"

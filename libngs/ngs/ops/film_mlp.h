@@ -2,8 +2,8 @@
 // The small NeRF: density and colour from hash features, modulated by interpolated features. Eqs. (12)-(15)
 //
 // Modulation (FiLM) acts at every hidden layer; its scale starts at 1 (b_γ = 1), so an untrained condition
-// leaves the network a plain MLP (facts C21). Density is softplus, in units of 1 / density_length: with the
-// spacing of the ray samples as that length, one sample can turn opaque for any unit of the scene. softplus
+// leaves the network a plain MLP (C21). Density is softplus, in units of 1 / density_length: with a length
+// of the scene, such as the RBF width, samples can turn opaque whatever the unit of the scene is. softplus
 // grows linearly, so no clamp is needed for finite weights.
 // Results, parameter gradients included, do not depend on exec.threads.
 #include <vector>

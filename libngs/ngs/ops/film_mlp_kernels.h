@@ -1,7 +1,7 @@
 #pragma once
 // The FiLM-modulated network on one block of queries.                                     Eqs. (12)-(15)
 //
-//   h_0 = ReLU(W_0 f + b_0)         h_l = W_l x_l + b_l   for l > 0          (facts C21: one ReLU per layer)
+//   h_0 = ReLU(W_0 f + b_0)         h_l = W_l x_l + b_l   for l > 0          (C21: one ReLU per layer)
 //   x_{l+1} = ReLU(γ_l ⊙ h_l + β_l),   γ_l = W_γ c + b_γ,   β_l = W_β c + b_β     at every layer
 //   density = scale · softplus(w_d · x_n + b_d)                   world^-1
 //   rgb = sigmoid(W_c x_n + W_dir Y(d) + b_c)

@@ -14,7 +14,7 @@ struct FilmMlpConfig {
   int hidden = 64;    // 16..128
   int layers = 2;     // 1..4 hidden layers, each with its own modulation
   int direction_degree =
-      2;  // 0..3: SH bands of the view direction that reach the colour head; 0: none (facts C14)
+      2;  // 0..3: SH bands of the view direction that reach the colour head; 0: none (C14)
 };
 
 /// Inputs that the view direction adds: the SH bands beyond the constant one (the bias is that).

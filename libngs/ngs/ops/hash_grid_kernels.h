@@ -12,7 +12,7 @@ namespace ngs {
 
 inline constexpr int kMaxHashLevels = 16;
 
-/// One resolution. `scale` cells span the box; the lookup is staggered by half a cell (facts §7).
+/// One resolution. `scale` cells span the box; the lookup is staggered by half a cell (D9).
 struct HashLevel {
   float scale;               // Nmin · b^l - 1
   std::uint32_t resolution;  // vertices per axis, ceil(scale) + 1
@@ -36,7 +36,7 @@ struct HashCell {
 };
 
 /// Eq. (10): coordinates times primes, xor-ed, modulo the table. The first factor is 1, so neighbours in x
-/// share cache lines. Coordinates are the integer cell of the level, not the world position (facts C13).
+/// share cache lines. Coordinates are the integer cell of the level, not the world position (C13).
 NGS_HD inline std::uint32_t hash_vertex(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   return x ^ (y * 2654435761u) ^ (z * 805459861u);
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Labels that minimise the mask loss with geometry fixed, with a certificate.                    house §0.10
+// Labels that minimise the mask loss with geometry fixed, with a certificate.                 PAPER.md §5.3
 //
 // The problem is convex (label_system.h). Update: over-relaxed EM of the mixture q = Σ w m,
 //   logit m <- logit m + ω (logit EM(m) - logit m),   EM(m) = m P / (m P + (1 - m) Q),

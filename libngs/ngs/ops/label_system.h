@@ -1,10 +1,9 @@
 #pragma once
-// The mask loss as a function of the labels alone, with geometry fixed.              house §0.10, facts C18
-// (a)
+// The mask loss as a function of the labels alone, with geometry fixed.              C18 (a), PAPER.md §5.3
 //
 //   q(p) = ε + (1 - 2ε) Σ_i w_ip m_i                          rendered foreground of pixel p
-//   c(p) = ε + (1 - 2ε) (T_p + Σ_i w_ip (1 - m_i)) = 1 - q    rendered background, final transmittance T
-//   included L(m) = -(1 / Σ_p (a_p + b_p)) Σ_p [a_p ln q(p) + b_p ln c(p)]
+//   c(p) = ε + (1 - 2ε) (T_p + Σ_i w_ip (1 - m_i)) = 1 - q    rendered background, with the final T
+//   L(m) = -(1 / Σ_p (a_p + b_p)) Σ_p [a_p ln q(p) + b_p ln c(p)]
 //
 // a, b: weights of the pixel as inside and as outside of the mask (binary mask: one is 1, the other 0;
 // unknown pixel: both 0). Squeezing by ε instead of clamping keeps L convex, finite, and the mixture that the

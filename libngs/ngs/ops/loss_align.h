@@ -1,5 +1,5 @@
 #pragma once
-// L_align: the rendered view and the field must agree on the boundary.                 facts C15, C17
+// L_align: the rendered view and the field must agree on the boundary.                 Eq. (16); C15, C17
 //
 // Colour and opacity are compared at the nodes of the view's grid; the variance term damps the render's
 // colour variance in the 7x7 patches about them, either in full (the paper's form) or only what exceeds the

@@ -1,6 +1,5 @@
 #pragma once
-// Alignment of the rendered view and the field at the nodes of the boundary grid.          L_align; facts
-// C15, C17
+// Alignment of the rendered view and the field at the nodes of the boundary grid.   Eq. (16); C15, C17
 //
 //   L = 1/|B| Σ_i [ ‖C_gs - C_f‖² + w_α (α_gs - α_f)² + w_v · excess(Var(R_i)) ]      over the active nodes
 //

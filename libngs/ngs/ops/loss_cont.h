@@ -1,5 +1,5 @@
 #pragma once
-// L_cont: neighbouring boundary Gaussians have similar colours.
+// L_cont: neighbouring boundary Gaussians have similar colours.                            Eq. (17)
 //
 //   L = 1/|B| Σ_i Σ_{j ∈ N_i} ω_ij ‖C_i - C_j‖²,   ω = 1/|N_i|, or the given weights (rows that sum to 1)
 //

@@ -1,5 +1,5 @@
 #pragma once
-// Continuity of colour between neighbouring boundary Gaussians.                                    L_cont
+// Continuity of colour between neighbouring boundary Gaussians.                                    Eq. (17)
 #include <cstdint>
 
 #include "ngs/core/hd.h"

@@ -1,5 +1,5 @@
 #pragma once
-// L_mask: rendered masks against given masks, heavier where the field is dense.        facts C18, C19
+// L_mask: rendered masks against given masks, heavier where the field is dense.   Eq. (19); C18, C19
 //
 //   L = trust / N Σ_p s_p Σ_k ℓ(rendered_pk, target_pk),   s_p = sigmoid(D_p) in [0.5, 1),   N = known pixels
 //

@@ -1,5 +1,5 @@
 #pragma once
-// The mask loss at one pixel and the density weights.                              L_mask; facts C18, C19
+// The mask loss at one pixel and the density weights.                              Eq. (19); C18, C19
 #include <cmath>
 #include <cstdint>
 

@@ -1,5 +1,5 @@
 #pragma once
-// L_smth: the field's colour changes slowly in space.
+// L_smth: the field's colour changes slowly in space.                                 Eq. (18); D14
 //
 //   L = 3 (u/h)² · 1/N Σ_i ‖c(x_i + h n_i) - c(x_i)‖²,   n_i random unit vectors
 //

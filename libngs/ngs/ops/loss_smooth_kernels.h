@@ -1,5 +1,5 @@
 #pragma once
-// Smoothness of the field's colour by a random finite difference.                            L_smth; D14
+// Smoothness of the field's colour by a random finite difference.                            Eq. (18); D14
 #include <cstdint>
 
 #include "ngs/core/hd.h"

@@ -45,7 +45,7 @@ RayQueries ray_queries(const Exec& exec, const Camera& camera, const PixelGrid& 
                        const RayOptions& options, const DepthMap& map);
 
 /// [R] 1 where the view renders nothing at the node (alpha < 1e-3) or its expected depth lies in the ray's
-/// window: where rendered colour and field colour are about the same piece of space (facts C15).
+/// window: where rendered colour and field colour are about the same piece of space (C15).
 std::vector<std::uint8_t> rays_on_surface(const Camera& camera, const RayQueries& rays, const DepthMap& map);
 
 /// Bilinear reading of channel `c` at a pixel position; beyond the border the border's value.

@@ -12,8 +12,8 @@ namespace ngs {
 ///
 ///   d = Rᵀ normalise((u - cx) / fx, (v - cy) / fy, 1),   R: world -> camera
 ///
-/// The paper calls R camera -> world but transposes it; with R world -> camera the formula is right (facts
-/// C11). `cosine` is the angle's with the optical axis: z-depth = cosine · distance along the ray.
+/// The paper calls R camera -> world but transposes it; with R world -> camera the formula is right
+/// (C11). `cosine` is the angle's with the optical axis: z-depth = cosine · distance along the ray.
 template <class T>
 NGS_HD Vec3<T> ray_direction(const Mat3<T>& rotation, T fx, T fy, T cx, T cy, T u, T v, T& cosine) {
   using std::sqrt;
@@ -35,7 +35,7 @@ NGS_HD DepthWindow<T> depth_window(T centre, T span, T epsilon, T nearest) {
   return {max2(centre - half, nearest), max2(centre + half, nearest)};
 }
 
-/// Distance of sample k of K: near to far inclusive, δ_k = -1 + 2k / (K - 1); K = 1: the middle (facts C9).
+/// Distance of sample k of K: near to far inclusive, δ_k = -1 + 2k / (K - 1); K = 1: the middle (C9).
 template <class T>
 NGS_HD T sample_distance(DepthWindow<T> window, int k, int samples) {
   if (samples == 1) return T(0.5) * (window.near + window.far);
@@ -43,7 +43,7 @@ NGS_HD T sample_distance(DepthWindow<T> window, int k, int samples) {
   return (T(1) - t) * window.near + t * window.far;
 }
 
-/// The length of ray that one sample stands for in Eq. (1) (facts C15).
+/// The length of ray that one sample stands for in Eq. (1) (C15).
 template <class T>
 NGS_HD T sample_spacing(DepthWindow<T> window, int samples) {
   return (window.far - window.near) / T(samples > 1 ? samples - 1 : 1);

@@ -2,7 +2,7 @@
 // Interpolation of boundary features at query points.                                     Eqs. (8)-(9)
 //
 // The weights are the L1-normalised Gaussians of Eq. (8), computed as a softmax of -d²/2h², which equals the
-// printed form where that is defined and tends to the nearest neighbour where it is 0/0 (facts C22).
+// printed form where that is defined and tends to the nearest neighbour where it is 0/0 (C22).
 // With an empty graph (no boundary Gaussians) every feature is 0. Nothing here depends on exec.threads.
 #include <vector>
 
@@ -36,7 +36,7 @@ struct RbfGradients {
 void rbf_backward(const Exec& exec, const RbfProblem& problem, const RbfField& field,
                   Matrix<const float> grad_feature, bool with_positions, RbfGradients& out);
 
-/// The kernel width: factor · mean spacing of the boundary Gaussians (facts C22). 1 where the spacing is 0
+/// The kernel width: factor · mean spacing of the boundary Gaussians (C22). 1 where the spacing is 0
 /// (a single or only coincident Gaussians): every width then gives the same weights.
 double auto_rbf_width(const Exec& exec, Rows<const float, 3> boundary, int neighbours, double factor);
 

@@ -12,7 +12,7 @@ namespace ngs {
 struct BoundaryBox {
   PixelBox box;              // clipped to the image; empty (all 0) if visible == 0
   std::int64_t visible = 0;  // boundary Gaussians in front of the camera that project into the padded image
-  double mean_distance = 0;  // world, Euclidean, from the camera centre, over the visible ones (facts C12)
+  double mean_distance = 0;  // world, Euclidean, from the camera centre, over the visible ones (C12)
 };
 
 /// Gaussians nearer than this (camera z, world) do not count: their projection is meaningless.
@@ -24,7 +24,7 @@ inline constexpr double kNearZ = 0.01;
 BoundaryBox boundary_box(const Camera& camera, Rows<const float, 3> boundary, double pad_px);
 
 /// kCentres: rows x cols nodes in the middles of the cells. kInclusive: the paper's 0 <= k <= N, that is
-/// (rows + 1) x (cols + 1) nodes on the cells' corners (facts C7).
+/// (rows + 1) x (cols + 1) nodes on the cells' corners (C7).
 enum class GridNodes : std::uint8_t { kCentres, kInclusive };
 
 /// At most rows x cols cells over the box, fewer where they would be smaller than 1 px.         Eq. (5)

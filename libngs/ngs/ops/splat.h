@@ -1,5 +1,5 @@
 #pragma once
-// Differentiable Gaussian splatting of one view: project, bin, composite.              Eq. (2), facts §4
+// Differentiable Gaussian splatting of one view: project, bin, composite.              Eq. (2); PAPER.md §5.1
 //
 // Depth order is (camera z, Gaussian index), so equal depths have a defined order. Gaussians with
 // `usable == 0`, behind the near plane or off-screen contribute nothing. Results do not depend on
@@ -13,7 +13,7 @@
 
 namespace ngs {
 
-/// Whose constants to follow where the two families differ (facts §4.2-4.5).
+/// Whose constants to follow where the two families differ (PAPER.md §5.1).
 enum class Compat : std::uint8_t { kInria, kGsplat };
 
 struct SplatOptions {

@@ -1,5 +1,5 @@
 #pragma once
-// The compositing loops of one tile, forward and backward.                              Eq. (2), facts §4.3-4.4
+// The compositing loops of one tile, forward and backward.                           Eq. (2); PAPER.md §5.1
 //
 // Templated on the lane type L: PackF (8 pixels of one row) in production, one-lane scalars in tests. Per
 // Gaussian and row only the span where alpha can reach 1/255 is visited.

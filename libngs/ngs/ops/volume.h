@@ -2,7 +2,7 @@
 // Colour, alpha and optical depth of rays through the field.                              Eq. (1)
 //
 // The background shows where the field is transparent, so the colours compare with a rendered view over the
-// same background (facts C15). K = 0 samples: the background, alpha 0. Does not depend on exec.threads.
+// same background (C15). K = 0 samples: the background, alpha 0. Does not depend on exec.threads.
 #include <vector>
 
 #include "ngs/backend/exec.h"
@@ -22,7 +22,7 @@ struct VolumeInputs {
 struct VolumeOutput {
   std::vector<float> colour;                       // [R, 3]
   std::vector<float> alpha;                        // [R]
-  std::vector<float> optical_depth;                // [R] Σ σ Δ, unit-free (facts C19)
+  std::vector<float> optical_depth;                // [R] Σ σ Δ, unit-free (C19)
   std::vector<float> weight, transmittance_after;  // [R, K] for backward
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// Quadrature of the volume rendering integral along one ray.                         Eq. (1); facts C15
+// Quadrature of the volume rendering integral along one ray.                         Eq. (1); C15
 //
 //   τ_k = σ_k Δ,  T_k = exp(-Σ_{m<k} τ_m),  w_k = T_k (1 - e^{-τ_k})
 //   C = Σ w_k c_k + e^{-D} background,   α = 1 - e^{-D},   D = Σ τ_k

@@ -1,6 +1,5 @@
 #pragma once
-// The state of a COB-GS run and its phases. Internal to the methods cob and released.              facts
-// §1.2, §2
+// The state of a COB-GS run and its phases. Internal to the methods cob and released.      PAPER.md §6.3
 #include "ngs/ops/photometric.h"
 #include "ngs/stages/cloud_rows.h"
 #include "ngs/stages/fit_stage.h"

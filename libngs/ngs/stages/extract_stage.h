@@ -1,6 +1,6 @@
 #pragma once
 // Which Gaussians are the object: a threshold on what was accumulated, an answer for those that no view has
-// seen, hand-made constraints, and small pieces removed.                            facts §3.3, §3.6, §8.1
+// seen, hand-made constraints, and small pieces removed.                            PAPER.md §5.4
 #include <span>
 #include <string>
 

@@ -1,6 +1,5 @@
 #pragma once
-// ngs-joint --method bce: the labels that explain the masks best, geometry fixed.       L_mask of Eq. (18);
-// C18 (a)
+// ngs-joint --method bce: the labels that explain the masks best, geometry fixed.       Eq. (19); C18 (a)
 //
 // Convex: started from the closed form, solved to a certified gap (ops/label_solve.h). Figures of the result,
 // each with the object's name appended where there are several: loss, gap, relative_gap, evaluations, rounds,

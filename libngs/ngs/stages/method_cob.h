@@ -1,6 +1,5 @@
 #pragma once
-// ngs-joint --method cob: COB-GS with given masks.                                                facts §1.2,
-// §2
+// ngs-joint --method cob: COB-GS with given masks.                                          PAPER.md §6.3
 //
 // Phases of 2V iterations, V training views, alternate: a mask phase trains one label logit per Gaussian
 // against the linear loss, then splits the large Gaussians whose pixels contradict each other; a texture

@@ -1,6 +1,5 @@
 #pragma once
-// ngs-joint --method flash: labels by majority of the rendering weights, in closed form.            facts
-// §3.2-3.4
+// ngs-joint --method flash: labels by majority of the rendering weights, in closed form.   PAPER.md §6.1
 //
 // With A1 the weight inside the object and A0 outside, label 1 where the object's share beats the
 // background's share plus gamma; shares are normalised by their sum (l1, as the FlashSplat paper prints it)
@@ -31,7 +30,7 @@ struct FlashOptions {
   }
 };
 
-/// The share f above which a Gaussian belongs to the object (facts §3.3).
+/// The share f above which a Gaussian belongs to the object (PAPER.md §5.4).
 double flash_threshold(const FlashOptions& options);
 
 MethodResult run_flash(const Exec& exec, Monitor& monitor, const FlashOptions& options,

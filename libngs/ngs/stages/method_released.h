@@ -1,6 +1,5 @@
 #pragma once
-// ngs-joint --method released: what the authors' published code does.                              facts
-// §1.0-1.3
+// ngs-joint --method released: what the authors' published code does.                       PAPER.md §6.5
 //
 // COB-GS (method cob, with the code's own divisor) plus a colour regulariser in the texture phases. For
 // comparison only: the regulariser sees no ray, no query point and no mask, it acts on the colours of the

@@ -1,6 +1,5 @@
 #pragma once
-// ngs-joint --method sa3d: mask inverse rendering of SA3D-GS in closed form.                       facts
-// §8.1, §3.6
+// ngs-joint --method sa3d: mask inverse rendering of SA3D-GS in closed form.               PAPER.md §6.2
 //
 // Its loss, -Σ G M + λ Σ (1 - G) M per view, is linear in the labels: the label of a Gaussian is 1 where its
 // share f = A1 / (A0 + A1) exceeds λ / (1 + λ). Views are taken in order; one whose mask disagrees with what

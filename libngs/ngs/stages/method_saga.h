@@ -1,6 +1,5 @@
 #pragma once
-// ngs-joint --method saga: contrastive affinity features from given masks alone.                    facts
-// §8.2
+// ngs-joint --method saga: contrastive affinity features from given masks alone.            PAPER.md §6.4
 //
 // The reduction of SAGA that needs no segmentation network: every Gaussian carries a feature; rendered
 // features of one object's pixels attract each other, those of different ids repel. An object's prototype is

@@ -1,6 +1,5 @@
 #pragma once
-// The colour regulariser of the authors' released code, with what is odd about it.                 facts
-// §1.1-1.3
+// The colour regulariser of the authors' released code, with what is odd about it.        PAPER.md §6.5
 //
 // A network refines the constant colours of at most 4096 Gaussians: 8 hash levels of 2 features, looked up at
 // the floor cell without interpolation, in coordinates renormalised by the minimum and maximum of each batch,

@@ -1,6 +1,6 @@
 #pragma once
 // Affinity features of the method saga: smoothing over neighbours, the contrastive loss, and their gradients.
-// facts §8.2
+// PAPER.md §6.4
 //
 // Templated on the scalar: float for the features in production, double in tests. The loss is always in
 // double.

@@ -193,7 +193,7 @@ TEST_CASE("loss_mask: unknown pixels, missing masks and zero trust give no gradi
 }
 
 TEST_CASE("loss_mask: the literal reading of the paper is the linear loss times ln(1/eps)") {
-  // Eq. as printed with binary truth G inside the logarithms (eps added), prediction outside (facts C18).
+  // Eq. as printed with binary truth G inside the logarithms (eps added), prediction outside (C18).
   test::Random random(8);
   const ImageF p = random_image(random, 8, 8, 1);
   std::vector<float> truth = random.uniform_vector<float>(64, 0, 1);

@@ -35,7 +35,7 @@ LabelColumns labels_of(std::vector<float> prob, std::vector<float> views = {}) {
 
 using Flags = std::vector<std::uint8_t>;
 
-TEST_CASE("the rules are the thresholds of facts 3.3 and 3.6") {
+TEST_CASE("the rules are the thresholds of the methods they are named after") {
   CHECK(parse_extract_rule("threshold:0.5").cut == 0.5);
   CHECK(parse_extract_rule("threshold:0.5").inclusive);
   CHECK(parse_extract_rule("sa3d").cut == doctest::Approx(0.231).epsilon(1e-3));

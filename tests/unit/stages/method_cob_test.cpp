@@ -15,7 +15,7 @@ struct SignCounts {
   bool clear = true;
 };
 
-/// The counters of facts §2.2 by the book: per view the pixels a Gaussian touches inside and outside of the
+/// COB-GS's counters by the book: per view the pixels a Gaussian touches inside and outside of the
 /// mask.
 SignCounts sign_counts(const test::MethodCase& c) {
   const auto n = std::size_t(c.cloud.size());
