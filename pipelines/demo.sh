@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The whole chain on a scene of its own: installs, builds, makes a synthetic capture (fern leaves before a textured
+# The whole chain on a scene of its own: installs, builds, makes a synthetic capture (a torus through a box in a textured
 # room, with disturbed masks), fits a splat to it, cuts the object out, scores it on views no stage has seen.
 #
 #   pipelines/demo.sh [OUT_DIR] [--no-setup] [options of ngs-gs.sh]        (OUT_DIR: build/demo)
@@ -22,21 +22,21 @@ bin=$(find_bin)
 mkdir -p "$out"
 out=$(cd "$out" && pwd)
 
-# masks/ is what a mask maker might have given: contours off by 1.5 px, one in ten views without the object.
+# masks/ is what a mask maker might have given: contours off by 1.5 px.
 if [ ! -f "$out/scene/point_cloud.ply" ]; then
   say "== making the scene"
-  "${bin:+$bin/}ngs-synth" leaves -o "$out/scene" -w --views 16 --width-px 256 --height-px 192 --fit-steps 800 \
-    --mask-noise jitter:1.5,drop:0.1 --report "$out/ngs-synth.json"
+  "${bin:+$bin/}ngs-synth" torus-box -o "$out/scene" -w --views 16 --width-px 320 --height-px 240 --fit-steps 800 \
+    --mask-noise jitter:1.5 --report "$out/ngs-synth.json"
 fi
 say "== cutting out the object"
-"$pipelines/ngs-gs.sh" "$out/scene" "$out/run" --gt "$out/scene/masks_gt" --hold-out every:4:2 --quality draft "$@"
-if [ "$out/run/labelled.ply" -nt "$out/pictures" ]; then
-  "${bin:+$bin/}ngs-render" "$out/run/scene.json" "$out/run/labelled.ply" --views held-out --layers overlay,color,mask \
+"$pipelines/ngs-gs.sh" "$out/scene" "$out/torus-box" --gt "$out/scene/masks_gt" --hold-out every:4:2 --quality draft "$@"
+if [ "$out/torus-box/labelled.ply" -nt "$out/pictures" ]; then
+  "${bin:+$bin/}ngs-render" "$out/torus-box/scene.json" "$out/torus-box/labelled.ply" --views held-out --layers overlay,color,mask \
     -o "$out/pictures" -w -q > /dev/null
 fi
 
 say "
-scores   $out/run/metrics.json   (input masks: metrics_input.json)
-page     $out/run/report.html
+scores   $out/torus-box/metrics.json   (input masks: metrics_input.json)
+page     $out/torus-box/report.html
 pictures $out/pictures
-object   $out/run/object.ply   (open it in SuperSplat or any 3DGS viewer)"
+object   $out/torus-box/object.ply   (open it in SuperSplat or any 3DGS viewer)"
