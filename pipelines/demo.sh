@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The whole chain on a scene of its own: installs, builds, makes a synthetic capture (a torus through a box in a textured
-# room, with disturbed masks), fits a splat to it, cuts the object out, scores it on views no stage has seen.
+# The whole chain on a scene of its own: installs, builds, makes a synthetic capture (a torus through a box in a
+# textured room, with disturbed masks), fits a splat to it, cuts the object out, scores it on views no stage has seen.
 #
 #   pipelines/demo.sh [OUT_DIR] [--no-setup] [options of ngs-gs.sh]        (OUT_DIR: build/demo)
 #
