@@ -173,7 +173,7 @@ TEST_CASE("a comparison at reduced size keeps model and photo on each other") {
   options.check_size_px = 16;  // blocks of 3 do too
   const double third = capture.check(options).median_fit_db;
   for (SceneView& view : capture.scene.views) view.camera.cx += 2;  // what a shift by less than a block costs
-  CHECK(even > third);  // the splat's own blur is 0.3 px at any size
+  CHECK(even > third);
   CHECK(third > 5);
   CHECK(capture.check(options).median_fit_db < third - 1);
 }
