@@ -9,8 +9,10 @@
 
 namespace ngs::joint {
 
-enum class Method : std::uint8_t { kPaper, kFlash, kSa3d };
-inline constexpr NamedValue<Method> kMethodNames[] = {{Method::kPaper, "paper"}, {Method::kFlash, "flash"}, {Method::kSa3d, "sa3d"}};
+enum class Method : std::uint8_t { kPaper, kBce, kCob, kFlash, kSa3d, kSaga, kReleased };
+inline constexpr NamedValue<Method> kMethodNames[] = {
+    {Method::kPaper, "paper"}, {Method::kBce, "bce"}, {Method::kCob, "cob"}, {Method::kFlash, "flash"}, {Method::kSa3d, "sa3d"},
+    {Method::kSaga, "saga"}, {Method::kReleased, "released"}};
 
 struct RunOptions {
   Method method = Method::kPaper;

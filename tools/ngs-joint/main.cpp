@@ -1,12 +1,11 @@
 // ngs-joint: scene.json + labelled PLY -> labelled PLY with optimised labels and attributes. Algorithm 1, step 6.
+#include "methods.h"
 #include "ngs/io/content_hash.h"
 #include "ngs/io/gaussian_ply.h"
 #include "ngs/io/masks.h"
 #include "ngs/io/photo.h"
 #include "ngs/io/query_ply.h"
 #include "ngs/io/scene_json.h"
-#include "ngs/stages/method_flash.h"
-#include "ngs/stages/method_sa3d.h"
 #include "ngs/stages/render_options.h"
 #include "ngs/stages/render_stage.h"
 #include "ngs/stages/variance_stage.h"
@@ -19,15 +18,13 @@ int main(int argc, char** argv) {
                   "ngs-joint scene.json boundary.ply --method flash -o labelled.ply"});
   joint::Settings settings;
   RasterOptions raster;
-  FlashOptions flash;
-  Sa3dOptions sa3d;
+  joint::MethodOptions methods;
   tool.options(settings.run);
   tool.options(settings.joint);
   tool.options(settings.sample);
   tool.options(settings.rbf);
   tool.options(raster);
-  tool.options(flash);
-  tool.options(sa3d);
+  methods.declare(tool);
   const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene");
   const cli::Input& boundary = tool.input("boundary", "PLY written by ngs-variance");
   const cli::Input& field = tool.optional_input("--field", "PLY written by ngs-rbf; else sampled and interpolated here");
@@ -51,9 +48,7 @@ int main(int argc, char** argv) {
       return 0;
     }
     if (settings.run.method != joint::Method::kPaper) {
-      const MethodResult result = settings.run.method == joint::Method::kFlash ? run_flash(run.exec(), run.monitor(), flash, input)
-                                                                                : run_sa3d(run.exec(), run.monitor(), sa3d, input);
-      joint::write_result(run, ply, scene, result, out.path);
+      joint::write_result(run, ply, scene, joint::run_beside(run, settings.run.method, methods, input), out.path);
       return 0;
     }
     std::optional<QueryField> given;

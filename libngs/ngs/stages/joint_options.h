@@ -27,7 +27,7 @@ struct JointEffects {
   bool cont = true, smooth = true;  // L_cont, L_smth
   bool photometric = true;      // the anchor to the photos (C16)
   bool geometry = true;         // off: only labels and the field are trained
-  bool mask_geometry = false;   // L_mask moves geometry too (COB-GS: never)
+  bool mask_geometry = true;    // L_mask moves geometry too (COB-GS: never)
 };
 struct EffectName {
   std::string_view name, help;

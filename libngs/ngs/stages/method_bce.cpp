@@ -16,7 +16,8 @@ void note_figures(const LabelSolution& s, const std::string& suffix, std::map<st
   figures["streamed_views" + suffix] = double(s.cache.streamed_views);
 }
 
-/// Labels from the soft values; of several objects that claim a Gaussian the one with the largest, if
+/// The soft values are the labels: the fitted masks are renders of them, and thresholding would move the
+/// contours. Of several objects that claim a Gaussian only the one with the largest value keeps it, if
 /// exclusive.
 void decide(const BceOptions& options, std::vector<LabelColumns>& labels) {
   for (std::size_t i = 0; i < labels[0].label.size(); ++i) {
@@ -25,8 +26,7 @@ void decide(const BceOptions& options, std::vector<LabelColumns>& labels) {
       if (labels[k].prob[i] > labels[best].prob[i]) best = k;
     for (std::size_t k = 0; k < labels.size(); ++k) {
       LabelColumns& c = labels[k];
-      if (c.views[i] > 0)
-        c.label[i] = float(double(c.prob[i]) > options.label_threshold && (!options.exclusive || k == best));
+      if (c.views[i] > 0) c.label[i] = !options.exclusive || k == best ? c.prob[i] : 0.f;
     }
   }
 }

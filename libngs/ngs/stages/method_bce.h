@@ -13,7 +13,6 @@ namespace ngs {
 struct BceOptions {
   double relative_gap = 1e-3;
   double relaxation = 1.8;
-  double label_threshold = 0.5;
   int max_evaluations = 2000;
   int cache_mib = 2048;
   bool exclusive = true;
@@ -25,8 +24,6 @@ struct BceOptions {
                         1e-6, 1.0});
     visit(self.relaxation, Field<double>{"bce_relaxation", "",
                                          "bce: over-relaxation of the EM steps; 1 is plain EM", 1.0, 1.99});
-    visit(self.label_threshold,
-          Field<double>{"bce_threshold", "", "bce: label 1 where the soft label exceeds this", 0.0, 1.0});
     visit(self.max_evaluations,
           Field<int>{"bce_evaluations", "", "bce: at most this many evaluations of the loss", 1, 1000000});
     visit(self.cache_mib,
