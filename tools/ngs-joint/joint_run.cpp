@@ -35,7 +35,8 @@ std::optional<Target> parse_target(const std::string& text) {
   const bool boundary = text.starts_with("biou=");
   std::string_view rest = "x";
   std::optional<double> value;
-  if (boundary || text.starts_with("iou=")) value = number_before(std::string_view(text).substr(text.find('=') + 1), rest);
+  if (boundary || text.starts_with("iou="))
+    value = number_before(std::string_view(text).substr(text.find('=') + 1), rest);
   if (!value || !rest.empty() || *value < 0 || *value > 1)
     throw Error(ErrorCode::kUsage, "--target: '" + text + "', expected biou=X or iou=X with X in [0, 1]");
   return Target{boundary, *value};
@@ -55,17 +56,20 @@ Agreement training_agreement(const Exec& exec, const MethodInput& input, const M
     RenderRequest request;
     request.colour = false;
     request.label = {label.data(), result.cloud.size(), int(objects)};
-    const RenderedView rendered = render(exec, result.cloud, input.scene.views[view].camera, input.splat, request);
+    const RenderedView rendered =
+        render(exec, result.cloud, input.scene.views[view].camera, input.splat, request);
     const int w = rendered.width_px, h = rendered.height_px;
     for (std::size_t k = 0; k < objects; ++k) {
       std::vector<std::uint8_t> predicted(masks.target[k].size()), wanted(masks.target[k].size());
       for (std::size_t p = 0; p < predicted.size(); ++p) {
         const bool known = masks.known.empty() || masks.known[p];
-        predicted[p] = known && rendered.label.data[p * objects + k] > 0.5f, wanted[p] = known && masks.target[k][p] >= 0.5f;
+        predicted[p] = known && rendered.label.data[p * objects + k] > 0.5f,
+        wanted[p] = known && masks.target[k][p] >= 0.5f;
       }
       const MaskPlane a{predicted.data(), w, h}, b{wanted.data(), w, h};
       sum.iou += iou(confusion(exec, a, b));
-      sum.biou += boundary_iou(exec, chessboard_distance(a), chessboard_distance(b), w, band_width_px(0.02, w, h));
+      sum.biou +=
+          boundary_iou(exec, chessboard_distance(a), chessboard_distance(b), w, band_width_px(0.02, w, h));
       count += 1;
     }
   }
@@ -73,13 +77,16 @@ Agreement training_agreement(const Exec& exec, const MethodInput& input, const M
   return sum;
 }
 
-std::string Checkpoint::path() const { return (std::filesystem::path(folder_) / "checkpoint.safetensors").string(); }
+std::string Checkpoint::path() const {
+  return (std::filesystem::path(folder_) / "checkpoint.safetensors").string();
+}
 
 void Checkpoint::save(JointTrainer& trainer) const {
   std::error_code ignored;
   std::filesystem::create_directories(folder_, ignored);
   io::TensorFile file;
-  for (const StateBlock& block : trainer.state()) file.add(block.name, {std::int64_t(block.values->size())}, *block.values);
+  for (const StateBlock& block : trainer.state())
+    file.add(block.name, {std::int64_t(block.values->size())}, *block.values);
   file.metadata["ngs:schema"] = "ngs.checkpoint.1";
   file.metadata["step"] = std::to_string(trainer.steps_done());
   file.metadata["run"] = fingerprint_;
@@ -90,12 +97,14 @@ bool Checkpoint::load(JointTrainer& trainer) const {
   if (!std::filesystem::exists(path())) return false;
   const io::TensorFile file = io::read_safetensors(path());
   if (file.meta("run") != fingerprint_)
-    throw Error(ErrorCode::kInconsistent, path() + ": the checkpoint of a run with another model or other options",
+    throw Error(ErrorCode::kInconsistent,
+                path() + ": the checkpoint of a run with another model or other options",
                 "use the same inputs and options, or another --checkpoint folder");
   for (const StateBlock& block : trainer.state()) *block.values = file.get<float>(block.name);
   std::string_view rest;
   const std::optional<double> step = number_before(file.meta("step"), rest);
-  if (!step || !rest.empty() || *step < 0) throw Error(ErrorCode::kBadInput, path() + ": 'step' is not a number", "delete the checkpoint");
+  if (!step || !rest.empty() || *step < 0)
+    throw Error(ErrorCode::kBadInput, path() + ": 'step' is not a number", "delete the checkpoint");
   trainer.resume_at(std::int64_t(*step));
   return true;
 }
@@ -116,7 +125,10 @@ Json explain(const JointOptions& options) {
   const JointEffects defaults, chosen = parse_effects(options.effect);
   Json table = Json::array();
   for (const EffectName& e : kEffects)
-    table.push_back({{"effect", e.name}, {"what", e.help}, {"default", defaults.*e.member ? "on" : "off"}, {"chosen", chosen.*e.member ? "on" : "off"}});
+    table.push_back({{"effect", e.name},
+                     {"what", e.help},
+                     {"default", defaults.*e.member ? "on" : "off"},
+                     {"chosen", chosen.*e.member ? "on" : "off"}});
   return table;
 }
 

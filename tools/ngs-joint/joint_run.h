@@ -11,8 +11,9 @@ namespace ngs::joint {
 
 enum class Method : std::uint8_t { kPaper, kBce, kCob, kFlash, kSa3d, kSaga, kReleased };
 inline constexpr NamedValue<Method> kMethodNames[] = {
-    {Method::kPaper, "paper"}, {Method::kBce, "bce"}, {Method::kCob, "cob"}, {Method::kFlash, "flash"}, {Method::kSa3d, "sa3d"},
-    {Method::kSaga, "saga"}, {Method::kReleased, "released"}};
+    {Method::kPaper, "paper"},      {Method::kBce, "bce"},   {Method::kCob, "cob"},
+    {Method::kFlash, "flash"},      {Method::kSa3d, "sa3d"}, {Method::kSaga, "saga"},
+    {Method::kReleased, "released"}};
 
 struct RunOptions {
   Method method = Method::kPaper;
@@ -25,11 +26,16 @@ struct RunOptions {
   static void describe(Self& self, Visitor&& visit) {
     visit(self.method, Choice<Method>{"method", "what decides the labels", kMethodNames});
     visit(self.time_budget, Text{"time_budget", "60s|5m", "end by then with what there is (exit 7)"});
-    visit(self.target, Text{"target", "biou=0.9|iou=0.95", "stop when the training views agree this well with their masks"});
+    visit(self.target, Text{"target", "biou=0.9|iou=0.95",
+                            "stop when the training views agree this well with their masks"});
     visit(self.background, Text{"background", "R,G,B", "colour behind the model, each in [0, 1]"});
     visit(self.checkpoint, Text{"checkpoint", "DIR", "folder in which the state of the run is kept"});
-    visit(self.checkpoint_every, Field<std::int64_t>{"checkpoint_every", "", "steps between checkpoints; 0: only when interrupted", 0, 1'000'000'000});
-    visit(self.trace_every, Field<int>{"trace_every", "", "steps between scores in the trace; 0: once per round of views", 0, 1 << 30});
+    visit(self.checkpoint_every,
+          Field<std::int64_t>{"checkpoint_every", "", "steps between checkpoints; 0: only when interrupted",
+                              0, 1'000'000'000});
+    visit(self.trace_every,
+          Field<int>{"trace_every", "", "steps between scores in the trace; 0: once per round of views", 0,
+                     1 << 30});
     visit(self.resume, Flag{"resume", "go on from the checkpoint in --checkpoint, if there is one"});
     visit(self.explain, Flag{"explain", "list the parts of the method and whether they are on; run nothing"});
   }
@@ -50,11 +56,12 @@ struct Agreement {
 };
 Agreement training_agreement(const Exec& exec, const MethodInput& input, const MethodResult& result);
 
-/// Where the state of a run is kept; the file appears by rename. `fingerprint` names model and options: another run's
-/// checkpoint is kInconsistent.
+/// Where the state of a run is kept; the file appears by rename. `fingerprint` names model and options:
+/// another run's checkpoint is kInconsistent.
 class Checkpoint {
  public:
-  Checkpoint(std::string folder, std::string fingerprint) : folder_(std::move(folder)), fingerprint_(std::move(fingerprint)) {}
+  Checkpoint(std::string folder, std::string fingerprint)
+      : folder_(std::move(folder)), fingerprint_(std::move(fingerprint)) {}
   bool given() const { return !folder_.empty(); }
   void save(JointTrainer& trainer) const;
   /// False if there is none.

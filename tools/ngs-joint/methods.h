@@ -29,15 +29,23 @@ struct MethodOptions {
 };
 
 /// Not for Method::kPaper.
-inline MethodResult run_beside(cli::Run& run, Method method, const MethodOptions& options, const MethodInput& input) {
+inline MethodResult run_beside(cli::Run& run, Method method, const MethodOptions& options,
+                               const MethodInput& input) {
   switch (method) {
-    case Method::kFlash: return run_flash(run.exec(), run.monitor(), options.flash, input);
-    case Method::kSa3d: return run_sa3d(run.exec(), run.monitor(), options.sa3d, input);
-    case Method::kBce: return run_bce(run.exec(), run.monitor(), options.bce, input);
-    case Method::kCob: return run_cob(run.exec(), run.monitor(), options.cob, input);
-    case Method::kSaga: return run_saga(run.exec(), run.monitor(), options.saga, input);
-    case Method::kReleased: return run_released(run.exec(), run.monitor(), options.released, input);
-    case Method::kPaper: break;
+    case Method::kFlash:
+      return run_flash(run.exec(), run.monitor(), options.flash, input);
+    case Method::kSa3d:
+      return run_sa3d(run.exec(), run.monitor(), options.sa3d, input);
+    case Method::kBce:
+      return run_bce(run.exec(), run.monitor(), options.bce, input);
+    case Method::kCob:
+      return run_cob(run.exec(), run.monitor(), options.cob, input);
+    case Method::kSaga:
+      return run_saga(run.exec(), run.monitor(), options.saga, input);
+    case Method::kReleased:
+      return run_released(run.exec(), run.monitor(), options.released, input);
+    case Method::kPaper:
+      break;
   }
   throw std::logic_error("the joint optimisation is not run here");
 }

@@ -8,11 +8,22 @@ namespace {
 /// The lines of --trace. Time spent on scoring is kept out of `t` and stated apart.
 class Trace {
  public:
-  void add(const JointProgress& progress, const std::string& view, double seconds, const Agreement* agreement, double scoring_s) {
+  void add(const JointProgress& progress, const std::string& view, double seconds, const Agreement* agreement,
+           double scoring_s) {
     const LossTerms& l = progress.loss;
-    Json line{{"t", seconds}, {"step", progress.step}, {"view", view},
-              {"loss", {{"total", l.total}, {"photometric", l.photometric}, {"align", l.align}, {"mask", l.mask}, {"cont", l.cont}, {"smooth", l.smooth}}}};
-    if (agreement) line["training_iou"] = agreement->iou, line["training_biou"] = agreement->biou, line["scoring_s"] = scoring_s;
+    Json line{{"t", seconds},
+              {"step", progress.step},
+              {"view", view},
+              {"loss",
+               {{"total", l.total},
+                {"photometric", l.photometric},
+                {"align", l.align},
+                {"mask", l.mask},
+                {"cont", l.cont},
+                {"smooth", l.smooth}}}};
+    if (agreement)
+      line["training_iou"] = agreement->iou, line["training_biou"] = agreement->biou,
+      line["scoring_s"] = scoring_s;
     text_ += line.dump() + "\n";
   }
   const std::string& text() const { return text_; }
@@ -33,21 +44,27 @@ std::string options_text(Settings& settings) {
 
 std::vector<LabelColumns> labels_of(const io::GaussianPly& ply, const Scene& scene) {
   const std::size_t wanted = scene.objects.size();
-  if (wanted == 1 && !ply.labels.label.empty() && !ply.labels.boundary.empty() && !ply.labels.views.empty() && !ply.labels.prob.empty()) return {ply.labels};
+  if (wanted == 1 && !ply.labels.label.empty() && !ply.labels.boundary.empty() && !ply.labels.views.empty() &&
+      !ply.labels.prob.empty())
+    return {ply.labels};
   std::vector<LabelColumns> labels;
   for (const SceneObject& object : scene.objects)
     for (const io::NamedLabels& named : ply.objects)
       if (named.object == object.name) labels.push_back(named.columns);
   if (labels.size() != wanted)
-    throw Error(ErrorCode::kBadInput, "the model has ngs_ columns for " + std::to_string(labels.size()) + " of the scene's " + std::to_string(wanted) + " objects, expected all of them",
+    throw Error(ErrorCode::kBadInput,
+                "the model has ngs_ columns for " + std::to_string(labels.size()) + " of the scene's " +
+                    std::to_string(wanted) + " objects, expected all of them",
                 "label it first: ngs-variance scene.json -o boundary.ply");
   return labels;
 }
 
-void write_result(cli::Run& run, const io::GaussianPly& ply, const Scene& scene, const MethodResult& result, const std::string& path) {
+void write_result(cli::Run& run, const io::GaussianPly& ply, const Scene& scene, const MethodResult& result,
+                  const std::string& path) {
   const auto timed = run.monitor().scope("write");
   std::vector<io::NamedLabels> named;
-  for (std::size_t k = 0; k < result.labels.size(); ++k) named.push_back({scene.objects[k].name, result.labels[k]});
+  for (std::size_t k = 0; k < result.labels.size(); ++k)
+    named.push_back({scene.objects[k].name, result.labels[k]});
   io::LabelledWrite write;
   write.edited = &result.cloud;
   write.source_row = result.source_row;
@@ -60,17 +77,21 @@ int optimise(cli::Run& run, Settings& settings, const Problem& problem, const Ar
   const double start = wall_seconds();
   const std::optional<double> budget = parse_budget(settings.run.time_budget);
   const std::optional<Target> target = parse_target(settings.run.target);
-  JointTrainer trainer(run.exec(), run.monitor(), {settings.joint, settings.sample, settings.rbf, problem.input, problem.field}, run.allow_empty());
+  JointTrainer trainer(run.exec(), run.monitor(),
+                       {settings.joint, settings.sample, settings.rbf, problem.input, problem.field},
+                       run.allow_empty());
   if (settings.run.resume && problem.checkpoint.given() && problem.checkpoint.load(trainer))
     run.info("resumed after step " + std::to_string(trainer.steps_done()));
   const bool scored = target.has_value() || !artifacts.trace.empty();
-  const std::int64_t every = settings.run.trace_every > 0 ? settings.run.trace_every : std::int64_t(problem.input.views.size());
+  const std::int64_t every =
+      settings.run.trace_every > 0 ? settings.run.trace_every : std::int64_t(problem.input.views.size());
   Trace trace;
   double scoring_s = 0, step_s = 0;
   bool target_met = false;
   JointProgress progress;
   while (!trainer.finished() && !target_met) {
-    // A step is not begun that the budget has no time for, judged by the longest so far; writing takes its share too.
+    // A step is not begun that the budget has no time for, judged by the longest so far; writing takes its
+    // share too.
     if (budget && wall_seconds() - start + 1.5 * step_s > *budget) break;
     const double before = wall_seconds();
     progress = trainer.step();
@@ -85,15 +106,20 @@ int optimise(cli::Run& run, Settings& settings, const Problem& problem, const Ar
       target_met = target && (target->boundary ? agreement.biou : agreement.iou) >= target->value;
     }
     if (!artifacts.trace.empty())
-      trace.add(progress, problem.input.scene.views[progress.view].camera.name, wall_seconds() - start - scoring_s, score_now ? &agreement : nullptr, scoring_s);
-    const bool periodic = settings.run.checkpoint_every > 0 && progress.step % settings.run.checkpoint_every == 0;
-    if (problem.checkpoint.given() && (periodic || run.monitor().stop_requested())) problem.checkpoint.save(trainer);
+      trace.add(progress, problem.input.scene.views[progress.view].camera.name,
+                wall_seconds() - start - scoring_s, score_now ? &agreement : nullptr, scoring_s);
+    const bool periodic =
+        settings.run.checkpoint_every > 0 && progress.step % settings.run.checkpoint_every == 0;
+    if (problem.checkpoint.given() && (periodic || run.monitor().stop_requested()))
+      problem.checkpoint.save(trainer);
     if (run.monitor().stop_requested()) return run.stop_code();
   }
   MethodResult result = trainer.result();
   result.converged |= target_met;
   const LossTerms& l = progress.loss;
-  run.result()["last_loss"] = {{"total", l.total}, {"photometric", l.photometric}, {"align", l.align}, {"mask", l.mask}, {"cont", l.cont}, {"smooth", l.smooth}};
+  run.result()["last_loss"] = {{"total", l.total}, {"photometric", l.photometric},
+                               {"align", l.align}, {"mask", l.mask},
+                               {"cont", l.cont},   {"smooth", l.smooth}};
   run.result()["effects"] = explain(settings.joint);
   write_result(run, problem.ply, problem.input.scene, result, artifacts.labelled);
   if (!artifacts.nerf.empty()) write_nerf(artifacts.nerf, trainer);

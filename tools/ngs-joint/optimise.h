@@ -22,7 +22,8 @@ std::string options_text(Settings& settings);
 std::vector<LabelColumns> labels_of(const io::GaussianPly& ply, const Scene& scene);
 
 /// The labelled PLY and the figures of a finished method.
-void write_result(cli::Run& run, const io::GaussianPly& ply, const Scene& scene, const MethodResult& result, const std::string& path);
+void write_result(cli::Run& run, const io::GaussianPly& ply, const Scene& scene, const MethodResult& result,
+                  const std::string& path);
 
 struct Problem {
   const MethodInput& input;

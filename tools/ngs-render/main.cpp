@@ -14,7 +14,8 @@
 
 int main(int argc, char** argv) {
   using namespace ngs;
-  cli::Tool tool("ngs-render", "Render colour, masks, alpha, depth and labels of a model at the scene's cameras.",
+  cli::Tool tool("ngs-render",
+                 "Render colour, masks, alpha, depth and labels of a model at the scene's cameras.",
                  {"ngs-render scene.json labelled.ply --views held-out --layers mask -o masks/",
                   "ngs-render scene.json labelled.ply --layers color,mask,depth --format exr -o layers/"});
   RenderOptions options;
@@ -34,7 +35,8 @@ int main(int argc, char** argv) {
     const std::set<std::string> layers = picture::parse_layers(options.layers, objects);
     const Vec3<float> background = parse_background(options.background);
     const double scale = options.scale > 0 ? options.scale : 1 / scene.image_scale;
-    const SplatOptions splat = filter_at_scale(splat_options(raster, ply.cloud, scene), options.native_filter ? 1.0 : scale);
+    const SplatOptions splat =
+        filter_at_scale(splat_options(raster, ply.cloud, scene), options.native_filter ? 1.0 : scale);
     const std::vector<std::size_t> views = select_views(scene, options.views);
     run.result()["views"] = views.size();
     if (run.dry_run()) {
@@ -43,13 +45,16 @@ int main(int argc, char** argv) {
     }
     for (std::size_t n = 0; n < views.size(); ++n) {
       const Camera& full = scene.views[views[n]].camera;
-      const Camera camera = resized(full, scaled_size_px(full.width_px, scale), scaled_size_px(full.height_px, scale));
+      const Camera camera =
+          resized(full, scaled_size_px(full.width_px, scale), scaled_size_px(full.height_px, scale));
       const RenderedView view = [&] {
         const auto timed = run.monitor().scope("render");
-        return render_labelled(run.exec(), ply.cloud, objects.columns, camera, splat, background, options.amodal);
+        return render_labelled(run.exec(), ply.cloud, objects.columns, camera, splat, background,
+                               options.amodal);
       }();
       const auto timed = run.monitor().scope("write");
-      picture::write_view({out.path, std::filesystem::path(camera.name).stem().string()}, view, objects, layers, options, format);
+      picture::write_view({out.path, std::filesystem::path(camera.name).stem().string()}, view, objects,
+                          layers, options, format);
       run.monitor().progress(std::int64_t(n) + 1, std::int64_t(views.size()));
     }
     return 0;

@@ -46,16 +46,16 @@ std::string prepared(const std::filesystem::path& folder, const std::string& fil
   return (folder / file).string();
 }
 
-void write_masks(const std::filesystem::path& folder, const std::string& stem, const RenderedView& view, const Objects& objects,
-                 double threshold) {
+void write_masks(const std::filesystem::path& folder, const std::string& stem, const RenderedView& view,
+                 const Objects& objects, double threshold) {
   for (std::size_t k = 0; k < objects.names.size(); ++k) {
     const auto mine = objects.names.size() > 1 ? folder / objects.names[k] : folder;
     io::write_png(prepared(mine, stem + ".png"), binary_mask(view.label, k, threshold));
   }
 }
 
-void write_exr_view(const Destination& to, const RenderedView& view, const Objects& objects, const std::set<std::string>& layers,
-                    const RenderOptions& options) {
+void write_exr_view(const Destination& to, const RenderedView& view, const Objects& objects,
+                    const std::set<std::string>& layers, const RenderOptions& options) {
   io::ExrImage image;
   image.width_px = view.width_px, image.height_px = view.height_px;
   const auto plane = [&](std::size_t object) {
@@ -86,7 +86,8 @@ void write_exr_view(const Destination& to, const RenderedView& view, const Objec
 
 Objects objects_of(const io::GaussianPly& ply) {
   Objects objects;
-  for (const io::NamedLabels& o : ply.objects) objects.names.push_back(o.object), objects.columns.push_back(o.columns);
+  for (const io::NamedLabels& o : ply.objects)
+    objects.names.push_back(o.object), objects.columns.push_back(o.columns);
   if (objects.names.empty() && !ply.labels.label.empty()) objects = {{ply.object}, {ply.labels}};
   return objects;
 }
@@ -97,30 +98,41 @@ std::set<std::string> parse_layers(const std::vector<std::string>& layers, const
     std::istringstream in(entry);
     for (std::string layer; std::getline(in, layer, ',');) {
       if (std::find(std::begin(kLayers), std::end(kLayers), layer) == std::end(kLayers))
-        throw Error(ErrorCode::kUsage, "--layers: '" + layer + "', expected color, mask, alpha, depth, labels or overlay");
+        throw Error(ErrorCode::kUsage,
+                    "--layers: '" + layer + "', expected color, mask, alpha, depth, labels or overlay");
       chosen.insert(layer);
     }
   }
   if (chosen.empty()) chosen.insert("mask");
-  const bool needs_labels = chosen.contains("mask") || chosen.contains("labels") || chosen.contains("overlay");
+  const bool needs_labels =
+      chosen.contains("mask") || chosen.contains("labels") || chosen.contains("overlay");
   if (needs_labels && objects.names.empty())
-    throw Error(ErrorCode::kBadInput, "the model has no property ngs_label, expected a labelled PLY for masks",
+    throw Error(ErrorCode::kBadInput,
+                "the model has no property ngs_label, expected a labelled PLY for masks",
                 "label it first: ngs-variance scene.json -o boundary.ply, or ask for --layers color");
   return chosen;
 }
 
-void write_view(const Destination& to, const RenderedView& view, const Objects& objects, const std::set<std::string>& layers,
-                const RenderOptions& options, const OutputOptions& format) {
+void write_view(const Destination& to, const RenderedView& view, const Objects& objects,
+                const std::set<std::string>& layers, const RenderOptions& options,
+                const OutputOptions& format) {
   if (format.format == Format::kExr) return write_exr_view(to, view, objects, layers, options);
   for (const std::string& layer : layers) {
-    const std::filesystem::path folder = layers.size() > 1 ? std::filesystem::path(to.folder) / layer : std::filesystem::path(to.folder);
+    const std::filesystem::path folder =
+        layers.size() > 1 ? std::filesystem::path(to.folder) / layer : std::filesystem::path(to.folder);
     const std::string file = to.stem + ".png";
-    if (layer == "mask") write_masks(folder, to.stem, view, objects, options.threshold);
-    else if (layer == "color") io::write_png(prepared(folder, file), to_8bit(view.colour));
-    else if (layer == "alpha") io::write_png(prepared(folder, file), to_8bit(view.alpha));
-    else if (layer == "depth") io::write_png16(prepared(folder, file), depth_to_16bit(view));
-    else if (layer == "labels") io::write_png16(prepared(folder, file), label_map(view, options.threshold));
-    else if (layer == "overlay") io::write_png(prepared(folder, file), overlay_picture(view, options.threshold));
+    if (layer == "mask")
+      write_masks(folder, to.stem, view, objects, options.threshold);
+    else if (layer == "color")
+      io::write_png(prepared(folder, file), to_8bit(view.colour));
+    else if (layer == "alpha")
+      io::write_png(prepared(folder, file), to_8bit(view.alpha));
+    else if (layer == "depth")
+      io::write_png16(prepared(folder, file), depth_to_16bit(view));
+    else if (layer == "labels")
+      io::write_png16(prepared(folder, file), label_map(view, options.threshold));
+    else if (layer == "overlay")
+      io::write_png(prepared(folder, file), overlay_picture(view, options.threshold));
   }
 }
 

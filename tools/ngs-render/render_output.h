@@ -2,7 +2,8 @@
 // Where ngs-render puts what it rendered.
 //   png, one layer:     DIR/STEM.png              several layers: DIR/<layer>/STEM.png
 //   masks of several objects: .../<object>/STEM.png
-//   exr:                DIR/STEM.exr with R G B A Z ngs.mask ngs.id (masks of several objects: ngs.mask_<object>)
+//   exr:                DIR/STEM.exr with R G B A Z ngs.mask ngs.id (masks of several objects:
+//   ngs.mask_<object>)
 #include <set>
 #include <string>
 #include <vector>
@@ -20,7 +21,8 @@ struct OutputOptions {
   Format format = Format::kPng;
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.format, Choice<Format>{"format", "png: 8 bit (16 bit for depth and labels); exr: float layers", kFormatNames});
+    visit(self.format, Choice<Format>{"format", "png: 8 bit (16 bit for depth and labels); exr: float layers",
+                                      kFormatNames});
   }
 };
 
@@ -37,7 +39,8 @@ std::set<std::string> parse_layers(const std::vector<std::string>& layers, const
 struct Destination {
   std::string folder, stem;
 };
-void write_view(const Destination& to, const RenderedView& view, const Objects& objects, const std::set<std::string>& layers,
-                const RenderOptions& options, const OutputOptions& format);
+void write_view(const Destination& to, const RenderedView& view, const Objects& objects,
+                const std::set<std::string>& layers, const RenderOptions& options,
+                const OutputOptions& format);
 
 }  // namespace ngs::picture

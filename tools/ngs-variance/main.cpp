@@ -1,5 +1,6 @@
 // ngs-variance: scene.json -> labelled PLY with evidence, variance and the boundary set. Algorithm 1, step 1.
-// Sharded: `--views i/N --partial part.evidence` for each i, then `ngs-variance merge *.evidence -o boundary.ply`.
+// Sharded: `--views i/N --partial part.evidence` for each i, then `ngs-variance merge *.evidence -o
+// boundary.ply`.
 #include "ngs/io/content_hash.h"
 #include "ngs/io/masks.h"
 #include "ngs/io/scene_json.h"
@@ -14,12 +15,14 @@ struct ShardOptions {
   std::string views = "0/1";
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.views, Text{"views", "i/N", "only shard i of N (from 0) of the training views; for --partial"});
+    visit(self.views,
+          Text{"views", "i/N", "only shard i of N (from 0) of the training views; for --partial"});
   }
 };
 
 int label_scene(int argc, char** argv) {
-  cli::Tool tool("ngs-variance", "Find the boundary Gaussians: evidence of all masks, normalised variance (Eq. 3).",
+  cli::Tool tool("ngs-variance",
+                 "Find the boundary Gaussians: evidence of all masks, normalised variance (Eq. 3).",
                  {"ngs-variance scene.json -o boundary.ply",
                   "ngs-variance scene.json --views 0/8 --partial part0.evidence"});
   VarianceOptions options;
@@ -30,17 +33,22 @@ int label_scene(int argc, char** argv) {
   tool.options(shard);
   const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene");
   const cli::Output& out = tool.optional_output("-o,--output", "labelled PLY");
-  const cli::Output& partial = tool.optional_output("--partial", "the evidence itself, for `ngs-variance merge`");
-  const cli::Output& layers = tool.optional_output_dir("--layers", "folder for one EXR per view: mask, prob, variance, boundary");
+  const cli::Output& partial =
+      tool.optional_output("--partial", "the evidence itself, for `ngs-variance merge`");
+  const cli::Output& layers =
+      tool.optional_output_dir("--layers", "folder for one EXR per view: mask, prob, variance, boundary");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
     check_tau(options);
     const Scene scene = io::read_scene_json(scene_json.path);
     run.add_input("model", scene.model_path);
-    if (!out && !partial) throw Error(ErrorCode::kUsage, "no output is asked for", "give -o boundary.ply or --partial part.evidence");
+    if (!out && !partial)
+      throw Error(ErrorCode::kUsage, "no output is asked for",
+                  "give -o boundary.ply or --partial part.evidence");
     const std::vector<std::size_t> views = variance::shard_of(training_views(scene), shard.views);
     if (out && views.size() != training_views(scene).size())
-      throw Error(ErrorCode::kUsage, "-o needs the evidence of all views, --views " + shard.views + " is a part of them",
+      throw Error(ErrorCode::kUsage,
+                  "-o needs the evidence of all views, --views " + shard.views + " is a part of them",
                   "write it with --partial and merge the parts");
     const io::GaussianPly ply = io::read_gaussian_ply(scene.model_path);
     if (run.dry_run()) {
@@ -48,7 +56,8 @@ int label_scene(int argc, char** argv) {
       return 0;
     }
     io::EvidencePart part;
-    part.evidence = accumulate_evidence(run.exec(), run.monitor(), ply.cloud, scene, views, splat_options(raster, ply.cloud, scene),
+    part.evidence = accumulate_evidence(run.exec(), run.monitor(), ply.cloud, scene, views,
+                                        splat_options(raster, ply.cloud, scene),
                                         [&](std::size_t view) { return io::load_masks(scene, view); });
     if (partial) {
       part.model_hash = io::content_hash(scene.model_path).xxh3;
@@ -61,17 +70,21 @@ int label_scene(int argc, char** argv) {
     if (!out) return 0;
     const std::vector<LabelColumns> labels = label_gaussians(options, part.evidence);
     variance::write_labels(run, scene, ply, options, labels, out.path);
-    if (layers) variance::write_layers(run, scene, ply.cloud, labels, splat_options(raster, ply.cloud, scene), layers.path);
+    if (layers)
+      variance::write_layers(run, scene, ply.cloud, labels, splat_options(raster, ply.cloud, scene),
+                             layers.path);
     return 0;
   });
 }
 
 int merge_parts(int argc, char** argv) {
-  cli::Tool tool("ngs-variance merge", "Add up the evidence of parts; the same bytes as one run over all views.",
+  cli::Tool tool("ngs-variance merge",
+                 "Add up the evidence of parts; the same bytes as one run over all views.",
                  {"ngs-variance merge part0.evidence part1.evidence -o boundary.ply"});
   VarianceOptions options;
   tool.options(options);
-  const cli::Input& scene_json = tool.optional_input("--scene", "scene.json; default: the one the parts name");
+  const cli::Input& scene_json =
+      tool.optional_input("--scene", "scene.json; default: the one the parts name");
   const cli::Inputs& parts = tool.inputs("parts", "files written with --partial");
   const cli::Output& out = tool.output("-o,--output", "labelled PLY");
 
@@ -90,5 +103,7 @@ int merge_parts(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return ngs::cli::dispatch(argc, argv, {{"", label_scene, "label the Gaussians of a scene"}, {"merge", merge_parts, "add up partial evidence"}});
+  return ngs::cli::dispatch(argc, argv,
+                            {{"", label_scene, "label the Gaussians of a scene"},
+                             {"merge", merge_parts, "add up partial evidence"}});
 }

@@ -17,7 +17,8 @@ std::vector<std::size_t> shard_of(const std::vector<std::size_t>& views, const s
   const bool slash = first.ec == std::errc() && first.ptr != end && *first.ptr == '/';
   const auto second = slash ? std::from_chars(first.ptr + 1, end, n) : first;
   if (!slash || second.ec != std::errc() || second.ptr != end || n == 0 || i >= n || n > 1u << 20)
-    throw Error(ErrorCode::kUsage, "--views: '" + shard + "', expected i/N with 0 <= i < N", "for example --views 0/8");
+    throw Error(ErrorCode::kUsage, "--views: '" + shard + "', expected i/N with 0 <= i < N",
+                "for example --views 0/8");
   const auto bound = [&](std::size_t k) { return views.begin() + std::ptrdiff_t(views.size() * k / n); };
   return {bound(i), bound(i + 1)};
 }
@@ -25,37 +26,50 @@ std::vector<std::size_t> shard_of(const std::vector<std::size_t>& views, const s
 Json memory_plan(const GaussianCloud& cloud, const Scene& scene, std::size_t views) {
   constexpr double kMib = 1024.0 * 1024.0;
   const auto objects = double(scene.objects.size());
-  // Evidence: 28 bytes and 64 per object; positions, shapes, opacity, SH as loaded; ~60 bytes per visible Gaussian.
+  // Evidence: 28 bytes and 64 per object; positions, shapes, opacity, SH as loaded; ~60 bytes per visible
+  // Gaussian.
   const double per_gaussian = 28 + 64 * objects + 44 + 12.0 * (1 + cloud.rest_count()) + 60;
   double largest_view_px = 0;
-  for (const SceneView& view : scene.views) largest_view_px = std::max(largest_view_px, double(view.camera.width_px) * view.camera.height_px);
-  return {{"views", views}, {"gaussians", cloud.size()},
-          {"estimated_peak_mib", std::ceil((per_gaussian * double(cloud.size()) + largest_view_px * (8 + 4 * objects)) / kMib + 40)}};
+  for (const SceneView& view : scene.views)
+    largest_view_px = std::max(largest_view_px, double(view.camera.width_px) * view.camera.height_px);
+  return {
+      {"views", views},
+      {"gaussians", cloud.size()},
+      {"estimated_peak_mib",
+       std::ceil((per_gaussian * double(cloud.size()) + largest_view_px * (8 + 4 * objects)) / kMib + 40)}};
 }
 
 void check_complete(const io::EvidencePart& sum, const Scene& scene) {
   if (io::content_hash(scene.model_path).xxh3 != sum.model_hash)
-    throw Error(ErrorCode::kInconsistent, scene.model_path + ": not the model the parts were made from", "make the parts again");
+    throw Error(ErrorCode::kInconsistent, scene.model_path + ": not the model the parts were made from",
+                "make the parts again");
   std::set<std::string> missing;
   for (const std::size_t view : training_views(scene)) missing.insert(scene.views[view].camera.name);
   for (const std::string& view : sum.views)
-    if (missing.erase(view) == 0) throw Error(ErrorCode::kInconsistent, "view '" + view + "' is no training view of the scene");
+    if (missing.erase(view) == 0)
+      throw Error(ErrorCode::kInconsistent, "view '" + view + "' is no training view of the scene");
   if (!missing.empty())
-    throw Error(ErrorCode::kInconsistent, std::to_string(missing.size()) + " training views are in no part, the first is '" + *missing.begin() + "'",
+    throw Error(ErrorCode::kInconsistent,
+                std::to_string(missing.size()) + " training views are in no part, the first is '" +
+                    *missing.begin() + "'",
                 "merge the parts of all shards");
 }
 
-void write_labels(cli::Run& run, const Scene& scene, const io::GaussianPly& ply, const VarianceOptions& options,
-                  const std::vector<LabelColumns>& labels, const std::string& path) {
+void write_labels(cli::Run& run, const Scene& scene, const io::GaussianPly& ply,
+                  const VarianceOptions& options, const std::vector<LabelColumns>& labels,
+                  const std::string& path) {
   const auto timed = run.monitor().scope("write");
-  const auto count = [](const std::vector<float>& column) { return std::count(column.begin(), column.end(), 1.f); };
+  const auto count = [](const std::vector<float>& column) {
+    return std::count(column.begin(), column.end(), 1.f);
+  };
   std::int64_t boundary_total = 0;
   std::vector<io::NamedLabels> named;
   for (std::size_t k = 0; k < labels.size(); ++k) {
     const std::int64_t boundary = count(labels[k].boundary);
     boundary_total += boundary;
     named.push_back({scene.objects[k].name, labels[k]});
-    run.result()["objects"].push_back({{"name", scene.objects[k].name}, {"boundary", boundary}, {"object", count(labels[k].label)}});
+    run.result()["objects"].push_back(
+        {{"name", scene.objects[k].name}, {"boundary", boundary}, {"object", count(labels[k].label)}});
   }
   run.result()["gaussians"] = ply.cloud.size();
   run.result()["excluded"] = ply.health.excluded();
@@ -67,8 +81,9 @@ void write_labels(cli::Run& run, const Scene& scene, const io::GaussianPly& ply,
   io::write_labelled_ply(path, ply, named);
 }
 
-void write_layers(cli::Run& run, const Scene& scene, const GaussianCloud& cloud, const std::vector<LabelColumns>& labels,
-                  const SplatOptions& splat, const std::string& folder) {
+void write_layers(cli::Run& run, const Scene& scene, const GaussianCloud& cloud,
+                  const std::vector<LabelColumns>& labels, const SplatOptions& splat,
+                  const std::string& folder) {
   const auto timed = run.monitor().scope("layers");
   const LabelColumns& first = labels.front();
   std::vector<float> channels;
@@ -86,7 +101,10 @@ void write_layers(cli::Run& run, const Scene& scene, const GaussianCloud& cloud,
     image.add({"A"}, rendered.alpha);
     image.add({"ngs.mask", "ngs.prob", "ngs.variance", "ngs.boundary"}, rendered.label);
     image.text["ngs:schema"] = "ngs.variance.1";
-    io::write_exr((std::filesystem::path(folder) / (std::filesystem::path(camera.name).stem().string() + ".exr")).string(), image);
+    io::write_exr(
+        (std::filesystem::path(folder) / (std::filesystem::path(camera.name).stem().string() + ".exr"))
+            .string(),
+        image);
   }
 }
 

@@ -20,11 +20,14 @@ Json memory_plan(const GaussianCloud& cloud, const Scene& scene, std::size_t vie
 void check_complete(const io::EvidencePart& sum, const Scene& scene);
 
 /// Writes the labelled PLY and the counts; an empty boundary set is kNothingFound unless allowed.
-void write_labels(cli::Run& run, const Scene& scene, const io::GaussianPly& ply, const VarianceOptions& options,
-                  const std::vector<LabelColumns>& labels, const std::string& path);
+void write_labels(cli::Run& run, const Scene& scene, const io::GaussianPly& ply,
+                  const VarianceOptions& options, const std::vector<LabelColumns>& labels,
+                  const std::string& path);
 
-/// One EXR per training view: the first object's ngs.mask, ngs.prob, ngs.variance and ngs.boundary, composited.
-void write_layers(cli::Run& run, const Scene& scene, const GaussianCloud& cloud, const std::vector<LabelColumns>& labels,
-                  const SplatOptions& splat, const std::string& folder);
+/// One EXR per training view: the first object's ngs.mask, ngs.prob, ngs.variance and ngs.boundary,
+/// composited.
+void write_layers(cli::Run& run, const Scene& scene, const GaussianCloud& cloud,
+                  const std::vector<LabelColumns>& labels, const SplatOptions& splat,
+                  const std::string& folder);
 
 }  // namespace ngs::variance

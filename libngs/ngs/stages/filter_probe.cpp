@@ -4,7 +4,8 @@
 
 namespace ngs {
 
-FilterProbe probe_filter(const Exec& exec, const GaussianCloud& cloud, const Scene& scene, const std::vector<std::size_t>& views,
+FilterProbe probe_filter(const Exec& exec, const GaussianCloud& cloud, const Scene& scene,
+                         const std::vector<std::size_t>& views,
                          const std::function<ImageF(std::size_t view)>& load_photo) {
   FilterProbe probe;
   for (const double size : {1.0, 0.25, 0.5, 2.0, 4.0}) probe.candidates.push_back({0.3 / (size * size), 0});

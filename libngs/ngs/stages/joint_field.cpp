@@ -11,7 +11,9 @@ namespace ngs {
 namespace {
 
 HashGridConfig hash_config(const JointOptions& o, const JointEffects& effects) {
-  HashGridConfig config{o.hash_levels, o.hash_features, o.hash_log2_table, o.hash_base, std::max(o.hash_base, o.hash_finest), false};
+  HashGridConfig config{
+      o.hash_levels, o.hash_features, o.hash_log2_table, o.hash_base, std::max(o.hash_base, o.hash_finest),
+      false};
   if (!effects.hash) config.levels = 1, config.max_resolution = config.base_resolution;
   return config;
 }
@@ -33,8 +35,13 @@ PixelGrid lattice(const std::vector<float>& uv, int rows, int cols) {
 }  // namespace
 
 JointField::JointField(const Exec& exec, const Setup& s)
-    : options_(s.options), effects_(s.effects), sample_(s.sample), neighbours_(s.effects.rbf ? s.rbf.neighbours : 1),
-      width_(rbf_width(exec, s.rbf, s.boundary.positions())), boundary_count_(s.boundary.size()), seed_(s.seed),
+    : options_(s.options),
+      effects_(s.effects),
+      sample_(s.sample),
+      neighbours_(s.effects.rbf ? s.rbf.neighbours : 1),
+      width_(rbf_width(exec, s.rbf, s.boundary.positions())),
+      boundary_count_(s.boundary.size()),
+      seed_(s.seed),
       hash_(hash_config(options_, effects_), hash_box(s.boundary.positions(), s.reach + 4 * width_),
             add_hash_grid(store_, "hash", hash_config(options_, effects_), s.seed)),
       mlp_(mlp_config(options_, hash_.config()),
@@ -45,13 +52,16 @@ JointField::JointField(const Exec& exec, const Setup& s)
   moments_.resize(store_.blocks.size());
 }
 
-FieldRays JointField::rays(const Exec& exec, const Camera& camera, Rows<const float, 3> boundary, const DepthMap& map) const {
+FieldRays JointField::rays(const Exec& exec, const Camera& camera, Rows<const float, 3> boundary,
+                           const DepthMap& map) const {
   FieldRays out;
   ViewSample sample = sample_view(exec, sample_, camera, boundary, map);
   if (!effects_.box && sample.boundary.visible > 0) {
     const PixelBox image{0, 0, double(camera.width_px), double(camera.height_px)};
-    sample.rays = ray_queries(exec, camera, pixel_grid(image, sample_.rows, sample_.cols, sample_.nodes),
-                              {sample_.depth_samples, sample_.depth_span, sample_.depth_epsilon, sample.boundary.mean_distance}, map);
+    sample.rays = ray_queries(
+        exec, camera, pixel_grid(image, sample_.rows, sample_.cols, sample_.nodes),
+        {sample_.depth_samples, sample_.depth_span, sample_.depth_epsilon, sample.boundary.mean_distance},
+        map);
   }
   out.rays = std::move(sample.rays);
   if (out.rays.rays() == 0) return out;
@@ -64,27 +74,36 @@ FieldRays JointField::rays(const Exec& exec, const Camera& camera, const QueryFi
                            const BoundarySet& boundary) const {
   FieldRays out;
   const QueryView& grid = field.views[view];
-  const auto begin = std::size_t(std::lower_bound(field.view.begin(), field.view.end(), std::int32_t(view)) - field.view.begin());
-  const auto end = std::size_t(std::upper_bound(field.view.begin(), field.view.end(), std::int32_t(view)) - field.view.begin());
+  const auto begin = std::size_t(std::lower_bound(field.view.begin(), field.view.end(), std::int32_t(view)) -
+                                 field.view.begin());
+  const auto end = std::size_t(std::upper_bound(field.view.begin(), field.view.end(), std::int32_t(view)) -
+                               field.view.begin());
   const auto samples = std::size_t(grid.depth_samples);
   if (begin == end) return out;
   if (end - begin != std::size_t(grid.rows) * std::size_t(grid.cols) * samples)
-    throw Error(ErrorCode::kBadInput, "view '" + grid.name + "' of the field: " + std::to_string(end - begin) + " queries, expected the whole grid of " +
+    throw Error(ErrorCode::kBadInput,
+                "view '" + grid.name + "' of the field: " + std::to_string(end - begin) +
+                    " queries, expected the whole grid of " +
                     std::to_string(std::size_t(grid.rows) * std::size_t(grid.cols) * samples),
                 "sample again: ngs-sample scene.json boundary.ply -o queries.ply");
   RayQueries& rays = out.rays;
   rays.samples = grid.depth_samples;
-  rays.position.assign(field.position.begin() + std::ptrdiff_t(begin * 3), field.position.begin() + std::ptrdiff_t(end * 3));
+  rays.position.assign(field.position.begin() + std::ptrdiff_t(begin * 3),
+                       field.position.begin() + std::ptrdiff_t(end * 3));
   rays.depth.assign(field.depth.begin() + std::ptrdiff_t(begin), field.depth.begin() + std::ptrdiff_t(end));
   for (std::size_t q = begin; q < end; q += samples) {
     const double u = field.uv[q * 2], v = field.uv[q * 2 + 1];
-    const Vec3<double> d = transpose(camera.rotation) * Vec3<double>{(u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1.0};
+    const Vec3<double> d = transpose(camera.rotation) *
+                           Vec3<double>{(u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1.0};
     const double length = std::sqrt(dot(d, d));
     const double first = field.depth[q], last = field.depth[q + samples - 1];
-    const double half = samples > 1 ? (last - first) / 2 : std::max(field.depth_span * first, field.depth_epsilon);
+    const double half =
+        samples > 1 ? (last - first) / 2 : std::max(field.depth_span * first, field.depth_epsilon);
     rays.pixel.insert(rays.pixel.end(), {float(u), float(v)});
-    rays.direction.insert(rays.direction.end(), {float(d.x / length), float(d.y / length), float(d.z / length)});
-    rays.near.push_back(float(samples > 1 ? first : first - half)), rays.far.push_back(float(samples > 1 ? last : first + half));
+    rays.direction.insert(rays.direction.end(),
+                          {float(d.x / length), float(d.y / length), float(d.z / length)});
+    rays.near.push_back(float(samples > 1 ? first : first - half)),
+        rays.far.push_back(float(samples > 1 ? last : first + half));
     rays.spacing.push_back(float(2 * half / double(std::max<std::size_t>(samples - 1, 1))));
   }
   rays.grid = lattice(rays.pixel, grid.rows, grid.cols);
@@ -97,7 +116,9 @@ FieldRays JointField::rays(const Exec& exec, const Camera& camera, const QueryFi
     for (std::size_t i = begin * k; i < end * k; ++i) {
       const auto row = std::lower_bound(boundary.row.begin(), boundary.row.end(), field.neighbour[i]);
       if (row == boundary.row.end() || *row != field.neighbour[i])
-        throw Error(ErrorCode::kInconsistent, "the field names Gaussian " + std::to_string(field.neighbour[i]) + " as a neighbour, which is not in the boundary set",
+        throw Error(ErrorCode::kInconsistent,
+                    "the field names Gaussian " + std::to_string(field.neighbour[i]) +
+                        " as a neighbour, which is not in the boundary set",
                     "interpolate again: ngs-rbf boundary.ply queries.ply -o field.ply");
       out.graph.index.push_back(std::uint32_t(row - boundary.row.begin()));
     }
@@ -106,17 +127,29 @@ FieldRays JointField::rays(const Exec& exec, const Camera& camera, const QueryFi
   return out;
 }
 
-FilmMlpInputs JointField::Sampled::inputs(Rows<const float, 3> direction, std::int64_t per_direction, const FilmMlpConfig& config) const {
+FilmMlpInputs JointField::Sampled::inputs(Rows<const float, 3> direction, std::int64_t per_direction,
+                                          const FilmMlpConfig& config) const {
   const auto queries = std::int64_t(encoding.size()) / config.inputs;
-  return {{encoding.data(), queries, config.inputs}, {rbf.feature.data(), queries, config.condition}, direction, per_direction};
+  return {{encoding.data(), queries, config.inputs},
+          {rbf.feature.data(), queries, config.condition},
+          direction,
+          per_direction};
 }
 
 RbfProblem JointField::rbf_problem(const Points& points) const {
-  return {points.position, points.boundary, {store_.values.data() + feature_offset_, boundary_count_, 3}, points.graph, width_};
+  return {points.position,
+          points.boundary,
+          {store_.values.data() + feature_offset_, boundary_count_, 3},
+          points.graph,
+          width_};
 }
 
 JointField::Points JointField::points_of(const FieldRays& rays, Rows<const float, 3> boundary) const {
-  return {rays.rays.positions(), &rays.graph, {rays.rays.direction.data(), rays.rays.rays()}, rays.rays.samples, boundary};
+  return {rays.rays.positions(),
+          &rays.graph,
+          {rays.rays.direction.data(), rays.rays.rays()},
+          rays.rays.samples,
+          boundary};
 }
 
 void JointField::evaluate(const Exec& exec, const Points& points, Sampled& out) const {
@@ -126,43 +159,55 @@ void JointField::evaluate(const Exec& exec, const Points& points, Sampled& out) 
   mlp_.forward(exec, store_, out.inputs(points.direction, points.per_direction, mlp_.config()), out.network);
 }
 
-void JointField::differentiate(const Exec& exec, const Points& points, const Sampled& at, const std::vector<float>& grad_density,
-                               const std::vector<float>& grad_rgb) {
+void JointField::differentiate(const Exec& exec, const Points& points, const Sampled& at,
+                               const std::vector<float>& grad_density, const std::vector<float>& grad_rgb) {
   FilmMlpGradients inputs;
-  mlp_.backward(exec, store_, at.inputs(points.direction, points.per_direction, mlp_.config()), at.network, grad_density, grad_rgb, inputs);
+  mlp_.backward(exec, store_, at.inputs(points.direction, points.per_direction, mlp_.config()), at.network,
+                grad_density, grad_rgb, inputs);
   hash_.backward(exec, store_, points.position, inputs.feature);
   if (!effects_.film) return;
   RbfGradients features;
   const auto queries = std::int64_t(inputs.condition.size()) / 3;
   rbf_backward(exec, rbf_problem(points), at.rbf, {inputs.condition.data(), queries, 3}, false, features);
-  for (std::size_t i = 0; i < features.feature.size(); ++i) store_.grads[feature_offset_ + i] += features.feature[i];
+  for (std::size_t i = 0; i < features.feature.size(); ++i)
+    store_.grads[feature_offset_ + i] += features.feature[i];
 }
 
-const VolumeOutput& JointField::forward(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary, Vec3<float> background) {
+const VolumeOutput& JointField::forward(const Exec& exec, const FieldRays& rays,
+                                        Rows<const float, 3> boundary, Vec3<float> background) {
   evaluate(exec, points_of(rays, boundary), sampled_);
-  volume_forward(exec, {rays.rays.samples, sampled_.network.density.data(), sampled_.network.rgb.data(), rays.rays.spacing.data(),
-                        rays.rays.rays(), background}, volume_);
+  volume_forward(exec,
+                 {rays.rays.samples, sampled_.network.density.data(), sampled_.network.rgb.data(),
+                  rays.rays.spacing.data(), rays.rays.rays(), background},
+                 volume_);
   return volume_;
 }
 
-void JointField::backward(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary, Vec3<float> background,
-                          const AlignFieldGradients& gradients) {
-  volume_backward(exec, {rays.rays.samples, sampled_.network.density.data(), sampled_.network.rgb.data(), rays.rays.spacing.data(),
-                         rays.rays.rays(), background}, volume_, gradients.colour, gradients.alpha, {}, volume_grad_);
+void JointField::backward(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary,
+                          Vec3<float> background, const AlignFieldGradients& gradients) {
+  volume_backward(exec,
+                  {rays.rays.samples, sampled_.network.density.data(), sampled_.network.rgb.data(),
+                   rays.rays.spacing.data(), rays.rays.rays(), background},
+                  volume_, gradients.colour, gradients.alpha, {}, volume_grad_);
   differentiate(exec, points_of(rays, boundary), sampled_, volume_grad_.density, volume_grad_.rgb);
 }
 
-double JointField::smoothness(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary, double weight, std::int64_t step) {
-  const std::int64_t queries = rays.rays.positions().n, count = std::min<std::int64_t>(options_.smooth_points, queries);
+double JointField::smoothness(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary,
+                              double weight, std::int64_t step) {
+  const std::int64_t queries = rays.rays.positions().n,
+                     count = std::min<std::int64_t>(options_.smooth_points, queries);
   if (count == 0) return 0;
   std::vector<float> position, direction;
   for (std::int64_t i = 0; i < count; ++i) {
     const std::int64_t q = i * queries / count, ray = q / rays.rays.samples;
-    position.insert(position.end(), rays.rays.position.begin() + q * 3, rays.rays.position.begin() + q * 3 + 3);
-    direction.insert(direction.end(), rays.rays.direction.begin() + ray * 3, rays.rays.direction.begin() + ray * 3 + 3);
+    position.insert(position.end(), rays.rays.position.begin() + q * 3,
+                    rays.rays.position.begin() + q * 3 + 3);
+    direction.insert(direction.end(), rays.rays.direction.begin() + ray * 3,
+                     rays.rays.direction.begin() + ray * 3 + 3);
   }
   const SmoothnessScale scale{options_.smooth_step * width_, width_};
-  const std::vector<float> moved = jittered_points(exec, {position.data(), count}, seed_, std::uint64_t(step) * std::uint64_t(count), scale.jitter_length);
+  const std::vector<float> moved = jittered_points(
+      exec, {position.data(), count}, seed_, std::uint64_t(step) * std::uint64_t(count), scale.jitter_length);
   const std::vector<float>* sets[2] = {&position, &moved};
   KnnGraph graph[2];
   Sampled at[2];
@@ -172,11 +217,13 @@ double JointField::smoothness(const Exec& exec, const FieldRays& rays, Rows<cons
     evaluate(exec, {{sets[k]->data(), count}, &graph[k], {direction.data(), count}, 1, boundary}, at[k]);
   }
   SmoothnessGradients gradients;
-  const double loss = loss_smooth_backward(exec, scale, at[0].network.rgb, at[1].network.rgb, weight, gradients);
+  const double loss =
+      loss_smooth_backward(exec, scale, at[0].network.rgb, at[1].network.rgb, weight, gradients);
   const std::vector<float> no_density(std::size_t(count), 0.f);
   const std::vector<float>* grad[2] = {&gradients.colour, &gradients.moved_colour};
   for (int k = 0; k < 2; ++k)
-    differentiate(exec, {{sets[k]->data(), count}, &graph[k], {direction.data(), count}, 1, boundary}, at[k], no_density, *grad[k]);
+    differentiate(exec, {{sets[k]->data(), count}, &graph[k], {direction.data(), count}, 1, boundary}, at[k],
+                  no_density, *grad[k]);
   return loss;
 }
 
@@ -185,7 +232,11 @@ void JointField::step(const Exec& exec, std::int64_t step, double decay) {
     const ParamBlock& block = store_.blocks[b];
     AdamOptions adam;
     const bool table = block.name.starts_with("hash"), feature = block.name == "feature";
-    adam.lr = (options_.rate_literal ? 1.6e-4 : table ? options_.rate_hash : feature ? options_.rate_feature : options_.rate_mlp) * decay;
+    adam.lr = (options_.rate_literal ? 1.6e-4
+               : table               ? options_.rate_hash
+               : feature             ? options_.rate_feature
+                                     : options_.rate_mlp) *
+              decay;
     if (table) adam.sparse_columns = hash_.config().features, adam.beta2 = 0.99;
     const std::span<float> grad = store_.grad_of(block);
     if (!grad.empty()) adam_step(exec, adam, step, block.name, store_.value_of(block), grad, moments_[b]);

@@ -1,6 +1,6 @@
 #pragma once
-// The continuous field of the joint optimisation: boundary features, RBF condition, hash encoding, FiLM network and
-// volume rendering on the rays of one view, forward and backward.          Eqs. (1), (4)-(15)
+// The continuous field of the joint optimisation: boundary features, RBF condition, hash encoding, FiLM
+// network and volume rendering on the rays of one view, forward and backward.          Eqs. (1), (4)-(15)
 #include <vector>
 
 #include "ngs/core/monitor.h"
@@ -13,11 +13,12 @@
 
 namespace ngs {
 
-/// The rays of one view with the neighbours of their query points. No rays: the view does not see the boundary.
+/// The rays of one view with the neighbours of their query points. No rays: the view does not see the
+/// boundary.
 struct FieldRays {
   RayQueries rays;
-  KnnGraph graph;                         // query -> boundary
-  std::vector<std::uint8_t> on_surface;   // [R] the ray takes part in L_align (C15)
+  KnnGraph graph;                        // query -> boundary
+  std::vector<std::uint8_t> on_surface;  // [R] the ray takes part in L_align (C15)
 };
 
 class JointField {
@@ -29,24 +30,31 @@ class JointField {
     const RbfOptions& rbf;
     const GaussianCloud& cloud;
     const BoundarySet& boundary;
-    double reach = 0;  // world: how far query points may lie from the boundary; the encoding's box is grown by it
+    double reach =
+        0;  // world: how far query points may lie from the boundary; the encoding's box is grown by it
     std::uint64_t seed = 0;
   };
   JointField(const Exec& exec, const Setup& setup);
 
-  /// Rays of `camera` (relative to the model's origin) about the boundary as it is now. `map`: see sample_view.
-  FieldRays rays(const Exec& exec, const Camera& camera, Rows<const float, 3> boundary, const DepthMap& map) const;
+  /// Rays of `camera` (relative to the model's origin) about the boundary as it is now. `map`: see
+  /// sample_view.
+  FieldRays rays(const Exec& exec, const Camera& camera, Rows<const float, 3> boundary,
+                 const DepthMap& map) const;
   /// The same from one view of the artifact of ngs-sample and ngs-rbf.
-  FieldRays rays(const Exec& exec, const Camera& camera, const QueryField& field, std::size_t view, const BoundarySet& boundary) const;
+  FieldRays rays(const Exec& exec, const Camera& camera, const QueryField& field, std::size_t view,
+                 const BoundarySet& boundary) const;
 
   /// Renders the field along the rays. `boundary` positions as they are now.
-  const VolumeOutput& forward(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary, Vec3<float> background);
+  const VolumeOutput& forward(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary,
+                              Vec3<float> background);
   /// Adds the gradient of what the last forward rendered to the parameters' gradients.
-  void backward(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary, Vec3<float> background,
-                const AlignFieldGradients& gradients);
+  void backward(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary,
+                Vec3<float> background, const AlignFieldGradients& gradients);
 
-  /// L_smth (Eq. 18) at an evenly spaced subset of the last forward's query points; adds `weight` times its gradient.
-  double smoothness(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary, double weight, std::int64_t step);
+  /// L_smth (Eq. 18) at an evenly spaced subset of the last forward's query points; adds `weight` times its
+  /// gradient.
+  double smoothness(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary, double weight,
+                    std::int64_t step);
 
   /// One Adam step on all parameters; clears the gradients. `decay` multiplies the rates.
   void step(const Exec& exec, std::int64_t step, double decay);
@@ -61,7 +69,8 @@ class JointField {
     RbfField rbf;
     std::vector<float> encoding;
     FilmMlpOutput network;
-    FilmMlpInputs inputs(Rows<const float, 3> direction, std::int64_t per_direction, const FilmMlpConfig& config) const;
+    FilmMlpInputs inputs(Rows<const float, 3> direction, std::int64_t per_direction,
+                         const FilmMlpConfig& config) const;
   };
   struct Points {  // what is evaluated
     Rows<const float, 3> position;
@@ -71,8 +80,8 @@ class JointField {
     Rows<const float, 3> boundary;
   };
   void evaluate(const Exec& exec, const Points& points, Sampled& out) const;
-  void differentiate(const Exec& exec, const Points& points, const Sampled& at, const std::vector<float>& grad_density,
-                     const std::vector<float>& grad_rgb);
+  void differentiate(const Exec& exec, const Points& points, const Sampled& at,
+                     const std::vector<float>& grad_density, const std::vector<float>& grad_rgb);
   RbfProblem rbf_problem(const Points& points) const;
   Points points_of(const FieldRays& rays, Rows<const float, 3> boundary) const;
 

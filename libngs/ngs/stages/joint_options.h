@@ -14,20 +14,20 @@ namespace ngs {
 
 /// Parts of the method that can be switched off alone: --effect NAME=auto|on|off. That is the ablation.
 struct JointEffects {
-  bool nerf = true;             // the field and everything that needs it
-  bool boundary = true;         // off: every seen Gaussian counts as boundary
-  bool box = true;              // off: the grid covers the whole image
-  bool rbf = true;              // off: the condition is the nearest boundary Gaussian's feature
-  bool hash = true;             // off: a single coarse dense level
-  bool film = true;             // off: the condition is zero
-  bool align = true;            // L_align, colour and opacity
-  bool variance = true;         // the 7x7 term of L_align
-  bool density = true;          // off: every pixel of L_mask weighs the same
-  bool mask = true;             // L_mask
+  bool nerf = true;                 // the field and everything that needs it
+  bool boundary = true;             // off: every seen Gaussian counts as boundary
+  bool box = true;                  // off: the grid covers the whole image
+  bool rbf = true;                  // off: the condition is the nearest boundary Gaussian's feature
+  bool hash = true;                 // off: a single coarse dense level
+  bool film = true;                 // off: the condition is zero
+  bool align = true;                // L_align, colour and opacity
+  bool variance = true;             // the 7x7 term of L_align
+  bool density = true;              // off: every pixel of L_mask weighs the same
+  bool mask = true;                 // L_mask
   bool cont = true, smooth = true;  // L_cont, L_smth
-  bool photometric = true;      // the anchor to the photos (C16)
-  bool geometry = true;         // off: only labels and the field are trained
-  bool mask_geometry = true;    // L_mask moves geometry too (COB-GS: never)
+  bool photometric = true;          // the anchor to the photos (C16)
+  bool geometry = true;             // off: only labels and the field are trained
+  bool mask_geometry = true;        // L_mask moves geometry too (COB-GS: never)
 };
 struct EffectName {
   std::string_view name, help;
@@ -54,17 +54,24 @@ inline constexpr EffectName kEffects[] = {
 JointEffects parse_effects(const std::vector<std::string>& entries);
 
 enum class Quality : std::uint8_t { kDraft, kStandard, kHigh, kReference };
-inline constexpr NamedValue<Quality> kQualityNames[] = {{Quality::kDraft, "draft"}, {Quality::kStandard, "standard"},
-                                                        {Quality::kHigh, "high"}, {Quality::kReference, "reference"}};
-inline constexpr NamedValue<MaskLossForm> kMaskLossNames[] = {{MaskLossForm::kBce, "bce"}, {MaskLossForm::kLinear, "linear"}};
+inline constexpr NamedValue<Quality> kQualityNames[] = {{Quality::kDraft, "draft"},
+                                                        {Quality::kStandard, "standard"},
+                                                        {Quality::kHigh, "high"},
+                                                        {Quality::kReference, "reference"}};
+inline constexpr NamedValue<MaskLossForm> kMaskLossNames[] = {{MaskLossForm::kBce, "bce"},
+                                                              {MaskLossForm::kLinear, "linear"}};
 
 /// Steps per training view of a quality: every view is visited that often.
 inline int visits_of(Quality quality) {
   switch (quality) {
-    case Quality::kDraft: return 1;
-    case Quality::kStandard: return 10;
-    case Quality::kHigh: return 40;
-    case Quality::kReference: return 160;
+    case Quality::kDraft:
+      return 1;
+    case Quality::kStandard:
+      return 10;
+    case Quality::kHigh:
+      return 40;
+    case Quality::kReference:
+      return 160;
   }
   return 10;
 }
@@ -89,34 +96,50 @@ struct JointOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.quality, Choice<Quality>{"quality", "visits of every training view: 1, 10, 40 or 160", kQualityNames});
-    visit(self.steps, Field<std::int64_t>{"steps", "", "optimiser steps, one view each; 0: as --quality says", 0, 100'000'000});
-    visit(self.effect, Text{"effect", "NAME=auto|on|off", "switch a part of the method; --explain lists them"});
+    visit(self.quality,
+          Choice<Quality>{"quality", "visits of every training view: 1, 10, 40 or 160", kQualityNames});
+    visit(self.steps, Field<std::int64_t>{"steps", "", "optimiser steps, one view each; 0: as --quality says",
+                                          0, 100'000'000});
+    visit(self.effect,
+          Text{"effect", "NAME=auto|on|off", "switch a part of the method; --explain lists them"});
     visit(self.lambda_mask, Field<double>{"lambda_mask", "", "weight of L_mask (Eq. 20)", 0, 1e6});
     visit(self.lambda_cont, Field<double>{"lambda_cont", "", "weight of L_cont (Eq. 20)", 0, 1e6});
     visit(self.lambda_smooth, Field<double>{"lambda_smooth", "", "weight of L_smth (Eq. 20)", 0, 1e6});
     visit(self.weight_opacity, Field<double>{"weight_opacity", "", "w_alpha of L_align (Eq. 16)", 0, 1e6});
     visit(self.weight_variance, Field<double>{"weight_variance", "", "w_v of L_align (Eq. 16, C17)", 0, 1e6});
     visit(self.excess_variance, Flag{"excess_variance", "7x7 term: only variance above the photo's (C17)"});
-    visit(self.mask_loss, Choice<MaskLossForm>{"mask_loss", "L_mask: cross-entropy, or COB-GS's linear form (C18)", kMaskLossNames});
-    visit(self.photometric_weight, Field<double>{"photometric_weight", "", "weight of 0.8 L1 + 0.2 DSSIM (C16)", 0, 1e6});
+    visit(self.mask_loss,
+          Choice<MaskLossForm>{"mask_loss", "L_mask: cross-entropy, or COB-GS's linear form (C18)",
+                               kMaskLossNames});
+    visit(self.photometric_weight,
+          Field<double>{"photometric_weight", "", "weight of 0.8 L1 + 0.2 DSSIM (C16)", 0, 1e6});
     visit(self.rate_label, Field<double>{"rate_label", "", "Adam rate of the label logits", 0, 100});
-    visit(self.rate_scale, Field<double>{"rate_scale", "", "factor on 3DGS's rates of the Gaussians (C20)", 0, 1e3});
-    visit(self.rate_literal, Flag{"rate_literal", "the paper's single rate 1.6e-4 for Gaussians and NeRF (C20)"});
+    visit(self.rate_scale,
+          Field<double>{"rate_scale", "", "factor on 3DGS's rates of the Gaussians (C20)", 0, 1e3});
+    visit(self.rate_literal,
+          Flag{"rate_literal", "the paper's single rate 1.6e-4 for Gaussians and NeRF (C20)"});
     visit(self.rate_hash, Field<double>{"rate_hash", "", "Adam rate of the hash tables", 0, 10});
     visit(self.rate_mlp, Field<double>{"rate_mlp", "", "Adam rate of the network", 0, 10});
-    visit(self.rate_feature, Field<double>{"rate_feature", "", "Adam rate of the boundary features f_j", 0, 10});
-    visit(self.rate_decay, Field<double>{"rate_decay", "", "all rates fall exponentially to this factor", 1e-6, 1});
-    visit(self.smooth_points, Field<int>{"smooth_points", "", "query points per step for L_smth", 1, 1 << 24});
-    visit(self.smooth_step, Field<double>{"smooth_step", "", "finite-difference step of L_smth, in kernel widths", 1e-6, 10});
-    visit(self.hash_levels, Field<int>{"hash_levels", "", "resolutions L of the hash encoding (Eq. 11)", 1, kMaxHashLevels});
+    visit(self.rate_feature,
+          Field<double>{"rate_feature", "", "Adam rate of the boundary features f_j", 0, 10});
+    visit(self.rate_decay,
+          Field<double>{"rate_decay", "", "all rates fall exponentially to this factor", 1e-6, 1});
+    visit(self.smooth_points,
+          Field<int>{"smooth_points", "", "query points per step for L_smth", 1, 1 << 24});
+    visit(self.smooth_step,
+          Field<double>{"smooth_step", "", "finite-difference step of L_smth, in kernel widths", 1e-6, 10});
+    visit(self.hash_levels,
+          Field<int>{"hash_levels", "", "resolutions L of the hash encoding (Eq. 11)", 1, kMaxHashLevels});
     visit(self.hash_features, Field<int>{"hash_features", "", "features per level: 1, 2, 4 or 8", 1, 8});
-    visit(self.hash_log2_table, Field<int>{"hash_log2_table", "", "log2 of the entries of a hashed level", 3, 24});
+    visit(self.hash_log2_table,
+          Field<int>{"hash_log2_table", "", "log2 of the entries of a hashed level", 3, 24});
     visit(self.hash_base, Field<int>{"hash_base", "cells", "coarsest resolution", 2, 4096});
     visit(self.hash_finest, Field<int>{"hash_finest", "cells", "finest resolution", 2, 1 << 20});
     visit(self.mlp_hidden, Field<int>{"mlp_hidden", "", "width of the network", 16, 128});
-    visit(self.mlp_layers, Field<int>{"mlp_layers", "", "hidden layers, each modulated (Eq. 14)", 1, kMaxFilmLayers});
-    visit(self.direction_degree, Field<int>{"direction_degree", "", "SH bands of the view direction (C14); 0: none", 0, 3});
+    visit(self.mlp_layers,
+          Field<int>{"mlp_layers", "", "hidden layers, each modulated (Eq. 14)", 1, kMaxFilmLayers});
+    visit(self.direction_degree,
+          Field<int>{"direction_degree", "", "SH bands of the view direction (C14); 0: none", 0, 3});
   }
 };
 

@@ -13,12 +13,13 @@
 namespace ngs {
 namespace {
 
-constexpr double kMaxInitialConfidence = 0.99;            // sigmoid logits can move away from it
-constexpr std::size_t kViewCacheBytes = 512u << 20;       // decoded photos and masks that are kept
+constexpr double kMaxInitialConfidence = 0.99;       // sigmoid logits can move away from it
+constexpr std::size_t kViewCacheBytes = 512u << 20;  // decoded photos and masks that are kept
 
 /// 3DGS's rates for a trained model (facts C20); position per world unit of the cameras' extent.
 struct GaussianRates {
-  double position = 1.6e-6, rotation = 1e-3, log_scale = 5e-3, logit_opacity = 2.5e-2, sh_dc = 2.5e-3, sh_rest = 1.25e-4;
+  double position = 1.6e-6, rotation = 1e-3, log_scale = 5e-3, logit_opacity = 2.5e-2, sh_dc = 2.5e-3,
+         sh_rest = 1.25e-4;
 };
 
 /// 1.1 times the largest distance of a camera from their mean (facts §2.1).
@@ -84,8 +85,17 @@ struct JointTrainer::Impl {
   std::size_t cached_bytes = 0;
 
   Impl(const Exec& e, Monitor& m, const JointSetup& s)
-      : exec(e), monitor(m), options(s.options), effects(parse_effects(s.options.effect)), sample(s.sample), rbf(s.rbf),
-        input(s.input), given_field(s.field), cloud(s.input.cloud), splat(s.input.splat), cache(s.input.views.size()) {}
+      : exec(e),
+        monitor(m),
+        options(s.options),
+        effects(parse_effects(s.options.effect)),
+        sample(s.sample),
+        rbf(s.rbf),
+        input(s.input),
+        given_field(s.field),
+        cloud(s.input.cloud),
+        splat(s.input.splat),
+        cache(s.input.views.size()) {}
 
   std::size_t objects() const { return input.labels.size(); }
 
@@ -93,7 +103,8 @@ struct JointTrainer::Impl {
     boundary = boundary_set(cloud, boundary_flags(input, effects));
     if (boundary.size() == 0) {
       if (!empty_boundary_is_fine)
-        throw Error(ErrorCode::kNothingFound, "the boundary set is empty", "lower --tau of ngs-variance, or pass --allow-empty to train labels alone");
+        throw Error(ErrorCode::kNothingFound, "the boundary set is empty",
+                    "lower --tau of ngs-variance, or pass --allow-empty to train labels alone");
       effects.nerf = false;
     }
     if (!effects.nerf) effects.align = effects.density = effects.smooth = effects.variance = false;
@@ -107,8 +118,12 @@ struct JointTrainer::Impl {
     if (!effects.nerf) return;
     double reach = 0;
     for (const std::size_t v : input.views)
-      reach = std::max(reach, sample.depth_span * boundary_box(relative_to(input.scene.views[v].camera, cloud.origin), boundary.positions(), sample.bbox_pad_px).mean_distance);
-    field = std::make_unique<JointField>(exec, JointField::Setup{options, effects, sample, rbf, cloud, boundary, reach, input.seed});
+      reach = std::max(
+          reach, sample.depth_span * boundary_box(relative_to(input.scene.views[v].camera, cloud.origin),
+                                                  boundary.positions(), sample.bbox_pad_px)
+                                         .mean_distance);
+    field = std::make_unique<JointField>(
+        exec, JointField::Setup{options, effects, sample, rbf, cloud, boundary, reach, input.seed});
   }
 
   void start_labels() {
@@ -120,7 +135,8 @@ struct JointTrainer::Impl {
         const bool fixed = !input.fixed.empty() && input.fixed[i] == 1.f;
         trainable[i * k_count + k] = object.views[i] > 0.f && !fixed;
         const double prob = fixed ? double(object.label[i]) : double(object.prob[i]);
-        logit[i * k_count + k] = float(ngs::logit(std::clamp(prob, 1 - kMaxInitialConfidence, kMaxInitialConfidence)));
+        logit[i * k_count + k] =
+            float(ngs::logit(std::clamp(prob, 1 - kMaxInitialConfidence, kMaxInitialConfidence)));
       }
   }
 
@@ -136,7 +152,8 @@ struct JointTrainer::Impl {
     const std::uint64_t round = std::uint64_t(s) / n;
     std::vector<std::size_t> order(n);
     std::iota(order.begin(), order.end(), std::size_t(0));
-    for (std::size_t i = n; i-- > 1;) std::swap(order[i], order[rng_bits(input.seed, RngStream::kViewOrder, round * n + i) % (i + 1)]);
+    for (std::size_t i = n; i-- > 1;)
+      std::swap(order[i], order[rng_bits(input.seed, RngStream::kViewOrder, round * n + i) % (i + 1)]);
     return order[std::size_t(s) % n];
   }
 
@@ -163,7 +180,8 @@ struct JointTrainer::Impl {
     if (done < std::int64_t(input.views.size())) {
       rays = first_rays(world, camera, v);
     } else {
-      rays = field->rays(exec, camera, boundary.positions(), sample.window == WindowCentre::kPixel ? map : DepthMap{});
+      rays = field->rays(exec, camera, boundary.positions(),
+                         sample.window == WindowCentre::kPixel ? map : DepthMap{});
     }
     if (rays.rays.rays() > 0) rays.on_surface = rays_on_surface(camera, rays.rays, map);
     return rays;
@@ -173,36 +191,47 @@ struct JointTrainer::Impl {
     const BoundarySet initial = boundary_set(input.cloud, boundary_flags(input, effects));
     if (given_field != nullptr) {
       for (std::size_t i = 0; i < given_field->views.size(); ++i)
-        if (given_field->views[i].name == world.name) return field->rays(exec, camera, *given_field, i, initial);
-      throw Error(ErrorCode::kInconsistent, "the field has no view '" + world.name + "', expected every training view", "sample again: ngs-sample scene.json boundary.ply --views all -o queries.ply");
+        if (given_field->views[i].name == world.name)
+          return field->rays(exec, camera, *given_field, i, initial);
+      throw Error(ErrorCode::kInconsistent,
+                  "the field has no view '" + world.name + "', expected every training view",
+                  "sample again: ngs-sample scene.json boundary.ply --views all -o queries.ply");
     }
     Monitor quiet;
-    QueryField sampled = sample_queries(exec, quiet, sample, input.cloud, initial, input.scene, {v}, input.splat);
+    QueryField sampled =
+        sample_queries(exec, quiet, sample, input.cloud, initial, input.scene, {v}, input.splat);
     interpolate_features(exec, quiet, rbf, input.cloud, initial, sampled);
     return field->rays(exec, camera, sampled, 0, initial);
   }
 
   LossTerms step_view(std::size_t n);
-  void field_terms(const FieldRays& rays, const RenderedView& rendered, const CachedView& view, LossTerms& loss, ViewGradients& grad, ImageF& weights);
+  void field_terms(const FieldRays& rays, const RenderedView& rendered, const CachedView& view,
+                   LossTerms& loss, ViewGradients& grad, ImageF& weights);
   void cont_term(LossTerms& loss);
   void update(double decay);
 };
 
-void JointTrainer::Impl::field_terms(const FieldRays& rays, const RenderedView& rendered, const CachedView& view, LossTerms& loss,
-                                     ViewGradients& grad, ImageF& weights) {
+void JointTrainer::Impl::field_terms(const FieldRays& rays, const RenderedView& rendered,
+                                     const CachedView& view, LossTerms& loss, ViewGradients& grad,
+                                     ImageF& weights) {
   if (rays.rays.rays() == 0) return;
   const auto timed = monitor.scope("field");
   const VolumeOutput& volume = field->forward(exec, rays, boundary.positions(), input.background);
   if (effects.density) {
     const PixelGrid& g = rays.rays.grid;
-    const PixelBox box{g.first_x - g.step_x / 2, g.first_y - g.step_y / 2, g.x(g.cols - 1) + g.step_x / 2, g.y(g.rows - 1) + g.step_y / 2};
+    const PixelBox box{g.first_x - g.step_x / 2, g.first_y - g.step_y / 2, g.x(g.cols - 1) + g.step_x / 2,
+                       g.y(g.rows - 1) + g.step_y / 2};
     weights = density_weights(exec, rendered.width_px, rendered.height_px, g, box, volume.optical_depth);
   }
   if (effects.align) {
     const AlignOptions align{options.weight_opacity, effects.variance ? options.weight_variance : 0.0};
-    const AlignInputs in{.grid = rays.rays.grid, .colour = &rendered.colour, .alpha = &rendered.alpha,
-                         .photo = options.excess_variance ? &view.photo : nullptr, .field_colour = &volume.colour,
-                         .field_alpha = &volume.alpha, .active = &rays.on_surface};
+    const AlignInputs in{.grid = rays.rays.grid,
+                         .colour = &rendered.colour,
+                         .alpha = &rendered.alpha,
+                         .photo = options.excess_variance ? &view.photo : nullptr,
+                         .field_colour = &volume.colour,
+                         .field_alpha = &volume.alpha,
+                         .active = &rays.on_surface};
     AlignContext context;
     const AlignLoss value = loss_align(exec, align, in, context);
     AlignFieldGradients to_field;
@@ -210,17 +239,20 @@ void JointTrainer::Impl::field_terms(const FieldRays& rays, const RenderedView& 
     field->backward(exec, rays, boundary.positions(), input.background, to_field);
     loss.align = value.total;
   }
-  if (effects.smooth) loss.smooth = field->smoothness(exec, rays, boundary.positions(), options.lambda_smooth, done);
+  if (effects.smooth)
+    loss.smooth = field->smoothness(exec, rays, boundary.positions(), options.lambda_smooth, done);
 }
 
 void JointTrainer::Impl::cont_term(LossTerms& loss) {
   if (!effects.cont || cont_graph.queries() == 0) return;
   std::vector<float> colour(boundary.row.size() * 3), grad;
   for (std::size_t b = 0; b < boundary.row.size(); ++b)
-    for (std::size_t c = 0; c < 3; ++c) colour[b * 3 + c] = float(0.5 + kShC0 * double(cloud.sh_dc[std::size_t(boundary.row[b]) * 3 + c]));
+    for (std::size_t c = 0; c < 3; ++c)
+      colour[b * 3 + c] = float(0.5 + kShC0 * double(cloud.sh_dc[std::size_t(boundary.row[b]) * 3 + c]));
   loss.cont = loss_cont(exec, cont_graph, {colour.data(), boundary.size()}, {}, options.lambda_cont, &grad);
   for (std::size_t b = 0; b < boundary.row.size(); ++b)
-    for (std::size_t c = 0; c < 3; ++c) gradients.sh_dc[std::size_t(boundary.row[b]) * 3 + c] += float(kShC0 * double(grad[b * 3 + c]));
+    for (std::size_t c = 0; c < 3; ++c)
+      gradients.sh_dc[std::size_t(boundary.row[b]) * 3 + c] += float(kShC0 * double(grad[b * 3 + c]));
 }
 
 LossTerms JointTrainer::Impl::step_view(std::size_t n) {
@@ -251,8 +283,10 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
   if (effects.nerf) field_terms(rays_of(n, rendered), rendered, view, loss, grad, weights);
   if (effects.mask && view.masks.available) {
     const auto timed = monitor.scope("mask loss");
-    loss.mask = loss_mask(exec, {options.mask_loss, 1.0}, {&rendered.label, &view.masks, weights.empty() ? nullptr : &weights, 1.0},
-                          options.lambda_mask, &grad.label).total;
+    loss.mask = loss_mask(exec, {options.mask_loss, 1.0},
+                          {&rendered.label, &view.masks, weights.empty() ? nullptr : &weights, 1.0},
+                          options.lambda_mask, &grad.label)
+                    .total;
   }
   {
     const auto timed = monitor.scope("splat backward");
@@ -272,7 +306,8 @@ void JointTrainer::Impl::update(double decay) {
   adam_step(exec, {.lr = options.rate_label * decay}, t, "label", logit, gradients.label, label_m);
   if (effects.geometry) {
     const GaussianRates rates;
-    const auto apply = [&](const char* name, double rate, std::vector<float>& value, const std::vector<float>& grad, AdamMoments& moments) {
+    const auto apply = [&](const char* name, double rate, std::vector<float>& value,
+                           const std::vector<float>& grad, AdamMoments& moments) {
       const double lr = options.rate_literal ? 1.6e-4 : rate * options.rate_scale;
       if (lr > 0) adam_step(exec, {.lr = lr * decay}, t, name, value, grad, moments);
     };
@@ -287,7 +322,8 @@ void JointTrainer::Impl::update(double decay) {
   if (field) field->step(exec, t, decay);
 }
 
-JointTrainer::JointTrainer(const Exec& exec, Monitor& monitor, const JointSetup& setup, bool empty_boundary_is_fine)
+JointTrainer::JointTrainer(const Exec& exec, Monitor& monitor, const JointSetup& setup,
+                           bool empty_boundary_is_fine)
     : impl_(std::make_unique<Impl>(exec, monitor, setup)) {
   impl_->start(empty_boundary_is_fine);
 }
@@ -322,7 +358,8 @@ MethodResult JointTrainer::result() const {
   const std::size_t k_count = s.objects();
   for (std::size_t k = 0; k < k_count; ++k)
     for (std::size_t i = 0; i < std::size_t(s.cloud.size()); ++i)
-      if (s.trainable[i * k_count + k]) result.labels[k].label[i] = result.labels[k].prob[i] = label[i * k_count + k];
+      if (s.trainable[i * k_count + k])
+        result.labels[k].label[i] = result.labels[k].prob[i] = label[i * k_count + k];
   result.figures["steps"] = double(s.done);
   result.figures["boundary"] = double(s.boundary.size());
   return result;
@@ -330,18 +367,24 @@ MethodResult JointTrainer::result() const {
 
 std::vector<StateBlock> JointTrainer::state() {
   Impl& s = *impl_;
-  std::vector<StateBlock> blocks{{"position", &s.cloud.position}, {"rotation", &s.cloud.rotation}, {"log_scale", &s.cloud.log_scale},
-                                 {"logit_opacity", &s.cloud.logit_opacity}, {"sh_dc", &s.cloud.sh_dc}, {"sh_rest", &s.cloud.sh_rest},
+  std::vector<StateBlock> blocks{{"position", &s.cloud.position},
+                                 {"rotation", &s.cloud.rotation},
+                                 {"log_scale", &s.cloud.log_scale},
+                                 {"logit_opacity", &s.cloud.logit_opacity},
+                                 {"sh_dc", &s.cloud.sh_dc},
+                                 {"sh_rest", &s.cloud.sh_rest},
                                  {"label", &s.logit}};
   const auto moments = [&](const std::string& name, AdamMoments& m) {
     blocks.push_back({name + ".m", &m.m});
     blocks.push_back({name + ".v", &m.v});
   };
   moments("position", s.position_m), moments("rotation", s.rotation_m), moments("log_scale", s.scale_m);
-  moments("logit_opacity", s.opacity_m), moments("sh_dc", s.dc_m), moments("sh_rest", s.rest_m), moments("label", s.label_m);
+  moments("logit_opacity", s.opacity_m), moments("sh_dc", s.dc_m), moments("sh_rest", s.rest_m),
+      moments("label", s.label_m);
   if (s.field) {
     blocks.push_back({"field", &s.field->parameters().values});
-    for (std::size_t b = 0; b < s.field->moments().size(); ++b) moments("field." + std::to_string(b), s.field->moments()[b]);
+    for (std::size_t b = 0; b < s.field->moments().size(); ++b)
+      moments("field." + std::to_string(b), s.field->moments()[b]);
   }
   return blocks;
 }

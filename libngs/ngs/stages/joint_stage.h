@@ -1,8 +1,10 @@
 #pragma once
 // The joint NeRF-GS optimisation: labels, Gaussians and the field, one training view per step.
-//                                                                     Eqs. (1)-(2), (10)-(20), Algorithm 1 step 6
-// Query points: the first visit of a view uses those of the initial model (the artifact of ngs-sample and ngs-rbf, if
-// given: the same), every later visit those of the model as it is (C23). Views come in a new order every round.
+//                                                                     Eqs. (1)-(2), (10)-(20), Algorithm 1
+//                                                                     step 6
+// Query points: the first visit of a view uses those of the initial model (the artifact of ngs-sample and
+// ngs-rbf, if given: the same), every later visit those of the model as it is (C23). Views come in a new
+// order every round.
 #include <memory>
 
 #include "ngs/stages/joint_field.h"
@@ -37,7 +39,8 @@ struct JointSetup {
 
 class JointTrainer {
  public:
-  /// kNothingFound where no usable Gaussian is boundary (allow with `empty_boundary_is_fine`: labels are trained alone).
+  /// kNothingFound where no usable Gaussian is boundary (allow with `empty_boundary_is_fine`: labels are
+  /// trained alone).
   JointTrainer(const Exec& exec, Monitor& monitor, const JointSetup& setup, bool empty_boundary_is_fine);
   ~JointTrainer();
 
@@ -46,7 +49,8 @@ class JointTrainer {
   std::int64_t steps_done() const;
   MethodResult result() const;
 
-  /// Everything that changes from step to step, by name; a copy of it and the step number resume byte for byte.
+  /// Everything that changes from step to step, by name; a copy of it and the step number resume byte for
+  /// byte.
   std::vector<StateBlock> state();
   void resume_at(std::int64_t step);
   const JointField* field() const;

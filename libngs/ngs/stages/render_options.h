@@ -17,14 +17,19 @@ struct RasterOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.compat, Choice<Compat>{"compat", "whose near plane and footprint rule to follow", kCompatNames});
-    visit(self.antialias, Choice<Antialias>{"antialias", "opacity compensation; auto: as the PLY's comments say", kAntialiasNames});
+    visit(self.compat,
+          Choice<Compat>{"compat", "whose near plane and footprint rule to follow", kCompatNames});
+    visit(self.antialias,
+          Choice<Antialias>{"antialias", "opacity compensation; auto: as the PLY's comments say",
+                            kAntialiasNames});
   }
 };
 
 /// For renders of `scene`'s views at its working size.
-inline SplatOptions splat_options(const RasterOptions& options, const GaussianCloud& cloud, const Scene& scene) {
-  const bool antialiased = options.antialias == Antialias::kAuto ? cloud.antialiased : options.antialias == Antialias::kOn;
+inline SplatOptions splat_options(const RasterOptions& options, const GaussianCloud& cloud,
+                                  const Scene& scene) {
+  const bool antialiased =
+      options.antialias == Antialias::kAuto ? cloud.antialiased : options.antialias == Antialias::kOn;
   return {options.compat, antialiased, 3, scene.filter_px2};
 }
 

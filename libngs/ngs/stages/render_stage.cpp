@@ -33,7 +33,8 @@ std::vector<std::size_t> select_views(const Scene& scene, const std::string& sel
   std::vector<std::size_t> views;
   if (selection == "all" || selection == "train" || selection == "held-out") {
     for (std::size_t i = 0; i < scene.views.size(); ++i)
-      if (selection == "all" || (scene.views[i].split == Split::kTrain) == (selection == "train")) views.push_back(i);
+      if (selection == "all" || (scene.views[i].split == Split::kTrain) == (selection == "train"))
+        views.push_back(i);
     return views;
   }
   for (const std::string& name : split(selection, ',')) {
@@ -59,12 +60,14 @@ Vec3<float> parse_background(const std::string& text) {
     good = end != parts[i].c_str() && *end == '\0' && value[i] >= 0.f && value[i] <= 1.f;
   }
   if (!good)
-    throw Error(ErrorCode::kUsage, "--background: '" + text + "', expected three numbers in [0, 1]", "for example 0.5,0.5,0.5");
+    throw Error(ErrorCode::kUsage, "--background: '" + text + "', expected three numbers in [0, 1]",
+                "for example 0.5,0.5,0.5");
   return {value[0], value[1], value[2]};
 }
 
-RenderedView render_labelled(const Exec& exec, const GaussianCloud& cloud, const std::vector<LabelColumns>& objects,
-                             const Camera& camera, const SplatOptions& splat, Vec3<float> background, bool amodal) {
+RenderedView render_labelled(const Exec& exec, const GaussianCloud& cloud,
+                             const std::vector<LabelColumns>& objects, const Camera& camera,
+                             const SplatOptions& splat, Vec3<float> background, bool amodal) {
   const auto n = std::size_t(cloud.size());
   const std::size_t k_count = objects.size();
   std::vector<float> label(n * k_count);
@@ -83,7 +86,8 @@ RenderedView render_labelled(const Exec& exec, const GaussianCloud& cloud, const
     alone.colour = false;
     alone.include = mine.data();
     const RenderedView object = render(exec, cloud, camera, splat, alone);
-    for (std::size_t p = 0; p < object.alpha.data.size(); ++p) view.label.data[p * k_count + k] = object.alpha.data[p];
+    for (std::size_t p = 0; p < object.alpha.data.size(); ++p)
+      view.label.data[p * k_count + k] = object.alpha.data[p];
   }
   return view;
 }
@@ -94,7 +98,8 @@ ImageU16 label_map(const RenderedView& view, double threshold) {
   for (std::size_t p = 0; p < map.data.size(); ++p) {
     float best = float(threshold);
     for (std::size_t k = 0; k < objects; ++k)
-      if (view.label.data[p * objects + k] > best) best = view.label.data[p * objects + k], map.data[p] = std::uint16_t(k + 1);
+      if (view.label.data[p * objects + k] > best)
+        best = view.label.data[p * objects + k], map.data[p] = std::uint16_t(k + 1);
   }
   return map;
 }
@@ -106,9 +111,14 @@ ImageU8 overlay_picture(const RenderedView& view, double threshold) {
     for (int x = 0; x < view.width_px; ++x) {
       const std::uint16_t id = map.at(x, y);
       const bool edge = (x > 0 && map.at(x - 1, y) != id) || (y > 0 && map.at(x, y - 1) != id);
-      const std::uint16_t owner = id != 0 ? id : (edge ? (x > 0 && map.at(x - 1, y) != 0 ? map.at(x - 1, y) : map.at(x, std::max(0, y - 1))) : 0);
+      const std::uint16_t owner =
+          id != 0
+              ? id
+              : (edge ? (x > 0 && map.at(x - 1, y) != 0 ? map.at(x - 1, y) : map.at(x, std::max(0, y - 1)))
+                      : 0);
       const float mix = edge ? 1.f : (id != 0 ? 0.3f : 0.f);
-      const std::array<float, 3> tint = owner != 0 ? hue(std::size_t(owner - 1)) : std::array<float, 3>{0, 0, 0};
+      const std::array<float, 3> tint =
+          owner != 0 ? hue(std::size_t(owner - 1)) : std::array<float, 3>{0, 0, 0};
       for (int c = 0; c < 3; ++c) {
         const float value = (1 - mix) * view.colour.at(x, y, c) + mix * tint[std::size_t(c)];
         picture.at(x, y, c) = std::uint8_t(std::lround(255 * std::clamp(value, 0.f, 1.f)));

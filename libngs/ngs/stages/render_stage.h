@@ -22,11 +22,17 @@ struct RenderOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.views, Text{"views", "train|held-out|all|NAME,...", "which cameras"});
-    visit(self.layers, Text{"layers", "color,mask,alpha,depth,labels,overlay", "what to render; default mask"});
-    visit(self.scale, Field<double>{"scale", "", "image size relative to the scene's working size; 0: the photos' size", 0, 64.0});
-    visit(self.native_filter, Flag{"native_filter", "0.3 px² low-pass at the rendered size, not that of the working size scaled"});
+    visit(self.layers,
+          Text{"layers", "color,mask,alpha,depth,labels,overlay", "what to render; default mask"});
+    visit(self.scale,
+          Field<double>{"scale", "", "image size relative to the scene's working size; 0: the photos' size",
+                        0, 64.0});
+    visit(
+        self.native_filter,
+        Flag{"native_filter", "0.3 px² low-pass at the rendered size, not that of the working size scaled"});
     visit(self.amodal, Flag{"amodal", "mask of the object alone, as if nothing stood before it"});
-    visit(self.threshold, Field<double>{"threshold", "", "PNG masks: 255 where the rendered mask exceeds this", 0.0, 1.0});
+    visit(self.threshold,
+          Field<double>{"threshold", "", "PNG masks: 255 where the rendered mask exceeds this", 0.0, 1.0});
     visit(self.background, Text{"background", "R,G,B", "colour behind the model, each in [0, 1]"});
   }
 };
@@ -37,11 +43,11 @@ std::vector<std::size_t> select_views(const Scene& scene, const std::string& sel
 /// "R,G,B" with three numbers in [0, 1]; kUsage otherwise.
 Vec3<float> parse_background(const std::string& text);
 
-
-/// Renders the model at `camera`. Modal: label channels composited through the whole model. Amodal: per object the
-/// alpha of its own Gaussians (label > 0.5) alone.
-RenderedView render_labelled(const Exec& exec, const GaussianCloud& cloud, const std::vector<LabelColumns>& objects,
-                             const Camera& camera, const SplatOptions& splat, Vec3<float> background, bool amodal);
+/// Renders the model at `camera`. Modal: label channels composited through the whole model. Amodal: per
+/// object the alpha of its own Gaussians (label > 0.5) alone.
+RenderedView render_labelled(const Exec& exec, const GaussianCloud& cloud,
+                             const std::vector<LabelColumns>& objects, const Camera& camera,
+                             const SplatOptions& splat, Vec3<float> background, bool amodal);
 
 /// Label map: 0 background, else the index + 1 of the object whose mask is largest and exceeds `threshold`.
 ImageU16 label_map(const RenderedView& view, double threshold);

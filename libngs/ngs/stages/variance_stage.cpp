@@ -12,7 +12,8 @@ double normalised_variance(Criterion criterion, const Evidence& e, std::size_t g
       const double p = e.object_weight.value(cell) / e.weight.value(gaussian);
       return 4.0 * p * (1.0 - p);
     }
-    case Criterion::kBetweenViews: return between_views_variance(e, cell, e.views[gaussian]);
+    case Criterion::kBetweenViews:
+      return between_views_variance(e, cell, e.views[gaussian]);
     case Criterion::kRelativeDiff: {  // 1 - r²: for binary evidence equal to 4 p (1 - p)
       const double r = double(e.contrast_sum[cell]) * 0x1p-32 / e.views[gaussian];
       return 1.0 - r * r;
@@ -42,9 +43,9 @@ std::vector<std::size_t> training_views(const Scene& scene) {
   return views;
 }
 
-Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud, const Scene& scene,
-                             const std::vector<std::size_t>& views, const SplatOptions& options,
-                             const MaskLoader& load_masks) {
+Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud,
+                             const Scene& scene, const std::vector<std::size_t>& views,
+                             const SplatOptions& options, const MaskLoader& load_masks) {
   Evidence evidence(cloud.size(), int(scene.objects.size()));
   for (std::size_t n = 0; n < views.size(); ++n) {
     const ViewMasks masks = [&] {
@@ -61,8 +62,10 @@ Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const GaussianC
 void check_tau(const VarianceOptions& options) {
   if (options.tau >= 0 && options.tau < 1) return;
   std::ostringstream found;
-  found << "tau = " << options.tau << ", expected a value in [0, 1): the normalised variance 4 Var never exceeds 1";
-  throw Error(ErrorCode::kUsage, found.str(), "a raw variance threshold v (at most 0.25) is --tau 4v; the default is 0.6");
+  found << "tau = " << options.tau
+        << ", expected a value in [0, 1): the normalised variance 4 Var never exceeds 1";
+  throw Error(ErrorCode::kUsage, found.str(),
+              "a raw variance threshold v (at most 0.25) is --tau 4v; the default is 0.6");
 }
 
 std::vector<LabelColumns> label_gaussians(const VarianceOptions& options, const Evidence& e) {

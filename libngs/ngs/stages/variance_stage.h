@@ -1,5 +1,6 @@
 #pragma once
-// Evidence of all views, closed-form labels and the boundary set.             Eq. (3), Algorithm 1 step 1; C1, C2
+// Evidence of all views, closed-form labels and the boundary set.             Eq. (3), Algorithm 1 step 1;
+// C1, C2
 #include <functional>
 #include <string>
 #include <vector>
@@ -23,10 +24,14 @@ struct VarianceOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.tau, Field<double>{"tau", "", "boundary: normalised mask variance above this (Eq. 3, C1)", 0.0, 1e6});
-    visit(self.criterion, Choice<Criterion>{"criterion", "what the variance is taken over (C2)", kCriterionNames});
-    visit(self.label_threshold, Field<double>{"label_threshold", "", "closed-form label: 1 where prob exceeds this", 0.0, 1.0});
-    visit(self.exclusive, Flag{"exclusive", "several objects: a Gaussian belongs to at most one (the heaviest)"});
+    visit(self.tau,
+          Field<double>{"tau", "", "boundary: normalised mask variance above this (Eq. 3, C1)", 0.0, 1e6});
+    visit(self.criterion,
+          Choice<Criterion>{"criterion", "what the variance is taken over (C2)", kCriterionNames});
+    visit(self.label_threshold,
+          Field<double>{"label_threshold", "", "closed-form label: 1 where prob exceeds this", 0.0, 1.0});
+    visit(self.exclusive,
+          Flag{"exclusive", "several objects: a Gaussian belongs to at most one (the heaviest)"});
   }
 };
 
@@ -34,9 +39,9 @@ struct VarianceOptions {
 using MaskLoader = std::function<ViewMasks(std::size_t index)>;
 
 /// Sums the evidence of the given views of the scene (held-out views must not be among them).
-Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud, const Scene& scene,
-                             const std::vector<std::size_t>& views, const SplatOptions& options,
-                             const MaskLoader& load_masks);
+Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud,
+                             const Scene& scene, const std::vector<std::size_t>& views,
+                             const SplatOptions& options, const MaskLoader& load_masks);
 
 /// Indices of the scene's views that may supervise.
 std::vector<std::size_t> training_views(const Scene& scene);
