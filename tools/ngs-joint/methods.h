@@ -42,8 +42,11 @@ inline MethodResult run_beside(cli::Run& run, Method method, const MethodOptions
       return run_cob(run.exec(), run.monitor(), options.cob, input);
     case Method::kSaga:
       return run_saga(run.exec(), run.monitor(), options.saga, input);
-    case Method::kReleased:
-      return run_released(run.exec(), run.monitor(), options.released, input);
+    case Method::kReleased: {
+      ReleasedOptions released = options.released;
+      released.cob = options.cob;  // it is cob with an extra term
+      return run_released(run.exec(), run.monitor(), released, input);
+    }
     case Method::kPaper:
       break;
   }
