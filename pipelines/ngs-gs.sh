@@ -93,6 +93,7 @@ if [ -n "$dry_run" ]; then
   exit 0
 fi
 rm -f .state/exit_code
+unset MAKEFLAGS MFLAGS MAKEOVERRIDES  # of a make that called this
 make --no-print-directory --silent -f "$pipelines/experiment.mk" "./$until" || {
   [ -f .state/exit_code ] && exit "$(cat .state/exit_code)"
   exit 70

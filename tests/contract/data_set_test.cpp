@@ -125,5 +125,41 @@ TEST_CASE("scannet.sh turns poses into a capture and scores instances of label m
   CHECK(metrics["mean"]["iou"].get<double>() > 0.8);
 }
 
+test::ProcessResult make(const DataSet& data, std::vector<std::string> arguments) {
+  test::ProcessSpec spec;
+  spec.argv = {"make", "-s", "SCENE=tiny", "OUT=out"};
+  spec.argv.insert(spec.argv.end(), arguments.begin(), arguments.end());
+  spec.folder = data.dir.path();
+  spec.environment = {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}};
+  return test::run_process(spec);
+}
+
+TEST_CASE("ablation.mk compares the full method with its variants and leaves out those that fail") {
+  const DataSet data;
+  const test::ProcessResult result =
+      make(data, {"-f", NGS_SOURCE_DIR "/pipelines/ablation.mk", "EFFECTS=cont nonsense", "TAUS=0.5",
+                  "ARGS=--steps 2 --hold-out every:4:2 --gt tiny/masks"});
+  INFO(result.err);
+  CHECK(result.exit_code == 0);
+  CHECK(result.err.find("variant without-nonsense failed, left out") != std::string::npos);
+  const Json means = data.json("out/summary.json")["result"]["means"];
+  REQUIRE(means.size() == 3);
+  CHECK(means[1]["run"] == "without-cont");
+  CHECK(means[2]["run"] == "tau-0.5");
+  CHECK(data.json("out/tau-0.5/reports/ngs-variance.json")["options"]["tau"] == 0.5);
+}
+
+TEST_CASE("work-precision.mk compares methods and qualities") {
+  const DataSet data;
+  const test::ProcessResult result =
+      make(data, {"-f", NGS_SOURCE_DIR "/pipelines/work-precision.mk", "POINTS=flash paper@draft",
+                  "ARGS=--hold-out every:4:2 --gt tiny/masks"});
+  INFO(result.err);
+  CHECK(result.exit_code == 0);
+  CHECK(data.json("out/paper@draft/reports/ngs-joint.json")["options"]["quality"] == "draft");
+  CHECK(test::read_bytes(data.path("out/report.html")).find("Boundary IoU against time") !=
+        std::string::npos);
+}
+
 }  // namespace
 }  // namespace ngs
