@@ -20,7 +20,7 @@ struct ViewGradients {
   ImageF colour, label, alpha, depth;
   // Whether the channel's gradient reaches geometry and opacity (∂L/∂α), or stops at the channel's own value.
   bool colour_moves_geometry = true;
-  bool label_moves_geometry = false;  // COB-GS: never; --effect mask-geometry=on: yes
+  bool label_moves_geometry = false;  // COB-GS: never; --effect mask-geometry: yes
   bool depth_moves_geometry = true;
 };
 

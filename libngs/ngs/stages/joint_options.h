@@ -1,5 +1,5 @@
 #pragma once
-// Options of the joint optimisation. Paper's values where it gives any; else our reading (facts §1.4).
+// Options of the joint optimisation. Paper's values where it gives any; else our reading (PAPER.md §4).
 #include <string>
 #include <vector>
 

@@ -16,13 +16,13 @@ namespace {
 constexpr double kMaxInitialConfidence = 0.99;       // sigmoid logits can move away from it
 constexpr std::size_t kViewCacheBytes = 512u << 20;  // decoded photos and masks that are kept
 
-/// 3DGS's rates for a trained model (facts C20); position per world unit of the cameras' extent.
+/// 3DGS's rates for a trained model (C20); position per world unit of the cameras' extent.
 struct GaussianRates {
   double position = 1.6e-6, rotation = 1e-3, log_scale = 5e-3, logit_opacity = 2.5e-2, sh_dc = 2.5e-3,
          sh_rest = 1.25e-4;
 };
 
-/// 1.1 times the largest distance of a camera from their mean (facts §2.1).
+/// 1.1 times the largest distance of a camera from their mean (as 3DGS).
 double camera_extent(const Scene& scene, const std::vector<std::size_t>& views) {
   Vec3<double> mean{0, 0, 0};
   for (const std::size_t v : views) mean = mean + scene.views[v].camera.centre();
