@@ -33,8 +33,7 @@ ChosenDevice choose_device(DeviceChoice choice) {
   if (choice == DeviceChoice::kCpu) return {Device::kCpu, "cpu", "--device cpu"};
   const DeviceInfo cuda = cuda_device();
   if (choice == DeviceChoice::kCuda && !cuda.usable)
-    throw Error(ErrorCode::kEnvironment, "--device cuda: " + cuda.reason,
-                "use --device cpu, or build with -DNGS_WITH_CUDA=ON");
+    throw Error(ErrorCode::kEnvironment, "--device cuda: " + cuda.reason, "use --device cpu or auto");
   if (choice == DeviceChoice::kCuda) return {Device::kCuda, cuda.name, "--device cuda"};
   if (cuda.usable) return {Device::kCuda, cuda.name, "auto: a usable CUDA device was found"};
   return {Device::kCpu, "cpu", "auto: " + cuda.reason};

@@ -6,7 +6,7 @@ namespace ngs {
 
 DeviceInfo cuda_device() {
   static_assert(!kWithCuda, "a build with the CUDA backend defines this function in device_info_cuda.cu");
-  return {.usable = false, .name = {}, .reason = "this build has no CUDA backend"};
+  return {.usable = false, .name = {}, .reason = "no stage of this version runs on CUDA"};
 }
 
 }  // namespace ngs

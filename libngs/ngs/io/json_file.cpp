@@ -4,6 +4,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/mapped_file.h"
+#include "ngs/options/strict_json.h"
 
 namespace ngs::io {
 namespace {
@@ -18,20 +19,7 @@ double finite_number(const json& value, const JsonReader& reader, const std::str
 }  // namespace
 
 json parse_json(std::string_view text, const std::string& object) {
-  std::vector<std::set<std::string>> keys;
-  const auto refuse_duplicates = [&](int, json::parse_event_t event, json& parsed) {
-    if (event == json::parse_event_t::object_start) keys.emplace_back();
-    if (event == json::parse_event_t::object_end) keys.pop_back();
-    if (event == json::parse_event_t::key && !keys.back().insert(parsed.get<std::string>()).second)
-      throw Error(ErrorCode::kBadInput,
-                  object + ": key \"" + parsed.get<std::string>() + "\" twice, expected once");
-    return true;
-  };
-  try {
-    return json::parse(text.begin(), text.end(), refuse_duplicates);
-  } catch (const json::exception& e) {
-    throw Error(ErrorCode::kBadInput, object + ": not JSON (" + e.what() + "), expected one JSON value");
-  }
+  return parse_strict_json<json>(text, object, ErrorCode::kBadInput);
 }
 
 json read_json_file(const std::string& path) { return parse_json(MappedFile(path).text(), path); }

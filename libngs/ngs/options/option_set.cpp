@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <set>
 
 #include "ngs/core/error.h"
 #include "ngs/options/near_matches.h"
+#include "ngs/options/strict_json.h"
 
 namespace ngs {
 namespace {
@@ -121,23 +121,7 @@ std::string option_flag(std::string_view name) {
 }
 
 Json parse_json(std::string_view text, std::string_view source) {
-  std::vector<std::set<std::string>> open_objects;  // the keys seen so far, outermost object first
-  const auto refuse_duplicates = [&](int, Json::parse_event_t event, Json& parsed) {
-    if (event == Json::parse_event_t::object_start) open_objects.emplace_back();
-    if (event == Json::parse_event_t::object_end) open_objects.pop_back();
-    if (event == Json::parse_event_t::key && !open_objects.back().insert(parsed.get<std::string>()).second)
-      throw Error(ErrorCode::kUsage, std::string(source) + ": key '" + parsed.get<std::string>() +
-                                         "' occurs twice, expected once");
-    return true;
-  };
-  try {
-    return Json::parse(text.begin(), text.end(), refuse_duplicates);
-  } catch (const Json::parse_error& e) {
-    const std::string_view what = e.what();
-    const std::size_t position = what.find("parse error");  // behind the exception's number
-    throw Error(ErrorCode::kUsage, std::string(source) + ": not JSON: " +
-                                       std::string(what.substr(position == what.npos ? 0 : position)));
-  }
+  return parse_strict_json<Json>(text, source, ErrorCode::kUsage);
 }
 
 void OptionSet::push(OptionEntry entry) {

@@ -1,0 +1,38 @@
+#pragma once
+// The one parser setting for all JSON that ngs reads.
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "ngs/core/error.h"
+
+namespace ngs {
+
+/// `text` as JsonType (nlohmann's json or ordered_json). What is not one JSON value, and a key that occurs
+/// twice in one object, is Error(code); `source` names the text in messages.
+template <class JsonType>
+JsonType parse_strict_json(std::string_view text, std::string_view source, ErrorCode code) {
+  using Event = typename JsonType::parse_event_t;
+  std::vector<std::set<std::string>> open_objects;  // the keys seen so far, outermost object first
+  const auto refuse_duplicates = [&](int, Event event, JsonType& parsed) {
+    if (event == Event::object_start) open_objects.emplace_back();
+    if (event == Event::object_end) open_objects.pop_back();
+    if (event == Event::key && !open_objects.back().insert(parsed.template get<std::string>()).second)
+      throw Error(code, std::string(source) + ": key '" + parsed.template get<std::string>() +
+                            "' occurs twice, expected once");
+    return true;
+  };
+  try {
+    return JsonType::parse(text.begin(), text.end(), refuse_duplicates);
+  } catch (const typename JsonType::exception& e) {
+    const std::string_view what = e.what();
+    const std::size_t begin = what.find("] ");  // behind "[json.exception.parse_error.101"
+    throw Error(code, std::string(source) +
+                          ": not JSON: " + std::string(what.substr(begin == what.npos ? 0 : begin + 2)) +
+                          ", expected one JSON value");
+  }
+}
+
+}  // namespace ngs
