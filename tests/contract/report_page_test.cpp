@@ -114,6 +114,8 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
     CHECK(both.find("mean over runs") != both.npos);
     CHECK(both.find("Boundary IoU against time") != both.npos);
     CHECK(occurrences(both, "<details class=run>") == 2);
+    CHECK(occurrences(both, "<section id=\"run2-views\">") == 1);
+    CHECK(occurrences(both, "<section id=\"views\">") == 0);
   }
 }
 

@@ -9,7 +9,7 @@
 namespace ngs::cli {
 namespace {
 
-constexpr double kWidth = 560, kHeight = 300, kLeft = 62, kRight = 16, kTop = 14, kBottom = 48;
+constexpr double kWidth = 560, kHeight = 300, kLeft = 78, kRight = 16, kTop = 14, kBottom = 48;
 
 struct Axis {
   double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();

@@ -99,8 +99,8 @@ std::string whole(std::int64_t value) {
 
 std::string duration(double seconds) {
   if (!std::isfinite(seconds)) return "–";
-  if (seconds < 1) return decimal(1000 * seconds, 0) + " ms";
-  if (seconds < 100) return decimal(seconds, 1) + " s";
+  if (seconds < 1) return decimal(1000 * seconds, 0) + "\u202fms";
+  if (seconds < 100) return decimal(seconds, 1) + "\u202fs";
   const auto total = std::int64_t(std::llround(seconds));
   char text[64];
   std::snprintf(text, sizeof text, "%lld min %02lld s", static_cast<long long>(total / 60),

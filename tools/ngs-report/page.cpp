@@ -46,6 +46,15 @@ std::string run_html(RunFolder& run, Pictures& pictures) {
          tools_section(run);
 }
 
+/// The sections of several runs must not share their ids.
+std::string with_prefix(std::string html, const std::string& prefix) {
+  const std::string mark = "<section id=\"";
+  for (std::size_t at = html.find(mark); at != html.npos;
+       at = html.find(mark, at + mark.size() + prefix.size()))
+    html.insert(at + mark.size(), prefix);
+  return html;
+}
+
 }  // namespace
 
 double run_seconds(const RunFolder& run) {
@@ -93,10 +102,10 @@ std::string report_page(std::vector<RunFolder>& runs, const PictureOptions& opti
   std::string title = runs.size() == 1 ? runs[0].title : std::to_string(runs.size()) + " runs";
   std::string body;
   if (runs.size() > 1) body += comparison(runs);
-  for (RunFolder& run : runs)
-    body += runs.size() == 1 ? run_html(run, pictures)
-                             : "<details class=run><summary><b>" + escaped(run.title) + "</b></summary>" +
-                                   run_html(run, pictures) + "</details>\n";
+  if (runs.size() == 1) body += run_html(runs[0], pictures);
+  for (std::size_t i = 0; runs.size() > 1 && i < runs.size(); ++i)
+    body += "<details class=run><summary><b>" + escaped(runs[i].title) + "</b></summary>" +
+            with_prefix(run_html(runs[i], pictures), "run" + std::to_string(i + 1) + "-") + "</details>\n";
   return "<!doctype html>\n<html lang=en><head><meta charset=utf-8><meta name=viewport "
          "content=\"width=device-width,initial-scale=1\"><title>" +
          escaped(title) + " – ngs report</title><style>" + kStyle + "</style></head>\n<body><header><h1>" +
