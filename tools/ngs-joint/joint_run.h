@@ -20,6 +20,7 @@ struct RunOptions {
   std::string time_budget, target, background = "0,0,0", checkpoint;
   std::int64_t checkpoint_every = 0;
   int trace_every = 0;
+  std::vector<std::string> objects;
   bool resume = false, explain = false;
 
   template <class Self, class Visitor>
@@ -36,6 +37,7 @@ struct RunOptions {
     visit(self.trace_every,
           Field<int>{"trace_every", "", "steps between scores in the trace; 0: once per round of views", 0,
                      1 << 30});
+    visit(self.objects, Text{"objects", "NAME", "only this object of the scene; repeat for more"});
     visit(self.resume, Flag{"resume", "go on from the checkpoint in --checkpoint, if there is one"});
     visit(self.explain, Flag{"explain", "list the parts of the method and whether they are on; run nothing"});
   }

@@ -42,7 +42,7 @@ int main(int argc, char** argv) {
     if (settings.run.resume && settings.run.checkpoint.empty())
       throw Error(ErrorCode::kUsage, "--resume without --checkpoint, expected the folder to go on from",
                   "--checkpoint DIR");
-    const Scene scene = io::read_scene_json(scene_json.path);
+    const Scene scene = with_objects(io::read_scene_json(scene_json.path), settings.run.objects);
     const io::GaussianPly ply = io::read_gaussian_ply(boundary.path);
     MethodInput input{.cloud = ply.cloud,
                       .scene = scene,
@@ -61,6 +61,12 @@ int main(int argc, char** argv) {
       return 0;
     }
     if (settings.run.method != joint::Method::kPaper) {
+      if (trace || nerf || field || !settings.run.time_budget.empty() || !settings.run.target.empty() ||
+          !settings.run.checkpoint.empty())
+        run.monitor().warn(
+            "--field, --nerf, --trace, --time-budget, --target and --checkpoint belong to --method paper; "
+            "this "
+            "method does not use them");
       joint::write_result(run, ply, scene, joint::run_beside(run, settings.run.method, methods, input),
                           out.path);
       return 0;

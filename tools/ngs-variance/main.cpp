@@ -13,10 +13,12 @@ using namespace ngs;
 
 struct ShardOptions {
   std::string views = "0/1";
+  std::vector<std::string> object;
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.views,
           Text{"views", "i/N", "only shard i of N (from 0) of the training views; for --partial"});
+    visit(self.object, Text{"object", "NAME", "only this object of the scene; repeat for more"});
   }
 };
 
@@ -40,7 +42,7 @@ int label_scene(int argc, char** argv) {
 
   return tool.run(argc, argv, [&](cli::Run& run) {
     check_tau(options);
-    const Scene scene = io::read_scene_json(scene_json.path);
+    const Scene scene = with_objects(io::read_scene_json(scene_json.path), shard.object);
     run.add_input("model", scene.model_path);
     if (!out && !partial)
       throw Error(ErrorCode::kUsage, "no output is asked for",

@@ -1,5 +1,6 @@
 #include "ngs/stages/variance_stage.h"
 
+#include <algorithm>
 #include <sstream>
 
 namespace ngs {
@@ -35,6 +36,20 @@ int heaviest_object(const Evidence& e, std::size_t gaussian) {
 }
 
 }  // namespace
+
+Scene with_objects(Scene scene, const std::vector<std::string>& names) {
+  if (names.empty()) return scene;
+  for (const std::string& name : names)
+    if (std::none_of(scene.objects.begin(), scene.objects.end(),
+                     [&](const SceneObject& o) { return o.name == name; }))
+      throw Error(ErrorCode::kUsage, "the scene has no object '" + name + "'",
+                  "it has " + std::to_string(scene.objects.size()) + " objects, the first is '" +
+                      scene.objects.front().name + "'");
+  std::erase_if(scene.objects, [&](const SceneObject& o) {
+    return std::find(names.begin(), names.end(), o.name) == names.end();
+  });
+  return scene;
+}
 
 std::vector<std::size_t> training_views(const Scene& scene) {
   std::vector<std::size_t> views;

@@ -43,6 +43,10 @@ Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const GaussianC
                              const Scene& scene, const std::vector<std::size_t>& views,
                              const SplatOptions& options, const MaskLoader& load_masks);
 
+/// The scene with only the named objects, in the order of the scene; no names: all. kUsage for an unknown
+/// name.
+Scene with_objects(Scene scene, const std::vector<std::string>& names);
+
 /// Indices of the scene's views that may supervise.
 std::vector<std::size_t> training_views(const Scene& scene);
 

@@ -160,4 +160,15 @@ TEST_CASE("label_gaussians gives a Gaussian to the heaviest object when labels a
   CHECK(label_gaussians(independent, e)[1].label == std::vector<float>{0, 0, 1});
 }
 
+TEST_CASE("with_objects keeps the named objects in the scene's order and refuses unknown names") {
+  Scene scene;
+  scene.objects = {{"cup", 3}, {"spoon", 5}, {"plate", 9}};
+  CHECK(with_objects(scene, {}).objects.size() == 3);
+  const Scene two = with_objects(scene, {"plate", "cup"});
+  REQUIRE(two.objects.size() == 2);
+  CHECK(two.objects[0].id == 3);
+  CHECK(two.objects[1].id == 9);
+  CHECK_THROWS_AS(with_objects(scene, {"fork"}), Error);
+}
+
 }  // namespace ngs
