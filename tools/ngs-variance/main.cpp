@@ -10,7 +10,6 @@
 namespace {
 
 using namespace ngs;
-
 struct ShardOptions {
   std::string views = "0/1";
   std::vector<std::string> object;
@@ -53,6 +52,7 @@ int label_scene(int argc, char** argv) {
                   "-o needs the evidence of all views, --views " + shard.views + " is a part of them",
                   "write it with --partial and merge the parts");
     const io::GaussianPly ply = io::read_gaussian_ply(scene.model_path);
+    run.result()["views"] = views.size();
     if (run.dry_run()) {
       run.plan(variance::memory_plan(ply.cloud, scene, views.size()));
       return 0;
@@ -68,7 +68,6 @@ int label_scene(int argc, char** argv) {
       for (const std::size_t view : views) part.views.push_back(scene.views[view].camera.name);
       io::write_evidence(partial.path, part);
     }
-    run.result()["views"] = views.size();
     if (!out) return 0;
     const std::vector<LabelColumns> labels = label_gaussians(options, part.evidence);
     variance::write_labels(run, scene, ply, options, labels, out.path);
