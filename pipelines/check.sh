@@ -26,6 +26,8 @@ awk '
     printf "%-12s %6d cases %6d passed %6d failed %6d skipped\n", suite, n[1], n[2], n[3], n[4]
     for (i = 1; i <= 4; ++i) total[i] += n[i]
   }
+  /<skipped/ { printf "%-12s skipped as a whole\n", suite }
+  /^contract cases: / { printf "%-12s %6d cases of the tools in them\n", "contract", $3 }
   tolower($0) ~ /message: .*skip/ { ++absent }
   END {
     printf "%-12s %6d cases %6d passed %6d failed %6d skipped\n", "total", total[1], total[2], total[3], total[4]

@@ -98,14 +98,14 @@ TEST_CASE("scene.json and metrics.json of the chain satisfy their schemas, and b
     return Json::parse(std::ifstream(test::fixture_folder() + "/" + name));
   };
   for (const char* scene : {"scene.json", "imported.json"}) {
-    INFO(scene);
+    INFO(std::string(scene));
     CHECK(test::schema_violations(schema("scene.schema.json"), file(scene)) == "");
   }
   Json broken = file("scene.json");
   broken["views"][0]["width"] = 0;
   CHECK(test::schema_violations(schema("scene.schema.json"), broken) != "");
   for (const char* metrics : {"metrics.json", "photos.json"}) {
-    INFO(metrics);
+    INFO(std::string(metrics));
     CHECK(test::schema_violations(schema("metrics.schema.json"), file(metrics)) == "");
   }
   broken = file("metrics.json");

@@ -22,7 +22,7 @@ const fs::path kScenes = fs::path(NGS_SOURCE_DIR) / ".." / "shared" / "scenes";
 
 bool is_here(const char* name) {
   if (fs::exists(kScenes / name / "point_cloud.ply")) return true;
-  MESSAGE("skipped: no scene " << name << " in ../shared/scenes");
+  MESSAGE("skipped: no scene " << std::string(name) << " in ../shared/scenes");
   return false;
 }
 
