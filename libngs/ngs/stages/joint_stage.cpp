@@ -9,6 +9,7 @@
 #include "ngs/ops/knn.h"
 #include "ngs/ops/loss_cont.h"
 #include "ngs/ops/photometric.h"
+#include "ngs/stages/fit_stage.h"
 
 namespace ngs {
 namespace {
@@ -22,17 +23,10 @@ struct GaussianRates {
          sh_rest = 1.25e-4;
 };
 
-/// 1.1 times the largest distance of a camera from their mean (as 3DGS).
-double camera_extent(const Scene& scene, const std::vector<std::size_t>& views) {
-  Vec3<double> mean{0, 0, 0};
-  for (const std::size_t v : views) mean = mean + scene.views[v].camera.centre();
-  mean = (1.0 / double(std::max<std::size_t>(views.size(), 1))) * mean;
-  double largest = 0;
-  for (const std::size_t v : views) {
-    const Vec3<double> d = scene.views[v].camera.centre() - mean;
-    largest = std::max(largest, std::sqrt(dot(d, d)));
-  }
-  return 1.1 * largest;
+std::vector<Camera> cameras_of(const MethodInput& input) {
+  std::vector<Camera> cameras;
+  for (const std::size_t v : input.views) cameras.push_back(input.scene.views[v].camera);
+  return cameras;
 }
 
 std::vector<float> boundary_flags(const MethodInput& input, const JointEffects& effects) {
@@ -108,7 +102,7 @@ struct JointTrainer::Impl {
       effects.nerf = false;
     }
     if (!effects.nerf) effects.align = effects.density = effects.smooth = effects.variance = false;
-    extent = camera_extent(input.scene, input.views);
+    extent = scene_extent(cameras_of(input));
     steps = options.steps > 0 ? options.steps : visits_of(options.quality) * std::int64_t(input.views.size());
     start_labels();
     if (boundary.size() > 1) {
