@@ -41,7 +41,7 @@ AdjointResult adjoint(std::uint64_t seed, const SplatOptions& options, int only_
   const std::size_t pixels = 37 * 29;
   const int count = plain.request(background).count();
   std::vector<std::vector<D>> image(std::size_t(count) + 1, std::vector<D>(pixels));
-  SplatEngine<D> forward(options, dual.cloud(), c.camera, dual.request(background));
+  SplatEngine<D> forward(tile_kernels_of<D>(), options, dual.cloud(), c.camera, dual.request(background));
   forward.forward(exec, planes_of<D>(image));
 
   std::vector<std::vector<double>> u(image.size(), std::vector<double>(pixels)), out = u;
@@ -49,7 +49,7 @@ AdjointResult adjoint(std::uint64_t seed, const SplatOptions& options, int only_
   for (std::size_t k = 0; k < u.size(); ++k)
     for (std::size_t i = 0; i < pixels; ++i) u[k][i] = rng(seed, index), r.u_Jv += u[k][i] * image[k][i].d;
 
-  SplatEngine<double> engine(options, plain.cloud(), c.camera, plain.request(background));
+  SplatEngine<double> engine(tile_kernels_of<double>(), options, plain.cloud(), c.camera, plain.request(background));
   engine.forward(exec, planes_of<double>(out));
   std::vector<std::vector<double>> grad;
   for (const auto* p : plain.parameters()) grad.emplace_back(p->size(), NAN);
@@ -83,7 +83,7 @@ TEST_CASE("splat: a channel that is not allowed to move geometry leaves geometry
   const Exec exec{.threads = 1};
   std::vector<std::vector<double>> out(7, std::vector<double>(33 * 20)), u(7, std::vector<double>(33 * 20, 0.0));
   std::fill(u[3].begin(), u[3].end(), 1.0);  // the first label channel only
-  SplatEngine<double> engine({}, a.cloud(), c.camera, a.request({0, 0, 0}));
+  SplatEngine<double> engine(tile_kernels_of<double>(), {}, a.cloud(), c.camera, a.request({0, 0, 0}));
   engine.forward(exec, planes_of<double>(out));
   std::vector<double> opacity(40), label(80);
   CloudGradientView<double> grad{.logit_opacity = opacity.data(), .label = label.data()};

@@ -13,7 +13,8 @@ using test::SourceFile;
 
 /// Headers that are parts of another op: its gradient test runs through them.
 const std::map<std::string, std::string> kPartOf = {
-    {"project", "splat"}, {"splat_engine", "splat"}, {"splat_tiles", "splat"}};
+    {"project", "splat"}, {"splat_engine", "splat"}, {"splat_tiles", "splat"},
+    {"splat_backward", "splat"},  {"tile_kernels_of", "splat"}, {"tile_types", "splat"}};
 
 /// "rbf" for libngs/ngs/ops/rbf_kernels.h
 std::string family(const std::string& path) {

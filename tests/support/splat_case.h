@@ -4,6 +4,7 @@
 
 #include "ngs/core/rng.h"
 #include "ngs/ops/splat_engine.h"
+#include "ngs/ops/tile_kernels_of.h"
 
 namespace ngs::test {
 

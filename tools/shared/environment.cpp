@@ -29,6 +29,19 @@ int choose_threads(const std::optional<int>& flag) {
   return std::max(1, CPU_COUNT(&cpus));
 }
 
+const char* isa_name(Isa isa) { return isa == Isa::kV4 ? "x86-64-v4" : "x86-64-v3"; }
+
+Isa choose_isa() {
+  const char* text = std::getenv("NGS_ISA");
+  if (text == nullptr || *text == '\0') return best_isa();
+  if (std::strcmp(text, "v3") == 0) return Isa::kV3;
+  if (std::strcmp(text, "v4") != 0)
+    throw Error(ErrorCode::kUsage, std::string("NGS_ISA = '") + text + "', expected v3 or v4", "unset it");
+  if (best_isa() != Isa::kV4)
+    throw Error(ErrorCode::kEnvironment, "NGS_ISA = v4: this processor or this build has no x86-64-v4", "unset it");
+  return Isa::kV4;
+}
+
 ChosenDevice choose_device(DeviceChoice choice) {
   if (choice == DeviceChoice::kCpu) return {Device::kCpu, "cpu", "--device cpu"};
   const DeviceInfo cuda = cuda_device();

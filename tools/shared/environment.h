@@ -11,6 +11,10 @@ namespace ngs::cli {
 /// -j, else NGS_THREADS, else SLURM_CPUS_PER_TASK, else the CPUs that this process may run on.
 int choose_threads(const std::optional<int>& flag);
 
+/// NGS_ISA = v3 or v4, else the best that processor and build have. Throws where the one asked for cannot be had.
+Isa choose_isa();
+const char* isa_name(Isa isa);
+
 struct ChosenDevice {
   Device device = Device::kCpu;
   std::string name;    // "cpu" or the GPU's name

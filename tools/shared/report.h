@@ -22,6 +22,7 @@ struct ReportData {
   const Streams& streams;
   const ChosenDevice& device;
   int threads;
+  Isa isa;
   const std::vector<ReadInput>& inputs;
   const Monitor& monitor;
   const Json& result;

@@ -175,13 +175,14 @@ int Tool::Impl::run(const CommonFlags& flags, Console& console, const std::funct
   RunState state{.flags = flags, .console = console, .exec = {}, .monitor = {}, .inputs = {}};
   state.exec.device = device.device;
   state.exec.threads = choose_threads(flags.threads);
+  state.exec.isa = choose_isa();
   state.monitor.stop_flag(&stop_flag());
   state.monitor.on_warning = [&](const std::string& message) { console.warning(message); };
   state.monitor.on_progress = [&](const std::string& stage, std::int64_t done, std::int64_t total) {
     console.progress(stage, done, total);
   };
   console.info("device: " + device.name + " (" + device.reason +
-               "), threads: " + std::to_string(state.exec.threads));
+               "), threads: " + std::to_string(state.exec.threads) + ", " + isa_name(state.exec.isa));
   {
     const Monitor::Scope scope = state.monitor.scope("hash inputs");
     state.inputs = describe_inputs(spec, !flags.dry_run);
@@ -197,6 +198,7 @@ int Tool::Impl::run(const CommonFlags& flags, Console& console, const std::funct
                                    .streams = streams,
                                    .device = device,
                                    .threads = state.exec.threads,
+                                   .isa = state.exec.isa,
                                    .inputs = state.inputs,
                                    .monitor = state.monitor,
                                    .result = state.result,

@@ -2,6 +2,7 @@
 // Where an op runs: the first argument of every op. There is no global device.
 #include <cstdint>
 
+#include "ngs/backend/isa.h"
 #include "ngs/core/error.h"
 
 namespace ngs {
@@ -18,6 +19,7 @@ struct Exec {
   Device device = Device::kCpu;
   int threads = 1;         // OpenMP threads, >= 1; never changes a result
   void* stream = nullptr;  // cudaStream_t, null on the CPU
+  Isa isa = best_isa();    // of the compositing kernels; never changes a result
 };
 
 }  // namespace ngs

@@ -1,6 +1,7 @@
 #pragma once
 // What the compositing kernels ask of a scalar: one lane = one pixel. The same source runs with
-//   PackF     8 floats in one AVX2 register        (production)
+//   PackF     8 floats in one AVX2 register        (production, x86-64-v3)
+//   Pack16    16 in one AVX-512 register           (production, x86-64-v4: lanes16.h)
 //   float, double                                  (one lane; tests, references)
 //   Dual<double>                                   (one lane; gradient tests)
 // A lane of PackF computes bit for bit what `float` computes: same operations, explicit fma, no contraction.
@@ -56,6 +57,7 @@ inline PackF select(PackMask m, PackF a, PackF b) { return m.v ? a.v : b.v; }
 inline bool any(PackMask m) { return _mm256_movemask_ps(_mm256_castsi256_ps(reinterpret_cast<__m256i>(m.v))) != 0; }
 inline PackF fma_lanes(PackF a, PackF b, PackF c) { return PackF::Raw(_mm256_fmadd_ps(a.v, b.v, c.v)); }
 inline PackF min_lanes(PackF a, PackF b) { return PackF::Raw(_mm256_min_ps(a.v, b.v)); }
+inline PackF max_lanes(PackF a, PackF b) { return PackF::Raw(_mm256_max_ps(a.v, b.v)); }
 inline void store_lanes(float* p, PackF x) { _mm256_storeu_ps(p, x.v); }
 inline void load_lanes(const float* p, PackF& x) { x.v = _mm256_loadu_ps(p); }
 /// start, start + 1, ...
@@ -85,13 +87,36 @@ template <class T> void load_lanes(const T* p, T& x) { x = *p; }
 template <class T> void iota_lanes(T start, T& x) { x = start; }
 template <class T> T sum_lanes(T x) { return x; }
 
+/// Four doubles, for geometry that is found for several places at once.
+struct Pack4D {
+  typedef double Raw __attribute__((vector_size(32)));
+  Raw v;
+  Pack4D(Raw raw) : v(raw) {}
+  Pack4D(double x) : v(Raw{x, x, x, x}) {}
+  Pack4D(double a, double b, double c, double d) : v(Raw{a, b, c, d}) {}
+  friend Pack4D operator+(Pack4D a, Pack4D b) { return a.v + b.v; }
+  friend Pack4D operator-(Pack4D a, Pack4D b) { return a.v - b.v; }
+  friend Pack4D operator*(Pack4D a, Pack4D b) { return a.v * b.v; }
+};
+/// The second operand where the first is NaN.
+inline Pack4D min_lanes(Pack4D a, Pack4D b) { return Pack4D::Raw(_mm256_min_pd(a.v, b.v)); }
+inline Pack4D max_lanes(Pack4D a, Pack4D b) { return Pack4D::Raw(_mm256_max_pd(a.v, b.v)); }
+inline Pack4D sqrt_lanes(Pack4D a) { return Pack4D::Raw(_mm256_sqrt_pd(a.v)); }
+inline Pack4D floor_lanes(Pack4D a) { return Pack4D::Raw(_mm256_floor_pd(a.v)); }
+/// Rounds towards zero; the values must fit.
+inline void store_ints(int* p, Pack4D a) { _mm_storeu_si128(reinterpret_cast<__m128i*>(p), _mm256_cvttpd_epi32(a.v)); }
+
+/// kMagic = 1.5·2^23: adding it rounds to the nearest integer.
+inline constexpr float kMagic = 12582912.f;
+
 /// e^x for x in [-87, 0]. Cody-Waite reduction to |r| <= ln2/2 and the Taylor polynomial of degree 7: truncation
 /// below r^8/8! = 5.2e-9 relative, so the error is rounding: at most 1.5 ulp (measured in tests/unit/math).
+/// Returns e^r; `shifted` = kMagic + n with e^x = 2^n e^r: its low bits are n in two's complement.
 template <class L>
-L exp_nonpositive_reduced(L x, L& n) {
+L exp_nonpositive_reduced(L x, L& shifted) {
   const L kLog2e(1.44269504088896341f), kLn2Hi(0.693145751953125f), kLn2Lo(1.42860682030941723e-6f);
-  const L kMagic(12582912.f);  // 1.5·2^23: adding it rounds to the nearest integer
-  n = fma_lanes(x, kLog2e, kMagic) - kMagic;
+  shifted = fma_lanes(x, kLog2e, L(kMagic));
+  const L n = shifted - L(kMagic);
   const L r = fma_lanes(-n, kLn2Lo, fma_lanes(-n, kLn2Hi, x));
   L p(1.f / 5040);
   p = fma_lanes(p, r, L(1.f / 720));
@@ -102,16 +127,17 @@ L exp_nonpositive_reduced(L x, L& n) {
   p = fma_lanes(p, r, L(1.f));
   return fma_lanes(p, r, L(1.f));
 }
+/// Below -87 (and for NaN) e^-87; no result is subnormal, so 2^n is an addition to the exponent. Above 0: any value.
 inline PackF exp_nonpositive(PackF x) {
-  PackF n;
-  const PackF p = exp_nonpositive_reduced(select(x < PackF(-87.f), PackF(-87.f), x), n);
-  const __m256i biased = _mm256_add_epi32(_mm256_cvtps_epi32(n.v), _mm256_set1_epi32(127));
-  return p * PackF(PackF::Raw(_mm256_castsi256_ps(_mm256_slli_epi32(biased, 23))));
+  PackF shifted;
+  const PackF p = exp_nonpositive_reduced(max_lanes(x, PackF(-87.f)), shifted);
+  const __m256i exponent = _mm256_slli_epi32(_mm256_castps_si256(shifted.v), 23);
+  return PackF(PackF::Raw(_mm256_castsi256_ps(_mm256_add_epi32(_mm256_castps_si256(p.v), exponent))));
 }
 inline float exp_nonpositive(float x) {
-  float n;
-  const float p = exp_nonpositive_reduced(x < -87.f ? -87.f : x, n);
-  return p * std::ldexp(1.f, int(n));
+  float shifted;
+  const float p = exp_nonpositive_reduced(x < -87.f ? -87.f : x, shifted);
+  return p * std::ldexp(1.f, int(shifted - kMagic));
 }
 inline double exp_nonpositive(double x) { return std::exp(x); }
 template <class T> Dual<T> exp_nonpositive(Dual<T> x) { return exp(x); }

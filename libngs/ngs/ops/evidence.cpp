@@ -2,59 +2,11 @@
 
 #include "ngs/core/check.h"
 #include "ngs/ops/cloud_view.h"
-#include "ngs/ops/splat_tiles.h"
+#include "ngs/ops/tile_isa.h"
+#include "ngs/ops/tile_scratch.h"
 
 namespace ngs {
 namespace {
-
-using L = PackF;
-constexpr int kPacks = kPacksPerTile<L>;
-
-/// The masks of one tile in packs: [known, object 0, object 1, ...], 0 outside the image and where unknown.
-std::vector<L> tile_masks(const ViewMasks& masks, const TileFrame& frame) {
-  const std::size_t planes = masks.target.size() + 1;
-  std::vector<float> lane(planes * kPacks * L::kLanes, 0.f);
-  for (int y = 0; y < frame.rows(); ++y)
-    for (int x = 0; x < frame.columns(); ++x) {
-      const auto pixel = std::size_t(frame.y_px + y) * std::size_t(frame.width_px) + std::size_t(frame.x_px + x);
-      if (!masks.known.empty() && !masks.known[pixel]) continue;
-      const std::size_t at = std::size_t(y) * kTilePx + std::size_t(x);  // packs are row-major and 8 wide
-      lane[at] = 1.f;
-      for (std::size_t k = 1; k < planes; ++k) lane[k * kPacks * L::kLanes + at] = masks.target[k - 1][pixel];
-    }
-  std::vector<L> packs(planes * kPacks);
-  for (std::size_t i = 0; i < packs.size(); ++i) load_lanes(&lane[i * L::kLanes], packs[i]);
-  return packs;
-}
-
-/// Per (Gaussian, tile) pair: [W, n, W1_0, n1_0, W1_1, n1_1, ...].
-struct EvidenceSink {
-  const TileLists& lists;
-  const std::vector<L>& mask;
-  Matrix<float> pair;
-  std::vector<L> sum;
-  std::int64_t entry = 0;
-
-  void begin(std::int64_t e) {
-    entry = e;
-    std::fill(sum.begin(), sum.end(), L(0.f));
-  }
-  void add(const Contribution<L>& hit) {
-    const L weight = hit.alpha * hit.transmittance, zero(0.f), one(1.f);
-    const L reached = select(hit.alpha > zero, mask[std::size_t(hit.pack)], zero);
-    sum[0] = fma_lanes(weight, mask[std::size_t(hit.pack)], sum[0]);
-    sum[1] += reached;
-    for (std::size_t k = 1; 2 * k < sum.size(); ++k) {
-      const L m = mask[k * kPacks + std::size_t(hit.pack)];
-      sum[2 * k] = fma_lanes(weight, m, sum[2 * k]);
-      sum[2 * k + 1] += select(m >= L(0.5f), select(hit.alpha > zero, one, zero), zero);
-    }
-  }
-  void end() {
-    float* row = pair.row(lists.slot[std::size_t(entry)]);
-    for (std::size_t i = 0; i < sum.size(); ++i) row[i] = sum_lanes(sum[i]);
-  }
-};
 
 std::uint64_t quantised(double unit) { return std::uint64_t(std::llround(unit * 0x1p32)); }
 
@@ -93,12 +45,15 @@ void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const Camer
   const int columns = 2 + 2 * evidence.objects;
   std::vector<float> pair_sums(std::size_t(lists.pairs()) * std::size_t(columns), 0.f);
   const Matrix<float> pair{pair_sums.data(), lists.pairs(), columns};
+  const TileKernels<float> kernels = float_tile_kernels(exec.isa);
+  std::vector<const float*> target;
+  for (const std::vector<float>& t : masks.target) target.push_back(t.data());
+  const std::size_t scratch_size = std::size_t(evidence.objects + 1) * kTilePixels + std::size_t(columns) * kTilePx;
   for_each_task(exec, lists.tiles(), [&](std::int64_t tile) {
-    const TileFrame frame = tile_frame(lists, tile, camera.width_px, camera.height_px);
-    const std::vector<L> mask = tile_masks(masks, frame);
-    EvidenceSink sink{lists, mask, pair, std::vector<L>(std::size_t(columns), L(0.f))};
-    L transmittance[kPacks];
-    composite_tile<L>(frame, lists, tile, view.record, options.compat, transmittance, sink);
+    static thread_local TileScratch<float> scratch;
+    kernels.evidence({tile_work(view, lists, tile, camera, options.compat),
+                      masks.known.empty() ? nullptr : masks.known.data(), target.data(), evidence.objects,
+                      pair_sums.data(), scratch.values(scratch_size)});
   });
   for_each_index(exec, std::int64_t(view.id.size()), [&](std::int64_t v) {
     fold_gaussian(lists, pair, std::size_t(v), view.id[std::size_t(v)], evidence);

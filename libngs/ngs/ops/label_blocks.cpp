@@ -63,7 +63,7 @@ struct TileTargets {
       for (int x = 0; x < frame.columns(); ++x) {
         const auto pixel =
             std::size_t(frame.y_px + y) * std::size_t(frame.width_px) + std::size_t(frame.x_px + x);
-        const auto at = std::size_t(y) * kTilePx + std::size_t(x);  // packs are row-major and 8 wide
+        const auto at = std::size_t(place_in_packs<L>(x, y));
         const float a = planes.inside[pixel], b = planes.outside[pixel];
         lane[0][at] = a, lane[1][at] = b;
         binary &= (a == 0.f || a == 1.f) && (b == 0.f || b == 1.f) && a * b == 0.f;
@@ -75,7 +75,7 @@ struct TileTargets {
 
 /// Collects the weights of columns and folds those of the other Gaussians.
 struct WeightSink {
-  const TileLists& lists;
+  const TileWork<float>& work;
   const ProjectedView<float>& view;
   LabelPlaces places;
   const TileTargets& targets;
@@ -88,9 +88,9 @@ struct WeightSink {
   const L* against_target = nullptr;
   L m{0.f}, rest{0.f}, against_sum{0.f};
 
-  void begin(std::int64_t e) {
-    const std::uint32_t gaussian = view.id[lists.visible[std::size_t(e)]];
-    slot = lists.slot[std::size_t(e)];
+  void begin(std::uint32_t e) {
+    const std::uint32_t gaussian = view.id[work.visible[e]];
+    slot = work.slot[e];
     is_column = places.column[gaussian] >= 0;
     if (is_column) {
       block.entry.push_back({std::uint32_t(places.column[gaussian]), slot, 0});
@@ -100,7 +100,8 @@ struct WeightSink {
     m = L(float(label)), rest = L(float(1 - label)), against_sum = L(0.f);
     against_target = label >= 0.5 ? targets.outside : targets.inside;
   }
-  void add(const Contribution<L>& hit) {
+  void begin_column(int) {}
+  void add(int, const Contribution<L>& hit) {
     const L weight = hit.alpha * hit.transmittance;
     const auto k = std::size_t(hit.pack);
     if (is_column) {
@@ -112,6 +113,7 @@ struct WeightSink {
     background[k] = fma_lanes(weight, rest, background[k]);
     against_sum = fma_lanes(weight, against_target[k], against_sum);
   }
+  void end_column(int) {}
   void end() {
     if (!is_column) {
       if (against) against[slot] = sum_lanes(against_sum);
@@ -162,13 +164,13 @@ void collect_block(const TileLists& lists, std::int64_t tile, const ProjectedVie
                    const Camera& camera, Compat compat, LabelPlaces places, TargetPlanes planes,
                    float* against, LabelBlock& out) {
   out.clear();
-  const TileFrame frame = tile_frame(lists, tile, camera.width_px, camera.height_px);
-  const TileTargets targets(frame, planes);
+  const TileWork<float> work = tile_work(view, lists, tile, camera, compat);
+  const TileTargets targets(work.frame, planes);
   out.binary = targets.binary;
   L transmittance[kTilePacks];
-  WeightSink sink{lists, view, places, targets, against, out, {}, {}};
+  WeightSink sink{work, view, places, targets, against, out, {}, {}};
   std::fill_n(sink.foreground, kTilePacks, L(0.f)), std::fill_n(sink.background, kTilePacks, L(0.f));
-  composite_tile<L>(frame, lists, tile, view.record, compat, transmittance, sink);
+  composite_tile<L>(work, transmittance, sink);
   std::uint8_t place[kTilePacks] = {};
   LossSum constant(out.binary);
   for (std::size_t k = 0; k < kTilePacks; ++k) {

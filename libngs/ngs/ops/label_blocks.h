@@ -1,6 +1,6 @@
 #pragma once
 // Compact weights of one tile and the two products with them. Internal to ops (label_system.cpp).
-#include "ngs/ops/splat_tiles.h"
+#include "ngs/ops/splat_view.h"
 
 namespace ngs {
 

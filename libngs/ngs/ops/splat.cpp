@@ -2,6 +2,7 @@
 
 #include "ngs/ops/cloud_view.h"
 #include "ngs/ops/splat_engine.h"
+#include "ngs/ops/tile_isa.h"
 
 namespace ngs {
 namespace {
@@ -42,7 +43,7 @@ RenderedView allocate(const Camera& camera, const ChannelRequest<float>& request
 struct SplatPass::State {
   SplatOptions options;
   ChannelRequest<float> request;
-  std::unique_ptr<SplatEngine<PackF>> engine;
+  std::unique_ptr<SplatEngine<float>> engine;
   RenderedView rendered;
   std::int64_t gaussians = 0;
   std::size_t rest_values = 0;
@@ -59,7 +60,8 @@ const RenderedView& SplatPass::forward(const Exec& exec, const GaussianCloud& cl
   s.request = channel_request(request);
   s.rendered = allocate(camera, s.request);
   s.gaussians = cloud.size(), s.rest_values = cloud.sh_rest.size();
-  s.engine = std::make_unique<SplatEngine<PackF>>(s.options, cloud_view(cloud, s.options.max_sh_degree, request.include),
+  s.engine = std::make_unique<SplatEngine<float>>(float_tile_kernels(exec.isa), s.options,
+                                                  cloud_view(cloud, s.options.max_sh_degree, request.include),
                                                   relative_camera(camera, cloud), s.request);
   s.engine->forward(exec, planes<float>(s.request, s.rendered));
   return s.rendered;
@@ -84,8 +86,9 @@ RenderedView render(const Exec& exec, const GaussianCloud& cloud, const Camera& 
                     const RenderRequest& request) {
   const ChannelRequest<float> channels = channel_request(request);
   RenderedView view = allocate(camera, channels);
-  SplatEngine<PackF> engine(options, cloud_view(cloud, options.max_sh_degree, request.include),
-                            relative_camera(camera, cloud), channels);
+  SplatEngine<float> engine(float_tile_kernels(exec.isa), options,
+                            cloud_view(cloud, options.max_sh_degree, request.include), relative_camera(camera, cloud),
+                            channels);
   engine.forward(exec, planes<float>(channels, view));
   return view;
 }

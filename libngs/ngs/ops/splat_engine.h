@@ -1,16 +1,11 @@
 #pragma once
-// Forward and backward of one whole view, templated on the lane type. Internal to ops: splat.cpp instantiates it
-// with PackF; tests with double and Dual<double>.
-#include "ngs/ops/splat_tiles.h"
+// Forward and backward of one whole view, templated on the storage scalar; the kernels of its tiles come as a table.
+// Internal to ops: splat.cpp runs it with the float kernels of the machine, tests also with one-lane kernels of double
+// and Dual<double>.
+#include "ngs/ops/splat_view.h"
+#include "ngs/ops/tile_scratch.h"
 
 namespace ngs {
-
-/// Where one channel of an image lives: pixel i at data[i · stride]. Null data: not wanted / zero.
-template <class T>
-struct Plane {
-  T* data = nullptr;
-  int stride = 1;
-};
 
 /// What to composite. Channels in order: rgb (if colour), the K label columns, camera z (if depth).
 template <class S>
@@ -29,31 +24,49 @@ struct CloudGradientView {
   std::uint8_t* visible = nullptr;
 };
 
-template <class L>
+template <class S>
 class SplatEngine {
  public:
-  using S = typename LaneTraits<L>::Scalar;
-  static constexpr int kLanes = LaneTraits<L>::kLanes;
-
-  SplatEngine(const SplatOptions& options, const CloudView<S>& cloud, const Camera& camera,
-              const ChannelRequest<S>& request)
-      : options_(options), cloud_(cloud), camera_(camera), request_(request) {}
+  SplatEngine(const TileKernels<S>& kernels, const SplatOptions& options, const CloudView<S>& cloud,
+              const Camera& camera, const ChannelRequest<S>& request)
+      : kernels_(kernels), options_(options), cloud_(cloud), camera_(camera), request_(request) {
+    background_.assign(std::size_t(request.count()), S(0));
+    if (request.colour)
+      background_[0] = request.background.x, background_[1] = request.background.y, background_[2] = request.background.z;
+  }
 
   /// Writes channel c to out[c] and 1 - T_final to out[count()].
   void forward(const Exec& exec, const std::vector<Plane<S>>& out) {
+    prepare(exec);
+    composite(exec, out);
+  }
+  /// The two halves of forward.
+  void prepare(const Exec& exec) {
     view_ = project_view(exec, cloud_, camera_, options_);
     lists_ = bin_tiles(exec, view_, camera_.width_px, camera_.height_px);
     gather_channels(exec);
-    for_each_task(exec, lists_.tiles(), [&](std::int64_t tile) { forward_tile(tile, out); });
+  }
+  void composite(const Exec& exec, const std::vector<Plane<S>>& out) const {
+    for_each_task(exec, lists_.tiles(), [&](std::int64_t tile) {
+      S* scratch = thread_scratch().values(std::size_t(request_.count() * kTilePixels));
+      kernels_.forward({work(tile), channels(), background_.data(), out.data(), scratch});
+    });
   }
 
-  /// grad[c]: ∂L/∂(out[c] of forward), grad[count()]: ∂L/∂alpha. moves[c]: see composite_tile_backward.
+  /// grad[c]: ∂L/∂(out[c] of forward), grad[count()]: ∂L/∂alpha. moves[c]: whether channel c's gradient
+  /// reaches alpha, and through it the geometry.
   void backward(const Exec& exec, const std::vector<Plane<const S>>& grad, const std::vector<std::uint8_t>& moves,
                 const CloudGradientView<S>& out) {
     const int columns = kPairGeometry + request_.count();
     std::vector<S> pair_grad(std::size_t(lists_.pairs()) * std::size_t(columns), S(0));
     const Matrix<S> pairs{pair_grad.data(), lists_.pairs(), columns};
-    for_each_task(exec, lists_.tiles(), [&](std::int64_t tile) { backward_tile(tile, grad, moves, pairs); });
+    const auto count = std::size_t(request_.count());
+    for_each_task(exec, lists_.tiles(), [&](std::int64_t tile) {
+      TileScratch<S>& memory = thread_scratch();
+      S* scratch = memory.values((count + 1) * kTilePixels + count * kTilePx);
+      kernels_.backward({work(tile), channels(), background_.data(), grad.data(), moves.data(), pair_grad.data(), scratch,
+                         &memory.tape});
+    });
     clear(exec, out);
     for_each_index(exec, std::int64_t(view_.id.size()),
                    [&](std::int64_t v) { backward_gaussian(std::size_t(v), pairs, out); });
@@ -81,68 +94,11 @@ class SplatEngine {
     });
   }
 
-  S background(int channel) const {
-    if (!request_.colour || channel > 2) return S(0);
-    return channel == 0 ? request_.background.x : channel == 1 ? request_.background.y : request_.background.z;
-  }
-
-  template <class F>
-  void for_each_pixel(const TileFrame& frame, F&& f) const {  // f(pack, lane, pixel index)
-    for (int y = 0; y < frame.rows(); ++y)
-      for (int x = 0; x < frame.columns(); ++x)
-        f(y * kPacksPerRow<L> + x / kLanes, x % kLanes, std::size_t(frame.y_px + y) * std::size_t(frame.width_px) + std::size_t(frame.x_px + x));
-  }
-
-  void forward_tile(std::int64_t tile, const std::vector<Plane<S>>& out) const {
-    const TileFrame frame = tile_frame(lists_, tile, camera_.width_px, camera_.height_px);
-    const int count = request_.count();
-    L transmittance[kPacksPerTile<L>];
-    std::vector<L> sum(std::size_t(count) * kPacksPerTile<L>, L(S(0)));
-    ChannelSink<L> sink{lists_, {channel_.data(), std::int64_t(view_.id.size()), count}, sum.data()};
-    composite_tile<L>(frame, lists_, tile, view_.record, options_.compat, transmittance, sink);
-    S lanes[kLanes];
-    for (int c = 0; c <= count; ++c) {
-      const Plane<S>& plane = out[std::size_t(c)];
-      if (plane.data == nullptr) continue;
-      for_each_pixel(frame, [&](int pack, int lane, std::size_t pixel) {
-        if (lane == 0) {
-          const L value = c == count ? L(S(1)) - transmittance[pack]
-                                     : fma_lanes(transmittance[pack], L(background(c)), sum[std::size_t(c) * kPacksPerTile<L> + std::size_t(pack)]);
-          store_lanes(lanes, value);
-        }
-        plane.data[pixel * std::size_t(plane.stride)] = lanes[lane];
-      });
-    }
-  }
-
-  void backward_tile(std::int64_t tile, const std::vector<Plane<const S>>& grad, const std::vector<std::uint8_t>& moves,
-                     const Matrix<S>& pairs) const {
-    if (lists_.tile_begin[std::size_t(tile)] == lists_.tile_begin[std::size_t(tile) + 1]) return;
-    const TileFrame frame = tile_frame(lists_, tile, camera_.width_px, camera_.height_px);
-    const int count = request_.count();
-    std::vector<L> grad_lanes(std::size_t(count + 1) * kPacksPerTile<L>, L(S(0)));
-    bool all_zero = true;
-    for (int c = 0; c <= count; ++c) {
-      const Plane<const S>& plane = grad[std::size_t(c)];
-      if (plane.data == nullptr) continue;
-      S lanes[kPacksPerTile<L> * kLanes] = {};
-      for_each_pixel(frame, [&](int pack, int lane, std::size_t pixel) {
-        const S g = plane.data[pixel * std::size_t(plane.stride)];
-        lanes[pack * kLanes + lane] = g;
-        all_zero &= g == S(0);
-      });
-      for (int pack = 0; pack < kPacksPerTile<L>; ++pack)
-        load_lanes(lanes + pack * kLanes, grad_lanes[std::size_t(c) * kPacksPerTile<L> + std::size_t(pack)]);
-    }
-    if (all_zero) return;  // a loss that does not look at this tile costs nothing here
-    static thread_local TapeSink<L> tape;
-    tape.clear();
-    L transmittance[kPacksPerTile<L>];
-    composite_tile<L>(frame, lists_, tile, view_.record, options_.compat, transmittance, tape);
-    std::vector<S> behind(std::size_t(count), S(0));
-    for (int c = 0; c < count; ++c) behind[std::size_t(c)] = background(c);
-    composite_tile_backward<L>(frame, lists_, view_.record, {channel_.data(), std::int64_t(view_.id.size()), count}, tape,
-                               grad_lanes.data(), moves.data(), behind.data(), pairs);
+  TileWork<S> work(std::int64_t tile) const { return tile_work(view_, lists_, tile, camera_, options_.compat); }
+  ChannelValues<S> channels() const { return {channel_.data(), request_.count()}; }
+  static TileScratch<S>& thread_scratch() {
+    static thread_local TileScratch<S> scratch;
+    return scratch;
   }
 
   void clear(const Exec& exec, const CloudGradientView<S>& out) const {
@@ -211,13 +167,14 @@ class SplatEngine {
     if (out.visible) out.visible[i] = 1;
   }
 
+  TileKernels<S> kernels_;
   SplatOptions options_;
   CloudView<S> cloud_;
   Camera camera_;
   ChannelRequest<S> request_;
   ProjectedView<S> view_;
   TileLists lists_;
-  std::vector<S> channel_;  // [V, C]
+  std::vector<S> background_, channel_;  // [C], [V, C]
 };
 
 }  // namespace ngs

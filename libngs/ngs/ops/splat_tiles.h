@@ -1,36 +1,30 @@
 #pragma once
-// The compositing loops of one tile, forward and backward.                           Eq. (2); PAPER.md §5.1
+// The compositing walk of one tile and its forward kernel.                           Eq. (2); PAPER.md §5.1
 //
-// Templated on the lane type L: PackF (8 pixels of one row) in production, one-lane scalars in tests. Per
-// Gaussian and row only the span where alpha can reach 1/255 is visited.
-#include <algorithm>
+// Templated on the lane type L: PackF (8 pixels of one row) or Pack16 in production, one-lane scalars in tests. A tile
+// is walked in columns of packs, pack = column · 16 + row; per Gaussian only rows where alpha can reach 1/255 within
+// 8 px of columns are visited. Pack16 visits what two PackF visit, so results do not depend on the width.
 #include <cmath>
-#include <vector>
 
 #include "ngs/math/lanes.h"
-#include "ngs/ops/splat_view.h"
+#include "ngs/ops/tile_types.h"
 
 namespace ngs {
 
-inline constexpr double kAlphaCap = 0.99;           // alpha = min(0.99, o e^power)
-inline constexpr double kAlphaMin = 1.0 / 255;      // contributions below are skipped
-inline constexpr double kTransmittanceStop = 1e-4;  // a pixel ends before its transmittance falls below
+inline constexpr double kAlphaCap = 0.99;        // alpha = min(0.99, o e^power)
+inline constexpr double kAlphaMin = 1.0 / 255;   // contributions below are skipped
+inline constexpr double kSpanSlackPx = 0.02;     // more than the rounding of any span; lanes test alpha anyway
 
 template <class L>
-inline constexpr int kPacksPerRow = kTilePx / LaneTraits<L>::kLanes;
+inline constexpr int kPackColumns = kTilePx / LaneTraits<L>::kLanes;
 template <class L>
-inline constexpr int kPacksPerTile = kPacksPerRow<L>* kTilePx;
+inline constexpr int kPacksPerTile = kPackColumns<L>* kTilePx;
 
-/// The pixels of one tile.
-struct TileFrame {
-  int x_px, y_px;           // first column and row
-  int width_px, height_px;  // of the image
-  int rows() const { return std::min(kTilePx, height_px - y_px); }
-  int columns() const { return std::min(kTilePx, width_px - x_px); }
-};
-
-inline TileFrame tile_frame(const TileLists& lists, std::int64_t tile, int width_px, int height_px) {
-  return {int(tile % lists.tiles_x) * kTilePx, int(tile / lists.tiles_x) * kTilePx, width_px, height_px};
+/// Where pixel (x, y) of a tile lies in a plane of [packs][lanes].
+template <class L>
+constexpr int place_in_packs(int x, int y) {
+  constexpr int kLanes = LaneTraits<L>::kLanes;
+  return (x / kLanes * kTilePx + y) * kLanes + x % kLanes;
 }
 
 /// One (Gaussian, pixel pack) contribution: what sinks receive.
@@ -42,187 +36,226 @@ struct Contribution {
   L alpha, transmittance;
 };
 
+/// Bits [begin, end); none if end <= begin. Both in [0, 16].
+[[gnu::always_inline]] inline std::uint32_t row_bits(int begin, int end) {
+  return ((1u << end) - 1) & ~((1u << begin) - 1);
+}
+
+/// A Gaussian's ellipse {quadratic form <= two_cut} relative to a tile's first pixel centre: which rows it can meet
+/// within some columns. Exact up to rounding: its lowest point within the columns is its own lowest point, or lies on
+/// the border nearest to that. Where it misses the columns, at most a row too many.
+template <class S>
+struct TileEllipse {
+  double mean_x, mean_y, b, inv_c, inv_det, cut_c, bottom_x;
+
+  [[gnu::always_inline]] TileEllipse(const SplatRecord<S>& g, const TileFrame& frame)
+      : mean_x(double(g.mean_x) - frame.x_px - 0.5), mean_y(double(g.mean_y) - frame.y_px - 0.5), b(double(g.conic_b)),
+        inv_c(double(g.inv_c)), inv_det(double(g.inv_det)), cut_c(double(g.two_cut) * double(g.conic_c)),
+        bottom_x(double(g.bottom_x)) {}
+
+  /// Rows within the two bands of 8 columns, as bits below `rows`.
+  [[gnu::always_inline]] void rows_of_bands(int rows, std::uint32_t bits[2]) const {
+    const Pack4D downwards(1, -1, 1, -1);  // the lower border of a band's rows, the upper one, those of the next band
+    const Pack4D left = Pack4D(0, 0, 8, 8) - Pack4D(mean_x + kSpanSlackPx), right = left + Pack4D(7 + 2 * kSpanSlackPx);
+    const Pack4D u = max_lanes(min_lanes(downwards * Pack4D(bottom_x), right), left);
+    const Pack4D root = sqrt_lanes(max_lanes(Pack4D(cut_c) - u * u * Pack4D(inv_det), Pack4D(0)));
+    const Pack4D v = (downwards * root - Pack4D(b) * u) * Pack4D(inv_c);
+    const Pack4D whole = floor_lanes(downwards * (Pack4D(mean_y) + v) + Pack4D(kSpanSlackPx));
+    const Pack4D row = downwards * whole + Pack4D(1, 0, 1, 0);
+    int border[4];
+    store_ints(border, min_lanes(max_lanes(row, Pack4D(0)), Pack4D(rows)));
+    bits[0] = row_bits(border[1], border[0]), bits[1] = row_bits(border[3], border[2]);
+  }
+
+  /// The same for one column.
+  [[gnu::always_inline]] std::uint32_t rows_of_column(int column, int rows) const {
+    const double left = column - (mean_x + kSpanSlackPx), right = left + 2 * kSpanSlackPx;
+    const auto border = [&](double downwards) {
+      double u = downwards * bottom_x;
+      u = u < right ? u : right, u = u > left ? u : left;
+      const double square = cut_c - u * u * inv_det, root = std::sqrt(square > 0 ? square : 0.0);
+      const double v = (downwards * root - b * u) * inv_c;
+      double row = downwards * std::floor(downwards * (mean_y + v) + kSpanSlackPx) + (downwards > 0 ? 1 : 0);
+      row = row > 0 ? row : 0, row = row < rows ? row : rows;
+      return int(row);
+    };
+    return row_bits(border(-1), border(1));
+  }
+};
+
+/// Rows to visit per column of packs; for Pack16, of its two halves.
+template <class L>
+struct RowsToVisit {
+  using S = typename LaneTraits<L>::Scalar;
+  static constexpr int kLanes = LaneTraits<L>::kLanes;
+  std::uint32_t bits[kLanes == 1 ? kTilePx : 2];
+
+  [[gnu::always_inline]] RowsToVisit(const TileEllipse<S>& ellipse, int rows) {
+    if constexpr (kLanes == 1) {
+      for (int column = 0; column < kTilePx; ++column) bits[column] = ellipse.rows_of_column(column, rows);
+    } else {
+      ellipse.rows_of_bands(rows, bits);
+    }
+  }
+  [[gnu::always_inline]] std::uint32_t of_column(int column) const {
+    return kLanes == 16 ? bits[0] | bits[1] : bits[column];
+  }
+  template <class Mask>
+  [[gnu::always_inline]] Mask narrowed(Mask live, int row) const {
+    if constexpr (kLanes == 16) {
+      Mask mask;
+      mask_of_halves(bits[0], bits[1], row, mask);
+      return live & mask;
+    }
+    return live;
+  }
+};
+
 /// Walks the tile's Gaussians nearest first and hands each contribution to `sink`:
-///   sink.begin(entry)                    entry = position in the tile's list
-///   sink.add(const Contribution<L>&)     zero or more, packs ascending
+///   sink.begin(e)                        e = position in the tile's list
+///     sink.begin_column(column)          a column of packs that may be reached
+///     sink.add(row, Contribution<L>)     zero or more, rows ascending
+///     sink.end_column(column)
 ///   sink.end()
 /// `transmittance` [packs] is left at its final value. A pixel stops before its transmittance would fall below
-/// 1e-4; the tile stops when all its pixels have.
+/// work.stop; the tile stops when all its pixels have.
 template <class L, class Sink>
-void composite_tile(const TileFrame& frame, const TileLists& lists, std::int64_t tile,
-                    const std::vector<SplatRecord<typename LaneTraits<L>::Scalar>>& records, Compat compat,
-                    L* transmittance, Sink& sink) {
+[[gnu::always_inline]] inline void composite_tile(const TileWork<typename LaneTraits<L>::Scalar>& work, L* transmittance,
+                                                  Sink& sink) {
   using S = typename LaneTraits<L>::Scalar;
   using Mask = typename LaneTraits<L>::Mask;
   using W = WideOf<S>;
-  constexpr int kLanes = LaneTraits<L>::kLanes, kPerRow = kPacksPerRow<L>;
+  constexpr int kLanes = LaneTraits<L>::kLanes, kColumns = kPackColumns<L>;
+  const TileFrame frame = work.frame;
+  const int rows = frame.rows(), columns = frame.columns();
   Mask live[kPacksPerTile<L>];
-  int live_pixels = 0;
+  std::uint32_t live_rows[kColumns];
+  int live_packs = 0;
   L lane;
   iota_lanes(S(0), lane);
-  for (int pack = 0; pack < kPacksPerTile<L>; ++pack) {
-    transmittance[pack] = L(S(1));
-    const int row = pack / kPerRow, inside = row < frame.rows() ? frame.columns() - pack % kPerRow * kLanes : 0;
-    live[pack] = lane < L(S(inside));
-    live_pixels += std::clamp(inside, 0, kLanes);
+  for (int column = 0; column < kColumns; ++column) {
+    const int inside = columns - column * kLanes;
+    live_rows[column] = inside > 0 ? row_bits(0, rows) : 0;
+    live_packs += inside > 0 ? rows : 0;
+    for (int row = 0; row < kTilePx; ++row) {
+      transmittance[column * kTilePx + row] = L(S(1));
+      live[column * kTilePx + row] = lane < L(S(row < rows ? inside : 0));
+    }
   }
-  const L stop(S(compat == Compat::kInria ? kTransmittanceStop : std::nextafter(float(kTransmittanceStop), 1.f)));
+  const L stop(work.stop), cap = L(S(kAlphaCap)), alpha_min = L(S(kAlphaMin)), zero = L(S(0));
 
-  for (std::int64_t entry = lists.tile_begin[std::size_t(tile)]; entry < lists.tile_begin[std::size_t(tile) + 1]; ++entry) {
-    if (live_pixels == 0) return;
-    const SplatRecord<S>& g = records[lists.visible[std::size_t(entry)]];
-    const double a = double(g.conic_a), b_over_a = double(g.conic_b) / a, inv_det = double(g.inv_det);
-    const double mean_x = double(g.mean_x) - frame.x_px - 0.5, mean_y = double(g.mean_y) - frame.y_px - 0.5;
-    const double reach = double(g.two_cut) * a, half_height = std::sqrt(std::max(0.0, reach / inv_det)) + kSpanSlackPx;
-    const int row_begin = clamped_int(std::ceil(mean_y - half_height), 0, frame.rows());
-    const int row_end = clamped_int(std::floor(mean_y + half_height) + 1, 0, frame.rows());
+  for (std::uint32_t e = 0; e < work.entries && live_packs > 0; ++e) {
+    if (e + 4 < work.entries) __builtin_prefetch(work.record + work.visible[e + 4]);
+    const SplatRecord<S>& g = work.record[work.visible[e]];
+    const RowsToVisit<L> to_visit(TileEllipse<S>(g, frame), rows);
     const L conic_a_half(S(-0.5) * g.conic_a), opacity(g.opacity);
     const L tile_x(S(g.mean_x - W(frame.x_px + 0.5)));  // relative to the tile: the same bits for any pack width
-    const S tile_y = S(g.mean_y - W(frame.y_px + 0.5));
-    sink.begin(entry);
-    for (int row = row_begin; row < row_end; ++row) {
-      const double dy = row - mean_y;
-      const double half = std::sqrt(std::max(0.0, reach - dy * dy * inv_det)) / a + kSpanSlackPx;
-      const double middle = mean_x - b_over_a * dy;
-      const int first = clamped_int(std::ceil(middle - half), 0, frame.columns()) / kLanes;
-      const int last = (clamped_int(std::floor(middle + half) + 1, 0, frame.columns()) + kLanes - 1) / kLanes;
-      const S v = tile_y - S(row);
-      const L linear(-g.conic_b * v), constant(S(-0.5) * g.conic_c * v * v);
-      for (int column = first; column < last; ++column) {
-        const int pack = row * kPerRow + column;
-        if (!any(live[pack])) continue;
-        const L u = tile_x - (lane + L(S(column * kLanes)));
+    const S tile_y = S(g.mean_y - W(frame.y_px + 0.5)), minus_b = -g.conic_b, c_half = S(-0.5) * g.conic_c;
+    sink.begin(e);
+    for (int column = 0; column < kColumns; ++column) {
+      std::uint32_t rows_left = to_visit.of_column(column) & live_rows[column];
+      if (rows_left == 0) continue;
+      const L u = tile_x - (lane + L(S(column * kLanes)));
+      sink.begin_column(column);
+      for (; rows_left != 0; rows_left &= rows_left - 1) {
+        const int row = __builtin_ctz(rows_left), pack = column * kTilePx + row;
+        const Mask visited = to_visit.narrowed(live[pack], row);
+        const S v = tile_y - S(row);
+        const L linear(minus_b * v), constant(c_half * v * v);
         const L power = fma_lanes(u, fma_lanes(conic_a_half, u, linear), constant);
-        const L alpha = min_lanes(L(S(kAlphaCap)), opacity * exp_nonpositive(min_lanes(power, L(S(0)))));
-        const Mask reached = live[pack] & (alpha >= L(S(kAlphaMin))) & (power <= L(S(0)));
+        const L alpha = min_lanes(cap, opacity * exp_nonpositive(power));
+        const Mask reached = visited & (alpha >= alpha_min) & (power <= zero);
         const L before = transmittance[pack];
         const L after = fma_lanes(-alpha, before, before);
-        const Mask stopped = reached & (after < stop);
-        const Mask used = reached & (after >= stop);
+        const Mask lasts = after >= stop;
+        const Mask used = reached & lasts, stopped = reached & !lasts;
         if (any(stopped)) {
           live[pack] = live[pack] & !stopped;
-          live_pixels -= count_lanes(stopped);
+          if (!any(live[pack])) live_rows[column] &= ~(1u << row), --live_packs;
         }
         if (!any(used)) continue;
         transmittance[pack] = select(used, after, before);
-        sink.add(Contribution<L>{pack, select(used, alpha, L(S(0))), before});
+        sink.add(row, Contribution<L>{pack, select(used, alpha, zero), before});
       }
+      sink.end_column(column);
     }
     sink.end();
   }
 }
 
-/// Sink that sums the channels: out[c][pack] += alpha · transmittance · value[c].
-template <class L>
+/// The channel values of one Gaussian: C of them in registers, or any number where C = 0.
+template <class L, int C>
+struct ChannelRow {
+  using S = typename LaneTraits<L>::Scalar;
+  L value[C > 0 ? C : 1];
+  const S* row = nullptr;
+  [[gnu::always_inline]] void load(const S* r) {
+    row = r;
+    for (int c = 0; c < C; ++c) value[c] = L(r[c]);
+  }
+  [[gnu::always_inline]] L operator[](int c) const {
+    if constexpr (C > 0) return value[c];
+    return L(row[c]);
+  }
+};
+
+/// Sink that sums the channels: sum[pack][c] += alpha · transmittance · value[c].
+template <class L, int C>
 struct ChannelSink {
   using S = typename LaneTraits<L>::Scalar;
-  const TileLists& lists;
-  Matrix<const S> value;  // [V, C]
-  L* sum;                 // [C, packs]
-  const S* row = nullptr;
+  const TileWork<S>& work;
+  ChannelValues<S> value;
+  S* sum;  // [packs][count][lanes]
+  ChannelRow<L, C> row = {};
 
-  void begin(std::int64_t entry) { row = value.row(lists.visible[std::size_t(entry)]); }
-  void add(const Contribution<L>& k) {
+  void begin(std::uint32_t e) { row.load(value.row(work.visible[e])); }
+  void begin_column(int) {}
+  [[gnu::always_inline]] void add(int, const Contribution<L>& k) {
+    constexpr int kLanes = LaneTraits<L>::kLanes;
+    const int count = C > 0 ? C : value.count;
     const L weight = k.alpha * k.transmittance;
-    for (int c = 0; c < value.c; ++c) {
-      L& s = sum[c * kPacksPerTile<L> + k.pack];
-      s = fma_lanes(weight, L(row[c]), s);
+    S* at = sum + k.pack * count * kLanes;
+    for (int c = 0; c < count; ++c) {
+      L s;
+      load_lanes(at + c * kLanes, s);
+      store_lanes(at + c * kLanes, fma_lanes(weight, row[c], s));
     }
   }
+  void end_column(int) {}
   void end() {}
 };
 
-/// Sink that records the walk, so that the backward pass can be walked from the far end without dividing by
-/// 1 - alpha: 8 bytes per contributing (Gaussian, pixel) pair, at most ~2300 per pixel (T falls by 1/255 each).
-template <class L>
-struct TapeSink {
-  struct Span {
-    std::int64_t entry;
-    std::size_t begin;
-  };
-  std::vector<Contribution<L>> contribution;
-  std::vector<Span> span;
-
-  void clear() { contribution.clear(), span.clear(); }
-  void begin(std::int64_t entry) { span.push_back({entry, contribution.size()}); }
-  void add(const Contribution<L>& k) { contribution.push_back(k); }
-  void end() {
-    if (span.back().begin == contribution.size()) span.pop_back();
-  }
-};
-
-/// Gradient of one (Gaussian, tile) pair before it is summed per Gaussian: mean, conic, opacity, then channels.
-inline constexpr int kPairGeometry = 6;
-
-/// ∂L/∂(record, channel values) of every Gaussian of one tile.
-///
-///   tape          of composite_tile over the same tile
-///   grad          [C + 1, packs]  ∂L/∂(channel sum) and, last, ∂L/∂alpha of the image
-///   moves         [C]             whether channel c's gradient reaches alpha
-///   background    [C]             value behind everything
-///   pair_grad     [pairs, 6 + C]  row lists.slot[entry] is overwritten for every entry with a contribution
-///
-/// Walked from the far end with s = Σ_c g_c · (colour behind):  ∂L/∂α = T (v - s),  v = Σ_c g_c c_i + g_alpha,
-/// s <- α v + (1 - α) s. Exact also where α is capped; the cap itself passes no gradient to its arguments.
-template <class L>
-void composite_tile_backward(const TileFrame& frame, const TileLists& lists,
-                             const std::vector<SplatRecord<typename LaneTraits<L>::Scalar>>& records,
-                             Matrix<const typename LaneTraits<L>::Scalar> value, const TapeSink<L>& tape,
-                             const L* grad, const std::uint8_t* moves, const typename LaneTraits<L>::Scalar* background,
-                             Matrix<typename LaneTraits<L>::Scalar> pair_grad) {
+template <class L, int C>
+void forward_tile(const ForwardTile<typename LaneTraits<L>::Scalar>& in) {
   using S = typename LaneTraits<L>::Scalar;
-  using W = WideOf<S>;
-  constexpr int kLanes = LaneTraits<L>::kLanes, kPerRow = kPacksPerRow<L>, kPacks = kPacksPerTile<L>;
-  const int channels = value.c;
-  L behind[kPacks], lane;
-  iota_lanes(S(0), lane);
-  for (int pack = 0; pack < kPacks; ++pack) {
-    behind[pack] = L(S(0));
-    for (int c = 0; c < channels; ++c)
-      if (moves[c]) behind[pack] = fma_lanes(grad[c * kPacks + pack], L(background[c]), behind[pack]);
-  }
-  std::vector<L> grad_value(std::size_t(channels), L(S(0)));
-  for (std::size_t k = tape.span.size(); k-- > 0;) {
-    const std::size_t begin = tape.span[k].begin;
-    const std::size_t end = k + 1 < tape.span.size() ? tape.span[k + 1].begin : tape.contribution.size();
-    const auto entry = std::size_t(tape.span[k].entry);
-    const SplatRecord<S>& g = records[lists.visible[entry]];
-    const S* c_i = value.row(lists.visible[entry]);
-    const L tile_x(S(g.mean_x - W(frame.x_px + 0.5)));
-    const S tile_y = S(g.mean_y - W(frame.y_px + 0.5));
-    const L zero = S(0), cap = S(kAlphaCap);
-    L p0 = zero, px = zero, py = zero, pxx = zero, pxy = zero, pyy = zero;
-    std::fill(grad_value.begin(), grad_value.end(), zero);
-    for (std::size_t j = begin; j < end; ++j) {
-      const Contribution<L>& hit = tape.contribution[j];
-      const L weight = hit.alpha * hit.transmittance;
-      L v = grad[channels * kPacks + hit.pack];
-      for (int c = 0; c < channels; ++c) {
-        const L g_c = grad[c * kPacks + hit.pack];
-        if (moves[c]) v = fma_lanes(g_c, L(c_i[c]), v);
-        grad_value[std::size_t(c)] = fma_lanes(weight, g_c, grad_value[std::size_t(c)]);
+  constexpr int kLanes = LaneTraits<L>::kLanes;
+  const int count = in.value.count;
+  for (int i = 0; i < count * kTilePixels; ++i) in.scratch[i] = S(0);
+  L transmittance[kPacksPerTile<L>];
+  ChannelSink<L, C> sink{in.work, in.value, in.scratch};
+  composite_tile<L>(in.work, transmittance, sink);
+  const TileFrame frame = in.work.frame;
+  const int rows = frame.rows(), columns = frame.columns();
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column * kLanes < columns; ++column) {
+      const int pack = column * kTilePx + row, width = columns - column * kLanes < kLanes ? columns - column * kLanes : kLanes;
+      const std::size_t pixel = std::size_t(frame.y_px + row) * std::size_t(frame.width_px) + std::size_t(frame.x_px + column * kLanes);
+      for (int c = 0; c <= count; ++c) {
+        const Plane<S> plane = in.out[c];
+        if (plane.data == nullptr) continue;
+        L value;
+        if (c < count) {
+          load_lanes(in.scratch + (pack * count + c) * kLanes, value);
+          value = fma_lanes(transmittance[pack], L(in.background[c]), value);
+        } else {
+          value = L(S(1)) - transmittance[pack];
+        }
+        S lanes[kLanes];
+        store_lanes(lanes, value);
+        S* out = plane.data + pixel * std::size_t(plane.stride);
+        for (int x = 0; x < width; ++x) out[x * plane.stride] = lanes[x];
       }
-      L& s = behind[hit.pack];
-      const L difference = v - s;
-      s = fma_lanes(hit.alpha, difference, s);
-      // ∂L/∂power = α ∂L/∂α: zero in unreached lanes (α = 0) and where α is capped.
-      const L grad_power = select(hit.alpha < cap, weight * difference, zero);
-      const L u = tile_x - (lane + L(S(hit.pack % kPerRow * kLanes)));
-      const L w(tile_y - S(hit.pack / kPerRow));
-      const L gu = grad_power * u, gw = grad_power * w;
-      p0 = p0 + grad_power, px = px + gu, py = py + gw;
-      pxx = fma_lanes(gu, u, pxx), pxy = fma_lanes(gu, w, pxy), pyy = fma_lanes(gw, w, pyy);
     }
-    const S sum_x = sum_lanes(px), sum_y = sum_lanes(py);
-    S* out = pair_grad.row(lists.slot[entry]);
-    out[0] = -(g.conic_a * sum_x + g.conic_b * sum_y);
-    out[1] = -(g.conic_b * sum_x + g.conic_c * sum_y);
-    out[2] = S(-0.5) * sum_lanes(pxx);
-    out[3] = -sum_lanes(pxy);
-    out[4] = S(-0.5) * sum_lanes(pyy);
-    out[5] = sum_lanes(p0) / g.opacity;
-    for (int c = 0; c < channels; ++c) out[kPairGeometry + c] = sum_lanes(grad_value[std::size_t(c)]);
-  }
 }
 
 }  // namespace ngs

@@ -3,17 +3,17 @@
 // templated on the storage scalar S (float in production, double and Dual in tests).
 #include <algorithm>
 #include <bit>
-#include <type_traits>
 #include <vector>
 
 #include "ngs/backend/for_each.h"
 #include "ngs/backend/sort.h"
 #include "ngs/ops/project_kernels.h"
 #include "ngs/ops/splat.h"
+#include "ngs/ops/splat_tiles.h"
 
 namespace ngs {
 
-inline constexpr int kTilePx = 16;
+inline constexpr double kTransmittanceStop = 1e-4;  // a pixel ends before its transmittance falls below
 
 /// A cloud as arrays of S. Members as in GaussianCloud; null sh_dc: colour is not evaluated.
 template <class S>
@@ -24,20 +24,6 @@ struct CloudView {
   int sh_degree = 0;    // bands to evaluate
   int rest_stride = 0;  // coefficients stored per Gaussian
   const std::uint8_t *usable = nullptr, *include = nullptr;  // null: all
-};
-
-/// The scalar in which positions are subtracted and per-Gaussian sums are kept.
-template <class S>
-using WideOf = std::conditional_t<std::is_same_v<S, float>, double, S>;
-
-/// A visible Gaussian as the inner loop reads it: 40 bytes for float.
-///   mean_x, mean_y   px; wide, because a float mean at 1000 px is off by 3e-5 px, and alpha by as much
-///   two_cut          2 ln(255 · opacity): the quadratic form above which alpha < 1/255
-///   inv_det          1 / det(blurred covariance)
-template <class S>
-struct SplatRecord {
-  WideOf<S> mean_x, mean_y;
-  S conic_a, conic_b, conic_c, opacity, two_cut, inv_det;
 };
 
 struct TileRect {
@@ -114,6 +100,17 @@ TileRect tile_rect(const ProjectedGaussian<S>& p, Compat compat, int tiles_x, in
           tile(y + radius_y + round_up, tiles_y)};
 }
 
+template <class S>
+SplatRecord<S> record_of(const ProjectedGaussian<S>& p, WideOf<S> mean_x, WideOf<S> mean_y) {
+  using std::log;
+  using std::sqrt;
+  const S two_cut = S(2) * log(S(255) * p.opacity);
+  const S reach2 = max2(two_cut, S(0)), half_width = sqrt(reach2 * p.cov_xx), half_height = sqrt(reach2 * p.cov_yy);
+  return {mean_x,    mean_y,         p.conic_a,  p.conic_b,   p.conic_c,
+          p.opacity, two_cut,        S(1) / p.det, half_width, half_height,
+          -p.conic_b / p.conic_a * half_height,  S(1) / p.conic_c};
+}
+
 /// Projects every Gaussian of the cloud; keeps those that can reach a pixel.
 template <class S>
 ProjectedView<S> project_view(const Exec& exec, const CloudView<S>& cloud, const Camera& camera,
@@ -140,25 +137,26 @@ ProjectedView<S> project_view(const Exec& exec, const CloudView<S>& cloud, const
         continue;
       const TileRect rect = tile_rect(p, options.compat, tiles_x, tiles_y);
       if (rect.x_begin >= rect.x_end || rect.y_begin >= rect.y_end) continue;
-      using std::log;
       out.id.push_back(std::uint32_t(i));
-      out.record.push_back({wide.f_x * (t_wide.x / t_wide.z) + wide.c_x, wide.f_y * (t_wide.y / t_wide.z) + wide.c_y, p.conic_a, p.conic_b,
-                            p.conic_c, p.opacity, S(2) * log(S(255) * p.opacity), S(1) / p.det});
+      out.record.push_back(record_of<S>(p, wide.f_x * (t_wide.x / t_wide.z) + wide.c_x,
+                                        wide.f_y * (t_wide.y / t_wide.z) + wide.c_y));
       out.depth.push_back(t.z);
       out.rect.push_back(rect);
     }
   });
   ProjectedView<S> all;
-  for (const ProjectedView<S>& p : part) {
+  std::size_t visible = 0;
+  for (const ProjectedView<S>& p : part) visible += p.id.size();
+  all.id.reserve(visible), all.record.reserve(visible), all.depth.reserve(visible), all.rect.reserve(visible);
+  for (ProjectedView<S>& p : part) {
     all.id.insert(all.id.end(), p.id.begin(), p.id.end());
     all.record.insert(all.record.end(), p.record.begin(), p.record.end());
     all.depth.insert(all.depth.end(), p.depth.begin(), p.depth.end());
     all.rect.insert(all.rect.end(), p.rect.begin(), p.rect.end());
+    p = {};  // the whole is never held twice
   }
   return all;
 }
-
-inline constexpr double kSpanSlackPx = 0.02;  // more than the rounding of any span below; lanes test alpha anyway
 
 /// Columns [x_lo, x_hi] (px, continuous) where the ellipse {quadratic form <= two_cut} meets the pixel-centre
 /// rows [y_lo, y_hi]; false if it does not. Exact up to rounding: the widest row is where the ellipse's own
@@ -167,34 +165,36 @@ template <class S>
 bool ellipse_columns(const SplatRecord<S>& g, double y_lo, double y_hi, double& x_lo, double& x_hi) {
   const double a = double(g.conic_a), b = double(g.conic_b), inv_det = double(g.inv_det);
   const double mean_x = double(g.mean_x), mean_y = double(g.mean_y), two_cut = double(g.two_cut);
-  const double half_height = std::sqrt(std::max(0.0, two_cut * a / inv_det)) + kSpanSlackPx;
+  const double half_height = double(g.half_height) + kSpanSlackPx;
   const double v_lo = std::max(y_lo - mean_y, -half_height), v_hi = std::min(y_hi - mean_y, half_height);
   if (v_lo > v_hi) return false;
-  // x extremes of the whole ellipse lie at v = ±(-b/c) half_width, half_width² = two_cut · cov_xx.
-  const double c = double(g.conic_c);
-  const double half_width = std::sqrt(std::max(0.0, two_cut * c / inv_det));
-  const double v_right = c > 0 ? -b / c * half_width : 0.0;
+  const double v_right = -b * double(g.inv_c) * double(g.half_width);  // where the rightmost point lies
+  const double inv_a = 1 / a;
   const auto row = [&](double v, double side) {
-    return mean_x - b / a * v + side * std::sqrt(std::max(0.0, two_cut * a - v * v * inv_det)) / a;
+    return mean_x + inv_a * (side * std::sqrt(std::max(0.0, two_cut * a - v * v * inv_det)) - b * v);
   };
   x_hi = row(std::clamp(v_right, v_lo, v_hi), 1.0) + kSpanSlackPx;
   x_lo = row(std::clamp(-v_right, v_lo, v_hi), -1.0) - kSpanSlackPx;
   return true;
 }
 
-/// Calls f(tile) for the tiles of visible Gaussian v, ascending.
-template <class S, class F>
-void for_each_tile_of(const ProjectedView<S>& view, std::size_t v, int tiles_x, F&& f) {
+/// Tiles [first, end) of one row of tiles.
+struct TileSpan {
+  std::uint16_t first, end;
+};
+
+/// The tiles of row `ty` that visible Gaussian v reaches.
+template <class S>
+TileSpan tile_span(const ProjectedView<S>& view, std::size_t v, int ty) {
   const TileRect r = view.rect[v];
-  for (int ty = r.y_begin; ty < r.y_end; ++ty) {
-    double x_lo, x_hi;
-    if (!ellipse_columns(view.record[v], ty * kTilePx + 0.5, ty * kTilePx + kTilePx - 0.5, x_lo, x_hi)) continue;
-    // Pixel centres are at +0.5: column x is touched when x + 0.5 lies in [x_lo, x_hi].
-    const int first = std::max(int(r.x_begin), clamped_int((x_lo - 0.5) / kTilePx, 0, r.x_end));
-    const int last = std::min(int(r.x_end) - 1, clamped_int((x_hi - 0.5) / kTilePx, -1, r.x_end));
-    if (x_hi < 0.5) continue;
-    for (int tx = first; tx <= last; ++tx) f(std::int64_t(ty) * tiles_x + tx);
-  }
+  double x_lo, x_hi;
+  if (!ellipse_columns(view.record[v], ty * kTilePx + 0.5, ty * kTilePx + kTilePx - 0.5, x_lo, x_hi) || x_hi < 0.5)
+    return {0, 0};
+  // Pixel centres are at +0.5: column x is touched when x + 0.5 lies in [x_lo, x_hi].
+  const int first = std::max(int(r.x_begin), clamped_int((x_lo - 0.5) / kTilePx, 0, r.x_end));
+  const int last = std::min(int(r.x_end) - 1, clamped_int((x_hi - 0.5) / kTilePx, -1, r.x_end));
+  if (last < first) return {0, 0};
+  return {std::uint16_t(first), std::uint16_t(last + 1)};
 }
 
 /// Lists per tile, ordered by (depth, index): one global stable sort, then a stable counting sort into tiles.
@@ -203,26 +203,37 @@ TileLists bin_tiles(const Exec& exec, const ProjectedView<S>& view, int width_px
   TileLists lists;
   lists.tiles_x = (width_px + kTilePx - 1) / kTilePx, lists.tiles_y = (height_px + kTilePx - 1) / kTilePx;
   const std::size_t count = view.id.size();
+  std::vector<std::int64_t> span_begin(count + 1, 0);
+  for (std::size_t v = 0; v < count; ++v)
+    span_begin[v + 1] = span_begin[v] + view.rect[v].y_end - view.rect[v].y_begin;
+  std::vector<TileSpan> span;
+  span.resize(std::size_t(span_begin.back()));
   lists.slot_begin.assign(count + 1, 0);
-  for_each_index(exec, std::int64_t(count), [&](std::int64_t v) {
+  for_each_index(exec, std::int64_t(count), [&](std::int64_t row) {
+    const auto v = std::size_t(row);
     std::int64_t tiles = 0;
-    for_each_tile_of(view, std::size_t(v), lists.tiles_x, [&](std::int64_t) { ++tiles; });
-    lists.slot_begin[std::size_t(v) + 1] = tiles;
+    TileSpan* out = span.data() + span_begin[v];
+    for (int ty = view.rect[v].y_begin; ty < view.rect[v].y_end; ++ty, ++out)
+      *out = tile_span(view, v, ty), tiles += out->end - out->first;
+    lists.slot_begin[v + 1] = tiles;
   });
   for (std::size_t v = 0; v < count; ++v) lists.slot_begin[v + 1] += lists.slot_begin[v];
 
-  std::vector<std::uint32_t> key(count);
-  for (std::size_t v = 0; v < count; ++v) key[v] = std::bit_cast<std::uint32_t>(float(double(view.depth[v])));
-  const std::vector<std::uint32_t> order = stable_order(key);  // depths are positive: their bits sort like them
-
+  std::vector<std::uint32_t> order;
+  {
+    std::vector<std::uint32_t> key(count);
+    for (std::size_t v = 0; v < count; ++v) key[v] = std::bit_cast<std::uint32_t>(float(double(view.depth[v])));
+    order = stable_order(key);  // depths are positive: their bits sort like them
+  }
   // Counting sort into tiles in `order`: each chunk of `order` owns its own range of every tile's list.
   const std::int64_t chunks = exec.threads, per_chunk = (std::int64_t(count) + chunks - 1) / chunks;
   std::vector<std::vector<std::int64_t>> next(std::size_t(chunks), std::vector<std::int64_t>(std::size_t(lists.tiles()), 0));
   const auto for_each_pair = [&](std::int64_t chunk, auto&& f) {
     for (std::int64_t k = chunk * per_chunk; k < std::min(std::int64_t(count), (chunk + 1) * per_chunk); ++k) {
       const std::uint32_t v = order[std::size_t(k)];
-      std::int64_t slot = lists.slot_begin[v];
-      for_each_tile_of(view, v, lists.tiles_x, [&](std::int64_t tile) { f(tile, v, slot++); });
+      std::int64_t slot = lists.slot_begin[v], row = std::int64_t(view.rect[v].y_begin) * lists.tiles_x;
+      for (std::int64_t s = span_begin[v]; s < span_begin[v + 1]; ++s, row += lists.tiles_x)
+        for (int tx = span[std::size_t(s)].first; tx < span[std::size_t(s)].end; ++tx) f(row + tx, v, slot++);
     }
   };
   for_each_task(exec, chunks, [&](std::int64_t chunk) {
@@ -247,6 +258,16 @@ TileLists bin_tiles(const Exec& exec, const ProjectedView<S>& view, int width_px
     });
   });
   return lists;
+}
+
+/// What the kernels of one tile are given.
+template <class S>
+TileWork<S> tile_work(const ProjectedView<S>& view, const TileLists& lists, std::int64_t tile, const Camera& camera,
+                      Compat compat) {
+  const auto begin = lists.tile_begin[std::size_t(tile)], end = lists.tile_begin[std::size_t(tile) + 1];
+  const double stop = compat == Compat::kInria ? kTransmittanceStop : double(std::nextafter(float(kTransmittanceStop), 1.f));
+  return {{int(tile % lists.tiles_x) * kTilePx, int(tile / lists.tiles_x) * kTilePx, camera.width_px, camera.height_px},
+          view.record.data(), lists.visible.data() + begin, lists.slot.data() + begin, std::uint32_t(end - begin), S(stop)};
 }
 
 }  // namespace ngs

@@ -1,0 +1,68 @@
+#pragma once
+// Pack16: 16 floats in one AVX-512 register, with the operations of lanes.h. Only for translation units that are
+// compiled for x86-64-v4 and that run only where backend/isa.h says so. Each lane computes bit for bit what PackF and
+// `float` compute, and sums over lanes are those of two PackF, so that no result depends on the width.
+#ifdef __AVX512F__
+#include "ngs/math/lanes.h"
+
+namespace ngs {
+
+struct Pack16 {
+  static constexpr int kLanes = 16;
+  typedef float Raw __attribute__((vector_size(64)));
+  Raw v;
+
+  Pack16() = default;
+  Pack16(Raw raw) : v(raw) {}
+  Pack16(float x) : v(Raw(_mm512_set1_ps(x))) {}
+  friend Pack16 operator+(Pack16 a, Pack16 b) { return a.v + b.v; }
+  friend Pack16 operator-(Pack16 a, Pack16 b) { return a.v - b.v; }
+  friend Pack16 operator*(Pack16 a, Pack16 b) { return a.v * b.v; }
+  friend Pack16 operator-(Pack16 a) { return -a.v; }
+  Pack16& operator+=(Pack16 b) { v += b.v; return *this; }
+};
+
+struct Pack16Mask {
+  __mmask16 v;
+  friend Pack16Mask operator&(Pack16Mask a, Pack16Mask b) { return {__mmask16(a.v & b.v)}; }
+  friend Pack16Mask operator|(Pack16Mask a, Pack16Mask b) { return {__mmask16(a.v | b.v)}; }
+  friend Pack16Mask operator!(Pack16Mask a) { return {__mmask16(~a.v)}; }
+};
+inline Pack16Mask operator<(Pack16 a, Pack16 b) { return {_mm512_cmp_ps_mask(a.v, b.v, _CMP_LT_OQ)}; }
+inline Pack16Mask operator<=(Pack16 a, Pack16 b) { return {_mm512_cmp_ps_mask(a.v, b.v, _CMP_LE_OQ)}; }
+inline Pack16Mask operator>=(Pack16 a, Pack16 b) { return {_mm512_cmp_ps_mask(a.v, b.v, _CMP_GE_OQ)}; }
+inline Pack16Mask operator>(Pack16 a, Pack16 b) { return {_mm512_cmp_ps_mask(a.v, b.v, _CMP_GT_OQ)}; }
+
+template <> struct LaneTraits<Pack16> {
+  using Scalar = float;
+  using Mask = Pack16Mask;
+  static constexpr int kLanes = Pack16::kLanes;
+};
+
+inline Pack16 select(Pack16Mask m, Pack16 a, Pack16 b) { return Pack16::Raw(_mm512_mask_blend_ps(m.v, b.v, a.v)); }
+inline bool any(Pack16Mask m) { return m.v != 0; }
+inline int count_lanes(Pack16Mask m) { return __builtin_popcount(unsigned(m.v)); }
+inline Pack16 fma_lanes(Pack16 a, Pack16 b, Pack16 c) { return Pack16::Raw(_mm512_fmadd_ps(a.v, b.v, c.v)); }
+inline Pack16 min_lanes(Pack16 a, Pack16 b) { return Pack16::Raw(_mm512_min_ps(a.v, b.v)); }
+inline Pack16 max_lanes(Pack16 a, Pack16 b) { return Pack16::Raw(_mm512_max_ps(a.v, b.v)); }
+inline void store_lanes(float* p, Pack16 x) { _mm512_storeu_ps(p, x.v); }
+inline void load_lanes(const float* p, Pack16& x) { x.v = _mm512_loadu_ps(p); }
+inline void iota_lanes(float start, Pack16& x) {
+  x.v = start + Pack16::Raw{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+}
+inline PackF lower_half(Pack16 x) { return PackF::Raw(_mm512_castps512_ps256(x.v)); }
+inline PackF upper_half(Pack16 x) { return PackF::Raw(_mm512_extractf32x8_ps(x.v, 1)); }
+inline float sum_lanes(Pack16 x) { return sum_lanes(lower_half(x)) + sum_lanes(upper_half(x)); }
+/// Lanes 0..7 if bit `i` of `lower` is set, lanes 8..15 if that of `upper` is.
+inline void mask_of_halves(std::uint32_t lower, std::uint32_t upper, int i, Pack16Mask& out) {
+  out.v = __mmask16((lower >> i & 1) * 0x00ff | (upper >> i & 1) * 0xff00);
+}
+inline Pack16 exp_nonpositive(Pack16 x) {
+  Pack16 shifted;
+  const Pack16 p = exp_nonpositive_reduced(max_lanes(x, Pack16(-87.f)), shifted);
+  const __m512i exponent = _mm512_slli_epi32(_mm512_castps_si512(shifted.v), 23);
+  return Pack16::Raw(_mm512_castsi512_ps(_mm512_add_epi32(_mm512_castps_si512(p.v), exponent)));
+}
+
+}  // namespace ngs
+#endif

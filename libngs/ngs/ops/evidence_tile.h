@@ -1,0 +1,78 @@
+#pragma once
+// The evidence kernel of one tile: what ops/evidence.h sums, per (Gaussian, tile) pair.
+#include "ngs/ops/splat_tiles.h"
+
+namespace ngs {
+
+/// Objects: K, or any number where K = 0.
+template <class L, int K>
+struct EvidenceSink {
+  using S = typename LaneTraits<L>::Scalar;
+  static constexpr int kLanes = LaneTraits<L>::kLanes;
+  const EvidenceTile<S>& in;
+  const S* mask;  // [packs][1 + objects][lanes]: known, targets
+  S* memory;      // [2 + 2 · objects][lanes], used where K = 0
+  L sum[K > 0 ? 2 + 2 * K : 1] = {};
+  S* pair = nullptr;
+
+  int objects() const { return K > 0 ? K : in.objects; }
+  int sums() const { return 2 + 2 * objects(); }
+  [[gnu::always_inline]] L get(int i) const {
+    if constexpr (K > 0) return sum[i];
+    L s;
+    load_lanes(memory + i * kLanes, s);
+    return s;
+  }
+  [[gnu::always_inline]] void put(int i, L x) {
+    if constexpr (K > 0) {
+      sum[i] = x;
+    } else {
+      store_lanes(memory + i * kLanes, x);
+    }
+  }
+
+  void begin(std::uint32_t e) { pair = in.pair + std::size_t(in.work.slot[e]) * std::size_t(sums()); }
+  void begin_column(int) {
+    for (int i = 0; i < sums(); ++i) put(i, L(S(0)));
+  }
+  [[gnu::always_inline]] void add(int, const Contribution<L>& hit) {
+    const S* planes = mask + hit.pack * (1 + objects()) * kLanes;
+    const L weight = hit.alpha * hit.transmittance, zero(S(0)), one(S(1));
+    L known;
+    load_lanes(planes, known);
+    put(0, fma_lanes(weight, known, get(0)));
+    put(1, get(1) + select(hit.alpha > zero, known, zero));
+    for (int k = 0; k < objects(); ++k) {
+      L m;
+      load_lanes(planes + (1 + k) * kLanes, m);
+      put(2 + 2 * k, fma_lanes(weight, m, get(2 + 2 * k)));
+      put(3 + 2 * k, get(3 + 2 * k) + select((m >= L(S(0.5))) & (hit.alpha > zero), one, zero));
+    }
+  }
+  void end_column(int) {
+    for (int i = 0; i < sums(); ++i) pair[i] += sum_lanes(get(i));
+  }
+  void end() {}
+};
+
+template <class L, int K>
+void evidence_tile(const EvidenceTile<typename LaneTraits<L>::Scalar>& in) {
+  using S = typename LaneTraits<L>::Scalar;
+  constexpr int kLanes = LaneTraits<L>::kLanes;
+  const TileFrame frame = in.work.frame;
+  const int planes = 1 + in.objects;
+  for (int i = 0; i < planes * kTilePixels; ++i) in.scratch[i] = S(0);  // 0 outside the image and where unknown
+  for (int y = 0; y < frame.rows(); ++y)
+    for (int x = 0; x < frame.columns(); ++x) {
+      const std::size_t pixel = std::size_t(frame.y_px + y) * std::size_t(frame.width_px) + std::size_t(frame.x_px + x);
+      if (in.known && !in.known[pixel]) continue;
+      S* at = in.scratch + (x / kLanes * kTilePx + y) * planes * kLanes + x % kLanes;
+      at[0] = S(1);
+      for (int k = 0; k < in.objects; ++k) at[(1 + k) * kLanes] = S(in.target[k][pixel]);
+    }
+  EvidenceSink<L, K> sink{in, in.scratch, in.scratch + planes * kTilePixels};
+  L transmittance[kPacksPerTile<L>];
+  composite_tile<L>(in.work, transmittance, sink);
+}
+
+}  // namespace ngs

@@ -1,0 +1,195 @@
+#pragma once
+// The backward kernel of one tile: record the walk, then go through it from the far end.      PAPER.md §5.1
+#include "ngs/ops/splat_tiles.h"
+
+namespace ngs {
+
+/// Sink that records the walk.
+template <class L>
+struct TapeSink {
+  using S = typename LaneTraits<L>::Scalar;
+  static constexpr int kLanes = LaneTraits<L>::kLanes;
+  Tape<S>& tape;
+  std::uint32_t entry = 0;
+
+  void begin(std::uint32_t e) { entry = e; }
+  void begin_column(int column) {
+    if ((tape.size + kTilePx) * 2 * kLanes > tape.lane_capacity || tape.spans == tape.span_capacity) tape.grow(tape, kLanes);
+    tape.span[tape.spans++] = {entry, std::uint32_t(column), tape.size};
+  }
+  [[gnu::always_inline]] void add(int row, const Contribution<L>& k) {
+    S* at = tape.lanes + tape.size * 2 * kLanes;
+    store_lanes(at, k.alpha), store_lanes(at + kLanes, k.transmittance);
+    tape.row[tape.size++] = std::uint8_t(row);
+  }
+  void end_column(int) {
+    if (tape.span[tape.spans - 1].begin == tape.size) --tape.spans;
+  }
+  void end() {}
+};
+
+/// Sums over lanes per channel: C of them in registers, or any number in memory where C = 0.
+template <class L, int C>
+struct ChannelSums {
+  using S = typename LaneTraits<L>::Scalar;
+  static constexpr int kLanes = LaneTraits<L>::kLanes;
+  L sum[C > 0 ? C : 1];
+  S* memory;
+  explicit ChannelSums(S* scratch) : memory(scratch) {}
+  [[gnu::always_inline]] void clear(int count) {
+    for (int c = 0; c < count; ++c) put(c, L(S(0)));
+  }
+  [[gnu::always_inline]] L get(int c) const {
+    if constexpr (C > 0) return sum[c];
+    L s;
+    load_lanes(memory + c * kLanes, s);
+    return s;
+  }
+  [[gnu::always_inline]] void put(int c, L x) {
+    if constexpr (C > 0) {
+      sum[c] = x;
+    } else {
+      store_lanes(memory + c * kLanes, x);
+    }
+  }
+};
+
+/// Reads ∂L/∂(image) into packs [packs][count + 1][lanes]; false if it is zero everywhere.
+template <class L>
+bool load_image_gradient(const BackwardTile<typename LaneTraits<L>::Scalar>& in) {
+  using S = typename LaneTraits<L>::Scalar;
+  constexpr int kLanes = LaneTraits<L>::kLanes;
+  const TileFrame frame = in.work.frame;
+  const int count = in.value.count, rows = frame.rows(), columns = frame.columns();
+  for (int i = 0; i < (count + 1) * kTilePixels; ++i) in.scratch[i] = S(0);
+  bool any_gradient = false;
+  for (int c = 0; c <= count; ++c) {
+    const Plane<const S> plane = in.grad[c];
+    if (plane.data == nullptr) continue;
+    for (int y = 0; y < rows; ++y) {
+      const S* from = plane.data + (std::size_t(frame.y_px + y) * std::size_t(frame.width_px) + std::size_t(frame.x_px)) *
+                                       std::size_t(plane.stride);
+      for (int x = 0; x < columns; ++x) {
+        const S g = from[x * plane.stride];
+        const int pack = x / kLanes * kTilePx + y;
+        in.scratch[(pack * (count + 1) + c) * kLanes + x % kLanes] = g;
+        any_gradient |= !(g == S(0));
+      }
+    }
+  }
+  return any_gradient;
+}
+
+/// ∂L/∂(record, channel values) of every Gaussian of one tile.
+///
+/// Walked from the far end with s = Σ_c g_c · (colour behind):  ∂L/∂α = T (v - s),  v = Σ_c g_c c_i + g_alpha,
+/// s <- α v + (1 - α) s. Exact also where α is capped; the cap itself passes no gradient to its arguments.
+/// Within a column of packs u is constant, so only Σ g, Σ g w and Σ g w² (g = ∂L/∂power, w = rows from the mean) are
+/// summed over rows; the moments in u follow per lane.
+template <class L, int C>
+class TileBackward {
+  using S = typename LaneTraits<L>::Scalar;
+  using W = WideOf<S>;
+  static constexpr int kLanes = LaneTraits<L>::kLanes;
+
+ public:
+  explicit TileBackward(const BackwardTile<S>& in)
+      : in_(in), count_(C > 0 ? C : in.value.count), sums_(in.scratch + (count_ + 1) * kTilePixels) {
+    for (int pack = 0; pack < kPacksPerTile<L>; ++pack) {
+      L s = L(S(0));
+      for (int c = 0; c < count_; ++c) s = fma_lanes(gradient(pack, c), L(in.moves[c] ? in.background[c] : S(0)), s);
+      behind_[pack] = s;
+    }
+  }
+
+  void run() {
+    const Tape<S>& tape = *in_.tape;
+    std::size_t end = tape.size;
+    for (std::size_t k = tape.spans; k-- > 0;) {
+      const typename Tape<S>::Span span = tape.span[k];
+      const bool first = k + 1 == tape.spans || tape.span[k + 1].entry != span.entry;
+      const bool last = k == 0 || tape.span[k - 1].entry != span.entry;
+      column(span, end, first, last);
+      end = span.begin;
+    }
+  }
+
+ private:
+  [[gnu::always_inline]] L gradient(int pack, int c) const {
+    L g;
+    load_lanes(in_.scratch + (pack * (count_ + 1) + c) * kLanes, g);
+    return g;
+  }
+
+  /// One column of packs of one entry; `first` and `last`: of the columns of its entry.
+  [[gnu::always_inline]] void column(const typename Tape<S>::Span& span, std::size_t end, bool first, bool last) {
+    const std::uint32_t visible = in_.work.visible[span.entry];
+    const SplatRecord<S>& g = in_.work.record[visible];
+    const TileFrame& frame = in_.work.frame;
+    const S* values = in_.value.row(visible);
+    ChannelRow<L, C> row, moving;
+    row.load(values);
+    for (int c = 0; c < C; ++c) moving.value[c] = L(in_.moves[c] ? values[c] : S(0));
+    const S tile_y = S(g.mean_y - W(frame.y_px + 0.5));
+    const L zero = L(S(0)), cap = L(S(kAlphaCap));
+    L p0 = zero, py = zero, pyy = zero;
+    sums_.clear(count_);
+    const S* lanes = in_.tape->lanes + span.begin * 2 * kLanes;
+    for (std::size_t j = span.begin; j < end; ++j, lanes += 2 * kLanes) {
+      const int r = in_.tape->row[j], pack = int(span.column) * kTilePx + r;
+      L alpha, transmittance;
+      load_lanes(lanes, alpha), load_lanes(lanes + kLanes, transmittance);
+      const L weight = alpha * transmittance;
+      L v = gradient(pack, count_);
+      for (int c = 0; c < count_; ++c) {
+        const L g_c = gradient(pack, c);
+        v = fma_lanes(g_c, C > 0 ? moving[c] : L(in_.moves[c] ? values[c] : S(0)), v);
+        sums_.put(c, fma_lanes(weight, g_c, sums_.get(c)));
+      }
+      const L difference = v - behind_[pack];
+      behind_[pack] = fma_lanes(alpha, difference, behind_[pack]);
+      // ∂L/∂power = α ∂L/∂α: zero in unreached lanes (α = 0) and where α is capped.
+      const L grad_power = select(alpha < cap, weight * difference, zero);
+      const L w(tile_y - S(r));
+      const L gw = grad_power * w;
+      p0 = p0 + grad_power, py = py + gw, pyy = fma_lanes(gw, w, pyy);
+    }
+    L lane;
+    iota_lanes(S(0), lane);
+    const L u = L(S(g.mean_x - W(frame.x_px + 0.5))) - (lane + L(S(int(span.column) * kLanes)));
+    const L px = p0 * u;
+    for (int i = 0; first && i < kPairGeometry; ++i) total_[i] = S(0);
+    total_[0] += sum_lanes(p0), total_[1] += sum_lanes(px), total_[2] += sum_lanes(py);
+    total_[3] += sum_lanes(px * u), total_[4] += sum_lanes(py * u), total_[5] += sum_lanes(pyy);
+    S* out = in_.pair_grad + std::size_t(in_.work.slot[span.entry]) * std::size_t(kPairGeometry + count_);
+    for (int c = 0; c < count_; ++c) {
+      const S sum = sum_lanes(sums_.get(c));
+      out[kPairGeometry + c] = first ? sum : out[kPairGeometry + c] + sum;
+    }
+    if (!last) return;
+    out[0] = -(g.conic_a * total_[1] + g.conic_b * total_[2]);
+    out[1] = -(g.conic_b * total_[1] + g.conic_c * total_[2]);
+    out[2] = S(-0.5) * total_[3];
+    out[3] = -total_[4];
+    out[4] = S(-0.5) * total_[5];
+    out[5] = total_[0] / g.opacity;
+  }
+
+  const BackwardTile<S>& in_;
+  const int count_;
+  ChannelSums<L, C> sums_;
+  L behind_[kPacksPerTile<L>];
+  S total_[kPairGeometry];
+};
+
+template <class L, int C>
+void backward_tile(const BackwardTile<typename LaneTraits<L>::Scalar>& in) {
+  if (!load_image_gradient<L>(in)) return;  // a loss that does not look at this tile costs nothing here
+  in.tape->size = in.tape->spans = 0;
+  L transmittance[kPacksPerTile<L>];
+  TapeSink<L> sink{*in.tape};
+  composite_tile<L>(in.work, transmittance, sink);
+  TileBackward<L, C>(in).run();
+}
+
+}  // namespace ngs
