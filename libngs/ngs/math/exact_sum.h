@@ -15,16 +15,15 @@ struct ExactSums {
   /// x in [0, 2^63).
   void add(std::size_t i, double x) {
     const double floor_x = std::floor(x);
-    add_parts(i, std::uint64_t(floor_x), std::uint64_t((x - floor_x) * 0x1p64));
+    add_fixed(i, std::uint64_t(floor_x), std::uint64_t((x - floor_x) * 0x1p64));
   }
-  void add(std::size_t i, const ExactSums& other) { add_parts(i, other.whole[i], other.fraction[i]); }
-  double value(std::size_t i) const { return double(whole[i]) + double(fraction[i]) * 0x1p-64; }
-
- private:
-  void add_parts(std::size_t i, std::uint64_t w, std::uint64_t f) {
+  void add(std::size_t i, const ExactSums& other) { add_fixed(i, other.whole[i], other.fraction[i]); }
+  /// w + f · 2^-64.
+  void add_fixed(std::size_t i, std::uint64_t w, std::uint64_t f) {
     fraction[i] += f;
     whole[i] += w + (fraction[i] < f ? 1 : 0);
   }
+  double value(std::size_t i) const { return double(whole[i]) + double(fraction[i]) * 0x1p-64; }
 };
 
 }  // namespace ngs

@@ -19,6 +19,15 @@ NGS_HD T sigmoid(T x) {
   return e / (T(1) + e);
 }
 
+/// The derivative of sigmoid, e^-|x| / (1 + e^-|x|)². As s (1 - s) it would be 0 in float from x = 17 on, and a
+/// saturated parameter could never come back.
+template <class T>
+NGS_HD T sigmoid_slope(T x) {
+  using std::exp;
+  const T e = exp(x < T(0) ? x : -x), sum = T(1) + e;
+  return e / (sum * sum);
+}
+
 /// ln(1 + e^x). For large x the exponential would overflow: x + ln(1 + e^-x).
 template <class T>
 NGS_HD T softplus(T x) {

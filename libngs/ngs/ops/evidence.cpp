@@ -23,11 +23,9 @@ void fold_gaussian(const TileLists& lists, const Matrix<float>& pair, std::size_
   for (int k = 0; k < e.objects; ++k) {
     const std::size_t cell = gaussian * std::size_t(e.objects) + std::size_t(k);
     const double object_weight = std::min(sum[std::size_t(2 + 2 * k)], weight), object_pixels = sum[std::size_t(3 + 2 * k)];
-    const double signal = double(quantised(object_weight / weight)) * 0x1p-32;
     e.object_weight.add(cell, object_weight);
     e.object_pixels[cell] += std::uint64_t(object_pixels);
-    e.signal_sum[cell] += quantised(signal);
-    e.signal_square_sum.add(cell, signal * signal);
+    e.add_signal(cell, object_weight / weight);
     e.contrast_sum[cell] += quantised(std::abs(2 * object_pixels - pixels) / pixels);
   }
 }

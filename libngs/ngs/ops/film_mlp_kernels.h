@@ -231,10 +231,9 @@ class FilmMlpBlock {
     for (int q = 0; q < count; ++q) {
       const std::int64_t query = block * kColumns + q;
       raw_[std::size_t(q)] = grads.density[query] * data.density_scale * sigmoid(raw[q]);
-      for (int ch = 0; ch < 3; ++ch) {
-        const S y = sigmoid(raw[(1 + ch) * kColumns + q]);
-        raw_[std::size_t((1 + ch) * kColumns + q)] = grads.rgb[query * 3 + ch] * y * (S(1) - y);
-      }
+      for (int ch = 0; ch < 3; ++ch)
+        raw_[std::size_t((1 + ch) * kColumns + q)] =
+            grads.rgb[query * 3 + ch] * sigmoid_slope(raw[(1 + ch) * kColumns + q]);
     }
   }
 

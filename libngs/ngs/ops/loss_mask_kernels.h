@@ -19,13 +19,15 @@ struct LossSlope {
 };
 
 /// -m ln p - (1 - m) ln(1 - p). Beyond [eps, 1 - eps] the loss goes on along its tangent: a clamp would leave
-/// a saturated wrong pixel without a gradient.
+/// a saturated wrong pixel without a gradient. log1p: the loss of an almost right pixel is about p itself, of which
+/// 1 - p keeps only the digits above eps.
 template <class T>
 NGS_HD LossSlope<T> mask_bce(T p, T m) {
   using std::log;
+  using std::log1p;
   const T low = T(kMaskEps), at = clamp3(p, low, T(1) - low), rest = T(1) - at;
   const T slope = (T(1) - m) / rest - m / at;
-  return {-m * log(at) - (T(1) - m) * log(rest) + slope * (p - at), slope};
+  return {-m * log(at) - (T(1) - m) * log1p(-at) + slope * (p - at), slope};
 }
 
 /// -m p + λ (1 - m) p: the linear loss of COB-GS (λ = 1) and SA3D-GS (λ = 0.3).
@@ -88,10 +90,14 @@ struct DensityWeight {
     const BilinearAxis v = bilinear_axis((y - grid.first_y) / grid.step_y + 0.5, grid.rows);
     const auto row = [&](int r) {
       const float* d = optical_depth + static_cast<std::int64_t>(r) * grid.cols;
-      return (1 - u.weight) * double(d[u.lower]) + u.weight * double(d[u.upper]);
+      return (1 - u.weight) * finite(d[u.lower]) + u.weight * finite(d[u.upper]);
     };
     weight[i] = sigmoid(float((1 - v.weight) * row(v.lower) + v.weight * row(v.upper)));
   }
+
+ private:
+  /// Optical depths may overflow; their neighbours' share of 0 times infinity would be NaN.
+  NGS_HD static double finite(float depth) { return min2(double(depth), 0x1.fffffep127); }
 };
 
 }  // namespace ngs

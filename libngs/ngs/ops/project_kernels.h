@@ -49,7 +49,7 @@ struct ProjectionContext {
   Vec3<T> u0, u1;       // rows of J · W
   Vec3<T> v0, v1;       // rows of J · W · R · S: covariance = [v_i · v_j]
   Vec3<T> v_cross;      // v0 × v1: its square is the determinant of the unblurred covariance
-  T det_raw, compensation, sigmoid_opacity;
+  T det_raw, compensation, logit_opacity, sigmoid_opacity;
   bool compensation_floored;
 };
 
@@ -94,6 +94,7 @@ NGS_HD ProjectedGaussian<T> project_gaussian(const ProjectionCamera<T>& camera, 
   p.mean_x = camera.f_x * slope_x + camera.c_x;
   p.mean_y = camera.f_y * slope_y + camera.c_y;
 
+  ctx.logit_opacity = logit_opacity;
   ctx.sigmoid_opacity = sigmoid(logit_opacity);
   ctx.compensation = T(1);
   ctx.compensation_floored = true;
@@ -175,7 +176,7 @@ NGS_HD GaussianGradient<T> project_gaussian_backward(const ProjectionCamera<T>& 
   out.t.z = -fx_z * slope_x * g.mean_x - fy_z * slope_y * g.mean_y +
             (-fx_z * grad_j00 + fx_z * (ctx.slope_x + s_x) * grad_j02 - fy_z * grad_j11 +
              fy_z * (ctx.slope_y + s_y) * grad_j12) / t.z;
-  out.logit_opacity = g.opacity * ctx.compensation * ctx.sigmoid_opacity * (T(1) - ctx.sigmoid_opacity);
+  out.logit_opacity = g.opacity * ctx.compensation * sigmoid_slope(ctx.logit_opacity);
   return out;
 }
 

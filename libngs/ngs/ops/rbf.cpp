@@ -1,5 +1,8 @@
 #include "ngs/ops/rbf.h"
 
+#include <algorithm>
+#include <limits>
+
 #include "ngs/backend/for_each.h"
 #include "ngs/core/check.h"
 #include "ngs/ops/knn.h"
@@ -8,9 +11,10 @@
 namespace ngs {
 namespace {
 
+/// Finite for every width: the nearest neighbour's exponent is 0 times it.
 float inv_2h2(double width) {
   NGS_CHECK(width > 0, "the RBF width must be positive");
-  return float(1.0 / (2.0 * width * width));
+  return float(std::min(1.0 / (2.0 * width * width), double(std::numeric_limits<float>::max())));
 }
 
 Matrix<const float> weights_of(const RbfField& field, const KnnGraph& graph) {

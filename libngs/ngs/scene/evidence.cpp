@@ -1,5 +1,7 @@
 #include "ngs/scene/evidence.h"
 
+#include <cmath>
+
 #include "ngs/core/check.h"
 
 namespace ngs {
@@ -24,6 +26,14 @@ void Evidence::add(const Evidence& other) {
     signal_sum[i] += other.signal_sum[i];
     contrast_sum[i] += other.contrast_sum[i];
   }
+}
+
+void Evidence::add_signal(std::size_t cell, double m) {
+  const auto quantised = std::uint64_t(std::llround(m * 0x1p32));
+  __extension__ using Wide = unsigned __int128;
+  const Wide square = Wide(quantised) * quantised;
+  signal_sum[cell] += quantised;
+  signal_square_sum.add_fixed(cell, std::uint64_t(square >> 64), std::uint64_t(square));
 }
 
 double between_views_variance(const Evidence& evidence, std::size_t row, std::uint32_t views) {

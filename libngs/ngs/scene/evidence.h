@@ -27,6 +27,9 @@ struct Evidence {
   Evidence() = default;
   Evidence(std::int64_t n, int k);
   void add(const Evidence& other);
+  /// The signal m in [0, 1] of one view, [N, K] cell. m² is kept as the exact square of the quantised m: as a double
+  /// it could fall short of it, and the variance of equal signals below zero.
+  void add_signal(std::size_t cell, double m);
 };
 
 /// 4 · variance over views of the signal, in [0, 1], from the exact sums: V Σ m² - (Σ m)² is evaluated in integers,

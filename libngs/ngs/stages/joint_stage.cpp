@@ -287,7 +287,7 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
     splat.backward(exec, grad, gradients);
   }
   for (std::size_t i = 0; i < label.size(); ++i)
-    gradients.label[i] = trainable[i] ? gradients.label[i] * label[i] * (1 - label[i]) : 0.f;
+    gradients.label[i] = trainable[i] ? gradients.label[i] * sigmoid_slope(logit[i]) : 0.f;
   cont_term(loss);
   loss.total = options.photometric_weight * loss.photometric + loss.align + options.lambda_mask * loss.mask +
                options.lambda_cont * loss.cont + options.lambda_smooth * loss.smooth;
