@@ -1,0 +1,364 @@
+// The compositing loops, forward and backward, one lane and eight.                     Eq. (2); PAPER.md §5.1
+#include <doctest/doctest.h>
+
+#include <numeric>
+
+#include "ngs/ops/cloud_view.h"
+#include "ngs/ops/tile_isa.h"
+#include "ngs/ops/tile_kernels_of.h"
+#include "ngs/ops/tile_scratch.h"
+#include "support/stability.h"
+
+namespace ngs {
+namespace {
+
+using test::Random;
+using test::Worst;
+using Real = long double;
+
+/// The kernels of every lane type that runs here: one lane first.
+std::vector<TileKernels<float>> lane_types() {
+  return {tile_kernels_of<float>(), tile_kernels_of<PackF>(), float_tile_kernels(best_isa())};
+}
+
+/// Gaussians over one tile, nearest first, with one channel.
+struct Stack {
+  TileFrame frame{0, 0, kTilePx, kTilePx};
+  std::vector<SplatRecord<float>> record;
+  std::vector<float> value;
+
+  void add(double x, double y, double xx, double xy, double yy, float opacity, float channel) {
+    const double det = xx * yy - xy * xy;
+    const ProjectedGaussian<float> p{0,         0,         float(yy / det), float(-xy / det), float(xx / det),
+                                     float(xx), float(yy), float(det),      opacity};
+    record.push_back(record_of<float>(p, x, y)), value.push_back(channel);
+  }
+  /// A round one of `sigma` px.
+  void add_round(Random& random, double sigma, float opacity) {
+    add(frame.x_px + random.uniform(0, 16), random.uniform(0, 16), sigma * sigma, 0, sigma * sigma, opacity,
+        float(random.uniform(0.1, 1)));
+  }
+
+  /// [256] channel and transmittance of the tile's pixels: three channels, of which the second is the
+  /// background.
+  struct Image {
+    std::vector<float> channel = std::vector<float>(kTilePixels), through = channel;
+    bool operator==(const Image&) const = default;
+  };
+  Image composite(const TileKernels<float>& kernels) {
+    static std::vector<float> memory[4];  // of the widest image; only the tile is written
+    for (auto& m : memory) m.resize(std::max(m.size(), std::size_t(frame.width_px) * kTilePx));
+    const Plane<float> out[4] = {
+        {memory[0].data(), 1}, {memory[1].data(), 1}, {memory[2].data(), 1}, {memory[3].data(), 1}};
+    std::vector<float> scratch(3 * kTilePixels), values(3 * value.size(), 0.f);
+    for (std::size_t i = 0; i < value.size(); ++i) values[i * 3] = value[i];
+    const float background[3] = {0, 1, 0};
+    kernels.forward({work(), {values.data(), 3}, background, out, scratch.data()});
+    Image image;
+    for (std::size_t p = 0; p < kTilePixels; ++p) {
+      const std::size_t at =
+          p / kTilePx * std::size_t(frame.width_px) + std::size_t(frame.x_px) + p % kTilePx;
+      image.channel[p] = memory[0][at], image.through[p] = memory[1][at];
+    }
+    return image;
+  }
+  /// ∂L/∂opacity of every Gaussian for L = g · channel at one pixel over `background`.
+  std::vector<float> opacity_gradients(const TileKernels<float>& kernels, int pixel, float g,
+                                       float background) {
+    std::vector<float> grad(kTilePixels, 0.f), pair(record.size() * 7, 0.f), scratch(3 * kTilePixels), out;
+    grad[std::size_t(pixel)] = g;
+    const Plane<const float> planes[2] = {{grad.data(), 1}, {}};
+    const std::uint8_t moves[1] = {1};
+    TileScratch<float> memory;
+    kernels.backward(
+        {work(), {value.data(), 1}, &background, planes, moves, pair.data(), scratch.data(), &memory.tape});
+    for (std::size_t i = 0; i < record.size(); ++i) out.push_back(pair[i * 7 + 5]);
+    return out;
+  }
+
+ private:
+  TileWork<float> work() {
+    index_.resize(record.size());
+    std::iota(index_.begin(), index_.end(), 0u);
+    return {frame,
+            record.data(),
+            index_.data(),
+            index_.data(),
+            std::uint32_t(record.size()),
+            float(kTransmittanceStop)};
+  }
+  std::vector<std::uint32_t> index_;
+};
+
+/// One pixel by the book. `ambiguous`: a decision lies where float may decide otherwise.
+struct Pixel {
+  struct Hit {
+    std::size_t index;
+    Real alpha, before, condition;  // condition: of alpha
+    bool capped;
+  };
+  std::vector<Hit> hit;
+  Real channel = 0, through = 1, channel_spread = 0, through_condition = 1;
+  bool ambiguous = false;
+
+  Pixel(const Stack& s, int pixel) {
+    const Real x = s.frame.x_px + pixel % kTilePx + 0.5L, y = s.frame.y_px + pixel / kTilePx + 0.5L;
+    for (std::size_t i = 0; i < s.record.size(); ++i) {
+      const SplatRecord<float>& g = s.record[i];
+      const Real u = g.mean_x - x, v = g.mean_y - y, a = g.conic_a, b = g.conic_b, c = g.conic_c;
+      const Real size_x = std::abs(Real(g.mean_x) - s.frame.x_px) + 16,
+                 size_y = std::abs(Real(g.mean_y) - s.frame.y_px) + 16;
+      Real condition = 2 + (a * u * u + c * v * v) / 2 + std::abs(b * u * v) +
+                       (std::abs(a * u) + std::abs(b * v)) * size_x +
+                       (std::abs(c * v) + std::abs(b * u)) * size_y;
+      const Real power = -(a * u * u + c * v * v) / 2 - b * u * v, free = g.opacity * std::exp(power);
+      ambiguous |=
+          power > -1e-7L * condition;  // a rounded needle may be indefinite; 3DGS leaves such pixels out
+      const bool capped = free >= 0.99L;
+      const Real alpha = capped ? Real(0.99f) : free;
+      ambiguous |=
+          std::abs(alpha * 255 - 1) < 1e-6L * condition || std::abs(free / 0.99L - 1) < 1e-6L * condition;
+      if (alpha < 1 / 255.L) continue;
+      const Real next = through * (1 - alpha);
+      ambiguous |= std::abs(next * 1e4L - 1) < 1e-6L * (through_condition + condition * 100);
+      if (next < 1e-4L) break;
+      if (capped) condition = 1;
+      hit.push_back({i, alpha, through, condition, capped});
+      channel += alpha * through * s.value[i];
+      channel_spread += alpha * through * s.value[i] * (condition + through_condition + 1);
+      through_condition += 1 + alpha / (1 - alpha) * condition;
+      through = next;
+    }
+  }
+};
+
+/// Channel and transmittance of some pixels against the book, and the lane types against each other.
+void check_stack(Stack& stack, Random& random, Worst& worst, int pixels) {
+  const Stack::Image image = stack.composite(lane_types()[0]);
+  for (const TileKernels<float>& kernels : lane_types()) worst.ours_is(stack.composite(kernels) == image);
+  for (int k = 0; k < pixels; ++k) {
+    const auto p = std::size_t(random.below(kTilePixels));
+    const Pixel want(stack, int(p));
+    if (want.ambiguous) continue;
+    worst.ours(image.through[p], want.through, want.through_condition);
+    if (want.channel > 0) worst.ours(image.channel[p], want.channel, want.channel_spread / want.channel);
+    float sum = 0;
+    for (const Pixel::Hit& h : want.hit) sum += float(h.alpha * h.before);
+    worst.naive(1 - sum, want.through, want.through_condition);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("compositing: a pixel under many faint Gaussians keeps its transmittance") {
+  test::hard_case({"Gaussians", {10, 100, 1000, 1e5}, 0.7, "T as 1 - Σ w", 4},
+                  [](double h, Random& random, Worst& worst) {
+                    Stack stack;
+                    for (int i = 0; i < int(h); ++i)
+                      stack.add_round(random, 200, float(random.uniform(0.005, 0.03)));
+                    check_stack(stack, random, worst, 20);
+                  });
+}
+
+TEST_CASE("compositing: nearly opaque layers keep the accuracy of what shines through") {
+  test::hard_case({"opacity", {0.5, 0.9, 0.98, 0.9899}, 1.1, "T as 1 - Σ w"},
+                  [](double h, Random& random, Worst& worst) {
+                    Stack stack;
+                    for (int i = 0; i < 2; ++i)
+                      stack.add_round(random, 500, float(h * random.uniform(0.99, 1)));
+                    for (int i = 0; i < 10; ++i)
+                      stack.add_round(random, 500, float(random.uniform(0.005, 0.02)));
+                    check_stack(stack, random, worst, 4);
+                  });
+}
+
+TEST_CASE("compositing: needles reach exactly the pixels they should, as accurately as their conic") {
+  test::hard_case({"length / width",
+                   {1, 10, 100, 1e3},
+                   0.31,
+                   "not applicable: the quadratic form is given, it has one form"},
+                  [](double h, Random& random, Worst& worst) {
+                    Stack stack;
+                    for (int i = 0; i < 6; ++i) {
+                      const double phi = random.uniform(0, 6.28), c = std::cos(phi), s = std::sin(phi),
+                                   major = 0.6 * h * h, minor = 0.6;
+                      stack.add(random.uniform(0, 16), random.uniform(0, 16), major * c * c + minor * s * s,
+                                (major - minor) * c * s, major * s * s + minor * c * c,
+                                float(random.uniform(0.1, 0.9)), float(random.uniform(0.1, 1)));
+                    }
+                    check_stack(stack, random, worst, 16);
+                  });
+}
+
+TEST_CASE("compositing: far to the right of a wide image positions keep their sub-pixel part") {
+  test::hard_case({"column, px", {16, 1024, 16384, 65520}, 0.3, "mean and pixel in float"}, [](double h,
+                                                                                               Random& random,
+                                                                                               Worst& worst) {
+    Stack stack;
+    stack.frame = {int(h), 0, int(h) + 16, 16};
+    for (int i = 0; i < 4; ++i) stack.add_round(random, 1.5, float(random.uniform(0.3, 0.9)));
+    check_stack(stack, random, worst, 0);
+    const auto [channel, through] = stack.composite(lane_types().back());
+    for (int k = 0; k < 8; ++k) {
+      const auto p = std::size_t(random.below(kTilePixels));
+      const Pixel want(stack, int(p));
+      if (want.ambiguous || want.hit.empty()) continue;
+      worst.ours(through[p], want.through, want.through_condition);
+      float naive = 1;
+      for (const Pixel::Hit& hit : want.hit) {
+        const SplatRecord<float>& g = stack.record[hit.index];
+        const float u = float(g.mean_x) - (float(stack.frame.x_px + int(p) % 16) + 0.5f),
+                    v = float(g.mean_y) - (float(stack.frame.y_px + int(p) / 16) + 0.5f);
+        naive *= 1 - std::min(0.99f, g.opacity * std::exp(-0.5f * (g.conic_a * u * u + g.conic_c * v * v)));
+      }
+      worst.naive(naive, want.through, want.through_condition);
+    }
+  });
+}
+
+TEST_CASE("compositing: opacity gradients of deep stacks, walked backwards") {
+  test::hard_case(
+      {"opacity", {0.1, 0.5, 0.9, 0.985}, 0.21, "T from 1 - alpha of the image, divided by 1 - α"},
+      [](double h, Random& random, Worst& worst) {
+        Stack stack;
+        for (int i = 0; i < 2; ++i) stack.add_round(random, 300, float(h * random.uniform(0.95, 1)));
+        for (int i = 0; i < 20; ++i) stack.add_round(random, 300, float(random.uniform(0.01, 0.1)));
+        const int p = int(random.below(kTilePixels));
+        const float g = float(random.uniform(0.5, 1)), background = 0.3f;
+        const std::vector<float> got = stack.opacity_gradients(lane_types().back(), p, g, background);
+        for (const TileKernels<float>& kernels :
+             lane_types()) {  // one lane and eight sum the pixels in different orders
+          const std::vector<float> other = stack.opacity_gradients(kernels, p, g, background);
+          for (std::size_t i = 0; i < got.size(); ++i) worst.ours(other[i], got[i]);
+        }
+        const Pixel want(stack, p);
+        if (want.ambiguous) return;
+        float naive_after = 1 - float(1 - want.through), naive_behind = naive_after * background;
+        Real behind = want.through * background;  // the colour behind, times what reaches it
+        for (std::size_t k = want.hit.size(); k-- > 0;) {
+          const Pixel::Hit& hit = want.hit[k];
+          const Real value = stack.value[hit.index], after = hit.before * (1 - hit.alpha),
+                     opacity = stack.record[hit.index].opacity;
+          const Real factor = g * hit.alpha / opacity * hit.before, own = value, rest = behind / after;
+          const Real size = factor * (own + rest) * (hit.condition + want.through_condition);
+          worst.ours(got[hit.index], factor * (own - rest), size / std::abs(factor * (own - rest)));
+          const float alpha = float(hit.alpha), before = naive_after / (1 - alpha);
+          worst.naive(g * alpha / float(opacity) * (before * float(value) - naive_behind / (1 - alpha)),
+                      factor * (own - rest), size / std::abs(factor * (own - rest)));
+          naive_behind += alpha * before * float(value), naive_after = before;
+          behind += hit.alpha * hit.before * value;
+        }
+      });
+}
+
+TEST_CASE("compositing: at the cap alpha is 0.99 and passes no gradient to the opacity") {
+  test::hard_case({"opacity", {0.995, 1}, 0, "1 / (1 - α) without a cap"},
+                  [](double h, Random& random, Worst& worst) {
+                    Stack stack;
+                    stack.add(8.5, 8.5, 1e6, 0, 1e6, float(h), 0.7f);
+                    const int p = int(random.below(kTilePixels));
+                    const auto [channel, through] = stack.composite(lane_types().back());
+                    worst.ours_is(through[std::size_t(p)] == 1 - 0.99f ||
+                                  through[std::size_t(p)] == std::fma(-0.99f, 1.f, 1.f));
+                    worst.ours_is(stack.opacity_gradients(lane_types().back(), p, 1, 0.3f)[0] == 0);
+                    worst.naive_is(h < 1 || std::isfinite(1 / (1 - stack.record[0].opacity)));
+                  });
+}
+
+TEST_CASE("compositing: a wall of opaque Gaussians ends the pixel before its transmittance underflows") {
+  test::hard_case({"Gaussians", {1, 3, 30, 3000}, 0, "Π (1 - α) to the end"},
+                  [](double h, Random& random, Worst& worst) {
+                    Stack stack;
+                    float naive = 1;
+                    for (int i = 0; i < int(h); ++i)
+                      stack.add_round(random, 500, float(random.uniform(0.9, 1))), naive *= 0.05f;
+                    const auto [channel, through] = stack.composite(lane_types().back());
+                    for (std::size_t p = 0; p < kTilePixels; ++p)
+                      worst.ours_is(through[p] >= 1e-4f && through[p] <= 0.11f && channel[p] <= 1);
+                    worst.naive_is(naive > 0);
+                  });
+}
+
+TEST_CASE("compositing: alpha below 1/255 adds exactly nothing, from there on it adds") {
+  test::hard_case({"opacity · 255", {1.1, 1, 0.9999, 1e-30}, 0, "not applicable: a rule, not a formula"},
+                  [](double h, Random& random, Worst& worst) {
+                    Stack stack;
+                    stack.add(8.5, 8.5, 1, 0, 1, float(kAlphaMin), 1);
+                    stack.record[0].opacity = h == 1 ? float(kAlphaMin) : float(h / 255),
+                    stack.record[0].two_cut = std::max(0.f, 2 * std::log(255 * stack.record[0].opacity));
+                    const auto [channel, through] = stack.composite(lane_types().back());
+                    const auto centre = std::size_t(8 * 16 + 8),
+                               other = std::size_t(random.below(kTilePixels));
+                    worst.ours_is((channel[centre] > 0) == (h >= 1) && (through[centre] < 1) == (h >= 1));
+                    if (h < 1) worst.ours_is(channel[other] == 0 && through[other] == 1);
+                  });
+}
+
+TEST_CASE("compositing: equal depths are drawn in the order of their indices") {
+  test::hard_case(
+      {"Gaussians", {2, 17, 100}, 0, "not applicable: an order by depth alone may give any image"},
+      [](double h, Random& random, Worst& worst) {
+        GaussianCloud cloud;
+        cloud.resize(int(h), 0);
+        for (std::size_t i = 0; i < std::size_t(h); ++i) {
+          cloud.position[i * 3] = float(random.uniform(-0.2, 0.2)),
+                             cloud.position[i * 3 + 1] = float(random.uniform(-0.2, 0.2)),
+                             cloud.position[i * 3 + 2] = 3;
+          cloud.rotation[i * 4] = 1;
+          for (std::size_t k = 0; k < 3; ++k) cloud.log_scale[i * 3 + k] = -2;
+        }
+        Camera camera;
+        camera.width_px = camera.height_px = 32, camera.fx = camera.fy = 32, camera.cx = camera.cy = 16;
+        camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
+        for (const int threads : {1, 3}) {
+          const TileLists lists = bin_tiles(
+              {.threads = threads}, project_view({}, cloud_view(cloud, 0, nullptr), camera, {}), 32, 32);
+          for (std::size_t tile = 0; tile < std::size_t(lists.tiles()); ++tile)
+            worst.ours_is(std::is_sorted(lists.visible.begin() + lists.tile_begin[tile],
+                                         lists.visible.begin() + lists.tile_begin[tile + 1]));
+        }
+      });
+}
+
+TEST_CASE("compositing: every tile that a needle reaches lists it") {
+  test::hard_case(
+      {"length, world", {0.1, 1, 10, 100}, 0, "half extents from the conic, divided by a c - b² in float"},
+      [](double h, Random& random, Worst& worst) {
+        GaussianCloud cloud;
+        cloud.resize(1, 0);
+        const double length = h * random.uniform(0.5, 1);
+        for (std::size_t k = 0; k < 3; ++k)
+          cloud.position[k] = float(random.uniform(-0.5, 0.5)) + (k == 2 ? 3.f : 0.f),
+          cloud.log_scale[k] = float(std::log(k == 0 ? length : 1e-3));
+        for (float& q : cloud.rotation) q = float(random.uniform(-1, 1));
+        cloud.logit_opacity[0] = 2;
+        Camera camera;
+        camera.width_px = camera.height_px = 128, camera.fx = camera.fy = 128, camera.cx = camera.cy = 64;
+        camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
+        const auto view = project_view({}, cloud_view(cloud, 0, nullptr), camera, {});
+        if (view.id.empty()) return;
+        const SplatRecord<float>& g = view.record[0];
+        const TileLists lists = bin_tiles({}, view, 128, 128);
+        bool listed[64] = {}, reached[64] = {};
+        for (std::size_t tile = 0; tile < 64; ++tile)
+          listed[tile] = lists.tile_begin[tile] < lists.tile_begin[tile + 1];
+        for (int y = 0; y < 128; ++y)
+          for (int x = 0; x < 128; ++x) {
+            const double u = g.mean_x - (x + 0.5), v = g.mean_y - (y + 0.5);
+            const double form =
+                double(g.conic_a) * u * u + 2 * double(g.conic_b) * u * v + double(g.conic_c) * v * v;
+            if (form < double(g.two_cut) * (1 - 1e-4)) reached[y / 16 * 8 + x / 16] = true;
+          }
+        const TileRect r = view.rect[0];
+        const float det = g.conic_a * g.conic_c - g.conic_b * g.conic_b,
+                    half = std::sqrt(g.two_cut * g.conic_c / det);
+        for (int tile = 0; tile < 64; ++tile) {
+          const int tx = tile % 8, ty = tile / 8;
+          if (tx < r.x_begin || tx >= r.x_end || ty < r.y_begin || ty >= r.y_end || !reached[tile]) continue;
+          worst.ours_is(listed[tile]);
+          worst.naive_is(tx * 16 <= g.mean_x + double(half) && tx * 16 + 16 >= g.mean_x - double(half));
+        }
+      });
+}
+
+}  // namespace ngs

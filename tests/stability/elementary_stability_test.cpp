@@ -1,0 +1,146 @@
+// Elementary functions at both ends of their range.
+#include <doctest/doctest.h>
+
+#include "ngs/math/exact_sum.h"
+#include "ngs/math/lanes.h"
+#include "ngs/math/stable.h"
+#include "support/stability.h"
+
+namespace ngs {
+namespace {
+
+using test::Random;
+using test::Worst;
+using Real = long double;
+
+float near_value(Random& random, double h) { return float(h * random.uniform(0.5, 1)); }
+
+}  // namespace
+
+TEST_CASE("elementary: 1 - e^-x keeps its relative accuracy for small x") {
+  test::hard_case({"x", {100, 1, 1e-3, 1e-8, 1e-30}, 0.91, "1 - exp(-x)"}, [](double h, Random& random,
+                                                                              Worst& worst) {
+    const float x = near_value(random, h);
+    worst.ours(one_minus_exp(x), -std::expm1(-Real(x))), worst.naive(1 - std::exp(-x), -std::expm1(-Real(x)));
+  });
+}
+
+TEST_CASE("elementary: the sigmoid neither overflows nor loses its small values") {
+  test::hard_case({"-x", {1, 20, 60, 87, 100}, 2.5, "1 / (1 + exp(-x)) as e^x / (1 + e^x)"},
+                  [](double h, Random& random, Worst& worst) {
+                    const float x = near_value(random, h);
+                    worst.ours(sigmoid(x), 1 / (1 + std::exp(-Real(x))));
+                    if (x < 86) worst.ours(sigmoid(-x), 1 / (1 + std::exp(Real(x))));
+                    worst.naive(std::exp(x) / (1 + std::exp(x)), 1 / (1 + std::exp(-Real(x))));
+                  });
+}
+
+TEST_CASE("elementary: the sigmoid's slope does not vanish before float does") {
+  test::hard_case({"|x|", {1, 10, 17, 40, 80}, 4, "s (1 - s)"}, [](double h, Random& random, Worst& worst) {
+    const float x = near_value(random, random.uniform(0, 1) < 0.5 ? -h : h), s = sigmoid(x);
+    const Real e = std::exp(-std::abs(Real(x))), want = e / ((1 + e) * (1 + e));
+    worst.ours(sigmoid_slope(x), want), worst.naive(s * (1 - s), want);
+  });
+}
+
+TEST_CASE("elementary: softplus is linear above and exponential below") {
+  test::hard_case({"|x|", {1, 10, 50, 85, 1e4, 1e30}, 1.6, "log(1 + exp(x))"},
+                  [](double h, Random& random, Worst& worst) {
+                    const float x = near_value(random, h);
+                    const Real above = Real(x) + std::log1p(std::exp(-Real(x)));
+                    worst.ours(softplus(x), above), worst.naive(std::log(1 + std::exp(x)), above);
+                    if (x > 85) return;
+                    worst.ours(softplus(-x), std::log1p(std::exp(-Real(x)))),
+                        worst.naive(std::log(1 + std::exp(-x)), std::log1p(std::exp(-Real(x))));
+                  });
+}
+
+TEST_CASE("elementary: the logit is accurate near 0 and near 1") {
+  test::hard_case(
+      {"distance to the end", {0.4, 1e-3, 1e-6, 1e-30}, 0.8, "-log(1 / p - 1)"},
+      [](double h, Random& random, Worst& worst) {
+        const float p = near_value(random, h), q = 1 - float(near_value(random, h));
+        for (const float x : {p, q}) {
+          if (x >= 1) continue;
+          const Real want = std::log(Real(x)) - std::log1p(-Real(x)),
+                     condition =
+                         1 + (std::abs(std::log(Real(x))) + std::abs(std::log1p(-Real(x)))) / std::abs(want);
+          worst.ours(logit(x), want, condition), worst.naive(-std::log(1 / x - 1), want, condition);
+        }
+      });
+}
+
+TEST_CASE("elementary: e^x of the compositing loop is within an ulp and the same in every lane") {
+  test::hard_case({"-x", {0.1, 5, 30, 87}, 1.1, "reduction by float(ln 2) alone"},
+                  [](double h, Random& random, Worst& worst) {
+                    float in[8], out[8];
+                    for (float& x : in) x = float(-h * random.uniform(0, 1));
+                    PackF x;
+                    load_lanes(in, x);
+                    store_lanes(out, exp_nonpositive(x));
+                    for (int k = 0; k < 8; ++k) {
+                      const Real want = std::exp(Real(in[k]));
+                      worst.ours(out[k], want), worst.ours_is(out[k] == exp_nonpositive(in[k]));
+                      const float n = std::nearbyint(in[k] * 1.44269504f), r = in[k] - n * 0.693147181f;
+                      worst.naive(std::ldexp(std::exp(r), int(n)), want);
+                    }
+                  });
+}
+
+TEST_CASE("elementary: e^x of the compositing loop stays finite and positive far below its range") {
+  test::hard_case({"-x", {87, 100, 1e4, 1e30, INFINITY}, 0, "exponent bits n + 127 without a clamp"},
+                  [](double h, Random& random, Worst& worst) {
+                    const float x = -near_value(random, h);
+                    float lane[8];
+                    store_lanes(lane, exp_nonpositive(PackF(x)));
+                    worst.ours_is(lane[0] > 0 && lane[0] <= std::exp(-86.f) * (x > -86.f ? 1e30f : 1.f) &&
+                                  lane[0] == exp_nonpositive(x));
+                    const double biased = double(x) * 1.44269504 + 127;
+                    worst.naive_is(biased > 0 && biased < 255);
+                  });
+}
+
+TEST_CASE("elementary: a sum over 30 decades does not depend on its order") {
+  test::hard_case({"terms", {2, 10, 1000}, 0, "a sum in double"}, [](double h, Random& random, Worst& worst) {
+    std::vector<double> terms;
+    for (int i = 0; i < int(h); ++i) terms.push_back(std::pow(10.0, random.uniform(-15, 15)));
+    ExactSums sums[2];
+    double naive[2] = {};
+    for (int order = 0; order < 2; ++order) {
+      sums[order].resize(1);
+      for (std::size_t i = 0; i < terms.size(); ++i) {
+        const double x = terms[order == 0 ? i : terms.size() - 1 - i];
+        sums[order].add(0, x), naive[order] += x;
+      }
+    }
+    worst.ours_is(sums[0].whole == sums[1].whole && sums[0].fraction == sums[1].fraction);
+    worst.naive_is(naive[0] == naive[1]);
+  });
+}
+
+TEST_CASE("elementary: a sum over 30 decades keeps its small terms") {
+  test::hard_case({"terms", {10, 1e3, 1e4}, 0.86, "a sum in float"},
+                  [](double h, Random& random, Worst& worst) {
+                    ExactSums sum;
+                    sum.resize(1);
+                    Real want = 0;
+                    float naive = 0;
+                    for (int i = 0; i < int(h); ++i) {
+                      const double x = i == 0       ? 1e15
+                                       : i % 2 == 1 ? 1e15 / h * random.uniform(0.1, 1)
+                                                    : std::pow(10.0, random.uniform(-15, -10));
+                      sum.add(0, x), want += x, naive += float(x);
+                    }
+                    worst.ours(float(sum.value(0)), want), worst.naive(naive, want);
+                    Real small = 0;
+                    ExactSums tiny;
+                    tiny.resize(1);
+                    for (int i = 0; i < int(h); ++i) {
+                      const double x = std::pow(10.0, random.uniform(-11, -9));
+                      tiny.add(0, x), small += x;
+                    }
+                    worst.ours(float(tiny.value(0)), small);
+                  });
+}
+
+}  // namespace ngs

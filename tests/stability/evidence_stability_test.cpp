@@ -1,0 +1,241 @@
+// Mask evidence: sums, merges, counts, variances and their degenerate answers.               PAPER.md §5.2
+#include <doctest/doctest.h>
+
+#include <numeric>
+
+#include "ngs/ops/evidence.h"
+#include "ngs/stages/variance_stage.h"
+#include "support/stability.h"
+
+namespace ngs {
+namespace {
+
+using test::Random;
+using test::Worst;
+using Real = long double;
+
+constexpr int kSize = 32;
+
+struct Capture {
+  GaussianCloud cloud;
+  Camera camera;
+  ViewMasks masks;
+  explicit Capture(Random& random, int gaussians = 6) {
+    cloud.resize(gaussians, 0);
+    for (std::size_t i = 0; i < std::size_t(gaussians); ++i) {
+      for (std::size_t k = 0; k < 3; ++k)
+        cloud.position[i * 3 + k] = float(random.uniform(-0.3, 0.3)) + (k == 2 ? 2.f : 0.f),
+                               cloud.log_scale[i * 3 + k] = float(random.uniform(-4, -2));
+      for (std::size_t k = 0; k < 4; ++k) cloud.rotation[i * 4 + k] = float(random.uniform(-1, 1));
+      cloud.logit_opacity[i] = float(random.uniform(-3, 3));
+    }
+    camera.width_px = camera.height_px = kSize, camera.fx = camera.fy = 60, camera.cx = camera.cy = kSize / 2;
+    camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    masks.width_px = masks.height_px = kSize, masks.available = true;
+    masks.target.assign(1, std::vector<float>(kSize * kSize, 0.f));
+  }
+  Evidence evidence() const {
+    Evidence e(cloud.size(), 1);
+    add_view_evidence({}, cloud, camera, {}, masks, e);
+    return e;
+  }
+};
+
+bool same(const Evidence& a, const Evidence& b) {
+  const auto sums = [](const ExactSums& x, const ExactSums& y) {
+    return x.whole == y.whole && x.fraction == y.fraction;
+  };
+  return sums(a.weight, b.weight) && sums(a.object_weight, b.object_weight) &&
+         sums(a.signal_square_sum, b.signal_square_sum) && a.pixels == b.pixels &&
+         a.object_pixels == b.object_pixels && a.views == b.views && a.signal_sum == b.signal_sum &&
+         a.contrast_sum == b.contrast_sum;
+}
+
+LabelColumns labels(const Evidence& e, Criterion criterion = Criterion::kPooled) {
+  VarianceOptions options;
+  options.criterion = criterion;
+  return label_gaussians(options, e)[0];
+}
+
+/// Evidence of one Gaussian with the given per-view signals.
+Evidence of_signals(const std::vector<double>& signals) {
+  Evidence e(1, 1);
+  for (const double m : signals) {
+    e.add_signal(0, m);
+    e.weight.add(0, 1), e.object_weight.add(0, m), ++e.views[0];
+  }
+  return e;
+}
+
+}  // namespace
+
+TEST_CASE("evidence: a mask that is empty everywhere gives probability exactly 0") {
+  test::hard_case({"mask", {0}, 0, "not applicable: a sum of zeros is exact in any form"},
+                  [](double, Random& random, Worst& worst) {
+                    const Capture c(random);
+                    const Evidence e = c.evidence();
+                    const LabelColumns l = labels(e);
+                    for (std::size_t i = 0; i < l.prob.size(); ++i)
+                      worst.ours_is(e.object_weight.value(i) == 0 && l.prob[i] == 0 && l.variance[i] == 0 &&
+                                    l.label[i] == 0);
+                  });
+}
+
+TEST_CASE("evidence: a mask that is full everywhere gives probability exactly 1") {
+  test::hard_case(
+      {"mask", {1}, 0, "1 - W0 / W with sums in another order"}, [](double, Random& random, Worst& worst) {
+        Capture c(random);
+        c.masks.target[0].assign(kSize * kSize, 1.f);
+        const Evidence e = c.evidence();
+        const LabelColumns l = labels(e);
+        for (std::size_t i = 0; i < l.prob.size(); ++i)
+          worst.ours_is(e.views[i] == 0 || (l.prob[i] == 1 && l.variance[i] == 0 && l.label[i] == 1 &&
+                                            e.pixels[i] == e.object_pixels[i]));
+        float forwards = 0, backwards = 0;
+        const auto terms = random.uniform_vector<float>(100, 0, 1);
+        for (std::size_t k = 0; k < terms.size(); ++k)
+          forwards += terms[k], backwards += terms[terms.size() - 1 - k];
+        worst.naive_is(backwards / forwards == 1);
+      });
+}
+
+TEST_CASE("evidence: a mask that is half everywhere gives probability one half and the largest variance") {
+  test::hard_case(
+      {"mask", {0.5}, 0, "not applicable: halving is exact in any form"},
+      [](double, Random& random, Worst& worst) {
+        Capture c(random);
+        c.masks.target[0].assign(kSize * kSize, 0.5f);
+        const Evidence e = c.evidence();
+        const LabelColumns l = labels(e);
+        for (std::size_t i = 0; i < l.prob.size(); ++i)
+          worst.ours_is(e.views[i] == 0 || (l.prob[i] == 0.5f && l.variance[i] == 1 && l.label[i] == 0));
+      });
+}
+
+TEST_CASE("evidence: a Gaussian seen by one pixel has that pixel's answer") {
+  test::hard_case({"known pixels", {1}, 0, "|n+ - n-| / (n+ + n- + 1e-6)"},
+                  [](double, Random& random, Worst& worst) {
+                    Capture c(random, 1);
+                    c.cloud.position = {0, 0, 2}, c.cloud.logit_opacity[0] = 2;
+                    c.masks.known.assign(kSize * kSize, 0);
+                    const std::size_t pixel = std::size_t(kSize / 2 * kSize + kSize / 2);
+                    const bool inside = random.uniform(0, 1) < 0.5;
+                    c.masks.known[pixel] = 1, c.masks.target[0][pixel] = inside ? 1.f : 0.f;
+                    const Evidence e = c.evidence();
+                    const LabelColumns l = labels(e), r = labels(e, Criterion::kRelativeDiff);
+                    worst.ours_is(e.pixels[0] == 1 && e.views[0] == 1 && l.prob[0] == (inside ? 1.f : 0.f) &&
+                                  r.variance[0] == 0);
+                    worst.naive_is(1 - 1 / (1 + 1e-6f) == 0);
+                  });
+}
+
+TEST_CASE("evidence: a Gaussian that no pixel sees is the third state, not a number") {
+  test::hard_case({"known pixels", {0}, 0, "W1 / W"}, [](double, Random& random, Worst& worst) {
+    Capture c(random);
+    c.masks.known.assign(kSize * kSize, 0);
+    for (const Criterion criterion :
+         {Criterion::kPooled, Criterion::kBetweenViews, Criterion::kRelativeDiff}) {
+      const LabelColumns l = labels(c.evidence(), criterion);
+      for (std::size_t i = 0; i < l.prob.size(); ++i)
+        worst.ours_is(l.views[i] == 0 && l.prob[i] == 0 && l.label[i] == 0 && l.variance[i] == 0);
+    }
+    const float zero = float(random.below(1));
+    worst.naive_is(std::isfinite(zero / zero));
+  });
+}
+
+TEST_CASE("evidence: merged parts equal one run, in any order and any sharding") {
+  test::hard_case({"views", {2, 8, 40}, 0, "weights summed in float"},
+                  [](double h, Random& random, Worst& worst) {
+                    Capture c(random);
+                    std::vector<Evidence> parts;
+                    for (int v = 0; v < int(h); ++v) {
+                      for (float& m : c.masks.target[0]) m = float(random.below(2));
+                      c.camera.cx = 16 + random.uniform(-3, 3);
+                      parts.push_back(c.evidence());
+                    }
+                    Evidence once(c.cloud.size(), 1), merged(c.cloud.size(), 1), shard[2] = {merged, merged};
+                    for (const Evidence& e : parts) once.add(e);
+                    for (std::size_t k = parts.size(); k-- > 0;) shard[random.below(2)].add(parts[k]);
+                    merged.add(shard[1]), merged.add(shard[0]);
+                    worst.ours_is(same(once, merged));
+                    float forwards = 0, backwards = 0;
+                    for (std::size_t k = 0; k < parts.size(); ++k)
+                      forwards += float(parts[k].weight.value(0)),
+                          backwards += float(parts[parts.size() - 1 - k].weight.value(0));
+                    worst.naive_is(forwards == backwards);
+                  });
+}
+
+TEST_CASE("evidence: a hundred thousand views add up without loss") {
+  test::hard_case({"views", {1, 1e3, 1e5}, 0.75, "weights summed in float", 100},
+                  [](double h, Random& random, Worst& worst) {
+                    const Evidence one = Capture(random, 2).evidence();
+                    Evidence sum(2, 1);
+                    float naive = 0;
+                    for (int v = 0; v < int(h); ++v) sum.add(one), naive += float(one.weight.value(0));
+                    worst.ours_is(sum.pixels[0] == one.pixels[0] * std::uint64_t(h) &&
+                                  sum.views[0] == one.views[0] * std::uint32_t(h));
+                    const Real want = Real(one.weight.value(0)) * Real(h);
+                    if (want > 0) worst.ours(float(sum.weight.value(0)), want), worst.naive(naive, want);
+                  });
+}
+
+TEST_CASE("evidence: pixel counts pass 2^32") {
+  test::hard_case({"pixels", {1e3, 4e9, 1e12, 9e15}, 0, "counts in 32 bits"}, [](double h, Random& random,
+                                                                                 Worst& worst) {
+    Evidence part(1, 1), sum(1, 1);
+    part.pixels[0] = std::uint64_t(h) + std::uint64_t(random.below(1000)),
+    part.object_pixels[0] = part.pixels[0] / 2;
+    for (int k = 0; k < 7; ++k) sum.add(part);
+    worst.ours_is(sum.pixels[0] == 7 * part.pixels[0] && sum.object_pixels[0] == 7 * part.object_pixels[0]);
+    worst.naive_is(std::uint32_t(7 * part.pixels[0]) == 7 * part.pixels[0]);
+  });
+}
+
+TEST_CASE("evidence: equal signals have variance exactly 0") {
+  test::hard_case({"views", {1, 2, 7, 1000}, 0, "E[m²] - E[m]²"}, [](double h, Random& random, Worst& worst) {
+    const double m = random.uniform(0, 1);
+    const Evidence e = of_signals(std::vector<double>(std::size_t(h), m));
+    worst.ours_is(between_views_variance(e, 0, e.views[0]) == 0 &&
+                  labels(e, Criterion::kBetweenViews).variance[0] == 0);
+    float sum = 0, squares = 0;
+    for (int v = 0; v < int(h); ++v) sum += float(m), squares += float(m) * float(m);
+    worst.naive_is(squares / float(h) - sum / float(h) * (sum / float(h)) == 0);
+  });
+}
+
+TEST_CASE("evidence: nearly equal signals keep their variance") {
+  test::hard_case(
+      {"spread of m", {1e-1, 1e-3, 1e-5, 1e-7}, 0.86, "E[m²] - E[m]²"},
+      [](double h, Random& random, Worst& worst) {
+        std::vector<double> signals;
+        const double centre = random.uniform(0.3, 0.7);
+        for (int v = 0; v < 100; ++v)
+          signals.push_back(std::nearbyint((centre + h * random.uniform(-0.5, 0.5)) * 0x1p32) * 0x1p-32);
+        const Evidence e = of_signals(signals);
+        Real mean = 0, want = 0;
+        for (const double m : signals) mean += m / 100.0L;
+        for (const double m : signals) want += 4 * (m - mean) * (m - mean) / 100;
+        worst.ours(float(between_views_variance(e, 0, 100)), want);
+        float sum = 0, squares = 0;
+        for (const double m : signals) sum += float(m), squares += float(m) * float(m);
+        worst.naive(4 * (squares / 100 - sum / 100 * (sum / 100)), want);
+      });
+}
+
+TEST_CASE("evidence: the pooled variance of an almost certain Gaussian keeps its accuracy") {
+  test::hard_case({"1 - p", {0.5, 1e-3, 1e-6, 1e-8}, 0.87, "4 p (1 - p) in float"},
+                  [](double h, Random& random, Worst& worst) {
+                    Evidence e(1, 1);
+                    const double total = random.uniform(10, 1000),
+                                 outside = total * h * random.uniform(0.5, 1);
+                    e.weight.add(0, total), e.object_weight.add(0, total - outside), e.views[0] = 1;
+                    const Real p = Real(e.object_weight.value(0)) / e.weight.value(0), want = 4 * p * (1 - p);
+                    worst.ours(labels(e).variance[0], want);
+                    const float q = float(e.object_weight.value(0)) / float(e.weight.value(0));
+                    worst.naive(4 * q * (1 - q), want);
+                  });
+}
+
+}  // namespace ngs

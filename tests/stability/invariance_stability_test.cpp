@@ -1,0 +1,299 @@
+// End to end: the labels of a scene do not depend on where, how large and in which order it is written down,
+// and what contradicts, overlaps or is missing has a defined answer.
+#include <doctest/doctest.h>
+
+#include <numeric>
+
+#include "ngs/core/error.h"
+#include "ngs/stages/joint_stage.h"
+#include "ngs/stages/method_bce.h"
+#include "ngs/stages/variance_stage.h"
+#include "support/joint_case.h"
+#include "support/method_case.h"
+#include "support/stability.h"
+
+namespace ngs {
+namespace {
+
+using test::MethodCase;
+using test::Random;
+using test::Worst;
+
+constexpr int kGaussians = 40, kViews = 3;
+
+MethodCase scene(Random& random, int objects = 1) {
+  return test::method_case(std::uint64_t(random.below(1 << 30)), kGaussians, kViews, objects);
+}
+Evidence evidence_of(const MethodCase& c, const std::vector<std::size_t>& views = {0, 1, 2},
+                     int threads = 1) {
+  Monitor monitor;
+  return accumulate_evidence({.threads = threads}, monitor, c.cloud, c.scene, views, {},
+                             [&](std::size_t v) { return c.masks[v]; });
+}
+std::vector<LabelColumns> labels_of(const MethodCase& c) { return label_gaussians({}, evidence_of(c)); }
+
+/// Equal labels except where the probability is within `bound` of the threshold; a Gaussian that reaches a
+/// pixel with alpha = 1/255 more or less changes its probability by less than that.
+bool same_labels(const LabelColumns& a, const LabelColumns& b, float bound) {
+  bool same = true;
+  for (std::size_t i = 0; i < a.label.size(); ++i)
+    if (a.views[i] > 0 && b.views[i] > 0)
+      same &= a.label[i] == b.label[i] || std::abs(a.prob[i] - 0.5f) < bound;
+  return same;
+}
+float largest_change(const LabelColumns& a, const LabelColumns& b) {
+  float worst = 0;
+  for (std::size_t i = 0; i < a.prob.size(); ++i) worst = std::max(worst, std::abs(a.prob[i] - b.prob[i]));
+  return worst;
+}
+
+void scale_scene(MethodCase& c, double factor) {
+  for (float& x : c.cloud.position) x = float(double(x) * factor);
+  for (float& s : c.cloud.log_scale) s = float(double(s) + std::log(factor));
+  for (SceneView& view : c.scene.views) view.camera.translation = factor * view.camera.translation;
+}
+
+constexpr float kBound = 0.02f;  // of a probability
+
+}  // namespace
+
+TEST_CASE("invariance: a rotated scene has the same labels") {
+  test::hard_case({"turn, rad", {1e-3, 1, 3}, 0, "not applicable: the reference is the scene itself"},
+                  [](double h, Random& random, Worst& worst) {
+                    const MethodCase c = scene(random);
+                    MethodCase turned = c;
+                    const double half = h / 2, s = std::sin(half) / std::sqrt(3.0), w = std::cos(half);
+                    const Mat3<double> r = rotation_matrix(Vec4<double>{w, s, s, s});
+                    for (std::size_t i = 0; i < kGaussians; ++i) {
+                      const Vec3<double> p =
+                          r * Vec3<double>{c.cloud.position[i * 3], c.cloud.position[i * 3 + 1],
+                                           c.cloud.position[i * 3 + 2]};
+                      for (std::size_t k = 0; k < 3; ++k) turned.cloud.position[i * 3 + k] = float((&p.x)[k]);
+                      const float* q = &c.cloud.rotation[i * 4];  // (w, s, s, s) · q
+                      const double product[4] = {
+                          w * q[0] - s * (q[1] + q[2] + q[3]), w * q[1] + s * (q[0] + q[3] - q[2]),
+                          w * q[2] + s * (q[0] + q[1] - q[3]), w * q[3] + s * (q[0] + q[2] - q[1])};
+                      for (std::size_t k = 0; k < 4; ++k)
+                        turned.cloud.rotation[i * 4 + k] = float(product[k]);
+                    }
+                    for (SceneView& view : turned.scene.views)
+                      view.camera.rotation = view.camera.rotation * transpose(r);
+                    worst.ours_is(same_labels(labels_of(c)[0], labels_of(turned)[0], kBound));
+                  });
+}
+
+TEST_CASE("invariance: a scene with an origin of its own has the same labels anywhere") {
+  test::hard_case({"translation, world", {1, 1e3, 1e6}, 0, "positions in world coordinates, in float"},
+                  [](double h, Random& random, Worst& worst) {
+                    const MethodCase c = scene(random);
+                    MethodCase moved = c, naive = c;
+                    moved.cloud.origin = {h, -2 * h, 0.5 * h};
+                    const Vec3<double> origin{h, -2 * h, 0.5 * h};
+                    for (std::size_t v = 0; v < kViews; ++v)
+                      for (MethodCase* m : {&moved, &naive}) {
+                        Camera& camera = m->scene.views[v].camera;
+                        camera.translation = camera.translation - camera.rotation * origin;
+                      }
+                    for (std::size_t i = 0; i < naive.cloud.position.size(); ++i)
+                      naive.cloud.position[i] += float((&origin.x)[i % 3]);
+                    const auto want = labels_of(c)[0], got = labels_of(moved)[0];
+                    worst.ours_is(same_labels(want, got, kBound) && largest_change(want, got) < kBound);
+                    worst.naive_is(largest_change(want, labels_of(naive)[0]) < kBound);
+                  });
+}
+
+TEST_CASE("invariance: a scene in another unit has the same labels") {
+  // The near plane is 0.2 world units, as in 3DGS: the scene is large enough to lie behind it in every unit.
+  test::hard_case({"unit", {1, 1e3, 1e-3}, 0, "not applicable: the reference is the scene itself"},
+                  [](double h, Random& random, Worst& worst) {
+                    MethodCase c = scene(random);
+                    for (std::size_t i = 0; i < kGaussians; ++i)
+                      c.cloud.usable[i] = i % 17 != 16;  // those next to the camera
+                    scale_scene(c, 1000);
+                    MethodCase scaled = c;
+                    scale_scene(scaled, h);
+                    worst.ours_is(same_labels(labels_of(c)[0], labels_of(scaled)[0], kBound));
+                  });
+}
+
+TEST_CASE("invariance: permuted Gaussians have permuted labels, bit for bit") {
+  test::hard_case(
+      {"Gaussians", {kGaussians}, 0, "not applicable: sums in float depend on the order of arrival"},
+      [](double, Random& random, Worst& worst) {
+        const MethodCase c = scene(random);
+        std::vector<std::size_t> order(kGaussians);
+        std::iota(order.begin(), order.end(), std::size_t(0));
+        for (std::size_t i = kGaussians; i-- > 1;)
+          std::swap(order[i], order[std::size_t(random.below(std::int64_t(i) + 1))]);
+        MethodCase p = c;
+        p.cloud = test::permuted(c.cloud, order);
+        const LabelColumns a = labels_of(c)[0], b = labels_of(p)[0];
+        for (std::size_t i = 0; i < kGaussians; ++i)
+          worst.ours_is(b.prob[i] == a.prob[order[i]] && b.variance[i] == a.variance[order[i]] &&
+                        b.label[i] == a.label[order[i]]);
+      });
+}
+
+TEST_CASE("invariance: permuted views and any number of threads give the same bits") {
+  test::hard_case(
+      {"threads", {1, 2, 7}, 0, "not applicable: sums in float depend on the order of arrival", 4},
+      [](double h, Random& random, Worst& worst) {
+        const MethodCase c = scene(random);
+        const Evidence a = evidence_of(c), b = evidence_of(c, {2, 0, 1}, int(h));
+        worst.ours_is(a.weight.whole == b.weight.whole && a.weight.fraction == b.weight.fraction &&
+                      a.object_weight.fraction == b.object_weight.fraction &&
+                      a.signal_square_sum.fraction == b.signal_square_sum.fraction && a.pixels == b.pixels);
+      });
+}
+
+TEST_CASE("invariance: permuted objects have permuted labels") {
+  test::hard_case({"objects", {2}, 0, "not applicable: the reference is the scene itself"},
+                  [](double, Random& random, Worst& worst) {
+                    const MethodCase c = scene(random, 2);
+                    MethodCase swapped = c;
+                    std::swap(swapped.scene.objects[0], swapped.scene.objects[1]);
+                    for (ViewMasks& m : swapped.masks) std::swap(m.target[0], m.target[1]);
+                    const auto a = labels_of(c), b = labels_of(swapped);
+                    worst.ours_is(a[0].prob == b[1].prob && a[1].variance == b[0].variance);
+                    for (std::size_t i = 0; i < kGaussians; ++i)  // an exact tie goes to the first of the two
+                      if (a[0].prob[i] != a[1].prob[i])
+                        worst.ours_is(a[0].label[i] == b[1].label[i] && a[1].label[i] == b[0].label[i]);
+                  });
+}
+
+TEST_CASE("invariance: float labels differ from the rendering equation in double only near the threshold") {
+  test::hard_case(
+      {"Gaussians", {kGaussians}, 5, "not applicable: the reference is the printed form in double", 4},
+      [](double, Random& random, Worst& worst) {
+        const MethodCase c = scene(random);
+        std::vector<double> weight, object_weight;
+        if (!test::reference_weights(c, weight, object_weight)) return;
+        const LabelColumns got = labels_of(c)[0];
+        for (std::size_t i = 0; i < weight.size(); ++i)
+          if (weight[i] > 0)
+            worst.ours_ratio(std::abs(double(got.prob[i]) - object_weight[i] / weight[i]) / 0x1p-23);
+      });
+}
+
+TEST_CASE("masks: two views that contradict each other leave the label undecided, and say so") {
+  test::hard_case(
+      {"views", {2}, 0, "not applicable: a count decides"}, [](double, Random& random, Worst& worst) {
+        MethodCase c = scene(random);
+        c.scene.views[1].camera = c.scene.views[0].camera;
+        c.masks[1] = c.masks[0];
+        for (float& m : c.masks[1].target[0]) m = 1 - m;
+        const Evidence e = evidence_of(c, {0, 1});
+        const LabelColumns l = label_gaussians({}, e)[0];
+        for (std::size_t i = 0; i < kGaussians; ++i)
+          if (e.views[i] > 0)
+            worst.ours_is(std::abs(l.prob[i] - 0.5f) < 1e-6f && l.variance[i] > 0.999f && l.boundary[i] == 1);
+      });
+}
+
+TEST_CASE("masks: where two objects overlap a Gaussian belongs to one at most") {
+  test::hard_case({"overlap", {1}, 0, "each object's own threshold"},
+                  [](double, Random& random, Worst& worst) {
+                    MethodCase c = scene(random, 2);
+                    for (ViewMasks& m : c.masks) m.target[1] = m.target[0];
+                    const auto l = labels_of(c);
+                    int naive = 0;
+                    for (std::size_t i = 0; i < kGaussians; ++i) {
+                      worst.ours_is(l[0].label[i] + l[1].label[i] <= 1);
+                      naive += l[0].prob[i] > 0.5f && l[1].prob[i] > 0.5f;
+                    }
+                    worst.naive_is(naive == 0);
+                  });
+}
+
+TEST_CASE("masks: an object in one view alone is labelled from it") {
+  test::hard_case({"views with a mask", {3, 1}, 0, "variance over V - 1 views", 4},
+                  [](double h, Random& random, Worst& worst) {
+                    MethodCase c = scene(random);
+                    for (std::size_t v = std::size_t(h); v < kViews; ++v) c.masks[v].available = false;
+                    Monitor monitor;
+                    const MethodResult result = run_bce({}, monitor, {}, c.input());
+                    for (std::size_t i = 0; i < kGaussians; ++i)
+                      worst.ours_is(result.labels[0].label[i] >= 0 && result.labels[0].label[i] <= 1 &&
+                                    result.labels[0].views[i] <= float(h));
+                    VarianceOptions between;
+                    between.criterion = Criterion::kBetweenViews;
+                    const LabelColumns columns = label_gaussians(between, evidence_of(c))[0];
+                    for (const float v : columns.variance) worst.ours_is(v >= 0 && v <= 1);
+                    worst.naive_is(std::isfinite((h - 1) / (h - 1)));
+                  });
+}
+
+namespace {
+
+struct JointRun {
+  Monitor monitor;
+  JointOptions options;
+  SampleOptions sample;
+  RbfOptions rbf;
+  MethodInput input;
+  JointTrainer trainer;
+  static JointOptions small() {
+    JointOptions o;
+    o.steps = 4, o.hash_levels = 2, o.hash_log2_table = 6, o.hash_finest = 32, o.mlp_hidden = 16,
+    o.smooth_points = 16;
+    return o;
+  }
+  static SampleOptions few() {
+    SampleOptions s;
+    s.rows = s.cols = 6, s.depth_samples = 3;
+    return s;
+  }
+  JointRun(const test::JointCase& c, bool empty_is_fine)
+      : options(small()),
+        sample(few()),
+        input(c.input()),
+        trainer({}, monitor, {options, sample, rbf, input, nullptr}, empty_is_fine) {}
+  bool run() {
+    while (!trainer.finished()) trainer.step();
+    for (const StateBlock& block : trainer.state())
+      for (const float x : *block.values)
+        if (!std::isfinite(x)) return false;
+    return true;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("joint: a photo with one NaN stops the step and names the view") {
+  test::hard_case({"NaNs", {1}, 0, "not applicable: a step is taken or it is not", 100},
+                  [](double, Random& random, Worst& worst) {
+                    const auto c = test::joint_case(60, 40);
+                    for (ImageF& photo : c->photos)
+                      photo.data[std::size_t(random.below(std::int64_t(photo.data.size())))] = NAN;
+                    JointRun run(*c, false);
+                    bool named = false;
+                    try {
+                      run.trainer.step();
+                    } catch (const Error& e) {
+                      named = e.code() == ErrorCode::kNumeric &&
+                              std::string(e.what()).find("view 'view") != std::string::npos;
+                    }
+                    worst.ours_is(named && run.trainer.steps_done() == 0);
+                  });
+}
+
+TEST_CASE("joint: nothing boundary, all boundary and one boundary Gaussian stay finite") {
+  test::hard_case({"boundary share", {0.5, 0.01, 1, 0}, 0, "not applicable: sets, not formulas", 100},
+                  [](double h, Random& random, Worst& worst) {
+                    const auto c = test::joint_case(60, 40);
+                    auto& boundary = c->labels[0].boundary;
+                    for (float& b : boundary) b = random.uniform(0, 1) < h ? 1.f : 0.f;
+                    if (h == 0.01) std::fill(boundary.begin(), boundary.end(), 0.f), boundary[5] = 1;
+                    bool refused = false;
+                    if (h == 0) {
+                      try {
+                        JointRun strict(*c, false);
+                      } catch (const Error& e) {
+                        refused = e.code() == ErrorCode::kNothingFound;
+                      }
+                    }
+                    worst.ours_is(refused == (h == 0) && JointRun(*c, true).run());
+                  });
+}
+
+}  // namespace ngs

@@ -1,0 +1,164 @@
+// Adam, and the convex label solve at its bounds.
+#include <doctest/doctest.h>
+
+#include "ngs/core/error.h"
+#include "ngs/ops/adam.h"
+#include "ngs/ops/label_solve.h"
+#include "support/stability.h"
+
+namespace ngs {
+namespace {
+
+using test::Random;
+using test::Worst;
+using Real = long double;
+
+constexpr double kLr = 1e-2;
+
+/// One step number t of one parameter at 0 without moments.
+float first_move(float g, std::int64_t t) {
+  std::vector<float> x{0.f}, grad{g};
+  AdamMoments moments;
+  adam_step({}, {.lr = kLr}, t, "x", x, grad, moments);
+  return x[0];
+}
+
+}  // namespace
+
+TEST_CASE("adam: without gradients nothing moves") {
+  test::hard_case({"steps", {1, 10, 1000}, 0, "m / (sqrt(v) + 0)"},
+                  [](double h, Random& random, Worst& worst) {
+                    std::vector<float> x = random.uniform_vector<float>(5, -1, 1), before = x, zero(5, 0.f);
+                    AdamMoments moments;
+                    const auto last = std::int64_t(h);
+                    for (std::int64_t t = std::max<std::int64_t>(1, last - 3); t <= last; ++t)
+                      adam_step({}, {.lr = kLr, .eps = 0x1p-60}, t, "x", x, zero, moments);
+                    worst.ours_is(x == before);
+                    worst.naive_is(std::isfinite(zero[0] / std::sqrt(zero[1])));
+                  });
+}
+
+TEST_CASE("adam: the first move is the learning rate, whatever the size of the gradient") {
+  test::hard_case({"-log10 |g|", {0, 5, 10, 15, 18}, 3.4, "eps = 1e-8 outside the root"}, [](double h,
+                                                                                             Random& random,
+                                                                                             Worst& worst) {
+    const float g = float(std::pow(10.0, -h) * random.uniform(0.5, 1) * (random.below(2) ? 1 : -1));
+    const Real v = std::sqrt(Real(0.001L) * g * g);  // below 1e-19 the square is no normal number of float
+    const Real want = -kLr * Real(g) / (v / std::sqrt(Real(0.001L)) + 1e-15L);
+    if (h <= 17)
+      worst.ours(first_move(g, 1), want, h > 14 ? 4 : 1);
+    else
+      worst.ours_is(std::abs(first_move(g, 1)) <= float(kLr));
+    worst.naive(-float(kLr) * g / (std::abs(g) + 1e-8f), want);
+  });
+}
+
+TEST_CASE("adam: bias corrections keep their accuracy at any step") {
+  test::hard_case(
+      {"step", {1e5, 1e3, 100, 10, 2}, 3.8, "1 - β^t in float"}, [](double h, Random& random, Worst& worst) {
+        const float g = float(random.uniform(0.1, 1));
+        const auto t = std::int64_t(h);
+        const Real c1 = -std::expm1(Real(t) * std::log(0.9L)), c2 = -std::expm1(Real(t) * std::log(0.999L));
+        const Real want = -kLr / c1 * 0.1L * g / (std::sqrt(0.001L * g * g) / std::sqrt(c2) + 1e-15L);
+        worst.ours(first_move(g, t), want);
+        const float b1 = 0.9f, b2 = 0.999f, m = (1 - b1) * g, v = (1 - b2) * g * g;
+        worst.naive(-float(kLr) * (m / (1 - std::pow(b1, float(t)))) /
+                        (std::sqrt(v / (1 - std::pow(b2, float(t)))) + 1e-15f),
+                    want);
+      });
+}
+
+TEST_CASE("adam: moments of a constant gradient after a hundred thousand steps") {
+  test::hard_case(
+      {"steps",
+       {10, 1e3, 1e5},
+       0.87,
+       "not applicable: β m + (1 - β) g stalls within the same 1 / (1 - β) ulps",
+       1000},
+      [](double h, Random& random, Worst& worst) {
+        const std::vector<float> grad = random.uniform_vector<float>(1000, 0.1, 1);
+        std::vector<float> x(1000, 0.f);
+        AdamMoments moments;
+        for (std::int64_t t = 1; t <= std::int64_t(h); ++t)
+          adam_step({}, {.lr = 1e-4}, t, "x", x, grad, moments);
+        const Real c1 = -std::expm1(Real(h) * std::log(0.9L)), c2 = -std::expm1(Real(h) * std::log(0.999L));
+        for (std::size_t i = 0; i < grad.size(); ++i) {
+          worst.ours(moments.m[i], c1 * grad[i], 10), worst.ours(moments.v[i], c2 * grad[i] * grad[i], 1000);
+          worst.ours(x[i], -1e-4L * h, 2 * h);
+        }
+      });
+}
+
+TEST_CASE("adam: a gradient that is not a number is named and moves nothing") {
+  test::hard_case({"gradient", {1e20, 3e38, INFINITY, NAN}, 0, "a step with whatever came"},
+                  [](double h, Random& random, Worst& worst) {
+                    std::vector<float> x = random.uniform_vector<float>(100, -1, 1),
+                                       grad = random.uniform_vector<float>(100, -1, 1);
+                    AdamMoments moments;
+                    adam_step({}, {.lr = kLr}, 1, "position", x, grad, moments);
+                    const std::vector<float> before = x, m = moments.m, v = moments.v;
+                    const auto at = std::size_t(random.below(100));
+                    grad[at] = float(h);
+                    bool named = false;
+                    try {
+                      adam_step({}, {.lr = kLr}, 2, "position", x, grad, moments);
+                    } catch (const Error& e) {
+                      named = e.code() == ErrorCode::kNumeric &&
+                              std::string(e.what()).find("position: gradient " + std::to_string(at) + " ") !=
+                                  std::string::npos;
+                    }
+                    worst.ours_is(named && x == before && moments.m == m && moments.v == v);
+                    const float naive = grad[at] * grad[at];
+                    worst.naive_is(std::isfinite(naive) && std::isfinite(grad[at] / std::sqrt(naive)));
+                  });
+}
+
+TEST_CASE("adam: rows without a gradient keep their value and their moments") {
+  test::hard_case({"columns", {1, 2, 8}, 0, "dense decay of all moments"},
+                  [](double h, Random& random, Worst& worst) {
+                    const auto columns = std::size_t(h), n = 10 * columns;
+                    std::vector<float> x = random.uniform_vector<float>(n, -1, 1),
+                                       grad = random.uniform_vector<float>(n, 0.1, 1);
+                    AdamMoments moments;
+                    const AdamOptions options{.lr = kLr, .sparse_columns = int(columns)};
+                    adam_step({}, options, 1, "table", x, grad, moments);
+                    const std::size_t row = std::size_t(random.below(10)) * columns;
+                    std::fill_n(grad.begin() + std::ptrdiff_t(row), columns, 0.f);
+                    const float value = x[row], m = moments.m[row], v = moments.v[row];
+                    adam_step({}, options, 2, "table", x, grad, moments);
+                    worst.ours_is(x[row] == value && moments.m[row] == m && moments.v[row] == v);
+                    worst.naive_is(0.9f * m == m);
+                  });
+}
+
+TEST_CASE("label solve: labels at saturation neither leave [0, 1] nor become NaN") {
+  test::hard_case({"log10 of P / Q", {0, 10, 100, 300}, 0, "P m / (P m + Q (1 - m)) at P = Q = 0"},
+                  [](double h, Random& random, Worst& worst) {
+                    std::vector<double> m{random.uniform(0, 1), 1e-300, 1 - 1e-16, 0, 1, 0.5};
+                    const double p = std::pow(10.0, h / 2), q = std::pow(10.0, -h / 2);
+                    LabelSums sums;
+                    sums.inside = {p, q, q, p, p, 0}, sums.outside = {q, p, p, q, q, 0};
+                    const std::vector<double> next = em_update(m, sums);
+                    bool fine = next[3] == 0 && next[4] == 1;
+                    for (const double x : next) fine &= x >= 0 && x <= 1;
+                    worst.ours_is(fine && frank_wolfe_gap(m, sums, 1e-3) >= 0);
+                    const double zero = 0 * p;
+                    worst.naive_is(std::isfinite(zero * 0.5 / (zero * 0.5 + zero * 0.5)));
+                  });
+}
+
+TEST_CASE("label solve: the EM update keeps the accuracy of odds far from even") {
+  test::hard_case({"-log10 of m", {1, 5, 12, 15}, 3.5, "1 - m P / (m P + (1 - m) Q) for what is left"},
+                  [](double h, Random& random, Worst& worst) {
+                    const double m = std::pow(10.0, -h) * random.uniform(0.5, 1), p = random.uniform(0.5, 2),
+                                 q = random.uniform(0.5, 2);
+                    LabelSums sums;
+                    sums.inside = {p}, sums.outside = {q};
+                    const Real want = m * Real(p) / (m * Real(p) + (1 - Real(m)) * q);
+                    worst.ours(em_update({m}, sums)[0], want);
+                    const double rest = (1 - m) * q / (m * p + (1 - m) * q);
+                    worst.naive(1 - rest, want);
+                  });
+}
+
+}  // namespace ngs

@@ -1,0 +1,59 @@
+// The suite's own files.
+#include <doctest/doctest.h>
+
+#include <fstream>
+
+#include "support/schema_check.h"
+#include "support/stability.h"
+
+namespace ngs {
+namespace {
+
+test::HardResult result(double budget, const std::string& naive,
+                        std::vector<std::pair<double, double>> ratios) {
+  test::HardResult r;
+  r.kernel = "rbf", r.name = "weights < & >", r.hard = {"distance", {}, budget, naive}, r.draws = 1;
+  for (const auto& [ours, theirs] : ratios) {
+    r.hard.values.push_back(double(r.hard.values.size()));
+    r.sweep.emplace_back();
+    r.sweep.back().ours_ratio(ours), r.sweep.back().naive_ratio(theirs);
+  }
+  return r;
+}
+
+}  // namespace
+
+TEST_CASE("a case fails where ngs leaves the budget, and where the textbook form keeps it") {
+  CHECK(result(2, "printed", {{1, 1}, {1.5, 1e6}}).passed());
+  CHECK_FALSE(result(2, "printed", {{1, 1e6}, {2.5, 1e6}}).passed());
+  CHECK_FALSE(result(2, "printed", {{1, 1}, {1, 1.9}}).passed());
+  CHECK(result(0, "not applicable: exact", {{0, 0}}).passed());
+  CHECK_FALSE(result(2, "printed", {{NAN, 1e6}}).passed());
+  CHECK(result(2, "printed", {{1, NAN}}).passed());
+}
+
+TEST_CASE("stability.json satisfies its schema, infinities included") {
+  nlohmann::json schema =
+      nlohmann::json::parse(std::ifstream(NGS_SOURCE_DIR "/data-schema/stability.schema.json"));
+  std::vector<test::HardResult> all{result(2, "printed", {{1, INFINITY}}),
+                                    result(0, "not applicable: exact", {{0, 0}})};
+  all[1].hard.values[0] = -INFINITY;
+  nlohmann::json document = test::stability_document(all);
+  CHECK(test::schema_violations(schema, document) == "");
+  CHECK(document["cases"][0]["sweep"][0]["textbook_ratio"] == "inf");
+  CHECK(document["cases"][1]["sweep"][0]["textbook_ratio"].is_null());
+  document["cases"][0].erase("budget");
+  CHECK(test::schema_violations(schema, document) != "");
+}
+
+TEST_CASE("the page escapes what it shows and asks for nothing from outside") {
+  const std::string page = test::stability_page({result(2, "printed", {{1, INFINITY}, {0, 1}})});
+  CHECK(page.find("weights &lt; &amp; &gt;") != std::string::npos);
+  CHECK(page.find("<script") == std::string::npos);
+  CHECK(page.find("http") == std::string::npos);
+  CHECK(page.find("prefers-color-scheme: dark") != std::string::npos);
+  CHECK(page.find("nan,") == std::string::npos);
+  CHECK(page.find(",nan") == std::string::npos);
+}
+
+}  // namespace ngs

@@ -1,0 +1,91 @@
+#pragma once
+// Hard cases: one doctest case sweeps one hardness, draws many random inputs at each value, and keeps the
+// worst LAPACK-style ratio (support/ratio.h) of what ngs computes and of what the textbook form computes in
+// float. What ngs computes must stay within the pinned budget everywhere; the textbook form must leave it
+// somewhere.
+//
+//   TEST_CASE("elementary: 1 - e^-x keeps its relative accuracy for small x") {
+//     hard_case({"x", {1, 1e-3, 1e-12}, 1.0, "1 - exp(-x)"}, [](double x, Random& random, Worst& worst) {
+//       ...
+//       worst.ours(got, want), worst.naive(naive, want);
+//     });
+//   }
+//
+// The kernel of a case is its name up to the colon. Environment: NGS_STABILITY_SEEDS (default 1000) random
+// inputs per hardness value; NGS_STABILITY_DIR: stability.json and stability.html are written there.
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "support/random.h"
+#include "support/ratio.h"
+
+namespace ngs::test {
+
+/// A ratio that stands for NaN, Inf or a wrong defined answer.
+inline constexpr double kWrong = std::numeric_limits<double>::infinity();
+
+/// The worst ratios at one hardness value.
+class Worst {
+ public:
+  /// |got - want| / (eps(T) · condition · |want|).
+  template <class T>
+  void ours(T got, long double want, long double condition = 1) {
+    ours_ratio(ratio(got, double(want), double(condition)));
+  }
+  template <class T>
+  void naive(T got, long double want, long double condition = 1) {
+    naive_ratio(ratio(got, double(want), double(condition)));
+  }
+  /// A ratio that the case computes itself; NaN counts as wrong.
+  void ours_ratio(double r) { ours_ = r >= 0 ? std::max(ours_, r) : kWrong, ++values_; }
+  void naive_ratio(double r) { naive_ = r >= 0 ? std::max(naive_, r) : kWrong; }
+  /// A defined answer: right or wrong, nothing between.
+  void ours_is(bool right) { ours_ratio(right ? 0 : kWrong); }
+  void naive_is(bool right) { naive_ratio(right ? 0 : kWrong); }
+
+  double ours() const { return ours_; }
+  double naive() const { return naive_; }
+  std::int64_t values() const { return values_; }
+
+ private:
+  double ours_ = 0, naive_ = 0;
+  std::int64_t values_ = 0;  // compared
+};
+
+struct HardCase {
+  std::string axis;            // what grows harder
+  std::vector<double> values;  // from easy to hard
+  double budget;               // of the ratio: 1.5 to 2 times the measured worst; 0: exact
+  std::string naive;           // the textbook form, or "not applicable: why"
+  int cost = 1;                // draws fall by this factor
+};
+
+/// Runs a case and checks it; call it once per TEST_CASE.
+using HardBody = std::function<void(double hardness, Random& random, Worst& worst)>;
+void hard_case(const HardCase& hard, const HardBody& body);
+
+/// What one case measured.
+struct HardResult {
+  std::string kernel, name;
+  HardCase hard;
+  std::int64_t draws = 0;    // random inputs per hardness value
+  std::vector<Worst> sweep;  // per hardness value
+  bool has_naive() const { return hard.naive.rfind("not applicable", 0) != 0; }
+  double worst() const;
+  double naive_worst() const;
+  std::int64_t values() const;  // compared in all
+  bool passed() const;
+};
+/// All cases that have run so far.
+const std::vector<HardResult>& hard_results();
+
+/// data-schema/stability.schema.json
+nlohmann::json stability_document(const std::vector<HardResult>& results);
+/// One page without scripts or network: per kernel a table and a plot of ratio against hardness per case.
+std::string stability_page(const std::vector<HardResult>& results);
+
+}  // namespace ngs::test
