@@ -1,5 +1,6 @@
 // ngs-joint: scene.json + labelled PLY -> labelled PLY with optimised labels and attributes. Algorithm 1,
 // step 6.
+#include "floater_run.h"
 #include "methods.h"
 #include "ngs/io/content_hash.h"
 #include "ngs/io/gaussian_ply.h"
@@ -44,7 +45,7 @@ int main(int argc, char** argv) {
                   "--checkpoint DIR");
     const Scene scene = with_objects(io::read_scene_json(scene_json.path), settings.run.objects);
     const io::GaussianPly ply = io::read_gaussian_ply(boundary.path);
-    MethodInput input{.cloud = ply.cloud,
+    MethodInput read{.cloud = ply.cloud,
                       .scene = scene,
                       .views = training_views(scene),
                       .load_masks = [&](std::size_t view) { return io::load_masks(scene, view); },
@@ -56,10 +57,13 @@ int main(int argc, char** argv) {
                       .labels = joint::labels_of(ply, scene)};
     if (settings.run.explain || run.dry_run()) {
       run.plan({{"effects", joint::explain(settings.joint)},
-                {"training_views", input.views.size()},
+                {"training_views", read.views.size()},
                 {"gaussians", ply.cloud.size()}});
       return 0;
     }
+    const joint::FloaterOutcome clean =
+        joint::floaters_wanted(settings) ? joint::handle_floaters(run, read) : joint::FloaterOutcome{};
+    const MethodInput input = joint::without_floaters(read, clean);
     if (settings.run.method != joint::Method::kPaper) {
       if (trace || nerf || field || !settings.run.time_budget.empty() || !settings.run.target.empty() ||
           !settings.run.checkpoint.empty())
@@ -67,16 +71,16 @@ int main(int argc, char** argv) {
             "--field, --nerf, --trace, --time-budget, --target and --checkpoint belong to --method paper; "
             "this "
             "method does not use them");
-      joint::write_result(run, ply, scene, joint::run_beside(run, settings.run.method, methods, input),
-                          out.path);
+      joint::write_result(run, {ply, scene, clean.floater},
+                          joint::run_beside(run, settings.run.method, methods, input), out.path);
       return 0;
     }
     std::optional<QueryField> given;
-    if (field) given = io::read_query_ply(field.path);
+    if (field && !clean.removed()) given = io::read_query_ply(field.path);
     const std::string fingerprint = io::content_hash(boundary.path).xxh3 + " " +
                                     joint::options_text(settings) + " seed " + std::to_string(run.seed());
     return joint::optimise(run, settings,
-                           {input, given ? &*given : nullptr, ply, {settings.run.checkpoint, fingerprint}},
+                           {input, given ? &*given : nullptr, {ply, scene, clean.floater}, {settings.run.checkpoint, fingerprint}},
                            {out.path, nerf.path, trace.path});
   });
 }

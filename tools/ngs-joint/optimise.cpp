@@ -59,16 +59,19 @@ std::vector<LabelColumns> labels_of(const io::GaussianPly& ply, const Scene& sce
   return labels;
 }
 
-void write_result(cli::Run& run, const io::GaussianPly& ply, const Scene& scene, const MethodResult& result,
-                  const std::string& path) {
+void write_result(cli::Run& run, const Source& source, const MethodResult& result, const std::string& path) {
   const auto timed = run.monitor().scope("write");
   std::vector<io::NamedLabels> named;
   for (std::size_t k = 0; k < result.labels.size(); ++k)
-    named.push_back({scene.objects[k].name, result.labels[k]});
+    named.push_back({source.scene.objects[k].name, result.labels[k]});
   io::LabelledWrite write;
   write.edited = &result.cloud;
   write.source_row = result.source_row;
-  io::write_labelled_ply(path, ply, named, write);
+  std::vector<float> floater;
+  for (std::size_t row = 0; !source.floater.empty() && row < std::size_t(result.cloud.size()); ++row)
+    floater.push_back(source.floater[result.source_row.empty() ? row : std::size_t(result.source_row[row])]);
+  write.floater = floater;
+  io::write_labelled_ply(path, source.ply, named, write);
   for (const auto& [name, value] : result.figures) run.result()[name] = value;
   run.result()["converged"] = result.converged;
 }
@@ -121,7 +124,7 @@ int optimise(cli::Run& run, Settings& settings, const Problem& problem, const Ar
                                {"align", l.align}, {"mask", l.mask},
                                {"cont", l.cont},   {"smooth", l.smooth}};
   run.result()["effects"] = explain(settings.joint);
-  write_result(run, problem.ply, problem.input.scene, result, artifacts.labelled);
+  write_result(run, problem.source, result, artifacts.labelled);
   if (!artifacts.nerf.empty()) write_nerf(artifacts.nerf, trainer);
   if (!artifacts.trace.empty()) io::write_file(artifacts.trace, trace.text());
   return result.converged ? cli::kDone : cli::kBudgetHit;

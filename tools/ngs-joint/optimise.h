@@ -21,14 +21,20 @@ std::string options_text(Settings& settings);
 /// The model's label columns, one per object of the scene; kBadInput where they are missing.
 std::vector<LabelColumns> labels_of(const io::GaussianPly& ply, const Scene& scene);
 
+/// What a result is written on top of.
+struct Source {
+  const io::GaussianPly& ply;
+  const Scene& scene;
+  const std::vector<float>& floater;  // [N] 1: taken out; empty: none was
+};
+
 /// The labelled PLY and the figures of a finished method.
-void write_result(cli::Run& run, const io::GaussianPly& ply, const Scene& scene, const MethodResult& result,
-                  const std::string& path);
+void write_result(cli::Run& run, const Source& source, const MethodResult& result, const std::string& path);
 
 struct Problem {
   const MethodInput& input;
   const QueryField* field;
-  const io::GaussianPly& ply;
+  Source source;
   Checkpoint checkpoint;
 };
 struct Artifacts {

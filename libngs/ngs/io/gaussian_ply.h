@@ -64,6 +64,7 @@ struct LabelledWrite {
   std::span<const std::int64_t> source_row;  // [edited rows] row of the input that a row descends from (its
                                              // other columns are copied); empty: the same rows as the input
   std::span<const float> fixed;         // [rows] adds ngs_fixed; empty: the input's column, if any, is kept
+  std::span<const float> floater;       // [rows] adds ngs_floater; empty: the input's column, if any, is kept
   std::span<const std::uint8_t> state;  // [rows] adds `uchar state` (supersplat)
   std::vector<std::string> history;     // appended to the input's comments
 };

@@ -77,6 +77,7 @@ class RowSource {
  private:
   bool is_replaced(const std::string& name) const {
     if (name == kFixedColumn) return !options_.fixed.empty();
+    if (name == kFloaterColumn) return !options_.floater.empty();
     if (name == kStateColumn) return !options_.state.empty();
     return std::any_of(kLabelFields.begin(), kLabelFields.end(), [&](const LabelField& f) {
       return name == f.name || name.starts_with(std::string(f.name) + "_");
@@ -248,6 +249,7 @@ void write_labelled_ply(const std::string& path, const GaussianPly& source,
   const RowSource passthrough(source, options, rows);
   std::vector<Added> added = added_columns(objects, all);
   if (!options.fixed.empty()) added.push_back({std::string(kFixedColumn), options.fixed});
+  if (!options.floater.empty()) added.push_back({std::string(kFloaterColumn), options.floater});
 
   PlyElement element;
   element.name = "vertex";

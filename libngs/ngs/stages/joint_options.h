@@ -28,6 +28,7 @@ struct JointEffects {
   bool photometric = true;          // the anchor to the photos (C16)
   bool geometry = true;             // off: only labels and the field are trained
   bool mask_geometry = true;        // L_mask moves geometry too (COB-GS: never)
+  bool floaters = true;             // floaters before the object are taken out first
 };
 struct EffectName {
   std::string_view name, help;
@@ -48,7 +49,8 @@ inline constexpr EffectName kEffects[] = {
     {"smooth", "L_smth", &JointEffects::smooth},
     {"photometric", "anchor to the photos", &JointEffects::photometric},
     {"geometry", "move the Gaussians", &JointEffects::geometry},
-    {"mask-geometry", "L_mask moves the Gaussians", &JointEffects::mask_geometry}};
+    {"mask-geometry", "L_mask moves the Gaussians", &JointEffects::mask_geometry},
+    {"floaters", "take floaters before the object out", &JointEffects::floaters}};
 
 /// "NAME=auto|on|off" entries over the defaults (auto = the default). kUsage for anything else.
 JointEffects parse_effects(const std::vector<std::string>& entries);

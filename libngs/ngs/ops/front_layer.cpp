@@ -1,0 +1,171 @@
+#include "ngs/ops/front_layer.h"
+
+#include "ngs/core/check.h"
+#include "ngs/ops/cloud_view.h"
+#include "ngs/ops/splat_tiles.h"
+
+namespace ngs {
+namespace {
+
+using L = PackF;
+constexpr int kPacks = kPacksPerTile<L>;
+
+/// Where pixel (x, y) of a tile lies in its packs: columns of packs, rows within.
+int lane_of(int x, int y) { return (x / L::kLanes * kTilePx + y) * L::kLanes + x % L::kLanes; }
+
+/// A plane of the image in the tile's packs; 0 outside the image.
+template <class T>
+void tile_plane(const TileFrame& frame, const std::vector<T>& image, L* packs) {
+  float lane[kTilePixels] = {};
+  for (int y = 0; y < frame.rows(); ++y)
+    for (int x = 0; x < frame.columns(); ++x)
+      lane[lane_of(x, y)] = float(
+          image[std::size_t(frame.y_px + y) * std::size_t(frame.width_px) + std::size_t(frame.x_px + x)]);
+  for (int i = 0; i < kPacks; ++i) load_lanes(lane + i * L::kLanes, packs[i]);
+}
+
+struct BinnedView {
+  ProjectedView<float> view;
+  TileLists lists;
+};
+
+BinnedView binned(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
+                  const SplatOptions& options) {
+  BinnedView b;
+  b.view = project_view(exec, cloud_view(cloud, 0, nullptr), relative_camera(camera, cloud), options);
+  b.lists = bin_tiles(exec, b.view, camera.width_px, camera.height_px);
+  return b;
+}
+
+/// What both sinks share: which of the tile's Gaussians may be in front, and where.
+struct FrontBase {
+  const BinnedView& binned;
+  TileWork<float> work;
+  const std::vector<std::uint8_t>& candidate;
+  L limit[kPacks];
+  std::size_t v = 0;
+  bool may = false;
+  float depth = 0;
+
+  void enter(std::uint32_t entry) {
+    v = work.visible[entry];
+    may = candidate[binned.view.id[v]] != 0;
+    depth = binned.view.depth[v];
+  }
+  L front_weight(const Contribution<L>& hit) const {
+    return select(L(depth) < limit[hit.pack], hit.alpha * hit.transmittance, L(0.f));
+  }
+};
+
+struct LayerSink : FrontBase {
+  Matrix<const float> value;
+  std::vector<L> sum;  // [C + 1, packs]
+
+  void begin(std::uint32_t entry) { enter(entry); }
+  void begin_column(int) {}
+  void add(int, const Contribution<L>& hit) {
+    if (!may) return;
+    const L weight = front_weight(hit);
+    const float* row = value.row(binned.view.id[v]);
+    for (int c = 0; c < value.c; ++c) {
+      L& s = sum[std::size_t(c * kPacks + hit.pack)];
+      s = fma_lanes(weight, L(row[c]), s);
+    }
+    sum[std::size_t(value.c * kPacks + hit.pack)] += weight;
+  }
+  void end_column(int) {}
+  void end() {}
+};
+
+struct SumSink : FrontBase {
+  Matrix<float> pair;  // [pairs, 3]
+  L marked[kPacks];
+  L sum[3] = {};
+  std::uint32_t entry = 0;
+
+  void begin(std::uint32_t e) {
+    enter(entry = e);
+    sum[0] = sum[1] = sum[2] = L(0.f);
+  }
+  void begin_column(int) {}
+  void add(int, const Contribution<L>& hit) {
+    sum[0] += hit.alpha * hit.transmittance;
+    if (!may) return;
+    const L front = front_weight(hit);
+    sum[1] += front;
+    sum[2] = fma_lanes(front, marked[hit.pack], sum[2]);
+  }
+  void end_column(int) {}
+  void end() {
+    float* row = pair.row(work.slot[entry]);
+    for (int c = 0; c < 3; ++c) row[c] = sum_lanes(sum[c]);
+  }
+};
+
+void check_query(const GaussianCloud& cloud, const Camera& camera, const FrontQuery& query) {
+  NGS_CHECK(query.limit.width_px == camera.width_px && query.limit.height_px == camera.height_px &&
+                query.limit.channels == 1,
+            "one limit per pixel");
+  NGS_CHECK(std::int64_t(query.candidate.size()) == cloud.size(), "one candidate flag per Gaussian");
+}
+
+void store_tile(const TileFrame& frame, const std::vector<L>& sum, ImageF& out) {
+  float lane[kTilePixels];
+  for (int c = 0; c < out.channels; ++c) {
+    for (int i = 0; i < kPacks; ++i) store_lanes(lane + i * L::kLanes, sum[std::size_t(c * kPacks + i)]);
+    for (int y = 0; y < frame.rows(); ++y)
+      for (int x = 0; x < frame.columns(); ++x)
+        out.at(frame.x_px + x, frame.y_px + y, c) = lane[lane_of(x, y)];
+  }
+}
+
+}  // namespace
+
+ImageF front_layer(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
+                   const SplatOptions& options, const FrontQuery& query, Matrix<const float> value) {
+  check_query(cloud, camera, query);
+  NGS_CHECK(value.n == cloud.size(), "one value row per Gaussian");
+  const BinnedView b = binned(exec, cloud, camera, options);
+  ImageF out(camera.width_px, camera.height_px, value.c + 1);
+  for_each_task(exec, b.lists.tiles(), [&](std::int64_t tile) {
+    const TileWork<float> work = tile_work(b.view, b.lists, tile, camera, options.compat);
+    const TileFrame& frame = work.frame;
+    LayerSink sink{{b, work, query.candidate, {}}, value, std::vector<L>(std::size_t((value.c + 1) * kPacks), L(0.f))};
+    tile_plane(frame, query.limit.data, sink.limit);
+    L transmittance[kPacks];
+    composite_tile<L>(work, transmittance, sink);
+    store_tile(frame, sink.sum, out);
+  });
+  return out;
+}
+
+FrontSums front_sums(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
+                     const SplatOptions& options, const FrontQuery& query,
+                     const std::vector<std::uint8_t>& marked) {
+  check_query(cloud, camera, query);
+  NGS_CHECK(std::int64_t(marked.size()) == query.limit.pixels(), "one mark per pixel");
+  const BinnedView b = binned(exec, cloud, camera, options);
+  std::vector<float> pairs(std::size_t(b.lists.pairs()) * 3, 0.f);
+  const Matrix<float> pair{pairs.data(), b.lists.pairs(), 3};
+  for_each_task(exec, b.lists.tiles(), [&](std::int64_t tile) {
+    const TileWork<float> work = tile_work(b.view, b.lists, tile, camera, options.compat);
+    const TileFrame& frame = work.frame;
+    SumSink sink{{b, work, query.candidate, {}}, pair, {}};
+    tile_plane(frame, query.limit.data, sink.limit);
+    tile_plane(frame, marked, sink.marked);
+    L transmittance[kPacks];
+    composite_tile<L>(work, transmittance, sink);
+  });
+  const auto n = std::size_t(cloud.size());
+  FrontSums sums{std::vector<double>(n), std::vector<double>(n), std::vector<double>(n)};
+  for_each_index(exec, std::int64_t(b.view.id.size()), [&](std::int64_t v) {
+    double total[3] = {};
+    for (std::int64_t s = b.lists.slot_begin[std::size_t(v)]; s < b.lists.slot_begin[std::size_t(v) + 1]; ++s)
+      for (int c = 0; c < 3; ++c) total[c] += double(pair.row(s)[c]);
+    const std::size_t i = b.view.id[std::size_t(v)];
+    sums.weight[i] = total[0], sums.front[i] = total[1], sums.marked[i] = total[2];
+  });
+  return sums;
+}
+
+}  // namespace ngs

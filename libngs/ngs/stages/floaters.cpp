@@ -1,0 +1,296 @@
+#include "ngs/stages/floaters.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ngs/backend/for_each.h"
+#include "ngs/ops/front_layer.h"
+#include "ngs/ops/knn.h"
+#include "ngs/stages/method_labels.h"
+
+namespace ngs {
+namespace {
+
+/// The object without its rim: who is certain, and how large it is.
+struct Core {
+  std::vector<std::uint8_t> member;  // [N]
+  std::int64_t count = 0;
+  double radius = 0;  // RMS distance from the mean, world
+};
+
+Core core_of(const FloaterOptions& options, const MethodInput& input) {
+  const auto n = std::size_t(input.cloud.size());
+  Core core{std::vector<std::uint8_t>(n, 0)};
+  float most_views = 0;
+  for (const LabelColumns& object : input.labels)
+    for (const float v : object.views) most_views = std::max(most_views, v);
+  const double least_views = std::ceil(double(most_views) / 4);
+  double sum[3] = {}, squares = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!input.cloud.usable[i]) continue;
+    for (const LabelColumns& object : input.labels)
+      if (object.views[i] > 0 && double(object.views[i]) >= least_views &&
+          double(object.prob[i]) >= options.core_share)
+        core.member[i] = 1;
+    if (!core.member[i]) continue;
+    ++core.count;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double x = double(input.cloud.position[3 * i + a]);
+      sum[a] += x, squares += x * x;
+    }
+  }
+  if (core.count == 0) return core;
+  const double count = double(core.count);
+  const double mean2 = (sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]) / (count * count);
+  core.radius = std::sqrt(std::max(0.0, squares / count - mean2));
+  return core;
+}
+
+std::vector<float> centres_of(const GaussianCloud& cloud, const Core& core) {
+  std::vector<float> centres;
+  for (std::size_t i = 0; i < core.member.size(); ++i)
+    if (core.member[i]) centres.insert(centres.end(), &cloud.position[3 * i], &cloud.position[3 * i] + 3);
+  return centres;
+}
+
+/// Nearer than this, world, the model does not tell the core from what surrounds it.
+double margin_of(const Exec& exec, const FloaterOptions& options, const GaussianCloud& cloud,
+                 const Core& core) {
+  const std::vector<float> centres = centres_of(cloud, core);
+  const double spacing = mean_spacing(nearest_others(exec, {centres.data(), core.count}, 3));
+  return std::max(options.margin * core.radius, options.spacings * spacing);
+}
+
+/// Neither core nor near it, nor fixed by hand.
+std::vector<std::uint8_t> candidates_of(const Exec& exec, const MethodInput& input, const Core& core,
+                                        double margin) {
+  const auto n = std::size_t(input.cloud.size());
+  const std::vector<float> centres = centres_of(input.cloud, core);
+  std::vector<float> others;
+  std::vector<std::size_t> row;
+  for (std::size_t i = 0; i < n; ++i) {
+    const float* p = &input.cloud.position[3 * i];
+    if (!core.member[i] && input.cloud.usable[i] && !is_fixed(input, i))
+      others.insert(others.end(), p, p + 3), row.push_back(i);
+  }
+  const KnnGraph nearest = nearest_points(exec, {centres.data(), core.count},
+                                          {others.data(), std::int64_t(row.size())}, 1);
+  std::vector<std::uint8_t> candidate(n, 0);
+  for (std::size_t k = 0; k < row.size(); ++k)
+    candidate[row[k]] = double(nearest.dist2[k]) > margin * margin;
+  return candidate;
+}
+
+/// What the core alone looks like from one camera.
+struct Surface {
+  ImageF colour;  // of the surface, where there is one
+  ImageF limit;   // [H, W, 1] camera z before which things are in front of it; 0: no surface
+};
+
+Surface surface_of(const Exec& exec, const FloaterOptions& options, const MethodInput& input,
+                   const GaussianCloud& cloud, const Core& core, const Camera& camera, double margin) {
+  RenderRequest request;
+  request.depth = true;
+  request.include = core.member.data();
+  RenderedView alone = render(exec, cloud, camera, input.splat, request);
+  Surface s{std::move(alone.colour), ImageF(camera.width_px, camera.height_px, 1)};
+  for (std::size_t p = 0; p < alone.alpha.data.size(); ++p) {
+    const double alpha = double(alone.alpha.data[p]);
+    if (alpha < options.surface_alpha) continue;
+    s.limit.data[p] = float(double(alone.depth.data[p]) / alpha - margin);
+    for (std::size_t c = 0; c < 3; ++c) s.colour.data[3 * p + c] /= float(alpha);
+  }
+  return s;
+}
+
+double difference(const float* a, const float* b) {
+  double sum = 0;
+  for (int c = 0; c < 3; ++c) sum += std::abs(double(a[c]) - double(b[c]));
+  return sum / 3;
+}
+
+/// The photo's colours as three soft masks: their evidence is the mean colour of what a Gaussian covers.
+void add_colour_evidence(const Exec& exec, const MethodInput& input, const GaussianCloud& cloud,
+                         const Camera& camera, const ImageF& photo, Evidence& evidence) {
+  ViewMasks channels;
+  channels.width_px = camera.width_px, channels.height_px = camera.height_px, channels.available = true;
+  channels.target.assign(3, std::vector<float>(std::size_t(photo.pixels())));
+  for (std::size_t p = 0; p < std::size_t(photo.pixels()); ++p)
+    for (std::size_t c = 0; c < 3; ++c) channels.target[c][p] = photo.data[3 * p + c];
+  add_view_evidence(exec, cloud, camera, input.splat, channels, evidence);
+}
+
+class FloaterSearch {
+ public:
+  FloaterSearch(const Exec& exec, const FloaterOptions& options, const MethodInput& input)
+      : exec_(exec),
+        options_(options),
+        input_(input),
+        cloud_(input.cloud),
+        core_(core_of(options, input)),
+        views_(photo_views(input.scene)),
+        trained_(input.scene.views.size(), 0) {
+    for (const std::size_t v : input.views) trained_[v] = 1;
+  }
+
+  FloaterFinding run(Monitor& monitor) {
+    FloaterFinding finding;
+    finding.floater.assign(std::size_t(cloud_.size()), 0);
+    if (core_.count == 0 || views_.empty()) return finding;
+    margin_ = margin_of(exec_, options_, cloud_, core_);
+    finding.far = candidate_ = candidates_of(exec_, input_, core_, margin_);
+    const auto candidates = std::count(candidate_.begin(), candidate_.end(), std::uint8_t(1));
+    finding.figures = {{"core", double(core_.count)}, {"candidates", double(candidates)}, {"margin", margin_}};
+    noise_ = core_noise();
+    int rounds = 0;
+    while (rounds < options_.rounds && !monitor.stop_requested()) {
+      const auto timed = monitor.scope("floaters: search");
+      ++rounds;
+      const std::int64_t found = round(finding.floater);
+      finding.count += found;
+      if (found == 0) break;
+    }
+    finding.figures["rounds"] = rounds, finding.figures["noise"] = noise_;
+    return finding;
+  }
+
+ private:
+  const Camera& camera(std::size_t v) const { return input_.scene.views[v].camera; }
+
+  /// Median over views of the median difference between core and photo.
+  double core_noise() const {
+    std::vector<double> medians;
+    for (const std::size_t v : views_) {
+      const Surface s = surface_of(exec_, options_, input_, cloud_, core_, camera(v), margin_);
+      const ImageF photo = input_.load_photo(v);
+      std::vector<double> all;
+      for (std::size_t p = 0; p < s.limit.data.size(); ++p)
+        if (s.limit.data[p] > 0) all.push_back(difference(&photo.data[3 * p], &s.colour.data[3 * p]));
+      if (!all.empty()) medians.push_back(median(all));
+    }
+    return medians.empty() ? 1.0 : median(medians);
+  }
+  static double median(std::vector<double>& values) {
+    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  }
+
+  /// Mean photo colour of every Gaussian in the views other than this one, and 1; zeros where there are none.
+  std::vector<float> colour_elsewhere(const Evidence& all, const Evidence& here) const {
+    std::vector<float> value(std::size_t(cloud_.size()) * 4, 0.f);
+    for (std::size_t i = 0; i < std::size_t(cloud_.size()); ++i) {
+      const double weight = all.weight.value(i) - here.weight.value(i);
+      if (!(weight > 1e-3 * all.weight.value(i))) continue;
+      for (std::size_t c = 0; c < 3; ++c)
+        value[4 * i + c] =
+            float((all.object_weight.value(3 * i + c) - here.object_weight.value(3 * i + c)) / weight);
+      value[4 * i + 3] = 1.f;
+    }
+    return value;
+  }
+
+  /// Pixels at which the photo shows the surface although something is drawn in front of it.
+  std::vector<std::uint8_t> seen_through(std::size_t v, const Surface& s, const ImageF& photo,
+                                         const ImageF& front) const {
+    ViewMasks masks;
+    if (trained_[v]) masks = input_.load_masks(v);
+    std::vector<std::uint8_t> marked(s.limit.data.size(), 0);
+    const double least = options_.noise_factor * noise_;
+    for (std::size_t p = 0; p < marked.size(); ++p) {
+      const float* f = &front.data[5 * p];
+      if (!(s.limit.data[p] > 0) || !(f[4] > 0) || vetoed(masks, p)) continue;
+      const double to_surface = difference(&photo.data[3 * p], &s.colour.data[3 * p]);
+      if (f[3] >= 0.5f * f[4]) {
+        const float elsewhere[3] = {f[0] / f[3], f[1] / f[3], f[2] / f[3]};
+        marked[p] = difference(&photo.data[3 * p], elsewhere) - to_surface > least;
+      } else {
+        marked[p] = to_surface < least;
+      }
+    }
+    return marked;
+  }
+  /// The view's own masks are known to say that the pixel shows none of the objects.
+  static bool vetoed(const ViewMasks& masks, std::size_t p) {
+    if (!masks.available || (!masks.known.empty() && !masks.known[p])) return false;
+    return std::all_of(masks.target.begin(), masks.target.end(),
+                       [&](const std::vector<float>& target) { return target[p] < 0.5f; });
+  }
+
+  std::int64_t round(std::vector<std::uint8_t>& floater) {
+    const auto n = std::size_t(cloud_.size());
+    Evidence all(cloud_.size(), 3);
+    for (const std::size_t v : views_)
+      add_colour_evidence(exec_, input_, cloud_, camera(v), input_.load_photo(v), all);
+    std::vector<double> front(n), through(n), reach(n);
+    for (const std::size_t v : views_) {
+      const ImageF photo = input_.load_photo(v);
+      Evidence here(cloud_.size(), 3);
+      add_colour_evidence(exec_, input_, cloud_, camera(v), photo, here);
+      const Surface s = surface_of(exec_, options_, input_, cloud_, core_, camera(v), margin_);
+      const std::vector<float> elsewhere = colour_elsewhere(all, here);
+      const FrontQuery query{s.limit, candidate_};
+      const ImageF layer =
+          front_layer(exec_, cloud_, camera(v), input_.splat, query, {elsewhere.data(), cloud_.size(), 4});
+      const FrontSums sums =
+          front_sums(exec_, cloud_, camera(v), input_.splat, query, seen_through(v, s, photo, layer));
+      for (std::size_t i = 0; i < n; ++i) {
+        front[i] += sums.front[i], through[i] += sums.marked[i];
+        if (sums.weight[i] > 0) reach[i] = std::max(reach[i], sums.front[i] / sums.weight[i]);
+      }
+    }
+    std::int64_t found = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (!candidate_[i] || !(front[i] > 0) || reach[i] < options_.least_reach ||
+          through[i] < options_.seen_through * front[i])
+        continue;
+      floater[i] = 1, candidate_[i] = 0, cloud_.logit_opacity[i] = kRemovedLogit;
+      ++found;
+    }
+    return found;
+  }
+
+  const Exec& exec_;
+  const FloaterOptions& options_;
+  const MethodInput& input_;
+  GaussianCloud cloud_;  // without the floaters of the rounds before
+  Core core_;
+  std::vector<std::size_t> views_;
+  std::vector<std::uint8_t> trained_;  // [views of the scene]
+  std::vector<std::uint8_t> candidate_;
+  double margin_ = 0, noise_ = 0;
+};
+
+}  // namespace
+
+FloaterFinding find_floaters(const Exec& exec, Monitor& monitor, const FloaterOptions& options,
+                             const MethodInput& input) {
+  return FloaterSearch(exec, options, input).run(monitor);
+}
+
+FloaterRemoval remove_floaters(const Exec& exec, Monitor& monitor, const RefitOptions& refit,
+                               const MethodInput& input, const FloaterFinding& finding) {
+  const std::vector<std::uint8_t>& floater = finding.floater;
+  FloaterRemoval out{input.cloud, {}, {}};
+  const auto timed = monitor.scope("floaters: removal");
+  const std::vector<std::size_t> views = photo_views(input.scene);
+  for (std::size_t i = 0; i < floater.size(); ++i)
+    if (floater[i]) out.cloud.logit_opacity[i] = kRemovedLogit;
+  out.figures["psnr_before_db"] = mean_psnr_db(exec, input, input.cloud, views);
+  out.figures["psnr_removed_db"] = mean_psnr_db(exec, input, out.cloud, views);
+  refit_to_photos(exec, monitor, refit, input, views, finding.far, out.cloud);
+  out.figures["psnr_after_db"] = mean_psnr_db(exec, input, out.cloud, views);
+  Evidence evidence = accumulate_evidence(exec, monitor, out.cloud, input.scene, input.views, input.splat,
+                                          input.load_masks);
+  out.labels = label_gaussians({}, evidence);
+  for (std::size_t k = 0; k < out.labels.size(); ++k)
+    for (std::size_t i = 0; i < floater.size(); ++i)
+      if (floater[i]) {
+        LabelColumns& c = out.labels[k];
+        c.label[i] = c.prob[i] = c.variance[i] = c.boundary[i] = 0;
+        c.views[i] = input.labels[k].views[i];
+      }
+  return out;
+}
+
+}  // namespace ngs

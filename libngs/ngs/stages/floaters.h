@@ -1,0 +1,57 @@
+#pragma once
+// Floaters before the object: Gaussians of no surface that cover it in some views.           PAPER.md §5.8
+//
+// A splat explains a photo as well by paint on a haze near the camera as by the object itself. The masks of the
+// views that see the haze from elsewhere call it background, rightly, and where it covers the object the rendered
+// mask has a hole. Nothing here reads a mask of a held-out view; photos of all views are read, as when the model
+// was trained.
+//
+// The object's surface is what its core renders: Gaussians with a share of at least `core_share` that at least a
+// quarter of the views with masks see. A Gaussian far from the core and nearer to the camera than that surface is a
+// candidate. At a pixel the photo decides between the two: it shows the surface where it is closer to the core's
+// colour than to the one that the Gaussians in front have in the other views' photos, by more than the noise. A
+// training view's own mask vetoes where it says that something else is seen. A candidate is a floater if the photos
+// see through it in at least `seen_through` of its weight before the surface.
+#include "ngs/options/field.h"
+#include "ngs/stages/method.h"
+#include "ngs/stages/photo_refit.h"
+
+namespace ngs {
+
+struct FloaterOptions {
+  double core_share = 0.9;     // share of object evidence
+  double surface_alpha = 0.9;  // opacity of the core from which a pixel has a surface
+  double margin = 0.1;         // distance from the core and from the surface, in RMS radii of the core
+  double spacings = 3;         // at least this many times the distance of neighbours in the core
+  double seen_through = 0.5;   // of a candidate's weight before the surface
+  double least_reach = 0.1;    // share of a candidate's weight before the surface, in its best view
+  double noise_factor = 2;     // times the median difference of core and photo: what colours must differ by
+  int rounds = 4;              // what stands behind a floater shows in the next round
+};
+
+struct FloaterFinding {
+  std::vector<std::uint8_t> floater;      // [N]
+  std::vector<std::uint8_t> far;          // [N] neither of the core nor near it; empty: no core
+  std::int64_t count = 0;
+  std::map<std::string, double> figures;  // core, candidates, margin (world), noise, rounds
+};
+
+/// Empty finding where the input has no core, no photos, or nothing is found. Needs input.labels.
+FloaterFinding find_floaters(const Exec& exec, Monitor& monitor, const FloaterOptions& options,
+                             const MethodInput& input);
+
+/// Logit of the opacity of a Gaussian that was taken out: below what any view draws.
+inline constexpr float kRemovedLogit = -20.f;
+
+struct FloaterRemoval {
+  GaussianCloud cloud;               // floaters at kRemovedLogit, what is left refitted to the photos: colours of
+                                     // all, geometry of what is far from the core
+  std::vector<LabelColumns> labels;  // evidence gathered anew; floaters: label and prob 0, no boundary
+  std::map<std::string, double> figures;  // PSNR before, without, after the refit
+};
+
+/// `variance`: how labels follow from evidence.
+FloaterRemoval remove_floaters(const Exec& exec, Monitor& monitor, const RefitOptions& refit,
+                               const MethodInput& input, const FloaterFinding& finding);
+
+}  // namespace ngs

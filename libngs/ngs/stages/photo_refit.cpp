@@ -1,0 +1,120 @@
+#include "ngs/stages/photo_refit.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "ngs/core/rng.h"
+#include "ngs/ops/adam.h"
+#include "ngs/ops/image_metrics.h"
+#include "ngs/ops/photometric.h"
+#include "ngs/stages/fit_stage.h"
+
+namespace ngs {
+namespace {
+
+constexpr std::size_t kPhotoCacheBytes = 512u << 20;
+
+/// Decoded photos, as many as fit.
+class PhotoCache {
+ public:
+  explicit PhotoCache(const MethodInput& input) : input_(input) {}
+  const ImageF& get(std::size_t view) {
+    const auto known = photos_.find(view);
+    if (known != photos_.end()) return known->second;
+    ImageF photo = input_.load_photo(view);
+    const std::size_t bytes = photo.data.size() * sizeof(float);
+    if (bytes_ + bytes > kPhotoCacheBytes) return scratch_ = std::move(photo);
+    bytes_ += bytes;
+    return photos_[view] = std::move(photo);
+  }
+
+ private:
+  const MethodInput& input_;
+  std::map<std::size_t, ImageF> photos_;
+  ImageF scratch_;
+  std::size_t bytes_ = 0;
+};
+
+std::vector<std::size_t> shuffled(std::vector<std::size_t> views, std::uint64_t seed, int round) {
+  const auto rank = [&](std::size_t view) {
+    return rng_bits(seed, RngStream::kViewOrder, (std::uint64_t(round) << 32) + view);
+  };
+  std::sort(views.begin(), views.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
+  return views;
+}
+
+void hold_still(const std::vector<std::uint8_t>& moves, CloudGradients& gradients) {
+  for (std::size_t i = 0; i < moves.size(); ++i) {
+    if (moves[i]) continue;
+    std::fill_n(&gradients.position[3 * i], 3, 0.f), std::fill_n(&gradients.rotation[4 * i], 4, 0.f);
+    std::fill_n(&gradients.log_scale[3 * i], 3, 0.f), gradients.logit_opacity[i] = 0.f;
+  }
+}
+
+}  // namespace
+
+std::vector<std::size_t> photo_views(const Scene& scene) {
+  std::vector<std::size_t> views;
+  for (std::size_t v = 0; v < scene.views.size(); ++v)
+    if (!scene.views[v].image_path.empty()) views.push_back(v);
+  return views;
+}
+
+double mean_psnr_db(const Exec& exec, const MethodInput& input, const GaussianCloud& cloud,
+                    const std::vector<std::size_t>& views) {
+  double sum = 0;
+  for (const std::size_t v : views) {
+    RenderRequest request;
+    request.background = input.background;
+    ImageF colour =
+        std::move(render(exec, cloud, input.scene.views[v].camera, input.splat, request).colour);
+    for (float& c : colour.data) c = std::clamp(c, 0.f, 1.f);
+    sum += psnr_db(exec, colour, input.load_photo(v));
+  }
+  return views.empty() ? 0 : sum / double(views.size());
+}
+
+void refit_to_photos(const Exec& exec, Monitor& monitor, const RefitOptions& options, const MethodInput& input,
+                     const std::vector<std::size_t>& views, const std::vector<std::uint8_t>& moves,
+                     GaussianCloud& cloud) {
+  std::vector<Camera> cameras;
+  for (const std::size_t v : views) cameras.push_back(input.scene.views[v].camera);
+  const double extent = scene_extent(cameras);
+  const std::int64_t steps = std::int64_t(options.visits) * std::int64_t(views.size());
+  SplatPass pass(input.splat);
+  PhotometricPass<float> photometric;
+  PhotoCache photos(input);
+  CloudGradients gradients;
+  ViewGradients image;
+  std::array<AdamMoments, kFitGroups> moments;
+  std::int64_t step = 0;
+  for (int round = 0; round < options.visits; ++round)
+    for (const std::size_t v : shuffled(views, input.seed, round)) {
+      if (monitor.stop_requested()) return;
+      RenderRequest request;
+      request.background = input.background;
+      const RenderedView& rendered = pass.forward(exec, cloud, input.scene.views[v].camera, request);
+      photometric.evaluate(exec, {}, rendered.colour, photos.get(v), nullptr, &image.colour);
+      pass.backward(exec, image, gradients);
+      hold_still(moves, gradients);
+      const double decay = std::pow(options.decay, double(step) / double(steps));
+      ++step;
+      const auto update = [&](FitGroup group, const char* name, double lr, std::vector<float>& value,
+                              const std::vector<float>& gradient) {
+        if (!value.empty() && lr > 0)
+          adam_step(exec, {.lr = lr * decay}, step, name, value, gradient, moments[group]);
+      };
+      update(kGroupPosition, "position", options.position_lr * extent, cloud.position, gradients.position);
+      update(kGroupRotation, "rotation", options.rotation_lr, cloud.rotation, gradients.rotation);
+      update(kGroupScale, "log_scale", options.scale_lr, cloud.log_scale, gradients.log_scale);
+      update(kGroupOpacity, "logit_opacity", options.opacity_lr, cloud.logit_opacity,
+             gradients.logit_opacity);
+      update(kGroupDc, "sh_dc", options.dc_lr, cloud.sh_dc, gradients.sh_dc);
+      update(kGroupRest, "sh_rest", options.rest_lr, cloud.sh_rest, gradients.sh_rest);
+      monitor.progress(step, steps);
+    }
+}
+
+}  // namespace ngs
