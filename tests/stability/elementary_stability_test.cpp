@@ -143,4 +143,20 @@ TEST_CASE("elementary: a sum over 30 decades keeps its small terms") {
                   });
 }
 
+TEST_CASE("elementary: a sum of many fractions carries into its whole part exactly") {
+  test::hard_case(
+      {"terms", {10, 1e3, 1e4}, 0, "a sum in float", 2}, [](double h, Random& random, Worst& worst) {
+        ExactSums sum;
+        sum.resize(1);
+        std::int64_t want = 0;  // in units of 2^-20
+        float naive = 0;
+        for (int i = 0; i < int(h); ++i) {
+          const std::int64_t term = (std::int64_t(1) << 36) + random.below(1 << 20);
+          sum.add(0, double(term) * 0x1p-20), want += term, naive += float(double(term) * 0x1p-20);
+        }
+        worst.ours_is(sum.value(0) == double(want) * 0x1p-20),
+            worst.naive_is(double(naive) == double(want) * 0x1p-20);
+      });
+}
+
 }  // namespace ngs

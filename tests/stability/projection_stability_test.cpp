@@ -118,9 +118,10 @@ struct One {
     std::copy_n(p.rotation, 4, cloud.rotation.begin()), std::copy_n(p.log_scale, 3, cloud.log_scale.begin());
     cloud.logit_opacity[0] = 3;
   }
-  ProjectedView<float> view(const SplatOptions& options = {}) const {
-    return project_view({}, cloud_view(cloud, 0, nullptr), relative_camera(front_camera(), cloud), options);
+  ProjectedView<float> view_of(const Camera& camera) const {
+    return project_view({}, cloud_view(cloud, 0, nullptr), relative_camera(camera, cloud), {});
   }
+  ProjectedView<float> view() const { return view_of(front_camera()); }
 };
 
 }  // namespace
@@ -314,6 +315,29 @@ TEST_CASE("projection: a scene far from its origin keeps its details") {
                                 z = world_z + float(camera.translation.z);
                     worst.naive(float(camera.fx) * x / z + float(camera.cx), want);
                   });
+}
+
+TEST_CASE("projection: positions far from the origin are subtracted from the camera without loss") {
+  test::hard_case(
+      {"distance from the origin, world", {1, 1e2, 1e4, 1e6}, 1, "p - centre in float"},
+      [](double h, Random& random, Worst& worst) {
+        Probe p(random, 0.01, 0.01, 0.01);
+        Camera camera = front_camera();
+        const Vec3<double> centre{h * random.uniform(0.5, 1), h * random.uniform(0.5, 1),
+                                  h * random.uniform(0.5, 1)};
+        camera.translation = -1.0 * centre;
+        const Vec3<double> t{p.t.x, p.t.y, 2 * double(p.t.z)};
+        const Vec3<double> world = centre + t;
+        p.t = {float(world.x), float(world.y), float(world.z)};  // the input; its own rounding is not ours
+        const auto view = One(p).view_of(camera);
+        const Real x = Real(p.t.x) - centre.x, z = Real(p.t.z) - centre.z;
+        const Real want = camera.fx * x / z + camera.cx;
+        if (want < 0 || want > kWidth) return;
+        worst.ours_ratio(double(std::abs(view.record.at(0).mean_x - want)) / (kWidth * 0x1p-23));
+        const float naive_x = p.t.x - float(centre.x), naive_z = p.t.z - float(centre.z);
+        const float naive = float(camera.fx) * naive_x / naive_z + float(camera.cx);
+        worst.naive_ratio(double(std::abs(naive - want)) / (kWidth * 0x1p-23));
+      });
 }
 
 TEST_CASE("projection: the antialiasing compensation keeps its accuracy down to its floor") {

@@ -1,0 +1,57 @@
+#!/usr/bin/env bash
+# Proves that the tests have teeth: breaks the kernels one small way at a time and runs the tests that should notice.
+#   tests/stability/mutants.sh [WORD]        only mutants whose line contains WORD
+# Needs a finished build (pipelines/build.sh): a mutant is a copy of one header or source, put before the real one,
+# compiled with the named tests (of tests/) and linked with the libraries of build/. Prints killed or SURVIVED per
+# mutant; exit 1 if one survives, no longer applies or does not compile.
+set -uo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+build=$root/build
+only=${1:-}
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+jobs=${MUTANT_JOBS:-2}
+count=0
+
+flags=(-std=c++20 -O1 -march=x86-64-v3 -ffp-contract=off -fno-math-errno -fopenmp -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS
+  "-DNGS_SOURCE_DIR=\"$root\"" "-DNGS_TOOL_DIR=\"$build/bin\"")
+libraries=("$build"/tests/libngs_test_support.a "$build"/libngs/libngs_{stages,ops,backend,options,scene,core}.a -llz4)  # -DNGS_WITH_V4 is left out: no kernels of the library beside mutants
+
+# run FILE TESTS SOURCES WHAT SED: FILE and SOURCES below libngs/ngs, TESTS below tests; SOURCES: what instantiates FILE.
+run() {
+  local file=$1 tests=$2 sources=$3 what=$4 script=$5 place=$6 inputs=() verdict
+  mkdir -p "$place/ngs/$(dirname "$file")"
+  sed -E "$script" "$root/libngs/ngs/$file" >"$place/ngs/$file"
+  for t in $tests; do inputs+=("$root/tests/$t"); done
+  for s in $sources; do
+    if [ "$s" = "$file" ]; then inputs+=("$place/ngs/$s"); else inputs+=("$root/libngs/ngs/$s"); fi
+  done
+  if cmp -s "$root/libngs/ngs/$file" "$place/ngs/$file"; then
+    verdict="NOT APPLIED"
+  elif ! g++ "${flags[@]}" -I"$place" -I"$root/tests" -I"$root/libngs" -I"$build/libngs" "${inputs[@]}" \
+    "${libraries[@]}" -o "$place/test" >"$place/log" 2>&1; then
+    verdict="NOT COMPILED"
+    head -5 "$place/log" >&2
+  elif timeout 120 "$place/test" --minimal >"$place/log" 2>&1; then
+    verdict=SURVIVED
+  else
+    verdict=killed
+  fi
+  printf '%-12s %-26s %s\n' "$verdict" "$file" "$what"
+  rm -rf "$place"
+}
+
+# mutant FILE TESTS SOURCES WHAT SED
+mutant() {
+  if [[ -n $only && "$*" != *"$only"* ]]; then return; fi
+  count=$((count + 1))
+  while [ "$(jobs -rp | wc -l)" -ge "$jobs" ]; do wait -n; done
+  run "$@" "$work/$count" >>"$work/verdicts" &
+}
+
+source "$root/tests/stability/mutants_list.sh"
+wait
+sort "$work/verdicts"
+killed=$(grep -c '^killed' "$work/verdicts")
+echo "mutants: $count, killed: $killed"
+[ "$killed" -eq "$count" ]

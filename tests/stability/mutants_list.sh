@@ -1,0 +1,141 @@
+# What tests/stability/mutants.sh breaks: FILE TESTS SOURCES WHAT SED.
+t=stability/projection_stability_test.cpp f=ops/project_kernels.h
+mutant $f $t "" "determinant as a c - b²" 's/p\.det = ctx\.det_raw .*;/p.det = p.cov_xx * p.cov_yy - b * b;/'
+mutant $f $t "" "unblurred determinant as a c - b²" 's/ctx\.det_raw = dot.*;/ctx.det_raw = a * c - b * b;/'
+mutant $f $t "" "slope of the Jacobian not clamped" 's/clamp3\(slope_x, camera\.x_lo, camera\.x_hi\)/slope_x/'
+mutant $f $t "" "no floor of the compensation" 's/sqrt\(max2\(ratio, T\(kCompensationFloor2\)\)\)/sqrt(ratio)/'
+mutant $f $t "" "gradient of the opacity as s (1 - s)" 's/sigmoid_slope\(ctx\.logit_opacity\)/ctx.sigmoid_opacity * (T(1) - ctx.sigmoid_opacity)/'
+mutant $f $t "" "direction of a zero offset" 's/length2 > T\(0\) \? T\(1\) \/ sqrt\(length2\) : T\(0\)/T(1) \/ sqrt(length2)/'
+mutant $f "$t grad/splat_grad_test.cpp" "" "off-diagonal gradient not halved" 's/g\.conic_b \/ T\(2\)/g.conic_b/'
+mutant ops/splat_view.h $t "" "no near plane" 's/if \(!\(t\.z > pc\.near_z\)\) continue;//'
+mutant ops/splat_view.h $t "" "positions subtracted in float" 's/using W = WideOf<S>;/using W = S;/'
+mutant math/quat.h $t "" "norm without scaling" 's/q\.([xyzw]) \/ largest/q.\1/g'
+mutant math/quat.h $t "" "zero quaternion not caught" 's/if \(!\(largest > T\(0\)\)\)/if (false)/'
+mutant math/quat.h "$t grad/splat_grad_test.cpp" "" "gradient keeps its part along q" 's/const T along = .*;/const T along = T(0);/'
+
+t=stability/elementary_stability_test.cpp f=math/stable.h
+mutant $f $t "" "sigmoid as e^x / (1 + e^x)" 's/if \(x >= T\(0\)\) return .*;//'
+mutant $f $t "" "softplus as log(1 + e^x)" 's/x > T\(0\) \? x \+ log1p\(exp\(-x\)\) : log1p\(exp\(x\)\)/log1p(exp(x))/'
+mutant $f $t "" "1 - e^-x as a difference" 's/return -expm1\(-x\);/return T(1) - std::exp(-x);/'
+mutant $f $t "" "logit as -log(1 / p - 1)" 's/log\(p\) - log1p\(-p\)/-log(T(1) \/ p - T(1))/'
+mutant $f $t "" "slope of the sigmoid one-sided" 's/exp\(x < T\(0\) \? x : -x\)/exp(-x)/'
+mutant math/lanes.h $t "" "ln 2 without its low part" 's/fma_lanes\(-n, kLn2Lo, fma_lanes\(-n, kLn2Hi, x\)\)/fma_lanes(-n, kLn2Hi, x)/'
+mutant math/lanes.h $t "" "exponent not clamped" 's/x < -87\.f \? -87\.f : x/x/; s/max_lanes\(x, PackF\(-87\.f\)\)/x/'
+mutant math/lanes.h $t "" "a wrong coefficient" 's/1\.f \/ 120/1.f \/ 119/'
+mutant math/exact_sum.h $t "" "carry lost" 's/\(fraction\[i\] < f \? 1 : 0\)/0/'
+mutant math/exact_sum.h $t "" "32 bits of fraction" 's/std::uint64_t\(\(x - floor_x\) \* 0x1p64\)/std::uint64_t((x - floor_x) * 0x1p32) << 32/'
+mutant math/exact_sum.h $t "" "value in float" 's/return double\(whole\[i\]\) \+/return double(float(whole[i])) +/'
+
+t=stability/compositing_stability_test.cpp f=ops/splat_tiles.h
+mutant $f $t "ops/tile_isa.cpp" "alpha not capped" 's/min_lanes\(cap, (opacity \* exp_nonpositive\(power\))\)/\1/'
+mutant $f $t "ops/tile_isa.cpp" "pixels never stop" 's/const Mask lasts = after >= stop;/const Mask lasts = after >= zero;/'
+mutant $f $t "ops/tile_isa.cpp" "mean in float" 's/L tile_x\(S\(g\.mean_x - W\(frame\.x_px \+ 0\.5\)\)\)/L tile_x(S(S(g.mean_x) - S(frame.x_px + 0.5)))/'
+mutant $f $t "ops/tile_isa.cpp" "alpha of exactly 1\/255 left out" 's/alpha >= alpha_min/alpha > alpha_min/'
+mutant $f $t "ops/tile_isa.cpp" "weight without the transmittance" 's/const L weight = k\.alpha \* k\.transmittance;/const L weight = k.alpha;/'
+f=ops/splat_backward.h
+mutant $f $t "ops/tile_isa.cpp" "the cap passes a gradient" 's/select\(alpha < cap, weight \* difference, zero\)/weight * difference/'
+mutant $f $t "ops/tile_isa.cpp" "colour behind forgets what lies behind it" 's/behind_\[pack\] = fma_lanes\(alpha, difference, behind_\[pack\]\)/behind_[pack] = alpha * v/'
+mutant $f $t "ops/tile_isa.cpp" "no background behind the stack" 's/in_?\.background\[c\] : S\(0\)/S(0) : S(0)/'
+mutant ops/splat_view.h $t "" "half extents of half the ellipse" 's/half_width = sqrt\(reach2 \* p\.cov_xx\)/half_width = S(0.5) * sqrt(reach2 * p.cov_xx)/; s/half_height = sqrt\(reach2 \* p\.cov_yy\)/half_height = S(0.5) * sqrt(reach2 * p.cov_yy)/'
+
+t=stability/evidence_stability_test.cpp f=scene/evidence.cpp
+mutant $f $t $f "squares of signals in double" 's/const Wide square = Wide\(quantised\) \* quantised;/const Wide square = Wide(double(quantised) * double(quantised));/'
+mutant $f $t $f "variance as a difference in double" 's/const Wide numerator = .*;/const double numerator = double(squares) * views - double(sum) * double(sum);/'
+mutant $f $t $f "pixel counts in 32 bits" 's/pixels\[i\] \+= other\.pixels\[i\];/pixels[i] = std::uint32_t(pixels[i] + other.pixels[i]);/'
+mutant $f $t $f "views not merged" 's/views\[i\] \+= other\.views\[i\];//'
+mutant stages/variance_stage.cpp $t stages/variance_stage.cpp "W1 \/ W of what no view sees" 's/if \(e\.views\[i\] == 0\) continue;//'
+mutant stages/variance_stage.cpp $t stages/variance_stage.cpp "pooled variance in float" 's/const double p = e\.object/const float p = (float)e.object/'
+mutant stages/variance_stage.cpp $t stages/variance_stage.cpp "unweighted ratio doubled" 's/return 1\.0 - r \* r;/return 1.0 - 2 * r * r;/'
+mutant ops/evidence.cpp $t ops/evidence.cpp "unknown pixels counted" 's/masks\.known\.empty\(\) \? nullptr : masks\.known\.data\(\)/nullptr/'
+
+t=stability/geometry_stability_test.cpp
+mutant ops/sample_grid.cpp $t ops/sample_grid.cpp "Gaussians behind the camera count" 's/if \(!\(t\.z > kNearZ\)\) continue;//'
+mutant ops/sample_grid.cpp $t ops/sample_grid.cpp "boxes thinner than a pixel divided" 's/if \(length < 1\) return .*;//'
+mutant ops/sample_grid.cpp $t ops/sample_grid.cpp "the box of nothing" 's/if \(result\.visible == 0\) return result;//'
+mutant ops/sample_grid.cpp $t ops/sample_grid.cpp "box not clipped" 's/std::max\(box\.min_x - pad_px, 0\.0\)/box.min_x - pad_px/'
+mutant ops/ray_query_kernels.h $t ops/ray_query.cpp "division by K - 1 = 0" 's/if \(samples == 1\) return .*;//'
+mutant ops/ray_query_kernels.h $t ops/ray_query.cpp "window through the camera" 's/max2\(centre - half, nearest\)/centre - half/'
+mutant ops/ray_query_kernels.h $t ops/ray_query.cpp "spacing divided by K - 1 = 0" 's/samples > 1 \? samples - 1 : 1/samples - 1/'
+mutant ops/ray_query_kernels.h $t ops/ray_query.cpp "third component from the other two" 's/cosine = T\(1\) \/ sqrt\(x \* x \+ y \* y \+ T\(1\)\);/cosine = T(1) \/ sqrt(x * x + y * y + T(1)); cosine = sqrt(T(1) - cosine * cosine * (x * x + y * y));/'
+mutant ops/ray_query.cpp $t ops/ray_query.cpp "depth divided by no alpha" 's/if \(!\(alpha > least_alpha\)\) return 0;//'
+mutant math/pixel_grid.h $t ops/ray_query.cpp "positions beyond the border not clamped" 's/const double at = clamp3\(position_px - 0\.5, 0\.0, double\(size_px - 1\)\);/const double at = position_px - 0.5 < 0 ? 0 : position_px - 0.5;/'
+
+t=stability/neighbours_stability_test.cpp
+mutant ops/knn.cpp $t ops/knn.cpp "ties in any order" 's/dist2 < o\.dist2 \|\| \(dist2 == o\.dist2 \&\& index < o\.index\)/dist2 <= o.dist2/'
+mutant ops/knn.cpp $t ops/knn.cpp "ties not admitted" 's/std::nextafter\((best_\[count_ - 1\]\.dist2), .*\);/\1;/'
+mutant ops/knn.cpp $t ops/knn.cpp "a point is its own neighbour" 's/index == excluded_ \|\| //'
+mutant ops/knn.cpp $t ops/knn.cpp "search in float" 's/std::vector<double> out\(rows\.data, rows\.data \+ rows\.n \* 3\);/std::vector<double> out; for (std::int64_t i = 0; i < rows.n * 3; ++i) out.push_back(double(_Float16(rows.data[i])));/'
+f=ops/rbf_kernels.h
+mutant $f $t ops/rbf.cpp "nearest distance not subtracted" 's/dot\(x0 - xj, \(q - x0\) \+ \(q - xj\)\)/dot(q - xj, q - xj)/'
+mutant $f $t ops/rbf.cpp "d_j² - d_0² as a difference" 's/-dot\(x0 - xj, \(q - x0\) \+ \(q - xj\)\)/-(dot(q - xj, q - xj) - dot(q - x0, q - x0))/'
+mutant $f $t ops/rbf.cpp "1e-6 added to the sum" 's/w\[j\] = w\[j\] \/ sum;/w[j] = w[j] \/ (sum + T(1e-6));/'
+mutant $f $t ops/rbf.cpp "softmax gradient without the mean" 's/g\[j\] = w\[j\] \* \(g\[j\] - mean\)/g[j] = w[j] * g[j]/'
+mutant ops/rbf.cpp $t ops/rbf.cpp "1 \/ 2h² overflows" 's/float\(std::min\((1\.0 \/ \(2\.0 \* width \* width\)), .*\)\);/float(\1);/'
+mutant ops/rbf.cpp $t ops/rbf.cpp "width 0 where points coincide" 's/spacing > 0 \? factor \* spacing : 1\.0/factor * spacing/'
+
+t=stability/encoding_stability_test.cpp f=ops/hash_grid_kernels.h
+mutant $f $t ops/hash_grid.cpp "coordinates not clamped" 's/clamp3\(unit, T\(0\), T\(1\)\)/unit/'
+mutant $f $t ops/hash_grid.cpp "origin subtracted after scaling" 's/\(world - centre\) \* inv_extent/(world * inv_extent - centre * inv_extent)/'
+mutant $f $t ops/hash_grid.cpp "slope beyond the box" 's/slope = inside \? scale \* inv_extent : T\(0\);/slope = scale * inv_extent;/'
+mutant $f $t ops/hash_grid.cpp "smoothstep without its slope" 's/slope = slope \* T\(6\) \* frac \* \(T\(1\) - frac\);//'
+mutant $f $t ops/hash_grid.cpp "no half-cell stagger" 's/\* scale \+ T\(0\.5\)/* scale/'
+mutant ops/hash_grid.cpp $t ops/hash_grid.cpp "division by no extent" 's/side > 0 \? float\(1 \/ side\) : 0\.f/float(1 \/ side)/'
+mutant ops/hash_grid.cpp $t ops/hash_grid.cpp "resolution³ in 32 bits" 's/std::uint64_t\(level\.resolution\) \* level/level.resolution * level/'
+f=ops/film_mlp_kernels.h
+mutant $f $t "" "ReLU hides NaN" 's/select\(x < L\(S\(0\)\), L\(S\(0\)\), x\)/select(x > L(S(0)), x, L(S(0)))/'
+mutant $f $t "" "colour gradient as y (1 - y)" 's/sigmoid_slope\((raw\[\(1 \+ ch\) \* kColumns \+ q\])\)/(sigmoid(\1) * (S(1) - sigmoid(\1)))/'
+mutant $f $t "" "density as log(1 + e^x)" 's/softplus\(raw\[q\]\)/std::log(S(1) + std::exp(raw[q]))/'
+mutant $f $t "" "modulation without its offset" 's/fma_lanes\(load\(gamma \+ i\), load\(h \+ i\), load\(beta \+ i\)\)/load(gamma + i) * load(h + i)/'
+mutant ops/film_gemm_kernels.h $t "" "bias dropped" 's/bias \? bias\[r\] : S\(0\)/S(0)/'
+
+t=stability/volume_stability_test.cpp f=ops/volume_kernels.h
+mutant $f $t "" "weights as T_k - T_k+1" 's/weight\[at\] = through \* one_minus_exp\(tau\);/weight[at] = through - exp(-(depth + tau));/'
+mutant $f $t "" "alpha as 1 - e^-D" 's/alpha\[r\] = one_minus_exp\(depth\);/alpha[r] = T(1) - exp(-depth);/'
+mutant $f $t "" "transmittance as a product of 1 - α" 's/through = exp\(-depth\);/through = through * (T(1) - one_minus_exp(tau));/'
+mutant $f $t "" "no background behind the ray" 's/T behind = end \* dot\(g, in\.background\);/T behind = T(0);/'
+mutant $f "$t grad/volume_grad_test.cpp" "" "suffix sum includes the sample" 's/(grad_density\[at\] = .*)behind \+ common/\1behind - weight[at] * along + common/'
+mutant ops/loss_mask_kernels.h $t ops/loss_mask.cpp "0 times an overflowed depth" 's/min2\(double\(depth\), 0x1\.fffffep127\)/double(depth)/'
+
+t=stability/losses_stability_test.cpp f=ops/loss_mask_kernels.h
+mutant $f $t ops/loss_mask.cpp "log(1 - p)" 's/log1p\(-at\)/log(rest)/'
+mutant $f $t ops/loss_mask.cpp "clamp instead of the tangent" 's/ \+ slope \* \(p - at\)//'
+mutant $f $t ops/loss_mask.cpp "prediction not clamped" 's/at = clamp3\(p, low, T\(1\) - low\)/at = p/'
+mutant $f $t ops/loss_mask.cpp "unknown pixels have a loss" 's/if \(counts\) loss =/loss =/'
+mutant ops/loss_mask.cpp $t ops/loss_mask.cpp "float accumulator" 's/std::vector<double> row_sum/std::vector<float> row_sum/; s/MaskLossRow<float, double>/MaskLossRow<float, float>/; s/loss\.total \+= sum;/loss.total = float(loss.total) + float(sum);/'
+mutant ops/loss_mask.cpp $t ops/loss_mask.cpp "mean over no pixels" 's/if \(loss\.known == 0\) return loss;//'
+f=ops/loss_align_kernels.h
+mutant $f $t ops/loss_align.cpp "E[x²] - E[x]²" 's/const Vec3<T> d = vec3\(image\.at\(x, y, 3\)\) - mean;/const Vec3<T> d = vec3(image.at(x, y, 3));/; s/return share \* variance;/return share * variance - dot(mean, mean);/'
+mutant $f $t ops/loss_align.cpp "mean of the sum, not of the patch" 's/mean = share \* mean;//'
+mutant $f $t ops/loss_align.cpp "inactive nodes count" 's/if \(in\.is_active\(r\)\)/if (true)/'
+mutant ops/loss_align.cpp $t ops/loss_align.cpp "mean over no nodes" 's/if \(loss\.nodes == 0\) return(.*);/if (false) return\1;/'
+f=ops/loss_cont_kernels.h
+mutant $f $t ops/loss_cont.cpp "|a|² - 2 a·b + |b|²" 's/dot\(d, d\)/(dot(here, here) - T(2) * dot(here, here - d) + dot(here - d, here - d))/'
+mutant $f "$t grad/loss_cont_grad_test.cpp" ops/loss_cont.cpp "edges that point here forgotten" 's/at < graph\.row_begin\[i \+ 1\]/at < graph.row_begin[i]/'
+mutant $f $t ops/loss_cont.cpp "weights of edges not normalised" 's/T\(1\) \/ T\(index\.c\)/T(2)/'
+mutant ops/loss_cont.cpp $t ops/loss_cont.cpp "mean over no neighbours" 's/if \(graph\.neighbours == 0\) return 0;/if (graph.neighbours == 0) return 0.0 \/ graph.neighbours;/'
+f=ops/loss_smooth_kernels.h
+mutant $f $t ops/loss_smooth.cpp "|a|² - 2 a·b + |b|²" 's/term\[i\] = dot\(d, d\);/const Vec3<T> a = vec3(colour.row(i)), b = a + d; term[i] = dot(a, a) - T(2) * dot(a, b) + dot(b, b);/'
+mutant $f "$t grad/loss_smooth_grad_test.cpp" ops/loss_smooth.cpp "sign of one gradient" 's/back\[0\] = -g\.x/back[0] = g.x/'
+mutant ops/loss_smooth.cpp $t ops/loss_smooth.cpp "the factor 3 of the estimate" 's/3 \* ratio \* ratio/ratio * ratio/'
+f=ops/photometric_kernels.h
+mutant $f $t "" "C2 dropped" 's/ \+ T\(kC2\)//'
+mutant $f $t "" "C1 dropped" 's/ \+ T\(kC1\)//'
+mutant $f $t "" "covariance not doubled" 's/a2 = T\(2\) \* \(moment/a2 = (moment/'
+
+t=stability/optimiser_stability_test.cpp f=ops/adam.cpp
+mutant ops/adam_kernels.h $t $f "no eps" 's/ \* inv_root \+ eps\)/ * inv_root)/'
+mutant ops/adam_kernels.h $t $f "rows without a gradient decay" 's/if \(touched\)/if (true)/'
+mutant ops/adam_kernels.h $t $f "first moment not moved by its share" 's/m\[i\] = mi;/m[i] = g;/'
+mutant $f $t $f "1 - β₂ in float" 's/T\(1\.0 - o\.beta2\)/T(1) - T(o.beta2)/'
+mutant $f $t $f "1 - β₂^t in float" 's/-std::expm1\(double\(step\) \* std::log\(o\.beta2\)\)/double(1 - std::pow(float(o.beta2), float(step)))/'
+mutant $f $t $f "NaN passes the check" 's/fine \&= std::abs\(values\[std::size_t\(i\)\]\) <= limit;/fine \&= !(std::abs(values[std::size_t(i)]) > limit);/'
+f=ops/label_solve.cpp
+mutant $f $t $f "0 \/ 0 of a label without evidence" 's/object \+ rest > 0 \? (object \/ \(object \+ rest\)) : m\[i\]/\1/'
+mutant $f $t $f "what is left as 1 - rest" 's/\? object \/ \(object \+ rest\)/? 1 - rest \/ (object + rest)/'
+mutant $f $t $f "gap of one bound only" 's/gap \+= std::max\(g \* m\[i\], .*;/gap += g * m[i];/'
+
+t=grad/joint_grad_test.cpp f=stages/joint_stage.cpp
+mutant $f $t $f "colour continuity without its gradient" 's/gradients\.sh_dc\[std::size_t\(boundary\.row\[b\]\) \* 3 \+ c\] \+= float\(kShC0/gradients.sh_dc[std::size_t(boundary.row[b]) * 3 + c] += float(0/'
+mutant $f $t $f "mask loss without its weight" 's/(loss_mask\(.*)/\1/; s/options\.lambda_mask, \&grad\.label\)/1.0, \&grad.label)/'
+mutant $f $t $f "label gradient without the sigmoid" 's/gradients\.label\[i\] \* sigmoid_slope\(logit\[i\]\)/gradients.label[i]/'
+mutant $f $t $f "smoothness gradient doubled" 's/field->smoothness\(exec, rays, boundary\.positions\(\), options\.lambda_smooth/field->smoothness(exec, rays, boundary.positions(), 2 * options.lambda_smooth/'
