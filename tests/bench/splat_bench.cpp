@@ -21,6 +21,7 @@ const BenchScene& scene() {
 
 /// Counts contributions.
 struct TallySink {
+  static constexpr bool kTakesEmpty = false;
   std::int64_t entries = 0, pairs = 0;
   void begin(std::uint32_t) { ++entries; }
   void begin_column(int) {}

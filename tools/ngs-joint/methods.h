@@ -28,6 +28,18 @@ struct MethodOptions {
   }
 };
 
+/// Runs bce and reports loss and certified gap over time, one list per object: the accuracy that time buys.
+inline MethodResult bce_with_trace(cli::Run& run, const BceOptions& options, const MethodInput& input) {
+  BceResult result = solve_bce(run.exec(), run.monitor(), options, input);
+  for (const std::vector<GapPoint>& object : result.trace) {
+    Json points = Json::array();
+    for (const GapPoint& p : object)
+      points.push_back({{"t", p.seconds}, {"loss", p.loss}, {"gap", p.gap}, {"certified", p.certified}});
+    run.result()["gap_over_time"].push_back(std::move(points));
+  }
+  return std::move(result.method);
+}
+
 /// Not for Method::kPaper.
 inline MethodResult run_beside(cli::Run& run, Method method, const MethodOptions& options,
                                const MethodInput& input) {
@@ -37,7 +49,7 @@ inline MethodResult run_beside(cli::Run& run, Method method, const MethodOptions
     case Method::kSa3d:
       return run_sa3d(run.exec(), run.monitor(), options.sa3d, input);
     case Method::kBce:
-      return run_bce(run.exec(), run.monitor(), options.bce, input);
+      return bce_with_trace(run, options.bce, input);
     case Method::kCob:
       return run_cob(run.exec(), run.monitor(), options.cob, input);
     case Method::kSaga:

@@ -44,11 +44,13 @@ inline PackMask operator>(PackF a, PackF b) { return {a.v > b.v}; }
 
 template <class L> struct LaneTraits {
   using Scalar = L;
+  using Folded = L;
   using Mask = bool;
   static constexpr int kLanes = 1;
 };
 template <> struct LaneTraits<PackF> {
   using Scalar = float;
+  using Folded = PackF;
   using Mask = PackMask;
   static constexpr int kLanes = PackF::kLanes;
 };
@@ -60,6 +62,13 @@ inline PackF min_lanes(PackF a, PackF b) { return PackF::Raw(_mm256_min_ps(a.v, 
 inline PackF max_lanes(PackF a, PackF b) { return PackF::Raw(_mm256_max_ps(a.v, b.v)); }
 inline void store_lanes(float* p, PackF x) { _mm256_storeu_ps(p, x.v); }
 inline void load_lanes(const float* p, PackF& x) { x.v = _mm256_loadu_ps(p); }
+/// The pack in half precision: 11 bits, and nothing below 2^-24.
+struct HalfPack {
+  __m128i v;
+  HalfPack() = default;
+  explicit HalfPack(PackF x) : v(_mm256_cvtps_ph(x.v, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC)) {}
+  PackF wide() const { return PackF::Raw(_mm256_cvtph_ps(v)); }
+};
 /// start, start + 1, ...
 inline void iota_lanes(float start, PackF& x) {
   x.v = start + PackF::Raw{0, 1, 2, 3, 4, 5, 6, 7};
@@ -70,6 +79,24 @@ inline float sum_lanes(PackF x) {
   const __m128 two = _mm_add_ps(four, _mm_movehl_ps(four, four));
   return _mm_cvtss_f32(_mm_add_ss(two, _mm_shuffle_ps(two, two, 1)));
 }
+/// sum_lanes of each of n packs, four at a time.
+inline void sum_lanes_each(const PackF* x, int n, float* out) {
+  int i = 0;
+  for (; i + 4 <= n; i += 4) {
+    const __m256 a = x[i].v, b = x[i + 1].v, c = x[i + 2].v, d = x[i + 3].v;
+    const __m256 ab = _mm256_add_ps(_mm256_permute2f128_ps(a, b, 0x20), _mm256_permute2f128_ps(a, b, 0x31));
+    const __m256 cd = _mm256_add_ps(_mm256_permute2f128_ps(c, d, 0x20), _mm256_permute2f128_ps(c, d, 0x31));
+    const __m256d p = _mm256_castps_pd(ab), q = _mm256_castps_pd(cd);
+    const __m256 two = _mm256_add_ps(_mm256_castpd_ps(_mm256_unpacklo_pd(p, q)), _mm256_castpd_ps(_mm256_unpackhi_pd(p, q)));
+    const __m256 one = _mm256_add_ps(two, _mm256_movehdup_ps(two));  // a . c . | b . d .
+    alignas(32) float lane[8];
+    _mm256_store_ps(lane, one);
+    out[i] = lane[0], out[i + 1] = lane[4], out[i + 2] = lane[2], out[i + 3] = lane[6];
+  }
+  for (; i < n; ++i) out[i] = sum_lanes(x[i]);
+}
+/// The part of a pack over which sums are kept once its width is to leave no trace: 8 lanes, upper half added to lower.
+inline PackF folded(PackF x) { return x; }
 /// Number of true lanes.
 inline int count_lanes(PackMask m) {
   return __builtin_popcount(unsigned(_mm256_movemask_ps(_mm256_castsi256_ps(reinterpret_cast<__m256i>(m.v)))));
@@ -86,6 +113,10 @@ template <class T> void store_lanes(T* p, T x) { *p = x; }
 template <class T> void load_lanes(const T* p, T& x) { x = *p; }
 template <class T> void iota_lanes(T start, T& x) { x = start; }
 template <class T> T sum_lanes(T x) { return x; }
+template <class T> void sum_lanes_each(const T* x, int n, T* out) {
+  for (int i = 0; i < n; ++i) out[i] = x[i];
+}
+template <class T> T folded(T x) { return x; }
 
 /// Four doubles, for geometry that is found for several places at once.
 struct Pack4D {

@@ -1,7 +1,7 @@
 #pragma once
 // Pack16: 16 floats in one AVX-512 register, with the operations of lanes.h. Only for translation units that are
 // compiled for x86-64-v4 and that run only where backend/isa.h says so. Each lane computes bit for bit what PackF and
-// `float` compute, and sums over lanes are those of two PackF, so that no result depends on the width.
+// `float` compute; sums go through folded(), so that no result depends on the width.
 #ifdef __AVX512F__
 #include "ngs/math/lanes.h"
 
@@ -35,6 +35,7 @@ inline Pack16Mask operator>(Pack16 a, Pack16 b) { return {_mm512_cmp_ps_mask(a.v
 
 template <> struct LaneTraits<Pack16> {
   using Scalar = float;
+  using Folded = PackF;
   using Mask = Pack16Mask;
   static constexpr int kLanes = Pack16::kLanes;
 };
@@ -50,9 +51,9 @@ inline void load_lanes(const float* p, Pack16& x) { x.v = _mm512_loadu_ps(p); }
 inline void iota_lanes(float start, Pack16& x) {
   x.v = start + Pack16::Raw{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 }
-inline PackF lower_half(Pack16 x) { return PackF::Raw(_mm512_castps512_ps256(x.v)); }
-inline PackF upper_half(Pack16 x) { return PackF::Raw(_mm512_extractf32x8_ps(x.v, 1)); }
-inline float sum_lanes(Pack16 x) { return sum_lanes(lower_half(x)) + sum_lanes(upper_half(x)); }
+inline PackF folded(Pack16 x) {
+  return PackF::Raw(_mm512_castps512_ps256(x.v)) + PackF::Raw(_mm512_extractf32x8_ps(x.v, 1));
+}
 /// Lanes 0..7 if bit `i` of `lower` is set, lanes 8..15 if that of `upper` is.
 inline void mask_of_halves(std::uint32_t lower, std::uint32_t upper, int i, Pack16Mask& out) {
   out.v = __mmask16((lower >> i & 1) * 0x00ff | (upper >> i & 1) * 0xff00);

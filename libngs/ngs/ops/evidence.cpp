@@ -46,12 +46,11 @@ void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const Camer
   const TileKernels<float> kernels = float_tile_kernels(exec.isa);
   std::vector<const float*> target;
   for (const std::vector<float>& t : masks.target) target.push_back(t.data());
-  const std::size_t scratch_size = std::size_t(evidence.objects + 1) * kTilePixels + std::size_t(columns) * kTilePx;
   for_each_task(exec, lists.tiles(), [&](std::int64_t tile) {
     static thread_local TileScratch<float> scratch;
     kernels.evidence({tile_work(view, lists, tile, camera, options.compat),
                       masks.known.empty() ? nullptr : masks.known.data(), target.data(), evidence.objects,
-                      pair_sums.data(), scratch.values(scratch_size)});
+                      pair_sums.data(), scratch.values(evidence_scratch(evidence.objects))});
   });
   for_each_index(exec, std::int64_t(view.id.size()), [&](std::int64_t v) {
     fold_gaussian(lists, pair, std::size_t(v), view.id[std::size_t(v)], evidence);

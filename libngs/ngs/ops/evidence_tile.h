@@ -8,51 +8,47 @@ namespace ngs {
 template <class L, int K>
 struct EvidenceSink {
   using S = typename LaneTraits<L>::Scalar;
-  static constexpr int kLanes = LaneTraits<L>::kLanes;
+  using F = typename LaneTraits<L>::Folded;
+  static constexpr int kLanes = LaneTraits<L>::kLanes, kSums = K > 0 ? 2 + 2 * K : 0;
+  static constexpr bool kTakesEmpty = true;
   const EvidenceTile<S>& in;
   const S* mask;  // [packs][1 + objects][lanes]: known, targets
-  S* memory;      // [2 + 2 · objects][lanes], used where K = 0
-  L sum[K > 0 ? 2 + 2 * K : 1] = {};
-  S* pair = nullptr;
+  ChannelSums<L, kSums> sum;
+  ChannelSums<F, kSums> total;
+  std::uint32_t entry = 0;
+  bool reached = false;
 
-  int objects() const { return K > 0 ? K : in.objects; }
-  int sums() const { return 2 + 2 * objects(); }
-  [[gnu::always_inline]] L get(int i) const {
-    if constexpr (K > 0) return sum[i];
-    L s;
-    load_lanes(memory + i * kLanes, s);
-    return s;
-  }
-  [[gnu::always_inline]] void put(int i, L x) {
-    if constexpr (K > 0) {
-      sum[i] = x;
-    } else {
-      store_lanes(memory + i * kLanes, x);
-    }
-  }
+  EvidenceSink(const EvidenceTile<S>& tile, const S* masks, S* memory)
+      : in(tile), mask(masks), sum(memory), total(memory + (2 + 2 * tile.objects) * kTilePx) {}
+  [[gnu::always_inline]] int objects() const { return K > 0 ? K : in.objects; }
+  [[gnu::always_inline]] int sums() const { return 2 + 2 * objects(); }
 
-  void begin(std::uint32_t e) { pair = in.pair + std::size_t(in.work.slot[e]) * std::size_t(sums()); }
-  void begin_column(int) {
-    for (int i = 0; i < sums(); ++i) put(i, L(S(0)));
+  void begin(std::uint32_t e) {
+    entry = e, reached = false;
+    total.clear(sums());
   }
+  void begin_column(int) { sum.clear(sums()); }
   [[gnu::always_inline]] void add(int, const Contribution<L>& hit) {
     const S* planes = mask + hit.pack * (1 + objects()) * kLanes;
     const L weight = hit.alpha * hit.transmittance, zero(S(0)), one(S(1));
     L known;
     load_lanes(planes, known);
-    put(0, fma_lanes(weight, known, get(0)));
-    put(1, get(1) + select(hit.alpha > zero, known, zero));
+    sum.put(0, fma_lanes(weight, known, sum.get(0)));
+    sum.put(1, sum.get(1) + select(hit.alpha > zero, known, zero));
     for (int k = 0; k < objects(); ++k) {
       L m;
       load_lanes(planes + (1 + k) * kLanes, m);
-      put(2 + 2 * k, fma_lanes(weight, m, get(2 + 2 * k)));
-      put(3 + 2 * k, get(3 + 2 * k) + select((m >= L(S(0.5))) & (hit.alpha > zero), one, zero));
+      sum.put(2 + 2 * k, fma_lanes(weight, m, sum.get(2 + 2 * k)));
+      sum.put(3 + 2 * k, sum.get(3 + 2 * k) + select((m >= L(S(0.5))) & (hit.alpha > zero), one, zero));
     }
   }
   void end_column(int) {
-    for (int i = 0; i < sums(); ++i) pair[i] += sum_lanes(get(i));
+    for (int i = 0; i < sums(); ++i) total.put(i, total.get(i) + folded(sum.get(i)));
+    reached = true;
   }
-  void end() {}
+  void end() {
+    if (reached) total.sum_each(sums(), in.pair + std::size_t(in.work.slot[entry]) * std::size_t(sums()));
+  }
 };
 
 template <class L, int K>
@@ -70,7 +66,7 @@ void evidence_tile(const EvidenceTile<typename LaneTraits<L>::Scalar>& in) {
       at[0] = S(1);
       for (int k = 0; k < in.objects; ++k) at[(1 + k) * kLanes] = S(in.target[k][pixel]);
     }
-  EvidenceSink<L, K> sink{in, in.scratch, in.scratch + planes * kTilePixels};
+  EvidenceSink<L, K> sink(in, in.scratch, in.scratch + planes * kTilePixels);
   L transmittance[kPacksPerTile<L>];
   composite_tile<L>(in.work, transmittance, sink);
 }

@@ -75,6 +75,7 @@ struct TileTargets {
 
 /// Collects the weights of columns and folds those of the other Gaussians.
 struct WeightSink {
+  static constexpr bool kTakesEmpty = false;
   const TileWork<float>& work;
   const ProjectedView<float>& view;
   LabelPlaces places;
@@ -129,7 +130,13 @@ struct WeightSink {
 
 }  // namespace
 
-double evaluate_block(const LabelBlock& block, ColumnValues at, SlotSums* slots) {
+namespace {
+
+L wide(const L& w) { return w; }
+L wide(const HalfPack& w) { return w.wide(); }
+
+template <class Weights>
+double evaluate_with(const LabelBlock& block, const Weights& weight, ColumnValues at, SlotSums* slots) {
   L q[kTilePacks], c[kTilePacks];
   for (std::size_t k = 0; k < block.pixel.size(); ++k)
     q[k] = block.pixel[k].foreground, c[k] = block.pixel[k].background;
@@ -138,7 +145,7 @@ double evaluate_block(const LabelBlock& block, ColumnValues at, SlotSums* slots)
     const L m(at.m[e.column]), rest(at.rest[e.column]);
     for (const std::size_t end = i + e.packs; i < end; ++i) {
       const std::uint8_t k = block.pack[i];
-      q[k] = fma_lanes(block.weight[i], m, q[k]), c[k] = fma_lanes(block.weight[i], rest, c[k]);
+      q[k] = fma_lanes(wide(weight[i]), m, q[k]), c[k] = fma_lanes(wide(weight[i]), rest, c[k]);
     }
   }
   LossSum loss(block.binary);
@@ -153,11 +160,93 @@ double evaluate_block(const LabelBlock& block, ColumnValues at, SlotSums* slots)
     L inside(0.f), outside(0.f);
     for (const std::size_t end = i + e.packs; i < end; ++i) {
       const std::uint8_t k = block.pack[i];
-      inside = fma_lanes(block.weight[i], q[k], inside), outside = fma_lanes(block.weight[i], c[k], outside);
+      inside = fma_lanes(wide(weight[i]), q[k], inside), outside = fma_lanes(wide(weight[i]), c[k], outside);
     }
     slots[e.slot] = {sum_lanes(inside), sum_lanes(outside)};
   }
   return loss.value();
+}
+
+}  // namespace
+
+double evaluate_block(const LabelBlock& block, ColumnValues at, SlotSums* slots) {
+  return block.half.empty() ? evaluate_with(block, block.weight, at, slots)
+                            : evaluate_with(block, block.half, at, slots);
+}
+
+namespace {
+
+/// The packs of 8 pixels in a tape of packs of 8 or 16: of each entry first those of columns 0 to 7, then the others.
+/// f(entry, pack, weight lanes) per contribution; `end(entry)` after the last of an entry.
+template <class F, class End>
+void for_each_half(const Tape<float>& tape, int lanes, const F& f, const End& end) {
+  for (std::size_t k = 0; k < tape.spans;) {
+    const std::uint32_t entry = tape.span[k].entry;
+    for (; k < tape.spans && tape.span[k].entry == entry; ++k) {
+      const std::size_t stop = k + 1 < tape.spans ? tape.span[k + 1].begin : tape.size;
+      for (int half = 0; half < lanes; half += L::kLanes)
+        for (std::size_t j = tape.span[k].begin; j < stop; ++j)
+          f(entry, (int(tape.span[k].column) * (lanes / L::kLanes) + half / L::kLanes) * kTilePx + tape.row[j],
+            tape.lanes + j * std::size_t(2 * lanes) + half);
+    }
+    end(entry);
+  }
+}
+
+}  // namespace
+
+TileLoss evaluate_tape(const TileWork<float>& work, Tape<float>& tape, int lanes, const float* transmittance,
+                       ColumnValues at, TargetPlanes planes, SlotSums* slots) {
+  const TileTargets targets(work.frame, planes);
+  L q[kTilePacks], c[kTilePacks];
+  for (int pack = 0; pack < kLabelPacks; ++pack) {  // wider packs hold the columns of two of ours side by side
+    const int column = pack / kTilePx * L::kLanes, row = pack % kTilePx;
+    q[pack] = L(0.f);
+    load_lanes(transmittance + (column / lanes * kTilePx + row) * lanes + column % lanes, c[pack]);
+  }
+  for_each_half(
+      tape, lanes,
+      [&](std::uint32_t e, int pack, float* lane) {
+        L alpha, before;
+        load_lanes(lane, alpha), load_lanes(lane + lanes, before);
+        const L weight = alpha * before;
+        store_lanes(lane, weight);
+        const std::uint32_t v = work.visible[e];
+        q[pack] = fma_lanes(weight, L(at.m[v]), q[pack]), c[pack] = fma_lanes(weight, L(at.rest[v]), c[pack]);
+      },
+      [](std::uint32_t) {});
+  TileLoss out;
+  LossSum loss(targets.binary);
+  for (std::size_t k = 0; k < kTilePacks; ++k) {
+    const L a = targets.inside[k], b = targets.outside[k], fore = squeezed(q[k]), back = squeezed(c[k]);
+    out.target_sum += double(sum_lanes(a)) + double(sum_lanes(b));
+    loss.add(a, b, fore, back);
+    q[k] = quotient(a, fore), c[k] = quotient(b, back);
+  }
+  out.loss = loss.value();
+  L inside(0.f), outside(0.f);
+  for_each_half(
+      tape, lanes,
+      [&](std::uint32_t, int pack, const float* lane) {
+        L weight;
+        load_lanes(lane, weight);
+        inside = fma_lanes(weight, q[pack], inside), outside = fma_lanes(weight, c[pack], outside);
+      },
+      [&](std::uint32_t e) {
+        slots[work.slot[e]] = {sum_lanes(inside), sum_lanes(outside)};
+        inside = outside = L(0.f);
+      });
+  return out;
+}
+
+LabelBlock kept_block(const LabelBlock& block, bool half) {
+  if (!half) return block;
+  LabelBlock out;
+  out.entry = block.entry, out.pack = block.pack, out.pixel = block.pixel;
+  out.constant_loss = block.constant_loss, out.target_sum = block.target_sum, out.binary = block.binary;
+  out.half.reserve(block.weight.size());
+  for (const L& w : block.weight) out.half.emplace_back(w);
+  return out;
 }
 
 void collect_block(const TileLists& lists, std::int64_t tile, const ProjectedView<float>& view,
@@ -195,13 +284,18 @@ LabelBlock reduced_block(const LabelBlock& block, const std::int32_t* new_column
   bool reached[kTilePacks] = {};
   std::size_t i = 0, kept = 0;
   for (const LabelBlock::Entry& e : block.entry) kept += new_column[e.column] >= 0 ? e.packs : 0;
-  out.weight.reserve(kept), out.pack.reserve(kept);
+  const bool half = !block.half.empty();
+  half ? out.half.reserve(kept) : out.weight.reserve(kept);
+  out.pack.reserve(kept);
   for (const LabelBlock::Entry& e : block.entry) {
     const std::size_t end = i + e.packs;
     if (new_column[e.column] >= 0) {
       out.entry.push_back({std::uint32_t(new_column[e.column]), e.slot, e.packs});
-      out.weight.insert(out.weight.end(), block.weight.begin() + std::ptrdiff_t(i),
-                        block.weight.begin() + std::ptrdiff_t(end));
+      if (half)
+        out.half.insert(out.half.end(), block.half.begin() + std::ptrdiff_t(i), block.half.begin() + std::ptrdiff_t(end));
+      else
+        out.weight.insert(out.weight.end(), block.weight.begin() + std::ptrdiff_t(i),
+                          block.weight.begin() + std::ptrdiff_t(end));
       out.pack.insert(out.pack.end(), block.pack.begin() + std::ptrdiff_t(i),
                       block.pack.begin() + std::ptrdiff_t(end));
       for (; i < end; ++i) reached[block.pack[i]] = true;
@@ -210,8 +304,9 @@ LabelBlock reduced_block(const LabelBlock& block, const std::int32_t* new_column
     const L m(at.m[e.column]), rest(at.rest[e.column]);
     for (; i < end; ++i) {
       PixelPack& p = pixel[block.pack[i]];
-      p.foreground = fma_lanes(block.weight[i], m, p.foreground),
-      p.background = fma_lanes(block.weight[i], rest, p.background);
+      const L weight = half ? block.half[i].wide() : block.weight[i];
+      p.foreground = fma_lanes(weight, m, p.foreground),
+      p.background = fma_lanes(weight, rest, p.background);
     }
   }
   std::uint8_t place[kTilePacks] = {};

@@ -1,6 +1,7 @@
 #pragma once
 // Compact weights of one tile and the two products with them. Internal to ops (label_system.cpp).
 #include "ngs/ops/splat_view.h"
+#include "ngs/ops/tile_scratch.h"
 
 namespace ngs {
 
@@ -20,19 +21,21 @@ struct LabelBlock {
   };
   std::vector<Entry> entry;
   std::vector<std::uint8_t> pack;  // index into pixel
-  std::vector<LabelPack> weight;
+  std::vector<LabelPack> weight;   // of each (entry, pack)
+  std::vector<HalfPack> half;      // the same in half precision, instead of `weight`
   std::vector<PixelPack> pixel;  // reached by at least one column
   double constant_loss = 0;      // -Σ a ln q + b ln c of the pixels that no column reaches
   double target_sum = 0;         // Σ a + b of the tile
   bool binary = true;            // every target is 0 or 1, and only one of a pixel's two is 1
 
   void clear() {
-    entry.clear(), pack.clear(), weight.clear(), pixel.clear();
+    entry.clear(), pack.clear(), weight.clear(), half.clear(), pixel.clear();
     constant_loss = target_sum = 0, binary = true;
   }
   std::int64_t bytes() const {
     return std::int64_t(sizeof(LabelBlock) + entry.size() * sizeof(Entry) +
-                        weight.size() * (sizeof(LabelPack) + 1) + pixel.size() * sizeof(PixelPack));
+                        weight.size() * sizeof(LabelPack) + half.size() * sizeof(HalfPack) + pack.size() +
+                        pixel.size() * sizeof(PixelPack));
   }
 };
 
@@ -60,12 +63,26 @@ struct TargetPlanes {
   const float *inside, *outside;
 };
 
+/// Loss and targets of a tile.
+struct TileLoss {
+  double loss = 0;        // -Σ a ln q + b ln c
+  double target_sum = 0;  // Σ a + b
+};
+
+/// A walk of the tile and the sums of all its Gaussians, which stand at `at` [V]; writes their slots. The same sums as
+/// those of a block whose columns are all Gaussians. `tape`: of record, with `lanes` lanes; its alphas are overwritten.
+TileLoss evaluate_tape(const TileWork<float>& work, Tape<float>& tape, int lanes, const float* transmittance,
+                       ColumnValues at, TargetPlanes targets, SlotSums* slots);
+
 /// Composites the tile and collects its block; slots are those of `lists`. `against` [pairs], if not null,
 /// gets at the slot of every folded entry its weight against the folded value: Σ w b where that is 1, Σ w a
 /// where it is 0.
 void collect_block(const TileLists& lists, std::int64_t tile, const ProjectedView<float>& view,
                    const Camera& camera, Compat compat, LabelPlaces places, TargetPlanes targets,
                    float* against, LabelBlock& out);
+
+/// A copy of the block, exactly as large as needed, with the weights in half precision if wanted.
+LabelBlock kept_block(const LabelBlock& block, bool half);
 
 /// The block with only the columns whose `new_column` is >= 0, renumbered; the others are folded at their
 /// values. Its constant_loss is that of the pixels which no column reaches any more; its target_sum is 0.

@@ -5,40 +5,36 @@
 #include <cmath>
 
 #include "ngs/core/check.h"
+#include "ngs/ops/anderson.h"
 
 namespace ngs {
 namespace {
 
-// Working sets. After kFullSteps plain steps of all labels, those within kBand of a bound that the gradient
-// holds them to are tried at the bound. Later rounds fold only what stands at a bound exactly. A label lifted
-// off one starts at kLift.
-constexpr int kFullSteps = 2;
-constexpr double kBand = 1e-3, kLift = 0.02;
+// Working sets. Folded are the labels that kForeseen plain steps with the first gradient take to within kBand of a
+// bound that the gradient holds them to, unless they explain more than kOwnShare of a pixel: such a pixel would change
+// its mind at the bound. Later rounds fold only what stands at a bound exactly. A label lifted off one starts at kLift.
+constexpr int kForeseen = 4;
+constexpr double kBand = 0.02, kOwnShare = 0.1, kLift = 0.02;
 constexpr double kRoundingOfLoss = 1e-7;  // relative: what float predictions leave uncertain
-constexpr double kFirstShare = 10,
-                 kInnerShare = 0.8;  // of the wanted gap, left to the first and to later working sets
+constexpr double kInnerShare = 0.8;  // of the wanted gap, left to a working set
 constexpr int kMaxRounds = 50;
+constexpr std::size_t kHistory = 6;  // points that a step is combined from
 
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-double relaxed(double from, double to, double omega) {
-  if (!(from > 0 && from < 1 && to > 0 && to < 1)) return to;
-  const double odds = std::log(from / (1 - from)), target = std::log(to / (1 - to));
-  const double x = odds + omega * (target - odds);
-  const double m = 1 / (1 + std::exp(-x));
-  return m > 0 && m < 1 ? m : to;
-}
+bool inner(double m) { return m > 0 && m < 1; }
+double log_odds(double m) { return std::log(m / (1 - m)); }
 
 class Solver {
  public:
   Solver(const Exec& exec, const LabelProblem& problem, const LabelSolveOptions& options,
          const std::vector<double>& start, const std::vector<std::uint8_t>& movable)
       : exec_(exec), options_(options), begin_(seconds_now()), system_(make_system(problem, start, movable)) {
+    // The full system is never kept: of all weights only those of the working set are needed often.
     solution_.label = start;
     solution_.columns = system_.columns();
-    solution_.cache = system_.stats();
     m_.resize(std::size_t(system_.columns()));
     for (std::size_t i = 0; i < start.size(); ++i)
       if (column_of_[i] >= 0) m_[std::size_t(column_of_[i])] = start[i];
@@ -47,14 +43,16 @@ class Solver {
 
   LabelSolution run() {
     for (;; ++solution_.rounds) {
-      system_.evaluate(exec_, m_, sums_);
+      if (solution_.rounds == 0)
+        sums_ = system_.at_start();
+      else
+        system_.evaluate(exec_, m_, sums_);
       ++solution_.evaluations;
       note(m_, sums_, true);
       const GapPoint& now = solution_.trace.back();
       solution_.loss = now.loss, solution_.gap = now.gap;
       solution_.converged = now.gap <= options_.relative_gap * now.loss;
       if (solution_.converged || out_of_budget() || solution_.rounds == kMaxRounds) break;
-      if (solution_.rounds == 0) step_all();
       solve_working_set();
     }
     for (std::size_t i = 0; i < column_of_.size(); ++i)
@@ -72,13 +70,13 @@ class Solver {
     std::vector<std::uint8_t> column(start.size());
     for (std::size_t i = 0; i < start.size(); ++i) column[i] = movable[i] && start[i] > 0 && start[i] < 1;
     number_columns(column);
-    LabelSystem system(exec_, problem, column_of_, start, options_.cache_bytes / 2);
+    LabelSystem system(exec_, problem, column_of_, start, 0);
     bool complete = true;
     for (std::size_t i = 0; i < start.size(); ++i)
       if (movable[i] && !column[i] && system.weight_against()[i] > 0) column[i] = 1, complete = false;
     if (complete) return system;
     number_columns(column);
-    return LabelSystem(exec_, problem, column_of_, start, options_.cache_bytes / 2);
+    return LabelSystem(exec_, problem, column_of_, start, 0);
   }
   void number_columns(const std::vector<std::uint8_t>& column) {
     column_of_.assign(column.size(), -1);
@@ -96,61 +94,82 @@ class Solver {
         {seconds_now() - begin_, sums.loss, frank_wolfe_gap(m, sums, system_.gradient_scale()), certified});
   }
 
-  /// A label that starts almost at a bound but is wanted elsewhere moves there in a step or two: the working
-  /// set is better chosen after them.
-  void step_all() {
-    for (int i = 0; i < kFullSteps && !out_of_budget(); ++i) {
-      m_ = em_update(m_, sums_);
-      system_.evaluate(exec_, m_, sums_);
-      ++solution_.evaluations;
-      note(m_, sums_, true);
-    }
+  /// Whether a label at `m` (its distance from a bound) may be folded there. `towards`, `away`: P and Q, or Q and P.
+  bool held(double foreseen, double m, double away, double towards) const {
+    if (towards <= away) return false;
+    return solution_.rounds == 0 ? foreseen <= kBand && m * away <= kOwnShare : m <= 0;
   }
 
   void solve_working_set() {
-    const double band = solution_.rounds == 0 ? kBand : 0.0;
+    std::vector<double> foreseen = m_;
+    if (solution_.rounds == 0)
+      for (int i = 0; i < kForeseen; ++i) foreseen = em_update(foreseen, sums_);
     std::vector<std::int32_t> place(m_.size(), -1);
     std::vector<double> work;
     for (std::size_t c = 0; c < m_.size(); ++c) {
-      const double g = sums_.outside[c] - sums_.inside[c];
-      const bool held_low = m_[c] <= band && g > 0, held_high = m_[c] >= 1 - band && g < 0;
+      const bool held_low = held(foreseen[c], m_[c], sums_.inside[c], sums_.outside[c]),
+                 held_high = held(1 - foreseen[c], 1 - m_[c], sums_.outside[c], sums_.inside[c]);
       if (!kept_[c] && (held_low || held_high)) {
         m_[c] = held_low ? 0.0 : 1.0;
         continue;
       }
       if (solution_.rounds > 0) kept_[c] = 1;  // once lifted off a bound, never folded again: rounds must end
+      const double g = sums_.outside[c] - sums_.inside[c];
       if (m_[c] <= 0 && g < 0) m_[c] = kLift;
       if (m_[c] >= 1 && g > 0) m_[c] = 1 - kLift;
       place[c] = std::int32_t(work.size());
       work.push_back(m_[c]);
     }
-    const LabelSystem reduced = system_.reduced(exec_, place, m_, options_.cache_bytes / 2);
+    const LabelSystem reduced = system_.reduced(exec_, place, m_, options_.cache_bytes);
+    if (reduced.columns() > solution_.working_columns)
+      solution_.working_columns = reduced.columns(), solution_.cache = reduced.stats();
     iterate(reduced, work);
     for (std::size_t c = 0; c < m_.size(); ++c)
       if (place[c] >= 0) m_[c] = work[std::size_t(place[c])];
   }
 
-  /// Over-relaxed EM on the reduced system until its own gap is small enough.
+  /// EM on the reduced system, accelerated, until its own gap is small enough.
   void iterate(const LabelSystem& system, std::vector<double>& m) {
     LabelSums now, next;
     const auto evaluate = [&](const std::vector<double>& at, LabelSums& out) {
       system.evaluate(exec_, at, out);
       ++solution_.evaluations;
     };
+    Anderson history(kHistory);
     evaluate(m, now);
     for (;;) {
       note(m, now, false);
       const GapPoint& point = solution_.trace.back();
-      const double share = solution_.rounds == 0 ? kFirstShare : kInnerShare;
-      if (point.gap <= share * options_.relative_gap * point.loss || out_of_budget()) return;
+      if (point.gap <= kInnerShare * options_.relative_gap * point.loss || out_of_budget()) return;
       const std::vector<double> plain = em_update(m, now);
-      std::vector<double> step = plain;
-      for (std::size_t c = 0; c < m.size(); ++c) step[c] = relaxed(m[c], plain[c], options_.relaxation);
+      std::vector<double> step = accelerated(history, m, plain, now);
       evaluate(step, next);
-      if (next.loss > now.loss * (1 + kRoundingOfLoss)) step = plain, evaluate(step, next);
+      if (next.loss > now.loss * (1 + kRoundingOfLoss)) {
+        history.reset();
+        step = plain, evaluate(step, next);
+      }
       m = std::move(step);
       std::swap(now, next);
     }
+  }
+
+  /// The step in log-odds, each label weighted with the pixels it explains times m (1 - m). Labels at a bound, or taken
+  /// to one by rounding, move as EM moves them.
+  std::vector<double> accelerated(Anderson& history, const std::vector<double>& m, const std::vector<double>& plain,
+                                  const LabelSums& sums) const {
+    std::vector<double> x(m.size(), 0.0), f(m.size(), 0.0), weight(m.size(), 0.0);
+    for (std::size_t c = 0; c < m.size(); ++c) {
+      if (!inner(m[c]) || !inner(plain[c])) continue;
+      x[c] = log_odds(m[c]), f[c] = options_.relaxation * (log_odds(plain[c]) - x[c]);
+      weight[c] = m[c] * (1 - m[c]) * (m[c] * sums.inside[c] + (1 - m[c]) * sums.outside[c]);
+    }
+    const std::vector<double> to = history.next(x, f, weight);
+    std::vector<double> step = plain;
+    for (std::size_t c = 0; c < m.size(); ++c) {
+      const double moved = 1 / (1 + std::exp(-to[c]));
+      if (inner(m[c]) && inner(plain[c]) && inner(moved)) step[c] = moved;
+    }
+    return step;
   }
 
   const Exec& exec_;

@@ -1,12 +1,13 @@
 #pragma once
 // Labels that minimise the mask loss with geometry fixed, with a certificate.                 PAPER.md §5.3
 //
-// The problem is convex (label_system.h). Update: over-relaxed EM of the mixture q = Σ w m,
+// The problem is convex (label_system.h). Update: EM of the mixture q = Σ w m in log-odds,
 //   logit m <- logit m + ω (logit EM(m) - logit m),   EM(m) = m P / (m P + (1 - m) Q),
-// which for ω = 1 never increases the loss; a relaxed step that does is taken back and replaced by a plain
-// one. Labels that the gradient holds at a bound are folded and the rest solved on its own (working sets);
-// every round ends with the Frank-Wolfe gap over all movable labels,
-//   gap(m) = Σ_i max(g_i m_i, -g_i (1 - m_i)) >= L(m) - min L,   g = ∂L/∂m,
+// combined with the last steps (anderson.h). Plain EM never increases the loss; a combined step that does is taken
+// back and replaced by a plain one. Labels that the gradient holds at a bound are folded and the rest solved on its
+// own (working sets), on cached weights; the full system is never cached, but composited anew once per round for
+//   g = ∂L/∂m and the Frank-Wolfe gap over all movable labels,
+//   gap(m) = Σ_i max(g_i m_i, -g_i (1 - m_i)) >= L(m) - min L,
 // an upper bound on what any further optimisation could gain. It needs no ground truth.
 #include <functional>
 
@@ -16,10 +17,10 @@ namespace ngs {
 
 struct LabelSolveOptions {
   double relative_gap = 1e-3;  // stop when gap <= relative_gap · loss
-  double relaxation = 1.8;     // ω in [1, 2)
+  double relaxation = 1;       // ω in [1, 2)
   int max_evaluations = 2000;
   double time_budget_s = 0;                          // 0: none
-  std::int64_t cache_bytes = std::int64_t(2) << 30;  // for the weights, see label_system.h
+  std::int64_t cache_bytes = std::int64_t(2) << 30;  // for the weights of a working set, see label_system.h
   std::function<bool()> stop;                        // asked once per evaluation; may be empty
 };
 
@@ -35,8 +36,9 @@ struct LabelSolution {
   double loss = 0, gap = 0;   // at `label`, over all movable Gaussians
   bool converged = false;     // gap <= relative_gap · loss
   int evaluations = 0, rounds = 0;
-  std::int64_t columns = 0;  // labels that could not be folded beforehand
-  LabelSystem::Stats cache;
+  std::int64_t columns = 0;          // labels that could not be folded beforehand
+  std::int64_t working_columns = 0;  // of the largest working set
+  LabelSystem::Stats cache;          // of the same
   std::vector<GapPoint> trace;
 };
 

@@ -3,6 +3,7 @@
 #include "ngs/core/check.h"
 #include "ngs/ops/cloud_view.h"
 #include "ngs/ops/label_blocks.h"
+#include "ngs/ops/tile_isa.h"
 
 namespace ngs {
 namespace {
@@ -63,6 +64,7 @@ struct LabelSystem::State {
   };
   Constants of_cached, of_streamed;  // views
   Stats stats;
+  LabelSums start;
 
   State(const LabelProblem& p, std::vector<std::int32_t> columns_of, std::vector<double> labels)
       : problem(p), column_of(std::move(columns_of)), label(std::move(labels)) {
@@ -73,9 +75,12 @@ struct LabelSystem::State {
   LabelPlaces places() const { return {column_of.data(), label.data()}; }
   double target_sum() const { return of_cached.target_sum + of_streamed.target_sum; }
   void open_view(const Exec& exec, std::size_t camera, std::int64_t cache_bytes);
+  void open_streamed(const Exec& exec);
   bool add_view(std::vector<LabelBlock> tiles, std::int64_t cache_bytes);
   void number_slots();
-  double stream(const Exec& exec, std::size_t camera, ColumnValues at, LabelSums& out) const;
+  void add_against(const Exec& exec, const OpenView& open, const std::vector<float>& pair);
+  TileLoss stream(const Exec& exec, const OpenView& open, ColumnValues at, LabelSums& out,
+                  std::vector<double>* against_sums) const;
 };
 
 /// Collects the view's blocks and keeps them while they fit; once one did not, all later views are streamed
@@ -86,16 +91,39 @@ void LabelSystem::State::open_view(const Exec& exec, std::size_t camera, std::in
   std::vector<LabelBlock> tiles(std::size_t(open.lists.tiles()));
   std::vector<float> pair_against(against.empty() ? 0 : std::size_t(open.lists.pairs()), 0.f);
   for_each_task(exec, open.lists.tiles(), [&](std::int64_t tile) {
-    static thread_local LabelBlock block;  // grows once; the copy is exactly as large as needed
+    static thread_local LabelBlock block;  // grows once
     open.collect(tile, problem.splat.compat, places(), pair_against.empty() ? nullptr : pair_against.data(),
                  block);
-    tiles[std::size_t(tile)] = block;
+    tiles[std::size_t(tile)] = kept_block(block, problem.half_weights);
   });
-  if (!pair_against.empty())
-    open.for_each_visible(exec, [&](std::uint32_t gaussian, std::size_t first, std::size_t end) {
-      for (std::size_t s = first; s < end; ++s) against[gaussian] += double(pair_against[s]);
-    });
+  add_against(exec, open, pair_against);
   if (!add_view(std::move(tiles), cache_bytes)) streamed.push_back(camera), ++stats.streamed_views;
+}
+
+void LabelSystem::State::add_against(const Exec& exec, const OpenView& open, const std::vector<float>& pair) {
+  if (pair.empty()) return;
+  open.for_each_visible(exec, [&](std::uint32_t gaussian, std::size_t first, std::size_t end) {
+    for (std::size_t s = first; s < end; ++s) against[gaussian] += double(pair[s]);
+  });
+}
+
+/// Nothing is to be kept: one walk gives the constants and the sums at the labels given.
+void LabelSystem::State::open_streamed(const Exec& exec) {
+  std::vector<double> m(std::size_t(columns), 0.0);
+  for (std::size_t i = 0; i < column_of.size(); ++i)
+    if (column_of[i] >= 0) m[std::size_t(column_of[i])] = label[i];
+  FloatColumns at;
+  at.assign(m);
+  start.inside.assign(m.size(), 0.0), start.outside.assign(m.size(), 0.0);
+  double loss = 0;
+  for (std::size_t camera = 0; camera < problem.cameras.size(); ++camera) {
+    const OpenView open(exec, problem, camera);
+    if (open.empty()) continue;
+    const TileLoss view = stream(exec, open, at.view(), start, &against);
+    loss += view.loss, of_streamed.target_sum += view.target_sum;
+    streamed.push_back(camera), ++stats.streamed_views;
+  }
+  start.loss = target_sum() > 0 ? loss / target_sum() : 0.0;
 }
 
 bool LabelSystem::State::add_view(std::vector<LabelBlock> tiles, std::int64_t cache_bytes) {
@@ -103,8 +131,9 @@ bool LabelSystem::State::add_view(std::vector<LabelBlock> tiles, std::int64_t ca
   for (const LabelBlock& t : tiles) bytes += t.entry.empty() ? 0 : t.bytes();
   const bool fits = streamed.empty() && stats.cached_bytes + bytes <= cache_bytes;
   Constants& constants = fits ? of_cached : of_streamed;
-  for (const LabelBlock& t : tiles) constants.loss += t.constant_loss, constants.target_sum += t.target_sum;
+  for (const LabelBlock& t : tiles) constants.target_sum += t.target_sum;
   if (!fits) return false;
+  for (const LabelBlock& t : tiles) constants.loss += t.constant_loss;
   stats.cached_bytes += bytes, ++stats.cached_views;
   std::erase_if(tiles, [](const LabelBlock& t) { return t.entry.empty(); });
   block.push_back(std::move(tiles));
@@ -126,26 +155,41 @@ void LabelSystem::State::number_slots() {
   slots.resize(std::size_t(slot_begin.back()));
 }
 
-/// Adds what one view that is not cached says; returns its loss beside the constant.
-double LabelSystem::State::stream(const Exec& exec, std::size_t camera, ColumnValues at,
-                                  LabelSums& out) const {
-  const OpenView open(exec, problem, camera);
+/// Adds what one view that is not cached says; returns its whole loss. `against_sums`: see weight_against.
+TileLoss LabelSystem::State::stream(const Exec& exec, const OpenView& open, ColumnValues at, LabelSums& out,
+                                    std::vector<double>* against_sums) const {
+  const std::size_t visible = open.view.id.size();
+  std::vector<float> m(visible), rest(visible);
+  for (std::size_t v = 0; v < visible; ++v) {
+    const std::uint32_t gaussian = open.view.id[v];
+    const std::int32_t column = column_of[gaussian];
+    m[v] = column >= 0 ? at.m[column] : float(label[gaussian]);
+    rest[v] = column >= 0 ? at.rest[column] : float(1 - label[gaussian]);
+  }
+  const TileKernels<float> kernels = float_tile_kernels(exec.isa);
   std::vector<SlotSums> pair(std::size_t(open.lists.pairs()), SlotSums{0.f, 0.f});
-  std::vector<double> tile_loss(std::size_t(open.lists.tiles()));
+  std::vector<TileLoss> tile_loss(std::size_t(open.lists.tiles()));
   for_each_task(exec, open.lists.tiles(), [&](std::int64_t tile) {
-    static thread_local LabelBlock scratch;
-    open.collect(tile, problem.splat.compat, places(), nullptr, scratch);
-    tile_loss[std::size_t(tile)] = evaluate_block(scratch, at, pair.data());
+    static thread_local TileScratch<float> scratch;
+    float* transmittance = scratch.values(kTilePixels);
+    const TileWork<float> work = tile_work(open.view, open.lists, tile, open.camera, problem.splat.compat);
+    kernels.record(work, scratch.tape, transmittance);
+    tile_loss[std::size_t(tile)] =
+        evaluate_tape(work, scratch.tape, kernels.lanes, transmittance, {m.data(), rest.data()},
+                      {open.targets.inside.data(), open.targets.outside.data()}, pair.data());
   });
   open.for_each_visible(exec, [&](std::uint32_t gaussian, std::size_t first, std::size_t end) {
-    if (column_of[gaussian] < 0) return;
-    const auto c = std::size_t(column_of[gaussian]);
-    for (std::size_t s = first; s < end; ++s)
-      out.inside[c] += double(pair[s].inside), out.outside[c] += double(pair[s].outside);
+    const std::int32_t column = column_of[gaussian];
+    for (std::size_t s = first; s < end; ++s) {
+      if (column >= 0)
+        out.inside[std::size_t(column)] += double(pair[s].inside), out.outside[std::size_t(column)] += double(pair[s].outside);
+      else if (against_sums)
+        (*against_sums)[gaussian] += double(label[gaussian] >= 0.5 ? pair[s].outside : pair[s].inside);
+    }
   });
-  double loss = 0;
-  for (const double l : tile_loss) loss += l;
-  return loss;
+  TileLoss sum;
+  for (const TileLoss& t : tile_loss) sum.loss += t.loss, sum.target_sum += t.target_sum;
+  return sum;
 }
 
 PixelTargets pixel_targets(const ViewMasks& masks, int object) {
@@ -170,6 +214,11 @@ LabelSystem::LabelSystem(const Exec& exec, const LabelProblem& problem,
                          std::int64_t cache_bytes)
     : state_(std::make_unique<State>(problem, column_of, label)) {
   state_->against.assign(column_of.size(), 0.0);
+  if (cache_bytes == 0) {
+    state_->open_streamed(exec);
+    state_->number_slots();
+    return;
+  }
   for (std::size_t camera = 0; camera < problem.cameras.size(); ++camera)
     state_->open_view(exec, camera, cache_bytes);
   state_->number_slots();
@@ -204,6 +253,10 @@ std::int64_t LabelSystem::columns() const { return state_->columns; }
 double LabelSystem::gradient_scale() const {
   return state_->target_sum() > 0 ? (1 - 2 * kMaskEps) / state_->target_sum() : 0.0;
 }
+const LabelSums& LabelSystem::at_start() const {
+  NGS_CHECK(state_->start.inside.size() == std::size_t(state_->columns), "sums at the start, of a system without cache");
+  return state_->start;
+}
 const std::vector<double>& LabelSystem::weight_against() const { return state_->against; }
 const LabelSystem::Stats& LabelSystem::stats() const { return state_->stats; }
 
@@ -213,7 +266,7 @@ void LabelSystem::evaluate(const Exec& exec, const std::vector<double>& m, Label
   FloatColumns at;
   at.assign(m);
   out.inside.assign(m.size(), 0.0), out.outside.assign(m.size(), 0.0);
-  double loss = s.of_cached.loss + s.of_streamed.loss;
+  double loss = s.of_cached.loss;
   std::vector<const LabelBlock*> blocks;
   for (const auto& view : s.block)
     for (const LabelBlock& b : view) blocks.push_back(&b);
@@ -228,7 +281,8 @@ void LabelSystem::evaluate(const Exec& exec, const std::vector<double>& m, Label
       out.outside[std::size_t(c)] += double(s.slots[std::size_t(i)].outside);
     }
   });
-  for (const std::size_t camera : s.streamed) loss += s.stream(exec, camera, at.view(), out);
+  for (const std::size_t camera : s.streamed)
+    loss += s.stream(exec, OpenView(exec, s.problem, camera), at.view(), out, nullptr).loss;
   out.loss = s.target_sum() > 0 ? loss / s.target_sum() : 0.0;
 }
 

@@ -12,7 +12,7 @@
 // The weights w_ip of the columns (the labels that may move) are cached, 8 pixels of a row at a time;
 // everything else is folded into two constants per pixel. Pixels that no column reaches cost nothing. Views
 // that do not fit the memory budget are composited anew in every evaluation, which changes no result. Cache:
-// 33 bytes per (column, pack of 8 pixels) pair, 12 per (column, tile) pair, 128 per pack reached.
+// 33 bytes (17 in half precision) per (column, pack of 8 pixels) pair, 12 per (column, tile) pair, 128 per pack reached.
 #include <functional>
 #include <memory>
 #include <vector>
@@ -35,6 +35,7 @@ struct LabelProblem {
   std::vector<Camera> cameras;
   std::function<PixelTargets(std::size_t camera)> load_targets;  // called from one thread
   SplatOptions splat;
+  bool half_weights = false;  // cache weights in half precision: 5e-4 relative each, half the memory
 };
 
 /// L and its two one-sided sums at one point: P = Σ_p w a / q and Q = Σ_p w b / c per column.
@@ -53,7 +54,8 @@ class LabelSystem {
   };
 
   /// `column_of` [N]: index of the Gaussian's column, -1: folded at label[i]. Columns are numbered
-  /// 0..columns-1 in any order, each used once. `label` [N] in [0, 1]. Keeps a reference to `problem`.
+  /// 0..columns-1 in any order, each used once. `label` [N] in [0, 1]: what the others are folded at, and where the
+  /// columns start. Keeps a reference to `problem`.
   LabelSystem(const Exec& exec, const LabelProblem& problem, const std::vector<std::int32_t>& column_of,
               const std::vector<double>& label, std::int64_t cache_bytes);
   LabelSystem(LabelSystem&&) noexcept;
@@ -67,9 +69,12 @@ class LabelSystem {
   std::int64_t columns() const;
   /// `m` [columns] in [0, 1].
   void evaluate(const Exec& exec, const std::vector<double>& m, LabelSums& out) const;
+  /// Of a system made with cache_bytes = 0: evaluate() at its `label`, found on the way.
+  const LabelSums& at_start() const;
   double gradient_scale() const;  // (1 - 2ε) / Σ (a + b); 0 without any target
-  /// [N] weight of each folded Gaussian against its label: Σ w b where that is 1, Σ w a where it is 0. Where
-  /// it is zero, the label is optimal whatever the others are. Of reduced systems: empty.
+  /// [N] what speaks against the label of each folded Gaussian: where it is zero, the label is optimal whatever the
+  /// others are. Σ w b where the label is 1, Σ w a where it is 0, over c or q in systems without cache. Of reduced
+  /// systems: empty.
   const std::vector<double>& weight_against() const;
   const Stats& stats() const;
 

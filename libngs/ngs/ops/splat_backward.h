@@ -9,6 +9,7 @@ template <class L>
 struct TapeSink {
   using S = typename LaneTraits<L>::Scalar;
   static constexpr int kLanes = LaneTraits<L>::kLanes;
+  static constexpr bool kTakesEmpty = true;
   Tape<S>& tape;
   std::uint32_t entry = 0;
 
@@ -26,32 +27,6 @@ struct TapeSink {
     if (tape.span[tape.spans - 1].begin == tape.size) --tape.spans;
   }
   void end() {}
-};
-
-/// Sums over lanes per channel: C of them in registers, or any number in memory where C = 0.
-template <class L, int C>
-struct ChannelSums {
-  using S = typename LaneTraits<L>::Scalar;
-  static constexpr int kLanes = LaneTraits<L>::kLanes;
-  L sum[C > 0 ? C : 1];
-  S* memory;
-  explicit ChannelSums(S* scratch) : memory(scratch) {}
-  [[gnu::always_inline]] void clear(int count) {
-    for (int c = 0; c < count; ++c) put(c, L(S(0)));
-  }
-  [[gnu::always_inline]] L get(int c) const {
-    if constexpr (C > 0) return sum[c];
-    L s;
-    load_lanes(memory + c * kLanes, s);
-    return s;
-  }
-  [[gnu::always_inline]] void put(int c, L x) {
-    if constexpr (C > 0) {
-      sum[c] = x;
-    } else {
-      store_lanes(memory + c * kLanes, x);
-    }
-  }
 };
 
 /// Reads ∂L/∂(image) into packs [packs][count + 1][lanes]; false if it is zero everywhere.
@@ -90,11 +65,13 @@ template <class L, int C>
 class TileBackward {
   using S = typename LaneTraits<L>::Scalar;
   using W = WideOf<S>;
+  using F = typename LaneTraits<L>::Folded;
   static constexpr int kLanes = LaneTraits<L>::kLanes;
 
  public:
   explicit TileBackward(const BackwardTile<S>& in)
-      : in_(in), count_(C > 0 ? C : in.value.count), sums_(in.scratch + (count_ + 1) * kTilePixels) {
+      : in_(in), count_(C > 0 ? C : in.value.count), sums_(in.scratch + (count_ + 1) * kTilePixels),
+        totals_(in.scratch + (count_ + 1) * kTilePixels + count_ * kTilePx) {
     for (int pack = 0; pack < kPacksPerTile<L>; ++pack) {
       L s = L(S(0));
       for (int c = 0; c < count_; ++c) s = fma_lanes(gradient(pack, c), L(in.moves[c] ? in.background[c] : S(0)), s);
@@ -158,29 +135,40 @@ class TileBackward {
     iota_lanes(S(0), lane);
     const L u = L(S(g.mean_x - W(frame.x_px + 0.5))) - (lane + L(S(int(span.column) * kLanes)));
     const L px = p0 * u;
-    for (int i = 0; first && i < kPairGeometry; ++i) total_[i] = S(0);
-    total_[0] += sum_lanes(p0), total_[1] += sum_lanes(px), total_[2] += sum_lanes(py);
-    total_[3] += sum_lanes(px * u), total_[4] += sum_lanes(py * u), total_[5] += sum_lanes(pyy);
-    S* out = in_.pair_grad + std::size_t(in_.work.slot[span.entry]) * std::size_t(kPairGeometry + count_);
-    for (int c = 0; c < count_; ++c) {
-      const S sum = sum_lanes(sums_.get(c));
-      out[kPairGeometry + c] = first ? sum : out[kPairGeometry + c] + sum;
-    }
+    const F none = F(S(0));
+    const L moment[kPairGeometry] = {p0, px, py, px * u, py * u, pyy};
+    for (int i = 0; i < kPairGeometry; ++i) total_[i] = (first ? none : total_[i]) + folded(moment[i]);
+    for (int c = 0; c < count_; ++c) totals_.put(c, (first ? none : totals_.get(c)) + folded(sums_.get(c)));
     if (!last) return;
-    out[0] = -(g.conic_a * total_[1] + g.conic_b * total_[2]);
-    out[1] = -(g.conic_b * total_[1] + g.conic_c * total_[2]);
-    out[2] = S(-0.5) * total_[3];
-    out[3] = -total_[4];
-    out[4] = S(-0.5) * total_[5];
-    out[5] = total_[0] / g.opacity;
+    S sum[kPairGeometry];
+    sum_lanes_each(total_, kPairGeometry, sum);
+    S* out = in_.pair_grad + std::size_t(in_.work.slot[span.entry]) * std::size_t(kPairGeometry + count_);
+    totals_.sum_each(count_, out + kPairGeometry);
+    out[0] = -(g.conic_a * sum[1] + g.conic_b * sum[2]);
+    out[1] = -(g.conic_b * sum[1] + g.conic_c * sum[2]);
+    out[2] = S(-0.5) * sum[3];
+    out[3] = -sum[4];
+    out[4] = S(-0.5) * sum[5];
+    out[5] = sum[0] / g.opacity;
   }
 
   const BackwardTile<S>& in_;
   const int count_;
   ChannelSums<L, C> sums_;
+  ChannelSums<F, C> totals_;
   L behind_[kPacksPerTile<L>];
-  S total_[kPairGeometry];
+  F total_[kPairGeometry];
 };
+
+template <class L>
+void record_tile(const TileWork<typename LaneTraits<L>::Scalar>& work, Tape<typename LaneTraits<L>::Scalar>& tape,
+                 typename LaneTraits<L>::Scalar* transmittance) {
+  tape.size = tape.spans = 0;
+  L left[kPacksPerTile<L>];
+  TapeSink<L> sink{tape};
+  composite_tile<L>(work, left, sink);
+  for (int pack = 0; pack < kPacksPerTile<L>; ++pack) store_lanes(transmittance + pack * LaneTraits<L>::kLanes, left[pack]);
+}
 
 template <class L, int C>
 void backward_tile(const BackwardTile<typename LaneTraits<L>::Scalar>& in) {

@@ -60,10 +60,9 @@ class SplatEngine {
     const int columns = kPairGeometry + request_.count();
     std::vector<S> pair_grad(std::size_t(lists_.pairs()) * std::size_t(columns), S(0));
     const Matrix<S> pairs{pair_grad.data(), lists_.pairs(), columns};
-    const auto count = std::size_t(request_.count());
     for_each_task(exec, lists_.tiles(), [&](std::int64_t tile) {
       TileScratch<S>& memory = thread_scratch();
-      S* scratch = memory.values((count + 1) * kTilePixels + count * kTilePx);
+      S* scratch = memory.values(backward_scratch(request_.count()));
       kernels_.backward({work(tile), channels(), background_.data(), grad.data(), moves.data(), pair_grad.data(), scratch,
                          &memory.tape});
     });

@@ -90,7 +90,7 @@ struct RowsToVisit {
   static constexpr int kLanes = LaneTraits<L>::kLanes;
   std::uint32_t bits[kLanes == 1 ? kTilePx : 2];
 
-  [[gnu::always_inline]] RowsToVisit(const TileEllipse<S>& ellipse, int rows) {
+  [[gnu::always_inline]] void find(const TileEllipse<S>& ellipse, int rows) {
     if constexpr (kLanes == 1) {
       for (int column = 0; column < kTilePx; ++column) bits[column] = ellipse.rows_of_column(column, rows);
     } else {
@@ -111,13 +111,30 @@ struct RowsToVisit {
   }
 };
 
+/// Rows to visit, and rows that still have a live pixel, are found for so many Gaussians at once. One after the other,
+/// the walk would wait for every square root and for the last pixel of the Gaussian before.
+inline constexpr std::uint32_t kAhead = 32;
+
+/// Bits of the rows with a live lane per column of packs; false if there is none.
+template <class L>
+bool find_live_rows(const typename LaneTraits<L>::Mask* live, std::uint32_t* rows) {
+  std::uint32_t all = 0;
+  for (int column = 0; column < kPackColumns<L>; ++column) {
+    rows[column] = 0;
+    for (int row = 0; row < kTilePx; ++row) rows[column] |= std::uint32_t(any(live[column * kTilePx + row])) << row;
+    all |= rows[column];
+  }
+  return all != 0;
+}
+
 /// Walks the tile's Gaussians nearest first and hands each contribution to `sink`:
 ///   sink.begin(e)                        e = position in the tile's list
 ///     sink.begin_column(column)          a column of packs that may be reached
 ///     sink.add(row, Contribution<L>)     zero or more, rows ascending
 ///     sink.end_column(column)
 ///   sink.end()
-/// `transmittance` [packs] is left at its final value. A pixel stops before its transmittance would fall below
+/// Contributions without any lane are left out, unless Sink::kTakesEmpty: a branch that waits for the whole evaluation
+/// costs more than an addition of zeros. `transmittance` [packs] is left at its final value. A pixel stops before its transmittance would fall below
 /// work.stop; the tile stops when all its pixels have.
 template <class L, class Sink>
 [[gnu::always_inline]] inline void composite_tile(const TileWork<typename LaneTraits<L>::Scalar>& work, L* transmittance,
@@ -130,13 +147,10 @@ template <class L, class Sink>
   const int rows = frame.rows(), columns = frame.columns();
   Mask live[kPacksPerTile<L>];
   std::uint32_t live_rows[kColumns];
-  int live_packs = 0;
   L lane;
   iota_lanes(S(0), lane);
   for (int column = 0; column < kColumns; ++column) {
     const int inside = columns - column * kLanes;
-    live_rows[column] = inside > 0 ? row_bits(0, rows) : 0;
-    live_packs += inside > 0 ? rows : 0;
     for (int row = 0; row < kTilePx; ++row) {
       transmittance[column * kTilePx + row] = L(S(1));
       live[column * kTilePx + row] = lane < L(S(row < rows ? inside : 0));
@@ -144,10 +158,15 @@ template <class L, class Sink>
   }
   const L stop(work.stop), cap = L(S(kAlphaCap)), alpha_min = L(S(kAlphaMin)), zero = L(S(0));
 
-  for (std::uint32_t e = 0; e < work.entries && live_packs > 0; ++e) {
-    if (e + 4 < work.entries) __builtin_prefetch(work.record + work.visible[e + 4]);
+  RowsToVisit<L> ahead[kAhead];
+  for (std::uint32_t e = 0; e < work.entries; ++e) {
+    if (e % kAhead == 0) {
+      if (!find_live_rows<L>(live, live_rows)) return;
+      for (std::uint32_t k = e; k < work.entries && k < e + kAhead; ++k)
+        ahead[k - e].find(TileEllipse<S>(work.record[work.visible[k]], frame), rows);
+    }
     const SplatRecord<S>& g = work.record[work.visible[e]];
-    const RowsToVisit<L> to_visit(TileEllipse<S>(g, frame), rows);
+    const RowsToVisit<L>& to_visit = ahead[e % kAhead];
     const L conic_a_half(S(-0.5) * g.conic_a), opacity(g.opacity);
     const L tile_x(S(g.mean_x - W(frame.x_px + 0.5)));  // relative to the tile: the same bits for any pack width
     const S tile_y = S(g.mean_y - W(frame.y_px + 0.5)), minus_b = -g.conic_b, c_half = S(-0.5) * g.conic_c;
@@ -168,13 +187,11 @@ template <class L, class Sink>
         const L before = transmittance[pack];
         const L after = fma_lanes(-alpha, before, before);
         const Mask lasts = after >= stop;
-        const Mask used = reached & lasts, stopped = reached & !lasts;
-        if (any(stopped)) {
-          live[pack] = live[pack] & !stopped;
-          if (!any(live[pack])) live_rows[column] &= ~(1u << row), --live_packs;
-        }
-        if (!any(used)) continue;
+        const Mask used = reached & lasts;
+        live[pack] = live[pack] & (lasts | !reached);
         transmittance[pack] = select(used, after, before);
+        if constexpr (!Sink::kTakesEmpty)
+          if (!any(used)) continue;
         sink.add(row, Contribution<L>{pack, select(used, alpha, zero), before});
       }
       sink.end_column(column);
@@ -199,10 +216,44 @@ struct ChannelRow {
   }
 };
 
+/// Sums over lanes per channel: C of them in registers, or any number in memory where C = 0.
+template <class L, int C>
+struct ChannelSums {
+  using S = typename LaneTraits<L>::Scalar;
+  static constexpr int kLanes = LaneTraits<L>::kLanes;
+  L sum[C > 0 ? C : 1];
+  S* memory;
+  explicit ChannelSums(S* scratch) : memory(scratch) {}
+  [[gnu::always_inline]] void clear(int count) {
+    for (int c = 0; c < count; ++c) put(c, L(S(0)));
+  }
+  [[gnu::always_inline]] L get(int c) const {
+    if constexpr (C > 0) return sum[c];
+    L s;
+    load_lanes(memory + c * kLanes, s);
+    return s;
+  }
+  [[gnu::always_inline]] void put(int c, L x) {
+    if constexpr (C > 0) {
+      sum[c] = x;
+    } else {
+      store_lanes(memory + c * kLanes, x);
+    }
+  }
+  [[gnu::always_inline]] void sum_each(int count, S* out) const {
+    if constexpr (C > 0) {
+      sum_lanes_each(sum, C, out);
+    } else {
+      for (int c = 0; c < count; ++c) out[c] = sum_lanes(get(c));
+    }
+  }
+};
+
 /// Sink that sums the channels: sum[pack][c] += alpha · transmittance · value[c].
 template <class L, int C>
 struct ChannelSink {
   using S = typename LaneTraits<L>::Scalar;
+  static constexpr bool kTakesEmpty = true;
   const TileWork<S>& work;
   ChannelValues<S> value;
   S* sum;  // [packs][count][lanes]

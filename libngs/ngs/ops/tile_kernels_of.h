@@ -35,7 +35,7 @@ void evidence_any(const EvidenceTile<typename LaneTraits<L>::Scalar>& in) {
 
 template <class L>
 TileKernels<typename LaneTraits<L>::Scalar> tile_kernels_of() {
-  return {forward_any<L>, backward_any<L>, evidence_any<L>};
+  return {LaneTraits<L>::kLanes, record_tile<L>, forward_any<L>, backward_any<L>, evidence_any<L>};
 }
 
 }  // namespace ngs

@@ -93,6 +93,8 @@ struct Tape {
 /// Gradient of one (Gaussian, tile) pair before it is summed per Gaussian: mean, conic, opacity, then channels.
 inline constexpr int kPairGeometry = 6;
 
+constexpr std::size_t backward_scratch(int count) { return std::size_t((count + 1) * kTilePixels + 2 * count * kTilePx); }
+
 template <class S>
 struct BackwardTile {
   TileWork<S> work;
@@ -101,9 +103,13 @@ struct BackwardTile {
   const Plane<const S>* grad; // [count + 1] ∂L/∂(channel), ∂L/∂alpha
   const std::uint8_t* moves;  // [count] whether channel c's gradient reaches alpha
   S* pair_grad;               // [pairs, kPairGeometry + count]; row slot[e] is overwritten for every entry that contributes
-  S* scratch;                 // [(count + 1) · kTilePixels + count · kTilePx]
+  S* scratch;                 // [backward_scratch(count)]
   Tape<S>* tape;
 };
+
+constexpr std::size_t evidence_scratch(int objects) {
+  return std::size_t((objects + 1) * kTilePixels + 2 * (2 + 2 * objects) * kTilePx);
+}
 
 /// Per (Gaussian, tile) pair: [W, n, W1_0, n1_0, W1_1, n1_1, ...]; see ops/evidence.h.
 template <class S>
@@ -112,13 +118,16 @@ struct EvidenceTile {
   const std::uint8_t* known;     // [H·W] or null: all
   const float* const* target;    // [objects][H·W]
   int objects;
-  S* pair;                       // [pairs, 2 + 2 · objects], zero
-  S* scratch;                    // [(objects + 1) · kTilePixels + (2 + 2 · objects) · kTilePx]
+  S* pair;                       // [pairs, 2 + 2 · objects]; rows of pairs without a contribution are left alone or 0
+  S* scratch;                    // [evidence_scratch(objects)]
 };
 
 /// The kernels of one lane type.
+///   record   walks the tile into the tape; transmittance [kTilePixels]: the final one, in packs
 template <class S>
 struct TileKernels {
+  int lanes;
+  void (*record)(const TileWork<S>&, Tape<S>&, S* transmittance);
   void (*forward)(const ForwardTile<S>&);
   void (*backward)(const BackwardTile<S>&);
   void (*evidence)(const EvidenceTile<S>&);

@@ -3,7 +3,7 @@
 //
 // Convex: started from the closed form, solved to a certified gap (ops/label_solve.h). Figures of the result,
 // each with the object's name appended where there are several: loss, gap, relative_gap, evaluations, rounds,
-// columns, cache_mib, streamed_views.
+// columns, working_columns, cache_mib, streamed_views (the last three: of the largest working set).
 #include "ngs/ops/label_solve.h"
 #include "ngs/options/field.h"
 #include "ngs/stages/method.h"
@@ -12,7 +12,7 @@ namespace ngs {
 
 struct BceOptions {
   double relative_gap = 1e-3;
-  double relaxation = 1.8;
+  double relaxation = 1;
   int max_evaluations = 2000;
   int cache_mib = 2048;
   bool exclusive = true;
