@@ -39,6 +39,7 @@ BinnedView binned(const Exec& exec, const GaussianCloud& cloud, const Camera& ca
 
 /// What both sinks share: which of the tile's Gaussians may be in front, and where.
 struct FrontBase {
+  static constexpr bool kTakesEmpty = true;
   const BinnedView& binned;
   TileWork<float> work;
   const std::vector<std::uint8_t>& candidate;

@@ -147,6 +147,40 @@ TEST_CASE("a label system gives the same sums streamed, cached in part, and for 
   }
 }
 
+TEST_CASE("a label system without cache knows its sums at the labels it was made with") {
+  const test::MethodCase c = test::method_case(33, 90, 3);
+  const LabelProblem problem = problem_of(c);
+  const std::vector<double> m = test::Random(4).uniform_vector(90, 0, 1);
+  const std::vector<std::int32_t> column = every(90, 3);
+  const LabelSystem system({.threads = 2}, problem, column, m, 0);
+  std::vector<double> at;
+  for (std::size_t i = 0; i < 90; i += 3) at.push_back(m[i]);
+  LabelSums want;
+  system.evaluate({.threads = 1, .isa = Isa::kV3}, at, want);
+  CHECK(system.at_start().loss == want.loss);
+  CHECK(system.at_start().inside == want.inside);
+  CHECK(system.at_start().outside == want.outside);
+}
+
+TEST_CASE("weights in half precision take half the cache and the certificate still holds") {
+  for (std::uint64_t seed = 80; seed < 83; ++seed) {
+    const test::MethodCase c = test::method_case(seed, 120, 4);
+    LabelProblem problem = problem_of(c);
+    const std::vector<double> start = test::Random(seed).uniform_vector(120, 0.05, 0.95);
+    const LabelSystem full({}, problem, every(120, 1), start, 1 << 30);
+    problem.half_weights = true;
+    const LabelSystem half({}, problem, every(120, 1), start, 1 << 30);
+    CHECK(double(half.stats().cached_bytes) < 0.75 * double(full.stats().cached_bytes));
+    LabelSums exact, rounded;
+    full.evaluate({}, start, exact), half.evaluate({}, start, rounded);
+    CHECK(rounded.loss != exact.loss);
+    CHECK(rounded.loss == doctest::Approx(exact.loss).epsilon(1e-4));
+    const LabelSolution solution = solve_labels({}, problem, {}, start, ones(120));
+    CHECK(solution.converged);  // by the certificate, which is not rounded
+    CHECK(solution.gap <= 1e-3 * solution.loss);
+  }
+}
+
 TEST_CASE("a reduced label system is the full one with the other labels held") {
   const test::MethodCase c = test::method_case(32, 120, 3);
   const LabelProblem problem = problem_of(c);
