@@ -1,6 +1,6 @@
 // ngs-joint: scene.json + labelled PLY -> labelled PLY with optimised labels and attributes. Algorithm 1,
 // step 6.
-#include "floater_run.h"
+#include "prepare.h"
 #include "methods.h"
 #include "ngs/io/content_hash.h"
 #include "ngs/io/gaussian_ply.h"
@@ -61,9 +61,13 @@ int main(int argc, char** argv) {
                 {"gaussians", ply.cloud.size()}});
       return 0;
     }
-    const joint::FloaterOutcome clean =
-        joint::floaters_wanted(settings) ? joint::handle_floaters(run, read) : joint::FloaterOutcome{};
-    const MethodInput input = joint::without_floaters(read, clean);
+    const ViewTrust trust =
+        joint::wanted(settings, &JointEffects::view_trust) ? joint::handle_trust(run, read) : ViewTrust{};
+    const MethodInput believed = joint::with_trusted_masks(run, read, trust);
+    const joint::FloaterOutcome clean = joint::wanted(settings, &JointEffects::floaters)
+                                            ? joint::handle_floaters(run, believed)
+                                            : joint::FloaterOutcome{};
+    const MethodInput input = joint::without_floaters(believed, clean);
     if (settings.run.method != joint::Method::kPaper) {
       if (trace || nerf || field || !settings.run.time_budget.empty() || !settings.run.target.empty() ||
           !settings.run.checkpoint.empty())

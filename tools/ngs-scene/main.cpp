@@ -1,5 +1,6 @@
 // ngs-scene: cameras, photos, masks and a model of any origin -> the canonical scene.json, checked.
 #include "check_run.h"
+#include "degrade.h"
 #include "ngs/io/scene_json.h"
 #include "options.h"
 
@@ -85,5 +86,6 @@ int check_command(int argc, char** argv) {
 int main(int argc, char** argv) {
   return ngs::cli::dispatch(argc, argv,
                             {{"import", import_command, "cameras, photos, masks, model -> scene.json"},
-                             {"check", check_command, "repeat the checks on a scene.json"}});
+                             {"check", check_command, "repeat the checks on a scene.json"},
+                             {"degrade", ngs::capture::degrade_command, "good masks -> bad ones, in known amounts"}});
 }

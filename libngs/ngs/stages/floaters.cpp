@@ -280,9 +280,7 @@ FloaterRemoval remove_floaters(const Exec& exec, Monitor& monitor, const RefitOp
   out.figures["psnr_removed_db"] = mean_psnr_db(exec, input, out.cloud, views);
   refit_to_photos(exec, monitor, refit, input, views, finding.far, out.cloud);
   out.figures["psnr_after_db"] = mean_psnr_db(exec, input, out.cloud, views);
-  Evidence evidence = accumulate_evidence(exec, monitor, out.cloud, input.scene, input.views, input.splat,
-                                          input.load_masks);
-  out.labels = label_gaussians({}, evidence);
+  out.labels = labels_anew(exec, monitor, input, out.cloud);
   for (std::size_t k = 0; k < out.labels.size(); ++k)
     for (std::size_t i = 0; i < floater.size(); ++i)
       if (floater[i]) {

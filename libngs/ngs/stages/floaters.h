@@ -50,7 +50,6 @@ struct FloaterRemoval {
   std::map<std::string, double> figures;  // PSNR before, without, after the refit
 };
 
-/// `variance`: how labels follow from evidence.
 FloaterRemoval remove_floaters(const Exec& exec, Monitor& monitor, const RefitOptions& refit,
                                const MethodInput& input, const FloaterFinding& finding);
 

@@ -29,6 +29,7 @@ struct JointEffects {
   bool geometry = true;             // off: only labels and the field are trained
   bool mask_geometry = true;        // L_mask moves geometry too (COB-GS: never)
   bool floaters = true;             // floaters before the object are taken out first
+  bool view_trust = true;           // masks that the others contradict do not count
 };
 struct EffectName {
   std::string_view name, help;
@@ -50,7 +51,8 @@ inline constexpr EffectName kEffects[] = {
     {"photometric", "anchor to the photos", &JointEffects::photometric},
     {"geometry", "move the Gaussians", &JointEffects::geometry},
     {"mask-geometry", "L_mask moves the Gaussians", &JointEffects::mask_geometry},
-    {"floaters", "take floaters before the object out", &JointEffects::floaters}};
+    {"floaters", "take floaters before the object out", &JointEffects::floaters},
+    {"view-trust", "ignore masks that the others contradict", &JointEffects::view_trust}};
 
 /// "NAME=auto|on|off" entries over the defaults (auto = the default). kUsage for anything else.
 JointEffects parse_effects(const std::vector<std::string>& entries);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "ngs/backend/for_each.h"
@@ -20,7 +21,7 @@ struct Draws {
   double uniform(std::uint64_t i) const { return rng_uniform(seed, RngStream::kMaskNoise, i); }
   double normal(std::uint64_t i) const { return rng_normal(seed, RngStream::kMaskNoise, i); }
 };
-enum Purpose : std::uint64_t { kSwap, kDrop, kJitter, kBlob };
+enum Purpose : std::uint64_t { kSwap, kDrop, kJitter, kBlob, kFate };
 
 std::vector<std::uint16_t> ids_in(const ImageU16& labels) {
   std::vector<std::uint8_t> seen(65536, 0);
@@ -203,6 +204,21 @@ ImageU16 disturb_labels(const Exec& exec, const ImageU16& labels, const MaskNois
     morph(exec, result, noise.erode_px, [](std::uint16_t own, std::uint16_t other) { return own != 0 && other != own; });
   if (noise.blob > 0) add_blobs(result, noise.blob, view, seed);
   return result;
+}
+
+std::vector<int> view_fates(int views, double missing, double wrong, std::uint64_t seed) {
+  std::vector<int> fate(static_cast<std::size_t>(views)), order(fate.size());
+  std::iota(fate.begin(), fate.end(), 0), std::iota(order.begin(), order.end(), 0);
+  const Draws draws(seed, 0, kFate);
+  for (std::size_t i = order.size(); i-- > 1;)
+    std::swap(order[i], order[std::size_t(draws.uniform(i) * double(i + 1))]);
+  const auto count = [&](double share) { return std::size_t(std::llround(share * views)); };
+  const std::size_t none = std::min(count(missing), order.size()), last = std::min(none + count(wrong), order.size());
+  for (std::size_t i = 0; i < last; ++i) {
+    const int view = order[i], step = 1 + int(draws.uniform(order.size() + i) * (views - 1));
+    fate[std::size_t(view)] = i < none || views < 2 ? -1 : (view + step) % views;
+  }
+  return fate;
 }
 
 }  // namespace ngs::synth

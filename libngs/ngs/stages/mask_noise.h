@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "ngs/backend/exec.h"
 #include "ngs/scene/views.h"
@@ -29,5 +30,9 @@ MaskNoise parse_mask_noise(std::span<const std::string> specs);
 /// that object is, and growing or blobs then also run over other objects, as separately made masks do.
 ImageU16 disturb_labels(const Exec& exec, const ImageU16& labels, const MaskNoise& noise, std::uint32_t only_id,
                         int view, std::uint64_t seed);
+
+/// What a share of the views gets instead of its own mask: [views] the index of the view whose mask it gets, its own
+/// or, where `wrong`, another's; -1 where it gets none. Exactly round(share · views) of each kind, chosen by seed.
+std::vector<int> view_fates(int views, double missing, double wrong, std::uint64_t seed);
 
 }  // namespace ngs::synth

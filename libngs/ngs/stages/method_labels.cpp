@@ -1,6 +1,7 @@
 #include "ngs/stages/method_labels.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "ngs/core/check.h"
 
@@ -14,6 +15,21 @@ std::vector<LabelColumns> closed_form_labels(const Exec& exec, Monitor& monitor,
   const auto timed = monitor.scope("evidence");
   return label_gaussians({}, accumulate_evidence(exec, monitor, input.cloud, input.scene, input.views,
                                                  input.splat, input.load_masks));
+}
+
+std::vector<LabelColumns> labels_anew(const Exec& exec, Monitor& monitor, const MethodInput& input,
+                                      const GaussianCloud& cloud) {
+  VarianceOptions rule;
+  double largest = -1;
+  for (const LabelColumns& c : input.labels)
+    for (std::size_t i = 0; i < c.views.size(); ++i)
+      if (c.views[i] > 0 && c.boundary[i] < 0.5f) largest = std::max(largest, double(c.variance[i]));
+  if (largest >= 0) rule.tau = std::min(largest, std::nextafter(1.0, 0.0));
+  std::vector<LabelColumns> labels =
+      label_gaussians(rule, accumulate_evidence(exec, monitor, cloud, input.scene, input.views, input.splat,
+                                                input.load_masks));
+  restore_fixed(input, {}, labels);
+  return labels;
 }
 
 Evidence object_evidence(const Evidence& all, int object) {

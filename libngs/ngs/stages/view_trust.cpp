@@ -1,0 +1,175 @@
+#include "ngs/stages/view_trust.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ngs/ops/evidence.h"
+#include "ngs/stages/variance_stage.h"
+
+namespace ngs {
+namespace {
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Binary planes of all objects, and where they can be compared.
+struct Planes {
+  std::vector<std::vector<std::uint8_t>> object;  // [K][H·W]
+  std::vector<std::uint8_t> compared;             // [H·W]
+};
+
+Planes planes_of(const ViewMasks& masks) {
+  Planes p;
+  for (const std::vector<float>& target : masks.target) {
+    p.object.emplace_back(target.size());
+    for (std::size_t i = 0; i < target.size(); ++i) p.object.back()[i] = target[i] >= 0.5f;
+  }
+  p.compared.assign(p.object.front().size(), 1);
+  if (!masks.known.empty()) p.compared = masks.known;
+  return p;
+}
+
+/// 1 - IoU over all objects, where both can be compared.
+double disagreement(const Planes& mask, const Planes& consensus) {
+  double both = 0, either = 0;
+  for (std::size_t k = 0; k < mask.object.size(); ++k)
+    for (std::size_t i = 0; i < mask.compared.size(); ++i) {
+      if (!mask.compared[i] || !consensus.compared[i]) continue;
+      const bool m = mask.object[k][i] != 0, c = consensus.object[k][i] != 0;
+      both += m && c, either += m || c;
+    }
+  return either > 0 ? 1 - both / either : 0;
+}
+
+/// What the other views say about one view.
+struct Consensus {
+  Planes modal, amodal;
+};
+
+class Judge {
+ public:
+  Judge(const Exec& exec, const TrustOptions& options, const MethodInput& input)
+      : exec_(exec), options_(options), input_(input), trusted_(input.views.size(), 1) {}
+
+  ViewTrust run(Monitor& monitor) {
+    const auto timed = monitor.scope("view trust");
+    ViewTrust trust;
+    int rounds = 0;
+    while (rounds < options_.rounds && !monitor.stop_requested()) {
+      ++rounds;
+      if (!gather()) return trust;
+      if (!judge(trust)) break;
+    }
+    for (std::size_t n = 0; n < trusted_.size(); ++n)
+      if (!trusted_[n]) trust.ignored.push_back(input_.views[n]);
+    trust.figures["rounds"] = rounds;
+    return trust;
+  }
+
+ private:
+  Evidence evidence_of(std::size_t n, const ViewMasks& masks) const {
+    Evidence one(input_.cloud.size(), int(input_.scene.objects.size()));
+    add_view_evidence(exec_, input_.cloud, camera(n), input_.splat, masks, one);
+    return one;
+  }
+  const Camera& camera(std::size_t n) const { return input_.scene.views[input_.views[n]].camera; }
+
+  /// Evidence of the trusted views; false where too few have masks.
+  bool gather() {
+    all_ = Evidence(input_.cloud.size(), int(input_.scene.objects.size()));
+    int with_masks = 0;
+    for (std::size_t n = 0; n < trusted_.size(); ++n) {
+      if (!trusted_[n]) continue;
+      const ViewMasks masks = input_.load_masks(input_.views[n]);
+      with_masks += masks.available;
+      add_view_evidence(exec_, input_.cloud, camera(n), input_.splat, masks, all_);
+    }
+    return with_masks >= options_.least_views;
+  }
+
+  Consensus consensus_of(std::size_t n, const ViewMasks& masks) const {
+    const auto rows = std::size_t(input_.cloud.size());
+    const std::size_t objects = masks.target.size();
+    const Evidence own = trusted_[n] ? evidence_of(n, masks) : Evidence(input_.cloud.size(), int(objects));
+    std::vector<float> label(rows * (objects + 1), 0.f);  // last: the others have seen it
+    std::vector<std::uint8_t> object(rows, 0);
+    for (std::size_t i = 0; i < rows; ++i) {
+      const double weight = all_.weight.value(i) - own.weight.value(i);
+      if (!(weight > 1e-3 * all_.weight.value(i))) continue;
+      label[i * (objects + 1) + objects] = 1.f;
+      for (std::size_t k = 0; k < objects; ++k) {
+        const std::size_t cell = i * objects + k;
+        if (all_.object_weight.value(cell) - own.object_weight.value(cell) <= 0.5 * weight) continue;
+        label[i * (objects + 1) + k] = 1.f, object[i] = 1;
+      }
+    }
+    RenderRequest request;
+    request.colour = false;
+    request.label = {label.data(), input_.cloud.size(), int(objects) + 1};
+    Consensus c;
+    c.modal = thresholded(render(exec_, input_.cloud, camera(n), input_.splat, request), true);
+    request.include = object.data();
+    c.amodal = thresholded(render(exec_, input_.cloud, camera(n), input_.splat, request), false);
+    return c;
+  }
+  /// `seen_only`: compared only where most of the pixel was seen by the others.
+  static Planes thresholded(const RenderedView& view, bool seen_only) {
+    const std::size_t channels = std::size_t(view.label.channels), pixels = std::size_t(view.label.pixels());
+    Planes p{{}, std::vector<std::uint8_t>(pixels, 1)};
+    p.object.assign(channels - 1, std::vector<std::uint8_t>(pixels));
+    for (std::size_t i = 0; i < pixels; ++i) {
+      const float* at = &view.label.data[i * channels];
+      for (std::size_t k = 0; k + 1 < channels; ++k) p.object[k][i] = at[k] > 0.5f;
+      if (seen_only) p.compared[i] = at[channels - 1] > 0.5f;
+    }
+    return p;
+  }
+
+  /// True where another view is ignored now, or one no longer is.
+  bool judge(ViewTrust& trust) {
+    trust.disagreement.assign(trusted_.size(), -1.0);
+    std::vector<double> all;
+    for (std::size_t n = 0; n < trusted_.size(); ++n) {
+      const ViewMasks masks = input_.load_masks(input_.views[n]);
+      if (!masks.available) continue;
+      const Planes mask = planes_of(masks);
+      const Consensus c = consensus_of(n, masks);
+      trust.disagreement[n] = std::min(disagreement(mask, c.modal), disagreement(mask, c.amodal));
+      all.push_back(trust.disagreement[n]);
+    }
+    const double middle = median(all);
+    std::vector<double> deviations;
+    for (const double d : all) deviations.push_back(std::abs(d - middle));
+    const double threshold =
+        std::max({options_.factor * middle, middle + options_.spreads * 1.4826 * median(deviations), options_.least});
+    trust.figures["median_disagreement"] = middle, trust.figures["threshold"] = threshold;
+    bool changed = false;
+    for (std::size_t n = 0; n < trusted_.size(); ++n) {
+      const std::uint8_t now = trust.disagreement[n] <= threshold;
+      changed |= now != trusted_[n], trusted_[n] = now;
+    }
+    return changed;
+  }
+
+  const Exec& exec_;
+  const TrustOptions& options_;
+  const MethodInput& input_;
+  std::vector<std::uint8_t> trusted_;  // per entry of input.views
+  Evidence all_;                       // of the trusted views
+};
+
+}  // namespace
+
+ViewTrust judge_views(const Exec& exec, Monitor& monitor, const TrustOptions& options, const MethodInput& input) {
+  return Judge(exec, options, input).run(monitor);
+}
+
+ViewMasks trusted_masks(const ViewTrust& trust, std::size_t view, ViewMasks masks) {
+  if (std::binary_search(trust.ignored.begin(), trust.ignored.end(), view)) masks.available = false;
+  return masks;
+}
+
+}  // namespace ngs

@@ -1,0 +1,31 @@
+#pragma once
+// Which masks the other masks contradict.                                                     PAPER.md §5.9
+//
+// Every view's mask is compared with the consensus of the others: labels from the evidence of all trusted views but
+// this one, rendered into it, once as the model stands (modal) and once with the object alone (amodal; what hides the
+// object may be a floater). The better of the two counts. A view that disagrees far more than the median view is
+// ignored.
+#include "ngs/stages/method.h"
+
+namespace ngs {
+
+struct TrustOptions {
+  int least_views = 4;   // with fewer masks there is no consensus
+  double factor = 3;     // ignored: 1 - IoU above this many medians,
+  double spreads = 6;    // above the median by this many standard deviations (1.4826 MAD),
+  double least = 0.2;    // and above this
+  int rounds = 3;        // the consensus without the ignored views judges again
+};
+
+struct ViewTrust {
+  std::vector<std::size_t> ignored;   // indices of scene.views, ascending
+  std::vector<double> disagreement;   // per entry of input.views: 1 - IoU with the others; negative: no mask
+  std::map<std::string, double> figures;  // median, threshold, rounds
+};
+
+ViewTrust judge_views(const Exec& exec, Monitor& monitor, const TrustOptions& options, const MethodInput& input);
+
+/// The masks of a view; not available where it is ignored.
+ViewMasks trusted_masks(const ViewTrust& trust, std::size_t view, ViewMasks masks);
+
+}  // namespace ngs

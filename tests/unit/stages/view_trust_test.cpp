@@ -1,0 +1,86 @@
+#include "ngs/stages/view_trust.h"
+
+#include <doctest/doctest.h>
+
+#include "support/joint_case.h"
+
+namespace ngs {
+namespace {
+
+/// Six views: those of the joint case and the first two again, whose masks may be spoilt.
+struct TrustCase {
+  std::unique_ptr<test::JointCase> base = test::joint_case();
+  TrustCase() {
+    base->model = base->truth;
+    for (std::size_t v = 0; v < 2; ++v) {
+      base->scene.views.push_back(base->scene.views[v]);
+      base->masks.push_back(base->masks[v]);
+    }
+  }
+  MethodInput input() const {
+    MethodInput in = base->input();
+    in.views = {0, 1, 2, 3, 4, 5};
+    return in;
+  }
+  ViewTrust judge(int threads = 1) const {
+    Monitor monitor;
+    return judge_views({.threads = threads}, monitor, {}, input());
+  }
+  void mirror(std::size_t view) {
+    ViewMasks& m = base->masks[view];
+    for (std::size_t row = 0; row < 40; ++row)
+      std::reverse(m.target[0].begin() + std::ptrdiff_t(row * 48), m.target[0].begin() + std::ptrdiff_t(row * 48 + 48));
+    std::rotate(m.target[0].begin(), m.target[0].begin() + 480 + 14, m.target[0].end());
+  }
+};
+
+}  // namespace
+
+TEST_CASE("masks that agree are all trusted") {
+  const TrustCase c;
+  const ViewTrust trust = c.judge();
+  CHECK(trust.ignored.empty());
+  for (const double d : trust.disagreement) CHECK(d < 0.2);
+  CHECK(trust.figures.at("threshold") >= 0.2);
+}
+
+TEST_CASE("a view whose mask is elsewhere is ignored, the others stay") {
+  TrustCase c;
+  c.mirror(4);
+  const ViewTrust trust = c.judge();
+  REQUIRE(trust.ignored.size() == 1);
+  CHECK(trust.ignored[0] == 4);
+  CHECK(trust.disagreement[4] > 0.5);
+  CHECK_FALSE(trusted_masks(trust, 4, c.base->masks[4]).available);
+  CHECK(trusted_masks(trust, 3, c.base->masks[3]).available);
+  CHECK(c.judge(3).disagreement == trust.disagreement);
+}
+
+TEST_CASE("a mask of nothing is ignored where the others see the object") {
+  TrustCase c;
+  std::fill(c.base->masks[2].target[0].begin(), c.base->masks[2].target[0].end(), 0.f);
+  const ViewTrust trust = c.judge();
+  REQUIRE(trust.ignored.size() == 1);
+  CHECK(trust.ignored[0] == 2);
+}
+
+TEST_CASE("with fewer than four masks nobody is judged") {
+  TrustCase c;
+  c.mirror(0);
+  for (const std::size_t v : {1u, 2u, 3u}) c.base->masks[v].available = false;
+  CHECK(c.judge().ignored.empty());
+}
+
+TEST_CASE("what floaters hide does not make a good mask a bad one") {
+  TrustCase c;  // a dark sheet before the ball in view 3, beside it in the others
+  GaussianCloud& cloud = c.base->model;
+  const auto i = std::size_t(cloud.size());
+  cloud.resize(cloud.size() + 1, cloud.sh_degree);
+  const Vec3<double> eye = c.base->scene.views[3].camera.centre(), p = eye + 0.3 * (Vec3<double>{0, 0, 4} - eye);
+  cloud.position[3 * i] = float(p.x), cloud.position[3 * i + 1] = float(p.y), cloud.position[3 * i + 2] = float(p.z);
+  cloud.rotation[4 * i] = 1, cloud.logit_opacity[i] = 6;
+  for (std::size_t a = 0; a < 3; ++a) cloud.log_scale[3 * i + a] = -2.7f;
+  CHECK(c.judge().ignored.empty());
+}
+
+}  // namespace ngs

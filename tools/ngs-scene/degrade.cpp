@@ -1,0 +1,82 @@
+#include "degrade.h"
+
+#include "ngs/io/folder_index.h"
+#include "ngs/io/image_file.h"
+#include "ngs/options/field.h"
+#include "ngs/stages/mask_noise.h"
+#include "shared/tool.h"
+
+namespace ngs::capture {
+namespace {
+
+struct DegradeOptions {
+  std::vector<std::string> mask_noise;
+  double missing = 0, wrong = 0;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.mask_noise,
+          Text{"mask_noise", "KIND:AMOUNT", "errors in every mask: erode:PX dilate:PX jitter:PX drop:P blob:P"});
+    visit(self.missing, Field<double>{"missing", "of the views", "masks that are left out", 0, 1});
+    visit(self.wrong, Field<double>{"wrong", "of the views", "masks that are another view's", 0, 1});
+  }
+};
+
+/// 1 where any channel but alpha is at least half of full scale.
+ImageU16 read_binary(const std::string& path) {
+  const io::RawMask raw = io::read_mask_raw(path);
+  ImageU16 mask(raw.width_px, raw.height_px, 1);
+  const int half = raw.bits == 16 ? 32768 : 128, colours = std::min(raw.channels, 3);
+  for (std::size_t p = 0; p < mask.data.size(); ++p)
+    for (int c = 0; c < colours; ++c)
+      if (int(raw.data[p * std::size_t(raw.channels) + std::size_t(c)]) >= half) mask.data[p] = 1;
+  return mask;
+}
+
+void write_binary(const std::string& path, const ImageU16& mask) {
+  ImageU8 image(mask.width_px, mask.height_px, 1);
+  for (std::size_t p = 0; p < mask.data.size(); ++p) image.data[p] = mask.data[p] ? 255 : 0;
+  io::write_png(path, image);
+}
+
+}  // namespace
+
+int degrade_command(int argc, char** argv) {
+  cli::Tool tool("ngs-scene degrade",
+                 "Make bad masks from good ones, in known amounts, to see what a method makes of them.",
+                 {"ngs-scene degrade masks_gt --mask-noise dilate:3,jitter:2 -o masks_bad",
+                  "ngs-scene degrade masks_gt --missing 0.2 --wrong 0.1 --seed 3 -o masks_bad"});
+  DegradeOptions options;
+  tool.options(options);
+  const cli::Input& masks = tool.input("masks", "folder of masks, 0/255 by view");
+  const cli::Output& out = tool.output_dir("-o,--output", "folder for the degraded masks");
+
+  return tool.run(argc, argv, [&](cli::Run& run) {
+    const synth::MaskNoise noise = synth::parse_mask_noise(options.mask_noise);
+    const std::vector<std::string> names = io::list_images(masks.path);
+    if (names.empty()) {
+      run.nothing_found(masks.path + ": no image in this folder", "name the folder that holds the masks");
+      return cli::kDone;
+    }
+    const std::vector<int> fate = synth::view_fates(int(names.size()), options.missing, options.wrong, run.seed());
+    Json missing = Json::array(), wrong = Json::object();
+    for (std::size_t v = 0; v < names.size(); ++v) {
+      if (fate[v] < 0) missing.push_back(names[v]);
+      if (fate[v] >= 0 && fate[v] != int(v)) wrong[names[v]] = names[std::size_t(fate[v])];
+    }
+    run.result() = {{"masks", names.size()}, {"missing", missing}, {"wrong", wrong}};
+    if (run.dry_run()) {
+      run.plan({{"masks", names.size() - missing.size()}});
+      return cli::kDone;
+    }
+    for (std::size_t v = 0; v < names.size(); ++v) {
+      if (fate[v] < 0) continue;
+      const ImageU16 mask = read_binary(masks.path + "/" + names[std::size_t(fate[v])]);
+      write_binary(out.path + "/" + io::image_stem(names[v]) + ".png",
+                   synth::disturb_labels(run.exec(), mask, noise, 1, int(v), run.seed()));
+    }
+    return cli::kDone;
+  });
+}
+
+}  // namespace ngs::capture
