@@ -107,6 +107,18 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
     CHECK(occurrences(bare, "<img ") == 0);
     CHECK(bare.find("better views are not shown") != bare.npos);
   }
+  SUBCASE("wrong pixels are shown by cause where the labelled model is there") {
+    CHECK(page.find("<section id=\"errors\">") == page.npos);
+    const std::string scene = dir.path() + "/scene";
+    run_tool(out, {"ngs-variance", "scene.json", "-o", "labelled.ply", "-q"});
+    fs::copy_file(scene + "/masks/v4.png", out + "/masks/v5.png", fs::copy_options::overwrite_existing);
+    run_tool(out, {"ngs-eval", "masks", scene + "/masks", "-q", "-w", "-o", "metrics.json", "--report", "reports/ngs-eval.json"});
+    run_tool(out, {"ngs-report", ".", "-o", "errors.html", "--atlas", "atlas"});
+    const std::string errors = test::read_bytes(out + "/errors.html");
+    CHECK(errors.find("<section id=\"errors\">") != errors.npos);
+    CHECK(errors.find("Wrong pixels of each view by cause") != errors.npos);
+    CHECK(fs::is_regular_file(out + "/atlas/v5.png"));
+  }
   SUBCASE("several runs are compared") {
     fs::copy(out, dir.path() + "/second", fs::copy_options::recursive);
     run_tool(dir.path(), {"ngs-report", out, "second", "-o", "both.html"});

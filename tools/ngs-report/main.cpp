@@ -32,12 +32,14 @@ int main(int argc, char** argv) {
   tool.options(options);
   const cli::Inputs& folders = tool.inputs("runs", "output folders of pipelines/ngs-gs.sh");
   const cli::Output& out = tool.output("-o,--output", "HTML page");
+  const cli::Output& atlas =
+      tool.optional_output_dir("--atlas", "pictures of the wrong pixels by cause, one PNG per scored view of a single run");
   return tool.run(argc, argv, [&](cli::Run& run) {
     std::vector<cli::RunFolder> runs;
     for (const std::string& path : folders.paths) runs.push_back(cli::read_run_folder(path));
     run.result()["runs"] = runs.size();
     if (run.dry_run()) return 0;
-    const std::string page = cli::report_page(runs, options);
+    const std::string page = cli::report_page(run.exec(), runs, options, atlas.path);
     io::write_file(out.path, page);
     for (const cli::RunFolder& folder : runs) {
       for (const std::string& problem : folder.problems) run.monitor().warn(problem);

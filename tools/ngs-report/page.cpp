@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "atlas.h"
 #include "charts.h"
 #include "html.h"
 #include "ngs/core/version.h"
@@ -39,9 +40,11 @@ std::string comparison(const std::vector<RunFolder>& runs) {
   return section("comparison", "Comparison", table.html() + plot);
 }
 
-std::string run_html(RunFolder& run, Pictures& pictures) {
+std::string run_html(const Exec& exec, RunFolder& run, Pictures& pictures, const std::string& atlas) {
   const std::string views = views_section(run, pictures);  // first: it may find problems
-  return tiles(run) + oddities_section(run) + accuracy_section(run) + views + objects_section(run) +
+  const std::string errors = errors_section(exec, run, pictures, atlas);
+  return tiles(run) + oddities_section(run) + accuracy_section(run) + views + errors +
+         objects_section(run) +
          decisions_section(run) + times_section(run) + trace_section(run) + inputs_section(run) +
          tools_section(run);
 }
@@ -97,15 +100,16 @@ Json means_json(const std::vector<RunFolder>& runs) {
   return means;
 }
 
-std::string report_page(std::vector<RunFolder>& runs, const PictureOptions& options) {
+std::string report_page(const Exec& exec, std::vector<RunFolder>& runs, const PictureOptions& options,
+                        const std::string& atlas) {
   Pictures pictures(options);
   std::string title = runs.size() == 1 ? runs[0].title : std::to_string(runs.size()) + " runs";
   std::string body;
   if (runs.size() > 1) body += comparison(runs);
-  if (runs.size() == 1) body += run_html(runs[0], pictures);
+  if (runs.size() == 1) body += run_html(exec, runs[0], pictures, atlas);
   for (std::size_t i = 0; runs.size() > 1 && i < runs.size(); ++i)
     body += "<details class=run><summary><b>" + escaped(runs[i].title) + "</b></summary>" +
-            with_prefix(run_html(runs[i], pictures), "run" + std::to_string(i + 1) + "-") + "</details>\n";
+            with_prefix(run_html(exec, runs[i], pictures, {}), "run" + std::to_string(i + 1) + "-") + "</details>\n";
   return "<!doctype html>\n<html lang=en><head><meta charset=utf-8><meta name=viewport "
          "content=\"width=device-width,initial-scale=1\"><title>" +
          escaped(title) + " – ngs report</title><style>" + kStyle + "</style></head>\n<body><header><h1>" +

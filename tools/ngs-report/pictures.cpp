@@ -7,42 +7,14 @@
 #include "ngs/core/error.h"
 #include "ngs/io/image_file.h"
 #include "ngs/ops/outline.h"
-#include "ngs/stages/eval_stage.h"
+#include "planes.h"
 
 namespace ngs::cli {
 namespace {
 
-struct Plane {
-  int width_px = 0, height_px = 0;
-  std::vector<std::uint8_t> data;  // empty: there is no such mask
-  bool empty() const { return data.empty(); }
-  MaskPlane view() const { return {data.data(), width_px, height_px}; }
-};
-
 struct Window {
   int x = 0, y = 0, width_px = 0, height_px = 0;
 };
-
-/// `id` as in ShownView. Pictures with layers are not shown.
-Plane read_plane(const std::string& path, std::uint32_t id) {
-  if (path.empty() || path.ends_with(".exr")) return {};
-  const io::RawMask raw = io::read_mask_raw(path);
-  const MaskSamples samples{raw.width_px, raw.height_px, raw.channels, raw.bits, raw.data};
-  Plane plane{raw.width_px, raw.height_px, {}};
-  if (id == 0 || (id != 255 && is_black_and_white(samples))) {
-    plane.data = binarised(samples, 128);
-    return plane;
-  }
-  plane.data.reserve(raw.data.size());
-  for (std::uint32_t label : label_ids(samples)) plane.data.push_back(label == id);
-  return plane;
-}
-
-Plane fitted(const Plane& plane, int width_px, int height_px) {
-  if (plane.empty() || (plane.width_px == width_px && plane.height_px == height_px)) return plane;
-  return {width_px, height_px,
-          resized_nearest(plane.data.data(), plane.width_px, plane.height_px, width_px, height_px)};
-}
 
 Plane cropped(const Plane& plane, Window w) {
   Plane out{w.width_px, w.height_px, {}};

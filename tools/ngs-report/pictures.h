@@ -23,9 +23,11 @@ class Pictures {
   std::string sheet(RunFolder& run);
   std::string crops(RunFolder& run);
 
- private:
+  /// False where the page has no room for so many bytes.
   bool spend(std::size_t bytes);
+  int zoomed_views() const { return options_.zoomed_views; }
 
+ private:
   PictureOptions options_;
   std::size_t spent_bytes_ = 0;
 };

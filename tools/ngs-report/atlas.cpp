@@ -1,0 +1,163 @@
+#include "atlas.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "html.h"
+#include "ngs/core/error.h"
+#include "ngs/io/gaussian_ply.h"
+#include "ngs/io/image_file.h"
+#include "ngs/stages/error_atlas.h"
+#include "ngs/stages/match_names.h"
+#include "ngs/stages/render_options.h"
+#include "planes.h"
+
+namespace ngs::cli {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::size_t kMostViews = 32;
+constexpr int kPictureWidthPx = 720;
+
+const LabelColumns* labels_of(const io::GaussianPly& ply, const std::string& object) {
+  for (const io::NamedLabels& named : ply.objects)
+    if (named.object == object) return &named.columns;
+  const LabelColumns& all = ply.labels;
+  return all.label.empty() || all.views.empty() || all.boundary.empty() ? nullptr : &all;
+}
+
+/// The photo in grey and dimmed, wrong pixels in the colour of their cause.
+ImageU8 picture_of(const ErrorAtlas& atlas, const ImageF& photo) {
+  ImageU8 out(photo.width_px, photo.height_px, 3);
+  for (std::size_t p = 0; p < atlas.cause.size(); ++p) {
+    const float* rgb = &photo.data[3 * p];
+    const double grey = 0.6 * 255 * double(0.3f * rgb[0] + 0.6f * rgb[1] + 0.1f * rgb[2]);
+    for (std::size_t c = 0; c < 3; ++c)
+      out.data[3 * p + c] = atlas.cause[p] == ErrorCause::kNone
+                                ? std::uint8_t(std::clamp(grey, 0.0, 255.0))
+                                : kErrorCauseNames[std::size_t(atlas.cause[p])].rgb[c];
+  }
+  return out;
+}
+
+/// Smaller, the wrong pixels kept: of each block the one with a cause.
+ImageU8 reduced(const ErrorAtlas& atlas, const ImageU8& picture) {
+  const int factor = std::max(1, (picture.width_px + kPictureWidthPx - 1) / kPictureWidthPx);
+  ImageU8 out((picture.width_px + factor - 1) / factor, (picture.height_px + factor - 1) / factor, 3);
+  for (int y = 0; y < out.height_px; ++y)
+    for (int x = 0; x < out.width_px; ++x) {
+      int from_x = x * factor, from_y = y * factor;
+      for (int j = y * factor; j < std::min((y + 1) * factor, picture.height_px); ++j)
+        for (int i = x * factor; i < std::min((x + 1) * factor, picture.width_px); ++i)
+          if (atlas.cause[std::size_t(j) * std::size_t(picture.width_px) + std::size_t(i)] != ErrorCause::kNone)
+            from_x = i, from_y = j;
+      for (int c = 0; c < 3; ++c) out.at(x, y, c) = picture.at(from_x, from_y, c);
+    }
+  return out;
+}
+
+std::string legend_html() {
+  std::string html = "<p class=note>";
+  for (std::size_t c = 1; c < kErrorCauses; ++c) {
+    const ErrorCauseName& name = kErrorCauseNames[c];
+    html += "<span style=\"display:inline-block;width:.9em;height:.9em;background:rgb(" +
+            std::to_string(name.rgb[0]) + "," + std::to_string(name.rgb[1]) + "," + std::to_string(name.rgb[2]) +
+            ")\"></span> <b>" + std::string(name.name) + "</b> " + std::string(name.help) + " &nbsp; ";
+  }
+  return html + "</p>";
+}
+
+struct Found {
+  ErrorAtlas atlas;
+  ImageU8 picture;
+};
+
+class AtlasMaker {
+ public:
+  AtlasMaker(const Exec& exec, const Scene& scene, const io::GaussianPly& ply)
+      : exec_(exec), scene_(scene), ply_(ply), splat_(splat_options({}, ply.cloud, scene)) {}
+
+  /// False where the view has no truth, no camera or no labels.
+  bool make(const ShownView& view, Found& found) const {
+    const LabelColumns* labels = labels_of(ply_, view.object);
+    const SceneView* scene_view = view_named(view.view);
+    if (labels == nullptr || scene_view == nullptr) return false;
+    const Plane truth = read_plane(view.truth, view.truth_id);
+    if (truth.empty()) return false;
+    const int w = truth.width_px, h = truth.height_px;
+    const Plane predicted = fitted(read_plane(view.predicted, view.predicted_id), w, h);
+    const Plane input = fitted(read_plane(view.input, view.input_id), w, h);
+    if (predicted.empty()) return false;
+    const Camera camera = resized(scene_view->camera, w, h);
+    const SplatOptions splat = filter_at_scale(splat_, double(w) / scene_view->camera.width_px);
+    found.atlas = error_atlas(exec_, {ply_.cloud, *labels, camera, splat, predicted.view(), truth.view(),
+                                      input.empty() ? MaskPlane{nullptr, w, h} : input.view()});
+    ImageF photo = view.photo.empty() ? ImageF(w, h, 3, 0.5f) : io::read_image_rgb(view.photo);
+    found.picture = picture_of(found.atlas, io::resize_nearest(photo, w, h));
+    return true;
+  }
+
+ private:
+  const SceneView* view_named(const std::string& name) const {
+    for (const SceneView& v : scene_.views)
+      if (path_stem(v.camera.name) == name || v.camera.name == name) return &v;
+    return nullptr;
+  }
+
+  const Exec& exec_;
+  const Scene& scene_;
+  const io::GaussianPly& ply_;
+  SplatOptions splat_;
+};
+
+std::string figure_of(const std::string& name, const Found& found) {
+  const ImageU8 small = reduced(found.atlas, found.picture);
+  return "<figure><div class=stack><img alt=\"View " + escaped(name) + " with its wrong pixels by cause\" width=" +
+         std::to_string(small.width_px) + " height=" + std::to_string(small.height_px) +
+         " src=\"data:image/jpeg;base64," + base64(io::encode_jpeg(small, 90)) + "\"></div><figcaption><b>" +
+         escaped(name) + "</b> " + whole(found.atlas.wrong()) + " wrong pixels</figcaption></figure>\n";
+}
+
+}  // namespace
+
+std::string errors_section(const Exec& exec, RunFolder& run, Pictures& pictures, const std::string& folder) {
+  const std::string model = (fs::path(run.path) / "labelled.ply").string();
+  if (!run.scene || !fs::is_regular_file(model)) return {};
+  Table table{.caption = "Wrong pixels of each view by cause, worst views first", .head = {"view", "wrong"}, .rows = {}};
+  for (std::size_t c = 1; c < kErrorCauses; ++c) table.head.emplace_back(kErrorCauseNames[c].name);
+  std::string figures;
+  std::array<std::int64_t, kErrorCauses> sum{};
+  const auto add_row = [&](const std::string& name, const std::array<std::int64_t, kErrorCauses>& pixels) {
+    std::int64_t wrong = 0;
+    for (std::size_t c = 1; c < kErrorCauses; ++c) wrong += pixels[c];
+    std::vector<std::string> row{escaped(name), whole(wrong)};
+    for (std::size_t c = 1; c < kErrorCauses; ++c) row.push_back(whole(pixels[c]));
+    table.rows.push_back(std::move(row));
+  };
+  int shown = 0;
+  try {
+    const io::GaussianPly ply = io::read_gaussian_ply(model);
+    const AtlasMaker maker(exec, *run.scene, ply);
+    for (const ShownView& view : run.views) {
+      if (table.rows.size() == kMostViews) break;
+      Found found;
+      if (!maker.make(view, found)) continue;
+      const std::string name = view.object.empty() ? view.view : view.view + " " + view.object;
+      add_row(name, found.atlas.pixels);
+      for (std::size_t c = 0; c < kErrorCauses; ++c) sum[c] += found.atlas.pixels[c];
+      if (!folder.empty()) io::write_png((fs::path(folder) / (name + ".png")).string(), found.picture);
+      if (shown >= pictures.zoomed_views()) continue;
+      const std::string figure = figure_of(name, found);
+      if (pictures.spend(figure.size())) figures += figure, ++shown;
+    }
+  } catch (const Error& e) {
+    run.problems.push_back(e.what());
+  }
+  if (table.rows.empty()) return {};
+  add_row("all", sum);
+  return section("errors", "Where the errors come from",
+                 legend_html() + "<div class=sheet>" + figures + "</div>" + table.html());
+}
+
+}  // namespace ngs::cli
