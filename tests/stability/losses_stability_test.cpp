@@ -204,6 +204,42 @@ TEST_CASE("align: without active nodes the loss and its gradients are zero") {
   });
 }
 
+TEST_CASE("align: a node that is switched off adds nothing, whatever the field says there") {
+  test::hard_case(
+      {"field colour", {0.5, 1e30, INFINITY, NAN}, 0, "active · residual"},
+      [](double h, Random& random, Worst& worst) {
+        const ImageF colour = image_of(random, 12, 10, 3, 0, 1), alpha = image_of(random, 12, 10, 1, 0, 1);
+        PixelGrid grid;
+        grid.first_x = 2, grid.first_y = 2, grid.cols = 4, grid.rows = 3, grid.step_x = grid.step_y = 2;
+        std::vector<float> field_colour = random.uniform_vector<float>(36, 0, 1), field_alpha(12, 0.5f);
+        std::vector<std::uint8_t> active(12, 1);
+        const auto off = std::size_t(random.below(12));
+        active[off] = 0;
+        AlignLoss loss[2];
+        ImageF to_colour[2];
+        for (int k = 0; k < 2; ++k) {
+          const AlignInputs in{.grid = grid,
+                               .colour = &colour,
+                               .alpha = &alpha,
+                               .photo = nullptr,
+                               .field_colour = &field_colour,
+                               .field_alpha = &field_alpha,
+                               .active = &active};
+          AlignContext context;
+          AlignFieldGradients field;
+          ImageF to_alpha(12, 10, 1);
+          to_colour[k] = ImageF(12, 10, 3);
+          loss[k] = loss_align({}, {}, in, context);
+          loss_align_backward({}, {}, in, loss[k], context, 1, field, to_colour[k], to_alpha);
+          worst.ours_is(field.colour[off * 3] == 0 && field.alpha[off] == 0);
+          field_colour[off * 3] = float(h);
+        }
+        worst.ours_is(loss[0].total == loss[1].total && loss[0].nodes == 11 &&
+                      to_colour[0].data == to_colour[1].data);
+        worst.naive_is(std::isfinite(0 * float(h)));
+      });
+}
+
 TEST_CASE("continuity: colours that nearly agree keep their squared difference") {
   test::hard_case({"difference", {1, 1e-2, 1e-4, 1e-6}, 2.5, "|a|² - 2 a·b + |b|²"},
                   [](double h, Random& random, Worst& worst) {
