@@ -6,6 +6,7 @@
 #include "ngs/backend/for_each.h"
 #include "ngs/core/rng.h"
 #include "ngs/math/quat.h"
+#include "ngs/math/stable.h"
 
 namespace ngs {
 namespace {
@@ -20,20 +21,44 @@ void gather_moments(const std::vector<CloudRow>& rows, int width, std::vector<fl
   moments = std::move(out);
 }
 
+Mat3<double> axes_of(const GaussianCloud& cloud, std::size_t r) {
+  const float* q = &cloud.rotation[r * 4];
+  double inv;
+  return rotation_matrix(
+      normalised(Vec4<double>{double(q[0]), double(q[1]), double(q[2]), double(q[3])}, inv));
+}
+
+void move_by(GaussianCloud& cloud, std::size_t r, Vec3<double> offset) {
+  float* p = &cloud.position[r * 3];
+  p[0] += float(offset.x), p[1] += float(offset.y), p[2] += float(offset.z);
+}
+
 /// Moves a gathered copy of its parent to a place drawn from the parent, and shrinks it.
 void place_child(GaussianCloud& cloud, std::size_t r, const CloudRow& row, std::uint64_t seed) {
-  const float *q = &cloud.rotation[r * 4], *s = &cloud.log_scale[r * 3];
-  double inv;
-  const Mat3<double> turn =
-      rotation_matrix(normalised(Vec4<double>{double(q[0]), double(q[1]), double(q[2]), double(q[3])}, inv));
+  const float* s = &cloud.log_scale[r * 3];
   const std::uint64_t draw = 2 * std::uint64_t(row.source) + (row.origin == RowOrigin::kChild1);
   double local[3];
   for (std::uint64_t k = 0; k < 3; ++k)
     local[k] = std::exp(double(s[k])) * rng_normal(seed, RngStream::kSplit, 3 * draw + k);
-  const Vec3<double> offset = turn * Vec3<double>{local[0], local[1], local[2]};
-  float* p = &cloud.position[r * 3];
-  p[0] += float(offset.x), p[1] += float(offset.y), p[2] += float(offset.z);
+  move_by(cloud, r, axes_of(cloud, r) * Vec3<double>{local[0], local[1], local[2]});
   for (std::size_t k = 0; k < 3; ++k) cloud.log_scale[r * 3 + k] -= float(std::log(kSplitShrink));
+}
+
+/// Normals at ±d of deviation s have the variance d² + s² together: with d = 0.75 of the parent's deviation
+/// s = sqrt(1 - d²) of it. Their optical depths add up to the parent's, integrated along the axis: each has
+/// 1 / (2 s) of its peak.
+void place_half(GaussianCloud& cloud, std::size_t r, RowOrigin half) {
+  constexpr double kShift = 0.75;
+  const double shrink = std::sqrt(1 - kShift * kShift);
+  float* s = &cloud.log_scale[r * 3];
+  const auto axis = std::size_t(std::max_element(s, s + 3) - s);
+  double local[3] = {0, 0, 0};
+  local[axis] = (half == RowOrigin::kHalf0 ? kShift : -kShift) * std::exp(double(s[axis]));
+  move_by(cloud, r, axes_of(cloud, r) * Vec3<double>{local[0], local[1], local[2]});
+  s[axis] += float(std::log(shrink));
+  const double depth =
+      softplus(double(cloud.logit_opacity[r])) / (2 * shrink);  // -log(1 - opacity) of a half
+  cloud.logit_opacity[r] = float(std::log(std::max(std::expm1(depth), 1e-300)));
 }
 
 }  // namespace
@@ -56,7 +81,10 @@ void edit_rows(const Exec& exec, const std::vector<CloudRow>& rows, std::uint64_
   for (std::size_t r = 0; r < rows.size(); ++r) usable[r] = cloud.usable[std::size_t(rows[r].source)];
   cloud.usable = std::move(usable);
   for (std::size_t r = 0; r < rows.size(); ++r)
-    if (rows[r].origin >= RowOrigin::kChild0) place_child(cloud, r, rows[r], seed);
+    if (rows[r].origin >= RowOrigin::kHalf0)
+      place_half(cloud, r, rows[r].origin);
+    else if (rows[r].origin >= RowOrigin::kChild0)
+      place_child(cloud, r, rows[r], seed);
 }
 
 void edit_moments(const std::vector<CloudRow>& rows, int width, AdamMoments& moments) {

@@ -13,7 +13,9 @@ inline constexpr double kSplitShrink = 1.6;
 
 /// kChild0, kChild1: the two halves of a split, drawn from the parent's own distribution with scales /
 /// kSplitShrink.
-enum class RowOrigin : std::uint8_t { kKept, kClone, kChild0, kChild1 };
+/// kHalf0, kHalf1: the two halves of a split along the longest axis, which together keep the parent's centre,
+/// covariance and optical depth.
+enum class RowOrigin : std::uint8_t { kKept, kClone, kChild0, kChild1, kHalf0, kHalf1 };
 struct CloudRow {
   std::int64_t source;
   RowOrigin origin;

@@ -1,0 +1,258 @@
+#include "ngs/ops/edge_walk.h"
+
+#include <Eigen/IterativeLinearSolvers>
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "ngs/core/check.h"
+#include "ngs/math/stable.h"
+
+namespace ngs {
+namespace {
+
+constexpr double kLeastWeight = 1e-5;   // keeps the graph connected across any edge
+constexpr double kShapeWidth_px = 2;    // of the sigmoid that s is
+constexpr double kColourNoise = 3e-4;   // least variance of a colour, (share of full scale)²
+constexpr double kColourGap_px = 2;     // pixels so near the contour are mixed: nothing is learned from them
+constexpr double kLargestLogRatio = 6;  // of the two densities: colours are never certain
+constexpr double kLeastSupport = 1e-4;  // share of a neighbourhood below which its colours are unknown
+
+/// The part of the image that the walk needs: the band about the contour and the colours in reach of it.
+struct Window {
+  int x0, y0, w, h;
+  std::size_t pixels() const { return std::size_t(w) * std::size_t(h); }
+  std::size_t at(int x, int y) const { return std::size_t(y) * std::size_t(w) + std::size_t(x); }
+};
+
+/// Chessboard distance to the contour, positive inside, from pixel centres: ±0.5 at the contour itself.
+std::vector<float> signed_distance(MaskPlane mask) {
+  std::vector<std::uint8_t> outside(std::size_t(mask.pixels()));
+  for (std::size_t p = 0; p < outside.size(); ++p) outside[p] = !mask.data[p];
+  const auto in = chessboard_distance(mask, Outside::kUnknown);
+  const auto out = chessboard_distance({outside.data(), mask.width_px, mask.height_px}, Outside::kUnknown);
+  std::vector<float> d(outside.size());
+  for (std::size_t p = 0; p < d.size(); ++p) d[p] = mask.data[p] ? float(in[p]) - 0.5f : 0.5f - float(out[p]);
+  return d;
+}
+
+Window window_of(const std::vector<float>& distance, MaskPlane mask, double reach_px) {
+  int x0 = mask.width_px, x1 = -1, y0 = mask.height_px, y1 = -1;
+  for (int y = 0; y < mask.height_px; ++y)
+    for (int x = 0; x < mask.width_px; ++x)
+      if (std::abs(distance[std::size_t(y) * std::size_t(mask.width_px) + std::size_t(x)]) < reach_px)
+        x0 = std::min(x0, x), x1 = std::max(x1, x), y0 = std::min(y0, y), y1 = std::max(y1, y);
+  return {x0, y0, std::max(0, x1 - x0 + 1), std::max(0, y1 - y0 + 1)};
+}
+
+/// Three running means of width 2 r + 1 along one line: nearly a normal density of deviation r. Zeros
+/// outside.
+void blur_line(float* line, int n, std::size_t stride, int r, std::vector<double>& from) {
+  from.resize(std::size_t(n));
+  const double scale = 1.0 / (2 * r + 1);
+  for (int pass = 0; pass < 3; ++pass) {
+    for (int i = 0; i < n; ++i) from[std::size_t(i)] = double(line[std::size_t(i) * stride]);
+    double sum = 0;
+    for (int i = 0; i < std::min(r, n); ++i) sum += from[std::size_t(i)];
+    for (int i = 0; i < n; ++i) {
+      if (i + r < n) sum += from[std::size_t(i + r)];
+      line[std::size_t(i) * stride] = float(sum * scale);
+      if (i >= r) sum -= from[std::size_t(i - r)];
+    }
+  }
+}
+
+void blur(const Window& win, int r, std::vector<float>& plane) {
+  std::vector<double> scratch;
+  for (int y = 0; y < win.h; ++y) blur_line(&plane[win.at(0, y)], win.w, 1, r, scratch);
+  for (int x = 0; x < win.w; ++x) blur_line(&plane[win.at(x, 0)], win.h, std::size_t(win.w), r, scratch);
+}
+
+/// Local normal density of the colours of some pixels: weights, means and second moments, blurred.
+class LocalColours {
+ public:
+  LocalColours(const Window& win, const std::vector<std::array<float, 3>>& colour,
+               const std::vector<std::uint8_t>& chosen, int r) {
+    for (std::size_t m = 0; m < moment_.size(); ++m) {
+      moment_[m].resize(win.pixels());
+      for (std::size_t p = 0; p < win.pixels(); ++p) moment_[m][p] = chosen[p] ? term(m, colour[p]) : 0.f;
+      blur(win, r, moment_[m]);
+    }
+  }
+
+  /// Logarithm of the density, up to a constant; false where no chosen pixel is near.
+  bool log_density(std::size_t p, const std::array<float, 3>& colour, double& value) const {
+    const double n = double(moment_[0][p]);
+    if (n < kLeastSupport) return false;
+    double z[3], mean[3], c[3][3];
+    for (std::size_t i = 0; i < 3; ++i)
+      mean[i] = double(moment_[1 + i][p]) / n, z[i] = double(colour[i]) - mean[i];
+    for (std::size_t i = 0, m = 4; i < 3; ++i)
+      for (std::size_t j = 0; j <= i; ++j, ++m)
+        c[i][j] = double(moment_[m][p]) / n - mean[i] * mean[j] + (i == j ? kColourNoise : 0.0);
+    // C = L Lᵀ; |L⁻¹ z|² and log det.
+    double square = 0, log_det = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        for (std::size_t k = 0; k < j; ++k) c[i][j] -= c[i][k] * c[j][k];
+        c[i][j] /= c[j][j];
+        c[i][i] -= c[i][j] * c[i][j], z[i] -= c[i][j] * z[j];
+      }
+      c[i][i] = std::sqrt(std::max(c[i][i], 0.5 * kColourNoise));
+      z[i] /= c[i][i];
+      square += z[i] * z[i], log_det += 2 * std::log(c[i][i]);
+    }
+    value = -0.5 * (square + log_det);
+    return true;
+  }
+
+ private:
+  /// 1; r g b; rr gr gg br bg bb.
+  static float term(std::size_t m, const std::array<float, 3>& v) {
+    constexpr std::size_t kFirst[6] = {0, 1, 1, 2, 2, 2}, kSecond[6] = {0, 0, 1, 0, 1, 2};
+    if (m == 0) return 1.f;
+    return m < 4 ? v[m - 1] : v[kFirst[m - 4]] * v[kSecond[m - 4]];
+  }
+  std::array<std::vector<float>, 10> moment_;
+};
+
+/// The photo in the window, relative to its mean colour so that second moments do not cancel.
+std::vector<std::array<float, 3>> colours_of(const Window& win, const ImageF& photo) {
+  std::vector<std::array<float, 3>> colour(win.pixels());
+  double sum[3] = {0, 0, 0};
+  for (int y = 0; y < win.h; ++y)
+    for (int x = 0; x < win.w; ++x)
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float v = photo.at(win.x0 + x, win.y0 + y, int(c));
+        colour[win.at(x, y)][c] = v;
+        sum[c] += double(v);
+      }
+  for (auto& v : colour)
+    for (std::size_t c = 0; c < 3; ++c) v[c] -= float(sum[c] / double(win.pixels()));
+  return colour;
+}
+
+/// 3x3 binomial mean: single pixels of a photo are noisy.
+std::vector<std::array<float, 3>> smoothed(const Window& win, const std::vector<std::array<float, 3>>& in) {
+  std::vector<std::array<float, 3>> out(in.size());
+  for (int y = 0; y < win.h; ++y)
+    for (int x = 0; x < win.w; ++x)
+      for (std::size_t c = 0; c < 3; ++c) {
+        float sum = 0;
+        for (int j = -1; j <= 1; ++j)
+          for (int i = -1; i <= 1; ++i)
+            sum += float((2 - std::abs(i)) * (2 - std::abs(j))) *
+                   in[win.at(std::clamp(x + i, 0, win.w - 1), std::clamp(y + j, 0, win.h - 1))][c];
+        out[win.at(x, y)][c] = sum / 16;
+      }
+  return out;
+}
+
+double squared_difference(const std::array<float, 3>& a, const std::array<float, 3>& b) {
+  double sum = 0;
+  for (std::size_t c = 0; c < 3; ++c) sum += double(a[c] - b[c]) * double(a[c] - b[c]);
+  return sum;
+}
+
+double mean_squared_step(const Window& win, const std::vector<std::array<float, 3>>& colour) {
+  double sum = 0;
+  for (int y = 0; y < win.h; ++y)
+    for (int x = 0; x + 1 < win.w; ++x)
+      sum += squared_difference(colour[win.at(x, y)], colour[win.at(x + 1, y)]);
+  return sum / std::max(1.0, double(win.h) * double(win.w - 1));
+}
+
+/// What the walk is about: which pixels are free, and what pulls at each.
+struct Walk {
+  Window win;
+  std::vector<float> given;         // the mask, 0 or 1
+  std::vector<std::int32_t> index;  // row of the system; -1: fixed
+  std::vector<double> diagonal, right;
+};
+
+std::vector<double> solve(Walk& walk, const std::vector<std::array<float, 3>>& colour) {
+  const double m = std::max(mean_squared_step(walk.win, colour), 1e-12);
+  const int n = int(walk.diagonal.size());
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(std::size_t(n) * 9);
+  constexpr int kStep[8][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}};
+  for (int y = 0; y < walk.win.h; ++y)
+    for (int x = 0; x < walk.win.w; ++x) {
+      const std::size_t p = walk.win.at(x, y);
+      const int row = walk.index[p];
+      if (row < 0) continue;
+      for (const auto& [dx, dy] : kStep) {
+        if (x + dx < 0 || x + dx >= walk.win.w || y + dy < 0 || y + dy >= walk.win.h) continue;
+        const std::size_t q = walk.win.at(x + dx, y + dy);
+        const double w = (std::exp(-squared_difference(colour[p], colour[q]) / m) + kLeastWeight) /
+                         std::sqrt(double(dx * dx + dy * dy));
+        walk.diagonal[std::size_t(row)] += w;
+        if (walk.index[q] >= 0)
+          entries.emplace_back(row, walk.index[q], -w);
+        else
+          walk.right[std::size_t(row)] += w * double(walk.given[q]);
+      }
+      entries.emplace_back(row, row, walk.diagonal[std::size_t(row)]);
+    }
+  Eigen::SparseMatrix<double, Eigen::RowMajor> matrix(n, n);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  Eigen::ConjugateGradient<Eigen::SparseMatrix<double, Eigen::RowMajor>, Eigen::Lower | Eigen::Upper> cg(
+      matrix);
+  cg.setTolerance(1e-6);
+  const Eigen::Map<const Eigen::VectorXd> b(walk.right.data(), n);
+  const Eigen::VectorXd x = cg.solve(b);
+  return {x.data(), x.data() + n};
+}
+
+}  // namespace
+
+std::vector<float> walk_to_edges(const EdgeWalkOptions& options, MaskPlane mask, const ImageF& photo) {
+  NGS_CHECK(photo.width_px == mask.width_px && photo.height_px == mask.height_px && photo.channels == 3,
+            "the photo has the mask's size");
+  std::vector<float> out(std::size_t(mask.pixels()));
+  for (std::size_t p = 0; p < out.size(); ++p) out[p] = mask.data[p] ? 1.f : 0.f;
+  const std::vector<float> distance = signed_distance(mask);
+  Walk walk;
+  walk.win = window_of(distance, mask, options.reach_px);
+  const Window& win = walk.win;
+  if (win.pixels() == 0) return out;
+  const auto colour = colours_of(win, photo);
+  const auto smooth = smoothed(win, colour);
+  std::vector<std::uint8_t> inside(win.pixels()), outside(win.pixels());
+  std::vector<float> d(win.pixels());
+  walk.given.resize(win.pixels()), walk.index.assign(win.pixels(), -1);
+  for (int y = 0; y < win.h; ++y)
+    for (int x = 0; x < win.w; ++x) {
+      const std::size_t p = win.at(x, y);
+      const std::size_t full = std::size_t(win.y0 + y) * std::size_t(mask.width_px) + std::size_t(win.x0 + x);
+      d[p] = distance[full], walk.given[p] = out[full];
+      const double depth = std::abs(double(d[p]));
+      const bool usable = depth > kColourGap_px && depth < options.reach_px;
+      inside[p] = usable && d[p] > 0, outside[p] = usable && d[p] < 0;
+    }
+  const int r = std::max(1, int(std::lround(options.reach_px / 2)));
+  const LocalColours object(win, smooth, inside, r), rest(win, smooth, outside, r);
+  for (std::size_t p = 0; p < win.pixels(); ++p) {
+    if (std::abs(double(d[p])) > options.band_px) continue;
+    walk.index[p] = int(walk.diagonal.size());
+    double in = 0, ex = 0, weight = options.shape_weight,
+           pull = options.shape_weight * sigmoid(double(d[p]) / kShapeWidth_px);
+    if (object.log_density(p, smooth[p], in) && rest.log_density(p, smooth[p], ex)) {
+      weight += options.colour_weight;
+      pull += options.colour_weight * sigmoid(std::clamp(in - ex, -kLargestLogRatio, kLargestLogRatio));
+    }
+    walk.diagonal.push_back(weight), walk.right.push_back(pull);
+  }
+  const std::vector<double> x = solve(walk, colour);
+  for (int wy = 0; wy < win.h; ++wy)
+    for (int wx = 0; wx < win.w; ++wx) {
+      const std::int32_t row = walk.index[win.at(wx, wy)];
+      if (row < 0) continue;
+      out[std::size_t(win.y0 + wy) * std::size_t(mask.width_px) + std::size_t(win.x0 + wx)] =
+          float(std::clamp(x[std::size_t(row)], 0.0, 1.0));
+    }
+  return out;
+}
+
+}  // namespace ngs

@@ -1,0 +1,55 @@
+#include "ngs/stages/edge_split.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "ngs/ops/evidence.h"
+
+namespace ngs {
+
+std::vector<double> straddling_px(const Exec& exec, const MethodInput& input, const GaussianCloud& cloud) {
+  const auto n = std::size_t(cloud.size()), objects = input.scene.objects.size();
+  std::vector<double> straddling(n, 0.0), worst(n);
+  for (const std::size_t view : input.views) {
+    const ViewMasks masks = input.load_masks(view);
+    if (!masks.available) continue;
+    Evidence seen(cloud.size(), int(objects));
+    add_view_evidence(exec, cloud, input.scene.views[view].camera, input.splat, masks, seen);
+    for (std::size_t i = 0; i < n; ++i) {
+      const double all = seen.weight.value(i);
+      double most = 0;
+      for (std::size_t k = 0; k < objects; ++k) {
+        const double inside = seen.object_weight.value(i * objects + k);
+        most = std::max(most, std::min(inside, all - inside));
+      }
+      straddling[i] += most;
+    }
+  }
+  return straddling;
+}
+
+std::vector<CloudRow> split_straddlers(const std::vector<double>& straddling, double least_px,
+                                       std::int64_t most) {
+  std::vector<std::int64_t> chosen;
+  for (std::size_t i = 0; i < straddling.size(); ++i)
+    if (straddling[i] > least_px) chosen.push_back(std::int64_t(i));
+  if (std::int64_t(chosen.size()) > most) {
+    std::stable_sort(chosen.begin(), chosen.end(), [&](std::int64_t a, std::int64_t b) {
+      return straddling[std::size_t(a)] > straddling[std::size_t(b)];
+    });
+    chosen.resize(std::size_t(most));
+    std::sort(chosen.begin(), chosen.end());
+  }
+  std::vector<CloudRow> rows;
+  auto next = chosen.begin();
+  for (std::int64_t i = 0; i < std::int64_t(straddling.size()); ++i)
+    if (next != chosen.end() && *next == i)
+      ++next;
+    else
+      rows.push_back({i, RowOrigin::kKept});
+  for (const std::int64_t i : chosen)
+    rows.push_back({i, RowOrigin::kHalf0}), rows.push_back({i, RowOrigin::kHalf1});
+  return rows;
+}
+
+}  // namespace ngs
