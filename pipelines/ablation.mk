@@ -12,7 +12,7 @@ HERE := $(dir $(lastword $(MAKEFILE_LIST)))
 SCENE ?= $(error SCENE is not set)
 OUT ?= out/ablation
 ARGS ?=
-EFFECTS ?= nerf boundary box rbf hash film align variance density mask cont smooth photometric geometry floaters view-trust
+EFFECTS ?= nerf boundary box rbf hash film align variance density mask cont smooth photometric geometry floaters view-trust edges
 TAUS ?= 0.2 0.4 0.8
 
 VARIANTS := full $(EFFECTS:%=without-%) $(TAUS:%=tau-%)

@@ -1,6 +1,5 @@
 // ngs-joint: scene.json + labelled PLY -> labelled PLY with optimised labels and attributes. Algorithm 1,
 // step 6.
-#include "prepare.h"
 #include "methods.h"
 #include "ngs/io/content_hash.h"
 #include "ngs/io/gaussian_ply.h"
@@ -12,6 +11,7 @@
 #include "ngs/stages/render_stage.h"
 #include "ngs/stages/variance_stage.h"
 #include "optimise.h"
+#include "prepare.h"
 
 int main(int argc, char** argv) {
   using namespace ngs;
@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
   joint::MethodOptions methods;
   tool.options(settings.run);
   tool.options(settings.joint);
+  tool.options(settings.edge);
   tool.options(settings.sample);
   tool.options(settings.rbf);
   tool.options(raster);
@@ -46,15 +47,16 @@ int main(int argc, char** argv) {
     const Scene scene = with_objects(io::read_scene_json(scene_json.path), settings.run.objects);
     const io::GaussianPly ply = io::read_gaussian_ply(boundary.path);
     MethodInput read{.cloud = ply.cloud,
-                      .scene = scene,
-                      .views = training_views(scene),
-                      .load_masks = [&](std::size_t view) { return io::load_masks(scene, view); },
-                      .load_photo = [&](std::size_t view) { return io::load_photo(scene, view); },
-                      .splat = splat_options(raster, ply.cloud, scene),
-                      .background = parse_background(settings.run.background),
-                      .seed = run.seed(),
-                      .fixed = ply.fixed,
-                      .labels = joint::labels_of(ply, scene)};
+                     .scene = scene,
+                     .views = training_views(scene),
+                     .load_masks = [&](std::size_t view) { return io::load_masks(scene, view); },
+                     .load_photo = [&](std::size_t view) { return io::load_photo(scene, view); },
+                     .splat = splat_options(raster, ply.cloud, scene),
+                     .background = parse_background(settings.run.background),
+                     .seed = run.seed(),
+                     .fixed = ply.fixed,
+                     .labels = joint::labels_of(ply, scene),
+                     .load_fine_photo = [&](std::size_t view) { return io::load_fine_photo(scene, view); }};
     if (settings.run.explain || run.dry_run()) {
       run.plan({{"effects", joint::explain(settings.joint)},
                 {"training_views", read.views.size()},
@@ -84,7 +86,10 @@ int main(int argc, char** argv) {
     const std::string fingerprint = io::content_hash(boundary.path).xxh3 + " " +
                                     joint::options_text(settings) + " seed " + std::to_string(run.seed());
     return joint::optimise(run, settings,
-                           {input, given ? &*given : nullptr, {ply, scene, clean.floater}, {settings.run.checkpoint, fingerprint}},
+                           {input,
+                            given ? &*given : nullptr,
+                            {ply, scene, clean.floater},
+                            {settings.run.checkpoint, fingerprint}},
                            {out.path, nerf.path, trace.path});
   });
 }

@@ -37,6 +37,7 @@ class Trace {
 std::string options_text(Settings& settings) {
   OptionSet set;
   set.add(settings.joint);
+  set.add(settings.edge);
   set.add(settings.sample);
   set.add(settings.rbf);
   return set.to_json().dump();
@@ -119,6 +120,13 @@ int optimise(cli::Run& run, Settings& settings, const Problem& problem, const Ar
   }
   MethodResult result = trainer.result();
   result.converged |= target_met;
+  if (result.converged && !target_met && parse_effects(settings.joint.effect).edges) {
+    const auto late = [&] { return budget && wall_seconds() - start + 1.5 * step_s > *budget; };
+    result = follow_edges(run.exec(), run.monitor(),
+                          {settings.edge, settings.joint, settings.sample, settings.rbf, problem.input, late},
+                          std::move(result));
+    if (run.monitor().stop_requested()) return run.stop_code();
+  }
   const LossTerms& l = progress.loss;
   run.result()["last_loss"] = {{"total", l.total}, {"photometric", l.photometric},
                                {"align", l.align}, {"mask", l.mask},

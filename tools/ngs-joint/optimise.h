@@ -5,12 +5,14 @@
 
 #include "joint_run.h"
 #include "ngs/io/gaussian_ply.h"
+#include "ngs/stages/edge_stage.h"
 
 namespace ngs::joint {
 
 struct Settings {
   RunOptions run;
   JointOptions joint;
+  EdgeOptions edge;
   SampleOptions sample;
   RbfOptions rbf;
 };

@@ -66,7 +66,8 @@ MethodInput without_floaters(const MethodInput& input, const FloaterOutcome& out
           .background = input.background,
           .seed = input.seed,
           .fixed = input.fixed,
-          .labels = outcome.removed() ? outcome.removal.labels : input.labels};
+          .labels = outcome.removed() ? outcome.removal.labels : input.labels,
+          .load_fine_photo = input.load_fine_photo};
 }
 
 }  // namespace ngs::joint

@@ -7,11 +7,14 @@
 
 namespace ngs::io {
 
-ImageF load_photo(const Scene& scene, std::size_t view) {
+namespace {
+
+/// The file as it is, checked against the camera; empty where the view has none.
+ImageF checked_photo(const Scene& scene, std::size_t view) {
   NGS_CHECK(view < scene.views.size(), "view index");
   const SceneView& v = scene.views[view];
   if (v.image_path.empty()) return {};
-  const ImageF photo = read_image_rgb(v.image_path);
+  ImageF photo = read_image_rgb(v.image_path);
   const ImageSize camera{v.camera.width_px, v.camera.height_px}, file{photo.width_px, photo.height_px};
   const SizeRelation relation = relate_sizes(file, camera, scene.image_scale);
   if (!relation.allowed || (!relation.same && !relation.larger))
@@ -20,7 +23,22 @@ ImageF load_photo(const Scene& scene, std::size_t view) {
         v.image_path + ": photo of " + to_string(file) + " px, expected the camera's " + to_string(camera) +
             " px or an integer multiple of it",
         "import the scene again with the folder of these photos: ngs-scene import SOURCE --images DIR");
-  return resize_area(photo, camera.width_px, camera.height_px);
+  return photo;
+}
+
+}  // namespace
+
+ImageF load_photo(const Scene& scene, std::size_t view) {
+  const ImageF photo = checked_photo(scene, view);
+  const Camera& camera = scene.views[view].camera;
+  return photo.empty() ? photo : resize_area(photo, camera.width_px, camera.height_px);
+}
+
+ImageF load_fine_photo(const Scene& scene, std::size_t view, int most) {
+  ImageF photo = checked_photo(scene, view);
+  const Camera& camera = scene.views[view].camera;
+  if (photo.empty() || photo.width_px <= most * camera.width_px + most) return photo;
+  return resize_area(photo, most * camera.width_px, most * camera.height_px);
 }
 
 }  // namespace ngs::io

@@ -10,4 +10,7 @@ namespace ngs::io {
 /// factor or by the scene's image_scale; any other size is kInconsistent. Empty image: the view has no photo.
 ImageF load_photo(const Scene& scene, std::size_t view);
 
+/// The same with up to `most` times the camera's pixels per side, as far as the file has them.
+ImageF load_fine_photo(const Scene& scene, std::size_t view, int most = 2);
+
 }  // namespace ngs::io

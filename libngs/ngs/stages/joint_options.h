@@ -12,6 +12,13 @@
 
 namespace ngs {
 
+/// Adam rates of the Gaussians' parameters; position per world unit of the cameras' extent. The defaults are 3DGS's
+/// for a trained model (C20).
+struct GaussianRates {
+  double position = 1.6e-6, rotation = 1e-3, log_scale = 5e-3, logit_opacity = 2.5e-2, sh_dc = 2.5e-3,
+         sh_rest = 1.25e-4;
+};
+
 /// Parts of the method that can be switched off alone: --effect NAME=auto|on|off. That is the ablation.
 struct JointEffects {
   bool nerf = true;                 // the field and everything that needs it
@@ -30,6 +37,7 @@ struct JointEffects {
   bool mask_geometry = true;        // L_mask moves geometry too (COB-GS: never)
   bool floaters = true;             // floaters before the object are taken out first
   bool view_trust = true;           // masks that the others contradict do not count
+  bool edges = true;                // afterwards contours follow the photos' edges
 };
 struct EffectName {
   std::string_view name, help;
@@ -52,7 +60,8 @@ inline constexpr EffectName kEffects[] = {
     {"geometry", "move the Gaussians", &JointEffects::geometry},
     {"mask-geometry", "L_mask moves the Gaussians", &JointEffects::mask_geometry},
     {"floaters", "take floaters before the object out", &JointEffects::floaters},
-    {"view-trust", "ignore masks that the others contradict", &JointEffects::view_trust}};
+    {"view-trust", "ignore masks that the others contradict", &JointEffects::view_trust},
+    {"edges", "contours follow the photos' edges", &JointEffects::edges}};
 
 /// "NAME=auto|on|off" entries over the defaults (auto = the default). kUsage for anything else.
 JointEffects parse_effects(const std::vector<std::string>& entries);

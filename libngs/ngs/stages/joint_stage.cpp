@@ -17,12 +17,6 @@ namespace {
 constexpr double kMaxInitialConfidence = 0.99;       // sigmoid logits can move away from it
 constexpr std::size_t kViewCacheBytes = 512u << 20;  // decoded photos and masks that are kept
 
-/// 3DGS's rates for a trained model (C20); position per world unit of the cameras' extent.
-struct GaussianRates {
-  double position = 1.6e-6, rotation = 1e-3, log_scale = 5e-3, logit_opacity = 2.5e-2, sh_dc = 2.5e-3,
-         sh_rest = 1.25e-4;
-};
-
 std::vector<Camera> cameras_of(const MethodInput& input) {
   std::vector<Camera> cameras;
   for (const std::size_t v : input.views) cameras.push_back(input.scene.views[v].camera);
@@ -57,6 +51,7 @@ struct JointTrainer::Impl {
   RbfOptions rbf;
   const MethodInput& input;
   const QueryField* given_field;
+  GaussianRates rates;
 
   GaussianCloud cloud;
   BoundarySet boundary;
@@ -87,6 +82,7 @@ struct JointTrainer::Impl {
         rbf(s.rbf),
         input(s.input),
         given_field(s.field),
+        rates(s.rates),
         cloud(s.input.cloud),
         splat(s.input.splat),
         cache(s.input.views.size()) {}
@@ -299,7 +295,6 @@ void JointTrainer::Impl::update(double decay) {
   const std::int64_t t = done + 1;
   adam_step(exec, {.lr = options.rate_label * decay}, t, "label", logit, gradients.label, label_m);
   if (effects.geometry) {
-    const GaussianRates rates;
     const auto apply = [&](const char* name, double rate, std::vector<float>& value,
                            const std::vector<float>& grad, AdamMoments& moments) {
       const double lr = options.rate_literal ? 1.6e-4 : rate * options.rate_scale;

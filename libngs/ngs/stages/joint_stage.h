@@ -35,6 +35,7 @@ struct JointSetup {
   const RbfOptions& rbf;
   const MethodInput& input;
   const QueryField* field = nullptr;  // of the initial model; null: sampled here
+  GaussianRates rates = {};
 };
 
 class JointTrainer {

@@ -25,6 +25,8 @@ struct MethodInput {
   std::uint64_t seed = 0;
   std::vector<float> fixed;                                // [N] ngs_fixed of a hand edit: 1 keeps its label; may be empty
   std::vector<LabelColumns> labels;                        // of ngs-variance, one per object
+  // As load_photo, finer where the photo has more pixels than the camera; empty function or image: no photo.
+  std::function<ImageF(std::size_t view)> load_fine_photo = {};
 };
 
 struct MethodResult {

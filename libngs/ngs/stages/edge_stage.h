@@ -1,0 +1,70 @@
+#pragma once
+// After the joint optimisation: contours moved to the edges of the photos, and a model that follows them.
+//                                                                     beyond the paper, where its step 6
+//                                                                     ends; PAPER.md §5.10
+// In every round the labels are rendered at every photo, also at those that have no mask; each rendered mask
+// is walked to the photo's edges (ops/edge_walk.h); Gaussians that lie across a contour are halved; and
+// labels and Gaussians are trained on the walked masks and the photos, in a window about the object. No mask
+// of a held-out view is read: such a view contributes its photo alone, as it did when the model was trained.
+//
+// The walk has to earn its place: where the walked masks of the training views agree significantly less with
+// the views' own masks than the rendered ones did, the photos' edges are not the object's, and the model
+// stays as it was.
+#include "ngs/ops/edge_walk.h"
+#include "ngs/stages/joint_stage.h"
+
+namespace ngs {
+
+enum class EdgeViews : std::uint8_t { kAll, kTrain };
+inline constexpr NamedValue<EdgeViews> kEdgeViewsNames[] = {{EdgeViews::kAll, "all"},
+                                                            {EdgeViews::kTrain, "train"}};
+
+struct EdgeOptions {
+  int rounds = 2, visits = 0;
+  EdgeViews views = EdgeViews::kAll;
+  EdgeWalkOptions walk;
+  double split_px = 3, margin_px = 24, rate = 1;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.rounds,
+          Field<int>{"edge_rounds", "", "edges: rounds of masks walked to the photos' edges", 1, 100});
+    visit(self.visits,
+          Field<int>{"edge_visits", "", "edges: steps per view and round; 0: 15, high 40, reference 100", 0,
+                     1'000'000});
+    visit(self.views,
+          Choice<EdgeViews>{"edge_views", "edges: whose photos are used; no held-out mask ever is",
+                            kEdgeViewsNames});
+    visit(self.walk.band_px, Field<double>{"edge_band", "px of the photo",
+                                           "edges: how far a contour may move in a round", 0.5, 1e3});
+    visit(self.walk.reach_px,
+          Field<double>{"edge_reach", "px of the photo",
+                        "edges: colours are learned from pixels this near the contour", 4, 1e4});
+    visit(self.walk.colour_weight,
+          Field<double>{"edge_colour", "", "edges: weight of the local colours", 0, 1e3});
+    visit(self.walk.shape_weight,
+          Field<double>{"edge_shape", "", "edges: weight of the contour as rendered", 1e-6, 1e3});
+    visit(self.split_px, Field<double>{"edge_split", "px",
+                                       "edges: halve Gaussians with more weight across contours", 0, 1e9});
+    visit(self.margin_px, Field<double>{"edge_margin", "px", "edges: margin of the trained window", 1, 1e5});
+    visit(self.rate, Field<double>{"edge_rate", "", "edges: factor on the rates of the Gaussians", 0, 1e3});
+  }
+};
+
+struct EdgeSetup {
+  const EdgeOptions& edge;
+  const JointOptions& joint;
+  const SampleOptions& sample;
+  const RbfOptions& rbf;
+  const MethodInput& input;
+  std::function<bool()> out_of_time;  // asked between steps; may be empty
+};
+
+/// Goes on from the result of a method; `start` comes back where no view has a photo, where nothing is
+/// labelled, for
+/// --quality draft, or where the walk does not agree with the masks. Figures: edge_rounds (done),
+/// edge_gaussians (rows afterwards), edge_biou_rendered and edge_biou_walked: mean boundary IoU (0.005) with
+/// the training views' own masks before the first round. Not converged if it ran out of time.
+MethodResult follow_edges(const Exec& exec, Monitor& monitor, const EdgeSetup& setup, MethodResult start);
+
+}  // namespace ngs

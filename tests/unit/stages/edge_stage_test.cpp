@@ -1,0 +1,145 @@
+#include "ngs/stages/edge_stage.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <set>
+
+#include "ngs/ops/metrics.h"
+#include "ngs/stages/method_flash.h"
+#include "ngs/stages/render_stage.h"
+#include "support/joint_case.h"
+
+namespace ngs {
+namespace {
+
+struct EdgeCase {
+  std::unique_ptr<test::JointCase> base = test::joint_case();
+  EdgeOptions edge;
+  JointOptions joint;
+  SampleOptions sample;
+  RbfOptions rbf;
+
+  EdgeCase() {
+    edge.visits = 5, edge.margin_px = 6, edge.walk.reach_px = 8, edge.walk.band_px = 3;
+    // A model whose ball is too large: its contour lies outside the photos'.
+    for (std::size_t i = 0; i < base->is_ball.size(); ++i)
+      if (base->is_ball[i] > 0)
+        for (std::size_t k = 0; k < 3; ++k) base->model.log_scale[i * 3 + k] += 0.35f;
+  }
+  MethodInput input() const {
+    MethodInput in = base->input();
+    in.load_fine_photo = in.load_photo;
+    return in;
+  }
+  MethodResult start(const MethodInput& in) const {
+    Monitor monitor;
+    return run_flash({}, monitor, {}, in);
+  }
+  MethodResult run(const MethodInput& in, int threads = 1) const {
+    Monitor monitor;
+    Exec exec;
+    exec.threads = threads;
+    return follow_edges(exec, monitor, {edge, joint, sample, rbf, in, {}}, start(in));
+  }
+  double mean_biou(const MethodResult& result) const {
+    double sum = 0;
+    for (std::size_t v = 0; v < 4; ++v) {
+      const RenderedView r =
+          render_labelled({}, result.cloud, result.labels, base->scene.views[v].camera, {}, {}, false);
+      std::vector<std::uint8_t> a, b;
+      for (std::size_t p = 0; p < r.label.data.size(); ++p)
+        a.push_back(r.label.data[p] > 0.5f), b.push_back(base->masks[v].target[0][p] > 0.5f);
+      sum += score_mask({}, {a.data(), 48, 40}, {b.data(), 48, 40}).biou_1px / 4;
+    }
+    return sum;
+  }
+};
+
+TEST_CASE("a model whose contours lie beside the photos' edges is brought to them") {
+  const EdgeCase c;
+  const MethodInput in = c.input();
+  const MethodResult before = c.start(in), after = c.run(in);
+  CHECK(after.figures.at("edge_rounds") == 2);
+  CHECK(after.figures.at("edge_biou_walked") >= after.figures.at("edge_biou_rendered"));
+  MESSAGE("boundary IoU of 1 px: " << c.mean_biou(before) << " -> " << c.mean_biou(after));
+  CHECK(c.mean_biou(after) > c.mean_biou(before) + 0.1);
+  REQUIRE(std::int64_t(after.source_row.size()) == after.cloud.size());
+  CHECK(after.cloud.size() > before.cloud.size());
+  for (const std::int64_t row : after.source_row) CHECK((row >= 0 && row < before.cloud.size()));
+  for (const auto* values : {&after.cloud.position, &after.cloud.log_scale, &after.labels[0].label})
+    for (const float x : *values) REQUIRE(std::isfinite(x));
+}
+
+TEST_CASE("edges: no mask of a held-out view is read, its photo is") {
+  const EdgeCase c;
+  MethodInput in = c.input();
+  in.views = {0, 1, 3};
+  std::set<std::size_t> masks, photos;  // one thread
+  in.load_masks = [&, inner = in.load_masks](std::size_t v) { return masks.insert(v), inner(v); };
+  in.load_fine_photo = [&, inner = in.load_fine_photo](std::size_t v) { return photos.insert(v), inner(v); };
+  EdgeCase only_train;
+  only_train.edge.views = EdgeViews::kTrain;
+  c.run(in);
+  CHECK(masks == std::set<std::size_t>{0, 1, 3});
+  CHECK(photos == std::set<std::size_t>{0, 1, 2, 3});
+  photos.clear();
+  only_train.run(in);
+  CHECK(photos == std::set<std::size_t>{0, 1, 3});
+}
+
+TEST_CASE("edges: the result does not depend on the number of threads") {
+  const EdgeCase c;
+  const MethodInput in = c.input();
+  const MethodResult one = c.run(in, 1), three = c.run(in, 3);
+  CHECK(one.cloud.position == three.cloud.position);
+  CHECK(one.cloud.logit_opacity == three.cloud.logit_opacity);
+  CHECK(one.labels[0].label == three.labels[0].label);
+  CHECK(one.source_row == three.source_row);
+}
+
+TEST_CASE("edges: where the walk disagrees with the masks the model stays as it was") {
+  EdgeCase c;
+  c.base = test::joint_case();  // as its masks say
+  MethodInput in = c.input();
+  // Photos of something else, full of edges that no mask knows.
+  in.load_fine_photo = [&](std::size_t) {
+    ImageF photo(48, 40, 3);
+    for (int y = 0; y < 40; ++y)
+      for (int x = 0; x < 48; ++x)
+        for (int k = 0; k < 3; ++k) photo.at(x, y, k) = (x + y) % 6 < 3 ? 0.9f : 0.1f;
+    return photo;
+  };
+  const MethodResult before = c.start(in), after = c.run(in);
+  CHECK(after.figures.at("edge_rounds") == 0);
+  CHECK(after.figures.at("edge_biou_walked") < after.figures.at("edge_biou_rendered"));
+  CHECK(after.cloud.position == before.cloud.position);
+  CHECK(after.labels[0].label == before.labels[0].label);
+}
+
+TEST_CASE("edges: no photo, no label and draft leave the result alone; a broken photo is an error") {
+  EdgeCase c;
+  MethodInput in = c.input();
+  const MethodResult before = c.start(in);
+  const auto unchanged = [&](const MethodInput& input) {
+    CHECK(c.run(input).cloud.position == before.cloud.position);
+  };
+  MethodInput no_photo = in;
+  no_photo.load_fine_photo = [](std::size_t) { return ImageF(); };
+  unchanged(no_photo);
+  no_photo.load_fine_photo = {};
+  unchanged(no_photo);
+  MethodInput no_label = in;
+  for (float& x : no_label.labels[0].prob) x = 0;
+  unchanged(no_label);
+  MethodInput broken = in;
+  broken.load_fine_photo = [](std::size_t) -> ImageF {
+    throw Error(ErrorCode::kBadInput, "photo: broken", "");
+  };
+  CHECK_THROWS_AS(c.run(broken, 2), Error);
+  c.edge.visits = 0, c.joint.quality = Quality::kDraft;
+  unchanged(in);
+}
+
+}  // namespace
+}  // namespace ngs
