@@ -51,7 +51,8 @@ int label_scene(int argc, char** argv) {
       throw Error(ErrorCode::kUsage,
                   "-o needs the evidence of all views, --views " + shard.views + " is a part of them",
                   "write it with --partial and merge the parts");
-    const io::GaussianPly ply = io::read_gaussian_ply(scene.model_path);
+    const io::GaussianPly ply =
+        io::read_gaussian_ply(scene.model_path, layers ? io::HigherBands::kRead : io::HigherBands::kCheckOnly);
     run.result()["views"] = views.size();
     if (run.dry_run()) {
       run.plan(variance::memory_plan(ply.cloud, scene, views.size()));
@@ -94,7 +95,7 @@ int merge_parts(int argc, char** argv) {
     const io::EvidencePart sum = io::merge_evidence(parts.paths);
     const Scene scene = io::read_scene_json(scene_json ? scene_json.path : sum.scene_path);
     variance::check_complete(sum, scene);
-    const io::GaussianPly ply = io::read_gaussian_ply(scene.model_path);
+    const io::GaussianPly ply = io::read_gaussian_ply(scene.model_path, io::HigherBands::kCheckOnly);
     if (run.dry_run()) return 0;
     variance::write_labels(run, scene, ply, options, label_gaussians(options, sum.evidence), out.path);
     return 0;

@@ -24,19 +24,24 @@ std::vector<std::size_t> shard_of(const std::vector<std::size_t>& views, const s
 }
 
 Json memory_plan(const GaussianCloud& cloud, const Scene& scene, std::size_t views) {
-  constexpr double kMib = 1024.0 * 1024.0;
-  const auto objects = double(scene.objects.size());
-  // Evidence: 28 bytes and 64 per object; positions, shapes, opacity, SH as loaded; ~60 bytes per visible
-  // Gaussian.
-  const double per_gaussian = 28 + 64 * objects + 44 + 12.0 * (1 + cloud.rest_count()) + 60;
+  constexpr double kMib = 1024.0 * 1024.0, kProgramMib = 48;
+  const auto objects = double(scene.objects.size()), n = double(cloud.size());
+  const double model = 57 + 12.0 * cloud.rest_count();  // position, rotation, scale, opacity, constant band, usable
+  const double sums = 28 + 56 * objects;                // Evidence
+  // One view at a time, as if every Gaussian were visible and reached three tiles: record, depth, rectangle and id,
+  // twice while the parts of the projection are joined; order, slots and spans; lists and sums of the pairs.
+  const double view = 2 * (56 + 4 + 8 + 4) + 12 + 16 + 3 * 4 + 3 * (8 + 4 * (2 + 2 * objects));
+  const double labels = 20 * (objects + 1);  // written after the last view
+  const double per_gaussian = model + sums + std::max(view, labels);
+  const double per_pixel = 1 + 4 * objects + 8;  // masks, and the image they are read from
   double largest_view_px = 0;
-  for (const SceneView& view : scene.views)
-    largest_view_px = std::max(largest_view_px, double(view.camera.width_px) * view.camera.height_px);
-  return {
-      {"views", views},
-      {"gaussians", cloud.size()},
-      {"estimated_peak_mib",
-       std::ceil((per_gaussian * double(cloud.size()) + largest_view_px * (8 + 4 * objects)) / kMib + 40)}};
+  for (const SceneView& v : scene.views)
+    largest_view_px = std::max(largest_view_px, double(v.camera.width_px) * v.camera.height_px);
+  return {{"views", views},
+          {"gaussians", cloud.size()},
+          {"bytes_per_gaussian", per_gaussian},
+          {"bytes_per_pixel", per_pixel},
+          {"estimated_peak_mib", std::ceil((per_gaussian * n + per_pixel * largest_view_px) / kMib + kProgramMib)}};
 }
 
 void check_complete(const io::EvidencePart& sum, const Scene& scene) {

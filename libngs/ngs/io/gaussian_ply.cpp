@@ -19,12 +19,13 @@ struct Columns {
 
 class Reader {
  public:
-  explicit Reader(GaussianPly& ply) : ply_(ply), name_(ply.file.name()) {}
+  explicit Reader(GaussianPly& ply, HigherBands bands = HigherBands::kRead)
+      : ply_(ply), name_(ply.file.name()), bands_(bands) {}
 
   void read() {
     load_rows();
     find_columns();
-    ply_.cloud.resize(ply_.rows.rows, degree());
+    ply_.cloud.resize(ply_.rows.rows, bands_ == HigherBands::kRead ? degree() : 0);
     choose_origin();
     copy_positions();
     copy_attributes();
@@ -112,20 +113,32 @@ class Reader {
         "double positions far from 0 are kept relative to their centre; strict outputs round them");
   }
 
+  /// f(row) for all rows; of a mapped file only a part is in memory at a time.
+  template <class F>
+  void for_each_row(const F& f) const {
+    constexpr std::int64_t kRowsAtOnce = 1 << 17;
+    for (std::int64_t i = 0; i < ply_.rows.rows; ++i) {
+      if (i % kRowsAtOnce == 0) ply_.file.forget_pages();
+      f(i);
+    }
+    ply_.file.forget_pages();
+  }
+
   void copy_positions() {
-    for (std::int64_t i = 0; i < ply_.rows.rows; ++i)
+    for_each_row([&](std::int64_t i) {
       for (std::size_t a = 0; a < 3; ++a) {
         const PlyColumn& column = columns_.position[a];
         ply_.cloud.position[std::size_t(i) * 3 + a] = column.type == PlyType::kFloat32
                                                           ? column.value_float(i)
                                                           : float(column.value(i) - ply_.cloud.origin[a]);
       }
+    });
   }
 
   void copy_attributes() {
     GaussianCloud& cloud = ply_.cloud;
     const std::size_t rest = columns_.rest.size() / 3;
-    for (std::int64_t i = 0; i < ply_.rows.rows; ++i) {
+    for_each_row([&](std::int64_t i) {
       const std::size_t r = std::size_t(i);
       for (std::size_t k = 0; k < 4; ++k) cloud.rotation[r * 4 + k] = columns_.rotation[k].value_float(i);
       for (std::size_t c = 0; c < 3; ++c) cloud.sh_dc[r * 3 + c] = columns_.sh_dc[c].value_float(i);
@@ -134,16 +147,22 @@ class Reader {
       for (std::size_t k = 0; k < 2; ++k) scale[k] = columns_.scale[k].value_float(i);
       scale[2] =
           columns_.scale[2] ? columns_.scale[2].value_float(i) : std::min(scale[0], scale[1]) - kLog1000;
+      if (bands_ == HigherBands::kCheckOnly) {
+        // A band that is not finite excludes the row; so does a constant band that is not.
+        for (const PlyColumn& column : columns_.rest)
+          if (!std::isfinite(column.value_float(i))) cloud.sh_dc[r * 3] = NAN;
+        return;
+      }
       float* to = cloud.sh_rest.data() + r * rest * 3;
       for (std::size_t k = 0; k < rest; ++k)
         for (std::size_t c = 0; c < 3; ++c) to[k * 3 + c] = columns_.rest[c * rest + k].value_float(i);
-    }
+    });
   }
 
   std::vector<float> floats(const std::string& column) const {
     const PlyColumn from = ply_.rows.column(column);
     std::vector<float> values(from ? std::size_t(ply_.rows.rows) : 0);
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] = from.value_float(std::int64_t(i));
+    if (from) for_each_row([&](std::int64_t i) { values[std::size_t(i)] = from.value_float(i); });
     return values;
   }
 
@@ -197,6 +216,7 @@ class Reader {
   static constexpr float kLog1000 = 6.9077554f;
   GaussianPly& ply_;
   std::string name_;
+  HigherBands bands_;
   Columns columns_;
 };
 
@@ -216,10 +236,10 @@ std::string column_suffix(const std::string& object) {
   return suffix;
 }
 
-GaussianPly read_gaussian_ply(const std::string& path) {
+GaussianPly read_gaussian_ply(const std::string& path, HigherBands bands) {
   GaussianPly ply;
   ply.file = PlyFile::open(path);
-  Reader(ply).read();
+  Reader(ply, bands).read();
   return ply;
 }
 

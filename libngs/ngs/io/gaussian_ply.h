@@ -43,7 +43,11 @@ struct GaussianPly {
 /// `cloud.usable` are filled (classify()). A 2DGS model gets log_scale[2] = min(log_scale[0..1]) - ln 1000.
 /// Positions stored as double far from 0 (bounding box centre > 8 half extents away) are kept relative to
 /// `cloud.origin`, so that float does not round the detail away.
-GaussianPly read_gaussian_ply(const std::string& path);
+///
+/// kCheckOnly: `cloud` has degree 0, but rows whose higher bands are not finite are excluded all the same; the file is
+/// intact, so a labelled copy keeps them. For tools that never look at colour: a quarter of the memory at degree 3.
+enum class HigherBands : std::uint8_t { kRead, kCheckOnly };
+GaussianPly read_gaussian_ply(const std::string& path, HigherBands bands = HigherBands::kRead);
 
 /// The same on a buffer that outlives the result.
 GaussianPly parse_gaussian_ply(std::string name, Bytes bytes);

@@ -264,7 +264,9 @@ void write_labelled_ply(const std::string& path, const GaussianPly& source,
   if (has_state) element.properties.push_back({.name = std::string(kStateColumn), .type = PlyType::kUint8});
 
   PlyWriter writer(path, element, labelled_comments(source, objects, options.history));
+  constexpr std::int64_t kRowsAtOnce = 1 << 17;
   for (std::int64_t i = 0; i < rows; ++i) {
+    if (i % kRowsAtOnce == 0) source.file.forget_pages();
     std::uint8_t* to = writer.row();
     passthrough.fill(i, to);
     to += passthrough.row_bytes();

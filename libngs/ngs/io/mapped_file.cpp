@@ -64,6 +64,10 @@ MappedFile::~MappedFile() {
   if (map_ != nullptr) ::munmap(const_cast<std::uint8_t*>(map_), map_bytes_);
 }
 
+void MappedFile::forget_pages() const {
+  if (map_ != nullptr) ::madvise(const_cast<std::uint8_t*>(map_), map_bytes_, MADV_DONTNEED);
+}
+
 void MappedFile::swap(MappedFile& other) noexcept {
   std::swap(map_, other.map_);
   std::swap(map_bytes_, other.map_bytes_);

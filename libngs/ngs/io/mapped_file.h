@@ -26,6 +26,8 @@ class MappedFile {
   }
 
   Bytes bytes() const { return map_ != nullptr ? Bytes(map_, map_bytes_) : Bytes(read_); }
+  /// Gives the pages read so far back to the system; reading them again fetches them again.
+  void forget_pages() const;
   std::string_view text() const { return {reinterpret_cast<const char*>(bytes().data()), bytes().size()}; }
 
  private:

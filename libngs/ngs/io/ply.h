@@ -79,6 +79,9 @@ class PlyFile {
   const std::vector<PlyElement>& elements() const { return elements_; }
   const PlyElement* find(std::string_view element) const;  // null: none
 
+  /// A pass over the rows that calls this now and then holds only a part of the file in memory.
+  void forget_pages() const { mapped_.forget_pages(); }
+
   /// Converts where needed (ascii, big-endian, lists); costs nothing for plain little-endian rows.
   PlyTable table(const PlyElement& element) const;
 
