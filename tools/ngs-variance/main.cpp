@@ -1,6 +1,5 @@
 // ngs-variance: scene.json -> labelled PLY with evidence, variance and the boundary set. Algorithm 1, step 1.
-// Sharded: `--views i/N --partial part.evidence` for each i, then `ngs-variance merge *.evidence -o
-// boundary.ply`.
+// Sharded: `--views i/N --partial part.evidence` for each i, then `ngs-variance merge *.evidence -o out.ply`.
 #include "ngs/io/content_hash.h"
 #include "ngs/io/masks.h"
 #include "ngs/io/scene_json.h"
@@ -51,8 +50,8 @@ int label_scene(int argc, char** argv) {
       throw Error(ErrorCode::kUsage,
                   "-o needs the evidence of all views, --views " + shard.views + " is a part of them",
                   "write it with --partial and merge the parts");
-    const io::GaussianPly ply =
-        io::read_gaussian_ply(scene.model_path, layers ? io::HigherBands::kRead : io::HigherBands::kCheckOnly);
+    const auto bands = layers ? io::HigherBands::kRead : io::HigherBands::kCheckOnly;
+    const io::GaussianPly ply = io::read_gaussian_ply(scene.model_path, bands);
     run.result()["views"] = views.size();
     if (run.dry_run()) {
       run.plan(variance::memory_plan(ply.cloud, scene, views.size()));
