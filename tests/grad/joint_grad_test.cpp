@@ -3,8 +3,8 @@
 //
 // Two dependences have no gradient by design: of the density weights of L_mask (C19), and of the field on
 // positions (C25). The first is switched off here, positions are moved with the field switched off.
-// What moves geometry also moves pixels over alpha = 1/255, where a contribution begins with a jump that no derivative
-// knows: 1 to 2 per cent of the difference.
+// What moves geometry also moves pixels over alpha = 1/255, where a contribution begins with a jump that no
+// derivative knows: 1 to 2 per cent of the difference.
 #include <doctest/doctest.h>
 
 #include "ngs/stages/joint_stage.h"
@@ -65,9 +65,13 @@ class Probe {
 TEST_CASE("joint: the gradient of the whole loss agrees with extrapolated differences, group by group") {
   const auto c = test::joint_case(60, 40);
   const std::string no_density = "density=off";
-  const Group groups[] = {{"label", 0.2, {no_density}, 1e-4},          {"sh_dc", 0.02, {no_density}, 1e-4},
-                          {"log_scale", 0.01, {no_density}, 0.05},     {"rotation", 0.01, {no_density}, 0.04},
-                          {"logit_opacity", 0.05, {no_density}, 0.01}, {"field", 0.02, {no_density}, 1e-3},
+  const Group groups[] = {{"label", 0.2, {no_density}, 1e-4},
+                          {"sh_dc", 0.02, {no_density}, 1e-4},
+                          {"log_scale", 0.01, {no_density}, 0.05},
+                          {"rotation", 0.01, {no_density}, 0.04},
+                          {"logit_opacity", 0.05, {no_density}, 0.01},
+                          {"field", 0.02, {no_density}, 1e-3},
+                          {"field", 2e-5, {no_density, "align=off"}, 0.04},  // L_smth alone
                           {"position", 0.002, {"nerf=off"}, 0.05}};
   for (const Group& group : groups) {
     CAPTURE(std::string(group.block));
@@ -81,8 +85,8 @@ TEST_CASE("joint: the gradient of the whole loss agrees with extrapolated differ
     for (double& x : direction) x /= largest;
     const double numeric =
         test::ridders([&](double t) { return probe.loss(group.block, direction, t, nullptr); }, group.step);
-    MESSAGE(std::string(group.block), ": gradient ", square / largest, ", differences ", numeric, ", relative ",
-            test::relative_difference(numeric, square / largest));
+    MESSAGE(std::string(group.block), ": gradient ", square / largest, ", differences ", numeric,
+            ", relative ", test::relative_difference(numeric, square / largest));
     CHECK(test::relative_difference(numeric, square / largest) < group.bound);
   }
 }

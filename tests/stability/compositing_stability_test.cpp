@@ -65,7 +65,7 @@ struct Stack {
   /// ∂L/∂opacity of every Gaussian for L = g · channel at one pixel over `background`.
   std::vector<float> opacity_gradients(const TileKernels<float>& kernels, int pixel, float g,
                                        float background) {
-    std::vector<float> grad(kTilePixels, 0.f), pair(record.size() * 7, 0.f), scratch(3 * kTilePixels), out;
+    std::vector<float> grad(kTilePixels, 0.f), pair(record.size() * 7, 0.f), scratch(backward_scratch(1)), out;
     grad[std::size_t(pixel)] = g;
     const Plane<const float> planes[2] = {{grad.data(), 1}, {}};
     const std::uint8_t moves[1] = {1};

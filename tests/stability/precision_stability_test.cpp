@@ -55,7 +55,7 @@ void add_double_evidence(const DoubleCloud& cloud, const Camera& camera, const S
   TileScratch<double> scratch;
   for (std::int64_t tile = 0; tile < lists.tiles(); ++tile)
     tile_kernels_of<double>().evidence({tile_work(view, lists, tile, camera, options.compat), known, &target,
-                                        1, pair.data(), scratch.values(2 * kTilePixels + 4 * kTilePx)});
+                                        1, pair.data(), scratch.values(evidence_scratch(1))});
   for (std::size_t v = 0; v < view.id.size(); ++v)
     for (std::int64_t slot = lists.slot_begin[v]; slot < lists.slot_begin[v + 1]; ++slot) {
       weight[view.id[v]] += pair[std::size_t(slot) * 4];
