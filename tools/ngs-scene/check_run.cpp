@@ -7,6 +7,7 @@
 #include "ngs/io/masks.h"
 #include "ngs/io/photo.h"
 #include "ngs/stages/filter_probe.h"
+#include "ngs/stages/view_shift.h"
 
 namespace ngs::capture {
 namespace {
@@ -42,10 +43,28 @@ double probe_model_filter(cli::Run& run, const SceneCheckOptions& options, const
   std::vector<std::size_t> with_photo, compared;
   for (std::size_t i = 0; i < scene.views.size(); ++i)
     if (!scene.views[i].image_path.empty()) with_photo.push_back(i);
-  for (const std::size_t i : evenly_spaced(std::size_t(options.check_views), with_photo.size())) compared.push_back(with_photo[i]);
-  const FilterProbe probe = probe_filter(run.exec(), model.cloud, scene, compared, [&](std::size_t view) { return io::load_photo(scene, view); });
-  for (const FilterCandidate& c : probe.candidates) run.result()["filter"].push_back({{"filter_px2", c.filter_px2}, {"psnr_db", c.psnr_db}});
+  for (const std::size_t i : evenly_spaced(std::size_t(options.check_views), with_photo.size()))
+    compared.push_back(with_photo[i]);
+  const FilterProbe probe = probe_filter(run.exec(), model.cloud, scene, compared,
+                                         [&](std::size_t view) { return io::load_photo(scene, view); });
+  for (const FilterCandidate& c : probe.candidates)
+    run.result()["filter"].push_back({{"filter_px2", c.filter_px2}, {"psnr_db", c.psnr_db}});
   return probe.filter_px2;
+}
+
+void align_views(cli::Run& run, Scene& scene) {
+  if (scene.model_path.empty()) return;
+  const io::GaussianPly model = io::read_gaussian_ply(scene.model_path);
+  const auto shifts = measure_view_shifts(run.exec(), run.monitor(), model.cloud, scene,
+                                          [&](std::size_t view) { return io::load_photo(scene, view); });
+  apply_view_shifts(shifts, scene);
+  for (const ViewShift& s : shifts)
+    run.result()["view_shifts"].push_back({{"view", scene.views[s.view].camera.name},
+                                           {"dx_px", s.dx_px},
+                                           {"dy_px", s.dy_px},
+                                           {"error_before", s.error_before},
+                                           {"error_after", s.error_after},
+                                           {"applied", s.applied}});
 }
 
 void run_checks(cli::Run& run, const SceneCheckOptions& options, const Scene& scene,

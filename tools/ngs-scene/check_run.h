@@ -13,6 +13,9 @@ namespace ngs::capture {
 /// measured goes into the report.
 double probe_model_filter(cli::Run& run, const SceneCheckOptions& options, const Scene& scene);
 
+/// Moves the cameras of the scene to where the photos fit the model (stages/view_shift.h); says in the report by how much.
+void align_views(cli::Run& run, Scene& scene);
+
 void run_checks(cli::Run& run, const SceneCheckOptions& options, const Scene& scene,
                 std::vector<std::string> notes);
 

@@ -57,6 +57,7 @@ int import_command(int argc, char** argv) {
     capture::run_checks(run, checks, imported.scene, imported.notes);
     imported.scene.filter_px2 =
         options.filter_px2 > 0 ? options.filter_px2 : capture::probe_model_filter(run, checks, imported.scene);
+    if (options.align_views) capture::align_views(run, imported.scene);
     io::write_scene_json(out.path, imported.scene);
     return cli::kDone;
   });

@@ -22,6 +22,7 @@ struct ImportOptions {
   double image_scale = 0;
   double filter_px2 = 0;
   bool original_world = false;
+  bool align_views = true;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -47,6 +48,7 @@ struct ImportOptions {
     visit(self.filter_px2,
           Field<double>{"filter_px2", "px^2", "low-pass filter the model was fitted with, at the working size; 0: the one that "
                         "explains the photos best", 0, 1e4});
+    visit(self.align_views, Flag{"align_views", "move principal points by what lays the rendered model on the photos"});
     visit(self.original_world, Flag{"original_world", "transforms.json: undo its applied_transform"});
   }
 };
