@@ -91,6 +91,16 @@ void edit_moments(const std::vector<CloudRow>& rows, int width, AdamMoments& mom
   gather_moments(rows, width, moments.m), gather_moments(rows, width, moments.v);
 }
 
+void clear_rows(const std::vector<std::uint8_t>& chosen, int rest_count, CloudGradients& gradients) {
+  const auto clear = [&](std::vector<float>& values, std::size_t width) {
+    for (std::size_t i = 0; i < chosen.size(); ++i)
+      if (chosen[i]) std::fill_n(values.begin() + std::ptrdiff_t(i * width), width, 0.f);
+  };
+  clear(gradients.position, 3), clear(gradients.rotation, 4), clear(gradients.log_scale, 3);
+  clear(gradients.logit_opacity, 1), clear(gradients.sh_dc, 3);
+  clear(gradients.sh_rest, std::size_t(rest_count) * 3);
+}
+
 double largest_scale(const GaussianCloud& cloud, std::int64_t row) {
   const float* s = &cloud.log_scale[std::size_t(row) * 3];
   return std::exp(double(std::max({s[0], s[1], s[2]})));

@@ -23,6 +23,10 @@ constexpr GaussianRates kEdgeRates{.position = 1.6e-4,
                                    .sh_dc = 2.5e-2,
                                    .sh_rest = 1.25e-3};
 
+// Which Gaussians are trained: share of the weight in the windows, weight across contours, share of the
+// object.
+constexpr double kLeastInside = 0.99, kLeastStraddling_px = 0.5, kLeastObject = 0.05;
+
 int visits_of(const EdgeOptions& edge, Quality quality) {
   if (edge.visits > 0) return edge.visits;
   return quality == Quality::kReference  ? 100
@@ -152,10 +156,52 @@ WalkedView walk_view(const EdgeSetup& setup, const Model& model, std::size_t v, 
   return out;
 }
 
+/// Weight of every Gaussian in the views' pictures, [N].
+std::vector<double> weight_in(const Exec& exec, const GaussianCloud& cloud, const Scene& scene,
+                              const std::vector<std::size_t>& views, const SplatOptions& splat) {
+  Evidence seen(cloud.size(), 1);
+  for (const std::size_t v : views) {
+    const Camera& camera = scene.views[v].camera;
+    ViewMasks all;
+    all.width_px = camera.width_px, all.height_px = camera.height_px, all.available = true;
+    all.target.emplace_back(std::size_t(camera.width_px) * std::size_t(camera.height_px), 1.f);
+    add_view_evidence(exec, cloud, camera, splat, all, seen);
+  }
+  std::vector<double> weight(std::size_t(cloud.size()));
+  for (std::size_t i = 0; i < weight.size(); ++i) weight[i] = seen.weight.value(i);
+  return weight;
+}
+
+/// 1: the Gaussian shows outside of the windows too, where no photo would hold it.
+std::vector<std::uint8_t> shows_outside(const Exec& exec, const EdgeSetup& setup, const MethodInput& window,
+                                        const GaussianCloud& cloud) {
+  const std::vector<double> inside = weight_in(exec, cloud, window.scene, window.views, window.splat),
+                            all = weight_in(exec, cloud, setup.input.scene, window.views, window.splat);
+  std::vector<std::uint8_t> outside(inside.size());
+  for (std::size_t i = 0; i < outside.size(); ++i) outside[i] = inside[i] < kLeastInside * all[i];
+  return outside;
+}
+
+/// Gaussians that are not trained: those, and background that does not lie across a contour.
+std::vector<std::uint8_t> unconcerned(const Exec& exec, const EdgeSetup& setup, const MethodInput& window,
+                                      const Model& model) {
+  std::vector<std::uint8_t> frozen = shows_outside(exec, setup, window, model.cloud);
+  const std::vector<double> straddling = straddling_px(exec, window, model.cloud);
+  for (std::size_t i = 0; i < frozen.size(); ++i) {
+    bool concerned = straddling[i] > kLeastStraddling_px;
+    for (const LabelColumns& object : model.labels) concerned |= object.prob[i] > kLeastObject;
+    frozen[i] |= !concerned;
+  }
+  return frozen;
+}
+
 /// Halves what lies across a contour. Halves take the closed form of their own evidence, the others keep
 /// theirs.
 void split_model(const Exec& exec, const EdgeSetup& setup, const MethodInput& window, Model& model) {
-  const auto straddling = straddling_px(exec, window, model.cloud);
+  std::vector<double> straddling = straddling_px(exec, window, model.cloud);
+  const std::vector<std::uint8_t> outside = shows_outside(exec, setup, window, model.cloud);
+  for (std::size_t i = 0; i < straddling.size(); ++i)
+    if (outside[i]) straddling[i] = 0;  // halves look a little different until they are trained
   const std::vector<CloudRow> rows =
       split_straddlers(straddling, setup.edge.split_px, std::int64_t(straddling.size()));
   edit_rows(exec, rows, setup.input.seed, model.cloud);
@@ -249,8 +295,9 @@ class EdgeRun {
     split_model(exec_, setup_, window, model_);
     window.fixed = model_.fixed, window.labels = model_.labels;
     const JointOptions joint = window_options(setup_, views_.size());
-    JointTrainer trainer(exec_, monitor_, {joint, setup_.sample, setup_.rbf, window, nullptr, kEdgeRates},
-                         true);
+    const std::vector<std::uint8_t> frozen = unconcerned(exec_, setup_, window, model_);
+    JointTrainer trainer(exec_, monitor_,
+                         {joint, setup_.sample, setup_.rbf, window, nullptr, kEdgeRates, frozen}, true);
     while (!trainer.finished() && !monitor_.stop_requested() &&
            !(setup_.out_of_time && setup_.out_of_time())) {
       const JointProgress progress = trainer.step();

@@ -23,7 +23,7 @@ struct EdgeOptions {
   int rounds = 2, visits = 0;
   EdgeViews views = EdgeViews::kAll;
   EdgeWalkOptions walk;
-  double split_px = 3, margin_px = 24, rate = 1;
+  double split_px = 3, margin_px = 64, rate = 1;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {

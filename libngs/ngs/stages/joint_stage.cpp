@@ -9,6 +9,7 @@
 #include "ngs/ops/knn.h"
 #include "ngs/ops/loss_cont.h"
 #include "ngs/ops/photometric.h"
+#include "ngs/stages/cloud_rows.h"
 #include "ngs/stages/fit_stage.h"
 
 namespace ngs {
@@ -52,6 +53,7 @@ struct JointTrainer::Impl {
   const MethodInput& input;
   const QueryField* given_field;
   GaussianRates rates;
+  std::vector<std::uint8_t> frozen;
 
   GaussianCloud cloud;
   BoundarySet boundary;
@@ -83,6 +85,7 @@ struct JointTrainer::Impl {
         input(s.input),
         given_field(s.field),
         rates(s.rates),
+        frozen(s.frozen),
         cloud(s.input.cloud),
         splat(s.input.splat),
         cache(s.input.views.size()) {}
@@ -295,6 +298,7 @@ void JointTrainer::Impl::update(double decay) {
   const std::int64_t t = done + 1;
   adam_step(exec, {.lr = options.rate_label * decay}, t, "label", logit, gradients.label, label_m);
   if (effects.geometry) {
+    clear_rows(frozen, cloud.rest_count(), gradients);  // moments stay zero, and so do the steps
     const auto apply = [&](const char* name, double rate, std::vector<float>& value,
                            const std::vector<float>& grad, AdamMoments& moments) {
       const double lr = options.rate_literal ? 1.6e-4 : rate * options.rate_scale;

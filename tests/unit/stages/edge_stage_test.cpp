@@ -88,6 +88,25 @@ TEST_CASE("edges: no mask of a held-out view is read, its photo is") {
   CHECK(photos == std::set<std::size_t>{0, 1, 3});
 }
 
+TEST_CASE("edges: what shows outside of the windows stays, with the picture there") {
+  EdgeCase c;
+  const MethodInput in = c.input();
+  const MethodResult before = c.start(in), after = c.run(in);
+  double worst = 0;
+  for (std::size_t v = 0; v < 4; ++v) {
+    RenderRequest request;
+    const Camera& camera = c.base->scene.views[v].camera;
+    const RenderedView a = render({}, before.cloud, camera, {}, request),
+                       b = render({}, after.cloud, camera, {}, request);
+    for (int x = 0; x < 48; ++x)  // the first and the last row lie outside of every window
+      for (const int y : {0, 39})
+        for (int k = 0; k < 3; ++k)
+          worst = std::max(worst, double(std::abs(a.colour.at(x, y, k) - b.colour.at(x, y, k))));
+  }
+  MESSAGE("largest change of a colour outside: " << worst);
+  CHECK(worst < 0.02);
+}
+
 TEST_CASE("edges: the result does not depend on the number of threads") {
   const EdgeCase c;
   const MethodInput in = c.input();
