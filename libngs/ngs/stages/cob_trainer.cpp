@@ -7,22 +7,13 @@
 #include "ngs/backend/for_each.h"
 #include "ngs/core/rng.h"
 #include "ngs/math/stable.h"
+#include "ngs/stages/view_list.h"
 
 namespace ngs {
-namespace {
-
-std::vector<Camera> cameras_of(const MethodInput& input) {
-  std::vector<Camera> cameras;
-  for (const std::size_t view : input.views) cameras.push_back(input.scene.views[view].camera);
-  return cameras;
-}
-
-}  // namespace
-
 CobTrainer::CobTrainer(const CobOptions& options, const MethodInput& input)
     : options_(options),
       input_(input),
-      extent_(scene_extent(cameras_of(input))),
+      extent_(scene_extent(cameras_of(input.scene, input.views))),
       objects_(int(input.scene.objects.size())),
       cloud_(input.cloud),
       evidence_(input.cloud.size(), objects_),
@@ -32,23 +23,12 @@ CobTrainer::CobTrainer(const CobOptions& options, const MethodInput& input)
   logit_.assign(source_row_.size() * std::size_t(objects_), 0.f);
 }
 
-/// Every view once, in an order that depends on the seed and the number of passes so far.
-std::vector<std::size_t> CobTrainer::shuffled_views() {
-  std::vector<std::size_t> order = input_.views;
-  const std::uint64_t pass = std::uint64_t(epochs_++) << 32;
-  const auto rank = [&](std::size_t view) {
-    return rng_bits(input_.seed, RngStream::kViewOrder, pass + view);
-  };
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
-  return order;
-}
-
 void CobTrainer::mask_phase(const Exec& exec, Monitor& monitor) {
   const auto timed = monitor.scope("mask phase");
   evidence_ = Evidence(cloud_.size(), objects_);
   mask_views_ = 0;
   for (int pass = 0; pass < 2; ++pass)
-    for (const std::size_t view : shuffled_views()) {
+    for (const std::size_t view : shuffled(input_.views, input_.seed, epochs_++)) {
       if (monitor.stop_requested()) break;
       const ViewMasks masks = input_.load_masks(view);
       if (!masks.available) continue;
@@ -138,7 +118,7 @@ void CobTrainer::apply(const Exec& exec, const std::vector<CloudRow>& rows) {
 void CobTrainer::texture_phase(const Exec& exec, Monitor& monitor, const ColourTerm& colour_term) {
   const auto timed = monitor.scope("texture phase");
   for (int pass = 0; pass < 2; ++pass)
-    for (const std::size_t view : shuffled_views()) {
+    for (const std::size_t view : shuffled(input_.views, input_.seed, epochs_++)) {
       if (monitor.stop_requested()) return;
       const ImageF photo = input_.load_photo ? input_.load_photo(view) : ImageF();
       if (!photo.empty()) texture_step(exec, view, photo, colour_term);

@@ -31,7 +31,6 @@ class CobTrainer {
   const Evidence& evidence() const { return evidence_; }
 
  private:
-  std::vector<std::size_t> shuffled_views();
   void apply(const Exec& exec, const std::vector<CloudRow>& rows);
   void label_step(const Exec& exec, const Evidence& view);
   void texture_step(const Exec& exec, std::size_t view, const ImageF& photo, const ColourTerm& colour_term);

@@ -11,18 +11,13 @@
 #include "ngs/ops/photometric.h"
 #include "ngs/stages/cloud_rows.h"
 #include "ngs/stages/fit_stage.h"
+#include "ngs/stages/view_list.h"
 
 namespace ngs {
 namespace {
 
 constexpr double kMaxInitialConfidence = 0.99;       // sigmoid logits can move away from it
 constexpr std::size_t kViewCacheBytes = 512u << 20;  // decoded photos and masks that are kept
-
-std::vector<Camera> cameras_of(const MethodInput& input) {
-  std::vector<Camera> cameras;
-  for (const std::size_t v : input.views) cameras.push_back(input.scene.views[v].camera);
-  return cameras;
-}
 
 std::vector<float> boundary_flags(const MethodInput& input, const JointEffects& effects) {
   std::vector<float> flags(std::size_t(input.cloud.size()), 0.f);
@@ -101,7 +96,7 @@ struct JointTrainer::Impl {
       effects.nerf = false;
     }
     if (!effects.nerf) effects.align = effects.density = effects.smooth = effects.variance = false;
-    extent = scene_extent(cameras_of(input));
+    extent = scene_extent(cameras_of(input.scene, input.views));
     steps = options.steps > 0 ? options.steps : visits_of(options.quality) * std::int64_t(input.views.size());
     start_labels();
     if (boundary.size() > 1) {

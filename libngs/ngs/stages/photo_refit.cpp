@@ -5,11 +5,11 @@
 #include <cmath>
 #include <map>
 
-#include "ngs/core/rng.h"
 #include "ngs/ops/adam.h"
 #include "ngs/ops/image_metrics.h"
 #include "ngs/ops/photometric.h"
 #include "ngs/stages/fit_stage.h"
+#include "ngs/stages/view_list.h"
 
 namespace ngs {
 namespace {
@@ -37,14 +37,6 @@ class PhotoCache {
   std::size_t bytes_ = 0;
 };
 
-std::vector<std::size_t> shuffled(std::vector<std::size_t> views, std::uint64_t seed, int round) {
-  const auto rank = [&](std::size_t view) {
-    return rng_bits(seed, RngStream::kViewOrder, (std::uint64_t(round) << 32) + view);
-  };
-  std::sort(views.begin(), views.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
-  return views;
-}
-
 void hold_still(const std::vector<std::uint8_t>& moves, CloudGradients& gradients) {
   for (std::size_t i = 0; i < moves.size(); ++i) {
     if (moves[i]) continue;
@@ -68,20 +60,17 @@ double mean_psnr_db(const Exec& exec, const MethodInput& input, const GaussianCl
   for (const std::size_t v : views) {
     RenderRequest request;
     request.background = input.background;
-    ImageF colour =
-        std::move(render(exec, cloud, input.scene.views[v].camera, input.splat, request).colour);
+    ImageF colour = std::move(render(exec, cloud, input.scene.views[v].camera, input.splat, request).colour);
     for (float& c : colour.data) c = std::clamp(c, 0.f, 1.f);
     sum += psnr_db(exec, colour, input.load_photo(v));
   }
   return views.empty() ? 0 : sum / double(views.size());
 }
 
-void refit_to_photos(const Exec& exec, Monitor& monitor, const RefitOptions& options, const MethodInput& input,
-                     const std::vector<std::size_t>& views, const std::vector<std::uint8_t>& moves,
-                     GaussianCloud& cloud) {
-  std::vector<Camera> cameras;
-  for (const std::size_t v : views) cameras.push_back(input.scene.views[v].camera);
-  const double extent = scene_extent(cameras);
+void refit_to_photos(const Exec& exec, Monitor& monitor, const RefitOptions& options,
+                     const MethodInput& input, const std::vector<std::size_t>& views,
+                     const std::vector<std::uint8_t>& moves, GaussianCloud& cloud) {
+  const double extent = scene_extent(cameras_of(input.scene, views));
   const std::int64_t steps = std::int64_t(options.visits) * std::int64_t(views.size());
   SplatPass pass(input.splat);
   PhotometricPass<float> photometric;
@@ -91,7 +80,7 @@ void refit_to_photos(const Exec& exec, Monitor& monitor, const RefitOptions& opt
   std::array<AdamMoments, kFitGroups> moments;
   std::int64_t step = 0;
   for (int round = 0; round < options.visits; ++round)
-    for (const std::size_t v : shuffled(views, input.seed, round)) {
+    for (const std::size_t v : shuffled(views, input.seed, std::uint64_t(round))) {
       if (monitor.stop_requested()) return;
       RenderRequest request;
       request.background = input.background;

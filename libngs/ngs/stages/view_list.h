@@ -1,0 +1,27 @@
+#pragma once
+// What stages do with lists of views.
+#include <algorithm>
+#include <vector>
+
+#include "ngs/core/rng.h"
+#include "ngs/scene/scene.h"
+
+namespace ngs {
+
+inline std::vector<Camera> cameras_of(const Scene& scene, const std::vector<std::size_t>& views) {
+  std::vector<Camera> cameras;
+  for (const std::size_t view : views) cameras.push_back(scene.views[view].camera);
+  return cameras;
+}
+
+/// The views in an order that depends on the seed and the number of passes so far.
+inline std::vector<std::size_t> shuffled(std::vector<std::size_t> views, std::uint64_t seed,
+                                         std::uint64_t pass) {
+  const auto rank = [&](std::size_t view) {
+    return rng_bits(seed, RngStream::kViewOrder, (pass << 32) + view);
+  };
+  std::sort(views.begin(), views.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
+  return views;
+}
+
+}  // namespace ngs
