@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <exception>
 #include <map>
 #include <set>
 
-#include "ngs/backend/for_each.h"
+#include "ngs/backend/try_each.h"
 #include "ngs/io/exr.h"
 #include "ngs/io/image_file.h"
 #include "ngs/ops/image_metrics.h"
@@ -84,21 +83,6 @@ io::RawMask read_mask(const std::string& path) {
 
 MaskSamples samples_of(const io::RawMask& raw) {
   return {raw.width_px, raw.height_px, raw.channels, raw.bits, raw.data};
-}
-
-/// task(i) for every pair on all threads; the exception of the first failing pair leaves.
-template <class Task>
-void for_each_pair(Run& run, std::size_t count, const Task& task) {
-  std::vector<std::exception_ptr> failures(count);
-  for_each_task(run.exec(), std::int64_t(count), [&](std::int64_t i) {
-    try {
-      task(std::size_t(i));
-    } catch (...) {
-      failures[std::size_t(i)] = std::current_exception();
-    }
-  });
-  for (const std::exception_ptr& failure : failures)
-    if (failure) std::rethrow_exception(failure);
 }
 
 Pairing matched_files(const ImageList& predicted, const ImageList& truth, const EvalFileOptions& options) {
@@ -181,7 +165,8 @@ std::vector<PairScore> score_masks(Run& run, const EvalOptions& options, const s
   auto scope = run.monitor().scope("score masks");
   scope.items(std::int64_t(pairs.size()));
   std::vector<std::vector<PairScore>> found(pairs.size());
-  for_each_pair(run, pairs.size(), [&](std::size_t i) {
+  try_each_task(run.exec(), std::int64_t(pairs.size()), [&](std::int64_t index) {
+    const auto i = std::size_t(index);
     const io::RawMask predicted = read_mask(pairs[i].predicted), truth = read_mask(pairs[i].truth);
     const EvalPair pair{pairs[i].view, pairs[i].object, samples_of(predicted), samples_of(truth),
                         pairs[i].truth_id};
@@ -197,7 +182,8 @@ std::vector<PhotoScore> score_photos(Run& run, const std::vector<FilePair>& pair
   auto scope = run.monitor().scope("score photos");
   scope.items(std::int64_t(pairs.size()));
   std::vector<PhotoScore> scores(pairs.size());
-  for_each_pair(run, pairs.size(), [&](std::size_t i) {
+  try_each_task(run.exec(), std::int64_t(pairs.size()), [&](std::int64_t index) {
+    const auto i = std::size_t(index);
     const ImageF predicted = io::read_image_rgb(pairs[i].predicted),
                  truth = io::read_image_rgb(pairs[i].truth);
     if (predicted.width_px != truth.width_px || predicted.height_px != truth.height_px)

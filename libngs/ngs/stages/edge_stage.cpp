@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
 #include <numeric>
 
-#include "ngs/backend/for_each.h"
+#include "ngs/backend/try_each.h"
 #include "ngs/ops/evidence.h"
 #include "ngs/stages/edge_split.h"
 #include "ngs/stages/render_stage.h"
@@ -258,18 +257,11 @@ class EdgeRun {
     const auto timed = monitor_.scope("walk");
     const auto& train = setup_.input.views;
     walked_.assign(setup_.input.scene.views.size(), {});
-    std::vector<std::exception_ptr> failed(views_.size());  // none may leave a parallel region
-    for_each_task(exec_, std::int64_t(views_.size()), [&](std::int64_t i) {
+    try_each_task(exec_, std::int64_t(views_.size()), [&](std::int64_t i) {
       const std::size_t v = views_[std::size_t(i)];
       const bool compare = first && std::find(train.begin(), train.end(), v) != train.end();
-      try {
-        walked_[v] = walk_view(setup_, model_, v, compare);
-      } catch (...) {
-        failed[std::size_t(i)] = std::current_exception();
-      }
+      walked_[v] = walk_view(setup_, model_, v, compare);
     });
-    for (const std::exception_ptr& e : failed)
-      if (e) std::rethrow_exception(e);
     views_.erase(std::remove_if(views_.begin(), views_.end(),
                                 [&](std::size_t v) { return !walked_[v].masks.available; }),
                  views_.end());

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
 
-#include "ngs/backend/for_each.h"
+#include "ngs/backend/try_each.h"
 #include "ngs/ops/image_shift.h"
 #include "ngs/stages/pose_check.h"
 
@@ -54,19 +53,12 @@ std::vector<ViewShift> measure_view_shifts(const Exec& exec, Monitor& monitor, c
   std::vector<ViewShift> shifts;
   for (std::size_t v = 0; v < scene.views.size(); ++v)
     if (!scene.views[v].image_path.empty()) shifts.push_back({.view = v});
-  std::vector<std::exception_ptr> failed(shifts.size());  // none may leave a parallel region
-  for_each_task(exec, std::int64_t(shifts.size()), [&](std::int64_t i) {
+  try_each_task(exec, std::int64_t(shifts.size()), [&](std::int64_t i) {
     ViewShift& shift = shifts[std::size_t(i)];
-    try {
-      const std::size_t v = shift.view;
-      shift = measure(cloud, splat, scene.views[v].camera, load_photo(v));
-      shift.view = v;
-    } catch (...) {
-      failed[std::size_t(i)] = std::current_exception();
-    }
+    const std::size_t v = shift.view;
+    shift = measure(cloud, splat, scene.views[v].camera, load_photo(v));
+    shift.view = v;
   });
-  for (const std::exception_ptr& e : failed)
-    if (e) std::rethrow_exception(e);
   return shifts;
 }
 
