@@ -1,9 +1,6 @@
 #include "check_run.h"
 
-#include <optional>
-
 #include "check_report.h"
-#include "ngs/io/gaussian_ply.h"
 #include "ngs/io/masks.h"
 #include "ngs/io/photo.h"
 #include "ngs/stages/filter_probe.h"
@@ -12,8 +9,17 @@
 namespace ngs::capture {
 namespace {
 
-std::optional<io::GaussianPly> read_model(cli::Run& run, const Scene& scene,
-                                          std::vector<std::string>& notes) {
+SceneLoaders loaders_from_files(const Scene& scene) {
+  return {[&scene](std::size_t view) { return io::load_photo(scene, view); },
+          [&scene](std::size_t view) {
+            io::LoadedMasks loaded = io::load_masks_with_notes(scene, view);
+            return MaskSample{std::move(loaded.masks), std::move(loaded.notes), loaded.lossy};
+          }};
+}
+
+}  // namespace
+
+Model read_model(cli::Run& run, const Scene& scene, std::vector<std::string>& notes) {
   if (scene.model_path.empty()) return std::nullopt;
   const auto timed = run.monitor().scope("model");
   io::GaussianPly model = io::read_gaussian_ply(scene.model_path);
@@ -26,36 +32,25 @@ std::optional<io::GaussianPly> read_model(cli::Run& run, const Scene& scene,
   return model;
 }
 
-SceneLoaders loaders_from_files(const Scene& scene) {
-  return {[&scene](std::size_t view) { return io::load_photo(scene, view); },
-          [&scene](std::size_t view) {
-            io::LoadedMasks loaded = io::load_masks_with_notes(scene, view);
-            return MaskSample{std::move(loaded.masks), std::move(loaded.notes), loaded.lossy};
-          }};
-}
-
-}  // namespace
-
-double probe_model_filter(cli::Run& run, const SceneCheckOptions& options, const Scene& scene) {
-  if (scene.model_path.empty()) return scene.filter_px2;
+double probe_model_filter(cli::Run& run, const SceneCheckOptions& options, const Scene& scene,
+                          const Model& model) {
+  if (!model) return scene.filter_px2;
   const auto timed = run.monitor().scope("filter");
-  const io::GaussianPly model = io::read_gaussian_ply(scene.model_path);
   std::vector<std::size_t> with_photo, compared;
   for (std::size_t i = 0; i < scene.views.size(); ++i)
     if (!scene.views[i].image_path.empty()) with_photo.push_back(i);
   for (const std::size_t i : evenly_spaced(std::size_t(options.check_views), with_photo.size()))
     compared.push_back(with_photo[i]);
-  const FilterProbe probe = probe_filter(run.exec(), model.cloud, scene, compared,
+  const FilterProbe probe = probe_filter(run.exec(), model->cloud, scene, compared,
                                          [&](std::size_t view) { return io::load_photo(scene, view); });
   for (const FilterCandidate& c : probe.candidates)
     run.result()["filter"].push_back({{"filter_px2", c.filter_px2}, {"psnr_db", c.psnr_db}});
   return probe.filter_px2;
 }
 
-void align_views(cli::Run& run, Scene& scene) {
-  if (scene.model_path.empty()) return;
-  const io::GaussianPly model = io::read_gaussian_ply(scene.model_path);
-  const auto shifts = measure_view_shifts(run.exec(), run.monitor(), model.cloud, scene,
+void align_views(cli::Run& run, const Model& model, Scene& scene) {
+  if (!model) return;
+  const auto shifts = measure_view_shifts(run.exec(), run.monitor(), model->cloud, scene,
                                           [&](std::size_t view) { return io::load_photo(scene, view); });
   apply_view_shifts(shifts, scene);
   for (const ViewShift& s : shifts)
@@ -67,9 +62,8 @@ void align_views(cli::Run& run, Scene& scene) {
                                            {"applied", s.applied}});
 }
 
-void run_checks(cli::Run& run, const SceneCheckOptions& options, const Scene& scene,
+void run_checks(cli::Run& run, const SceneCheckOptions& options, const Scene& scene, const Model& model,
                 std::vector<std::string> notes) {
-  const std::optional<io::GaussianPly> model = read_model(run, scene, notes);
   const SceneCheck result = check_scene(run.exec(), run.monitor(), options, model ? &model->cloud : nullptr,
                                         scene, loaders_from_files(scene));
   notes.insert(notes.end(), result.warnings.begin(), result.warnings.end());

@@ -54,10 +54,12 @@ int import_command(int argc, char** argv) {
       run.plan({{"views", imported.scene.views.size()}, {"compared_views", checks.check_views}});
       return cli::kDone;
     }
-    capture::run_checks(run, checks, imported.scene, imported.notes);
-    imported.scene.filter_px2 =
-        options.filter_px2 > 0 ? options.filter_px2 : capture::probe_model_filter(run, checks, imported.scene);
-    if (options.align_views) capture::align_views(run, imported.scene);
+    const capture::Model model = capture::read_model(run, imported.scene, imported.notes);
+    capture::run_checks(run, checks, imported.scene, model, imported.notes);
+    imported.scene.filter_px2 = options.filter_px2 > 0
+                                    ? options.filter_px2
+                                    : capture::probe_model_filter(run, checks, imported.scene, model);
+    if (options.align_views) capture::align_views(run, model, imported.scene);
     io::write_scene_json(out.path, imported.scene);
     return cli::kDone;
   });
@@ -74,10 +76,13 @@ int check_command(int argc, char** argv) {
   return tool.run(argc, argv, [&](cli::Run& run) {
     const Scene scene = io::read_scene_json(scene_json.path);
     run.result()["views"] = scene.views.size();
-    if (run.dry_run())
+    if (run.dry_run()) {
       run.plan({{"views", scene.views.size()}, {"compared_views", checks.check_views}});
-    else
-      capture::run_checks(run, checks, scene, {});
+      return cli::kDone;
+    }
+    std::vector<std::string> notes;
+    const capture::Model model = capture::read_model(run, scene, notes);
+    capture::run_checks(run, checks, scene, model, notes);
     return cli::kDone;
   });
 }
@@ -85,8 +90,9 @@ int check_command(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return ngs::cli::dispatch(argc, argv,
-                            {{"import", import_command, "cameras, photos, masks, model -> scene.json"},
-                             {"check", check_command, "repeat the checks on a scene.json"},
-                             {"degrade", ngs::capture::degrade_command, "good masks -> bad ones, in known amounts"}});
+  return ngs::cli::dispatch(
+      argc, argv,
+      {{"import", import_command, "cameras, photos, masks, model -> scene.json"},
+       {"check", check_command, "repeat the checks on a scene.json"},
+       {"degrade", ngs::capture::degrade_command, "good masks -> bad ones, in known amounts"}});
 }
