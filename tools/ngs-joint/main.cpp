@@ -66,8 +66,9 @@ int main(int argc, char** argv) {
     const ViewTrust trust =
         joint::wanted(settings, &JointEffects::view_trust) ? joint::handle_trust(run, read) : ViewTrust{};
     const MethodInput believed = joint::with_trusted_masks(run, read, trust);
+    const bool draft = settings.joint.quality == Quality::kDraft;
     const joint::FloaterOutcome clean = joint::wanted(settings, &JointEffects::floaters)
-                                            ? joint::handle_floaters(run, believed)
+                                            ? joint::handle_floaters(run, believed, draft)
                                             : joint::FloaterOutcome{};
     const MethodInput input = joint::without_floaters(believed, clean);
     if (settings.run.method != joint::Method::kPaper) {

@@ -1,8 +1,22 @@
 #include "prepare.h"
 
+#include "ngs/stages/coarse_input.h"
 #include "ngs/stages/method_labels.h"
 
 namespace ngs::joint {
+namespace {
+
+constexpr int kDraftVisits = 3;
+
+/// Whether a mask or a Gaussian is wrong shows at half the size, where that still is a picture.
+int decision_shrink(const Scene& scene) {
+  int longest_px = 0;
+  for (const SceneView& view : scene.views)
+    longest_px = std::max({longest_px, view.camera.width_px, view.camera.height_px});
+  return longest_px >= 512 ? 2 : 1;
+}
+
+}  // namespace
 
 bool wanted(const Settings& settings, bool JointEffects::*effect) {
   const bool chosen = parse_effects(settings.joint.effect).*effect;
@@ -15,12 +29,14 @@ bool wanted(const Settings& settings, bool JointEffects::*effect) {
 }
 
 ViewTrust handle_trust(cli::Run& run, const MethodInput& input) {
-  ViewTrust trust = judge_views(run.exec(), run.monitor(), {}, input);
+  const CoarseInput coarse(input, decision_shrink(input.scene));
+  ViewTrust trust = judge_views(run.exec(), run.monitor(), {}, coarse.get());
   Json names = Json::array();
   for (const std::size_t v : trust.ignored) {
     names.push_back(input.scene.views[v].camera.name);
-    run.monitor().warn("the mask of view '" + input.scene.views[v].camera.name +
-                       "' contradicts the masks of the other views and is ignored; --effect view-trust=off keeps it");
+    run.monitor().warn(
+        "the mask of view '" + input.scene.views[v].camera.name +
+        "' contradicts the masks of the other views and is ignored; --effect view-trust=off keeps it");
   }
   Json report = {{"ignored", names}};
   for (const auto& [name, value] : trust.figures) report[name] = value;
@@ -38,26 +54,34 @@ MethodInput with_trusted_masks(cli::Run& run, const MethodInput& input, const Vi
   return trusted;
 }
 
-FloaterOutcome handle_floaters(cli::Run& run, const MethodInput& input) {
+FloaterOutcome handle_floaters(cli::Run& run, const MethodInput& input, bool draft) {
   FloaterOutcome outcome;
   const FloaterOptions options;
-  const FloaterFinding finding = find_floaters(run.exec(), run.monitor(), options, input);
+  const CoarseInput kept(input, 1), coarse(kept.get(), decision_shrink(input.scene));
+  const FloaterFinding finding = find_floaters(run.exec(), run.monitor(), options, coarse.get());
   Json report = {{"removed", finding.count},
                  {"reason", "the photos show the object behind them"},
                  {"seen_through", options.seen_through}};
   for (const auto& [name, value] : finding.figures) report[name] = value;
   if (finding.count > 0) {
-    outcome.removal = remove_floaters(run.exec(), run.monitor(), {}, input, finding);
+    RefitOptions refit;
+    if (draft) refit.visits = kDraftVisits;
+    FloaterRemoval removal =
+        remove_floaters(run.exec(), run.monitor(), refit, draft ? coarse.get() : kept.get(), finding);
+    for (const auto& [name, value] : removal.figures) report[name] = value;
+    outcome.labels =
+        labels_without_floaters(run.exec(), run.monitor(), input, removal.cloud, finding.floater);
+    outcome.cloud = std::move(removal.cloud);
     outcome.floater.assign(finding.floater.begin(), finding.floater.end());
-    for (const auto& [name, value] : outcome.removal.figures) report[name] = value;
-    run.info(std::to_string(finding.count) + " floaters before the object were taken out (column ngs_floater)");
+    run.info(std::to_string(finding.count) +
+             " floaters before the object were taken out (column ngs_floater)");
   }
   run.result()["floaters"] = report;
   return outcome;
 }
 
 MethodInput without_floaters(const MethodInput& input, const FloaterOutcome& outcome) {
-  return {.cloud = outcome.removed() ? outcome.removal.cloud : input.cloud,
+  return {.cloud = outcome.removed() ? outcome.cloud : input.cloud,
           .scene = input.scene,
           .views = input.views,
           .load_masks = input.load_masks,
@@ -66,7 +90,7 @@ MethodInput without_floaters(const MethodInput& input, const FloaterOutcome& out
           .background = input.background,
           .seed = input.seed,
           .fixed = input.fixed,
-          .labels = outcome.removed() ? outcome.removal.labels : input.labels,
+          .labels = outcome.removed() ? outcome.labels : input.labels,
           .load_fine_photo = input.load_fine_photo};
 }
 

@@ -1,24 +1,25 @@
 #pragma once
-// What happens before any method sees model and masks: masks that the others contradict are left out (--effect
-// view-trust), floaters before the object are taken out (--effect floaters).
+// What happens before any method sees model and masks: masks that the others contradict are left out
+// (--effect view-trust), floaters before the object are taken out (--effect floaters).
 #include <string>
 #include <vector>
 
-#include "optimise.h"
 #include "ngs/stages/floaters.h"
 #include "ngs/stages/view_trust.h"
+#include "optimise.h"
 
 namespace ngs::joint {
 
 /// What replaces the model that was read; empty where nothing was removed.
 struct FloaterOutcome {
-  FloaterRemoval removal;
+  GaussianCloud cloud;
+  std::vector<LabelColumns> labels;
   std::vector<float> floater;  // [N] 1: removed
   bool removed() const { return !floater.empty(); }
 };
 
-/// --effect floaters and view-trust: auto is on for the paper's method and off for those beside it, which are what
-/// their papers say.
+/// --effect floaters and view-trust: auto is on for the paper's method and off for those beside it, which are
+/// what their papers say.
 bool wanted(const Settings& settings, bool JointEffects::*effect);
 
 /// Judges the masks, warns, and notes the figures in the report.
@@ -27,8 +28,8 @@ ViewTrust handle_trust(cli::Run& run, const MethodInput& input);
 /// `input` with only the masks that `trust`, which must outlive it, leaves, and labels that follow from them.
 MethodInput with_trusted_masks(cli::Run& run, const MethodInput& input, const ViewTrust& trust);
 
-/// Searches, removes, warns, and notes the figures in the report.
-FloaterOutcome handle_floaters(cli::Run& run, const MethodInput& input);
+/// Searches, removes, warns, and notes the figures in the report. A draft refits at half size, and briefly.
+FloaterOutcome handle_floaters(cli::Run& run, const MethodInput& input, bool draft);
 
 /// `input` with the model and labels of the outcome, which must outlive it, where something was removed.
 MethodInput without_floaters(const MethodInput& input, const FloaterOutcome& outcome);

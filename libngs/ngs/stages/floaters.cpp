@@ -73,11 +73,10 @@ std::vector<std::uint8_t> candidates_of(const Exec& exec, const MethodInput& inp
     if (!core.member[i] && input.cloud.usable[i] && !is_fixed(input, i))
       others.insert(others.end(), p, p + 3), row.push_back(i);
   }
-  const KnnGraph nearest = nearest_points(exec, {centres.data(), core.count},
-                                          {others.data(), std::int64_t(row.size())}, 1);
+  const KnnGraph nearest =
+      nearest_points(exec, {centres.data(), core.count}, {others.data(), std::int64_t(row.size())}, 1);
   std::vector<std::uint8_t> candidate(n, 0);
-  for (std::size_t k = 0; k < row.size(); ++k)
-    candidate[row[k]] = double(nearest.dist2[k]) > margin * margin;
+  for (std::size_t k = 0; k < row.size(); ++k) candidate[row[k]] = double(nearest.dist2[k]) > margin * margin;
   return candidate;
 }
 
@@ -140,7 +139,8 @@ class FloaterSearch {
     margin_ = margin_of(exec_, options_, cloud_, core_);
     finding.far = candidate_ = candidates_of(exec_, input_, core_, margin_);
     const auto candidates = std::count(candidate_.begin(), candidate_.end(), std::uint8_t(1));
-    finding.figures = {{"core", double(core_.count)}, {"candidates", double(candidates)}, {"margin", margin_}};
+    finding.figures = {
+        {"core", double(core_.count)}, {"candidates", double(candidates)}, {"margin", margin_}};
     noise_ = core_noise();
     int rounds = 0;
     while (rounds < options_.rounds && !monitor.stop_requested()) {
@@ -271,7 +271,7 @@ FloaterFinding find_floaters(const Exec& exec, Monitor& monitor, const FloaterOp
 FloaterRemoval remove_floaters(const Exec& exec, Monitor& monitor, const RefitOptions& refit,
                                const MethodInput& input, const FloaterFinding& finding) {
   const std::vector<std::uint8_t>& floater = finding.floater;
-  FloaterRemoval out{input.cloud, {}, {}};
+  FloaterRemoval out{input.cloud, {}};
   const auto timed = monitor.scope("floaters: removal");
   const std::vector<std::size_t> views = photo_views(input.scene);
   for (std::size_t i = 0; i < floater.size(); ++i)
@@ -280,15 +280,21 @@ FloaterRemoval remove_floaters(const Exec& exec, Monitor& monitor, const RefitOp
   out.figures["psnr_removed_db"] = mean_psnr_db(exec, input, out.cloud, views);
   refit_to_photos(exec, monitor, refit, input, views, finding.far, out.cloud);
   out.figures["psnr_after_db"] = mean_psnr_db(exec, input, out.cloud, views);
-  out.labels = labels_anew(exec, monitor, input, out.cloud);
-  for (std::size_t k = 0; k < out.labels.size(); ++k)
+  return out;
+}
+
+std::vector<LabelColumns> labels_without_floaters(const Exec& exec, Monitor& monitor,
+                                                  const MethodInput& input, const GaussianCloud& cloud,
+                                                  const std::vector<std::uint8_t>& floater) {
+  std::vector<LabelColumns> labels = labels_anew(exec, monitor, input, cloud);
+  for (std::size_t k = 0; k < labels.size(); ++k)
     for (std::size_t i = 0; i < floater.size(); ++i)
       if (floater[i]) {
-        LabelColumns& c = out.labels[k];
+        LabelColumns& c = labels[k];
         c.label[i] = c.prob[i] = c.variance[i] = c.boundary[i] = 0;
         c.views[i] = input.labels[k].views[i];
       }
-  return out;
+  return labels;
 }
 
 }  // namespace ngs

@@ -1,17 +1,18 @@
 #pragma once
 // Floaters before the object: Gaussians of no surface that cover it in some views.           PAPER.md §5.8
 //
-// A splat explains a photo as well by paint on a haze near the camera as by the object itself. The masks of the
-// views that see the haze from elsewhere call it background, rightly, and where it covers the object the rendered
-// mask has a hole. Nothing here reads a mask of a held-out view; photos of all views are read, as when the model
-// was trained.
+// A splat explains a photo as well by paint on a haze near the camera as by the object itself. The masks of
+// the views that see the haze from elsewhere call it background, rightly, and where it covers the object the
+// rendered mask has a hole. Nothing here reads a mask of a held-out view; photos of all views are read, as
+// when the model was trained.
 //
-// The object's surface is what its core renders: Gaussians with a share of at least `core_share` that at least a
-// quarter of the views with masks see. A Gaussian far from the core and nearer to the camera than that surface is a
-// candidate. At a pixel the photo decides between the two: it shows the surface where it is closer to the core's
-// colour than to the one that the Gaussians in front have in the other views' photos, by more than the noise. A
-// training view's own mask vetoes where it says that something else is seen. A candidate is a floater if the photos
-// see through it in at least `seen_through` of its weight before the surface.
+// The object's surface is what its core renders: Gaussians with a share of at least `core_share` that at
+// least a quarter of the views with masks see. A Gaussian far from the core and nearer to the camera than
+// that surface is a candidate. At a pixel the photo decides between the two: it shows the surface where it is
+// closer to the core's colour than to the one that the Gaussians in front have in the other views' photos, by
+// more than the noise. A training view's own mask vetoes where it says that something else is seen. A
+// candidate is a floater if the photos see through it in at least `seen_through` of its weight before the
+// surface.
 #include "ngs/options/field.h"
 #include "ngs/stages/method.h"
 #include "ngs/stages/photo_refit.h"
@@ -30,8 +31,8 @@ struct FloaterOptions {
 };
 
 struct FloaterFinding {
-  std::vector<std::uint8_t> floater;      // [N]
-  std::vector<std::uint8_t> far;          // [N] neither of the core nor near it; empty: no core
+  std::vector<std::uint8_t> floater;  // [N]
+  std::vector<std::uint8_t> far;      // [N] neither of the core nor near it; empty: no core
   std::int64_t count = 0;
   std::map<std::string, double> figures;  // core, candidates, margin (world), noise, rounds
 };
@@ -44,13 +45,18 @@ FloaterFinding find_floaters(const Exec& exec, Monitor& monitor, const FloaterOp
 inline constexpr float kRemovedLogit = -20.f;
 
 struct FloaterRemoval {
-  GaussianCloud cloud;               // floaters at kRemovedLogit, what is left refitted to the photos: colours of
-                                     // all, geometry of what is far from the core
-  std::vector<LabelColumns> labels;  // evidence gathered anew; floaters: label and prob 0, no boundary
-  std::map<std::string, double> figures;  // PSNR before, without, after the refit
+  GaussianCloud cloud;  // floaters at kRemovedLogit, what is left refitted to the photos: colours of all,
+                        // geometry of what is far from the core
+  std::map<std::string, double> figures;  // PSNR before, without, after the refit, at the size of the input
 };
 
 FloaterRemoval remove_floaters(const Exec& exec, Monitor& monitor, const RefitOptions& refit,
                                const MethodInput& input, const FloaterFinding& finding);
+
+/// Labels of `cloud`, from which the floaters were removed: evidence gathered anew; floaters have label and
+/// prob 0 and are no boundary.
+std::vector<LabelColumns> labels_without_floaters(const Exec& exec, Monitor& monitor,
+                                                  const MethodInput& input, const GaussianCloud& cloud,
+                                                  const std::vector<std::uint8_t>& floater);
 
 }  // namespace ngs

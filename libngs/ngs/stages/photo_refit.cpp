@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 
 #include "ngs/ops/adam.h"
 #include "ngs/ops/image_metrics.h"
@@ -13,29 +12,6 @@
 
 namespace ngs {
 namespace {
-
-constexpr std::size_t kPhotoCacheBytes = 512u << 20;
-
-/// Decoded photos, as many as fit.
-class PhotoCache {
- public:
-  explicit PhotoCache(const MethodInput& input) : input_(input) {}
-  const ImageF& get(std::size_t view) {
-    const auto known = photos_.find(view);
-    if (known != photos_.end()) return known->second;
-    ImageF photo = input_.load_photo(view);
-    const std::size_t bytes = photo.data.size() * sizeof(float);
-    if (bytes_ + bytes > kPhotoCacheBytes) return scratch_ = std::move(photo);
-    bytes_ += bytes;
-    return photos_[view] = std::move(photo);
-  }
-
- private:
-  const MethodInput& input_;
-  std::map<std::size_t, ImageF> photos_;
-  ImageF scratch_;
-  std::size_t bytes_ = 0;
-};
 
 void hold_still(const std::vector<std::uint8_t>& moves, CloudGradients& gradients) {
   for (std::size_t i = 0; i < moves.size(); ++i) {
@@ -74,7 +50,6 @@ void refit_to_photos(const Exec& exec, Monitor& monitor, const RefitOptions& opt
   const std::int64_t steps = std::int64_t(options.visits) * std::int64_t(views.size());
   SplatPass pass(input.splat);
   PhotometricPass<float> photometric;
-  PhotoCache photos(input);
   CloudGradients gradients;
   ViewGradients image;
   std::array<AdamMoments, kFitGroups> moments;
@@ -85,7 +60,7 @@ void refit_to_photos(const Exec& exec, Monitor& monitor, const RefitOptions& opt
       RenderRequest request;
       request.background = input.background;
       const RenderedView& rendered = pass.forward(exec, cloud, input.scene.views[v].camera, request);
-      photometric.evaluate(exec, {}, rendered.colour, photos.get(v), nullptr, &image.colour);
+      photometric.evaluate(exec, {}, rendered.colour, input.load_photo(v), nullptr, &image.colour);
       pass.backward(exec, image, gradients);
       hold_still(moves, gradients);
       const double decay = std::pow(options.decay, double(step) / double(steps));
