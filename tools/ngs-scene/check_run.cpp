@@ -4,7 +4,7 @@
 #include "ngs/io/masks.h"
 #include "ngs/io/photo.h"
 #include "ngs/stages/filter_probe.h"
-#include "ngs/stages/view_shift.h"
+#include "ngs/stages/view_align.h"
 
 namespace ngs::capture {
 namespace {
@@ -50,16 +50,18 @@ double probe_model_filter(cli::Run& run, const SceneCheckOptions& options, const
 
 void align_views(cli::Run& run, const Model& model, Scene& scene) {
   if (!model) return;
-  const auto shifts = measure_view_shifts(run.exec(), run.monitor(), model->cloud, scene,
-                                          [&](std::size_t view) { return io::load_photo(scene, view); });
-  apply_view_shifts(shifts, scene);
-  for (const ViewShift& s : shifts)
-    run.result()["view_shifts"].push_back({{"view", scene.views[s.view].camera.name},
-                                           {"dx_px", s.dx_px},
-                                           {"dy_px", s.dy_px},
-                                           {"error_before", s.error_before},
-                                           {"error_after", s.error_after},
-                                           {"applied", s.applied}});
+  const auto alignment = measure_alignment(run.exec(), run.monitor(), model->cloud, scene,
+                                           [&](std::size_t view) { return io::load_photo(scene, view); });
+  apply_alignment(alignment, scene);
+  const auto triple = [](const Vec3<double>& v) { return Json::array({v.x, v.y, v.z}); };
+  for (const ViewAlignment& a : alignment)
+    run.result()["view_alignment"].push_back({{"view", scene.views[a.view].camera.name},
+                                              {"flow_px", a.flow_px},
+                                              {"turn_rad", triple(a.motion.turn)},
+                                              {"move_world", triple(a.motion.move)},
+                                              {"error_before", a.error_before},
+                                              {"error_after", a.error_after},
+                                              {"applied", a.applied}});
 }
 
 void run_checks(cli::Run& run, const SceneCheckOptions& options, const Scene& scene, const Model& model,

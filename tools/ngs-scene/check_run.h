@@ -20,7 +20,7 @@ Model read_model(cli::Run& run, const Scene& scene, std::vector<std::string>& no
 double probe_model_filter(cli::Run& run, const SceneCheckOptions& options, const Scene& scene,
                           const Model& model);
 
-/// Moves the cameras of the scene to where the photos fit the model (stages/view_shift.h); says in the report
+/// Moves the cameras of the scene to where the photos fit the model (stages/view_align.h); says in the report
 /// by how much.
 void align_views(cli::Run& run, const Model& model, Scene& scene);
 

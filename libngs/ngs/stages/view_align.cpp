@@ -1,0 +1,63 @@
+#include "ngs/stages/view_align.h"
+
+#include "ngs/backend/try_each.h"
+#include "ngs/stages/pose_check.h"
+
+namespace ngs {
+namespace {
+
+constexpr int kMostSteps = 15;
+constexpr double kSettled_px = 0.03;
+
+ViewAlignment align(const GaussianCloud& cloud, const SplatOptions& splat, const Camera& start,
+                    const ImageF& photo) {
+  ViewAlignment best;
+  const Vec3<double> background = match_photo({}, cloud, start, splat, photo).background;
+  RenderRequest request;
+  request.depth = true;
+  request.background = {float(background.x), float(background.y), float(background.z)};
+  const ImageF smooth = smoothed_for_pose(photo);
+  Camera camera = start;
+  CameraMotion total;
+  double total_px = 0;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const PoseStep found = pose_step(render({}, cloud, camera, splat, request), smooth, camera, total);
+    if (!found.determined) break;
+    if (step == 0) best.error_before = best.error_after = found.error;
+    if (found.error < best.error_after)
+      best.motion = total, best.flow_px = total_px, best.error_after = found.error, best.camera = camera;
+    if (found.flow_px < kSettled_px) break;
+    camera = moved(camera, found.motion);
+    total.turn = total.turn + found.motion.turn, total.move = total.move + found.motion.move;
+    total_px = found.total_px;
+  }
+  best.applied = best.flow_px >= kLeastFlow_px && best.flow_px <= kMostFlow_px;
+  return best;
+}
+
+}  // namespace
+
+std::vector<ViewAlignment> measure_alignment(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud,
+                                             const Scene& scene,
+                                             const std::function<ImageF(std::size_t view)>& load_photo) {
+  const auto timed = monitor.scope("align views");
+  SplatOptions splat{.antialiased = cloud.antialiased};
+  splat.blur_px2 = scene.filter_px2;
+  std::vector<ViewAlignment> alignment;
+  for (std::size_t v = 0; v < scene.views.size(); ++v)
+    if (!scene.views[v].image_path.empty()) alignment.emplace_back().view = v;
+  try_each_task(exec, std::int64_t(alignment.size()), [&](std::int64_t i) {
+    ViewAlignment& of_view = alignment[std::size_t(i)];
+    const std::size_t v = of_view.view;
+    of_view = align(cloud, splat, scene.views[v].camera, load_photo(v));
+    of_view.view = v;
+  });
+  return alignment;
+}
+
+void apply_alignment(const std::vector<ViewAlignment>& alignment, Scene& scene) {
+  for (const ViewAlignment& a : alignment)
+    if (a.applied) scene.views[a.view].camera = a.camera;
+}
+
+}  // namespace ngs
