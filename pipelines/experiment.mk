@@ -49,7 +49,7 @@ $(OUT)/.state:
 
 # What a stage depends on beside the artifacts before it; written anew only where it differs.
 $(OUT)/.state/%.key: FORCE | $(OUT)/.state
-	@$(STAGE) key $* > $@.new; if cmp -s $@.new $@; then rm $@.new; else mv $@.new $@; fi
+	@$(STAGE) key $*
 
 $(OUT)/scene.json: $(OUT)/.state/scene.key
 	$(STAGE) scene

@@ -92,10 +92,21 @@ if [ -n "$dry_run" ]; then
   done
   exit 0
 fi
+# Called twice at once on one OUT_DIR, the second waits and then finds nothing to do. The lock lasts as long as any
+# process of the run, so that what a killed run left is gone before another begins.
+mkdir -p .state && : > .state/run.lock || fail 8 "$out: cannot be written"
+exec 9> .state/run.lock
+flock -n 9 || { say "another run is at work in $out, waiting for it"; flock 9; }
+flock .state/stage.lock find . -name '.ngs-*.tmp*' -delete
 rm -f .state/exit_code
 unset MAKEFLAGS MFLAGS MAKEOVERRIDES  # of a make that called this
-make --no-print-directory --silent -f "$pipelines/experiment.mk" "./$until" || {
-  [ -f .state/exit_code ] && exit "$(cat .state/exit_code)"
+made=0
+make --no-print-directory --silent -f "$pipelines/experiment.mk" "./$until" || made=$?
+if [ "$made" -gt 128 ]; then exit "$made"; fi
+if [ "$made" -ne 0 ]; then
+  code=$(cat .state/exit_code 2> /dev/null || true)
+  if [ -n "$code" ]; then exit "$code"; fi
+  printf 0 2> /dev/null > .state/writable || fail 8 "$out: cannot be written"
   exit 70
-}
+fi
 if [ -f .state/check_failed ]; then exit 1; fi

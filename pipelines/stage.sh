@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# One stage of experiment.mk: `stage.sh STAGE` runs its tool, `stage.sh key STAGE` prints what the stage depends on
-# beside the artifacts before it; with NGS_DRY_RUN set the commands are printed only. All values come through the environment, so that paths may hold any character.
-# Not called by hand.
+# One stage of experiment.mk: `stage.sh STAGE` runs its tool, `stage.sh key STAGE` writes what the stage depends on beside
+# the artifacts before it to OUT/.state/STAGE.key where that differs; with NGS_DRY_RUN set the commands are printed only.
+# All values come through the environment, so that paths may hold any character. Not called by hand.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"
@@ -145,11 +145,12 @@ stage_eval() {
   local truth masks names=$OUT/.state/scored_views.txt
   truth=$(truth_of_scene) masks=$(masks_of_scene)
   if [ -z "${NGS_DRY_RUN:-}" ]; then
-    rm -f "$OUT/.state/check_failed" "$OUT/metrics.json" "$OUT/metrics_input.json" "$OUT/reports/ngs-eval.json" "$OUT/reports/ngs-eval-input.json"
+    rm -f "$OUT/.state/check_failed" "$OUT/metrics_input.json" "$OUT/reports/ngs-eval-input.json"
     (cd "$OUT/masks" && find . -name '*.png' | sed 's|^\./||' | LC_ALL=C sort) > "$names"
   fi
   if [ -z "$truth" ]; then
     say "no ground truth and no held-out views: nothing is scored"
+    if [ -z "${NGS_DRY_RUN:-}" ]; then rm -f "$OUT/metrics.json" "$OUT/reports/ngs-eval.json"; fi
     return
   fi
   if [ "$truth" = "$masks" ]; then
@@ -193,7 +194,18 @@ key() {
   esac
 }
 
+write_key() {
+  local file=$OUT/.state/$1.key
+  key "$1" > "$file.new"
+  if cmp -s "$file.new" "$file"; then rm "$file.new"; else mv "$file.new" "$file"; fi
+}
+
 [ -n "$SCENE" ] || fail 2 "SCENE is not set, expected a folder with photos, poses and masks"
 [ -d "$SCENE" ] || fail 3 "$SCENE: no such folder"
 BIN=${BIN:-$(find_bin)}
-if [ "$1" = key ]; then key "$2"; else "stage_$1"; fi
+# Two makes at once on one OUT take turns.
+if [ -z "${NGS_DRY_RUN:-}" ]; then
+  exec 8> "$OUT/.state/stage.lock"
+  flock 8
+fi
+if [ "$1" = key ]; then write_key "$2"; else "stage_$1"; fi

@@ -1,0 +1,38 @@
+# The boundary set of one large scene from shards of its views, on this machine or as the tasks of a Slurm array. Sums of
+# evidence are exact, so the merged file has the bytes that one run of ngs-variance over all views writes.
+#
+#   make -f pipelines/sharded.mk -j 8 SCENE_JSON=out/scene.json OUT=out/boundary.ply SHARDS=8
+#   make -f pipelines/sharded.mk submit SCENE_JSON=... OUT=... SHARDS=200 SBATCH='--mem 8G --cpus-per-task 8'
+#
+# `submit` queues the array and the merge behind it and returns when merged. A second call makes only the shards that are not
+# there. RASTER_FLAGS are options of the shards (--compat, --antialias), VARIANCE_FLAGS of the merge (--tau ...).
+SHELL := bash
+.DELETE_ON_ERROR:
+.SECONDARY:
+.DEFAULT_GOAL := $(OUT)
+THIS := $(abspath $(lastword $(MAKEFILE_LIST)))
+SCENE_JSON ?= $(error SCENE_JSON is not set)
+OUT ?= $(error OUT is not set)
+SHARDS ?= 8
+RASTER_FLAGS ?=
+VARIANCE_FLAGS ?=
+SBATCH ?=
+
+TOOL := $(shell . '$(dir $(THIS))common.sh'; bin=$$(find_bin); printf %s "$${bin:+$$bin/}ngs-variance")
+PARTS := $(shell printf '$(OUT).parts/%s-of-$(SHARDS).evidence ' $$(seq 0 $$(($(SHARDS) - 1))))
+AGAIN := make -f $(THIS) SCENE_JSON=$(SCENE_JSON) OUT=$(OUT) SHARDS=$(SHARDS) RASTER_FLAGS='$(RASTER_FLAGS)' VARIANCE_FLAGS='$(VARIANCE_FLAGS)'
+
+$(OUT): $(PARTS)
+	$(TOOL) merge $(PARTS) $(VARIANCE_FLAGS) -w -q -o $@ --report $@.json
+
+$(OUT).parts/%-of-$(SHARDS).evidence: $(SCENE_JSON)
+	@mkdir -p $(@D)
+	$(TOOL) $(SCENE_JSON) --views $*/$(SHARDS) $(RASTER_FLAGS) -w -q --partial $@ --report $@.json
+
+.PHONY: submit
+submit:
+	@mkdir -p $(OUT).parts; \
+	array=$$(sbatch --parsable --requeue $(SBATCH) --array=0-$$(($(SHARDS) - 1)) -J ngs-shard -o $(OUT).parts/%a.log \
+	  --wrap "$(AGAIN) $(OUT).parts/\$$SLURM_ARRAY_TASK_ID-of-$(SHARDS).evidence"); \
+	sbatch --parsable --requeue $(SBATCH) --dependency=afterok:$$array --kill-on-invalid-dep=yes --wait -J ngs-merge \
+	  -o $(OUT).parts/merge.log --wrap "$(AGAIN) $(OUT)"
