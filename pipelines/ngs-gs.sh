@@ -94,7 +94,7 @@ if [ -n "$dry_run" ]; then
 fi
 # Called twice at once on one OUT_DIR, the second waits and then finds nothing to do. The lock lasts as long as any
 # process of the run, so that what a killed run left is gone before another begins.
-mkdir -p .state && : > .state/run.lock || fail 8 "$out: cannot be written"
+{ mkdir -p .state && : > .state/run.lock; } || fail 8 "$out: cannot be written"
 exec 9> .state/run.lock
 flock -n 9 || { say "another run is at work in $out, waiting for it"; flock 9; }
 flock .state/stage.lock find . -name '.ngs-*.tmp*' -delete

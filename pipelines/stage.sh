@@ -54,7 +54,7 @@ fingerprint() {  # names, sizes and times of the files under the given paths
   for path in "$@"; do
     [ -n "$path" ] || continue
     printf '%s\n' "$path"
-    find -L "$path" -type f -printf '%p %s %T@\n' 2>/dev/null | LC_ALL=C sort
+    { find -L "$path" -type f -printf '%p %s %T@\n' 2>/dev/null || true; } | LC_ALL=C sort  # it may be absent
   done
 }
 
