@@ -60,8 +60,10 @@ FloaterOutcome handle_floaters(cli::Run& run, const MethodInput& input, bool dra
   const CoarseInput kept(input, 1), coarse(kept.get(), decision_shrink(input.scene));
   const FloaterFinding finding = find_floaters(run.exec(), run.monitor(), options, coarse.get());
   Json report = {{"removed", finding.count},
-                 {"reason", "the photos show the object behind them"},
-                 {"seen_through", options.seen_through}};
+                 {"reason", finding.count > 0 ? "the photos show the object behind them"
+                                              : "what lies before the object hides too little of it"},
+                 {"seen_through", options.seen_through},
+                 {"least_hidden", options.least_hidden}};
   for (const auto& [name, value] : finding.figures) report[name] = value;
   if (finding.count > 0) {
     RefitOptions refit;

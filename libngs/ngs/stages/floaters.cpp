@@ -146,9 +146,12 @@ class FloaterSearch {
     while (rounds < options_.rounds && !monitor.stop_requested()) {
       const auto timed = monitor.scope("floaters: search");
       ++rounds;
-      const std::int64_t found = round(finding.floater);
-      finding.count += found;
-      if (found == 0) break;
+      const std::vector<std::size_t> found = round();
+      if (rounds == 1) finding.figures["hidden"] = hidden_;
+      if (found.empty() || (rounds == 1 && hidden_ < options_.least_hidden)) break;
+      for (const std::size_t i : found)
+        finding.floater[i] = 1, candidate_[i] = 0, cloud_.logit_opacity[i] = kRemovedLogit;
+      finding.count += std::int64_t(found.size());
     }
     finding.figures["rounds"] = rounds, finding.figures["noise"] = noise_;
     return finding;
@@ -217,17 +220,21 @@ class FloaterSearch {
                        [&](const std::vector<float>& target) { return target[p] < 0.5f; });
   }
 
-  std::int64_t round(std::vector<std::uint8_t>& floater) {
+  /// Rows of the floaters of this round, and hidden_.
+  std::vector<std::size_t> round() {
     const auto n = std::size_t(cloud_.size());
     Evidence all(cloud_.size(), 3);
     for (const std::size_t v : views_)
       add_colour_evidence(exec_, input_, cloud_, camera(v), input_.load_photo(v), all);
     std::vector<double> front(n), through(n), reach(n);
+    double surface_px = 0;
     for (const std::size_t v : views_) {
       const ImageF photo = input_.load_photo(v);
       Evidence here(cloud_.size(), 3);
       add_colour_evidence(exec_, input_, cloud_, camera(v), photo, here);
       const Surface s = surface_of(exec_, options_, input_, cloud_, core_, camera(v), margin_);
+      surface_px +=
+          double(std::count_if(s.limit.data.begin(), s.limit.data.end(), [](float z) { return z > 0; }));
       const std::vector<float> elsewhere = colour_elsewhere(all, here);
       const FrontQuery query{s.limit, candidate_};
       const ImageF layer =
@@ -239,14 +246,15 @@ class FloaterSearch {
         if (sums.weight[i] > 0) reach[i] = std::max(reach[i], sums.front[i] / sums.weight[i]);
       }
     }
-    std::int64_t found = 0;
+    std::vector<std::size_t> found;
+    double hidden_px = 0;
     for (std::size_t i = 0; i < n; ++i) {
       if (!candidate_[i] || !(front[i] > 0) || reach[i] < options_.least_reach ||
           through[i] < options_.seen_through * front[i])
         continue;
-      floater[i] = 1, candidate_[i] = 0, cloud_.logit_opacity[i] = kRemovedLogit;
-      ++found;
+      found.push_back(i), hidden_px += through[i];
     }
+    hidden_ = surface_px > 0 ? hidden_px / surface_px : 0;
     return found;
   }
 
@@ -258,7 +266,7 @@ class FloaterSearch {
   std::vector<std::size_t> views_;
   std::vector<std::uint8_t> trained_;  // [views of the scene]
   std::vector<std::uint8_t> candidate_;
-  double margin_ = 0, noise_ = 0;
+  double margin_ = 0, noise_ = 0, hidden_ = 0;
 };
 
 }  // namespace

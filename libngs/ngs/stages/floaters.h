@@ -27,7 +27,9 @@ struct FloaterOptions {
   double seen_through = 0.5;   // of a candidate's weight before the surface
   double least_reach = 0.1;    // share of a candidate's weight before the surface, in its best view
   double noise_factor = 2;     // times the median difference of core and photo: what colours must differ by
-  int rounds = 4;              // what stands behind a floater shows in the next round
+  double least_hidden =
+      1e-3;        // of the surface's pixels that floaters hide, over all views; less is not worth a refit
+  int rounds = 4;  // what stands behind a floater shows in the next round
 };
 
 struct FloaterFinding {

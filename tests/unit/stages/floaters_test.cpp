@@ -113,6 +113,19 @@ TEST_CASE("a mask that says something else is seen outvotes the photo") {
   CHECK(find_floaters({}, monitor, {}, in).count < kAdded / 2);
 }
 
+TEST_CASE(
+    "floaters that hide less of the object than is asked for stay, and the report says how much they hide") {
+  FloaterCase c(false);
+  Monitor monitor;
+  const FloaterFinding all = c.find();
+  REQUIRE(all.count > 0);
+  const double hidden = all.figures.at("hidden");
+  CHECK(hidden > 1e-3);
+  CHECK(hidden < 1);
+  CHECK(find_floaters({}, monitor, {.least_hidden = 0.99 * hidden}, c.input()).count == all.count);
+  CHECK(find_floaters({}, monitor, {.least_hidden = 1.01 * hidden}, c.input()).count == 0);
+}
+
 TEST_CASE("a hand-fixed Gaussian is never a floater") {
   FloaterCase c(false);
   MethodInput in = c.input();
