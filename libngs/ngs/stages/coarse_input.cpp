@@ -1,44 +1,21 @@
 #include "ngs/stages/coarse_input.h"
 
-#include <algorithm>
+#include "ngs/scene/shrink.h"
 
 namespace ngs {
 namespace {
 
 constexpr std::size_t kKeptBytes = 512u << 20;
 
-int cells(int size_px, int shrink) { return (size_px + shrink - 1) / shrink; }
-
-/// Means over shrink x shrink pixels of an interleaved image; cells on the right and lower rim have fewer.
-ImageF box_means(const ImageF& fine, int shrink) {
-  ImageF mean(cells(fine.width_px, shrink), cells(fine.height_px, shrink), fine.channels);
-  for (int y = 0; y < mean.height_px; ++y)
-    for (int x = 0; x < mean.width_px; ++x) {
-      const int x1 = std::min((x + 1) * shrink, fine.width_px),
-                y1 = std::min((y + 1) * shrink, fine.height_px);
-      for (int c = 0; c < fine.channels; ++c) {
-        double sum = 0;
-        for (int v = y * shrink; v < y1; ++v)
-          for (int u = x * shrink; u < x1; ++u) sum += double(fine.at(u, v, c));
-        mean.at(x, y, c) = float(sum / ((x1 - x * shrink) * (y1 - y * shrink)));
-      }
-    }
-  return mean;
-}
-
 std::vector<float> plane_means(std::vector<float> plane, const ViewMasks& masks, int shrink) {
   ImageF fine;
   fine.width_px = masks.width_px, fine.height_px = masks.height_px, fine.channels = 1;
   fine.data = std::move(plane);
-  return box_means(fine, shrink).data;
+  return shrunk(fine, shrink).data;
 }
 
-Scene shrunk(Scene scene, int shrink) {
-  for (SceneView& view : scene.views) {
-    Camera& c = view.camera;  // a cell is exactly `shrink` pixels, even where the last one sticks out
-    c.fx /= shrink, c.fy /= shrink, c.cx /= shrink, c.cy /= shrink;
-    c.width_px = cells(c.width_px, shrink), c.height_px = cells(c.height_px, shrink);
-  }
+Scene with_shrunk_cameras(Scene scene, int shrink) {
+  for (SceneView& view : scene.views) view.camera = shrunk(view.camera, shrink);
   return scene;
 }
 
@@ -47,7 +24,7 @@ Scene shrunk(Scene scene, int shrink) {
 CoarseInput::CoarseInput(const MethodInput& fine, int shrink)
     : fine_(fine),
       shrink_(shrink),
-      scene_(shrunk(fine.scene, shrink)),
+      scene_(with_shrunk_cameras(fine.scene, shrink)),
       coarse_{.cloud = fine.cloud,
               .scene = scene_,
               .views = fine.views,
@@ -69,8 +46,7 @@ bool CoarseInput::keep(std::size_t floats) {
 ImageF CoarseInput::photo(std::size_t view) {
   const auto known = photos_.find(view);
   if (known != photos_.end()) return known->second;
-  ImageF image = fine_.load_photo(view);
-  if (shrink_ > 1) image = box_means(image, shrink_);
+  ImageF image = shrunk(fine_.load_photo(view), shrink_);
   if (keep(image.data.size())) photos_[view] = image;
   return image;
 }
@@ -86,7 +62,7 @@ ViewMasks CoarseInput::masks(std::size_t view) {
       m.known.assign(share.size(), 0);
       for (std::size_t i = 0; i < share.size(); ++i) m.known[i] = share[i] == 1.f;
     }
-    m.width_px = cells(m.width_px, shrink_), m.height_px = cells(m.height_px, shrink_);
+    m.width_px = shrunk_size_px(m.width_px, shrink_), m.height_px = shrunk_size_px(m.height_px, shrink_);
   }
   if (keep(m.target.size() * (m.target.empty() ? 0 : m.target[0].size()))) masks_[view] = m;
   return m;

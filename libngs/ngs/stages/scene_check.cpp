@@ -6,6 +6,7 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/error.h"
+#include "ngs/scene/shrink.h"
 #include "ngs/stages/mask_check.h"
 
 namespace ngs {
@@ -59,32 +60,10 @@ struct Shot {
   ImageF photo;
 };
 
-/// Mean over whole blocks of pixels; the last row and column of blocks may be smaller.
-ImageF reduced(const ImageF& image, int factor) {
-  if (factor <= 1) return image;
-  ImageF out((image.width_px + factor - 1) / factor, (image.height_px + factor - 1) / factor, image.channels);
-  for (int y = 0; y < out.height_px; ++y)
-    for (int x = 0; x < out.width_px; ++x) {
-      const int right = std::min((x + 1) * factor, image.width_px),
-                bottom = std::min((y + 1) * factor, image.height_px);
-      for (int c = 0; c < image.channels; ++c) {
-        double sum = 0;
-        for (int v = y * factor; v < bottom; ++v)
-          for (int u = x * factor; u < right; ++u) sum += double(image.at(u, v, c));
-        out.at(x, y, c) = float(sum / ((right - x * factor) * (bottom - y * factor)));
-      }
-    }
-  return out;
-}
-
-Shot take_shot(const Scene& scene, std::size_t view, int longest_px, ImageF photo) {
-  Camera camera = scene.views[view].camera;
+Shot take_shot(const Scene& scene, std::size_t view, int longest_px, const ImageF& photo) {
+  const Camera& camera = scene.views[view].camera;
   const int factor = (std::max(camera.width_px, camera.height_px) + longest_px - 1) / longest_px;
-  // blocks start at pixel 0 and may stick out at the far sides: the scale is exactly 1 / factor
-  camera.fx /= factor, camera.cx /= factor, camera.fy /= factor, camera.cy /= factor;
-  ImageF small = reduced(photo, factor);
-  camera.width_px = small.width_px, camera.height_px = small.height_px;
-  return {view, camera, std::move(small)};
+  return {view, shrunk(camera, factor), shrunk(photo, factor)};
 }
 
 std::vector<Shot> take_shots(Monitor& monitor, const SceneCheckOptions& options, const Scene& scene,
