@@ -9,7 +9,9 @@
 //
 // The walk has to earn its place: where the walked masks of the training views agree significantly less with
 // the views' own masks than the rendered ones did, the photos' edges are not the object's, and the model
-// stays as it was.
+// stays as it was. Unless the own masks' contours lie beside the edges: the photos show far less contrast
+// across them than across the walked ones. Then they are too inaccurate to judge (all of them too small,
+// say).
 #include "ngs/ops/edge_walk.h"
 #include "ngs/stages/joint_stage.h"
 
@@ -64,7 +66,8 @@ struct EdgeSetup {
 /// labelled, for
 /// --quality draft, or where the walk does not agree with the masks. Figures: edge_rounds (done),
 /// edge_gaussians (rows afterwards), edge_biou_rendered and edge_biou_walked: mean boundary IoU (0.005) with
-/// the training views' own masks before the first round. Not converged if it ran out of time.
+/// the training views' own masks before the first round; edge_contrast_given and edge_contrast_walked: mean
+/// colour difference of the photos across the contours. Not converged if it ran out of time.
 MethodResult follow_edges(const Exec& exec, Monitor& monitor, const EdgeSetup& setup, MethodResult start);
 
 }  // namespace ngs

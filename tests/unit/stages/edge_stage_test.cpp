@@ -136,6 +136,33 @@ TEST_CASE("edges: where the walk disagrees with the masks the model stays as it 
   CHECK(after.labels[0].label == before.labels[0].label);
 }
 
+TEST_CASE("edges: masks that are all too small do not outvote the photos") {
+  EdgeCase c;
+  c.base = test::joint_case();
+  for (std::size_t i = 0; i < c.base->is_ball.size(); ++i)  // what is rendered is as small as they are
+    if (c.base->is_ball[i] > 0)
+      for (std::size_t k = 0; k < 3; ++k) c.base->model.log_scale[i * 3 + k] -= 0.6f;
+  for (ViewMasks& masks : c.base->masks) {  // a pixel off all around
+    const std::vector<float> whole = masks.target[0];
+    const int w = masks.width_px;
+    for (int y = 1; y < masks.height_px - 1; ++y)
+      for (int x = 1; x < w - 1; ++x)
+        for (int dy = -1; dy <= 1; ++dy)
+          for (int dx = -1; dx <= 1; ++dx) {
+            float& here = masks.target[0][std::size_t(y * w + x)];
+            here = std::min(here, whole[std::size_t((y + dy) * w + x + dx)]);
+          }
+  }
+  const MethodInput in = c.input();
+  const MethodResult after = c.run(in);
+  CHECK(after.figures.at("edge_biou_walked") < after.figures.at("edge_biou_rendered"));
+  MESSAGE("agreement " << after.figures.at("edge_biou_rendered") << " -> " << after.figures.at("edge_biou_walked")
+                       << ", contrast " << after.figures.at("edge_contrast_given") << " of "
+                       << after.figures.at("edge_contrast_walked"));
+  CHECK(after.figures.at("edge_contrast_given") < 0.75 * after.figures.at("edge_contrast_walked"));
+  CHECK(after.figures.at("edge_rounds") == 2);
+}
+
 TEST_CASE("edges: no photo, no label and draft leave the result alone; a broken photo is an error") {
   EdgeCase c;
   MethodInput in = c.input();
