@@ -1,21 +1,70 @@
-# What accuracy costs in time: methods and qualities on one scene, compared on one page with a plot of both.
+# What accuracy costs in time: every knob swept to its end on one scene, drawn on one page, with the points as JSON and CSV.
 #
-#   make -f pipelines/work-precision.mk SCENE=scenes/bird ARGS='--masks scenes/bird/masks_sam --hold-out every:4:2'
-#   make -f pipelines/work-precision.mk SCENE=... OUT=out/wp POINTS='flash paper@draft paper@high' ARGS=...
+#   make -f pipelines/work-precision.mk SCENE=scenes/bird MASKS=scenes/bird/masks_sam GT=scenes/bird/masks_gt HOLD_OUT=every:4:2
+#   make -f pipelines/work-precision.mk SCENE=... POINTS='method@flash quality@standard steps@16' REPEATS=5
 #
-# POINTS are METHOD or METHOD@QUALITY, as ngs-joint knows them. ARGS, OUT and the rest are as in ablation.mk. Times are only
-# comparable where the runs had the machine to themselves: never call it with make -j.
+# A point is KNOB@VALUE; the knobs and what they mean are below. REPEATS times each, for min, median and max. What is done
+# once for a scene (import, evidence) is timed apart from what every object pays (ngs-joint). A point that fails stays on the
+# page with its exit code. OUT/points/KNOB@VALUE/REPEAT/ are the runs; delete one and call again to repeat it. Times are only
+# comparable where the machine had nothing else to do: never call it with make -j.
 SHELL := bash
 .DEFAULT_GOAL := all
+.NOTPARALLEL:
+.SECONDARY:
 HERE := $(dir $(lastword $(MAKEFILE_LIST)))
 SCENE ?= $(error SCENE is not set)
 OUT ?= out/work-precision
-ARGS ?=
-POINTS ?= flash sa3d cob bce paper@draft paper@standard
+MASKS ?= $(SCENE)/masks
+GT ?= $(SCENE)/masks_gt
+HOLD_OUT ?= every:4:2
+IMAGE_SCALE ?= 0
+REPEATS ?= 3
+# Visits of the points that sweep a part of the joint stage: the same for all of them.
+STEPS ?= 160
 
-VARIANTS := $(POINTS)
-include $(HERE)variants.mk
+POINTS ?= method@flash method@sa3d method@bce method@cob \
+  quality@draft quality@standard quality@high effects@auto effects@all-on \
+  steps@16 steps@48 steps@160 steps@640 \
+  neighbours@1 neighbours@2 neighbours@4 neighbours@8 neighbours@16 neighbours@32 \
+  views@4 views@2 views@1 image-scale@0.25 image-scale@0.5 image-scale@1 \
+  grid@16x16x4 grid@32x32x4 grid@32x32x8 grid@64x64x8 grid@96x96x8 \
+  hash-levels@1 hash-levels@4 hash-levels@8 hash-levels@12 \
+  hash-table@10 hash-table@15 hash-table@19 mlp@16 mlp@32 mlp@64 mlp@128
 
-quality = $(word 2,$(subst @, ,$(1)))
-variant-%:
-	$(call variant,$*,--method $(firstword $(subst @, ,$*)) $(if $(call quality,$*),--quality $(call quality,$*)))
+# The joint stage alone, as the paper has it: what its own knobs act on.
+joint := --effect joint=on --effect nerf=on --effect edges=off --effect floaters=off
+flags_method = --method $(1)
+flags_quality = --quality $(1)
+flags_effects = $(if $(filter all-on,$(1)),--effect all=on)
+flags_steps = $(joint) --steps $(1)
+flags_neighbours = $(joint) --steps $(STEPS) --neighbours $(1)
+# One view in VALUE has masks: every VALUE-th of those that may supervise.
+flags_views = $(joint) --steps $(STEPS)
+# Of the photos' size, scene and evidence too.
+flags_image-scale = $(joint) --steps $(STEPS)
+flags_grid = $(joint) --steps $(STEPS) $(join --rows= --cols= --depth-samples=,$(subst x, ,$(1)))
+flags_hash-levels = $(joint) --steps $(STEPS) --hash-levels $(1)
+flags_hash-table = $(joint) --steps $(STEPS) --hash-log2-table $(1)
+flags_mlp = $(joint) --steps $(STEPS) --mlp-hidden $(1)
+
+knob = $(firstword $(subst @, ,$(1)))
+setting = $(word 2,$(subst @, ,$(1)))
+runs := $(foreach repeat,$(shell seq $(REPEATS)),$(POINTS:%=%/$(repeat)))
+export SCENE OUT MASKS GT HOLD_OUT IMAGE_SCALE
+point := bash '$(HERE)work-point.sh'
+
+.PHONY: all
+all: $(OUT)/report.html
+
+# Points that need a scene of their own, and the one that the others share.
+once_of = $(if $(filter views image-scale,$(call knob,$(1))),$(1),scene)
+$(OUT)/once/%/boundary.ply:
+	@$(point) once '$*'
+define run_rule
+$(OUT)/points/$(1)/done: $(OUT)/once/$(call once_of,$(firstword $(subst /, ,$(1))))/boundary.ply
+	@$(point) run '$(1)' '$$<' $(call flags_$(call knob,$(firstword $(subst /, ,$(1)))),$(call setting,$(firstword $(subst /, ,$(1)))))
+endef
+$(foreach run,$(runs),$(eval $(call run_rule,$(run))))
+
+$(OUT)/report.html: $(runs:%=$(OUT)/points/%/done)
+	@$(point) page

@@ -121,15 +121,4 @@ void write_nerf(const std::string& path, const JointTrainer& trainer) {
   io::write_safetensors(path, file);
 }
 
-Json explain(const JointOptions& options) {
-  const JointEffects defaults, chosen = parse_effects(options.effect);
-  Json table = Json::array();
-  for (const EffectName& e : kEffects)
-    table.push_back({{"effect", e.name},
-                     {"what", e.help},
-                     {"default", defaults.*e.member ? "on" : "off"},
-                     {"chosen", chosen.*e.member ? "on" : "off"}});
-  return table;
-}
-
 }  // namespace ngs::joint

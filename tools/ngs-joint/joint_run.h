@@ -26,7 +26,8 @@ struct RunOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.method, Choice<Method>{"method", "what decides the labels", kMethodNames});
-    visit(self.time_budget, Text{"time_budget", "60s|5m", "end by then with what there is (exit 7)"});
+    visit(self.time_budget,
+          Text{"time_budget", "60s|5m", "the whole process ends by then, with what there is (exit 7)"});
     visit(self.target, Text{"target", "biou=0.9|iou=0.95",
                             "stop when the training views agree this well with their masks"});
     visit(self.background, Text{"background", "R,G,B", "colour behind the model, each in [0, 1]"});
@@ -39,7 +40,7 @@ struct RunOptions {
                      1 << 30});
     visit(self.objects, Text{"objects", "NAME", "only this object of the scene; repeat for more"});
     visit(self.resume, Flag{"resume", "go on from the checkpoint in --checkpoint, if there is one"});
-    visit(self.explain, Flag{"explain", "list the parts of the method and whether they are on; run nothing"});
+    visit(self.explain, Flag{"explain", "decide the effects for this scene, list them, run nothing else"});
   }
 };
 
@@ -75,8 +76,5 @@ class Checkpoint {
 };
 
 void write_nerf(const std::string& path, const JointTrainer& trainer);
-
-/// The table of --explain as a report value; also printed on stderr by the tool's info line.
-Json explain(const JointOptions& options);
 
 }  // namespace ngs::joint

@@ -1,40 +1,11 @@
 #include "optimise.h"
 
+#include "decide.h"
 #include "ngs/io/atomic_file.h"
+#include "watch.h"
 
 namespace ngs::joint {
-namespace {
-
-/// The lines of --trace. Time spent on scoring is kept out of `t` and stated apart.
-class Trace {
- public:
-  void add(const JointProgress& progress, const std::string& view, double seconds, const Agreement* agreement,
-           double scoring_s) {
-    const LossTerms& l = progress.loss;
-    Json line{{"t", seconds},
-              {"step", progress.step},
-              {"view", view},
-              {"loss",
-               {{"total", l.total},
-                {"photometric", l.photometric},
-                {"align", l.align},
-                {"mask", l.mask},
-                {"cont", l.cont},
-                {"smooth", l.smooth}}}};
-    if (agreement)
-      line["training_iou"] = agreement->iou, line["training_biou"] = agreement->biou,
-      line["scoring_s"] = scoring_s;
-    text_ += line.dump() + "\n";
-  }
-  const std::string& text() const { return text_; }
-
- private:
-  std::string text_;
-};
-
-}  // namespace
-
-std::string options_text(Settings& settings) {
+std::string options_text(Settings settings) {
   OptionSet set;
   set.add(settings.joint);
   set.add(settings.edge);
@@ -77,64 +48,72 @@ void write_result(cli::Run& run, const Source& source, const MethodResult& resul
   run.result()["converged"] = result.converged;
 }
 
-int optimise(cli::Run& run, Settings& settings, const Problem& problem, const Artifacts& artifacts) {
-  const double start = wall_seconds();
-  const std::optional<double> budget = parse_budget(settings.run.time_budget);
-  const std::optional<Target> target = parse_target(settings.run.target);
+namespace {
+
+/// The steps of Eq. 20. Returns the exit code of a signal, else 0.
+int run_steps(cli::Run& run, const RunOptions& options, const Checkpoint& checkpoint, Watch& watch,
+              JointTrainer& trainer) {
+  if (options.resume && checkpoint.given() && checkpoint.load(trainer))
+    run.info("resumed after step " + std::to_string(trainer.steps_done()));
+  bool ended = watch.target_met();
+  while (!trainer.finished() && !ended) {
+    const JointProgress progress = trainer.step();
+    run.monitor().progress(progress.step, progress.steps);
+    ended = watch.after_step("joint", progress, trainer);
+    const bool periodic = options.checkpoint_every > 0 && progress.step % options.checkpoint_every == 0;
+    if (checkpoint.given() && (periodic || run.monitor().stop_requested())) checkpoint.save(trainer);
+    if (run.monitor().stop_requested()) return run.stop_code();
+  }
+  return 0;
+}
+
+/// Follows the photos' edges in the rounds that the budget has room for.
+MethodResult run_edges(cli::Run& run, const Settings& settings, const Problem& problem, Watch& watch,
+                       MethodResult result) {
+  Settings planned = settings;
+  const std::size_t views =
+      planned.edge.views == EdgeViews::kAll ? problem.input.scene.views.size() : problem.input.views.size();
+  const Budget::Rounds plan = problem.budget.plan_edges(planned.edge, planned.joint.quality, views);
+  if (plan.cut) problem.budget.note_cut();
+  if (plan.rounds == 0 || plan.visits == 0) return result;
+  planned.edge.rounds = plan.rounds, planned.edge.visits = plan.visits;
+  return follow_edges(run.exec(), run.monitor(),
+                      {planned.edge, planned.joint, planned.sample, planned.rbf, problem.input,
+                       [&](const JointProgress& progress, const JointTrainer& trainer) {
+                         return watch.after_step("edges", progress, trainer);
+                       }},
+                      std::move(result));
+}
+
+}  // namespace
+
+int optimise(cli::Run& run, Decisions& decisions, const Problem& problem, const Artifacts& artifacts) {
+  Settings settings = decisions.settled();
+  if (decisions.on("joint") && settings.joint.steps == 0)
+    settings.joint.steps =
+        problem.budget.steps_that_fit(settings.joint, problem.input.views.size(), decisions.on("edges"));
   JointTrainer trainer(run.exec(), run.monitor(),
                        {settings.joint, settings.sample, settings.rbf, problem.input, problem.field},
                        run.allow_empty());
-  if (settings.run.resume && problem.checkpoint.given() && problem.checkpoint.load(trainer))
-    run.info("resumed after step " + std::to_string(trainer.steps_done()));
-  const bool scored = target.has_value() || !artifacts.trace.empty();
-  const std::int64_t every =
-      settings.run.trace_every > 0 ? settings.run.trace_every : std::int64_t(problem.input.views.size());
-  Trace trace;
-  double scoring_s = 0, step_s = 0;
-  bool target_met = false;
-  JointProgress progress;
-  while (!trainer.finished() && !target_met) {
-    // A step is not begun that the budget has no time for, judged by the longest so far; writing takes its
-    // share too.
-    if (budget && wall_seconds() - start + 1.5 * step_s > *budget) break;
-    const double before = wall_seconds();
-    progress = trainer.step();
-    step_s = std::max(step_s, wall_seconds() - before);
-    run.monitor().progress(progress.step, progress.steps);
-    Agreement agreement;
-    const bool score_now = scored && progress.step % every == 0;
-    if (score_now) {
-      const double scoring_start = wall_seconds();
-      agreement = training_agreement(run.exec(), problem.input, trainer.result());
-      scoring_s += wall_seconds() - scoring_start;
-      target_met = target && (target->boundary ? agreement.biou : agreement.iou) >= target->value;
-    }
-    if (!artifacts.trace.empty())
-      trace.add(progress, problem.input.scene.views[progress.view].camera.name,
-                wall_seconds() - start - scoring_s, score_now ? &agreement : nullptr, scoring_s);
-    const bool periodic =
-        settings.run.checkpoint_every > 0 && progress.step % settings.run.checkpoint_every == 0;
-    if (problem.checkpoint.given() && (periodic || run.monitor().stop_requested()))
-      problem.checkpoint.save(trainer);
-    if (run.monitor().stop_requested()) return run.stop_code();
-  }
+  Watch watch(run.exec(), settings.run, problem.input, problem.budget, !artifacts.trace.empty());
+  watch.begin(trainer);
+  if (decisions.on("joint"))
+    if (const int stopped = run_steps(run, settings.run, problem.checkpoint, watch, trainer)) return stopped;
   MethodResult result = trainer.result();
-  result.converged |= target_met;
-  if (result.converged && !target_met && parse_effects(settings.joint.effect).edges) {
-    const auto late = [&] { return budget && wall_seconds() - start + 1.5 * step_s > *budget; };
-    result = follow_edges(run.exec(), run.monitor(),
-                          {settings.edge, settings.joint, settings.sample, settings.rbf, problem.input, late},
-                          std::move(result));
+  result.converged = !watch.late();
+  if (decisions.on("edges") && !watch.target_met() && result.converged) {
+    result = run_edges(run, settings, problem, watch, std::move(result));
     if (run.monitor().stop_requested()) return run.stop_code();
   }
-  const LossTerms& l = progress.loss;
+  result.converged = watch.target_met() || (!watch.late() && !problem.budget.cut());
+  decisions.settle_second_round(run, result.figures);
+  const LossTerms& l = watch.last_loss();
   run.result()["last_loss"] = {{"total", l.total}, {"photometric", l.photometric},
                                {"align", l.align}, {"mask", l.mask},
                                {"cont", l.cont},   {"smooth", l.smooth}};
-  run.result()["effects"] = explain(settings.joint);
   write_result(run, problem.source, result, artifacts.labelled);
   if (!artifacts.nerf.empty()) write_nerf(artifacts.nerf, trainer);
-  if (!artifacts.trace.empty()) io::write_file(artifacts.trace, trace.text());
+  if (!artifacts.trace.empty()) io::write_file(artifacts.trace, watch.trace());
   return result.converged ? cli::kDone : cli::kBudgetHit;
 }
 

@@ -18,7 +18,7 @@ struct Settings {
 };
 
 /// The options that change the result, as one line of JSON.
-std::string options_text(Settings& settings);
+std::string options_text(Settings settings);
 
 /// The model's label columns, one per object of the scene; kBadInput where they are missing.
 std::vector<LabelColumns> labels_of(const io::GaussianPly& ply, const Scene& scene);
@@ -33,17 +33,21 @@ struct Source {
 /// The labelled PLY and the figures of a finished method.
 void write_result(cli::Run& run, const Source& source, const MethodResult& result, const std::string& path);
 
+class Budget;
+class Decisions;
+
 struct Problem {
   const MethodInput& input;
   const QueryField* field;
   Source source;
   Checkpoint checkpoint;
+  Budget& budget;
 };
 struct Artifacts {
   std::string labelled, nerf, trace;  // empty: not wanted
 };
 
 /// Steps until the end, the budget, the target or a signal. Returns the exit code.
-int optimise(cli::Run& run, Settings& settings, const Problem& problem, const Artifacts& artifacts);
+int optimise(cli::Run& run, Decisions& decisions, const Problem& problem, const Artifacts& artifacts);
 
 }  // namespace ngs::joint

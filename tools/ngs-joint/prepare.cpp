@@ -8,24 +8,13 @@ namespace {
 
 constexpr int kDraftVisits = 3;
 
-/// Whether a mask or a Gaussian is wrong shows at half the size, where that still is a picture.
+}  // namespace
+
 int decision_shrink(const Scene& scene) {
   int longest_px = 0;
   for (const SceneView& view : scene.views)
     longest_px = std::max({longest_px, view.camera.width_px, view.camera.height_px});
   return longest_px >= 512 ? 2 : 1;
-}
-
-}  // namespace
-
-bool wanted(const Settings& settings, bool JointEffects::*effect) {
-  const bool chosen = parse_effects(settings.joint.effect).*effect;
-  if (settings.run.method == Method::kPaper) return chosen;
-  bool asked = false;
-  for (const EffectName& e : kEffects)
-    for (const std::string& entry : settings.joint.effect)
-      if (e.member == effect && entry.starts_with(std::string(e.name) + "=")) asked = entry.ends_with("=on");
-  return asked;
 }
 
 ViewTrust handle_trust(cli::Run& run, const MethodInput& input) {

@@ -18,9 +18,8 @@ struct FloaterOutcome {
   bool removed() const { return !floater.empty(); }
 };
 
-/// --effect floaters and view-trust: auto is on for the paper's method and off for those beside it, which are
-/// what their papers say.
-bool wanted(const Settings& settings, bool JointEffects::*effect);
+/// Whether a mask or a Gaussian is wrong shows at half the size, where that still is a picture.
+int decision_shrink(const Scene& scene);
 
 /// Judges the masks, warns, and notes the figures in the report.
 ViewTrust handle_trust(cli::Run& run, const MethodInput& input);

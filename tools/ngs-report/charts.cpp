@@ -35,16 +35,42 @@ std::string text_svg(double x, double y, const char* anchor, const std::string& 
 
 struct Frame {
   Axis x, y;
-  double px(double value) const { return kLeft + x.share(value) * (kWidth - kLeft - kRight); }
+  bool log_x = false;
+  double across(double value) const { return log_x ? std::log10(value) : value; }
+  double px(double value) const { return kLeft + x.share(across(value)) * (kWidth - kLeft - kRight); }
   double py(double value) const { return kHeight - kBottom - y.share(value) * (kHeight - kTop - kBottom); }
 };
 
+/// 1, 2 and 5 of every power on a logarithmic axis.
+std::vector<double> ticks_of(const Frame& frame) {
+  std::vector<double> ticks;
+  if (!frame.log_x)
+    for (int i = 0; frame.x.low + i * frame.x.step <= frame.x.high + frame.x.step / 2; ++i)
+      ticks.push_back(frame.x.low + i * frame.x.step);
+  for (double power = std::floor(frame.x.low); frame.log_x && power <= frame.x.high; ++power)
+    for (const double digit : {1.0, 2.0, 5.0})
+      if (const double at = power + std::log10(digit); at >= frame.x.low - 1e-9 && at <= frame.x.high + 1e-9)
+        ticks.push_back(digit * std::pow(10, power));
+  return ticks;
+}
+
+std::string whiskers_svg(const PlotPoint& p, const Frame& frame) {
+  const auto line = [](double x1, double y1, double x2, double y2) {
+    return "<path class=whisker d=\"M" + decimal(x1, 1) + " " + decimal(y1, 1) + "L" + decimal(x2, 1) + " " +
+           decimal(y2, 1) + "\" />";
+  };
+  std::string svg;
+  if (p.x_low < p.x_high) svg += line(frame.px(p.x_low), frame.py(p.y), frame.px(p.x_high), frame.py(p.y));
+  if (p.y_low < p.y_high) svg += line(frame.px(p.x), frame.py(p.y_low), frame.px(p.x), frame.py(p.y_high));
+  return svg;
+}
+
 std::string axes_svg(const Plot& plot, const Frame& frame) {
   std::string svg;
-  for (int i = 0; frame.x.low + i * frame.x.step <= frame.x.high + frame.x.step / 2; ++i) {
-    const double value = frame.x.low + i * frame.x.step;
-    svg += text_svg(frame.px(value), kHeight - kBottom + 18, "middle", decimal(value, frame.x.decimals()));
-  }
+  for (const double value : ticks_of(frame))
+    svg += text_svg(frame.px(value), kHeight - kBottom + 18, "middle",
+                    frame.log_x ? decimal(value, std::clamp(int(-std::floor(std::log10(value) + 1e-9)), 0, 6))
+                                : decimal(value, frame.x.decimals()));
   for (int i = 0; frame.y.low + i * frame.y.step <= frame.y.high + frame.y.step / 2; ++i) {
     const double value = frame.y.low + i * frame.y.step, y = frame.py(value);
     svg += "<line class=grid x1=" + decimal(kLeft, 0) + " x2=" + decimal(kWidth - kRight, 0) +
@@ -63,7 +89,7 @@ std::string series_svg(const PlotSeries& series, const Frame& frame, std::size_t
     const double x = frame.px(p.x), y = frame.py(p.y);
     points += decimal(x, 1) + "," + decimal(y, 1) + " ";
     if (series.line) continue;
-    labels += "<circle r=5 cx=" + decimal(x, 1) + " cy=" + decimal(y, 1) + " />";
+    labels += whiskers_svg(p, frame) + "<circle r=5 cx=" + decimal(x, 1) + " cy=" + decimal(y, 1) + " />";
     const bool left_half = x < kWidth / 2;
     labels += text_svg(x + (left_half ? 9 : -9), y + 4, left_half ? "start" : "end", p.label);
   }
@@ -88,15 +114,24 @@ std::string bar_svg(double value, double largest) {
 
 std::string plot_svg(const Plot& plot) {
   Frame frame;
+  frame.log_x = plot.log_x;
   std::vector<PlotSeries> shown;
   for (PlotSeries series : plot.series) {
-    std::erase_if(series.points,
-                  [](const PlotPoint& p) { return !std::isfinite(p.x) || !std::isfinite(p.y); });
-    for (const PlotPoint& p : series.points) frame.x.include(p.x), frame.y.include(p.y);
+    std::erase_if(series.points, [&](const PlotPoint& p) {
+      return !std::isfinite(p.x) || !std::isfinite(p.y) || (plot.log_x && !(p.x > 0));
+    });
+    for (const PlotPoint& p : series.points) {
+      frame.x.include(frame.across(p.x)), frame.y.include(p.y);
+      if (p.x_low < p.x_high) frame.x.include(frame.across(p.x_low)), frame.x.include(frame.across(p.x_high));
+      if (p.y_low < p.y_high) frame.y.include(p.y_low), frame.y.include(p.y_high);
+    }
     if (!series.points.empty()) shown.push_back(std::move(series));
   }
   if (shown.empty()) return {};
-  frame.x.settle();
+  if (plot.log_x)
+    frame.x.low -= 0.05, frame.x.high += 0.05;
+  else
+    frame.x.settle();
   frame.y.settle();
   std::string svg = "<svg class=plot role=img aria-label=\"" + escaped(plot.title) + "\" viewBox=\"0 0 " +
                     decimal(kWidth, 0) + " " + decimal(kHeight, 0) + "\"><title>" + escaped(plot.title) +

@@ -1,5 +1,6 @@
 #pragma once
 // Inline SVG without scripts. Colours come from the page's CSS classes.
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,8 @@ std::string bar_svg(double value, double largest);
 struct PlotPoint {
   double x = 0, y = 0;
   std::string label;  // written beside the point if not empty
+  // Whiskers of a dot; none where not given.
+  double x_low = NAN, x_high = NAN, y_low = NAN, y_high = NAN;
 };
 
 struct PlotSeries {
@@ -22,9 +25,10 @@ struct PlotSeries {
 struct Plot {
   std::string title, x_label, y_label;  // title is the text alternative too
   std::vector<PlotSeries> series;
+  bool log_x = false;  // points at x <= 0 are left out
 };
 
-/// Linear axes with round ticks; points that are not finite are left out. Empty if nothing is left.
+/// Axes with round ticks; points that are not finite are left out. Empty if nothing is left.
 std::string plot_svg(const Plot& plot);
 
 }  // namespace ngs::cli

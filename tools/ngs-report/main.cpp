@@ -1,8 +1,9 @@
-// ngs-report: the folders of runs -> one self-contained HTML page.
+// ngs-report: the folders of runs, or of a sweep -> one self-contained HTML page.
 #include "html.h"
 #include "ngs/io/atomic_file.h"
 #include "page.h"
 #include "shared/tool.h"
+#include "work_precision.h"
 
 namespace {
 
@@ -21,9 +22,7 @@ struct ReportOptions : ngs::cli::PictureOptions {
   }
 };
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int runs_command(int argc, char** argv) {
   using namespace ngs;
   cli::Tool tool("ngs-report",
                  "Show runs on one self-contained page: scores, contours, decisions, times, inputs.",
@@ -32,8 +31,8 @@ int main(int argc, char** argv) {
   tool.options(options);
   const cli::Inputs& folders = tool.inputs("runs", "output folders of pipelines/ngs-gs.sh");
   const cli::Output& out = tool.output("-o,--output", "HTML page");
-  const cli::Output& atlas =
-      tool.optional_output_dir("--atlas", "pictures of the wrong pixels by cause, one PNG per scored view of a single run");
+  const cli::Output& atlas = tool.optional_output_dir(
+      "--atlas", "pictures of the wrong pixels by cause, one PNG per scored view of a single run");
   return tool.run(argc, argv, [&](cli::Run& run) {
     std::vector<cli::RunFolder> runs;
     for (const std::string& path : folders.paths) runs.push_back(cli::read_run_folder(path));
@@ -53,4 +52,13 @@ int main(int argc, char** argv) {
     run.text(cli::means_table(runs));
     return 0;
   });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return ngs::cli::dispatch(
+      argc, argv,
+      {{"", runs_command, "the folders of runs"},
+       {"work-precision", ngs::cli::work_precision_command, "a sweep of pipelines/work-precision.mk"}});
 }

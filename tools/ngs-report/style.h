@@ -72,6 +72,8 @@ svg.plot circle{fill:var(--bar)}
 svg.plot .series1 polyline{stroke:var(--accent)}
 svg.plot .series1 circle{fill:var(--accent)}
 svg.plot .series2 polyline{stroke:var(--soft)}
+svg.plot .series2 circle{fill:var(--soft);fill-opacity:.55}
+svg.plot .whisker{stroke:var(--soft);stroke-width:1.5}
 svg.plot g text{fill:var(--ink)}
 @media print{details{display:block}.legend input{display:none}}
 )css";

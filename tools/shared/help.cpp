@@ -106,6 +106,7 @@ std::string help_text(const Spec& spec) {
 
   if (!spec.options.entries().empty()) text += "\noptions [default; range]:\n";
   for (const OptionEntry& entry : spec.options.entries()) text += option_row(entry);
+  for (const std::string& paragraph : spec.help_texts) text += "\n" + paragraph;
   return text + "\n" + kCommonHelp + "\n" + kExitCodeHelp;
 }
 

@@ -24,6 +24,7 @@ struct Spec {
   std::deque<Output> outputs;
   std::vector<std::string*> positionals;      // paths and words in the order of declaration
   std::vector<std::string> positional_names;  // of the same
+  std::vector<std::string> help_texts;
   bool stops_on_request = false;
 };
 

@@ -104,6 +104,7 @@ const Output& Tool::output_dir(std::string flags, std::string help) {
 const Output& Tool::optional_output_dir(std::string flags, std::string help) {
   return impl_->add_output(std::move(flags), std::move(help), false, true);
 }
+void Tool::help(std::string text) { impl_->spec.help_texts.push_back(std::move(text)); }
 void Tool::stops_on_request() { impl_->spec.stops_on_request = true; }
 
 namespace {

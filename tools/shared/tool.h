@@ -106,6 +106,8 @@ class Tool {
   const Output& optional_output(std::string flags, std::string help);
   const Output& output_dir(std::string flags, std::string help);
   const Output& optional_output_dir(std::string flags, std::string help);
+  /// A paragraph of --help behind the options.
+  void help(std::string text);
   /// The body polls monitor().stop_requested(). Otherwise a signal ends the tool at once, without output.
   void stops_on_request();
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ngs/backend/try_each.h"
+#include "ngs/ops/metrics.h"
 #include "ngs/stages/render_stage.h"
 
 namespace ngs {
@@ -30,19 +32,6 @@ std::vector<float> reduce(const std::vector<float>& fine, int fw, int fh, int w,
         fh, h, [&](int y) { return double(rows[std::size_t(y) * std::size_t(w) + std::size_t(x)]); },
         [&](int y, float v) { out[std::size_t(y) * std::size_t(w) + std::size_t(x)] = v; });
   return out;
-}
-
-/// The pixels where any target exceeds 0, and a margin; empty where there are none.
-PixelWindow window_of(const std::vector<std::vector<float>>& targets, int w, int h, int margin) {
-  int x0 = w, x1 = -1, y0 = h, y1 = -1;
-  for (const std::vector<float>& target : targets)
-    for (int y = 0; y < h; ++y)
-      for (int x = 0; x < w; ++x)
-        if (target[std::size_t(y) * std::size_t(w) + std::size_t(x)] > 0.f)
-          x0 = std::min(x0, x), x1 = std::max(x1, x), y0 = std::min(y0, y), y1 = std::max(y1, y);
-  if (x1 < 0) return {};
-  x0 = std::max(0, x0 - margin), y0 = std::max(0, y0 - margin);
-  return {x0, y0, std::min(w, x1 + 1 + margin) - x0, std::min(h, y1 + 1 + margin) - y0};
 }
 
 /// Agreement of a mask at the camera's size with the view's own, over the pixels that are known.
@@ -95,10 +84,7 @@ double contrast_of(const std::vector<std::uint8_t>& mask, const ImageF& photo) {
   return count > 0 ? sum / count : 0;
 }
 
-}  // namespace
-
-WalkedView walk_view(const EdgeSetup& setup, const GaussianCloud& cloud,
-                     const std::vector<LabelColumns>& labels, std::size_t v, bool compare) {
+WalkedView walk_view(const WalkSetup& setup, const LabelledModel& model, std::size_t v, bool compare) {
   const Exec serial;
   const MethodInput& input = setup.input;
   const Camera& camera = input.scene.views[v].camera;
@@ -106,17 +92,17 @@ WalkedView walk_view(const EdgeSetup& setup, const GaussianCloud& cloud,
   if (photo.empty()) return {};
   const int fw = photo.width_px, fh = photo.height_px, w = camera.width_px, h = camera.height_px;
   const RenderedView rendered =
-      render_labelled(serial, cloud, labels, resized(camera, fw, fh),
+      render_labelled(serial, model.cloud, model.labels, resized(camera, fw, fh),
                       filter_at_scale(input.splat, double(fw) / w), input.background, false);
   const ViewMasks own = compare ? input.load_masks(v) : ViewMasks{};
-  const std::size_t objects = labels.size();
+  const std::size_t objects = model.labels.size();
   WalkedView out;
   out.compared = own.available;
   std::vector<std::vector<float>> targets(objects);
   for (std::size_t k = 0; k < objects; ++k) {
     std::vector<std::uint8_t> mask(std::size_t(photo.pixels()));
     for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = rendered.label.data[p * objects + k] > 0.5f;
-    std::vector<float> walked = walk_to_edges(setup.edge.walk, {mask.data(), fw, fh}, photo);
+    std::vector<float> walked = walk_to_edges(setup.walk, {mask.data(), fw, fh}, photo);
     for (float& x : walked) x = x > 0.5f ? 1.f : 0.f;
     targets[k] = reduce(walked, fw, fh, w, h);
     if (!out.compared) continue;
@@ -126,11 +112,56 @@ WalkedView walk_view(const EdgeSetup& setup, const GaussianCloud& cloud,
         agreement(reduce({mask.begin(), mask.end()}, fw, fh, w, h), own, k) / double(objects);
     out.walked_biou += agreement(targets[k], own, k) / double(objects);
   }
-  out.window = window_of(targets, w, h, int(std::lround(setup.edge.margin_px)));
+  out.window = window_of(targets, w, h, int(std::lround(setup.margin_px)));
   out.masks.width_px = out.window.w, out.masks.height_px = out.window.h;
   out.masks.available = out.window.w > 0;
   for (const auto& target : targets) out.masks.target.push_back(cropped(target, w, 1, out.window));
   return out;
+}
+
+}  // namespace
+
+PixelWindow window_of(const std::vector<std::vector<float>>& targets, int w, int h, int margin) {
+  int x0 = w, x1 = -1, y0 = h, y1 = -1;
+  for (const std::vector<float>& target : targets)
+    for (int y = 0; y < h; ++y)
+      for (int x = 0; x < w; ++x)
+        if (target[std::size_t(y) * std::size_t(w) + std::size_t(x)] > 0.f)
+          x0 = std::min(x0, x), x1 = std::max(x1, x), y0 = std::min(y0, y), y1 = std::max(y1, y);
+  if (x1 < 0) return {};
+  x0 = std::max(0, x0 - margin), y0 = std::max(0, y0 - margin);
+  return {x0, y0, std::min(w, x1 + 1 + margin) - x0, std::min(h, y1 + 1 + margin) - y0};
+}
+
+Camera window_camera(Camera camera, const PixelWindow& win) {
+  camera.cx -= win.x0, camera.cy -= win.y0;
+  camera.width_px = win.w, camera.height_px = win.h;
+  return camera;
+}
+
+std::vector<WalkedView> walk_views(const Exec& exec, const WalkSetup& setup, const LabelledModel& model,
+                                   const std::vector<std::size_t>& views,
+                                   const std::vector<std::size_t>& compared) {
+  std::vector<WalkedView> walked(setup.input.scene.views.size());
+  try_each_task(exec, std::int64_t(views.size()), [&](std::int64_t i) {
+    const std::size_t v = views[std::size_t(i)];
+    walked[v] = walk_view(setup, model, v, std::find(compared.begin(), compared.end(), v) != compared.end());
+  });
+  return walked;
+}
+
+std::vector<double> walk_gains(const std::vector<WalkedView>& walked) {
+  std::vector<double> gains;
+  for (const WalkedView& view : walked)
+    if (view.compared) gains.push_back(view.walked_biou - view.rendered_biou);
+  return gains;
+}
+
+std::vector<std::size_t> spread_views(const std::vector<std::size_t>& views, std::size_t most) {
+  std::vector<std::size_t> some;
+  const std::size_t count = std::min(most, views.size());
+  for (std::size_t i = 0; i < count; ++i) some.push_back(views[i * views.size() / count]);
+  return some;
 }
 
 }  // namespace ngs

@@ -1,6 +1,7 @@
 #pragma once
-// The masks that a round of edge_stage.h trains on: the labels as rendered, walked to the photo's edges.
-#include "ngs/stages/edge_stage.h"
+// Masks of a labelled model walked to the edges of the photos, view by view.             PAPER.md §5.10
+#include "ngs/ops/edge_walk.h"
+#include "ngs/stages/method.h"
 
 namespace ngs {
 
@@ -18,12 +19,31 @@ struct WalkedView {
   double own_contrast = 0, walked_contrast = 0;  // of the photo across the contours
 };
 
-/// Photos are read at up to twice the camera's size. `compare`: fill the figures that the view's own masks
-/// give; for views that supervise only. Without a photo or a labelled pixel masks are not available. Serial.
-WalkedView walk_view(const EdgeSetup& setup, const GaussianCloud& cloud,
-                     const std::vector<LabelColumns>& labels, std::size_t v, bool compare);
+struct WalkSetup {
+  const EdgeWalkOptions& walk;
+  double margin_px;  // of the windows
+  const MethodInput& input;
+};
 
-/// The window of a plane with interleaved channels.
+struct LabelledModel {
+  const GaussianCloud& cloud;
+  const std::vector<LabelColumns>& labels;
+};
+
+/// Photos are read at up to twice the camera's size. [scene views] the given views walked, the others empty,
+/// as is a view without a photo. The masks of the views in `compared` are loaded and compared with; no other
+/// mask is read.
+std::vector<WalkedView> walk_views(const Exec& exec, const WalkSetup& setup, const LabelledModel& model,
+                                   const std::vector<std::size_t>& views,
+                                   const std::vector<std::size_t>& compared);
+
+/// walked_biou - rendered_biou of the views that were compared.
+std::vector<double> walk_gains(const std::vector<WalkedView>& walked);
+
+/// At most `most` of the views, evenly spread: enough for a decision.
+std::vector<std::size_t> spread_views(const std::vector<std::size_t>& views, std::size_t most);
+
+/// The window of a plane of `channels` interleaved channels.
 template <class T>
 std::vector<T> cropped(const std::vector<T>& plane, int width_px, int channels, const PixelWindow& win) {
   std::vector<T> out;
@@ -34,5 +54,10 @@ std::vector<T> cropped(const std::vector<T>& plane, int width_px, int channels, 
   }
   return out;
 }
+
+Camera window_camera(Camera camera, const PixelWindow& win);
+
+/// The pixels where any target exceeds 0, and a margin; empty where there are none.
+PixelWindow window_of(const std::vector<std::vector<float>>& targets, int w, int h, int margin);
 
 }  // namespace ngs

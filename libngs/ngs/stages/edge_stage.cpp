@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numeric>
 
-#include "ngs/backend/try_each.h"
 #include "ngs/ops/evidence.h"
 #include "ngs/stages/edge_masks.h"
 #include "ngs/stages/edge_split.h"
+#include "ngs/stages/effect_detectors.h"
 #include "ngs/stages/variance_stage.h"
 
 namespace ngs {
@@ -29,20 +29,6 @@ constexpr double kLeastInside = 0.99, kLeastStraddling_px = 0.5, kLeastObject = 
 // Given masks whose contours have less than this of the walked ones' contrast do not lie on edges. On the
 // synthetic recipes masks that are exact have 0.89 to 1.03, those wrong by 2 px 0.36 to 0.66.
 constexpr double kOffEdges = 0.75;
-
-int visits_of(const EdgeOptions& edge, Quality quality) {
-  if (edge.visits > 0) return edge.visits;
-  return quality == Quality::kReference  ? 100
-         : quality == Quality::kHigh     ? 40
-         : quality == Quality::kStandard ? 15
-                                         : 0;
-}
-
-Camera window_camera(Camera camera, const PixelWindow& win) {
-  camera.cx -= win.x0, camera.cy -= win.y0;
-  camera.width_px = win.w, camera.height_px = win.h;
-  return camera;
-}
 
 /// The model on its way through the rounds.
 struct Model {
@@ -94,6 +80,7 @@ std::vector<std::uint8_t> unconcerned(const Exec& exec, const EdgeSetup& setup, 
 /// Halves what lies across a contour. Halves take the closed form of their own evidence, the others keep
 /// theirs.
 void split_model(const Exec& exec, const EdgeSetup& setup, const MethodInput& window, Model& model) {
+  if (!parse_effects(setup.joint.effect).split) return;
   std::vector<double> straddling = straddling_px(exec, window, model.cloud);
   const std::vector<std::uint8_t> outside = shows_outside(exec, setup, window, model.cloud);
   for (std::size_t i = 0; i < straddling.size(); ++i)
@@ -122,7 +109,7 @@ void split_model(const Exec& exec, const EdgeSetup& setup, const MethodInput& wi
 
 JointOptions window_options(const EdgeSetup& setup, std::size_t views) {
   JointOptions joint = setup.joint;
-  joint.steps = std::int64_t(visits_of(setup.edge, setup.joint.quality)) * std::int64_t(views);
+  joint.steps = std::int64_t(edge_visits(setup.edge, setup.joint.quality)) * std::int64_t(views);
   joint.rate_scale = setup.edge.rate, joint.rate_literal = false;
   joint.effect.push_back("nerf=off");  // its rays are those of the whole image
   joint.effect.push_back("cont=off");
@@ -152,13 +139,8 @@ class EdgeRun {
   /// walk disagrees with the given masks.
   bool walk(bool first) {
     const auto timed = monitor_.scope("walk");
-    const auto& train = setup_.input.views;
-    walked_.assign(setup_.input.scene.views.size(), {});
-    try_each_task(exec_, std::int64_t(views_.size()), [&](std::int64_t i) {
-      const std::size_t v = views_[std::size_t(i)];
-      const bool compare = first && std::find(train.begin(), train.end(), v) != train.end();
-      walked_[v] = walk_view(setup_, model_.cloud, model_.labels, v, compare);
-    });
+    walked_ = walk_views(exec_, walk_setup(), {model_.cloud, model_.labels}, views_,
+                         first ? setup_.input.views : std::vector<std::size_t>{});
     views_.erase(std::remove_if(views_.begin(), views_.end(),
                                 [&](std::size_t v) { return !walked_[v].masks.available; }),
                  views_.end());
@@ -187,10 +169,11 @@ class EdgeRun {
     const std::vector<std::uint8_t> frozen = unconcerned(exec_, setup_, window, model_);
     JointTrainer trainer(exec_, monitor_,
                          {joint, setup_.sample, setup_.rbf, window, nullptr, kEdgeRates, frozen}, true);
-    while (!trainer.finished() && !monitor_.stop_requested() &&
-           !(setup_.out_of_time && setup_.out_of_time())) {
+    bool ended = false;
+    while (!trainer.finished() && !ended && !monitor_.stop_requested()) {
       const JointProgress progress = trainer.step();
       monitor_.progress(progress.step, progress.steps);
+      ended = setup_.stop_after && setup_.stop_after(progress, trainer);
     }
     MethodResult trained = trainer.result();
     model_.cloud = std::move(trained.cloud), model_.labels = std::move(trained.labels);
@@ -198,7 +181,18 @@ class EdgeRun {
     return trainer.finished();
   }
 
+  /// Whether walking the contours of the model as it is now would still bring them nearer to the given masks.
+  bool gains_from_another_round() {
+    if (masks_beside_edges()) return true;  // they cannot tell
+    const auto timed = monitor_.scope("walk");
+    const std::vector<std::size_t> some = spread_views(setup_.input.views, kDecisionViews);
+    again_gain_ = gain_in_errors(
+        walk_gains(walk_views(exec_, walk_setup(), {model_.cloud, model_.labels}, some, some)));
+    return *again_gain_ > kSignificant;
+  }
+
   void finish(MethodResult& result) && {
+    if (again_gain_) result.figures["edge_again_gain"] = *again_gain_;
     result.figures["edge_rounds"] = double(rounds_);
     result.figures["edge_biou_rendered"] = rendered_, result.figures["edge_biou_walked"] = walked_biou_;
     result.figures["edge_contrast_given"] = own_contrast_;
@@ -210,23 +204,22 @@ class EdgeRun {
   }
 
  private:
+  bool masks_beside_edges() const { return own_contrast_ < kOffEdges * walked_contrast_; }
+  WalkSetup walk_setup() const { return {setup_.edge.walk, setup_.edge.margin_px, setup_.input}; }
+
   /// Whether the walked masks agree with the given ones at least as well as the rendered masks did, within
   /// twice the standard error of the mean difference over the views; or whether the given masks are too far
   /// from the photos' edges to judge them.
   bool believable() {
-    double count = 0, sum = 0, square = 0;
+    double count = 0;
     for (const WalkedView& view : walked_) {
       if (!view.compared) continue;
-      const double gain = view.walked_biou - view.rendered_biou;
-      ++count, sum += gain, square += gain * gain;
-      rendered_ += view.rendered_biou, walked_biou_ += view.walked_biou;
+      ++count, rendered_ += view.rendered_biou, walked_biou_ += view.walked_biou;
       own_contrast_ += view.own_contrast, walked_contrast_ += view.walked_contrast;
     }
-    if (count == 0) return true;
-    rendered_ /= count, walked_biou_ /= count, own_contrast_ /= count, walked_contrast_ /= count;
-    if (own_contrast_ < kOffEdges * walked_contrast_) return true;
-    const double mean = sum / count, variance = std::max(0.0, square / count - mean * mean);
-    return mean + 2 * std::sqrt(variance / count) >= 0;
+    if (count > 0)
+      rendered_ /= count, walked_biou_ /= count, own_contrast_ /= count, walked_contrast_ /= count;
+    return masks_beside_edges() || gain_in_errors(walk_gains(walked_)) >= -kSignificant;
   }
 
   ImageF window_photo(std::size_t v) const {
@@ -243,16 +236,29 @@ class EdgeRun {
   std::vector<std::size_t> views_;  // with a photo, and with something of the object in it
   std::vector<WalkedView> walked_;  // [scene views]
   double rendered_ = 0, walked_biou_ = 0, own_contrast_ = 0, walked_contrast_ = 0;
+  std::optional<double> again_gain_;
   int rounds_ = 0;
 };
 
 }  // namespace
 
+int edge_visits(const EdgeOptions& edge, Quality quality) {
+  if (edge.visits > 0) return edge.visits;
+  return quality == Quality::kReference  ? 100
+         : quality == Quality::kHigh     ? 40
+         : quality == Quality::kStandard ? 15
+                                         : 0;
+}
+
 MethodResult follow_edges(const Exec& exec, Monitor& monitor, const EdgeSetup& setup, MethodResult start) {
-  if (visits_of(setup.edge, setup.joint.quality) == 0 || !setup.input.load_fine_photo) return start;
+  if (edge_visits(setup.edge, setup.joint.quality) == 0 || !setup.input.load_fine_photo) return start;
   const auto timed = monitor.scope("edges");
   EdgeRun run(exec, monitor, setup, start);
+  const EffectMode again = mode_of("second-round", setup.joint.effect);
   for (int round = 0; round < setup.edge.rounds && start.converged && !monitor.stop_requested(); ++round) {
+    if (round > 0 &&
+        (again == EffectMode::kOff || (again == EffectMode::kAuto && !run.gains_from_another_round())))
+      break;
     if (!run.walk(round == 0)) break;
     start.converged = run.train(round);
   }

@@ -59,8 +59,12 @@ struct EdgeSetup {
   const SampleOptions& sample;
   const RbfOptions& rbf;
   const MethodInput& input;
-  std::function<bool()> out_of_time;  // asked between steps; may be empty
+  // Asked after every step, of the trainer on the windows; true ends the stage. May be empty.
+  std::function<bool(const JointProgress&, const JointTrainer&)> stop_after = {};
 };
+
+/// Steps per view and round; 0: the stage does nothing.
+int edge_visits(const EdgeOptions& edge, Quality quality);
 
 /// Goes on from the result of a method; `start` comes back where no view has a photo, where nothing is
 /// labelled, for

@@ -157,6 +157,22 @@ class FloaterSearch {
     return finding;
   }
 
+  double front_opacity() {
+    if (core_.count == 0) return 0;
+    margin_ = margin_of(exec_, options_, cloud_, core_);
+    candidate_ = candidates_of(exec_, input_, core_, margin_);
+    const std::vector<float> none(std::size_t(cloud_.size()), 0.f);
+    double sum = 0, pixels = 0;
+    for (const std::size_t v : views_) {
+      const Surface s = surface_of(exec_, options_, input_, cloud_, core_, camera(v), margin_);
+      const ImageF layer = front_layer(exec_, cloud_, camera(v), input_.splat, {s.limit, candidate_},
+                                       {none.data(), cloud_.size(), 1});
+      for (std::size_t p = 0; p < s.limit.data.size(); ++p)
+        if (s.limit.data[p] > 0) sum += double(layer.data[2 * p + 1]), ++pixels;
+    }
+    return pixels > 0 ? sum / pixels : 0;
+  }
+
  private:
   const Camera& camera(std::size_t v) const { return input_.scene.views[v].camera; }
 
@@ -270,6 +286,10 @@ class FloaterSearch {
 };
 
 }  // namespace
+
+double front_opacity(const Exec& exec, const FloaterOptions& options, const MethodInput& input) {
+  return FloaterSearch(exec, options, input).front_opacity();
+}
 
 FloaterFinding find_floaters(const Exec& exec, Monitor& monitor, const FloaterOptions& options,
                              const MethodInput& input) {

@@ -39,6 +39,10 @@ struct FloaterFinding {
   std::map<std::string, double> figures;  // core, candidates, margin (world), noise, rounds
 };
 
+/// Mean opacity of what stands before the object's surface, over its pixels in the views with photos: 0 where
+/// no search can find anything.
+double front_opacity(const Exec& exec, const FloaterOptions& options, const MethodInput& input);
+
 /// Empty finding where the input has no core, no photos, or nothing is found. Needs input.labels.
 FloaterFinding find_floaters(const Exec& exec, Monitor& monitor, const FloaterOptions& options,
                              const MethodInput& input);

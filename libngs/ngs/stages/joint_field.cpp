@@ -6,15 +6,26 @@
 #include "ngs/core/check.h"
 #include "ngs/ops/knn.h"
 #include "ngs/ops/loss_smooth.h"
+#include "ngs/stages/effect_detectors.h"
 
 namespace ngs {
 namespace {
 
-HashGridConfig hash_config(const JointOptions& o, const JointEffects& effects) {
+constexpr double kBoxWidths = 4;  // kernel widths that the encoding's box is larger than what is asked of it
+
+HashGridConfig hash_config(const Exec& exec, const JointField::Setup& s, double width) {
+  const JointOptions& o = s.options;
   HashGridConfig config{
       o.hash_levels, o.hash_features, o.hash_log2_table, o.hash_base, std::max(o.hash_base, o.hash_finest),
       false};
-  if (!effects.hash) config.levels = 1, config.max_resolution = config.base_resolution;
+  if (!s.effects.hash) config.levels = 1, config.max_resolution = config.base_resolution;
+  if (s.effects.fine_hash) return config;
+  const std::vector<HashLevel> levels = hash_levels(config);
+  int kept = 1;
+  while (kept < config.levels && encoding_cells(exec, s.reach, width, s.boundary.positions(),
+                                                levels[std::size_t(kept)].resolution) >= kFinestCell)
+    ++kept;
+  config.levels = kept, config.max_resolution = levels[std::size_t(kept - 1)].resolution;
   return config;
 }
 
@@ -34,6 +45,24 @@ PixelGrid lattice(const std::vector<float>& uv, int rows, int cols) {
 
 }  // namespace
 
+double field_reach(const SampleOptions& sample, const GaussianCloud& cloud,
+                   const std::vector<Camera>& cameras, const BoundarySet& boundary) {
+  double reach = 0;
+  for (const Camera& camera : cameras)
+    reach = std::max(reach, sample.depth_span * boundary_box(relative_to(camera, cloud.origin),
+                                                             boundary.positions(), sample.bbox_pad_px)
+                                                    .mean_distance);
+  return reach;
+}
+
+double encoding_cells(const Exec& exec, double reach, double width, Rows<const float, 3> boundary,
+                      int finest) {
+  std::vector<float> nearest;
+  for (const float d2 : nearest_others(exec, boundary, 1).dist2) nearest.push_back(std::sqrt(d2));
+  const double inverse = double(hash_box(boundary, reach + kBoxWidths * width).inv_extent.x);
+  return inverse > 0 ? cells_per_spacing(nearest, 1 / inverse, finest) : 0;
+}
+
 JointField::JointField(const Exec& exec, const Setup& s)
     : options_(s.options),
       effects_(s.effects),
@@ -42,8 +71,9 @@ JointField::JointField(const Exec& exec, const Setup& s)
       width_(rbf_width(exec, s.rbf, s.boundary.positions())),
       boundary_count_(s.boundary.size()),
       seed_(s.seed),
-      hash_(hash_config(options_, effects_), hash_box(s.boundary.positions(), s.reach + 4 * width_),
-            add_hash_grid(store_, "hash", hash_config(options_, effects_), s.seed)),
+      hash_config_(hash_config(exec, s, width_)),
+      hash_(hash_config_, hash_box(s.boundary.positions(), s.reach + kBoxWidths * width_),
+            add_hash_grid(store_, "hash", hash_config_, s.seed)),
       mlp_(mlp_config(options_, hash_.config()),
            add_film_mlp(store_, "film", mlp_config(options_, hash_.config()), {.seed = s.seed}), width_) {
   feature_offset_ = store_.add("feature", {boundary_count_, 3});

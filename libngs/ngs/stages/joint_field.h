@@ -21,6 +21,14 @@ struct FieldRays {
   std::vector<std::uint8_t> on_surface;  // [R] the ray takes part in L_align (C15)
 };
 
+/// How far query points may lie from the boundary, world.
+double field_reach(const SampleOptions& sample, const GaussianCloud& cloud,
+                   const std::vector<Camera>& cameras, const BoundarySet& boundary);
+
+/// Side of the finest cell of the encoding, in spacings of the boundary (stages/effect_detectors.h).
+double encoding_cells(const Exec& exec, double reach, double width, Rows<const float, 3> boundary,
+                      int finest);
+
 class JointField {
  public:
   struct Setup {
@@ -95,6 +103,7 @@ class JointField {
   std::int64_t boundary_count_ = 0;
   std::uint64_t seed_ = 0;
   std::vector<AdamMoments> moments_;
+  HashGridConfig hash_config_;
   HashGrid hash_;
   FilmMlp mlp_;
   Sampled sampled_;

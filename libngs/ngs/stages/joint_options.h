@@ -7,64 +7,21 @@
 #include "ngs/ops/hash_grid.h"
 #include "ngs/ops/loss_mask.h"
 #include "ngs/options/field.h"
+#include "ngs/stages/effects.h"
 #include "ngs/stages/rbf_stage.h"
 #include "ngs/stages/sample_stage.h"
 
 namespace ngs {
 
-/// Adam rates of the Gaussians' parameters; position per world unit of the cameras' extent. The defaults are 3DGS's
-/// for a trained model (C20).
+/// Adam rates of the Gaussians' parameters; position per world unit of the cameras' extent. The defaults are
+/// 3DGS's for a trained model (C20).
 struct GaussianRates {
   double position = 1.6e-6, rotation = 1e-3, log_scale = 5e-3, logit_opacity = 2.5e-2, sh_dc = 2.5e-3,
          sh_rest = 1.25e-4;
 };
 
-/// Parts of the method that can be switched off alone: --effect NAME=auto|on|off. That is the ablation.
-struct JointEffects {
-  bool nerf = true;                 // the field and everything that needs it
-  bool boundary = true;             // off: every seen Gaussian counts as boundary
-  bool box = true;                  // off: the grid covers the whole image
-  bool rbf = true;                  // off: the condition is the nearest boundary Gaussian's feature
-  bool hash = true;                 // off: a single coarse dense level
-  bool film = true;                 // off: the condition is zero
-  bool align = true;                // L_align, colour and opacity
-  bool variance = true;             // the 7x7 term of L_align
-  bool density = true;              // off: every pixel of L_mask weighs the same
-  bool mask = true;                 // L_mask
-  bool cont = true, smooth = true;  // L_cont, L_smth
-  bool photometric = true;          // the anchor to the photos (C16)
-  bool geometry = true;             // off: only labels and the field are trained
-  bool mask_geometry = true;        // L_mask moves geometry too (COB-GS: never)
-  bool floaters = true;             // floaters before the object are taken out first
-  bool view_trust = true;           // masks that the others contradict do not count
-  bool edges = true;                // afterwards contours follow the photos' edges
-};
-struct EffectName {
-  std::string_view name, help;
-  bool JointEffects::*member;
-};
-inline constexpr EffectName kEffects[] = {
-    {"nerf", "the NeRF and all that needs it", &JointEffects::nerf},
-    {"boundary", "boundary set; off: every seen Gaussian", &JointEffects::boundary},
-    {"box", "box of the boundary; off: the whole image", &JointEffects::box},
-    {"rbf", "RBF interpolation; off: nearest feature", &JointEffects::rbf},
-    {"hash", "hash levels; off: one coarse level", &JointEffects::hash},
-    {"film", "condition on f_inter; off: none", &JointEffects::film},
-    {"align", "L_align: colour and opacity", &JointEffects::align},
-    {"variance", "L_align: 7x7 variance", &JointEffects::variance},
-    {"density", "density weights of L_mask", &JointEffects::density},
-    {"mask", "L_mask", &JointEffects::mask},
-    {"cont", "L_cont", &JointEffects::cont},
-    {"smooth", "L_smth", &JointEffects::smooth},
-    {"photometric", "anchor to the photos", &JointEffects::photometric},
-    {"geometry", "move the Gaussians", &JointEffects::geometry},
-    {"mask-geometry", "L_mask moves the Gaussians", &JointEffects::mask_geometry},
-    {"floaters", "take floaters before the object out", &JointEffects::floaters},
-    {"view-trust", "ignore masks that the others contradict", &JointEffects::view_trust},
-    {"edges", "contours follow the photos' edges", &JointEffects::edges}};
-
-/// "NAME=auto|on|off" entries over the defaults (auto = the default). kUsage for anything else.
-JointEffects parse_effects(const std::vector<std::string>& entries);
+/// About an object, where the anchor to the photos is kept to it (--effect region=off).
+inline constexpr int kRegionMargin_px = 64;
 
 enum class Quality : std::uint8_t { kDraft, kStandard, kHigh, kReference };
 inline constexpr NamedValue<Quality> kQualityNames[] = {{Quality::kDraft, "draft"},

@@ -10,6 +10,7 @@
 #include "ngs/ops/loss_cont.h"
 #include "ngs/ops/photometric.h"
 #include "ngs/stages/cloud_rows.h"
+#include "ngs/stages/edge_masks.h"
 #include "ngs/stages/fit_stage.h"
 #include "ngs/stages/view_list.h"
 
@@ -30,6 +31,18 @@ std::vector<float> boundary_flags(const MethodInput& input, const JointEffects& 
 void refresh_positions(const GaussianCloud& cloud, BoundarySet& boundary) {
   for (std::size_t b = 0; b < boundary.row.size(); ++b)
     std::copy_n(&cloud.position[std::size_t(boundary.row[b]) * 3], 3, &boundary.position[b * 3]);
+}
+
+SplatOptions splat_of(SplatOptions splat, const JointEffects& effects) {
+  if (!effects.sh) splat.max_sh_degree = 0;
+  return splat;
+}
+
+/// About the object, for --effect region=off; empty where its mask is.
+PixelRegion region_of(const ViewMasks& masks) {
+  if (!masks.available) return {};
+  const PixelWindow w = window_of(masks.target, masks.width_px, masks.height_px, kRegionMargin_px);
+  return {w.x0, w.y0, w.x0 + w.w, w.y0 + w.h};
 }
 
 void add_scaled(const ImageF& from, double scale, ImageF& to) {
@@ -66,6 +79,7 @@ struct JointTrainer::Impl {
   struct CachedView {
     ImageF photo;
     ViewMasks masks;
+    PixelRegion region;  // of the anchor; empty: the whole photo
   };
   std::vector<std::unique_ptr<CachedView>> cache;
   std::size_t cached_bytes = 0;
@@ -82,7 +96,7 @@ struct JointTrainer::Impl {
         rates(s.rates),
         frozen(s.frozen),
         cloud(s.input.cloud),
-        splat(s.input.splat),
+        splat(splat_of(s.input.splat, effects)),
         cache(s.input.views.size()) {}
 
   std::size_t objects() const { return input.labels.size(); }
@@ -104,12 +118,7 @@ struct JointTrainer::Impl {
       build_transpose(cont_graph);
     }
     if (!effects.nerf) return;
-    double reach = 0;
-    for (const std::size_t v : input.views)
-      reach = std::max(
-          reach, sample.depth_span * boundary_box(relative_to(input.scene.views[v].camera, cloud.origin),
-                                                  boundary.positions(), sample.bbox_pad_px)
-                                         .mean_distance);
+    const double reach = field_reach(sample, cloud, cameras_of(input.scene, input.views), boundary);
     field = std::make_unique<JointField>(
         exec, JointField::Setup{options, effects, sample, rbf, cloud, boundary, reach, input.seed});
   }
@@ -150,6 +159,7 @@ struct JointTrainer::Impl {
     const auto timed = monitor.scope("load view");
     scratch.masks = input.load_masks(input.views[n]);
     if (effects.photometric || effects.align) scratch.photo = input.load_photo(input.views[n]);
+    if (!effects.region) scratch.region = region_of(scratch.masks);
     std::size_t bytes = scratch.photo.data.size() * sizeof(float);
     for (const auto& target : scratch.masks.target) bytes += target.size() * sizeof(float);
     if (cached_bytes + bytes > kViewCacheBytes) return scratch;
@@ -264,8 +274,12 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
   if (effects.photometric && !view.photo.empty()) {
     const auto timed = monitor.scope("photometric");
     ImageF to_colour;
-    loss.photometric = photometric.evaluate(exec, {}, rendered.colour, view.photo, nullptr, &to_colour).total;
-    add_scaled(to_colour, options.photometric_weight, grad.colour);
+    const PixelRegion& r = view.region;
+    const double share = r.empty() ? 1 : double(r.x1 - r.x0) * (r.y1 - r.y0) / double(view.photo.pixels());
+    loss.photometric =
+        share *
+        photometric.evaluate(exec, {.region = r}, rendered.colour, view.photo, nullptr, &to_colour).total;
+    add_scaled(to_colour, share * options.photometric_weight, grad.colour);
   }
   ImageF weights;
   if (effects.nerf) field_terms(rays_of(n, rendered), rendered, view, loss, grad, weights);
@@ -304,7 +318,7 @@ void JointTrainer::Impl::update(double decay) {
     apply("log_scale", rates.log_scale, cloud.log_scale, gradients.log_scale, scale_m);
     apply("logit_opacity", rates.logit_opacity, cloud.logit_opacity, gradients.logit_opacity, opacity_m);
     apply("sh_dc", rates.sh_dc, cloud.sh_dc, gradients.sh_dc, dc_m);
-    apply("sh_rest", rates.sh_rest, cloud.sh_rest, gradients.sh_rest, rest_m);
+    if (effects.sh) apply("sh_rest", rates.sh_rest, cloud.sh_rest, gradients.sh_rest, rest_m);
     refresh_positions(cloud, boundary);
   }
   if (field) field->step(exec, t, decay);

@@ -57,7 +57,8 @@ struct EdgeCase {
 };
 
 TEST_CASE("a model whose contours lie beside the photos' edges is brought to them") {
-  const EdgeCase c;
+  EdgeCase c;
+  c.joint.effect = {"second-round=on"};
   const MethodInput in = c.input();
   const MethodResult before = c.start(in), after = c.run(in);
   CHECK(after.figures.at("edge_rounds") == 2);

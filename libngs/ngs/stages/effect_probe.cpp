@@ -1,0 +1,225 @@
+#include "ngs/stages/effect_probe.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ngs/ops/knn.h"
+#include "ngs/stages/edge_masks.h"
+#include "ngs/stages/effect_detectors.h"
+#include "ngs/stages/floaters.h"
+#include "ngs/stages/joint_stage.h"
+#include "ngs/stages/render_stage.h"
+#include "ngs/stages/view_list.h"
+
+namespace ngs {
+namespace {
+
+/// 0/1 planes of one object in one view; pixels of unknown mask are 0 in both.
+struct Compared {
+  std::vector<std::uint8_t> rendered, own;
+};
+
+Compared compare(const ImageF& label, const ViewMasks& masks, std::size_t k) {
+  Compared c;
+  const auto channels = std::size_t(label.channels);
+  for (std::size_t p = 0; p < masks.target[k].size(); ++p) {
+    const bool known = masks.known.empty() || masks.known[p];
+    c.rendered.push_back(known && label.data[p * channels + k] > 0.5f);
+    c.own.push_back(known && masks.target[k][p] >= 0.5f);
+  }
+  return c;
+}
+
+double disagreement(const Compared& c, int w, int h) {
+  const Confusion counts = confusion({}, {c.rendered.data(), w, h}, {c.own.data(), w, h});
+  return counts.both_empty() ? 0 : 1 - iou(counts);
+}
+
+}  // namespace
+
+/// What the labels as they come look like in the training views that have masks.
+struct EffectProbe::Views {
+  std::vector<double> disagreement;  // of the better of the model as it stands and the object alone
+  double biou = 0;                   // mean over views and objects, modal
+  double outside = 0;                // largest over the views
+};
+
+EffectProbe::EffectProbe(const Exec& exec, Monitor& monitor, const EffectSetup& setup)
+    : exec_(exec), monitor_(monitor), setup_(setup) {}
+EffectProbe::~EffectProbe() = default;
+
+std::vector<Camera> EffectProbe::cameras() const {
+  return cameras_of(setup_.input.scene, spread_views(setup_.input.views, kDecisionViews));
+}
+
+const EffectProbe::Views& EffectProbe::views() {
+  if (views_) return *views_;
+  views_ = std::make_unique<Views>();
+  const MethodInput& input = setup_.input;
+  double count = 0;
+  for (const std::size_t v : input.views) {
+    const ViewMasks masks = input.load_masks(v);
+    if (!masks.available) continue;
+    const Camera& camera = input.scene.views[v].camera;
+    const auto draw = [&](bool amodal) {
+      return render_labelled(exec_, input.cloud, input.labels, camera, input.splat, {}, amodal).label;
+    };
+    const ImageF modal = draw(false), amodal = draw(true);
+    const int w = masks.width_px, h = masks.height_px;
+    double stands = 0, alone = 0;
+    for (std::size_t k = 0; k < masks.target.size(); ++k) {
+      const Compared c = compare(modal, masks, k);
+      stands += disagreement(c, w, h), alone += disagreement(compare(amodal, masks, k), w, h);
+      views_->biou += boundary_iou(exec_, chessboard_distance({c.rendered.data(), w, h}),
+                                   chessboard_distance({c.own.data(), w, h}), w, band_width_px(0.02, w, h));
+      ++count;
+    }
+    views_->disagreement.push_back(std::min(stands, alone) / double(masks.target.size()));
+    const PixelWindow win = window_of(masks.target, w, h, kRegionMargin_px);
+    views_->outside =
+        std::max(views_->outside, weight_outside(modal, win.x0, win.y0, win.x0 + win.w, win.y0 + win.h));
+  }
+  if (count > 0) views_->biou /= count;
+  return *views_;
+}
+
+const BoundarySet& EffectProbe::boundary() {
+  if (!boundary_) {
+    std::vector<float> flags(std::size_t(setup_.input.cloud.size()), 0.f);
+    for (const LabelColumns& object : setup_.input.labels)
+      for (std::size_t i = 0; i < flags.size(); ++i) flags[i] = std::max(flags[i], object.boundary[i]);
+    boundary_ = boundary_set(setup_.input.cloud, flags);
+  }
+  return *boundary_;
+}
+
+const KnnGraph& EffectProbe::neighbours() {
+  if (!neighbours_) {
+    neighbours_.emplace();
+    if (boundary().size() > 1)
+      neighbours_ = nearest_others(exec_, boundary().positions(), setup_.rbf.neighbours);
+  }
+  return *neighbours_;
+}
+
+double EffectProbe::trust() { return outlier_score(views().disagreement); }
+double EffectProbe::front() { return front_opacity(exec_, {}, setup_.input); }
+double EffectProbe::boundary_gap() { return boundary().size() == 0 ? 0 : 1 - views().biou; }
+double EffectProbe::outside() { return views().outside; }
+
+double EffectProbe::walk() {
+  const MethodInput& input = setup_.input;
+  if (edge_visits(setup_.edge, setup_.joint.quality) == 0 || !input.load_fine_photo) return 0;
+  JointOptions joint = setup_.joint;
+  joint.effect = {"nerf=off"};  // for the start of a trainer alone
+  const MethodResult start =
+      JointTrainer(exec_, monitor_, {joint, setup_.sample, setup_.rbf, input}, true).result();
+  const std::vector<std::size_t> some = spread_views(input.views, kDecisionViews);
+  const WalkSetup walk{setup_.edge.walk, setup_.edge.margin_px, input};
+  return gain_in_errors(walk_gains(walk_views(exec_, walk, {start.cloud, start.labels}, some, some)));
+}
+
+double EffectProbe::rms_neighbour() {
+  return neighbour_rms_levels(neighbours(), {boundary().colour.data(), boundary().size()});
+}
+double EffectProbe::most_neighbour() {
+  return neighbour_most_levels(neighbours(), {boundary().colour.data(), boundary().size()});
+}
+double EffectProbe::colour_range() {
+  return colour_range_levels({boundary().colour.data(), boundary().size()});
+}
+
+double EffectProbe::cells() {
+  const MethodInput& in = setup_.input;
+  if (boundary().size() < 2) return 0;
+  const double reach = field_reach(setup_.sample, in.cloud, cameras_of(in.scene, in.views), boundary());
+  const double width = rbf_width(exec_, setup_.rbf, boundary().positions());
+  return encoding_cells(exec_, reach, width, boundary().positions(), setup_.joint.hash_finest);
+}
+
+double EffectProbe::patches() {
+  double most = 0;
+  for (const std::size_t v : spread_views(setup_.input.views, kDecisionViews)) {
+    const ViewMasks masks = setup_.input.load_masks(v);
+    const ImageF photo = setup_.input.load_photo(v);
+    if (!masks.available || photo.empty()) continue;
+    for (const std::vector<float>& target : masks.target) {
+      std::vector<std::uint8_t> plane;
+      for (const float m : target) plane.push_back(m >= 0.5f);
+      most = std::max(most, contour_deviation_levels(photo, {plane.data(), masks.width_px, masks.height_px}));
+    }
+  }
+  return most;
+}
+
+double EffectProbe::photos() {
+  double count = 0;
+  for (const std::size_t v : setup_.input.views) count += !setup_.input.scene.views[v].image_path.empty();
+  return count;
+}
+
+double EffectProbe::view_dependence() { return view_dependence_levels(setup_.input.cloud, cameras()); }
+double EffectProbe::compensation() {
+  return antialias_levels(setup_.input.cloud, cameras(), setup_.input.splat.blur_px2);
+}
+double EffectProbe::straddling() {
+  const std::size_t views =
+      setup_.edge.views == EdgeViews::kAll ? setup_.input.scene.views.size() : setup_.input.views.size();
+  const std::vector<Camera> some = cameras();
+  return straddling_bound_px(setup_.input.cloud, some, setup_.input.splat.blur_px2) * double(views) /
+         double(some.size());
+}
+
+namespace {
+
+class Decider {
+ public:
+  Decider(const Exec& exec, Monitor& monitor, const EffectSetup& setup,
+          const std::vector<EffectVerdict>& verdicts)
+      : modes_(effect_modes(setup.joint.effect)), verdicts_(verdicts), probe_(exec, monitor, setup) {}
+
+  EffectDecision decide(const EffectInfo& e, const std::vector<EffectDecision>& earlier) {
+    const auto given = modes_.find(e.name);
+    if (given != modes_.end() && given->second != EffectMode::kAuto) {
+      const bool on = given->second == EffectMode::kOn;
+      return {&e, on ? "on" : "off", on, "--effect", {}};
+    }
+    for (const EffectVerdict& v : verdicts_)
+      if (v.name == e.name) return {&e, v.mode, v.on, v.reason, {}};
+    for (const EffectDecision& d : earlier)
+      if (d.effect->name == e.needs && !d.on) return {&e, "auto", false, "needs " + std::string(e.needs), {}};
+    if (e.on == OnWhere::kAlways) return {&e, "auto", true, "no detector", {}};
+    if (e.measure == nullptr) return {&e, "auto", true, "decided when the first is done", {}};
+    const double measured = (probe_.*e.measure)();
+    const bool on = e.on == OnWhere::kAbove ? measured > e.threshold : measured <= e.threshold;
+    return {&e, "auto", on, decision_reason(e, measured, on), measured};
+  }
+
+ private:
+  std::map<std::string_view, EffectMode> modes_;
+  const std::vector<EffectVerdict>& verdicts_;
+  EffectProbe probe_;
+};
+
+}  // namespace
+
+std::vector<EffectDecision> decide_effects(const Exec& exec, Monitor& monitor, const EffectSetup& setup,
+                                           EffectPhase phase, const std::vector<EffectVerdict>& verdicts,
+                                           const std::vector<EffectDecision>& before) {
+  const auto timed = monitor.scope("detectors");
+  Decider decider(exec, monitor, setup, verdicts);
+  std::vector<EffectDecision> all = before;
+  for (const EffectInfo& e : effect_registry())
+    if (e.phase == phase) all.push_back(decider.decide(e, all));
+  return {all.begin() + std::ptrdiff_t(before.size()), all.end()};
+}
+
+std::vector<std::string> decided_entries(const std::vector<EffectDecision>& decisions) {
+  std::vector<std::string> entries;
+  for (const EffectDecision& d : decisions)
+    if (d.effect->phase != EffectPhase::kLater || d.mode != "auto")
+      entries.push_back(std::string(d.effect->name) + (d.on ? "=on" : "=off"));
+  return entries;
+}
+
+}  // namespace ngs

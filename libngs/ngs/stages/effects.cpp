@@ -1,0 +1,135 @@
+#include "ngs/stages/effects.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "ngs/core/error.h"
+#include "ngs/stages/effect_probe.h"
+
+namespace ngs {
+namespace {
+
+using Fx = JointEffects;
+using Probe = EffectProbe;
+constexpr auto kAbove = OnWhere::kAbove, kBelow = OnWhere::kBelow;
+constexpr auto kBefore = EffectPhase::kBefore, kSteps = EffectPhase::kSteps, kLater = EffectPhase::kLater;
+constexpr std::string_view kHalfLevel = "half a level of an 8-bit photo, which none can show";
+
+constexpr EffectInfo kRegistry[] = {
+    {"view-trust", "ignore masks that the others contradict", &Fx::view_trust,
+     "the consensus of the others, view by view", "", kAbove,
+     "worst view's disagreement, in halves of what would ignore it", 1,
+     "half the distance at which a view is ignored", &Probe::trust, kBefore},
+    {"floaters", "take floaters before the object out", &Fx::floaters, "search, removal, refit", "", kAbove,
+     "share of the object's surface hidden by what stands before it", 1e-3,
+     "the search itself leaves alone what hides less (FloaterOptions::least_hidden)", &Probe::front, kBefore},
+    {"joint", "the steps of Eq. 20; off: labels as they come", &Fx::joint,
+     "all steps before the photos' edges are followed", "", kBelow,
+     "gain of walking contours to the photos' edges, standard errors", kSignificant,
+     "beyond it the edges decide the contours, whatever the steps did", &Probe::walk},
+    {"nerf", "the NeRF and all that needs it", &Fx::nerf, "rays, field, network, L_align, L_smth", "joint",
+     kAbove, "1 - boundary IoU of the labels as they come with the masks", 0.02,
+     "two points, what masks of one object differ by from tool to tool", &Probe::boundary_gap},
+    {"boundary", "boundary set; off: every seen Gaussian", &Fx::boundary, ""},
+    {"box", "box of the boundary; off: the whole image", &Fx::box, ""},
+    {"rbf", "RBF interpolation; off: nearest feature", &Fx::rbf, "all neighbours of a query but the nearest",
+     "nerf", kAbove, "largest colour difference between neighbours, levels", 0.5, kHalfLevel,
+     &Probe::most_neighbour},
+    {"hash", "hash levels; off: one coarse level", &Fx::hash, "all levels but one", "nerf"},
+    {"fine-hash", "hash levels finer than the boundary; off: not", &Fx::fine_hash,
+     "levels whose cells are below half the boundary's spacing", "nerf", kAbove,
+     "side of the finest cell, in spacings of the boundary", kFinestCell,
+     "two cells to a spacing: no finer detail has support", &Probe::cells},
+    {"film", "condition on f_inter; off: none", &Fx::film, "", "nerf"},
+    {"align", "L_align: colour and opacity", &Fx::align, "L_align and its gradients", "nerf"},
+    {"variance", "L_align: 7x7 variance", &Fx::variance, "the patch pass", "align", kAbove,
+     "standard deviation of 7x7 patches at the masks' contours, levels", 0.5, kHalfLevel, &Probe::patches},
+    {"density", "density weights of L_mask", &Fx::density, "", "nerf"},
+    {"mask", "L_mask", &Fx::mask, ""},
+    {"cont", "L_cont", &Fx::cont, "its pass over the neighbours", "joint", kAbove,
+     "RMS colour difference of neighbours on the boundary, levels", 0.5, kHalfLevel, &Probe::rms_neighbour},
+    {"smooth", "L_smth", &Fx::smooth, "two more evaluations of the field", "nerf", kAbove,
+     "range of the boundary's colours, levels", 0.5, kHalfLevel, &Probe::colour_range},
+    {"photometric", "anchor to the photos", &Fx::photometric, "compositing colour, SSIM", "", kAbove,
+     "views that have a photo", 0, "one is enough", &Probe::photos},
+    {"region", "anchor to all of a photo; off: about the object", &Fx::region, "SSIM away from the object",
+     "joint", kAbove, "share of the labels' weight outside of the windows", 1e-3,
+     "a thousandth: nothing there is moved by a mask", &Probe::outside},
+    {"sh", "view-dependent colour", &Fx::sh, "SH bands, their gradients and steps", "", kAbove,
+     "strongest view-dependent colour, levels", 0.5, kHalfLevel, &Probe::view_dependence},
+    {"antialias", "the opacity compensation the model was trained with", &Fx::antialias, "the compensation",
+     "", kAbove, "most opacity that it takes, levels", 0.5, kHalfLevel, &Probe::compensation},
+    {"geometry", "move the Gaussians", &Fx::geometry, ""},
+    {"mask-geometry", "L_mask moves the Gaussians", &Fx::mask_geometry, ""},
+    {"edges", "contours follow the photos' edges", &Fx::edges, "walks, halving, training on the windows"},
+    {"split", "halve what lies across contours", &Fx::split, "the search for it, and the rows it adds",
+     "edges", kAbove, "most weight that a Gaussian can have on a wrong side, px", 3,
+     "the default of --edge-split: nothing is halved", &Probe::straddling},
+    {"second-round", "follow the edges more than once", &Fx::second_round, "all rounds but the first",
+     "edges", kAbove, "gain of walking once more, standard errors", kSignificant,
+     "below it the contours are where the photos want them", nullptr, kLater},
+};
+
+std::string short_number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+}  // namespace
+
+std::span<const EffectInfo> effect_registry() { return kRegistry; }
+
+const EffectInfo* find_effect(std::string_view name) {
+  const auto* found = std::find_if(std::begin(kRegistry), std::end(kRegistry),
+                                   [&](const EffectInfo& e) { return e.name == name; });
+  return found == std::end(kRegistry) ? nullptr : found;
+}
+
+std::map<std::string_view, EffectMode> effect_modes(const std::vector<std::string>& entries) {
+  std::map<std::string_view, EffectMode> modes;
+  for (const std::string& entry : entries) {
+    const std::size_t equals = std::min(entry.find('='), entry.size());
+    const std::string name = entry.substr(0, equals),
+                      value = entry.substr(std::min(equals + 1, entry.size()));
+    const EffectInfo* known = find_effect(name);
+    if ((known == nullptr && name != "all") || (value != "auto" && value != "on" && value != "off")) {
+      std::string names = "all";
+      for (const EffectInfo& e : kRegistry) names += ", " + std::string(e.name);
+      throw Error(ErrorCode::kUsage, "--effect: '" + entry + "', expected NAME=auto|on|off",
+                  "NAME is one of " + names);
+    }
+    const EffectMode mode = value == "auto" ? EffectMode::kAuto
+                            : value == "on" ? EffectMode::kOn
+                                            : EffectMode::kOff;
+    for (const EffectInfo& e : kRegistry)
+      if (known == nullptr || known == &e) modes[e.name] = mode;
+  }
+  return modes;
+}
+
+EffectMode mode_of(std::string_view name, const std::vector<std::string>& entries) {
+  const auto modes = effect_modes(entries);
+  const auto found = modes.find(name);
+  return found == modes.end() ? EffectMode::kAuto : found->second;
+}
+
+JointEffects parse_effects(const std::vector<std::string>& entries) {
+  JointEffects effects;
+  for (const auto& [name, mode] : effect_modes(entries))
+    effects.*find_effect(name)->member = mode != EffectMode::kOff;
+  return effects;
+}
+
+std::string decision_reason(const EffectInfo& e, double measured, bool on) {
+  const bool above = (e.on == OnWhere::kAbove) == on;
+  return std::string(e.measured) + ": " + short_number(measured) + (above ? " > " : " <= ") +
+         short_number(e.threshold);
+}
+
+std::string decision_line(const EffectDecision& d) {
+  return d.mode + ": " + std::string(d.effect->name) + "=" + (d.on ? "on" : "off") + " (" + d.reason + ")" +
+         (d.on || d.effect->saves.empty() ? "" : ", leaves out " + std::string(d.effect->saves));
+}
+
+}  // namespace ngs

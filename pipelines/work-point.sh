@@ -1,0 +1,51 @@
+#!/usr/bin/env bash
+# Part of work-precision.mk: one scene (once NAME), one run of one point (run KNOB@VALUE/REPEAT BOUNDARY FLAGS...), the page
+# (page). SCENE OUT MASKS GT HOLD_OUT IMAGE_SCALE come from the environment.
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+. "$here/common.sh"
+bin=$(find_bin)
+tool() { "${bin:+$bin/}$1" "${@:2}"; }
+
+# once NAME: scene.json and boundary.ply, for views@N with masks of every N-th training view only.
+once() {
+  local folder=$OUT/once/$1 masks=$MASKS scale=$IMAGE_SCALE knob=${1%%@*} value=${1#*@}
+  mkdir -p "$folder/reports"
+  case $knob in
+    image-scale) scale=$value ;;
+    views)
+      masks=$folder/masks
+      rm -rf "$masks" && mkdir "$masks"
+      local i=0 file
+      for file in "$MASKS"/*; do
+        if (( i++ % value == 0 )); then ln -s "$(realpath "$file")" "$masks/"; fi
+      done ;;
+  esac
+  tool ngs-scene import "$SCENE" --masks "$masks" --hold-out "$HOLD_OUT" ${scale:+--image-scale "$scale"} \
+    -o "$folder/scene.json" -w -q --report "$folder/reports/ngs-scene.json"
+  tool ngs-variance "$folder/scene.json" -o "$folder/boundary.ply" -w -q --report "$folder/reports/ngs-variance.json"
+}
+
+# run KNOB@VALUE/REPEAT BOUNDARY FLAGS...: a failure is kept as its exit code.
+run() {
+  local folder=$OUT/points/$1 scene trace=() rc=0
+  scene=$(dirname "$2")/scene.json
+  mkdir -p "$folder"
+  case $1 in method@*) ;; *) trace=(--trace "$folder/trace.jsonl") ;; esac
+  echo "$1: ${*:3}" >&2
+  tool ngs-joint "$scene" "$2" -o "$folder/labelled.ply" -w -q "${trace[@]}" --report "$folder/joint.json" "${@:3}" || rc=$?
+  if (( rc == 0 || rc == 7 )); then
+    tool ngs-render "$scene" "$folder/labelled.ply" --views held-out --layers mask --scale 0 -o "$folder/masks" -w -q >/dev/null
+    tool ngs-eval "$folder/masks" "$GT" -o "$folder/metrics.json" -w -q >/dev/null
+    rm -r "$folder/labelled.ply" "$folder/masks"
+  fi
+  echo "$rc" >"$folder/done"
+}
+
+page() {
+  tool ngs-report work-precision "$OUT" -o "$OUT/report.html" --points-json "$OUT/points.json" --points-csv "$OUT/points.csv" -w -q \
+    --report "$OUT/report.json"
+  echo "$OUT/report.html"
+}
+
+"$@"

@@ -1,0 +1,339 @@
+// For each effect with a detector a scene that needs it, on which auto is on and gives the bytes of `on`, and
+// one that does not, on which auto is off and the rendered masks of off and on differ by at most
+// kEffectBound.
+#include "ngs/stages/effects.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "ngs/core/error.h"
+#include "ngs/stages/effect_probe.h"
+#include "ngs/stages/floaters.h"
+#include "ngs/stages/joint_stage.h"
+#include "ngs/stages/render_stage.h"
+#include "ngs/stages/view_trust.h"
+#include "support/joint_case.h"
+
+namespace ngs {
+namespace {
+
+/// The joint case, to be bent, and the stages of ngs-joint on it.
+struct EffectCase {
+  std::unique_ptr<test::JointCase> base = test::joint_case();
+  EdgeOptions edge;
+  JointOptions joint;
+  SampleOptions sample;
+  RbfOptions rbf;
+  bool fine_photos = false;
+
+  EffectCase() {
+    joint.steps = 12, joint.hash_levels = 3, joint.hash_log2_table = 8, joint.hash_finest = 48;
+    joint.mlp_hidden = 16, joint.smooth_points = 64;
+    sample.rows = sample.cols = 10, sample.depth_samples = 4;
+    edge.visits = 4, edge.margin_px = 6, edge.walk.reach_px = 8, edge.walk.band_px = 3;
+    for (SceneView& v : base->scene.views) v.image_path = "photo";
+  }
+  MethodInput input() const {
+    MethodInput in = base->input();
+    if (fine_photos) in.load_fine_photo = in.load_photo;
+    return in;
+  }
+  void relabel(double tau = 0.2) {
+    Monitor monitor;
+    VarianceOptions options;
+    options.tau = tau;
+    base->labels =
+        label_gaussians(options, accumulate_evidence({}, monitor, base->model, base->scene, {0, 1, 2, 3},
+                                                     base->input().splat, base->input().load_masks));
+  }
+  void render_photos(const SplatOptions& splat = {}) {
+    for (std::size_t v = 0; v < 4; ++v)
+      base->photos[v] = render({}, base->model, base->scene.views[v].camera, splat, {}).colour;
+  }
+  void paint(float value) {  // everything in one colour, photos too
+    std::fill(base->model.sh_dc.begin(), base->model.sh_dc.end(), value);
+    render_photos();
+  }
+};
+
+EffectDecision decision_on(const EffectCase& c, std::string_view name,
+                           const std::vector<std::string>& entries) {
+  Monitor monitor;
+  JointOptions joint = c.joint;
+  joint.effect = entries;
+  const MethodInput in = c.input();
+  const EffectSetup setup{joint, c.edge, c.sample, c.rbf, in};
+  std::vector<EffectDecision> all;
+  for (const EffectPhase phase : {EffectPhase::kBefore, EffectPhase::kSteps, EffectPhase::kLater}) {
+    const auto more = decide_effects({}, monitor, setup, phase, {}, all);
+    all.insert(all.end(), more.begin(), more.end());
+  }
+  for (const EffectDecision& d : all)
+    if (d.effect->name == name) return d;
+  throw std::logic_error("no such effect");
+}
+
+/// Rendered mask values of all views after the stages that the entries leave on.
+std::vector<float> masks_with(const EffectCase& c, const std::vector<std::string>& entries) {
+  Monitor monitor;
+  JointOptions joint = c.joint;
+  joint.effect = entries;
+  const JointEffects effects = parse_effects(entries);
+  const MethodInput read = c.input();
+  MethodInput in = read;
+  ViewTrust trust;
+  if (effects.view_trust) trust = judge_views({}, monitor, {}, in);
+  in.load_masks = [&](std::size_t v) { return trusted_masks(trust, v, read.load_masks(v)); };
+  FloaterFinding finding;
+  if (effects.floaters) finding = find_floaters({}, monitor, {}, in);
+  GaussianCloud cloud = c.base->model;
+  for (std::size_t i = 0; i < finding.floater.size(); ++i)
+    if (finding.floater[i]) cloud.logit_opacity[i] = kRemovedLogit;
+  MethodInput clean{.cloud = cloud,
+                    .scene = in.scene,
+                    .views = in.views,
+                    .load_masks = in.load_masks,
+                    .load_photo = in.load_photo,
+                    .splat = in.splat,
+                    .background = {},
+                    .seed = in.seed,
+                    .fixed = {},
+                    .labels = in.labels,
+                    .load_fine_photo = in.load_fine_photo};
+  clean.splat.antialiased = cloud.antialiased && effects.antialias;
+  JointTrainer trainer({}, monitor, {joint, c.sample, c.rbf, clean}, true);
+  while (effects.joint && !trainer.finished()) trainer.step();
+  MethodResult result = trainer.result();
+  result.converged = true;
+  if (effects.edges && c.fine_photos)
+    result = follow_edges({}, monitor, {c.edge, joint, c.sample, c.rbf, clean}, std::move(result));
+  std::vector<float> values;
+  for (const SceneView& view : c.base->scene.views) {
+    const ImageF label =
+        render_labelled({}, result.cloud, result.labels, view.camera, clean.splat, {}, false).label;
+    values.insert(values.end(), label.data.begin(), label.data.end());
+  }
+  return values;
+}
+
+double mean_difference(const std::vector<float>& a, const std::vector<float>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += std::abs(double(a[i]) - double(b[i]));
+  return sum / double(a.size());
+}
+
+/// Steps on, unless it is they that are asked about; what surrounds them off.
+std::vector<std::string> surroundings(std::string_view name) {
+  std::vector<std::string> entries{"view-trust=off", "floaters=off", "edges=off", "joint=on"};
+  for (const char* part : {"nerf=on", "align=on"}) entries.push_back(part);
+  if (name == "split" || name == "second-round" || name == "joint") entries.push_back("edges=on");
+  entries.push_back(std::string(name) + "=auto");
+  return entries;
+}
+
+struct Pair {
+  std::string name;
+  std::function<void(EffectCase&)> needs, does_not;
+};
+
+void as_it_is(EffectCase&) {}
+void one_colour(EffectCase& c) { c.paint(0.4f); }
+void large_ball(EffectCase& c) {  // its contour lies outside of the photos', where the walk finds it
+  c.fine_photos = true;
+  for (std::size_t i = 0; i < c.base->is_ball.size(); ++i)
+    for (std::size_t k = 0; k < 3 && c.base->is_ball[i] > 0; ++k) c.base->model.log_scale[3 * i + k] += 0.35f;
+}
+void view_dependent(EffectCase& c) {
+  for (std::size_t i = 0; i < c.base->model.sh_rest.size(); ++i)
+    c.base->model.sh_rest[i] = 0.2f * float(int(i * 7 % 5) - 2);
+}
+
+std::vector<Pair> pairs() {
+  return {
+      {"view-trust",
+       [](EffectCase& c) {
+         auto& mask = c.base->masks[1].target[0];
+         std::rotate(mask.begin(), mask.begin() + 480 + 14, mask.end());
+       },
+       as_it_is},
+      {"floaters",
+       [](EffectCase& c) {  // the wall's first Gaussians hang before the ball
+         for (std::size_t i = 160; i < 166; ++i)
+           c.base->model.position[3 * i] = 0.05f * float(i - 163), c.base->model.position[3 * i + 1] = 0,
+                                      c.base->model.position[3 * i + 2] = 1.5f;
+       },
+       as_it_is},
+      {"nerf", large_ball,
+       [](EffectCase& c) {  // labels that render the masks as they are
+         c.base->model = c.base->truth;
+         c.base->labels[0].label = c.base->labels[0].prob = c.base->is_ball;
+       }},
+      {"rbf", as_it_is, one_colour},
+      {"fine-hash", [](EffectCase& c) { c.joint.hash_finest = 20; },
+       [](EffectCase& c) { c.joint.hash_finest = 4096; }},
+      {"variance", as_it_is,
+       [](EffectCase& c) {
+         for (ImageF& photo : c.base->photos) std::fill(photo.data.begin(), photo.data.end(), 0.5f);
+       }},
+      {"cont", as_it_is, one_colour},
+      {"smooth", as_it_is, one_colour},
+      {"photometric", as_it_is,
+       [](EffectCase& c) {
+         for (std::size_t v = 0; v < 4; ++v)
+           c.base->scene.views[v].image_path.clear(), c.base->photos[v] = {};
+       }},
+      {"region",
+       [](EffectCase& c) {  // masks of a corner of the ball: labels show far from them
+         for (ViewMasks& m : c.base->masks) std::fill(m.target[0].begin(), m.target[0].end(), 0.f);
+         c.base->labels[0].label = c.base->is_ball;
+       },
+       as_it_is},
+      {"sh", view_dependent, as_it_is},
+      {"antialias",
+       [](EffectCase& c) {
+         c.base->model.antialiased = true;
+         for (float& s : c.base->model.log_scale) s -= 1.5f;
+       },
+       [](EffectCase& c) { c.base->model.antialiased = false; }},
+      {"split", large_ball,
+       [](EffectCase& c) {
+         large_ball(c);
+         for (float& s : c.base->model.log_scale) s = -7;
+         for (float& o : c.base->model.logit_opacity) o = -1;
+         c.relabel();
+       }},
+  };
+}
+
+}  // namespace
+
+TEST_CASE(
+    "every effect with a detector: auto is on where the scene needs it, off where it does not, within the "
+    "bound") {
+  for (const Pair& pair : pairs()) {
+    CAPTURE(pair.name);
+    const std::vector<std::string> entries = surroundings(pair.name);
+    EffectCase needs, does_not;
+    pair.needs(needs), pair.does_not(does_not);
+    const EffectDecision yes = decision_on(needs, pair.name, entries),
+                         no = decision_on(does_not, pair.name, entries);
+    CAPTURE(yes.reason);
+    CAPTURE(no.reason);
+    CHECK(yes.on);
+    CHECK(yes.mode == "auto");
+    CHECK_FALSE(no.on);
+    CHECK(no.measured.has_value());
+    std::vector<std::string> on = entries, off = entries, decided = entries;
+    on.push_back(pair.name + "=on"), off.push_back(pair.name + "=off");
+    for (const std::string& entry : decided_entries({yes})) decided.push_back(entry);
+    CHECK(masks_with(needs, decided) == masks_with(needs, on));
+    const double change = mean_difference(masks_with(does_not, off), masks_with(does_not, on));
+    MESSAGE(pair.name << ": |off - on| = " << change << " (" << no.reason << ")");
+    CHECK(change <= kEffectBound);
+  }
+}
+
+TEST_CASE(
+    "the steps are left out where the walk to the photos' edges decides the contours, and kept where it does "
+    "not") {
+  EffectCase decides, does_not;
+  large_ball(decides);
+  does_not.fine_photos = true;
+  decides.edge.visits = does_not.edge.visits = 15, decides.joint.steps = 40;
+  for (ImageF& photo : does_not.base->photos)  // stripes that have nothing to do with the ball
+    for (std::size_t i = 0; i < photo.data.size(); ++i)
+      photo.data[i] = (i / 3 % 48 + i / 3 / 48) % 6 < 3 ? 0.9f : 0.1f;
+  const std::vector<std::string> around{"view-trust=off", "floaters=off"};
+  const EffectDecision no = decision_on(decides, "joint", around),
+                       yes = decision_on(does_not, "joint", around);
+  CAPTURE(no.reason);
+  CAPTURE(yes.reason);
+  CHECK_FALSE(no.on);
+  CHECK(yes.on);
+  const auto with = [&](const EffectCase& c, const char* entry) {
+    return masks_with(c, {"view-trust=off", "floaters=off", "nerf=off", entry});
+  };
+  const double change = mean_difference(with(decides, "joint=off"), with(decides, "joint=on"));
+  MESSAGE("joint: |off - on| = " << change << " (" << no.reason << ")");
+  CHECK(change <= kContourBound);
+}
+
+TEST_CASE(
+    "a second round is left out where the first brought the contours to the edges, and not where it could "
+    "not") {
+  EffectCase enough, short_of;
+  large_ball(enough), large_ball(short_of);
+  enough.edge.visits = 15, short_of.edge.visits = 1, short_of.edge.rate = 0.05;
+  const auto rounds = [](const EffectCase& c, const char* entry) {
+    Monitor monitor;
+    JointOptions joint = c.joint;
+    joint.effect = {entry};
+    const MethodInput in = c.input();
+    JointTrainer trainer({}, monitor, {joint, c.sample, c.rbf, in}, true);
+    MethodResult start = trainer.result();
+    start.converged = true;
+    return follow_edges({}, monitor, {c.edge, joint, c.sample, c.rbf, in}, std::move(start)).figures;
+  };
+  CHECK(rounds(enough, "second-round=auto").at("edge_rounds") == 1);
+  CHECK(rounds(enough, "second-round=on").at("edge_rounds") == 2);
+  CHECK(rounds(short_of, "second-round=auto").at("edge_rounds") == 2);
+  CHECK(rounds(short_of, "second-round=off").at("edge_rounds") == 1);
+  const std::vector<std::string> start{"view-trust=off", "floaters=off", "joint=off"};
+  std::vector<std::string> off = start, on = start;
+  off.push_back("second-round=off"), on.push_back("second-round=on");
+  const double change = mean_difference(masks_with(enough, off), masks_with(enough, on));
+  MESSAGE("second-round: |off - on| = " << change);
+  CHECK(change <= kContourBound);
+}
+
+TEST_CASE("entries: the last one that names an effect counts, all names every one") {
+  const auto modes = effect_modes({"all=off", "nerf=on", "cont=off", "cont=auto"});
+  CHECK(modes.size() == effect_registry().size());
+  CHECK(modes.at("nerf") == EffectMode::kOn);
+  CHECK(modes.at("cont") == EffectMode::kAuto);
+  CHECK(modes.at("edges") == EffectMode::kOff);
+  CHECK(effect_modes({}).empty());
+  for (const char* wrong : {"nerf", "nerv=on", "nerf=yes", "=on", "", "all"})
+    CHECK_THROWS_AS(effect_modes({wrong}), Error);
+}
+
+TEST_CASE(
+    "decisions: an entry wins over a verdict, a verdict over the detector, and a need that is off over "
+    "that") {
+  const EffectCase c;
+  Monitor monitor;
+  JointOptions joint = c.joint;
+  joint.effect = {"sh=on", "edges=off"};
+  const MethodInput in = c.input();
+  const EffectSetup setup{joint, c.edge, c.sample, c.rbf, in};
+  const auto all = decide_effects({}, monitor, setup, EffectPhase::kSteps,
+                                  {{"sh", false, "because"},
+                                   {"cont", false, "because", "replayed"},
+                                   {"nerf", false, "too"},
+                                   {"joint", true, "so"}},
+                                  {});
+  for (const EffectDecision& d : all) {
+    CAPTURE(d.effect->name);
+    if (d.effect->name == "sh") CHECK((d.on && d.mode == "on"));
+    if (d.effect->name == "cont") CHECK((!d.on && d.mode == "replayed" && d.reason == "because"));
+    if (d.effect->name == "smooth") CHECK((!d.on && d.reason == "needs nerf"));
+  }
+}
+
+TEST_CASE("the registry says what every effect is, what off saves, and why its threshold is what it is") {
+  for (const EffectInfo& e : effect_registry()) {
+    CAPTURE(e.name);
+    CHECK_FALSE(e.help.empty());
+    CHECK(find_effect(e.name) == &e);
+    if (!e.needs.empty()) CHECK(find_effect(e.needs) < &e);  // decided before
+    if (e.on == OnWhere::kAlways) continue;
+    CHECK_FALSE(e.saves.empty());
+    CHECK_FALSE(e.measured.empty());
+    CHECK_FALSE(e.why.empty());
+    CHECK((e.measure != nullptr) == (e.phase != EffectPhase::kLater));
+  }
+}
+
+}  // namespace ngs

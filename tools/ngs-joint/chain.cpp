@@ -1,0 +1,123 @@
+#include "chain.h"
+
+#include "decide.h"
+#include "ngs/io/content_hash.h"
+#include "ngs/io/masks.h"
+#include "ngs/io/photo.h"
+#include "ngs/io/query_ply.h"
+#include "ngs/io/scene_json.h"
+#include "ngs/stages/coarse_input.h"
+#include "ngs/stages/render_stage.h"
+#include "ngs/stages/variance_stage.h"
+#include "prepare.h"
+
+namespace ngs::joint {
+namespace {
+
+void check(cli::Run& run, const Settings& settings, const Paths& paths) {
+  const RunOptions& o = settings.run;
+  if (o.resume && o.checkpoint.empty())
+    throw Error(ErrorCode::kUsage, "--resume without --checkpoint, expected the folder to go on from",
+                "--checkpoint DIR");
+  if (o.method != Method::kPaper && (!paths.trace.empty() || !paths.nerf.empty() || !paths.field.empty() ||
+                                     !o.time_budget.empty() || !o.target.empty() || !o.checkpoint.empty()))
+    run.monitor().warn(
+        "--field, --nerf, --trace, --time-budget, --target and --checkpoint belong to --method paper; this "
+        "method does "
+        "not use them");
+}
+
+/// What the command line decides without naming an effect.
+void rule_by_options(const Settings& settings, const Paths& paths, Decisions& decisions) {
+  const auto steps_wanted = [&](const std::string& reason) { decisions.rule({"joint", true, reason}); };
+  if (settings.run.method != Method::kPaper)
+    for (const std::string_view name :
+         {"view-trust", "floaters"})  // the methods beside it are as their papers say
+      decisions.rule({name, false, "part of --method paper"});
+  if (settings.joint.steps > 0) steps_wanted("--steps");
+  if (!settings.run.checkpoint.empty()) steps_wanted("--checkpoint");
+  if (!paths.nerf.empty()) steps_wanted("--nerf"), decisions.rule({"nerf", true, "--nerf"});
+  if (mode_of("edges", settings.joint.effect) == EffectMode::kOff ||
+      edge_visits(settings.edge, settings.joint.quality) == 0)
+    steps_wanted("no edges are followed after it");
+}
+
+/// What the time that is left decides.
+void rule_by_time(Budget& budget, const Settings& settings, std::size_t views, Decisions& decisions) {
+  const auto leave_out = [&](std::string_view name) {
+    if (mode_of(name, settings.joint.effect) == EffectMode::kAuto) budget.note_cut();
+    decisions.rule({name, false, "--time-budget has no room for it"});
+  };
+  if (!budget.has_room_for(kTrustCost, views)) leave_out("view-trust");
+  if (!budget.has_room_for(kFloatersCost, views)) leave_out("floaters");
+  if (!budget.has_room_for(kDetectorCost, views)) leave_out("joint");
+}
+
+}  // namespace
+
+int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
+  const Settings& settings = declared.settings;
+  check(run, settings, paths);
+  Budget budget(declared.start_s, parse_budget(settings.run.time_budget));
+  parse_target(settings.run.target);
+  Decisions decisions(settings, paths.effects_from);
+  const Scene scene = with_objects(io::read_scene_json(paths.scene), settings.run.objects);
+  const io::GaussianPly ply = io::read_gaussian_ply(paths.boundary);
+  MethodInput read{.cloud = ply.cloud,
+                   .scene = scene,
+                   .views = training_views(scene),
+                   .load_masks = [&](std::size_t view) { return io::load_masks(scene, view); },
+                   .load_photo = [&](std::size_t view) { return io::load_photo(scene, view); },
+                   .splat = splat_options(declared.raster, ply.cloud, scene),
+                   .background = parse_background(settings.run.background),
+                   .seed = run.seed(),
+                   .fixed = ply.fixed,
+                   .labels = labels_of(ply, scene),
+                   .load_fine_photo = [&](std::size_t view) { return io::load_fine_photo(scene, view); }};
+  Json plan = {{"training_views", read.views.size()}, {"gaussians", ply.cloud.size()}};
+  if (run.dry_run()) {
+    run.plan(std::move(plan));
+    return 0;
+  }
+  rule_by_options(settings, paths, decisions);
+  budget.measure(run.exec(), read);
+  rule_by_time(budget, settings, scene.views.size(), decisions);
+  {
+    const CoarseInput coarse(read, decision_shrink(scene));
+    decisions.decide(run, EffectPhase::kBefore, coarse.get());
+  }
+  const bool mend = !settings.run.explain;
+  const ViewTrust trust = mend && decisions.on("view-trust") ? handle_trust(run, read) : ViewTrust{};
+  const MethodInput believed = with_trusted_masks(run, read, trust);
+  const FloaterOutcome clean = mend && decisions.on("floaters")
+                                   ? handle_floaters(run, believed, settings.joint.quality == Quality::kDraft)
+                                   : FloaterOutcome{};
+  MethodInput input = without_floaters(believed, clean);
+  if (settings.run.method != Method::kPaper && mend) {
+    write_result(run, {ply, scene, clean.floater},
+                 run_beside(run, settings.run.method, declared.methods, input), paths.labelled);
+    return 0;
+  }
+  decisions.decide(run, EffectPhase::kSteps, input);
+  decisions.decide(run, EffectPhase::kLater, input);
+  if (!mend) {
+    plan["effects"] = decisions.json();
+    run.plan(std::move(plan));
+    run.text(decision_table(decisions));
+    return 0;
+  }
+  input.splat.antialiased = input.splat.antialiased && decisions.on("antialias");
+  std::optional<QueryField> given;
+  if (!paths.field.empty() && !clean.removed()) given = io::read_query_ply(paths.field);
+  const std::string fingerprint = io::content_hash(paths.boundary).xxh3 + " " + options_text(settings) +
+                                  " seed " + std::to_string(run.seed());
+  return optimise(run, decisions,
+                  {input,
+                   given ? &*given : nullptr,
+                   {ply, scene, clean.floater},
+                   {settings.run.checkpoint, fingerprint},
+                   budget},
+                  {paths.labelled, paths.nerf, paths.trace});
+}
+
+}  // namespace ngs::joint

@@ -1,0 +1,106 @@
+#include "decide.h"
+
+#include <algorithm>
+
+#include "shared/text_file.h"
+
+namespace ngs::joint {
+namespace {
+
+std::vector<EffectVerdict> replayed(const std::string& path) {
+  const Json report = parse_json(cli::read_text_file(path, ErrorCode::kBadInput), path);
+  const Json* effects = nullptr;
+  if (report.is_object() && report.contains("result") && report["result"].is_object() &&
+      report["result"].contains("effects"))
+    effects = &report["result"]["effects"];
+  std::vector<EffectVerdict> verdicts;
+  for (std::size_t i = 0; effects != nullptr && effects->is_array() && i < effects->size(); ++i) {
+    const Json& entry = (*effects)[i];
+    if (!entry.is_object() || !entry.contains("name") || !entry["name"].is_string() ||
+        !entry.contains("on") || !entry["on"].is_boolean())
+      continue;
+    if (const EffectInfo* known = find_effect(entry["name"].get<std::string>()))
+      verdicts.push_back({known->name, entry["on"].get<bool>(), "--effects-from", "replayed"});
+  }
+  if (verdicts.empty())
+    throw Error(ErrorCode::kBadInput, path + ": no decisions on effects, expected a report of ngs-joint",
+                "write one: ngs-joint ... --report FILE");
+  return verdicts;
+}
+
+}  // namespace
+
+Decisions::Decisions(const Settings& settings, const std::string& effects_from) : settings_(settings) {
+  if (!effects_from.empty()) verdicts_ = replayed(effects_from);
+}
+
+void Decisions::decide(cli::Run& run, EffectPhase phase, const MethodInput& input) {
+  const EffectSetup setup{settings_.joint, settings_.edge, settings_.sample, settings_.rbf, input};
+  for (EffectDecision& d : decide_effects(run.exec(), run.monitor(), setup, phase, verdicts_, all_)) {
+    if (d.measured) run.info(decision_line(d));
+    all_.push_back(std::move(d));
+  }
+  run.result()["effects"] = json();
+}
+
+bool Decisions::on(std::string_view name) const {
+  for (const EffectDecision& d : all_)
+    if (d.effect->name == name) return d.on;
+  throw std::logic_error("an effect is asked for before it is decided");
+}
+
+Settings Decisions::settled() const {
+  Settings settled = settings_;
+  settled.joint.effect = decided_entries(all_);
+  return settled;
+}
+
+void Decisions::settle_second_round(cli::Run& run, const std::map<std::string, double>& figures) {
+  const auto gain = figures.find("edge_again_gain");
+  for (EffectDecision& d : all_) {
+    if (d.effect->name != "second-round" || d.mode != "auto") continue;
+    if (gain != figures.end()) {
+      d.measured = gain->second;
+      d.on = gain->second > d.effect->threshold;
+      d.reason = decision_reason(*d.effect, gain->second, d.on);
+      run.info(decision_line(d));
+    } else if (figures.contains("edge_rounds")) {
+      d.on = figures.at("edge_rounds") > 1;
+    }
+  }
+  run.result()["effects"] = json();
+}
+
+Json Decisions::json() const {
+  Json table = Json::array();
+  for (const EffectDecision& d : all_) {
+    Json entry = {{"name", d.effect->name}, {"mode", d.mode}, {"on", d.on}, {"reason", d.reason}};
+    entry["measured"] = d.measured ? Json(*d.measured) : Json();
+    entry["threshold"] = d.effect->on == OnWhere::kAlways ? Json() : Json(d.effect->threshold);
+    entry["saving"] = d.on ? "" : d.effect->saves;
+    table.push_back(std::move(entry));
+  }
+  return table;
+}
+
+std::string decision_table(const Decisions& decisions) {
+  std::string text;
+  for (const Json& d : decisions.json()) {
+    std::string name = d["name"].get<std::string>(), state = d["on"].get<bool>() ? "on" : "off";
+    name.resize(std::max<std::size_t>(name.size(), 14), ' '), state.resize(4, ' ');
+    text += name + state + d["mode"].get<std::string>() + ": " + d["reason"].get<std::string>() + "\n";
+  }
+  return text;
+}
+
+std::string effects_help() {
+  std::string text = "effects (--effect NAME=auto|on|off, all=...; --explain decides them for a scene):\n";
+  for (const EffectInfo& e : effect_registry()) {
+    std::string name = "  " + std::string(e.name);
+    name.resize(18, ' ');
+    text += name + std::string(e.help) + (e.on == OnWhere::kAlways ? "" : "; auto") + "\n";
+  }
+  return text;
+}
+
+}  // namespace ngs::joint
