@@ -1,26 +1,51 @@
-# The paper's ablation and its sweep of tau on one scene: each part of the method switched off by itself, compared on one page.
+# The paper's ablation on one scene, and its hyper-parameters: each part of the method switched off by itself, tau, sigma and
+# K swept, masks made wrong; compared on one page with the time of each run beside its scores.
 #
 #   make -f pipelines/ablation.mk SCENE=scenes/bird ARGS='--masks scenes/bird/masks_sam --hold-out every:4:2'
-#   make -f pipelines/ablation.mk SCENE=... OUT=out/ablation EFFECTS='nerf cont smooth' TAUS='0.4 0.6 0.8' ARGS=...
+#   make -f pipelines/ablation.mk SCENE=... OUT=out/ablation EFFECTS='nerf cont smooth' TAUS= SIGMAS= KS= DAMAGES= ARGS=...
+#   make -f pipelines/ablation.mk SCENE=... BASE= ARGS=...          each part left out of the default instead
 #
-# ARGS are options of ngs-gs.sh, the same for all variants; use absolute paths or paths from here. EFFECTS are the names
-# that `ngs-joint --explain` lists. OUT/VARIANT/ are the runs, OUT/report.html and OUT/summary.json compare them. A variant
-# that fails is said and left out. A second call does only what changed.
+# ARGS are options of ngs-gs.sh, the same for all variants; use absolute paths or paths from here. EFFECTS are the names that
+# `ngs-joint --explain` lists; the paper's columns Bd Sp RBF MRHE NeRF L_align L_smth are boundary box rbf hash nerf align
+# smooth. BASE is what all variants share: the joint stage alone, as the paper has it, without what this project adds. SIGMAS
+# are in units of the boundary's spacing. DAMAGES need MASKS, the folder whose masks are made wrong: erode dilate blob (see
+# robustness.mk for more). OUT/VARIANT/ are the runs, OUT/report.html and OUT/summary.json compare them. A variant that fails
+# is said and left out. A second call does only what changed.
 SHELL := bash
 .DEFAULT_GOAL := all
 HERE := $(dir $(lastword $(MAKEFILE_LIST)))
+.SECONDARY:
 SCENE ?= $(error SCENE is not set)
 OUT ?= out/ablation
 ARGS ?=
-EFFECTS ?= nerf boundary box rbf hash film align variance density mask cont smooth photometric geometry floaters view-trust edges
+MASKS ?=
+SEED ?= 0
+BASE ?= --effect joint=on --effect nerf=on --effect floaters=off --effect view-trust=off --effect edges=off
+EFFECTS ?= boundary box rbf hash nerf align smooth film variance density mask cont photometric geometry mask-geometry
 TAUS ?= 0.2 0.4 0.8
+SIGMAS ?= 0.5 2 4
+KS ?= 1 4 16
+DAMAGES ?= $(if $(MASKS),erode dilate blob)
 
-VARIANTS := full $(EFFECTS:%=without-%) $(TAUS:%=tau-%)
+damage_erode := erode:3
+damage_dilate := dilate:3
+damage_blob := blob:0.5
+
+VARIANTS := full $(EFFECTS:%=without-%) $(TAUS:%=tau-%) $(SIGMAS:%=sigma-%) $(KS:%=K-%) $(DAMAGES:%=masks-%)
 include $(HERE)variants.mk
 
 variant-full:
-	$(call variant,full,)
+	$(call variant,full,$(BASE))
 variant-without-%:
-	$(call variant,without-$*,--effect $*=off)
+	$(call variant,without-$*,$(BASE) --effect $*=off)
 variant-tau-%:
-	VARIANCE_FLAGS="$$VARIANCE_FLAGS --tau $*" $(call variant,tau-$*,)
+	VARIANCE_FLAGS="$$VARIANCE_FLAGS --tau $*" $(call variant,tau-$*,$(BASE))
+variant-sigma-%:
+	RBF_FLAGS="$$RBF_FLAGS --width-factor $*" $(call variant,sigma-$*,$(BASE) --width-factor $*)
+variant-K-%:
+	RBF_FLAGS="$$RBF_FLAGS --neighbours $*" $(call variant,K-$*,$(BASE) --neighbours $*)
+$(OUT)/damaged-%:
+	@mkdir -p '$(OUT)'; . '$(HERE)common.sh'; bin=$$(find_bin); \
+	"$${bin:+$$bin/}ngs-scene" degrade '$(MASKS)' --mask-noise $(damage_$*) --seed $(SEED) -o '$@' -q >/dev/null
+variant-masks-%: $(OUT)/damaged-%
+	$(call variant,masks-$*,$(BASE) --masks '$(OUT)/damaged-$*')

@@ -1,4 +1,4 @@
-# Shared by ablation.mk and work-precision.mk: runs VARIANTS one after the other and compares what was finished.
+# Shared by ablation.mk and robustness.mk: runs VARIANTS one after the other and compares what was finished.
 .NOTPARALLEL:
 .PHONY: all
 # variant NAME OPTIONS: one run; a failure is said and does not end the series.

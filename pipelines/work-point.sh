@@ -7,7 +7,8 @@ here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 bin=$(find_bin)
 tool() { "${bin:+$bin/}$1" "${@:2}"; }
 
-# once NAME: scene.json and boundary.ply, for views@N with masks of every N-th training view only.
+# once NAME: scene.json and boundary.ply, for views@N (1, 2, 4, 8) with one mask in N, in a pattern that does not go in step
+# with every-nth hold-outs.
 once() {
   local folder=$OUT/once/$1 masks=$MASKS scale=$IMAGE_SCALE knob=${1%%@*} value=${1#*@}
   mkdir -p "$folder/reports"
@@ -18,7 +19,7 @@ once() {
       rm -rf "$masks" && mkdir "$masks"
       local i=0 file
       for file in "$MASKS"/*; do
-        if (( i++ % value == 0 )); then ln -s "$(realpath "$file")" "$masks/"; fi
+        if (( i++ * 5 % 8 < 8 / value )); then ln -s "$(realpath "$file")" "$masks/"; fi
       done ;;
   esac
   tool ngs-scene import "$SCENE" --masks "$masks" --hold-out "$HOLD_OUT" ${scale:+--image-scale "$scale"} \

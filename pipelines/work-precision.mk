@@ -38,7 +38,7 @@ flags_quality = --quality $(1)
 flags_effects = $(if $(filter all-on,$(1)),--effect all=on)
 flags_steps = $(joint) --steps $(1)
 flags_neighbours = $(joint) --steps $(STEPS) --neighbours $(1)
-# One view in VALUE has masks: every VALUE-th of those that may supervise.
+# One view in VALUE has a mask.
 flags_views = $(joint) --steps $(STEPS)
 # Of the photos' size, scene and evidence too.
 flags_image-scale = $(joint) --steps $(STEPS)

@@ -1,11 +1,14 @@
 // The data-set loops of pipelines/ on data sets of one tiny scene each, laid out like the real ones.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "support/process.h"
+#include "support/schema_check.h"
 #include "support/temp_dir.h"
 #include "support/tiny_scene.h"
 
@@ -138,27 +141,50 @@ TEST_CASE("ablation.mk compares the full method with its variants and leaves out
   const DataSet data;
   const test::ProcessResult result =
       make(data, {"-f", NGS_SOURCE_DIR "/pipelines/ablation.mk", "EFFECTS=cont nonsense", "TAUS=0.5",
-                  "ARGS=--steps 2 --hold-out every:4:2 --gt tiny/masks"});
+                  "SIGMAS=2", "KS=4", "ARGS=--steps 2 --hold-out every:4:2 --gt tiny/masks"});
   INFO(result.err);
   CHECK(result.exit_code == 0);
   CHECK(result.err.find("variant without-nonsense failed, left out") != std::string::npos);
   const Json means = data.json("out/summary.json")["result"]["means"];
-  REQUIRE(means.size() == 3);
+  REQUIRE(means.size() == 5);
   CHECK(means[1]["run"] == "without-cont");
   CHECK(means[2]["run"] == "tau-0.5");
+  CHECK(data.json("out/sigma-2/reports/ngs-joint.json")["options"]["width_factor"] == 2);
+  CHECK(data.json("out/K-4/reports/ngs-rbf.json")["options"]["neighbours"] == 4);
   CHECK(data.json("out/tau-0.5/reports/ngs-variance.json")["options"]["tau"] == 0.5);
 }
 
-TEST_CASE("work-precision.mk compares methods and qualities") {
+TEST_CASE("work-precision.mk draws its points with their frontier, and keeps those that fail") {
   const DataSet data;
   const test::ProcessResult result =
-      make(data, {"-f", NGS_SOURCE_DIR "/pipelines/work-precision.mk", "POINTS=flash paper@draft",
-                  "ARGS=--hold-out every:4:2 --gt tiny/masks"});
+      make(data, {"-f", NGS_SOURCE_DIR "/pipelines/work-precision.mk", "GT=tiny/masks", "REPEATS=2",
+                  "STEPS=2", "POINTS=method@flash method@nonsense steps@2 views@2"});
   INFO(result.err);
-  CHECK(result.exit_code == 0);
-  CHECK(data.json("out/paper@draft/reports/ngs-joint.json")["options"]["quality"] == "draft");
-  CHECK(test::read_bytes(data.path("out/report.html")).find("Boundary IoU against time") !=
-        std::string::npos);
+  REQUIRE(result.exit_code == 0);
+  const auto schema = [](const char* name) {
+    return nlohmann::json::parse(test::read_bytes(std::string(NGS_SOURCE_DIR "/data-schema/") + name));
+  };
+  const Json points = data.json("out/points.json");
+  CHECK(test::schema_violations(schema("work-precision.schema.json"), points) == "");
+  REQUIRE(points["points"].size() == 4);
+  CHECK(points["points"][0]["setting"] == "flash");
+  CHECK(points["points"][0]["frontier"] == true);
+  CHECK(points["points"][0]["runs"].size() == 2);
+  CHECK(points["points"][0]["score"]["min"] == points["points"][0]["score"]["max"]);  // deterministic
+  CHECK(points["points"][1]["failed"] == true);
+  CHECK(points["points"][1]["runs"][0]["exit_code"] == 2);
+  CHECK(points["once_cpu_s"].contains("views@2"));
+  std::istringstream trace(test::read_bytes(data.path("out/points/steps@2/1/trace.jsonl")));
+  int lines = 0;
+  for (std::string line; std::getline(trace, line); ++lines)
+    CHECK(test::schema_violations(schema("trace.schema.json"), nlohmann::json::parse(line)) == "");
+  CHECK(lines == 3);
+  const std::string page = test::read_bytes(data.path("out/report.html")),
+                    csv = test::read_bytes(data.path("out/points.csv"));
+  CHECK(page.find("method@nonsense") != std::string::npos);
+  CHECK(page.find("http") == std::string::npos);
+  CHECK(page.find("<script") == std::string::npos);
+  CHECK(std::count(csv.begin(), csv.end(), '\n') == 1 + 8);
 }
 
 }  // namespace

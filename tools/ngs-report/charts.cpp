@@ -128,6 +128,9 @@ std::string plot_svg(const Plot& plot) {
     if (!series.points.empty()) shown.push_back(std::move(series));
   }
   if (shown.empty()) return {};
+  for (const PlotPoint& p : plot.room)
+    if (std::isfinite(p.x) && std::isfinite(p.y) && (p.x > 0 || !plot.log_x))
+      frame.x.include(frame.across(p.x)), frame.y.include(p.y);
   if (plot.log_x)
     frame.x.low -= 0.05, frame.x.high += 0.05;
   else

@@ -25,7 +25,8 @@ struct PlotSeries {
 struct Plot {
   std::string title, x_label, y_label;  // title is the text alternative too
   std::vector<PlotSeries> series;
-  bool log_x = false;  // points at x <= 0 are left out
+  bool log_x = false;                // points at x <= 0 are left out
+  std::vector<PlotPoint> room = {};  // not drawn; the axes have room for them
 };
 
 /// Axes with round ticks; points that are not finite are left out. Empty if nothing is left.

@@ -74,7 +74,7 @@ svg.plot .series1 circle{fill:var(--accent)}
 svg.plot .series2 polyline{stroke:var(--soft)}
 svg.plot .series2 circle{fill:var(--soft);fill-opacity:.55}
 svg.plot .whisker{stroke:var(--soft);stroke-width:1.5}
-svg.plot g text{fill:var(--ink)}
+svg.plot g text{fill:var(--ink);paint-order:stroke;stroke:var(--ground);stroke-width:4px;stroke-linejoin:round}
 @media print{details{display:block}.legend input{display:none}}
 )css";
 

@@ -75,7 +75,9 @@ std::string frontier_section(const Sweep& sweep, const SweepView& view) {
 
 std::string knobs_section(const Sweep& sweep, const SweepView& view) {
   std::map<std::string, PlotSeries> knobs;
+  std::vector<PlotPoint> all;  // every plot has the same axes
   for (const SweepPoint& point : sweep.points) {
+    all.push_back(dot_of(point, view, {}));
     PlotSeries& series =
         knobs.try_emplace(point.knob, PlotSeries{.name = {}, .points = {}, .line = false}).first->second;
     if (!point.failed()) series.points.push_back(dot_of(point, view, point.setting));
@@ -86,7 +88,8 @@ std::string knobs_section(const Sweep& sweep, const SweepView& view) {
                        .x_label = unit_of(view) + " (logarithmic)",
                        .y_label = view.score,
                        .series = {series},
-                       .log_x = true});
+                       .log_x = true,
+                       .room = all});
   return section("knobs", "Knob by knob", "<div class=charts>" + plots + "</div>");
 }
 
@@ -117,6 +120,31 @@ std::string points_section(const Sweep& sweep) {
       "<div class=scroll>" + table.html() +
           "</div><p class=note>50, 90, 99 %: wall time after which that share of what a run gains in "
           "agreement with its training masks was reached, scoring not counted.</p>");
+}
+
+/// Agreement with the training masks over the time of single runs: those with the most evaluations.
+std::string anytime_section(const Sweep& sweep) {
+  std::vector<const SweepPoint*> longest;
+  for (const SweepPoint& point : sweep.points)
+    if (point.runs.front().trace.size() > 2) longest.push_back(&point);
+  std::stable_sort(longest.begin(), longest.end(), [](const SweepPoint* a, const SweepPoint* b) {
+    return a->runs.front().trace.size() > b->runs.front().trace.size();
+  });
+  std::string plots;
+  for (std::size_t i = 0; i < std::min<std::size_t>(longest.size(), 4); ++i) {
+    PlotSeries line{.name = {}, .points = {}};
+    const std::vector<Json>& trace = longest[i]->runs.front().trace;
+    for (const Json& step : trace)
+      line.points.push_back(
+          {number_at(step, {"t"}) - number_at(trace.front(), {"t"}), number_at(step, {"training_biou"}), {}});
+    plots += plot_svg({.title = longest[i]->name(),
+                       .x_label = "wall seconds since the first evaluation, evaluations not counted",
+                       .y_label = "B-IoU, training masks",
+                       .series = {line}});
+  }
+  return plots.empty()
+             ? plots
+             : section("anytime", "Over the time of one run", "<div class=charts>" + plots + "</div>");
 }
 
 /// What a time buys, and what a quality costs.
@@ -209,8 +237,8 @@ std::string sweep_page(const Sweep& sweep, const SweepView& view, const std::str
          "nor "
          "scripts.</p></header>\n<main>" +
          frontier_section(sweep, view) + knobs_section(sweep, view) + equal_section(sweep, view) +
-         numerical_section(sweep) + once_section(sweep) + points_section(sweep) + "</main>\n<footer>ngs " +
-         kVersion + "</footer></body></html>\n";
+         anytime_section(sweep) + numerical_section(sweep) + once_section(sweep) + points_section(sweep) +
+         "</main>\n<footer>ngs " + kVersion + "</footer></body></html>\n";
 }
 
 Json sweep_json(const Sweep& sweep, const SweepView& view) {
@@ -253,9 +281,9 @@ std::string sweep_csv(const Sweep& sweep) {
 }
 
 int work_precision_command(int argc, char** argv) {
-  Tool tool(
-      "ngs-report work-precision", "Show a sweep: accuracy against time, knob by knob, with its frontier.",
-      {"ngs-report work-precision out/work-precision -o page.html --points-json points.json"});
+  Tool tool("ngs-report work-precision",
+            "Show a sweep: accuracy against time, knob by knob, with its frontier.",
+            {"ngs-report work-precision out/work-precision -o page.html --points-json points.json"});
   WorkPrecisionOptions options;
   tool.options(options);
   const Input& folder = tool.input("sweep", "OUT of pipelines/work-precision.mk");
