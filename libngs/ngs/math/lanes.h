@@ -7,10 +7,10 @@
 // A lane of PackF computes bit for bit what `float` computes: same operations, explicit fma, no contraction.
 #include <immintrin.h>
 
-#include <cmath>
 #include <cstdint>
 
 #include "ngs/math/dual.h"
+#include "ngs/math/lane_scalar.h"
 
 namespace ngs {
 
@@ -42,12 +42,6 @@ inline PackMask operator<=(PackF a, PackF b) { return {a.v <= b.v}; }
 inline PackMask operator>=(PackF a, PackF b) { return {a.v >= b.v}; }
 inline PackMask operator>(PackF a, PackF b) { return {a.v > b.v}; }
 
-template <class L> struct LaneTraits {
-  using Scalar = L;
-  using Folded = L;
-  using Mask = bool;
-  static constexpr int kLanes = 1;
-};
 template <> struct LaneTraits<PackF> {
   using Scalar = float;
   using Folded = PackF;
@@ -102,21 +96,7 @@ inline int count_lanes(PackMask m) {
   return __builtin_popcount(unsigned(_mm256_movemask_ps(_mm256_castsi256_ps(reinterpret_cast<__m256i>(m.v)))));
 }
 
-template <class T> T select(bool m, T a, T b) { return m ? a : b; }
-inline bool any(bool m) { return m; }
-inline int count_lanes(bool m) { return m ? 1 : 0; }
-inline float fma_lanes(float a, float b, float c) { return std::fma(a, b, c); }
-inline double fma_lanes(double a, double b, double c) { return std::fma(a, b, c); }
 template <class T> Dual<T> fma_lanes(Dual<T> a, Dual<T> b, Dual<T> c) { return a * b + c; }
-template <class T> T min_lanes(T a, T b) { return b < a ? b : a; }
-template <class T> void store_lanes(T* p, T x) { *p = x; }
-template <class T> void load_lanes(const T* p, T& x) { x = *p; }
-template <class T> void iota_lanes(T start, T& x) { x = start; }
-template <class T> T sum_lanes(T x) { return x; }
-template <class T> void sum_lanes_each(const T* x, int n, T* out) {
-  for (int i = 0; i < n; ++i) out[i] = x[i];
-}
-template <class T> T folded(T x) { return x; }
 
 /// Four doubles, for geometry that is found for several places at once.
 struct Pack4D {
@@ -137,27 +117,6 @@ inline Pack4D floor_lanes(Pack4D a) { return Pack4D::Raw(_mm256_floor_pd(a.v)); 
 /// Rounds towards zero; the values must fit.
 inline void store_ints(int* p, Pack4D a) { _mm_storeu_si128(reinterpret_cast<__m128i*>(p), _mm256_cvttpd_epi32(a.v)); }
 
-/// kMagic = 1.5·2^23: adding it rounds to the nearest integer.
-inline constexpr float kMagic = 12582912.f;
-
-/// e^x for x in [-87, 0]. Cody-Waite reduction to |r| <= ln2/2 and the Taylor polynomial of degree 7: truncation
-/// below r^8/8! = 5.2e-9 relative, so the error is rounding: at most 1.5 ulp (measured in tests/unit/math).
-/// Returns e^r; `shifted` = kMagic + n with e^x = 2^n e^r: its low bits are n in two's complement.
-template <class L>
-L exp_nonpositive_reduced(L x, L& shifted) {
-  const L kLog2e(1.44269504088896341f), kLn2Hi(0.693145751953125f), kLn2Lo(1.42860682030941723e-6f);
-  shifted = fma_lanes(x, kLog2e, L(kMagic));
-  const L n = shifted - L(kMagic);
-  const L r = fma_lanes(-n, kLn2Lo, fma_lanes(-n, kLn2Hi, x));
-  L p(1.f / 5040);
-  p = fma_lanes(p, r, L(1.f / 720));
-  p = fma_lanes(p, r, L(1.f / 120));
-  p = fma_lanes(p, r, L(1.f / 24));
-  p = fma_lanes(p, r, L(1.f / 6));
-  p = fma_lanes(p, r, L(0.5f));
-  p = fma_lanes(p, r, L(1.f));
-  return fma_lanes(p, r, L(1.f));
-}
 /// Below -87 (and for NaN) e^-87; no result is subnormal, so 2^n is an addition to the exponent. Above 0: any value.
 inline PackF exp_nonpositive(PackF x) {
   PackF shifted;
@@ -165,12 +124,6 @@ inline PackF exp_nonpositive(PackF x) {
   const __m256i exponent = _mm256_slli_epi32(_mm256_castps_si256(shifted.v), 23);
   return PackF(PackF::Raw(_mm256_castsi256_ps(_mm256_add_epi32(_mm256_castps_si256(p.v), exponent))));
 }
-inline float exp_nonpositive(float x) {
-  float shifted;
-  const float p = exp_nonpositive_reduced(x < -87.f ? -87.f : x, shifted);
-  return p * std::ldexp(1.f, int(shifted - kMagic));
-}
-inline double exp_nonpositive(double x) { return std::exp(x); }
 template <class T> Dual<T> exp_nonpositive(Dual<T> x) { return exp(x); }
 
 }  // namespace ngs

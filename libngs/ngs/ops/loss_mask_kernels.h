@@ -54,19 +54,20 @@ struct MaskLossRow {
 
   NGS_HD void operator()(std::int64_t y) const {
     Acc sum(0);
-    for (int x = 0; x < width; ++x) {
-      const std::int64_t p = y * width + x;
-      const bool counts = known == nullptr || known[p] != 0;
-      const T weight = T(counts ? (pixel_weight ? pixel_weight[p] : 1.f) : 0.f);
-      for (int k = 0; k < objects; ++k) {
-        const T prediction = rendered[p * objects + k], m = T(target[k][p]);
-        LossSlope<T> loss{T(0), T(0)};
-        if (counts) loss = linear ? mask_linear(prediction, m, lambda) : mask_bce(prediction, m);
-        sum += Acc(weight * loss.value);
-        if (grad_rendered) grad_rendered[p * objects + k] = scale * weight * loss.slope;
-      }
-    }
+    for (int x = 0; x < width; ++x) pixel(y * width + x, sum);
     row_sum[y] = sum;
+  }
+  /// Adds pixel p to `sum` and writes its gradient.
+  NGS_HD void pixel(std::int64_t p, Acc& sum) const {
+    const bool counts = known == nullptr || known[p] != 0;
+    const T weight = T(counts ? (pixel_weight ? pixel_weight[p] : 1.f) : 0.f);
+    for (int k = 0; k < objects; ++k) {
+      const T prediction = rendered[p * objects + k], m = T(target[k][p]);
+      LossSlope<T> loss{T(0), T(0)};
+      if (counts) loss = linear ? mask_linear(prediction, m, lambda) : mask_bce(prediction, m);
+      sum += Acc(weight * loss.value);
+      if (grad_rendered) grad_rendered[p * objects + k] = scale * weight * loss.slope;
+    }
   }
 };
 

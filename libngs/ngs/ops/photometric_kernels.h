@@ -56,13 +56,14 @@ struct Products {
     const T* b = y.row(int(row));
     T* out = planes + layout.row(int(row));
     const std::int64_t n = layout.width(), plane = layout.plane();
-    for (std::int64_t i = 0; i < n; ++i) {
-      out[kX * plane + i] = a[i];
-      out[kY * plane + i] = b[i];
-      out[kXX * plane + i] = a[i] * a[i];
-      out[kYY * plane + i] = b[i] * b[i];
-      out[kXY * plane + i] = a[i] * b[i];
-    }
+    for (std::int64_t i = 0; i < n; ++i) store(out + i, plane, a[i], b[i]);
+  }
+  NGS_HD static void store(T* out, std::int64_t plane, T a, T b) {
+    out[kX * plane] = a;
+    out[kY * plane] = b;
+    out[kXX * plane] = a * a;
+    out[kYY * plane] = b * b;
+    out[kXY * plane] = a * b;
   }
 };
 
@@ -76,6 +77,14 @@ struct BlurRow {
   const T* in;
   T* out;
 
+  /// Value i of the row alone: what the strips compute.
+  NGS_HD void at(std::int64_t item, std::int64_t i) const {
+    const std::int64_t index = (item / layout.h) * layout.plane() + layout.row(int(item % layout.h)) + i;
+    T sum = T(window.tap[kRadius]) * in[index];
+    for (int k = 1; k <= kRadius; ++k)
+      sum += T(window.tap[kRadius + k]) * (in[index - k * layout.c] + in[index + k * layout.c]);
+    out[index] = sum;
+  }
   NGS_HD void operator()(std::int64_t item) const {
     const std::int64_t offset = (item / layout.h) * layout.plane() + layout.row(int(item % layout.h));
     for (std::int64_t begin = 0; begin < layout.width(); begin += kStrip) {
@@ -101,6 +110,15 @@ struct BlurColumn {
   const T* in;
   T* out;
 
+  /// Value i of the row alone: what the strips compute.
+  NGS_HD void at(std::int64_t item, std::int64_t i) const {
+    const int y = int(item % layout.h);
+    const int first = y < kRadius ? -y : -kRadius, last = layout.h - 1 - y < kRadius ? layout.h - 1 - y : kRadius;
+    const std::int64_t index = (item / layout.h) * layout.plane() + layout.row(y) + i;
+    T sum = T(0);
+    for (int k = first; k <= last; ++k) sum += T(window.tap[k + kRadius]) * in[index + k * layout.stride()];
+    out[index] = sum;
+  }
   NGS_HD void operator()(std::int64_t item) const {
     const int y = int(item % layout.h);
     const int first = y < kRadius ? -y : -kRadius, last = layout.h - 1 - y < kRadius ? layout.h - 1 - y : kRadius;
@@ -204,12 +222,14 @@ struct RowGradient {
       const T factor = T(weights.at(px, row) * l1_factor);
       for (int ch = 0; ch < layout.c; ++ch) {
         const std::int64_t i = std::int64_t(px) * layout.c + ch;
-        const T a = x.row(row)[i], b = y.row(row)[i], difference = a - b;
-        const T sign = difference > T(0) ? T(1) : (difference < T(0) ? T(-1) : T(0));
-        gradient.row(row)[i] = blurred[kDx * plane + base + i] + T(2) * a * blurred[kDxx * plane + base + i] +
-                               b * blurred[kDxy * plane + base + i] + factor * sign;
+        gradient.row(row)[i] = value(blurred + base + i, plane, x.row(row)[i], y.row(row)[i], factor);
       }
     }
+  }
+  NGS_HD static T value(const T* at, std::int64_t plane, T a, T b, T factor) {
+    const T difference = a - b;
+    const T sign = difference > T(0) ? T(1) : (difference < T(0) ? T(-1) : T(0));
+    return at[kDx * plane] + T(2) * a * at[kDxx * plane] + b * at[kDxy * plane] + factor * sign;
   }
 };
 

@@ -7,13 +7,10 @@
 #include <cmath>
 
 #include "ngs/math/lanes.h"
+#include "ngs/ops/splat_step_kernels.h"
 #include "ngs/ops/tile_types.h"
 
 namespace ngs {
-
-inline constexpr double kAlphaCap = 0.99;        // alpha = min(0.99, o e^power)
-inline constexpr double kAlphaMin = 1.0 / 255;   // contributions below are skipped
-inline constexpr double kSpanSlackPx = 0.02;     // more than the rounding of any span; lanes test alpha anyway
 
 template <class L>
 inline constexpr int kPackColumns = kTilePx / LaneTraits<L>::kLanes;
@@ -156,7 +153,7 @@ template <class L, class Sink>
       live[column * kTilePx + row] = lane < L(S(row < rows ? inside : 0));
     }
   }
-  const L stop(work.stop), cap = L(S(kAlphaCap)), alpha_min = L(S(kAlphaMin)), zero = L(S(0));
+  const L stop(work.stop), alpha_min = L(S(kAlphaMin)), zero = L(S(0));
 
   RowsToVisit<L> ahead[kAhead];
   for (std::uint32_t e = 0; e < work.entries; ++e) {
@@ -181,11 +178,11 @@ template <class L, class Sink>
         const Mask visited = to_visit.narrowed(live[pack], row);
         const S v = tile_y - S(row);
         const L linear(minus_b * v), constant(c_half * v * v);
-        const L power = fma_lanes(u, fma_lanes(conic_a_half, u, linear), constant);
-        const L alpha = min_lanes(cap, opacity * exp_nonpositive(power));
+        const L power = splat_power(u, conic_a_half, linear, constant);
+        const L alpha = splat_alpha(opacity, power);
         const Mask reached = visited & (alpha >= alpha_min) & (power <= zero);
         const L before = transmittance[pack];
-        const L after = fma_lanes(-alpha, before, before);
+        const L after = splat_behind(alpha, before);
         const Mask lasts = after >= stop;
         const Mask used = reached & lasts;
         live[pack] = live[pack] & (lasts | !reached);

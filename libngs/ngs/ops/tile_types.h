@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "ngs/core/hd.h"
+
 namespace ngs {
 
 inline constexpr int kTilePx = 16;
@@ -33,8 +35,8 @@ struct SplatRecord {
 struct TileFrame {
   int x_px, y_px;           // first column and row
   int width_px, height_px;  // of the image
-  [[gnu::always_inline]] int rows() const { return kTilePx < height_px - y_px ? kTilePx : height_px - y_px; }
-  [[gnu::always_inline]] int columns() const { return kTilePx < width_px - x_px ? kTilePx : width_px - x_px; }
+  [[gnu::always_inline]] NGS_HD int rows() const { return kTilePx < height_px - y_px ? kTilePx : height_px - y_px; }
+  [[gnu::always_inline]] NGS_HD int columns() const { return kTilePx < width_px - x_px ? kTilePx : width_px - x_px; }
 };
 
 /// The Gaussians of one tile, nearest first: record[visible[e]], and the slot of the pair (Gaussian, tile).
@@ -59,7 +61,7 @@ template <class S>
 struct ChannelValues {
   const S* data;
   int count;
-  [[gnu::always_inline]] const S* row(std::uint32_t v) const { return data + std::size_t(v) * std::size_t(count); }
+  [[gnu::always_inline]] NGS_HD const S* row(std::uint32_t v) const { return data + std::size_t(v) * std::size_t(count); }
 };
 
 template <class S>

@@ -1,0 +1,59 @@
+#pragma once
+// One Gaussian at one pixel: the step that every compositing walk repeats.            Eq. (2); PAPER.md §5.1
+//
+// L is a lane type: a pack of pixels on the CPU, one pixel in a thread of a device. Every product that is summed is an
+// explicit fma, so all of them compute the same bits.
+#include "ngs/core/hd.h"
+#include "ngs/math/lane_scalar.h"
+
+namespace ngs {
+
+inline constexpr double kAlphaCap = 0.99;        // alpha = min(0.99, o e^power)
+inline constexpr double kAlphaMin = 1.0 / 255;   // contributions below are skipped
+inline constexpr double kSpanSlackPx = 0.02;     // more than the rounding of any span; lanes test alpha anyway
+inline constexpr double kTransmittanceStop = 1e-4;  // a pixel ends before its transmittance falls below
+
+/// The exponent -(a u² + 2 b u v + c v²) / 2 at the offset (u, v) from the mean; linear = -b v, constant = -c v² / 2.
+template <class L>
+[[gnu::always_inline]] NGS_HD inline L splat_power(L u, L minus_a_half, L linear, L constant) {
+  return fma_lanes(u, fma_lanes(minus_a_half, u, linear), constant);
+}
+template <class L>
+[[gnu::always_inline]] NGS_HD inline L splat_alpha(L opacity, L power) {
+  return min_lanes(L(typename LaneTraits<L>::Scalar(kAlphaCap)), opacity * exp_nonpositive(power));
+}
+/// The transmittance behind a Gaussian.
+template <class L>
+[[gnu::always_inline]] NGS_HD inline L splat_behind(L alpha, L before) {
+  return fma_lanes(-alpha, before, before);
+}
+
+/// A Gaussian relative to the first pixel centre of a tile.
+template <class S>
+struct TileGaussian {
+  S x, y, minus_a_half, minus_b, minus_c_half, opacity;
+};
+
+/// A pixel on its walk.
+template <class S>
+struct PixelWalk {
+  S transmittance;
+  bool live;
+
+  /// Passes Gaussian `g` at column x, row y of the tile; returns its alpha, 0 where it is not used. `before` is the
+  /// transmittance it meets. A pixel stops before its transmittance would fall below `stop`.
+  NGS_HD S pass(const TileGaussian<S>& g, S x, S y, S stop, S& before) {
+    before = transmittance;
+    const S u = g.x - x, v = g.y - y;
+    const S power = splat_power(u, g.minus_a_half, g.minus_b * v, g.minus_c_half * v * v);
+    const S alpha = splat_alpha(g.opacity, power);
+    if (!live || !(alpha >= S(kAlphaMin)) || !(power <= S(0))) return S(0);
+    const S after = splat_behind(alpha, before);
+    live = after >= stop;
+    if (!live) return S(0);
+    transmittance = after;
+    return alpha;
+  }
+};
+
+}  // namespace ngs
