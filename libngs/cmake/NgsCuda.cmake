@@ -1,11 +1,18 @@
 # CUDA is an addition, never a requirement. AUTO compiles it where a working nvcc of version 12 or later (C++20)
 # is found; ON demands it.
+option(NGS_CUDA_FMAD "let nvcc contract products and sums" OFF)
+option(NGS_CUDA_REPORT "print registers, spills and shared memory of every kernel" OFF)
 set(NGS_CUDA_ENABLED OFF)
 if(NOT NGS_WITH_CUDA STREQUAL "OFF")
   find_program(NGS_NVCC nvcc HINTS $ENV{CUDA_HOME}/bin /usr/local/cuda/bin)
   if(NGS_NVCC)
     if(NOT CMAKE_CUDA_ARCHITECTURES)
-      set(CMAKE_CUDA_ARCHITECTURES 80 86 89 90)
+      execute_process(COMMAND ${NGS_NVCC} --list-gpu-arch OUTPUT_VARIABLE known)
+      foreach(architecture 80 86 89 90 100 120)  # where the compiler knows them
+        if(known MATCHES "compute_${architecture}[\r\n]")
+          list(APPEND CMAKE_CUDA_ARCHITECTURES ${architecture})
+        endif()
+      endforeach()
     endif()
     set(ENV{CUDACXX} ${NGS_NVCC})
     include(CheckLanguage)
@@ -22,6 +29,14 @@ if(NOT NGS_WITH_CUDA STREQUAL "OFF")
       endif()
       set(CMAKE_CUDA_RUNTIME_LIBRARY Static)
       set(NGS_CUDA_ENABLED ON)
+      # What is fused is written fma(), on a device as on the CPU (NgsFlags.cmake): without contraction both compute the
+      # same bits but for exp, log and their kin, and the emulation of the tests says what a device will compute.
+      target_compile_options(ngs_flags INTERFACE
+        $<$<COMPILE_LANGUAGE:CUDA>:--fmad=$<IF:$<BOOL:${NGS_CUDA_FMAD}>,true,false>
+        -Xcompiler=-Wall,-Wextra,-ffp-contract=off,-fno-math-errno,-march=x86-64-v3>
+        $<$<AND:$<COMPILE_LANGUAGE:CUDA>,$<BOOL:${NGS_WERROR}>>:-Werror=all-warnings -Xcompiler=-Werror>
+        $<$<AND:$<COMPILE_LANGUAGE:CUDA>,$<BOOL:${NGS_CUDA_REPORT}>>:-Xptxas=-v>)
+      set(CMAKE_CUDA_FLAGS_RELEASE "-O3 -DNDEBUG")
     endif()
   endif()
   if(NGS_WITH_CUDA STREQUAL "ON" AND NOT NGS_CUDA_ENABLED)

@@ -53,7 +53,7 @@ mutant() {
   run "$@" "$work/$count" >>"$work/verdicts" &
 }
 
-for suite in stability grad; do
+for suite in stability grad emulated; do
   "$build/bin/test_$suite" --minimal >"$work/log" 2>&1 || { echo "test_$suite fails without a mutant" >&2; exit 1; }
 done
 source "$root/tests/stability/mutants_list.sh"

@@ -7,8 +7,8 @@ mutant $f $t "" "no floor of the compensation" 's/sqrt\(max2\(ratio, T\(kCompens
 mutant $f $t "" "gradient of the opacity as s (1 - s)" 's/sigmoid_slope\(ctx\.logit_opacity\)/ctx.sigmoid_opacity * (T(1) - ctx.sigmoid_opacity)/'
 mutant $f $t "" "direction of a zero offset" 's/length2 > T\(0\) \? T\(1\) \/ sqrt\(length2\) : T\(0\)/T(1) \/ sqrt(length2)/'
 mutant $f "$t grad/splat_grad_test.cpp" "" "off-diagonal gradient not halved" 's/g\.conic_b \/ T\(2\)/g.conic_b/'
-mutant ops/splat_view.h $t "" "no near plane" 's/if \(!\(t\.z > pc\.near_z\)\) continue;//'
-mutant ops/splat_view.h $t "" "positions subtracted in float" 's/using W = WideOf<S>;/using W = S;/'
+mutant ops/splat_gaussian.h $t "" "no near plane" 's/if \(!\(t\.z > camera\.near_z\)\) return false;//'
+mutant ops/splat_gaussian.h $t "" "positions subtracted in float" 's/using W = WideOf<S>;/using W = S;/'
 mutant math/quat.h $t "" "norm without scaling" 's/q\.([xyzw]) \/ largest/q.\1/g'
 mutant math/quat.h $t "" "zero quaternion not caught" 's/if \(!\(largest > T\(0\)\)\)/if (false)/'
 mutant math/quat.h "$t grad/splat_grad_test.cpp" "" "gradient keeps its part along q" 's/const T along = .*;/const T along = T(0);/'
@@ -19,15 +19,15 @@ mutant $f $t "" "softplus as log(1 + e^x)" 's/x > T\(0\) \? x \+ log1p\(exp\(-x\
 mutant $f $t "" "1 - e^-x as a difference" 's/return -expm1\(-x\);/return T(1) - std::exp(-x);/'
 mutant $f $t "" "logit as -log(1 / p - 1)" 's/log\(p\) - log1p\(-p\)/-log(T(1) \/ p - T(1))/'
 mutant $f $t "" "slope of the sigmoid one-sided" 's/exp\(x < T\(0\) \? x : -x\)/exp(-x)/'
-mutant math/lanes.h $t "" "ln 2 without its low part" 's/fma_lanes\(-n, kLn2Lo, fma_lanes\(-n, kLn2Hi, x\)\)/fma_lanes(-n, kLn2Hi, x)/'
-mutant math/lanes.h $t "" "exponent not clamped" 's/x < -87\.f \? -87\.f : x/x/; s/max_lanes\(x, PackF\(-87\.f\)\)/x/'
-mutant math/lanes.h $t "" "a wrong coefficient" 's/1\.f \/ 120/1.f \/ 119/'
+mutant math/lane_scalar.h $t "" "ln 2 without its low part" 's/fma_lanes\(-n, kLn2Lo, fma_lanes\(-n, kLn2Hi, x\)\)/fma_lanes(-n, kLn2Hi, x)/'
+mutant math/lanes.h $t "" "exponent not clamped" 's/max_lanes\(x, PackF\(-87\.f\)\)/x/'
+mutant math/lane_scalar.h $t "" "a wrong coefficient" 's/1\.f \/ 120/1.f \/ 119/'
 mutant math/exact_sum.h $t "" "carry lost" 's/\(fraction\[i\] < f \? 1 : 0\)/0/'
 mutant math/exact_sum.h $t "" "32 bits of fraction" 's/std::uint64_t\(\(x - floor_x\) \* 0x1p64\)/std::uint64_t((x - floor_x) * 0x1p32) << 32/'
 mutant math/exact_sum.h $t "" "value in float" 's/return double\(whole\[i\]\) \+/return double(float(whole[i])) +/'
 
 t=stability/compositing_stability_test.cpp f=ops/splat_tiles.h
-mutant $f $t "ops/tile_isa.cpp" "alpha not capped" 's/min_lanes\(cap, (opacity \* exp_nonpositive\(power\))\)/\1/'
+mutant ops/splat_step_kernels.h $t "ops/tile_isa.cpp" "alpha not capped" 's/min_lanes\(L\(.*\)\), (opacity \* exp_nonpositive\(power\))\)/\1/'
 mutant $f $t "ops/tile_isa.cpp" "pixels never stop" 's/const Mask lasts = after >= stop;/const Mask lasts = after >= zero;/'
 mutant $f $t "ops/tile_isa.cpp" "mean in float" 's/L tile_x\(S\(g\.mean_x - W\(frame\.x_px \+ 0\.5\)\)\)/L tile_x(S(S(g.mean_x) - S(frame.x_px + 0.5)))/'
 mutant $f $t "ops/tile_isa.cpp" "alpha of exactly 1\/255 left out" 's/alpha >= alpha_min/alpha > alpha_min/'
@@ -36,7 +36,7 @@ f=ops/splat_backward.h
 mutant $f $t "ops/tile_isa.cpp" "the cap passes a gradient" 's/select\(alpha < cap, weight \* difference, zero\)/weight * difference/'
 mutant $f $t "ops/tile_isa.cpp" "colour behind forgets what lies behind it" 's/behind_\[pack\] = fma_lanes\(alpha, difference, behind_\[pack\]\)/behind_[pack] = alpha * v/'
 mutant $f $t "ops/tile_isa.cpp" "no background behind the stack" 's/in_?\.background\[c\] : S\(0\)/S(0) : S(0)/'
-mutant ops/splat_view.h $t "" "half extents of half the ellipse" 's/half_width = sqrt\(reach2 \* p\.cov_xx\)/half_width = S(0.5) * sqrt(reach2 * p.cov_xx)/; s/half_height = sqrt\(reach2 \* p\.cov_yy\)/half_height = S(0.5) * sqrt(reach2 * p.cov_yy)/'
+mutant ops/splat_gaussian.h $t "" "half extents of half the ellipse" 's/half_width = sqrt\(reach2 \* p\.cov_xx\)/half_width = S(0.5) * sqrt(reach2 * p.cov_xx)/; s/half_height = sqrt\(reach2 \* p\.cov_yy\)/half_height = S(0.5) * sqrt(reach2 * p.cov_yy)/'
 
 t=stability/evidence_stability_test.cpp f=scene/evidence.cpp
 mutant $f $t $f "squares of signals in double" 's/const Wide square = Wide\(quantised\) \* quantised;/const Wide square = Wide(double(quantised) * double(quantised));/'
@@ -139,3 +139,29 @@ mutant $f $t $f "colour continuity without its gradient" 's/gradients\.sh_dc\[st
 mutant $f $t $f "mask loss without its weight" 's/(loss_mask\(.*)/\1/; s/options\.lambda_mask, \&grad\.label\)/1.0, \&grad.label)/'
 mutant $f $t $f "label gradient without the sigmoid" 's/gradients\.label\[i\] \* sigmoid_slope\(logit\[i\]\)/gradients.label[i]/'
 mutant $f $t $f "smoothness gradient doubled" 's/field->smoothness\(exec, rays, boundary\.positions\(\), options\.lambda_smooth/field->smoothness(exec, rays, boundary.positions(), 2 * options.lambda_smooth/'
+
+t="parity/emulated_main.cpp parity/backends.cpp parity/splat_parity.cpp" f=ops/tiles_grid.h
+mutant $f "$t" "" "device: pairs of a Gaussian in one row of tiles only" 's/ty < rect\[i\]\.y_end/ty < rect[i].y_begin + 1/'
+mutant $f "$t" "" "device: last tile without an end" 's/grid\.each\(tile_count_ \+ 1, FindTiles/grid.each(tile_count_, FindTiles/'
+mutant $f "$t" "" "device: keys sorted by tile only" 's/\| near_first;/| 0;/'
+f=ops/splat_forward_grid.h
+mutant $f "$t" "" "device: a batch of the whole tile" 's/min2<std::int64_t>\(kBatch, end - first\)/kBatch/'
+mutant $f "$t" "" "device: background behind an opaque tile" 's/fma_lanes\(own\.walk\.transmittance, channels\.background\[c\], own\.sum\[c\]\)/own.sum[c]/'
+f=ops/splat_backward_grid.h
+mutant $f "$t" "" "device: transmittances kept by the wrong tile" 's/\(begin \/ kBatch \+ block\.index\)/(begin \/ kBatch)/'
+mutant $f "$t" "" "device: no barrier before memory is used again" 's/if \(j < used\) sum_segment\(shared, (.*), own\.part\);/if (j < used) { sum_segment(shared, \1, own.part); for (int k = 0; k < kSums; ++k) shared.segment[j][s][k] = own.part[k]; }/'
+mutant $f "$t" "" "device: chunks from the near end" 's/for \(int chunk = divided_up\(count, kChunk\); chunk-- > 0;\)/for (int chunk = 0; chunk < divided_up(count, kChunk); ++chunk)/'
+mutant $f "$t" "" "device: geometry of channel groups not added" 's/row\[k\] \+= geometry/row[k] = geometry/'
+mutant $f "$t" "" "device: segments that overlap" 's/at = s \/ 2 \* kTilePx \+ x/at = s \/ 2 * kTilePx + i/'
+mutant ops/evidence_grid.h "$t" "" "device: second group of objects over the first" 's/k \+ 2 \* first\)\]/k)]/'
+t="parity/emulated_main.cpp parity/backends.cpp parity/field_parity.cpp"
+mutant ops/knn_grid.h "$t" "" "device: equal distances lose their order" 's/if \(!placed \&\& !/if (!/'
+mutant ops/knn_grid.h "$t" "" "device: float distances rejected without slack" 's/ \* 1\.000002f;/ * 0.999f;/'
+mutant ops/hash_grid_grid.h "$t" "" "device: every contribution starts a sum" 's/if \(i > 0 \&\& key\[i - 1\] == key\[i\]\) return;//'
+mutant ops/film_backward_grid.h "$t" "" "device: parts lose the last tile" 's/\(block\.index \+ 1\) \* tiles \/ kParts;/(block.index + 1) * tiles \/ kParts - 1;/'
+mutant ops/film_backward_grid.h "$t" "" "device: conditions not loaded again" 's/Tile::load_condition\(t, net, first, shared\.condition\);//'
+mutant ops/film_forward_grid.h "$t" "" "device: activations written while they are read" 's/(Tile::product\(t, .*, shared\.x, own\.cells\);)/\1 shared.x[t] = own.cells[0][0];/'
+t="parity/emulated_main.cpp parity/backends.cpp parity/loss_parity.cpp"
+mutant ops/sum_grid.h "$t" "" "device: a chunk one short" 's/first \+ kRows < n \? first \+ kRows : n/first + kRows < n ? first + kRows - 1 : n/'
+mutant ops/photometric_grid.h "$t" "" "device: padding not cleared" 's/products\.zero\(\);//'
+mutant ops/adam_grid.h "$t" "" "device: the last unusable gradient found" 's/if \(!\(value\[i\] <= limit \&\& -value\[i\] <= limit\)\)/if (!(value[i] <= limit))/'

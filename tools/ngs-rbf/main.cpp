@@ -11,6 +11,7 @@ int main(int argc, char** argv) {
                   "ngs-rbf boundary.ply queries.ply -o field.ply --neighbours 16 --width 0.35"});
   RbfOptions options;
   tool.options(options);
+  tool.runs_on_device();
   const cli::Input& boundary_ply = tool.input("boundary", "PLY written by ngs-variance");
   const cli::Input& query_ply = tool.input("queries", "PLY written by ngs-sample, or any PLY with x y z");
   const cli::Output& out = tool.output("-o,--output", "query PLY with f_inter_*, neighbours and weights");

@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
   tool.options(options);
   tool.options(raster);
   tool.options(format);
+  tool.runs_on_device();
   const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene");
   const cli::Input& model = tool.input("model", "any 3DGS PLY; masks need a labelled one");
   const cli::Output& out = tool.output_dir("-o,--output", "folder for the pictures");

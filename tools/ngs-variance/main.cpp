@@ -29,8 +29,8 @@ int label_scene(int argc, char** argv) {
   RasterOptions raster;
   ShardOptions shard;
   tool.options(options);
-  tool.options(raster);
-  tool.options(shard);
+  tool.options(raster), tool.options(shard);
+  tool.runs_on_device();
   const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene");
   const cli::Output& out = tool.optional_output("-o,--output", "labelled PLY");
   const cli::Output& partial =

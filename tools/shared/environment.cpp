@@ -42,13 +42,18 @@ Isa choose_isa() {
   return Isa::kV4;
 }
 
-ChosenDevice choose_device(DeviceChoice choice) {
+ChosenDevice choose_device(DeviceChoice choice, const Spec& tool) {
   if (choice == DeviceChoice::kCpu) return {Device::kCpu, "cpu", "--device cpu"};
+  const std::string no_path = tool.name + " has no CUDA path";
+  if (choice == DeviceChoice::kCuda && !tool.runs_on_device)
+    throw Error(ErrorCode::kEnvironment, "--device cuda: " + no_path + ", expected ngs-variance, ngs-rbf or ngs-render",
+                "use --device cpu or auto");
+  if (!tool.runs_on_device) return {Device::kCpu, "cpu", "auto: " + no_path};
   const DeviceInfo cuda = cuda_device();
   if (choice == DeviceChoice::kCuda && !cuda.usable)
     throw Error(ErrorCode::kEnvironment, "--device cuda: " + cuda.reason, "use --device cpu or auto");
   if (choice == DeviceChoice::kCuda) return {Device::kCuda, cuda.name, "--device cuda"};
-  if (cuda.usable) return {Device::kCuda, cuda.name, "auto: a usable CUDA device was found"};
+  if (cuda.usable) return {Device::kCpu, "cpu", "auto: " + cuda.name + " is used on request only, --device cuda"};
   return {Device::kCpu, "cpu", "auto: " + cuda.reason};
 }
 

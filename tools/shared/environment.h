@@ -20,7 +20,8 @@ struct ChosenDevice {
   std::string name;    // "cpu" or the GPU's name
   std::string reason;  // why this one
 };
-/// Throws kEnvironment where CUDA is asked for and cannot be had.
-ChosenDevice choose_device(DeviceChoice choice);
+/// Throws kEnvironment where CUDA is asked for and cannot be had, by the machine, the build or the tool. auto is the CPU:
+/// the CUDA path has not been run on a device yet.
+ChosenDevice choose_device(DeviceChoice choice, const Spec& tool);
 
 }  // namespace ngs::cli

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "ngs/backend/exec.h"
 #include "ngs/core/version.h"
+#include "ngs/ops/device_ops.h"
 #include "shared/exit_code.h"
 
 namespace ngs::cli {
@@ -111,14 +111,15 @@ std::string help_text(const Spec& spec) {
 }
 
 std::string version_text(const Spec& spec, bool json) {
+  const bool with_cuda = cuda_ops() != nullptr;
   const Json record = {{"tool", spec.name},
                        {"version", kVersion},
                        {"build_type", kBuildType},
                        {"compiler", __VERSION__},
-                       {"cuda", kWithCuda}};
+                       {"cuda", with_cuda}};
   if (json) return record.dump(2) + "\n";
   return spec.name + " " + kVersion + " (" + kBuildType + ", compiler " + __VERSION__ + ", CUDA " +
-         (kWithCuda ? "on" : "off") + ")\n";
+         (with_cuda ? "on" : "off") + ")\n";
 }
 
 }  // namespace ngs::cli

@@ -9,6 +9,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/atomic_file.h"
+#include "ngs/ops/device_ops.h"
 #include "shared/command_line.h"
 #include "shared/console.h"
 #include "shared/help.h"
@@ -106,6 +107,7 @@ const Output& Tool::optional_output_dir(std::string flags, std::string help) {
 }
 void Tool::help(std::string text) { impl_->spec.help_texts.push_back(std::move(text)); }
 void Tool::stops_on_request() { impl_->spec.stops_on_request = true; }
+void Tool::runs_on_device() { impl_->spec.runs_on_device = true; }
 
 namespace {
 
@@ -172,9 +174,10 @@ int Tool::Impl::run(const CommonFlags& flags, Console& console, const std::funct
   check_outputs(spec, flags.report_path, flags.overwrite);
   const Streams streams(spec);
   check_inputs(spec);
-  const ChosenDevice device = choose_device(flags.device);
+  const ChosenDevice device = choose_device(flags.device, spec);
   RunState state{.flags = flags, .console = console, .exec = {}, .monitor = {}, .inputs = {}};
   state.exec.device = device.device;
+  if (device.device == Device::kCuda) state.exec.device_ops = cuda_ops();
   state.exec.threads = choose_threads(flags.threads);
   state.exec.isa = choose_isa();
   state.monitor.stop_flag(&stop_flag());

@@ -110,6 +110,8 @@ class Tool {
   void help(std::string text);
   /// The body polls monitor().stop_requested(). Otherwise a signal ends the tool at once, without output.
   void stops_on_request();
+  /// Every stage of the body runs through ops that have a device path. Otherwise --device cuda is refused.
+  void runs_on_device();
 
   /// Returns the exit code. The body returns kDone, kCheckFailed, kBudgetHit or run.stop_code().
   int run(int argc, char** argv, const std::function<int(Run&)>& body);

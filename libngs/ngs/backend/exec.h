@@ -7,19 +7,16 @@
 
 namespace ngs {
 
-#ifdef NGS_WITH_CUDA
-inline constexpr bool kWithCuda = true;
-#else
-inline constexpr bool kWithCuda = false;
-#endif
-
 enum class Device : std::uint8_t { kCpu, kCuda };
+
+/// The ops of a device (ops/device_ops.h).
+class DeviceOps;
 
 struct Exec {
   Device device = Device::kCpu;
-  int threads = 1;         // OpenMP threads, >= 1; never changes a result
-  void* stream = nullptr;  // cudaStream_t, null on the CPU
-  Isa isa = best_isa();    // of the compositing kernels; never changes a result
+  int threads = 1;                        // OpenMP threads, >= 1; never changes a result
+  Isa isa = best_isa();                   // of the compositing kernels; never changes a result
+  const DeviceOps* device_ops = nullptr;  // runs the ops that have a device path; null: the CPU does
 };
 
 }  // namespace ngs

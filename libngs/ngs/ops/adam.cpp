@@ -9,6 +9,7 @@
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
 #include "ngs/ops/adam_kernels.h"
+#include "ngs/ops/device_ops.h"
 
 namespace ngs {
 namespace {
@@ -39,20 +40,25 @@ void step_block(const Exec& exec, const AdamOptions& o, std::int64_t step, std::
             "adam_step: value, grad, m and v must have one length");
   NGS_CHECK(step >= 1, "adam_step: the first step is 1");
   const T limit = T(0.99) * std::sqrt(std::numeric_limits<T>::max());
-  if (const std::int64_t bad = find_unusable<T>(exec, grad, limit); bad >= 0)
+  const auto require_usable = [&](std::int64_t bad) {
+    if (bad < 0) return;
     throw Error(ErrorCode::kNumeric,
                 std::string(name) + ": gradient " + std::to_string(bad) + " is " +
                     std::to_string(double(grad[std::size_t(bad)])) + ", expected a finite value below " +
                     std::to_string(double(limit)),
                 "lower the learning rate, or look for non-finite values in the inputs: ngs-scene check");
+  };
   // 1 - βᵗ from the logarithm: for β near 1 and small t the power would cancel.
   const double bias1 = -std::expm1(double(step) * std::log(o.beta1));
   const double bias2 = -std::expm1(double(step) * std::log(o.beta2));
   const std::int64_t n = std::int64_t(value.size());
   const AdamKernel<T> kernel{value.data(), grad.data(), m.data(), v.data(), n, T(o.lr / bias1),
                              T(1.0 / std::sqrt(bias2)), T(1.0 - o.beta1), T(1.0 - o.beta2), T(o.eps)};
+  NGS_CHECK(o.sparse_columns <= 0 || n % o.sparse_columns == 0, "adam_step: the block is not a whole number of rows");
+  if constexpr (std::is_same_v<T, float>)
+    if (exec.device_ops) return require_usable(exec.device_ops->loss.adam(kernel, o.sparse_columns, limit));
+  require_usable(find_unusable<T>(exec, grad, limit));
   if (o.sparse_columns > 0) {
-    NGS_CHECK(n % o.sparse_columns == 0, "adam_step: the block is not a whole number of rows");
     for_each_index(exec, n / o.sparse_columns, SparseAdamKernel<T>{kernel, o.sparse_columns});
   } else {
     for_each_index(exec, (n + kernel.kChunk - 1) / kernel.kChunk, kernel);

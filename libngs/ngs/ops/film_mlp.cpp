@@ -5,6 +5,7 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/rng.h"
+#include "ngs/ops/device_ops.h"
 #include "ngs/ops/film_mlp_kernels.h"
 
 namespace ngs {
@@ -93,6 +94,8 @@ void FilmMlp::forward(const Exec& exec, const ParamStore& store, const FilmMlpIn
       in.feature.c == config_.inputs && in.condition.c == config_.condition && in.condition.n == queries,
       "shapes of the network's inputs");
   out.density.resize(std::size_t(queries)), out.rgb.resize(std::size_t(queries) * 3);
+  if (exec.device_ops)
+    return exec.device_ops->field.film_forward({config_, store.values.data() + offset_, density_scale_}, in, out);
   FilmMlpData<float> data = data_of(store.values.data() + offset_, in, density_scale_);
   data.density = out.density.data(), data.rgb = out.rgb.data();
   const std::size_t kept = film_context_size<PackF>(config_);
@@ -113,6 +116,9 @@ void FilmMlp::backward(const Exec& exec, ParamStore& store, const FilmMlpInputs&
             "one gradient per output");
   out.feature.resize(std::size_t(queries * config_.inputs)),
       out.condition.resize(std::size_t(queries * config_.condition));
+  if (exec.device_ops)
+    return exec.device_ops->field.film_backward({config_, store.values.data() + offset_, density_scale_}, in, forward,
+                                                grad_density, grad_rgb, out, store.grads.data() + offset_);
   const FilmMlpData<float> data = data_of(store.values.data() + offset_, in, density_scale_);
   const std::size_t kept = film_context_size<PackF>(config_);
   const FilmMlpGrads<float> grads{grad_density.data(), grad_rgb.data(), out.feature.data(),

@@ -7,6 +7,7 @@
 #include "ngs/backend/for_each.h"
 #include "ngs/core/check.h"
 #include "ngs/core/rng.h"
+#include "ngs/ops/device_ops.h"
 
 namespace ngs {
 namespace {
@@ -100,6 +101,7 @@ HashGridView<float> HashGrid::view(const ParamStore& store, Rows<const float, 3>
 void HashGrid::forward(const Exec& exec, const ParamStore& store, Rows<const float, 3> points,
                        std::vector<float>& out) const {
   out.resize(std::size_t(points.n) * std::size_t(config_.outputs()));
+  if (exec.device_ops) return exec.device_ops->field.hash_forward({view(store, points), config_.features, entries()}, out);
   with_features(config_.features, [&](auto features) {
     const HashForward<float, features> kernel{view(store, points), out.data()};
     for_each_task(exec, (points.n + kQueriesPerTask - 1) / kQueriesPerTask, [&](std::int64_t task) {
@@ -114,6 +116,9 @@ void HashGrid::backward(const Exec& exec, ParamStore& store, Rows<const float, 3
                         const std::vector<float>& grad_out) const {
   NGS_CHECK(grad_out.size() == std::size_t(points.n) * std::size_t(config_.outputs()),
             "one gradient row per point");
+  if (exec.device_ops)
+    return exec.device_ops->field.hash_backward({view(store, points), config_.features, entries()}, grad_out,
+                                                store.grads.data() + offset_);
   with_features(config_.features, [&](auto features) {
     for_each_task(exec, config_.levels,
                   HashBackwardTable<float, features>{view(store, points), grad_out.data(),
@@ -126,6 +131,9 @@ void HashGrid::backward_points(const Exec& exec, const ParamStore& store, Rows<c
   NGS_CHECK(grad_out.size() == std::size_t(points.n) * std::size_t(config_.outputs()),
             "one gradient row per point");
   grad_points.resize(std::size_t(points.n) * 3);
+  if (exec.device_ops)
+    return exec.device_ops->field.hash_backward_points({view(store, points), config_.features, entries()}, grad_out,
+                                                       grad_points);
   with_features(config_.features, [&](auto features) {
     for_each_index(exec, points.n,
                    HashBackwardPosition<float, features>{

@@ -51,6 +51,7 @@ class HashGrid {
 
  private:
   HashGridView<float> view(const ParamStore& store, Rows<const float, 3> points) const;
+  std::uint64_t entries() const { return std::uint64_t(levels_.back().offset) + levels_.back().size; }
   HashGridConfig config_;
   HashBox<float> box_;
   std::size_t offset_;

@@ -9,6 +9,7 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/check.h"
+#include "ngs/ops/device_ops.h"
 
 namespace ngs {
 namespace {
@@ -73,6 +74,7 @@ KnnGraph search(const Exec& exec, Rows<const float, 3> points, Rows<const float,
     return graph;
   }
   std::vector<double> point = to_double(points, "points"), query = to_double(queries, "queries");
+  if (exec.device_ops) return exec.device_ops->field.nearest(points, queries, neighbours, exclude_self);
   Tree tree(flann::Matrix<double>(point.data(), std::size_t(points.n), 3), flann::KDTreeSingleIndexParams());
   tree.buildIndex();
 

@@ -5,6 +5,7 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/check.h"
+#include "ngs/ops/device_ops.h"
 #include "ngs/ops/loss_align_kernels.h"
 
 namespace ngs {
@@ -58,8 +59,11 @@ AlignLoss loss_align(const Exec& exec, const AlignOptions& options, const AlignI
   context.patch_mean.resize(nodes * 3), context.patch_share.resize(nodes);
   if (nodes == 0) return loss;
   std::vector<float> term(nodes * 3);
-  for_each_index(exec, std::int64_t(nodes),
-                 AlignForward<float>{view_of(options, in), nodes_of(context), term.data()});
+  const AlignForward<float> kernel{view_of(options, in), nodes_of(context), term.data()};
+  if (exec.device_ops)
+    exec.device_ops->loss.align_forward(kernel);
+  else
+    for_each_index(exec, std::int64_t(nodes), kernel);
   for (std::size_t r = 0; r < nodes; ++r) {
     loss.colour += double(term[r * 3]), loss.alpha += double(term[r * 3 + 1]),
         loss.variance += double(term[r * 3 + 2]);
@@ -82,17 +86,18 @@ void loss_align_backward(const Exec& exec, const AlignOptions& options, const Al
                 grad_alpha_accumulate.data.size() == in.alpha->data.size(),
             "gradients have the shape of the images");
   const float scale = float(weight / double(loss.nodes));
-  for_each_index(exec, nodes,
-                 AlignBackwardField<float>{nodes_of(context), float(options.weight_alpha), scale,
-                                           field.colour.data(), field.alpha.data()});
+  const AlignBackwardField<float> to_field{nodes_of(context), float(options.weight_alpha), scale, field.colour.data(),
+                                           field.alpha.data()};
   const PixelGrid& g = in.grid;
   const Span x = pixels_read(g.x(0), g.x(g.cols - 1), in.colour->width_px);
   const Span y = pixels_read(g.y(0), g.y(g.rows - 1), in.colour->height_px);
   const int width = x.end - x.begin;
-  for_each_index(
-      exec, std::int64_t(width) * (y.end - y.begin),
-      AlignBackwardImage<float>{view_of(options, in), nodes_of(context), scale, x.begin, y.begin, width,
-                                grad_colour_accumulate.data.data(), grad_alpha_accumulate.data.data()});
+  const std::int64_t rect_pixels = std::int64_t(width) * (y.end - y.begin);
+  const AlignBackwardImage<float> to_image{view_of(options, in), nodes_of(context), scale, x.begin, y.begin, width,
+                                           grad_colour_accumulate.data.data(), grad_alpha_accumulate.data.data()};
+  if (exec.device_ops) return exec.device_ops->loss.align_backward(to_field, to_image, rect_pixels);
+  for_each_index(exec, nodes, to_field);
+  for_each_index(exec, rect_pixels, to_image);
 }
 
 }  // namespace ngs

@@ -2,6 +2,7 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/check.h"
+#include "ngs/ops/device_ops.h"
 #include "ngs/ops/loss_cont_kernels.h"
 
 namespace ngs {
@@ -15,11 +16,15 @@ double loss_cont(const Exec& exec, const KnnGraph& graph, Rows<const float, 3> c
   const ContinuityGraph<float> view{graph.indices(), graph.row_begin.data(), graph.edge.data(),
                                     weight.empty() ? nullptr : weight.data(), colour};
   std::vector<float> term(std::size_t(colour.n));
-  for_each_index(exec, colour.n, ContinuityForward<float>{view, term.data()});
-  if (gradient)
-    for_each_index(
-        exec, colour.n,
-        ContinuityBackward<float>{view, float(scale / double(colour.n)), {gradient->data(), colour.n}});
+  const ContinuityForward<float> forward{view, term.data()};
+  const ContinuityBackward<float> backward{
+      view, float(scale / double(colour.n)), {gradient ? gradient->data() : nullptr, colour.n}};
+  if (exec.device_ops) {
+    exec.device_ops->loss.continuity(forward, gradient ? &backward : nullptr);
+  } else {
+    for_each_index(exec, colour.n, forward);
+    if (gradient) for_each_index(exec, colour.n, backward);
+  }
   double sum = 0;
   for (const float t : term) sum += double(t);
   return sum / double(colour.n);

@@ -4,6 +4,7 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/check.h"
+#include "ngs/ops/device_ops.h"
 #include "ngs/ops/loss_mask_kernels.h"
 
 namespace ngs {
@@ -12,9 +13,12 @@ ImageF density_weights(const Exec& exec, int width_px, int height_px, const Pixe
                        const PixelBox& box, const std::vector<float>& optical_depth) {
   NGS_CHECK(std::int64_t(optical_depth.size()) == grid.nodes(), "one optical depth per node");
   ImageF weight(width_px, height_px, 1);
-  for_each_index(exec, weight.pixels(),
-                 DensityWeight{grid, box.min_x, box.min_y, box.max_x, box.max_y, width_px,
-                               optical_depth.data(), weight.data.data()});
+  const DensityWeight kernel{grid,     box.min_x,            box.min_y,         box.max_x, box.max_y,
+                             width_px, optical_depth.data(), weight.data.data()};
+  if (exec.device_ops)
+    exec.device_ops->loss.density_weight(kernel, weight.pixels());
+  else
+    for_each_index(exec, weight.pixels(), kernel);
   return weight;
 }
 
@@ -39,14 +43,23 @@ MaskLoss loss_mask(const Exec& exec, const MaskLossOptions& options, const MaskL
   for (const std::vector<float>& plane : masks.target) target.push_back(plane.data());
   std::vector<double> row_sum(std::size_t(rendered.height_px));
   const double scale = in.trust / double(loss.known);
-  for_each_index(exec, rendered.height_px,
-                 MaskLossRow<float, double>{rendered.width_px, rendered.channels, rendered.data.data(),
-                                            target.data(), masks.known.empty() ? nullptr : masks.known.data(),
-                                            in.pixel_weight ? in.pixel_weight->data.data() : nullptr,
-                                            options.form == MaskLossForm::kLinear, float(options.lambda),
-                                            float(weight * scale), row_sum.data(),
-                                            gradient ? gradient->data.data() : nullptr});
-  for (const double sum : row_sum) loss.total += sum;
+  const MaskLossRow<float, double> kernel{rendered.width_px,
+                                          rendered.channels,
+                                          rendered.data.data(),
+                                          target.data(),
+                                          masks.known.empty() ? nullptr : masks.known.data(),
+                                          in.pixel_weight ? in.pixel_weight->data.data() : nullptr,
+                                          options.form == MaskLossForm::kLinear,
+                                          float(options.lambda),
+                                          float(weight * scale),
+                                          row_sum.data(),
+                                          gradient ? gradient->data.data() : nullptr};
+  if (exec.device_ops) {
+    loss.total = exec.device_ops->loss.mask(kernel, rendered.height_px);
+  } else {
+    for_each_index(exec, rendered.height_px, kernel);
+    for (const double sum : row_sum) loss.total += sum;
+  }
   loss.total *= scale;
   return loss;
 }

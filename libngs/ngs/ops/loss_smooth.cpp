@@ -5,6 +5,7 @@
 #include "ngs/backend/for_each.h"
 #include "ngs/core/check.h"
 #include "ngs/core/rng.h"
+#include "ngs/ops/device_ops.h"
 #include "ngs/ops/loss_smooth_kernels.h"
 
 namespace ngs {
@@ -42,13 +43,16 @@ double loss_smooth_backward(const Exec& exec, const SmoothnessScale& scale, cons
   NGS_CHECK(scale.jitter_length > 0 && scale.unit_length > 0, "lengths must be positive");
   const double ratio = scale.unit_length / scale.jitter_length, factor = 3 * ratio * ratio / double(n);
   std::vector<float> term(colour.size() / 3);
-  for_each_index(exec, n,
-                 SmoothnessForwardBackward<float>{{colour.data(), n},
-                                                  {moved_colour.data(), n},
-                                                  float(weight * factor),
-                                                  term.data(),
-                                                  {out.colour.data(), n},
-                                                  {out.moved_colour.data(), n}});
+  const SmoothnessForwardBackward<float> kernel{{colour.data(), n},
+                                                {moved_colour.data(), n},
+                                                float(weight * factor),
+                                                term.data(),
+                                                {out.colour.data(), n},
+                                                {out.moved_colour.data(), n}};
+  if (exec.device_ops)
+    exec.device_ops->loss.smoothness(kernel);
+  else
+    for_each_index(exec, n, kernel);
   double sum = 0;
   for (const float t : term) sum += double(t);
   return factor * sum;

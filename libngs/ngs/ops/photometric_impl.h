@@ -4,6 +4,7 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/check.h"
+#include "ngs/ops/device_ops.h"
 #include "ngs/ops/photometric.h"
 #include "ngs/ops/photometric_kernels.h"
 
@@ -37,18 +38,29 @@ auto PhotometricPass<T, Acc>::evaluate(const Exec& exec, const PhotometricOption
   }
   if (!(weight_sum > 0)) return {Acc(0), Acc(0), Acc(1)};
   const double norm = 1.0 / (weight_sum * C);
-
-  const auto plane = std::size_t(layout.plane());
-  products_.assign(plane * ssim::kMoments, T(0));
-  rows_.resize(plane * ssim::kMoments);
-  blurred_.resize(plane * ssim::kMoments);
-  row_l1_.resize(std::size_t(layout.h)), row_ssim_.resize(std::size_t(layout.h));
+  const auto value = [&](Acc l1, Acc similarity) -> Value {
+    l1 = l1 * Acc(norm), similarity = similarity * Acc(norm);
+    return {Acc(1 - options.dssim_weight) * l1 + Acc(options.dssim_weight) * (Acc(1) - similarity), l1, similarity};
+  };
 
   const std::int64_t stride = std::int64_t(W) * C;
   const ssim::Crop<const T> x{rendered.data.data() + rendered.index(x0, y0), stride};
   const ssim::Crop<const T> y{target.data.data() + target.index(x0, y0), stride};
   const ssim::PixelWeights weights{{weight ? weight->data.data() + weight->index(x0, y0) : nullptr, W},
                                    inner.x0 - x0, inner.x1 - x0, inner.y0 - y0, inner.y1 - y0};
+  const ssim::Crop<T> to{gradient ? gradient->data.data() + gradient->index(x0, y0) : nullptr, stride};
+  if constexpr (std::is_same_v<T, float>)
+    if (exec.device_ops) {
+      const auto sums = exec.device_ops->loss.photometric(layout, x, y, weights, -options.dssim_weight * norm,
+                                                          (1 - options.dssim_weight) * norm, to);
+      return value(sums.l1, sums.ssim);
+    }
+  const auto plane = std::size_t(layout.plane());
+  products_.assign(plane * ssim::kMoments, T(0));
+  rows_.resize(plane * ssim::kMoments);
+  blurred_.resize(plane * ssim::kMoments);
+  row_l1_.resize(std::size_t(layout.h)), row_ssim_.resize(std::size_t(layout.h));
+
   const ssim::Window window;
   const auto blur = [&](int planes, T* data_in, T* data_out) {
     for_each_index(exec, std::int64_t(planes) * layout.h, ssim::BlurRow<T>{layout, window, data_in, rows_.data()});
@@ -63,14 +75,12 @@ auto PhotometricPass<T, Acc>::evaluate(const Exec& exec, const PhotometricOption
                                        -options.dssim_weight * norm, row_l1_.data(), row_ssim_.data()});
   if (gradient) {
     blur(ssim::kPartials, products_.data(), blurred_.data());
-    const ssim::Crop<T> out{gradient->data.data() + gradient->index(x0, y0), stride};
     for_each_index(exec, layout.h,
-                   ssim::RowGradient<T>{layout, blurred_.data(), x, y, weights, (1 - options.dssim_weight) * norm, out});
+                   ssim::RowGradient<T>{layout, blurred_.data(), x, y, weights, (1 - options.dssim_weight) * norm, to});
   }
   Acc l1 = Acc(0), similarity = Acc(0);
   for (std::size_t row = 0; row < row_l1_.size(); ++row) l1 += row_l1_[row], similarity += row_ssim_[row];
-  l1 = l1 * Acc(norm), similarity = similarity * Acc(norm);
-  return {Acc(1 - options.dssim_weight) * l1 + Acc(options.dssim_weight) * (Acc(1) - similarity), l1, similarity};
+  return value(l1, similarity);
 }
 
 }  // namespace ngs

@@ -5,6 +5,7 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/check.h"
+#include "ngs/ops/device_ops.h"
 #include "ngs/ops/knn.h"
 #include "ngs/ops/rbf_kernels.h"
 
@@ -31,6 +32,7 @@ void rbf_forward(const Exec& exec, const RbfProblem& problem, RbfField& out) {
   if (graph.neighbours == 0) return;
   NGS_CHECK(graph.queries() == problem.query.n && graph.points == problem.boundary.n,
             "the graph is of other points");
+  if (exec.device_ops) return exec.device_ops->field.rbf_forward(problem, inv_2h2(problem.width), out);
   for_each_index(exec, problem.query.n,
                  RbfForward<float>{problem.query,
                                    problem.boundary,
@@ -49,6 +51,8 @@ void rbf_backward(const Exec& exec, const RbfProblem& problem, const RbfField& f
   out.feature.assign(std::size_t(points) * std::size_t(features), 0.f);
   out.boundary.assign(with_positions ? std::size_t(points) * 3 : 0, 0.f);
   if (graph.neighbours == 0) return;
+  if (exec.device_ops)
+    return exec.device_ops->field.rbf_backward(problem, inv_2h2(problem.width), field, grad_feature, out);
   const Matrix<const float> weight = weights_of(field, graph);
   for_each_index(exec, points,
                  RbfBackwardFeature<float>{graph.row_begin.data(),

@@ -1,6 +1,7 @@
 #include "ngs/ops/splat.h"
 
 #include "ngs/ops/cloud_view.h"
+#include "ngs/ops/device_ops.h"
 #include "ngs/ops/splat_engine.h"
 #include "ngs/ops/tile_isa.h"
 
@@ -38,12 +39,19 @@ RenderedView allocate(const Camera& camera, const ChannelRequest<float>& request
   return view;
 }
 
+std::unique_ptr<DeviceSplat> device_view(const Exec& exec, const CloudView<float>& cloud, const Camera& relative,
+                                         const SplatOptions& options, const ChannelRequest<float>& request) {
+  return exec.device_ops->splat.view(relative, options, cloud, {request.colour, request.depth, request.label},
+                                     request.background);
+}
+
 }  // namespace
 
 struct SplatPass::State {
   SplatOptions options;
   ChannelRequest<float> request;
   std::unique_ptr<SplatEngine<float>> engine;
+  std::unique_ptr<DeviceSplat> on_device;  // instead of the engine
   RenderedView rendered;
   std::int64_t gaussians = 0;
   std::size_t rest_values = 0;
@@ -60,8 +68,14 @@ const RenderedView& SplatPass::forward(const Exec& exec, const GaussianCloud& cl
   s.request = channel_request(request);
   s.rendered = allocate(camera, s.request);
   s.gaussians = cloud.size(), s.rest_values = cloud.sh_rest.size();
-  s.engine = std::make_unique<SplatEngine<float>>(float_tile_kernels(exec.isa), s.options,
-                                                  cloud_view(cloud, s.options.max_sh_degree, request.include),
+  const CloudView<float> view = cloud_view(cloud, s.options.max_sh_degree, request.include);
+  s.on_device.reset();
+  if (exec.device_ops) {
+    s.on_device = device_view(exec, view, relative_camera(camera, cloud), s.options, s.request);
+    s.on_device->forward(planes<float>(s.request, s.rendered));
+    return s.rendered;
+  }
+  s.engine = std::make_unique<SplatEngine<float>>(float_tile_kernels(exec.isa), s.options, view,
                                                   relative_camera(camera, cloud), s.request);
   s.engine->forward(exec, planes<float>(s.request, s.rendered));
   return s.rendered;
@@ -77,18 +91,26 @@ void SplatPass::backward(const Exec& exec, const ViewGradients& gradients, Cloud
   if (s.request.colour) moves.insert(moves.end(), 3, gradients.colour_moves_geometry);
   if (s.request.label.n > 0) moves.insert(moves.end(), std::size_t(s.request.label.c), gradients.label_moves_geometry);
   if (s.request.depth) moves.push_back(gradients.depth_moves_geometry);
-  s.engine->backward(exec, planes<const float>(s.request, gradients), moves,
-                     {out.position.data(), out.rotation.data(), out.log_scale.data(), out.logit_opacity.data(),
-                      out.sh_dc.data(), out.sh_rest.data(), out.label.data(), out.mean_px.data(), out.visible.data()});
+  const CloudGradientView<float> view{out.position.data(), out.rotation.data(), out.log_scale.data(),
+                                      out.logit_opacity.data(), out.sh_dc.data(), out.sh_rest.data(), out.label.data(),
+                                      out.mean_px.data(), out.visible.data()};
+  const std::vector<Plane<const float>> image = planes<const float>(s.request, gradients);
+  if (s.on_device)
+    s.on_device->backward(image, moves, view);
+  else
+    s.engine->backward(exec, image, moves, view);
 }
 
 RenderedView render(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options,
                     const RenderRequest& request) {
   const ChannelRequest<float> channels = channel_request(request);
   RenderedView view = allocate(camera, channels);
-  SplatEngine<float> engine(float_tile_kernels(exec.isa), options,
-                            cloud_view(cloud, options.max_sh_degree, request.include), relative_camera(camera, cloud),
-                            channels);
+  const CloudView<float> on_view = cloud_view(cloud, options.max_sh_degree, request.include);
+  if (exec.device_ops) {
+    device_view(exec, on_view, relative_camera(camera, cloud), options, channels)->forward(planes<float>(channels, view));
+    return view;
+  }
+  SplatEngine<float> engine(float_tile_kernels(exec.isa), options, on_view, relative_camera(camera, cloud), channels);
   engine.forward(exec, planes<float>(channels, view));
   return view;
 }

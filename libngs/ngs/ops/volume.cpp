@@ -2,6 +2,7 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/check.h"
+#include "ngs/ops/device_ops.h"
 #include "ngs/ops/volume_kernels.h"
 
 namespace ngs {
@@ -17,6 +18,7 @@ void volume_forward(const Exec& exec, const VolumeInputs& in, VolumeOutput& out)
   const auto rays = std::size_t(in.rays), samples = std::size_t(in.samples);
   out.colour.resize(rays * 3), out.alpha.resize(rays), out.optical_depth.resize(rays);
   out.weight.resize(rays * samples), out.transmittance_after.resize(rays * samples);
+  if (exec.device_ops) return exec.device_ops->field.volume_forward(in, out);
   for_each_index(
       exec, in.rays,
       VolumeForward<float>{rays_of(in), out.colour.data(), out.alpha.data(), out.optical_depth.data(),
@@ -31,6 +33,8 @@ void volume_backward(const Exec& exec, const VolumeInputs& in, const VolumeOutpu
   NGS_CHECK(grad_optical_depth.empty() || grad_optical_depth.size() == rays,
             "one gradient per output, or none");
   out.density.resize(rays * samples), out.rgb.resize(rays * samples * 3);
+  if (exec.device_ops)
+    return exec.device_ops->field.volume_backward(in, forward, grad_colour, grad_alpha, grad_optical_depth, out);
   for_each_index(exec, in.rays,
                  VolumeBackward<float>{rays_of(in), forward.weight.data(), forward.transmittance_after.data(),
                                        grad_colour.data(), grad_alpha.data(),

@@ -1,0 +1,42 @@
+#include "ngs/backend/cuda_grid.cuh"
+#include "ngs/backend/device_info.h"
+
+namespace ngs {
+namespace {
+
+struct Nothing {
+  NGS_HD void operator()(std::int64_t) const {}
+};
+
+/// What keeps device 0 from being used; empty: nothing.
+std::string obstacle() {
+  int pools = 0;
+  if (cudaDeviceGetAttribute(&pools, cudaDevAttrMemoryPoolsSupported, 0) != cudaSuccess || pools == 0)
+    return "it has no memory pools";
+  cudaFuncAttributes attributes;
+  if (const cudaError_t e = cudaFuncGetAttributes(&attributes, detail::each_kernel<Nothing>); e != cudaSuccess)
+    return std::string("this build has no code for it: ") + cudaGetErrorString(e);
+  cudaMemPool_t pool;
+  std::uint64_t keep = ~std::uint64_t(0);  // what is freed stays with the process
+  if (cudaDeviceGetDefaultMemPool(&pool, 0) != cudaSuccess ||
+      cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &keep) != cudaSuccess)
+    return "its memory pool cannot be configured";
+  return {};
+}
+
+}  // namespace
+
+DeviceInfo cuda_device() {
+  int count = 0;
+  if (const cudaError_t e = cudaGetDeviceCount(&count); e != cudaSuccess)
+    return {false, {}, std::string("no device: ") + cudaGetErrorString(e)};
+  if (count == 0) return {false, {}, "no device"};
+  cudaDeviceProp properties;
+  if (const cudaError_t e = cudaGetDeviceProperties(&properties, 0); e != cudaSuccess)
+    return {false, {}, std::string("no device: ") + cudaGetErrorString(e)};
+  const std::string why = obstacle();
+  if (!why.empty()) return {false, properties.name, std::string(properties.name) + ": " + why};
+  return {true, properties.name, {}};
+}
+
+}  // namespace ngs

@@ -1,0 +1,15 @@
+#pragma once
+// The parts of cuda_ops(), one per .cu file so that they compile side by side.
+#include <memory>
+
+#include "ngs/backend/cuda_grid.cuh"
+#include "ngs/ops/device_ops.h"
+
+namespace ngs {
+
+CudaGrid& cuda_grid();
+std::unique_ptr<DeviceSplatOps> cuda_splat_ops();
+std::unique_ptr<DeviceFieldOps> cuda_field_ops();
+std::unique_ptr<DeviceLossOps> cuda_loss_ops();
+
+}  // namespace ngs

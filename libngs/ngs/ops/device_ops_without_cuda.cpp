@@ -1,0 +1,7 @@
+#include "ngs/ops/device_ops.h"
+
+namespace ngs {
+
+const DeviceOps* cuda_ops() { return nullptr; }
+
+}  // namespace ngs

@@ -1,0 +1,45 @@
+#pragma once
+// The device backends that this executable compares with the CPU: the emulation of the schedules in three thread orders
+// (test_emulated, always run), or the CUDA device (test_parity, skipped without one). One set of cases for all.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "ngs/ops/device_ops.h"
+
+namespace ngs::test {
+
+struct Backend {
+  std::string name;
+  Exec exec;
+  bool same_functions = false;  // exp, log and their kin are the CPU's, so what is computed in its order is equal
+};
+const std::vector<Backend>& backends();
+
+/// Largest |got - want| in units of eps(float) · scale; infinite where a value is not finite.
+template <class T>
+double worst_ratio(const std::vector<T>& got, const std::vector<T>& want, double scale) {
+  if (got.size() != want.size()) return std::numeric_limits<double>::infinity();
+  double worst = 0;
+  for (std::size_t i = 0; i < got.size(); ++i) {
+    const double error = std::abs(double(got[i]) - double(want[i]));
+    worst = std::isfinite(error) ? std::max(worst, error) : std::numeric_limits<double>::infinity();
+  }
+  return worst / (double(std::numeric_limits<float>::epsilon()) * scale);
+}
+
+template <class T>
+double largest(const std::vector<T>& values) {
+  double most = 0;
+  for (const T v : values) most = std::max(most, std::abs(double(v)));
+  return most;
+}
+
+/// Checks a ratio against its bound; with NGS_PARITY_TABLE set, prints the line of a table as well.
+void check_ratio(const Backend& backend, const std::string& what, double ratio, double bound);
+
+}  // namespace ngs::test

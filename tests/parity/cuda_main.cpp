@@ -1,0 +1,24 @@
+// Skipped (77) where no device is present.
+#define DOCTEST_CONFIG_IMPLEMENT
+#include "parity/backends.h"
+
+#include <cstdio>
+
+#include "ngs/backend/device_info.h"
+
+namespace ngs::test {
+
+const std::vector<Backend>& backends() {
+  static const std::vector<Backend> all{{cuda_device().name, Exec{.device = Device::kCuda, .device_ops = cuda_ops()}}};
+  return all;
+}
+
+}  // namespace ngs::test
+
+int main(int argc, char** argv) {
+  if (const ngs::DeviceInfo device = ngs::cuda_device(); !device.usable) {
+    std::printf("skipped: %s\n", device.reason.c_str());
+    return 77;
+  }
+  return doctest::Context(argc, argv).run();
+}

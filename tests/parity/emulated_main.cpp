@@ -1,0 +1,34 @@
+#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
+#include "parity/backends.h"
+
+#include "ngs/ops/grid_field_ops.h"
+#include "ngs/ops/grid_loss_ops.h"
+#include "ngs/ops/grid_splat_ops.h"
+#include "support/host_grid.h"
+
+namespace ngs::test {
+namespace {
+
+struct Emulated {
+  HostGrid grid;
+  GridSplatOps<HostGrid> splat{grid};
+  GridFieldOps<HostGrid> field{grid};
+  GridLossOps<HostGrid> loss{grid};
+  DeviceOps ops{splat, field, loss};
+  explicit Emulated(ThreadOrder order) : grid(order) {}
+};
+
+}  // namespace
+
+const std::vector<Backend>& backends() {
+  static const Emulated ascending(ThreadOrder::kAscending), descending(ThreadOrder::kDescending),
+      shuffled(ThreadOrder::kShuffled);
+  const auto backend = [](const char* name, const Emulated& e) {
+    return Backend{name, Exec{.device = Device::kCuda, .device_ops = &e.ops}, true};
+  };
+  static const std::vector<Backend> all{backend("emulated, ascending", ascending), backend("emulated, descending", descending),
+                                        backend("emulated, shuffled", shuffled)};
+  return all;
+}
+
+}  // namespace ngs::test

@@ -1,0 +1,186 @@
+// Images, gradients and evidence of whole views. Depths, and with them the order of Gaussians, are computed without
+// functions that differ between devices; alphas differ by the roundings of exp and log.
+#include "ngs/ops/evidence.h"
+#include "parity/backends.h"
+#include "support/random.h"
+#include "support/splat_reference.h"
+
+namespace ngs::test {
+namespace {
+
+struct View {
+  RenderedView image;
+  CloudGradients gradient;
+};
+
+struct Channels {
+  bool colour, depth;
+  int labels;
+};
+
+View run_view(const Exec& exec, const SplatCase& c, const SplatOptions& options, const Channels& channels,
+              const ViewGradients& upstream) {
+  const GaussianCloud cloud = float_cloud(c);
+  Random random(7);
+  const auto label = random.uniform_vector<float>(std::size_t(c.gaussians * channels.labels), 0, 1);
+  RenderRequest request;
+  request.colour = channels.colour, request.depth = channels.depth, request.background = {0.3f, 0.1f, 0.7f};
+  if (channels.labels > 0) request.label = {label.data(), c.gaussians, channels.labels};
+  SplatPass pass(options);
+  View view;
+  view.image = pass.forward(exec, cloud, c.camera, request);
+  pass.backward(exec, upstream, view.gradient);
+  return view;
+}
+
+ViewGradients random_gradients(const SplatCase& c, const Channels& channels) {
+  Random random(9);
+  const auto image = [&](int count) {
+    ImageF out(c.camera.width_px, c.camera.height_px, count);
+    for (float& x : out.data) x = float(random.uniform(-1, 1));
+    return out;
+  };
+  ViewGradients g;
+  if (channels.colour) g.colour = image(3);
+  if (channels.labels > 0) g.label = image(channels.labels);
+  if (channels.depth) g.depth = image(1);
+  g.alpha = image(1);
+  g.label_moves_geometry = channels.labels > 1;
+  return g;
+}
+
+/// Pixels where alpha or transmittance is within 1e-4 of a threshold may take one contribution more or less.
+std::vector<std::uint8_t> near_threshold(const SplatCase& c, const SplatOptions& options) {
+  std::vector<std::uint8_t> near;
+  for (const ReferencePixel& p : reference_render(c, options)) near.push_back(p.closest_threshold < 1e-4);
+  return near;
+}
+
+double image_ratio(const ImageF& got, const ImageF& want, const std::vector<std::uint8_t>& skip) {
+  double worst = 0;
+  const double scale = std::max(1.0, largest(want.data)) * double(std::numeric_limits<float>::epsilon());
+  for (std::size_t i = 0; i < want.data.size(); ++i) {
+    const double error = std::abs(double(got.data[i]) - double(want.data[i]));
+    if (!std::isfinite(error)) return std::numeric_limits<double>::infinity();
+    if (!skip[i / std::size_t(want.channels)]) worst = std::max(worst, error / scale);
+  }
+  return worst;
+}
+
+constexpr Channels kChannels[] = {{true, false, 0}, {true, true, 1}, {false, false, 1}, {false, true, 0},
+                                  {false, false, 0}, {true, false, 1}, {true, true, 9}};
+constexpr int kSizes[] = {0, 1, 7, 150, 700};  // nobody, one, one chunk not full, several batches per tile
+
+}  // namespace
+
+TEST_CASE("splat: images of a device are the CPU's") {
+  for (const Backend& b : backends())
+    for (const Compat compat : {Compat::kInria, Compat::kGsplat})
+      for (const int gaussians : kSizes)
+        for (const Channels& channels : kChannels) {
+          const SplatOptions options{.compat = compat, .antialiased = gaussians == 7};
+          const SplatCase c = splat_case(std::uint64_t(gaussians) + 1, gaussians, 53, 41, gaussians == 700 ? 0.2 : 1.0);
+          const ViewGradients upstream = random_gradients(c, channels);
+          const View want = run_view({}, c, options, channels, upstream);
+          const View got = run_view(b.exec, c, options, channels, upstream);
+          const auto skip = near_threshold(c, options);
+          CAPTURE(gaussians);
+          CAPTURE(channels.labels);
+          // alpha = o e^power, |power| <= 5.6: relative error ~ 6 eps per unit of the exponent; some tens of terms
+          check_ratio(b, "splat colour", image_ratio(got.image.colour, want.image.colour, skip), 500);
+          check_ratio(b, "splat label", image_ratio(got.image.label, want.image.label, skip), 500);
+          check_ratio(b, "splat depth", image_ratio(got.image.depth, want.image.depth, skip), 500);
+          check_ratio(b, "splat alpha", image_ratio(got.image.alpha, want.image.alpha, skip), 500);
+          if (!b.same_functions) continue;
+          CHECK(got.image.colour.data == want.image.colour.data);
+          CHECK(got.image.label.data == want.image.label.data);
+          CHECK(got.image.depth.data == want.image.depth.data);
+          CHECK(got.image.alpha.data == want.image.alpha.data);
+        }
+}
+
+TEST_CASE("splat: gradients of a device are the CPU's to the rounding of sums") {
+  for (const Backend& b : backends())
+    for (const int gaussians : kSizes)
+      for (const Channels& channels : kChannels) {
+        const SplatCase c = splat_case(std::uint64_t(gaussians) + 1, gaussians, 53, 41, gaussians == 700 ? 0.2 : 1.0);
+        const ViewGradients upstream = random_gradients(c, channels);
+        const CloudGradients want = run_view({}, c, {}, channels, upstream).gradient;
+        const CloudGradients got = run_view(b.exec, c, {}, channels, upstream).gradient;
+        CAPTURE(gaussians);
+        CAPTURE(channels.labels);
+        // sums of some hundred terms of either sign, then the chain of the projection; a pixel at a threshold may flip
+        const double bound = b.same_functions ? 200 : 2e4;
+        const auto column = [&](const char* name, const std::vector<float>& g, const std::vector<float>& w) {
+          check_ratio(b, std::string("splat gradient, ") + name, worst_ratio(g, w, std::max(largest(w), 1e-3)), bound);
+        };
+        column("position", got.position, want.position), column("rotation", got.rotation, want.rotation);
+        column("log_scale", got.log_scale, want.log_scale), column("opacity", got.logit_opacity, want.logit_opacity);
+        column("sh_dc", got.sh_dc, want.sh_dc), column("sh_rest", got.sh_rest, want.sh_rest);
+        column("label", got.label, want.label), column("mean_px", got.mean_px, want.mean_px);
+        int differ = 0;
+        for (std::size_t i = 0; i < want.visible.size(); ++i) differ += got.visible[i] != want.visible[i];
+        CHECK(differ <= (b.same_functions ? 0 : 2));  // an ellipse may just touch a tile
+      }
+}
+
+TEST_CASE("splat: nothing that a device computes depends on the order of its threads") {
+  if (backends().size() < 2) return;
+  const SplatCase c = splat_case(4, 300, 71, 50);
+  const Channels channels{true, true, 2};
+  const ViewGradients upstream = random_gradients(c, channels);
+  const View first = run_view(backends()[0].exec, c, {}, channels, upstream);
+  for (const Backend& b : backends()) {
+    const View other = run_view(b.exec, c, {}, channels, upstream);
+    CHECK(other.image.colour.data == first.image.colour.data);
+    CHECK(other.gradient.position == first.gradient.position);
+    CHECK(other.gradient.sh_rest == first.gradient.sh_rest);
+    CHECK(other.gradient.label == first.gradient.label);
+  }
+}
+
+TEST_CASE("splat: a device passes no gradient where the loss does not look") {
+  const SplatCase c = splat_case(2, 100, 53, 41);
+  for (const Backend& b : backends()) {
+    const View view = run_view(b.exec, c, {}, {true, false, 1}, {});
+    CHECK(largest(view.gradient.position) == 0);
+    CHECK(largest(view.gradient.sh_dc) == 0);
+  }
+}
+
+TEST_CASE("evidence of a device is the CPU's") {
+  for (const Backend& b : backends())
+    for (const int objects : {1, 2, 6})  // 6: two launches
+      for (const int gaussians : {0, 1, 60, 700}) {
+        const SplatCase c = splat_case(std::uint64_t(gaussians) + 5, gaussians, 53, 41, gaussians == 700 ? 0.2 : 1.0);
+        const GaussianCloud cloud = float_cloud(c);
+        Random random(3);
+        ViewMasks masks;
+        masks.width_px = 53, masks.height_px = 41, masks.available = true;
+        for (int k = 0; k < objects; ++k)
+          masks.target.push_back(random.uniform_vector<float>(std::size_t(53 * 41), 0, 1));
+        if (objects != 2)
+          for (int i = 0; i < 53 * 41; ++i) masks.known.push_back(random.below(4) != 0);
+        Evidence want(cloud.size(), objects), got(cloud.size(), objects);
+        add_view_evidence({}, cloud, c.camera, {}, masks, want);
+        add_view_evidence(b.exec, cloud, c.camera, {}, masks, got);
+        std::vector<double> weight, weight_want, object, object_want;
+        for (std::size_t i = 0; i < want.weight.size(); ++i)
+          weight.push_back(got.weight.value(i)), weight_want.push_back(want.weight.value(i));
+        for (std::size_t i = 0; i < want.object_weight.size(); ++i)
+          object.push_back(got.object_weight.value(i)), object_want.push_back(want.object_weight.value(i));
+        CAPTURE(objects);
+        CAPTURE(gaussians);
+        check_ratio(b, "evidence W", worst_ratio(weight, weight_want, std::max(largest(weight_want), 1.0)), 500);
+        check_ratio(b, "evidence W1", worst_ratio(object, object_want, std::max(largest(object_want), 1.0)), 500);
+        std::int64_t flips = 0;
+        for (std::size_t i = 0; i < want.pixels.size(); ++i)
+          flips += std::abs(std::int64_t(got.pixels[i]) - std::int64_t(want.pixels[i]));
+        CHECK(flips <= (b.same_functions ? 0 : 2));
+        if (!b.same_functions) continue;
+        CHECK(got.views == want.views);
+        CHECK(got.object_pixels == want.object_pixels);
+      }
+}
+
+}  // namespace ngs::test

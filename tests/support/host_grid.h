@@ -1,0 +1,113 @@
+#pragma once
+// The Grid of backend/grid.h, emulated: blocks one after the other, in every phase thread after thread. Finds without a
+// device what would go wrong on one:
+//   a read of memory never written    allocations, Shared and Thread start as NaN / all bits set
+//   a race within a phase or grid     results must not depend on `order` (ascending, descending, shuffled)
+//   an access out of bounds           allocations are exact, for the address sanitizer
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <numeric>
+
+#include "ngs/backend/grid.h"
+#include "ngs/core/check.h"
+#include "ngs/core/rng.h"
+
+namespace ngs::test {
+
+enum class ThreadOrder { kAscending, kDescending, kShuffled };
+
+template <class Kernel>
+class HostBlock {
+ public:
+  HostBlock(std::int64_t block, const std::vector<int>& order)
+      : index(block), order_(order), shared_(std::make_unique<Shared>()), own_(order.size()) {
+    static_assert(std::is_trivially_copyable_v<Shared> && std::is_trivially_copyable_v<Thread>);
+    std::memset(static_cast<void*>(shared_.get()), 0xff, sizeof(Shared));
+    std::memset(static_cast<void*>(own_.data()), 0xff, sizeof(Thread) * own_.size());
+  }
+  template <class F>
+  void phase(const F& f) {
+    for (const int t : order_) f(t, *shared_, own_[std::size_t(t)]);
+  }
+  template <class F>
+  bool any(const F& f) {
+    bool some = false;
+    for (const int t : order_) some = f(t, *shared_, own_[std::size_t(t)]) || some;
+    return some;
+  }
+  std::int64_t index;
+
+ private:
+  using Shared = typename Kernel::Shared;
+  using Thread = typename Kernel::Thread;
+  const std::vector<int>& order_;
+  std::unique_ptr<Shared> shared_;
+  std::vector<Thread> own_;
+};
+
+class HostGrid {
+ public:
+  explicit HostGrid(ThreadOrder order = ThreadOrder::kAscending) : order_(order) {}
+  HostGrid(const HostGrid&) = delete;
+  HostGrid& operator=(const HostGrid&) = delete;
+  ~HostGrid() {
+    if (allocated_ != 0) std::abort();  // a leak
+  }
+
+  template <class Kernel>
+  void each(std::int64_t n, const Kernel& kernel) {
+    static_assert(sizeof(Kernel) <= 4096 && std::is_trivially_copyable_v<Kernel>, "a kernel is passed by value");
+    NGS_CHECK(Kernel::kName != nullptr, "a kernel has a name");
+    for (const int i : sequence(n)) kernel(i);
+  }
+  template <class Kernel>
+  void blocks(std::int64_t n, const Kernel& kernel) {
+    static_assert(sizeof(Kernel) <= 4096 && std::is_trivially_copyable_v<Kernel>, "a kernel is passed by value");
+    static_assert(sizeof(typename Kernel::Shared) <= 48 * 1024);
+    NGS_CHECK(Kernel::kName != nullptr, "a kernel has a name");
+    const std::vector<int> threads = sequence(Kernel::kThreads);
+    for (const int index : sequence(n)) {
+      HostBlock<Kernel> block(index, threads);
+      kernel(block);
+    }
+  }
+  void sort(std::uint64_t* keys, std::uint32_t* values, std::int64_t n, int bits) {
+    const std::uint64_t mask = bits >= 64 ? ~std::uint64_t(0) : (std::uint64_t(1) << bits) - 1;
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> pairs;
+    for (std::int64_t i = 0; i < n; ++i) pairs.emplace_back(keys[i], values[i]);
+    std::stable_sort(pairs.begin(), pairs.end(), [&](auto a, auto b) { return (a.first & mask) < (b.first & mask); });
+    for (std::int64_t i = 0; i < n; ++i) keys[i] = pairs[std::size_t(i)].first, values[i] = pairs[std::size_t(i)].second;
+  }
+  void sum_before(const std::uint32_t* in, std::int64_t* out, std::int64_t n) {
+    out[0] = 0;
+    for (std::int64_t i = 0; i < n; ++i) out[i + 1] = out[i] + in[i];
+  }
+  void* allocate(std::size_t bytes) {
+    ++allocated_;
+    return std::memset(std::malloc(bytes), 0xff, bytes);
+  }
+  void release(void* memory) noexcept {
+    --allocated_;
+    std::free(memory);
+  }
+  void upload(void* device, const void* host, std::size_t bytes) { std::memcpy(device, host, bytes); }
+  void download(void* host, const void* device, std::size_t bytes) { std::memcpy(host, device, bytes); }
+  void fill_zero(void* device, std::size_t bytes) { std::memset(device, 0, bytes); }
+
+ private:
+  std::vector<int> sequence(std::int64_t n) const {
+    std::vector<int> order(std::size_t(std::max<std::int64_t>(n, 0)));
+    std::iota(order.begin(), order.end(), 0);
+    if (order_ == ThreadOrder::kDescending) std::reverse(order.begin(), order.end());
+    if (order_ == ThreadOrder::kShuffled)
+      for (std::size_t i = order.size(); i-- > 1;)
+        std::swap(order[i], order[rng_bits(5, RngStream::kTest, i) % (i + 1)]);
+    return order;
+  }
+  ThreadOrder order_;
+  int allocated_ = 0;
+};
+
+}  // namespace ngs::test
