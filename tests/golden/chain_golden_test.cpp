@@ -34,6 +34,7 @@ TEST_CASE("the chain on the tiny scene keeps its boundary set, labels, masks and
   std::ifstream metrics_file(fixture + "/metrics.json"), trace_file(fixture + "/trace.jsonl");
   const nlohmann::json metrics = nlohmann::json::parse(metrics_file);
   std::string line;
+  std::getline(trace_file, line);  // the start, scored before any step
   std::getline(trace_file, line);
   const nlohmann::json first_step = nlohmann::json::parse(line);
   const double got[] = {double(boundary.cloud.size()),
@@ -54,8 +55,8 @@ TEST_CASE("the chain on the tiny scene keeps its boundary set, labels, masks and
                            {"mean IoU", 0.99950, 1e-3},
                            {"mean boundary IoU", 0.99578, 1e-3},
                            {"photometric loss", 8.15960e-4, 1e-6},
-                           {"mask loss", 0.0293452, 1e-5},
-                           {"alignment loss", 0.583466, 1e-4}};
+                           {"mask loss", 0.0291969, 1e-5},
+                           {"alignment loss", 0.586258, 1e-4}};
   static_assert(std::size(got) == std::size(golden));
   for (std::size_t i = 0; i < std::size(golden); ++i) {
     CAPTURE(golden[i].what);
