@@ -26,6 +26,10 @@ awk '
     printf "%-12s %6d cases %6d passed %6d failed %6d skipped\n", suite, n[1], n[2], n[3], n[4]
     for (i = 1; i <= 4; ++i) total[i] += n[i]
   }
+  /^[0-9]+ checks passed/ {
+    printf "%-12s %6d cases %6d passed %6d failed %6d skipped\n", "clients", $1 + $4 + $6, $1, $4, $6
+    total[1] += $1 + $4 + $6; total[2] += $1; total[3] += $4; total[4] += $6
+  }
   /<skipped/ { printf "%-12s skipped as a whole\n", suite }
   /^contract cases: / { printf "%-12s %6d cases of the tools in them\n", "contract", $3 }
   tolower($0) ~ /message: .*skip/ { ++absent }

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Installs the Debian packages of packages.txt that are missing (Debian 12, Ubuntu 22.04 and later).
+# Installs the Debian packages of packages.txt, or of the list given, that are missing (Debian 12, Ubuntu 22.04 and later).
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+list=${1:-$here/packages.txt}
 
 say() { echo "setup: $*" >&2; }
 installed() { dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null | grep -qx installed; }
@@ -10,13 +11,13 @@ missing=()
 if command -v dpkg-query >/dev/null; then
   while read -r package; do
     installed "$package" || missing+=("$package")
-  done < <(grep -v '^#' "$here/packages.txt")
+  done < <(grep -v '^#' "$list")
 else
   say "error: this is no Debian or Ubuntu; install the equivalents of pipelines/packages.txt, then run pipelines/build.sh"
   exit 8
 fi
 if [ ${#missing[@]} -eq 0 ]; then
-  say "all $(grep -vc '^#' "$here/packages.txt") packages are installed"
+  say "all $(grep -vc '^#' "$list") packages are installed"
   exit 0
 fi
 

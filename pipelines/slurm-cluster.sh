@@ -79,15 +79,23 @@ processes_with() {
   done
 }
 
+# A step manager has no environment of ours; it is the parent of what has.
 processes_of_node() {
+  local pid parent
   processes_with "NGS_VIRTUAL_NODE=$cluster/$1"
-  processes_with "SLURM_CONF=$cluster/slurm.conf" "SLURMD_NODENAME=$1"
+  for pid in $(processes_with "SLURM_CONF=$cluster/slurm.conf" "SLURMD_NODENAME=$1"); do
+    parent=$(awk '$1 == "PPid:" { print $2 }' "/proc/$pid/status" 2> /dev/null || true)
+    if [ "$(cat "/proc/$parent/comm" 2> /dev/null)" = slurmstepd ]; then printf '%s\n' "$parent"; fi
+    printf '%s\n' "$pid"
+  done
 }
 
-# Ends a node as a power cut would: its daemon, its step managers and all they run, at once.
+# Ends a node as a power cut would: its daemon, its step managers and all they run, at once. They are stopped first, or those that
+# are still alive would report the death of the others.
 node_kill() {
   local pids
   mapfile -t pids < <(processes_of_node "$1" | sort -u)
+  kill -STOP "${pids[@]}" 2> /dev/null || true
   kill -KILL "${pids[@]}" 2> /dev/null || true
 }
 

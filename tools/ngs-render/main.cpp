@@ -1,7 +1,6 @@
 // ngs-render: scene.json + model -> pictures of colour, mask, alpha, depth and labels at any camera.
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <set>
 #include <sstream>
 
@@ -54,8 +53,8 @@ int main(int argc, char** argv) {
                                options.amodal);
       }();
       const auto timed = run.monitor().scope("write");
-      picture::write_view({out.path, std::filesystem::path(camera.name).stem().string()}, view, objects,
-                          layers, options, format);
+      picture::write_view({out.path, picture::stem_of(camera.name, format.names)}, view, objects, layers,
+                          options, format);
       run.monitor().progress(std::int64_t(n) + 1, std::int64_t(views.size()));
     }
     return 0;

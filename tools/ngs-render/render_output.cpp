@@ -42,8 +42,9 @@ ImageU8 binary_mask(const ImageF& label, std::size_t object, double threshold) {
 }
 
 std::string prepared(const std::filesystem::path& folder, const std::string& file) {
-  std::filesystem::create_directories(folder);
-  return (folder / file).string();
+  const std::filesystem::path path = folder / file;
+  std::filesystem::create_directories(path.parent_path());
+  return path.string();
 }
 
 void write_masks(const std::filesystem::path& folder, const std::string& stem, const RenderedView& view,
@@ -111,6 +112,10 @@ std::set<std::string> parse_layers(const std::vector<std::string>& layers, const
                 "the model has no property ngs_label, expected a labelled PLY for masks",
                 "label it first: ngs-variance scene.json -o boundary.ply, or ask for --layers color");
   return chosen;
+}
+
+std::string stem_of(const std::string& camera_name, FileNames names) {
+  return names == FileNames::kImage ? camera_name : std::filesystem::path(camera_name).stem().string();
 }
 
 void write_view(const Destination& to, const RenderedView& view, const Objects& objects,

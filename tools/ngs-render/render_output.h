@@ -17,12 +17,20 @@ namespace ngs::picture {
 enum class Format : std::uint8_t { kPng, kExr };
 inline constexpr NamedValue<Format> kFormatNames[] = {{Format::kPng, "png"}, {Format::kExr, "exr"}};
 
+enum class FileNames : std::uint8_t { kStem, kImage };
+inline constexpr NamedValue<FileNames> kFileNames[] = {{FileNames::kStem, "stem"},
+                                                       {FileNames::kImage, "image"}};
+
 struct OutputOptions {
   Format format = Format::kPng;
+  FileNames names = FileNames::kStem;
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.format, Choice<Format>{"format", "png: 8 bit (16 bit for depth and labels); exr: float layers",
                                       kFormatNames});
+    visit(self.names,
+          Choice<FileNames>{"names", "stem: a.jpg -> a.png; image: a.jpg.png, as COLMAP names masks",
+                            kFileNames});
   }
 };
 
@@ -39,6 +47,8 @@ std::set<std::string> parse_layers(const std::vector<std::string>& layers, const
 struct Destination {
   std::string folder, stem;
 };
+/// The STEM of a view's files; with kImage the whole name of its photo, folders included.
+std::string stem_of(const std::string& camera_name, FileNames names);
 void write_view(const Destination& to, const RenderedView& view, const Objects& objects,
                 const std::set<std::string>& layers, const RenderOptions& options,
                 const OutputOptions& format);
