@@ -15,9 +15,9 @@ struct StageCost {
 };
 
 // Measured on two captures, rounded up (BENCHMARKS.md, Budgets).
-inline constexpr StageCost kTrustCost{6, 0.1}, kFloatersCost{70, 0.35}, kDetectorCost{8, 0.25},
+inline constexpr StageCost kTrustCost{6, 0.1}, kFloatersCost{50, 0.35}, kDetectorCost{8, 0.25},
     kJointStepCost{12, 0.35};
-inline constexpr double kWalkRenders = 30, kEdgeStepRenders = 6, kRoundRenders = 8;
+inline constexpr double kWalkRenders = 15, kEdgeStepRenders = 4, kRoundRenders = 6;
 inline constexpr double kClosing_s = 0.15;  // kept for writing
 
 class Budget {

@@ -1,6 +1,7 @@
 #include "decide.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "shared/text_file.h"
 
@@ -75,7 +76,7 @@ Json Decisions::json() const {
   Json table = Json::array();
   for (const EffectDecision& d : all_) {
     Json entry = {{"name", d.effect->name}, {"mode", d.mode}, {"on", d.on}, {"reason", d.reason}};
-    entry["measured"] = d.measured ? Json(*d.measured) : Json();
+    entry["measured"] = d.measured && std::isfinite(*d.measured) ? Json(*d.measured) : Json();
     entry["threshold"] = d.effect->on == OnWhere::kAlways ? Json() : Json(d.effect->threshold);
     entry["saving"] = d.on ? "" : d.effect->saves;
     table.push_back(std::move(entry));

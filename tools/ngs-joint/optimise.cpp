@@ -79,7 +79,7 @@ MethodResult run_edges(cli::Run& run, const Settings& settings, const Problem& p
   planned.edge.rounds = plan.rounds, planned.edge.visits = plan.visits;
   return follow_edges(run.exec(), run.monitor(),
                       {planned.edge, planned.joint, planned.sample, planned.rbf, problem.input,
-                       [&](const JointProgress& progress, const JointTrainer& trainer) {
+                       [&](const JointProgress& progress, JointTrainer& trainer) {
                          return watch.after_step("edges", progress, trainer);
                        }},
                       std::move(result));

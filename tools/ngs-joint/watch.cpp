@@ -32,7 +32,17 @@ bool Watch::begin(const JointTrainer& trainer) {
   return target_met_;
 }
 
-bool Watch::after_step(std::string_view stage, const JointProgress& progress, const JointTrainer& trainer) {
+void Watch::replan(const JointProgress& progress, JointTrainer& trainer) {
+  if (!budget_.given()) return;
+  if (progress.step == 1) planned_ = progress.steps, stage_began_s_ = last_s_;
+  const double step_s = (seconds() - stage_began_s_) / double(progress.step);
+  const double room = std::max(0.0, budget_.left_s() - 1.2 * longest_step_s_) / step_s;
+  const std::int64_t fit = progress.step + std::int64_t(std::min(room, double(planned_)));
+  trainer.plan_steps(std::min(planned_, fit));
+  late_ = trainer.finished() && progress.step < planned_;
+}
+
+bool Watch::after_step(std::string_view stage, const JointProgress& progress, JointTrainer& trainer) {
   const LossTerms& l = last_loss_ = progress.loss;
   ++step_;
   const double now = seconds();
@@ -52,8 +62,9 @@ bool Watch::after_step(std::string_view stage, const JointProgress& progress, co
     if (step_ % every_ == 0 || progress.step == progress.steps) score(line, trainer);
     if (traced_) text_ += line.dump() + "\n";
   }
+  replan(progress, trainer);
   last_s_ = seconds();
-  late_ = !budget_.allows(1.2 * longest_step_s_);
+  late_ |= !budget_.allows(1.2 * longest_step_s_);
   return target_met_ || late_;
 }
 

@@ -13,7 +13,8 @@ class Watch {
   /// The model before the first step: a line of the trace without losses. True: the target is met already.
   bool begin(const JointTrainer& trainer);
   /// True: no further step, because the target is met or the time is up.
-  bool after_step(std::string_view stage, const JointProgress& progress, const JointTrainer& trainer);
+  /// Under a budget the trainer's plan follows the time that its steps turn out to take.
+  bool after_step(std::string_view stage, const JointProgress& progress, JointTrainer& trainer);
 
   bool target_met() const { return target_met_; }
   bool late() const { return late_; }
@@ -23,6 +24,7 @@ class Watch {
 
  private:
   void score(Json& line, const JointTrainer& trainer);
+  void replan(const JointProgress& progress, JointTrainer& trainer);
   double seconds() const { return budget_.elapsed_s() - scoring_s_; }
 
   const Exec& exec_;
@@ -30,8 +32,8 @@ class Watch {
   const Budget& budget_;
   std::optional<Target> target_;
   bool traced_, target_met_ = false, late_ = false;
-  std::int64_t every_, step_ = 0;
-  double scoring_s_ = 0, last_s_ = 0, longest_step_s_ = 0;
+  std::int64_t every_, step_ = 0, planned_ = 0;  // planned_: steps of this stage, before time ran short
+  double scoring_s_ = 0, last_s_ = 0, longest_step_s_ = 0, stage_began_s_ = 0;
   LossTerms last_loss_;
   std::string text_;
 };

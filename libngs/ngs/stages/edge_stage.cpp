@@ -26,10 +26,6 @@ constexpr GaussianRates kEdgeRates{.position = 1.6e-4,
 // object.
 constexpr double kLeastInside = 0.99, kLeastStraddling_px = 0.5, kLeastObject = 0.05;
 
-// Given masks whose contours have less than this of the walked ones' contrast do not lie on edges. On the
-// synthetic recipes masks that are exact have 0.89 to 1.03, those wrong by 2 px 0.36 to 0.66.
-constexpr double kOffEdges = 0.75;
-
 /// The model on its way through the rounds.
 struct Model {
   GaussianCloud cloud;
@@ -178,16 +174,20 @@ class EdgeRun {
     MethodResult trained = trainer.result();
     model_.cloud = std::move(trained.cloud), model_.labels = std::move(trained.labels);
     ++rounds_;
-    return trainer.finished();
+    return trainer.finished() && !ended;
   }
 
-  /// Whether walking the contours of the model as it is now would still bring them nearer to the given masks.
-  bool gains_from_another_round() {
-    if (masks_beside_edges()) return true;  // they cannot tell
+  /// Whether walking once more would still bring the contours significantly nearer to the given masks; or,
+  /// where those lie beside the photos' edges, whether the contours do so too.
+  bool needs_another_round() {
     const auto timed = monitor_.scope("walk");
     const std::vector<std::size_t> some = spread_views(setup_.input.views, kDecisionViews);
-    again_gain_ = gain_in_errors(
-        walk_gains(walk_views(exec_, walk_setup(), {model_.cloud, model_.labels}, some, some)));
+    const auto walked = walk_views(exec_, walk_setup(), {model_.cloud, model_.labels}, some, some);
+    const ContrastShares shares = contrast_shares(walked);
+    if (shares.own >= kOffEdges)
+      again_gain_ = gain_in_errors(walk_gains(walked));
+    else
+      again_gain_ = shares.rendered < kOffEdges ? INFINITY : 0;
     return *again_gain_ > kSignificant;
   }
 
@@ -204,7 +204,6 @@ class EdgeRun {
   }
 
  private:
-  bool masks_beside_edges() const { return own_contrast_ < kOffEdges * walked_contrast_; }
   WalkSetup walk_setup() const { return {setup_.edge.walk, setup_.edge.margin_px, setup_.input}; }
 
   /// Whether the walked masks agree with the given ones at least as well as the rendered masks did, within
@@ -219,7 +218,7 @@ class EdgeRun {
     }
     if (count > 0)
       rendered_ /= count, walked_biou_ /= count, own_contrast_ /= count, walked_contrast_ /= count;
-    return masks_beside_edges() || gain_in_errors(walk_gains(walked_)) >= -kSignificant;
+    return contrast_shares(walked_).own < kOffEdges || gain_in_errors(walk_gains(walked_)) >= -kSignificant;
   }
 
   ImageF window_photo(std::size_t v) const {
@@ -257,7 +256,7 @@ MethodResult follow_edges(const Exec& exec, Monitor& monitor, const EdgeSetup& s
   const EffectMode again = mode_of("second-round", setup.joint.effect);
   for (int round = 0; round < setup.edge.rounds && start.converged && !monitor.stop_requested(); ++round) {
     if (round > 0 &&
-        (again == EffectMode::kOff || (again == EffectMode::kAuto && !run.gains_from_another_round())))
+        (again == EffectMode::kOff || (again == EffectMode::kAuto && !run.needs_another_round())))
       break;
     if (!run.walk(round == 0)) break;
     start.converged = run.train(round);

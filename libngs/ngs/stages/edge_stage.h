@@ -59,8 +59,9 @@ struct EdgeSetup {
   const SampleOptions& sample;
   const RbfOptions& rbf;
   const MethodInput& input;
-  // Asked after every step, of the trainer on the windows; true ends the stage. May be empty.
-  std::function<bool(const JointProgress&, const JointTrainer&)> stop_after = {};
+  // Asked after every step, of the trainer on the windows, whose plan it may change; true ends the stage. May
+  // be empty.
+  std::function<bool(const JointProgress&, JointTrainer&)> stop_after = {};
 };
 
 /// Steps per view and round; 0: the stage does nothing.

@@ -109,14 +109,15 @@ double EffectProbe::outside() { return views().outside; }
 
 double EffectProbe::walk() {
   const MethodInput& input = setup_.input;
-  if (edge_visits(setup_.edge, setup_.joint.quality) == 0 || !input.load_fine_photo) return 0;
+  if (edge_visits(setup_.edge, setup_.joint.quality) == 0 || !input.load_fine_photo) return -INFINITY;
   JointOptions joint = setup_.joint;
   joint.effect = {"nerf=off"};  // for the start of a trainer alone
   const MethodResult start =
       JointTrainer(exec_, monitor_, {joint, setup_.sample, setup_.rbf, input}, true).result();
   const std::vector<std::size_t> some = spread_views(input.views, kDecisionViews);
   const WalkSetup walk{setup_.edge.walk, setup_.edge.margin_px, input};
-  return gain_in_errors(walk_gains(walk_views(exec_, walk, {start.cloud, start.labels}, some, some)));
+  const auto walked = walk_views(exec_, walk, {start.cloud, start.labels}, some, some);
+  return contrast_shares(walked).own < kOffEdges ? INFINITY : gain_in_errors(walk_gains(walked));
 }
 
 double EffectProbe::rms_neighbour() {

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "ngs/core/error.h"
+#include "ngs/stages/edge_masks.h"
 #include "ngs/stages/effect_probe.h"
 
 namespace ngs {
@@ -25,8 +26,11 @@ constexpr EffectInfo kRegistry[] = {
      "the search itself leaves alone what hides less (FloaterOptions::least_hidden)", &Probe::front, kBefore},
     {"joint", "the steps of Eq. 20; off: labels as they come", &Fx::joint,
      "all steps before the photos' edges are followed", "", kBelow,
-     "gain of walking contours to the photos' edges, standard errors", kSignificant,
-     "beyond it the edges decide the contours, whatever the steps did", &Probe::walk},
+     "gain in agreement with the masks by walking to the photos' edges, standard errors (inf: masks off the "
+     "edges)",
+     -kSignificant,
+     "the stage's own rule: from there on the edges decide the contours, whatever the steps did",
+     &Probe::walk},
     {"nerf", "the NeRF and all that needs it", &Fx::nerf, "rays, field, network, L_align, L_smth", "joint",
      kAbove, "1 - boundary IoU of the labels as they come with the masks", 0.02,
      "two points, what masks of one object differ by from tool to tool", &Probe::boundary_gap},
@@ -66,8 +70,8 @@ constexpr EffectInfo kRegistry[] = {
      "edges", kAbove, "most weight that a Gaussian can have on a wrong side, px", 3,
      "the default of --edge-split: nothing is halved", &Probe::straddling},
     {"second-round", "follow the edges more than once", &Fx::second_round, "all rounds but the first",
-     "edges", kAbove, "gain of walking once more, standard errors", kSignificant,
-     "below it the contours are where the photos want them", nullptr, kLater},
+     "edges", kAbove, "gain of walking once more, standard errors (inf: contours and masks off the edges)",
+     kSignificant, "below it the contours are where the photos want them", nullptr, kLater},
 };
 
 std::string short_number(double value) {

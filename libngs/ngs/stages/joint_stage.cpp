@@ -332,6 +332,7 @@ JointTrainer::JointTrainer(const Exec& exec, Monitor& monitor, const JointSetup&
 JointTrainer::~JointTrainer() = default;
 
 bool JointTrainer::finished() const { return impl_->done >= impl_->steps; }
+void JointTrainer::plan_steps(std::int64_t steps) { impl_->steps = std::max(steps, impl_->done); }
 std::int64_t JointTrainer::steps_done() const { return impl_->done; }
 const JointField* JointTrainer::field() const { return impl_->field.get(); }
 const BoundarySet& JointTrainer::boundary() const { return impl_->boundary; }

@@ -47,6 +47,8 @@ class JointTrainer {
   ~JointTrainer();
 
   bool finished() const;
+  /// Another number of steps in all; the rates go on falling towards that end. At least those that are done.
+  void plan_steps(std::int64_t steps);
   JointProgress step();
   std::int64_t steps_done() const;
   MethodResult result() const;
