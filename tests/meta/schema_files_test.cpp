@@ -76,4 +76,12 @@ TEST_CASE("every committed JSON file of data-schema/ is JSON") {
   }
 }
 
+TEST_CASE("the table of --quality in help and README is what quality-table.sh makes of the benchmark") {
+  test::ProcessSpec spec;
+  spec.argv = {"bash", NGS_SOURCE_DIR "/pipelines/quality-table.sh", "--check"};
+  const test::ProcessResult result = test::run_process(spec);
+  INFO(result.out);
+  CHECK(result.exit_code == 0);
+}
+
 }  // namespace ngs

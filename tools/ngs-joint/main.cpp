@@ -4,6 +4,7 @@
 
 #include "chain.h"
 #include "decide.h"
+#include "quality_table.h"
 
 namespace {
 
@@ -32,6 +33,7 @@ int main(int argc, char** argv) {
   tool.options(declared.settings.rbf);
   tool.options(declared.raster);
   declared.methods.declare(tool);
+  tool.help(joint::kQualityTable);
   tool.help(joint::effects_help());
   const cli::Input& scene = tool.input("scene", "scene.json written by ngs-scene");
   const cli::Input& boundary = tool.input("boundary", "PLY written by ngs-variance");
