@@ -5,7 +5,8 @@
 #
 #   NVOS_DIR   the labels: masks/TASK/IMAGE_mask.png
 #   LLFF_DIR   SCENE/ with images/, the poses and a trained splat (point_cloud.ply or point_cloud/iteration_*/)
-#   MASKS_DIR  TASK/ with the input masks of the views, named like the images
+#   MASKS_DIR  TASK/ with the input masks of the views, named like the images; "scribbles": they are made by ngs-mask
+#              from the strokes in NVOS_DIR/scribbles/TASK/ (pos_*.png, neg_*.png) on the view reference_image/TASK/ names
 #   OUT_DIR    one folder per task, report.html and summary.json
 #
 # The target view supervises nothing. The mean is over tasks, unweighted; "mAcc" of the papers is pixel
@@ -29,11 +30,27 @@ leaves IMG_2997
 orchids IMG_4480
 trex DJI_20200223_163619_411"
 
+# Masks of all views from the strokes of a task: from_scribbles TASK SCENE -> the folder, on stdout.
+from_scribbles() {
+  local to=$out/$1.scribbles view strokes=$nvos/scribbles/$1 bin
+  view=$(basename "$(ls "$nvos/reference_image/$1"/* | head -n 1)")
+  bin=$(find_bin)
+  mkdir -p "$to"
+  if [ ! -d "$to/masks" ]; then
+    "$pipelines/ngs-gs.sh" "$2" "$to" --until scene.json -q || return
+    "${bin:+$bin/}ngs-mask" "$to/scene.json" --view "${view%.*}" -q -o "$to/masks" --report "$to/ngs-mask.json" \
+      --object-scribbles "$(ls "$strokes"/pos_*.png | head -n 1)" --background-scribbles "$(ls "$strokes"/neg_*.png | head -n 1)" || return
+  fi
+  printf '%s' "$to/masks"
+}
+
 mkdir -p "$out"
 while read -r task target <&3; do
   scene=$llff/${task%%_*} truth=$nvos/masks/$task
   missing=
-  for path in "$scene" "$truth" "$masks/$task"; do
+  given=$masks/$task
+  if [ "$masks" = scribbles ]; then given=$nvos/scribbles/$task; fi
+  for path in "$scene" "$truth" "$given"; do
     if [ ! -d "$path" ]; then missing=$path; fi
   done
   if [ -n "$missing" ]; then
@@ -41,7 +58,11 @@ while read -r task target <&3; do
     continue
   fi
   printf '%s\n' "$target" > "$out/$task.target"
-  run_scene "$task" "$scene" "$out/$task" --masks "$masks/$task" --gt "$truth" --hold-out "$out/$task.target" "$@"
+  if [ "$masks" = scribbles ] && ! given=$(from_scribbles "$task" "$scene"); then
+    failed_scenes=$((failed_scenes + 1))
+    continue
+  fi
+  run_scene "$task" "$scene" "$out/$task" --masks "$given" --gt "$truth" --hold-out "$out/$task.target" "$@"
 done 3<<< "$targets"
 compare_runs "$out" "${finished_runs[@]}"
 [ "$failed_scenes" -eq 0 ]

@@ -1,6 +1,6 @@
 #pragma once
-// Photos and masks in, PNG out. The only user of OpenCV. All files are hostile: an unreadable one is
-// kBadInput. EXIF orientation is ignored, as the trainers and COLMAP do.
+// Photos and masks in, PNG out. With grab_cut.h the only user of OpenCV. All files are hostile: an unreadable
+// one is kBadInput. EXIF orientation is ignored, as the trainers and COLMAP do.
 #include <cstdint>
 #include <string>
 #include <vector>

@@ -1,0 +1,36 @@
+#pragma once
+// Runs a program of the user without a shell: a command line is split into words once, placeholders are
+// filled in within words, so that no file name can become a command.
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace ngs::io {
+
+/// Words of a command line: blanks separate, '...' and "..." group, a backslash takes the next character as
+/// it is (not within '...'). kUsage for an open quote, a trailing backslash and an empty line.
+std::vector<std::string> split_command(const std::string& line);
+
+/// Every "{key}" of the words replaced, in one pass: what a value holds is never replaced again.
+std::vector<std::string> fill_placeholders(std::vector<std::string> words,
+                                           const std::map<std::string, std::string>& values);
+
+struct ChildResult {
+  enum class End { kExited, kSignalled, kTimedOut, kStopped } end = End::kExited;
+  int code = 0;            // exit status or signal number
+  std::string last_words;  // the end of what it wrote on stderr and stdout, at most 2000 bytes, one line
+                           // each, printable
+};
+
+struct ChildLimits {
+  double time_s = 600;
+  std::function<bool()> stop = {};  // polled; true: the child is ended
+};
+
+/// stdin is empty; stdout and stderr are kept. The child has a process group of its own, which is ended as a
+/// whole (SIGTERM, after 2 s SIGKILL) at the time limit and on `stop`. kEnvironment where it cannot be
+/// started.
+ChildResult run_child(const std::vector<std::string>& argv, const ChildLimits& limits);
+
+}  // namespace ngs::io

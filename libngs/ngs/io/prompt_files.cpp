@@ -1,0 +1,115 @@
+#include "ngs/io/prompt_files.h"
+
+#include <cmath>
+
+#include "ngs/core/error.h"
+#include "ngs/io/image_file.h"
+#include "ngs/io/json_file.h"
+
+namespace ngs::io {
+namespace {
+
+constexpr std::int64_t kMostSide = 1 << 16;
+constexpr std::size_t kMostPoints = 1 << 20;
+
+PromptStroke stroke_of(const nlohmann::json& value, const std::string& where) {
+  const JsonReader reader(value, where);
+  PromptStroke stroke;
+  stroke.object = reader.boolean("object");
+  stroke.radius_px = reader.number_or("radius", 3);
+  if (!(stroke.radius_px > 0 && stroke.radius_px <= double(kMostSide)))
+    reader.fail("radius", "a positive number of pixels");
+  const nlohmann::json& points = reader.array("points");
+  if (points.empty() || points.size() > kMostPoints) reader.fail("points", "1 to 1048576 points");
+  const std::vector<double> flat = reader.matrix("points", points.size(), 2);
+  for (std::size_t i = 0; i < points.size(); ++i) stroke.points.push_back({flat[2 * i], flat[2 * i + 1]});
+  reader.refuse_unknown_keys();
+  return stroke;
+}
+
+/// The mark of one sample of a colour picture.
+PixelHint mark_of(const RawMask& picture, std::size_t pixel) {
+  const auto channel = [&](std::size_t c) {
+    const int value = picture.data[pixel * std::size_t(picture.channels) + c];
+    return picture.bits == 16 ? value / 257 : value;
+  };
+  const bool red = channel(0) >= 128, green = channel(1) >= 128;
+  return red == green ? PixelHint::kLikelyBackground : green ? PixelHint::kObject : PixelHint::kBackground;
+}
+
+bool is_marked(const HandPrompt& prompt) {
+  for (const PixelHint hint : prompt.painted)
+    if (is_certain(hint)) return true;
+  return false;
+}
+
+}  // namespace
+
+HandPrompt parse_prompts_json(const nlohmann::json& root, const std::string& object) {
+  const JsonReader reader(root, object);
+  if (reader.integer("ngs_prompts", 1, 1) != 1) reader.fail("ngs_prompts", "1");
+  HandPrompt prompt;
+  prompt.view = reader.text_or("view", "");
+  prompt.width_px = int(reader.integer("width", 1, kMostSide));
+  prompt.height_px = int(reader.integer("height", 1, kMostSide));
+  if (reader.has("strokes"))
+    for (const nlohmann::json& value : reader.array("strokes"))
+      prompt.strokes.push_back(
+          stroke_of(value, object + ": strokes[" + std::to_string(prompt.strokes.size()) + "]"));
+  if (reader.has("boxes")) {
+    const std::size_t count = reader.array("boxes").size();
+    const std::vector<double> flat = count > 0 ? reader.matrix("boxes", count, 4) : std::vector<double>{};
+    for (std::size_t i = 0; i < count; ++i) {
+      const double* b = &flat[4 * i];
+      if (!(b[0] < b[2] && b[1] < b[3])) reader.fail("boxes", "left < right and top < bottom");
+      prompt.boxes.push_back({b[0], b[1], b[2], b[3]});
+    }
+  }
+  for (const char* ignored : {"points", "mask"}) static_cast<void>(reader.has(ignored));
+  reader.refuse_unknown_keys();
+  if (prompt.strokes.empty() && prompt.boxes.empty())
+    throw Error(ErrorCode::kBadInput, object + ": neither strokes nor boxes, expected at least one");
+  return prompt;
+}
+
+HandPrompt read_prompts_json(const std::string& path) {
+  return parse_prompts_json(read_json_file(path), path);
+}
+
+HandPrompt read_scribbles(const std::string& path) {
+  const RawMask picture = read_mask_raw(path);
+  if (picture.channels < 3)
+    throw Error(ErrorCode::kBadInput,
+                path + ": a grey picture, expected green (object) and red (background) strokes",
+                "give one picture per side: --object-scribbles PNG --background-scribbles PNG");
+  HandPrompt prompt;
+  prompt.width_px = picture.width_px, prompt.height_px = picture.height_px;
+  prompt.painted.resize(std::size_t(picture.width_px) * std::size_t(picture.height_px));
+  for (std::size_t p = 0; p < prompt.painted.size(); ++p) prompt.painted[p] = mark_of(picture, p);
+  if (!is_marked(prompt))
+    throw Error(ErrorCode::kBadInput,
+                path + ": nothing is marked, expected green (object) or red (background) strokes");
+  return prompt;
+}
+
+void add_scribbles(const std::string& path, bool object, HandPrompt& prompt) {
+  const RawMask picture = read_mask_raw(path);
+  if (prompt.painted.empty()) {
+    prompt.width_px = picture.width_px, prompt.height_px = picture.height_px;
+    prompt.painted.assign(std::size_t(picture.width_px) * std::size_t(picture.height_px),
+                          PixelHint::kLikelyBackground);
+  }
+  if (picture.width_px != prompt.width_px || picture.height_px != prompt.height_px)
+    throw Error(ErrorCode::kInconsistent,
+                path + ": " + to_string({picture.width_px, picture.height_px}) + " px, expected " +
+                    to_string({prompt.width_px, prompt.height_px}) + " px as the other scribbles");
+  const std::size_t colours = picture.channels == 4 ? 3 : std::size_t(picture.channels);
+  bool any = false;
+  for (std::size_t p = 0; p < prompt.painted.size(); ++p)
+    for (std::size_t c = 0; c < colours; ++c)
+      if (picture.data[p * std::size_t(picture.channels) + c] > 0)
+        any = true, prompt.painted[p] = object ? PixelHint::kObject : PixelHint::kBackground;
+  if (!any) throw Error(ErrorCode::kBadInput, path + ": all black, expected strokes of another colour");
+}
+
+}  // namespace ngs::io

@@ -1,0 +1,25 @@
+#pragma once
+// What a person marked on one view: strokes and boxes in the pixels of an image of the given size.
+#include <array>
+#include <string>
+#include <vector>
+
+#include "ngs/scene/view_prompt.h"
+
+namespace ngs {
+
+struct PromptStroke {
+  bool object = true;  // else background
+  double radius_px = 3;
+  std::vector<std::array<double, 2>> points;  // at least one
+};
+
+struct HandPrompt {
+  std::string view;  // empty: not said
+  int width_px = 0, height_px = 0;
+  std::vector<PromptStroke> strokes;
+  std::vector<std::array<double, 4>> boxes;  // left, top, right, bottom; the object lies inside one of them
+  std::vector<PixelHint> painted;  // [H·W] of scribble pictures, certain or likely background; may be empty
+};
+
+}  // namespace ngs

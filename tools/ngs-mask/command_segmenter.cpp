@@ -1,0 +1,134 @@
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <sstream>
+
+#include "ngs/core/error.h"
+#include "ngs/io/atomic_file.h"
+#include "ngs/io/child_process.h"
+#include "ngs/io/image_file.h"
+#include "segmenters.h"
+
+namespace ngs::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder of our own that goes with its owner.
+struct ScratchFolder {
+  std::string path;
+  ScratchFolder() : path((fs::temp_directory_path() / "ngs-mask-XXXXXX").string()) {
+    if (mkdtemp(path.data()) == nullptr)
+      throw Error(ErrorCode::kEnvironment, path + ": cannot be made: " + std::strerror(errno),
+                  "set TMPDIR to a folder that can be written");
+  }
+  ~ScratchFolder() {
+    std::error_code ignored;
+    fs::remove_all(path, ignored);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+};
+
+Json prompts_json(const std::string& view, const ViewPrompt& prompt, int points, const std::string& mask) {
+  Json json{{"ngs_prompts", 1}, {"view", view}, {"width", prompt.width_px}, {"height", prompt.height_px}};
+  json["points"] = Json::array();
+  for (const PromptPoint& p : prompt_points(prompt, points))
+    json["points"].push_back({{"object", p.object}, {"x", p.x + 0.5}, {"y", p.y + 0.5}});
+  const std::array<int, 4> box = object_box(prompt);
+  if (!prompt.by_hand || box[2] > 0) json["boxes"] = Json::array({box});
+  if (!mask.empty()) json["mask"] = mask;
+  return json;
+}
+
+ImageU8 likely_object(const ViewPrompt& prompt) {
+  ImageU8 mask(prompt.width_px, prompt.height_px, 1);
+  for (std::size_t p = 0; p < mask.data.size(); ++p) mask.data[p] = is_object(prompt.hint[p]) ? 255 : 0;
+  return mask;
+}
+
+PixelMask read_answer(const std::string& path, const ViewPrompt& prompt, const std::string& who) {
+  const auto refuse = [&](const std::string& found) {
+    throw Error(ErrorCode::kBadInput, who + ": " + found + ", expected a mask of " +
+                                          io::to_string({prompt.width_px, prompt.height_px}) +
+                                          " px, 0 or 255, as PNG at {out}");
+  };
+  std::error_code status;
+  if (!fs::exists(path, status)) refuse("it wrote nothing");
+  if (fs::symlink_status(path, status).type() != fs::file_type::regular)
+    refuse("it did not write a plain file");
+  const io::ImageSize size = with_context(who, [&] { return io::read_image_size(path); });
+  if (size != io::ImageSize{prompt.width_px, prompt.height_px})
+    refuse("it wrote " + io::to_string(size) + " px");
+  const io::RawMask raw = with_context(who, [&] { return io::read_mask_raw(path); });
+  const auto channels = std::size_t(raw.channels);
+  std::uint16_t largest = 0;
+  for (std::size_t p = 0; p < raw.data.size(); p += channels) largest = std::max(largest, raw.data[p]);
+  const unsigned threshold = largest == 1 ? 1 : raw.bits == 16 ? 128 * 257 : 128;
+  PixelMask mask(raw.data.size() / channels);
+  for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = raw.data[p * channels] >= threshold;
+  return mask;
+}
+
+struct CommandSegmenter {
+  std::vector<std::string> words;
+  double time_s;
+  int points;
+  const Scene& scene;
+  PhotoLoader load;
+  Run& run;
+  ScratchFolder folder{};
+  std::int64_t calls = 0;
+
+  PixelMask segment(std::size_t view, const ViewPrompt& prompt) {
+    const std::string name = scene.views[view].camera.name,
+                      base = folder.path + "/" + std::to_string(calls++);
+    const std::string image = base + "-image.png", prompts = base + "-prompts.json", out = base + "-out.png";
+    const std::string mask = prompt.by_hand ? "" : base + "-mask.png";
+    io::write_png(image, load(view));
+    if (!mask.empty()) io::write_png(mask, likely_object(prompt));
+    io::write_file(prompts, prompts_json(name, prompt, points, mask).dump(1) + "\n");
+    const std::string who = "--segmenter " + words[0] + " on view " + name;
+    const io::ChildResult child =
+        io::run_child(io::fill_placeholders(words, {{"image", image}, {"prompts", prompts}, {"out", out}}),
+                      {time_s, [this] { return run.monitor().stop_requested(); }});
+    if (child.end == io::ChildResult::End::kStopped) return PixelMask(prompt.hint.size());
+    check(child, who);
+    PixelMask found = read_answer(out, prompt, who);
+    for (const std::string& file : {image, prompts, out, mask})
+      if (!file.empty()) fs::remove(file);
+    return found;
+  }
+
+  void check(const io::ChildResult& child, const std::string& who) const {
+    if (child.end == io::ChildResult::End::kExited && child.code == 0) return;
+    std::ostringstream found;
+    if (child.end == io::ChildResult::End::kTimedOut) found << "not done after " << time_s << " s";
+    if (child.end == io::ChildResult::End::kSignalled) found << "ended by signal " << child.code;
+    if (child.end == io::ChildResult::End::kExited) found << "exit code " << child.code;
+    const std::string said = child.last_words.substr(child.last_words.rfind('\n') + 1);
+    throw Error(ErrorCode::kEnvironment,
+                who + ": " + found.str() + ", expected exit code 0 and a mask" +
+                    (said.empty() ? "" : "; it said: " + said),
+                child.end == io::ChildResult::End::kTimedOut ? "give it more time with --segmenter-timeout-s"
+                                                             : "run it by hand on one photo");
+  }
+};
+
+}  // namespace
+
+Segmenter command_segmenter(const SegmenterOptions& options, const Scene& scene, PhotoLoader load, Run& run) {
+  const std::vector<std::string> words = io::split_command(options.segmenter);
+  for (const char* placeholder : {"{image}", "{prompts}", "{out}"})
+    if (std::none_of(words.begin() + 1, words.end(),
+                     [&](const std::string& w) { return w.find(placeholder) != w.npos; }))
+      throw Error(ErrorCode::kUsage,
+                  "--segmenter '" + options.segmenter + "': no " + placeholder +
+                      ", expected all of {image} {prompts} {out}",
+                  "for example --segmenter 'python3 sam.py {image} {prompts} {out}'");
+  auto command = std::shared_ptr<CommandSegmenter>(
+      new CommandSegmenter{words, options.segmenter_timeout_s, options.points, scene, std::move(load), run});
+  return [command](std::size_t view, const ViewPrompt& prompt) { return command->segment(view, prompt); };
+}
+
+}  // namespace ngs::cli

@@ -1,0 +1,52 @@
+#include "prompt_input.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "ngs/core/error.h"
+#include "ngs/io/prompt_files.h"
+#include "ngs/stages/render_stage.h"
+
+namespace ngs::cli {
+namespace {
+
+std::string stem_of(const std::string& path) { return std::filesystem::path(path).stem().string(); }
+
+}  // namespace
+
+HandPrompt read_prompts(const PromptInputs& inputs) {
+  const bool pictures = inputs.object || inputs.background;
+  if (bool(inputs.prompts) == pictures)
+    throw Error(ErrorCode::kUsage,
+                inputs.prompts ? "--prompts and scribble pictures are both given, expected one kind"
+                               : "no prompts are given",
+                "mark the object on one photo: --prompts strokes.json, --prompts scribbles.png, or "
+                "--object-scribbles pos.png "
+                "--background-scribbles neg.png");
+  if (inputs.prompts)
+    return std::filesystem::path(inputs.prompts.path).extension() == ".json"
+               ? io::read_prompts_json(inputs.prompts.path)
+               : io::read_scribbles(inputs.prompts.path);
+  HandPrompt prompt;
+  if (inputs.background) io::add_scribbles(inputs.background.path, false, prompt);
+  if (inputs.object) io::add_scribbles(inputs.object.path, true, prompt);
+  return prompt;
+}
+
+std::size_t reference_view(const Scene& scene, const std::string& wanted, const HandPrompt& prompt,
+                           const PromptInputs& inputs) {
+  std::string name = !wanted.empty() ? wanted : prompt.view;
+  if (name.empty() && inputs.prompts) {
+    const std::string stem = stem_of(inputs.prompts.path);
+    for (const SceneView& view : scene.views)
+      if (stem_of(view.camera.name) == stem) name = view.camera.name;
+  }
+  if (name.empty())
+    throw Error(ErrorCode::kUsage, "the prompts do not say which view they are of",
+                "give --view NAME, or name the file after the photo");
+  const std::vector<std::size_t> found = select_views(scene, name);
+  if (found.size() != 1) throw Error(ErrorCode::kUsage, "view = " + name + ", expected the name of one view");
+  return found[0];
+}
+
+}  // namespace ngs::cli

@@ -1,0 +1,51 @@
+#pragma once
+// What may segment a view: GrabCut, or a program of the user.
+#include <memory>
+#include <string>
+
+#include "ngs/options/field.h"
+#include "ngs/stages/mask_spread.h"
+#include "shared/tool.h"
+
+namespace ngs::cli {
+
+struct SegmenterOptions {
+  std::string segmenter;
+  double segmenter_timeout_s = 600;
+  int iterations = 3;
+  double window = 0.35;
+  double speck = 0.01;
+  int points = 3;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.segmenter,
+          Text{"segmenter", "CMD {image} {prompts} {out}",
+               "program that segments one view, run without a shell; default: built-in GrabCut"});
+    visit(self.segmenter_timeout_s,
+          Field<double>{"segmenter_timeout_s", "s", "the program is ended after this", 0.01, 1e6});
+    visit(self.iterations, Field<int>{"iterations", "", "GrabCut: cuts per view", 1, 100});
+    visit(self.window, Field<double>{"window", "of the object",
+                                     "GrabCut: size of the overlapping windows that have colours of "
+                                     "their own; 0: one cut per view",
+                                     0.0, 10.0});
+    visit(self.speck,
+          Field<double>{"speck", "of the mask", "GrabCut: holes smaller than this are filled", 0.0, 1.0});
+    visit(self.points, Field<int>{"points", "", "program: points per side in its prompts", 1, 1000});
+  }
+};
+
+/// The photo of view `view` of `scene` at the prompt's size.
+using PhotoLoader = std::function<ImageU8(std::size_t view)>;
+
+Segmenter grab_cut_segmenter(const SegmenterOptions& options, PhotoLoader load, std::uint64_t seed);
+
+/// Runs the command for each view; files are passed in a folder that is removed with the last copy of the
+/// segmenter. kUsage for a command without its three placeholders, kEnvironment where it fails or takes too
+/// long, kBadInput where what it wrote is no mask of the image's size.
+Segmenter command_segmenter(const SegmenterOptions& options, const Scene& scene, PhotoLoader load, Run& run);
+
+/// The photo as bytes at the size that is segmented.
+ImageU8 photo_bytes(const ImageF& photo);
+
+}  // namespace ngs::cli

@@ -1,0 +1,121 @@
+#include "views.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iomanip>
+#include <sstream>
+
+#include "ngs/io/image_file.h"
+#include "ngs/io/photo.h"
+#include "segmenters.h"
+
+namespace ngs::cli {
+namespace {
+
+std::string name_of(MaskSource source) {
+  for (const auto& named : kMaskSourceNames)
+    if (named.value == source) return std::string(named.name);
+  return {};
+}
+
+std::string file_in(const std::string& folder, const std::string& view) {
+  std::filesystem::create_directories(folder);
+  return folder + "/" + std::filesystem::path(view).stem().string() + ".png";
+}
+
+}  // namespace
+
+MaskViews::MaskViews(const Scene& scene, int detail) : scene_(scene), detail_(detail) {
+  for (const SceneView& view : scene.views) {
+    Camera camera = view.camera;
+    has_photo_.push_back(!view.image_path.empty());
+    if (has_photo_.back()) {
+      const io::ImageSize file = io::read_image_size(view.image_path);
+      const bool whole =
+          file.width_px <= detail * camera.width_px + detail;  // the rule of io::load_fine_photo
+      camera = whole ? resized(camera, file.width_px, file.height_px)
+                     : resized(camera, detail * camera.width_px, detail * camera.height_px);
+    }
+    scale_ = std::max(scale_, double(camera.width_px) / view.camera.width_px);
+    cameras_.push_back(camera);
+  }
+}
+
+MaskViews::~MaskViews() {
+  std::error_code ignored;
+  for (const std::string& file : written_) std::filesystem::remove(file, ignored);
+}
+
+ImageU8 MaskViews::photo(std::size_t view) const {
+  return photo_bytes(io::load_fine_photo(scene_, view, detail_));
+}
+
+void MaskViews::write(Run& run, std::size_t view, const SpreadView& result, const std::string& masks,
+                      const std::string& soft) {
+  const auto timed = run.monitor().scope("write");
+  const Camera& camera = cameras_[view];
+  ImageU8 mask(camera.width_px, camera.height_px, 1);
+  for (std::size_t p = 0; p < mask.data.size(); ++p) mask.data[p] = result.mask[p] ? 255 : 0;
+  written_.push_back(file_in(masks, camera.name));
+  io::write_png(written_.back(), mask);
+  const double covered = double(std::count(result.mask.begin(), result.mask.end(), 1));
+  outcome_[view] = {result.source, result.agreement, result.known, covered / double(mask.data.size())};
+  if (soft.empty()) return;
+  for (std::size_t p = 0; p < mask.data.size(); ++p)
+    mask.data[p] = std::uint8_t(std::lround(255 * result.soft[p]));
+  written_.push_back(file_in(soft, camera.name));
+  io::write_png(written_.back(), mask);
+}
+
+Json MaskViews::plan(const GaussianCloud& cloud, int passes) const {
+  double pixels = 0, largest = 0;
+  for (const Camera& camera : cameras_) {
+    const double mine = double(camera.width_px) * camera.height_px;
+    pixels += mine, largest = std::max(largest, mine);
+  }
+  // 3e-6 s per pixel for GrabCut and its hints; a mask of a byte per pixel is kept of every view
+  return {{"views", cameras_.size()},
+          {"passes", passes},
+          {"time_s", 3e-6 * pixels * passes},
+          {"memory_mib", (pixels + 100 * largest + 700.0 * double(cloud.size())) / 1048576}};
+}
+
+void MaskViews::report(Run& run) {
+  written_.clear();
+  std::ostringstream table;
+  table << std::left << std::setw(26) << "view" << std::setw(11) << "mask" << std::setw(11) << "agreement"
+        << std::setw(8) << "known"
+        << "coverage\n"
+        << std::fixed << std::setprecision(3);
+  Json views = Json::array();
+  std::map<MaskSource, int> count;
+  for (const auto& [view, o] : outcome_) {
+    ++count[o.source];
+    const std::string& name = cameras_[view].name;
+    views.push_back({{"name", name},
+                     {"mask", name_of(o.source)},
+                     {"agreement", o.agreement >= 0 ? Json(o.agreement) : Json()},
+                     {"known", o.known},
+                     {"coverage", o.coverage}});
+    table << std::setw(26) << name << std::setw(11) << name_of(o.source) << std::setw(11);
+    if (o.agreement >= 0)
+      table << o.agreement;
+    else
+      table << "-";
+    table << std::setw(8) << o.known << o.coverage << "\n";
+  }
+  for (const auto& named : kMaskSourceNames)
+    run.result()[std::string(named.name) + "_masks"] = count[named.value];
+  run.result()["masks"] = views;
+  run.text(table.str());
+  if (const int n = count[MaskSource::kRendered]; n > 0)
+    run.monitor().warn(std::to_string(n) +
+                       " views have no mask of their own (no photo, or one that the others contradict): "
+                       "theirs is rendered from the other views");
+  if (const int n = count[MaskSource::kUnseen]; n > 0)
+    run.monitor().warn(std::to_string(n) +
+                       " views do not show the object as far as the others know: their masks are empty");
+}
+
+}  // namespace ngs::cli
