@@ -37,7 +37,7 @@ from_scribbles() {
   bin=$(find_bin)
   mkdir -p "$to"
   if [ ! -d "$to/masks" ]; then
-    "$pipelines/ngs-gs.sh" "$2" "$to" --until scene.json -q || return
+    NO_MASKS=1 "$pipelines/ngs-gs.sh" "$2" "$to" --until scene.json -q || return
     "${bin:+$bin/}ngs-mask" "$to/scene.json" --view "${view%.*}" -q -o "$to/masks" --report "$to/ngs-mask.json" \
       --object-scribbles "$(ls "$strokes"/pos_*.png | head -n 1)" --background-scribbles "$(ls "$strokes"/neg_*.png | head -n 1)" || return
   fi

@@ -74,6 +74,7 @@ run() {
     return
   fi
   mkdir -p "$OUT/reports"
+  { printf '%q ' "$tool" "$@"; printf '\n'; } > "$OUT/reports/$name.sh"  # for the page: how to repeat it
   "$(tool_path "$tool")" "$@" || code=$?
   if [ "$code" -eq 7 ]; then
     say "$tool stopped at its budget; going on with its partial result"
@@ -93,12 +94,13 @@ stage_scene() {
   source=$(source_of_scene) model=$(model_of_scene) masks=$(masks_of_scene)
   [ -n "$source" ] || fail 3 "$SCENE: no poses found (sparse/, transforms.json, cameras.json or poses_bounds.npy)"
   [ -n "$model" ] || fail 3 "$SCENE: no point_cloud.ply found" "give one with --model, or fit one: ngs-fit"
-  [ -n "$masks" ] || fail 3 "$SCENE: no folder 'masks' found" "give one with --masks DIR"
+  [ -n "$masks" ] || [ -n "${NO_MASKS:-}" ] || fail 3 "$SCENE: no folder 'masks' found" "give one with --masks DIR"
   case $source in */sparse | */cameras.bin | */cameras.txt) source=$SCENE ;; esac
   if [ -d "$SCENE/images" ]; then optional+=(--images "$SCENE/images"); fi
   if [ -n "$HOLD_OUT" ]; then optional+=(--hold-out "$HOLD_OUT"); fi
   flags "$SCENE_FLAGS"
-  run ngs-scene import "$source" --ply "$model" --masks "$masks" "${optional[@]}" --image-scale "$IMAGE_SCALE" \
+  if [ -n "$masks" ]; then optional+=(--masks "$masks"); fi
+  run ngs-scene import "$source" --ply "$model" "${optional[@]}" --image-scale "$IMAGE_SCALE" \
     "${words[@]}" -o "$OUT/scene.json"
 }
 

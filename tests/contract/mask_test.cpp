@@ -34,20 +34,25 @@ const char* const kStrokes = R"({"ngs_prompts":1,"view":"0002.png","width":112,"
   {"object":false,"radius":2,"points":[[12,52],[42,56]]},
   {"object":false,"radius":2,"points":[[4,8],[60,4],[108,10],[108,78],[60,76],[4,80]]}]})";
 
-/// The scene of the strokes, fitted and imported.
-void make_scene(const test::TempDir& dir) {
-  run_tool(dir, {"ngs-synth", "two-spheres", "-o", "scene", "--views", "8", "--width-px", "112",
-                 "--height-px", "84", "--fit-steps", "300", "-q"});
-  run_tool(dir, {"ngs-scene", "import", "scene", "--ply", "scene/point_cloud.ply", "--images", "scene/images",
-                 "-o", "scene.json", "-q"});
-  dir.write("strokes.json", kStrokes);
+/// The scene of the strokes, fitted and imported once for all tests.
+const test::TempDir& stroke_scene() {
+  static const test::TempDir dir;
+  static const bool made = [] {
+    run_tool(dir, {"ngs-synth", "two-spheres", "-o", "scene", "--views", "8", "--width-px", "112",
+                   "--height-px", "84", "--fit-steps", "300", "-q"});
+    run_tool(dir, {"ngs-scene", "import", "scene", "--ply", "scene/point_cloud.ply", "--images",
+                   "scene/images", "-o", "scene.json", "-q"});
+    dir.write("strokes.json", kStrokes);
+    return true;
+  }();
+  CHECK(made);
+  return dir;
 }
 
 }  // namespace
 
 TEST_CASE("strokes on one view bring masks of all views of a synthetic scene") {
-  const test::TempDir dir;
-  make_scene(dir);
+  const test::TempDir& dir = stroke_scene();
   CHECK(test::schema_violations(schema(), Json::parse(kStrokes)) == "");
   run_tool(dir, {"ngs-mask", "scene.json", "--prompts", "strokes.json", "-o", "masks", "-q", "--report",
                  "mask.json"});
@@ -63,13 +68,12 @@ TEST_CASE("strokes on one view bring masks of all views of a synthetic scene") {
 
 TEST_CASE(
     "a program is given prompts that satisfy the schema: points and a box, then the expected mask too") {
-  const test::TempDir dir;
-  make_scene(dir);
+  const test::TempDir& dir = stroke_scene();
   dir.write("segment.sh",
             "cp \"$2\" kept-$(basename \"$2\")\n"
             "v=$(sed -n 's/.*\"view\": \"\\(.*\\)\".*/\\1/p' \"$2\"); cp \"scene/masks_gt/$v\" \"$3\"\n");
-  run_tool(dir, {"ngs-mask", "scene.json", "--prompts", "strokes.json", "-o", "masks", "-q", "--passes", "1",
-                 "--segmenter", "sh segment.sh {image} {prompts} {out}", "--report", "mask.json"});
+  run_tool(dir, {"ngs-mask", "scene.json", "--prompts", "strokes.json", "-o", "asked", "-q", "--passes", "1",
+                 "--segmenter", "sh segment.sh {image} {prompts} {out}", "--report", "asked.json"});
   for (int call = 0; call < 8; ++call) {
     CAPTURE(call);
     const std::string path = dir.path() + "/kept-" + std::to_string(call) + "-prompts.json";

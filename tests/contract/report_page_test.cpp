@@ -48,8 +48,10 @@ std::string made_run(const test::TempDir& dir) {
                 "max_rss_mib":99,"children":[{"name":"label solve","wall_s":2,"items":40,"items_per_s":20,"max_rss_mib":99}]},
                 "result":{"effects":[{"effect":"continuity","state":"off","reason":"no gain <measured>"}]},
                 "warnings":["a \"strange\" <mask>"]})");
-  dir.write("a <run> & more/trace.jsonl",
-            "{\"step\":1,\"t\":0.1,\"loss\":{\"total\":0.5}}\n{\"step\":2,\"t\":0.2,\"loss\":{\"total\":0.25}}\n");
+  dir.write("a <run> & more/reports/ngs-joint.sh", "ngs-joint scene.json --method bce <x>\n");
+  dir.write(
+      "a <run> & more/trace.jsonl",
+      "{\"step\":1,\"t\":0.1,\"loss\":{\"total\":0.5}}\n{\"step\":2,\"t\":0.2,\"loss\":{\"total\":0.25}}\n");
   return out;
 }
 
@@ -65,8 +67,8 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
   run_tool(out, {"ngs-report", ".", "-o", "report.html"});
   const std::string page = test::read_bytes(out + "/report.html");
 
-  for (const char* id :
-       {"oddities", "accuracy", "views", "objects", "decisions", "times", "trace", "inputs", "tools"}) {
+  for (const char* id : {"overview", "oddities", "accuracy", "views", "objects", "decisions", "times",
+                         "trace", "inputs", "repeat", "tools"}) {
     CAPTURE(id);
     CHECK(page.find("<section id=\"" + std::string(id) + "\">") != page.npos);
   }
@@ -76,6 +78,9 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
   CHECK(page.find("<title>a &lt;run&gt; &amp; more") != page.npos);
   CHECK(page.find("input masks, same views") != page.npos);
   CHECK(page.find("prefers-color-scheme:dark") != page.npos);
+
+  CHECK(page.find("ngs-joint scene.json --method bce &lt;x&gt;") != page.npos);
+  CHECK(occurrences(page, "<figure class=flip>") == 2);  // the object alone; input mask and result
 
   SUBCASE("no address, script or foreign file is named") {
     CHECK(page.find("http:") == page.npos);
@@ -112,12 +117,15 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
     const std::string scene = dir.path() + "/scene";
     run_tool(out, {"ngs-variance", "scene.json", "-o", "labelled.ply", "-q"});
     fs::copy_file(scene + "/masks/v4.png", out + "/masks/v5.png", fs::copy_options::overwrite_existing);
-    run_tool(out, {"ngs-eval", "masks", scene + "/masks", "-q", "-w", "-o", "metrics.json", "--report", "reports/ngs-eval.json"});
+    run_tool(out, {"ngs-eval", "masks", scene + "/masks", "-q", "-w", "-o", "metrics.json", "--report",
+                   "reports/ngs-eval.json"});
     run_tool(out, {"ngs-report", ".", "-o", "errors.html", "--atlas", "atlas"});
     const std::string errors = test::read_bytes(out + "/errors.html");
     CHECK(errors.find("<section id=\"errors\">") != errors.npos);
     CHECK(errors.find("Wrong pixels of each view by cause") != errors.npos);
     CHECK(fs::is_regular_file(out + "/atlas/v5.png"));
+    CHECK(errors.find("<section id=\"boundary\">") != errors.npos);
+    CHECK(occurrences(errors, "alt=\"View of the boundary set along") == 3);
   }
   SUBCASE("several runs are compared") {
     fs::copy(out, dir.path() + "/second", fs::copy_options::recursive);
@@ -128,6 +136,43 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
     CHECK(occurrences(both, "<details class=run>") == 2);
     CHECK(occurrences(both, "<section id=\"run2-views\">") == 1);
     CHECK(occurrences(both, "<section id=\"views\">") == 0);
+  }
+}
+
+/// What Chromium says of the page in a frame of the given width: "scroll WIDTH of WIDTH".
+std::string widths_in_browser(const test::TempDir& dir, const std::string& page, int width_px) {
+  dir.write("frame.html", "<body><iframe id=f width=" + std::to_string(width_px) + " height=800 src=\"" +
+                              page +
+                              "\"></iframe><script>onload=()=>{const d=f.contentDocument.documentElement;"
+                              "document.body.append('scroll '+d.scrollWidth+' of '+d.clientWidth)}</script>");
+  const test::ProcessResult result = test::run_process(
+      {.argv = {"chromium", "--headless", "--no-sandbox", "--disable-gpu", "--allow-file-access-from-files",
+                "--user-data-dir=" + dir.path() + "/profile", "--virtual-time-budget=2000", "--dump-dom",
+                "file://" + dir.path() + "/frame.html"},
+       .environment = {},
+       .folder = dir.path(),
+       .input = {},
+       .signal_after = {}});
+  const std::size_t at = result.out.rfind("scroll ");
+  return result.exit_code != 0 || at == result.out.npos
+             ? result.err
+             : result.out.substr(at, result.out.find('<', at) - at);
+}
+
+TEST_CASE("the page needs no sideways scrolling on a phone or a desk") {
+  if (!fs::exists("/usr/bin/chromium")) {
+    MESSAGE("chromium is not there: skipped");
+    return;
+  }
+  const test::TempDir dir;
+  const std::string out = made_run(dir);
+  run_tool(out, {"ngs-report", ".", "-o", "../page.html"});
+  for (const int width : {390, 1280}) {
+    const std::string found = widths_in_browser(dir, "page.html", width);
+    const std::string inner = found.substr(found.rfind(' ') + 1);
+    INFO(width << ": " << found);
+    CHECK(found == "scroll " + inner + " of " + inner);
+    CHECK(std::abs(std::atoi(inner.c_str()) - width) < 30);
   }
 }
 

@@ -29,6 +29,9 @@ class Extractor {
   /// Every object's label becomes 0 or 1; counts go into the result. kNothingFound if the object is empty.
   void decide();
 
+  const GaussianCloud& cloud() const { return ply_.cloud; }
+  const std::vector<std::uint8_t>& object() const { return keep_; }  // [N], after decide()
+
   void write_object(const std::string& path) const;
   void write_background(const std::string& path) const;
   void write_labelled(const std::string& path, bool with_state) const;

@@ -1,5 +1,7 @@
 // ngs-extract: labelled PLY -> object and background as plain splats, decided labels, hand edits taken back.
 #include "extractor.h"
+#include "inpaint_output.h"
+#include "ngs/io/scene_json.h"
 
 int main(int argc, char** argv) {
   using namespace ngs;
@@ -7,26 +9,35 @@ int main(int argc, char** argv) {
       "ngs-extract", "Cut the object out: object and background as plain splats, labels decided.",
       {"ngs-extract labelled.ply --object object.ply --background background.ply",
        "ngs-extract labelled.ply --supersplat edit_me.ply",
+       "ngs-extract labelled.ply --scene scene.json --inpaint inpaint/",
        "ngs-extract labelled.ply --import edited.ply --labelled corrected.ply --object object.ply"});
   ExtractOptions options;
   cli::SelectOptions select;
   tool.options(options);
   tool.options(select);
+  InpaintOptions inpaint_options;
+  tool.options(inpaint_options);
   const cli::Input& labelled = tool.input("labelled", "labelled PLY of ngs-variance or ngs-joint");
   const cli::Input& edited =
       tool.optional_input("--import", "hand-edited splat: rows that are left (or selected) are the object");
+  const cli::Input& scene_json = tool.optional_input("--scene", "scene.json, for --inpaint");
   const cli::Output& object = tool.optional_output("--object", "the object, plain 3DGS PLY");
   const cli::Output& background = tool.optional_output("--background", "everything else, plain 3DGS PLY");
   const cli::Output& decided =
       tool.optional_output("--labelled", "the labelled model with ngs_label decided to 0 or 1");
   const cli::Output& supersplat =
       tool.optional_output("--supersplat", "the same with the object selected in SuperSplat");
+  const cli::Output& inpaint = tool.optional_output_dir(
+      "--inpaint", "folder for an inpainting tool: background, cameras, hole masks of every view");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
     parse_extract_rule(options.rule);
-    if (!object && !background && !decided && !supersplat)
-      throw Error(ErrorCode::kUsage,
-                  "no output was asked for, expected --object, --background, --labelled or --supersplat");
+    if (!object && !background && !decided && !supersplat && !inpaint)
+      throw Error(
+          ErrorCode::kUsage,
+          "no output was asked for, expected --object, --background, --labelled, --supersplat or --inpaint");
+    if (inpaint && !scene_json)
+      throw Error(ErrorCode::kUsage, "--inpaint needs the cameras", "give --scene scene.json");
     cli::Extractor extractor(run, io::read_gaussian_ply(labelled.path), options, select.select);
     if (run.dry_run()) return cli::kDone;
     if (edited) extractor.import(edited.path);
@@ -35,6 +46,9 @@ int main(int argc, char** argv) {
     if (object) extractor.write_object(object.path);
     if (background) extractor.write_background(background.path);
     if (decided) extractor.write_labelled(decided.path, false);
+    if (inpaint)
+      cli::write_inpainting(run, extractor, inpaint_options, io::read_scene_json(scene_json.path),
+                            inpaint.path);
     if (supersplat) extractor.write_labelled(supersplat.path, true);
     return cli::kDone;
   });

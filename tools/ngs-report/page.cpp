@@ -9,6 +9,7 @@
 #include "html.h"
 #include "ngs/core/version.h"
 #include "ngs/ops/metrics.h"
+#include "overview.h"
 #include "sections.h"
 #include "style.h"
 
@@ -43,10 +44,11 @@ std::string comparison(const std::vector<RunFolder>& runs) {
 std::string run_html(const Exec& exec, RunFolder& run, Pictures& pictures, const std::string& atlas) {
   const std::string views = views_section(run, pictures);  // first: it may find problems
   const std::string errors = errors_section(exec, run, pictures, atlas);
-  return tiles(run) + oddities_section(run) + accuracy_section(run) + views + errors +
-         objects_section(run) +
-         decisions_section(run) + times_section(run) + trace_section(run) + inputs_section(run) +
-         tools_section(run);
+  const std::string overview = overview_section(exec, run, pictures),
+                    boundary = boundary_section(run, pictures);
+  return tiles(run) + overview + oddities_section(run) + accuracy_section(run) + views + errors + boundary +
+         objects_section(run) + decisions_section(run) + times_section(run) + trace_section(run) +
+         inputs_section(run) + repeat_section(run) + tools_section(run);
 }
 
 /// The sections of several runs must not share their ids.
@@ -109,7 +111,8 @@ std::string report_page(const Exec& exec, std::vector<RunFolder>& runs, const Pi
   if (runs.size() == 1) body += run_html(exec, runs[0], pictures, atlas);
   for (std::size_t i = 0; runs.size() > 1 && i < runs.size(); ++i)
     body += "<details class=run><summary><b>" + escaped(runs[i].title) + "</b></summary>" +
-            with_prefix(run_html(exec, runs[i], pictures, {}), "run" + std::to_string(i + 1) + "-") + "</details>\n";
+            with_prefix(run_html(exec, runs[i], pictures, {}), "run" + std::to_string(i + 1) + "-") +
+            "</details>\n";
   return "<!doctype html>\n<html lang=en><head><meta charset=utf-8><meta name=viewport "
          "content=\"width=device-width,initial-scale=1\"><title>" +
          escaped(title) + " – ngs report</title><style>" + kStyle + "</style></head>\n<body><header><h1>" +

@@ -58,7 +58,9 @@ void read_reports(RunFolder& run) {
       Json report = parse_json(read_text(entry.path()), entry.path().string());
       if (!report.is_object())
         throw Error(ErrorCode::kBadInput, entry.path().string() + ": expected a JSON object");
-      run.reports.push_back({name, std::move(report)});
+      const fs::path command = folder / (name + ".sh");
+      run.reports.push_back(
+          {name, std::move(report), fs::is_regular_file(command) ? read_text(command) : std::string()});
     });
   }
   std::sort(run.reports.begin(), run.reports.end(), [](const ToolReport& a, const ToolReport& b) {

@@ -13,6 +13,7 @@ namespace ngs::cli {
 struct ToolReport {
   std::string name;  // of the file, "ngs-joint"
   Json report;
+  std::string command = {};  // as for a shell, from the file of the same name with .sh; empty: not known
 };
 
 /// One mask to show; paths are empty where there is no such file.

@@ -55,6 +55,14 @@ figcaption em{color:var(--warn);font-style:normal}
 .stack{position:relative;line-height:0;background:#777;overflow:hidden}
 .stack img{width:100%;height:auto;display:block}
 .stack svg{position:absolute;inset:0;width:100%;height:100%}
+.wide{grid-template-columns:repeat(auto-fill,minmax(min(100%,22rem),1fr))}
+.flip label{display:block;cursor:pointer}
+.flip input{position:absolute;opacity:0}
+span.stack{display:block}
+.flip .after{position:absolute;inset:0;opacity:0;transition:opacity .25s}
+.flip input:checked~.stack .after{opacity:1}
+.flip input:focus-visible~.stack{outline:3px solid var(--accent)}
+pre{font:.85rem/1.6 ui-monospace,SFMono-Regular,Menlo,Consolas,monospace;white-space:pre-wrap;overflow-wrap:anywhere;background:var(--panel);border:1px solid var(--line);padding:.8rem 1rem;border-radius:4px}
 .crop img{image-rendering:pixelated}
 .stack path,.legend path{fill:none;vector-effect:non-scaling-stroke;stroke-width:1.7px;stroke-linejoin:round}
 path.casing{stroke:#000!important;stroke-opacity:.45;stroke-width:3.6px!important;stroke-dasharray:none!important}

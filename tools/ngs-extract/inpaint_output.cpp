@@ -1,0 +1,64 @@
+#include "inpaint_output.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "ngs/io/image_file.h"
+#include "ngs/io/scene_json.h"
+#include "ngs/io/sparse_points.h"
+#include "ngs/stages/render_options.h"
+
+namespace ngs::cli {
+namespace {
+
+ImageU8 picture_of(const PixelMask& mask, const Camera& camera) {
+  ImageU8 out(camera.width_px, camera.height_px, 1);
+  for (std::size_t p = 0; p < mask.size(); ++p) out.data[p] = mask[p] ? 255 : 0;
+  return out;
+}
+
+ImageU8 picture_of(const ImageF& colour) {
+  ImageU8 out(colour.width_px, colour.height_px, colour.channels);
+  for (std::size_t i = 0; i < out.data.size(); ++i)
+    out.data[i] = std::uint8_t(std::lround(255 * std::clamp(colour.data[i], 0.f, 1.f)));
+  return out;
+}
+
+}  // namespace
+
+void write_inpainting(Run& run, const Extractor& extractor, const InpaintOptions& options, const Scene& scene,
+                      const std::string& folder) {
+  for (const char* part : {"images", "holes", "dilated", "sparse/0"})
+    std::filesystem::create_directories(folder + "/" + part);
+  const GaussianCloud& cloud = extractor.cloud();
+  const SplatOptions splat = splat_options({}, cloud, scene);
+  const std::vector<std::uint8_t> seen = seen_gaussians(run.exec(), run.monitor(), cloud, scene, splat);
+  Scene handed = scene;
+  handed.model_path = folder + "/background.ply";
+  handed.objects = {{"hole", 0}};
+  handed.mask_mode = MaskMode::kBinary, handed.mask_invert = false, handed.mask_threshold = 128;
+  std::vector<Camera> cameras;
+  Json views = Json::array();
+  for (SceneView& view : handed.views) {
+    const auto timed = run.monitor().scope("holes");
+    const ViewHole found =
+        find_hole(run.exec(), options, {cloud, extractor.object(), seen}, view.camera, splat);
+    const std::string file = std::filesystem::path(view.camera.name).stem().string() + ".png";
+    view.image_path = folder + "/images/" + file, view.mask_path = folder + "/dilated/" + file;
+    io::write_png(view.image_path, picture_of(found.colour));
+    io::write_png(folder + "/holes/" + file, picture_of(found.hole, view.camera));
+    io::write_png(view.mask_path, picture_of(found.dilated, view.camera));
+    views.push_back(
+        {{"name", view.camera.name}, {"hole_pixels", std::count(found.hole.begin(), found.hole.end(), 1)}});
+    cameras.push_back(view.camera);
+    cameras.back().name = file;
+    run.monitor().progress(std::int64_t(cameras.size()), std::int64_t(handed.views.size()));
+  }
+  extractor.write_background(handed.model_path);
+  io::write_colmap_text(folder + "/sparse/0", cameras, {});
+  io::write_scene_json(folder + "/scene.json", handed);
+  run.result()["inpaint"] = {{"never_seen", std::count(seen.begin(), seen.end(), 0)}, {"views", views}};
+}
+
+}  // namespace ngs::cli

@@ -1,0 +1,227 @@
+#include "overview.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+
+#include "html.h"
+#include "ngs/core/error.h"
+#include "ngs/io/gaussian_ply.h"
+#include "ngs/io/image_file.h"
+#include "ngs/stages/render_options.h"
+#include "planes.h"
+
+namespace ngs::cli {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr int kFlipWidthPx = 560, kSidePx = 360;
+using Colour = std::array<double, 3>;
+constexpr Colour kPaper{0.93, 0.92, 0.9}, kOrange{1, 0.42, 0.17}, kGrey{0.55, 0.58, 0.62};
+
+ImageU8 bytes_of(const ImageF& image) {
+  ImageU8 out(image.width_px, image.height_px, 3);
+  for (std::size_t i = 0; i < out.data.size(); ++i)
+    out.data[i] = std::uint8_t(std::lround(255 * std::clamp(double(image.data[i]), 0.0, 1.0)));
+  return out;
+}
+
+std::string image_html(const char* state, const ImageF& image, const std::string& alt) {
+  return "<img alt=\"" + escaped(alt) + "\" class=" + state + " width=" + std::to_string(image.width_px) +
+         " height=" + std::to_string(image.height_px) + " src=\"data:image/jpeg;base64," +
+         base64(io::encode_jpeg(bytes_of(image), 85)) + "\">";
+}
+
+struct Flip {
+  ImageF before, after;
+  std::string view, before_name, after_name;
+};
+
+std::string flip_html(const Flip& flip) {
+  const std::string start = "View " + flip.view + ": ";
+  return "<figure class=flip><label><input type=checkbox aria-label=\"Show " + escaped(flip.after_name) +
+         "\"><span class=stack>" + image_html("before", flip.before, start + flip.before_name) +
+         image_html("after", flip.after, start + flip.after_name) + "</span></label><figcaption><b>" +
+         escaped(flip.view) + "</b> " + escaped(flip.before_name) + " ⇄ " + escaped(flip.after_name) +
+         "</figcaption></figure>\n";
+}
+
+void mix(ImageF& image, std::size_t pixel, const Colour& colour, double share) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    float& value = image.data[3 * pixel + c];
+    value = float((1 - share) * double(value) + share * colour[c]);
+  }
+}
+
+ImageF painted(ImageF photo, const Plane& mask, bool paint_object, const Colour& colour, double share) {
+  for (std::size_t p = 0; p < mask.data.size(); ++p)
+    if ((mask.data[p] != 0) == paint_object) mix(photo, p, colour, share);
+  return photo;
+}
+
+/// The view in the middle of the scored ones that can be shown; null if none can.
+const ShownView* median_view(const RunFolder& run) {
+  std::vector<const ShownView*> able;
+  for (const ShownView& view : run.views)
+    if (!view.photo.empty() && !view.predicted.empty()) able.push_back(&view);
+  return able.empty() ? nullptr : able[able.size() / 2];
+}
+
+/// background.ply from the camera of the view, on grey.
+ImageF background_picture(const Exec& exec, const RunFolder& run, const std::string& name, int width_px,
+                          int height_px) {
+  const fs::path path = fs::path(run.path) / "background.ply";
+  if (!run.scene || !fs::is_regular_file(path)) return {};
+  for (const SceneView& view : run.scene->views) {
+    if (fs::path(view.camera.name).stem().string() != name) continue;
+    const io::GaussianPly ply = io::read_gaussian_ply(path.string());
+    RenderRequest request;
+    request.background = {0.5f, 0.5f, 0.5f};
+    const double scale = double(width_px) / view.camera.width_px;
+    return render(exec, ply.cloud, ngs::resized(view.camera, width_px, height_px),
+                  filter_at_scale(splat_options({}, ply.cloud, *run.scene), scale), request)
+        .colour;
+  }
+  return {};
+}
+
+std::vector<Flip> flips_of(const Exec& exec, const RunFolder& run, const ShownView& view) {
+  const ImageF full = io::read_image_rgb(view.photo);
+  const int width = std::min(kFlipWidthPx, full.width_px);
+  const int height = std::max(1, int(std::lround(double(full.height_px) * width / full.width_px)));
+  const ImageF photo = io::resize_area(full, width, height);
+  const auto plane = [&](const std::string& path, std::uint32_t id) {
+    return fitted(read_plane(path, id), width, height);
+  };
+  const Plane result = plane(view.predicted, view.predicted_id);
+  std::vector<Flip> flips{
+      {photo, painted(photo, result, false, kPaper, 1), view.view, "the photo", "the object alone"}};
+  if (ImageF left = background_picture(exec, run, view.view, width, height); !left.empty())
+    flips.push_back({photo, std::move(left), view.view, "the photo", "the splat without the object"});
+  if (const Plane input = plane(view.input, view.input_id); !input.empty())
+    flips.push_back({painted(photo, input, true, {1, 1, 1}, 0.55),
+                     painted(photo, result, true, kOrange, 0.55), view.view, "the input mask", "the result"});
+  return flips;
+}
+
+/// Counts on a grid, seen along one axis, brightest where most are.
+ImageF side_picture(const io::GaussianPly& ply, const LabelColumns& labels, int axis,
+                    const std::array<std::array<double, 2>, 3>& range) {
+  const int across = axis == 0 ? 1 : 0, down = axis == 2 ? 1 : 2;
+  const auto cells = std::size_t(kSidePx) * std::size_t(kSidePx);
+  std::vector<double> object(cells), boundary(cells);
+  const auto cell = [&](std::size_t row, int along) {
+    const auto& r = range[std::size_t(along)];
+    return std::floor((double(ply.cloud.position[3 * row + std::size_t(along)]) - r[0]) / (r[1] - r[0]) *
+                      kSidePx);
+  };
+  for (std::size_t i = 0; i < labels.label.size(); ++i) {
+    const double x = cell(i, across), y = cell(i, down);
+    if (!(x >= 0 && y >= 0 && x < kSidePx && y < kSidePx)) continue;
+    const std::size_t at = std::size_t(y) * kSidePx + std::size_t(x);
+    if (labels.boundary[i] > 0.5f)
+      boundary[at] += 1;
+    else if (labels.label[i] > 0.5f)
+      object[at] += 1;
+  }
+  ImageF picture(kSidePx, kSidePx, 3, 0.08f);
+  for (int y = 0; y < kSidePx; ++y)
+    for (int x = 0; x < kSidePx; ++x) {
+      const std::size_t at = std::size_t(y) * kSidePx + std::size_t(x);
+      const auto dot = [&](double count,
+                           const Colour& colour) {  // 2 x 2 px, so that single Gaussians are seen
+        for (const int step : {0, 1, kSidePx, kSidePx + 1})
+          if (count > 0 && x + 1 < kSidePx && y + 1 < kSidePx)
+            mix(picture, at + std::size_t(step), colour, 1 - std::exp2(-count));
+      };
+      dot(object[at], kGrey), dot(boundary[at], kOrange);
+    }
+  return picture;
+}
+
+/// The middle 98 % of the boundary Gaussians along each axis, a third wider, all three of one length. Empty
+/// length: none.
+std::array<std::array<double, 2>, 3> range_of(const io::GaussianPly& ply, const LabelColumns& labels) {
+  std::array<std::array<double, 2>, 3> range{};
+  double longest = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::vector<float> along;
+    for (std::size_t i = 0; i < labels.boundary.size(); ++i)
+      if (labels.boundary[i] > 0.5f && std::isfinite(ply.cloud.position[3 * i + axis]))
+        along.push_back(ply.cloud.position[3 * i + axis]);
+    if (along.size() < 2) return {};
+    std::sort(along.begin(), along.end());
+    range[axis] = {along[along.size() / 100], along[along.size() - 1 - along.size() / 100]};
+    longest = std::max(longest, range[axis][1] - range[axis][0]);
+  }
+  for (auto& r : range) r = {(r[0] + r[1]) / 2 - 0.65 * longest, (r[0] + r[1]) / 2 + 0.65 * longest};
+  return range;
+}
+
+}  // namespace
+
+std::string overview_section(const Exec& exec, RunFolder& run, Pictures& pictures) {
+  const ShownView* view = median_view(run);
+  if (view == nullptr) return {};
+  std::string html;
+  try {
+    for (const Flip& flip : flips_of(exec, run, *view)) {
+      const std::string figure = flip_html(flip);
+      if (pictures.spend(figure.size())) html += figure;
+    }
+  } catch (const Error& e) {
+    run.problems.push_back(e.what());
+  }
+  if (html.empty()) return html;
+  return section("overview", "Before and after",
+                 "<p class=note>Click or tap a picture to flip it. The view with the median boundary "
+                 "IoU.</p><div class=\"sheet wide\">" +
+                     html + "</div>");
+}
+
+std::string boundary_section(RunFolder& run, Pictures& pictures) {
+  const fs::path path = fs::path(run.path) / "labelled.ply";
+  if (!fs::is_regular_file(path)) return {};
+  std::string html;
+  std::int64_t boundary = 0, object = 0;
+  try {
+    const io::GaussianPly ply = io::read_gaussian_ply(path.string(), io::HigherBands::kCheckOnly);
+    const LabelColumns& labels = ply.objects.empty() ? ply.labels : ply.objects.front().columns;
+    if (labels.label.empty() || labels.boundary.empty()) return {};
+    const auto range = range_of(ply, labels);
+    if (!(range[0][1] > range[0][0])) return {};
+    boundary =
+        std::count_if(labels.boundary.begin(), labels.boundary.end(), [](float b) { return b > 0.5f; });
+    object = std::count_if(labels.label.begin(), labels.label.end(), [](float l) { return l > 0.5f; });
+    for (const int axis : {0, 1, 2}) {
+      const std::string name = "along " + std::string(1, char('x' + axis));
+      const std::string figure =
+          "<figure><span class=stack>" +
+          image_html("side", side_picture(ply, labels, axis, range),
+                     "View of the boundary set " + name +
+                         ": boundary Gaussians orange, other Gaussians of the object grey") +
+          "</span><figcaption>" + name + "</figcaption></figure>\n";
+      if (pictures.spend(figure.size())) html += figure;
+    }
+  } catch (const Error& e) {
+    run.problems.push_back(e.what());
+  }
+  if (html.empty()) return html;
+  return section("boundary", "The boundary set from three sides",
+                 "<p class=note>Orange: the " + whole(boundary) +
+                     " Gaussians whose masks disagree (Eq. 3). Grey: the other of the " + whole(object) +
+                     " Gaussians of the object. World axes.</p><div class=sheet>" + html + "</div>");
+}
+
+std::string repeat_section(const RunFolder& run) {
+  std::string html;
+  for (const ToolReport& tool : run.reports)
+    if (!tool.command.empty()) html += escaped(tool.command) + "\n";
+  if (html.empty()) return html;
+  return section("repeat", "To repeat it",
+                 "<p class=note>In the folder of the run; outputs are replaced.</p><pre class=scroll>" +
+                     html + "</pre>");
+}
+
+}  // namespace ngs::cli
