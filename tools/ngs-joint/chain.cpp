@@ -29,17 +29,11 @@ void check(cli::Run& run, const Settings& settings, const Paths& paths) {
 
 /// What the command line decides without naming an effect.
 void rule_by_options(const Settings& settings, const Paths& paths, Decisions& decisions) {
-  const auto steps_wanted = [&](const std::string& reason) { decisions.rule({"joint", true, reason}); };
   if (settings.run.method != Method::kPaper)
     for (const std::string_view name :
          {"view-trust", "floaters"})  // the methods beside it are as their papers say
       decisions.rule({name, false, "part of --method paper"});
-  if (settings.joint.steps > 0) steps_wanted("--steps");
-  if (!settings.run.checkpoint.empty()) steps_wanted("--checkpoint");
-  if (!paths.nerf.empty()) steps_wanted("--nerf"), decisions.rule({"nerf", true, "--nerf"});
-  if (mode_of("edges", settings.joint.effect) == EffectMode::kOff ||
-      edge_visits(settings.edge, settings.joint.quality) == 0)
-    steps_wanted("no edges are followed after it");
+  if (!paths.nerf.empty()) decisions.rule({"nerf", true, "--nerf"});
 }
 
 /// What the time that is left decides.
@@ -99,7 +93,6 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
     return 0;
   }
   decisions.decide(run, EffectPhase::kSteps, input);
-  decisions.decide(run, EffectPhase::kLater, input);
   if (!mend) {
     plan["effects"] = decisions.json();
     run.plan(std::move(plan));

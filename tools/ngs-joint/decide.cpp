@@ -56,22 +56,6 @@ Settings Decisions::settled() const {
   return settled;
 }
 
-void Decisions::settle_second_round(cli::Run& run, const std::map<std::string, double>& figures) {
-  const auto gain = figures.find("edge_again_gain");
-  for (EffectDecision& d : all_) {
-    if (d.effect->name != "second-round" || d.mode != "auto") continue;
-    if (gain != figures.end()) {
-      d.measured = gain->second;
-      d.on = gain->second > d.effect->threshold;
-      d.reason = decision_reason(*d.effect, gain->second, d.on);
-      run.info(decision_line(d));
-    } else if (figures.contains("edge_rounds")) {
-      d.on = figures.at("edge_rounds") > 1;
-    }
-  }
-  run.result()["effects"] = json();
-}
-
 Json Decisions::json() const {
   Json table = Json::array();
   for (const EffectDecision& d : all_) {

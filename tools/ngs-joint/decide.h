@@ -24,8 +24,6 @@ class Decisions {
   bool on(std::string_view name) const;
   /// The settings with every decision taken, for the stages.
   Settings settled() const;
-  /// What follow_edges decided by itself.
-  void settle_second_round(cli::Run& run, const std::map<std::string, double>& figures);
 
   Json json() const;
 

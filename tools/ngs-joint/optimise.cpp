@@ -106,7 +106,6 @@ int optimise(cli::Run& run, Decisions& decisions, const Problem& problem, const 
     if (run.monitor().stop_requested()) return run.stop_code();
   }
   result.converged = watch.target_met() || (!watch.late() && !problem.budget.cut());
-  decisions.settle_second_round(run, result.figures);
   const LossTerms& l = watch.last_loss();
   run.result()["last_loss"] = {{"total", l.total}, {"photometric", l.photometric},
                                {"align", l.align}, {"mask", l.mask},

@@ -63,7 +63,7 @@ class GridFieldOps final : public DeviceFieldOps {
   void hash_forward(const HashCall& call, std::vector<float>& out) const override {
     const HashArrays a(grid_, call);
     const Floats encoding(grid_, std::int64_t(out.size()));
-    with_features(call.features, [&](auto f) {
+    with_hash_features(call.features, [&](auto f) {
       grid_.each(call.grid.point.n * call.grid.levels, HashForward<float, f>{a.view, encoding.data()});
     });
     encoding.to(out.data());
@@ -72,7 +72,7 @@ class GridFieldOps final : public DeviceFieldOps {
     const HashArrays a(grid_, call);
     const Floats grad(grid_, grad_out),
         table(grid_, grad_table_accumulate, std::int64_t(call.entries) * call.features);
-    with_features(call.features,
+    with_hash_features(call.features,
                   [&](auto f) { hash_backward_on_grid<f>(grid_, a.view, grad.data(), call.entries, table.data()); });
     table.to(grad_table_accumulate);
   }
@@ -80,7 +80,7 @@ class GridFieldOps final : public DeviceFieldOps {
                             std::vector<float>& grad_points) const override {
     const HashArrays a(grid_, call);
     const Floats grad(grid_, grad_out), points(grid_, std::int64_t(grad_points.size()));
-    with_features(call.features, [&](auto f) {
+    with_hash_features(call.features, [&](auto f) {
       grid_.each(call.grid.point.n, HashBackwardPosition<float, f>{a.view, grad.data(), {points.data(), call.grid.point.n}});
     });
     points.to(grad_points.data());
@@ -189,16 +189,6 @@ class GridFieldOps final : public DeviceFieldOps {
           view{in.rays, in.samples, density.data(), rgb.data(), spacing.data(), in.background} {}
   };
 
-  /// body(integral_constant F): as ops/hash_grid.cpp.
-  template <class Body>
-  static void with_features(int features, const Body& body) {
-    switch (features) {
-      case 1: return body(std::integral_constant<int, 1>{});
-      case 2: return body(std::integral_constant<int, 2>{});
-      case 4: return body(std::integral_constant<int, 4>{});
-      default: return body(std::integral_constant<int, 8>{});
-    }
-  }
   /// body(width, queries) of the tiles that fit the network and 48 KiB.
   template <class Body>
   static void with_tile(const FilmMlpConfig& c, const Body& body) {

@@ -16,21 +16,6 @@ namespace {
 // to.
 constexpr std::int64_t kQueriesPerTask = 512;
 
-/// Calls body(std::integral_constant<int, F>) for the F of the configuration.
-template <class Body>
-void with_features(int features, const Body& body) {
-  switch (features) {
-    case 1:
-      return body(std::integral_constant<int, 1>{});
-    case 2:
-      return body(std::integral_constant<int, 2>{});
-    case 4:
-      return body(std::integral_constant<int, 4>{});
-    default:
-      return body(std::integral_constant<int, 8>{});
-  }
-}
-
 void check_config(const HashGridConfig& c) {
   NGS_CHECK(c.levels >= 1 && c.levels <= kMaxHashLevels, "levels in [1, 16]");
   NGS_CHECK(c.features == 1 || c.features == 2 || c.features == 4 || c.features == 8,
@@ -102,7 +87,7 @@ void HashGrid::forward(const Exec& exec, const ParamStore& store, Rows<const flo
                        std::vector<float>& out) const {
   out.resize(std::size_t(points.n) * std::size_t(config_.outputs()));
   if (exec.device_ops) return exec.device_ops->field.hash_forward({view(store, points), config_.features, entries()}, out);
-  with_features(config_.features, [&](auto features) {
+  with_hash_features(config_.features, [&](auto features) {
     const HashForward<float, features> kernel{view(store, points), out.data()};
     for_each_task(exec, (points.n + kQueriesPerTask - 1) / kQueriesPerTask, [&](std::int64_t task) {
       const std::int64_t end = std::min(points.n, (task + 1) * kQueriesPerTask);
@@ -119,7 +104,7 @@ void HashGrid::backward(const Exec& exec, ParamStore& store, Rows<const float, 3
   if (exec.device_ops)
     return exec.device_ops->field.hash_backward({view(store, points), config_.features, entries()}, grad_out,
                                                 store.grads.data() + offset_);
-  with_features(config_.features, [&](auto features) {
+  with_hash_features(config_.features, [&](auto features) {
     for_each_task(exec, config_.levels,
                   HashBackwardTable<float, features>{view(store, points), grad_out.data(),
                                                      store.grads.data() + offset_});
@@ -134,7 +119,7 @@ void HashGrid::backward_points(const Exec& exec, const ParamStore& store, Rows<c
   if (exec.device_ops)
     return exec.device_ops->field.hash_backward_points({view(store, points), config_.features, entries()}, grad_out,
                                                        grad_points);
-  with_features(config_.features, [&](auto features) {
+  with_hash_features(config_.features, [&](auto features) {
     for_each_index(exec, points.n,
                    HashBackwardPosition<float, features>{
                        view(store, points), grad_out.data(), {grad_points.data(), points.n}});

@@ -2,6 +2,7 @@
 // Scalar maths of the multi-resolution hash encoding.                                     Eqs. (10)-(11)
 #include <cmath>
 #include <cstdint>
+#include <type_traits>
 
 #include "ngs/core/hd.h"
 #include "ngs/math/stable.h"
@@ -194,5 +195,20 @@ struct HashBackwardPosition {
     return sum;
   }
 };
+
+/// Calls body(std::integral_constant<int, F>) for the F of the configuration: loops over them unroll.
+template <class Body>
+void with_hash_features(int features, const Body& body) {
+  switch (features) {
+    case 1:
+      return body(std::integral_constant<int, 1>{});
+    case 2:
+      return body(std::integral_constant<int, 2>{});
+    case 4:
+      return body(std::integral_constant<int, 4>{});
+    default:
+      return body(std::integral_constant<int, 8>{});
+  }
+}
 
 }  // namespace ngs

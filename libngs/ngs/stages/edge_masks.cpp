@@ -107,7 +107,6 @@ WalkedView walk_view(const WalkSetup& setup, const LabelledModel& model, std::si
     targets[k] = reduce(walked, fw, fh, w, h);
     if (!out.compared) continue;
     out.own_contrast += contrast_of(enlarged(own.target[k], w, h, fw, fh), photo);
-    out.rendered_contrast += contrast_of(mask, photo);
     out.walked_contrast += contrast_of({walked.begin(), walked.end()}, photo);
     out.rendered_biou +=
         agreement(reduce({mask.begin(), mask.end()}, fw, fh, w, h), own, k) / double(objects);
@@ -158,11 +157,10 @@ std::vector<double> walk_gains(const std::vector<WalkedView>& walked) {
   return gains;
 }
 
-ContrastShares contrast_shares(const std::vector<WalkedView>& walked) {
-  double own = 0, rendered = 0, all = 0;
-  for (const WalkedView& view : walked)
-    own += view.own_contrast, rendered += view.rendered_contrast, all += view.walked_contrast;
-  return all > 0 ? ContrastShares{own / all, rendered / all} : ContrastShares{};
+bool masks_beside_edges(const std::vector<WalkedView>& walked) {
+  double own = 0, all = 0;
+  for (const WalkedView& view : walked) own += view.own_contrast, all += view.walked_contrast;
+  return own < kOffEdges * all;
 }
 
 std::vector<std::size_t> spread_views(const std::vector<std::size_t>& views, std::size_t most) {

@@ -16,7 +16,7 @@ struct WalkedView {
   // Mean boundary IoU with the view's own masks; only where the view supervises and has them.
   bool compared = false;
   double rendered_biou = 0, walked_biou = 0;
-  double own_contrast = 0, rendered_contrast = 0, walked_contrast = 0;  // of the photo across the contours
+  double own_contrast = 0, walked_contrast = 0;  // of the photo across the contours
 };
 
 struct WalkSetup {
@@ -43,12 +43,8 @@ std::vector<double> walk_gains(const std::vector<WalkedView>& walked);
 /// Contours with less than this of the walked ones' contrast do not lie on edges. On the synthetic recipes
 /// masks that are exact have 0.89 to 1.03, those wrong by 2 px 0.36 to 0.66.
 inline constexpr double kOffEdges = 0.75;
-/// Mean contrast across the given masks' contours, and across the rendered ones, in units of that across the
-/// walked ones; 1 where nothing was compared.
-struct ContrastShares {
-  double own = 1, rendered = 1;
-};
-ContrastShares contrast_shares(const std::vector<WalkedView>& walked);
+/// Whether the given masks' contours do not, on the mean of the views that were compared.
+bool masks_beside_edges(const std::vector<WalkedView>& walked);
 
 /// At most `most` of the views, evenly spread: enough for a decision.
 std::vector<std::size_t> spread_views(const std::vector<std::size_t>& views, std::size_t most);

@@ -177,22 +177,7 @@ class EdgeRun {
     return trainer.finished() && !ended;
   }
 
-  /// Whether walking once more would still bring the contours significantly nearer to the given masks; or,
-  /// where those lie beside the photos' edges, whether the contours do so too.
-  bool needs_another_round() {
-    const auto timed = monitor_.scope("walk");
-    const std::vector<std::size_t> some = spread_views(setup_.input.views, kDecisionViews);
-    const auto walked = walk_views(exec_, walk_setup(), {model_.cloud, model_.labels}, some, some);
-    const ContrastShares shares = contrast_shares(walked);
-    if (shares.own >= kOffEdges)
-      again_gain_ = gain_in_errors(walk_gains(walked));
-    else
-      again_gain_ = shares.rendered < kOffEdges ? INFINITY : 0;
-    return *again_gain_ > kSignificant;
-  }
-
   void finish(MethodResult& result) && {
-    if (again_gain_) result.figures["edge_again_gain"] = *again_gain_;
     result.figures["edge_rounds"] = double(rounds_);
     result.figures["edge_biou_rendered"] = rendered_, result.figures["edge_biou_walked"] = walked_biou_;
     result.figures["edge_contrast_given"] = own_contrast_;
@@ -218,7 +203,7 @@ class EdgeRun {
     }
     if (count > 0)
       rendered_ /= count, walked_biou_ /= count, own_contrast_ /= count, walked_contrast_ /= count;
-    return contrast_shares(walked_).own < kOffEdges || gain_in_errors(walk_gains(walked_)) >= -kSignificant;
+    return masks_beside_edges(walked_) || gain_in_errors(walk_gains(walked_)) >= -kSignificant;
   }
 
   ImageF window_photo(std::size_t v) const {
@@ -235,7 +220,6 @@ class EdgeRun {
   std::vector<std::size_t> views_;  // with a photo, and with something of the object in it
   std::vector<WalkedView> walked_;  // [scene views]
   double rendered_ = 0, walked_biou_ = 0, own_contrast_ = 0, walked_contrast_ = 0;
-  std::optional<double> again_gain_;
   int rounds_ = 0;
 };
 
@@ -253,11 +237,8 @@ MethodResult follow_edges(const Exec& exec, Monitor& monitor, const EdgeSetup& s
   if (edge_visits(setup.edge, setup.joint.quality) == 0 || !setup.input.load_fine_photo) return start;
   const auto timed = monitor.scope("edges");
   EdgeRun run(exec, monitor, setup, start);
-  const EffectMode again = mode_of("second-round", setup.joint.effect);
-  for (int round = 0; round < setup.edge.rounds && start.converged && !monitor.stop_requested(); ++round) {
-    if (round > 0 &&
-        (again == EffectMode::kOff || (again == EffectMode::kAuto && !run.needs_another_round())))
-      break;
+  const int rounds = parse_effects(setup.joint.effect).second_round ? setup.edge.rounds : 1;
+  for (int round = 0; round < rounds && start.converged && !monitor.stop_requested(); ++round) {
     if (!run.walk(round == 0)) break;
     start.converged = run.train(round);
   }

@@ -107,19 +107,6 @@ double EffectProbe::front() { return front_opacity(exec_, {}, setup_.input); }
 double EffectProbe::boundary_gap() { return boundary().size() == 0 ? 0 : 1 - views().biou; }
 double EffectProbe::outside() { return views().outside; }
 
-double EffectProbe::walk() {
-  const MethodInput& input = setup_.input;
-  if (edge_visits(setup_.edge, setup_.joint.quality) == 0 || !input.load_fine_photo) return -INFINITY;
-  JointOptions joint = setup_.joint;
-  joint.effect = {"nerf=off"};  // for the start of a trainer alone
-  const MethodResult start =
-      JointTrainer(exec_, monitor_, {joint, setup_.sample, setup_.rbf, input}, true).result();
-  const std::vector<std::size_t> some = spread_views(input.views, kDecisionViews);
-  const WalkSetup walk{setup_.edge.walk, setup_.edge.margin_px, input};
-  const auto walked = walk_views(exec_, walk, {start.cloud, start.labels}, some, some);
-  return contrast_shares(walked).own < kOffEdges ? INFINITY : gain_in_errors(walk_gains(walked));
-}
-
 double EffectProbe::rms_neighbour() {
   return neighbour_rms_levels(neighbours(), {boundary().colour.data(), boundary().size()});
 }
@@ -218,8 +205,7 @@ std::vector<EffectDecision> decide_effects(const Exec& exec, Monitor& monitor, c
 std::vector<std::string> decided_entries(const std::vector<EffectDecision>& decisions) {
   std::vector<std::string> entries;
   for (const EffectDecision& d : decisions)
-    if (d.effect->phase != EffectPhase::kLater || d.mode != "auto")
-      entries.push_back(std::string(d.effect->name) + (d.on ? "=on" : "=off"));
+    entries.push_back(std::string(d.effect->name) + (d.on ? "=on" : "=off"));
   return entries;
 }
 

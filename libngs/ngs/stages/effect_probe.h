@@ -29,7 +29,6 @@ class EffectProbe {
   // One number per detector; what it is stands in effect_registry().
   double trust();
   double front();
-  double walk();
   double boundary_gap();
   double most_neighbour();
   double rms_neighbour();

@@ -13,7 +13,7 @@ namespace {
 using Fx = JointEffects;
 using Probe = EffectProbe;
 constexpr auto kAbove = OnWhere::kAbove, kBelow = OnWhere::kBelow;
-constexpr auto kBefore = EffectPhase::kBefore, kSteps = EffectPhase::kSteps, kLater = EffectPhase::kLater;
+constexpr auto kBefore = EffectPhase::kBefore, kSteps = EffectPhase::kSteps;
 constexpr std::string_view kHalfLevel = "half a level of an 8-bit photo, which none can show";
 
 constexpr EffectInfo kRegistry[] = {
@@ -25,12 +25,7 @@ constexpr EffectInfo kRegistry[] = {
      "share of the object's surface hidden by what stands before it", 1e-3,
      "the search itself leaves alone what hides less (FloaterOptions::least_hidden)", &Probe::front, kBefore},
     {"joint", "the steps of Eq. 20; off: labels as they come", &Fx::joint,
-     "all steps before the photos' edges are followed", "", kBelow,
-     "gain in agreement with the masks by walking to the photos' edges, standard errors (inf: masks off the "
-     "edges)",
-     -kSignificant,
-     "the stage's own rule: from there on the edges decide the contours, whatever the steps did",
-     &Probe::walk},
+     "all steps before the photos' edges are followed"},
     {"nerf", "the NeRF and all that needs it", &Fx::nerf, "rays, field, network, L_align, L_smth", "joint",
      kAbove, "1 - boundary IoU of the labels as they come with the masks", 0.02,
      "two points, what masks of one object differ by from tool to tool", &Probe::boundary_gap},
@@ -69,9 +64,7 @@ constexpr EffectInfo kRegistry[] = {
     {"split", "halve what lies across contours", &Fx::split, "the search for it, and the rows it adds",
      "edges", kAbove, "most weight that a Gaussian can have on a wrong side, px", 3,
      "the default of --edge-split: nothing is halved", &Probe::straddling},
-    {"second-round", "follow the edges more than once", &Fx::second_round, "all rounds but the first",
-     "edges", kAbove, "gain of walking once more, standard errors (inf: contours and masks off the edges)",
-     kSignificant, "below it the contours are where the photos want them", nullptr, kLater},
+    {"second-round", "follow the edges more than once", &Fx::second_round, "all rounds but the first", "edges"},
 };
 
 std::string short_number(double value) {

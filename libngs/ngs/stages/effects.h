@@ -30,8 +30,8 @@ struct JointEffects {
 
 class EffectProbe;
 
-/// When it is decided: on what was read, on what view-trust and floaters left of it, or by the stage itself.
-enum class EffectPhase : std::uint8_t { kBefore, kSteps, kLater };
+/// When it is decided: on what was read, or on what view-trust and floaters left of it.
+enum class EffectPhase : std::uint8_t { kBefore, kSteps };
 enum class OnWhere : std::uint8_t { kAlways, kAbove, kBelow };
 
 struct EffectInfo {
@@ -53,8 +53,6 @@ const EffectInfo* find_effect(std::string_view name);
 
 /// Mean change of the rendered mask values, in [0, 1], that an effect may cause where `auto` leaves it out.
 inline constexpr double kEffectBound = 0.005;
-/// The same for joint and second-round, which move contours that the edges move again.
-inline constexpr double kContourBound = 0.015;
 
 /// Views that a decision looks at where it need not see all.
 inline constexpr std::size_t kDecisionViews = 8;

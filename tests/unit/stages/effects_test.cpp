@@ -66,7 +66,7 @@ EffectDecision decision_on(const EffectCase& c, std::string_view name,
   const MethodInput in = c.input();
   const EffectSetup setup{joint, c.edge, c.sample, c.rbf, in};
   std::vector<EffectDecision> all;
-  for (const EffectPhase phase : {EffectPhase::kBefore, EffectPhase::kSteps, EffectPhase::kLater}) {
+  for (const EffectPhase phase : {EffectPhase::kBefore, EffectPhase::kSteps}) {
     const auto more = decide_effects({}, monitor, setup, phase, {}, all);
     all.insert(all.end(), more.begin(), more.end());
   }
@@ -128,7 +128,7 @@ double mean_difference(const std::vector<float>& a, const std::vector<float>& b)
 std::vector<std::string> surroundings(std::string_view name) {
   std::vector<std::string> entries{"view-trust=off", "floaters=off", "edges=off", "joint=on"};
   for (const char* part : {"nerf=on", "align=on"}) entries.push_back(part);
-  if (name == "split" || name == "second-round" || name == "joint") entries.push_back("edges=on");
+  if (name == "split") entries.push_back("edges=on");
   entries.push_back(std::string(name) + "=auto");
   return entries;
 }
@@ -235,38 +235,10 @@ TEST_CASE(
   }
 }
 
-TEST_CASE(
-    "the steps are left out where the walk to the photos' edges decides the contours, and kept where it does "
-    "not") {
-  EffectCase decides, does_not;
-  large_ball(decides);
-  does_not.fine_photos = true;
-  decides.edge.visits = does_not.edge.visits = 15, decides.joint.steps = 40;
-  for (ImageF& photo : does_not.base->photos)  // stripes that have nothing to do with the ball
-    for (std::size_t i = 0; i < photo.data.size(); ++i)
-      photo.data[i] = (i / 3 % 48 + i / 3 / 48) % 6 < 3 ? 0.9f : 0.1f;
-  const std::vector<std::string> around{"view-trust=off", "floaters=off"};
-  const EffectDecision no = decision_on(decides, "joint", around),
-                       yes = decision_on(does_not, "joint", around);
-  CAPTURE(no.reason);
-  CAPTURE(yes.reason);
-  CHECK_FALSE(no.on);
-  CHECK(yes.on);
-  const auto with = [&](const EffectCase& c, const char* entry) {
-    return masks_with(c, {"view-trust=off", "floaters=off", "nerf=off", entry});
-  };
-  const double change = mean_difference(with(decides, "joint=off"), with(decides, "joint=on"));
-  MESSAGE("joint: |off - on| = " << change << " (" << no.reason << ")");
-  CHECK(change <= kContourBound);
-}
-
-TEST_CASE(
-    "a second round is left out where the first brought the contours to the edges, and not where it could "
-    "not") {
-  EffectCase enough, short_of;
-  large_ball(enough), large_ball(short_of);
-  enough.edge.visits = 15, short_of.edge.visits = 1, short_of.edge.rate = 0.05;
-  const auto rounds = [](const EffectCase& c, const char* entry) {
+TEST_CASE("without the second round the edges are followed once") {
+  EffectCase c;
+  large_ball(c);
+  const auto rounds = [&c](const char* entry) {
     Monitor monitor;
     JointOptions joint = c.joint;
     joint.effect = {entry};
@@ -276,16 +248,8 @@ TEST_CASE(
     start.converged = true;
     return follow_edges({}, monitor, {c.edge, joint, c.sample, c.rbf, in}, std::move(start)).figures;
   };
-  CHECK(rounds(enough, "second-round=auto").at("edge_rounds") == 1);
-  CHECK(rounds(enough, "second-round=on").at("edge_rounds") == 2);
-  CHECK(rounds(short_of, "second-round=auto").at("edge_rounds") == 2);
-  CHECK(rounds(short_of, "second-round=off").at("edge_rounds") == 1);
-  const std::vector<std::string> start{"view-trust=off", "floaters=off", "joint=off"};
-  std::vector<std::string> off = start, on = start;
-  off.push_back("second-round=off"), on.push_back("second-round=on");
-  const double change = mean_difference(masks_with(enough, off), masks_with(enough, on));
-  MESSAGE("second-round: |off - on| = " << change);
-  CHECK(change <= kContourBound);
+  CHECK(rounds("second-round=auto").at("edge_rounds") == 2);
+  CHECK(rounds("second-round=off").at("edge_rounds") == 1);
 }
 
 TEST_CASE("entries: the last one that names an effect counts, all names every one") {
@@ -332,7 +296,7 @@ TEST_CASE("the registry says what every effect is, what off saves, and why its t
     CHECK_FALSE(e.saves.empty());
     CHECK_FALSE(e.measured.empty());
     CHECK_FALSE(e.why.empty());
-    CHECK((e.measure != nullptr) == (e.phase != EffectPhase::kLater));
+    CHECK(e.measure != nullptr);
   }
 }
 
