@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Builds the tools and tests into build/ (preset ci: CUDA where nvcc is found). Arguments go to `cmake --build`:
+# Builds the tools and tests into build/ (preset ci: CUDA where nvcc is found, for sm_80, from which newer devices compile at
+# first use; preset cuda has all architectures). Arguments go to `cmake --build`:
 #   pipelines/build.sh                       everything
 #   pipelines/build.sh --target ngs-joint    one tool
 set -euo pipefail
