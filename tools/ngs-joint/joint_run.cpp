@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "ngs/io/safetensors.h"
-#include "ngs/ops/metrics.h"
+#include "ngs/stages/mask_pair.h"
 
 namespace ngs::joint {
 namespace {
@@ -58,18 +58,9 @@ Agreement training_agreement(const Exec& exec, const MethodInput& input, const M
     request.label = {label.data(), result.cloud.size(), int(objects)};
     const RenderedView rendered =
         render(exec, result.cloud, input.scene.views[view].camera, input.splat, request);
-    const int w = rendered.width_px, h = rendered.height_px;
     for (std::size_t k = 0; k < objects; ++k) {
-      std::vector<std::uint8_t> predicted(masks.target[k].size()), wanted(masks.target[k].size());
-      for (std::size_t p = 0; p < predicted.size(); ++p) {
-        const bool known = masks.known.empty() || masks.known[p];
-        predicted[p] = known && rendered.label.data[p * objects + k] > 0.5f,
-        wanted[p] = known && masks.target[k][p] >= 0.5f;
-      }
-      const MaskPlane a{predicted.data(), w, h}, b{wanted.data(), w, h};
-      sum.iou += iou(confusion(exec, a, b));
-      sum.biou +=
-          boundary_iou(exec, chessboard_distance(a), chessboard_distance(b), w, band_width_px(0.02, w, h));
+      const MaskPair pair(rendered.label, masks, k);
+      sum.iou += iou(pair.counts(exec)), sum.biou += pair.biou(exec);
       count += 1;
     }
   }

@@ -5,6 +5,7 @@
 #include "ngs/io/photo.h"
 #include "ngs/stages/filter_probe.h"
 #include "ngs/stages/view_align.h"
+#include "ngs/stages/view_list.h"
 
 namespace ngs::capture {
 namespace {
@@ -36,9 +37,8 @@ double probe_model_filter(cli::Run& run, const SceneCheckOptions& options, const
                           const Model& model) {
   if (!model) return scene.filter_px2;
   const auto timed = run.monitor().scope("filter");
-  std::vector<std::size_t> with_photo, compared;
-  for (std::size_t i = 0; i < scene.views.size(); ++i)
-    if (!scene.views[i].image_path.empty()) with_photo.push_back(i);
+  const std::vector<std::size_t> with_photo = photo_views(scene);
+  std::vector<std::size_t> compared;
   for (const std::size_t i : evenly_spaced(std::size_t(options.check_views), with_photo.size()))
     compared.push_back(with_photo[i]);
   const FilterProbe probe = probe_filter(run.exec(), model->cloud, scene, compared,

@@ -61,6 +61,11 @@ void place_half(GaussianCloud& cloud, std::size_t r, RowOrigin half) {
   cloud.logit_opacity[r] = float(std::log(std::max(std::expm1(depth), 1e-300)));
 }
 
+void clear(const std::vector<std::uint8_t>& chosen, std::size_t width, std::vector<float>& values) {
+  for (std::size_t i = 0; i < chosen.size(); ++i)
+    if (chosen[i]) std::fill_n(values.begin() + std::ptrdiff_t(i * width), width, 0.f);
+}
+
 }  // namespace
 
 void edit_column(const Exec& exec, const std::vector<CloudRow>& rows, int width, std::vector<float>& values) {
@@ -91,14 +96,14 @@ void edit_moments(const std::vector<CloudRow>& rows, int width, AdamMoments& mom
   gather_moments(rows, width, moments.m), gather_moments(rows, width, moments.v);
 }
 
+void clear_shapes(const std::vector<std::uint8_t>& chosen, CloudGradients& gradients) {
+  clear(chosen, 3, gradients.position), clear(chosen, 4, gradients.rotation);
+  clear(chosen, 3, gradients.log_scale), clear(chosen, 1, gradients.logit_opacity);
+}
+
 void clear_rows(const std::vector<std::uint8_t>& chosen, int rest_count, CloudGradients& gradients) {
-  const auto clear = [&](std::vector<float>& values, std::size_t width) {
-    for (std::size_t i = 0; i < chosen.size(); ++i)
-      if (chosen[i]) std::fill_n(values.begin() + std::ptrdiff_t(i * width), width, 0.f);
-  };
-  clear(gradients.position, 3), clear(gradients.rotation, 4), clear(gradients.log_scale, 3);
-  clear(gradients.logit_opacity, 1), clear(gradients.sh_dc, 3);
-  clear(gradients.sh_rest, std::size_t(rest_count) * 3);
+  clear_shapes(chosen, gradients);
+  clear(chosen, 3, gradients.sh_dc), clear(chosen, std::size_t(rest_count) * 3, gradients.sh_rest);
 }
 
 double largest_scale(const GaussianCloud& cloud, std::int64_t row) {

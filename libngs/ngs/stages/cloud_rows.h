@@ -30,7 +30,10 @@ void edit_column(const Exec& exec, const std::vector<CloudRow>& rows, int width,
 /// Moments follow their Gaussian; new Gaussians start with zeros.
 void edit_moments(const std::vector<CloudRow>& rows, int width, AdamMoments& moments);
 
-/// Zeroes the gradients of shape, opacity and colour of the rows with chosen[row] != 0; empty: of none.
+/// Zeroes the gradients of position, shape and opacity of the rows with chosen[row] != 0; empty: of none.
+void clear_shapes(const std::vector<std::uint8_t>& chosen, CloudGradients& gradients);
+
+/// Those, and the colours', of the rows with chosen[row] != 0; empty: of none.
 void clear_rows(const std::vector<std::uint8_t>& chosen, int rest_count, CloudGradients& gradients);
 
 /// The largest of the three scales, world.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "ngs/math/median.h"
 #include "ngs/math/sh.h"
 #include "ngs/math/stable.h"
 
@@ -11,12 +12,6 @@ namespace ngs {
 namespace {
 
 constexpr double kLevels = 255;
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 struct Seen {
   Vec3<double> offset;  // from the camera, world
@@ -174,16 +169,16 @@ double contour_deviation_levels(const ImageF& photo, MaskPlane mask) {
 
 double cells_per_spacing(const std::vector<float>& nearest_distance, double extent, int finest) {
   if (nearest_distance.empty()) return 0;
-  const double spacing = median({nearest_distance.begin(), nearest_distance.end()});
+  const double spacing = upper_median({nearest_distance.begin(), nearest_distance.end()});
   return spacing > 0 ? extent / finest / spacing : INFINITY;
 }
 
 double outlier_score(const std::vector<double>& disagreement) {
   if (disagreement.size() < 2) return 0;
-  const double middle = median(disagreement);
+  const double middle = upper_median(disagreement);
   std::vector<double> away;
   for (const double d : disagreement) away.push_back(std::abs(d - middle));
-  const double spread = 1.4826 * median(away);
+  const double spread = 1.4826 * upper_median(away);
   const double ignored = std::max({3 * middle, middle + 6 * spread, 0.2});
   return *std::max_element(disagreement.begin(), disagreement.end()) / (0.5 * ignored);
 }

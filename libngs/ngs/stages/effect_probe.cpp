@@ -8,30 +8,15 @@
 #include "ngs/stages/effect_detectors.h"
 #include "ngs/stages/floaters.h"
 #include "ngs/stages/joint_stage.h"
+#include "ngs/stages/mask_pair.h"
 #include "ngs/stages/render_stage.h"
 #include "ngs/stages/view_list.h"
 
 namespace ngs {
 namespace {
 
-/// 0/1 planes of one object in one view; pixels of unknown mask are 0 in both.
-struct Compared {
-  std::vector<std::uint8_t> rendered, own;
-};
-
-Compared compare(const ImageF& label, const ViewMasks& masks, std::size_t k) {
-  Compared c;
-  const auto channels = std::size_t(label.channels);
-  for (std::size_t p = 0; p < masks.target[k].size(); ++p) {
-    const bool known = masks.known.empty() || masks.known[p];
-    c.rendered.push_back(known && label.data[p * channels + k] > 0.5f);
-    c.own.push_back(known && masks.target[k][p] >= 0.5f);
-  }
-  return c;
-}
-
-double disagreement(const Compared& c, int w, int h) {
-  const Confusion counts = confusion({}, {c.rendered.data(), w, h}, {c.own.data(), w, h});
+double disagreement(const Exec& exec, const MaskPair& pair) {
+  const Confusion counts = pair.counts(exec);
   return counts.both_empty() ? 0 : 1 - iou(counts);
 }
 
@@ -61,21 +46,18 @@ const EffectProbe::Views& EffectProbe::views() {
     const ViewMasks masks = input.load_masks(v);
     if (!masks.available) continue;
     const Camera& camera = input.scene.views[v].camera;
-    const auto draw = [&](bool amodal) {
-      return render_labelled(exec_, input.cloud, input.labels, camera, input.splat, {}, amodal).label;
-    };
-    const ImageF modal = draw(false), amodal = draw(true);
-    const int w = masks.width_px, h = masks.height_px;
+    RenderedView view = render_labelled(exec_, input.cloud, input.labels, camera, input.splat, {}, false);
+    const ImageF modal = view.label;
+    show_objects_alone(exec_, input.cloud, input.labels, camera, input.splat, view);
     double stands = 0, alone = 0;
     for (std::size_t k = 0; k < masks.target.size(); ++k) {
-      const Compared c = compare(modal, masks, k);
-      stands += disagreement(c, w, h), alone += disagreement(compare(amodal, masks, k), w, h);
-      views_->biou += boundary_iou(exec_, chessboard_distance({c.rendered.data(), w, h}),
-                                   chessboard_distance({c.own.data(), w, h}), w, band_width_px(0.02, w, h));
+      const MaskPair pair(modal, masks, k);
+      stands += disagreement(exec_, pair), alone += disagreement(exec_, MaskPair(view.label, masks, k));
+      views_->biou += pair.biou(exec_);
       ++count;
     }
     views_->disagreement.push_back(std::min(stands, alone) / double(masks.target.size()));
-    const PixelWindow win = window_of(masks.target, w, h, kRegionMargin_px);
+    const PixelWindow win = window_of(masks.target, masks.width_px, masks.height_px, kRegionMargin_px);
     views_->outside =
         std::max(views_->outside, weight_outside(modal, win.x0, win.y0, win.x0 + win.w, win.y0 + win.h));
   }
@@ -177,7 +159,6 @@ class Decider {
     for (const EffectDecision& d : earlier)
       if (d.effect->name == e.needs && !d.on) return {&e, "auto", false, "needs " + std::string(e.needs), {}};
     if (e.on == OnWhere::kAlways) return {&e, "auto", true, "no detector", {}};
-    if (e.measure == nullptr) return {&e, "auto", true, "decided when the first is done", {}};
     const double measured = (probe_.*e.measure)();
     const bool on = e.on == OnWhere::kAbove ? measured > e.threshold : measured <= e.threshold;
     return {&e, "auto", on, decision_reason(e, measured, on), measured};

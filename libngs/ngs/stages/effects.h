@@ -56,8 +56,6 @@ inline constexpr double kEffectBound = 0.005;
 
 /// Views that a decision looks at where it need not see all.
 inline constexpr std::size_t kDecisionViews = 8;
-/// Standard errors from which a difference between views counts.
-inline constexpr double kSignificant = 2;
 
 /// Finest useful cell of the encoding, in spacings of the boundary: two cells to a spacing.
 inline constexpr double kFinestCell = 0.5;

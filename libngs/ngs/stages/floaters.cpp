@@ -4,9 +4,11 @@
 #include <cmath>
 
 #include "ngs/backend/for_each.h"
+#include "ngs/math/median.h"
 #include "ngs/ops/front_layer.h"
 #include "ngs/ops/knn.h"
 #include "ngs/stages/method_labels.h"
+#include "ngs/stages/view_list.h"
 
 namespace ngs {
 namespace {
@@ -185,14 +187,9 @@ class FloaterSearch {
       std::vector<double> all;
       for (std::size_t p = 0; p < s.limit.data.size(); ++p)
         if (s.limit.data[p] > 0) all.push_back(difference(&photo.data[3 * p], &s.colour.data[3 * p]));
-      if (!all.empty()) medians.push_back(median(all));
+      if (!all.empty()) medians.push_back(upper_median(all));
     }
-    return medians.empty() ? 1.0 : median(medians);
-  }
-  static double median(std::vector<double>& values) {
-    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
+    return medians.empty() ? 1.0 : upper_median(medians);
   }
 
   /// Mean photo colour of every Gaussian in the views other than this one, and 1; zeros where there are none.

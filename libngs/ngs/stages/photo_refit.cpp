@@ -7,28 +7,11 @@
 #include "ngs/ops/adam.h"
 #include "ngs/ops/image_metrics.h"
 #include "ngs/ops/photometric.h"
+#include "ngs/stages/cloud_rows.h"
 #include "ngs/stages/fit_stage.h"
 #include "ngs/stages/view_list.h"
 
 namespace ngs {
-namespace {
-
-void hold_still(const std::vector<std::uint8_t>& moves, CloudGradients& gradients) {
-  for (std::size_t i = 0; i < moves.size(); ++i) {
-    if (moves[i]) continue;
-    std::fill_n(&gradients.position[3 * i], 3, 0.f), std::fill_n(&gradients.rotation[4 * i], 4, 0.f);
-    std::fill_n(&gradients.log_scale[3 * i], 3, 0.f), gradients.logit_opacity[i] = 0.f;
-  }
-}
-
-}  // namespace
-
-std::vector<std::size_t> photo_views(const Scene& scene) {
-  std::vector<std::size_t> views;
-  for (std::size_t v = 0; v < scene.views.size(); ++v)
-    if (!scene.views[v].image_path.empty()) views.push_back(v);
-  return views;
-}
 
 double mean_psnr_db(const Exec& exec, const MethodInput& input, const GaussianCloud& cloud,
                     const std::vector<std::size_t>& views) {
@@ -48,6 +31,8 @@ void refit_to_photos(const Exec& exec, Monitor& monitor, const RefitOptions& opt
                      const std::vector<std::uint8_t>& moves, GaussianCloud& cloud) {
   const double extent = scene_extent(cameras_of(input.scene, views));
   const std::int64_t steps = std::int64_t(options.visits) * std::int64_t(views.size());
+  std::vector<std::uint8_t> still(moves.size());
+  for (std::size_t i = 0; i < still.size(); ++i) still[i] = !moves[i];
   SplatPass pass(input.splat);
   PhotometricPass<float> photometric;
   CloudGradients gradients;
@@ -62,7 +47,7 @@ void refit_to_photos(const Exec& exec, Monitor& monitor, const RefitOptions& opt
       const RenderedView& rendered = pass.forward(exec, cloud, input.scene.views[v].camera, request);
       photometric.evaluate(exec, {}, rendered.colour, input.load_photo(v), nullptr, &image.colour);
       pass.backward(exec, image, gradients);
-      hold_still(moves, gradients);
+      clear_shapes(still, gradients);
       const double decay = std::pow(options.decay, double(step) / double(steps));
       ++step;
       const auto update = [&](FitGroup group, const char* name, double lr, std::vector<float>& value,

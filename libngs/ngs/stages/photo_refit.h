@@ -12,9 +12,6 @@ struct RefitOptions {
   double decay = 0.1;  // all rates fall to this factor
 };
 
-/// Indices of the views of the scene that have a photo, whatever their split.
-std::vector<std::size_t> photo_views(const Scene& scene);
-
 /// Mean PSNR of the clamped render over `views`; 0 without any.
 double mean_psnr_db(const Exec& exec, const MethodInput& input, const GaussianCloud& cloud,
                     const std::vector<std::size_t>& views);

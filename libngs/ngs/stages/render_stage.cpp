@@ -78,7 +78,15 @@ RenderedView render_labelled(const Exec& exec, const GaussianCloud& cloud,
   request.background = background;
   if (k_count > 0) request.label = {label.data(), cloud.size(), int(k_count)};
   RenderedView view = render(exec, cloud, camera, splat, request);
-  if (!amodal) return view;
+  if (amodal) show_objects_alone(exec, cloud, objects, camera, splat, view);
+  return view;
+}
+
+void show_objects_alone(const Exec& exec, const GaussianCloud& cloud,
+                        const std::vector<LabelColumns>& objects, const Camera& camera,
+                        const SplatOptions& splat, RenderedView& view) {
+  const auto n = std::size_t(cloud.size());
+  const std::size_t k_count = objects.size();
   for (std::size_t k = 0; k < k_count; ++k) {
     std::vector<std::uint8_t> mine(n);
     for (std::size_t i = 0; i < n; ++i) mine[i] = objects[k].label[i] > 0.5f;
@@ -89,7 +97,6 @@ RenderedView render_labelled(const Exec& exec, const GaussianCloud& cloud,
     for (std::size_t p = 0; p < object.alpha.data.size(); ++p)
       view.label.data[p * k_count + k] = object.alpha.data[p];
   }
-  return view;
 }
 
 ImageU16 label_map(const RenderedView& view, double threshold) {

@@ -49,6 +49,11 @@ RenderedView render_labelled(const Exec& exec, const GaussianCloud& cloud,
                              const std::vector<LabelColumns>& objects, const Camera& camera,
                              const SplatOptions& splat, Vec3<float> background, bool amodal);
 
+/// Makes a modal view amodal: only its label channels change.
+void show_objects_alone(const Exec& exec, const GaussianCloud& cloud,
+                        const std::vector<LabelColumns>& objects, const Camera& camera,
+                        const SplatOptions& splat, RenderedView& view);
+
 /// Label map: 0 background, else the index + 1 of the object whose mask is largest and exceeds `threshold`.
 ImageU16 label_map(const RenderedView& view, double threshold);
 

@@ -8,6 +8,7 @@
 #include "ngs/core/error.h"
 #include "ngs/scene/shrink.h"
 #include "ngs/stages/mask_check.h"
+#include "ngs/stages/view_list.h"
 
 namespace ngs {
 namespace {
@@ -69,9 +70,7 @@ Shot take_shot(const Scene& scene, std::size_t view, int longest_px, const Image
 std::vector<Shot> take_shots(Monitor& monitor, const SceneCheckOptions& options, const Scene& scene,
                              const SceneLoaders& loaders) {
   const auto timed = monitor.scope("photos");
-  std::vector<std::size_t> with_photo;
-  for (std::size_t i = 0; i < scene.views.size(); ++i)
-    if (!scene.views[i].image_path.empty()) with_photo.push_back(i);
+  const std::vector<std::size_t> with_photo = photo_views(scene);
   std::vector<Shot> shots;
   for (const std::size_t i : evenly_spaced(std::size_t(options.check_views), with_photo.size()))
     shots.push_back(take_shot(scene, with_photo[i], options.check_size_px, loaders.photo(with_photo[i])));

@@ -2,6 +2,7 @@
 
 #include "ngs/backend/try_each.h"
 #include "ngs/stages/pose_check.h"
+#include "ngs/stages/view_list.h"
 
 namespace ngs {
 namespace {
@@ -44,8 +45,7 @@ std::vector<ViewAlignment> measure_alignment(const Exec& exec, Monitor& monitor,
   SplatOptions splat{.antialiased = cloud.antialiased};
   splat.blur_px2 = scene.filter_px2;
   std::vector<ViewAlignment> alignment;
-  for (std::size_t v = 0; v < scene.views.size(); ++v)
-    if (!scene.views[v].image_path.empty()) alignment.emplace_back().view = v;
+  for (const std::size_t v : photo_views(scene)) alignment.emplace_back().view = v;
   try_each_task(exec, std::int64_t(alignment.size()), [&](std::int64_t i) {
     ViewAlignment& of_view = alignment[std::size_t(i)];
     const std::size_t v = of_view.view;

@@ -14,6 +14,14 @@ inline std::vector<Camera> cameras_of(const Scene& scene, const std::vector<std:
   return cameras;
 }
 
+/// Indices of the views of the scene that have a photo, whatever their split.
+inline std::vector<std::size_t> photo_views(const Scene& scene) {
+  std::vector<std::size_t> views;
+  for (std::size_t v = 0; v < scene.views.size(); ++v)
+    if (!scene.views[v].image_path.empty()) views.push_back(v);
+  return views;
+}
+
 /// The views in an order that depends on the seed and the number of passes so far.
 inline std::vector<std::size_t> shuffled(std::vector<std::size_t> views, std::uint64_t seed,
                                          std::uint64_t pass) {

@@ -3,17 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ngs/math/median.h"
 #include "ngs/ops/evidence.h"
 #include "ngs/stages/variance_stage.h"
 
 namespace ngs {
 namespace {
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Binary planes of all objects, and where they can be compared.
 struct Planes {
@@ -140,11 +135,11 @@ class Judge {
       trust.disagreement[n] = std::min(disagreement(mask, c.modal), disagreement(mask, c.amodal));
       all.push_back(trust.disagreement[n]);
     }
-    const double middle = median(all);
+    const double middle = upper_median(all);
     std::vector<double> deviations;
     for (const double d : all) deviations.push_back(std::abs(d - middle));
     const double threshold =
-        std::max({options_.factor * middle, middle + options_.spreads * 1.4826 * median(deviations), options_.least});
+        std::max({options_.factor * middle, middle + options_.spreads * 1.4826 * upper_median(deviations), options_.least});
     trust.figures["median_disagreement"] = middle, trust.figures["threshold"] = threshold;
     bool changed = false;
     for (std::size_t n = 0; n < trusted_.size(); ++n) {

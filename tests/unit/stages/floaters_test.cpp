@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "ngs/stages/view_list.h"
 #include "support/joint_case.h"
 
 namespace ngs {
