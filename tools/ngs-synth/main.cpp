@@ -12,7 +12,7 @@ struct SynthOptions {
   std::int64_t scene_seed = -1;
   std::string target;
   std::vector<std::string> mask_noise;
-  bool fit = true;
+  bool grey = false, fit = true;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -23,6 +23,7 @@ struct SynthOptions {
     visit(self.target, Text{"target", "NAME", "object that masks/ shows; default: as the recipe says"});
     visit(self.mask_noise, Text{"mask_noise", "KIND:AMOUNT",
                                 "errors in masks/ and labels/: erode:PX dilate:PX jitter:PX drop:P swap:P blob:P"});
+    visit(self.grey, Flag{"grey", "take the colours away; off: as the recipe says"});
     visit(self.fit, Flag{"fit", "write point_cloud.ply, fitted to the photos"});
   }
 };
@@ -33,6 +34,7 @@ synth::Recipe resolved(synth::Recipe recipe, const SynthOptions& o) {
   if (o.height_px > 0) recipe.height_px = std::max(8, o.height_px);
   if (o.scene_seed >= 0) recipe.scene_seed = o.scene_seed;
   if (!o.target.empty()) recipe.target = o.target;
+  recipe.grey |= o.grey;
   return recipe;
 }
 

@@ -163,6 +163,42 @@ double mean_squared_step(const Window& win, const std::vector<std::array<float, 
   return sum / std::max(1.0, double(win.h) * double(win.w - 1));
 }
 
+struct ColourModels {
+  const LocalColours &object, &rest;
+  const std::vector<std::array<float, 3>>& colour;
+};
+
+/// What the colours say, and how far they are to be trusted.
+struct ColourEvidence {
+  std::vector<float> object;  // probability of the object; 0.5 where no colour was learnt
+  std::vector<float> trust;   // 0 to 1
+};
+
+/// Trust is what the same two densities say about the pixels on either side whose answer is known: the mean
+/// of ±(2 c - 1) near by. A texture that both sides share, or two colours on one side, tell nothing or
+/// mislead, and the densities cannot know.
+ColourEvidence weigh_colours(const Window& win, const ColourModels& models,
+                             const std::vector<std::uint8_t>& inside,
+                             const std::vector<std::uint8_t>& outside, int r) {
+  ColourEvidence out{std::vector<float>(win.pixels(), 0.5f), std::vector<float>(win.pixels())};
+  std::vector<float> known(win.pixels());
+  std::vector<std::uint8_t> learnt(win.pixels());
+  for (std::size_t p = 0; p < win.pixels(); ++p) {
+    double in = 0, ex = 0;
+    if (!models.object.log_density(p, models.colour[p], in) ||
+        !models.rest.log_density(p, models.colour[p], ex))
+      continue;
+    learnt[p] = 1, out.object[p] = float(sigmoid(std::clamp(in - ex, -kLargestLogRatio, kLargestLogRatio)));
+    if (!inside[p] && !outside[p]) continue;
+    known[p] = 1, out.trust[p] = (inside[p] ? 1.f : -1.f) * (2 * out.object[p] - 1);
+  }
+  blur(win, r, out.trust), blur(win, r, known);
+  for (std::size_t p = 0; p < win.pixels(); ++p)
+    out.trust[p] =
+        learnt[p] && known[p] > float(kLeastSupport) ? std::clamp(out.trust[p] / known[p], 0.f, 1.f) : 0.f;
+  return out;
+}
+
 /// What the walk is about: which pixels are free, and what pulls at each.
 struct Walk {
   Window win;
@@ -233,16 +269,16 @@ std::vector<float> walk_to_edges(const EdgeWalkOptions& options, MaskPlane mask,
     }
   const int r = std::max(1, int(std::lround(options.reach_px / 2)));
   const LocalColours object(win, smooth, inside, r), rest(win, smooth, outside, r);
+  const ColourEvidence evidence = weigh_colours(win, {object, rest, smooth}, inside, outside, r);
   for (std::size_t p = 0; p < win.pixels(); ++p) {
     if (std::abs(double(d[p])) > options.band_px) continue;
     walk.index[p] = int(walk.diagonal.size());
-    double in = 0, ex = 0, weight = options.shape_weight,
-           pull = options.shape_weight * sigmoid(double(d[p]) / kShapeWidth_px);
-    if (object.log_density(p, smooth[p], in) && rest.log_density(p, smooth[p], ex)) {
-      weight += options.colour_weight;
-      pull += options.colour_weight * sigmoid(std::clamp(in - ex, -kLargestLogRatio, kLargestLogRatio));
-    }
-    walk.diagonal.push_back(weight), walk.right.push_back(pull);
+    const double trust = double(evidence.trust[p]), doubt = 1 - trust;
+    const double colour_weight = options.colour_weight * trust,
+                 shape_weight = options.shape_weight + options.doubt_weight * doubt * doubt;
+    walk.diagonal.push_back(shape_weight + colour_weight);
+    walk.right.push_back(shape_weight * sigmoid(double(d[p]) / kShapeWidth_px) +
+                         colour_weight * double(evidence.object[p]));
   }
   const std::vector<double> x = solve(walk, colour);
   for (int wy = 0; wy < win.h; ++wy)

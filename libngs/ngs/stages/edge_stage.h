@@ -46,6 +46,8 @@ struct EdgeOptions {
           Field<double>{"edge_colour", "", "edges: weight of the local colours", 0, 1e3});
     visit(self.walk.shape_weight,
           Field<double>{"edge_shape", "", "edges: weight of the contour as rendered", 1e-6, 1e3});
+    visit(self.walk.doubt_weight,
+          Field<double>{"edge_doubt", "", "edges: more weight of it where colours do not tell the sides", 0, 1e6});
     visit(self.split_px, Field<double>{"edge_split", "px",
                                        "edges: halve Gaussians with more weight across contours", 0, 1e9});
     visit(self.margin_px, Field<double>{"edge_margin", "px", "edges: margin of the trained window", 1, 1e5});

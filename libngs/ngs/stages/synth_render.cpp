@@ -145,6 +145,7 @@ SynthView render_view(const Exec& exec, const AnalyticScene& scene, const Camera
           sum = sum + shade(scene, hit, o, d);
         }
       const double share = 1.0 / (samples_per_side * samples_per_side);
+      if (scene.grey) sum.x = sum.y = sum.z = 0.299 * sum.x + 0.587 * sum.y + 0.114 * sum.z;  // Rec. 601 luma
       view.colour.at(x, y, 0) = float(share * sum.x);
       view.colour.at(x, y, 1) = float(share * sum.y);
       view.colour.at(x, y, 2) = float(share * sum.z);

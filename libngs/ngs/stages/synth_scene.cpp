@@ -206,7 +206,7 @@ AnalyticScene build_scene(const Recipe& recipe) {
                 {Pattern::kChecker, {0.42, 0.4, 0.38}, {0.66, 0.63, 0.58}, 1.6, 0.1, 91 + seed},
                 {Pattern::kSpots, {0.36, 0.42, 0.5}, {0.6, 0.58, 0.5}, 0.7, 0.1, 92 + seed}};
   scene.light = normalized(scene.light);
-  scene.gloss = recipe.gloss;
+  scene.gloss = recipe.gloss, scene.grey = recipe.grey;
   scene.target = find_target(scene.objects, recipe.target);
   return scene;
 }

@@ -33,6 +33,7 @@ struct Recipe {
   double principal_shift = 0.05;
   bool mixed_sizes = false;
   double gloss = 0.15;
+  bool grey = false;
   int points = 4000;
   std::string target;
   std::int64_t scene_seed = 1;
@@ -50,6 +51,7 @@ struct Recipe {
                                               "how far the principal point of every third view is off-centre", 0, 0.4});
     visit(self.mixed_sizes, Flag{"mixed_sizes", "every fourth view has another image size"});
     visit(self.gloss, Field<double>{"gloss", "", "strength of the view-dependent highlight", 0, 1});
+    visit(self.grey, Flag{"grey", "luminance only: colours that do not tell the objects apart"});
     visit(self.points, Field<int>{"points", "", "sparse points sampled on the surfaces", 1, 10000000});
     visit(self.target, Text{"target", "NAME", "object whose masks go to masks/; empty: the scene's first"});
     visit(self.scene_seed, Field<std::int64_t>{"scene_seed", "", "textures, layout and rig", 0, 1ll << 53});
@@ -77,6 +79,7 @@ struct AnalyticScene {
   Room room;
   Vec3<double> light{0.45, -0.3, 0.84};  // unit, towards the light
   double ambient = 0.4, gloss = 0;
+  bool grey = false;      // pictures have luminance only
   Vec3<double> focus{};   // what the cameras look at
   double rig_radius = 3;  // distance of the cameras from it
   int target = 0;         // index into objects

@@ -70,6 +70,20 @@ TEST_CASE("the colours decide where the strongest edge is not the object's") {
   CHECK(contour(walk(left_of(32), photo, edges_alone)) < 34.5);
 }
 
+TEST_CASE("a texture that both sides share does not draw the contour to its own edges") {
+  ImageF photo(kWidth, kHeight, 3);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      for (int c = 0; c < 3; ++c) photo.at(x, y, c) = x / 7 % 2 == 0 ? 0.3f : 0.6f;
+  EdgeWalkOptions naive;  // colours count in full, wherever they were learnt
+  naive.doubt_weight = 0;
+  for (const double start : {37., 38., 39.}) {  // the stripe goes from 35 to 42
+    CAPTURE(start);
+    CHECK(contour(walk(left_of(start), photo)) == doctest::Approx(start));
+    CHECK(std::abs(contour(walk(left_of(start), photo, naive)) - start) >= 1);
+  }
+}
+
 TEST_CASE("masks without a contour come back as they are, and values stay in [0, 1]") {
   const ImageF photo = two_colours(36, 0.3, 0.3);
   for (const double start : {0., double(kWidth)}) {

@@ -165,6 +165,24 @@ TEST_CASE("the rig has orthonormal cameras with off-centre principal points in e
   CHECK(rig[3].name == "0003.png");
 }
 
+TEST_CASE("a grey scene has the luminance of the coloured one, and its masks") {
+  Recipe recipe = named_recipe("tiny");
+  const AnalyticScene coloured = build_scene(recipe);
+  recipe.grey = true;
+  const Camera camera = build_rig(recipe, coloured)[0];
+  const SynthView a = render_view({}, coloured, camera, 1), b = render_view({}, build_scene(recipe), camera, 1);
+  CHECK(a.label.data == b.label.data);
+  double chroma = 0;
+  for (int y = 0; y < camera.height_px; ++y)
+    for (int x = 0; x < camera.width_px; ++x) {
+      const float red = a.colour.at(x, y, 0), green = a.colour.at(x, y, 1), blue = a.colour.at(x, y, 2);
+      CHECK(b.colour.at(x, y, 1) == doctest::Approx(0.299 * red + 0.587 * green + 0.114 * blue).epsilon(1e-6));
+      CHECK(b.colour.at(x, y, 0) == b.colour.at(x, y, 2));
+      chroma = std::max(chroma, double(std::abs(red - blue)));
+    }
+  CHECK(chroma > 0.2);  // or there was nothing to take away
+}
+
 TEST_CASE("an unknown recipe or target is a usage error that lists what exists") {
   CHECK_THROWS_WITH_AS(named_recipe("cube"), doctest::Contains("two-spheres, torus-box"), Error);
   Recipe recipe = named_recipe("tiny");
