@@ -14,11 +14,13 @@
 #include "ngs/core/error.h"
 #include "ngs/io/cameras_json.h"
 #include "ngs/io/colmap.h"
+#include "ngs/io/evidence_file.h"
 #include "ngs/io/exr.h"
 #include "ngs/io/gaussian_ply.h"
 #include "ngs/io/image_header.h"
 #include "ngs/io/json_file.h"
 #include "ngs/io/llff.h"
+#include "ngs/io/prompt_files.h"
 #include "ngs/io/query_ply.h"
 #include "ngs/io/safetensors.h"
 #include "ngs/io/scene_json.h"
@@ -58,6 +60,10 @@ inline int fuzz_query_ply(const std::uint8_t* data, std::size_t size) {
 
 inline int fuzz_safetensors(const std::uint8_t* data, std::size_t size) {
   return refuses_or_reads([&] { (void)io::parse_safetensors("fuzz.safetensors", {data, size}); });
+}
+
+inline int fuzz_evidence(const std::uint8_t* data, std::size_t size) {
+  return refuses_or_reads([&] { (void)io::parse_evidence("fuzz.evidence", {data, size}); });
 }
 
 inline std::string_view text_of(const std::uint8_t* data, std::size_t size) {
@@ -109,6 +115,11 @@ inline int fuzz_scene_json(const std::uint8_t* data, std::size_t size) {
   });
 }
 
+inline int fuzz_prompts_json(const std::uint8_t* data, std::size_t size) {
+  return refuses_or_reads(
+      [&] { (void)io::parse_prompts_json(io::parse_json(text_of(data, size), "fuzz.json"), "fuzz.json"); });
+}
+
 inline int fuzz_npy(const std::uint8_t* data, std::size_t size) {
   return refuses_or_reads([&] {
     const io::NpyMatrix matrix = io::parse_npy({data, size}, "fuzz.npy");
@@ -143,11 +154,13 @@ inline constexpr Target kTargets[] = {
     {"gaussian_ply", fuzz_gaussian_ply},
     {"query_ply", fuzz_query_ply},
     {"safetensors", fuzz_safetensors},
+    {"evidence", fuzz_evidence},
     {"colmap_bin", fuzz_colmap_bin},
     {"colmap_txt", fuzz_colmap_txt},
     {"transforms_json", fuzz_transforms_json},
     {"cameras_json", fuzz_cameras_json},
     {"scene_json", fuzz_scene_json},
+    {"prompts_json", fuzz_prompts_json},
     {"npy", fuzz_npy},
     {"exr", fuzz_exr},
     {"image_header", fuzz_image_header},

@@ -97,7 +97,7 @@ TEST_CASE("film mlp: backward with respect to weights, features and condition is
       const auto check = [&](const FilmCase::Run<test::DualD>& dual, double jtu_v) {
         const double u_jv =
             test::dot(u_density, test::deriv(dual.density)) + test::dot(u_rgb, test::deriv(dual.rgb));
-        CHECK(test::relative_difference(u_jv, jtu_v) < 1e-11);
+        CHECK(test::adjoint_difference(u_jv, jtu_v) < 1e-11);
       };
       check(c.forward(test::seed(c.params, vp), constant(c.input), constant(c.condition)),
             test::dot(g.params, vp));
@@ -117,7 +117,7 @@ TEST_CASE("film mlp: the weight gradient agrees with extrapolated finite differe
     const auto run = c.forward(test::moved(c.params, v, t), c.input, c.condition);
     return test::dot(u_density, run.density) + test::dot(u_rgb, run.rgb);
   };
-  CHECK(test::relative_difference(test::ridders(along, 1e-3),
+  CHECK(test::ridders_difference(test::ridders(along, 1e-3),
                                   test::dot(c.backward(u_density, u_rgb).params, v)) < 1e-8);
 }
 

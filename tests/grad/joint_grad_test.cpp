@@ -7,6 +7,9 @@
 // derivative knows: 1 to 2 per cent of the difference.
 #include <doctest/doctest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "ngs/stages/joint_stage.h"
 #include "support/adjoint.h"
 #include "support/joint_case.h"
@@ -83,11 +86,14 @@ TEST_CASE("joint: the gradient of the whole loss agrees with extrapolated differ
     REQUIRE(largest > 0);
     std::vector<double> direction = g;  // uphill: where rounding and thresholds weigh least
     for (double& x : direction) x /= largest;
-    const double numeric =
-        test::ridders([&](double t) { return probe.loss(group.block, direction, t, nullptr); }, group.step);
+    // A build with wider scalars (stability/float64.sh) can take shorter steps, over which pixels cross no threshold.
+    const double shrink = std::cbrt(double(std::numeric_limits<float>::epsilon()) / 0x1p-23);
+    const double numeric = test::ridders(
+        [&](double t) { return probe.loss(group.block, direction, t, nullptr); }, group.step * shrink);
+    const double difference = test::ridders_difference(numeric, square / largest);
     MESSAGE(std::string(group.block), ": gradient ", square / largest, ", differences ", numeric,
-            ", relative ", test::relative_difference(numeric, square / largest));
-    CHECK(test::relative_difference(numeric, square / largest) < group.bound);
+            ", relative ", difference);
+    CHECK(difference < group.bound);
   }
 }
 

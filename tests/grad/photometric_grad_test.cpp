@@ -1,11 +1,11 @@
 #include <doctest/doctest.h>
 
-#include <array>
 #include <cmath>
 
 #include "ngs/core/rng.h"
 #include "ngs/math/dual.h"
 #include "ngs/ops/photometric_impl.h"
+#include "support/adjoint.h"
 
 namespace ngs {
 namespace {
@@ -28,7 +28,7 @@ const Case kCases[] = {{1, 1, 1, {}, false}, {7, 5, 3, {}, false}, {19, 16, 3, {
 
 }  // namespace
 
-TEST_CASE("the photometric gradient is the adjoint of the dual-number forward pass") {
+TEST_CASE("photometric: the gradient is the adjoint of the dual-number forward pass") {
   for (const Case& k : kCases) {
     CAPTURE(k.w);
     const Image<double> x = random_image(k.w, k.h, k.c, 1), y = random_image(k.w, k.h, k.c, 2);
@@ -48,11 +48,11 @@ TEST_CASE("the photometric gradient is the adjoint of the dual-number forward pa
     }
     const auto dual = PhotometricPass<D, D>().evaluate({}, options, dual_x, dual_y, w, nullptr);
     CHECK(dual.total.v == doctest::Approx(value.total).epsilon(1e-14));
-    CHECK(std::abs(dual.total.d - jt_v) < 1e-12 * scale);
+    CHECK(test::adjoint_difference(dual.total.d, jt_v, scale) < 1e-12);
   }
 }
 
-TEST_CASE("the photometric gradient agrees with Ridders' extrapolated differences") {
+TEST_CASE("photometric: the gradient agrees with extrapolated finite differences") {
   const Image<double> x = random_image(9, 8, 3, 11), y = random_image(9, 8, 3, 12);
   Image<double> gradient;
   PhotometricPass<double> pass;
@@ -70,15 +70,7 @@ TEST_CASE("the photometric gradient agrees with Ridders' extrapolated difference
   for (std::size_t i = 0; i < x.data.size(); ++i)
     nearest_kink = std::min(nearest_kink, std::abs(x.data[i] - y.data[i]));
   REQUIRE(nearest_kink > 3e-4);  // so the largest step changes no sign of x - y
-  std::array<std::array<double, 6>, 6> table{};
-  double step = 3e-4;
-  for (std::size_t i = 0; i < table.size(); ++i, step /= 1.4) {
-    table[0][i] = (loss(step) - loss(-step)) / (2 * step);
-    double factor = 1.4 * 1.4;
-    for (std::size_t j = 1; j <= i; ++j, factor *= 1.4 * 1.4)
-      table[j][i] = (table[j - 1][i] * factor - table[j - 1][i - 1]) / (factor - 1);
-  }
-  CHECK(table[3][3] == doctest::Approx(want).epsilon(1e-7));
+  CHECK(test::ridders_difference(test::ridders(loss, 3e-4), want) < 1e-7);
 }
 
 }  // namespace ngs

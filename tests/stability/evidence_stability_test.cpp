@@ -1,6 +1,7 @@
 // Mask evidence: sums, merges, counts, variances and their degenerate answers.               PAPER.md §5.2
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <numeric>
 
 #include "ngs/ops/evidence.h"
@@ -164,6 +165,37 @@ TEST_CASE("evidence: merged parts equal one run, in any order and any sharding")
                       forwards += float(parts[k].weight.value(0)),
                           backwards += float(parts[parts.size() - 1 - k].weight.value(0));
                     worst.naive_is(forwards == backwards);
+                  });
+}
+
+TEST_CASE("evidence: weights over thirty decades give one probability, in any order and exact to rounding") {
+  test::hard_case({"decades", {1, 10, 20, 30}, 0.87, "W1 / W of sums in float"},
+                  [](double h, Random& random, Worst& worst) {
+                    struct Term {
+                      double weight;
+                      bool inside;
+                    };
+                    std::vector<Term> terms;
+                    Evidence e(1, 1), backwards(1, 1);
+                    Real object = 0, rest = 0;
+                    float naive = 0, naive_object = 0;
+                    for (int k = 0; k < 64; ++k) {
+                      const double w = std::ldexp(double(1 + random.below(1 << 20)), -64 + int(random.below(int(3.3 * h))));
+                      terms.push_back({w, random.below(2) == 1});
+                      (terms.back().inside ? object : rest) += w;
+                      naive += float(w), naive_object += terms.back().inside ? float(w) : 0.f;
+                    }
+                    const auto add = [](Evidence& to, const Term& t) {
+                      to.weight.add(0, t.weight), to.object_weight.add(0, t.inside ? t.weight : 0.0);
+                    };
+                    for (const Term& t : terms) add(e, t);
+                    std::reverse(terms.begin(), terms.end());
+                    for (const Term& t : terms) add(backwards, t);
+                    e.views[0] = backwards.views[0] = 1;
+                    const float prob = labels(e).prob[0];
+                    worst.ours(prob, object / (object + rest));
+                    worst.ours_is(same(e, backwards) && labels(backwards).prob[0] == prob);
+                    worst.naive(naive_object / naive, object / (object + rest));
                   });
 }
 

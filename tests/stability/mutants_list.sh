@@ -148,7 +148,7 @@ f=ops/splat_forward_grid.h
 mutant $f "$t" "" "device: a batch of the whole tile" 's/min2<std::int64_t>\(kBatch, end - first\)/kBatch/'
 mutant $f "$t" "" "device: background behind an opaque tile" 's/fma_lanes\(own\.walk\.transmittance, channels\.background\[c\], own\.sum\[c\]\)/own.sum[c]/'
 f=ops/splat_backward_grid.h
-mutant $f "$t" "" "device: transmittances kept by the wrong tile" 's/\(begin \/ kBatch \+ block\.index\)/(begin \/ kBatch)/'
+mutant $f unit/ops/splat_backward_grid_test.cpp "" "device: transmittances kept by the wrong tile" 's/return begin \/ kBatch \+ tile;/return begin \/ kBatch;/'
 mutant $f "$t" "" "device: no barrier before memory is used again" 's/if \(j < used\) sum_segment\(shared, (.*), own\.part\);/if (j < used) { sum_segment(shared, \1, own.part); for (int k = 0; k < kSums; ++k) shared.segment[j][s][k] = own.part[k]; }/'
 mutant $f "$t" "" "device: chunks from the near end" 's/for \(int chunk = divided_up\(count, kChunk\); chunk-- > 0;\)/for (int chunk = 0; chunk < divided_up(count, kChunk); ++chunk)/'
 mutant $f "$t" "" "device: geometry of channel groups not added" 's/row\[k\] \+= geometry/row[k] = geometry/'

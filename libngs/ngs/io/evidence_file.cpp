@@ -55,8 +55,8 @@ void write_evidence(const std::string& path, const EvidencePart& part) {
   write_safetensors(path, file);
 }
 
-EvidencePart read_evidence(const std::string& path) {
-  const TensorFile file = read_safetensors(path);
+EvidencePart parse_evidence(const std::string& path, Bytes bytes) {
+  const TensorFile file = parse_safetensors(path, bytes);
   EvidencePart part;
   part.model_hash = file.meta("model");
   part.scene_path = (fs::path(path).parent_path() / file.meta("scene")).lexically_normal().string();
@@ -68,6 +68,11 @@ EvidencePart read_evidence(const std::string& path) {
     values = file.get<T>(name, shape);
   });
   return part;
+}
+
+EvidencePart read_evidence(const std::string& path) {
+  const MappedFile file(path);
+  return parse_evidence(path, file.bytes());
 }
 
 EvidencePart merge_evidence(const std::vector<std::string>& paths) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "ngs/io/mapped_file.h"
 #include "ngs/scene/evidence.h"
 
 namespace ngs::io {
@@ -19,6 +20,7 @@ struct EvidencePart {
 void write_evidence(const std::string& path, const EvidencePart& part);
 /// kBadInput for anything that write_evidence would not have written.
 EvidencePart read_evidence(const std::string& path);
+EvidencePart parse_evidence(const std::string& path, Bytes bytes);
 
 /// The sum of the parts. kInconsistent where they are of different models or objects, or share a view.
 EvidencePart merge_evidence(const std::vector<std::string>& paths);

@@ -28,6 +28,8 @@ struct SplatBackwardTile {
 
   /// Rows of `kept` for all tiles.
   static std::int64_t kept_rows(std::int64_t pairs, std::int64_t tile_count) { return pairs / kBatch + tile_count; }
+  /// The first row of a tile whose entries begin at `begin`; it has divided_up(entries, kBatch) of them.
+  NGS_HD static std::int64_t first_kept_row(std::int64_t begin, std::int64_t tile) { return begin / kBatch + tile; }
 
   struct Shared {
     StagedGaussians<C, kBatch> staged;
@@ -55,7 +57,7 @@ struct SplatBackwardTile {
     if (begin == end) return;
     const bool any_gradient = block.any([&](int t, Shared& shared, Thread& own) { return start(t, frame, shared, own); });
     if (!any_gradient) return;  // a loss that does not look at this tile costs nothing here
-    float* const kept_here = kept + (begin / kBatch + block.index) * kTilePixels;
+    float* const kept_here = kept + first_kept_row(begin, block.index) * kTilePixels;
     const int batches = walk(block, frame, begin, end, kept_here);
     for (int batch = batches; batch-- > 0;) {
       const std::int64_t first = begin + std::int64_t(batch) * kBatch;

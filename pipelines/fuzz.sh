@@ -1,0 +1,66 @@
+#!/usr/bin/env bash
+# Fuzzes the readers of files from strangers with libFuzzer (clang++, Debian package clang) under ASan and UBSan, and says
+# how often each reader ran:
+#   pipelines/fuzz.sh [--minutes M] [--jobs N] [--keep DIR] [READER...]
+# READER: a folder of tests/fuzz/corpus; default: all of them. M minutes (default 30) each, N (default: one per CPU) at
+# once, at the lowest priority. What a reader learns stays in build-fuzz/corpus, where the next call goes on. --keep
+# writes for every reader the few smallest inputs that together reach all that was reached into DIR/READER: with
+# tests/fuzz/corpus as DIR, every later run of the suite fuzz replays them.
+# A finding is left in build-fuzz/findings and makes the exit code 1; without clang++ the exit code is 77 (skipped).
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+minutes=30 jobs=$(nproc) keep="" readers=()
+while [ $# -gt 0 ]; do
+  case $1 in
+    --minutes) minutes=$2; shift 2 ;;
+    --jobs) jobs=$2; shift 2 ;;
+    --keep) keep=$2; shift 2 ;;
+    --help) sed -n '2,10s/^# \{0,1\}//p' "$0"; exit ;;
+    -*) echo "unknown option $1; see --help" >&2; exit 2 ;;
+    *) readers+=("$1"); shift ;;
+  esac
+done
+if [ ${#readers[@]} -eq 0 ]; then readers=(tests/fuzz/corpus/*/); readers=("${readers[@]%/}"); readers=("${readers[@]##*/}"); fi
+if ! command -v clang++ >/dev/null; then
+  echo "skipped: no clang++ (Debian package clang); tests/fuzz/replay_test.cpp still replays the corpus" >&2
+  exit 77
+fi
+
+cmake --preset fuzz >/dev/null
+ninja -C build-fuzz "${readers[@]/#/fuzz_}" >&2
+mkdir -p build-fuzz/findings build-fuzz/log
+# inputs beyond 64 KiB teach nothing that shorter ones do not; 2 GiB or minutes for one input are findings
+limits=(-max_len=65536 -rss_limit_mb=2048 -timeout=300)
+
+fuzz() {  # READER
+  mkdir -p "build-fuzz/corpus/$1"
+  local TIMEFORMAT='cpu_s: %U'
+  { time UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 nice -n 19 "build-fuzz/bin/fuzz_$1" "${limits[@]}" \
+    -max_total_time=$((minutes * 60)) -print_final_stats=1 -artifact_prefix="build-fuzz/findings/$1-" \
+    "build-fuzz/corpus/$1" "tests/fuzz/corpus/$1"; } >"build-fuzz/log/$1" 2>&1
+}
+for reader in "${readers[@]}"; do
+  while [ "$(jobs -rp | wc -l)" -ge "$jobs" ]; do wait -n || true; done
+  fuzz "$reader" &
+done
+wait
+
+printf '%-16s %12s %9s %9s %9s %9s  %s\n' reader executions 'wall s' 'CPU s' edges inputs finding
+found=0
+for reader in "${readers[@]}"; do
+  log=build-fuzz/log/$reader
+  line=$(grep -E ' cov: [0-9]+' "$log" | tail -1)
+  runs=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
+  seconds=$(sed -n 's/^Done [0-9]* runs in \([0-9]*\) second.*/\1/p' "$log")
+  finding=none
+  if grep -q -E '^SUMMARY: ' "$log" || [ -z "$seconds" ]; then finding="see $log" found=1; fi
+  printf '%-16s %12s %9s %9s %9s %9s  %s\n' "$reader" "${runs:--}" "${seconds:--}" "$(sed -n 's/^cpu_s: //p' "$log")" \
+    "$(sed -E 's/.* cov: ([0-9]+).*/\1/' <<<"$line")" "$(find "build-fuzz/corpus/$reader" -type f | wc -l)" "$finding"
+  if [ -n "$keep" ]; then
+    mkdir -p "$keep/$reader"
+    "build-fuzz/bin/fuzz_$reader" "${limits[@]}" -set_cover_merge=1 "$keep/$reader" "tests/fuzz/corpus/$reader" \
+      "build-fuzz/corpus/$reader" >>"$log" 2>&1
+  fi
+done
+exit "$found"

@@ -1,0 +1,123 @@
+// What moves cameras, contours and iterations where the data determine too little.          PAPER.md §5.3, §5.10, §5.11
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ngs/ops/anderson.h"
+#include "ngs/ops/edge_walk.h"
+#include "ngs/ops/pose_step.h"
+#include "support/stability.h"
+
+namespace ngs {
+namespace {
+
+using test::Random;
+using test::Worst;
+
+constexpr int kWidth = 48, kHeight = 40;
+
+ImageF picture(const auto& colour_at) {
+  ImageF image(kWidth, kHeight, 3);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      for (int c = 0; c < 3; ++c) image.at(x, y, c) = float(colour_at(x, y, c));
+  return image;
+}
+
+}  // namespace
+
+TEST_CASE("pose step: a photo with structure in one direction alone moves the camera no further than it shows") {
+  test::hard_case(
+      {"contrast along the stripes", {1, 1e-2, 1e-4, 0}, 0, "2x2 normal equations by Cramer's rule", 20},
+      [](double h, Random& random, Worst& worst) {
+        const double phase = random.uniform(0, 6), shift_px = random.uniform(0.1, 0.4);
+        const auto stripes = [&](double x, double y) {
+          return 0.5 + 0.2 * std::sin(0.4 * x + phase) + 0.2 * h * std::sin(0.3 * y + phase);
+        };
+        Camera camera;
+        camera.width_px = kWidth, camera.height_px = kHeight, camera.fx = camera.fy = 60, camera.cx = 24, camera.cy = 20;
+        for (int i = 0; i < 3; ++i) camera.rotation(i, i) = 1;
+        RenderedView view;
+        view.width_px = kWidth, view.height_px = kHeight;
+        view.colour = picture([&](int x, int y, int) { return stripes(x, y); });
+        view.alpha = ImageF(kWidth, kHeight, 1, 1.f), view.depth = ImageF(kWidth, kHeight, 1, 5.f);
+        const ImageF photo = picture([&](int x, int y, int) { return stripes(x - shift_px, y); });
+        const PoseStep step = pose_step(view, smoothed_for_pose(photo), camera, {});
+        worst.ours_is(step.determined && step.flow_px > 0.5 * shift_px && step.flow_px < 1.5 * shift_px);
+        float xx = 0, xy = 0, yy = 0, xr = 0, yr = 0;
+        for (int y = 1; y + 1 < kHeight; ++y)
+          for (int x = 1; x + 1 < kWidth; ++x) {
+            const float gx = view.colour.at(x + 1, y, 0) - view.colour.at(x - 1, y, 0),
+                        gy = view.colour.at(x, y + 1, 0) - view.colour.at(x, y - 1, 0),
+                        r = photo.at(x, y, 0) - view.colour.at(x, y, 0);
+            xx += gx * gx, xy += gx * gy, yy += gy * gy, xr += gx * r, yr += gy * r;
+          }
+        worst.naive_is(std::isfinite((xx * yr - xy * xr) / (xx * yy - xy * xy)));
+      });
+}
+
+TEST_CASE("edge walk: colours without any spread still have a density, and the contour finds the edge") {
+  test::hard_case(
+      {"noise of the photo", {1e-2, 1e-4, 1e-6, 0}, 0, "normal density with the sample covariance as it is", 50},
+      [](double h, Random& random, Worst& worst) {
+        const int edge = 20 + int(random.below(8)), start = edge - 3 + int(random.below(7));
+        const double contrast = random.uniform(0.2, 0.5);
+        const ImageF photo = picture([&](int x, int, int c) {
+          return 0.4 + (x < edge ? contrast * (c + 1) / 3 : 0.0) + h * random.uniform(-1, 1);
+        });
+        std::vector<std::uint8_t> mask;
+        for (int p = 0; p < kWidth * kHeight; ++p) mask.push_back(p % kWidth < start);
+        const std::vector<float> soft = walk_to_edges({}, {mask.data(), kWidth, kHeight}, photo);
+        bool fine = true;
+        for (std::size_t p = 0; p < soft.size(); ++p)
+          fine &= soft[p] >= 0 && soft[p] <= 1 && (soft[p] > 0.5f) == (int(p) % kWidth < edge);
+        worst.ours_is(fine);
+        float n = 0, sum = 0, square = 0;
+        for (int x = 0; x < edge; ++x) {
+          const float v = photo.at(x, 3, 0);
+          n += 1, sum += v, square += v * v;
+        }
+        const float variance = square / n - sum / n * (sum / n);
+        worst.naive_is(variance > 0);
+      });
+}
+
+TEST_CASE("anderson: steps that have become parallel still lead to the fixed point") {
+  test::hard_case(
+      {"angle between the steps", {1, 1e-4, 1e-8, 1e-12, 0}, 0, "normal equations by Cramer's rule", 10},
+      [](double h, Random& random, Worst& worst) {
+        const double rate = random.uniform(0.2, 0.8);
+        const std::vector<double> fixed = random.uniform_vector<double>(4, -1, 1);
+        std::vector<double> x = random.uniform_vector<double>(4, -1, 1);
+        const std::vector<double> start = x, weight(4, 1.0);
+        Anderson accelerated(3);
+        std::vector<std::vector<double>> step;
+        for (int k = 0; k < 3; ++k) {
+          std::vector<double> f(4);
+          for (std::size_t i = 0; i < 4; ++i) f[i] = (i == 0 ? rate + h * 0.1 : rate) * (fixed[i] - x[i]);
+          step.push_back(f);
+          const std::vector<double> next = accelerated.next(x, f, weight);
+          if (k < 2)
+            for (std::size_t i = 0; i < 4; ++i) x[i] += f[i];
+          else
+            x = next;
+        }
+        double error = 0, distance = 0;
+        for (std::size_t i = 0; i < 4; ++i)
+          error = std::max(error, std::abs(x[i] - fixed[i])), distance = std::max(distance, std::abs(start[i] - fixed[i]));
+        worst.ours_is(error <= 1e-4 * distance);
+        double aa = 0, ab = 0, bb = 0, ra = 0, rb = 0;
+        for (std::size_t i = 0; i < 4; ++i) {
+          const double a = step[1][i] - step[0][i], b = step[2][i] - step[1][i];
+          aa += a * a, ab += a * b, bb += b * b, ra += a * step[2][i], rb += b * step[2][i];
+        }
+        const double det = aa * bb - ab * ab, g0 = (ra * bb - rb * ab) / det, g1 = (aa * rb - ab * ra) / det;
+        double naive = 0;
+        for (std::size_t i = 0; i < 4; ++i)
+          naive = std::max(naive, std::abs(step[2][i] - g0 * (step[1][i] - step[0][i]) - g1 * (step[2][i] - step[1][i])));
+        worst.naive_is(naive <= 1e-4 * distance);
+      });
+}
+
+}  // namespace ngs
