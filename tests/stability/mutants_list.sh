@@ -140,6 +140,32 @@ mutant $f $t $f "mask loss without its weight" 's/(loss_mask\(.*)/\1/; s/options
 mutant $f $t $f "label gradient without the sigmoid" 's/gradients\.label\[i\] \* sigmoid_slope\(logit\[i\]\)/gradients.label[i]/'
 mutant $f $t $f "smoothness gradient doubled" 's/field->smoothness\(exec, rays, boundary\.positions\(\), options\.lambda_smooth/field->smoothness(exec, rays, boundary.positions(), 2 * options.lambda_smooth/'
 
+t="unit/ops/edge_walk_test.cpp stability/alignment_stability_test.cpp" f=ops/edge_walk.cpp
+mutant $f "$t" $f "densities of colours without a least variance" 's/\(i == j \? kColourNoise : 0\.0\)/0.0/; s/std::max\(c\[i\]\[i\], 0\.5 \* kColourNoise\)/c[i][i]/'
+mutant $f "$t" $f "every neighbour alike" 's/std::exp\(-squared_difference\(colour\[p\], colour\[q\]\) \/ m\)/1.0/'
+mutant $f "$t" $f "pixels beside the band forgotten" 's/walk\.right\[std::size_t\(row\)\] \+= w \* double\(walk\.given\[q\]\);/;/'
+mutant $f "$t" $f "nothing says where the contour was" 's/right\.push_back\(shape_weight \* sigmoid\(.*\) \+$/right.push_back(0 +/'
+t="unit/ops/pose_step_test.cpp stability/alignment_stability_test.cpp" f=ops/pose_step.cpp
+mutant $f "$t" $f "no prior on the motion" 's/const double prior = .*;/const double prior = 0;/'
+mutant $f "$t" $f "exposures not laid on each other" 's/match_exposure\(photo, view\.alpha, from\);//'
+mutant $f "$t" $f "no weights of Cauchy" 's/return 1 \/ \(1 \+ residual .*;/return 1 + 0 * residual;/'
+t="unit/ops/anderson_test.cpp stability/alignment_stability_test.cpp" f=ops/anderson.cpp
+mutant $f "$t" $f "no ridge" 's/1 \+ kRidge/1/'
+mutant $f "$t" $f "weights ignored" 's/sum \+= w\[i\] \* a\[i\]/sum += a[i]/'
+mutant $f "$t" $f "combined step without the points' differences" 's/dx_\[std::size_t\(j\)\]\[i\] \+ df_/df_/'
+t=unit/ops/label_solve_test.cpp f=ops/label_blocks.cpp
+mutant $f $t $f "background of a pixel from m" 's/wide\(weight\[i\]\), rest, c\[k\]/wide(weight[i]), m, c[k]/'
+mutant $f $t $f "predictions of exactly 0" 's/return fma_lanes\(L\(float\(1 - 2 \* kMaskEps\)\), sum, .*;/return sum;/'
+mutant $f $t $f "folded Gaussians forgotten" 's/foreground\[k\] = fma_lanes\(weight, m, foreground\[k\]\)/foreground[k] = foreground[k]/'
+t=unit/ops/metrics_test.cpp f=ops/metrics.cpp
+mutant $f $t $f "band without its last pixel" 's/<= band_px/< band_px/g'
+mutant $f $t $f "nothing of nothing is 0" 's/whole == 0 \? if_nothing/whole == 0 ? 0/'
+mutant $f $t $f "union of the bands from one mask" 's/in_any \+= p \|\| t/in_any += p/'
+t=unit/ops/front_layer_test.cpp f=ops/front_layer.cpp
+mutant $f $t $f "what lies in front without its transmittance" 's/hit\.alpha \* hit\.transmittance, L/hit.alpha, L/'
+mutant $f $t $f "every Gaussian may be in front" 's/may = candidate.*;/may = true;/'
+mutant $f $t $f "depths not compared" 's/select\(L\(depth\) < limit\[hit\.pack\], /select(L(depth) < L(1e30f), /'
+
 t="parity/emulated_main.cpp parity/backends.cpp parity/splat_parity.cpp" f=ops/tiles_grid.h
 mutant $f "$t" "" "device: pairs of a Gaussian in one row of tiles only" 's/ty < rect\[i\]\.y_end/ty < rect[i].y_begin + 1/'
 mutant $f "$t" "" "device: last tile without an end" 's/grid\.each\(tile_count_ \+ 1, FindTiles/grid.each(tile_count_, FindTiles/'
