@@ -187,6 +187,41 @@ check_colmap_masks() {
   if [ "${after#* }" -eq 0 ] && [ "${after% *}" -gt 0 ] && [ "${before#* }" -gt 0 ]; then ok "$said"; else bad "$said"; fi
 }
 
+# Nothing but photos and masks: COLMAP finds the poses, the chain does the rest; beside it the same with the exact poses.
+check_colmap_loop() {
+  require colmap colmap || return
+  local folder=$out/colmap-loop
+  rm -rf "$folder"
+  mkdir -p "$folder/sparse"
+  echo '{"scene": "torus-box", "views": 36, "width_px": 480, "height_px": 360, "principal_shift": 0, "gloss": 0}' > "$folder/recipe.json"
+  tool ngs-synth "$folder/recipe.json" --no-fit -o "$folder/scene"
+  { colmap feature_extractor --database_path "$folder/colmap.db" --image_path "$folder/scene/images" --ImageReader.single_camera 1 \
+      --ImageReader.camera_model PINHOLE --SiftExtraction.use_gpu 0 --SiftExtraction.peak_threshold 0.001 &&
+    colmap exhaustive_matcher --database_path "$folder/colmap.db" --SiftMatching.use_gpu 0 &&
+    colmap mapper --database_path "$folder/colmap.db" --image_path "$folder/scene/images" --output_path "$folder/sparse" \
+      --Mapper.init_min_num_inliers 40; } > "$folder/log" 2>&1 || { bad "COLMAP found no poses, see $folder/log"; return; }
+  local found exact registered
+  registered=$(colmap model_analyzer --path "$folder/sparse/0" 2>&1 | sed -n 's/.*Registered images: //p')
+  found=$(cut_from "$folder/sparse/0" points3D.bin) exact=$(cut_from "$folder/scene/sparse/0" points3D.txt)
+  local said="poses of $registered of 36 photos; held-out views, IoU and boundary IoU 0.02: $found (exact poses: $exact)"
+  if awk -v f="$found" 'BEGIN { split(f, v, " "); exit !(v[1] >= 0.97 && v[2] >= 0.93) }'; then ok "$said"; else bad "$said"; fi
+}
+
+# cut_from SPARSE POINTS: IoU and boundary IoU of the whole chain, from poses to masks.
+cut_from() {
+  local to
+  to=$(mktemp -d "$folder/cut.XXXXXX")
+  tool ngs-scene import "$1" --images "$folder/scene/images" -o "$to/photos.json" &&
+    tool ngs-fit "$to/photos.json" --points "$1/$2" --steps 1500 --max-gaussians 8000 --sh-degree 1 -o "$to/model.ply" &&
+    tool ngs-scene import "$1" --ply "$to/model.ply" --images "$folder/scene/images" --masks "$folder/scene/masks" \
+      --hold-out every:4:2 -o "$to/scene.json" &&
+    tool ngs-variance "$to/scene.json" -o "$to/boundary.ply" &&
+    tool ngs-joint "$to/scene.json" "$to/boundary.ply" --quality draft -o "$to/labelled.ply" &&
+    tool ngs-render "$to/scene.json" "$to/labelled.ply" --views held-out --layers mask --scale 0 -o "$to/masks" &&
+    tool ngs-eval "$to/masks" "$folder/scene/masks_gt" -o "$to/metrics.json" &&
+    tr -d ' \n' < "$to/metrics.json" | grep -o '"mean":{[^}]*' | sed 's/.*"iou":\([0-9.]*\).*"biou":\([0-9.]*\).*/\1 \2/'
+}
+
 check_exr() {
   require oiiotool openimageio-tools && require exrheader openexr || return
   tool ngs-render "$out/run/scene.json" "$out/run/labelled.ply" --layers color,mask,alpha,depth,labels --format exr -o "$out/exr"
@@ -211,7 +246,7 @@ check_cloudcompare() {
 
 make_run || { echo "FAIL: the scene for the checks was not made"; exit 1; }
 checks="transform supersplat colmap_text colmap_masks exr cloudcompare"
-[ -n "$quick" ] || checks+=" render viewers"
+[ -n "$quick" ] || checks+=" render viewers colmap_loop"
 for check in $checks; do
   if [[ $check =~ $only ]]; then "check_$check"; fi
 done
