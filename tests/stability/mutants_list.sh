@@ -118,9 +118,9 @@ mutant $f $t ops/loss_smooth.cpp "|a|² - 2 a·b + |b|²" 's/term\[i\] = dot\(d,
 mutant $f "$t grad/loss_smooth_grad_test.cpp" ops/loss_smooth.cpp "sign of one gradient" 's/back\[0\] = -g\.x/back[0] = g.x/'
 mutant ops/loss_smooth.cpp $t ops/loss_smooth.cpp "the factor 3 of the estimate" 's/3 \* ratio \* ratio/ratio * ratio/'
 f=ops/photometric_kernels.h
-mutant $f $t "" "C2 dropped" 's/ \+ T\(kC2\)//'
-mutant $f $t "" "C1 dropped" 's/ \+ T\(kC1\)//'
-mutant $f $t "" "covariance not doubled" 's/a2 = T\(2\) \* \(moment/a2 = (moment/'
+mutant $f $t "" "C2 dropped" 's/ \+ L\(T\(kC2\)\)//'
+mutant $f $t "" "C1 dropped" 's/ \+ L\(T\(kC1\)\)//'
+mutant $f $t "" "covariance not doubled" 's/a2 = two \* \(moment/a2 = (moment/'
 
 t=stability/optimiser_stability_test.cpp f=ops/adam.cpp
 mutant ops/adam_kernels.h $t $f "no eps" 's/ \* inv_root \+ eps\)/ * inv_root)/'

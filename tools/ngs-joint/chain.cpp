@@ -57,7 +57,7 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
   Decisions decisions(settings, paths.effects_from);
   const Scene scene = with_objects(io::read_scene_json(paths.scene), settings.run.objects);
   const io::GaussianPly ply = io::read_gaussian_ply(paths.boundary);
-  MethodInput read{.cloud = ply.cloud,
+  const MethodInput from_files{.cloud = ply.cloud,
                    .scene = scene,
                    .views = training_views(scene),
                    .load_masks = [&](std::size_t view) { return io::load_masks(scene, view); },
@@ -68,20 +68,23 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
                    .fixed = ply.fixed,
                    .labels = labels_of(ply, scene),
                    .load_fine_photo = [&](std::size_t view) { return io::load_fine_photo(scene, view); }};
-  Json plan = {{"training_views", read.views.size()}, {"gaussians", ply.cloud.size()}};
+  Json plan = {{"training_views", from_files.views.size()}, {"gaussians", ply.cloud.size()}};
   if (run.dry_run()) {
     run.plan(std::move(plan));
     return 0;
   }
   rule_by_options(settings, paths, decisions);
-  budget.measure(run.exec(), read);
+  budget.measure(run.exec(), from_files);
   rule_by_time(budget, settings, scene.views.size(), decisions);
-  {
-    const CoarseInput coarse(read, decision_shrink(scene));
-    decisions.decide(run, EffectPhase::kBefore, coarse.get());
+  const CoarseInput kept(from_files, 1), coarse(kept.get(), decision_shrink(scene));
+  if (settings.run.method == Method::kPaper) {
+    const auto timed = run.monitor().scope("load views");
+    kept.preload(run.exec()), coarse.preload(run.exec());
   }
+  const MethodInput& read = kept.get();
+  decisions.decide(run, EffectPhase::kBefore, coarse.get());
   const bool mend = !settings.run.explain;
-  const ViewTrust trust = mend && decisions.on("view-trust") ? handle_trust(run, read) : ViewTrust{};
+  const ViewTrust trust = mend && decisions.on("view-trust") ? handle_trust(run, coarse.get()) : ViewTrust{};
   const MethodInput believed = with_trusted_masks(run, read, trust);
   const FloaterOutcome clean = mend && decisions.on("floaters")
                                    ? handle_floaters(run, believed, settings.joint.quality == Quality::kDraft)

@@ -6,7 +6,7 @@
 namespace ngs::joint {
 namespace {
 
-constexpr int kDraftVisits = 3;
+constexpr int kDraftVisits = 3, kDraftShrink = 2;
 
 }  // namespace
 
@@ -18,8 +18,7 @@ int decision_shrink(const Scene& scene) {
 }
 
 ViewTrust handle_trust(cli::Run& run, const MethodInput& input) {
-  const CoarseInput coarse(input, decision_shrink(input.scene));
-  ViewTrust trust = judge_views(run.exec(), run.monitor(), {}, coarse.get());
+  ViewTrust trust = judge_views(run.exec(), run.monitor(), {}, input);
   Json names = Json::array();
   for (const std::size_t v : trust.ignored) {
     names.push_back(input.scene.views[v].camera.name);
@@ -46,7 +45,8 @@ MethodInput with_trusted_masks(cli::Run& run, const MethodInput& input, const Vi
 FloaterOutcome handle_floaters(cli::Run& run, const MethodInput& input, bool draft) {
   FloaterOutcome outcome;
   const FloaterOptions options;
-  const CoarseInput kept(input, 1), coarse(kept.get(), decision_shrink(input.scene));
+  const CoarseInput coarse(input, decision_shrink(input.scene) * (draft ? kDraftShrink : 1));
+  coarse.preload(run.exec());
   const FloaterFinding finding = find_floaters(run.exec(), run.monitor(), options, coarse.get());
   Json report = {{"removed", finding.count},
                  {"reason", finding.count > 0 ? "the photos show the object behind them"
@@ -58,7 +58,7 @@ FloaterOutcome handle_floaters(cli::Run& run, const MethodInput& input, bool dra
     RefitOptions refit;
     if (draft) refit.visits = kDraftVisits;
     FloaterRemoval removal =
-        remove_floaters(run.exec(), run.monitor(), refit, draft ? coarse.get() : kept.get(), finding);
+        remove_floaters(run.exec(), run.monitor(), refit, draft ? coarse.get() : input, finding);
     for (const auto& [name, value] : removal.figures) report[name] = value;
     outcome.labels =
         labels_without_floaters(run.exec(), run.monitor(), input, removal.cloud, finding.floater);

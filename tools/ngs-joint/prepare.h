@@ -21,13 +21,14 @@ struct FloaterOutcome {
 /// Whether a mask or a Gaussian is wrong shows at half the size, where that still is a picture.
 int decision_shrink(const Scene& scene);
 
-/// Judges the masks, warns, and notes the figures in the report.
+/// Judges the masks at the size of decisions, warns, and notes the figures in the report.
 ViewTrust handle_trust(cli::Run& run, const MethodInput& input);
 
 /// `input` with only the masks that `trust`, which must outlive it, leaves, and labels that follow from them.
 MethodInput with_trusted_masks(cli::Run& run, const MethodInput& input, const ViewTrust& trust);
 
-/// Searches, removes, warns, and notes the figures in the report. A draft refits at half size, and briefly.
+/// Searches, removes, warns, and notes the figures in the report. A draft searches at half the size of
+/// decisions, and refits there, briefly.
 FloaterOutcome handle_floaters(cli::Run& run, const MethodInput& input, bool draft);
 
 /// `input` with the model and labels of the outcome, which must outlive it, where something was removed.

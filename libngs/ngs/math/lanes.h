@@ -26,6 +26,7 @@ struct PackF {
   friend PackF operator+(PackF a, PackF b) { return a.v + b.v; }
   friend PackF operator-(PackF a, PackF b) { return a.v - b.v; }
   friend PackF operator*(PackF a, PackF b) { return a.v * b.v; }
+  friend PackF operator/(PackF a, PackF b) { return a.v / b.v; }
   friend PackF operator-(PackF a) { return -a.v; }
   PackF& operator+=(PackF b) { v += b.v; return *this; }
 };
@@ -109,6 +110,9 @@ struct Pack4D {
   friend Pack4D operator-(Pack4D a, Pack4D b) { return a.v - b.v; }
   friend Pack4D operator*(Pack4D a, Pack4D b) { return a.v * b.v; }
 };
+/// Lanes 0 to 3 and 4 to 7 of a pack.
+inline Pack4D low_half(PackF x) { return Pack4D::Raw(_mm256_cvtps_pd(_mm256_castps256_ps128(x.v))); }
+inline Pack4D high_half(PackF x) { return Pack4D::Raw(_mm256_cvtps_pd(_mm256_extractf128_ps(x.v, 1))); }
 /// The second operand where the first is NaN.
 inline Pack4D min_lanes(Pack4D a, Pack4D b) { return Pack4D::Raw(_mm256_min_pd(a.v, b.v)); }
 inline Pack4D max_lanes(Pack4D a, Pack4D b) { return Pack4D::Raw(_mm256_max_pd(a.v, b.v)); }

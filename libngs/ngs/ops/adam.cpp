@@ -1,6 +1,7 @@
 #include "ngs/ops/adam.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -22,9 +23,11 @@ std::int64_t find_unusable(const Exec& exec, std::span<const T> values, T limit)
   std::vector<std::int64_t> first(std::size_t(chunks), -1);
   for_each_index(exec, chunks, [&](std::int64_t chunk) {
     const std::int64_t begin = chunk * kChunk, end = std::min(n, begin + kChunk);
-    bool fine = true;  // branch-free, so that the usual case vectorises
-    for (std::int64_t i = begin; i < end; ++i) fine &= std::abs(values[std::size_t(i)]) <= limit;
-    if (fine) return;
+    using Bits = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
+    Bits most = 0;  // magnitudes sort like their bits, NaN last; so the usual case vectorises
+    for (std::int64_t i = begin; i < end; ++i)
+      most = std::max(most, std::bit_cast<Bits>(values[std::size_t(i)]) & (~Bits(0) >> 1));
+    if (most <= std::bit_cast<Bits>(limit)) return;
     for (std::int64_t i = end - 1; i >= begin; --i)
       if (!(std::abs(values[std::size_t(i)]) <= limit)) first[std::size_t(chunk)] = i;
   });

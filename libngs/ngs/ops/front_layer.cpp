@@ -29,14 +29,6 @@ struct BinnedView {
   TileLists lists;
 };
 
-BinnedView binned(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
-                  const SplatOptions& options) {
-  BinnedView b;
-  b.view = project_view(exec, cloud_view(cloud, 0, nullptr), relative_camera(camera, cloud), options);
-  b.lists = bin_tiles(exec, b.view, camera.width_px, camera.height_px);
-  return b;
-}
-
 /// What both sinks share: which of the tile's Gaussians may be in front, and where.
 struct FrontBase {
   static constexpr bool kTakesEmpty = true;
@@ -103,13 +95,6 @@ struct SumSink : FrontBase {
   }
 };
 
-void check_query(const GaussianCloud& cloud, const Camera& camera, const FrontQuery& query) {
-  NGS_CHECK(query.limit.width_px == camera.width_px && query.limit.height_px == camera.height_px &&
-                query.limit.channels == 1,
-            "one limit per pixel");
-  NGS_CHECK(std::int64_t(query.candidate.size()) == cloud.size(), "one candidate flag per Gaussian");
-}
-
 void store_tile(const TileFrame& frame, const std::vector<L>& sum, ImageF& out) {
   float lane[kTilePixels];
   for (int c = 0; c < out.channels; ++c) {
@@ -122,14 +107,37 @@ void store_tile(const TileFrame& frame, const std::vector<L>& sum, ImageF& out) 
 
 }  // namespace
 
-ImageF front_layer(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
-                   const SplatOptions& options, const FrontQuery& query, Matrix<const float> value) {
-  check_query(cloud, camera, query);
-  NGS_CHECK(value.n == cloud.size(), "one value row per Gaussian");
-  const BinnedView b = binned(exec, cloud, camera, options);
-  ImageF out(camera.width_px, camera.height_px, value.c + 1);
-  for_each_task(exec, b.lists.tiles(), [&](std::int64_t tile) {
-    const TileWork<float> work = tile_work(b.view, b.lists, tile, camera, options.compat);
+struct FrontView::State {
+  Exec exec;
+  Camera camera;
+  Compat compat;
+  std::int64_t gaussians;
+  BinnedView binned;
+
+  void check(const FrontQuery& query) const {
+    NGS_CHECK(query.limit.width_px == camera.width_px && query.limit.height_px == camera.height_px &&
+                  query.limit.channels == 1,
+              "one limit per pixel");
+    NGS_CHECK(std::int64_t(query.candidate.size()) == gaussians, "one candidate flag per Gaussian");
+  }
+};
+
+FrontView::FrontView(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options)
+    : state_(std::make_unique<State>(State{exec, camera, options.compat, cloud.size(), {}})) {
+  BinnedView& b = state_->binned;
+  b.view = project_view(exec, cloud_view(cloud, 0, nullptr), relative_camera(camera, cloud), options);
+  b.lists = bin_tiles(exec, b.view, camera.width_px, camera.height_px);
+}
+FrontView::~FrontView() = default;
+
+ImageF FrontView::layer(const FrontQuery& query, Matrix<const float> value) const {
+  const State& s = *state_;
+  const BinnedView& b = s.binned;
+  s.check(query);
+  NGS_CHECK(value.n == s.gaussians, "one value row per Gaussian");
+  ImageF out(s.camera.width_px, s.camera.height_px, value.c + 1);
+  for_each_task(s.exec, b.lists.tiles(), [&](std::int64_t tile) {
+    const TileWork<float> work = tile_work(b.view, b.lists, tile, s.camera, s.compat);
     const TileFrame& frame = work.frame;
     LayerSink sink{{b, work, query.candidate, {}}, value, std::vector<L>(std::size_t((value.c + 1) * kPacks), L(0.f))};
     tile_plane(frame, query.limit.data, sink.limit);
@@ -140,16 +148,15 @@ ImageF front_layer(const Exec& exec, const GaussianCloud& cloud, const Camera& c
   return out;
 }
 
-FrontSums front_sums(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
-                     const SplatOptions& options, const FrontQuery& query,
-                     const std::vector<std::uint8_t>& marked) {
-  check_query(cloud, camera, query);
+FrontSums FrontView::sums(const FrontQuery& query, const std::vector<std::uint8_t>& marked) const {
+  const State& s = *state_;
+  const BinnedView& b = s.binned;
+  s.check(query);
   NGS_CHECK(std::int64_t(marked.size()) == query.limit.pixels(), "one mark per pixel");
-  const BinnedView b = binned(exec, cloud, camera, options);
   std::vector<float> pairs(std::size_t(b.lists.pairs()) * 3, 0.f);
   const Matrix<float> pair{pairs.data(), b.lists.pairs(), 3};
-  for_each_task(exec, b.lists.tiles(), [&](std::int64_t tile) {
-    const TileWork<float> work = tile_work(b.view, b.lists, tile, camera, options.compat);
+  for_each_task(s.exec, b.lists.tiles(), [&](std::int64_t tile) {
+    const TileWork<float> work = tile_work(b.view, b.lists, tile, s.camera, s.compat);
     const TileFrame& frame = work.frame;
     SumSink sink{{b, work, query.candidate, {}}, pair, {}};
     tile_plane(frame, query.limit.data, sink.limit);
@@ -157,12 +164,12 @@ FrontSums front_sums(const Exec& exec, const GaussianCloud& cloud, const Camera&
     L transmittance[kPacks];
     composite_tile<L>(work, transmittance, sink);
   });
-  const auto n = std::size_t(cloud.size());
+  const auto n = std::size_t(s.gaussians);
   FrontSums sums{std::vector<double>(n), std::vector<double>(n), std::vector<double>(n)};
-  for_each_index(exec, std::int64_t(b.view.id.size()), [&](std::int64_t v) {
+  for_each_index(s.exec, std::int64_t(b.view.id.size()), [&](std::int64_t v) {
     double total[3] = {};
-    for (std::int64_t s = b.lists.slot_begin[std::size_t(v)]; s < b.lists.slot_begin[std::size_t(v) + 1]; ++s)
-      for (int c = 0; c < 3; ++c) total[c] += double(pair.row(s)[c]);
+    for (std::int64_t slot = b.lists.slot_begin[std::size_t(v)]; slot < b.lists.slot_begin[std::size_t(v) + 1]; ++slot)
+      for (int c = 0; c < 3; ++c) total[c] += double(pair.row(slot)[c]);
     const std::size_t i = b.view.id[std::size_t(v)];
     sums.weight[i] = total[0], sums.front[i] = total[1], sums.marked[i] = total[2];
   });

@@ -3,6 +3,8 @@
 //
 // A contribution is in front of pixel p where its Gaussian is a candidate and its camera z is below limit(p);
 // limit 0: no surface at this pixel, nothing is in front. Weights w = α T are those of rendering the whole model.
+#include <memory>
+
 #include "ngs/ops/splat.h"
 
 namespace ngs {
@@ -12,18 +14,27 @@ struct FrontQuery {
   const std::vector<std::uint8_t>& candidate;  // [N]
 };
 
-/// [H, W, C + 1]: Σ w value and, last, Σ w, over the contributions in front. `value` [N, C].
-ImageF front_layer(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
-                   const SplatOptions& options, const FrontQuery& query, Matrix<const float> value);
-
 /// [N] each: Σ w over the view's pixels, over those where the Gaussian is in front, over the marked of these.
 struct FrontSums {
   std::vector<double> weight, front, marked;
 };
 
-/// `marked` [H·W]. Gaussians that the view does not reach have zeros.
-FrontSums front_sums(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
-                     const SplatOptions& options, const FrontQuery& query,
-                     const std::vector<std::uint8_t>& marked);
+/// One view of a model, projected once for several looks at it.
+class FrontView {
+ public:
+  FrontView(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options);
+  ~FrontView();
+  FrontView(const FrontView&) = delete;
+  FrontView& operator=(const FrontView&) = delete;
+
+  /// [H, W, C + 1]: Σ w value and, last, Σ w, over the contributions in front. `value` [N, C].
+  ImageF layer(const FrontQuery& query, Matrix<const float> value) const;
+  /// `marked` [H·W]. Gaussians that the view does not reach have zeros.
+  FrontSums sums(const FrontQuery& query, const std::vector<std::uint8_t>& marked) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 }  // namespace ngs

@@ -20,6 +20,7 @@ using Tree = flann::KDTreeSingleIndex<Distance>;
 // FLANN bounds a subtree by sums that are rounded; pruning with this much slack keeps the search exact.
 constexpr float kPruningSlack = 1e-6f;
 constexpr std::int64_t kQueriesPerTask = 256;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct Neighbour {
   double dist2;
@@ -33,7 +34,9 @@ struct Neighbour {
 /// visits first; this one admits ties (worstDist is just above the K-th) and orders them by index.
 class OrderedResult : public flann::ResultSet<double> {
  public:
-  OrderedResult(int capacity, std::size_t excluded) : capacity_(capacity), excluded_(excluded) {}
+  /// `bound`: at least the K-th squared distance.
+  OrderedResult(int capacity, std::size_t excluded, double bound)
+      : capacity_(capacity), excluded_(excluded), admitted_(bound) {}
   bool full() const override { return count_ == capacity_; }
   double worstDist() const override { return admitted_; }
   void addPoint(double dist2, std::size_t index) override {
@@ -42,18 +45,26 @@ class OrderedResult : public flann::ResultSet<double> {
     int slot = full() ? count_ - 1 : count_++;
     for (; slot > 0 && candidate < best_[slot - 1]; --slot) best_[slot] = best_[slot - 1];
     best_[slot] = candidate;
-    if (full()) admitted_ = std::nextafter(best_[count_ - 1].dist2, std::numeric_limits<double>::infinity());
+    if (full()) admitted_ = std::nextafter(best_[count_ - 1].dist2, kInfinity);
   }
   const Neighbour& operator[](int slot) const { return best_[slot]; }
 
  private:
   int capacity_, count_ = 0;
   std::size_t excluded_;
-  double admitted_ = std::numeric_limits<double>::infinity();
+  double admitted_;
   Neighbour best_[kMaxNeighbours];
 };
 
 constexpr std::size_t kNoExclusion = std::numeric_limits<std::size_t>::max();
+
+/// What a query's K-th squared distance cannot exceed, from that of another query: both lie within reach of its points.
+double bound_beside(const double* query, const double* other, double dist2_of_other) {
+  double step2 = 0;
+  for (int a = 0; a < 3; ++a) step2 += (query[a] - other[a]) * (query[a] - other[a]);
+  const double reach = std::sqrt(dist2_of_other) + std::sqrt(step2);
+  return reach * reach * (1 + double(kPruningSlack)) + std::numeric_limits<double>::min();
+}
 
 std::vector<double> to_double(Rows<const float, 3> rows, const char* what) {
   std::vector<double> out(rows.data, rows.data + rows.n * 3);
@@ -84,9 +95,13 @@ KnnGraph search(const Exec& exec, Rows<const float, 3> points, Rows<const float,
   const flann::SearchParams params(flann::FLANN_CHECKS_UNLIMITED, -kPruningSlack);
   for_each_task(exec, (queries.n + kQueriesPerTask - 1) / kQueriesPerTask, [&](std::int64_t task) {
     const std::int64_t end = std::min(queries.n, (task + 1) * kQueriesPerTask);
+    double last_dist2 = kInfinity;  // the K-th of the query before, which is often close
     for (std::int64_t i = task * kQueriesPerTask; i < end; ++i) {
-      OrderedResult result(k, exclude_self ? std::size_t(i) : kNoExclusion);
-      tree.findNeighbors(result, &query[std::size_t(i) * 3], params);
+      const double* at_query = &query[std::size_t(i) * 3];
+      const double bound = std::isfinite(last_dist2) ? bound_beside(at_query, at_query - 3, last_dist2) : kInfinity;
+      OrderedResult result(k, exclude_self ? std::size_t(i) : kNoExclusion, bound);
+      tree.findNeighbors(result, at_query, params);
+      if (!exclude_self) last_dist2 = result[k - 1].dist2;
       for (int slot = 0; slot < k; ++slot) {
         const std::size_t at = std::size_t(i) * std::size_t(k) + std::size_t(slot);
         graph.index[at] = std::uint32_t(result[slot].index);

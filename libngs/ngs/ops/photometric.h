@@ -9,7 +9,7 @@
 #include <cstdint>
 
 #include "ngs/backend/exec.h"
-#include "ngs/scene/views.h"
+#include "ngs/ops/photometric_kernels.h"
 
 namespace ngs {
 
@@ -21,6 +21,7 @@ struct PixelRegion {
 struct PhotometricOptions {
   double dssim_weight = 0.2;  // λ
   PixelRegion region = {};
+  double gradient_scale = 1;  // the gradient is that of so many times the loss
 };
 
 struct PhotometricLoss {
@@ -40,8 +41,9 @@ class PhotometricPass {
                  const Image<T>& target, const ImageF* weight, Image<T>* gradient);
 
  private:
-  std::vector<T> products_, rows_, blurred_;
-  std::vector<Acc> row_l1_, row_ssim_;
+  ssim::Layout layout_;      // of the partials
+  std::vector<T> partials_;  // ∂L/∂(blurred moments)
+  std::vector<Acc> sums_;    // per piece of work
 };
 extern template class PhotometricPass<float, double>;
 extern template class PhotometricPass<double, double>;

@@ -6,7 +6,7 @@
 #include "ngs/core/check.h"
 #include "ngs/ops/device_ops.h"
 #include "ngs/ops/photometric.h"
-#include "ngs/ops/photometric_kernels.h"
+#include "ngs/ops/photometric_strips.h"
 
 namespace ngs {
 
@@ -20,8 +20,9 @@ auto PhotometricPass<T, Acc>::evaluate(const Exec& exec, const PhotometricOption
             "photometric: the weight image has another size");
   if (gradient && (gradient->width_px != W || gradient->height_px != H || gradient->channels != C))
     *gradient = Image<T>(W, H, C);
-  else if (gradient)
-    std::fill(gradient->data.begin(), gradient->data.end(), T(0));
+  const auto clear = [&] {
+    if (gradient) std::fill(gradient->data.begin(), gradient->data.end(), T(0));
+  };
 
   const PixelRegion whole{0, 0, W, H};
   const PixelRegion inner = options.region.empty() ? whole : options.region;
@@ -36,8 +37,11 @@ auto PhotometricPass<T, Acc>::evaluate(const Exec& exec, const PhotometricOption
     for (int y = inner.y0; y < inner.y1; ++y)
       for (int x = inner.x0; x < inner.x1; ++x) weight_sum += double(weight->at(x, y));
   }
-  if (!(weight_sum > 0)) return {Acc(0), Acc(0), Acc(1)};
+  if (!(weight_sum > 0)) return clear(), Value{Acc(0), Acc(0), Acc(1)};
+  if (!options.region.empty()) clear();
   const double norm = 1.0 / (weight_sum * C);
+  const double ssim_factor = -options.gradient_scale * options.dssim_weight * norm,
+               l1_factor = options.gradient_scale * (1 - options.dssim_weight) * norm;
   const auto value = [&](Acc l1, Acc similarity) -> Value {
     l1 = l1 * Acc(norm), similarity = similarity * Acc(norm);
     return {Acc(1 - options.dssim_weight) * l1 + Acc(options.dssim_weight) * (Acc(1) - similarity), l1, similarity};
@@ -51,35 +55,25 @@ auto PhotometricPass<T, Acc>::evaluate(const Exec& exec, const PhotometricOption
   const ssim::Crop<T> to{gradient ? gradient->data.data() + gradient->index(x0, y0) : nullptr, stride};
   if constexpr (std::is_same_v<T, float>)
     if (exec.device_ops) {
-      const auto sums = exec.device_ops->loss.photometric(layout, x, y, weights, -options.dssim_weight * norm,
-                                                          (1 - options.dssim_weight) * norm, to);
+      const auto sums = exec.device_ops->loss.photometric(layout, x, y, weights, ssim_factor, l1_factor, to);
       return value(sums.l1, sums.ssim);
     }
-  const auto plane = std::size_t(layout.plane());
-  products_.assign(plane * ssim::kMoments, T(0));
-  rows_.resize(plane * ssim::kMoments);
-  blurred_.resize(plane * ssim::kMoments);
-  row_l1_.resize(std::size_t(layout.h)), row_ssim_.resize(std::size_t(layout.h));
-
-  const ssim::Window window;
-  const auto blur = [&](int planes, T* data_in, T* data_out) {
-    for_each_index(exec, std::int64_t(planes) * layout.h, ssim::BlurRow<T>{layout, window, data_in, rows_.data()});
-    for_each_index(exec, std::int64_t(planes) * layout.h,
-                   ssim::BlurColumn<T>{layout, window, rows_.data(), data_out});
-  };
-  for_each_index(exec, layout.h, ssim::Products<T>{layout, x, y, products_.data()});
-  blur(ssim::kMoments, products_.data(), blurred_.data());
-  // The products are spent; their planes, zero padded, take the partials.
-  for_each_index(exec, layout.h,
-                 ssim::RowLoss<T, Acc>{layout, blurred_.data(), products_.data(), x, y, weights,
-                                       -options.dssim_weight * norm, row_l1_.data(), row_ssim_.data()});
-  if (gradient) {
-    blur(ssim::kPartials, products_.data(), blurred_.data());
-    for_each_index(exec, layout.h,
-                   ssim::RowGradient<T>{layout, blurred_.data(), x, y, weights, (1 - options.dssim_weight) * norm, to});
+  const ssim::StripPlan plan{layout};
+  const ssim::Window<T> window;
+  if (gradient && !(layout == layout_)) {
+    partials_.assign(std::size_t(layout.plane()) * ssim::kPartials, T(0));  // what lies beside the rows stays zero
+    layout_ = layout;
   }
+  sums_.resize(std::size_t(plan.size()) * 2);
+  for_each_task(exec, plan.size(),
+                ssim::BandLoss<T, Acc>{layout, window, x, y, weights, T(ssim_factor),
+                                       gradient ? partials_.data() : nullptr, sums_.data()});
+  if (gradient)
+    for_each_task(exec, plan.size(),
+                  ssim::BandGradient<T>{layout, window, x, y, weights, T(l1_factor),
+                                        partials_.data(), to});
   Acc l1 = Acc(0), similarity = Acc(0);
-  for (std::size_t row = 0; row < row_l1_.size(); ++row) l1 += row_l1_[row], similarity += row_ssim_[row];
+  for (std::size_t task = 0; task < sums_.size(); task += 2) l1 += sums_[task], similarity += sums_[task + 1];
   return value(l1, similarity);
 }
 

@@ -28,15 +28,20 @@ std::vector<Plane<T>> planes(const ChannelRequest<float>& request, View& view) {
   return out;
 }
 
-RenderedView allocate(const Camera& camera, const ChannelRequest<float>& request) {
-  RenderedView view;
+/// Images of the right shapes; every pixel is written later, so that those of an earlier view serve as they are.
+void allocate(const Camera& camera, const ChannelRequest<float>& request, RenderedView& view) {
   const int w = camera.width_px, h = camera.height_px;
   view.width_px = w, view.height_px = h;
-  if (request.colour) view.colour = ImageF(w, h, 3);
-  if (request.label.n > 0) view.label = ImageF(w, h, request.label.c);
-  if (request.depth) view.depth = ImageF(w, h, 1);
-  view.alpha = ImageF(w, h, 1);
-  return view;
+  const auto shape = [&](ImageF& image, int channels) {
+    if (channels == 0)
+      image = {};
+    else if (image.width_px != w || image.height_px != h || image.channels != channels)
+      image = ImageF(w, h, channels);
+  };
+  shape(view.colour, request.colour ? 3 : 0);
+  shape(view.label, request.label.n > 0 ? request.label.c : 0);
+  shape(view.depth, request.depth ? 1 : 0);
+  shape(view.alpha, 1);
 }
 
 std::unique_ptr<DeviceSplat> device_view(const Exec& exec, const CloudView<float>& cloud, const Camera& relative,
@@ -66,7 +71,7 @@ const RenderedView& SplatPass::forward(const Exec& exec, const GaussianCloud& cl
                                        const RenderRequest& request) {
   State& s = *state_;
   s.request = channel_request(request);
-  s.rendered = allocate(camera, s.request);
+  allocate(camera, s.request, s.rendered);
   s.gaussians = cloud.size(), s.rest_values = cloud.sh_rest.size();
   const CloudView<float> view = cloud_view(cloud, s.options.max_sh_degree, request.include);
   s.on_device.reset();
@@ -104,7 +109,8 @@ void SplatPass::backward(const Exec& exec, const ViewGradients& gradients, Cloud
 RenderedView render(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options,
                     const RenderRequest& request) {
   const ChannelRequest<float> channels = channel_request(request);
-  RenderedView view = allocate(camera, channels);
+  RenderedView view;
+  allocate(camera, channels, view);
   const CloudView<float> on_view = cloud_view(cloud, options.max_sh_degree, request.include);
   if (exec.device_ops) {
     device_view(exec, on_view, relative_camera(camera, cloud), options, channels)->forward(planes<float>(channels, view));

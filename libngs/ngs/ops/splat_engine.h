@@ -2,6 +2,8 @@
 // Forward and backward of one whole view, templated on the storage scalar; the kernels of its tiles come as a table.
 // Internal to ops: splat.cpp runs it with the float kernels of the machine, tests also with one-lane kernels of double
 // and Dual<double>.
+#include <memory>
+
 #include "ngs/ops/splat_view.h"
 #include "ngs/ops/tile_scratch.h"
 
@@ -50,12 +52,12 @@ class SplatEngine {
   void backward(const Exec& exec, const std::vector<Plane<const S>>& grad, const std::vector<std::uint8_t>& moves,
                 const CloudGradientView<S>& out) {
     const int columns = kPairGeometry + request_.count();
-    std::vector<S> pair_grad(std::size_t(lists_.pairs()) * std::size_t(columns), S(0));
-    const Matrix<const S> pairs{pair_grad.data(), lists_.pairs(), columns};
+    const std::unique_ptr<S[]> pair_grad = zeros(exec, lists_.pairs() * columns);
+    const Matrix<const S> pairs{pair_grad.get(), lists_.pairs(), columns};
     for_each_task(exec, lists_.tiles(), [&](std::int64_t tile) {
       TileScratch<S>& memory = thread_scratch();
       S* scratch = memory.values(backward_scratch(request_.count()));
-      kernels_.backward({work(tile), channels(), background_.data(), grad.data(), moves.data(), pair_grad.data(), scratch,
+      kernels_.backward({work(tile), channels(), background_.data(), grad.data(), moves.data(), pair_grad.get(), scratch,
                          &memory.tape});
     });
     clear(exec, out);
@@ -83,6 +85,15 @@ class SplatEngine {
   TileWork<S> work(std::int64_t tile) const { return tile_work(view_, lists_, tile, camera_, options_.compat); }
   ChannelPlan<S> plan() const { return {request_.colour, request_.depth, request_.label}; }
   ChannelValues<S> channels() const { return {channel_.data(), request_.count()}; }
+  /// Written, and so first touched, by all threads.
+  static std::unique_ptr<S[]> zeros(const Exec& exec, std::int64_t n) {
+    constexpr std::int64_t kChunk = 1 << 14;
+    std::unique_ptr<S[]> memory = std::make_unique_for_overwrite<S[]>(std::size_t(n));
+    for_each_index(exec, (n + kChunk - 1) / kChunk, [&](std::int64_t chunk) {
+      std::fill(memory.get() + chunk * kChunk, memory.get() + std::min(n, (chunk + 1) * kChunk), S(0));
+    });
+    return memory;
+  }
   static TileScratch<S>& thread_scratch() {
     static thread_local TileScratch<S> scratch;
     return scratch;

@@ -37,7 +37,7 @@ struct TileLists {
 template <class S>
 ProjectedView<S> project_view(const Exec& exec, const CloudView<S>& cloud, const Camera& camera,
                               const SplatOptions& options) {
-  constexpr std::int64_t kChunk = 1 << 14;
+  constexpr std::int64_t kChunk = 1 << 11;
   const ViewProjector<S> projector = view_projector<S>(camera, options);
   const std::int64_t chunks = (cloud.size + kChunk - 1) / kChunk;
   std::vector<ProjectedView<S>> part(std::size_t(chunks), ProjectedView<S>{});

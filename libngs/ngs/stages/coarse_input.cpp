@@ -1,11 +1,20 @@
 #include "ngs/stages/coarse_input.h"
 
+#include "ngs/backend/try_each.h"
 #include "ngs/scene/shrink.h"
+#include "ngs/stages/view_list.h"
 
 namespace ngs {
 namespace {
 
-constexpr std::size_t kKeptBytes = 512u << 20;
+constexpr std::size_t kKeptBytes = 256u << 20;
+
+std::size_t bytes_of(const ImageF& image) { return image.data.size() * sizeof(float); }
+std::size_t bytes_of(const ViewMasks& masks) {
+  std::size_t bytes = masks.known.size();
+  for (const std::vector<float>& target : masks.target) bytes += target.size() * sizeof(float);
+  return bytes;
+}
 
 std::vector<float> plane_means(std::vector<float> plane, const ViewMasks& masks, int shrink) {
   ImageF fine;
@@ -34,28 +43,31 @@ CoarseInput::CoarseInput(const MethodInput& fine, int shrink)
               .background = fine.background,
               .seed = fine.seed,
               .fixed = fine.fixed,
-              .labels = fine.labels} {}
+              .labels = fine.labels,
+              .load_fine_photo = fine.load_fine_photo} {}
 
-bool CoarseInput::keep(std::size_t floats) {
-  const std::size_t bytes = floats * sizeof(float);
-  if (bytes_ + bytes > kKeptBytes) return false;
-  bytes_ += bytes;
-  return true;
+template <class T, class Load>
+T CoarseInput::remembered(std::map<std::size_t, T>& kept, std::size_t view, const Load& load) {
+  {
+    const std::lock_guard lock(mutex_);
+    const auto known = kept.find(view);
+    if (known != kept.end()) return known->second;
+  }
+  T loaded = load();
+  const std::lock_guard lock(mutex_);
+  const std::size_t bytes = bytes_of(loaded);
+  if (bytes_ + bytes <= kKeptBytes && kept.emplace(view, loaded).second) bytes_ += bytes;
+  return loaded;
 }
 
 ImageF CoarseInput::photo(std::size_t view) {
-  const auto known = photos_.find(view);
-  if (known != photos_.end()) return known->second;
-  ImageF image = shrunk(fine_.load_photo(view), shrink_);
-  if (keep(image.data.size())) photos_[view] = image;
-  return image;
+  return remembered(photos_, view, [&] { return shrunk(fine_.load_photo(view), shrink_); });
 }
 
 ViewMasks CoarseInput::masks(std::size_t view) {
-  const auto known = masks_.find(view);
-  if (known != masks_.end()) return known->second;
-  ViewMasks m = fine_.load_masks(view);
-  if (shrink_ > 1 && m.available) {
+  return remembered(masks_, view, [&] {
+    ViewMasks m = fine_.load_masks(view);
+    if (shrink_ == 1 || !m.available) return m;
     for (std::vector<float>& target : m.target) target = plane_means(std::move(target), m, shrink_);
     if (!m.known.empty()) {
       const std::vector<float> share = plane_means({m.known.begin(), m.known.end()}, m, shrink_);
@@ -63,9 +75,23 @@ ViewMasks CoarseInput::masks(std::size_t view) {
       for (std::size_t i = 0; i < share.size(); ++i) m.known[i] = share[i] == 1.f;
     }
     m.width_px = shrunk_size_px(m.width_px, shrink_), m.height_px = shrunk_size_px(m.height_px, shrink_);
-  }
-  if (keep(m.target.size() * (m.target.empty() ? 0 : m.target[0].size()))) masks_[view] = m;
-  return m;
+    return m;
+  });
+}
+
+void CoarseInput::preload(const Exec& exec) const {
+  const std::vector<std::size_t> photos = photo_views(scene_);
+  const auto masks = std::int64_t(coarse_.views.size());
+  try_each_task(exec, masks + std::int64_t(photos.size()), [&](std::int64_t i) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (bytes_ > kKeptBytes / 10 * 9) return;  // what is loaded now would not be kept
+    }
+    if (i < masks)
+      coarse_.load_masks(coarse_.views[std::size_t(i)]);
+    else
+      coarse_.load_photo(photos[std::size_t(i - masks)]);
+  });
 }
 
 }  // namespace ngs

@@ -2,6 +2,7 @@
 // A method's input at a fraction of its size, for decisions that need no full resolution, and with photos and
 // masks that are decoded once.
 #include <map>
+#include <mutex>
 
 #include "ngs/stages/method.h"
 
@@ -9,7 +10,8 @@ namespace ngs {
 
 /// Cameras and the low-pass filter are those of images of ceil(size / shrink) pixels; photos and masks are
 /// the means of shrink x shrink pixels, unknown where one of them is. Loads only; nothing is written back.
-/// What was loaded is kept, up to 512 MiB. Not for use by several threads at once. `fine` must outlive it.
+/// What was loaded is kept, up to 256 MiB. `fine` must outlive it, and load for several threads at once where preload()
+/// is used.
 class CoarseInput {
  public:
   CoarseInput(const MethodInput& fine, int shrink);
@@ -17,16 +19,21 @@ class CoarseInput {
   CoarseInput& operator=(const CoarseInput&) = delete;
 
   const MethodInput& get() const { return coarse_; }
+  /// Loads the masks of the input's views and the photos of all that have one, on all threads, while there is room.
+  void preload(const Exec& exec) const;
 
  private:
   ImageF photo(std::size_t view);
   ViewMasks masks(std::size_t view);
-  bool keep(std::size_t floats);
+  /// What is kept of `view`, or loaded by load() and then kept if there is room.
+  template <class T, class Load>
+  T remembered(std::map<std::size_t, T>& kept, std::size_t view, const Load& load);
 
   const MethodInput& fine_;
   int shrink_;
   Scene scene_;
   MethodInput coarse_;
+  mutable std::mutex mutex_;  // of what follows
   std::map<std::size_t, ImageF> photos_;
   std::map<std::size_t, ViewMasks> masks_;
   std::size_t bytes_ = 0;

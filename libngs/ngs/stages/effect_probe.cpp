@@ -24,7 +24,7 @@ double disagreement(const Exec& exec, const MaskPair& pair) {
 
 /// What the labels as they come look like in the training views that have masks.
 struct EffectProbe::Views {
-  std::vector<double> disagreement;  // of the better of the model as it stands and the object alone
+  std::vector<double> disagreement;  // of the model as it stands, summed over objects; per view
   double biou = 0;                   // mean over views and objects, modal
   double outside = 0;                // largest over the views
 };
@@ -46,17 +46,15 @@ const EffectProbe::Views& EffectProbe::views() {
     const ViewMasks masks = input.load_masks(v);
     if (!masks.available) continue;
     const Camera& camera = input.scene.views[v].camera;
-    RenderedView view = render_labelled(exec_, input.cloud, input.labels, camera, input.splat, {}, false);
-    const ImageF modal = view.label;
-    show_objects_alone(exec_, input.cloud, input.labels, camera, input.splat, view);
-    double stands = 0, alone = 0;
+    const ImageF modal = label_channels(exec_, input.cloud, input.labels, camera, input.splat);
+    double stands = 0;
     for (std::size_t k = 0; k < masks.target.size(); ++k) {
       const MaskPair pair(modal, masks, k);
-      stands += disagreement(exec_, pair), alone += disagreement(exec_, MaskPair(view.label, masks, k));
+      stands += disagreement(exec_, pair);
       views_->biou += pair.biou(exec_);
       ++count;
     }
-    views_->disagreement.push_back(std::min(stands, alone) / double(masks.target.size()));
+    views_->disagreement.push_back(stands);
     const PixelWindow win = window_of(masks.target, masks.width_px, masks.height_px, kRegionMargin_px);
     views_->outside =
         std::max(views_->outside, weight_outside(modal, win.x0, win.y0, win.x0 + win.w, win.y0 + win.h));
@@ -84,7 +82,23 @@ const KnnGraph& EffectProbe::neighbours() {
   return *neighbours_;
 }
 
-double EffectProbe::trust() { return outlier_score(views().disagreement); }
+double EffectProbe::trust() {
+  const MethodInput& input = setup_.input;
+  std::vector<double> better;  // of the model as it stands and the objects alone: what hides them may be floaters
+  for (const std::size_t v : input.views) {
+    const ViewMasks masks = input.load_masks(v);
+    if (!masks.available) continue;
+    const Camera& camera = input.scene.views[v].camera;
+    RenderedView view;
+    view.label = ImageF(camera.width_px, camera.height_px, int(input.labels.size()));
+    show_objects_alone(exec_, input.cloud, input.labels, camera, input.splat, view);
+    double alone = 0;
+    for (std::size_t k = 0; k < masks.target.size(); ++k)
+      alone += disagreement(exec_, MaskPair(view.label, masks, k));
+    better.push_back(std::min(views().disagreement[better.size()], alone) / double(masks.target.size()));
+  }
+  return outlier_score(better);
+}
 double EffectProbe::front() { return front_opacity(exec_, {}, setup_.input); }
 double EffectProbe::boundary_gap() { return boundary().size() == 0 ? 0 : 1 - views().biou; }
 double EffectProbe::outside() { return views().outside; }

@@ -7,6 +7,7 @@
 #include "ngs/math/median.h"
 #include "ngs/ops/front_layer.h"
 #include "ngs/ops/knn.h"
+#include "ngs/stages/leave_one_out.h"
 #include "ngs/stages/method_labels.h"
 #include "ngs/stages/view_list.h"
 
@@ -166,9 +167,9 @@ class FloaterSearch {
     const std::vector<float> none(std::size_t(cloud_.size()), 0.f);
     double sum = 0, pixels = 0;
     for (const std::size_t v : views_) {
-      const Surface s = surface_of(exec_, options_, input_, cloud_, core_, camera(v), margin_);
-      const ImageF layer = front_layer(exec_, cloud_, camera(v), input_.splat, {s.limit, candidate_},
-                                       {none.data(), cloud_.size(), 1});
+      const Surface s = surface(v);
+      const ImageF layer = FrontView(exec_, cloud_, camera(v), input_.splat)
+                               .layer({s.limit, candidate_}, {none.data(), cloud_.size(), 1});
       for (std::size_t p = 0; p < s.limit.data.size(); ++p)
         if (s.limit.data[p] > 0) sum += double(layer.data[2 * p + 1]), ++pixels;
     }
@@ -178,11 +179,22 @@ class FloaterSearch {
  private:
   const Camera& camera(std::size_t v) const { return input_.scene.views[v].camera; }
 
+  /// The core is the same in all rounds; its surfaces are kept up to 256 MiB.
+  Surface surface(std::size_t v) {
+    const auto known = surfaces_.find(v);
+    if (known != surfaces_.end()) return known->second;
+    constexpr std::size_t kKeptBytes = 256u << 20;
+    Surface s = surface_of(exec_, options_, input_, cloud_, core_, camera(v), margin_);
+    const std::size_t bytes = std::size_t(s.limit.pixels()) * 4 * sizeof(float);
+    if ((surfaces_.size() + 1) * bytes <= kKeptBytes) surfaces_[v] = s;
+    return s;
+  }
+
   /// Median over views of the median difference between core and photo.
-  double core_noise() const {
+  double core_noise() {
     std::vector<double> medians;
     for (const std::size_t v : views_) {
-      const Surface s = surface_of(exec_, options_, input_, cloud_, core_, camera(v), margin_);
+      const Surface s = surface(v);
       const ImageF photo = input_.load_photo(v);
       std::vector<double> all;
       for (std::size_t p = 0; p < s.limit.data.size(); ++p)
@@ -193,15 +205,11 @@ class FloaterSearch {
   }
 
   /// Mean photo colour of every Gaussian in the views other than this one, and 1; zeros where there are none.
-  std::vector<float> colour_elsewhere(const Evidence& all, const Evidence& here) const {
-    std::vector<float> value(std::size_t(cloud_.size()) * 4, 0.f);
-    for (std::size_t i = 0; i < std::size_t(cloud_.size()); ++i) {
-      const double weight = all.weight.value(i) - here.weight.value(i);
-      if (!(weight > 1e-3 * all.weight.value(i))) continue;
-      for (std::size_t c = 0; c < 3; ++c)
-        value[4 * i + c] =
-            float((all.object_weight.value(3 * i + c) - here.object_weight.value(3 * i + c)) / weight);
-      value[4 * i + 3] = 1.f;
+  static std::vector<float> colour_elsewhere(const LeaveOneOut::Rest& others) {
+    std::vector<float> value(others.seen.size() * 4);
+    for (std::size_t i = 0; i < others.seen.size(); ++i) {
+      std::copy_n(&others.share[3 * i], 3, &value[4 * i]);
+      value[4 * i + 3] = others.seen[i];
     }
     return value;
   }
@@ -236,24 +244,22 @@ class FloaterSearch {
   /// Rows of the floaters of this round, and hidden_.
   std::vector<std::size_t> round() {
     const auto n = std::size_t(cloud_.size());
-    Evidence all(cloud_.size(), 3);
-    for (const std::size_t v : views_)
-      add_colour_evidence(exec_, input_, cloud_, camera(v), input_.load_photo(v), all);
+    LeaveOneOut colours(cloud_.size(), 3, [this](std::size_t v, Evidence& evidence) {
+      add_colour_evidence(exec_, input_, cloud_, camera(v), input_.load_photo(v), evidence);
+    });
+    for (const std::size_t v : views_) colours.add(v);
     std::vector<double> front(n), through(n), reach(n);
     double surface_px = 0;
     for (const std::size_t v : views_) {
       const ImageF photo = input_.load_photo(v);
-      Evidence here(cloud_.size(), 3);
-      add_colour_evidence(exec_, input_, cloud_, camera(v), photo, here);
-      const Surface s = surface_of(exec_, options_, input_, cloud_, core_, camera(v), margin_);
+      const Surface s = surface(v);
       surface_px +=
           double(std::count_if(s.limit.data.begin(), s.limit.data.end(), [](float z) { return z > 0; }));
-      const std::vector<float> elsewhere = colour_elsewhere(all, here);
+      const std::vector<float> elsewhere = colour_elsewhere(colours.without(v));
       const FrontQuery query{s.limit, candidate_};
-      const ImageF layer =
-          front_layer(exec_, cloud_, camera(v), input_.splat, query, {elsewhere.data(), cloud_.size(), 4});
-      const FrontSums sums =
-          front_sums(exec_, cloud_, camera(v), input_.splat, query, seen_through(v, s, photo, layer));
+      const FrontView view(exec_, cloud_, camera(v), input_.splat);
+      const ImageF layer = view.layer(query, {elsewhere.data(), cloud_.size(), 4});
+      const FrontSums sums = view.sums(query, seen_through(v, s, photo, layer));
       for (std::size_t i = 0; i < n; ++i) {
         front[i] += sums.front[i], through[i] += sums.marked[i];
         if (sums.weight[i] > 0) reach[i] = std::max(reach[i], sums.front[i] / sums.weight[i]);
@@ -279,6 +285,7 @@ class FloaterSearch {
   std::vector<std::size_t> views_;
   std::vector<std::uint8_t> trained_;  // [views of the scene]
   std::vector<std::uint8_t> candidate_;
+  std::map<std::size_t, Surface> surfaces_;  // by view
   double margin_ = 0, noise_ = 0, hidden_ = 0;
 };
 

@@ -38,15 +38,19 @@ SplatOptions splat_of(SplatOptions splat, const JointEffects& effects) {
   return splat;
 }
 
+/// One visit of every view learns little from the field: draft asks a quarter of the nodes at half the depths, which on
+/// a capture moved no score by more than 0.0002 (BENCHMARKS.md, "Work and precision").
+SampleOptions sample_of(SampleOptions sample, Quality quality) {
+  if (quality != Quality::kDraft) return sample;
+  for (int* count : {&sample.rows, &sample.cols, &sample.depth_samples}) *count = (*count + 1) / 2;
+  return sample;
+}
+
 /// About the object, for --effect region=off; empty where its mask is.
 PixelRegion region_of(const ViewMasks& masks) {
   if (!masks.available) return {};
   const PixelWindow w = window_of(masks.target, masks.width_px, masks.height_px, kRegionMargin_px);
   return {w.x0, w.y0, w.x0 + w.w, w.y0 + w.h};
-}
-
-void add_scaled(const ImageF& from, double scale, ImageF& to) {
-  for (std::size_t i = 0; i < from.data.size(); ++i) to.data[i] += float(scale * double(from.data[i]));
 }
 
 }  // namespace
@@ -89,7 +93,7 @@ struct JointTrainer::Impl {
         monitor(m),
         options(s.options),
         effects(parse_effects(s.options.effect)),
-        sample(s.sample),
+        sample(sample_of(s.sample, s.options.quality)),
         rbf(s.rbf),
         input(s.input),
         given_field(s.field),
@@ -269,17 +273,16 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
   LossTerms loss;
   ViewGradients grad;
   grad.label_moves_geometry = effects.mask_geometry;
-  if (colour) grad.colour = ImageF(camera.width_px, camera.height_px, 3);
-  grad.alpha = ImageF(camera.width_px, camera.height_px, 1);
+  if (effects.align) grad.alpha = ImageF(camera.width_px, camera.height_px, 1);
   if (effects.photometric && !view.photo.empty()) {
     const auto timed = monitor.scope("photometric");
-    ImageF to_colour;
     const PixelRegion& r = view.region;
     const double share = r.empty() ? 1 : double(r.x1 - r.x0) * (r.y1 - r.y0) / double(view.photo.pixels());
+    const PhotometricOptions anchor{.region = r, .gradient_scale = share * options.photometric_weight};
     loss.photometric =
-        share *
-        photometric.evaluate(exec, {.region = r}, rendered.colour, view.photo, nullptr, &to_colour).total;
-    add_scaled(to_colour, share * options.photometric_weight, grad.colour);
+        share * photometric.evaluate(exec, anchor, rendered.colour, view.photo, nullptr, &grad.colour).total;
+  } else if (colour) {
+    grad.colour = ImageF(camera.width_px, camera.height_px, 3);
   }
   ImageF weights;
   if (effects.nerf) field_terms(rays_of(n, rendered), rendered, view, loss, grad, weights);

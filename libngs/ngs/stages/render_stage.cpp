@@ -65,14 +65,33 @@ Vec3<float> parse_background(const std::string& text) {
   return {value[0], value[1], value[2]};
 }
 
-RenderedView render_labelled(const Exec& exec, const GaussianCloud& cloud,
-                             const std::vector<LabelColumns>& objects, const Camera& camera,
-                             const SplatOptions& splat, Vec3<float> background, bool amodal) {
-  const auto n = std::size_t(cloud.size());
+namespace {
+
+/// [N, K]
+std::vector<float> label_matrix(const std::vector<LabelColumns>& objects, std::size_t n) {
   const std::size_t k_count = objects.size();
   std::vector<float> label(n * k_count);
   for (std::size_t k = 0; k < k_count; ++k)
     for (std::size_t i = 0; i < n; ++i) label[i * k_count + k] = objects[k].label[i];
+  return label;
+}
+
+}  // namespace
+
+ImageF label_channels(const Exec& exec, const GaussianCloud& cloud, const std::vector<LabelColumns>& objects,
+                      const Camera& camera, const SplatOptions& splat) {
+  const std::vector<float> label = label_matrix(objects, std::size_t(cloud.size()));
+  RenderRequest request;
+  request.colour = false;
+  request.label = {label.data(), cloud.size(), int(objects.size())};
+  return std::move(render(exec, cloud, camera, splat, request).label);
+}
+
+RenderedView render_labelled(const Exec& exec, const GaussianCloud& cloud,
+                             const std::vector<LabelColumns>& objects, const Camera& camera,
+                             const SplatOptions& splat, Vec3<float> background, bool amodal) {
+  const std::size_t k_count = objects.size();
+  const std::vector<float> label = label_matrix(objects, std::size_t(cloud.size()));
   RenderRequest request;
   request.depth = true;
   request.background = background;

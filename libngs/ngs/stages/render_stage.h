@@ -49,6 +49,10 @@ RenderedView render_labelled(const Exec& exec, const GaussianCloud& cloud,
                              const std::vector<LabelColumns>& objects, const Camera& camera,
                              const SplatOptions& splat, Vec3<float> background, bool amodal);
 
+/// The label channels alone of such a modal view: [H, W, K].
+ImageF label_channels(const Exec& exec, const GaussianCloud& cloud, const std::vector<LabelColumns>& objects,
+                      const Camera& camera, const SplatOptions& splat);
+
 /// Makes a modal view amodal: only its label channels change.
 void show_objects_alone(const Exec& exec, const GaussianCloud& cloud,
                         const std::vector<LabelColumns>& objects, const Camera& camera,

@@ -5,7 +5,7 @@
 
 #include "ngs/math/median.h"
 #include "ngs/ops/evidence.h"
-#include "ngs/stages/variance_stage.h"
+#include "ngs/stages/leave_one_out.h"
 
 namespace ngs {
 namespace {
@@ -55,8 +55,13 @@ class Judge {
     int rounds = 0;
     while (rounds < options_.rounds && !monitor.stop_requested()) {
       ++rounds;
-      if (!gather()) return trust;
-      if (!judge(trust)) break;
+      LeaveOneOut others(input_.cloud.size(), int(input_.scene.objects.size()),
+                         [this](std::size_t n, Evidence& evidence) {
+                           add_view_evidence(exec_, input_.cloud, camera(n), input_.splat,
+                                             input_.load_masks(input_.views[n]), evidence);
+                         });
+      if (!gather(others)) return trust;
+      if (!judge(others, trust)) break;
     }
     for (std::size_t n = 0; n < trusted_.size(); ++n)
       if (!trusted_[n]) trust.ignored.push_back(input_.views[n]);
@@ -65,41 +70,27 @@ class Judge {
   }
 
  private:
-  Evidence evidence_of(std::size_t n, const ViewMasks& masks) const {
-    Evidence one(input_.cloud.size(), int(input_.scene.objects.size()));
-    add_view_evidence(exec_, input_.cloud, camera(n), input_.splat, masks, one);
-    return one;
-  }
   const Camera& camera(std::size_t n) const { return input_.scene.views[input_.views[n]].camera; }
 
   /// Evidence of the trusted views; false where too few have masks.
-  bool gather() {
-    all_ = Evidence(input_.cloud.size(), int(input_.scene.objects.size()));
+  bool gather(LeaveOneOut& others) const {
     int with_masks = 0;
     for (std::size_t n = 0; n < trusted_.size(); ++n) {
       if (!trusted_[n]) continue;
-      const ViewMasks masks = input_.load_masks(input_.views[n]);
-      with_masks += masks.available;
-      add_view_evidence(exec_, input_.cloud, camera(n), input_.splat, masks, all_);
+      with_masks += input_.load_masks(input_.views[n]).available;
+      others.add(n);
     }
     return with_masks >= options_.least_views;
   }
 
-  Consensus consensus_of(std::size_t n, const ViewMasks& masks) const {
-    const auto rows = std::size_t(input_.cloud.size());
-    const std::size_t objects = masks.target.size();
-    const Evidence own = trusted_[n] ? evidence_of(n, masks) : Evidence(input_.cloud.size(), int(objects));
+  Consensus consensus_of(const LeaveOneOut::Rest& rest, std::size_t n) const {
+    const std::size_t rows = rest.seen.size(), objects = input_.scene.objects.size();
     std::vector<float> label(rows * (objects + 1), 0.f);  // last: the others have seen it
     std::vector<std::uint8_t> object(rows, 0);
     for (std::size_t i = 0; i < rows; ++i) {
-      const double weight = all_.weight.value(i) - own.weight.value(i);
-      if (!(weight > 1e-3 * all_.weight.value(i))) continue;
-      label[i * (objects + 1) + objects] = 1.f;
-      for (std::size_t k = 0; k < objects; ++k) {
-        const std::size_t cell = i * objects + k;
-        if (all_.object_weight.value(cell) - own.object_weight.value(cell) <= 0.5 * weight) continue;
-        label[i * (objects + 1) + k] = 1.f, object[i] = 1;
-      }
+      label[i * (objects + 1) + objects] = rest.seen[i];
+      for (std::size_t k = 0; k < objects; ++k)
+        if (rest.share[i * objects + k] > 0.5f) label[i * (objects + 1) + k] = 1.f, object[i] = 1;
     }
     RenderRequest request;
     request.colour = false;
@@ -124,14 +115,14 @@ class Judge {
   }
 
   /// True where another view is ignored now, or one no longer is.
-  bool judge(ViewTrust& trust) {
+  bool judge(const LeaveOneOut& others, ViewTrust& trust) {
     trust.disagreement.assign(trusted_.size(), -1.0);
     std::vector<double> all;
     for (std::size_t n = 0; n < trusted_.size(); ++n) {
       const ViewMasks masks = input_.load_masks(input_.views[n]);
       if (!masks.available) continue;
       const Planes mask = planes_of(masks);
-      const Consensus c = consensus_of(n, masks);
+      const Consensus c = consensus_of(others.without(n), n);
       trust.disagreement[n] = std::min(disagreement(mask, c.modal), disagreement(mask, c.amodal));
       all.push_back(trust.disagreement[n]);
     }
@@ -153,7 +144,6 @@ class Judge {
   const TrustOptions& options_;
   const MethodInput& input_;
   std::vector<std::uint8_t> trusted_;  // per entry of input.views
-  Evidence all_;                       // of the trusted views
 };
 
 }  // namespace

@@ -61,12 +61,13 @@ TEST_CASE("what lies in front of a surface equals a brute-force evaluation in do
       for (const int threads : {1, 3}) {
         const Exec exec{.threads = threads};
         const FrontQuery query{c.limit, c.candidate};
-        const ImageF got = front_layer(exec, c.cloud, c.splat.camera, {}, query, {c.value.data(), gaussians, 2});
+        const FrontView view(exec, c.cloud, c.splat.camera, {});
+        const ImageF got = view.layer(query, {c.value.data(), gaussians, 2});
         double worst = 0;
         for (std::size_t i = 0; i < layer.size(); ++i)
           worst = std::max(worst, std::abs(double(got.data[i]) - layer[i]));
         CHECK(worst < 1e-6 * 60 * 4);
-        const FrontSums sums = front_sums(exec, c.cloud, c.splat.camera, {}, query, c.marked);
+        const FrontSums sums = view.sums(query, c.marked);
         for (std::size_t i = 0; i < weight.size(); ++i) {
           CHECK(std::abs(sums.weight[i] - weight[i]) < 2e-3);
           CHECK(std::abs(sums.front[i] - front[i]) < 2e-3);
@@ -80,7 +81,7 @@ TEST_CASE("what lies in front of a surface equals a brute-force evaluation in do
 TEST_CASE("nothing is in front where there is no surface") {
   FrontCase c = front_case(3, 40);
   c.limit = ImageF(45, 37, 1);
-  const FrontSums sums = front_sums({}, c.cloud, c.splat.camera, {}, {c.limit, c.candidate}, c.marked);
+  const FrontSums sums = FrontView({}, c.cloud, c.splat.camera, {}).sums({c.limit, c.candidate}, c.marked);
   double weight = 0;
   for (std::size_t i = 0; i < 40; ++i) {
     weight += sums.weight[i];

@@ -3,6 +3,9 @@
 
 #include <doctest/doctest.h>
 
+#include <atomic>
+
+#include "ngs/stages/view_list.h"
 #include "support/joint_case.h"
 
 namespace ngs {
@@ -60,6 +63,23 @@ TEST_CASE("an input at its own size is the same, and is loaded once") {
   CHECK(same.get().load_photo(2).data == c->input().load_photo(2).data);
   CHECK(same.get().load_photo(2).width_px == c->input().load_photo(2).width_px);
   CHECK(loads == 1);
+}
+
+TEST_CASE("what is preloaded by several threads is loaded once and is the same") {
+  const auto c = test::joint_case();
+  MethodInput fine = c->input();
+  std::atomic<int> loads = 0;
+  fine.load_photo = [&, load = fine.load_photo](std::size_t v) { return ++loads, load(v); };
+  fine.load_masks = [&, load = fine.load_masks](std::size_t v) { return ++loads, load(v); };
+  const CoarseInput ahead(fine, 2), later(fine, 2);
+  ahead.preload({.threads = 3});
+  const int expected = int(photo_views(fine.scene).size() + fine.views.size());
+  CHECK(loads == expected);
+  for (const std::size_t v : fine.views) {
+    CHECK(ahead.get().load_photo(v).data == later.get().load_photo(v).data);
+    CHECK(ahead.get().load_masks(v).target == later.get().load_masks(v).target);
+  }
+  CHECK(loads == expected + 2 * int(fine.views.size()));
 }
 
 }  // namespace ngs

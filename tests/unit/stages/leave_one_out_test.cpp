@@ -1,0 +1,47 @@
+// ngs/stages/leave_one_out.h: what the others say is the evidence of the others, whether it was kept or not.
+#include "ngs/stages/leave_one_out.h"
+
+#include <doctest/doctest.h>
+
+#include "ngs/core/rng.h"
+
+namespace ngs {
+namespace {
+
+constexpr std::int64_t kGaussians = 5;
+constexpr int kObjects = 2;
+
+/// Gaussian 4 is seen by view 1 alone.
+void gather(std::size_t view, Evidence& evidence) {
+  for (std::size_t i = 0; i < 5; ++i) {
+    if (i == 4 && view != 1) continue;
+    const double weight = 1 + rng_uniform(view, RngStream::kTest, i);
+    evidence.weight.add(i, weight);
+    for (std::size_t k = 0; k < 2; ++k)
+      evidence.object_weight.add(2 * i + k, weight * rng_uniform(view, RngStream::kTest, 100 + 2 * i + k));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("without a view there is the evidence of the others, kept or gathered anew") {
+  for (const std::size_t kept : {std::size_t(0), std::size_t(200), std::size_t(1) << 20}) {
+    CAPTURE(kept);
+    LeaveOneOut views(kGaussians, kObjects, gather, kept);
+    for (const std::size_t v : {0, 1, 3}) views.add(v);
+    for (const std::size_t left_out : {0, 1, 2, 3}) {
+      Evidence others(kGaussians, kObjects);
+      for (const std::size_t v : {0, 1, 3})
+        if (v != left_out) gather(v, others);
+      const LeaveOneOut::Rest rest = views.without(left_out);
+      for (std::size_t i = 0; i < 5; ++i) {
+        CHECK(int(rest.seen[i]) == (i == 4 && left_out == 1 ? 0 : 1));
+        for (std::size_t k = 2 * i; k < 2 * i + 2; ++k)
+          CHECK(double(rest.share[k]) ==
+                doctest::Approx(rest.seen[i] ? others.object_weight.value(k) / others.weight.value(i) : 0));
+      }
+    }
+  }
+}
+
+}  // namespace ngs
