@@ -18,10 +18,10 @@ auto PhotometricPass<T, Acc>::evaluate(const Exec& exec, const PhotometricOption
             "photometric: rendered and target differ in size");
   NGS_CHECK(!weight || (weight->width_px == W && weight->height_px == H && weight->channels == 1),
             "photometric: the weight image has another size");
-  if (gradient && (gradient->width_px != W || gradient->height_px != H || gradient->channels != C))
-    *gradient = Image<T>(W, H, C);
+  const bool resized = gradient && (gradient->width_px != W || gradient->height_px != H || gradient->channels != C);
+  if (resized) *gradient = Image<T>(W, H, C);
   const auto clear = [&] {
-    if (gradient) std::fill(gradient->data.begin(), gradient->data.end(), T(0));
+    if (gradient && !resized) std::fill(gradient->data.begin(), gradient->data.end(), T(0));
   };
 
   const PixelRegion whole{0, 0, W, H};

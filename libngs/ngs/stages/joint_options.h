@@ -46,6 +46,14 @@ inline int visits_of(Quality quality) {
   return 10;
 }
 
+/// One visit of every view learns little from the field: draft asks a quarter of the nodes at half the depths, which on
+/// a capture moved no score by more than 0.0002 (BENCHMARKS.md, "Work and precision").
+inline SampleOptions sample_of(SampleOptions sample, Quality quality) {
+  if (quality != Quality::kDraft) return sample;
+  for (int* count : {&sample.rows, &sample.cols, &sample.depth_samples}) *count = (*count + 1) / 2;
+  return sample;
+}
+
 struct JointOptions {
   Quality quality = Quality::kStandard;
   std::int64_t steps = 0;

@@ -38,14 +38,6 @@ SplatOptions splat_of(SplatOptions splat, const JointEffects& effects) {
   return splat;
 }
 
-/// One visit of every view learns little from the field: draft asks a quarter of the nodes at half the depths, which on
-/// a capture moved no score by more than 0.0002 (BENCHMARKS.md, "Work and precision").
-SampleOptions sample_of(SampleOptions sample, Quality quality) {
-  if (quality != Quality::kDraft) return sample;
-  for (int* count : {&sample.rows, &sample.cols, &sample.depth_samples}) *count = (*count + 1) / 2;
-  return sample;
-}
-
 /// About the object, for --effect region=off; empty where its mask is.
 PixelRegion region_of(const ViewMasks& masks) {
   if (!masks.available) return {};

@@ -67,6 +67,7 @@ TEST_CASE("an input at its own size is the same, and is loaded once") {
 
 TEST_CASE("what is preloaded by several threads is loaded once and is the same") {
   const auto c = test::joint_case();
+  for (SceneView& view : c->scene.views) view.image_path = view.camera.name;
   MethodInput fine = c->input();
   std::atomic<int> loads = 0;
   fine.load_photo = [&, load = fine.load_photo](std::size_t v) { return ++loads, load(v); };
