@@ -16,7 +16,7 @@ constexpr double kLeastWeight = 1e-5;   // keeps the graph connected across any 
 constexpr double kShapeWidth_px = 2;    // of the sigmoid that s is
 constexpr double kColourNoise = 3e-4;   // least variance of a colour, (share of full scale)²
 constexpr double kColourGap_px = 2;     // pixels so near the contour are mixed: nothing is learned from them
-constexpr double kLargestLogRatio = 6;  // of the two densities: colours are never certain
+constexpr double kOutliers = 0.1;       // share of colours that neither density explains
 constexpr double kLeastSupport = 1e-4;  // share of a neighbourhood below which its colours are unknown
 
 /// The part of the image that the walk needs: the band about the contour and the colours in reach of it.
@@ -81,8 +81,9 @@ class LocalColours {
     }
   }
 
-  /// Logarithm of the density, up to a constant; false where no chosen pixel is near.
-  bool log_density(std::size_t p, const std::array<float, 3>& colour, double& value) const {
+  /// Density of the colour, a tenth of it even over all colours: one that neither side has shown is no
+  /// evidence. False where no chosen pixel is near.
+  bool density(std::size_t p, const std::array<float, 3>& colour, double& value) const {
     const double n = double(moment_[0][p]);
     if (n < kLeastSupport) return false;
     double z[3], mean[3], c[3][3];
@@ -103,7 +104,8 @@ class LocalColours {
       z[i] /= c[i][i];
       square += z[i] * z[i], log_det += 2 * std::log(c[i][i]);
     }
-    value = -0.5 * (square + log_det);
+    constexpr double kNormal = 0.06349363593424097;  // (2 π)^(-3/2)
+    value = (1 - kOutliers) * kNormal * std::exp(-0.5 * (square + log_det)) + kOutliers;
     return true;
   }
 
@@ -185,10 +187,9 @@ ColourEvidence weigh_colours(const Window& win, const ColourModels& models,
   std::vector<std::uint8_t> learnt(win.pixels());
   for (std::size_t p = 0; p < win.pixels(); ++p) {
     double in = 0, ex = 0;
-    if (!models.object.log_density(p, models.colour[p], in) ||
-        !models.rest.log_density(p, models.colour[p], ex))
+    if (!models.object.density(p, models.colour[p], in) || !models.rest.density(p, models.colour[p], ex))
       continue;
-    learnt[p] = 1, out.object[p] = float(sigmoid(std::clamp(in - ex, -kLargestLogRatio, kLargestLogRatio)));
+    learnt[p] = 1, out.object[p] = float(in / (in + ex));
     if (!inside[p] && !outside[p]) continue;
     known[p] = 1, out.trust[p] = (inside[p] ? 1.f : -1.f) * (2 * out.object[p] - 1);
   }
