@@ -14,7 +14,7 @@
 namespace ngs {
 namespace {
 
-constexpr int kMutationsPerFile = 400;
+constexpr int kMutationsPerReader = 2400, kLeastPerFile = 40;
 
 std::vector<std::string> corpus_of(const std::string& reader) {
   std::vector<std::string> paths;
@@ -58,11 +58,12 @@ TEST_CASE("every reader survives its corpus and mutations of it") {
   for (const fuzz::Target& target : fuzz::kTargets) {
     const std::vector<std::string> paths = corpus_of(target.name);
     CAPTURE(target.name);
-    CHECK_FALSE(paths.empty());
+    REQUIRE_FALSE(paths.empty());
+    const int mutations = std::max(kLeastPerFile, kMutationsPerReader / int(paths.size()));
     for (const std::string& path : paths) {
       CAPTURE(path);
       const std::string bytes = test::read_bytes(path);
-      for (int m = -1; m < kMutationsPerFile; ++m) {
+      for (int m = -1; m < mutations; ++m) {
         CAPTURE(m);
         const std::string input = m < 0 ? bytes : mutated(bytes, {std::uint64_t(m)});
         const std::vector<std::uint8_t> exact(input.begin(), input.end());  // no spare byte behind the end

@@ -21,7 +21,7 @@ cp -r "$root"/tests/{support,grad} "$wide/fresh/tests/"
   kept='libngs/ngs/io/(ply|ply_scan|ply_writer|npy|exr|safetensors)\.(h|cpp)|ngs/math/(lanes|lanes16|lane_scalar)\.h|tests/support/ply_text\.h'
   find libngs tools tests \( -name '*.h' -o -name '*.cpp' \) | grep -v -E "$kept" | xargs sed -E -i \
     -e '/bit_cast<std::uint32_t>/!s/\bfloat\b/double/g' \
-    -e 's/(^|[^A-Za-z0-9_.])([0-9]+\.[0-9]*([eE][-+]?[0-9]+)?|[0-9]+[eE][-+]?[0-9]+)f\b/\1\2/g'
+    -e '/bit_cast<std::uint32_t>/!s/(^|[^A-Za-z0-9_.])([0-9]+\.[0-9]*([eE][-+]?[0-9]+)?|[0-9]+[eE][-+]?[0-9]+)f\b/\1\2/g'
   # Records and pictures on their way to files and to OpenCV.
   sed -E -i -e 's/double row\[62\]/float row[62]/; s/double\* at = row/float* at = row/; s/sizeof\(double\)/sizeof(float)/' \
     libngs/ngs/io/gaussian_ply_write.cpp

@@ -1,20 +1,20 @@
 #!/usr/bin/env bash
 # Proves that the tests have teeth: breaks the kernels one small way at a time and runs the tests that should notice.
-#   tests/stability/mutants.sh [WORD]        only mutants whose line contains WORD
+#   tests/stability/mutants.sh [WORD...]        only mutants whose line contains one of the words
 # Needs a finished build (pipelines/build.sh): a mutant is a copy of one header or source, put before the real one,
 # compiled with the named tests (of tests/) and linked with the libraries of build/. Prints killed or SURVIVED per
 # mutant; exit 1 if one survives, no longer applies or does not compile.
 set -uo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 build=$root/build
-only=${1:-}
+words=("$@")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 jobs=${MUTANT_JOBS:-2}
 count=0
 
 # Without NGS_WITH_V4 no kernel of the library runs beside a mutant of the compositing loops.
-flags=(-std=c++20 -O1 -march=x86-64-v3 -ffp-contract=off -fno-math-errno -fopenmp -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS
+flags=(-std=c++20 $(pkg-config --cflags eigen3) -O1 -march=x86-64-v3 -ffp-contract=off -fno-math-errno -fopenmp -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS
   "-DNGS_SOURCE_DIR=\"$root\"" "-DNGS_TOOL_DIR=\"$build/bin\"")
 libraries=("$build"/tests/libngs_test_support.a "$build"/libngs/libngs_{stages,ops,backend,options,scene,core}.a -llz4)
 
@@ -47,7 +47,9 @@ run() {
 
 # mutant FILE TESTS SOURCES WHAT SED
 mutant() {
-  if [[ -n $only && "$*" != *"$only"* ]]; then return; fi
+  local word wanted=$((${#words[@]} == 0))
+  for word in "${words[@]}"; do [[ "$*" != *"$word"* ]] || wanted=1; done
+  [ "$wanted" = 1 ] || return 0
   count=$((count + 1))
   while [ "$(jobs -rp | wc -l)" -ge "$jobs" ]; do wait -n; done
   run "$@" "$work/$count" >>"$work/verdicts" &

@@ -190,4 +190,5 @@ mutant ops/film_forward_grid.h "$t" "" "device: activations written while they a
 t="parity/emulated_main.cpp parity/backends.cpp parity/loss_parity.cpp"
 mutant ops/sum_grid.h "$t" "" "device: a chunk one short" 's/first \+ kRows < n \? first \+ kRows : n/first + kRows < n ? first + kRows - 1 : n/'
 mutant ops/photometric_grid.h "$t" "" "device: padding not cleared" 's/products\.zero\(\);//'
-mutant ops/adam_grid.h "$t" "" "device: the last unusable gradient found" 's/if \(!\(value\[i\] <= limit \&\& -value\[i\] <= limit\)\)/if (!(value[i] <= limit))/'
+mutant ops/adam_grid.h "$t" "" "device: negative overflow passes" 's/if \(!\(value\[i\] <= limit \&\& -value\[i\] <= limit\)\)/if (!(value[i] <= limit))/'
+mutant ops/adam_grid.h "$t" "" "device: the last unusable gradient found" 's/for \(std::int64_t i = end; i-- > begin;\)/for (std::int64_t i = begin; i < end; ++i)/'

@@ -98,7 +98,7 @@ TEST_CASE("adam: a gradient that is not a number is named and moves nothing") {
                     adam_step({}, {.lr = kLr}, 1, "position", x, grad, moments);
                     const std::vector<float> before = x, m = moments.m, v = moments.v;
                     const auto at = std::size_t(random.below(100));
-                    grad[at] = float(h);
+                    grad[at] = random.below(2) == 1 ? float(h) : -float(h);
                     bool named = false;
                     try {
                       adam_step({}, {.lr = kLr}, 2, "position", x, grad, moments);
