@@ -3,9 +3,9 @@
 # how often each reader ran:
 #   pipelines/fuzz.sh [--minutes M] [--jobs N] [--keep DIR] [READER...]
 # READER: a folder of tests/fuzz/corpus; default: all of them. M minutes (default 30) each, N (default: one per CPU) at
-# once, at the lowest priority. What a reader learns stays in build-fuzz/corpus, where the next call goes on. --keep
-# writes for every reader the few smallest inputs that together reach all that was reached into DIR/READER: with
-# tests/fuzz/corpus as DIR, every later run of the suite fuzz replays them.
+# once, at the lowest priority. What a reader learns stays in build-fuzz/corpus, where the next call goes on. --keep copies
+# 16 inputs per reader, of all sizes, out of those that together reach every edge into DIR/READER: with tests/fuzz/corpus
+# as DIR, every later run of the suite fuzz replays them.
 # A finding is left in build-fuzz/findings and makes the exit code 1; without clang++ the exit code is 77 (skipped).
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -40,6 +40,17 @@ fuzz() {  # READER
     -max_total_time=$((minutes * 60)) -print_final_stats=1 -artifact_prefix="build-fuzz/findings/$1-" \
     "build-fuzz/corpus/$1" "tests/fuzz/corpus/$1"; } >"build-fuzz/log/$1" 2>&1
 }
+keep_some() {  # READER
+  local all=build-fuzz/kept/$1 files i
+  rm -rf "$all"
+  mkdir -p "$all" "$keep/$1"
+  "build-fuzz/bin/fuzz_$1" "${limits[@]}" -max_len=2048 -use_counters=0 -set_cover_merge=1 "$all" "tests/fuzz/corpus/$1" \
+    "build-fuzz/corpus/$1" >>"build-fuzz/log/$1" 2>&1
+  mapfile -t files < <(ls -Sr "$all")
+  for ((i = 0; i < ${#files[@]}; i += (${#files[@]} + 15) / 16)); do
+    cp "$all/${files[i]}" "$keep/$1/found-${files[i]:0:10}"
+  done
+}
 for reader in "${readers[@]}"; do
   while [ "$(jobs -rp | wc -l)" -ge "$jobs" ]; do wait -n || true; done
   fuzz "$reader" &
@@ -57,10 +68,6 @@ for reader in "${readers[@]}"; do
   if grep -q -E '^SUMMARY: ' "$log" || [ -z "$seconds" ]; then finding="see $log" found=1; fi
   printf '%-16s %12s %9s %9s %9s %9s  %s\n' "$reader" "${runs:--}" "${seconds:--}" "$(sed -n 's/^cpu_s: //p' "$log")" \
     "$(sed -E 's/.* cov: ([0-9]+).*/\1/' <<<"$line")" "$(find "build-fuzz/corpus/$reader" -type f | wc -l)" "$finding"
-  if [ -n "$keep" ]; then
-    mkdir -p "$keep/$reader"
-    "build-fuzz/bin/fuzz_$reader" "${limits[@]}" -set_cover_merge=1 "$keep/$reader" "tests/fuzz/corpus/$reader" \
-      "build-fuzz/corpus/$reader" >>"$log" 2>&1
-  fi
+  if [ -n "$keep" ]; then keep_some "$reader"; fi
 done
 exit "$found"

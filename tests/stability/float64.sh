@@ -38,8 +38,9 @@ cp -r "$root"/tests/{support,grad} "$wide/fresh/tests/"
   {
     cat "$root/tests/stability/float64_lanes.h"
     printf 'namespace ngs {\n'
-    sed -n '/^struct Pack4D/,/^inline void store_ints/p' "$root/libngs/ngs/math/lanes.h"
-    printf '}\n'
+    sed -n '/^struct Pack4D/,/^inline void store_ints/p' "$root/libngs/ngs/math/lanes.h" | grep -v 'Pack4D [a-z]*_half'
+    printf 'inline Pack4D low_half(PackF x) { return {x.v[0], x.v[1], x.v[2], x.v[3]}; }\n'
+    printf 'inline Pack4D high_half(PackF x) { return {x.v[4], x.v[5], x.v[6], x.v[7]}; }\n}\n'
   } >libngs/ngs/math/lanes.h
   find . -type f | while read -r file; do  # unchanged files keep their times
     cmp -s "$file" "$wide/source/$file" || install -D -m 644 "$file" "$wide/source/$file"

@@ -23,6 +23,7 @@ struct PackF {
   friend PackF operator+(PackF a, PackF b) { return a.v + b.v; }
   friend PackF operator-(PackF a, PackF b) { return a.v - b.v; }
   friend PackF operator*(PackF a, PackF b) { return a.v * b.v; }
+  friend PackF operator/(PackF a, PackF b) { return a.v / b.v; }
   friend PackF operator-(PackF a) { return -a.v; }
   PackF& operator+=(PackF b) { v += b.v; return *this; }
 };
