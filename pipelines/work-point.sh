@@ -43,7 +43,16 @@ run() {
   echo "$rc" >"$folder/done"
 }
 
+# Where it was built (ninja ngs_numerical): the error of the arithmetic, a plot of its own.
+numerical() {
+  local once=$OUT/once/scene
+  [[ -x ${bin:+$bin/}ngs_numerical && -f $once/boundary.ply ]] || return 0
+  "$bin/ngs_numerical" "$once/scene.json" "$once/boundary.ply" >"$OUT/numerical.json.part"
+  mv "$OUT/numerical.json.part" "$OUT/numerical.json"
+}
+
 page() {
+  [[ -f $OUT/numerical.json ]] || numerical
   tool ngs-report work-precision "$OUT" -o "$OUT/report.html" --points-json "$OUT/points.json" --points-csv "$OUT/points.csv" -w -q \
     --report "$OUT/report.json"
   echo "$OUT/report.html"

@@ -177,6 +177,24 @@ TEST_CASE("ablation.mk compares the full method with its variants and leaves out
   CHECK(data.json("out/tau-0.5/reports/ngs-variance.json")["options"]["tau"] == 0.5);
 }
 
+/// A run per budget, on the scene that the sweep has prepared.
+void check_budgets(const DataSet& data, const nlohmann::json& schema) {
+  test::ProcessSpec spec;
+  spec.argv = {NGS_SOURCE_DIR "/pipelines/budgets.sh", "out/once/scene/scene.json",
+               "out/once/scene/boundary.ply", "tiny/masks", "out/budgets", "0.2", "1", "--", "--steps", "8"};
+  spec.folder = data.dir.path();
+  spec.environment = {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}};
+  const test::ProcessResult result = test::run_process(spec);
+  INFO(result.err);
+  CHECK(result.exit_code <= 1);  // 1: late, or worse than a smaller budget; this machine may be busy
+  const Json budgets = data.json("out/budgets/budgets.json");
+  CHECK(test::schema_violations(schema, budgets) == "");
+  REQUIRE(budgets["runs"].size() == 2);
+  CHECK(budgets["runs"][1]["budget_s"] == 1);
+  for (const auto& run : budgets["runs"]) CHECK(run["iou"].get<double>() > 0.5);
+  CHECK(data.json("out/budgets/1.json")["result"]["budget"]["seconds"] == 1);
+}
+
 TEST_CASE("work-precision.mk draws its points with their frontier, and keeps those that fail") {
   const DataSet data;
   const test::ProcessResult result =
@@ -208,6 +226,7 @@ TEST_CASE("work-precision.mk draws its points with their frontier, and keeps tho
   CHECK(page.find("http") == std::string::npos);
   CHECK(page.find("<script") == std::string::npos);
   CHECK(std::count(csv.begin(), csv.end(), '\n') == 1 + 8);
+  check_budgets(data, schema("budgets.schema.json"));
 }
 
 }  // namespace

@@ -1,21 +1,38 @@
 #include "budget.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "ngs/stages/render_stage.h"
 
 namespace ngs::joint {
+namespace {
 
-double Budget::left_s() const {
-  return seconds_ ? *seconds_ - kClosing_s - elapsed_s() : std::numeric_limits<double>::infinity();
+constexpr double kLeastClosing_s = 0.1;   // to write the result; reading the model may tell of more
+constexpr double kMeasuringShare = 0.02;  // of the budget
+constexpr double kCaution = 1.25;         // on what cannot be stopped
+constexpr int kDraftRefitVisits = 3;
+
+/// Of a view.
+double refit_renders(const Budget::Refit& plan, int shrink) {
+  const double size = plan.full_size ? 1 : 1 / double(shrink) / double(shrink);
+  return kRefitVisitCost.renders * size * plan.visits;
 }
 
-void Budget::measure(const Exec& exec, const MethodInput& input) {
+}  // namespace
+
+double Budget::left_s() const {
+  return seconds_ ? *seconds_ - closing_s_ - elapsed_s() : std::numeric_limits<double>::infinity();
+}
+
+void Budget::measure(const Exec& exec, const MethodInput& input, double reading_s) {
   if (!given() || input.views.empty()) return;
+  closing_s_ = kLeastClosing_s + 2 * reading_s;
   const Camera& camera = input.scene.views[input.views.front()].camera;
   render_s_ = std::numeric_limits<double>::infinity();
-  for (int again = 0; again < 5; ++again) {  // the best is least disturbed
+  const double began_s = wall_seconds(), most_s = kMeasuringShare * *seconds_;
+  for (int again = 0; again < 5 && wall_seconds() - began_s <= most_s; ++again) {  // best: least disturbed
     const double before = wall_seconds();
     render(exec, input.cloud, camera, input.splat, {});
     render_s_ = std::min(render_s_, wall_seconds() - before);
@@ -23,33 +40,66 @@ void Budget::measure(const Exec& exec, const MethodInput& input) {
 }
 
 bool Budget::has_room_for(const StageCost& cost, std::size_t views) const {
-  return !given() || cost.per_view * double(views) * render_s_ <= cost.share * left_s();
+  return !given() || kCaution * foreseen_s(cost.renders * double(views)) <= cost.share * left_s();
 }
 
-std::int64_t Budget::steps_that_fit(const JointOptions& joint, std::size_t views, bool edges_follow) {
-  const std::int64_t wanted = visits_of(joint.quality) * std::int64_t(views);
-  if (!given()) return wanted;
-  const double room_s = (edges_follow ? kJointStepCost.share : 1.0) * left_s();
-  const auto fit = std::int64_t(std::max(1.0, room_s / (kJointStepCost.per_view * render_s_)));
-  cut_ |= fit < wanted;
-  return std::min(fit, wanted);
+void Budget::took(std::string_view name, double renders, double seconds) {
+  if (!given()) return;
+  const double foreseen = renders * render_s_;
+  laps_.push_back({{"stage", name}, {"foreseen_s", foreseen_s(renders)}, {"took_s", seconds}});
+  pace_.add(foreseen, seconds);
 }
 
-Budget::Rounds planned_rounds(double left_s, double round_s, double visit_s, int rounds, int visits) {
-  const auto visits_in = [&](int n) { return int((left_s - n * round_s) / (n * visit_s)); };
-  int n = rounds;
-  while (n > 1 && 2 * visits_in(n) < visits) --n;
-  const int fit = std::min(visits, visits_in(n));
-  if (n < 1 || fit < 1) return {0, 0, true};
-  return {n, fit, n < rounds || fit < visits};
+Budget::Refit Budget::plan_refit(bool draft, int shrink, std::size_t views) {
+  const Refit full{true, RefitOptions{}.visits};
+  if (draft) return {false, kDraftRefitVisits};
+  if (has_room_for({kRefitVisitCost.name, refit_renders(full, shrink), kRefitVisitCost.share}, views))
+    return full;
+  cut_ = true;
+  const double visit_s = foreseen_s(refit_renders({false, 1}, shrink) * double(views));
+  const double fit = kRefitVisitCost.share * left_s() / visit_s;
+  return {false, int(std::clamp(fit, 1.0, double(full.visits)))};
 }
 
-Budget::Rounds Budget::plan_edges(const EdgeOptions& edge, Quality quality, std::size_t views) const {
-  const int visits = edge_visits(edge, quality);
-  if (!given() || visits == 0) return {edge.rounds, visits, false};
-  const double unit_s = render_s_ * double(views);
-  return planned_rounds(left_s(), (kWalkRenders + kRoundRenders) * unit_s, kEdgeStepRenders * unit_s,
-                        edge.rounds, visits);
+Budget::Lap Budget::lap_refit(const Refit& plan, int shrink, std::size_t views) {
+  return {*this, kRefitVisitCost.name, refit_renders(plan, shrink) * double(views)};
+}
+
+RoundsCost Budget::rounds_cost(const JointOptions& joint, const EdgeOptions& edge, const Scene& scene,
+                               std::size_t training_views) const {
+  const JointEffects effects = parse_effects(joint.effect);
+  const double n = double(edge.views == EdgeViews::kAll ? scene.views.size() : training_views);
+  RoundsCost rounds{.walk_s = foreseen_s(kWalkRenders * n),
+                    .visit_s = foreseen_s(kEdgeStepRenders * n),
+                    .check_s = foreseen_s(kCheckCost.renders * double(training_views)),
+                    .rounds = 0,
+                    .visits = edge_visits(edge, joint.quality)};
+  if (effects.edges && rounds.visits > 0) rounds.rounds = effects.second_round ? edge.rounds : 1;
+  return rounds;
+}
+
+TimePlan Budget::plan(const JointOptions& joint, const EdgeOptions& edge, const Scene& scene,
+                      std::size_t training_views) const {
+  const JointEffects effects = parse_effects(joint.effect);
+  const double n = double(training_views);
+  StepsCost steps{.visit_s = foreseen_s(kStepRenders * n), .field_visit_s = 0, .visits = 0};
+  if (effects.joint)
+    steps.visits = joint.steps > 0 ? int(std::ceil(double(joint.steps) / n)) : visits_of(joint.quality);
+  if (effects.nerf) steps.field_visit_s = foreseen_s(kFieldStepRenders * n);
+  return plan_time(left_s(), steps, rounds_cost(joint, edge, scene, training_views));
+}
+
+TimePlan Budget::plan_rounds(const JointOptions& joint, const EdgeOptions& edge, const Scene& scene,
+                             std::size_t training_views) const {
+  return plan_time(left_s(), {}, rounds_cost(joint, edge, scene, training_views));
+}
+
+Json Budget::json() const {
+  return {{"seconds", seconds_.value_or(0)},
+          {"render_s", render_s_},
+          {"pace", pace_.factor()},
+          {"cut", cut_},
+          {"stages", laps_}};
 }
 
 }  // namespace ngs::joint

@@ -1,24 +1,31 @@
 #pragma once
-// What --time-budget leaves room for. Stages that cannot stop midway are begun only where their foreseen time
-// is a small part of what is left; the last ones, whose steps can end at any time, are planned to fill the
-// rest.
+// What --time-budget leaves room for. Every stage has a cost in renders, one render is timed when the run
+// begins, and what the stages then take corrects the rest. Stages that cannot stop midway are begun only
+// where they are foreseen to end in time; the steps follow the time itself (watch.h).
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "ngs/stages/effect_probe.h"
+#include "ngs/stages/photo_refit.h"
+#include "ngs/stages/time_plan.h"
+#include "shared/tool.h"
 
 namespace ngs::joint {
 
-/// Seconds of a stage, foreseen from the time of one render: `per_view` renders for each view.
+/// Renders per view that a stage takes, and the share of the time left that it may take at most.
 struct StageCost {
-  double per_view;
-  double share;  // of the time left that it may take at most
+  std::string_view name;
+  double renders;
+  double share;
 };
 
-// Measured on two captures, rounded up (BENCHMARKS.md, Budgets).
-inline constexpr StageCost kTrustCost{6, 0.1}, kFloatersCost{50, 0.35}, kDetectorCost{8, 0.25},
-    kJointStepCost{12, 0.35};
-inline constexpr double kWalkRenders = 15, kEdgeStepRenders = 4, kRoundRenders = 6;
-inline constexpr double kClosing_s = 0.15;  // kept for writing
+// Measured on the captures of BENCHMARKS.md (Budgets); a run corrects them by its own pace.
+inline constexpr StageCost kTrustCost{"view-trust", 2, 0.15}, kFloatersCost{"floaters", 17, 0.7},
+    kFloaterSearchCost{"floaters", 12, 1}, kDetectorsCost{"detectors", 2, 0.6},
+    kDraftFloatersCost{"floaters", 8, 0.7}, kDraftSearchCost{"floaters", 4, 1},
+    kRefitVisitCost{"refit", 4, 0.35}, kCheckCost{"check", 2, 1}, kLoadCost{"load views", 2, 0.4};
+inline constexpr double kStepRenders = 5, kFieldStepRenders = 6, kWalkRenders = 14, kEdgeStepRenders = 4;
 
 class Budget {
  public:
@@ -31,34 +38,62 @@ class Budget {
   /// Whether what takes `next_s` may still be begun.
   bool allows(double next_s) const { return !given() || next_s <= left_s(); }
 
-  /// Times a render of the first view; everything is foreseen from it. Only where a budget is given.
-  void measure(const Exec& exec, const MethodInput& input);
+  /// Times a render of the first view, and keeps the time for writing that reading took. Only where a budget
+  /// is given.
+  void measure(const Exec& exec, const MethodInput& input, double reading_s);
+  double foreseen_s(double renders) const { return renders * render_s_ * pace_.factor(); }
   bool has_room_for(const StageCost& cost, std::size_t views) const;
 
-  struct Rounds {
-    int rounds = 0, visits = 0;  // rounds 0: none
-    bool cut = false;            // less than asked for
-  };
-  /// As many rounds and visits of follow_edges as fit, at most those asked for.
-  Rounds plan_edges(const EdgeOptions& edge, Quality quality, std::size_t views) const;
+  /// Until the end of its scope a stage is timed against what was foreseen for it.
+  class Lap {
+   public:
+    Lap(Budget& budget, std::string_view name, double renders)
+        : budget_(budget), name_(name), renders_(renders), began_s_(wall_seconds()) {}
+    ~Lap() { budget_.took(name_, renders_, wall_seconds() - began_s_); }
+    Lap(const Lap&) = delete;
+    Lap& operator=(const Lap&) = delete;
 
-  /// Steps of the joint stage: as --quality says, or what a part of the time left has room for (all of it
-  /// where nothing follows). Something is cut where that is less.
-  std::int64_t steps_that_fit(const JointOptions& joint, std::size_t views, bool edges_follow);
+   private:
+    Budget& budget_;
+    std::string_view name_;
+    double renders_, began_s_;
+  };
+  Lap lap(const StageCost& cost, std::size_t views) {
+    return {*this, cost.name, cost.renders * double(views)};
+  }
+  void took(std::string_view name, double renders, double seconds);
+
+  /// How the colours that floaters covered are refitted: briefly at 1 / shrink of the size for a draft, else
+  /// as well as there is room.
+  struct Refit {
+    bool full_size;
+    int visits;
+  };
+  Refit plan_refit(bool draft, int shrink, std::size_t views);
+  Lap lap_refit(const Refit& plan, int shrink, std::size_t views);
+
+  /// What is left for steps and edges; for edges alone.
+  TimePlan plan(const JointOptions& joint, const EdgeOptions& edge, const Scene& scene,
+                std::size_t training_views) const;
+  TimePlan plan_rounds(const JointOptions& joint, const EdgeOptions& edge, const Scene& scene,
+                       std::size_t training_views) const;
 
   /// Something was left out or shortened for want of time.
   void note_cut() { cut_ = true; }
   bool cut() const { return cut_; }
+  /// "budget" of the report's result: what was foreseen and what it took.
+  Json json() const;
 
  private:
+  RoundsCost rounds_cost(const JointOptions& joint, const EdgeOptions& edge, const Scene& scene,
+                         std::size_t training_views) const;
+
   double start_s_;
   std::optional<double> seconds_;
-  double render_s_ = 0;
+  double render_s_ = 0, closing_s_ = 0;
+  Pace pace_{0.3};
   bool cut_ = false;
+  Json laps_ = Json::array();
 };
-
-/// Rounds of walk and training in `left_s`: rounds go before visits only where at least half of the visits of
-/// every round remain.
-Budget::Rounds planned_rounds(double left_s, double round_s, double visit_s, int rounds, int visits);
 
 }  // namespace ngs::joint

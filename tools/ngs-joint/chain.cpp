@@ -36,15 +36,28 @@ void rule_by_options(const Settings& settings, const Paths& paths, Decisions& de
   if (!paths.nerf.empty()) decisions.rule({"nerf", true, "--nerf"});
 }
 
-/// What the time that is left decides.
+void leave_out(std::string_view name, const Settings& settings, Budget& budget, Decisions& decisions) {
+  if (mode_of(name, settings.joint.effect) == EffectMode::kAuto) budget.note_cut();
+  decisions.rule({name, false, "--time-budget has no room for it"});
+}
+
+/// What the time that is left decides before the steps.
 void rule_by_time(Budget& budget, const Settings& settings, std::size_t views, Decisions& decisions) {
-  const auto leave_out = [&](std::string_view name) {
-    if (mode_of(name, settings.joint.effect) == EffectMode::kAuto) budget.note_cut();
-    decisions.rule({name, false, "--time-budget has no room for it"});
-  };
-  if (!budget.has_room_for(kTrustCost, views)) leave_out("view-trust");
-  if (!budget.has_room_for(kFloatersCost, views)) leave_out("floaters");
-  if (!budget.has_room_for(kDetectorCost, views)) leave_out("joint");
+  if (!budget.has_room_for(kTrustCost, views)) leave_out("view-trust", settings, budget, decisions);
+  if (!budget.has_room_for(kDraftFloatersCost, views)) leave_out("floaters", settings, budget, decisions);
+}
+
+/// What it decides of steps and edges. False: of nothing that is left could a detector say more.
+bool rule_steps_by_time(Budget& budget, const Settings& settings, const MethodInput& input,
+                        Decisions& decisions) {
+  if (!budget.given()) return true;
+  const TimePlan plan = budget.plan(settings.joint, settings.edge, input.scene, input.views.size());
+  const bool steps = plan.steps && budget.has_room_for(kDetectorsCost, input.views.size());
+  if (!steps) leave_out("joint", settings, budget, decisions);
+  if (!plan.field) leave_out("nerf", settings, budget, decisions);
+  if (plan.edge_rounds == 0 && edge_visits(settings.edge, settings.joint.quality) > 0)
+    leave_out("edges", settings, budget, decisions);
+  return steps || plan.edge_rounds > 0;
 }
 
 }  // namespace
@@ -56,7 +69,9 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
   parse_target(settings.run.target);
   Decisions decisions(settings, paths.effects_from);
   const Scene scene = with_objects(io::read_scene_json(paths.scene), settings.run.objects);
+  const double reads_s = wall_seconds();
   const io::GaussianPly ply = io::read_gaussian_ply(paths.boundary);
+  const double reading_s = wall_seconds() - reads_s;
   const MethodInput from_files{.cloud = ply.cloud,
                    .scene = scene,
                    .views = training_views(scene),
@@ -74,11 +89,12 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
     return 0;
   }
   rule_by_options(settings, paths, decisions);
-  budget.measure(run.exec(), from_files);
+  budget.measure(run.exec(), from_files, reading_s);
   rule_by_time(budget, settings, scene.views.size(), decisions);
   const CoarseInput kept(from_files, 1), coarse(kept.get(), decision_shrink(scene));
-  if (settings.run.method == Method::kPaper) {
+  if (settings.run.method == Method::kPaper && budget.has_room_for(kLoadCost, scene.views.size())) {
     const auto timed = run.monitor().scope("load views");
+    const auto lap = budget.lap(kLoadCost, scene.views.size());
     kept.preload(run.exec()), coarse.preload(run.exec());
   }
   const MethodInput& read = kept.get();
@@ -87,7 +103,7 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
   const ViewTrust trust = mend && decisions.on("view-trust") ? handle_trust(run, coarse.get()) : ViewTrust{};
   const MethodInput believed = with_trusted_masks(run, read, trust);
   const FloaterOutcome clean = mend && decisions.on("floaters")
-                                   ? handle_floaters(run, believed, settings.joint.quality == Quality::kDraft)
+                                   ? handle_floaters(run, believed, settings.joint.quality, budget)
                                    : FloaterOutcome{};
   MethodInput input = without_floaters(believed, clean);
   if (settings.run.method != Method::kPaper && mend) {
@@ -95,7 +111,11 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
                  run_beside(run, settings.run.method, declared.methods, input), paths.labelled);
     return 0;
   }
-  decisions.decide(run, EffectPhase::kSteps, input);
+  const bool detects = rule_steps_by_time(budget, settings, input, decisions);
+  {
+    const auto lap = budget.lap(kDetectorsCost, detects ? input.views.size() : 0);
+    decisions.decide(run, EffectPhase::kSteps, input);
+  }
   if (!mend) {
     plan["effects"] = decisions.json();
     run.plan(std::move(plan));

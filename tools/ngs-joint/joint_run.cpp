@@ -1,5 +1,6 @@
 #include "joint_run.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -42,14 +43,14 @@ std::optional<Target> parse_target(const std::string& text) {
   return Target{boundary, *value};
 }
 
-Agreement training_agreement(const Exec& exec, const MethodInput& input, const MethodResult& result) {
+std::vector<Agreement> training_agreement(const Exec& exec, const MethodInput& input,
+                                          const MethodResult& result) {
   const std::size_t objects = result.labels.size();
   const auto n = std::size_t(result.cloud.size());
   std::vector<float> label(n * objects);
   for (std::size_t k = 0; k < objects; ++k)
     for (std::size_t i = 0; i < n; ++i) label[i * objects + k] = result.labels[k].label[i];
-  Agreement sum;
-  double count = 0;
+  std::vector<Agreement> views;
   for (const std::size_t view : input.views) {
     const ViewMasks masks = input.load_masks(view);
     if (!masks.available) continue;
@@ -58,14 +59,21 @@ Agreement training_agreement(const Exec& exec, const MethodInput& input, const M
     request.label = {label.data(), result.cloud.size(), int(objects)};
     const RenderedView rendered =
         render(exec, result.cloud, input.scene.views[view].camera, input.splat, request);
+    Agreement sum;
     for (std::size_t k = 0; k < objects; ++k) {
       const MaskPair pair(rendered.label, masks, k);
       sum.iou += iou(pair.counts(exec)), sum.biou += pair.biou(exec);
-      count += 1;
     }
+    views.push_back({sum.iou / double(objects), sum.biou / double(objects)});
   }
-  if (count > 0) sum.iou /= count, sum.biou /= count;
-  return sum;
+  return views;
+}
+
+Agreement mean_agreement(const std::vector<Agreement>& views) {
+  Agreement sum;
+  for (const Agreement& view : views) sum.iou += view.iou, sum.biou += view.biou;
+  const double count = std::max<double>(1, double(views.size()));
+  return {sum.iou / count, sum.biou / count};
 }
 
 std::string Checkpoint::path() const {

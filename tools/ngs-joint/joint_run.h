@@ -53,11 +53,14 @@ struct Target {
 };
 std::optional<Target> parse_target(const std::string& text);
 
-/// How well the rendered masks agree with the training views' own masks, on the mean over views and objects.
+/// How well the rendered masks agree with the training views' own masks, on the mean over the objects.
 struct Agreement {
   double iou = 0, biou = 0;
 };
-Agreement training_agreement(const Exec& exec, const MethodInput& input, const MethodResult& result);
+/// Of every training view with masks.
+std::vector<Agreement> training_agreement(const Exec& exec, const MethodInput& input,
+                                          const MethodResult& result);
+Agreement mean_agreement(const std::vector<Agreement>& views);
 
 /// Where the state of a run is kept; the file appears by rename. `fingerprint` names model and options:
 /// another run's checkpoint is kInconsistent.

@@ -2,6 +2,8 @@
 
 #include "decide.h"
 #include "ngs/io/atomic_file.h"
+#include "ngs/stages/edge_masks.h"
+#include "ngs/stages/effect_detectors.h"
 #include "watch.h"
 
 namespace ngs::joint {
@@ -59,7 +61,7 @@ int run_steps(cli::Run& run, const RunOptions& options, const Checkpoint& checkp
   while (!trainer.finished() && !ended) {
     const JointProgress progress = trainer.step();
     run.monitor().progress(progress.step, progress.steps);
-    ended = watch.after_step("joint", progress, trainer);
+    ended = watch.after_step(progress, trainer);
     const bool periodic = options.checkpoint_every > 0 && progress.step % options.checkpoint_every == 0;
     if (checkpoint.given() && (periodic || run.monitor().stop_requested())) checkpoint.save(trainer);
     if (run.monitor().stop_requested()) return run.stop_code();
@@ -67,45 +69,76 @@ int run_steps(cli::Run& run, const RunOptions& options, const Checkpoint& checkp
   return 0;
 }
 
+/// Under a budget the rounds may have ended too early to earn their place: whether the outcome agrees
+/// significantly less with the views' own masks than what it started from, as the stage asks of its walk.
+bool has_lost(const MethodResult& outcome, const std::vector<Agreement>& before,
+              const std::vector<Agreement>& after) {
+  constexpr double kSignificant = 2;  // standard errors
+  const auto given = outcome.figures.find("edge_contrast_given"),
+             walked = outcome.figures.find("edge_contrast_walked");
+  if (given == outcome.figures.end() || given->second < kOffEdges * walked->second)
+    return false;  // no judges: those masks do not lie on edges
+  std::vector<double> gains;
+  for (std::size_t i = 0; i < before.size(); ++i) gains.push_back(after[i].biou - before[i].biou);
+  return gain_in_errors(gains) < -kSignificant;
+}
+
 /// Follows the photos' edges in the rounds that the budget has room for.
 MethodResult run_edges(cli::Run& run, const Settings& settings, const Problem& problem, Watch& watch,
                        MethodResult result) {
   Settings planned = settings;
-  const std::size_t views =
-      planned.edge.views == EdgeViews::kAll ? problem.input.scene.views.size() : problem.input.views.size();
-  const Budget::Rounds plan = problem.budget.plan_edges(planned.edge, planned.joint.quality, views);
-  if (plan.cut) problem.budget.note_cut();
-  if (plan.rounds == 0 || plan.visits == 0) return result;
-  planned.edge.rounds = plan.rounds, planned.edge.visits = plan.visits;
-  return follow_edges(run.exec(), run.monitor(),
-                      {planned.edge, planned.joint, planned.sample, planned.rbf, problem.input,
-                       [&](const JointProgress& progress, JointTrainer& trainer) {
-                         return watch.after_step("edges", progress, trainer);
-                       }},
-                      std::move(result));
+  Budget& budget = problem.budget;
+  const std::size_t views = problem.input.views.size();
+  std::vector<Agreement> before;
+  if (budget.given()) {
+    const auto lap = budget.lap(kCheckCost, views);
+    before = training_agreement(run.exec(), problem.input, result);
+  }
+  const TimePlan plan = budget.plan_rounds(planned.joint, planned.edge, problem.input.scene, views);
+  if (plan.cut) budget.note_cut();
+  if (plan.edge_rounds == 0) return result;
+  planned.edge.rounds = plan.edge_rounds;
+  const double check_s = budget.foreseen_s(kCheckCost.renders * double(views));
+  watch.begin_rounds(plan.edge_rounds, check_s);
+  MethodResult start = budget.given() ? result : MethodResult{};
+  result = follow_edges(run.exec(), run.monitor(),
+                        {planned.edge, planned.joint, planned.sample, planned.rbf, problem.input,
+                         [&](const JointProgress& progress, JointTrainer& trainer) {
+                           return watch.after_step(progress, trainer);
+                         }},
+                        std::move(result));
+  if (!budget.given() || result.source_row.empty()) return result;
+  const auto lap = budget.lap(kCheckCost, views);
+  if (!has_lost(result, before, training_agreement(run.exec(), problem.input, result))) return result;
+  run.info("the edges are left out again: too few steps, or the masks disagree");
+  start.figures["edge_rounds_undone"] = result.figures["edge_rounds"];
+  return start;
 }
 
 }  // namespace
 
 int optimise(cli::Run& run, Decisions& decisions, const Problem& problem, const Artifacts& artifacts) {
-  Settings settings = decisions.settled();
-  if (decisions.on("joint") && settings.joint.steps == 0)
-    settings.joint.steps =
-        problem.budget.steps_that_fit(settings.joint, problem.input.views.size(), decisions.on("edges"));
+  const Settings settings = decisions.settled();
+  Budget& budget = problem.budget;
   JointTrainer trainer(run.exec(), run.monitor(),
                        {settings.joint, settings.sample, settings.rbf, problem.input, problem.field},
                        run.allow_empty());
-  Watch watch(run.exec(), settings.run, problem.input, problem.budget, !artifacts.trace.empty());
+  Watch watch(run.exec(), settings.run, problem.input, budget, !artifacts.trace.empty());
   watch.begin(trainer);
-  if (decisions.on("joint"))
+  if (decisions.on("joint")) {
+    const TimePlan plan =
+        budget.plan(settings.joint, settings.edge, problem.input.scene, problem.input.views.size());
+    watch.begin_stage(budget.left_s() - plan.steps_s);
     if (const int stopped = run_steps(run, settings.run, problem.checkpoint, watch, trainer)) return stopped;
+  }
   MethodResult result = trainer.result();
-  result.converged = !watch.late();
-  if (decisions.on("edges") && !watch.target_met() && result.converged) {
+  result.converged = true;
+  if (decisions.on("edges") && !watch.target_met()) {
     result = run_edges(run, settings, problem, watch, std::move(result));
     if (run.monitor().stop_requested()) return run.stop_code();
   }
-  result.converged = watch.target_met() || (!watch.late() && !problem.budget.cut());
+  result.converged = watch.target_met() || (!watch.cut() && !budget.cut());
+  if (budget.given()) run.result()["budget"] = budget.json();
   const LossTerms& l = watch.last_loss();
   run.result()["last_loss"] = {{"total", l.total}, {"photometric", l.photometric},
                                {"align", l.align}, {"mask", l.mask},

@@ -1,12 +1,13 @@
 #include "prepare.h"
 
+#include "budget.h"
 #include "ngs/stages/coarse_input.h"
 #include "ngs/stages/method_labels.h"
 
 namespace ngs::joint {
 namespace {
 
-constexpr int kDraftVisits = 3, kDraftShrink = 2;
+constexpr int kDraftShrink = 2;
 
 }  // namespace
 
@@ -42,12 +43,18 @@ MethodInput with_trusted_masks(cli::Run& run, const MethodInput& input, const Vi
   return trusted;
 }
 
-FloaterOutcome handle_floaters(cli::Run& run, const MethodInput& input, bool draft) {
+FloaterOutcome handle_floaters(cli::Run& run, const MethodInput& input, Quality quality, Budget& budget) {
   FloaterOutcome outcome;
   const FloaterOptions options;
-  const CoarseInput coarse(input, decision_shrink(input.scene) * (draft ? kDraftShrink : 1));
+  const std::size_t views = input.scene.views.size();
+  const bool draft = quality == Quality::kDraft || !budget.has_room_for(kFloatersCost, views);
+  const int shrink = decision_shrink(input.scene) * (draft ? kDraftShrink : 1);
+  const CoarseInput coarse(input, shrink);
   coarse.preload(run.exec());
-  const FloaterFinding finding = find_floaters(run.exec(), run.monitor(), options, coarse.get());
+  const FloaterFinding finding = [&] {
+    const auto lap = budget.lap(draft ? kDraftSearchCost : kFloaterSearchCost, views);
+    return find_floaters(run.exec(), run.monitor(), options, coarse.get());
+  }();
   Json report = {{"removed", finding.count},
                  {"reason", finding.count > 0 ? "the photos show the object behind them"
                                               : "what lies before the object hides too little of it"},
@@ -55,10 +62,14 @@ FloaterOutcome handle_floaters(cli::Run& run, const MethodInput& input, bool dra
                  {"least_hidden", options.least_hidden}};
   for (const auto& [name, value] : finding.figures) report[name] = value;
   if (finding.count > 0) {
+    const Budget::Refit plan = budget.plan_refit(draft, shrink, views);
     RefitOptions refit;
-    if (draft) refit.visits = kDraftVisits;
-    FloaterRemoval removal =
-        remove_floaters(run.exec(), run.monitor(), refit, draft ? coarse.get() : input, finding);
+    refit.visits = plan.visits;
+    const MethodInput& at = plan.full_size ? input : coarse.get();
+    FloaterRemoval removal = [&] {
+      const auto lap = budget.lap_refit(plan, shrink, views);
+      return remove_floaters(run.exec(), run.monitor(), refit, at, finding);
+    }();
     for (const auto& [name, value] : removal.figures) report[name] = value;
     outcome.labels =
         labels_without_floaters(run.exec(), run.monitor(), input, removal.cloud, finding.floater);

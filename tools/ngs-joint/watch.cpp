@@ -15,7 +15,7 @@ Watch::Watch(const Exec& exec, const RunOptions& options, const MethodInput& inp
 
 void Watch::score(Json& line, const JointTrainer& trainer) {
   const double before = wall_seconds();
-  const Agreement agreement = training_agreement(exec_, input_, trainer.result());
+  const Agreement agreement = mean_agreement(training_agreement(exec_, input_, trainer.result()));
   scoring_s_ += wall_seconds() - before;
   target_met_ = target_ && (target_->boundary ? agreement.biou : agreement.iou) >= target_->value;
   line["training_iou"] = agreement.iou, line["training_biou"] = agreement.biou;
@@ -32,24 +32,48 @@ bool Watch::begin(const JointTrainer& trainer) {
   return target_met_;
 }
 
-void Watch::replan(const JointProgress& progress, JointTrainer& trainer) {
-  if (!budget_.given()) return;
-  if (progress.step == 1) planned_ = progress.steps, stage_began_s_ = last_s_;
-  const double step_s = (seconds() - stage_began_s_) / double(progress.step);
-  const double room = std::max(0.0, budget_.left_s() - 1.2 * longest_step_s_) / step_s;
-  const std::int64_t fit = progress.step + std::int64_t(std::min(room, double(planned_)));
-  trainer.plan_steps(std::min(planned_, fit));
-  late_ = trainer.finished() && progress.step < planned_;
+void Watch::begin_stage(double keep_s) {
+  rounds_left_ = 0, keep_s_ = keep_s;
+  last_s_ = began_s_ = seconds(), began_step_ = 0, longest_step_s_ = 0;
 }
 
-bool Watch::after_step(std::string_view stage, const JointProgress& progress, JointTrainer& trainer) {
+void Watch::begin_rounds(int rounds, double keep_s) {
+  begin_stage(keep_s);
+  rounds_left_ = rounds + 1, rounds_keep_s_ = keep_s;
+}
+
+/// After the first step of a round: all before it was the walk.
+void Watch::begin_round(double now_s) {
+  walk_s_ = now_s - last_s_;
+  --rounds_left_;
+  const double left_s = budget_.left_s() - rounds_keep_s_;
+  keep_s_ = budget_.left_s() - round_share_s(left_s, walk_s_, rounds_left_);
+  began_s_ = last_s_ = now_s, began_step_ = 1, longest_step_s_ = 0;
+}
+
+/// A walk like the last one, and half of the training.
+bool Watch::room_for_next_round() const {
+  constexpr double kCaution = 1.15;
+  return budget_.allows(rounds_keep_s_ + kCaution * walk_s_ + 0.5 * (seconds() - began_s_));
+}
+
+void Watch::replan(const JointProgress& progress, JointTrainer& trainer) {
+  if (progress.step == 1) planned_ = progress.steps;
+  if (!budget_.given() || progress.step == began_step_) return;
+  const double step_s = (seconds() - began_s_) / double(progress.step - began_step_);
+  const double room = std::max(0.0, budget_.left_s() - keep_s_ - 1.2 * longest_step_s_) / step_s;
+  trainer.plan_steps(std::min(planned_, progress.step + std::int64_t(std::min(room, double(planned_)))));
+}
+
+bool Watch::after_step(const JointProgress& progress, JointTrainer& trainer) {
   const LossTerms& l = last_loss_ = progress.loss;
   ++step_;
   const double now = seconds();
+  if (rounds_left_ > 0 && progress.step == 1) begin_round(now);
   longest_step_s_ = std::max(longest_step_s_, now - last_s_);
   if (target_ || traced_) {
     Json line{{"t", now},
-              {"stage", stage},
+              {"stage", rounds_left_ > 0 ? "edges" : "joint"},
               {"step", step_},
               {"view", input_.scene.views[progress.view].camera.name},
               {"loss",
@@ -64,8 +88,10 @@ bool Watch::after_step(std::string_view stage, const JointProgress& progress, Jo
   }
   replan(progress, trainer);
   last_s_ = seconds();
-  late_ |= !budget_.allows(1.2 * longest_step_s_);
-  return target_met_ || late_;
+  bool over = !budget_.allows(keep_s_ + 1.2 * longest_step_s_);
+  if (rounds_left_ > 1 && trainer.finished()) over |= !room_for_next_round();
+  cut_ |= (over || trainer.finished()) && (progress.step < planned_ || (over && rounds_left_ > 1));
+  return target_met_ || over;
 }
 
 }  // namespace ngs::joint

@@ -12,28 +12,42 @@ class Watch {
 
   /// The model before the first step: a line of the trace without losses. True: the target is met already.
   bool begin(const JointTrainer& trainer);
+  /// The steps to come go on until only `keep_s` of the budget are left.
+  void begin_stage(double keep_s);
+  /// The same for rounds of edges, which share what their walks leave.
+  void begin_rounds(int rounds, double keep_s);
+
   /// True: no further step, because the target is met or the time is up.
   /// Under a budget the trainer's plan follows the time that its steps turn out to take.
-  bool after_step(std::string_view stage, const JointProgress& progress, JointTrainer& trainer);
+  bool after_step(const JointProgress& progress, JointTrainer& trainer);
 
   bool target_met() const { return target_met_; }
-  bool late() const { return late_; }
+  /// Steps were left out for want of time.
+  bool cut() const { return cut_; }
   const LossTerms& last_loss() const { return last_loss_; }
   /// JSON lines (data-schema/trace.schema.json). Time spent on scoring is kept out of `t` and stated apart.
   const std::string& trace() const { return text_; }
 
  private:
   void score(Json& line, const JointTrainer& trainer);
+  void begin_round(double now_s);
   void replan(const JointProgress& progress, JointTrainer& trainer);
+  bool room_for_next_round() const;
   double seconds() const { return budget_.elapsed_s() - scoring_s_; }
 
   const Exec& exec_;
   const MethodInput& input_;
   const Budget& budget_;
   std::optional<Target> target_;
-  bool traced_, target_met_ = false, late_ = false;
-  std::int64_t every_, step_ = 0, planned_ = 0;  // planned_: steps of this stage, before time ran short
-  double scoring_s_ = 0, last_s_ = 0, longest_step_s_ = 0, stage_began_s_ = 0;
+  bool traced_, target_met_ = false, cut_ = false;
+  std::int64_t every_, step_ = 0;
+  double scoring_s_ = 0, last_s_ = 0;
+  // Of the stage or round that runs: its steps before time ran short; when it began, at which step; what it
+  // leaves of the budget.
+  std::int64_t planned_ = 0, began_step_ = 0;
+  double began_s_ = 0, longest_step_s_ = 0, keep_s_ = 0;
+  int rounds_left_ = 0;  // of edges, this one included; 0: these are not edges
+  double rounds_keep_s_ = 0, walk_s_ = 0;
   LossTerms last_loss_;
   std::string text_;
 };

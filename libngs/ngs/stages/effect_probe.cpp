@@ -172,7 +172,7 @@ class Decider {
       if (v.name == e.name) return {&e, v.mode, v.on, v.reason, {}};
     for (const EffectDecision& d : earlier)
       if (d.effect->name == e.needs && !d.on) return {&e, "auto", false, "needs " + std::string(e.needs), {}};
-    if (e.on == OnWhere::kAlways) return {&e, "auto", true, "no detector", {}};
+    if (e.on == OnWhere::kAlways) return {&e, "auto", true, "always: " + std::string(e.why), {}};
     const double measured = (probe_.*e.measure)();
     const bool on = e.on == OnWhere::kAbove ? measured > e.threshold : measured <= e.threshold;
     return {&e, "auto", on, decision_reason(e, measured, on), measured};

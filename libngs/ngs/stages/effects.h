@@ -42,7 +42,7 @@ struct EffectInfo {
   OnWhere on = OnWhere::kAlways;
   std::string_view measured = {};  // what the detector measures, with its unit
   double threshold = 0;
-  std::string_view why = {};  // that threshold
+  std::string_view why = {};  // that threshold, or why it is always on
   double (EffectProbe::*measure)() = nullptr;
   EffectPhase phase = EffectPhase::kSteps;
 };

@@ -1,6 +1,6 @@
 // For each effect with a detector a scene that needs it, on which auto is on and gives the bytes of `on`, and
 // one that does not, on which auto is off and the rendered masks of off and on differ by at most
-// kEffectBound.
+// kEffectBound. For each of the others, which are always on, a scene whose masks it changes.
 #include "ngs/stages/effects.h"
 
 #include <doctest/doctest.h>
@@ -197,6 +197,13 @@ std::vector<Pair> pairs() {
          for (float& s : c.base->model.log_scale) s -= 1.5f;
        },
        [](EffectCase& c) { c.base->model.antialiased = false; }},
+      {"edges",
+       large_ball,
+       [](EffectCase& c) {
+         large_ball(c);
+         for (std::size_t v = 0; v < 4; ++v)
+           c.base->scene.views[v].image_path.clear(), c.base->photos[v] = {};
+       }},
       {"split", large_ball,
        [](EffectCase& c) {
          large_ball(c);
@@ -232,6 +239,25 @@ TEST_CASE(
     const double change = mean_difference(masks_with(does_not, off), masks_with(does_not, on));
     MESSAGE(pair.name << ": |off - on| = " << change << " (" << no.reason << ")");
     CHECK(change <= kEffectBound);
+  }
+}
+
+TEST_CASE("always on: auto decides so without a look, gives the bytes of on, and off changes the masks") {
+  for (const EffectInfo& e : effect_registry()) {
+    if (e.on != OnWhere::kAlways || e.name == "second-round") continue;  // that has a test of its own
+    CAPTURE(e.name);
+    EffectCase c;
+    large_ball(c);
+    c.relabel(0.05);
+    const std::vector<std::string> entries = surroundings(e.name);
+    const EffectDecision decision = decision_on(c, e.name, entries);
+    CHECK((decision.on && decision.mode == "auto" && !decision.measured));
+    std::vector<std::string> on = entries, off = entries, decided = entries;
+    on.push_back(std::string(e.name) + "=on"), off.push_back(std::string(e.name) + "=off");
+    for (const std::string& entry : decided_entries({decision})) decided.push_back(entry);
+    const std::vector<float> masks = masks_with(c, on);
+    CHECK(masks_with(c, decided) == masks);
+    CHECK(mean_difference(masks_with(c, off), masks) > 0);
   }
 }
 
@@ -286,16 +312,17 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("the registry says what every effect is, what off saves, and why its threshold is what it is") {
+TEST_CASE(
+    "the registry says what every effect is, what off saves, and why it is always on or has its threshold") {
   for (const EffectInfo& e : effect_registry()) {
     CAPTURE(e.name);
     CHECK_FALSE(e.help.empty());
     CHECK(find_effect(e.name) == &e);
     if (!e.needs.empty()) CHECK(find_effect(e.needs) < &e);  // decided before
+    CHECK_FALSE(e.why.empty());
     if (e.on == OnWhere::kAlways) continue;
     CHECK_FALSE(e.saves.empty());
     CHECK_FALSE(e.measured.empty());
-    CHECK_FALSE(e.why.empty());
     CHECK(e.measure != nullptr);
   }
 }

@@ -1,0 +1,56 @@
+#pragma once
+// What the time that is left is spent on. Pure: seconds in, a plan out. The order is that of what a second
+// buys (BENCHMARKS.md, Budgets): a visit of every view by the steps, then rounds of edges, then more steps,
+// the field last.
+
+namespace ngs {
+
+/// Seconds of the joint steps.
+struct StepsCost {
+  double visit_s = 0;        // one step for every training view
+  double field_visit_s = 0;  // what the field adds to it
+  int visits = 0;            // as many as asked for
+};
+
+/// Seconds of the edges stage; no rounds: it is off.
+struct RoundsCost {
+  double walk_s = 0;   // of a round, before its first step
+  double visit_s = 0;  // one step for every view
+  double check_s = 0;  // once, after the last round
+  int rounds = 0, visits = 0;
+
+  double all_s() const { return rounds > 0 ? rounds * (walk_s + visits * visit_s) + check_s : 0; }
+};
+
+struct TimePlan {
+  bool steps = true, field = true;
+  double steps_s = 0;   // that the steps may take
+  int edge_rounds = 0;  // 0: none
+  bool cut = false;     // less than asked for
+};
+
+/// Fewer visits than this leave a round of edges worse than none: it begins with halved Gaussians.
+inline constexpr int kLeastEdgeVisits = 3;
+/// Where less than this share of a visit by the steps fits, they are left out.
+inline constexpr double kLeastVisit = 0.1;
+
+/// The field is kept where all fits. One round of edges goes before a second one, which is begun only where
+/// both have at least half of their visits.
+TimePlan plan_time(double left_s, const StepsCost& steps, const RoundsCost& edges);
+
+/// What the training of one of `rounds_left` rounds may take: an even share of what the walks to come leave.
+double round_share_s(double left_s, double walk_s, int rounds_left);
+
+/// Seconds in this run for one foreseen, from what its stages took. A foresight of `trust_s` seconds counts as
+/// much as stages that took as long.
+class Pace {
+ public:
+  explicit Pace(double trust_s) : foreseen_s_(trust_s), took_s_(trust_s) {}
+  void add(double foreseen_s, double took_s) { foreseen_s_ += foreseen_s, took_s_ += took_s; }
+  double factor() const { return took_s_ / foreseen_s_; }
+
+ private:
+  double foreseen_s_, took_s_;
+};
+
+}  // namespace ngs

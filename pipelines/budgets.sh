@@ -1,0 +1,60 @@
+#!/usr/bin/env bash
+# What ngs-joint makes of --time-budget on one scene: a run per budget, scored on the held-out views.
+#
+#   pipelines/budgets.sh scene.json boundary.ply MASKS_GT OUT [SECONDS...]
+#   pipelines/budgets.sh scene.json boundary.ply MASKS_GT OUT 2 8 30 -- --quality high       further options of ngs-joint
+#
+# Without SECONDS: 20 budgets from 1 to 60 s. OUT/budgets.json (data-schema/budgets.schema.json) and OUT/budgets.md hold
+# budget, wall time, exit code and scores; the exit code is 1 where a run was late by more than 5 % and 0.5 s, or scored
+# 0.001 less boundary IoU than a smaller budget did. Nothing else may run on the machine.
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+. "$here/common.sh"
+bin=$(find_bin)
+tool() { "${bin:+$bin/}$1" "${@:2}"; }
+
+if [ $# -lt 4 ]; then sed -n '2,9s/^# \{0,1\}//p' "$0" >&2; exit 2; fi
+scene=$1 boundary=$2 truth=$3 out=$4
+shift 4
+budgets=()
+while [ $# -gt 0 ] && [ "$1" != -- ]; do budgets+=("$1"); shift; done
+if [ $# -gt 0 ]; then shift; fi
+if [ ${#budgets[@]} -eq 0 ]; then budgets=(1 2 3 4 5 6 7 8 10 12 14 16 18 20 25 30 35 40 50 60); fi
+mkdir -p "$out"
+
+score() { sed -n '/"mean"/,/}/s/.*"'"$1"'": \([0-9.]*\).*/\1/p' "$out/$2.metrics.json" | head -1; }
+
+run() {  # BUDGET FLAGS...: a line of JSON
+  local budget=$1 began ended rc=0
+  began=$(date +%s.%N)
+  tool ngs-joint "$scene" "$boundary" -o "$out/$budget.ply" -w -q --report "$out/$budget.json" --time-budget "${budget}s" "${@:2}" || rc=$?
+  ended=$(date +%s.%N)
+  tool ngs-render "$scene" "$out/$budget.ply" --views held-out --layers mask --scale 0 -o "$out/$budget.masks" -w -q >/dev/null
+  tool ngs-eval "$out/$budget.masks" "$truth" -o "$out/$budget.metrics.json" -w -q >/dev/null
+  rm -r "$out/$budget.masks" "$out/$budget.ply"
+  awk -v b="$budget" -v t="$began $ended" -v rc="$rc" -v iou="$(score iou "$budget")" -v biou="$(score biou "$budget")" \
+    -v fine="$(score biou_005 "$budget")" 'BEGIN { split(t, at, " ");
+      printf "{\"budget_s\": %s, \"wall_s\": %.2f, \"exit_code\": %d, \"iou\": %.4f, \"biou\": %.4f, \"biou_005\": %.4f}", b, at[2] - at[1], rc, iou, biou, fine }'
+}
+
+lines=()
+for budget in "${budgets[@]}"; do
+  lines+=("$(run "$budget" "$@")")
+  echo "${lines[-1]}" >&2
+done
+{
+  printf '{"ngs_budgets": 1,\n "runs": [\n'
+  for i in "${!lines[@]}"; do printf '  %s%s\n' "${lines[i]}" "$([ "$i" -lt $((${#lines[@]} - 1)) ] && echo ,)"; done
+  printf ' ]}\n'
+} >"$out/budgets.json"
+
+fields() { printf '%s\n' "${lines[@]}" | sed 's/[^0-9. ]*"[a-z_0-9]*": *//g; s/[},]/ /g'; }
+{
+  echo '| budget s | wall s | exit code | IoU | B-IoU 0.02 | B-IoU 0.005 |'
+  echo '|---|---|---|---|---|---|'
+  fields | awk '{ printf "| %s | %s | %s | %s | %s | %s |\n", $1, $2, $3, $4, $5, $6 }'
+} | tee "$out/budgets.md"
+fields | awk '
+  { late = $2 - $1; if (late > 0.5 && late > 0.05 * $1) { ++bad; print "late by " late " s: " $1 } }
+  { if ($5 < best - 0.001) { ++bad; print "worse than a smaller budget: " $1 }; if ($5 > best) best = $5 }
+  END { exit bad > 0 }'

@@ -1,0 +1,74 @@
+#include "ngs/stages/time_plan.h"
+
+#include <doctest/doctest.h>
+
+namespace ngs {
+namespace {
+
+constexpr StepsCost kSteps{.visit_s = 1, .field_visit_s = 2, .visits = 10};
+constexpr RoundsCost kRounds{.walk_s = 3, .visit_s = 1, .check_s = 0.5, .rounds = 2, .visits = 15};
+
+}  // namespace
+
+TEST_CASE("where all fits nothing is cut, and what is over goes to nobody's harm to the steps") {
+  const TimePlan plan = plan_time(30 + 36.5, kSteps, kRounds);
+  CHECK_FALSE(plan.cut);
+  CHECK((plan.steps && plan.field && plan.edge_rounds == 2));
+  CHECK(plan.steps_s == doctest::Approx(30));
+}
+
+TEST_CASE("what does not fit goes in the order of what a second buys: field, steps, second round, edges") {
+  const TimePlan no_field = plan_time(60, kSteps, kRounds);
+  CHECK((no_field.cut && !no_field.field && no_field.edge_rounds == 2));
+  CHECK(no_field.steps_s == doctest::Approx(60 - 36.5));
+  const TimePlan short_steps = plan_time(38, kSteps, kRounds);
+  CHECK(short_steps.edge_rounds == 2);
+  CHECK(short_steps.steps_s == doctest::Approx(1.5));
+  const TimePlan halved = plan_time(1 + 0.5 + 2 * (3 + 7.5), kSteps, kRounds);
+  CHECK(halved.edge_rounds == 2);
+  CHECK(halved.steps_s == doctest::Approx(1));
+  CHECK(plan_time(1 + 0.5 + 2 * (3 + 7.4), kSteps, kRounds).edge_rounds == 1);
+  CHECK(plan_time(1 + 0.5 + 3 + 3, kSteps, kRounds).edge_rounds == 1);
+  const TimePlan steps_alone = plan_time(7.4, kSteps, kRounds);
+  CHECK((steps_alone.edge_rounds == 0 && steps_alone.steps));
+  CHECK(steps_alone.steps_s == doctest::Approx(7.4));
+}
+
+TEST_CASE("more time never plans fewer rounds, nor leaves the steps less than one visit once they had one") {
+  int rounds = 0;
+  for (double left_s = -1; left_s < 90; left_s += 0.25) {
+    CAPTURE(left_s);
+    const TimePlan plan = plan_time(left_s, kSteps, kRounds);
+    CHECK(plan.edge_rounds >= rounds);
+    CHECK(plan.steps == (left_s >= 0.1));
+    CHECK(plan.steps_s >= (left_s >= 1 ? 1 : 0));
+    rounds = plan.edge_rounds;
+  }
+}
+
+TEST_CASE("without time, steps or edges there is a plan too") {
+  const TimePlan nothing = plan_time(-2, kSteps, kRounds);
+  CHECK((nothing.cut && !nothing.steps && nothing.edge_rounds == 0 && nothing.steps_s == 0));
+  const TimePlan edges_alone = plan_time(100, {}, kRounds);
+  CHECK((!edges_alone.steps && edges_alone.edge_rounds == 2 && !edges_alone.cut));
+  const TimePlan steps_alone = plan_time(4, kSteps, {});
+  CHECK((steps_alone.steps && steps_alone.edge_rounds == 0 && steps_alone.cut));
+  CHECK(steps_alone.steps_s == doctest::Approx(4));
+}
+
+TEST_CASE("rounds share what their walks leave") {
+  CHECK(round_share_s(23, 3, 2) == doctest::Approx(10));
+  CHECK(round_share_s(10, 3, 1) == doctest::Approx(10));
+  CHECK(round_share_s(2, 3, 2) == 0);
+}
+
+TEST_CASE("pace: one hiccup of a short stage counts little, a long stage much") {
+  Pace pace(0.5);
+  CHECK(pace.factor() == 1);
+  pace.add(0.01, 0.1);
+  CHECK(pace.factor() < 1.2);
+  pace.add(5, 10);
+  CHECK(pace.factor() == doctest::Approx(10.6 / 5.51));
+}
+
+}  // namespace ngs
