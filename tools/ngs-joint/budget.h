@@ -24,7 +24,7 @@ struct StageCost {
 inline constexpr StageCost kTrustCost{"view-trust", 2, 0.15}, kFloatersCost{"floaters", 17, 0.7},
     kFloaterSearchCost{"floaters", 12, 1}, kDetectorsCost{"detectors", 2, 0.6},
     kDraftFloatersCost{"floaters", 8, 0.7}, kDraftSearchCost{"floaters", 4, 1},
-    kRefitVisitCost{"refit", 4, 0.35}, kCheckCost{"check", 2, 1}, kLoadCost{"load views", 2, 0.4};
+    kRefitVisitCost{"refit", 6, 0.35}, kCheckCost{"check", 2, 1}, kLoadCost{"load views", 2, 0.4};
 inline constexpr double kStepRenders = 5, kFieldStepRenders = 6, kWalkRenders = 14, kEdgeStepRenders = 4;
 
 class Budget {
