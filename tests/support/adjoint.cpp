@@ -1,11 +1,11 @@
 #include "support/adjoint.h"
 
-#include <doctest/doctest.h>
-
 #include <cstdio>
 #include <cstdlib>
 #include <map>
 #include <string>
+
+#include "support/end_listener.h"
 
 namespace ngs::test {
 namespace {
@@ -26,10 +26,8 @@ WorstOfOp& current_op() {
 }
 
 /// Prints the table once all cases have run.
-struct GradTable : doctest::IReporter {
+struct GradTable : EndListener {
   explicit GradTable(const doctest::ContextOptions&) {}
-  void report_query(const doctest::QueryData&) override {}
-  void test_run_start() override {}
   void test_run_end(const doctest::TestRunStats&) override {
     if (std::getenv("NGS_GRAD_TABLE") == nullptr || worst_of_ops().empty()) return;
     std::printf("%-14s %16s %10s %16s %10s\n", "op", "adjoint, worst", "tests", "Ridders, worst", "tests");
@@ -37,15 +35,6 @@ struct GradTable : doctest::IReporter {
       std::printf("%-14s %16.2g %10d %16.2g %10d\n", op.c_str(), worst.adjoint, worst.adjoints, worst.ridders,
                   worst.extrapolations);
   }
-  void test_case_start(const doctest::TestCaseData&) override {}
-  void test_case_reenter(const doctest::TestCaseData&) override {}
-  void test_case_end(const doctest::CurrentTestCaseStats&) override {}
-  void test_case_exception(const doctest::TestCaseException&) override {}
-  void subcase_start(const doctest::SubcaseSignature&) override {}
-  void subcase_end() override {}
-  void log_assert(const doctest::AssertData&) override {}
-  void log_message(const doctest::MessageData&) override {}
-  void test_case_skipped(const doctest::TestCaseData&) override {}
 };
 REGISTER_LISTENER("gradients", 1, GradTable);
 

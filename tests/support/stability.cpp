@@ -1,10 +1,10 @@
 #include "support/stability.h"
 
-#include <doctest/doctest.h>
-
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+
+#include "support/end_listener.h"
 
 namespace ngs::test {
 namespace {
@@ -57,10 +57,8 @@ void write_file(const std::string& path, const std::string& text) {
 }
 
 /// Prints the table and writes the files once all cases have run.
-struct TableWriter : doctest::IReporter {
+struct TableWriter : EndListener {
   explicit TableWriter(const doctest::ContextOptions&) {}
-  void report_query(const doctest::QueryData&) override {}
-  void test_run_start() override {}
   void test_run_end(const doctest::TestRunStats&) override {
     if (results().empty()) return;
     print_table();
@@ -69,15 +67,6 @@ struct TableWriter : doctest::IReporter {
     write_file(std::string(folder) + "/stability.json", stability_document(results()).dump(1) + "\n");
     write_file(std::string(folder) + "/stability.html", stability_page(results()));
   }
-  void test_case_start(const doctest::TestCaseData&) override {}
-  void test_case_reenter(const doctest::TestCaseData&) override {}
-  void test_case_end(const doctest::CurrentTestCaseStats&) override {}
-  void test_case_exception(const doctest::TestCaseException&) override {}
-  void subcase_start(const doctest::SubcaseSignature&) override {}
-  void subcase_end() override {}
-  void log_assert(const doctest::AssertData&) override {}
-  void log_message(const doctest::MessageData&) override {}
-  void test_case_skipped(const doctest::TestCaseData&) override {}
 };
 REGISTER_LISTENER("stability", 1, TableWriter);
 
