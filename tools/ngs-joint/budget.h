@@ -25,7 +25,7 @@ inline constexpr StageCost kTrustCost{"view-trust", 2, 0.15}, kFloatersCost{"flo
     kFloaterSearchCost{"floaters", 12, 1}, kDetectorsCost{"detectors", 2, 0.6},
     kDraftFloatersCost{"floaters", 8, 0.7}, kDraftSearchCost{"floaters", 4, 1},
     kRefitVisitCost{"refit", 6, 0.35}, kCheckCost{"check", 2, 1}, kLoadCost{"load views", 2, 0.4};
-inline constexpr double kStepRenders = 5, kFieldStepRenders = 6, kWalkRenders = 14, kEdgeStepRenders = 4;
+inline constexpr double kStepRenders = 5, kFieldStepRenders = 6, kWalkRenders = 24, kEdgeStepRenders = 6;
 
 class Budget {
  public:
