@@ -4,9 +4,9 @@
 namespace ngs::joint {
 
 inline constexpr const char* kQualityTable =
-    "quality, as measured (the capture of BENCHMARKS.md, one run on a busy machine; others not run):\n"
+    "quality, as measured (the capture of BENCHMARKS.md, one run on an idle machine of two cores (wall: 3 and 40 s); others not run):\n"
     "              CPU s     IoU   B-IoU   0.005\n"
-    "  draft         14.4  0.9669  0.9346  0.7465\n"
-    "  standard     110.7  0.9693  0.9420  0.7666\n";
+    "  draft          5.5  0.9668  0.9344  0.7462\n"
+    "  standard      78.1  0.9690  0.9406  0.7627\n";
 
 }  // namespace ngs::joint
