@@ -7,6 +7,7 @@
 
 #include "ngs/io/safetensors.h"
 #include "ngs/stages/mask_pair.h"
+#include "ngs/stages/render_stage.h"
 
 namespace ngs::joint {
 namespace {
@@ -46,22 +47,15 @@ std::optional<Target> parse_target(const std::string& text) {
 std::vector<Agreement> training_agreement(const Exec& exec, const MethodInput& input,
                                           const MethodResult& result) {
   const std::size_t objects = result.labels.size();
-  const auto n = std::size_t(result.cloud.size());
-  std::vector<float> label(n * objects);
-  for (std::size_t k = 0; k < objects; ++k)
-    for (std::size_t i = 0; i < n; ++i) label[i * objects + k] = result.labels[k].label[i];
   std::vector<Agreement> views;
   for (const std::size_t view : input.views) {
     const ViewMasks masks = input.load_masks(view);
     if (!masks.available) continue;
-    RenderRequest request;
-    request.colour = false;
-    request.label = {label.data(), result.cloud.size(), int(objects)};
-    const RenderedView rendered =
-        render(exec, result.cloud, input.scene.views[view].camera, input.splat, request);
+    const ImageF label =
+        label_channels(exec, result.cloud, result.labels, input.scene.views[view].camera, input.splat);
     Agreement sum;
     for (std::size_t k = 0; k < objects; ++k) {
-      const MaskPair pair(rendered.label, masks, k);
+      const MaskPair pair(label, masks, k);
       sum.iou += iou(pair.counts(exec)), sum.biou += pair.biou(exec);
     }
     views.push_back({sum.iou / double(objects), sum.biou / double(objects)});

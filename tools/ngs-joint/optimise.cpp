@@ -73,7 +73,6 @@ int run_steps(cli::Run& run, const RunOptions& options, const Checkpoint& checkp
 /// significantly less with the views' own masks than what it started from, as the stage asks of its walk.
 bool has_lost(const MethodResult& outcome, const std::vector<Agreement>& before,
               const std::vector<Agreement>& after) {
-  constexpr double kSignificant = 2;  // standard errors
   const auto given = outcome.figures.find("edge_contrast_given"),
              walked = outcome.figures.find("edge_contrast_walked");
   if (given == outcome.figures.end() || given->second < kOffEdges * walked->second)

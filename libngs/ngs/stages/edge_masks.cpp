@@ -91,9 +91,8 @@ WalkedView walk_view(const WalkSetup& setup, const LabelledModel& model, std::si
   const ImageF photo = input.load_fine_photo(v);
   if (photo.empty()) return {};
   const int fw = photo.width_px, fh = photo.height_px, w = camera.width_px, h = camera.height_px;
-  const RenderedView rendered =
-      render_labelled(serial, model.cloud, model.labels, resized(camera, fw, fh),
-                      filter_at_scale(input.splat, double(fw) / w), input.background, false);
+  const ImageF label = label_channels(serial, model.cloud, model.labels, resized(camera, fw, fh),
+                                      filter_at_scale(input.splat, double(fw) / w));
   const ViewMasks own = compare ? input.load_masks(v) : ViewMasks{};
   const std::size_t objects = model.labels.size();
   WalkedView out;
@@ -101,7 +100,7 @@ WalkedView walk_view(const WalkSetup& setup, const LabelledModel& model, std::si
   std::vector<std::vector<float>> targets(objects);
   for (std::size_t k = 0; k < objects; ++k) {
     std::vector<std::uint8_t> mask(std::size_t(photo.pixels()));
-    for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = rendered.label.data[p * objects + k] > 0.5f;
+    for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = label.data[p * objects + k] > 0.5f;
     std::vector<float> walked = walk_to_edges(setup.walk, {mask.data(), fw, fh}, photo);
     for (float& x : walked) x = x > 0.5f ? 1.f : 0.f;
     targets[k] = reduce(walked, fw, fh, w, h);

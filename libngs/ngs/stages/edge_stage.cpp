@@ -26,8 +26,6 @@ constexpr GaussianRates kEdgeRates{.position = 1.6e-4,
 // object.
 constexpr double kLeastInside = 0.99, kLeastStraddling_px = 0.5, kLeastObject = 0.05;
 
-constexpr double kSignificant = 2;  // standard errors from which a difference between views counts
-
 /// The model on its way through the rounds.
 struct Model {
   GaussianCloud cloud;

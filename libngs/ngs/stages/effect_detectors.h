@@ -56,6 +56,8 @@ double outlier_score(const std::vector<double>& disagreement);
 /// Mean of the gains in units of its standard error; 0 for fewer than two. Not the mean, which one view can
 /// make.
 double gain_in_errors(const std::vector<double>& gains);
+/// From here on a gain counts.
+inline constexpr double kSignificant = 2;
 
 /// Share of the rendered object weight that lies outside of the windows. Not the windows' share of the
 /// picture.
