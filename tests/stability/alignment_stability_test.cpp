@@ -16,6 +16,7 @@ using test::Random;
 using test::Worst;
 
 constexpr int kWidth = 48, kHeight = 40;
+constexpr double kFocal_px = 60, kDepth = 5;
 
 ImageF picture(const auto& colour_at) {
   ImageF image(kWidth, kHeight, 3);
@@ -23,6 +24,29 @@ ImageF picture(const auto& colour_at) {
     for (int x = 0; x < kWidth; ++x)
       for (int c = 0; c < 3; ++c) image.at(x, y, c) = float(colour_at(x, y, c));
   return image;
+}
+
+Camera front_camera() {
+  Camera camera;
+  camera.width_px = kWidth, camera.height_px = kHeight, camera.cx = 24, camera.cy = 20;
+  camera.fx = camera.fy = kFocal_px;
+  for (int i = 0; i < 3; ++i) camera.rotation(i, i) = 1;
+  return camera;
+}
+
+/// A plane across the line of sight that fills the picture.
+RenderedView front_view(const auto& colour_at) {
+  RenderedView view;
+  view.width_px = kWidth, view.height_px = kHeight;
+  view.colour = picture(colour_at);
+  view.alpha = ImageF(kWidth, kHeight, 1, 1.f), view.depth = ImageF(kWidth, kHeight, 1, float(kDepth));
+  return view;
+}
+
+double length(const std::vector<double>& v) {
+  double square = 0;
+  for (const double x : v) square += x * x;
+  return std::sqrt(square);
 }
 
 }  // namespace
@@ -35,15 +59,9 @@ TEST_CASE("pose step: a photo with structure in one direction alone moves the ca
         const auto stripes = [&](double x, double y) {
           return 0.5 + 0.2 * std::sin(0.4 * x + phase) + 0.2 * h * std::sin(0.3 * y + phase);
         };
-        Camera camera;
-        camera.width_px = kWidth, camera.height_px = kHeight, camera.fx = camera.fy = 60, camera.cx = 24, camera.cy = 20;
-        for (int i = 0; i < 3; ++i) camera.rotation(i, i) = 1;
-        RenderedView view;
-        view.width_px = kWidth, view.height_px = kHeight;
-        view.colour = picture([&](int x, int y, int) { return stripes(x, y); });
-        view.alpha = ImageF(kWidth, kHeight, 1, 1.f), view.depth = ImageF(kWidth, kHeight, 1, 5.f);
+        const RenderedView view = front_view([&](int x, int y, int) { return stripes(x, y); });
         const ImageF photo = picture([&](int x, int y, int) { return stripes(x - shift_px, y); });
-        const PoseStep step = pose_step(view, smoothed_for_pose(photo), camera, {});
+        const PoseStep step = pose_step(view, smoothed_for_pose(photo), front_camera(), {});
         worst.ours_is(step.determined && step.flow_px > 0.5 * shift_px && step.flow_px < 1.5 * shift_px);
         float xx = 0, xy = 0, yy = 0, xr = 0, yr = 0;
         for (int y = 1; y + 1 < kHeight; ++y)
@@ -54,6 +72,30 @@ TEST_CASE("pose step: a photo with structure in one direction alone moves the ca
             xx += gx * gx, xy += gx * gy, yy += gy * gy, xr += gx * r, yr += gy * r;
           }
         worst.naive_is(std::isfinite((xx * yr - xy * xr) / (xx * yy - xy * xy)));
+      });
+}
+
+TEST_CASE("pose step: a photo exposed in another way than the model's pictures moves the camera all the same") {
+  test::hard_case(
+      {"gain of the photo", {1, 0.9, 0.75, 0.5, 0.3}, 0, "Gauss-Newton on the colours as they are", 20},
+      [](double h, Random& random, Worst& worst) {
+        const double phase = random.uniform(0, 6), shift_px = random.uniform(0.1, 0.4), offset = random.uniform(0, 1 - h);
+        // brighter on one side, as lit pictures are: there gradient and colour are not independent
+        const auto lit = [&](double x, double y) {
+          return 0.3 + 0.008 * x + 0.1 * std::sin(0.5 * x + 0.2 * y + phase) + 0.1 * std::sin(0.4 * y - 0.3 * x);
+        };
+        const RenderedView view = front_view([&](int x, int y, int) { return lit(x, y); });
+        const ImageF photo = picture([&](int x, int y, int) { return offset + h * lit(x - shift_px, y); });
+        const PoseStep step = pose_step(view, smoothed_for_pose(photo), front_camera(), {});
+        const double moved_px = kFocal_px * (step.motion.turn.y + step.motion.move.x / kDepth);
+        worst.ours_is(step.determined && std::abs(moved_px - shift_px) < 0.2 * shift_px);
+        double xx = 0, xr = 0;
+        for (int y = 1; y + 1 < kHeight; ++y)
+          for (int x = 1; x + 1 < kWidth; ++x) {
+            const double gx = 0.5 * double(view.colour.at(x + 1, y, 0) - view.colour.at(x - 1, y, 0));
+            xx += gx * gx, xr -= gx * double(photo.at(x, y, 0) - view.colour.at(x, y, 0));
+          }
+        worst.naive_is(std::abs(xr / xx - shift_px) < 0.2 * shift_px);
       });
 }
 
@@ -117,6 +159,69 @@ TEST_CASE("anderson: steps that have become parallel still lead to the fixed poi
         for (std::size_t i = 0; i < 4; ++i)
           naive = std::max(naive, std::abs(step[2][i] - g0 * (step[1][i] - step[0][i]) - g1 * (step[2][i] - step[1][i])));
         worst.naive_is(naive <= 1e-4 * distance);
+      });
+}
+
+TEST_CASE("anderson: after parallel steps one in a new direction is not thrown further than its own length") {
+  test::hard_case(
+      {"angle between the steps before", {1e-6, 1e-8, 1e-10, 1e-12, 0}, 0.8, "normal equations by elimination"},
+      [](double h, Random& random, Worst& worst) {
+        constexpr std::size_t kUnknowns = 6, kPast = 4;
+        const std::vector<double> direction = random.uniform_vector<double>(kUnknowns, -1, 1), weight(kUnknowns, 1.0);
+        std::vector<double> x = random.uniform_vector<double>(kUnknowns, -1, 1), f(kUnknowns);
+        const double rate = random.uniform(0.3, 0.6);
+        Anderson accelerated(kPast);
+        std::vector<std::vector<double>> points, steps;
+        double size = 1;
+        for (std::size_t k = 0; k <= kPast; ++k, size *= rate) {
+          for (std::size_t i = 0; i < kUnknowns; ++i) {
+            const double noise = random.uniform(-1, 1);
+            f[i] = size * (k < kPast ? direction[i] + h * noise : noise);
+          }
+          points.push_back(x), steps.push_back(f);
+          x = accelerated.next(x, f, weight);
+        }
+        std::vector<double> move(kUnknowns);
+        for (std::size_t i = 0; i < kUnknowns; ++i) move[i] = x[i] - points[kPast][i];
+        worst.ours_ratio(length(move) / length(f));
+
+        double gram[kPast][kPast + 1] = {};
+        const auto change = [](const auto& of, std::size_t k, std::size_t i) { return of[k + 1][i] - of[k][i]; };
+        for (std::size_t a = 0; a < kPast; ++a)
+          for (std::size_t i = 0; i < kUnknowns; ++i) {
+            for (std::size_t b = 0; b < kPast; ++b) gram[a][b] += change(steps, a, i) * change(steps, b, i);
+            gram[a][kPast] += change(steps, a, i) * f[i];
+          }
+        for (std::size_t a = 0; a < kPast; ++a)
+          for (std::size_t r = 0; r < kPast; ++r) {
+            const double share = r == a ? 0 : gram[r][a] / gram[a][a];
+            for (std::size_t c = a; c <= kPast; ++c) gram[r][c] -= share * gram[a][c];
+          }
+        std::vector<double> naive = f;
+        for (std::size_t a = 0; a < kPast; ++a)
+          for (std::size_t i = 0; i < kUnknowns; ++i)
+            naive[i] -= gram[a][kPast] / gram[a][a] * (change(points, a, i) + change(steps, a, i));
+        worst.naive_ratio(length(naive) / length(f));
+      });
+}
+
+TEST_CASE("anderson: components that weigh nothing do not choose the step, however far they jump") {
+  test::hard_case(
+      {"their steps", {1, 1e4, 1e8, 1e150}, 0, "least squares over all components"},
+      [](double h, Random& random, Worst& worst) {
+        const double rate = random.uniform(0.2, 0.8), fixed = random.uniform(-1, 1);
+        double x[2] = {random.uniform(-1, 1), 0}, f[2][2];
+        Anderson accelerated(2);
+        std::vector<double> to{x[0], 0};
+        for (int k = 0; k < 2; ++k) {
+          x[k] = to[0], f[k][0] = rate * (fixed - x[k]), f[k][1] = h * random.uniform(-1, 1);
+          to = accelerated.next({x[k], to[1]}, {f[k][0], f[k][1]}, {1, 0});
+        }
+        worst.ours_is(std::abs(to[0] - fixed) < 1e-9);  // two points of one linear unknown determine it
+        double square = 0, along = 0;
+        for (int i = 0; i < 2; ++i) square += (f[1][i] - f[0][i]) * (f[1][i] - f[0][i]), along += (f[1][i] - f[0][i]) * f[1][i];
+        const double naive = x[1] + f[1][0] - along / square * (x[1] - x[0] + f[1][0] - f[0][0]);
+        worst.naive_is(std::abs(naive - fixed) < 1e-9);
       });
 }
 
