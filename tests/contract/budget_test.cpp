@@ -13,10 +13,25 @@ using Json = nlohmann::json;
 /// walk is held where the contour is rendered, so that what the round does is its training's work.
 Json joint(const test::TempDir& dir, const std::string& out, const std::vector<std::string>& more) {
   const std::string& fixture = test::fixture_folder();
-  Json run = {"ngs-joint", fixture + "/scene.json", fixture + "/boundary.ply", "--steps", "4",
-              "--effect", "nerf=off", "--effect", "split=off", "--edge-shape", "1000",
-              "--edge-visits", "2", "--edge-rounds", "1", "-o", dir.path() + "/" + out + ".ply",
-              "--report", dir.path() + "/" + out + ".json"};
+  Json run = {"ngs-joint",
+              fixture + "/scene.json",
+              fixture + "/boundary.ply",
+              "--steps",
+              "4",
+              "--effect",
+              "nerf=off",
+              "--effect",
+              "split=off",
+              "--edge-shape",
+              "1000",
+              "--edge-visits",
+              "2",
+              "--edge-rounds",
+              "1",
+              "-o",
+              dir.path() + "/" + out + ".ply",
+              "--report",
+              dir.path() + "/" + out + ".json"};
   for (const std::string& word : more) run.push_back(word);
   const test::ProcessResult result = test::run_process(test::command(run));
   INFO(result.err);
@@ -30,7 +45,9 @@ TEST_CASE("under a budget a round of edges that ends far from the masks is undon
   const test::TempDir dir;
   const std::vector<std::string> ruinous{"--effect", "edges=on", "--edge-rate", "30"};
   joint(dir, "before", {"--effect", "edges=off"});
-  const auto bytes = [&](const std::string& name) { return test::read_bytes(dir.path() + "/" + name + ".ply"); };
+  const auto bytes = [&](const std::string& name) {
+    return test::read_bytes(dir.path() + "/" + name + ".ply");
+  };
 
   const Json unasked = joint(dir, "ruined", ruinous);  // without a budget the round is taken as it is
   CHECK(unasked.at("edge_rounds") == 1);

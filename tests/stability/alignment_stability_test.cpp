@@ -43,6 +43,22 @@ RenderedView front_view(const auto& colour_at) {
   return view;
 }
 
+std::vector<std::uint8_t> left_of(int edge) {
+  std::vector<std::uint8_t> mask;
+  for (int p = 0; p < kWidth * kHeight; ++p) mask.push_back(p % kWidth < edge);
+  return mask;
+}
+
+std::vector<float> walked(const std::vector<std::uint8_t>& mask, const ImageF& photo) {
+  return walk_to_edges({}, {mask.data(), kWidth, kHeight}, photo);
+}
+
+bool contour_is_at(const std::vector<float>& soft, int edge) {
+  for (std::size_t p = 0; p < soft.size(); ++p)
+    if (!(soft[p] >= 0 && soft[p] <= 1 && (soft[p] > 0.5f) == (int(p) % kWidth < edge))) return false;
+  return true;
+}
+
 double length(const std::vector<double>& v) {
   double square = 0;
   for (const double x : v) square += x * x;
@@ -75,14 +91,17 @@ TEST_CASE("pose step: a photo with structure in one direction alone moves the ca
       });
 }
 
-TEST_CASE("pose step: a photo exposed in another way than the model's pictures moves the camera all the same") {
+TEST_CASE(
+    "pose step: a photo exposed in another way than the model's pictures moves the camera all the same") {
   test::hard_case(
       {"gain of the photo", {1, 0.9, 0.75, 0.5, 0.3}, 0, "Gauss-Newton on the colours as they are", 20},
       [](double h, Random& random, Worst& worst) {
-        const double phase = random.uniform(0, 6), shift_px = random.uniform(0.1, 0.4), offset = random.uniform(0, 1 - h);
+        const double phase = random.uniform(0, 6), shift_px = random.uniform(0.1, 0.4),
+                     offset = random.uniform(0, 1 - h);
         // brighter on one side, as lit pictures are: there gradient and colour are not independent
         const auto lit = [&](double x, double y) {
-          return 0.3 + 0.008 * x + 0.1 * std::sin(0.5 * x + 0.2 * y + phase) + 0.1 * std::sin(0.4 * y - 0.3 * x);
+          return 0.3 + 0.008 * x + 0.1 * std::sin(0.5 * x + 0.2 * y + phase) +
+                 0.1 * std::sin(0.4 * y - 0.3 * x);
         };
         const RenderedView view = front_view([&](int x, int y, int) { return lit(x, y); });
         const ImageF photo = picture([&](int x, int y, int) { return offset + h * lit(x - shift_px, y); });
@@ -99,6 +118,35 @@ TEST_CASE("pose step: a photo exposed in another way than the model's pictures m
       });
 }
 
+TEST_CASE("pose step: a photo without texture, or with a colour that is no number, moves no camera") {
+  test::hard_case(
+      {"amplitude of the texture", {1e-4, 1e-6, 0, NAN}, 0, "2x2 normal equations by Cramer's rule", 20},
+      [](double h, Random& random, Worst& worst) {
+        const double shade = random.uniform(0.2, 0.8), phase = random.uniform(0, 6);
+        const auto texture = [&](double x, double y) {
+          return shade + (h > 0 ? h : 0.0) * std::sin(0.4 * x + 0.3 * y + phase);
+        };
+        const RenderedView view = front_view([&](int x, int y, int) { return texture(x, y); });
+        ImageF photo =
+            picture([&](int x, int y, int) { return texture(x - 0.3, y) + 1e-3 * random.uniform(-1, 1); });
+        if (std::isnan(h))
+          photo.at(5 + int(random.below(kWidth - 10)), 5 + int(random.below(kHeight - 10))) = NAN;
+        const PoseStep step = pose_step(view, smoothed_for_pose(photo), front_camera(), {});
+        worst.ours_is(!step.determined && step.flow_px == 0 &&
+                      length({step.motion.turn.x, step.motion.move.x}) == 0);
+        float xx = 0, xy = 0, yy = 0, xr = 0, yr = 0;
+        for (int y = 1; y + 1 < kHeight; ++y)
+          for (int x = 1; x + 1 < kWidth; ++x) {
+            const float gx = view.colour.at(x + 1, y, 0) - view.colour.at(x - 1, y, 0),
+                        gy = view.colour.at(x, y + 1, 0) - view.colour.at(x, y - 1, 0),
+                        r = photo.at(x, y, 0) - view.colour.at(x, y, 0);
+            xx += gx * gx, xy += gx * gy, yy += gy * gy, xr += gx * r, yr += gy * r;
+          }
+        const float dx = (xr * yy - yr * xy) / (xx * yy - xy * xy);
+        worst.naive_is(std::abs(dx) < 1);  // a pixel
+      });
+}
+
 TEST_CASE("edge walk: colours without any spread still have a density, and the contour finds the edge") {
   test::hard_case(
       {"noise of the photo", {1e-2, 1e-4, 1e-6, 0}, 0, "normal density with the sample covariance as it is", 50},
@@ -108,13 +156,7 @@ TEST_CASE("edge walk: colours without any spread still have a density, and the c
         const ImageF photo = picture([&](int x, int, int c) {
           return 0.4 + (x < edge ? contrast * (c + 1) / 3 : 0.0) + h * random.uniform(-1, 1);
         });
-        std::vector<std::uint8_t> mask;
-        for (int p = 0; p < kWidth * kHeight; ++p) mask.push_back(p % kWidth < start);
-        const std::vector<float> soft = walk_to_edges({}, {mask.data(), kWidth, kHeight}, photo);
-        bool fine = true;
-        for (std::size_t p = 0; p < soft.size(); ++p)
-          fine &= soft[p] >= 0 && soft[p] <= 1 && (soft[p] > 0.5f) == (int(p) % kWidth < edge);
-        worst.ours_is(fine);
+        worst.ours_is(contour_is_at(walked(left_of(start), photo), edge));
         float n = 0, sum = 0, square = 0;
         for (int x = 0; x < edge; ++x) {
           const float v = photo.at(x, 3, 0);
@@ -123,6 +165,74 @@ TEST_CASE("edge walk: colours without any spread still have a density, and the c
         const float variance = square / n - sum / n * (sum / n);
         worst.naive_is(variance > 0);
       });
+}
+
+TEST_CASE("edge walk: a photo with hardly any contrast leaves the contour where it was") {
+  test::hard_case(
+      {"contrast at another place", {1e-3, 1e-4, 1e-5, 0}, 0, "weights exp(-d² / mean d²) alone", 50},
+      [](double h, Random& random, Worst& worst) {
+        const int start = 16 + int(random.below(16)), edge = start + (random.below(2) ? 3 : -3);
+        const double shade = random.uniform(0.2, 0.8);
+        const ImageF photo = picture([&](int x, int, int) { return shade + (x < edge ? h : 0.0); });
+        worst.ours_is(contour_is_at(walked(left_of(start), photo), start));
+        float steps = 0, n = 0;
+        for (int x = 0; x + 1 < kWidth; ++x, ++n) {
+          const float d = photo.at(x + 1, 0, 0) - photo.at(x, 0, 0);
+          steps += d * d;
+        }
+        float across[2];  // the weight where the contour was and at the photo's edge
+        for (const int at : {start, edge}) {
+          const float d = photo.at(at, 0, 0) - photo.at(at - 1, 0, 0);
+          across[at == edge] = std::exp(-d * d / (steps / n));
+        }
+        worst.naive_is(across[0] <= across[1]);
+      });
+}
+
+TEST_CASE("edge walk: colours that are no numbers have no say, the others find the edge") {
+  test::hard_case(
+      {"of them", {1, 20, 200}, 0, "colours relative to their mean", 50},
+      [](double h, Random& random, Worst& worst) {
+        const int edge = 20 + int(random.below(8)), start = edge - 2 + int(random.below(5));
+        ImageF photo = picture([&](int x, int, int c) { return 0.4 + (x < edge ? 0.1 * (c + 1) : 0.0); });
+        for (int i = 0; i < int(h); ++i) {  // beside the edge: on it there would be nothing to see
+          const int x = (edge + 3 + int(random.below(kWidth - 6))) % kWidth, y = int(random.below(kHeight));
+          photo.at(x, y, int(random.below(3))) = random.below(2) ? NAN : INFINITY;
+        }
+        worst.ours_is(contour_is_at(walked(left_of(start), photo), edge));
+        float sum = 0;
+        for (const float v : photo.data) sum += v;
+        worst.naive_is(std::isfinite(sum / float(photo.data.size())));
+      });
+}
+
+TEST_CASE(
+    "edge walk: in pictures of a few columns the contour finds the edge, without room for colours it stays") {
+  test::hard_case({"columns", {16, 4, 2, 1}, 0, "mean step along the rows", 50},
+                  [](double h, Random& random, Worst& worst) {
+                    const int width = int(h), height = random.below(8) > 0 ? 40 : 1;
+                    const int edge = 18 + int(random.below(4)), start = edge - 2 + int(random.below(5));
+                    ImageF photo(width, height, 3);
+                    std::vector<std::uint8_t> mask;
+                    for (int y = 0; y < height; ++y)
+                      for (int x = 0; x < width; ++x) {
+                        mask.push_back(y < start);
+                        for (int c = 0; c < 3; ++c) photo.at(x, y, c) = y < edge ? 0.7f : 0.3f;
+                      }
+                    const std::vector<float> soft = walk_to_edges({}, {mask.data(), width, height}, photo);
+                    const int found = width >= 4 ? edge : start;
+                    bool fine = true;
+                    for (int y = 0; y < height; ++y)
+                      for (int x = 0; x < width; ++x) {
+                        const float here = soft[std::size_t(y * width + x)];
+                        fine &= here >= 0 && here <= 1 && (here > 0.5f) == (y < found);
+                      }
+                    worst.ours_is(fine);
+                    float steps = 0;
+                    for (int x = 0; x + 1 < width; ++x)
+                      steps += std::abs(photo.at(x + 1, 0, 0) - photo.at(x, 0, 0));
+                    worst.naive_is(std::isfinite(steps / float(width - 1)));
+                  });
 }
 
 TEST_CASE("anderson: steps that have become parallel still lead to the fixed point") {
@@ -163,46 +273,53 @@ TEST_CASE("anderson: steps that have become parallel still lead to the fixed poi
 }
 
 TEST_CASE("anderson: after parallel steps one in a new direction is not thrown further than its own length") {
-  test::hard_case(
-      {"angle between the steps before", {1e-6, 1e-8, 1e-10, 1e-12, 0}, 0.8, "normal equations by elimination"},
-      [](double h, Random& random, Worst& worst) {
-        constexpr std::size_t kUnknowns = 6, kPast = 4;
-        const std::vector<double> direction = random.uniform_vector<double>(kUnknowns, -1, 1), weight(kUnknowns, 1.0);
-        std::vector<double> x = random.uniform_vector<double>(kUnknowns, -1, 1), f(kUnknowns);
-        const double rate = random.uniform(0.3, 0.6);
-        Anderson accelerated(kPast);
-        std::vector<std::vector<double>> points, steps;
-        double size = 1;
-        for (std::size_t k = 0; k <= kPast; ++k, size *= rate) {
-          for (std::size_t i = 0; i < kUnknowns; ++i) {
-            const double noise = random.uniform(-1, 1);
-            f[i] = size * (k < kPast ? direction[i] + h * noise : noise);
-          }
-          points.push_back(x), steps.push_back(f);
-          x = accelerated.next(x, f, weight);
-        }
-        std::vector<double> move(kUnknowns);
-        for (std::size_t i = 0; i < kUnknowns; ++i) move[i] = x[i] - points[kPast][i];
-        worst.ours_ratio(length(move) / length(f));
+  test::hard_case({"angle between the steps before",
+                   {1e-6, 1e-8, 1e-10, 1e-12, 0},
+                   0.8,
+                   "normal equations by elimination"},
+                  [](double h, Random& random, Worst& worst) {
+                    constexpr std::size_t kUnknowns = 6, kPast = 4;
+                    const std::vector<double> direction = random.uniform_vector<double>(kUnknowns, -1, 1),
+                                              weight(kUnknowns, 1.0);
+                    std::vector<double> x = random.uniform_vector<double>(kUnknowns, -1, 1), f(kUnknowns);
+                    const double rate = random.uniform(0.3, 0.6);
+                    Anderson accelerated(kPast);
+                    std::vector<std::vector<double>> points, steps;
+                    double size = 1;
+                    for (std::size_t k = 0; k <= kPast; ++k, size *= rate) {
+                      for (std::size_t i = 0; i < kUnknowns; ++i) {
+                        const double noise = random.uniform(-1, 1);
+                        f[i] = size * (k < kPast ? direction[i] + h * noise : noise);
+                      }
+                      points.push_back(x), steps.push_back(f);
+                      x = accelerated.next(x, f, weight);
+                    }
+                    std::vector<double> move(kUnknowns);
+                    for (std::size_t i = 0; i < kUnknowns; ++i) move[i] = x[i] - points[kPast][i];
+                    worst.ours_ratio(length(move) / length(f));
 
-        double gram[kPast][kPast + 1] = {};
-        const auto change = [](const auto& of, std::size_t k, std::size_t i) { return of[k + 1][i] - of[k][i]; };
-        for (std::size_t a = 0; a < kPast; ++a)
-          for (std::size_t i = 0; i < kUnknowns; ++i) {
-            for (std::size_t b = 0; b < kPast; ++b) gram[a][b] += change(steps, a, i) * change(steps, b, i);
-            gram[a][kPast] += change(steps, a, i) * f[i];
-          }
-        for (std::size_t a = 0; a < kPast; ++a)
-          for (std::size_t r = 0; r < kPast; ++r) {
-            const double share = r == a ? 0 : gram[r][a] / gram[a][a];
-            for (std::size_t c = a; c <= kPast; ++c) gram[r][c] -= share * gram[a][c];
-          }
-        std::vector<double> naive = f;
-        for (std::size_t a = 0; a < kPast; ++a)
-          for (std::size_t i = 0; i < kUnknowns; ++i)
-            naive[i] -= gram[a][kPast] / gram[a][a] * (change(points, a, i) + change(steps, a, i));
-        worst.naive_ratio(length(naive) / length(f));
-      });
+                    double gram[kPast][kPast + 1] = {};
+                    const auto change = [](const auto& of, std::size_t k, std::size_t i) {
+                      return of[k + 1][i] - of[k][i];
+                    };
+                    for (std::size_t a = 0; a < kPast; ++a)
+                      for (std::size_t i = 0; i < kUnknowns; ++i) {
+                        for (std::size_t b = 0; b < kPast; ++b)
+                          gram[a][b] += change(steps, a, i) * change(steps, b, i);
+                        gram[a][kPast] += change(steps, a, i) * f[i];
+                      }
+                    for (std::size_t a = 0; a < kPast; ++a)
+                      for (std::size_t r = 0; r < kPast; ++r) {
+                        const double share = r == a ? 0 : gram[r][a] / gram[a][a];
+                        for (std::size_t c = a; c <= kPast; ++c) gram[r][c] -= share * gram[a][c];
+                      }
+                    std::vector<double> naive = f;
+                    for (std::size_t a = 0; a < kPast; ++a)
+                      for (std::size_t i = 0; i < kUnknowns; ++i)
+                        naive[i] -=
+                            gram[a][kPast] / gram[a][a] * (change(points, a, i) + change(steps, a, i));
+                    worst.naive_ratio(length(naive) / length(f));
+                  });
 }
 
 TEST_CASE("anderson: components that weigh nothing do not choose the step, however far they jump") {
@@ -219,7 +336,8 @@ TEST_CASE("anderson: components that weigh nothing do not choose the step, howev
         }
         worst.ours_is(std::abs(to[0] - fixed) < 1e-9);  // two points of one linear unknown determine it
         double square = 0, along = 0;
-        for (int i = 0; i < 2; ++i) square += (f[1][i] - f[0][i]) * (f[1][i] - f[0][i]), along += (f[1][i] - f[0][i]) * f[1][i];
+        for (int i = 0; i < 2; ++i)
+          square += (f[1][i] - f[0][i]) * (f[1][i] - f[0][i]), along += (f[1][i] - f[0][i]) * f[1][i];
         const double naive = x[1] + f[1][0] - along / square * (x[1] - x[0] + f[1][0] - f[0][0]);
         worst.naive_is(std::abs(naive - fixed) < 1e-9);
       });

@@ -145,6 +145,7 @@ mutant $f "$t" $f "densities of colours without a least variance" 's/\(i == j \?
 mutant $f "$t" $f "every neighbour alike" 's/std::exp\(-squared_difference\(colour\[p\], colour\[q\]\) \/ m\)/1.0/'
 mutant $f "$t" $f "pixels beside the band forgotten" 's/walk\.right\[std::size_t\(row\)\] \+= w \* double\(walk\.given\[q\]\);/;/'
 mutant $f "$t" $f "nothing says where the contour was" 's/right\.push_back\(shape_weight \* sigmoid\(.*\) \+$/right.push_back(0 +/'
+mutant $f "$t" $f "colours that are no numbers in the means" 's/if \(std::isfinite\(v\)\) sum/sum/'
 t="unit/ops/pose_step_test.cpp stability/alignment_stability_test.cpp" f=ops/pose_step.cpp
 mutant $f "$t" $f "no prior on the motion" 's/const double prior = .*;/const double prior = 0;/'
 mutant $f "$t" $f "exposures not laid on each other" 's/match_exposure\(photo, view\.alpha, from\);//'
@@ -165,6 +166,14 @@ t=unit/ops/front_layer_test.cpp f=ops/front_layer.cpp
 mutant $f $t $f "what lies in front without its transmittance" 's/hit\.alpha \* hit\.transmittance, L/hit.alpha, L/'
 mutant $f $t $f "every Gaussian may be in front" 's/may = candidate.*;/may = true;/'
 mutant $f $t $f "depths not compared" 's/select\(L\(depth\) < limit\[hit\.pack\], /select(L(depth) < L(1e30f), /'
+
+t=stability/pictures_stability_test.cpp
+mutant $f $t $f "a surface at a Gaussian lies behind it" 's/L\(depth\) < limit\[hit\.pack\]/limit[hit.pack] >= L(depth)/'
+mutant scene/shrink.cpp $t scene/shrink.cpp "cells at the border divided as whole ones" 's/\(right - x \* factor\) \* \(bottom - y \* factor\)/factor * factor/'
+mutant scene/shrink.cpp $t scene/shrink.cpp "float accumulator" 's/double sum = 0/float sum = 0/; s/sum \+= double\(image(.*)\);/sum += image\1;/'
+mutant math/median.h $t "" "a third instead of the middle" 's/values\.size\(\) \/ 2/values.size() \/ 3/'
+f=ops/image_metrics.cpp
+mutant $f $t $f "squares, not the square of the difference" 's/sum \+= w \* d \* d;/const float p = a.at(x, int(y), c), q = b.at(x, int(y), c); sum += w * double(p * p - 2 * p * q + q * q) + 0 * d;/'
 
 t="parity/emulated_main.cpp parity/backends.cpp parity/splat_parity.cpp" f=ops/tiles_grid.h
 mutant $f "$t" "" "device: pairs of a Gaussian in one row of tiles only" 's/ty < rect\[i\]\.y_end/ty < rect[i].y_begin + 1/'

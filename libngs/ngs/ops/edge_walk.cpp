@@ -119,19 +119,20 @@ class LocalColours {
   std::array<std::vector<float>, 10> moment_;
 };
 
-/// The photo in the window, relative to its mean colour so that second moments do not cancel.
+/// The photo in the window, relative to its mean colour so that second moments do not cancel. What is no
+/// number counts as the mean colour, or it would be everywhere in the means.
 std::vector<std::array<float, 3>> colours_of(const Window& win, const ImageF& photo) {
   std::vector<std::array<float, 3>> colour(win.pixels());
-  double sum[3] = {0, 0, 0};
+  double sum[3] = {0, 0, 0}, count[3] = {0, 0, 0};
   for (int y = 0; y < win.h; ++y)
     for (int x = 0; x < win.w; ++x)
       for (std::size_t c = 0; c < 3; ++c) {
         const float v = photo.at(win.x0 + x, win.y0 + y, int(c));
         colour[win.at(x, y)][c] = v;
-        sum[c] += double(v);
+        if (std::isfinite(v)) sum[c] += double(v), ++count[c];
       }
   for (auto& v : colour)
-    for (std::size_t c = 0; c < 3; ++c) v[c] -= float(sum[c] / double(win.pixels()));
+    for (std::size_t c = 0; c < 3; ++c) v[c] = std::isfinite(v[c]) ? v[c] - float(sum[c] / count[c]) : 0.f;
   return colour;
 }
 

@@ -31,7 +31,7 @@ struct EdgeWalkOptions {
 };
 
 /// Soft mask [H·W] in [0, 1]; > 0.5 is the object. `photo` [H, W, 3] of the mask's size. Serial: views are
-/// walked in parallel. A mask without a contour comes back as it is.
+/// walked in parallel. A mask without a contour comes back as it is. A colour that is no number says nothing.
 std::vector<float> walk_to_edges(const EdgeWalkOptions& options, MaskPlane mask, const ImageF& photo);
 
 }  // namespace ngs
