@@ -1,5 +1,6 @@
 #include "chain.h"
 
+#include "apart.h"
 #include "decide.h"
 #include "ngs/io/content_hash.h"
 #include "ngs/io/masks.h"
@@ -19,6 +20,12 @@ void check(cli::Run& run, const Settings& settings, const Paths& paths) {
   if (o.resume && o.checkpoint.empty())
     throw Error(ErrorCode::kUsage, "--resume without --checkpoint, expected the folder to go on from",
                 "--checkpoint DIR");
+  if (!o.apart.empty() && (o.method == Method::kCob || o.method == Method::kReleased))
+    throw Error(ErrorCode::kUsage, "--apart with a method that moves Gaussians of all objects",
+                "use --method paper, flash, sa3d, bce or saga");
+  if (!o.apart.empty() && !paths.field.empty())
+    throw Error(ErrorCode::kUsage, "--apart with --field, whose query points are those of all objects",
+                "leave --field out: the run samples its own");
   if (o.method != Method::kPaper && (!paths.trace.empty() || !paths.nerf.empty() || !paths.field.empty() ||
                                      !o.time_budget.empty() || !o.target.empty() || !o.checkpoint.empty()))
     run.monitor().warn(
@@ -34,6 +41,8 @@ void rule_by_options(const Settings& settings, const Paths& paths, Decisions& de
          {"view-trust", "floaters"})  // the methods beside it are as their papers say
       decisions.rule({name, false, "part of --method paper"});
   if (!paths.nerf.empty()) decisions.rule({"nerf", true, "--nerf"});
+  if (!settings.run.apart.empty())
+    decisions.rule({"floaters", false, "what stands before several objects is not one run's"});
 }
 
 void leave_out(std::string_view name, const Settings& settings, Budget& budget, Decisions& decisions) {
@@ -68,10 +77,12 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
   Budget budget(declared.start_s, parse_budget(settings.run.time_budget));
   parse_target(settings.run.target);
   Decisions decisions(settings, paths.effects_from);
-  const Scene scene = with_objects(io::read_scene_json(paths.scene), settings.run.objects);
+  const Scene whole = with_objects(io::read_scene_json(paths.scene), settings.run.objects);
   const double reads_s = wall_seconds();
   const io::GaussianPly ply = io::read_gaussian_ply(paths.boundary);
   const double reading_s = wall_seconds() - reads_s;
+  const ApartRun apart = apart_run(ply, whole, settings.run.apart);
+  const Scene& scene = apart.scene;
   const MethodInput from_files{.cloud = ply.cloud,
                    .scene = scene,
                    .views = training_views(scene),
@@ -82,8 +93,10 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
                    .seed = run.seed(),
                    .fixed = ply.fixed,
                    .labels = labels_of(ply, scene),
-                   .load_fine_photo = [&](std::size_t view) { return io::load_fine_photo(scene, view); }};
-  Json plan = {{"training_views", from_files.views.size()}, {"gaussians", ply.cloud.size()}};
+                   .load_fine_photo = [&](std::size_t view) { return io::load_fine_photo(scene, view); },
+                   .held = apart.held};
+  Json plan = {{"training_views", from_files.views.size()}, {"gaussians", ply.cloud.size()},
+               {"groups", apart.groups.size()}, {"objects_that_meet", apart.groups}};
   if (run.dry_run()) {
     run.plan(std::move(plan));
     return 0;
@@ -106,8 +119,9 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
                                    ? handle_floaters(run, believed, settings.joint.quality, budget)
                                    : FloaterOutcome{};
   MethodInput input = without_floaters(believed, clean);
+  const std::string apart_of = settings.run.apart.empty() ? "" : io::content_hash(paths.boundary).xxh3;
   if (settings.run.method != Method::kPaper && mend) {
-    write_result(run, {ply, scene, clean.floater},
+    write_result(run, {ply, scene, clean.floater, apart_of},
                  run_beside(run, settings.run.method, declared.methods, input), paths.labelled);
     return 0;
   }
@@ -126,11 +140,12 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
   std::optional<QueryField> given;
   if (!paths.field.empty() && !clean.removed()) given = io::read_query_ply(paths.field);
   const std::string fingerprint = io::content_hash(paths.boundary).xxh3 + " " + options_text(settings) +
-                                  " seed " + std::to_string(run.seed());
+                                  " seed " + std::to_string(run.seed()) +
+                                  (apart_of.empty() ? "" : " apart " + settings.run.apart);
   return optimise(run, decisions,
                   {input,
                    given ? &*given : nullptr,
-                   {ply, scene, clean.floater},
+                   {ply, scene, clean.floater, apart_of},
                    {settings.run.checkpoint, fingerprint},
                    budget},
                   {paths.labelled, paths.nerf, paths.trace});

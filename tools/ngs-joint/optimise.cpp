@@ -18,7 +18,8 @@ std::string options_text(Settings settings) {
 
 std::vector<LabelColumns> labels_of(const io::GaussianPly& ply, const Scene& scene) {
   const std::size_t wanted = scene.objects.size();
-  if (wanted == 1 && !ply.labels.label.empty() && !ply.labels.boundary.empty() && !ply.labels.views.empty() &&
+  // Beside the sets of several objects the unsuffixed one is their union.
+  if (wanted == 1 && ply.objects.empty() && !ply.labels.label.empty() && !ply.labels.boundary.empty() && !ply.labels.views.empty() &&
       !ply.labels.prob.empty())
     return {ply.labels};
   std::vector<LabelColumns> labels;
@@ -40,7 +41,7 @@ void write_result(cli::Run& run, const Source& source, const MethodResult& resul
     named.push_back({source.scene.objects[k].name, result.labels[k]});
   io::LabelledWrite write;
   write.edited = &result.cloud;
-  write.source_row = result.source_row;
+  write.source_row = result.source_row, write.apart_of = source.apart_of;
   std::vector<float> floater;
   for (std::size_t row = 0; !source.floater.empty() && row < std::size_t(result.cloud.size()); ++row)
     floater.push_back(source.floater[result.source_row.empty() ? row : std::size_t(result.source_row[row])]);

@@ -93,7 +93,8 @@ MethodInput without_floaters(const MethodInput& input, const FloaterOutcome& out
           .seed = input.seed,
           .fixed = input.fixed,
           .labels = outcome.removed() ? outcome.labels : input.labels,
-          .load_fine_photo = input.load_fine_photo};
+          .load_fine_photo = input.load_fine_photo,
+          .held = input.held};
 }
 
 }  // namespace ngs::joint

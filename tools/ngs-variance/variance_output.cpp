@@ -1,25 +1,18 @@
 #include "variance_output.h"
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <set>
 
 #include "ngs/io/content_hash.h"
 #include "ngs/io/exr.h"
+#include "shared/shard.h"
 
 namespace ngs::variance {
 
 std::vector<std::size_t> shard_of(const std::vector<std::size_t>& views, const std::string& shard) {
-  std::size_t i = 0, n = 0;
-  const char *begin = shard.data(), *end = begin + shard.size();
-  const auto first = std::from_chars(begin, end, i);
-  const bool slash = first.ec == std::errc() && first.ptr != end && *first.ptr == '/';
-  const auto second = slash ? std::from_chars(first.ptr + 1, end, n) : first;
-  if (!slash || second.ec != std::errc() || second.ptr != end || n == 0 || i >= n || n > 1u << 20)
-    throw Error(ErrorCode::kUsage, "--views: '" + shard + "', expected i/N with 0 <= i < N",
-                "for example --views 0/8");
-  const auto bound = [&](std::size_t k) { return views.begin() + std::ptrdiff_t(views.size() * k / n); };
+  const auto [i, n] = cli::parse_shard("--views", shard);
+  const auto bound = [&, n = n](std::size_t k) { return views.begin() + std::ptrdiff_t(views.size() * k / n); };
   return {bound(i), bound(i + 1)};
 }
 

@@ -30,6 +30,7 @@ class Reader {
     copy_positions();
     copy_attributes();
     copy_labels();
+    copy_source();
     read_comments();
     ply_.health = classify(ply_.cloud);
   }
@@ -203,7 +204,21 @@ class Reader {
       ply_.state.push_back(v >= 0 && v <= 255 ? std::uint8_t(v) : std::uint8_t(0));
   }
 
+  /// Whether a row is one of the model's is for those to say who have the model.
+  void copy_source() {
+    const PlyColumn from = ply_.rows.column(std::string(kSourceColumn));
+    if (!from) return;
+    for_each_row([&](std::int64_t i) {
+      const double row = from.value(i);
+      if (!(row >= 0) || row > kMostRows || row != std::floor(row))
+        bad(std::string(kSourceColumn) + " of row " + std::to_string(i) + " is no row number");
+      ply_.source_row.push_back(std::int64_t(row));
+    });
+  }
+
   void read_comments() {
+    for (const std::string& comment : ply_.file.comments())
+      if (comment.starts_with(kApartComment)) ply_.apart_of = comment.substr(kApartComment.size());
     for (const std::string& comment : ply_.file.comments()) {
       if (!is_render_comment(comment)) continue;
       ply_.cloud.antialiased |= comment.find("mip") != std::string::npos ||
@@ -214,6 +229,7 @@ class Reader {
   }
 
   static constexpr float kLog1000 = 6.9077554f;
+  static constexpr double kMostRows = 4294967295.0;
   GaussianPly& ply_;
   std::string name_;
   HigherBands bands_;

@@ -35,6 +35,8 @@ struct GaussianPly {
   std::vector<NamedLabels> objects;  // the suffixed sets of a file with several objects, else empty
   std::string object = "object";     // the object's name, where the file has one
   std::vector<float> fixed;          // ngs_fixed: 1 = labelled by hand (ngs-extract --import); empty: absent
+  std::vector<std::int64_t> source_row;  // ngs_source: row of the model that apart_of names; empty: absent
+  std::string apart_of;                  // content hash of the model that a run apart was made from; empty: none
   std::vector<std::uint8_t> state;   // SuperSplat: bit 1 selected, 2 locked, 4 deleted; empty: absent
   std::vector<std::string> notes;    // what a reader of the file should know, one sentence each
 };
@@ -70,6 +72,8 @@ struct LabelledWrite {
   std::span<const float> fixed;         // [rows] adds ngs_fixed; empty: the input's column, if any, is kept
   std::span<const float> floater;       // [rows] adds ngs_floater; empty: the input's column, if any, is kept
   std::span<const std::uint8_t> state;  // [rows] adds `uchar state` (supersplat)
+  std::string apart_of;                 // content hash of the input: kept as a comment, and `uint ngs_source` is
+                                        // added; else neither is, whatever the input has
   std::vector<std::string> history;     // appended to the input's comments
 };
 

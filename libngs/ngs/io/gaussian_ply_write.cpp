@@ -56,8 +56,12 @@ class RowSource {
   const std::vector<PlyProperty>& properties() const { return properties_; }
   std::size_t row_bytes() const { return row_bytes_; }
 
+  std::int64_t source_of(std::int64_t i) const {
+    return options_.source_row.empty() ? i : options_.source_row[std::size_t(i)];
+  }
+
   void fill(std::int64_t i, std::uint8_t* to) const {
-    const std::int64_t from = options_.source_row.empty() ? i : options_.source_row[std::size_t(i)];
+    const std::int64_t from = source_of(i);
     const std::uint8_t* row = source_.rows.row(from);
     if (plain_)
       std::memcpy(to, row, row_bytes_);
@@ -79,6 +83,7 @@ class RowSource {
     if (name == kFixedColumn) return !options_.fixed.empty();
     if (name == kFloaterColumn) return !options_.floater.empty();
     if (name == kStateColumn) return !options_.state.empty();
+    if (name == kSourceColumn) return true;
     return std::any_of(kLabelFields.begin(), kLabelFields.end(), [&](const LabelField& f) {
       return name == f.name || name.starts_with(std::string(f.name) + "_");
     });
@@ -154,15 +159,16 @@ std::vector<Added> added_columns(std::span<const NamedLabels> objects, const Lab
 }
 
 std::vector<std::string> labelled_comments(const GaussianPly& source, std::span<const NamedLabels> objects,
-                                           const std::vector<std::string>& history) {
+                                           const LabelledWrite& options) {
   std::vector<std::string> comments;
   for (const std::string& c : source.file.comments())
-    if (!c.starts_with(kObjectsComment)) comments.push_back(c);
+    if (!c.starts_with(kObjectsComment) && !c.starts_with(kApartComment)) comments.push_back(c);
   nlohmann::json names = nlohmann::json::array();
   for (const NamedLabels& object : objects) names.push_back(object.object);
   comments.push_back(std::string(kObjectsComment) +
                      names.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
-  comments.insert(comments.end(), history.begin(), history.end());
+  if (!options.apart_of.empty()) comments.push_back(std::string(kApartComment) + options.apart_of);
+  comments.insert(comments.end(), options.history.begin(), options.history.end());
   return comments;
 }
 
@@ -261,9 +267,12 @@ void write_labelled_ply(const std::string& path, const GaussianPly& source,
   }
   const bool has_state = !options.state.empty();
   NGS_CHECK(!has_state || std::int64_t(options.state.size()) == rows, "state has one value per row");
+  const bool has_source = !options.apart_of.empty();
+  if (has_source)
+    element.properties.push_back({.name = std::string(kSourceColumn), .type = PlyType::kUint32});
   if (has_state) element.properties.push_back({.name = std::string(kStateColumn), .type = PlyType::kUint8});
 
-  PlyWriter writer(path, element, labelled_comments(source, objects, options.history));
+  PlyWriter writer(path, element, labelled_comments(source, objects, options));
   constexpr std::int64_t kRowsAtOnce = 1 << 17;
   for (std::int64_t i = 0; i < rows; ++i) {
     if (i % kRowsAtOnce == 0) source.file.forget_pages();
@@ -273,6 +282,10 @@ void write_labelled_ply(const std::string& path, const GaussianPly& source,
     for (const Added& a : added) {
       ply_store_float(a.values[std::size_t(i)], to);
       to += sizeof(float);
+    }
+    if (has_source) {
+      ply_store(PlyType::kUint32, double(passthrough.source_of(i)), to);
+      to += ply_type_bytes(PlyType::kUint32);
     }
     if (has_state) *to = options.state[std::size_t(i)];
   }

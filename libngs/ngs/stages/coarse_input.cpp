@@ -44,7 +44,8 @@ CoarseInput::CoarseInput(const MethodInput& fine, int shrink)
               .seed = fine.seed,
               .fixed = fine.fixed,
               .labels = fine.labels,
-              .load_fine_photo = fine.load_fine_photo} {}
+              .load_fine_photo = fine.load_fine_photo,
+              .held = fine.held} {}
 
 template <class T, class Load>
 T CoarseInput::remembered(std::map<std::size_t, T>& kept, std::size_t view, const Load& load) {

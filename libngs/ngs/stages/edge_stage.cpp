@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "ngs/ops/evidence.h"
+#include "ngs/stages/apart.h"
 #include "ngs/stages/edge_masks.h"
 #include "ngs/stages/edge_split.h"
 #include "ngs/stages/effect_detectors.h"
@@ -22,9 +23,8 @@ constexpr GaussianRates kEdgeRates{.position = 1.6e-4,
                                    .sh_dc = 2.5e-2,
                                    .sh_rest = 1.25e-3};
 
-// Which Gaussians are trained: share of the weight in the windows, weight across contours, share of the
-// object.
-constexpr double kLeastInside = 0.99, kLeastStraddling_px = 0.5, kLeastObject = 0.05;
+// Which Gaussians are trained: share of the weight in the windows, weight across contours.
+constexpr double kLeastInside = 0.99, kLeastStraddling_px = 0.5;
 
 /// The model on its way through the rounds.
 struct Model {
@@ -50,24 +50,27 @@ std::vector<double> weight_in(const Exec& exec, const GaussianCloud& cloud, cons
   return weight;
 }
 
-/// 1: the Gaussian shows outside of the windows too, where no photo would hold it.
-std::vector<std::uint8_t> shows_outside(const Exec& exec, const EdgeSetup& setup, const MethodInput& window,
-                                        const GaussianCloud& cloud) {
+/// 1: the Gaussian is held, or shows outside of the windows too, where no photo would hold it.
+std::vector<std::uint8_t> untouchable(const Exec& exec, const EdgeSetup& setup, const MethodInput& window,
+                                      const Model& model) {
+  const GaussianCloud& cloud = model.cloud;
   const std::vector<double> inside = weight_in(exec, cloud, window.scene, window.views, window.splat),
                             all = weight_in(exec, cloud, setup.input.scene, window.views, window.splat);
-  std::vector<std::uint8_t> outside(inside.size());
-  for (std::size_t i = 0; i < outside.size(); ++i) outside[i] = inside[i] < kLeastInside * all[i];
-  return outside;
+  const std::vector<std::uint8_t>& held = setup.input.held;
+  std::vector<std::uint8_t> out(inside.size());
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out[i] = inside[i] < kLeastInside * all[i] || (!held.empty() && held[std::size_t(model.source_row[i])]);
+  return out;
 }
 
 /// Gaussians that are not trained: those, and background that does not lie across a contour.
 std::vector<std::uint8_t> unconcerned(const Exec& exec, const EdgeSetup& setup, const MethodInput& window,
                                       const Model& model) {
-  std::vector<std::uint8_t> frozen = shows_outside(exec, setup, window, model.cloud);
+  std::vector<std::uint8_t> frozen = untouchable(exec, setup, window, model);
   const std::vector<double> straddling = straddling_px(exec, window, model.cloud);
   for (std::size_t i = 0; i < frozen.size(); ++i) {
     bool concerned = straddling[i] > kLeastStraddling_px;
-    for (const LabelColumns& object : model.labels) concerned |= object.prob[i] > kLeastObject;
+    for (const LabelColumns& object : model.labels) concerned |= object.prob[i] > kLeastClaim;
     frozen[i] |= !concerned;
   }
   return frozen;
@@ -78,9 +81,9 @@ std::vector<std::uint8_t> unconcerned(const Exec& exec, const EdgeSetup& setup, 
 void split_model(const Exec& exec, const EdgeSetup& setup, const MethodInput& window, Model& model) {
   if (!parse_effects(setup.joint.effect).split) return;
   std::vector<double> straddling = straddling_px(exec, window, model.cloud);
-  const std::vector<std::uint8_t> outside = shows_outside(exec, setup, window, model.cloud);
+  const std::vector<std::uint8_t> whole = untouchable(exec, setup, window, model);
   for (std::size_t i = 0; i < straddling.size(); ++i)
-    if (outside[i]) straddling[i] = 0;  // halves look a little different until they are trained
+    if (whole[i]) straddling[i] = 0;  // halves look a little different until they are trained
   const std::vector<CloudRow> rows =
       split_straddlers(straddling, setup.edge.split_px, std::int64_t(straddling.size()));
   edit_rows(exec, rows, setup.input.seed, model.cloud);

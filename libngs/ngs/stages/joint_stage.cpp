@@ -90,7 +90,7 @@ struct JointTrainer::Impl {
         input(s.input),
         given_field(s.field),
         rates(s.rates),
-        frozen(s.frozen),
+        frozen(s.frozen.empty() ? s.input.held : s.frozen),
         cloud(s.input.cloud),
         splat(splat_of(s.input.splat, effects)),
         cache(s.input.views.size()) {}

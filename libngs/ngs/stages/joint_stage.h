@@ -36,7 +36,7 @@ struct JointSetup {
   const MethodInput& input;
   const QueryField* field = nullptr;  // of the initial model; null: sampled here
   GaussianRates rates = {};
-  std::vector<std::uint8_t> frozen = {};  // [N] 1: shape, opacity and colour stay; empty: none
+  std::vector<std::uint8_t> frozen = {};  // [N] 1: shape, opacity and colour stay; empty: input.held
 };
 
 class JointTrainer {

@@ -27,6 +27,7 @@ struct MethodInput {
   std::vector<LabelColumns> labels;                        // of ngs-variance, one per object
   // As load_photo, finer where the photo has more pixels than the camera; empty function or image: no photo.
   std::function<ImageF(std::size_t view)> load_fine_photo = {};
+  std::vector<std::uint8_t> held = {};                     // [N] 1: method paper keeps shape, opacity and colour; empty: none
 };
 
 struct MethodResult {
