@@ -43,7 +43,7 @@ run() {
   echo "$rc" >"$folder/done"
 }
 
-# Where it was built (ninja ngs_numerical): the error of the arithmetic, a plot of its own.
+# Where it was built (with the tests): the error of the arithmetic, a plot of its own.
 numerical() {
   local once=$OUT/once/scene
   [[ -x ${bin:+$bin/}ngs_numerical && -f $once/boundary.ply ]] || return 0

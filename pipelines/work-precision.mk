@@ -6,8 +6,8 @@
 # A point is KNOB@VALUE; the knobs and what they mean are below. REPEATS times each, for min, median and max. What is done
 # once for a scene (import, evidence) is timed apart from what every object pays (ngs-joint). A point that fails stays on the
 # page with its exit code. OUT/points/KNOB@VALUE/REPEAT/ are the runs; delete one and call again to repeat it. Times are only
-# comparable where the machine had nothing else to do: never call it with make -j. Where ngs_numerical was built (ninja
-# ngs_numerical), the page has what float, cuts and truncated neighbours get wrong too, in a plot of its own.
+# comparable where the machine had nothing else to do: never call it with make -j. Where ngs_numerical was built (with the
+# tests), the page has what float, cuts and truncated neighbours get wrong too, in a plot of its own.
 SHELL := bash
 .DEFAULT_GOAL := all
 .NOTPARALLEL:

@@ -113,4 +113,21 @@ TEST_CASE("scene.json and metrics.json of the chain satisfy their schemas, and b
   CHECK(test::schema_violations(schema("metrics.schema.json"), broken) != "");
 }
 
+TEST_CASE("what ngs-synth says of its scene satisfies the schemas, and broken files do not") {
+  const test::TempDir dir;
+  test::ProcessSpec spec = test::command(Json::parse(R"(["ngs-synth", "tiny", "--no-fit", "--mask-noise", "jitter:1", "-o"])"));
+  spec.argv.push_back(dir.file("scene"));
+  REQUIRE(test::run_process(spec).exit_code == 0);
+  for (const char* name : {"recipe", "ground-truth"}) {
+    INFO(std::string(name));
+    const std::string written = std::string(name) == "recipe" ? "recipe.json" : "ground_truth.json";
+    Json file = Json::parse(std::ifstream(dir.file("scene/" + written)));
+    const Json rules = schema(std::string(name) + ".schema.json");
+    CHECK(test::schema_violations(rules, file) == "");
+    for (const auto& [key, value] : rules["properties"].items()) CHECK(file.contains(key));
+    file["unknown"] = 1;
+    CHECK(test::schema_violations(rules, file) != "");
+  }
+}
+
 }  // namespace ngs

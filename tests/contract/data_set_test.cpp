@@ -215,6 +215,11 @@ TEST_CASE("work-precision.mk draws its points with their frontier, and keeps tho
   CHECK(points["points"][1]["failed"] == true);
   CHECK(points["points"][1]["runs"][0]["exit_code"] == 2);
   CHECK(points["once_cpu_s"].contains("views@2"));
+  Json numerical = data.json("out/numerical.json");
+  CHECK(test::schema_violations(schema("numerical.schema.json"), numerical) == "");
+  CHECK(points["numerical"] == numerical);
+  numerical["points"][0]["error"] = nullptr;
+  CHECK(test::schema_violations(schema("numerical.schema.json"), numerical) != "");
   std::istringstream trace(test::read_bytes(data.path("out/points/steps@2/1/trace.jsonl")));
   int lines = 0;
   for (std::string line; std::getline(trace, line); ++lines)

@@ -2,9 +2,12 @@
 
 #include <map>
 #include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
 #include <sstream>
 
 #include "support/process.h"
+#include "support/schema_check.h"
 #include "support/source_tree.h"
 
 namespace ngs {
@@ -74,6 +77,35 @@ TEST_CASE("every committed JSON file of data-schema/ is JSON") {
     INFO(file.path);
     CHECK_FALSE(nlohmann::json::parse(file.text, nullptr, false).is_discarded());
   }
+}
+
+TEST_CASE("every schema is named in the table of data-schema/, and every name there is a file") {
+  const std::string table = test::read_bytes((kSchemas / "README.md").string());
+  const std::regex name("`([a-z-]+\\.(schema\\.)?json)`");
+  std::set<std::string> named;
+  for (std::sregex_iterator at(table.begin(), table.end(), name), end; at != end; ++at) named.insert((*at)[1]);
+  int found = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(kSchemas))
+    if (entry.path().extension() == ".json") {
+      INFO(entry.path().string());
+      CHECK(named.count(entry.path().filename().string()) == 1);
+      ++found;
+    }
+  CHECK(found > 10);
+  for (const std::string& file : named)
+    if (file.find(".schema.") != std::string::npos) {
+      INFO(file);
+      CHECK(fs::exists(kSchemas / file));
+    }
+}
+
+TEST_CASE("quality.json satisfies its schema, and a broken one does not") {
+  const auto read = [](const fs::path& path) { return nlohmann::json::parse(test::read_bytes(path.string())); };
+  const nlohmann::json schema = read(kSchemas / "quality.schema.json");
+  nlohmann::json quality = read(fs::path(NGS_SOURCE_DIR) / "pipelines/quality.json");
+  CHECK(test::schema_violations(schema, quality) == "");
+  quality["points"][0]["iou"] = 1.5;
+  CHECK(test::schema_violations(schema, quality) != "");
 }
 
 TEST_CASE("the table of --quality in help and README is what quality-table.sh makes of the benchmark") {

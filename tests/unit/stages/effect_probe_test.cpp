@@ -1,0 +1,100 @@
+// The detectors that look at pictures, each on a case in which the naive measure that it replaces decides wrongly.
+// Those that look at columns alone: effect_detectors_test.cpp.
+#include "ngs/stages/effect_probe.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "ngs/stages/effects.h"
+#include "support/joint_case.h"
+
+namespace ngs {
+namespace {
+
+struct ProbeCase {
+  std::unique_ptr<test::JointCase> base = test::joint_case();
+  std::vector<std::size_t> views{0, 1, 2, 3};
+
+  ProbeCase() {
+    for (SceneView& v : base->scene.views) v.image_path = "photo";
+  }
+  double measure(double (EffectProbe::*what)()) const {
+    MethodInput in = base->input();
+    in.views = views;
+    Monitor monitor;
+    const JointOptions joint;
+    const EdgeOptions edge;
+    const SampleOptions sample;
+    const RbfOptions rbf;
+    const EffectSetup setup{joint, edge, sample, rbf, in};
+    EffectProbe probe({}, monitor, setup);
+    return (probe.*what)();
+  }
+};
+
+double threshold_of(std::string_view effect) { return find_effect(effect)->threshold; }
+
+/// Row `i` becomes a speck at (x, y, z), ball radius 0.6 about (0, 0, 4), cameras about the origin.
+void hang(GaussianCloud& cloud, std::size_t i, float x, float y, float z) {
+  cloud.position[3 * i] = x, cloud.position[3 * i + 1] = y, cloud.position[3 * i + 2] = z;
+  for (std::size_t a = 0; a < 3; ++a) cloud.log_scale[3 * i + a] = -3.5f;
+  cloud.logit_opacity[i] = 4;
+}
+
+/// Gaussians nearer to the cameras than any of the ball: what one would count.
+int nearer_than_the_ball(const GaussianCloud& cloud) {
+  int count = 0;
+  for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) count += cloud.position[3 * i + 2] < 3.3f;
+  return count;
+}
+
+}  // namespace
+
+TEST_CASE("front: many specks before the object's depth but beside it hide nothing, one before it does") {
+  ProbeCase beside, before;
+  for (std::size_t i = 160; i < 200; ++i) hang(beside.base->model, i, 0.02f * float(i) - 3.6f, 0.45f, 1.5f);
+  hang(before.base->model, 160, 0, 0, 1.5f);
+  CHECK(nearer_than_the_ball(beside.base->model) == 40);  // naive: a seventh of the model, search
+  CHECK(nearer_than_the_ball(before.base->model) == 1);   // naive: one of 280, leave it
+  CHECK(beside.measure(&EffectProbe::front) <= threshold_of("floaters"));
+  CHECK(before.measure(&EffectProbe::front) > threshold_of("floaters"));
+}
+
+TEST_CASE("boundary gap: contours that are wrong at a few pixels leave the IoU as good as it was") {
+  ProbeCase c;
+  c.base->model = c.base->truth;
+  c.base->labels[0].label = c.base->labels[0].prob = c.base->is_ball;  // renders the masks as they are
+  // Naive: there is a boundary set, hence something to do for the field.
+  CHECK(std::count(c.base->labels[0].boundary.begin(), c.base->labels[0].boundary.end(), 1.f) > 0);
+  CHECK(c.measure(&EffectProbe::boundary_gap) <= threshold_of("nerf"));
+  double worst_iou_gap = 0;
+  for (ViewMasks& m : c.base->masks) {
+    auto& mask = m.target[0];
+    const auto area = double(std::count(mask.begin(), mask.end(), 1.f));
+    const std::vector<float> whole = mask;
+    int cut = 0;
+    for (std::size_t p = 1; p < mask.size() && cut < 3; ++p)  // left end of a row of the mask
+      if (whole[p] > 0 && whole[p - 1] == 0) mask[p] = 0, ++cut;
+    worst_iou_gap = std::max(worst_iou_gap, cut / area);
+  }
+  CHECK(worst_iou_gap < threshold_of("nerf"));  // naive: the masks are met
+  CHECK(c.measure(&EffectProbe::boundary_gap) > threshold_of("nerf"));
+  // However wrong they are: without a boundary the field has nothing to work on.
+  std::fill(c.base->labels[0].boundary.begin(), c.base->labels[0].boundary.end(), 0.f);
+  CHECK(c.measure(&EffectProbe::boundary_gap) == 0);
+}
+
+TEST_CASE("photos: those of views that may not supervise do not count, and one of many is enough") {
+  ProbeCase c;
+  c.views = {0, 1};
+  c.base->scene.views[0].image_path.clear(), c.base->scene.views[1].image_path.clear();
+  // Naive: half of the scene's views have a photo.
+  CHECK(c.measure(&EffectProbe::photos) <= threshold_of("photometric"));
+  c.base->scene.views[1].image_path = "photo";
+  c.views = {0, 1, 2, 3};
+  for (const std::size_t v : {2, 3}) c.base->scene.views[v].image_path.clear();  // naive: most views have none
+  CHECK(c.measure(&EffectProbe::photos) > threshold_of("edges"));
+}
+
+}  // namespace ngs
