@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "ngs/stages/photo_refit.h"
 #include "ngs/stages/render_stage.h"
 
 namespace ngs::joint {
@@ -15,10 +16,7 @@ constexpr double kCaution = 1.25;         // on what cannot be stopped
 constexpr int kDraftRefitVisits = 3;
 
 /// Of a view.
-double refit_renders(const Budget::Refit& plan, int shrink) {
-  const double size = plan.full_size ? 1 : 1 / double(shrink) / double(shrink);
-  return kRefitVisitCost.renders * size * plan.visits;
-}
+double refit_renders(int visits, int shrink) { return kRefitVisitCost.renders * visits / double(shrink) / double(shrink); }
 
 }  // namespace
 
@@ -50,19 +48,16 @@ void Budget::took(std::string_view name, double renders, double seconds) {
   pace_.add(foreseen, seconds);
 }
 
-Budget::Refit Budget::plan_refit(bool draft, int shrink, std::size_t views) {
-  const Refit full{true, RefitOptions{}.visits};
-  if (draft) return {false, kDraftRefitVisits};
-  if (has_room_for({kRefitVisitCost.name, refit_renders(full, shrink), kRefitVisitCost.share}, views))
-    return full;
+int Budget::plan_refit(bool draft, int shrink, std::size_t views) {
+  const int most = draft ? kDraftRefitVisits : RefitOptions{}.visits;
+  const double visit_s = foreseen_s(refit_renders(1, shrink) * double(views));
+  if (!given() || kCaution * visit_s * most <= kRefitVisitCost.share * left_s()) return most;
   cut_ = true;
-  const double visit_s = foreseen_s(refit_renders({false, 1}, shrink) * double(views));
-  const double fit = kRefitVisitCost.share * left_s() / visit_s;
-  return {false, int(std::clamp(fit, 1.0, double(full.visits)))};
+  return int(std::clamp(kRefitVisitCost.share * left_s() / visit_s, 1.0, double(most)));
 }
 
-Budget::Lap Budget::lap_refit(const Refit& plan, int shrink, std::size_t views) {
-  return {*this, kRefitVisitCost.name, refit_renders(plan, shrink) * double(views)};
+Budget::Lap Budget::lap_refit(int visits, int shrink, std::size_t views) {
+  return {*this, kRefitVisitCost.name, refit_renders(visits, shrink) * double(views)};
 }
 
 RoundsCost Budget::rounds_cost(const JointOptions& joint, const EdgeOptions& edge, const Scene& scene,

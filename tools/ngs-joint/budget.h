@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "ngs/stages/effect_probe.h"
-#include "ngs/stages/photo_refit.h"
 #include "ngs/stages/time_plan.h"
 #include "shared/tool.h"
 
@@ -63,14 +62,10 @@ class Budget {
   }
   void took(std::string_view name, double renders, double seconds);
 
-  /// How the colours that floaters covered are refitted: briefly at 1 / shrink of the size for a draft, else
-  /// as well as there is room.
-  struct Refit {
-    bool full_size;
-    int visits;
-  };
-  Refit plan_refit(bool draft, int shrink, std::size_t views);
-  Lap lap_refit(const Refit& plan, int shrink, std::size_t views);
+  /// Visits of every view, at 1 / shrink of its size, to refit the colours that floaters covered: few for a draft, and
+  /// as many as there is room for.
+  int plan_refit(bool draft, int shrink, std::size_t views);
+  Lap lap_refit(int visits, int shrink, std::size_t views);
 
   /// What is left for steps and edges; for edges alone.
   TimePlan plan(const JointOptions& joint, const EdgeOptions& edge, const Scene& scene,

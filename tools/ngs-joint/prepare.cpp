@@ -62,13 +62,10 @@ FloaterOutcome handle_floaters(cli::Run& run, const MethodInput& input, Quality 
                  {"least_hidden", options.least_hidden}};
   for (const auto& [name, value] : finding.figures) report[name] = value;
   if (finding.count > 0) {
-    const Budget::Refit plan = budget.plan_refit(draft, shrink, views);
-    RefitOptions refit;
-    refit.visits = plan.visits;
-    const MethodInput& at = plan.full_size ? input : coarse.get();
+    const RefitOptions refit{.visits = budget.plan_refit(draft, shrink, views)};
     FloaterRemoval removal = [&] {
-      const auto lap = budget.lap_refit(plan, shrink, views);
-      return remove_floaters(run.exec(), run.monitor(), refit, at, finding);
+      const auto lap = budget.lap_refit(refit.visits, shrink, views);
+      return remove_floaters(run.exec(), run.monitor(), refit, coarse.get(), finding);
     }();
     for (const auto& [name, value] : removal.figures) report[name] = value;
     outcome.labels =

@@ -46,52 +46,64 @@ Window window_of(const std::vector<float>& distance, MaskPlane mask, double reac
   return {x0, y0, std::max(0, x1 - x0 + 1), std::max(0, y1 - y0 + 1)};
 }
 
-/// Three running means of width 2 r + 1 along one line: nearly a normal density of deviation r. Zeros
-/// outside.
-void blur_line(float* line, int n, std::size_t stride, int r, std::vector<double>& from) {
-  from.resize(std::size_t(n));
+/// Values blurred together: a cache line of them in a running sum each.
+constexpr int kBlurLanes = 16;
+
+/// Three running means of width 2 r + 1 along `n` places that lie `stride` apart, of `lanes` values side by side: nearly a
+/// normal density of deviation r. Zeros outside.
+void blur_lines(float* first, int n, std::size_t stride, int lanes, int r, std::vector<double>& from) {
+  from.resize(std::size_t(n) * kBlurLanes);
   const double scale = 1.0 / (2 * r + 1);
+  const auto row = [&](int i) { return &from[std::size_t(i) * kBlurLanes]; };
   for (int pass = 0; pass < 3; ++pass) {
-    for (int i = 0; i < n; ++i) from[std::size_t(i)] = double(line[std::size_t(i) * stride]);
-    double sum = 0;
-    for (int i = 0; i < std::min(r, n); ++i) sum += from[std::size_t(i)];
+    for (int i = 0; i < n; ++i)
+      for (int b = 0; b < lanes; ++b) row(i)[b] = double(first[std::size_t(i) * stride + std::size_t(b)]);
+    double sum[kBlurLanes] = {};
+    const auto add = [&](const double* values, double sign) {
+      for (int b = 0; b < kBlurLanes; ++b) sum[b] += sign * values[b];
+    };
+    for (int i = 0; i < std::min(r, n); ++i) add(row(i), 1);
     for (int i = 0; i < n; ++i) {
-      if (i + r < n) sum += from[std::size_t(i + r)];
-      line[std::size_t(i) * stride] = float(sum * scale);
-      if (i >= r) sum -= from[std::size_t(i - r)];
+      if (i + r < n) add(row(i + r), 1);
+      for (int b = 0; b < lanes; ++b) first[std::size_t(i) * stride + std::size_t(b)] = float(sum[b] * scale);
+      if (i >= r) add(row(i - r), -1);
     }
   }
 }
 
-void blur(const Window& win, int r, std::vector<float>& plane) {
+/// Blurs planes that are interleaved: `planes` values per pixel, at most kBlurLanes.
+void blur(const Window& win, int r, int planes, std::vector<float>& values) {
   std::vector<double> scratch;
-  for (int y = 0; y < win.h; ++y) blur_line(&plane[win.at(0, y)], win.w, 1, r, scratch);
-  for (int x = 0; x < win.w; ++x) blur_line(&plane[win.at(x, 0)], win.h, std::size_t(win.w), r, scratch);
+  const std::size_t line = std::size_t(win.w) * std::size_t(planes);
+  for (int y = 0; y < win.h; ++y)
+    blur_lines(&values[std::size_t(y) * line], win.w, std::size_t(planes), planes, r, scratch);
+  for (std::size_t x = 0; x < line; x += kBlurLanes)
+    blur_lines(&values[x], win.h, line, int(std::min<std::size_t>(kBlurLanes, line - x)), r, scratch);
 }
 
 /// Local normal density of the colours of some pixels: weights, means and second moments, blurred.
 class LocalColours {
  public:
   LocalColours(const Window& win, const std::vector<std::array<float, 3>>& colour,
-               const std::vector<std::uint8_t>& chosen, int r) {
-    for (std::size_t m = 0; m < moment_.size(); ++m) {
-      moment_[m].resize(win.pixels());
-      for (std::size_t p = 0; p < win.pixels(); ++p) moment_[m][p] = chosen[p] ? term(m, colour[p]) : 0.f;
-      blur(win, r, moment_[m]);
-    }
+               const std::vector<std::uint8_t>& chosen, int r)
+      : moments_(win.pixels() * kMoments) {
+    for (std::size_t p = 0; p < win.pixels(); ++p)
+      for (std::size_t m = 0; chosen[p] && m < kMoments; ++m) moments_[p * kMoments + m] = term(m, colour[p]);
+    blur(win, r, int(kMoments), moments_);
   }
 
   /// Density of the colour, a tenth of it even over all colours: one that neither side has shown is no
   /// evidence. False where no chosen pixel is near.
   bool density(std::size_t p, const std::array<float, 3>& colour, double& value) const {
-    const double n = double(moment_[0][p]);
+    const float* moment = &moments_[p * kMoments];
+    const double n = double(moment[0]);
     if (n < kLeastSupport) return false;
     double z[3], mean[3], c[3][3];
     for (std::size_t i = 0; i < 3; ++i)
-      mean[i] = double(moment_[1 + i][p]) / n, z[i] = double(colour[i]) - mean[i];
+      mean[i] = double(moment[1 + i]) / n, z[i] = double(colour[i]) - mean[i];
     for (std::size_t i = 0, m = 4; i < 3; ++i)
       for (std::size_t j = 0; j <= i; ++j, ++m)
-        c[i][j] = double(moment_[m][p]) / n - mean[i] * mean[j] + (i == j ? kColourNoise : 0.0);
+        c[i][j] = double(moment[m]) / n - mean[i] * mean[j] + (i == j ? kColourNoise : 0.0);
     // C = L Lᵀ; |L⁻¹ z|² and log det.
     double square = 0, log_det = 0;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -116,7 +128,8 @@ class LocalColours {
     if (m == 0) return 1.f;
     return m < 4 ? v[m - 1] : v[kFirst[m - 4]] * v[kSecond[m - 4]];
   }
-  std::array<std::vector<float>, 10> moment_;
+  static constexpr std::size_t kMoments = 10;
+  std::vector<float> moments_;  // [pixels, kMoments]
 };
 
 /// The photo in the window, relative to its mean colour so that second moments do not cancel. What is no
@@ -184,7 +197,7 @@ ColourEvidence weigh_colours(const Window& win, const ColourModels& models,
                              const std::vector<std::uint8_t>& inside,
                              const std::vector<std::uint8_t>& outside, int r) {
   ColourEvidence out{std::vector<float>(win.pixels(), 0.5f), std::vector<float>(win.pixels())};
-  std::vector<float> known(win.pixels());
+  std::vector<float> said(win.pixels() * 2);  // right or wrong, and 1, of the known pixels
   std::vector<std::uint8_t> learnt(win.pixels());
   for (std::size_t p = 0; p < win.pixels(); ++p) {
     double in = 0, ex = 0;
@@ -192,12 +205,12 @@ ColourEvidence weigh_colours(const Window& win, const ColourModels& models,
       continue;
     learnt[p] = 1, out.object[p] = float(in / (in + ex));
     if (!inside[p] && !outside[p]) continue;
-    known[p] = 1, out.trust[p] = (inside[p] ? 1.f : -1.f) * (2 * out.object[p] - 1);
+    said[2 * p] = (inside[p] ? 1.f : -1.f) * (2 * out.object[p] - 1), said[2 * p + 1] = 1;
   }
-  blur(win, r, out.trust), blur(win, r, known);
+  blur(win, r, 2, said);
   for (std::size_t p = 0; p < win.pixels(); ++p)
-    out.trust[p] =
-        learnt[p] && known[p] > float(kLeastSupport) ? std::clamp(out.trust[p] / known[p], 0.f, 1.f) : 0.f;
+    if (learnt[p] && said[2 * p + 1] > float(kLeastSupport))
+      out.trust[p] = std::clamp(said[2 * p] / said[2 * p + 1], 0.f, 1.f);
   return out;
 }
 

@@ -7,42 +7,43 @@
 
 namespace ngs {
 
-std::vector<double> straddling_px(const Exec& exec, const MethodInput& input, const GaussianCloud& cloud) {
+Straddling straddling(const Exec& exec, const MethodInput& input, const GaussianCloud& cloud) {
   const auto n = std::size_t(cloud.size()), objects = input.scene.objects.size();
-  std::vector<double> straddling(n, 0.0), worst(n);
+  Straddling all{std::vector<double>(n), Evidence(cloud.size(), int(objects))};
   for (const std::size_t view : input.views) {
     const ViewMasks masks = input.load_masks(view);
     if (!masks.available) continue;
     Evidence seen(cloud.size(), int(objects));
     add_view_evidence(exec, cloud, input.scene.views[view].camera, input.splat, masks, seen);
     for (std::size_t i = 0; i < n; ++i) {
-      const double all = seen.weight.value(i);
+      const double weight = seen.weight.value(i);
       double most = 0;
       for (std::size_t k = 0; k < objects; ++k) {
         const double inside = seen.object_weight.value(i * objects + k);
-        most = std::max(most, std::min(inside, all - inside));
+        most = std::max(most, std::min(inside, weight - inside));
       }
-      straddling[i] += most;
+      all.px[i] += most;
     }
+    all.seen.add(seen);
   }
-  return straddling;
+  return all;
 }
 
-std::vector<CloudRow> split_straddlers(const std::vector<double>& straddling, double least_px,
+std::vector<CloudRow> split_straddlers(const std::vector<double>& straddling_px, double least_px,
                                        std::int64_t most) {
   std::vector<std::int64_t> chosen;
-  for (std::size_t i = 0; i < straddling.size(); ++i)
-    if (straddling[i] > least_px) chosen.push_back(std::int64_t(i));
+  for (std::size_t i = 0; i < straddling_px.size(); ++i)
+    if (straddling_px[i] > least_px) chosen.push_back(std::int64_t(i));
   if (std::int64_t(chosen.size()) > most) {
     std::stable_sort(chosen.begin(), chosen.end(), [&](std::int64_t a, std::int64_t b) {
-      return straddling[std::size_t(a)] > straddling[std::size_t(b)];
+      return straddling_px[std::size_t(a)] > straddling_px[std::size_t(b)];
     });
     chosen.resize(std::size_t(most));
     std::sort(chosen.begin(), chosen.end());
   }
   std::vector<CloudRow> rows;
   auto next = chosen.begin();
-  for (std::int64_t i = 0; i < std::int64_t(straddling.size()); ++i)
+  for (std::int64_t i = 0; i < std::int64_t(straddling_px.size()); ++i)
     if (next != chosen.end() && *next == i)
       ++next;
     else

@@ -3,19 +3,23 @@
 #include <cstdint>
 #include <vector>
 
+#include "ngs/scene/evidence.h"
 #include "ngs/stages/cloud_rows.h"
 #include "ngs/stages/method.h"
 
 namespace ngs {
 
-/// What every Gaussian draws on the wrong side of the masks, [N], in pixels: Σ_views min(W1, W - W1), its
-/// weight inside and outside of the mask, of the object where that is largest. 0 for a Gaussian that no
-/// contour crosses.
-std::vector<double> straddling_px(const Exec& exec, const MethodInput& input, const GaussianCloud& cloud);
+/// What every Gaussian draws on either side of the masks.
+struct Straddling {
+  std::vector<double> px;  // [N] on the wrong side: Σ_views min(W1, W - W1), its weight inside and outside of the mask, of
+                           // the object where that is largest; 0 for a Gaussian that no contour crosses
+  Evidence seen;           // of all the views together
+};
+Straddling straddling(const Exec& exec, const MethodInput& input, const GaussianCloud& cloud);
 
 /// Rows of a cloud in which the Gaussians with more than `least_px` are halved (at most `most` of them, the
 /// worst first). Kept rows stay in order, then come the halves, pair by pair.
-std::vector<CloudRow> split_straddlers(const std::vector<double>& straddling, double least_px,
+std::vector<CloudRow> split_straddlers(const std::vector<double>& straddling_px, double least_px,
                                        std::int64_t most);
 
 }  // namespace ngs

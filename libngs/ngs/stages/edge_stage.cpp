@@ -34,16 +34,16 @@ struct Model {
   std::vector<float> fixed;
 };
 
-/// Weight of every Gaussian in the views' pictures, [N].
-std::vector<double> weight_in(const Exec& exec, const GaussianCloud& cloud, const Scene& scene,
-                              const std::vector<std::size_t>& views, const SplatOptions& splat) {
+/// Weight of every Gaussian in the views' whole pictures, [N].
+std::vector<double> weight_in_all(const Exec& exec, const EdgeSetup& setup, const std::vector<std::size_t>& views,
+                                  const GaussianCloud& cloud) {
   Evidence seen(cloud.size(), 1);
   for (const std::size_t v : views) {
-    const Camera& camera = scene.views[v].camera;
+    const Camera& camera = setup.input.scene.views[v].camera;
     ViewMasks all;
     all.width_px = camera.width_px, all.height_px = camera.height_px, all.available = true;
     all.target.emplace_back(std::size_t(camera.width_px) * std::size_t(camera.height_px), 1.f);
-    add_view_evidence(exec, cloud, camera, splat, all, seen);
+    add_view_evidence(exec, cloud, camera, setup.input.splat, all, seen);
   }
   std::vector<double> weight(std::size_t(cloud.size()));
   for (std::size_t i = 0; i < weight.size(); ++i) weight[i] = seen.weight.value(i);
@@ -51,41 +51,27 @@ std::vector<double> weight_in(const Exec& exec, const GaussianCloud& cloud, cons
 }
 
 /// 1: the Gaussian is held, or shows outside of the windows too, where no photo would hold it.
-std::vector<std::uint8_t> untouchable(const Exec& exec, const EdgeSetup& setup, const MethodInput& window,
-                                      const Model& model) {
-  const GaussianCloud& cloud = model.cloud;
-  const std::vector<double> inside = weight_in(exec, cloud, window.scene, window.views, window.splat),
-                            all = weight_in(exec, cloud, setup.input.scene, window.views, window.splat);
+std::vector<float> untouchable(const Exec& exec, const EdgeSetup& setup, const std::vector<std::size_t>& views,
+                               const Model& model, const Evidence& inside) {
+  const std::vector<double> all = weight_in_all(exec, setup, views, model.cloud);
   const std::vector<std::uint8_t>& held = setup.input.held;
-  std::vector<std::uint8_t> out(inside.size());
+  std::vector<float> out(all.size());
   for (std::size_t i = 0; i < out.size(); ++i)
-    out[i] = inside[i] < kLeastInside * all[i] || (!held.empty() && held[std::size_t(model.source_row[i])]);
+    out[i] = inside.weight.value(i) < kLeastInside * all[i] ||
+             (!held.empty() && held[std::size_t(model.source_row[i])]);
   return out;
 }
 
-/// Gaussians that are not trained: those, and background that does not lie across a contour.
-std::vector<std::uint8_t> unconcerned(const Exec& exec, const EdgeSetup& setup, const MethodInput& window,
-                                      const Model& model) {
-  std::vector<std::uint8_t> frozen = untouchable(exec, setup, window, model);
-  const std::vector<double> straddling = straddling_px(exec, window, model.cloud);
-  for (std::size_t i = 0; i < frozen.size(); ++i) {
-    bool concerned = straddling[i] > kLeastStraddling_px;
-    for (const LabelColumns& object : model.labels) concerned |= object.prob[i] > kLeastClaim;
-    frozen[i] |= !concerned;
-  }
-  return frozen;
+/// The rows with the Gaussians that lie across a contour halved. Not what must stay whole: halves look a little different
+/// until they are trained.
+std::vector<CloudRow> halved_rows(const EdgeSetup& setup, std::vector<double> straddling_px,
+                                  const std::vector<float>& whole) {
+  for (std::size_t i = 0; i < straddling_px.size(); ++i)
+    if (whole[i] > 0) straddling_px[i] = 0;
+  return split_straddlers(straddling_px, setup.edge.split_px, std::int64_t(straddling_px.size()));
 }
 
-/// Halves what lies across a contour. Halves take the closed form of their own evidence, the others keep
-/// theirs.
-void split_model(const Exec& exec, const EdgeSetup& setup, const MethodInput& window, Model& model) {
-  if (!parse_effects(setup.joint.effect).split) return;
-  std::vector<double> straddling = straddling_px(exec, window, model.cloud);
-  const std::vector<std::uint8_t> whole = untouchable(exec, setup, window, model);
-  for (std::size_t i = 0; i < straddling.size(); ++i)
-    if (whole[i]) straddling[i] = 0;  // halves look a little different until they are trained
-  const std::vector<CloudRow> rows =
-      split_straddlers(straddling, setup.edge.split_px, std::int64_t(straddling.size()));
+void edit_model(const Exec& exec, const EdgeSetup& setup, const std::vector<CloudRow>& rows, Model& model) {
   edit_rows(exec, rows, setup.input.seed, model.cloud);
   if (!model.fixed.empty()) edit_column(exec, rows, 1, model.fixed);
   for (LabelColumns& c : model.labels)
@@ -94,16 +80,36 @@ void split_model(const Exec& exec, const EdgeSetup& setup, const MethodInput& wi
   std::vector<std::int64_t> source;
   for (const CloudRow& row : rows) source.push_back(model.source_row[std::size_t(row.source)]);
   model.source_row = std::move(source);
+}
 
-  Evidence seen(model.cloud.size(), int(model.labels.size()));
-  for (const std::size_t v : window.views)
-    add_view_evidence(exec, model.cloud, window.scene.views[v].camera, window.splat, window.load_masks(v),
-                      seen);
+/// Halves take the closed form of their own evidence, the others keep their labels.
+void label_halves(const std::vector<CloudRow>& rows, const Evidence& seen, std::vector<LabelColumns>& labels) {
   const std::vector<LabelColumns> closed = label_gaussians({}, seen);
-  for (std::size_t k = 0; k < model.labels.size(); ++k)
+  for (std::size_t k = 0; k < labels.size(); ++k)
     for (std::size_t i = 0; i < rows.size(); ++i)
-      if (rows[i].origin != RowOrigin::kKept && closed[k].views[i] > 0)
-        model.labels[k].prob[i] = closed[k].prob[i];
+      if (rows[i].origin != RowOrigin::kKept && closed[k].views[i] > 0) labels[k].prob[i] = closed[k].prob[i];
+}
+
+/// Halves what lies across a contour. 1 for the Gaussians that are not trained: the untouchable, and background that does
+/// not lie across a contour.
+std::vector<std::uint8_t> split_model(const Exec& exec, const EdgeSetup& setup, const MethodInput& window,
+                                      Model& model) {
+  Straddling across = straddling(exec, window, model.cloud);
+  std::vector<float> whole = untouchable(exec, setup, window.views, model, across.seen);
+  if (parse_effects(setup.joint.effect).split) {
+    const std::vector<CloudRow> rows = halved_rows(setup, across.px, whole);
+    edit_model(exec, setup, rows, model);
+    edit_column(exec, rows, 1, whole);
+    across = straddling(exec, window, model.cloud);
+    label_halves(rows, across.seen, model.labels);
+  }
+  std::vector<std::uint8_t> frozen(whole.begin(), whole.end());
+  for (std::size_t i = 0; i < frozen.size(); ++i) {
+    bool concerned = across.px[i] > kLeastStraddling_px;
+    for (const LabelColumns& object : model.labels) concerned |= object.prob[i] > kLeastClaim;
+    frozen[i] |= !concerned;
+  }
+  return frozen;
 }
 
 JointOptions window_options(const EdgeSetup& setup, std::size_t views) {
@@ -162,10 +168,9 @@ class EdgeRun {
                        .seed = setup_.input.seed + std::uint64_t(round),
                        .fixed = {},
                        .labels = {}};
-    split_model(exec_, setup_, window, model_);
+    const std::vector<std::uint8_t> frozen = split_model(exec_, setup_, window, model_);
     window.fixed = model_.fixed, window.labels = model_.labels;
     const JointOptions joint = window_options(setup_, views_.size());
-    const std::vector<std::uint8_t> frozen = unconcerned(exec_, setup_, window, model_);
     JointTrainer trainer(exec_, monitor_,
                          {joint, setup_.sample, setup_.rbf, window, nullptr, kEdgeRates, frozen}, true);
     bool ended = false;
