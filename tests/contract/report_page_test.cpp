@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <regex>
 
+#include "ngs/io/image_file.h"
 #include "ngs/scene/camera.h"
 #include "support/process.h"
 #include "support/temp_dir.h"
@@ -111,6 +112,16 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
     const std::string bare = test::read_bytes(out + "/bare.html");
     CHECK(occurrences(bare, "<img ") == 0);
     CHECK(bare.find("better views are not shown") != bare.npos);
+  }
+  SUBCASE("a small error lies in the middle of its crop") {
+    const io::RawMask raw = io::read_mask_raw(out + "/masks/v5.png");
+    REQUIRE(raw.width_px == 48);
+    ImageU8 mask(48, raw.height_px, 1);
+    for (std::size_t p = 0; p < mask.data.size(); ++p) mask.data[p] = std::uint8_t(raw.data[p]);
+    mask.data[20 * 48 + 30] ^= 255;  // in the windows from (14, 4) to (30, 19), where the picture ends
+    io::write_png(out + "/masks/v5.png", mask);
+    run_tool(out, {"ngs-report", ".", "--crop-side", "17", "-o", "crop.html"});
+    CHECK(test::read_bytes(out + "/crop.html").find("17×17 px at (22, 11)") != std::string::npos);
   }
   SUBCASE("wrong pixels are shown by cause where the labelled model is there") {
     CHECK(page.find("<section id=\"errors\">") == page.npos);

@@ -83,15 +83,55 @@ std::string axes_svg(const Plot& plot, const Frame& frame) {
   return svg;
 }
 
-std::string series_svg(const PlotSeries& series, const Frame& frame, std::size_t index) {
+struct Box {
+  double left, top, right, bottom;
+  bool meets(const Box& b) const {
+    return left < b.right && b.left < right && top < b.bottom && b.top < bottom;
+  }
+};
+
+/// Writes labels beside their dots, each where neither a dot nor another label is; where there is no such place the
+/// label is the dot's tooltip alone.
+class Labels {
+ public:
+  Labels(const std::vector<PlotSeries>& series, const Frame& frame) {
+    for (const PlotSeries& s : series)
+      for (const PlotPoint& p : s.points)
+        if (!s.line) taken_.push_back(around(frame.px(p.x), frame.py(p.y), kDotPx, kDotPx));
+  }
+
+  std::string beside(double x, double y, const std::string& text) {
+    const double half = 0.5 * kGlyphPx * double(text.size()), aside = half + 9;
+    const bool left_half = x < kWidth / 2;
+    for (const auto& [dx, dy] : {std::pair(left_half ? aside : -aside, 0.0), {left_half ? -aside : aside, 0.0},
+                                 {0.0, -14.0}, {0.0, 14.0}}) {
+      const Box box = around(x + dx, y + dy, half, kLinePx / 2);
+      if (box.left < kLeft || box.right > kWidth || box.top < 0 || box.bottom > kHeight - kBottom) continue;
+      if (std::any_of(taken_.begin(), taken_.end(), [&](const Box& b) { return b.meets(box); })) continue;
+      taken_.push_back(box);
+      const char* anchor = dx > 0 ? "start" : dx < 0 ? "end" : "middle";
+      return text_svg(dx > 0 ? box.left : dx < 0 ? box.right : x, y + dy + 4, anchor, text);
+    }
+    return {};
+  }
+
+ private:
+  static constexpr double kGlyphPx = 6.6, kLinePx = 13, kDotPx = 5;
+  static Box around(double x, double y, double half_x, double half_y) {
+    return {x - half_x, y - half_y, x + half_x, y + half_y};
+  }
+  std::vector<Box> taken_;
+};
+
+std::string series_svg(const PlotSeries& series, const Frame& frame, std::size_t index, Labels& placed) {
   std::string points, labels;
   for (const PlotPoint& p : series.points) {
     const double x = frame.px(p.x), y = frame.py(p.y);
     points += decimal(x, 1) + "," + decimal(y, 1) + " ";
     if (series.line) continue;
-    labels += whiskers_svg(p, frame) + "<circle r=5 cx=" + decimal(x, 1) + " cy=" + decimal(y, 1) + " />";
-    const bool left_half = x < kWidth / 2;
-    labels += text_svg(x + (left_half ? 9 : -9), y + 4, left_half ? "start" : "end", p.label);
+    labels += whiskers_svg(p, frame) + "<circle r=5 cx=" + decimal(x, 1) + " cy=" + decimal(y, 1) + "><title>" +
+              escaped(p.label) + "</title></circle>";
+    if (!p.label.empty()) labels += placed.beside(x, y, p.label);
   }
   std::string svg = "<g class=series" + std::to_string(index) + ">";
   if (series.line) {
@@ -139,7 +179,8 @@ std::string plot_svg(const Plot& plot) {
   std::string svg = "<svg class=plot role=img aria-label=\"" + escaped(plot.title) + "\" viewBox=\"0 0 " +
                     decimal(kWidth, 0) + " " + decimal(kHeight, 0) + "\"><title>" + escaped(plot.title) +
                     "</title>" + axes_svg(plot, frame);
-  for (std::size_t i = 0; i < shown.size(); ++i) svg += series_svg(shown[i], frame, i);
+  Labels labels(shown, frame);
+  for (std::size_t i = 0; i < shown.size(); ++i) svg += series_svg(shown[i], frame, i, labels);
   return "<figure class=chart>" + svg + "</svg><figcaption>" + escaped(plot.title) + "</figcaption></figure>";
 }
 

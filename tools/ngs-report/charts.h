@@ -11,7 +11,7 @@ std::string bar_svg(double value, double largest);
 
 struct PlotPoint {
   double x = 0, y = 0;
-  std::string label;  // written beside the point if not empty
+  std::string label;  // written beside the point if not empty and there is room, else its tooltip
   // Whiskers of a dot; none where not given.
   double x_low = NAN, x_high = NAN, y_low = NAN, y_high = NAN;
 };

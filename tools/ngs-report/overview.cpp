@@ -95,13 +95,17 @@ std::vector<Flip> flips_of(const Exec& exec, const RunFolder& run, const ShownVi
     return fitted(read_plane(path, id), width, height);
   };
   const Plane result = plane(view.predicted, view.predicted_id);
+  const bool several = !view.object.empty();
+  const std::string object = several ? view.object : "the object";
   std::vector<Flip> flips{
-      {photo, painted(photo, result, false, kPaper, 1), view.view, "the photo", "the object alone"}};
+      {photo, painted(photo, result, false, kPaper, 1), view.view, "the photo", object + " alone"}};
   if (ImageF left = background_picture(exec, run, view.view, width, height); !left.empty())
-    flips.push_back({photo, std::move(left), view.view, "the photo", "the splat without the object"});
+    flips.push_back({photo, std::move(left), view.view, "the photo",
+                     several ? "the splat without all objects" : "the splat without the object"});
   if (const Plane input = plane(view.input, view.input_id); !input.empty())
     flips.push_back({painted(photo, input, true, {1, 1, 1}, 0.55),
-                     painted(photo, result, true, kOrange, 0.55), view.view, "the input mask", "the result"});
+                     painted(photo, result, true, kOrange, 0.55), view.view,
+                     several ? "the input mask of " + object : "the input mask", "the result"});
   return flips;
 }
 
@@ -140,7 +144,7 @@ ImageF side_picture(const io::GaussianPly& ply, const LabelColumns& labels, int 
   return picture;
 }
 
-/// The middle 98 % of the boundary Gaussians along each axis, a third wider, all three of one length. Empty
+/// The boundary Gaussians along each axis but for the outermost fiftieth on either side, a third wider, all three of one length. Empty
 /// length: none.
 std::array<std::array<double, 2>, 3> range_of(const io::GaussianPly& ply, const LabelColumns& labels) {
   std::array<std::array<double, 2>, 3> range{};
@@ -152,7 +156,8 @@ std::array<std::array<double, 2>, 3> range_of(const io::GaussianPly& ply, const 
         along.push_back(ply.cloud.position[3 * i + axis]);
     if (along.size() < 2) return {};
     std::sort(along.begin(), along.end());
-    range[axis] = {along[along.size() / 100], along[along.size() - 1 - along.size() / 100]};
+    const std::size_t n = along.size(), outer = std::min((n + 49) / 50, (n - 1) / 2);
+    range[axis] = {along[outer], along[n - 1 - outer]};
     longest = std::max(longest, range[axis][1] - range[axis][0]);
   }
   for (auto& r : range) r = {(r[0] + r[1]) / 2 - 0.65 * longest, (r[0] + r[1]) / 2 + 0.65 * longest};
@@ -185,9 +190,11 @@ std::string boundary_section(RunFolder& run, Pictures& pictures) {
   if (!fs::is_regular_file(path)) return {};
   std::string html;
   std::int64_t boundary = 0, object = 0;
+  bool several = false;
   try {
     const io::GaussianPly ply = io::read_gaussian_ply(path.string(), io::HigherBands::kCheckOnly);
-    const LabelColumns& labels = ply.objects.empty() ? ply.labels : ply.objects.front().columns;
+    const LabelColumns& labels = ply.labels;  // of several objects their union
+    several = ply.objects.size() > 1;
     if (labels.label.empty() || labels.boundary.empty()) return {};
     const auto range = range_of(ply, labels);
     if (!(range[0][1] > range[0][0])) return {};
@@ -211,7 +218,8 @@ std::string boundary_section(RunFolder& run, Pictures& pictures) {
   return section("boundary", "The boundary set from three sides",
                  "<p class=note>Orange: the " + whole(boundary) +
                      " Gaussians whose masks disagree (Eq. 3). Grey: the other of the " + whole(object) +
-                     " Gaussians of the object. World axes.</p><div class=sheet>" + html + "</div>");
+                     " Gaussians of the object" + (several ? "s" : "") +
+                     ". World axes.</p><div class=sheet>" + html + "</div>");
 }
 
 std::string repeat_section(const RunFolder& run) {

@@ -115,7 +115,8 @@ const Plane& reference_of(const Layers& layers) {
   return !layers.truth.empty() ? layers.truth : !layers.predicted.empty() ? layers.predicted : layers.input;
 }
 
-/// The window of the given side with the most wrong pixels.
+/// The window of the given side with the most wrong pixels; of several the middle one, so that a small error lies
+/// in the middle of what is shown.
 Window worst_window(const Plane& predicted, const Plane& truth, int side_px) {
   const int w = truth.width_px, h = truth.height_px;
   const int side_x = std::min(side_px, w), side_y = std::min(side_px, h);
@@ -129,15 +130,20 @@ Window worst_window(const Plane& predicted, const Plane& truth, int side_px) {
       at(x + 1, y + 1) =
           at(x, y + 1) + at(x + 1, y) - at(x, y) + ((predicted.data[i] != 0) != (truth.data[i] != 0));
     }
+  const auto wrong_in = [&](int x, int y) {
+    return at(x + side_x, y + side_y) - at(x, y + side_y) - at(x + side_x, y) + at(x, y);
+  };
   Window best{0, 0, side_x, side_y};
+  int left = 0, right = 0, bottom = 0;  // of the equally bad ones; best is the topmost
   std::int64_t most = -1;
   for (int y = 0; y + side_y <= h; ++y)
     for (int x = 0; x + side_x <= w; ++x) {
-      const std::int64_t wrong =
-          at(x + side_x, y + side_y) - at(x, y + side_y) - at(x + side_x, y) + at(x, y);
-      if (wrong > most) most = wrong, best.x = x, best.y = y;
+      const std::int64_t wrong = wrong_in(x, y);
+      if (wrong > most) most = wrong, best.x = left = right = x, best.y = y;
+      if (wrong == most) left = std::min(left, x), right = std::max(right, x), bottom = y;
     }
-  return best;
+  const Window middle{(left + right) / 2, (best.y + bottom) / 2, side_x, side_y};
+  return wrong_in(middle.x, middle.y) == most ? middle : best;
 }
 
 ImageF crop_of(const ImageF& image, Window w) {

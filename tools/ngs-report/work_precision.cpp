@@ -198,9 +198,11 @@ std::string numerical_section(const Sweep& sweep) {
     const double seconds = number_at(point, {"cpu_s"}), error = number_at(point, {"error"});
     PlotSeries& series =
         knobs.try_emplace(knob, PlotSeries{.name = {}, .points = {}, .line = false}).first->second;
-    series.points.push_back({seconds, std::log10(std::max(error, 1e-16)), knob + " " + setting});
-    char text[32];
-    std::snprintf(text, sizeof text, "%.2e", error);
+    char text[32] = "the reference";
+    if (error > 0) {
+      series.points.push_back({seconds, std::log10(error), knob + " " + setting});
+      std::snprintf(text, sizeof text, "%.2e", error);
+    }
     table.rows.push_back({escaped(knob), escaped(setting), decimal(seconds, 4), text});
   }
   std::vector<PlotSeries> series;
