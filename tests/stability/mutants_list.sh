@@ -128,7 +128,7 @@ mutant ops/adam_kernels.h $t $f "rows without a gradient decay" 's/if \(touched\
 mutant ops/adam_kernels.h $t $f "first moment not moved by its share" 's/m\[i\] = mi;/m[i] = g;/'
 mutant $f $t $f "1 - β₂ in float" 's/T\(1\.0 - o\.beta2\)/T(1) - T(o.beta2)/'
 mutant $f $t $f "1 - β₂^t in float" 's/-std::expm1\(double\(step\) \* std::log\(o\.beta2\)\)/double(1 - std::pow(float(o.beta2), float(step)))/'
-mutant $f $t $f "NaN passes the check" 's/fine \&= std::abs\(values\[std::size_t\(i\)\]\) <= limit;/fine \&= !(std::abs(values[std::size_t(i)]) > limit);/'
+mutant $f $t $f "NaN passes the check" 's/if \(!\(std::abs\(values\[std::size_t\(i\)\]\) <= limit\)\)/if (std::abs(values[std::size_t(i)]) > limit)/'
 f=ops/label_solve.cpp
 mutant $f $t $f "0 \/ 0 of a label without evidence" 's/object \+ rest > 0 \? (object \/ \(object \+ rest\)) : m\[i\]/\1/'
 mutant $f $t $f "what is left as 1 - rest" 's/\? object \/ \(object \+ rest\)/? 1 - rest \/ (object + rest)/'
