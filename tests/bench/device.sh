@@ -12,7 +12,7 @@ architecture=${NGS_CUDA_ARCHITECTURE:-native}
 nvidia-smi -L > "$work/smi" 2> /dev/null || { echo "skipped: no device"; exit 77; }
 
 cmake -S "$root" -B "$build" -G Ninja -DNGS_WITH_CUDA=ON -DNGS_CUDA_REPORT=ON -DCMAKE_CUDA_ARCHITECTURES="$architecture" > "$work/configure.log"
-ninja -C "$build" -j "$jobs" test_parity test_emulated ngs_device_bench ngs-scene ngs-variance ngs-sample ngs-rbf ngs-render \
+ninja -C "$build" -j "$jobs" test_parity test_emulated ngs_device_bench ngs-scene ngs-variance ngs-sample ngs-rbf ngs-joint ngs-render \
   > "$work/build.log" 2>&1 || { tail -40 "$work/build.log"; exit 1; }
 
 check() {  # name, seconds, then the command: its exit code into a file
@@ -25,7 +25,7 @@ check emulated 120 "$bin/test_emulated"
 NGS_PARITY_TABLE=1 check parity 120 "$bin/test_parity"
 [ "$(cat "$work/parity.code")" = 77 ] && { cat "$work/parity.log"; exit 77; }
 if command -v compute-sanitizer > /dev/null; then
-  check memcheck 90 compute-sanitizer --tool memcheck --error-exitcode 9 "$bin/test_parity" -tc="splat: a device*,film*,hash*,volume*,align*,photometric*"
+  check memcheck 90 compute-sanitizer --tool memcheck --error-exitcode 9 "$bin/test_parity" -tc="splat: a device*,film*,hash*,volume*,align*,photometric*,joint: losses and parameters*"
   check racecheck 90 compute-sanitizer --tool racecheck --error-exitcode 9 "$bin/test_parity" -tc="splat: a device*,evidence*,film*"
 fi
 check bench 120 "$bin/ngs_device_bench"
@@ -40,6 +40,8 @@ for scene in "$@"; do  # the tools on both devices
       run variance scene.json -o "$device/boundary.ply"
       "$bin/ngs-sample" scene.json "$device/boundary.ply" -o "$device/queries.ply" -q > /dev/null
       run rbf "$device/boundary.ply" "$device/queries.ply" -o "$device/field.ply"
+      timeout 45 "$bin/ngs-joint" scene.json "$device/boundary.ply" --steps 60 --effect view-trust=off --effect floaters=off \
+        --effect edges=off -o "$device/labelled.ply" --device "$device" -q --report "$device/joint.json"
       run render scene.json "$device/boundary.ply" --views held-out --layers color,mask -o "$device/pictures"
     done ) || echo "tools on $name: failed"
 done

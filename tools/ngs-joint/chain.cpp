@@ -26,6 +26,8 @@ void check(cli::Run& run, const Settings& settings, const Paths& paths) {
   if (!o.apart.empty() && !paths.field.empty())
     throw Error(ErrorCode::kUsage, "--apart with --field, whose query points are those of all objects",
                 "leave --field out: the run samples its own");
+  if (o.method != Method::kPaper && run.device_exec().device_ops != nullptr)
+    throw Error(ErrorCode::kEnvironment, "--device cuda: only --method paper has a CUDA path", "use --device cpu");
   if (o.method != Method::kPaper && (!paths.trace.empty() || !paths.nerf.empty() || !paths.field.empty() ||
                                      !o.time_budget.empty() || !o.target.empty() || !o.checkpoint.empty()))
     run.monitor().warn(

@@ -45,6 +45,7 @@ int label_model(int argc, char** argv) {
   const cli::Output& trace = tool.optional_output(
       "--trace", "one JSON line per step: time, loss terms; per round of views: agreement");
   tool.stops_on_request();
+  tool.runs_partly_on_device();  // the joint steps
 
   return tool.run(argc, argv, [&](cli::Run& run) {
     return joint::run_chain(

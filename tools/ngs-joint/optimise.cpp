@@ -60,7 +60,7 @@ int run_steps(cli::Run& run, const RunOptions& options, const Checkpoint& checkp
     run.info("resumed after step " + std::to_string(trainer.steps_done()));
   bool ended = watch.target_met();
   while (!trainer.finished() && !ended) {
-    const JointProgress progress = trainer.step();
+    const JointProgress progress = trainer.step(watch.reads_every_step());
     run.monitor().progress(progress.step, progress.steps);
     ended = watch.after_step(progress, trainer);
     const bool periodic = options.checkpoint_every > 0 && progress.step % options.checkpoint_every == 0;
@@ -120,7 +120,7 @@ MethodResult run_edges(cli::Run& run, const Settings& settings, const Problem& p
 int optimise(cli::Run& run, Decisions& decisions, const Problem& problem, const Artifacts& artifacts) {
   const Settings settings = decisions.settled();
   Budget& budget = problem.budget;
-  JointTrainer trainer(run.exec(), run.monitor(),
+  JointTrainer trainer(run.device_exec(), run.monitor(),
                        {settings.joint, settings.sample, settings.rbf, problem.input, problem.field},
                        run.allow_empty());
   Watch watch(run.exec(), settings.run, problem.input, budget, !artifacts.trace.empty());

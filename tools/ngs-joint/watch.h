@@ -21,6 +21,8 @@ class Watch {
   /// Under a budget the trainer's plan follows the time that its steps turn out to take.
   bool after_step(const JointProgress& progress, JointTrainer& trainer);
 
+  /// Losses or times of single steps are wanted: a run on a device then waits for each.
+  bool reads_every_step() const { return target_ || traced_ || budget_.given(); }
   bool target_met() const { return target_met_; }
   /// Steps were left out for want of time.
   bool cut() const { return cut_; }

@@ -23,7 +23,7 @@ namespace ngs::cli {
 struct RunState {
   const CommonFlags& flags;
   Console& console;
-  Exec exec;
+  Exec exec, device_exec;
   Monitor monitor;
   std::vector<ReadInput> inputs;
   Json result = Json::object();
@@ -31,6 +31,7 @@ struct RunState {
 };
 
 const Exec& Run::exec() const { return state_.exec; }
+const Exec& Run::device_exec() const { return state_.device_exec; }
 Monitor& Run::monitor() { return state_.monitor; }
 std::uint64_t Run::seed() const { return state_.flags.seed; }
 bool Run::dry_run() const { return state_.flags.dry_run; }
@@ -109,6 +110,7 @@ const Output& Tool::optional_output_dir(std::string flags, std::string help) {
 void Tool::help(std::string text) { impl_->spec.help_texts.push_back(std::move(text)); }
 void Tool::stops_on_request() { impl_->spec.stops_on_request = true; }
 void Tool::runs_on_device() { impl_->spec.runs_on_device = true; }
+void Tool::runs_partly_on_device() { impl_->spec.runs_on_device = impl_->spec.partly_on_device = true; }
 
 namespace {
 
@@ -176,11 +178,13 @@ int Tool::Impl::run(const CommonFlags& flags, Console& console, const std::funct
   const Streams streams(spec);
   check_inputs(spec);
   const ChosenDevice device = choose_device(flags.device, spec);
-  RunState state{.flags = flags, .console = console, .exec = {}, .monitor = {}, .inputs = {}};
-  state.exec.device = device.device;
-  if (device.device == Device::kCuda) state.exec.device_ops = cuda_ops();
+  RunState state{.flags = flags, .console = console, .exec = {}, .device_exec = {}, .monitor = {}, .inputs = {}};
   state.exec.threads = choose_threads(flags.threads);
   state.exec.isa = choose_isa();
+  state.device_exec = state.exec;
+  state.device_exec.device = device.device;
+  if (device.device == Device::kCuda) state.device_exec.device_ops = cuda_ops();
+  if (!spec.partly_on_device) state.exec = state.device_exec;
   state.monitor.stop_flag(&stop_flag());
   state.monitor.on_warning = [&](const std::string& message) { console.warning(message); };
   state.monitor.on_progress = [&](const std::string& stage, std::int64_t done, std::int64_t total) {

@@ -59,6 +59,7 @@ class Run {
   explicit Run(RunState& state) : state_(state) {}
 
   const Exec& exec() const;
+  const Exec& device_exec() const;  // as --device says, for the parts of a tool that runs_partly_on_device()
   Monitor& monitor();
   std::uint64_t seed() const;
   bool dry_run() const;  // read headers, say plan(), return 0
@@ -112,6 +113,8 @@ class Tool {
   void stops_on_request();
   /// Every stage of the body runs through ops that have a device path. Otherwise --device cuda is refused.
   void runs_on_device();
+  /// Parts of the body do, and are given Run::device_exec(); Run::exec() stays on the CPU.
+  void runs_partly_on_device();
 
   /// Returns the exit code. The body returns kDone, kCheckFailed, kBudgetHit or run.stop_code().
   int run(int argc, char** argv, const std::function<int(Run&)>& body);

@@ -31,6 +31,14 @@ NGS_HD inline double rng_uniform(std::uint64_t seed, RngStream stream, std::uint
   return double(rng_bits(seed, stream, index) >> 11) * 0x1.0p-53;
 }
 
+/// Uniform on the unit sphere, from the numbers 2·index and 2·index + 1.
+NGS_HD inline void rng_unit_vector(std::uint64_t seed, RngStream stream, std::uint64_t index, double (&xyz)[3]) {
+  const double z = 2 * rng_uniform(seed, stream, 2 * index) - 1;
+  const double angle = 6.283185307179586 * rng_uniform(seed, stream, 2 * index + 1);
+  const double radius = std::sqrt(1 - z * z);
+  xyz[0] = radius * std::cos(angle), xyz[1] = radius * std::sin(angle), xyz[2] = z;
+}
+
 /// Standard normal (Box-Muller on the numbers 2·index and 2·index + 1).
 inline double rng_normal(std::uint64_t seed, RngStream stream, std::uint64_t index) {
   const double u = 1.0 - rng_uniform(seed, stream, 2 * index);  // (0, 1]

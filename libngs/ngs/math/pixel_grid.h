@@ -5,6 +5,11 @@
 
 namespace ngs {
 
+/// Axis-aligned box in pixel coordinates: pixel (i, j) covers [i, i + 1) x [j, j + 1).
+struct PixelBox {
+  double min_x = 0, min_y = 0, max_x = 0, max_y = 0;  // px
+};
+
 /// Node (row, col) lies at (first_x + col·step_x, first_y + row·step_y), in pixel coordinates (centres at
 /// +0.5). Rows are stored one after the other: node index = row·cols + col.
 struct PixelGrid {
@@ -16,6 +21,12 @@ struct PixelGrid {
   NGS_HD double y(int row) const { return first_y + step_y * row; }
 };
 
+/// The nodes with half a step about them.
+NGS_HD inline PixelBox box_of(const PixelGrid& g) {
+  return {g.first_x - g.step_x / 2, g.first_y - g.step_y / 2, g.x(g.cols - 1) + g.step_x / 2,
+          g.y(g.rows - 1) + g.step_y / 2};
+}
+
 /// The two pixels along one axis between whose centres `position_px` lies, and the weight of the upper one.
 /// Positions beyond the first or last centre take that pixel alone.
 struct BilinearAxis {
@@ -26,6 +37,16 @@ NGS_HD inline BilinearAxis bilinear_axis(double position_px, int size_px) {
   const double at = clamp3(position_px - 0.5, 0.0, double(size_px - 1));
   const int lower = int(at);
   return {lower, lower + 1 < size_px ? lower + 1 : lower, at - lower};
+}
+
+/// The value between four pixels; at(x, y) is a pixel's.
+template <class At>
+NGS_HD double read_bilinear(double x_px, double y_px, int width_px, int height_px, const At& at) {
+  const BilinearAxis x = bilinear_axis(x_px, width_px), y = bilinear_axis(y_px, height_px);
+  const auto row = [&](int line) {
+    return (1 - x.weight) * double(at(x.lower, line)) + x.weight * double(at(x.upper, line));
+  };
+  return (1 - y.weight) * row(y.lower) + y.weight * row(y.upper);
 }
 
 /// The weight with which `bilinear_axis(position_px, size_px)` reads `pixel`: the same numbers, asked from

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "ngs/backend/for_each.h"
@@ -42,18 +41,11 @@ void step_block(const Exec& exec, const AdamOptions& o, std::int64_t step, std::
   NGS_CHECK(value.size() == grad.size() && value.size() == m.size() && value.size() == v.size(),
             "adam_step: value, grad, m and v must have one length");
   NGS_CHECK(step >= 1, "adam_step: the first step is 1");
-  const T limit = T(0.99) * std::sqrt(std::numeric_limits<T>::max());
+  const T limit = adam_limit<T>();
   const auto require_usable = [&](std::int64_t bad) {
-    if (bad < 0) return;
-    throw Error(ErrorCode::kNumeric,
-                std::string(name) + ": gradient " + std::to_string(bad) + " is " +
-                    std::to_string(double(grad[std::size_t(bad)])) + ", expected a finite value below " +
-                    std::to_string(double(limit)),
-                "lower the learning rate, or look for non-finite values in the inputs: ngs-scene check");
+    if (bad >= 0) refuse_step(name, bad, double(grad[std::size_t(bad)]), double(limit));
   };
-  // 1 - βᵗ from the logarithm: for β near 1 and small t the power would cancel.
-  const double bias1 = -std::expm1(double(step) * std::log(o.beta1));
-  const double bias2 = -std::expm1(double(step) * std::log(o.beta2));
+  const double bias1 = adam_bias(o.beta1, step), bias2 = adam_bias(o.beta2, step);
   const std::int64_t n = std::int64_t(value.size());
   const AdamKernel<T> kernel{value.data(), grad.data(), m.data(), v.data(), n, T(o.lr / bias1),
                              T(1.0 / std::sqrt(bias2)), T(1.0 - o.beta1), T(1.0 - o.beta2), T(o.eps)};
@@ -69,6 +61,13 @@ void step_block(const Exec& exec, const AdamOptions& o, std::int64_t step, std::
 }
 
 }  // namespace
+
+void refuse_step(std::string_view name, std::int64_t index, double value, double limit) {
+  throw Error(ErrorCode::kNumeric,
+              std::string(name) + ": gradient " + std::to_string(index) + " is " + std::to_string(value) +
+                  ", expected a finite value below " + std::to_string(limit),
+              "lower the learning rate, or look for non-finite values in the inputs: ngs-scene check");
+}
 
 void adam_step(const Exec& exec, const AdamOptions& options, std::int64_t step, std::string_view name,
                std::span<float> value, std::span<const float> grad, AdamMoments& moments) {

@@ -31,6 +31,9 @@ void adam_step(const Exec& exec, const AdamOptions& options, std::int64_t step, 
 void adam_step(const Exec& exec, const AdamOptions& options, std::int64_t step, std::string_view name,
                std::span<double> value, std::span<const double> grad, std::span<double> m, std::span<double> v);
 
+/// The error of adam_step.
+[[noreturn]] void refuse_step(std::string_view name, std::int64_t index, double value, double limit);
+
 /// Index of the first value that is NaN, infinite or larger in magnitude than `limit`; -1 if none.
 std::int64_t first_unusable(const Exec& exec, std::span<const float> values, float limit);
 std::int64_t first_unusable(const Exec& exec, std::span<const double> values, double limit);

@@ -2,6 +2,7 @@
 // Scalar source of ops/adam.h.
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "ngs/core/hd.h"
 #include "ngs/scene/views.h"
@@ -44,6 +45,15 @@ struct AdamKernel {
     range(begin, end);
   }
 };
+
+/// 1 - βᵗ from the logarithm: for β near 1 and small t the power would cancel.
+NGS_HD inline double adam_bias(double beta, std::int64_t step) { return -std::expm1(double(step) * std::log(beta)); }
+
+/// Gradients beyond it have squares that are not representable.
+template <class T>
+T adam_limit() {
+  return T(0.99) * std::sqrt(std::numeric_limits<T>::max());
+}
 
 /// The same for rows of `columns` values, leaving rows whose gradient is all zero untouched, moments included.
 template <class T>

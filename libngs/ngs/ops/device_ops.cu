@@ -11,7 +11,8 @@ const DeviceOps* cuda_ops() {
   static const std::unique_ptr<DeviceSplatOps> splat = cuda_splat_ops();
   static const std::unique_ptr<DeviceFieldOps> field = cuda_field_ops();
   static const std::unique_ptr<DeviceLossOps> loss = cuda_loss_ops();
-  static const DeviceOps ops(*splat, *field, *loss);
+  static const std::unique_ptr<DeviceJointOps> joint = cuda_joint_ops();
+  static const DeviceOps ops(*splat, *field, *loss, joint.get());
   return &ops;
 }
 

@@ -7,6 +7,7 @@
 
 #include "ngs/backend/exec.h"
 #include "ngs/ops/adam_kernels.h"
+#include "ngs/ops/device_joint.h"
 #include "ngs/ops/film_mlp.h"
 #include "ngs/ops/hash_grid_kernels.h"
 #include "ngs/ops/loss_align_kernels.h"
@@ -105,10 +106,12 @@ class DeviceLossOps {
 
 class DeviceOps {
  public:
-  DeviceOps(const DeviceSplatOps& s, const DeviceFieldOps& f, const DeviceLossOps& l) : splat(s), field(f), loss(l) {}
+  DeviceOps(const DeviceSplatOps& s, const DeviceFieldOps& f, const DeviceLossOps& l, const DeviceJointOps* j)
+      : splat(s), field(f), loss(l), joint(j) {}
   const DeviceSplatOps& splat;
   const DeviceFieldOps& field;
   const DeviceLossOps& loss;
+  const DeviceJointOps* joint;  // whole steps, whose memory stays; null: op by op
 };
 
 /// The ops of the CUDA device that cuda_device() describes; null in builds without it.

@@ -204,4 +204,24 @@ struct FilmPartSums {
   }
 };
 
+/// ∂L/∂ of a network's outputs and inputs.
+struct FilmGradientsOnGrid {
+  const float *density, *rgb;  // [Q], [Q, 3]
+  float *input, *condition;    // [Q, inputs], [Q, condition] out
+};
+
+/// `net` with the context of the forward pass; adds to `params_accumulate`.
+template <class Grid>
+void film_backward_on_grid(Grid& grid, const FilmOnGrid& net, const FilmGradientsOnGrid& gradients,
+                           float* params_accumulate) {
+  const auto parameters = std::int64_t(net.at.size);
+  with_film_tile(net.config, [&](auto width, auto queries) {
+    using Kernel = FilmBackwardTiles<width, queries>;
+    GridBuffer<Grid, float> part(grid, Kernel::kParts * parameters);
+    part.zero();
+    grid.blocks(Kernel::kParts, Kernel{net, gradients.density, gradients.rgb, gradients.input, gradients.condition, part.data()});
+    grid.each(parameters, FilmPartSums{part.data(), Kernel::kParts, parameters, params_accumulate});
+  });
+}
+
 }  // namespace ngs

@@ -78,4 +78,17 @@ struct FilmForwardTile {
   }
 };
 
+/// Density and colour of all queries of `net`; returns its context.
+template <class Grid>
+GridBuffer<Grid, float> film_forward_on_grid(Grid& grid, FilmOnGrid net, float* density, float* rgb) {
+  GridBuffer<Grid, float> context;
+  with_film_tile(net.config, [&](auto width, auto queries) {
+    const std::int64_t tiles = divided_up<std::int64_t>(net.input.n, queries);
+    context = {grid, tiles * net.context_rows() * queries};
+    net.context = context.data();
+    grid.blocks(tiles, FilmForwardTile<width, queries>{net, density, rgb});
+  });
+  return context;
+}
+
 }  // namespace ngs

@@ -3,6 +3,7 @@
 // film_backward_grid.h. Sums run in the order of ops/film_gemm_kernels.h, so that activations are equal to the CPU's but
 // for the exponentials of the two ends.                                               Eqs. (12)-(15)
 #include "ngs/backend/grid.h"
+#include "ngs/core/check.h"
 #include "ngs/math/lane_scalar.h"
 #include "ngs/math/sh.h"
 #include "ngs/math/stable.h"
@@ -125,5 +126,15 @@ struct FilmTile {
       sh_rest_basis(net.config.direction_degree, vec3(net.direction.row(query / net.queries_per_direction)), out);
   }
 };
+
+/// body(width, queries) of the tiles that fit the network and 48 KiB.
+template <class Body>
+void with_film_tile(const FilmMlpConfig& c, const Body& body) {
+  NGS_CHECK(c.condition <= kMostConditions, "the device path takes up to 4 conditions");
+  const int width = max2(c.hidden, c.inputs);
+  if (width <= 64) return body(std::integral_constant<int, 64>{}, std::integral_constant<int, 64>{});
+  NGS_CHECK(width <= 128, "the device path takes up to 128 features");
+  body(std::integral_constant<int, 128>{}, std::integral_constant<int, 32>{});
+}
 
 }  // namespace ngs

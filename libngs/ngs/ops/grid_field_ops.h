@@ -89,14 +89,7 @@ class GridFieldOps final : public DeviceFieldOps {
   void film_forward(const FilmCall& call, const FilmMlpInputs& in, FilmMlpOutput& out) const override {
     const FilmArrays a(grid_, call, in);
     const Floats density(grid_, in.feature.n), rgb(grid_, in.feature.n * 3);
-    with_tile(call.config, [&](auto width, auto queries) {
-      const std::int64_t tiles = divided_up<std::int64_t>(in.feature.n, queries);
-      const Floats context(grid_, tiles * a.net.context_rows() * queries);
-      FilmOnGrid net = a.net;
-      net.context = context.data();
-      grid_.blocks(tiles, FilmForwardTile<width, queries>{net, density.data(), rgb.data()});
-      context.to(out.context);
-    });
+    film_forward_on_grid(grid_, a.net, density.data(), rgb.data()).to(out.context);
     density.to(out.density.data()), rgb.to(out.rgb.data());
   }
 
@@ -106,18 +99,10 @@ class GridFieldOps final : public DeviceFieldOps {
     const FilmArrays a(grid_, call, in);
     const Floats context(grid_, forward.context), density(grid_, grad_density), rgb(grid_, grad_rgb);
     const Floats feature(grid_, std::int64_t(out.feature.size())), condition(grid_, std::int64_t(out.condition.size()));
-    const auto parameters = std::int64_t(a.net.at.size);
-    const Floats total(grid_, grad_params_accumulate, parameters);
+    const Floats total(grid_, grad_params_accumulate, std::int64_t(a.net.at.size));
     FilmOnGrid net = a.net;
     net.context = context.data();
-    with_tile(call.config, [&](auto width, auto queries) {
-      using Kernel = FilmBackwardTiles<width, queries>;
-      Floats part(grid_, Kernel::kParts * parameters);
-      part.zero();
-      grid_.blocks(Kernel::kParts,
-                   Kernel{net, density.data(), rgb.data(), feature.data(), condition.data(), part.data()});
-      grid_.each(parameters, FilmPartSums{part.data(), Kernel::kParts, parameters, total.data()});
-    });
+    film_backward_on_grid(grid_, net, {density.data(), rgb.data(), feature.data(), condition.data()}, total.data());
     feature.to(out.feature.data()), condition.to(out.condition.data()), total.to(grad_params_accumulate);
   }
 
@@ -176,9 +161,7 @@ class GridFieldOps final : public DeviceFieldOps {
           direction(grid, in.direction.data, in.direction.n * 3),
           net{call.config, film_mlp_layout(call.config), film_direction_inputs(call.config), params.data(),
               {input.data(), in.feature.n, in.feature.c}, {condition.data(), in.condition.n, in.condition.c},
-              {direction.data(), in.direction.n}, in.queries_per_direction, call.density_scale, nullptr} {
-      NGS_CHECK(call.config.condition <= kMostConditions, "the device path takes up to 4 conditions");
-    }
+              {direction.data(), in.direction.n}, in.queries_per_direction, call.density_scale, nullptr} {}
   };
   struct VolumeArrays {
     Floats density, rgb, spacing;
@@ -188,14 +171,6 @@ class GridFieldOps final : public DeviceFieldOps {
           spacing(grid, in.spacing, in.rays),
           view{in.rays, in.samples, density.data(), rgb.data(), spacing.data(), in.background} {}
   };
-
-  /// body(width, queries) of the tiles that fit the network and 48 KiB.
-  template <class Body>
-  static void with_tile(const FilmMlpConfig& c, const Body& body) {
-    if (max2(c.hidden, c.inputs) <= 64) return body(std::integral_constant<int, 64>{}, std::integral_constant<int, 64>{});
-    NGS_CHECK(max2(c.hidden, c.inputs) <= 128, "the device path takes up to 128 features");
-    body(std::integral_constant<int, 128>{}, std::integral_constant<int, 32>{});
-  }
 
   Grid& grid_;
 };

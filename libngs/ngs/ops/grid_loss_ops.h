@@ -4,21 +4,10 @@
 
 #include "ngs/ops/adam_grid.h"
 #include "ngs/ops/device_ops.h"
+#include "ngs/ops/mask_pixel_grid.h"
 #include "ngs/ops/photometric_grid.h"
 
 namespace ngs {
-
-/// Pixel i of the mask loss.
-struct MaskLossPixel {
-  static constexpr const char* kName = "mask_loss_pixel";
-  MaskLossRow<float, double> row;
-  double* term;  // [pixels] out
-  NGS_HD void operator()(std::int64_t i) const {
-    double sum = 0;
-    row.pixel(i, sum);
-    term[i] = sum;
-  }
-};
 
 template <class Grid>
 class GridLossOps final : public DeviceLossOps {
@@ -113,8 +102,11 @@ class GridLossOps final : public DeviceLossOps {
     const Crops<float> on_gradient(grid_, gradient, layout.width(), layout.h);
     ssim::PixelWeights on_grid = weights;
     on_grid.weight = on_weight.crop;
-    const std::vector<double> sums = ssim::photometric_on_grid(grid_, layout, on_x.crop, on_y.crop, on_grid, ssim_factor,
-                                                               l1_factor, on_gradient.crop);
+    const GridBuffer<Grid, double> on_sums(grid_, 2);
+    ssim::photometric_on_grid(grid_, {layout, on_x.crop, on_y.crop, on_grid, ssim_factor, l1_factor, on_gradient.crop},
+                              on_sums.data());
+    std::vector<double> sums;
+    on_sums.to(sums);
     if (gradient.first != nullptr) {
       std::vector<float> values;
       on_gradient.memory.to(values);

@@ -4,32 +4,15 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/check.h"
-#include "ngs/core/rng.h"
 #include "ngs/ops/device_ops.h"
 #include "ngs/ops/loss_smooth_kernels.h"
 
 namespace ngs {
-namespace {
-
-/// Uniform on the unit sphere: vector number `index` of the seed.
-Vec3<double> unit_vector(std::uint64_t seed, std::uint64_t index) {
-  const double z = 2 * rng_uniform(seed, RngStream::kSmoothJitter, 2 * index) - 1;
-  const double angle = 6.283185307179586 * rng_uniform(seed, RngStream::kSmoothJitter, 2 * index + 1);
-  const double radius = std::sqrt(1 - z * z);
-  return {radius * std::cos(angle), radius * std::sin(angle), z};
-}
-
-}  // namespace
-
 std::vector<float> jittered_points(const Exec& exec, Rows<const float, 3> points, std::uint64_t seed,
                                    std::uint64_t first_index, double jitter_length) {
   std::vector<float> moved(std::size_t(points.n) * 3);
   for_each_index(exec, points.n, [&](std::int64_t i) {
-    const float* p = points.row(i);
-    const Vec3<double> x =
-        Vec3<double>{p[0], p[1], p[2]} + jitter_length * unit_vector(seed, first_index + std::uint64_t(i));
-    float* out = &moved[std::size_t(i) * 3];
-    out[0] = float(x.x), out[1] = float(x.y), out[2] = float(x.z);
+    jitter_point(points.row(i), seed, first_index + std::uint64_t(i), jitter_length, &moved[std::size_t(i) * 3]);
   });
   return moved;
 }
@@ -41,7 +24,7 @@ double loss_smooth_backward(const Exec& exec, const SmoothnessScale& scale, cons
   out.colour.resize(colour.size()), out.moved_colour.resize(colour.size());
   if (n == 0) return 0;
   NGS_CHECK(scale.jitter_length > 0 && scale.unit_length > 0, "lengths must be positive");
-  const double ratio = scale.unit_length / scale.jitter_length, factor = 3 * ratio * ratio / double(n);
+  const double factor = smoothness_factor(scale, n);
   std::vector<float> term(colour.size() / 3);
   const SmoothnessForwardBackward<float> kernel{{colour.data(), n},
                                                 {moved_colour.data(), n},

@@ -95,12 +95,19 @@ struct PixelGradient {
   }
 };
 
-/// What PhotometricPass does between preparing the crop and dividing the sums; crops on the grid. Returns Σ w |x - y| and
-/// Σ w S. `gradient.first` null: not wanted.
+/// What is compared, on the grid, and the factors of the gradient; `gradient.first` null: not wanted.
+struct PhotometricCrops {
+  Layout layout;
+  Crop<const float> x, y;
+  PixelWeights weights;
+  double ssim_factor, l1_factor;
+  Crop<float> gradient;
+};
+
+/// What PhotometricPass does between preparing the crop and dividing the sums: Σ w |x - y| and Σ w S into `sums`.
 template <class Grid>
-std::vector<double> photometric_on_grid(Grid& grid, const Layout& layout, Crop<const float> x, Crop<const float> y,
-                                        const PixelWeights& weights, double ssim_factor, double l1_factor,
-                                        Crop<float> gradient) {
+void photometric_on_grid(Grid& grid, const PhotometricCrops& in, double* sums) {
+  const Layout& layout = in.layout;
   const std::int64_t values = layout.width() * layout.h, pixels = std::int64_t(layout.w) * layout.h;
   GridBuffer<Grid, float> products(grid, layout.plane() * kMoments);
   products.zero();  // the padding stays
@@ -111,14 +118,14 @@ std::vector<double> photometric_on_grid(Grid& grid, const Layout& layout, Crop<c
     grid.each(planes * values, BlurRowValues{layout, window, products.data(), rows.data()});
     grid.each(planes * values, BlurColumnValues{layout, window, rows.data(), both.data()});
   };
-  grid.each(values, ProductValues{layout, x, y, products.data()});
+  grid.each(values, ProductValues{layout, in.x, in.y, products.data()});
   blur(kMoments);
-  grid.each(pixels, PixelLoss{layout, both.data(), products.data(), x, y, weights, float(ssim_factor), term.data()});
-  if (gradient.first != nullptr) {
+  grid.each(pixels, PixelLoss{layout, both.data(), products.data(), in.x, in.y, in.weights, float(in.ssim_factor), term.data()});
+  if (in.gradient.first != nullptr) {
     blur(kPartials);
-    grid.each(pixels, PixelGradient{layout, both.data(), x, y, weights, float(l1_factor), gradient});
+    grid.each(pixels, PixelGradient{layout, both.data(), in.x, in.y, in.weights, float(in.l1_factor), in.gradient});
   }
-  return ordered_sums(grid, term.data(), pixels, 2);
+  sums_on_grid(grid, term.data(), pixels, 2, sums);
 }
 
 }  // namespace ngs::ssim

@@ -6,18 +6,11 @@
 #include <vector>
 
 #include "ngs/backend/exec.h"
-#include "ngs/math/pixel_grid.h"
+#include "ngs/ops/ray_query_kernels.h"
 #include "ngs/scene/camera.h"
 #include "ngs/scene/views.h"
 
 namespace ngs {
-
-struct RayOptions {
-  int samples = 8;              // per ray, >= 1
-  double depth_span = 0.1;      // half window / distance
-  double depth_epsilon = 1e-4;  // world, least half window
-  double mean_distance = 0;     // world > 0: centre of the window where the depth map has no answer
-};
 
 /// A rendered depth map of the same camera (RenderedView): the window of a ray is centred on its expected
 /// depth where more than half of the pixel is covered. Null members: every window is centred on

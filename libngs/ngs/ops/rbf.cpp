@@ -12,17 +12,16 @@
 namespace ngs {
 namespace {
 
-/// Finite for every width: the nearest neighbour's exponent is 0 times it.
-float inv_2h2(double width) {
-  NGS_CHECK(width > 0, "the RBF width must be positive");
-  return float(std::min(1.0 / (2.0 * width * width), double(std::numeric_limits<float>::max())));
-}
-
 Matrix<const float> weights_of(const RbfField& field, const KnnGraph& graph) {
   return {field.weight.data(), graph.queries(), graph.neighbours};
 }
 
 }  // namespace
+
+float inv_2h2(double width) {
+  NGS_CHECK(width > 0, "the RBF width must be positive");
+  return float(std::min(1.0 / (2.0 * width * width), double(std::numeric_limits<float>::max())));
+}
 
 void rbf_forward(const Exec& exec, const RbfProblem& problem, RbfField& out) {
   const KnnGraph& graph = *problem.graph;

@@ -20,6 +20,9 @@ struct RbfProblem {
   double width = 1;  // kernel width h > 0, world
 };
 
+/// 1 / (2 h²) as the kernels take it; finite for every width: the nearest neighbour's exponent is 0 times it.
+float inv_2h2(double width);
+
 struct RbfField {
   std::vector<float> weight;   // [Q, K] Σ_j = 1 per row
   std::vector<float> feature;  // [Q, F]

@@ -1,5 +1,5 @@
 #pragma once
-// Sums over rows on a device: fixed chunks in double, their sums in order.
+// Sums over rows on a device, in double: fixed chunks, whose sums are summed in fixed chunks, and so on.
 #include <vector>
 
 #include "ngs/backend/grid.h"
@@ -23,16 +23,24 @@ struct SumChunk {
   }
 };
 
-/// The sum of every column of `value` [n, columns], the grid's memory.
+/// total[c] = the sum of column c of `value` [n, columns]; all of it the grid's memory.
 template <class T, class Grid>
-std::vector<double> ordered_sums(Grid& grid, const T* value, std::int64_t n, int columns) {
+void sums_on_grid(Grid& grid, const T* value, std::int64_t n, int columns, double* total) {
   const std::int64_t chunks = divided_up(n, SumChunk<T>::kRows);
+  if (chunks <= 1) return grid.each(columns, SumChunk<T>{value, n, columns, total});
   const GridBuffer<Grid, double> part(grid, chunks * columns);
   grid.each(chunks * columns, SumChunk<T>{value, n, columns, part.data()});
-  std::vector<double> host, total(std::size_t(columns), 0.0);
-  part.to(host);
-  for (std::size_t i = 0; i < host.size(); ++i) total[i % std::size_t(columns)] += host[i];
-  return total;
+  sums_on_grid(grid, static_cast<const double*>(part.data()), chunks, columns, total);
+}
+
+/// The same on the host.
+template <class T, class Grid>
+std::vector<double> ordered_sums(Grid& grid, const T* value, std::int64_t n, int columns) {
+  const GridBuffer<Grid, double> total(grid, columns);
+  sums_on_grid(grid, value, n, columns, total.data());
+  std::vector<double> host;
+  total.to(host);
+  return host;
 }
 
 }  // namespace ngs

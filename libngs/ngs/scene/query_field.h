@@ -6,12 +6,9 @@
 #include <string>
 #include <vector>
 
-namespace ngs {
+#include "ngs/math/pixel_grid.h"
 
-/// Axis-aligned box in pixel coordinates: pixel (i, j) covers [i, i + 1) x [j, j + 1).
-struct PixelBox {
-  double min_x = 0, min_y = 0, max_x = 0, max_y = 0;  // px
-};
+namespace ngs {
 
 /// The grid of one view. A view without visible boundary Gaussians has rows = cols = 0 and no queries.
 struct QueryView {

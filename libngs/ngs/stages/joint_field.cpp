@@ -257,21 +257,40 @@ double JointField::smoothness(const Exec& exec, const FieldRays& rays, Rows<cons
   return loss;
 }
 
+AdamOptions JointField::adam_of(const ParamBlock& block) const {
+  AdamOptions adam;
+  const bool table = block.name.starts_with("hash"), feature = block.name == "feature";
+  adam.lr = options_.rate_literal ? kLiteralRate
+            : table               ? options_.rate_hash
+            : feature             ? options_.rate_feature
+                                  : options_.rate_mlp;
+  if (table) adam.sparse_columns = hash_.config().features, adam.beta2 = 0.99;
+  return adam;
+}
+
 void JointField::step(const Exec& exec, std::int64_t step, double decay) {
   for (std::size_t b = 0; b < store_.blocks.size(); ++b) {
     const ParamBlock& block = store_.blocks[b];
-    AdamOptions adam;
-    const bool table = block.name.starts_with("hash"), feature = block.name == "feature";
-    adam.lr = (options_.rate_literal ? 1.6e-4
-               : table               ? options_.rate_hash
-               : feature             ? options_.rate_feature
-                                     : options_.rate_mlp) *
-              decay;
-    if (table) adam.sparse_columns = hash_.config().features, adam.beta2 = 0.99;
+    AdamOptions adam = adam_of(block);
+    adam.lr *= decay;
     const std::span<float> grad = store_.grad_of(block);
     if (!grad.empty()) adam_step(exec, adam, step, block.name, store_.value_of(block), grad, moments_[b]);
   }
   store_.zero_grads();
+}
+
+std::vector<JointBlock> JointField::blocks() {
+  std::vector<JointBlock> blocks;
+  for (std::size_t b = 0; b < store_.blocks.size(); ++b) {
+    const ParamBlock& block = store_.blocks[b];
+    const AdamOptions adam = adam_of(block);
+    blocks.push_back({block.name, store_.value_of(block), &moments_[b], adam.lr, adam.beta2, adam.sparse_columns});
+  }
+  return blocks;
+}
+
+JointFieldLayout JointField::layout() const {
+  return {&hash_, &mlp_, feature_offset_, neighbours_, width_, effects_.film};
 }
 
 }  // namespace ngs

@@ -5,6 +5,7 @@
 
 #include "ngs/core/monitor.h"
 #include "ngs/ops/adam.h"
+#include "ngs/ops/device_joint.h"
 #include "ngs/ops/loss_align.h"
 #include "ngs/ops/volume.h"
 #include "ngs/scene/boundary_set.h"
@@ -67,6 +68,10 @@ class JointField {
   /// One Adam step on all parameters; clears the gradients. `decay` multiplies the rates.
   void step(const Exec& exec, std::int64_t step, double decay);
 
+  /// The parameters for a device, and where they lie.
+  std::vector<JointBlock> blocks();
+  JointFieldLayout layout() const;
+
   ParamStore& parameters() { return store_; }
   const ParamStore& parameters() const { return store_; }
   std::vector<AdamMoments>& moments() { return moments_; }
@@ -87,6 +92,7 @@ class JointField {
     std::int64_t per_direction;
     Rows<const float, 3> boundary;
   };
+  AdamOptions adam_of(const ParamBlock& block) const;
   void evaluate(const Exec& exec, const Points& points, Sampled& out) const;
   void differentiate(const Exec& exec, const Points& points, const Sampled& at,
                      const std::vector<float>& grad_density, const std::vector<float>& grad_rgb);

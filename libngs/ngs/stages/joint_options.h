@@ -20,6 +20,9 @@ struct GaussianRates {
          sh_rest = 1.25e-4;
 };
 
+/// The paper's one rate for Gaussians and NeRF (--rate-literal).
+inline constexpr double kLiteralRate = 1.6e-4;
+
 /// About an object, where the anchor to the photos is kept to it (--effect region=off).
 inline constexpr int kRegionMargin_px = 64;
 

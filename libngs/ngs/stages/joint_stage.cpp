@@ -6,27 +6,21 @@
 
 #include "ngs/core/rng.h"
 #include "ngs/math/sh.h"
+#include "ngs/ops/device_ops.h"
 #include "ngs/ops/knn.h"
 #include "ngs/ops/loss_cont.h"
 #include "ngs/ops/photometric.h"
 #include "ngs/stages/cloud_rows.h"
-#include "ngs/stages/edge_masks.h"
+#include "ngs/stages/first_queries.h"
 #include "ngs/stages/fit_stage.h"
+#include "ngs/stages/resident_steps.h"
+#include "ngs/stages/view_cache.h"
 #include "ngs/stages/view_list.h"
 
 namespace ngs {
 namespace {
 
 constexpr double kMaxInitialConfidence = 0.99;       // sigmoid logits can move away from it
-constexpr std::size_t kViewCacheBytes = 512u << 20;  // decoded photos and masks that are kept
-
-std::vector<float> boundary_flags(const MethodInput& input, const JointEffects& effects) {
-  std::vector<float> flags(std::size_t(input.cloud.size()), 0.f);
-  for (const LabelColumns& object : input.labels)
-    for (std::size_t i = 0; i < flags.size(); ++i)
-      if (effects.boundary ? object.boundary[i] >= 0.5f : object.views[i] > 0.f) flags[i] = 1.f;
-  return flags;
-}
 
 void refresh_positions(const GaussianCloud& cloud, BoundarySet& boundary) {
   for (std::size_t b = 0; b < boundary.row.size(); ++b)
@@ -36,13 +30,6 @@ void refresh_positions(const GaussianCloud& cloud, BoundarySet& boundary) {
 SplatOptions splat_of(SplatOptions splat, const JointEffects& effects) {
   if (!effects.sh) splat.max_sh_degree = 0;
   return splat;
-}
-
-/// About the object, for --effect region=off; empty where its mask is.
-PixelRegion region_of(const ViewMasks& masks) {
-  if (!masks.available) return {};
-  const PixelWindow w = window_of(masks.target, masks.width_px, masks.height_px, kRegionMargin_px);
-  return {w.x0, w.y0, w.x0 + w.w, w.y0 + w.h};
 }
 
 }  // namespace
@@ -67,18 +54,14 @@ struct JointTrainer::Impl {
   std::int64_t steps = 0, done = 0;
   double extent = 1;
 
+  SplatOptions splat_options;
   SplatPass splat;
   PhotometricPass<float> photometric;
   CloudGradients gradients;
   AdamMoments position_m, rotation_m, scale_m, opacity_m, dc_m, rest_m, label_m;
   KnnGraph cont_graph;
-  struct CachedView {
-    ImageF photo;
-    ViewMasks masks;
-    PixelRegion region;  // of the anchor; empty: the whole photo
-  };
-  std::vector<std::unique_ptr<CachedView>> cache;
-  std::size_t cached_bytes = 0;
+  ViewCache cache;
+  std::unique_ptr<ResidentSteps> resident;  // instead of step_view and update
 
   Impl(const Exec& e, Monitor& m, const JointSetup& s)
       : exec(e),
@@ -92,13 +75,14 @@ struct JointTrainer::Impl {
         rates(s.rates),
         frozen(s.frozen.empty() ? s.input.held : s.frozen),
         cloud(s.input.cloud),
-        splat(splat_of(s.input.splat, effects)),
-        cache(s.input.views.size()) {}
+        splat_options(splat_of(s.input.splat, effects)),
+        splat(splat_options),
+        cache(input, effects) {}
 
   std::size_t objects() const { return input.labels.size(); }
 
   void start(bool empty_boundary_is_fine) {
-    boundary = boundary_set(cloud, boundary_flags(input, effects));
+    boundary = boundary_set(cloud, boundary_flags(input, effects.boundary));
     if (boundary.size() == 0) {
       if (!empty_boundary_is_fine)
         throw Error(ErrorCode::kNothingFound, "the boundary set is empty",
@@ -113,10 +97,12 @@ struct JointTrainer::Impl {
       cont_graph = nearest_others(exec, boundary.positions(), rbf.neighbours);
       build_transpose(cont_graph);
     }
-    if (!effects.nerf) return;
-    const double reach = field_reach(sample, cloud, cameras_of(input.scene, input.views), boundary);
-    field = std::make_unique<JointField>(
-        exec, JointField::Setup{options, effects, sample, rbf, cloud, boundary, reach, input.seed});
+    if (effects.nerf) {
+      const double reach = field_reach(sample, cloud, cameras_of(input.scene, input.views), boundary);
+      field = std::make_unique<JointField>(
+          exec, JointField::Setup{options, effects, sample, rbf, cloud, boundary, reach, input.seed});
+    }
+    if (exec.device_ops && exec.device_ops->joint) start_resident();
   }
 
   void start_labels() {
@@ -139,6 +125,10 @@ struct JointTrainer::Impl {
     return values;
   }
 
+  std::string step_name(std::int64_t s) const {
+    return "view '" + input.scene.views[input.views[view_of(s)]].camera.name + "', step " + std::to_string(s + 1);
+  }
+
   /// Position in input.views of step `s` (from 0): every round is a new permutation.
   std::size_t view_of(std::int64_t s) const {
     const auto n = input.views.size();
@@ -150,19 +140,7 @@ struct JointTrainer::Impl {
     return order[std::size_t(s) % n];
   }
 
-  const CachedView& load(std::size_t n, CachedView& scratch) {
-    if (cache[n]) return *cache[n];
-    const auto timed = monitor.scope("load view");
-    scratch.masks = input.load_masks(input.views[n]);
-    if (effects.photometric || effects.align) scratch.photo = input.load_photo(input.views[n]);
-    if (!effects.region) scratch.region = region_of(scratch.masks);
-    std::size_t bytes = scratch.photo.data.size() * sizeof(float);
-    for (const auto& target : scratch.masks.target) bytes += target.size() * sizeof(float);
-    if (cached_bytes + bytes > kViewCacheBytes) return scratch;
-    cached_bytes += bytes;
-    cache[n] = std::make_unique<CachedView>(std::move(scratch));
-    return *cache[n];
-  }
+  FirstQueries first_queries() const { return {exec, sample, rbf, input, effects.boundary, given_field, *field}; }
 
   FieldRays rays_of(std::size_t n, const RenderedView& rendered) {
     const auto timed = monitor.scope("rays");
@@ -172,7 +150,7 @@ struct JointTrainer::Impl {
     const DepthMap map{&rendered.depth, &rendered.alpha};
     FieldRays rays;
     if (done < std::int64_t(input.views.size())) {
-      rays = first_rays(world, camera, v);
+      rays = first_queries().rays(v);
     } else {
       rays = field->rays(exec, camera, boundary.positions(),
                          sample.window == WindowCentre::kPixel ? map : DepthMap{});
@@ -181,41 +159,25 @@ struct JointTrainer::Impl {
     return rays;
   }
 
-  FieldRays first_rays(const Camera& world, const Camera& camera, std::size_t v) {
-    const BoundarySet initial = boundary_set(input.cloud, boundary_flags(input, effects));
-    if (given_field != nullptr) {
-      for (std::size_t i = 0; i < given_field->views.size(); ++i)
-        if (given_field->views[i].name == world.name)
-          return field->rays(exec, camera, *given_field, i, initial);
-      throw Error(ErrorCode::kInconsistent,
-                  "the field has no view '" + world.name + "', expected every training view",
-                  "sample again: ngs-sample scene.json boundary.ply --views all -o queries.ply");
-    }
-    Monitor quiet;
-    QueryField sampled =
-        sample_queries(exec, quiet, sample, input.cloud, initial, input.scene, {v}, input.splat);
-    interpolate_features(exec, quiet, rbf, input.cloud, initial, sampled);
-    return field->rays(exec, camera, sampled, 0, initial);
-  }
-
   LossTerms step_view(std::size_t n);
-  void field_terms(const FieldRays& rays, const RenderedView& rendered, const CachedView& view,
+  void field_terms(const FieldRays& rays, const RenderedView& rendered, const ViewCache::View& view,
                    LossTerms& loss, ViewGradients& grad, ImageF& weights);
   void cont_term(LossTerms& loss);
   void update(double decay);
+  void sum_up(LossTerms& loss) const;
+  void start_resident();
+  void to_host();
 };
 
 void JointTrainer::Impl::field_terms(const FieldRays& rays, const RenderedView& rendered,
-                                     const CachedView& view, LossTerms& loss, ViewGradients& grad,
+                                     const ViewCache::View& view, LossTerms& loss, ViewGradients& grad,
                                      ImageF& weights) {
   if (rays.rays.rays() == 0) return;
   const auto timed = monitor.scope("field");
   const VolumeOutput& volume = field->forward(exec, rays, boundary.positions(), input.background);
   if (effects.density) {
     const PixelGrid& g = rays.rays.grid;
-    const PixelBox box{g.first_x - g.step_x / 2, g.first_y - g.step_y / 2, g.x(g.cols - 1) + g.step_x / 2,
-                       g.y(g.rows - 1) + g.step_y / 2};
-    weights = density_weights(exec, rendered.width_px, rendered.height_px, g, box, volume.optical_depth);
+    weights = density_weights(exec, rendered.width_px, rendered.height_px, g, box_of(g), volume.optical_depth);
   }
   if (effects.align) {
     const AlignOptions align{options.weight_opacity, effects.variance ? options.weight_variance : 0.0};
@@ -250,8 +212,8 @@ void JointTrainer::Impl::cont_term(LossTerms& loss) {
 }
 
 LossTerms JointTrainer::Impl::step_view(std::size_t n) {
-  CachedView scratch;
-  const CachedView& view = load(n, scratch);
+  ViewCache::View scratch;
+  const ViewCache::View& view = cache.load(monitor, n, scratch);
   const Camera& camera = input.scene.views[input.views[n]].camera;
   const std::vector<float> label = label_values();
   const bool colour = effects.photometric || effects.align;
@@ -292,9 +254,38 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
   for (std::size_t i = 0; i < label.size(); ++i)
     gradients.label[i] = trainable[i] ? gradients.label[i] * sigmoid_slope(logit[i]) : 0.f;
   cont_term(loss);
+  sum_up(loss);
+  return loss;
+}
+
+void JointTrainer::Impl::sum_up(LossTerms& loss) const {
   loss.total = options.photometric_weight * loss.photometric + loss.align + options.lambda_mask * loss.mask +
                options.lambda_cont * loss.cont + options.lambda_smooth * loss.smooth;
-  return loss;
+}
+
+void JointTrainer::Impl::start_resident() {
+  rates.position *= extent, extent = 1;
+  ResidentSteps::Views views;
+  views.at = [this](std::int64_t step) { return view_of(step); };
+  views.context = [this](std::int64_t step) { return step_name(step); };
+  views.view = [this](std::size_t n) {
+    const Camera& world = input.scene.views[input.views[n]].camera;
+    return JointView{n, relative_to(world, cloud.origin), [this, n, scratch = ViewCache::View()]() mutable {
+                       const ViewCache::View& view = cache.load(monitor, n, scratch);
+                       return JointImages{view.photo.empty() ? nullptr : &view.photo, &view.masks, view.region};
+                     }};
+  };
+  if (given_field != nullptr) views.given = [this](std::size_t n) { return first_queries().rays(input.views[n]); };
+  const ResidentModel model{options, effects, sample, input, splat_options, rates, cloud, logit, trainable, frozen, boundary,
+                            cont_graph, field.get(),
+                            {&label_m, &position_m, &rotation_m, &scale_m, &opacity_m, &dc_m, &rest_m}};
+  resident = std::make_unique<ResidentSteps>(*exec.device_ops->joint, model, std::move(views));
+}
+
+void JointTrainer::Impl::to_host() {
+  if (!resident) return;
+  resident->download();
+  refresh_positions(cloud, boundary);
 }
 
 void JointTrainer::Impl::update(double decay) {
@@ -305,7 +296,7 @@ void JointTrainer::Impl::update(double decay) {
     clear_rows(frozen, cloud.rest_count(), gradients);  // moments stay zero, and so do the steps
     const auto apply = [&](const char* name, double rate, std::vector<float>& value,
                            const std::vector<float>& grad, AdamMoments& moments) {
-      const double lr = options.rate_literal ? 1.6e-4 : rate * options.rate_scale;
+      const double lr = options.rate_literal ? kLiteralRate : rate * options.rate_scale;
       if (lr > 0) adam_step(exec, {.lr = lr * decay}, t, name, value, grad, moments);
     };
     apply("position", rates.position * extent, cloud.position, gradients.position, position_m);
@@ -329,24 +320,34 @@ JointTrainer::~JointTrainer() = default;
 bool JointTrainer::finished() const { return impl_->done >= impl_->steps; }
 void JointTrainer::plan_steps(std::int64_t steps) { impl_->steps = std::max(steps, impl_->done); }
 std::int64_t JointTrainer::steps_done() const { return impl_->done; }
-const JointField* JointTrainer::field() const { return impl_->field.get(); }
+const JointField* JointTrainer::field() const { return impl_->to_host(), impl_->field.get(); }
 const BoundarySet& JointTrainer::boundary() const { return impl_->boundary; }
 
-JointProgress JointTrainer::step() {
+JointProgress JointTrainer::step(bool read_losses) {
   Impl& s = *impl_;
   const std::size_t n = s.view_of(s.done);
-  const std::string& name = s.input.scene.views[s.input.views[n]].camera.name;
   JointProgress progress;
-  with_context("view '" + name + "', step " + std::to_string(s.done + 1), [&] {
-    progress.loss = s.step_view(n);
-    s.update(std::pow(s.options.rate_decay, double(s.done) / double(s.steps)));
-  });
+  if (s.resident) {
+    const auto timed = s.monitor.scope("steps on the device");
+    s.resident->step(s.steps);
+    if (read_losses || s.done + 1 == s.steps) {
+      const JointLosses l = s.resident->losses();
+      progress.loss = {l.photometric, l.align, l.mask, l.cont, l.smooth, 0};
+      s.sum_up(progress.loss);
+    }
+  } else {
+    with_context(s.step_name(s.done), [&] {
+      progress.loss = s.step_view(n);
+      s.update(std::pow(s.options.rate_decay, double(s.done) / double(s.steps)));
+    });
+  }
   ++s.done;
   progress.step = s.done, progress.steps = s.steps, progress.view = s.input.views[n];
   return progress;
 }
 
 MethodResult JointTrainer::result() const {
+  impl_->to_host();
   const Impl& s = *impl_;
   MethodResult result;
   result.cloud = s.cloud;
@@ -365,6 +366,8 @@ MethodResult JointTrainer::result() const {
 
 std::vector<StateBlock> JointTrainer::state() {
   Impl& s = *impl_;
+  s.to_host();
+  if (s.resident) s.resident->host_changed(s.done);
   std::vector<StateBlock> blocks{{"position", &s.cloud.position},
                                  {"rotation", &s.cloud.rotation},
                                  {"log_scale", &s.cloud.log_scale},
@@ -389,6 +392,7 @@ std::vector<StateBlock> JointTrainer::state() {
 
 void JointTrainer::resume_at(std::int64_t step) {
   impl_->done = step;
+  if (impl_->resident) impl_->resident->host_changed(step);
   refresh_positions(impl_->cloud, impl_->boundary);
 }
 

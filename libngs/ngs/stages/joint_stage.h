@@ -49,7 +49,8 @@ class JointTrainer {
   bool finished() const;
   /// Another number of steps in all; the rates go on falling towards that end. At least those that are done.
   void plan_steps(std::int64_t steps);
-  JointProgress step();
+  /// Without `read_losses` a run on a device does not wait for the step; its losses are zero but for the last step's.
+  JointProgress step(bool read_losses = true);
   std::int64_t steps_done() const;
   MethodResult result() const;
 

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "bench_scene.h"
+#include "joint_steps.h"
 #include "ngs/backend/device_info.h"
 #include "ngs/backend/device_profile.h"
 #include "ngs/ops/device_ops.h"
@@ -102,6 +103,33 @@ void field(Bench& bench) {
   });
 }
 
+/// Seconds of one step; its kernels are those of 4.
+void joint(Bench& bench, std::int64_t gaussians) {
+  const JointSteps steps(gaussians);
+  const auto nothing = [](bool) {};
+  const double cpu_s = steps.seconds(bench.cpu, 4, nothing);
+  const DeviceOps& all = *bench.device.device_ops;
+  const DeviceOps ops(all.splat, all.field, all.loss, nullptr);
+  Exec op_by_op = bench.device;
+  op_by_op.device_ops = &ops;
+  for (const bool resident : {false, true}) {
+    const Exec& exec = resident ? bench.device : op_by_op;
+    Json one{{"name", std::string("joint step, ") + (resident ? "resident, " : "op by op, ") +
+                          std::to_string(steps.gaussians()) + " Gaussians"},
+             {"cpu_s", cpu_s},
+             {"device_s", steps.seconds(exec, resident ? 64 : 8, nothing)},
+             {"kernels", Json::array()}};
+    std::vector<KernelTime> kernels;
+    steps.seconds(exec, 4, [&](bool begins) {
+      if (begins) profile_device();
+      if (!begins) kernels = device_times();
+    });
+    for (const KernelTime& k : kernels)
+      one["kernels"].push_back({{"name", k.name}, {"launches", k.launches}, {"seconds", k.seconds}});
+    bench.cases.push_back(std::move(one));
+  }
+}
+
 }  // namespace
 }  // namespace ngs::bench
 
@@ -116,6 +144,7 @@ int main() {
   bench::Bench all{Exec{.threads = threads}, Exec{.device = Device::kCuda, .threads = threads, .device_ops = cuda_ops()}};
   bench::field(all);
   for (const std::int64_t gaussians : {100000, 1000000}) bench::splat(all, gaussians);
+  bench::joint(all, 200000);
   std::cout << bench::Json{{"device", device.name},
                            {"threads", threads},
                            {"copy_bytes_per_s", device_copy_bandwidth(std::size_t(1) << 29)},

@@ -1,0 +1,24 @@
+#pragma once
+// The query points of a view's first visit: those of the initial model (C23).
+#include "ngs/stages/joint_field.h"
+#include "ngs/stages/method.h"
+
+namespace ngs {
+
+/// [N] 1: boundary of any object, or, without the effect, seen by any view.
+std::vector<float> boundary_flags(const MethodInput& input, bool boundary_effect);
+
+struct FirstQueries {
+  const Exec& exec;
+  const SampleOptions& sample;
+  const RbfOptions& rbf;
+  const MethodInput& input;
+  bool boundary_effect;
+  const QueryField* given;  // of the initial model; null: sampled here
+  const JointField& field;
+
+  /// `v`: of the scene. kInconsistent where the given field lacks it.
+  FieldRays rays(std::size_t v) const;
+};
+
+}  // namespace ngs
