@@ -63,12 +63,13 @@ Budget::Lap Budget::lap_refit(int visits, int shrink, std::size_t views) {
 RoundsCost Budget::rounds_cost(const JointOptions& joint, const EdgeOptions& edge, const Scene& scene,
                                std::size_t training_views) const {
   const JointEffects effects = parse_effects(joint.effect);
-  const double n = double(edge.views == EdgeViews::kAll ? scene.views.size() : training_views);
+  const std::size_t views = edge.views == EdgeViews::kAll ? scene.views.size() : training_views;
+  const double n = double(views);
   RoundsCost rounds{.walk_s = foreseen_s(kWalkRenders * n),
                     .visit_s = foreseen_s(kEdgeStepRenders * n),
                     .check_s = foreseen_s(kCheckCost.renders * double(training_views)),
                     .rounds = 0,
-                    .visits = edge_visits(edge, joint.quality)};
+                    .visits = edge_visits(edge, joint.quality, views)};
   if (effects.edges && rounds.visits > 0) rounds.rounds = effects.second_round ? edge.rounds : 1;
   return rounds;
 }

@@ -40,7 +40,7 @@ void check(cli::Run& run, const Settings& settings, const Paths& paths) {
 void rule_by_options(const Settings& settings, const Paths& paths, Decisions& decisions) {
   if (settings.run.method != Method::kPaper)
     for (const std::string_view name :
-         {"view-trust", "floaters"})  // the methods beside it are as their papers say
+         {"view-trust", "floaters", "strays"})  // the methods beside it are as their papers say
       decisions.rule({name, false, "part of --method paper"});
   if (!paths.nerf.empty()) decisions.rule({"nerf", true, "--nerf"});
   if (!settings.run.apart.empty())
@@ -66,7 +66,7 @@ bool rule_steps_by_time(Budget& budget, const Settings& settings, const MethodIn
   const bool steps = plan.steps && budget.has_room_for(kDetectorsCost, input.views.size());
   if (!steps) leave_out("joint", settings, budget, decisions);
   if (!plan.field) leave_out("nerf", settings, budget, decisions);
-  if (plan.edge_rounds == 0 && edge_visits(settings.edge, settings.joint.quality) > 0)
+  if (plan.edge_rounds == 0 && edge_visits(settings.edge, settings.joint.quality, input.scene.views.size()) > 0)
     leave_out("edges", settings, budget, decisions);
   return steps || plan.edge_rounds > 0;
 }
@@ -121,6 +121,7 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
                                    ? handle_floaters(run, believed, settings.joint.quality, budget)
                                    : FloaterOutcome{};
   MethodInput input = without_floaters(believed, clean);
+  if (mend && decisions.on("strays")) leave_strays(run, input);
   const std::string apart_of = settings.run.apart.empty() ? "" : io::content_hash(paths.boundary).xxh3;
   if (settings.run.method != Method::kPaper && mend) {
     write_result(run, {ply, scene, clean.floater, apart_of},

@@ -3,6 +3,7 @@
 #include "budget.h"
 #include "ngs/stages/coarse_input.h"
 #include "ngs/stages/method_labels.h"
+#include "ngs/stages/strays.h"
 
 namespace ngs::joint {
 namespace {
@@ -92,6 +93,16 @@ MethodInput without_floaters(const MethodInput& input, const FloaterOutcome& out
           .labels = outcome.removed() ? outcome.labels : input.labels,
           .load_fine_photo = input.load_fine_photo,
           .held = input.held};
+}
+
+void leave_strays(cli::Run& run, MethodInput& input) {
+  StrayFinding finding = find_strays(run.exec(), {}, input);
+  run.result()["strays"] = {{"found", finding.count}};
+  if (finding.count == 0) return;
+  input.held.resize(finding.stray.size());
+  for (std::size_t i = 0; i < finding.stray.size(); ++i) input.held[i] |= finding.stray[i];
+  input.labels = std::move(finding.labels);
+  run.info(std::to_string(finding.count) + " Gaussians that masks claim lie apart from the object: taken for unseen");
 }
 
 }  // namespace ngs::joint

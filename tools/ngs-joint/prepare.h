@@ -1,6 +1,7 @@
 #pragma once
 // What happens before any method sees model and masks: masks that the others contradict are left out
-// (--effect view-trust), floaters before the object are taken out (--effect floaters).
+// (--effect view-trust), floaters before the object are taken out (--effect floaters), and what masks claim apart from the
+// object is taken for unseen (--effect strays).
 #include <string>
 #include <vector>
 
@@ -33,5 +34,8 @@ FloaterOutcome handle_floaters(cli::Run& run, const MethodInput& input, Quality 
 
 /// `input` with the model and labels of the outcome, which must outlive it, where something was removed.
 MethodInput without_floaters(const MethodInput& input, const FloaterOutcome& outcome);
+
+/// Labels without strays, which are held as they are; the report says how many.
+void leave_strays(cli::Run& run, MethodInput& input);
 
 }  // namespace ngs::joint

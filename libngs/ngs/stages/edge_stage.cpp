@@ -114,7 +114,7 @@ std::vector<std::uint8_t> split_model(const Exec& exec, const EdgeSetup& setup, 
 
 JointOptions window_options(const EdgeSetup& setup, std::size_t views) {
   JointOptions joint = setup.joint;
-  joint.steps = std::int64_t(edge_visits(setup.edge, setup.joint.quality)) * std::int64_t(views);
+  joint.steps = std::int64_t(edge_visits(setup.edge, setup.joint.quality, views)) * std::int64_t(views);
   joint.rate_scale = setup.edge.rate, joint.rate_literal = false;
   joint.effect.push_back("nerf=off");  // its rays are those of the whole image
   joint.effect.push_back("cont=off");
@@ -233,16 +233,19 @@ class EdgeRun {
 
 }  // namespace
 
-int edge_visits(const EdgeOptions& edge, Quality quality) {
+int edge_visits(const EdgeOptions& edge, Quality quality, std::size_t views) {
   if (edge.visits > 0) return edge.visits;
-  return quality == Quality::kReference  ? 100
-         : quality == Quality::kHigh     ? 40
-         : quality == Quality::kStandard ? 15
-                                         : 0;
+  const int visits = quality == Quality::kReference  ? 100
+                     : quality == Quality::kHigh     ? 40
+                     : quality == Quality::kStandard ? 15
+                                                     : 0;
+  const double share = std::min(1.0, std::sqrt(double(kEdgeViewsOfAllVisits) / double(std::max<std::size_t>(views, 1))));
+  return int(std::ceil(visits * share));
 }
 
 MethodResult follow_edges(const Exec& exec, Monitor& monitor, const EdgeSetup& setup, MethodResult start) {
-  if (edge_visits(setup.edge, setup.joint.quality) == 0 || !setup.input.load_fine_photo) return start;
+  const std::size_t all_views = setup.input.scene.views.size();
+  if (edge_visits(setup.edge, setup.joint.quality, all_views) == 0 || !setup.input.load_fine_photo) return start;
   const auto timed = monitor.scope("edges");
   EdgeRun run(exec, monitor, setup, start);
   const int rounds = parse_effects(setup.joint.effect).second_round ? setup.edge.rounds : 1;

@@ -32,7 +32,7 @@ struct EdgeOptions {
     visit(self.rounds,
           Field<int>{"edge_rounds", "", "edges: rounds of masks walked to the photos' edges", 1, 100});
     visit(self.visits,
-          Field<int>{"edge_visits", "", "edges: steps per view and round; 0: 15, high 40, reference 100", 0,
+          Field<int>{"edge_visits", "", "edges: steps per view and round; 0: 15, high 40, reference 100, fewer of many views", 0,
                      1'000'000});
     visit(self.views,
           Choice<EdgeViews>{"edge_views", "edges: whose photos are used; no held-out mask ever is",
@@ -66,8 +66,11 @@ struct EdgeSetup {
   std::function<bool(const JointProgress&, JointTrainer&)> stop_after = {};
 };
 
-/// Steps per view and round; 0: the stage does nothing.
-int edge_visits(const EdgeOptions& edge, Quality quality);
+/// Of more views than this the default takes each less often: steps grow with the root of the views.
+inline constexpr int kEdgeViewsOfAllVisits = 21;
+
+/// Steps per view and round where there are `views` of them; 0: the stage does nothing.
+int edge_visits(const EdgeOptions& edge, Quality quality, std::size_t views);
 
 /// Goes on from the result of a method; `start` comes back where no view has a photo, where nothing is
 /// labelled, for

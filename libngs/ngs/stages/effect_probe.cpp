@@ -10,6 +10,7 @@
 #include "ngs/stages/joint_stage.h"
 #include "ngs/stages/mask_pair.h"
 #include "ngs/stages/render_stage.h"
+#include "ngs/stages/strays.h"
 #include "ngs/stages/view_list.h"
 
 namespace ngs {
@@ -99,6 +100,7 @@ double EffectProbe::trust() {
   }
   return outlier_score(better);
 }
+double EffectProbe::strays() { return double(find_strays(exec_, {}, setup_.input).count); }
 double EffectProbe::front() { return front_opacity(exec_, {}, setup_.input); }
 double EffectProbe::boundary_gap() { return boundary().size() == 0 ? 0 : 1 - views().biou; }
 double EffectProbe::outside() { return views().outside; }

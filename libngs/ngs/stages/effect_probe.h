@@ -29,6 +29,7 @@ class EffectProbe {
   // One number per detector; what it is stands in effect_registry().
   double trust();
   double front();
+  double strays();
   double boundary_gap();
   double most_neighbour();
   double rms_neighbour();

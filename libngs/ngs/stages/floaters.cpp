@@ -9,66 +9,17 @@
 #include "ngs/ops/knn.h"
 #include "ngs/stages/leave_one_out.h"
 #include "ngs/stages/method_labels.h"
+#include "ngs/stages/object_core.h"
 #include "ngs/stages/view_list.h"
 
 namespace ngs {
 namespace {
 
-/// The object without its rim: who is certain, and how large it is.
-struct Core {
-  std::vector<std::uint8_t> member;  // [N]
-  std::int64_t count = 0;
-  double radius = 0;  // RMS distance from the mean, world
-};
-
-Core core_of(const FloaterOptions& options, const MethodInput& input) {
-  const auto n = std::size_t(input.cloud.size());
-  Core core{std::vector<std::uint8_t>(n, 0)};
-  float most_views = 0;
-  for (const LabelColumns& object : input.labels)
-    for (const float v : object.views) most_views = std::max(most_views, v);
-  const double least_views = std::ceil(double(most_views) / 4);
-  double sum[3] = {}, squares = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!input.cloud.usable[i]) continue;
-    for (const LabelColumns& object : input.labels)
-      if (object.views[i] > 0 && double(object.views[i]) >= least_views &&
-          double(object.prob[i]) >= options.core_share)
-        core.member[i] = 1;
-    if (!core.member[i]) continue;
-    ++core.count;
-    for (std::size_t a = 0; a < 3; ++a) {
-      const double x = double(input.cloud.position[3 * i + a]);
-      sum[a] += x, squares += x * x;
-    }
-  }
-  if (core.count == 0) return core;
-  const double count = double(core.count);
-  const double mean2 = (sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]) / (count * count);
-  core.radius = std::sqrt(std::max(0.0, squares / count - mean2));
-  return core;
-}
-
-std::vector<float> centres_of(const GaussianCloud& cloud, const Core& core) {
-  std::vector<float> centres;
-  for (std::size_t i = 0; i < core.member.size(); ++i)
-    if (core.member[i]) centres.insert(centres.end(), &cloud.position[3 * i], &cloud.position[3 * i] + 3);
-  return centres;
-}
-
-/// Nearer than this, world, the model does not tell the core from what surrounds it.
-double margin_of(const Exec& exec, const FloaterOptions& options, const GaussianCloud& cloud,
-                 const Core& core) {
-  const std::vector<float> centres = centres_of(cloud, core);
-  const double spacing = mean_spacing(nearest_others(exec, {centres.data(), core.count}, 3));
-  return std::max(options.margin * core.radius, options.spacings * spacing);
-}
-
 /// Neither core nor near it, nor fixed by hand.
-std::vector<std::uint8_t> candidates_of(const Exec& exec, const MethodInput& input, const Core& core,
+std::vector<std::uint8_t> candidates_of(const Exec& exec, const MethodInput& input, const ObjectCore& core,
                                         double margin) {
   const auto n = std::size_t(input.cloud.size());
-  const std::vector<float> centres = centres_of(input.cloud, core);
+  const std::vector<float> centres = core_centres(input.cloud, core);
   std::vector<float> others;
   std::vector<std::size_t> row;
   for (std::size_t i = 0; i < n; ++i) {
@@ -90,7 +41,7 @@ struct Surface {
 };
 
 Surface surface_of(const Exec& exec, const FloaterOptions& options, const MethodInput& input,
-                   const GaussianCloud& cloud, const Core& core, const Camera& camera, double margin) {
+                   const GaussianCloud& cloud, const ObjectCore& core, const Camera& camera, double margin) {
   RenderRequest request;
   request.depth = true;
   request.include = core.member.data();
@@ -129,7 +80,7 @@ class FloaterSearch {
         options_(options),
         input_(input),
         cloud_(input.cloud),
-        core_(core_of(options, input)),
+        core_(core_of(options.core, input.cloud, input.labels)),
         views_(photo_views(input.scene)),
         trained_(input.scene.views.size(), 0) {
     for (const std::size_t v : input.views) trained_[v] = 1;
@@ -139,7 +90,7 @@ class FloaterSearch {
     FloaterFinding finding;
     finding.floater.assign(std::size_t(cloud_.size()), 0);
     if (core_.count == 0 || views_.empty()) return finding;
-    margin_ = margin_of(exec_, options_, cloud_, core_);
+    margin_ = core_margin(exec_, options_.core, cloud_, core_);
     finding.far = candidate_ = candidates_of(exec_, input_, core_, margin_);
     const auto candidates = std::count(candidate_.begin(), candidate_.end(), std::uint8_t(1));
     finding.figures = {
@@ -162,7 +113,7 @@ class FloaterSearch {
 
   double front_opacity() {
     if (core_.count == 0) return 0;
-    margin_ = margin_of(exec_, options_, cloud_, core_);
+    margin_ = core_margin(exec_, options_.core, cloud_, core_);
     candidate_ = candidates_of(exec_, input_, core_, margin_);
     const std::vector<float> none(std::size_t(cloud_.size()), 0.f);
     double sum = 0, pixels = 0;
@@ -281,7 +232,7 @@ class FloaterSearch {
   const FloaterOptions& options_;
   const MethodInput& input_;
   GaussianCloud cloud_;  // without the floaters of the rounds before
-  Core core_;
+  ObjectCore core_;
   std::vector<std::size_t> views_;
   std::vector<std::uint8_t> trained_;  // [views of the scene]
   std::vector<std::uint8_t> candidate_;

@@ -6,8 +6,7 @@
 // rendered mask has a hole. Nothing here reads a mask of a held-out view; photos of all views are read, as
 // when the model was trained.
 //
-// The object's surface is what its core renders: Gaussians with a share of at least `core_share` that at
-// least a quarter of the views with masks see. A Gaussian far from the core and nearer to the camera than
+// The object's surface is what its core (stages/object_core.h) renders. A Gaussian far from the core and nearer to the camera than
 // that surface is a candidate. At a pixel the photo decides between the two: it shows the surface where it is
 // closer to the core's colour than to the one that the Gaussians in front have in the other views' photos, by
 // more than the noise. A training view's own mask vetoes where it says that something else is seen. A
@@ -15,15 +14,14 @@
 // surface.
 #include "ngs/options/field.h"
 #include "ngs/stages/method.h"
+#include "ngs/stages/object_core.h"
 #include "ngs/stages/photo_refit.h"
 
 namespace ngs {
 
 struct FloaterOptions {
-  double core_share = 0.9;     // share of object evidence
+  CoreOptions core = {};       // whose margin is also the one from the surface
   double surface_alpha = 0.9;  // opacity of the core from which a pixel has a surface
-  double margin = 0.1;         // distance from the core and from the surface, in RMS radii of the core
-  double spacings = 3;         // at least this many times the distance of neighbours in the core
   double seen_through = 0.5;   // of a candidate's weight before the surface
   double least_reach = 0.1;    // share of a candidate's weight before the surface, in its best view
   double noise_factor = 2;     // times the median difference of core and photo: what colours must differ by

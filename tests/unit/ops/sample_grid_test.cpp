@@ -17,14 +17,14 @@ Camera plain_camera() {
   return c;
 }
 
-BoundaryBox box_of(std::vector<float> points, double pad_px = 5) {
+BoundaryBox box_about(std::vector<float> points, double pad_px = 5) {
   return boundary_box(plain_camera(), {points.data(), std::int64_t(points.size() / 3)}, pad_px);
 }
 
 }  // namespace
 
 TEST_CASE("the boundary box spans the projected centres plus the padding") {
-  const BoundaryBox b = box_of({0, 0, 1, 0.2f, -0.1f, 2});  // at (50, 40) and (55, 37.5)
+  const BoundaryBox b = box_about({0, 0, 1, 0.2f, -0.1f, 2});  // at (50, 40) and (55, 37.5)
   CHECK(b.visible == 2);
   CHECK(b.box.min_x == doctest::Approx(45));
   CHECK(b.box.max_x == doctest::Approx(60));
@@ -36,7 +36,7 @@ TEST_CASE("the boundary box spans the projected centres plus the padding") {
 TEST_CASE("the boundary box of nothing visible is empty") {
   for (const std::vector<float>& points :
        {std::vector<float>{}, {0, 0, -1}, {0, 0, 0}, {0, 0, 0.005f}, {50, 0, 1}, {0, -9, 1}}) {
-    const BoundaryBox b = box_of(points);
+    const BoundaryBox b = box_about(points);
     CHECK(b.visible == 0);
     CHECK(b.mean_distance == 0);
     CHECK(pixel_grid(b.box, 4, 4, GridNodes::kCentres).nodes() == 0);
@@ -44,14 +44,14 @@ TEST_CASE("the boundary box of nothing visible is empty") {
 }
 
 TEST_CASE("Gaussians behind the camera or far off-screen do not stretch the box") {
-  const BoundaryBox alone = box_of({0, 0, 1}), crowded = box_of({0, 0, 1, 0.3f, 0.3f, -1, 40, 0, 1});
+  const BoundaryBox alone = box_about({0, 0, 1}), crowded = box_about({0, 0, 1, 0.3f, 0.3f, -1, 40, 0, 1});
   CHECK(crowded.visible == 1);
   CHECK(crowded.box.max_x == alone.box.max_x);
 }
 
 TEST_CASE("the boundary box is clipped to the image") {
   const BoundaryBox b =
-      box_of({-1.04f, 0, 1, 1.04f, 0.78f, 1});  // x at -2 and 102, y at 79: inside the padding
+      box_about({-1.04f, 0, 1, 1.04f, 0.78f, 1});  // x at -2 and 102, y at 79: inside the padding
   CHECK(b.visible == 2);
   CHECK(b.box.min_x == 0);
   CHECK(b.box.max_x == 100);

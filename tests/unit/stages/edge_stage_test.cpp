@@ -188,5 +188,19 @@ TEST_CASE("edges: no photo, no label and draft leave the result alone; a broken 
   unchanged(in);
 }
 
+TEST_CASE("of many views each is visited less, few have all their visits, and what was asked for is done") {
+  CHECK(edge_visits({}, Quality::kStandard, 1) == 15);
+  CHECK(edge_visits({}, Quality::kStandard, 21) == 15);
+  CHECK(edge_visits({}, Quality::kHigh, 21) == 40);
+  CHECK(edge_visits({}, Quality::kStandard, 34) == 12);
+  CHECK(edge_visits({}, Quality::kStandard, 84) == 8);  // half, rounded up
+  CHECK(edge_visits({}, Quality::kStandard, 2100) == 2);
+  CHECK(edge_visits({}, Quality::kStandard, 100000) == 1);
+  CHECK(edge_visits({}, Quality::kDraft, 1000) == 0);
+  EdgeOptions asked;
+  asked.visits = 7;
+  CHECK(edge_visits(asked, Quality::kDraft, 1000) == 7);
+}
+
 }  // namespace
 }  // namespace ngs

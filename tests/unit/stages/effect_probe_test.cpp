@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "ngs/stages/effects.h"
 #include "support/joint_case.h"
@@ -50,6 +51,31 @@ int nearer_than_the_ball(const GaussianCloud& cloud) {
 }
 
 }  // namespace
+
+TEST_CASE("strays: an arm that one view sees hangs together with the ball, one speck behind it does not") {
+  ProbeCase arm, speck;
+  for (ProbeCase* c : {&arm, &speck}) {
+    LabelColumns& ball = c->base->labels[0];
+    for (std::size_t i = 0; i < c->base->is_ball.size(); ++i) ball.prob[i] = c->base->is_ball[i], ball.views[i] = 16;
+  }
+  const auto claim = [](ProbeCase& c, std::size_t i, float x, float z) {
+    hang(c.base->model, i, x, 0, z);
+    c.base->labels[0].prob[i] = c.base->labels[0].views[i] = 1;
+  };
+  for (std::size_t i = 0; i < 20; ++i) claim(arm, 160 + i, 0.6f + 0.2f * float(i), 4);
+  claim(speck, 160, 0, 9);
+  const auto far_and_doubtful = [](const ProbeCase& c) {  // naive: claimed, seen once, two radii away
+    int count = 0;
+    for (std::size_t i = 0; i < c.base->is_ball.size(); ++i)
+      count += c.base->labels[0].prob[i] > 0.5f && c.base->labels[0].views[i] == 1 &&
+               std::hypot(c.base->model.position[3 * i], c.base->model.position[3 * i + 2] - 4) > 1.2f;
+    return count;
+  };
+  CHECK(far_and_doubtful(arm) == 17);
+  CHECK(far_and_doubtful(speck) == 1);
+  CHECK(arm.measure(&EffectProbe::strays) <= threshold_of("strays"));
+  CHECK(speck.measure(&EffectProbe::strays) > threshold_of("strays"));
+}
 
 TEST_CASE("front: many specks before the object's depth but beside it hide nothing, one before it does") {
   ProbeCase beside, before;

@@ -13,6 +13,7 @@
 #include "ngs/stages/floaters.h"
 #include "ngs/stages/joint_stage.h"
 #include "ngs/stages/render_stage.h"
+#include "ngs/stages/strays.h"
 #include "ngs/stages/view_trust.h"
 #include "support/joint_case.h"
 
@@ -102,6 +103,9 @@ std::vector<float> masks_with(const EffectCase& c, const std::vector<std::string
                     .fixed = {},
                     .labels = in.labels,
                     .load_fine_photo = in.load_fine_photo};
+  StrayFinding strays{in.labels, {}};
+  if (effects.strays) strays = find_strays({}, {}, clean);
+  clean.labels = strays.labels, clean.held = strays.stray;
   clean.splat.antialiased = cloud.antialiased && effects.antialias;
   JointTrainer trainer({}, monitor, {joint, c.sample, c.rbf, clean}, true);
   while (effects.joint && !trainer.finished()) trainer.step();
@@ -126,7 +130,7 @@ double mean_difference(const std::vector<float>& a, const std::vector<float>& b)
 
 /// Steps on, unless it is they that are asked about; what surrounds them off.
 std::vector<std::string> surroundings(std::string_view name) {
-  std::vector<std::string> entries{"view-trust=off", "floaters=off", "edges=off", "joint=on"};
+  std::vector<std::string> entries{"view-trust=off", "floaters=off", "strays=off", "edges=off", "joint=on"};
   for (const char* part : {"nerf=on", "align=on"}) entries.push_back(part);
   if (name == "split") entries.push_back("edges=on");
   entries.push_back(std::string(name) + "=auto");
@@ -163,6 +167,12 @@ std::vector<Pair> pairs() {
          for (std::size_t i = 160; i < 166; ++i)
            c.base->model.position[3 * i] = 0.05f * float(i - 163), c.base->model.position[3 * i + 1] = 0,
                                       c.base->model.position[3 * i + 2] = 1.5f;
+       },
+       as_it_is},
+      {"strays",
+       [](EffectCase& c) {  // a piece of the wall that one of sixteen views claims
+         for (float& v : c.base->labels[0].views) v *= 4;
+         c.base->labels[0].prob[200] = c.base->labels[0].label[200] = c.base->labels[0].views[200] = 1;
        },
        as_it_is},
       {"nerf", large_ball,

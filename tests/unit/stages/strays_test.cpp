@@ -1,0 +1,103 @@
+#include "ngs/stages/strays.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "support/joint_case.h"
+
+namespace ngs {
+namespace {
+
+constexpr float kViews = 16;  // of the ball's Gaussians; its radius is 0.6 about (0, 0, 4)
+
+/// The ball is certain, the wall is not claimed; rows of the wall can be moved and claimed.
+struct StrayCase {
+  std::unique_ptr<test::JointCase> base = test::joint_case();
+  std::vector<float> fixed;
+
+  StrayCase() {
+    LabelColumns& ball = base->labels[0];
+    for (std::size_t i = 0; i < base->is_ball.size(); ++i)
+      ball.label[i] = ball.prob[i] = base->is_ball[i], ball.views[i] = kViews;
+  }
+  void claim(std::size_t row, float x, float z, float prob, float views) {
+    base->model.position[3 * row] = x, base->model.position[3 * row + 1] = 0, base->model.position[3 * row + 2] = z;
+    base->labels[0].prob[row] = prob, base->labels[0].label[row] = prob > 0.5f, base->labels[0].views[row] = views;
+  }
+  StrayFinding find() const {
+    MethodInput in = base->input();
+    in.fixed = fixed;
+    return find_strays({}, {}, in);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a piece of the room that few views claim becomes as unseen, and nothing else changes") {
+  StrayCase c;
+  c.claim(200, 0, 9, 1, 1);
+  const StrayFinding found = c.find();
+  CHECK(found.count == 1);
+  CHECK(std::count(found.stray.begin(), found.stray.end(), 1) == 1);
+  CHECK(found.stray[200] == 1);
+  for (const auto column : {&LabelColumns::label, &LabelColumns::prob, &LabelColumns::variance, &LabelColumns::views,
+                            &LabelColumns::boundary}) {
+    std::vector<float> want = c.base->labels[0].*column;
+    want[200] = 0;
+    CHECK(found.labels[0].*column == want);
+  }
+}
+
+TEST_CASE("what hangs together with the ball is its own however far it reaches, and what stands alone only once linked") {
+  StrayCase arm;
+  for (std::size_t i = 0; i < 20; ++i) arm.claim(200 + i, 0.6f + 0.2f * float(i), 4, 1, 1);  // out to 7 radii
+  CHECK(arm.find().count == 0);
+  arm.claim(205, 0.6f, 4, 1, 1), arm.claim(206, 0.6f, 4, 1, 1), arm.claim(207, 0.6f, 4, 1, 1);
+  arm.claim(208, 0.6f, 4, 1, 1), arm.claim(209, 0.6f, 4, 1, 1);  // a gap of 1.2: what lies beyond it is apart
+  CHECK(arm.find().count == 10);
+  for (std::size_t i = 0; i < 20; ++i) arm.base->labels[0].prob[200 + i] = 0.3f;  // claims do not link, labels do
+  CHECK(arm.find().count > 10);
+}
+
+TEST_CASE("neither what many views agree on, nor what is near, hardly claimed, unusable or fixed by hand is a stray") {
+  StrayCase c;
+  c.claim(200, 0, 9, 1, kViews / 4);
+  c.claim(201, 0.7f, 4, 1, 1);
+  c.claim(202, 0, 9, 0.05f, 1);
+  c.claim(203, NAN, 9, 1, 1);
+  c.base->model.usable[203] = 0;
+  c.claim(204, 0, 9, 1, 1);
+  c.fixed.assign(c.base->is_ball.size(), 0), c.fixed[204] = 1;
+  CHECK(c.find().count == 0);
+  c.claim(205, 3e38f, -3e38f, 1, 1);  // beyond all cells, and still apart
+  CHECK(c.find().count == 1);
+}
+
+TEST_CASE("without a core, and with so few views that a quarter is one, nothing is a stray") {
+  StrayCase c;
+  c.claim(200, 0, 9, 1, 1);
+  StrayCase few = std::move(c), none;
+  for (float& v : few.base->labels[0].views) v = std::min(v, 4.f);
+  CHECK(few.find().count == 0);
+  for (float& p : none.base->labels[0].prob) p *= 0.8f;
+  none.claim(200, 0, 9, 0.8f, 1);
+  CHECK(none.find().count == 0);
+}
+
+TEST_CASE("a stray of one object that belongs to another is not held") {
+  StrayCase c;
+  c.base->scene.objects.push_back({"room", 1});
+  c.base->labels.push_back(c.base->labels[0]);
+  LabelColumns& room = c.base->labels[1];
+  for (std::size_t i = 0; i < c.base->is_ball.size(); ++i) room.prob[i] = room.label[i] = 1 - c.base->is_ball[i];
+  c.claim(200, 0, 5.7f, 1, 1);
+  const StrayFinding found = c.find();
+  CHECK(found.count == 1);
+  CHECK(found.labels[0].prob[200] == 0);
+  CHECK(found.labels[1].prob[200] == 1);
+  CHECK(std::count(found.stray.begin(), found.stray.end(), 1) == 0);
+}
+
+}  // namespace ngs
