@@ -85,20 +85,23 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
   const double reading_s = wall_seconds() - reads_s;
   const ApartRun apart = apart_run(ply, whole, settings.run.apart);
   const Scene& scene = apart.scene;
-  const MethodInput from_files{.cloud = ply.cloud,
-                   .scene = scene,
-                   .views = training_views(scene),
-                   .load_masks = [&](std::size_t view) { return io::load_masks(scene, view); },
-                   .load_photo = [&](std::size_t view) { return io::load_photo(scene, view); },
-                   .splat = splat_options(declared.raster, ply.cloud, scene),
-                   .background = parse_background(settings.run.background),
-                   .seed = run.seed(),
-                   .fixed = ply.fixed,
-                   .labels = labels_of(ply, scene),
-                   .load_fine_photo = [&](std::size_t view) { return io::load_fine_photo(scene, view); },
-                   .held = apart.held};
-  Json plan = {{"training_views", from_files.views.size()}, {"gaussians", ply.cloud.size()},
-               {"groups", apart.groups.size()}, {"objects_that_meet", apart.groups}};
+  const MethodInput from_files{
+      .cloud = ply.cloud,
+      .scene = scene,
+      .views = training_views(scene),
+      .load_masks = [&](std::size_t view) { return io::load_masks(scene, view); },
+      .load_photo = [&](std::size_t view) { return io::load_photo(scene, view); },
+      .splat = splat_options(declared.raster, ply.cloud, scene),
+      .background = parse_background(settings.run.background),
+      .seed = run.seed(),
+      .fixed = ply.fixed,
+      .labels = labels_of(ply, scene),
+      .load_fine_photo = [&](std::size_t view) { return io::load_fine_photo(scene, view); },
+      .held = apart.held};
+  Json plan = {{"training_views", from_files.views.size()},
+               {"gaussians", ply.cloud.size()},
+               {"groups", apart.groups.size()},
+               {"objects_that_meet", apart.groups}};
   if (run.dry_run()) {
     run.plan(std::move(plan));
     return 0;

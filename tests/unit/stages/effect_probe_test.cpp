@@ -71,7 +71,7 @@ TEST_CASE("strays: an arm that one view sees hangs together with the ball, one s
                std::hypot(c.base->model.position[3 * i], c.base->model.position[3 * i + 2] - 4) > 1.2f;
     return count;
   };
-  CHECK(far_and_doubtful(arm) == 17);
+  CHECK(far_and_doubtful(arm) == 16);
   CHECK(far_and_doubtful(speck) == 1);
   CHECK(arm.measure(&EffectProbe::strays) <= threshold_of("strays"));
   CHECK(speck.measure(&EffectProbe::strays) > threshold_of("strays"));
