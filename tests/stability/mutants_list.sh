@@ -48,6 +48,11 @@ mutant stages/variance_stage.cpp $t stages/variance_stage.cpp "pooled variance i
 mutant stages/variance_stage.cpp $t stages/variance_stage.cpp "unweighted ratio doubled" 's/return 1\.0 - r \* r;/return 1.0 - 2 * r * r;/'
 mutant ops/evidence.cpp $t ops/evidence.cpp "unknown pixels counted" 's/masks\.known\.empty\(\) \? nullptr : masks\.known\.data\(\)/nullptr/'
 
+t=unit/stages/strays_test.cpp f=stages/strays.cpp
+mutant $f $t $f "strays: what many views agree on may be one" 's/if \(double\(object\.views\[i\]\) >= core\.least_views\) continue;//'
+mutant $f $t $f "strays: only the core's own cells are linked" 's/if \(labelled\.contains\(next\) .*$//'
+mutant $f $t $f "strays: rows fixed by hand change" 's/ \|\| is_fixed\(input, i\)//'
+mutant $f $t $f "strays: another object's Gaussian is held" 's/finding\.stray\[i\] = 0;/(void)0;/'
 t=stability/geometry_stability_test.cpp
 mutant ops/sample_grid.cpp $t ops/sample_grid.cpp "Gaussians behind the camera count" 's/if \(!\(t\.z > kNearZ\)\) continue;//'
 mutant ops/sample_grid.cpp $t ops/sample_grid.cpp "boxes thinner than a pixel divided" 's/if \(length < 1\) return .*;//'
