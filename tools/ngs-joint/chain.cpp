@@ -124,7 +124,7 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
                                    ? handle_floaters(run, believed, settings.joint.quality, budget)
                                    : FloaterOutcome{};
   MethodInput input = without_floaters(believed, clean);
-  if (mend && decisions.on("strays")) leave_strays(run, input);
+  const bool strays = mend && decisions.on("strays") && leave_strays(run, input);
   const std::string apart_of = settings.run.apart.empty() ? "" : io::content_hash(paths.boundary).xxh3;
   if (settings.run.method != Method::kPaper && mend) {
     write_result(run, {ply, scene, clean.floater, apart_of},
@@ -144,7 +144,7 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
   }
   input.splat.antialiased = input.splat.antialiased && decisions.on("antialias");
   std::optional<QueryField> given;
-  if (!paths.field.empty() && !clean.removed()) given = io::read_query_ply(paths.field);
+  if (!paths.field.empty() && !clean.removed() && !strays) given = io::read_query_ply(paths.field);
   const std::string fingerprint = io::content_hash(paths.boundary).xxh3 + " " + options_text(settings) +
                                   " seed " + std::to_string(run.seed()) +
                                   (apart_of.empty() ? "" : " apart " + settings.run.apart);

@@ -95,14 +95,15 @@ MethodInput without_floaters(const MethodInput& input, const FloaterOutcome& out
           .held = input.held};
 }
 
-void leave_strays(cli::Run& run, MethodInput& input) {
+bool leave_strays(cli::Run& run, MethodInput& input) {
   StrayFinding finding = find_strays(run.exec(), {}, input);
   run.result()["strays"] = {{"found", finding.count}};
-  if (finding.count == 0) return;
+  if (finding.count == 0) return false;
   input.held.resize(finding.stray.size());
   for (std::size_t i = 0; i < finding.stray.size(); ++i) input.held[i] |= finding.stray[i];
   input.labels = std::move(finding.labels);
   run.info(std::to_string(finding.count) + " Gaussians that masks claim lie apart from the object: taken for unseen");
+  return true;
 }
 
 }  // namespace ngs::joint

@@ -35,7 +35,8 @@ FloaterOutcome handle_floaters(cli::Run& run, const MethodInput& input, Quality 
 /// `input` with the model and labels of the outcome, which must outlive it, where something was removed.
 MethodInput without_floaters(const MethodInput& input, const FloaterOutcome& outcome);
 
-/// Labels without strays, which are held as they are; the report says how many.
-void leave_strays(cli::Run& run, MethodInput& input);
+/// Labels without strays, which are held as they are; the report says how many. True where there were any: they leave the
+/// boundary set, so that a field made for it no longer fits.
+bool leave_strays(cli::Run& run, MethodInput& input);
 
 }  // namespace ngs::joint
