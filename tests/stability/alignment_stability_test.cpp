@@ -65,6 +65,22 @@ double length(const std::vector<double>& v) {
   return std::sqrt(square);
 }
 
+/// Of a shift by the picture's gradients, as a textbook sums them.
+struct NormalEquations {
+  float xx = 0, xy = 0, yy = 0, xr = 0, yr = 0;
+};
+NormalEquations normal_equations(const RenderedView& view, const ImageF& photo) {
+  NormalEquations n;
+  for (int y = 1; y + 1 < kHeight; ++y)
+    for (int x = 1; x + 1 < kWidth; ++x) {
+      const float gx = view.colour.at(x + 1, y, 0) - view.colour.at(x - 1, y, 0),
+                  gy = view.colour.at(x, y + 1, 0) - view.colour.at(x, y - 1, 0),
+                  r = photo.at(x, y, 0) - view.colour.at(x, y, 0);
+      n.xx += gx * gx, n.xy += gx * gy, n.yy += gy * gy, n.xr += gx * r, n.yr += gy * r;
+    }
+  return n;
+}
+
 }  // namespace
 
 TEST_CASE("pose step: a photo with structure in one direction alone moves the camera no further than it shows") {
@@ -79,15 +95,8 @@ TEST_CASE("pose step: a photo with structure in one direction alone moves the ca
         const ImageF photo = picture([&](int x, int y, int) { return stripes(x - shift_px, y); });
         const PoseStep step = pose_step(view, smoothed_for_pose(photo), front_camera(), {});
         worst.ours_is(step.determined && step.flow_px > 0.5 * shift_px && step.flow_px < 1.5 * shift_px);
-        float xx = 0, xy = 0, yy = 0, xr = 0, yr = 0;
-        for (int y = 1; y + 1 < kHeight; ++y)
-          for (int x = 1; x + 1 < kWidth; ++x) {
-            const float gx = view.colour.at(x + 1, y, 0) - view.colour.at(x - 1, y, 0),
-                        gy = view.colour.at(x, y + 1, 0) - view.colour.at(x, y - 1, 0),
-                        r = photo.at(x, y, 0) - view.colour.at(x, y, 0);
-            xx += gx * gx, xy += gx * gy, yy += gy * gy, xr += gx * r, yr += gy * r;
-          }
-        worst.naive_is(std::isfinite((xx * yr - xy * xr) / (xx * yy - xy * xy)));
+        const NormalEquations n = normal_equations(view, photo);
+        worst.naive_is(std::isfinite((n.xx * n.yr - n.xy * n.xr) / (n.xx * n.yy - n.xy * n.xy)));
       });
 }
 
@@ -134,15 +143,8 @@ TEST_CASE("pose step: a photo without texture, or with a colour that is no numbe
         const PoseStep step = pose_step(view, smoothed_for_pose(photo), front_camera(), {});
         worst.ours_is(!step.determined && step.flow_px == 0 &&
                       length({step.motion.turn.x, step.motion.move.x}) == 0);
-        float xx = 0, xy = 0, yy = 0, xr = 0, yr = 0;
-        for (int y = 1; y + 1 < kHeight; ++y)
-          for (int x = 1; x + 1 < kWidth; ++x) {
-            const float gx = view.colour.at(x + 1, y, 0) - view.colour.at(x - 1, y, 0),
-                        gy = view.colour.at(x, y + 1, 0) - view.colour.at(x, y - 1, 0),
-                        r = photo.at(x, y, 0) - view.colour.at(x, y, 0);
-            xx += gx * gx, xy += gx * gy, yy += gy * gy, xr += gx * r, yr += gy * r;
-          }
-        const float dx = (xr * yy - yr * xy) / (xx * yy - xy * xy);
+        const NormalEquations n = normal_equations(view, photo);
+        const float dx = (n.xr * n.yy - n.yr * n.xy) / (n.xx * n.yy - n.xy * n.xy);
         worst.naive_is(std::abs(dx) < 1);  // a pixel
       });
 }
