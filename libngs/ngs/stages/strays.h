@@ -6,6 +6,7 @@
 // is drawn as object. Evidence that small cannot be weighed against itself; but an object hangs together. Gaussians
 // labelled as the object are linked where they lie in neighbouring cells whose side is the core's margin
 // (stages/object_core.h); what is claimed and lies beside no cell that is linked with the core is a stray.
+#include "ngs/stages/apart.h"
 #include "ngs/stages/object_core.h"
 
 namespace ngs {
@@ -13,7 +14,7 @@ namespace ngs {
 struct StrayOptions {
   CoreOptions core{.margin = 0.5};
   double labelled = 0.5;  // share from which a Gaussian links others to the core
-  double claimed = 0.05;  // share from which it may be a stray
+  double claimed = kLeastClaim;  // share from which it may be a stray
 };
 
 struct StrayFinding {
