@@ -9,12 +9,12 @@ find_package(Threads REQUIRED)
 # OpenCV without its CMake package: Debian ships that only in libopencv-dev, which pulls in 200 packages
 # that ngs does not need.
 find_path(NGS_OPENCV_INCLUDE opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
-add_library(ngs_opencv INTERFACE)
-target_include_directories(ngs_opencv SYSTEM INTERFACE ${NGS_OPENCV_INCLUDE})
 foreach(module core imgproc imgcodecs)
   find_library(NGS_OPENCV_${module} opencv_${module} REQUIRED)
-  target_link_libraries(ngs_opencv INTERFACE ${NGS_OPENCV_${module}})
 endforeach()
+add_library(ngs_opencv INTERFACE)
+target_include_directories(ngs_opencv SYSTEM INTERFACE ${NGS_OPENCV_INCLUDE})
+target_link_libraries(ngs_opencv INTERFACE ${NGS_OPENCV_core} ${NGS_OPENCV_imgproc})
 
 find_path(NGS_FLANN_INCLUDE flann/flann.hpp REQUIRED)
 find_library(NGS_LZ4 lz4 REQUIRED)  # flann.hpp instantiates its index serialisation inline

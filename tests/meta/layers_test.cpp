@@ -36,8 +36,8 @@ const std::vector<Confinement>& confinements() {
     const auto only = [&](const char* header, const char* allowed, const char* rule) {
       list.push_back({std::regex(header), std::regex(allowed), rule});
     };
-    only("opencv2?/.*", "libngs/ngs/io/(image_file|grab_cut)\\.cpp",
-         "OpenCV belongs to io/image_file.cpp and io/grab_cut.cpp");
+    only("opencv2?/.*", "libngs/ngs/io/(image_file|grab_cut|codecs/.*)\\.cpp",
+         "OpenCV belongs to io/codecs/, io/image_file.cpp and io/grab_cut.cpp");
     only("(Imf|Imath|OpenEXR|Iex).*", "libngs/ngs/io/exr\\.cpp", "OpenEXR belongs to io/exr.cpp");
     only("flann/.*", "libngs/ngs/ops/knn\\.cpp", "FLANN belongs to ops/knn.cpp");
     only("CLI/.*", "tools/shared/.*\\.cpp", "CLI11 belongs to tools/shared/*.cpp");

@@ -51,7 +51,8 @@ inline constexpr float kRemovedLogit = -20.f;
 struct FloaterRemoval {
   GaussianCloud cloud;  // floaters at kRemovedLogit, what is left refitted to the photos: colours of all,
                         // geometry of what is far from the core
-  std::map<std::string, double> figures;  // PSNR before, without, after the refit, at the size of the input
+  std::map<std::string, double> figures;  // PSNR before, without, after the refit, at the size of the input, of
+                                          // at most 8 views
 };
 
 FloaterRemoval remove_floaters(const Exec& exec, Monitor& monitor, const RefitOptions& refit,

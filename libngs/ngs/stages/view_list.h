@@ -22,6 +22,14 @@ inline std::vector<std::size_t> photo_views(const Scene& scene) {
   return views;
 }
 
+/// At most `count` of the views, evenly spread over the list: enough of them for a figure of the report.
+inline std::vector<std::size_t> spread_out(const std::vector<std::size_t>& views, std::size_t count) {
+  if (views.size() <= count) return views;
+  std::vector<std::size_t> some(count);
+  for (std::size_t i = 0; i < count; ++i) some[i] = views[i * views.size() / count];
+  return some;
+}
+
 /// The views in an order that depends on the seed and the number of passes so far.
 inline std::vector<std::size_t> shuffled(std::vector<std::size_t> views, std::uint64_t seed,
                                          std::uint64_t pass) {

@@ -1,0 +1,49 @@
+// The codecs for pictures are a plug-in, because their libraries take longer to load than a small tool's work.
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "ngs/core/error.h"
+#include "support/process.h"
+#include "support/temp_dir.h"
+#include "support/tool_fixture.h"
+
+namespace ngs {
+namespace {
+
+namespace fs = std::filesystem;
+
+test::ProcessResult run(std::vector<std::string> argv) {
+  test::ProcessSpec spec;
+  spec.argv = std::move(argv);
+  return test::run_process(spec);
+}
+
+}  // namespace
+
+TEST_CASE("a tool without its codecs says what is missing and where it belongs, and needs them for pictures only") {
+  const test::TempDir dir;
+  const fs::path alone = fs::path(dir.path()) / "ngs-variance";
+  fs::copy_file(fs::path(NGS_TOOL_DIR) / "ngs-variance", alone);
+  CHECK(run({alone, "--version"}).exit_code == 0);
+  const std::string out = dir.path() + "/boundary.ply";
+  const test::ProcessResult result = run({alone, test::fixture_folder() + "/scene.json", "-o", out});
+  CHECK(result.exit_code == int(ErrorCode::kEnvironment));
+  CHECK(result.err.find("libngs_codecs.so") != std::string::npos);
+  CHECK(result.err.find("hint: keep it in the folder of the executables") != std::string::npos);
+  CHECK(!fs::exists(out));
+}
+
+TEST_CASE("no executable loads the picture codecs' libraries before it needs one") {
+  for (const fs::directory_entry& entry : fs::directory_iterator(NGS_TOOL_DIR)) {
+    const std::string name = entry.path().filename();
+    if (name.rfind("ngs-", 0) != 0) continue;
+    CAPTURE(name);
+    std::ifstream file(entry.path(), std::ios::binary);
+    const std::string bytes(std::istreambuf_iterator<char>(file), {});
+    CHECK(bytes.find("libopencv_imgcodecs") == std::string::npos);
+  }
+}
+
+}  // namespace ngs
