@@ -54,15 +54,15 @@ mutant $f $t $f "strays: only the core's own cells are linked" 's/if \(labelled\
 mutant $f $t $f "strays: rows fixed by hand change" 's/ \|\| is_fixed\(input, i\)//'
 mutant $f $t $f "strays: another object's Gaussian is held" 's/finding\.stray\[i\] = 0;/(void)0;/'
 t=stability/geometry_stability_test.cpp
-mutant ops/sample_grid.cpp $t ops/sample_grid.cpp "Gaussians behind the camera count" 's/if \(!\(t\.z > kNearZ\)\) continue;//'
-mutant ops/sample_grid.cpp $t ops/sample_grid.cpp "boxes thinner than a pixel divided" 's/if \(length < 1\) return .*;//'
-mutant ops/sample_grid.cpp $t ops/sample_grid.cpp "the box of nothing" 's/if \(result\.visible == 0\) return result;//'
-mutant ops/sample_grid.cpp $t ops/sample_grid.cpp "box not clipped" 's/std::max\(box\.min_x - pad_px, 0\.0\)/box.min_x - pad_px/'
+mutant ops/sample_grid_kernels.h $t ops/sample_grid.cpp "Gaussians behind the camera count" 's/if \(!\(t\.z > kNearZ\)\) return;//'
+mutant ops/sample_grid_kernels.h $t ops/sample_grid.cpp "boxes thinner than a pixel divided" 's/if \(length < 1\) return .*;//'
+mutant ops/sample_grid_kernels.h $t ops/sample_grid.cpp "the box of nothing" 's/if \(sums\.visible == 0\) return \{\};//'
+mutant ops/sample_grid_kernels.h $t ops/sample_grid.cpp "box not clipped" 's/max2\(b\.min_x - pad_px, 0\.0\)/b.min_x - pad_px/'
 mutant ops/ray_query_kernels.h $t ops/ray_query.cpp "division by K - 1 = 0" 's/if \(samples == 1\) return .*;//'
 mutant ops/ray_query_kernels.h $t ops/ray_query.cpp "window through the camera" 's/max2\(centre - half, nearest\)/centre - half/'
 mutant ops/ray_query_kernels.h $t ops/ray_query.cpp "spacing divided by K - 1 = 0" 's/samples > 1 \? samples - 1 : 1/samples - 1/'
 mutant ops/ray_query_kernels.h $t ops/ray_query.cpp "third component from the other two" 's/cosine = T\(1\) \/ sqrt\(x \* x \+ y \* y \+ T\(1\)\);/cosine = T(1) \/ sqrt(x * x + y * y + T(1)); cosine = sqrt(T(1) - cosine * cosine * (x * x + y * y));/'
-mutant ops/ray_query.cpp $t ops/ray_query.cpp "depth divided by no alpha" 's/if \(!\(alpha > least_alpha\)\) return 0;//'
+mutant ops/ray_query_kernels.h $t ops/ray_query.cpp "depth divided by no alpha" 's/if \(!\(covered > least_alpha\)\) return 0;//'
 mutant math/pixel_grid.h $t ops/ray_query.cpp "positions beyond the border not clamped" 's/const double at = clamp3\(position_px - 0\.5, 0\.0, double\(size_px - 1\)\);/const double at = position_px - 0.5 < 0 ? 0 : position_px - 0.5;/'
 
 t=stability/neighbours_stability_test.cpp
@@ -106,7 +106,7 @@ mutant $f $t ops/loss_mask.cpp "log(1 - p)" 's/log1p\(-at\)/log(rest)/'
 mutant $f $t ops/loss_mask.cpp "clamp instead of the tangent" 's/ \+ slope \* \(p - at\)//'
 mutant $f $t ops/loss_mask.cpp "prediction not clamped" 's/at = clamp3\(p, low, T\(1\) - low\)/at = p/'
 mutant $f $t ops/loss_mask.cpp "unknown pixels have a loss" 's/if \(counts\) loss =/loss =/'
-mutant ops/loss_mask.cpp $t ops/loss_mask.cpp "float accumulator" 's/std::vector<double> row_sum/std::vector<float> row_sum/; s/MaskLossRow<float, double>/MaskLossRow<float, float>/; s/loss\.total \+= sum;/loss.total = float(loss.total) + float(sum);/'
+mutant ops/loss_mask.cpp $t ops/loss_mask.cpp "float accumulator" 's/loss\.total \+= sum;/loss.total = float(loss.total) + float(sum);/'
 mutant ops/loss_mask.cpp $t ops/loss_mask.cpp "mean over no pixels" 's/if \(loss\.known == 0\) return loss;//'
 f=ops/loss_align_kernels.h
 mutant $f $t ops/loss_align.cpp "E[x²] - E[x]²" 's/const Vec3<T> d = vec3\(image\.at\(x, y, 3\)\) - mean;/const Vec3<T> d = vec3(image.at(x, y, 3));/; s/return share \* variance;/return share * variance - dot(mean, mean);/'
@@ -121,7 +121,7 @@ mutant ops/loss_cont.cpp $t ops/loss_cont.cpp "mean over no neighbours" 's/if \(
 f=ops/loss_smooth_kernels.h
 mutant $f $t ops/loss_smooth.cpp "|a|² - 2 a·b + |b|²" 's/term\[i\] = dot\(d, d\);/const Vec3<T> a = vec3(colour.row(i)), b = a + d; term[i] = dot(a, a) - T(2) * dot(a, b) + dot(b, b);/'
 mutant $f "$t grad/loss_smooth_grad_test.cpp" ops/loss_smooth.cpp "sign of one gradient" 's/back\[0\] = -g\.x/back[0] = g.x/'
-mutant ops/loss_smooth.cpp $t ops/loss_smooth.cpp "the factor 3 of the estimate" 's/3 \* ratio \* ratio/ratio * ratio/'
+mutant ops/loss_smooth.h $t ops/loss_smooth.cpp "the factor 3 of the estimate" 's/3 \* ratio \* ratio/ratio * ratio/'
 f=ops/photometric_kernels.h
 mutant $f $t "" "C2 dropped" 's/ \+ L\(T\(kC2\)\)//'
 mutant $f $t "" "C1 dropped" 's/ \+ L\(T\(kC1\)\)//'
@@ -132,7 +132,7 @@ mutant ops/adam_kernels.h $t $f "no eps" 's/ \* inv_root \+ eps\)/ * inv_root)/'
 mutant ops/adam_kernels.h $t $f "rows without a gradient decay" 's/if \(touched\)/if (true)/'
 mutant ops/adam_kernels.h $t $f "first moment not moved by its share" 's/m\[i\] = mi;/m[i] = g;/'
 mutant $f $t $f "1 - β₂ in float" 's/T\(1\.0 - o\.beta2\)/T(1) - T(o.beta2)/'
-mutant $f $t $f "1 - β₂^t in float" 's/-std::expm1\(double\(step\) \* std::log\(o\.beta2\)\)/double(1 - std::pow(float(o.beta2), float(step)))/'
+mutant ops/adam_kernels.h $t $f "1 - β₂^t in float" 's/-std::expm1\(double\(step\) \* std::log\(beta\)\)/double(1 - std::pow(float(beta), float(step)))/'
 mutant $f $t $f "NaN passes the check" 's/if \(!\(std::abs\(values\[std::size_t\(i\)\]\) <= limit\)\)/if (std::abs(values[std::size_t(i)]) > limit)/'
 f=ops/label_solve.cpp
 mutant $f $t $f "0 \/ 0 of a label without evidence" 's/object \+ rest > 0 \? (object \/ \(object \+ rest\)) : m\[i\]/\1/'
@@ -206,3 +206,8 @@ mutant ops/sum_grid.h "$t" "" "device: a chunk one short" 's/first \+ kRows < n 
 mutant ops/photometric_grid.h "$t" "" "device: padding not cleared" 's/products\.zero\(\);//'
 mutant ops/adam_grid.h "$t" "" "device: negative overflow passes" 's/if \(!\(value\[i\] <= limit \&\& -value\[i\] <= limit\)\)/if (!(value[i] <= limit))/'
 mutant ops/adam_grid.h "$t" "" "device: the last unusable gradient found" 's/for \(std::int64_t i = end; i-- > begin;\)/for (std::int64_t i = begin; i < end; ++i)/'
+
+t=unit/stages/exposure_test.cpp f=stages/exposure.cpp
+mutant $f $t $f "one pixel for the median of an exposure" 's/upper_median\(std::move\(ratio\)\)/ratio[0]/'
+mutant $f $t $f "the model's own exposure taken for the view's" 's/logs\[i\]\[c\] - models/logs[i][c]/'
+mutant $f $t $f "clipped pixels have a say on exposure" 's/ && std::max\(a, b\) < kClipped//'

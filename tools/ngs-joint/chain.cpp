@@ -40,7 +40,7 @@ void check(cli::Run& run, const Settings& settings, const Paths& paths) {
 void rule_by_options(const Settings& settings, const Paths& paths, Decisions& decisions) {
   if (settings.run.method != Method::kPaper)
     for (const std::string_view name :
-         {"view-trust", "floaters", "strays"})  // the methods beside it are as their papers say
+         {"exposure", "view-trust", "floaters", "strays"})  // the methods beside it are as their papers say
       decisions.rule({name, false, "part of --method paper"});
   if (!paths.nerf.empty()) decisions.rule({"nerf", true, "--nerf"});
   if (!settings.run.apart.empty())
@@ -54,7 +54,8 @@ void leave_out(std::string_view name, const Settings& settings, Budget& budget, 
 
 /// What the time that is left decides before the steps.
 void rule_by_time(Budget& budget, const Settings& settings, std::size_t views, Decisions& decisions) {
-  if (!budget.has_room_for(kTrustCost, views)) leave_out("view-trust", settings, budget, decisions);
+  for (const std::string_view name : {"exposure", "view-trust"})
+    if (!budget.has_room_for(kTrustCost, views)) leave_out(name, settings, budget, decisions);
   if (!budget.has_room_for(kDraftFloatersCost, views)) leave_out("floaters", settings, budget, decisions);
 }
 
@@ -115,9 +116,11 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
     const auto lap = budget.lap(kLoadCost, scene.views.size());
     kept.preload(run.exec()), coarse.preload(run.exec());
   }
-  const MethodInput& read = kept.get();
   decisions.decide(run, EffectPhase::kBefore, coarse.get());
   const bool mend = !settings.run.explain;
+  const auto exposures =
+      mend && decisions.on("exposure") ? handle_exposure(run, coarse.get()) : std::vector<ViewExposure>{};
+  const MethodInput read = with_levelled_photos(kept.get(), exposures);
   const ViewTrust trust = mend && decisions.on("view-trust") ? handle_trust(run, coarse.get()) : ViewTrust{};
   const MethodInput believed = with_trusted_masks(run, read, trust);
   const FloaterOutcome clean = mend && decisions.on("floaters")

@@ -4,6 +4,7 @@
 #include "ngs/stages/coarse_input.h"
 #include "ngs/stages/method_labels.h"
 #include "ngs/stages/strays.h"
+#include "ngs/stages/view_list.h"
 
 namespace ngs::joint {
 namespace {
@@ -17,6 +18,28 @@ int decision_shrink(const Scene& scene) {
   for (const SceneView& view : scene.views)
     longest_px = std::max({longest_px, view.camera.width_px, view.camera.height_px});
   return longest_px >= 512 ? 2 : 1;
+}
+
+std::vector<ViewExposure> handle_exposure(cli::Run& run, const MethodInput& input) {
+  const auto timed = run.monitor().scope("exposure");
+  std::vector<ViewExposure> exposures = view_exposures(run.exec(), input, photo_views(input.scene));
+  Json gains = Json::object();
+  for (const ViewExposure& e : exposures) gains[input.scene.views[e.view].camera.name] = e.gain;
+  run.result()["exposure"] = {{"gains", gains}};
+  return exposures;
+}
+
+MethodInput with_levelled_photos(const MethodInput& input, const std::vector<ViewExposure>& exposures) {
+  MethodInput levelled = input;
+  if (exposures.empty()) return levelled;
+  const auto level = [&exposures](std::function<ImageF(std::size_t)> load) {
+    return [&exposures, load = std::move(load)](std::size_t view) {
+      return levelled_photo(exposures, view, load(view));
+    };
+  };
+  levelled.load_photo = level(input.load_photo);
+  if (input.load_fine_photo) levelled.load_fine_photo = level(input.load_fine_photo);
+  return levelled;
 }
 
 ViewTrust handle_trust(cli::Run& run, const MethodInput& input) {

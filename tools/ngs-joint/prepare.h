@@ -1,10 +1,12 @@
 #pragma once
-// What happens before any method sees model and masks: masks that the others contradict are left out
+// What happens before any method sees model and masks: differences of exposure are taken from the photos
+// (--effect exposure), masks that the others contradict are left out
 // (--effect view-trust), floaters before the object are taken out (--effect floaters), and what masks claim apart from the
 // object is taken for unseen (--effect strays).
 #include <string>
 #include <vector>
 
+#include "ngs/stages/exposure.h"
 #include "ngs/stages/floaters.h"
 #include "ngs/stages/view_trust.h"
 #include "optimise.h"
@@ -21,6 +23,12 @@ struct FloaterOutcome {
 
 /// Whether a mask or a Gaussian is wrong shows at half the size, where that still is a picture.
 int decision_shrink(const Scene& scene);
+
+/// Gains of all photos, at the size of decisions; the report has them.
+std::vector<ViewExposure> handle_exposure(cli::Run& run, const MethodInput& input);
+
+/// `input` with the photos as one exposure would show them; `exposures` must outlive it.
+MethodInput with_levelled_photos(const MethodInput& input, const std::vector<ViewExposure>& exposures);
 
 /// Judges the masks at the size of decisions, warns, and notes the figures in the report.
 ViewTrust handle_trust(cli::Run& run, const MethodInput& input);

@@ -162,11 +162,4 @@ bool masks_beside_edges(const std::vector<WalkedView>& walked) {
   return own < kOffEdges * all;
 }
 
-std::vector<std::size_t> spread_views(const std::vector<std::size_t>& views, std::size_t most) {
-  std::vector<std::size_t> some;
-  const std::size_t count = std::min(most, views.size());
-  for (std::size_t i = 0; i < count; ++i) some.push_back(views[i * views.size() / count]);
-  return some;
-}
-
 }  // namespace ngs

@@ -46,9 +46,6 @@ inline constexpr double kOffEdges = 0.75;
 /// Whether the given masks' contours do not, on the mean of the views that were compared.
 bool masks_beside_edges(const std::vector<WalkedView>& walked);
 
-/// At most `most` of the views, evenly spread: enough for a decision.
-std::vector<std::size_t> spread_views(const std::vector<std::size_t>& views, std::size_t most);
-
 /// The window of a plane of `channels` interleaved channels.
 template <class T>
 std::vector<T> cropped(const std::vector<T>& plane, int width_px, int channels, const PixelWindow& win) {

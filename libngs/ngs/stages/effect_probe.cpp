@@ -6,6 +6,7 @@
 #include "ngs/ops/knn.h"
 #include "ngs/stages/edge_masks.h"
 #include "ngs/stages/effect_detectors.h"
+#include "ngs/stages/exposure.h"
 #include "ngs/stages/floaters.h"
 #include "ngs/stages/joint_stage.h"
 #include "ngs/stages/mask_pair.h"
@@ -81,6 +82,11 @@ const KnnGraph& EffectProbe::neighbours() {
       neighbours_ = nearest_others(exec_, boundary().positions(), setup_.rbf.neighbours);
   }
   return *neighbours_;
+}
+
+double EffectProbe::exposure() {
+  const std::vector<std::size_t> some = spread_views(photo_views(setup_.input.scene), kDecisionViews);
+  return exposure_spread_percent(view_exposures(exec_, setup_.input, some));
 }
 
 double EffectProbe::trust() {

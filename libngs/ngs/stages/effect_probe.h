@@ -27,6 +27,7 @@ class EffectProbe {
   EffectProbe& operator=(const EffectProbe&) = delete;
 
   // One number per detector; what it is stands in effect_registry().
+  double exposure();
   double trust();
   double front();
   double strays();

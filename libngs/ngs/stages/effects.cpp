@@ -17,6 +17,9 @@ constexpr auto kBefore = EffectPhase::kBefore, kSteps = EffectPhase::kSteps;
 constexpr std::string_view kHalfLevel = "half a level of an 8-bit photo, which none can show";
 
 constexpr EffectInfo kRegistry[] = {
+    {"exposure", "take differences of exposure from the photos", &Fx::exposure, "a gain per view and channel", "", kAbove,
+     "furthest exposure of a view from the others', percent", 2, "two and a half levels of mid-grey",
+     &Probe::exposure, kBefore},
     {"view-trust", "ignore masks that the others contradict", &Fx::view_trust,
      "the consensus of the others, view by view", "", kAbove,
      "worst view's disagreement, in halves of what would ignore it", 1,

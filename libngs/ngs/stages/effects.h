@@ -19,7 +19,7 @@ namespace ngs {
 
 /// Which parts are on: --effect NAME=auto|on|off. Switching one off alone is the ablation.
 struct JointEffects {
-  bool view_trust = true, floaters = true, strays = true;  // before the steps
+  bool exposure = true, view_trust = true, floaters = true, strays = true;  // before the steps
   bool joint = true;                        // the steps themselves
   bool nerf = true, boundary = true, box = true, rbf = true, hash = true, fine_hash = true, film = true;
   bool align = true, variance = true, density = true, mask = true, cont = true, smooth = true;

@@ -261,7 +261,7 @@ FloaterRemoval remove_floaters(const Exec& exec, Monitor& monitor, const RefitOp
   const std::vector<std::size_t> views = photo_views(input.scene);
   for (std::size_t i = 0; i < floater.size(); ++i)
     if (floater[i]) out.cloud.logit_opacity[i] = kRemovedLogit;
-  const std::vector<std::size_t> scored = spread_out(views, kScoredViews);
+  const std::vector<std::size_t> scored = spread_views(views, kScoredViews);
   out.figures["psnr_before_db"] = mean_psnr_db(exec, input, input.cloud, scored);
   out.figures["psnr_removed_db"] = mean_psnr_db(exec, input, out.cloud, scored);
   refit_to_photos(exec, monitor, refit, input, views, finding.far, out.cloud);

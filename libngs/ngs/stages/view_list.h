@@ -22,11 +22,11 @@ inline std::vector<std::size_t> photo_views(const Scene& scene) {
   return views;
 }
 
-/// At most `count` of the views, evenly spread over the list: enough of them for a figure of the report.
-inline std::vector<std::size_t> spread_out(const std::vector<std::size_t>& views, std::size_t count) {
-  if (views.size() <= count) return views;
-  std::vector<std::size_t> some(count);
-  for (std::size_t i = 0; i < count; ++i) some[i] = views[i * views.size() / count];
+/// At most `most` of the views, evenly spread: enough for a decision, or for a figure of the report.
+inline std::vector<std::size_t> spread_views(const std::vector<std::size_t>& views, std::size_t most) {
+  std::vector<std::size_t> some;
+  const std::size_t count = std::min(most, views.size());
+  for (std::size_t i = 0; i < count; ++i) some.push_back(views[i * views.size() / count]);
   return some;
 }
 

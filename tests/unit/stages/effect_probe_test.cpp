@@ -52,6 +52,25 @@ int nearer_than_the_ball(const GaussianCloud& cloud) {
 
 }  // namespace
 
+TEST_CASE("exposure: a camera that turns to the dark wall measures no other light, one that stops down does") {
+  ProbeCase turned, stopped;
+  const auto mean = [](const ImageF& photo) {
+    double sum = 0;
+    for (const float x : photo.data) sum += double(x);
+    return sum / double(photo.data.size());
+  };
+  for (ProbeCase* c : {&turned, &stopped}) {
+    if (c == &turned) c->base->scene.views[1].camera.cx -= 30;
+    for (std::size_t v = 0; v < 4; ++v)
+      c->base->photos[v] = render({}, c->base->model, c->base->scene.views[v].camera, {}, {}).colour;
+  }
+  for (float& x : stopped.base->photos[1].data) x *= 0.95f;
+  const auto ratio = [&](const ProbeCase& c) { return mean(c.base->photos[1]) / mean(c.base->photos[2]); };
+  CHECK(ratio(turned) < ratio(stopped));  // naive: photos darker than others
+  CHECK(turned.measure(&EffectProbe::exposure) <= threshold_of("exposure"));
+  CHECK(stopped.measure(&EffectProbe::exposure) > threshold_of("exposure"));
+}
+
 TEST_CASE("strays: an arm that one view sees hangs together with the ball, one speck behind it does not") {
   ProbeCase arm, speck;
   for (ProbeCase* c : {&arm, &speck}) {

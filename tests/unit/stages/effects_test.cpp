@@ -10,6 +10,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/stages/effect_probe.h"
+#include "ngs/stages/exposure.h"
 #include "ngs/stages/floaters.h"
 #include "ngs/stages/joint_stage.h"
 #include "ngs/stages/render_stage.h"
@@ -82,7 +83,11 @@ std::vector<float> masks_with(const EffectCase& c, const std::vector<std::string
   JointOptions joint = c.joint;
   joint.effect = entries;
   const JointEffects effects = parse_effects(entries);
-  const MethodInput read = c.input();
+  MethodInput read = c.input();
+  std::vector<ViewExposure> exposures;
+  if (effects.exposure) exposures = view_exposures({}, read, read.views);
+  read.load_photo = [&, load = read.load_photo](std::size_t v) { return levelled_photo(exposures, v, load(v)); };
+  if (read.load_fine_photo) read.load_fine_photo = read.load_photo;
   MethodInput in = read;
   ViewTrust trust;
   if (effects.view_trust) trust = judge_views({}, monitor, {}, in);
@@ -130,7 +135,7 @@ double mean_difference(const std::vector<float>& a, const std::vector<float>& b)
 
 /// Steps on, unless it is they that are asked about; what surrounds them off.
 std::vector<std::string> surroundings(std::string_view name) {
-  std::vector<std::string> entries{"view-trust=off", "floaters=off", "strays=off", "edges=off", "joint=on"};
+  std::vector<std::string> entries{"exposure=off", "view-trust=off", "floaters=off", "strays=off", "edges=off", "joint=on"};
   for (const char* part : {"nerf=on", "align=on"}) entries.push_back(part);
   if (name == "split") entries.push_back("edges=on");
   entries.push_back(std::string(name) + "=auto");
@@ -156,6 +161,11 @@ void view_dependent(EffectCase& c) {
 
 std::vector<Pair> pairs() {
   return {
+      {"exposure",
+       [](EffectCase& c) {
+         for (float& x : c.base->photos[1].data) x *= 0.8f;
+       },
+       as_it_is},
       {"view-trust",
        [](EffectCase& c) {
          auto& mask = c.base->masks[1].target[0];
