@@ -1,70 +1,86 @@
 #!/usr/bin/env bash
-# Everything that a short loan of a GPU is for: builds for it, compares the device with the CPU, runs the sanitizers over
-# the cooperative kernels, measures, and writes one JSON (data-schema/device.schema.json).
-#   tests/bench/device.sh OUT.json [SCENE_DIR...]      SCENE_DIR as for pipelines/ngs-gs.sh; JOBS=16
-# Exit code 77: no device; 1: a comparison or a sanitizer failed, the JSON says which.
+# Everything that a short loan of a GPU is for, in less than 8 minutes: builds for it, compares the device with the CPU, runs
+# the sanitizers over the cooperative kernels, measures, and writes one JSON (data-schema/device.schema.json), whatever fails.
+#   tests/bench/device.sh OUT.json [SCENE_DIR...]      SCENE_DIR as for pipelines/ngs-gs.sh
+#   JOBS=N               compile N files at a time; default: all CPUs
+#   NGS_DEVICE_BUILD=DIR run DIR/bin, which somebody has built with -DNGS_WITH_CUDA=ON, and build nothing
+#   NGS_DEVICE_SECONDS=N begin no step after N seconds, and end the one that runs; default 465
+#   NGS_CUDA_ARCHITECTURE=90  as CMAKE_CUDA_ARCHITECTURES; default: native
+# Exit code 0: all passed; 1: a step failed or had no time, the JSON says which; 2: usage; 77: no device, no JSON.
 set -euo pipefail
-out=$(realpath -m "$1"); shift
+[ $# -ge 1 ] || { sed -n '2,4p' "${BASH_SOURCE[0]}" >&2; exit 2; }
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
-build=$root/build-device; bin=$build/bin; jobs=${JOBS:-$(nproc)}
-work=$(mktemp -d); trap 'rm -rf "$work"' EXIT
-architecture=${NGS_CUDA_ARCHITECTURE:-native}
-nvidia-smi -L > "$work/smi" 2> /dev/null || { echo "skipped: no device"; exit 77; }
+out=$(realpath -m "$1"); shift
+scenes=(); for scene in "$@"; do scenes+=("$(realpath -e "$scene")") || exit 2; done
+build=${NGS_DEVICE_BUILD:-$root/build-device}; bin=$(realpath -m "$build")/bin
+PATH=$PATH:/usr/local/cuda/bin:/usr/local/cuda/compute-sanitizer
+last_s=${NGS_DEVICE_SECONDS:-465}
+work=$(mktemp -d); mkdir "$work/logs" "$work/scenes"
+nvidia-smi -L > "$work/smi" 2> /dev/null && grep -q '^GPU' "$work/smi" || { rm -rf "$work"; echo "skipped: no device"; exit 77; }
 
-cmake -S "$root" -B "$build" -G Ninja -DNGS_WITH_CUDA=ON -DNGS_CUDA_REPORT=ON -DCMAKE_CUDA_ARCHITECTURES="$architecture" > "$work/configure.log"
-ninja -C "$build" -j "$jobs" test_parity test_emulated ngs_device_bench ngs-scene ngs-variance ngs-sample ngs-rbf ngs-joint ngs-render \
-  > "$work/build.log" 2>&1 || { tail -40 "$work/build.log"; exit 1; }
-
-check() {  # name, seconds, then the command: its exit code into a file
-  local name=$1 limit=$2; shift 2
-  local code=0; timeout "$limit" "$@" > "$work/$name.log" 2>&1 || code=$?
-  echo "$code" > "$work/$name.code"
-  echo "$name: exit $code"
+finish() {  # also after a signal
+  local code=$?
+  trap - EXIT
+  [ "$code" = 77 ] || python3 "$root/tests/bench/device_report.py" "$work" "$out" || code=1
+  rm -rf "$work"
+  exit "$code"
 }
-check emulated 120 "$bin/test_emulated"
-NGS_PARITY_TABLE=1 check parity 120 "$bin/test_parity"
-[ "$(cat "$work/parity.code")" = 77 ] && { cat "$work/parity.log"; exit 77; }
-if command -v compute-sanitizer > /dev/null; then
-  check memcheck 90 compute-sanitizer --tool memcheck --error-exitcode 9 "$bin/test_parity" -tc="splat: a device*,film*,hash*,volume*,align*,photometric*,joint: losses and parameters*"
-  check racecheck 90 compute-sanitizer --tool racecheck --error-exitcode 9 "$bin/test_parity" -tc="splat: a device*,evidence*,film*"
+trap finish EXIT
+trap 'exit 143' TERM INT
+
+step() {  # name, most seconds, the command: notes its exit code (124: out of time) and time; fails as it does
+  local name=$1 limit=$2 code=0 begin=$SECONDS; shift 2
+  [ "$limit" -lt $((last_s - begin)) ] || limit=$((last_s - begin))
+  if [ "$limit" -gt 0 ]; then
+    timeout -k 5 "$limit" "$@" > "$work/logs/$name" 2>&1 || code=$?
+  else
+    code=124
+  fi
+  printf '%s\t%s\t%s\n' "$name" "$code" $((SECONDS - begin)) >> "$work/steps"
+  echo "$name: exit $code, $((SECONDS - begin)) s"
+  [ "$code" = 0 ] || tail -5 "$work/logs/$name" 2> /dev/null || true
+  return "$code"
+}
+compiled() { ninja -C "$build" -j "${JOBS:-$(nproc)}" "$@"; }
+export -f compiled; export build JOBS
+
+if [ -z "${NGS_DEVICE_BUILD:-}" ]; then
+  step configure 60 cmake -S "$root" -B "$build" -G Ninja -DNGS_WITH_CUDA=ON -DNGS_CUDA_REPORT=ON \
+    -DCMAKE_CUDA_ARCHITECTURES="${NGS_CUDA_ARCHITECTURE:-native}" || exit 1
+  step build 300 bash -c 'compiled test_parity ngs_device_bench' || exit 1
+  grep -E 'ptxas info|bytes stack frame' "$work/logs/build" > "$work/ptxas" || true
 fi
-check bench 120 "$bin/ngs_device_bench"
 
-for scene in "$@"; do  # the tools on both devices
-  name=$(basename "$scene"); masks=$scene/masks; [ -d "$masks" ] || masks=$scene/masks_sam
-  ( cd "$work"; mkdir "$name"; cd "$name"
-    "$bin/ngs-scene" import "$scene" --masks "$masks" --hold-out every:4:2 -o scene.json > /dev/null
-    for device in cpu cuda; do
-      mkdir "$device"
-      run() { local tool=$1; shift; "$bin/ngs-$tool" "$@" --device "$device" -q --report "$device/$tool.json"; }
-      run variance scene.json -o "$device/boundary.ply"
-      "$bin/ngs-sample" scene.json "$device/boundary.ply" -o "$device/queries.ply" -q > /dev/null
-      run rbf "$device/boundary.ply" "$device/queries.ply" -o "$device/field.ply"
-      timeout 45 "$bin/ngs-joint" scene.json "$device/boundary.ply" --steps 60 --effect view-trust=off --effect floaters=off \
-        --effect edges=off -o "$device/labelled.ply" --device "$device" -q --report "$device/joint.json"
-      run render scene.json "$device/boundary.ply" --views held-out --layers color,mask -o "$device/pictures"
-    done ) || echo "tools on $name: failed"
+step parity 60 env NGS_PARITY_TABLE=1 "$bin/test_parity" || { [ $? != 77 ] || { echo "skipped: no device for CUDA"; exit 77; }; }
+# Every kernel in small cases; of those with shared memory every one, with both kinds of sums. Other kernels have none.
+memory='splat: a*,evidence*,knn*,hash*,film*,volume*,rbf*,align*,photometric*,adam*,joint: losses and parameters*'
+races='splat: a*,evidence*,knn*,film*,joint: losses and parameters*'
+step memcheck 75 compute-sanitizer --tool memcheck --error-exitcode 9 "$bin/test_parity" -tc="$memory" || true
+step racecheck 75 compute-sanitizer --tool racecheck --error-exitcode 9 --kernel-name kns=block_kernel "$bin/test_parity" \
+  -tc="$races" || true
+step bench 90 "$bin/ngs_device_bench" || true
+
+tool() {  # most seconds, tool, device, further words: in the scene's folder
+  local limit=$1 name=$2 device=$3; shift 3
+  step "$(basename "$PWD")-$device-$name" "$limit" "$bin/ngs-${name%%-*}" "$@" --device "$device" -q --report "$device/$name.json"
+}
+on_device() {
+  local device=$1 short=(--steps 60 --effect view-trust=off --effect floaters=off --effect edges=off)
+  mkdir "$device"
+  tool 30 variance "$device" scene.json -o "$device/boundary.ply" || return 0
+  tool 20 render "$device" scene.json "$device/boundary.ply" --views held-out --layers color,mask -o "$device/pictures" || true
+  tool 40 joint "$device" scene.json "$device/boundary.ply" "${short[@]}" -o "$device/labelled.ply" || true
+  [ "$device" = cpu ] ||
+    tool 40 joint-atomic "$device" scene.json "$device/boundary.ply" "${short[@]}" -o "$device/atomic.ply" --fast-atomics || true
+  step "$(basename "$PWD")-$device-sample" 20 "$bin/ngs-sample" scene.json "$device/boundary.ply" -o "$device/queries.ply" -q || return 0
+  tool 20 rbf "$device" "$device/boundary.ply" "$device/queries.ply" -o "$device/field.ply" || true
+}
+if [ ${#scenes[@]} -gt 0 ] && [ -z "${NGS_DEVICE_BUILD:-}" ]; then
+  step build-tools 200 bash -c 'compiled ngs-scene ngs-variance ngs-sample ngs-rbf ngs-joint ngs-render' || scenes=()
+fi
+for n in "${!scenes[@]}"; do
+  scene=${scenes[$n]}; masks=$scene/masks; [ -d "$masks" ] || masks=$scene/masks_sam
+  mkdir "$work/scenes/$n-$(basename "$scene")"; cd "$work/scenes/$n-$(basename "$scene")"
+  step "$(basename "$PWD")-import" 30 "$bin/ngs-scene" import "$scene" --masks "$masks" --hold-out every:4:2 -o scene.json || continue
+  for device in cuda cpu; do on_device "$device"; done
 done
-
-python3 - "$work" "$out" << 'PY'
-import json, pathlib, sys
-work, out = pathlib.Path(sys.argv[1]), sys.argv[2]
-text = lambda p: p.read_text() if p.exists() else ""
-checks = [{"name": p.stem, "exit": int(text(p))} for p in sorted(work.glob("*.code"))]
-worst = {}
-for line in text(work / "parity.log").splitlines():
-    if line.startswith("parity\t"):
-        _, _, op, ratio, bound = line.split("\t")
-        if float(ratio) >= worst.get(op, {"ratio": -1})["ratio"]: worst[op] = {"op": op, "ratio": float(ratio), "bound": float(bound)}
-bench = text(work / "bench.log")
-tools = []
-for report in sorted(work.glob("*/c*/*.json")):
-    r = json.loads(text(report))
-    tools.append({"scene": report.parts[-3], "device": report.parts[-2], "tool": r["tool"], "wall_s": r["stages"]["wall_s"],
-                  "max_rss_mib": r["stages"]["max_rss_mib"]})
-result = {"device": text(work / "smi").strip(), "checks": checks, "parity": list(worst.values()),
-          "benchmark": json.loads(bench[bench.find("{"):]) if "{" in bench else None, "tools": tools,
-          "ptxas": [l for l in text(work / "build.log").splitlines() if "ptxas info" in l or "bytes stack frame" in l]}
-pathlib.Path(out).write_text(json.dumps(result, indent=2) + "\n")
-sys.exit(any(c["exit"] for c in checks))
-PY

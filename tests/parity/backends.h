@@ -20,6 +20,8 @@ struct Backend {
   std::int64_t* spare_bytes = nullptr;  // emulated: the memory that the device says it has
 };
 const std::vector<Backend>& backends();
+/// The same devices with atomic sums, whose bits depend on the order of threads.
+const std::vector<Backend>& atomic_backends();
 
 /// Largest |got - want| in units of eps(float) · scale; infinite where a value is not finite.
 template <class T>

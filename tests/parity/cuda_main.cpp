@@ -12,6 +12,12 @@ const std::vector<Backend>& backends() {
   static const std::vector<Backend> all{{cuda_device().name, Exec{.device = Device::kCuda, .device_ops = cuda_ops()}}};
   return all;
 }
+const std::vector<Backend>& atomic_backends() {
+  static const std::vector<Backend> all{
+      {cuda_device().name + ", atomic sums",
+       Exec{.device = Device::kCuda, .device_ops = cuda_ops(DeviceSums::kAtomic)}}};
+  return all;
+}
 
 }  // namespace ngs::test
 

@@ -1,6 +1,8 @@
 #define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include "parity/backends.h"
 
+#include <memory>
+
 #include "ngs/ops/grid_field_ops.h"
 #include "ngs/ops/grid_loss_ops.h"
 #include "ngs/ops/grid_splat_ops.h"
@@ -12,24 +14,36 @@ namespace {
 
 struct Emulated {
   HostGrid grid;
-  GridSplatOps<HostGrid> splat{grid};
-  GridFieldOps<HostGrid> field{grid};
+  GridSplatOps<HostGrid> splat;
+  GridFieldOps<HostGrid> field;
   GridLossOps<HostGrid> loss{grid};
-  GridJointOps<HostGrid> joint{grid};
+  GridJointOps<HostGrid> joint;
   DeviceOps ops{splat, field, loss, &joint};
-  explicit Emulated(ThreadOrder order) : grid(order) {}
+  Emulated(ThreadOrder order, DeviceSums sums) : grid(order), splat(grid, sums), field(grid, sums), joint(grid, sums) {}
 };
+
+/// The emulation in three orders of threads; lives as long as the process.
+std::vector<Backend> emulated(DeviceSums sums, const std::string& what) {
+  static std::vector<std::unique_ptr<Emulated>> all;
+  std::vector<Backend> backends;
+  const auto add = [&](const char* name, ThreadOrder order) {
+    Emulated& e = *all.emplace_back(std::make_unique<Emulated>(order, sums));
+    backends.push_back({"emulated, " + std::string(name) + what, Exec{.device = Device::kCuda, .device_ops = &e.ops}, true,
+                        &e.grid.spare_bytes});
+  };
+  add("ascending", ThreadOrder::kAscending), add("descending", ThreadOrder::kDescending);
+  add("shuffled", ThreadOrder::kShuffled);
+  return backends;
+}
 
 }  // namespace
 
 const std::vector<Backend>& backends() {
-  static Emulated ascending(ThreadOrder::kAscending), descending(ThreadOrder::kDescending),
-      shuffled(ThreadOrder::kShuffled);
-  const auto backend = [](const char* name, Emulated& e) {
-    return Backend{name, Exec{.device = Device::kCuda, .device_ops = &e.ops}, true, &e.grid.spare_bytes};
-  };
-  static const std::vector<Backend> all{backend("emulated, ascending", ascending), backend("emulated, descending", descending),
-                                        backend("emulated, shuffled", shuffled)};
+  static const std::vector<Backend> all = emulated(DeviceSums::kInOrder, "");
+  return all;
+}
+const std::vector<Backend>& atomic_backends() {
+  static const std::vector<Backend> all = emulated(DeviceSums::kAtomic, ", atomic sums");
   return all;
 }
 

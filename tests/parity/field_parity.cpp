@@ -103,6 +103,47 @@ TEST_CASE("hash grid: values and gradients of a device are the CPU's to the last
       }
 }
 
+TEST_CASE("hash grid: atomic sums of a device are those in order to the rounding of their terms") {
+  for (const int features : {1, 2, 4, 8}) {
+    const HashGridConfig config{.levels = 5, .features = features, .log2_table = 9, .base_resolution = 4, .max_resolution = 60};
+    const std::vector<float> p = random_points(6, 333, 1.3);
+    ParamStore empty;
+    const std::size_t offset = add_hash_grid(empty, "hash", config, 1);
+    const HashGrid grid(config, {{0, 0, 0}, {0.5f, 0.5f, 0.5f}}, offset);
+    const auto upstream = Random(7).uniform_vector<float>(333 * std::size_t(config.outputs()), -1, 1);
+    const auto table_gradient = [&](const Exec& exec, std::vector<float> up) {
+      ParamStore store = empty;
+      grid.backward(exec, store, rows3(p), up);
+      return store.grads;
+    };
+    std::vector<float> positive = upstream;
+    for (float& u : positive) u = std::abs(u);
+    const std::vector<float> ordered = table_gradient({}, upstream), terms = table_gradient({}, positive);  // weights are >= 0
+    std::vector<int> count(ordered.size());
+    for (const HashLevel& level : grid.levels())
+      for (std::int64_t q = 0; q < 333; ++q)
+        for (const std::uint32_t entry : hash_cell(level, grid.box(), vec3(rows3(p).row(q)), false).entry)
+          for (int f = 0; f < features; ++f) ++count[offset + entry * std::size_t(features) + std::size_t(f)];
+    // Either sum rounds n - 1 times, each time by half an eps of at most the sum of its terms' magnitudes.
+    const auto worst_share = [&](const std::vector<float>& got) {
+      double worst = 0;
+      for (std::size_t i = 0; i < got.size(); ++i)
+        if (const double error = std::abs(double(got[i]) - double(ordered[i])); error > 0)
+          worst = std::max(worst, error / (count[i] * double(std::numeric_limits<float>::epsilon()) * double(terms[i])));
+      return worst;
+    };
+    CAPTURE(features);
+    for (const Backend& b : atomic_backends()) {
+      check_ratio(b, "hash gradient, atomic sums", worst_share(table_gradient(b.exec, upstream)), 1);
+      std::vector<float> without = upstream;  // the bound notices a query that is left out in one level
+      std::fill_n(without.begin() + 100 * config.outputs(), features, 0.f);
+      CHECK(worst_share(table_gradient(b.exec, without)) > 1000);
+    }
+    if (atomic_backends().size() > 1)
+      CHECK(table_gradient(atomic_backends()[0].exec, upstream) != table_gradient(atomic_backends()[1].exec, upstream));
+  }
+}
+
 TEST_CASE("film mlp: values and gradients of a device are the CPU's") {
   struct Case {
     FilmMlpConfig config;

@@ -115,6 +115,19 @@ TEST_CASE("joint: losses and parameters of resident steps are the CPU's") {
   }
 }
 
+TEST_CASE("joint: losses and parameters of resident steps with atomic sums are the CPU's") {
+  const auto c = joint_case(60, 40);
+  const Setup s;
+  const Run want = run({}, *c, s);
+  std::vector<Run> got;
+  for (const Backend& b : atomic_backends()) {
+    got.push_back(run(b.exec, *c, s));
+    check_losses(b, "joint resident, atomic sums, ", got.back().losses, want.losses);
+    check_parameters(b, "joint resident, atomic sums, 10 steps, ", got.back(), want);
+  }
+  if (got.size() > 1) CHECK(got[0].state != got[1].state);  // they are summed otherwise
+}
+
 TEST_CASE("joint: the bytes of resident steps depend neither on the order of threads nor on when they are looked at") {
   const auto c = joint_case(60, 40);
   c->scene.views[2].camera.width_px = 17;  // lists of tiles outgrow the room that one view gave them

@@ -1,6 +1,7 @@
 // Images, gradients and evidence of whole views. Depths, and with them the order of Gaussians, are computed without
 // functions that differ between devices; alphas differ by the roundings of exp and log.
 #include "ngs/ops/evidence.h"
+#include "ngs/ops/tile_types.h"
 #include "parity/backends.h"
 #include "support/random.h"
 #include "support/splat_reference.h"
@@ -100,7 +101,9 @@ TEST_CASE("splat: images of a device are the CPU's") {
 }
 
 TEST_CASE("splat: gradients of a device are the CPU's to the rounding of sums") {
-  for (const Backend& b : backends())
+  std::vector<Backend> all = backends();
+  all.insert(all.end(), atomic_backends().begin(), atomic_backends().end());
+  for (const Backend& b : all)
     for (const int gaussians : kSizes)
       for (const Channels& channels : kChannels) {
         const SplatCase c = splat_case(std::uint64_t(gaussians) + 1, gaussians, 53, 41, gaussians == 700 ? 0.2 : 1.0);
@@ -137,6 +140,51 @@ TEST_CASE("splat: nothing that a device computes depends on the order of its thr
     CHECK(other.gradient.sh_rest == first.gradient.sh_rest);
     CHECK(other.gradient.label == first.gradient.label);
   }
+}
+
+/// Upstream gradients that are zero beyond one tile.
+ViewGradients of_tile(ViewGradients g, int tile_x, int tile_y) {
+  for (ImageF* image : {&g.colour, &g.label, &g.depth, &g.alpha})
+    for (int y = 0; y < image->height_px; ++y)
+      for (int x = 0; x < image->width_px; ++x)
+        if (x / kTilePx != tile_x || y / kTilePx != tile_y) std::fill_n(&image->at(x, y), image->channels, 0.f);
+  return g;
+}
+
+TEST_CASE("splat: atomic sums of a device are those in order to the rounding of their terms") {
+  const SplatCase c = splat_case(4, 300, 71, 50);
+  const Channels channels{true, true, 2};  // one launch: a tile adds once
+  const ViewGradients upstream = random_gradients(c, channels);
+  const auto sums = [&](const Exec& exec, const ViewGradients& up) {  // columns that are plain sums over tiles
+    CloudGradients g = run_view(exec, c, {}, channels, up).gradient;
+    g.label.insert(g.label.end(), g.mean_px.begin(), g.mean_px.end());
+    return g.label;
+  };
+  const std::vector<float> ordered = sums(backends()[0].exec, upstream);
+  std::vector<double> terms(ordered.size());
+  std::vector<int> count(ordered.size());
+  for (int y = 0; y * kTilePx < 50; ++y)
+    for (int x = 0; x * kTilePx < 71; ++x) {
+      const std::vector<float> term = sums(backends()[0].exec, of_tile(upstream, x, y));
+      for (std::size_t i = 0; i < term.size(); ++i) terms[i] += std::abs(double(term[i])), count[i] += term[i] != 0.f;
+    }
+  // Those in order round once, the others n - 1 times, by half an eps of at most the sum of the terms' magnitudes.
+  const auto worst_share = [&](const std::vector<float>& got) {
+    double worst = 0;
+    for (std::size_t i = 0; i < got.size(); ++i)
+      if (const double error = std::abs(double(got[i]) - double(ordered[i])); error > 0)
+        worst = std::max(worst, error / (0.5 * count[i] * double(std::numeric_limits<float>::epsilon()) * terms[i]));
+    return worst;
+  };
+  CHECK(*std::max_element(count.begin(), count.end()) > 4);
+  for (const Backend& b : atomic_backends()) {
+    check_ratio(b, "splat sums over tiles, atomic", worst_share(sums(b.exec, upstream)), 1);
+    ViewGradients without = upstream;  // the bound notices a tile that is left out
+    const ViewGradients tile = of_tile(upstream, 2, 1);
+    for (std::size_t i = 0; i < tile.label.data.size(); ++i) without.label.data[i] -= tile.label.data[i];
+    CHECK(worst_share(sums(b.exec, without)) > 1000);
+  }
+  if (atomic_backends().size() > 1) CHECK(sums(atomic_backends()[0].exec, upstream) != sums(atomic_backends()[1].exec, upstream));
 }
 
 TEST_CASE("splat: a device passes no gradient where the loss does not look") {

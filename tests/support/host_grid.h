@@ -50,6 +50,7 @@ class HostBlock {
 class HostGrid {
  public:
   explicit HostGrid(ThreadOrder order = ThreadOrder::kAscending) : order_(order) {}
+  static void add_to(float* to, float x) { *to += x; }
   HostGrid(const HostGrid&) = delete;
   HostGrid& operator=(const HostGrid&) = delete;
   ~HostGrid() {

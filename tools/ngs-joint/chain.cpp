@@ -28,6 +28,7 @@ void check(cli::Run& run, const Settings& settings, const Paths& paths) {
                 "leave --field out: the run samples its own");
   if (o.method != Method::kPaper && run.device_exec().device_ops != nullptr)
     throw Error(ErrorCode::kEnvironment, "--device cuda: only --method paper has a CUDA path", "use --device cpu");
+  if (o.fast_atomics) run.sum_atomically();
   if (o.method != Method::kPaper && (!paths.trace.empty() || !paths.nerf.empty() || !paths.field.empty() ||
                                      !o.time_budget.empty() || !o.target.empty() || !o.checkpoint.empty()))
     run.monitor().warn(
@@ -150,7 +151,8 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
   if (!paths.field.empty() && !clean.removed() && !strays) given = io::read_query_ply(paths.field);
   const std::string fingerprint = io::content_hash(paths.boundary).xxh3 + " " + options_text(settings) +
                                   " seed " + std::to_string(run.seed()) +
-                                  (apart_of.empty() ? "" : " apart " + settings.run.apart);
+                                  (apart_of.empty() ? "" : " apart " + settings.run.apart) +
+                                  (settings.run.fast_atomics ? " fast atomics" : "");
   return optimise(run, decisions,
                   {input,
                    given ? &*given : nullptr,

@@ -21,7 +21,7 @@ struct RunOptions {
   std::int64_t checkpoint_every = 0;
   int trace_every = 0;
   std::vector<std::string> objects;
-  bool resume = false, explain = false;
+  bool resume = false, explain = false, fast_atomics = false;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -43,6 +43,8 @@ struct RunOptions {
                            "only shard i of N (from 0) of the objects that do not meet, all else stays; for merge"});
     visit(self.resume, Flag{"resume", "go on from the checkpoint in --checkpoint, if there is one"});
     visit(self.explain, Flag{"explain", "decide the effects for this scene, list them, run nothing else"});
+    visit(self.fast_atomics,
+          Flag{"fast_atomics", "with --device cuda: sum as it comes, faster; the same run then differs in last bits"});
   }
 };
 

@@ -19,6 +19,7 @@ struct ChosenDevice {
   Device device = Device::kCpu;
   std::string name;    // "cpu" or the GPU's name
   std::string reason;  // why this one
+  DeviceSums sums = DeviceSums::kInOrder;
 };
 /// Throws kEnvironment where CUDA is asked for and cannot be had, by the machine, the build or the tool. auto is the CPU:
 /// the CUDA path has not been run on a device yet.

@@ -23,7 +23,8 @@ namespace ngs::cli {
 struct RunState {
   const CommonFlags& flags;
   Console& console;
-  Exec exec, device_exec;
+  ChosenDevice device;
+  Exec exec = {}, device_exec = {};
   Monitor monitor;
   std::vector<ReadInput> inputs;
   Json result = Json::object();
@@ -32,6 +33,14 @@ struct RunState {
 
 const Exec& Run::exec() const { return state_.exec; }
 const Exec& Run::device_exec() const { return state_.device_exec; }
+void Run::sum_atomically() {
+  ChosenDevice& device = state_.device;
+  if (device.device == Device::kCpu)
+    throw Error(ErrorCode::kUsage, "--fast-atomics: the run is on the CPU (" + device.reason + "), expected a CUDA device",
+                "use --device cuda, or leave --fast-atomics out: sums on the CPU are not the slower for their order");
+  device.sums = DeviceSums::kAtomic;
+  state_.device_exec.device_ops = cuda_ops(device.sums);
+}
 Monitor& Run::monitor() { return state_.monitor; }
 std::uint64_t Run::seed() const { return state_.flags.seed; }
 bool Run::dry_run() const { return state_.flags.dry_run; }
@@ -177,8 +186,8 @@ int Tool::Impl::run(const CommonFlags& flags, Console& console, const std::funct
   check_outputs(spec, flags.report_path, flags.overwrite);
   const Streams streams(spec);
   check_inputs(spec);
-  const ChosenDevice device = choose_device(flags.device, spec);
-  RunState state{.flags = flags, .console = console, .exec = {}, .device_exec = {}, .monitor = {}, .inputs = {}};
+  RunState state{.flags = flags, .console = console, .device = choose_device(flags.device, spec), .monitor = {}, .inputs = {}};
+  const ChosenDevice& device = state.device;
   state.exec.threads = choose_threads(flags.threads);
   state.exec.isa = choose_isa();
   state.device_exec = state.exec;

@@ -60,6 +60,8 @@ class Run {
 
   const Exec& exec() const;
   const Exec& device_exec() const;  // as --device says, for the parts of a tool that runs_partly_on_device()
+  /// From now on device_exec() sums atomically (--fast-atomics), and the report says so. kUsage where it is the CPU.
+  void sum_atomically();
   Monitor& monitor();
   std::uint64_t seed() const;
   bool dry_run() const;  // read headers, say plan(), return 0

@@ -81,6 +81,14 @@ struct AddWide {
 
 class CudaGrid {
  public:
+  static NGS_HD void add_to(float* to, float x) {
+#ifdef __CUDA_ARCH__
+    atomicAdd(to, x);
+#else
+    *to += x;
+#endif
+  }
+
   template <class Kernel>
   void each(std::int64_t n, const Kernel& kernel) {
     if (n <= 0) return;

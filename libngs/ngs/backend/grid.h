@@ -6,6 +6,7 @@
 //   grid.blocks(n, kernel)       n cooperating blocks, see below
 //   grid.sort(keys, values, n, bits)   stable, ascending by the lowest `bits` of the 64-bit keys; both are replaced
 //   grid.sum_before(in, out, n)  out[i] = in[0] + ... + in[i - 1], i <= n: n + 1 results
+//   Grid::add_to(float*, x)      in a kernel: adds where other threads may add too, in no order
 //   grid.upload / download / fill_zero, grid.allocate / release, grid.bytes_to_spare()
 //   grid.replay(recording, body)   what body() launches: recorded the first time, then replayed without calling body.
 //                                  All that it allocates it frees; it copies nothing from or to the host

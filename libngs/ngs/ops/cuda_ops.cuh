@@ -8,9 +8,9 @@
 namespace ngs {
 
 CudaGrid& cuda_grid();
-std::unique_ptr<DeviceSplatOps> cuda_splat_ops();
-std::unique_ptr<DeviceFieldOps> cuda_field_ops();
+std::unique_ptr<DeviceSplatOps> cuda_splat_ops(DeviceSums sums);
+std::unique_ptr<DeviceFieldOps> cuda_field_ops(DeviceSums sums);
 std::unique_ptr<DeviceLossOps> cuda_loss_ops();
-std::unique_ptr<DeviceJointOps> cuda_joint_ops();
+std::unique_ptr<DeviceJointOps> cuda_joint_ops(DeviceSums sums);
 
 }  // namespace ngs

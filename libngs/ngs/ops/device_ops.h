@@ -115,6 +115,6 @@ class DeviceOps {
 };
 
 /// The ops of the CUDA device that cuda_device() describes; null in builds without it.
-const DeviceOps* cuda_ops();
+const DeviceOps* cuda_ops(DeviceSums sums = DeviceSums::kInOrder);
 
 }  // namespace ngs

@@ -2,6 +2,6 @@
 
 namespace ngs {
 
-const DeviceOps* cuda_ops() { return nullptr; }
+const DeviceOps* cuda_ops(DeviceSums) { return nullptr; }
 
 }  // namespace ngs

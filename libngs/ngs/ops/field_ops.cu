@@ -3,6 +3,8 @@
 
 namespace ngs {
 
-std::unique_ptr<DeviceFieldOps> cuda_field_ops() { return std::make_unique<GridFieldOps<CudaGrid>>(cuda_grid()); }
+std::unique_ptr<DeviceFieldOps> cuda_field_ops(DeviceSums sums) {
+  return std::make_unique<GridFieldOps<CudaGrid>>(cuda_grid(), sums);
+}
 
 }  // namespace ngs

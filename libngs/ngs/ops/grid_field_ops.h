@@ -15,7 +15,7 @@ class GridFieldOps final : public DeviceFieldOps {
   using Floats = GridBuffer<Grid, float>;
 
  public:
-  explicit GridFieldOps(Grid& grid) : grid_(grid) {}
+  GridFieldOps(Grid& grid, DeviceSums sums) : grid_(grid), sums_(sums) {}
 
   KnnGraph nearest(Rows<const float, 3> points, Rows<const float, 3> queries, int neighbours,
                    bool exclude_self) const override {
@@ -72,8 +72,9 @@ class GridFieldOps final : public DeviceFieldOps {
     const HashArrays a(grid_, call);
     const Floats grad(grid_, grad_out),
         table(grid_, grad_table_accumulate, std::int64_t(call.entries) * call.features);
-    with_hash_features(call.features,
-                  [&](auto f) { hash_backward_on_grid<f>(grid_, a.view, grad.data(), call.entries, table.data()); });
+    with_hash_features(call.features, [&](auto f) {
+      hash_backward_on_grid<f>(grid_, {a.view, grad.data(), table.data()}, call.entries, sums_);
+    });
     table.to(grad_table_accumulate);
   }
   void hash_backward_points(const HashCall& call, const std::vector<float>& grad_out,
@@ -173,6 +174,7 @@ class GridFieldOps final : public DeviceFieldOps {
   };
 
   Grid& grid_;
+  DeviceSums sums_;
 };
 
 }  // namespace ngs

@@ -9,9 +9,9 @@ namespace ngs {
 template <class Grid>
 class GridSplatView final : public DeviceSplat {
  public:
-  GridSplatView(Grid& grid, const Camera& camera, const SplatOptions& options, const CloudView<float>& cloud,
+  GridSplatView(Grid& grid, DeviceSums sums, const Camera& camera, const SplatOptions& options, const CloudView<float>& cloud,
                 const ChannelPlan<float>& plan, Vec3<float> background)
-      : grid_(grid), plan_(plan), pixels_(std::int64_t(camera.width_px) * camera.height_px), cloud_(grid, cloud),
+      : grid_(grid), sums_(sums), plan_(plan), pixels_(std::int64_t(camera.width_px) * camera.height_px), cloud_(grid, cloud),
         label_(grid, plan.label.data, plan.label.n * plan.label.c),
         splat_(grid, camera, options, cloud_.view(),
                {plan.colour, plan.depth, {label_.data(), plan.label.n, plan.label.c}}, background) {}
@@ -44,7 +44,7 @@ class GridSplatView final : public DeviceSplat {
     }
     const CloudView<float>& cloud = cloud_.view();
     Columns columns(grid_, cloud, plan_.labels(), out);
-    splat_.backward(planes, moves, columns.view);
+    splat_.backward(planes, moves, columns.view, sums_);
     columns.download(out);
   }
 
@@ -75,6 +75,7 @@ class GridSplatView final : public DeviceSplat {
   };
 
   Grid& grid_;
+  DeviceSums sums_;
   ChannelPlan<float> plan_;
   std::int64_t pixels_;
   CloudOnGrid<Grid> cloud_;
@@ -85,11 +86,11 @@ class GridSplatView final : public DeviceSplat {
 template <class Grid>
 class GridSplatOps final : public DeviceSplatOps {
  public:
-  explicit GridSplatOps(Grid& grid) : grid_(grid) {}
+  GridSplatOps(Grid& grid, DeviceSums sums) : grid_(grid), sums_(sums) {}
 
   std::unique_ptr<DeviceSplat> view(const Camera& camera, const SplatOptions& options, const CloudView<float>& cloud,
                                     const ChannelPlan<float>& plan, Vec3<float> background) const override {
-    return std::make_unique<GridSplatView<Grid>>(grid_, camera, options, cloud, plan, background);
+    return std::make_unique<GridSplatView<Grid>>(grid_, sums_, camera, options, cloud, plan, background);
   }
 
   std::vector<double> evidence(const Camera& camera, const SplatOptions& options, const CloudView<float>& cloud,
@@ -110,6 +111,7 @@ class GridSplatOps final : public DeviceSplatOps {
 
  private:
   Grid& grid_;
+  DeviceSums sums_;
 };
 
 }  // namespace ngs

@@ -1,6 +1,7 @@
 #pragma once
-// The hash encoding on a device. The table's gradient is a sum per entry over contributions sorted by entry, in the order
-// in which the CPU visits them: no float is added atomically, and the sums are the CPU's.    Eqs. (10)-(11)
+// The hash encoding on a device. In order, the table's gradient is a sum per entry over contributions sorted by entry, in
+// the order in which the CPU visits them: the sums are the CPU's.                             Eqs. (10)-(11)
+#include "ngs/backend/exec.h"
 #include "ngs/backend/grid.h"
 #include "ngs/core/check.h"
 #include "ngs/ops/hash_grid_kernels.h"
@@ -52,11 +53,23 @@ struct HashEntrySums {
   }
 };
 
-/// Adds to `grad_table_accumulate`; all pointers are the grid's.
+/// Every contribution where it belongs; index i = level · Q + query.
 template <int F, class Grid>
-void hash_backward_on_grid(Grid& grid, const HashGridView<float>& view, const float* grad_out, std::uint64_t entries,
-                           float* grad_table_accumulate) {
+struct HashAtomicSums {
+  static constexpr const char* kName = "hash_atomic_sums";
+  HashBackwardTable<float, F> table;
+  NGS_HD void operator()(std::int64_t i) const {
+    const std::int64_t queries = table.grid.point.n;
+    table.at(i / queries, i % queries, [](float* to, float x) { Grid::add_to(to, x); });
+  }
+};
+
+/// Adds to the kernel's table; its pointers are the grid's.
+template <int F, class Grid>
+void hash_backward_on_grid(Grid& grid, const HashBackwardTable<float, F>& kernel, std::uint64_t entries, DeviceSums sums) {
+  const HashGridView<float>& view = kernel.grid;
   const std::int64_t pairs = view.point.n * view.levels, n = pairs * 8;
+  if (sums == DeviceSums::kAtomic) return grid.each(pairs, HashAtomicSums<F, Grid>{kernel});
   NGS_CHECK(n <= 0xffffffff, "contributions are counted in 32 bits");
   const GridBuffer<Grid, std::uint64_t> key(grid, n);
   const GridBuffer<Grid, std::uint32_t> which(grid, n);
@@ -65,8 +78,8 @@ void hash_backward_on_grid(Grid& grid, const HashGridView<float>& view, const fl
   while ((std::uint64_t(1) << bits) < entries) ++bits;
   grid.each(pairs, HashContributions{view, key.data(), which.data(), weight.data()});
   grid.sort(key.data(), which.data(), n, bits);
-  grid.each(n, HashEntrySums<F>{key.data(), which.data(), weight.data(), n, view.point.n, view.levels, grad_out,
-                                grad_table_accumulate});
+  grid.each(n, HashEntrySums<F>{key.data(), which.data(), weight.data(), n, view.point.n, view.levels, kernel.grad_out,
+                                kernel.grad_table_accumulate});
 }
 
 }  // namespace ngs

@@ -142,16 +142,18 @@ struct HashBackwardTable {
   T* grad_table_accumulate;  // [entries, F]
 
   NGS_HD void operator()(std::int64_t l) const {
-    for (std::int64_t q = 0; q < grid.point.n; ++q) {
-      const HashCell<T> cell = hash_cell(grid.level[l], grid.box, vec3(grid.point.row(q)), grid.smoothstep);
-      T weight[8];
-      corner_weights(cell.frac, weight);
-      const T* g = grad_out + (q * grid.levels + l) * F;
-      for (int corner = 0; corner < 8; ++corner)
-        for (int f = 0; f < F; ++f)
-          grad_table_accumulate[std::size_t(cell.entry[corner]) * F + std::size_t(f)] +=
-              weight[corner] * g[f];
-    }
+    for (std::int64_t q = 0; q < grid.point.n; ++q) at(l, q, [](T* to, T x) { *to += x; });
+  }
+  /// add(to, x) for what one query adds to one level.
+  template <class Add>
+  NGS_HD void at(std::int64_t l, std::int64_t q, const Add& add) const {
+    const HashCell<T> cell = hash_cell(grid.level[l], grid.box, vec3(grid.point.row(q)), grid.smoothstep);
+    T weight[8];
+    corner_weights(cell.frac, weight);
+    const T* g = grad_out + (q * grid.levels + l) * F;
+    for (int corner = 0; corner < 8; ++corner)
+      for (int f = 0; f < F; ++f)
+        add(grad_table_accumulate + (std::size_t(cell.entry[corner]) * F + std::size_t(f)), weight[corner] * g[f]);
   }
 };
 

@@ -67,8 +67,8 @@ class FieldOnGrid {
   using Floats = GridBuffer<Grid, float>;
 
  public:
-  FieldOnGrid(Grid& grid, const JointFieldLayout& field)
-      : grid_(grid), field_(field), level_(grid, field.hash->levels()), inv_2h2_(inv_2h2(field.width)) {}
+  FieldOnGrid(Grid& grid, const JointFieldLayout& field, DeviceSums sums)
+      : grid_(grid), field_(field), sums_(sums), level_(grid, field.hash->levels()), inv_2h2_(inv_2h2(field.width)) {}
 
   /// Where the store lies, and where the boundary is now.
   struct Parameters {
@@ -111,8 +111,8 @@ class FieldOnGrid {
     film_backward_on_grid(grid_, network(p, at, out), {grad_density, grad_rgb, input.data(), condition.data()},
                           p.grads + field_.film->offset());
     with_hash_features(field_.hash->config().features, [&](auto f) {
-      hash_backward_on_grid<f>(grid_, hash_view(p, at.position), input.data(), field_.hash->entries(),
-                               p.grads + field_.hash->offset());
+      hash_backward_on_grid<f>(grid_, {hash_view(p, at.position), input.data(), p.grads + field_.hash->offset()},
+                               field_.hash->entries(), sums_);
     });
     if (!field_.conditioned) return;
     const Floats feature(grid_, boundary * kFeatures);
@@ -205,6 +205,7 @@ class FieldOnGrid {
 
   Grid& grid_;
   JointFieldLayout field_;
+  DeviceSums sums_;
   GridBuffer<Grid, HashLevel> level_;
   float inv_2h2_;
 };

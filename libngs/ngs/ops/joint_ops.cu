@@ -3,6 +3,8 @@
 
 namespace ngs {
 
-std::unique_ptr<DeviceJointOps> cuda_joint_ops() { return std::make_unique<GridJointOps<CudaGrid>>(cuda_grid()); }
+std::unique_ptr<DeviceJointOps> cuda_joint_ops(DeviceSums sums) {
+  return std::make_unique<GridJointOps<CudaGrid>>(cuda_grid(), sums);
+}
 
 }  // namespace ngs

@@ -62,13 +62,13 @@ class GridJoint final : public DeviceJoint {
   using View = ViewOnGrid<Grid>;
 
  public:
-  GridJoint(Grid& grid, const JointProblem& p)
-      : grid_(grid), p_(p), n_(p.initial.size()), parameters_(grid, p.blocks, p.rate_decay), usable_(grid, p.initial.usable),
+  GridJoint(Grid& grid, const JointProblem& p, DeviceSums device_sums)
+      : grid_(grid), p_(p), device_sums_(device_sums), n_(p.initial.size()), parameters_(grid, p.blocks, p.rate_decay), usable_(grid, p.initial.usable),
         trainable_(grid, p.trainable), frozen_(grid, p.frozen),
         boundary_row_(grid, p.boundary.data(), std::int64_t(p.boundary.size())), sums_(grid, kJointSums), most_pairs_(grid, 1),
         views_(std::size_t(p.views)) {
     most_pairs_.zero(), sums_.zero();
-    if (p.field) field_.emplace(grid, *p.field);
+    if (p.field) field_.emplace(grid, *p.field, device_sums);
     if (p.terms.cont) {
       const KnnGraph& g = *p.colour_graph;
       cont_.neighbours = g.neighbours, cont_.points = g.points, cont_.queries = g.queries();
@@ -183,7 +183,8 @@ class GridJoint final : public DeviceJoint {
     splat.backward(grad.template planes<const float>(plan), moves,
                    {parameters_.wanted(kJointPosition), parameters_.wanted(kJointRotation), parameters_.wanted(kJointScale),
                     parameters_.wanted(kJointOpacity), parameters_.wanted(kJointDc), parameters_.wanted(kJointRest),
-                    parameters_.wanted(kJointLabel), nullptr, nullptr});
+                    parameters_.wanted(kJointLabel), nullptr, nullptr},
+                   device_sums_);
     if (float* logit_grad = parameters_.wanted(kJointLabel))
       grid_.each(n_ * p_.objects, LogitGradients{trainable_.data(), parameters_.value(kJointLabel), logit_grad});
     if (t.cont) continuity();
@@ -268,6 +269,7 @@ class GridJoint final : public DeviceJoint {
 
   Grid& grid_;
   JointProblem p_;
+  DeviceSums device_sums_;
   std::int64_t n_;
   JointParameters<Grid> parameters_;
   GridBuffer<Grid, std::uint8_t> usable_, trainable_, frozen_;
@@ -288,13 +290,14 @@ class GridJoint final : public DeviceJoint {
 template <class Grid>
 class GridJointOps final : public DeviceJointOps {
  public:
-  explicit GridJointOps(Grid& grid) : grid_(grid) {}
+  GridJointOps(Grid& grid, DeviceSums sums) : grid_(grid), sums_(sums) {}
   std::unique_ptr<DeviceJoint> start(const JointProblem& problem) const override {
-    return std::make_unique<GridJoint<Grid>>(grid_, problem);
+    return std::make_unique<GridJoint<Grid>>(grid_, problem, sums_);
   }
 
  private:
   Grid& grid_;
+  DeviceSums sums_;
 };
 
 }  // namespace ngs

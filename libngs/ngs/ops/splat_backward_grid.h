@@ -1,6 +1,6 @@
 #pragma once
-// The backward pass of one tile on a device. Deterministic: every (Gaussian, tile) pair has one row, written by one block;
-// no float is added atomically.                                                        adjoint of Eq. (2)
+// The backward pass of one tile on a device. In order, every (Gaussian, tile) pair has one row, written by one block;
+// with atomic sums a Gaussian has one, and its tiles add to it.                         adjoint of Eq. (2)
 //
 // As on the CPU (ops/splat_backward.h) a walk is gone through from its far end, and nothing is divided by 1 - alpha. The
 // walk is not recorded: transmittances are kept every kBatch entries in memory and every kChunk in the block, and from
@@ -10,7 +10,7 @@
 
 namespace ngs {
 
-template <int C>
+template <int C, class Grid>
 struct SplatBackwardTile {
   static constexpr const char* kName = "splat_backward_tile";
   static constexpr int kThreads = kTilePixels, kBatch = 64, kChunk = 8, kChunks = kBatch / kChunk;
@@ -23,8 +23,9 @@ struct SplatBackwardTile {
   Plane<const float> grad[C + 1];  // ∂L/∂(channel), the last one ∂L/∂alpha; null: zero
   std::uint32_t moves;             // bit c: channel c's gradient reaches alpha
   float* kept;                     // [kept_rows(), kTilePixels] transmittance, negative: the pixel has stopped
-  float* pair_grad;                // [pairs, pair_columns]; geometry is added to, channels are written
-  int pair_columns;
+  float* row_grad;                 // [pairs or Gaussians, row_columns], zeros before the first group of channels
+  int row_columns;
+  DeviceSums sums;
 
   /// Rows of `kept` for all tiles.
   static std::int64_t kept_rows(std::int64_t pairs, std::int64_t tile_count) { return pairs / kBatch + tile_count; }
@@ -177,11 +178,15 @@ struct SplatBackwardTile {
     block.phase([&](int t, Shared& shared, Thread&) {
       if (t >= used * kSums) return;
       const int j = t / kSums, k = t % kSums;
-      float* row = pair_grad + std::int64_t(tiles.slot[entry + j]) * pair_columns;
-      if (k < kPairGeometry)
-        row[k] += geometry(shared.staged.gaussian[from + j], shared.total[j], k);
-      else if (k - kPairGeometry < channels.used)
-        row[k + channels.first] = shared.total[j][k];
+      const bool of_geometry = k < kPairGeometry;  // which all groups of channels move
+      if (k >= kPairGeometry + channels.used) return;
+      const float value = of_geometry ? geometry(shared.staged.gaussian[from + j], shared.total[j], k) : shared.total[j][k];
+      const std::uint32_t* row_of = sums == DeviceSums::kAtomic ? tiles.gaussian : tiles.slot;
+      float* to = row_grad + std::int64_t(row_of[entry + j]) * row_columns + (of_geometry ? k : k + channels.first);
+      if (sums == DeviceSums::kAtomic)
+        Grid::add_to(to, value);
+      else
+        *to = of_geometry && channels.first > 0 ? *to + value : value;
     });
   }
 

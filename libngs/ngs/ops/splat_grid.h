@@ -44,10 +44,13 @@ struct ChannelRows {
 
 struct GaussiansBackward {
   static constexpr const char* kName = "gaussians_backward";
-  GaussianBackward<float> kernel;
+  GaussianBackward<float> kernel;  // its rows are those of SplatBackwardTile
   const std::int64_t* slot_begin;
+  DeviceSums sums;
   NGS_HD void operator()(std::int64_t i) const {
-    if (slot_begin[i] < slot_begin[i + 1]) kernel.gather(i, slot_begin[i], slot_begin[i + 1]);
+    const std::int64_t begin = slot_begin[i], end = slot_begin[i + 1];
+    const bool summed = sums == DeviceSums::kAtomic;
+    if (begin < end) kernel.gather(i, summed ? i : begin, summed ? i + 1 : end);
   }
 };
 
@@ -78,15 +81,15 @@ class GridSplat {
 
   /// As SplatEngine::backward; columns of `out` are overwritten.
   void backward(const std::vector<Plane<const float>>& grad, const std::vector<std::uint8_t>& moves,
-                const CloudGradientView<float>& out) {
+                const CloudGradientView<float>& out, DeviceSums sums) {
     const int columns = kPairGeometry + plan_.count();
-    GridBuffer<Grid, float> pair(grid_, bins_.pairs() * columns);
-    pair.zero();
+    GridBuffer<Grid, float> rows(grid_, (sums == DeviceSums::kAtomic ? cloud_.size : bins_.pairs()) * columns);
+    rows.zero();
     const GridBuffer<Grid, float> kept(
-        grid_, SplatBackwardTile<1>::kept_rows(bins_.pairs(), bins_.tiles()) * std::int64_t(kTilePixels));
+        grid_, SplatBackwardTile<1, Grid>::kept_rows(bins_.pairs(), bins_.tiles()) * std::int64_t(kTilePixels));
     for (int first = 0; first == 0 || first < plan_.count(); first += kMostChannels)
       with_group(first, [&](auto size) {
-        SplatBackwardTile<size> kernel{bins_.view(), group<size>(first), {}, 0, kept.data(), pair.data(), columns};
+        SplatBackwardTile<size, Grid> kernel{bins_.view(), group<size>(first), {}, 0, kept.data(), rows.data(), columns, sums};
         for (int c = 0; c < kernel.channels.used; ++c) {
           kernel.grad[c] = grad[std::size_t(first + c)];
           if (moves[std::size_t(first + c)]) kernel.moves |= 1u << c;
@@ -95,8 +98,8 @@ class GridSplat {
         grid_.blocks(bins_.tiles(), kernel);
       });
     clear(out);
-    const Matrix<const float> pairs{pair.data(), bins_.pairs(), columns};
-    grid_.each(cloud_.size, GaussiansBackward{{projector_, cloud_, plan_, pairs, out}, bins_.slot_begin()});
+    const Matrix<const float> summands{rows.data(), rows.size() / columns, columns};
+    grid_.each(cloud_.size, GaussiansBackward{{projector_, cloud_, plan_, summands, out}, bins_.slot_begin(), sums});
   }
 
   const TileBins<Grid>& bins() const { return bins_; }

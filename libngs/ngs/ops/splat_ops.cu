@@ -3,6 +3,8 @@
 
 namespace ngs {
 
-std::unique_ptr<DeviceSplatOps> cuda_splat_ops() { return std::make_unique<GridSplatOps<CudaGrid>>(cuda_grid()); }
+std::unique_ptr<DeviceSplatOps> cuda_splat_ops(DeviceSums sums) {
+  return std::make_unique<GridSplatOps<CudaGrid>>(cuda_grid(), sums);
+}
 
 }  // namespace ngs

@@ -36,13 +36,21 @@ double seconds(const Exec& exec, const Body& body) {
 }
 
 struct Bench {
-  Exec cpu, device;
+  Exec cpu, device, atomic;  // the last one with atomic sums
   Json cases = Json::array();
 
-  void run(const std::string& name, const Body& body) {
-    Json one{{"name", name}, {"cpu_s", seconds(cpu, body)}, {"device_s", seconds(device, body)}, {"kernels", Json::array()}};
+  void run(const std::string& name, const Body& body) { add(name, seconds(cpu, body), device, body); }
+  /// For what sums in order or atomically: both.
+  void run_sums(const std::string& name, const Body& body) {
+    const double cpu_s = seconds(cpu, body);
+    add(name, cpu_s, device, body), add(name + ", atomic sums", cpu_s, atomic, body);
+  }
+
+ private:
+  void add(const std::string& name, double cpu_s, const Exec& exec, const Body& body) {
+    Json one{{"name", name}, {"cpu_s", cpu_s}, {"device_s", seconds(exec, body)}, {"kernels", Json::array()}};
     profile_device();
-    body(device);
+    body(exec);
     for (const KernelTime& k : device_times())
       one["kernels"].push_back({{"name", k.name}, {"launches", k.launches}, {"seconds", k.seconds}});
     cases.push_back(std::move(one));
@@ -59,7 +67,7 @@ void splat(Bench& bench, std::int64_t gaussians) {
   bench.run("splat forward" + size, [&](const Exec& exec) { render(exec, scene.cloud, scene.camera, {}, request); });
   ViewGradients gradient;
   gradient.colour = ImageF(scene.camera.width_px, scene.camera.height_px, 3, 0.1f);
-  bench.run("splat forward and backward" + size, [&](const Exec& exec) {
+  bench.run_sums("splat forward and backward" + size, [&](const Exec& exec) {
     SplatPass pass({});
     CloudGradients out;
     pass.forward(exec, scene.cloud, scene.camera, request);
@@ -93,7 +101,7 @@ void field(Bench& bench) {
   const FilmMlp film(film_config, add_film_mlp(store, "film", film_config, {}), 0.1);
   std::vector<float> encoding;
   bench.run("hash forward", [&](const Exec& exec) { hash.forward(exec, store, queries, encoding); });
-  bench.run("hash backward", [&](const Exec& exec) { hash.backward(exec, store, queries, encoding); });
+  bench.run_sums("hash backward", [&](const Exec& exec) { hash.backward(exec, store, queries, encoding); });
   const FilmMlpInputs in{{encoding.data(), kQueries, 16}, {rbf.feature.data(), kQueries, 3}, queries, 1};
   FilmMlpGradients gradients;
   bench.run("film forward and backward", [&](const Exec& exec) {
@@ -112,15 +120,19 @@ void joint(Bench& bench, std::int64_t gaussians) {
   const DeviceOps ops(all.splat, all.field, all.loss, nullptr);
   Exec op_by_op = bench.device;
   op_by_op.device_ops = &ops;
-  for (const bool resident : {false, true}) {
-    const Exec& exec = resident ? bench.device : op_by_op;
-    Json one{{"name", std::string("joint step, ") + (resident ? "resident, " : "op by op, ") +
-                          std::to_string(steps.gaussians()) + " Gaussians"},
+  struct How {
+    const char* name;
+    const Exec& exec;
+    int steps;
+  };
+  for (const auto& [name, exec, count] : {How{"op by op", op_by_op, 8}, How{"resident", bench.device, 64},
+                                          How{"resident, atomic sums", bench.atomic, 64}}) {
+    Json one{{"name", std::string("joint step, ") + name + ", " + std::to_string(steps.gaussians()) + " Gaussians"},
              {"cpu_s", cpu_s},
-             {"device_s", steps.seconds(exec, resident ? 64 : 8, nothing)},
+             {"device_s", steps.seconds(exec, count, nothing)},
              {"kernels", Json::array()}};
     std::vector<KernelTime> kernels;
-    steps.seconds(exec, 4, [&](bool begins) {
+    steps.seconds(exec, 4, [&kernels](bool begins) {
       if (begins) profile_device();
       if (!begins) kernels = device_times();
     });
@@ -141,7 +153,10 @@ int main() {
     return 77;
   }
   const int threads = int(std::thread::hardware_concurrency());
-  bench::Bench all{Exec{.threads = threads}, Exec{.device = Device::kCuda, .threads = threads, .device_ops = cuda_ops()}};
+  const auto on_device = [&](DeviceSums sums) {
+    return Exec{.device = Device::kCuda, .threads = threads, .device_ops = cuda_ops(sums)};
+  };
+  bench::Bench all{Exec{.threads = threads}, on_device(DeviceSums::kInOrder), on_device(DeviceSums::kAtomic)};
   bench::field(all);
   for (const std::int64_t gaussians : {100000, 1000000}) bench::splat(all, gaussians);
   bench::joint(all, 200000);

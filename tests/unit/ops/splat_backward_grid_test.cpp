@@ -2,13 +2,14 @@
 
 #include <doctest/doctest.h>
 
+#include "support/host_grid.h"
 #include "support/random.h"
 
 namespace ngs {
 
 // The emulation runs one block after the other; only blocks that run at once would notice rows in common.
 TEST_CASE("tiles keep their transmittances in rows of their own, within those that were asked for") {
-  using Tile = SplatBackwardTile<3>;
+  using Tile = SplatBackwardTile<3, test::HostGrid>;
   test::Random random(3);
   for (int draw = 0; draw < 200; ++draw) {
     std::int64_t begin = 0, free_row = 0;
