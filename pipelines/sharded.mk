@@ -6,33 +6,18 @@
 #
 # `submit` queues the array and the merge behind it and returns when merged. A second call makes only the shards that are not
 # there. RASTER_FLAGS are options of the shards (--compat, --antialias), VARIANCE_FLAGS of the merge (--tau ...).
-SHELL := bash
-.DELETE_ON_ERROR:
-.SECONDARY:
-.DEFAULT_GOAL := $(OUT)
 THIS := $(abspath $(lastword $(MAKEFILE_LIST)))
-SCENE_JSON ?= $(error SCENE_JSON is not set)
-OUT ?= $(error OUT is not set)
+TOOL_NAME := ngs-variance
+PART := evidence
 SHARDS ?= 8
 RASTER_FLAGS ?=
 VARIANCE_FLAGS ?=
-SBATCH ?=
-
-TOOL := $(shell . '$(dir $(THIS))common.sh'; bin=$$(find_bin); printf %s "$${bin:+$$bin/}ngs-variance")
-PARTS := $(shell printf '$(OUT).parts/%s-of-$(SHARDS).evidence ' $$(seq 0 $$(($(SHARDS) - 1))))
-AGAIN := make -f $(THIS) SCENE_JSON=$(SCENE_JSON) OUT=$(OUT) SHARDS=$(SHARDS) RASTER_FLAGS='$(RASTER_FLAGS)' VARIANCE_FLAGS='$(VARIANCE_FLAGS)'
+SETTINGS = RASTER_FLAGS='$(RASTER_FLAGS)' VARIANCE_FLAGS='$(VARIANCE_FLAGS)'
+include $(dir $(THIS))shards.mk
 
 $(OUT): $(PARTS)
 	$(TOOL) merge $(PARTS) $(VARIANCE_FLAGS) -w -q -o $@ --report $@.json
 
-$(OUT).parts/%-of-$(SHARDS).evidence: $(SCENE_JSON)
+$(OUT).parts/%-of-$(SHARDS).$(PART): $(SCENE_JSON)
 	@mkdir -p $(@D)
 	$(TOOL) $(SCENE_JSON) --views $*/$(SHARDS) $(RASTER_FLAGS) -w -q --partial $@ --report $@.json
-
-.PHONY: submit
-submit:
-	@mkdir -p $(OUT).parts; \
-	array=$$(sbatch --parsable --requeue $(SBATCH) --array=0-$$(($(SHARDS) - 1)) -J ngs-shard -o $(OUT).parts/%a.log \
-	  --wrap "$(AGAIN) $(OUT).parts/\$$SLURM_ARRAY_TASK_ID-of-$(SHARDS).evidence"); \
-	sbatch --parsable --requeue $(SBATCH) --dependency=afterok:$$array --kill-on-invalid-dep=yes --wait -J ngs-merge \
-	  -o $(OUT).parts/merge.log --wrap "$(AGAIN) $(OUT)"

@@ -47,7 +47,9 @@ std::string made_run(const test::TempDir& dir) {
       R"({"tool":"ngs-joint","version":"0.1.0","options":{"method":"bce","steps":5},"inputs":[],"device":{"name":"cpu","reason":"r"},
                 "threads":2,"seed":0,"exit_code":7,"stages":{"name":"ngs-joint","wall_s":2.5,"cpu_s":5,"items":0,"items_per_s":0,
                 "max_rss_mib":99,"children":[{"name":"label solve","wall_s":2,"items":40,"items_per_s":20,"max_rss_mib":99}]},
-                "result":{"effects":[{"effect":"continuity","state":"off","reason":"no gain <measured>"}]},
+                "result":{"effects":[{"name":"cont","mode":"auto","on":false,"reason":"no gain <measured>","measured":0.1,
+                "threshold":0.5,"saving":"time"},{"name":"nerf","mode":"on","on":true,"reason":"always","measured":null,
+                "threshold":null,"saving":""}]},
                 "warnings":["a \"strange\" <mask>"]})");
   dir.write("a <run> & more/reports/ngs-joint.sh", "ngs-joint scene.json --method bce <x>\n");
   dir.write(
@@ -75,7 +77,8 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
   }
   CHECK(page.find("a &quot;strange&quot; &lt;mask&gt;") != page.npos);
   CHECK(page.find("stopped at its budget") != page.npos);
-  CHECK(page.find("no gain &lt;measured&gt;") != page.npos);
+  CHECK(page.find("<th scope=row>cont</th><td>off</td><td>no gain &lt;measured&gt;; saves time</td>") != page.npos);
+  CHECK(page.find("<th scope=row>nerf</th><td>on</td><td>on: always</td>") != page.npos);
   CHECK(page.find("<title>a &lt;run&gt; &amp; more") != page.npos);
   CHECK(page.find("input masks, same views") != page.npos);
   CHECK(page.find("prefers-color-scheme:dark") != page.npos);

@@ -198,12 +198,27 @@ std::string objects_section(const RunFolder& run) {
   return section("objects", "Objects", (objects.size() > 1 ? scores.html() : std::string()) + errors.html());
 }
 
+/// A decision per row, in three columns, which a phone has room for: reasons hold what was measured and its threshold.
+std::string decisions_table(const Json& decisions) {
+  Table table{.caption = {}, .head = {"part", "is", "because"}, .rows = {}};
+  for (const Json& decision : decisions) {
+    const Json &mode = value_at(decision, {"mode"}), &saving = value_at(decision, {"saving"});
+    std::string because = (mode == "auto" ? "" : json_text(mode) + ": ") + json_text(value_at(decision, {"reason"}));
+    if (saving.is_string() && saving != "") because += "; saves " + json_text(saving);
+    table.rows.push_back({escaped(json_text(value_at(decision, {"name"}))),
+                          value_at(decision, {"on"}) == true ? "on" : "off", escaped(because)});
+  }
+  return table.html();
+}
+
 std::string decisions_section(const RunFolder& run) {
   const Json& result = value_at(run.report("ngs-joint"), {"result"});
   for (const char* key : {"effects", "decisions"})
     if (const Json& decisions = value_at(result, {key}); decisions.is_structured() && !decisions.empty())
       return section("decisions", "Decisions",
-                     "<p>The parts of the method, and whether they were on.</p>" + json_html(decisions));
+                     "<p>The parts of the method, and whether they were on.</p>" +
+                         (decisions.is_array() && decisions[0].contains("on") ? decisions_table(decisions)
+                                                                               : json_html(decisions)));
   return {};
 }
 
