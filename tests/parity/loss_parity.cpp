@@ -150,14 +150,15 @@ TEST_CASE("adam: a step of a device is the CPU's to the last bit") {
         CHECK(got == want);
         CHECK(got_moments.m == want_moments.m);
         CHECK(got_moments.v == want_moments.v);
-        grad[n - 2] = -INFINITY, grad[n - 1] = NAN;  // the first is named
+        std::fill(grad.begin() + std::ptrdiff_t(n / 2), grad.end(), NAN);
+        grad[n / 2] = -INFINITY;  // the first is named
         std::string message;
         try {
           adam_step(b.exec, options, 4, "x", got, grad, got_moments);
         } catch (const Error& e) {
           message = e.what();
         }
-        CHECK(message.find("x: gradient " + std::to_string(n - 2) + " ") == 0);
+        CHECK(message.find("x: gradient " + std::to_string(n / 2) + " ") == 0);
         CHECK(got == want);  // untouched
       }
 }

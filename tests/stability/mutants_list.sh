@@ -189,7 +189,7 @@ mutant $f "$t" "" "device: a batch of the whole tile" 's/min2<std::int64_t>\(kBa
 mutant $f "$t" "" "device: background behind an opaque tile" 's/fma_lanes\(own\.walk\.transmittance, channels\.background\[c\], own\.sum\[c\]\)/own.sum[c]/'
 f=ops/splat_backward_grid.h
 mutant $f unit/ops/splat_backward_grid_test.cpp "" "device: transmittances kept by the wrong tile" 's/return begin \/ kBatch \+ tile;/return begin \/ kBatch;/'
-mutant $f "$t" "" "device: no barrier before memory is used again" 's/if \(j < used\) sum_segment\(shared, (.*), own\.part\);/if (j < used) { sum_segment(shared, \1, own.part); for (int k = 0; k < kSums; ++k) shared.segment[j][s][k] = own.part[k]; }/'
+mutant $f "$t" "" "device: no barrier before memory is used again" 's/if \(j < used\) sum_segment\(shared, (.*), own\.part\);/if (j < used) { sum_segment(shared, \1, own.part); for (int k = 0; k < kSums; ++k) shared.segment[s][j * kSums + k] = own.part[k]; }/'
 mutant $f "$t" "" "device: chunks from the near end" 's/for \(int chunk = divided_up\(count, kChunk\); chunk-- > 0;\)/for (int chunk = 0; chunk < divided_up(count, kChunk); ++chunk)/'
 mutant $f "$t" "" "device: geometry of channel groups not added" 's/channels\.first > 0 \? \*to \+ value : value/false ? value : value/'
 mutant $f "$t" "" "device: segments that overlap" 's/at = s \/ 2 \* kTilePx \+ x/at = s \/ 2 * kTilePx + i/'
@@ -205,10 +205,10 @@ mutant ops/film_backward_grid.h "$t" "" "device: parts lose the last tile" 's/\(
 mutant ops/film_backward_grid.h "$t" "" "device: conditions not loaded again" 's/Tile::load_condition\(t, net, first, shared\.condition\);//'
 mutant ops/film_forward_grid.h "$t" "" "device: activations written while they are read" 's/(Tile::product\(t, .*, shared\.x, own\.cells\);)/\1 shared.x[t] = own.cells[0][0];/'
 t="parity/emulated_main.cpp parity/backends.cpp parity/loss_parity.cpp"
-mutant ops/sum_grid.h "$t" "" "device: a chunk one short" 's/first \+ kRows < n \? first \+ kRows : n/first + kRows < n ? first + kRows - 1 : n/'
+mutant ops/sum_grid.h "$t" "" "device: a chunk one short" 's/row < rows\.end; row \+= rows\.step\) total/row + rows.step < rows.end; row += rows.step) total/'
 mutant ops/photometric_grid.h "$t" "" "device: padding not cleared" 's/products\.zero\(\);//'
 mutant ops/adam_grid.h "$t" "" "device: negative overflow passes" 's/if \(!\(value\[i\] <= limit \&\& -value\[i\] <= limit\)\)/if (!(value[i] <= limit))/'
-mutant ops/adam_grid.h "$t" "" "device: the last unusable gradient found" 's/for \(std::int64_t i = end; i-- > begin;\)/for (std::int64_t i = begin; i < end; ++i)/'
+mutant ops/adam_grid.h "$t" "" "device: the last unusable gradient found" 's/found = i < found \? i : found;/found = i;/'
 
 t=unit/stages/exposure_test.cpp f=stages/exposure.cpp
 mutant $f $t $f "one pixel for the median of an exposure" 's/upper_median\(std::move\(ratio\)\)/ratio[0]/'

@@ -80,6 +80,19 @@ NGS_HD constexpr T divided_up(T a, T b) {
   return (a + b - 1) / b;
 }
 
+/// The rows of chunk i where n rows are cut into chunks of `rows`: 32 chunks deal theirs out among them, so that neighbouring
+/// threads read neighbouring rows.
+struct DealtRows {
+  std::int64_t first, step, end;
+  NGS_HD DealtRows(std::int64_t chunk, std::int64_t n, std::int64_t rows) {
+    constexpr std::int64_t kDealers = 32;
+    const std::int64_t before = chunk / kDealers * kDealers, others = divided_up(n, rows) - before;
+    step = others < kDealers ? others : kDealers;
+    first = before * rows + (chunk - before);
+    end = (before + step) * rows < n ? (before + step) * rows : n;
+  }
+};
+
 /// The first of n ascending values that is >= x.
 template <class T>
 NGS_HD std::int64_t lower_bound_of(const T* values, std::int64_t n, T x) {

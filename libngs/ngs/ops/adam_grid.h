@@ -1,7 +1,9 @@
 #pragma once
 // Adam on a device: the step of ops/adam_kernels.h element by element, and the search for gradients that it cannot take.
-#include "ngs/backend/grid.h"
+#include <limits>
+
 #include "ngs/ops/adam_kernels.h"
+#include "ngs/ops/sum_grid.h"
 
 namespace ngs {
 
@@ -17,49 +19,42 @@ struct SparseAdamRow {
   NGS_HD void operator()(std::int64_t row) const { kernel(row); }
 };
 
-/// The first index in each chunk whose value is not finite or above the limit; -1: none.
+inline constexpr std::int64_t kNoIndex = std::numeric_limits<std::int64_t>::max();
+
+/// The least index in each chunk whose value is not finite or above the limit.
 struct FindUnusable {
   static constexpr const char* kName = "find_unusable";
-  static constexpr std::int64_t kChunk = 256;
+  static constexpr std::int64_t kRows = 256;
   const float* value;
   std::int64_t n;
   float limit;
-  std::int64_t* first;  // [chunks] out
+  std::int64_t* least;  // [chunks] out; kNoIndex: none
   NGS_HD void operator()(std::int64_t chunk) const {
-    const std::int64_t begin = chunk * kChunk, end = begin + kChunk < n ? begin + kChunk : n;
-    first[chunk] = -1;
-    for (std::int64_t i = end; i-- > begin;)
-      if (!(value[i] <= limit && -value[i] <= limit)) first[chunk] = i;
+    const DealtRows rows(chunk, n, kRows);
+    std::int64_t found = kNoIndex;
+    for (std::int64_t i = rows.first; i < rows.end; i += rows.step)
+      if (!(value[i] <= limit && -value[i] <= limit)) found = i < found ? i : found;
+    least[chunk] = found;
   }
 };
 
-/// The first of the found ones of every group of chunks.
-struct FirstFound {
-  static constexpr const char* kName = "first_found";
-  static constexpr std::int64_t kChunk = 1024;
-  const std::int64_t* found;
-  std::int64_t n;
-  std::int64_t* first;  // [chunks] out
-  NGS_HD void operator()(std::int64_t chunk) const {
-    const std::int64_t begin = chunk * kChunk, end = begin + kChunk < n ? begin + kChunk : n;
-    std::int64_t at = begin;
-    while (at < end && found[at] < 0) ++at;
-    first[chunk] = at < end ? found[at] : -1;
-  }
-};
+/// *least = the least index of an unusable value, or kNoIndex; all of it the grid's memory.
+template <class Grid>
+void least_unusable_on_grid(Grid& grid, const float* value, std::int64_t n, float limit, std::int64_t* least) {
+  const std::int64_t chunks = n > 0 ? divided_up(n, FindUnusable::kRows) : 1;
+  const GridBuffer<Grid, std::int64_t> found(grid, chunks);
+  grid.each(chunks, FindUnusable{value, n, limit, found.data()});
+  least_on_grid(grid, static_cast<const std::int64_t*>(found.data()), chunks, least);
+}
 
-/// Index of the first unusable value, -1 if none.
+/// The same on the host; -1 if there is none.
 template <class Grid>
 std::int64_t first_unusable_on_grid(Grid& grid, const float* value, std::int64_t n, float limit) {
-  const std::int64_t chunks = divided_up(n, FindUnusable::kChunk), groups = divided_up(chunks, FirstFound::kChunk);
-  const GridBuffer<Grid, std::int64_t> found(grid, chunks), first(grid, groups);
-  grid.each(chunks, FindUnusable{value, n, limit, found.data()});
-  grid.each(groups, FirstFound{found.data(), chunks, first.data()});
-  std::vector<std::int64_t> host;
-  first.to(host);
-  for (const std::int64_t i : host)
-    if (i >= 0) return i;
-  return -1;
+  const GridBuffer<Grid, std::int64_t> least(grid, 1);
+  least_unusable_on_grid(grid, value, n, limit, least.data());
+  std::int64_t found = kNoIndex;
+  least.to(&found);
+  return found == kNoIndex ? -1 : found;
 }
 
 template <class Grid>

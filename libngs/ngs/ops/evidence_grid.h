@@ -25,7 +25,7 @@ struct EvidenceTileOnGrid {
     TileGaussian<float> gaussian[kBatch];
     float mask[1 + K][kTilePixels];  // known, targets; 0 where unknown or outside
     float weight[kChunk][kTilePixels];
-    float segment[kChunk][kSegments][kSums];
+    float segment[kSegments][kChunk * kSums + 1];  // odd rows, as in the splat's backward pass
   };
   struct Thread {
     PixelWalk<float> walk;
@@ -75,7 +75,7 @@ struct EvidenceTileOnGrid {
       const int j = t / kSums, k = t % kSums;
       if (j >= count || k >= 2 + 2 * used) return;
       float sum = 0.f;
-      for (int s = 0; s < kSegments; ++s) sum += shared.segment[j][s][k];
+      for (int s = 0; s < kSegments; ++s) sum += shared.segment[s][t];
       pair[std::int64_t(tiles.slot[entry + j]) * columns + (k < 2 ? k : k + 2 * first)] = sum;
     });
   }
@@ -94,7 +94,7 @@ struct EvidenceTileOnGrid {
         sum[3 + 2 * k] += weight > 0.f && m >= 0.5f ? 1.f : 0.f;
       }
     }
-    for (int k = 0; k < kSums; ++k) shared.segment[j][s][k] = sum[k];
+    for (int k = 0; k < kSums; ++k) shared.segment[s][j * kSums + k] = sum[k];
   }
 };
 

@@ -21,10 +21,9 @@ struct FilmBackwardTiles {
   struct Shared {
     typename Tile::Plane x;  // activations, then ∂L/∂γ
     typename Tile::Plane g;  // ∂L/∂x, then ∂L/∂β, then ∂L/∂h
-    float condition[kMostConditions][kQueries];
-    float grad_condition[kMostConditions][kQueries];
-    float raw[4][kQueries];  // ∂L/∂ of the raw outputs
-    float basis[kMostDirections][kQueries];
+    typename Tile::Conditions condition, grad_condition;
+    float raw[4][Tile::kStride];  // ∂L/∂ of the raw outputs
+    float basis[kMostDirections][Tile::kStride];
   };
   struct Thread {
     typename Tile::Cells cells;

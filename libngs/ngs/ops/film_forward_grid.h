@@ -15,7 +15,7 @@ struct FilmForwardTile {
 
   struct Shared {
     typename Tile::Plane x;
-    float condition[kMostConditions][kQueries];
+    typename Tile::Conditions condition;
   };
   struct Thread {
     typename Tile::Cells cells;

@@ -39,6 +39,7 @@ struct FilmTile {
   static constexpr int kRowsPerThread = kWidth / 16, kColumnsPerThread = kQueries / 16;
   using Cells = float[kRowsPerThread][kColumnsPerThread];
   using Plane = float[kWidth * kStride];
+  using Conditions = float[kMostConditions][kStride];
 
   /// cells = start[r] + Σ_k w[r][k] x[k][q] (transposed: w[k][r]) for r < rows; null start: 0.
   struct Product {
@@ -101,7 +102,7 @@ struct FilmTile {
 
   /// γ or β of feature r: bias + Σ_k W[r][k] c[k].
   NGS_HD static float modulation(const float* weight, const float* bias, int conditions, int r, int q,
-                                 const float (&condition)[kMostConditions][kQueries]) {
+                                 const Conditions& condition) {
     float sum = bias[r];
     for (int k = 0; k < conditions; ++k) sum = fma_lanes(weight[r * conditions + k], condition[k][q], sum);
     return sum;
@@ -115,9 +116,8 @@ struct FilmTile {
       columns[k * stride + q] = first + q < rows.n ? rows.row(first + q)[k] : 0.f;
     }
   }
-  NGS_HD static void load_condition(int t, const FilmOnGrid& net, std::int64_t first,
-                                    float (&condition)[kMostConditions][kQueries]) {
-    load_rows(t, net.condition, first, &condition[0][0], kQueries);
+  NGS_HD static void load_condition(int t, const FilmOnGrid& net, std::int64_t first, Conditions& condition) {
+    load_rows(t, net.condition, first, &condition[0][0], kStride);
   }
   /// Basis functions of the query's direction; zeros beyond the last query.
   NGS_HD static void basis(const FilmOnGrid& net, std::int64_t query, float* out) {

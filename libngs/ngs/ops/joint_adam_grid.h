@@ -43,8 +43,8 @@ struct AdamFactorsOfStep {
 /// Halts the run where this step cannot be taken.
 struct JudgeStep {
   static constexpr const char* kName = "judge_step";
-  const std::int64_t* found;  // [groups] unusable gradients, ascending; -1: none
-  std::int64_t groups, capacity;
+  const std::int64_t* unusable;  // the first unusable gradient, or kNoIndex
+  std::int64_t capacity;
   const std::int64_t* pairs;
   const float* grad;
   JointClock* clock;
@@ -55,11 +55,8 @@ struct JudgeStep {
       clock->halt = JointHalt::kFull;
       return;
     }
-    for (std::int64_t g = 0; g < groups; ++g)
-      if (found[g] >= 0) {
-        clock->halt = JointHalt::kGradient, clock->bad_index = found[g], clock->bad_value = grad[found[g]];
-        return;
-      }
+    if (*unusable != kNoIndex)
+      clock->halt = JointHalt::kGradient, clock->bad_index = *unusable, clock->bad_value = grad[*unusable];
   }
 };
 
@@ -161,11 +158,9 @@ class JointParameters {
   /// The step, unless something halts it.
   void step(const PairRoom& room) {
     constexpr double kBeta1 = AdamOptions{}.beta1;
-    const std::int64_t chunks = divided_up(size_, FindUnusable::kChunk), groups = divided_up(chunks, FirstFound::kChunk);
-    const GridBuffer<Grid, std::int64_t> found(grid_, chunks), first(grid_, groups);
-    grid_.each(chunks, FindUnusable{grad_.data(), size_, adam_limit<float>(), found.data()});
-    grid_.each(groups, FirstFound{found.data(), chunks, first.data()});
-    grid_.each(1, JudgeStep{first.data(), groups, room.capacity, room.most, grad_.data(), clock_.data()});
+    const GridBuffer<Grid, std::int64_t> unusable(grid_, 1);
+    least_unusable_on_grid(grid_, grad_.data(), size_, adam_limit<float>(), unusable.data());
+    grid_.each(1, JudgeStep{unusable.data(), room.capacity, room.most, grad_.data(), clock_.data()});
     grid_.each(std::int64_t(blocks_.size()),
                AdamFactorsOfStep{clock_.data(), block_.data(), kBeta1, rate_decay_, factors_.data()});
     const AdamKernel<float> kernel{value_.data(), grad_.data(), m_.data(), v_.data(), size_, 0, 0, float(1.0 - kBeta1), 0,

@@ -75,7 +75,8 @@ struct PixelLoss {
   }
 };
 
-struct PixelGradient {
+/// Value i of the crop.
+struct ValueGradient {
   static constexpr const char* kName = "ssim_gradient";
   Layout layout;
   const float* blur;  // [kPartials, plane]
@@ -84,14 +85,12 @@ struct PixelGradient {
   float l1_factor;
   Crop<float> gradient;
   NGS_HD void operator()(std::int64_t i) const {
-    const int row = int(i / layout.w), px = int(i % layout.w);
-    const float factor = weights.at(px, row) * l1_factor;
-    for (int c = 0; c < layout.c; ++c) {
-      const std::int64_t value = std::int64_t(px) * layout.c + c, at = layout.row(row) + value;
-      float partial[kPartials];
-      for (int d = 0; d < kPartials; ++d) partial[d] = blur[d * layout.plane() + at];
-      gradient.row(row)[value] = gradient_of(partial, x.row(row)[value], y.row(row)[value], factor);
-    }
+    const int row = int(i / layout.width());
+    const std::int64_t value = i % layout.width(), at = layout.row(row) + value;
+    const float factor = weights.at(int(value / layout.c), row) * l1_factor;
+    float partial[kPartials];
+    for (int d = 0; d < kPartials; ++d) partial[d] = blur[d * layout.plane() + at];
+    gradient.row(row)[value] = gradient_of(partial, x.row(row)[value], y.row(row)[value], factor);
   }
 };
 
@@ -123,7 +122,7 @@ void photometric_on_grid(Grid& grid, const PhotometricCrops& in, double* sums) {
   grid.each(pixels, PixelLoss{layout, both.data(), products.data(), in.x, in.y, in.weights, float(in.ssim_factor), term.data()});
   if (in.gradient.first != nullptr) {
     blur(kPartials);
-    grid.each(pixels, PixelGradient{layout, both.data(), in.x, in.y, in.weights, float(in.l1_factor), in.gradient});
+    grid.each(values, ValueGradient{layout, both.data(), in.x, in.y, in.weights, float(in.l1_factor), in.gradient});
   }
   sums_on_grid(grid, term.data(), pixels, 2, sums);
 }

@@ -41,9 +41,9 @@ struct SplatBackwardTile {
         float first[kChunk][kTilePixels];   // alpha, then ∂L/∂power
         float second[kChunk][kTilePixels];  // transmittance before, then weight
       } pair;
-      float segment[kChunk][kSegments][kSums];
+      float segment[kSegments][kChunk * kSums + 1];  // odd rows: a warp writes columns and reads rows, each in 32 banks
     };
-    float total[kChunk][kSums];
+    float total[kChunk * kSums];
   };
   struct Thread {
     PixelWalk<float> walk;
@@ -167,20 +167,20 @@ struct SplatBackwardTile {
     block.phase([&](int t, Shared& shared, Thread& own) {  // over the memory that has been read
       const int j = t / kSegments, s = t % kSegments;
       if (j >= used) return;
-      for (int k = 0; k < kSums; ++k) shared.segment[j][s][k] = own.part[k];
+      for (int k = 0; k < kSums; ++k) shared.segment[s][j * kSums + k] = own.part[k];
     });
     block.phase([&](int t, Shared& shared, Thread&) {
       if (t >= used * kSums) return;
       float sum = 0.f;
-      for (int s = 0; s < kSegments; ++s) sum += shared.segment[t / kSums][s][t % kSums];
-      shared.total[t / kSums][t % kSums] = sum;
+      for (int s = 0; s < kSegments; ++s) sum += shared.segment[s][t];
+      shared.total[t] = sum;
     });
     block.phase([&](int t, Shared& shared, Thread&) {
       if (t >= used * kSums) return;
       const int j = t / kSums, k = t % kSums;
       const bool of_geometry = k < kPairGeometry;  // which all groups of channels move
       if (k >= kPairGeometry + channels.used) return;
-      const float value = of_geometry ? geometry(shared.staged.gaussian[from + j], shared.total[j], k) : shared.total[j][k];
+      const float value = of_geometry ? geometry(shared.staged.gaussian[from + j], shared.total + j * kSums, k) : shared.total[t];
       const std::uint32_t* row_of = sums == DeviceSums::kAtomic ? tiles.gaussian : tiles.slot;
       float* to = row_grad + std::int64_t(row_of[entry + j]) * row_columns + (of_geometry ? k : k + channels.first);
       if (sums == DeviceSums::kAtomic)
