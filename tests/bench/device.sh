@@ -29,7 +29,7 @@ trap finish EXIT
 trap 'exit 143' TERM INT
 
 step() {  # name, most seconds, the command: notes its exit code (124: out of time) and time; fails as it does
-  local name=$1 limit=$2 code=0 begin=$SECONDS; shift 2
+  local name=${1//[^A-Za-z0-9._ -]/_} limit=$2 code=0 begin=$SECONDS; shift 2
   [ "$limit" -lt $((last_s - begin)) ] || limit=$((last_s - begin))
   if [ "$limit" -gt 0 ]; then
     timeout -k 5 "$limit" "$@" > "$work/logs/$name" 2>&1 || code=$?

@@ -45,7 +45,7 @@ def tools():
     rows = []
     for path in sorted(work.glob("scenes/*/c*/*.json")):
         report = parsed(text(path))
-        if report is None:
+        if not isinstance(report, dict) or "stages" not in report:
             continue
         rows.append({"scene": path.parts[-3], "device": report["device"]["kind"], "tool": report["tool"],
                      "fast_atomics": report["device"]["fast_atomics"], "wall_s": report["stages"]["wall_s"],
@@ -53,11 +53,11 @@ def tools():
     return rows
 
 
-bench = text(work / "logs" / "bench")
+bench = text(work / "logs" / "bench").partition("{")
 done = steps()
 failed = [step["name"] for step in done if step["exit"] != 0]
 result = {"device": text(work / "smi").strip(), "passed": bool(done) and not failed, "failed": failed, "steps": done,
-          "parity": worst_ratios(), "benchmark": parsed(bench[bench.find("{"):]), "tools": tools(),
+          "parity": worst_ratios(), "benchmark": parsed(bench[1] + bench[2]), "tools": tools(),
           "ptxas": text(work / "ptxas").splitlines()}
 out.parent.mkdir(parents=True, exist_ok=True)
 unfinished = out.with_name(out.name + ".part")

@@ -138,20 +138,21 @@ class JointParameters {
   void set_clock(const JointClock& clock) { grid_.upload(clock_.data(), &clock, sizeof clock); }
   const JointClock* on_clock() const { return clock_.data(); }
 
-  float* value(std::size_t block) const { return value_.data() + table_[block].begin; }
-  float* grad(std::size_t block) const { return grad_.data() + table_[block].begin; }
+  float* value(std::size_t block) const { return value_.data() + table_.at(block).begin; }
+  float* grad(std::size_t block) const { return grad_.data() + table_.at(block).begin; }
   /// Null where the block is not trained.
-  float* wanted(std::size_t block) const { return table_[block].rate > 0 ? grad(block) : nullptr; }
+  float* wanted(std::size_t block) const { return table_.at(block).rate > 0 ? grad(block) : nullptr; }
   /// The block that element i belongs to.
   std::size_t block_of(std::int64_t i) const {
     std::size_t b = 0;
     while (i >= table_[b].end) ++b;
     return b;
   }
-  std::int64_t begin(std::size_t block) const { return table_[block].begin; }
+  std::int64_t begin(std::size_t block) const { return table_.at(block).begin; }
 
+  /// `block` may be behind the last one: a run without a field has none after the Gaussians'.
   void clear_gradients_from(std::size_t block) {
-    const std::int64_t n = size_ - table_[block].begin;
+    const std::int64_t n = block < table_.size() ? size_ - begin(block) : 0;
     if (n > 0) grid_.fill_zero(grad(block), std::size_t(n) * sizeof(float));
   }
 
