@@ -20,7 +20,7 @@ OUT ?= out/ablation
 ARGS ?=
 MASKS ?=
 SEED ?= 0
-BASE ?= --effect joint=on --effect nerf=on --effect floaters=off --effect view-trust=off --effect edges=off
+BASE ?= --effect joint=on --effect nerf=on $(foreach e,exposure view-trust floaters strays edges,--effect $(e)=off)
 EFFECTS ?= boundary box rbf hash nerf align smooth film variance density mask cont photometric geometry mask-geometry
 TAUS ?= 0.2 0.4 0.8
 SIGMAS ?= 0.5 2 4

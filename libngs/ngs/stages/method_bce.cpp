@@ -1,5 +1,6 @@
 #include "ngs/stages/method_bce.h"
 
+#include "ngs/backend/try_each.h"
 #include "ngs/stages/method_labels.h"
 
 namespace ngs {
@@ -23,6 +24,11 @@ void note_figures(const LabelSolution& s, const std::string& suffix, std::map<st
 class KeptTargets {
  public:
   KeptTargets(const MethodInput& input, int object) : input_(input), object_(object), kept_(input.views.size()) {}
+
+  /// Decodes all masks, several at a time.
+  void preload(const Exec& exec) {
+    try_each_task(exec, std::int64_t(kept_.size()), [this](std::int64_t i) { load(std::size_t(i)); });
+  }
 
   PixelTargets load(std::size_t i) {
     std::vector<std::uint8_t>& bits = kept_[i];
@@ -84,6 +90,7 @@ BceResult solve_bce(const Exec& exec, Monitor& monitor, const BceOptions& option
     // relative gap of about 1e-5.
     problem.half_weights = options.relative_gap >= kHalfWeightsGap;
     KeptTargets targets(input, int(k));
+    targets.preload(exec);
     problem.load_targets = [&](std::size_t i) { return targets.load(i); };
     std::vector<double> start(n);
     std::vector<std::uint8_t> movable(n);
