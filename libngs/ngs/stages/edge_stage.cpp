@@ -153,6 +153,9 @@ class EdgeRun {
     return believable();
   }
 
+  /// Whether the given masks' contours do not lie on the edges that the last walk found.
+  bool beside_edges() const { return masks_beside_edges(walked_); }
+
   /// False if it ended early.
   bool train(int round) {
     Scene scene = setup_.input.scene;
@@ -248,9 +251,11 @@ MethodResult follow_edges(const Exec& exec, Monitor& monitor, const EdgeSetup& s
   if (edge_visits(setup.edge, setup.joint.quality, all_views) == 0 || !setup.input.load_fine_photo) return start;
   const auto timed = monitor.scope("edges");
   EdgeRun run(exec, monitor, setup, start);
-  const int rounds = parse_effects(setup.joint.effect).second_round ? setup.edge.rounds : 1;
+  const bool more = parse_effects(setup.joint.effect).second_round;
+  int rounds = 1;
   for (int round = 0; round < rounds && start.converged && !monitor.stop_requested(); ++round) {
     if (!run.walk(round == 0)) break;
+    if (round == 0 && more) rounds = edge_rounds(setup.edge, run.beside_edges());
     start.converged = run.train(round);
   }
   std::move(run).finish(start);

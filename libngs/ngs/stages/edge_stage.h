@@ -22,7 +22,7 @@ inline constexpr NamedValue<EdgeViews> kEdgeViewsNames[] = {{EdgeViews::kAll, "a
                                                             {EdgeViews::kTrain, "train"}};
 
 struct EdgeOptions {
-  int rounds = 2, visits = 0;
+  int rounds = 0, visits = 0;  // 0: edge_rounds(), edge_visits()
   EdgeViews views = EdgeViews::kAll;
   EdgeWalkOptions walk;
   double split_px = 3, margin_px = 64, rate = 1;
@@ -30,7 +30,9 @@ struct EdgeOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.rounds,
-          Field<int>{"edge_rounds", "", "edges: rounds of masks walked to the photos' edges", 1, 100});
+          Field<int>{"edge_rounds", "",
+                     "edges: rounds of masks walked to the photos' edges; 0: 2, and 3 where the masks' contours lie beside them", 0,
+                     100});
     visit(self.visits,
           Field<int>{"edge_visits", "", "edges: steps per view and round; 0: 15, high 40, reference 100, fewer of many views", 0,
                      1'000'000});
@@ -68,6 +70,10 @@ struct EdgeSetup {
 
 /// Of more views than this the default takes each less often: steps grow with the root of the views.
 inline constexpr int kEdgeViewsOfAllVisits = 21;
+
+/// Rounds where the masks' contours lie on the photos' edges, or beside them: then what the first rounds correct is more
+/// than a walk's reach.
+inline int edge_rounds(const EdgeOptions& edge, bool beside) { return edge.rounds > 0 ? edge.rounds : beside ? 3 : 2; }
 
 /// Steps per view and round where there are `views` of them; 0: the stage does nothing.
 int edge_visits(const EdgeOptions& edge, Quality quality, std::size_t views);
