@@ -86,7 +86,7 @@ TEST_CASE("joint: every part of the method can be switched off alone, and matter
   const auto c = test::joint_case();
   const auto all = state_after(*c, small_options(6), 6, 2);
   const std::set<std::string_view> elsewhere{
-      "floaters", "strays", "view-trust", "joint", "edges",
+      "exposure", "floaters", "strays", "view-trust", "joint", "edges",
       "split", "second-round", "antialias"};  // stages of their own, or the tool's: unit/stages
   const std::set<std::string_view> nothing_here{"region",
                                                 "fine-hash"};  // small pictures, few levels: unit/stages
