@@ -70,7 +70,7 @@ RoundsCost Budget::rounds_cost(const JointOptions& joint, const EdgeOptions& edg
                     .check_s = foreseen_s(kCheckCost.renders * double(training_views)),
                     .rounds = 0,
                     .visits = edge_visits(edge, joint.quality, views)};
-  if (effects.edges && rounds.visits > 0) rounds.rounds = effects.second_round ? edge_rounds(edge, false) : 1;
+  if (effects.edges && rounds.visits > 0) rounds.rounds = effects.second_round ? edge_rounds(edge, true) : 1;
   return rounds;
 }
 

@@ -97,9 +97,9 @@ MethodResult run_edges(cli::Run& run, const Settings& settings, const Problem& p
   const TimePlan plan = budget.plan_rounds(planned.joint, planned.edge, problem.input.scene, views);
   if (plan.cut) budget.note_cut();
   if (plan.edge_rounds == 0) return result;
-  if (budget.given()) planned.edge.rounds = plan.edge_rounds;
+  if (plan.edge_rounds < edge_rounds(planned.edge, true)) planned.edge.rounds = plan.edge_rounds;
   const double check_s = budget.foreseen_s(kCheckCost.renders * double(views));
-  watch.begin_rounds(budget.given() ? plan.edge_rounds : edge_rounds(planned.edge, true), check_s);
+  watch.begin_rounds(plan.edge_rounds, check_s);
   MethodResult start = budget.given() ? result : MethodResult{};
   result = follow_edges(run.exec(), run.monitor(),
                         {planned.edge, planned.joint, planned.sample, planned.rbf, problem.input,
