@@ -50,6 +50,7 @@ mutant ops/evidence.cpp $t ops/evidence.cpp "unknown pixels counted" 's/masks\.k
 
 t=unit/stages/strays_test.cpp f=stages/strays.cpp
 mutant $f $t $f "strays: what many views agree on may be one" 's/if \(double\(object\.views\[i\]\) >= core\.least_views\) continue;//'
+mutant stages/strays.h $t $f "strays: a quarter of the views makes a core" 's/\.seen = 0\.5, //'
 mutant $f $t $f "strays: only the core's own cells are linked" 's/if \(labelled\.contains\(next\) .*$//'
 mutant $f $t $f "strays: rows fixed by hand change" 's/ \|\| is_fixed\(input, i\)//'
 mutant $f $t $f "strays: another object's Gaussian is held" 's/finding\.stray\[i\] = 0;/(void)0;/'

@@ -13,7 +13,7 @@ ObjectCore core_of(const CoreOptions& options, const GaussianCloud& cloud, std::
   float most_views = 0;
   for (const LabelColumns& object : objects)
     for (const float v : object.views) most_views = std::max(most_views, v);
-  core.least_views = std::ceil(double(most_views) / 4);
+  core.least_views = std::ceil(options.seen * double(most_views));
   double squares = 0;
   for (std::size_t i = 0; i < n; ++i) {
     if (!cloud.usable[i]) continue;

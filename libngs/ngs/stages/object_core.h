@@ -12,19 +12,19 @@ namespace ngs {
 
 struct CoreOptions {
   double share = 0.9;    // least share of object evidence
+  double seen = 0.25;    // by at least this share of the views that the best seen Gaussian has: what fewer see may be a trace
   double margin = 0.1;   // what is apart, in RMS radii of the core
   double spacings = 3;   // and at least this many times the distance of neighbours in the core
 };
 
 struct ObjectCore {
   std::vector<std::uint8_t> member;  // [N]
-  double least_views = 0;            // a quarter of those that the best seen Gaussian has: what fewer see may be a trace
+  double least_views = 0;            // of a member
   std::int64_t count = 0;
   double centre[3] = {}, radius = 0;  // mean and RMS distance from it, world
 };
 
-/// Usable Gaussians of any of the objects whose share is large and which at least a quarter of the views see that the
-/// best seen one has.
+/// Usable Gaussians of any of the objects whose share is large and which enough views see.
 ObjectCore core_of(const CoreOptions& options, const GaussianCloud& cloud, std::span<const LabelColumns> objects);
 
 /// Positions of the members, [count, 3].

@@ -12,7 +12,7 @@
 namespace ngs {
 
 struct StrayOptions {
-  CoreOptions core{.margin = 0.5};
+  CoreOptions core{.seen = 0.5, .margin = 0.5};
   double labelled = 0.5;  // share from which a Gaussian links others to the core
   double claimed = kLeastClaim;  // share from which it may be a stray
 };
