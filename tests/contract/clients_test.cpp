@@ -13,21 +13,15 @@
 namespace ngs {
 namespace {
 
-test::ProcessResult run(std::vector<std::string> argv) {
-  test::ProcessSpec spec;
-  spec.argv = std::move(argv);
-  return test::run_process(spec);
-}
-
 /// True if `program` can be started.
 bool present(const std::string& program) {
-  if (run({"sh", "-c", "command -v " + program}).exit_code == 0) return true;
+  if (test::run_command({"sh", "-c", "command -v " + program}).exit_code == 0) return true;
   MESSAGE("skipped: ", program, " is absent");
   return false;
 }
 
 std::int64_t gaussians_in(const std::string& ply) {
-  const test::ProcessResult info = run({"splat-transform", "-q", ply, "--info", "json", "null"});
+  const test::ProcessResult info = test::run_command({"splat-transform", "-q", ply, "--info", "json", "null"});
   CAPTURE(info.err);
   REQUIRE(info.exit_code == 0);
   return nlohmann::json::parse(info.out).at("numGaussians").get<std::int64_t>();
@@ -50,7 +44,7 @@ TEST_CASE("splat-transform cuts the object out of the labelled model by its labe
   if (!present("splat-transform")) return;
   const test::TempDir tmp;
   const std::string& fixture = test::fixture_folder();
-  const test::ProcessResult cut = run({"splat-transform", "-q", "-w", fixture + "/decided.ply", "-V",
+  const test::ProcessResult cut = test::run_command({"splat-transform", "-q", "-w", fixture + "/decided.ply", "-V",
                                        "ngs_label,gte,0.5", tmp.path() + "/cut.ply"});
   REQUIRE(cut.exit_code == 0);
   CHECK(gaussians_in(tmp.path() + "/cut.ply") == gaussians_in(fixture + "/object.ply"));
@@ -61,7 +55,7 @@ TEST_CASE("oiiotool finds the named layers in every EXR, and no NaN or infinity"
   int files = 0;
   for (const char* folder : {"layers", "evidence"})
     for (const auto& entry : std::filesystem::directory_iterator(test::fixture_folder() + "/" + folder)) {
-      const test::ProcessResult stats = run({"oiiotool", "-v", "--info", "--stats", entry.path().string()});
+      const test::ProcessResult stats = test::run_command({"oiiotool", "-v", "--info", "--stats", entry.path().string()});
       CAPTURE(entry.path().filename().string());
       CAPTURE(stats.out);
       REQUIRE(stats.exit_code == 0);

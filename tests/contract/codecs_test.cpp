@@ -14,21 +14,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-test::ProcessResult run(std::vector<std::string> argv) {
-  test::ProcessSpec spec;
-  spec.argv = std::move(argv);
-  return test::run_process(spec);
-}
-
 }  // namespace
 
 TEST_CASE("a tool without its codecs says what is missing and where it belongs, and needs them for pictures only") {
   const test::TempDir dir;
   const fs::path alone = fs::path(dir.path()) / "ngs-variance";
   fs::copy_file(fs::path(NGS_TOOL_DIR) / "ngs-variance", alone);
-  CHECK(run({alone, "--version"}).exit_code == 0);
+  CHECK(test::run_command({alone, "--version"}).exit_code == 0);
   const std::string out = dir.path() + "/boundary.ply";
-  const test::ProcessResult result = run({alone, test::fixture_folder() + "/scene.json", "-o", out});
+  const test::ProcessResult result = test::run_command({alone, test::fixture_folder() + "/scene.json", "-o", out});
   CHECK(result.exit_code == int(ErrorCode::kEnvironment));
   CHECK(result.err.find("libngs_codecs.so") != std::string::npos);
   CHECK(result.err.find("hint: keep it in the folder of the executables") != std::string::npos);

@@ -41,22 +41,9 @@ TEST_CASE("ngs-joint samples anew where strays leave the boundary set that --fie
   const test::TempDir dir;
   const std::string fixture = test::fixture_folder(), model = with_a_stray(dir),
                     out = dir.path() + "/labelled.ply";
-  test::ProcessSpec spec;
-  spec.argv = {NGS_TOOL_DIR "/ngs-joint",
-               fixture + "/scene.json",
-               model,
-               "--field",
-               fixture + "/field.ply",
-               "--steps",
-               "2",
-               "--mlp-hidden",
-               "16",
-               "--effect",
-               "nerf=on",
-               "-v",
-               "-o",
-               out};
-  const test::ProcessResult result = test::run_process(spec);
+  const test::ProcessResult result = test::run_command(
+      {NGS_TOOL_DIR "/ngs-joint", fixture + "/scene.json", model, "--field", fixture + "/field.ply",
+       "--steps", "2", "--mlp-hidden", "16", "--effect", "nerf=on", "-v", "-o", out});
   CAPTURE(result.err);
   CHECK(result.exit_code == 0);
   CHECK(result.err.find("taken for unseen") != std::string::npos);

@@ -93,4 +93,10 @@ ProcessResult run_process(const ProcessSpec& spec) {
   return result;
 }
 
+ProcessResult run_command(std::vector<std::string> argv) {
+  ProcessSpec spec;
+  spec.argv = std::move(argv);
+  return run_process(spec);
+}
+
 }  // namespace ngs::test

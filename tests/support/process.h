@@ -24,5 +24,7 @@ struct ProcessResult {
 };
 
 ProcessResult run_process(const ProcessSpec& spec);
+/// The same of a command and nothing else.
+ProcessResult run_command(std::vector<std::string> argv);
 
 }  // namespace ngs::test

@@ -8,7 +8,7 @@ namespace ngs::io {
 namespace {
 
 const ImageCodecs& load() {
-  // By its bare name: the executable's run path says where it lies. Never unloaded: OpenCV's libraries leave threads.
+  // By its bare name: the executable's run path says where it lies. Never unloaded.
   void* plugin = dlopen("libngs_codecs.so", RTLD_NOW | RTLD_LOCAL);
   void* entry = plugin != nullptr ? dlsym(plugin, "ngs_image_codecs") : nullptr;
   if (entry == nullptr) {

@@ -16,7 +16,7 @@ struct PictureView {
   const void* samples = nullptr;  // [H, W, C] without padding
 };
 
-/// Owns what PictureView shows; width_px is 0 where the bytes are no picture.
+/// Owns what PictureView shows; width_px is 0 where the bytes are no picture, samples is empty where bits is 0.
 struct Picture {
   int width_px = 0, height_px = 0, channels = 0, bits = 0;
   std::vector<std::uint8_t> samples;

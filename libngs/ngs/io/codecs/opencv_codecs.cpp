@@ -19,13 +19,14 @@ Picture decode(Bytes bytes) {
   try {
     image = cv::imdecode(cv::Mat(1, int(bytes.size()), CV_8U, const_cast<std::uint8_t*>(bytes.data())),
                          cv::IMREAD_UNCHANGED);
-    if (image.channels() == 3) cv::cvtColor(image, image, cv::COLOR_BGR2RGB);
-    if (image.channels() == 4) cv::cvtColor(image, image, cv::COLOR_BGRA2RGBA);
   } catch (const cv::Exception&) {
     return {};
   }
   if (image.empty()) return {};
   const int bits = image.depth() == CV_8U ? 8 : image.depth() == CV_16U ? 16 : 0;
+  if (bits == 0) return {image.cols, image.rows, image.channels(), bits, {}};  // not every type can be converted
+  if (image.channels() == 3) cv::cvtColor(image, image, cv::COLOR_BGR2RGB);
+  if (image.channels() == 4) cv::cvtColor(image, image, cv::COLOR_BGRA2RGBA);
   Picture picture{image.cols, image.rows, image.channels(), bits, {}};
   const std::size_t row_bytes = std::size_t(image.cols) * image.elemSize();
   picture.samples.resize(row_bytes * std::size_t(image.rows));
