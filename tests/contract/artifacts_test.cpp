@@ -83,8 +83,10 @@ TEST_CASE("every EXR of the chain has listed channels in the listed range only")
   const Json table = schema("exr-channels.json");
   for (const std::string& path : fixture_files(".exr")) {
     const io::ExrImage image = io::read_exr(path);
-    for (const auto& [name, values] : image.channels) {
-      INFO(path << ": " << name);
+    for (const auto& channel : image.channels) {
+      INFO(path << ": " << channel.first);
+      const auto& name = channel.first;
+      const auto& values = channel.second;
       const Json* entry = entry_of(table, name);
       REQUIRE(entry != nullptr);
       CHECK(outside(*entry, std::int64_t(values.size()),

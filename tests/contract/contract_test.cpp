@@ -154,8 +154,9 @@ void check_same_bytes(const Prepared& prepared, const ProcessSpec& base) {
     CHECK(result.exit_code == prepared.spec["exit"].get<int>());
     const auto bytes = contents(paths);
     CHECK(bytes.size() == first.size());
-    for (const auto& [path, content] : first) {
-      INFO(path << " differs with -j " << threads);
+    for (const auto& entry : first) {
+      INFO(entry.first << " differs with -j " << threads);
+      const auto& [path, content] = entry;
       CHECK((bytes.count(path) != 0 && bytes.at(path) == content));
     }
   }

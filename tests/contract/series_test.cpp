@@ -78,8 +78,9 @@ TEST_CASE("every tool, run twice at once on one output, leaves the bytes of one 
         command.folder = tmp.path();
         return command;
       };
-      const auto [first, second] = at_once(spec(shared), spec(shared));
-      INFO(first.err, second.err);
+      const auto both = at_once(spec(shared), spec(shared));
+      INFO(both.first.err, both.second.err);
+      const auto& [first, second] = both;
       CHECK(first.exit_code == each.value("exit", 0));
       CHECK(second.exit_code == first.exit_code);
       test::run_process(spec(alone));
@@ -107,8 +108,9 @@ TEST_CASE("ngs-gs.sh, called twice at once on one folder, leaves what one call l
   };
   fs::create_directories(dir.path() + "/shared");
   std::ofstream(dir.path() + "/shared/.ngs-1-0.tmp.ply") << "what a killed run leaves";
-  const auto [first, second] = at_once(run("shared"), run("shared"));
-  INFO(first.err, second.err);
+  const auto both = at_once(run("shared"), run("shared"));
+  INFO(both.first.err, both.second.err);
+  const auto& [first, second] = both;
   CHECK(first.exit_code == 0);
   CHECK(second.exit_code == 0);
   CHECK(leftovers_in(dir.path() + "/shared") == 0);

@@ -56,9 +56,10 @@ std::map<std::string, Words> commands() {
 TEST_CASE("the committed schemas are what the tools print; otherwise run data-schema/regenerate.sh") {
   const std::map<std::string, Words> all = commands();
   REQUIRE(all.size() >= tools().size());
-  for (const auto& [file, command] : all)
+  for (const auto& entry : all)
     for (const std::string& kind : {std::string("options"), std::string("report")}) {
-      INFO(kind << "/" << file);
+      const auto& [file, command] = entry;
+      INFO(kind << "/" << entry.first);
       Words argv = command;
       argv.insert(argv.end(), {"--print-schema", kind});
       const fs::path path = kSchemas / kind / file;

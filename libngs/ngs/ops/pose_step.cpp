@@ -105,7 +105,7 @@ Sums linearise(const ImageF& from, const ImageF& to, const RenderedView& view, c
 ImageF smoothed_for_pose(const ImageF& in) {
   constexpr float kTap[5] = {1 / 16.f, 4 / 16.f, 6 / 16.f, 4 / 16.f, 1 / 16.f};
   ImageF rows(in.width_px, in.height_px, in.channels), out = rows;
-  const auto pass = [&kTap](const ImageF& from, ImageF& to, int sx, int sy) {
+  const auto pass = [&](const ImageF& from, ImageF& to, int sx, int sy) {
     for (int y = 0; y < from.height_px; ++y)
       for (int x = 0; x < from.width_px; ++x)
         for (int c = 0; c < from.channels; ++c) {

@@ -32,15 +32,16 @@ struct SplatBackwardTile {
   /// The first row of a tile whose entries begin at `begin`; it has divided_up(entries, kBatch) of them.
   NGS_HD static std::int64_t first_kept_row(std::int64_t begin, std::int64_t tile) { return begin / kBatch + tile; }
 
+  struct Pairs {
+    float first[kChunk][kTilePixels];   // alpha, then ∂L/∂power
+    float second[kChunk][kTilePixels];  // transmittance before, then weight
+  };
   struct Shared {
     StagedGaussians<C, kBatch> staged;
     float start[kChunks][kTilePixels];
     float grad[C + 1][kTilePixels];
     union {
-      struct {
-        float first[kChunk][kTilePixels];   // alpha, then ∂L/∂power
-        float second[kChunk][kTilePixels];  // transmittance before, then weight
-      } pair;
+      Pairs pair;
       float segment[kSegments][kChunk * kSums + 1];  // odd rows: a warp writes columns and reads rows, each in 32 banks
     };
     float total[kChunk * kSums];

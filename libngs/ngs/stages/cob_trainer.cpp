@@ -28,7 +28,7 @@ void CobTrainer::mask_phase(const Exec& exec, Monitor& monitor) {
   evidence_ = Evidence(cloud_.size(), objects_);
   mask_views_ = 0;
   for (int pass = 0; pass < 2; ++pass)
-    for (const std::size_t view : shuffled(input_.views, input_.seed, epochs_++)) {
+    for (const std::size_t view : shuffled(input_.views, input_.seed, std::uint64_t(epochs_++))) {
       if (monitor.stop_requested()) break;
       const ViewMasks masks = input_.load_masks(view);
       if (!masks.available) continue;
@@ -118,7 +118,7 @@ void CobTrainer::apply(const Exec& exec, const std::vector<CloudRow>& rows) {
 void CobTrainer::texture_phase(const Exec& exec, Monitor& monitor, const ColourTerm& colour_term) {
   const auto timed = monitor.scope("texture phase");
   for (int pass = 0; pass < 2; ++pass)
-    for (const std::size_t view : shuffled(input_.views, input_.seed, epochs_++)) {
+    for (const std::size_t view : shuffled(input_.views, input_.seed, std::uint64_t(epochs_++))) {
       if (monitor.stop_requested()) return;
       const ImageF photo = input_.load_photo ? input_.load_photo(view) : ImageF();
       if (!photo.empty()) texture_step(exec, view, photo, colour_term);

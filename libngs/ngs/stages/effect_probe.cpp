@@ -31,8 +31,7 @@ struct EffectProbe::Views {
   double outside = 0;                // largest over the views
 };
 
-EffectProbe::EffectProbe(const Exec& exec, Monitor& monitor, const EffectSetup& setup)
-    : exec_(exec), monitor_(monitor), setup_(setup) {}
+EffectProbe::EffectProbe(const Exec& exec, const EffectSetup& setup) : exec_(exec), setup_(setup) {}
 EffectProbe::~EffectProbe() = default;
 
 std::vector<Camera> EffectProbe::cameras() const {
@@ -166,9 +165,8 @@ namespace {
 
 class Decider {
  public:
-  Decider(const Exec& exec, Monitor& monitor, const EffectSetup& setup,
-          const std::vector<EffectVerdict>& verdicts)
-      : modes_(effect_modes(setup.joint.effect)), verdicts_(verdicts), probe_(exec, monitor, setup) {}
+  Decider(const Exec& exec, const EffectSetup& setup, const std::vector<EffectVerdict>& verdicts)
+      : modes_(effect_modes(setup.joint.effect)), verdicts_(verdicts), probe_(exec, setup) {}
 
   EffectDecision decide(const EffectInfo& e, const std::vector<EffectDecision>& earlier) {
     const auto given = modes_.find(e.name);
@@ -198,7 +196,7 @@ std::vector<EffectDecision> decide_effects(const Exec& exec, Monitor& monitor, c
                                            EffectPhase phase, const std::vector<EffectVerdict>& verdicts,
                                            const std::vector<EffectDecision>& before) {
   const auto timed = monitor.scope("detectors");
-  Decider decider(exec, monitor, setup, verdicts);
+  Decider decider(exec, setup, verdicts);
   std::vector<EffectDecision> all = before;
   for (const EffectInfo& e : effect_registry())
     if (e.phase == phase) all.push_back(decider.decide(e, all));

@@ -21,7 +21,7 @@ struct EffectSetup {
 
 class EffectProbe {
  public:
-  EffectProbe(const Exec& exec, Monitor& monitor, const EffectSetup& setup);
+  EffectProbe(const Exec& exec, const EffectSetup& setup);
   ~EffectProbe();
   EffectProbe(const EffectProbe&) = delete;
   EffectProbe& operator=(const EffectProbe&) = delete;
@@ -51,7 +51,6 @@ class EffectProbe {
   std::vector<Camera> cameras() const;
 
   const Exec& exec_;
-  Monitor& monitor_;
   const EffectSetup& setup_;
   std::unique_ptr<Views> views_;
   std::optional<BoundarySet> boundary_;

@@ -12,8 +12,8 @@ namespace {
 
 using Fx = JointEffects;
 using Probe = EffectProbe;
-constexpr auto kAbove = OnWhere::kAbove, kBelow = OnWhere::kBelow;
-constexpr auto kBefore = EffectPhase::kBefore, kSteps = EffectPhase::kSteps;
+constexpr auto kAbove = OnWhere::kAbove;
+constexpr auto kBefore = EffectPhase::kBefore;
 constexpr std::string_view kHalfLevel = "half a level of an 8-bit photo, which none can show";
 
 constexpr EffectInfo kRegistry[] = {

@@ -23,9 +23,9 @@ HashGridConfig hash_config(const Exec& exec, const JointField::Setup& s, double 
   const std::vector<HashLevel> levels = hash_levels(config);
   int kept = 1;
   while (kept < config.levels && encoding_cells(exec, s.reach, width, s.boundary.positions(),
-                                                levels[std::size_t(kept)].resolution) >= kFinestCell)
+                                                int(levels[std::size_t(kept)].resolution)) >= kFinestCell)
     ++kept;
-  config.levels = kept, config.max_resolution = levels[std::size_t(kept - 1)].resolution;
+  config.levels = kept, config.max_resolution = int(levels[std::size_t(kept - 1)].resolution);
   return config;
 }
 

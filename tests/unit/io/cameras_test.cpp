@@ -346,16 +346,16 @@ TEST_CASE("npy: every prefix, other types and shapes that the file cannot hold a
   const std::string good = test::llff_npy(test::random_cameras(1, true));
   for (std::size_t n = 0; n < good.size(); ++n)
     CHECK_THROWS_AS(parse_npy(bytes_of(good).first(n), "a.npy"), Error);
-  for (const auto& [type, shape] : {std::pair<const char*, const char*>{"<i8", "(1, 1)"},
-                                    {"|O", "(1, 1)"},
-                                    {"<f8", "(1,)"},
-                                    {"<f8", "(1, 1, 1)"},
-                                    {"<f8", "(-1, 1)"},
-                                    {"<f8", "(18446744073709551615, 17)"},
-                                    {"<f8", "(4294967296, 4294967296)"},
-                                    {"<f8", "(x, 1)"}}) {
-    CAPTURE(shape);
-    const std::string bytes = test::npy_header(type, false, shape) + std::string(8, '\0');
+  for (const auto& c : {std::pair<const char*, const char*>{"<i8", "(1, 1)"},
+                        {"|O", "(1, 1)"},
+                        {"<f8", "(1,)"},
+                        {"<f8", "(1, 1, 1)"},
+                        {"<f8", "(-1, 1)"},
+                        {"<f8", "(18446744073709551615, 17)"},
+                        {"<f8", "(4294967296, 4294967296)"},
+                        {"<f8", "(x, 1)"}}) {
+    CAPTURE(c.second);
+    const std::string bytes = test::npy_header(c.first, false, c.second) + std::string(8, '\0');
     CHECK_THROWS_AS(parse_npy(bytes_of(bytes), "a.npy"), Error);
   }
 }

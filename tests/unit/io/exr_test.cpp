@@ -67,7 +67,7 @@ TEST_CASE("an EXR header that claims far more pixels than its bytes can hold is 
   const std::size_t at =
       bytes.find("dataWindow") + std::string("dataWindow").size() + 1 + 6 + 4;  // name, "box2i", size
   const std::int32_t huge = 12000;
-  for (const std::size_t corner : {8, 12})
+  for (const std::size_t corner : {std::size_t(8), std::size_t(12)})
     bytes.replace(at + corner, 4, reinterpret_cast<const char*>(&huge), 4);
   CHECK_THROWS_AS(parse_exr({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, "a.exr"),
                   Error);

@@ -61,9 +61,9 @@ TEST_CASE("prompts that make no sense are refused with the key") {
       {R"("boxes":[[1,2,3]]})", "boxes"},
       {R"("boxes":[[1,2,3,4]],"extra":0})", "extra"},
   };
-  for (const auto& [text, part] : cases) {
-    CAPTURE(text);
-    CHECK(refusal([&] { parsed(head + text); }).find(part) != std::string::npos);
+  for (const auto& c : cases) {
+    CAPTURE(c.first);
+    CHECK(refusal([&] { parsed(head + c.first); }).find(c.second) != std::string::npos);
   }
   CHECK(refusal([] { parsed(R"({"ngs_prompts":2,"width":8,"height":6,"boxes":[[1,1,2,2]]})"); }) != "");
   CHECK(refusal([] { parsed(R"({"ngs_prompts":1,"width":0,"height":6,"boxes":[[1,1,2,2]]})"); }) != "");

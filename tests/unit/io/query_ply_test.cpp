@@ -76,7 +76,7 @@ std::string error_of(const std::string& file) {
 
 TEST_CASE("sampled and interpolated queries come back as they were written") {
   const test::TempDir dir;
-  for (const std::size_t n : {0, 1, 5}) {
+  for (const std::size_t n : {std::size_t(0), std::size_t(1), std::size_t(5)}) {
     const QueryField fields[] = {sampled(n), interpolated(n)};
     for (const QueryField& field : fields) {
       io::write_query_ply(dir.file("q.ply"), field, {"ngs test"});

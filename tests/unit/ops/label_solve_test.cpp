@@ -108,7 +108,7 @@ TEST_CASE(
     const std::vector<double> m = random.uniform_vector(70, 0.02, 0.98);
     const BookSums want = by_the_book(c, m, targets);
     if (want.near_threshold) continue;
-    for (const std::size_t step : {1, 3}) {
+    for (const std::size_t step : {std::size_t(1), std::size_t(3)}) {
       const std::vector<std::int32_t> column = every(70, step);
       const LabelSystem system({.threads = 2}, problem, column, m, 1 << 30);
       std::vector<double> at;

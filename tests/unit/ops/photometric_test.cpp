@@ -52,7 +52,8 @@ ImageF random_image(int w, int h, int c, std::uint64_t seed, float centre = 0.5f
 
 TEST_CASE("the photometric loss equals a direct double-precision evaluation at every size around the window") {
   for (const int c : {1, 3, 4})
-    for (const auto& [w, h] : {std::pair{1, 1}, {2, 1}, {1, 7}, {5, 6}, {10, 11}, {11, 12}, {33, 17}}) {
+    for (const auto& size : {std::pair{1, 1}, {2, 1}, {1, 7}, {5, 6}, {10, 11}, {11, 12}, {33, 17}}) {
+      const int w = size.first, h = size.second;
       CAPTURE(w);
       CAPTURE(h);
       CAPTURE(c);

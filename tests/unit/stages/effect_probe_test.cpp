@@ -23,13 +23,12 @@ struct ProbeCase {
   double measure(double (EffectProbe::*what)()) const {
     MethodInput in = base->input();
     in.views = views;
-    Monitor monitor;
     const JointOptions joint;
     const EdgeOptions edge;
     const SampleOptions sample;
     const RbfOptions rbf;
     const EffectSetup setup{joint, edge, sample, rbf, in};
-    EffectProbe probe({}, monitor, setup);
+    EffectProbe probe({}, setup);
     return (probe.*what)();
   }
 };
@@ -138,7 +137,7 @@ TEST_CASE("photos: those of views that may not supervise do not count, and one o
   CHECK(c.measure(&EffectProbe::photos) <= threshold_of("photometric"));
   c.base->scene.views[1].image_path = "photo";
   c.views = {0, 1, 2, 3};
-  for (const std::size_t v : {2, 3}) c.base->scene.views[v].image_path.clear();  // naive: most views have none
+  for (std::size_t v = 2; v < 4; ++v) c.base->scene.views[v].image_path.clear();  // naive: most views have none
   CHECK(c.measure(&EffectProbe::photos) > threshold_of("edges"));
 }
 

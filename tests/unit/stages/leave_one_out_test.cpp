@@ -22,16 +22,18 @@ void gather(std::size_t view, Evidence& evidence) {
   }
 }
 
+constexpr std::size_t kViews[] = {0, 1, 3};
+
 }  // namespace
 
 TEST_CASE("without a view there is the evidence of the others, kept or gathered anew") {
   for (const std::size_t kept : {std::size_t(0), std::size_t(200), std::size_t(1) << 20}) {
     CAPTURE(kept);
     LeaveOneOut views(kGaussians, kObjects, gather, kept);
-    for (const std::size_t v : {0, 1, 3}) views.add(v);
-    for (const std::size_t left_out : {0, 1, 2, 3}) {
+    for (const std::size_t v : kViews) views.add(v);
+    for (std::size_t left_out = 0; left_out < 4; ++left_out) {
       Evidence others(kGaussians, kObjects);
-      for (const std::size_t v : {0, 1, 3})
+      for (const std::size_t v : kViews)
         if (v != left_out) gather(v, others);
       const LeaveOneOut::Rest rest = views.without(left_out);
       for (std::size_t i = 0; i < 5; ++i) {

@@ -129,7 +129,7 @@ TEST_CASE("mask noise depends on seed and view, and not on the thread count") {
 }
 
 TEST_CASE("view_fates leaves out and exchanges exactly the asked shares, by seed alone") {
-  for (const std::uint64_t seed : {0, 1, 2, 3}) {
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
     const std::vector<int> fate = view_fates(20, 0.2, 0.1, seed);
     int missing = 0, wrong = 0;
     for (int v = 0; v < 20; ++v) {
