@@ -161,7 +161,9 @@ mutant $f "$t" $f "no ridge" 's/1 \+ kRidge/1/'
 mutant $f "$t" $f "weights ignored" 's/sum \+= w\[i\] \* a\[i\]/sum += a[i]/'
 mutant $f "$t" $f "combined step without the points' differences" 's/dx_\[std::size_t\(j\)\]\[i\] \+ df_/df_/'
 t=unit/ops/label_solve_test.cpp f=ops/label_blocks.cpp
-mutant $f $t $f "background of a pixel from m" 's/wide\(weight\[i\]\), rest, c\[k\]/wide(weight[i]), m, c[k]/'
+mutant $f $t $f "background of a pixel from m" 's/c\[k\] = fma_lanes\(weight, rest, c\[k\]\)/c[k] = fma_lanes(weight, m, c[k])/'
+mutant $f $t $f "the other factor of binary targets" 's/select\(inside\[k\] > L\(0\.f\), m, rest\)/select(inside[k] > L(0.f), rest, m)/'
+mutant $f $t $f "unknown pixels count as background" 's/select\(p\.inside \+ p\.outside > L\(0\.f\), factor, L\(1\.f\)\)/factor/'
 mutant $f $t $f "predictions of exactly 0" 's/return fma_lanes\(L\(float\(1 - 2 \* kMaskEps\)\), sum, .*;/return sum;/'
 mutant $f $t $f "folded Gaussians forgotten" 's/foreground\[k\] = fma_lanes\(weight, m, foreground\[k\]\)/foreground[k] = foreground[k]/'
 t=unit/ops/metrics_test.cpp f=ops/metrics.cpp

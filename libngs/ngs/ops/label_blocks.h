@@ -54,6 +54,7 @@ double evaluate_block(const LabelBlock& block, ColumnValues at, SlotSums* slots)
 
 /// Where a Gaussian's label is, for collect_block: its column, or -1 and the folded value.
 struct LabelPlaces {
+  const std::uint32_t* id;     // [V] Gaussians that the view shows
   const std::int32_t* column;  // [N]
   const double* label;         // [N]
 };
@@ -69,20 +70,20 @@ struct TileLoss {
   double target_sum = 0;  // Σ a + b
 };
 
-/// A walk of the tile and the sums of all its Gaussians, which stand at `at` [V]; writes their slots. The same sums as
-/// those of a block whose columns are all Gaussians. `tape`: of record, with `lanes` lanes; its alphas are overwritten.
-TileLoss evaluate_tape(const TileWork<float>& work, Tape<float>& tape, int lanes, const float* transmittance,
-                       ColumnValues at, TargetPlanes targets, SlotSums* slots);
+/// A tile's contributions by `record` of packs of `lanes` pixels. Who walks it overwrites alphas with weights: once.
+struct RecordedTile {
+  TileWork<float> work;
+  Tape<float>& tape;
+  int lanes;
+  float* transmittance;  // [kTilePixels] behind the last one, in packs
+};
 
-/// Composites the tile and collects its block; slots are those of `lists`. `against` [pairs], if not null,
-/// gets at the slot of every folded entry its weight against the folded value: Σ w b where that is 1, Σ w a
-/// where it is 0.
-void collect_block(const TileLists& lists, std::int64_t tile, const ProjectedView<float>& view,
-                   const Camera& camera, Compat compat, LabelPlaces places, TargetPlanes targets,
-                   float* against, LabelBlock& out);
+/// The sums of all Gaussians of the tile, which stand at `at` [V]; writes their slots. The same sums as those of a block
+/// whose columns are all Gaussians.
+TileLoss evaluate_tile(const RecordedTile& tile, ColumnValues at, TargetPlanes targets, SlotSums* slots);
 
-/// A copy of the block, exactly as large as needed, with the weights in half precision if wanted.
-LabelBlock kept_block(const LabelBlock& block, bool half);
+/// Composites the tile and collects its block, in half precision if wanted; slots are those of the view's lists.
+void collect_block(const TileWork<float>& work, LabelPlaces places, TargetPlanes targets, bool half, LabelBlock& out);
 
 /// The block with only the columns whose `new_column` is >= 0, renumbered; the others are folded at their
 /// values. Its constant_loss is that of the pixels which no column reaches any more; its target_sum is 0.

@@ -19,6 +19,9 @@ constexpr double kRoundingOfLoss = 1e-7;  // relative: what float predictions le
 constexpr double kInnerShare = 0.8;  // of the wanted gap, left to a working set
 constexpr int kMaxRounds = 50;
 constexpr std::size_t kHistory = 6;  // points that a step is combined from
+// In log-odds. What is combined of a curved path overshoots: labels thrown to a bound that pixels speak against cost more
+// steps than they save.
+constexpr double kLongestStep = 2;
 
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -61,28 +64,15 @@ class Solver {
   }
 
  private:
-  /// Columns: the movable labels that are not at a bound, and those at a bound that some pixel speaks
-  /// against.
   LabelSystem make_system(const LabelProblem& problem, const std::vector<double>& start,
                           const std::vector<std::uint8_t>& movable) {
     NGS_CHECK(start.size() == std::size_t(problem.cloud.size()) && movable.size() == start.size(),
               "labels to solve for");
-    std::vector<std::uint8_t> column(start.size());
-    for (std::size_t i = 0; i < start.size(); ++i) column[i] = movable[i] && start[i] > 0 && start[i] < 1;
-    number_columns(column);
-    LabelSystem system(exec_, problem, column_of_, start, 0);
-    bool complete = true;
-    for (std::size_t i = 0; i < start.size(); ++i)
-      if (movable[i] && !column[i] && system.weight_against()[i] > 0) column[i] = 1, complete = false;
-    if (complete) return system;
-    number_columns(column);
-    return LabelSystem(exec_, problem, column_of_, start, 0);
-  }
-  void number_columns(const std::vector<std::uint8_t>& column) {
-    column_of_.assign(column.size(), -1);
+    column_of_.assign(movable.size(), -1);
     std::int32_t next = 0;
-    for (std::size_t i = 0; i < column.size(); ++i)
-      if (column[i]) column_of_[i] = next++;
+    for (std::size_t i = 0; i < movable.size(); ++i)
+      if (movable[i]) column_of_[i] = next++;
+    return LabelSystem(exec_, problem, column_of_, start, 0);
   }
 
   bool out_of_budget() const {
@@ -166,7 +156,7 @@ class Solver {
     const std::vector<double> to = history.next(x, f, weight);
     std::vector<double> step = plain;
     for (std::size_t c = 0; c < m.size(); ++c) {
-      const double moved = 1 / (1 + std::exp(-to[c]));
+      const double moved = 1 / (1 + std::exp(-std::clamp(to[c], x[c] - kLongestStep, x[c] + kLongestStep)));
       if (inner(m[c]) && inner(plain[c]) && inner(moved)) step[c] = moved;
     }
     return step;

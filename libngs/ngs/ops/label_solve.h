@@ -36,14 +36,13 @@ struct LabelSolution {
   double loss = 0, gap = 0;   // at `label`, over all movable Gaussians
   bool converged = false;     // gap <= relative_gap · loss
   int evaluations = 0, rounds = 0;
-  std::int64_t columns = 0;          // labels that could not be folded beforehand
+  std::int64_t columns = 0;          // movable labels
   std::int64_t working_columns = 0;  // of the largest working set
   LabelSystem::Stats cache;          // of the same
   std::vector<GapPoint> trace;
 };
 
-/// Starts at `start` [N]. Gaussians with movable[i] == 0 keep it. A movable one that starts at exactly 0 or 1
-/// is folded there if no pixel speaks against that (then it is optimal); else it moves like the others.
+/// Starts at `start` [N], also at exactly 0 or 1. Gaussians with movable[i] == 0 keep it.
 LabelSolution solve_labels(const Exec& exec, const LabelProblem& problem, const LabelSolveOptions& options,
                            const std::vector<double>& start, const std::vector<std::uint8_t>& movable);
 

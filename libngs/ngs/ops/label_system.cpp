@@ -3,6 +3,7 @@
 #include "ngs/core/check.h"
 #include "ngs/ops/cloud_view.h"
 #include "ngs/ops/label_blocks.h"
+#include "ngs/ops/loss_mask_kernels.h"
 #include "ngs/ops/tile_isa.h"
 
 namespace ngs {
@@ -34,10 +35,8 @@ struct OpenView {
     lists = bin_tiles(exec, view, camera.width_px, camera.height_px);
   }
   bool empty() const { return targets.inside.empty(); }
-  void collect(std::int64_t tile, Compat compat, LabelPlaces places, float* against, LabelBlock& out) const {
-    collect_block(lists, tile, view, camera, compat, places, {targets.inside.data(), targets.outside.data()},
-                  against, out);
-  }
+  TargetPlanes planes() const { return {targets.inside.data(), targets.outside.data()}; }
+  TileWork<float> work(std::int64_t tile, Compat compat) const { return tile_work(view, lists, tile, camera, compat); }
   /// f(Gaussian, first slot, end slot) for every visible Gaussian; f owns what belongs to the Gaussian.
   template <class F>
   void for_each_visible(const Exec& exec, const F& f) const {
@@ -53,7 +52,7 @@ struct OpenView {
 struct LabelSystem::State {
   const LabelProblem& problem;
   std::vector<std::int32_t> column_of;
-  std::vector<double> label, against;
+  std::vector<double> label;
   std::int64_t columns = 0;
   std::vector<std::vector<LabelBlock>> block;  // [cached views][tiles with columns]
   std::vector<std::size_t> streamed;           // cameras after the cached ones
@@ -72,15 +71,12 @@ struct LabelSystem::State {
               "label system shape");
     for (const std::int32_t c : column_of) columns = std::max(columns, std::int64_t(c) + 1);
   }
-  LabelPlaces places() const { return {column_of.data(), label.data()}; }
   double target_sum() const { return of_cached.target_sum + of_streamed.target_sum; }
   void open_view(const Exec& exec, std::size_t camera, std::int64_t cache_bytes);
   void open_streamed(const Exec& exec);
   bool add_view(std::vector<LabelBlock> tiles, std::int64_t cache_bytes);
   void number_slots();
-  void add_against(const Exec& exec, const OpenView& open, const std::vector<float>& pair);
-  TileLoss stream(const Exec& exec, const OpenView& open, ColumnValues at, LabelSums& out,
-                  std::vector<double>* against_sums) const;
+  TileLoss stream(const Exec& exec, const OpenView& open, ColumnValues at, LabelSums& out) const;
 };
 
 /// Collects the view's blocks and keeps them while they fit; once one did not, all later views are streamed
@@ -89,22 +85,13 @@ void LabelSystem::State::open_view(const Exec& exec, std::size_t camera, std::in
   const OpenView open(exec, problem, camera);
   if (open.empty()) return;
   std::vector<LabelBlock> tiles(std::size_t(open.lists.tiles()));
-  std::vector<float> pair_against(against.empty() ? 0 : std::size_t(open.lists.pairs()), 0.f);
+  const LabelPlaces places{open.view.id.data(), column_of.data(), label.data()};
   for_each_task(exec, open.lists.tiles(), [&](std::int64_t tile) {
-    static thread_local LabelBlock block;  // grows once
-    open.collect(tile, problem.splat.compat, places(), pair_against.empty() ? nullptr : pair_against.data(),
-                 block);
-    tiles[std::size_t(tile)] = kept_block(block, problem.half_weights);
+    static thread_local LabelBlock block;  // grows once; its copy is as large as needed
+    collect_block(open.work(tile, problem.splat.compat), places, open.planes(), problem.half_weights, block);
+    tiles[std::size_t(tile)] = block;
   });
-  add_against(exec, open, pair_against);
   if (!add_view(std::move(tiles), cache_bytes)) streamed.push_back(camera), ++stats.streamed_views;
-}
-
-void LabelSystem::State::add_against(const Exec& exec, const OpenView& open, const std::vector<float>& pair) {
-  if (pair.empty()) return;
-  open.for_each_visible(exec, [&](std::uint32_t gaussian, std::size_t first, std::size_t end) {
-    for (std::size_t s = first; s < end; ++s) against[gaussian] += double(pair[s]);
-  });
 }
 
 /// Nothing is to be kept: one walk gives the constants and the sums at the labels given.
@@ -119,7 +106,7 @@ void LabelSystem::State::open_streamed(const Exec& exec) {
   for (std::size_t camera = 0; camera < problem.cameras.size(); ++camera) {
     const OpenView open(exec, problem, camera);
     if (open.empty()) continue;
-    const TileLoss view = stream(exec, open, at.view(), start, &against);
+    const TileLoss view = stream(exec, open, at.view(), start);
     loss += view.loss, of_streamed.target_sum += view.target_sum;
     streamed.push_back(camera), ++stats.streamed_views;
   }
@@ -155,9 +142,8 @@ void LabelSystem::State::number_slots() {
   slots.resize(std::size_t(slot_begin.back()));
 }
 
-/// Adds what one view that is not cached says; returns its whole loss. `against_sums`: see weight_against.
-TileLoss LabelSystem::State::stream(const Exec& exec, const OpenView& open, ColumnValues at, LabelSums& out,
-                                    std::vector<double>* against_sums) const {
+/// Adds what one view that is not cached says; returns its whole loss.
+TileLoss LabelSystem::State::stream(const Exec& exec, const OpenView& open, ColumnValues at, LabelSums& out) const {
   const std::size_t visible = open.view.id.size();
   std::vector<float> m(visible), rest(visible);
   for (std::size_t v = 0; v < visible; ++v) {
@@ -166,26 +152,21 @@ TileLoss LabelSystem::State::stream(const Exec& exec, const OpenView& open, Colu
     m[v] = column >= 0 ? at.m[column] : float(label[gaussian]);
     rest[v] = column >= 0 ? at.rest[column] : float(1 - label[gaussian]);
   }
-  const TileKernels<float> kernels = float_tile_kernels(exec.isa);
   std::vector<SlotSums> pair(std::size_t(open.lists.pairs()), SlotSums{0.f, 0.f});
   std::vector<TileLoss> tile_loss(std::size_t(open.lists.tiles()));
+  const TileKernels<float> kernels = float_tile_kernels(exec.isa);
   for_each_task(exec, open.lists.tiles(), [&](std::int64_t tile) {
     static thread_local TileScratch<float> scratch;
-    float* transmittance = scratch.values(kTilePixels);
-    const TileWork<float> work = tile_work(open.view, open.lists, tile, open.camera, problem.splat.compat);
-    kernels.record(work, scratch.tape, transmittance);
-    tile_loss[std::size_t(tile)] =
-        evaluate_tape(work, scratch.tape, kernels.lanes, transmittance, {m.data(), rest.data()},
-                      {open.targets.inside.data(), open.targets.outside.data()}, pair.data());
+    const RecordedTile recorded{open.work(tile, problem.splat.compat), scratch.tape, kernels.lanes,
+                                scratch.values(kTilePixels)};
+    kernels.record(recorded.work, scratch.tape, recorded.transmittance);
+    tile_loss[std::size_t(tile)] = evaluate_tile(recorded, {m.data(), rest.data()}, open.planes(), pair.data());
   });
   open.for_each_visible(exec, [&](std::uint32_t gaussian, std::size_t first, std::size_t end) {
     const std::int32_t column = column_of[gaussian];
-    for (std::size_t s = first; s < end; ++s) {
-      if (column >= 0)
-        out.inside[std::size_t(column)] += double(pair[s].inside), out.outside[std::size_t(column)] += double(pair[s].outside);
-      else if (against_sums)
-        (*against_sums)[gaussian] += double(label[gaussian] >= 0.5 ? pair[s].outside : pair[s].inside);
-    }
+    if (column < 0) return;
+    for (std::size_t s = first; s < end; ++s)
+      out.inside[std::size_t(column)] += double(pair[s].inside), out.outside[std::size_t(column)] += double(pair[s].outside);
   });
   TileLoss sum;
   for (const TileLoss& t : tile_loss) sum.loss += t.loss, sum.target_sum += t.target_sum;
@@ -213,7 +194,6 @@ LabelSystem::LabelSystem(const Exec& exec, const LabelProblem& problem,
                          const std::vector<std::int32_t>& column_of, const std::vector<double>& label,
                          std::int64_t cache_bytes)
     : state_(std::make_unique<State>(problem, column_of, label)) {
-  state_->against.assign(column_of.size(), 0.0);
   if (cache_bytes == 0) {
     state_->open_streamed(exec);
     state_->number_slots();
@@ -257,7 +237,6 @@ const LabelSums& LabelSystem::at_start() const {
   NGS_CHECK(state_->start.inside.size() == std::size_t(state_->columns), "sums at the start, of a system without cache");
   return state_->start;
 }
-const std::vector<double>& LabelSystem::weight_against() const { return state_->against; }
 const LabelSystem::Stats& LabelSystem::stats() const { return state_->stats; }
 
 void LabelSystem::evaluate(const Exec& exec, const std::vector<double>& m, LabelSums& out) const {
@@ -282,7 +261,7 @@ void LabelSystem::evaluate(const Exec& exec, const std::vector<double>& m, Label
     }
   });
   for (const std::size_t camera : s.streamed)
-    loss += s.stream(exec, OpenView(exec, s.problem, camera), at.view(), out, nullptr).loss;
+    loss += s.stream(exec, OpenView(exec, s.problem, camera), at.view(), out).loss;
   out.loss = s.target_sum() > 0 ? loss / s.target_sum() : 0.0;
 }
 

@@ -45,8 +45,6 @@ struct LabelSums {
   std::vector<double> inside, outside;  // P, Q
 };
 
-inline constexpr double kMaskEps = 1e-6;  // ε
-
 class LabelSystem {
  public:
   struct Stats {
@@ -72,10 +70,6 @@ class LabelSystem {
   /// Of a system made with cache_bytes = 0: evaluate() at its `label`, found on the way.
   const LabelSums& at_start() const;
   double gradient_scale() const;  // (1 - 2ε) / Σ (a + b); 0 without any target
-  /// [N] what speaks against the label of each folded Gaussian: where it is zero, the label is optimal whatever the
-  /// others are. Σ w b where the label is 1, Σ w a where it is 0, over c or q in systems without cache. Of reduced
-  /// systems: empty.
-  const std::vector<double>& weight_against() const;
   const Stats& stats() const;
 
  private:
