@@ -34,7 +34,7 @@ run() {
     verdict="NOT COMPILED"
     head -5 "$place/log" >&2
   else
-    timeout 300 "$place/test" --minimal >"$place/log" 2>&1
+    timeout 300 "$place/test" --minimal --abort-after=1 >"$place/log" 2>&1
     case $? in
       0) verdict=SURVIVED ;;
       124) verdict="TIMED OUT" ;;
