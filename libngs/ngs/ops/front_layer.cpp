@@ -50,6 +50,13 @@ struct FrontBase {
   }
 };
 
+/// Nothing of a tile without surface is in front.
+bool has_surface(const L* limit) {
+  bool some = false;
+  for (int i = 0; i < kPacks; ++i) some |= any(limit[i] > L(0.f));
+  return some;
+}
+
 struct LayerSink : FrontBase {
   Matrix<const float> value;
   std::vector<L> sum;  // [C + 1, packs]
@@ -141,6 +148,7 @@ ImageF FrontView::layer(const FrontQuery& query, Matrix<const float> value) cons
     const TileFrame& frame = work.frame;
     LayerSink sink{{b, work, query.candidate, {}}, value, std::vector<L>(std::size_t((value.c + 1) * kPacks), L(0.f))};
     tile_plane(frame, query.limit.data, sink.limit);
+    if (!has_surface(sink.limit)) return;
     L transmittance[kPacks];
     composite_tile<L>(work, transmittance, sink);
     store_tile(frame, sink.sum, out);

@@ -70,43 +70,67 @@ TileSpan tile_span(const ProjectedView<S>& view, std::size_t v, int ty) {
   return tile_span(view.record[v], view.rect[v], ty);
 }
 
+/// Where the pairs of one visible Gaussian go: what the sort into tiles reads of it, in one place, since it comes there in
+/// order of depth, which is no order in memory.
+struct TilePairs {
+  std::int64_t slot;  // of the first
+  std::int64_t span;  // of its first row of tiles
+  std::uint16_t first_row, rows;
+  TileSpan first;  // of that row: most Gaussians have no other
+};
+
+/// The visible Gaussians nearest first; equal depths by index.
+template <class S>
+std::vector<std::uint32_t> depth_order(const ProjectedView<S>& view) {
+  std::vector<std::uint32_t> key(view.depth.size());
+  for (std::size_t v = 0; v < key.size(); ++v) key[v] = std::bit_cast<std::uint32_t>(float(double(view.depth[v])));
+  return stable_order(key);  // depths are positive: their bits sort like them
+}
+
 /// Lists per tile, ordered by (depth, index): one global stable sort, then a stable counting sort into tiles.
 template <class S>
 TileLists bin_tiles(const Exec& exec, const ProjectedView<S>& view, int width_px, int height_px) {
+  constexpr std::int64_t kAhead = 16;  // what the sort asks memory for before it needs it
   TileLists lists;
   lists.tiles_x = (width_px + kTilePx - 1) / kTilePx, lists.tiles_y = (height_px + kTilePx - 1) / kTilePx;
   const std::size_t count = view.id.size();
-  std::vector<std::int64_t> span_begin(count + 1, 0);
-  for (std::size_t v = 0; v < count; ++v)
-    span_begin[v + 1] = span_begin[v] + view.rect[v].y_end - view.rect[v].y_begin;
+  std::vector<TilePairs> pairs(count);
+  std::int64_t rows = 0;
+  for (std::size_t v = 0; v < count; ++v) {
+    const TileRect& r = view.rect[v];
+    pairs[v] = {0, rows, std::uint16_t(r.y_begin), std::uint16_t(r.y_end - r.y_begin), {}};
+    rows += pairs[v].rows;
+  }
   std::vector<TileSpan> span;
-  span.resize(std::size_t(span_begin.back()));
+  span.resize(std::size_t(rows));
   lists.slot_begin.assign(count + 1, 0);
   for_each_index(exec, std::int64_t(count), [&](std::int64_t row) {
     const auto v = std::size_t(row);
     std::int64_t tiles = 0;
-    TileSpan* out = span.data() + span_begin[v];
+    TileSpan* out = span.data() + pairs[v].span;
     for (int ty = view.rect[v].y_begin; ty < view.rect[v].y_end; ++ty, ++out)
       *out = tile_span(view, v, ty), tiles += out->end - out->first;
     lists.slot_begin[v + 1] = tiles;
+    if (pairs[v].rows > 0) pairs[v].first = span[std::size_t(pairs[v].span)];
   });
-  for (std::size_t v = 0; v < count; ++v) lists.slot_begin[v + 1] += lists.slot_begin[v];
+  for (std::size_t v = 0; v < count; ++v)
+    lists.slot_begin[v + 1] += lists.slot_begin[v], pairs[v].slot = lists.slot_begin[v];
 
-  std::vector<std::uint32_t> order;
-  {
-    std::vector<std::uint32_t> key(count);
-    for (std::size_t v = 0; v < count; ++v) key[v] = std::bit_cast<std::uint32_t>(float(double(view.depth[v])));
-    order = stable_order(key);  // depths are positive: their bits sort like them
-  }
   // Counting sort into tiles in `order`: each chunk of `order` owns its own range of every tile's list.
+  const std::vector<std::uint32_t> order = depth_order(view);
   const std::int64_t chunks = exec.threads, per_chunk = (std::int64_t(count) + chunks - 1) / chunks;
   std::vector<std::vector<std::int64_t>> next(std::size_t(chunks), std::vector<std::int64_t>(std::size_t(lists.tiles()), 0));
   const auto for_each_pair = [&](std::int64_t chunk, auto&& f) {
-    for (std::int64_t k = chunk * per_chunk; k < std::min(std::int64_t(count), (chunk + 1) * per_chunk); ++k) {
+    const std::int64_t end = std::min(std::int64_t(count), (chunk + 1) * per_chunk);
+    for (std::int64_t k = chunk * per_chunk; k < end; ++k) {
+      __builtin_prefetch(&pairs[order[std::size_t(std::min(k + kAhead, end - 1))]]);
       const std::uint32_t v = order[std::size_t(k)];
-      std::int64_t slot = lists.slot_begin[v], row = std::int64_t(view.rect[v].y_begin) * lists.tiles_x;
-      for (std::int64_t s = span_begin[v]; s < span_begin[v + 1]; ++s, row += lists.tiles_x)
-        for (int tx = span[std::size_t(s)].first; tx < span[std::size_t(s)].end; ++tx) f(row + tx, v, slot++);
+      const TilePairs p = pairs[v];
+      std::int64_t slot = p.slot, row = std::int64_t(p.first_row) * lists.tiles_x;
+      for (std::int64_t s = 0; s < p.rows; ++s, row += lists.tiles_x) {
+        const TileSpan columns = s == 0 ? p.first : span[std::size_t(p.span + s)];
+        for (int tx = columns.first; tx < columns.end; ++tx) f(row + tx, v, slot++);
+      }
     }
   };
   for_each_task(exec, chunks, [&](std::int64_t chunk) {
