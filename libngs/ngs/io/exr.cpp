@@ -14,6 +14,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <map>
+#include <string_view>
 
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
@@ -26,6 +28,7 @@ namespace {
 /// A highest compression ratio and size that real files do not reach; beyond it a header is a lie.
 constexpr double kMaxExpansion = 1 << 16;
 constexpr std::int64_t kMaxExrPixels = std::int64_t(1) << 28;
+constexpr std::int64_t kMostRowsPerChunk = 256;
 
 class MemoryOut : public Imf::OStream {
  public:
@@ -93,8 +96,61 @@ void check_size(std::int64_t width, std::int64_t height, std::int64_t channels, 
                              " px in " + std::to_string(file_bytes) + " bytes");
 }
 
+/// Rows that are packed together; the library allocates that many however few the image has.
+std::int64_t rows_per_chunk(Imf::Compression compression) {
+  switch (compression) {
+    case Imf::NO_COMPRESSION:
+    case Imf::RLE_COMPRESSION:
+    case Imf::ZIPS_COMPRESSION: return 1;
+    case Imf::ZIP_COMPRESSION:
+    case Imf::PXR24_COMPRESSION: return 16;
+    case Imf::DWAB_COMPRESSION: return kMostRowsPerChunk;
+    default: return 32;
+  }
+}
+
+template <class T>
+T value_at(Bytes bytes, std::size_t at) {
+  T value;
+  if (at > bytes.size() || bytes.size() - at < sizeof value) throw std::runtime_error("file is truncated");
+  std::memcpy(&value, bytes.data() + at, sizeof value);
+  return value;
+}
+
+/// How many bytes the library reads of a value, whatever its attribute's size says; `value` is what the size spans. Types
+/// that are not listed are read by their size.
+std::int64_t bytes_read_of(std::string_view type, Bytes value) {
+  static const std::map<std::string_view, std::int64_t> kFixed = {
+      {"box2i", 16}, {"box2f", 16},  {"chromaticities", 32}, {"compression", 1}, {"deepImageState", 1}, {"double", 8},
+      {"envmap", 1}, {"float", 4},   {"int", 4},             {"keycode", 28},    {"lineOrder", 1},      {"m33f", 36},
+      {"m33d", 72},  {"m44f", 64},   {"m44d", 128},          {"rational", 8},    {"tiledesc", 9},       {"timecode", 8},
+      {"v2i", 8},    {"v2f", 8},     {"v2d", 16},            {"v3i", 12},        {"v3f", 12},           {"v3d", 24}};
+  if (const auto fixed = kFixed.find(type); fixed != kFixed.end()) return fixed->second;
+  std::size_t at = 0;
+  if (type == "chlist") {  // name, 16 bytes, ..., an empty name
+    constexpr std::size_t kChannel = 16;
+    for (;;) {
+      const auto end = std::find(value.begin() + std::ptrdiff_t(std::min(at, value.size())), value.end(), std::uint8_t(0));
+      const auto name = std::size_t(end - value.begin()) - std::min(at, value.size());
+      if (end == value.end() || name == 0) return std::int64_t(at) + 1;
+      at += name + 1 + kChannel;
+    }
+  }
+  if (type == "preview")
+    return 8 + 4 * std::int64_t(value_at<std::uint32_t>(value, 0)) * value_at<std::uint32_t>(value, 4);
+  if (type == "stringvector") {
+    while (at < value.size()) {
+      const auto length = value_at<std::int32_t>(value, at);
+      if (length < 0 || std::size_t(length) > value.size() - at) return -1;
+      at += sizeof length + std::size_t(length);
+    }
+    return std::int64_t(at);
+  }
+  return std::int64_t(value.size());
+}
+
 /// Attributes are name, type, size, value. The library allocates what a size claims before it reads the
-/// value.
+/// value, and goes on where it stopped reading, which must be where the size ends.
 void check_attribute_sizes(Bytes bytes, std::size_t at, bool multi_part) {
   const auto skip_text = [&] {
     const auto end = std::find(bytes.begin() + std::ptrdiff_t(at), bytes.end(), std::uint8_t(0));
@@ -105,12 +161,14 @@ void check_attribute_sizes(Bytes bytes, std::size_t at, bool multi_part) {
   };
   for (bool more_headers = true; more_headers;) {
     while (!skip_text()) {  // an empty name ends a header
+      const std::size_t type_at = at;
       skip_text();
-      std::int32_t size = 0;
-      if (bytes.size() - at < sizeof size) throw std::runtime_error("file is truncated");
-      std::memcpy(&size, bytes.data() + at, sizeof size);
+      const std::string type(reinterpret_cast<const char*>(bytes.data() + type_at));
+      const auto size = value_at<std::int32_t>(bytes, at);
       at += sizeof size;
       if (size < 0 || std::size_t(size) > bytes.size() - at) throw std::runtime_error("file is truncated");
+      if (bytes_read_of(type, bytes.subspan(at, std::size_t(size))) != size)
+        throw std::runtime_error("an attribute of type " + type + " claims " + std::to_string(size) + " bytes");
       at += std::size_t(size);
     }
     more_headers = multi_part && at < bytes.size() && bytes[at] != 0;  // an empty header ends them
@@ -135,9 +193,13 @@ void check_header(Bytes bytes) {
   if (count == 0) throw std::runtime_error("file has no channels");
   const Imath::Box2i window = header.dataWindow();
   const std::int64_t height = std::int64_t(window.max.y) - window.min.y + 1;
-  check_size(std::int64_t(window.max.x) - window.min.x + 1, height, count, bytes.size());
-  constexpr std::int64_t kMostLinesPerChunk = 256, kOffsetBytes = 8;
-  if (height / kMostLinesPerChunk * kOffsetBytes > std::int64_t(bytes.size()))
+  const std::int64_t width = std::int64_t(window.max.x) - window.min.x + 1;
+  check_size(width, height, count, bytes.size());
+  check_size(width, rows_per_chunk(header.compression()), count, bytes.size());
+  if (header.hasTileDescription())
+    check_size(header.tileDescription().xSize, header.tileDescription().ySize, count, bytes.size());
+  constexpr std::int64_t kOffsetBytes = 8;
+  if (height / kMostRowsPerChunk * kOffsetBytes > std::int64_t(bytes.size()))
     throw std::runtime_error("file is truncated");
 }
 

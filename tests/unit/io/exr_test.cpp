@@ -60,17 +60,45 @@ TEST_CASE("every prefix of an EXR is refused as bad input") {
   }
 }
 
+TEST_CASE("an EXR attribute whose size is not that of its value is refused before what follows is misread") {
+  const test::TempDir dir;
+  write_exr(dir.file("a.exr"), sample(5, 3));
+  for (const std::string type : {"chlist", "box2i", "compression", "lineOrder", "v2f", "float"})
+    for (const int change : {-1, 1}) {
+      CAPTURE(type);
+      CAPTURE(change);
+      std::string bytes = test::read_bytes(dir.file("a.exr"));
+      const std::size_t at = bytes.rfind('\0' + type + '\0');  // an attribute may have its type's name
+      REQUIRE(at != std::string::npos);
+      bytes[at + type.size() + 2] = char(bytes[at + type.size() + 2] + change);
+      try {
+        parse_exr({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, "a.exr");
+        FAIL("read");
+      } catch (const Error& e) {
+        CHECK(std::string(e.what()).find("an attribute of type " + type) != std::string::npos);
+      }
+    }
+}
+
 TEST_CASE("an EXR header that claims far more pixels than its bytes can hold is refused") {
   const test::TempDir dir;
   write_exr(dir.file("a.exr"), sample(5, 3));
-  std::string bytes = test::read_bytes(dir.file("a.exr"));
-  const std::size_t at =
-      bytes.find("dataWindow") + std::string("dataWindow").size() + 1 + 6 + 4;  // name, "box2i", size
-  const std::int32_t huge = 12000;
-  for (const std::size_t corner : {std::size_t(8), std::size_t(12)})
-    bytes.replace(at + corner, 4, reinterpret_cast<const char*>(&huge), 4);
-  CHECK_THROWS_AS(parse_exr({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, "a.exr"),
-                  Error);
+  const auto refusal = [&](std::int32_t right, std::int32_t bottom) {
+    std::string bytes = test::read_bytes(dir.file("a.exr"));
+    const std::size_t at =
+        bytes.find("dataWindow") + std::string("dataWindow").size() + 1 + 6 + 4;  // name, "box2i", size
+    bytes.replace(at + 8, 4, reinterpret_cast<const char*>(&right), 4);
+    bytes.replace(at + 12, 4, reinterpret_cast<const char*>(&bottom), 4);
+    try {
+      parse_exr({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, "a.exr");
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  CHECK(refusal(12000, 12000).find("header claims") != std::string::npos);
+  // One row of 4 MB, which the library would unpack 16 rows at a time, with a buffer for each of several chunks.
+  CHECK(refusal(999999, 0).find("header claims") != std::string::npos);
 }
 
 }  // namespace ngs::io
