@@ -136,8 +136,11 @@ std::int64_t bytes_read_of(std::string_view type, Bytes value) {
       at += name + 1 + kChannel;
     }
   }
-  if (type == "preview")
-    return 8 + 4 * std::int64_t(value_at<std::uint32_t>(value, 0)) * value_at<std::uint32_t>(value, 4);
+  if (type == "preview") {
+    const std::uint32_t width = value_at<std::uint32_t>(value, 0), height = value_at<std::uint32_t>(value, 4);
+    if (width > value.size() || height > value.size()) return -1;
+    return 8 + 4 * std::int64_t(width) * std::int64_t(height);
+  }
   if (type == "stringvector") {
     while (at < value.size()) {
       const auto length = value_at<std::int32_t>(value, at);
