@@ -30,8 +30,9 @@ fi
 cmake --preset fuzz >/dev/null
 ninja -C build-fuzz "${readers[@]/#/fuzz_}" >&2
 mkdir -p build-fuzz/findings build-fuzz/log
-# inputs beyond 64 KiB teach nothing that shorter ones do not; 2 GiB or minutes for one input are findings
-limits=(-max_len=65536 -rss_limit_mb=2048 -timeout=300)
+# inputs beyond 64 KiB teach nothing that shorter ones do not; an allocation of 512 MiB, 2 GiB in all or minutes for one
+# input are findings
+limits=(-max_len=65536 -malloc_limit_mb=512 -rss_limit_mb=2048 -timeout=300)
 
 fuzz() {  # READER
   mkdir -p "build-fuzz/corpus/$1"

@@ -129,12 +129,14 @@ std::int64_t bytes_read_of(std::string_view type, Bytes value) {
   std::size_t at = 0;
   if (type == "chlist") {  // name, 16 bytes, ..., an empty name
     constexpr std::size_t kChannel = 16;
-    for (;;) {
-      const auto end = std::find(value.begin() + std::ptrdiff_t(std::min(at, value.size())), value.end(), std::uint8_t(0));
-      const auto name = std::size_t(end - value.begin()) - std::min(at, value.size());
-      if (end == value.end() || name == 0) return std::int64_t(at) + 1;
-      at += name + 1 + kChannel;
+    while (at < value.size()) {
+      const auto end = std::find(value.begin() + std::ptrdiff_t(at), value.end(), std::uint8_t(0));
+      const bool is_last = std::size_t(end - value.begin()) == at;
+      if (end == value.end()) break;
+      at = std::size_t(end - value.begin()) + 1 + (is_last ? 0 : kChannel);
+      if (is_last) return std::int64_t(at);
     }
+    return -1;
   }
   if (type == "preview") {
     const std::uint32_t width = value_at<std::uint32_t>(value, 0), height = value_at<std::uint32_t>(value, 4);
