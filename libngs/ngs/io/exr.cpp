@@ -20,6 +20,7 @@
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
 #include "ngs/io/atomic_file.h"
+#include "ngs/io/byte_reader.h"
 #include "ngs/io/regular_file.h"
 
 namespace ngs::io {
@@ -109,88 +110,57 @@ std::int64_t rows_per_chunk(Imf::Compression compression) {
   }
 }
 
-template <class T>
-T value_at(Bytes bytes, std::size_t at) {
-  T value;
-  if (at > bytes.size() || bytes.size() - at < sizeof value) throw std::runtime_error("file is truncated");
-  std::memcpy(&value, bytes.data() + at, sizeof value);
-  return value;
-}
-
-/// How many bytes the library reads of a value, whatever its attribute's size says; `value` is what the size spans. Types
-/// that are not listed are read by their size.
-std::int64_t bytes_read_of(std::string_view type, Bytes value) {
-  static const std::map<std::string_view, std::int64_t> kFixed = {
+/// Reads a value as the library does: by its type and not by the attribute's size, where the two can differ. Stops soon
+/// after the size.
+void skip_value(ByteReader& in, const std::string& type, std::size_t size) {
+  static const std::map<std::string_view, std::size_t> kFixed = {
       {"box2i", 16}, {"box2f", 16},  {"chromaticities", 32}, {"compression", 1}, {"deepImageState", 1}, {"double", 8},
       {"envmap", 1}, {"float", 4},   {"int", 4},             {"keycode", 28},    {"lineOrder", 1},      {"m33f", 36},
       {"m33d", 72},  {"m44f", 64},   {"m44d", 128},          {"rational", 8},    {"tiledesc", 9},       {"timecode", 8},
       {"v2i", 8},    {"v2f", 8},     {"v2d", 16},            {"v3i", 12},        {"v3f", 12},           {"v3d", 24}};
-  if (const auto fixed = kFixed.find(type); fixed != kFixed.end()) return fixed->second;
-  std::size_t at = 0;
-  if (type == "chlist") {  // name, 16 bytes, ..., an empty name
-    constexpr std::size_t kChannel = 16;
-    while (at < value.size()) {
-      const auto end = std::find(value.begin() + std::ptrdiff_t(at), value.end(), std::uint8_t(0));
-      const bool is_last = std::size_t(end - value.begin()) == at;
-      if (end == value.end()) break;
-      at = std::size_t(end - value.begin()) + 1 + (is_last ? 0 : kChannel);
-      if (is_last) return std::int64_t(at);
-    }
-    return -1;
+  constexpr std::size_t kChannelBytes = 16;
+  const std::size_t before = in.left();
+  if (const auto fixed = kFixed.find(type); fixed != kFixed.end()) {
+    in.skip(fixed->second);
+  } else if (type == "chlist") {  // an empty name ends it
+    while (before - in.left() <= size && !in.read_name().empty()) in.skip(kChannelBytes);
+  } else if (type == "preview") {
+    const auto width = in.read<std::uint32_t>(), height = in.read<std::uint32_t>();
+    const bool fits = width <= in.left() && height <= in.left();
+    in.skip(fits ? 4 * std::uint64_t(width) * height : std::uint64_t(in.left()) + 1);
+  } else if (type == "stringvector") {
+    while (before - in.left() < size) in.skip(std::uint64_t(in.read<std::int32_t>()));  // below 0: beyond any end
+  } else {
+    in.skip(size);
   }
-  if (type == "preview") {
-    const std::uint32_t width = value_at<std::uint32_t>(value, 0), height = value_at<std::uint32_t>(value, 4);
-    if (width > value.size() || height > value.size()) return -1;
-    return 8 + 4 * std::int64_t(width) * std::int64_t(height);
-  }
-  if (type == "stringvector") {
-    while (at < value.size()) {
-      const auto length = value_at<std::int32_t>(value, at);
-      if (length < 0 || std::size_t(length) > value.size() - at) return -1;
-      at += sizeof length + std::size_t(length);
-    }
-    return std::int64_t(at);
-  }
-  return std::int64_t(value.size());
 }
 
 /// Attributes are name, type, size, value. The library allocates what a size claims before it reads the
 /// value, and goes on where it stopped reading, which must be where the size ends.
-void check_attribute_sizes(Bytes bytes, std::size_t at, bool multi_part) {
-  const auto skip_text = [&] {
-    const auto end = std::find(bytes.begin() + std::ptrdiff_t(at), bytes.end(), std::uint8_t(0));
-    if (end == bytes.end()) throw std::runtime_error("file is truncated");
-    const bool is_empty = std::size_t(end - bytes.begin()) == at;
-    at = std::size_t(end - bytes.begin()) + 1;
-    return is_empty;
-  };
-  for (bool more_headers = true; more_headers;) {
-    while (!skip_text()) {  // an empty name ends a header
-      const std::size_t type_at = at;
-      skip_text();
-      const std::string type(reinterpret_cast<const char*>(bytes.data() + type_at));
-      const auto size = value_at<std::int32_t>(bytes, at);
-      at += sizeof size;
-      if (size < 0 || std::size_t(size) > bytes.size() - at) throw std::runtime_error("file is truncated");
-      if (bytes_read_of(type, bytes.subspan(at, std::size_t(size))) != size)
+void check_attribute_sizes(ByteReader in, bool multi_part) {
+  do {
+    while (!in.read_name().empty()) {  // an empty name ends a header
+      const std::string type = in.read_name();
+      const auto size = in.read<std::int32_t>();
+      const std::size_t before = in.left();
+      if (size < 0 || std::size_t(size) > before) throw std::runtime_error("file is truncated");
+      skip_value(in, type, std::size_t(size));
+      if (before - in.left() != std::size_t(size))
         throw std::runtime_error("an attribute of type " + type + " claims " + std::to_string(size) + " bytes");
-      at += std::size_t(size);
     }
-    more_headers = multi_part && at < bytes.size() && bytes[at] != 0;  // an empty header ends them
-  }
+  } while (multi_part && in.left() > 0 && ByteReader(in).read<std::uint8_t>() != 0);  // an empty header ends them
 }
 
 /// What the header claims, checked before the library allocates anything for it.
-void check_header(Bytes bytes) {
-  std::int32_t start[2];  // magic number, version and flags
-  if (bytes.size() < sizeof start) throw std::runtime_error("file is truncated");
-  std::memcpy(start, bytes.data(), sizeof start);
-  if (start[0] != Imf::MAGIC) throw std::runtime_error("no EXR file");
-  check_attribute_sizes(bytes, sizeof start, Imf::isMultiPart(start[1]));
+void check_header(Bytes bytes, const std::string& object) {
+  ByteReader in(bytes, object);
+  if (in.read<std::int32_t>() != Imf::MAGIC) throw std::runtime_error("no EXR file");
+  int version = in.read<std::int32_t>();  // and flags
   MemoryIn stream(bytes);
-  stream.seekg(sizeof start);
+  stream.seekg(bytes.size() - in.left());
+  check_attribute_sizes(in, Imf::isMultiPart(version));
   Imf::Header header;
-  header.readFrom(stream, start[1]);
+  header.readFrom(stream, version);
   std::int64_t count = 0;
   for (auto it = header.channels().begin(); it != header.channels().end(); ++it, ++count)
     if (it.channel().xSampling != 1 || it.channel().ySampling != 1)
@@ -272,9 +242,11 @@ void write_exr(const std::string& path, const ExrImage& image) {
 
 ExrImage parse_exr(Bytes bytes, const std::string& object) {
   try {
-    check_header(bytes);
+    check_header(bytes, object);
     MemoryIn stream(bytes);
     return read_stream(stream);
+  } catch (const Error&) {
+    throw;
   } catch (const std::exception& e) {
     std::string reason = e.what();
     std::replace(reason.begin(), reason.end(), '\n', ' ');
