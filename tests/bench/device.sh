@@ -65,7 +65,7 @@ tool() {  # most seconds, tool, device, further words: in the scene's folder
   step "$(basename "$PWD")-$device-$name" "$limit" "$bin/ngs-${name%%-*}" "$@" --device "$device" -q --report "$device/$name.json"
 }
 on_device() {
-  local device=$1 short=(--steps 60 --effect view-trust=off --effect floaters=off --effect edges=off)
+  local device=$1 short=(--steps 60 --effect nerf=on --effect view-trust=off --effect floaters=off --effect edges=off)
   mkdir "$device"
   tool 30 variance "$device" scene.json -o "$device/boundary.ply" || return 0
   tool 20 render "$device" scene.json "$device/boundary.ply" --views held-out --layers color,mask -o "$device/pictures" || true

@@ -37,7 +37,7 @@ Json done(const test::TempDir& dir, const Words& argv) {
 Words joint(Words more) {
   Words argv{"ngs-joint", "s.json", "b.ply", "--rows", "8", "--cols", "8", "--depth-samples", "2",
              "--mlp-hidden", "16", "--hash-levels", "2", "--hash-log2-table", "8", "--smooth-points", "32",
-             "--steps", "6", "--edge-visits", "2", "--edge-split", "1"};
+             "--effect", "nerf=on", "--steps", "6", "--edge-visits", "2", "--edge-split", "1"};
   argv.insert(argv.end(), more.begin(), more.end());
   return argv;
 }

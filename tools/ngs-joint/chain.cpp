@@ -10,6 +10,7 @@
 #include "ngs/stages/coarse_input.h"
 #include "ngs/stages/render_stage.h"
 #include "ngs/stages/variance_stage.h"
+#include "ngs/stages/view_list.h"
 #include "prepare.h"
 
 namespace ngs::joint {
@@ -64,7 +65,9 @@ void rule_by_time(Budget& budget, const Settings& settings, std::size_t views, D
 bool rule_steps_by_time(Budget& budget, const Settings& settings, const MethodInput& input,
                         Decisions& decisions) {
   if (!budget.given()) return true;
-  const TimePlan plan = budget.plan(settings.joint, settings.edge, input.scene, input.views.size());
+  JointOptions planned = settings.joint;  // no time is kept for a field that photos make needless
+  if (!decisions.said("nerf").value_or(photo_count(input.scene, input.views) == 0)) planned.effect.emplace_back("nerf=off");
+  const TimePlan plan = budget.plan(planned, settings.edge, input.scene, input.views.size());
   const bool steps = plan.steps && budget.has_room_for(kDetectorsCost, input.views.size());
   if (!steps) leave_out("joint", settings, budget, decisions);
   if (!plan.field) leave_out("nerf", settings, budget, decisions);
@@ -148,7 +151,15 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
   }
   input.splat.antialiased = input.splat.antialiased && decisions.on("antialias");
   std::optional<QueryField> given;
-  if (!paths.field.empty() && !clean.removed() && !strays) given = io::read_query_ply(paths.field);
+  if (!paths.field.empty()) {
+    const std::string_view unread = !decisions.on("nerf")       ? "nerf=off"
+                                    : clean.removed() || strays ? "it holds points of what was taken out"
+                                                                : "";
+    if (unread.empty())
+      given = io::read_query_ply(paths.field);
+    else
+      run.info("--field is not read: " + std::string(unread));
+  }
   const std::string fingerprint = io::content_hash(paths.boundary).xxh3 + " " + options_text(settings) +
                                   " seed " + std::to_string(run.seed()) +
                                   (apart_of.empty() ? "" : " apart " + settings.run.apart) +

@@ -50,6 +50,14 @@ bool Decisions::on(std::string_view name) const {
   throw std::logic_error("an effect is asked for before it is decided");
 }
 
+std::optional<bool> Decisions::said(std::string_view name) const {
+  const EffectMode mode = mode_of(name, settings_.joint.effect);
+  if (mode != EffectMode::kAuto) return mode == EffectMode::kOn;
+  for (const EffectVerdict& v : verdicts_)
+    if (v.name == name) return v.on;
+  return std::nullopt;
+}
+
 Settings Decisions::settled() const {
   Settings settled = settings_;
   settled.joint.effect = decided_entries(all_);

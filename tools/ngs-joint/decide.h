@@ -1,6 +1,7 @@
 #pragma once
 // Which effects a run has: the decisions of its command line, of another run's report, of the time that is
 // left, and of the detectors, in this order.
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,8 @@ class Decisions {
   /// report.
   void decide(cli::Run& run, EffectPhase phase, const MethodInput& input);
   bool on(std::string_view name) const;
+  /// What is said of an effect before any detector; null: nothing yet.
+  std::optional<bool> said(std::string_view name) const;
   /// The settings with every decision taken, for the stages.
   Settings settled() const;
 

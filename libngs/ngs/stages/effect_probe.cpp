@@ -107,7 +107,9 @@ double EffectProbe::trust() {
 }
 double EffectProbe::strays() { return double(find_strays(exec_, {}, setup_.input).count); }
 double EffectProbe::front() { return front_opacity(exec_, {}, setup_.input); }
-double EffectProbe::boundary_gap() { return boundary().size() == 0 ? 0 : 1 - views().biou; }
+double EffectProbe::gap_without_photos() {
+  return photos() > 0 || boundary().size() == 0 ? 0 : 1 - views().biou;
+}
 double EffectProbe::outside() { return views().outside; }
 
 double EffectProbe::rms_neighbour() {
@@ -143,11 +145,7 @@ double EffectProbe::patches() {
   return most;
 }
 
-double EffectProbe::photos() {
-  double count = 0;
-  for (const std::size_t v : setup_.input.views) count += !setup_.input.scene.views[v].image_path.empty();
-  return count;
-}
+double EffectProbe::photos() { return double(photo_count(setup_.input.scene, setup_.input.views)); }
 
 double EffectProbe::view_dependence() { return view_dependence_levels(setup_.input.cloud, cameras()); }
 double EffectProbe::compensation() {

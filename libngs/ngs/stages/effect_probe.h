@@ -31,7 +31,7 @@ class EffectProbe {
   double trust();
   double front();
   double strays();
-  double boundary_gap();
+  double gap_without_photos();
   double most_neighbour();
   double rms_neighbour();
   double colour_range();

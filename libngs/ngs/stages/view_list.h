@@ -22,6 +22,12 @@ inline std::vector<std::size_t> photo_views(const Scene& scene) {
   return views;
 }
 
+/// How many of these views have a photo.
+inline std::size_t photo_count(const Scene& scene, const std::vector<std::size_t>& views) {
+  return std::size_t(std::count_if(views.begin(), views.end(),
+                                   [&](std::size_t v) { return !scene.views[v].image_path.empty(); }));
+}
+
 /// At most `most` of the views, evenly spread: enough for a decision, or for a figure of the report.
 inline std::vector<std::size_t> spread_views(const std::vector<std::size_t>& views, std::size_t most) {
   std::vector<std::size_t> some;

@@ -105,13 +105,14 @@ TEST_CASE("front: many specks before the object's depth but beside it hide nothi
   CHECK(before.measure(&EffectProbe::front) > threshold_of("floaters"));
 }
 
-TEST_CASE("boundary gap: contours that are wrong at a few pixels leave the IoU as good as it was") {
+TEST_CASE("gap without photos: contours that are wrong at a few pixels leave the IoU as good as it was") {
   ProbeCase c;
+  for (SceneView& v : c.base->scene.views) v.image_path.clear();
   c.base->model = c.base->truth;
   c.base->labels[0].label = c.base->labels[0].prob = c.base->is_ball;  // renders the masks as they are
   // Naive: there is a boundary set, hence something to do for the field.
   CHECK(std::count(c.base->labels[0].boundary.begin(), c.base->labels[0].boundary.end(), 1.f) > 0);
-  CHECK(c.measure(&EffectProbe::boundary_gap) <= threshold_of("nerf"));
+  CHECK(c.measure(&EffectProbe::gap_without_photos) <= threshold_of("nerf"));
   double worst_iou_gap = 0;
   for (ViewMasks& m : c.base->masks) {
     auto& mask = m.target[0];
@@ -123,10 +124,15 @@ TEST_CASE("boundary gap: contours that are wrong at a few pixels leave the IoU a
     worst_iou_gap = std::max(worst_iou_gap, cut / area);
   }
   CHECK(worst_iou_gap < threshold_of("nerf"));  // naive: the masks are met
-  CHECK(c.measure(&EffectProbe::boundary_gap) > threshold_of("nerf"));
-  // However wrong they are: without a boundary the field has nothing to work on.
+  CHECK(c.measure(&EffectProbe::gap_without_photos) > threshold_of("nerf"));
+  // However wrong they are: one photo tells where the contour is, and a view that may not supervise has none.
+  c.base->scene.views[1].image_path = "photo";
+  CHECK(c.measure(&EffectProbe::gap_without_photos) == 0);
+  c.views = {0, 2, 3};
+  CHECK(c.measure(&EffectProbe::gap_without_photos) > threshold_of("nerf"));
+  // Without a boundary the field has nothing to work on.
   std::fill(c.base->labels[0].boundary.begin(), c.base->labels[0].boundary.end(), 0.f);
-  CHECK(c.measure(&EffectProbe::boundary_gap) == 0);
+  CHECK(c.measure(&EffectProbe::gap_without_photos) == 0);
 }
 
 TEST_CASE("photos: those of views that may not supervise do not count, and one of many is enough") {

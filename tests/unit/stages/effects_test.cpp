@@ -154,6 +154,9 @@ void large_ball(EffectCase& c) {  // its contour lies outside of the photos', wh
   for (std::size_t i = 0; i < c.base->is_ball.size(); ++i)
     for (std::size_t k = 0; k < 3 && c.base->is_ball[i] > 0; ++k) c.base->model.log_scale[3 * i + k] += 0.35f;
 }
+void without_photos(EffectCase& c) {
+  for (std::size_t v = 0; v < 4; ++v) c.base->scene.views[v].image_path.clear(), c.base->photos[v] = {};
+}
 void view_dependent(EffectCase& c) {
   for (std::size_t i = 0; i < c.base->model.sh_rest.size(); ++i)
     c.base->model.sh_rest[i] = 0.2f * float(int(i * 7 % 5) - 2);
@@ -185,11 +188,12 @@ std::vector<Pair> pairs() {
          c.base->labels[0].prob[200] = c.base->labels[0].label[200] = c.base->labels[0].views[200] = 1;
        },
        as_it_is},
-      {"nerf", large_ball,
-       [](EffectCase& c) {  // labels that render the masks as they are
-         c.base->model = c.base->truth;
-         c.base->labels[0].label = c.base->labels[0].prob = c.base->is_ball;
-       }},
+      {"nerf",
+       [](EffectCase& c) {
+         large_ball(c);
+         without_photos(c);
+       },
+       large_ball},
       {"rbf", as_it_is, one_colour},
       {"fine-hash", [](EffectCase& c) { c.joint.hash_finest = 20; },
        [](EffectCase& c) { c.joint.hash_finest = 4096; }},
@@ -199,11 +203,7 @@ std::vector<Pair> pairs() {
        }},
       {"cont", as_it_is, one_colour},
       {"smooth", as_it_is, one_colour},
-      {"photometric", as_it_is,
-       [](EffectCase& c) {
-         for (std::size_t v = 0; v < 4; ++v)
-           c.base->scene.views[v].image_path.clear(), c.base->photos[v] = {};
-       }},
+      {"photometric", as_it_is, without_photos},
       {"region",
        [](EffectCase& c) {  // masks of a corner of the ball: labels show far from them
          for (ViewMasks& m : c.base->masks) std::fill(m.target[0].begin(), m.target[0].end(), 0.f);
@@ -221,8 +221,7 @@ std::vector<Pair> pairs() {
        large_ball,
        [](EffectCase& c) {
          large_ball(c);
-         for (std::size_t v = 0; v < 4; ++v)
-           c.base->scene.views[v].image_path.clear(), c.base->photos[v] = {};
+         without_photos(c);
        }},
       {"split", large_ball,
        [](EffectCase& c) {
