@@ -16,7 +16,7 @@ if [ "${1:-}" = --no-setup ]; then setup=; shift; fi
 
 if [ -n "$setup" ]; then
   "$pipelines/setup.sh"
-  "$pipelines/build.sh"
+  "$pipelines/build.sh" --target tools
 fi
 bin=$(find_bin)
 mkdir -p "$out"
