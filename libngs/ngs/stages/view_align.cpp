@@ -7,7 +7,7 @@
 namespace ngs {
 namespace {
 
-constexpr int kMostSteps = 15;
+constexpr int kMostSteps = 15, kPatience = 2;  // steps in all, and in a row that do not lower the error
 constexpr double kSettled_px = 0.03;
 
 ViewAlignment align(const GaussianCloud& cloud, const SplatOptions& splat, const Camera& start,
@@ -21,10 +21,12 @@ ViewAlignment align(const GaussianCloud& cloud, const SplatOptions& splat, const
   Camera camera = start;
   CameraMotion total;
   double total_px = 0;
-  for (int step = 0; step < kMostSteps; ++step) {
+  int in_vain = 0;
+  for (int step = 0; step < kMostSteps && in_vain < kPatience; ++step) {
     const PoseStep found = pose_step(render({}, cloud, camera, splat, request), smooth, camera, total);
     if (!found.determined) break;
     if (step == 0) best.error_before = best.error_after = found.error;
+    in_vain = step > 0 && found.error >= best.error_after ? in_vain + 1 : 0;
     if (found.error < best.error_after)
       best.motion = total, best.flow_px = total_px, best.error_after = found.error, best.camera = camera;
     if (found.flow_px < kSettled_px) break;
