@@ -9,6 +9,11 @@ mutant $f $t "" "direction of a zero offset" 's/length2 > T\(0\) \? T\(1\) \/ sq
 mutant $f "$t grad/splat_grad_test.cpp" "" "off-diagonal gradient not halved" 's/g\.conic_b \/ T\(2\)/g.conic_b/'
 mutant ops/splat_gaussian.h $t "" "no near plane" 's/if \(!\(t\.z > camera\.near_z\)\) return false;//'
 mutant ops/splat_gaussian.h $t "" "positions subtracted in float" 's/using W = WideOf<S>;/using W = S;/'
+f=ops/splat_gaussian.h
+mutant $f unit/ops/cull_test.cpp "" "cull: two sigma instead of three" 's/kRadii = 3\.5/kRadii = 2/'
+mutant $f unit/ops/cull_test.cpp "" "cull: a footprint of the centre's slope" 's/std::hypot\(1\.0, std::max\(-lo, hi\)\)/1.0/'
+mutant $f unit/ops/cull_test.cpp "" "cull: no low-pass filter" 's/ \+ blur_px \* z\)/)/'
+mutant $f unit/ops/cull_test.cpp "" "cull: the first scale for the largest" 's/max2\(max2\(double\(log_scale\[0\]\), double\(log_scale\[1\]\)\), double\(log_scale\[2\]\)\)/double(log_scale[0])/'
 mutant math/quat.h $t "" "norm without scaling" 's/q\.([xyzw]) \/ largest/q.\1/g'
 mutant math/quat.h $t "" "zero quaternion not caught" 's/if \(!\(largest > T\(0\)\)\)/if (false)/'
 mutant math/quat.h "$t grad/splat_grad_test.cpp" "" "gradient keeps its part along q" 's/const T along = .*;/const T along = T(0);/'
@@ -145,6 +150,11 @@ mutant $f $t $f "colour continuity without its gradient" 's/gradients\.sh_dc\[st
 mutant $f $t $f "mask loss without its weight" 's/(loss_mask\(.*)/\1/; s/options\.lambda_mask, \&grad\.label\)/1.0, \&grad.label)/'
 mutant $f $t $f "label gradient without the sigmoid" 's/gradients\.label\[i\] \* sigmoid_slope\(logit\[i\]\)/gradients.label[i]/'
 mutant $f $t $f "smoothness gradient doubled" 's/field->smoothness\(exec, rays, boundary\.positions\(\), options\.lambda_smooth/field->smoothness(exec, rays, boundary.positions(), 2 * options.lambda_smooth/'
+
+f=stages/edge_stage.cpp t=unit/stages/edge_stage_test.cpp
+mutant $f $t $f "edges: what is not trained does not show" 's/!\(across\.seen\.weight\.value\(i\) > 0\)/true/'
+mutant $f $t $f "edges: all that shows is trained" 's/play\.frozen\.push_back\(!trained\)/play.frozen.push_back(0)/'
+mutant $f $t $f "edges: what was trained is not put back" 's/scatter_rows\(exec, trained\.cloud, rows, model\.cloud\);//'
 
 t="unit/ops/edge_walk_test.cpp stability/alignment_stability_test.cpp" f=ops/edge_walk.cpp
 mutant $f "$t" $f "densities of colours without a least variance" 's/\(i == j \? kColourNoise : 0\.0\)/0.0/; s/std::max\(c\[i\]\[i\], 0\.5 \* kColourNoise\)/c[i][i]/'

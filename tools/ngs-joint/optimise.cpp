@@ -62,7 +62,7 @@ int run_steps(cli::Run& run, const RunOptions& options, const Checkpoint& checkp
   while (!trainer.finished() && !ended) {
     const JointProgress progress = trainer.step(watch.reads_every_step());
     run.monitor().progress(progress.step, progress.steps);
-    ended = watch.after_step(progress, trainer);
+    ended = watch.after_step(progress, trainer, [&] { return trainer.result(); });
     const bool periodic = options.checkpoint_every > 0 && progress.step % options.checkpoint_every == 0;
     if (checkpoint.given() && (periodic || run.monitor().stop_requested())) checkpoint.save(trainer);
     if (run.monitor().stop_requested()) return run.stop_code();
@@ -103,8 +103,8 @@ MethodResult run_edges(cli::Run& run, const Settings& settings, const Problem& p
   MethodResult start = budget.given() ? result : MethodResult{};
   result = follow_edges(run.exec(), run.monitor(),
                         {planned.edge, planned.joint, planned.sample, planned.rbf, problem.input,
-                         [&](const JointProgress& progress, JointTrainer& trainer) {
-                           return watch.after_step(progress, trainer);
+                         [&](const JointProgress& progress, JointTrainer& trainer, const auto& whole) {
+                           return watch.after_step(progress, trainer, whole);
                          }},
                         std::move(result));
   if (!budget.given() || result.source_row.empty()) return result;

@@ -13,9 +13,9 @@ Watch::Watch(const Exec& exec, const RunOptions& options, const MethodInput& inp
       traced_(traced),
       every_(options.trace_every > 0 ? options.trace_every : std::int64_t(input.views.size())) {}
 
-void Watch::score(Json& line, const JointTrainer& trainer) {
+void Watch::score(Json& line, const MethodResult& model) {
   const double before = wall_seconds();
-  const Agreement agreement = mean_agreement(training_agreement(exec_, input_, trainer.result()));
+  const Agreement agreement = mean_agreement(training_agreement(exec_, input_, model));
   scoring_s_ += wall_seconds() - before;
   target_met_ = target_ && (target_->boundary ? agreement.biou : agreement.iou) >= target_->value;
   line["training_iou"] = agreement.iou, line["training_biou"] = agreement.biou;
@@ -25,7 +25,7 @@ void Watch::score(Json& line, const JointTrainer& trainer) {
 bool Watch::begin(const JointTrainer& trainer) {
   if (target_ || traced_) {
     Json line{{"t", seconds()}, {"stage", "start"}, {"step", 0}};
-    score(line, trainer);
+    score(line, trainer.result());
     if (traced_) text_ += line.dump() + "\n";
   }
   last_s_ = seconds();
@@ -65,7 +65,8 @@ void Watch::replan(const JointProgress& progress, JointTrainer& trainer) {
   trainer.plan_steps(std::min(planned_, progress.step + std::int64_t(std::min(room, double(planned_)))));
 }
 
-bool Watch::after_step(const JointProgress& progress, JointTrainer& trainer) {
+bool Watch::after_step(const JointProgress& progress, JointTrainer& trainer,
+                       const std::function<MethodResult()>& whole) {
   const LossTerms& l = last_loss_ = progress.loss;
   ++step_;
   const double now = seconds();
@@ -83,7 +84,7 @@ bool Watch::after_step(const JointProgress& progress, JointTrainer& trainer) {
                 {"mask", l.mask},
                 {"cont", l.cont},
                 {"smooth", l.smooth}}}};
-    if (step_ % every_ == 0 || progress.step == progress.steps) score(line, trainer);
+    if (step_ % every_ == 0 || progress.step == progress.steps) score(line, whole());
     if (traced_) text_ += line.dump() + "\n";
   }
   replan(progress, trainer);

@@ -18,8 +18,8 @@ class Watch {
   void begin_rounds(int rounds, double keep_s);
 
   /// True: no further step, because the target is met or the time is up.
-  /// Under a budget the trainer's plan follows the time that its steps turn out to take.
-  bool after_step(const JointProgress& progress, JointTrainer& trainer);
+  /// `whole` gives the model as it is, for scoring. Under a budget the trainer's plan follows the time that its steps turn out to take.
+  bool after_step(const JointProgress& progress, JointTrainer& trainer, const std::function<MethodResult()>& whole);
 
   /// Losses or times of single steps are wanted: a run on a device then waits for each.
   bool reads_every_step() const { return target_ || traced_ || budget_.given(); }
@@ -31,7 +31,7 @@ class Watch {
   const std::string& trace() const { return text_; }
 
  private:
-  void score(Json& line, const JointTrainer& trainer);
+  void score(Json& line, const MethodResult& model);
   void begin_round(double now_s);
   void replan(const JointProgress& progress, JointTrainer& trainer);
   bool room_for_next_round() const;

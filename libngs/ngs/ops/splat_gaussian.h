@@ -156,6 +156,7 @@ struct ViewProjector {
   ProjectionCamera<S> camera;
   ProjectionCamera<Wide> wide;
   Vec3<double> centre;
+  double spread, blur_px;  // of beside(): px · world per unit of scale; px
   int tiles_x, tiles_y;
   bool antialiased;
   Compat compat;
@@ -165,6 +166,20 @@ struct ViewProjector {
     return offset_from(centre, cloud.position + i * 3);
   }
 
+  /// Whether tile_rect would be empty, found without the covariance; may be false although it is. What is bounded:
+  /// both radii are at most 3.33 (cov_xx + cov_yy + 0.32)^½ + 1 px and cov_xx + cov_yy <= (largest scale · `spread` / z)² +
+  /// 2 blur. All multiplied by z; what the factors exceed 3.33 and 1 by is for rounding.
+  NGS_HD bool beside(Vec3<Wide> t, const S* log_scale) const {
+    constexpr double kRadii = 3.5, kRounding_px = 2;
+    const double x = double(t.x), y = double(t.y), z = double(t.z);
+    const double column = double(wide.f_x) * x + double(wide.c_x) * z, row = double(wide.f_y) * y + double(wide.c_y) * z;
+    const double right = column - kTilePx * tiles_x * z, below = row - kTilePx * tiles_y * z;
+    const double off = max2(max2(-column, right), max2(-row, below));
+    if (!(off > kRounding_px * z)) return false;
+    const float scale = std::exp(float(max2(max2(double(log_scale[0]), double(log_scale[1])), double(log_scale[2]))));
+    return off > kRadii * (double(scale) * spread + blur_px * z) + kRounding_px * z;
+  }
+
   /// False for a Gaussian that cannot reach a pixel.
   NGS_HD bool project(const CloudView<S>& cloud, std::int64_t i, VisibleGaussian<S>& out) const {
     using std::isfinite;
@@ -172,6 +187,7 @@ struct ViewProjector {
     const Vec3<Wide> t_wide = wide.rotation * offset(cloud, i);
     const Vec3<S> t = narrowed<S>(t_wide);
     if (!(t.z > camera.near_z)) return false;
+    if (beside(t_wide, cloud.log_scale + i * 3)) return false;
     ProjectionContext<S> ctx;
     const ProjectedGaussian<S> p = project_gaussian(camera, t, cloud.rotation + i * 4, cloud.log_scale + i * 3,
                                                     cloud.logit_opacity[i], antialiased, ctx);
@@ -188,8 +204,11 @@ struct ViewProjector {
 
 template <class S>
 ViewProjector<S> view_projector(const Camera& camera, const SplatOptions& options) {
+  const ProjectionCamera<double> c = projection_camera<double>(camera, options);
+  const auto row_length = [](double f, double lo, double hi) { return f * std::hypot(1.0, std::max(-lo, hi)); };
   return {projection_camera<S>(camera, options), projection_camera<WideOf<S>>(camera, options), camera.centre(),
-          (camera.width_px + kTilePx - 1) / kTilePx, (camera.height_px + kTilePx - 1) / kTilePx, options.antialiased,
+          std::hypot(row_length(c.f_x, c.x_lo, c.x_hi), row_length(c.f_y, c.y_lo, c.y_hi)),
+          std::sqrt(2 * c.blur + 0.32), (camera.width_px + kTilePx - 1) / kTilePx, (camera.height_px + kTilePx - 1) / kTilePx, options.antialiased,
           options.compat};
 }
 

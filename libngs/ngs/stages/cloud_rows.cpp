@@ -92,6 +92,29 @@ void edit_rows(const Exec& exec, const std::vector<CloudRow>& rows, std::uint64_
       place_child(cloud, r, rows[r], seed);
 }
 
+GaussianCloud gather_rows(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::int64_t>& rows) {
+  GaussianCloud part;
+  part.origin = cloud.origin, part.sh_degree = cloud.sh_degree, part.antialiased = cloud.antialiased;
+  part.position = gather_column(exec, cloud.position, 3, rows);
+  part.rotation = gather_column(exec, cloud.rotation, 4, rows);
+  part.log_scale = gather_column(exec, cloud.log_scale, 3, rows);
+  part.logit_opacity = gather_column(exec, cloud.logit_opacity, 1, rows);
+  part.sh_dc = gather_column(exec, cloud.sh_dc, 3, rows);
+  part.sh_rest = gather_column(exec, cloud.sh_rest, cloud.rest_count() * 3, rows);
+  part.usable = gather_column(exec, cloud.usable, 1, rows);
+  return part;
+}
+
+void scatter_rows(const Exec& exec, const GaussianCloud& part, const std::vector<std::int64_t>& rows, GaussianCloud& cloud) {
+  scatter_column(exec, part.position, 3, rows, cloud.position);
+  scatter_column(exec, part.rotation, 4, rows, cloud.rotation);
+  scatter_column(exec, part.log_scale, 3, rows, cloud.log_scale);
+  scatter_column(exec, part.logit_opacity, 1, rows, cloud.logit_opacity);
+  scatter_column(exec, part.sh_dc, 3, rows, cloud.sh_dc);
+  scatter_column(exec, part.sh_rest, cloud.rest_count() * 3, rows, cloud.sh_rest);
+  scatter_column(exec, part.usable, 1, rows, cloud.usable);
+}
+
 void edit_moments(const std::vector<CloudRow>& rows, int width, AdamMoments& moments) {
   gather_moments(rows, width, moments.m), gather_moments(rows, width, moments.v);
 }

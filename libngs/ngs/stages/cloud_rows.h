@@ -1,9 +1,10 @@
 #pragma once
 // Adding and removing Gaussians: an edited cloud as a list of rows of the one before.
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
-#include "ngs/backend/exec.h"
+#include "ngs/backend/for_each.h"
 #include "ngs/ops/adam.h"
 #include "ngs/scene/gaussian_cloud.h"
 
@@ -26,6 +27,28 @@ void edit_rows(const Exec& exec, const std::vector<CloudRow>& rows, std::uint64_
 
 /// The same for a column of `width` values per Gaussian.
 void edit_column(const Exec& exec, const std::vector<CloudRow>& rows, int width, std::vector<float>& values);
+
+/// Some rows of a cloud, in the order of `rows` (increasing), and back.
+GaussianCloud gather_rows(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::int64_t>& rows);
+void scatter_rows(const Exec& exec, const GaussianCloud& part, const std::vector<std::int64_t>& rows, GaussianCloud& cloud);
+
+/// The same for a column of `width` values per Gaussian.
+template <class T>
+std::vector<T> gather_column(const Exec& exec, const std::vector<T>& values, int width,
+                             const std::vector<std::int64_t>& rows) {
+  std::vector<T> part(rows.size() * std::size_t(width));
+  for_each_index(exec, std::int64_t(rows.size()), [&](std::int64_t r) {
+    std::copy_n(values.begin() + rows[std::size_t(r)] * width, width, part.begin() + r * width);
+  });
+  return part;
+}
+template <class T>
+void scatter_column(const Exec& exec, const std::vector<T>& part, int width, const std::vector<std::int64_t>& rows,
+                    std::vector<T>& values) {
+  for_each_index(exec, std::int64_t(rows.size()), [&](std::int64_t r) {
+    std::copy_n(part.begin() + r * width, width, values.begin() + rows[std::size_t(r)] * width);
+  });
+}
 
 /// Moments follow their Gaussian; new Gaussians start with zeros.
 void edit_moments(const std::vector<CloudRow>& rows, int width, AdamMoments& moments);

@@ -26,6 +26,9 @@ constexpr GaussianRates kEdgeRates{.position = 1.6e-4,
 // Which Gaussians are trained: share of the weight in the windows, weight across contours.
 constexpr double kLeastInside = 0.99, kLeastStraddling_px = 0.5;
 
+constexpr std::vector<float> LabelColumns::*kLabelColumns[] = {&LabelColumns::label, &LabelColumns::prob, &LabelColumns::variance,
+                                                               &LabelColumns::views, &LabelColumns::boundary};
+
 /// The model on its way through the rounds.
 struct Model {
   GaussianCloud cloud;
@@ -75,8 +78,7 @@ void edit_model(const Exec& exec, const EdgeSetup& setup, const std::vector<Clou
   edit_rows(exec, rows, setup.input.seed, model.cloud);
   if (!model.fixed.empty()) edit_column(exec, rows, 1, model.fixed);
   for (LabelColumns& c : model.labels)
-    for (auto* column : {&c.label, &c.prob, &c.variance, &c.views, &c.boundary})
-      edit_column(exec, rows, 1, *column);
+    for (const auto column : kLabelColumns) edit_column(exec, rows, 1, c.*column);
   std::vector<std::int64_t> source;
   for (const CloudRow& row : rows) source.push_back(model.source_row[std::size_t(row.source)]);
   model.source_row = std::move(source);
@@ -90,10 +92,15 @@ void label_halves(const std::vector<CloudRow>& rows, const Evidence& seen, std::
       if (rows[i].origin != RowOrigin::kKept && closed[k].views[i] > 0) labels[k].prob[i] = closed[k].prob[i];
 }
 
-/// Halves what lies across a contour. 1 for the Gaussians that are not trained: the untouchable, and background that does
-/// not lie across a contour.
-std::vector<std::uint8_t> split_model(const Exec& exec, const EdgeSetup& setup, const MethodInput& window,
-                                      Model& model) {
+/// What a round works on: of a large model most shows in no window.
+struct InPlay {
+  std::vector<std::int64_t> rows;    // that show in some window, or are trained
+  std::vector<std::uint8_t> frozen;  // [rows] 1: not trained: the untouchable, and background that does not lie across a
+                                     // contour
+};
+
+/// Halves what lies across a contour.
+InPlay split_model(const Exec& exec, const EdgeSetup& setup, const MethodInput& window, Model& model) {
   Straddling across = straddling(exec, window, model.cloud);
   std::vector<float> whole = untouchable(exec, setup, window.views, model, across.seen);
   if (parse_effects(setup.joint.effect).split) {
@@ -103,13 +110,30 @@ std::vector<std::uint8_t> split_model(const Exec& exec, const EdgeSetup& setup, 
     across = straddling(exec, window, model.cloud);
     label_halves(rows, across.seen, model.labels);
   }
-  std::vector<std::uint8_t> frozen(whole.begin(), whole.end());
-  for (std::size_t i = 0; i < frozen.size(); ++i) {
+  InPlay play;
+  for (std::size_t i = 0; i < whole.size(); ++i) {
     bool concerned = across.px[i] > kLeastStraddling_px;
     for (const LabelColumns& object : model.labels) concerned |= object.prob[i] > kLeastClaim;
-    frozen[i] |= !concerned;
+    const bool trained = concerned && whole[i] == 0;
+    if (!trained && !(across.seen.weight.value(i) > 0)) continue;
+    play.rows.push_back(std::int64_t(i)), play.frozen.push_back(!trained);
   }
-  return frozen;
+  return play;
+}
+
+std::vector<LabelColumns> gather_labels(const Exec& exec, const std::vector<LabelColumns>& labels,
+                                        const std::vector<std::int64_t>& rows) {
+  std::vector<LabelColumns> part(labels.size());
+  for (std::size_t k = 0; k < labels.size(); ++k)
+    for (const auto column : kLabelColumns) part[k].*column = gather_column(exec, labels[k].*column, 1, rows);
+  return part;
+}
+
+/// What was trained, back in its place.
+void put_back(const Exec& exec, const MethodResult& trained, const std::vector<std::int64_t>& rows, Model& model) {
+  scatter_rows(exec, trained.cloud, rows, model.cloud);
+  for (std::size_t k = 0; k < model.labels.size(); ++k)
+    for (const auto column : kLabelColumns) scatter_column(exec, trained.labels[k].*column, 1, rows, model.labels[k].*column);
 }
 
 JointOptions window_options(const EdgeSetup& setup, std::size_t views) {
@@ -161,29 +185,37 @@ class EdgeRun {
     Scene scene = setup_.input.scene;
     for (const std::size_t v : views_)
       scene.views[v].camera = window_camera(scene.views[v].camera, walked_[v].window);
-    MethodInput window{.cloud = model_.cloud,
-                       .scene = scene,
-                       .views = views_,
-                       .load_masks = [&](std::size_t v) { return walked_[v].masks; },
-                       .load_photo = [&](std::size_t v) { return window_photo(v); },
-                       .splat = setup_.input.splat,
-                       .background = setup_.input.background,
-                       .seed = setup_.input.seed + std::uint64_t(round),
-                       .fixed = {},
-                       .labels = {}};
-    const std::vector<std::uint8_t> frozen = split_model(exec_, setup_, window, model_);
-    window.fixed = model_.fixed, window.labels = model_.labels;
+    const auto window = [&](const GaussianCloud& cloud, std::vector<LabelColumns> labels, std::vector<float> fixed) {
+      return MethodInput{.cloud = cloud,
+                         .scene = scene,
+                         .views = views_,
+                         .load_masks = [&](std::size_t v) { return walked_[v].masks; },
+                         .load_photo = [&](std::size_t v) { return window_photo(v); },
+                         .splat = setup_.input.splat,
+                         .background = setup_.input.background,
+                         .seed = setup_.input.seed + std::uint64_t(round),
+                         .fixed = std::move(fixed),
+                         .labels = std::move(labels)};
+    };
+    const InPlay play = split_model(exec_, setup_, window(model_.cloud, {}, {}), model_);
+    const GaussianCloud part = gather_rows(exec_, model_.cloud, play.rows);
+    const MethodInput input =
+        window(part, gather_labels(exec_, model_.labels, play.rows),
+               model_.fixed.empty() ? model_.fixed : gather_column(exec_, model_.fixed, 1, play.rows));
     const JointOptions joint = window_options(setup_, views_.size());
     JointTrainer trainer(exec_, monitor_,
-                         {joint, setup_.sample, setup_.rbf, window, nullptr, kEdgeRates, frozen}, true);
+                         {joint, setup_.sample, setup_.rbf, input, nullptr, kEdgeRates, play.frozen}, true);
+    const auto whole = [&] {
+      put_back(exec_, trainer.result(), play.rows, model_);
+      return MethodResult{.cloud = model_.cloud, .source_row = model_.source_row, .labels = model_.labels, .figures = {}};
+    };
     bool ended = false;
     while (!trainer.finished() && !ended && !monitor_.stop_requested()) {
       const JointProgress progress = trainer.step();
       monitor_.progress(progress.step, progress.steps);
-      ended = setup_.stop_after && setup_.stop_after(progress, trainer);
+      ended = setup_.stop_after && setup_.stop_after(progress, trainer, whole);
     }
-    MethodResult trained = trainer.result();
-    model_.cloud = std::move(trained.cloud), model_.labels = std::move(trained.labels);
+    put_back(exec_, trainer.result(), play.rows, model_);
     ++rounds_;
     return trainer.finished() && !ended;
   }

@@ -63,9 +63,9 @@ struct EdgeSetup {
   const SampleOptions& sample;
   const RbfOptions& rbf;
   const MethodInput& input;
-  // Asked after every step, of the trainer on the windows, whose plan it may change; true ends the stage. May
-  // be empty.
-  std::function<bool(const JointProgress&, JointTrainer&)> stop_after = {};
+  // Asked after every step, of the trainer on the windows, whose plan it may change, and of the whole model as it is
+  // then; true ends the stage. May be empty.
+  std::function<bool(const JointProgress&, JointTrainer&, const std::function<MethodResult()>& whole)> stop_after = {};
 };
 
 /// Of more views than this the default takes each less often: steps grow with the root of the views.

@@ -108,6 +108,60 @@ TEST_CASE("edges: what shows outside of the windows stays, with the picture ther
   CHECK(worst < 0.02);
 }
 
+TEST_CASE("edges: Gaussians that show in no window change nothing and stay as they are") {
+  EdgeCase plain, crowded;
+  crowded.joint.effect = plain.joint.effect = {"second-round=on"};
+  GaussianCloud& cloud = crowded.base->model;
+  const std::int64_t n = cloud.size(), more = 40;
+  cloud.resize(n + more, cloud.sh_degree);
+  for (std::int64_t i = n; i < n + more; ++i) {  // behind the cameras, and far beside what they see
+    cloud.position[std::size_t(i) * 3] = i % 2 == 0 ? 0.1f * float(i - n) : 40, cloud.position[std::size_t(i) * 3 + 2] = i % 2 == 0 ? -3 : 5;
+    cloud.rotation[std::size_t(i) * 4] = 1, cloud.logit_opacity[std::size_t(i)] = 2;
+  }
+  for (auto* column : {&crowded.base->labels[0].label, &crowded.base->labels[0].prob, &crowded.base->labels[0].variance,
+                       &crowded.base->labels[0].views, &crowded.base->labels[0].boundary})
+    column->resize(std::size_t(n + more), 0.f);
+  const MethodResult want = plain.run(plain.input()), got = crowded.run(crowded.input());
+  CHECK(want.figures.at("edge_rounds") == 2);
+  REQUIRE(got.cloud.size() == want.cloud.size() + more);
+  std::size_t at = 0;
+  int moved = 0;
+  for (std::size_t i = 0; i < std::size_t(got.cloud.size()); ++i) {
+    const auto source = got.source_row[i];
+    const bool added = source >= n;
+    moved += got.cloud.position[i * 3] != cloud.position[std::size_t(source) * 3];
+    const GaussianCloud& from = added ? cloud : want.cloud;
+    const std::size_t row = added ? std::size_t(source) : at++;
+    for (std::size_t a = 0; a < 3; ++a) {
+      REQUIRE(got.cloud.position[i * 3 + a] == from.position[row * 3 + a]);
+      REQUIRE(got.cloud.log_scale[i * 3 + a] == from.log_scale[row * 3 + a]);
+      REQUIRE(got.cloud.sh_dc[i * 3 + a] == from.sh_dc[row * 3 + a]);
+    }
+    REQUIRE(got.labels[0].prob[i] == (added ? 0.f : want.labels[0].prob[row]));
+  }
+  CHECK(moved > 100);
+}
+
+TEST_CASE("edges: after a step the whole model is asked for, not what is trained of it") {
+  const EdgeCase c;
+  const MethodInput in = c.input();
+  Monitor monitor;
+  std::int64_t calls = 0, whole_rows = 0;
+  const MethodResult result =
+      follow_edges({}, monitor, {c.edge, c.joint, c.sample, c.rbf, in,
+                                 [&](const JointProgress&, JointTrainer& trainer, const std::function<MethodResult()>& whole) {
+                                   const MethodResult now = whole();
+                                   ++calls, whole_rows = now.cloud.size();
+                                   CHECK(now.labels[0].prob.size() == std::size_t(now.cloud.size()));
+                                   CHECK(trainer.result().cloud.size() <= now.cloud.size());
+                                   return calls == 3;
+                                 }},
+                   c.start(in));
+  CHECK(calls == 3);
+  CHECK(whole_rows == result.cloud.size());
+  CHECK_FALSE(result.converged);
+}
+
 TEST_CASE("edges: the result does not depend on the number of threads") {
   const EdgeCase c;
   const MethodInput in = c.input();
