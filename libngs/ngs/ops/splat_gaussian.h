@@ -168,16 +168,18 @@ struct ViewProjector {
 
   /// Whether tile_rect would be empty, found without the covariance; may be false although it is. What is bounded:
   /// both radii are at most 3.33 (cov_xx + cov_yy + 0.32)^½ + 1 px and cov_xx + cov_yy <= (largest scale · `spread` / z)² +
-  /// 2 blur. All multiplied by z; what the factors exceed 3.33 and 1 by is for rounding.
-  NGS_HD bool beside(Vec3<Wide> t, const S* log_scale) const {
+  /// 2 blur. All multiplied by z; what the factors exceed 3.33 and 1 by is for rounding. Without branches: a loop over
+  /// Gaussians becomes one of packs.
+  NGS_HD bool beside(const CloudView<S>& cloud, std::int64_t i) const {
     constexpr double kRadii = 3.5, kRounding_px = 2;
+    const Vec3<Wide> t = wide.rotation * offset(cloud, i);
+    const S* log_scale = cloud.log_scale + i * 3;
     const double x = double(t.x), y = double(t.y), z = double(t.z);
     const double column = double(wide.f_x) * x + double(wide.c_x) * z, row = double(wide.f_y) * y + double(wide.c_y) * z;
     const double right = column - kTilePx * tiles_x * z, below = row - kTilePx * tiles_y * z;
     const double off = max2(max2(-column, right), max2(-row, below));
-    if (!(off > kRounding_px * z)) return false;
-    const float scale = std::exp(float(max2(max2(double(log_scale[0]), double(log_scale[1])), double(log_scale[2]))));
-    return off > kRadii * (double(scale) * spread + blur_px * z) + kRounding_px * z;
+    const float largest = max2(max2(float(double(log_scale[0])), float(double(log_scale[1]))), float(double(log_scale[2])));
+    return off > kRadii * (double(exp_at_least(largest)) * spread + blur_px * z) + kRounding_px * z;
   }
 
   /// False for a Gaussian that cannot reach a pixel.
@@ -187,7 +189,6 @@ struct ViewProjector {
     const Vec3<Wide> t_wide = wide.rotation * offset(cloud, i);
     const Vec3<S> t = narrowed<S>(t_wide);
     if (!(t.z > camera.near_z)) return false;
-    if (beside(t_wide, cloud.log_scale + i * 3)) return false;
     ProjectionContext<S> ctx;
     const ProjectedGaussian<S> p = project_gaussian(camera, t, cloud.rotation + i * 4, cloud.log_scale + i * 3,
                                                     cloud.logit_opacity[i], antialiased, ctx);

@@ -43,9 +43,12 @@ ProjectedView<S> project_view(const Exec& exec, const CloudView<S>& cloud, const
   std::vector<ProjectedView<S>> part(std::size_t(chunks), ProjectedView<S>{});
   for_each_task(exec, chunks, [&](std::int64_t chunk) {
     ProjectedView<S>& out = part[std::size_t(chunk)];
-    for (std::int64_t i = chunk * kChunk; i < std::min(cloud.size, (chunk + 1) * kChunk); ++i) {
+    const std::int64_t begin = chunk * kChunk, count = std::min(cloud.size - begin, kChunk);
+    std::uint8_t beside[kChunk];
+    for (std::int64_t k = 0; k < count; ++k) beside[k] = projector.beside(cloud, begin + k);
+    for (std::int64_t i = begin; i < begin + count; ++i) {
       VisibleGaussian<S> g;
-      if (!projector.project(cloud, i, g)) continue;
+      if (beside[i - begin] || !projector.project(cloud, i, g)) continue;
       out.id.push_back(std::uint32_t(i));
       out.record.push_back(g.record), out.depth.push_back(g.depth), out.rect.push_back(g.rect);
     }
