@@ -9,40 +9,34 @@
 namespace ngs {
 namespace {
 
-std::uint64_t quantised(double unit) { return std::uint64_t(std::llround(unit * 0x1p32)); }
-
-/// Folds a Gaussian's sums over one view into its row of the evidence.
-void fold_gaussian(const double* sum, std::size_t gaussian, Evidence& e) {
-  const double weight = sum[0], pixels = sum[1];
-  if (!(weight > 0)) return;
-  e.weight.add(gaussian, weight);
-  e.pixels[gaussian] += std::uint64_t(pixels);
-  e.views[gaussian] += 1;
-  for (int k = 0; k < e.objects; ++k) {
-    const std::size_t cell = gaussian * std::size_t(e.objects) + std::size_t(k);
-    const double object_weight = std::min(sum[2 + 2 * k], weight), object_pixels = sum[3 + 2 * k];
-    e.object_weight.add(cell, object_weight);
-    e.object_pixels[cell] += std::uint64_t(object_pixels);
-    e.add_signal(cell, object_weight / weight);
-    e.contrast_sum[cell] += quantised(std::abs(2 * object_pixels - pixels) / pixels);
+/// The rows of [n, columns] sums with a weight, as those of Gaussians id(row).
+template <class Id>
+ViewSums seen_rows(const std::vector<double>& sums, int objects, const Id& id) {
+  ViewSums seen;
+  seen.objects = objects;
+  const auto columns = std::size_t(seen.columns());
+  for (std::size_t row = 0; row * columns < sums.size(); ++row) {
+    const double* sum = &sums[row * columns];
+    if (!(sum[0] > 0)) continue;
+    seen.row.push_back(id(row));
+    seen.sum.insert(seen.sum.end(), sum, sum + columns);
+    double* own = &seen.sum[seen.sum.size() - columns];
+    for (int k = 0; k < objects; ++k) own[2 + 2 * k] = std::min(own[2 + 2 * k], own[0]);
   }
+  return seen;
 }
 
 }  // namespace
 
-void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
-                       const SplatOptions& options, const ViewMasks& masks, Evidence& evidence) {
-  if (!masks.available) return;
+ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options,
+                   const ViewMasks& masks) {
+  const int objects = int(masks.target.size()), columns = 2 + 2 * objects;
+  if (!masks.available) return {objects, {}, {}};
   NGS_CHECK(masks.width_px == camera.width_px && masks.height_px == camera.height_px, "mask size");
-  NGS_CHECK(int(masks.target.size()) == evidence.objects && evidence.gaussians == cloud.size(), "evidence shape");
   const Camera relative = relative_camera(camera, cloud);
-  const int columns = 2 + 2 * evidence.objects;
-  if (exec.device_ops) {
-    const std::vector<double> sums = exec.device_ops->splat.evidence(relative, options, cloud_view(cloud, 0, nullptr), masks);
-    return for_each_index(exec, cloud.size(), [&](std::int64_t i) {
-      fold_gaussian(&sums[std::size_t(i * columns)], std::size_t(i), evidence);
-    });
-  }
+  if (exec.device_ops)
+    return seen_rows(exec.device_ops->splat.evidence(relative, options, cloud_view(cloud, 0, nullptr), masks), objects,
+                     [](std::size_t row) { return std::uint32_t(row); });
   const ProjectedView<float> view = project_view(exec, cloud_view(cloud, 0, nullptr), relative, options);
   const TileLists lists = bin_tiles(exec, view, camera.width_px, camera.height_px);
   std::vector<float> pair_sums(std::size_t(lists.pairs()) * std::size_t(columns), 0.f);
@@ -53,15 +47,28 @@ void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const Camer
   for_each_task(exec, lists.tiles(), [&](std::int64_t tile) {
     static thread_local TileScratch<float> scratch;
     kernels.evidence({tile_work(view, lists, tile, camera, options.compat),
-                      masks.known.empty() ? nullptr : masks.known.data(), target.data(), evidence.objects,
-                      pair_sums.data(), scratch.values(evidence_scratch(evidence.objects))});
+                      masks.known.empty() ? nullptr : masks.known.data(), target.data(), objects, pair_sums.data(),
+                      scratch.values(evidence_scratch(objects))});
   });
+  std::vector<double> sums(view.id.size() * std::size_t(columns));
   for_each_index(exec, std::int64_t(view.id.size()), [&](std::int64_t v) {
-    std::vector<double> sum(std::size_t(columns), 0.0);
+    double* sum = &sums[std::size_t(v * columns)];
     for (std::int64_t slot = lists.slot_begin[std::size_t(v)]; slot < lists.slot_begin[std::size_t(v) + 1]; ++slot)
-      for (int c = 0; c < columns; ++c) sum[std::size_t(c)] += double(pair.row(slot)[c]);
-    fold_gaussian(sum.data(), view.id[std::size_t(v)], evidence);
+      for (int c = 0; c < columns; ++c) sum[c] += double(pair.row(slot)[c]);
   });
+  return seen_rows(sums, objects, [&](std::size_t v) { return view.id[v]; });
+}
+
+void add_sums(const Exec& exec, const ViewSums& sums, Evidence& evidence) {
+  NGS_CHECK(sums.objects == evidence.objects, "evidence of other objects");
+  for_each_index(exec, std::int64_t(sums.size()), [&](std::int64_t v) { evidence.add(sums, std::size_t(v)); });
+}
+
+void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
+                       const SplatOptions& options, const ViewMasks& masks, Evidence& evidence) {
+  if (!masks.available) return;
+  NGS_CHECK(int(masks.target.size()) == evidence.objects && evidence.gaussians == cloud.size(), "evidence shape");
+  add_sums(exec, view_sums(exec, cloud, camera, options, masks), evidence);
 }
 
 }  // namespace ngs

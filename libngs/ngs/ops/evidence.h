@@ -6,8 +6,13 @@
 
 namespace ngs {
 
-/// Adds what one view says to `evidence`. `masks` at the camera's size; a view that is not available adds nothing.
-/// A pixel's weights are those of rendering (occlusion included); pixels with masks.known == 0 are not counted.
+/// What one view says of the Gaussians that it sees. `masks` at the camera's size; a view that is not available says
+/// nothing. A pixel's weights are those of rendering (occlusion included); pixels with masks.known == 0 are not counted.
+ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options,
+                   const ViewMasks& masks);
+
+/// Adds that to `evidence`, of as many objects.
+void add_sums(const Exec& exec, const ViewSums& sums, Evidence& evidence);
 void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
                        const SplatOptions& options, const ViewMasks& masks, Evidence& evidence);
 

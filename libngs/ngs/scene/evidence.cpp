@@ -5,6 +5,11 @@
 #include "ngs/core/check.h"
 
 namespace ngs {
+namespace {
+
+std::uint64_t quantised(double unit) { return std::uint64_t(std::llround(unit * 0x1p32)); }
+
+}  // namespace
 
 Evidence::Evidence(std::int64_t n, int k) : gaussians(n), objects(k) {
   const auto rows = std::size_t(n), cells = rows * std::size_t(k);
@@ -28,11 +33,27 @@ void Evidence::add(const Evidence& other) {
   }
 }
 
+void Evidence::add(const ViewSums& view, std::size_t v) {
+  const std::size_t gaussian = view.row[v];
+  const double *sum = &view.sum[v * std::size_t(view.columns())], w = sum[0], count = sum[1];
+  weight.add(gaussian, w);
+  pixels[gaussian] += std::uint64_t(count);
+  views[gaussian] += 1;
+  for (std::size_t k = 0; k < std::size_t(objects); ++k) {
+    const std::size_t cell = gaussian * std::size_t(objects) + k;
+    const double object_w = sum[2 + 2 * k], object_count = sum[3 + 2 * k];
+    object_weight.add(cell, object_w);
+    object_pixels[cell] += std::uint64_t(object_count);
+    add_signal(cell, object_w / w);
+    contrast_sum[cell] += quantised(std::abs(2 * object_count - count) / count);
+  }
+}
+
 void Evidence::add_signal(std::size_t cell, double m) {
-  const auto quantised = std::uint64_t(std::llround(m * 0x1p32));
+  const std::uint64_t units = quantised(m);
   __extension__ using Wide = unsigned __int128;
-  const Wide square = Wide(quantised) * quantised;
-  signal_sum[cell] += quantised;
+  const Wide square = Wide(units) * units;
+  signal_sum[cell] += units;
   signal_square_sum.add_fixed(cell, std::uint64_t(square >> 64), std::uint64_t(square));
 }
 

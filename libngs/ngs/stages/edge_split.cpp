@@ -13,18 +13,16 @@ Straddling straddling(const Exec& exec, const MethodInput& input, const Gaussian
   for (const std::size_t view : input.views) {
     const ViewMasks masks = input.load_masks(view);
     if (!masks.available) continue;
-    Evidence seen(cloud.size(), int(objects));
-    add_view_evidence(exec, cloud, input.scene.views[view].camera, input.splat, masks, seen);
-    for (std::size_t i = 0; i < n; ++i) {
-      const double weight = seen.weight.value(i);
+    const ViewSums seen = view_sums(exec, cloud, input.scene.views[view].camera, input.splat, masks);
+    for (std::size_t v = 0; v < seen.size(); ++v) {
       double most = 0;
       for (std::size_t k = 0; k < objects; ++k) {
-        const double inside = seen.object_weight.value(i * objects + k);
-        most = std::max(most, std::min(inside, weight - inside));
+        const double inside = seen.object_weight(v, k);
+        most = std::max(most, std::min(inside, seen.weight(v) - inside));
       }
-      all.px[i] += most;
+      all.px[seen.row[v]] += most;
     }
-    all.seen.add(seen);
+    add_sums(exec, seen, all.seen);
   }
   return all;
 }

@@ -65,14 +65,14 @@ double difference(const float* a, const float* b) {
 }
 
 /// The photo's colours as three soft masks: their evidence is the mean colour of what a Gaussian covers.
-void add_colour_evidence(const Exec& exec, const MethodInput& input, const GaussianCloud& cloud,
-                         const Camera& camera, const ImageF& photo, Evidence& evidence) {
+ViewSums colour_sums(const Exec& exec, const MethodInput& input, const GaussianCloud& cloud, const Camera& camera,
+                     const ImageF& photo) {
   ViewMasks channels;
   channels.width_px = camera.width_px, channels.height_px = camera.height_px, channels.available = true;
   channels.target.assign(3, std::vector<float>(std::size_t(photo.pixels())));
   for (std::size_t p = 0; p < std::size_t(photo.pixels()); ++p)
     for (std::size_t c = 0; c < 3; ++c) channels.target[c][p] = photo.data[3 * p + c];
-  add_view_evidence(exec, cloud, camera, input.splat, channels, evidence);
+  return view_sums(exec, cloud, camera, input.splat, channels);
 }
 
 class FloaterSearch {
@@ -197,8 +197,8 @@ class FloaterSearch {
   /// Rows of the floaters of this round, and hidden_.
   std::vector<std::size_t> round() {
     const auto n = std::size_t(cloud_.size());
-    LeaveOneOut colours(cloud_.size(), 3, [this](std::size_t v, Evidence& evidence) {
-      add_colour_evidence(exec_, input_, cloud_, camera(v), input_.load_photo(v), evidence);
+    LeaveOneOut colours(cloud_.size(), 3, [this](std::size_t v) {
+      return colour_sums(exec_, input_, cloud_, camera(v), input_.load_photo(v));
     });
     for (const std::size_t v : views_) colours.add(v);
     std::vector<double> front(n), through(n), reach(n);

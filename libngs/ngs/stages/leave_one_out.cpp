@@ -10,44 +10,49 @@ constexpr double kLeastRest = 1e-3;  // of a Gaussian's weight
 }  // namespace
 
 LeaveOneOut::LeaveOneOut(std::int64_t gaussians, int objects, Gather gather, std::size_t kept_bytes)
-    : gather_(std::move(gather)), kept_bytes_(kept_bytes), all_(gaussians, objects) {}
+    : gaussians_(gaussians), objects_(std::size_t(objects)), gather_(std::move(gather)), left_bytes_(kept_bytes) {
+  weight_.resize(std::size_t(gaussians)), object_weight_.resize(std::size_t(gaussians) * objects_);
+}
 
-LeaveOneOut::Own LeaveOneOut::own_of(const Evidence& one) {
-  const auto rows = std::size_t(one.gaussians), cells = rows * std::size_t(one.objects);
-  Own own{std::vector<double>(rows), std::vector<double>(cells)};
-  for (std::size_t i = 0; i < rows; ++i) own.weight[i] = one.weight.value(i);
-  for (std::size_t i = 0; i < cells; ++i) own.object_weight[i] = one.object_weight.value(i);
+LeaveOneOut::Own LeaveOneOut::own_of(const ViewSums& one) {
+  Own own{one.row, {}};
+  for (std::size_t v = 0; v < one.size(); ++v) {
+    own.weight.push_back(one.weight(v));
+    for (std::size_t k = 0; k < std::size_t(one.objects); ++k) own.weight.push_back(one.object_weight(v, k));
+  }
   return own;
 }
 
 void LeaveOneOut::add(std::size_t n) {
-  Evidence one(all_.gaussians, all_.objects);
-  gather_(n, one);
-  all_.add(one);
-  const std::size_t bytes = std::size_t(one.gaussians) * std::size_t(1 + one.objects) * sizeof(double);
-  if ((kept_.size() + 1) * bytes <= kept_bytes_)
-    kept_[n] = own_of(one);
-  else
-    not_kept_.push_back(n);
+  Own own = own_of(gather_(n));
+  for (std::size_t v = 0; v < own.row.size(); ++v) {
+    const double* weight = &own.weight[v * (1 + objects_)];
+    weight_.add(own.row[v], weight[0]);
+    for (std::size_t k = 0; k < objects_; ++k) object_weight_.add(own.row[v] * objects_ + k, weight[1 + k]);
+  }
+  const std::size_t bytes = own.row.size() * sizeof(own.row[0]) + own.weight.size() * sizeof(own.weight[0]);
+  if (bytes > left_bytes_) return not_kept_.push_back(n);
+  left_bytes_ -= bytes;
+  kept_[n] = std::move(own);
 }
 
 LeaveOneOut::Rest LeaveOneOut::without(std::size_t n) const {
-  const auto rows = std::size_t(all_.gaussians), objects = std::size_t(all_.objects);
+  const auto rows = std::size_t(gaussians_);
   Own again;
   const auto kept = kept_.find(n);
-  const Own* own = kept == kept_.end() ? nullptr : &kept->second;
-  if (own == nullptr && std::find(not_kept_.begin(), not_kept_.end(), n) != not_kept_.end()) {
-    Evidence one(all_.gaussians, all_.objects);
-    gather_(n, one);
-    again = own_of(one), own = &again;
-  }
-  Rest rest{std::vector<std::uint8_t>(rows), std::vector<float>(rows * objects)};
+  if (kept == kept_.end() && std::find(not_kept_.begin(), not_kept_.end(), n) != not_kept_.end()) again = own_of(gather_(n));
+  const Own& own = kept == kept_.end() ? again : kept->second;
+  Rest rest{std::vector<std::uint8_t>(rows), std::vector<float>(rows * objects_)};
+  const std::vector<double> none(1 + objects_, 0.0);
+  std::size_t v = 0;
   for (std::size_t i = 0; i < rows; ++i) {
-    const double all = all_.weight.value(i), weight = all - (own ? own->weight[i] : 0);
+    const bool here = v < own.row.size() && own.row[v] == i;
+    const double* mine = here ? &own.weight[v++ * (1 + objects_)] : none.data();
+    const double all = weight_.value(i), weight = all - mine[0];
     if (!(weight > kLeastRest * all)) continue;
     rest.seen[i] = 1;
-    for (std::size_t k = i * objects; k < (i + 1) * objects; ++k)
-      rest.share[k] = float((all_.object_weight.value(k) - (own ? own->object_weight[k] : 0)) / weight);
+    for (std::size_t k = 0; k < objects_; ++k)
+      rest.share[i * objects_ + k] = float((object_weight_.value(i * objects_ + k) - mine[1 + k]) / weight);
   }
   return rest;
 }

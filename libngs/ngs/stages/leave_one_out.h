@@ -10,8 +10,8 @@ namespace ngs {
 /// Keeps the weights of single views up to `kept_bytes`; those of further views are gathered anew when they are asked for.
 class LeaveOneOut {
  public:
-  /// Adds the evidence of view n alone.
-  using Gather = std::function<void(std::size_t n, Evidence& evidence)>;
+  /// What view n says.
+  using Gather = std::function<ViewSums(std::size_t n)>;
   LeaveOneOut(std::int64_t gaussians, int objects, Gather gather, std::size_t kept_bytes = 256u << 20);
 
   void add(std::size_t n);
@@ -25,13 +25,16 @@ class LeaveOneOut {
 
  private:
   struct Own {
-    std::vector<double> weight, object_weight;  // [N], [N, K]
+    std::vector<std::uint32_t> row;  // [V] of the Gaussians that the view sees
+    std::vector<double> weight;      // [V, 1 + K] W, then W1 of each object
   };
-  static Own own_of(const Evidence& one);
+  static Own own_of(const ViewSums& one);
 
+  std::int64_t gaussians_;
+  std::size_t objects_;
   Gather gather_;
-  std::size_t kept_bytes_;
-  Evidence all_;
+  std::size_t left_bytes_;
+  ExactSums weight_, object_weight_;   // [N], [N, K] of all views
   std::map<std::size_t, Own> kept_;    // by view
   std::vector<std::size_t> not_kept_;  // views that were added too
 };

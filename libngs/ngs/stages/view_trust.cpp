@@ -56,9 +56,9 @@ class Judge {
     while (rounds < options_.rounds && !monitor.stop_requested()) {
       ++rounds;
       LeaveOneOut others(input_.cloud.size(), int(input_.scene.objects.size()),
-                         [this](std::size_t n, Evidence& evidence) {
-                           add_view_evidence(exec_, input_.cloud, camera(n), input_.splat,
-                                             input_.load_masks(input_.views[n]), evidence);
+                         [this](std::size_t n) {
+                           return view_sums(exec_, input_.cloud, camera(n), input_.splat,
+                                            input_.load_masks(input_.views[n]));
                          });
       if (!gather(others)) return trust;
       if (!judge(others, trust)) break;

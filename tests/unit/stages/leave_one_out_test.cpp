@@ -12,14 +12,17 @@ constexpr std::int64_t kGaussians = 5;
 constexpr int kObjects = 2;
 
 /// Gaussian 4 is seen by view 1 alone.
-void gather(std::size_t view, Evidence& evidence) {
+ViewSums gather(std::size_t view) {
+  ViewSums sums{kObjects, {}, {}};
   for (std::size_t i = 0; i < 5; ++i) {
     if (i == 4 && view != 1) continue;
     const double weight = 1 + rng_uniform(view, RngStream::kTest, i);
-    evidence.weight.add(i, weight);
+    sums.row.push_back(std::uint32_t(i));
+    sums.sum.insert(sums.sum.end(), {weight, 1});
     for (std::size_t k = 0; k < 2; ++k)
-      evidence.object_weight.add(2 * i + k, weight * rng_uniform(view, RngStream::kTest, 100 + 2 * i + k));
+      sums.sum.insert(sums.sum.end(), {weight * rng_uniform(view, RngStream::kTest, 100 + 2 * i + k), 0});
   }
+  return sums;
 }
 
 constexpr std::size_t kViews[] = {0, 1, 3};
@@ -34,7 +37,10 @@ TEST_CASE("without a view there is the evidence of the others, kept or gathered 
     for (std::size_t left_out = 0; left_out < 4; ++left_out) {
       Evidence others(kGaussians, kObjects);
       for (const std::size_t v : kViews)
-        if (v != left_out) gather(v, others);
+        if (v != left_out) {
+          const ViewSums sums = gather(v);
+          for (std::size_t row = 0; row < sums.size(); ++row) others.add(sums, row);
+        }
       const LeaveOneOut::Rest rest = views.without(left_out);
       for (std::size_t i = 0; i < 5; ++i) {
         CHECK(int(rest.seen[i]) == (i == 4 && left_out == 1 ? 0 : 1));
