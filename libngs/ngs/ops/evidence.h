@@ -11,8 +11,7 @@ namespace ngs {
 ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options,
                    const ViewMasks& masks);
 
-/// Adds that to `evidence`, of as many objects.
-void add_sums(const Exec& exec, const ViewSums& sums, Evidence& evidence);
+/// Adds that to `evidence`, without keeping it.
 void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
                        const SplatOptions& options, const ViewMasks& masks, Evidence& evidence);
 

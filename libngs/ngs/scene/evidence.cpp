@@ -33,9 +33,8 @@ void Evidence::add(const Evidence& other) {
   }
 }
 
-void Evidence::add(const ViewSums& view, std::size_t v) {
-  const std::size_t gaussian = view.row[v];
-  const double *sum = &view.sum[v * std::size_t(view.columns())], w = sum[0], count = sum[1];
+void Evidence::add(std::size_t gaussian, const double* sum) {
+  const double w = sum[0], count = sum[1];
   weight.add(gaussian, w);
   pixels[gaussian] += std::uint64_t(count);
   views[gaussian] += 1;

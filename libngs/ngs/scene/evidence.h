@@ -17,8 +17,9 @@ struct ViewSums {
 
   std::size_t size() const { return row.size(); }
   int columns() const { return 2 + 2 * objects; }
-  double weight(std::size_t v) const { return sum[v * std::size_t(columns())]; }
-  double object_weight(std::size_t v, std::size_t k) const { return sum[v * std::size_t(columns()) + 2 + 2 * k]; }
+  const double* at(std::size_t v) const { return &sum[v * std::size_t(columns())]; }
+  double weight(std::size_t v) const { return at(v)[0]; }
+  double object_weight(std::size_t v, std::size_t k) const { return at(v)[2 + 2 * k]; }
 };
 
 /// N Gaussians, K objects; [N, K] row-major. w = α T is a Gaussian's weight at a pixel, M the mask there.
@@ -39,8 +40,8 @@ struct Evidence {
   Evidence() = default;
   Evidence(std::int64_t n, int k);
   void add(const Evidence& other);
-  /// Row v of a view's sums.
-  void add(const ViewSums& view, std::size_t v);
+  /// What one view says of a Gaussian: a row of ViewSums.
+  void add(std::size_t gaussian, const double* sum);
   /// The signal m in [0, 1] of one view, [N, K] cell. m² is kept as the exact square of the quantised m: as a double
   /// it could fall short of it, and the variance of equal signals below zero.
   void add_signal(std::size_t cell, double m);

@@ -21,8 +21,8 @@ Straddling straddling(const Exec& exec, const MethodInput& input, const Gaussian
         most = std::max(most, std::min(inside, seen.weight(v) - inside));
       }
       all.px[seen.row[v]] += most;
+      all.seen.add(seen.row[v], seen.at(v));
     }
-    add_sums(exec, seen, all.seen);
   }
   return all;
 }

@@ -39,7 +39,7 @@ TEST_CASE("without a view there is the evidence of the others, kept or gathered 
       for (const std::size_t v : kViews)
         if (v != left_out) {
           const ViewSums sums = gather(v);
-          for (std::size_t row = 0; row < sums.size(); ++row) others.add(sums, row);
+          for (std::size_t row = 0; row < sums.size(); ++row) others.add(sums.row[row], sums.at(row));
         }
       const LeaveOneOut::Rest rest = views.without(left_out);
       for (std::size_t i = 0; i < 5; ++i) {
