@@ -29,11 +29,12 @@ NGS_HD T sigmoid_slope(T x) {
   return e / (sum * sum);
 }
 
-/// At least e^x and at most 6.3 % more, for x in [-87, 88]; below, e^-87: 2^n (1 + f) for 2^(n + f), the bits of x / ln 2 read as
-/// a float. For bounds: it costs two operations.
+/// At least e^x and at most 6.3 % more, for x in [-87, 88]; beyond and for NaN, that of the nearer end: 2^n (1 + f) for
+/// 2^(n + f), the bits of x / ln 2 read as a float. For bounds: it costs few operations.
 NGS_HD inline float exp_at_least(float x) {
   constexpr float kScale = 12102203.f, kShift = 1065354000.f;  // 2^23 / ln 2, 127 · 2^23 and a little for rounding
-  return __builtin_bit_cast(float, std::int32_t(kScale * max2(x, -87.f) + kShift));
+  const float above = x > -87.f ? x : -87.f, within = above < 88.f ? above : 88.f;
+  return __builtin_bit_cast(float, std::int32_t(kScale * within + kShift));
 }
 
 /// ln(1 + e^x). For large x the exponential would overflow: x + ln(1 + e^-x).

@@ -1,6 +1,9 @@
 // The cull before the projection: it may keep what reaches no tile, never leave out what does.
 #include <doctest/doctest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "ngs/core/rng.h"
 #include "ngs/math/stable.h"
 #include "ngs/ops/splat_gaussian.h"
@@ -51,7 +54,9 @@ TEST_CASE("cull: the bound of the exponential is one, and close") {
   MESSAGE("exp_at_least over exp: " << least << " to " << most);
   CHECK(least >= 1);
   CHECK(most < 1.063);
-  CHECK(exp_at_least(-1e30f) == exp_at_least(-87.f));
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  for (const float x : {-1e30f, -kInf, std::numeric_limits<float>::quiet_NaN()}) CHECK(exp_at_least(x) == exp_at_least(-87.f));
+  for (const float x : {1e30f, kInf}) CHECK(exp_at_least(x) == exp_at_least(88.f));
 }
 
 TEST_CASE("cull: whatever it leaves out reaches no tile, and it leaves out about half of that, close to the border") {
