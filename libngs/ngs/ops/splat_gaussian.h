@@ -209,8 +209,8 @@ ViewProjector<S> view_projector(const Camera& camera, const SplatOptions& option
   const auto row_length = [](double f, double lo, double hi) { return f * std::hypot(1.0, std::max(-lo, hi)); };
   return {projection_camera<S>(camera, options), projection_camera<WideOf<S>>(camera, options), camera.centre(),
           std::hypot(row_length(c.f_x, c.x_lo, c.x_hi), row_length(c.f_y, c.y_lo, c.y_hi)),
-          std::sqrt(2 * c.blur + 0.32), (camera.width_px + kTilePx - 1) / kTilePx, (camera.height_px + kTilePx - 1) / kTilePx, options.antialiased,
-          options.compat};
+          std::sqrt(2 * c.blur + 0.32), (camera.width_px + kTilePx - 1) / kTilePx,
+          (camera.height_px + kTilePx - 1) / kTilePx, options.antialiased, options.compat};
 }
 
 /// Which channels are composited: rgb (if colour), the label columns, camera z (if depth).

@@ -185,23 +185,11 @@ class EdgeRun {
     Scene scene = setup_.input.scene;
     for (const std::size_t v : views_)
       scene.views[v].camera = window_camera(scene.views[v].camera, walked_[v].window);
-    const auto window = [&](const GaussianCloud& cloud, std::vector<LabelColumns> labels, std::vector<float> fixed) {
-      return MethodInput{.cloud = cloud,
-                         .scene = scene,
-                         .views = views_,
-                         .load_masks = [&](std::size_t v) { return walked_[v].masks; },
-                         .load_photo = [&](std::size_t v) { return window_photo(v); },
-                         .splat = setup_.input.splat,
-                         .background = setup_.input.background,
-                         .seed = setup_.input.seed + std::uint64_t(round),
-                         .fixed = std::move(fixed),
-                         .labels = std::move(labels)};
-    };
-    const InPlay play = split_model(exec_, setup_, window(model_.cloud, {}, {}), model_);
+    const InPlay play = split_model(exec_, setup_, window_input(scene, round, model_.cloud), model_);
     const GaussianCloud part = gather_rows(exec_, model_.cloud, play.rows);
-    const MethodInput input =
-        window(part, gather_labels(exec_, model_.labels, play.rows),
-               model_.fixed.empty() ? model_.fixed : gather_column(exec_, model_.fixed, 1, play.rows));
+    MethodInput input = window_input(scene, round, part);
+    input.labels = gather_labels(exec_, model_.labels, play.rows);
+    if (!model_.fixed.empty()) input.fixed = gather_column(exec_, model_.fixed, 1, play.rows);
     const JointOptions joint = window_options(setup_, views_.size());
     JointTrainer trainer(exec_, monitor_,
                          {joint, setup_.sample, setup_.rbf, input, nullptr, kEdgeRates, play.frozen}, true);
@@ -247,6 +235,20 @@ class EdgeRun {
     if (count > 0)
       rendered_ /= count, walked_biou_ /= count, own_contrast_ /= count, walked_contrast_ /= count;
     return masks_beside_edges(walked_) || gain_in_errors(walk_gains(walked_)) >= -kSignificant;
+  }
+
+  /// Without labels. `scene` with the windows' cameras.
+  MethodInput window_input(const Scene& scene, int round, const GaussianCloud& cloud) const {
+    return {.cloud = cloud,
+            .scene = scene,
+            .views = views_,
+            .load_masks = [this](std::size_t v) { return walked_[v].masks; },
+            .load_photo = [this](std::size_t v) { return window_photo(v); },
+            .splat = setup_.input.splat,
+            .background = setup_.input.background,
+            .seed = setup_.input.seed + std::uint64_t(round),
+            .fixed = {},
+            .labels = {}};
   }
 
   ImageF window_photo(std::size_t v) const {

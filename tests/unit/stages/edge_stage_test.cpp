@@ -115,7 +115,8 @@ TEST_CASE("edges: Gaussians that show in no window change nothing and stay as th
   const std::int64_t n = cloud.size(), more = 40;
   cloud.resize(n + more, cloud.sh_degree);
   for (std::int64_t i = n; i < n + more; ++i) {  // behind the cameras, and far beside what they see
-    cloud.position[std::size_t(i) * 3] = i % 2 == 0 ? 0.1f * float(i - n) : 40, cloud.position[std::size_t(i) * 3 + 2] = i % 2 == 0 ? -3 : 5;
+    cloud.position[std::size_t(i) * 3] = i % 2 == 0 ? 0.1f * float(i - n) : 40;
+    cloud.position[std::size_t(i) * 3 + 2] = i % 2 == 0 ? -3 : 5;
     cloud.rotation[std::size_t(i) * 4] = 1, cloud.logit_opacity[std::size_t(i)] = 2;
   }
   for (auto* column : {&crowded.base->labels[0].label, &crowded.base->labels[0].prob, &crowded.base->labels[0].variance,
