@@ -13,9 +13,9 @@ Watch::Watch(const Exec& exec, const RunOptions& options, const MethodInput& inp
       traced_(traced),
       every_(options.trace_every > 0 ? options.trace_every : std::int64_t(input.views.size())) {}
 
-void Watch::score(Json& line, const MethodResult& model) {
+void Watch::score(Json& line, const std::function<MethodResult()>& whole) {
   const double before = wall_seconds();
-  const Agreement agreement = mean_agreement(training_agreement(exec_, input_, model));
+  const Agreement agreement = mean_agreement(training_agreement(exec_, input_, whole()));
   scoring_s_ += wall_seconds() - before;
   target_met_ = target_ && (target_->boundary ? agreement.biou : agreement.iou) >= target_->value;
   line["training_iou"] = agreement.iou, line["training_biou"] = agreement.biou;
@@ -25,7 +25,7 @@ void Watch::score(Json& line, const MethodResult& model) {
 bool Watch::begin(const JointTrainer& trainer) {
   if (target_ || traced_) {
     Json line{{"t", seconds()}, {"stage", "start"}, {"step", 0}};
-    score(line, trainer.result());
+    score(line, [&] { return trainer.result(); });
     if (traced_) text_ += line.dump() + "\n";
   }
   last_s_ = seconds();
@@ -84,7 +84,7 @@ bool Watch::after_step(const JointProgress& progress, JointTrainer& trainer,
                 {"mask", l.mask},
                 {"cont", l.cont},
                 {"smooth", l.smooth}}}};
-    if (step_ % every_ == 0 || progress.step == progress.steps) score(line, whole());
+    if (step_ % every_ == 0 || progress.step == progress.steps) score(line, whole);
     if (traced_) text_ += line.dump() + "\n";
   }
   replan(progress, trainer);

@@ -31,7 +31,7 @@ class Watch {
   const std::string& trace() const { return text_; }
 
  private:
-  void score(Json& line, const MethodResult& model);
+  void score(Json& line, const std::function<MethodResult()>& whole);
   void begin_round(double now_s);
   void replan(const JointProgress& progress, JointTrainer& trainer);
   bool room_for_next_round() const;
