@@ -69,12 +69,7 @@ void clear(const std::vector<std::uint8_t>& chosen, std::size_t width, std::vect
 }  // namespace
 
 void edit_column(const Exec& exec, const std::vector<CloudRow>& rows, int width, std::vector<float>& values) {
-  std::vector<float> out(rows.size() * std::size_t(width));
-  for_each_index(exec, std::int64_t(rows.size()), [&](std::int64_t r) {
-    const auto source = std::size_t(rows[std::size_t(r)].source) * std::size_t(width);
-    std::copy_n(values.begin() + std::ptrdiff_t(source), width, out.begin() + std::ptrdiff_t(r * width));
-  });
-  values = std::move(out);
+  values = gather_column(exec, values, width, rows);
 }
 
 void edit_rows(const Exec& exec, const std::vector<CloudRow>& rows, std::uint64_t seed,
@@ -82,9 +77,7 @@ void edit_rows(const Exec& exec, const std::vector<CloudRow>& rows, std::uint64_
   edit_column(exec, rows, 3, cloud.position), edit_column(exec, rows, 4, cloud.rotation);
   edit_column(exec, rows, 3, cloud.log_scale), edit_column(exec, rows, 1, cloud.logit_opacity);
   edit_column(exec, rows, 3, cloud.sh_dc), edit_column(exec, rows, cloud.rest_count() * 3, cloud.sh_rest);
-  std::vector<std::uint8_t> usable(rows.size());
-  for (std::size_t r = 0; r < rows.size(); ++r) usable[r] = cloud.usable[std::size_t(rows[r].source)];
-  cloud.usable = std::move(usable);
+  cloud.usable = gather_column(exec, cloud.usable, 1, rows);
   for (std::size_t r = 0; r < rows.size(); ++r)
     if (rows[r].origin >= RowOrigin::kHalf0)
       place_half(cloud, r, rows[r].origin);

@@ -32,13 +32,15 @@ void edit_column(const Exec& exec, const std::vector<CloudRow>& rows, int width,
 GaussianCloud gather_rows(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::int64_t>& rows);
 void scatter_rows(const Exec& exec, const GaussianCloud& part, const std::vector<std::int64_t>& rows, GaussianCloud& cloud);
 
-/// The same for a column of `width` values per Gaussian.
-template <class T>
-std::vector<T> gather_column(const Exec& exec, const std::vector<T>& values, int width,
-                             const std::vector<std::int64_t>& rows) {
+inline std::int64_t source_of(std::int64_t row) { return row; }
+inline std::int64_t source_of(const CloudRow& row) { return row.source; }
+
+/// The same for a column of `width` values per Gaussian. Row: a number or a CloudRow.
+template <class T, class Row>
+std::vector<T> gather_column(const Exec& exec, const std::vector<T>& values, int width, const std::vector<Row>& rows) {
   std::vector<T> part(rows.size() * std::size_t(width));
   for_each_index(exec, std::int64_t(rows.size()), [&](std::int64_t r) {
-    std::copy_n(values.begin() + rows[std::size_t(r)] * width, width, part.begin() + r * width);
+    std::copy_n(values.begin() + source_of(rows[std::size_t(r)]) * width, width, part.begin() + r * width);
   });
   return part;
 }
