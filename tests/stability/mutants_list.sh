@@ -76,6 +76,7 @@ t=stability/neighbours_stability_test.cpp
 mutant ops/knn.cpp $t ops/knn.cpp "ties in any order" 's/dist2 < o\.dist2 \|\| \(dist2 == o\.dist2 \&\& index < o\.index\)/dist2 <= o.dist2/'
 mutant ops/knn.cpp $t ops/knn.cpp "ties not admitted" 's/std::nextafter\((best_\[count_ - 1\]\.dist2), .*\);/\1;/'
 mutant ops/knn.cpp $t ops/knn.cpp "a point is its own neighbour" 's/index == excluded_ \|\| //'
+mutant ops/knn.cpp unit/ops/knn_test.cpp ops/knn.cpp "within: a tie is outside" 's/admitted_\(std::nextafter\(most_dist2, kInfinity\)\)/admitted_(most_dist2)/'
 mutant ops/knn.cpp $t ops/knn.cpp "search in float" 's/std::vector<double> out\(rows\.data, rows\.data \+ rows\.n \* 3\);/std::vector<double> out; for (std::int64_t i = 0; i < rows.n * 3; ++i) out.push_back(double(_Float16(rows.data[i])));/'
 f=ops/rbf_kernels.h
 mutant $f $t ops/rbf.cpp "nearest distance not subtracted" 's/dot\(x0 - xj, \(q - x0\) \+ \(q - xj\)\)/dot(q - xj, q - xj)/'

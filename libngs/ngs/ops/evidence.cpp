@@ -62,13 +62,15 @@ void require_size(const ViewMasks& masks, const Camera& camera) {
 }  // namespace
 
 ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options,
-                   const ViewMasks& masks) {
+                   const ViewMasks& masks, const std::vector<std::uint8_t>* of) {
   ViewSums seen{int(masks.target.size()), {}, {}};
   if (!masks.available) return seen;
   require_size(masks, camera);
+  NGS_CHECK(of == nullptr || std::int64_t(of->size()) == cloud.size(), "one flag per Gaussian");
   const auto columns = std::size_t(seen.columns());
   const auto take = [&](std::uint32_t gaussian, const double* sum) {
-    if (sum[0] > 0) seen.row.push_back(gaussian), seen.sum.insert(seen.sum.end(), sum, sum + columns);
+    const bool wanted = of == nullptr || (*of)[gaussian];
+    if (wanted && sum[0] > 0) seen.row.push_back(gaussian), seen.sum.insert(seen.sum.end(), sum, sum + columns);
   };
   if (exec.device_ops) {
     const std::vector<double> sums = sums_on_device(exec, cloud, camera, options, masks);
@@ -76,8 +78,11 @@ ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const Camera& c
     return seen;
   }
   const ViewPairs pairs = pairs_of(exec, cloud, camera, options, masks);
-  std::vector<double> sum(columns);
-  for (std::size_t v = 0; v < pairs.id.size(); ++v) pairs.sum_up(v, sum.data()), take(pairs.id[v], sum.data());
+  std::vector<double> sums(pairs.id.size() * columns);
+  for_each_index(exec, std::int64_t(pairs.id.size()), [&](std::int64_t v) {
+    if (of == nullptr || (*of)[pairs.id[std::size_t(v)]]) pairs.sum_up(std::size_t(v), &sums[std::size_t(v) * columns]);
+  });
+  for (std::size_t v = 0; v < pairs.id.size(); ++v) take(pairs.id[v], &sums[v * columns]);
   return seen;
 }
 

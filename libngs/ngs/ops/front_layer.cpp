@@ -89,14 +89,15 @@ struct SumSink : FrontBase {
   }
   void begin_column(int) {}
   void add(int, const Contribution<L>& hit) {
-    sum[0] += hit.alpha * hit.transmittance;
     if (!may) return;
+    sum[0] += hit.alpha * hit.transmittance;
     const L front = front_weight(hit);
     sum[1] += front;
     sum[2] = fma_lanes(front, marked[hit.pack], sum[2]);
   }
   void end_column(int) {}
   void end() {
+    if (!may) return;
     float* row = pair.row(work.slot[entry]);
     for (int c = 0; c < 3; ++c) row[c] = sum_lanes(sum[c]);
   }
@@ -175,10 +176,11 @@ FrontSums FrontView::sums(const FrontQuery& query, const std::vector<std::uint8_
   const auto n = std::size_t(s.gaussians);
   FrontSums sums{std::vector<double>(n), std::vector<double>(n), std::vector<double>(n)};
   for_each_index(s.exec, std::int64_t(b.view.id.size()), [&](std::int64_t v) {
+    const std::size_t i = b.view.id[std::size_t(v)];
+    if (!query.candidate[i]) return;
     double total[3] = {};
     for (std::int64_t slot = b.lists.slot_begin[std::size_t(v)]; slot < b.lists.slot_begin[std::size_t(v) + 1]; ++slot)
       for (int c = 0; c < 3; ++c) total[c] += double(pair.row(slot)[c]);
-    const std::size_t i = b.view.id[std::size_t(v)];
     sums.weight[i] = total[0], sums.front[i] = total[1], sums.marked[i] = total[2];
   });
   return sums;

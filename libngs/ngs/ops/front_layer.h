@@ -14,7 +14,8 @@ struct FrontQuery {
   const std::vector<std::uint8_t>& candidate;  // [N]
 };
 
-/// [N] each: Σ w over the view's pixels, over those where the Gaussian is in front, over the marked of these.
+/// [N] each, of the candidates: Σ w over the view's pixels, over those where the Gaussian is in front, over the marked of
+/// these. The others have zeros.
 struct FrontSums {
   std::vector<double> weight, front, marked;
 };

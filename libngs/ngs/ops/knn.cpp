@@ -56,6 +56,22 @@ class OrderedResult : public flann::ResultSet<double> {
   Neighbour best_[kMaxNeighbours];
 };
 
+/// Whether there is a point within a distance: the first one ends the search.
+class AnyResult : public flann::ResultSet<double> {
+ public:
+  explicit AnyResult(double most_dist2) : admitted_(std::nextafter(most_dist2, kInfinity)) {}
+  bool full() const override { return found_; }
+  double worstDist() const override { return admitted_; }
+  void addPoint(double dist2, std::size_t) override {
+    if (dist2 < admitted_) found_ = true, admitted_ = -1;  // nothing is nearer than that
+  }
+  bool found() const { return found_; }
+
+ private:
+  double admitted_;
+  bool found_ = false;
+};
+
 constexpr std::size_t kNoExclusion = std::numeric_limits<std::size_t>::max();
 
 /// What a query's K-th squared distance cannot exceed, from that of another query: both lie within reach of its points.
@@ -122,6 +138,27 @@ KnnGraph nearest_points(const Exec& exec, Rows<const float, 3> points, Rows<cons
 
 KnnGraph nearest_others(const Exec& exec, Rows<const float, 3> points, int neighbours) {
   return search(exec, points, points, neighbours, true);
+}
+
+std::vector<std::uint8_t> any_within(const Exec& exec, Rows<const float, 3> points, Rows<const float, 3> queries,
+                                     double radius) {
+  NGS_CHECK(radius >= 0, "radius must not be negative");
+  NGS_CHECK(points.n <= std::numeric_limits<std::int32_t>::max(), "the search tree counts points in 32 bits");
+  std::vector<std::uint8_t> found(std::size_t(queries.n), 0);
+  if (points.n == 0 || queries.n == 0) return found;
+  std::vector<double> point = to_double(points, "points"), query = to_double(queries, "queries");
+  Tree tree(flann::Matrix<double>(point.data(), std::size_t(points.n), 3), flann::KDTreeSingleIndexParams());
+  tree.buildIndex();
+  const flann::SearchParams params(flann::FLANN_CHECKS_UNLIMITED, -kPruningSlack);
+  for_each_task(exec, (queries.n + kQueriesPerTask - 1) / kQueriesPerTask, [&](std::int64_t task) {
+    const std::int64_t end = std::min(queries.n, (task + 1) * kQueriesPerTask);
+    for (std::int64_t i = task * kQueriesPerTask; i < end; ++i) {
+      AnyResult result(radius * radius);
+      tree.findNeighbors(result, &query[std::size_t(i) * 3], params);
+      found[std::size_t(i)] = result.found();
+    }
+  });
+  return found;
 }
 
 void build_transpose(KnnGraph& graph) {

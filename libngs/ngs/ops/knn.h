@@ -17,6 +17,10 @@ KnnGraph nearest_points(const Exec& exec, Rows<const float, 3> points, Rows<cons
 /// For every point its nearest other points. A coincident point is another point.
 KnnGraph nearest_others(const Exec& exec, Rows<const float, 3> points, int neighbours);
 
+/// 1 where some point lies within `radius` of the query, [queries]. Much cheaper than the distance to the nearest.
+std::vector<std::uint8_t> any_within(const Exec& exec, Rows<const float, 3> points, Rows<const float, 3> queries,
+                                     double radius);
+
 /// Fills graph.row_begin and graph.edge from graph.index.
 void build_transpose(KnnGraph& graph);
 

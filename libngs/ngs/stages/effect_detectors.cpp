@@ -7,6 +7,7 @@
 #include "ngs/math/median.h"
 #include "ngs/math/sh.h"
 #include "ngs/math/stable.h"
+#include "ngs/stages/view_trust.h"
 
 namespace ngs {
 namespace {
@@ -175,12 +176,8 @@ double cells_per_spacing(const std::vector<float>& nearest_distance, double exte
 
 double outlier_score(const std::vector<double>& disagreement) {
   if (disagreement.size() < 2) return 0;
-  const double middle = upper_median(disagreement);
-  std::vector<double> away;
-  for (const double d : disagreement) away.push_back(std::abs(d - middle));
-  const double spread = 1.4826 * upper_median(away);
-  const double ignored = std::max({3 * middle, middle + 6 * spread, 0.2});
-  return *std::max_element(disagreement.begin(), disagreement.end()) / (0.5 * ignored);
+  double median = 0;
+  return *std::max_element(disagreement.begin(), disagreement.end()) / (0.5 * ignore_threshold({}, disagreement, median));
 }
 
 double gain_in_errors(const std::vector<double>& gains) {

@@ -29,10 +29,10 @@ std::vector<std::uint8_t> candidates_of(const Exec& exec, const MethodInput& inp
     if (!core.member[i] && input.cloud.usable[i] && !is_fixed(input, i))
       others.insert(others.end(), p, p + 3), row.push_back(i);
   }
-  const KnnGraph nearest =
-      nearest_points(exec, {centres.data(), core.count}, {others.data(), std::int64_t(row.size())}, 1);
+  const std::vector<std::uint8_t> near =
+      any_within(exec, {centres.data(), core.count}, {others.data(), std::int64_t(row.size())}, margin);
   std::vector<std::uint8_t> candidate(n, 0);
-  for (std::size_t k = 0; k < row.size(); ++k) candidate[row[k]] = double(nearest.dist2[k]) > margin * margin;
+  for (std::size_t k = 0; k < row.size(); ++k) candidate[row[k]] = !near[k];
   return candidate;
 }
 
@@ -64,15 +64,16 @@ double difference(const float* a, const float* b) {
   return sum / 3;
 }
 
-/// The photo's colours as three soft masks: their evidence is the mean colour of what a Gaussian covers.
+/// The photo's colours as three soft masks: their evidence is the mean colour of what a Gaussian covers. Of those that
+/// may be floaters: what the others show is not asked.
 ViewSums colour_sums(const Exec& exec, const MethodInput& input, const GaussianCloud& cloud, const Camera& camera,
-                     const ImageF& photo) {
+                     const ImageF& photo, const std::vector<std::uint8_t>& candidate) {
   ViewMasks channels;
   channels.width_px = camera.width_px, channels.height_px = camera.height_px, channels.available = true;
   channels.target.assign(3, std::vector<float>(std::size_t(photo.pixels())));
   for (std::size_t p = 0; p < std::size_t(photo.pixels()); ++p)
     for (std::size_t c = 0; c < 3; ++c) channels.target[c][p] = photo.data[3 * p + c];
-  return view_sums(exec, cloud, camera, input.splat, channels);
+  return view_sums(exec, cloud, camera, input.splat, channels, &candidate);
 }
 
 class FloaterSearch {
@@ -158,12 +159,12 @@ class FloaterSearch {
   }
 
   /// Mean photo colour of every Gaussian in the views other than this one, and 1; zeros where there are none.
-  static std::vector<float> colour_elsewhere(const LeaveOneOut::Rest& others) {
+  std::vector<float> colour_elsewhere(const LeaveOneOut::Rest& others) const {
     std::vector<float> value(others.seen.size() * 4);
-    for (std::size_t i = 0; i < others.seen.size(); ++i) {
-      std::copy_n(&others.share[3 * i], 3, &value[4 * i]);
-      value[4 * i + 3] = others.seen[i];
-    }
+    for_each_index(exec_, std::int64_t(others.seen.size()), [&](std::int64_t i) {
+      std::copy_n(&others.share[std::size_t(3 * i)], 3, &value[std::size_t(4 * i)]);
+      value[std::size_t(4 * i + 3)] = others.seen[std::size_t(i)];
+    });
     return value;
   }
 
@@ -197,8 +198,8 @@ class FloaterSearch {
   /// Rows of the floaters of this round, and hidden_.
   std::vector<std::size_t> round() {
     const auto n = std::size_t(cloud_.size());
-    LeaveOneOut colours(cloud_.size(), 3, [this](std::size_t v) {
-      return colour_sums(exec_, input_, cloud_, camera(v), input_.load_photo(v));
+    LeaveOneOut colours(exec_, cloud_.size(), 3, [this](std::size_t v) {
+      return colour_sums(exec_, input_, cloud_, camera(v), input_.load_photo(v), candidate_);
     });
     for (const std::size_t v : views_) colours.add(v);
     std::vector<double> front(n), through(n), reach(n);

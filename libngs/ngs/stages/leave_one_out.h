@@ -3,6 +3,7 @@
 #include <functional>
 #include <map>
 
+#include "ngs/backend/exec.h"
 #include "ngs/scene/evidence.h"
 
 namespace ngs {
@@ -12,7 +13,7 @@ class LeaveOneOut {
  public:
   /// What view n says.
   using Gather = std::function<ViewSums(std::size_t n)>;
-  LeaveOneOut(std::int64_t gaussians, int objects, Gather gather, std::size_t kept_bytes = 256u << 20);
+  LeaveOneOut(const Exec& exec, std::int64_t gaussians, int objects, Gather gather, std::size_t kept_bytes = 256u << 20);
 
   void add(std::size_t n);
 
@@ -28,8 +29,9 @@ class LeaveOneOut {
     std::vector<std::uint32_t> row;  // [V] of the Gaussians that the view sees
     std::vector<double> weight;      // [V, 1 + K] W, then W1 of each object
   };
-  static Own own_of(const ViewSums& one);
+  Own own_of(const ViewSums& one) const;
 
+  const Exec& exec_;
   std::int64_t gaussians_;
   std::size_t objects_;
   Gather gather_;

@@ -1,5 +1,7 @@
 #include "ngs/stages/view_align.h"
 
+#include <mutex>
+
 #include "ngs/backend/try_each.h"
 #include "ngs/stages/pose_check.h"
 #include "ngs/stages/view_list.h"
@@ -48,11 +50,15 @@ std::vector<ViewAlignment> measure_alignment(const Exec& exec, Monitor& monitor,
   splat.blur_px2 = scene.filter_px2;
   std::vector<ViewAlignment> alignment;
   for (const std::size_t v : photo_views(scene)) alignment.emplace_back().view = v;
+  std::mutex telling;
+  std::int64_t done = 0;
   try_each_task(exec, std::int64_t(alignment.size()), [&](std::int64_t i) {
     ViewAlignment& of_view = alignment[std::size_t(i)];
     const std::size_t v = of_view.view;
     of_view = align(cloud, splat, scene.views[v].camera, load_photo(v));
     of_view.view = v;
+    const std::lock_guard lock(telling);
+    monitor.progress(++done, std::int64_t(alignment.size()));
   });
   return alignment;
 }

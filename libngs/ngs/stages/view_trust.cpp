@@ -55,7 +55,7 @@ class Judge {
     int rounds = 0;
     while (rounds < options_.rounds && !monitor.stop_requested()) {
       ++rounds;
-      LeaveOneOut others(input_.cloud.size(), int(input_.scene.objects.size()),
+      LeaveOneOut others(exec_, input_.cloud.size(), int(input_.scene.objects.size()),
                          [this](std::size_t n) {
                            return view_sums(exec_, input_.cloud, camera(n), input_.splat,
                                             input_.load_masks(input_.views[n]));
@@ -126,12 +126,8 @@ class Judge {
       trust.disagreement[n] = std::min(disagreement(mask, c.modal), disagreement(mask, c.amodal));
       all.push_back(trust.disagreement[n]);
     }
-    const double middle = upper_median(all);
-    std::vector<double> deviations;
-    for (const double d : all) deviations.push_back(std::abs(d - middle));
-    const double threshold =
-        std::max({options_.factor * middle, middle + options_.spreads * 1.4826 * upper_median(deviations), options_.least});
-    trust.figures["median_disagreement"] = middle, trust.figures["threshold"] = threshold;
+    const double threshold = ignore_threshold(options_, all, trust.figures["median_disagreement"]);
+    trust.figures["threshold"] = threshold;
     bool changed = false;
     for (std::size_t n = 0; n < trusted_.size(); ++n) {
       const std::uint8_t now = trust.disagreement[n] <= threshold;
@@ -147,6 +143,15 @@ class Judge {
 };
 
 }  // namespace
+
+double ignore_threshold(const TrustOptions& options, const std::vector<double>& disagreement, double& median) {
+  constexpr double kMadToSigma = 1.4826;  // of a normal distribution
+  median = upper_median(disagreement);
+  std::vector<double> deviations;
+  for (const double d : disagreement) deviations.push_back(std::abs(d - median));
+  const double sigma = kMadToSigma * upper_median(std::move(deviations));
+  return std::max({options.factor * median, median + options.spreads * sigma, options.least});
+}
 
 ViewTrust judge_views(const Exec& exec, Monitor& monitor, const TrustOptions& options, const MethodInput& input) {
   return Judge(exec, options, input).run(monitor);

@@ -17,6 +17,9 @@ struct TrustOptions {
   int rounds = 3;        // the consensus without the ignored views judges again
 };
 
+/// The disagreement above which a view is ignored, from those of all views (at least one). `median`: of them.
+double ignore_threshold(const TrustOptions& options, const std::vector<double>& disagreement, double& median);
+
 struct ViewTrust {
   std::vector<std::size_t> ignored;   // indices of scene.views, ascending
   std::vector<double> disagreement;   // per entry of input.views: 1 - IoU with the others; negative: no mask

@@ -52,8 +52,9 @@ TEST_CASE("what lies in front of a surface equals a brute-force evaluation in do
         clear &= image[p].closest_threshold > 1e-5;
         for (const auto& [g, w] : image[p].weight) {
           const auto i = std::size_t(g);
+          if (!c.candidate[i]) continue;
           weight[i] += w;
-          if (!c.candidate[i] || !(depth[i] < double(c.limit.data[p]))) continue;
+          if (!(depth[i] < double(c.limit.data[p]))) continue;
           front[i] += w, marked[i] += c.marked[p] ? w : 0;
           for (std::size_t k = 0; k < 2; ++k) layer[3 * p + k] += w * double(c.value[2 * i + k]);
           layer[3 * p + 2] += w;

@@ -54,6 +54,25 @@ TEST_CASE("knn answers no points and no queries with empty tables") {
   CHECK(self.row_begin == std::vector<std::int64_t>{0, 0});
 }
 
+TEST_CASE("any_within says what the nearest distance says, a tie included") {
+  test::Random random(3);
+  std::vector<float> points, queries;
+  for (int i = 0; i < 3 * 500; ++i) points.push_back(float(std::round(random.uniform(-8, 8)) / 4));  // many equal distances
+  for (int i = 0; i < 3 * 300; ++i) queries.push_back(float(std::round(random.uniform(-16, 16)) / 4));
+  const KnnGraph nearest = nearest_points({}, rows(points), rows(queries), 1);
+  for (const double radius : {0.0, 0.25, 0.5, 1.0, 3.0, 100.0}) {
+    const std::vector<std::uint8_t> near = any_within({}, rows(points), rows(queries), radius);
+    std::size_t ties = 0;
+    for (std::size_t i = 0; i < near.size(); ++i) {
+      CHECK(near[i] == (double(nearest.dist2[i]) <= radius * radius));
+      ties += double(nearest.dist2[i]) == radius * radius;
+    }
+    if (radius < 1) CHECK(ties > 0);
+  }
+  CHECK(any_within({}, rows({}), rows(queries), 1) == std::vector<std::uint8_t>(300, 0));
+  CHECK(any_within({}, rows(points), rows({}), 1).empty());
+}
+
 TEST_CASE("knn equals a full sort for every small number of points") {
   constexpr int k = 4;
   test::Random random(1);

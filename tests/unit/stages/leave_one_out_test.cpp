@@ -32,7 +32,8 @@ constexpr std::size_t kViews[] = {0, 1, 3};
 TEST_CASE("without a view there is the evidence of the others, kept or gathered anew") {
   for (const std::size_t kept : {std::size_t(0), std::size_t(200), std::size_t(1) << 20}) {
     CAPTURE(kept);
-    LeaveOneOut views(kGaussians, kObjects, gather, kept);
+    const Exec exec;
+    LeaveOneOut views(exec, kGaussians, kObjects, gather, kept);
     for (const std::size_t v : kViews) views.add(v);
     for (std::size_t left_out = 0; left_out < 4; ++left_out) {
       Evidence others(kGaussians, kObjects);
