@@ -184,7 +184,7 @@ mutant $f $t $f "nothing of nothing is 0" 's/whole == 0 \? if_nothing/whole == 0
 mutant $f $t $f "union of the bands from one mask" 's/in_any \+= p \|\| t/in_any += p/'
 t=unit/ops/front_layer_test.cpp f=ops/front_layer.cpp
 mutant $f $t $f "what lies in front without its transmittance" 's/hit\.alpha \* hit\.transmittance, L/hit.alpha, L/'
-mutant $f $t $f "every Gaussian may be in front" 's/may = candidate.*;/may = true;/'
+mutant $f $t $f "every Gaussian may be in front" 's/may = candidate.*;/may = true;/; s/if \(!query\.candidate\[i\]\) return;//'
 mutant $f $t $f "depths not compared" 's/select\(L\(depth\) < limit\[hit\.pack\], /select(L(depth) < L(1e30f), /'
 
 t=stability/pictures_stability_test.cpp

@@ -95,11 +95,12 @@ TEST_CASE(
         Camera camera;
         camera.width_px = camera.height_px = 16, camera.fx = camera.fy = 20, camera.cx = camera.cy = 8;
         for (int i = 0; i < 3; ++i) camera.rotation(i, i) = 1;
-        const ImageF surface(16, 16, 1, limit);
+        const ImageF surface(16, 16, 1, limit), far(16, 16, 1, 1e30f);
         const std::vector<std::uint8_t> candidate{1}, marked(256, 1);
-        const FrontSums sums = FrontView({}, cloud, camera, {}).sums({surface, candidate}, marked);
-        worst.ours_is(sums.weight[0] > 0.5 && sums.front[0] == (h > 0 ? sums.weight[0] : 0) &&
-                      sums.marked[0] == sums.front[0]);
+        const FrontView view({}, cloud, camera, {});
+        const FrontSums sums = view.sums({surface, candidate}, marked);
+        const double whole = view.sums({far, candidate}, marked).front[0];
+        worst.ours_is(whole > 0.5 && sums.front[0] == (h > 0 ? whole : 0) && sums.marked[0] == sums.front[0]);
         worst.naive_is((1 / limit < 1 / depth) == (h > 0));
       });
 }

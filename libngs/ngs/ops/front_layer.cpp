@@ -78,28 +78,27 @@ struct LayerSink : FrontBase {
 };
 
 struct SumSink : FrontBase {
-  Matrix<float> pair;  // [pairs, 3]
+  Matrix<float> pair;  // [pairs, 2]
   L marked[kPacks];
-  L sum[3] = {};
+  L front = L(0.f), of_marked = L(0.f);
   std::uint32_t entry = 0;
 
   void begin(std::uint32_t e) {
     enter(entry = e);
-    sum[0] = sum[1] = sum[2] = L(0.f);
+    front = of_marked = L(0.f);
   }
   void begin_column(int) {}
   void add(int, const Contribution<L>& hit) {
     if (!may) return;
-    sum[0] += hit.alpha * hit.transmittance;
-    const L front = front_weight(hit);
-    sum[1] += front;
-    sum[2] = fma_lanes(front, marked[hit.pack], sum[2]);
+    const L weight = front_weight(hit);
+    front += weight;
+    of_marked = fma_lanes(weight, marked[hit.pack], of_marked);
   }
   void end_column(int) {}
   void end() {
     if (!may) return;
     float* row = pair.row(work.slot[entry]);
-    for (int c = 0; c < 3; ++c) row[c] = sum_lanes(sum[c]);
+    row[0] = sum_lanes(front), row[1] = sum_lanes(of_marked);
   }
 };
 
@@ -162,26 +161,25 @@ FrontSums FrontView::sums(const FrontQuery& query, const std::vector<std::uint8_
   const BinnedView& b = s.binned;
   s.check(query);
   NGS_CHECK(std::int64_t(marked.size()) == query.limit.pixels(), "one mark per pixel");
-  std::vector<float> pairs(std::size_t(b.lists.pairs()) * 3, 0.f);
-  const Matrix<float> pair{pairs.data(), b.lists.pairs(), 3};
+  std::vector<float> pairs(std::size_t(b.lists.pairs()) * 2, 0.f);
+  const Matrix<float> pair{pairs.data(), b.lists.pairs(), 2};
   for_each_task(s.exec, b.lists.tiles(), [&](std::int64_t tile) {
     const TileWork<float> work = tile_work(b.view, b.lists, tile, s.camera, s.compat);
     const TileFrame& frame = work.frame;
     SumSink sink{{b, work, query.candidate, {}}, pair, {}};
     tile_plane(frame, query.limit.data, sink.limit);
+    if (!has_surface(sink.limit)) return;
     tile_plane(frame, marked, sink.marked);
     L transmittance[kPacks];
     composite_tile<L>(work, transmittance, sink);
   });
   const auto n = std::size_t(s.gaussians);
-  FrontSums sums{std::vector<double>(n), std::vector<double>(n), std::vector<double>(n)};
+  FrontSums sums{std::vector<double>(n), std::vector<double>(n)};
   for_each_index(s.exec, std::int64_t(b.view.id.size()), [&](std::int64_t v) {
     const std::size_t i = b.view.id[std::size_t(v)];
     if (!query.candidate[i]) return;
-    double total[3] = {};
     for (std::int64_t slot = b.lists.slot_begin[std::size_t(v)]; slot < b.lists.slot_begin[std::size_t(v) + 1]; ++slot)
-      for (int c = 0; c < 3; ++c) total[c] += double(pair.row(slot)[c]);
-    sums.weight[i] = total[0], sums.front[i] = total[1], sums.marked[i] = total[2];
+      sums.front[i] += double(pair.row(slot)[0]), sums.marked[i] += double(pair.row(slot)[1]);
   });
   return sums;
 }

@@ -14,10 +14,9 @@ struct FrontQuery {
   const std::vector<std::uint8_t>& candidate;  // [N]
 };
 
-/// [N] each, of the candidates: Σ w over the view's pixels, over those where the Gaussian is in front, over the marked of
-/// these. The others have zeros.
+/// [N] each: Σ w over the view's pixels where the Gaussian is in front, and over the marked of these.
 struct FrontSums {
-  std::vector<double> weight, front, marked;
+  std::vector<double> front, marked;
 };
 
 /// One view of a model, projected once for several looks at it.

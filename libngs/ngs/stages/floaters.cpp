@@ -209,14 +209,15 @@ class FloaterSearch {
       const Surface s = surface(v);
       surface_px +=
           double(std::count_if(s.limit.data.begin(), s.limit.data.end(), [](float z) { return z > 0; }));
-      const std::vector<float> elsewhere = colour_elsewhere(colours.without(v));
+      const LeaveOneOut::Rest others = colours.without(v);
+      const std::vector<float> elsewhere = colour_elsewhere(others);
       const FrontQuery query{s.limit, candidate_};
       const FrontView view(exec_, cloud_, camera(v), input_.splat);
       const ImageF layer = view.layer(query, {elsewhere.data(), cloud_.size(), 4});
       const FrontSums sums = view.sums(query, seen_through(v, s, photo, layer));
       for (std::size_t i = 0; i < n; ++i) {
         front[i] += sums.front[i], through[i] += sums.marked[i];
-        if (sums.weight[i] > 0) reach[i] = std::max(reach[i], sums.front[i] / sums.weight[i]);
+        if (others.own[i] > 0) reach[i] = std::max(reach[i], sums.front[i] / others.own[i]);
       }
     }
     std::vector<std::size_t> found;

@@ -52,7 +52,7 @@ LeaveOneOut::Rest LeaveOneOut::without(std::size_t n) const {
   const auto kept = kept_.find(n);
   if (kept == kept_.end() && std::find(not_kept_.begin(), not_kept_.end(), n) != not_kept_.end()) again = own_of(gather_(n));
   const Own& own = kept == kept_.end() ? again : kept->second;
-  Rest rest{std::vector<std::uint8_t>(rows), std::vector<float>(rows * objects_)};
+  Rest rest{std::vector<std::uint8_t>(rows), std::vector<float>(rows * objects_), std::vector<double>(rows)};
   const std::vector<double> none(1 + objects_, 0.0);
   for_each_task(exec_, (gaussians_ + kRowsPerTask - 1) / kRowsPerTask, [&](std::int64_t task) {
     const auto begin = std::size_t(task * kRowsPerTask), end = std::min(rows, begin + std::size_t(kRowsPerTask));
@@ -60,6 +60,7 @@ LeaveOneOut::Rest LeaveOneOut::without(std::size_t n) const {
     for (std::size_t i = begin; i < end; ++i) {
       const bool here = v < own.row.size() && own.row[v] == i;
       const double* mine = here ? &own.weight[v++ * (1 + objects_)] : none.data();
+      rest.own[i] = mine[0];
       const double all = weight_.value(i), weight = all - mine[0];
       if (!(weight > kLeastRest * all)) continue;
       rest.seen[i] = 1;

@@ -20,6 +20,7 @@ class LeaveOneOut {
   struct Rest {
     std::vector<std::uint8_t> seen;  // [N] the others have at least a thousandth of the weight
     std::vector<float> share;        // [N, K] of objects in the weight of the others; 0 where not seen
+    std::vector<double> own;         // [N] weight in the view that is left out
   };
   /// A view that was not added takes nothing away.
   Rest without(std::size_t n) const;

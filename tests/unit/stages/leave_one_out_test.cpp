@@ -45,6 +45,8 @@ TEST_CASE("without a view there is the evidence of the others, kept or gathered 
       const LeaveOneOut::Rest rest = views.without(left_out);
       for (std::size_t i = 0; i < 5; ++i) {
         CHECK(int(rest.seen[i]) == (i == 4 && left_out == 1 ? 0 : 1));
+        const bool sees = left_out != 2 && (i < 4 || left_out == 1);
+        CHECK(rest.own[i] == (sees ? gather(left_out).weight(i) : 0));
         for (std::size_t k = 2 * i; k < 2 * i + 2; ++k)
           CHECK(double(rest.share[k]) ==
                 doctest::Approx(rest.seen[i] ? others.object_weight.value(k) / others.weight.value(i) : 0));
