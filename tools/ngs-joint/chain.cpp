@@ -76,6 +76,17 @@ bool rule_steps_by_time(Budget& budget, const Settings& settings, const MethodIn
   return steps || plan.edge_rounds > 0;
 }
 
+/// A method beside the paper's, start to end. What a signal leaves of it is no result.
+int run_other(cli::Run& run, const Declared& declared, const MethodInput& input, const Source& source,
+              const std::string& path) {
+  const Method method = declared.settings.run.method;
+  run.info("method " + method_name(method) + " begins");
+  const MethodResult result = run_beside(run, method, declared.methods, input);
+  if (const int stopped = run.stop_code()) return stopped;
+  write_result(run, source, result, path);
+  return result.converged ? cli::kDone : cli::kBudgetHit;
+}
+
 }  // namespace
 
 int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
@@ -121,28 +132,30 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
     kept.preload(run.exec()), coarse.preload(run.exec());
   }
   decisions.decide(run, EffectPhase::kBefore, coarse.get());
+  // The stages below end early on a signal. What they then leave is nothing to go on from, and no checkpoint.
+  if (const int stopped = run.stop_code()) return stopped;
   const bool mend = !settings.run.explain;
   const auto exposures =
       mend && decisions.on("exposure") ? handle_exposure(run, coarse.get()) : std::vector<ViewExposure>{};
   const MethodInput read = with_levelled_photos(kept.get(), exposures);
   const ViewTrust trust = mend && decisions.on("view-trust") ? handle_trust(run, coarse.get()) : ViewTrust{};
+  if (const int stopped = run.stop_code()) return stopped;
   const MethodInput believed = with_trusted_masks(run, read, trust);
   const FloaterOutcome clean = mend && decisions.on("floaters")
                                    ? handle_floaters(run, believed, settings.joint.quality, budget)
                                    : FloaterOutcome{};
+  if (const int stopped = run.stop_code()) return stopped;
   MethodInput input = without_floaters(believed, clean);
   const bool strays = mend && decisions.on("strays") && leave_strays(run, input);
   const std::string apart_of = settings.run.apart.empty() ? "" : io::content_hash(paths.boundary).xxh3;
-  if (settings.run.method != Method::kPaper && mend) {
-    write_result(run, {ply, scene, clean.floater, apart_of},
-                 run_beside(run, settings.run.method, declared.methods, input), paths.labelled);
-    return 0;
-  }
+  const Source source{ply, scene, clean.floater, apart_of};
+  if (settings.run.method != Method::kPaper && mend) return run_other(run, declared, input, source, paths.labelled);
   const bool detects = rule_steps_by_time(budget, settings, input, decisions);
   {
     const auto lap = budget.lap(kDetectorsCost, detects ? input.views.size() : 0);
     decisions.decide(run, EffectPhase::kSteps, input);
   }
+  if (const int stopped = run.stop_code()) return stopped;
   if (!mend) {
     plan["effects"] = decisions.json();
     run.plan(std::move(plan));
@@ -167,7 +180,7 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
   return optimise(run, decisions,
                   {input,
                    given ? &*given : nullptr,
-                   {ply, scene, clean.floater, apart_of},
+                   source,
                    {settings.run.checkpoint, fingerprint},
                    budget},
                   {paths.labelled, paths.nerf, paths.trace});

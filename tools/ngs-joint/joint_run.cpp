@@ -22,6 +22,12 @@ std::optional<double> number_before(std::string_view text, std::string_view& res
 
 }  // namespace
 
+std::string method_name(Method method) {
+  for (const NamedValue<Method>& named : kMethodNames)
+    if (named.value == method) return std::string(named.name);
+  throw std::logic_error("a method without a name");
+}
+
 std::optional<double> parse_budget(const std::string& text) {
   if (text.empty()) return std::nullopt;
   std::string_view unit;

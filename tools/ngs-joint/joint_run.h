@@ -14,6 +14,7 @@ inline constexpr NamedValue<Method> kMethodNames[] = {
     {Method::kPaper, "paper"},      {Method::kBce, "bce"},   {Method::kCob, "cob"},
     {Method::kFlash, "flash"},      {Method::kSa3d, "sa3d"}, {Method::kSaga, "saga"},
     {Method::kReleased, "released"}};
+std::string method_name(Method method);
 
 struct RunOptions {
   Method method = Method::kPaper;
@@ -33,7 +34,7 @@ struct RunOptions {
     visit(self.background, Text{"background", "R,G,B", "colour behind the model, each in [0, 1]"});
     visit(self.checkpoint, Text{"checkpoint", "DIR", "folder in which the state of the run is kept"});
     visit(self.checkpoint_every,
-          Field<std::int64_t>{"checkpoint_every", "", "steps between checkpoints; 0: only when interrupted",
+          Field<std::int64_t>{"checkpoint_every", "", "steps between checkpoints; 0: when interrupted, and before the edges",
                               0, 1'000'000'000});
     visit(self.trace_every,
           Field<int>{"trace_every", "", "steps between scores in the trace; 0: once per round of views", 0,

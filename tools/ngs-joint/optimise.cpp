@@ -56,8 +56,7 @@ namespace {
 /// The steps of Eq. 20. Returns the exit code of a signal, else 0.
 int run_steps(cli::Run& run, const RunOptions& options, const Checkpoint& checkpoint, Watch& watch,
               JointTrainer& trainer) {
-  if (options.resume && checkpoint.given() && checkpoint.load(trainer))
-    run.info("resumed after step " + std::to_string(trainer.steps_done()));
+  run.info("step " + std::to_string(trainer.steps_done() + 1) + " begins");
   bool ended = watch.target_met();
   while (!trainer.finished() && !ended) {
     const JointProgress progress = trainer.step(watch.reads_every_step());
@@ -100,6 +99,7 @@ MethodResult run_edges(cli::Run& run, const Settings& settings, const Problem& p
   if (plan.edge_rounds < edge_rounds(planned.edge, true)) planned.edge.rounds = plan.edge_rounds;
   const double check_s = budget.foreseen_s(kCheckCost.renders * double(views));
   watch.begin_rounds(plan.edge_rounds, check_s);
+  run.info("edges begin");
   MethodResult start = budget.given() ? result : MethodResult{};
   result = follow_edges(run.exec(), run.monitor(),
                         {planned.edge, planned.joint, planned.sample, planned.rbf, problem.input,
@@ -128,12 +128,16 @@ int optimise(cli::Run& run, Decisions& decisions, const Problem& problem, const 
   if (decisions.on("joint")) {
     const TimePlan plan =
         budget.plan(settings.joint, settings.edge, problem.input.scene, problem.input.views.size());
-    watch.begin_stage(budget.left_s() - plan.steps_s);
+    if (settings.run.resume && problem.checkpoint.load(trainer))
+      run.info("resumed after step " + std::to_string(trainer.steps_done()));
+    watch.begin_steps(budget.left_s() - plan.steps_s, trainer);
     if (const int stopped = run_steps(run, settings.run, problem.checkpoint, watch, trainer)) return stopped;
   }
   MethodResult result = trainer.result();
   result.converged = true;
   if (decisions.on("edges") && !watch.target_met()) {
+    // The edges keep no state of their own: what is interrupted from here on begins with them.
+    if (decisions.on("joint") && problem.checkpoint.given()) problem.checkpoint.save(trainer);
     result = run_edges(run, settings, problem, watch, std::move(result));
     if (run.monitor().stop_requested()) return run.stop_code();
   }

@@ -34,7 +34,12 @@ bool Watch::begin(const JointTrainer& trainer) {
 
 void Watch::begin_stage(double keep_s) {
   rounds_left_ = 0, keep_s_ = keep_s;
-  last_s_ = began_s_ = seconds(), began_step_ = 0, longest_step_s_ = 0;
+  last_s_ = began_s_ = seconds(), longest_step_s_ = 0;
+}
+
+void Watch::begin_steps(double keep_s, const JointTrainer& trainer) {
+  begin_stage(keep_s);
+  planned_ = trainer.steps_planned(), step_ = began_step_ = trainer.steps_done();
 }
 
 void Watch::begin_rounds(int rounds, double keep_s) {
@@ -43,12 +48,13 @@ void Watch::begin_rounds(int rounds, double keep_s) {
 }
 
 /// After the first step of a round: all before it was the walk.
-void Watch::begin_round(double now_s) {
+void Watch::begin_round(const JointProgress& first, double now_s) {
   walk_s_ = now_s - last_s_;
   --rounds_left_;
   const double left_s = budget_.left_s() - rounds_keep_s_;
   keep_s_ = budget_.left_s() - round_share_s(left_s, walk_s_, rounds_left_);
-  began_s_ = last_s_ = now_s, began_step_ = 1, longest_step_s_ = 0;
+  planned_ = first.steps, began_step_ = first.step;
+  began_s_ = last_s_ = now_s, longest_step_s_ = 0;
 }
 
 /// A walk like the last one, and half of the training.
@@ -58,7 +64,6 @@ bool Watch::room_for_next_round() const {
 }
 
 void Watch::replan(const JointProgress& progress, JointTrainer& trainer) {
-  if (progress.step == 1) planned_ = progress.steps;
   if (!budget_.given() || progress.step == began_step_) return;
   const double step_s = (seconds() - began_s_) / double(progress.step - began_step_);
   const double room = std::max(0.0, budget_.left_s() - keep_s_ - 1.2 * longest_step_s_) / step_s;
@@ -70,7 +75,7 @@ bool Watch::after_step(const JointProgress& progress, JointTrainer& trainer,
   const LossTerms& l = last_loss_ = progress.loss;
   ++step_;
   const double now = seconds();
-  if (rounds_left_ > 0 && progress.step == 1) begin_round(now);
+  if (rounds_left_ > 0 && progress.step == 1) begin_round(progress, now);
   longest_step_s_ = std::max(longest_step_s_, now - last_s_);
   if (target_ || traced_) {
     Json line{{"t", now},

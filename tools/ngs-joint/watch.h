@@ -12,8 +12,8 @@ class Watch {
 
   /// The model before the first step: a line of the trace without losses. True: the target is met already.
   bool begin(const JointTrainer& trainer);
-  /// The steps to come go on until only `keep_s` of the budget are left.
-  void begin_stage(double keep_s);
+  /// The steps to come, from where the trainer is, go on until only `keep_s` of the budget are left.
+  void begin_steps(double keep_s, const JointTrainer& trainer);
   /// The same for rounds of edges, which share what their walks leave.
   void begin_rounds(int rounds, double keep_s);
 
@@ -32,7 +32,8 @@ class Watch {
 
  private:
   void score(Json& line, const std::function<MethodResult()>& whole);
-  void begin_round(double now_s);
+  void begin_stage(double keep_s);
+  void begin_round(const JointProgress& first, double now_s);
   void replan(const JointProgress& progress, JointTrainer& trainer);
   bool room_for_next_round() const;
   double seconds() const { return budget_.elapsed_s() - scoring_s_; }

@@ -320,6 +320,7 @@ JointTrainer::~JointTrainer() = default;
 bool JointTrainer::finished() const { return impl_->done >= impl_->steps; }
 void JointTrainer::plan_steps(std::int64_t steps) { impl_->steps = std::max(steps, impl_->done); }
 std::int64_t JointTrainer::steps_done() const { return impl_->done; }
+std::int64_t JointTrainer::steps_planned() const { return impl_->steps; }
 const JointField* JointTrainer::field() const { return impl_->to_host(), impl_->field.get(); }
 const BoundarySet& JointTrainer::boundary() const { return impl_->boundary; }
 

@@ -52,6 +52,7 @@ class JointTrainer {
   /// Without `read_losses` a run on a device does not wait for the step; its losses are zero but for the last step's.
   JointProgress step(bool read_losses = true);
   std::int64_t steps_done() const;
+  std::int64_t steps_planned() const;
   MethodResult result() const;
 
   /// Everything that changes from step to step, by name; a copy of it and the step number resume byte for
