@@ -1,11 +1,12 @@
 // An interrupted ngs-joint, continued from its checkpoint, is the run that was never interrupted, wherever the signal
-// came.
+// came; and no checkpoint serves another run.
 #include <doctest/doctest.h>
 #include <signal.h>
 
 #include <filesystem>
 #include <fstream>
 
+#include "ngs/io/safetensors.h"
 #include "support/temp_dir.h"
 #include "support/tool_fixture.h"
 
@@ -95,6 +96,48 @@ TEST_CASE("ngs-joint that goes on under a budget does all the steps that are lef
   std::ifstream lines(trace);
   for (std::string line; std::getline(lines, line);) steps.push_back(Json::parse(line).at("step"));
   CHECK(steps == std::vector<int>{0, 7, 8, 9, 10});
+}
+
+TEST_CASE("ngs-joint refuses the checkpoint of another run") {
+  Case c;
+  keep_six(c);
+  const Words resume = kSteps + Words{"--checkpoint", c.keep, "--resume"};
+  CHECK(c.joint("same", resume).exit_code == 0);
+  const std::string decided = c.dir.path() + "/decided.json";
+  REQUIRE(c.joint("decided", kSteps + Words{"--effect", "mask-geometry=off", "--report", decided}).exit_code == 0);
+  for (const Words& other : {Words{"--background", "1,1,1"}, {"--compat", "gsplat"}, {"--seed", "3"},
+                             {"--lambda-cont", "0.2"}, {"--effects-from", decided}}) {
+    const test::ProcessResult refused = c.joint("other", resume + other);
+    INFO(other[0] << ": " << refused.err);
+    CHECK(refused.exit_code == 4);
+    CHECK(says(refused, "the checkpoint of a run with other inputs, options or effects"));
+  }
+  // A scene beside the other, so that its photos are found, with one view less to train on.
+  std::string text = test::read_bytes(c.scene);
+  const std::size_t at = text.find("\"train\"");
+  REQUIRE(at != std::string::npos);
+  const fs::path copy = c.dir.path() + "/scene";
+  fs::copy(test::fixture_folder(), copy, fs::copy_options::recursive);
+  std::ofstream(copy / "scene.json") << text.replace(at, 7, "\"held-out\"");
+  c.scene = (copy / "scene.json").string();
+  CHECK(c.joint("other", resume).exit_code == 4);
+}
+
+TEST_CASE("ngs-joint refuses a checkpoint whose arrays have another length") {
+  const Case c;
+  keep_six(c);
+  const Words resume = kSteps + Words{"--checkpoint", c.keep, "--resume"};
+  const io::TensorFile whole = io::read_safetensors(c.kept);
+  for (const std::string name : {"position", "label.m", "sh_dc.v"}) {
+    io::TensorFile cut = whole;
+    for (io::Tensor& tensor : cut.tensors)
+      if (tensor.name == name) tensor.shape[0] -= 1, tensor.bytes.resize(tensor.bytes.size() - sizeof(float));
+    io::write_safetensors(c.kept, cut);
+    const test::ProcessResult refused = c.joint("other", resume);
+    INFO(refused.err);
+    CHECK(refused.exit_code == 3);
+    CHECK(says(refused, "checkpoint.safetensors: '" + name + "' has "));
+  }
 }
 
 }  // namespace ngs

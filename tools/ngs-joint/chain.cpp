@@ -76,6 +76,35 @@ bool rule_steps_by_time(Budget& budget, const Settings& settings, const MethodIn
   return steps || plan.edge_rounds > 0;
 }
 
+/// All that the state of the steps follows from. Of effects their decisions, whoever took them; those on edges, which
+/// the steps know nothing of, may differ.
+std::string fingerprint(const cli::Run& run, const Declared& declared, const Paths& paths, const Scene& scene,
+                        const Decisions& decisions, bool reads_field) {
+  const RunOptions& o = declared.settings.run;
+  if (o.checkpoint.empty()) return {};
+  const auto hash = [](const std::string& path) { return io::content_hash(path).xxh3; };
+  RasterOptions raster = declared.raster;
+  OptionSet splat;
+  splat.add(raster);
+  Json objects = Json::array(), effects = Json::array();
+  for (const SceneObject& object : scene.objects) objects.push_back(object.name);
+  for (const Json& d : decisions.json())
+    if (const std::string name = d["name"]; name != "edges" && name != "split" && name != "second-round")
+      effects.push_back(name + (d["on"].get<bool>() ? "=on" : "=off"));
+  return Json{{"scene", hash(paths.scene)},
+              {"boundary", hash(paths.boundary)},
+              {"field", reads_field ? hash(paths.field) : ""},
+              {"options", options_text(declared.settings)},
+              {"raster", splat.to_json()},
+              {"effects", effects},
+              {"background", o.background},
+              {"objects", objects},
+              {"seed", run.seed()},
+              {"apart", o.apart},
+              {"fast_atomics", o.fast_atomics}}
+      .dump();
+}
+
 /// A method beside the paper's, start to end. What a signal leaves of it is no result.
 int run_other(cli::Run& run, const Declared& declared, const MethodInput& input, const Source& source,
               const std::string& path) {
@@ -173,15 +202,11 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
     else
       run.info("--field is not read: " + std::string(unread));
   }
-  const std::string fingerprint = io::content_hash(paths.boundary).xxh3 + " " + options_text(settings) +
-                                  " seed " + std::to_string(run.seed()) +
-                                  (apart_of.empty() ? "" : " apart " + settings.run.apart) +
-                                  (settings.run.fast_atomics ? " fast atomics" : "");
   return optimise(run, decisions,
                   {input,
                    given ? &*given : nullptr,
                    source,
-                   {settings.run.checkpoint, fingerprint},
+                   {settings.run.checkpoint, fingerprint(run, declared, paths, scene, decisions, given.has_value())},
                    budget},
                   {paths.labelled, paths.nerf, paths.trace});
 }

@@ -97,9 +97,17 @@ bool Checkpoint::load(JointTrainer& trainer) const {
   const io::TensorFile file = io::read_safetensors(path());
   if (file.meta("run") != fingerprint_)
     throw Error(ErrorCode::kInconsistent,
-                path() + ": the checkpoint of a run with another model or other options",
+                path() + ": the checkpoint of a run with other inputs, options or effects",
                 "use the same inputs and options, or another --checkpoint folder");
-  for (const StateBlock& block : trainer.state()) *block.values = file.get<float>(block.name);
+  for (const StateBlock& block : trainer.state()) {
+    std::vector<float> values = file.get<float>(block.name);
+    if (!block.fits(values.size()))
+      throw Error(ErrorCode::kBadInput,
+                  path() + ": '" + block.name + "' has " + std::to_string(values.size()) + " values, expected " +
+                      std::to_string(block.size),
+                  "delete the checkpoint");
+    *block.values = std::move(values);
+  }
   std::string_view rest;
   const std::optional<double> step = number_before(file.meta("step"), rest);
   if (!step || !rest.empty() || *step < 0)

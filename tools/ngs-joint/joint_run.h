@@ -67,8 +67,8 @@ std::vector<Agreement> training_agreement(const Exec& exec, const MethodInput& i
                                           const MethodResult& result);
 Agreement mean_agreement(const std::vector<Agreement>& views);
 
-/// Where the state of a run is kept; the file appears by rename. `fingerprint` names model and options:
-/// another run's checkpoint is kInconsistent.
+/// Where the state of a run is kept; the file appears by rename. `fingerprint` names all that the
+/// state follows from: another run's checkpoint is kInconsistent.
 class Checkpoint {
  public:
   Checkpoint(std::string folder, std::string fingerprint)

@@ -369,24 +369,24 @@ std::vector<StateBlock> JointTrainer::state() {
   Impl& s = *impl_;
   s.to_host();
   if (s.resident) s.resident->host_changed(s.done);
-  std::vector<StateBlock> blocks{{"position", &s.cloud.position},
-                                 {"rotation", &s.cloud.rotation},
-                                 {"log_scale", &s.cloud.log_scale},
-                                 {"logit_opacity", &s.cloud.logit_opacity},
-                                 {"sh_dc", &s.cloud.sh_dc},
-                                 {"sh_rest", &s.cloud.sh_rest},
-                                 {"label", &s.logit}};
-  const auto moments = [&](const std::string& name, AdamMoments& m) {
-    blocks.push_back({name + ".m", &m.m});
-    blocks.push_back({name + ".v", &m.v});
+  std::vector<StateBlock> blocks;
+  const auto moments = [&](const std::string& name, AdamMoments& m, std::size_t size) {
+    blocks.push_back({name + ".m", &m.m, size, true});
+    blocks.push_back({name + ".v", &m.v, size, true});
   };
-  moments("position", s.position_m), moments("rotation", s.rotation_m), moments("log_scale", s.scale_m);
-  moments("logit_opacity", s.opacity_m), moments("sh_dc", s.dc_m), moments("sh_rest", s.rest_m),
-      moments("label", s.label_m);
+  const auto stepped = [&](const std::string& name, std::vector<float>& values, AdamMoments& m) {
+    blocks.push_back({name, &values, values.size()});
+    moments(name, m, values.size());
+  };
+  stepped("position", s.cloud.position, s.position_m), stepped("rotation", s.cloud.rotation, s.rotation_m);
+  stepped("log_scale", s.cloud.log_scale, s.scale_m), stepped("logit_opacity", s.cloud.logit_opacity, s.opacity_m);
+  stepped("sh_dc", s.cloud.sh_dc, s.dc_m), stepped("sh_rest", s.cloud.sh_rest, s.rest_m);
+  stepped("label", s.logit, s.label_m);
   if (s.field) {
-    blocks.push_back({"field", &s.field->parameters().values});
+    ParamStore& store = s.field->parameters();
+    blocks.push_back({"field", &store.values, store.values.size()});
     for (std::size_t b = 0; b < s.field->moments().size(); ++b)
-      moments("field." + std::to_string(b), s.field->moments()[b]);
+      moments("field." + std::to_string(b), s.field->moments()[b], store.blocks[b].size);
   }
   return blocks;
 }
