@@ -196,7 +196,7 @@ CommonFlags parse_command_line(int argc, char** argv, Spec& spec) {
   return flags;
 }
 
-void check_required(const Spec& spec) {
+void check_required(const Spec& spec, bool dry_run) {
   const auto require = [](bool given, const std::string& name, const std::string& help) {
     if (!given) throw Error(ErrorCode::kUsage, name + ": not given, expected " + help, "see --help");
   };
@@ -204,6 +204,8 @@ void check_required(const Spec& spec) {
   for (const Argument& argument : spec.arguments)
     require(!argument.value.empty(), argument.name, argument.help);
   for (const Inputs& list : spec.input_lists) require(!list.paths.empty(), list.name, list.help);
+  const auto given = [](const bool* option) { return *option; };
+  if (dry_run || std::any_of(spec.writes_nothing_if.begin(), spec.writes_nothing_if.end(), given)) return;
   for (const Output& output : spec.outputs)
     require(!output.required || output, output.flags.substr(output.flags.find("--")), output.help);
 }

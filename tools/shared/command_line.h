@@ -9,6 +9,7 @@ namespace ngs::cli {
 /// --print-options and --print-schema need no inputs.
 CommonFlags parse_command_line(int argc, char** argv, Spec& spec);
 
-void check_required(const Spec& spec);
+/// A dry run, and what writes nothing, needs no outputs.
+void check_required(const Spec& spec, bool dry_run);
 
 }  // namespace ngs::cli

@@ -25,6 +25,7 @@ struct Spec {
   std::vector<std::string*> positionals;      // paths and words in the order of declaration
   std::vector<std::string> positional_names;  // of the same
   std::vector<std::string> help_texts;
+  std::vector<const bool*> writes_nothing_if;
   bool stops_on_request = false, runs_on_device = false, partly_on_device = false;
 };
 

@@ -116,6 +116,7 @@ const Output& Tool::output_dir(std::string flags, std::string help) {
 const Output& Tool::optional_output_dir(std::string flags, std::string help) {
   return impl_->add_output(std::move(flags), std::move(help), false, true);
 }
+void Tool::writes_nothing_if(const bool& option) { impl_->spec.writes_nothing_if.push_back(&option); }
 void Tool::help(std::string text) { impl_->spec.help_texts.push_back(std::move(text)); }
 void Tool::stops_on_request() { impl_->spec.stops_on_request = true; }
 void Tool::runs_on_device() { impl_->spec.runs_on_device = true; }
@@ -182,7 +183,7 @@ int guarded(Console& console, const std::function<int()>& body) {
 int Tool::Impl::run(const CommonFlags& flags, Console& console, const std::function<int(Run&)>& body) {
   const double start_s = wall_seconds();
   install_signal_handlers(spec.stops_on_request);
-  check_required(spec);
+  check_required(spec, flags.dry_run);
   check_outputs(spec, flags.report_path, flags.overwrite);
   const Streams streams(spec);
   check_inputs(spec);

@@ -12,6 +12,7 @@
 // Positional inputs come in the order of their declaration; a name that begins with '-' declares a flag. The
 // references stay valid for the tool's life and hold paths once the body runs. Before it runs: every given
 // input exists, no output exists (unless -w), none is also an input, and the folders of the outputs exist.
+// A dry run asks for no output.
 // "-" is stdin or stdout (streams.h); the report then goes to --report only.
 #include <functional>
 #include <initializer_list>
@@ -109,6 +110,8 @@ class Tool {
   const Output& optional_output(std::string flags, std::string help);
   const Output& output_dir(std::string flags, std::string help);
   const Output& optional_output_dir(std::string flags, std::string help);
+  /// Where this option is set the tool writes nothing, and asks for no output, as in a dry run.
+  void writes_nothing_if(const bool& option);
   /// A paragraph of --help behind the options.
   void help(std::string text);
   /// The body polls monitor().stop_requested(). Otherwise a signal ends the tool at once, without output.
