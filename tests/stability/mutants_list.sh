@@ -229,3 +229,7 @@ t=unit/stages/exposure_test.cpp f=stages/exposure.cpp
 mutant $f $t $f "one pixel for the median of an exposure" 's/upper_median\(std::move\(ratio\)\)/ratio[0]/'
 mutant $f $t $f "the model's own exposure taken for the view's" 's/logs\[i\]\[c\] - models/logs[i][c]/'
 mutant $f $t $f "clipped pixels have a say on exposure" 's/ && std::max\(a, b\) < kClipped//'
+
+t=unit/stages/effect_probe_test.cpp f=stages/effect_probe.cpp
+mutant $f $t $f "an effect decided without what it needs" 's/d\.effect->name == e\.needs && !d\.on/false/'
+mutant $f $t $f "a verdict before an entry" 's/mode != EffectMode::kAuto\)/mode != EffectMode::kAuto \&\& verdicts.empty())/'

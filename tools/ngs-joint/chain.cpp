@@ -27,6 +27,8 @@ void check(cli::Run& run, const Settings& settings, const Paths& paths) {
   if (!o.apart.empty() && !paths.field.empty())
     throw Error(ErrorCode::kUsage, "--apart with --field, whose query points are those of all objects",
                 "leave --field out: the run samples its own");
+  if (!paths.nerf.empty() && mode_of("nerf", settings.joint.effect) == EffectMode::kOff)
+    throw Error(ErrorCode::kUsage, "--nerf with nerf off by --effect, expected a field to write", "leave out one of them");
   if (o.method != Method::kPaper && run.device_exec().device_ops != nullptr)
     throw Error(ErrorCode::kEnvironment, "--device cuda: only --method paper has a CUDA path", "use --device cpu");
   if (o.fast_atomics) run.sum_atomically();
@@ -39,14 +41,15 @@ void check(cli::Run& run, const Settings& settings, const Paths& paths) {
 }
 
 /// What the command line decides without naming an effect.
-void rule_by_options(const Settings& settings, const Paths& paths, Decisions& decisions) {
+std::vector<EffectVerdict> ruled_by_options(const Settings& settings, const Paths& paths) {
+  std::vector<EffectVerdict> ruled;
   if (settings.run.method != Method::kPaper)
-    for (const std::string_view name :
-         {"exposure", "view-trust", "floaters", "strays"})  // the methods beside it are as their papers say
-      decisions.rule({name, false, "part of --method paper"});
-  if (!paths.nerf.empty()) decisions.rule({"nerf", true, "--nerf"});
+    for (const std::string_view name : {"exposure", "view-trust", "floaters", "strays"})  // the methods beside it are as their papers say
+      ruled.push_back({name, false, "part of --method paper"});
+  if (!paths.nerf.empty()) ruled.push_back({"nerf", true, "--nerf"});
   if (!settings.run.apart.empty())
-    decisions.rule({"floaters", false, "what stands before several objects is not one run's"});
+    ruled.push_back({"floaters", false, "what stands before several objects is not one run's"});
+  return ruled;
 }
 
 void leave_out(std::string_view name, const Settings& settings, Budget& budget, Decisions& decisions) {
@@ -123,7 +126,7 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
   check(run, settings, paths);
   Budget budget(declared.start_s, parse_budget(settings.run.time_budget));
   parse_target(settings.run.target);
-  Decisions decisions(settings, paths.effects_from);
+  Decisions decisions(settings, ruled_by_options(settings, paths), paths.effects_from);
   const Scene whole = with_objects(io::read_scene_json(paths.scene), settings.run.objects);
   const double reads_s = wall_seconds();
   const io::GaussianPly ply = io::read_gaussian_ply(paths.boundary);
@@ -151,7 +154,6 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
     run.plan(std::move(plan));
     return 0;
   }
-  rule_by_options(settings, paths, decisions);
   budget.measure(run.exec(), from_files, reading_s);
   rule_by_time(budget, settings, scene.views.size(), decisions);
   const CoarseInput kept(from_files, 1), coarse(kept.get(), decision_shrink(scene));

@@ -31,8 +31,10 @@ std::vector<EffectVerdict> replayed(const std::string& path) {
 
 }  // namespace
 
-Decisions::Decisions(const Settings& settings, const std::string& effects_from) : settings_(settings) {
-  if (!effects_from.empty()) verdicts_ = replayed(effects_from);
+Decisions::Decisions(const Settings& settings, std::vector<EffectVerdict> ruled, const std::string& effects_from)
+    : settings_(settings), verdicts_(std::move(ruled)) {
+  if (effects_from.empty()) return;
+  for (EffectVerdict& verdict : replayed(effects_from)) verdicts_.push_back(std::move(verdict));
 }
 
 void Decisions::decide(cli::Run& run, EffectPhase phase, const MethodInput& input) {
@@ -51,11 +53,9 @@ bool Decisions::on(std::string_view name) const {
 }
 
 std::optional<bool> Decisions::said(std::string_view name) const {
-  const EffectMode mode = mode_of(name, settings_.joint.effect);
-  if (mode != EffectMode::kAuto) return mode == EffectMode::kOn;
-  for (const EffectVerdict& v : verdicts_)
-    if (v.name == name) return v.on;
-  return std::nullopt;
+  const std::optional<EffectDecision> settled =
+      settled_decision(*find_effect(name), settings_.joint.effect, verdicts_, all_);
+  return settled ? std::optional(settled->on) : std::nullopt;
 }
 
 Settings Decisions::settled() const {

@@ -12,9 +12,9 @@ namespace ngs::joint {
 
 class Decisions {
  public:
-  /// `effects_from`: a report of ngs-joint whose decisions are taken over, or empty. kBadInput if it holds
-  /// none.
-  Decisions(const Settings& settings, const std::string& effects_from);
+  /// `ruled`: what options decide without naming an effect. `effects_from`: a report of ngs-joint whose decisions are
+  /// taken over where nothing is ruled, or empty. kBadInput if it holds none.
+  Decisions(const Settings& settings, std::vector<EffectVerdict> ruled, const std::string& effects_from);
 
   /// Another decision that the scene has no say in; entries of --effect still win.
   void rule(EffectVerdict verdict) { verdicts_.push_back(std::move(verdict)); }
@@ -23,7 +23,7 @@ class Decisions {
   /// report.
   void decide(cli::Run& run, EffectPhase phase, const MethodInput& input);
   bool on(std::string_view name) const;
-  /// What is said of an effect before any detector; null: nothing yet.
+  /// What is said of an effect before any detector, also by an effect that it needs; null: nothing yet.
   std::optional<bool> said(std::string_view name) const;
   /// The settings with every decision taken, for the stages.
   Settings settled() const;

@@ -161,43 +161,41 @@ double EffectProbe::straddling() {
 
 namespace {
 
-class Decider {
- public:
-  Decider(const Exec& exec, const EffectSetup& setup, const std::vector<EffectVerdict>& verdicts)
-      : modes_(effect_modes(setup.joint.effect)), verdicts_(verdicts), probe_(exec, setup) {}
-
-  EffectDecision decide(const EffectInfo& e, const std::vector<EffectDecision>& earlier) {
-    const auto given = modes_.find(e.name);
-    if (given != modes_.end() && given->second != EffectMode::kAuto) {
-      const bool on = given->second == EffectMode::kOn;
-      return {&e, on ? "on" : "off", on, "--effect", {}};
-    }
-    for (const EffectVerdict& v : verdicts_)
-      if (v.name == e.name) return {&e, v.mode, v.on, v.reason, {}};
-    for (const EffectDecision& d : earlier)
-      if (d.effect->name == e.needs && !d.on) return {&e, "auto", false, "needs " + std::string(e.needs), {}};
-    if (e.on == OnWhere::kAlways) return {&e, "auto", true, "always: " + std::string(e.why), {}};
-    const double measured = (probe_.*e.measure)();
-    const bool on = e.on == OnWhere::kAbove ? measured > e.threshold : measured <= e.threshold;
-    return {&e, "auto", on, decision_reason(e, measured, on), measured};
-  }
-
- private:
-  std::map<std::string_view, EffectMode> modes_;
-  const std::vector<EffectVerdict>& verdicts_;
-  EffectProbe probe_;
-};
+EffectDecision measured_decision(EffectProbe& probe, const EffectInfo& e) {
+  const double measured = (probe.*e.measure)();
+  const bool on = e.on == OnWhere::kAbove ? measured > e.threshold : measured <= e.threshold;
+  return {&e, "auto", on, decision_reason(e, measured, on), measured};
+}
 
 }  // namespace
+
+std::optional<EffectDecision> settled_decision(const EffectInfo& e, const std::vector<std::string>& entries,
+                                               const std::vector<EffectVerdict>& verdicts,
+                                               const std::vector<EffectDecision>& earlier) {
+  if (const EffectMode mode = mode_of(e.name, entries); mode != EffectMode::kAuto) {
+    const bool on = mode == EffectMode::kOn;
+    return EffectDecision{&e, on ? "on" : "off", on, "--effect", {}};
+  }
+  for (const EffectVerdict& v : verdicts)
+    if (v.name == e.name) return EffectDecision{&e, v.mode, v.on, v.reason, {}};
+  for (const EffectDecision& d : earlier)
+    if (d.effect->name == e.needs && !d.on)
+      return EffectDecision{&e, "auto", false, "needs " + std::string(e.needs), {}};
+  if (e.on == OnWhere::kAlways) return EffectDecision{&e, "auto", true, "always: " + std::string(e.why), {}};
+  return std::nullopt;
+}
 
 std::vector<EffectDecision> decide_effects(const Exec& exec, Monitor& monitor, const EffectSetup& setup,
                                            EffectPhase phase, const std::vector<EffectVerdict>& verdicts,
                                            const std::vector<EffectDecision>& before) {
   const auto timed = monitor.scope("detectors");
-  Decider decider(exec, setup, verdicts);
+  EffectProbe probe(exec, setup);
   std::vector<EffectDecision> all = before;
-  for (const EffectInfo& e : effect_registry())
-    if (e.phase == phase) all.push_back(decider.decide(e, all));
+  for (const EffectInfo& e : effect_registry()) {
+    if (e.phase != phase) continue;
+    const std::optional<EffectDecision> settled = settled_decision(e, setup.joint.effect, verdicts, all);
+    all.push_back(settled ? *settled : measured_decision(probe, e));
+  }
   return {all.begin() + std::ptrdiff_t(before.size()), all.end()};
 }
 

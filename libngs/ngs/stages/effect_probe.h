@@ -65,8 +65,14 @@ struct EffectVerdict {
   std::string mode = "auto";
 };
 
-/// The effects of one phase. An entry of joint.effect wins, then a verdict, then an effect it needs that is
-/// off, then the detector; `before` are the decisions of earlier phases.
+/// What is decided of an effect without looking at the scene: an entry of --effect wins, then the first verdict, then
+/// an effect it needs that is off, then being always on. Null: its detector is asked. `earlier`: decided already.
+std::optional<EffectDecision> settled_decision(const EffectInfo& effect, const std::vector<std::string>& entries,
+                                               const std::vector<EffectVerdict>& verdicts,
+                                               const std::vector<EffectDecision>& earlier);
+
+/// The effects of one phase: as settled_decision() says, else as their detectors do. `before` are the decisions of
+/// earlier phases.
 std::vector<EffectDecision> decide_effects(const Exec& exec, Monitor& monitor, const EffectSetup& setup,
                                            EffectPhase phase, const std::vector<EffectVerdict>& verdicts,
                                            const std::vector<EffectDecision>& before);
