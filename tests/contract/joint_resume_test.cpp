@@ -40,7 +40,9 @@ Words operator+(Words words, const Words& more) {
   return words;
 }
 
-bool says(const test::ProcessResult& result, const std::string& text) { return result.err.find(text) != std::string::npos; }
+bool says(const test::ProcessResult& result, const std::string& text) {
+  return result.err.find(text) != std::string::npos;
+}
 
 /// Stops the run of `options` where `interrupt` is said, goes on, and compares. Returns what was said when it went on.
 test::ProcessResult stop_and_resume(const Case& c, const Words& options, const std::string& interrupt, bool keeps) {
@@ -69,7 +71,8 @@ void keep_six(const Case& c, const Words& more = {}) {
 
 TEST_CASE("ngs-joint that was stopped while it prepared keeps nothing, and begins anew") {
   const Case c;
-  stop_and_resume(c, {"--steps", "4", "--effect", "edges=off", "--effect", "floaters=on", "--effect", "view-trust=on"}, "device", false);
+  const Words options{"--steps", "4", "--effect", "edges=off", "--effect", "floaters=on", "--effect", "view-trust=on"};
+  stop_and_resume(c, options, "device", false);
 }
 
 TEST_CASE("ngs-joint that was stopped in its steps goes on with the next one") {

@@ -12,39 +12,43 @@
 #include "ngs/stages/variance_stage.h"
 #include "ngs/stages/view_list.h"
 #include "prepare.h"
+#include "unused.h"
 
 namespace ngs::joint {
 namespace {
 
-void check(cli::Run& run, const Settings& settings, const Paths& paths) {
-  const RunOptions& o = settings.run;
-  if (o.resume && o.checkpoint.empty())
-    throw Error(ErrorCode::kUsage, "--resume without --checkpoint, expected the folder to go on from",
-                "--checkpoint DIR");
-  if (!o.apart.empty() && (o.method == Method::kCob || o.method == Method::kReleased))
-    throw Error(ErrorCode::kUsage, "--apart with a method that moves Gaussians of all objects",
-                "use --method paper, flash, sa3d, bce or saga");
-  if (!o.apart.empty() && !paths.field.empty())
-    throw Error(ErrorCode::kUsage, "--apart with --field, whose query points are those of all objects",
-                "leave --field out: the run samples its own");
-  if (!paths.nerf.empty() && mode_of("nerf", settings.joint.effect) == EffectMode::kOff)
-    throw Error(ErrorCode::kUsage, "--nerf with nerf off by --effect, expected a field to write", "leave out one of them");
+void refuse_if(bool wrong, const std::string& what, const std::string& remedy) {
+  if (wrong) throw Error(ErrorCode::kUsage, what, remedy);
+}
+
+void check(cli::Run& run, const Declared& declared, const Paths& paths) {
+  const RunOptions& o = declared.settings.run;
+  refuse_if(o.resume && o.checkpoint.empty(), "--resume without --checkpoint, expected the folder to go on from",
+            "--checkpoint DIR");
+  refuse_if(o.checkpoint_every > 0 && o.checkpoint.empty(),
+            "--checkpoint-every without --checkpoint, expected the folder to write to", "--checkpoint DIR");
+  refuse_if(o.trace_every > 0 && paths.trace.empty() && o.target.empty(),
+            "--trace-every without --trace or --target, expected what the scores are for", "--trace FILE");
+  refuse_if(!o.apart.empty() && (o.method == Method::kCob || o.method == Method::kReleased),
+            "--apart with a method that moves Gaussians of all objects",
+            "use --method paper, flash, sa3d, bce or saga");
+  refuse_if(!o.apart.empty() && !paths.field.empty(),
+            "--apart with --field, whose query points are those of all objects",
+            "leave --field out: the run samples its own");
+  refuse_if(!paths.nerf.empty() && mode_of("nerf", declared.settings.joint.effect) == EffectMode::kOff,
+            "--nerf with nerf off by --effect, expected a field to write", "leave out one of them");
   if (o.method != Method::kPaper && run.device_exec().device_ops != nullptr)
     throw Error(ErrorCode::kEnvironment, "--device cuda: only --method paper has a CUDA path", "use --device cpu");
   if (o.fast_atomics) run.sum_atomically();
-  if (o.method != Method::kPaper && (!paths.trace.empty() || !paths.nerf.empty() || !paths.field.empty() ||
-                                     !o.time_budget.empty() || !o.target.empty() || !o.checkpoint.empty()))
-    run.monitor().warn(
-        "--field, --nerf, --trace, --time-budget, --target and --checkpoint belong to --method paper; this "
-        "method does "
-        "not use them");
+  if (const std::string unused = unused_flags(declared, paths); !unused.empty())
+    run.monitor().warn(unused + ": not used by --method " + method_name(o.method));
 }
 
 /// What the command line decides without naming an effect.
 std::vector<EffectVerdict> ruled_by_options(const Settings& settings, const Paths& paths) {
   std::vector<EffectVerdict> ruled;
   if (settings.run.method != Method::kPaper)
-    for (const std::string_view name : {"exposure", "view-trust", "floaters", "strays"})  // the methods beside it are as their papers say
+    for (const std::string_view name : kMendingEffects)  // the methods beside it are as their papers say
       ruled.push_back({name, false, "part of --method paper"});
   if (!paths.nerf.empty()) ruled.push_back({"nerf", true, "--nerf"});
   if (!settings.run.apart.empty())
@@ -123,7 +127,7 @@ int run_other(cli::Run& run, const Declared& declared, const MethodInput& input,
 
 int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
   const Settings& settings = declared.settings;
-  check(run, settings, paths);
+  check(run, declared, paths);
   Budget budget(declared.start_s, parse_budget(settings.run.time_budget));
   parse_target(settings.run.target);
   Decisions decisions(settings, ruled_by_options(settings, paths), paths.effects_from);

@@ -1,0 +1,13 @@
+#pragma once
+// Options that say something which the chosen method does not listen to.
+#include "chain.h"
+
+namespace ngs::joint {
+
+/// Of --effect only these act on the methods beside the paper's: they mend what any method is given.
+inline constexpr std::string_view kMendingEffects[] = {"exposure", "view-trust", "floaters", "strays"};
+
+/// "--quality, --effect sh=off": what was given, beside the defaults, and is not used; empty: nothing.
+std::string unused_flags(const Declared& declared, const Paths& paths);
+
+}  // namespace ngs::joint
