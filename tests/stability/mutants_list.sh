@@ -173,11 +173,16 @@ mutant $f "$t" $f "no ridge" 's/1 \+ kRidge/1/'
 mutant $f "$t" $f "weights ignored" 's/sum \+= w\[i\] \* a\[i\]/sum += a[i]/'
 mutant $f "$t" $f "combined step without the points' differences" 's/dx_\[std::size_t\(j\)\]\[i\] \+ df_/df_/'
 t=unit/ops/label_solve_test.cpp f=ops/label_blocks.cpp
-mutant $f $t $f "background of a pixel from m" 's/c\[k\] = fma_lanes\(weight, rest, c\[k\]\)/c[k] = fma_lanes(weight, m, c[k])/'
-mutant $f $t $f "the other factor of binary targets" 's/select\(inside\[k\] > L\(0\.f\), m, rest\)/select(inside[k] > L(0.f), rest, m)/'
-mutant $f $t $f "unknown pixels count as background" 's/select\(p\.inside \+ p\.outside > L\(0\.f\), factor, L\(1\.f\)\)/factor/'
-mutant $f $t $f "predictions of exactly 0" 's/return fma_lanes\(L\(float\(1 - 2 \* kMaskEps\)\), sum, .*;/return sum;/'
-mutant $f $t $f "folded Gaussians forgotten" 's/foreground\[k\] = fma_lanes\(weight, m, foreground\[k\]\)/foreground[k] = foreground[k]/'
+mutant $f $t $f "label sums: background of a pixel from m" 's/c = fma_lanes\(weight, rest, c\)/c = fma_lanes(weight, m, c)/'
+mutant $f $t $f "label sums: the other factor of binary targets" 's/select\(inside > L\(0\.f\), m, rest\)/select(inside > L(0.f), rest, m)/'
+mutant $f $t $f "label sums: one side of a pack on both sides of the mask" 's/add_to\(sums\.outside\.data\(\), f\.c\)/any(f.q > L(0.f)) ? void() : add_to(sums.outside.data(), f.c)/'
+mutant $f $t $f "label sums: the first band twice" 's/\(inside\[at\] \+ inside\[at \+ 1\]\)/(inside[at] + inside[at])/'
+f=ops/label_packs.h g="ops/label_blocks.cpp ops/label_collect.cpp"
+mutant $f $t "$g" "label sums: unknown pixels count as background" 's/select\(p\.inside \+ p\.outside > L\(0\.f\), factor, L\(1\.f\)\)/factor/'
+mutant $f $t "$g" "label sums: predictions of exactly 0" 's/return fma_lanes\(L\(float\(1 - 2 \* kMaskEps\)\), sum, .*;/return sum;/'
+f=ops/label_collect.cpp
+mutant $f $t $f "label sums: folded Gaussians forgotten" 's/foreground\[k\] = fma_lanes\(weight, m, foreground\[k\]\)/foreground[k] = foreground[k]/'
+mutant $f $t $f "label sums: long steps cut off" 's/for \(; place - last_ > kLongestStep; .*$//'
 t=unit/ops/metrics_test.cpp f=ops/metrics.cpp
 mutant $f $t $f "band without its last pixel" 's/<= band_px/< band_px/g'
 mutant $f $t $f "nothing of nothing is 0" 's/whole == 0 \? if_nothing/whole == 0 ? 0/'

@@ -14,28 +14,29 @@ struct PixelPack {
   LabelPack foreground, background;  // Σ_folded w m;  T + Σ_folded w (1 - m)
 };
 
-/// The columns of one tile nearest first, with their weights in packs.
+/// The columns of one tile nearest first, and their weights pack by pack, so that the sums of a pack's pixels stay in
+/// registers and a weight comes from memory once per evaluation.
 struct LabelBlock {
   struct Entry {
-    std::uint32_t column, slot, packs;  // packs: number of its (pack, weight) pairs
+    std::uint32_t column, slot;
   };
   std::vector<Entry> entry;
-  std::vector<std::uint8_t> pack;  // index into pixel
-  std::vector<LabelPack> weight;   // of each (entry, pack)
-  std::vector<HalfPack> half;      // the same in half precision, instead of `weight`
-  std::vector<PixelPack> pixel;  // reached by at least one column
-  double constant_loss = 0;      // -Σ a ln q + b ln c of the pixels that no column reaches
-  double target_sum = 0;         // Σ a + b of the tile
-  bool binary = true;            // every target is 0 or 1, and only one of a pixel's two is 1
+  std::vector<PixelPack> pixel;    // reached by at least one column
+  std::vector<std::uint32_t> end;  // [pixel] of the pack's contributions, which begin where those of the last one end
+  // Contributions. Each has a place, 2 · entry + band: an entry has one sum for columns 0 to 7 of the tile and one for
+  // the others. Within a pack places ascend from 0 by these steps; where one byte does not reach, weights of 0 stand
+  // between.
+  std::vector<std::uint8_t> step;
+  std::vector<LabelPack> weight;
+  std::vector<HalfPack> half;  // the same in half precision, instead of `weight`
+  double constant_loss = 0;    // -Σ a ln q + b ln c of the pixels that no column reaches
+  double target_sum = 0;       // Σ a + b of the tile
+  bool binary = true;          // every target is 0 or 1, and only one of a pixel's two is 1
 
-  void clear() {
-    entry.clear(), pack.clear(), weight.clear(), half.clear(), pixel.clear();
-    constant_loss = target_sum = 0, binary = true;
-  }
   std::int64_t bytes() const {
-    return std::int64_t(sizeof(LabelBlock) + entry.size() * sizeof(Entry) +
-                        weight.size() * sizeof(LabelPack) + half.size() * sizeof(HalfPack) + pack.size() +
-                        pixel.size() * sizeof(PixelPack));
+    return std::int64_t(sizeof(LabelBlock) + entry.size() * sizeof(Entry) + pixel.size() * sizeof(PixelPack) +
+                        end.size() * sizeof(std::uint32_t) + step.size() + weight.size() * sizeof(LabelPack) +
+                        half.size() * sizeof(HalfPack));
   }
 };
 
@@ -82,8 +83,8 @@ struct RecordedTile {
 /// whose columns are all Gaussians.
 TileLoss evaluate_tile(const RecordedTile& tile, ColumnValues at, TargetPlanes targets, SlotSums* slots);
 
-/// Composites the tile and collects its block, in half precision if wanted; slots are those of the view's lists.
-void collect_block(const TileWork<float>& work, LabelPlaces places, TargetPlanes targets, bool half, LabelBlock& out);
+/// The tile's block, in half precision if wanted; slots are those of the view's lists.
+LabelBlock collect_block(const RecordedTile& tile, LabelPlaces places, TargetPlanes targets, bool half);
 
 /// The block with only the columns whose `new_column` is >= 0, renumbered; the others are folded at their
 /// values. Its constant_loss is that of the pixels which no column reaches any more; its target_sum is 0.

@@ -36,7 +36,18 @@ struct OpenView {
   }
   bool empty() const { return targets.inside.empty(); }
   TargetPlanes planes() const { return {targets.inside.data(), targets.outside.data()}; }
-  TileWork<float> work(std::int64_t tile, Compat compat) const { return tile_work(view, lists, tile, camera, compat); }
+  /// f(tile, its contributions) for every tile.
+  template <class F>
+  void for_each_recorded(const Exec& exec, Compat compat, const F& f) const {
+    const TileKernels<float> kernels = float_tile_kernels(exec.isa);
+    for_each_task(exec, lists.tiles(), [&](std::int64_t tile) {
+      static thread_local TileScratch<float> scratch;
+      const RecordedTile recorded{tile_work(view, lists, tile, camera, compat), scratch.tape, kernels.lanes,
+                                  scratch.values(kTilePixels)};
+      kernels.record(recorded.work, scratch.tape, recorded.transmittance);
+      f(std::size_t(tile), recorded);
+    });
+  }
   /// f(Gaussian, first slot, end slot) for every visible Gaussian; f owns what belongs to the Gaussian.
   template <class F>
   void for_each_visible(const Exec& exec, const F& f) const {
@@ -86,10 +97,8 @@ void LabelSystem::State::open_view(const Exec& exec, std::size_t camera, std::in
   if (open.empty()) return;
   std::vector<LabelBlock> tiles(std::size_t(open.lists.tiles()));
   const LabelPlaces places{open.view.id.data(), column_of.data(), label.data()};
-  for_each_task(exec, open.lists.tiles(), [&](std::int64_t tile) {
-    static thread_local LabelBlock block;  // grows once; its copy is as large as needed
-    collect_block(open.work(tile, problem.splat.compat), places, open.planes(), problem.half_weights, block);
-    tiles[std::size_t(tile)] = block;
+  open.for_each_recorded(exec, problem.splat.compat, [&](std::size_t tile, const RecordedTile& recorded) {
+    tiles[tile] = collect_block(recorded, places, open.planes(), problem.half_weights);
   });
   if (!add_view(std::move(tiles), cache_bytes)) streamed.push_back(camera), ++stats.streamed_views;
 }
@@ -154,13 +163,8 @@ TileLoss LabelSystem::State::stream(const Exec& exec, const OpenView& open, Colu
   }
   std::vector<SlotSums> pair(std::size_t(open.lists.pairs()), SlotSums{0.f, 0.f});
   std::vector<TileLoss> tile_loss(std::size_t(open.lists.tiles()));
-  const TileKernels<float> kernels = float_tile_kernels(exec.isa);
-  for_each_task(exec, open.lists.tiles(), [&](std::int64_t tile) {
-    static thread_local TileScratch<float> scratch;
-    const RecordedTile recorded{open.work(tile, problem.splat.compat), scratch.tape, kernels.lanes,
-                                scratch.values(kTilePixels)};
-    kernels.record(recorded.work, scratch.tape, recorded.transmittance);
-    tile_loss[std::size_t(tile)] = evaluate_tile(recorded, {m.data(), rest.data()}, open.planes(), pair.data());
+  open.for_each_recorded(exec, problem.splat.compat, [&](std::size_t tile, const RecordedTile& recorded) {
+    tile_loss[tile] = evaluate_tile(recorded, {m.data(), rest.data()}, open.planes(), pair.data());
   });
   open.for_each_visible(exec, [&](std::uint32_t gaussian, std::size_t first, std::size_t end) {
     const std::int32_t column = column_of[gaussian];

@@ -12,7 +12,7 @@
 // The weights w_ip of the columns (the labels that may move) are cached, 8 pixels of a row at a time;
 // everything else is folded into two constants per pixel. Pixels that no column reaches cost nothing. Views
 // that do not fit the memory budget are composited anew in every evaluation, which changes no result. Cache:
-// 33 bytes (17 in half precision) per (column, pack of 8 pixels) pair, 12 per (column, tile) pair, 128 per pack reached.
+// 33 bytes (17 in half precision) per (column, pack of 8 pixels) pair, 8 per (column, tile) pair, 132 per pack reached.
 #include <functional>
 #include <memory>
 #include <vector>

@@ -148,6 +148,33 @@ TEST_CASE("a label system gives the same sums streamed, cached in part, and for 
   }
 }
 
+// Between the two sheets lie 300 Gaussians in a corner of their tile: most of its pixels meet the first column and then
+// the 302nd.
+TEST_CASE("a cached label system finds columns that lie far apart in the list of a tile") {
+  TwoSheets sheets(0.5, 0.4);
+  sheets.cloud.resize(302, 0);
+  for (std::size_t i = 2; i < 302; ++i) {
+    sheets.cloud.position[i * 3] = sheets.cloud.position[i * 3 + 1] = -2.2f;
+    sheets.cloud.position[i * 3 + 2] = float(i) / 400 - 0.4f;
+    sheets.cloud.rotation[i * 4] = 1.f, sheets.cloud.logit_opacity[i] = -4.f;
+    for (std::size_t k = 0; k < 3; ++k) sheets.cloud.log_scale[i * 3 + k] = -3.f;
+  }
+  const LabelProblem problem = sheets.problem();
+  const std::vector<double> m = test::Random(5).uniform_vector(302, 0, 1);
+  const LabelSystem cached({}, problem, every(302, 1), m, 1 << 30), streamed({}, problem, every(302, 1), m, 0);
+  const LabelSystem again = cached.reduced({}, every(302, 1), m, 1 << 30);
+  LabelSums want, got, reduced;
+  streamed.evaluate({}, m, want), cached.evaluate({}, m, got), again.evaluate({}, m, reduced);
+  CHECK(want.inside[0] > 0);
+  CHECK(want.inside[1] > 0);
+  CHECK(want.inside[150] > 0);
+  CHECK(got.inside == want.inside);
+  CHECK(got.outside == want.outside);
+  CHECK(reduced.inside == want.inside);
+  CHECK(reduced.outside == want.outside);
+  CHECK(got.loss == doctest::Approx(want.loss).epsilon(1e-14));
+}
+
 TEST_CASE("a label system without cache knows its sums at the labels it was made with") {
   const test::MethodCase c = test::method_case(33, 90, 3);
   const LabelProblem problem = problem_of(c);
