@@ -25,7 +25,7 @@ mutant $f $t "" "softplus as log(1 + e^x)" 's/x > T\(0\) \? x \+ log1p\(exp\(-x\
 mutant $f $t "" "1 - e^-x as a difference" 's/return -expm1\(-x\);/return T(1) - std::exp(-x);/'
 mutant $f $t "" "logit as -log(1 / p - 1)" 's/log\(p\) - log1p\(-p\)/-log(T(1) \/ p - T(1))/'
 mutant $f $t "" "slope of the sigmoid one-sided" 's/exp\(x < T\(0\) \? x : -x\)/exp(-x)/'
-mutant math/lane_scalar.h $t "" "ln 2 without its low part" 's/fma_lanes\(-n, kLn2Lo, fma_lanes\(-n, kLn2Hi, x\)\)/fma_lanes(-n, kLn2Hi, x)/'
+mutant math/lane_scalar.h $t "" "ln 2 without its low part" 's/fma_lanes\(n, kMinusLn2Lo, fma_lanes\(n, kMinusLn2Hi, x\)\)/fma_lanes(n, kMinusLn2Hi, x)/'
 mutant math/lanes.h $t "" "exponent not clamped" 's/max_lanes\(x, PackF\(-87\.f\)\)/x/'
 mutant math/lane_scalar.h $t "" "a wrong coefficient" 's/1\.f \/ 120/1.f \/ 119/'
 mutant math/exact_sum.h $t "" "carry lost" 's/\(fraction\[i\] < f \? 1 : 0\)/0/'
@@ -34,9 +34,10 @@ mutant math/exact_sum.h $t "" "value in float" 's/return double\(whole\[i\]\) \+
 
 t=stability/compositing_stability_test.cpp f=ops/splat_tiles.h
 mutant ops/splat_step_kernels.h $t "ops/tile_isa.cpp" "alpha not capped" 's/min_lanes\(L\(.*\)\), (opacity \* exp_nonpositive\(power\))\)/\1/'
-mutant $f $t "ops/tile_isa.cpp" "pixels never stop" 's/const Mask lasts = after >= stop;/const Mask lasts = after >= zero;/'
+mutant $f $t "ops/tile_isa.cpp" "pixels never stop" 's/and_at_least\(live\[pack\], after, stop\)/and_at_least(live[pack], after, zero)/'
+mutant $f $t "ops/tile_isa.cpp" "a stopped pixel goes on" 's/and_at_least\(live\[pack\], after, stop\)/after >= stop/'
 mutant $f $t "ops/tile_isa.cpp" "mean in float" 's/L tile_x\(S\(g\.mean_x - W\(frame\.x_px \+ 0\.5\)\)\)/L tile_x(S(S(g.mean_x) - S(frame.x_px + 0.5)))/'
-mutant $f $t "ops/tile_isa.cpp" "alpha of exactly 1\/255 left out" 's/alpha >= alpha_min/alpha > alpha_min/'
+mutant ops/splat_step_kernels.h $t "ops/tile_isa.cpp" "alpha of exactly 1\/255 left out" 's/alpha >= L\(S\(kAlphaMin\)\)/alpha > L(S(kAlphaMin))/'
 mutant $f $t "ops/tile_isa.cpp" "weight without the transmittance" 's/const L weight = k\.alpha \* k\.transmittance;/const L weight = k.alpha;/'
 f=ops/splat_backward.h
 mutant $f $t "ops/tile_isa.cpp" "the cap passes a gradient" 's/select\(alpha < cap, weight \* difference, zero\)/weight * difference/'

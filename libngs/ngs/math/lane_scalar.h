@@ -16,6 +16,7 @@ template <class L> struct LaneTraits {
 };
 
 template <class T> NGS_HD T select(bool m, T a, T b) { return m ? a : b; }
+template <class T> NGS_HD bool and_at_least(bool m, T a, T b) { return m & (a >= b); }
 NGS_HD inline bool any(bool m) { return m; }
 NGS_HD inline int count_lanes(bool m) { return m ? 1 : 0; }
 NGS_HD inline float fma_lanes(float a, float b, float c) { return std::fma(a, b, c); }
@@ -38,10 +39,10 @@ inline constexpr float kMagic = 12582912.f;
 /// Returns e^r; `shifted` = kMagic + n with e^x = 2^n e^r: its low bits are n in two's complement.
 template <class L>
 NGS_HD L exp_nonpositive_reduced(L x, L& shifted) {
-  const L kLog2e(1.44269504088896341f), kLn2Hi(0.693145751953125f), kLn2Lo(1.42860682030941723e-6f);
+  const L kLog2e(1.44269504088896341f), kMinusLn2Hi(-0.693145751953125f), kMinusLn2Lo(-1.42860682030941723e-6f);
   shifted = fma_lanes(x, kLog2e, L(kMagic));
   const L n = shifted - L(kMagic);
-  const L r = fma_lanes(-n, kLn2Lo, fma_lanes(-n, kLn2Hi, x));
+  const L r = fma_lanes(n, kMinusLn2Lo, fma_lanes(n, kMinusLn2Hi, x));
   L p(1.f / 5040);
   p = fma_lanes(p, r, L(1.f / 720));
   p = fma_lanes(p, r, L(1.f / 120));

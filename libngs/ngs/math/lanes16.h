@@ -33,6 +33,14 @@ inline Pack16Mask operator<=(Pack16 a, Pack16 b) { return {_mm512_cmp_ps_mask(a.
 inline Pack16Mask operator>=(Pack16 a, Pack16 b) { return {_mm512_cmp_ps_mask(a.v, b.v, _CMP_GE_OQ)}; }
 inline Pack16Mask operator>(Pack16 a, Pack16 b) { return {_mm512_cmp_ps_mask(a.v, b.v, _CMP_GT_OQ)}; }
 
+/// m & (a >= b), and m & (a <= 0), as one comparison each.
+inline Pack16Mask and_at_least(Pack16Mask m, Pack16 a, Pack16 b) {
+  return {_mm512_mask_cmp_ps_mask(m.v, a.v, b.v, _CMP_GE_OQ)};
+}
+inline Pack16Mask and_nonpositive(Pack16Mask m, Pack16 a) {
+  return {_mm512_mask_cmp_ps_mask(m.v, a.v, _mm512_setzero_ps(), _CMP_LE_OQ)};
+}
+
 template <> struct LaneTraits<Pack16> {
   using Scalar = float;
   using Folded = PackF;
@@ -54,9 +62,10 @@ inline void iota_lanes(float start, Pack16& x) {
 inline PackF folded(Pack16 x) {
   return PackF::Raw(_mm512_castps512_ps256(x.v)) + PackF::Raw(_mm512_extractf32x8_ps(x.v, 1));
 }
-/// Lanes 0..7 if bit `i` of `lower` is set, lanes 8..15 if that of `upper` is.
-inline void mask_of_halves(std::uint32_t lower, std::uint32_t upper, int i, Pack16Mask& out) {
-  out.v = __mmask16((lower >> i & 1) * 0x00ff | (upper >> i & 1) * 0xff00);
+/// out[i]: lanes 0..7 if bit i of `lower` is set, lanes 8..15 if that of `upper` is, i < 16.
+inline void masks_of_halves(std::uint32_t lower, std::uint32_t upper, Pack16Mask* out) {
+  const std::uint32_t bytes = _pdep_u32(lower, 0x55555555u) | _pdep_u32(upper, 0xaaaaaaaau);
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm256_movm_epi8(bytes));
 }
 inline Pack16 exp_nonpositive(Pack16 x) {
   Pack16 shifted;

@@ -22,6 +22,12 @@ template <class L>
 [[gnu::always_inline]] NGS_HD inline L splat_alpha(L opacity, L power) {
   return min_lanes(L(typename LaneTraits<L>::Scalar(kAlphaCap)), opacity * exp_nonpositive(power));
 }
+/// Where an alpha counts.
+template <class L>
+[[gnu::always_inline]] NGS_HD inline typename LaneTraits<L>::Mask splat_reaches(L alpha, L power) {
+  using S = typename LaneTraits<L>::Scalar;
+  return (alpha >= L(S(kAlphaMin))) & (power <= L(S(0)));
+}
 /// The transmittance behind a Gaussian.
 template <class L>
 [[gnu::always_inline]] NGS_HD inline L splat_behind(L alpha, L before) {
@@ -47,7 +53,7 @@ struct PixelWalk {
     const S u = g.x - x, v = g.y - y;
     const S power = splat_power(u, g.minus_a_half, g.minus_b * v, g.minus_c_half * v * v);
     const S alpha = splat_alpha(g.opacity, power);
-    if (!live || !(alpha >= S(kAlphaMin)) || !(power <= S(0))) return S(0);
+    if (!live || !splat_reaches(alpha, power)) return S(0);
     const S after = splat_behind(alpha, before);
     live = after >= stop;
     if (!live) return S(0);

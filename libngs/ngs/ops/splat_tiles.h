@@ -80,31 +80,56 @@ struct TileEllipse {
   }
 };
 
-/// Rows to visit per column of packs; for Pack16, of its two halves.
+/// Rows to visit per column of packs.
 template <class L>
 struct RowsToVisit {
   using S = typename LaneTraits<L>::Scalar;
-  static constexpr int kLanes = LaneTraits<L>::kLanes;
-  std::uint32_t bits[kLanes == 1 ? kTilePx : 2];
+  using Mask = typename LaneTraits<L>::Mask;
+  static constexpr int kColumns = kPackColumns<L>;
+  std::uint32_t bits[kColumns];
 
   [[gnu::always_inline]] void find(const TileEllipse<S>& ellipse, int rows) {
-    if constexpr (kLanes == 1) {
-      for (int column = 0; column < kTilePx; ++column) bits[column] = ellipse.rows_of_column(column, rows);
-    } else {
+    if constexpr (kColumns == 2) {
       ellipse.rows_of_bands(rows, bits);
+    } else {
+      for (int column = 0; column < kColumns; ++column) bits[column] = ellipse.rows_of_column(column, rows);
     }
   }
-  [[gnu::always_inline]] std::uint32_t of_column(int column) const {
-    return kLanes == 16 ? bits[0] | bits[1] : bits[column];
+  [[gnu::always_inline]] Mask reached(int, L alpha, L power) const { return splat_reaches(alpha, power); }
+};
+
+/// A pack as wide as the tile: the rows of its two halves, and for every row the lanes of the half that visits it.
+template <class L>
+  requires(LaneTraits<L>::kLanes == kTilePx)
+struct RowsToVisit<L> {
+  using S = typename LaneTraits<L>::Scalar;
+  using Mask = typename LaneTraits<L>::Mask;
+  std::uint32_t bits[1];
+  Mask lanes[kTilePx];
+
+  [[gnu::always_inline]] void find(const TileEllipse<S>& ellipse, int rows) {
+    std::uint32_t half[2];
+    ellipse.rows_of_bands(rows, half);
+    bits[0] = half[0] | half[1];
+    masks_of_halves(half[0], half[1], lanes);
   }
-  template <class Mask>
-  [[gnu::always_inline]] Mask narrowed(Mask live, int row) const {
-    if constexpr (kLanes == 16) {
-      Mask mask;
-      mask_of_halves(bits[0], bits[1], row, mask);
-      return live & mask;
+  [[gnu::always_inline]] Mask reached(int row, L alpha, L power) const {
+    return and_nonpositive(and_at_least(lanes[row], alpha, L(S(kAlphaMin))), power);
+  }
+};
+
+/// What splat_power takes per row of a Gaussian: all rows of the tile at once.
+template <class L>
+struct RowTerms {
+  using S = typename LaneTraits<L>::Scalar;
+  S linear[kTilePx], constant[kTilePx];
+
+  [[gnu::always_inline]] RowTerms(L lane, S tile_y, S minus_b, S c_half) {
+    constexpr int kLanes = LaneTraits<L>::kLanes;
+    for (int row = 0; row < kTilePx; row += kLanes) {
+      const L v = L(tile_y) - (lane + L(S(row)));
+      store_lanes(linear + row, L(minus_b) * v), store_lanes(constant + row, L(c_half) * v * v);
     }
-    return live;
   }
 };
 
@@ -131,8 +156,11 @@ bool find_live_rows(const typename LaneTraits<L>::Mask* live, std::uint32_t* row
 ///     sink.end_column(column)
 ///   sink.end()
 /// Contributions without any lane are left out, unless Sink::kTakesEmpty: a branch that waits for the whole evaluation
-/// costs more than an addition of zeros. `transmittance` [packs] is left at its final value. A pixel stops before its transmittance would fall below
-/// work.stop; the tile stops when all its pixels have.
+/// costs more than an addition of zeros. `transmittance` [packs] is left at its final value. A pixel stops before its
+/// transmittance would fall below work.stop; the tile stops when all its pixels have.
+///
+/// The alphas of a column come first, then what they do to the pixels. In one loop each row would be one long chain of
+/// operations, few of which fit into what the processor looks ahead at.
 template <class L, class Sink>
 [[gnu::always_inline]] inline void composite_tile(const TileWork<typename LaneTraits<L>::Scalar>& work, L* transmittance,
                                                   Sink& sink) {
@@ -153,9 +181,10 @@ template <class L, class Sink>
       live[column * kTilePx + row] = lane < L(S(row < rows ? inside : 0));
     }
   }
-  const L stop(work.stop), alpha_min = L(S(kAlphaMin)), zero = L(S(0));
+  const L stop(work.stop), zero = L(S(0));
 
   RowsToVisit<L> ahead[kAhead];
+  L alpha_of[kTilePx];
   for (std::uint32_t e = 0; e < work.entries; ++e) {
     if (e % kAhead == 0) {
       if (!find_live_rows<L>(live, live_rows)) return;
@@ -166,30 +195,30 @@ template <class L, class Sink>
     const RowsToVisit<L>& to_visit = ahead[e % kAhead];
     const L conic_a_half(S(-0.5) * g.conic_a), opacity(g.opacity);
     const L tile_x(S(g.mean_x - W(frame.x_px + 0.5)));  // relative to the tile: the same bits for any pack width
-    const S tile_y = S(g.mean_y - W(frame.y_px + 0.5)), minus_b = -g.conic_b, c_half = S(-0.5) * g.conic_c;
+    const RowTerms<L> terms(lane, S(g.mean_y - W(frame.y_px + 0.5)), -g.conic_b, S(-0.5) * g.conic_c);
     sink.begin(e);
     for (int column = 0; column < kColumns; ++column) {
-      std::uint32_t rows_left = to_visit.of_column(column) & live_rows[column];
-      if (rows_left == 0) continue;
+      const std::uint32_t visited = to_visit.bits[column] & live_rows[column];
+      if (visited == 0) continue;
       const L u = tile_x - (lane + L(S(column * kLanes)));
-      sink.begin_column(column);
-      for (; rows_left != 0; rows_left &= rows_left - 1) {
-        const int row = __builtin_ctz(rows_left), pack = column * kTilePx + row;
-        const Mask visited = to_visit.narrowed(live[pack], row);
-        const S v = tile_y - S(row);
-        const L linear(minus_b * v), constant(c_half * v * v);
-        const L power = splat_power(u, conic_a_half, linear, constant);
+      for (std::uint32_t left = visited; left != 0; left &= left - 1) {
+        const int row = __builtin_ctz(left);
+        const L power = splat_power(u, conic_a_half, L(terms.linear[row]), L(terms.constant[row]));
         const L alpha = splat_alpha(opacity, power);
-        const Mask reached = visited & (alpha >= alpha_min) & (power <= zero);
-        const L before = transmittance[pack];
-        const L after = splat_behind(alpha, before);
-        const Mask lasts = after >= stop;
-        const Mask used = reached & lasts;
-        live[pack] = live[pack] & (lasts | !reached);
-        transmittance[pack] = select(used, after, before);
+        alpha_of[row] = select(to_visit.reached(row, alpha, power), alpha, zero);
+      }
+      sink.begin_column(column);
+      for (std::uint32_t left = visited; left != 0; left &= left - 1) {
+        const int row = __builtin_ctz(left), pack = column * kTilePx + row;
+        const L before = transmittance[pack], after = splat_behind(alpha_of[row], before);
+        // A lane that is not reached stays as it is, for no transmittance is ever below `stop`.
+        const Mask lasts = and_at_least(live[pack], after, stop);
+        const L alpha = select(lasts, alpha_of[row], zero);
+        live[pack] = lasts;
+        transmittance[pack] = select(lasts, after, before);
         if constexpr (!Sink::kTakesEmpty)
-          if (!any(used)) continue;
-        sink.add(row, Contribution<L>{pack, select(used, alpha, zero), before});
+          if (!any(alpha > zero)) continue;
+        sink.add(row, Contribution<L>{pack, alpha, before});
       }
       sink.end_column(column);
     }
