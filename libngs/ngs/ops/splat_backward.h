@@ -12,19 +12,26 @@ struct TapeSink {
   static constexpr bool kTakesEmpty = true;
   Tape<S>& tape;
   std::uint32_t entry = 0;
+  // Where the next contribution goes. Kept here: a store of a row may alias whatever lies in the tape itself.
+  S* lanes = nullptr;
+  std::uint8_t* row_begin = nullptr;
+  std::uint8_t* row = nullptr;
 
   void begin(std::uint32_t e) { entry = e; }
-  void begin_column(int column) {
+  [[gnu::always_inline]] void begin_column(int column) {
     if ((tape.size + kTilePx) * 2 * kLanes > tape.lane_capacity || tape.spans == tape.span_capacity) tape.grow(tape, kLanes);
     tape.span[tape.spans++] = {entry, std::uint32_t(column), tape.size};
+    lanes = tape.lanes + tape.size * 2 * kLanes;
+    row = row_begin = tape.row + tape.size;
   }
-  [[gnu::always_inline]] void add(int row, const Contribution<L>& k) {
-    S* at = tape.lanes + tape.size * 2 * kLanes;
-    store_lanes(at, k.alpha), store_lanes(at + kLanes, k.transmittance);
-    tape.row[tape.size++] = std::uint8_t(row);
+  [[gnu::always_inline]] void add(int r, const Contribution<L>& k) {
+    store_lanes(lanes, k.alpha), store_lanes(lanes + kLanes, k.transmittance);
+    lanes += 2 * kLanes;
+    *row++ = std::uint8_t(r);
   }
-  void end_column(int) {
-    if (tape.span[tape.spans - 1].begin == tape.size) --tape.spans;
+  [[gnu::always_inline]] void end_column(int) {
+    tape.size += std::size_t(row - row_begin);
+    if (row == row_begin) --tape.spans;
   }
   void end() {}
 };
@@ -67,14 +74,14 @@ class TileBackward {
   using W = WideOf<S>;
   using F = typename LaneTraits<L>::Folded;
   static constexpr int kLanes = LaneTraits<L>::kLanes;
+  static constexpr std::size_t kSpansAhead = 6;
 
  public:
   explicit TileBackward(const BackwardTile<S>& in)
-      : in_(in), count_(C > 0 ? C : in.value.count), sums_(in.scratch + (count_ + 1) * kTilePixels),
-        totals_(in.scratch + (count_ + 1) * kTilePixels + count_ * kTilePx) {
+      : in_(in), totals_(in.scratch + (in.value.count + 1) * kTilePixels + in.value.count * kTilePx) {
     for (int pack = 0; pack < kPacksPerTile<L>; ++pack) {
       L s = L(S(0));
-      for (int c = 0; c < count_; ++c) s = fma_lanes(gradient(pack, c), L(in.moves[c] ? in.background[c] : S(0)), s);
+      for (int c = 0; c < count(); ++c) s = fma_lanes(gradient(pack, c), L(in.moves[c] ? in.background[c] : S(0)), s);
       behind_[pack] = s;
     }
   }
@@ -86,15 +93,22 @@ class TileBackward {
       const typename Tape<S>::Span span = tape.span[k];
       const bool first = k + 1 == tape.spans || tape.span[k + 1].entry != span.entry;
       const bool last = k == 0 || tape.span[k - 1].entry != span.entry;
+      if (k >= kSpansAhead) prefetch(tape.span[k - kSpansAhead].entry);
       column(span, end, first, last);
       end = span.begin;
     }
   }
 
  private:
+  /// Gaussians of a tile lie anywhere in memory.
+  [[gnu::always_inline]] void prefetch(std::uint32_t entry) const {
+    __builtin_prefetch(in_.value.row(in_.work.visible[entry]));
+    __builtin_prefetch(in_.pair_grad + std::size_t(in_.work.slot[entry]) * std::size_t(kPairGeometry + count()), 1);
+  }
+  [[gnu::always_inline]] int count() const { return C > 0 ? C : in_.value.count; }
   [[gnu::always_inline]] L gradient(int pack, int c) const {
     L g;
-    load_lanes(in_.scratch + (pack * (count_ + 1) + c) * kLanes, g);
+    load_lanes(in_.scratch + (pack * (count() + 1) + c) * kLanes, g);
     return g;
   }
 
@@ -110,18 +124,19 @@ class TileBackward {
     const S tile_y = S(g.mean_y - W(frame.y_px + 0.5));
     const L zero = L(S(0)), cap = L(S(kAlphaCap));
     L p0 = zero, py = zero, pyy = zero;
-    sums_.clear(count_);
+    ChannelSums<L, C> sums(in_.scratch + (count() + 1) * kTilePixels);  // a local: members would live in memory
+    sums.clear(count());
     const S* lanes = in_.tape->lanes + span.begin * 2 * kLanes;
     for (std::size_t j = span.begin; j < end; ++j, lanes += 2 * kLanes) {
       const int r = in_.tape->row[j], pack = int(span.column) * kTilePx + r;
       L alpha, transmittance;
       load_lanes(lanes, alpha), load_lanes(lanes + kLanes, transmittance);
       const L weight = alpha * transmittance;
-      L v = gradient(pack, count_);
-      for (int c = 0; c < count_; ++c) {
+      L v = gradient(pack, count());
+      for (int c = 0; c < count(); ++c) {
         const L g_c = gradient(pack, c);
         v = fma_lanes(g_c, C > 0 ? moving[c] : L(in_.moves[c] ? values[c] : S(0)), v);
-        sums_.put(c, fma_lanes(weight, g_c, sums_.get(c)));
+        sums.put(c, fma_lanes(weight, g_c, sums.get(c)));
       }
       const L difference = v - behind_[pack];
       behind_[pack] = fma_lanes(alpha, difference, behind_[pack]);
@@ -138,12 +153,12 @@ class TileBackward {
     const F none = F(S(0));
     const L moment[kPairGeometry] = {p0, px, py, px * u, py * u, pyy};
     for (int i = 0; i < kPairGeometry; ++i) total_[i] = (first ? none : total_[i]) + folded(moment[i]);
-    for (int c = 0; c < count_; ++c) totals_.put(c, (first ? none : totals_.get(c)) + folded(sums_.get(c)));
+    for (int c = 0; c < count(); ++c) totals_.put(c, (first ? none : totals_.get(c)) + folded(sums.get(c)));
     if (!last) return;
     S sum[kPairGeometry];
     sum_lanes_each(total_, kPairGeometry, sum);
-    S* out = in_.pair_grad + std::size_t(in_.work.slot[span.entry]) * std::size_t(kPairGeometry + count_);
-    totals_.sum_each(count_, out + kPairGeometry);
+    S* out = in_.pair_grad + std::size_t(in_.work.slot[span.entry]) * std::size_t(kPairGeometry + count());
+    totals_.sum_each(count(), out + kPairGeometry);
     out[0] = -(g.conic_a * sum[1] + g.conic_b * sum[2]);
     out[1] = -(g.conic_b * sum[1] + g.conic_c * sum[2]);
     out[2] = S(-0.5) * sum[3];
@@ -153,8 +168,6 @@ class TileBackward {
   }
 
   const BackwardTile<S>& in_;
-  const int count_;
-  ChannelSums<L, C> sums_;
   ChannelSums<F, C> totals_;
   L behind_[kPacksPerTile<L>];
   F total_[kPairGeometry];
