@@ -56,6 +56,15 @@ struct StripPlan {
   }
 };
 
+/// A strip's next row lies a whole image row further, which the processor does not foresee: it is asked for so many
+/// rows before it is read.
+inline constexpr int kRowsAhead = 2;
+template <class T>
+void prefetch_values(const T* first, std::int64_t count) {
+  constexpr std::int64_t kLine = sizeof(T) < 64 ? 64 / sizeof(T) : 1;
+  for (std::int64_t i = 0; i < count; i += kLine) __builtin_prefetch(first + i);
+}
+
 /// Rows of planes as the blur wants them: value i of the strip at first[i], i from -pad; `plane` values between planes.
 template <class T>
 struct PlaneRows {
@@ -165,6 +174,8 @@ struct BandLoss {
     std::vector<T> memory(std::size_t(wide) * (2 + kMoments));
     T *a = memory.data(), *b = a + wide, *planes = b + wide;
     const auto load = [&](int row) {
+      if (row + kRowsAhead < layout.h)
+        for (const Crop<const T>& image : {x, y}) prefetch_values(image.row(row + kRowsAhead) + band.begin, band.count);
       copy_row(x, layout.width(), row, band.begin - layout.pad(), band.begin - layout.pad() + wide, a);
       copy_row(y, layout.width(), row, band.begin - layout.pad(), band.begin - layout.pad() + wide, b);
       for (std::int64_t i = 0; i < wide; i += kLanes) {
@@ -215,7 +226,17 @@ struct BandGradient {
     StripRow<T> pixels;
     StripWeights<T> strip_weights(weights, layout, band);
     alignas(64) T result[kStrip];
-    const auto load = [&](int row) { return PlaneRows<T>{partials + layout.row(row) + band.begin, layout.plane()}; };
+    const auto load = [&](int row) {
+      const T* first = partials + layout.row(row) + band.begin;
+      if (row + kRowsAhead < layout.h) {
+        const T* ahead = first + kRowsAhead * layout.stride() - layout.pad();
+        for (int d = 0; d < kPartials; ++d) prefetch_values(ahead + d * layout.plane(), band.count + 2 * layout.pad());
+      }
+      const int of_pixels = row - kRadius + kRowsAhead;
+      if (of_pixels >= 0 && of_pixels < layout.h)
+        for (const Crop<const T>& image : {x, y}) prefetch_values(image.row(of_pixels) + band.begin, band.count);
+      return PlaneRows<T>{first, layout.plane()};
+    };
     blur_band<T, kPartials>(layout, window, band, load, [&](int row, const auto& column) {
       pixels.load(x, y, layout.width(), row, band);
       const T* weight = strip_weights.row(row);
