@@ -18,7 +18,7 @@
 # SCENE_DIR holds images/ and the poses: sparse/0 (COLMAP), transforms.json, cameras.json or poses_bounds.npy.
 # OUT_DIR then holds scene.json boundary.ply queries.ply field.ply labelled.ply object.ply background.ply,
 # masks/STEM.png of the held-out views (of all views without --hold-out), metrics.json, report.html and each
-# tool's report in reports/. A second call does only what changed. Exit codes are those of the tools; 1 where
+# tool's report in reports/. OUT_DIR is none of the input folders, and its masks/ holds no masks of yours. A second call does only what changed. Exit codes are those of the tools; 1 where
 # --fail-below in EVAL_FLAGS was not met.
 #
 # Options for the other tools go in SCENE_FLAGS, VARIANCE_FLAGS, SAMPLE_FLAGS, RBF_FLAGS, EXTRACT_FLAGS,
@@ -86,6 +86,7 @@ export BIN NGS_STAGE=$pipelines/stage.sh
 # In its own folder every target is a plain name, so OUT_DIR may hold spaces although make cannot.
 cd "$out"
 export OUT=.
+bash "$NGS_STAGE" check
 if [ -n "$dry_run" ]; then
   for stage in scene variance sample rbf joint extract render eval report; do
     NGS_DRY_RUN=1 bash "$NGS_STAGE" "$stage"

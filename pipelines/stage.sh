@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # One stage of experiment.mk: `stage.sh STAGE` runs its tool, `stage.sh key STAGE` writes what the stage depends on beside
 # the artifacts before it to OUT/.state/STAGE.key where that differs; with NGS_DRY_RUN set the commands are printed only.
+# `stage.sh check` only refuses an OUT where a stage would replace what is not its own, as every other call does first.
 # All values come through the environment, so that paths may hold any character. Not called by hand.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
@@ -132,15 +133,38 @@ stage_extract() {
   run ngs-extract "$OUT/labelled.ply" --object "$OUT/object.ply" --background "$OUT/background.ply" "${words[@]}"
 }
 
+# The render stage replaces OUT/masks as a whole. Masks that came from elsewhere would be lost, and as the truth they
+# would be compared with themselves.
+refuse_foreign_masks() {
+  local path out
+  out=$(realpath -m "$OUT")
+  for path in "$SCENE" "$SCENE"/{images,masks,masks_sam,masks_gt,gt} "$MASKS" "$GT"; do
+    if [ -z "$path" ] || [ ! -e "$path" ]; then continue; fi
+    if [ "$OUT" -ef "$path" ]; then fail 2 "$out: is the input $path too" "choose another folder for the outputs"; fi
+    case $(realpath "$path")/ in
+      "$(realpath -m "$OUT/masks")"/*)
+        fail 2 "$out/masks: holds the input $path, the masks of the result go there" \
+          "choose another folder for the outputs" ;;
+    esac
+  done
+  if [ ! -e "$OUT/.state/masks_rendered" ] && [ -n "$(ls -A "$OUT/masks" 2> /dev/null)" ]; then
+    fail 2 "$out/masks: holds files that no run has rendered, the masks of the result go there" \
+      "move them elsewhere, and name them with --masks or --gt if they are inputs"
+  fi
+}
+
 # Masks at the size of the photos, not at the working size: the truth is compared there.
 stage_render() {
   local views=all
   if [ -n "$HOLD_OUT" ]; then views=held-out; fi
-  if [ -z "${NGS_DRY_RUN:-}" ]; then rm -rf "$OUT/masks" "$OUT/.state/render"; fi
+  if [ -z "${NGS_DRY_RUN:-}" ]; then rm -rf "$OUT/masks" "$OUT/.state/masks_rendered" "$OUT/.state/render"; fi
   flags "$RENDER_FLAGS"
   run ngs-render "$OUT/scene.json" "$OUT/labelled.ply" --views "$views" --layers mask --scale 0 --format png \
     "${words[@]}" -o "$OUT/.state/render"
-  if [ -z "${NGS_DRY_RUN:-}" ]; then mv "$OUT/.state/render" "$OUT/masks"; fi
+  if [ -z "${NGS_DRY_RUN:-}" ]; then
+    : > "$OUT/.state/masks_rendered"  # first: a run that ends between the two leaves none that nobody owns
+    mv "$OUT/.state/render" "$OUT/masks"
+  fi
 }
 
 stage_eval() {
@@ -204,6 +228,8 @@ write_key() {
 
 [ -n "$SCENE" ] || fail 2 "SCENE is not set, expected a folder with photos, poses and masks"
 [ -d "$SCENE" ] || fail 3 "$SCENE: no such folder"
+refuse_foreign_masks
+if [ "$1" = check ]; then exit; fi
 BIN=${BIN:-$(find_bin)}
 # Two makes at once on one OUT take turns.
 if [ -z "${NGS_DRY_RUN:-}" ]; then

@@ -134,5 +134,48 @@ TEST_CASE("ngs-gs.sh refuses what it cannot use") {
   CHECK(empty.err.find("no poses found") != std::string::npos);
 }
 
+TEST_CASE("ngs-gs.sh refuses an output folder where it would replace masks that it did not render") {
+  const Capture capture;
+  const std::string scene = capture.dir.path() + "/my scene", out = capture.out;
+  const auto refused = [&](std::vector<std::string> arguments, const std::string& because) {
+    CAPTURE(arguments);
+    const auto before = times_of(capture.dir.path());
+    const test::ProcessResult result = run_script(capture.dir.path(), arguments);
+    INFO(result.err);
+    CHECK(result.exit_code == 2);
+    CHECK(result.err.find(because) != std::string::npos);
+    CHECK(result.err.find("hint: ") != std::string::npos);
+    CHECK(times_of(capture.dir.path()) == before);
+  };
+  SUBCASE("the scene, by any name") {
+    refused({"my scene", "my scene", "--hold-out", "every:4:2"}, "is the input");
+    fs::create_directory_symlink("my scene", capture.dir.path() + "/link");
+    refused({"my scene", "link", "-n"}, "is the input");
+    refused({"my scene", "my scene/masks"}, "is the input");
+  }
+  SUBCASE("masks or truth in OUT_DIR/masks, or below it") {
+    fs::create_directories(out + "/masks");
+    fs::copy(scene + "/masks", out + "/masks/cup");
+    refused({"my scene", "the output", "--masks", "the output/masks"}, "holds the input");
+    refused({"my scene", "the output", "--gt", "the output/masks/cup"}, "holds the input");
+  }
+  SUBCASE("masks that nobody names, until they are moved away") {
+    fs::create_directories(out);
+    fs::copy(scene + "/masks", out + "/masks");
+    refused({"my scene", "the output"}, "no run has rendered");
+    test::ProcessSpec make;
+    make.argv = {"make", "-f", NGS_SOURCE_DIR "/pipelines/experiment.mk", "SCENE=my scene", "OUT=the-output",
+                 "the-output/scene.json"};
+    make.folder = capture.dir.path();
+    make.environment = {{"NGS_BIN", NGS_TOOL_DIR}};
+    fs::rename(out, capture.dir.path() + "/the-output");
+    const test::ProcessResult direct = test::run_process(make);
+    CHECK(direct.exit_code != 0);
+    CHECK(direct.err.find("no run has rendered") != std::string::npos);
+    fs::rename(capture.dir.path() + "/the-output/masks", out);
+    CHECK(test::run_process(make).exit_code == 0);
+  }
+}
+
 }  // namespace
 }  // namespace ngs
