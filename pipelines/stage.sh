@@ -167,6 +167,17 @@ stage_render() {
   fi
 }
 
+# eval_words DIR: the options of ngs-eval for the masks in DIR, into `words`. Masks of several objects lie in a folder
+# each; folders of a single object belong to the views' names, as the cameras of a rig.
+eval_words() {
+  local labels layout=view
+  flags "$EVAL_FLAGS"
+  if [ -z "$(find -L "$1" -mindepth 2 -name '*.png' -print -quit 2> /dev/null)" ]; then return; fi
+  labels=$(sed '/^end_header/q' "$OUT/labelled.ply" 2> /dev/null | LC_ALL=C grep -ac '^property float ngs_label' || true)
+  if [ "$labels" -gt 1 ]; then layout=object/view; fi
+  words+=(--layout "$layout")
+}
+
 stage_eval() {
   local truth masks names=$OUT/.state/scored_views.txt
   truth=$(truth_of_scene) masks=$(masks_of_scene)
@@ -182,12 +193,10 @@ stage_eval() {
   if [ "$truth" = "$masks" ]; then
     say "no ground truth given: the input masks of the held-out views stand in for it"
   else  # the input masks' own score on the same views, for comparison
-    flags "$EVAL_FLAGS"
+    eval_words "$masks"
     run ngs-eval --report-name ngs-eval-input "$masks" "$truth" --views "$names" "${words[@]}" -q -o "$OUT/metrics_input.json"
   fi
-  flags "$EVAL_FLAGS"
-  # Masks of several objects lie in a folder each.
-  if [ -n "$(find "$OUT/masks" -mindepth 2 -name '*.png' -print -quit 2>/dev/null)" ]; then words+=(--layout object/view); fi
+  eval_words "$OUT/masks"
   run ngs-eval "$OUT/masks" "$truth" --views "$names" "${words[@]}" -o "$OUT/metrics.json"
 }
 

@@ -10,15 +10,20 @@
 #include "ngs/io/exr.h"
 #include "ngs/io/image_file.h"
 #include "ngs/ops/image_metrics.h"
+#include "ngs/scene/view_names.h"
 #include "ngs/stages/match_names.h"
 
 namespace ngs::cli {
 namespace {
 
-/// The file names, each once.
-std::vector<std::string> without_folders(const std::vector<std::string>& names) {
+/// The names with at most this many folders, those before them taken off, each once.
+std::vector<std::string> with_folders(const std::vector<std::string>& names, int most) {
   std::set<std::string> files;
-  for (const std::string& name : names) files.insert(name.substr(name.rfind('/') + 1));
+  for (std::string name : names) {
+    for (auto folders = std::count(name.begin(), name.end(), '/'); folders > most; --folders)
+      name.erase(0, name.find('/') + 1);
+    files.insert(name);
+  }
   return {files.begin(), files.end()};
 }
 
@@ -38,8 +43,7 @@ std::vector<std::string> select_truth(const ImageList& truth, const std::string&
     for (std::size_t i : select_every(rule, truth.names.size())) selected.push_back(truth.names[i]);
     return selected;
   }
-  std::vector<std::string> listed = read_lines(rule);
-  if (!is_nested(truth)) listed = without_folders(listed);
+  const std::vector<std::string> listed = with_folders(read_lines(rule), depth(truth));
   const NameMatch match = match_names(listed, truth.names);
   for (const NamePair& pair : match.pairs) selected.push_back(truth.names[pair.truth]);
   for (std::size_t i : match.unmatched_predicted) pairing.listed_only.push_back(listed[i]);
@@ -52,15 +56,15 @@ void note_unmatched(const NameMatch& all, const ImageList& predicted, Pairing& p
 }
 
 void name_parts(const std::string& name, Layout layout, FilePair& pair) {
-  const std::string stem = path_stem(name);
-  const std::size_t slash = stem.find('/');
-  if (slash == std::string::npos) {
+  const std::string stem = image_stem(name);
+  const std::size_t slash = layout == Layout::kViewObject ? stem.rfind('/') : stem.find('/');
+  if (slash == std::string::npos || layout == Layout::kView) {
     pair.view = stem;
     return;
   }
-  const std::string folder = stem.substr(0, slash), file = stem.substr(slash + 1);
-  pair.view = layout == Layout::kViewObject ? folder : file;
-  pair.object = layout == Layout::kViewObject ? file : folder;
+  const std::string before = stem.substr(0, slash), behind = stem.substr(slash + 1);
+  pair.view = layout == Layout::kViewObject ? before : behind;
+  pair.object = layout == Layout::kViewObject ? behind : before;
 }
 
 io::RawMask read_exr_mask(const std::string& path) {
@@ -102,7 +106,7 @@ Pairing matched_files(const ImageList& predicted, const ImageList& truth, const 
   for (const NamePair& found : match.pairs) {
     if (!is_selected(found.truth)) continue;
     FilePair pair{{}, {}, predicted.path(found.predicted), truth.path(found.truth)};
-    name_parts(truth.names[found.truth], options.layout, pair);
+    name_parts(truth.names[found.truth], options.image_metrics ? Layout::kView : options.layout, pair);
     pairing.pairs.push_back(std::move(pair));
     ++rules[std::string(found.rule)];
   }
@@ -124,7 +128,10 @@ void require_pairs(const Pairing& pairing, const ImageList& predicted, const Ima
 
 }  // namespace
 
-bool is_nested(const ImageList& list) { return list.names.front().find('/') != std::string::npos; }
+int depth(const ImageList& list) {
+  const std::string& name = list.names.front();
+  return int(std::count(name.begin(), name.end(), '/'));
+}
 
 Pairing pair_files(const ImageList& predicted, const ImageList& truth, const EvalFileOptions& options) {
   Pairing pairing = matched_files(predicted, truth, options);
@@ -138,13 +145,15 @@ Pairing pair_objects(const ImageList& predicted, const ImageList& truth, const E
   for (const std::string& name : predicted.names) {
     const std::size_t slash = name.find('/');
     ImageList& list = objects[name.substr(0, slash)];
+  EvalFileOptions of_one_object = options;
+  of_one_object.layout = Layout::kView;
     list.folder = predicted.folder + "/" + name.substr(0, slash);
     list.names.push_back(name.substr(slash + 1));
   }
   Pairing all;
   std::map<std::string, int> rules;
   for (const auto& [object, list] : objects) {
-    Pairing mine = matched_files(list, truth, options);
+    Pairing mine = matched_files(list, truth, of_one_object);
     for (FilePair& pair : mine.pairs) {
       pair.object = object;
       pair.truth_id = id_of(object, ids);

@@ -10,7 +10,8 @@
 
 namespace ngs::cli {
 
-enum class Layout : std::uint8_t { kViewObject, kObjectView };
+/// A view may itself lie in folders (cam0/0001), an object does not.
+enum class Layout : std::uint8_t { kViewObject, kObjectView, kView };
 
 struct EvalFileOptions {
   std::string views = "all";
@@ -18,14 +19,18 @@ struct EvalFileOptions {
   bool image_metrics = false;
 
   static constexpr NamedValue<Layout> kLayouts[] = {{Layout::kViewObject, "view/object"},
-                                                    {Layout::kObjectView, "object/view"}};
+                                                    {Layout::kObjectView, "object/view"},
+                                                    {Layout::kView, "view"}};
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.views, Text{"views", "all|every:N:K|FILE",
                            "which views to score: all, index % N == K of the truth's "
                            "sorted names, or a file of names"});
-    visit(self.layout, Choice<Layout>{"layout", "what the sub-folders of a nested folder are", kLayouts});
+    visit(self.layout, Choice<Layout>{"layout",
+                                      "what the sub-folders of a nested folder are; view: parts of the views' names, "
+                                      "as the cameras of a rig",
+                                      kLayouts});
     visit(self.image_metrics,
           Flag{"image_metrics", "the files are photos: PSNR and SSIM instead of mask scores"});
   }
@@ -50,7 +55,8 @@ Pairing pair_files(const ImageList& predicted, const ImageList& truth, const Eva
 /// by number. Throws kUsage where the id of a folder is not known.
 Pairing pair_objects(const ImageList& predicted, const ImageList& truth, const EvalFileOptions& options,
                      const ObjectIds& ids);
-bool is_nested(const ImageList& list);
+/// How many folders its names begin with.
+int depth(const ImageList& list);
 
 struct PhotoScore {
   std::string view;

@@ -1,29 +1,36 @@
 #include "image_list.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <filesystem>
 #include <fstream>
 
 #include "ngs/core/error.h"
+#include "ngs/scene/view_names.h"
 
 namespace ngs::cli {
 namespace {
 
 namespace fs = std::filesystem;
 
-bool is_image(const fs::path& path) {
-  constexpr std::array kExtensions = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".exr"};
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
-}
+constexpr int kMostFolders = 3;  // object, camera of a rig, and one to spare; ends links that lead to themselves
+
+bool is_hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
 
 void add_images(const fs::path& folder, const std::string& prefix, std::vector<std::string>& names) {
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
-    if (name[0] != '.' && entry.is_regular_file() && is_image(entry.path())) names.push_back(prefix + name);
+    if (!is_hidden(entry.path()) && entry.is_regular_file() && has_image_extension(name))
+      names.push_back(prefix + name);
+  }
+}
+
+void add_images_below(const fs::path& folder, const std::string& prefix, int depth, std::vector<std::string>& names) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (is_hidden(entry.path()) || !entry.is_directory()) continue;
+    const std::string below = prefix + entry.path().filename().string() + "/";
+    add_images(entry.path(), below, names);
+    if (depth < kMostFolders) add_images_below(entry.path(), below, depth + 1, names);
   }
 }
 
@@ -36,14 +43,11 @@ ImageList list_images(const std::string& path) {
   }
   ImageList list{path, {}};
   add_images(path, "", list.names);
-  if (list.names.empty())
-    for (const fs::directory_entry& entry : fs::directory_iterator(path)) {
-      const std::string name = entry.path().filename().string();
-      if (name[0] != '.' && entry.is_directory()) add_images(entry.path(), name + "/", list.names);
-    }
+  if (list.names.empty()) add_images_below(path, "", 1, list.names);
   std::sort(list.names.begin(), list.names.end());
   if (list.names.empty())
-    throw Error(ErrorCode::kBadInput, path + ": no image found, expected PNG, JPEG, TIFF, BMP or EXR files");
+    throw Error(ErrorCode::kBadInput,
+                path + ": no image found, expected PNG, JPEG, TIFF, BMP, WebP, PPM, PGM or EXR files");
   return list;
 }
 

@@ -7,11 +7,11 @@ namespace ngs::cli {
 
 struct ImageList {
   std::string folder;              // what the names are relative to
-  std::vector<std::string> names;  // sorted; "view.png" or, one folder deep, "sub/view.png"
+  std::vector<std::string> names;  // sorted; "view.png" or, below folders, "sub/view.png"
   std::string path(std::size_t i) const { return folder + "/" + names[i]; }
 };
 
-/// Images directly in the folder, or, if there are none, those of its sub-folders. Hidden entries are
+/// Images directly in the folder, or, if there are none, those of its sub-folders, up to three deep. Hidden entries are
 /// skipped. Throws kBadInput where there is no image.
 ImageList list_images(const std::string& path);
 

@@ -38,7 +38,7 @@ void warn_about_leftovers(Run& run, const Pairing& pairing) {
 
 Pairing paired(const ImageList& predicted, const ImageList& truth, const EvalOptions& options,
                const EvalFileOptions& files) {
-  if (options.label_map && is_nested(predicted) && !is_nested(truth))
+  if (options.label_map && depth(predicted) > depth(truth))
     return pair_objects(predicted, truth, files, parse_object_ids(options.object_id));
   return pair_files(predicted, truth, files);
 }

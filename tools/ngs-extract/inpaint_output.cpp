@@ -7,6 +7,7 @@
 #include "ngs/io/image_file.h"
 #include "ngs/io/scene_json.h"
 #include "ngs/io/sparse_points.h"
+#include "ngs/scene/view_names.h"
 #include "ngs/stages/render_options.h"
 
 namespace ngs::cli {
@@ -29,8 +30,7 @@ ImageU8 picture_of(const ImageF& colour) {
 
 void write_inpainting(Run& run, const Extractor& extractor, const InpaintOptions& options, const Scene& scene,
                       const std::string& folder) {
-  for (const char* part : {"images", "holes", "dilated", "sparse/0"})
-    std::filesystem::create_directories(folder + "/" + part);
+  std::filesystem::create_directories(folder + "/sparse/0");
   const GaussianCloud& cloud = extractor.cloud();
   const SplatOptions splat = splat_options({}, cloud, scene);
   const std::vector<std::uint8_t> seen = seen_gaussians(run.exec(), run.monitor(), cloud, scene, splat);
@@ -40,11 +40,14 @@ void write_inpainting(Run& run, const Extractor& extractor, const InpaintOptions
   handed.mask_mode = MaskMode::kBinary, handed.mask_invert = false, handed.mask_threshold = 128;
   std::vector<Camera> cameras;
   Json views = Json::array();
+  const std::vector<std::string> names = output_names(scene.views);
   for (SceneView& view : handed.views) {
     const auto timed = run.monitor().scope("holes");
     const ViewHole found =
         find_hole(run.exec(), options, {cloud, extractor.object(), seen}, view.camera, splat);
-    const std::string file = std::filesystem::path(view.camera.name).stem().string() + ".png";
+    const std::string file = names[cameras.size()] + ".png";
+    for (const char* part : {"images/", "holes/", "dilated/"})
+      std::filesystem::create_directories(std::filesystem::path(folder + "/" + part + file).parent_path());
     view.image_path = folder + "/images/" + file, view.mask_path = folder + "/dilated/" + file;
     io::write_png(view.image_path, picture_of(found.colour));
     io::write_png(folder + "/holes/" + file, picture_of(found.hole, view.camera));

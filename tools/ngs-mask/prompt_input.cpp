@@ -5,14 +5,10 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/prompt_files.h"
+#include "ngs/scene/view_names.h"
 #include "ngs/stages/render_stage.h"
 
 namespace ngs::cli {
-namespace {
-
-std::string stem_of(const std::string& path) { return std::filesystem::path(path).stem().string(); }
-
-}  // namespace
 
 HandPrompt read_prompts(const PromptInputs& inputs) {
   const bool pictures = inputs.object || inputs.background;
@@ -37,9 +33,14 @@ std::size_t reference_view(const Scene& scene, const std::string& wanted, const 
                            const PromptInputs& inputs) {
   std::string name = !wanted.empty() ? wanted : prompt.view;
   if (name.empty() && inputs.prompts) {
-    const std::string stem = stem_of(inputs.prompts.path);
-    for (const SceneView& view : scene.views)
-      if (stem_of(view.camera.name) == stem) name = view.camera.name;
+    const std::string stem = std::filesystem::path(inputs.prompts.path).stem().string();
+    for (const SceneView& view : scene.views) {
+      if (image_stem(bare_name(view.camera.name)) != stem) continue;
+      if (!name.empty())
+        throw Error(ErrorCode::kUsage, inputs.prompts.path + ": has the name of several views, " + name + " and " +
+                                           view.camera.name, "say which with --view NAME");
+      name = view.camera.name;
+    }
   }
   if (name.empty())
     throw Error(ErrorCode::kUsage, "the prompts do not say which view they are of",

@@ -8,6 +8,7 @@
 
 #include "ngs/io/image_file.h"
 #include "ngs/io/photo.h"
+#include "ngs/scene/view_names.h"
 #include "segmenters.h"
 
 namespace ngs::cli {
@@ -19,14 +20,17 @@ std::string name_of(MaskSource source) {
   return {};
 }
 
-std::string file_in(const std::string& folder, const std::string& view) {
-  std::filesystem::create_directories(folder);
-  return folder + "/" + std::filesystem::path(view).stem().string() + ".png";
+/// Path of a picture in `folder`, whose folders are made.
+std::string file_in(const std::string& folder, const std::string& name) {
+  const std::filesystem::path file = std::filesystem::path(folder) / (name + ".png");
+  std::filesystem::create_directories(file.parent_path());
+  return file.string();
 }
 
 }  // namespace
 
-MaskViews::MaskViews(const Scene& scene, int detail) : scene_(scene), detail_(detail) {
+MaskViews::MaskViews(const Scene& scene, int detail)
+    : scene_(scene), detail_(detail), file_names_(output_names(scene.views)) {
   for (const SceneView& view : scene.views) {
     Camera camera = view.camera;
     has_photo_.push_back(!view.image_path.empty());
@@ -57,14 +61,14 @@ void MaskViews::write(Run& run, std::size_t view, const SpreadView& result, cons
   const Camera& camera = cameras_[view];
   ImageU8 mask(camera.width_px, camera.height_px, 1);
   for (std::size_t p = 0; p < mask.data.size(); ++p) mask.data[p] = result.mask[p] ? 255 : 0;
-  written_.push_back(file_in(masks, camera.name));
+  written_.push_back(file_in(masks, file_names_[view]));
   io::write_png(written_.back(), mask);
   const double covered = double(std::count(result.mask.begin(), result.mask.end(), 1));
   outcome_[view] = {result.source, result.agreement, result.known, covered / double(mask.data.size())};
   if (soft.empty()) return;
   for (std::size_t p = 0; p < mask.data.size(); ++p)
     mask.data[p] = std::uint8_t(std::lround(255 * result.soft[p]));
-  written_.push_back(file_in(soft, camera.name));
+  written_.push_back(file_in(soft, file_names_[view]));
   io::write_png(written_.back(), mask);
 }
 

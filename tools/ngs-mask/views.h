@@ -33,6 +33,7 @@ class MaskViews {
  private:
   const Scene& scene_;
   int detail_;
+  std::vector<std::string> file_names_;  // [views] of the masks
   double scale_ = 1;
   std::vector<Camera> cameras_;
   std::vector<bool> has_photo_;

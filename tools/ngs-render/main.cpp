@@ -44,6 +44,7 @@ int main(int argc, char** argv) {
       return 0;
     }
     for (std::size_t n = 0; n < views.size(); ++n) {
+    const std::vector<std::string> names = picture::file_names(scene, format.names);
       const Camera& full = scene.views[views[n]].camera;
       const Camera camera =
           resized(full, scaled_size_px(full.width_px, scale), scaled_size_px(full.height_px, scale));
@@ -53,8 +54,7 @@ int main(int argc, char** argv) {
                                options.amodal);
       }();
       const auto timed = run.monitor().scope("write");
-      picture::write_view({out.path, picture::stem_of(camera.name, format.names)}, view, objects, layers,
-                          options, format);
+      picture::write_view({out.path, names[views[n]]}, view, objects, layers, options, format);
       run.monitor().progress(std::int64_t(n) + 1, std::int64_t(views.size()));
     }
     return 0;

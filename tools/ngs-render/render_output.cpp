@@ -7,6 +7,7 @@
 
 #include "ngs/io/exr.h"
 #include "ngs/io/image_file.h"
+#include "ngs/scene/view_names.h"
 
 namespace ngs::picture {
 namespace {
@@ -114,8 +115,11 @@ std::set<std::string> parse_layers(const std::vector<std::string>& layers, const
   return chosen;
 }
 
-std::string stem_of(const std::string& camera_name, FileNames names) {
-  return names == FileNames::kImage ? camera_name : std::filesystem::path(camera_name).stem().string();
+std::vector<std::string> file_names(const Scene& scene, FileNames names) {
+  std::vector<std::string> of_views = output_names(scene.views);
+  for (std::size_t v = 0; v < of_views.size() && names == FileNames::kImage; ++v)
+    of_views[v] = scene.views[v].camera.name;
+  return of_views;
 }
 
 void write_view(const Destination& to, const RenderedView& view, const Objects& objects,

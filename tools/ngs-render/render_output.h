@@ -4,6 +4,7 @@
 //   masks of several objects: .../<object>/STEM.png
 //   exr:                DIR/STEM.exr with R G B A Z ngs.mask ngs.id (masks of several objects:
 //   ngs.mask_<object>)
+// STEM holds folders where the photos of several folders are called alike (scene/view_names.h).
 #include <set>
 #include <string>
 #include <vector>
@@ -47,8 +48,8 @@ std::set<std::string> parse_layers(const std::vector<std::string>& layers, const
 struct Destination {
   std::string folder, stem;
 };
-/// The STEM of a view's files; with kImage the whole name of its photo, folders included.
-std::string stem_of(const std::string& camera_name, FileNames names);
+/// [views] the STEM of each view's files (output_names); with kImage the whole name of its photo, folders included.
+std::vector<std::string> file_names(const Scene& scene, FileNames names);
 void write_view(const Destination& to, const RenderedView& view, const Objects& objects,
                 const std::set<std::string>& layers, const RenderOptions& options,
                 const OutputOptions& format);

@@ -8,8 +8,8 @@
 #include "ngs/core/error.h"
 #include "ngs/io/gaussian_ply.h"
 #include "ngs/io/image_file.h"
+#include "ngs/scene/view_names.h"
 #include "ngs/stages/error_atlas.h"
-#include "ngs/stages/match_names.h"
 #include "ngs/stages/render_options.h"
 #include "planes.h"
 
@@ -100,9 +100,8 @@ class AtlasMaker {
 
  private:
   const SceneView* view_named(const std::string& name) const {
-    for (const SceneView& v : scene_.views)
-      if (path_stem(v.camera.name) == name || v.camera.name == name) return &v;
-    return nullptr;
+    const std::vector<std::size_t> found = views_named(scene_.views, name);
+    return found.size() == 1 ? &scene_.views[found[0]] : nullptr;
   }
 
   const Exec& exec_;

@@ -9,6 +9,7 @@
 #include "ngs/core/error.h"
 #include "ngs/io/gaussian_ply.h"
 #include "ngs/io/image_file.h"
+#include "ngs/scene/view_names.h"
 #include "ngs/stages/render_options.h"
 #include "planes.h"
 
@@ -73,17 +74,16 @@ ImageF background_picture(const Exec& exec, const RunFolder& run, const std::str
                           int height_px) {
   const fs::path path = fs::path(run.path) / "background.ply";
   if (!run.scene || !fs::is_regular_file(path)) return {};
-  for (const SceneView& view : run.scene->views) {
-    if (fs::path(view.camera.name).stem().string() != name) continue;
-    const io::GaussianPly ply = io::read_gaussian_ply(path.string());
-    RenderRequest request;
-    request.background = {0.5f, 0.5f, 0.5f};
-    const double scale = double(width_px) / view.camera.width_px;
-    return render(exec, ply.cloud, ngs::resized(view.camera, width_px, height_px),
-                  filter_at_scale(splat_options({}, ply.cloud, *run.scene), scale), request)
-        .colour;
-  }
-  return {};
+  const std::vector<std::size_t> found = views_named(run.scene->views, name);
+  if (found.size() != 1) return {};
+  const Camera& camera = run.scene->views[found[0]].camera;
+  const io::GaussianPly ply = io::read_gaussian_ply(path.string());
+  RenderRequest request;
+  request.background = {0.5f, 0.5f, 0.5f};
+  const double scale = double(width_px) / camera.width_px;
+  return render(exec, ply.cloud, ngs::resized(camera, width_px, height_px),
+                filter_at_scale(splat_options({}, ply.cloud, *run.scene), scale), request)
+      .colour;
 }
 
 std::vector<Flip> flips_of(const Exec& exec, const RunFolder& run, const ShownView& view) {

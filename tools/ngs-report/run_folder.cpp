@@ -11,6 +11,7 @@
 #include "ngs/core/error.h"
 #include "ngs/io/masks.h"
 #include "ngs/io/scene_json.h"
+#include "ngs/scene/view_names.h"
 #include "ngs/stages/match_names.h"
 
 namespace ngs::cli {
@@ -140,9 +141,9 @@ void add_scored_views(RunFolder& run) {
 void add_rendered_views(RunFolder& run) {
   const fs::path folder = fs::path(run.path) / "masks";
   if (!run.views.empty() || !fs::is_directory(folder)) return;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
     if (entry.path().extension() == ".png")
-      run.views.push_back({.view = entry.path().stem().string(),
+      run.views.push_back({.view = image_stem(entry.path().lexically_relative(folder).string()),
                            .object = {},
                            .photo = {},
                            .predicted = entry.path().string(),
@@ -155,22 +156,20 @@ void add_rendered_views(RunFolder& run) {
 
 void add_scene_files(RunFolder& run) {
   if (!run.scene) return;
-  std::vector<std::string> shown, known;
+  std::vector<std::string> known;
   for (const SceneView& view : run.scene->views) known.push_back(view.camera.name);
-  std::map<std::string, std::size_t> by_stem;
-  for (std::size_t i = 0; i < known.size(); ++i) by_stem[path_stem(known[i])] = i;
   for (ShownView& view : run.views) {
-    auto found = by_stem.find(view.view);
-    if (found == by_stem.end()) {
+    std::vector<std::size_t> found = views_named(run.scene->views, view.view);
+    if (found.size() != 1) {
       const std::vector<std::string> one{view.view};
       const NameMatch match = match_names(one, known);
       if (match.pairs.empty()) continue;
-      found = by_stem.find(path_stem(known[match.pairs[0].truth]));
+      found = {match.pairs[0].truth};
     }
     std::error_code ignored;
-    const SceneView& camera = run.scene->views[found->second];
+    const SceneView& camera = run.scene->views[found[0]];
     if (fs::is_regular_file(camera.image_path, ignored)) view.photo = camera.image_path;
-    const std::vector<std::string> masks = io::mask_files(*run.scene, found->second);
+    const std::vector<std::string> masks = io::mask_files(*run.scene, found[0]);
     for (std::size_t k = 0; k < masks.size(); ++k)
       if ((masks.size() == 1 || run.scene->objects[k].name == view.object) &&
           fs::is_regular_file(masks[k], ignored))

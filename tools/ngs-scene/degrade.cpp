@@ -3,6 +3,7 @@
 #include "ngs/io/folder_index.h"
 #include "ngs/io/image_file.h"
 #include "ngs/options/field.h"
+#include "ngs/scene/view_names.h"
 #include "ngs/stages/mask_noise.h"
 #include "shared/tool.h"
 
@@ -72,7 +73,7 @@ int degrade_command(int argc, char** argv) {
     for (std::size_t v = 0; v < names.size(); ++v) {
       if (fate[v] < 0) continue;
       const ImageU16 mask = read_binary(masks.path + "/" + names[std::size_t(fate[v])]);
-      write_binary(out.path + "/" + io::image_stem(names[v]) + ".png",
+      write_binary(out.path + "/" + image_stem(names[v]) + ".png",
                    synth::disturb_labels(run.exec(), mask, noise, 1, int(v), run.seed()));
     }
     return cli::kDone;

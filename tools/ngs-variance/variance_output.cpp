@@ -6,6 +6,7 @@
 
 #include "ngs/io/content_hash.h"
 #include "ngs/io/exr.h"
+#include "ngs/scene/view_names.h"
 #include "shared/shard.h"
 
 namespace ngs::variance {
@@ -87,7 +88,7 @@ void write_layers(cli::Run& run, const Scene& scene, const GaussianCloud& cloud,
   std::vector<float> channels;
   for (std::size_t i = 0; i < first.label.size(); ++i)
     channels.insert(channels.end(), {first.label[i], first.prob[i], first.variance[i], first.boundary[i]});
-  std::filesystem::create_directories(folder);
+  const std::vector<std::string> names = output_names(scene.views);
   for (const std::size_t view : training_views(scene)) {
     RenderRequest request;
     request.label = {channels.data(), cloud.size(), 4};
@@ -99,10 +100,9 @@ void write_layers(cli::Run& run, const Scene& scene, const GaussianCloud& cloud,
     image.add({"A"}, rendered.alpha);
     image.add({"ngs.mask", "ngs.prob", "ngs.variance", "ngs.boundary"}, rendered.label);
     image.text["ngs:schema"] = "ngs.variance.1";
-    io::write_exr(
-        (std::filesystem::path(folder) / (std::filesystem::path(camera.name).stem().string() + ".exr"))
-            .string(),
-        image);
+    const std::filesystem::path file = std::filesystem::path(folder) / (names[view] + ".exr");
+    std::filesystem::create_directories(file.parent_path());
+    io::write_exr(file.string(), image);
   }
 }
 

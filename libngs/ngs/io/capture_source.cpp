@@ -100,13 +100,21 @@ Capture read_cameras(const CaptureRequest& request, const Located& located, cons
 
 void attach_photos(const CaptureRequest& request, const std::string& images_dir, Capture& capture) {
   const FolderIndex index(images_dir);
-  std::size_t missing = 0;
+  std::vector<SceneView*> open;
+  std::vector<std::string> names;  // theirs
   for (SceneView& view : capture.views) {
     const bool own = request.images_dir.empty() && is_regular_file(view.image_path);
-    if (own) continue;
-    view.image_path = images_dir.empty() ? "" : index.find({view.camera.name});
-    if (view.image_path.empty() && !images_dir.empty()) view.image_path = index.find_stem(view.camera.name);
-    missing += view.image_path.empty();
+    if (!own) open.push_back(&view), names.push_back(view.camera.name);
+  }
+  const std::vector<FoundFile> found = files_of_views(names, [&](const std::string& name) {
+    if (images_dir.empty()) return FoundFile{};
+    const std::string same = index.find(name);
+    return FoundFile{same.empty() ? index.find_stem(name) : same, {}};
+  });
+  std::size_t missing = 0;
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    open[i]->image_path = found[i].path;
+    missing += found[i].path.empty();
   }
   if (missing == capture.views.size() && !request.images_dir.empty())
     throw Error(ErrorCode::kInconsistent, images_dir + ": no photo of any view (such as " +

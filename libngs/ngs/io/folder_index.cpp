@@ -1,23 +1,16 @@
 #include "ngs/io/folder_index.h"
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
 
+#include "ngs/core/error.h"
 #include "ngs/io/regular_file.h"
+#include "ngs/scene/view_names.h"
 
 namespace ngs::io {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool is_image_extension(std::string extension) {
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return char(std::tolower(c)); });
-  constexpr std::array kKnown{".png",  ".jpg",  ".jpeg", ".exr", ".tif",
-                              ".tiff", ".webp", ".bmp",  ".ppm", ".pgm"};
-  return std::find(kKnown.begin(), kKnown.end(), extension) != kKnown.end();
-}
 
 template <class Keep>
 std::vector<std::string> list(const std::string& folder, const Keep& keep) {
@@ -31,14 +24,9 @@ std::vector<std::string> list(const std::string& folder, const Keep& keep) {
 
 }  // namespace
 
-std::string image_stem(const std::string& name) {
-  const std::string extension = fs::path(name).extension().string();
-  return is_image_extension(extension) ? name.substr(0, name.size() - extension.size()) : name;
-}
-
 std::vector<std::string> list_images(const std::string& folder) {
   return list(folder, [](const fs::directory_entry& entry) {
-    return is_image_extension(entry.path().extension().string()) && is_regular_file(entry.path().string());
+    return has_image_extension(entry.path().filename().string()) && is_regular_file(entry.path().string());
   });
 }
 
@@ -49,23 +37,16 @@ std::vector<std::string> list_folders(const std::string& folder) {
   });
 }
 
-std::string FolderIndex::find(const std::vector<std::string>& names) const {
-  for (const std::string& name : names)
-    for (const fs::path& spelled : {fs::path(name), fs::path(name).filename()}) {
-      const std::string path = (fs::path(folder_) / spelled).string();
-      if (is_regular_file(path)) return path;
-    }
-  return {};
+std::string FolderIndex::find(const std::string& name) const {
+  const std::string path = (fs::path(folder_) / name).string();
+  return is_regular_file(path) ? path : std::string();
 }
 
 std::string FolderIndex::find_stem(const std::string& name) const {
-  const fs::path stem(image_stem(name));
-  for (const fs::path& folder : {fs::path(folder_) / stem.parent_path(), fs::path(folder_)}) {
-    const auto& stems = stems_of(folder.string());
-    if (stems.count(stem.filename().string()) == 1)
-      return (folder / stems.find(stem.filename().string())->second).lexically_normal().string();
-  }
-  return {};
+  const fs::path stem(image_stem(name)), folder = fs::path(folder_) / stem.parent_path();
+  const auto& stems = stems_of(folder.string());
+  if (stems.count(stem.filename().string()) != 1) return {};
+  return (folder / stems.find(stem.filename().string())->second).lexically_normal().string();
 }
 
 const std::multimap<std::string, std::string>& FolderIndex::stems_of(const std::string& folder) const {
@@ -73,6 +54,32 @@ const std::multimap<std::string, std::string>& FolderIndex::stems_of(const std::
   if (is_new)
     for (const std::string& name : list_images(folder)) it->second.emplace(image_stem(name), name);
   return it->second;
+}
+
+std::vector<FoundFile> files_of_views(const std::vector<std::string>& views, const FindFile& find) {
+  std::vector<FoundFile> files;
+  std::map<std::string, std::string> owner;  // path -> view
+  for (const std::string& view : views) {
+    files.push_back(find(view));
+    if (!files.back().path.empty()) owner.emplace(files.back().path, view);
+  }
+  const auto owned_by_full_name = owner;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (!files[i].path.empty()) continue;
+    const FoundFile bare = find(bare_name(views[i]));
+    if (bare.path.empty() || owned_by_full_name.contains(bare.path)) continue;
+    const auto [other, is_free] = owner.emplace(bare.path, views[i]);
+    if (!is_free) {
+      const fs::path file(bare.path), folder = fs::path(views[i]).parent_path();
+      throw Error(ErrorCode::kInconsistent,
+                  bare.path + ": is called like both views " + other->second + " and " + views[i] +
+                      ", expected a file for each",
+                  "keep the folders of the views' names: " +
+                      (file.parent_path() / folder / file.filename()).string());
+    }
+    files[i] = bare;
+  }
+  return files;
 }
 
 }  // namespace ngs::io

@@ -1,13 +1,11 @@
 #pragma once
 // Which image files lie in a folder, and the same name spelled in several ways.
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
 
 namespace ngs::io {
-
-/// The name without a known image extension: "a.b.png" -> "a.b", "frame.0001" -> itself. Folders are kept.
-std::string image_stem(const std::string& name);
 
 /// Sorted names of the regular image files in `folder` (not below it); empty if there is no such folder.
 std::vector<std::string> list_images(const std::string& folder);
@@ -19,8 +17,8 @@ class FolderIndex {
  public:
   explicit FolderIndex(std::string folder) : folder_(std::move(folder)) {}
 
-  /// Path of the first of `names` that exists, each tried as given and without its folders; empty: none.
-  std::string find(const std::vector<std::string>& names) const;
+  /// Path of the file of this name; empty: none.
+  std::string find(const std::string& name) const;
   /// Path of the only file with the stem of `name`, whatever its extension; empty: none or several.
   std::string find_stem(const std::string& name) const;
   const std::string& folder() const { return folder_; }
@@ -31,5 +29,15 @@ class FolderIndex {
   std::string folder_;
   mutable std::map<std::string, std::multimap<std::string, std::string>> stems_;
 };
+
+struct FoundFile {
+  std::string path, rule;  // empty: none
+};
+/// A file called after the name, folders included.
+using FindFile = std::function<FoundFile(const std::string& name)>;
+
+/// The file of each view: what `find` says to its name or, if no view has that file so, to the name without its
+/// folders. Throws kInconsistent where several views have one file by their bare names (cam0/0001, cam1/0001).
+std::vector<FoundFile> files_of_views(const std::vector<std::string>& views, const FindFile& find);
 
 }  // namespace ngs::io

@@ -12,6 +12,7 @@
 #include "ngs/io/masks.h"
 #include "ngs/io/regular_file.h"
 #include "ngs/io/scene_json.h"
+#include "ngs/scene/view_names.h"
 
 namespace ngs::io {
 namespace {
@@ -150,26 +151,22 @@ std::set<std::string> read_names(const std::string& path) {
   return names;
 }
 
-void hold_out_every(const std::string& text, std::vector<SceneView>& views) {
-  const std::size_t colon = text.find(':');
-  std::uint32_t n = 0, k = 0;
-  if (colon == std::string::npos || !parse_count(text.substr(0, colon), n) ||
-      !parse_count(text.substr(colon + 1), k) || k >= n)
-    throw Error(ErrorCode::kUsage,
-                "--hold-out every:" + text + ": not every:N:K with K < N, expected e.g. every:8:0");
+void hold_out_every(const std::string& rule, std::vector<SceneView>& views) {
+  const std::optional<EveryRule> every = parse_every(rule);
+  if (!every)
+    throw Error(ErrorCode::kUsage, "--hold-out " + rule + ": not every:N:K with K < N, expected e.g. every:8:0");
   for (std::size_t i = 0; i < views.size(); ++i)
-    if (i % n == k) views[i].split = Split::kHeldOut;
+    if (every->selects(i)) views[i].split = Split::kHeldOut;
 }
 
 void hold_out_named(const std::string& path, std::vector<SceneView>& views) {
   for (const std::string& name : read_names(path)) {
-    const auto view = std::find_if(views.begin(), views.end(), [&](const SceneView& v) {
-      return v.camera.name == name || image_stem(v.camera.name) == image_stem(name);
-    });
-    if (view == views.end())
-      throw Error(ErrorCode::kInconsistent,
-                  path + ": " + name + " is no view, expected image names, one per line");
-    view->split = Split::kHeldOut;
+    const std::vector<std::size_t> found = views_named(views, name);
+    if (found.size() != 1)
+      throw Error(ErrorCode::kInconsistent, path + ": " + name + " is " +
+                                                (found.empty() ? "no view" : "several views") +
+                                                ", expected image names, one per line");
+    views[found[0]].split = Split::kHeldOut;
   }
 }
 
@@ -178,7 +175,7 @@ void hold_out_named(const std::string& path, std::vector<SceneView>& views) {
 void assign_splits(const std::string& hold_out, std::vector<SceneView>& views) {
   if (hold_out.empty()) return;
   if (hold_out.rfind("every:", 0) == 0)
-    hold_out_every(hold_out.substr(6), views);
+    hold_out_every(hold_out, views);
   else
     hold_out_named(hold_out, views);
   if (std::all_of(views.begin(), views.end(), [](const SceneView& v) { return v.split == Split::kHeldOut; }))

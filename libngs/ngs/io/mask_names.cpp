@@ -3,28 +3,32 @@
 #include <filesystem>
 
 #include "ngs/io/folder_index.h"
+#include "ngs/scene/view_names.h"
 
 namespace ngs::io {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct Match {
-  std::string path, rule;
-};
-
-Match find_mask(const FolderIndex& index, const std::string& name) {
+FoundFile find_mask(const FolderIndex& index, const std::string& name) {
   const std::string stem = image_stem(name);
-  const Match tried[] = {{name + ".png", "<name>.png"},
-                         {name, "<name>"},
-                         {stem + ".png", "<stem>.png"},
-                         {stem + ".mask.png", "<stem>.mask.png"}};
-  for (const Match& candidate : tried) {
-    const std::string path = index.find({candidate.path});
+  const FoundFile tried[] = {{name + ".png", "<name>.png"},
+                             {name, "<name>"},
+                             {stem + ".png", "<stem>.png"},
+                             {stem + ".mask.png", "<stem>.mask.png"}};
+  for (const FoundFile& candidate : tried) {
+    const std::string path = index.find(candidate.path);
     if (!path.empty()) return {path, candidate.rule};
   }
   const std::string path = index.find_stem(name);
-  return path.empty() ? Match{} : Match{path, "<stem>." + fs::path(path).extension().string().substr(1)};
+  return path.empty() ? FoundFile{} : FoundFile{path, "<stem>." + fs::path(path).extension().string().substr(1)};
+}
+
+std::vector<FoundFile> find_masks(const std::string& folder, const std::vector<SceneView*>& views) {
+  const FolderIndex index(folder);
+  std::vector<std::string> names;
+  for (const SceneView* view : views) names.push_back(view->camera.name);
+  return files_of_views(names, [&](const std::string& name) { return find_mask(index, name); });
 }
 
 /// "<folder>/cup/a/0001.png" with "cup" -> "<folder>/{object}/a/0001.png"
@@ -33,30 +37,27 @@ std::string with_object_field(const std::string& path, const std::string& object
   return (fs::path(folder) / "{object}" / fs::path(path).lexically_relative(object_folder)).string();
 }
 
-void match_plain(const std::string& folder, std::vector<SceneView>& views, MaskMatches& matches) {
-  const FolderIndex index(folder);
-  for (SceneView& view : views) {
-    if (!view.mask_path.empty()) continue;
-    const Match match = find_mask(index, view.camera.name);
-    if (match.path.empty()) continue;
-    view.mask_path = match.path;
-    ++matches.views_by_rule[match.rule];
+void match_plain(const std::string& folder, const std::vector<SceneView*>& views, MaskMatches& matches) {
+  const std::vector<FoundFile> found = find_masks(folder, views);
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    if (found[v].path.empty()) continue;
+    views[v]->mask_path = found[v].path;
+    ++matches.views_by_rule[found[v].rule];
   }
 }
 
 void match_per_object(const std::string& folder, const std::vector<std::string>& candidates,
-                      std::vector<SceneView>& views, MaskMatches& matches) {
+                      const std::vector<SceneView*>& views, MaskMatches& matches) {
   for (const std::string& object : candidates) {
     const std::string object_folder = (fs::path(folder) / object).string();
-    const FolderIndex index(object_folder);
+    const std::vector<FoundFile> found = find_masks(object_folder, views);
     bool has_any = false;
-    for (SceneView& view : views) {
-      const Match match = find_mask(index, view.camera.name);
-      if (match.path.empty()) continue;
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      if (found[v].path.empty()) continue;
       has_any = true;
-      if (!view.mask_path.empty()) continue;
-      view.mask_path = with_object_field(match.path, object_folder, folder);
-      ++matches.views_by_rule["<object>/" + match.rule];
+      if (!views[v]->mask_path.empty()) continue;
+      views[v]->mask_path = with_object_field(found[v].path, object_folder, folder);
+      ++matches.views_by_rule["<object>/" + found[v].rule];
     }
     if (has_any) matches.objects.push_back(object);
   }
@@ -67,11 +68,15 @@ void match_per_object(const std::string& folder, const std::vector<std::string>&
 MaskMatches match_masks(const std::string& folder, const std::vector<std::string>& objects,
                         std::vector<SceneView>& views) {
   MaskMatches matches;
-  for (const SceneView& view : views)
-    if (!view.mask_path.empty()) ++matches.views_by_rule["mask_path of the source"];
-  if (!folder.empty()) match_plain(folder, views, matches);
+  std::vector<SceneView*> open;
+  for (SceneView& view : views)
+    if (view.mask_path.empty())
+      open.push_back(&view);
+    else
+      ++matches.views_by_rule["mask_path of the source"];
+  if (!folder.empty()) match_plain(folder, open, matches);
   if (!folder.empty() && matches.views_by_rule.empty())
-    match_per_object(folder, objects.empty() ? list_folders(folder) : objects, views, matches);
+    match_per_object(folder, objects.empty() ? list_folders(folder) : objects, open, matches);
   for (const SceneView& view : views)
     if (view.mask_path.empty()) matches.unmatched.push_back(view.camera.name);
   return matches;

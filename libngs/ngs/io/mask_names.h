@@ -7,8 +7,9 @@
 //   <stem>.mask.png   a/0001.mask.png    Brush
 //   <stem>.<other>    a/0001.exr ...     any other image format; refused where there are several
 //
-// each also without the folders of the name. If no view has a file so, sub-folders are objects: <object>/ and
-// any of the above. A path that the source itself names (nerfstudio's mask_path) comes before all of these.
+// then the same without the folders of the name, if it is one view's only (files_of_views). If no view has a file
+// so, sub-folders are objects: <object>/ and any of the above. A path that the source itself names (nerfstudio's
+// mask_path) comes before all of these.
 #include <map>
 #include <string>
 #include <vector>

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
 #include <map>
 
 #include "ngs/core/error.h"
+#include "ngs/scene/view_names.h"
 
 namespace ngs {
 namespace {
@@ -26,23 +26,10 @@ std::string lower(std::string_view text) {
   return out;
 }
 
-bool drop_extension(std::string& text) {
-  constexpr std::array kExtensions = {".png"sv, ".jpg"sv, ".jpeg"sv, ".tif"sv, ".tiff"sv, ".bmp"sv, ".exr"sv};
-  for (std::string_view extension : kExtensions)
-    if (text.size() > extension.size() && text.ends_with(extension)) {
-      text.resize(text.size() - extension.size());
-      return true;
-    }
-  return false;
-}
-
-std::string stem_key(std::string_view name) { return path_stem(name); }
-
 std::string affix_key(std::string_view name) {
   const std::string folder = lower(folder_of(name));
   std::string base = lower(name.substr(folder.size()));
-  while (drop_extension(base)) {
-  }
+  while (has_image_extension(base)) base = image_stem(base);
   constexpr std::array kPrefixes = {"mask"sv, "gt"sv, "pred"sv, "frame"sv};
   constexpr std::array kSuffixes = {"mask"sv, "gt"sv, "pred"sv, "label"sv, "seg"sv, "object"sv, "rgb"sv};
   const auto joins = [](char c) { return c == '_' || c == '-' || c == '.'; };
@@ -74,7 +61,7 @@ struct Rule {
   std::string_view name;
   std::string (*key)(std::string_view);
 };
-constexpr std::array<Rule, 3> kRules = {{{"stem", stem_key}, {"affix", affix_key}, {"number", number_key}}};
+constexpr std::array<Rule, 3> kRules = {{{"stem", image_stem}, {"affix", affix_key}, {"number", number_key}}};
 
 constexpr std::size_t kAmbiguous = std::size_t(-1);
 
@@ -94,7 +81,7 @@ std::map<std::string, std::size_t> keys_of(std::span<const std::string> names,
 void require_unique_stems(std::span<const std::string> names) {
   std::map<std::string, std::string_view> seen;
   for (const std::string& name : names) {
-    const auto [entry, added] = seen.emplace(path_stem(name), name);
+    const auto [entry, added] = seen.emplace(image_stem(name), name);
     if (!added)
       throw Error(ErrorCode::kInconsistent,
                   "masks: '" + std::string(entry->second) + "' and '" + name +
@@ -104,12 +91,6 @@ void require_unique_stems(std::span<const std::string> names) {
 }
 
 }  // namespace
-
-std::string path_stem(std::string_view name) {
-  const std::size_t dot = name.rfind('.'), slash = name.rfind('/');
-  const std::size_t base = slash == std::string_view::npos ? 0 : slash + 1;
-  return std::string(dot == std::string_view::npos || dot <= base ? name : name.substr(0, dot));
-}
 
 NameMatch match_names(std::span<const std::string> predicted, std::span<const std::string> truth) {
   require_unique_stems(predicted);
@@ -133,20 +114,13 @@ NameMatch match_names(std::span<const std::string> predicted, std::span<const st
 }
 
 std::vector<std::size_t> select_every(std::string_view rule, std::size_t count) {
-  std::size_t n = 1, k = 0;
-  if (rule != "all") {
-    const auto number = [&](std::string_view text, std::size_t& value) {
-      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-      return error == std::errc() && end == text.data() + text.size();
-    };
-    const std::size_t colon = rule.rfind(':');
-    if (!rule.starts_with("every:") || colon < 6 || !number(rule.substr(6, colon - 6), n) ||
-        !number(rule.substr(colon + 1), k) || n == 0 || k >= n)
-      throw Error(ErrorCode::kUsage, "views = '" + std::string(rule) +
-                                         "', expected all, every:N:K with K < N, or a file of names");
-  }
+  const std::optional<EveryRule> every = rule == "all" ? EveryRule{} : parse_every(rule);
+  if (!every)
+    throw Error(ErrorCode::kUsage,
+                "views = '" + std::string(rule) + "', expected all, every:N:K with K < N, or a file of names");
   std::vector<std::size_t> selected;
-  for (std::size_t i = k; i < count; i += n) selected.push_back(i);
+  for (std::size_t i = 0; i < count; ++i)
+    if (every->selects(i)) selected.push_back(i);
   return selected;
 }
 

@@ -28,9 +28,6 @@ struct NameMatch {
 /// Throws kInconsistent where two files of one folder have the same stem (a.png and a.jpg).
 NameMatch match_names(std::span<const std::string> predicted, std::span<const std::string> truth);
 
-/// The path without its extension.
-std::string path_stem(std::string_view name);
-
 /// Which of `names` (sorted) the rule "every:N:K" or "all" selects: index % N == K. Throws kUsage for another
 /// rule.
 std::vector<std::size_t> select_every(std::string_view rule, std::size_t count);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "ngs/scene/view_names.h"
+
 namespace ngs {
 namespace {
 
@@ -14,8 +16,6 @@ std::vector<std::string> split(const std::string& text, char separator) {
   for (std::string part; std::getline(in, part, separator);) parts.push_back(part);
   return parts;
 }
-
-std::string stem(const std::string& name) { return name.substr(0, name.rfind('.')); }
 
 /// Well separated hues for object k.
 std::array<float, 3> hue(std::size_t k) {
@@ -38,14 +38,15 @@ std::vector<std::size_t> select_views(const Scene& scene, const std::string& sel
     return views;
   }
   for (const std::string& name : split(selection, ',')) {
-    const auto it = std::find_if(scene.views.begin(), scene.views.end(), [&](const SceneView& v) {
-      return v.camera.name == name || stem(v.camera.name) == name;
-    });
-    if (it == scene.views.end())
+    const std::vector<std::size_t> found = views_named(scene.views, name);
+    if (found.size() > 1)
+      throw Error(ErrorCode::kUsage, "--views: several views are named '" + name + "'",
+                  "give the whole name, such as '" + scene.views[found[0]].camera.name + "'");
+    if (found.empty())
       throw Error(ErrorCode::kUsage, "--views: no view is named '" + name + "'",
                   "the scene has " + std::to_string(scene.views.size()) + " views, the first is '" +
                       (scene.views.empty() ? std::string() : scene.views.front().camera.name) + "'");
-    views.push_back(std::size_t(it - scene.views.begin()));
+    views.push_back(found[0]);
   }
   return views;
 }

@@ -80,6 +80,50 @@ TEST_CASE("every naming rule finds the mask and is reported by its name") {
     CHECK(matches.unmatched == std::vector<std::string>{"other.png"});
   }
 }
+TEST_CASE("the files of a rig keep their folders; one that two views could mean is refused") {
+  const TempDir dir;
+  const std::vector<std::string> names = {"cam0/0.jpg", "cam0/1.jpg", "cam1/0.jpg", "cam1/1.jpg"};
+  for (const char* file : {"cam0/0.png", "cam1/0.png", "1.png"}) dir.write(file, "x");
+  std::vector<SceneView> views = views_named(names);
+  CHECK(code_of([&] { match_masks(dir.path(), {}, views); }) == ErrorCode::kInconsistent);
+  try {
+    match_masks(dir.path(), {}, views);
+  } catch (const Error& e) {
+    CHECK(std::string(e.what()).find("1.png: is called like both views cam0/1.jpg and cam1/1.jpg") !=
+          std::string::npos);
+    CHECK(e.remedy().find("/cam1/1.png") != std::string::npos);
+  }
+  dir.write("cam0/1.png", "x");  // the file without a folder is then the other's
+  views = views_named(names);
+  CHECK(match_masks(dir.path(), {}, views).unmatched.empty());
+  for (std::size_t v = 0; v < 3; ++v)
+    CHECK(views[v].mask_path == dir.path() + "/" + names[v].substr(0, names[v].size() - 3) + "png");
+  CHECK(views[3].mask_path == dir.path() + "/1.png");
+}
+
+TEST_CASE("a file that has a view's full name is no other view's") {
+  const TempDir dir;
+  dir.write("0.png", "x");
+  std::vector<SceneView> views = views_named({"0.png", "cam/0.png"});
+  CHECK(match_masks(dir.path(), {}, views).unmatched == std::vector<std::string>{"cam/0.png"});
+}
+
+TEST_CASE("photos of a rig in one flat folder are not given to two cameras") {
+  const TempDir dir;
+  make_scene(dir, 2);
+  auto views = test::random_cameras(2, false);
+  views[0].camera.name = "cam0/0.png", views[1].camera.name = "cam1/0.png";
+  for (auto& view : views) view.camera.width_px = 64, view.camera.height_px = 48;
+  const test::ColmapFiles files = test::colmap_text(views);
+  dir.write("sparse/0/cameras.txt", files.cameras);
+  dir.write("sparse/0/images.txt", files.images);
+  write_png(dir.file("images/0.png"), ImageU8(64, 48, 3, 9));
+  CHECK(code_of([&] { import_scene(request_for(dir)); }) == ErrorCode::kInconsistent);
+  for (const char* name : {"images/cam0/0.png", "images/cam1/0.png"}) write_png(dir.file(name), ImageU8(64, 48, 3, 9));
+  const ImportedScene got = import_scene(request_for(dir));
+  CHECK(got.scene.views[1].image_path == dir.path() + "/images/cam1/0.png");
+}
+
 
 TEST_CASE("a name in several formats is no match, and prefixes do not match") {
   const TempDir dir;

@@ -1,0 +1,91 @@
+#include "ngs/scene/view_names.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <set>
+
+namespace ngs {
+namespace {
+
+using namespace std::string_view_literals;
+
+std::size_t base_of(std::string_view name) {
+  const std::size_t slash = name.rfind('/');
+  return slash == name.npos ? 0 : slash + 1;
+}
+
+/// Where the extension begins, its dot included; the end of the name where it has none.
+std::size_t extension_of(std::string_view name) {
+  const std::size_t dot = name.rfind('.');
+  return dot == name.npos || dot <= base_of(name) ? name.size() : dot;
+}
+
+template <class Rule>
+std::vector<std::string> names_by(const std::vector<SceneView>& views, const Rule& rule) {
+  std::vector<std::string> names;
+  for (const SceneView& view : views) names.push_back(rule(view.camera.name));
+  return names;
+}
+
+bool is_each_once(const std::vector<std::string>& names) {
+  return std::set<std::string>(names.begin(), names.end()).size() == names.size();
+}
+
+std::vector<std::size_t> indices_of(const std::vector<std::string>& names, const std::string& wanted) {
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (names[i] == wanted) found.push_back(i);
+  return found;
+}
+
+bool parse_number(std::string_view text, std::size_t& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+}  // namespace
+
+bool has_image_extension(std::string_view name) {
+  std::string extension(name.substr(extension_of(name)));
+  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+  constexpr std::array kKnown{".png"sv,  ".jpg"sv,  ".jpeg"sv, ".exr"sv, ".tif"sv,
+                              ".tiff"sv, ".webp"sv, ".bmp"sv,  ".ppm"sv, ".pgm"sv};
+  return std::find(kKnown.begin(), kKnown.end(), extension) != kKnown.end();
+}
+
+std::string image_stem(std::string_view name) {
+  return std::string(has_image_extension(name) ? name.substr(0, extension_of(name)) : name);
+}
+
+std::string bare_name(std::string_view name) { return std::string(name.substr(base_of(name))); }
+
+std::vector<std::string> output_names(const std::vector<SceneView>& views) {
+  std::vector<std::string> names = names_by(views, [](auto& name) { return image_stem(bare_name(name)); });
+  // All views change together: files at two depths of one folder are easily taken for two kinds of files.
+  if (!is_each_once(names)) names = names_by(views, image_stem);
+  if (!is_each_once(names)) names = names_by(views, [](auto& name) { return name; });
+  return names;
+}
+
+std::vector<std::size_t> views_named(const std::vector<SceneView>& views, std::string_view name) {
+  std::vector<std::size_t> found = indices_of(names_by(views, [](auto& own) { return own; }), std::string(name));
+  if (found.empty()) found = indices_of(names_by(views, image_stem), image_stem(name));
+  if (found.empty()) found = indices_of(output_names(views), image_stem(name));
+  return found;
+}
+
+std::optional<EveryRule> parse_every(std::string_view rule) {
+  constexpr std::string_view kPrefix = "every:";
+  if (!rule.starts_with(kPrefix)) return std::nullopt;
+  const std::string_view numbers = rule.substr(kPrefix.size());
+  const std::size_t colon = numbers.find(':');
+  EveryRule every;
+  if (colon == numbers.npos || !parse_number(numbers.substr(0, colon), every.n) ||
+      !parse_number(numbers.substr(colon + 1), every.k) || every.k >= every.n)
+    return std::nullopt;
+  return every;
+}
+
+}  // namespace ngs

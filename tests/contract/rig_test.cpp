@@ -1,0 +1,112 @@
+// A capture by a rig: the photos of its cameras lie in a folder each and are called alike.
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "support/process.h"
+#include "support/temp_dir.h"
+#include "support/tiny_scene.h"
+
+namespace ngs {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The tiny scene with its views v0 ... v5 called cam0/0 cam0/1 cam0/2 cam1/0 cam1/1 cam1/2.
+struct Rig {
+  test::TempDir dir;
+  Rig() {
+    test::write_tiny_scene(dir.path());
+    std::string images = test::read_bytes(dir.path() + "/text/images.txt");
+    for (int v = 0; v < 6; ++v) {
+      const std::string old_name = "v" + std::to_string(v) + ".png", name = view(v) + ".png";
+      for (const char* folder : {"images/", "masks/"})
+        fs::rename(dir.path() + "/" + folder + old_name, dir.file(folder + name));
+      images.replace(images.find(old_name), old_name.size(), name);
+    }
+    fs::remove_all(dir.path() + "/sparse");
+    fs::rename(dir.path() + "/text", dir.file("sparse/0"));
+    dir.write("sparse/0/images.txt", images);
+    for (const char* name : {"scene.json", "transforms.json", "cameras.json"}) fs::remove(dir.path() + "/" + name);
+  }
+  static std::string view(int v) { return "cam" + std::to_string(v / 3) + "/" + std::to_string(v % 3); }
+
+  test::ProcessResult run(std::vector<std::string> argv) const {
+    test::ProcessSpec spec;
+    argv[0] = (argv[0] == "ngs-gs.sh" ? NGS_SOURCE_DIR "/pipelines/" : NGS_TOOL_DIR "/") + argv[0];
+    spec.argv = std::move(argv), spec.folder = dir.path();
+    spec.environment = {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}};
+    return test::run_process(spec);
+  }
+  /// The files below a folder without their extension.
+  std::set<std::string> files(const std::string& folder) const {
+    std::set<std::string> names;
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(dir.path() + "/" + folder))
+      if (entry.is_regular_file())
+        names.insert(entry.path().lexically_relative(dir.path() + "/" + folder).replace_extension().string());
+    return names;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("every tool that writes a file per view writes one for each view of a rig") {
+  const Rig rig;
+  const auto done = [&](std::vector<std::string> argv) {
+    CAPTURE(argv);
+    const test::ProcessResult result = rig.run(std::move(argv));
+    INFO(result.err);
+    REQUIRE(result.exit_code == 0);
+  };
+  std::set<std::string> views;
+  for (int v = 0; v < 6; ++v) views.insert(Rig::view(v));
+  done({"ngs-scene", "import", ".", "-o", "scene.json"});
+  done({"ngs-variance", "scene.json", "-o", "boundary.ply", "--layers", "layers"});
+  CHECK(rig.files("layers") == views);
+  done({"ngs-render", "scene.json", "boundary.ply", "--views", "all", "--layers", "mask", "-o", "rendered"});
+  CHECK(rig.files("rendered") == views);
+  done({"ngs-render", "scene.json", "boundary.ply", "--views", "cam1/2", "--format", "exr", "-o", "one"});
+  CHECK(rig.files("one") == std::set<std::string>{"cam1/2"});
+  rig.dir.write("p.json", R"({"ngs_prompts": 1, "view": "cam1/0.png", "width": 48, "height": 36,
+      "boxes": [[12, 6, 36, 30]]})");
+  done({"ngs-mask", "scene.json", "--prompts", "p.json", "-o", "made", "--soft", "soft", "--passes", "1"});
+  CHECK(rig.files("made") == views);
+  CHECK(rig.files("soft") == views);
+  done({"ngs-extract", "boundary.ply", "--scene", "scene.json", "--inpaint", "inpaint"});
+  for (const char* part : {"inpaint/images", "inpaint/holes", "inpaint/dilated"}) CHECK(rig.files(part) == views);
+  done({"ngs-scene", "check", "inpaint/scene.json"});
+  done({"ngs-scene", "import", ".", "--masks", "rendered", "-o", "again.json"});
+}
+
+TEST_CASE("ngs-gs.sh scores the held-out views of a rig one by one") {
+  const Rig rig;
+  const test::ProcessResult result =
+      rig.run({"ngs-gs.sh", ".", "out", "--hold-out", "every:3:1", "--method", "flash", "--gt", "masks"});
+  INFO(result.err);
+  REQUIRE(result.exit_code == 0);
+  CHECK(rig.files("out/masks") == std::set<std::string>{"cam0/1", "cam1/1"});
+  for (const char* name : {"out/metrics.json", "out/metrics_input.json"}) {
+    CAPTURE(name);
+    const auto metrics = nlohmann::json::parse(std::ifstream(rig.dir.path() + "/" + name));
+    std::set<std::string> scored;
+    for (const auto& view : metrics.at("views")) scored.insert(view.at("view").get<std::string>());
+    CHECK(scored == std::set<std::string>{"cam0/1", "cam1/1"});
+    CHECK(metrics.at("objects").size() == 1);
+  }
+  CHECK(test::read_bytes(rig.dir.path() + "/out/report.html").find("cam1/1") != std::string::npos);
+}
+
+TEST_CASE("prompts whose file has the name of two views of a rig need to say which") {
+  const Rig rig;
+  REQUIRE(rig.run({"ngs-scene", "import", ".", "-o", "scene.json"}).exit_code == 0);
+  rig.dir.write("0.json", R"({"ngs_prompts": 1, "width": 48, "height": 36, "boxes": [[12, 6, 36, 30]]})");
+  const test::ProcessResult result = rig.run({"ngs-mask", "scene.json", "--prompts", "0.json", "-o", "made"});
+  INFO(result.err);
+  CHECK(result.exit_code == 2);
+  CHECK(result.err.find("has the name of several views, cam0/0.png and cam1/0.png") != std::string::npos);
+}
+
+}  // namespace ngs

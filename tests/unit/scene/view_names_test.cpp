@@ -1,0 +1,63 @@
+#include "ngs/scene/view_names.h"
+
+#include <doctest/doctest.h>
+
+namespace ngs {
+namespace {
+
+using Names = std::vector<std::string>;
+
+std::vector<SceneView> views_of(const Names& names) {
+  std::vector<SceneView> views(names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) views[i].camera.name = names[i];
+  return views;
+}
+
+TEST_CASE("the extension of an image is dropped, a dot in its name is kept") {
+  const struct {
+    const char *name, *stem;
+  } cases[] = {{"a.png", "a"},       {"a.b.JPEG", "a.b"},        {"frame.0001", "frame.0001"},
+               {"cam.0/a", "cam.0/a"}, {"cam/IMG_1.5.tif", "cam/IMG_1.5"}, {".png", ".png"},
+               {"cam/.png", "cam/.png"}, {"a.webp", "a"},          {"", ""}};
+  for (const auto& c : cases) {
+    CAPTURE(c.name);
+    CHECK(image_stem(c.name) == c.stem);
+    CHECK(has_image_extension(c.name) == (std::string(c.name) != c.stem));
+  }
+  CHECK(bare_name("cam/a.png") == "a.png");
+  CHECK(bare_name("a.png") == "a.png");
+}
+
+TEST_CASE("files are called after the stem where that tells the views apart, else after more of the name") {
+  CHECK(output_names(views_of({"a/0.png", "b/1.jpg", "frame.0001", "frame.0002"})) ==
+        Names{"0", "1", "frame.0001", "frame.0002"});
+  CHECK(output_names(views_of({"cam0/0.png", "cam0/1.png", "cam1/0.png"})) == Names{"cam0/0", "cam0/1", "cam1/0"});
+  CHECK(output_names(views_of({"a.jpg", "a.png", "b.png"})) == Names{"a.jpg", "a.png", "b.png"});
+  CHECK(output_names({}).empty());
+}
+
+TEST_CASE("a view is found by its name, its path without extension or the name of its files") {
+  using Indices = std::vector<std::size_t>;
+  const auto rig = views_of({"cam0/0.png", "cam0/1.png", "cam1/0.png"});
+  CHECK(views_named(rig, "cam1/0.png") == Indices{2});
+  CHECK(views_named(rig, "cam1/0") == Indices{2});
+  CHECK(views_named(rig, "cam1/0.jpg") == Indices{2});
+  CHECK(views_named(rig, "0").empty());
+  CHECK(views_named(views_of({"images/0.png", "images/1.png"}), "1") == Indices{1});
+  CHECK(views_named(views_of({"a.jpg", "a.png"}), "a") == Indices{0, 1});
+  CHECK(views_named(views_of({"a.jpg", "a.png"}), "a.png") == Indices{1});
+}
+
+TEST_CASE("every:N:K selects the indices K modulo N, and nothing else is such a rule") {
+  const auto every = parse_every("every:4:2");
+  REQUIRE(every);
+  for (std::size_t i = 0; i < 9; ++i) CHECK(every->selects(i) == (i == 2 || i == 6));
+  for (const char* rule : {"every:", "every:0:0", "every:4:4", "every:4", "every:4:2:1", "every:4:-2", "every:4:2 ",
+                           "Every:4:2", "every::", "all", ""}) {
+    CAPTURE(rule);
+    CHECK_FALSE(parse_every(rule));
+  }
+}
+
+}  // namespace
+}  // namespace ngs
