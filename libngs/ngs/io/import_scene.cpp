@@ -64,12 +64,21 @@ std::string find_masks_dir(const ImportRequest& request, const std::string& base
       throw Error(ErrorCode::kBadInput, request.masks_dir + ": no such folder, expected masks");
     return request.masks_dir;
   }
-  std::vector<std::string> candidates;
+  std::vector<std::string> candidates, of_truth;
   for (const std::string& name : list_folders(base)) {
     if (name == "masks") return (fs::path(base) / name).string();
-    if (name.find("mask") != std::string::npos) candidates.push_back(name);
+    if (name.find("mask") == std::string::npos) continue;
+    const bool is_truth = name.ends_with("_gt") || name.starts_with("gt");
+    (is_truth ? of_truth : candidates).push_back(name);
   }
-  if (candidates.size() == 1) return (fs::path(base) / candidates[0]).string();
+  if (candidates.size() == 1) {
+    const std::string chosen = (fs::path(base) / candidates[0]).string();
+    notes.push_back(chosen + ": taken as the masks, by its name (name another with --masks DIR)");
+    return chosen;
+  }
+  for (const std::string& name : of_truth)
+    notes.push_back((fs::path(base) / name).string() +
+                    ": holds the truth by its name, not read (if it holds the input masks: --masks DIR)");
   if (!candidates.empty()) {
     std::string names;
     for (const std::string& name : candidates) names += " " + name;
@@ -113,8 +122,19 @@ std::vector<SceneObject> objects_in_label_maps(const std::vector<SceneView>& vie
   return objects;
 }
 
+/// nerfstudio's mask_path are mostly masks of valid pixels: a folder that the user names is meant instead of them.
+void leave_out_masks_of_source(ImportedScene& out) {
+  int count = 0;
+  for (SceneView& view : out.scene.views)
+    if (!view.mask_path.empty()) view.mask_path.clear(), ++count;
+  if (count > 0)
+    out.notes.push_back(out.cameras_file + ": mask_path of " + std::to_string(count) +
+                        " views left out, the masks are those of " + out.masks_dir);
+}
+
 void attach_masks(const ImportRequest& request, ImportedScene& out) {
   Scene& scene = out.scene;
+  if (!request.masks_dir.empty()) leave_out_masks_of_source(out);
   for (const std::string& text : request.object_ids)
     scene.objects.push_back(parse_object(text, request.mask_mode));
   std::vector<std::string> names;

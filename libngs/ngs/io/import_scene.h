@@ -15,7 +15,8 @@ inline constexpr int kWorkingSizePx = 800;  // longest side that the automatic i
 struct ImportRequest {
   CaptureRequest capture;
   std::string model_path;               // empty: looked for beside the cameras
-  std::string masks_dir;                // empty: masks/ beside the cameras, or the only folder named mask*
+  std::string masks_dir;                // in place of the source's own; empty: masks/ beside the cameras, or the only
+                                        // other folder *mask* that is none of truth (*_gt, gt*)
   std::vector<std::string> object_ids;  // "7", "cup=7" (label maps), "cup" (one folder per object)
   std::string hold_out;                 // "every:N:K", a file of names, or empty
   MaskMode mask_mode = MaskMode::kBinary;

@@ -79,6 +79,7 @@ TEST_CASE("every naming rule finds the mask and is reported by its name") {
     CHECK(matches.views_by_rule == std::map<std::string, int>{{c.rule, 1}});
     CHECK(matches.unmatched == std::vector<std::string>{"other.png"});
   }
+
 }
 TEST_CASE("the files of a rig keep their folders; one that two views could mean is refused") {
   const TempDir dir;
@@ -123,7 +124,6 @@ TEST_CASE("photos of a rig in one flat folder are not given to two cameras") {
   const ImportedScene got = import_scene(request_for(dir));
   CHECK(got.scene.views[1].image_path == dir.path() + "/images/cam1/0.png");
 }
-
 
 TEST_CASE("a name in several formats is no match, and prefixes do not match") {
   const TempDir dir;
@@ -200,6 +200,46 @@ TEST_CASE("the model's own folder is as good a source as the scene's") {
     request.capture.source += source;
     CHECK(std::filesystem::exists(import_scene(request).scene.views[0].image_path));
   }
+TEST_CASE("a folder of truth is not taken for the masks, and a guess is said") {
+  const auto noted = [](const ImportedScene& got, const std::string& text) {
+    return std::any_of(got.notes.begin(), got.notes.end(),
+                       [&](const std::string& note) { return note.find(text) != std::string::npos; });
+  };
+  const TempDir dir;
+  make_scene(dir, 1);
+  mask(dir, "masks_gt/0.jpg.png");
+  mask(dir, "gt_masks/0.jpg.png");
+  const ImportedScene none = import_scene(request_for(dir));
+  CHECK(none.masks_dir.empty());
+  CHECK(none.scene.views[0].mask_path.empty());
+  CHECK(noted(none, "/masks_gt: holds the truth by its name"));
+  CHECK(noted(none, "/gt_masks: holds the truth by its name"));
+  mask(dir, "masks_sam/0.jpg.png");
+  const ImportedScene guessed = import_scene(request_for(dir));
+  CHECK(guessed.masks_dir == dir.path() + "/masks_sam");
+  CHECK(noted(guessed, "/masks_sam: taken as the masks, by its name"));
+  mask(dir, "masks/0.jpg.png");
+  const ImportedScene usual = import_scene(request_for(dir));
+  CHECK(usual.masks_dir == dir.path() + "/masks");
+  CHECK_FALSE(noted(usual, "/masks"));
+}
+
+TEST_CASE("masks that the user names come in place of those that the source names") {
+  const TempDir dir;
+  for (const char* name : {"a.png", "valid/a.png", "masks/a.png", "other/a.png"}) mask(dir, name);
+  dir.write("transforms.json", R"({"camera_angle_x": 1, "frames": [{"file_path": "a.png", "mask_path": "valid/a.png",
+      "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]})");
+  ImportRequest request = request_for(dir);
+  CHECK(import_scene(request).scene.views[0].mask_path == dir.path() + "/valid/a.png");
+  request.masks_dir = dir.path() + "/other";
+  const ImportedScene got = import_scene(request);
+  CHECK(got.scene.views[0].mask_path == dir.path() + "/other/a.png");
+  CHECK(got.views_by_mask_rule == std::map<std::string, int>{{"<name>", 1}});
+  CHECK(std::any_of(got.notes.begin(), got.notes.end(), [](const std::string& note) {
+    return note.find("mask_path of 1 views left out") != std::string::npos;
+  }));
+}
+
 }
 
 TEST_CASE("several folders of masks are not guessed between") {
