@@ -7,7 +7,7 @@
 #   --masks DIR          input masks, by stem     (default: SCENE_DIR/masks, masks_sam)
 #   --gt DIR             true masks               (default: SCENE_DIR/masks_gt, gt; else the held-out input masks)
 #   --hold-out RULE      every:N:K or a file of names: views whose masks no stage sees, and which are scored
-#   --image-scale S      working size             (default: 1, 1/2, 1/4 ... so that no side exceeds 800 px)
+#   --image-scale S      working size             (default: 1, 1/2, 1/3 ... so that no side exceeds 800 px)
 #   --quality Q          draft|standard|high|reference
 #   --method M           paper|bce|cob|flash|sa3d|saga|released
 #   --until FILE         stop at this artifact, e.g. --until boundary.ply
@@ -18,8 +18,9 @@
 # SCENE_DIR holds images/ and the poses: sparse/0 (COLMAP), transforms.json, cameras.json or poses_bounds.npy.
 # OUT_DIR then holds scene.json boundary.ply queries.ply field.ply labelled.ply object.ply background.ply,
 # masks/STEM.png of the held-out views (of all views without --hold-out), metrics.json, report.html and each
-# tool's report in reports/. OUT_DIR is none of the input folders, and its masks/ holds no masks of yours. A second call does only what changed. Exit codes are those of the tools; 1 where
-# --fail-below in EVAL_FLAGS was not met.
+# tool's report in reports/. OUT_DIR is none of the input folders, and its masks/ holds no masks of yours.
+# A second call does only what changed. Exit codes are those of the tools; 1 where --fail-below in EVAL_FLAGS
+# was not met.
 #
 # Options for the other tools go in SCENE_FLAGS, VARIANCE_FLAGS, SAMPLE_FLAGS, RBF_FLAGS, EXTRACT_FLAGS,
 # RENDER_FLAGS and EVAL_FLAGS, quoted as for the shell: SCENE_FLAGS='--mask-mode label --object-id 7' ...

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 
+#include "ngs/io/image_file.h"
 #include "support/process.h"
 #include "support/temp_dir.h"
 #include "support/tiny_scene.h"
@@ -103,6 +104,14 @@ TEST_CASE("ngs-gs.sh makes every promised file, then runs only what changed") {
     CHECK(after["labelled.ply"] == before.at("labelled.ply"));
     CHECK(after["metrics.json"] != before.at("metrics.json"));
   }
+}
+
+TEST_CASE("ngs-gs.sh renders masks at the photos' size where the working size is no whole part of it") {
+  const Capture capture;
+  const test::ProcessResult result = capture.run({"--image-scale", "0.3", "--method", "flash"});
+  INFO(result.err);
+  REQUIRE(result.exit_code == 0);
+  CHECK(io::read_image_size(capture.out + "/masks/v2.png") == io::ImageSize{48, 36});  // 14 / 0.3 is 47
 }
 
 TEST_CASE("ngs-gs.sh prints the commands in a dry run and writes nothing") {

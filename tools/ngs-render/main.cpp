@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "ngs/io/gaussian_ply.h"
+#include "ngs/io/photo.h"
 #include "ngs/io/scene_json.h"
 #include "ngs/stages/render_options.h"
 #include "ngs/stages/render_stage.h"
@@ -43,11 +44,13 @@ int main(int argc, char** argv) {
       run.plan({{"views", views.size()}, {"layers", layers}});
       return 0;
     }
-    for (std::size_t n = 0; n < views.size(); ++n) {
     const std::vector<std::string> names = picture::file_names(scene, format.names);
-      const Camera& full = scene.views[views[n]].camera;
-      const Camera camera =
-          resized(full, scaled_size_px(full.width_px, scale), scaled_size_px(full.height_px, scale));
+    for (std::size_t n = 0; n < views.size(); ++n) {
+      const Camera& working = scene.views[views[n]].camera;
+      const io::ImageSize size = options.scale > 0 ? io::ImageSize{scaled_size_px(working.width_px, scale),
+                                                                   scaled_size_px(working.height_px, scale)}
+                                                   : io::full_size(scene, views[n]);
+      const Camera camera = resized(working, size.width_px, size.height_px);
       const RenderedView view = [&] {
         const auto timed = run.monitor().scope("render");
         return render_labelled(run.exec(), ply.cloud, objects.columns, camera, splat, background,

@@ -43,7 +43,7 @@ struct ImportOptions {
         Text{"hold_out", "every:N:K|FILE",
              "views that never supervise: index i of the sorted names with i % N == K, or a list of names"});
     visit(self.image_scale,
-          Field<double>{"image_scale", "", "working size relative to the photos; 0: 1, 1/2, 1/4 ... so that no side exceeds 800 px",
+          Field<double>{"image_scale", "", "working size relative to the photos; 0: 1, 1/2, 1/3 ... so that no side exceeds 800 px",
                         0, 1.0});
     visit(self.filter_px2,
           Field<double>{"filter_px2", "px^2", "low-pass filter the model was fitted with, at the working size; 0: the one that "

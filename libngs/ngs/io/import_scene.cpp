@@ -203,13 +203,11 @@ void assign_splits(const std::string& hold_out, std::vector<SceneView>& views) {
                 "--hold-out " + hold_out + ": holds out every view, expected some to train on");
 }
 
-/// The largest of 1, 1/2, 1/4 ... at which no photo's longer side exceeds kWorkingSizePx.
+/// The largest 1/k at which no photo's longer side exceeds kWorkingSizePx.
 double automatic_scale(const std::vector<SceneView>& views) {
   int longest = 1;
   for (const SceneView& view : views) longest = std::max({longest, view.camera.width_px, view.camera.height_px});
-  double scale = 1;
-  while (longest * scale > kWorkingSizePx) scale /= 2;
-  return scale;
+  return 1.0 / ((longest + kWorkingSizePx - 1) / kWorkingSizePx);
 }
 
 ImportedScene import_scene(const ImportRequest& request) {

@@ -173,7 +173,7 @@ void bring_to_size(const Scene& scene, const Camera& camera, const std::string& 
                    LoadedMasks& out) {
   const ImageSize file{mask.target[0].width_px, mask.target[0].height_px};
   const ImageSize wanted{camera.width_px, camera.height_px};
-  const SizeRelation relation = relate_sizes(file, wanted, scene.image_scale);
+  const SizeRelation relation = relate_mask_size(file, wanted, scene.image_scale);
   if (relation.same) return;
   if (!relation.allowed)
     throw Error(

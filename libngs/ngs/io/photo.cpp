@@ -2,7 +2,7 @@
 
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
-#include "ngs/io/image_file.h"
+#include "ngs/io/regular_file.h"
 #include "ngs/io/size_rule.h"
 
 namespace ngs::io {
@@ -39,6 +39,19 @@ ImageF load_fine_photo(const Scene& scene, std::size_t view, int most) {
   const Camera& camera = scene.views[view].camera;
   if (photo.empty() || photo.width_px <= most * camera.width_px + most) return photo;
   return resize_area(photo, most * camera.width_px, most * camera.height_px);
+}
+
+ImageSize full_size(const Scene& scene, std::size_t view) {
+  const SceneView& v = scene.views.at(view);
+  const auto scaled = [](ImageSize size, double scale) {
+    return ImageSize{scaled_size_px(size.width_px, scale), scaled_size_px(size.height_px, scale)};
+  };
+  const ImageSize camera{v.camera.width_px, v.camera.height_px};
+  if (is_regular_file(v.image_path)) {
+    const ImageSize photo = read_image_size(v.image_path);
+    if (scaled(photo, scene.image_scale) == camera) return photo;
+  }
+  return scaled(camera, 1 / scene.image_scale);
 }
 
 }  // namespace ngs::io

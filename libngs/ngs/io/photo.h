@@ -2,6 +2,7 @@
 // The photograph of a view at its camera's size.
 #include <cstddef>
 
+#include "ngs/io/image_file.h"
 #include "ngs/scene/scene.h"
 
 namespace ngs::io {
@@ -12,5 +13,8 @@ ImageF load_photo(const Scene& scene, std::size_t view);
 
 /// The same with up to `most` times the camera's pixels per side, as far as the file has them.
 ImageF load_fine_photo(const Scene& scene, std::size_t view, int most = 2);
+/// The size of the view's photo, which the camera's over image_scale is but for rounding; that where there is no photo
+/// or it is not the one that the scene was imported with.
+ImageSize full_size(const Scene& scene, std::size_t view);
 
 }  // namespace ngs::io

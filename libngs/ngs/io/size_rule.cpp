@@ -1,5 +1,6 @@
 #include "ngs/io/size_rule.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace ngs::io {
@@ -21,6 +22,19 @@ SizeRelation relate_sizes(ImageSize file, ImageSize camera, double image_scale) 
           // both rounded on the way: the file to the full size / k, the camera to full · scale
           (std::abs(camera.width_px / scale / k - file.width_px) < 1 &&
            std::abs(camera.height_px / scale / k - file.height_px) < 1);
+  return relation;
+}
+
+SizeRelation relate_mask_size(ImageSize file, ImageSize camera, double image_scale) {
+  SizeRelation relation = relate_sizes(file, camera, image_scale);
+  const auto within = [&](double scale, double slack_px) {
+    return std::abs(file.width_px * scale - camera.width_px) <= slack_px &&
+           std::abs(file.height_px * scale - camera.height_px) <= slack_px;
+  };
+  constexpr int kLeastSidePx = 100;  // of less, a pixel is more than rounding: another shape
+  if (std::min(camera.width_px, camera.height_px) < kLeastSidePx) return relation;
+  // the camera's size was rounded to nearest from the photo's
+  relation.allowed |= within(1, 1) || within(image_scale, image_scale + 0.5);
   return relation;
 }
 

@@ -13,5 +13,9 @@ struct SizeRelation {
 };
 
 SizeRelation relate_sizes(ImageSize file, ImageSize camera, double image_scale);
+/// The same for masks, which may also be 1 px wider, narrower, higher or lower than the photo or the camera's image:
+/// tools that scale photos round either way (sides of 100 px and more, where that is 1 % at most). A photo may not,
+/// its pixels lie where the camera says.
+SizeRelation relate_mask_size(ImageSize file, ImageSize camera, double image_scale);
 
 }  // namespace ngs::io

@@ -7,7 +7,6 @@
 #include "ngs/io/image_file.h"
 #include "ngs/io/mask_names.h"
 #include "ngs/io/scene_json.h"
-#include "ngs/io/size_rule.h"
 #include "support/camera_files.h"
 #include "support/temp_dir.h"
 
@@ -79,8 +78,8 @@ TEST_CASE("every naming rule finds the mask and is reported by its name") {
     CHECK(matches.views_by_rule == std::map<std::string, int>{{c.rule, 1}});
     CHECK(matches.unmatched == std::vector<std::string>{"other.png"});
   }
-
 }
+
 TEST_CASE("the files of a rig keep their folders; one that two views could mean is refused") {
   const TempDir dir;
   const std::vector<std::string> names = {"cam0/0.jpg", "cam0/1.jpg", "cam1/0.jpg", "cam1/1.jpg"};
@@ -154,20 +153,6 @@ TEST_CASE("sub-folders become objects, or only those that were named") {
   CHECK(match_masks(dir.path(), {"cup"}, views).unmatched == std::vector<std::string>{"b.jpg"});
 }
 
-TEST_CASE("sizes: same, integer factors and image_scale are related, others are not") {
-  CHECK(relate_sizes({10, 8}, {10, 8}, 1).same);
-  CHECK(relate_sizes({20, 16}, {10, 8}, 1).allowed);
-  CHECK(relate_sizes({5, 4}, {10, 8}, 1).allowed);
-  CHECK(relate_sizes({4032, 3024}, {504, 378}, 1).allowed);
-  CHECK(relate_sizes({1023, 767}, {511, 383}, 1).allowed);  // floor
-  CHECK(relate_sizes({1023, 767}, {512, 384}, 1).allowed);  // round
-  CHECK_FALSE(relate_sizes({15, 12}, {10, 8}, 1).allowed);
-  CHECK(relate_sizes({1000, 800}, {300, 240}, 0.3).allowed);
-  CHECK(relate_sizes({250, 200}, {300, 240}, 0.3).allowed);  // masks of images_4, cameras at 0.3
-  CHECK_FALSE(relate_sizes({8, 10}, {10, 8}, 1).allowed);
-  CHECK_FALSE(relate_sizes({20, 8}, {10, 8}, 1).allowed);
-}
-
 TEST_CASE("a folder is imported with its photos, masks and model, and says what it chose") {
   const TempDir dir;
   make_scene(dir, 3);
@@ -200,6 +185,21 @@ TEST_CASE("the model's own folder is as good a source as the scene's") {
     request.capture.source += source;
     CHECK(std::filesystem::exists(import_scene(request).scene.views[0].image_path));
   }
+}
+
+TEST_CASE("several folders of masks are not guessed between") {
+  const TempDir dir;
+  make_scene(dir, 1);
+  mask(dir, "masks_a/0.jpg.png");
+  CHECK(import_scene(request_for(dir)).masks_dir == dir.path() + "/masks_a");
+  mask(dir, "masks_b/0.jpg.png");
+  const ImportedScene got = import_scene(request_for(dir));
+  CHECK(got.masks_dir.empty());
+  CHECK(std::any_of(got.notes.begin(), got.notes.end(), [](const std::string& note) {
+    return note.find("several folders of masks (masks_a masks_b)") != std::string::npos;
+  }));
+}
+
 TEST_CASE("a folder of truth is not taken for the masks, and a guess is said") {
   const auto noted = [](const ImportedScene& got, const std::string& text) {
     return std::any_of(got.notes.begin(), got.notes.end(),
@@ -237,21 +237,6 @@ TEST_CASE("masks that the user names come in place of those that the source name
   CHECK(got.views_by_mask_rule == std::map<std::string, int>{{"<name>", 1}});
   CHECK(std::any_of(got.notes.begin(), got.notes.end(), [](const std::string& note) {
     return note.find("mask_path of 1 views left out") != std::string::npos;
-  }));
-}
-
-}
-
-TEST_CASE("several folders of masks are not guessed between") {
-  const TempDir dir;
-  make_scene(dir, 1);
-  mask(dir, "masks_a/0.jpg.png");
-  CHECK(import_scene(request_for(dir)).masks_dir == dir.path() + "/masks_a");
-  mask(dir, "masks_b/0.jpg.png");
-  const ImportedScene got = import_scene(request_for(dir));
-  CHECK(got.masks_dir.empty());
-  CHECK(std::any_of(got.notes.begin(), got.notes.end(), [](const std::string& note) {
-    return note.find("several folders of masks (masks_a masks_b)") != std::string::npos;
   }));
 }
 
