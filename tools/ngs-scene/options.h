@@ -48,7 +48,7 @@ struct ImportOptions {
     visit(self.filter_px2,
           Field<double>{"filter_px2", "px^2", "low-pass filter the model was fitted with, at the working size; 0: the one that "
                         "explains the photos best", 0, 1e4});
-    visit(self.align_views, Flag{"align_views", "move principal points by what lays the rendered model on the photos"});
+    visit(self.align_views, Flag{"align_views", "turn and move cameras by what lays the rendered model on the photos"});
     visit(self.original_world, Flag{"original_world", "transforms.json: undo its applied_transform"});
   }
 };
