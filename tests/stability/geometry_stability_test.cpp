@@ -4,6 +4,7 @@
 #include "ngs/ops/ray_query.h"
 #include "ngs/ops/ray_query_kernels.h"
 #include "ngs/ops/sample_grid.h"
+#include "ngs/stages/object_core.h"
 #include "support/cameras.h"
 #include "support/stability.h"
 
@@ -252,6 +253,33 @@ TEST_CASE("geometry: images are read up to and beyond their border") {
                     const double left = std::floor(h - 0.5);
                     worst.naive_is(left >= 0 && left + 1 < 7);
                   });
+}
+
+TEST_CASE("geometry: the radius of an object's core keeps its accuracy however far from the origin the core lies") {
+  test::hard_case(
+      {"distance over radius", {1, 1e2, 1e4, 1e6}, 75, "sqrt(E[x^2] - |centre|^2), in double", 20},
+      [](double h, Random& random, Worst& worst) {
+        constexpr int kCount = 300;
+        GaussianCloud cloud;
+        cloud.resize(kCount, 0);
+        LabelColumns object;
+        object.prob.assign(kCount, 1.f), object.views.assign(kCount, 1.f);
+        const std::vector<double> unit = random.uniform_vector<double>(kCount * 3 + 3, -1, 1);
+        for (std::size_t i = 0; i < cloud.position.size(); ++i)
+          cloud.position[i] = float(h * (2 + unit[kCount * 3 + i % 3]) + unit[i]);
+        Real mean[3] = {0, 0, 0}, squares = 0;
+        double naive_mean[3] = {0, 0, 0}, naive = 0;
+        for (std::size_t i = 0; i < cloud.position.size(); ++i) {
+          const double x = double(cloud.position[i]);
+          mean[i % 3] += Real(x) / kCount, naive_mean[i % 3] += x / kCount, naive += x * x / kCount;
+        }
+        for (std::size_t i = 0; i < cloud.position.size(); ++i)
+          squares += (Real(cloud.position[i]) - mean[i % 3]) * (Real(cloud.position[i]) - mean[i % 3]);
+        for (const double m : naive_mean) naive -= m * m;
+        const Real radius = std::sqrt(squares / kCount);
+        worst.ours(core_of({}, cloud, std::span(&object, 1)).radius, radius);
+        worst.naive(std::sqrt(std::max(0.0, naive)), radius);
+      });
 }
 
 }  // namespace ngs

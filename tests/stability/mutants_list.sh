@@ -71,6 +71,7 @@ mutant ops/ray_query_kernels.h $t ops/ray_query.cpp "window through the camera" 
 mutant ops/ray_query_kernels.h $t ops/ray_query.cpp "spacing divided by K - 1 = 0" 's/samples > 1 \? samples - 1 : 1/samples - 1/'
 mutant ops/ray_query_kernels.h $t ops/ray_query.cpp "third component from the other two" 's/cosine = T\(1\) \/ sqrt\(x \* x \+ y \* y \+ T\(1\)\);/cosine = T(1) \/ sqrt(x * x + y * y + T(1)); cosine = sqrt(T(1) - cosine * cosine * (x * x + y * y));/'
 mutant ops/ray_query_kernels.h $t ops/ray_query.cpp "depth divided by no alpha" 's/if \(!\(covered > least_alpha\)\) return 0;//'
+mutant stages/object_core.cpp $t stages/object_core.cpp "radius of a core about the origin" 's/ - core\.centre\[a\];/;/'
 mutant math/pixel_grid.h $t ops/ray_query.cpp "positions beyond the border not clamped" 's/const double at = clamp3\(position_px - 0\.5, 0\.0, double\(size_px - 1\)\);/const double at = position_px - 0.5 < 0 ? 0 : position_px - 0.5;/'
 
 t=stability/neighbours_stability_test.cpp

@@ -14,7 +14,6 @@ ObjectCore core_of(const CoreOptions& options, const GaussianCloud& cloud, std::
   for (const LabelColumns& object : objects)
     for (const float v : object.views) most_views = std::max(most_views, v);
   core.least_views = std::ceil(options.seen * double(most_views));
-  double squares = 0;
   for (std::size_t i = 0; i < n; ++i) {
     if (!cloud.usable[i]) continue;
     for (const LabelColumns& object : objects)
@@ -22,15 +21,18 @@ ObjectCore core_of(const CoreOptions& options, const GaussianCloud& cloud, std::
         core.member[i] = 1;
     if (!core.member[i]) continue;
     ++core.count;
-    for (std::size_t a = 0; a < 3; ++a) {
-      const double x = double(cloud.position[3 * i + a]);
-      core.centre[a] += x, squares += x * x;
-    }
+    for (std::size_t a = 0; a < 3; ++a) core.centre[a] += double(cloud.position[3 * i + a]);
   }
   if (core.count == 0) return core;
-  double centre2 = 0;
-  for (double& x : core.centre) x /= double(core.count), centre2 += x * x;
-  core.radius = std::sqrt(std::max(0.0, squares / double(core.count) - centre2));
+  for (double& x : core.centre) x /= double(core.count);
+  // E[x²] - |centre|² would lose a core that is small against its distance from the origin.
+  double squares = 0;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t a = 0; a < 3 && core.member[i]; ++a) {
+      const double offset = double(cloud.position[3 * i + a]) - core.centre[a];
+      squares += offset * offset;
+    }
+  core.radius = std::sqrt(squares / double(core.count));
   return core;
 }
 
