@@ -62,10 +62,15 @@ class Reader {
     const std::string range = p.empty() ? ""
                                         : " (found " + std::to_string(p.size()) + " properties, " +
                                               p.front().name + " ... " + p.back().name + ")";
-    bad("vertex property '" + column + "' is missing" + range,
-        ply_.rows.find("red") >= 0
-            ? "this is a point cloud, not a Gaussian model: ngs-fit makes one from posed photos"
-            : "");
+    bad("vertex property '" + column + "' is missing" + range, remedy_for(column));
+  }
+
+  std::string remedy_for(const std::string& missing) const {
+    if (ply_.rows.find("red") < 0) return {};
+    if (ply_.rows.find("scale_0") < 0)
+      return "this is a point cloud, not a Gaussian model: ngs-fit makes one from posed photos";
+    if (!missing.starts_with("f_dc_")) return {};
+    return "its colours are red green blue: export it with SH coefficients (f_dc_0 f_dc_1 f_dc_2)";
   }
 
   void find_columns() {
