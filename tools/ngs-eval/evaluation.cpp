@@ -85,10 +85,6 @@ io::RawMask read_mask(const std::string& path) {
   return path.ends_with(".exr") ? read_exr_mask(path) : io::read_mask_raw(path);
 }
 
-MaskSamples samples_of(const io::RawMask& raw) {
-  return {raw.width_px, raw.height_px, raw.channels, raw.bits, raw.data};
-}
-
 Pairing matched_files(const ImageList& predicted, const ImageList& truth, const EvalFileOptions& options) {
   Pairing pairing;
   const std::vector<std::string> selected = select_truth(truth, options.views, pairing);
@@ -145,12 +141,12 @@ Pairing pair_objects(const ImageList& predicted, const ImageList& truth, const E
   for (const std::string& name : predicted.names) {
     const std::size_t slash = name.find('/');
     ImageList& list = objects[name.substr(0, slash)];
-  EvalFileOptions of_one_object = options;
-  of_one_object.layout = Layout::kView;
     list.folder = predicted.folder + "/" + name.substr(0, slash);
     list.names.push_back(name.substr(slash + 1));
   }
   Pairing all;
+  EvalFileOptions of_one_object = options;
+  of_one_object.layout = Layout::kView;
   std::map<std::string, int> rules;
   for (const auto& [object, list] : objects) {
     Pairing mine = matched_files(list, truth, of_one_object);
@@ -177,7 +173,7 @@ std::vector<PairScore> score_masks(Run& run, const EvalOptions& options, const s
   try_each_task(run.exec(), std::int64_t(pairs.size()), [&](std::int64_t index) {
     const auto i = std::size_t(index);
     const io::RawMask predicted = read_mask(pairs[i].predicted), truth = read_mask(pairs[i].truth);
-    const EvalPair pair{pairs[i].view, pairs[i].object, samples_of(predicted), samples_of(truth),
+    const EvalPair pair{pairs[i].view, pairs[i].object, predicted.samples(), truth.samples(),
                         pairs[i].truth_id};
     found[i] = evaluate_pair(Exec{}, options, ids, pair);
   });

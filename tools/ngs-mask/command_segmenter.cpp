@@ -61,13 +61,7 @@ PixelMask read_answer(const std::string& path, const ViewPrompt& prompt, const s
   if (size != io::ImageSize{prompt.width_px, prompt.height_px})
     refuse("it wrote " + io::to_string(size) + " px");
   const io::RawMask raw = with_context(who, [&] { return io::read_mask_raw(path); });
-  const auto channels = std::size_t(raw.channels);
-  std::uint16_t largest = 0;
-  for (std::size_t p = 0; p < raw.data.size(); p += channels) largest = std::max(largest, raw.data[p]);
-  const unsigned threshold = largest == 1 ? 1 : raw.bits == 16 ? 128 * 257 : 128;
-  PixelMask mask(raw.data.size() / channels);
-  for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = raw.data[p * channels] >= threshold;
-  return mask;
+  return object_pixels(raw.samples());
 }
 
 struct CommandSegmenter {

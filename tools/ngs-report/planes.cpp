@@ -8,7 +8,7 @@ namespace ngs::cli {
 Plane read_plane(const std::string& path, std::uint32_t id) {
   if (path.empty() || path.ends_with(".exr")) return {};
   const io::RawMask raw = io::read_mask_raw(path);
-  const MaskSamples samples{raw.width_px, raw.height_px, raw.channels, raw.bits, raw.data};
+  const MaskSamples samples = raw.samples();
   Plane plane{raw.width_px, raw.height_px, {}};
   if (id == 0 || (id != 255 && is_black_and_white(samples))) {
     plane.data = binarised(samples, 128);

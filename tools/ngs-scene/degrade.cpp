@@ -1,5 +1,7 @@
 #include "degrade.h"
 
+#include <algorithm>
+
 #include "ngs/io/folder_index.h"
 #include "ngs/io/image_file.h"
 #include "ngs/options/field.h"
@@ -23,14 +25,10 @@ struct DegradeOptions {
   }
 };
 
-/// 1 where any channel but alpha is at least half of full scale.
 ImageU16 read_binary(const std::string& path) {
   const io::RawMask raw = io::read_mask_raw(path);
   ImageU16 mask(raw.width_px, raw.height_px, 1);
-  const int half = raw.bits == 16 ? 32768 : 128, colours = std::min(raw.channels, 3);
-  for (std::size_t p = 0; p < mask.data.size(); ++p)
-    for (int c = 0; c < colours; ++c)
-      if (int(raw.data[p * std::size_t(raw.channels) + std::size_t(c)]) >= half) mask.data[p] = 1;
+  std::ranges::copy(object_pixels(raw.samples()), mask.data.begin());
   return mask;
 }
 

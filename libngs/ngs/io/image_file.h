@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "ngs/scene/mask_samples.h"
 #include "ngs/scene/views.h"
 
 namespace ngs::io {
@@ -18,6 +19,7 @@ struct RawMask {
   int bits = 8;                                   // 8 or 16
   bool lossy = false;                             // JPEG: contours are blurred by compression
   std::vector<std::uint16_t> data;                // [H, W, C]
+  MaskSamples samples() const { return {width_px, height_px, channels, bits, data}; }
 };
 RawMask read_mask_raw(const std::string& path);
 

@@ -61,41 +61,24 @@ Plane read_exr_plane(const std::string& path, MaskMode mode) {
   return plane;
 }
 
-bool channels_are_equal(const RawMask& raw) {
-  const std::size_t c = std::size_t(raw.channels);
-  for (std::size_t i = 0; i < raw.data.size(); i += c)
-    if (raw.data[i] != raw.data[i + 1] || raw.data[i] != raw.data[i + 2]) return false;
-  return true;
-}
-
-bool alpha_varies(const RawMask& raw) {
-  if (raw.channels != 4) return false;
-  for (std::size_t i = 3; i < raw.data.size(); i += 4)
-    if (raw.data[i] != raw.data[3]) return true;
-  return false;
-}
-
 Plane read_plane(const std::string& path, MaskMode mode, std::vector<std::string>& notes) {
   if (has_extension(path, ".exr")) return read_exr_plane(path, mode);
   const RawMask raw = read_mask_raw(path);
   Plane plane{ImageF(raw.width_px, raw.height_px, 1), raw.bits == 8 ? 255.f : 65535.f, raw.lossy};
-  const std::size_t c = std::size_t(raw.channels);
-  const bool cut_out = alpha_varies(raw) && mode != MaskMode::kLabel;
-  const bool grey = c == 1 || channels_are_equal(raw);
-  if (!grey && !cut_out && mode == MaskMode::kLabel)
-    throw Error(ErrorCode::kBadInput, path + ": colour image, expected a label map with one id per pixel",
-                "save the ids themselves (8 or 16 bit grey, or a palette PNG), not their colours");
-  if (cut_out)
-    notes.push_back(path + ": alpha channel used as the mask");
-  else if (!grey)
-    notes.push_back(path + ": colour image, luma used as the mask");
-  for (std::size_t i = 0; i < plane.value.data.size(); ++i) {
-    const std::uint16_t* p = &raw.data[i * c];
-    plane.value.data[i] =
-        cut_out ? float(p[3])
-        : grey  ? float(p[0])
-                : std::round(0.299f * float(p[0]) + 0.587f * float(p[1]) + 0.114f * float(p[2]));
+  const MaskSamples samples = raw.samples();
+  const bool is_label_map = mode == MaskMode::kLabel, cut_out = is_cut_out(samples) && !is_label_map;
+  if (!cut_out && !is_grey(samples)) {
+    if (is_label_map)
+      throw Error(ErrorCode::kBadInput, path + ": colour image, expected a label map with one id per pixel",
+                  "save the ids themselves (8 or 16 bit grey, or a palette PNG), not their colours");
+    notes.push_back(path + ": colour image, the largest of red, green and blue used as the mask");
   }
+  if (cut_out) notes.push_back(path + ": alpha channel used as the mask");
+  if (is_label_map)
+    for (std::size_t i = 0; i < plane.value.data.size(); ++i)
+      plane.value.data[i] = float(raw.data[i * std::size_t(raw.channels)]);
+  else
+    std::ranges::copy(decisive_channel(samples), plane.value.data.begin());
   return plane;
 }
 

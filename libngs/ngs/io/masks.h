@@ -10,8 +10,8 @@
 //   bands   value < 128: unknown; 128..250: background; > 250: object (LichtFeld's ignore / segment / keep).
 //
 // Colour files: equal channels count as grey; RGBA whose alpha is not constant is a cut-out, its alpha is the
-// mask; other colours become luma (binary, soft, bands) or are refused (label). `mask_invert` swaps object
-// and background, never the unknown.
+// mask; other colours count by their largest channel (scene/mask_samples.h), as label maps they are refused.
+// `mask_invert` swaps object and background, never the unknown.
 //
 // A file of another size is resampled where size_rule.h allows it, else kInconsistent. Reductions: soft by
 // area; binary, label and bands by majority of the covered area (object wins a tie). Enlargements: nearest.

@@ -31,24 +31,6 @@ void require_pixels(const MaskSamples& samples, const std::string& view, const c
   throw Error(ErrorCode::kBadInput, view + ": " + role + " mask has no pixels, expected an image");
 }
 
-/// [H·W] the samples that decide whether a pixel is object.
-std::vector<std::uint16_t> decisive_channel(const MaskSamples& samples) {
-  const std::size_t channels = std::size_t(samples.channels);
-  bool cut_out = false;
-  for (std::size_t i = channels - 1; channels == 4 && i < samples.data.size(); i += channels)
-    cut_out = cut_out || samples.data[i] != samples.data[3];
-  std::vector<std::uint16_t> plane(samples.data.size() / channels);
-  for (std::size_t i = 0; i < plane.size(); ++i) {
-    const std::uint16_t* sample = samples.data.data() + i * channels;
-    plane[i] = cut_out ? sample[3] : *std::max_element(sample, sample + std::min<std::size_t>(channels, 3));
-  }
-  return plane;
-}
-
-std::uint16_t largest(const std::vector<std::uint16_t>& plane) {
-  return plane.empty() ? std::uint16_t(0) : *std::max_element(plane.begin(), plane.end());
-}
-
 std::vector<std::uint8_t> equal_to(const std::vector<std::uint32_t>& labels, std::uint32_t id) {
   std::vector<std::uint8_t> mask(labels.size());
   for (std::size_t i = 0; i < labels.size(); ++i) mask[i] = labels[i] == id;
@@ -97,11 +79,9 @@ bool is_black_and_white(const MaskSamples& samples) {
                      [](std::uint16_t value) { return value == 0 || value == 255; });
 }
 
-bool is_zero_one(const MaskSamples& samples) { return largest(decisive_channel(samples)) == 1; }
-
 std::vector<std::uint8_t> binarised(const MaskSamples& samples, double threshold) {
   const std::vector<std::uint16_t> plane = decisive_channel(samples);
-  const double limit = largest(plane) == 1 ? 0.0 : threshold * (samples.bits == 16 ? 257.0 : 1.0);
+  const double limit = is_zero_one(samples) ? 0.0 : threshold * (samples.bits == 16 ? 257.0 : 1.0);
   std::vector<std::uint8_t> mask(plane.size());
   for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = double(plane[i]) > limit;
   return mask;

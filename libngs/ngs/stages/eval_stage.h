@@ -4,10 +4,10 @@
 //
 // Protocol (Boundary IoU, NVOS, LERF-Mask): the prediction is resized to the truth by nearest neighbour, both
 // are made binary by `> threshold` on the 8-bit scale. A file whose largest sample is 1 counts as
-// {0,1}-valued. Of several channels the largest of R, G, B decides, or alpha where it is not constant. In
-// label maps an object is `value == id`; colour-coded maps have id = R + 256 G + 65536 B, and a pair of maps
-// in which neither has the object is no pair. Where one id is asked for, a prediction of nothing but 0 and
-// 255 is the mask of that object.
+// {0,1}-valued. Of several channels the largest of R, G, B decides, or alpha where it is not constant
+// (scene/mask_samples.h). In label maps an object is `value == id`; colour-coded maps have
+// id = R + 256 G + 65536 B, and a pair of maps in which neither has the object is no pair. Where one id is asked
+// for, a prediction of nothing but 0 and 255 is the mask of that object.
 #include <cstdint>
 #include <map>
 #include <span>
@@ -16,6 +16,7 @@
 
 #include "ngs/ops/metrics.h"
 #include "ngs/options/field.h"
+#include "ngs/scene/mask_samples.h"
 
 namespace ngs {
 
@@ -39,19 +40,12 @@ struct EvalOptions {
   }
 };
 
-/// Samples as they are in a file, [H, W, C].
-struct MaskSamples {
-  int width_px = 0, height_px = 0, channels = 1, bits = 8;
-  std::span<const std::uint16_t> data;
-};
-
 /// Object ids with their names; an empty map asks for every id that occurs.
 using ObjectIds = std::map<std::uint32_t, std::string>;
 ObjectIds parse_object_ids(const std::vector<std::string>& texts);
 
 /// [H·W] 0/1.
 std::vector<std::uint8_t> binarised(const MaskSamples& samples, double threshold);
-bool is_zero_one(const MaskSamples& samples);
 /// Nothing but 0 and 255: a mask, not a label map.
 bool is_black_and_white(const MaskSamples& samples);
 /// [H·W] object ids.

@@ -141,6 +141,17 @@ TEST_CASE("the alpha channel of a cut-out is the mask") {
   CHECK(load_masks(one_view(MaskMode::kBinary, 2, 1, dir.file("m.png")), 0).target[0] == Values{0, 1});
 }
 
+TEST_CASE("an object painted in a pure colour is not lost") {
+  const TempDir dir;
+  ImageU8 image(3, 1, 3);
+  image.data = {0, 0, 255, 0, 0, 0, 255, 0, 0};
+  write_png(dir.file("m.png"), image);
+  const LoadedMasks got = load_masks_with_notes(one_view(MaskMode::kBinary, 3, 1, dir.file("m.png")), 0);
+  CHECK(got.masks.target[0] == Values{1, 0, 1});
+  REQUIRE(got.notes.size() == 1);
+  CHECK(got.notes[0].find("the largest of red, green and blue") != std::string::npos);
+}
+
 TEST_CASE("a binary mask twice as large is reduced by majority, the object wins a tie") {
   const TempDir dir;
   // columns of 2x2 blocks: 1 of 4, 2 of 4, 3 of 4 object
