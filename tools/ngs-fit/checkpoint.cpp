@@ -6,21 +6,6 @@
 #include "ngs/io/safetensors.h"
 
 namespace ngs::cli {
-namespace {
-
-constexpr const char* kGroupNames[kFitGroups] = {"position", "rotation", "log_scale", "logit_opacity", "sh_dc", "sh_rest"};
-
-using Column = std::vector<float> GaussianCloud::*;
-constexpr Column kColumns[kFitGroups] = {&GaussianCloud::position, &GaussianCloud::rotation, &GaussianCloud::log_scale,
-                                         &GaussianCloud::logit_opacity, &GaussianCloud::sh_dc, &GaussianCloud::sh_rest};
-
-std::int64_t width_of(const GaussianCloud& cloud, std::size_t group) {
-  const std::int64_t widths[kFitGroups] = {3, 4, 3, 1, 3, 3 * cloud.rest_count()};
-  return widths[group];
-}
-
-}  // namespace
-
 std::string fit_identity(const FitOptions& options, std::uint64_t seed, const std::vector<FitView>& views) {
   FitOptions copy = options;
   OptionSet set;
@@ -42,9 +27,9 @@ void write_checkpoint(const std::string& folder, const FitState& state, const st
   file.add("step", {1}, std::vector<std::int64_t>{state.step});
   const GaussianCloud& cloud = state.cloud;
   const std::int64_t n = cloud.size();
-  for (std::size_t g = 0; g < kFitGroups; ++g) {
-    const std::string name = kGroupNames[g];
-    file.add(name, {n, width_of(cloud, g)}, cloud.*kColumns[g]);
+  for (std::size_t g = 0; g < kGaussianGroups; ++g) {
+    const std::string name = kGroupColumns[g].name;
+    file.add(name, {n, group_width(cloud, g)}, cloud.*kGroupColumns[g].value);
     file.add(name + ".m", {std::int64_t(state.moments[g].m.size())}, state.moments[g].m);
     file.add(name + ".v", {std::int64_t(state.moments[g].v.size())}, state.moments[g].v);
   }
@@ -65,12 +50,12 @@ FitState read_checkpoint(const std::string& folder, const std::string& identity)
   int degree = 0;
   while (degree < 3 && n > 0 && 3 * sh_rest_count(degree) * n != std::int64_t(rest.size())) ++degree;
   state.cloud.resize(n, degree);
-  for (std::size_t g = 0; g < kFitGroups; ++g) {
-    const std::string name = kGroupNames[g];
-    state.cloud.*kColumns[g] = file.get<float>(name, {n, width_of(state.cloud, g)});
+  for (std::size_t g = 0; g < kGaussianGroups; ++g) {
+    const std::string name = kGroupColumns[g].name;
+    state.cloud.*kGroupColumns[g].value = file.get<float>(name, {n, group_width(state.cloud, g)});
     const auto moments = [&](const std::string& kind) {
       std::vector<float> values = file.get<float>(name + kind);
-      if (!values.empty() && values.size() != (state.cloud.*kColumns[g]).size())
+      if (!values.empty() && values.size() != (state.cloud.*kGroupColumns[g].value).size())
         throw Error(ErrorCode::kBadInput, path + ": " + name + kind + " has " + std::to_string(values.size()) +
                                               " values, expected none or one per parameter");
       return values;

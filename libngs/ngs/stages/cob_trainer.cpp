@@ -99,8 +99,7 @@ void CobTrainer::prune(const Exec& exec) {
 /// Children start over: logit 0, zero moments.
 void CobTrainer::apply(const Exec& exec, const std::vector<CloudRow>& rows) {
   edit_rows(exec, rows, rng_bits(input_.seed, RngStream::kSplit, std::uint64_t(edits_++)), cloud_);
-  const int width[kFitGroups] = {3, 4, 3, 1, 3, cloud_.rest_count() * 3};
-  for (std::size_t g = 0; g < kFitGroups; ++g) edit_moments(rows, width[g], moments_[g]);
+  for (std::size_t g = 0; g < kGaussianGroups; ++g) edit_moments(rows, group_width(cloud_, g), moments_[g]);
   edit_moments(rows, objects_, label_moments_);
   edit_column(exec, rows, objects_, logit_);
   for (LabelColumns& c : columns_)
@@ -143,17 +142,9 @@ void CobTrainer::texture_step(const Exec& exec, std::size_t view, const ImageF& 
   pass_.backward(exec, image_gradient_, gradients_);
   if (colour_term) colour_term(exec, cloud_, logit_, gradients_.sh_dc);
   ++texture_steps_;
-  const auto update = [&](FitGroup group, const char* name, double lr, std::vector<float>& value,
-                          const std::vector<float>& gradient) {
-    if (!value.empty() && lr > 0)
-      adam_step(exec, {.lr = lr}, texture_steps_, name, value, gradient, moments_[group]);
-  };
-  update(kGroupPosition, "position", options_.position_lr * extent_, cloud_.position, gradients_.position);
-  update(kGroupRotation, "rotation", options_.rotation_lr, cloud_.rotation, gradients_.rotation);
-  update(kGroupScale, "log_scale", options_.scale_lr, cloud_.log_scale, gradients_.log_scale);
-  update(kGroupOpacity, "logit_opacity", options_.opacity_lr, cloud_.logit_opacity, gradients_.logit_opacity);
-  update(kGroupDc, "sh_dc", options_.dc_lr, cloud_.sh_dc, gradients_.sh_dc);
-  update(kGroupRest, "sh_rest", options_.rest_lr, cloud_.sh_rest, gradients_.sh_rest);
+  const CobOptions& o = options_;
+  const GroupRates rates{o.position_lr * extent_, o.rotation_lr, o.scale_lr, o.opacity_lr, o.dc_lr, o.rest_lr};
+  step_gaussians(exec, texture_steps_, rates, gradients_, cloud_, moments_);
 }
 
 MethodResult CobTrainer::result(Monitor& monitor) {

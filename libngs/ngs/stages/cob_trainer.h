@@ -44,7 +44,7 @@ class CobTrainer {
   std::vector<std::int64_t> source_row_;
   std::vector<float> logit_;  // [N, K]
   AdamMoments label_moments_;
-  std::array<AdamMoments, kFitGroups> moments_;
+  GaussianMoments moments_;
   Evidence evidence_;                  // of the last mask phase
   std::vector<LabelColumns> columns_;  // of that evidence, following the rows
   std::int64_t label_steps_ = 0, texture_steps_ = 0, epochs_ = 0, edits_ = 0;

@@ -68,8 +68,7 @@ std::vector<CloudRow> plan_rows(const FitState& state, const DensityRule& rule, 
 DensityChange densify_and_prune(const Exec& exec, FitState& state, const DensityRule& rule, std::uint64_t seed) {
   DensityChange change;
   const std::vector<CloudRow> rows = plan_rows(state, rule, change);
-  const int width[kFitGroups] = {3, 4, 3, 1, 3, state.cloud.rest_count() * 3};
-  for (std::size_t g = 0; g < kFitGroups; ++g) edit_moments(rows, width[g], state.moments[g]);
+  for (std::size_t g = 0; g < kGaussianGroups; ++g) edit_moments(rows, group_width(state.cloud, g), state.moments[g]);
   edit_rows(exec, rows, seed, state.cloud);
   state.gradient_sum.assign(rows.size(), 0.f);
   state.gradient_views.assign(rows.size(), 0.f);

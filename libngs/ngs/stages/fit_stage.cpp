@@ -100,18 +100,10 @@ void Fitter::step(const Exec& exec) {
 }
 
 void Fitter::update_parameters(const Exec& exec) {
-  GaussianCloud& c = state_.cloud;
-  const auto update = [&](FitGroup group, const char* name, double lr, std::vector<float>& value,
-                          const std::vector<float>& gradient) {
-    if (value.empty() || lr == 0) return;
-    adam_step(exec, {.lr = lr}, state_.step, name, value, gradient, state_.moments[group]);
-  };
-  update(kGroupPosition, "position", position_lr(options_, state_.step, extent_), c.position, gradients_.position);
-  update(kGroupRotation, "rotation", options_.rotation_lr, c.rotation, gradients_.rotation);
-  update(kGroupScale, "log_scale", options_.scale_lr, c.log_scale, gradients_.log_scale);
-  update(kGroupOpacity, "logit_opacity", options_.opacity_lr, c.logit_opacity, gradients_.logit_opacity);
-  update(kGroupDc, "sh_dc", options_.dc_lr, c.sh_dc, gradients_.sh_dc);
-  if (pass_degree_ > 0) update(kGroupRest, "sh_rest", options_.rest_lr, c.sh_rest, gradients_.sh_rest);
+  const FitOptions& o = options_;
+  const GroupRates rates{position_lr(o, state_.step, extent_), o.rotation_lr, o.scale_lr, o.opacity_lr, o.dc_lr,
+                         pass_degree_ > 0 ? o.rest_lr : 0.0};
+  step_gaussians(exec, state_.step, rates, gradients_, state_.cloud, state_.moments);
 }
 
 void Fitter::note_gradients(const Exec& exec, const Camera& camera) {

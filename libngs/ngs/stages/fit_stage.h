@@ -4,18 +4,17 @@
 //
 // A run is a function of (options, seed, views, initial state): its bytes depend neither on exec.threads nor on
 // being interrupted. Everything that later steps read is in FitState.
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <span>
 #include <vector>
 
 #include "ngs/core/monitor.h"
-#include "ngs/ops/adam.h"
 #include "ngs/ops/photometric.h"
 #include "ngs/ops/splat.h"
 #include "ngs/options/field.h"
 #include "ngs/scene/scene.h"
+#include "ngs/stages/gaussian_adam.h"
 
 namespace ngs {
 
@@ -90,12 +89,10 @@ struct FitPoint {
   float rgb[3];  // [0, 1]
 };
 
-enum FitGroup { kGroupPosition, kGroupRotation, kGroupScale, kGroupOpacity, kGroupDc, kGroupRest, kFitGroups };
-
 struct FitState {
   std::int64_t step = 0;  // steps done
   GaussianCloud cloud;
-  std::array<AdamMoments, kFitGroups> moments;
+  GaussianMoments moments;
   std::vector<float> gradient_sum;   // [N] Σ |∂L/∂mean| in NDC over the views that saw it since the last densification
   std::vector<float> gradient_views; // [N] their number
 };

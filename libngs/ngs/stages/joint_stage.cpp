@@ -27,6 +27,16 @@ void refresh_positions(const GaussianCloud& cloud, BoundarySet& boundary) {
     std::copy_n(&cloud.position[std::size_t(boundary.row[b]) * 3], 3, &boundary.position[b * 3]);
 }
 
+GroupRates group_rates(const JointSetup& s, const JointEffects& effects) {
+  const GaussianRates& r = s.rates;
+  const double extent = scene_extent(cameras_of(s.input.scene, s.input.views));
+  GroupRates rates{r.position * extent, r.rotation, r.log_scale, r.logit_opacity, r.sh_dc, r.sh_rest};
+  for (double& rate : rates) rate = s.options.rate_literal ? kLiteralRate : rate * s.options.rate_scale;
+  if (!effects.geometry) rates = {};
+  if (!effects.sh) rates[kGroupRest] = 0;
+  return rates;
+}
+
 SplatOptions splat_of(SplatOptions splat, const JointEffects& effects) {
   if (!effects.sh) splat.max_sh_degree = 0;
   return splat;
@@ -43,7 +53,7 @@ struct JointTrainer::Impl {
   RbfOptions rbf;
   const MethodInput& input;
   const QueryField* given_field;
-  GaussianRates rates;
+  GroupRates rates;  // of a step, before they fall
   std::vector<std::uint8_t> frozen;
 
   GaussianCloud cloud;
@@ -52,13 +62,13 @@ struct JointTrainer::Impl {
   std::vector<std::uint8_t> trainable;  // [N, K] seen and not fixed by hand
   std::unique_ptr<JointField> field;
   std::int64_t steps = 0, done = 0;
-  double extent = 1;
 
   SplatOptions splat_options;
   SplatPass splat;
   PhotometricPass<float> photometric;
   CloudGradients gradients;
-  AdamMoments position_m, rotation_m, scale_m, opacity_m, dc_m, rest_m, label_m;
+  GaussianMoments moments;
+  AdamMoments label_moments;
   KnnGraph cont_graph;
   ViewCache cache;
   std::unique_ptr<ResidentSteps> resident;  // instead of step_view and update
@@ -72,7 +82,7 @@ struct JointTrainer::Impl {
         rbf(s.rbf),
         input(s.input),
         given_field(s.field),
-        rates(s.rates),
+        rates(group_rates(s, effects)),
         frozen(s.frozen.empty() ? s.input.held : s.frozen),
         cloud(s.input.cloud),
         splat_options(splat_of(s.input.splat, effects)),
@@ -90,7 +100,6 @@ struct JointTrainer::Impl {
       effects.nerf = false;
     }
     if (!effects.nerf) effects.align = effects.density = effects.smooth = effects.variance = false;
-    extent = scene_extent(cameras_of(input.scene, input.views));
     steps = options.steps > 0 ? options.steps : visits_of(options.quality) * std::int64_t(input.views.size());
     start_labels();
     if (boundary.size() > 1) {
@@ -264,7 +273,6 @@ void JointTrainer::Impl::sum_up(LossTerms& loss) const {
 }
 
 void JointTrainer::Impl::start_resident() {
-  rates.position *= extent, extent = 1;
   ResidentSteps::Views views;
   views.at = [this](std::int64_t step) { return view_of(step); };
   views.context = [this](std::int64_t step) { return step_name(step); };
@@ -276,9 +284,8 @@ void JointTrainer::Impl::start_resident() {
                      }};
   };
   if (given_field != nullptr) views.given = [this](std::size_t n) { return first_queries().rays(input.views[n]); };
-  const ResidentModel model{options, effects, sample, input, splat_options, rates, cloud, logit, trainable, frozen, boundary,
-                            cont_graph, field.get(),
-                            {&label_m, &position_m, &rotation_m, &scale_m, &opacity_m, &dc_m, &rest_m}};
+  const ResidentModel model{options, effects,   sample, input,    splat_options, rates,       cloud,  logit,
+                            trainable, frozen, boundary, cont_graph, field.get(), label_moments, moments};
   resident = std::make_unique<ResidentSteps>(*exec.device_ops->joint, model, std::move(views));
 }
 
@@ -291,20 +298,12 @@ void JointTrainer::Impl::to_host() {
 void JointTrainer::Impl::update(double decay) {
   const auto timed = monitor.scope("adam");
   const std::int64_t t = done + 1;
-  adam_step(exec, {.lr = options.rate_label * decay}, t, "label", logit, gradients.label, label_m);
+  adam_step(exec, {.lr = options.rate_label * decay}, t, "label", logit, gradients.label, label_moments);
   if (effects.geometry) {
     clear_rows(frozen, cloud.rest_count(), gradients);  // moments stay zero, and so do the steps
-    const auto apply = [&](const char* name, double rate, std::vector<float>& value,
-                           const std::vector<float>& grad, AdamMoments& moments) {
-      const double lr = options.rate_literal ? kLiteralRate : rate * options.rate_scale;
-      if (lr > 0) adam_step(exec, {.lr = lr * decay}, t, name, value, grad, moments);
-    };
-    apply("position", rates.position * extent, cloud.position, gradients.position, position_m);
-    apply("rotation", rates.rotation, cloud.rotation, gradients.rotation, rotation_m);
-    apply("log_scale", rates.log_scale, cloud.log_scale, gradients.log_scale, scale_m);
-    apply("logit_opacity", rates.logit_opacity, cloud.logit_opacity, gradients.logit_opacity, opacity_m);
-    apply("sh_dc", rates.sh_dc, cloud.sh_dc, gradients.sh_dc, dc_m);
-    if (effects.sh) apply("sh_rest", rates.sh_rest, cloud.sh_rest, gradients.sh_rest, rest_m);
+    GroupRates fallen = rates;
+    for (double& rate : fallen) rate *= decay;
+    step_gaussians(exec, t, fallen, gradients, cloud, moments);
     refresh_positions(cloud, boundary);
   }
   if (field) field->step(exec, t, decay);
@@ -378,10 +377,9 @@ std::vector<StateBlock> JointTrainer::state() {
     blocks.push_back({name, &values, values.size()});
     moments(name, m, values.size());
   };
-  stepped("position", s.cloud.position, s.position_m), stepped("rotation", s.cloud.rotation, s.rotation_m);
-  stepped("log_scale", s.cloud.log_scale, s.scale_m), stepped("logit_opacity", s.cloud.logit_opacity, s.opacity_m);
-  stepped("sh_dc", s.cloud.sh_dc, s.dc_m), stepped("sh_rest", s.cloud.sh_rest, s.rest_m);
-  stepped("label", s.logit, s.label_m);
+  for (std::size_t g = 0; g < kGaussianGroups; ++g)
+    stepped(kGroupColumns[g].name, s.cloud.*kGroupColumns[g].value, s.moments[g]);
+  stepped("label", s.logit, s.label_moments);
   if (s.field) {
     ParamStore& store = s.field->parameters();
     blocks.push_back({"field", &store.values, store.values.size()});

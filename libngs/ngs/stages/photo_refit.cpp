@@ -1,7 +1,6 @@
 #include "ngs/stages/photo_refit.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "ngs/ops/adam.h"
@@ -37,7 +36,7 @@ void refit_to_photos(const Exec& exec, Monitor& monitor, const RefitOptions& opt
   PhotometricPass<float> photometric;
   CloudGradients gradients;
   ViewGradients image;
-  std::array<AdamMoments, kFitGroups> moments;
+  GaussianMoments moments;
   std::int64_t step = 0;
   for (int round = 0; round < options.visits; ++round)
     for (const std::size_t v : shuffled(views, input.seed, std::uint64_t(round))) {
@@ -50,18 +49,10 @@ void refit_to_photos(const Exec& exec, Monitor& monitor, const RefitOptions& opt
       clear_shapes(still, gradients);
       const double decay = std::pow(options.decay, double(step) / double(steps));
       ++step;
-      const auto update = [&](FitGroup group, const char* name, double lr, std::vector<float>& value,
-                              const std::vector<float>& gradient) {
-        if (!value.empty() && lr > 0)
-          adam_step(exec, {.lr = lr * decay}, step, name, value, gradient, moments[group]);
-      };
-      update(kGroupPosition, "position", options.position_lr * extent, cloud.position, gradients.position);
-      update(kGroupRotation, "rotation", options.rotation_lr, cloud.rotation, gradients.rotation);
-      update(kGroupScale, "log_scale", options.scale_lr, cloud.log_scale, gradients.log_scale);
-      update(kGroupOpacity, "logit_opacity", options.opacity_lr, cloud.logit_opacity,
-             gradients.logit_opacity);
-      update(kGroupDc, "sh_dc", options.dc_lr, cloud.sh_dc, gradients.sh_dc);
-      update(kGroupRest, "sh_rest", options.rest_lr, cloud.sh_rest, gradients.sh_rest);
+      GroupRates rates{options.position_lr * extent, options.rotation_lr, options.scale_lr,
+                       options.opacity_lr,           options.dc_lr,       options.rest_lr};
+      for (double& rate : rates) rate *= decay;
+      step_gaussians(exec, step, rates, gradients, cloud, moments);
       monitor.progress(step, steps);
     }
 }

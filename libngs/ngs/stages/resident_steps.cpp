@@ -9,22 +9,15 @@ namespace ngs {
 namespace {
 
 std::vector<JointBlock> blocks_of(const ResidentModel& m) {
-  const JointOptions& o = m.options;
+  static_assert(kJointLabel == 0 && kJointPosition == 1 && int(kJointRest) == int(kGaussianGroups),
+                "columns are the labels, then the groups");
   std::vector<JointBlock> blocks;
-  const auto add = [&](JointColumn column, const char* name, std::vector<float>& value, double rate) {
-    blocks.push_back({.name = name, .value = value, .moments = m.moments[column], .rate = rate});
+  const auto add = [&](const char* name, std::vector<float>& value, AdamMoments& moments, double rate) {
+    blocks.push_back({.name = name, .value = value, .moments = &moments, .rate = rate});
   };
-  const auto geometry = [&](double rate) {
-    if (!m.effects.geometry) return 0.0;
-    return o.rate_literal ? kLiteralRate : rate * o.rate_scale;
-  };
-  add(kJointLabel, "label", m.logit, o.rate_label);
-  add(kJointPosition, "position", m.cloud.position, geometry(m.rates.position));
-  add(kJointRotation, "rotation", m.cloud.rotation, geometry(m.rates.rotation));
-  add(kJointScale, "log_scale", m.cloud.log_scale, geometry(m.rates.log_scale));
-  add(kJointOpacity, "logit_opacity", m.cloud.logit_opacity, geometry(m.rates.logit_opacity));
-  add(kJointDc, "sh_dc", m.cloud.sh_dc, geometry(m.rates.sh_dc));
-  add(kJointRest, "sh_rest", m.cloud.sh_rest, m.effects.sh ? geometry(m.rates.sh_rest) : 0.0);
+  add("label", m.logit, m.label_moments, m.options.rate_label);
+  for (std::size_t g = 0; g < kGaussianGroups; ++g)
+    add(kGroupColumns[g].name, m.cloud.*kGroupColumns[g].value, m.moments[g], m.rates[g]);
   if (m.field != nullptr)
     for (JointBlock& block : m.field->blocks()) blocks.push_back(std::move(block));
   return blocks;

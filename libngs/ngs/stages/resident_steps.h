@@ -7,6 +7,7 @@
 #include <string>
 
 #include "ngs/ops/device_joint.h"
+#include "ngs/stages/gaussian_adam.h"
 #include "ngs/stages/joint_field.h"
 #include "ngs/stages/method.h"
 
@@ -19,14 +20,15 @@ struct ResidentModel {
   const SampleOptions& sample;
   const MethodInput& input;
   const SplatOptions& splat;
-  const GaussianRates& rates;  // position: of the scene's unit, not of the extent
+  const GroupRates& rates;  // of a step, before they fall
   GaussianCloud& cloud;
   std::vector<float>& logit;
   const std::vector<std::uint8_t>&trainable, &frozen;
   const BoundarySet& boundary;
   const KnnGraph& colour_graph;
   JointField* field;
-  std::array<AdamMoments*, kJointColumns> moments;
+  AdamMoments& label_moments;
+  GaussianMoments& moments;
 };
 
 class ResidentSteps {
