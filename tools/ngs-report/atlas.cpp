@@ -93,7 +93,7 @@ class AtlasMaker {
     const SplatOptions splat = filter_at_scale(splat_, double(w) / scene_view->camera.width_px);
     found.atlas = error_atlas(exec_, {ply_.cloud, *labels, camera, splat, predicted.view(), truth.view(),
                                       input.empty() ? MaskPlane{nullptr, w, h} : input.view()});
-    ImageF photo = view.photo.empty() ? ImageF(w, h, 3, 0.5f) : io::read_image_rgb(view.photo);
+    ImageF photo = view.photo.empty() ? ImageF(w, h, 3, 0.5f) : io::read_image_rgb(view.photo, view.behind);
     found.picture = picture_of(found.atlas, io::resize_nearest(photo, w, h));
     return true;
   }

@@ -77,7 +77,7 @@ ImageU8 to_bytes(const ImageF& image) {
 
 /// The photo, or grey of the masks' size.
 ImageF photo_of(const ShownView& view, const Plane& reference) {
-  if (!view.photo.empty()) return io::read_image_rgb(view.photo);
+  if (!view.photo.empty()) return io::read_image_rgb(view.photo, view.behind);
   return ImageF(reference.width_px, reference.height_px, 3, 0.5f);
 }
 

@@ -169,6 +169,7 @@ void add_scene_files(RunFolder& run) {
     std::error_code ignored;
     const SceneView& camera = run.scene->views[found[0]];
     if (fs::is_regular_file(camera.image_path, ignored)) view.photo = camera.image_path;
+    view.behind = background_of(*run.scene);
     const std::vector<std::string> masks = io::mask_files(*run.scene, found[0]);
     for (std::size_t k = 0; k < masks.size(); ++k)
       if ((masks.size() == 1 || run.scene->objects[k].name == view.object) &&

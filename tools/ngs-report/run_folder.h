@@ -20,6 +20,7 @@ struct ToolReport {
 struct ShownView {
   std::string view, object;
   std::string photo, predicted, truth, input;
+  Vec3<float> behind{0, 0, 0};  // what a transparent photo shows: the scene's background
   std::uint32_t predicted_id = 0, truth_id = 0,
                 input_id = 0;  // 0: a mask; else the object's id in a label map
   Json scores;                 // an entry of metrics.json "views", or null

@@ -49,6 +49,13 @@ void write_png_of(const std::string& path, const Image<T>& image) {
   write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
+/// A pixel's own colour, not premultiplied, over another one. Before any resizing: the means of what is seen are
+/// then those of premultiplied colours, and colours under alpha 0 reach no other pixel.
+void lay_over(float rgb[3], float alpha, Vec3<float> behind) {
+  const float under[3] = {behind.x, behind.y, behind.z};
+  for (int c = 0; c < 3; ++c) rgb[c] = alpha * rgb[c] + (1 - alpha) * under[c];
+}
+
 ImageF resize(const ImageF& image, int width_px, int height_px, int method) {
   NGS_CHECK(!image.empty() && width_px > 0 && height_px > 0, "resize needs a non-empty image and size");
   if (image.width_px == width_px && image.height_px == height_px) return image;
@@ -62,7 +69,7 @@ ImageF resize(const ImageF& image, int width_px, int height_px, int method) {
 
 }  // namespace
 
-ImageF read_image_rgb(const std::string& path) {
+ImageF read_image_rgb(const std::string& path, Vec3<float> behind) {
   const MappedFile file = map_regular_file(path);
   parse_image_header(file.bytes(), path);
   const Picture picture = decode(file.bytes(), path);
@@ -74,9 +81,25 @@ ImageF read_image_rgb(const std::string& path) {
       out.data[i] = float(sample[0]) * scale;
       out.data[i + 1] = float(sample[green]) * scale;
       out.data[i + 2] = float(sample[blue]) * scale;
+      if (stride == 4) lay_over(&out.data[i], float(sample[3]) * scale, behind);
     }
   });
   return out;
+}
+
+bool is_transparent(const std::string& path) {
+  const MappedFile file = map_regular_file(path);
+  const auto header = parse_image_header(file.bytes(), path);
+  if (header && header->format == ImageFormat::kJpeg) return false;
+  const Picture picture = decode(file.bytes(), path);
+  bool found = false;
+  if (picture.channels == 4)
+    with_samples(picture, [&](const auto* sample) {
+      const int opaque = picture.bits == 8 ? 255 : 65535;
+      const std::size_t pixels = std::size_t(picture.width_px) * std::size_t(picture.height_px);
+      for (std::size_t p = 0; p < pixels && !found; ++p) found = int(sample[4 * p + 3]) < opaque;
+    });
+  return found;
 }
 
 RawMask read_mask_raw(const std::string& path) {

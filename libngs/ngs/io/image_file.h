@@ -5,13 +5,17 @@
 #include <string>
 #include <vector>
 
+#include "ngs/math/vec.h"
 #include "ngs/scene/mask_samples.h"
 #include "ngs/scene/views.h"
 
 namespace ngs::io {
 
-/// [H, W, 3] RGB in [0, 1]; 8 or 16 bit; grey is replicated, alpha is dropped.
-ImageF read_image_rgb(const std::string& path);
+/// [H, W, 3] RGB in [0, 1]; 8 or 16 bit; grey is replicated; where pixels are transparent, `behind` shows through.
+ImageF read_image_rgb(const std::string& path, Vec3<float> behind = {0, 0, 0});
+
+/// Whether any pixel is transparent.
+bool is_transparent(const std::string& path);
 
 /// Samples as they are in the file. A palette PNG gives its indices.
 struct RawMask {

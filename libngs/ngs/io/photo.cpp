@@ -14,7 +14,7 @@ ImageF checked_photo(const Scene& scene, std::size_t view) {
   NGS_CHECK(view < scene.views.size(), "view index");
   const SceneView& v = scene.views[view];
   if (v.image_path.empty()) return {};
-  ImageF photo = read_image_rgb(v.image_path);
+  ImageF photo = read_image_rgb(v.image_path, background_of(scene));
   const ImageSize camera{v.camera.width_px, v.camera.height_px}, file{photo.width_px, photo.height_px};
   const SizeRelation relation = relate_sizes(file, camera, scene.image_scale);
   if (!relation.allowed || (!relation.same && !relation.larger))
@@ -52,6 +52,11 @@ ImageSize full_size(const Scene& scene, std::size_t view) {
     if (scaled(photo, scene.image_scale) == camera) return photo;
   }
   return scaled(camera, 1 / scene.image_scale);
+}
+
+bool photo_is_transparent(const Scene& scene, std::size_t view) {
+  const std::string& path = scene.views[view].image_path;
+  return !path.empty() && is_transparent(path);
 }
 
 }  // namespace ngs::io

@@ -101,7 +101,7 @@ std::string one_line_per_entry(const ordered_json& root) {
   std::string text = "{";
   for (const auto& item : root.items()) {
     text += (text.size() > 1 ? ",\n \"" : "\n \"") + item.key() + "\": ";
-    if (!item.value().is_array()) {
+    if (!item.value().is_array() || item.value().front().is_number()) {
       text += item.value().dump();
       continue;
     }
@@ -151,6 +151,10 @@ void validate_scene(const Scene& scene, const std::string& object) {
     refuse(object, "filter_px2 " + std::to_string(scene.filter_px2) + ", expected (0, 10000] px²");
   if (!(scene.mask_threshold >= 0 && scene.mask_threshold <= 255))
     refuse(object, "mask threshold " + std::to_string(scene.mask_threshold) + ", expected [0, 255]");
+  if (const auto& b = scene.background)
+    for (const double channel : {b->x, b->y, b->z})
+      if (!(channel >= 0 && channel <= 1))
+        refuse(object, "background " + std::to_string(channel) + ", expected three numbers in [0, 1]");
   std::set<std::string> names;
   for (const SceneView& view : scene.views) {
     validate_camera(view.camera, object);
@@ -172,6 +176,7 @@ Scene parse_scene_json(const json& root, const std::string& folder, const std::s
   scene.model_path = from_folder(folder, reader.text_or("model", ""));
   scene.image_scale = reader.number("image_scale");
   scene.filter_px2 = reader.number_or("filter_px2", scene.filter_px2);
+  if (reader.has("background")) scene.background = vec3(reader.matrix("background", 3, 0).data());
   const JsonReader masks = reader.object("masks");
   scene.mask_mode = value_of(kModes, masks, "mode");
   scene.mask_invert = masks.boolean("invert");
@@ -204,6 +209,7 @@ void write_scene_json(const std::string& path, const Scene& scene) {
                    {"model", to_folder(folder, scene.model_path)},
                    {"image_scale", scene.image_scale},
                    {"filter_px2", scene.filter_px2}};
+  if (const auto& b = scene.background) out["background"] = {b->x, b->y, b->z};
   out["masks"] = {{"mode", name_of(kModes, scene.mask_mode)},
                   {"invert", scene.mask_invert},
                   {"threshold", scene.mask_threshold},

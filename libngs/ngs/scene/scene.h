@@ -1,6 +1,7 @@
 #pragma once
 // The canonical description of a capture: what scene.json holds and every tool reads.
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,7 +37,14 @@ struct Scene {
   MissingMask missing_mask = MissingMask::kUnknown;
   double image_scale = 1.0;
   double filter_px2 = 0.3;           // variance of the low-pass filter the model was fitted with, px² at the working size
+  std::optional<Vec3<double>> background;  // colour behind the model, in [0, 1]; none: not known, black is taken
 };
+
+/// What every stage puts behind the model and behind transparent photos.
+inline Vec3<float> background_of(const Scene& scene) {
+  const Vec3<double> b = scene.background.value_or(Vec3<double>{0, 0, 0});
+  return {float(b.x), float(b.y), float(b.z)};
+}
 
 /// The masks of one view at the camera's size, one plane per object.
 struct ViewMasks {

@@ -68,19 +68,38 @@ TEST_CASE("write_png gives the same bytes for the same image") {
   CHECK(test::read_bytes(dir.file("a.png")) == test::read_bytes(dir.file("b.png")));
 }
 
-TEST_CASE("read_image_rgb scales to [0, 1], replicates grey and drops alpha") {
+TEST_CASE("read_image_rgb scales to [0, 1], replicates grey and shows what is behind transparent pixels") {
   const TempDir dir;
   ImageU16 grey(1, 1, 1, 65535);
   write_png16(dir.file("grey.png"), grey);
   CHECK(read_image_rgb(dir.file("grey.png")).data == std::vector<float>{1, 1, 1});
   ImageU8 rgba(1, 1, 4);
-  rgba.data = {255, 51, 0, 7};
+  rgba.data = {255, 51, 0, 255};
+  write_png(dir.file("opaque.png"), rgba);
+  const ImageF opaque = read_image_rgb(dir.file("opaque.png"), {0, 1, 1});
+  CHECK(opaque.channels == 3);
+  CHECK(opaque.data[0] == 1.f);
+  CHECK(opaque.data[1] == doctest::Approx(0.2));
+  CHECK(opaque.data[2] == 0.f);
+  rgba.data = {255, 51, 0, 51};
   write_png(dir.file("rgba.png"), rgba);
-  const ImageF rgb = read_image_rgb(dir.file("rgba.png"));
-  CHECK(rgb.channels == 3);
-  CHECK(rgb.data[0] == 1.f);
-  CHECK(rgb.data[1] == doctest::Approx(0.2));
-  CHECK(rgb.data[2] == 0.f);
+  const ImageF over = read_image_rgb(dir.file("rgba.png"), {0, 1, 0.5f});
+  CHECK(over.data[0] == doctest::Approx(0.2));
+  CHECK(over.data[1] == doctest::Approx(0.84));
+  CHECK(over.data[2] == doctest::Approx(0.4));
+  CHECK_FALSE(is_transparent(dir.file("grey.png")));
+  CHECK_FALSE(is_transparent(dir.file("opaque.png")));
+  CHECK(is_transparent(dir.file("rgba.png")));
+}
+
+TEST_CASE("transparency is found in 16 bit too, and never in a JPEG") {
+  const TempDir dir;
+  ImageU16 rgba(2, 1, 4, 65535);
+  rgba.data[7] = 65534;
+  write_png16(dir.file("a.png"), rgba);
+  CHECK(is_transparent(dir.file("a.png")));
+  const std::vector<std::uint8_t> jpeg = encode_jpeg(ImageU8(8, 8, 3, 200), 90);
+  CHECK_FALSE(is_transparent(dir.write("a.jpg", {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()})));
 }
 
 TEST_CASE("a palette PNG gives its indices, whatever the colours and the bit depth") {

@@ -217,6 +217,20 @@ TEST_CASE("one folder per object gives one plane per object, and an absent file 
   CHECK(load_masks(scene, 0).target == std::vector<Values>{{1, 0}, {0, 1}, {0, 0}});
 }
 
+TEST_CASE("the colours under transparent pixels of a photo reach no pixel of the reduced one") {
+  const TempDir dir;
+  Scene scene = one_view(MaskMode::kBinary, 1, 1, "");
+  ImageU8 rgba(2, 1, 4);
+  rgba.data = {255, 0, 0, 255, /* green, but not there */ 0, 255, 0, 0};
+  scene.views[0].image_path = dir.file("p.png");
+  write_png(scene.views[0].image_path, rgba);
+  CHECK(photo_is_transparent(scene, 0));
+  CHECK(load_photo(scene, 0).data == std::vector<float>{0.5f, 0, 0});
+  scene.background = Vec3<double>{1, 1, 1};
+  CHECK(load_photo(scene, 0).data == std::vector<float>{1, 0.5f, 0.5f});
+  CHECK(load_fine_photo(scene, 0).data == std::vector<float>{1, 0, 0, 1, 1, 1});
+}
+
 TEST_CASE("a photo is reduced by area to the camera, and never enlarged") {
   const TempDir dir;
   Scene scene = one_view(MaskMode::kBinary, 2, 1, "");
