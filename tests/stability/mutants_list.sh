@@ -240,3 +240,12 @@ mutant $f $t $f "clipped pixels have a say on exposure" 's/ && std::max\(a, b\) 
 t=unit/stages/effect_probe_test.cpp f=stages/effect_probe.cpp
 mutant $f $t $f "an effect decided without what it needs" 's/d\.effect->name == e\.needs && !d\.on/false/'
 mutant $f $t $f "a verdict before an entry" 's/mode != EffectMode::kAuto\)/mode != EffectMode::kAuto \&\& verdicts.empty())/'
+
+t=unit/stages/background_test.cpp f=stages/background.cpp
+mutant $f $t $f "background: black whatever the photos show" 's/found\.gain_db >= kBackgroundMarginDb/false/'
+mutant $f $t $f "background: also where black explains the photos as well" 's/ && found\.gain_db >= kBackgroundMarginDb//'
+mutant $f $t $f "background: the views need not agree" 's/<= kMostBackgroundError/<= 1e9/'
+mutant $f $t $f "background: a mean, which the holes decide" 's/if \(\(below \+= s\.weight\) >= half\) return s\.value;/below += s.weight * s.value;/; s/return samples\.back\(\)\.value;/return below \/ (2 * half);/'
+mutant $f $t $f "background: pixels that show none of it have a say" 's/t >= kLeastOpen/t > 0/'
+mutant $f $t $f "background: both backgrounds under transparent photos are black" 's/  request\.background = background_of\(scene\);//'
+mutant $f $t $f "background: taken where it only shines through" 's/found\.shown >= kLeastShown && //'

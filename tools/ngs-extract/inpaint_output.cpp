@@ -44,7 +44,7 @@ void write_inpainting(Run& run, const Extractor& extractor, const InpaintOptions
   for (SceneView& view : handed.views) {
     const auto timed = run.monitor().scope("holes");
     const ViewHole found =
-        find_hole(run.exec(), options, {cloud, extractor.object(), seen}, view.camera, splat);
+        find_hole(run.exec(), options, {cloud, extractor.object(), seen, background_of(scene)}, view.camera, splat);
     const std::string file = names[cameras.size()] + ".png";
     for (const char* part : {"images/", "holes/", "dilated/"})
       std::filesystem::create_directories(std::filesystem::path(folder + "/" + part + file).parent_path());

@@ -41,7 +41,9 @@ int main(int argc, char** argv) {
   return tool.run(argc, argv, [&](cli::Run& run) {
     if (keep.resume && keep.checkpoint.empty())
       throw Error(ErrorCode::kUsage, "resume without checkpoint, expected --checkpoint DIR", "name the folder of the interrupted run");
-    const Scene scene = io::read_scene_json(scene_json.path);
+    Scene scene = io::read_scene_json(scene_json.path);
+    choose_background(options.background, run.monitor(), scene);
+    options.background = background_text(background_of(scene));
     const bool kept = !keep.checkpoint.empty() && std::filesystem::exists(cli::checkpoint_path(keep.checkpoint));
     if (kept && !keep.resume && !run.overwrite())
       throw Error(ErrorCode::kUsage, cli::checkpoint_path(keep.checkpoint) + ": already there, expected none", "go on with --resume, or start over with -w");

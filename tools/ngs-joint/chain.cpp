@@ -8,7 +8,6 @@
 #include "ngs/io/query_ply.h"
 #include "ngs/io/scene_json.h"
 #include "ngs/stages/coarse_input.h"
-#include "ngs/stages/render_stage.h"
 #include "ngs/stages/variance_stage.h"
 #include "ngs/stages/view_list.h"
 #include "prepare.h"
@@ -131,7 +130,8 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
   Budget budget(declared.start_s, parse_budget(settings.run.time_budget));
   parse_target(settings.run.target);
   Decisions decisions(settings, ruled_by_options(settings, paths), paths.effects_from);
-  const Scene whole = with_objects(io::read_scene_json(paths.scene), settings.run.objects);
+  Scene whole = with_objects(io::read_scene_json(paths.scene), settings.run.objects);
+  choose_background(settings.run.background, run.monitor(), whole);
   const double reads_s = wall_seconds();
   const io::GaussianPly ply = io::read_gaussian_ply(paths.boundary);
   const double reading_s = wall_seconds() - reads_s;
@@ -144,7 +144,7 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
       .load_masks = [&](std::size_t view) { return io::load_masks(scene, view); },
       .load_photo = [&](std::size_t view) { return io::load_photo(scene, view); },
       .splat = splat_options(declared.raster, ply.cloud, scene),
-      .background = parse_background(settings.run.background),
+      .background = background_of(scene),
       .seed = run.seed(),
       .fixed = ply.fixed,
       .labels = labels_of(ply, scene),

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "ngs/options/field.h"
+#include "ngs/stages/background.h"
 #include "ngs/stages/joint_stage.h"
 #include "shared/tool.h"
 
@@ -18,7 +19,7 @@ std::string method_name(Method method);
 
 struct RunOptions {
   Method method = Method::kPaper;
-  std::string time_budget, target, background = "0,0,0", checkpoint, apart;
+  std::string time_budget, target, background, checkpoint, apart;
   std::int64_t checkpoint_every = 0;
   int trace_every = 0;
   std::vector<std::string> objects;
@@ -31,7 +32,7 @@ struct RunOptions {
           Text{"time_budget", "60s|5m", "the whole process ends by then, with what there is (exit 7)"});
     visit(self.target, Text{"target", "biou=0.9|iou=0.95",
                             "stop when the training views agree this well with their masks"});
-    visit(self.background, Text{"background", "R,G,B", "colour behind the model, each in [0, 1]"});
+    visit(self.background, background_option());
     visit(self.checkpoint, Text{"checkpoint", "DIR", "folder in which the state of the run is kept"});
     visit(self.checkpoint_every,
           Field<std::int64_t>{"checkpoint_every", "", "steps between checkpoints; 0: when interrupted, and before the edges",

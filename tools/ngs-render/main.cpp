@@ -30,11 +30,11 @@ int main(int argc, char** argv) {
   const cli::Output& out = tool.output_dir("-o,--output", "folder for the pictures");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
-    const Scene scene = io::read_scene_json(scene_json.path);
+    Scene scene = io::read_scene_json(scene_json.path);
     const io::GaussianPly ply = io::read_gaussian_ply(model.path);
     const picture::Objects objects = picture::objects_of(ply);
     const std::set<std::string> layers = picture::parse_layers(options.layers, objects);
-    const Vec3<float> background = parse_background(options.background);
+    choose_background(options.background, run.monitor(), scene);
     const double scale = options.scale > 0 ? options.scale : 1 / scene.image_scale;
     const SplatOptions splat =
         filter_at_scale(splat_options(raster, ply.cloud, scene), options.native_filter ? 1.0 : scale);
@@ -53,8 +53,8 @@ int main(int argc, char** argv) {
       const Camera camera = resized(working, size.width_px, size.height_px);
       const RenderedView view = [&] {
         const auto timed = run.monitor().scope("render");
-        return render_labelled(run.exec(), ply.cloud, objects.columns, camera, splat, background,
-                               options.amodal);
+        return render_labelled(run.exec(), ply.cloud, objects.columns, camera, splat,
+                               background_of(scene), options.amodal);
       }();
       const auto timed = run.monitor().scope("write");
       picture::write_view({out.path, names[views[n]]}, view, objects, layers, options, format);

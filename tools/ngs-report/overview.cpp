@@ -69,7 +69,7 @@ const ShownView* median_view(const RunFolder& run) {
   return able.empty() ? nullptr : able[able.size() / 2];
 }
 
-/// background.ply from the camera of the view, on grey.
+/// background.ply from the camera of the view, over the scene's background, on grey where that is not known.
 ImageF background_picture(const Exec& exec, const RunFolder& run, const std::string& name, int width_px,
                           int height_px) {
   const fs::path path = fs::path(run.path) / "background.ply";
@@ -79,7 +79,7 @@ ImageF background_picture(const Exec& exec, const RunFolder& run, const std::str
   const Camera& camera = run.scene->views[found[0]].camera;
   const io::GaussianPly ply = io::read_gaussian_ply(path.string());
   RenderRequest request;
-  request.background = {0.5f, 0.5f, 0.5f};
+  request.background = run.scene->background ? background_of(*run.scene) : Vec3<float>{0.5f, 0.5f, 0.5f};
   const double scale = double(width_px) / camera.width_px;
   return render(exec, ply.cloud, ngs::resized(camera, width_px, height_px),
                 filter_at_scale(splat_options({}, ply.cloud, *run.scene), scale), request)
@@ -87,7 +87,7 @@ ImageF background_picture(const Exec& exec, const RunFolder& run, const std::str
 }
 
 std::vector<Flip> flips_of(const Exec& exec, const RunFolder& run, const ShownView& view) {
-  const ImageF full = io::read_image_rgb(view.photo);
+  const ImageF full = io::read_image_rgb(view.photo, view.behind);
   const int width = std::min(kFlipWidthPx, full.width_px);
   const int height = std::max(1, int(std::lround(double(full.height_px) * width / full.width_px)));
   const ImageF photo = io::resize_area(full, width, height);

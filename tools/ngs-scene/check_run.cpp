@@ -1,8 +1,11 @@
 #include "check_run.h"
 
+#include <algorithm>
+
 #include "check_report.h"
 #include "ngs/io/masks.h"
 #include "ngs/io/photo.h"
+#include "ngs/stages/background.h"
 #include "ngs/stages/filter_probe.h"
 #include "ngs/stages/view_align.h"
 #include "ngs/stages/view_list.h"
@@ -10,12 +13,23 @@
 namespace ngs::capture {
 namespace {
 
+std::function<ImageF(std::size_t view)> photos_of(const Scene& scene) {
+  return [&scene](std::size_t view) { return io::load_photo(scene, view); };
+}
+
 SceneLoaders loaders_from_files(const Scene& scene) {
-  return {[&scene](std::size_t view) { return io::load_photo(scene, view); },
-          [&scene](std::size_t view) {
+  return {photos_of(scene), [&scene](std::size_t view) {
             io::LoadedMasks loaded = io::load_masks_with_notes(scene, view);
             return MaskSample{std::move(loaded.masks), std::move(loaded.notes), loaded.lossy};
           }};
+}
+
+/// `count` views with a photo, evenly spaced.
+std::vector<std::size_t> some_with_photo(const Scene& scene, int count) {
+  const std::vector<std::size_t> with_photo = photo_views(scene);
+  std::vector<std::size_t> some;
+  for (const std::size_t i : evenly_spaced(std::size_t(count), with_photo.size())) some.push_back(with_photo[i]);
+  return some;
 }
 
 }  // namespace
@@ -37,21 +51,58 @@ double probe_model_filter(cli::Run& run, const SceneCheckOptions& options, const
                           const Model& model) {
   if (!model) return scene.filter_px2;
   const auto timed = run.monitor().scope("filter");
-  const std::vector<std::size_t> with_photo = photo_views(scene);
-  std::vector<std::size_t> compared;
-  for (const std::size_t i : evenly_spaced(std::size_t(options.check_views), with_photo.size()))
-    compared.push_back(with_photo[i]);
-  const FilterProbe probe = probe_filter(run.exec(), model->cloud, scene, compared,
-                                         [&](std::size_t view) { return io::load_photo(scene, view); });
+  const FilterProbe probe = probe_filter(run.exec(), model->cloud, scene, some_with_photo(scene, options.check_views),
+                                         photos_of(scene));
   for (const FilterCandidate& c : probe.candidates)
     run.result()["filter"].push_back({{"filter_px2", c.filter_px2}, {"psnr_db", c.psnr_db}});
   return probe.filter_px2;
 }
 
+bool settle_transparent_photos(cli::Run& run, const SceneCheckOptions& options, const Model& model, Scene& scene,
+                               std::vector<std::string>& notes) {
+  const auto timed = run.monitor().scope("transparency");
+  const std::vector<std::size_t> compared = some_with_photo(scene, options.check_views);
+  if (std::none_of(compared.begin(), compared.end(),
+                   [&](std::size_t view) { return io::photo_is_transparent(scene, view); }))
+    return false;
+  double psnr[2] = {0, 0};
+  const double level[2] = {0, 1};
+  for (const int k : {0, 1}) {
+    scene.background = Vec3<double>{level[k], level[k], level[k]};
+    if (model) psnr[k] = psnr_over_background(run.exec(), model->cloud, scene, compared, photos_of(scene));
+  }
+  const bool white = psnr[1] > psnr[0] + kBackgroundMarginDb;
+  if (!white) scene.background = Vec3<double>{0, 0, 0};
+  if (!model) scene.background.reset();
+  notes.push_back(std::string("photos are transparent: they are laid over ") + (white ? "white" : "black") +
+                  (model ? ", over which the model fits them better" : " until a model says otherwise") +
+                  "; --background " + (white ? "black" : "white") + " takes the other");
+  if (model) run.result()["background"] = {{"black_psnr_db", psnr[0]}, {"white_psnr_db", psnr[1]}};
+  return true;
+}
+
+void find_model_background(cli::Run& run, const SceneCheckOptions& options, const Model& model, Scene& scene) {
+  if (!model) return;
+  const auto timed = run.monitor().scope("background");
+  constexpr int kViews = 24;  // of each the photos tell little where the model covers much
+  const int views = options.check_views == 0 ? 0 : std::max(options.check_views, kViews);
+  const BackgroundFinding found =
+      find_background(run.exec(), model->cloud, scene, some_with_photo(scene, views), photos_of(scene));
+  scene.background = found.colour;
+  const auto triple = [](const Vec3<double>& v) { return Json::array({v.x, v.y, v.z}); };
+  run.result()["background"] = {{"found", found.colour.has_value()},
+                                {"fitted", triple(found.fitted)},
+                                {"error", triple(found.error)},
+                                {"shown", found.shown},
+                                {"gain_db", found.gain_db},
+                                {"views", found.views}};
+  if (found.colour) run.info("the photos show a background of " + background_text(background_of(scene)));
+}
+
 void align_views(cli::Run& run, const Model& model, Scene& scene) {
   if (!model) return;
   const auto alignment = measure_alignment(run.exec(), run.monitor(), model->cloud, scene,
-                                           [&](std::size_t view) { return io::load_photo(scene, view); });
+                                           photos_of(scene));
   apply_alignment(alignment, scene);
   const auto triple = [](const Vec3<double>& v) { return Json::array({v.x, v.y, v.z}); };
   for (const ViewAlignment& a : alignment)

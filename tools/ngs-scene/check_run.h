@@ -20,6 +20,14 @@ Model read_model(cli::Run& run, const Scene& scene, std::vector<std::string>& no
 double probe_model_filter(cli::Run& run, const SceneCheckOptions& options, const Scene& scene,
                           const Model& model);
 
+/// Where the background shows through photos, no photo tells it: black or white, whichever the model fits better over,
+/// with a note. False: the photos are opaque, and nothing was done.
+bool settle_transparent_photos(cli::Run& run, const SceneCheckOptions& options, const Model& model, Scene& scene,
+                               std::vector<std::string>& notes);
+
+/// The background that the photos tell (stages/background.h), into the scene and the report.
+void find_model_background(cli::Run& run, const SceneCheckOptions& options, const Model& model, Scene& scene);
+
 /// Moves the cameras of the scene to where the photos fit the model (stages/view_align.h); says in the report
 /// by how much.
 void align_views(cli::Run& run, const Model& model, Scene& scene);

@@ -2,6 +2,7 @@
 #include "check_run.h"
 #include "degrade.h"
 #include "ngs/io/scene_json.h"
+#include "ngs/stages/background.h"
 #include "options.h"
 
 namespace {
@@ -55,11 +56,15 @@ int import_command(int argc, char** argv) {
       return cli::kDone;
     }
     const capture::Model model = capture::read_model(run, imported.scene, imported.notes);
+    choose_background(options.background, run.monitor(), imported.scene);
+    const bool settled = !options.background.empty() || capture::settle_transparent_photos(
+                                                            run, checks, model, imported.scene, imported.notes);
     capture::run_checks(run, checks, imported.scene, model, imported.notes);
     imported.scene.filter_px2 = options.filter_px2 > 0
                                     ? options.filter_px2
                                     : capture::probe_model_filter(run, checks, imported.scene, model);
     if (options.align_views) capture::align_views(run, model, imported.scene);
+    if (!settled) capture::find_model_background(run, checks, model, imported.scene);
     io::write_scene_json(out.path, imported.scene);
     return cli::kDone;
   });

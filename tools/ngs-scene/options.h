@@ -21,6 +21,7 @@ struct ImportOptions {
   std::string hold_out;
   double image_scale = 0;
   double filter_px2 = 0;
+  std::string background;
   bool original_world = false;
   bool align_views = true;
 
@@ -48,6 +49,8 @@ struct ImportOptions {
     visit(self.filter_px2,
           Field<double>{"filter_px2", "px^2", "low-pass filter the model was fitted with, at the working size; 0: the one that "
                         "explains the photos best", 0, 1e4});
+    visit(self.background, Text{"background", "R,G,B|black|white",
+                                "colour behind the model, each in [0, 1]; empty: the one that explains the photos"});
     visit(self.align_views, Flag{"align_views", "turn and move cameras by what lays the rendered model on the photos"});
     visit(self.original_world, Flag{"original_world", "transforms.json: undo its applied_transform"});
   }

@@ -15,8 +15,7 @@ namespace {
 
 RenderRequest fit_request(const FitOptions& options) {
   RenderRequest request;
-  const float behind = options.background == FitBackground::kWhite ? 1.f : 0.f;
-  request.background = {behind, behind, behind};
+  if (!options.background.empty()) request.background = parse_background(options.background);
   return request;
 }
 

@@ -14,13 +14,10 @@
 #include "ngs/ops/splat.h"
 #include "ngs/options/field.h"
 #include "ngs/scene/scene.h"
+#include "ngs/stages/background.h"
 #include "ngs/stages/gaussian_adam.h"
 
 namespace ngs {
-
-enum class FitBackground : std::uint8_t { kBlack, kWhite };
-inline constexpr NamedValue<FitBackground> kFitBackgroundNames[] = {{FitBackground::kBlack, "black"},
-                                                                    {FitBackground::kWhite, "white"}};
 
 /// Defaults are those of 3DGS. Counts of steps that are 0 follow from `steps` (resolved_schedule()).
 struct FitOptions {
@@ -28,7 +25,7 @@ struct FitOptions {
   int sh_degree = 3;
   int max_gaussians = 1000000;
   double dssim_weight = 0.2;
-  FitBackground background = FitBackground::kBlack;
+  std::string background = {};  // empty: black
   bool antialiased = false;
   int random_points = 20000;
   int sh_every = 0, densify_from = 0, densify_until = 0, densify_every = 0, opacity_reset_every = 3000;
@@ -42,7 +39,7 @@ struct FitOptions {
     visit(self.sh_degree, Field<int>{"sh_degree", "", "bands of spherical harmonics", 0, 3});
     visit(self.max_gaussians, Field<int>{"max_gaussians", "", "densification stops here", 1, 1 << 30});
     visit(self.dssim_weight, Field<double>{"dssim_weight", "", "weight of 1 - SSIM; L1 has the rest", 0, 1});
-    visit(self.background, Choice<FitBackground>{"background", "what lies behind all Gaussians", kFitBackgroundNames});
+    visit(self.background, background_option());
     visit(self.antialiased, Flag{"antialiased", "fit with the Mip-Splatting opacity compensation"});
     visit(self.random_points, Field<int>{"random_points", "", "Gaussians to start from without a point cloud", 1, 1 << 24});
     visit(self.sh_every, Field<int>{"sh_every", "steps", "one more SH band each; 0: min(1000, steps/8)", 0, 10000000});

@@ -31,7 +31,7 @@ ViewHole find_hole(const Exec& exec, const InpaintOptions& options, const Inpain
   whole.label = {is_object.data(), model.cloud.size(), 1};
   RenderRequest left;
   left.label = {is_seen.data(), model.cloud.size(), 1};
-  left.include = rest.data();
+  left.include = rest.data(), left.background = model.background;
   const RenderedView before = render(exec, model.cloud, camera, splat, whole);
   RenderedView after = render(exec, model.cloud, camera, splat, left);
 

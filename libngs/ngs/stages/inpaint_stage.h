@@ -35,10 +35,11 @@ struct InpaintModel {
   const GaussianCloud& cloud;
   const std::vector<std::uint8_t>& object;  // [N] 1: taken out
   const std::vector<std::uint8_t>& seen;    // [N]
+  Vec3<float> background{0, 0, 0};
 };
 
 struct ViewHole {
-  ImageF colour;            // [H, W, 3] what is left, on black
+  ImageF colour;            // [H, W, 3] what is left, over the background
   PixelMask hole, dilated;  // [H·W]
 };
 

@@ -51,21 +51,6 @@ std::vector<std::size_t> select_views(const Scene& scene, const std::string& sel
   return views;
 }
 
-Vec3<float> parse_background(const std::string& text) {
-  const std::vector<std::string> parts = split(text, ',');
-  float value[3] = {0, 0, 0};
-  bool good = parts.size() == 3;
-  for (std::size_t i = 0; good && i < 3; ++i) {
-    char* end = nullptr;
-    value[i] = std::strtof(parts[i].c_str(), &end);
-    good = end != parts[i].c_str() && *end == '\0' && value[i] >= 0.f && value[i] <= 1.f;
-  }
-  if (!good)
-    throw Error(ErrorCode::kUsage, "--background: '" + text + "', expected three numbers in [0, 1]",
-                "for example 0.5,0.5,0.5");
-  return {value[0], value[1], value[2]};
-}
-
 namespace {
 
 /// [N, K]

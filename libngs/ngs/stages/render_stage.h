@@ -7,6 +7,7 @@
 #include "ngs/ops/splat.h"
 #include "ngs/options/field.h"
 #include "ngs/scene/scene.h"
+#include "ngs/stages/background.h"
 
 namespace ngs {
 
@@ -17,7 +18,7 @@ struct RenderOptions {
   bool native_filter = false;
   bool amodal = false;
   double threshold = 0.5;
-  std::string background = "0,0,0";
+  std::string background;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -33,15 +34,12 @@ struct RenderOptions {
     visit(self.amodal, Flag{"amodal", "mask of the object alone, as if nothing stood before it"});
     visit(self.threshold,
           Field<double>{"threshold", "", "PNG masks: 255 where the rendered mask exceeds this", 0.0, 1.0});
-    visit(self.background, Text{"background", "R,G,B", "colour behind the model, each in [0, 1]"});
+    visit(self.background, background_option());
   }
 };
 
 /// Indices of the views that `selection` names. kUsage for a name that the scene does not have.
 std::vector<std::size_t> select_views(const Scene& scene, const std::string& selection);
-
-/// "R,G,B" with three numbers in [0, 1]; kUsage otherwise.
-Vec3<float> parse_background(const std::string& text);
 
 /// Renders the model at `camera`. Modal: label channels composited through the whole model. Amodal: per
 /// object the alpha of its own Gaussians (label > 0.5) alone.
