@@ -88,10 +88,27 @@ std::vector<double> to_double(Rows<const float, 3> rows, const char* what) {
   return out;
 }
 
+void require_countable(Rows<const float, 3> points) {
+  NGS_CHECK(points.n <= std::numeric_limits<std::int32_t>::max(), "the search tree counts points in 32 bits");
+}
+
+/// search(tree, [queries, 3], begin, end) for chunks of the queries, with FLANN's tree over the points (at least one).
+template <class Search>
+void for_each_chunk(const Exec& exec, std::vector<double> point, std::vector<double> query, const Search& search) {
+  Tree tree(flann::Matrix<double>(point.data(), point.size() / 3, 3), flann::KDTreeSingleIndexParams());
+  tree.buildIndex();
+  const auto queries = std::int64_t(query.size() / 3);
+  for_each_task(exec, (queries + kQueriesPerTask - 1) / kQueriesPerTask, [&](std::int64_t task) {
+    search(tree, query.data(), task * kQueriesPerTask, std::min(queries, (task + 1) * kQueriesPerTask));
+  });
+}
+
+flann::SearchParams exact_search() { return {flann::FLANN_CHECKS_UNLIMITED, -kPruningSlack}; }
+
 KnnGraph search(const Exec& exec, Rows<const float, 3> points, Rows<const float, 3> queries, int neighbours,
                 bool exclude_self) {
   NGS_CHECK(neighbours >= 1 && neighbours <= kMaxNeighbours, "neighbours must be in [1, kMaxNeighbours]");
-  NGS_CHECK(points.n <= std::numeric_limits<std::int32_t>::max(), "the search tree counts points in 32 bits");
+  require_countable(points);
   KnnGraph graph;
   graph.points = points.n;
   graph.neighbours = int(std::min<std::int64_t>(neighbours, points.n - (exclude_self ? 1 : 0)));
@@ -102,21 +119,17 @@ KnnGraph search(const Exec& exec, Rows<const float, 3> points, Rows<const float,
   }
   std::vector<double> point = to_double(points, "points"), query = to_double(queries, "queries");
   if (exec.device_ops) return exec.device_ops->field.nearest(points, queries, neighbours, exclude_self);
-  Tree tree(flann::Matrix<double>(point.data(), std::size_t(points.n), 3), flann::KDTreeSingleIndexParams());
-  tree.buildIndex();
 
   const int k = graph.neighbours;
   graph.index.resize(std::size_t(queries.n) * std::size_t(k));
   graph.dist2.resize(graph.index.size());
-  const flann::SearchParams params(flann::FLANN_CHECKS_UNLIMITED, -kPruningSlack);
-  for_each_task(exec, (queries.n + kQueriesPerTask - 1) / kQueriesPerTask, [&](std::int64_t task) {
-    const std::int64_t end = std::min(queries.n, (task + 1) * kQueriesPerTask);
+  const auto chunk = [&](const Tree& tree, const double* all, std::int64_t begin, std::int64_t end) {
     double last_dist2 = kInfinity;  // the K-th of the query before, which is often close
-    for (std::int64_t i = task * kQueriesPerTask; i < end; ++i) {
-      const double* at_query = &query[std::size_t(i) * 3];
+    for (std::int64_t i = begin; i < end; ++i) {
+      const double* at_query = all + 3 * i;
       const double bound = std::isfinite(last_dist2) ? bound_beside(at_query, at_query - 3, last_dist2) : kInfinity;
       OrderedResult result(k, exclude_self ? std::size_t(i) : kNoExclusion, bound);
-      tree.findNeighbors(result, at_query, params);
+      tree.findNeighbors(result, at_query, exact_search());
       if (!exclude_self) last_dist2 = result[k - 1].dist2;
       for (int slot = 0; slot < k; ++slot) {
         const std::size_t at = std::size_t(i) * std::size_t(k) + std::size_t(slot);
@@ -124,7 +137,8 @@ KnnGraph search(const Exec& exec, Rows<const float, 3> points, Rows<const float,
         graph.dist2[at] = float(result[slot].dist2);
       }
     }
-  });
+  };
+  for_each_chunk(exec, std::move(point), std::move(query), chunk);
   build_transpose(graph);
   return graph;
 }
@@ -143,21 +157,17 @@ KnnGraph nearest_others(const Exec& exec, Rows<const float, 3> points, int neigh
 std::vector<std::uint8_t> any_within(const Exec& exec, Rows<const float, 3> points, Rows<const float, 3> queries,
                                      double radius) {
   NGS_CHECK(radius >= 0, "radius must not be negative");
-  NGS_CHECK(points.n <= std::numeric_limits<std::int32_t>::max(), "the search tree counts points in 32 bits");
+  require_countable(points);
   std::vector<std::uint8_t> found(std::size_t(queries.n), 0);
   if (points.n == 0 || queries.n == 0) return found;
-  std::vector<double> point = to_double(points, "points"), query = to_double(queries, "queries");
-  Tree tree(flann::Matrix<double>(point.data(), std::size_t(points.n), 3), flann::KDTreeSingleIndexParams());
-  tree.buildIndex();
-  const flann::SearchParams params(flann::FLANN_CHECKS_UNLIMITED, -kPruningSlack);
-  for_each_task(exec, (queries.n + kQueriesPerTask - 1) / kQueriesPerTask, [&](std::int64_t task) {
-    const std::int64_t end = std::min(queries.n, (task + 1) * kQueriesPerTask);
-    for (std::int64_t i = task * kQueriesPerTask; i < end; ++i) {
+  const auto search = [&](const Tree& tree, const double* all, std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) {
       AnyResult result(radius * radius);
-      tree.findNeighbors(result, &query[std::size_t(i) * 3], params);
+      tree.findNeighbors(result, all + 3 * i, exact_search());
       found[std::size_t(i)] = result.found();
     }
-  });
+  };
+  for_each_chunk(exec, to_double(points, "points"), to_double(queries, "queries"), search);
   return found;
 }
 

@@ -10,6 +10,7 @@
 #include "ngs/core/error.h"
 #include "ngs/math/median.h"
 #include "ngs/ops/image_metrics.h"
+#include "ngs/stages/render_options.h"
 
 namespace ngs {
 namespace {
@@ -85,12 +86,6 @@ double gain_db(const Witness& w, const Rgb& b) {
   return 10 * std::log10(std::max(black, kNothing) / std::max(over, kNothing));
 }
 
-SplatOptions splat_of(const GaussianCloud& cloud, const Scene& scene) {
-  SplatOptions splat{.antialiased = cloud.antialiased};
-  splat.blur_px2 = scene.filter_px2;
-  return splat;
-}
-
 BackgroundFinding verdict(const std::vector<Witness>& witnesses) {
   BackgroundFinding found;
   std::array<std::vector<double>, 3> values;
@@ -158,7 +153,7 @@ BackgroundFinding find_background(const Exec& exec, const GaussianCloud& cloud, 
   try_each_task(exec, std::int64_t(views.size()), [&](std::int64_t i) {
     const std::size_t v = views[std::size_t(i)];
     witnesses[std::size_t(i)] =
-        question(render({}, cloud, scene.views[v].camera, splat_of(cloud, scene), {}), load_photo(v));
+        question(render({}, cloud, scene.views[v].camera, splat_options({}, cloud, scene), {}), load_photo(v));
   });
   return verdict(witnesses);
 }
@@ -170,7 +165,7 @@ double psnr_over_background(const Exec& exec, const GaussianCloud& cloud, const 
   request.background = background_of(scene);
   double sum = 0;
   for (const std::size_t v : views)
-    sum += psnr_db(exec, render(exec, cloud, scene.views[v].camera, splat_of(cloud, scene), request).colour,
+    sum += psnr_db(exec, render(exec, cloud, scene.views[v].camera, splat_options({}, cloud, scene), request).colour,
                    load_photo(v));
   return views.empty() ? 0 : sum / double(views.size());
 }

@@ -4,6 +4,7 @@
 
 #include "ngs/backend/try_each.h"
 #include "ngs/stages/pose_check.h"
+#include "ngs/stages/render_options.h"
 #include "ngs/stages/view_list.h"
 
 namespace ngs {
@@ -46,8 +47,7 @@ std::vector<ViewAlignment> measure_alignment(const Exec& exec, Monitor& monitor,
                                              const Scene& scene,
                                              const std::function<ImageF(std::size_t view)>& load_photo) {
   const auto timed = monitor.scope("align views");
-  SplatOptions splat{.antialiased = cloud.antialiased};
-  splat.blur_px2 = scene.filter_px2;
+  const SplatOptions splat = splat_options({}, cloud, scene);
   std::vector<ViewAlignment> alignment;
   for (const std::size_t v : photo_views(scene)) alignment.emplace_back().view = v;
   std::mutex telling;
