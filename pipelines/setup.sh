@@ -1,5 +1,7 @@
 #!/usr/bin/env bash
 # Installs the Debian packages of packages.txt, or of the list given, that are missing (Debian 12, Ubuntu 22.04 and later).
+# A line is a package, and behind it the command, if any, that makes it unnecessary where somebody else has installed it: the
+# npm of a foreign Node.js cannot stand beside Debian's.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 list=${1:-$here/packages.txt}
@@ -9,8 +11,8 @@ installed() { dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null | grep -qx
 
 missing=()
 if command -v dpkg-query >/dev/null; then
-  while read -r package; do
-    installed "$package" || missing+=("$package")
+  while read -r package command; do
+    installed "$package" || { [ -n "$command" ] && command -v "$command" >/dev/null; } || missing+=("$package")
   done < <(grep -v '^#' "$list")
 else
   say "error: this is no Debian or Ubuntu; install the equivalents of pipelines/packages.txt, then run pipelines/build.sh"
