@@ -36,7 +36,8 @@ header_text() {
   echo 'namespace ngs::joint {'
   echo
   echo 'inline constexpr const char* kQualityTable ='
-  echo "    \"quality, as measured ($(what)):\\n\""
+  echo '    "quality, as measured:\n"'
+  echo "    \"  $(what)\\n\""
   echo '    "              CPU s     IoU   B-IoU   0.005\n"'
   rows '    "  %-10s %7s  %.4f  %.4f  %.4f\\n"\n' | sed '$s/$/;/'
   echo

@@ -105,7 +105,8 @@ void network_backward(benchmark::State& state) {
 }
 
 void volume(benchmark::State& state) {
-  const std::vector<float> density = uniform(8, kQueries, 0, 3), rgb = uniform(9, 3 * kQueries, 0, 1), spacing = uniform(10, kRays, 0.1, 0.2);
+  const std::vector<float> density = uniform(8, kQueries, 0, 3), rgb = uniform(9, 3 * kQueries, 0, 1),
+                           spacing = uniform(10, kRays, 0.1, 0.2);
   const VolumeInputs in{8, density.data(), rgb.data(), spacing.data(), kRays, {0, 0, 0}};
   const std::vector<float> colour(std::size_t(3 * kRays), 0.1f), alpha(std::size_t(kRays), 0.1f);
   VolumeOutput out;

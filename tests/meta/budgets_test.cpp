@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <regex>
+#include <sstream>
 
 #include "support/source_tree.h"
 
@@ -10,7 +11,7 @@ namespace {
 
 using test::SourceFile;
 
-constexpr int kFileLines = 400, kMainLines = 110;
+constexpr int kFileLines = 400, kMainLines = 110, kLineCharacters = 140;
 
 int lines(const std::string& text) { return int(std::count(text.begin(), text.end(), '\n')); }
 
@@ -18,7 +19,35 @@ std::vector<SourceFile> all_code() {
   return test::source_files({"libngs", "tools", "tests"}, {".h", ".cpp", ".cu", ".cuh"});
 }
 
+int characters(const std::string& utf8) {
+  return int(std::count_if(utf8.begin(), utf8.end(), [](char c) { return (c & 0xc0) != 0x80; }));
+}
+
+/// "PATH:LINE" of lines that are too wide. Raw strings, which hold pages, are as wide as they like.
+void add_wide_lines(const SourceFile& file, std::vector<std::string>& offenders) {
+  std::istringstream text(file.text);
+  std::string line;
+  bool raw = false;
+  for (int number = 1; std::getline(text, line); ++number) {
+    const bool was_raw = raw;
+    if (line.find("R\"") != std::string::npos) raw = true;
+    const bool any_raw = was_raw || raw;
+    if (raw && std::regex_search(line, std::regex("\\)[a-z]*\""))) raw = false;
+    if (!any_raw && characters(line) > kLineCharacters) offenders.push_back(file.path + ":" + std::to_string(number));
+  }
+}
+
 }  // namespace
+
+TEST_CASE("no line is wider than its budget") {
+  std::vector<std::string> offenders;
+  for (const SourceFile& file : all_code()) add_wide_lines(file, offenders);
+  CHECK(test::listed(offenders) == "");
+
+  std::vector<std::string> found;
+  add_wide_lines({"wide.h", "int x;\n//" + std::string(139, '-') + "\n"}, found);
+  CHECK(found == std::vector<std::string>{"wide.h:2"});
+}
 
 TEST_CASE("no file is longer than its budget") {
   std::vector<std::string> offenders;

@@ -70,8 +70,10 @@ TEST_CASE("rbf: values and gradients of a device are the CPU's") {
       // exp at exponents up to some tens: 2 ulp and the exponent's own rounding
       check_ratio(b, "rbf weight", worst_ratio(got.weight, want.weight, 1), 64);
       check_ratio(b, "rbf feature", worst_ratio(got.feature, want.feature, 1), 64);
-      check_ratio(b, "rbf gradient of features", worst_ratio(got_grad.feature, want_grad.feature, std::max(1.0, largest(want_grad.feature))), 8);
-      check_ratio(b, "rbf gradient of positions", worst_ratio(got_grad.boundary, want_grad.boundary, std::max(1.0, largest(want_grad.boundary))), 8);
+      check_ratio(b, "rbf gradient of features",
+                  worst_ratio(got_grad.feature, want_grad.feature, std::max(1.0, largest(want_grad.feature))), 8);
+      check_ratio(b, "rbf gradient of positions",
+                  worst_ratio(got_grad.boundary, want_grad.boundary, std::max(1.0, largest(want_grad.boundary))), 8);
       if (b.same_functions) CHECK(got.feature == want.feature);
     }
 }
@@ -183,8 +185,10 @@ TEST_CASE("film mlp: values and gradients of a device are the CPU's") {
       CAPTURE(c.queries);
       check_ratio(b, "film density", worst_ratio(got.density, want.density, std::max(1.0, largest(want.density))), 4);
       check_ratio(b, "film colour", worst_ratio(got.rgb, want.rgb, 1), 4);
-      check_ratio(b, "film gradient of inputs", worst_ratio(got_grad.feature, want_grad.feature, std::max(1.0, largest(want_grad.feature))), 64);
-      check_ratio(b, "film gradient of conditions", worst_ratio(got_grad.condition, want_grad.condition, std::max(1.0, largest(want_grad.condition))), 64);
+      check_ratio(b, "film gradient of inputs",
+                  worst_ratio(got_grad.feature, want_grad.feature, std::max(1.0, largest(want_grad.feature))), 64);
+      check_ratio(b, "film gradient of conditions",
+                  worst_ratio(got_grad.condition, want_grad.condition, std::max(1.0, largest(want_grad.condition))), 64);
       // sums over all queries, in another order
       check_ratio(b, "film gradient of parameters", worst_ratio(other.grads, store.grads, std::max(1.0, largest(store.grads))), 64);
       if (!b.same_functions) continue;
@@ -215,7 +219,8 @@ TEST_CASE("volume: values and gradients of a device are the CPU's") {
       }
       check_ratio(b, "volume colour", worst_ratio(got.colour, want.colour, 1), 16);
       check_ratio(b, "volume alpha", worst_ratio(got.alpha, want.alpha, 1), 4);
-      check_ratio(b, "volume optical depth", worst_ratio(got.optical_depth, want.optical_depth, std::max(1.0, largest(want.optical_depth))), 1);
+      check_ratio(b, "volume optical depth",
+                  worst_ratio(got.optical_depth, want.optical_depth, std::max(1.0, largest(want.optical_depth))), 1);
       if (b.same_functions) CHECK(got.colour == want.colour);
     }
 }

@@ -86,7 +86,8 @@ TEST_CASE("continuity and smoothness of a device are the CPU's") {
   for (const Backend& b : backends())
     for (const std::int64_t n : {2, 300}) {
       Random random(3);
-      const auto points = random.uniform_vector<float>(std::size_t(n) * 3, -1, 1), colour = random.uniform_vector<float>(std::size_t(n) * 3, 0, 1),
+      const auto points = random.uniform_vector<float>(std::size_t(n) * 3, -1, 1),
+                 colour = random.uniform_vector<float>(std::size_t(n) * 3, 0, 1),
                  moved = random.uniform_vector<float>(std::size_t(n) * 3, 0, 1);
       const KnnGraph graph = nearest_others({}, {points.data(), n}, 8);
       const auto weight = random.uniform_vector<float>(graph.index.size(), 0, 1);

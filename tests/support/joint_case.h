@@ -37,7 +37,8 @@ inline std::unique_ptr<JointCase> joint_case(int ball = 160, int wall = 120) {
     c->is_ball.push_back(in_ball ? 1.f : 0.f);
     if (in_ball) {
       const double z = 2 * (i + 0.5) / ball - 1, phi = 2.399963 * i, r = std::sqrt(1 - z * z);  // Fibonacci sphere
-      t.position[k * 3] = float(0.6 * r * std::cos(phi)), t.position[k * 3 + 1] = float(0.6 * r * std::sin(phi)), t.position[k * 3 + 2] = float(4 + 0.6 * z);
+      t.position[k * 3] = float(0.6 * r * std::cos(phi)), t.position[k * 3 + 1] = float(0.6 * r * std::sin(phi));
+      t.position[k * 3 + 2] = float(4 + 0.6 * z);
     } else {
       t.position[k * 3] = uniform(-2, 2), t.position[k * 3 + 1] = uniform(-1.6, 1.6), t.position[k * 3 + 2] = uniform(5.6, 5.8);
     }

@@ -46,7 +46,8 @@ int main(int argc, char** argv) {
     options.background = background_text(background_of(scene));
     const bool kept = !keep.checkpoint.empty() && std::filesystem::exists(cli::checkpoint_path(keep.checkpoint));
     if (kept && !keep.resume && !run.overwrite())
-      throw Error(ErrorCode::kUsage, cli::checkpoint_path(keep.checkpoint) + ": already there, expected none", "go on with --resume, or start over with -w");
+      throw Error(ErrorCode::kUsage, cli::checkpoint_path(keep.checkpoint) + ": already there, expected none",
+                  "go on with --resume, or start over with -w");
     run.result()["views"] = scene.views.size();
     if (run.dry_run()) return run.plan(cli::fit_plan(options, scene, kept && keep.resume, run.exec().threads)), cli::kDone;
 
@@ -58,7 +59,8 @@ int main(int argc, char** argv) {
     Fitter fitter(options, views, std::move(state), run.seed());
     const double start = wall_seconds();
     run_fit(run.exec(), run.monitor(), fitter, options, [&](const Fitter& f) {
-      if (!keep.checkpoint.empty() && f.state().step % keep.checkpoint_every == 0) cli::write_checkpoint(keep.checkpoint, f.state(), identity);
+      if (!keep.checkpoint.empty() && f.state().step % keep.checkpoint_every == 0)
+        cli::write_checkpoint(keep.checkpoint, f.state(), identity);
     });
     const double seconds = wall_seconds() - start;
     if (!keep.checkpoint.empty()) cli::write_checkpoint(keep.checkpoint, fitter.state(), identity);

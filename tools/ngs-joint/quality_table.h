@@ -4,7 +4,8 @@
 namespace ngs::joint {
 
 inline constexpr const char* kQualityTable =
-    "quality, as measured (the capture of BENCHMARKS.md, one run on an idle machine of two cores (wall: 1.8, 24 and 57 s; reference, busy: 320 s)):\n"
+    "quality, as measured:\n"
+    "  the capture of BENCHMARKS.md, one run on an idle machine of two cores (wall: 1.8, 24 and 57 s; reference, busy: 320 s)\n"
     "              CPU s     IoU   B-IoU   0.005\n"
     "  draft          3.2  0.9669  0.9344  0.7466\n"
     "  standard      47.0  0.9696  0.9436  0.7705\n"

@@ -59,7 +59,8 @@ void fit(cli::Run& run, const cli::SynthData& data, const FitOptions& options, c
   const FitScore score = score_fit(run.exec(), options, cloud, views, Split::kTrain);
   io::write_strict_ply(path, cloud, {}, {io::history_line("ngs-synth", cli::recipe_json(data.recipe).dump())});
   run.result()["gaussians"] = cloud.size();
-  run.result()["fit"] = {{"steps", options.steps}, {"steps_per_s", options.steps / seconds}, {"psnr_db", score.psnr_db}, {"ssim", score.ssim}};
+  run.result()["fit"] = {
+      {"steps", options.steps}, {"steps_per_s", options.steps / seconds}, {"psnr_db", score.psnr_db}, {"ssim", score.ssim}};
 }
 
 }  // namespace
@@ -73,7 +74,8 @@ int main(int argc, char** argv) {
   fit_options.steps = 1500, fit_options.sh_degree = 1, fit_options.max_gaussians = 8000;
   tool.options(options);
   tool.options(fit_options, "fit_");
-  const cli::Argument& name = tool.argument("recipe", "two-spheres, torus-box, leaves, bones, table, tiny, or a JSON file of recipe options");
+  const cli::Argument& name =
+      tool.argument("recipe", "two-spheres, torus-box, leaves, bones, table, tiny, or a JSON file of recipe options");
   const cli::Output& out = tool.output_dir("-o,--output", "folder of the scene");
   tool.stops_on_request();
 

@@ -36,7 +36,9 @@ std::vector<std::string> names_in(const TensorFile& file, const std::string& key
   bool good = json.is_array();
   for (std::size_t i = 0; good && i < json.size(); ++i)
     if ((good = json[i].is_string())) names.push_back(json[i].get<std::string>());
-  if (!good) throw Error(ErrorCode::kBadInput, file.name + ": metadata '" + key + "' is no list of names", "write it again with ngs-variance --partial");
+  if (!good)
+    throw Error(ErrorCode::kBadInput, file.name + ": metadata '" + key + "' is no list of names",
+                "write it again with ngs-variance --partial");
   return names;
 }
 

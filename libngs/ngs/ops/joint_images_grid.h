@@ -13,7 +13,10 @@
 namespace ngs {
 
 /// Sums of a step that its losses are computed from.
-enum JointSum { kSumL1, kSumSsim, kSumAlignColour, kSumAlignAlpha, kSumAlignVariance, kSumActive, kSumMask, kSumCont, kSumSmooth, kSumSmoothPoints, kJointSums };
+enum JointSum {
+  kSumL1, kSumSsim, kSumAlignColour, kSumAlignAlpha, kSumAlignVariance, kSumActive, kSumMask, kSumCont, kSumSmooth,
+  kSumSmoothPoints, kJointSums
+};
 
 /// What stays of a view. 12 bytes a pixel for the photo, 4 per object for masks, 1 where pixels are unknown.
 template <class Grid>

@@ -63,9 +63,17 @@ class GridJoint final : public DeviceJoint {
 
  public:
   GridJoint(Grid& grid, const JointProblem& p, DeviceSums device_sums)
-      : grid_(grid), p_(p), device_sums_(device_sums), n_(p.initial.size()), parameters_(grid, p.blocks, p.rate_decay), usable_(grid, p.initial.usable),
-        trainable_(grid, p.trainable), frozen_(grid, p.frozen),
-        boundary_row_(grid, p.boundary.data(), std::int64_t(p.boundary.size())), sums_(grid, kJointSums), most_pairs_(grid, 1),
+      : grid_(grid),
+        p_(p),
+        device_sums_(device_sums),
+        n_(p.initial.size()),
+        parameters_(grid, p.blocks, p.rate_decay),
+        usable_(grid, p.initial.usable),
+        trainable_(grid, p.trainable),
+        frozen_(grid, p.frozen),
+        boundary_row_(grid, p.boundary.data(), std::int64_t(p.boundary.size())),
+        sums_(grid, kJointSums),
+        most_pairs_(grid, 1),
         views_(std::size_t(p.views)) {
     most_pairs_.zero(), sums_.zero();
     if (p.field) field_.emplace(grid, *p.field, device_sums);

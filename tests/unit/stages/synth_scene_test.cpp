@@ -30,8 +30,12 @@ AnalyticScene lone_sphere(V centre, double radius) {
 
 std::vector<Solid> one_of_each() {
   const Mat3<double> turned = frame_with_z({0.3, -0.5, 0.8});
-  return {sphere({0.1, 0.2, -0.1}, 0.4), box({0, 0.1, 0}, turned, {0.3, 0.5, 0.2}, 0.05), torus({0, 0, 0.1}, turned, 0.5, 0.1),
-          capsule({-0.3, 0, 0}, {0.2, 0.4, 0.3}, 0.12), cylinder({0.1, 0, 0}, turned, 0.2, 0.45), blade({0, 0, 0}, turned, {0.6, 0.12, 0.02})};
+  return {sphere({0.1, 0.2, -0.1}, 0.4),
+          box({0, 0.1, 0}, turned, {0.3, 0.5, 0.2}, 0.05),
+          torus({0, 0, 0.1}, turned, 0.5, 0.1),
+          capsule({-0.3, 0, 0}, {0.2, 0.4, 0.3}, 0.12),
+          cylinder({0.1, 0, 0}, turned, 0.2, 0.45),
+          blade({0, 0, 0}, turned, {0.6, 0.12, 0.02})};
 }
 
 }  // namespace
