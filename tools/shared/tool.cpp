@@ -21,6 +21,7 @@
 namespace ngs::cli {
 
 struct RunState {
+  const Spec& spec;
   const CommonFlags& flags;
   Console& console;
   ChosenDevice device;
@@ -53,6 +54,7 @@ void Run::text(const std::string& lines) { state_.console.text(lines); }
 int Run::stop_code() const { return signal_exit_code(); }
 
 void Run::add_input(const std::string& name, const std::string& path) {
+  refuse_outputs_over(state_.spec, state_.flags.report_path, name, path);
   state_.inputs.push_back(describe_input(name, path, !dry_run()));
 }
 
@@ -187,7 +189,12 @@ int Tool::Impl::run(const CommonFlags& flags, Console& console, const std::funct
   check_outputs(spec, flags.report_path, flags.overwrite);
   const Streams streams(spec);
   check_inputs(spec);
-  RunState state{.flags = flags, .console = console, .device = choose_device(flags.device, spec), .monitor = {}, .inputs = {}};
+  RunState state{.spec = spec,
+                 .flags = flags,
+                 .console = console,
+                 .device = choose_device(flags.device, spec),
+                 .monitor = {},
+                 .inputs = {}};
   const ChosenDevice& device = state.device;
   state.exec.threads = choose_threads(flags.threads);
   state.exec.isa = choose_isa();

@@ -11,7 +11,8 @@
 //
 // Positional inputs come in the order of their declaration; a name that begins with '-' declares a flag. The
 // references stay valid for the tool's life and hold paths once the body runs. Before it runs: every given
-// input exists, no output exists (unless -w), none is also an input, and the folders of the outputs exist.
+// input exists, no output exists (unless -w), none is also an input, no two are one file, and the folders of the
+// outputs exist.
 // A dry run asks for no output.
 // "-" is stdin or stdout (streams.h); the report then goes to --report only.
 #include <functional>
@@ -77,7 +78,8 @@ class Run {
   void info(const std::string& message);
   /// A table for people, on stderr unless -q.
   void text(const std::string& lines);
-  /// A further file that was read (found through an input), for the report.
+  /// A further file that is read (found through an input), for the report. To be called before anything is written:
+  /// kUsage where it is an output too, which would replace it.
   void add_input(const std::string& name, const std::string& path);
   /// Nothing to work on: Error(kNothingFound), or with --allow-empty a warning.
   void nothing_found(const std::string& message, const std::string& remedy = {});
