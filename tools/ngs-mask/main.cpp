@@ -5,6 +5,7 @@
 #include "ngs/stages/render_options.h"
 #include "prompt_input.h"
 #include "segmenters.h"
+#include "shared/scene_model.h"
 #include "views.h"
 
 namespace {
@@ -60,8 +61,8 @@ int main(int argc, char** argv) {
 
   return tool.run(argc, argv, [&](cli::Run& run) {
     const Scene scene = io::read_scene_json(scene_json.path);
+    if (!model) cli::require_model(run, scene, scene_json.path);
     const std::string model_path = model ? model.path : scene.model_path;
-    if (!model) run.add_input("model", model_path);
     const HandPrompt hand = cli::read_prompts(marks);
     const std::size_t reference = cli::reference_view(scene, which.view, hand, marks);
     const io::GaussianPly ply = io::read_gaussian_ply(model_path, io::HigherBands::kCheckOnly);

@@ -41,7 +41,7 @@ int label_scene(int argc, char** argv) {
   return tool.run(argc, argv, [&](cli::Run& run) {
     check_tau(options);
     const Scene scene = with_objects(io::read_scene_json(scene_json.path), shard.object);
-    run.add_input("model", scene.model_path);
+    cli::require_model(run, scene, scene_json.path);
     if (!out && !partial)
       throw Error(ErrorCode::kUsage, "no output is asked for",
                   "give -o boundary.ply or --partial part.evidence");
@@ -92,7 +92,7 @@ int merge_parts(int argc, char** argv) {
   return tool.run(argc, argv, [&](cli::Run& run) {
     check_tau(options);
     const io::EvidencePart sum = io::merge_evidence(parts.paths);
-    const Scene scene = io::read_scene_json(scene_json ? scene_json.path : sum.scene_path);
+    const Scene scene = variance::scene_of(run, sum, scene_json.path);
     variance::check_complete(sum, scene);
     const io::GaussianPly ply = io::read_gaussian_ply(scene.model_path, io::HigherBands::kCheckOnly);
     if (run.dry_run()) return 0;

@@ -6,6 +6,7 @@
 
 #include "ngs/io/content_hash.h"
 #include "ngs/io/exr.h"
+#include "ngs/io/scene_json.h"
 #include "ngs/scene/view_names.h"
 #include "shared/shard.h"
 
@@ -36,6 +37,14 @@ Json memory_plan(const GaussianCloud& cloud, const Scene& scene, std::size_t vie
           {"bytes_per_gaussian", per_gaussian},
           {"bytes_per_pixel", per_pixel},
           {"estimated_peak_mib", std::ceil((per_gaussian * n + per_pixel * largest_view_px) / kMib + kProgramMib)}};
+}
+
+Scene scene_of(cli::Run& run, const io::EvidencePart& sum, const std::string& given) {
+  const std::string& path = given.empty() ? sum.scene_path : given;
+  if (given.empty()) run.add_input("scene", path);
+  Scene scene = io::read_scene_json(path);
+  cli::require_model(run, scene, path);
+  return scene;
 }
 
 void check_complete(const io::EvidencePart& sum, const Scene& scene) {

@@ -6,6 +6,7 @@
 #include "ngs/io/evidence_file.h"
 #include "ngs/io/gaussian_ply.h"
 #include "ngs/stages/variance_stage.h"
+#include "shared/scene_model.h"
 #include "shared/tool.h"
 
 namespace ngs::variance {
@@ -15,6 +16,9 @@ std::vector<std::size_t> shard_of(const std::vector<std::size_t>& views, const s
 
 /// Estimated peak memory for --dry-run.
 Json memory_plan(const GaussianCloud& cloud, const Scene& scene, std::size_t views);
+
+/// The scene `given` or, if that is empty, the one that the parts name; it and its model become inputs of the run.
+Scene scene_of(cli::Run& run, const io::EvidencePart& sum, const std::string& given);
 
 /// kInconsistent unless the merged parts are of this scene's model and of exactly its training views.
 void check_complete(const io::EvidencePart& sum, const Scene& scene);
