@@ -5,6 +5,7 @@
 #include <set>
 
 #include "ngs/core/error.h"
+#include "ngs/io/relative_path.h"
 #include "ngs/io/safetensors.h"
 
 namespace ngs::io {
@@ -51,7 +52,7 @@ void write_evidence(const std::string& path, const EvidencePart& part) {
   });
   file.metadata["ngs:schema"] = "ngs.evidence.1";
   file.metadata["model"] = part.model_hash;
-  file.metadata["scene"] = fs::proximate(part.scene_path, fs::absolute(path).parent_path()).generic_string();
+  file.metadata["scene"] = path_to_folder(FileFolder(path), part.scene_path);
   file.metadata["objects"] = nlohmann::json(part.objects).dump();
   file.metadata["views"] = nlohmann::json(part.views).dump();
   write_safetensors(path, file);
@@ -61,7 +62,7 @@ EvidencePart parse_evidence(const std::string& path, Bytes bytes) {
   const TensorFile file = parse_safetensors(path, bytes);
   EvidencePart part;
   part.model_hash = file.meta("model");
-  part.scene_path = (fs::path(path).parent_path() / file.meta("scene")).lexically_normal().string();
+  part.scene_path = path_from_folder(fs::path(path).parent_path().string(), file.meta("scene"));
   part.objects = names_in(file, "objects");
   part.views = names_in(file, "views");
   part.evidence.gaussians = std::int64_t(file.get<std::uint32_t>("views", {-1}).size());

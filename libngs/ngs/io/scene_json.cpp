@@ -10,6 +10,7 @@
 #include "ngs/io/atomic_file.h"
 #include "ngs/io/json_file.h"
 #include "ngs/io/pose.h"
+#include "ngs/io/relative_path.h"
 
 namespace ngs::io {
 namespace {
@@ -47,20 +48,6 @@ E value_of(const std::array<Name<E>, N>& names, const JsonReader& reader, const 
   reader.fail(key, expected);
 }
 
-std::string from_folder(const std::string& folder, const std::string& path) {
-  if (path.empty() || folder.empty()) return path;
-  return (fs::path(folder) / path).lexically_normal().string();
-}
-
-/// Links in the folders are resolved, or ".." would lead elsewhere; the file's own name is kept.
-std::string to_folder(const fs::path& folder, const std::string& path) {
-  if (path.empty()) return path;
-  const fs::path absolute = fs::absolute(path).lexically_normal();
-  const fs::path relative =
-      (fs::weakly_canonical(absolute.parent_path()) / absolute.filename()).lexically_relative(folder);
-  return relative.empty() ? absolute.string() : relative.string();
-}
-
 SceneView parse_view(const JsonReader& reader, const std::string& folder) {
   SceneView view;
   Camera& camera = view.camera;
@@ -72,14 +59,14 @@ SceneView parse_view(const JsonReader& reader, const std::string& folder) {
   const std::vector<double> r = reader.matrix("rotation", 9, 0), t = reader.matrix("translation", 3, 0);
   std::copy(r.begin(), r.end(), camera.rotation.m);
   camera.translation = vec3(t.data());
-  view.image_path = from_folder(folder, reader.text_or("image", ""));
-  view.mask_path = from_folder(folder, reader.text_or("mask", ""));
+  view.image_path = path_from_folder(folder, reader.text_or("image", ""));
+  view.mask_path = path_from_folder(folder, reader.text_or("mask", ""));
   view.split = value_of(kSplits, reader, "split");
   reader.refuse_unknown_keys();
   return view;
 }
 
-ordered_json view_to_json(const SceneView& view, const fs::path& folder) {
+ordered_json view_to_json(const SceneView& view, const FileFolder& folder) {
   const Camera& c = view.camera;
   ordered_json out{{"name", c.name},
                    {"width", c.width_px},
@@ -90,8 +77,8 @@ ordered_json view_to_json(const SceneView& view, const fs::path& folder) {
                    {"cy", c.cy},
                    {"rotation", std::vector<double>(c.rotation.m, c.rotation.m + 9)},
                    {"translation", {c.translation.x, c.translation.y, c.translation.z}}};
-  if (!view.image_path.empty()) out["image"] = to_folder(folder, view.image_path);
-  if (!view.mask_path.empty()) out["mask"] = to_folder(folder, view.mask_path);
+  if (!view.image_path.empty()) out["image"] = path_to_folder(folder, view.image_path);
+  if (!view.mask_path.empty()) out["mask"] = path_to_folder(folder, view.mask_path);
   out["split"] = name_of(kSplits, view.split);
   return out;
 }
@@ -173,7 +160,7 @@ Scene parse_scene_json(const json& root, const std::string& folder, const std::s
         object + ": scene version " + std::to_string(version) + ", expected " + std::to_string(kSceneVersion),
         "write it again with this version: ngs-scene import SOURCE -o scene.json");
   Scene scene;
-  scene.model_path = from_folder(folder, reader.text_or("model", ""));
+  scene.model_path = path_from_folder(folder, reader.text_or("model", ""));
   scene.image_scale = reader.number("image_scale");
   scene.filter_px2 = reader.number_or("filter_px2", scene.filter_px2);
   if (reader.has("background")) scene.background = vec3(reader.matrix("background", 3, 0).data());
@@ -204,9 +191,9 @@ Scene read_scene_json(const std::string& path) {
 
 void write_scene_json(const std::string& path, const Scene& scene) {
   validate_scene(scene, path);
-  const fs::path folder = fs::weakly_canonical(fs::absolute(path).parent_path());
+  const FileFolder folder(path);
   ordered_json out{{"ngs_scene", kSceneVersion},
-                   {"model", to_folder(folder, scene.model_path)},
+                   {"model", path_to_folder(folder, scene.model_path)},
                    {"image_scale", scene.image_scale},
                    {"filter_px2", scene.filter_px2}};
   if (const auto& b = scene.background) out["background"] = {b->x, b->y, b->z};

@@ -1,0 +1,22 @@
+#pragma once
+// Paths in files, relative to the folder of the file that holds them.
+#include <filesystem>
+#include <string>
+
+namespace ngs::io {
+
+/// A path of a file in `folder` as the working directory sees it. Absolute and empty paths stay as they are.
+std::string path_from_folder(const std::string& folder, const std::string& path);
+
+/// The folder that a file lies in, for path_to_folder.
+struct FileFolder {
+  explicit FileFolder(const std::string& file);
+  std::filesystem::path named, real;  // absolute; as the user names it, and with its links resolved
+};
+
+/// `path`, which the working directory sees, relative to the folder. What lies below the folder by name keeps its
+/// name, so that the folder can be moved with the links in it; for all else the links of the folders are resolved, or
+/// ".." would lead elsewhere (the file's own name is kept).
+std::string path_to_folder(const FileFolder& folder, const std::string& path);
+
+}  // namespace ngs::io
