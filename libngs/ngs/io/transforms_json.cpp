@@ -9,6 +9,7 @@
 #include "ngs/core/error.h"
 #include "ngs/io/json_file.h"
 #include "ngs/io/pose.h"
+#include "ngs/io/relative_path.h"
 
 namespace ngs::io {
 namespace {
@@ -54,8 +55,16 @@ void refuse_distortion(const Lookup& lookup, const std::string& where) {
     throw Error(ErrorCode::kBadInput, where + ": camera model " + model + ", expected a pinhole", remedy);
 }
 
+/// A path of the file. Written on Windows it has backslashes between its folders; a file that is really called so wins.
+std::string path_in(const TransformsSource& source, std::string text) {
+  const std::string folder = source.folder.empty() ? "." : source.folder;
+  if (text.find('\\') != std::string::npos && !source.images.exists(path_from_folder(folder, text)))
+    std::replace(text.begin(), text.end(), '\\', '/');
+  return path_from_folder(folder, text);
+}
+
 std::string find_image(const TransformsSource& source, const std::string& file_path) {
-  const std::string path = (fs::path(source.folder) / file_path).lexically_normal().string();
+  const std::string path = path_in(source, file_path);
   if (source.images.exists(path)) return path;
   for (const char* extension : {".png", ".jpg", ".jpeg", ".JPG", ".PNG"})
     if (source.images.exists(path + extension)) return path + extension;
@@ -119,20 +128,17 @@ std::optional<WorldTransform> undo_applied(const JsonReader& file) {
   return WorldTransform{inverse, (-scale) * (inverse * applied.translation), 1 / scale};
 }
 
-/// Names relative to the deepest folder that holds all images.
-void name_views(Capture& capture, const std::vector<std::string>& file_paths) {
-  std::vector<fs::path> parents;
-  for (const std::string& file : file_paths)
-    parents.push_back(fs::path(file).lexically_normal().parent_path());
-  fs::path shared = parents.front();
-  for (const fs::path& parent : parents)
-    while (std::mismatch(shared.begin(), shared.end(), parent.begin(), parent.end()).first != shared.end())
+/// Names relative to the deepest folder that holds all images. All from the root, where one may be named so and others
+/// relative to the file; up there at the latest they share one.
+void name_views(Capture& capture) {
+  std::vector<fs::path> files;
+  for (const SceneView& view : capture.views) files.push_back(fs::absolute(view.image_path).lexically_normal());
+  fs::path shared = files.front().parent_path();
+  for (const fs::path& file : files)
+    while (std::mismatch(shared.begin(), shared.end(), file.begin(), file.end()).first != shared.end())
       shared = shared.parent_path();
-  for (std::size_t i = 0; i < file_paths.size(); ++i) {
-    const fs::path folder = shared.empty() ? parents[i] : parents[i].lexically_relative(shared);
-    capture.views[i].camera.name =
-        (folder / fs::path(capture.views[i].image_path).filename()).lexically_normal().string();
-  }
+  for (std::size_t i = 0; i < files.size(); ++i)
+    capture.views[i].camera.name = files[i].lexically_relative(shared).string();
 }
 
 }  // namespace
@@ -141,16 +147,13 @@ Capture parse_transforms_json(const json& root, const TransformsSource& source) 
   const JsonReader file(root, source.object);
   Capture capture;
   capture.format = "transforms.json";
-  std::vector<std::string> file_paths;
   for (const json& entry : file.array("frames")) {
-    const JsonReader frame(entry, source.object + ": frames[" + std::to_string(file_paths.size()) + "]");
+    const JsonReader frame(entry, source.object + ": frames[" + std::to_string(capture.views.size()) + "]");
     const Lookup lookup(frame, file);
     refuse_distortion(lookup, frame.where());
     SceneView view;
-    file_paths.push_back(frame.text("file_path"));
-    view.image_path = find_image(source, file_paths.back());
-    if (frame.has("mask_path"))
-      view.mask_path = (fs::path(source.folder) / frame.text("mask_path")).lexically_normal().string();
+    view.image_path = find_image(source, frame.text("file_path"));
+    if (frame.has("mask_path")) view.mask_path = path_in(source, frame.text("mask_path"));
     read_intrinsics(lookup, source, frame.where(), view);
     const RigidRows pose = read_rigid(frame, "transform_matrix");
     Mat3<double> axes = pose.rotation;  // OpenGL -> ours: y and z change sign
@@ -158,7 +161,7 @@ Capture parse_transforms_json(const json& root, const TransformsSource& source) 
     set_pose(view.camera, axes, pose.translation);
     capture.views.push_back(std::move(view));
   }
-  if (!capture.views.empty()) name_views(capture, file_paths);
+  if (!capture.views.empty()) name_views(capture);
   if (const auto undo = undo_applied(file)) {
     if (source.original_world)
       for (SceneView& view : capture.views) apply(*undo, view.camera);

@@ -5,9 +5,8 @@
 //   intrinsics  fl_x, fl_y (default fl_x), cx, cy (default: centre), w, h, or camera_angle_x [rad]; per file
 //   or
 //               per frame. Without w and h the image itself is asked.
-//   images      file_path, relative to the json file; without extension .png .jpg .jpeg are tried. A frame's
-//   name
-//               is its path without the folders that all frames share.
+//   images      file_path, relative to the json file or absolute, with slashes or backslashes; without extension .png
+//               .jpg .jpeg are tried. A frame's name is its path without the folders that all frames share.
 //   masks       mask_path per frame
 //   distortion  any k1..k6 p1 p2 of 1e-9 or more, fisheye and panorama models: kBadInput
 //   applied_transform [3x4], applied_scale: the world of the file = scale · (transform of the original
