@@ -117,7 +117,7 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
     CHECK(bare.find("better views are not shown") != bare.npos);
   }
   SUBCASE("a small error lies in the middle of its crop") {
-    const io::RawMask raw = io::read_mask_raw(out + "/masks/v5.png");
+    const io::RawMask raw = io::read_mask_raw(out + "/masks/v5.png", io::Palette::kMask);
     REQUIRE(raw.width_px == 48);
     ImageU8 mask(48, raw.height_px, 1);
     for (std::size_t p = 0; p < mask.data.size(); ++p) mask.data[p] = std::uint8_t(raw.data[p]);

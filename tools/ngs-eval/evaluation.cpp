@@ -81,8 +81,9 @@ io::RawMask read_exr_mask(const std::string& path) {
   return raw;
 }
 
-io::RawMask read_mask(const std::string& path) {
-  return path.ends_with(".exr") ? read_exr_mask(path) : io::read_mask_raw(path);
+io::RawMask read_mask(const std::string& path, bool is_label_map) {
+  if (path.ends_with(".exr")) return read_exr_mask(path);
+  return io::read_mask_raw(path, is_label_map ? io::Palette::kIndices : io::Palette::kMask);
 }
 
 Pairing matched_files(const ImageList& predicted, const ImageList& truth, const EvalFileOptions& options) {
@@ -172,7 +173,8 @@ std::vector<PairScore> score_masks(Run& run, const EvalOptions& options, const s
   std::vector<std::vector<PairScore>> found(pairs.size());
   try_each_task(run.exec(), std::int64_t(pairs.size()), [&](std::int64_t index) {
     const auto i = std::size_t(index);
-    const io::RawMask predicted = read_mask(pairs[i].predicted), truth = read_mask(pairs[i].truth);
+    const io::RawMask predicted = read_mask(pairs[i].predicted, options.label_map && pairs[i].truth_id == 0),
+                      truth = read_mask(pairs[i].truth, options.label_map);
     const EvalPair pair{pairs[i].view, pairs[i].object, predicted.samples(), truth.samples(),
                         pairs[i].truth_id};
     found[i] = evaluate_pair(Exec{}, options, ids, pair);

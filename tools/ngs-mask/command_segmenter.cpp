@@ -60,7 +60,7 @@ PixelMask read_answer(const std::string& path, const ViewPrompt& prompt, const s
   const io::ImageSize size = with_context(who, [&] { return io::read_image_size(path); });
   if (size != io::ImageSize{prompt.width_px, prompt.height_px})
     refuse("it wrote " + io::to_string(size) + " px");
-  const io::RawMask raw = with_context(who, [&] { return io::read_mask_raw(path); });
+  const io::RawMask raw = with_context(who, [&] { return io::read_mask_raw(path, io::Palette::kMask); });
   return object_pixels(raw.samples());
 }
 

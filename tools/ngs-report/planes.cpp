@@ -7,7 +7,7 @@ namespace ngs::cli {
 
 Plane read_plane(const std::string& path, std::uint32_t id) {
   if (path.empty() || path.ends_with(".exr")) return {};
-  const io::RawMask raw = io::read_mask_raw(path);
+  const io::RawMask raw = io::read_mask_raw(path, id == 0 ? io::Palette::kMask : io::Palette::kIndices);
   const MaskSamples samples = raw.samples();
   Plane plane{raw.width_px, raw.height_px, {}};
   if (id == 0 || (id != 255 && is_black_and_white(samples))) {

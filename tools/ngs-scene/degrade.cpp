@@ -26,7 +26,7 @@ struct DegradeOptions {
 };
 
 ImageU16 read_binary(const std::string& path) {
-  const io::RawMask raw = io::read_mask_raw(path);
+  const io::RawMask raw = io::read_mask_raw(path, io::Palette::kMask);
   ImageU16 mask(raw.width_px, raw.height_px, 1);
   std::ranges::copy(object_pixels(raw.samples()), mask.data.begin());
   return mask;

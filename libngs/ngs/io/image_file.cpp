@@ -1,5 +1,6 @@
 #include "ngs/io/image_file.h"
 
+#include <algorithm>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -56,6 +57,13 @@ void lay_over(float rgb[3], float alpha, Vec3<float> behind) {
   for (int c = 0; c < 3; ++c) rgb[c] = alpha * rgb[c] + (1 - alpha) * under[c];
 }
 
+RawMask raw_mask(const Picture& picture, bool lossy) {
+  RawMask mask{picture.width_px, picture.height_px, picture.channels, picture.bits, lossy, {}};
+  mask.data.resize(picture.samples.size() * 8 / std::size_t(picture.bits));
+  with_samples(picture, [&](const auto* sample) { std::copy_n(sample, mask.data.size(), mask.data.begin()); });
+  return mask;
+}
+
 ImageF resize(const ImageF& image, int width_px, int height_px, int method) {
   NGS_CHECK(!image.empty() && width_px > 0 && height_px > 0, "resize needs a non-empty image and size");
   if (image.width_px == width_px && image.height_px == height_px) return image;
@@ -102,26 +110,20 @@ bool is_transparent(const std::string& path) {
   return found;
 }
 
-RawMask read_mask_raw(const std::string& path) {
+RawMask read_mask_raw(const std::string& path, Palette palette) {
   const MappedFile file = map_regular_file(path);
   const auto header = parse_image_header(file.bytes(), path);
-  const bool palette = header && header->palette;
-  const std::vector<std::uint8_t> indices =
-      palette ? palette_png_as_indices(file.bytes()) : std::vector<std::uint8_t>{};
-  const Picture picture = decode(palette ? Bytes(indices) : file.bytes(), path);
-  RawMask mask{picture.width_px,
-               picture.height_px,
-               picture.channels,
-               picture.bits,
-               header && header->format == ImageFormat::kJpeg,
-               {}};
-  mask.data.resize(picture.samples.size() * 8 / std::size_t(picture.bits));
+  const bool lossy = header && header->format == ImageFormat::kJpeg;
+  if (!header || !header->palette) return raw_mask(decode(file.bytes(), path), lossy);
+  if (palette != Palette::kIndices) {
+    RawMask colours = raw_mask(decode(file.bytes(), path), lossy);
+    if (palette == Palette::kColours || !header->begins_black || is_grey(colours.samples())) return colours;
+  }
+  RawMask indices = raw_mask(decode(palette_png_as_indices(file.bytes()), path), lossy);
   // Decoders stretch 1, 2 and 4 bit grey to 0..255; an index must come back as itself.
-  const int stretch = palette && header->bits < 8 ? 255 / ((1 << header->bits) - 1) : 1;
-  with_samples(picture, [&](const auto* sample) {
-    for (std::uint16_t& value : mask.data) value = std::uint16_t(*sample++ / stretch);
-  });
-  return mask;
+  const int stretch = header->bits < 8 ? 255 / ((1 << header->bits) - 1) : 1;
+  for (std::uint16_t& value : indices.data) value = std::uint16_t(value / stretch);
+  return indices;
 }
 
 ImageSize read_image_size(const std::string& path) {

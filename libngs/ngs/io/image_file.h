@@ -17,7 +17,15 @@ ImageF read_image_rgb(const std::string& path, Vec3<float> behind = {0, 0, 0});
 /// Whether any pixel is transparent.
 bool is_transparent(const std::string& path);
 
-/// Samples as they are in the file. A palette PNG gives its indices.
+/// What the pixels of a palette PNG are.
+enum class Palette : std::uint8_t {
+  kIndices,  // label maps
+  kMask,     // a mask: the colours where they are all grey, whatever the order in which an encoder put them, or where
+             // the first is not black; else the indices, as trackers write them (0 black, 1 the first object's colour)
+  kColours
+};
+
+/// Samples as they are in the file.
 struct RawMask {
   int width_px = 0, height_px = 0, channels = 0;  // 1, 3 (RGB) or 4 (RGBA)
   int bits = 8;                                   // 8 or 16
@@ -25,7 +33,7 @@ struct RawMask {
   std::vector<std::uint16_t> data;                // [H, W, C]
   MaskSamples samples() const { return {width_px, height_px, channels, bits, data}; }
 };
-RawMask read_mask_raw(const std::string& path);
+RawMask read_mask_raw(const std::string& path, Palette palette);
 
 struct ImageSize {
   int width_px = 0, height_px = 0;

@@ -48,6 +48,8 @@ ImageHeader parse_png(Bytes bytes, const std::string& object) {
   bool has_size = false, has_pixels = false;
   const bool complete = walk_png(bytes, [&](const std::string& type, std::size_t at, std::size_t length) {
     if (type == "IDAT") has_pixels = true;
+    if (type == "PLTE" && length >= 3)
+      header.begins_black = bytes[at + 8] == 0 && bytes[at + 9] == 0 && bytes[at + 10] == 0;
     if (type != "IHDR" || length < 13) return;
     constexpr std::uint32_t kMaxSide = 1u << 30;
     header.width_px = int(std::min(big_endian_32(bytes, at + 8), kMaxSide));

@@ -18,6 +18,7 @@ struct ImageHeader {
   int width_px = 0, height_px = 0;
   int bits = 8;          // per sample
   bool palette = false;  // PNG colour type 3: samples are indices
+  bool begins_black = false;  // the palette's first colour is black
 };
 
 /// Empty: neither PNG nor JPEG. Throws kBadInput where the file is one of them but truncated, without an

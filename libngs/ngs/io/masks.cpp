@@ -20,8 +20,9 @@ constexpr const char* kObjectField = "{object}";
 /// One file as single-channel samples, not yet interpreted.
 struct Plane {
   ImageF value;          // [H, W, 1] as in the file
-  float full_scale = 1;  // 255, 65535, or 1
+  float full_scale = 1;  // of the file's type: 255, 65535, or 1
   bool lossy = false;
+  float used_scale = full_scale;  // of its values, see full_scale()
 };
 
 /// One file interpreted at its own size.
@@ -63,7 +64,7 @@ Plane read_exr_plane(const std::string& path, MaskMode mode) {
 
 Plane read_plane(const std::string& path, MaskMode mode, std::vector<std::string>& notes) {
   if (has_extension(path, ".exr")) return read_exr_plane(path, mode);
-  const RawMask raw = read_mask_raw(path);
+  const RawMask raw = read_mask_raw(path, mode == MaskMode::kLabel ? Palette::kIndices : Palette::kMask);
   Plane plane{ImageF(raw.width_px, raw.height_px, 1), raw.bits == 8 ? 255.f : 65535.f, raw.lossy};
   const MaskSamples samples = raw.samples();
   const bool is_label_map = mode == MaskMode::kLabel, cut_out = is_cut_out(samples) && !is_label_map;
@@ -78,16 +79,16 @@ Plane read_plane(const std::string& path, MaskMode mode, std::vector<std::string
     for (std::size_t i = 0; i < plane.value.data.size(); ++i)
       plane.value.data[i] = float(raw.data[i * std::size_t(raw.channels)]);
   else
-    std::ranges::copy(decisive_channel(samples), plane.value.data.begin());
+    std::ranges::copy(decisive_channel(samples), plane.value.data.begin()), plane.used_scale = full_scale(samples);
   return plane;
 }
 
-/// {0,1}-valued integer files are common (bool arrays saved as images) and would be all background at >= 128.
-void recognise_zero_one(Plane& plane, const std::string& path, std::vector<std::string>& notes) {
-  if (plane.full_scale == 1.f) return;
-  if (*std::max_element(plane.value.data.begin(), plane.value.data.end()) != 1.f) return;
-  plane.full_scale = 1.f;
-  notes.push_back(path + ": values are 0 and 1 only, read as background and object");
+/// At the scale of their type such files would be all background.
+void take_used_scale(Plane& plane, const std::string& path, std::vector<std::string>& notes) {
+  if (plane.used_scale == plane.full_scale) return;
+  plane.full_scale = plane.used_scale;
+  notes.push_back(path + ": values are 0 and " + std::to_string(int(plane.used_scale)) +
+                  " only, read as background and object");
 }
 
 template <class Rule>
@@ -104,7 +105,7 @@ Decoded decode(const Scene& scene, const std::string& path, std::vector<std::str
   out.lossy = plane.lossy;
   switch (scene.mask_mode) {
     case MaskMode::kBinary: {
-      recognise_zero_one(plane, path, notes);
+      take_used_scale(plane, path, notes);
       // a {0,1} file has its own threshold; EXR and 16 bit share the 8-bit scale
       const double threshold = plane.full_scale == 1.f && !has_extension(path, ".exr")
                                    ? 1.0
@@ -114,7 +115,7 @@ Decoded decode(const Scene& scene, const std::string& path, std::vector<std::str
       break;
     }
     case MaskMode::kSoft:
-      recognise_zero_one(plane, path, notes);
+      take_used_scale(plane, path, notes);
       out.target.push_back(mapped(plane.value, [&](float v) {
         const float soft = v / plane.full_scale;
         return scene.mask_invert ? 1 - soft : soft;

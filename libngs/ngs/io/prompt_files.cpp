@@ -1,5 +1,6 @@
 #include "ngs/io/prompt_files.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "ngs/core/error.h"
@@ -27,13 +28,29 @@ PromptStroke stroke_of(const nlohmann::json& value, const std::string& where) {
   return stroke;
 }
 
+/// 0..255
+int sample_of(const RawMask& picture, std::size_t pixel, std::size_t channel) {
+  const int value = picture.data[pixel * std::size_t(picture.channels) + channel];
+  return picture.bits == 16 ? value / 257 : value;
+}
+
+/// Where a picture can be seen through it is not painted, whatever the colour that its file keeps there.
+bool is_see_through(const RawMask& picture, std::size_t pixel) {
+  return picture.channels == 4 && sample_of(picture, pixel, 3) < 128;
+}
+
+/// Not black.
+bool is_painted(const RawMask& picture, std::size_t pixel) {
+  if (is_see_through(picture, pixel)) return false;
+  for (std::size_t c = 0; c < std::size_t(std::min(picture.channels, 3)); ++c)
+    if (picture.data[pixel * std::size_t(picture.channels) + c] > 0) return true;
+  return false;
+}
+
 /// The mark of one sample of a colour picture.
 PixelHint mark_of(const RawMask& picture, std::size_t pixel) {
-  const auto channel = [&](std::size_t c) {
-    const int value = picture.data[pixel * std::size_t(picture.channels) + c];
-    return picture.bits == 16 ? value / 257 : value;
-  };
-  const bool red = channel(0) >= 128, green = channel(1) >= 128;
+  if (is_see_through(picture, pixel)) return PixelHint::kLikelyBackground;
+  const bool red = sample_of(picture, pixel, 0) >= 128, green = sample_of(picture, pixel, 1) >= 128;
   return red == green ? PixelHint::kLikelyBackground : green ? PixelHint::kObject : PixelHint::kBackground;
 }
 
@@ -77,7 +94,7 @@ HandPrompt read_prompts_json(const std::string& path) {
 }
 
 HandPrompt read_scribbles(const std::string& path) {
-  const RawMask picture = read_mask_raw(path);
+  const RawMask picture = read_mask_raw(path, Palette::kColours);
   if (picture.channels < 3)
     throw Error(ErrorCode::kBadInput,
                 path + ": a grey picture, expected green (object) and red (background) strokes",
@@ -93,7 +110,7 @@ HandPrompt read_scribbles(const std::string& path) {
 }
 
 void add_scribbles(const std::string& path, bool object, HandPrompt& prompt) {
-  const RawMask picture = read_mask_raw(path);
+  const RawMask picture = read_mask_raw(path, Palette::kColours);
   if (prompt.painted.empty()) {
     prompt.width_px = picture.width_px, prompt.height_px = picture.height_px;
     prompt.painted.assign(std::size_t(picture.width_px) * std::size_t(picture.height_px),
@@ -103,12 +120,10 @@ void add_scribbles(const std::string& path, bool object, HandPrompt& prompt) {
     throw Error(ErrorCode::kInconsistent,
                 path + ": " + to_string({picture.width_px, picture.height_px}) + " px, expected " +
                     to_string({prompt.width_px, prompt.height_px}) + " px as the other scribbles");
-  const std::size_t colours = picture.channels == 4 ? 3 : std::size_t(picture.channels);
   bool any = false;
   for (std::size_t p = 0; p < prompt.painted.size(); ++p)
-    for (std::size_t c = 0; c < colours; ++c)
-      if (picture.data[p * std::size_t(picture.channels) + c] > 0)
-        any = true, prompt.painted[p] = object ? PixelHint::kObject : PixelHint::kBackground;
+    if (is_painted(picture, p))
+      any = true, prompt.painted[p] = object ? PixelHint::kObject : PixelHint::kBackground;
   if (!any) throw Error(ErrorCode::kBadInput, path + ": all black, expected strokes of another colour");
 }
 

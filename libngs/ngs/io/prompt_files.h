@@ -10,7 +10,8 @@
 // file of the rendered consensus (0/255, PNG); these are ignored when read.
 //
 // Scribble pictures (PNG): green is the object (G >= 128, R < 128), red the background (R >= 128, G < 128);
-// all else is unmarked. Grey or one-sided pictures (NVOS: pos_*.png, neg_*.png): see read_scribbles.
+// all else is unmarked, as is what can be seen through. Grey or one-sided pictures (NVOS: pos_*.png, neg_*.png): see
+// add_scribbles.
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
@@ -25,8 +26,8 @@ HandPrompt parse_prompts_json(const nlohmann::json& root, const std::string& obj
 /// A green and red picture. kBadInput where nothing is marked.
 HandPrompt read_scribbles(const std::string& path);
 
-/// Marks every pixel of a picture that is not black as one side, over what `prompt` has. The first picture
-/// decides the size; another size is kInconsistent.
+/// Marks every pixel of a picture that is neither black nor see-through as one side, over what `prompt` has. The first
+/// picture decides the size; another size is kInconsistent.
 void add_scribbles(const std::string& path, bool object, HandPrompt& prompt);
 
 }  // namespace ngs::io

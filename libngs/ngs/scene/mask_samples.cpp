@@ -35,13 +35,21 @@ std::vector<std::uint16_t> decisive_channel(const MaskSamples& samples) {
   return plane;
 }
 
-bool is_zero_one(const MaskSamples& samples) { return largest(decisive_channel(samples)) == 1; }
+float full_scale(const MaskSamples& samples) {
+  const std::vector<std::uint16_t> plane = decisive_channel(samples);
+  if (largest(plane) == 1) return 1;
+  const auto is_8_bit = [](std::uint16_t v) { return v == 0 || v == 255; };
+  if (samples.bits == 8 || (largest(plane) == 255 && std::ranges::all_of(plane, is_8_bit))) return 255;
+  return 65535;
+}
+
+bool is_zero_one(const MaskSamples& samples) { return full_scale(samples) == 1; }
 
 std::vector<std::uint8_t> object_pixels(const MaskSamples& samples) {
   const std::vector<std::uint16_t> plane = decisive_channel(samples);
-  const int least = largest(plane) == 1 ? 1 : samples.bits == 16 ? 128 * 257 : 128;
+  const float least = full_scale(samples) * (128.f / 255.f);
   std::vector<std::uint8_t> object(plane.size());
-  for (std::size_t i = 0; i < plane.size(); ++i) object[i] = plane[i] >= least;
+  for (std::size_t i = 0; i < plane.size(); ++i) object[i] = float(plane[i]) >= least;
   return object;
 }
 

@@ -19,9 +19,12 @@ bool is_grey(const MaskSamples& samples);
 /// [H·W] the samples that decide whether a pixel is object: alpha of a cut-out, else the largest of R, G, B, so that
 /// an object of any pure colour on black is one.
 std::vector<std::uint16_t> decisive_channel(const MaskSamples& samples);
-/// The decisive samples are zeros and ones: a bool array that was saved as an image, 1 is the object.
+/// The value that stands for 1: 255 or 65535, except where the decisive samples are zeros and ones (a bool array that
+/// was saved as an image) or, in 16 bit, 0 and 255 (a mask of 8 bit that was).
+float full_scale(const MaskSamples& samples);
+/// The decisive samples are zeros and ones, 1 is the object.
 bool is_zero_one(const MaskSamples& samples);
-/// [H·W] 1: the decisive sample is at least 128 of 255, or 1 in a file of zeros and ones.
+/// [H·W] 1: the decisive sample is at least 128/255 of the full scale.
 std::vector<std::uint8_t> object_pixels(const MaskSamples& samples);
 
 }  // namespace ngs

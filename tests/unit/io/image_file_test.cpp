@@ -50,7 +50,8 @@ TEST_CASE("a PNG comes back as it was written, 8 and 16 bit, 1, 3 and 4 channels
       small.data[i] = std::uint8_t(i * 11), large.data[i] = std::uint16_t(i * 2741 + 1);
     write_png(dir.file("a.png"), small);
     write_png16(dir.file("b.png"), large);
-    const RawMask a = read_mask_raw(dir.file("a.png")), b = read_mask_raw(dir.file("b.png"));
+    const RawMask a = read_mask_raw(dir.file("a.png"), Palette::kMask),
+                  b = read_mask_raw(dir.file("b.png"), Palette::kMask);
     CHECK(a.bits == 8);
     CHECK(b.bits == 16);
     CHECK(a.channels == channels);
@@ -108,10 +109,26 @@ TEST_CASE("a palette PNG gives its indices, whatever the colours and the bit dep
   dir.write("p8.png", raw_png(3, 1, 8, 3, std::string("\0\0\1\3", 4), palette));
   dir.write("p2.png", raw_png(3, 1, 2, 3, std::string{0, char(0b00011100)}, palette));
   for (const char* name : {"p8.png", "p2.png"}) {
-    const RawMask mask = read_mask_raw(dir.file(name));
+    const RawMask mask = read_mask_raw(dir.file(name), Palette::kIndices);
     CHECK(mask.channels == 1);
     CHECK(mask.data == std::vector<std::uint16_t>{0, 1, 3});
   }
+}
+
+TEST_CASE("a palette PNG of a mask gives its greys in whatever order they are, or the indices of a tracker") {
+  const TempDir dir;
+  const auto values = [&](const std::string& palette, Palette meaning) {
+    dir.write("p.png", raw_png(3, 1, 8, 3, std::string("\0\0\1\1", 4), palette));
+    const RawMask mask = read_mask_raw(dir.file("p.png"), meaning);
+    return decisive_channel(mask.samples());
+  };
+  using Values = std::vector<std::uint16_t>;
+  const std::string white_first("\xff\xff\xff\0\0\0", 6), tracker("\0\0\0\x80\0\0", 6), red_first("\xff\0\0\0\0\0", 6);
+  CHECK(values(white_first, Palette::kMask) == Values{255, 0, 0});
+  CHECK(values(white_first, Palette::kIndices) == Values{0, 1, 1});
+  CHECK(values(tracker, Palette::kMask) == Values{0, 1, 1});
+  CHECK(values(tracker, Palette::kColours) == Values{0, 128, 128});
+  CHECK(values(red_first, Palette::kMask) == Values{255, 0, 0});
 }
 
 TEST_CASE("image size is read from the header and equals the decoded size") {
@@ -128,7 +145,7 @@ TEST_CASE("every prefix of a PNG is refused as bad input") {
     dir.write("cut.png", bytes.substr(0, n));
     CAPTURE(n);
     CHECK_THROWS_AS(read_image_rgb(dir.file("cut.png")), Error);
-    CHECK_THROWS_AS(read_mask_raw(dir.file("cut.png")), Error);
+    CHECK_THROWS_AS(read_mask_raw(dir.file("cut.png"), Palette::kMask), Error);
   }
 }
 

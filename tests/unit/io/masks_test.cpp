@@ -61,6 +61,22 @@ TEST_CASE("a mask of zeros and ones is recognised and noted") {
   CHECK(got.notes[0].find("values are 0 and 1 only") != std::string::npos);
 }
 
+TEST_CASE("a mask of 8 bit that was saved as 16 bit is recognised and noted, other small values are none") {
+  const TempDir dir;
+  ImageU16 image(2, 1, 1);
+  image.data = {0, 255};
+  write_png16(dir.file("m.png"), image);
+  for (const MaskMode mode : {MaskMode::kBinary, MaskMode::kSoft}) {
+    const LoadedMasks got = load_masks_with_notes(one_view(mode, 2, 1, dir.file("m.png")), 0);
+    CHECK(got.masks.target[0] == Values{0, 1});
+    REQUIRE(got.notes.size() == 1);
+    CHECK(got.notes[0].find("values are 0 and 255 only") != std::string::npos);
+  }
+  image.data = {200, 255};  // a faint soft mask
+  write_png16(dir.file("m.png"), image);
+  CHECK(load_masks(one_view(MaskMode::kBinary, 2, 1, dir.file("m.png")), 0).target[0] == Values{0, 0});
+}
+
 TEST_CASE("an all-zero mask stays empty, with no note") {
   const TempDir dir;
   const LoadedMasks got =

@@ -26,9 +26,12 @@ std::string refusal(const auto& body) {
   return {};
 }
 
-ImageU8 picture(int channels, std::vector<std::uint8_t> pixel) {
+/// All pixels are `rest`, black by default, except one.
+ImageU8 picture(int channels, std::vector<std::uint8_t> pixel, std::vector<std::uint8_t> rest = {0, 0, 0, 0}) {
   ImageU8 image(4, 3, channels);
-  for (int c = 0; c < channels; ++c) image.at(1, 2, c) = pixel[std::size_t(c)];
+  for (int y = 0; y < 3; ++y)
+    for (int x = 0; x < 4; ++x)
+      for (int c = 0; c < channels; ++c) image.at(x, y, c) = (x == 1 && y == 2 ? pixel : rest)[std::size_t(c)];
   return image;
 }
 
@@ -84,6 +87,15 @@ TEST_CASE("green marks the object and red the background; grey pictures mark one
   io::write_png(file, picture(1, {1}));
   CHECK(refusal([&] { io::read_scribbles(file); }).find("grey") != std::string::npos);
 
+  io::write_png(file, picture(4, {20, 200, 20, 255}, {20, 200, 20, 0}));  // green under transparency
+  CHECK(io::read_scribbles(file).painted[marked] == PixelHint::kObject);
+  CHECK(io::read_scribbles(file).painted[0] == PixelHint::kLikelyBackground);
+  HandPrompt see_through;
+  io::add_scribbles(file, true, see_through);
+  CHECK(see_through.painted[marked] == PixelHint::kObject);
+  CHECK(see_through.painted[0] == PixelHint::kLikelyBackground);
+
+  io::write_png(file, picture(1, {1}));
   HandPrompt prompt;
   io::add_scribbles(file, true, prompt);
   CHECK(prompt.painted[marked] == PixelHint::kObject);

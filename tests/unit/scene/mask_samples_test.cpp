@@ -33,6 +33,8 @@ TEST_CASE("the object begins at half of full scale, or at 1 in a file of zeros a
   CHECK(object_pixels(row({0, 127, 128, 255}, 1)) == Bits{0, 0, 1, 1});
   CHECK(object_pixels(row({0, 32895, 32896, 65535}, 1, 16)) == Bits{0, 0, 1, 1});
   CHECK(object_pixels(row({0, 1, 1, 0}, 1)) == Bits{0, 1, 1, 0});
+  CHECK(object_pixels(row({0, 255, 0}, 1, 16)) == Bits{0, 1, 0});
+  CHECK(object_pixels(row({0, 254, 255}, 1, 16)) == Bits{0, 0, 0});
   CHECK(object_pixels(row({0, 0, 0}, 1)) == Bits{0, 0, 0});
   CHECK(is_zero_one(row({0, 1, 0, 0, 0, 0}, 3)));
   CHECK(object_pixels(row({}, 1)).empty());
