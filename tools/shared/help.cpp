@@ -72,7 +72,7 @@ constexpr const char* kCommonHelp =
     "      --device cpu|cuda|auto  where to compute; auto says what it chose and why [auto]\n"
     "      --seed N                of every random choice [0]\n"
     "  -n, --dry-run               read headers, print the plan, write nothing\n"
-    "  -w, --overwrite             replace existing outputs\n"
+    "  -w, --overwrite             replace existing outputs; other files in the folder of an output stay\n"
     "      --allow-empty           an empty result is a result, not exit code 5\n"
     "      --options FILE.json     options from a file; flags win over it\n"
     "      --print-options         the resolved options as JSON\n"

@@ -14,6 +14,7 @@
 #include "shared/command_line.h"
 #include "shared/console.h"
 #include "shared/help.h"
+#include "shared/leftovers.h"
 #include "shared/paths.h"
 #include "shared/signals.h"
 #include "shared/streams.h"
@@ -214,11 +215,19 @@ int Tool::Impl::run(const CommonFlags& flags, Console& console, const std::funct
     state.inputs = describe_inputs(spec, !flags.dry_run);
     for (ReadInput& input : state.inputs) input.path = streams.given(input.path);
   }
+  std::vector<Leftovers> folders;
   for (const Output& output : spec.outputs)
-    if (output && output.directory && !flags.dry_run) std::filesystem::create_directories(output.path);
+    if (output && output.directory && !flags.dry_run) {
+      std::filesystem::create_directories(output.path);
+      folders.emplace_back(output.path);
+    }
 
   Run run(state);
   const int exit_code = body(run);
+  for (const Leftovers& folder : folders)
+    if (const std::vector<std::string> names = folder.untouched(); !names.empty())
+      state.monitor.warn(folder.folder() + ": holds " + std::to_string(names.size()) + " files of before, the first is " +
+                         names.front() + ": they are none of this run's (remove the folder first to be rid of them)");
   const Json report = make_report({.spec = spec,
                                    .flags = flags,
                                    .streams = streams,

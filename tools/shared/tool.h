@@ -44,7 +44,7 @@ struct Inputs {  // one or more positional paths, behind the other positionals
 struct Output {
   std::string flags, help;  // "-o,--output"
   bool required = true;
-  bool directory = false;  // made by the tool; must be absent or empty unless -w
+  bool directory = false;  // made by the tool; must be absent or empty unless -w, which says what stays of before
   std::string path;        // empty: not given
   explicit operator bool() const { return !path.empty(); }
 };
