@@ -97,6 +97,10 @@ TEST_CASE("ngs-gs.sh scores the held-out views of a rig one by one") {
     CHECK(metrics.at("objects").size() == 1);
   }
   CHECK(test::read_bytes(rig.dir.path() + "/out/report.html").find("cam1/1") != std::string::npos);
+  const test::ProcessResult atlas = rig.run({"ngs-report", "out", "-o", "atlas.html", "--atlas", "atlas"});
+  INFO(atlas.err);
+  CHECK(atlas.exit_code == 0);
+  CHECK(rig.files("atlas") == std::set<std::string>{"cam0/1", "cam1/1"});
 }
 
 TEST_CASE("prompts whose file has the name of two views of a rig need to say which") {

@@ -110,6 +110,12 @@ class AtlasMaker {
   SplatOptions splat_;
 };
 
+/// The views of a rig have names with folders.
+void write_picture(const fs::path& file, const ImageU8& picture) {
+  fs::create_directories(file.parent_path());
+  io::write_png(file.string(), picture);
+}
+
 std::string figure_of(const std::string& name, const Found& found) {
   const ImageU8 small = reduced(found.atlas, found.picture);
   return "<figure><div class=stack><img alt=\"View " + escaped(name) + " with its wrong pixels by cause\" width=" +
@@ -145,7 +151,7 @@ std::string errors_section(const Exec& exec, RunFolder& run, Pictures& pictures,
       const std::string name = view.object.empty() ? view.view : view.view + " " + view.object;
       add_row(name, found.atlas.pixels);
       for (std::size_t c = 0; c < kErrorCauses; ++c) sum[c] += found.atlas.pixels[c];
-      if (!folder.empty()) io::write_png((fs::path(folder) / (name + ".png")).string(), found.picture);
+      if (!folder.empty()) write_picture(fs::path(folder) / (name + ".png"), found.picture);
       if (shown >= pictures.zoomed_views()) continue;
       const std::string figure = figure_of(name, found);
       if (pictures.spend(figure.size())) figures += figure, ++shown;

@@ -1,5 +1,6 @@
 // ngs-report: the folders of runs, or of a sweep -> one self-contained HTML page.
 #include "html.h"
+#include "ngs/core/error.h"
 #include "ngs/io/atomic_file.h"
 #include "page.h"
 #include "shared/tool.h"
@@ -34,6 +35,9 @@ int runs_command(int argc, char** argv) {
   const cli::Output& atlas = tool.optional_output_dir(
       "--atlas", "pictures of the wrong pixels by cause, one PNG per scored view of a single run");
   return tool.run(argc, argv, [&](cli::Run& run) {
+    if (atlas && folders.paths.size() > 1)
+      throw Error(ErrorCode::kUsage, "--atlas: " + std::to_string(folders.paths.size()) + " runs, expected a single one",
+                  "make a page of the run alone for it");
     std::vector<cli::RunFolder> runs;
     for (const std::string& path : folders.paths) runs.push_back(cli::read_run_folder(path));
     run.result()["runs"] = runs.size();
