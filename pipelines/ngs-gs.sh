@@ -15,7 +15,8 @@
 #   -n, --dry-run        print the commands only
 #   -h, --help
 #
-# SCENE_DIR holds images/ and the poses: sparse/0 (COLMAP), transforms.json, cameras.json or poses_bounds.npy.
+# SCENE_DIR holds images/ and the poses: sparse/0 or colmap/sparse/0 (COLMAP), transforms.json, transforms_train.json,
+# cameras.json or poses_bounds.npy.
 # OUT_DIR then holds scene.json boundary.ply queries.ply field.ply labelled.ply object.ply background.ply,
 # masks/STEM.png of the held-out views (of all views without --hold-out), metrics.json, report.html and each
 # tool's report in reports/. OUT_DIR is none of the input folders, and its masks/ holds no masks of yours.

@@ -21,9 +21,9 @@ first_existing() {  # the first path that exists, else nothing
   done
 }
 
-source_of_scene() {
-  first_existing "$SCENE/sparse" "$SCENE/cameras.bin" "$SCENE/cameras.txt" "$SCENE/transforms.json" \
-    "$SCENE/cameras.json" "$SCENE/poses_bounds.npy"
+source_of_scene() {  # in the order in which ngs-scene looks
+  first_existing "$SCENE/cameras.bin" "$SCENE/cameras.txt" "$SCENE/sparse" "$SCENE/colmap/sparse/0" \
+    "$SCENE/transforms.json" "$SCENE/transforms_train.json" "$SCENE/cameras.json" "$SCENE/poses_bounds.npy"
 }
 
 model_of_scene() {
@@ -93,10 +93,10 @@ flags() {  # words of a *_FLAGS variable, which is quoted for the shell, into th
 stage_scene() {
   local source model masks optional=()
   source=$(source_of_scene) model=$(model_of_scene) masks=$(masks_of_scene)
-  [ -n "$source" ] || fail 3 "$SCENE: no poses found (sparse/, transforms.json, cameras.json or poses_bounds.npy)"
+  [ -n "$source" ] || fail 3 "$SCENE: no poses found (sparse/, colmap/sparse/0, transforms.json, cameras.json or poses_bounds.npy)"
   [ -n "$model" ] || fail 3 "$SCENE: no point_cloud.ply found" "give one with --model, or fit one: ngs-fit"
   [ -n "$masks" ] || [ -n "${NO_MASKS:-}" ] || fail 3 "$SCENE: no folder 'masks' found" "give one with --masks DIR"
-  case $source in */sparse | */cameras.bin | */cameras.txt) source=$SCENE ;; esac
+  case $source in */sparse | */sparse/0 | */cameras.bin | */cameras.txt) source=$SCENE ;; esac
   if [ -d "$SCENE/images" ]; then optional+=(--images "$SCENE/images"); fi
   if [ -n "$HOLD_OUT" ]; then optional+=(--hold-out "$HOLD_OUT"); fi
   flags "$SCENE_FLAGS"

@@ -143,6 +143,23 @@ TEST_CASE("ngs-gs.sh refuses what it cannot use") {
   CHECK(empty.err.find("no poses found") != std::string::npos);
 }
 
+TEST_CASE("ngs-gs.sh finds poses where ngs-scene does") {
+  for (const auto& [from, to] : {std::pair{"sparse", "colmap/sparse"}, {"transforms.json", "transforms_train.json"}}) {
+    CAPTURE(to);
+    const Capture capture;
+    const std::string scene = capture.dir.path() + "/my scene/", kept = capture.dir.path() + "/kept";
+    fs::rename(scene + from, kept);
+    for (const char* other : {"sparse", "transforms.json", "cameras.json"}) fs::remove_all(scene + other);
+    fs::create_directories(fs::path(scene + to).parent_path());
+    fs::rename(kept, scene + to);
+    const test::ProcessResult result =
+        run_script(capture.dir.path(), {"my scene", "the output", "--until", "scene.json"});
+    INFO(result.err);
+    CHECK(result.exit_code == 0);
+    CHECK(fs::exists(capture.out + "/scene.json"));
+  }
+}
+
 TEST_CASE("ngs-gs.sh refuses an output folder where it would replace masks that it did not render") {
   const Capture capture;
   const std::string scene = capture.dir.path() + "/my scene", out = capture.out;
