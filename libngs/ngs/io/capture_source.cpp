@@ -140,7 +140,10 @@ void bring_to_photo_sizes(Capture& capture) {
           ErrorCode::kInconsistent,
           view.image_path + ": photo of " + to_string(photo) + " px for a camera of " + to_string(camera) +
               " px, expected the same size or an integer factor",
-          "use the photos that the cameras were calibrated on (undistorted ones for an undistorted model)");
+          is_turned(photo, camera, 1)
+              ? "turn its pixels as the cameras have them: its EXIF orientation, which nothing here follows, may have"
+                " been followed where the cameras were made (mogrify -auto-orient)"
+              : "use the photos that the cameras were calibrated on (undistorted ones for an undistorted model)");
     ++resized_views[to_string(camera) + " px brought to the photos' " + to_string(photo) + " px"];
     view.camera = resized(view.camera, photo.width_px, photo.height_px);
   }

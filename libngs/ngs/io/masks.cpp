@@ -164,7 +164,9 @@ void bring_to_size(const Scene& scene, const Camera& camera, const std::string& 
         ErrorCode::kInconsistent,
         path + ": mask of " + to_string(file) + " px for view " + camera.name + " of " + to_string(wanted) +
             " px, expected the same size or an integer factor",
-        "make the masks from the photos that the scene names, or import with their folder as --images");
+        is_turned(file, wanted, scene.image_scale)
+            ? "turn it as the pixels of the photo's file lie: what made it followed the photo's EXIF orientation"
+            : "make the masks from the photos that the scene names, or import with their folder as --images");
   const auto resize = relation.larger ? resize_area : resize_nearest;
   for (ImageF& target : mask.target) target = resize(target, wanted.width_px, wanted.height_px);
   if (!mask.known.empty()) {

@@ -38,4 +38,9 @@ SizeRelation relate_mask_size(ImageSize file, ImageSize camera, double image_sca
   return relation;
 }
 
+bool is_turned(ImageSize file, ImageSize camera, double image_scale) {
+  return !relate_mask_size(file, camera, image_scale).allowed &&
+         relate_mask_size({file.height_px, file.width_px}, camera, image_scale).allowed;
+}
+
 }  // namespace ngs::io

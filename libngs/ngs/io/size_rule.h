@@ -18,4 +18,7 @@ SizeRelation relate_sizes(ImageSize file, ImageSize camera, double image_scale);
 /// its pixels lie where the camera says.
 SizeRelation relate_mask_size(ImageSize file, ImageSize camera, double image_scale);
 
+/// The file would suit the camera if it were turned by 90 degrees.
+bool is_turned(ImageSize file, ImageSize camera, double image_scale);
+
 }  // namespace ngs::io

@@ -72,7 +72,7 @@ void judge(const std::string& name, const ObjectCheck& object, std::vector<std::
       object.views == 1 ? "its only mask is " : "all its " + std::to_string(object.views) + " masks are ";
   if (object.views > 0 && object.empty == object.views)
     throw Error(ErrorCode::kInconsistent, who + all + "empty, expected the object in some",
-                "wrong --object-id, --mask-threshold or polarity (--mask-invert)?");
+                "wrong --object-id, --mask-threshold or polarity (--mask-invert)? Maps of ids need --mask-mode label");
   if (object.views > 0 && object.full == object.views)
     throw Error(ErrorCode::kInconsistent, who + all + "full, expected background in some",
                 "wrong --mask-threshold or polarity (--mask-invert)?");

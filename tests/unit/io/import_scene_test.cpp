@@ -269,6 +269,22 @@ TEST_CASE("photos of another shape, no photo at all and no mask at all are incon
   CHECK(code_of([&] { import_scene(request); }) == ErrorCode::kBadInput);
 }
 
+TEST_CASE("photos that lie turned in their files are told from those of another shape") {
+  const TempDir dir;
+  make_scene(dir, 1, {48, 64});
+  const auto remedy = [&] {
+    try {
+      import_scene(request_for(dir));
+    } catch (const Error& e) {
+      return e.remedy();
+    }
+    return std::string();
+  };
+  CHECK(remedy().find("EXIF orientation") != std::string::npos);
+  write_png(dir.file("images/0.jpg.png"), ImageU8(50, 64, 3, 9));
+  CHECK(remedy().find("calibrated on") != std::string::npos);
+}
+
 TEST_CASE("label maps without ids give one object per id, with ids only those") {
   const TempDir dir;
   make_scene(dir, 2);

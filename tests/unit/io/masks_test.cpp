@@ -210,6 +210,22 @@ TEST_CASE("a mask of another shape is refused and both sizes are named") {
                        Error);
 }
 
+TEST_CASE("a mask that lies turned is told from one of another shape") {
+  const TempDir dir;
+  const auto remedy = [&](int width, int height) {
+    write_png(dir.file("m.png"), ImageU8(width, height, 1));
+    try {
+      load_masks(one_view(MaskMode::kBinary, 400, 300, dir.file("m.png")), 0);
+    } catch (const Error& e) {
+      return e.remedy();
+    }
+    return std::string();
+  };
+  CHECK(remedy(300, 400).find("EXIF orientation") != std::string::npos);
+  CHECK(remedy(600, 800).find("EXIF orientation") != std::string::npos);
+  CHECK(remedy(300, 410).find("photos that the scene names") != std::string::npos);
+}
+
 TEST_CASE("a missing mask is unknown, empty or an error, as the scene says") {
   Scene scene = one_view(MaskMode::kBinary, 2, 2, "");
   CHECK_FALSE(load_masks(scene, 0).available);
