@@ -21,14 +21,19 @@ namespace fs = std::filesystem;
 constexpr const char* kKnownFiles[] = {"transforms.json", "transforms_train.json", "cameras.json",
                                        "poses_bounds.npy"};
 
-/// "scene/sparse/0" and "scene/sparse" lie in "scene".
-std::string base_of_model(const std::string& model) {
-  fs::path base = fs::path(model).lexically_normal();
-  if (!base.has_filename()) base = base.parent_path();
-  if (base.filename() == "0") base = base.parent_path();
-  if (base.filename() == "sparse") base = base.parent_path();
-  if (base.filename() == "colmap") base = base.parent_path();
-  return base.empty() ? "." : base.string();
+/// The scene's folder: the source that the model was found below, or what lies above the "sparse/0", "sparse" or
+/// "colmap/sparse/0" that the source names.
+std::string base_of_model(const std::string& source, const std::string& model) {
+  const fs::path below = fs::path(model).lexically_relative(source);
+  if (!below.empty() && (*below.begin() == "sparse" || *below.begin() == "colmap")) return source;
+  fs::path base = model, named = (fs::absolute(base) / "").lexically_normal().parent_path();  // "." has a name too
+  std::error_code ignored;
+  for (const char* part : {"0", "sparse", "colmap"}) {
+    if (named.filename() != part || fs::is_directory(named / "images", ignored)) continue;
+    named = named.parent_path(), base /= "..";
+  }
+  base = base.lexically_normal();
+  return (base.has_filename() ? base : base.parent_path()).string();
 }
 
 struct Located {
@@ -44,7 +49,7 @@ Located locate(const std::string& source) {
         fs::path(source).stem().string();  // one file of a COLMAP model stands for its folder
     if ((stem == "cameras" || stem == "images") && fs::path(source).extension() != ".json")
       if (const std::string model = find_colmap_model(folder.empty() ? "." : folder.string()); !model.empty())
-        return {model, base_of_model(model), true, {}};
+        return {model, base_of_model(model, model), true, {}};
     return {source, folder.empty() ? "." : folder.string(), false, {}};
   }
   std::error_code ignored;
@@ -52,7 +57,7 @@ Located locate(const std::string& source) {
     throw Error(ErrorCode::kBadInput, source + ": no such file or folder, expected cameras");
   Located found;
   if (const std::string model = find_colmap_model(source); !model.empty())
-    found = {model, base_of_model(model), true, {}};
+    found = {model, base_of_model(source, model), true, {}};
   for (const char* name : kKnownFiles) {
     const std::string file = (fs::path(source) / name).string();
     if (!is_regular_file(file)) continue;

@@ -187,6 +187,42 @@ TEST_CASE("the model's own folder is as good a source as the scene's") {
   }
 }
 
+TEST_CASE("a scene's folder may be called like a part of a COLMAP tree") {
+  const TempDir dir;
+  make_scene(dir, 1);
+  for (const char* name : {"colmap", "sparse", "0"}) {
+    const std::string renamed = dir.path() + "/renamed/" + name + "/";
+    std::filesystem::create_directories(renamed);
+    for (const std::string part : {"images", "sparse"})
+      std::filesystem::copy(dir.path() + "/" + part, renamed + part, std::filesystem::copy_options::recursive);
+    for (const std::string below : {"", "sparse/0"}) {
+      CAPTURE(renamed + below);
+      ImportRequest request = request_for(dir);
+      request.capture.source = renamed + below;
+      CHECK(import_scene(request).scene.views[0].image_path == renamed + "images/0.jpg.png");
+    }
+  }
+}
+
+TEST_CASE("the photos lie beside the cameras' folder, from whatever folder inside it the cameras are read") {
+  const TempDir dir;
+  make_scene(dir, 1);
+  std::filesystem::create_directories(dir.path() + "/colmap");
+  std::filesystem::rename(dir.path() + "/sparse", dir.path() + "/colmap/sparse");
+  const std::filesystem::path before = std::filesystem::current_path();
+  for (const auto& [folder, source] :
+       {std::pair{"colmap/sparse/0", "."}, {"colmap/sparse", "0"}, {"colmap/sparse", "."},
+        {"colmap", "sparse/0"}, {"", "colmap/sparse"}, {"", "."}}) {
+    CAPTURE(folder);
+    CAPTURE(source);
+    std::filesystem::current_path(dir.path() + "/" + folder);
+    ImportRequest request;
+    request.capture.source = source;
+    CHECK(std::filesystem::exists(import_scene(request).scene.views[0].image_path));
+    std::filesystem::current_path(before);
+  }
+}
+
 TEST_CASE("several folders of masks are not guessed between") {
   const TempDir dir;
   make_scene(dir, 1);
