@@ -9,6 +9,7 @@
 #include "ngs/backend/try_each.h"
 #include "ngs/io/exr.h"
 #include "ngs/io/image_file.h"
+#include "ngs/io/text_lines.h"
 #include "ngs/ops/image_metrics.h"
 #include "ngs/scene/view_names.h"
 #include "ngs/stages/match_names.h"
@@ -43,7 +44,7 @@ std::vector<std::string> select_truth(const ImageList& truth, const std::string&
     for (std::size_t i : select_every(rule, truth.names.size())) selected.push_back(truth.names[i]);
     return selected;
   }
-  const std::vector<std::string> listed = with_folders(read_lines(rule), depth(truth));
+  const std::vector<std::string> listed = with_folders(io::read_name_list(rule), depth(truth));
   const NameMatch match = match_names(listed, truth.names);
   for (const NamePair& pair : match.pairs) selected.push_back(truth.names[pair.truth]);
   for (std::size_t i : match.unmatched_predicted) pairing.listed_only.push_back(listed[i]);

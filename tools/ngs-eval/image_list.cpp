@@ -1,9 +1,7 @@
 #include "image_list.h"
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
-#include <fstream>
 
 #include "ngs/core/error.h"
 #include "ngs/scene/view_names.h"
@@ -49,17 +47,6 @@ ImageList list_images(const std::string& path) {
     throw Error(ErrorCode::kBadInput,
                 path + ": no image found, expected PNG, JPEG, TIFF, BMP, WebP, PPM, PGM or EXR files");
   return list;
-}
-
-std::vector<std::string> read_lines(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw Error(ErrorCode::kBadInput, path + ": cannot be read, expected a text file of names");
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(file, line);) {
-    while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back()))) line.pop_back();
-    if (!line.empty() && line[0] != '#') lines.push_back(line);
-  }
-  return lines;
 }
 
 }  // namespace ngs::cli

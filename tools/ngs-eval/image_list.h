@@ -15,7 +15,4 @@ struct ImageList {
 /// skipped. Throws kBadInput where there is no image.
 ImageList list_images(const std::string& path);
 
-/// Lines of a text file; blank ones and those that begin with '#' are skipped. Throws kBadInput.
-std::vector<std::string> read_lines(const std::string& path);
-
 }  // namespace ngs::cli

@@ -4,6 +4,7 @@
 #include "ngs/io/colmap.h"
 #include "ngs/io/colmap_model.h"
 #include "ngs/io/pose.h"
+#include "ngs/io/text_lines.h"
 
 namespace ngs::io {
 namespace {
@@ -13,7 +14,7 @@ constexpr std::string_view kBlank = " \t\r";
 /// Lines with their numbers; comments are lines that begin with '#'.
 class Lines {
  public:
-  Lines(std::string_view text, std::string object) : rest_(text), object_(std::move(object)) {}
+  Lines(std::string_view text, std::string object) : rest_(without_byte_order_mark(text)), object_(std::move(object)) {}
 
   bool next(std::string_view& line) {
     if (rest_.empty()) return false;

@@ -4,7 +4,6 @@
 #include <charconv>
 #include <filesystem>
 #include <set>
-#include <sstream>
 
 #include "ngs/core/error.h"
 #include "ngs/io/folder_index.h"
@@ -12,6 +11,7 @@
 #include "ngs/io/masks.h"
 #include "ngs/io/regular_file.h"
 #include "ngs/io/scene_json.h"
+#include "ngs/io/text_lines.h"
 #include "ngs/scene/view_names.h"
 
 namespace ngs::io {
@@ -159,18 +159,6 @@ void attach_masks(const ImportRequest& request, ImportedScene& out) {
   if (scene.objects.empty()) scene.objects.push_back({});
 }
 
-std::set<std::string> read_names(const std::string& path) {
-  const MappedFile file(path);
-  std::istringstream lines{std::string(file.text())};
-  std::set<std::string> names;
-  for (std::string line; std::getline(lines, line);) {
-    line.erase(0, line.find_first_not_of(" \t\r"));
-    line.erase(line.find_last_not_of(" \t\r") + 1);
-    if (!line.empty() && line[0] != '#') names.insert(line);
-  }
-  return names;
-}
-
 void hold_out_every(const std::string& rule, std::vector<SceneView>& views) {
   const std::optional<EveryRule> every = parse_every(rule);
   if (!every)
@@ -180,7 +168,7 @@ void hold_out_every(const std::string& rule, std::vector<SceneView>& views) {
 }
 
 void hold_out_named(const std::string& path, std::vector<SceneView>& views) {
-  for (const std::string& name : read_names(path)) {
+  for (const std::string& name : read_name_list(path)) {
     const std::vector<std::size_t> found = views_named(views, name);
     if (found.size() != 1)
       throw Error(ErrorCode::kInconsistent, path + ": " + name + " is " +

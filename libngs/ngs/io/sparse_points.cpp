@@ -6,6 +6,7 @@
 
 #include "ngs/io/byte_reader.h"
 #include "ngs/io/ply.h"
+#include "ngs/io/text_lines.h"
 
 namespace ngs::io {
 namespace {
@@ -55,6 +56,7 @@ bool parse_record(std::string_view line, SparsePoint& point) {
 std::vector<SparsePoint> parse_text(std::string_view text, const std::string& object) {
   std::vector<SparsePoint> points;
   std::size_t number = 0;
+  text = without_byte_order_mark(text);
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     const std::string_view line = text.substr(0, end);

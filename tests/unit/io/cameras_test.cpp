@@ -110,9 +110,9 @@ TEST_CASE("a camera that looks along world z sees x right and y down in every fo
   check(text_capture("1 SIMPLE_PINHOLE 640 480 500 320 240\n", "1 1 0 0 0 0 0 0 1 a.png\n\n"));
 }
 
-TEST_CASE("COLMAP text: comments, CRLF, an empty second line and a missing last one are fine") {
-  const std::string cameras = "# c\r\n\r\n1 SIMPLE_PINHOLE 640 480 500 320 240\r\n";
-  const std::string images = "# i\r\n1 1 0 0 0 0 0 1 1 b c.png \r\n\r\n# between\r\n2 1 0 0 0 0 0 2 1 a.png";
+TEST_CASE("COLMAP text: comments, CRLF, a byte order mark, an empty second line and a missing last one are fine") {
+  const std::string cameras = "\xEF\xBB\xBF# c\r\n\r\n1 SIMPLE_PINHOLE 640 480 500 320 240\r\n";
+  const std::string images = "\xEF\xBB\xBF# i\r\n1 1 0 0 0 0 0 1 1 b c.png \r\n\r\n# between\r\n2 1 0 0 0 0 0 2 1 a.png";
   const Capture capture = text_capture(cameras, images);
   REQUIRE(capture.views.size() == 2);
   CHECK(capture.views[0].camera.name == "a.png");

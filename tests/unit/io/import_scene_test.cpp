@@ -357,6 +357,9 @@ TEST_CASE("every:N:K holds out the views with index K modulo N, a file those it 
   CHECK(views[0].split == Split::kTrain);
   CHECK(views[1].split == Split::kHeldOut);
   CHECK(views[2].split == Split::kHeldOut);
+  views = views_named({"a.png", "b.png", "c.png"});
+  assign_splits(dir.write("mark.txt", "\xEF\xBB\xBF" "a.png\r\n"), views);  // as editors on Windows begin a file
+  CHECK(views[0].split == Split::kHeldOut);
   CHECK(code_of([&] { assign_splits(dir.write("t.txt", "nobody.png\n"), views); }) ==
         ErrorCode::kInconsistent);
   CHECK(code_of([&] { assign_splits("every:1:0", views); }) == ErrorCode::kInconsistent);

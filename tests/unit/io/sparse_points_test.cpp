@@ -71,7 +71,7 @@ TEST_CASE("read_points tells binary, text and PLY apart by content") {
   const std::string path = dir.path() + "/points";
   write_file(path, binary(some_points()));
   check_same(read_points(path), some_points());
-  write_file(path, "# comment\n\n1 1 2 3 4 5 6 0.1 1 2\r\n");
+  write_file(path, "\xEF\xBB\xBF# comment\n\n1 1 2 3 4 5 6 0.1 1 2\r\n");
   check_same(read_points(path), {SparsePoint{{1, 2, 3}, {4, 5, 6}, {}}});
   write_file(path, "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty double y\nproperty float z\n"
                    "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n1 2 3 4 5 6\n");
