@@ -145,7 +145,7 @@ void attach_masks(const ImportRequest& request, ImportedScene& out) {
   if (none && !request.masks_dir.empty())
     throw Error(ErrorCode::kInconsistent,
                 out.masks_dir + ": no mask of any view (such as " + scene.views[0].camera.name +
-                    "), expected names like <stem>.png, <name>.png, <stem>.mask.png or <object>/<stem>.png",
+                    "), expected names like <stem>.png, <name>.png, <stem>_mask.png or <object>/<stem>.png",
                 "rename the masks after their photos");
   if (none && out.masks_dir.empty())
     out.notes.push_back("no masks");

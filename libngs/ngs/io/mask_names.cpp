@@ -15,7 +15,8 @@ FoundFile find_mask(const FolderIndex& index, const std::string& name) {
   const FoundFile tried[] = {{name + ".png", "<name>.png"},
                              {name, "<name>"},
                              {stem + ".png", "<stem>.png"},
-                             {stem + ".mask.png", "<stem>.mask.png"}};
+                             {stem + ".mask.png", "<stem>.mask.png"},
+                             {stem + "_mask.png", "<stem>_mask.png"}};
   for (const FoundFile& candidate : tried) {
     const std::string path = index.find(candidate.path);
     if (!path.empty()) return {path, candidate.rule};

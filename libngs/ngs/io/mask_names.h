@@ -5,6 +5,7 @@
 //   <name>            a/0001.jpg         same name as the photo
 //   <stem>.png        a/0001.png         the usual one
 //   <stem>.mask.png   a/0001.mask.png    Brush
+//   <stem>_mask.png   a/0001_mask.png    many scripts around segmenters
 //   <stem>.<other>    a/0001.exr ...     any other image format; refused where there are several
 //
 // then the same without the folders of the name, if it is one view's only (files_of_views). If no view has a file

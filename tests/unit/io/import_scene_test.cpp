@@ -62,6 +62,7 @@ TEST_CASE("every naming rule finds the mask and is reported by its name") {
                {"a.png", "a.png", "<name>"},
                {"a.jpg", "a.png", "<stem>.png"},
                {"a.jpg", "a.mask.png", "<stem>.mask.png"},
+               {"a.jpg", "a_mask.png", "<stem>_mask.png"},
                {"a.jpg", "a.exr", "<stem>.exr"},
                {"a.jpg", "a.JPEG", "<stem>.JPEG"},
                {"cam/a.jpg", "cam/a.png", "<stem>.png"},
