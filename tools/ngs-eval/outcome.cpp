@@ -1,14 +1,24 @@
 #include "outcome.h"
 
+#include <algorithm>
+
 namespace ngs::cli {
 namespace {
 
+/// Beyond what rounding does to sizes.
+bool is_other_shape(const PairScore& pair) {
+  const double across = double(pair.predicted_width_px) / pair.width_px, down = double(pair.predicted_height_px) / pair.height_px;
+  const double rounding = 1.0 / std::min({pair.width_px, pair.height_px, pair.predicted_width_px, pair.predicted_height_px});
+  return std::max(across, down) > std::min(across, down) * (1.02 + 2 * rounding);
+}
+
 void warn_about_conventions(Run& run, const std::vector<PairScore>& scores) {
-  int both_empty = 0, one_empty = 0, zero_one = 0;
+  int both_empty = 0, one_empty = 0, zero_one = 0, other_shape = 0;
   for (const PairScore& pair : scores) {
     both_empty += pair.scores.both_empty;
     one_empty += pair.scores.one_empty;
     zero_one += pair.predicted_zero_one || pair.truth_zero_one;
+    other_shape += is_other_shape(pair);
   }
   const auto warn = [&](int count, const std::string& what) {
     if (count > 0)
@@ -17,6 +27,7 @@ void warn_about_conventions(Run& run, const std::vector<PairScore>& scores) {
   warn(both_empty, "have two empty masks: scored 1");
   warn(one_empty, "have exactly one empty mask: overlap and contour scored 0");
   warn(zero_one, "have a mask of zeros and ones: read as 0/255");
+  warn(other_shape, "have masks of different shapes, turned or cut: the prediction was stretched to the truth's");
 }
 
 }  // namespace
