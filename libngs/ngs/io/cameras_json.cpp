@@ -11,6 +11,7 @@ Capture parse_cameras_json(const nlohmann::json& root, const std::string& object
     throw Error(ErrorCode::kBadInput, object + ": " + root.type_name() + ", expected a list of cameras");
   Capture capture;
   capture.format = "cameras.json";
+  bool is_assumed = false;  // a principal point, which the trainers' format does not have
   for (const nlohmann::json& entry : root) {
     const JsonReader reader(entry, object + ": [" + std::to_string(capture.views.size()) + "]");
     Camera& camera = capture.views.emplace_back().camera;
@@ -18,6 +19,7 @@ Capture parse_cameras_json(const nlohmann::json& root, const std::string& object
     camera.width_px = int(reader.integer("width", 1, kMaxSide));
     camera.height_px = int(reader.integer("height", 1, kMaxSide));
     camera.fx = reader.number("fx"), camera.fy = reader.number("fy");
+    is_assumed |= !reader.has("cx") || !reader.has("cy");
     camera.cx = reader.number_or("cx", camera.width_px / 2.0),
     camera.cy = reader.number_or("cy", camera.height_px / 2.0);
     const std::vector<double> rows = reader.matrix("rotation", 3, 3),
@@ -26,7 +28,7 @@ Capture parse_cameras_json(const nlohmann::json& root, const std::string& object
     std::copy(rows.begin(), rows.end(), axes.m);
     set_pose(camera, checked_rotation(axes, reader.where() + ".rotation"), vec3(centre.data()));
   }
-  capture.notes.push_back(object + ": the format has no principal point, the image centre is assumed");
+  if (is_assumed) capture.notes.push_back(object + ": the format has no principal point, the image centre is assumed");
   finish_capture(capture, object);
   return capture;
 }
