@@ -114,6 +114,9 @@ RawMask read_mask_raw(const std::string& path, Palette palette) {
   const MappedFile file = map_regular_file(path);
   const auto header = parse_image_header(file.bytes(), path);
   const bool lossy = header && header->format == ImageFormat::kJpeg;
+  if (lossy && palette == Palette::kIndices)
+    throw Error(ErrorCode::kBadInput, path + ": a JPEG, whose compression changes ids, expected a label map",
+                "save the label maps as PNG, from before they were JPEG");
   if (!header || !header->palette) return raw_mask(decode(file.bytes(), path), lossy);
   if (palette != Palette::kIndices) {
     RawMask colours = raw_mask(decode(file.bytes(), path), lossy);

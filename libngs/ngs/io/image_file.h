@@ -19,7 +19,7 @@ bool is_transparent(const std::string& path);
 
 /// What the pixels of a palette PNG are.
 enum class Palette : std::uint8_t {
-  kIndices,  // label maps
+  kIndices,  // label maps; a JPEG is no label map
   kMask,     // a mask: the colours where they are all grey, whatever the order in which an encoder put them, or where
              // the first is not black; else the indices, as trackers write them (0 black, 1 the first object's colour)
   kColours

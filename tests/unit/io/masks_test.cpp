@@ -122,6 +122,15 @@ TEST_CASE("a coloured label map is refused") {
                        doctest::Contains("expected a label map"), Error);
 }
 
+TEST_CASE("a label map that went through JPEG is refused, other masks are not") {
+  const TempDir dir;
+  const std::vector<std::uint8_t> jpeg = encode_jpeg(ImageU8(8, 8, 3, 200), 90);
+  const std::string path = dir.write("m.jpg", {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
+  CHECK_THROWS_WITH_AS(load_masks(one_view(MaskMode::kLabel, 8, 8, path), 0), doctest::Contains("changes ids"), Error);
+  CHECK_THROWS_AS(ids_in_label_map(path), Error);
+  CHECK(load_masks_with_notes(one_view(MaskMode::kBinary, 8, 8, path), 0).lossy);
+}
+
 TEST_CASE("soft masks keep their values, from 16-bit PNG and from EXR") {
   const TempDir dir;
   ImageU16 image(2, 1, 1);
