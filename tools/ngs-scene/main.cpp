@@ -65,7 +65,8 @@ int import_command(int argc, char** argv) {
                                     : capture::probe_model_filter(run, checks, imported.scene, model);
     if (options.align_views) capture::align_views(run, model, imported.scene);
     if (!settled) capture::find_model_background(run, checks, model, imported.scene);
-    io::write_scene_json(out.path, imported.scene);
+    io::write_scene_json(out.path, imported.scene,
+                         run.goes_to_stdout(out) ? io::StoredPaths::kAbsolute : io::StoredPaths::kRelative);
     return cli::kDone;
   });
 }

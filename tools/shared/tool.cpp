@@ -23,6 +23,7 @@ namespace ngs::cli {
 
 struct RunState {
   const Spec& spec;
+  const Streams& streams;
   const CommonFlags& flags;
   Console& console;
   ChosenDevice device;
@@ -48,6 +49,7 @@ std::uint64_t Run::seed() const { return state_.flags.seed; }
 bool Run::dry_run() const { return state_.flags.dry_run; }
 bool Run::allow_empty() const { return state_.flags.allow_empty; }
 bool Run::overwrite() const { return state_.flags.overwrite; }
+bool Run::goes_to_stdout(const Output& output) const { return state_.streams.given(output.path) == "-"; }
 Json& Run::result() { return state_.result; }
 void Run::plan(Json plan) { state_.plan = std::move(plan); }
 void Run::info(const std::string& message) { state_.console.info(message); }
@@ -191,6 +193,7 @@ int Tool::Impl::run(const CommonFlags& flags, Console& console, const std::funct
   const Streams streams(spec);
   check_inputs(spec);
   RunState state{.spec = spec,
+                 .streams = streams,
                  .flags = flags,
                  .console = console,
                  .device = choose_device(flags.device, spec),

@@ -69,6 +69,7 @@ class Run {
   bool dry_run() const;  // read headers, say plan(), return 0
   bool allow_empty() const;
   bool overwrite() const;
+  bool goes_to_stdout(const Output& output) const;
 
   /// "result" of the report. Whole numbers at its top level are also its "counts".
   Json& result();

@@ -23,6 +23,11 @@ std::string path_from_folder(const std::string& folder, const std::string& path)
   return joined.lexically_normal().string();
 }
 
+std::string folder_of_file(const std::string& file) {
+  const std::string folder = fs::path(file).parent_path().string();
+  return folder == "/proc/self/fd" || folder == "/dev/fd" ? std::string() : folder;
+}
+
 FileFolder::FileFolder(const std::string& file)
     : named(fs::absolute(file).lexically_normal().parent_path()),
       real(fs::weakly_canonical(fs::absolute(file).parent_path())) {}
@@ -30,6 +35,7 @@ FileFolder::FileFolder(const std::string& file)
 std::string path_to_folder(const FileFolder& folder, const std::string& path) {
   if (path.empty()) return path;
   const fs::path absolute = fs::absolute(path).lexically_normal();
+  if (folder.named.empty()) return absolute.string();
   if (const fs::path below = absolute.lexically_relative(folder.named); !leads_out(below)) return below.string();
   const fs::path relative =
       (fs::weakly_canonical(absolute.parent_path()) / absolute.filename()).lexically_relative(folder.real);

@@ -8,8 +8,13 @@ namespace ngs::io {
 /// A path of a file in `folder` as the working directory sees it. Absolute and empty paths stay as they are.
 std::string path_from_folder(const std::string& folder, const std::string& path);
 
-/// The folder that a file lies in, for path_to_folder.
+/// What the relative paths of a file start from: its folder, or the working directory (empty) where the file came
+/// through a pipe and lies nowhere.
+std::string folder_of_file(const std::string& file);
+
+/// The folder that a file lies in, for path_to_folder. Without one, for what goes through a pipe, paths are absolute.
 struct FileFolder {
+  FileFolder() = default;
   explicit FileFolder(const std::string& file);
   std::filesystem::path named, real;  // absolute; as the user names it, and with its links resolved
 };

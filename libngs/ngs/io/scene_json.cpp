@@ -186,12 +186,12 @@ Scene parse_scene_json(const json& root, const std::string& folder, const std::s
 }
 
 Scene read_scene_json(const std::string& path) {
-  return parse_scene_json(read_json_file(path), fs::path(path).parent_path().string(), path);
+  return parse_scene_json(read_json_file(path), folder_of_file(path), path);
 }
 
-void write_scene_json(const std::string& path, const Scene& scene) {
+void write_scene_json(const std::string& path, const Scene& scene, StoredPaths stored) {
   validate_scene(scene, path);
-  const FileFolder folder(path);
+  const FileFolder folder = stored == StoredPaths::kAbsolute ? FileFolder() : FileFolder(path);
   ordered_json out{{"ngs_scene", kSceneVersion},
                    {"model", path_to_folder(folder, scene.model_path)},
                    {"image_scale", scene.image_scale},

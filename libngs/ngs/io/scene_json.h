@@ -11,8 +11,8 @@
 //               "rotation": [9 numbers, world -> camera, row-major], "translation": [3 numbers],
 //               "image": PATH, "mask": PATH, "split": "train"|"held-out"}]}
 //
-// Paths are relative to the folder of the json file (absolute ones and ".." are accepted: photos often lie
-// beside the scene); in memory they are relative to the working directory. "image" and "mask" may be absent,
+// Paths are relative to the folder of the json file, or to the working directory if it comes through a pipe (absolute
+// ones and ".." are accepted: photos often lie beside the scene); in memory they are relative to the working directory. "image" and "mask" may be absent,
 // "model" may be empty (before ngs-fit); "{object}" in "mask" stands for each object's name. Numbers keep all
 // bits. Unknown keys, another version, non-finite numbers, rotations that are no rotations and repeated names
 // are kBadInput. Files that the scene names are not opened here.
@@ -26,8 +26,9 @@ namespace ngs::io {
 inline constexpr int kSceneVersion = 1;
 
 Scene read_scene_json(const std::string& path);
+enum class StoredPaths : std::uint8_t { kRelative, kAbsolute };  // absolute: for what will lie nobody knows where
 /// Refuses (kBadInput) what read_scene_json would refuse. Appears by rename.
-void write_scene_json(const std::string& path, const Scene& scene);
+void write_scene_json(const std::string& path, const Scene& scene, StoredPaths stored = StoredPaths::kRelative);
 
 /// The same without files: `folder` is what relative paths start from, `object` names the text in messages.
 Scene parse_scene_json(const nlohmann::json& json, const std::string& folder, const std::string& object);
