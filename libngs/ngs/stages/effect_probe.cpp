@@ -17,16 +17,14 @@
 namespace ngs {
 namespace {
 
-double disagreement(const Exec& exec, const MaskPair& pair) {
-  const Confusion counts = pair.counts(exec);
-  return counts.both_empty() ? 0 : 1 - iou(counts);
-}
+double disagreement(const Confusion& counts) { return counts.both_empty() ? 0 : 1 - iou(counts); }
 
 }  // namespace
 
 /// What the labels as they come look like in the training views that have masks.
 struct EffectProbe::Views {
   std::vector<double> disagreement;  // of the model as it stands, summed over objects; per view
+  std::vector<std::uint8_t> shown;   // per view, 1: mask or model shows an object
   double biou = 0;                   // mean over views and objects, modal
   double outside = 0;                // largest over the views
 };
@@ -49,13 +47,15 @@ const EffectProbe::Views& EffectProbe::views() {
     const Camera& camera = input.scene.views[v].camera;
     const ImageF modal = label_channels(exec_, input.cloud, input.labels, camera, input.splat);
     double stands = 0;
+    bool shown = false;
     for (std::size_t k = 0; k < masks.target.size(); ++k) {
       const MaskPair pair(modal, masks, k);
-      stands += disagreement(exec_, pair);
+      const Confusion counts = pair.counts(exec_);
+      stands += disagreement(counts), shown |= !counts.both_empty();
       views_->biou += pair.biou(exec_);
       ++count;
     }
-    views_->disagreement.push_back(stands);
+    views_->disagreement.push_back(stands), views_->shown.push_back(shown);
     const PixelWindow win = window_of(masks.target, masks.width_px, masks.height_px, kRegionMargin_px);
     views_->outside =
         std::max(views_->outside, weight_outside(modal, win.x0, win.y0, win.x0 + win.w, win.y0 + win.h));
@@ -91,17 +91,20 @@ double EffectProbe::exposure() {
 double EffectProbe::trust() {
   const MethodInput& input = setup_.input;
   std::vector<double> better;  // of the model as it stands and the objects alone: what hides them may be floaters
+  std::size_t next = 0;        // of views()
   for (const std::size_t v : input.views) {
     const ViewMasks masks = input.load_masks(v);
     if (!masks.available) continue;
+    const std::size_t at = next++;
+    if (!views().shown[at]) continue;  // as the judge leaves it out (stages/view_trust.h)
     const Camera& camera = input.scene.views[v].camera;
     RenderedView view;
     view.label = ImageF(camera.width_px, camera.height_px, int(input.labels.size()));
     show_objects_alone(exec_, input.cloud, input.labels, camera, input.splat, view);
     double alone = 0;
     for (std::size_t k = 0; k < masks.target.size(); ++k)
-      alone += disagreement(exec_, MaskPair(view.label, masks, k));
-    better.push_back(std::min(views().disagreement[better.size()], alone) / double(masks.target.size()));
+      alone += disagreement(MaskPair(view.label, masks, k).counts(exec_));
+    better.push_back(std::min(views().disagreement[at], alone) / double(masks.target.size()));
   }
   return outlier_score(better);
 }

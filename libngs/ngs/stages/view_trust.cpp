@@ -27,7 +27,9 @@ Planes planes_of(const ViewMasks& masks) {
   return p;
 }
 
-/// 1 - IoU over all objects, where both can be compared.
+constexpr double kNothingThere = -1;
+
+/// 1 - IoU over all objects, where both can be compared; kNothingThere where neither shows any of them.
 double disagreement(const Planes& mask, const Planes& consensus) {
   double both = 0, either = 0;
   for (std::size_t k = 0; k < mask.object.size(); ++k)
@@ -36,7 +38,7 @@ double disagreement(const Planes& mask, const Planes& consensus) {
       const bool m = mask.object[k][i] != 0, c = consensus.object[k][i] != 0;
       both += m && c, either += m || c;
     }
-  return either > 0 ? 1 - both / either : 0;
+  return either > 0 ? 1 - both / either : kNothingThere;
 }
 
 /// What the other views say about one view.
@@ -114,7 +116,8 @@ class Judge {
     return p;
   }
 
-  /// True where another view is ignored now, or one no longer is.
+  /// True where another view is ignored now, or one no longer is. Views that agree on showing nothing are trusted, and no
+  /// measure of how well contours agree: where most views do not see the object, their zeros would be the median.
   bool judge(const LeaveOneOut& others, ViewTrust& trust) {
     trust.disagreement.assign(trusted_.size(), -1.0);
     std::vector<double> all;
@@ -123,9 +126,11 @@ class Judge {
       if (!masks.available) continue;
       const Planes mask = planes_of(masks);
       const Consensus c = consensus_of(others.without(n), n);
-      trust.disagreement[n] = std::min(disagreement(mask, c.modal), disagreement(mask, c.amodal));
-      all.push_back(trust.disagreement[n]);
+      const double found = std::min(disagreement(mask, c.modal), disagreement(mask, c.amodal));
+      trust.disagreement[n] = std::max(found, 0.0);
+      if (found != kNothingThere) all.push_back(found);
     }
+    if (std::ssize(all) < options_.least_views) return false;
     const double threshold = ignore_threshold(options_, all, trust.figures["median_disagreement"]);
     trust.figures["threshold"] = threshold;
     bool changed = false;

@@ -4,13 +4,13 @@
 // Every view's mask is compared with the consensus of the others: labels from the evidence of all trusted views but
 // this one, rendered into it, once as the model stands (modal) and once with the object alone (amodal; what hides the
 // object may be a floater). The better of the two counts. A view that disagrees far more than the median view is
-// ignored.
+// ignored; the median is that of the views where mask or consensus shows an object.
 #include "ngs/stages/method.h"
 
 namespace ngs {
 
 struct TrustOptions {
-  int least_views = 4;   // with fewer masks there is no consensus
+  int least_views = 4;   // with fewer masks, or fewer that show an object, there is no consensus
   double factor = 3;     // ignored: 1 - IoU above this many medians,
   double spreads = 6;    // above the median by this many standard deviations (1.4826 MAD),
   double least = 0.2;    // and above this

@@ -26,6 +26,16 @@ struct TrustCase {
     Monitor monitor;
     return judge_views({.threads = threads}, monitor, {}, input());
   }
+  /// A camera that looks the other way, with an empty mask; its index.
+  std::size_t look_away() {
+    const Mat3<double> turned{{-1, 0, 0, 0, 1, 0, 0, 0, -1}};
+    SceneView view = base->scene.views[0];
+    view.camera.rotation = turned * view.camera.rotation;
+    view.camera.translation = turned * view.camera.translation;
+    base->scene.views.push_back(view), base->masks.push_back(base->masks[0]);
+    std::fill(base->masks.back().target[0].begin(), base->masks.back().target[0].end(), 0.f);
+    return base->scene.views.size() - 1;
+  }
   void mirror(std::size_t view) {
     ViewMasks& m = base->masks[view];
     for (std::size_t row = 0; row < 40; ++row)
@@ -62,6 +72,40 @@ TEST_CASE("a mask of nothing is ignored where the others see the object") {
   const ViewTrust trust = c.judge();
   REQUIRE(trust.ignored.size() == 1);
   CHECK(trust.ignored[0] == 2);
+}
+
+TEST_CASE("views that do not see the object are no measure of how well the others agree") {
+  TrustCase c;
+  for (std::size_t v = 0; v < 6; ++v) {  // every mask is off by 2 px, to one side or the other
+    std::vector<float>& mask = c.base->masks[v].target[0];
+    std::rotate(mask.begin(), v % 2 == 0 ? mask.begin() + 2 : mask.end() - 2, mask.end());
+  }
+  const ViewTrust few = c.judge();
+  CHECK(few.ignored.empty());
+  CHECK(few.figures.at("median_disagreement") > 0.15);
+
+  MethodInput in = c.input();
+  for (int more = 0; more < 20; ++more) in.views.push_back(c.look_away());
+  Monitor monitor;
+  const ViewTrust many = judge_views({}, monitor, {}, in);
+  CHECK(many.ignored.empty());
+  CHECK(many.figures.at("median_disagreement") == few.figures.at("median_disagreement"));
+  for (std::size_t n = 0; n < in.views.size(); ++n) CHECK(many.disagreement[n] == (n < 6 ? few.disagreement[n] : 0));
+
+  c.mirror(4);  // and one that is elsewhere is still found
+  const ViewTrust one = judge_views({}, monitor, {}, in);
+  REQUIRE(one.ignored.size() == 1);
+  CHECK(one.ignored[0] == 4);
+}
+
+TEST_CASE("fewer than four masks that show the object judge nobody, however many are empty") {
+  TrustCase c;
+  MethodInput in = c.input();
+  in.views = {0, 1, 2};
+  c.mirror(0);
+  for (int more = 0; more < 5; ++more) in.views.push_back(c.look_away());
+  Monitor monitor;
+  CHECK(judge_views({}, monitor, {}, in).ignored.empty());
 }
 
 TEST_CASE("with fewer than four masks nobody is judged") {
