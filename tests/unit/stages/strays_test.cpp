@@ -35,6 +35,20 @@ struct StrayCase {
 
 }  // namespace
 
+TEST_CASE("the object has a core also where most views look elsewhere, and strays are found") {
+  StrayCase c;
+  LabelColumns& ball = c.base->labels[0];
+  for (std::size_t i = 0; i < c.base->is_ball.size(); ++i)
+    if (c.base->is_ball[i] == 0) ball.views[i] = 10 * kViews;  // the wall
+  c.claim(200, 0, 9, 1, 1);
+  for (const double seen : {0.25, 0.5, 1.0}) {
+    const ObjectCore core = core_of({.seen = seen}, c.base->model, c.base->labels);
+    CHECK(core.least_views == seen * kViews);
+    CHECK(core.count == std::count(c.base->is_ball.begin(), c.base->is_ball.end(), 1.f));
+  }
+  CHECK(c.find().stray[200] == 1);
+}
+
 TEST_CASE("a piece of the room that few views claim becomes as unseen, and nothing else changes") {
   StrayCase c;
   c.claim(200, 0, 9, 1, 1);
