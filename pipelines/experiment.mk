@@ -3,7 +3,7 @@
 #   make -f pipelines/experiment.mk SCENE=scenes/bird MASKS=scenes/bird/masks_sam out/object.ply
 #   make -f pipelines/experiment.mk SCENE=... OUT=other GT=... HOLD_OUT=every:4:2 other/metrics.json
 #
-# SCENE MODEL MASKS GT HOLD_OUT IMAGE_SCALE METHOD QUALITY and *_FLAGS are the inputs; their defaults follow.
+# SCENE MODEL MASKS GT HOLD_OUT IMAGE_SCALE METHOD QUALITY DEVICE and *_FLAGS are the inputs; their defaults follow.
 # A stage runs again when an earlier stage wrote its artifact anew, when its own options, input files (names,
 # sizes, times) or its binary changed. OUT must not contain spaces (make cannot have them in a target); the
 # other paths may, if they come through the environment. pipelines/ngs-gs.sh takes care of both.
@@ -22,6 +22,7 @@ HOLD_OUT ?=
 IMAGE_SCALE ?= 0
 METHOD ?=
 QUALITY ?=
+DEVICE ?=
 SCENE_FLAGS ?=
 VARIANCE_FLAGS ?=
 SAMPLE_FLAGS ?=
@@ -33,7 +34,7 @@ EVAL_FLAGS ?=
 # Of every tool: those that may change a result, and those that cannot (-j 4 -q), which rerun nothing.
 COMMON_FLAGS ?=
 UNKEYED_FLAGS ?=
-export OUT SCENE MODEL MASKS GT HOLD_OUT IMAGE_SCALE METHOD QUALITY
+export OUT SCENE MODEL MASKS GT HOLD_OUT IMAGE_SCALE METHOD QUALITY DEVICE
 export SCENE_FLAGS VARIANCE_FLAGS SAMPLE_FLAGS RBF_FLAGS JOINT_FLAGS EXTRACT_FLAGS RENDER_FLAGS EVAL_FLAGS
 export COMMON_FLAGS UNKEYED_FLAGS
 

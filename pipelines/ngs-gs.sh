@@ -11,7 +11,8 @@
 #   --quality Q          draft|standard|high|reference
 #   --method M           paper|bce|cob|flash|sa3d|saga|released
 #   --until FILE         stop at this artifact, e.g. --until boundary.ply
-#   -j N, --threads N    threads of every tool; as are --seed N, --device D, --log-format F, --allow-empty, -q, -v
+#   -j N, --threads N    threads of every tool; as are --seed N, --log-format F, --allow-empty, -q, -v
+#   --device D           of the tools that have a CUDA path; the others stay on the CPU
 #   -n, --dry-run        print the commands only
 #   -h, --help
 #
@@ -34,7 +35,7 @@ set -euo pipefail
 absolute() { case $1 in '' | /*) printf '%s' "$1" ;; *) printf '%s/%s' "$PWD" "$1" ;; esac; }
 existing() { [ -e "$2" ] || fail 3 "$1 $2: no such file or folder"; absolute "$2"; }
 
-export SCENE='' MODEL='' MASKS='' GT='' HOLD_OUT='' IMAGE_SCALE=0 METHOD='' QUALITY='' JOINT_FLAGS='' COMMON_FLAGS='' UNKEYED_FLAGS=''
+export SCENE='' MODEL='' MASKS='' GT='' HOLD_OUT='' IMAGE_SCALE=0 METHOD='' QUALITY='' DEVICE='' JOINT_FLAGS='' COMMON_FLAGS='' UNKEYED_FLAGS=''
 out='' until=report.html dry_run='' joint=()
 while [ $# -gt 0 ]; do
   option=$1 value=
@@ -74,7 +75,8 @@ while [ $# -gt 0 ]; do
     --until) until=$value ;;
     -j | --threads) UNKEYED_FLAGS+=$(printf ' %q' -j "$value") ;;
     --log-format) UNKEYED_FLAGS+=$(printf ' %q' "$option" "$value") ;;
-    --seed | --device) COMMON_FLAGS+=$(printf ' %q' "$option" "$value") ;;
+    --device) DEVICE=$value ;;
+    --seed) COMMON_FLAGS+=$(printf ' %q' "$option" "$value") ;;
   esac
 done
 [ -n "$out" ] || fail 2 "expected SCENE_DIR and OUT_DIR" "see $0 --help"

@@ -7,7 +7,7 @@ set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"
 
-for name in SCENE MODEL MASKS GT HOLD_OUT METHOD QUALITY {SCENE,VARIANCE,SAMPLE,RBF,JOINT,EXTRACT,RENDER,EVAL,COMMON,UNKEYED}_FLAGS; do
+for name in SCENE MODEL MASKS GT HOLD_OUT METHOD QUALITY DEVICE {SCENE,VARIANCE,SAMPLE,RBF,JOINT,EXTRACT,RENDER,EVAL,COMMON,UNKEYED}_FLAGS; do
   declare "$name=${!name:-}"
 done
 
@@ -63,12 +63,19 @@ tool_path() {
   if [ -n "${BIN:-}" ]; then printf '%s/%s' "$BIN" "$1"; else command -v "$1" || printf '%s' "$1"; fi
 }
 
+# device_of TOOL: its --device. A tool, or a method, without a CUDA path refuses one that it cannot have.
+device_of() {
+  case $1:${METHOD:-paper} in
+    ngs-variance:* | ngs-rbf:* | ngs-render:* | ngs-joint:paper) if [ -n "$DEVICE" ]; then printf -- '--device %q' "$DEVICE"; fi ;;
+  esac
+}
+
 # run TOOL ARGUMENTS...: the report goes to reports/. A budget that was hit leaves a usable result: code 7 goes on.
 run() {
   local tool=$1 name=$1 code=0
   shift
   if [ "${1:-}" = --report-name ]; then name=$2; shift 2; fi
-  eval "set -- \"\$@\" --report '$OUT/reports/$name.json' -w $COMMON_FLAGS $UNKEYED_FLAGS"
+  eval "set -- \"\$@\" --report '$OUT/reports/$name.json' -w $COMMON_FLAGS $(device_of "$tool") $UNKEYED_FLAGS"
   if [ -n "${NGS_DRY_RUN:-}" ]; then
     printf '%q ' "$tool" "$@"
     printf '\n'
@@ -207,7 +214,7 @@ stage_report() {
 key() {
   local stage=$1 tool=ngs-$1
   stat -L -c '%n %s %Y' "$(tool_path "$tool")" 2>/dev/null || true
-  printf '%s\n' "$COMMON_FLAGS"
+  printf '%s\n' "$COMMON_FLAGS" "$(device_of "$tool")"
   case $stage in
     scene)
       printf '%s\n' "$HOLD_OUT" "$IMAGE_SCALE" "$SCENE_FLAGS"

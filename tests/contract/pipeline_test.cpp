@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <map>
+#include <sstream>
 
 #include "ngs/io/image_file.h"
 #include "support/process.h"
@@ -123,6 +124,32 @@ TEST_CASE("ngs-gs.sh prints the commands in a dry run and writes nothing") {
   CHECK(result.out.find("--quality draft") != std::string::npos);
   CHECK(result.out.find("--steps 5") != std::string::npos);
   CHECK(times_of(capture.out).empty());
+}
+
+TEST_CASE("ngs-gs.sh gives --device to the tools that have a CUDA path, and to no other") {
+  const Capture capture;
+  const auto given = [&](std::vector<std::string> further) {  // tool -> whether its command has the option
+    further.insert(further.end(), {"-n", "--device", "cuda"});
+    const test::ProcessResult result = capture.run(further);
+    REQUIRE(result.exit_code == 0);
+    std::map<std::string, bool> tools;
+    std::istringstream lines(result.out);
+    for (std::string line; std::getline(lines, line);)
+      tools[line.substr(0, line.find(' '))] = line.find(" --device cuda ") != std::string::npos;
+    return tools;
+  };
+  std::map<std::string, bool> expected;
+  for (const char* tool : {"ngs-scene", "ngs-sample", "ngs-extract", "ngs-eval", "ngs-report"}) expected[tool] = false;
+  for (const char* tool : {"ngs-variance", "ngs-rbf", "ngs-joint", "ngs-render"}) expected[tool] = true;
+  CHECK(given({}) == expected);
+  CHECK(given({"--method", "paper"}) == expected);
+  expected["ngs-joint"] = false;
+  CHECK(given({"--method", "flash"}) == expected);
+
+  // Where a tool is told of a device that is not there, it is the first one that could use it.
+  const test::ProcessResult result = capture.run({"--device", "cuda"});
+  if (result.exit_code != 0) CHECK(result.err.find("no CUDA path") == std::string::npos);
+  CHECK(fs::exists(capture.out + "/scene.json"));
 }
 
 TEST_CASE("ngs-gs.sh passes on the exit code of the tool that failed") {
