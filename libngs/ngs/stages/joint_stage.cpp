@@ -193,7 +193,7 @@ void JointTrainer::Impl::field_terms(const FieldRays& rays, const RenderedView& 
     const AlignInputs in{.grid = rays.rays.grid,
                          .colour = &rendered.colour,
                          .alpha = &rendered.alpha,
-                         .photo = options.excess_variance ? &view.photo : nullptr,
+                         .photo = options.excess_variance && !view.photo.empty() ? &view.photo : nullptr,
                          .field_colour = &volume.colour,
                          .field_alpha = &volume.alpha,
                          .active = &rays.on_surface};
