@@ -17,17 +17,46 @@ std::vector<LabelColumns> closed_form_labels(const Exec& exec, Monitor& monitor,
                                                  input.splat, input.load_masks));
 }
 
+namespace {
+
+/// How far the variances of the Gaussians that both have seen lie apart, summed up.
+double variance_distance(const std::vector<LabelColumns>& a, const std::vector<LabelColumns>& b) {
+  double sum = 0;
+  for (std::size_t k = 0; k < a.size(); ++k)
+    for (std::size_t i = 0; i < a[k].views.size(); ++i)
+      if (a[k].views[i] > 0 && b[k].views[i] > 0) sum += std::abs(double(a[k].variance[i]) - double(b[k].variance[i]));
+  return sum;
+}
+
+/// Labels by the criterion that gives the variances which are nearest to the given ones: what changed in masks and
+/// model since concerns few Gaussians, another criterion nearly all.
+std::vector<LabelColumns> labels_like(const std::vector<LabelColumns>& given, VarianceOptions rule,
+                                      const Evidence& evidence) {
+  std::vector<LabelColumns> best;
+  double least = INFINITY;
+  for (const NamedValue<Criterion>& named : kCriterionNames) {
+    rule.criterion = named.value;
+    std::vector<LabelColumns> labels = label_gaussians(rule, evidence);
+    const double apart = variance_distance(given, labels);
+    if (apart < least) least = apart, best = std::move(labels);
+  }
+  return best;
+}
+
+}  // namespace
+
 std::vector<LabelColumns> labels_anew(const Exec& exec, Monitor& monitor, const MethodInput& input,
                                       const GaussianCloud& cloud) {
   VarianceOptions rule;
-  double largest = -1;
+  float largest = -1;
   for (const LabelColumns& c : input.labels)
     for (std::size_t i = 0; i < c.views.size(); ++i)
-      if (c.views[i] > 0 && c.boundary[i] < 0.5f) largest = std::max(largest, double(c.variance[i]));
-  if (largest >= 0) rule.tau = std::min(largest, std::nextafter(1.0, 0.0));
+      if (c.views[i] > 0 && c.boundary[i] < 0.5f) largest = std::max(largest, c.variance[i]);
+  // Just above it: the column is rounded, and what it was rounded from must not be boundary either.
+  if (largest >= 0) rule.tau = std::min(double(std::nextafter(largest, 2.f)), std::nextafter(1.0, 0.0));
   std::vector<LabelColumns> labels =
-      label_gaussians(rule, accumulate_evidence(exec, monitor, cloud, input.scene, input.views, input.splat,
-                                                input.load_masks));
+      labels_like(input.labels, rule, accumulate_evidence(exec, monitor, cloud, input.scene, input.views, input.splat,
+                                                          input.load_masks));
   restore_fixed(input, {}, labels);
   return labels;
 }
