@@ -123,7 +123,8 @@ void write_nerf(const std::string& path, const JointTrainer& trainer) {
     const ParamStore& store = field->parameters();
     for (const ParamBlock& block : store.blocks) file.add(block.name, block.shape, store.value_of(block));
     file.add("boundary_row", {trainer.boundary().size()}, trainer.boundary().row);
-    file.metadata["width"] = std::to_string(field->width());
+    char width[32];  // the shortest text that is this number: a fixed point would lose a small world's width
+    file.metadata["width"] = std::string(width, std::to_chars(width, std::end(width), field->width()).ptr);
   }
   io::write_safetensors(path, file);
 }
