@@ -1,6 +1,11 @@
 // Under --time-budget rounds of edges have to earn their place: what ended further from the masks is undone.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
 #include "support/temp_dir.h"
 #include "support/tool_fixture.h"
 
@@ -8,6 +13,7 @@ namespace ngs {
 namespace {
 
 using Json = nlohmann::json;
+namespace fs = std::filesystem;
 
 /// Runs ngs-joint on the tiny scene with `more`; its result is OUT.ply, the report's "result" comes back. The
 /// walk is held where the contour is rendered, so that what the round does is its training's work.
@@ -39,7 +45,46 @@ Json joint(const test::TempDir& dir, const std::string& out, const std::vector<s
   return Json::parse(test::read_bytes(dir.path() + "/" + out + ".json")).at("result");
 }
 
+/// The fixture's scene with every training view `times` over.
+std::string with_many_views(const test::TempDir& dir, int times) {
+  Json scene = Json::parse(test::read_bytes(test::fixture_folder() + "/scene.json")), views = Json::array();
+  for (const Json& view : scene.at("views"))
+    for (int k = 0; k < (view.at("split") == "train" ? times : 1); ++k) {
+      views.push_back(view);
+      views.back()["name"] = std::to_string(k) + "_" + view.at("name").get<std::string>();
+      for (const char* file : {"image", "mask"})
+        if (view.contains(file)) views.back()[file] = fs::absolute(fs::path(test::fixture_folder()) / view[file].get<std::string>());
+    }
+  scene["views"] = views, scene["model"] = test::fixture_folder() + "/model.ply";
+  const std::string path = dir.path() + "/many.json";
+  std::ofstream(path) << scene.dump();
+  return path;
+}
+
 }  // namespace
+
+TEST_CASE("under a budget the trace asks for no score that may end after it") {
+  const test::TempDir dir;
+  constexpr double kBudget_s = 6;
+  const test::ProcessResult result = test::run_process(test::command(
+      {"ngs-joint", with_many_views(dir, 100), test::fixture_folder() + "/boundary.ply", "--effect", "all=off", "--effect",
+       "joint=on", "--effect", "mask=on", "--steps", "1000000", "--time-budget", "6s", "-j", "1", "--trace-every", "1", "--trace",
+       dir.path() + "/t.jsonl", "-o", dir.path() + "/l.ply"}));
+  INFO(result.err);
+  REQUIRE(result.exit_code == 7);
+  std::istringstream lines(test::read_bytes(dir.path() + "/t.jsonl"));
+  double scored_s = 0, longest_s = 0;
+  int scores = 0;
+  for (std::string text; std::getline(lines, text);) {
+    const Json line = Json::parse(text);
+    if (!line.contains("scoring_s")) continue;
+    CHECK(line["t"].get<double>() + scored_s + longest_s <= kBudget_s);  // it begins where one like the longest still fits
+    const double now_s = line["scoring_s"];
+    longest_s = std::max(longest_s, now_s - scored_s), scored_s = now_s, ++scores;
+  }
+  CHECK(scores > 1);
+  CHECK(longest_s > 0.1);  // or it would fit in what is kept for writing
+}
 
 TEST_CASE("under a budget a round of edges that ends far from the masks is undone, and only such a one") {
   const test::TempDir dir;

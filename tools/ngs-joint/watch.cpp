@@ -11,12 +11,14 @@ Watch::Watch(const Exec& exec, const RunOptions& options, const MethodInput& inp
       budget_(budget),
       target_(parse_target(options.target)),
       traced_(traced),
-      every_(options.trace_every > 0 ? options.trace_every : std::int64_t(input.views.size())) {}
+      every_(options.trace_every > 0 ? options.trace_every : std::int64_t(input.views.size())),
+      longest_score_s_(budget.foreseen_s(kCheckCost.renders * double(input.views.size()))) {}
 
 void Watch::score(Json& line, const std::function<MethodResult()>& whole) {
   const double before = wall_seconds();
   const Agreement agreement = mean_agreement(training_agreement(exec_, input_, whole()));
-  scoring_s_ += wall_seconds() - before;
+  const double took_s = wall_seconds() - before;
+  scoring_s_ += took_s, longest_score_s_ = std::max(longest_score_s_, took_s);
   target_met_ = target_ && (target_->boundary ? agreement.biou : agreement.iou) >= target_->value;
   line["training_iou"] = agreement.iou, line["training_biou"] = agreement.biou;
   line["scoring_s"] = scoring_s_;
@@ -25,7 +27,7 @@ void Watch::score(Json& line, const std::function<MethodResult()>& whole) {
 bool Watch::begin(const JointTrainer& trainer) {
   if (target_ || traced_) {
     Json line{{"t", seconds()}, {"stage", "start"}, {"step", 0}};
-    score(line, [&] { return trainer.result(); });
+    if (room_for_score()) score(line, [&] { return trainer.result(); });
     if (traced_) text_ += line.dump() + "\n";
   }
   last_s_ = seconds();
@@ -56,6 +58,9 @@ void Watch::begin_round(const JointProgress& first, double now_s) {
   planned_ = first.steps, began_step_ = first.step;
   began_s_ = last_s_ = now_s, longest_step_s_ = 0;
 }
+
+/// It cannot be stopped midway: one like the longest, and the step that led to it.
+bool Watch::room_for_score() const { return budget_.allows(keep_s_ + 1.2 * (longest_score_s_ + longest_step_s_)); }
 
 /// A walk like the last one, and half of the training.
 bool Watch::room_for_next_round() const {
@@ -89,7 +94,7 @@ bool Watch::after_step(const JointProgress& progress, JointTrainer& trainer,
                 {"mask", l.mask},
                 {"cont", l.cont},
                 {"smooth", l.smooth}}}};
-    if (step_ % every_ == 0 || progress.step == progress.steps) score(line, whole);
+    if ((step_ % every_ == 0 || progress.step == progress.steps) && room_for_score()) score(line, whole);
     if (traced_) text_ += line.dump() + "\n";
   }
   replan(progress, trainer);

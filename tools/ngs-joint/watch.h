@@ -36,6 +36,7 @@ class Watch {
   void begin_round(const JointProgress& first, double now_s);
   void replan(const JointProgress& progress, JointTrainer& trainer);
   bool room_for_next_round() const;
+  bool room_for_score() const;
   double seconds() const { return budget_.elapsed_s() - scoring_s_; }
 
   const Exec& exec_;
@@ -44,7 +45,7 @@ class Watch {
   std::optional<Target> target_;
   bool traced_, target_met_ = false, cut_ = false;
   std::int64_t every_, step_ = 0;
-  double scoring_s_ = 0, last_s_ = 0;
+  double scoring_s_ = 0, longest_score_s_ = 0, last_s_ = 0;
   // Of the stage or round that runs: its steps before time ran short; when it began, at which step; what it
   // leaves of the budget.
   std::int64_t planned_ = 0, began_step_ = 0;
