@@ -105,7 +105,8 @@ MethodResult run_edges(cli::Run& run, const Settings& settings, const Problem& p
                         {planned.edge, planned.joint, planned.sample, planned.rbf, problem.input,
                          [&](const JointProgress& progress, JointTrainer& trainer, const auto& whole) {
                            return watch.after_step(progress, trainer, whole);
-                         }},
+                         },
+                         [&](int rounds) { watch.rounds_known(rounds); }},
                         std::move(result));
   if (!budget.given() || result.source_row.empty()) return result;
   const auto lap = budget.lap(kCheckCost, views);

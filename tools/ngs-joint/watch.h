@@ -16,6 +16,8 @@ class Watch {
   void begin_steps(double keep_s, const JointTrainer& trainer);
   /// The same for rounds of edges, which share what their walks leave.
   void begin_rounds(int rounds, double keep_s);
+  /// Their number, where the first walk found that it is another.
+  void rounds_known(int rounds) { rounds_left_ = rounds + 1; }
 
   /// True: no further step, because the target is met or the time is up.
   /// `whole` gives the model as it is, for scoring. Under a budget the trainer's plan follows the time that its steps turn out to take.

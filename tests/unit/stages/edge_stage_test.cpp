@@ -163,6 +163,24 @@ TEST_CASE("edges: after a step the whole model is asked for, not what is trained
   CHECK_FALSE(result.converged);
 }
 
+TEST_CASE("edges: the number of rounds is told when the first walk has decided it, before the first step") {
+  EdgeCase c;
+  c.joint.effect = {"second-round=on"};
+  const MethodInput in = c.input();
+  Monitor monitor;
+  std::vector<int> told;
+  bool stepped = false, before = false;
+  const auto step = [&](const JointProgress&, JointTrainer&, const std::function<MethodResult()>&) {
+    stepped = true;
+    return false;
+  };
+  const auto know = [&](int rounds) { told.push_back(rounds), before = !stepped; };
+  const MethodResult result = follow_edges({}, monitor, {c.edge, c.joint, c.sample, c.rbf, in, step, know}, c.start(in));
+  REQUIRE(told.size() == 1);
+  CHECK(before);
+  CHECK(double(told[0]) == result.figures.at("edge_rounds"));
+}
+
 TEST_CASE("edges: the result does not depend on the number of threads") {
   const EdgeCase c;
   const MethodInput in = c.input();
