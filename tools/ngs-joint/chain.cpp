@@ -20,6 +20,9 @@ void refuse_if(bool wrong, const std::string& what, const std::string& remedy) {
   if (wrong) throw Error(ErrorCode::kUsage, what, remedy);
 }
 
+/// Whether the edges stage has anything to do: where it has no visits, it has none for any number of views.
+bool walks_edges(const Settings& settings) { return edge_visits(settings.edge, settings.joint.quality, 1) > 0; }
+
 void check(cli::Run& run, const Declared& declared, const Paths& paths) {
   const RunOptions& o = declared.settings.run;
   refuse_if(o.resume && o.checkpoint.empty(), "--resume without --checkpoint, expected the folder to go on from",
@@ -41,6 +44,9 @@ void check(cli::Run& run, const Declared& declared, const Paths& paths) {
   if (o.fast_atomics) run.sum_atomically();
   if (const std::string unused = unused_flags(declared, paths); !unused.empty())
     run.monitor().warn(unused + ": not used by --method " + method_name(o.method));
+  if (o.method == Method::kPaper && !walks_edges(declared.settings) &&
+      mode_of("edges", declared.settings.joint.effect) == EffectMode::kOn)
+    run.monitor().warn("--effect edges=on with --quality draft, which has no visits for them: they are left out; --edge-visits N gives some");
 }
 
 /// What the command line decides without naming an effect.
@@ -50,6 +56,7 @@ std::vector<EffectVerdict> ruled_by_options(const Settings& settings, const Path
     for (const std::string_view name : kMendingEffects)  // the methods beside it are as their papers say
       ruled.push_back({name, false, "part of --method paper"});
   if (!paths.nerf.empty()) ruled.push_back({"nerf", true, "--nerf"});
+  if (!walks_edges(settings)) ruled.push_back({"edges", false, "no visits: --quality draft without --edge-visits"});
   if (!settings.run.apart.empty())
     ruled.push_back({"floaters", false, "what stands before several objects is not one run's"});
   return ruled;
