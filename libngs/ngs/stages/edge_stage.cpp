@@ -192,7 +192,7 @@ class EdgeRun {
     if (!model_.fixed.empty()) input.fixed = gather_column(exec_, model_.fixed, 1, play.rows);
     const JointOptions joint = window_options(setup_, views_.size());
     JointTrainer trainer(exec_, monitor_,
-                         {joint, setup_.sample, setup_.rbf, input, nullptr, kEdgeRates, play.frozen}, true);
+                         {joint, setup_.sample, setup_.rbf, input, nullptr, kEdgeRates, play.frozen, true}, true);
     const auto whole = [&] {
       put_back(exec_, trainer.result(), play.rows, model_);
       return MethodResult{.cloud = model_.cloud, .source_row = model_.source_row, .labels = model_.labels, .figures = {}};

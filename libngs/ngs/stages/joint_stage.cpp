@@ -13,14 +13,13 @@
 #include "ngs/stages/cloud_rows.h"
 #include "ngs/stages/first_queries.h"
 #include "ngs/stages/fit_stage.h"
+#include "ngs/stages/label_start.h"
 #include "ngs/stages/resident_steps.h"
 #include "ngs/stages/view_cache.h"
 #include "ngs/stages/view_list.h"
 
 namespace ngs {
 namespace {
-
-constexpr double kMaxInitialConfidence = 0.99;       // sigmoid logits can move away from it
 
 void refresh_positions(const GaussianCloud& cloud, BoundarySet& boundary) {
   for (std::size_t b = 0; b < boundary.row.size(); ++b)
@@ -53,6 +52,7 @@ struct JointTrainer::Impl {
   RbfOptions rbf;
   const MethodInput& input;
   const QueryField* given_field;
+  int start_steps;  // of EM, from labels of 1/2
   GroupRates rates;  // of a step, before they fall
   std::vector<std::uint8_t> frozen;
 
@@ -82,6 +82,7 @@ struct JointTrainer::Impl {
         rbf(s.rbf),
         input(s.input),
         given_field(s.field),
+        start_steps(s.labels_are_trained ? 1 : kStartSteps),
         rates(group_rates(s, effects)),
         frozen(s.frozen.empty() ? s.input.held : s.frozen),
         cloud(s.input.cloud),
@@ -123,8 +124,7 @@ struct JointTrainer::Impl {
         const bool fixed = !input.fixed.empty() && input.fixed[i] == 1.f;
         trainable[i * k_count + k] = object.views[i] > 0.f && !fixed;
         const double prob = fixed ? double(object.label[i]) : double(object.prob[i]);
-        logit[i * k_count + k] =
-            float(ngs::logit(std::clamp(prob, 1 - kMaxInitialConfidence, kMaxInitialConfidence)));
+        logit[i * k_count + k] = float(start_log_odds(prob, start_steps));
       }
   }
 
