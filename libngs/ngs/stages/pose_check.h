@@ -12,10 +12,12 @@ namespace ngs {
 /// the photo best is used; thereby a model that is not in view at all scores exactly `constant_db`.
 struct PhotoMatch {
   double psnr_db = 0;      // rendered model, over the fitted background, against the photo
+  double recoloured_db = 0;  // the same with the gain (not negative) and offset per channel that fit the photo best
   double constant_db = 0;  // PSNR of the photo's own mean colour: what a picture that knows nothing reaches
   double covered = 0;      // mean alpha
   Vec3<double> background{0, 0, 0};
   double gain_db() const { return psnr_db - constant_db; }
+  double recoloured_gain_db() const { return recoloured_db - constant_db; }
 };
 
 /// `photo` has the camera's size.

@@ -129,6 +129,16 @@ std::string decibels(double value) {
   return text;
 }
 
+/// What to do where the model does not fit the photos. `recoloured_db`: how well it would in other colours.
+std::string remedy_of(const PoseRepair* repair, double recoloured_db, double least_db) {
+  if (repair != nullptr) return "it fits if " + repair->mistake + ": " + repair->remedy;
+  if (recoloured_db >= least_db)
+    return "the poses fit, the colours do not: with a gain and an offset per channel it is " + decibels(recoloured_db) +
+           " above it; give the photos that the model was trained on, or import these with --min-fit-db -100";
+  return "the model was trained on other poses, or in a world that was moved or scaled since; import the cameras it was "
+         "trained with";
+}
+
 std::string percent(double share) {
   char text[32];
   std::snprintf(text, sizeof text, "%.3g %%", 100 * share);
@@ -138,12 +148,12 @@ std::string percent(double share) {
 void check_photos(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options,
                   const GaussianCloud& cloud, const Scene& scene, const std::vector<Shot>& shots,
                   SceneCheck& result) {
-  std::vector<double> gains, psnrs;
+  std::vector<double> gains, psnrs, recoloured;
   {
     const auto timed = monitor.scope("compare");
     for (const Shot& shot : shots) {
       const PhotoMatch match = best_match(exec, cloud, shot);
-      gains.push_back(match.gain_db()), psnrs.push_back(match.psnr_db);
+      gains.push_back(match.gain_db()), psnrs.push_back(match.psnr_db), recoloured.push_back(match.recoloured_gain_db());
       result.views[shot.view].match = match;
     }
   }
@@ -162,10 +172,7 @@ void check_photos(const Exec& exec, Monitor& monitor, const SceneCheckOptions& o
                   decibels(result.median_fit_db) + " above a constant colour (" +
                   percent(result.median_inside) + " of the Gaussians in view), expected at least " +
                   decibels(options.min_fit_db) + " above it",
-              repair != nullptr
-                  ? "it fits if " + repair->mistake + ": " + repair->remedy
-                  : "the model was trained on other poses, or in a world that was moved or scaled since; "
-                    "import the cameras it was trained with");
+              remedy_of(repair, median(recoloured), options.min_fit_db));
 }
 
 void check_inside_only(const SceneCheck& result) {

@@ -144,6 +144,18 @@ TEST_CASE("poses that no known mistake explains are refused without a wrong gues
   CHECK(error.remedy().find("trained on other poses") != std::string::npos);
 }
 
+TEST_CASE("photos in other colours than the model's are refused as that, and --min-fit-db takes them") {
+  Capture other = tiny_capture();
+  for (ImageF& photo : other.photos)
+    for (float& v : photo.data) v = 0.5f + 0.3f * v;
+  const Error error = thrown_by([&] { other.check(); });
+  CHECK(error.code() == ErrorCode::kInconsistent);
+  CHECK(error.remedy().find("the poses fit, the colours do not") == 0);
+  SceneCheckOptions options;
+  options.min_fit_db = -100;
+  CHECK(other.check(options).median_fit_db < 3);
+}
+
 TEST_CASE("one photo that does not fit is a warning that names its view") {
   Capture capture = tiny_capture();
   SceneCheckOptions options;
