@@ -140,6 +140,7 @@ JointOptions window_options(const EdgeSetup& setup, std::size_t views) {
   JointOptions joint = setup.joint;
   joint.steps = std::int64_t(edge_visits(setup.edge, setup.joint.quality, views)) * std::int64_t(views);
   joint.rate_scale = setup.edge.rate, joint.rate_literal = false;
+  joint.start_steps = 1;  // from the labels as they have been trained
   joint.effect.push_back("nerf=off");  // its rays are those of the whole image
   joint.effect.push_back("cont=off");
   return joint;
@@ -192,7 +193,7 @@ class EdgeRun {
     if (!model_.fixed.empty()) input.fixed = gather_column(exec_, model_.fixed, 1, play.rows);
     const JointOptions joint = window_options(setup_, views_.size());
     JointTrainer trainer(exec_, monitor_,
-                         {joint, setup_.sample, setup_.rbf, input, nullptr, kEdgeRates, play.frozen, true}, true);
+                         {joint, setup_.sample, setup_.rbf, input, nullptr, kEdgeRates, play.frozen}, true);
     const auto whole = [&] {
       put_back(exec_, trainer.result(), play.rows, model_);
       return MethodResult{.cloud = model_.cloud, .source_row = model_.source_row, .labels = model_.labels, .figures = {}};

@@ -66,6 +66,7 @@ struct JointOptions {
   bool excess_variance = false;
   MaskLossForm mask_loss = MaskLossForm::kBce;
   double photometric_weight = 1.0;
+  int start_steps = 3;
   double rate_label = 0.1, rate_scale = 0.1;
   bool rate_literal = false;
   double rate_hash = 1e-2, rate_mlp = 1e-3, rate_feature = 2.5e-3;
@@ -94,6 +95,8 @@ struct JointOptions {
                                kMaskLossNames});
     visit(self.photometric_weight,
           Field<double>{"photometric_weight", "", "weight of 0.8 L1 + 0.2 DSSIM (C16)", 0, 1e6});
+    visit(self.start_steps,
+          Field<int>{"start_steps", "", "labels start this many EM steps from 1/2 (PAPER.md 5.4); 1: at their share of evidence", 1, 100});
     visit(self.rate_label, Field<double>{"rate_label", "", "Adam rate of the label logits", 0, 100});
     visit(self.rate_scale,
           Field<double>{"rate_scale", "", "factor on 3DGS's rates of the Gaussians (C20)", 0, 1e3});

@@ -52,7 +52,6 @@ struct JointTrainer::Impl {
   RbfOptions rbf;
   const MethodInput& input;
   const QueryField* given_field;
-  int start_steps;  // of EM, from labels of 1/2
   GroupRates rates;  // of a step, before they fall
   std::vector<std::uint8_t> frozen;
 
@@ -82,7 +81,6 @@ struct JointTrainer::Impl {
         rbf(s.rbf),
         input(s.input),
         given_field(s.field),
-        start_steps(s.labels_are_trained ? 1 : kStartSteps),
         rates(group_rates(s, effects)),
         frozen(s.frozen.empty() ? s.input.held : s.frozen),
         cloud(s.input.cloud),
@@ -124,7 +122,7 @@ struct JointTrainer::Impl {
         const bool fixed = !input.fixed.empty() && input.fixed[i] == 1.f;
         trainable[i * k_count + k] = object.views[i] > 0.f && !fixed;
         const double prob = fixed ? double(object.label[i]) : double(object.prob[i]);
-        logit[i * k_count + k] = float(start_log_odds(prob, start_steps));
+        logit[i * k_count + k] = float(start_log_odds(prob, options.start_steps));
       }
   }
 

@@ -40,7 +40,6 @@ struct JointSetup {
   const QueryField* field = nullptr;  // of the initial model; null: sampled here
   GaussianRates rates = {};
   std::vector<std::uint8_t> frozen = {};  // [N] 1: shape, opacity and colour stay; empty: input.held
-  bool labels_are_trained = false;  // the input's go on as they are; else they are shares of evidence
 };
 
 class JointTrainer {

@@ -8,11 +8,8 @@ namespace ngs {
 
 inline constexpr double kMaxInitialConfidence = 0.99;  // sigmoid logits can move away from it
 
-/// The share f of a Gaussian's evidence is what one step of EM on the mask loss (§5.3) makes of labels of 1/2. Where the
-/// rendered mask is about f around the Gaussian, every further step adds ln(f / (1 - f)) to its log-odds.
-inline constexpr int kStartSteps = 3;
-
-/// Log-odds that `steps` such steps make of the share.
+/// Log-odds that `steps` steps of EM on the mask loss (§5.3) make of labels of 1/2. The first makes the share f of the
+/// evidence; where the rendered mask is about f around the Gaussian, every further one adds ln(f / (1 - f)).
 inline double start_log_odds(double share, int steps) {
   const double most = logit(kMaxInitialConfidence);
   return std::clamp(steps * logit(std::clamp(share, 1 - kMaxInitialConfidence, kMaxInitialConfidence)), -most, most);

@@ -69,10 +69,12 @@ Bar bar(const std::vector<int>& errors_px) {
 }
 
 /// IoU of the true bar with the mask that the labels show in the middle view before the first step.
-double iou_at_start(const Bar& b, bool labels_are_trained) {
+double iou_at_start(const Bar& b, int start_steps) {
   const MethodInput input = b.input();
   Monitor monitor;
-  const JointTrainer trainer({}, monitor, {{}, {}, {}, input, nullptr, {}, {}, labels_are_trained}, true);
+  JointOptions options;
+  options.start_steps = start_steps;
+  const JointTrainer trainer({}, monitor, {options, {}, {}, input}, true);
   const std::vector<float> label = trainer.result().labels[0].label;
   RenderRequest request;
   request.label = {label.data(), b.cloud.size(), 1};
@@ -89,7 +91,7 @@ double iou_at_start(const Bar& b, bool labels_are_trained) {
 
 TEST_CASE("label start: a thin object keeps its width under masks that lie beside it") {
   const Bar b = bar({-4, 2, -2, 0, 2, -2, 4});
-  const double as_they_are = iou_at_start(b, true), started = iou_at_start(b, false);
+  const double as_they_are = iou_at_start(b, 1), started = iou_at_start(b, JointOptions{}.start_steps);
   CAPTURE(as_they_are);
   CAPTURE(started);
   CHECK(as_they_are < 0.7);  // shares below 1, seen through a bar that is not opaque
@@ -98,12 +100,12 @@ TEST_CASE("label start: a thin object keeps its width under masks that lie besid
 
 TEST_CASE("label start: where the masks agree it changes hardly a contour") {
   const Bar b = bar({0, 0, 0, 0, 0, 0, 0});
-  CHECK(iou_at_start(b, true) == 1);
-  CHECK(iou_at_start(b, false) > 0.98);  // what is no error, an edge within a Gaussian, gets steeper too
+  CHECK(iou_at_start(b, 1) == 1);
+  CHECK(iou_at_start(b, JointOptions{}.start_steps) > 0.98);  // what is no error, an edge within a Gaussian, gets steeper too
 }
 
 TEST_CASE("label start: steps add log-odds up to a bound, and a half stays a half") {
-  CHECK(start_log_odds(0.5, kStartSteps) == 0);
+  CHECK(start_log_odds(0.5, 3) == 0);
   CHECK(start_log_odds(0.6, 3) == doctest::Approx(3 * std::log(0.6 / 0.4)));
   CHECK(start_log_odds(1, 1) == start_log_odds(1, 3));
   CHECK(start_log_odds(0, 3) == doctest::Approx(std::log(0.01 / 0.99)));
