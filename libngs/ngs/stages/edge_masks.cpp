@@ -5,6 +5,7 @@
 
 #include "ngs/backend/try_each.h"
 #include "ngs/ops/metrics.h"
+#include "ngs/scene/enlarge.h"
 #include "ngs/stages/render_stage.h"
 
 namespace ngs {
@@ -48,7 +49,7 @@ double agreement(const std::vector<float>& mask, const ViewMasks& own, std::size
 }
 
 /// The mask at another size, thresholded after bilinear interpolation.
-std::vector<std::uint8_t> enlarged(const std::vector<float>& coarse, int w, int h, int fw, int fh) {
+std::vector<std::uint8_t> enlarged_mask(const std::vector<float>& coarse, int w, int h, int fw, int fh) {
   std::vector<std::uint8_t> out(std::size_t(fw) * std::size_t(fh));
   for (int y = 0; y < fh; ++y)
     for (int x = 0; x < fw; ++x) {
@@ -88,24 +89,31 @@ WalkedView walk_view(const WalkSetup& setup, const LabelledModel& model, std::si
   const Exec serial;
   const MethodInput& input = setup.input;
   const Camera& camera = input.scene.views[v].camera;
-  const ImageF photo = input.load_fine_photo(v);
+  ImageF photo = input.load_fine_photo(v);
   if (photo.empty()) return {};
-  const int fw = photo.width_px, fh = photo.height_px, w = camera.width_px, h = camera.height_px;
+  const int w = camera.width_px, h = camera.height_px;
+  WalkedView out;
+  out.detail = double(photo.width_px) / w;
+  EdgeWalkOptions walk = setup.walk;
+  if (out.detail < setup.detail) {
+    photo = enlarged(photo, setup.detail * w, setup.detail * h);
+    walk.band_px *= setup.detail / out.detail, walk.reach_px *= setup.detail / out.detail;
+  }
+  const int fw = photo.width_px, fh = photo.height_px;
   const ImageF label = label_channels(serial, model.cloud, model.labels, resized(camera, fw, fh),
                                       filter_at_scale(input.splat, double(fw) / w));
   const ViewMasks own = compare ? input.load_masks(v) : ViewMasks{};
   const std::size_t objects = model.labels.size();
-  WalkedView out;
   out.compared = own.available;
   std::vector<std::vector<float>> targets(objects);
   for (std::size_t k = 0; k < objects; ++k) {
     std::vector<std::uint8_t> mask(std::size_t(photo.pixels()));
     for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = label.data[p * objects + k] > 0.5f;
-    std::vector<float> walked = walk_to_edges(setup.walk, {mask.data(), fw, fh}, photo);
+    std::vector<float> walked = walk_to_edges(walk, {mask.data(), fw, fh}, photo);
     for (float& x : walked) x = x > 0.5f ? 1.f : 0.f;
     targets[k] = reduce(walked, fw, fh, w, h);
     if (!out.compared) continue;
-    out.own_contrast += contrast_of(enlarged(own.target[k], w, h, fw, fh), photo);
+    out.own_contrast += contrast_of(enlarged_mask(own.target[k], w, h, fw, fh), photo);
     out.walked_contrast += contrast_of({walked.begin(), walked.end()}, photo);
     out.rendered_biou +=
         agreement(reduce({mask.begin(), mask.end()}, fw, fh, w, h), own, k) / double(objects);
@@ -147,6 +155,17 @@ std::vector<WalkedView> walk_views(const Exec& exec, const WalkSetup& setup, con
     walked[v] = walk_view(setup, model, v, std::find(compared.begin(), compared.end(), v) != compared.end());
   });
   return walked;
+}
+
+bool could_enlarge(const std::vector<WalkedView>& walked, int detail) {
+  return std::any_of(walked.begin(), walked.end(), [&](const WalkedView& view) { return view.compared && view.detail < detail; });
+}
+
+std::vector<double> gains_over(const std::vector<WalkedView>& walked, const std::vector<WalkedView>& other) {
+  std::vector<double> gains;
+  for (std::size_t v = 0; v < walked.size(); ++v)
+    if (walked[v].compared && other[v].compared) gains.push_back(walked[v].walked_biou - other[v].walked_biou);
+  return gains;
 }
 
 std::vector<double> walk_gains(const std::vector<WalkedView>& walked) {

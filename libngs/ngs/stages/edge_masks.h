@@ -12,6 +12,7 @@ struct PixelWindow {
 /// What a round trains a view on: the window and, in it, the walked masks.
 struct WalkedView {
   PixelWindow window;
+  double detail = 0;  // size of the photo relative to the camera's, before any enlarging
   ViewMasks masks;  // of the window's size
   // Mean boundary IoU with the view's own masks; only where the view supervises and has them.
   bool compared = false;
@@ -23,6 +24,7 @@ struct WalkSetup {
   const EdgeWalkOptions& walk;
   double margin_px;  // of the windows
   const MethodInput& input;
+  int detail = 1;  // photos with fewer pixels than this many times the camera's size are enlarged to it
 };
 
 struct LabelledModel {
@@ -30,12 +32,17 @@ struct LabelledModel {
   const std::vector<LabelColumns>& labels;
 };
 
-/// Photos are read at up to twice the camera's size. [scene views] the given views walked, the others empty,
+/// Photos are read at up to twice the camera's size, and enlarged to setup.detail times it. [scene views] the given views walked, the others empty,
 /// as is a view without a photo. The masks of the views in `compared` are loaded and compared with; no other
 /// mask is read.
 std::vector<WalkedView> walk_views(const Exec& exec, const WalkSetup& setup, const LabelledModel& model,
                                    const std::vector<std::size_t>& views,
                                    const std::vector<std::size_t>& compared);
+
+/// Whether some view that was compared was walked in a photo of less than `detail` times the camera's size.
+bool could_enlarge(const std::vector<WalkedView>& walked, int detail);
+/// walked_biou of the one less that of the other, of the views that were compared in both.
+std::vector<double> gains_over(const std::vector<WalkedView>& walked, const std::vector<WalkedView>& other);
 
 /// walked_biou - rendered_biou of the views that were compared.
 std::vector<double> walk_gains(const std::vector<WalkedView>& walked);

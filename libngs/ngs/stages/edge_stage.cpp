@@ -23,6 +23,9 @@ constexpr GaussianRates kEdgeRates{.position = 1.6e-4,
                                    .sh_dc = 2.5e-2,
                                    .sh_rest = 1.25e-3};
 
+// The size, relative to the camera's, that photos with fewer pixels are enlarged to where that serves.
+constexpr int kLargeDetail = 2;
+
 // Which Gaussians are trained: share of the weight in the windows, weight across contours.
 constexpr double kLeastInside = 0.99, kLeastStraddling_px = 0.5;
 
@@ -169,8 +172,8 @@ class EdgeRun {
   /// walk disagrees with the given masks.
   bool walk(bool first) {
     const auto timed = monitor_.scope("walk");
-    walked_ = walk_views(exec_, walk_setup(), {model_.cloud, model_.labels}, views_,
-                         first ? setup_.input.views : std::vector<std::size_t>{});
+    walked_ = walk_at(detail_, first);
+    if (first && could_enlarge(walked_, kLargeDetail)) try_enlarged();
     views_.erase(std::remove_if(views_.begin(), views_.end(),
                                 [&](std::size_t v) { return !walked_[v].masks.available; }),
                  views_.end());
@@ -214,6 +217,7 @@ class EdgeRun {
     result.figures["edge_biou_rendered"] = rendered_, result.figures["edge_biou_walked"] = walked_biou_;
     result.figures["edge_contrast_given"] = own_contrast_;
     result.figures["edge_contrast_walked"] = walked_contrast_;
+    result.figures["edge_detail"] = double(detail_);
     result.figures["edge_gaussians"] = double(model_.cloud.size());
     if (rounds_ == 0) return;
     result.cloud = std::move(model_.cloud), result.labels = std::move(model_.labels);
@@ -221,7 +225,17 @@ class EdgeRun {
   }
 
  private:
-  WalkSetup walk_setup() const { return {setup_.edge.walk, setup_.edge.margin_px, setup_.input}; }
+  std::vector<WalkedView> walk_at(int detail, bool compare) const {
+    return walk_views(exec_, {setup_.edge.walk, setup_.edge.margin_px, setup_.input, detail}, {model_.cloud, model_.labels},
+                      views_, compare ? setup_.input.views : std::vector<std::size_t>{});
+  }
+
+  /// Keeps to enlarged photos if the contours walked there agree better with the given masks.
+  void try_enlarged() {
+    std::vector<WalkedView> large = walk_at(kLargeDetail, true);
+    if (gain_in_errors(gains_over(large, walked_)) <= kSignificant) return;
+    detail_ = kLargeDetail, walked_ = std::move(large);
+  }
 
   /// Whether the walked masks agree with the given ones at least as well as the rendered masks did, within
   /// twice the standard error of the mean difference over the views; or whether the given masks are too far
@@ -266,7 +280,7 @@ class EdgeRun {
   std::vector<std::size_t> views_;  // with a photo, and with something of the object in it
   std::vector<WalkedView> walked_;  // [scene views]
   double rendered_ = 0, walked_biou_ = 0, own_contrast_ = 0, walked_contrast_ = 0;
-  int rounds_ = 0;
+  int rounds_ = 0, detail_ = 1;
 };
 
 }  // namespace

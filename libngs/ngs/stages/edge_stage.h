@@ -84,7 +84,8 @@ int edge_visits(const EdgeOptions& edge, Quality quality, std::size_t views);
 /// --quality draft, or where the walk does not agree with the masks. Figures: edge_rounds (done),
 /// edge_gaussians (rows afterwards), edge_biou_rendered and edge_biou_walked: mean boundary IoU (0.005) with
 /// the training views' own masks before the first round; edge_contrast_given and edge_contrast_walked: mean
-/// colour difference of the photos across the contours. Not converged if it ran out of time.
+/// colour difference of the photos across the contours; edge_detail: 2 where photos with fewer pixels were walked at
+/// twice the camera's size, else 1. Not converged if it ran out of time.
 MethodResult follow_edges(const Exec& exec, Monitor& monitor, const EdgeSetup& setup, MethodResult start);
 
 }  // namespace ngs

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "ngs/ops/metrics.h"
+#include "ngs/stages/edge_masks.h"
 #include "ngs/stages/method_flash.h"
 #include "ngs/stages/render_stage.h"
 #include "support/joint_case.h"
@@ -70,6 +71,26 @@ TEST_CASE("a model whose contours lie beside the photos' edges is brought to the
   for (const std::int64_t row : after.source_row) CHECK((row >= 0 && row < before.cloud.size()));
   for (const auto* values : {&after.cloud.position, &after.cloud.log_scale, &after.labels[0].label})
     for (const float x : *values) REQUIRE(std::isfinite(x));
+}
+
+TEST_CASE("edges: small photos are enlarged where their contours then agree better with the masks, and only there") {
+  EdgeCase c;
+  c.base = test::joint_case();  // as its masks say
+  c.edge.walk.reach_px = 16;
+  const MethodInput in = c.input();
+  const MethodResult start = c.start(in), after = c.run(in);
+  const auto walked = [&](int detail) {
+    return walk_views({}, {c.edge.walk, c.edge.margin_px, in, detail}, {start.cloud, start.labels}, in.views, in.views);
+  };
+  const std::vector<WalkedView> small = walked(1), large = walked(2);
+  CHECK(could_enlarge(small, 2));
+  CHECK(!could_enlarge(small, 1));
+  for (const double gain : gains_over(large, small)) CHECK(gain > 0.01);
+  CHECK(std::abs(large[0].window.w - small[0].window.w) <= 2);  // at the camera's size both
+  CHECK(after.figures.at("edge_detail") == 2);
+  CHECK(after.figures.at("edge_biou_walked") > 0.72);  // small: 0.68
+  const EdgeCase too_large;
+  CHECK(too_large.run(too_large.input()).figures.at("edge_detail") == 1);
 }
 
 TEST_CASE("edges: no mask of a held-out view is read, its photo is") {
