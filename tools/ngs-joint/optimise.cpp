@@ -88,15 +88,17 @@ MethodResult run_edges(cli::Run& run, const Settings& settings, const Problem& p
   Settings planned = settings;
   Budget& budget = problem.budget;
   const std::size_t views = problem.input.views.size();
+  if (edge_visits(planned.edge, planned.joint.quality, views) == 0) return result;  // --effect edges=on at a draft
   std::vector<Agreement> before;
   if (budget.given()) {
     const auto lap = budget.lap(kCheckCost, views);
     before = training_agreement(run.exec(), problem.input, result);
   }
   const TimePlan plan = budget.plan_rounds(planned.joint, planned.edge, problem.input.scene, views);
-  if (plan.cut) budget.note_cut();
+  const int asked = parse_effects(planned.joint.effect).second_round ? edge_rounds(planned.edge, true) : 1;
+  if (plan.edge_rounds < asked) budget.note_cut();  // that steps were left out the watch knows
   if (plan.edge_rounds == 0) return result;
-  if (plan.edge_rounds < edge_rounds(planned.edge, true)) planned.edge.rounds = plan.edge_rounds;
+  if (plan.edge_rounds < asked) planned.edge.rounds = plan.edge_rounds;
   const double check_s = budget.foreseen_s(kCheckCost.renders * double(views));
   watch.begin_rounds(plan.edge_rounds, check_s);
   run.info("edges begin");
