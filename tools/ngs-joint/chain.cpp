@@ -165,6 +165,8 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
     run.plan(std::move(plan));
     return 0;
   }
+  if (from_files.views.empty())
+    throw Error(ErrorCode::kInconsistent, paths.scene + ": no training view, expected at least one", "hold out fewer views");
   budget.measure(run.exec(), from_files, reading_s);
   rule_by_time(budget, settings, scene.views.size(), decisions);
   const CoarseInput kept(from_files, 1), coarse(kept.get(), decision_shrink(scene));
