@@ -156,4 +156,18 @@ TEST_CASE("one object of several starts from its own labels, not from their unio
   CHECK(of_others == 0);
 }
 
+TEST_CASE("a label threshold that the heaviest of several objects overrules is named") {
+  const test::TempDir& dir = table();
+  const Words words{"ngs-variance", "s.json", "--label-threshold", "0.9", "-o", "t.ply"};
+  const auto warned = [&](Words more) {
+    more.insert(more.begin(), words.begin(), words.end());
+    return done(dir, more)["warnings"].dump().find("--label-threshold is not used") != std::string::npos;
+  };
+  CHECK(warned({}));
+  CHECK(test::read_bytes(dir.file("t.ply")) == test::read_bytes(dir.file("b.ply")));
+  CHECK_FALSE(warned({"--no-exclusive"}));
+  CHECK(test::read_bytes(dir.file("t.ply")) != test::read_bytes(dir.file("b.ply")));
+  CHECK_FALSE(warned({"--object", "a"}));
+}
+
 }  // namespace ngs
