@@ -1,6 +1,7 @@
 #pragma once
 // What is done once per Gaussian of a view, on any device: projection, tiles, channel values, and the way back from the
 // sums over its pixels to the cloud's columns. Internal to ops; templated on the storage scalar S.  PAPER.md §5.1
+#include "ngs/ops/near_plane.h"
 #include "ngs/ops/project_kernels.h"
 #include "ngs/ops/splat.h"
 #include "ngs/ops/splat_step_kernels.h"
@@ -39,7 +40,7 @@ ProjectionCamera<S> projection_camera(const Camera& camera, const SplatOptions& 
   return {mat3_cast<S>(camera.rotation), S(camera.fx), S(camera.fy), S(camera.cx), S(camera.cy),
           S(-camera.cx / camera.fx - margin_x), S((camera.width_px - camera.cx) / camera.fx + margin_x),
           S(-camera.cy / camera.fy - margin_y), S((camera.height_px - camera.cy) / camera.fy + margin_y),
-          S(options.compat == Compat::kInria ? 0.2 : 0.01), S(options.blur_px2)};
+          S(near_plane(options.compat)), S(options.blur_px2)};
 }
 
 /// p - centre in the wide scalar: both may be far from the origin and close to each other.

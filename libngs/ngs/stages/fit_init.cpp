@@ -6,11 +6,25 @@
 #include "ngs/math/stable.h"
 #include "ngs/ops/knn.h"
 #include "ngs/stages/fit_stage.h"
+#include "ngs/stages/pose_check.h"
 
 namespace ngs {
 namespace {
 
 constexpr float kSh0 = 0.28209479177387814f;
+
+/// A world that is too small would stay empty for all steps, and no gradient would say so.
+void require_drawn(const GaussianCloud& cloud, std::span<const FitView> views) {
+  std::vector<Camera> training;
+  for (const FitView& view : views)
+    if (view.split == Split::kTrain) training.push_back(view.camera);
+  const double near = share_too_near(cloud, training);
+  if (near > kTooNear)
+    throw Error(ErrorCode::kInconsistent,
+                "fit: " + std::to_string(std::lround(100 * near)) +
+                    " % of the points before the median camera are nearer than the near plane, expected at most half",
+                kTooNearRemedy);
+}
 
 /// The point nearest to all optical axes; a pull towards the point one extent ahead settles parallel axes.
 Vec3<double> looked_at(std::span<const FitView> views, double extent) {
@@ -91,6 +105,7 @@ FitState initial_fit(const Exec& exec, const FitOptions& options, std::span<cons
   }
   state.gradient_sum.assign(start.size(), 0.f);
   state.gradient_views.assign(start.size(), 0.f);
+  require_drawn(cloud, views);
   return state;
 }
 

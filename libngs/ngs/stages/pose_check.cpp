@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "ngs/core/check.h"
+#include "ngs/math/median.h"
+#include "ngs/ops/near_plane.h"
 
 namespace ngs {
 namespace {
@@ -59,6 +61,21 @@ PhotoMatch match_photo(const Exec& exec, const GaussianCloud& cloud, const Camer
   for (const float a : view.alpha.data) match.covered += double(a) / n;
   match.psnr_db = db(error / (3 * n)), match.recoloured_db = db(recoloured / (3 * n)), match.constant_db = db(spread / (3 * n));
   return match;
+}
+
+double share_too_near(const GaussianCloud& cloud, std::span<const Camera> cameras) {
+  std::vector<double> shares;
+  for (const Camera& camera : cameras) {
+    double in_front = 0, near = 0;
+    for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
+      const float* p = &cloud.position[3 * i];
+      const Vec3<double> world{cloud.origin[0] + double(p[0]), cloud.origin[1] + double(p[1]), cloud.origin[2] + double(p[2])};
+      const double z = (camera.rotation * world + camera.translation).z;
+      in_front += cloud.usable[i] && z > 0, near += cloud.usable[i] && z > 0 && z <= near_plane(Compat::kInria);
+    }
+    if (in_front > 0) shares.push_back(near / in_front);
+  }
+  return shares.empty() ? 0 : upper_median(std::move(shares));
 }
 
 namespace {

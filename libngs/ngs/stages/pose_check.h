@@ -1,6 +1,7 @@
 #pragma once
 // Do cameras and model belong together? The model is rendered at a few cameras and compared with the photos;
 // if it does not fit, the usual mistakes in pose files are tried and the one that makes it fit is named.
+#include <span>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,15 @@ struct PhotoMatch {
 /// `photo` has the camera's size.
 PhotoMatch match_photo(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
                        const SplatOptions& splat, const ImageF& photo);
+
+/// Median over the cameras of the share of what is in front of one that is nearer than 3DGS's near plane, and so never
+/// drawn: near 1 in a world that is too small. 0: nothing is in front of any.
+double share_too_near(const GaussianCloud& cloud, std::span<const Camera> cameras);
+/// From here on it is not a matter of single cameras.
+inline constexpr double kTooNear = 0.5;
+/// The way out of it.
+inline constexpr const char* kTooNearRemedy =
+    "most of it lies nearer to the cameras than 0.2, where 3DGS draws nothing: scale the world of cameras, points and model up";
 
 /// A mistake that pose files have, as the change that undoes it.
 struct PoseRepair {

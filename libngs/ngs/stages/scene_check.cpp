@@ -166,13 +166,16 @@ void check_photos(const Exec& exec, Monitor& monitor, const SceneCheckOptions& o
                                   " better than a constant colour (" + decibels(psnrs[i]) + ")");
     return;
   }
-  const PoseRepair* repair = find_repair(exec, monitor, options, cloud, shots);
+  std::vector<Camera> cameras;
+  for (const Shot& shot : shots) cameras.push_back(shot.camera);
+  const bool too_near = share_too_near(cloud, cameras) > kTooNear;
+  const PoseRepair* repair = too_near ? nullptr : find_repair(exec, monitor, options, cloud, shots);
   throw Error(ErrorCode::kInconsistent,
               "cameras and model: rendered views match the photos " + decibels(result.median_psnr_db) + ", " +
                   decibels(result.median_fit_db) + " above a constant colour (" +
                   percent(result.median_inside) + " of the Gaussians in view), expected at least " +
                   decibels(options.min_fit_db) + " above it",
-              remedy_of(repair, median(recoloured), options.min_fit_db));
+              too_near ? kTooNearRemedy : remedy_of(repair, median(recoloured), options.min_fit_db));
 }
 
 void check_inside_only(const SceneCheck& result) {

@@ -108,6 +108,27 @@ TEST_CASE("initial_fit sizes Gaussians by their neighbours and colours them like
   }
 }
 
+TEST_CASE("initial_fit refuses a world so small that nothing of it would ever be drawn") {
+  std::vector<FitPoint> grid;
+  for (int i = 0; i < 64; ++i)
+    grid.push_back({{0.1f * float(i % 4), 0.1f * float(i / 4 % 4), 0.1f * float(i / 16)}, {0.25f, 0.5f, 1.f}});
+  std::vector<FitView> views = tiny().views;
+  CHECK(initial_fit({}, {}, grid, views, 1).cloud.size() == 64);
+  for (FitView& view : views) view.camera.translation = 1e-3 * view.camera.translation;
+  for (FitPoint& point : grid)
+    for (float& x : point.position) x *= 1e-3f;
+  for (const std::vector<FitPoint>& start : {grid, std::vector<FitPoint>()}) {
+    CAPTURE(start.size());
+    try {
+      initial_fit({}, {.random_points = 100}, start, views, 1);
+      FAIL("nothing was thrown");
+    } catch (const Error& e) {
+      CHECK(e.code() == ErrorCode::kInconsistent);
+      CHECK(std::string(e.remedy()).find("scale the world") != std::string::npos);
+    }
+  }
+}
+
 TEST_CASE("initial_fit accepts one point, coincident points and none") {
   const FitPoint one{{1, 2, 3}, {0, 0, 0}};
   const std::vector<FitPoint> single{one}, coincident(5, one);

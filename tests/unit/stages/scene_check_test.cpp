@@ -136,6 +136,16 @@ TEST_CASE("the usual mistakes in pose files are refused and named") {
   });
 }
 
+TEST_CASE("a world so small that nothing is drawn is refused with the way out, and not for its poses") {
+  Capture bad = tiny_capture();
+  for (SceneView& view : bad.scene.views) view.camera.translation = 1e-3 * view.camera.translation;
+  for (float& x : bad.cloud.position) x *= 1e-3f;
+  for (float& s : bad.cloud.log_scale) s += float(std::log(1e-3));
+  const Error error = thrown_by([&] { bad.check(); });
+  CHECK(error.code() == ErrorCode::kInconsistent);
+  CHECK(error.remedy().find("scale the world") != std::string::npos);
+}
+
 TEST_CASE("poses that no known mistake explains are refused without a wrong guess") {
   Capture bad = tiny_capture();
   for (SceneView& view : bad.scene.views) view.camera.translation = 4.0 * view.camera.translation;

@@ -1,0 +1,10 @@
+#pragma once
+// How near to a camera something is still drawn.                                                   PAPER.md §5.1
+#include "ngs/ops/splat.h"
+
+namespace ngs {
+
+/// World, along the camera's axis.
+constexpr double near_plane(Compat compat) { return compat == Compat::kInria ? 0.2 : 0.01; }
+
+}  // namespace ngs
