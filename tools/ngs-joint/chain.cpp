@@ -46,7 +46,8 @@ void check(cli::Run& run, const Declared& declared, const Paths& paths) {
     run.monitor().warn(unused + ": not used by --method " + method_name(o.method));
   if (o.method == Method::kPaper && !walks_edges(declared.settings) &&
       mode_of("edges", declared.settings.joint.effect) == EffectMode::kOn)
-    run.monitor().warn("--effect edges=on with --quality draft, which has no visits for them: they are left out; --edge-visits N gives some");
+    run.monitor().warn("--effect edges=on with --quality draft, which has no visits for them: they are left out; --edge-visits N gives "
+                       "some");
 }
 
 /// What the command line decides without naming an effect.

@@ -68,7 +68,8 @@ void write_labels(cli::Run& run, const Scene& scene, const io::GaussianPly& ply,
                   const std::string& path) {
   const auto timed = run.monitor().scope("write");
   if (labels.size() > 1 && options.exclusive && options.label_threshold != VarianceOptions{}.label_threshold)
-    run.monitor().warn("--label-threshold is not used: of several objects the heaviest takes a Gaussian; --no-exclusive asks each by itself");
+    run.monitor().warn("--label-threshold is not used: of several objects the heaviest takes a Gaussian; --no-exclusive asks each by "
+                       "itself");
   const auto count = [](const std::vector<float>& column) {
     return std::count(column.begin(), column.end(), 1.f);
   };

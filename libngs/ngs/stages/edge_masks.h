@@ -32,8 +32,8 @@ struct LabelledModel {
   const std::vector<LabelColumns>& labels;
 };
 
-/// Photos are read at up to twice the camera's size, and enlarged to setup.detail times it. [scene views] the given views walked, the others empty,
-/// as is a view without a photo. The masks of the views in `compared` are loaded and compared with; no other
+/// Photos are read at up to twice the camera's size, and enlarged to setup.detail times it. [scene views] the given views
+/// walked, the others empty, as is a view without a photo. The masks of the views in `compared` are loaded and compared with; no other
 /// mask is read.
 std::vector<WalkedView> walk_views(const Exec& exec, const WalkSetup& setup, const LabelledModel& model,
                                    const std::vector<std::size_t>& views,

@@ -9,7 +9,8 @@ namespace ngs {
 std::vector<LabelColumns> closed_form_labels(const Exec& exec, Monitor& monitor, const MethodInput& input);
 
 /// Labels from evidence gathered anew, with the boundary rule that the input's own labels follow: the criterion is the
-/// one that gives variances like theirs, tau the largest variance that is not boundary there. Hand-fixed labels stay. For stages that change the model or the masks.
+/// one that gives variances like theirs, tau the largest variance that is not boundary there. Hand-fixed labels stay. For
+/// stages that change the model or the masks.
 std::vector<LabelColumns> labels_anew(const Exec& exec, Monitor& monitor, const MethodInput& input,
                                       const GaussianCloud& cloud);
 
