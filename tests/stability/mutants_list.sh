@@ -61,6 +61,8 @@ mutant stages/strays.h $t $f "strays: a quarter of the views makes a core" 's/\.
 mutant $f $t $f "strays: only the core's own cells are linked" 's/if \(labelled\.contains\(next\) .*$//'
 mutant $f $t $f "strays: rows fixed by hand change" 's/ \|\| is_fixed\(input, i\)//'
 mutant $f $t $f "strays: another object's Gaussian is held" 's/finding\.stray\[i\] = 0;/(void)0;/'
+mutant stages/object_core.cpp $t stages/object_core.cpp "core: the best seen of the whole model" 's/cloud\.usable\[i\] && double\(object\.prob\[i\]\) >= options\.share/cloud.usable[i]/'
+mutant stages/view_trust.cpp unit/stages/view_trust_test.cpp stages/view_trust.cpp "trust: views that see nothing agree" 's/if \(found != kNothingThere\) all\.push_back\(found\)/all.push_back(trust.disagreement[n])/'
 t=stability/geometry_stability_test.cpp
 mutant ops/sample_grid_kernels.h $t ops/sample_grid.cpp "Gaussians behind the camera count" 's/if \(!\(t\.z > kNearZ\)\) return;//'
 mutant ops/sample_grid_kernels.h $t ops/sample_grid.cpp "boxes thinner than a pixel divided" 's/if \(length < 1\) return .*;//'
@@ -159,6 +161,13 @@ f=stages/edge_stage.cpp t=unit/stages/edge_stage_test.cpp
 mutant $f $t $f "edges: what is not trained does not show" 's/!\(across\.seen\.weight\.value\(i\) > 0\)/true/'
 mutant $f $t $f "edges: all that shows is trained" 's/play\.frozen\.push_back\(!trained\)/play.frozen.push_back(0)/'
 mutant $f $t $f "edges: what was trained is not put back" 's/scatter_rows\(exec, trained\.cloud, rows, model\.cloud\);//'
+mutant $f $t $f "edges: small photos are always walked enlarged" 's/if \(gain_in_errors.*\) return;$//'
+mutant $f $t $f "edges: trained labels get another start" 's/joint\.start_steps = 1;//'
+mutant stages/edge_masks.cpp $t stages/edge_masks.cpp "edges: enlarged, reach and band stay" 's/walk\.band_px \*= .*;//'
+mutant scene/enlarge.cpp unit/scene/enlarge_test.cpp scene/enlarge.cpp "enlarged: half a pixel beside" 's/\(i \+ 0\.5\) \* from_px \/ to_px - 0\.5/double(i) * from_px \/ to_px/'
+mutant scene/enlarge.cpp unit/scene/enlarge_test.cpp scene/enlarge.cpp "enlarged: beyond the border nothing" 's/sum \+= taps\.weight\[t\] \* double\(image/if (taps.pixel[t] > 0) &/'
+mutant stages/label_start.h unit/stages/label_start_test.cpp stages/joint_stage.cpp "labels start at their share" 's/steps \* logit\(/logit(/'
+mutant stages/label_start.h unit/stages/label_start_test.cpp stages/joint_stage.cpp "start of the labels without a bound" 's/return std::clamp\((steps \* logit\(.*\)), -most, most\);/return \1;/'
 
 t="unit/ops/edge_walk_test.cpp stability/alignment_stability_test.cpp" f=ops/edge_walk.cpp
 mutant $f "$t" $f "densities of colours without a least variance" 's/\(i == j \? kColourNoise : 0\.0\)/0.0/; s/std::max\(c\[i\]\[i\], 0\.5 \* kColourNoise\)/c[i][i]/'

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <numeric>
 #include <set>
 
 #include "ngs/ops/metrics.h"
@@ -91,6 +92,39 @@ TEST_CASE("edges: small photos are enlarged where their contours then agree bett
   CHECK(after.figures.at("edge_biou_walked") > 0.72);  // small: 0.68
   const EdgeCase too_large;
   CHECK(too_large.run(too_large.input()).figures.at("edge_detail") == 1);
+}
+
+TEST_CASE("edges: a contour moves as far in an enlarged photo as in the photo") {
+  EdgeCase c;  // whose contours lie outside the photos'
+  c.edge.walk.band_px = 1;
+  const MethodInput in = c.input();
+  const MethodResult start = c.start(in);
+  const auto area_px = [&](int detail) {
+    const std::vector<WalkedView> walked =
+        walk_views({}, {c.edge.walk, c.edge.margin_px, in, detail}, {start.cloud, start.labels}, {0}, {});
+    return std::accumulate(walked[0].masks.target[0].begin(), walked[0].masks.target[0].end(), 0.0);
+  };
+  c.edge.walk.shape_weight = 1e6;
+  const double rendered_px = area_px(1);
+  c.edge.walk.shape_weight = EdgeOptions{}.walk.shape_weight;
+  const double moved_px = rendered_px - area_px(1), moved_large_px = rendered_px - area_px(2);
+  MESSAGE("area " << rendered_px << ", walked away " << moved_px << ", enlarged " << moved_large_px);
+  CHECK(moved_px > 0.05 * rendered_px);
+  CHECK(moved_large_px > 0.75 * moved_px);
+}
+
+TEST_CASE("edges: a round begins with the labels as they have been trained") {
+  EdgeCase c;
+  c.joint.rate_label = 0, c.joint.effect = {"split=off"};
+  const MethodInput in = c.input();
+  MethodResult start = c.start(in);
+  std::vector<float>& trained = start.labels[0].prob;
+  for (std::size_t i = 0; i < trained.size(); ++i) trained[i] = c.base->is_ball[i] > 0 ? 0.7f : 0.2f;
+  Monitor monitor;
+  const MethodResult after = follow_edges({}, monitor, {c.edge, c.joint, c.sample, c.rbf, in}, start);
+  REQUIRE(after.figures.at("edge_rounds") > 0);
+  REQUIRE(after.labels[0].prob.size() == trained.size());
+  for (std::size_t i = 0; i < trained.size(); ++i) CHECK(std::abs(after.labels[0].prob[i] - trained[i]) < 1e-5f);
 }
 
 TEST_CASE("edges: no mask of a held-out view is read, its photo is") {
