@@ -5,11 +5,11 @@ namespace ngs::joint {
 
 inline constexpr const char* kQualityTable =
     "quality, as measured:\n"
-    "  the capture of BENCHMARKS.md, one run on two idle Zen 4 cores (wall: 2, 39 and 82 s); reference: Zen 5, a commit before\n"
+    "  the capture of BENCHMARKS.md, one run on two Zen 4 cores, idle (wall: 2, 39 and 82 s; reference, busy: 523 s)\n"
     "              CPU s     IoU   B-IoU   0.005\n"
     "  draft          3.7  0.9670  0.9346  0.7471\n"
     "  standard      75.2  0.9695  0.9428  0.7697\n"
     "  high         160.2  0.9696  0.9428  0.7700\n"
-    "  reference    341.7  0.9690  0.9414  0.7676\n";
+    "  reference    463.6  0.9690  0.9417  0.7683\n";
 
 }  // namespace ngs::joint
