@@ -183,6 +183,12 @@ int guarded(Console& console, const std::function<int()>& body) {
   }
 }
 
+/// What a run that fails has made and not filled.
+void remove_empty(const std::vector<std::string>& folders) {
+  std::error_code not_empty;
+  for (const std::string& folder : folders) std::filesystem::remove(folder, not_empty);
+}
+
 }  // namespace
 
 int Tool::Impl::run(const CommonFlags& flags, Console& console, const std::function<int(Run&)>& body) {
@@ -219,14 +225,21 @@ int Tool::Impl::run(const CommonFlags& flags, Console& console, const std::funct
     for (ReadInput& input : state.inputs) input.path = streams.given(input.path);
   }
   std::vector<Leftovers> folders;
+  std::vector<std::string> made;
   for (const Output& output : spec.outputs)
     if (output && output.directory && !flags.dry_run) {
-      std::filesystem::create_directories(output.path);
+      if (std::filesystem::create_directories(output.path)) made.push_back(output.path);
       folders.emplace_back(output.path);
     }
 
   Run run(state);
-  const int exit_code = body(run);
+  int exit_code = 0;
+  try {
+    exit_code = body(run);
+  } catch (...) {
+    remove_empty(made);
+    throw;
+  }
   for (const Leftovers& folder : folders)
     if (const std::vector<std::string> names = folder.untouched(); !names.empty())
       state.monitor.warn(folder.folder() + ": holds " + std::to_string(names.size()) + " files of before, the first is " +
