@@ -85,22 +85,28 @@ inline GaussianCloud permuted(const GaussianCloud& cloud, const std::vector<std:
   return out;
 }
 
-/// [N] W and W1 of object 0 over the case's views, by the book; false: a contribution lies at a threshold,
-/// where float may decide otherwise.
-inline bool reference_weights(const MethodCase& c, std::vector<double>& weight,
-                              std::vector<double>& object_weight) {
-  weight.assign(std::size_t(c.cloud.size()), 0), object_weight = weight;
-  bool clear = true;
+/// By the book, over the case's views. [N] each.
+struct ReferenceWeights {
+  std::vector<double> weight, object_weight;  // W, and W1 of object 0
+  std::vector<double> spread;                 // of W: the sum of what rounding does to each of its terms
+  bool clear = true;                          // false: a contribution lies at a threshold, where float may decide otherwise
+};
+inline ReferenceWeights reference_weights(const MethodCase& c) {
+  ReferenceWeights r;
+  r.weight.assign(std::size_t(c.cloud.size()), 0), r.object_weight = r.spread = r.weight;
   for (std::size_t v = 0; v < c.view.size(); ++v) {
     const auto image = reference_render(c.view[v], {});
     for (std::size_t p = 0; p < image.size(); ++p) {
-      clear &= image[p].closest_threshold > 1e-5;
+      r.clear &= image[p].closest_threshold > 1e-5;
       if (!c.masks[v].known[p]) continue;
-      for (const auto& [g, w] : image[p].weight)
-        weight[std::size_t(g)] += w, object_weight[std::size_t(g)] += w * double(c.masks[v].target[0][p]);
+      for (std::size_t k = 0; k < image[p].weight.size(); ++k) {
+        const auto& [g, w] = image[p].weight[k];
+        r.weight[std::size_t(g)] += w, r.spread[std::size_t(g)] += w * image[p].condition[k];
+        r.object_weight[std::size_t(g)] += w * double(c.masks[v].target[0][p]);
+      }
     }
   }
-  return clear;
+  return r;
 }
 
 }  // namespace ngs::test

@@ -17,6 +17,7 @@ struct ReferencePixel {
   double depth = 0, transmittance = 1;
   double closest_threshold = 1;  // smallest relative distance of any alpha to 1/255 or of any T to 1e-4
   std::vector<std::pair<int, double>> weight;  // (Gaussian, alpha · T) in depth order
+  std::vector<double> condition;               // of each weight: its relative error in units of rounding
 };
 
 struct ReferenceGaussian {
@@ -113,6 +114,7 @@ inline std::vector<ReferencePixel> reference_render(const SplatCase& c, const Sp
   for (int y = 0; y < c.camera.height_px; ++y)
     for (int x = 0; x < c.camera.width_px; ++x) {
       ReferencePixel& px = image.emplace_back();
+      double front = 1;  // condition of the transmittance
       for (const int i : order) {
         const ReferenceGaussian& k = g[std::size_t(i)];
         if (!k.visible || x / 16 < k.tile_x0 || x / 16 >= k.tile_x1 || y / 16 < k.tile_y0 || y / 16 >= k.tile_y1) continue;
@@ -130,6 +132,11 @@ inline std::vector<ReferencePixel> reference_render(const SplatCase& c, const Sp
         for (int ch = 0; ch < 2; ++ch) px.label[std::size_t(ch)] += weight * c.label[std::size_t(i * 2 + ch)];
         px.depth += weight * k.z;
         px.weight.emplace_back(i, weight);
+        // what rounding of the conic, whose terms cancel along a needle, and of the mean does to the power
+        const double spread = 0.5 * (k.a * dx * dx + k.c * dy * dy) + std::abs(k.b * dx * dy) +
+                              std::abs((k.a * dx + k.b * dy) * k.x) + std::abs((k.b * dx + k.c * dy) * k.y);
+        px.condition.push_back(spread + front);
+        front += spread * alpha / (1 - alpha);
         px.transmittance = next;
       }
     }
