@@ -1,7 +1,12 @@
 #include "ngs/io/exr.h"
 
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfOutputFile.h>
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -99,9 +104,37 @@ TEST_CASE("an EXR header that claims far more pixels than its bytes can hold is 
     bytes.replace(at + 12, 4, reinterpret_cast<const char*>(&bottom), 4);
     return refusal(bytes);
   };
-  CHECK(refused(12000, 12000).find("header claims") != std::string::npos);
+  CHECK(refused(9000, 9000).find("header claims") != std::string::npos);
+  CHECK(refused(12000, 12000).find("image of 12001x12001 px") != std::string::npos);
   // One row of 4 MB, which the library would unpack 16 rows at a time, with a buffer for each of several chunks.
   CHECK(refused(999999, 0).find("header claims") != std::string::npos);
+  // A larger file may claim more, but no more than its way of packing can hold: here 11 million columns, which the
+  // library would unpack 16 rows at a time, 700 MB in one piece.
+  write_exr(dir.file("a.exr"), sample(60, 60));
+  CHECK(refused(11272195, 2).find("header claims") != std::string::npos);
+}
+
+TEST_CASE("an EXR of one value, which packs best, is read however it is packed") {
+  const test::TempDir dir;
+  for (int compression = Imf::NO_COMPRESSION; compression < Imf::NUM_COMPRESSION_METHODS; ++compression)
+    for (const int height : {2048, 1}) {
+      CAPTURE(compression);
+      CAPTURE(height);
+      constexpr int width = 4096;
+      Imf::Header header(width, height);
+      header.compression() = Imf::Compression(compression);
+      header.channels().insert("Y", Imf::Channel(Imf::HALF));
+      std::vector<half> row(std::size_t(width), half(1.f));
+      {
+        Imf::OutputFile file(dir.file("one.exr").c_str(), header);
+        Imf::FrameBuffer from;
+        from.insert("Y", Imf::Slice(Imf::HALF, reinterpret_cast<char*>(row.data()), sizeof(half), 0));
+        file.setFrameBuffer(from), file.writePixels(height);
+      }
+      const ExrImage back = read_exr(dir.file("one.exr"));
+      CHECK(back.width_px == width);
+      CHECK(std::ranges::all_of(back.channels.at("Y"), [](float v) { return v == 1; }));
+    }
 }
 
 }  // namespace ngs::io
