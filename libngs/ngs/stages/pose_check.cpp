@@ -20,18 +20,6 @@ double fitted_error(const ChannelSums& sums, double& background) {
   return sums.residual2 - 2 * background * sums.t_residual + background * background * sums.tt;
 }
 
-/// min over g >= 0 and o of Σ (p - g q - o)², q the render over the background.
-double recoloured_error(const ImageF& photo, const RenderedView& view, std::size_t channel, double background) {
-  double p = 0, q = 0, pp = 0, pq = 0, qq = 0;
-  const double n = double(photo.pixels());
-  for (std::size_t i = 0; i < std::size_t(photo.pixels()); ++i) {
-    const double a = photo.data[i * 3 + channel], b = view.colour.data[i * 3 + channel] + (1.0 - view.alpha.data[i]) * background;
-    p += a, q += b, pp += a * a, pq += a * b, qq += b * b;
-  }
-  const double spread = pp - p * p / n, together = pq - p * q / n, own = qq - q * q / n;
-  return together > 0 && own > 0 ? spread - together * together / own : spread;
-}
-
 double db(double mean_square) { return -10 * std::log10(std::max(mean_square, 1e-12)); }
 
 }  // namespace
@@ -42,7 +30,7 @@ PhotoMatch match_photo(const Exec& exec, const GaussianCloud& cloud, const Camer
             "the photo has the camera's size");
   const RenderedView view = render(exec, cloud, camera, splat, {});
   PhotoMatch match;
-  double error = 0, recoloured = 0, spread = 0;
+  double error = 0, spread = 0;
   const double n = double(photo.pixels());
   for (int channel = 0; channel < 3; ++channel) {
     ChannelSums sums;
@@ -54,13 +42,33 @@ PhotoMatch match_photo(const Exec& exec, const GaussianCloud& cloud, const Camer
     }
     double background = 0;
     error += fitted_error(sums, background);
-    recoloured += recoloured_error(photo, view, std::size_t(channel), background);
     spread += sums.pp - sums.p * sums.p / n;
     (channel == 0 ? match.background.x : channel == 1 ? match.background.y : match.background.z) = background;
   }
   for (const float a : view.alpha.data) match.covered += double(a) / n;
-  match.psnr_db = db(error / (3 * n)), match.recoloured_db = db(recoloured / (3 * n)), match.constant_db = db(spread / (3 * n));
+  match.psnr_db = db(error / (3 * n)), match.constant_db = db(spread / (3 * n));
   return match;
+}
+
+double recoloured_gain_db(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& splat,
+                          const ImageF& photo, const Vec3<double>& background) {
+  RenderRequest request;
+  request.background = {float(background.x), float(background.y), float(background.z)};
+  const ImageF picture = render(exec, cloud, camera, splat, request).colour;
+  NGS_CHECK(photo.data.size() == picture.data.size(), "the photo has the camera's size");
+  const double n = double(photo.pixels());
+  double error = 0, spread = 0;
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    double p = 0, q = 0, pp = 0, pq = 0, qq = 0;
+    for (std::size_t i = channel; i < photo.data.size(); i += 3) {
+      const double a = photo.data[i], b = picture.data[i];
+      p += a, q += b, pp += a * a, pq += a * b, qq += b * b;
+    }
+    const double own = pp - p * p / n, together = pq - p * q / n, drawn = qq - q * q / n;
+    spread += own;
+    error += together > 0 && drawn > 0 ? own - together * together / drawn : own;
+  }
+  return db(error / (3 * n)) - db(spread / (3 * n));
 }
 
 double share_too_near(const GaussianCloud& cloud, std::span<const Camera> cameras) {

@@ -13,17 +13,20 @@ namespace ngs {
 /// the photo best is used; thereby a model that is not in view at all scores exactly `constant_db`.
 struct PhotoMatch {
   double psnr_db = 0;      // rendered model, over the fitted background, against the photo
-  double recoloured_db = 0;  // the same with the gain (not negative) and offset per channel that fit the photo best
   double constant_db = 0;  // PSNR of the photo's own mean colour: what a picture that knows nothing reaches
   double covered = 0;      // mean alpha
   Vec3<double> background{0, 0, 0};
   double gain_db() const { return psnr_db - constant_db; }
-  double recoloured_gain_db() const { return recoloured_db - constant_db; }
 };
 
 /// `photo` has the camera's size.
 PhotoMatch match_photo(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
                        const SplatOptions& splat, const ImageF& photo);
+
+/// What a gain (not negative) and an offset per channel would make of the model's picture over `background`: the PSNR above
+/// that of the photo's mean colour, min over g, o of Σ (p - g q - o)² against min over o.
+double recoloured_gain_db(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& splat,
+                          const ImageF& photo, const Vec3<double>& background);
 
 /// Median over the cameras of the share of what is in front of one that is nearer than 3DGS's near plane, and so never
 /// drawn: near 1 in a world that is too small. 0: nothing is in front of any.

@@ -123,16 +123,31 @@ const PoseRepair* find_repair(const Exec& exec, Monitor& monitor, const SceneChe
   return best;
 }
 
+/// How well the model would fit in other colours.
+double median_recoloured_gain(const Exec& exec, const GaussianCloud& cloud, const std::vector<Shot>& shots) {
+  std::vector<double> gains;
+  for (const Shot& shot : shots) {
+    const Vec3<double> background = best_match(exec, cloud, shot).background;
+    double best = 0;  // a gain of zero
+    for (const double filter : kFilters)
+      best = std::max(best, recoloured_gain_db(exec, cloud, shot.camera, splat_with(cloud, filter), shot.photo, background));
+    gains.push_back(best);
+  }
+  return median(gains);
+}
+
 std::string decibels(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.1f dB", std::round(value * 10) / 10 + 0.0);  // no "-0.0"
   return text;
 }
 
-/// What to do where the model does not fit the photos. `recoloured_db`: how well it would in other colours.
-std::string remedy_of(const PoseRepair* repair, double recoloured_db, double least_db) {
-  if (repair != nullptr) return "it fits if " + repair->mistake + ": " + repair->remedy;
-  if (recoloured_db >= least_db)
+/// What to do where the model does not fit the photos.
+std::string remedy_of(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options, const GaussianCloud& cloud,
+                      const std::vector<Shot>& shots) {
+  if (const PoseRepair* repair = find_repair(exec, monitor, options, cloud, shots))
+    return "it fits if " + repair->mistake + ": " + repair->remedy;
+  if (const double recoloured_db = median_recoloured_gain(exec, cloud, shots); recoloured_db >= options.min_fit_db)
     return "the poses fit, the colours do not: with a gain and an offset per channel it is " + decibels(recoloured_db) +
            " above it; give the photos that the model was trained on, or import these with --min-fit-db -100";
   return "the model was trained on other poses, or in a world that was moved or scaled since; import the cameras it was "
@@ -148,12 +163,12 @@ std::string percent(double share) {
 void check_photos(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options,
                   const GaussianCloud& cloud, const Scene& scene, const std::vector<Shot>& shots,
                   SceneCheck& result) {
-  std::vector<double> gains, psnrs, recoloured;
+  std::vector<double> gains, psnrs;
   {
     const auto timed = monitor.scope("compare");
     for (const Shot& shot : shots) {
       const PhotoMatch match = best_match(exec, cloud, shot);
-      gains.push_back(match.gain_db()), psnrs.push_back(match.psnr_db), recoloured.push_back(match.recoloured_gain_db());
+      gains.push_back(match.gain_db()), psnrs.push_back(match.psnr_db);
       result.views[shot.view].match = match;
     }
   }
@@ -169,13 +184,12 @@ void check_photos(const Exec& exec, Monitor& monitor, const SceneCheckOptions& o
   std::vector<Camera> cameras;
   for (const Shot& shot : shots) cameras.push_back(shot.camera);
   const bool too_near = share_too_near(cloud, cameras) > kTooNear;
-  const PoseRepair* repair = too_near ? nullptr : find_repair(exec, monitor, options, cloud, shots);
   throw Error(ErrorCode::kInconsistent,
               "cameras and model: rendered views match the photos " + decibels(result.median_psnr_db) + ", " +
                   decibels(result.median_fit_db) + " above a constant colour (" +
                   percent(result.median_inside) + " of the Gaussians in view), expected at least " +
                   decibels(options.min_fit_db) + " above it",
-              too_near ? kTooNearRemedy : remedy_of(repair, median(recoloured), options.min_fit_db));
+              too_near ? kTooNearRemedy : remedy_of(exec, monitor, options, cloud, shots));
 }
 
 void check_inside_only(const SceneCheck& result) {
