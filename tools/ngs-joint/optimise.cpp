@@ -1,5 +1,7 @@
 #include "optimise.h"
 
+#include <algorithm>
+
 #include "decide.h"
 #include "ngs/io/atomic_file.h"
 #include "ngs/stages/edge_masks.h"
@@ -85,30 +87,35 @@ bool has_lost(const MethodResult& outcome, const std::vector<Agreement>& before,
 /// Follows the photos' edges in the rounds that the budget has room for.
 MethodResult run_edges(cli::Run& run, const Settings& settings, const Problem& problem, Watch& watch,
                        MethodResult result) {
-  Settings planned = settings;
   Budget& budget = problem.budget;
   const std::size_t views = problem.input.views.size();
-  if (edge_visits(planned.edge, planned.joint.quality, views) == 0) return result;  // --effect edges=on at a draft
+  if (edge_visits(settings.edge, settings.joint.quality, views) == 0) return result;  // --effect edges=on at a draft
   std::vector<Agreement> before;
   if (budget.given()) {
     const auto lap = budget.lap(kCheckCost, views);
     before = training_agreement(run.exec(), problem.input, result);
   }
-  const TimePlan plan = budget.plan_rounds(planned.joint, planned.edge, problem.input.scene, views);
-  const int asked = parse_effects(planned.joint.effect).second_round ? edge_rounds(planned.edge, true) : 1;
-  if (plan.edge_rounds < asked) budget.note_cut();  // that steps were left out the watch knows
-  if (plan.edge_rounds == 0) return result;
-  if (plan.edge_rounds < asked) planned.edge.rounds = plan.edge_rounds;
+  const TimePlan plan = budget.plan_rounds(settings.joint, settings.edge, problem.input.scene, views);
+  if (plan.edge_rounds == 0) {
+    budget.note_cut();
+    return result;
+  }
+  const auto allow = [&](int wanted) {
+    const int rounds = std::min(wanted, plan.edge_rounds);
+    if (rounds < wanted) budget.note_cut();  // that steps were left out the watch knows
+    watch.rounds_known(rounds);
+    return rounds;
+  };
   const double check_s = budget.foreseen_s(kCheckCost.renders * double(views));
   watch.begin_rounds(plan.edge_rounds, check_s);
   run.info("edges begin");
   MethodResult start = budget.given() ? result : MethodResult{};
   result = follow_edges(run.exec(), run.monitor(),
-                        {planned.edge, planned.joint, planned.sample, planned.rbf, problem.input,
+                        {settings.edge, settings.joint, settings.sample, settings.rbf, problem.input,
                          [&](const JointProgress& progress, JointTrainer& trainer, const auto& whole) {
                            return watch.after_step(progress, trainer, whole);
                          },
-                         [&](int rounds) { watch.rounds_known(rounds); }},
+                         allow},
                         std::move(result));
   if (!budget.given() || result.source_row.empty()) return result;
   const auto lap = budget.lap(kCheckCost, views);

@@ -14,6 +14,13 @@ bool is_behind_a_link(const fs::path& folder) {
   return !failed && (named / "").lexically_normal() != real / "";
 }
 
+/// A pipe, or bytes in memory that were read from one: no folder holds it, whatever path leads to it.
+bool lies_nowhere(const std::string& file) {
+  std::error_code failed;
+  const fs::file_status status = fs::status(file, failed);
+  return fs::exists(status) && (!fs::is_regular_file(status) || fs::hard_link_count(file, failed) == 0);
+}
+
 }  // namespace
 
 std::string path_from_folder(const std::string& folder, const std::string& path) {
@@ -24,8 +31,7 @@ std::string path_from_folder(const std::string& folder, const std::string& path)
 }
 
 std::string folder_of_file(const std::string& file) {
-  const std::string folder = fs::path(file).parent_path().string();
-  return folder == "/proc/self/fd" || folder == "/dev/fd" ? std::string() : folder;
+  return lies_nowhere(file) ? std::string() : fs::path(file).parent_path().string();
 }
 
 FileFolder::FileFolder(const std::string& file)

@@ -305,7 +305,7 @@ MethodResult follow_edges(const Exec& exec, Monitor& monitor, const EdgeSetup& s
   for (int round = 0; round < rounds && start.converged && !monitor.stop_requested(); ++round) {
     if (!run.walk(round == 0)) break;
     if (round == 0 && more) rounds = edge_rounds(setup.edge, run.beside_edges());
-    if (round == 0 && setup.rounds_known) setup.rounds_known(rounds);
+    if (round == 0 && setup.rounds_allowed) rounds = setup.rounds_allowed(rounds);
     start.converged = run.train(round);
   }
   std::move(run).finish(start);

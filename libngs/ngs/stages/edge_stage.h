@@ -66,7 +66,8 @@ struct EdgeSetup {
   // Asked after every step, of the trainer on the windows, whose plan it may change, and of the whole model as it is
   // then; true ends the stage. May be empty.
   std::function<bool(const JointProgress&, JointTrainer&, const std::function<MethodResult()>& whole)> stop_after = {};
-  std::function<void(int rounds)> rounds_known = {};  // told once the first walk has decided their number; may be empty
+  // Told how many rounds the first walk asks for; returns how many there is time for. May be empty.
+  std::function<int(int rounds)> rounds_allowed = {};
 };
 
 /// Of more views than this the default takes each less often: steps grow with the root of the views.

@@ -1,6 +1,9 @@
 #include "ngs/io/relative_path.h"
 
 #include <doctest/doctest.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "support/temp_dir.h"
 
@@ -28,6 +31,20 @@ TEST_CASE("a path from a folder that is a link to elsewhere leads back to its fi
     fs::create_directories(dir.path() + link + "/below");
     CHECK(fs::equivalent(there_and_back(dir.path() + link + "/below/scene.json", photo), photo));
   }
+}
+
+TEST_CASE("bytes that came through a pipe lie in no folder, whatever path leads to them") {
+  const TempDir dir;
+  CHECK(folder_of_file(dir.write("scene.json", "{}")) == dir.path());
+  CHECK(folder_of_file(dir.path() + "/absent.json") == dir.path());
+  const std::string pipe = dir.path() + "/pipe";
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  CHECK(folder_of_file(pipe) == "");
+  const int memory = memfd_create("scene", MFD_CLOEXEC);
+  REQUIRE(memory >= 0);
+  for (const char* folder : {"/proc/self/fd/", "/dev/fd/", "/proc/thread-self/fd/"})
+    CHECK(folder_of_file(folder + std::to_string(memory)) == "");
+  close(memory);
 }
 
 TEST_CASE("a linked folder below the file's own keeps its name, so that both can be moved") {
