@@ -1,6 +1,7 @@
 #pragma once
 // A tiny capture for the joint stage: a ball of Gaussians before a wall, seen by four cameras; photos are renders of
 // the true model, masks those of the ball, and the model to optimise is the true one with shifted colours.
+#include <algorithm>
 #include <memory>
 
 #include "ngs/core/rng.h"
@@ -22,6 +23,16 @@ struct JointCase {
             .load_masks = [this](std::size_t v) { return masks[v]; },
             .load_photo = [this](std::size_t v) { return photos[v]; },
             .splat = {}, .background = {0, 0, 0}, .seed = 7, .fixed = {}, .labels = labels};
+  }
+  /// A camera that looks the other way, with an empty mask; its index.
+  std::size_t look_away() {
+    const Mat3<double> turned{{-1, 0, 0, 0, 1, 0, 0, 0, -1}};
+    SceneView view = scene.views[0];
+    view.camera.rotation = turned * view.camera.rotation;
+    view.camera.translation = turned * view.camera.translation;
+    scene.views.push_back(view), photos.push_back(photos[0]), masks.push_back(masks[0]);
+    std::fill(masks.back().target[0].begin(), masks.back().target[0].end(), 0.f);
+    return scene.views.size() - 1;
   }
 };
 

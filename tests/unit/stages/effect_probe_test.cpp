@@ -51,6 +51,18 @@ int nearer_than_the_ball(const GaussianCloud& cloud) {
 
 }  // namespace
 
+TEST_CASE("view trust: views that do not see the object do not make the others' common error an outlier") {
+  ProbeCase c;
+  for (std::size_t v = 0; v < 4; ++v) {  // every mask is off by 2 px, to one side or the other
+    std::vector<float>& mask = c.base->masks[v].target[0];
+    std::rotate(mask.begin(), v % 2 == 0 ? mask.begin() + 2 : mask.end() - 2, mask.end());
+  }
+  const double few = c.measure(&EffectProbe::trust);
+  CHECK(few <= threshold_of("view-trust"));
+  for (int more = 0; more < 20; ++more) c.views.push_back(c.base->look_away());  // naive: the median is zero
+  CHECK(c.measure(&EffectProbe::trust) == few);
+}
+
 TEST_CASE("exposure: a camera that turns to the dark wall measures no other light, one that stops down does") {
   ProbeCase turned, stopped;
   const auto mean = [](const ImageF& photo) {

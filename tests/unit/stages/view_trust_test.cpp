@@ -26,16 +26,6 @@ struct TrustCase {
     Monitor monitor;
     return judge_views({.threads = threads}, monitor, {}, input());
   }
-  /// A camera that looks the other way, with an empty mask; its index.
-  std::size_t look_away() {
-    const Mat3<double> turned{{-1, 0, 0, 0, 1, 0, 0, 0, -1}};
-    SceneView view = base->scene.views[0];
-    view.camera.rotation = turned * view.camera.rotation;
-    view.camera.translation = turned * view.camera.translation;
-    base->scene.views.push_back(view), base->masks.push_back(base->masks[0]);
-    std::fill(base->masks.back().target[0].begin(), base->masks.back().target[0].end(), 0.f);
-    return base->scene.views.size() - 1;
-  }
   void mirror(std::size_t view) {
     ViewMasks& m = base->masks[view];
     for (std::size_t row = 0; row < 40; ++row)
@@ -85,7 +75,7 @@ TEST_CASE("views that do not see the object are no measure of how well the other
   CHECK(few.figures.at("median_disagreement") > 0.15);
 
   MethodInput in = c.input();
-  for (int more = 0; more < 20; ++more) in.views.push_back(c.look_away());
+  for (int more = 0; more < 20; ++more) in.views.push_back(c.base->look_away());
   Monitor monitor;
   const ViewTrust many = judge_views({}, monitor, {}, in);
   CHECK(many.ignored.empty());
@@ -103,7 +93,7 @@ TEST_CASE("fewer than four masks that show the object judge nobody, however many
   MethodInput in = c.input();
   in.views = {0, 1, 2};
   c.mirror(0);
-  for (int more = 0; more < 5; ++more) in.views.push_back(c.look_away());
+  for (int more = 0; more < 5; ++more) in.views.push_back(c.base->look_away());
   Monitor monitor;
   CHECK(judge_views({}, monitor, {}, in).ignored.empty());
 }
