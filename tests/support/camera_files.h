@@ -171,4 +171,11 @@ inline std::string llff_npy(const std::vector<PosedCamera>& views) {
   return out.bytes;
 }
 
+/// Views of which only the names count.
+inline std::vector<SceneView> views_named(const std::vector<std::string>& names) {
+  std::vector<SceneView> views(names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) views[i].camera.name = names[i];
+  return views;
+}
+
 }  // namespace ngs::test

@@ -17,6 +17,7 @@ struct ImportOptions {
   std::vector<std::string> object_id;
   bool mask_invert = false;
   double mask_threshold = 128;
+  int void_id = -1;
   MissingMask missing_mask = MissingMask::kUnknown;
   std::string hold_out;
   double image_scale = 0;
@@ -37,6 +38,8 @@ struct ImportOptions {
     visit(self.mask_threshold,
           Field<double>{"mask_threshold", "", "binary masks: object at and above this (8-bit scale)", 0.0,
                         255.0});
+    visit(self.void_id,
+          Field<int>{"void_id", "", "label maps: id of the pixels without a label, such as 255 in VOC; -1: there are none", -1, 65535});
     visit(self.missing_mask,
           Choice<MissingMask>{"missing_mask", "what a view without a mask says", kMissingNames});
     visit(
@@ -70,6 +73,7 @@ inline io::ImportRequest request_from(const ImportOptions& options, const std::s
   request.mask_mode = options.mask_mode, request.mask_invert = options.mask_invert;
   request.mask_threshold = options.mask_threshold, request.missing_mask = options.missing_mask;
   request.image_scale = options.image_scale;
+  if (options.void_id >= 0) request.void_id = std::uint32_t(options.void_id);
   return request;
 }
 

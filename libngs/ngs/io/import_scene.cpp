@@ -105,7 +105,8 @@ SceneObject parse_object(const std::string& text, MaskMode mode) {
   return {equals == std::string::npos ? "object-" + digits : name, id};
 }
 
-std::vector<SceneObject> objects_in_label_maps(const std::vector<SceneView>& views) {
+std::vector<SceneObject> objects_in_label_maps(const std::vector<SceneView>& views, std::optional<std::uint32_t> void_id,
+                                               std::vector<std::string>& notes) {
   std::set<std::uint32_t> ids;
   for (const SceneView& view : views) {
     if (view.mask_path.empty() || view.split == Split::kHeldOut) continue;
@@ -117,6 +118,10 @@ std::vector<SceneObject> objects_in_label_maps(const std::vector<SceneView>& vie
                   "choose the objects with --object-id, or use --mask-mode soft");
   }
   ids.erase(0);
+  if (void_id) ids.erase(*void_id);
+  constexpr std::uint32_t kUsualVoid = 255;  // PASCAL VOC and its heirs
+  if (ids.size() > 1 && ids.contains(kUsualVoid))
+    notes.push_back("label maps hold 255 beside other ids; if it marks pixels without a label: --void-id 255");
   std::vector<SceneObject> objects;
   for (const std::uint32_t id : ids) objects.push_back({"object-" + std::to_string(id), id});
   return objects;
@@ -155,7 +160,7 @@ void attach_masks(const ImportRequest& request, ImportedScene& out) {
   if (!scene.objects.empty()) return;
   for (const std::string& name : matches.objects) scene.objects.push_back({name, 0});
   if (scene.objects.empty() && scene.mask_mode == MaskMode::kLabel)
-    scene.objects = objects_in_label_maps(scene.views);
+    scene.objects = objects_in_label_maps(scene.views, scene.void_id, out.notes);
   if (scene.objects.empty()) scene.objects.push_back({});
 }
 
@@ -208,6 +213,7 @@ ImportedScene import_scene(const ImportRequest& request) {
   scene.model_path = request.model_path.empty() ? find_model(source.base, out.notes) : request.model_path;
   scene.mask_mode = request.mask_mode, scene.mask_invert = request.mask_invert;
   scene.mask_threshold = request.mask_threshold, scene.missing_mask = request.missing_mask;
+  scene.void_id = request.void_id;
   scene.image_scale = request.image_scale > 0 ? request.image_scale : automatic_scale(scene.views);
   out.masks_dir = find_masks_dir(request, source.base, out.notes);
   assign_splits(request.hold_out, scene.views);

@@ -2,6 +2,7 @@
 // Cameras, photos, masks and a model of any origin -> Scene. What ngs-scene import does, without the checks
 // that need the model (stages/scene_check.h).
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,7 @@ struct ImportRequest {
   MaskMode mask_mode = MaskMode::kBinary;
   bool mask_invert = false;
   double mask_threshold = 128;
+  std::optional<std::uint32_t> void_id;  // label maps
   MissingMask missing_mask = MissingMask::kUnknown;
   double image_scale = 1;  // (0, 1]; 0: automatic, see kWorkingSizePx
 };
@@ -35,7 +37,7 @@ struct ImportedScene {
 };
 
 /// Usage errors (a bad --object-id or --hold-out) are kUsage; see the readers for the others. Label maps
-/// without object_ids: every non-zero id that occurs in a mask becomes an object "object-<id>".
+/// without object_ids: every id but 0 and void_id that occurs in a mask becomes an object "object-<id>".
 ImportedScene import_scene(const ImportRequest& request);
 
 /// `hold_out` as above; kInconsistent for a name that no view has or when no view is left to train on.

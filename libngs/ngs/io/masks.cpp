@@ -132,15 +132,16 @@ Decoded decode(const Scene& scene, const std::string& path, std::vector<std::str
     case MaskMode::kLabel:
       for (const SceneObject& o : scene.objects)
         out.target.push_back(mapped(plane.value, [&](float v) { return v == float(o.id) ? 1.f : 0.f; }));
+      if (scene.void_id) out.known = mapped(plane.value, [&](float v) { return v == float(*scene.void_id) ? 0.f : 1.f; });
       break;
   }
   return out;
 }
 
-/// Area shares -> the class with the largest share; objects come first in a tie, background last.
-void take_majority(std::vector<ImageF>& share) {
+/// Area shares -> the class with the largest share of what is known; objects come first in a tie, background last.
+void take_majority(const ImageF& known, std::vector<ImageF>& share) {
   for (std::size_t i = 0; i < share[0].data.size(); ++i) {
-    float background = 1;
+    float background = known.empty() ? 1 : known.data[i];
     std::size_t best = 0;
     for (std::size_t k = 0; k < share.size(); ++k) {
       background -= share[k].data[i];
@@ -169,11 +170,9 @@ void bring_to_size(const Scene& scene, const Camera& camera, const std::string& 
             : "make the masks from the photos that the scene names, or import with their folder as --images");
   const auto resize = relation.larger ? resize_area : resize_nearest;
   for (ImageF& target : mask.target) target = resize(target, wanted.width_px, wanted.height_px);
-  if (!mask.known.empty()) {
-    mask.known = resize(mask.known, wanted.width_px, wanted.height_px);
-    for (float& v : mask.known.data) v = v >= 0.5f ? 1.f : 0.f;
-  }
-  if (scene.mask_mode != MaskMode::kSoft) take_majority(mask.target);
+  if (!mask.known.empty()) mask.known = resize(mask.known, wanted.width_px, wanted.height_px);
+  if (scene.mask_mode != MaskMode::kSoft) take_majority(mask.known, mask.target);
+  for (float& v : mask.known.data) v = v >= 0.5f ? 1.f : 0.f;
   out.resized = true;
   out.notes.push_back(path + ": mask of " + to_string(file) + " px brought to the camera's " +
                       to_string(wanted) + " px");

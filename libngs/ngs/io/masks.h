@@ -3,7 +3,8 @@
 //
 //   binary  object where value >= threshold (8-bit scale; 16-bit and EXR values are brought to it). A file
 //           whose largest value is 1 is a {0,1} mask: object where 1 (with a note); so is a 16-bit file of 0 and 255.
-//   label   object k where value == its id; 8 or 16 bit, palette PNGs by index, EXR by channel ngs.id, Y or R.
+//   label   object k where value == its id, unknown where it is void_id; 8 or 16 bit, palette PNGs by index, EXR by
+//           channel ngs.id, Y or R.
 //   soft    value / full scale of the file; EXR in [0, 1] (channel ngs.mask, else A, else Y, else R, else the
 //           only one).
 //   bands   value < 128: unknown; 128..250: background; > 250: object (LichtFeld's ignore / segment / keep).

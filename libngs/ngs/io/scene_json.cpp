@@ -113,6 +113,8 @@ void validate_objects(const Scene& scene, const std::string& object) {
       refuse(object, "object name \"" + o.name + "\", expected a name that can be a folder");
     if (!names.insert(o.name).second) refuse(object, "object name \"" + o.name + "\" twice, expected once");
     if (scene.mask_mode != MaskMode::kLabel) continue;
+    if (scene.void_id == o.id)
+      refuse(object, "id " + std::to_string(o.id) + " is void and object \"" + o.name + "\", expected one of them");
     if (o.id > 65535) refuse(object, "object id " + std::to_string(o.id) + ", expected 0..65535");
     if (!ids.insert(o.id).second)
       refuse(object, "object id " + std::to_string(o.id) + " twice, expected once");
@@ -126,6 +128,8 @@ void validate_objects(const Scene& scene, const std::string& object) {
     refuse(object, std::to_string(scene.objects.size()) +
                        " objects in one mask per view, expected label maps or one "
                        "folder per object (\"{object}\" in the mask's path)");
+  if (scene.void_id && (scene.mask_mode != MaskMode::kLabel || *scene.void_id > 65535))
+    refuse(object, "void id " + std::to_string(*scene.void_id) + ", expected 0..65535 with label maps, none with other masks");
 }
 
 }  // namespace
@@ -169,6 +173,7 @@ Scene parse_scene_json(const json& root, const std::string& folder, const std::s
   scene.mask_invert = masks.boolean("invert");
   scene.mask_threshold = masks.number("threshold");
   scene.missing_mask = value_of(kMissing, masks, "missing");
+  if (masks.has("void_id")) scene.void_id = std::uint32_t(masks.integer("void_id", 0, 65535));
   masks.refuse_unknown_keys();
   for (const json& entry : reader.array("objects")) {
     const JsonReader o(entry, object + ": objects[" + std::to_string(scene.objects.size()) + "]");
@@ -201,6 +206,7 @@ void write_scene_json(const std::string& path, const Scene& scene, StoredPaths s
                   {"invert", scene.mask_invert},
                   {"threshold", scene.mask_threshold},
                   {"missing", name_of(kMissing, scene.missing_mask)}};
+  if (scene.void_id) out["masks"]["void_id"] = *scene.void_id;
   out["objects"] = ordered_json::array();
   for (const SceneObject& o : scene.objects) out["objects"].push_back({{"name", o.name}, {"id", o.id}});
   out["views"] = ordered_json::array();

@@ -34,6 +34,7 @@ struct Scene {
   MaskMode mask_mode = MaskMode::kBinary;
   bool mask_invert = false;
   double mask_threshold = 128;       // 8-bit scale; binary mode: object where value >= threshold
+  std::optional<std::uint32_t> void_id;  // label maps: pixels of this id are unknown; none: every id is known
   MissingMask missing_mask = MissingMask::kUnknown;
   double image_scale = 1.0;
   double filter_px2 = 0.3;           // variance of the low-pass filter the model was fitted with, px² at the working size

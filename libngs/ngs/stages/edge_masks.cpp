@@ -120,9 +120,9 @@ WalkedView walk_view(const WalkSetup& setup, const LabelledModel& model, std::si
     out.walked_biou += agreement(targets[k], own, k) / double(objects);
   }
   out.window = window_of(targets, w, h, int(std::lround(setup.margin_px)));
-  out.masks.width_px = out.window.w, out.masks.height_px = out.window.h;
-  out.masks.available = out.window.w > 0;
-  for (const auto& target : targets) out.masks.target.push_back(cropped(target, w, 1, out.window));
+  ViewMasks masks{out.window.w, out.window.h, {}, {}, out.window.w > 0};
+  for (const auto& target : targets) masks.target.push_back(cropped(target, w, 1, out.window));
+  out.masks = PackedMasks(std::move(masks));
   return out;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // Masks of a labelled model walked to the edges of the photos, view by view.             PAPER.md §5.10
 #include "ngs/ops/edge_walk.h"
+#include "ngs/scene/packed_masks.h"
 #include "ngs/stages/method.h"
 
 namespace ngs {
@@ -13,7 +14,7 @@ struct PixelWindow {
 struct WalkedView {
   PixelWindow window;
   double detail = 0;  // size of the photo relative to the camera's, before any enlarging
-  ViewMasks masks;  // of the window's size
+  PackedMasks masks;  // of the window's size
   // Mean boundary IoU with the view's own masks; only where the view supervises and has them.
   bool compared = false;
   double rendered_biou = 0, walked_biou = 0;

@@ -175,7 +175,7 @@ class EdgeRun {
     walked_ = walk_at(detail_, first);
     if (first && could_enlarge(walked_, kLargeDetail)) try_enlarged();
     views_.erase(std::remove_if(views_.begin(), views_.end(),
-                                [&](std::size_t v) { return !walked_[v].masks.available; }),
+                                [&](std::size_t v) { return !walked_[v].masks.available(); }),
                  views_.end());
     if (!first || views_.empty()) return !views_.empty();
     return believable();
@@ -257,7 +257,7 @@ class EdgeRun {
     return {.cloud = cloud,
             .scene = scene,
             .views = views_,
-            .load_masks = [this](std::size_t v) { return walked_[v].masks; },
+            .load_masks = [this](std::size_t v) { return walked_[v].masks.unpacked(); },
             .load_photo = [this](std::size_t v) { return window_photo(v); },
             .splat = setup_.input.splat,
             .background = setup_.input.background,

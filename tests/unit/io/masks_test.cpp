@@ -196,6 +196,25 @@ TEST_CASE("a label map is reduced to the label with the largest share") {
   CHECK(masks.target[1] == Values{1});
 }
 
+TEST_CASE("what a label map or a band calls unknown is no evidence, and no background where a mask is reduced") {
+  const TempDir dir;
+  Scene scene = one_view(MaskMode::kLabel, 4, 1, grey(dir, "m.png", 4, {0, 7, 255, 7}));
+  scene.objects = {{"cup", 7}};
+  CHECK(load_masks(scene, 0).known.empty());
+  scene.void_id = 255;
+  const ViewMasks masks = load_masks(scene, 0);
+  CHECK(masks.target[0] == Values{0, 1, 0, 1});
+  CHECK(masks.known == std::vector<std::uint8_t>{1, 1, 0, 1});
+  // 4 of 9 object, 2 background, 3 unknown; then 4 of 9 object and 5 unknown
+  scene = one_view(MaskMode::kLabel, 2, 1, grey(dir, "n.png", 6, {7, 7, 0, 7, 7, 255, 7, 7, 0, 255, 255, 255, 255, 255, 255, 7, 7, 255}));
+  scene.objects = {{"cup", 7}}, scene.void_id = 255;
+  const ViewMasks reduced = load_masks(scene, 0);
+  CHECK(reduced.target[0] == Values{1, 1});
+  CHECK(reduced.known == std::vector<std::uint8_t>{1, 0});
+  scene = one_view(MaskMode::kBands, 1, 1, grey(dir, "b.png", 3, {255, 255, 0, 255, 255, 0, 200, 200, 0}));
+  CHECK(load_masks(scene, 0).target[0] == Values{1});
+}
+
 TEST_CASE("a soft mask is reduced by area, a smaller mask is enlarged by nearest") {
   const TempDir dir;
   CHECK(load_masks(one_view(MaskMode::kSoft, 1, 1, grey(dir, "m.png", 2, {0, 255, 0, 0})), 0).target[0] ==

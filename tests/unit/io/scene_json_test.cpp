@@ -18,7 +18,7 @@ Scene two_views(const TempDir& dir) {
   scene.model_path = dir.path() + "/model.ply";
   scene.objects = {{"cup", 3}, {"spoon", 9}};
   scene.mask_mode = MaskMode::kLabel, scene.missing_mask = MissingMask::kError;
-  scene.mask_threshold = 99.5, scene.image_scale = 0.3;
+  scene.void_id = 255, scene.mask_threshold = 99.5, scene.image_scale = 0.3;
   scene.background = Vec3<double>{1.0 / 3, 0, 1};
   for (const char* name : {"a b.png", "c.jpg"}) {
     SceneView view;
@@ -62,6 +62,7 @@ TEST_CASE("a scene comes back with every bit of its cameras and rules") {
   }
   CHECK(back.mask_mode == MaskMode::kLabel);
   CHECK(back.missing_mask == MissingMask::kError);
+  CHECK(back.void_id == 255);
   CHECK(back.mask_threshold == 99.5);
   CHECK(back.image_scale == 0.3);
   REQUIRE(back.background.has_value());
@@ -142,6 +143,11 @@ TEST_CASE("every broken field of a scene is refused with its place") {
   refused(with("/objects/1/id", 3), "object id 3 twice");
   refused(with("/masks/mode", "binary"), "2 objects in one mask per view");
   refused(with("/masks/invert", true), "inverted label maps");
+  refused(with("/masks/void_id", 9), "id 9 is void and object \"spoon\"");
+  refused(with("/masks/void_id", 65536), "masks.void_id: 65536");
+  nlohmann::json bands = with("/masks/mode", "bands");
+  bands["objects"].erase(1);
+  refused(bands, "void id 255, expected 0..65535 with label maps, none with other masks");
   refused(with("/image_scale", 0), "image_scale");
   refused(with("/background", {0, 0.5, 1.5}), "background 1.5");
   refused(with("/background", {0, 0}), "background");

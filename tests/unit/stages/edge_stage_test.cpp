@@ -102,7 +102,8 @@ TEST_CASE("edges: a contour moves as far in an enlarged photo as in the photo") 
   const auto area_px = [&](int detail) {
     const std::vector<WalkedView> walked =
         walk_views({}, {c.edge.walk, c.edge.margin_px, in, detail}, {start.cloud, start.labels}, {0}, {});
-    return std::accumulate(walked[0].masks.target[0].begin(), walked[0].masks.target[0].end(), 0.0);
+    const ViewMasks masks = walked[0].masks.unpacked();
+    return std::accumulate(masks.target[0].begin(), masks.target[0].end(), 0.0);
   };
   c.edge.walk.shape_weight = 1e6;
   const double rendered_px = area_px(1);

@@ -1,0 +1,30 @@
+#include "ngs/scene/packed_masks.h"
+
+#include <doctest/doctest.h>
+
+#include <bit>
+#include <cmath>
+
+namespace ngs {
+
+TEST_CASE("packed masks come back bit for bit: contours, signed zeros, NaN, planes of one value and empty ones") {
+  ViewMasks masks{7, 3, {}, {1, 0, 1}, true};
+  masks.target.push_back({0, 0, 1, 1, 0.25f, 0, 0, 1, 1, 1, 0.5f, 0.5f, 0.75f, 0, 0, 0, 0, 0, 0, 0, 1});
+  masks.target.push_back({0.f, -0.f, 0.f, NAN, NAN, -NAN, std::nextafter(1.f, 0.f), 1.f});
+  masks.target.emplace_back(21, 1.f);
+  masks.target.emplace_back();
+  const ViewMasks back = PackedMasks(masks).unpacked();
+  CHECK((back.width_px == 7 && back.height_px == 3 && back.available));
+  CHECK(back.known == masks.known);
+  REQUIRE(back.target.size() == masks.target.size());
+  for (std::size_t k = 0; k < masks.target.size(); ++k) {
+    REQUIRE(back.target[k].size() == masks.target[k].size());
+    for (std::size_t i = 0; i < masks.target[k].size(); ++i)
+      CHECK(std::bit_cast<std::uint32_t>(back.target[k][i]) == std::bit_cast<std::uint32_t>(masks.target[k][i]));
+  }
+  CHECK(PackedMasks(masks).available());
+  CHECK_FALSE(PackedMasks().available());
+  CHECK(PackedMasks().unpacked().target.empty());
+}
+
+}  // namespace ngs
