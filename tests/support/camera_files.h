@@ -10,6 +10,7 @@
 
 #include "ngs/core/rng.h"
 #include "ngs/scene/camera.h"
+#include "ngs/scene/scene.h"
 
 namespace ngs::test {
 
