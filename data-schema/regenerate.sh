@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Writes options/ and report/ from the built tools: data-schema/regenerate.sh [BIN_DIR]
 set -euo pipefail
+unset CDPATH
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 bin=${1:-$here/../build/bin}
 

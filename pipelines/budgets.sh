@@ -6,14 +6,18 @@
 #
 # Without SECONDS: 20 budgets from 1 to 60 s. OUT/budgets.json (data-schema/budgets.schema.json) and OUT/budgets.md hold
 # budget, wall time, exit code and scores; the exit code is 1 where a run was late by more than 5 % and 0.5 s, or scored
-# 0.001 less boundary IoU than a smaller budget did. Nothing else may run on the machine.
+# 0.001 less boundary IoU than a smaller budget did. Where a run fails it is that of ngs-joint, and nothing is written. Nothing
+# else may run on the machine.
 set -euo pipefail
-here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-. "$here/common.sh"
+shopt -s inherit_errexit
+# shellcheck source=pipelines/common.sh
+. "$(dirname "$0")/common.sh"
+
+case ${1:-} in -h | --help) usage_of "$0"; exit 0 ;; esac
+[ $# -ge 4 ] || fail 2 "expected scene.json boundary.ply MASKS_GT OUT" "see $0 --help"
 bin=$(find_bin)
 tool() { "${bin:+$bin/}$1" "${@:2}"; }
 
-if [ $# -lt 4 ]; then sed -n '2,9s/^# \{0,1\}//p' "$0" >&2; exit 2; fi
 scene=$1 boundary=$2 truth=$3 out=$4
 shift 4
 budgets=()

@@ -4,7 +4,10 @@
 #   pipelines/build.sh                       everything
 #   pipelines/build.sh --target tools        the tools only; also --target ngs-joint and so on
 set -euo pipefail
-cd "$(dirname "${BASH_SOURCE[0]}")/.."
+# shellcheck source=pipelines/common.sh
+. "$(dirname "$0")/common.sh"
 
+case ${1:-} in -h | --help) usage_of "$0"; exit 0 ;; esac
+cd "$pipelines/.."
 cmake --preset ci
 cmake --build --preset ci "$@"

@@ -2,15 +2,17 @@
 # Sets up, builds and runs all tests; prints how many passed, failed and were skipped, per suite and in total.
 #   pipelines/check.sh [--no-setup] [ctest arguments, e.g. -L unit]
 set -euo pipefail
-here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-cd "$here/.."
+# shellcheck source=pipelines/common.sh
+. "$(dirname "$0")/common.sh"
 
+case ${1:-} in -h | --help) usage_of "$0"; exit 0 ;; esac
+cd "$pipelines/.."
 if [ "${1:-}" = "--no-setup" ]; then
   shift
 else
-  "$here/setup.sh"
+  "$pipelines/setup.sh"
 fi
-"$here/build.sh"
+"$pipelines/build.sh"
 
 failed=0
 ctest --test-dir build --output-on-failure --output-junit tests.xml --test-output-size-passed 10000000 \

@@ -1,6 +1,7 @@
 # Functions that the scripts of this folder share; sourced, never run.
 # shellcheck shell=bash
 
+unset CDPATH  # with it `cd NAME` may go to another folder of that name, and prints where
 pipelines=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 
 say() { printf '%s\n' "$*" >&2; }
@@ -12,13 +13,18 @@ fail() {
   exit "$1"
 }
 
-# The folder of the tools: $NGS_BIN, else the build folder's, else nothing (PATH).
+# The folder of the tools, absolute: $NGS_BIN, else the build folder's, else nothing (PATH).
 find_bin() {
-  local folder
-  if [ -n "${NGS_BIN:-}" ]; then printf '%s' "$NGS_BIN"; return; fi
+  local folder hint="$pipelines/build.sh builds them; NGS_BIN names their folder"
+  if [ -n "${NGS_BIN:-}" ]; then
+    [ -x "$NGS_BIN/ngs-scene" ] || fail 8 "NGS_BIN=$NGS_BIN: the tools are not there" "$hint"
+    (cd -- "$NGS_BIN" && pwd)
+    return
+  fi
   for folder in "$pipelines"/../build/bin "$pipelines"/../build/*/bin; do
     if [ -x "$folder/ngs-scene" ]; then (cd "$folder" && pwd); return; fi
   done
+  command -v ngs-scene > /dev/null || fail 8 "ngs-scene: not in the build folder, not in PATH" "$hint"
 }
 
 # run_scene NAME SCENE_DIR OUT_DIR [options of ngs-gs.sh]: one scene of a loop. A failure is said and counted in

@@ -8,7 +8,11 @@
 # as DIR, every later run of the suite fuzz replays them.
 # A finding is left in build-fuzz/findings and makes the exit code 1; without clang++ the exit code is 77 (skipped).
 set -euo pipefail
-cd "$(dirname "${BASH_SOURCE[0]}")/.."
+# shellcheck source=pipelines/common.sh
+. "$(dirname "$0")/common.sh"
+
+case ${1:-} in -h | --help) usage_of "$0"; exit 0 ;; esac
+cd "$pipelines/.."
 
 minutes=30 jobs=$(nproc) keep="" readers=()
 while [ $# -gt 0 ]; do
@@ -16,7 +20,6 @@ while [ $# -gt 0 ]; do
     --minutes) minutes=$2; shift 2 ;;
     --jobs) jobs=$2; shift 2 ;;
     --keep) keep=$2; shift 2 ;;
-    --help) sed -n '2,10s/^# \{0,1\}//p' "$0"; exit ;;
     -*) echo "unknown option $1; see --help" >&2; exit 2 ;;
     *) readers+=("$1"); shift ;;
   esac

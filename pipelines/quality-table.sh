@@ -5,8 +5,15 @@
 #   pipelines/quality-table.sh POINTS.csv WHAT    that from the quality@... rows of pipelines/work-precision.mk; WHAT was run
 #   pipelines/quality-table.sh --check            changes nothing, says what differs
 set -euo pipefail
-here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-json=$here/quality.json header=$here/../tools/ngs-joint/quality_table.h readme=$here/../README.md
+# shellcheck source=pipelines/common.sh
+. "$(dirname "$0")/common.sh"
+
+case $#:${1:-} in
+  *:-h | *:--help) usage_of "$0"; exit 0 ;;
+  0: | 1:--check | 2:*) ;;
+  *) fail 2 "expected nothing, --check, or POINTS.csv WHAT" "see $0 --help" ;;
+esac
+json=$pipelines/quality.json header=$pipelines/../tools/ngs-joint/quality_table.h readme=$pipelines/../README.md
 
 from_csv() {  # one object per line, in the order of --quality
   awk -F, -v what="$2" '

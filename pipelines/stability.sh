@@ -3,15 +3,18 @@
 # and stability.html, one page without network or scripts:
 #   pipelines/stability.sh [--long] [OUT_DIR]      default: build/stability; --long: 20 times the random inputs
 set -euo pipefail
-here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+# shellcheck source=pipelines/common.sh
+. "$(dirname "$0")/common.sh"
+
+case ${1:-} in -h | --help) usage_of "$0"; exit 0 ;; esac
 seeds=1000
 if [ "${1:-}" = "--long" ]; then
   seeds=20000
   shift
 fi
-out=${1:-$here/../build/stability}
+out=${1:-$pipelines/../build/stability}
 
-"$here/build.sh" --target test_stability >&2
+"$pipelines/build.sh" --target test_stability >&2
 mkdir -p "$out"
-NGS_STABILITY_SEEDS=$seeds NGS_STABILITY_DIR=$out "$here/../build/bin/test_stability" --minimal --no-intro=true
+NGS_STABILITY_SEEDS=$seeds NGS_STABILITY_DIR=$out "$pipelines/../build/bin/test_stability" --minimal --no-intro=true
 echo "$out/stability.html"

@@ -8,6 +8,7 @@
 #   NGS_CUDA_ARCHITECTURE=90  as CMAKE_CUDA_ARCHITECTURES; default: native
 # Exit code 0: all passed; 1: a step failed or had no time, the JSON says which; 2: usage; 77: no device, no JSON.
 set -euo pipefail
+unset CDPATH
 [ $# -ge 1 ] || { sed -n '2,4p' "${BASH_SOURCE[0]}" >&2; exit 2; }
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 out=$(realpath -m "$1"); shift

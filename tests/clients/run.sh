@@ -9,6 +9,7 @@
 # The npm programs are those of package-lock.json, installed into OUT_DIR (default: build/clients). Tools: $NGS_BIN, else build/bin.
 # Exit code 1 if a check failed, 77 if all were skipped.
 set -uo pipefail
+unset CDPATH
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 root=$(cd "$here/../.." && pwd)
 bin=${NGS_BIN:-$root/build/bin}

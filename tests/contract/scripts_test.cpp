@@ -1,0 +1,111 @@
+// What every script of pipelines/ owes to whoever calls it: an answer to --help, the right folder, the tools that were
+// named, and never the scores, masks or parts of an earlier call with other settings.
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "support/process.h"
+#include "support/temp_dir.h"
+#include "support/tiny_scene.h"
+
+namespace ngs {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+using Words = std::vector<std::string>;
+
+const std::string kPipelines = NGS_SOURCE_DIR "/pipelines/";
+
+struct Folder {
+  test::TempDir dir;
+  Folder() {
+    fs::create_directories(path("capture"));
+    test::write_tiny_scene(path("capture"));
+    fs::remove(path("capture/scene.json"));
+  }
+  std::string path(const std::string& name) const { return dir.path() + "/" + name; }
+  bool has(const std::string& name) const { return fs::exists(path(name)); }
+  std::string bytes(const std::string& name) const { return test::read_bytes(path(name)); }
+  Json json(const std::string& name) const { return Json::parse(bytes(name), nullptr, false); }
+  test::ProcessResult run(Words words, std::vector<std::pair<std::string, std::string>> environment = {}) const {
+    test::ProcessSpec spec;
+    spec.argv = std::move(words);
+    spec.folder = dir.path();
+    spec.environment = {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "1"}, {"SAMPLE_FLAGS", "--rows 8 --cols 8"}};
+    spec.environment.insert(spec.environment.end(), environment.begin(), environment.end());
+    return test::run_process(spec);
+  }
+  /// make -f pipelines/FILE WORDS...
+  test::ProcessResult make(const std::string& file, Words words) const {
+    words.insert(words.begin(), {"make", "-s", "-f", kPipelines + file});
+    return run(words);
+  }
+  /// The quickest run of ngs-gs.sh, v2 held out.
+  Words quick(const std::string& out, Words more = {}) const {
+    Words words{kPipelines + "ngs-gs.sh", "capture", out, "--hold-out", "every:4:2", "--method", "flash", "-q"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+};
+
+TEST_CASE("every script for use by hand explains itself with --help and does nothing else") {
+  const test::TempDir dir;
+  int scripts = 0;
+  for (const fs::directory_entry& file : fs::directory_iterator(kPipelines)) {
+    const std::string name = file.path().filename().string();
+    if (!name.ends_with(".sh") || name == "stage.sh" || name == "work-point.sh" || name == "common.sh" ||
+        name == "slurm-cluster.sh")
+      continue;
+    CAPTURE(name);
+    test::ProcessSpec spec;
+    spec.argv = {file.path().string(), "--help"};
+    spec.folder = dir.path();
+    // A PATH without what installs or builds: an attempt would fail.
+    spec.environment = {{"PATH", dir.path() + "/bin"}};
+    fs::create_directories(dir.path() + "/bin");
+    for (const char* needed : {"bash", "dirname", "sed", "env"})
+      if (!fs::exists(dir.path() + "/bin/" + needed))
+        fs::create_symlink(std::string("/usr/bin/") + needed, dir.path() + "/bin/" + needed);
+    const test::ProcessResult result = test::run_process(spec);
+    CHECK(result.exit_code == 0);
+    CHECK(result.err == "");
+    CHECK(result.out.find("pipelines/" + name) != std::string::npos);
+    ++scripts;
+  }
+  CHECK(scripts >= 13);
+}
+
+TEST_CASE("an exported CDPATH sends no output to another folder") {
+  const Folder f;
+  fs::create_directories(f.path("elsewhere/out"));
+  const test::ProcessResult result = f.run(f.quick("out"), {{"CDPATH", f.path("elsewhere")}});
+  INFO(result.err);
+  CHECK(result.exit_code == 0);
+  CHECK(f.has("out/object.ply"));
+  CHECK(fs::is_empty(f.path("elsewhere/out")));
+  test::ProcessSpec relative;
+  relative.argv = {"pipelines/ngs-gs.sh", "--help"};
+  relative.folder = NGS_SOURCE_DIR;
+  relative.environment = {{"CDPATH", "."}};
+  CHECK(test::run_process(relative).exit_code == 0);
+  CHECK(test::run_process(relative).err == "");
+}
+
+TEST_CASE("NGS_BIN may be relative; where the tools are not there it is said, as an error of the environment") {
+  const Folder f;
+  fs::create_directory_symlink(NGS_TOOL_DIR, f.path("tools"));
+  const test::ProcessResult relative = f.run(f.quick("out", {"--until", "scene.json"}), {{"NGS_BIN", "tools"}});
+  INFO(relative.err);
+  CHECK(relative.exit_code == 0);
+  CHECK(f.has("out/scene.json"));
+  const test::ProcessResult none = f.run(f.quick("none"), {{"NGS_BIN", "capture"}});
+  CHECK(none.exit_code == 8);
+  CHECK(none.err.find("NGS_BIN=capture: the tools are not there") != std::string::npos);
+  CHECK_FALSE(f.has("none/scene.json"));
+}
+
+}  // namespace
+}  // namespace ngs
