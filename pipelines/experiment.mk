@@ -11,7 +11,6 @@ SHELL := bash
 .SHELLFLAGS := -o pipefail -c
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.SECONDARY:
 
 OUT ?= out
 SCENE ?=
@@ -71,6 +70,6 @@ $(OUT)/.state/eval.done: $(OUT)/.state/render.done $(OUT)/.state/eval.key
 	$(STAGE) eval
 	@touch $@
 $(OUT)/metrics.json: $(OUT)/.state/eval.done
-	@test -f $@ || { echo "error: no ground truth and no held-out views, nothing was scored" >&2; exit 1; }
+	@$(STAGE) scored
 $(OUT)/report.html: $(OUT)/object.ply $(OUT)/background.ply $(OUT)/.state/eval.done $(OUT)/.state/report.key
 	$(STAGE) report

@@ -10,7 +10,7 @@
 #   --image-scale S      working size             (default: 1, 1/2, 1/3 ... so that no side exceeds 800 px)
 #   --quality Q          draft|standard|high|reference
 #   --method M           paper|bce|cob|flash|sa3d|saga|released
-#   --until FILE         stop at this artifact, e.g. --until boundary.ply
+#   --until FILE         stop at this artifact of OUT_DIR, e.g. --until boundary.ply
 #   -j N, --threads N    threads of every tool; as are --seed N, --log-format F, --allow-empty, -q, -v
 #   --device D           of the tools that have a CUDA path; the others stay on the CPU
 #   -n, --dry-run        print the commands only
@@ -20,12 +20,13 @@
 # cameras.json or poses_bounds.npy.
 # OUT_DIR then holds scene.json boundary.ply queries.ply field.ply labelled.ply object.ply background.ply,
 # masks/STEM.png of the held-out views (of all views without --hold-out), metrics.json, report.html and each
-# tool's report in reports/. OUT_DIR is none of the input folders, and its masks/ holds no masks of yours.
+# tool's report in reports/. OUT_DIR is none of the input folders, it holds no input model, its masks/ no masks of yours.
 # A second call does only what changed. Exit codes are those of the tools; 1 where --fail-below in EVAL_FLAGS
 # was not met.
 #
 # Options for the other tools go in SCENE_FLAGS, VARIANCE_FLAGS, SAMPLE_FLAGS, RBF_FLAGS, EXTRACT_FLAGS,
 # RENDER_FLAGS and EVAL_FLAGS, quoted as for the shell: SCENE_FLAGS='--mask-mode label --object-id 7' ...
+# (JOINT_FLAGS too; options of ngs-joint given here come behind them).
 #
 # The tools come from $NGS_BIN, else from the build folder, else from PATH.
 set -euo pipefail
@@ -35,7 +36,7 @@ set -euo pipefail
 absolute() { case $1 in '' | /*) printf '%s' "$1" ;; *) printf '%s/%s' "$PWD" "$1" ;; esac; }
 existing() { [ -e "$2" ] || fail 3 "$1 $2: no such file or folder"; absolute "$2"; }
 
-export SCENE='' MODEL='' MASKS='' GT='' HOLD_OUT='' IMAGE_SCALE=0 METHOD='' QUALITY='' DEVICE='' JOINT_FLAGS='' COMMON_FLAGS='' UNKEYED_FLAGS=''
+export SCENE='' MODEL='' MASKS='' GT='' HOLD_OUT='' IMAGE_SCALE=0 METHOD='' QUALITY='' DEVICE='' COMMON_FLAGS='' UNKEYED_FLAGS=''
 out='' until=report.html dry_run='' joint=()
 while [ $# -gt 0 ]; do
   option=$1 value=
@@ -82,16 +83,25 @@ done
 [ -n "$out" ] || fail 2 "expected SCENE_DIR and OUT_DIR" "see $0 --help"
 SCENE=$(existing SCENE_DIR "$SCENE")
 [[ $IMAGE_SCALE =~ ^[0-9]*\.?[0-9]+$ ]] || fail 2 "--image-scale $IMAGE_SCALE: expected a number, 0 for automatic"
-if [ ${#joint[@]} -gt 0 ]; then JOINT_FLAGS=$(printf '%q ' "${joint[@]}"); fi
+export JOINT_FLAGS="${JOINT_FLAGS:-}"
+if [ ${#joint[@]} -gt 0 ]; then JOINT_FLAGS+=$(printf ' %q' "${joint[@]}"); fi
+case ${until#./} in
+  scene.json | boundary.ply | queries.ply | field.ply | labelled.ply | object.ply | background.ply) ;;
+  metrics.json | report.html) ;;
+  masks | masks/) until=.state/render.done ;;
+  *) fail 2 "--until $until: expected scene.json, boundary.ply, queries.ply, field.ply, labelled.ply, object.ply, background.ply, masks, metrics.json or report.html" ;;
+esac
 
-mkdir -p "$out" || fail 8 "$out: cannot be made"
+command -v make > /dev/null || fail 8 "make: not found" "$pipelines/setup.sh installs it"
+mkdir -p -- "$out" || fail 8 "$out: cannot be made"
 BIN=$(find_bin)
 export BIN NGS_STAGE=$pipelines/stage.sh
 # In its own folder every target is a plain name, so OUT_DIR may hold spaces although make cannot.
-cd "$out"
+cd -- "$out"
 export OUT=.
 bash "$NGS_STAGE" check
 if [ -n "$dry_run" ]; then
+  printf 'cd %q && mkdir -p .state reports\n' "$PWD"
   for stage in scene variance sample rbf joint extract render eval report; do
     NGS_DRY_RUN=1 bash "$NGS_STAGE" "$stage"
   done
@@ -102,7 +112,9 @@ fi
 { mkdir -p .state && : > .state/run.lock; } || fail 8 "$out: cannot be written"
 exec 9> .state/run.lock
 flock -n 9 || { say "another run is at work in $out, waiting for it"; flock 9; }
-flock .state/stage.lock find . -name '.ngs-*.tmp*' -delete
+for folder in . reports .state; do  # not below: what a run of its own there has in work is no leftover
+  if [ -d "$folder" ]; then flock .state/stage.lock find "$folder" -maxdepth 1 -name '.ngs-*.tmp*' -delete; fi
+done
 rm -f .state/exit_code
 unset MAKEFLAGS MFLAGS MAKEOVERRIDES  # of a make that called this
 made=0

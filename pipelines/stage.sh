@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # One stage of experiment.mk: `stage.sh STAGE` runs its tool, `stage.sh key STAGE` writes what the stage depends on beside
 # the artifacts before it to OUT/.state/STAGE.key where that differs; with NGS_DRY_RUN set the commands are printed only.
-# `stage.sh check` only refuses an OUT where a stage would replace what is not its own, as every other call does first.
+# `stage.sh check` only refuses an OUT where a stage would replace what is not its own, as every other call does first;
+# `stage.sh scored` fails where nothing was scored.
 # All values come through the environment, so that paths may hold any character. Not called by hand.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
@@ -12,7 +13,8 @@ for name in SCENE MODEL MASKS GT HOLD_OUT METHOD QUALITY DEVICE {SCENE,VARIANCE,
 done
 
 # Make turns every failure into its own code; ngs-gs.sh finds the tool's here.
-trap 'code=$?; if [ $code -ne 0 ] && [ -d "$OUT/.state" ]; then printf %s $code > "$OUT/.state/exit_code"; fi' EXIT
+# It is 1 only where --fail-below was not met; a 1 from here is a mkdir, rm or mv that could not.
+trap 'code=$?; if [ $code -eq 1 ]; then code=8; fi; if [ $code -ne 0 ] && [ -d "$OUT/.state" ]; then printf %s $code > "$OUT/.state/exit_code"; fi' EXIT
 
 first_existing() {  # the first path that exists, else nothing
   local path
@@ -32,7 +34,7 @@ model_of_scene() {
   trained=$(first_existing "$SCENE/point_cloud.ply" "$SCENE/model.ply")
   # A folder of the Inria trainer: the last iteration.
   if [ -z "$trained" ] && [ -d "$SCENE/point_cloud" ]; then
-    trained=$(find "$SCENE/point_cloud" -name point_cloud.ply | sort -V | tail -n 1)
+    trained=$(find -L "$SCENE/point_cloud" -name point_cloud.ply | sort -V | tail -n 1)
   fi
   printf '%s' "$trained"
 }
@@ -70,12 +72,17 @@ device_of() {
   esac
 }
 
+# at NAME: a path of OUT as a word of `step`; absolute, or a printed rm would do harm in another folder.
+at() { printf %q "$(realpath -m "$OUT")/$1"; }
+# step COMMAND: what a stage does beside its tool; a dry run prints it.
+step() { if [ -n "${NGS_DRY_RUN:-}" ]; then printf '%s\n' "$1"; else eval "$1"; fi; }
+
 # run TOOL ARGUMENTS...: the report goes to reports/. A budget that was hit leaves a usable result: code 7 goes on.
 run() {
   local tool=$1 name=$1 code=0
   shift
   if [ "${1:-}" = --report-name ]; then name=$2; shift 2; fi
-  eval "set -- \"\$@\" --report '$OUT/reports/$name.json' -w $COMMON_FLAGS $(device_of "$tool") $UNKEYED_FLAGS"
+  eval "set -- \"\$@\" --report \"\$OUT/reports/\$name.json\" -w $COMMON_FLAGS $(device_of "$tool") $UNKEYED_FLAGS"
   if [ -n "${NGS_DRY_RUN:-}" ]; then
     printf '%q ' "$tool" "$@"
     printf '\n'
@@ -154,24 +161,44 @@ refuse_foreign_masks() {
           "choose another folder for the outputs" ;;
     esac
   done
-  if [ ! -e "$OUT/.state/masks_rendered" ] && [ -n "$(ls -A "$OUT/masks" 2> /dev/null)" ]; then
-    fail 2 "$out/masks: holds files that no run has rendered, the masks of the result go there" \
-      "move them elsewhere, and name them with --masks or --gt if they are inputs"
+  path=$(foreign_masks)
+  if [ -n "$path" ]; then
+    fail 2 "$out/masks: holds $path, which no run has rendered; the masks of the result go there" \
+      "move it elsewhere, and name it with --masks or --gt if it is an input"
   fi
+}
+
+# The first file of OUT/masks that is not in the list of the last render; an empty list is of a version that wrote none.
+foreign_masks() {
+  local rendered=$OUT/.state/masks_rendered
+  if [ ! -d "$OUT/masks" ] || { [ -e "$rendered" ] && [ ! -s "$rendered" ]; }; then return; fi
+  listed_in "$OUT/masks" | LC_ALL=C comm -23 - "$([ -e "$rendered" ] && echo "$rendered" || echo /dev/null)" |
+    sed -n '1{s|^\./||;p}'
+}
+listed_in() { (cd "$1" && find . ! -type d | LC_ALL=C sort); }
+
+# The model is read at every call; where a stage replaced it, the next call would cut the object out of its own result.
+refuse_own_model() {
+  local model path
+  model=$(model_of_scene)
+  for path in "$OUT"/{boundary,queries,field,labelled,object,background}.ply; do
+    if [ -n "$model" ] && [ "$path" -ef "$model" ]; then
+      fail 2 "$(realpath -m "$path"): is the input model, the result goes there" "choose another folder for the outputs"
+    fi
+  done
 }
 
 # Masks at the size of the photos, not at the working size: the truth is compared there.
 stage_render() {
   local views=all
   if [ -n "$HOLD_OUT" ]; then views=held-out; fi
-  if [ -z "${NGS_DRY_RUN:-}" ]; then rm -rf "$OUT/masks" "$OUT/.state/masks_rendered" "$OUT/.state/render"; fi
+  step "rm -rf $(at masks) $(at .state/masks_rendered) $(at .state/render)"
   flags "$RENDER_FLAGS"
   run ngs-render "$OUT/scene.json" "$OUT/labelled.ply" --views "$views" --layers mask --scale 0 --format png \
     "${words[@]}" -o "$OUT/.state/render"
-  if [ -z "${NGS_DRY_RUN:-}" ]; then
-    : > "$OUT/.state/masks_rendered"  # first: a run that ends between the two leaves none that nobody owns
-    mv "$OUT/.state/render" "$OUT/masks"
-  fi
+  # The list first: a run that ends between the two leaves no masks that nobody owns.
+  step "(cd $(at .state/render) && find . ! -type d | LC_ALL=C sort) > $(at .state/masks_rendered)"
+  step "mv $(at .state/render) $(at masks)"
 }
 
 # eval_words DIR: the options of ngs-eval for the masks in DIR, into `words`. Masks of several objects lie in a folder
@@ -188,13 +215,11 @@ eval_words() {
 stage_eval() {
   local truth masks names=$OUT/.state/scored_views.txt
   truth=$(truth_of_scene) masks=$(masks_of_scene)
-  if [ -z "${NGS_DRY_RUN:-}" ]; then
-    rm -f "$OUT/.state/check_failed" "$OUT/metrics_input.json" "$OUT/reports/ngs-eval-input.json"
-    (cd "$OUT/masks" && find . -name '*.png' | sed 's|^\./||' | LC_ALL=C sort) > "$names"
-  fi
+  step "rm -f $(at .state/check_failed) $(at metrics_input.json) $(at reports/ngs-eval-input.json)"
+  step "(cd $(at masks) && find . -name '*.png' | sed 's|^\./||' | LC_ALL=C sort) > $(at .state/scored_views.txt)"
   if [ -z "$truth" ]; then
     say "no ground truth and no held-out views: nothing is scored"
-    if [ -z "${NGS_DRY_RUN:-}" ]; then rm -f "$OUT/metrics.json" "$OUT/reports/ngs-eval.json"; fi
+    step "rm -f $(at metrics.json) $(at reports/ngs-eval.json)"
     return
   fi
   if [ "$truth" = "$masks" ]; then
@@ -205,6 +230,10 @@ stage_eval() {
   fi
   eval_words "$OUT/masks"
   run ngs-eval "$OUT/masks" "$truth" --views "$names" "${words[@]}" -o "$OUT/metrics.json"
+}
+
+stage_scored() {
+  [ -f "$OUT/metrics.json" ] || fail 5 "no ground truth and no held-out views, nothing was scored" "give --gt or --hold-out"
 }
 
 stage_report() {
@@ -225,26 +254,32 @@ key() {
     rbf) printf '%s\n' "$RBF_FLAGS" ;;
     joint) printf '%s\n' "$METHOD" "$QUALITY" "$JOINT_FLAGS" ;;
     extract) printf '%s\n' "$EXTRACT_FLAGS" ;;
-    render)
-      printf '%s\n' "$RENDER_FLAGS"
-      if [ ! -d "$OUT/masks" ]; then rm -f "$OUT/.state/render.done"; fi ;;
+    render) printf '%s\n' "$RENDER_FLAGS" ;;
     eval)
-      if [ ! -f "$OUT/metrics.json" ]; then rm -f "$OUT/.state/eval.done"; fi
       printf '%s\n' "$EVAL_FLAGS"
       fingerprint "$(truth_of_scene)" ;;
     report) ;;
   esac
 }
 
-write_key() {
+# is_whole STAGE: whether the stage's artifacts that make does not see are all there.
+is_whole() {
+  case $1 in
+    render) [ -d "$OUT/masks" ] && [ -z "$(listed_in "$OUT/masks" | LC_ALL=C comm -13 - "$OUT/.state/masks_rendered" 2> /dev/null)" ] ;;
+    eval) [ -f "$OUT/metrics.json" ] || [ -z "$(truth_of_scene)" ] ;;
+  esac
+}
+
+write_key() {  # a key that is new makes the stage run
   local file=$OUT/.state/$1.key
   key "$1" > "$file.new"
-  if cmp -s "$file.new" "$file"; then rm "$file.new"; else mv "$file.new" "$file"; fi
+  if cmp -s "$file.new" "$file" && is_whole "$1"; then rm "$file.new"; else mv "$file.new" "$file"; fi
 }
 
 [ -n "$SCENE" ] || fail 2 "SCENE is not set, expected a folder with photos, poses and masks"
 [ -d "$SCENE" ] || fail 3 "$SCENE: no such folder"
 refuse_foreign_masks
+refuse_own_model
 if [ "$1" = check ]; then exit; fi
 BIN=${BIN:-$(find_bin)}
 # Two makes at once on one OUT take turns.

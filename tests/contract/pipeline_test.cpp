@@ -135,7 +135,7 @@ TEST_CASE("ngs-gs.sh gives --device to the tools that have a CUDA path, and to n
     std::map<std::string, bool> tools;
     std::istringstream lines(result.out);
     for (std::string line; std::getline(lines, line);)
-      tools[line.substr(0, line.find(' '))] = line.find(" --device cuda ") != std::string::npos;
+      if (line.starts_with("ngs-")) tools[line.substr(0, line.find(' '))] = line.find(" --device cuda ") != std::string::npos;
     return tools;
   };
   std::map<std::string, bool> expected;
@@ -168,6 +168,34 @@ TEST_CASE("ngs-gs.sh refuses what it cannot use") {
   const test::ProcessResult empty = run_script(dir.path(), {".", "out"});
   CHECK(empty.exit_code == 3);
   CHECK(empty.err.find("no poses found") != std::string::npos);
+}
+
+TEST_CASE("ngs-gs.sh stops at the artifact that --until names, and names those that there are") {
+  const Capture capture;
+  const test::ProcessResult unknown = capture.run({"--until", "boundary.png"});
+  CHECK(unknown.exit_code == 2);
+  CHECK(unknown.err.find("--until boundary.png: expected scene.json") != std::string::npos);
+  CHECK(capture.run({"--method", "flash", "--until", "masks"}).exit_code == 0);
+  CHECK(fs::exists(capture.out + "/masks/v2.png"));
+  CHECK_FALSE(fs::exists(capture.out + "/metrics.json"));
+  const test::ProcessResult unscored =
+      run_script(capture.dir.path(), {"my scene", "other", "--method", "flash", "--until", "metrics.json"});
+  CHECK(unscored.exit_code == 5);
+  CHECK(unscored.err.find("nothing was scored") != std::string::npos);
+}
+
+TEST_CASE("ngs-gs.sh makes again what was taken out of the output folder") {
+  const Capture capture;
+  REQUIRE(capture.run({"--method", "flash"}).exit_code == 0);
+  for (const char* name : {"background.ply", "masks", "masks/v2.png", "metrics.json", "field.ply"}) {
+    CAPTURE(name);
+    fs::remove_all(capture.out + "/" + name);
+    CHECK(capture.run({"--method", "flash"}).exit_code == 0);
+    CHECK(fs::exists(capture.out + "/" + name));
+  }
+  const auto before = times_of(capture.out);
+  CHECK(capture.run({"--method", "flash"}).exit_code == 0);
+  CHECK(times_of(capture.out) == before);
 }
 
 TEST_CASE("ngs-gs.sh finds poses where ngs-scene does") {
@@ -211,6 +239,15 @@ TEST_CASE("ngs-gs.sh refuses an output folder where it would replace masks that 
     fs::copy(scene + "/masks", out + "/masks/cup");
     refused({"my scene", "the output", "--masks", "the output/masks"}, "holds the input");
     refused({"my scene", "the output", "--gt", "the output/masks/cup"}, "holds the input");
+  }
+  SUBCASE("a model that the result would replace") {
+    REQUIRE(capture.run({"--method", "flash"}).exit_code == 0);
+    refused({"my scene", "the output", "--model", "the output/background.ply"}, "is the input model");
+  }
+  SUBCASE("masks that somebody laid beside the rendered ones") {
+    REQUIRE(capture.run({"--method", "flash"}).exit_code == 0);
+    fs::copy(scene + "/masks/v0.png", out + "/masks/mine.png");
+    refused({"my scene", "the output", "--method", "sa3d"}, "holds mine.png, which no run has rendered");
   }
   SUBCASE("masks that nobody names, until they are moved away") {
     fs::create_directories(out);

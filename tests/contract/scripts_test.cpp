@@ -107,5 +107,26 @@ TEST_CASE("NGS_BIN may be relative; where the tools are not there it is said, as
   CHECK_FALSE(f.has("none/scene.json"));
 }
 
+TEST_CASE("the commands of a dry run do by hand what a run does") {
+  const Folder f;
+  const test::ProcessResult plan = f.run(f.quick("by hand", {"-n"}));
+  REQUIRE(plan.exit_code == 0);
+  f.dir.write("plan.sh", plan.out);
+  test::ProcessSpec spec;
+  spec.argv = {"bash", "-e", f.path("plan.sh")};
+  spec.folder = "/";
+  spec.environment = {{"NGS_THREADS", "1"}, {"PATH", std::string(NGS_TOOL_DIR ":") + std::getenv("PATH")}};
+  const test::ProcessResult by_hand = test::run_process(spec);
+  INFO(by_hand.err);
+  CHECK(by_hand.exit_code == 0);
+  REQUIRE(f.run(f.quick("out")).exit_code == 0);
+  for (const char* name : {"scene.json", "labelled.ply", "object.ply", "masks/v2.png", "metrics.json"}) {
+    CAPTURE(name);
+    CHECK(f.bytes(std::string("by hand/") + name) == f.bytes(std::string("out/") + name));
+  }
+  // A run afterwards knows the masks as its own.
+  CHECK(f.run(f.quick("by hand")).exit_code == 0);
+}
+
 }  // namespace
 }  // namespace ngs
