@@ -35,6 +35,20 @@ read_run() {
   [ -n "$run_scene" ] || fail 2 "$runs:$1: expected NAME SCENE_DIR"
 }
 
+# Refuses RUNS before anything is started: a line that cannot be read, two of one name, a variable that no run reads.
+check_runs() {
+  local line flag names=' '
+  for line in $(lines_of_runs); do
+    read_run "$line"
+    case $names in *" $run_name "*) fail 2 "$runs:$line: a run '$run_name' is there already" "give every line a name of its own" ;; esac
+    names+="$run_name "
+    for flag in "${run_flags[@]}"; do
+      [[ ${flag%%=*} =~ ^(SCENE|VARIANCE|SAMPLE|RBF|JOINT|EXTRACT|RENDER|EVAL)_FLAGS$ ]] ||
+        fail 2 "$runs:$line: ${flag%%=*} is read by no run" "$pipelines/ngs-gs.sh --help lists the variables"
+    done
+  done
+}
+
 lines_of_runs() { grep -nEv '^[[:space:]]*(#|$)' "$runs" | cut -d: -f1; }
 key_of() { sed -n "${1}p" "$runs" | cksum; }
 
@@ -85,13 +99,14 @@ finish() {
 
 # One round over the lines on stdin, on this machine.
 round_here() { while read -r line; do "$script" --task "$line" "$runs" "$out" || true; done; }
-round_parallel() { parallel -j "$jobs" -- "$script" --task {} "$runs" "$out" || true; }
+round_parallel() { parallel -j "$jobs" -q "$script" --task {} "$runs" "$out" || true; }
 round_make() {
   local makefile=$state/Makefile.$$
   {
-    printf '.PHONY: all\nall:'
+    printf 'SHELL := bash\n.PHONY: all\nall:'
     sed 's/^/ line-/' | tr -d '\n'
-    printf '\nline-%%:\n\t@%q --task $* %q %q\n' "$script" "$runs" "$out"
+    printf '\nline-%%:\n\t@'
+    printf '%q --task LINE %q %q\n' "$script" "$runs" "$out" | sed 's/\$/$$/g; s/ --task LINE / --task $* /'
   } > "$makefile"
   env -u MAKEFLAGS make -k -j "$jobs" --no-print-directory -f "$makefile" || true
   rm "$makefile"
@@ -149,7 +164,12 @@ while [ $# -gt 0 ]; do
   shift 2
 done
 limit=${jobs#0} jobs=${jobs:-1}
-case $on in here | make | parallel | slurm) ;; *) fail 2 "--on $on: expected here, make, parallel or slurm" ;; esac
+case $on in
+  here) ;;
+  make | parallel) command -v "$on" > /dev/null || fail 8 "--on $on: not found" "install it, or run --on here" ;;
+  slurm) command -v sbatch > /dev/null || fail 8 "--on slurm: sbatch: not found" "call this on a node that can submit jobs" ;;
+  *) fail 2 "--on $on: expected here, make, parallel or slurm" ;;
+esac
 mkdir -p "$out/.sweep/log" || fail 8 "$out: cannot be made"
 out=$(cd "$out" && pwd) state=$out/.sweep
 touch "$state/tries"
@@ -168,6 +188,7 @@ case $mode in
     exit 0 ;;
 esac
 
+check_runs
 if [ -n "$dry_run" ]; then
   for line in $(pending_lines); do read_run "$line"; printf '%s\n' "$run_name"; done
   exit 0

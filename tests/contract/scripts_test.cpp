@@ -128,5 +128,32 @@ TEST_CASE("the commands of a dry run do by hand what a run does") {
   CHECK(f.run(f.quick("by hand")).exit_code == 0);
 }
 
+TEST_CASE("sweep.sh refuses a series that it could not bring to an end, before anything is started") {
+  const Folder f;
+  const auto refused = [&](const std::string& runs, const std::string& because) {
+    f.dir.write("runs", runs);
+    const test::ProcessResult result = f.run({kPipelines + "sweep.sh", "runs", "out"});
+    INFO(result.err);
+    CHECK(result.exit_code == 2);
+    CHECK(result.err.find(because) != std::string::npos);
+    CHECK_FALSE(f.has("out/a"));
+  };
+  refused("a capture --method flash\na capture --method sa3d\n", "runs:2: a run 'a' is there already");
+  refused("a capture VARIANCES_FLAGS='--tau 0.1'\n", "VARIANCES_FLAGS is read by no run");
+  refused("a capture --method flash\nb/c capture\n", "runs:2: 'b/c' is no name of a run");
+  const test::ProcessResult absent = f.run({kPipelines + "sweep.sh", "runs", "out", "--on", "slurm"}, {{"PATH", "/bin"}});
+  if (!fs::exists("/bin/sbatch")) CHECK(absent.exit_code == 8);
+}
+
+TEST_CASE("sweep.sh gives JOINT_FLAGS to ngs-joint, and runs in a folder of any name with make") {
+  const Folder f;
+  f.dir.write("runs", "a '" + f.path("capture") + "' JOINT_FLAGS='--method sa3d' --hold-out every:4:2\n");
+  const test::ProcessResult result =
+      f.run({kPipelines + "sweep.sh", "runs", "it's $HOME, \xc3\xbc", "--on", "make"}, {{"LC_ALL", "C"}});
+  INFO(result.err);
+  CHECK(result.exit_code == 0);
+  CHECK(f.json("it's $HOME, \xc3\xbc/a/reports/ngs-joint.json")["options"]["method"] == "sa3d");
+}
+
 }  // namespace
 }  // namespace ngs
