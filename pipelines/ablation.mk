@@ -14,7 +14,6 @@
 SHELL := bash
 .DEFAULT_GOAL := all
 HERE := $(dir $(lastword $(MAKEFILE_LIST)))
-.SECONDARY:
 SCENE ?= $(error SCENE is not set)
 OUT ?= out/ablation
 ARGS ?=
@@ -44,8 +43,7 @@ variant-sigma-%:
 	RBF_FLAGS="$$RBF_FLAGS --width-factor $*" $(call variant,sigma-$*,$(BASE) --width-factor $*)
 variant-K-%:
 	RBF_FLAGS="$$RBF_FLAGS --neighbours $*" $(call variant,K-$*,$(BASE) --neighbours $*)
-$(OUT)/damaged-%:
-	@mkdir -p '$(OUT)'; . '$(HERE)common.sh'; bin=$$(find_bin); \
-	"$${bin:+$$bin/}ngs-scene" degrade '$(MASKS)' --mask-noise $(damage_$*) --seed $(SEED) -o '$@' -q >/dev/null
+$(OUT)/damaged-%: FORCE
+	@$(call degrade,$@,$(MASKS),--mask-noise $(damage_$*) --seed $(SEED))
 variant-masks-%: $(OUT)/damaged-%
 	$(call variant,masks-$*,$(BASE) --masks '$(OUT)/damaged-$*')

@@ -32,6 +32,7 @@ run() {  # BUDGET FLAGS...: a line of JSON
   local budget=$1 began ended rc=0
   began=$(date +%s.%N)
   tool ngs-joint "$scene" "$boundary" -o "$out/$budget.ply" -w -q --report "$out/$budget.json" --time-budget "${budget}s" "${@:2}" || rc=$?
+  if [ "$rc" -ne 0 ] && [ "$rc" -ne 7 ]; then exit "$rc"; fi  # it has no result to score
   ended=$(date +%s.%N)
   tool ngs-render "$scene" "$out/$budget.ply" --views held-out --layers mask --scale 0 -o "$out/$budget.masks" -w -q >/dev/null
   tool ngs-eval "$out/$budget.masks" "$truth" -o "$out/$budget.metrics.json" -w -q >/dev/null
@@ -43,8 +44,9 @@ run() {  # BUDGET FLAGS...: a line of JSON
 
 lines=()
 for budget in "${budgets[@]}"; do
-  lines+=("$(run "$budget" "$@")")
-  echo "${lines[-1]}" >&2
+  line=$(run "$budget" "$@")
+  lines+=("$line")
+  echo "$line" >&2
 done
 {
   printf '{"ngs_budgets": 1,\n "runs": [\n'

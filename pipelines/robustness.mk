@@ -30,8 +30,7 @@ include $(HERE)variants.mk
 
 damage = $(firstword $(subst @, ,$(1)))
 method = $(word 2,$(subst @, ,$(1)))
-$(OUT)/masks-%:
-	@mkdir -p '$(OUT)'; . '$(HERE)common.sh'; bin=$$(find_bin); \
-	"$${bin:+$$bin/}ngs-scene" degrade '$(TRUTH)' $(damage_$*) --seed $(SEED) -o '$@' -q >/dev/null
+$(OUT)/masks-%: FORCE
+	@$(call degrade,$@,$(TRUTH),$(damage_$*) --seed $(SEED))
 variant-%: $(DAMAGES:%=$(OUT)/masks-%)
 	$(call variant,$*,--masks '$(OUT)/masks-$(call damage,$*)' --gt '$(TRUTH)' --method $(call method,$*))

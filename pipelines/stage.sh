@@ -52,15 +52,6 @@ truth_of_scene() {
   printf '%s' "$truth"
 }
 
-fingerprint() {  # names, sizes and times of the files under the given paths
-  local path
-  for path in "$@"; do
-    [ -n "$path" ] || continue
-    printf '%s\n' "$path"
-    { find -L "$path" -type f -printf '%p %s %T@\n' 2>/dev/null || true; } | LC_ALL=C sort  # it may be absent
-  done
-}
-
 tool_path() {
   if [ -n "${BIN:-}" ]; then printf '%s/%s' "$BIN" "$1"; else command -v "$1" || printf '%s' "$1"; fi
 }

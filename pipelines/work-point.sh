@@ -1,11 +1,22 @@
 #!/usr/bin/env bash
 # Part of work-precision.mk: one scene (once NAME), one run of one point (run KNOB@VALUE/REPEAT BOUNDARY FLAGS...), the page
-# (page). SCENE OUT MASKS GT HOLD_OUT IMAGE_SCALE come from the environment.
+# (page), the check that OUT is of the same settings (settings). SCENE OUT MASKS GT HOLD_OUT IMAGE_SCALE STEPS come from the
+# environment.
 set -euo pipefail
-here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-. "$here/common.sh"
+# shellcheck source=pipelines/common.sh
+. "$(dirname "$0")/common.sh"
 bin=$(find_bin)
 tool() { "${bin:+$bin/}$1" "${@:2}"; }
+
+settings() {
+  local file=$OUT/settings now
+  now=$(printf 'SCENE=%s\nMASKS=%s\nGT=%s\n' "$(realpath -m "$SCENE")" "$(realpath -m "$MASKS")" "$(realpath -m "$GT")"
+    printf 'HOLD_OUT=%s\nIMAGE_SCALE=%s\nSTEPS=%s\n' "$HOLD_OUT" "$IMAGE_SCALE" "$STEPS")
+  mkdir -p "$OUT"
+  [ -f "$file" ] || printf '%s\n' "$now" > "$file"
+  [ "$now" = "$(cat "$file")" ] || fail 2 "$OUT: its points are of other settings: $(diff "$file" - <<< "$now" | sed -n 's/^< //p' | tr '\n' ' ')" \
+    "choose another OUT, or remove this one"
+}
 
 # once NAME: scene.json and boundary.ply, for views@N (1, 2, 4, 8) with one mask in N, in a pattern that does not go in step
 # with every-nth hold-outs.

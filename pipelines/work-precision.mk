@@ -5,13 +5,13 @@
 #
 # A point is KNOB@VALUE; the knobs and what they mean are below. REPEATS times each, for min, median and max. What is done
 # once for a scene (import, evidence) is timed apart from what every object pays (ngs-joint). A point that fails stays on the
-# page with its exit code. OUT/points/KNOB@VALUE/REPEAT/ are the runs; delete one and call again to repeat it. Times are only
+# page with its exit code. OUT/points/KNOB@VALUE/REPEAT/ are the runs; delete one and call again to repeat it. An OUT with
+# points of another scene, masks, hold-out or STEPS is refused: one page would show both. Times are only
 # comparable where the machine had nothing else to do: never call it with make -j. Where ngs_numerical was built (with the
 # tests), the page has what float, cuts and truncated neighbours get wrong too, in a plot of its own.
 SHELL := bash
 .DEFAULT_GOAL := all
 .NOTPARALLEL:
-.SECONDARY:
 HERE := $(dir $(lastword $(MAKEFILE_LIST)))
 SCENE ?= $(error SCENE is not set)
 OUT ?= out/work-precision
@@ -51,15 +51,17 @@ flags_mlp = $(joint) --steps $(STEPS) --mlp-hidden $(1)
 knob = $(firstword $(subst @, ,$(1)))
 setting = $(word 2,$(subst @, ,$(1)))
 runs := $(foreach repeat,$(shell seq $(REPEATS)),$(POINTS:%=%/$(repeat)))
-export SCENE OUT MASKS GT HOLD_OUT IMAGE_SCALE
+export SCENE OUT MASKS GT HOLD_OUT IMAGE_SCALE STEPS
 point := bash '$(HERE)work-point.sh'
 
-.PHONY: all
+.PHONY: all settings
 all: $(OUT)/report.html
+settings:
+	@$(point) settings
 
 # Points that need a scene of their own, and the one that the others share.
 once_of = $(if $(filter views image-scale,$(call knob,$(1))),$(1),scene)
-$(OUT)/once/%/boundary.ply:
+$(OUT)/once/%/boundary.ply: | settings
 	@$(point) once '$*'
 define run_rule
 $(OUT)/points/$(1)/done: $(OUT)/once/$(call once_of,$(firstword $(subst /, ,$(1))))/boundary.ply

@@ -31,12 +31,14 @@ struct DataSet {
     fs::create_directories(fs::path(path(to)).parent_path());
     fs::copy(tiny + "/" + from, path(to), fs::copy_options::recursive);
   }
-  test::ProcessResult run(const std::string& script, std::vector<std::string> arguments) const {
+  test::ProcessResult run(const std::string& script, std::vector<std::string> arguments,
+                          std::vector<std::pair<std::string, std::string>> environment = {}) const {
     test::ProcessSpec spec;
     spec.argv = {NGS_SOURCE_DIR "/pipelines/" + script};
     spec.argv.insert(spec.argv.end(), arguments.begin(), arguments.end());
     spec.folder = dir.path();
-    spec.environment = {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}};
+    spec.environment = std::move(environment);
+    spec.environment.insert(spec.environment.end(), {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}});
     return test::run_process(spec);
   }
   Json json(const std::string& name) const { return Json::parse(std::ifstream(path(name)), nullptr, false); }
@@ -87,6 +89,13 @@ TEST_CASE("nvos.sh scores the target view of the tasks that are there and says w
   CHECK(metrics["mean"]["iou"].get<double>() > 0.8);
   CHECK(data.json("out/summary.json")["result"]["mean_over_runs"]["iou"] == metrics["mean"]["iou"]);
   CHECK(fs::exists(data.path("out/report.html")));
+  // Below a bound: a failure of the loop, but not left out of the mean, which would be that of the good ones.
+  fs::remove(data.path("out/summary.json"));
+  const test::ProcessResult below =
+      data.run("nvos.sh", {"nvos", "llff", "masks", "out", "--method", "flash", "-q"}, {{"EVAL_FLAGS", "--fail-below iou=1.01"}});
+  CHECK(below.exit_code == 1);
+  CHECK(below.err.find("a bound of --fail-below was not met") != std::string::npos);
+  CHECK(data.json("out/summary.json")["result"]["means"].size() == 1);
   const Json scene = data.json("out/fern/scene.json");
   for (const Json& view : scene["views"])
     CHECK((view["split"] == "held-out") ==
@@ -193,6 +202,13 @@ void check_budgets(const DataSet& data, const nlohmann::json& schema) {
   CHECK(budgets["runs"][1]["budget_s"] == 1);
   for (const auto& run : budgets["runs"]) CHECK(run["iou"].get<double>() > 0.5);
   CHECK(data.json("out/budgets/1.json")["result"]["budget"]["seconds"] == 1);
+  // A run without a result has no scores: neither zeros nor those of an earlier call.
+  fs::remove(data.path("out/budgets/budgets.json"));
+  spec.argv.back() = "none";
+  const test::ProcessResult failed = test::run_process(spec);
+  CHECK(failed.exit_code == 2);
+  CHECK_FALSE(fs::exists(data.path("out/budgets/budgets.json")));
+  CHECK(failed.out.find("0.0000") == std::string::npos);
 }
 
 TEST_CASE("work-precision.mk draws its points with their frontier, and keeps those that fail") {
@@ -232,6 +248,19 @@ TEST_CASE("work-precision.mk draws its points with their frontier, and keeps tho
   CHECK(page.find("<script") == std::string::npos);
   CHECK(std::count(csv.begin(), csv.end(), '\n') == 1 + 8);
   check_budgets(data, schema("budgets.schema.json"));
+
+  // One point removed is repeated, beside one more; points of other settings are not mixed with them.
+  fs::remove_all(data.path("out/points/method@flash/2"));
+  const auto again = [&](const std::string& setting) {
+    return make(data, {"-f", NGS_SOURCE_DIR "/pipelines/work-precision.mk", "GT=tiny/masks", "REPEATS=2", setting,
+                       "POINTS=method@flash method@sa3d"});
+  };
+  CHECK(again("STEPS=2").exit_code == 0);
+  CHECK(fs::exists(data.path("out/points/method@flash/2/done")));
+  CHECK(fs::exists(data.path("out/points/method@sa3d/1/done")));
+  const test::ProcessResult mixed = again("STEPS=3");
+  CHECK(mixed.exit_code != 0);
+  CHECK(mixed.err.find("its points are of other settings: STEPS=2") != std::string::npos);
 }
 
 }  // namespace

@@ -155,5 +155,34 @@ TEST_CASE("sweep.sh gives JOINT_FLAGS to ngs-joint, and runs in a folder of any 
   CHECK(f.json("it's $HOME, \xc3\xbc/a/reports/ngs-joint.json")["options"]["method"] == "sa3d");
 }
 
+TEST_CASE("robustness.mk makes the masks anew where the seed changed, and compares no scores of an earlier call") {
+  const Folder f;
+  const auto series = [&](Words more) {
+    more.insert(more.begin(), {"SCENE=capture", "TRUTH=capture/masks", "OUT=out", "DAMAGES=wrong", "METHODS=flash sa3d"});
+    return f.make("robustness.mk", more);
+  };
+  const auto masks = [&] {
+    std::string all;
+    for (int v = 0; v < 8; ++v) all += f.bytes("out/masks-wrong/v" + std::to_string(v) + ".png");
+    return all;
+  };
+  const std::string options = "ARGS=--hold-out every:4:2";
+  const test::ProcessResult first = series({options});
+  INFO(first.err);
+  REQUIRE(first.exit_code == 0);
+  CHECK(first.err.find("unlink") == std::string::npos);
+  CHECK(f.json("out/summary.json")["result"]["means"].size() == 2);
+  const std::string before = masks();
+  const auto made = fs::last_write_time(f.path("out/masks-wrong"));
+  CHECK(series({options}).exit_code == 0);
+  CHECK(fs::last_write_time(f.path("out/masks-wrong")) == made);
+  REQUIRE(series({options, "SEED=3"}).exit_code == 0);
+  CHECK(masks() != before);
+  const test::ProcessResult failed = series({options + " --tau-of-nothing 3"});
+  CHECK(failed.exit_code != 0);
+  CHECK(failed.err.find("variant wrong@flash failed, left out") != std::string::npos);
+  CHECK(failed.err.find("no scene was finished") != std::string::npos);
+}
+
 }  // namespace
 }  // namespace ngs
