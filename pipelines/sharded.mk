@@ -5,19 +5,21 @@
 #   make -f pipelines/sharded.mk submit SCENE_JSON=... OUT=... SHARDS=200 SBATCH='--mem 8G --cpus-per-task 8'
 #
 # `submit` queues the array and the merge behind it and returns when merged. A second call makes only the shards that are not
-# there. RASTER_FLAGS are options of the shards (--compat, --antialias), VARIANCE_FLAGS of the merge (--tau ...).
+# there, or that were made with other RASTER_FLAGS. RASTER_FLAGS are options of the shards (--compat, --antialias), VARIANCE_FLAGS of the merge (--tau ...).
 THIS := $(abspath $(lastword $(MAKEFILE_LIST)))
 TOOL_NAME := ngs-variance
 PART := evidence
 SHARDS ?= 8
 RASTER_FLAGS ?=
 VARIANCE_FLAGS ?=
+PART_FLAGS = $(RASTER_FLAGS)
+JOIN_FLAGS = $(VARIANCE_FLAGS)
 SETTINGS = RASTER_FLAGS='$(RASTER_FLAGS)' VARIANCE_FLAGS='$(VARIANCE_FLAGS)'
 include $(dir $(THIS))shards.mk
 
-$(OUT): $(PARTS)
+$(OUT): $(PARTS) $(OUT).join.flags
 	$(TOOL) merge $(PARTS) $(VARIANCE_FLAGS) -w -q -o $@ --report $@.json
 
-$(OUT).parts/%-of-$(SHARDS).$(PART): $(SCENE_JSON)
+$(OUT).parts/%-of-$(SHARDS).$(PART): $(SCENE_JSON) $(OUT).part.flags
 	@mkdir -p $(@D)
 	$(TOOL) $(SCENE_JSON) --views $*/$(SHARDS) $(RASTER_FLAGS) -w -q --partial $@ --report $@.json

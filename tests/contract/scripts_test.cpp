@@ -184,5 +184,27 @@ TEST_CASE("robustness.mk makes the masks anew where the seed changed, and compar
   CHECK(failed.err.find("no scene was finished") != std::string::npos);
 }
 
+TEST_CASE("sharded.mk joins no shards of other options, and leaves the bytes of one run") {
+  const Folder f;
+  REQUIRE(f.run(f.quick("one", {"--until", "boundary.ply"})).exit_code == 0);
+  const auto sharded = [&](Words more) {
+    more.insert(more.begin(), {"SCENE_JSON=one/scene.json", "OUT=s.ply", "SHARDS=2"});
+    const test::ProcessResult result = f.make("sharded.mk", more);
+    INFO(result.err);
+    CHECK(result.exit_code == 0);
+    return f.bytes("s.ply");
+  };
+  const std::string one = f.bytes("one/boundary.ply");
+  CHECK(sharded({}) == one);
+  CHECK(sharded({"VARIANCE_FLAGS=--tau 0.2"}) != one);
+  CHECK(sharded({}) == one);
+  // A series that was stopped half way and is taken up with other options.
+  fs::remove(f.path("s.ply.parts/1-of-2.evidence"));
+  const std::string other = sharded({"RASTER_FLAGS=--antialias on"});
+  REQUIRE(f.run({NGS_TOOL_DIR "/ngs-variance", "one/scene.json", "--antialias", "on", "-q", "-o", "on.ply"}).exit_code == 0);
+  CHECK(other == f.bytes("on.ply"));
+  CHECK(other != one);
+}
+
 }  // namespace
 }  // namespace ngs
