@@ -48,8 +48,31 @@ truth_of_scene() {
   if [ -n "$GT" ]; then printf '%s' "$GT"; return; fi
   local truth
   truth=$(first_existing "$SCENE/masks_gt" "$SCENE/gt")
-  if [ -z "$truth" ] && [ -n "$HOLD_OUT" ]; then truth=$(masks_of_scene); fi
+  if [ -z "$truth" ] && [ -z "$(no_stand_in)" ]; then truth=$(masks_of_scene); fi
   printf '%s' "$truth"
+}
+
+# mask_setting NAME: how ngs-scene reads the input masks; nothing before it has run.
+mask_setting() { sed -n "/^ *\"masks\":/{s/.*\"$1\":\"\{0,1\}\([a-z]*\).*/\1/p;q}" "$OUT/scene.json" 2> /dev/null || true; }
+
+# Why the input masks cannot stand in for the truth; nothing where they can.
+no_stand_in() {
+  if [ -z "$HOLD_OUT" ] || [ -z "$(masks_of_scene)" ]; then
+    echo "no held-out views"
+  elif [ -f "$OUT/scene.json" ] && ! grep -q '"mask":.*"split":"held-out"' "$OUT/scene.json"; then
+    echo "no held-out view has an input mask"
+  else
+    unlike_truth
+  fi
+}
+
+# What about the input masks ngs-eval cannot read as ngs-scene does; nothing where it can.
+unlike_truth() {
+  if [ "$(mask_setting invert)" = true ]; then
+    echo "the input masks are inverted"
+  elif [ "$(mask_setting mode)" = bands ]; then
+    echo "the input masks are bands"
+  fi
 }
 
 tool_path() {
@@ -192,11 +215,19 @@ stage_render() {
   step "mv $(at .state/render) $(at masks)"
 }
 
-# eval_words DIR: the options of ngs-eval for the masks in DIR, into `words`. Masks of several objects lie in a folder
-# each; folders of a single object belong to the views' names, as the cameras of a rig.
+# eval_words DIR TRUTH: the options of ngs-eval for the masks in DIR, into `words`. Masks of several objects lie in a folder
+# each; folders of a single object belong to the views' names, as the cameras of a rig. Label maps that stand in for the truth
+# have the ids that ngs-scene found in them, and so do those that EVAL_FLAGS says nothing else of.
 eval_words() {
-  local labels layout=view
+  local labels layout=view ids id
   flags "$EVAL_FLAGS"
+  if [ "$(mask_setting mode)" = label ]; then
+    if [ "$2" = "$(masks_of_scene)" ] && [[ $EVAL_FLAGS != *--label-map* ]]; then words+=(--label-map); fi
+    if [[ ${words[*]} == *--label-map* && $EVAL_FLAGS != *--object-id* ]]; then
+      mapfile -t ids < <(sed -n 's/^ *{"name":"\(.*\)","id":\([0-9]*\)},\{0,1\}$/\1=\2/p' "$OUT/scene.json")
+      for id in "${ids[@]}"; do words+=(--object-id "$id"); done
+    fi
+  fi
   if [ -z "$(find -L "$1" -mindepth 2 -name '*.png' -print -quit 2> /dev/null)" ]; then return; fi
   labels=$(sed '/^end_header/q' "$OUT/labelled.ply" 2> /dev/null | LC_ALL=C grep -ac '^property float ngs_label' || true)
   if [ "$labels" -gt 1 ]; then layout=object/view; fi
@@ -204,27 +235,33 @@ eval_words() {
 }
 
 stage_eval() {
-  local truth masks names=$OUT/.state/scored_views.txt
+  local truth masks unlike names=$OUT/.state/scored_views.txt
   truth=$(truth_of_scene) masks=$(masks_of_scene)
   step "rm -f $(at .state/check_failed) $(at metrics_input.json) $(at reports/ngs-eval-input.json)"
   step "(cd $(at masks) && find . -name '*.png' | sed 's|^\./||' | LC_ALL=C sort) > $(at .state/scored_views.txt)"
   if [ -z "$truth" ]; then
-    say "no ground truth and no held-out views: nothing is scored"
+    say "no ground truth, and $(no_stand_in): nothing is scored"
     step "rm -f $(at metrics.json) $(at reports/ngs-eval.json)"
     return
   fi
   if [ "$truth" = "$masks" ]; then
     say "no ground truth given: the input masks of the held-out views stand in for it"
   else  # the input masks' own score on the same views, for comparison
-    eval_words "$masks"
+    unlike=$(unlike_truth)
+    if [ "$(mask_setting mode)" = label ] && [[ $EVAL_FLAGS != *--label-map* ]]; then unlike="the input masks are label maps, the truth is not"; fi
+  fi
+  if [ -n "${unlike:-}" ]; then
+    say "$unlike: they are not scored themselves"
+  elif [ "$truth" != "$masks" ]; then
+    eval_words "$masks" "$truth"
     run ngs-eval --report-name ngs-eval-input "$masks" "$truth" --views "$names" "${words[@]}" -q -o "$OUT/metrics_input.json"
   fi
-  eval_words "$OUT/masks"
+  eval_words "$OUT/masks" "$truth"
   run ngs-eval "$OUT/masks" "$truth" --views "$names" "${words[@]}" -o "$OUT/metrics.json"
 }
 
 stage_scored() {
-  [ -f "$OUT/metrics.json" ] || fail 5 "no ground truth and no held-out views, nothing was scored" "give --gt or --hold-out"
+  [ -f "$OUT/metrics.json" ] || fail 5 "no ground truth, and $(no_stand_in): nothing was scored" "give --gt or --hold-out"
 }
 
 stage_report() {

@@ -2,7 +2,9 @@
 #include <doctest/doctest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "ngs/io/image_file.h"
@@ -196,6 +198,50 @@ TEST_CASE("ngs-gs.sh makes again what was taken out of the output folder") {
   const auto before = times_of(capture.out);
   CHECK(capture.run({"--method", "flash"}).exit_code == 0);
   CHECK(times_of(capture.out) == before);
+}
+
+TEST_CASE("ngs-gs.sh lets input masks stand in for the truth as ngs-scene reads them, or not at all") {
+  const Capture capture;
+  const std::string masks = capture.dir.path() + "/my scene/masks/";
+  const auto run = [&](const char* scene_flags, std::vector<std::string> more = {}) {
+    more.insert(more.begin(), {"my scene", "the output", "--hold-out", "every:4:2", "--method", "flash"});
+    return run_script(capture.dir.path(), more, {{"SCENE_FLAGS", scene_flags}});
+  };
+  const auto iou = [&] {
+    std::ifstream file(capture.out + "/metrics.json");
+    return nlohmann::json::parse(file)["mean"]["iou"].get<double>();
+  };
+  SUBCASE("label maps") {
+    const test::ProcessResult result = run("--mask-mode label", {"--masks", "my scene/labels"});
+    INFO(result.err);
+    REQUIRE(result.exit_code == 0);
+    CHECK(iou() > 0.8);
+  }
+  SUBCASE("inverted ones") {
+    for (const fs::directory_entry& file : fs::directory_iterator(masks)) {
+      const io::RawMask mask = io::read_mask_raw(file.path().string(), io::Palette::kMask);
+      ImageU8 inverted(mask.width_px, mask.height_px, 1);
+      for (std::size_t p = 0; p < inverted.data.size(); ++p) inverted.data[p] = mask.data[p] > 0 ? 0 : 255;
+      io::write_png(file.path().string(), inverted);
+    }
+    const test::ProcessResult result = run("--mask-invert");
+    INFO(result.err);
+    REQUIRE(result.exit_code == 0);
+    CHECK(result.err.find("the input masks are inverted: nothing is scored") != std::string::npos);
+    CHECK_FALSE(fs::exists(capture.out + "/metrics.json"));
+    CHECK(fs::exists(capture.out + "/report.html"));
+  }
+  SUBCASE("none of the held-out views has one") {
+    fs::remove(masks + "v2.png"), fs::remove(masks + "v6.png");
+    const test::ProcessResult result = run("");
+    INFO(result.err);
+    REQUIRE(result.exit_code == 0);
+    CHECK(result.err.find("no held-out view has an input mask: nothing is scored") != std::string::npos);
+    CHECK(fs::exists(capture.out + "/report.html"));
+    const auto before = times_of(capture.out);
+    CHECK(run("").exit_code == 0);
+    CHECK(times_of(capture.out) == before);
+  }
 }
 
 TEST_CASE("ngs-gs.sh finds poses where ngs-scene does") {
