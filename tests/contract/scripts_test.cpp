@@ -206,5 +206,26 @@ TEST_CASE("sharded.mk joins no shards of other options, and leaves the bytes of 
   CHECK(other != one);
 }
 
+TEST_CASE("what cmake --install copies runs by itself, pictures included") {
+  const Folder f;
+  const test::ProcessResult installed =
+      f.run({"cmake", "--install", NGS_TOOL_DIR "/..", "--prefix", f.path("prefix")});
+  if (installed.exit_code == 127) {
+    MESSAGE("no cmake: skipped");
+    return;
+  }
+  INFO(installed.err);
+  REQUIRE(installed.exit_code == 0);
+  for (const fs::directory_entry& tool : fs::directory_iterator(NGS_SOURCE_DIR "/tools")) {
+    const std::string name = tool.path().filename().string();
+    CAPTURE(name);
+    if (name.starts_with("ngs-")) CHECK(f.has("prefix/bin/" + name));
+  }
+  const test::ProcessResult run = f.run(f.quick("out"), {{"NGS_BIN", f.path("prefix/bin")}});
+  INFO(run.err);
+  CHECK(run.exit_code == 0);
+  CHECK(f.has("out/masks/v2.png"));
+}
+
 }  // namespace
 }  // namespace ngs
