@@ -28,8 +28,7 @@ int label_scene(int argc, char** argv) {
   VarianceOptions options;
   RasterOptions raster;
   ShardOptions shard;
-  tool.options(options);
-  tool.options(raster), tool.options(shard);
+  tool.options(options), tool.options(raster), tool.options(shard);
   tool.runs_on_device();
   const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene");
   const cli::Output& out = tool.optional_output("-o,--output", "labelled PLY");
@@ -64,6 +63,7 @@ int label_scene(int argc, char** argv) {
     if (partial) {
       part.model_hash = io::content_hash(scene.model_path).xxh3;
       part.scene_path = scene_json.path;
+      part.made_with = variance::made_with(scene_json.path, splat_options(raster, ply.cloud, scene));
       for (const SceneObject& object : scene.objects) part.objects.push_back(object.name);
       for (const std::size_t view : views) part.views.push_back(scene.views[view].camera.name);
       io::write_evidence(partial.path, part);

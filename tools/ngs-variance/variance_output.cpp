@@ -8,6 +8,7 @@
 #include "ngs/io/exr.h"
 #include "ngs/io/scene_json.h"
 #include "ngs/scene/view_names.h"
+#include "ngs/stages/render_options.h"
 #include "shared/shard.h"
 
 namespace ngs::variance {
@@ -16,6 +17,14 @@ std::vector<std::size_t> shard_of(const std::vector<std::size_t>& views, const s
   const auto [i, n] = cli::parse_shard("--views", shard);
   const auto bound = [&, n = n](std::size_t k) { return views.begin() + std::ptrdiff_t(views.size() * k / n); };
   return {bound(i), bound(i + 1)};
+}
+
+std::string made_with(const std::string& scene_path, const SplatOptions& splat) {
+  std::string compat;
+  for (const auto& name : kCompatNames)
+    if (name.value == splat.compat) compat = name.name;
+  return "scene " + io::content_hash(scene_path).xxh3 + ", --compat " + compat + ", --antialias " +
+         (splat.antialiased ? "on" : "off");
 }
 
 Json memory_plan(const GaussianCloud& cloud, const Scene& scene, std::size_t views) {

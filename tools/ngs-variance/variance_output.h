@@ -14,6 +14,9 @@ namespace ngs::variance {
 /// Shard "i/N" of the views: contiguous, sizes differing by at most one. kUsage for anything else.
 std::vector<std::size_t> shard_of(const std::vector<std::size_t>& views, const std::string& shard);
 
+/// EvidencePart::made_with of parts of the scene in this file.
+std::string made_with(const std::string& scene_path, const SplatOptions& splat);
+
 /// Estimated peak memory for --dry-run.
 Json memory_plan(const GaussianCloud& cloud, const Scene& scene, std::size_t views);
 

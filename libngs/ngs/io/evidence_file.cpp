@@ -53,6 +53,7 @@ void write_evidence(const std::string& path, const EvidencePart& part) {
   file.metadata["ngs:schema"] = "ngs.evidence.1";
   file.metadata["model"] = part.model_hash;
   file.metadata["scene"] = path_to_folder(FileFolder(path), part.scene_path);
+  file.metadata["made_with"] = part.made_with;
   file.metadata["objects"] = nlohmann::json(part.objects).dump();
   file.metadata["views"] = nlohmann::json(part.views).dump();
   write_safetensors(path, file);
@@ -63,6 +64,7 @@ EvidencePart parse_evidence(const std::string& path, Bytes bytes) {
   EvidencePart part;
   part.model_hash = file.meta("model");
   part.scene_path = path_from_folder(fs::path(path).parent_path().string(), file.meta("scene"));
+  if (file.metadata.contains("made_with")) part.made_with = file.meta("made_with");  // parts of version 0.1 before it have none
   part.objects = names_in(file, "objects");
   part.views = names_in(file, "views");
   part.evidence.gaussians = std::int64_t(file.get<std::uint32_t>("views", {-1}).size());
@@ -93,6 +95,10 @@ EvidencePart merge_evidence(const std::vector<std::string>& paths) {
     if (part.model_hash != sum.model_hash || part.objects != sum.objects || part.evidence.gaussians != sum.evidence.gaussians)
       throw Error(ErrorCode::kInconsistent, path + ": evidence of another model or other objects than " + paths.front(),
                   "merge parts that were made from one scene.json");
+    if (part.made_with != sum.made_with)
+      throw Error(ErrorCode::kInconsistent,
+                  path + ": made with " + part.made_with + ", but " + paths.front() + " with " + sum.made_with,
+                  "make all parts from one scene.json and with the same options");
     sum.evidence.add(part.evidence);
     sum.views.insert(sum.views.end(), part.views.begin(), part.views.end());
   }

@@ -13,6 +13,7 @@ struct EvidencePart {
   Evidence evidence;
   std::string model_hash;             // of the PLY the sums are about
   std::string scene_path;             // scene.json; in the file relative to the file's own folder
+  std::string made_with;              // what else the sums depend on, as text: the scene's content, options of the splat
   std::vector<std::string> objects;   // names, in the order of the columns
   std::vector<std::string> views;     // names of the views summed
 };
@@ -22,7 +23,8 @@ void write_evidence(const std::string& path, const EvidencePart& part);
 EvidencePart read_evidence(const std::string& path);
 EvidencePart parse_evidence(const std::string& path, Bytes bytes);
 
-/// The sum of the parts. kInconsistent where they are of different models or objects, or share a view.
+/// The sum of the parts. kInconsistent where they are of different models or objects, were made from different scenes
+/// or with different options, or share a view.
 EvidencePart merge_evidence(const std::vector<std::string>& paths);
 
 }  // namespace ngs::io
