@@ -7,6 +7,7 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/backend/sort.h"
+#include "ngs/core/check.h"
 #include "ngs/ops/splat_gaussian.h"
 #include "ngs/ops/splat_tiles.h"
 
@@ -150,6 +151,7 @@ TileLists bin_tiles(const Exec& exec, const ProjectedView<S>& view, int width_px
     }
   }
   lists.tile_begin.back() = total;
+  NGS_CHECK(total <= 0xffffffff, "slots are counted in 32 bits");
   lists.visible.resize(std::size_t(total)), lists.slot.resize(std::size_t(total));
   for_each_task(exec, chunks, [&](std::int64_t chunk) {
     for_each_pair(chunk, [&](std::int64_t tile, std::uint32_t v, std::int64_t slot) {
