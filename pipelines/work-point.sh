@@ -33,9 +33,10 @@ once() {
         if (( i++ * 5 % 8 < 8 / value )); then ln -s "$(realpath "$file")" "$masks/"; fi
       done ;;
   esac
-  tool ngs-scene import "$SCENE" --masks "$masks" --hold-out "$HOLD_OUT" ${scale:+--image-scale "$scale"} \
-    -o "$folder/scene.json" -w -q --report "$folder/reports/ngs-scene.json"
-  tool ngs-variance "$folder/scene.json" -o "$folder/boundary.ply" -w -q --report "$folder/reports/ngs-variance.json"
+  { tool ngs-scene import "$SCENE" --masks "$masks" --hold-out "$HOLD_OUT" ${scale:+--image-scale "$scale"} \
+    -o "$folder/scene.json" -w -q --report "$folder/reports/ngs-scene.json" &&
+    tool ngs-variance "$folder/scene.json" -o "$folder/boundary.ply" -w -q --report "$folder/reports/ngs-variance.json"
+  } || echo $? > "$folder/failed"  # the exit code of all its points
 }
 
 # run KNOB@VALUE/REPEAT BOUNDARY FLAGS...: a failure is kept as its exit code.
@@ -43,6 +44,10 @@ run() {
   local folder=$OUT/points/$1 scene trace=() rc=0
   scene=$(dirname "$2")/scene.json
   mkdir -p "$folder"
+  if [[ ! -f $2 ]]; then
+    cp "$(dirname "$2")/failed" "$folder/done"
+    return
+  fi
   case $1 in method@*) ;; *) trace=(--trace "$folder/trace.jsonl") ;; esac
   echo "$1: ${*:3}" >&2
   tool ngs-joint "$scene" "$2" -o "$folder/labelled.ply" -w -q "${trace[@]}" --report "$folder/joint.json" "${@:3}" || rc=$?

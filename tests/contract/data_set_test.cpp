@@ -215,7 +215,7 @@ TEST_CASE("work-precision.mk draws its points with their frontier, and keeps tho
   const DataSet data;
   const test::ProcessResult result =
       make(data, {"-f", NGS_SOURCE_DIR "/pipelines/work-precision.mk", "GT=tiny/masks", "REPEATS=2",
-                  "STEPS=2", "POINTS=method@flash method@nonsense steps@2 views@2"});
+                  "STEPS=2", "POINTS=method@flash method@nonsense steps@2 views@2 views@9"});
   INFO(result.err);
   REQUIRE(result.exit_code == 0);
   const auto schema = [](const char* name) {
@@ -223,7 +223,7 @@ TEST_CASE("work-precision.mk draws its points with their frontier, and keeps tho
   };
   const Json points = data.json("out/points.json");
   CHECK(test::schema_violations(schema("work-precision.schema.json"), points) == "");
-  REQUIRE(points["points"].size() == 4);
+  REQUIRE(points["points"].size() == 5);
   CHECK(points["points"][0]["setting"] == "flash");
   CHECK(points["points"][0]["frontier"] == true);
   CHECK(points["points"][0]["runs"].size() == 2);
@@ -231,6 +231,8 @@ TEST_CASE("work-precision.mk draws its points with their frontier, and keeps tho
   CHECK(points["points"][1]["failed"] == true);
   CHECK(points["points"][1]["runs"][0]["exit_code"] == 2);
   CHECK(points["once_cpu_s"].contains("views@2"));
+  CHECK(points["points"][4]["setting"] == "9");  // no view has a mask: not even the evidence can be had
+  CHECK(points["points"][4]["runs"][0]["exit_code"] == 4);
   Json numerical = data.json("out/numerical.json");
   CHECK(test::schema_violations(schema("numerical.schema.json"), numerical) == "");
   CHECK(points["numerical"] == numerical);
@@ -246,7 +248,7 @@ TEST_CASE("work-precision.mk draws its points with their frontier, and keeps tho
   CHECK(page.find("method@nonsense") != std::string::npos);
   CHECK(page.find("http") == std::string::npos);
   CHECK(page.find("<script") == std::string::npos);
-  CHECK(std::count(csv.begin(), csv.end(), '\n') == 1 + 8);
+  CHECK(std::count(csv.begin(), csv.end(), '\n') == 1 + 10);
   check_budgets(data, schema("budgets.schema.json"));
 
   // One point removed is repeated, beside one more; points of other settings are not mixed with them.
