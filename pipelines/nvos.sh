@@ -9,7 +9,8 @@
 #              from the strokes in NVOS_DIR/scribbles/TASK/ (pos_*.png, neg_*.png) on the view reference_image/TASK/ names
 #   OUT_DIR    one folder per task, report.html and summary.json
 #
-# The target view supervises nothing. The mean is over tasks, unweighted; "mAcc" of the papers is pixel
+# The target view supervises nothing, but that ngs-mask segments its photo too, one among all, where masks are made from
+# scribbles. The mean is over tasks, unweighted; "mAcc" of the papers is pixel
 # accuracy. Which views have an input mask, and how the splat was trained, decides the numbers: state both.
 # Tasks without a scene, masks or truth are skipped and said. Exit code 1 if a task failed.
 set -euo pipefail

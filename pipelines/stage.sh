@@ -28,6 +28,16 @@ source_of_scene() {  # in the order in which ngs-scene looks
     "$SCENE/transforms.json" "$SCENE/transforms_train.json" "$SCENE/cameras.json" "$SCENE/poses_bounds.npy"
 }
 
+photo_folders() {  # a line each: images/, and those that the frames of a transforms file name
+  local source
+  printf '%s\n' "$SCENE/images"
+  source=$(source_of_scene)
+  case $source in
+    *.json) { grep -o '"file_path" *: *"[^"]*/' "$source" || true; } | sed 's/.*: *"//' | sort -u |
+      while IFS= read -r folder; do case $folder in /*) printf '%s\n' "$folder" ;; *) printf '%s\n' "$SCENE/$folder" ;; esac; done ;;
+  esac
+}
+
 model_of_scene() {
   if [ -n "$MODEL" ]; then printf '%s' "$MODEL"; return; fi
   local trained
@@ -269,13 +279,14 @@ stage_report() {
 }
 
 key() {
-  local stage=$1 tool=ngs-$1
+  local stage=$1 tool=ngs-$1 photos
   stat -L -c '%n %s %Y' "$(tool_path "$tool")" 2>/dev/null || true
   printf '%s\n' "$COMMON_FLAGS" "$(device_of "$tool")"
   case $stage in
     scene)
       printf '%s\n' "$HOLD_OUT" "$IMAGE_SCALE" "$SCENE_FLAGS"
-      fingerprint "$(source_of_scene)" "$(model_of_scene)" "$(masks_of_scene)" "$SCENE/images"
+      mapfile -t photos < <(photo_folders)
+      fingerprint "$(source_of_scene)" "$(model_of_scene)" "$(masks_of_scene)" "${photos[@]}"
       if [ -f "$HOLD_OUT" ]; then fingerprint "$HOLD_OUT"; fi ;;
     variance) printf '%s\n' "$VARIANCE_FLAGS" ;;
     sample) printf '%s\n' "$SAMPLE_FLAGS" ;;

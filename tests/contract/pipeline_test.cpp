@@ -261,6 +261,28 @@ TEST_CASE("ngs-gs.sh finds poses where ngs-scene does") {
   }
 }
 
+TEST_CASE("ngs-gs.sh sees a photo that changed where only the transforms file names its folder") {
+  const Capture capture;
+  const std::string scene = capture.dir.path() + "/my scene/";
+  fs::remove_all(scene + "sparse"), fs::remove(scene + "cameras.json");
+  fs::rename(scene + "images", scene + "train photos");
+  std::stringstream text;
+  text << std::ifstream(scene + "transforms.json").rdbuf();
+  std::string poses = text.str();
+  for (std::size_t at = 0; (at = poses.find("images/", at)) != poses.npos;) poses.replace(at, 7, "train photos/");
+  std::ofstream(scene + "transforms.json") << poses;
+  const auto run = [&] { return run_script(capture.dir.path(), {"my scene", "the output", "--until", "scene.json"}); };
+  const test::ProcessResult first = run();
+  INFO(first.err);
+  REQUIRE(first.exit_code == 0);
+  const auto before = times_of(capture.out);
+  CHECK(run().exit_code == 0);
+  CHECK(times_of(capture.out) == before);
+  fs::copy_file(scene + "train photos/v0.png", scene + "train photos/v1.png", fs::copy_options::overwrite_existing);
+  CHECK(run().exit_code == 0);
+  CHECK(times_of(capture.out)["scene.json"] != before.at("scene.json"));
+}
+
 TEST_CASE("ngs-gs.sh refuses an output folder where it would replace masks that it did not render") {
   const Capture capture;
   const std::string scene = capture.dir.path() + "/my scene", out = capture.out;
