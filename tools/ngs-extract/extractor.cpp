@@ -77,6 +77,10 @@ void Extractor::import(const std::string& path) {
   if (imported.unmatched > 0)
     run_.monitor().warn(std::to_string(imported.unmatched) +
                         " Gaussians of the edit are not in the labelled model");
+  const std::int64_t background = std::count(before.object.begin(), before.object.end(), std::uint8_t(0));
+  if (!imported.by_selection && 2 * imported.to_object > background)
+    run_.monitor().warn(std::to_string(imported.to_object) + " of the " + std::to_string(background) +
+                        " Gaussians of the background become object: an edit without a selection is the object alone");
 }
 
 void Extractor::decide() {

@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
   tool.options(inpaint_options);
   const cli::Input& labelled = tool.input("labelled", "labelled PLY of ngs-variance or ngs-joint");
   const cli::Input& edited =
-      tool.optional_input("--import", "hand-edited splat: rows that are left (or selected) are the object");
+      tool.optional_input("--import", "hand-edited splat: rows that are left (or selected, where it says so) are the object");
   const cli::Input& scene_json = tool.optional_input("--scene", "scene.json, for --inpaint");
   const cli::Output& object = tool.optional_output("--object", "the object, plain 3DGS PLY");
   const cli::Output& background = tool.optional_output("--background", "everything else, plain 3DGS PLY");

@@ -73,6 +73,33 @@ std::vector<std::int64_t> match_rows(const GaussianCloud& cloud, const GaussianC
   return found;
 }
 
+/// [rows of the model] -1 not in the edit, 0 background, 1 object.
+std::vector<std::int8_t> verdicts_of(const std::vector<std::int64_t>& found, const std::vector<std::uint8_t>& state,
+                                     bool by_selection, std::size_t rows) {
+  std::vector<std::int8_t> verdict(rows, -1);
+  for (std::size_t e = 0; e < found.size(); ++e) {
+    if (found[e] < 0) continue;
+    const std::uint8_t s = state.empty() ? std::uint8_t(0) : state[e];
+    verdict[std::size_t(found[e])] = (s & kDeleted) == 0 && (!by_selection || (s & kSelected) != 0);
+  }
+  return verdict;
+}
+
+/// Nobody edited anything, or what was edited is not in the file.
+void refuse_whole_model(const GaussianCloud& cloud, const std::vector<std::uint8_t>& object,
+                        const std::vector<std::int8_t>& verdict) {
+  bool changes = false;
+  for (std::size_t i = 0; i < verdict.size(); ++i) {
+    if (!cloud.usable[i]) continue;
+    if (verdict[i] != 1) return;
+    changes |= !object[i];
+  }
+  if (!changes) return;
+  throw Error(ErrorCode::kInconsistent,
+              "the edited model: every Gaussian of the labelled one, none selected, expected those of the object alone",
+              "an editor's export holds no selection: invert it there, delete the rest, then export what is left");
+}
+
 }  // namespace
 
 ImportedEdit import_edit(const GaussianCloud& cloud, const std::vector<std::uint8_t>& object,
@@ -91,14 +118,9 @@ ImportedEdit import_edit(const GaussianCloud& cloud, const std::vector<std::uint
                     " Gaussians are at positions of the labelled one, expected at least half",
                 "edit an output of this model and do not move, rotate or scale it in the editor");
 
-  const bool by_selection =
-      std::any_of(state.begin(), state.end(), [](std::uint8_t s) { return s & kSelected; });
-  std::vector<std::int8_t> verdict(n, -1);  // -1 not in the edit, 0 background, 1 object
-  for (std::size_t e = 0; e < found.size(); ++e) {
-    if (found[e] < 0) continue;
-    const std::uint8_t s = state.empty() ? std::uint8_t(0) : state[e];
-    verdict[std::size_t(found[e])] = (s & kDeleted) == 0 && (!by_selection || (s & kSelected) != 0);
-  }
+  out.by_selection = std::any_of(state.begin(), state.end(), [](std::uint8_t s) { return s & kSelected; });
+  const std::vector<std::int8_t> verdict = verdicts_of(found, state, out.by_selection, n);
+  if (!out.by_selection) refuse_whole_model(cloud, object, verdict);
   for (std::size_t i = 0; i < n; ++i) {
     if (verdict[i] < 0 && !object[i]) continue;
     const bool is_object = verdict[i] == 1;

@@ -11,6 +11,7 @@ struct ImportedEdit {
   std::int64_t matched = 0;                       // rows of the edit that were found
   std::int64_t unmatched = 0;                     // rows of the edit that were not
   std::int64_t to_object = 0, to_background = 0;  // labels that changed
+  bool by_selection = false;                      // the edit says which of its rows are the object
 };
 
 /// `object` is the current decision [N], `label` the current labels [N]. Without `state`, or where no row of
@@ -18,7 +19,8 @@ struct ImportedEdit {
 /// (bits: 1 selected, 4 deleted) its selected rows are the object and its others the background. Rows that
 /// are not in the edit were deleted if they were object: fixed as background; else nobody has looked at them:
 /// free. Gaussians at one position are told apart by opacity and colour, else taken in order. Throws
-/// kInconsistent if fewer than half of the edit's rows are found.
+/// kInconsistent if fewer than half of the edit's rows are found, and for an edit that holds the whole model without a
+/// selection: SuperSplat exports none, and all would become object.
 ImportedEdit import_edit(const GaussianCloud& cloud, const std::vector<std::uint8_t>& object,
                          const std::vector<float>& label, const GaussianCloud& edit,
                          const std::vector<std::uint8_t>& state);

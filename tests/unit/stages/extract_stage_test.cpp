@@ -197,6 +197,26 @@ TEST_CASE("a selection in the edit decides what is object, and a deletion what i
   CHECK(deleted.label == std::vector<float>{1, 0, 0, 0});
 }
 
+TEST_CASE("an edit that holds the whole model and no selection is refused: all would become object") {
+  const GaussianCloud cloud = random_cloud(4);
+  const GaussianCloud edit = rows_of(cloud, {3, 2, 1, 0});
+  const std::vector<float> label = {1, 1, 0, 0};
+  const Flags object = {1, 1, 0, 0};
+  for (const std::vector<std::uint8_t>& state : {std::vector<std::uint8_t>{}, {0, 0, 2, 0}}) try {
+      import_edit(cloud, object, label, edit, state);
+      CHECK(false);
+    } catch (const Error& e) {
+      CHECK(e.code() == ErrorCode::kInconsistent);
+      CHECK(e.remedy().find("delete the rest") != std::string::npos);
+    }
+  GaussianCloud broken = cloud;  // an export leaves out what is not finite
+  broken.usable[0] = 0;
+  CHECK_THROWS_AS(import_edit(broken, object, label, rows_of(cloud, {3, 2, 1}), {}), Error);
+  CHECK(import_edit(cloud, {1, 1, 1, 1}, label, edit, {}).to_object == 0);  // says what was so before
+  CHECK(import_edit(cloud, object, label, edit, {0, 0, 0, 4}).to_object == 2);
+  CHECK(import_edit(cloud, object, label, edit, {1, 1, 1, 1}).by_selection);
+}
+
 TEST_CASE("Gaussians at one position are told apart by opacity and colour, else taken in order") {
   GaussianCloud cloud = random_cloud(5);
   for (std::size_t i = 1; i < 4; ++i)
