@@ -6,6 +6,8 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/gaussian_columns.h"
+#include "ngs/io/ply_scan.h"
+#include "ngs/scene/view_names.h"
 
 namespace ngs::io {
 namespace {
@@ -192,17 +194,24 @@ class Reader {
     return {};
   }
 
+  /// Masks of several objects lie in folders of their names.
+  std::string checked(const std::string& object) const {
+    if (!is_folder_name(object))
+      bad("object name \"" + printable(object) + "\", expected a name that can be a folder");
+    return object;
+  }
+
   void copy_labels() {
     ply_.labels = label_set("");
     const std::vector<std::string> names = object_names();
-    if (names.size() == 1) ply_.object = names[0];
+    if (names.size() == 1) ply_.object = checked(names[0]);
     const std::string prefix = std::string(kLabelFields[0].name) + "_";
     for (const PlyProperty& p : ply_.rows.properties) {
       if (!p.name.starts_with(prefix)) continue;
       const std::string suffix = p.name.substr(prefix.size());
       const auto named = std::find_if(names.begin(), names.end(),
                                       [&](const std::string& name) { return column_suffix(name) == suffix; });
-      ply_.objects.push_back({named != names.end() ? *named : suffix, label_set("_" + suffix)});
+      ply_.objects.push_back({checked(named != names.end() ? *named : suffix), label_set("_" + suffix)});
     }
     ply_.fixed = floats(std::string(kFixedColumn));
     for (const float v : floats(std::string(kStateColumn)))

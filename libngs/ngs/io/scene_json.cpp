@@ -11,6 +11,7 @@
 #include "ngs/io/json_file.h"
 #include "ngs/io/pose.h"
 #include "ngs/io/relative_path.h"
+#include "ngs/scene/view_names.h"
 
 namespace ngs::io {
 namespace {
@@ -108,8 +109,7 @@ void validate_objects(const Scene& scene, const std::string& object) {
   std::set<std::string> names;
   std::set<std::uint32_t> ids;
   for (const SceneObject& o : scene.objects) {
-    if (o.name.empty() || o.name == "." || o.name == ".." ||
-        o.name.find_first_of(std::string("/\\\0", 3)) != std::string::npos)
+    if (!is_folder_name(o.name))
       refuse(object, "object name \"" + o.name + "\", expected a name that can be a folder");
     if (!names.insert(o.name).second) refuse(object, "object name \"" + o.name + "\" twice, expected once");
     if (scene.mask_mode != MaskMode::kLabel) continue;

@@ -61,6 +61,10 @@ std::string image_stem(std::string_view name) {
 
 std::string bare_name(std::string_view name) { return std::string(name.substr(base_of(name))); }
 
+bool is_folder_name(std::string_view name) {
+  return !name.empty() && name != "." && name != ".." && name.find_first_of("/\\\0"sv) == name.npos;
+}
+
 std::vector<std::string> output_names(const std::vector<SceneView>& views) {
   std::vector<std::string> names = names_by(views, [](auto& name) { return image_stem(bare_name(name)); });
   // All views change together: files at two depths of one folder are easily taken for two kinds of files.

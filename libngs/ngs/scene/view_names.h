@@ -1,5 +1,6 @@
 #pragma once
-// The names of views: what is an image's name, what files are called after a view, and which view a name means.
+// The names of views: what is an image's name, what files are called after a view, and which view a name means; and of
+// objects, which have folders of theirs.
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -16,6 +17,9 @@ bool has_image_extension(std::string_view name);
 std::string image_stem(std::string_view name);
 /// The name without its folders.
 std::string bare_name(std::string_view name);
+
+/// True for the name of one folder: not empty, without slashes, and neither "." nor "..".
+bool is_folder_name(std::string_view name);
 
 /// [views] what the files of each view are called, without extension and each once: the stem of its photo where no
 /// two views share one, else, for all views, the path without extension ("cam0/0001"), as the photos of rigs have

@@ -131,6 +131,29 @@ TEST_CASE("several objects have a set each and the plain columns are their union
   CHECK_FALSE(std::filesystem::exists(dir.file("x.ply")));
 }
 
+TEST_CASE("an object name that leaves the folder of the masks is refused, wherever the file has it") {
+  const test::TempDir dir;
+  const io::GaussianPly ply = parse(test::ply_bytes({test::inria_columns(2, 0)}, PlyFormat::kBinaryLittle));
+  const auto refused = [&](const std::vector<io::NamedLabels>& objects) {
+    io::write_labelled_ply(dir.file("l.ply"), ply, objects);
+    try {
+      io::read_gaussian_ply(dir.file("l.ply"));
+      return false;
+    } catch (const Error& e) {
+      return e.code() == ErrorCode::kBadInput && std::string(e.what()).find("can be a folder") != std::string::npos;
+    }
+  };
+  for (const std::string name : {"../evil", "/tmp/evil", "a/b", "..", "."}) {
+    CAPTURE(name);
+    CHECK(refused({{name, labels_of(2, 0.2f)}}));
+    CHECK(refused({{"cup", labels_of(2, 0.2f)}, {name, labels_of(2, 0.2f)}}));
+  }
+  CHECK_FALSE(refused({{"-x", labels_of(2, 0.2f)}, {"..cup", labels_of(2, 0.2f)}}));
+  PlyColumns table = test::inria_columns(2, 0);
+  test::add_column(table, table.properties.size(), "ngs_label_..", PlyType::kFloat32, 1);
+  CHECK_THROWS_AS(parse(test::ply_bytes({table}, PlyFormat::kBinaryLittle)), Error);  // without our comment
+}
+
 TEST_CASE("an edited cloud overwrites usable rows only, and rows may be split and removed") {
   PlyColumns table = test::inria_columns(4, 1, true, PlyType::kFloat64);
   test::add_column(table, 0, "tag", PlyType::kInt32, 0);
