@@ -9,9 +9,12 @@
 #include "ngs/io/sparse_points.h"
 #include "ngs/scene/view_names.h"
 #include "ngs/stages/render_options.h"
+#include "shared/scene_model.h"
 
 namespace ngs::cli {
 namespace {
+
+constexpr const char* kPictures[] = {"images", "holes", "dilated"};
 
 ImageU8 picture_of(const PixelMask& mask, const Camera& camera) {
   ImageU8 out(camera.width_px, camera.height_px, 1);
@@ -26,7 +29,23 @@ ImageU8 picture_of(const ImageF& colour) {
   return out;
 }
 
+/// What is written of a view, relative to the folder.
+std::string picture_file(const std::string& folder, const char* kind, const std::string& name) {
+  return folder + "/" + kind + "/" + name + ".png";
+}
+
 }  // namespace
+
+void check_inpaint_folder(const Scene& scene, const std::string& scene_path, const std::string& folder) {
+  std::error_code ignored;
+  if (std::filesystem::equivalent(folder + "/scene.json", scene_path, ignored))
+    throw Error(ErrorCode::kUsage, folder + ": is the folder of the scene, whose files would be replaced",
+                "choose another folder for --inpaint");
+  std::vector<std::string> files;
+  for (const std::string& name : output_names(scene.views))
+    for (const char* kind : kPictures) files.push_back(picture_file(folder, kind, name));
+  refuse_over_photos(scene, files);
+}
 
 void write_inpainting(Run& run, const Extractor& extractor, const InpaintOptions& options, const Scene& scene,
                       const std::string& folder) {
@@ -37,6 +56,7 @@ void write_inpainting(Run& run, const Extractor& extractor, const InpaintOptions
   Scene handed = scene;
   handed.model_path = folder + "/background.ply";
   handed.objects = {{"hole", 0}};
+  handed.image_scale = 1;  // its photos are the renderings, which have the cameras' size
   handed.mask_mode = MaskMode::kBinary, handed.mask_invert = false, handed.mask_threshold = 128;
   std::vector<Camera> cameras;
   Json views = Json::array();
@@ -45,17 +65,17 @@ void write_inpainting(Run& run, const Extractor& extractor, const InpaintOptions
     const auto timed = run.monitor().scope("holes");
     const ViewHole found =
         find_hole(run.exec(), options, {cloud, extractor.object(), seen, background_of(scene)}, view.camera, splat);
-    const std::string file = names[cameras.size()] + ".png";
-    for (const char* part : {"images/", "holes/", "dilated/"})
-      std::filesystem::create_directories(std::filesystem::path(folder + "/" + part + file).parent_path());
-    view.image_path = folder + "/images/" + file, view.mask_path = folder + "/dilated/" + file;
+    const std::string& name = names[cameras.size()];
+    for (const char* kind : kPictures)
+      std::filesystem::create_directories(std::filesystem::path(picture_file(folder, kind, name)).parent_path());
+    view.image_path = picture_file(folder, "images", name), view.mask_path = picture_file(folder, "dilated", name);
     io::write_png(view.image_path, picture_of(found.colour));
-    io::write_png(folder + "/holes/" + file, picture_of(found.hole, view.camera));
+    io::write_png(picture_file(folder, "holes", name), picture_of(found.hole, view.camera));
     io::write_png(view.mask_path, picture_of(found.dilated, view.camera));
     views.push_back(
         {{"name", view.camera.name}, {"hole_pixels", std::count(found.hole.begin(), found.hole.end(), 1)}});
     cameras.push_back(view.camera);
-    cameras.back().name = file;
+    cameras.back().name = name + ".png";
     run.monitor().progress(std::int64_t(cameras.size()), std::int64_t(handed.views.size()));
   }
   extractor.write_background(handed.model_path);

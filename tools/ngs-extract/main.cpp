@@ -1,4 +1,6 @@
 // ngs-extract: labelled PLY -> object and background as plain splats, decided labels, hand edits taken back.
+#include <optional>
+
 #include "extractor.h"
 #include "inpaint_output.h"
 #include "ngs/io/scene_json.h"
@@ -38,6 +40,11 @@ int main(int argc, char** argv) {
           "no output was asked for, expected --object, --background, --labelled, --supersplat or --inpaint");
     if (inpaint && !scene_json)
       throw Error(ErrorCode::kUsage, "--inpaint needs the cameras", "give --scene scene.json");
+    std::optional<Scene> scene;
+    if (inpaint) {
+      scene = io::read_scene_json(scene_json.path);
+      cli::check_inpaint_folder(*scene, scene_json.path, inpaint.path);
+    }
     cli::Extractor extractor(run, io::read_gaussian_ply(labelled.path), options, select.select);
     if (run.dry_run()) return cli::kDone;
     if (edited) extractor.import(edited.path);
@@ -46,9 +53,7 @@ int main(int argc, char** argv) {
     if (object) extractor.write_object(object.path);
     if (background) extractor.write_background(background.path);
     if (decided) extractor.write_labelled(decided.path, false);
-    if (inpaint)
-      cli::write_inpainting(run, extractor, inpaint_options, io::read_scene_json(scene_json.path),
-                            inpaint.path);
+    if (inpaint) cli::write_inpainting(run, extractor, inpaint_options, *scene, inpaint.path);
     if (supersplat) extractor.write_labelled(supersplat.path, true);
     return cli::kDone;
   });

@@ -10,6 +10,7 @@
 #include "ngs/stages/render_options.h"
 #include "ngs/stages/render_stage.h"
 #include "render_output.h"
+#include "shared/scene_model.h"
 #include "shared/tool.h"
 
 int main(int argc, char** argv) {
@@ -33,18 +34,23 @@ int main(int argc, char** argv) {
     Scene scene = io::read_scene_json(scene_json.path);
     const io::GaussianPly ply = io::read_gaussian_ply(model.path);
     const picture::Objects objects = picture::objects_of(ply);
-    const std::set<std::string> layers = picture::parse_layers(options.layers, objects);
+    const std::set<std::string> layers = picture::parse_layers(options.layers, objects, format.format);
     choose_background(options.background, run.monitor(), scene);
     const double scale = options.scale > 0 ? options.scale : 1 / scene.image_scale;
     const SplatOptions splat =
         filter_at_scale(splat_options(raster, ply.cloud, scene), options.native_filter ? 1.0 : scale);
     const std::vector<std::size_t> views = select_views(scene, options.views);
+    const std::vector<std::string> names = picture::file_names(scene, format.names);
+    std::vector<std::string> files;
+    for (std::size_t n = 0; out && n < views.size(); ++n)
+      std::ranges::move(picture::files_of({out.path, names[views[n]]}, objects, layers, format.format),
+                        std::back_inserter(files));
+    cli::refuse_over_photos(scene, files);
     run.result()["views"] = views.size();
     if (run.dry_run()) {
       run.plan({{"views", views.size()}, {"layers", layers}});
       return 0;
     }
-    const std::vector<std::string> names = picture::file_names(scene, format.names);
     for (std::size_t n = 0; n < views.size(); ++n) {
       const Camera& working = scene.views[views[n]].camera;
       const io::ImageSize size = options.scale > 0 ? io::ImageSize{scaled_size_px(working.width_px, scale),

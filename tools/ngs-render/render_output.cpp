@@ -48,12 +48,19 @@ std::string prepared(const std::filesystem::path& folder, const std::string& fil
   return path.string();
 }
 
+std::filesystem::path layer_folder(const Destination& to, const std::set<std::string>& layers,
+                                   const std::string& layer) {
+  return layers.size() > 1 ? std::filesystem::path(to.folder) / layer : std::filesystem::path(to.folder);
+}
+
+std::filesystem::path mask_folder(const std::filesystem::path& folder, const Objects& objects, std::size_t object) {
+  return objects.names.size() > 1 ? folder / objects.names[object] : folder;
+}
+
 void write_masks(const std::filesystem::path& folder, const std::string& stem, const RenderedView& view,
                  const Objects& objects, double threshold) {
-  for (std::size_t k = 0; k < objects.names.size(); ++k) {
-    const auto mine = objects.names.size() > 1 ? folder / objects.names[k] : folder;
-    io::write_png(prepared(mine, stem + ".png"), binary_mask(view.label, k, threshold));
-  }
+  for (std::size_t k = 0; k < objects.names.size(); ++k)
+    io::write_png(prepared(mask_folder(folder, objects, k), stem + ".png"), binary_mask(view.label, k, threshold));
 }
 
 void write_exr_view(const Destination& to, const RenderedView& view, const Objects& objects,
@@ -94,7 +101,7 @@ Objects objects_of(const io::GaussianPly& ply) {
   return objects;
 }
 
-std::set<std::string> parse_layers(const std::vector<std::string>& layers, const Objects& objects) {
+std::set<std::string> parse_layers(const std::vector<std::string>& layers, const Objects& objects, Format format) {
   std::set<std::string> chosen;
   for (const std::string& entry : layers) {
     std::istringstream in(entry);
@@ -106,6 +113,9 @@ std::set<std::string> parse_layers(const std::vector<std::string>& layers, const
     }
   }
   if (chosen.empty()) chosen.insert("mask");
+  if (format == Format::kExr && chosen.contains("overlay"))
+    throw Error(ErrorCode::kUsage, "--layers: 'overlay' is a picture, expected --format png for it",
+                "leave it out of the EXR");
   const bool needs_labels =
       chosen.contains("mask") || chosen.contains("labels") || chosen.contains("overlay");
   if (needs_labels && objects.names.empty())
@@ -122,13 +132,24 @@ std::vector<std::string> file_names(const Scene& scene, FileNames names) {
   return of_views;
 }
 
+std::vector<std::string> files_of(const Destination& to, const Objects& objects, const std::set<std::string>& layers,
+                                  Format format) {
+  if (format == Format::kExr) return {(std::filesystem::path(to.folder) / (to.stem + ".exr")).string()};
+  std::vector<std::string> files;
+  for (const std::string& layer : layers) {
+    const std::filesystem::path folder = layer_folder(to, layers, layer);
+    for (std::size_t k = 0; k < (layer == "mask" ? objects.names.size() : 1); ++k)
+      files.push_back(((layer == "mask" ? mask_folder(folder, objects, k) : folder) / (to.stem + ".png")).string());
+  }
+  return files;
+}
+
 void write_view(const Destination& to, const RenderedView& view, const Objects& objects,
                 const std::set<std::string>& layers, const RenderOptions& options,
                 const OutputOptions& format) {
   if (format.format == Format::kExr) return write_exr_view(to, view, objects, layers, options);
   for (const std::string& layer : layers) {
-    const std::filesystem::path folder =
-        layers.size() > 1 ? std::filesystem::path(to.folder) / layer : std::filesystem::path(to.folder);
+    const std::filesystem::path folder = layer_folder(to, layers, layer);
     const std::string file = to.stem + ".png";
     if (layer == "mask")
       write_masks(folder, to.stem, view, objects, options.threshold);

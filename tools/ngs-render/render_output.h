@@ -43,13 +43,17 @@ struct Objects {
 Objects objects_of(const io::GaussianPly& ply);
 
 /// Known layer names, default {"mask"}; kUsage for others and for masks of a model without labels.
-std::set<std::string> parse_layers(const std::vector<std::string>& layers, const Objects& objects);
+/// An overlay has no place in an EXR (kUsage).
+std::set<std::string> parse_layers(const std::vector<std::string>& layers, const Objects& objects, Format format);
 
 struct Destination {
   std::string folder, stem;
 };
 /// [views] the STEM of each view's files (output_names); with kImage the whole name of its photo, folders included.
 std::vector<std::string> file_names(const Scene& scene, FileNames names);
+/// The files that write_view() writes.
+std::vector<std::string> files_of(const Destination& to, const Objects& objects, const std::set<std::string>& layers,
+                                  Format format);
 void write_view(const Destination& to, const RenderedView& view, const Objects& objects,
                 const std::set<std::string>& layers, const RenderOptions& options,
                 const OutputOptions& format);
