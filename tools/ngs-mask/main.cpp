@@ -64,9 +64,14 @@ int main(int argc, char** argv) {
     if (!model) cli::require_model(run, scene, scene_json.path);
     const std::string model_path = model ? model.path : scene.model_path;
     const HandPrompt hand = cli::read_prompts(marks);
-    const std::size_t reference = cli::reference_view(scene, which.view, hand, marks);
+    const std::size_t reference = cli::reference_view(run, scene, which.view, hand, marks);
     const io::GaussianPly ply = io::read_gaussian_ply(model_path, io::HigherBands::kCheckOnly);
     cli::MaskViews views(scene, which.detail);
+    std::vector<std::string> files;
+    for (std::size_t v = 0; v < scene.views.size(); ++v)
+      for (const cli::Output* folder : {&out, &soft})
+        if (*folder) files.push_back(views.file_in(folder->path, v));
+    cli::refuse_over_photos(scene, files);
     const cli::PhotoLoader load = [&](std::size_t view) { return views.photo(view); };
     const Segmenter segment = segmenter.segmenter.empty()
                                   ? cli::grab_cut_segmenter(segmenter, load, run.seed())
@@ -83,14 +88,14 @@ int main(int argc, char** argv) {
                             rasterise(hand, camera.width_px, camera.height_px),
                             segment,
                             [&](std::size_t view, const SpreadView& result) {
-                              views.write(run, view, result, out.path, soft.path);
+                              views.keep(run, view, result, out.path, soft.path);
                             }};
     if (!input.has_photo[reference])
       throw Error(ErrorCode::kInconsistent,
                   "view " + camera.name + ": it has no photo, expected one under the strokes");
     if (run.dry_run()) return run.plan(views.plan(ply.cloud, spread.passes)), cli::kDone;
     spread_masks(run.exec(), run.monitor(), spread, input);
-    if (run.stop_code() == 0) views.report(run);
+    if (run.stop_code() == 0) views.finish(run);
     return run.stop_code();
   });
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 
 #include "ngs/core/error.h"
 #include "ngs/io/prompt_files.h"
@@ -9,6 +10,15 @@
 #include "ngs/stages/render_stage.h"
 
 namespace ngs::cli {
+namespace {
+
+bool is_json(const std::string& path) {
+  if (std::filesystem::path(path).extension() == ".json") return true;
+  char first = 0;
+  return (std::ifstream(path) >> first) && first == '{';  // no picture begins with a brace
+}
+
+}  // namespace
 
 HandPrompt read_prompts(const PromptInputs& inputs) {
   const bool pictures = inputs.object || inputs.background;
@@ -20,7 +30,7 @@ HandPrompt read_prompts(const PromptInputs& inputs) {
                 "--object-scribbles pos.png "
                 "--background-scribbles neg.png");
   if (inputs.prompts)
-    return std::filesystem::path(inputs.prompts.path).extension() == ".json"
+    return is_json(inputs.prompts.path)
                ? io::read_prompts_json(inputs.prompts.path)
                : io::read_scribbles(inputs.prompts.path);
   HandPrompt prompt;
@@ -29,10 +39,10 @@ HandPrompt read_prompts(const PromptInputs& inputs) {
   return prompt;
 }
 
-std::size_t reference_view(const Scene& scene, const std::string& wanted, const HandPrompt& prompt,
+std::size_t reference_view(const Run& run, const Scene& scene, const std::string& wanted, const HandPrompt& prompt,
                            const PromptInputs& inputs) {
   std::string name = !wanted.empty() ? wanted : prompt.view;
-  if (name.empty() && inputs.prompts) {
+  if (name.empty() && inputs.prompts && !run.comes_from_stream(inputs.prompts)) {
     const std::string stem = std::filesystem::path(inputs.prompts.path).stem().string();
     for (const SceneView& view : scene.views) {
       if (image_stem(bare_name(view.camera.name)) != stem) continue;

@@ -13,12 +13,12 @@ struct PromptInputs {
 };
 
 /// kUsage where there are none, or both kinds; kNothingFound is not thrown here: background alone is a prompt
-/// too.
+/// too. Prompts are JSON if their file is called so or begins with a brace, else a picture.
 HandPrompt read_prompts(const PromptInputs& inputs);
 
 /// Index of the view that the marks are of: `wanted`, else the one that the prompts name, else the one whose
-/// stem the file name has. kUsage where there is none or where they disagree.
-std::size_t reference_view(const Scene& scene, const std::string& wanted, const HandPrompt& prompt,
+/// stem the file name has. kUsage where there is none.
+std::size_t reference_view(const Run& run, const Scene& scene, const std::string& wanted, const HandPrompt& prompt,
                            const PromptInputs& inputs);
 
 }  // namespace ngs::cli

@@ -6,6 +6,7 @@
 #include <iomanip>
 #include <sstream>
 
+#include "ngs/io/atomic_file.h"
 #include "ngs/io/image_file.h"
 #include "ngs/io/photo.h"
 #include "ngs/scene/view_names.h"
@@ -18,13 +19,6 @@ std::string name_of(MaskSource source) {
   for (const auto& named : kMaskSourceNames)
     if (named.value == source) return std::string(named.name);
   return {};
-}
-
-/// Path of a picture in `folder`, whose folders are made.
-std::string file_in(const std::string& folder, const std::string& name) {
-  const std::filesystem::path file = std::filesystem::path(folder) / (name + ".png");
-  std::filesystem::create_directories(file.parent_path());
-  return file.string();
 }
 
 }  // namespace
@@ -46,30 +40,27 @@ MaskViews::MaskViews(const Scene& scene, int detail)
   }
 }
 
-MaskViews::~MaskViews() {
-  std::error_code ignored;
-  for (const std::string& file : written_) std::filesystem::remove(file, ignored);
+std::string MaskViews::file_in(const std::string& folder, std::size_t view) const {
+  return (std::filesystem::path(folder) / (file_names_[view] + ".png")).string();
 }
 
 ImageU8 MaskViews::photo(std::size_t view) const {
   return photo_bytes(io::load_fine_photo(scene_, view, detail_));
 }
 
-void MaskViews::write(Run& run, std::size_t view, const SpreadView& result, const std::string& masks,
-                      const std::string& soft) {
-  const auto timed = run.monitor().scope("write");
+void MaskViews::keep(Run& run, std::size_t view, const SpreadView& result, const std::string& masks,
+                     const std::string& soft) {
+  const auto timed = run.monitor().scope("compress");
   const Camera& camera = cameras_[view];
   ImageU8 mask(camera.width_px, camera.height_px, 1);
   for (std::size_t p = 0; p < mask.data.size(); ++p) mask.data[p] = result.mask[p] ? 255 : 0;
-  written_.push_back(file_in(masks, file_names_[view]));
-  io::write_png(written_.back(), mask);
+  pictures_.push_back({file_in(masks, view), io::encode_png(mask)});
   const double covered = double(std::count(result.mask.begin(), result.mask.end(), 1));
   outcome_[view] = {result.source, result.agreement, result.known, covered / double(mask.data.size())};
   if (soft.empty()) return;
   for (std::size_t p = 0; p < mask.data.size(); ++p)
     mask.data[p] = std::uint8_t(std::lround(255 * result.soft[p]));
-  written_.push_back(file_in(soft, file_names_[view]));
-  io::write_png(written_.back(), mask);
+  pictures_.push_back({file_in(soft, view), io::encode_png(mask)});
 }
 
 Json MaskViews::plan(const GaussianCloud& cloud, int passes) const {
@@ -85,8 +76,12 @@ Json MaskViews::plan(const GaussianCloud& cloud, int passes) const {
           {"memory_mib", (pixels + 100 * largest + 700.0 * double(cloud.size())) / 1048576}};
 }
 
-void MaskViews::report(Run& run) {
-  written_.clear();
+void MaskViews::finish(Run& run) {
+  for (const Picture& picture : pictures_) {
+    const auto timed = run.monitor().scope("write");
+    std::filesystem::create_directories(std::filesystem::path(picture.file).parent_path());
+    io::write_file(picture.file, {reinterpret_cast<const char*>(picture.png.data()), picture.png.size()});
+  }
   std::ostringstream table;
   table << std::left << std::setw(26) << "view" << std::setw(11) << "mask" << std::setw(11) << "agreement"
         << std::setw(8) << "known"

@@ -19,16 +19,13 @@ class MaskViews {
   double scale() const { return scale_; }
   ImageU8 photo(std::size_t view) const;
 
-  /// Files of a run that does not come to report() are removed again.
-  ~MaskViews();
-  MaskViews(const MaskViews&) = delete;
-  MaskViews& operator=(const MaskViews&) = delete;
-
-  void write(Run& run, std::size_t view, const SpreadView& result, const std::string& masks,
-             const std::string& soft);
+  /// The file of a view's mask in a folder.
+  std::string file_in(const std::string& folder, std::size_t view) const;
+  /// Keeps the pictures of a view until finish(): a run that ends before leaves the masks of before.
+  void keep(Run& run, std::size_t view, const SpreadView& result, const std::string& masks, const std::string& soft);
   Json plan(const GaussianCloud& cloud, int passes) const;
-  /// All is written: table, warnings and the counts of the report.
-  void report(Run& run);
+  /// Writes the pictures; then table, warnings and the counts of the report.
+  void finish(Run& run);
 
  private:
   const Scene& scene_;
@@ -42,7 +39,11 @@ class MaskViews {
     double agreement, known, coverage;
   };
   std::map<std::size_t, Outcome> outcome_;
-  std::vector<std::string> written_;
+  struct Picture {
+    std::string file;
+    std::vector<std::uint8_t> png;
+  };
+  std::vector<Picture> pictures_;
 };
 
 }  // namespace ngs::cli

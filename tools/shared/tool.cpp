@@ -50,6 +50,7 @@ bool Run::dry_run() const { return state_.flags.dry_run; }
 bool Run::allow_empty() const { return state_.flags.allow_empty; }
 bool Run::overwrite() const { return state_.flags.overwrite; }
 bool Run::goes_to_stdout(const Output& output) const { return state_.streams.given(output.path) == "-"; }
+bool Run::comes_from_stream(const Input& input) const { return state_.streams.given(input.path) != input.path; }
 Json& Run::result() { return state_.result; }
 void Run::plan(Json plan) { state_.plan = std::move(plan); }
 void Run::info(const std::string& message) { state_.console.info(message); }

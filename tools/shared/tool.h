@@ -70,6 +70,7 @@ class Run {
   bool allow_empty() const;
   bool overwrite() const;
   bool goes_to_stdout(const Output& output) const;
+  bool comes_from_stream(const Input& input) const;  // stdin or a pipe: its path names nothing
 
   /// "result" of the report. Whole numbers at its top level are also its "counts".
   Json& result();

@@ -43,10 +43,16 @@ PictureView view_of(const Image<T>& image) {
 }
 
 template <class T>
-void write_png_of(const std::string& path, const Image<T>& image) {
-  const std::vector<std::uint8_t> bytes = image_codecs().encode_png(view_of(image));
+std::vector<std::uint8_t> png_of(const Image<T>& image) {
+  std::vector<std::uint8_t> bytes = image_codecs().encode_png(view_of(image));
   if (bytes.empty())
-    throw Error(ErrorCode::kEnvironment, path + ": the PNG encoder failed, expected a compressed image");
+    throw Error(ErrorCode::kEnvironment, "the PNG encoder failed, expected a compressed image");
+  return bytes;
+}
+
+template <class T>
+void write_png_of(const std::string& path, const Image<T>& image) {
+  const std::vector<std::uint8_t> bytes = with_context(path, [&] { return png_of(image); });
   write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
@@ -143,6 +149,8 @@ std::string to_string(ImageSize size) {
 
 void write_png(const std::string& path, const ImageU8& image) { write_png_of(path, image); }
 void write_png16(const std::string& path, const ImageU16& image) { write_png_of(path, image); }
+
+std::vector<std::uint8_t> encode_png(const ImageU8& image) { return png_of(image); }
 
 std::vector<std::uint8_t> encode_jpeg(const ImageU8& image, int quality) {
   NGS_CHECK(image.channels == 3, "JPEG needs an RGB image");

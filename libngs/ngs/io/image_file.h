@@ -48,6 +48,9 @@ ImageSize read_image_size(const std::string& path);
 void write_png(const std::string& path, const ImageU8& image);
 void write_png16(const std::string& path, const ImageU16& image);
 
+/// The bytes that write_png() writes.
+std::vector<std::uint8_t> encode_png(const ImageU8& image);
+
 /// RGB as JPEG bytes, for pages that hold their pictures; quality 1..100.
 std::vector<std::uint8_t> encode_jpeg(const ImageU8& image, int quality);
 
