@@ -170,6 +170,15 @@ void assign_positionals(const Texts& words, Spec& spec) {
                 "see --help for the order of the arguments");
 }
 
+/// "-" is where the report goes anyway, unless an output does.
+void settle_report(const Spec& spec, CommonFlags& flags) {
+  if (flags.report_path != "-") return;
+  for (const Output& output : spec.outputs)
+    if (output.path == "-")
+      throw Error(ErrorCode::kUsage, "--report: '-', expected a file: an output goes to stdout already");
+  flags.report_path.clear();
+}
+
 }  // namespace
 
 CommonFlags parse_command_line(int argc, char** argv, Spec& spec) {
@@ -193,6 +202,7 @@ CommonFlags parse_command_line(int argc, char** argv, Spec& spec) {
     if (input.name[0] == '-' && splitter.has(input.name)) input.path = splitter[input.name].back();
   for (Output& output : spec.outputs)
     if (splitter.has(output.flags)) output.path = splitter[output.flags].back();
+  settle_report(spec, flags);
   return flags;
 }
 
