@@ -13,7 +13,12 @@ namespace {
 [[gnu::constructor]] void wait_politely(int, char** argv, char**) {
   if (std::getenv("OMP_WAIT_POLICY") != nullptr || std::getenv("GOMP_SPINCOUNT") != nullptr) return;
   setenv("GOMP_SPINCOUNT", "10000", 1);
-  execv("/proc/self/exe", argv);  // where it fails, waiting stays as it was
+  // By its own path, not by the link: the kernel names the process after the file, and top should not show "exe".
+  char path[4096];
+  const ssize_t length = readlink("/proc/self/exe", path, sizeof path - 1);
+  if (length <= 0) return;
+  path[length] = '\0';
+  execv(path, argv);  // where it fails, waiting stays as it was
 }
 
 }  // namespace
