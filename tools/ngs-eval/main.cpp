@@ -18,6 +18,9 @@ int main(int argc, char** argv) {
   const cli::Input& truth = tool.input("truth", "folder of true masks, or one file");
   const cli::Output& out = tool.output("-o,--output", "metrics.json");
   return tool.run(argc, argv, [&](cli::Run& run) {
+    if (!options.object_id.empty() && !options.label_map)
+      throw Error(ErrorCode::kUsage, "object_id without label_map, expected ids of label maps only",
+                  "add --label-map, or leave --object-id out");
     // A misspelt score is found before the work.
     check_scores(options.fail_below, files.image_metrics ? cli::mean_scores({cli::PhotoScore{}})
                                                          : cli::mean_scores(EvalSummary{}));

@@ -63,13 +63,16 @@ void divide(ScoreValues& sum, std::size_t count) {
 
 ObjectIds parse_object_ids(const std::vector<std::string>& texts) {
   ObjectIds ids;
+  std::set<std::string> names;
   for (const std::string& text : texts) {
     const std::size_t equals = text.rfind('=');
     const std::string number = equals == std::string::npos ? text : text.substr(equals + 1);
     std::uint32_t id = 0;
     if (!parse_number(number, id) || id == 0)
       throw Error(ErrorCode::kUsage, "object_id = '" + text + "', expected ID or NAME=ID with ID >= 1");
-    ids[id] = equals == std::string::npos ? number : text.substr(0, equals);
+    const std::string name = equals == std::string::npos ? number : text.substr(0, equals);
+    if (!ids.emplace(id, name).second || !names.insert(name).second)
+      throw Error(ErrorCode::kUsage, "object_id = '" + text + "': the id or the name is given twice, expected once");
   }
   return ids;
 }

@@ -29,7 +29,7 @@ struct EvalOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.threshold, Field<double>{"threshold", "of 255", "object where the sample is greater", 0, 255});
+    visit(self.threshold, Field<double>{"threshold", "of 255", "object where the sample is greater", 0, 254});
     visit(self.contour_tolerance, Field<double>{"contour_tolerance", "of the diagonal",
                                                 "match distance of the contour F-score", 0, 0.1});
     visit(self.label_map, Flag{"label_map", "files are label maps: score every object id by itself"});
@@ -42,6 +42,7 @@ struct EvalOptions {
 
 /// Object ids with their names; an empty map asks for every id that occurs.
 using ObjectIds = std::map<std::uint32_t, std::string>;
+/// kUsage for an id or a name that is given twice: one of the two would count for both.
 ObjectIds parse_object_ids(const std::vector<std::string>& texts);
 
 /// [H·W] 0/1.

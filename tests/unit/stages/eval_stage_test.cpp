@@ -111,6 +111,8 @@ TEST_CASE("colour-coded label maps give one id per colour") {
 }
 
 TEST_CASE("object ids are numbers from 1 on, with or without a name") {
+  CHECK_THROWS_AS(parse_object_ids({"a=1", "b=1"}), Error);  // b alone would be scored
+  CHECK_THROWS_AS(parse_object_ids({"a=1", "a=2"}), Error);  // two objects in one mean
   CHECK(parse_object_ids({"a=b=4", "7"}) == ObjectIds{{4, "a=b"}, {7, "7"}});
   for (const char* text : {"", "0", "x", "a=", "-3", "4294967296"}) {
     CAPTURE(text);
