@@ -2,6 +2,8 @@
 #include <doctest/doctest.h>
 
 #include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
 #include <regex>
 
 #include "ngs/io/image_file.h"
@@ -139,6 +141,25 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
     CHECK(errors.find("Wrong pixels of each view by cause") != errors.npos);
     CHECK(fs::is_regular_file(out + "/atlas/v5.png"));
     CHECK(errors.find("<section id=\"boundary\">") != errors.npos);
+
+    // As of forty objects: the page shows the worst of them and says so, the atlas holds them all.
+    using Json = nlohmann::json;
+    const auto with_objects = [&](const std::string& file, const Json::json_pointer& where) {
+      Json json = Json::parse(test::read_bytes(file));
+      Json worst;
+      for (const Json& view : json[where])
+        if (view["view"] == "v5") worst = view;
+      json[where] = Json::array();
+      for (int k = 0; k < 40; ++k) worst["object"] = "part" + std::to_string(k), json[where].push_back(worst);
+      std::ofstream(file) << json;
+    };
+    with_objects(out + "/metrics.json", Json::json_pointer("/views"));
+    with_objects(out + "/reports/ngs-eval.json", Json::json_pointer("/result/files"));
+    run_tool(out, {"ngs-report", ".", "-o", "many.html"});
+    CHECK(test::read_bytes(out + "/many.html").find("Wrong pixels of the 32 worst views") != std::string::npos);
+    run_tool(out, {"ngs-report", ".", "-o", "many.html", "--atlas", "many", "-w"});
+    CHECK(std::distance(fs::directory_iterator(out + "/many"), {}) == 40);
+    CHECK(test::read_bytes(out + "/many.html").find("Wrong pixels of each view by cause") != std::string::npos);
     CHECK(occurrences(errors, "alt=\"View of the boundary set along") == 3);
   }
   SUBCASE("several runs are compared") {
@@ -150,6 +171,13 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
     CHECK(occurrences(both, "<details class=run>") == 2);
     CHECK(occurrences(both, "<section id=\"run2-views\">") == 1);
     CHECK(occurrences(both, "<section id=\"views\">") == 0);
+    for (const char* parent : {"x", "y"}) {
+      fs::create_directories(dir.path() + "/" + parent);
+      fs::copy(out, dir.path() + "/" + parent + "/run", fs::copy_options::recursive);
+    }
+    run_tool(dir.path(), {"ngs-report", "x/run", "y/run", "-o", "named.html"});
+    const std::string named = test::read_bytes(dir.path() + "/named.html");
+    CHECK(occurrences(named, "<summary><b>y/run</b>") == 1);
   }
 }
 

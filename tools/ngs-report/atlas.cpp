@@ -130,6 +130,7 @@ std::string errors_section(const Exec& exec, RunFolder& run, Pictures& pictures,
   const std::string model = (fs::path(run.path) / "labelled.ply").string();
   if (!run.scene || !fs::is_regular_file(model)) return {};
   Table table{.caption = "Wrong pixels of each view by cause, worst views first", .head = {"view", "wrong"}, .rows = {}};
+  bool all_views = true;
   for (std::size_t c = 1; c < kErrorCauses; ++c) table.head.emplace_back(kErrorCauseNames[c].name);
   std::string figures;
   std::array<std::int64_t, kErrorCauses> sum{};
@@ -145,7 +146,10 @@ std::string errors_section(const Exec& exec, RunFolder& run, Pictures& pictures,
     const io::GaussianPly ply = io::read_gaussian_ply(model);
     const AtlasMaker maker(exec, *run.scene, ply);
     for (const ShownView& view : run.views) {
-      if (table.rows.size() == kMostViews) break;
+      if (folder.empty() && table.rows.size() == kMostViews) {  // each takes renderings of its own
+        all_views = false;
+        break;
+      }
       Found found;
       if (!maker.make(view, found)) continue;
       const std::string name = view.object.empty() ? view.view : view.view + " " + view.object;
@@ -160,7 +164,10 @@ std::string errors_section(const Exec& exec, RunFolder& run, Pictures& pictures,
     run.problems.push_back(e.what());
   }
   if (table.rows.empty()) return {};
-  add_row("all", sum);
+  if (!all_views)
+    table.caption = "Wrong pixels of the " + std::to_string(kMostViews) +
+                    " worst views by cause; with --atlas those of every view";
+  add_row(all_views ? "all" : "all of these", sum);
   return section("errors", "Where the errors come from",
                  legend_html() + "<div class=sheet>" + figures + "</div>" + table.html());
 }

@@ -1,4 +1,6 @@
 // ngs-report: the folders of runs, or of a sweep -> one self-contained HTML page.
+#include <map>
+
 #include "html.h"
 #include "ngs/core/error.h"
 #include "ngs/io/atomic_file.h"
@@ -23,6 +25,14 @@ struct ReportOptions : ngs::cli::PictureOptions {
   }
 };
 
+/// Runs in folders of one name are called by their paths.
+void tell_apart(std::vector<ngs::cli::RunFolder>& runs) {
+  std::map<std::string, int> count;
+  for (const ngs::cli::RunFolder& run : runs) ++count[run.title];
+  for (ngs::cli::RunFolder& run : runs)
+    if (count[run.title] > 1) run.title = run.path;
+}
+
 int runs_command(int argc, char** argv) {
   using namespace ngs;
   cli::Tool tool("ngs-report",
@@ -40,6 +50,7 @@ int runs_command(int argc, char** argv) {
                   "make a page of the run alone for it");
     std::vector<cli::RunFolder> runs;
     for (const std::string& path : folders.paths) runs.push_back(cli::read_run_folder(path));
+    tell_apart(runs);
     run.result()["runs"] = runs.size();
     if (run.dry_run()) return 0;
     const std::string page = cli::report_page(run.exec(), runs, options, atlas.path);

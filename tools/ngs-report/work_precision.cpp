@@ -7,8 +7,11 @@
 
 #include "charts.h"
 #include "html.h"
+#include "ngs/core/error.h"
 #include "ngs/core/version.h"
 #include "ngs/io/atomic_file.h"
+#include "ngs/ops/metrics.h"
+#include "ngs/options/near_matches.h"
 #include "shared/tool.h"
 #include "style.h"
 
@@ -270,12 +273,20 @@ Json sweep_json(const Sweep& sweep, const SweepView& view) {
           {"once_cpu_s", sweep.once}, {"points", std::move(points)}, {"numerical", sweep.numerical}};
 }
 
+/// A cell of a CSV file (RFC 4180).
+std::string quoted(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == text.npos) return text;
+  std::string cell = "\"";
+  for (const char c : text) cell += c == '"' ? "\"\"" : std::string(1, c);
+  return cell + "\"";
+}
+
 std::string sweep_csv(const Sweep& sweep) {
   std::string csv = "knob,setting,repeat,exit_code,wall_s,cpu_s,iou,biou,biou_005,frontier\n";
   const auto cell = [](double value) { return std::isfinite(value) ? decimal(value, 6) : std::string(); };
   for (const SweepPoint& point : sweep.points)
     for (const SweepRun& run : point.runs)
-      csv += point.knob + "," + point.setting + "," + std::to_string(run.repeat) + "," +
+      csv += quoted(point.knob) + "," + quoted(point.setting) + "," + std::to_string(run.repeat) + "," +
              std::to_string(run.exit_code) + "," + cell(run.wall_s) + "," + cell(run.cpu_s) + "," +
              cell(number_at(run.scores, {"iou"})) + "," + cell(number_at(run.scores, {"biou"})) + "," +
              cell(number_at(run.scores, {"biou_005"})) + "," + (point.frontier ? "1" : "0") + "\n";
@@ -295,6 +306,9 @@ int work_precision_command(int argc, char** argv) {
   return tool.run(argc, argv, [&](Run& run) {
     if (options.time != "wall" && options.time != "cpu")
       throw Error(ErrorCode::kUsage, "--time: '" + options.time + "', expected wall or cpu");
+    if (std::find(kScoreNames.begin(), kScoreNames.end(), options.score) == kScoreNames.end())
+      throw Error(ErrorCode::kUsage, "--score: '" + options.score + "' is no score of masks",
+                  suggestion(options.score, {kScoreNames.begin(), kScoreNames.end()}));
     const SweepView view{options.score, options.time == "cpu"};
     Sweep sweep = read_sweep(folder.path);
     mark_frontier(sweep, view.score, view.cpu);
