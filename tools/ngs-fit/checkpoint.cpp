@@ -6,13 +6,21 @@
 #include "ngs/io/safetensors.h"
 
 namespace ngs::cli {
+namespace {
+
+Json pose_of(const Camera& c) {
+  return {c.fx, c.fy, c.cx, c.cy, c.rotation.m, {c.translation.x, c.translation.y, c.translation.z}};
+}
+
+}  // namespace
+
 std::string fit_identity(const FitOptions& options, std::uint64_t seed, const std::vector<FitView>& views) {
   FitOptions copy = options;
   OptionSet set;
   set.add(copy);
   Json json = {{"options", set.to_json()}, {"seed", seed}, {"views", Json::array()}};
   for (const FitView& v : views)
-    json["views"].push_back({v.camera.name, v.camera.width_px, v.camera.height_px, v.split == Split::kTrain});
+    json["views"].push_back({v.camera.name, v.camera.width_px, v.camera.height_px, v.split == Split::kTrain, pose_of(v.camera)});
   return json.dump();
 }
 

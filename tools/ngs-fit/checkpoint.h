@@ -9,7 +9,7 @@
 
 namespace ngs::cli {
 
-/// What must be equal for a checkpoint to be continued: options, seed, and the views' names, sizes and splits.
+/// What must be equal for a checkpoint to be continued: options, seed, and the views' names, sizes, splits and cameras.
 std::string fit_identity(const FitOptions& options, std::uint64_t seed, const std::vector<FitView>& views);
 
 std::string checkpoint_path(const std::string& folder);

@@ -18,7 +18,7 @@ std::vector<FitView> load_views(Run& run, const Scene& scene) {
   return views;
 }
 
-std::vector<FitPoint> load_points(Run& run, const Input& input) {
+std::vector<FitPoint> load_points(Run& run, const FitOptions& options, const Input& input) {
   std::vector<FitPoint> points;
   if (!input) {
     run.monitor().warn("no --points: starting from random Gaussians, which takes more steps");
@@ -27,6 +27,9 @@ std::vector<FitPoint> load_points(Run& run, const Input& input) {
   for (const SparsePoint& p : io::read_points(input.path))
     points.push_back({{float(p.position.x), float(p.position.y), float(p.position.z)},
                       {float(p.rgb[0]) / 255.f, float(p.rgb[1]) / 255.f, float(p.rgb[2]) / 255.f}});
+  if (points.size() > std::size_t(options.max_gaussians))
+    run.monitor().warn("the fit starts from " + std::to_string(options.max_gaussians) + " of " +
+                       std::to_string(points.size()) + " points, and adds none: --max-gaussians allows no more");
   return points;
 }
 

@@ -10,8 +10,8 @@ namespace ngs::cli {
 
 /// Every view of the scene that has a photo.
 std::vector<FitView> load_views(Run& run, const Scene& scene);
-/// Empty, with a warning, if no file is given.
-std::vector<FitPoint> load_points(Run& run, const Input& input);
+/// Empty, with a warning, if no file is given; a warning too where there are more than the fit may have.
+std::vector<FitPoint> load_points(Run& run, const FitOptions& options, const Input& input);
 
 /// What a dry run says.
 Json fit_plan(const FitOptions& options, const Scene& scene, bool resumes, int threads);

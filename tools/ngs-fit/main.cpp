@@ -54,7 +54,7 @@ int main(int argc, char** argv) {
     const std::vector<FitView> views = cli::load_views(run, scene);
     const std::string identity = cli::fit_identity(options, run.seed(), views);
     FitState state = kept && keep.resume ? cli::read_checkpoint(keep.checkpoint, identity)
-                                         : initial_fit(run.exec(), options, cli::load_points(run, points), views, run.seed());
+                                         : initial_fit(run.exec(), options, cli::load_points(run, options, points), views, run.seed());
     const std::int64_t first = state.step;
     Fitter fitter(options, views, std::move(state), run.seed());
     const double start = wall_seconds();
@@ -65,7 +65,13 @@ int main(int argc, char** argv) {
     const double seconds = wall_seconds() - start;
     if (!keep.checkpoint.empty()) cli::write_checkpoint(keep.checkpoint, fitter.state(), identity);
     run.result()["step"] = fitter.state().step;
-    if (fitter.state().step < options.steps) return run.stop_code();
+    if (fitter.state().step < options.steps) {
+      run.monitor().warn("stopped at step " + std::to_string(fitter.state().step) + " of " + std::to_string(options.steps) +
+                         ": no model was written, " +
+                         (keep.checkpoint.empty() ? "and nothing to go on from; --checkpoint DIR would keep it"
+                                                  : "--resume goes on from " + keep.checkpoint));
+      return run.stop_code();
+    }
 
     const GaussianCloud& cloud = fitter.state().cloud;
     std::vector<std::string> comments{cli::history(options)};

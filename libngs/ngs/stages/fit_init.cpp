@@ -55,6 +55,14 @@ std::vector<FitPoint> random_cube(const FitOptions& options, std::span<const Fit
   return points;
 }
 
+/// Evenly spread over the list: the first points of COLMAP are those of the first photos, one side of the scene.
+std::vector<FitPoint> at_most(std::vector<FitPoint> points, std::size_t most) {
+  if (points.size() <= most) return points;
+  for (std::size_t i = 0; i < most; ++i) points[i] = points[i * points.size() / most];
+  points.resize(most);
+  return points;
+}
+
 }  // namespace
 
 double scene_extent(std::span<const Camera> cameras) {
@@ -80,7 +88,7 @@ FitState initial_fit(const Exec& exec, const FitOptions& options, std::span<cons
                      std::span<const FitView> views, std::uint64_t seed) {
   std::vector<FitPoint> start(points.begin(), points.end());
   if (start.empty()) start = random_cube(options, views, seed);
-  if (start.size() > std::size_t(options.max_gaussians)) start.resize(std::size_t(options.max_gaussians));
+  start = at_most(std::move(start), std::size_t(options.max_gaussians));
   FitState state;
   GaussianCloud& cloud = state.cloud;
   cloud.resize(std::int64_t(start.size()), options.sh_degree);

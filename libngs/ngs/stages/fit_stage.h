@@ -99,6 +99,7 @@ double scene_extent(std::span<const FitView> views);
 double scene_extent(std::span<const Camera> cameras);
 
 /// Isotropic Gaussians, opacity 0.1, as wide as the root mean square distance of their 3 nearest neighbours.
+/// Of more than `max_gaussians` points as many, evenly spread over the list.
 /// No points: `random_points` grey ones in a cube that the cameras look into.
 FitState initial_fit(const Exec& exec, const FitOptions& options, std::span<const FitPoint> points,
                      std::span<const FitView> views, std::uint64_t seed);

@@ -129,6 +129,17 @@ TEST_CASE("initial_fit refuses a world so small that nothing of it would ever be
   }
 }
 
+TEST_CASE("initial_fit takes points from the whole list where they are more than it may have") {
+  std::vector<FitPoint> points;
+  for (int i = 0; i < 64; ++i) points.push_back({{float(i % 8) / 8, float(i / 8) / 8, 0}, {0.5f, 0.5f, 0.5f}});
+  const FitState state = initial_fit({}, {.max_gaussians = 16}, points, tiny().views, 1);
+  REQUIRE(state.cloud.size() == 16);
+  const std::vector<float>& at = state.cloud.position;
+  CHECK(std::count_if(at.begin(), at.end(), [](float v) { return v >= 0.5f; }) > 8);
+  CHECK(at[0] == 0);
+  CHECK(at[3 * 15 + 1] == 0.875f);  // of the last row
+}
+
 TEST_CASE("initial_fit accepts one point, coincident points and none") {
   const FitPoint one{{1, 2, 3}, {0, 0, 0}};
   const std::vector<FitPoint> single{one}, coincident(5, one);
