@@ -167,17 +167,26 @@ class Reader {
     });
   }
 
-  std::vector<float> floats(const std::string& column) const {
+  struct Wanted {
+    PlyColumn from;
+    std::vector<float>* to;
+  };
+
+  /// `to` stays empty where the column is absent.
+  void want(const std::string& column, std::vector<float>& to, std::vector<Wanted>& wanted) const {
     const PlyColumn from = ply_.rows.column(column);
-    std::vector<float> values(from ? std::size_t(ply_.rows.rows) : 0);
-    if (from) for_each_row([&](std::int64_t i) { values[std::size_t(i)] = from.value_float(i); });
-    return values;
+    if (from) wanted.push_back({from, &to}), to.resize(std::size_t(ply_.rows.rows));
   }
 
-  LabelColumns label_set(const std::string& suffix) const {
-    LabelColumns set;
-    for (const LabelField& f : kLabelFields) set.*f.column = floats(std::string(f.name) + suffix);
-    return set;
+  void want_labels(const std::string& suffix, LabelColumns& set, std::vector<Wanted>& wanted) const {
+    for (const LabelField& f : kLabelFields) want(std::string(f.name) + suffix, set.*f.column, wanted);
+  }
+
+  /// All in one pass: a file of many objects has hundreds of columns, and its rows do not stay in memory.
+  void read(const std::vector<Wanted>& wanted) const {
+    for_each_row([&](std::int64_t i) {
+      for (const Wanted& w : wanted) (*w.to)[std::size_t(i)] = w.from.value_float(i);
+    });
   }
 
   // Names of objects come from the comment where it agrees with the columns, else from the columns.
@@ -202,19 +211,26 @@ class Reader {
   }
 
   void copy_labels() {
-    ply_.labels = label_set("");
     const std::vector<std::string> names = object_names();
     if (names.size() == 1) ply_.object = checked(names[0]);
     const std::string prefix = std::string(kLabelFields[0].name) + "_";
+    std::vector<std::string> suffixes;
     for (const PlyProperty& p : ply_.rows.properties) {
       if (!p.name.starts_with(prefix)) continue;
       const std::string suffix = p.name.substr(prefix.size());
       const auto named = std::find_if(names.begin(), names.end(),
                                       [&](const std::string& name) { return column_suffix(name) == suffix; });
-      ply_.objects.push_back({checked(named != names.end() ? *named : suffix), label_set("_" + suffix)});
+      ply_.objects.push_back({checked(named != names.end() ? *named : suffix), {}});
+      suffixes.push_back("_" + suffix);
     }
-    ply_.fixed = floats(std::string(kFixedColumn));
-    for (const float v : floats(std::string(kStateColumn)))
+    std::vector<Wanted> wanted;
+    std::vector<float> state;
+    want_labels("", ply_.labels, wanted);
+    for (std::size_t k = 0; k < suffixes.size(); ++k) want_labels(suffixes[k], ply_.objects[k].columns, wanted);
+    want(std::string(kFixedColumn), ply_.fixed, wanted);
+    want(std::string(kStateColumn), state, wanted);
+    read(wanted);
+    for (const float v : state)
       ply_.state.push_back(v >= 0 && v <= 255 ? std::uint8_t(v) : std::uint8_t(0));
   }
 
