@@ -17,7 +17,8 @@ struct PromptInputs {
 HandPrompt read_prompts(const PromptInputs& inputs);
 
 /// Index of the view that the marks are of: `wanted`, else the one that the prompts name, else the one whose
-/// stem the file name has. kUsage where there is none.
+/// stem the file name has. kUsage where there is none, or where the prompts name another view of the scene than
+/// `wanted`.
 std::size_t reference_view(const Run& run, const Scene& scene, const std::string& wanted, const HandPrompt& prompt,
                            const PromptInputs& inputs);
 

@@ -13,7 +13,13 @@ namespace {
 constexpr std::int64_t kMostSide = 1 << 16;
 constexpr std::size_t kMostPoints = 1 << 20;
 
-PromptStroke stroke_of(const nlohmann::json& value, const std::string& where) {
+/// Clicks beside the picture, or coordinates of another size of it.
+void require_inside(const JsonReader& reader, const char* key, const HandPrompt& prompt, std::array<double, 4> box) {
+  if (box[2] <= 0 || box[3] <= 0 || box[0] >= prompt.width_px || box[1] >= prompt.height_px)
+    reader.fail(key, "coordinates in the " + to_string({prompt.width_px, prompt.height_px}) + " px of \"width\" and \"height\"");
+}
+
+PromptStroke stroke_of(const nlohmann::json& value, const std::string& where, const HandPrompt& prompt) {
   const JsonReader reader(value, where);
   PromptStroke stroke;
   stroke.object = reader.boolean("object");
@@ -23,7 +29,14 @@ PromptStroke stroke_of(const nlohmann::json& value, const std::string& where) {
   const nlohmann::json& points = reader.array("points");
   if (points.empty() || points.size() > kMostPoints) reader.fail("points", "1 to 1048576 points");
   const std::vector<double> flat = reader.matrix("points", points.size(), 2);
-  for (std::size_t i = 0; i < points.size(); ++i) stroke.points.push_back({flat[2 * i], flat[2 * i + 1]});
+  std::array<double, 4> box{flat[0], flat[1], flat[0], flat[1]};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double x = flat[2 * i], y = flat[2 * i + 1];
+    stroke.points.push_back({x, y});
+    box = {std::min(box[0], x), std::min(box[1], y), std::max(box[2], x), std::max(box[3], y)};
+  }
+  const double r = stroke.radius_px;
+  require_inside(reader, "points", prompt, {box[0] - r, box[1] - r, box[2] + r, box[3] + r});
   reader.refuse_unknown_keys();
   return stroke;
 }
@@ -72,13 +85,14 @@ HandPrompt parse_prompts_json(const nlohmann::json& root, const std::string& obj
   if (reader.has("strokes"))
     for (const nlohmann::json& value : reader.array("strokes"))
       prompt.strokes.push_back(
-          stroke_of(value, object + ": strokes[" + std::to_string(prompt.strokes.size()) + "]"));
+          stroke_of(value, object + ": strokes[" + std::to_string(prompt.strokes.size()) + "]", prompt));
   if (reader.has("boxes")) {
     const std::size_t count = reader.array("boxes").size();
     const std::vector<double> flat = count > 0 ? reader.matrix("boxes", count, 4) : std::vector<double>{};
     for (std::size_t i = 0; i < count; ++i) {
       const double* b = &flat[4 * i];
       if (!(b[0] < b[2] && b[1] < b[3])) reader.fail("boxes", "left < right and top < bottom");
+      require_inside(reader, "boxes", prompt, {b[0], b[1], b[2], b[3]});
       prompt.boxes.push_back({b[0], b[1], b[2], b[3]});
     }
   }

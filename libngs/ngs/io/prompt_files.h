@@ -19,7 +19,8 @@
 
 namespace ngs::io {
 
-/// kBadInput for anything else than described, and for files beyond 64 MiB.
+/// kBadInput for anything else than described, for a stroke or box that lies beside the image, and for files beyond
+/// 64 MiB.
 HandPrompt read_prompts_json(const std::string& path);
 HandPrompt parse_prompts_json(const nlohmann::json& root, const std::string& object);
 

@@ -63,11 +63,14 @@ TEST_CASE("prompts that make no sense are refused with the key") {
       {R"("boxes":[[5,1,5,2]]})", "boxes"},
       {R"("boxes":[[1,2,3]]})", "boxes"},
       {R"("boxes":[[1,2,3,4]],"extra":0})", "extra"},
+      {R"("boxes":[[8,1,12,5]]})", "8x6 px"},
+      {R"("strokes":[{"object":true,"radius":1,"points":[[-3,1],[-2,4]]}]})", "8x6 px"},
   };
   for (const auto& c : cases) {
     CAPTURE(c.first);
     CHECK(refusal([&] { parsed(head + c.first); }).find(c.second) != std::string::npos);
   }
+  CHECK(parsed(head + R"("strokes":[{"object":true,"points":[[-2,1]]}]})").strokes.size() == 1);  // its rim is inside
   CHECK(refusal([] { parsed(R"({"ngs_prompts":2,"width":8,"height":6,"boxes":[[1,1,2,2]]})"); }) != "");
   CHECK(refusal([] { parsed(R"({"ngs_prompts":1,"width":0,"height":6,"boxes":[[1,1,2,2]]})"); }) != "");
   CHECK(refusal([] { parsed("[]"); }) != "");
