@@ -110,8 +110,11 @@ class AtlasMaker {
   SplatOptions splat_;
 };
 
-/// The views of a rig have names with folders.
-void write_picture(const fs::path& file, const ImageU8& picture) {
+/// The views of a rig have names with folders; an object has none, whatever a metrics.json calls it.
+void write_picture(const std::string& folder, const ShownView& view, const ImageU8& picture) {
+  std::string object = view.object;
+  std::replace(object.begin(), object.end(), '/', '_');
+  const fs::path file = fs::path(folder) / (view.view + (object.empty() ? "" : " " + object) + ".png");
   fs::create_directories(file.parent_path());
   io::write_png(file.string(), picture);
 }
@@ -155,7 +158,7 @@ std::string errors_section(const Exec& exec, RunFolder& run, Pictures& pictures,
       const std::string name = view.object.empty() ? view.view : view.view + " " + view.object;
       add_row(name, found.atlas.pixels);
       for (std::size_t c = 0; c < kErrorCauses; ++c) sum[c] += found.atlas.pixels[c];
-      if (!folder.empty()) write_picture(fs::path(folder) / (name + ".png"), found.picture);
+      if (!folder.empty()) write_picture(folder, view, found.picture);
       if (shown >= pictures.zoomed_views()) continue;
       const std::string figure = figure_of(name, found);
       if (pictures.spend(figure.size())) figures += figure, ++shown;
