@@ -1,6 +1,7 @@
 #include "degrade.h"
 
 #include <algorithm>
+#include <map>
 
 #include "ngs/io/folder_index.h"
 #include "ngs/io/image_file.h"
@@ -32,6 +33,16 @@ ImageU16 read_binary(const std::string& path) {
   return mask;
 }
 
+/// The masks that are written are called by their stems.
+void require_unique_stems(const std::string& folder, const std::vector<std::string>& names) {
+  std::map<std::string, std::string> seen;
+  for (const std::string& name : names)
+    if (const auto [other, is_first] = seen.emplace(image_stem(name), name); !is_first)
+      throw Error(ErrorCode::kInconsistent,
+                  folder + ": '" + other->second + "' and '" + name + "' have the same stem, expected one file per view",
+                  "move one of them out of the folder");
+}
+
 void write_binary(const std::string& path, const ImageU16& mask) {
   ImageU8 image(mask.width_px, mask.height_px, 1);
   for (std::size_t p = 0; p < mask.data.size(); ++p) image.data[p] = mask.data[p] ? 255 : 0;
@@ -57,6 +68,7 @@ int degrade_command(int argc, char** argv) {
       run.nothing_found(masks.path + ": no image in this folder", "name the folder that holds the masks");
       return cli::kDone;
     }
+    require_unique_stems(masks.path, names);
     const std::vector<int> fate = synth::view_fates(int(names.size()), options.missing, options.wrong, run.seed());
     Json missing = Json::array(), wrong = Json::object();
     for (std::size_t v = 0; v < names.size(); ++v) {
