@@ -30,8 +30,11 @@ struct SynthOptions {
 
 synth::Recipe resolved(synth::Recipe recipe, const SynthOptions& o) {
   if (o.views > 0) recipe.views = o.views;
-  if (o.width_px > 0) recipe.width_px = std::max(8, o.width_px);
-  if (o.height_px > 0) recipe.height_px = std::max(8, o.height_px);
+  const auto side_of = [](int px, int recipe_px) {
+    if (px > 0 && px < 8) throw Error(ErrorCode::kUsage, "a side of " + std::to_string(px) + " px, expected 0 or at least 8");
+    return px > 0 ? px : recipe_px;
+  };
+  recipe.width_px = side_of(o.width_px, recipe.width_px), recipe.height_px = side_of(o.height_px, recipe.height_px);
   if (o.scene_seed >= 0) recipe.scene_seed = o.scene_seed;
   if (!o.target.empty()) recipe.target = o.target;
   recipe.grey |= o.grey;
