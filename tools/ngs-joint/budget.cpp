@@ -71,6 +71,7 @@ RoundsCost Budget::rounds_cost(const JointOptions& joint, const EdgeOptions& edg
                     .rounds = 0,
                     .visits = edge_visits(edge, joint.quality, views)};
   if (effects.edges && rounds.visits > 0) rounds.rounds = effects.second_round ? edge_rounds(edge, true) : 1;
+  if (rounds.rounds > 0 && may_try_pictures(edge, scene)) ++rounds.rounds;
   return rounds;
 }
 

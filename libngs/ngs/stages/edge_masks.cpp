@@ -157,6 +157,18 @@ std::vector<WalkedView> walk_views(const Exec& exec, const WalkSetup& setup, con
   return walked;
 }
 
+ViewMasks whole_masks(const WalkedView& walked, int w, int h) {
+  const PixelWindow& win = walked.window;
+  const ViewMasks parts = walked.masks.unpacked();
+  ViewMasks whole{w, h, {}, {}, parts.available};
+  for (const std::vector<float>& part : parts.target) {
+    std::vector<float>& target = whole.target.emplace_back(std::size_t(w) * std::size_t(h));
+    for (int y = 0; y < win.h; ++y)
+      std::copy_n(part.begin() + std::ptrdiff_t(y) * win.w, win.w, target.begin() + (std::ptrdiff_t(win.y0 + y) * w + win.x0));
+  }
+  return whole;
+}
+
 bool could_enlarge(const std::vector<WalkedView>& walked, int detail) {
   return std::any_of(walked.begin(), walked.end(), [&](const WalkedView& view) { return view.compared && view.detail < detail; });
 }

@@ -54,6 +54,9 @@ inline constexpr double kOffEdges = 0.75;
 /// Whether the given masks' contours do not, on the mean of the views that were compared.
 bool masks_beside_edges(const std::vector<WalkedView>& walked);
 
+/// The walked masks of a view of the scene's size `w` x `h`, whole: nothing is there outside of the window.
+ViewMasks whole_masks(const WalkedView& walked, int w, int h);
+
 /// The window of a plane of `channels` interleaved channels.
 template <class T>
 std::vector<T> cropped(const std::vector<T>& plane, int width_px, int channels, const PixelWindow& win) {

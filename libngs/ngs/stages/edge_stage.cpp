@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "ngs/ops/evidence.h"
 #include "ngs/stages/apart.h"
 #include "ngs/stages/edge_masks.h"
 #include "ngs/stages/edge_split.h"
+#include "ngs/stages/edge_unseen.h"
 #include "ngs/stages/effect_detectors.h"
 #include "ngs/stages/variance_stage.h"
+#include "ngs/stages/view_list.h"
 
 namespace ngs {
 namespace {
@@ -174,15 +177,43 @@ class EdgeRun {
     const auto timed = monitor_.scope("walk");
     walked_ = walk_at(detail_, first);
     if (first && could_enlarge(walked_, kLargeDetail)) try_enlarged();
-    views_.erase(std::remove_if(views_.begin(), views_.end(),
-                                [&](std::size_t v) { return !walked_[v].masks.available(); }),
-                 views_.end());
+    if (first)
+      std::copy_if(views_.begin(), views_.end(), std::back_inserter(unseen_), [&](std::size_t v) { return walked_[v].detail == 0; });
+    drop_empty_views();
     if (!first || views_.empty()) return !views_.empty();
     return believable();
   }
 
   /// Whether the given masks' contours do not lie on the edges that the last walk found.
   bool beside_edges() const { return masks_beside_edges(walked_); }
+
+  /// Whether it has to be tried what views without a photo are trained on. After the first walk.
+  bool must_try() const { return setup_.edge.unseen == EdgeUnseen::kAuto && !unseen_.empty() && !judges_of(views_).empty(); }
+
+  /// A round without the judges, which is forgotten. False if it ended early: then it counts.
+  bool try_unseen() {
+    const Model start = model_;
+    judges_ = judges_of(views_);
+    std::erase_if(views_, [&](std::size_t v) { return std::find(judges_.begin(), judges_.end(), v) != judges_.end(); });
+    if (!train(0)) return false;
+    const auto timed = monitor_.scope("pictures tried");
+    const WalkSetup walk{setup_.edge.walk, setup_.edge.margin_px, setup_.input, detail_};
+    trial_ = try_pictures(exec_, walk, {start.cloud, start.labels}, {model_.cloud, model_.labels}, walked_, judges_);
+    model_ = start, rounds_ = 0;
+    add_views(judges_);
+    return true;
+  }
+
+  /// Views without a photo get the picture of the model as it is, where it serves or was asked for. Before the first round.
+  void settle_unseen() {
+    if (unseen_.empty() || !(setup_.edge.unseen == EdgeUnseen::kPicture || trial_.picture_serves)) return;
+    pictured_.emplace(with_pictures(exec_, setup_.input, model_.cloud, unseen_));
+    const WalkSetup walk{setup_.edge.walk, setup_.edge.margin_px, *pictured_, detail_};
+    std::vector<WalkedView> more = walk_views(exec_, walk, {model_.cloud, model_.labels}, unseen_, {});
+    for (const std::size_t v : unseen_) walked_[v] = std::move(more[v]);
+    add_views(unseen_);
+    drop_empty_views();
+  }
 
   /// False if it ended early.
   bool train(int round) {
@@ -218,6 +249,11 @@ class EdgeRun {
     result.figures["edge_contrast_given"] = own_contrast_;
     result.figures["edge_contrast_walked"] = walked_contrast_;
     result.figures["edge_detail"] = double(detail_);
+    result.figures["edge_pictures"] = pictured_ ? double(std::count_if(unseen_.begin(), unseen_.end(), [&](std::size_t v) {
+                                          return walked_[v].masks.available();
+                                        }))
+                                                : 0.0;
+    if (!judges_.empty()) result.figures["edge_biou_pictured"] = trial_.pictured, result.figures["edge_biou_unseen"] = trial_.unseen;
     result.figures["edge_gaussians"] = double(model_.cloud.size());
     if (rounds_ == 0) return;
     result.cloud = std::move(model_.cloud), result.labels = std::move(model_.labels);
@@ -226,8 +262,19 @@ class EdgeRun {
 
  private:
   std::vector<WalkedView> walk_at(int detail, bool compare) const {
-    return walk_views(exec_, {setup_.edge.walk, setup_.edge.margin_px, setup_.input, detail}, {model_.cloud, model_.labels},
+    return walk_views(exec_, {setup_.edge.walk, setup_.edge.margin_px, input(), detail}, {model_.cloud, model_.labels},
                       views_, compare ? setup_.input.views : std::vector<std::size_t>{});
+  }
+
+  const MethodInput& input() const { return pictured_ ? *pictured_ : setup_.input; }
+
+  void add_views(const std::vector<std::size_t>& more) {
+    views_.insert(views_.end(), more.begin(), more.end());
+    std::sort(views_.begin(), views_.end());
+  }
+
+  void drop_empty_views() {
+    std::erase_if(views_, [&](std::size_t v) { return !walked_[v].masks.available(); });
   }
 
   /// Keeps to enlarged photos if the contours walked there agree better with the given masks.
@@ -267,7 +314,7 @@ class EdgeRun {
   }
 
   ImageF window_photo(std::size_t v) const {
-    const ImageF photo = setup_.input.load_photo(v);
+    const ImageF photo = input().load_photo(v);
     ImageF out(walked_[v].window.w, walked_[v].window.h, photo.channels);
     out.data = cropped(photo.data, photo.width_px, photo.channels, walked_[v].window);
     return out;
@@ -278,7 +325,10 @@ class EdgeRun {
   const EdgeSetup& setup_;
   Model model_;
   std::vector<std::size_t> views_;  // with a photo, and with something of the object in it
-  std::vector<WalkedView> walked_;  // [scene views]
+  std::vector<std::size_t> unseen_, judges_;      // without a photo; with one, but not in the first round
+  std::vector<WalkedView> walked_;                // [scene views]
+  std::optional<MethodInput> pictured_;           // the input with pictures of the unseen, where these serve
+  Trial trial_;
   double rendered_ = 0, walked_biou_ = 0, own_contrast_ = 0, walked_contrast_ = 0;
   int rounds_ = 0, detail_ = 1;
 };
@@ -295,6 +345,10 @@ int edge_visits(const EdgeOptions& edge, Quality quality, std::size_t views) {
   return int(std::ceil(visits * share));
 }
 
+bool may_try_pictures(const EdgeOptions& edge, const Scene& scene) {
+  return edge.unseen == EdgeUnseen::kAuto && photo_views(scene).size() < scene.views.size();
+}
+
 MethodResult follow_edges(const Exec& exec, Monitor& monitor, const EdgeSetup& setup, MethodResult start) {
   const std::size_t all_views = setup.input.scene.views.size();
   if (edge_visits(setup.edge, setup.joint.quality, all_views) == 0 || !setup.input.load_fine_photo) return start;
@@ -304,8 +358,14 @@ MethodResult follow_edges(const Exec& exec, Monitor& monitor, const EdgeSetup& s
   int rounds = 1;
   for (int round = 0; round < rounds && start.converged && !monitor.stop_requested(); ++round) {
     if (!run.walk(round == 0)) break;
-    if (round == 0 && more) rounds = edge_rounds(setup.edge, run.beside_edges());
-    if (round == 0 && setup.rounds_allowed) rounds = setup.rounds_allowed(rounds);
+    if (round == 0) {
+      if (more) rounds = edge_rounds(setup.edge, run.beside_edges());
+      const int trial = run.must_try() ? 1 : 0;  // takes the time of a round
+      const int allowed = setup.rounds_allowed ? setup.rounds_allowed(rounds + trial) : rounds + trial;
+      if (trial != 0 && allowed > 1 && !(start.converged = run.try_unseen())) break;
+      rounds = std::max(1, allowed - trial);
+      run.settle_unseen();
+    }
     start.converged = run.train(round);
   }
   std::move(run).finish(start);

@@ -21,9 +21,15 @@ enum class EdgeViews : std::uint8_t { kAll, kTrain };
 inline constexpr NamedValue<EdgeViews> kEdgeViewsNames[] = {{EdgeViews::kAll, "all"},
                                                             {EdgeViews::kTrain, "train"}};
 
+/// What a view without a photo is trained on: nothing, the model's own picture of it, or what serves other views better.
+enum class EdgeUnseen : std::uint8_t { kAuto, kLeave, kPicture };
+inline constexpr NamedValue<EdgeUnseen> kEdgeUnseenNames[] = {
+    {EdgeUnseen::kAuto, "auto"}, {EdgeUnseen::kLeave, "leave"}, {EdgeUnseen::kPicture, "picture"}};
+
 struct EdgeOptions {
   int rounds = 0, visits = 0;  // 0: edge_rounds(), edge_visits()
   EdgeViews views = EdgeViews::kAll;
+  EdgeUnseen unseen = EdgeUnseen::kAuto;
   EdgeWalkOptions walk;
   double split_px = 3, margin_px = 64, rate = 1;
 
@@ -39,6 +45,11 @@ struct EdgeOptions {
     visit(self.views,
           Choice<EdgeViews>{"edge_views", "edges: whose photos are used; no held-out mask ever is",
                             kEdgeViewsNames});
+    visit(self.unseen,
+          Choice<EdgeUnseen>{"edge_unseen",
+                             "edges: views without a photo follow the edges of the model's own picture, or are left; auto: what is "
+                             "nearer to the photos in views that have one",
+                             kEdgeUnseenNames});
     visit(self.walk.band_px, Field<double>{"edge_band", "px of the photo",
                                            "edges: how far a contour may move in a round", 0.5, 1e3});
     visit(self.walk.reach_px,
@@ -77,6 +88,9 @@ inline constexpr int kEdgeViewsOfAllVisits = 21;
 /// than a walk's reach.
 inline int edge_rounds(const EdgeOptions& edge, bool beside) { return edge.rounds > 0 ? edge.rounds : beside ? 3 : 2; }
 
+/// Whether a trial on views without a photo may come before the rounds, and take the time of one more.
+bool may_try_pictures(const EdgeOptions& edge, const Scene& scene);
+
 /// Steps per view and round where there are `views` of them; 0: the stage does nothing.
 int edge_visits(const EdgeOptions& edge, Quality quality, std::size_t views);
 
@@ -86,7 +100,8 @@ int edge_visits(const EdgeOptions& edge, Quality quality, std::size_t views);
 /// edge_gaussians (rows afterwards), edge_biou_rendered and edge_biou_walked: mean boundary IoU (0.005) with
 /// the training views' own masks before the first round; edge_contrast_given and edge_contrast_walked: mean
 /// colour difference of the photos across the contours; edge_detail: 2 where photos with fewer pixels were walked at
-/// twice the camera's size, else 1. Not converged if it ran out of time.
+/// twice the camera's size, else 1; edge_pictures: views trained on the model's own picture; where these were tried on other
+/// views, edge_biou_pictured and edge_biou_unseen (stages/edge_unseen.h). Not converged if it ran out of time.
 MethodResult follow_edges(const Exec& exec, Monitor& monitor, const EdgeSetup& setup, MethodResult start);
 
 }  // namespace ngs
