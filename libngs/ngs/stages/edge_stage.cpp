@@ -192,14 +192,13 @@ class EdgeRun {
 
   /// A round without the judges, which is forgotten. False if it ended early: then it counts.
   bool try_unseen() {
-    const Model start = model_;
+    Model start = model_;
     judges_ = judges_of(views_);
     std::erase_if(views_, [&](std::size_t v) { return std::find(judges_.begin(), judges_.end(), v) != judges_.end(); });
     if (!train(0)) return false;
     const auto timed = monitor_.scope("pictures tried");
-    const WalkSetup walk{setup_.edge.walk, setup_.edge.margin_px, setup_.input, detail_};
-    trial_ = try_pictures(exec_, walk, {start.cloud, start.labels}, {model_.cloud, model_.labels}, walked_, judges_);
-    model_ = start, rounds_ = 0;
+    trial_ = try_pictures(exec_, walk_setup(detail_), {start.cloud, start.labels}, {model_.cloud, model_.labels}, walked_, judges_);
+    model_ = std::move(start), rounds_ = 0;
     add_views(judges_);
     return true;
   }
@@ -208,8 +207,7 @@ class EdgeRun {
   void settle_unseen() {
     if (unseen_.empty() || !(setup_.edge.unseen == EdgeUnseen::kPicture || trial_.picture_serves)) return;
     pictured_.emplace(with_pictures(exec_, setup_.input, model_.cloud, unseen_));
-    const WalkSetup walk{setup_.edge.walk, setup_.edge.margin_px, *pictured_, detail_};
-    std::vector<WalkedView> more = walk_views(exec_, walk, {model_.cloud, model_.labels}, unseen_, {});
+    std::vector<WalkedView> more = walk_views(exec_, walk_setup(detail_), {model_.cloud, model_.labels}, unseen_, {});
     for (const std::size_t v : unseen_) walked_[v] = std::move(more[v]);
     add_views(unseen_);
     drop_empty_views();
@@ -262,9 +260,11 @@ class EdgeRun {
 
  private:
   std::vector<WalkedView> walk_at(int detail, bool compare) const {
-    return walk_views(exec_, {setup_.edge.walk, setup_.edge.margin_px, input(), detail}, {model_.cloud, model_.labels},
-                      views_, compare ? setup_.input.views : std::vector<std::size_t>{});
+    return walk_views(exec_, walk_setup(detail), {model_.cloud, model_.labels}, views_,
+                      compare ? setup_.input.views : std::vector<std::size_t>{});
   }
+
+  WalkSetup walk_setup(int detail) const { return {setup_.edge.walk, setup_.edge.margin_px, input(), detail}; }
 
   const MethodInput& input() const { return pictured_ ? *pictured_ : setup_.input; }
 

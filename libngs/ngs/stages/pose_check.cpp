@@ -51,13 +51,14 @@ PhotoMatch match_photo(const Exec& exec, const GaussianCloud& cloud, const Camer
 }
 
 double recoloured_gain_db(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& splat,
-                          const ImageF& photo, const Vec3<double>& background) {
+                          const ImageF& photo, const PhotoMatch& match) {
+  const Vec3<double>& background = match.background;
   RenderRequest request;
   request.background = {float(background.x), float(background.y), float(background.z)};
   const ImageF picture = render(exec, cloud, camera, splat, request).colour;
   NGS_CHECK(photo.data.size() == picture.data.size(), "the photo has the camera's size");
   const double n = double(photo.pixels());
-  double error = 0, spread = 0;
+  double error = 0;
   for (std::size_t channel = 0; channel < 3; ++channel) {
     double p = 0, q = 0, pp = 0, pq = 0, qq = 0;
     for (std::size_t i = channel; i < photo.data.size(); i += 3) {
@@ -65,10 +66,9 @@ double recoloured_gain_db(const Exec& exec, const GaussianCloud& cloud, const Ca
       p += a, q += b, pp += a * a, pq += a * b, qq += b * b;
     }
     const double own = pp - p * p / n, together = pq - p * q / n, drawn = qq - q * q / n;
-    spread += own;
     error += together > 0 && drawn > 0 ? own - together * together / drawn : own;
   }
-  return db(error / (3 * n)) - db(spread / (3 * n));
+  return db(error / (3 * n)) - match.constant_db;
 }
 
 double share_too_near(const GaussianCloud& cloud, std::span<const Camera> cameras) {

@@ -23,10 +23,10 @@ struct PhotoMatch {
 PhotoMatch match_photo(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
                        const SplatOptions& splat, const ImageF& photo);
 
-/// What a gain (not negative) and an offset per channel would make of the model's picture over `background`: the PSNR above
-/// that of the photo's mean colour, min over g, o of Σ (p - g q - o)² against min over o.
+/// What a gain (not negative) and an offset per channel would make of the model's picture over the background of `match`: the
+/// PSNR of min over g, o of Σ (p - g q - o)², above its `constant_db`.
 double recoloured_gain_db(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& splat,
-                          const ImageF& photo, const Vec3<double>& background);
+                          const ImageF& photo, const PhotoMatch& match);
 
 /// Median over the cameras of the share of what is in front of one that is nearer than 3DGS's near plane, and so never
 /// drawn: near 1 in a world that is too small. 0: nothing is in front of any.

@@ -123,14 +123,15 @@ const PoseRepair* find_repair(const Exec& exec, Monitor& monitor, const SceneChe
   return best;
 }
 
-/// How well the model would fit in other colours.
-double median_recoloured_gain(const Exec& exec, const GaussianCloud& cloud, const std::vector<Shot>& shots) {
+/// How well the model would fit in other colours. `views`: with the matches of the shots.
+double median_recoloured_gain(const Exec& exec, const GaussianCloud& cloud, const std::vector<Shot>& shots,
+                              const std::vector<ViewCheck>& views) {
   std::vector<double> gains;
   for (const Shot& shot : shots) {
-    const Vec3<double> background = best_match(exec, cloud, shot).background;
     double best = 0;  // a gain of zero
     for (const double filter : kFilters)
-      best = std::max(best, recoloured_gain_db(exec, cloud, shot.camera, splat_with(cloud, filter), shot.photo, background));
+      best = std::max(best, recoloured_gain_db(exec, cloud, shot.camera, splat_with(cloud, filter), shot.photo,
+                                               *views[shot.view].match));
     gains.push_back(best);
   }
   return median(gains);
@@ -144,10 +145,10 @@ std::string decibels(double value) {
 
 /// What to do where the model does not fit the photos.
 std::string remedy_of(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options, const GaussianCloud& cloud,
-                      const std::vector<Shot>& shots) {
+                      const std::vector<Shot>& shots, const std::vector<ViewCheck>& views) {
   if (const PoseRepair* repair = find_repair(exec, monitor, options, cloud, shots))
     return "it fits if " + repair->mistake + ": " + repair->remedy;
-  if (const double recoloured_db = median_recoloured_gain(exec, cloud, shots); recoloured_db >= options.min_fit_db)
+  if (const double recoloured_db = median_recoloured_gain(exec, cloud, shots, views); recoloured_db >= options.min_fit_db)
     return "the poses fit, the colours do not: with a gain and an offset per channel it is " + decibels(recoloured_db) +
            " above it; give the photos that the model was trained on, or import these with --min-fit-db -100";
   return "the model was trained on other poses, or in a world that was moved or scaled since; import the cameras it was "
@@ -189,7 +190,7 @@ void check_photos(const Exec& exec, Monitor& monitor, const SceneCheckOptions& o
                   decibels(result.median_fit_db) + " above a constant colour (" +
                   percent(result.median_inside) + " of the Gaussians in view), expected at least " +
                   decibels(options.min_fit_db) + " above it",
-              too_near ? kTooNearRemedy : remedy_of(exec, monitor, options, cloud, shots));
+              too_near ? kTooNearRemedy : remedy_of(exec, monitor, options, cloud, shots, result.views));
 }
 
 void check_inside_only(const SceneCheck& result) {

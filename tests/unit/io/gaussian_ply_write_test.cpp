@@ -144,7 +144,7 @@ TEST_CASE("an object name that leaves the folder of the masks is refused, wherev
       return e.code() == ErrorCode::kBadInput && std::string(e.what()).find("can be a folder") != std::string::npos;
     }
   };
-  for (const std::string name : {"../evil", "/tmp/evil", "a/b", "..", "."}) {
+  for (const std::string name : {"../evil", "/evil", "a/b", "..", "."}) {
     CAPTURE(name);
     CHECK(refused({{name, labels_of(2, 0.2f)}}));
     CHECK(refused({{"cup", labels_of(2, 0.2f)}, {name, labels_of(2, 0.2f)}}));

@@ -38,6 +38,16 @@ ImportRequest request_for(const TempDir& dir) {
   return request;
 }
 
+/// Two views, each with a label map of one id.
+ImportRequest two_label_maps(const TempDir& dir, std::uint8_t first, std::uint8_t second) {
+  make_scene(dir, 2);
+  mask(dir, "masks/0.jpg.png", first);
+  mask(dir, "masks/1.jpg.png", second);
+  ImportRequest request = request_for(dir);
+  request.mask_mode = MaskMode::kLabel;
+  return request;
+}
+
 ErrorCode code_of(const std::function<void()>& body) {
   try {
     body();
@@ -235,11 +245,7 @@ TEST_CASE("photos that lie turned in their files are told from those of another 
 
 TEST_CASE("255 beside other ids of label maps is named as what it may be, and no object where it is void") {
   const TempDir dir;
-  make_scene(dir, 2);
-  mask(dir, "masks/0.jpg.png", 7);
-  mask(dir, "masks/1.jpg.png", 255);
-  ImportRequest request = request_for(dir);
-  request.mask_mode = MaskMode::kLabel;
+  ImportRequest request = two_label_maps(dir, 7, 255);
   const auto hinted = [](const ImportedScene& imported) {
     return std::ranges::any_of(imported.notes, [](const std::string& n) { return n.find("--void-id 255") != n.npos; });
   };
@@ -256,11 +262,7 @@ TEST_CASE("255 beside other ids of label maps is named as what it may be, and no
 
 TEST_CASE("label maps without ids give one object per id, with ids only those") {
   const TempDir dir;
-  make_scene(dir, 2);
-  mask(dir, "masks/0.jpg.png", 7);
-  mask(dir, "masks/1.jpg.png", 3);
-  ImportRequest request = request_for(dir);
-  request.mask_mode = MaskMode::kLabel;
+  ImportRequest request = two_label_maps(dir, 7, 3);
   const ImportedScene all = import_scene(request);
   REQUIRE(all.scene.objects.size() == 2);
   CHECK(all.scene.objects[0].name == "object-3");
