@@ -148,6 +148,7 @@ check_viewers() {
   require chromium chromium || return
   local models=() model line
   for model in object background labelled; do models+=("$out/run/$model.ply=$(ply count "$out/run/$model.ply")"); done
+  models+=("$out/edit_me.ply=$(ply count "$out/edit_me.ply"),$(ply count "$out/run/object.ply")")
   mkdir -p "$out/screenshots"
   while read -r line; do
     case $line in ok*) ok "${line#ok}" ;; *) bad "${line#FAIL}" ;; esac

@@ -1,9 +1,10 @@
 // Opens models in viewers of 3D Gaussian splats, in headless Chromium, and counts what each has loaded:
 //
-//   node view.mjs MODULES OUT scene.json VIEW FILE=COUNT...
+//   node view.mjs MODULES OUT scene.json VIEW FILE=COUNT[,SELECTED]...
 //
 // MODULES is the node_modules folder with the viewers; the camera is that of view VIEW. OUT/VIEWER-FILE.png are the pictures.
-// One line per viewer and file; exit code 1 if a count is wrong or a viewer reports an error.
+// SELECTED: how many Gaussians come selected; such a file is made for SuperSplat and is opened by its engine alone. One line
+// per viewer and file; exit code 1 if a count is wrong or a viewer reports an error.
 import fs from 'node:fs';
 import http from 'node:http';
 import path from 'node:path';
@@ -13,10 +14,10 @@ const [modules, out, scenePath, index, ...wanted] = process.argv.slice(2);
 const { chromium } = await import(pathToFileURL(path.resolve(modules, 'playwright-core/index.mjs')));
 const pages = path.join(import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname), 'pages');
 
-const types = { '.html': 'text/html', '.js': 'text/javascript', '.wasm': 'application/wasm' };
+const types = { '.html': 'text/html', '.js': 'text/javascript', '.mjs': 'text/javascript', '.wasm': 'application/wasm' };
 const models = new Map(wanted.map((entry) => {
-  const [file, count] = entry.split('=');
-  return [path.basename(file), { file, count: Number(count) }];
+  const [file, counts] = entry.split('='), [count, wantedSelected] = counts.split(',').map(Number);
+  return [path.basename(file), { file, count, wantedSelected }];
 }));
 function fileOf(url) {
   if (url.startsWith('/modules/')) return path.join(modules, url.slice(9));
@@ -55,21 +56,24 @@ const browser = await chromium.launch({
   args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
 });
 let failures = 0;
-for (const viewer of ['spark', 'mkkellogg', 'gsplat']) {
-  for (const [name, { count }] of models) {
+for (const viewer of ['spark', 'mkkellogg', 'gsplat', 'playcanvas']) {
+  for (const [name, { count, wantedSelected }] of models) {
+    if (wantedSelected !== undefined && viewer !== 'playcanvas') continue;
     const page = await browser.newPage({ viewport: { width: 640, height: 480 } });
     const errors = [];
     page.on('pageerror', (error) => errors.push(String(error)));
     const begin = Date.now();
     await page.goto(`${root}/${viewer}.html?model=/models/${name}&camera=${encodeURIComponent(camera)}`);
     await page.waitForFunction('window.done', null, { timeout: 180000 }).catch(() => errors.push('no picture within 180 s'));
-    const { loaded, error } = await page.evaluate('({ loaded: window.loaded, error: window.error })');
+    const { loaded, selected, error } = await page.evaluate('({ loaded: window.loaded, selected: window.selected, error: window.error })');
     if (error) errors.push(error);
+    if (wantedSelected !== undefined && selected !== wantedSelected) errors.push(`${selected} come selected, expected ${wantedSelected}`);
     await page.screenshot({ path: path.join(out, `${viewer}-${name.replace('.ply', '')}.png`), timeout: 60000 });
     await page.close();
     const good = errors.length === 0 && loaded === count;
     failures += good ? 0 : 1;
-    console.log(`${good ? 'ok  ' : 'FAIL'} ${viewer} ${name}: ${loaded} of ${count} Gaussians, ${((Date.now() - begin) / 1000).toFixed(1)} s` +
+    console.log(`${good ? 'ok  ' : 'FAIL'} ${viewer} ${name}: ${loaded} of ${count} Gaussians` +
+      `${selected > 0 ? `, ${selected} selected` : ''}, ${((Date.now() - begin) / 1000).toFixed(1)} s` +
       errors.map((text) => ` | ${text.slice(0, 200)}`).join(''));
   }
 }
