@@ -1,6 +1,7 @@
 #include "ngs/stages/filter_probe.h"
 
 #include "ngs/stages/pose_check.h"
+#include "ngs/stages/render_options.h"
 
 namespace ngs {
 
@@ -13,10 +14,10 @@ FilterProbe probe_filter(const Exec& exec, const GaussianCloud& cloud, const Sce
   for (const std::size_t view : views) {
     const ImageF photo = load_photo(view);
     for (FilterCandidate& c : probe.candidates) {
-      SplatOptions splat{.antialiased = cloud.antialiased};
-      splat.blur_px2 = c.filter_px2;
       // over the background that fits best: it is not in the PLY, and over black the largest footprints would win
-      c.psnr_db += match_photo(exec, cloud, scene.views[view].camera, splat, photo).psnr_db / double(views.size());
+      const PhotoMatch match =
+          match_photo(exec, cloud, scene.views[view].camera, splat_options({}, cloud, c.filter_px2), photo);
+      c.psnr_db += match.psnr_db / double(views.size());
     }
   }
   double best = probe.candidates.front().psnr_db + kFilterMarginDb;

@@ -25,12 +25,16 @@ struct RasterOptions {
   }
 };
 
-/// For renders of `scene`'s views at its working size.
-inline SplatOptions splat_options(const RasterOptions& options, const GaussianCloud& cloud,
-                                  const Scene& scene) {
+/// With a low-pass filter of this variance, px² of the pictures.
+inline SplatOptions splat_options(const RasterOptions& options, const GaussianCloud& cloud, double filter_px2) {
   const bool antialiased =
       options.antialias == Antialias::kAuto ? cloud.antialiased : options.antialias == Antialias::kOn;
-  return {options.compat, antialiased, 3, scene.filter_px2};
+  return {options.compat, antialiased, 3, filter_px2};
+}
+
+/// For renders of `scene`'s views at its working size.
+inline SplatOptions splat_options(const RasterOptions& options, const GaussianCloud& cloud, const Scene& scene) {
+  return splat_options(options, cloud, scene.filter_px2);
 }
 
 }  // namespace ngs

@@ -8,6 +8,7 @@
 #include "ngs/core/error.h"
 #include "ngs/scene/shrink.h"
 #include "ngs/stages/mask_check.h"
+#include "ngs/stages/render_options.h"
 #include "ngs/stages/view_list.h"
 
 namespace ngs {
@@ -82,16 +83,10 @@ std::vector<Shot> take_shots(Monitor& monitor, const SceneCheckOptions& options,
 // drown the model.
 constexpr double kFilters[] = {0.3, 0.075};
 
-SplatOptions splat_with(const GaussianCloud& cloud, double filter_px2) {
-  SplatOptions splat;
-  splat.antialiased = cloud.antialiased, splat.blur_px2 = filter_px2;
-  return splat;
-}
-
 PhotoMatch best_match(const Exec& exec, const GaussianCloud& cloud, const Shot& shot) {
   PhotoMatch best;
   for (const double filter : kFilters) {
-    const PhotoMatch match = match_photo(exec, cloud, shot.camera, splat_with(cloud, filter), shot.photo);
+    const PhotoMatch match = match_photo(exec, cloud, shot.camera, splat_options({}, cloud, filter), shot.photo);
     if (filter == kFilters[0] || match.psnr_db > best.psnr_db) best = match;
   }
   return best;
@@ -130,7 +125,7 @@ double median_recoloured_gain(const Exec& exec, const GaussianCloud& cloud, cons
   for (const Shot& shot : shots) {
     double best = 0;  // a gain of zero
     for (const double filter : kFilters)
-      best = std::max(best, recoloured_gain_db(exec, cloud, shot.camera, splat_with(cloud, filter), shot.photo,
+      best = std::max(best, recoloured_gain_db(exec, cloud, shot.camera, splat_options({}, cloud, filter), shot.photo,
                                                *views[shot.view].match));
     gains.push_back(best);
   }
