@@ -28,12 +28,11 @@ bool sees(const Camera& camera, const GaussianCloud& cloud, std::size_t i, Seen&
   const Vec3<double> at = camera.rotation * x + camera.translation;
   if (!(at.z > 0.01)) return false;
   const double u = camera.fx * at.x / at.z + camera.cx, v = camera.fy * at.y / at.z + camera.cy;
+  const double px_per_unit = std::max(camera.fx, camera.fy) / at.z;
   const double reach =
-      3 * std::exp(double(*std::max_element(&cloud.log_scale[3 * i], &cloud.log_scale[3 * i] + 3))) *
-      camera.fx / at.z;
+      3 * std::exp(double(*std::max_element(&cloud.log_scale[3 * i], &cloud.log_scale[3 * i] + 3))) * px_per_unit;
   if (u < -reach || v < -reach || u > camera.width_px + reach || v > camera.height_px + reach) return false;
-  seen = {x - camera.centre(), at.z, std::max(camera.fx, camera.fy) / at.z,
-          double(camera.width_px) * camera.height_px};
+  seen = {x - camera.centre(), at.z, px_per_unit, double(camera.width_px) * camera.height_px};
   return true;
 }
 

@@ -43,6 +43,16 @@ std::vector<float> along_x(int n) {
 
 }  // namespace
 
+TEST_CASE("straddling: pixels may be higher than wide, and what reaches in from above counts") {
+  Camera camera = front_camera();
+  camera.fy = 4 * camera.fx;
+  GaussianCloud cloud = row_of(1, std::log(0.3f));
+  cloud.position[1] = -0.9f;  // 30 px above the picture, three deviations are 54 px
+  CHECK(straddling_bound_px(cloud, std::vector<Camera>{camera}, 0.3) > 0);
+  cloud.position[1] = -2;
+  CHECK(straddling_bound_px(cloud, std::vector<Camera>{camera}, 0.3) == 0);
+}
+
 TEST_CASE(
     "view dependence: a large coefficient that nobody sees does not count, many small ones that add up do") {
   const std::vector<Camera> cameras{front_camera()};
