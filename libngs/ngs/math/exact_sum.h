@@ -13,9 +13,12 @@ struct ExactSums {
   void resize(std::size_t n) { whole.resize(n, 0), fraction.resize(n, 0); }
   std::size_t size() const { return whole.size(); }
   /// x in [0, 2^63).
-  void add(std::size_t i, double x) {
-    const double floor_x = std::floor(x);
-    add_fixed(i, std::uint64_t(floor_x), std::uint64_t((x - floor_x) * 0x1p64));
+  void add(std::size_t i, double x) { add_fixed(i, whole_of(x), fraction_of(x)); }
+  /// An x that was added: nothing of it is left.
+  void subtract(std::size_t i, double x) {
+    const std::uint64_t f = fraction_of(x);
+    whole[i] -= whole_of(x) + (fraction[i] < f ? 1 : 0);
+    fraction[i] -= f;
   }
   void add(std::size_t i, const ExactSums& other) { add_fixed(i, other.whole[i], other.fraction[i]); }
   /// w + f · 2^-64.
@@ -24,6 +27,10 @@ struct ExactSums {
     whole[i] += w + (fraction[i] < f ? 1 : 0);
   }
   double value(std::size_t i) const { return double(whole[i]) + double(fraction[i]) * 0x1p-64; }
+
+ private:
+  static std::uint64_t whole_of(double x) { return std::uint64_t(std::floor(x)); }
+  static std::uint64_t fraction_of(double x) { return std::uint64_t((x - std::floor(x)) * 0x1p64); }
 };
 
 }  // namespace ngs

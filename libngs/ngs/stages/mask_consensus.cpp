@@ -122,11 +122,18 @@ std::vector<std::uint8_t> marked(const std::vector<PixelHint>& hints, const auto
 
 }  // namespace
 
-void Lifted::add(const Lifted& view, double factor) {
-  for (std::size_t i = 0; i < weight.size(); ++i) {
-    weight[i] = std::max(0.0, weight[i] + factor * view.weight[i]);
-    object[i] = std::max(0.0, object[i] + factor * view.object[i]);
-  }
+void LiftedSum::add(const Lifted& view) {
+  for (std::size_t i = 0; i < view.weight.size(); ++i) weight_.add(i, view.weight[i]), object_.add(i, view.object[i]);
+}
+
+void LiftedSum::remove(const Lifted& view) {
+  for (std::size_t i = 0; i < view.weight.size(); ++i) weight_.subtract(i, view.weight[i]), object_.subtract(i, view.object[i]);
+}
+
+Lifted LiftedSum::value() const {
+  Lifted sum{std::int64_t(weight_.size())};
+  for (std::size_t i = 0; i < weight_.size(); ++i) sum.weight[i] = weight_.value(i), sum.object[i] = object_.value(i);
+  return sum;
 }
 
 Lifted lift_mask(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,

@@ -15,7 +15,21 @@ namespace ngs {
 struct Lifted {
   std::vector<double> weight, object;  // [N]
   explicit Lifted(std::int64_t gaussians) : weight(std::size_t(gaussians)), object(std::size_t(gaussians)) {}
-  void add(const Lifted& view, double factor);
+};
+
+/// The masks of several views together. Exact: of a view that is taken out again nothing is left, not even a rounding, of
+/// which the share of the object would be anything.
+class LiftedSum {
+ public:
+  explicit LiftedSum(std::int64_t gaussians) {
+    weight_.resize(std::size_t(gaussians)), object_.resize(std::size_t(gaussians));
+  }
+  void add(const Lifted& view);
+  void remove(const Lifted& view);
+  Lifted value() const;
+
+ private:
+  ExactSums weight_, object_;  // [N]
 };
 
 /// Where the object is: the mean of its Gaussians, weighted by what the masks say of them, and three times

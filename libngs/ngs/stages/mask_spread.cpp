@@ -37,12 +37,12 @@ class Spreader {
     start();
     if (monitor_.stop_requested()) return;
     const std::vector<std::size_t> order =
-        view_order(in_.camera, in_.reference, object_place(in_.cloud, all_).centre);
+        view_order(in_.camera, in_.reference, object_place(in_.cloud, all_.value()).centre);
     for (int pass = 0; pass < options_.passes; ++pass) {
       const auto timed = monitor_.scope("pass " + std::to_string(pass + 1));
       const bool last = pass + 1 == options_.passes;
       std::int64_t count = 0;
-      place_ = object_place(in_.cloud, all_);
+      place_ = object_place(in_.cloud, all_.value());
       for (const std::size_t view : order) {
         const SpreadView result =
             view == in_.reference && pass == 0 ? std::move(first_) : segment(view, pass);
@@ -71,7 +71,7 @@ class Spreader {
   }
   void keep(std::size_t view, const PixelMask& mask) {
     lifted_mask_[view] = mask;
-    all_.add(lift(view), 1);
+    all_.add(lift(view));
   }
 
   int band_px(const Camera& camera, int pass) const {
@@ -81,9 +81,9 @@ class Spreader {
 
   SpreadView segment(std::size_t view, int pass) {
     const bool is_reference = view == in_.reference;
-    if (!lifted_mask_[view].empty()) all_.add(lift(view), -1);
+    if (!lifted_mask_[view].empty()) all_.remove(lift(view));
     const PixelMask before = std::exchange(lifted_mask_[view], {});
-    const Consensus consensus = render_consensus(exec_, in_.cloud, all_, place_, in_.camera[view], in_.splat);
+    const Consensus consensus = render_consensus(exec_, in_.cloud, all_.value(), place_, in_.camera[view], in_.splat);
     ViewPrompt prompt = prompt_from(consensus, band_px(in_.camera[view], pass), before);
     if (is_reference) keep_strokes(in_.prompt, prompt);
 
@@ -117,7 +117,7 @@ class Spreader {
   const SpreadOptions& options_;
   const SpreadInput& in_;
   ObjectPlace place_;                   // at the start of the pass
-  Lifted all_;                          // of all masks that were kept
+  LiftedSum all_;                       // of all masks that were kept
   std::vector<PixelMask> lifted_mask_;  // per view; empty: none was kept
   SpreadView first_;
 };

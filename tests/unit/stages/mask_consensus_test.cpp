@@ -36,6 +36,22 @@ PixelMask mask_of(const std::vector<std::string>& rows) {
 
 }  // namespace
 
+TEST_CASE("of masks that are taken out again, in any order, nothing is left") {
+  std::vector<Lifted> views;
+  for (const double weight : {0.1, 0.7, 1e-9, 3e5}) {
+    views.emplace_back(2);
+    views.back().weight = {weight, weight / 3}, views.back().object = {weight / 7, 0};
+  }
+  LiftedSum sum(2);
+  for (const Lifted& view : views) sum.add(view);
+  const Lifted all = sum.value();
+  CHECK(all.weight[0] == doctest::Approx(300000.8));
+  CHECK((all.object[0] == doctest::Approx(300000.8 / 7) && all.object[1] == 0));
+  for (const std::size_t v : {2, 0, 3, 1}) sum.remove(views[v]);
+  for (const double left : sum.value().weight) CHECK(left == 0);
+  for (const double left : sum.value().object) CHECK(left == 0);
+}
+
 TEST_CASE("pixels beyond the band are certain, unknown ones take the side of the mask before") {
   const std::vector<std::string> rows(9, "......########????");
   CHECK(row_of(prompt_from(drawn(rows), 2, {}), 4) == "----bboo++++oobbbb");
@@ -102,25 +118,21 @@ TEST_CASE("prompt points lie deep inside either side and apart from each other")
   CHECK(object_box(prompt) == std::array<int, 4>{});
 }
 
-TEST_CASE("a lifted mask renders as itself where it was seen, and a mask taken back leaves nothing") {
+TEST_CASE("a lifted mask renders as itself where it was seen, and nothing lifted as nothing") {
   const auto c = test::joint_case();
   const Camera& camera = c->scene.views[0].camera;
   PixelMask mask;
   for (const float target : c->masks[0].target[0]) mask.push_back(target > 0.5f);
-  Lifted all(c->truth.size());
-  const Lifted one = lift_mask({}, c->truth, camera, {}, mask);
-  all.add(one, 1);
-  const ObjectPlace place = object_place(c->truth, all);
+  const Lifted one = lift_mask({}, c->truth, camera, {}, mask), none(c->truth.size());
+  const ObjectPlace place = object_place(c->truth, one);
   CHECK(place.centre.z == doctest::Approx(3.6).epsilon(0.05));  // the near side of the ball at z = 4
-  const Consensus seen = render_consensus({}, c->truth, all, place, camera, {});
+  const Consensus seen = render_consensus({}, c->truth, one, place, camera, {});
   CHECK(agreement(seen, mask) > 0.85);
   CHECK(*std::min_element(seen.known.begin(), seen.known.end()) > 0.99f);
-  all.add(one, -1);
-  CHECK(*std::max_element(all.weight.begin(), all.weight.end()) == 0);
-  const Consensus nothing = render_consensus({}, c->truth, all, place, camera, {});
+  const Consensus nothing = render_consensus({}, c->truth, none, place, camera, {});
   CHECK(*std::max_element(nothing.object.begin(), nothing.object.end()) == 0);
   CHECK(nothing.known[0] > 0.5f);  // the wall is beyond the reach of the ball
-  CHECK(object_place(c->truth, all).reach == 0);
+  CHECK(object_place(c->truth, none).reach == 0);
 }
 
 TEST_CASE("what shines through the object is not taken for a part of it") {
