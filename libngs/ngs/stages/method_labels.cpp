@@ -61,22 +61,6 @@ std::vector<LabelColumns> labels_anew(const Exec& exec, Monitor& monitor, const 
   return labels;
 }
 
-Evidence object_evidence(const Evidence& all, int object) {
-  Evidence one(all.gaussians, 1);
-  one.weight = all.weight, one.pixels = all.pixels, one.views = all.views;
-  for (std::size_t i = 0; i < std::size_t(all.gaussians); ++i) {
-    const std::size_t cell = i * std::size_t(all.objects) + std::size_t(object);
-    one.object_weight.whole[i] = all.object_weight.whole[cell];
-    one.object_weight.fraction[i] = all.object_weight.fraction[cell];
-    one.signal_square_sum.whole[i] = all.signal_square_sum.whole[cell];
-    one.signal_square_sum.fraction[i] = all.signal_square_sum.fraction[cell];
-    one.object_pixels[i] = all.object_pixels[cell];
-    one.signal_sum[i] = all.signal_sum[cell];
-    one.contrast_sum[i] = all.contrast_sum[cell];
-  }
-  return one;
-}
-
 void restore_fixed(const MethodInput& input, const std::vector<std::int64_t>& source_row,
                    std::vector<LabelColumns>& labels) {
   if (input.fixed.empty() || input.labels.empty()) return;

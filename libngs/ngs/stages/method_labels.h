@@ -14,9 +14,6 @@ std::vector<LabelColumns> closed_form_labels(const Exec& exec, Monitor& monitor,
 std::vector<LabelColumns> labels_anew(const Exec& exec, Monitor& monitor, const MethodInput& input,
                                       const GaussianCloud& cloud);
 
-/// The part of `all` that concerns object k, as evidence of one object.
-Evidence object_evidence(const Evidence& all, int object);
-
 /// Hand-fixed Gaussians get their input label (and prob) back. Rows of `labels` are the input's unless
 /// `source_row` says from which input row each descends.
 void restore_fixed(const MethodInput& input, const std::vector<std::int64_t>& source_row,

@@ -28,7 +28,7 @@ double mask_agreement(const Exec& exec, const ObjectState& state, const MethodIn
   request.colour = false;
   request.label = {label.data(), std::int64_t(label.size()), 1};
   const RenderedView view = render(exec, state.cloud, camera, input.splat, request);
-  const std::vector<float>& target = masks.target[std::size_t(state.object)];
+  const std::vector<float>& target = masks.target[0];
   std::int64_t both = 0, either = 0;
   for (std::size_t p = 0; p < target.size(); ++p) {
     if (!masks.known.empty() && !masks.known[p]) continue;
@@ -38,18 +38,23 @@ double mask_agreement(const Exec& exec, const ObjectState& state, const MethodIn
   return either == 0 ? 1.0 : double(both) / double(either);
 }
 
+/// The masks of the view, of this object alone: what the others weigh would be gathered in vain.
+ViewMasks masks_of(const MethodInput& input, std::size_t view, const ObjectState& state) {
+  ViewMasks masks = input.load_masks(view);
+  if (masks.available) masks.target = {std::move(masks.target[std::size_t(state.object)])};
+  return masks;
+}
+
 void take_view(const Exec& exec, const MethodInput& input, std::size_t view, const ViewMasks& masks,
                ObjectState& state) {
-  Evidence one(state.cloud.size(), int(masks.target.size()));
-  add_view_evidence(exec, state.cloud, input.scene.views[view].camera, input.splat, masks, one);
-  state.evidence.add(one.objects == 1 ? one : object_evidence(one, state.object));
+  add_view_evidence(exec, state.cloud, input.scene.views[view].camera, input.splat, masks, state.evidence);
 }
 
 void first_pass(const Exec& exec, Monitor& monitor, const Sa3dOptions& options, const MethodInput& input,
                 ObjectState& state) {
   for (const std::size_t view : input.views) {
     if (monitor.stop_requested()) return;
-    const ViewMasks masks = input.load_masks(view);
+    const ViewMasks masks = masks_of(input, view, state);
     if (!masks.available) continue;
     const Camera& camera = input.scene.views[view].camera;
     if (!state.accepted.empty() && mask_agreement(exec, state, input, camera, masks) < options.gate_iou)
@@ -65,7 +70,7 @@ void later_pass(const Exec& exec, const Sa3dOptions& options, const MethodInput&
     for (std::size_t i = 0; i < label.size(); ++i) state.cloud.usable[i] &= label[i] > 0.f;
   }
   state.evidence = Evidence(state.cloud.size(), 1);
-  for (const std::size_t view : state.accepted) take_view(exec, input, view, input.load_masks(view), state);
+  for (const std::size_t view : state.accepted) take_view(exec, input, view, masks_of(input, view, state), state);
 }
 
 }  // namespace
