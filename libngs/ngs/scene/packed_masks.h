@@ -4,8 +4,9 @@
 
 namespace ngs {
 
-/// The masks of one view, run by run. Planes that are 0 or 1 but at contours, as walked masks are, take as much memory as
-/// their contours are long; the same bits come back.
+/// The masks of one view, run by run. Planes that are 0 or 1 but at contours take as much memory as their contours are
+/// long; those that runs would not make smaller, as soft masks that vary from pixel to pixel, stay as they are. The same
+/// bits come back.
 class PackedMasks {
  public:
   PackedMasks() = default;
@@ -13,14 +14,21 @@ class PackedMasks {
 
   ViewMasks unpacked() const;
   bool available() const { return rest_.available; }
+  std::size_t bytes() const;
 
  private:
   struct Run {
     float value;
-    std::size_t end;  // of its pixels, in the plane
+    std::uint32_t end;  // of its pixels, in the plane
   };
-  std::vector<std::vector<Run>> target_;  // [K]
-  ViewMasks rest_;                        // all but the targets
+  struct Plane {
+    std::vector<Run> runs;
+    std::vector<float> values;  // instead of runs
+  };
+  static Plane packed(std::vector<float> plane);
+
+  std::vector<Plane> target_;  // [K]
+  ViewMasks rest_;             // all but the targets
 };
 
 }  // namespace ngs

@@ -7,14 +7,8 @@
 namespace ngs {
 namespace {
 
-constexpr std::size_t kKeptBytes = 256u << 20;
-
 std::size_t bytes_of(const ImageF& image) { return image.data.size() * sizeof(float); }
-std::size_t bytes_of(const ViewMasks& masks) {
-  std::size_t bytes = masks.known.size();
-  for (const std::vector<float>& target : masks.target) bytes += target.size() * sizeof(float);
-  return bytes;
-}
+std::size_t bytes_of(const PackedMasks& masks) { return masks.bytes(); }
 
 std::vector<float> plane_means(std::vector<float> plane, const ViewMasks& masks, int shrink) {
   ImageF fine;
@@ -30,7 +24,7 @@ Scene with_shrunk_cameras(Scene scene, int shrink) {
 
 }  // namespace
 
-CoarseInput::CoarseInput(const MethodInput& fine, int shrink)
+CoarseInput::CoarseInput(const MethodInput& fine, int shrink, std::size_t kept_bytes)
     : fine_(fine),
       shrink_(shrink),
       scene_(with_shrunk_cameras(fine.scene, shrink)),
@@ -45,39 +39,42 @@ CoarseInput::CoarseInput(const MethodInput& fine, int shrink)
               .fixed = fine.fixed,
               .labels = fine.labels,
               .load_fine_photo = fine.load_fine_photo,
-              .held = fine.held} {}
+              .held = fine.held},
+      kept_bytes_(kept_bytes) {}
 
 template <class T, class Load>
-T CoarseInput::remembered(std::map<std::size_t, T>& kept, std::size_t view, const Load& load) {
+std::shared_ptr<const T> CoarseInput::remembered(Kept<T>& kept, std::size_t view, const Load& load) {
   {
     const std::lock_guard lock(mutex_);
     const auto known = kept.find(view);
     if (known != kept.end()) return known->second;
   }
-  T loaded = load();
+  const auto loaded = std::make_shared<const T>(load());
   const std::lock_guard lock(mutex_);
-  const std::size_t bytes = bytes_of(loaded);
-  if (bytes_ + bytes <= kKeptBytes && kept.emplace(view, loaded).second) bytes_ += bytes;
+  const std::size_t bytes = bytes_of(*loaded);
+  if (bytes_ + bytes <= kept_bytes_ && kept.emplace(view, loaded).second) bytes_ += bytes;
   return loaded;
 }
 
 ImageF CoarseInput::photo(std::size_t view) {
-  return remembered(photos_, view, [&] { return shrunk(fine_.load_photo(view), shrink_); });
+  return *remembered(photos_, view, [&] { return shrunk(fine_.load_photo(view), shrink_); });
 }
 
 ViewMasks CoarseInput::masks(std::size_t view) {
-  return remembered(masks_, view, [&] {
-    ViewMasks m = fine_.load_masks(view);
-    if (shrink_ == 1 || !m.available) return m;
-    for (std::vector<float>& target : m.target) target = plane_means(std::move(target), m, shrink_);
-    if (!m.known.empty()) {
-      const std::vector<float> share = plane_means({m.known.begin(), m.known.end()}, m, shrink_);
-      m.known.assign(share.size(), 0);
-      for (std::size_t i = 0; i < share.size(); ++i) m.known[i] = share[i] == 1.f;
-    }
-    m.width_px = shrunk_size_px(m.width_px, shrink_), m.height_px = shrunk_size_px(m.height_px, shrink_);
-    return m;
-  });
+  return remembered(masks_, view, [&] { return PackedMasks(load_masks(view)); })->unpacked();
+}
+
+ViewMasks CoarseInput::load_masks(std::size_t view) const {
+  ViewMasks m = fine_.load_masks(view);
+  if (shrink_ == 1 || !m.available) return m;
+  for (std::vector<float>& target : m.target) target = plane_means(std::move(target), m, shrink_);
+  if (!m.known.empty()) {
+    const std::vector<float> share = plane_means({m.known.begin(), m.known.end()}, m, shrink_);
+    m.known.assign(share.size(), 0);
+    for (std::size_t i = 0; i < share.size(); ++i) m.known[i] = share[i] == 1.f;
+  }
+  m.width_px = shrunk_size_px(m.width_px, shrink_), m.height_px = shrunk_size_px(m.height_px, shrink_);
+  return m;
 }
 
 void CoarseInput::preload(const Exec& exec) const {
@@ -86,7 +83,7 @@ void CoarseInput::preload(const Exec& exec) const {
   try_each_task(exec, masks + std::int64_t(photos.size()), [&](std::int64_t i) {
     {
       const std::lock_guard lock(mutex_);
-      if (bytes_ > kKeptBytes / 10 * 9) return;  // what is loaded now would not be kept
+      if (bytes_ > kept_bytes_ / 10 * 9) return;  // what is loaded now would not be kept
     }
     if (i < masks)
       coarse_.load_masks(coarse_.views[std::size_t(i)]);

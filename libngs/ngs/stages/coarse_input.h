@@ -2,19 +2,21 @@
 // A method's input at a fraction of its size, for decisions that need no full resolution, and with photos and
 // masks that are decoded once.
 #include <map>
+#include <memory>
 #include <mutex>
 
+#include "ngs/scene/packed_masks.h"
 #include "ngs/stages/method.h"
 
 namespace ngs {
 
 /// Cameras and the low-pass filter are those of images of ceil(size / shrink) pixels; photos and masks are
 /// the means of shrink x shrink pixels, unknown where one of them is. Loads only; nothing is written back.
-/// What was loaded is kept, up to 256 MiB. `fine` must outlive it, and load for several threads at once where preload()
-/// is used.
+/// What was loaded is kept, masks run by run, up to `kept_bytes`. `fine` must outlive it, and load for several
+/// threads at once where preload() is used.
 class CoarseInput {
  public:
-  CoarseInput(const MethodInput& fine, int shrink);
+  CoarseInput(const MethodInput& fine, int shrink, std::size_t kept_bytes = 256u << 20);
   CoarseInput(const CoarseInput&) = delete;
   CoarseInput& operator=(const CoarseInput&) = delete;
 
@@ -23,20 +25,24 @@ class CoarseInput {
   void preload(const Exec& exec) const;
 
  private:
+  template <class T>
+  using Kept = std::map<std::size_t, std::shared_ptr<const T>>;  // by view
+
+  ViewMasks load_masks(std::size_t view) const;
   ImageF photo(std::size_t view);
   ViewMasks masks(std::size_t view);
   /// What is kept of `view`, or loaded by load() and then kept if there is room.
   template <class T, class Load>
-  T remembered(std::map<std::size_t, T>& kept, std::size_t view, const Load& load);
+  std::shared_ptr<const T> remembered(Kept<T>& kept, std::size_t view, const Load& load);
 
   const MethodInput& fine_;
   int shrink_;
   Scene scene_;
   MethodInput coarse_;
   mutable std::mutex mutex_;  // of what follows
-  std::map<std::size_t, ImageF> photos_;
-  std::map<std::size_t, ViewMasks> masks_;
-  std::size_t bytes_ = 0;
+  Kept<ImageF> photos_;
+  Kept<PackedMasks> masks_;
+  std::size_t kept_bytes_, bytes_ = 0;
 };
 
 }  // namespace ngs

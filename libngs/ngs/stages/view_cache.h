@@ -28,7 +28,7 @@ class ViewCache {
     scratch.masks = input_.load_masks(input_.views[n]);
     if (effects_.photometric || effects_.align) scratch.photo = input_.load_photo(input_.views[n]);
     if (!effects_.region) scratch.region = region_of(scratch.masks);
-    std::size_t bytes = scratch.photo.data.size() * sizeof(float);
+    std::size_t bytes = scratch.photo.data.size() * sizeof(float) + scratch.masks.known.size();
     for (const auto& target : scratch.masks.target) bytes += target.size() * sizeof(float);
     if (bytes_ + bytes > kBytes) return scratch;
     bytes_ += bytes;

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -25,6 +26,18 @@ TEST_CASE("packed masks come back bit for bit: contours, signed zeros, NaN, plan
   CHECK(PackedMasks(masks).available());
   CHECK_FALSE(PackedMasks().available());
   CHECK(PackedMasks().unpacked().target.empty());
+}
+
+TEST_CASE("packed masks take what their contours take, and never more than the planes themselves") {
+  ViewMasks binary{64, 64, {}, {}, true}, soft = binary;
+  binary.target.emplace_back(64 * 64, 0.f);
+  std::fill_n(binary.target[0].begin() + 1000, 2000, 1.f);
+  soft.target.emplace_back(64 * 64);
+  for (std::size_t i = 0; i < soft.target[0].size(); ++i) soft.target[0][i] = float(i % 255) / 255;
+  soft.known.assign(64 * 64, 1);
+  CHECK(PackedMasks(binary).bytes() <= 3 * 8);
+  CHECK(PackedMasks(soft).bytes() == 64 * 64 * (sizeof(float) + 1));
+  CHECK(PackedMasks(soft).unpacked().target == soft.target);
 }
 
 }  // namespace ngs

@@ -83,4 +83,19 @@ TEST_CASE("what is preloaded by several threads is loaded once and is the same")
   CHECK(loads == expected + 2 * int(fine.views.size()));
 }
 
+TEST_CASE("masks of many objects are kept as long as their contours fit, whatever their pixels would take") {
+  const auto c = test::joint_case();
+  MethodInput fine = c->input();
+  ViewMasks many = c->masks[0];
+  many.target.assign(50, c->masks[0].target[0]);
+  int loads = 0;
+  fine.load_masks = [&](std::size_t) { return ++loads, many; };
+  const std::size_t plane_bytes = many.target[0].size() * sizeof(float);
+  const CoarseInput room(fine, 1, 20 * plane_bytes), none(fine, 1, 0);
+  for (int visit = 0; visit < 3; ++visit) CHECK(room.get().load_masks(0).target == many.target);
+  CHECK(loads == 1);
+  for (int visit = 0; visit < 3; ++visit) CHECK(none.get().load_masks(0).target == many.target);
+  CHECK(loads == 4);
+}
+
 }  // namespace ngs
