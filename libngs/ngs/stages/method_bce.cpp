@@ -1,6 +1,7 @@
 #include "ngs/stages/method_bce.h"
 
 #include "ngs/backend/try_each.h"
+#include "ngs/scene/packed_masks.h"
 #include "ngs/stages/method_labels.h"
 
 namespace ngs {
@@ -20,10 +21,11 @@ void note_figures(const LabelSolution& s, const std::string& suffix, std::map<st
   figures["streamed_views" + suffix] = double(s.cache.streamed_views);
 }
 
-/// The masks of one object, kept as two bits per pixel where they are binary, since every evaluation reads them.
+/// The masks of one object, kept run by run where that takes less than a byte per pixel, since every evaluation reads
+/// them; others are decoded anew.
 class KeptTargets {
  public:
-  KeptTargets(const MethodInput& input, int object) : input_(input), object_(object), kept_(input.views.size()) {}
+  KeptTargets(const MethodInput& input, std::size_t object) : input_(input), object_(object), kept_(input.views.size()) {}
 
   /// Decodes all masks, several at a time.
   void preload(const Exec& exec) {
@@ -31,29 +33,20 @@ class KeptTargets {
   }
 
   PixelTargets load(std::size_t i) {
-    std::vector<std::uint8_t>& bits = kept_[i];
-    if (bits.empty()) {
-      PixelTargets t = pixel_targets(input_.load_masks(input_.views[i]), object_);
-      bits.reserve(t.inside.size());
-      for (std::size_t p = 0; p < t.inside.size(); ++p) {
-        const float a = t.inside[p], b = t.outside[p];
-        if ((a != 0.f && a != 1.f) || (b != 0.f && b != 1.f)) {
-          bits.clear();
-          return t;
-        }
-        bits.push_back(std::uint8_t((a == 1.f ? 1 : 0) | (b == 1.f ? 2 : 0)));
-      }
-      return t;
-    }
-    PixelTargets t{std::vector<float>(bits.size()), std::vector<float>(bits.size())};
-    for (std::size_t p = 0; p < bits.size(); ++p) t.inside[p] = float(bits[p] & 1), t.outside[p] = float(bits[p] >> 1);
-    return t;
+    if (kept_[i].available()) return pixel_targets(kept_[i].unpacked(), 0);
+    ViewMasks masks = input_.load_masks(input_.views[i]);
+    if (!masks.available) return {};
+    masks.target = {std::move(masks.target[object_])};
+    const std::size_t pixels = masks.target[0].size();
+    PixelTargets targets = pixel_targets(masks, 0);
+    if (PackedMasks packed(std::move(masks)); packed.bytes() < pixels) kept_[i] = std::move(packed);
+    return targets;
   }
 
  private:
   const MethodInput& input_;
-  int object_;
-  std::vector<std::vector<std::uint8_t>> kept_;
+  std::size_t object_;
+  std::vector<PackedMasks> kept_;  // [views]
 };
 
 /// The soft values are the labels: the fitted masks are renders of them, and thresholding would move the
@@ -89,7 +82,7 @@ BceResult solve_bce(const Exec& exec, Monitor& monitor, const BceOptions& option
     // The working set is solved with rounded weights, the certificate is not: on real scenes the rounding costs a
     // relative gap of about 1e-5.
     problem.half_weights = options.relative_gap >= kHalfWeightsGap;
-    KeptTargets targets(input, int(k));
+    KeptTargets targets(input, k);
     targets.preload(exec);
     problem.load_targets = [&](std::size_t i) { return targets.load(i); };
     std::vector<double> start(n);
