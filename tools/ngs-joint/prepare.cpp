@@ -113,7 +113,7 @@ MethodInput without_floaters(const MethodInput& input, const FloaterOutcome& out
           .background = input.background,
           .seed = input.seed,
           .fixed = input.fixed,
-          .labels = outcome.removed() ? outcome.labels : input.labels,
+          .labels = outcome.removed() ? SharedLabels(outcome.labels) : input.labels,
           .load_fine_photo = input.load_fine_photo,
           .held = input.held};
 }

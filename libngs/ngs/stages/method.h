@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,24 @@
 #include "ngs/scene/scene.h"
 
 namespace ngs {
+
+/// Labels, one per object, that nobody changes: the inputs of one run's stages share them. With many objects they take more
+/// memory than the model.
+class SharedLabels {
+ public:
+  SharedLabels() : SharedLabels(std::vector<LabelColumns>()) {}
+  SharedLabels(std::vector<LabelColumns> labels)
+      : labels_(std::make_shared<const std::vector<LabelColumns>>(std::move(labels))) {}
+  operator const std::vector<LabelColumns>&() const { return *labels_; }
+  bool empty() const { return labels_->empty(); }
+  std::size_t size() const { return labels_->size(); }
+  const LabelColumns& operator[](std::size_t object) const { return (*labels_)[object]; }
+  auto begin() const { return labels_->begin(); }
+  auto end() const { return labels_->end(); }
+
+ private:
+  std::shared_ptr<const std::vector<LabelColumns>> labels_;
+};
 
 struct MethodInput {
   const GaussianCloud& cloud;
@@ -24,7 +43,7 @@ struct MethodInput {
   Vec3<float> background{0, 0, 0};
   std::uint64_t seed = 0;
   std::vector<float> fixed;                                // [N] ngs_fixed of a hand edit: 1 keeps its label; may be empty
-  std::vector<LabelColumns> labels;                        // of ngs-variance, one per object
+  SharedLabels labels;                                     // of ngs-variance, one per object
   // As load_photo, finer where the photo has more pixels than the camera; empty function or image: no photo.
   std::function<ImageF(std::size_t view)> load_fine_photo = {};
   std::vector<std::uint8_t> held = {};                     // [N] 1: method paper keeps shape, opacity and colour; empty: none

@@ -312,7 +312,9 @@ TEST_CASE("edges: no photo, no label and draft leave the result alone; a broken 
   no_photo.load_fine_photo = {};
   unchanged(no_photo);
   MethodInput no_label = in;
-  for (float& x : no_label.labels[0].prob) x = 0;
+  std::vector<LabelColumns> none = in.labels;
+  for (float& x : none[0].prob) x = 0;
+  no_label.labels = none;
   unchanged(no_label);
   MethodInput broken = in;
   broken.load_fine_photo = [](std::size_t) -> ImageF {

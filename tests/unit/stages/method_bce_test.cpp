@@ -24,9 +24,10 @@ TEST_CASE("bce leaves Gaussians alone that were fixed by hand or never seen") {
   const test::MethodCase c = test::method_case(71, 80, 3);
   Monitor monitor;
   MethodInput input = c.input();
-  input.labels = closed_form_labels({}, monitor, input);
+  std::vector<LabelColumns> labels = closed_form_labels({}, monitor, input);
   input.fixed.assign(80, 0.f);
-  for (std::size_t i = 0; i < 80; i += 2) input.fixed[i] = 1.f, input.labels[0].label[i] = float(i % 4 == 0);
+  for (std::size_t i = 0; i < 80; i += 2) input.fixed[i] = 1.f, labels[0].label[i] = float(i % 4 == 0);
+  input.labels = std::move(labels);
   const MethodResult r = run_bce({}, monitor, {}, input);
   int unseen = 0;
   for (std::size_t i = 0; i < 80; ++i) {

@@ -33,9 +33,10 @@ struct HandMade {
     cloud.resize(std::int64_t(prob[0].size()), 0);
     scene.objects.resize(prob.size());
     Monitor monitor;
-    MethodInput input{cloud, scene, {}, {}, {}, {}, {}, 0, std::move(fixed), shares(prob)};
-    for (LabelColumns& c : input.labels)
-      if (!input.fixed.empty()) c.label = input.fixed;
+    std::vector<LabelColumns> labels = shares(prob);
+    for (LabelColumns& c : labels)
+      if (!fixed.empty()) c.label = fixed;
+    const MethodInput input{cloud, scene, {}, {}, {}, {}, {}, 0, std::move(fixed), std::move(labels)};
     return run_flash({}, monitor, options, input).labels;
   }
 };
