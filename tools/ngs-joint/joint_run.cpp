@@ -53,12 +53,12 @@ std::optional<Target> parse_target(const std::string& text) {
 std::vector<Agreement> training_agreement(const Exec& exec, const MethodInput& input,
                                           const MethodResult& result) {
   const std::size_t objects = result.labels.size();
+  const LabelChannels channels(result.cloud, result.labels);
   std::vector<Agreement> views;
   for (const std::size_t view : input.views) {
     const ViewMasks masks = input.load_masks(view);
     if (!masks.available) continue;
-    const ImageF label =
-        label_channels(exec, result.cloud, result.labels, input.scene.views[view].camera, input.splat);
+    const ImageF label = channels.view(exec, input.scene.views[view].camera, input.splat);
     Agreement sum;
     for (std::size_t k = 0; k < objects; ++k) {
       const MaskPair pair(label, masks, k);

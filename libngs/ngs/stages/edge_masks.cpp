@@ -85,7 +85,7 @@ double contrast_of(const std::vector<std::uint8_t>& mask, const ImageF& photo) {
   return count > 0 ? sum / count : 0;
 }
 
-WalkedView walk_view(const WalkSetup& setup, const LabelledModel& model, std::size_t v, bool compare) {
+WalkedView walk_view(const WalkSetup& setup, const LabelChannels& model, std::size_t v, bool compare) {
   const Exec serial;
   const MethodInput& input = setup.input;
   const Camera& camera = input.scene.views[v].camera;
@@ -100,10 +100,10 @@ WalkedView walk_view(const WalkSetup& setup, const LabelledModel& model, std::si
     walk.band_px *= setup.detail / out.detail, walk.reach_px *= setup.detail / out.detail;
   }
   const int fw = photo.width_px, fh = photo.height_px;
-  const ImageF label = label_channels(serial, model.cloud, model.labels, resized(camera, fw, fh),
-                                      filter_at_scale(input.splat, double(fw) / w));
+  const ImageF label =
+      model.view(serial, resized(camera, fw, fh), filter_at_scale(input.splat, double(fw) / w));
   const ViewMasks own = compare ? input.load_masks(v) : ViewMasks{};
-  const std::size_t objects = model.labels.size();
+  const std::size_t objects = model.objects();
   out.compared = own.available;
   std::vector<std::vector<float>> targets(objects);
   for (std::size_t k = 0; k < objects; ++k) {
@@ -149,10 +149,14 @@ Camera window_camera(Camera camera, const PixelWindow& win) {
 std::vector<WalkedView> walk_views(const Exec& exec, const WalkSetup& setup, const LabelledModel& model,
                                    const std::vector<std::size_t>& views,
                                    const std::vector<std::size_t>& compared) {
-  std::vector<WalkedView> walked(setup.input.scene.views.size());
+  const std::size_t count = setup.input.scene.views.size();
+  std::vector<WalkedView> walked(count);
+  std::vector<std::uint8_t> compare(count, 0);
+  for (const std::size_t v : compared) compare[v] = 1;
+  const LabelChannels label(model.cloud, model.labels);
   try_each_task(exec, std::int64_t(views.size()), [&](std::int64_t i) {
     const std::size_t v = views[std::size_t(i)];
-    walked[v] = walk_view(setup, model, v, std::find(compared.begin(), compared.end(), v) != compared.end());
+    walked[v] = walk_view(setup, label, v, compare[v] != 0);
   });
   return walked;
 }

@@ -40,12 +40,12 @@ const EffectProbe::Views& EffectProbe::views() {
   if (views_) return *views_;
   views_ = std::make_unique<Views>();
   const MethodInput& input = setup_.input;
+  const LabelChannels label(input.cloud, input.labels);
   double count = 0;
   for (const std::size_t v : input.views) {
     const ViewMasks masks = input.load_masks(v);
     if (!masks.available) continue;
-    const Camera& camera = input.scene.views[v].camera;
-    const ImageF modal = label_channels(exec_, input.cloud, input.labels, camera, input.splat);
+    const ImageF modal = label.view(exec_, input.scene.views[v].camera, input.splat);
     double stands = 0;
     bool shown = false;
     for (std::size_t k = 0; k < masks.target.size(); ++k) {

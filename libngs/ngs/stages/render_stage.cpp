@@ -64,13 +64,14 @@ std::vector<float> label_matrix(const std::vector<LabelColumns>& objects, std::s
 
 }  // namespace
 
-ImageF label_channels(const Exec& exec, const GaussianCloud& cloud, const std::vector<LabelColumns>& objects,
-                      const Camera& camera, const SplatOptions& splat) {
-  const std::vector<float> label = label_matrix(objects, std::size_t(cloud.size()));
+LabelChannels::LabelChannels(const GaussianCloud& cloud, const std::vector<LabelColumns>& objects)
+    : cloud_(cloud), objects_(objects.size()), label_(label_matrix(objects, std::size_t(cloud.size()))) {}
+
+ImageF LabelChannels::view(const Exec& exec, const Camera& camera, const SplatOptions& splat) const {
   RenderRequest request;
   request.colour = false;
-  request.label = {label.data(), cloud.size(), int(objects.size())};
-  return std::move(render(exec, cloud, camera, splat, request).label);
+  request.label = {label_.data(), cloud_.size(), int(objects_)};
+  return std::move(render(exec, cloud_, camera, splat, request).label);
 }
 
 RenderedView render_labelled(const Exec& exec, const GaussianCloud& cloud,

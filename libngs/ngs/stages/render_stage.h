@@ -47,9 +47,19 @@ RenderedView render_labelled(const Exec& exec, const GaussianCloud& cloud,
                              const std::vector<LabelColumns>& objects, const Camera& camera,
                              const SplatOptions& splat, Vec3<float> background, bool amodal);
 
-/// The label channels alone of such a modal view: [H, W, K].
-ImageF label_channels(const Exec& exec, const GaussianCloud& cloud, const std::vector<LabelColumns>& objects,
-                      const Camera& camera, const SplatOptions& splat);
+/// The label channels alone of such modal views of one model. `cloud` must outlive it.
+class LabelChannels {
+ public:
+  LabelChannels(const GaussianCloud& cloud, const std::vector<LabelColumns>& objects);
+  /// [H, W, K]
+  ImageF view(const Exec& exec, const Camera& camera, const SplatOptions& splat) const;
+  std::size_t objects() const { return objects_; }
+
+ private:
+  const GaussianCloud& cloud_;
+  std::size_t objects_;
+  std::vector<float> label_;  // [N, K]
+};
 
 /// Makes a modal view amodal: only its label channels change.
 void show_objects_alone(const Exec& exec, const GaussianCloud& cloud,
