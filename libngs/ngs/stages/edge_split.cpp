@@ -7,9 +7,10 @@
 
 namespace ngs {
 
-Straddling straddling(const Exec& exec, const MethodInput& input, const GaussianCloud& cloud) {
-  const auto n = std::size_t(cloud.size()), objects = input.scene.objects.size();
-  Straddling all{std::vector<double>(n), Evidence(cloud.size(), int(objects))};
+Straddling straddling(const Exec& exec, const MethodInput& input, const GaussianCloud& cloud, std::int64_t last_rows) {
+  const auto n = std::size_t(cloud.size()), objects = input.scene.objects.size(), first = n - std::size_t(last_rows);
+  Straddling all{std::vector<double>(n), {}, Evidence(last_rows, int(objects))};
+  all.weight.resize(n);
   for (const std::size_t view : input.views) {
     const ViewMasks masks = input.load_masks(view);
     if (!masks.available) continue;
@@ -20,8 +21,10 @@ Straddling straddling(const Exec& exec, const MethodInput& input, const Gaussian
         const double inside = seen.object_weight(v, k);
         most = std::max(most, std::min(inside, seen.weight(v) - inside));
       }
-      all.px[seen.row[v]] += most;
-      all.seen.add(seen.row[v], seen.at(v));
+      const std::size_t row = seen.row[v];
+      all.px[row] += most;
+      all.weight.add(row, seen.weight(v));
+      if (row >= first) all.last.add(row - first, seen.at(v));
     }
   }
   return all;

@@ -13,9 +13,11 @@ namespace ngs {
 struct Straddling {
   std::vector<double> px;  // [N] on the wrong side: Σ_views min(W1, W - W1), its weight inside and outside of the mask, of
                            // the object where that is largest; 0 for a Gaussian that no contour crosses
-  Evidence seen;           // of all the views together
+  ExactSums weight;        // [N] in all views together
+  Evidence last;           // of the last rows, object by object, in all views together
 };
-Straddling straddling(const Exec& exec, const MethodInput& input, const GaussianCloud& cloud);
+/// Evidence is gathered of the last `last_rows` rows alone: with many objects that of all takes more than the model.
+Straddling straddling(const Exec& exec, const MethodInput& input, const GaussianCloud& cloud, std::int64_t last_rows);
 
 /// Rows of a cloud in which the Gaussians with more than `least_px` are halved (at most `most` of them, the
 /// worst first). Kept rows stay in order, then come the halves, pair by pair.

@@ -44,29 +44,29 @@ struct Model {
 };
 
 /// Weight of every Gaussian in the views' whole pictures, [N].
-std::vector<double> weight_in_all(const Exec& exec, const EdgeSetup& setup, const std::vector<std::size_t>& views,
-                                  const GaussianCloud& cloud) {
-  Evidence seen(cloud.size(), 1);
+ExactSums weight_in_all(const Exec& exec, const EdgeSetup& setup, const std::vector<std::size_t>& views,
+                        const GaussianCloud& cloud) {
+  ExactSums weight;
+  weight.resize(std::size_t(cloud.size()));
   for (const std::size_t v : views) {
     const Camera& camera = setup.input.scene.views[v].camera;
     ViewMasks all;
     all.width_px = camera.width_px, all.height_px = camera.height_px, all.available = true;
     all.target.emplace_back(std::size_t(camera.width_px) * std::size_t(camera.height_px), 1.f);
-    add_view_evidence(exec, cloud, camera, setup.input.splat, all, seen);
+    const ViewSums seen = view_sums(exec, cloud, camera, setup.input.splat, all);
+    for (std::size_t r = 0; r < seen.size(); ++r) weight.add(seen.row[r], seen.weight(r));
   }
-  std::vector<double> weight(std::size_t(cloud.size()));
-  for (std::size_t i = 0; i < weight.size(); ++i) weight[i] = seen.weight.value(i);
   return weight;
 }
 
 /// 1: the Gaussian is held, or shows outside of the windows too, where no photo would hold it.
 std::vector<float> untouchable(const Exec& exec, const EdgeSetup& setup, const std::vector<std::size_t>& views,
-                               const Model& model, const Evidence& inside) {
-  const std::vector<double> all = weight_in_all(exec, setup, views, model.cloud);
+                               const Model& model, const ExactSums& inside) {
+  const ExactSums all = weight_in_all(exec, setup, views, model.cloud);
   const std::vector<std::uint8_t>& held = setup.input.held;
   std::vector<float> out(all.size());
   for (std::size_t i = 0; i < out.size(); ++i)
-    out[i] = inside.weight.value(i) < kLeastInside * all[i] ||
+    out[i] = inside.value(i) < kLeastInside * all.value(i) ||
              (!held.empty() && held[std::size_t(model.source_row[i])]);
   return out;
 }
@@ -90,12 +90,14 @@ void edit_model(const Exec& exec, const EdgeSetup& setup, const std::vector<Clou
   model.source_row = std::move(source);
 }
 
-/// Halves take the closed form of their own evidence, the others keep their labels.
-void label_halves(const std::vector<CloudRow>& rows, const Evidence& seen, std::vector<LabelColumns>& labels) {
-  const std::vector<LabelColumns> closed = label_gaussians({}, seen);
-  for (std::size_t k = 0; k < labels.size(); ++k)
-    for (std::size_t i = 0; i < rows.size(); ++i)
-      if (rows[i].origin != RowOrigin::kKept && closed[k].views[i] > 0) labels[k].prob[i] = closed[k].prob[i];
+/// Halves, the last rows, take the closed form of their own evidence, the others keep their labels.
+void label_halves(const Evidence& halves, std::vector<LabelColumns>& labels) {
+  const std::vector<LabelColumns> closed = label_gaussians({}, halves);
+  for (std::size_t k = 0; k < labels.size(); ++k) {
+    const std::size_t first = labels[k].prob.size() - closed[k].prob.size();
+    for (std::size_t i = 0; i < closed[k].prob.size(); ++i)
+      if (closed[k].views[i] > 0) labels[k].prob[first + i] = closed[k].prob[i];
+  }
 }
 
 /// What a round works on: of a large model most shows in no window.
@@ -107,21 +109,22 @@ struct InPlay {
 
 /// Halves what lies across a contour.
 InPlay split_model(const Exec& exec, const EdgeSetup& setup, const MethodInput& window, Model& model) {
-  Straddling across = straddling(exec, window, model.cloud);
-  std::vector<float> whole = untouchable(exec, setup, window.views, model, across.seen);
+  Straddling across = straddling(exec, window, model.cloud, 0);
+  std::vector<float> whole = untouchable(exec, setup, window.views, model, across.weight);
   if (parse_effects(setup.joint.effect).split) {
     const std::vector<CloudRow> rows = halved_rows(setup, across.px, whole);
     edit_model(exec, setup, rows, model);
     edit_column(exec, rows, 1, whole);
-    across = straddling(exec, window, model.cloud);
-    label_halves(rows, across.seen, model.labels);
+    const auto halves = std::count_if(rows.begin(), rows.end(), [](CloudRow row) { return row.origin != RowOrigin::kKept; });
+    across = straddling(exec, window, model.cloud, halves);
+    label_halves(across.last, model.labels);
   }
   InPlay play;
   for (std::size_t i = 0; i < whole.size(); ++i) {
     bool concerned = across.px[i] > kLeastStraddling_px;
     for (const LabelColumns& object : model.labels) concerned |= object.prob[i] > kLeastClaim;
     const bool trained = concerned && whole[i] == 0;
-    if (!trained && !(across.seen.weight.value(i) > 0)) continue;
+    if (!trained && !(across.weight.value(i) > 0)) continue;
     play.rows.push_back(std::int64_t(i)), play.frozen.push_back(!trained);
   }
   return play;

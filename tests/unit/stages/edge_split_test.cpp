@@ -56,12 +56,18 @@ TEST_CASE("halves of invisible and of opaque Gaussians stay finite") {
 TEST_CASE("only Gaussians that a contour crosses count as straddling") {
   const auto c = test::joint_case();
   MethodInput input = c->input();
-  const Straddling across = straddling({}, input, c->truth);
+  const Straddling across = straddling({}, input, c->truth, 50);
   const std::vector<double>& px = across.px;
   Evidence anew(c->truth.size(), 1);
   for (const std::size_t v : input.views)
     add_view_evidence({}, c->truth, c->scene.views[v].camera, input.splat, c->masks[v], anew);
-  for (std::size_t i = 0; i < px.size(); ++i) CHECK(across.seen.weight.value(i) == anew.weight.value(i));
+  for (std::size_t i = 0; i < px.size(); ++i) CHECK(across.weight.value(i) == anew.weight.value(i));
+  REQUIRE(across.last.gaussians == 50);
+  const std::size_t first = px.size() - 50;
+  for (std::size_t i = 0; i < 50; ++i) {
+    CHECK(across.last.views[i] == anew.views[first + i]);
+    CHECK(across.last.object_weight.value(i) == anew.object_weight.value(first + i));
+  }
   double inside = 0, worst_wall = 0, most = 0;
   for (std::size_t i = 0; i < px.size(); ++i) {
     most = std::max(most, px[i]);
@@ -78,7 +84,7 @@ TEST_CASE("only Gaussians that a contour crosses count as straddling") {
     for (float& x : all.target[0]) x = 1;
     return all;
   };
-  for (const double x : straddling({}, input, c->truth).px) CHECK(x <= 1e-12 * most);
+  for (const double x : straddling({}, input, c->truth, 0).px) CHECK(x <= 1e-12 * most);
 }
 
 TEST_CASE("the rows of a split keep their order, the worst go first, halves come in pairs") {
