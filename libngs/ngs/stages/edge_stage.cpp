@@ -190,13 +190,16 @@ class EdgeRun {
   /// Whether the given masks' contours do not lie on the edges that the last walk found.
   bool beside_edges() const { return masks_beside_edges(walked_); }
 
-  /// Whether it has to be tried what views without a photo are trained on. After the first walk.
-  bool must_try() const { return setup_.edge.unseen == EdgeUnseen::kAuto && !unseen_.empty() && !judges_of(views_).empty(); }
+  /// Whether it has to be tried what views without a photo are trained on, and can be: then there are judges. After the
+  /// first walk.
+  bool must_try() {
+    if (setup_.edge.unseen == EdgeUnseen::kAuto && !unseen_.empty()) judges_ = judges_of(views_);
+    return !judges_.empty();
+  }
 
   /// A round without the judges, which is forgotten. False if it ended early: then it counts.
   bool try_unseen() {
     Model start = model_;
-    judges_ = judges_of(views_);
     std::erase_if(views_, [&](std::size_t v) { return std::find(judges_.begin(), judges_.end(), v) != judges_.end(); });
     if (!train(0)) return false;
     const auto timed = monitor_.scope("pictures tried");
@@ -208,7 +211,8 @@ class EdgeRun {
 
   /// Views without a photo get the picture of the model as it is, where it serves or was asked for. Before the first round.
   void settle_unseen() {
-    if (unseen_.empty() || !(setup_.edge.unseen == EdgeUnseen::kPicture || trial_.picture_serves)) return;
+    const bool wanted = setup_.edge.unseen == EdgeUnseen::kPicture || (trial_ && trial_->picture_serves);
+    if (unseen_.empty() || !wanted) return;
     pictured_.emplace(with_pictures(exec_, setup_.input, model_.cloud, unseen_));
     std::vector<WalkedView> more = walk_views(exec_, walk_setup(detail_), {model_.cloud, model_.labels}, unseen_, {});
     for (const std::size_t v : unseen_) walked_[v] = std::move(more[v]);
@@ -254,7 +258,7 @@ class EdgeRun {
                                           return walked_[v].masks.available();
                                         }))
                                                 : 0.0;
-    if (!judges_.empty()) result.figures["edge_biou_pictured"] = trial_.pictured, result.figures["edge_biou_unseen"] = trial_.unseen;
+    if (trial_) result.figures["edge_biou_pictured"] = trial_->pictured, result.figures["edge_biou_unseen"] = trial_->unseen;
     result.figures["edge_gaussians"] = double(model_.cloud.size());
     if (rounds_ == 0) return;
     result.cloud = std::move(model_.cloud), result.labels = std::move(model_.labels);
@@ -331,7 +335,7 @@ class EdgeRun {
   std::vector<std::size_t> unseen_, judges_;      // without a photo; with one, but not in the first round
   std::vector<WalkedView> walked_;                // [scene views]
   std::optional<MethodInput> pictured_;           // the input with pictures of the unseen, where these serve
-  Trial trial_;
+  std::optional<Trial> trial_;                    // where it came to its end
   double rendered_ = 0, walked_biou_ = 0, own_contrast_ = 0, walked_contrast_ = 0;
   int rounds_ = 0, detail_ = 1;
 };

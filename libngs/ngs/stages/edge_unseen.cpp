@@ -1,7 +1,9 @@
 #include "ngs/stages/edge_unseen.h"
 
+#include <algorithm>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "ngs/stages/effect_detectors.h"
 
@@ -14,18 +16,53 @@ std::vector<std::size_t> judges_of(const std::vector<std::size_t>& views) {
   return judges;
 }
 
-MethodInput with_pictures(const Exec& exec, const MethodInput& input, const GaussianCloud& cloud, const std::vector<std::size_t>& views) {
-  auto pictures = std::make_shared<std::map<std::size_t, ImageF>>();
-  RenderRequest request;
-  request.background = input.background;
-  for (const std::size_t v : views)
-    (*pictures)[v] = render(exec, cloud, input.scene.views[v].camera, input.splat, request).colour;
+namespace {
+
+/// What a model shows in some views.
+class Pictures {
+ public:
+  Pictures(const Exec& exec, const MethodInput& input, const GaussianCloud& cloud, const std::vector<std::size_t>& views,
+           std::size_t kept_bytes)
+      : exec_(exec), scene_(input.scene), splat_(input.splat) {
+    request_.background = input.background;
+    for (const std::size_t v : views) {
+      const Camera& camera = scene_.views[v].camera;
+      const std::size_t bytes = 3 * sizeof(float) * std::size_t(camera.width_px) * std::size_t(camera.height_px);
+      std::optional<ImageF>& picture = picture_[v];
+      if (bytes > kept_bytes) continue;
+      kept_bytes -= bytes;
+      picture = drawn(cloud, v);
+    }
+    if (std::any_of(picture_.begin(), picture_.end(), [](const auto& of_view) { return !of_view.second; })) model_ = cloud;
+  }
+
+  bool has(std::size_t v) const { return picture_.contains(v); }
+  ImageF of(std::size_t v) const {
+    const std::optional<ImageF>& picture = picture_.at(v);
+    return picture ? *picture : drawn(model_, v);
+  }
+
+ private:
+  ImageF drawn(const GaussianCloud& cloud, std::size_t v) const {
+    return render(exec_, cloud, scene_.views[v].camera, splat_, request_).colour;
+  }
+
+  Exec exec_;
+  const Scene& scene_;
+  SplatOptions splat_;
+  RenderRequest request_;
+  std::map<std::size_t, std::optional<ImageF>> picture_;  // by view; none: drawn anew
+  GaussianCloud model_;                                   // empty where all pictures are kept
+};
+
+}  // namespace
+
+MethodInput with_pictures(const Exec& exec, const MethodInput& input, const GaussianCloud& cloud, const std::vector<std::size_t>& views,
+                          std::size_t kept_bytes) {
+  const auto pictures = std::make_shared<const Pictures>(exec, input, cloud, views, kept_bytes);
   MethodInput out = input;
   const auto instead_of = [&](const auto& load) {
-    return [pictures, load](std::size_t v) {
-      const auto found = pictures->find(v);
-      return found != pictures->end() ? found->second : load(v);
-    };
+    return [pictures, load](std::size_t v) { return pictures->has(v) ? pictures->of(v) : load(v); };
   };
   out.load_photo = instead_of(input.load_photo), out.load_fine_photo = instead_of(input.load_fine_photo);
   return out;

@@ -15,8 +15,11 @@ namespace ngs {
 /// Every third of the views from the second on; none of fewer than five, which would leave less than two judges.
 std::vector<std::size_t> judges_of(const std::vector<std::size_t>& views);
 
-/// The input with the model's picture of the given views in place of their photos.
-MethodInput with_pictures(const Exec& exec, const MethodInput& input, const GaussianCloud& cloud, const std::vector<std::size_t>& views);
+/// The input with the model's picture of the given views in place of their photos. Pictures are kept up to `kept_bytes`; where
+/// that is too little a copy of the model is, of which the others are drawn whenever they are asked for, by several threads at
+/// once if need be. What `input` refers to must outlive the result, `cloud` need not.
+MethodInput with_pictures(const Exec& exec, const MethodInput& input, const GaussianCloud& cloud, const std::vector<std::size_t>& views,
+                          std::size_t kept_bytes = 256u << 20);
 
 struct Trial {
   double pictured = 0, unseen = 0;  // mean boundary IoU (0.005) with the contours as walked in the photos

@@ -4,6 +4,7 @@
 
 #include <numeric>
 
+#include "ngs/backend/for_each.h"
 #include "ngs/stages/edge_stage.h"
 #include "ngs/stages/method_flash.h"
 #include "ngs/stages/render_stage.h"
@@ -92,6 +93,25 @@ TEST_CASE("edges: a picture stands in for the photo of the views that are named,
   CHECK(out.load_fine_photo(5).empty());
 }
 
+TEST_CASE("edges: pictures for which there is no room are drawn of the model as it was, by any number of threads") {
+  SevenViews c(2);
+  MethodInput in = c.input();
+  in.background = {0.2f, 0.4f, 0.6f};
+  std::vector<MethodInput> out;
+  {
+    const GaussianCloud passing = c.base->model;
+    const std::size_t one = 3 * sizeof(float) * 48 * 40;
+    for (const std::size_t room : {10 * one, one, std::size_t(0)}) out.push_back(with_pictures({}, in, passing, {1, 5, 6}, room));
+  }
+  for (const std::size_t v : {1u, 5u, 6u})
+    for (const MethodInput& pictured : {out[1], out[2]}) CHECK(pictured.load_photo(v).data == out[0].load_photo(v).data);
+  Exec exec;
+  exec.threads = 3;
+  std::vector<ImageF> at_once(6);
+  for_each_task(exec, 6, [&](std::int64_t i) { at_once[std::size_t(i)] = out[2].load_fine_photo(5); });
+  for (const ImageF& picture : at_once) CHECK(picture.data == out[0].load_fine_photo(5).data);
+}
+
 TEST_CASE("edges: a picture serves where its contours are nearer to the photos' than what a round without the view draws") {
   SevenViews c(0);
   const MethodInput in = c.input();
@@ -131,6 +151,20 @@ TEST_CASE("edges: the trial of pictures decides, and leaves nothing else behind"
   const MethodResult short_of_time = c.run(EdgeUnseen::kAuto, 1, nullptr, 1);  // a round, not its trial
   CHECK(short_of_time.figures.count("edge_biou_unseen") == 0);
   CHECK(short_of_time.figures.at("edge_rounds") == 1);
+}
+
+TEST_CASE("edges: a trial that is cut short counts as a round and has no figures") {
+  SevenViews c(2);
+  Monitor monitor;
+  const MethodInput in = c.input();
+  int steps = 0;
+  const auto cut = [&](const JointProgress&, JointTrainer&, const std::function<MethodResult()>&) { return ++steps == 2; };
+  const MethodResult result = follow_edges({}, monitor, {c.edge, c.joint, {}, {}, in, cut}, run_flash({}, monitor, {}, in));
+  CHECK(steps == 2);
+  CHECK_FALSE(result.converged);
+  CHECK(result.figures.at("edge_rounds") == 1);
+  CHECK(result.figures.count("edge_biou_pictured") == 0);
+  CHECK(result.figures.count("edge_biou_unseen") == 0);
 }
 
 TEST_CASE("edges: with a photo of every view, or with too few to judge, nothing is tried") {
