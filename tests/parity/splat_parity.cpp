@@ -20,7 +20,7 @@ struct Channels {
 };
 
 View run_view(const Exec& exec, const SplatCase& c, const SplatOptions& options, const Channels& channels,
-              const ViewGradients& upstream) {
+              const ViewGradients& upstream, const std::vector<std::uint8_t>& label_alone = {}) {
   const GaussianCloud cloud = float_cloud(c);
   Random random(7);
   const auto label = random.uniform_vector<float>(std::size_t(c.gaussians * channels.labels), 0, 1);
@@ -30,7 +30,7 @@ View run_view(const Exec& exec, const SplatCase& c, const SplatOptions& options,
   SplatPass pass(options);
   View view;
   view.image = pass.forward(exec, cloud, c.camera, request);
-  pass.backward(exec, upstream, view.gradient);
+  pass.backward(exec, upstream, view.gradient, label_alone);
   return view;
 }
 
@@ -193,6 +193,20 @@ TEST_CASE("splat: a device passes no gradient where the loss does not look") {
     const View view = run_view(b.exec, c, {}, {true, false, 1}, {});
     CHECK(largest(view.gradient.position) == 0);
     CHECK(largest(view.gradient.sh_dc) == 0);
+  }
+}
+
+TEST_CASE("splat: a device finds the gradient of labels alone where no other is wanted") {
+  const SplatCase c = splat_case(2, 100, 53, 41);
+  const Channels channels{true, false, 2};
+  const ViewGradients upstream = random_gradients(c, channels);
+  for (const Backend& b : backends()) {
+    const View all = run_view(b.exec, c, {}, channels, upstream);
+    const View none = run_view(b.exec, c, {}, channels, upstream, std::vector<std::uint8_t>(100, 1));
+    CHECK(none.gradient.label == all.gradient.label);
+    CHECK(largest(none.gradient.label) > 0);
+    CHECK(largest(none.gradient.position) == 0);
+    CHECK(largest(none.gradient.sh_dc) == 0);
   }
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// The joint step with everything it needs resident on a device (stages/joint_device.h drives it).   Eq. (20)
+// The joint step with everything it needs resident on a device (stages/resident_steps.h drives it).   Eq. (20)
 //
 // A step is a sequence of launches that nothing waits for. What can stop it, lists of tiles that outgrow their room or a
 // gradient that Adam cannot take, is decided on the device: that step and all after it then change nothing, and

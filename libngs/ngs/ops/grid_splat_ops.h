@@ -52,7 +52,7 @@ class GridSplatView final : public DeviceSplat {
   /// The wanted columns of the gradient.
   struct Columns {
     GridBuffer<Grid, float> position, rotation, log_scale, logit_opacity, sh_dc, sh_rest, label, mean_px;
-    GridBuffer<Grid, std::uint8_t> visible;
+    GridBuffer<Grid, std::uint8_t> visible, label_alone;
     CloudGradientView<float> view;
 
     Columns(Grid& grid, const CloudView<float>& cloud, int labels, const CloudGradientView<float>& wanted) {
@@ -67,6 +67,7 @@ class GridSplatView final : public DeviceSplat {
       make(sh_dc, wanted.sh_dc, view.sh_dc, 3), make(sh_rest, wanted.sh_rest, view.sh_rest, cloud.rest_stride * 3);
       make(label, wanted.label, view.label, labels), make(mean_px, wanted.mean_px, view.mean_px, 2);
       make(visible, wanted.visible, view.visible, 1);
+      if (wanted.label_alone) label_alone = {grid, wanted.label_alone, cloud.size}, view.label_alone = label_alone.data();
     }
     void download(const CloudGradientView<float>& to) const {
       position.to(to.position), rotation.to(to.rotation), log_scale.to(to.log_scale), logit_opacity.to(to.logit_opacity);

@@ -27,16 +27,6 @@ struct LogitGradients {
   NGS_HD void operator()(std::int64_t i) const { grad[i] = trainable[i] ? grad[i] * sigmoid_slope(logit[i]) : 0.f; }
 };
 
-struct ClearFrozen {
-  static constexpr const char* kName = "clear_frozen";
-  const std::uint8_t* frozen;
-  int width;
-  float* grad;
-  NGS_HD void operator()(std::int64_t i) const {
-    if (frozen[i / width]) grad[i] = 0;
-  }
-};
-
 struct BoundaryColours {
   static constexpr const char* kName = "boundary_colours";
   const std::uint32_t* row;
@@ -51,9 +41,12 @@ struct BoundaryColours {
 struct AddColourGradients {
   static constexpr const char* kName = "add_colour_gradients";
   const std::uint32_t* row;
-  const float* grad;  // [B, 3]
+  const float* grad;           // [B, 3]
+  const std::uint8_t* frozen;  // [N], null: none
   float* sh_dc;
-  NGS_HD void operator()(std::int64_t i) const { sh_dc[std::int64_t(row[i / 3]) * 3 + i % 3] += float(kShC0 * double(grad[i])); }
+  NGS_HD void operator()(std::int64_t i) const {
+    if (!frozen || !frozen[row[i / 3]]) sh_dc[std::int64_t(row[i / 3]) * 3 + i % 3] += float(kShC0 * double(grad[i]));
+  }
 };
 
 template <class Grid>
@@ -191,12 +184,11 @@ class GridJoint final : public DeviceJoint {
     splat.backward(grad.template planes<const float>(plan), moves,
                    {parameters_.wanted(kJointPosition), parameters_.wanted(kJointRotation), parameters_.wanted(kJointScale),
                     parameters_.wanted(kJointOpacity), parameters_.wanted(kJointDc), parameters_.wanted(kJointRest),
-                    parameters_.wanted(kJointLabel), nullptr, nullptr},
+                    parameters_.wanted(kJointLabel), nullptr, nullptr, frozen_.data()},
                    device_sums_);
     if (float* logit_grad = parameters_.wanted(kJointLabel))
       grid_.each(n_ * p_.objects, LogitGradients{trainable_.data(), parameters_.value(kJointLabel), logit_grad});
     if (t.cont) continuity();
-    clear_frozen();
     parameters_.step(room);
   }
 
@@ -263,16 +255,7 @@ class GridJoint final : public DeviceJoint {
     float* const dc = parameters_.wanted(kJointDc);
     if (dc == nullptr) return;
     grid_.each(n, ContinuityBackward<float>{graph, float(p_.terms.lambda_cont / double(n)), {grad.data(), n}});
-    grid_.each(n * 3, AddColourGradients{boundary_row_.data(), grad.data(), dc});
-  }
-
-  void clear_frozen() {
-    if (frozen_.size() == 0) return;
-    for (int column = kJointPosition; column <= kJointRest; ++column) {
-      const std::int64_t values = std::int64_t(p_.blocks[std::size_t(column)].value.size());
-      float* const grad = parameters_.wanted(std::size_t(column));
-      if (grad != nullptr && values > 0) grid_.each(values, ClearFrozen{frozen_.data(), int(values / n_), grad});
-    }
+    grid_.each(n * 3, AddColourGradients{boundary_row_.data(), grad.data(), frozen_.data(), dc});
   }
 
   Grid& grid_;

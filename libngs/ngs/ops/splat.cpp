@@ -1,5 +1,6 @@
 #include "ngs/ops/splat.h"
 
+#include "ngs/core/check.h"
 #include "ngs/ops/cloud_view.h"
 #include "ngs/ops/device_ops.h"
 #include "ngs/ops/splat_engine.h"
@@ -86,9 +87,11 @@ const RenderedView& SplatPass::forward(const Exec& exec, const GaussianCloud& cl
   return s.rendered;
 }
 
-void SplatPass::backward(const Exec& exec, const ViewGradients& gradients, CloudGradients& out) {
+void SplatPass::backward(const Exec& exec, const ViewGradients& gradients, CloudGradients& out,
+                         const std::vector<std::uint8_t>& label_alone) {
   const State& s = *state_;
   const auto n = std::size_t(s.gaussians);
+  NGS_CHECK(label_alone.empty() || label_alone.size() == n, "one flag per Gaussian");
   out.position.resize(n * 3), out.rotation.resize(n * 4), out.log_scale.resize(n * 3), out.logit_opacity.resize(n);
   out.sh_dc.resize(n * 3), out.sh_rest.resize(s.rest_values), out.mean_px.resize(n * 2), out.visible.resize(n);
   out.label.resize(s.request.label.n > 0 ? n * std::size_t(s.request.label.c) : 0);
@@ -98,7 +101,8 @@ void SplatPass::backward(const Exec& exec, const ViewGradients& gradients, Cloud
   if (s.request.depth) moves.push_back(gradients.depth_moves_geometry);
   const CloudGradientView<float> view{out.position.data(), out.rotation.data(), out.log_scale.data(),
                                       out.logit_opacity.data(), out.sh_dc.data(), out.sh_rest.data(), out.label.data(),
-                                      out.mean_px.data(), out.visible.data()};
+                                      out.mean_px.data(), out.visible.data(),
+                                      label_alone.empty() ? nullptr : label_alone.data()};
   const std::vector<Plane<const float>> image = planes<const float>(s.request, gradients);
   if (s.on_device)
     s.on_device->backward(image, moves, view);

@@ -56,8 +56,10 @@ class SplatPass {
   const RenderedView& forward(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
                               const RenderRequest& request);
 
-  /// Overwrites `out` with the gradients of the last forward. Adjoint of forward; ∂α/∂· = 0 where α is capped.
-  void backward(const Exec& exec, const ViewGradients& gradients, CloudGradients& out);
+  /// Overwrites `out` with the gradients of the last forward. Adjoint of forward; ∂α/∂· = 0 where α is capped. Of Gaussians
+  /// with label_alone[i] != 0 (empty: none) only that of the labels is found; their other rows are 0.
+  void backward(const Exec& exec, const ViewGradients& gradients, CloudGradients& out,
+                const std::vector<std::uint8_t>& label_alone = {});
 
  private:
   struct State;

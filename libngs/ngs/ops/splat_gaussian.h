@@ -26,6 +26,7 @@ struct CloudGradientView {
   S *position = nullptr, *rotation = nullptr, *log_scale = nullptr, *logit_opacity = nullptr;
   S *sh_dc = nullptr, *sh_rest = nullptr, *label = nullptr, *mean_px = nullptr;
   std::uint8_t* visible = nullptr;
+  const std::uint8_t* label_alone = nullptr;  // [N] 1: of this Gaussian only `label` is wanted, its other rows are 0; null: none
 };
 
 struct TileRect {
@@ -253,6 +254,15 @@ struct GaussianBackward {
   }
 
   NGS_HD void gather(std::int64_t i, std::int64_t begin, std::int64_t end) const {
+    int channel = kPairGeometry + (plan.colour ? 3 : 0);
+    for (int k = 0; k < plan.labels(); ++k, ++channel)
+      if (out.label) out.label[i * plan.labels() + k] = sum(channel, begin, end);
+    if (out.visible) out.visible[i] = 1;
+    if (!out.label_alone || !out.label_alone[i]) gather_shape_and_colour(i, begin, end);
+  }
+
+ private:
+  NGS_HD void gather_shape_and_colour(std::int64_t i, std::int64_t begin, std::int64_t end) const {
     const Vec3<Wide> wide_offset = view.offset(cloud, i);
     const Vec3<S> offset = narrowed<S>(wide_offset), t = narrowed<S>(view.wide.rotation * wide_offset);
     ProjectionContext<S> ctx;
@@ -263,16 +273,13 @@ struct GaussianBackward {
     GaussianGradient<S> g = project_gaussian_backward(
         view.camera, t, p, ctx, view.antialiased,
         ProjectedGradient<S>{geometry[0], geometry[1], geometry[2], geometry[3], geometry[4], geometry[5]});
-    int channel = kPairGeometry;
     Vec3<S> grad_offset{S(0), S(0), S(0)};
     if (plan.colour) {
-      const Vec3<S> grad_rgb{sum(channel, begin, end), sum(channel + 1, begin, end), sum(channel + 2, begin, end)};
-      channel += 3;
+      const int first = kPairGeometry;
+      const Vec3<S> grad_rgb{sum(first, begin, end), sum(first + 1, begin, end), sum(first + 2, begin, end)};
       grad_offset = colour(i, offset, grad_rgb);
     }
-    for (int k = 0; k < plan.labels(); ++k, ++channel)
-      if (out.label) out.label[i * plan.labels() + k] = sum(channel, begin, end);
-    if (plan.depth) g.t.z += sum(channel, begin, end);
+    if (plan.depth) g.t.z += sum(kPairGeometry + plan.count() - 1, begin, end);
     store(out.position, i, transpose(view.camera.rotation) * g.t + grad_offset);
     if (out.rotation) {
       S* o = out.rotation + i * 4;
@@ -281,10 +288,7 @@ struct GaussianBackward {
     store(out.log_scale, i, g.log_scale);
     if (out.logit_opacity) out.logit_opacity[i] = g.logit_opacity;
     if (out.mean_px) out.mean_px[i * 2] = geometry[0], out.mean_px[i * 2 + 1] = geometry[1];
-    if (out.visible) out.visible[i] = 1;
   }
-
- private:
   NGS_HD static void store(S* column, std::int64_t i, Vec3<S> v) {
     if (column) column[i * 3] = v.x, column[i * 3 + 1] = v.y, column[i * 3 + 2] = v.z;
   }

@@ -213,9 +213,11 @@ void JointTrainer::Impl::cont_term(LossTerms& loss) {
     for (std::size_t c = 0; c < 3; ++c)
       colour[b * 3 + c] = float(0.5 + kShC0 * double(cloud.sh_dc[std::size_t(boundary.row[b]) * 3 + c]));
   loss.cont = loss_cont(exec, cont_graph, {colour.data(), boundary.size()}, {}, options.lambda_cont, &grad);
-  for (std::size_t b = 0; b < boundary.row.size(); ++b)
-    for (std::size_t c = 0; c < 3; ++c)
-      gradients.sh_dc[std::size_t(boundary.row[b]) * 3 + c] += float(kShC0 * double(grad[b * 3 + c]));
+  for (std::size_t b = 0; b < boundary.row.size(); ++b) {
+    const std::size_t row = boundary.row[b];
+    if (!frozen.empty() && frozen[row]) continue;
+    for (std::size_t c = 0; c < 3; ++c) gradients.sh_dc[row * 3 + c] += float(kShC0 * double(grad[b * 3 + c]));
+  }
 }
 
 LossTerms JointTrainer::Impl::step_view(std::size_t n) {
@@ -256,7 +258,7 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
   }
   {
     const auto timed = monitor.scope("splat backward");
-    splat.backward(exec, grad, gradients);
+    splat.backward(exec, grad, gradients, frozen);  // whose moments stay zero, and so do the steps
   }
   for (std::size_t i = 0; i < label.size(); ++i)
     gradients.label[i] = trainable[i] ? gradients.label[i] * sigmoid_slope(logit[i]) : 0.f;
@@ -298,7 +300,6 @@ void JointTrainer::Impl::update(double decay) {
   const std::int64_t t = done + 1;
   adam_step(exec, {.lr = options.rate_label * decay}, t, "label", logit, gradients.label, label_moments);
   if (effects.geometry) {
-    clear_rows(frozen, cloud.rest_count(), gradients);  // moments stay zero, and so do the steps
     GroupRates fallen = rates;
     for (double& rate : fallen) rate *= decay;
     step_gaussians(exec, t, fallen, gradients, cloud, moments);

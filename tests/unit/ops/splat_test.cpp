@@ -75,7 +75,8 @@ struct WholeView {
 };
 
 /// Forward and backward through SplatPass with 3, 4, 5 or 8 channels.
-WholeView whole_view(const test::SplatCase& c, Isa isa, int threads, int labels, bool depth) {
+WholeView whole_view(const test::SplatCase& c, Isa isa, int threads, int labels, bool depth,
+                     const std::vector<std::uint8_t>& label_alone = {}) {
   const GaussianCloud cloud = test::float_cloud(c);
   std::vector<float> label(std::size_t(c.gaussians * labels));
   for (std::size_t i = 0; i < label.size(); ++i) label[i] = float(c.label[i % c.label.size()]);
@@ -87,7 +88,7 @@ WholeView whole_view(const test::SplatCase& c, Isa isa, int threads, int labels,
   ViewGradients gradients;
   gradients.colour = out.image.colour, gradients.label = out.image.label, gradients.depth = out.image.depth;
   gradients.alpha = out.image.alpha;
-  pass.backward(exec, gradients, out.gradient);
+  pass.backward(exec, gradients, out.gradient, label_alone);
   return out;
 }
 
@@ -116,6 +117,28 @@ TEST_CASE("splat: x86-64-v4 gives the bytes of x86-64-v3, forward and backward")
       CHECK(a.gradient.label == b.gradient.label);
       CHECK(std::any_of(a.gradient.position.begin(), a.gradient.position.end(), [](float g) { return g != 0; }));
     }
+}
+
+TEST_CASE("splat: where the gradient of labels alone is wanted the others are zero, and no other Gaussian's change") {
+  const test::SplatCase c = test::splat_case(5, 200, 71, 50);
+  std::vector<std::uint8_t> alone(200);
+  for (std::size_t i = 0; i < alone.size(); ++i) alone[i] = i % 3 == 0;
+  for (const int labels : {0, 2}) {
+    const CloudGradients all = whole_view(c, best_isa(), 1, labels, true).gradient,
+                         some = whole_view(c, best_isa(), 2, labels, true, alone).gradient;
+    CHECK(some.label == all.label);
+    CHECK(some.visible == all.visible);
+    for (const auto column : {&CloudGradients::position, &CloudGradients::rotation, &CloudGradients::log_scale,
+                              &CloudGradients::logit_opacity, &CloudGradients::sh_dc, &CloudGradients::sh_rest,
+                              &CloudGradients::mean_px}) {
+      std::vector<float> want = all.*column;
+      const std::size_t width = want.size() / alone.size();
+      REQUIRE(std::any_of(want.begin(), want.end(), [](float g) { return g != 0; }));
+      for (std::size_t i = 0; i < want.size(); ++i)
+        if (alone[i / width]) want[i] = 0;
+      CHECK(some.*column == want);
+    }
+  }
 }
 
 TEST_CASE("splat gives the same bits for any number of threads") {
