@@ -82,9 +82,11 @@ TEST_CASE("joint: the artifact of ngs-sample and ngs-rbf gives the same result a
   CHECK(state_after(*c, small_options(6), 6, 2, &field) == state_after(*c, small_options(6), 6, 2));
 }
 
-TEST_CASE("joint: every part of the method can be switched off alone, and matters") {
+TEST_CASE("joint: every part of the method can be switched off alone, and matters from the first visits on") {
   const auto c = test::joint_case();
-  const auto all = state_after(*c, small_options(6), 6, 2);
+  constexpr std::int64_t kEveryViewOnce = 4, kSomeTwice = 6;
+  const auto once = state_after(*c, small_options(kSomeTwice), kEveryViewOnce, 2),
+             twice = state_after(*c, small_options(kSomeTwice), kSomeTwice, 2);
   const std::set<std::string_view> elsewhere{
       "exposure", "floaters", "strays", "view-trust", "joint", "edges",
       "split", "second-round", "antialias"};  // stages of their own, or the tool's: unit/stages
@@ -93,11 +95,12 @@ TEST_CASE("joint: every part of the method can be switched off alone, and matter
   for (const EffectInfo& effect : effect_registry()) {
     if (elsewhere.contains(effect.name) || nothing_here.contains(effect.name)) continue;
     CAPTURE(std::string(effect.name));
-    JointOptions options = small_options(6);
+    JointOptions options = small_options(kSomeTwice);
     options.effect = {std::string(effect.name) + "=off"};
-    const auto other = state_after(*c, options, 6, 2);
+    const auto other = state_after(*c, options, kSomeTwice, 2);
     for (const float x : other) REQUIRE(std::isfinite(x));
-    CHECK(other != all);
+    CHECK(other != twice);
+    CHECK(state_after(*c, options, kEveryViewOnce, 2) != once);
   }
 }
 

@@ -133,7 +133,7 @@ struct RaysOnGrid {
 /// About `boundary` [B, 3] as it is; `map`: null members: windows are centred on the mean distance.
 template <class Grid>
 RaysOnGrid<Grid> sampled_rays(Grid& grid, const JointProblem& p, const RayCamera& camera, Rows<const float, 3> boundary,
-                              const DepthPlanes& map, bool whole_image) {
+                              const DepthPlanes& map) {
   RaysOnGrid<Grid> out;
   const std::int64_t n = out.rays = p.shape.most_nodes(), chunks = divided_up(boundary.n, BoxOfChunk::kRows);
   out.samples = p.rays.samples;
@@ -141,7 +141,7 @@ RaysOnGrid<Grid> sampled_rays(Grid& grid, const JointProblem& p, const RayCamera
   out.position = {grid, n * out.samples * 3}, out.on_surface = {grid, n};
   const GridBuffer<Grid, BoxSums> sums(grid, chunks);
   grid.each(chunks, BoxOfChunk{camera, boundary, p.bbox_pad_px, sums.data()});
-  grid.each(1, GridOfBox{camera, sums.data(), chunks, p.bbox_pad_px, p.shape, whole_image, out.view.data()});
+  grid.each(1, GridOfBox{camera, sums.data(), chunks, p.bbox_pad_px, p.shape, p.terms.whole_image, out.view.data()});
   const RayArrays arrays{nullptr,          out.direction.data(), out.near.data(), out.far.data(),
                          out.spacing.data(), out.position.data(), nullptr};
   grid.each(n, SampleRayOfView{{camera, {}, p.rays, map, arrays}, out.view.data()});

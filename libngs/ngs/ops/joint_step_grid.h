@@ -201,8 +201,7 @@ class GridJoint final : public DeviceJoint {
     const Floats boundary = boundary_of(parameters_.value(kJointPosition));
     const RaysOnGrid<Grid> rays = queries == JointQueries::kGiven     ? given_rays(grid_, given)
                                   : queries == JointQueries::kInitial ? initial_rays(view, camera, ray)
-                                  : sampled_rays(grid_, p_, ray, rows(boundary), t.pixel_windows ? map : DepthPlanes{},
-                                                 t.whole_image);
+                                  : sampled_rays(grid_, p_, ray, rows(boundary), t.pixel_windows ? map : DepthPlanes{});
     if (rays.rays == 0) return {};
     grid_.each(rays.rays, RayOfViewOnSurface{{ray, {}, map, rays.near.data(), rays.far.data(), rays.on_surface.data()},
                                              rays.view.data()});
@@ -236,13 +235,13 @@ class GridJoint final : public DeviceJoint {
                                                0, 0, p_.initial.usable.data(), nullptr});
     const Floats boundary = boundary_of(initial_->view().position);
     const RenderedOnGrid<Grid> rendered(grid_, p_.terms.pixel_windows ? view.pixels() : 0, false, 0, true, true);
-    if (!p_.terms.pixel_windows) return sampled_rays(grid_, p_, ray, rows(boundary), {}, false);
+    if (!p_.terms.pixel_windows) return sampled_rays(grid_, p_, ray, rows(boundary), {});
     const ChannelPlan<float> plan{false, true, {}};
     const PairRoom room = this->room();
     GridSplat<Grid>(grid_, camera, p_.initial_splat, initial_->view(), plan, {0, 0, 0}, &room)
         .forward(rendered.template planes<float>(plan));
     return sampled_rays(grid_, p_, ray, rows(boundary),
-                        {rendered.depth.data(), rendered.alpha.data(), view.width_px, view.height_px}, false);
+                        {rendered.depth.data(), rendered.alpha.data(), view.width_px, view.height_px});
   }
 
   void continuity() {

@@ -85,15 +85,7 @@ JointField::JointField(const Exec& exec, const Setup& s)
 FieldRays JointField::rays(const Exec& exec, const Camera& camera, Rows<const float, 3> boundary,
                            const DepthMap& map) const {
   FieldRays out;
-  ViewSample sample = sample_view(exec, sample_, camera, boundary, map);
-  if (!effects_.box && sample.boundary.visible > 0) {
-    const PixelBox image{0, 0, double(camera.width_px), double(camera.height_px)};
-    sample.rays = ray_queries(
-        exec, camera, pixel_grid(image, sample_.rows, sample_.cols, sample_.nodes),
-        {sample_.depth_samples, sample_.depth_span, sample_.depth_epsilon, sample.boundary.mean_distance},
-        map);
-  }
-  out.rays = std::move(sample.rays);
+  out.rays = sample_view(exec, sample_, camera, boundary, map).rays;
   if (out.rays.rays() == 0) return out;
   out.graph = nearest_points(exec, boundary, out.rays.positions(), neighbours_);
   build_transpose(out.graph);

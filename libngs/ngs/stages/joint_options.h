@@ -49,9 +49,10 @@ inline int visits_of(Quality quality) {
   return 10;
 }
 
-/// One visit of every view learns little from the field: draft asks a quarter of the nodes at half the depths, which on
-/// a capture moved no score by more than 0.0002 (BENCHMARKS.md, "Work and precision").
-inline SampleOptions sample_of(SampleOptions sample, Quality quality) {
+/// What the effects leave of the box (Sp), and a draft of nodes and depths: one visit of every view learns little from the
+/// field, and a quarter of the nodes at half the depths moved no score of a capture by more than 0.0002 (BENCHMARKS.md).
+inline SampleOptions sample_of(SampleOptions sample, Quality quality, const JointEffects& effects) {
+  sample.whole_image = !effects.box;
   if (quality != Quality::kDraft) return sample;
   for (int* count : {&sample.rows, &sample.cols, &sample.depth_samples}) *count = (*count + 1) / 2;
   return sample;

@@ -77,7 +77,7 @@ struct JointTrainer::Impl {
         monitor(m),
         options(s.options),
         effects(parse_effects(s.options.effect)),
-        sample(sample_of(s.sample, s.options.quality)),
+        sample(sample_of(s.sample, s.options.quality, effects)),
         rbf(s.rbf),
         input(s.input),
         given_field(s.field),

@@ -36,7 +36,7 @@ JointTerms terms_of(const ResidentModel& m) {
           .label_moves_geometry = e.mask_geometry,
           .excess_variance = o.excess_variance,
           .pixel_windows = m.sample.window == WindowCentre::kPixel,
-          .whole_image = !e.box,
+          .whole_image = m.sample.whole_image,
           .photometric_weight = o.photometric_weight,
           .lambda_mask = o.lambda_mask,
           .lambda_cont = o.lambda_cont,

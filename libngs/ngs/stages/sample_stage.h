@@ -28,6 +28,7 @@ struct SampleOptions {
   double depth_epsilon = 1e-4;
   WindowCentre window = WindowCentre::kPixel;
   GridNodes nodes = GridNodes::kCentres;
+  bool whole_image = false;  // the grid covers every view that sees the boundary: --effect box=off, no option of its own
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
