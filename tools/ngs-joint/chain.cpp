@@ -37,6 +37,9 @@ void check(cli::Run& run, const Declared& declared, const Paths& paths) {
   refuse_if(!o.apart.empty() && !paths.field.empty(),
             "--apart with --field, whose query points are those of all objects",
             "leave --field out: the run samples its own");
+  const int features = declared.settings.joint.hash_features;
+  refuse_if(!are_hash_features(features), "--hash-features: " + std::to_string(features) + ", expected 1, 2, 4 or 8",
+            "2 is the default; --hash-levels adds resolutions");
   refuse_if(!paths.nerf.empty() && mode_of("nerf", declared.settings.joint.effect) == EffectMode::kOff,
             "--nerf with nerf off by --effect, expected a field to write", "leave out one of them");
   if (o.method != Method::kPaper && run.device_exec().device_ops != nullptr)

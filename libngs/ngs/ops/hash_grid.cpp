@@ -18,10 +18,9 @@ constexpr std::int64_t kQueriesPerTask = 512;
 
 void check_config(const HashGridConfig& c) {
   NGS_CHECK(c.levels >= 1 && c.levels <= kMaxHashLevels, "levels in [1, 16]");
-  NGS_CHECK(c.features == 1 || c.features == 2 || c.features == 4 || c.features == 8,
-            "features is 1, 2, 4 or 8");
+  NGS_CHECK(are_hash_features(c.features), "features is 1, 2, 4 or 8");
   NGS_CHECK(c.log2_table >= 3 && c.log2_table <= 24, "log2_table in [3, 24]");
-  NGS_CHECK(c.base_resolution >= 2 && c.max_resolution >= c.base_resolution && c.max_resolution <= 65536,
+  NGS_CHECK(c.base_resolution >= 2 && c.max_resolution >= c.base_resolution && c.max_resolution <= kMaxHashResolution,
             "2 <= base_resolution <= max_resolution <= 65536");
 }
 

@@ -13,12 +13,17 @@
 
 namespace ngs {
 
+inline constexpr int kMaxHashResolution = 65536;
+
+/// Whether rows of so many features are implemented.
+constexpr bool are_hash_features(int features) { return features == 1 || features == 2 || features == 4 || features == 8; }
+
 struct HashGridConfig {
   int levels = 8;            // L, 1..kMaxHashLevels
   int features = 2;          // F: 1, 2, 4 or 8
   int log2_table = 15;       // entries of a hashed level, 3..24
   int base_resolution = 16;  // Nmin >= 2
-  int max_resolution = 512;  // Nmax >= Nmin
+  int max_resolution = 512;  // Nmax >= Nmin, at most kMaxHashResolution
   bool smoothstep = false;   // 3t² - 2t³ instead of t: a continuous gradient in x
   int outputs() const { return levels * features; }
 };
