@@ -61,6 +61,8 @@ std::vector<EffectVerdict> ruled_by_options(const Settings& settings, const Path
       ruled.push_back({name, false, "part of --method paper"});
   if (!paths.nerf.empty()) ruled.push_back({"nerf", true, "--nerf"});
   if (!walks_edges(settings)) ruled.push_back({"edges", false, "no visits: --quality draft without --edge-visits"});
+  if (settings.edge.split_px < EdgeOptions{}.split_px)  // less than what its detector looks for
+    ruled.push_back({"split", true, "--edge-split"});
   if (!settings.run.apart.empty())
     ruled.push_back({"floaters", false, "what stands before several objects is not one run's"});
   return ruled;
