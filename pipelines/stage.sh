@@ -63,7 +63,7 @@ truth_of_scene() {
 }
 
 # mask_setting NAME: how ngs-scene reads the input masks; nothing before it has run.
-mask_setting() { sed -n "/^ *\"masks\":/{s/.*\"$1\":\"\{0,1\}\([a-z]*\).*/\1/p;q}" "$OUT/scene.json" 2> /dev/null || true; }
+mask_setting() { sed -n "/^ *\"masks\":/{s/.*\"$1\":\"\{0,1\}\([a-z0-9]*\).*/\1/p;q}" "$OUT/scene.json" 2> /dev/null || true; }
 
 # Why the input masks cannot stand in for the truth; nothing where they can.
 no_stand_in() {
@@ -227,7 +227,7 @@ stage_render() {
 
 # eval_words DIR TRUTH: the options of ngs-eval for the masks in DIR, into `words`. Masks of several objects lie in a folder
 # each; folders of a single object belong to the views' names, as the cameras of a rig. Label maps that stand in for the truth
-# have the ids that ngs-scene found in them, and so do those that EVAL_FLAGS says nothing else of.
+# have the ids that ngs-scene found in them and its void id, and so do those that EVAL_FLAGS says nothing else of.
 eval_words() {
   local labels layout=view ids id
   flags "$EVAL_FLAGS"
@@ -237,6 +237,8 @@ eval_words() {
       mapfile -t ids < <(sed -n 's/^ *{"name":"\(.*\)","id":\([0-9]*\)},\{0,1\}$/\1=\2/p' "$OUT/scene.json")
       for id in "${ids[@]}"; do words+=(--object-id "$id"); done
     fi
+    id=$(mask_setting void_id)
+    if [[ -n $id && ${words[*]} == *--label-map* && $EVAL_FLAGS != *--void-id* ]]; then words+=(--void-id "$id"); fi
   fi
   if [ -z "$(find -L "$1" -mindepth 2 -name '*.png' -print -quit 2> /dev/null)" ]; then return; fi
   labels=$(sed '/^end_header/q' "$OUT/labelled.ply" 2> /dev/null | LC_ALL=C grep -ac '^property float ngs_label' || true)

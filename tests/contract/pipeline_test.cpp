@@ -217,6 +217,21 @@ TEST_CASE("ngs-gs.sh lets input masks stand in for the truth as ngs-scene reads 
     REQUIRE(result.exit_code == 0);
     CHECK(iou() > 0.8);
   }
+  SUBCASE("label maps with void pixels") {
+    for (const fs::directory_entry& file : fs::directory_iterator(capture.dir.path() + "/my scene/labels")) {
+      const io::RawMask labels = io::read_mask_raw(file.path().string(), io::Palette::kIndices);
+      ImageU8 with_void(labels.width_px, labels.height_px, 1);
+      for (std::size_t p = 0; p < with_void.data.size(); ++p)
+        with_void.data[p] = p < 3 * std::size_t(labels.width_px) ? 255 : std::uint8_t(labels.data[p]);
+      io::write_png(file.path().string(), with_void);
+    }
+    const test::ProcessResult result = run("--mask-mode label --void-id 255", {"--masks", "my scene/labels"});
+    INFO(result.err);
+    REQUIRE(result.exit_code == 0);
+    std::ifstream file(capture.out + "/metrics.json");
+    for (const nlohmann::json& view : nlohmann::json::parse(file)["views"])
+      CHECK(view["counts"]["void_px"] == 3 * view["width_px"].get<int>());
+  }
   SUBCASE("inverted ones") {
     for (const fs::directory_entry& file : fs::directory_iterator(masks)) {
       const io::RawMask mask = io::read_mask_raw(file.path().string(), io::Palette::kMask);

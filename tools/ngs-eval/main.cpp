@@ -8,7 +8,7 @@ int main(int argc, char** argv) {
                  "Score predicted masks against true ones: IoU, accuracy, boundary IoU, contour F.",
                  {"ngs-eval masks masks_gt -o metrics.json",
                   "ngs-eval masks masks_gt --views every:4:2 --fail-below iou=0.9,biou=0.6 -o metrics.json",
-                  "ngs-eval labels labels_gt --label-map -o metrics.json",
+                  "ngs-eval labels labels_gt --label-map --void-id 255 -o metrics.json",
                   "ngs-eval renders photos --image-metrics -o photos.json"});
   EvalOptions options;
   cli::EvalFileOptions files;
@@ -18,9 +18,7 @@ int main(int argc, char** argv) {
   const cli::Input& truth = tool.input("truth", "folder of true masks, or one file");
   const cli::Output& out = tool.output("-o,--output", "metrics.json");
   return tool.run(argc, argv, [&](cli::Run& run) {
-    if (!options.object_id.empty() && !options.label_map)
-      throw Error(ErrorCode::kUsage, "object_id without label_map, expected ids of label maps only",
-                  "add --label-map, or leave --object-id out");
+    require_consistent(options);
     // A misspelt score is found before the work.
     check_scores(options.fail_below, files.image_metrics ? cli::mean_scores({cli::PhotoScore{}})
                                                          : cli::mean_scores(EvalSummary{}));

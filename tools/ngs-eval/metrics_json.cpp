@@ -12,9 +12,11 @@ Json values_json(const ScoreValues& values) {
   return json;
 }
 
-Json counts_json(const Confusion& counts, std::uint64_t far_fp, std::uint64_t far_fn) {
-  return {{"tp", counts.tp}, {"fp", counts.fp},  {"fn", counts.fn},
-          {"tn", counts.tn}, {"far_fp", far_fp}, {"far_fn", far_fn}};
+/// Of a pair or of an object.
+template <class Scored>
+Json counts_json(const Scored& s) {
+  return {{"tp", s.counts.tp},  {"fp", s.counts.fp},  {"fn", s.counts.fn},   {"tn", s.counts.tn},
+          {"far_fp", s.far_fp}, {"far_fn", s.far_fn}, {"void_px", s.void_px}};
 }
 
 Json view_json(const PairScore& pair) {
@@ -29,7 +31,7 @@ Json view_json(const PairScore& pair) {
                {"both_empty", pair.scores.both_empty},
                {"one_empty", pair.scores.one_empty}};
   json.update(values_json(score_values(pair.scores)));
-  json["counts"] = counts_json(pair.scores.counts, pair.scores.far_fp, pair.scores.far_fn);
+  json["counts"] = counts_json(pair.scores);
   return json;
 }
 
@@ -39,7 +41,7 @@ Json object_json(const ObjectMean& object) {
                {"both_empty", object.both_empty},
                {"one_empty", object.one_empty}};
   json.update(values_json(object.mean));
-  json["counts"] = counts_json(object.counts, object.far_fp, object.far_fn);
+  json["counts"] = counts_json(object);
   return json;
 }
 

@@ -13,12 +13,13 @@ bool is_other_shape(const PairScore& pair) {
 }
 
 void warn_about_conventions(Run& run, const std::vector<PairScore>& scores) {
-  int both_empty = 0, one_empty = 0, zero_one = 0, other_shape = 0;
+  int both_empty = 0, one_empty = 0, zero_one = 0, other_shape = 0, usual_void = 0;
   for (const PairScore& pair : scores) {
     both_empty += pair.scores.both_empty;
     one_empty += pair.scores.one_empty;
     zero_one += pair.predicted_zero_one || pair.truth_zero_one;
     other_shape += is_other_shape(pair);
+    usual_void += pair.truth_has_usual_void;
   }
   const auto warn = [&](int count, const std::string& what) {
     if (count > 0)
@@ -27,6 +28,7 @@ void warn_about_conventions(Run& run, const std::vector<PairScore>& scores) {
   warn(both_empty, "have two empty masks: scored 1");
   warn(one_empty, "have exactly one empty mask: overlap and contour scored 0");
   warn(zero_one, "have a mask of zeros and ones: read as 0/255");
+  warn(usual_void, "have a true label map with 255 beside other ids: if it marks pixels without a label, say --void-id 255");
   warn(other_shape, "have masks of different shapes, turned or cut: the prediction was stretched to the truth's");
 }
 

@@ -83,12 +83,13 @@ class AtlasMaker {
     const LabelColumns* labels = labels_of(ply_, view.object);
     const SceneView* scene_view = view_named(view.view);
     if (labels == nullptr || scene_view == nullptr) return false;
-    const Plane truth = read_plane(view.truth, view.truth_id);
-    if (truth.empty()) return false;
-    const int w = truth.width_px, h = truth.height_px;
+    const Plane labelled = read_truth(view);
+    if (labelled.empty()) return false;
+    const int w = labelled.width_px, h = labelled.height_px;
     const Plane predicted = fitted(read_plane(view.predicted, view.predicted_id), w, h);
     const Plane input = fitted(read_plane(view.input, view.input_id), w, h);
     if (predicted.empty()) return false;
+    const Plane truth = closest_truth(labelled, predicted);
     const Camera camera = resized(scene_view->camera, w, h);
     const SplatOptions splat = filter_at_scale(splat_, double(w) / scene_view->camera.width_px);
     found.atlas = error_atlas(exec_, {ply_.cloud, *labels, camera, splat, predicted.view(), truth.view(),

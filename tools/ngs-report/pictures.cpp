@@ -17,7 +17,7 @@ struct Window {
 };
 
 Plane cropped(const Plane& plane, Window w) {
-  Plane out{w.width_px, w.height_px, {}};
+  Plane out{w.width_px, w.height_px, {}, {}};
   if (plane.empty()) return out;
   for (int y = w.y; y < w.y + w.height_px; ++y)
     for (int x = w.x; x < w.x + w.width_px; ++x) {
@@ -102,7 +102,7 @@ std::string caption_of(const ShownView& view) {
 }
 
 Layers read_layers(const ShownView& view) {
-  return {read_plane(view.input, view.input_id), read_plane(view.truth, view.truth_id),
+  return {read_plane(view.input, view.input_id), read_truth(view),
           read_plane(view.predicted, view.predicted_id)};
 }
 
@@ -172,7 +172,7 @@ std::string crop_figure(const ShownView& view, int side_px) {
   if (layers.truth.empty() || layers.predicted.empty()) return {};
   const int w = layers.truth.width_px, h = layers.truth.height_px;
   layers = fitted(layers, w, h);
-  const Window window = worst_window(layers.predicted, layers.truth, side_px);
+  const Window window = worst_window(layers.predicted, closest_truth(layers.truth, layers.predicted), side_px);
   // One pixel more on each side, so that no outline runs along the border of the crop.
   const Window wider{window.x - 1, window.y - 1, window.width_px + 2, window.height_px + 2};
   const Layers parts{cropped(layers.input, wider), cropped(layers.truth, wider),

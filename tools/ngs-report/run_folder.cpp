@@ -125,6 +125,8 @@ void add_scored_views(RunFolder& run) {
       view.predicted = found_path(run, text_at(*file->second, "predicted"));
       view.truth = found_path(run, text_at(*file->second, "truth"));
       view.truth_id = count_at(*file->second, "truth_id");
+      const Json& void_id = value_at(run.report("ngs-eval"), {"options", "void_id"});
+      if (void_id.is_number_integer()) view.void_id = void_id.get<std::int64_t>();
       if (view.truth_id == 0) view.truth_id = view.predicted_id = label_id(run, view.object);
     }
     run.views.push_back(std::move(view));

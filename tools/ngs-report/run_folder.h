@@ -23,6 +23,7 @@ struct ShownView {
   Vec3<float> behind{0, 0, 0};  // what a transparent photo shows: the scene's background
   std::uint32_t predicted_id = 0, truth_id = 0,
                 input_id = 0;  // 0: a mask; else the object's id in a label map
+  std::int64_t void_id = -1;   // of the truth, a label map; -1: none
   Json scores;                 // an entry of metrics.json "views", or null
 };
 

@@ -111,6 +111,42 @@ Matched match(const std::vector<std::uint8_t>& contour,
   return count;
 }
 
+/// The truth, in void pixels the prediction.
+std::vector<std::uint8_t> closest_truth(MaskPlane predicted, MaskPlane truth, MaskPlane is_void) {
+  std::vector<std::uint8_t> closest(truth.data, truth.data + truth.pixels());
+  for (std::size_t i = 0; i < closest.size(); ++i)
+    if (is_void.data[i]) closest[i] = predicted.data[i];
+  return closest;
+}
+
+std::uint64_t count_set(MaskPlane mask) {
+  std::uint64_t count = 0;
+  for (std::int64_t i = 0; i < mask.pixels(); ++i) count += mask.data[i] != 0;
+  return count;
+}
+
+/// 0 where `is_void`: not object, in no band, no contour.
+template <class T>
+std::vector<T> without_void(std::vector<T> plane, MaskPlane is_void) {
+  for (std::size_t i = 0; is_void.data != nullptr && i < plane.size(); ++i)
+    if (is_void.data[i]) plane[i] = 0;
+  return plane;
+}
+
+/// The counts of the pixels that are not void.
+Confusion known_confusion(const Exec& exec, MaskPlane predicted, MaskPlane truth, MaskPlane is_void) {
+  if (is_void.data == nullptr) return confusion(exec, predicted, truth);
+  require_same_size(truth, is_void);
+  const int w = truth.width_px, h = truth.height_px;
+  const auto known = [&](MaskPlane mask) {
+    return without_void(std::vector<std::uint8_t>(mask.data, mask.data + mask.pixels()), is_void);
+  };
+  const std::vector<std::uint8_t> p = known(predicted), t = known(truth);
+  Confusion counts = confusion(exec, {p.data(), w, h}, {t.data(), w, h});
+  counts.tn -= count_set(is_void);
+  return counts;
+}
+
 /// Wrong pixels farther than band_px from the truth's contour.
 void count_far_errors(MaskPlane predicted, MaskPlane truth, int band_px, MaskScores& scores) {
   std::vector<std::uint8_t> complement(std::size_t(truth.pixels()));
@@ -192,17 +228,16 @@ double boundary_iou(const Exec& exec, const std::vector<std::int32_t>& predicted
   return ratio_or(in_both, in_any, 1.0);
 }
 
-double contour_f(MaskPlane predicted, MaskPlane truth, int tolerance_px) {
+double contour_f(MaskPlane predicted, MaskPlane truth, int tolerance_px, MaskPlane is_void) {
   require_same_size(predicted, truth);
   const int w = predicted.width_px, h = predicted.height_px;
   const std::vector<std::uint8_t> p = contour_of(predicted), t = contour_of(truth);
-  const Matched precision = match(p, column_distance(t, w, h), w, tolerance_px);
-  const Matched recall = match(t, column_distance(p, w, h), w, tolerance_px);
-  if (precision.total == 0 && recall.total == 0) return 1.0;
-  if (precision.matched == 0 || recall.matched == 0) return 0.0;
-  const double share_p = double(precision.matched) / double(precision.total);
-  const double share_r = double(recall.matched) / double(recall.total);
-  return 2 * share_p * share_r / (share_p + share_r);
+  const Matched precision = match(without_void(p, is_void), column_distance(t, w, h), w, tolerance_px);
+  const Matched recall = match(without_void(t, is_void), column_distance(p, w, h), w, tolerance_px);
+  // A mask without any contour matches nothing of the other's, so that a share of nothing may count as 1.
+  const double share_p = ratio_or(precision.matched, precision.total, 1.0);
+  const double share_r = ratio_or(recall.matched, recall.total, 1.0);
+  return share_p + share_r == 0 ? 0.0 : 2 * share_p * share_r / (share_p + share_r);
 }
 
 std::array<double, kScoreNames.size()> score_values(const MaskScores& s) {
@@ -210,9 +245,10 @@ std::array<double, kScoreNames.size()> score_values(const MaskScores& s) {
           s.biou_1px, s.biou_3px, s.biou_5px,       s.contour_f};
 }
 
-MaskScores score_mask(const Exec& exec, MaskPlane predicted, MaskPlane truth, double contour_tolerance) {
+MaskScores score_mask(const Exec& exec, MaskPlane predicted, MaskPlane truth, double contour_tolerance,
+                      MaskPlane is_void) {
   MaskScores s;
-  s.counts = confusion(exec, predicted, truth);
+  s.counts = known_confusion(exec, predicted, truth, is_void);
   s.iou = iou(s.counts);
   s.accuracy = pixel_accuracy(s.counts);
   s.class_accuracy = class_accuracy(s.counts);
@@ -220,7 +256,14 @@ MaskScores score_mask(const Exec& exec, MaskPlane predicted, MaskPlane truth, do
   s.one_empty = s.counts.one_empty();
 
   const int w = truth.width_px, h = truth.height_px;
-  const std::vector<std::int32_t> p = chessboard_distance(predicted), t = chessboard_distance(truth);
+  std::vector<std::uint8_t> closest;
+  if (is_void.data != nullptr) {
+    closest = closest_truth(predicted, truth, is_void);
+    truth.data = closest.data();
+    s.void_px = count_set(is_void);
+  }
+  const std::vector<std::int32_t> p = without_void(chessboard_distance(predicted), is_void),
+                                  t = without_void(chessboard_distance(truth), is_void);
   const int wide_band_px = band_width_px(0.02, w, h);
   s.biou = boundary_iou(exec, p, t, w, wide_band_px);
   s.biou_005 = boundary_iou(exec, p, t, w, band_width_px(0.005, w, h));
@@ -229,7 +272,7 @@ MaskScores score_mask(const Exec& exec, MaskPlane predicted, MaskPlane truth, do
   s.biou_5px = boundary_iou(exec, p, t, w, 5);
   const double diagonal = std::sqrt(double(w) * w + double(h) * h);
   // A full mask has no contour: one_empty must still score 0.
-  s.contour_f = s.one_empty ? 0.0 : contour_f(predicted, truth, int(std::ceil(contour_tolerance * diagonal)));
+  s.contour_f = s.one_empty ? 0.0 : contour_f(predicted, truth, int(std::ceil(contour_tolerance * diagonal)), is_void);
   count_far_errors(predicted, truth, wide_band_px, s);
   return s;
 }

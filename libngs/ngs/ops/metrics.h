@@ -18,6 +18,11 @@
 // Degenerate pairs have a defined answer and are flagged: both masks empty -> every score 1; exactly one
 // empty
 // -> IoU, boundary IoU and contour F 0.
+//
+// Void pixels, of which the truth says nothing (PASCAL VOC's 255), are counted nowhere: not in TP to TN, not in a
+// band, not as a pixel of a contour. Where a contour runs they do not tell either: there the truth is taken to be
+// what the prediction is, so that neither mask has an edge along a void that the prediction does not have
+// (PAPER.md 5.15). Empty then means: without a pixel that is not void.
 #include <array>
 #include <cstdint>
 #include <string_view>
@@ -35,7 +40,7 @@ struct MaskPlane {
 };
 
 struct Confusion {
-  std::uint64_t tp = 0, fp = 0, fn = 0, tn = 0;
+  std::uint64_t tp = 0, fp = 0, fn = 0, tn = 0;  // without void pixels
   std::uint64_t total() const { return tp + fp + fn + tn; }
   bool both_empty() const { return tp + fp + fn == 0; }
   bool one_empty() const { return !both_empty() && (tp + fp == 0 || tp + fn == 0); }
@@ -63,8 +68,9 @@ int band_width_px(double ratio, int width_px, int height_px);
 double boundary_iou(const Exec& exec, const std::vector<std::int32_t>& predicted_distance,
                     const std::vector<std::int32_t>& truth_distance, int width_px, int band_px);
 
-/// Contour F-score at a tolerance in px. No contour on either side -> 1, on exactly one side -> 0.
-double contour_f(MaskPlane predicted, MaskPlane truth, int tolerance_px);
+/// Contour F-score at a tolerance in px. No contour on either side -> 1, on exactly one side -> 0. Pixels of
+/// `is_void` (no data: none) are matched with, not counted.
+double contour_f(MaskPlane predicted, MaskPlane truth, int tolerance_px, MaskPlane is_void = {});
 
 /// Everything reported for one pair. kScoreNames and `score` list them in one order.
 struct MaskScores {
@@ -77,6 +83,7 @@ struct MaskScores {
   // Where the wrong pixels are: far = farther from the truth's contour than the 0.02 band (chessboard). Far
   // false positives are leaks and floaters, far false negatives lost parts; the rest is contour error.
   std::uint64_t far_fp = 0, far_fn = 0;
+  std::uint64_t void_px = 0;
   bool both_empty = false, one_empty = false;
 };
 
@@ -84,10 +91,10 @@ inline constexpr std::array<std::string_view, 9> kScoreNames = {
     "iou", "accuracy", "class_accuracy", "biou", "biou_005", "biou_1px", "biou_3px", "biou_5px", "contour_f"};
 std::array<double, kScoreNames.size()> score_values(const MaskScores& scores);
 
-/// `contour_tolerance` is a share of the diagonal. Runs on exec.threads threads; the result does not depend
-/// on them.
+/// `contour_tolerance` is a share of the diagonal; `is_void` marks the void pixels, no data: there are none. Runs on
+/// exec.threads threads; the result does not depend on them.
 MaskScores score_mask(const Exec& exec, MaskPlane predicted, MaskPlane truth,
-                      double contour_tolerance = 0.008);
+                      double contour_tolerance = 0.008, MaskPlane is_void = {});
 
 /// The nearest-neighbour resize of the official evaluators (Pillow's NEAREST): the destination pixel's centre
 /// is mapped into the source. Integer arithmetic, so every machine takes the same pixel.

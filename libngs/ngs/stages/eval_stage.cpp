@@ -37,8 +37,23 @@ std::vector<std::uint8_t> equal_to(const std::vector<std::uint32_t>& labels, std
   return mask;
 }
 
+/// [H·W] 1 where the true label map holds void_id; empty where no pixel is void.
+std::vector<std::uint8_t> void_pixels(const EvalOptions& options, const std::vector<std::uint32_t>& truth) {
+  if (options.void_id < 0) return {};
+  return equal_to(truth, std::uint32_t(options.void_id));
+}
+
+/// PASCAL VOC and its heirs mark pixels without a label by 255.
+bool has_usual_void(const EvalOptions& options, const ObjectIds& ids, const std::vector<std::uint32_t>& truth) {
+  constexpr std::uint32_t kUsualVoid = 255;
+  if (options.void_id >= 0 || ids.contains(kUsualVoid)) return false;
+  const auto other = [&](std::uint32_t id) { return id != 0 && id != kUsualVoid; };
+  return std::ranges::find(truth, kUsualVoid) != truth.end() && std::ranges::any_of(truth, other);
+}
+
 PairScore score_planes(const Exec& exec, const EvalOptions& options, const EvalPair& pair,
-                       const std::vector<std::uint8_t>& predicted, const std::vector<std::uint8_t>& truth) {
+                       const std::vector<std::uint8_t>& predicted, const std::vector<std::uint8_t>& truth,
+                       const std::vector<std::uint8_t>& is_void = {}) {
   const int w = pair.truth.width_px, h = pair.truth.height_px;
   PairScore score;
   score.view = pair.view;
@@ -47,7 +62,8 @@ PairScore score_planes(const Exec& exec, const EvalOptions& options, const EvalP
   score.height_px = h;
   score.predicted_width_px = pair.predicted.width_px;
   score.predicted_height_px = pair.predicted.height_px;
-  score.scores = score_mask(exec, {predicted.data(), w, h}, {truth.data(), w, h}, options.contour_tolerance);
+  score.scores = score_mask(exec, {predicted.data(), w, h}, {truth.data(), w, h}, options.contour_tolerance,
+                            is_void.empty() ? MaskPlane{} : MaskPlane{is_void.data(), w, h});
   return score;
 }
 
@@ -102,6 +118,20 @@ std::vector<std::uint32_t> label_ids(const MaskSamples& samples) {
   return labels;
 }
 
+void require_consistent(const EvalOptions& options) {
+  const auto need_label_map = [&](bool given, const std::string& name, const std::string& flag) {
+    if (given && !options.label_map)
+      throw Error(ErrorCode::kUsage, name + " without label_map, expected with label maps only",
+                  "add --label-map, or leave " + flag + " out");
+  };
+  need_label_map(!options.object_id.empty(), "object_id", "--object-id");
+  need_label_map(options.void_id >= 0, "void_id", "--void-id");
+  for (const auto& [id, name] : parse_object_ids(options.object_id))
+    if (std::int64_t(id) == options.void_id)
+      throw Error(ErrorCode::kUsage, "id " + std::to_string(id) + " is void and object '" + name + "', expected one of the two",
+                  "leave --void-id or --object-id " + name + " out");
+}
+
 std::vector<PairScore> evaluate_pair(const Exec& exec, const EvalOptions& options, const ObjectIds& ids,
                                      const EvalPair& pair) {
   require_pixels(pair.predicted, pair.view, "the predicted");
@@ -124,23 +154,29 @@ std::vector<PairScore> evaluate_pair(const Exec& exec, const EvalOptions& option
     one.object = ids.begin()->second;
     return evaluate_pair(exec, options, ids, one);
   }
+  const std::vector<std::uint32_t> truth = label_ids(pair.truth);
+  const std::vector<std::uint8_t> is_void = void_pixels(options, truth);
+  const bool usual_void = has_usual_void(options, ids, truth);
   if (pair.truth_id > 0) {
     PairScore score = score_planes(exec, options, pair, fitted(binarised(pair.predicted, options.threshold)),
-                                   equal_to(label_ids(pair.truth), pair.truth_id));
+                                   equal_to(truth, pair.truth_id), is_void);
     score.predicted_zero_one = is_zero_one(pair.predicted);
+    score.truth_has_usual_void = usual_void;
     if (score.scores.both_empty) return {};
     return {score};
   }
-  const std::vector<std::uint32_t> predicted = fitted(label_ids(pair.predicted)),
-                                   truth = label_ids(pair.truth);
-  std::set<std::uint32_t> present(predicted.begin(), predicted.end());
-  present.insert(truth.begin(), truth.end());
+  const std::vector<std::uint32_t> predicted = fitted(label_ids(pair.predicted));
+  std::set<std::uint32_t> present;
+  for (std::size_t i = 0; i < truth.size(); ++i)
+    if (is_void.empty() || !is_void[i]) present.insert({predicted[i], truth[i]});
   present.erase(0);
+  if (options.void_id >= 0) present.erase(std::uint32_t(options.void_id));
   std::vector<PairScore> scores;
   for (std::uint32_t id : present) {
     const auto wanted = ids.find(id);
     if (!ids.empty() && wanted == ids.end()) continue;
-    PairScore score = score_planes(exec, options, pair, equal_to(predicted, id), equal_to(truth, id));
+    PairScore score = score_planes(exec, options, pair, equal_to(predicted, id), equal_to(truth, id), is_void);
+    score.truth_has_usual_void = usual_void;
     score.object = wanted == ids.end() ? std::to_string(id) : wanted->second;
     if (!pair.object.empty()) score.object = pair.object + "/" + score.object;
     scores.push_back(std::move(score));
@@ -159,7 +195,7 @@ EvalSummary summarise(std::span<const PairScore> pairs) {
     object.one_empty += s.one_empty;
     object.counts.tp += s.counts.tp, object.counts.fp += s.counts.fp;
     object.counts.fn += s.counts.fn, object.counts.tn += s.counts.tn;
-    object.far_fp += s.far_fp, object.far_fn += s.far_fn;
+    object.far_fp += s.far_fp, object.far_fn += s.far_fn, object.void_px += s.void_px;
     add(object.mean, score_values(s));
     add(summary.mean_over_pairs, score_values(s));
   }

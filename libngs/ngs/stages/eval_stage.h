@@ -7,7 +7,8 @@
 // {0,1}-valued. Of several channels the largest of R, G, B decides, or alpha where it is not constant
 // (scene/mask_samples.h). In label maps an object is `value == id`; colour-coded maps have
 // id = R + 256 G + 65536 B, and a pair of maps in which neither has the object is no pair. Where one id is asked
-// for, a prediction of nothing but 0 and 255 is the mask of that object.
+// for, a prediction of nothing but 0 and 255 is the mask of that object. True pixels of the id `void_id` are no label
+// and are not scored (ops/metrics.h); a prediction of that id says that there is no object.
 #include <cstdint>
 #include <map>
 #include <span>
@@ -24,6 +25,7 @@ struct EvalOptions {
   double threshold = 128;
   double contour_tolerance = 0.008;
   bool label_map = false;
+  int void_id = -1;
   std::vector<std::string> object_id;
   std::string fail_below;
 
@@ -33,6 +35,8 @@ struct EvalOptions {
     visit(self.contour_tolerance, Field<double>{"contour_tolerance", "of the diagonal",
                                                 "match distance of the contour F-score", 0, 0.1});
     visit(self.label_map, Flag{"label_map", "files are label maps: score every object id by itself"});
+    visit(self.void_id, Field<int>{"void_id", "", "label maps: id of the true pixels that are not scored, such as 255 in VOC; "
+                                   "-1: all are", -1, 0xffffff});
     visit(self.object_id,
           Text{"object_id", "ID|NAME=ID", "score only this id of the label maps (repeatable)"});
     visit(self.fail_below,
@@ -63,8 +67,12 @@ struct PairScore {
   int width_px = 0, height_px = 0;                      // of the truth
   int predicted_width_px = 0, predicted_height_px = 0;  // before resizing
   bool predicted_zero_one = false, truth_zero_one = false;
+  bool truth_has_usual_void = false;  // 255 beside other ids, asked for as nothing
   MaskScores scores;
 };
+
+/// kUsage where the options of label maps are given without label_map, or an object is void.
+void require_consistent(const EvalOptions& options);
 
 /// One score for binary masks, one per object that either label map has (none for an object that neither
 /// has). Throws kBadInput for empty images.
@@ -77,7 +85,7 @@ struct ObjectMean {
   std::string object;
   std::int64_t pairs = 0, both_empty = 0, one_empty = 0;
   Confusion counts;  // summed over the pairs
-  std::uint64_t far_fp = 0, far_fn = 0;
+  std::uint64_t far_fp = 0, far_fn = 0, void_px = 0;
   ScoreValues mean{};
 };
 

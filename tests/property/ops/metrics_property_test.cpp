@@ -81,8 +81,8 @@ TEST_CASE("overlap and contour scores are symmetric, lie in [0, 1] and are 1 for
   }
 }
 
-/// The definition: every pair of contour pixels.
-double contour_f_by_all_pairs(const Mask& predicted, const Mask& truth, int tolerance_px) {
+/// The definition: every pair of contour pixels. Those of `is_void` are matched with, not counted.
+double contour_f_by_all_pairs(const Mask& predicted, const Mask& truth, int tolerance_px, const Mask& is_void = {}) {
   const auto contour = [](const Mask& m) {
     std::vector<std::pair<int, int>> points;
     for (int y = 0; y < m.height_px; ++y)
@@ -97,16 +97,17 @@ double contour_f_by_all_pairs(const Mask& predicted, const Mask& truth, int tole
   };
   const auto p = contour(predicted), t = contour(truth);
   const auto share = [&](const auto& from, const auto& to) {
-    double matched = 0;
+    double matched = 0, count = 0;
     for (auto [x, y] : from) {
+      if (!is_void.data.empty() && is_void.at(x, y)) continue;
       bool near = false;
+      ++count;
       for (auto [u, v] : to)
         near = near || (x - u) * (x - u) + (y - v) * (y - v) <= tolerance_px * tolerance_px;
       matched += near;
     }
-    return matched / double(from.size());
+    return count == 0 ? 1.0 : matched / count;
   };
-  if (p.empty() || t.empty()) return p.empty() && t.empty() ? 1.0 : 0.0;
   const double precision = share(p, t), recall = share(t, p);
   return precision + recall == 0 ? 0.0 : 2 * precision * recall / (precision + recall);
 }
@@ -120,6 +121,32 @@ TEST_CASE("contour F equals the definition by all pairs of contour pixels") {
       CHECK(contour_f(pair.predicted.plane(), pair.truth.plane(), tolerance) ==
             contour_f_by_all_pairs(pair.predicted, pair.truth, tolerance));
     }
+}
+
+TEST_CASE("with void pixels every score is that of the truth closest to the prediction, counted over the others") {
+  for (std::uint64_t n = 0; n < 600; ++n) {
+    CAPTURE(n);
+    const Pair pair = nth_pair(n);
+    const int w = pair.truth.width_px, h = pair.truth.height_px;
+    const Mask is_void = test::zoo_mask(MaskKind(int(n / 7) % int(MaskKind::kCount)), w, h, 9000 + n);
+    Mask truth = pair.truth;
+    for (std::size_t i = 0; i < truth.data.size(); ++i)
+      if (is_void.data[i]) truth.data[i] = pair.predicted.data[i];
+    const auto iou_of = [&](const Mask& a, const Mask& b) {
+      double both = 0, any = 0;
+      for (std::size_t i = 0; i < a.data.size(); ++i) {
+        both += a.data[i] && b.data[i] && !is_void.data[i];
+        any += (a.data[i] || b.data[i]) && !is_void.data[i];
+      }
+      return any == 0 ? 1.0 : both / any;
+    };
+    const MaskScores s = score_mask({}, pair.predicted.plane(), pair.truth.plane(), 0.05, is_void.plane());
+    REQUIRE(s.iou == iou_of(pair.predicted, pair.truth));
+    for (auto [d, biou] : {std::pair{1, s.biou_1px}, {3, s.biou_3px}, {5, s.biou_5px}, {band_width_px(0.02, w, h), s.biou}})
+      REQUIRE(biou == iou_of(test::boundary_band(pair.predicted, d), test::boundary_band(truth, d)));
+    const int tolerance_px = int(std::ceil(0.05 * std::sqrt(double(w) * w + double(h) * h)));
+    if (!s.one_empty) REQUIRE(s.contour_f == contour_f_by_all_pairs(pair.predicted, truth, tolerance_px, is_void));
+  }
 }
 
 TEST_CASE("scores do not depend on the thread count") {

@@ -135,6 +135,53 @@ TEST_CASE("far errors are wrong pixels beyond the wide band of the truth's conto
   CHECK(s.far_fn == 1);
 }
 
+/// A box whose contour lies in a void band of 2 px to either side, as VOC's annotations have it.
+struct VoidBand {
+  Mask truth = box(60, 40, 17, 12, 33, 28), is_void = box(60, 40, 15, 10, 35, 30);
+  VoidBand() {
+    for (int y = 12; y < 28; ++y)
+      for (int x = 17; x < 33; ++x) is_void.at(x, y) = x < 19 || x >= 31 || y < 14 || y >= 26;
+    for (std::size_t i = 0; i < truth.data.size(); ++i) truth.data[i] = truth.data[i] && !is_void.data[i];
+  }
+  MaskScores score(const Mask& predicted) const { return score_mask({}, predicted.plane(), truth.plane(), 0.008, is_void.plane()); }
+};
+
+TEST_CASE("what the prediction says of void pixels changes no score") {
+  const VoidBand band;
+  for (int by = 0; by <= 4; ++by) {
+    CAPTURE(by);
+    const MaskScores s = band.score(box(60, 40, 15 + by, 10 + by, 35 - by, 30 - by));
+    for (double value : score_values(s)) CHECK(value == 1);
+    CHECK(s.void_px == 20 * 20 - 12 * 12);
+    CHECK(s.counts.total() == 60 * 40 - s.void_px);
+  }
+}
+
+TEST_CASE("errors beside a void count as ever, and its edge is no edge of either mask") {
+  const VoidBand band;
+  Mask predicted = box(60, 40, 13, 10, 35, 30);  // 2 px beyond the band on one side
+  MaskScores s = band.score(predicted);
+  CHECK(s.counts.fp == 2 * 20);
+  CHECK(s.counts.fn == 0);
+  CHECK(s.iou == 144.0 / 184);
+  CHECK(s.biou_1px == 0);  // the prediction's contour on that side against the truth's, which lies in the void
+  CHECK(s.biou_3px == 0);
+  predicted = box(60, 40, 22, 12, 33, 28);  // 3 px short of the band
+  s = band.score(predicted);
+  CHECK(s.counts.fn == 3 * 12);
+  CHECK(s.biou_1px == 2.0 / (12 + 16));  // columns of 12 px on either side of the gap; the truth's with its corners
+}
+
+TEST_CASE("no void and a void without pixels are the same, and all void is two empty masks") {
+  const Mask predicted = box(20, 16, 3, 3, 12, 10), truth = box(20, 16, 5, 2, 13, 9), none(20, 16), all = box(20, 16, 0, 0, 20, 16);
+  const MaskScores with = score_mask({}, predicted.plane(), truth.plane(), 0.008, none.plane());
+  CHECK(score_values(with) == score_values(score_mask({}, predicted.plane(), truth.plane())));
+  CHECK(with.void_px == 0);
+  const MaskScores nothing = score_mask({}, predicted.plane(), truth.plane(), 0.008, all.plane());
+  CHECK(nothing.both_empty);
+  for (double value : score_values(nothing)) CHECK(value == 1);
+}
+
 TEST_CASE("nearest resize takes the pixel under the destination centre") {
   const std::vector<int> row{0, 1, 2, 3, 4};
   CHECK(resized_nearest(row.data(), 5, 1, 10, 1) == std::vector<int>{0, 0, 1, 1, 2, 2, 3, 3, 4, 4});

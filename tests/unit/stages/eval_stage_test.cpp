@@ -105,6 +105,53 @@ TEST_CASE("a black and white prediction is the mask of the one object that is as
   CHECK(evaluate(labels, truth, options, parse_object_ids({"3"}))[0].scores.iou == 0.5);
 }
 
+TEST_CASE("void pixels of the true label map are scored for no object") {
+  EvalOptions options;
+  options.label_map = true;
+  const Samples truth{{3, 3, 255, 255, 0, 7}, 6, 1}, predicted{{3, 0, 3, 9, 0, 255}, 6, 1}, mask{{255, 0, 255, 0, 0, 0}, 6, 1};
+  CHECK(evaluate(predicted, truth, options).size() == 4);  // 3, 7, 9 and 255
+  options.void_id = 255;
+  const auto scores = evaluate(predicted, truth, options);
+  REQUIRE(scores.size() == 2);
+  CHECK(scores[0].object == "3");  // 9 was predicted for a void pixel only, and 255 is no object
+  CHECK(scores[0].scores.iou == 0.5);
+  CHECK(scores[0].scores.counts.tn == 2);
+  CHECK(scores[0].scores.void_px == 2);
+  CHECK(scores[1].object == "7");
+  CHECK(scores[1].scores.one_empty);
+  const auto one = evaluate(mask, truth, options, parse_object_ids({"ball=3"}));
+  REQUIRE(one.size() == 1);
+  CHECK(one[0].scores.iou == 0.5);
+  CHECK(evaluate(Samples{{0, 0, 255, 255, 0, 0}, 6, 1}, truth, options, parse_object_ids({"9"})).empty());
+}
+
+TEST_CASE("255 beside other ids is told where nothing is said of it") {
+  EvalOptions options;
+  options.label_map = true;
+  const Samples usual{{3, 255, 0, 3}, 4, 1}, two_values{{255, 255, 0, 0}, 4, 1};
+  const auto told = [&](const Samples& truth, const ObjectIds& ids) {
+    return evaluate(usual, truth, options, ids)[0].truth_has_usual_void;
+  };
+  CHECK(told(usual, {}));
+  CHECK(told(usual, {{3, "ball"}}));
+  CHECK_FALSE(told(usual, {{255, "table"}}));
+  CHECK_FALSE(told(two_values, {}));
+  options.void_id = 255;
+  CHECK_FALSE(told(usual, {}));
+}
+
+TEST_CASE("options of label maps are refused where masks are scored, and an object that is void") {
+  EvalOptions options;
+  CHECK_NOTHROW(require_consistent(options));
+  options.void_id = 255;
+  CHECK_THROWS_AS(require_consistent(options), Error);
+  options.label_map = true;
+  options.object_id = {"ball=3"};
+  CHECK_NOTHROW(require_consistent(options));
+  options.object_id = {"ball=3", "rim=255"};
+  CHECK_THROWS_AS(require_consistent(options), Error);
+}
+
 TEST_CASE("colour-coded label maps give one id per colour") {
   CHECK(label_ids(Samples{{1, 2, 3, 0, 0, 0}, 2, 1, 3}.view()) ==
         std::vector<std::uint32_t>{1 + 512 + 196608, 0});
