@@ -133,6 +133,16 @@ TEST_CASE("parts that changed one and the same Gaussian are refused with the way
   CHECK_FALSE(std::filesystem::exists(dir.file("none.ply")));
 }
 
+TEST_CASE("parts of different objects that were made with different options are refused") {
+  const test::TempDir& dir = table();
+  done(dir, joint({"--method", "sa3d", "--apart", "1/2", "-o", "other1.ply"}));
+  const test::ProcessResult refused = tool(dir, {"ngs-joint", "merge", "b.ply", "part0.ply", "other1.ply", "-o", "none.ply"});
+  INFO(refused.err);
+  CHECK(refused.exit_code == 4);
+  CHECK(refused.err.find("other1.ply: made with ngs ") != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(dir.file("none.ply")));
+}
+
 TEST_CASE("an object left out by every part keeps the model's labels, with a warning") {
   const test::TempDir& dir = table();
   const test::ProcessResult result = tool(dir, {"ngs-joint", "merge", "b.ply", "part1.ply", "-o", "half.ply"});

@@ -1,11 +1,14 @@
 #include "apart.h"
 
 #include <algorithm>
+#include <set>
 
+#include "ngs/core/version.h"
 #include "ngs/io/content_hash.h"
 #include "ngs/stages/apart.h"
 #include "ngs/stages/variance_stage.h"
 #include "optimise.h"
+#include "shared/changed_options.h"
 #include "shared/shard.h"
 
 namespace ngs::joint {
@@ -41,6 +44,16 @@ io::GaussianPly read_part(const std::string& path, const std::string& model_hash
   return part;
 }
 
+/// kInconsistent where the parts were not made alike.
+void check_made_alike(const std::vector<io::GaussianPly>& parts) {
+  for (const io::GaussianPly& part : parts)
+    if (part.made_with != parts[0].made_with)
+      throw Error(ErrorCode::kInconsistent,
+                  part.file.name() + ": made with " + part.made_with + ", but " + parts[0].file.name() + " with " +
+                      parts[0].made_with,
+                  "make all parts from one scene.json, with the same options and the same ngs");
+}
+
 ModelPart model_part(const io::GaussianPly& ply, const std::vector<io::NamedLabels>& model_objects) {
   ModelPart part{ply.file.name(), &ply.cloud, &ply.source_row, {}, {}};
   for (const io::NamedLabels& object : objects_of(ply)) {
@@ -63,6 +76,7 @@ int merge(cli::Run& run, const std::string& model_path, const std::vector<std::s
   for (const io::NamedLabels& object : objects) labels.push_back(object.columns);
   std::vector<io::GaussianPly> read;
   for (const std::string& path : paths) read.push_back(read_part(path, hash, model.cloud));
+  check_made_alike(read);
   std::vector<ModelPart> parts;
   for (const io::GaussianPly& part : read) parts.push_back(model_part(part, objects));
   std::vector<std::uint8_t> in_part(objects.size(), 0);
@@ -107,6 +121,22 @@ ApartRun apart_run(const io::GaussianPly& ply, const Scene& scene, const std::st
   apart.held = held_rows(labels, chosen);
   apart.scene = with_objects(scene, names);
   return apart;
+}
+
+std::string part_made_with(const cli::Run& run, const Declared& declared, const Paths& paths) {
+  const auto hash = [](const std::string& path) { return io::content_hash(path).xxh3; };
+  std::string text = std::string("ngs ") + kVersion + ", scene " + hash(paths.scene) + ", --seed " + std::to_string(run.seed());
+  if (!paths.effects_from.empty()) text += ", --effects-from " + hash(paths.effects_from);
+  const std::set<std::string> own{"apart", "checkpoint", "checkpoint_every", "resume", "time_budget", "trace_every"};
+  const auto add = [&](const auto& group) {
+    for (const auto& [name, value] : cli::changed_options(group))
+      if (!own.contains(name)) text += ", " + option_flag(name) + " " + value.dump(-1, ' ', true);
+  };
+  const Settings& s = declared.settings;
+  const MethodOptions& m = declared.methods;
+  add(s.run), add(s.joint), add(s.edge), add(s.sample), add(s.rbf), add(declared.raster);
+  add(m.flash), add(m.sa3d), add(m.bce), add(m.cob), add(m.saga), add(m.released);
+  return text;
 }
 
 int merge_parts(int argc, char** argv) {

@@ -3,9 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "ngs/io/gaussian_ply.h"
-#include "ngs/scene/scene.h"
-#include "shared/tool.h"
+#include "chain.h"
 
 namespace ngs::joint {
 
@@ -19,6 +17,10 @@ struct ApartRun {
 /// `shard`: "i/N", or empty for the whole scene. Groups are dealt to the shards in turn. kUsage where there are
 /// fewer groups than shards.
 ApartRun apart_run(const io::GaussianPly& ply, const Scene& scene, const std::string& shard);
+
+/// What a part follows from beside the model, as one line: the scene's content, the options that differ from their
+/// defaults, seed and version. Not --apart itself, nor what says when a run ends early or where it goes on.
+std::string part_made_with(const cli::Run& run, const Declared& declared, const Paths& paths);
 
 /// "ngs-joint merge": returns the exit code.
 int merge_parts(int argc, char** argv);

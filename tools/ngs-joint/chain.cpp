@@ -197,8 +197,10 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
   if (const int stopped = run.stop_code()) return stopped;
   MethodInput input = without_floaters(believed, clean);
   const bool strays = mend && decisions.on("strays") && leave_strays(run, input);
-  const std::string apart_of = settings.run.apart.empty() ? "" : io::content_hash(paths.boundary).xxh3;
-  const Source source{ply, scene, clean.floater, apart_of};
+  const bool is_apart = !settings.run.apart.empty();
+  const std::string apart_of = is_apart ? io::content_hash(paths.boundary).xxh3 : "";
+  const std::string made_with = is_apart ? part_made_with(run, declared, paths) : "";
+  const Source source{ply, scene, clean.floater, apart_of, made_with};
   if (settings.run.method != Method::kPaper && mend) return run_other(run, declared, input, source, paths.labelled);
   const bool detects = rule_steps_by_time(budget, settings, input, decisions);
   {

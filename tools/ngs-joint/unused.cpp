@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "shared/changed_options.h"
+
 namespace ngs::joint {
 namespace {
 
@@ -11,16 +13,11 @@ class Unused {
   void file(const char* name, const std::string& path) {
     if (!path.empty()) flag(name);
   }
-  /// The options of a group that differ from its defaults; an options file repeats those as well. Not `used` ones.
+  /// The options of a group that differ from their defaults, but for the `used` ones.
   template <class Options>
   void group(Options options, std::initializer_list<std::string_view> used = {}) {
-    Options defaults;
-    OptionSet given, unchanged;
-    given.add(options), unchanged.add(defaults);
-    for (const OptionEntry& entry : given.entries())
-      if (std::find(used.begin(), used.end(), entry.name) == used.end() &&
-          entry.get() != unchanged.at(entry.name).get())
-        flag(option_flag(entry.name));
+    for (const auto& [name, value] : cli::changed_options(options))
+      if (std::find(used.begin(), used.end(), name) == used.end()) flag(option_flag(name));
   }
   const std::string& text() const { return text_; }
 

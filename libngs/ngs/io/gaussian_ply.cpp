@@ -247,8 +247,10 @@ class Reader {
   }
 
   void read_comments() {
-    for (const std::string& comment : ply_.file.comments())
+    for (const std::string& comment : ply_.file.comments()) {
       if (comment.starts_with(kApartComment)) ply_.apart_of = comment.substr(kApartComment.size());
+      if (comment.starts_with(kMadeWithComment)) ply_.made_with = comment.substr(kMadeWithComment.size());
+    }
     for (const std::string& comment : ply_.file.comments()) {
       if (!is_render_comment(comment)) continue;
       ply_.cloud.antialiased |= comment.find("mip") != std::string::npos ||

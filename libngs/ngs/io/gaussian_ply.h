@@ -37,6 +37,7 @@ struct GaussianPly {
   std::vector<float> fixed;          // ngs_fixed: 1 = labelled by hand (ngs-extract --import); empty: absent
   std::vector<std::int64_t> source_row;  // ngs_source: row of the model that apart_of names; empty: absent
   std::string apart_of;                  // content hash of the model that a run apart was made from; empty: none
+  std::string made_with;                 // what else that run was made from, as text; empty: none
   std::vector<std::uint8_t> state;   // SuperSplat: bit 1 selected, 2 locked, 4 deleted; empty: absent
   std::vector<std::string> notes;    // what a reader of the file should know, one sentence each
 };
@@ -74,6 +75,7 @@ struct LabelledWrite {
   std::span<const std::uint8_t> state;  // [rows] adds `uchar state` (supersplat)
   std::string apart_of;                 // content hash of the input: kept as a comment, and `uint ngs_source` is
                                         // added; else neither is, whatever the input has
+  std::string made_with;                // of a run apart: what else it was made from, as one line; kept as a comment
   std::vector<std::string> history;     // appended to the input's comments
 };
 

@@ -161,13 +161,17 @@ std::vector<Added> added_columns(std::span<const NamedLabels> objects, const Lab
 std::vector<std::string> labelled_comments(const GaussianPly& source, std::span<const NamedLabels> objects,
                                            const LabelledWrite& options) {
   std::vector<std::string> comments;
+  const auto is_rewritten = [](const std::string& c) {
+    return c.starts_with(kObjectsComment) || c.starts_with(kApartComment) || c.starts_with(kMadeWithComment);
+  };
   for (const std::string& c : source.file.comments())
-    if (!c.starts_with(kObjectsComment) && !c.starts_with(kApartComment)) comments.push_back(c);
+    if (!is_rewritten(c)) comments.push_back(c);
   nlohmann::json names = nlohmann::json::array();
   for (const NamedLabels& object : objects) names.push_back(object.object);
   comments.push_back(std::string(kObjectsComment) +
                      names.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
   if (!options.apart_of.empty()) comments.push_back(std::string(kApartComment) + options.apart_of);
+  if (!options.made_with.empty()) comments.push_back(std::string(kMadeWithComment) + options.made_with);
   comments.insert(comments.end(), options.history.begin(), options.history.end());
   return comments;
 }
