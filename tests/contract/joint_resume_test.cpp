@@ -27,11 +27,14 @@ struct Case {
 
   /// Writes NAME.ply. TERM comes once stderr holds `interrupt`, where that is given.
   test::ProcessResult joint(const std::string& name, const Words& more, const std::string& interrupt = {}) const {
+    return test::run_process(spec(name, more, interrupt));
+  }
+  test::ProcessSpec spec(const std::string& name, const Words& more, const std::string& interrupt = {}) const {
     Json run = {"ngs-joint", scene, test::fixture_folder() + "/boundary.ply", "-v", "-o", path(name)};
     for (const std::string& word : more) run.push_back(word);
     test::ProcessSpec spec = test::command(run);
     if (!interrupt.empty()) spec.signal = SIGTERM, spec.signal_after = interrupt;
-    return test::run_process(spec);
+    return spec;
   }
 };
 
@@ -87,6 +90,30 @@ TEST_CASE("ngs-joint that was stopped in the edges goes on with the edges") {
   const test::ProcessResult resumed =
       stop_and_resume(c, Words{"--steps", "4", "--effect", "nerf=off"} + edges, "edges begin", true);
   CHECK(says(resumed, "resumed after step 4"));
+}
+
+TEST_CASE("ngs-joint writes its result where there is no room for a checkpoint, and says so") {
+  const Case c;
+  const Words few{"--steps", "4", "--effect", "nerf=off", "--effect", "edges=on", "--edge-visits", "2"};
+  REQUIRE(c.joint("whole", few).exit_code == 0);
+  const int room_kib = int(fs::file_size(c.path("whole")) / 1024) + 8;  // for the model; a checkpoint holds the moments beside
+  const Words kept = few + Words{"--checkpoint", c.keep, "--checkpoint-every", "1"};
+  const test::ProcessResult result = test::run_process(test::with_files_of_at_most(room_kib, c.spec("full", kept)));
+  INFO(result.err);
+  CHECK(result.exit_code == 0);
+  CHECK(c.bytes("full") == c.bytes("whole"));
+  CHECK(says(result, "the checkpoint was not written, the run goes on without it"));
+  CHECK(fs::is_empty(c.keep));
+}
+
+TEST_CASE("ngs-joint that is stopped where there is no room for a checkpoint says that nothing was kept") {
+  const Case c;
+  const Words many{"--steps", "400", "--effect", "nerf=off", "--effect", "edges=off", "--checkpoint", c.keep};
+  const test::ProcessResult result = test::run_process(test::with_files_of_at_most(32, c.spec("full", many, "step 1 begins")));
+  INFO(result.err);
+  CHECK(result.exit_code == 8);
+  CHECK(says(result, "checkpoint.safetensors: writing failed"));
+  CHECK_FALSE(fs::exists(c.path("full")));
 }
 
 TEST_CASE("ngs-joint that goes on under a budget does all the steps that are left, and counts on") {

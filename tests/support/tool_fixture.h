@@ -16,6 +16,9 @@ std::vector<std::string> words(const nlohmann::json& list);
 /// argv with the built tool for its first word, two threads.
 ProcessSpec command(const nlohmann::json& run);
 
+/// The same on a disk that has no room for a file of more than `kib`.
+ProcessSpec with_files_of_at_most(int kib, ProcessSpec spec);
+
 /// A folder made once per process: the tiny scene (tiny_scene.h), then the artifacts that the tools make of
 /// it (contract/fixture.json, in order). Not to be changed.
 const std::string& fixture_folder();

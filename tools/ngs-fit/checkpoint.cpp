@@ -1,7 +1,5 @@
 #include "checkpoint.h"
 
-#include <filesystem>
-
 #include "ngs/core/error.h"
 #include "ngs/io/safetensors.h"
 
@@ -27,9 +25,6 @@ std::string fit_identity(const FitOptions& options, std::uint64_t seed, const st
 std::string checkpoint_path(const std::string& folder) { return folder + "/fit.safetensors"; }
 
 void write_checkpoint(const std::string& folder, const FitState& state, const std::string& identity) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw Error(ErrorCode::kEnvironment, folder + ": " + error.message() + ", expected a folder to write to");
   io::TensorFile file;
   file.metadata = {{"ngs", "ngs-fit checkpoint 1"}, {"identity", identity}};
   file.add("step", {1}, std::vector<std::int64_t>{state.step});

@@ -13,6 +13,7 @@ namespace ngs::cli {
 std::string fit_identity(const FitOptions& options, std::uint64_t seed, const std::vector<FitView>& views);
 
 std::string checkpoint_path(const std::string& folder);
+/// The folder is there (shared/checkpoints.h).
 void write_checkpoint(const std::string& folder, const FitState& state, const std::string& identity);
 /// Another identity is kInconsistent; shapes that do not fit together are kBadInput.
 FitState read_checkpoint(const std::string& folder, const std::string& identity);

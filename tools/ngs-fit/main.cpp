@@ -5,6 +5,7 @@
 #include "fit_input.h"
 #include "ngs/io/gaussian_ply.h"
 #include "ngs/io/scene_json.h"
+#include "shared/checkpoints.h"
 
 namespace {
 
@@ -51,6 +52,8 @@ int main(int argc, char** argv) {
     run.result()["views"] = scene.views.size();
     if (run.dry_run()) return run.plan(cli::fit_plan(options, scene, kept && keep.resume, run.exec().threads)), cli::kDone;
 
+    const bool keeps = !keep.checkpoint.empty();
+    if (keeps) cli::require_checkpoint_folder(keep.checkpoint, cli::checkpoint_path(keep.checkpoint));
     const std::vector<FitView> views = cli::load_views(run, scene);
     const std::string identity = cli::fit_identity(options, run.seed(), views);
     FitState state = kept && keep.resume ? cli::read_checkpoint(keep.checkpoint, identity)
@@ -58,18 +61,21 @@ int main(int argc, char** argv) {
     const std::int64_t first = state.step;
     Fitter fitter(options, views, std::move(state), run.seed());
     const double start = wall_seconds();
+    const auto save = [&] { cli::write_checkpoint(keep.checkpoint, fitter.state(), identity); };
+    cli::Checkpoints checkpoints(run.monitor());
     run_fit(run.exec(), run.monitor(), fitter, options, [&](const Fitter& f) {
-      if (!keep.checkpoint.empty() && f.state().step % keep.checkpoint_every == 0)
-        cli::write_checkpoint(keep.checkpoint, f.state(), identity);
+      if (keeps && f.state().step % keep.checkpoint_every == 0) checkpoints.on_the_way(save);
     });
     const double seconds = wall_seconds() - start;
-    if (!keep.checkpoint.empty()) cli::write_checkpoint(keep.checkpoint, fitter.state(), identity);
     run.result()["step"] = fitter.state().step;
-    if (fitter.state().step < options.steps) {
+    const bool finished = fitter.state().step == options.steps;
+    if (keeps && finished && options.steps % keep.checkpoint_every != 0) checkpoints.on_the_way(save);
+    if (!finished) {
+      if (keeps) save();  // all that is left of the run
       run.monitor().warn("stopped at step " + std::to_string(fitter.state().step) + " of " + std::to_string(options.steps) +
                          ": no model was written, " +
-                         (keep.checkpoint.empty() ? "and nothing to go on from; --checkpoint DIR would keep it"
-                                                  : "--resume goes on from " + keep.checkpoint));
+                         (!keeps ? "and nothing to go on from; --checkpoint DIR would keep it"
+                                 : "--resume goes on from " + keep.checkpoint));
       return run.stop_code();
     }
 

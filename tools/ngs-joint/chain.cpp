@@ -11,6 +11,7 @@
 #include "ngs/stages/variance_stage.h"
 #include "ngs/stages/view_list.h"
 #include "prepare.h"
+#include "shared/checkpoints.h"
 #include "unused.h"
 
 namespace ngs::joint {
@@ -171,6 +172,9 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
     run.plan(std::move(plan));
     return 0;
   }
+  if (const std::string& folder = settings.run.checkpoint;
+      !folder.empty() && settings.run.method == Method::kPaper && !settings.run.explain)
+    cli::require_checkpoint_folder(folder, Checkpoint::path_in(folder));
   if (from_files.views.empty())
     throw Error(ErrorCode::kInconsistent, paths.scene + ": no training view, expected at least one", "hold out fewer views");
   budget.measure(run.exec(), from_files, reading_s);

@@ -76,13 +76,11 @@ Agreement mean_agreement(const std::vector<Agreement>& views) {
   return {sum.iou / count, sum.biou / count};
 }
 
-std::string Checkpoint::path() const {
-  return (std::filesystem::path(folder_) / "checkpoint.safetensors").string();
+std::string Checkpoint::path_in(const std::string& folder) {
+  return (std::filesystem::path(folder) / "checkpoint.safetensors").string();
 }
 
 void Checkpoint::save(JointTrainer& trainer) const {
-  std::error_code ignored;
-  std::filesystem::create_directories(folder_, ignored);
   io::TensorFile file;
   for (const StateBlock& block : trainer.state())
     file.add(block.name, {std::int64_t(block.values->size())}, *block.values);

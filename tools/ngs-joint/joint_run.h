@@ -74,13 +74,15 @@ class Checkpoint {
  public:
   Checkpoint(std::string folder, std::string fingerprint)
       : folder_(std::move(folder)), fingerprint_(std::move(fingerprint)) {}
+  static std::string path_in(const std::string& folder);
   bool given() const { return !folder_.empty(); }
+  /// The folder is there (shared/checkpoints.h).
   void save(JointTrainer& trainer) const;
   /// False if there is none.
   bool load(JointTrainer& trainer) const;
 
  private:
-  std::string path() const;
+  std::string path() const { return path_in(folder_); }
   std::string folder_, fingerprint_;
 };
 

@@ -6,6 +6,7 @@
 #include "ngs/io/atomic_file.h"
 #include "ngs/stages/edge_masks.h"
 #include "ngs/stages/effect_detectors.h"
+#include "shared/checkpoints.h"
 #include "watch.h"
 
 namespace ngs::joint {
@@ -58,6 +59,7 @@ namespace {
 /// The steps of Eq. 20. Returns the exit code of a signal, else 0.
 int run_steps(cli::Run& run, const RunOptions& options, const Checkpoint& checkpoint, Watch& watch,
               JointTrainer& trainer) {
+  cli::Checkpoints checkpoints(run.monitor());
   run.info("step " + std::to_string(trainer.steps_done() + 1) + " begins");
   bool ended = watch.target_met();
   while (!trainer.finished() && !ended) {
@@ -65,8 +67,11 @@ int run_steps(cli::Run& run, const RunOptions& options, const Checkpoint& checkp
     run.monitor().progress(progress.step, progress.steps);
     ended = watch.after_step(progress, trainer, [&] { return trainer.result(); });
     const bool periodic = options.checkpoint_every > 0 && progress.step % options.checkpoint_every == 0;
-    if (checkpoint.given() && (periodic || run.monitor().stop_requested())) checkpoint.save(trainer);
-    if (run.monitor().stop_requested()) return run.stop_code();
+    if (run.monitor().stop_requested()) {
+      if (checkpoint.given()) checkpoint.save(trainer);  // all that is left of the run
+      return run.stop_code();
+    }
+    if (checkpoint.given() && periodic) checkpoints.on_the_way([&] { checkpoint.save(trainer); });
   }
   return 0;
 }
@@ -147,7 +152,8 @@ int optimise(cli::Run& run, Decisions& decisions, const Problem& problem, const 
   result.converged = true;
   if (decisions.on("edges") && !watch.target_met()) {
     // The edges keep no state of their own: what is interrupted from here on begins with them.
-    if (decisions.on("joint") && problem.checkpoint.given()) problem.checkpoint.save(trainer);
+    if (decisions.on("joint") && problem.checkpoint.given())
+      cli::Checkpoints(run.monitor()).on_the_way([&] { problem.checkpoint.save(trainer); });
     result = run_edges(run, settings, problem, watch, std::move(result));
     if (run.monitor().stop_requested()) return run.stop_code();
   }

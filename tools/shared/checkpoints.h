@@ -1,0 +1,27 @@
+#pragma once
+// Checkpoints cost no run its result: a folder that can never hold one is found before the work, and a full disk on the
+// way is a warning.
+#include <functional>
+#include <string>
+
+#include "ngs/core/monitor.h"
+
+namespace ngs::cli {
+
+/// Makes the folder and tries to write `path` in it, without leaving anything there. kEnvironment where that fails.
+void require_checkpoint_folder(const std::string& folder, const std::string& path);
+
+class Checkpoints {
+ public:
+  explicit Checkpoints(Monitor& monitor) : monitor_(monitor) {}
+
+  /// Where `write` cannot (kEnvironment) the run goes on: the first failure of several in a row is a warning, and what was
+  /// written before stays.
+  void on_the_way(const std::function<void()>& write);
+
+ private:
+  Monitor& monitor_;
+  bool failed_ = false;
+};
+
+}  // namespace ngs::cli
