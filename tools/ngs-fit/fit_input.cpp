@@ -10,7 +10,7 @@ std::vector<FitView> load_views(Run& run, const Scene& scene) {
   const auto timed = run.monitor().scope("load");
   std::vector<FitView> views;
   for (std::size_t i = 0; i < scene.views.size(); ++i) {
-    ImageF photo = io::load_photo(scene, i);
+    HeldPhoto photo = io::hold_photo(scene, i);
     if (!photo.empty()) views.push_back({scene.views[i].camera, std::move(photo), scene.views[i].split});
   }
   if (views.size() < scene.views.size())
@@ -35,8 +35,12 @@ std::vector<FitPoint> load_points(Run& run, const FitOptions& options, const Inp
 
 Json fit_plan(const FitOptions& options, const Scene& scene, bool resumes, int threads) {
   std::vector<Camera> cameras;
-  for (const SceneView& view : scene.views) cameras.push_back(view.camera);
-  const FitCost cost = fit_cost(options, cameras);
+  double photo_bytes = 0;
+  for (std::size_t i = 0; i < scene.views.size(); ++i) {
+    cameras.push_back(scene.views[i].camera);
+    photo_bytes += io::held_photo_bytes(scene, i);
+  }
+  const FitCost cost = fit_cost(options, cameras, photo_bytes);
   return {{"steps", options.steps}, {"resumes", resumes}, {"time_s", cost.cpu_s / threads}, {"memory_mib", cost.memory_mib}};
 }
 

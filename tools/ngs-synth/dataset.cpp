@@ -102,10 +102,10 @@ Json recipe_json(const synth::Recipe& recipe) {
 std::vector<FitView> fit_views(const SynthData& data) {
   std::vector<FitView> views;
   for (std::size_t i = 0; i < data.views.size(); ++i) {
-    FitView view{data.cameras[i], data.views[i].colour, Split::kTrain};
-    const ImageU8 bytes = to_bytes(view.photo);
-    for (std::size_t k = 0; k < bytes.data.size(); ++k) view.photo.data[k] = float(bytes.data[k]) / 255.f;
-    views.push_back(std::move(view));
+    ImageF photo = data.views[i].colour;
+    const ImageU8 bytes = to_bytes(photo);
+    for (std::size_t k = 0; k < bytes.data.size(); ++k) photo.data[k] = float(bytes.data[k]) / 255.f;
+    views.push_back({data.cameras[i], std::move(photo), Split::kTrain});
   }
   return views;
 }

@@ -43,10 +43,10 @@ synth::Recipe resolved(synth::Recipe recipe, const SynthOptions& o) {
 
 /// Wall seconds and MiB; 4e-7 s per ray on one core of a current machine.
 Json estimate(const cli::SynthData& data, const SynthOptions& options, const FitOptions& fit, int threads) {
-  double rays = 0;
-  for (const Camera& c : data.cameras)
-    rays += double(c.width_px) * c.height_px * (1 + data.recipe.samples_per_side * data.recipe.samples_per_side);
-  const FitCost cost = options.fit ? fit_cost(fit, data.cameras) : FitCost{};
+  double pixels = 0;
+  for (const Camera& c : data.cameras) pixels += double(c.width_px) * c.height_px;
+  const double rays = pixels * (1 + data.recipe.samples_per_side * data.recipe.samples_per_side);
+  const FitCost cost = options.fit ? fit_cost(fit, data.cameras, 3 * sizeof(float) * pixels) : FitCost{};
   return {{"time_s", (4e-7 * rays + cost.cpu_s) / threads}, {"memory_mib", 40 + 2e-6 * rays + cost.memory_mib}};
 }
 

@@ -56,13 +56,6 @@ void write_png_of(const std::string& path, const Image<T>& image) {
   write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
-/// A pixel's own colour, not premultiplied, over another one. Before any resizing: the means of what is seen are
-/// then those of premultiplied colours, and colours under alpha 0 reach no other pixel.
-void lay_over(float rgb[3], float alpha, Vec3<float> behind) {
-  const float under[3] = {behind.x, behind.y, behind.z};
-  for (int c = 0; c < 3; ++c) rgb[c] = alpha * rgb[c] + (1 - alpha) * under[c];
-}
-
 RawMask raw_mask(const Picture& picture, bool lossy) {
   RawMask mask{picture.width_px, picture.height_px, picture.channels, picture.bits, lossy, {}};
   mask.data.resize(picture.samples.size() * 8 / std::size_t(picture.bits));
@@ -83,23 +76,21 @@ ImageF resize(const ImageF& image, int width_px, int height_px, int method) {
 
 }  // namespace
 
-ImageF read_image_rgb(const std::string& path, Vec3<float> behind) {
+HeldPhoto read_photo(const std::string& path, Vec3<float> behind) {
   const MappedFile file = map_regular_file(path);
   parse_image_header(file.bytes(), path);
-  const Picture picture = decode(file.bytes(), path);
-  const std::size_t stride = std::size_t(picture.channels), green = stride > 1 ? 1 : 0, blue = 2 * green;
-  const float scale = picture.bits == 8 ? 1.f / 255.f : 1.f / 65535.f;
-  ImageF out(picture.width_px, picture.height_px, 3);
-  with_samples(picture, [&](const auto* sample) {
-    for (std::size_t i = 0; i < out.data.size(); i += 3, sample += stride) {
-      out.data[i] = float(sample[0]) * scale;
-      out.data[i + 1] = float(sample[green]) * scale;
-      out.data[i + 2] = float(sample[blue]) * scale;
-      if (stride == 4) lay_over(&out.data[i], float(sample[3]) * scale, behind);
-    }
-  });
-  return out;
+  Picture picture = decode(file.bytes(), path);
+  const auto as_image = [&]<class T>(Image<T> image, std::vector<T> samples) {
+    image.width_px = picture.width_px, image.height_px = picture.height_px, image.channels = picture.channels;
+    image.data = std::move(samples);
+    return HeldPhoto(std::move(image), behind);
+  };
+  if (picture.bits == 8) return as_image(ImageU8(), std::move(picture.samples));
+  const auto* wide = reinterpret_cast<const std::uint16_t*>(picture.samples.data());
+  return as_image(ImageU16(), std::vector<std::uint16_t>(wide, wide + picture.samples.size() / 2));
 }
+
+ImageF read_image_rgb(const std::string& path, Vec3<float> behind) { return read_photo(path, behind).rgb(); }
 
 bool is_transparent(const std::string& path) {
   const MappedFile file = map_regular_file(path);

@@ -12,6 +12,11 @@ namespace ngs::io {
 /// kInconsistent. Empty image: the view has no photo.
 ImageF load_photo(const Scene& scene, std::size_t view);
 
+/// The same, as the samples of the file where it has the camera's size.
+HeldPhoto hold_photo(const Scene& scene, std::size_t view);
+/// What hold_photo() will take, from the file's header alone; 0 where the view has no photo.
+double held_photo_bytes(const Scene& scene, std::size_t view);
+
 /// The same with up to `most` times the camera's pixels per side, as far as the file has them.
 ImageF load_fine_photo(const Scene& scene, std::size_t view, int most = 2);
 /// The size of the view's photo, which the camera's over image_scale is but for rounding; that where there is no photo

@@ -34,15 +34,15 @@ FitSchedule resolved_schedule(const FitOptions& o) {
           pick(o.densify_until, std::min(15000, o.steps / 2)), pick(o.densify_every, std::clamp(o.steps / 15, 10, 100))};
 }
 
-FitCost fit_cost(const FitOptions& options, std::span<const Camera> cameras) {
+FitCost fit_cost(const FitOptions& options, std::span<const Camera> cameras, double photo_bytes) {
   double pixels = 0;
   for (const Camera& c : cameras) pixels += double(c.width_px) * c.height_px;
   const double per_view = cameras.empty() ? 0 : pixels / double(cameras.size()), gaussians = options.max_gaussians;
   constexpr double kSecondsPerPixel = 2.5e-7, kSecondsPerGaussian = 5e-7;  // of one step, forward and backward
-  constexpr double kBytesPerPhotoPixel = 12, kBytesPerPixel = 250, kFloatsPerParameter = 4;  // value, gradient, m, v
+  constexpr double kBytesPerPixel = 250, kFloatsPerParameter = 4;  // value, gradient, m, v
   const double parameters = 14 + 3 * sh_rest_count(options.sh_degree);
   return {options.steps * (kSecondsPerPixel * per_view + kSecondsPerGaussian * gaussians),
-          (kBytesPerPhotoPixel * pixels + kBytesPerPixel * per_view + 4 * kFloatsPerParameter * parameters * gaussians) / 1048576};
+          (photo_bytes + kBytesPerPixel * per_view + 4 * kFloatsPerParameter * parameters * gaussians) / 1048576};
 }
 
 Fitter::Fitter(const FitOptions& options, std::span<const FitView> views, FitState state, std::uint64_t seed)
@@ -77,7 +77,7 @@ void Fitter::step(const Exec& exec) {
     pass_degree_ = degree;
   }
   const RenderedView& rendered = pass_.forward(exec, state_.cloud, view.camera, fit_request(options_));
-  const auto loss = photometric_.evaluate(exec, {.dssim_weight = options_.dssim_weight}, rendered.colour, view.photo,
+  const auto loss = photometric_.evaluate(exec, {.dssim_weight = options_.dssim_weight}, rendered.colour, view.photo.rgb(),
                                           nullptr, &colour_gradient_);
   last_loss_ = {loss.total, loss.l1, loss.ssim};
   ViewGradients back;
@@ -143,8 +143,9 @@ FitScore score_fit(const Exec& exec, const FitOptions& options, const GaussianCl
     const SplatOptions splat{.antialiased = options.antialiased, .max_sh_degree = options.sh_degree};
     ImageF colour = std::move(render(exec, cloud, view.camera, splat, fit_request(options)).colour);
     for (float& c : colour.data) c = std::clamp(c, 0.f, 1.f);
-    score.psnr_db += psnr_db(exec, colour, view.photo);
-    score.ssim += ssim_index(exec, colour, view.photo);
+    const ImageF photo = view.photo.rgb();
+    score.psnr_db += psnr_db(exec, colour, photo);
+    score.ssim += ssim_index(exec, colour, photo);
     ++score.views;
   }
   if (score.views > 0) score.psnr_db /= score.views, score.ssim /= score.views;

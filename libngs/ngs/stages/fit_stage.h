@@ -13,6 +13,7 @@
 #include "ngs/ops/photometric.h"
 #include "ngs/ops/splat.h"
 #include "ngs/options/field.h"
+#include "ngs/scene/held_photo.h"
 #include "ngs/scene/scene.h"
 #include "ngs/stages/background.h"
 #include "ngs/stages/gaussian_adam.h"
@@ -72,11 +73,12 @@ FitSchedule resolved_schedule(const FitOptions& options);
 struct FitCost {
   double cpu_s = 0, memory_mib = 0;
 };
-FitCost fit_cost(const FitOptions& options, std::span<const Camera> cameras);
+/// `photo_bytes`: of all photos as they are held.
+FitCost fit_cost(const FitOptions& options, std::span<const Camera> cameras, double photo_bytes);
 
 struct FitView {
   Camera camera;
-  ImageF photo;  // [camera height, width, 3]
+  HeldPhoto photo;  // of the camera's size
   Split split = Split::kTrain;
 };
 

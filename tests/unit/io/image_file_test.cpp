@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "ngs/core/error.h"
+#include "ngs/io/photo.h"
 #include "support/temp_dir.h"
 
 namespace ngs::io {
@@ -40,6 +41,45 @@ std::string raw_png(int width, int height, int bits, int colour_type, const std:
 }
 
 }  // namespace
+
+TEST_CASE("a photo of the camera's size is held as the samples of its file, any other as floats, with the same colours") {
+  const TempDir dir;
+  Scene scene;
+  scene.background = Vec3<double>{0.25, 0.5, 1};
+  scene.image_scale = 0.5;
+  struct Case {
+    int channels, bits, width_px;
+    std::size_t bytes_per_pixel;
+  };
+  for (const auto [channels, bits, width_px, bytes_per_pixel] :
+       {Case{3, 8, 6, 3}, Case{1, 8, 6, 1}, Case{4, 8, 6, 4}, Case{3, 16, 6, 6}, Case{3, 8, 12, 12}, Case{4, 16, 12, 12}}) {
+    CAPTURE(channels);
+    CAPTURE(bits);
+    CAPTURE(width_px);
+    const std::string path = dir.file("photo.png");
+    ImageU8 small(width_px, width_px / 6 * 4, channels);
+    ImageU16 large(width_px, width_px / 6 * 4, channels);
+    for (std::size_t i = 0; i < small.data.size(); ++i)
+      small.data[i] = std::uint8_t(i * 37), large.data[i] = std::uint16_t(i * 9377);
+    if (bits == 8)
+      write_png(path, small);
+    else
+      write_png16(path, large);
+    SceneView view;
+    view.camera.width_px = 6, view.camera.height_px = 4, view.image_path = path;
+    scene.views = {view};
+    const HeldPhoto held = hold_photo(scene, 0);
+    CHECK(held.bytes() == 24 * bytes_per_pixel);
+    if (channels == 3) CHECK(held_photo_bytes(scene, 0) == double(held.bytes()));
+    const ImageF whole = read_image_rgb(path, {0.25f, 0.5f, 1.f});
+    CHECK(held.rgb().data == resize_area(whole, 6, 4).data);
+    CHECK(load_photo(scene, 0).data == held.rgb().data);
+  }
+  scene.views[0].image_path.clear();
+  CHECK(hold_photo(scene, 0).empty());
+  CHECK(load_photo(scene, 0).empty());
+  CHECK(held_photo_bytes(scene, 0) == 0);
+}
 
 TEST_CASE("a PNG comes back as it was written, 8 and 16 bit, 1, 3 and 4 channels") {
   const TempDir dir;

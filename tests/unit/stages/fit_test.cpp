@@ -232,7 +232,7 @@ TEST_CASE("a fit of the tiny scene shows more than photos of a quarter of the si
   const FitState done = run(options, 2, options.steps, start(options));
   double quarter = 0, count = 0;
   for (const FitView& view : tiny().views)
-    if (view.split == Split::kTrain) quarter += quarter_size_psnr_db(view.photo), ++count;
+    if (view.split == Split::kTrain) quarter += quarter_size_psnr_db(view.photo.rgb()), ++count;
   quarter /= count;
   const FitScore before = score_fit({}, options, start(options).cloud, tiny().views, Split::kTrain);
   const FitScore train = score_fit({}, options, done.cloud, tiny().views, Split::kTrain);
