@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "ngs/io/safetensors.h"
+#include "ngs/options/name_of.h"
 #include "ngs/stages/mask_pair.h"
 #include "ngs/stages/render_stage.h"
 
@@ -22,11 +23,7 @@ std::optional<double> number_before(std::string_view text, std::string_view& res
 
 }  // namespace
 
-std::string method_name(Method method) {
-  for (const NamedValue<Method>& named : kMethodNames)
-    if (named.value == method) return std::string(named.name);
-  throw std::logic_error("a method without a name");
-}
+std::string method_name(Method method) { return name_of(kMethodNames, method); }
 
 std::optional<double> parse_budget(const std::string& text) {
   if (text.empty()) return std::nullopt;

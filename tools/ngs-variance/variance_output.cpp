@@ -7,6 +7,7 @@
 #include "ngs/io/content_hash.h"
 #include "ngs/io/exr.h"
 #include "ngs/io/scene_json.h"
+#include "ngs/options/name_of.h"
 #include "ngs/scene/view_names.h"
 #include "ngs/stages/render_options.h"
 #include "shared/shard.h"
@@ -20,11 +21,8 @@ std::vector<std::size_t> shard_of(const std::vector<std::size_t>& views, const s
 }
 
 std::string made_with(const std::string& scene_path, const SplatOptions& splat) {
-  std::string compat;
-  for (const auto& name : kCompatNames)
-    if (name.value == splat.compat) compat = name.name;
-  return "scene " + io::content_hash(scene_path).xxh3 + ", --compat " + compat + ", --antialias " +
-         (splat.antialiased ? "on" : "off");
+  return "scene " + io::content_hash(scene_path).xxh3 + ", --compat " + name_of(kCompatNames, splat.compat) +
+         ", --antialias " + (splat.antialiased ? "on" : "off");
 }
 
 Json memory_plan(const GaussianCloud& cloud, const Scene& scene, std::size_t views) {

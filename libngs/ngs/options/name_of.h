@@ -1,0 +1,18 @@
+#pragma once
+// The name of a choice.
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+
+#include "ngs/options/field.h"
+
+namespace ngs {
+
+template <class E, std::size_t N>
+std::string name_of(const NamedValue<E> (&names)[N], E value) {
+  for (const NamedValue<E>& named : names)
+    if (named.value == value) return std::string(named.name);
+  throw std::logic_error("a value without a name");
+}
+
+}  // namespace ngs
