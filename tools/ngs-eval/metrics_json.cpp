@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "shared/text_columns.h"
+
 namespace ngs::cli {
 namespace {
 
@@ -47,8 +49,7 @@ Json object_json(const ObjectMean& object) {
 
 std::string table_row(const std::string& name, const ScoreValues& values) {
   char cell[64];
-  std::snprintf(cell, sizeof cell, "%-20.20s", name.c_str());
-  std::string row = cell;
+  std::string row = in_columns(name, 20);
   for (double value : values) {
     std::snprintf(cell, sizeof cell, "  %9.4f", value);
     row += cell;
@@ -58,8 +59,7 @@ std::string table_row(const std::string& name, const ScoreValues& values) {
 
 std::string table_head(const std::string& name) {
   char cell[64];
-  std::snprintf(cell, sizeof cell, "%-20.20s", name.c_str());
-  std::string row = cell;
+  std::string row = in_columns(name, 20);
   for (std::string_view score : kScoreNames) {
     std::snprintf(cell, sizeof cell, "  %9.9s",
                   score == "class_accuracy" ? "class_acc" : std::string(score).c_str());
