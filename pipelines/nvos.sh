@@ -9,8 +9,7 @@
 #              from the strokes in NVOS_DIR/scribbles/TASK/ (pos_*.png, neg_*.png) on the view reference_image/TASK/ names
 #   OUT_DIR    one folder per task, report.html and summary.json
 #
-# The target view supervises nothing, but that ngs-mask segments its photo too, one among all, where masks are made from
-# scribbles. The mean is over tasks, unweighted; "mAcc" of the papers is pixel
+# The target view supervises nothing: neither its masks nor, where masks are made from scribbles, its photo. The mean is over tasks, unweighted; "mAcc" of the papers is pixel
 # accuracy. Which views have an input mask, and how the splat was trained, decides the numbers: state both.
 # Tasks without a scene, masks or truth are skipped and said. Exit code 1 if a task failed.
 set -euo pipefail
@@ -38,7 +37,7 @@ from_scribbles() {
   bin=$(find_bin)
   mkdir -p "$to"
   if [ ! -d "$to/masks" ]; then
-    NO_MASKS=1 "$pipelines/ngs-gs.sh" "$2" "$to" --until scene.json -q || return
+    NO_MASKS=1 "$pipelines/ngs-gs.sh" "$2" "$to" --hold-out "$out/$1.target" --until scene.json -q || return
     "${bin:+$bin/}ngs-mask" "$to/scene.json" --view "${view%.*}" -q -o "$to/masks" --report "$to/ngs-mask.json" \
       --object-scribbles "$(ls "$strokes"/pos_*.png | head -n 1)" --background-scribbles "$(ls "$strokes"/neg_*.png | head -n 1)" || return
   fi

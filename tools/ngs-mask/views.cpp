@@ -9,25 +9,21 @@
 #include "ngs/io/atomic_file.h"
 #include "ngs/io/image_file.h"
 #include "ngs/io/photo.h"
+#include "ngs/io/regular_file.h"
+#include "ngs/options/name_of.h"
 #include "ngs/scene/view_names.h"
 #include "segmenters.h"
+#include "shared/text_columns.h"
 
 namespace ngs::cli {
-namespace {
-
-std::string name_of(MaskSource source) {
-  for (const auto& named : kMaskSourceNames)
-    if (named.value == source) return std::string(named.name);
-  return {};
-}
-
-}  // namespace
 
 MaskViews::MaskViews(const Scene& scene, int detail)
     : scene_(scene), detail_(detail), file_names_(output_names(scene.views)) {
   for (const SceneView& view : scene.views) {
     Camera camera = view.camera;
-    has_photo_.push_back(!view.image_path.empty());
+    // What no mask depends on may be missing.
+    const bool is_missing = view.split == Split::kHeldOut && !io::is_regular_file(view.image_path);
+    has_photo_.push_back(!view.image_path.empty() && !is_missing);
     if (has_photo_.back()) {
       const io::ImageSize file = io::read_image_size(view.image_path);
       const bool whole =
@@ -93,11 +89,11 @@ void MaskViews::finish(Run& run) {
     ++count[o.source];
     const std::string& name = cameras_[view].name;
     views.push_back({{"name", name},
-                     {"mask", name_of(o.source)},
+                     {"mask", name_of(kMaskSourceNames, o.source)},
                      {"agreement", o.agreement >= 0 ? Json(o.agreement) : Json()},
                      {"known", o.known},
                      {"coverage", o.coverage}});
-    table << std::setw(26) << name << std::setw(11) << name_of(o.source) << std::setw(11);
+    table << in_columns(name, 25) << ' ' << std::setw(11) << name_of(kMaskSourceNames, o.source) << std::setw(11);
     if (o.agreement >= 0)
       table << o.agreement;
     else

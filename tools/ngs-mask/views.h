@@ -10,7 +10,8 @@ namespace ngs::cli {
 
 class MaskViews {
  public:
-  /// Reads the headers of the photos: each view is segmented at up to `detail` times the camera's size.
+  /// Reads the headers of the photos, those of held-out views only where they are there: each view is segmented at up to
+  /// `detail` times the camera's size.
   MaskViews(const Scene& scene, int detail);
 
   const std::vector<Camera>& cameras() const { return cameras_; }

@@ -44,6 +44,7 @@ class Spreader {
       std::int64_t count = 0;
       place_ = object_place(in_.cloud, all_.value());
       for (const std::size_t view : order) {
+        if (!last && !supervises(view)) continue;
         const SpreadView result =
             view == in_.reference && pass == 0 ? std::move(first_) : segment(view, pass);
         if (monitor_.stop_requested()) return;
@@ -54,6 +55,10 @@ class Spreader {
   }
 
  private:
+  bool supervises(std::size_t view) const {
+    return view == in_.reference || in_.scene.views[view].split == Split::kTrain;
+  }
+
   void start() {
     const auto timed = monitor_.scope("reference");
     first_.mask = in_.segment(in_.reference, in_.prompt);
@@ -109,7 +114,7 @@ class Spreader {
     if (!is_reference && (out.agreement < options_.gate_iou || is_empty(found))) return;
     out.mask = std::move(found);
     out.source = is_reference ? MaskSource::kReference : MaskSource::kSegmented;
-    keep(view, out.mask);
+    if (supervises(view)) keep(view, out.mask);
   }
 
   const Exec& exec_;

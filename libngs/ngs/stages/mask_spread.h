@@ -7,6 +7,9 @@
 // rendered there becomes the prompt; a mask that agrees too little with it (SA3D's gate) is rejected and
 // lifted nowhere. Later passes do all views again, each against the consensus of the others, in a band that
 // halves.
+//
+// The photo of a held-out view decides nothing but the mask of that view: it is segmented in the last pass and lifted
+// nowhere, unless it is the reference.
 #include <functional>
 
 #include "ngs/core/monitor.h"

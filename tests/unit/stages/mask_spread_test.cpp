@@ -102,6 +102,21 @@ TEST_CASE("a view without a photo gets the mask that the others render") {
   CHECK(c.iou(3, result[3].mask) > 0.8);
 }
 
+TEST_CASE("the photo of a held-out view decides the mask of that view and of no other") {
+  SpreadCase right, wider;
+  for (SpreadCase* c : {&right, &wider}) c->base->scene.views[2].split = Split::kHeldOut;
+  for (std::size_t p = 0; p + 1 < wider.answer[2].size(); ++p)  // one pixel more to the left: agrees well enough
+    if (right.answer[2][p + 1]) wider.answer[2][p] = 1;
+  const auto a = right.spread({.passes = 2}), b = wider.spread({.passes = 2});
+  CHECK(a[2].source == MaskSource::kSegmented);
+  CHECK(b[2].mask == wider.answer[2]);
+  CHECK(right.asked[2].size() == 1);  // in the last pass
+  for (const std::size_t v : {0u, 1u, 3u}) {
+    CAPTURE(v);
+    CHECK(a[v].soft == b[v].soft);
+  }
+}
+
 TEST_CASE("the masks do not depend on the number of threads") {
   SpreadCase one, three;
   one.has_photo[1] = three.has_photo[1] = false;
