@@ -9,6 +9,7 @@
 #include "ngs/io/sparse_points.h"
 #include "ngs/scene/view_names.h"
 #include "ngs/stages/render_options.h"
+#include "shared/changed_options.h"
 #include "shared/scene_model.h"
 
 namespace ngs::cli {
@@ -35,6 +36,12 @@ std::string picture_file(const std::string& folder, const char* kind, const std:
 }
 
 }  // namespace
+
+void warn_unused(Run& run, const InpaintOptions& options, bool scene_given) {
+  std::string unused = scene_given ? "--scene" : "";
+  for (const auto& [name, value] : changed_options(options)) unused += (unused.empty() ? "" : ", ") + option_flag(name);
+  if (!unused.empty()) run.monitor().warn(unused + ": not used without --inpaint");
+}
 
 void check_inpaint_folder(const Scene& scene, const std::string& scene_path, const std::string& folder) {
   std::error_code ignored;

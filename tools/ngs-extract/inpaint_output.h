@@ -12,6 +12,9 @@
 
 namespace ngs::cli {
 
+/// Names what is given for --inpaint where that is not.
+void warn_unused(Run& run, const InpaintOptions& options, bool scene_given);
+
 /// kUsage where the folder is that of the scene, or holds its photos: they would be replaced.
 void check_inpaint_folder(const Scene& scene, const std::string& scene_path, const std::string& folder);
 

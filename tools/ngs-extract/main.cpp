@@ -40,6 +40,7 @@ int main(int argc, char** argv) {
           "no output was asked for, expected --object, --background, --labelled, --supersplat or --inpaint");
     if (inpaint && !scene_json)
       throw Error(ErrorCode::kUsage, "--inpaint needs the cameras", "give --scene scene.json");
+    if (!inpaint) cli::warn_unused(run, inpaint_options, bool(scene_json));
     std::optional<Scene> scene;
     if (inpaint) {
       scene = io::read_scene_json(scene_json.path);
