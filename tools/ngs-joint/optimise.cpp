@@ -21,6 +21,9 @@ std::string options_text(Settings settings) {
 
 std::vector<LabelColumns> labels_of(const io::GaussianPly& ply, const Scene& scene) {
   const std::size_t wanted = scene.objects.size();
+  if (ply.cloud.size() == 0)
+    throw Error(ErrorCode::kNothingFound, ply.file.name() + ": the model has no Gaussians, expected some",
+                "label one that has: ngs-variance scene.json -o boundary.ply");
   // Beside the sets of several objects the unsuffixed one is their union.
   if (wanted == 1 && ply.objects.empty() && !ply.labels.label.empty() && !ply.labels.boundary.empty() && !ply.labels.views.empty() &&
       !ply.labels.prob.empty())

@@ -97,7 +97,8 @@ Objects objects_of(const io::GaussianPly& ply) {
   Objects objects;
   for (const io::NamedLabels& o : ply.objects)
     objects.names.push_back(o.object), objects.columns.push_back(o.columns);
-  if (objects.names.empty() && !ply.labels.label.empty()) objects = {{ply.object}, {ply.labels}};
+  objects.gaussians = ply.cloud.size();
+  if (objects.names.empty() && !ply.labels.label.empty()) objects.names = {ply.object}, objects.columns = {ply.labels};
   return objects;
 }
 
@@ -118,6 +119,8 @@ std::set<std::string> parse_layers(const std::vector<std::string>& layers, const
                 "leave it out of the EXR");
   const bool needs_labels =
       chosen.contains("mask") || chosen.contains("labels") || chosen.contains("overlay");
+  if (needs_labels && objects.gaussians == 0)
+    throw Error(ErrorCode::kNothingFound, "the model has no Gaussians, expected some for masks", "ask for --layers color");
   if (needs_labels && objects.names.empty())
     throw Error(ErrorCode::kBadInput,
                 "the model has no property ngs_label, expected a labelled PLY for masks",

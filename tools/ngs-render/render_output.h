@@ -38,6 +38,7 @@ struct OutputOptions {
 struct Objects {
   std::vector<std::string> names;
   std::vector<LabelColumns> columns;
+  std::int64_t gaussians = 0;
 };
 /// The label sets of a model; none for a plain one.
 Objects objects_of(const io::GaussianPly& ply);
