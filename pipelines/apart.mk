@@ -6,14 +6,14 @@
 #
 # SHARDS is at most, and by default, the number of groups of objects that do not meet (ngs-joint --dry-run lists them).
 # JOINT_FLAGS are options of the runs (--quality, --method ...). `submit` queues the array and the join behind it and returns when
-# joined. A second call makes only the parts that are not there, or that were made with other JOINT_FLAGS. A budget that was hit
-# leaves a usable part.
+# joined. A second call makes only the parts that are not there, or that were made of another SCENE_JSON or BOUNDARY or with other
+# JOINT_FLAGS. A budget that was hit leaves a usable part.
 THIS := $(abspath $(lastword $(MAKEFILE_LIST)))
 TOOL_NAME := ngs-joint
 PART := ply
 BOUNDARY ?= $(error BOUNDARY is not set)
 JOINT_FLAGS ?=
-PART_FLAGS = $(JOINT_FLAGS)
+PART_FLAGS = $(SCENE_JSON) $(BOUNDARY) $(JOINT_FLAGS)
 JOIN_FLAGS =
 SETTINGS = BOUNDARY=$(BOUNDARY) JOINT_FLAGS='$(JOINT_FLAGS)'
 include $(dir $(THIS))shards.mk

@@ -5,14 +5,15 @@
 #   make -f pipelines/sharded.mk submit SCENE_JSON=... OUT=... SHARDS=200 SBATCH='--mem 8G --cpus-per-task 8'
 #
 # `submit` queues the array and the merge behind it and returns when merged. A second call makes only the shards that are not
-# there, or that were made with other RASTER_FLAGS. RASTER_FLAGS are options of the shards (--compat, --antialias), VARIANCE_FLAGS of the merge (--tau ...).
+# there, or that were made of another SCENE_JSON or with other RASTER_FLAGS. RASTER_FLAGS are options of the shards (--compat,
+# --antialias), VARIANCE_FLAGS of the merge (--tau ...).
 THIS := $(abspath $(lastword $(MAKEFILE_LIST)))
 TOOL_NAME := ngs-variance
 PART := evidence
 SHARDS ?= 8
 RASTER_FLAGS ?=
 VARIANCE_FLAGS ?=
-PART_FLAGS = $(RASTER_FLAGS)
+PART_FLAGS = $(SCENE_JSON) $(RASTER_FLAGS)
 JOIN_FLAGS = $(VARIANCE_FLAGS)
 SETTINGS = RASTER_FLAGS='$(RASTER_FLAGS)' VARIANCE_FLAGS='$(VARIANCE_FLAGS)'
 include $(dir $(THIS))shards.mk
