@@ -226,6 +226,31 @@ TEST_CASE("sharded.mk and apart.mk join no parts of another scene, though that o
   CHECK(made("apart.mk", "held", same_model) == f.bytes("one.ply"));
 }
 
+TEST_CASE("another CMake project that adds ngs as a folder compiles against it, in its arithmetic and without its tests") {
+  const Folder f;
+  f.dir.write("CMakeLists.txt", "cmake_minimum_required(VERSION 3.25)\nproject(user CXX)\n"
+                                "add_subdirectory(" NGS_SOURCE_DIR " ngs)\n"
+                                "if(TARGET test_unit)\n  message(FATAL_ERROR \"the tests came along\")\nendif()\n"
+                                "add_library(user OBJECT user.cpp)\ntarget_link_libraries(user PRIVATE ngs::ngs)\n");
+  // What the library's inline functions need of whoever compiles them: the same instructions, no contraction.
+  f.dir.write("user.cpp", "#include \"ngs/core/version.h\"\n#include \"ngs/io/gaussian_ply.h\"\n#include \"ngs/ops/splat.h\"\n"
+                          "#ifndef __AVX2__\n#error not compiled for x86-64-v3\n#endif\n"
+                          "const char* version() { return ngs::kVersion; }\n"
+                          "long rows(const char* path) { return ngs::io::read_gaussian_ply(path).cloud.size(); }\n");
+  const test::ProcessResult configured = f.run({"cmake", "-S", ".", "-B", "build", "-G", "Ninja", "-DNGS_WITH_CUDA=OFF"});
+  if (configured.exit_code == 127) {
+    MESSAGE("no cmake: skipped");
+    return;
+  }
+  INFO(configured.out << configured.err);
+  REQUIRE(configured.exit_code == 0);
+  const test::ProcessResult compiled = f.run({"cmake", "--build", "build", "--target", "user", "--verbose"});
+  INFO(compiled.out << compiled.err);
+  CHECK(compiled.exit_code == 0);
+  CHECK(compiled.out.find("-ffp-contract=off") != std::string::npos);
+  CHECK_FALSE(f.has("build/bin/ngs-joint"));  // nothing but what was asked for
+}
+
 TEST_CASE("what cmake --install copies runs by itself, pictures included") {
   const Folder f;
   const test::ProcessResult installed =
