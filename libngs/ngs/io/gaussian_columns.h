@@ -23,6 +23,7 @@ inline constexpr std::string_view kFixedColumn = "ngs_fixed";
 inline constexpr std::string_view kFloaterColumn = "ngs_floater";
 inline constexpr std::string_view kStateColumn = "state";
 inline constexpr std::string_view kSourceColumn = "ngs_source";
+inline constexpr std::string_view kFilter3dColumn = "filter_3D";     // Mip-Splatting: a width per Gaussian, world
 inline constexpr std::string_view kApartComment = "ngs-apart ";      // then the input's content hash
 inline constexpr std::string_view kMadeWithComment = "ngs-made-with ";  // then what else it was made from, as text
 inline constexpr std::string_view kObjectsComment = "ngs-objects ";  // then a JSON array of names
@@ -43,5 +44,10 @@ std::string column_suffix(const std::string& object);
 /// `is_compressed` tells whether the file is one.
 bool is_compressed(const PlyFile& file);
 PlyTable decode_compressed(const PlyFile& file);
+
+/// A model with a column filter_3D (Mip-Splatting, GOF, RaDe-GS as trained): what its renderer draws, without that
+/// column. With f the filter, every scale s becomes √(s² + f²) and the opacity is multiplied by Π s / Π √(s² + f²).
+bool has_3d_filter(const PlyTable& rows);
+PlyTable fuse_3d_filter(const PlyTable& rows);
 
 }  // namespace ngs::io

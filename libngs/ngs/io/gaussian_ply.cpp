@@ -43,6 +43,7 @@ class Reader {
   }
 
   void load_rows() {
+    ply_.comments = ply_.file.comments();
     if (is_compressed(ply_.file)) {
       ply_.rows = decode_compressed(ply_.file);
       ply_.notes.push_back("compressed.ply: attributes are quantised");
@@ -55,6 +56,14 @@ class Reader {
       ply_.notes.push_back("list properties of the Gaussians are left out");
     for (const PlyElement& e : ply_.file.elements())
       if (&e != vertex) ply_.notes.push_back("element '" + e.name + "' is left out");
+    if (has_3d_filter(ply_.rows)) fuse_filter();
+  }
+
+  /// Those who train with a 3D filter render with the opacity compensation. No file of ours has the column.
+  void fuse_filter() {
+    ply_.rows = fuse_3d_filter(ply_.rows);
+    ply_.comments.push_back("antialiased 1");
+    ply_.notes.push_back("filter_3D (Mip-Splatting) is laid into scales and opacities, as when it is rendered");
   }
 
   PlyColumn required(const std::string& column) const {
@@ -191,7 +200,7 @@ class Reader {
 
   // Names of objects come from the comment where it agrees with the columns, else from the columns.
   std::vector<std::string> object_names() const {
-    for (const std::string& comment : ply_.file.comments()) {
+    for (const std::string& comment : ply_.comments) {
       if (!comment.starts_with(kObjectsComment)) continue;
       const auto json = nlohmann::json::parse(comment.substr(kObjectsComment.size()), nullptr, false);
       std::vector<std::string> names;
@@ -247,17 +256,17 @@ class Reader {
   }
 
   void read_comments() {
-    for (const std::string& comment : ply_.file.comments()) {
+    for (const std::string& comment : ply_.comments) {
       if (comment.starts_with(kApartComment)) ply_.apart_of = comment.substr(kApartComment.size());
       if (comment.starts_with(kMadeWithComment)) ply_.made_with = comment.substr(kMadeWithComment.size());
     }
-    for (const std::string& comment : ply_.file.comments()) {
+    for (const std::string& comment : ply_.comments) {
       if (!is_render_comment(comment)) continue;
       ply_.cloud.antialiased |= comment.find("mip") != std::string::npos ||
                                 comment.find('1') != std::string::npos ||
                                 comment.find("true") != std::string::npos;
     }
-    if (ply_.cloud.antialiased) ply_.notes.push_back("trained with antialiasing (header comment)");
+    if (ply_.cloud.antialiased) ply_.notes.push_back("trained with antialiasing");
   }
 
   static constexpr float kLog1000 = 6.9077554f;

@@ -2,7 +2,8 @@
 // Gaussian splatting models in PLY, read by property name: the Inria layout with or without normals, SH
 // degree 0-3 (0, 9, 24 or 45 f_rest; anything else is refused), columns in any order and of any scalar type,
 // foreign columns (`mask`, `obj_dc_*`, ...) and elements, ascii and both byte orders, 2DGS without scale_2,
-// and SuperSplat's compressed.ply. Missing or contradictory columns are kBadInput.
+// SuperSplat's compressed.ply, and Mip-Splatting's filter_3D, which becomes part of scales and opacities.
+// Missing or contradictory columns are kBadInput.
 //
 // Three profiles are written, all binary little-endian and free of clock, host and path:
 //   strict      exactly the Inria record: x y z nx ny nz (0) f_dc_0..2 f_rest_* opacity scale_0..2 rot_0..3,
@@ -28,7 +29,8 @@ struct NamedLabels {
 
 struct GaussianPly {
   PlyFile file;   // kept: `rows` may borrow from it
-  PlyTable rows;  // the input's columns, verbatim; for compressed.ply the decoded ones
+  PlyTable rows;  // the input's columns, verbatim; of compressed.ply and with filter_3D the decoded ones
+  std::vector<std::string> comments;  // the file's, and how to render it where only a column said so
   GaussianCloud cloud;
   CloudHealth health;
   LabelColumns labels;  // the unsuffixed ngs_* columns; a vector is empty where its column is absent
@@ -42,7 +44,7 @@ struct GaussianPly {
   std::vector<std::string> notes;    // what a reader of the file should know, one sentence each
 };
 
-/// Memory-mapped; costs the SoA cloud and nothing else for a plain little-endian file. `health` and
+/// Memory-mapped; costs the SoA cloud and nothing else for a plain little-endian file without filter_3D. `health` and
 /// `cloud.usable` are filled (classify()). A 2DGS model gets log_scale[2] = min(log_scale[0..1]) - ln 1000.
 /// Positions stored as double far from 0 (bounding box centre > 8 half extents away) are kept relative to
 /// `cloud.origin`, so that float does not round the detail away.

@@ -164,7 +164,7 @@ std::vector<std::string> labelled_comments(const GaussianPly& source, std::span<
   const auto is_rewritten = [](const std::string& c) {
     return c.starts_with(kObjectsComment) || c.starts_with(kApartComment) || c.starts_with(kMadeWithComment);
   };
-  for (const std::string& c : source.file.comments())
+  for (const std::string& c : source.comments)
     if (!is_rewritten(c)) comments.push_back(c);
   nlohmann::json names = nlohmann::json::array();
   for (const NamedLabels& object : objects) names.push_back(object.object);
@@ -245,7 +245,7 @@ void write_strict_ply(const std::string& path, const GaussianCloud& cloud,
 void write_strict_ply(const std::string& path, const GaussianPly& ply, const std::vector<std::uint8_t>& keep,
                       const std::vector<std::string>& history) {
   std::vector<std::string> comments;
-  for (const std::string& c : ply.file.comments())
+  for (const std::string& c : ply.comments)
     if (is_render_comment(c)) comments.push_back(c);
   comments.insert(comments.end(), history.begin(), history.end());
   write_strict_ply(path, ply.cloud, keep, comments);

@@ -169,6 +169,60 @@ TEST_CASE("comments that say how to render the model are honoured") {
   CHECK_FALSE(antialiased("made on a chip in 2011"));
 }
 
+TEST_CASE("filter_3D of Mip-Splatting becomes part of scales and opacities, in every format") {
+  constexpr double kFilter[] = {0.0, 0.02, 3.0, 1e-9};
+  PlyColumns table = test::inria_columns(4, 1);
+  const auto cell = [&](std::size_t i, const std::string& name) -> double& {
+    return table.rows[i][test::column_of(table, name)];
+  };
+  for (std::size_t i = 0; i < 4; ++i) {
+    cell(i, "opacity") = double(i) - 1.5;
+    for (int k = 0; k < 3; ++k) cell(i, "scale_" + std::to_string(k)) = -4 + k;
+  }
+  const PlyColumns plain = table;
+  const auto at = std::ptrdiff_t(test::column_of(table, "opacity"));  // in the middle: what lies behind must not move
+  table.properties.insert(table.properties.begin() + at, {"filter_3D", PlyType::kFloat32});
+  for (std::size_t i = 0; i < 4; ++i) table.rows[i].insert(table.rows[i].begin() + at, kFilter[i]);
+  for (const PlyFormat format : kFormats) {
+    CAPTURE(int(format));
+    const std::string file = test::ply_bytes({table}, format), unfiltered = test::ply_bytes({plain}, format);
+    const io::GaussianPly ply = parse(file), without = parse(unfiltered);
+    for (std::size_t i = 0; i < 4; ++i) {
+      CAPTURE(i);
+      double kept = 1;  // the printed form, far from where it loses its accuracy
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double s = std::exp(double(k) - 4), wide = std::sqrt(s * s + kFilter[i] * kFilter[i]);
+        CHECK(ply.cloud.log_scale[3 * i + k] == doctest::Approx(std::log(wide)).epsilon(1e-6));
+        kept *= s / wide;
+      }
+      const double alpha = kept / (1 + std::exp(1.5 - double(i)));
+      CHECK(ply.cloud.logit_opacity[i] == doctest::Approx(std::log(alpha / (1 - alpha))).epsilon(1e-5));
+    }
+    CHECK(ply.cloud.logit_opacity[0] == without.cloud.logit_opacity[0]);  // a width of 0 changes no bit
+    CHECK(ply.cloud.rotation == without.cloud.rotation);
+    CHECK(ply.cloud.position == without.cloud.position);
+    CHECK(ply.cloud.sh_rest == without.cloud.sh_rest);
+    CHECK(ply.rows.find("filter_3D") < 0);  // else a labelled copy would be filtered again when it is read
+    CHECK(ply.cloud.antialiased);
+    CHECK_FALSE(without.cloud.antialiased);
+  }
+}
+
+TEST_CASE("a 3D filter neither makes opaque Gaussians transparent nor hides a row that is not finite") {
+  PlyColumns table = test::inria_columns(3, 0);
+  table.properties.push_back({"filter_3D", PlyType::kFloat32});
+  for (std::size_t i = 0; i < 3; ++i) table.rows[i].push_back(i == 2 ? NAN : 1e-4);
+  table.rows[0][test::column_of(table, "opacity")] = 40;  // σ is 1 in double
+  table.rows[1][test::column_of(table, "opacity")] = INFINITY;
+  for (std::size_t i = 0; i < 3; ++i)
+    for (const char* name : {"scale_0", "scale_1", "scale_2"}) table.rows[i][test::column_of(table, name)] = 0;
+  const io::GaussianPly ply = parse(test::ply_bytes({table}, PlyFormat::kBinaryLittle));
+  const double lost = 1.5e-8;  // 1 - c = 3 f²/2 to first order
+  CHECK(ply.cloud.logit_opacity[0] == doctest::Approx(-std::log(lost)).epsilon(1e-3));
+  CHECK(ply.cloud.logit_opacity[1] == doctest::Approx(-std::log(lost)).epsilon(1e-3));
+  CHECK(ply.health.excluded() == 1);
+}
+
 TEST_CASE("missing and contradictory columns are named in the error") {
   for (const std::string name : {"x", "opacity", "scale_0", "scale_1", "rot_3", "f_dc_2", "f_rest_4"}) {
     PlyColumns table = test::inria_columns(2, 1);

@@ -108,6 +108,25 @@ TEST_CASE("a labelled model keeps the input's columns bit for bit and returns it
   }
 }
 
+TEST_CASE("a 3D filter is laid into what is written once, and both outputs say how to render it") {
+  PlyColumns table = test::inria_columns(3, 1);
+  test::add_column(table, 4, "filter_3D", PlyType::kFloat32, 0.5);
+  const std::string file = test::ply_bytes({table}, PlyFormat::kBinaryLittle);
+  const io::GaussianPly ply = parse(file);
+  const test::TempDir dir;
+  const std::vector<io::NamedLabels> objects = {{"cup", labels_of(3, 0.4f)}};
+  io::write_labelled_ply(dir.file("l.ply"), ply, objects);
+  io::write_strict_ply(dir.file("s.ply"), ply, {});
+  for (const char* name : {"l.ply", "s.ply"}) {
+    CAPTURE(name);
+    const io::GaussianPly back = io::read_gaussian_ply(dir.file(name));
+    CHECK(back.rows.find("filter_3D") < 0);
+    CHECK(back.cloud.log_scale == ply.cloud.log_scale);
+    CHECK(back.cloud.logit_opacity == ply.cloud.logit_opacity);
+    CHECK(back.cloud.antialiased);
+  }
+}
+
 TEST_CASE("several objects have a set each and the plain columns are their union") {
   const std::string file = test::ply_bytes({test::inria_columns(4, 0)}, PlyFormat::kBinaryLittle);
   const io::GaussianPly ply = parse(file);
