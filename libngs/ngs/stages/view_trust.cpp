@@ -155,7 +155,10 @@ double ignore_threshold(const TrustOptions& options, const std::vector<double>& 
   std::vector<double> deviations;
   for (const double d : disagreement) deviations.push_back(std::abs(d - median));
   const double sigma = kMadToSigma * upper_median(std::move(deviations));
-  return std::max({options.factor * median, median + options.spreads * sigma, options.least});
+  const double threshold = std::max({options.factor * median, median + options.spreads * sigma, options.least});
+  // Of nine masks three empty ones are spread enough for a threshold that no 1 - IoU can exceed.
+  const bool strangers = *std::max_element(disagreement.begin(), disagreement.end()) > options.most;
+  return strangers && median < 0.5 ? std::min(threshold, options.most) : threshold;
 }
 
 ViewTrust judge_views(const Exec& exec, Monitor& monitor, const TrustOptions& options, const MethodInput& input) {

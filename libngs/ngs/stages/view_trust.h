@@ -13,7 +13,8 @@ struct TrustOptions {
   int least_views = 4;   // with fewer masks, or fewer that show an object, there is no consensus
   double factor = 3;     // ignored: 1 - IoU above this many medians,
   double spreads = 6;    // above the median by this many standard deviations (1.4826 MAD),
-  double least = 0.2;    // and above this
+  double least = 0.2;    // and above this;
+  double most = 0.9;     // above this at any rate, where most views share more than half with the others
   int rounds = 3;        // the consensus without the ignored views judges again
 };
 

@@ -64,6 +64,16 @@ TEST_CASE("a mask of nothing is ignored where the others see the object") {
   CHECK(trust.ignored[0] == 2);
 }
 
+TEST_CASE("no share of wrong masks spreads the disagreement so far that none of them is found") {
+  double median = 0;
+  const std::vector<double> third_wrong = {0.07, 0.11, 0.16, 0.2, 0.22, 0.38, 1, 1, 1};
+  CHECK(ignore_threshold({}, third_wrong, median) < 1);
+  CHECK(median == 0.22);
+  CHECK(ignore_threshold({}, third_wrong, median) > 0.38);
+  // Where most views do not know the object, they do not tell who is wrong.
+  CHECK(ignore_threshold({}, std::vector<double>{0.3, 0.5, 0.6, 0.8, 1}, median) > 1);
+}
+
 TEST_CASE("views that do not see the object are no measure of how well the others agree") {
   TrustCase c;
   for (std::size_t v = 0; v < 6; ++v) {  // every mask is off by 2 px, to one side or the other
