@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <sstream>
 
 #include "ngs/core/error.h"
 #include "ngs/io/pose.h"
@@ -56,10 +57,12 @@ Camera colmap_camera(const ColmapModel& model, std::uint64_t width, std::uint64_
                      const std::vector<double>& parameters, const std::string& where,
                      const std::string& folder) {
   if (!is_pinhole_without_distortion(model)) refuse_colmap_model(model.name, where, folder);
-  for (std::size_t i = std::size_t(model.intrinsics); i < parameters.size(); ++i)
-    if (!(std::abs(parameters[i]) < kNegligible))
-      refuse_colmap_model(std::string(model.name) + " with distortion " + std::to_string(parameters[i]),
-                          where, folder);
+  for (std::size_t i = std::size_t(model.intrinsics); i < parameters.size(); ++i) {
+    if (std::abs(parameters[i]) < kNegligible) continue;
+    std::ostringstream found;
+    found << model.name << " with distortion " << parameters[i];
+    refuse_colmap_model(found.str(), where, folder);
+  }
   if (width < 1 || height < 1 || width > std::uint64_t(kMaxSide) || height > std::uint64_t(kMaxSide))
     throw Error(ErrorCode::kBadInput, where + ": size " + std::to_string(width) + "x" +
                                           std::to_string(height) + " px, expected 1.." +

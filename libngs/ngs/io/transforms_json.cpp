@@ -43,9 +43,12 @@ void refuse_distortion(const Lookup& lookup, const std::string& where) {
     const double value = lookup.number(key).value_or(0);
     if (std::abs(value) >= kNegligible)
       throw Error(ErrorCode::kBadInput,
-                  where + ": lens distortion " + key + " = " + std::to_string(value) + ", expected none",
+                  where + ": lens distortion " + key + " = " + json(value).dump() + ", expected none",
                   remedy);
   }
+  const JsonReader* fisheye = lookup.holder("is_fisheye");  // instant-ngp's; bends straight lines even with k1..k4 zero
+  if (fisheye != nullptr && fisheye->boolean("is_fisheye"))
+    throw Error(ErrorCode::kBadInput, where + ": is_fisheye, expected a pinhole", remedy);
   const JsonReader* reader = lookup.holder("camera_model");
   if (reader == nullptr) return;
   const std::string model = reader->text("camera_model");

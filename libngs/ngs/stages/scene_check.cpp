@@ -147,7 +147,8 @@ std::string remedy_of(const Exec& exec, Monitor& monitor, const SceneCheckOption
     return "the poses fit, the colours do not: with a gain and an offset per channel it is " + decibels(recoloured_db) +
            " above it; give the photos that the model was trained on, or import these with --min-fit-db -100";
   return "the model was trained on other poses, or in a world that was moved or scaled since; import the cameras it was "
-         "trained with";
+         "trained with (a splat exported by nerfstudio: with --world-transform dataparser_transforms.json, and "
+         "--original-world where transforms.json has an applied_transform)";
 }
 
 std::string percent(double share) {

@@ -136,6 +136,8 @@ TEST_CASE(
   const std::string image = "1 1 0 0 0 0 0 0 1 a.png\n\n";
   const Capture radial = text_capture("1 SIMPLE_RADIAL 640 480 500 320 240 5e-10\n", image);
   CHECK(radial.views[0].camera.fy == 500);
+  CHECK_THROWS_WITH_AS(text_capture("1 SIMPLE_RADIAL 640 480 500 320 240 -3e-8\n", image),
+                       doctest::Contains("SIMPLE_RADIAL with distortion -3e-08"), Error);
   const Capture opencv = text_capture("1 OPENCV 640 480 500 501 320 240 0 0 0 0\n", image);
   CHECK(opencv.views[0].camera.fy == 501);
   for (const char* camera :
@@ -299,6 +301,9 @@ TEST_CASE("broken transforms.json files are refused with their place") {
   refused("/frames/0/transform_matrix", other, "differs from a rotation by 3.0");
   refused("/k1", 0.1, "lens distortion k1");
   refused("/frames/0/p2", -1e-3, "lens distortion p2");
+  refused("/k2", -3e-8, "lens distortion k2 = -3e-08");
+  refused("/is_fisheye", true, "is_fisheye, expected a pinhole");
+  refused("/frames/0/is_fisheye", true, "is_fisheye, expected a pinhole");
   refused("/camera_model", "OPENCV_FISHEYE", "camera model OPENCV_FISHEYE");
   refused("/frames/0/fl_x", 0, "focal length");
   refused("/w", 0, "w: 0, expected an integer");
