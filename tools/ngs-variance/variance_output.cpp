@@ -93,7 +93,14 @@ void write_labels(cli::Run& run, const Scene& scene, const io::GaussianPly& ply,
   run.result()["excluded"] = ply.health.excluded();
   run.result()["never_seen"] = std::count(labels[0].views.begin(), labels[0].views.end(), 0.f);
   run.result()["boundary"] = boundary_total;
-  if (boundary_total == 0)
+  const bool any_evidence = std::any_of(labels.begin(), labels.end(), [](const LabelColumns& l) {
+    return std::any_of(l.views.begin(), l.views.end(), [](float views) { return views > 0; });
+  });
+  if (!any_evidence)
+    run.nothing_found("no mask of a training view shows any Gaussian",
+                      "masks of held-out views do not count; see what was found: ngs-scene check scene.json; make masks with "
+                      "ngs-mask, and import the scene again with --masks DIR");
+  else if (boundary_total == 0)
     run.nothing_found("no Gaussian has a normalised mask variance above tau = " + std::to_string(options.tau),
                       "lower --tau, or check the masks: ngs-scene check scene.json");
   io::write_labelled_ply(path, ply, named);
