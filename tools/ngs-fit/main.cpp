@@ -80,9 +80,7 @@ int main(int argc, char** argv) {
     }
 
     const GaussianCloud& cloud = fitter.state().cloud;
-    std::vector<std::string> comments{cli::history(options)};
-    if (options.antialiased) comments.push_back("antialiased 1");
-    io::write_strict_ply(out.path, cloud, {}, comments);
+    io::write_strict_ply(out.path, cloud, {}, io::trained_comments(cli::history(options), options.antialiased));
     run.result()["gaussians"] = cloud.size();
     run.result()["steps_per_s"] = double(fitter.state().step - first) / std::max(seconds, 1e-9);
     run.result()["train"] = cli::score_json(score_fit(run.exec(), options, cloud, views, Split::kTrain));

@@ -52,15 +52,15 @@ Json estimate(const cli::SynthData& data, const SynthOptions& options, const Fit
 
 void fit(cli::Run& run, const cli::SynthData& data, const FitOptions& options, const std::string& path) {
   const std::vector<FitView> views = cli::fit_views(data);
-  const std::vector<FitPoint> points = cli::fit_points(data.points);
-  Fitter fitter(options, views, initial_fit(run.exec(), options, points, views, run.seed()), run.seed());
+  Fitter fitter(options, views, initial_fit(run.exec(), options, cli::fit_points(data.points), views, run.seed()), run.seed());
   const double start = wall_seconds();
   run_fit(run.exec(), run.monitor(), fitter, options, {});
   const double seconds = wall_seconds() - start;
   if (run.stop_code() != 0) return;
   const GaussianCloud& cloud = fitter.state().cloud;
   const FitScore score = score_fit(run.exec(), options, cloud, views, Split::kTrain);
-  io::write_strict_ply(path, cloud, {}, {io::history_line("ngs-synth", cli::recipe_json(data.recipe).dump())});
+  const std::string history = io::history_line("ngs-synth", cli::recipe_json(data.recipe).dump());
+  io::write_strict_ply(path, cloud, {}, io::trained_comments(history, options.antialiased));
   run.result()["gaussians"] = cloud.size();
   run.result()["fit"] = {
       {"steps", options.steps}, {"steps_per_s", options.steps / seconds}, {"psnr_db", score.psnr_db}, {"ssim", score.ssim}};

@@ -62,7 +62,7 @@ class Reader {
   /// Those who train with a 3D filter render with the opacity compensation. No file of ours has the column.
   void fuse_filter() {
     ply_.rows = fuse_3d_filter(ply_.rows);
-    ply_.comments.push_back("antialiased 1");
+    ply_.comments.push_back(kAntialiasedComment);
     ply_.notes.push_back("filter_3D (Mip-Splatting) is laid into scales and opacities, as when it is rendered");
   }
 

@@ -57,6 +57,12 @@ GaussianPly read_gaussian_ply(const std::string& path, HigherBands bands = Highe
 /// The same on a buffer that outlives the result.
 GaussianPly parse_gaussian_ply(std::string name, Bytes bytes);
 
+/// The comment of a model that was trained with the opacity compensation of Mip-Splatting.
+inline constexpr const char* kAntialiasedComment = "antialiased 1";
+inline std::vector<std::string> trained_comments(const std::string& history, bool antialiased) {
+  return antialiased ? std::vector<std::string>{history, kAntialiasedComment} : std::vector<std::string>{history};
+}
+
 /// "ngs <tool> <version> <options>", the line to append to `history` below.
 std::string history_line(const std::string& tool, const std::string& options_json);
 
