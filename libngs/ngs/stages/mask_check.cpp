@@ -66,7 +66,7 @@ class Notes {
   std::map<std::string, Entry> by_text_;
 };
 
-void judge(const std::string& name, const ObjectCheck& object, std::vector<std::string>& warnings) {
+void judge(const std::string& name, bool inverted, const ObjectCheck& object, std::vector<std::string>& warnings) {
   const std::string who = "object " + name + ": ";
   const std::string all =
       object.views == 1 ? "its only mask is " : "all its " + std::to_string(object.views) + " masks are ";
@@ -84,8 +84,8 @@ void judge(const std::string& name, const ObjectCheck& object, std::vector<std::
   if (object.border > kMostBorder && object.mean_coverage > kMostCoverage)
     warnings.push_back(
         who +
-        "its masks cover most of the images and of their borders; if white means background, use "
-        "--mask-invert");
+        "its masks cover most of the images and of their borders; " +
+        (inverted ? "if white means the object, leave --mask-invert out" : "if white means background, use --mask-invert"));
 }
 
 }  // namespace
@@ -109,7 +109,7 @@ void check_masks(Monitor& monitor, const Scene& scene, const SceneLoaders& loade
   for (std::size_t k = 0; k < scene.objects.size(); ++k) {
     ObjectCheck& object = result.objects[k];
     if (object.views > 0) object.mean_coverage /= object.views, object.border /= object.views;
-    judge(scene.objects[k].name, object, result.warnings);
+    judge(scene.objects[k].name, scene.mask_invert, object, result.warnings);
   }
 }
 
