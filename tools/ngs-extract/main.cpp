@@ -4,6 +4,7 @@
 #include "extractor.h"
 #include "inpaint_output.h"
 #include "ngs/io/scene_json.h"
+#include "shared/unused.h"
 
 int main(int argc, char** argv) {
   using namespace ngs;
@@ -38,6 +39,10 @@ int main(int argc, char** argv) {
       throw Error(
           ErrorCode::kUsage,
           "no output was asked for, expected --object, --background, --labelled, --supersplat or --inpaint");
+    if (options.min_component == 0)
+      cli::warn_unused(run, options, {"component_neighbours"}, "without --min-component");
+    if (options.unseen != UnseenRule::kKnn)
+      cli::warn_unused(run, options, {"unseen_neighbours"}, "but by --unseen knn");
     if (inpaint && !scene_json)
       throw Error(ErrorCode::kUsage, "--inpaint needs the cameras", "give --scene scene.json");
     if (!inpaint) cli::warn_unused(run, inpaint_options, bool(scene_json));

@@ -6,6 +6,7 @@
 #include "ngs/io/gaussian_ply.h"
 #include "ngs/io/scene_json.h"
 #include "shared/checkpoints.h"
+#include "shared/unused.h"
 
 namespace {
 
@@ -42,6 +43,8 @@ int main(int argc, char** argv) {
   return tool.run(argc, argv, [&](cli::Run& run) {
     if (keep.resume && keep.checkpoint.empty())
       throw Error(ErrorCode::kUsage, "resume without checkpoint, expected --checkpoint DIR", "name the folder of the interrupted run");
+    if (points) cli::warn_unused(run, options, {"random_points"}, "with --points");
+    if (keep.checkpoint.empty()) cli::warn_unused(run, keep, {"checkpoint_every"}, "without --checkpoint");
     Scene scene = io::read_scene_json(scene_json.path);
     choose_background(options.background, run.monitor(), scene);
     options.background = background_text(background_of(scene));

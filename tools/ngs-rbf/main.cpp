@@ -3,6 +3,7 @@
 #include "ngs/stages/rbf_stage.h"
 #include "shared/boundary.h"
 #include "shared/tool.h"
+#include "shared/unused.h"
 
 int main(int argc, char** argv) {
   using namespace ngs;
@@ -17,6 +18,7 @@ int main(int argc, char** argv) {
   const cli::Output& out = tool.output("-o,--output", "query PLY with f_inter_*, neighbours and weights");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
+    if (options.width != "auto") cli::warn_unused(run, options, {"width_factor"}, "but by --width auto");
     const io::GaussianPly ply = io::read_gaussian_ply(boundary_ply.path);
     const BoundarySet boundary = cli::boundary_of(run, ply, boundary_ply.path);
     QueryField field = io::read_query_ply(query_ply.path);

@@ -4,6 +4,7 @@
 #include "ngs/io/scene_json.h"
 #include "ngs/stages/background.h"
 #include "options.h"
+#include "shared/unused.h"
 
 namespace {
 
@@ -43,6 +44,8 @@ int import_command(int argc, char** argv) {
   const cli::Output& out = tool.output("-o,--output", "scene.json");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
+    if (options.mask_mode != MaskMode::kBinary)
+      cli::warn_unused(run, options, {"mask_threshold"}, "but by --mask-mode binary");
     io::ImportedScene imported = [&] {
       const auto timed = run.monitor().scope("import");
       return io::import_scene(
