@@ -117,9 +117,10 @@ Pairing matched_files(const ImageList& predicted, const ImageList& truth, const 
 void require_pairs(const Pairing& pairing, const ImageList& predicted, const ImageList& truth,
                    const EvalFileOptions& options) {
   if (!pairing.pairs.empty()) return;
+  const std::string& wanted = pairing.truth_only.empty() ? truth.names.front() : pairing.truth_only.front();
   throw Error(ErrorCode::kInconsistent,
               predicted.folder + " and " + truth.folder + ": no file matches, found '" +
-                  predicted.names.front() + "' and '" + truth.names.front() +
+                  predicted.names.front() + "' and '" + wanted +
                   "', expected the same stems or numbers",
               "name the predictions like the true masks, or check --views " + options.views);
 }
