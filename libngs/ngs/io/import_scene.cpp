@@ -196,11 +196,21 @@ void assign_splits(const std::string& hold_out, std::vector<SceneView>& views) {
                 "--hold-out " + hold_out + ": holds out every view, expected some to train on");
 }
 
-/// The largest 1/k at which no photo's longer side exceeds kWorkingSizePx.
-double automatic_scale(const std::vector<SceneView>& views) {
+/// The largest 1/k at which no photo's longer side exceeds kWorkingSizePx. One for all views: the small ones of a mixed
+/// capture lose pixels that they could keep, which is said.
+double automatic_scale(const std::vector<SceneView>& views, std::vector<std::string>& notes) {
+  const auto side = [](const SceneView& view) { return std::max(view.camera.width_px, view.camera.height_px); };
   int longest = 1;
-  for (const SceneView& view : views) longest = std::max({longest, view.camera.width_px, view.camera.height_px});
-  return 1.0 / ((longest + kWorkingSizePx - 1) / kWorkingSizePx);
+  for (const SceneView& view : views) longest = std::max(longest, side(view));
+  const int k = (longest + kWorkingSizePx - 1) / kWorkingSizePx;
+  const auto small = std::count_if(views.begin(), views.end(), [&](const SceneView& view) {
+    return k > 1 && side(view) <= kWorkingSizePx;
+  });
+  if (small > 0)
+    notes.push_back(std::to_string(small) + " views of at most " + std::to_string(kWorkingSizePx) + " px are worked on at 1/" +
+                    std::to_string(k) + " of their size too, as the largest of " + std::to_string(longest) +
+                    " px asks for; --image-scale 1 keeps them");
+  return 1.0 / k;
 }
 
 ImportedScene import_scene(const ImportRequest& request) {
@@ -214,7 +224,7 @@ ImportedScene import_scene(const ImportRequest& request) {
   scene.mask_mode = request.mask_mode, scene.mask_invert = request.mask_invert;
   scene.mask_threshold = request.mask_threshold, scene.missing_mask = request.missing_mask;
   scene.void_id = request.void_id;
-  scene.image_scale = request.image_scale > 0 ? request.image_scale : automatic_scale(scene.views);
+  scene.image_scale = request.image_scale > 0 ? request.image_scale : automatic_scale(scene.views, out.notes);
   out.masks_dir = find_masks_dir(request, source.base, out.notes);
   assign_splits(request.hold_out, scene.views);
   attach_masks(request, out);

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "ngs/core/error.h"
 #include "ngs/io/folder_index.h"
 #include "ngs/io/image_file.h"
@@ -208,6 +210,29 @@ TEST_CASE("cameras follow the size of their photos, then image_scale") {
   CHECK((got.width_px == 16 && got.height_px == 12));
   CHECK(got.fx == doctest::Approx(full.fx / 4));
   CHECK(got.cy == doctest::Approx(full.cy / 4));
+}
+
+TEST_CASE("small photos that are worked on smaller because others are large are told of") {
+  const auto told = [](const ImportedScene& scene) {
+    return std::count_if(scene.notes.begin(), scene.notes.end(), [](const std::string& note) {
+      return note.find("2 views of at most 800 px are worked on at 1/2 of their size") == 0;
+    });
+  };
+  const TempDir dir;
+  make_scene(dir, 3);
+  ImportRequest request = request_for(dir);
+  request.image_scale = 0;
+  CHECK(told(import_scene(request)) == 0);
+  write_png(dir.file("images/1.jpg.png"), ImageU8(64 * 16, 48 * 16, 3, 9));
+  const ImportedScene mixed = import_scene(request);
+  CHECK(mixed.scene.image_scale == 0.5);
+  CHECK(told(mixed) == 1);
+  request.image_scale = 1;
+  CHECK(told(import_scene(request)) == 0);
+  request.image_scale = 0;
+  for (const char* small : {"images/0.jpg.png", "images/2.jpg.png"})  // none is small
+    write_png(dir.file(small), ImageU8(64 * 16, 48 * 16, 3, 9));
+  CHECK(told(import_scene(request)) == 0);
 }
 
 TEST_CASE("photos of another shape, no photo at all and no mask at all are inconsistent") {
