@@ -97,6 +97,15 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
     CHECK(occurrences(page, "url(") == 0);
     CHECK(occurrences(page, "src=") == occurrences(page, "src=\"data:image/jpeg;base64,"));
   }
+  SUBCASE("scores of views whose masks were learnt from are named so") {
+    CHECK(page.find("learnt from") == page.npos);
+    fs::copy_file(dir.path() + "/scene/masks/v1.png", out + "/masks/v1.png");
+    run_tool(out, {"ngs-eval", "masks", dir.path() + "/scene/masks", "-q", "-w", "-o", "metrics.json"});
+    run_tool(out, {"ngs-report", ".", "-o", "trained.html"});
+    const std::string trained = test::read_bytes(out + "/trained.html");
+    CHECK(trained.find("1 held out, 1 of 2 scored were learnt from") != trained.npos);
+    CHECK(trained.find("1 of 2 scored views were learnt from") != trained.npos);
+  }
   SUBCASE("each picture has a text and the outlines of prediction, truth and input") {
     CHECK(occurrences(page, "<img ") >= 2);  // the sheet and a crop
     CHECK(occurrences(page, "<img ") ==

@@ -4,10 +4,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "charts.h"
 #include "html.h"
 #include "ngs/ops/metrics.h"
+#include "ngs/scene/view_names.h"
 #include "page.h"
 
 namespace ngs::cli {
@@ -68,6 +70,26 @@ const Json& list_at(const Json& json, std::initializer_list<std::string_view> ke
   return value.is_array() ? value : kEmptyList;
 }
 
+/// How many views were scored, and how many of these had a mask that the result was made from: their scores flatter.
+struct ScoredViews {
+  std::int64_t all = 0, learnt_from = 0;
+};
+
+ScoredViews scored_views(const RunFolder& run) {
+  ScoredViews count;
+  std::set<std::string> names;
+  for (const Json& scored : list_at(run.metrics, {"views"})) names.insert(json_text(value_at(scored, {"view"})));
+  for (const std::string& name : names) {
+    ++count.all;
+    if (!run.scene) continue;
+    for (const std::size_t v : views_named(run.scene->views, name)) {
+      const SceneView& view = run.scene->views[v];
+      count.learnt_from += view.split == Split::kTrain && !view.mask_path.empty();
+    }
+  }
+  return count;
+}
+
 }  // namespace
 
 std::string score_title(std::string_view name) {
@@ -110,13 +132,19 @@ std::string tiles(const RunFolder& run) {
   if (run.scene) {
     const auto held_out = std::count_if(run.scene->views.begin(), run.scene->views.end(),
                                         [](const SceneView& view) { return view.split == Split::kHeldOut; });
-    add_tile(html, "views", whole(std::int64_t(run.scene->views.size())), whole(held_out) + " held out");
+    const ScoredViews scored = scored_views(run);
+    const std::string learnt =
+        scored.learnt_from > 0 ? ", " + whole(scored.learnt_from) + " of " + whole(scored.all) + " scored were learnt from" : "";
+    add_tile(html, "views", whole(std::int64_t(run.scene->views.size())), whole(held_out) + " held out" + learnt);
   }
   return html + "</dl>\n";
 }
 
 std::string oddities_section(const RunFolder& run) {
   std::string list;
+  if (const ScoredViews scored = scored_views(run); scored.learnt_from > 0)
+    list += "<li><b>scores</b> " + whole(scored.learnt_from) + " of " + whole(scored.all) +
+            " scored views were learnt from, they say little of views that were not</li>";
   for (const std::string& problem : run.problems) list += "<li><b>report</b> " + escaped(problem) + "</li>";
   for (const ToolReport& tool : run.reports) {
     for (const Json& warning : list_at(tool.report, {"warnings"}))
