@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <optional>
 
 #include "ngs/core/error.h"
@@ -90,8 +91,10 @@ void read_intrinsics(const Lookup& lookup, const TransformsSource& source, const
   }
   const auto focal_of = [&](const char* focal, const char* angle, int size_px) -> std::optional<double> {
     if (const auto value = lookup.number(focal)) return value;
-    if (const auto value = lookup.number(angle)) return size_px / (2 * std::tan(*value / 2));
-    return std::nullopt;
+    const auto value = lookup.number(angle);
+    if (!value) return std::nullopt;
+    if (!(*value > 0 && *value < std::numbers::pi)) lookup.holder(angle)->fail(angle, "an angle between 0 and pi");
+    return size_px / (2 * std::tan(*value / 2));
   };
   const auto fx = focal_of("fl_x", "camera_angle_x", camera.width_px);
   const auto fy = focal_of("fl_y", "camera_angle_y", camera.height_px);

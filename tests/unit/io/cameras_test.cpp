@@ -220,12 +220,9 @@ TEST_CASE("transforms.json: focal length from the angle, size from the image, ex
   root["frames"] = {{{"file_path", "./train/r_0"},
                      {"transform_matrix", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 4}, {0, 0, 0, 1}}}}};
   TransformsSource source = no_images();
-  CHECK_THROWS_WITH_AS(parse_transforms_json(root, source), doctest::Contains("no w and h and no image"),
-                       Error);
+  CHECK_THROWS_WITH_AS(parse_transforms_json(root, source), doctest::Contains("no w and h and no image"), Error);
   source.images = {[](const std::string& path) { return path == "/data/train/r_0.jpg"; },
-                   [](const std::string&) {
-                     return ImageSize{800, 600};
-                   }};
+                   [](const std::string&) { return ImageSize{800, 600}; }};
   const Capture capture = parse_transforms_json(root, source);
   const Camera& c = capture.views[0].camera;
   CHECK(c.name == "r_0.jpg");
@@ -233,8 +230,11 @@ TEST_CASE("transforms.json: focal length from the angle, size from the image, ex
   CHECK(c.fx == doctest::Approx(800));
   CHECK(c.fy == c.fx);
   CHECK((c.cx == 400 && c.cy == 300));
-  CHECK((c.rotation * Vec3<double>{0, 0, 0} + c.translation).z ==
-        doctest::Approx(4));  // the origin is in front
+  CHECK((c.rotation * Vec3<double>{0, 0, 0} + c.translation).z == doctest::Approx(4));  // the origin is in front
+  for (const double angle : {0.0, -0.5, 3.2}) {
+    root["camera_angle_x"] = angle;
+    CHECK_THROWS_WITH_AS(parse_transforms_json(root, source), doctest::Contains("an angle between 0 and pi"), Error);
+  }
 }
 
 TEST_CASE("transforms.json: names keep the folders that differ, mask_path is resolved") {
