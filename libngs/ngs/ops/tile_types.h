@@ -17,7 +17,7 @@ inline constexpr int kTilePixels = kTilePx * kTilePx;
 template <class S>
 using WideOf = std::conditional_t<std::is_same_v<S, float>, double, S>;
 
-/// A visible Gaussian as the loops read it: 64 bytes for float.
+/// A visible Gaussian as the loops read it: 56 bytes for float.
 ///   mean_x, mean_y           px; wide, because a float mean at 1000 px is off by 3e-5 px, and alpha by as much
 ///   conic, opacity           alpha = min(0.99, opacity e^(-(a u² + 2 b u v + c v²) / 2))
 ///   two_cut                  2 ln(255 · opacity): the quadratic form above which alpha < 1/255
