@@ -9,8 +9,8 @@
 #include "ngs/io/sparse_points.h"
 #include "ngs/scene/view_names.h"
 #include "ngs/stages/render_options.h"
-#include "shared/changed_options.h"
 #include "shared/scene_model.h"
+#include "shared/unused.h"
 
 namespace ngs::cli {
 namespace {
@@ -38,9 +38,10 @@ std::string picture_file(const std::string& folder, const char* kind, const std:
 }  // namespace
 
 void warn_unused(Run& run, const InpaintOptions& options, bool scene_given) {
-  std::string unused = scene_given ? "--scene" : "";
-  for (const auto& [name, value] : changed_options(options)) unused += (unused.empty() ? "" : ", ") + option_flag(name);
-  if (!unused.empty()) run.monitor().warn(unused + ": not used without --inpaint");
+  std::vector<std::string> flags;
+  if (scene_given) flags.push_back("--scene");
+  for (const auto& [name, value] : changed_options(options)) flags.push_back(option_flag(name));
+  warn_unused(run, flags, "without --inpaint");
 }
 
 void check_inpaint_folder(const Scene& scene, const std::string& scene_path, const std::string& folder) {
