@@ -57,7 +57,7 @@ std::size_t reference_view(const Run& run, const Scene& scene, const std::string
                 "give --view NAME, or name the file after the photo");
   const std::vector<std::size_t> found = select_views(scene, name);
   if (found.size() != 1) throw Error(ErrorCode::kUsage, "view = " + name + ", expected the name of one view");
-  const std::vector<std::size_t> said = views_named(scene.views, prompt.view);
+  const std::vector<std::size_t> said = ViewNames(scene.views).find(prompt.view);
   if (!prompt.view.empty() && said.size() == 1 && said[0] != found[0])
     throw Error(ErrorCode::kUsage, "view = " + name + ": the prompts are of " + prompt.view + ", expected one view",
                 "leave --view out, or give the prompts of that view");

@@ -8,7 +8,6 @@
 #include "ngs/core/error.h"
 #include "ngs/io/gaussian_ply.h"
 #include "ngs/io/image_file.h"
-#include "ngs/scene/view_names.h"
 #include "ngs/stages/error_atlas.h"
 #include "ngs/stages/render_options.h"
 #include "planes.h"
@@ -81,8 +80,8 @@ class AtlasMaker {
   /// False where the view has no truth, no camera or no labels.
   bool make(const ShownView& view, Found& found) const {
     const LabelColumns* labels = labels_of(ply_, view.object);
-    const SceneView* scene_view = view_named(view.view);
-    if (labels == nullptr || scene_view == nullptr) return false;
+    if (labels == nullptr || !view.scene_view) return false;
+    const Camera& working = scene_.views[*view.scene_view].camera;
     const Plane labelled = read_truth(view);
     if (labelled.empty()) return false;
     const int w = labelled.width_px, h = labelled.height_px;
@@ -90,8 +89,8 @@ class AtlasMaker {
     const Plane input = fitted(read_plane(view.input, view.input_id), w, h);
     if (predicted.empty()) return false;
     const Plane truth = closest_truth(labelled, predicted);
-    const Camera camera = resized(scene_view->camera, w, h);
-    const SplatOptions splat = filter_at_scale(splat_, double(w) / scene_view->camera.width_px);
+    const Camera camera = resized(working, w, h);
+    const SplatOptions splat = filter_at_scale(splat_, double(w) / working.width_px);
     found.atlas = error_atlas(exec_, {ply_.cloud, *labels, camera, splat, predicted.view(), truth.view(),
                                       input.empty() ? MaskPlane{nullptr, w, h} : input.view()});
     ImageF photo = view.photo.empty() ? ImageF(w, h, 3, 0.5f) : io::read_image_rgb(view.photo, view.behind);
@@ -100,11 +99,6 @@ class AtlasMaker {
   }
 
  private:
-  const SceneView* view_named(const std::string& name) const {
-    const std::vector<std::size_t> found = views_named(scene_.views, name);
-    return found.size() == 1 ? &scene_.views[found[0]] : nullptr;
-  }
-
   const Exec& exec_;
   const Scene& scene_;
   const io::GaussianPly& ply_;

@@ -9,7 +9,6 @@
 #include "ngs/core/error.h"
 #include "ngs/io/gaussian_ply.h"
 #include "ngs/io/image_file.h"
-#include "ngs/scene/view_names.h"
 #include "ngs/stages/render_options.h"
 #include "planes.h"
 
@@ -70,13 +69,11 @@ const ShownView* median_view(const RunFolder& run) {
 }
 
 /// background.ply from the camera of the view, over the scene's background, on grey where that is not known.
-ImageF background_picture(const Exec& exec, const RunFolder& run, const std::string& name, int width_px,
+ImageF background_picture(const Exec& exec, const RunFolder& run, const ShownView& view, int width_px,
                           int height_px) {
   const fs::path path = fs::path(run.path) / "background.ply";
-  if (!run.scene || !fs::is_regular_file(path)) return {};
-  const std::vector<std::size_t> found = views_named(run.scene->views, name);
-  if (found.size() != 1) return {};
-  const Camera& camera = run.scene->views[found[0]].camera;
+  if (!view.scene_view || !fs::is_regular_file(path)) return {};
+  const Camera& camera = run.scene->views[*view.scene_view].camera;
   const io::GaussianPly ply = io::read_gaussian_ply(path.string());
   RenderRequest request;
   request.background = run.scene->background ? background_of(*run.scene) : Vec3<float>{0.5f, 0.5f, 0.5f};
@@ -99,7 +96,7 @@ std::vector<Flip> flips_of(const Exec& exec, const RunFolder& run, const ShownVi
   const std::string object = several ? view.object : "the object";
   std::vector<Flip> flips{
       {photo, painted(photo, result, false, kPaper, 1), view.view, "the photo", object + " alone"}};
-  if (ImageF left = background_picture(exec, run, view.view, width, height); !left.empty())
+  if (ImageF left = background_picture(exec, run, view, width, height); !left.empty())
     flips.push_back({photo, std::move(left), view.view, "the photo",
                      several ? "the splat without all objects" : "the splat without the object"});
   if (const Plane input = plane(view.input, view.input_id); !input.empty())

@@ -160,8 +160,9 @@ void add_scene_files(RunFolder& run) {
   if (!run.scene) return;
   std::vector<std::string> known;
   for (const SceneView& view : run.scene->views) known.push_back(view.camera.name);
+  const ViewNames names(run.scene->views);
   for (ShownView& view : run.views) {
-    std::vector<std::size_t> found = views_named(run.scene->views, view.view);
+    std::vector<std::size_t> found = names.find(view.view);
     if (found.size() != 1) {
       const std::vector<std::string> one{view.view};
       const NameMatch match = match_names(one, known);
@@ -169,6 +170,7 @@ void add_scene_files(RunFolder& run) {
       found = {match.pairs[0].truth};
     }
     std::error_code ignored;
+    view.scene_view = found[0];
     const SceneView& camera = run.scene->views[found[0]];
     if (fs::is_regular_file(camera.image_path, ignored)) view.photo = camera.image_path;
     view.behind = background_of(*run.scene);

@@ -9,7 +9,6 @@
 #include "charts.h"
 #include "html.h"
 #include "ngs/ops/metrics.h"
-#include "ngs/scene/view_names.h"
 #include "page.h"
 
 namespace ngs::cli {
@@ -70,24 +69,19 @@ const Json& list_at(const Json& json, std::initializer_list<std::string_view> ke
   return value.is_array() ? value : kEmptyList;
 }
 
-/// How many views were scored, and how many of these had a mask that the result was made from: their scores flatter.
-struct ScoredViews {
-  std::int64_t all = 0, learnt_from = 0;
-};
+/// The result was made from a mask of this view: its scores flatter.
+bool is_learnt_from(const SceneView& view) { return view.split == Split::kTrain && !view.mask_path.empty(); }
 
-ScoredViews scored_views(const RunFolder& run) {
-  ScoredViews count;
-  std::set<std::string> names;
-  for (const Json& scored : list_at(run.metrics, {"views"})) names.insert(json_text(value_at(scored, {"view"})));
-  for (const std::string& name : names) {
-    ++count.all;
-    if (!run.scene) continue;
-    for (const std::size_t v : views_named(run.scene->views, name)) {
-      const SceneView& view = run.scene->views[v];
-      count.learnt_from += view.split == Split::kTrain && !view.mask_path.empty();
-    }
+/// "3 of 7 NOUN were learnt from" where views are scored that the result was made from, else empty.
+std::string learnt_from(const RunFolder& run, const std::string& noun) {
+  std::set<std::string> scored, learnt;
+  for (const ShownView& view : run.views) {
+    if (view.scores.is_null()) continue;
+    scored.insert(view.view);
+    if (view.scene_view && is_learnt_from(run.scene->views[*view.scene_view])) learnt.insert(view.view);
   }
-  return count;
+  if (learnt.empty()) return {};
+  return whole(std::int64_t(learnt.size())) + " of " + whole(std::int64_t(scored.size())) + " " + noun + " were learnt from";
 }
 
 }  // namespace
@@ -132,19 +126,17 @@ std::string tiles(const RunFolder& run) {
   if (run.scene) {
     const auto held_out = std::count_if(run.scene->views.begin(), run.scene->views.end(),
                                         [](const SceneView& view) { return view.split == Split::kHeldOut; });
-    const ScoredViews scored = scored_views(run);
-    const std::string learnt =
-        scored.learnt_from > 0 ? ", " + whole(scored.learnt_from) + " of " + whole(scored.all) + " scored were learnt from" : "";
-    add_tile(html, "views", whole(std::int64_t(run.scene->views.size())), whole(held_out) + " held out" + learnt);
+    const std::string learnt = learnt_from(run, "scored");
+    add_tile(html, "views", whole(std::int64_t(run.scene->views.size())),
+             whole(held_out) + " held out" + (learnt.empty() ? "" : ", " + learnt));
   }
   return html + "</dl>\n";
 }
 
 std::string oddities_section(const RunFolder& run) {
   std::string list;
-  if (const ScoredViews scored = scored_views(run); scored.learnt_from > 0)
-    list += "<li><b>scores</b> " + whole(scored.learnt_from) + " of " + whole(scored.all) +
-            " scored views were learnt from, they say little of views that were not</li>";
+  if (const std::string learnt = learnt_from(run, "scored views"); !learnt.empty())
+    list += "<li><b>scores</b> " + learnt + ", they say little of views that were not</li>";
   for (const std::string& problem : run.problems) list += "<li><b>report</b> " + escaped(problem) + "</li>";
   for (const ToolReport& tool : run.reports) {
     for (const Json& warning : list_at(tool.report, {"warnings"}))

@@ -56,7 +56,7 @@ class Reader {
       ply_.notes.push_back("list properties of the Gaussians are left out");
     for (const PlyElement& e : ply_.file.elements())
       if (&e != vertex) ply_.notes.push_back("element '" + e.name + "' is left out");
-    if (ply_.rows.rows > 0 && has_3d_filter(ply_.rows)) fuse_filter();
+    if (has_3d_filter(ply_.rows)) fuse_filter();
   }
 
   /// Those who train with a 3D filter render with the opacity compensation. No file of ours has the column.

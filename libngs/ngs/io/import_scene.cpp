@@ -173,8 +173,11 @@ void hold_out_every(const std::string& rule, std::vector<SceneView>& views) {
 }
 
 void hold_out_named(const std::string& path, std::vector<SceneView>& views) {
-  for (const std::string& name : read_name_list(path)) {
-    const std::vector<std::size_t> found = views_named(views, name);
+  const std::vector<std::string> listed = read_name_list(path);
+  if (listed.empty()) throw Error(ErrorCode::kBadInput, path + ": names no view, expected image names, one per line");
+  const ViewNames names(views);
+  for (const std::string& name : listed) {
+    const std::vector<std::size_t> found = names.find(name);
     if (found.size() != 1)
       throw Error(ErrorCode::kInconsistent, path + ": " + name + " is " +
                                                 (found.empty() ? "no view" : "several views") +

@@ -40,11 +40,12 @@ struct PlyElement {
 
 /// One column of a PlyTable. Values convert to double exactly; a float keeps its bits (NaN payloads too).
 struct PlyColumn {
-  const std::uint8_t* first = nullptr;  // null: the table has no such property
+  const std::uint8_t* first = nullptr;  // null: no rows, or no such property
   std::size_t stride = 0;
   PlyType type = PlyType::kFloat32;
+  bool exists = false;
 
-  explicit operator bool() const { return first != nullptr; }
+  explicit operator bool() const { return exists; }
   double value(std::int64_t row) const;
   float value_float(std::int64_t row) const;
 };

@@ -33,11 +33,10 @@ bool is_each_once(const std::vector<std::string>& names) {
   return std::set<std::string>(names.begin(), names.end()).size() == names.size();
 }
 
-std::vector<std::size_t> indices_of(const std::vector<std::string>& names, const std::string& wanted) {
-  std::vector<std::size_t> found;
-  for (std::size_t i = 0; i < names.size(); ++i)
-    if (names[i] == wanted) found.push_back(i);
-  return found;
+std::map<std::string, std::vector<std::size_t>, std::less<>> indices_of(const std::vector<std::string>& names) {
+  std::map<std::string, std::vector<std::size_t>, std::less<>> indices;
+  for (std::size_t i = 0; i < names.size(); ++i) indices[names[i]].push_back(i);
+  return indices;
 }
 
 bool parse_number(std::string_view text, std::size_t& value) {
@@ -73,11 +72,17 @@ std::vector<std::string> output_names(const std::vector<SceneView>& views) {
   return names;
 }
 
-std::vector<std::size_t> views_named(const std::vector<SceneView>& views, std::string_view name) {
-  std::vector<std::size_t> found = indices_of(names_by(views, [](auto& own) { return own; }), std::string(name));
-  if (found.empty()) found = indices_of(names_by(views, image_stem), image_stem(name));
-  if (found.empty()) found = indices_of(output_names(views), image_stem(name));
-  return found;
+ViewNames::ViewNames(const std::vector<SceneView>& views)
+    : by_name_(indices_of(names_by(views, [](auto& name) { return name; }))),
+      by_path_(indices_of(names_by(views, image_stem))),
+      by_output_name_(indices_of(output_names(views))) {}
+
+std::vector<std::size_t> ViewNames::find(std::string_view name) const {
+  if (const auto own = by_name_.find(name); own != by_name_.end()) return own->second;
+  const std::string stem = image_stem(name);
+  for (const Indices* names : {&by_path_, &by_output_name_})
+    if (const auto found = names->find(stem); found != names->end()) return found->second;
+  return {};
 }
 
 std::optional<EveryRule> parse_every(std::string_view rule) {

@@ -2,6 +2,8 @@
 // The names of views: what is an image's name, what files are called after a view, and which view a name means; and of
 // objects, which have folders of theirs.
 #include <cstddef>
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -26,9 +28,19 @@ bool is_folder_name(std::string_view name);
 /// it, and where even these are shared (a.png, a.jpg) the whole name.
 std::vector<std::string> output_names(const std::vector<SceneView>& views);
 
-/// Indices of the views that `name` means: the view of this very name, else those with this path, whatever the
-/// extension, else the one whose output name it is; none or several where it is not the name of one view.
-std::vector<std::size_t> views_named(const std::vector<SceneView>& views, std::string_view name);
+/// Which views a name means, for any number of names.
+class ViewNames {
+ public:
+  explicit ViewNames(const std::vector<SceneView>& views);
+
+  /// Indices of the views that `name` means: the view of this very name, else those with this path, whatever the
+  /// extension, else the one whose output name it is; none or several where it is not the name of one view.
+  std::vector<std::size_t> find(std::string_view name) const;
+
+ private:
+  using Indices = std::map<std::string, std::vector<std::size_t>, std::less<>>;
+  Indices by_name_, by_path_, by_output_name_;
+};
 
 /// "every:N:K": each index i with i % n == k.
 struct EveryRule {

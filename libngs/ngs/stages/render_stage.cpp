@@ -37,8 +37,9 @@ std::vector<std::size_t> select_views(const Scene& scene, const std::string& sel
         views.push_back(i);
     return views;
   }
+  const ViewNames names(scene.views);
   for (const std::string& name : split(selection, ',')) {
-    const std::vector<std::size_t> found = views_named(scene.views, name);
+    const std::vector<std::size_t> found = names.find(name);
     if (found.size() > 1)
       throw Error(ErrorCode::kUsage, "--views: several views are named '" + name + "'",
                   "give the whole name, such as '" + scene.views[found[0]].camera.name + "'");

@@ -208,6 +208,16 @@ TEST_CASE("filter_3D of Mip-Splatting becomes part of scales and opacities, in e
   }
 }
 
+TEST_CASE("a model without rows has its columns all the same") {
+  PlyColumns table = test::inria_columns(0, 0);
+  table.properties.push_back({"filter_3D", PlyType::kFloat32});
+  const io::GaussianPly ply = parse(test::ply_bytes({table}, PlyFormat::kBinaryLittle));
+  CHECK(ply.cloud.size() == 0);
+  CHECK(ply.cloud.antialiased);
+  CHECK(ply.rows.column("x"));
+  CHECK_FALSE(ply.rows.column("filter_3D"));
+}
+
 TEST_CASE("a 3D filter neither makes opaque Gaussians transparent nor hides a row that is not finite") {
   PlyColumns table = test::inria_columns(3, 0);
   table.properties.push_back({"filter_3D", PlyType::kFloat32});

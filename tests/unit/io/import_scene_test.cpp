@@ -322,6 +322,7 @@ TEST_CASE("every:N:K holds out the views with index K modulo N, a file those it 
   CHECK(views[0].split == Split::kHeldOut);
   CHECK(code_of([&] { assign_splits(dir.write("t.txt", "nobody.png\n"), views); }) ==
         ErrorCode::kInconsistent);
+  CHECK(code_of([&] { assign_splits(dir.write("empty.txt", "# none\n"), views); }) == ErrorCode::kBadInput);
   CHECK(code_of([&] { assign_splits("every:1:0", views); }) == ErrorCode::kInconsistent);
   for (const char* wrong : {"every:", "every:0:0", "every:4:4", "every:4", "every:4:2:1", "every:4:-2"})
     CHECK(code_of([&] { assign_splits(wrong, views); }) == ErrorCode::kUsage);

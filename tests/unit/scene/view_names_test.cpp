@@ -38,14 +38,14 @@ TEST_CASE("files are called after the stem where that tells the views apart, els
 
 TEST_CASE("a view is found by its name, its path without extension or the name of its files") {
   using Indices = std::vector<std::size_t>;
-  const auto rig = views_of({"cam0/0.png", "cam0/1.png", "cam1/0.png"});
-  CHECK(views_named(rig, "cam1/0.png") == Indices{2});
-  CHECK(views_named(rig, "cam1/0") == Indices{2});
-  CHECK(views_named(rig, "cam1/0.jpg") == Indices{2});
-  CHECK(views_named(rig, "0").empty());
-  CHECK(views_named(views_of({"images/0.png", "images/1.png"}), "1") == Indices{1});
-  CHECK(views_named(views_of({"a.jpg", "a.png"}), "a") == Indices{0, 1});
-  CHECK(views_named(views_of({"a.jpg", "a.png"}), "a.png") == Indices{1});
+  const ViewNames rig(views_of({"cam0/0.png", "cam0/1.png", "cam1/0.png"}));
+  CHECK(rig.find("cam1/0.png") == Indices{2});
+  CHECK(rig.find("cam1/0") == Indices{2});
+  CHECK(rig.find("cam1/0.jpg") == Indices{2});
+  CHECK(rig.find("0").empty());
+  CHECK(ViewNames(views_of({"images/0.png", "images/1.png"})).find("1") == Indices{1});
+  CHECK(ViewNames(views_of({"a.jpg", "a.png"})).find("a") == Indices{0, 1});
+  CHECK(ViewNames(views_of({"a.jpg", "a.png"})).find("a.png") == Indices{1});
 }
 
 TEST_CASE("every:N:K selects the indices K modulo N, and nothing else is such a rule") {
