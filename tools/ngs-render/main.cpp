@@ -12,9 +12,22 @@
 #include "render_output.h"
 #include "shared/scene_model.h"
 #include "shared/tool.h"
+#include "shared/unused.h"
+
+namespace {
+
+using namespace ngs;
+
+void warn_unused(cli::Run& run, const std::set<std::string>& layers, const RenderOptions& options) {
+  if (!layers.contains("color") && !layers.contains("overlay"))
+    cli::warn_unused(run, options, {"background"}, "without the layer color or overlay");
+  if (!layers.contains("mask") && !layers.contains("labels") && !layers.contains("overlay"))
+    cli::warn_unused(run, options, {"amodal", "threshold"}, "without the layer mask, labels or overlay");
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
-  using namespace ngs;
   cli::Tool tool("ngs-render",
                  "Render colour, masks, alpha, depth and labels of a model at the scene's cameras.",
                  {"ngs-render scene.json labelled.ply --views held-out --layers mask -o masks/",
@@ -35,6 +48,7 @@ int main(int argc, char** argv) {
     const io::GaussianPly ply = io::read_gaussian_ply(model.path);
     const picture::Objects objects = picture::objects_of(ply);
     const std::set<std::string> layers = picture::parse_layers(options.layers, objects, format.format);
+    warn_unused(run, layers, options);
     choose_background(options.background, run.monitor(), scene);
     const double scale = options.scale > 0 ? options.scale : 1 / scene.image_scale;
     const SplatOptions splat =

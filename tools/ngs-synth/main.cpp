@@ -1,34 +1,14 @@
 // ngs-synth: a recipe -> photos, poses, exact and erroneous masks, depth, and a splat fitted to the photos.
 #include "dataset.h"
 #include "ngs/io/gaussian_ply.h"
-#include "shared/tool.h"
+#include "options.h"
+#include "shared/unused.h"
 
 namespace {
 
 using namespace ngs;
 
-struct SynthOptions {
-  int views = 0, width_px = 0, height_px = 0;
-  std::int64_t scene_seed = -1;
-  std::string target;
-  std::vector<std::string> mask_noise;
-  bool grey = false, fit = true;
-
-  template <class Self, class Visitor>
-  static void describe(Self& self, Visitor&& visit) {
-    visit(self.views, Field<int>{"views", "", "number of cameras; 0: as the recipe says", 0, 10000});
-    visit(self.width_px, Field<int>{"width_px", "px", "image width; 0: as the recipe says", 0, 16384});
-    visit(self.height_px, Field<int>{"height_px", "px", "image height; 0: as the recipe says", 0, 16384});
-    visit(self.scene_seed, Field<std::int64_t>{"scene_seed", "", "textures and layout; -1: as the recipe says", -1, 1ll << 53});
-    visit(self.target, Text{"target", "NAME", "object that masks/ shows; default: as the recipe says"});
-    visit(self.mask_noise, Text{"mask_noise", "KIND:AMOUNT",
-                                "errors in masks/ and labels/: erode:PX dilate:PX jitter:PX drop:P swap:P blob:P"});
-    visit(self.grey, Flag{"grey", "take the colours away; off: as the recipe says"});
-    visit(self.fit, Flag{"fit", "write point_cloud.ply, fitted to the photos"});
-  }
-};
-
-synth::Recipe resolved(synth::Recipe recipe, const SynthOptions& o) {
+synth::Recipe resolved(synth::Recipe recipe, const cli::SynthOptions& o) {
   if (o.views > 0) recipe.views = o.views;
   const auto side_of = [](int px, int recipe_px) {
     if (px > 0 && px < 8) throw Error(ErrorCode::kUsage, "a side of " + std::to_string(px) + " px, expected 0 or at least 8");
@@ -41,8 +21,20 @@ synth::Recipe resolved(synth::Recipe recipe, const SynthOptions& o) {
   return recipe;
 }
 
+FitOptions small_fit() {
+  FitOptions options;
+  options.steps = 1500, options.sh_degree = 1, options.max_gaussians = 8000;
+  return options;
+}
+
+void warn_without_fit(cli::Run& run, const FitOptions& given) {
+  std::vector<std::string> flags;
+  for (const auto& [name, value] : cli::changed_options(given, small_fit())) flags.push_back(option_flag("fit_" + name));
+  cli::warn_unused(run, flags, "with --no-fit");
+}
+
 /// Wall seconds and MiB; 4e-7 s per ray on one core of a current machine.
-Json estimate(const cli::SynthData& data, const SynthOptions& options, const FitOptions& fit, int threads) {
+Json estimate(const cli::SynthData& data, const cli::SynthOptions& options, const FitOptions& fit, int threads) {
   double pixels = 0;
   for (const Camera& c : data.cameras) pixels += double(c.width_px) * c.height_px;
   const double rays = pixels * (1 + data.recipe.samples_per_side * data.recipe.samples_per_side);
@@ -72,9 +64,8 @@ int main(int argc, char** argv) {
   cli::Tool tool("ngs-synth", "Make an analytic scene with exact masks and fit a splat to it.",
                  {"ngs-synth torus-box -o scene/", "ngs-synth leaves -o noisy/ --mask-noise jitter:1.5,drop:0.1 --fit-steps 3000",
                   "ngs-synth recipe.json -o again/ --no-fit"});
-  SynthOptions options;
-  FitOptions fit_options;
-  fit_options.steps = 1500, fit_options.sh_degree = 1, fit_options.max_gaussians = 8000;
+  cli::SynthOptions options;
+  FitOptions fit_options = small_fit();
   tool.options(options);
   tool.options(fit_options, "fit_");
   const cli::Argument& name =
@@ -83,6 +74,7 @@ int main(int argc, char** argv) {
   tool.stops_on_request();
 
   return tool.run(argc, argv, [&](cli::Run& run) {
+    if (!options.fit) warn_without_fit(run, fit_options);
     bool is_file = false;
     cli::SynthData data;
     data.recipe = resolved(cli::load_recipe(name.value, is_file), options);

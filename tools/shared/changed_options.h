@@ -10,8 +10,7 @@ namespace ngs::cli {
 
 /// Name and value of those that differ from their defaults; an options file repeats the others as well.
 template <class Options>
-std::vector<std::pair<std::string, Json>> changed_options(Options options) {
-  Options defaults;
+std::vector<std::pair<std::string, Json>> changed_options(Options options, Options defaults = {}) {
   OptionSet given, unchanged;
   given.add(options), unchanged.add(defaults);
   std::vector<std::pair<std::string, Json>> changed;
