@@ -153,7 +153,8 @@ TEST_CASE("several objects have a set each and the plain columns are their union
 
 TEST_CASE("an object name that leaves the folder of the masks is refused, wherever the file has it") {
   const test::TempDir dir;
-  const io::GaussianPly ply = parse(test::ply_bytes({test::inria_columns(2, 0)}, PlyFormat::kBinaryLittle));
+  const std::string file = test::ply_bytes({test::inria_columns(2, 0)}, PlyFormat::kBinaryLittle);
+  const io::GaussianPly ply = parse(file);
   const auto refused = [&](const std::vector<io::NamedLabels>& objects) {
     io::write_labelled_ply(dir.file("l.ply"), ply, objects);
     try {
