@@ -50,7 +50,7 @@ class EffectProbe {
   const KnnGraph& neighbours();
   std::vector<Camera> cameras() const;
 
-  const Exec& exec_;
+  const Exec exec_;
   const EffectSetup& setup_;
   std::unique_ptr<Views> views_;
   std::optional<BoundarySet> boundary_;

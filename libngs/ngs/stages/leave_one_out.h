@@ -32,7 +32,7 @@ class LeaveOneOut {
   };
   Own own_of(const ViewSums& one) const;
 
-  const Exec& exec_;
+  const Exec exec_;
   std::int64_t gaussians_;
   std::size_t objects_;
   Gather gather_;
