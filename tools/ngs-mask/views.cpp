@@ -108,9 +108,12 @@ void MaskViews::finish(Run& run) {
     run.monitor().warn(std::to_string(n) +
                        " views have no mask of their own (no photo, or one that the others contradict): "
                        "theirs is rendered from the other views");
-  if (const int n = count[MaskSource::kUnseen]; n > 0)
-    run.monitor().warn(std::to_string(n) +
+  const int unseen = count[MaskSource::kUnseen];
+  if (unseen > 0)
+    run.monitor().warn(std::to_string(unseen) +
                        " views do not show the object as far as the others know: their masks are empty");
+  if (unseen > 0 && unseen + count[MaskSource::kReference] == int(outcome_.size()))
+    run.monitor().warn("the object is in the mask of the marked view alone, which is too little to know it by elsewhere: mark more of it");
 }
 
 }  // namespace ngs::cli
