@@ -229,7 +229,8 @@ TEST_CASE("ngs-gs.sh lets input masks stand in for the truth as ngs-scene reads 
     INFO(result.err);
     REQUIRE(result.exit_code == 0);
     std::ifstream file(capture.out + "/metrics.json");
-    for (const nlohmann::json& view : nlohmann::json::parse(file)["views"])
+    const nlohmann::json metrics = nlohmann::json::parse(file);
+    for (const nlohmann::json& view : metrics["views"])
       CHECK(view["counts"]["void_px"] == 3 * view["width_px"].get<int>());
   }
   SUBCASE("inverted ones") {
