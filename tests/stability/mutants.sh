@@ -1,12 +1,18 @@
 #!/usr/bin/env bash
 # Proves that the tests have teeth: breaks the kernels one small way at a time and runs the tests that should notice.
-#   tests/stability/mutants.sh [WORD...]        only mutants whose line contains one of the words
+#   tests/stability/mutants.sh [--applies] [WORD...]
+#
+#   WORD       only mutants whose line contains one of the words
+#   --applies  only names those that no longer change the file they break
+#
 # Needs a finished build (pipelines/build.sh): a mutant is a copy of one header or source, put before the real one,
 # compiled with the named tests (of tests/) and linked with the libraries of build/. Prints killed or SURVIVED per
 # mutant; exit 1 if one survives, no longer applies or does not compile.
 set -uo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 build=$root/build
+applies_only=
+if [ "${1:-}" = --applies ]; then applies_only=1; shift; fi
 words=("$@")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -27,7 +33,7 @@ run() {
   for s in $sources; do
     if [ "$s" = "$file" ]; then inputs+=("$place/ngs/$s"); else inputs+=("$root/libngs/ngs/$s"); fi
   done
-  if cmp -s "$root/libngs/ngs/$file" "$place/ngs/$file"; then
+  if ! applies "$file" "$script"; then
     verdict="NOT APPLIED"
   elif ! g++ "${flags[@]}" -I"$place" -I"$root/tests" -I"$root/libngs" -I"$build/libngs" "${inputs[@]}" \
     "${libraries[@]}" -o "$place/test" >"$place/log" 2>&1; then
@@ -45,16 +51,30 @@ run() {
   rm -rf "$place"
 }
 
+# applies FILE SED
+applies() { ! sed -E "$2" "$root/libngs/ngs/$1" | cmp -s - "$root/libngs/ngs/$1"; }
+
 # mutant FILE TESTS SOURCES WHAT SED
 mutant() {
   local word wanted=$((${#words[@]} == 0))
   for word in "${words[@]}"; do [[ "$*" != *"$word"* ]] || wanted=1; done
   [ "$wanted" = 1 ] || return 0
   count=$((count + 1))
+  if [ -n "$applies_only" ]; then
+    applies "$1" "$5" || printf 'NOT APPLIED  %-26s %s\n' "$1" "$4" >>"$work/verdicts"
+    return
+  fi
   while [ "$(jobs -rp | wc -l)" -ge "$jobs" ]; do wait -n; done
   run "$@" "$work/$count" >>"$work/verdicts" &
 }
 
+if [ -n "$applies_only" ]; then
+  : >"$work/verdicts"
+  source "$root/tests/stability/mutants_list.sh"
+  cat "$work/verdicts"
+  [ ! -s "$work/verdicts" ]
+  exit
+fi
 for suite in stability grad emulated; do
   "$build/bin/test_$suite" --minimal >"$work/log" 2>&1 || { echo "test_$suite fails without a mutant" >&2; exit 1; }
 done
