@@ -33,7 +33,7 @@ bool is_each_once(const std::vector<std::string>& names) {
   return std::set<std::string>(names.begin(), names.end()).size() == names.size();
 }
 
-std::map<std::string, std::vector<std::size_t>, std::less<>> indices_of(const std::vector<std::string>& names) {
+auto indices_of(const std::vector<std::string>& names) {
   std::map<std::string, std::vector<std::size_t>, std::less<>> indices;
   for (std::size_t i = 0; i < names.size(); ++i) indices[names[i]].push_back(i);
   return indices;
