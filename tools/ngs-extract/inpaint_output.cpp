@@ -38,9 +38,8 @@ std::string picture_file(const std::string& folder, const char* kind, const std:
 }  // namespace
 
 void warn_unused(Run& run, const InpaintOptions& options, bool scene_given) {
-  std::vector<std::string> flags;
-  if (scene_given) flags.push_back("--scene");
-  for (const auto& [name, value] : changed_options(options)) flags.push_back(option_flag(name));
+  std::vector<std::string> flags = given_flags(options);
+  if (scene_given) flags.insert(flags.begin(), "--scene");
   warn_unused(run, flags, "without --inpaint");
 }
 

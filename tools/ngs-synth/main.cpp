@@ -27,12 +27,6 @@ FitOptions small_fit() {
   return options;
 }
 
-void warn_without_fit(cli::Run& run, const FitOptions& given) {
-  std::vector<std::string> flags;
-  for (const auto& [name, value] : cli::changed_options(given, small_fit())) flags.push_back(option_flag("fit_" + name));
-  cli::warn_unused(run, flags, "with --no-fit");
-}
-
 /// Wall seconds and MiB; 4e-7 s per ray on one core of a current machine.
 Json estimate(const cli::SynthData& data, const cli::SynthOptions& options, const FitOptions& fit, int threads) {
   double pixels = 0;
@@ -74,7 +68,7 @@ int main(int argc, char** argv) {
   tool.stops_on_request();
 
   return tool.run(argc, argv, [&](cli::Run& run) {
-    if (!options.fit) warn_without_fit(run, fit_options);
+    if (!options.fit) cli::warn_unused(run, cli::given_flags(fit_options, small_fit(), "fit_"), "with --no-fit");
     bool is_file = false;
     cli::SynthData data;
     data.recipe = resolved(cli::load_recipe(name.value, is_file), options);

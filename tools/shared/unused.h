@@ -11,6 +11,14 @@
 
 namespace ngs::cli {
 
+/// The flags of all that were given of a group whose names have this prefix.
+template <class Options>
+std::vector<std::string> given_flags(const Options& options, const Options& defaults = {}, const std::string& prefix = {}) {
+  std::vector<std::string> flags;
+  for (const auto& [name, value] : changed_options(options, defaults)) flags.push_back(option_flag(prefix + name));
+  return flags;
+}
+
 /// "--component-neighbours: not used without --min-component", where there are flags.
 inline void warn_unused(Run& run, const std::vector<std::string>& flags, const std::string& why) {
   std::string text;

@@ -204,7 +204,7 @@ int PlyTable::find(std::string_view name) const {
 PlyColumn PlyTable::column(std::string_view name) const {
   const int p = find(name);
   if (p < 0) return {};
-  return {rows > 0 ? row(0) + offset[std::size_t(p)] : nullptr, row_bytes, properties[std::size_t(p)].type, true};
+  return {rows > 0 ? row(0) + offset[std::size_t(p)] : nullptr, row_bytes, properties[std::size_t(p)].type};
 }
 
 void PlyTable::set_properties(std::vector<PlyProperty> scalar_properties) {

@@ -40,12 +40,11 @@ struct PlyElement {
 
 /// One column of a PlyTable. Values convert to double exactly; a float keeps its bits (NaN payloads too).
 struct PlyColumn {
-  const std::uint8_t* first = nullptr;  // null: no rows, or no such property
-  std::size_t stride = 0;
+  const std::uint8_t* first = nullptr;  // null: no rows or no such property
+  std::size_t stride = 0;               // bytes; 0: no such property
   PlyType type = PlyType::kFloat32;
-  bool exists = false;
 
-  explicit operator bool() const { return exists; }
+  explicit operator bool() const { return stride > 0; }
   double value(std::int64_t row) const;
   float value_float(std::int64_t row) const;
 };
