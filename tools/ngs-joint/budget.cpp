@@ -87,8 +87,10 @@ TimePlan Budget::plan(const JointOptions& joint, const EdgeOptions& edge, const 
 }
 
 TimePlan Budget::plan_rounds(const JointOptions& joint, const EdgeOptions& edge, const Scene& scene,
-                             std::size_t training_views) const {
-  return plan_time(left_s(), {}, rounds_cost(joint, edge, scene, training_views));
+                             std::size_t training_views, std::optional<double> first_walk_s) const {
+  RoundsCost rounds = rounds_cost(joint, edge, scene, training_views);
+  rounds.walk_s = first_walk_s.value_or(rounds.walk_s);
+  return plan_time(left_s() + first_walk_s.value_or(0), {}, rounds);
 }
 
 Json Budget::json() const {

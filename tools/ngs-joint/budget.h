@@ -20,11 +20,11 @@ struct StageCost {
 };
 
 // Measured on the captures of BENCHMARKS.md (Budgets); a run corrects them by its own pace.
-inline constexpr StageCost kTrustCost{"view-trust", 2, 0.15}, kFloatersCost{"floaters", 17, 0.7},
-    kFloaterSearchCost{"floaters", 12, 1}, kDetectorsCost{"detectors", 2, 0.6},
+inline constexpr StageCost kTrustCost{"view-trust", 1.5, 0.15}, kFloatersCost{"floaters", 8, 0.2},
+    kFloaterSearchCost{"floaters", 5.5, 1}, kDetectorsCost{"detectors", 1.5, 0.6},
     kDraftFloatersCost{"floaters", 8, 0.7}, kDraftSearchCost{"floaters", 4, 1},
-    kRefitVisitCost{"refit", 6, 0.35}, kCheckCost{"check", 2, 1}, kLoadCost{"load views", 2, 0.4};
-inline constexpr double kStepRenders = 5, kFieldStepRenders = 6, kWalkRenders = 24, kEdgeStepRenders = 6;
+    kRefitVisitCost{"refit", 4.5, 0.12}, kCheckCost{"check", 1.2, 1}, kLoadCost{"load views", 2, 0.4};
+inline constexpr double kStepRenders = 3, kFieldStepRenders = 7, kWalkRenders = 12, kEdgeStepRenders = 3.5;
 
 class Budget {
  public:
@@ -67,11 +67,16 @@ class Budget {
   int plan_refit(bool draft, int shrink, std::size_t views);
   Lap lap_refit(int visits, int shrink, std::size_t views);
 
-  /// What is left for steps and edges; for edges alone.
+  /// Steps of Eq. 20 that the run has taken.
+  void took_steps(std::int64_t steps, bool field, double seconds) { took("steps", double(steps) * step_renders(field), seconds); }
+  /// Whether there is still room for more than one of them.
+  bool has_room_for_steps(bool field) const { return allows(2 * foreseen_s(step_renders(field))); }
+
+  /// What is left for steps and edges; for edges alone, before the first walk, or after it, and then by what it took.
   TimePlan plan(const JointOptions& joint, const EdgeOptions& edge, const Scene& scene,
                 std::size_t training_views) const;
   TimePlan plan_rounds(const JointOptions& joint, const EdgeOptions& edge, const Scene& scene,
-                       std::size_t training_views) const;
+                       std::size_t training_views, std::optional<double> first_walk_s) const;
 
   /// Something was left out or shortened for want of time.
   void note_cut() { cut_ = true; }
@@ -82,6 +87,7 @@ class Budget {
  private:
   RoundsCost rounds_cost(const JointOptions& joint, const EdgeOptions& edge, const Scene& scene,
                          std::size_t training_views) const;
+  static double step_renders(bool field) { return kStepRenders + (field ? kFieldStepRenders : 0); }
 
   double start_s_;
   std::optional<double> seconds_;

@@ -103,21 +103,26 @@ MethodResult run_edges(cli::Run& run, const Settings& settings, const Problem& p
     const auto lap = budget.lap(kCheckCost, views);
     before = training_agreement(run.exec(), problem.input, result);
   }
-  const TimePlan plan = budget.plan_rounds(settings.joint, settings.edge, problem.input.scene, views);
-  if (plan.edge_rounds == 0) {
+  const auto rounds_that_fit = [&](std::optional<double> first_walk_s) {
+    return budget.plan_rounds(settings.joint, settings.edge, problem.input.scene, views, first_walk_s).edge_rounds;
+  };
+  if (rounds_that_fit({}) == 0) {
     budget.note_cut();
     return result;
   }
+  double walk_began_s = 0;
   const auto allow = [&](int wanted) {
-    const int rounds = std::min(wanted, plan.edge_rounds);
-    if (rounds < wanted) budget.note_cut();  // that steps were left out the watch knows
-    watch.rounds_known(rounds);
-    return rounds;
+    const int planned = std::min(wanted, rounds_that_fit(wall_seconds() - walk_began_s));
+    if (planned == 0) budget.note_cut();  // that later rounds or steps were left out the watch knows
+    watch.rounds_known(wanted, planned);
+    const bool no_trial = planned == 1 && may_try_pictures(settings.edge, problem.input.scene);
+    return planned == 0 || no_trial ? planned : wanted;
   };
   const double check_s = budget.foreseen_s(kCheckCost.renders * double(views));
-  watch.begin_rounds(plan.edge_rounds, check_s);
+  watch.begin_rounds(check_s);
   run.info("edges begin");
   MethodResult start = budget.given() ? result : MethodResult{};
+  walk_began_s = wall_seconds();
   result = follow_edges(run.exec(), run.monitor(),
                         {settings.edge, settings.joint, settings.sample, settings.rbf, problem.input,
                          [&](const JointProgress& progress, JointTrainer& trainer, const auto& whole) {
@@ -133,6 +138,17 @@ MethodResult run_edges(cli::Run& run, const Settings& settings, const Problem& p
   return start;
 }
 
+/// Steps until `keep_s` of the budget are left. Returns the exit code of a signal, else 0.
+int take_steps(cli::Run& run, const Settings& settings, const Problem& problem, bool field, double keep_s, Watch& watch,
+               JointTrainer& trainer) {
+  watch.begin_steps(keep_s, trainer);
+  const double began_s = wall_seconds();
+  const std::int64_t done = trainer.steps_done();
+  const int stopped = run_steps(run, settings.run, problem.checkpoint, watch, trainer);
+  problem.budget.took_steps(trainer.steps_done() - done, field, wall_seconds() - began_s);
+  return stopped;
+}
+
 }  // namespace
 
 int optimise(cli::Run& run, Decisions& decisions, const Problem& problem, const Artifacts& artifacts) {
@@ -143,13 +159,14 @@ int optimise(cli::Run& run, Decisions& decisions, const Problem& problem, const 
                        run.allow_empty());
   Watch watch(run.exec(), settings.run, problem.input, budget, !artifacts.trace.empty());
   watch.begin(trainer);
+  const std::int64_t all_steps = trainer.steps_planned();
   if (decisions.on("joint")) {
     const TimePlan plan =
         budget.plan(settings.joint, settings.edge, problem.input.scene, problem.input.views.size());
     if (settings.run.resume && problem.checkpoint.load(trainer))
       run.info("resumed after step " + std::to_string(trainer.steps_done()));
-    watch.begin_steps(budget.left_s() - plan.steps_s, trainer);
-    if (const int stopped = run_steps(run, settings.run, problem.checkpoint, watch, trainer)) return stopped;
+    const double keep_s = budget.left_s() - plan.steps_s;
+    if (const int stopped = take_steps(run, settings, problem, decisions.on("nerf"), keep_s, watch, trainer)) return stopped;
   }
   MethodResult result = trainer.result();
   result.converged = true;
@@ -159,6 +176,14 @@ int optimise(cli::Run& run, Decisions& decisions, const Problem& problem, const 
       cli::Checkpoints(run.monitor()).on_the_way([&] { problem.checkpoint.save(trainer); });
     result = run_edges(run, settings, problem, watch, std::move(result));
     if (run.monitor().stop_requested()) return run.stop_code();
+    const bool kept_in_vain = decisions.on("joint") && trainer.steps_done() < all_steps && result.source_row.empty();
+    if (kept_in_vain && !watch.target_met() && budget.has_room_for_steps(decisions.on("nerf"))) {
+      trainer.plan_steps(all_steps);
+      if (const int stopped = take_steps(run, settings, problem, decisions.on("nerf"), 0, watch, trainer)) return stopped;
+      MethodResult longer = trainer.result();
+      longer.figures.merge(result.figures);
+      result = std::move(longer);
+    }
   }
   result.converged = watch.target_met() || (!watch.cut() && !budget.cut());
   if (budget.given()) run.result()["budget"] = budget.json();

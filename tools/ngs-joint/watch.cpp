@@ -44,17 +44,18 @@ void Watch::begin_steps(double keep_s, const JointTrainer& trainer) {
   planned_ = trainer.steps_planned(), step_ = began_step_ = trainer.steps_done();
 }
 
-void Watch::begin_rounds(int rounds, double keep_s) {
+void Watch::begin_rounds(double keep_s) {
   begin_stage(keep_s);
-  rounds_left_ = rounds + 1, rounds_keep_s_ = keep_s;
+  rounds_known(1, 1);
+  rounds_keep_s_ = keep_s;
 }
 
 /// After the first step of a round: all before it was the walk.
 void Watch::begin_round(const JointProgress& first, double now_s) {
   walk_s_ = now_s - last_s_;
-  --rounds_left_;
+  --rounds_left_, sharing_ = std::max(sharing_ - 1, 1);
   const double left_s = budget_.left_s() - rounds_keep_s_;
-  keep_s_ = budget_.left_s() - round_share_s(left_s, walk_s_, rounds_left_);
+  keep_s_ = budget_.left_s() - round_share_s(left_s, walk_s_, sharing_);
   planned_ = first.steps, began_step_ = first.step;
   began_s_ = last_s_ = now_s, longest_step_s_ = 0;
 }
@@ -62,16 +63,21 @@ void Watch::begin_round(const JointProgress& first, double now_s) {
 /// It cannot be stopped midway: one like the longest, and the step that led to it.
 bool Watch::room_for_score() const { return budget_.allows(keep_s_ + 1.2 * (longest_score_s_ + longest_step_s_)); }
 
-/// A walk like the last one, and half of the training.
-bool Watch::room_for_next_round() const {
+/// Of this stage or round so far.
+double Watch::step_s(const JointProgress& progress) const {
+  return (seconds() - began_s_) / double(std::max<std::int64_t>(progress.step - began_step_, 1));
+}
+
+/// A walk like the last one, and half of the training: of this round's, of a whole one's if this was the last that was planned.
+bool Watch::room_for_next_round(const JointProgress& progress) const {
   constexpr double kCaution = 1.15;
-  return budget_.allows(rounds_keep_s_ + kCaution * walk_s_ + 0.5 * (seconds() - began_s_));
+  const std::int64_t steps = sharing_ > 1 ? progress.step : planned_;
+  return budget_.allows(rounds_keep_s_ + kCaution * walk_s_ + 0.5 * double(steps) * step_s(progress));
 }
 
 void Watch::replan(const JointProgress& progress, JointTrainer& trainer) {
   if (!budget_.given() || progress.step == began_step_) return;
-  const double step_s = (seconds() - began_s_) / double(progress.step - began_step_);
-  const double room = std::max(0.0, budget_.left_s() - keep_s_ - 1.2 * longest_step_s_) / step_s;
+  const double room = std::max(0.0, budget_.left_s() - keep_s_ - 1.2 * longest_step_s_) / step_s(progress);
   trainer.plan_steps(std::min(planned_, progress.step + std::int64_t(std::min(room, double(planned_)))));
 }
 
@@ -100,7 +106,7 @@ bool Watch::after_step(const JointProgress& progress, JointTrainer& trainer,
   replan(progress, trainer);
   last_s_ = seconds();
   bool over = !budget_.allows(keep_s_ + 1.2 * longest_step_s_);
-  if (rounds_left_ > 1 && trainer.finished()) over |= !room_for_next_round();
+  if (rounds_left_ > 1 && trainer.finished()) over |= !room_for_next_round(progress);
   cut_ |= (over || trainer.finished()) && (progress.step < planned_ || (over && rounds_left_ > 1));
   return target_met_ || over;
 }

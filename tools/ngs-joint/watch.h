@@ -14,10 +14,11 @@ class Watch {
   bool begin(const JointTrainer& trainer);
   /// The steps to come, from where the trainer is, go on until only `keep_s` of the budget are left.
   void begin_steps(double keep_s, const JointTrainer& trainer);
-  /// The same for rounds of edges, which share what their walks leave.
-  void begin_rounds(int rounds, double keep_s);
-  /// Their number, where the first walk found that it is another.
-  void rounds_known(int rounds) { rounds_left_ = rounds + 1; }
+  /// The same for rounds of edges.
+  void begin_rounds(double keep_s);
+  /// How many are wanted, known after the first walk. The first `planned` share what their walks leave; a further one is
+  /// begun where the time that is then left has room for its walk and half of its steps.
+  void rounds_known(int wanted, int planned) { rounds_left_ = wanted + 1, sharing_ = planned + 1; }
 
   /// True: no further step, because the target is met or the time is up.
   /// `whole` gives the model as it is, for scoring. Under a budget the trainer's plan follows the time that its steps turn out to take.
@@ -37,7 +38,8 @@ class Watch {
   void begin_stage(double keep_s);
   void begin_round(const JointProgress& first, double now_s);
   void replan(const JointProgress& progress, JointTrainer& trainer);
-  bool room_for_next_round() const;
+  bool room_for_next_round(const JointProgress& progress) const;
+  double step_s(const JointProgress& progress) const;
   bool room_for_score() const;
   double seconds() const { return budget_.elapsed_s() - scoring_s_; }
 
@@ -53,6 +55,7 @@ class Watch {
   std::int64_t planned_ = 0, began_step_ = 0;
   double began_s_ = 0, longest_step_s_ = 0, keep_s_ = 0;
   int rounds_left_ = 0;  // of edges, this one included; 0: these are not edges
+  int sharing_ = 0;      // of them
   double rounds_keep_s_ = 0, walk_s_ = 0;
   LossTerms last_loss_;
   std::string text_;

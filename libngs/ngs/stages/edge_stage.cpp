@@ -369,6 +369,7 @@ MethodResult follow_edges(const Exec& exec, Monitor& monitor, const EdgeSetup& s
       if (more) rounds = edge_rounds(setup.edge, run.beside_edges());
       const int trial = run.must_try() ? 1 : 0;  // takes the time of a round
       const int allowed = setup.rounds_allowed ? setup.rounds_allowed(rounds + trial) : rounds + trial;
+      if (allowed == 0) break;
       if (trial != 0 && allowed > 1 && !(start.converged = run.try_unseen())) break;
       rounds = std::max(1, allowed - trial);
       run.settle_unseen();

@@ -77,7 +77,8 @@ struct EdgeSetup {
   // Asked after every step, of the trainer on the windows, whose plan it may change, and of the whole model as it is
   // then; true ends the stage. May be empty.
   std::function<bool(const JointProgress&, JointTrainer&, const std::function<MethodResult()>& whole)> stop_after = {};
-  // Told how many rounds the first walk asks for; returns how many there is time for. May be empty.
+  // Told how many rounds the first walk asks for; returns how many there is time for, 0: none, then
+  // the model stays as it is. May be empty.
   std::function<int(int rounds)> rounds_allowed = {};
 };
 

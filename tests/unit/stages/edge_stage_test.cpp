@@ -224,7 +224,7 @@ TEST_CASE("edges: how many rounds are done is asked when the first walk has deci
   c.joint.effect = {"second-round=on"};
   const MethodInput in = c.input();
   Monitor monitor;
-  for (const int allowed : {2, 1}) {
+  for (const int allowed : {2, 1, 0}) {
     CAPTURE(allowed);
     std::vector<int> wanted;
     bool stepped = false, before = false;
@@ -236,6 +236,8 @@ TEST_CASE("edges: how many rounds are done is asked when the first walk has deci
     const MethodResult result = follow_edges({}, monitor, {c.edge, c.joint, c.sample, c.rbf, in, step, allow}, c.start(in));
     CHECK(wanted == std::vector{2});
     CHECK(before);
+    CHECK(stepped == (allowed > 0));
+    CHECK(result.source_row.empty() == (allowed == 0));
     CHECK(result.figures.at("edge_rounds") == allowed);
     CHECK(result.converged);  // whether less than wanted is too little is for whom was asked
   }
