@@ -2,6 +2,7 @@
 // What ngs-scene import asks for beside its inputs.
 #include "ngs/io/import_scene.h"
 #include "ngs/options/field.h"
+#include "ngs/stages/render_options.h"
 
 namespace ngs::capture {
 
@@ -22,6 +23,7 @@ struct ImportOptions {
   std::string hold_out;
   double image_scale = 0;
   double filter_px2 = 0;
+  Antialias antialias = Antialias::kAuto;
   std::string background;
   bool original_world = false;
   bool align_views = true;
@@ -52,6 +54,9 @@ struct ImportOptions {
     visit(self.filter_px2,
           Field<double>{"filter_px2", "px^2", "low-pass filter the model was fitted with, at the working size; 0: the one that "
                         "explains the photos best", 0, 1e4});
+    visit(self.antialias,
+          Choice<Antialias>{"antialias", "opacity compensation the model was fitted with, for all tools; auto: as the PLY's comments say",
+                            kAntialiasNames});
     visit(self.background, Text{"background", "R,G,B|black|white",
                                 "colour behind the model, each in [0, 1]; empty: the one that explains the photos"});
     visit(self.align_views, Flag{"align_views", "turn and move cameras by what lays the rendered model on the photos"});

@@ -167,6 +167,7 @@ Scene parse_scene_json(const json& root, const std::string& folder, const std::s
   scene.model_path = path_from_folder(folder, reader.text_or("model", ""));
   scene.image_scale = reader.number("image_scale");
   scene.filter_px2 = reader.number_or("filter_px2", scene.filter_px2);
+  if (reader.has("antialiased")) scene.antialiased = reader.boolean("antialiased");
   if (reader.has("background")) scene.background = vec3(reader.matrix("background", 3, 0).data());
   const JsonReader masks = reader.object("masks");
   scene.mask_mode = value_of(kModes, masks, "mode");
@@ -201,6 +202,7 @@ void write_scene_json(const std::string& path, const Scene& scene, StoredPaths s
                    {"model", path_to_folder(folder, scene.model_path)},
                    {"image_scale", scene.image_scale},
                    {"filter_px2", scene.filter_px2}};
+  if (scene.antialiased) out["antialiased"] = *scene.antialiased;
   if (const auto& b = scene.background) out["background"] = {b->x, b->y, b->z};
   out["masks"] = {{"mode", name_of(kModes, scene.mask_mode)},
                   {"invert", scene.mask_invert},

@@ -80,16 +80,16 @@ double view_dependence_levels(const GaussianCloud& cloud, std::span<const Camera
   return kLevels * most;
 }
 
-double antialias_levels(const GaussianCloud& cloud, std::span<const Camera> cameras, double blur_px2) {
+double antialias_levels(const GaussianCloud& cloud, std::span<const Camera> cameras, const SplatOptions& splat) {
   double most = 0;
-  if (!cloud.antialiased) return 0;
+  if (!splat.antialiased) return 0;
   for_each_seen(cloud, cameras, [&](std::size_t i, const Seen& seen, double opacity) {
     float s[3] = {cloud.log_scale[3 * i], cloud.log_scale[3 * i + 1], cloud.log_scale[3 * i + 2]};
     std::sort(s, s + 3);
     double kept = 1;  // sqrt(det / det blurred), with the two shorter axes in the picture
     for (int a = 0; a < 2; ++a) {
       const double px = std::exp(double(s[a])) * seen.px_per_unit;
-      kept *= std::sqrt(px * px / (px * px + blur_px2));
+      kept *= std::sqrt(px * px / (px * px + splat.blur_px2));
     }
     most = std::max(most, opacity * (1 - kept));
   });

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ngs/ops/metrics.h"
+#include "ngs/ops/splat.h"
 #include "ngs/scene/camera.h"
 #include "ngs/scene/gaussian_cloud.h"
 #include "ngs/scene/knn_graph.h"
@@ -20,10 +21,9 @@ namespace ngs {
 /// nowhere.
 double view_dependence_levels(const GaussianCloud& cloud, std::span<const Camera> cameras);
 
-/// Largest opacity that the antialiasing compensation takes from a Gaussian, levels; 0 where the model was
-/// not trained with it. `blur_px2`: variance of the low-pass filter. Not the flag alone: large footprints
-/// lose nothing.
-double antialias_levels(const GaussianCloud& cloud, std::span<const Camera> cameras, double blur_px2);
+/// Largest opacity that the antialiasing compensation takes from a Gaussian, levels; 0 where `splat` does not
+/// ask for it. Not the flag alone: large footprints lose nothing.
+double antialias_levels(const GaussianCloud& cloud, std::span<const Camera> cameras, const SplatOptions& splat);
 
 /// Upper bound of the weight that any one Gaussian has on the wrong side of contours, summed over the views,
 /// px. Not the share alone: half of a speck is nothing.

@@ -152,7 +152,7 @@ double EffectProbe::photos() { return double(photo_count(setup_.input.scene, set
 
 double EffectProbe::view_dependence() { return view_dependence_levels(setup_.input.cloud, cameras()); }
 double EffectProbe::compensation() {
-  return antialias_levels(setup_.input.cloud, cameras(), setup_.input.splat.blur_px2);
+  return antialias_levels(setup_.input.cloud, cameras(), setup_.input.splat);
 }
 double EffectProbe::straddling() {
   const std::size_t views =

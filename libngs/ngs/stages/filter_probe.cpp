@@ -15,9 +15,9 @@ FilterProbe probe_filter(const Exec& exec, const GaussianCloud& cloud, const Sce
     const ImageF photo = load_photo(view);
     for (FilterCandidate& c : probe.candidates) {
       // over the background that fits best: it is not in the PLY, and over black the largest footprints would win
-      const PhotoMatch match =
-          match_photo(exec, cloud, scene.views[view].camera, splat_options({}, cloud, c.filter_px2), photo);
-      c.psnr_db += match.psnr_db / double(views.size());
+      SplatOptions splat = splat_options({}, cloud, scene);
+      splat.blur_px2 = c.filter_px2;
+      c.psnr_db += match_photo(exec, cloud, scene.views[view].camera, splat, photo).psnr_db / double(views.size());
     }
   }
   double best = probe.candidates.front().psnr_db + kFilterMarginDb;

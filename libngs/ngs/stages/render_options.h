@@ -20,21 +20,16 @@ struct RasterOptions {
     visit(self.compat,
           Choice<Compat>{"compat", "whose near plane and footprint rule to follow", kCompatNames});
     visit(self.antialias,
-          Choice<Antialias>{"antialias", "opacity compensation; auto: as the PLY's comments say",
+          Choice<Antialias>{"antialias", "opacity compensation; auto: as scene.json says, else the PLY's comments",
                             kAntialiasNames});
   }
 };
 
-/// With a low-pass filter of this variance, px² of the pictures.
-inline SplatOptions splat_options(const RasterOptions& options, const GaussianCloud& cloud, double filter_px2) {
-  const bool antialiased =
-      options.antialias == Antialias::kAuto ? cloud.antialiased : options.antialias == Antialias::kOn;
-  return {options.compat, antialiased, 3, filter_px2};
-}
-
 /// For renders of `scene`'s views at its working size.
 inline SplatOptions splat_options(const RasterOptions& options, const GaussianCloud& cloud, const Scene& scene) {
-  return splat_options(options, cloud, scene.filter_px2);
+  const bool antialiased = options.antialias == Antialias::kAuto ? scene.antialiased.value_or(cloud.antialiased)
+                                                                 : options.antialias == Antialias::kOn;
+  return {options.compat, antialiased, 3, scene.filter_px2};
 }
 
 }  // namespace ngs

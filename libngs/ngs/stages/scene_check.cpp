@@ -83,28 +83,40 @@ std::vector<Shot> take_shots(Monitor& monitor, const SceneCheckOptions& options,
 // drown the model.
 constexpr double kFilters[] = {0.3, 0.075};
 
-PhotoMatch best_match(const Exec& exec, const GaussianCloud& cloud, const Shot& shot) {
+/// The model as the scene says that it was fitted.
+struct Subject {
+  const GaussianCloud& cloud;
+  SplatOptions splat;
+
+  SplatOptions with_filter(double filter_px2) const {
+    SplatOptions out = splat;
+    out.blur_px2 = filter_px2;
+    return out;
+  }
+};
+
+PhotoMatch best_match(const Exec& exec, const Subject& model, const Shot& shot) {
   PhotoMatch best;
   for (const double filter : kFilters) {
-    const PhotoMatch match = match_photo(exec, cloud, shot.camera, splat_options({}, cloud, filter), shot.photo);
+    const PhotoMatch match = match_photo(exec, model.cloud, shot.camera, model.with_filter(filter), shot.photo);
     if (filter == kFilters[0] || match.psnr_db > best.psnr_db) best = match;
   }
   return best;
 }
 
-double median_gain(const Exec& exec, const GaussianCloud& cloud, const std::vector<Shot>& shots,
+double median_gain(const Exec& exec, const Subject& model, const std::vector<Shot>& shots,
                    const PoseRepair& repair) {
   std::vector<double> gains;
   for (const Shot& shot : shots) {
     const Shot repaired{shot.view, repair.apply(shot.camera), shot.photo};
-    gains.push_back(best_match(exec, cloud, repaired).gain_db());
+    gains.push_back(best_match(exec, model, repaired).gain_db());
   }
   return median(gains);
 }
 
 /// The repair that makes the model fit a few of the shots; null: none does.
 const PoseRepair* find_repair(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options,
-                              const GaussianCloud& cloud, const std::vector<Shot>& shots) {
+                              const Subject& model, const std::vector<Shot>& shots) {
   const auto timed = monitor.scope("pose repairs");
   constexpr std::size_t kShots = 3;
   std::vector<Shot> few;
@@ -112,20 +124,20 @@ const PoseRepair* find_repair(const Exec& exec, Monitor& monitor, const SceneChe
   const PoseRepair* best = nullptr;
   double best_gain = options.min_fit_db;
   for (const PoseRepair& repair : pose_repairs()) {
-    const double gain = median_gain(exec, cloud, few, repair);
+    const double gain = median_gain(exec, model, few, repair);
     if (gain > best_gain) best = &repair, best_gain = gain;
   }
   return best;
 }
 
 /// How well the model would fit in other colours. `views`: with the matches of the shots.
-double median_recoloured_gain(const Exec& exec, const GaussianCloud& cloud, const std::vector<Shot>& shots,
+double median_recoloured_gain(const Exec& exec, const Subject& model, const std::vector<Shot>& shots,
                               const std::vector<ViewCheck>& views) {
   std::vector<double> gains;
   for (const Shot& shot : shots) {
     double best = 0;  // a gain of zero
     for (const double filter : kFilters)
-      best = std::max(best, recoloured_gain_db(exec, cloud, shot.camera, splat_options({}, cloud, filter), shot.photo,
+      best = std::max(best, recoloured_gain_db(exec, model.cloud, shot.camera, model.with_filter(filter), shot.photo,
                                                *views[shot.view].match));
     gains.push_back(best);
   }
@@ -139,11 +151,11 @@ std::string decibels(double value) {
 }
 
 /// What to do where the model does not fit the photos.
-std::string remedy_of(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options, const GaussianCloud& cloud,
+std::string remedy_of(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options, const Subject& model,
                       const std::vector<Shot>& shots, const std::vector<ViewCheck>& views) {
-  if (const PoseRepair* repair = find_repair(exec, monitor, options, cloud, shots))
+  if (const PoseRepair* repair = find_repair(exec, monitor, options, model, shots))
     return "it fits if " + repair->mistake + ": " + repair->remedy;
-  if (const double recoloured_db = median_recoloured_gain(exec, cloud, shots, views); recoloured_db >= options.min_fit_db)
+  if (const double recoloured_db = median_recoloured_gain(exec, model, shots, views); recoloured_db >= options.min_fit_db)
     return "the poses fit, the colours do not: with a gain and an offset per channel it is " + decibels(recoloured_db) +
            " above it; give the photos that the model was trained on, or import these with --min-fit-db -100";
   return "the model was trained on other poses, or in a world that was moved or scaled since; import the cameras it was "
@@ -160,11 +172,12 @@ std::string percent(double share) {
 void check_photos(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options,
                   const GaussianCloud& cloud, const Scene& scene, const std::vector<Shot>& shots,
                   SceneCheck& result) {
+  const Subject model{cloud, splat_options({}, cloud, scene)};
   std::vector<double> gains, psnrs;
   {
     const auto timed = monitor.scope("compare");
     for (const Shot& shot : shots) {
-      const PhotoMatch match = best_match(exec, cloud, shot);
+      const PhotoMatch match = best_match(exec, model, shot);
       gains.push_back(match.gain_db()), psnrs.push_back(match.psnr_db);
       result.views[shot.view].match = match;
     }
@@ -186,7 +199,7 @@ void check_photos(const Exec& exec, Monitor& monitor, const SceneCheckOptions& o
                   decibels(result.median_fit_db) + " above a constant colour (" +
                   percent(result.median_inside) + " of the Gaussians in view), expected at least " +
                   decibels(options.min_fit_db) + " above it",
-              too_near ? kTooNearRemedy : remedy_of(exec, monitor, options, cloud, shots, result.views));
+              too_near ? kTooNearRemedy : remedy_of(exec, monitor, options, model, shots, result.views));
 }
 
 void check_inside_only(const SceneCheck& result) {

@@ -40,6 +40,7 @@ struct EffectCase {
   MethodInput input() const {
     MethodInput in = base->input();
     if (fine_photos) in.load_fine_photo = in.load_photo;
+    in.splat.antialiased = base->model.antialiased;
     return in;
   }
   void relabel(double tau = 0.2) {
@@ -111,7 +112,7 @@ std::vector<float> masks_with(const EffectCase& c, const std::vector<std::string
   StrayFinding strays{in.labels, {}};
   if (effects.strays) strays = find_strays({}, {}, clean);
   clean.labels = strays.labels, clean.held = strays.stray;
-  clean.splat.antialiased = cloud.antialiased && effects.antialias;
+  clean.splat.antialiased = in.splat.antialiased && effects.antialias;
   JointTrainer trainer({}, monitor, {joint, c.sample, c.rbf, clean}, true);
   while (effects.joint && !trainer.finished()) trainer.step();
   MethodResult result = trainer.result();

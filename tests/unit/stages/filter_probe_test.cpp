@@ -7,13 +7,12 @@
 namespace ngs {
 namespace {
 
-/// What the probe finds where the photos were rendered with `blur_px2` over a bright background.
-FilterProbe probed(double blur_px2) {
+/// What the probe finds where the photos were rendered so over a bright background.
+FilterProbe probed(const SplatOptions& splat) {
   const test::TinyScene tiny = test::tiny_scene();
   Scene scene;
   for (const Camera& camera : tiny.cameras) scene.views.emplace_back().camera = camera;
-  SplatOptions splat;
-  splat.blur_px2 = blur_px2;
+  scene.antialiased = splat.antialiased;
   return probe_filter({}, tiny.cloud, scene, {0, 3}, [&](std::size_t view) {
     RenderRequest request;
     request.background = {1, 1, 0.9f};
@@ -26,7 +25,8 @@ FilterProbe probed(double blur_px2) {
 TEST_CASE("the filter that the photos were rendered with is found, whatever is behind the model") {
   for (const double blur : {0.3, 1.2, 0.075}) {
     CAPTURE(blur);
-    CHECK(probed(blur).filter_px2 == doctest::Approx(blur));
+    for (const bool antialiased : {false, true})
+      CHECK(probed({.antialiased = antialiased, .blur_px2 = blur}).filter_px2 == doctest::Approx(blur));
   }
 }
 
