@@ -114,7 +114,7 @@ MethodResult run_edges(cli::Run& run, const Settings& settings, const Problem& p
   const auto allow = [&](int wanted) {
     const int planned = std::min(wanted, rounds_that_fit(wall_seconds() - walk_began_s));
     if (planned == 0) budget.note_cut();  // that later rounds or steps were left out the watch knows
-    watch.rounds_known(wanted, planned);
+    watch.rounds_known(wanted);
     const bool no_trial = planned == 1 && may_try_pictures(settings.edge, problem.input.scene);
     return planned == 0 || no_trial ? planned : wanted;
   };

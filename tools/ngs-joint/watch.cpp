@@ -46,16 +46,13 @@ void Watch::begin_steps(double keep_s, const JointTrainer& trainer) {
 
 void Watch::begin_rounds(double keep_s) {
   begin_stage(keep_s);
-  rounds_known(1, 1);
-  rounds_keep_s_ = keep_s;
+  rounds_known(1);
 }
 
 /// After the first step of a round: all before it was the walk.
 void Watch::begin_round(const JointProgress& first, double now_s) {
   walk_s_ = now_s - last_s_;
-  --rounds_left_, sharing_ = std::max(sharing_ - 1, 1);
-  const double left_s = budget_.left_s() - rounds_keep_s_;
-  keep_s_ = budget_.left_s() - round_share_s(left_s, walk_s_, sharing_);
+  --rounds_left_;
   planned_ = first.steps, began_step_ = first.step;
   began_s_ = last_s_ = now_s, longest_step_s_ = 0;
 }
@@ -68,11 +65,10 @@ double Watch::step_s(const JointProgress& progress) const {
   return (seconds() - began_s_) / double(std::max<std::int64_t>(progress.step - began_step_, 1));
 }
 
-/// A walk like the last one, and half of the training: of this round's, of a whole one's if this was the last that was planned.
+/// A walk like the last one, and half of a round's steps at the pace of this one's.
 bool Watch::room_for_next_round(const JointProgress& progress) const {
   constexpr double kCaution = 1.15;
-  const std::int64_t steps = sharing_ > 1 ? progress.step : planned_;
-  return budget_.allows(rounds_keep_s_ + kCaution * walk_s_ + 0.5 * double(steps) * step_s(progress));
+  return budget_.allows(keep_s_ + kCaution * walk_s_ + 0.5 * double(planned_) * step_s(progress));
 }
 
 void Watch::replan(const JointProgress& progress, JointTrainer& trainer) {

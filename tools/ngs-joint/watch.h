@@ -14,11 +14,10 @@ class Watch {
   bool begin(const JointTrainer& trainer);
   /// The steps to come, from where the trainer is, go on until only `keep_s` of the budget are left.
   void begin_steps(double keep_s, const JointTrainer& trainer);
-  /// The same for rounds of edges.
+  /// The same for rounds of edges. Another is begun where what is left has room for its walk and half of its steps.
   void begin_rounds(double keep_s);
-  /// How many are wanted, known after the first walk. The first `planned` share what their walks leave; a further one is
-  /// begun where the time that is then left has room for its walk and half of its steps.
-  void rounds_known(int wanted, int planned) { rounds_left_ = wanted + 1, sharing_ = planned + 1; }
+  /// How many are wanted, known after the first walk.
+  void rounds_known(int wanted) { rounds_left_ = wanted + 1; }
 
   /// True: no further step, because the target is met or the time is up.
   /// `whole` gives the model as it is, for scoring. Under a budget the trainer's plan follows the time that its steps turn out to take.
@@ -55,8 +54,7 @@ class Watch {
   std::int64_t planned_ = 0, began_step_ = 0;
   double began_s_ = 0, longest_step_s_ = 0, keep_s_ = 0;
   int rounds_left_ = 0;  // of edges, this one included; 0: these are not edges
-  int sharing_ = 0;      // of them
-  double rounds_keep_s_ = 0, walk_s_ = 0;
+  double walk_s_ = 0;
   LossTerms last_loss_;
   std::string text_;
 };

@@ -21,8 +21,4 @@ TimePlan plan_time(double left_s, const StepsCost& steps, const RoundsCost& edge
   return plan;
 }
 
-double round_share_s(double left_s, double walk_s, int rounds_left) {
-  return std::max(0.0, (left_s - (rounds_left - 1) * walk_s) / rounds_left);
-}
-
 }  // namespace ngs

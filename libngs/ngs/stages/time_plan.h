@@ -34,12 +34,9 @@ inline constexpr int kLeastEdgeVisits = 3;
 /// Where less than this share of a visit by the steps fits, they are left out.
 inline constexpr double kLeastVisit = 0.1;
 
-/// The field is kept where all fits. One round of edges goes before a second one, which is begun only where
-/// both have at least half of their visits.
+/// The field is kept where all fits. `edge_rounds` are those that could have at least half of their visits; in a run one after
+/// the other takes all of its own while there is time.
 TimePlan plan_time(double left_s, const StepsCost& steps, const RoundsCost& edges);
-
-/// What the training of one of `rounds_left` rounds may take: an even share of what the walks to come leave.
-double round_share_s(double left_s, double walk_s, int rounds_left);
 
 /// Seconds in this run for one foreseen, from what its stages took. A foresight of `trust_s` seconds counts as
 /// much as stages that took as long.

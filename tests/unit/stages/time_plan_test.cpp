@@ -56,12 +56,6 @@ TEST_CASE("without time, steps or edges there is a plan too") {
   CHECK(steps_alone.steps_s == doctest::Approx(4));
 }
 
-TEST_CASE("rounds share what their walks leave") {
-  CHECK(round_share_s(23, 3, 2) == doctest::Approx(10));
-  CHECK(round_share_s(10, 3, 1) == doctest::Approx(10));
-  CHECK(round_share_s(2, 3, 2) == 0);
-}
-
 TEST_CASE("pace: one hiccup of a short stage counts little, a long stage much") {
   Pace pace(0.5);
   CHECK(pace.factor() == 1);
