@@ -9,6 +9,7 @@
 namespace ngs::cli {
 namespace {
 
+constexpr double kDecadesWithAllTicks = 3.2;  // of more their labels would touch
 constexpr double kWidth = 560, kHeight = 300, kLeft = 78, kRight = 16, kTop = 14, kBottom = 48;
 
 struct Axis {
@@ -33,6 +34,19 @@ std::string text_svg(double x, double y, const char* anchor, const std::string& 
          "</text>";
 }
 
+/// 1, 2 and 5 of every power; k counts them from 1 on.
+double round_number(int k) {
+  constexpr double kDigits[] = {1, 2, 5};
+  const int power = int(std::floor(k / 3.0));
+  return kDigits[k - 3 * power] * std::pow(10, power);
+}
+/// The largest round number that is not above `value`, which is positive.
+int last_round_number(double value) {
+  int k = 3 * int(std::floor(std::log10(value))) - 1;
+  while (round_number(k + 1) <= value * (1 + 1e-9)) ++k;
+  return k;
+}
+
 struct Frame {
   Axis x, y;
   bool log_x = false;
@@ -41,16 +55,17 @@ struct Frame {
   double py(double value) const { return kHeight - kBottom - y.share(value) * (kHeight - kTop - kBottom); }
 };
 
-/// 1, 2 and 5 of every power on a logarithmic axis.
+/// On a logarithmic axis its round numbers.
 std::vector<double> ticks_of(const Frame& frame) {
   std::vector<double> ticks;
   if (!frame.log_x)
     for (int i = 0; frame.x.low + i * frame.x.step <= frame.x.high + frame.x.step / 2; ++i)
       ticks.push_back(frame.x.low + i * frame.x.step);
-  for (double power = std::floor(frame.x.low); frame.log_x && power <= frame.x.high; ++power)
-    for (const double digit : {1.0, 2.0, 5.0})
-      if (const double at = power + std::log10(digit); at >= frame.x.low - 1e-9 && at <= frame.x.high + 1e-9)
-        ticks.push_back(digit * std::pow(10, power));
+  if (frame.log_x) {
+    const bool powers_alone = frame.x.high - frame.x.low > kDecadesWithAllTicks;
+    for (int k = last_round_number(std::pow(10, frame.x.low)); std::log10(round_number(k)) <= frame.x.high + 1e-9; ++k)
+      if (!powers_alone || k % 3 == 0) ticks.push_back(round_number(k));
+  }
   return ticks;
 }
 
@@ -116,7 +131,7 @@ class Labels {
   }
 
  private:
-  static constexpr double kGlyphPx = 6.6, kLinePx = 13, kDotPx = 5;
+  static constexpr double kGlyphPx = 7.2, kLinePx = 13, kDotPx = 5;
   static Box around(double x, double y, double half_x, double half_y) {
     return {x - half_x, y - half_y, x + half_x, y + half_y};
   }
@@ -171,10 +186,12 @@ std::string plot_svg(const Plot& plot) {
   for (const PlotPoint& p : plot.room)
     if (std::isfinite(p.x) && std::isfinite(p.y) && (p.x > 0 || !plot.log_x))
       frame.x.include(frame.across(p.x)), frame.y.include(p.y);
-  if (plot.log_x)
-    frame.x.low -= 0.05, frame.x.high += 0.05;
-  else
+  if (plot.log_x) {  // to the round numbers around
+    frame.x.low = std::log10(round_number(last_round_number(std::pow(10, frame.x.low))));
+    frame.x.high = std::log10(round_number(last_round_number(std::pow(10, frame.x.high)) + 1));
+  } else {
     frame.x.settle();
+  }
   frame.y.settle();
   std::string svg = "<svg class=plot role=img aria-label=\"" + escaped(plot.title) + "\" viewBox=\"0 0 " +
                     decimal(kWidth, 0) + " " + decimal(kHeight, 0) + "\"><title>" + escaped(plot.title) +

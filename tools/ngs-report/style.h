@@ -70,7 +70,7 @@ path.casing{stroke:#000!important;stroke-opacity:.45;stroke-width:3.6px!importan
 .truth path{stroke:#22d3ff}
 .input path{stroke:#fff;stroke-dasharray:4 3}
 .views:has(.t-predicted:not(:checked)) .stack .predicted,.views:has(.t-truth:not(:checked)) .stack .truth,.views:has(.t-input:not(:checked)) .stack .input{display:none}
-.charts{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,18rem),1fr));gap:1.2rem}
+.charts{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,22rem),1fr));gap:1.2rem}
 figure.chart{flex:1 1 22rem;max-width:40rem}
 svg.plot{width:100%;height:auto;font-size:13px}
 svg.plot text{fill:var(--soft)}

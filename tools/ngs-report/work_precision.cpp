@@ -78,21 +78,25 @@ std::string frontier_section(const Sweep& sweep, const SweepView& view) {
 
 std::string knobs_section(const Sweep& sweep, const SweepView& view) {
   std::map<std::string, PlotSeries> knobs;
-  std::vector<PlotPoint> all;  // every plot has the same axes
+  std::vector<double> scores;  // every plot has the same range of them: what does nothing looks like nothing
   for (const SweepPoint& point : sweep.points) {
-    all.push_back(dot_of(point, view, {}));
+    scores.push_back(point.score(view.score).median);
     PlotSeries& series =
         knobs.try_emplace(point.knob, PlotSeries{.name = {}, .points = {}, .line = false}).first->second;
     if (!point.failed()) series.points.push_back(dot_of(point, view, point.setting));
   }
   std::string plots;
-  for (const auto& [knob, series] : knobs)
+  for (const auto& [knob, series] : knobs) {
+    std::vector<PlotPoint> room;
+    for (const double score : scores)
+      if (!series.points.empty()) room.push_back({series.points.front().x, score, {}});
     plots += plot_svg({.title = knob,
                        .x_label = unit_of(view) + " (logarithmic)",
                        .y_label = view.score,
                        .series = {series},
                        .log_x = true,
-                       .room = all});
+                       .room = room});
+  }
   return section("knobs", "Knob by knob", "<div class=charts>" + plots + "</div>");
 }
 
