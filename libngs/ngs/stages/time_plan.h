@@ -31,11 +31,13 @@ struct TimePlan {
 
 /// Fewer visits than this leave a round of edges worse than none: it begins with halved Gaussians.
 inline constexpr int kLeastEdgeVisits = 3;
+/// Further rounds with less than this share of their steps leave the model worse than none does.
+inline constexpr double kLeastRound = 0.75;
 /// Where less than this share of a visit by the steps fits, they are left out.
 inline constexpr double kLeastVisit = 0.1;
 
-/// The field is kept where all fits. `edge_rounds` are those that could have at least half of their visits; in a run one after
-/// the other takes all of its own while there is time.
+/// The field is kept where all fits. `edge_rounds` are those that could have at least kLeastRound of their visits; in a run one
+/// after the other takes all of its own while there is time.
 TimePlan plan_time(double left_s, const StepsCost& steps, const RoundsCost& edges);
 
 /// Seconds in this run for one foreseen, from what its stages took. A foresight of `trust_s` seconds counts as
