@@ -65,7 +65,7 @@ double Watch::step_s(const JointProgress& progress) const {
   return (seconds() - began_s_) / double(std::max<std::int64_t>(progress.step - began_step_, 1));
 }
 
-/// A walk like the last one, and the least of a round's steps at the pace of this one's.
+/// A walk like the last one, and the least of its steps at the pace of this one's.
 bool Watch::room_for_next_round(const JointProgress& progress) const {
   constexpr double kCaution = 1.15;
   return budget_.allows(keep_s_ + kCaution * walk_s_ + kLeastRound * double(planned_) * step_s(progress));

@@ -14,7 +14,7 @@ class Watch {
   bool begin(const JointTrainer& trainer);
   /// The steps to come, from where the trainer is, go on until only `keep_s` of the budget are left.
   void begin_steps(double keep_s, const JointTrainer& trainer);
-  /// The same for rounds of edges. Another is begun where what is left has room for its walk and most of its steps.
+  /// The same for rounds of edges. Another is begun where what is left has room for its walk and half of its steps.
   void begin_rounds(double keep_s);
   /// How many are wanted, known after the first walk.
   void rounds_known(int wanted) { rounds_left_ = wanted + 1; }

@@ -24,10 +24,10 @@ TEST_CASE("what does not fit goes in the order of what a second buys: field, ste
   const TimePlan short_steps = plan_time(38, kSteps, kRounds);
   CHECK(short_steps.edge_rounds == 2);
   CHECK(short_steps.steps_s == doctest::Approx(1.5));
-  const TimePlan shortened = plan_time(1 + 0.5 + 2 * (3 + 11.25), kSteps, kRounds);
+  const TimePlan shortened = plan_time(1 + 0.5 + 2 * (3 + 7.5), kSteps, kRounds);
   CHECK(shortened.edge_rounds == 2);
   CHECK(shortened.steps_s == doctest::Approx(1));
-  CHECK(plan_time(1 + 0.5 + 2 * (3 + 11.2), kSteps, kRounds).edge_rounds == 1);
+  CHECK(plan_time(1 + 0.5 + 2 * (3 + 7.4), kSteps, kRounds).edge_rounds == 1);
   CHECK(plan_time(1 + 0.5 + 3 + 3, kSteps, kRounds).edge_rounds == 1);
   const TimePlan steps_alone = plan_time(7.4, kSteps, kRounds);
   CHECK((steps_alone.edge_rounds == 0 && steps_alone.steps));
