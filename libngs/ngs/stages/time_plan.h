@@ -31,8 +31,8 @@ struct TimePlan {
 
 /// Fewer visits than this leave a round of edges worse than none: it begins with halved Gaussians.
 inline constexpr int kLeastEdgeVisits = 3;
-/// Of a further round's steps. A third of this share costs the capture 0.001 of boundary IoU; where things are thin, more of them
-/// gain twenty times that.
+/// A further round is begun where this share of its steps fits. Half of a third one costs the capture of BENCHMARKS.md 0.001 of
+/// boundary IoU; where things are thin, half of a second gains up to 0.05.
 inline constexpr double kLeastRound = 0.5;
 /// Where less than this share of a visit by the steps fits, they are left out.
 inline constexpr double kLeastVisit = 0.1;
