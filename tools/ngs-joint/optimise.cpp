@@ -113,10 +113,11 @@ MethodResult run_edges(cli::Run& run, const Settings& settings, const Problem& p
   double walk_began_s = 0;
   const auto allow = [&](int wanted) {
     const int planned = std::min(wanted, rounds_that_fit(wall_seconds() - walk_began_s));
-    if (planned == 0) budget.note_cut();  // that later rounds or steps were left out the watch knows
-    watch.rounds_known(wanted);
     const bool no_trial = planned == 1 && may_try_pictures(settings.edge, problem.input.scene);
-    return planned == 0 || no_trial ? planned : wanted;
+    const int rounds = planned == 0 || no_trial ? planned : wanted;
+    if (rounds < wanted) budget.note_cut();  // that later rounds or steps were left out the watch knows
+    watch.rounds_known(rounds);
+    return rounds;
   };
   const double check_s = budget.foreseen_s(kCheckCost.renders * double(views));
   watch.begin_rounds(check_s);

@@ -16,8 +16,8 @@ class Watch {
   void begin_steps(double keep_s, const JointTrainer& trainer);
   /// The same for rounds of edges. Another is begun where what is left has room for its walk and half of its steps.
   void begin_rounds(double keep_s);
-  /// How many are wanted, known after the first walk.
-  void rounds_known(int wanted) { rounds_left_ = wanted + 1; }
+  /// How many there may be, known after the first walk.
+  void rounds_known(int rounds) { rounds_left_ = rounds + 1; }
 
   /// True: no further step, because the target is met or the time is up.
   /// `whole` gives the model as it is, for scoring. Under a budget the trainer's plan follows the time that its steps turn out to take.
