@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 
 #include "ngs/math/dual.h"
 #include "ngs/math/lane_scalar.h"
@@ -70,7 +71,7 @@ inline double sum_lanes(PackF x) {
 }
 inline void sum_lanes_each(const PackF* x, int n, double* out) { for (int i = 0; i < n; ++i) out[i] = sum_lanes(x[i]); }
 inline PackF folded(PackF x) { return x; }
-inline PackF exp_nonpositive(PackF x) { return each_lane(x, [&](int i) { return std::exp(x.v[i]); }); }
+inline PackF exp2_nonpositive(PackF x) { return each_lane(x, [&](int i) { return std::exp2(x.v[i]); }); }
 
 struct HalfPack {
   PackF v;
@@ -80,6 +81,6 @@ struct HalfPack {
 };
 
 template <class T> Dual<T> fma_lanes(Dual<T> a, Dual<T> b, Dual<T> c) { return a * b + c; }
-template <class T> Dual<T> exp_nonpositive(Dual<T> x) { return exp(x); }
+template <class T> Dual<T> exp2_nonpositive(Dual<T> x) { return exp(x * Dual<T>(T(std::numbers::ln2))); }
 
 }  // namespace ngs

@@ -8,6 +8,7 @@
 #include <immintrin.h>
 
 #include <cstdint>
+#include <numbers>
 
 #include "ngs/math/dual.h"
 #include "ngs/math/lane_scalar.h"
@@ -122,13 +123,13 @@ inline Pack4D floor_lanes(Pack4D a) { return Pack4D::Raw(_mm256_floor_pd(a.v)); 
 /// Rounds towards zero; the values must fit.
 inline void store_ints(int* p, Pack4D a) { _mm_storeu_si128(reinterpret_cast<__m128i*>(p), _mm256_cvttpd_epi32(a.v)); }
 
-/// Below -87 (and for NaN) e^-87; no result is subnormal, so 2^n is an addition to the exponent. Above 0: any value.
-inline PackF exp_nonpositive(PackF x) {
-  PackF shifted;
-  const PackF p = exp_nonpositive_reduced(max_lanes(x, PackF(-87.f)), shifted);
+/// As of a float in every lane.
+inline PackF exp2_nonpositive(PackF x) {
+  const PackF least = max_lanes(x, PackF(-126.f)), shifted = least + PackF(kMagic);
+  const PackF p = exp2_reduced(least - (shifted - PackF(kMagic)));
   const __m256i exponent = _mm256_slli_epi32(_mm256_castps_si256(shifted.v), 23);
   return PackF(PackF::Raw(_mm256_castsi256_ps(_mm256_add_epi32(_mm256_castps_si256(p.v), exponent))));
 }
-template <class T> Dual<T> exp_nonpositive(Dual<T> x) { return exp(x); }
+template <class T> Dual<T> exp2_nonpositive(Dual<T> x) { return exp(x * Dual<T>(T(std::numbers::ln2))); }
 
 }  // namespace ngs

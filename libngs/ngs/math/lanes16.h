@@ -67,11 +67,10 @@ inline void masks_of_halves(std::uint32_t lower, std::uint32_t upper, Pack16Mask
   const std::uint32_t bytes = _pdep_u32(lower, 0x55555555u) | _pdep_u32(upper, 0xaaaaaaaau);
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm256_movm_epi8(bytes));
 }
-inline Pack16 exp_nonpositive(Pack16 x) {
-  Pack16 shifted;
-  const Pack16 p = exp_nonpositive_reduced(max_lanes(x, Pack16(-87.f)), shifted);
-  const __m512i exponent = _mm512_slli_epi32(_mm512_castps_si512(shifted.v), 23);
-  return Pack16::Raw(_mm512_castsi512_ps(_mm512_add_epi32(_mm512_castps_si512(p.v), exponent)));
+/// As of a float in every lane from -126 on; below less than 2^-126, of NaN NaN.
+inline Pack16 exp2_nonpositive(Pack16 x) {
+  const Pack16 n = Pack16::Raw(_mm512_roundscale_ps(x.v, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC));
+  return Pack16::Raw(_mm512_scalef_ps(exp2_reduced(x - n).v, n.v));
 }
 
 }  // namespace ngs

@@ -210,7 +210,7 @@ struct SplatBackwardTile {
 
   /// ∂L/∂(mean_x, mean_y, conic_a, conic_b, conic_c, opacity) from the moments p, pu, pv, puu, puv, pvv.
   NGS_HD static float geometry(const TileGaussian<float>& g, const float* m, int k) {
-    const float a = -2.f * g.minus_a_half, b = -g.minus_b, c = -2.f * g.minus_c_half;
+    const float a = g.form.a(), b = g.form.b(), c = g.form.c();
     switch (k) {
       case 0: return -(a * m[1] + b * m[2]);
       case 1: return -(b * m[1] + c * m[2]);

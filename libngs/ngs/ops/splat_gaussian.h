@@ -140,8 +140,8 @@ inline double transmittance_stop(Compat compat) {
 template <class S>
 NGS_HD TileGaussian<S> tile_gaussian(const SplatRecord<S>& g, const TileFrame& frame) {
   using W = WideOf<S>;
-  return {S(g.mean_x - W(frame.x_px + 0.5)), S(g.mean_y - W(frame.y_px + 0.5)), S(-0.5) * g.conic_a, -g.conic_b,
-          S(-0.5) * g.conic_c, g.opacity};
+  return {S(g.mean_x - W(frame.x_px + 0.5)), S(g.mean_y - W(frame.y_px + 0.5)), g.opacity,
+          PowerForm<S>::of_conic(g.conic_a, g.conic_b, g.conic_c)};
 }
 
 template <class S>

@@ -3,24 +3,41 @@
 //
 // L is a lane type: a pack of pixels on the CPU, one pixel in a thread of a device. Every product that is summed is an
 // explicit fma, so all of them compute the same bits.
+#include <numbers>
+
 #include "ngs/core/hd.h"
 #include "ngs/math/lane_scalar.h"
 
 namespace ngs {
 
-inline constexpr double kAlphaCap = 0.99;        // alpha = min(0.99, o e^power)
+inline constexpr double kAlphaCap = 0.99;        // alpha = min(0.99, o 2^power)
 inline constexpr double kAlphaMin = 1.0 / 255;   // contributions below are skipped
 inline constexpr double kSpanSlackPx = 0.02;     // more than the rounding of any span; lanes test alpha anyway
 inline constexpr double kTransmittanceStop = 1e-4;  // a pixel ends before its transmittance falls below
 
-/// The exponent -(a u² + 2 b u v + c v²) / 2 at the offset (u, v) from the mean; linear = -b v, constant = -c v² / 2.
+/// The exponent of Eq. (2) at the offset (u, v) from the mean, for base 2, which saves exp its first and last steps:
+/// e^(-(a u² + 2 b u v + c v²) / 2) = 2^(uu u² + uv u v + vv v²).
+template <class S>
+struct PowerForm {
+  S uu, uv, vv;
+
+  NGS_HD static PowerForm of_conic(S a, S b, S c) {
+    return {S(-0.5 * std::numbers::log2e) * a, S(-std::numbers::log2e) * b, S(-0.5 * std::numbers::log2e) * c};
+  }
+  /// The conic, up to rounding.
+  NGS_HD S a() const { return S(-2 * std::numbers::ln2) * uu; }
+  NGS_HD S b() const { return S(-std::numbers::ln2) * uv; }
+  NGS_HD S c() const { return S(-2 * std::numbers::ln2) * vv; }
+};
+
+/// linear = uv v, constant = vv v².
 template <class L>
-[[gnu::always_inline]] NGS_HD inline L splat_power(L u, L minus_a_half, L linear, L constant) {
-  return fma_lanes(u, fma_lanes(minus_a_half, u, linear), constant);
+[[gnu::always_inline]] NGS_HD inline L splat_power(L u, L uu, L linear, L constant) {
+  return fma_lanes(u, fma_lanes(uu, u, linear), constant);
 }
 template <class L>
 [[gnu::always_inline]] NGS_HD inline L splat_alpha(L opacity, L power) {
-  return min_lanes(L(typename LaneTraits<L>::Scalar(kAlphaCap)), opacity * exp_nonpositive(power));
+  return min_lanes(L(typename LaneTraits<L>::Scalar(kAlphaCap)), opacity * exp2_nonpositive(power));
 }
 /// Where an alpha counts.
 template <class L>
@@ -37,7 +54,8 @@ template <class L>
 /// A Gaussian relative to the first pixel centre of a tile.
 template <class S>
 struct TileGaussian {
-  S x, y, minus_a_half, minus_b, minus_c_half, opacity;
+  S x, y, opacity;
+  PowerForm<S> form;
 };
 
 /// A pixel on its walk.
@@ -51,7 +69,7 @@ struct PixelWalk {
   NGS_HD S pass(const TileGaussian<S>& g, S x, S y, S stop, S& before) {
     before = transmittance;
     const S u = g.x - x, v = g.y - y;
-    const S power = splat_power(u, g.minus_a_half, g.minus_b * v, g.minus_c_half * v * v);
+    const S power = splat_power(u, g.form.uu, g.form.uv * v, g.form.vv * v * v);
     const S alpha = splat_alpha(g.opacity, power);
     if (!live || !splat_reaches(alpha, power)) return S(0);
     const S after = splat_behind(alpha, before);

@@ -114,7 +114,8 @@ struct RowsToVisit<L> {
     masks_of_halves(half[0], half[1], lanes);
   }
   [[gnu::always_inline]] Mask reached(int row, L alpha, L power) const {
-    return and_nonpositive(and_at_least(lanes[row], alpha, L(S(kAlphaMin))), power);
+    // The power is known long before the alpha: only one comparison waits for it.
+    return and_at_least(and_nonpositive(lanes[row], power), alpha, L(S(kAlphaMin)));
   }
 };
 
@@ -124,11 +125,11 @@ struct RowTerms {
   using S = typename LaneTraits<L>::Scalar;
   S linear[kTilePx], constant[kTilePx];
 
-  [[gnu::always_inline]] RowTerms(L lane, S tile_y, S minus_b, S c_half) {
+  [[gnu::always_inline]] RowTerms(L lane, S tile_y, const PowerForm<S>& form) {
     constexpr int kLanes = LaneTraits<L>::kLanes;
     for (int row = 0; row < kTilePx; row += kLanes) {
       const L v = L(tile_y) - (lane + L(S(row)));
-      store_lanes(linear + row, L(minus_b) * v), store_lanes(constant + row, L(c_half) * v * v);
+      store_lanes(linear + row, L(form.uv) * v), store_lanes(constant + row, L(form.vv) * v * v);
     }
   }
 };
@@ -193,9 +194,10 @@ template <class L, class Sink>
     }
     const SplatRecord<S>& g = work.record[work.visible[e]];
     const RowsToVisit<L>& to_visit = ahead[e % kAhead];
-    const L conic_a_half(S(-0.5) * g.conic_a), opacity(g.opacity);
+    const PowerForm<S> form = PowerForm<S>::of_conic(g.conic_a, g.conic_b, g.conic_c);
+    const L uu(form.uu), opacity(g.opacity);
     const L tile_x(S(g.mean_x - W(frame.x_px + 0.5)));  // relative to the tile: the same bits for any pack width
-    const RowTerms<L> terms(lane, S(g.mean_y - W(frame.y_px + 0.5)), -g.conic_b, S(-0.5) * g.conic_c);
+    const RowTerms<L> terms(lane, S(g.mean_y - W(frame.y_px + 0.5)), form);
     sink.begin(e);
     for (int column = 0; column < kColumns; ++column) {
       const std::uint32_t visited = to_visit.bits[column] & live_rows[column];
@@ -203,7 +205,7 @@ template <class L, class Sink>
       const L u = tile_x - (lane + L(S(column * kLanes)));
       for (std::uint32_t left = visited; left != 0; left &= left - 1) {
         const int row = __builtin_ctz(left);
-        const L power = splat_power(u, conic_a_half, L(terms.linear[row]), L(terms.constant[row]));
+        const L power = splat_power(u, uu, L(terms.linear[row]), L(terms.constant[row]));
         const L alpha = splat_alpha(opacity, power);
         alpha_of[row] = select(to_visit.reached(row, alpha, power), alpha, zero);
       }
