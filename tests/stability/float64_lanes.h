@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 
 #include "ngs/math/dual.h"
 #include "ngs/math/lane_scalar.h"
@@ -81,6 +80,6 @@ struct HalfPack {
 };
 
 template <class T> Dual<T> fma_lanes(Dual<T> a, Dual<T> b, Dual<T> c) { return a * b + c; }
-template <class T> Dual<T> exp2_nonpositive(Dual<T> x) { return exp(x * Dual<T>(T(std::numbers::ln2))); }
+template <class T> Dual<T> exp2_nonpositive(Dual<T> x) { return exp2(x); }
 
 }  // namespace ngs

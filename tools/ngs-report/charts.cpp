@@ -131,7 +131,8 @@ class Labels {
   }
 
  private:
-  static constexpr double kGlyphPx = 8.3, kLinePx = 13, kDotPx = 5;  // of the wider system fonts
+  static constexpr double kGlyphPx = 8.3;  // on average, in the wider system fonts
+  static constexpr double kLinePx = 13, kDotPx = 5;
   static Box around(double x, double y, double half_x, double half_y) {
     return {x - half_x, y - half_y, x + half_x, y + half_y};
   }

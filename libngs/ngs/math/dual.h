@@ -2,6 +2,7 @@
 // Forward-mode dual number a + b·ε with ε² = 0. The scalar of the gradient tests: J·v of any kernel, exact
 // to rounding. Comparisons look at the value only.
 #include <cmath>
+#include <numbers>
 
 #include "ngs/core/hd.h"
 
@@ -31,6 +32,7 @@ struct Dual {
   friend bool operator==(Dual a, Dual b) { return a.v == b.v; }
 
   friend Dual exp(Dual a) { const T e = std::exp(a.v); return {e, e * a.d}; }
+  friend Dual exp2(Dual a) { const T e = std::exp2(a.v); return {e, e * T(std::numbers::ln2) * a.d}; }
   friend Dual expm1(Dual a) { return {std::expm1(a.v), std::exp(a.v) * a.d}; }
   friend Dual log(Dual a) { return {std::log(a.v), a.d / a.v}; }
   friend Dual log1p(Dual a) { return {std::log1p(a.v), a.d / (T(1) + a.v)}; }

@@ -8,7 +8,6 @@
 #include <immintrin.h>
 
 #include <cstdint>
-#include <numbers>
 
 #include "ngs/math/dual.h"
 #include "ngs/math/lane_scalar.h"
@@ -130,6 +129,6 @@ inline PackF exp2_nonpositive(PackF x) {
   const __m256i exponent = _mm256_slli_epi32(_mm256_castps_si256(shifted.v), 23);
   return PackF(PackF::Raw(_mm256_castsi256_ps(_mm256_add_epi32(_mm256_castps_si256(p.v), exponent))));
 }
-template <class T> Dual<T> exp2_nonpositive(Dual<T> x) { return exp(x * Dual<T>(T(std::numbers::ln2))); }
+template <class T> Dual<T> exp2_nonpositive(Dual<T> x) { return exp2(x); }
 
 }  // namespace ngs

@@ -67,7 +67,7 @@ inline void masks_of_halves(std::uint32_t lower, std::uint32_t upper, Pack16Mask
   const std::uint32_t bytes = _pdep_u32(lower, 0x55555555u) | _pdep_u32(upper, 0xaaaaaaaau);
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm256_movm_epi8(bytes));
 }
-/// As of a float in every lane from -126 on; below less than 2^-126, of NaN NaN.
+/// As of a float in every lane from -126 on; below less than 2^-126, of NaN and -Inf NaN.
 inline Pack16 exp2_nonpositive(Pack16 x) {
   const Pack16 n = Pack16::Raw(_mm512_roundscale_ps(x.v, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC));
   return Pack16::Raw(_mm512_scalef_ps(exp2_reduced(x - n).v, n.v));

@@ -15,7 +15,7 @@ inline constexpr double kAlphaMin = 1.0 / 255;   // contributions below are skip
 inline constexpr double kSpanSlackPx = 0.02;     // more than the rounding of any span; lanes test alpha anyway
 inline constexpr double kTransmittanceStop = 1e-4;  // a pixel ends before its transmittance falls below
 
-/// The exponent of Eq. (2) at the offset (u, v) from the mean, for base 2, which saves exp its first and last steps:
+/// The exponent of Eq. (2) at the offset (u, v) from the mean, for base 2, so that it needs no reduction by ln 2:
 /// e^(-(a u² + 2 b u v + c v²) / 2) = 2^(uu u² + uv u v + vv v²).
 template <class S>
 struct PowerForm {
