@@ -25,13 +25,13 @@ std::vector<TileKernels<float>> lane_types() {
 struct Stack {
   TileFrame frame{0, 0, kTilePx, kTilePx};
   std::vector<SplatRecord<float>> record;
-  std::vector<float> value;
+  std::vector<float> opacity, value;
 
   void add(double x, double y, double xx, double xy, double yy, float opacity, float channel) {
     const double det = xx * yy - xy * xy;
     const ProjectedGaussian<float> p{0,         0,         float(yy / det), float(-xy / det), float(xx / det),
                                      float(xx), float(yy), float(det),      opacity};
-    record.push_back(record_of<float>(p, x, y)), value.push_back(channel);
+    record.push_back(record_of<float>(p, x, y)), this->opacity.push_back(opacity), value.push_back(channel);
   }
   /// A round one of `sigma` px.
   void add_round(Random& random, double sigma, float opacity) {
@@ -62,7 +62,7 @@ struct Stack {
     }
     return image;
   }
-  /// ∂L/∂opacity of every Gaussian for L = g · channel at one pixel over `background`.
+  /// o ∂L/∂o of every Gaussian, o its opacity, for L = g · channel at one pixel over `background`.
   std::vector<float> opacity_gradients(const TileKernels<float>& kernels, int pixel, float g,
                                        float background) {
     std::vector<float> grad(kTilePixels, 0.f), pair(record.size() * 7, 0.f), scratch(backward_scratch(1)), out;
@@ -108,10 +108,11 @@ struct Pixel {
       const Real u = g.mean_x - x, v = g.mean_y - y, a = g.conic_a, b = g.conic_b, c = g.conic_c;
       const Real size_x = std::abs(Real(g.mean_x) - s.frame.x_px) + 16,
                  size_y = std::abs(Real(g.mean_y) - s.frame.y_px) + 16;
-      Real condition = 2 + (a * u * u + c * v * v) / 2 + std::abs(b * u * v) +
+      const Real opacity = s.opacity[i];
+      Real condition = 2 - std::log(opacity) + (a * u * u + c * v * v) / 2 + std::abs(b * u * v) +
                        (std::abs(a * u) + std::abs(b * v)) * size_x +
                        (std::abs(c * v) + std::abs(b * u)) * size_y;
-      const Real power = -(a * u * u + c * v * v) / 2 - b * u * v, free = g.opacity * std::exp(power);
+      const Real power = -(a * u * u + c * v * v) / 2 - b * u * v, free = opacity * std::exp(power);
       ambiguous |=
           power > -1e-7L * condition;  // a rounded needle may be indefinite; 3DGS leaves such pixels out
       const bool capped = free >= 0.99L;
@@ -209,7 +210,7 @@ TEST_CASE("compositing: far to the right of a wide image positions keep their su
         const SplatRecord<float>& g = stack.record[hit.index];
         const float u = float(g.mean_x) - (float(stack.frame.x_px + int(p) % 16) + 0.5f),
                     v = float(g.mean_y) - (float(stack.frame.y_px + int(p) / 16) + 0.5f);
-        naive *= 1 - std::min(0.99f, g.opacity * std::exp(-0.5f * (g.conic_a * u * u + g.conic_c * v * v)));
+        naive *= 1 - std::min(0.99f, stack.opacity[hit.index] * std::exp(-0.5f * (g.conic_a * u * u + g.conic_c * v * v)));
       }
       worst.naive(naive, want.through, want.through_condition);
     }
@@ -237,13 +238,12 @@ TEST_CASE("compositing: opacity gradients of deep stacks, walked backwards") {
         Real behind = want.through * background;  // the colour behind, times what reaches it
         for (std::size_t k = want.hit.size(); k-- > 0;) {
           const Pixel::Hit& hit = want.hit[k];
-          const Real value = stack.value[hit.index], after = hit.before * (1 - hit.alpha),
-                     opacity = stack.record[hit.index].opacity;
-          const Real factor = g * hit.alpha / opacity * hit.before, own = value, rest = behind / after;
+          const Real value = stack.value[hit.index], after = hit.before * (1 - hit.alpha);
+          const Real factor = g * hit.alpha * hit.before, own = value, rest = behind / after;
           const Real size = factor * (own + rest) * (hit.condition + want.through_condition);
           worst.ours(got[hit.index], factor * (own - rest), size / std::abs(factor * (own - rest)));
           const float alpha = float(hit.alpha), before = naive_after / (1 - alpha);
-          worst.naive(g * alpha / float(opacity) * (before * float(value) - naive_behind / (1 - alpha)),
+          worst.naive(g * alpha * (before * float(value) - naive_behind / (1 - alpha)),
                       factor * (own - rest), size / std::abs(factor * (own - rest)));
           naive_behind += alpha * before * float(value), naive_after = before;
           behind += hit.alpha * hit.before * value;
@@ -261,7 +261,7 @@ TEST_CASE("compositing: at the cap alpha is 0.99 and passes no gradient to the o
                     worst.ours_is(through[std::size_t(p)] == 1 - 0.99f ||
                                   through[std::size_t(p)] == std::fma(-0.99f, 1.f, 1.f));
                     worst.ours_is(stack.opacity_gradients(lane_types().back(), p, 1, 0.3f)[0] == 0);
-                    worst.naive_is(h < 1 || std::isfinite(1 / (1 - stack.record[0].opacity)));
+                    worst.naive_is(h < 1 || std::isfinite(1 / (1 - stack.opacity[0])));
                   });
 }
 
@@ -284,8 +284,9 @@ TEST_CASE("compositing: alpha below 1/255 adds exactly nothing, from there on it
                   [](double h, Random& random, Worst& worst) {
                     Stack stack;
                     stack.add(8.5, 8.5, 1, 0, 1, float(kAlphaMin), 1);
-                    stack.record[0].opacity = h == 1 ? float(kAlphaMin) : float(h / 255),
-                    stack.record[0].two_cut = std::max(0.f, 2 * std::log(255 * stack.record[0].opacity));
+                    const float opacity = h == 1 ? float(kAlphaMin) : float(h / 255);
+                    stack.record[0].two_cut = std::max(0.f, 2 * std::log(255 * opacity)),
+                    stack.record[0].log2_opacity = float(std::log2(double(opacity)));
                     const auto [channel, through] = stack.composite(lane_types().back());
                     const auto centre = std::size_t(8 * 16 + 8),
                                other = std::size_t(random.below(kTilePixels));

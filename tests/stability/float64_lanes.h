@@ -62,6 +62,11 @@ inline PackF fma_lanes(PackF a, PackF b, PackF c) {
 }
 inline PackF min_lanes(PackF a, PackF b) { return a.v < b.v ? a.v : b.v; }
 inline PackF max_lanes(PackF a, PackF b) { return a.v > b.v ? a.v : b.v; }
+inline PackF sqrt_lanes(PackF x) { return each_lane(x, [&](int i) { return std::sqrt(x.v[i]); }); }
+inline PackF floor_lanes(PackF x) { return each_lane(x, [&](int i) { return std::floor(x.v[i]); }); }
+inline void store_row_bits(std::uint32_t* p, PackF begin, PackF end) {
+  for (int i = 0; i < PackF::kLanes; ++i) p[i] = ((1u << int(end.v[i])) - 1) & ~((1u << int(begin.v[i])) - 1);
+}
 inline void store_lanes(double* p, PackF x) { for (int i = 0; i < PackF::kLanes; ++i) p[i] = x.v[i]; }
 inline void load_lanes(const double* p, PackF& x) { for (int i = 0; i < PackF::kLanes; ++i) x.v[i] = p[i]; }
 inline void iota_lanes(double start, PackF& x) { x = each_lane(x, [&](int i) { return start + i; }); }
@@ -70,7 +75,8 @@ inline double sum_lanes(PackF x) {
 }
 inline void sum_lanes_each(const PackF* x, int n, double* out) { for (int i = 0; i < n; ++i) out[i] = sum_lanes(x[i]); }
 inline PackF folded(PackF x) { return x; }
-inline PackF exp2_nonpositive(PackF x) { return each_lane(x, [&](int i) { return std::exp2(x.v[i]); }); }
+inline PackMask all_lanes(PackF) { return {PackF::RawMask{-1, -1, -1, -1, -1, -1, -1, -1}}; }
+inline PackF exp2_where(PackMask m, PackF x) { return each_lane(x, [&](int i) { return m.v[i] ? std::exp2(x.v[i]) : 0.0; }); }
 
 struct HalfPack {
   PackF v;
@@ -80,6 +86,6 @@ struct HalfPack {
 };
 
 template <class T> Dual<T> fma_lanes(Dual<T> a, Dual<T> b, Dual<T> c) { return a * b + c; }
-template <class T> Dual<T> exp2_nonpositive(Dual<T> x) { return exp2(x); }
+template <class T> Dual<T> exp2_where(bool m, Dual<T> x) { return m ? exp2(x) : Dual<T>(0); }
 
 }  // namespace ngs

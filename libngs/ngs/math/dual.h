@@ -34,6 +34,7 @@ struct Dual {
   friend Dual exp(Dual a) { const T e = std::exp(a.v); return {e, e * a.d}; }
   friend Dual exp2(Dual a) { const T e = std::exp2(a.v); return {e, e * T(std::numbers::ln2) * a.d}; }
   friend Dual expm1(Dual a) { return {std::expm1(a.v), std::exp(a.v) * a.d}; }
+  friend Dual log2(Dual a) { return {std::log2(a.v), a.d / (a.v * T(std::numbers::ln2))}; }
   friend Dual log(Dual a) { return {std::log(a.v), a.d / a.v}; }
   friend Dual log1p(Dual a) { return {std::log1p(a.v), a.d / (T(1) + a.v)}; }
   friend Dual sqrt(Dual a) { const T s = std::sqrt(a.v); return {s, a.d / (T(2) * s)}; }

@@ -43,6 +43,7 @@ inline PackMask operator<=(PackF a, PackF b) { return {a.v <= b.v}; }
 inline PackMask operator>=(PackF a, PackF b) { return {a.v >= b.v}; }
 inline PackMask operator>(PackF a, PackF b) { return {a.v > b.v}; }
 inline PackMask and_at_least(PackMask m, PackF a, PackF b) { return m & (a >= b); }
+inline PackMask all_lanes(PackF) { return {PackF::RawMask{-1, -1, -1, -1, -1, -1, -1, -1}}; }
 
 template <> struct LaneTraits<PackF> {
   using Scalar = float;
@@ -54,8 +55,17 @@ template <> struct LaneTraits<PackF> {
 inline PackF select(PackMask m, PackF a, PackF b) { return m.v ? a.v : b.v; }
 inline bool any(PackMask m) { return _mm256_movemask_ps(_mm256_castsi256_ps(reinterpret_cast<__m256i>(m.v))) != 0; }
 inline PackF fma_lanes(PackF a, PackF b, PackF c) { return PackF::Raw(_mm256_fmadd_ps(a.v, b.v, c.v)); }
+/// The second operand where the first is NaN.
 inline PackF min_lanes(PackF a, PackF b) { return PackF::Raw(_mm256_min_ps(a.v, b.v)); }
 inline PackF max_lanes(PackF a, PackF b) { return PackF::Raw(_mm256_max_ps(a.v, b.v)); }
+inline PackF sqrt_lanes(PackF x) { return PackF::Raw(_mm256_sqrt_ps(x.v)); }
+inline PackF floor_lanes(PackF x) { return PackF::Raw(_mm256_floor_ps(x.v)); }
+inline void store_row_bits(std::uint32_t* p, PackF begin, PackF end) {
+  const __m256i one = _mm256_set1_epi32(1), below = _mm256_sllv_epi32(one, _mm256_cvttps_epi32(begin.v)),
+                until = _mm256_sllv_epi32(one, _mm256_cvttps_epi32(end.v));
+  const __m256i bits = _mm256_andnot_si256(_mm256_sub_epi32(below, one), _mm256_sub_epi32(until, one));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), bits);
+}
 inline void store_lanes(float* p, PackF x) { _mm256_storeu_ps(p, x.v); }
 inline void load_lanes(const float* p, PackF& x) { x.v = _mm256_loadu_ps(p); }
 /// The pack in half precision: 11 bits, and nothing below 2^-24.
@@ -100,35 +110,25 @@ inline int count_lanes(PackMask m) {
 
 template <class T> Dual<T> fma_lanes(Dual<T> a, Dual<T> b, Dual<T> c) { return a * b + c; }
 
-/// Four doubles, for geometry that is found for several places at once.
+/// Four doubles, for sums of many floats.
 struct Pack4D {
   typedef double Raw __attribute__((vector_size(32)));
   Raw v;
   Pack4D(Raw raw) : v(raw) {}
   Pack4D(double x) : v(Raw{x, x, x, x}) {}
-  Pack4D(double a, double b, double c, double d) : v(Raw{a, b, c, d}) {}
   friend Pack4D operator+(Pack4D a, Pack4D b) { return a.v + b.v; }
-  friend Pack4D operator-(Pack4D a, Pack4D b) { return a.v - b.v; }
-  friend Pack4D operator*(Pack4D a, Pack4D b) { return a.v * b.v; }
 };
 /// Lanes 0 to 3 and 4 to 7 of a pack.
 inline Pack4D low_half(PackF x) { return Pack4D::Raw(_mm256_cvtps_pd(_mm256_castps256_ps128(x.v))); }
 inline Pack4D high_half(PackF x) { return Pack4D::Raw(_mm256_cvtps_pd(_mm256_extractf128_ps(x.v, 1))); }
-/// The second operand where the first is NaN.
-inline Pack4D min_lanes(Pack4D a, Pack4D b) { return Pack4D::Raw(_mm256_min_pd(a.v, b.v)); }
-inline Pack4D max_lanes(Pack4D a, Pack4D b) { return Pack4D::Raw(_mm256_max_pd(a.v, b.v)); }
-inline Pack4D sqrt_lanes(Pack4D a) { return Pack4D::Raw(_mm256_sqrt_pd(a.v)); }
-inline Pack4D floor_lanes(Pack4D a) { return Pack4D::Raw(_mm256_floor_pd(a.v)); }
-/// Rounds towards zero; the values must fit.
-inline void store_ints(int* p, Pack4D a) { _mm_storeu_si128(reinterpret_cast<__m128i*>(p), _mm256_cvttpd_epi32(a.v)); }
 
 /// As of a float in every lane.
-inline PackF exp2_nonpositive(PackF x) {
-  const PackF least = max_lanes(x, PackF(-126.f)), shifted = least + PackF(kMagic);
-  const PackF p = exp2_reduced(least - (shifted - PackF(kMagic)));
+inline PackF exp2_where(PackMask m, PackF x) {
+  const PackF shifted = x + PackF(kMagic), p = exp2_reduced(x - (shifted - PackF(kMagic)));
   const __m256i exponent = _mm256_slli_epi32(_mm256_castps_si256(shifted.v), 23);
-  return PackF(PackF::Raw(_mm256_castsi256_ps(_mm256_add_epi32(_mm256_castps_si256(p.v), exponent))));
+  const __m256i power = _mm256_add_epi32(_mm256_castps_si256(p.v), exponent);
+  return PackF::Raw(_mm256_castsi256_ps(_mm256_and_si256(power, reinterpret_cast<__m256i>(m.v))));
 }
-template <class T> Dual<T> exp2_nonpositive(Dual<T> x) { return exp2(x); }
+template <class T> Dual<T> exp2_where(bool m, Dual<T> x) { return m ? exp2(x) : Dual<T>(0); }
 
 }  // namespace ngs

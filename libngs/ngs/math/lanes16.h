@@ -33,12 +33,9 @@ inline Pack16Mask operator<=(Pack16 a, Pack16 b) { return {_mm512_cmp_ps_mask(a.
 inline Pack16Mask operator>=(Pack16 a, Pack16 b) { return {_mm512_cmp_ps_mask(a.v, b.v, _CMP_GE_OQ)}; }
 inline Pack16Mask operator>(Pack16 a, Pack16 b) { return {_mm512_cmp_ps_mask(a.v, b.v, _CMP_GT_OQ)}; }
 
-/// m & (a >= b), and m & (a <= 0), as one comparison each.
+/// m & (a >= b), as one comparison.
 inline Pack16Mask and_at_least(Pack16Mask m, Pack16 a, Pack16 b) {
   return {_mm512_mask_cmp_ps_mask(m.v, a.v, b.v, _CMP_GE_OQ)};
-}
-inline Pack16Mask and_nonpositive(Pack16Mask m, Pack16 a) {
-  return {_mm512_mask_cmp_ps_mask(m.v, a.v, _mm512_setzero_ps(), _CMP_LE_OQ)};
 }
 
 template <> struct LaneTraits<Pack16> {
@@ -54,6 +51,13 @@ inline int count_lanes(Pack16Mask m) { return __builtin_popcount(unsigned(m.v));
 inline Pack16 fma_lanes(Pack16 a, Pack16 b, Pack16 c) { return Pack16::Raw(_mm512_fmadd_ps(a.v, b.v, c.v)); }
 inline Pack16 min_lanes(Pack16 a, Pack16 b) { return Pack16::Raw(_mm512_min_ps(a.v, b.v)); }
 inline Pack16 max_lanes(Pack16 a, Pack16 b) { return Pack16::Raw(_mm512_max_ps(a.v, b.v)); }
+inline Pack16 sqrt_lanes(Pack16 x) { return Pack16::Raw(_mm512_sqrt_ps(x.v)); }
+inline Pack16 floor_lanes(Pack16 x) { return Pack16::Raw(_mm512_roundscale_ps(x.v, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC)); }
+inline void store_row_bits(std::uint32_t* p, Pack16 begin, Pack16 end) {
+  const __m512i one = _mm512_set1_epi32(1), below = _mm512_sllv_epi32(one, _mm512_cvttps_epi32(begin.v)),
+                until = _mm512_sllv_epi32(one, _mm512_cvttps_epi32(end.v));
+  _mm512_storeu_si512(p, _mm512_andnot_si512(_mm512_sub_epi32(below, one), _mm512_sub_epi32(until, one)));
+}
 inline void store_lanes(float* p, Pack16 x) { _mm512_storeu_ps(p, x.v); }
 inline void load_lanes(const float* p, Pack16& x) { x.v = _mm512_loadu_ps(p); }
 inline void iota_lanes(float start, Pack16& x) {
@@ -67,10 +71,11 @@ inline void masks_of_halves(std::uint32_t lower, std::uint32_t upper, Pack16Mask
   const std::uint32_t bytes = _pdep_u32(lower, 0x55555555u) | _pdep_u32(upper, 0xaaaaaaaau);
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm256_movm_epi8(bytes));
 }
-/// As of a float in every lane from -126 on; below less than 2^-126, of NaN and -Inf NaN.
-inline Pack16 exp2_nonpositive(Pack16 x) {
+/// As of a float in every lane. Scaled only where it is asked for: a subnormal result would cost some processors a hundred
+/// cycles.
+inline Pack16 exp2_where(Pack16Mask m, Pack16 x) {
   const Pack16 n = Pack16::Raw(_mm512_roundscale_ps(x.v, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC));
-  return Pack16::Raw(_mm512_scalef_ps(exp2_reduced(x - n).v, n.v));
+  return Pack16::Raw(_mm512_maskz_scalef_ps(m.v, exp2_reduced(x - n).v, n.v));
 }
 
 }  // namespace ngs

@@ -28,8 +28,8 @@ struct EvidenceSink {
     total.clear(sums());
   }
   void begin_column(int) { sum.clear(sums()); }
-  [[gnu::always_inline]] void add(int, const Contribution<L>& hit) {
-    const S* planes = mask + hit.pack * (1 + objects()) * kLanes;
+  [[gnu::always_inline]] void add(std::uint32_t, const Contribution<L>& hit) {
+    const S* planes = mask + std::size_t(hit.pack) * std::size_t((1 + objects()) * kLanes);
     const L weight = hit.alpha * hit.transmittance, zero(S(0)), one(S(1));
     L known;
     load_lanes(planes, known);

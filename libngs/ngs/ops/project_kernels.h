@@ -49,7 +49,7 @@ struct ProjectionContext {
   Vec3<T> u0, u1;       // rows of J · W
   Vec3<T> v0, v1;       // rows of J · W · R · S: covariance = [v_i · v_j]
   Vec3<T> v_cross;      // v0 × v1: its square is the determinant of the unblurred covariance
-  T det_raw, compensation, logit_opacity, sigmoid_opacity;
+  T det_raw, compensation, logit_opacity;
   bool compensation_floored;
 };
 
@@ -95,7 +95,6 @@ NGS_HD ProjectedGaussian<T> project_gaussian(const ProjectionCamera<T>& camera, 
   p.mean_y = camera.f_y * slope_y + camera.c_y;
 
   ctx.logit_opacity = logit_opacity;
-  ctx.sigmoid_opacity = sigmoid(logit_opacity);
   ctx.compensation = T(1);
   ctx.compensation_floored = true;
   if (antialiased) {
@@ -103,14 +102,15 @@ NGS_HD ProjectedGaussian<T> project_gaussian(const ProjectionCamera<T>& camera, 
     ctx.compensation_floored = ratio < T(kCompensationFloor2);
     ctx.compensation = sqrt(max2(ratio, T(kCompensationFloor2)));
   }
-  p.opacity = ctx.sigmoid_opacity * ctx.compensation;
+  p.opacity = sigmoid(logit_opacity) * ctx.compensation;
   return p;
 }
 
-/// ∂L/∂ of what project_gaussian returned (cov_xx, cov_yy and det carry no gradient of their own).
+/// ∂L/∂ of what project_gaussian returned (cov_xx, cov_yy and det carry no gradient of their own); of the opacity o
+/// o ∂L/∂o, which needs no division by it.
 template <class T>
 struct ProjectedGradient {
-  T mean_x, mean_y, conic_a, conic_b, conic_c, opacity;
+  T mean_x, mean_y, conic_a, conic_b, conic_c, log_opacity;
 };
 
 /// ∂L/∂ of what project_gaussian took; `t` in camera coordinates.
@@ -138,7 +138,7 @@ NGS_HD GaussianGradient<T> project_gaussian_backward(const ProjectionCamera<T>& 
 
   T grad_det_raw(0);
   if (antialiased && !ctx.compensation_floored) {  // compensation² = det_raw / det
-    const T grad_ratio = g.opacity * ctx.sigmoid_opacity / (T(2) * ctx.compensation);
+    const T grad_ratio = g.log_opacity / (T(2) * ctx.compensation * ctx.compensation);
     const T grad_det = -grad_ratio * (ctx.det_raw / p.det) / p.det;
     grad_det_raw = grad_ratio / p.det + grad_det;
     grad_a += camera.blur * grad_det, grad_c += camera.blur * grad_det;
@@ -176,7 +176,7 @@ NGS_HD GaussianGradient<T> project_gaussian_backward(const ProjectionCamera<T>& 
   out.t.z = -fx_z * slope_x * g.mean_x - fy_z * slope_y * g.mean_y +
             (-fx_z * grad_j00 + fx_z * (ctx.slope_x + s_x) * grad_j02 - fy_z * grad_j11 +
              fy_z * (ctx.slope_y + s_y) * grad_j12) / t.z;
-  out.logit_opacity = g.opacity * ctx.compensation * sigmoid_slope(ctx.logit_opacity);
+  out.logit_opacity = g.log_opacity * sigmoid(-ctx.logit_opacity);
   return out;
 }
 

@@ -24,7 +24,7 @@ struct TapeSink {
     lanes = tape.lanes + tape.size * 2 * kLanes;
     row = row_begin = tape.row + tape.size;
   }
-  [[gnu::always_inline]] void add(int r, const Contribution<L>& k) {
+  [[gnu::always_inline]] void add(std::uint32_t r, const Contribution<L>& k) {
     store_lanes(lanes, k.alpha), store_lanes(lanes + kLanes, k.transmittance);
     lanes += 2 * kLanes;
     *row++ = std::uint8_t(r);
@@ -36,6 +36,9 @@ struct TapeSink {
   void end() {}
 };
 
+/// Rows of an image's gradient that are asked for before they are read.
+inline constexpr int kRowsAhead = 4;
+
 /// Reads ∂L/∂(image) into packs [packs][count + 1][lanes]; false if it is zero everywhere.
 template <class L>
 bool load_image_gradient(const BackwardTile<typename LaneTraits<L>::Scalar>& in) {
@@ -44,22 +47,28 @@ bool load_image_gradient(const BackwardTile<typename LaneTraits<L>::Scalar>& in)
   const TileFrame frame = in.work.frame;
   const int count = in.value.count, rows = frame.rows(), columns = frame.columns();
   for (int i = 0; i < (count + 1) * kTilePixels; ++i) in.scratch[i] = S(0);
-  bool any_gradient = false;
   for (int c = 0; c <= count; ++c) {
     const Plane<const S> plane = in.grad[c];
     if (plane.data == nullptr) continue;
     for (int y = 0; y < rows; ++y) {
       const S* from = plane.data + (std::size_t(frame.y_px + y) * std::size_t(frame.width_px) + std::size_t(frame.x_px)) *
                                        std::size_t(plane.stride);
-      for (int x = 0; x < columns; ++x) {
-        const S g = from[x * plane.stride];
-        const int pack = x / kLanes * kTilePx + y;
-        in.scratch[(pack * (count + 1) + c) * kLanes + x % kLanes] = g;
-        any_gradient |= !(g == S(0));
+      // Rows are short and far apart: the processor does not foresee them.
+      const std::size_t ahead = y + kRowsAhead < rows ? std::size_t(kRowsAhead * frame.width_px) * std::size_t(plane.stride) : 0;
+      for (int i = 0; i < columns * plane.stride; i += int(64 / sizeof(S))) __builtin_prefetch(from + ahead + i);
+      for (int x = 0; x < columns; x += kLanes) {
+        S* to = in.scratch + std::size_t((x / kLanes * kTilePx + y) * (count + 1) + c) * kLanes;
+        for (int i = 0; i < kLanes && x + i < columns; ++i) to[i] = from[(x + i) * plane.stride];
       }
     }
   }
-  return any_gradient;
+  const L zero = L(S(0));
+  for (int pack = 0; pack < kPacksPerTile<L> * (count + 1); ++pack) {
+    L g;
+    load_lanes(in.scratch + std::size_t(pack) * kLanes, g);
+    if (any(!((g <= zero) & (zero <= g)))) return true;  // also if it is no number
+  }
+  return false;
 }
 
 /// ∂L/∂(record, channel values) of every Gaussian of one tile.
@@ -78,8 +87,9 @@ class TileBackward {
 
  public:
   explicit TileBackward(const BackwardTile<S>& in)
-      : in_(in), totals_(in.scratch + (in.value.count + 1) * kTilePixels + in.value.count * kTilePx) {
-    for (int pack = 0; pack < kPacksPerTile<L>; ++pack) {
+      : in_(in), first_x_px_(in.work.frame.x_px + 0.5), first_y_px_(in.work.frame.y_px + 0.5),
+        totals_(in.scratch + (in.value.count + 1) * kTilePixels + in.value.count * kTilePx) {
+    for (std::uint32_t pack = 0; pack < kPacksPerTile<L>; ++pack) {
       L s = L(S(0));
       for (int c = 0; c < count(); ++c) s = fma_lanes(gradient(pack, c), L(in.moves[c] ? in.background[c] : S(0)), s);
       behind_[pack] = s;
@@ -106,9 +116,9 @@ class TileBackward {
     __builtin_prefetch(in_.pair_grad + std::size_t(in_.work.slot[entry]) * std::size_t(kPairGeometry + count()), 1);
   }
   [[gnu::always_inline]] int count() const { return C > 0 ? C : in_.value.count; }
-  [[gnu::always_inline]] L gradient(int pack, int c) const {
+  [[gnu::always_inline]] L gradient(std::uint32_t pack, int c) const {
     L g;
-    load_lanes(in_.scratch + (pack * (count() + 1) + c) * kLanes, g);
+    load_lanes(in_.scratch + std::size_t(pack) * std::size_t((count() + 1) * kLanes) + c * kLanes, g);
     return g;
   }
 
@@ -116,19 +126,23 @@ class TileBackward {
   [[gnu::always_inline]] void column(const typename Tape<S>::Span& span, std::size_t end, bool first, bool last) {
     const std::uint32_t visible = in_.work.visible[span.entry];
     const SplatRecord<S>& g = in_.work.record[visible];
-    const TileFrame& frame = in_.work.frame;
     const S* values = in_.value.row(visible);
     ChannelRow<L, C> row, moving;
     row.load(values);
     for (int c = 0; c < C; ++c) moving.value[c] = L(in_.moves[c] ? values[c] : S(0));
-    const S tile_y = S(g.mean_y - W(frame.y_px + 0.5));
+    L lane;
+    iota_lanes(S(0), lane);
+    if (first) {
+      const L tile_y(S(g.mean_y - first_y_px_));
+      for (int r = 0; r < kTilePx; r += kLanes) store_lanes(row_distance_ + r, tile_y - (lane + L(S(r))));
+    }
     const L zero = L(S(0)), cap = L(S(kAlphaCap));
     L p0 = zero, py = zero, pyy = zero;
     ChannelSums<L, C> sums(in_.scratch + (count() + 1) * kTilePixels);  // a local: members would live in memory
     sums.clear(count());
     const S* lanes = in_.tape->lanes + span.begin * 2 * kLanes;
     for (std::size_t j = span.begin; j < end; ++j, lanes += 2 * kLanes) {
-      const int r = in_.tape->row[j], pack = int(span.column) * kTilePx + r;
+      const std::uint32_t r = in_.tape->row[j], pack = span.column * kTilePx + r;
       L alpha, transmittance;
       load_lanes(lanes, alpha), load_lanes(lanes + kLanes, transmittance);
       const L weight = alpha * transmittance;
@@ -142,13 +156,11 @@ class TileBackward {
       behind_[pack] = fma_lanes(alpha, difference, behind_[pack]);
       // ∂L/∂power = α ∂L/∂α: zero in unreached lanes (α = 0) and where α is capped.
       const L grad_power = select(alpha < cap, weight * difference, zero);
-      const L w(tile_y - S(r));
+      const L w(row_distance_[r]);
       const L gw = grad_power * w;
       p0 = p0 + grad_power, py = py + gw, pyy = fma_lanes(gw, w, pyy);
     }
-    L lane;
-    iota_lanes(S(0), lane);
-    const L u = L(S(g.mean_x - W(frame.x_px + 0.5))) - (lane + L(S(int(span.column) * kLanes)));
+    const L u = L(S(g.mean_x - first_x_px_)) - (lane + L(S(int(span.column) * kLanes)));
     const L px = p0 * u;
     const F none = F(S(0));
     const L moment[kPairGeometry] = {p0, px, py, px * u, py * u, pyy};
@@ -164,12 +176,14 @@ class TileBackward {
     out[2] = S(-0.5) * sum[3];
     out[3] = -sum[4];
     out[4] = S(-0.5) * sum[5];
-    out[5] = sum[0] / g.opacity;
+    out[5] = sum[0];
   }
 
   const BackwardTile<S>& in_;
+  const W first_x_px_, first_y_px_;  // the tile's first pixel centre
   ChannelSums<F, C> totals_;
   L behind_[kPacksPerTile<L>];
+  S row_distance_[kTilePx];  // of the entry's mean from the rows
   F total_[kPairGeometry];
 };
 

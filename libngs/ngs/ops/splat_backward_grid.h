@@ -208,7 +208,7 @@ struct SplatBackwardTile {
     for (int c = 0; c < C; ++c) part[kPairGeometry + c] = channel[c];
   }
 
-  /// ∂L/∂(mean_x, mean_y, conic_a, conic_b, conic_c, opacity) from the moments p, pu, pv, puu, puv, pvv.
+  /// ∂L/∂(mean_x, mean_y, conic_a, conic_b, conic_c, log opacity) from the moments p, pu, pv, puu, puv, pvv.
   NGS_HD static float geometry(const TileGaussian<float>& g, const float* m, int k) {
     const float a = g.form.a(), b = g.form.b(), c = g.form.c();
     switch (k) {
@@ -217,7 +217,7 @@ struct SplatBackwardTile {
       case 2: return -0.5f * m[3];
       case 3: return -m[4];
       case 4: return -0.5f * m[5];
-      default: return m[0] / g.opacity;
+      default: return m[0];
     }
   }
 };

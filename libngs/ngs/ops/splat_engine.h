@@ -65,7 +65,7 @@ class SplatEngine {
     for_each_index(exec, std::int64_t(view_.id.size()), [&](std::int64_t row) {
       const auto v = std::size_t(row);
       const std::int64_t begin = lists_.slot_begin[v], end = lists_.slot_begin[v + 1];
-      if (begin < end) gaussian.gather(view_.id[v], begin, end);
+      if (begin < end) gaussian.gather(view_.id[v], channels().row(std::uint32_t(v)), begin, end);
     });
   }
 

@@ -85,12 +85,13 @@ NGS_HD TileRect tile_rect(const ProjectedGaussian<S>& p, Compat compat, int tile
 template <class S>
 NGS_HD SplatRecord<S> record_of(const ProjectedGaussian<S>& p, WideOf<S> mean_x, WideOf<S> mean_y) {
   using std::log;
+  using std::log2;
   using std::sqrt;
   const S two_cut = S(2) * log(S(255) * p.opacity);
   const S reach2 = max2(two_cut, S(0)), half_width = sqrt(reach2 * p.cov_xx), half_height = sqrt(reach2 * p.cov_yy);
-  return {mean_x,    mean_y,         p.conic_a,  p.conic_b,   p.conic_c,
-          p.opacity, two_cut,        S(1) / p.det, half_width, half_height,
-          -p.conic_b / p.conic_a * half_height,  S(1) / p.conic_c};
+  const S log2_opacity = S(log2(WideOf<S>(p.opacity)));
+  return {mean_x,       mean_y,  p.conic_a,    p.conic_b,  p.conic_c,
+          log2_opacity, two_cut, S(1) / p.det, half_width, half_height, -p.conic_b / p.conic_a * half_height, S(1) / p.conic_c};
 }
 
 /// Columns [x_lo, x_hi] (px, continuous) where the ellipse {quadratic form <= two_cut} meets the pixel-centre
@@ -140,7 +141,7 @@ inline double transmittance_stop(Compat compat) {
 template <class S>
 NGS_HD TileGaussian<S> tile_gaussian(const SplatRecord<S>& g, const TileFrame& frame) {
   using W = WideOf<S>;
-  return {S(g.mean_x - W(frame.x_px + 0.5)), S(g.mean_y - W(frame.y_px + 0.5)), g.opacity,
+  return {S(g.mean_x - W(frame.x_px + 0.5)), S(g.mean_y - W(frame.y_px + 0.5)), g.log2_opacity,
           PowerForm<S>::of_conic(g.conic_a, g.conic_b, g.conic_c)};
 }
 
@@ -237,7 +238,8 @@ NGS_HD void channel_row(const ChannelPlan<S>& plan, const ViewProjector<S>& view
   if (plan.depth) *row = depth;
 }
 
-/// From the gradients of a Gaussian's pairs [begin, end) to the columns of the cloud.         adjoint of project
+/// From the gradients of a Gaussian's pairs [begin, end), and its channel values, to the columns of the cloud.
+///                                                                                             adjoint of project
 template <class S>
 struct GaussianBackward {
   using Wide = WideOf<S>;
@@ -247,39 +249,45 @@ struct GaussianBackward {
   Matrix<const S> pairs;  // [pairs, kPairGeometry + count]
   CloudGradientView<S> out;
 
-  NGS_HD S sum(int column, std::int64_t begin, std::int64_t end) const {
-    Wide total(0);
-    for (std::int64_t slot = begin; slot < end; ++slot) total += Wide(pairs.row(slot)[column]);
-    return S(total);
+  template <int N>
+  struct Sums {
+    S of[N];
+  };
+  /// Over the pairs, of N columns side by side: one alone would wait for each of its additions.
+  template <int N>
+  NGS_HD Sums<N> sums(int first, std::int64_t begin, std::int64_t end) const {
+    Wide total[N] = {};
+    for (std::int64_t slot = begin; slot < end; ++slot)
+      for (int c = 0; c < N; ++c) total[c] += Wide(pairs.row(slot)[first + c]);
+    Sums<N> out;
+    for (int c = 0; c < N; ++c) out.of[c] = S(total[c]);
+    return out;
   }
 
-  NGS_HD void gather(std::int64_t i, std::int64_t begin, std::int64_t end) const {
+  NGS_HD void gather(std::int64_t i, const S* value, std::int64_t begin, std::int64_t end) const {
     int channel = kPairGeometry + (plan.colour ? 3 : 0);
     for (int k = 0; k < plan.labels(); ++k, ++channel)
-      if (out.label) out.label[i * plan.labels() + k] = sum(channel, begin, end);
+      if (out.label) out.label[i * plan.labels() + k] = sums<1>(channel, begin, end).of[0];
     if (out.visible) out.visible[i] = 1;
-    if (!out.label_alone || !out.label_alone[i]) gather_shape_and_colour(i, begin, end);
+    if (!out.label_alone || !out.label_alone[i]) gather_shape_and_colour(i, value, begin, end);
   }
 
  private:
-  NGS_HD void gather_shape_and_colour(std::int64_t i, std::int64_t begin, std::int64_t end) const {
+  NGS_HD void gather_shape_and_colour(std::int64_t i, const S* value, std::int64_t begin, std::int64_t end) const {
     const Vec3<Wide> wide_offset = view.offset(cloud, i);
     const Vec3<S> offset = narrowed<S>(wide_offset), t = narrowed<S>(view.wide.rotation * wide_offset);
     ProjectionContext<S> ctx;
     const ProjectedGaussian<S> p = project_gaussian(view.camera, t, cloud.rotation + i * 4, cloud.log_scale + i * 3,
                                                     cloud.logit_opacity[i], view.antialiased, ctx);
-    S geometry[kPairGeometry];
-    for (int c = 0; c < kPairGeometry; ++c) geometry[c] = sum(c, begin, end);
-    GaussianGradient<S> g = project_gaussian_backward(
-        view.camera, t, p, ctx, view.antialiased,
-        ProjectedGradient<S>{geometry[0], geometry[1], geometry[2], geometry[3], geometry[4], geometry[5]});
+    const auto [mean_x, mean_y, conic_a, conic_b, conic_c, log_opacity] = sums<kPairGeometry>(0, begin, end).of;
+    GaussianGradient<S> g = project_gaussian_backward(view.camera, t, p, ctx, view.antialiased,
+                                                      ProjectedGradient<S>{mean_x, mean_y, conic_a, conic_b, conic_c, log_opacity});
     Vec3<S> grad_offset{S(0), S(0), S(0)};
     if (plan.colour) {
-      const int first = kPairGeometry;
-      const Vec3<S> grad_rgb{sum(first, begin, end), sum(first + 1, begin, end), sum(first + 2, begin, end)};
-      grad_offset = colour(i, offset, grad_rgb);
+      const auto [red, green, blue] = sums<3>(kPairGeometry, begin, end).of;
+      grad_offset = colour(i, offset, Vec3<S>{value[0], value[1], value[2]}, Vec3<S>{red, green, blue});
     }
-    if (plan.depth) g.t.z += sum(kPairGeometry + plan.count() - 1, begin, end);
+    if (plan.depth) g.t.z += sums<1>(kPairGeometry + plan.count() - 1, begin, end).of[0];
     store(out.position, i, transpose(view.camera.rotation) * g.t + grad_offset);
     if (out.rotation) {
       S* o = out.rotation + i * 4;
@@ -287,14 +295,13 @@ struct GaussianBackward {
     }
     store(out.log_scale, i, g.log_scale);
     if (out.logit_opacity) out.logit_opacity[i] = g.logit_opacity;
-    if (out.mean_px) out.mean_px[i * 2] = geometry[0], out.mean_px[i * 2 + 1] = geometry[1];
+    if (out.mean_px) out.mean_px[i * 2] = mean_x, out.mean_px[i * 2 + 1] = mean_y;
   }
   NGS_HD static void store(S* column, std::int64_t i, Vec3<S> v) {
     if (column) column[i * 3] = v.x, column[i * 3 + 1] = v.y, column[i * 3 + 2] = v.z;
   }
-  NGS_HD Vec3<S> colour(std::int64_t i, Vec3<S> offset, Vec3<S> grad_rgb) const {
+  NGS_HD Vec3<S> colour(std::int64_t i, Vec3<S> offset, Vec3<S> rgb, Vec3<S> grad_rgb) const {
     const S* rest = cloud.sh_rest + i * cloud.rest_stride * 3;
-    const Vec3<S> rgb = sh_colour(cloud.sh_degree, offset, cloud.sh_dc + i * 3, rest);
     S dc[3], rest_grad[45];
     const Vec3<S> grad_offset = sh_colour_backward(cloud.sh_degree, offset, rest, rgb, grad_rgb, dc, rest_grad);
     store(out.sh_dc, i, {dc[0], dc[1], dc[2]});

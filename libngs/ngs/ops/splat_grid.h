@@ -47,10 +47,11 @@ struct GaussiansBackward {
   GaussianBackward<float> kernel;  // its rows are those of SplatBackwardTile
   const std::int64_t* slot_begin;
   DeviceSums sums;
+  const float* channel;  // [N, count]
   NGS_HD void operator()(std::int64_t i) const {
     const std::int64_t begin = slot_begin[i], end = slot_begin[i + 1];
     const bool summed = sums == DeviceSums::kAtomic;
-    if (begin < end) kernel.gather(i, summed ? i : begin, summed ? i + 1 : end);
+    if (begin < end) kernel.gather(i, channel + i * kernel.plan.count(), summed ? i : begin, summed ? i + 1 : end);
   }
 };
 
@@ -99,7 +100,7 @@ class GridSplat {
       });
     clear(out);
     const Matrix<const float> summands{rows.data(), rows.size() / columns, columns};
-    grid_.each(cloud_.size, GaussiansBackward{{projector_, cloud_, plan_, summands, out}, bins_.slot_begin(), sums});
+    grid_.each(cloud_.size, GaussiansBackward{{projector_, cloud_, plan_, summands, out}, bins_.slot_begin(), sums, channel_.data()});
   }
 
   const TileBins<Grid>& bins() const { return bins_; }

@@ -10,13 +10,15 @@
 
 namespace ngs {
 
-inline constexpr double kAlphaCap = 0.99;        // alpha = min(0.99, o 2^power)
+inline constexpr double kAlphaCap = 0.99;        // alpha = min(0.99, 2^exponent)
 inline constexpr double kAlphaMin = 1.0 / 255;   // contributions below are skipped
 inline constexpr double kSpanSlackPx = 0.02;     // more than the rounding of any span; lanes test alpha anyway
 inline constexpr double kTransmittanceStop = 1e-4;  // a pixel ends before its transmittance falls below
 
+inline constexpr double kLog2AlphaMin = -7.994353436858858;  // of kAlphaMin
+
 /// The exponent of Eq. (2) at the offset (u, v) from the mean, for base 2, so that it needs no reduction by ln 2:
-/// e^(-(a u² + 2 b u v + c v²) / 2) = 2^(uu u² + uv u v + vv v²).
+/// o e^(-(a u² + 2 b u v + c v²) / 2) = 2^(uu u² + uv u v + vv v² + log2 o).
 template <class S>
 struct PowerForm {
   S uu, uv, vv;
@@ -30,20 +32,28 @@ struct PowerForm {
   NGS_HD S c() const { return S(-2 * std::numbers::ln2) * vv; }
 };
 
-/// linear = uv v, constant = vv v².
+/// What the exponent takes from a row, constant in u: vv v² + log2 o.
 template <class L>
-[[gnu::always_inline]] NGS_HD inline L splat_power(L u, L uu, L linear, L constant) {
+[[gnu::always_inline]] NGS_HD inline L splat_row_constant(L vv, L v, L log2_opacity) {
+  return fma_lanes(vv * v, v, log2_opacity);
+}
+/// linear = uv v.
+template <class L>
+[[gnu::always_inline]] NGS_HD inline L splat_exponent(L u, L uu, L linear, L constant) {
   return fma_lanes(u, fma_lanes(uu, u, linear), constant);
 }
+/// Where an alpha counts: it is at least 1/255, and the quadratic form is none that rounding made negative. Known before
+/// the alpha is, so that nothing waits for it.
 template <class L>
-[[gnu::always_inline]] NGS_HD inline L splat_alpha(L opacity, L power) {
-  return min_lanes(L(typename LaneTraits<L>::Scalar(kAlphaCap)), opacity * exp2_nonpositive(power));
-}
-/// Where an alpha counts.
-template <class L>
-[[gnu::always_inline]] NGS_HD inline typename LaneTraits<L>::Mask splat_reaches(L alpha, L power) {
+[[gnu::always_inline]] NGS_HD inline typename LaneTraits<L>::Mask splat_reaches(typename LaneTraits<L>::Mask visited, L exponent,
+                                                                                L log2_opacity) {
   using S = typename LaneTraits<L>::Scalar;
-  return (alpha >= L(S(kAlphaMin))) & (power <= L(S(0)));
+  return and_at_least(and_at_least(visited, log2_opacity, exponent), exponent, L(S(kLog2AlphaMin)));
+}
+/// 0 in lanes that are not reached.
+template <class L>
+[[gnu::always_inline]] NGS_HD inline L splat_alpha(typename LaneTraits<L>::Mask reached, L exponent) {
+  return min_lanes(L(typename LaneTraits<L>::Scalar(kAlphaCap)), exp2_where(reached, exponent));
 }
 /// The transmittance behind a Gaussian.
 template <class L>
@@ -54,7 +64,7 @@ template <class L>
 /// A Gaussian relative to the first pixel centre of a tile.
 template <class S>
 struct TileGaussian {
-  S x, y, opacity;
+  S x, y, log2_opacity;
   PowerForm<S> form;
 };
 
@@ -69,9 +79,9 @@ struct PixelWalk {
   NGS_HD S pass(const TileGaussian<S>& g, S x, S y, S stop, S& before) {
     before = transmittance;
     const S u = g.x - x, v = g.y - y;
-    const S power = splat_power(u, g.form.uu, g.form.uv * v, g.form.vv * v * v);
-    const S alpha = splat_alpha(g.opacity, power);
-    if (!live || !splat_reaches(alpha, power)) return S(0);
+    const S exponent = splat_exponent(u, g.form.uu, g.form.uv * v, splat_row_constant(g.form.vv, v, g.log2_opacity));
+    if (!splat_reaches(live, exponent, g.log2_opacity)) return S(0);
+    const S alpha = splat_alpha(true, exponent);
     const S after = splat_behind(alpha, before);
     live = after >= stop;
     if (!live) return S(0);

@@ -7,8 +7,7 @@
 #include <cmath>
 
 #include "ngs/math/lanes.h"
-#include "ngs/ops/splat_step_kernels.h"
-#include "ngs/ops/tile_types.h"
+#include "ngs/ops/splat_rows.h"
 
 namespace ngs {
 
@@ -29,114 +28,54 @@ constexpr int place_in_packs(int x, int y) {
 ///   transmittance   before this Gaussian
 template <class L>
 struct Contribution {
-  int pack;
+  std::uint32_t pack;
   L alpha, transmittance;
-};
-
-/// Bits [begin, end); none if end <= begin. Both in [0, 16].
-[[gnu::always_inline]] inline std::uint32_t row_bits(int begin, int end) {
-  return ((1u << end) - 1) & ~((1u << begin) - 1);
-}
-
-/// A Gaussian's ellipse {quadratic form <= two_cut} relative to a tile's first pixel centre: which rows it can meet
-/// within some columns. Exact up to rounding: its lowest point within the columns is its own lowest point, or lies on
-/// the border nearest to that. Where it misses the columns, at most a row too many.
-template <class S>
-struct TileEllipse {
-  double mean_x, mean_y, b, inv_c, inv_det, cut_c, bottom_x;
-
-  [[gnu::always_inline]] TileEllipse(const SplatRecord<S>& g, const TileFrame& frame)
-      : mean_x(double(g.mean_x) - frame.x_px - 0.5), mean_y(double(g.mean_y) - frame.y_px - 0.5), b(double(g.conic_b)),
-        inv_c(double(g.inv_c)), inv_det(double(g.inv_det)), cut_c(double(g.two_cut) * double(g.conic_c)),
-        bottom_x(double(g.bottom_x)) {}
-
-  /// Rows within the two bands of 8 columns, as bits below `rows`.
-  [[gnu::always_inline]] void rows_of_bands(int rows, std::uint32_t bits[2]) const {
-    const Pack4D downwards(1, -1, 1, -1);  // the lower border of a band's rows, the upper one, those of the next band
-    const Pack4D left = Pack4D(0, 0, 8, 8) - Pack4D(mean_x + kSpanSlackPx), right = left + Pack4D(7 + 2 * kSpanSlackPx);
-    const Pack4D u = max_lanes(min_lanes(downwards * Pack4D(bottom_x), right), left);
-    const Pack4D root = sqrt_lanes(max_lanes(Pack4D(cut_c) - u * u * Pack4D(inv_det), Pack4D(0)));
-    const Pack4D v = (downwards * root - Pack4D(b) * u) * Pack4D(inv_c);
-    const Pack4D whole = floor_lanes(downwards * (Pack4D(mean_y) + v) + Pack4D(kSpanSlackPx));
-    const Pack4D row = downwards * whole + Pack4D(1, 0, 1, 0);
-    int border[4];
-    store_ints(border, min_lanes(max_lanes(row, Pack4D(0)), Pack4D(rows)));
-    bits[0] = row_bits(border[1], border[0]), bits[1] = row_bits(border[3], border[2]);
-  }
-
-  /// The same for one column.
-  [[gnu::always_inline]] std::uint32_t rows_of_column(int column, int rows) const {
-    const double left = column - (mean_x + kSpanSlackPx), right = left + 2 * kSpanSlackPx;
-    const auto border = [&](double downwards) {
-      double u = downwards * bottom_x;
-      u = u < right ? u : right, u = u > left ? u : left;
-      const double square = cut_c - u * u * inv_det, root = std::sqrt(square > 0 ? square : 0.0);
-      const double v = (downwards * root - b * u) * inv_c;
-      double row = downwards * std::floor(downwards * (mean_y + v) + kSpanSlackPx) + (downwards > 0 ? 1 : 0);
-      row = row > 0 ? row : 0, row = row < rows ? row : rows;
-      return int(row);
-    };
-    return row_bits(border(-1), border(1));
-  }
 };
 
 /// Rows to visit per column of packs.
 template <class L>
 struct RowsToVisit {
-  using S = typename LaneTraits<L>::Scalar;
   using Mask = typename LaneTraits<L>::Mask;
-  static constexpr int kColumns = kPackColumns<L>;
-  std::uint32_t bits[kColumns];
+  RowsAhead<L> ahead;
 
-  [[gnu::always_inline]] void find(const TileEllipse<S>& ellipse, int rows) {
-    if constexpr (kColumns == 2) {
-      ellipse.rows_of_bands(rows, bits);
-    } else {
-      for (int column = 0; column < kColumns; ++column) bits[column] = ellipse.rows_of_column(column, rows);
-    }
+  [[gnu::always_inline]] void find(const TileWork<typename LaneTraits<L>::Scalar>& work, std::uint32_t first) {
+    ahead.find(work, first);
   }
-  [[gnu::always_inline]] Mask reached(int, L alpha, L power) const { return splat_reaches(alpha, power); }
+  std::uint32_t rows(std::uint32_t k, int column) const { return ahead.rows(k, column); }
+  [[gnu::always_inline]] Mask lanes(std::uint32_t, std::uint32_t) const { return all_lanes(L()); }
 };
 
 /// A pack as wide as the tile: the rows of its two halves, and for every row the lanes of the half that visits it.
 template <class L>
   requires(LaneTraits<L>::kLanes == kTilePx)
 struct RowsToVisit<L> {
-  using S = typename LaneTraits<L>::Scalar;
   using Mask = typename LaneTraits<L>::Mask;
-  std::uint32_t bits[1];
-  Mask lanes[kTilePx];
+  RowsAhead<L> ahead;
+  Mask visits[kAhead][kTilePx];
 
-  [[gnu::always_inline]] void find(const TileEllipse<S>& ellipse, int rows) {
-    std::uint32_t half[2];
-    ellipse.rows_of_bands(rows, half);
-    bits[0] = half[0] | half[1];
-    masks_of_halves(half[0], half[1], lanes);
+  [[gnu::always_inline]] void find(const TileWork<typename LaneTraits<L>::Scalar>& work, std::uint32_t first) {
+    ahead.find(work, first);
+    for (std::uint32_t k = 0; k < kAhead && first + k < work.entries; ++k)
+      masks_of_halves(ahead.rows(k, 0), ahead.rows(k, 1), visits[k]);
   }
-  [[gnu::always_inline]] Mask reached(int row, L alpha, L power) const {
-    // The power is known long before the alpha: only one comparison waits for it.
-    return and_at_least(and_nonpositive(lanes[row], power), alpha, L(S(kAlphaMin)));
-  }
+  std::uint32_t rows(std::uint32_t k, int) const { return ahead.rows(k, 0) | ahead.rows(k, 1); }
+  [[gnu::always_inline]] Mask lanes(std::uint32_t k, std::uint32_t row) const { return visits[k][row]; }
 };
 
-/// What splat_power takes per row of a Gaussian: all rows of the tile at once.
+/// What splat_exponent takes per row of a Gaussian: all rows of the tile at once.
 template <class L>
 struct RowTerms {
   using S = typename LaneTraits<L>::Scalar;
   S linear[kTilePx], constant[kTilePx];
 
-  [[gnu::always_inline]] RowTerms(L lane, S tile_y, const PowerForm<S>& form) {
+  [[gnu::always_inline]] RowTerms(L lane, S tile_y, const PowerForm<S>& form, L log2_opacity) {
     constexpr int kLanes = LaneTraits<L>::kLanes;
     for (int row = 0; row < kTilePx; row += kLanes) {
       const L v = L(tile_y) - (lane + L(S(row)));
-      store_lanes(linear + row, L(form.uv) * v), store_lanes(constant + row, L(form.vv) * v * v);
+      store_lanes(linear + row, L(form.uv) * v), store_lanes(constant + row, splat_row_constant(L(form.vv), v, log2_opacity));
     }
   }
 };
-
-/// Rows to visit, and rows that still have a live pixel, are found for so many Gaussians at once. One after the other,
-/// the walk would wait for every square root and for the last pixel of the Gaussian before.
-inline constexpr std::uint32_t kAhead = 32;
 
 /// Bits of the rows with a live lane per column of packs; false if there is none.
 template <class L>
@@ -167,7 +106,6 @@ template <class L, class Sink>
                                                   Sink& sink) {
   using S = typename LaneTraits<L>::Scalar;
   using Mask = typename LaneTraits<L>::Mask;
-  using W = WideOf<S>;
   constexpr int kLanes = LaneTraits<L>::kLanes, kColumns = kPackColumns<L>;
   const TileFrame frame = work.frame;
   const int rows = frame.rows(), columns = frame.columns();
@@ -184,34 +122,33 @@ template <class L, class Sink>
   }
   const L stop(work.stop), zero = L(S(0));
 
-  RowsToVisit<L> ahead[kAhead];
+  RowsToVisit<L> to_visit;
   L alpha_of[kTilePx];
   for (std::uint32_t e = 0; e < work.entries; ++e) {
-    if (e % kAhead == 0) {
+    const std::uint32_t k = e % kAhead;
+    if (k == 0) {
+      // Not after each Gaussian: the walk would wait for its last pixel.
       if (!find_live_rows<L>(live, live_rows)) return;
-      for (std::uint32_t k = e; k < work.entries && k < e + kAhead; ++k)
-        ahead[k - e].find(TileEllipse<S>(work.record[work.visible[k]], frame), rows);
+      to_visit.find(work, e);
     }
     const SplatRecord<S>& g = work.record[work.visible[e]];
-    const RowsToVisit<L>& to_visit = ahead[e % kAhead];
     const PowerForm<S> form = PowerForm<S>::of_conic(g.conic_a, g.conic_b, g.conic_c);
-    const L uu(form.uu), opacity(g.opacity);
-    const L tile_x(S(g.mean_x - W(frame.x_px + 0.5)));  // relative to the tile: the same bits for any pack width
-    const RowTerms<L> terms(lane, S(g.mean_y - W(frame.y_px + 0.5)), form);
+    const L uu(form.uu), log2_opacity(g.log2_opacity);
+    const L tile_x(to_visit.ahead.x(k));  // relative to the tile: the same bits for any pack width
+    const RowTerms<L> terms(lane, to_visit.ahead.y(k), form, log2_opacity);
     sink.begin(e);
     for (int column = 0; column < kColumns; ++column) {
-      const std::uint32_t visited = to_visit.bits[column] & live_rows[column];
+      const std::uint32_t visited = to_visit.rows(k, column) & live_rows[column];
       if (visited == 0) continue;
       const L u = tile_x - (lane + L(S(column * kLanes)));
       for (std::uint32_t left = visited; left != 0; left &= left - 1) {
-        const int row = __builtin_ctz(left);
-        const L power = splat_power(u, uu, L(terms.linear[row]), L(terms.constant[row]));
-        const L alpha = splat_alpha(opacity, power);
-        alpha_of[row] = select(to_visit.reached(row, alpha, power), alpha, zero);
+        const auto row = std::uint32_t(__builtin_ctz(left));
+        const L exponent = splat_exponent(u, uu, L(terms.linear[row]), L(terms.constant[row]));
+        alpha_of[row] = splat_alpha(splat_reaches(to_visit.lanes(k, row), exponent, log2_opacity), exponent);
       }
       sink.begin_column(column);
       for (std::uint32_t left = visited; left != 0; left &= left - 1) {
-        const int row = __builtin_ctz(left), pack = column * kTilePx + row;
+        const std::uint32_t row = std::uint32_t(__builtin_ctz(left)), pack = std::uint32_t(column * kTilePx) + row;
         const L before = transmittance[pack], after = splat_behind(alpha_of[row], before);
         // A lane that is not reached stays as it is, for no transmittance is ever below `stop`.
         const Mask lasts = and_at_least(live[pack], after, stop);
@@ -289,11 +226,11 @@ struct ChannelSink {
 
   void begin(std::uint32_t e) { row.load(value.row(work.visible[e])); }
   void begin_column(int) {}
-  [[gnu::always_inline]] void add(int, const Contribution<L>& k) {
+  [[gnu::always_inline]] void add(std::uint32_t, const Contribution<L>& k) {
     constexpr int kLanes = LaneTraits<L>::kLanes;
     const int count = C > 0 ? C : value.count;
     const L weight = k.alpha * k.transmittance;
-    S* at = sum + k.pack * count * kLanes;
+    S* at = sum + std::size_t(k.pack) * std::size_t(count * kLanes);
     for (int c = 0; c < count; ++c) {
       L s;
       load_lanes(at + c * kLanes, s);

@@ -19,7 +19,8 @@ using WideOf = std::conditional_t<std::is_same_v<S, float>, double, S>;
 
 /// A visible Gaussian as the loops read it: 56 bytes for float.
 ///   mean_x, mean_y           px; wide, because a float mean at 1000 px is off by 3e-5 px, and alpha by as much
-///   conic, opacity           alpha = min(0.99, opacity e^(-(a u² + 2 b u v + c v²) / 2))
+///   conic, log2_opacity      alpha = min(0.99, 2^log2_opacity e^(-(a u² + 2 b u v + c v²) / 2)); rounded once, so that an
+///                            opacity of 1/255 reaches its centre
 ///   two_cut                  2 ln(255 · opacity): the quadratic form above which alpha < 1/255
 ///   inv_det                  1 / det(blurred covariance) = a c - b²
 ///   half_width, half_height  px, of the ellipse {quadratic form <= two_cut}
@@ -28,7 +29,7 @@ using WideOf = std::conditional_t<std::is_same_v<S, float>, double, S>;
 template <class S>
 struct SplatRecord {
   WideOf<S> mean_x, mean_y;
-  S conic_a, conic_b, conic_c, opacity, two_cut, inv_det, half_width, half_height, bottom_x, inv_c;
+  S conic_a, conic_b, conic_c, log2_opacity, two_cut, inv_det, half_width, half_height, bottom_x, inv_c;
 };
 
 /// The pixels of one tile.
@@ -92,7 +93,7 @@ struct Tape {
   void (*grow)(Tape&, int lanes) = nullptr;
 };
 
-/// Gradient of one (Gaussian, tile) pair before it is summed per Gaussian: mean, conic, opacity, then channels.
+/// Gradient of one (Gaussian, tile) pair before it is summed per Gaussian: mean, conic, log opacity, then channels.
 inline constexpr int kPairGeometry = 6;
 
 constexpr std::size_t backward_scratch(int count) { return std::size_t((count + 1) * kTilePixels + 2 * count * kTilePx); }
