@@ -5,11 +5,11 @@ namespace ngs::joint {
 
 inline constexpr const char* kQualityTable =
     "quality, as measured:\n"
-    "  the capture of BENCHMARKS.md, one run on two Zen 5 cores, idle (wall: 2, 26, 61 and 158 s)\n"
+    "  the capture of BENCHMARKS.md, one run on two Xeon cores, idle (wall: 2, 28, 64 and 162 s)\n"
     "              CPU s     IoU   B-IoU   0.005\n"
-    "  draft          2.9  0.9670  0.9346  0.7470\n"
-    "  standard      50.5  0.9696  0.9430  0.7705\n"
-    "  high         118.6  0.9695  0.9428  0.7696\n"
-    "  reference    308.2  0.9691  0.9421  0.7700\n";
+    "  draft          3.3  0.9670  0.9346  0.7470\n"
+    "  standard      54.1  0.9696  0.9428  0.7695\n"
+    "  high         123.1  0.9696  0.9430  0.7706\n"
+    "  reference    311.8  0.9690  0.9421  0.7683\n";
 
 }  // namespace ngs::joint
