@@ -31,6 +31,8 @@ cp -r "$root"/tests/{support,grad} "$wide/fresh/tests/"
   sed -E -i 's/(image\.channels\[.*\]) = plane\(k\);/{ const auto p = plane(k); \1.assign(p.begin(), p.end()); }/' \
     tools/ngs-render/render_output.cpp
   sed -i '/static_assert(sizeof values\[0\] == 4);/d' libngs/ngs/io/query_ply.cpp
+  sed -i 's/bit_cast<std::uint32_t>(plane/bit_cast<std::uint64_t>(plane/g' libngs/ngs/scene/packed_masks.cpp
+  sed -i 's/__builtin_bit_cast(double, std::int32_t/__builtin_bit_cast(float, std::int32_t/' libngs/ngs/math/stable.h
   # What was there for float and for double is there once.
   perl -0 -i -pe 's/(template class PhotometricPass<double, double>;\n)\1/$1/' libngs/ngs/ops/photometric.cpp
   perl -0 -i -pe 's/(std::int64_t first_unusable\([^}]*\}\n)\1/$1/' libngs/ngs/ops/adam.cpp
@@ -38,9 +40,9 @@ cp -r "$root"/tests/{support,grad} "$wide/fresh/tests/"
   {
     cat "$root/tests/stability/float64_lanes.h"
     printf 'namespace ngs {\n'
-    sed -n '/^struct Pack4D/,/^inline void store_ints/p' "$root/libngs/ngs/math/lanes.h" | grep -v 'Pack4D [a-z]*_half'
-    printf 'inline Pack4D low_half(PackF x) { return {x.v[0], x.v[1], x.v[2], x.v[3]}; }\n'
-    printf 'inline Pack4D high_half(PackF x) { return {x.v[4], x.v[5], x.v[6], x.v[7]}; }\n}\n'
+    sed -n '/^struct Pack4D/,/^};/p' "$root/libngs/ngs/math/lanes.h"
+    printf 'inline Pack4D low_half(PackF x) { return Pack4D::Raw{x.v[0], x.v[1], x.v[2], x.v[3]}; }\n'
+    printf 'inline Pack4D high_half(PackF x) { return Pack4D::Raw{x.v[4], x.v[5], x.v[6], x.v[7]}; }\n}\n'
   } >libngs/ngs/math/lanes.h
   find . -type f | while read -r file; do  # unchanged files keep their times
     cmp -s "$file" "$wide/source/$file" || install -D -m 644 "$file" "$wide/source/$file"

@@ -38,6 +38,7 @@ inline PackMask operator<(PackF a, PackF b) { return {a.v < b.v}; }
 inline PackMask operator<=(PackF a, PackF b) { return {a.v <= b.v}; }
 inline PackMask operator>=(PackF a, PackF b) { return {a.v >= b.v}; }
 inline PackMask operator>(PackF a, PackF b) { return {a.v > b.v}; }
+inline PackMask and_at_least(PackMask m, PackF a, PackF b) { return m & (a >= b); }
 
 template <> struct LaneTraits<PackF> {
   using Scalar = double;
