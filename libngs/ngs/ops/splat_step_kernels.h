@@ -12,10 +12,9 @@ namespace ngs {
 
 inline constexpr double kAlphaCap = 0.99;        // alpha = min(0.99, 2^exponent)
 inline constexpr double kAlphaMin = 1.0 / 255;   // contributions below are skipped
+inline constexpr double kLog2AlphaMin = -7.994353436858858;  // log2 of it
 inline constexpr double kSpanSlackPx = 0.02;     // more than the rounding of any span; lanes test alpha anyway
 inline constexpr double kTransmittanceStop = 1e-4;  // a pixel ends before its transmittance falls below
-
-inline constexpr double kLog2AlphaMin = -7.994353436858858;  // of kAlphaMin
 
 /// The exponent of Eq. (2) at the offset (u, v) from the mean, for base 2, so that it needs no reduction by ln 2:
 /// o e^(-(a u² + 2 b u v + c v²) / 2) = 2^(uu u² + uv u v + vv v² + log2 o).
