@@ -7,6 +7,7 @@
 #include "ngs/ops/tile_isa.h"
 #include "ngs/ops/tile_kernels_of.h"
 #include "ngs/ops/tile_scratch.h"
+#include "support/splat_record.h"
 #include "support/stability.h"
 
 namespace ngs {
@@ -28,10 +29,7 @@ struct Stack {
   std::vector<float> opacity, value;
 
   void add(double x, double y, double xx, double xy, double yy, float opacity, float channel) {
-    const double det = xx * yy - xy * xy;
-    const ProjectedGaussian<float> p{0,         0,         float(yy / det), float(-xy / det), float(xx / det),
-                                     float(xx), float(yy), float(det),      opacity};
-    record.push_back(record_of<float>(p, x, y)), this->opacity.push_back(opacity), value.push_back(channel);
+    record.push_back(test::splat_record(x, y, xx, xy, yy, opacity)), this->opacity.push_back(opacity), value.push_back(channel);
   }
   /// A round one of `sigma` px.
   void add_round(Random& random, double sigma, float opacity) {
@@ -152,7 +150,7 @@ void check_stack(Stack& stack, Random& random, Worst& worst, int pixels) {
 }  // namespace
 
 TEST_CASE("compositing: a pixel under many faint Gaussians keeps its transmittance") {
-  test::hard_case({"Gaussians", {10, 100, 1000, 1e5}, 0.7, "T as 1 - Σ w", 4},
+  test::hard_case({"Gaussians", {10, 100, 1000, 1e5}, 0.62, "T as 1 - Σ w", 4},
                   [](double h, Random& random, Worst& worst) {
                     Stack stack;
                     for (int i = 0; i < int(h); ++i)
@@ -219,7 +217,7 @@ TEST_CASE("compositing: far to the right of a wide image positions keep their su
 
 TEST_CASE("compositing: opacity gradients of deep stacks, walked backwards") {
   test::hard_case(
-      {"opacity", {0.1, 0.5, 0.9, 0.985}, 0.21, "T from 1 - alpha of the image, divided by 1 - α"},
+      {"opacity", {0.1, 0.5, 0.9, 0.985}, 0.18, "T from 1 - alpha of the image, divided by 1 - α"},
       [](double h, Random& random, Worst& worst) {
         Stack stack;
         for (int i = 0; i < 2; ++i) stack.add_round(random, 300, float(h * random.uniform(0.95, 1)));

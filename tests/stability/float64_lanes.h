@@ -66,7 +66,7 @@ inline PackF max_lanes(PackF a, PackF b) { return a.v > b.v ? a.v : b.v; }
 inline PackF sqrt_lanes(PackF x) { return each_lane(x, [&](int i) { return std::sqrt(x.v[i]); }); }
 inline PackF floor_lanes(PackF x) { return each_lane(x, [&](int i) { return std::floor(x.v[i]); }); }
 inline void store_row_bits(std::uint32_t* p, PackF begin, PackF end) {
-  for (int i = 0; i < PackF::kLanes; ++i) p[i] = ((1u << int(end.v[i])) - 1) & ~((1u << int(begin.v[i])) - 1);
+  for (int i = 0; i < PackF::kLanes; ++i) store_row_bits(p + i, begin.v[i], end.v[i]);
 }
 inline void store_lanes(double* p, PackF x) { for (int i = 0; i < PackF::kLanes; ++i) p[i] = x.v[i]; }
 inline void load_lanes(const double* p, PackF& x) { for (int i = 0; i < PackF::kLanes; ++i) x.v[i] = p[i]; }

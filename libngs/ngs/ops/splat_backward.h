@@ -134,7 +134,7 @@ class TileBackward {
     iota_lanes(S(0), lane);
     if (first) {
       const L tile_y(S(g.mean_y - first_y_px_));
-      for (int r = 0; r < kTilePx; r += kLanes) store_lanes(row_distance_ + r, tile_y - (lane + L(S(r))));
+      for (int r = 0; r < kTilePx; r += kLanes) store_lanes(row_distance_ + r, offsets_to(tile_y, lane, r));
     }
     const L zero = L(S(0)), cap = L(S(kAlphaCap));
     L p0 = zero, py = zero, pyy = zero;
@@ -160,7 +160,7 @@ class TileBackward {
       const L gw = grad_power * w;
       p0 = p0 + grad_power, py = py + gw, pyy = fma_lanes(gw, w, pyy);
     }
-    const L u = L(S(g.mean_x - first_x_px_)) - (lane + L(S(int(span.column) * kLanes)));
+    const L u = offsets_to(L(S(g.mean_x - first_x_px_)), lane, int(span.column) * kLanes);
     const L px = p0 * u;
     const F none = F(S(0));
     const L moment[kPairGeometry] = {p0, px, py, px * u, py * u, pyy};

@@ -62,6 +62,12 @@ struct RowsToVisit<L> {
   [[gnu::always_inline]] Mask lanes(std::uint32_t k, std::uint32_t row) const { return visits[k][row]; }
 };
 
+/// From the pixels `first`, first + 1, ... of a row or column to a mean; lane = 0, 1, ...
+template <class L>
+[[gnu::always_inline]] inline L offsets_to(L mean, L lane, int first) {
+  return mean - (lane + L(typename LaneTraits<L>::Scalar(first)));
+}
+
 /// What splat_exponent takes per row of a Gaussian: all rows of the tile at once.
 template <class L>
 struct RowTerms {
@@ -71,7 +77,7 @@ struct RowTerms {
   [[gnu::always_inline]] RowTerms(L lane, S tile_y, const PowerForm<S>& form, L log2_opacity) {
     constexpr int kLanes = LaneTraits<L>::kLanes;
     for (int row = 0; row < kTilePx; row += kLanes) {
-      const L v = L(tile_y) - (lane + L(S(row)));
+      const L v = offsets_to(L(tile_y), lane, row);
       store_lanes(linear + row, L(form.uv) * v), store_lanes(constant + row, splat_row_constant(L(form.vv), v, log2_opacity));
     }
   }
@@ -140,7 +146,7 @@ template <class L, class Sink>
     for (int column = 0; column < kColumns; ++column) {
       const std::uint32_t visited = to_visit.rows(k, column) & live_rows[column];
       if (visited == 0) continue;
-      const L u = tile_x - (lane + L(S(column * kLanes)));
+      const L u = offsets_to(tile_x, lane, column * kLanes);
       for (std::uint32_t left = visited; left != 0; left &= left - 1) {
         const auto row = std::uint32_t(__builtin_ctz(left));
         const L exponent = splat_exponent(u, uu, L(terms.linear[row]), L(terms.constant[row]));

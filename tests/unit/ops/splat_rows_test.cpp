@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "ngs/ops/splat_gaussian.h"
 #include "support/random.h"
+#include "support/splat_record.h"
 
 namespace ngs {
 namespace {
@@ -22,15 +22,14 @@ struct List {
                    minor = std::max(0.5, major * std::pow(10.0, random.uniform(-2, 0)));
       const double c = std::cos(angle), s = std::sin(angle);
       const double xx = c * c * major * major + s * s * minor * minor, yy = s * s * major * major + c * c * minor * minor,
-                   xy = c * s * (major * major - minor * minor), det = major * major * minor * minor;
+                   xy = c * s * (major * major - minor * minor);
       const auto opacity = float(random.uniform(0.005, 1));
       const double radius = std::sqrt(2 * std::log(255 * opacity));
       // A point of the border, which a pixel near the tile's middle sees.
       const double px = c * major * radius * std::cos(along) - s * minor * radius * std::sin(along),
                    py = s * major * radius * std::cos(along) + c * minor * radius * std::sin(along);
-      const ProjectedGaussian<float> p{0,         0,         float(yy / det), float(-xy / det), float(xx / det),
-                                       float(xx), float(yy), float(det),      opacity};
-      record.push_back(record_of<float>(p, random.uniform(0, 16) - px, random.uniform(0, 16) - py));
+      const double x = random.uniform(0, 16) - px, y = random.uniform(0, 16) - py;
+      record.push_back(test::splat_record(x, y, xx, xy, yy, opacity));
       index.push_back(i);
     }
   }
