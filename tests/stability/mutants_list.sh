@@ -141,6 +141,7 @@ f=ops/photometric_kernels.h
 mutant $f $t "" "C2 dropped" 's/ \+ L\(T\(kC2\)\)//'
 mutant $f $t "" "C1 dropped" 's/ \+ L\(T\(kC1\)\)//'
 mutant $f $t "" "covariance not doubled" 's/a2 = two \* \(moment/a2 = (moment/'
+mutant ops/photometric_strips.h unit/ops/photometric_test.cpp ops/photometric.cpp "padding not cleared" 's/clear_beside\(layout, .*\);/continue;/'
 
 t=stability/optimiser_stability_test.cpp f=ops/adam.cpp
 mutant ops/adam_kernels.h $t $f "no eps" 's/ \* inv_root \+ eps\)/ * inv_root)/'

@@ -179,6 +179,14 @@ double mean_squared_step(const Window& win, const std::vector<std::array<float, 
   return sum / std::max(1.0, double(win.h) * double(win.w - 1));
 }
 
+/// The pixels of the window that the walk asks about; what lies further from the contour has no part in it.
+struct Sides {
+  std::vector<std::uint8_t> inside, outside;  // known, and their colours learned from
+  std::vector<std::uint8_t> free;             // in the band
+  explicit Sides(std::size_t pixels) : inside(pixels), outside(pixels), free(pixels) {}
+  bool any(std::size_t p) const { return inside[p] || outside[p] || free[p]; }
+};
+
 struct ColourModels {
   const LocalColours &object, &rest;
   const std::vector<std::array<float, 3>>& colour;
@@ -186,26 +194,25 @@ struct ColourModels {
 
 /// What the colours say, and how far they are to be trusted.
 struct ColourEvidence {
-  std::vector<float> object;  // probability of the object; 0.5 where no colour was learnt
+  std::vector<float> object;  // probability of the object; 0.5 where no colour was learnt, or nobody asks
   std::vector<float> trust;   // 0 to 1
 };
 
 /// Trust is what the same two densities say about the pixels on either side whose answer is known: the mean
 /// of ±(2 c - 1) near by. A texture that both sides share, or two colours on one side, tell nothing or
 /// mislead, and the densities cannot know.
-ColourEvidence weigh_colours(const Window& win, const ColourModels& models,
-                             const std::vector<std::uint8_t>& inside,
-                             const std::vector<std::uint8_t>& outside, int r) {
+ColourEvidence weigh_colours(const Window& win, const ColourModels& models, const Sides& sides, int r) {
   ColourEvidence out{std::vector<float>(win.pixels(), 0.5f), std::vector<float>(win.pixels())};
   std::vector<float> said(win.pixels() * 2);  // right or wrong, and 1, of the known pixels
   std::vector<std::uint8_t> learnt(win.pixels());
   for (std::size_t p = 0; p < win.pixels(); ++p) {
     double in = 0, ex = 0;
+    if (!sides.any(p)) continue;
     if (!models.object.density(p, models.colour[p], in) || !models.rest.density(p, models.colour[p], ex))
       continue;
     learnt[p] = 1, out.object[p] = float(in / (in + ex));
-    if (!inside[p] && !outside[p]) continue;
-    said[2 * p] = (inside[p] ? 1.f : -1.f) * (2 * out.object[p] - 1), said[2 * p + 1] = 1;
+    if (!sides.inside[p] && !sides.outside[p]) continue;
+    said[2 * p] = (sides.inside[p] ? 1.f : -1.f) * (2 * out.object[p] - 1), said[2 * p + 1] = 1;
   }
   blur(win, r, 2, said);
   for (std::size_t p = 0; p < win.pixels(); ++p)
@@ -270,7 +277,7 @@ std::vector<float> walk_to_edges(const EdgeWalkOptions& options, MaskPlane mask,
   if (win.pixels() == 0) return out;
   const auto colour = colours_of(win, photo);
   const auto smooth = smoothed(win, colour);
-  std::vector<std::uint8_t> inside(win.pixels()), outside(win.pixels());
+  Sides sides(win.pixels());
   std::vector<float> d(win.pixels());
   walk.given.resize(win.pixels()), walk.index.assign(win.pixels(), -1);
   for (int y = 0; y < win.h; ++y)
@@ -280,13 +287,13 @@ std::vector<float> walk_to_edges(const EdgeWalkOptions& options, MaskPlane mask,
       d[p] = distance[full], walk.given[p] = out[full];
       const double depth = std::abs(double(d[p]));
       const bool usable = depth > kColourGap_px && depth < options.reach_px;
-      inside[p] = usable && d[p] > 0, outside[p] = usable && d[p] < 0;
+      sides.inside[p] = usable && d[p] > 0, sides.outside[p] = usable && d[p] < 0, sides.free[p] = depth <= options.band_px;
     }
   const int r = std::max(1, int(std::lround(options.reach_px / 2)));
-  const LocalColours object(win, smooth, inside, r), rest(win, smooth, outside, r);
-  const ColourEvidence evidence = weigh_colours(win, {object, rest, smooth}, inside, outside, r);
+  const LocalColours object(win, smooth, sides.inside, r), rest(win, smooth, sides.outside, r);
+  const ColourEvidence evidence = weigh_colours(win, {object, rest, smooth}, sides, r);
   for (std::size_t p = 0; p < win.pixels(); ++p) {
-    if (std::abs(double(d[p])) > options.band_px) continue;
+    if (!sides.free[p]) continue;
     walk.index[p] = int(walk.diagonal.size());
     const double trust = double(evidence.trust[p]), doubt = 1 - trust;
     const double colour_weight = options.colour_weight * trust,

@@ -30,7 +30,7 @@ struct PhotometricLoss {
   double ssim = 1;  // mean SSIM
 };
 
-/// Keeps its buffers between calls of one size. T: float in production, double and Dual<double> in tests.
+/// Keeps its buffers between calls. T: float in production, double and Dual<double> in tests.
 template <class T, class Acc = double>
 class PhotometricPass {
  public:
@@ -41,8 +41,7 @@ class PhotometricPass {
                  const Image<T>& target, const ImageF* weight, Image<T>* gradient);
 
  private:
-  ssim::Layout layout_;      // of the partials
-  std::vector<T> partials_;  // ∂L/∂(blurred moments)
+  std::vector<T> partials_;  // ∂L/∂(blurred moments), of the largest image so far
   std::vector<Acc> sums_;    // per piece of work
 };
 extern template class PhotometricPass<float, double>;

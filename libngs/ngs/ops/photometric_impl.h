@@ -60,10 +60,7 @@ auto PhotometricPass<T, Acc>::evaluate(const Exec& exec, const PhotometricOption
     }
   const ssim::StripPlan plan{layout};
   const ssim::Window<T> window;
-  if (gradient && !(layout == layout_)) {
-    partials_.assign(std::size_t(layout.plane()) * ssim::kPartials, T(0));  // what lies beside the rows stays zero
-    layout_ = layout;
-  }
+  if (gradient) partials_.resize(std::max(partials_.size(), std::size_t(layout.plane()) * ssim::kPartials));
   sums_.resize(std::size_t(plan.size()) * 2);
   for_each_task(exec, plan.size(),
                 ssim::BandLoss<T, Acc>{layout, window, x, y, weights, T(ssim_factor),

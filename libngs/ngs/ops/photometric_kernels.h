@@ -35,7 +35,6 @@ struct Window {
 /// Planes of values with `pad` zeros at both ends of every row, so that a tap along the row never tests a bound.
 struct Layout {
   int w = 0, h = 0, c = 0;
-  bool operator==(const Layout&) const = default;
   NGS_HD std::int64_t width() const { return std::int64_t(w) * c; }
   NGS_HD std::int64_t pad() const { return std::int64_t(kRadius) * c; }
   NGS_HD std::int64_t stride() const { return (width() + 7) / 8 * 8 + 2 * pad(); }  // whole packs

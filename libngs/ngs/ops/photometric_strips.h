@@ -155,6 +155,14 @@ class StripWeights {
   alignas(64) T zero_[kStrip] = {};
 };
 
+/// Zeros beside one row of a plane, where the band begins or ends it.
+template <class T>
+void clear_beside(const Layout& layout, const StripBand& band, T* row) {
+  if (band.begin == 0) std::fill_n(row - layout.pad(), layout.pad(), T(0));
+  const std::int64_t width = layout.width();
+  if (band.begin + band.count == width) std::fill_n(row + width, layout.stride() - layout.pad() - width, T(0));
+}
+
 /// Σ w |x - y| and Σ w S of a band, and the partials times the factor of S, zero beside the image.
 template <class T, class Acc>
 struct BandLoss {
@@ -203,6 +211,7 @@ struct BandLoss {
         T* out = partials + layout.row(row) + band.begin + i;
         for (int d = 0; d < kPartials; ++d) store_lanes(out + d * layout.plane(), partial[d] * factor);
       }
+      for (int d = 0; partials && d < kPartials; ++d) clear_beside(layout, band, partials + d * layout.plane() + layout.row(row));
     });
     sums[2 * task] = l1.total(), sums[2 * task + 1] = similar.total();
   }

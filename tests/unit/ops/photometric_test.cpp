@@ -116,6 +116,20 @@ TEST_CASE("the photometric gradient has the same bytes for any thread count") {
   CHECK(one.data == three.data);
 }
 
+TEST_CASE("a photometric pass that saw images of other sizes gives the bytes of a new one") {
+  Exec serial;
+  PhotometricPass<float> used;
+  for (const auto& size : {std::pair{140, 30}, {33, 17}, {47, 160}, {140, 30}, {9, 3}}) {
+    CAPTURE(size.first);
+    CAPTURE(size.second);
+    const ImageF x = random_image(size.first, size.second, 3, 11), y = random_image(size.first, size.second, 3, 12);
+    ImageF g, h;
+    CHECK(used.evaluate(serial, {}, x, y, nullptr, &g).total ==
+          PhotometricPass<float>().evaluate(serial, {}, x, y, nullptr, &h).total);
+    CHECK(g.data == h.data);
+  }
+}
+
 TEST_CASE("psnr_db measures a known error and is infinite for equal images") {
   ImageF x(4, 3, 3, 0.25f), y(4, 3, 3, 0.35f);
   CHECK(psnr_db({}, x, y) == doctest::Approx(20.0).epsilon(1e-6));
