@@ -46,6 +46,8 @@ int main(int argc, char** argv) {
     if (points) cli::warn_unused(run, options, {"random_points"}, "with --points");
     if (keep.checkpoint.empty()) cli::warn_unused(run, keep, {"checkpoint_every"}, "without --checkpoint");
     Scene scene = io::read_scene_json(scene_json.path);
+    if (scene.compat != Compat::kInria)
+      run.monitor().warn("the scene says --compat gsplat, and this fits by the rules of 3DGS: import the new model without it");
     choose_background(options.background, run.monitor(), scene);
     options.background = background_text(background_of(scene));
     const bool kept = !keep.checkpoint.empty() && std::filesystem::exists(cli::checkpoint_path(keep.checkpoint));

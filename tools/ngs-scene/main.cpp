@@ -59,6 +59,7 @@ int import_command(int argc, char** argv) {
       return cli::kDone;
     }
     const capture::Model model = capture::read_model(run, imported.scene, imported.notes);
+    imported.scene.compat = options.compat;
     if (options.antialias != Antialias::kAuto) imported.scene.antialiased = options.antialias == Antialias::kOn;
     choose_background(options.background, run.monitor(), imported.scene);
     const bool settled = !options.background.empty() || capture::settle_transparent_photos(

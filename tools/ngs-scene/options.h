@@ -23,6 +23,7 @@ struct ImportOptions {
   std::string hold_out;
   double image_scale = 0;
   double filter_px2 = 0;
+  Compat compat = Compat::kInria;
   Antialias antialias = Antialias::kAuto;
   std::string background;
   bool original_world = false;
@@ -54,6 +55,8 @@ struct ImportOptions {
     visit(self.filter_px2,
           Field<double>{"filter_px2", "px^2", "low-pass filter the model was fitted with, at the working size; 0: the one that "
                         "explains the photos best", 0, 1e4});
+    visit(self.compat,
+          Choice<Compat>{"compat", "renderer the model was fitted with, for all tools: its near plane and footprint rule", kCompatNames});
     visit(self.antialias,
           Choice<Antialias>{"antialias", "opacity compensation the model was fitted with, for all tools; auto: as the PLY's comments say",
                             kAntialiasNames});

@@ -31,6 +31,7 @@ constexpr std::array kModes{
 constexpr std::array kMissing{Name<MissingMask>{MissingMask::kUnknown, "unknown"},
                               Name<MissingMask>{MissingMask::kEmpty, "empty"},
                               Name<MissingMask>{MissingMask::kError, "error"}};
+constexpr std::array kCompats{Name<Compat>{Compat::kInria, "inria"}, Name<Compat>{Compat::kGsplat, "gsplat"}};
 constexpr std::array kSplits{Name<Split>{Split::kTrain, "train"}, Name<Split>{Split::kHeldOut, "held-out"}};
 
 template <class E, std::size_t N>
@@ -167,6 +168,7 @@ Scene parse_scene_json(const json& root, const std::string& folder, const std::s
   scene.model_path = path_from_folder(folder, reader.text_or("model", ""));
   scene.image_scale = reader.number("image_scale");
   scene.filter_px2 = reader.number_or("filter_px2", scene.filter_px2);
+  if (reader.has("compat")) scene.compat = value_of(kCompats, reader, "compat");
   if (reader.has("antialiased")) scene.antialiased = reader.boolean("antialiased");
   if (reader.has("background")) scene.background = vec3(reader.matrix("background", 3, 0).data());
   const JsonReader masks = reader.object("masks");
@@ -201,7 +203,8 @@ void write_scene_json(const std::string& path, const Scene& scene, StoredPaths s
   ordered_json out{{"ngs_scene", kSceneVersion},
                    {"model", path_to_folder(folder, scene.model_path)},
                    {"image_scale", scene.image_scale},
-                   {"filter_px2", scene.filter_px2}};
+                   {"filter_px2", scene.filter_px2},
+                   {"compat", name_of(kCompats, scene.compat)}};
   if (scene.antialiased) out["antialiased"] = *scene.antialiased;
   if (const auto& b = scene.background) out["background"] = {b->x, b->y, b->z};
   out["masks"] = {{"mode", name_of(kModes, scene.mask_mode)},

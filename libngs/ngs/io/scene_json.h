@@ -3,7 +3,7 @@
 // tool.
 //
 //   {"ngs_scene": 1, "model": PATH, "image_scale": S, "filter_px2": V (optional, default 0.3),
-//    "antialiased": BOOL (optional: as the PLY's comments say),
+//    "compat": "inria"|"gsplat" (optional, default inria), "antialiased": BOOL (optional: as the PLY's comments say),
 //    "background": [R, G, B] (optional: none where photos do not tell it), each in [0, 1],
 //    "masks": {"mode": "binary"|"label"|"soft"|"bands", "invert": BOOL, "threshold": 0..255,
 //              "missing": "unknown"|"empty"|"error"},

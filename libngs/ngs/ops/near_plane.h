@@ -1,6 +1,6 @@
 #pragma once
 // How near to a camera something is still drawn.                                                   PAPER.md §5.1
-#include "ngs/ops/splat.h"
+#include "ngs/scene/compat.h"
 
 namespace ngs {
 

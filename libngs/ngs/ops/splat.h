@@ -8,13 +8,11 @@
 
 #include "ngs/backend/exec.h"
 #include "ngs/scene/camera.h"
+#include "ngs/scene/compat.h"
 #include "ngs/scene/gaussian_cloud.h"
 #include "ngs/scene/rendered_view.h"
 
 namespace ngs {
-
-/// Whose constants to follow where the two families differ (PAPER.md §5.1).
-enum class Compat : std::uint8_t { kInria, kGsplat };
 
 struct SplatOptions {
   Compat compat = Compat::kInria;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ngs/scene/camera.h"
+#include "ngs/scene/compat.h"
 #include "ngs/scene/views.h"
 
 namespace ngs {
@@ -38,6 +39,7 @@ struct Scene {
   MissingMask missing_mask = MissingMask::kUnknown;
   double image_scale = 1.0;
   double filter_px2 = 0.3;           // variance of the low-pass filter the model was fitted with, px² at the working size
+  Compat compat = Compat::kInria;    // of the renderer that the model was fitted with
   std::optional<bool> antialiased;   // fitted with Mip-Splatting's opacity compensation; none: as the PLY's comments say
   std::optional<Vec3<double>> background;  // colour behind the model, in [0, 1]; none: not known, black is taken
 };

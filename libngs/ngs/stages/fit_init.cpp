@@ -18,7 +18,7 @@ void require_drawn(const GaussianCloud& cloud, std::span<const FitView> views) {
   std::vector<Camera> training;
   for (const FitView& view : views)
     if (view.split == Split::kTrain) training.push_back(view.camera);
-  const double near = share_too_near(cloud, training);
+  const double near = share_too_near(cloud, training, Compat::kInria);
   if (near > kTooNear)
     throw Error(ErrorCode::kInconsistent,
                 "fit: " + std::to_string(std::lround(100 * near)) +

@@ -71,7 +71,7 @@ double recoloured_gain_db(const Exec& exec, const GaussianCloud& cloud, const Ca
   return db(error / (3 * n)) - match.constant_db;
 }
 
-double share_too_near(const GaussianCloud& cloud, std::span<const Camera> cameras) {
+double share_too_near(const GaussianCloud& cloud, std::span<const Camera> cameras, Compat compat) {
   std::vector<double> shares;
   for (const Camera& camera : cameras) {
     double in_front = 0, near = 0;
@@ -79,7 +79,7 @@ double share_too_near(const GaussianCloud& cloud, std::span<const Camera> camera
       const float* p = &cloud.position[3 * i];
       const Vec3<double> world{cloud.origin[0] + double(p[0]), cloud.origin[1] + double(p[1]), cloud.origin[2] + double(p[2])};
       const double z = (camera.rotation * world + camera.translation).z;
-      in_front += cloud.usable[i] && z > 0, near += cloud.usable[i] && z > 0 && z <= near_plane(Compat::kInria);
+      in_front += cloud.usable[i] && z > 0, near += cloud.usable[i] && z > 0 && z <= near_plane(compat);
     }
     if (in_front > 0) shares.push_back(near / in_front);
   }

@@ -28,14 +28,15 @@ PhotoMatch match_photo(const Exec& exec, const GaussianCloud& cloud, const Camer
 double recoloured_gain_db(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& splat,
                           const ImageF& photo, const PhotoMatch& match);
 
-/// Median over the cameras of the share of what is in front of one that is nearer than 3DGS's near plane, and so never
+/// Median over the cameras of the share of what is in front of one that is nearer than the near plane, and so never
 /// drawn: near 1 in a world that is too small. 0: nothing is in front of any.
-double share_too_near(const GaussianCloud& cloud, std::span<const Camera> cameras);
+double share_too_near(const GaussianCloud& cloud, std::span<const Camera> cameras, Compat compat);
 /// From here on it is not a matter of single cameras.
 inline constexpr double kTooNear = 0.5;
 /// The way out of it.
 inline constexpr const char* kTooNearRemedy =
-    "most of it lies nearer to the cameras than 0.2, where 3DGS draws nothing: scale the world of cameras, points and model up";
+    "most of it lies nearer to the cameras than the near plane, before which nothing is drawn: scale the world of cameras, points "
+    "and model up";
 
 /// A mistake that pose files have, as the change that undoes it.
 struct PoseRepair {

@@ -19,7 +19,7 @@ Scene two_views(const TempDir& dir) {
   scene.objects = {{"cup", 3}, {"spoon", 9}};
   scene.mask_mode = MaskMode::kLabel, scene.missing_mask = MissingMask::kError;
   scene.void_id = 255, scene.mask_threshold = 99.5, scene.image_scale = 0.3;
-  scene.background = Vec3<double>{1.0 / 3, 0, 1}, scene.antialiased = false;
+  scene.background = Vec3<double>{1.0 / 3, 0, 1}, scene.antialiased = false, scene.compat = Compat::kGsplat;
   for (const char* name : {"a b.png", "c.jpg"}) {
     SceneView view;
     view.camera = {name,           640, 480, 500.1, 1.0 / 3.0, 320.5, 1e-17, {{0, -1, 0, 1, 0, 0, 0, 0, 1}},
@@ -66,6 +66,7 @@ TEST_CASE("a scene comes back with every bit of its cameras and rules") {
   CHECK(back.mask_threshold == 99.5);
   CHECK(back.image_scale == 0.3);
   CHECK(back.antialiased == false);
+  CHECK(back.compat == Compat::kGsplat);
   REQUIRE(back.background.has_value());
   CHECK((back.background->x == 1.0 / 3 && back.background->y == 0 && back.background->z == 1));
   CHECK(back.objects[1].name == "spoon");
@@ -76,10 +77,11 @@ TEST_CASE("a scene comes back with every bit of its cameras and rules") {
 TEST_CASE("a scene that does not know its background, or how its model was fitted, says nothing of it") {
   const TempDir dir;
   nlohmann::json json = written(dir);
-  json.erase("background"), json.erase("antialiased");
+  json.erase("background"), json.erase("antialiased"), json.erase("compat");
   const Scene back = parse_scene_json(json, "", "scene.json");
   CHECK_FALSE(back.background.has_value());
   CHECK_FALSE(back.antialiased.has_value());
+  CHECK(back.compat == Compat::kInria);
   CHECK(background_of(back).x == 0.f);
   write_scene_json(dir.file("again.json"), back);
   for (const char* key : {"background", "antialiased"}) CHECK_FALSE(read_json_file(dir.file("again.json")).contains(key));
@@ -154,6 +156,7 @@ TEST_CASE("every broken field of a scene is refused with its place") {
   refused(with("/background", {0, 0.5, 1.5}), "background 1.5");
   refused(with("/background", {0, 0}), "background");
   refused(with("/antialiased", 1), "antialiased");
+  refused(with("/compat", "nerfstudio"), "one of inria gsplat");
   refused(with("/background", "white"), "background");
   refused(with("/model", std::string("a\0b", 3)), "without NUL characters");
   refused(nlohmann::json::array(), "array, expected an object");

@@ -55,6 +55,15 @@ Capture tiny_capture() {
   return capture;
 }
 
+/// The capture in other units.
+Capture shrunk(double factor) {
+  Capture capture = tiny_capture();
+  for (SceneView& view : capture.scene.views) view.camera.translation = factor * view.camera.translation;
+  for (float& x : capture.cloud.position) x *= float(factor);
+  for (float& s : capture.cloud.log_scale) s += float(std::log(factor));
+  return capture;
+}
+
 /// {code, message, remedy} of what `body` throws.
 template <class Body>
 Error thrown_by(const Body& body) {
@@ -137,13 +146,34 @@ TEST_CASE("the usual mistakes in pose files are refused and named") {
 }
 
 TEST_CASE("a world so small that nothing is drawn is refused with the way out, and not for its poses") {
-  Capture bad = tiny_capture();
-  for (SceneView& view : bad.scene.views) view.camera.translation = 1e-3 * view.camera.translation;
-  for (float& x : bad.cloud.position) x *= 1e-3f;
-  for (float& s : bad.cloud.log_scale) s += float(std::log(1e-3));
-  const Error error = thrown_by([&] { bad.check(); });
+  const Error error = thrown_by([] { shrunk(1e-3).check(); });
   CHECK(error.code() == ErrorCode::kInconsistent);
   CHECK(error.remedy().find("scale the world") != std::string::npos);
+}
+
+TEST_CASE("a model between the near planes of 3DGS and gsplat is sent to gsplat's, where it passes") {
+  Capture small = shrunk(0.02);
+  const Error error = thrown_by([&] { small.check(); });
+  CHECK(error.code() == ErrorCode::kInconsistent);
+  CHECK(error.remedy().find("--compat gsplat") != std::string::npos);
+  small.scene.compat = Compat::kGsplat;
+  CHECK(small.check().median_fit_db > 60);  // 73: the photos were drawn with 3DGS's footprints
+}
+
+TEST_CASE("a model of which a part lies between the near planes is warned about where gsplat's explains the photos better") {
+  Capture part = shrunk(0.04);
+  const SceneCheckOptions anything{.min_fit_db = -100};
+  const SceneCheck as_inria = part.check(anything);
+  REQUIRE(as_inria.warnings.size() == 1);
+  CHECK(as_inria.warnings[0].find("better by the rules of gsplat") != std::string::npos);
+  part.scene.compat = Compat::kGsplat;
+  CHECK(part.check(anything).warnings.empty());
+  CHECK(tiny_capture().check(anything).warnings.empty());
+  // As near, but never seen by those who fitted it.
+  part.scene.compat = Compat::kInria;
+  for (std::size_t v = 0; v < part.photos.size(); ++v)
+    part.photos[v] = render({}, part.cloud, part.scene.views[v].camera, {}, {}).colour;
+  CHECK(part.check(anything).warnings.empty());
 }
 
 TEST_CASE("poses that no known mistake explains are refused without a wrong guess") {
