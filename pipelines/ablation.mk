@@ -1,5 +1,5 @@
-# The paper's ablation on one scene, and its hyper-parameters: each part of the method switched off by itself, tau, sigma and
-# K swept, masks made wrong; compared on one page with the time of each run beside its scores.
+# The paper's ablation on one scene, and its hyper-parameters: each part of the method switched off by itself (the paper takes
+# them away one after the other), tau, sigma and K swept, masks made wrong; compared on one page with the time of each run beside its scores.
 #
 #   make -f pipelines/ablation.mk SCENE=scenes/bird ARGS='--masks scenes/bird/masks_sam --hold-out every:4:2'
 #   make -f pipelines/ablation.mk SCENE=... OUT=out/ablation EFFECTS='nerf cont smooth' TAUS= SIGMAS= KS= DAMAGES= ARGS=...

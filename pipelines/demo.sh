@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # The whole chain on a scene of its own: installs, builds, makes a synthetic capture (a torus through a box in a
-# textured room, with disturbed masks), fits a splat to it, cuts the object out, scores it on views no stage has seen.
+# textured room, with disturbed masks), fits a splat to it, cuts the object out, scores it on views whose masks no stage has seen.
 #
 #   pipelines/demo.sh [OUT_DIR] [--no-setup] [options of ngs-gs.sh]        (OUT_DIR: build/demo)
 #
-# Less than five minutes on two cores once built. A second call does only what changed.
+# About half a minute on two cores once built. A second call does only what changed.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"

@@ -9,9 +9,10 @@
 #              from the strokes in NVOS_DIR/scribbles/TASK/ (pos_*.png, neg_*.png) on the view reference_image/TASK/ names
 #   OUT_DIR    one folder per task, report.html and summary.json
 #
-# The target view supervises nothing: neither its masks nor, where masks are made from scribbles, its photo. The mean is over
-# tasks, unweighted; "mAcc" of the papers is pixel accuracy. Which views have an input mask, and how the splat was trained,
-# decides the numbers: state both.
+# No mask of the target view is read, and where masks are made from scribbles its photo makes no other view's. Alignment of the
+# cameras, floaters and the edges do read that photo; --edge-views train keeps it out of the edges. The mean is over tasks,
+# unweighted; "mAcc" of the papers is pixel accuracy. Which views have an input mask, and how the splat was trained, decides the
+# numbers: state both.
 # Tasks without a scene, masks or truth are skipped and said. Exit code 1 if a task failed.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs the Debian packages of packages.txt, or of the list given, that are missing (Debian 12, Ubuntu 22.04 and later).
+# Installs the Debian packages of packages.txt, or of the list given, that are missing (Debian 12).
 # A line is a package, and behind it the command, if any, that makes it unnecessary where somebody else has installed it: the
 # npm of a foreign Node.js cannot stand beside Debian's.
 #   pipelines/setup.sh [LIST]

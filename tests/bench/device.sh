@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Everything that a short loan of a GPU is for, in less than 8 minutes: builds for it, compares the device with the CPU, runs
+# Everything for which a GPU is needed, in less than 8 minutes: builds for it, compares the device with the CPU, runs
 # the sanitizers over the cooperative kernels, measures, and writes one JSON (data-schema/device.schema.json), whatever fails.
 #   tests/bench/device.sh OUT.json [SCENE_DIR...]      SCENE_DIR as for pipelines/ngs-gs.sh
 #   JOBS=N               compile N files at a time; default: all CPUs

@@ -1,7 +1,7 @@
 #pragma once
 // Multi-resolution hash encoding of positions.                                            Eqs. (10)-(11)
 //
-// The semantics are those of instant-ngp (D9): level l has Nmin·b^l cells over a box that is fixed for
+// The semantics are those of instant-ngp (D9): level l has Nmin·b^l vertices along each axis of a box that is fixed for
 // the run, with b = (Nmax/Nmin)^(1/(L-1)); small levels are dense, large ones share 2^log2_table entries
 // through a spatial hash; values are blended trilinearly. Points outside the box are clamped to it; an axis
 // without extent encodes as its middle. Results do not depend on exec.threads.

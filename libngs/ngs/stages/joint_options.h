@@ -118,8 +118,8 @@ struct JointOptions {
     visit(self.hash_features, Field<int>{"hash_features", "", "features per level: 1, 2, 4 or 8", 1, 8});
     visit(self.hash_log2_table,
           Field<int>{"hash_log2_table", "", "log2 of the entries of a hashed level", 3, 24});
-    visit(self.hash_base, Field<int>{"hash_base", "cells", "coarsest resolution", 2, 4096});
-    visit(self.hash_finest, Field<int>{"hash_finest", "cells", "finest resolution", 2, kMaxHashResolution});
+    visit(self.hash_base, Field<int>{"hash_base", "vertices", "coarsest resolution, along an axis", 2, 4096});
+    visit(self.hash_finest, Field<int>{"hash_finest", "vertices", "finest resolution, along an axis", 2, kMaxHashResolution});
     visit(self.mlp_hidden, Field<int>{"mlp_hidden", "", "width of the network", 16, 128});
     visit(self.mlp_layers,
           Field<int>{"mlp_layers", "", "hidden layers, each modulated (Eq. 14)", 1, kMaxFilmLayers});

@@ -25,7 +25,7 @@ struct VarianceOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.tau,
-          Field<double>{"tau", "", "boundary: normalised mask variance above this (Eq. 3, C1)", 0.0, 1.0});
+          Field<double>{"tau", "", "boundary: normalised mask variance above this (Eq. 3, C1)", 0.0, 0.999999});
     visit(self.criterion,
           Choice<Criterion>{"criterion", "what the variance is taken over (C2)", kCriterionNames});
     visit(self.label_threshold,
