@@ -98,4 +98,13 @@ TEST_CASE("sub-folders become objects, or only those that were named") {
   CHECK(match_masks(dir.path(), {"cup"}, views).unmatched == std::vector<std::string>{"b.jpg"});
 }
 
+TEST_CASE("masks of one view that are named otherwise for another object are refused, not lost") {
+  const TempDir dir;
+  for (const char* file : {"cup/a.png", "cup/b.png", "spoon/a.png", "spoon/b_mask.png"}) dir.write(file, "x");
+  std::vector<SceneView> views = views_named({"a.jpg", "b.jpg"});
+  CHECK_THROWS_WITH_AS(match_masks(dir.path(), {}, views), doctest::Contains("spoon/b_mask.png: another object has "), Error);
+  views = views_named({"a.jpg", "b.jpg"});
+  CHECK(match_masks(dir.path(), {"spoon"}, views).unmatched.empty());
+}
+
 }  // namespace ngs::io
