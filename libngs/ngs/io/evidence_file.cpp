@@ -83,12 +83,13 @@ EvidencePart read_evidence(const std::string& path) {
 EvidencePart merge_evidence(const std::vector<std::string>& paths) {
   EvidencePart sum;
   std::set<std::string> seen;
-  for (const std::string& path : paths) {
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    const std::string& path = paths[i];
     EvidencePart part = read_evidence(path);
     for (const std::string& view : part.views)
       if (!seen.insert(view).second)
         throw Error(ErrorCode::kInconsistent, path + ": view '" + view + "' is already in another part", "pass every part once");
-    if (path == paths.front()) {
+    if (i == 0) {
       sum = std::move(part);
       continue;
     }
