@@ -56,13 +56,13 @@ class Judge {
     ViewTrust trust;
     int rounds = 0;
     while (rounds < options_.rounds && !monitor.stop_requested()) {
-      ++rounds;
       LeaveOneOut others(exec_, input_.cloud.size(), int(input_.scene.objects.size()),
                          [this](std::size_t n) {
                            return view_sums(exec_, input_.cloud, camera(n), input_.splat,
                                             input_.load_masks(input_.views[n]));
                          });
-      if (!gather(others)) return trust;
+      if (!gather(others)) break;
+      ++rounds;
       if (!judge(others, trust)) break;
     }
     for (std::size_t n = 0; n < trusted_.size(); ++n)

@@ -108,6 +108,17 @@ TEST_CASE("fewer than four masks that show the object judge nobody, however many
   CHECK(judge_views({}, monitor, {}, in).ignored.empty());
 }
 
+TEST_CASE("of four masks one that contradicts is ignored, although three are too few to judge again") {
+  TrustCase c;
+  std::fill(c.base->masks[2].target[0].begin(), c.base->masks[2].target[0].end(), 0.f);
+  MethodInput in = c.input();
+  in.views = {0, 1, 2, 3};
+  Monitor monitor;
+  const ViewTrust trust = judge_views({}, monitor, {}, in);
+  CHECK(trust.ignored == std::vector<std::size_t>{2});
+  CHECK(trust.figures.at("rounds") == 1);
+}
+
 TEST_CASE("with fewer than four masks nobody is judged") {
   TrustCase c;
   c.mirror(0);
