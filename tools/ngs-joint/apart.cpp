@@ -28,7 +28,7 @@ std::vector<io::NamedLabels> objects_of(const io::GaussianPly& ply) {
 
 /// A part with its positions relative to the model's origin.
 io::GaussianPly read_part(const std::string& path, const std::string& model_hash, const GaussianCloud& model) {
-  io::GaussianPly part = io::read_gaussian_ply(path);
+  io::GaussianPly part = io::read_gaussian_ply(path, model.origin);
   if (part.apart_of.empty() || part.source_row.size() != std::size_t(part.cloud.size()))
     throw Error(ErrorCode::kBadInput, path + ": no ngs-apart comment or no column ngs_source, expected both",
                 "make the part with ngs-joint --apart i/N");
@@ -36,11 +36,6 @@ io::GaussianPly read_part(const std::string& path, const std::string& model_hash
     throw Error(ErrorCode::kInconsistent, path + ": made from another model (" + part.apart_of + ", this is " +
                                               model_hash + ")",
                 "give the boundary PLY that all parts were made from");
-  if (part.cloud.origin == model.origin) return part;
-  for (std::size_t i = 0; i < part.cloud.position.size(); ++i)
-    part.cloud.position[i] =
-        float(part.cloud.origin[i % 3] + double(part.cloud.position[i]) - model.origin[i % 3]);
-  part.cloud.origin = model.origin;
   return part;
 }
 

@@ -21,8 +21,8 @@ struct Columns {
 
 class Reader {
  public:
-  explicit Reader(GaussianPly& ply, HigherBands bands = HigherBands::kRead)
-      : ply_(ply), name_(ply.file.name()), bands_(bands) {}
+  explicit Reader(GaussianPly& ply, HigherBands bands = HigherBands::kRead, const std::array<double, 3>* origin = nullptr)
+      : ply_(ply), name_(ply.file.name()), bands_(bands), given_origin_(origin) {}
 
   void read() {
     load_rows();
@@ -109,6 +109,10 @@ class Reader {
   // Only double coordinates have detail that float would lose; the centre is a float, so that a strict file
   // and its cameras need no more digits than the centre has.
   void choose_origin() {
+    if (given_origin_ != nullptr) {
+      ply_.cloud.origin = *given_origin_;
+      return;
+    }
     if (std::none_of(columns_.position.begin(), columns_.position.end(),
                      [](const PlyColumn& c) { return c.type == PlyType::kFloat64; }))
       return;
@@ -145,7 +149,7 @@ class Reader {
     for_each_row([&](std::int64_t i) {
       for (std::size_t a = 0; a < 3; ++a) {
         const PlyColumn& column = columns_.position[a];
-        ply_.cloud.position[std::size_t(i) * 3 + a] = column.type == PlyType::kFloat32
+        ply_.cloud.position[std::size_t(i) * 3 + a] = column.type == PlyType::kFloat32 && ply_.cloud.origin[a] == 0
                                                           ? column.value_float(i)
                                                           : float(column.value(i) - ply_.cloud.origin[a]);
       }
@@ -221,7 +225,7 @@ class Reader {
 
   void copy_labels() {
     const std::vector<std::string> names = object_names();
-    if (names.size() == 1) ply_.object = checked(names[0]);
+    if (names.size() == 1) ply_.object = checked(names[0]), ply_.names_object = true;
     const std::string prefix = std::string(kLabelFields[0].name) + "_";
     std::vector<std::string> suffixes;
     for (const PlyProperty& p : ply_.rows.properties) {
@@ -274,6 +278,7 @@ class Reader {
   GaussianPly& ply_;
   std::string name_;
   HigherBands bands_;
+  const std::array<double, 3>* given_origin_;  // null: chosen here
   Columns columns_;
 };
 
@@ -297,6 +302,13 @@ GaussianPly read_gaussian_ply(const std::string& path, HigherBands bands) {
   GaussianPly ply;
   ply.file = PlyFile::open(path);
   Reader(ply, bands).read();
+  return ply;
+}
+
+GaussianPly read_gaussian_ply(const std::string& path, const std::array<double, 3>& origin) {
+  GaussianPly ply;
+  ply.file = PlyFile::open(path);
+  Reader(ply, HigherBands::kRead, &origin).read();
   return ply;
 }
 

@@ -36,6 +36,7 @@ struct GaussianPly {
   LabelColumns labels;  // the unsuffixed ngs_* columns; a vector is empty where its column is absent
   std::vector<NamedLabels> objects;  // the suffixed sets of a file with several objects, else empty
   std::string object = "object";     // the object's name, where the file has one
+  bool names_object = false;         // it has
   std::vector<float> fixed;          // ngs_fixed: 1 = labelled by hand (ngs-extract --import); empty: absent
   std::vector<std::int64_t> source_row;  // ngs_source: row of the model that apart_of names; empty: absent
   std::string apart_of;                  // content hash of the model that a run apart was made from; empty: none
@@ -53,6 +54,8 @@ struct GaussianPly {
 /// intact, so a labelled copy keeps them. For tools that never look at colour: a quarter of the memory at degree 3.
 enum class HigherBands : std::uint8_t { kRead, kCheckOnly };
 GaussianPly read_gaussian_ply(const std::string& path, HigherBands bands = HigherBands::kRead);
+/// With positions relative to a given origin: those that were written from the same float come back as that float.
+GaussianPly read_gaussian_ply(const std::string& path, const std::array<double, 3>& origin);
 
 /// The same on a buffer that outlives the result.
 GaussianPly parse_gaussian_ply(std::string name, Bytes bytes);
