@@ -155,6 +155,28 @@ TEST_CASE("ngs-joint refuses the checkpoint of another run") {
   CHECK(c.joint("other", resume).exit_code == 4);
 }
 
+TEST_CASE("ngs-joint that goes on takes floaters out as the run before did, whose budget decided it") {
+  const Case c;
+  const Words options = kSteps + Words{"--effect", "floaters=on", "--checkpoint", c.keep};
+  REQUIRE(c.joint("first", options + Words{"--checkpoint-every", "6"}).exit_code == 0);
+  io::TensorFile file = io::read_safetensors(c.kept);
+  auto run = nlohmann::ordered_json::parse(file.metadata.at("run"));
+  REQUIRE(run.at("floaters").at("draft") == false);
+  run["floaters"]["draft"] = true;
+  file.metadata["run"] = run.dump();
+  io::write_safetensors(c.kept, file);
+  const test::ProcessResult resumed = c.joint("resumed", options + Words{"--resume"});
+  INFO(resumed.err);
+  CHECK(resumed.exit_code == 0);
+  CHECK(says(resumed, "resumed after step 6"));
+  for (const Json& wrong : {Json(), Json(3), Json{{"draft", 1}, {"refit_visits", 0}}, Json{{"draft", true}, {"refit_visits", 1000000}}}) {
+    run["floaters"] = wrong;
+    file.metadata["run"] = run.dump();
+    io::write_safetensors(c.kept, file);
+    CHECK(c.joint("other", options + Words{"--resume"}).exit_code == 4);
+  }
+}
+
 TEST_CASE("ngs-joint refuses a checkpoint whose arrays have another length") {
   const Case c;
   keep_six(c);

@@ -8,6 +8,7 @@
 #include "ngs/io/query_ply.h"
 #include "ngs/io/scene_json.h"
 #include "ngs/stages/coarse_input.h"
+#include "ngs/stages/first_queries.h"
 #include "ngs/stages/variance_stage.h"
 #include "ngs/stages/view_list.h"
 #include "prepare.h"
@@ -99,7 +100,7 @@ bool rule_steps_by_time(Budget& budget, const Settings& settings, const MethodIn
 /// All that the state of the steps follows from. Of effects their decisions, whoever took them; those on edges, which
 /// the steps know nothing of, may differ.
 std::string fingerprint(const cli::Run& run, const Declared& declared, const Paths& paths, const Scene& scene,
-                        const Decisions& decisions, bool reads_field) {
+                        const Decisions& decisions, const FloaterPlan& floaters, bool reads_field) {
   const RunOptions& o = declared.settings.run;
   if (o.checkpoint.empty()) return {};
   const auto hash = [](const std::string& path) { return io::content_hash(path).xxh3; };
@@ -117,12 +118,17 @@ std::string fingerprint(const cli::Run& run, const Declared& declared, const Pat
               {"options", options_text(declared.settings)},
               {"raster", splat.to_json()},
               {"effects", effects},
+              {"floaters", floaters.json()},
               {"background", o.background},
               {"objects", objects},
               {"seed", run.seed()},
               {"apart", o.apart},
               {"fast_atomics", o.fast_atomics}}
       .dump();
+}
+
+std::optional<FloaterPlan> kept_floaters(const RunOptions& run) {
+  return run.resume && run.method == Method::kPaper ? Checkpoint::floaters_in(run.checkpoint) : std::nullopt;
 }
 
 /// A method beside the paper's, start to end. What a signal leaves of it is no result.
@@ -196,7 +202,7 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
   if (const int stopped = run.stop_code()) return stopped;
   const MethodInput believed = with_trusted_masks(run, read, trust);
   const FloaterOutcome clean = mend && decisions.on("floaters")
-                                   ? handle_floaters(run, believed, settings.joint.quality, budget)
+                                   ? handle_floaters(run, believed, settings.joint.quality, budget, kept_floaters(settings.run))
                                    : FloaterOutcome{};
   if (const int stopped = run.stop_code()) return stopped;
   MethodInput input = without_floaters(believed, clean);
@@ -224,16 +230,18 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
     const std::string_view unread = !decisions.on("nerf")       ? "nerf=off"
                                     : clean.removed() || strays ? "it holds points of what was taken out"
                                                                 : "";
-    if (unread.empty())
+    if (unread.empty()) {
       given = io::read_query_ply(paths.field);
-    else
+      require_grids(*given, input.cloud.origin, paths.field);
+    } else {
       run.info("--field is not read: " + std::string(unread));
+    }
   }
   return optimise(run, decisions,
                   {input,
                    given ? &*given : nullptr,
                    source,
-                   {settings.run.checkpoint, fingerprint(run, declared, paths, scene, decisions, given.has_value())},
+                   {settings.run.checkpoint, fingerprint(run, declared, paths, scene, decisions, clean.plan, given.has_value())},
                    budget},
                   {paths.labelled, paths.nerf, paths.trace});
 }

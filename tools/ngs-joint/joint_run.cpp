@@ -8,6 +8,7 @@
 #include "ngs/io/safetensors.h"
 #include "ngs/options/name_of.h"
 #include "ngs/stages/mask_pair.h"
+#include "ngs/stages/photo_refit.h"
 #include "ngs/stages/render_stage.h"
 
 namespace ngs::joint {
@@ -75,6 +76,20 @@ Agreement mean_agreement(const std::vector<Agreement>& views) {
 
 std::string Checkpoint::path_in(const std::string& folder) {
   return (std::filesystem::path(folder) / "checkpoint.safetensors").string();
+}
+
+std::optional<FloaterPlan> Checkpoint::floaters_in(const std::string& folder) {
+  if (folder.empty() || !std::filesystem::exists(path_in(folder))) return std::nullopt;
+  const Json run = Json::parse(io::read_safetensors(path_in(folder)).meta("run"), nullptr, false);
+  const Json plan = run.is_object() ? run.value("floaters", Json()) : Json();
+  FloaterPlan kept;
+  if (!plan.is_object() || !plan.value("draft", Json()).is_boolean() || !plan.value("refit_visits", Json()).is_number_integer())
+    return std::nullopt;
+  kept.draft = plan["draft"];
+  const auto visits = plan["refit_visits"].get<std::int64_t>();
+  if (visits < 0 || visits > RefitOptions{}.visits) return std::nullopt;
+  kept.refit_visits = int(visits);
+  return kept;
 }
 
 void Checkpoint::save(JointTrainer& trainer) const {

@@ -68,6 +68,13 @@ std::vector<Agreement> training_agreement(const Exec& exec, const MethodInput& i
                                           const MethodResult& result);
 Agreement mean_agreement(const std::vector<Agreement>& views);
 
+/// How floaters were taken out. Under a budget the clock decides it, and a run that is resumed has to do the same again.
+struct FloaterPlan {
+  bool draft = false;    // searched at a half of the size of decisions
+  int refit_visits = 0;  // 0: nothing was found
+  Json json() const { return {{"draft", draft}, {"refit_visits", refit_visits}}; }
+};
+
 /// Where the state of a run is kept; the file appears by rename. `fingerprint` names all that the
 /// state follows from: another run's checkpoint is kInconsistent.
 class Checkpoint {
@@ -75,6 +82,8 @@ class Checkpoint {
   Checkpoint(std::string folder, std::string fingerprint)
       : folder_(std::move(folder)), fingerprint_(std::move(fingerprint)) {}
   static std::string path_in(const std::string& folder);
+  /// "floaters" of the fingerprint of the state in that folder; none: there is no such state.
+  static std::optional<FloaterPlan> floaters_in(const std::string& folder);
   bool given() const { return !folder_.empty(); }
   /// The folder is there (shared/checkpoints.h).
   void save(JointTrainer& trainer) const;

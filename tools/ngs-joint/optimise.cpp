@@ -26,8 +26,13 @@ std::vector<LabelColumns> labels_of(const io::GaussianPly& ply, const Scene& sce
                 "label one that has: ngs-variance scene.json -o boundary.ply");
   // Beside the sets of several objects the unsuffixed one is their union.
   if (wanted == 1 && ply.objects.empty() && !ply.labels.label.empty() && !ply.labels.boundary.empty() && !ply.labels.views.empty() &&
-      !ply.labels.prob.empty())
+      !ply.labels.prob.empty()) {
+    const std::string& name = scene.objects[0].name;
+    if (ply.names_object && ply.object != name)
+      throw Error(ErrorCode::kInconsistent, ply.file.name() + ": labelled for object '" + ply.object + "', expected '" + name + "'",
+                  "label that one: ngs-variance scene.json --object NAME -o boundary.ply");
     return {ply.labels};
+  }
   std::vector<LabelColumns> labels;
   for (const SceneObject& object : scene.objects)
     for (const io::NamedLabels& named : ply.objects)

@@ -67,11 +67,13 @@ MethodInput with_trusted_masks(cli::Run& run, const MethodInput& input, const Vi
   return trusted;
 }
 
-FloaterOutcome handle_floaters(cli::Run& run, const MethodInput& input, Quality quality, Budget& budget) {
+FloaterOutcome handle_floaters(cli::Run& run, const MethodInput& input, Quality quality, Budget& budget,
+                               const std::optional<FloaterPlan>& kept) {
   FloaterOutcome outcome;
   const FloaterOptions options;
   const std::size_t views = input.scene.views.size();
-  const bool draft = quality == Quality::kDraft || !budget.has_room_for(kFloatersCost, views);
+  const bool draft = kept ? kept->draft : quality == Quality::kDraft || !budget.has_room_for(kFloatersCost, views);
+  outcome.plan.draft = draft;
   const int shrink = decision_shrink(input.scene) * (draft ? kDraftShrink : 1);
   const CoarseInput coarse(input, shrink);
   coarse.preload(run.exec());
@@ -86,7 +88,8 @@ FloaterOutcome handle_floaters(cli::Run& run, const MethodInput& input, Quality 
                  {"least_hidden", options.least_hidden}};
   for (const auto& [name, value] : finding.figures) report[name] = value;
   if (finding.count > 0) {
-    const RefitOptions refit{.visits = budget.plan_refit(draft, shrink, views)};
+    const RefitOptions refit{.visits = kept && kept->refit_visits > 0 ? kept->refit_visits : budget.plan_refit(draft, shrink, views)};
+    outcome.plan.refit_visits = refit.visits;
     FloaterRemoval removal = [&] {
       const auto lap = budget.lap_refit(refit.visits, shrink, views);
       return remove_floaters(run.exec(), run.monitor(), refit, coarse.get(), finding);

@@ -18,6 +18,7 @@ struct FloaterOutcome {
   GaussianCloud cloud;
   std::vector<LabelColumns> labels;
   std::vector<float> floater;  // [N] 1: removed
+  FloaterPlan plan;
   bool removed() const { return !floater.empty(); }
 };
 
@@ -37,8 +38,9 @@ ViewTrust handle_trust(cli::Run& run, const MethodInput& input);
 MethodInput with_trusted_masks(cli::Run& run, const MethodInput& input, const ViewTrust& trust);
 
 /// Searches, removes, warns, and notes the figures in the report. A draft searches at half the size of
-/// decisions, and refits there, briefly; so does a budget that has no room for more.
-FloaterOutcome handle_floaters(cli::Run& run, const MethodInput& input, Quality quality, Budget& budget);
+/// decisions, and refits there, briefly; so does a budget that has no room for more. `kept`: as the run did that is resumed.
+FloaterOutcome handle_floaters(cli::Run& run, const MethodInput& input, Quality quality, Budget& budget,
+                               const std::optional<FloaterPlan>& kept);
 
 /// `input` with the model and labels of the outcome, which must outlive it, where something was removed.
 MethodInput without_floaters(const MethodInput& input, const FloaterOutcome& outcome);

@@ -1,5 +1,8 @@
 #include "ngs/stages/first_queries.h"
 
+#include <cmath>
+#include <utility>
+
 #include "ngs/core/error.h"
 
 namespace ngs {
@@ -10,6 +13,30 @@ std::vector<float> boundary_flags(const MethodInput& input, bool boundary_effect
     for (std::size_t i = 0; i < flags.size(); ++i)
       if (boundary_effect ? object.boundary[i] >= 0.5f : object.views[i] > 0.f) flags[i] = 1.f;
   return flags;
+}
+
+void require_grids(const QueryField& field, const std::array<double, 3>& origin, const std::string& name) {
+  const auto bad = [&](const std::string& what) {
+    throw Error(ErrorCode::kBadInput, name + ": " + what, "sample again: ngs-sample scene.json boundary.ply -o queries.ply");
+  };
+  const auto n = std::size_t(field.size());
+  const std::pair<std::size_t, const char*> columns[] = {
+      {field.uv.size() / 2, "u v"}, {field.view.size(), "view"}, {field.slot.size(), "slot"}, {field.depth.size(), "depth"}};
+  for (const auto& [rows, column] : columns)
+    if (rows != n) bad(std::string("no columns ") + column + ", expected those of ngs-sample");
+  if (field.origin != origin)
+    throw Error(ErrorCode::kInconsistent, name + ": relative to another origin than the model, expected queries of this model",
+                "sample again: ngs-sample scene.json boundary.ply -o queries.ply");
+  std::int32_t slot = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::int32_t before = i > 0 ? field.view[i - 1] : -1, view = field.view[i];
+    slot = view == before ? slot + 1 : 0;
+    if (view < before || field.slot[i] != slot)
+      bad("row " + std::to_string(i) + " is slot " + std::to_string(field.slot[i]) + " of view " + std::to_string(view) +
+          ", expected view by view all slots from 0");
+    if (!std::isfinite(field.uv[2 * i]) || !std::isfinite(field.uv[2 * i + 1]) || !(field.depth[i] > 0))
+      bad("row " + std::to_string(i) + " has no pixel or no depth, expected finite u v and depth > 0");
+  }
 }
 
 FieldRays FirstQueries::rays(std::size_t v) const {
