@@ -49,8 +49,7 @@ ProcessSpec command(const Json& run) {
 }
 
 ProcessSpec with_files_of_at_most(int kib, ProcessSpec spec) {
-  // Ignored, the signal becomes an error of write(), as that of a full disk is.
-  const std::string limit = "trap '' XFSZ; ulimit -f " + std::to_string(kib) + " && exec \"$@\"";
+  const std::string limit = "ulimit -f " + std::to_string(kib) + " && exec \"$@\"";
   spec.argv.insert(spec.argv.begin(), {"/bin/bash", "-c", limit, "bash"});
   return spec;
 }

@@ -105,8 +105,13 @@ void Extractor::decide() {
   run_.result()["object"] = kept;
   run_.result()["background"] = ply_.cloud.size() - kept;
   if (kept == 0)
-    run_.nothing_found("no Gaussian is object by rule " + options_.rule,
+    run_.nothing_found("no Gaussian is object by rule " + options_.rule +
+                           (options_.min_component > 0 ? " and --min-component " + std::to_string(options_.min_component) : ""),
                        "lower the threshold, or check the masks: ngs-scene check scene.json");
+  if (ply_.health.excluded() > 0)
+    run_.monitor().warn(std::to_string(ply_.health.excluded()) +
+                        " Gaussians have values that are not finite or absurd: they stay in the background as they are, and not "
+                        "every viewer takes them");
   if (kept == ply_.cloud.size() && kept > 0)
     run_.monitor().warn("every Gaussian is object: the background is empty");
 }

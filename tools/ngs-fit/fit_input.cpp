@@ -27,6 +27,9 @@ std::vector<FitPoint> load_points(Run& run, const FitOptions& options, const Inp
   for (const SparsePoint& p : io::read_points(input.path))
     points.push_back({{float(p.position.x), float(p.position.y), float(p.position.z)},
                       {float(p.rgb[0]) / 255.f, float(p.rgb[1]) / 255.f, float(p.rgb[2]) / 255.f}});
+  if (points.empty())
+    throw Error(ErrorCode::kNothingFound, input.path + ": no points, expected some to start from",
+                "leave --points out to start from random ones");
   if (points.size() > std::size_t(options.max_gaussians))
     run.monitor().warn("the fit starts from " + std::to_string(options.max_gaussians) + " of " +
                        std::to_string(points.size()) + " points, and adds none: --max-gaussians allows no more");

@@ -190,6 +190,7 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
     const auto timed = run.monitor().scope("load views");
     const auto lap = budget.lap(kLoadCost, scene.views.size());
     kept.preload(run.exec()), coarse.preload(run.exec());
+    compare_with_photos(run, coarse.get());
   }
   decisions.decide(run, EffectPhase::kBefore, coarse.get());
   // The stages below end early on a signal. What they then leave is nothing to go on from, and no checkpoint.

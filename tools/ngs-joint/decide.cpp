@@ -3,13 +3,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ngs/options/strict_json.h"
 #include "shared/text_file.h"
 
 namespace ngs::joint {
 namespace {
 
-std::vector<EffectVerdict> replayed(const std::string& path) {
-  const Json report = parse_json(cli::read_text_file(path, ErrorCode::kBadInput), path);
+/// kInconsistent where another method ran than `method`: what it does not ask for it calls off.
+std::vector<EffectVerdict> replayed(const std::string& path, Method method) {
+  const Json report = parse_strict_json<Json>(cli::read_text_file(path, ErrorCode::kBadInput), path, ErrorCode::kBadInput);
+  const Json options = report.is_object() ? report.value("options", Json()) : Json();
+  const Json ran = options.is_object() ? options.value("method", Json()) : Json();
+  if (ran.is_string() && ran != method_name(method))
+    throw Error(ErrorCode::kInconsistent,
+                path + ": decisions of --method " + ran.get<std::string>() + ", expected those of " + method_name(method),
+                "give the report of a run of this method");
   const Json* effects = nullptr;
   if (report.is_object() && report.contains("result") && report["result"].is_object() &&
       report["result"].contains("effects"))
@@ -34,7 +42,7 @@ std::vector<EffectVerdict> replayed(const std::string& path) {
 Decisions::Decisions(const Settings& settings, std::vector<EffectVerdict> ruled, const std::string& effects_from)
     : settings_(settings), verdicts_(std::move(ruled)) {
   if (effects_from.empty()) return;
-  for (EffectVerdict& verdict : replayed(effects_from)) verdicts_.push_back(std::move(verdict));
+  for (EffectVerdict& verdict : replayed(effects_from, settings.run.method)) verdicts_.push_back(std::move(verdict));
 }
 
 void Decisions::decide(cli::Run& run, EffectPhase phase, const MethodInput& input) {

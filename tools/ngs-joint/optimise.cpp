@@ -41,7 +41,8 @@ std::vector<LabelColumns> labels_of(const io::GaussianPly& ply, const Scene& sce
     throw Error(ErrorCode::kBadInput,
                 "the model has ngs_ columns for " + std::to_string(labels.size()) + " of the scene's " +
                     std::to_string(wanted) + " objects, expected all of them",
-                "label it first: ngs-variance scene.json -o boundary.ply");
+                ply.names_object ? "it is labelled for one: --objects '" + ply.object + "'"
+                                 : "label it first: ngs-variance scene.json -o boundary.ply");
   return labels;
 }
 
@@ -193,6 +194,9 @@ int optimise(cli::Run& run, Decisions& decisions, const Problem& problem, const 
   }
   result.converged = watch.target_met() || (!watch.cut() && !budget.cut());
   if (budget.given()) run.result()["budget"] = budget.json();
+  if (budget.given() && !result.converged)
+    run.monitor().warn("--time-budget " + settings.run.time_budget +
+                       ": parts were left out or cut short for want of time; result.budget of the report has the times");
   const LossTerms& l = watch.last_loss();
   run.result()["last_loss"] = {{"total", l.total}, {"photometric", l.photometric},
                                {"align", l.align}, {"mask", l.mask},

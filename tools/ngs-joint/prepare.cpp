@@ -1,8 +1,12 @@
 #include "prepare.h"
 
+#include <cstdio>
+
 #include "budget.h"
+#include "ngs/math/median.h"
 #include "ngs/stages/coarse_input.h"
 #include "ngs/stages/method_labels.h"
+#include "ngs/stages/scene_check.h"
 #include "ngs/stages/strays.h"
 #include "ngs/stages/view_list.h"
 
@@ -10,6 +14,7 @@ namespace ngs::joint {
 namespace {
 
 constexpr int kDraftShrink = 2;
+constexpr std::size_t kComparedViews = 3;
 
 }  // namespace
 
@@ -18,6 +23,24 @@ int decision_shrink(const Scene& scene) {
   for (const SceneView& view : scene.views)
     longest_px = std::max({longest_px, view.camera.width_px, view.camera.height_px});
   return longest_px >= 512 ? 2 : 1;
+}
+
+void compare_with_photos(cli::Run& run, const MethodInput& input) {
+  const auto timed = run.monitor().scope("compare with photos");
+  const std::vector<std::size_t> with_photo = photo_views(input.scene);
+  std::vector<double> gains_db;
+  for (std::size_t n = 0; n < std::min<std::size_t>(with_photo.size(), kComparedViews); ++n) {
+    const std::size_t v = with_photo[n * with_photo.size() / kComparedViews];
+    gains_db.push_back(match_photo(run.exec(), input.cloud, input.scene.views[v].camera, input.splat, input.load_photo(v)).gain_db());
+  }
+  if (gains_db.empty()) return;
+  const double gain_db = upper_median(std::move(gains_db)), least_db = SceneCheckOptions{}.min_fit_db;
+  if (gain_db >= least_db) return;
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "the model explains the photos %.1f dB better than a constant colour, expected %.1f: is it this scene's?", gain_db,
+                least_db);
+  run.monitor().warn(text);
 }
 
 std::vector<ViewExposure> handle_exposure(cli::Run& run, const MethodInput& input) {

@@ -25,6 +25,9 @@ struct FloaterOutcome {
 /// Whether a mask or a Gaussian is wrong shows at half the size, where that still is a picture.
 int decision_shrink(const Scene& scene);
 
+/// Warns where the model explains the photos no better than import asks for: then it is another scene's. Three views are asked.
+void compare_with_photos(cli::Run& run, const MethodInput& input);
+
 /// Gains of all photos, at the size of decisions; the report has them.
 std::vector<ViewExposure> handle_exposure(cli::Run& run, const MethodInput& input);
 

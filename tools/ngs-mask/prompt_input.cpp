@@ -55,9 +55,13 @@ std::size_t reference_view(const Run& run, const Scene& scene, const std::string
   if (name.empty())
     throw Error(ErrorCode::kUsage, "the prompts do not say which view they are of",
                 "give --view NAME, or name the file after the photo");
-  const std::vector<std::size_t> found = select_views(scene, name);
-  if (found.size() != 1) throw Error(ErrorCode::kUsage, "view = " + name + ", expected the name of one view");
-  const std::vector<std::size_t> said = ViewNames(scene.views).find(prompt.view);
+  const ViewNames names(scene.views);
+  const std::vector<std::size_t> found = names.find(name);
+  if (found.size() != 1)
+    throw Error(ErrorCode::kUsage, "view = " + name + ": " + (found.empty() ? "no view" : "several views") +
+                                       " of that name, expected one",
+                "say which with --view NAME; the first is '" + scene.views.front().camera.name + "'");
+  const std::vector<std::size_t> said = names.find(prompt.view);
   if (!prompt.view.empty() && said.size() == 1 && said[0] != found[0])
     throw Error(ErrorCode::kUsage, "view = " + name + ": the prompts are of " + prompt.view + ", expected one view",
                 "leave --view out, or give the prompts of that view");

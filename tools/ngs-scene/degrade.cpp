@@ -80,12 +80,16 @@ int degrade_command(int argc, char** argv) {
       run.plan({{"masks", names.size() - missing.size()}});
       return cli::kDone;
     }
+    bool any_object = false;
     for (std::size_t v = 0; v < names.size(); ++v) {
       if (fate[v] < 0) continue;
       const ImageU16 mask = read_binary(masks.path + "/" + names[std::size_t(fate[v])]);
       write_binary(out.path + "/" + image_stem(names[v]) + ".png",
                    synth::disturb_labels(run.exec(), mask, noise, 1, int(v), run.seed()));
+      any_object |= std::ranges::find(mask.data, std::uint16_t(1)) != mask.data.end();
     }
+    if (!any_object && missing.size() < names.size())
+      run.monitor().warn(masks.path + ": no mask shows an object; expected 0/255 or 0/1, maps of ids are not taken");
     return cli::kDone;
   });
 }

@@ -32,7 +32,7 @@ void install_signal_handlers(bool on_request) {
   sigemptyset(&action.sa_mask);
   action.sa_flags = SA_RESTART;  // library code does not expect EINTR
   for (const int number : {SIGINT, SIGTERM, SIGUSR1}) sigaction(number, &action, nullptr);
-  signal(SIGPIPE, SIG_IGN);  // a closed stdout is reported like any failed write
+  for (const int number : {SIGPIPE, SIGXFSZ}) signal(number, SIG_IGN);  // reported like any failed write
 }
 
 const std::atomic<bool>& stop_flag() { return stop; }

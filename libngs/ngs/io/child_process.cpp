@@ -65,7 +65,7 @@ pid_t spawn(const std::vector<std::string>& argv, int transcript) {
   posix_spawnattr_init(&attributes);
   sigset_t none, defaults;
   sigemptyset(&none), sigemptyset(&defaults);
-  for (const int number : {SIGTERM, SIGINT, SIGUSR1, SIGPIPE}) sigaddset(&defaults, number);
+  for (const int number : {SIGTERM, SIGINT, SIGUSR1, SIGPIPE, SIGXFSZ}) sigaddset(&defaults, number);
   posix_spawnattr_setsigmask(&attributes, &none);
   posix_spawnattr_setsigdefault(&attributes, &defaults);
   posix_spawnattr_setflags(&attributes,

@@ -197,6 +197,10 @@ void assign_splits(const std::string& hold_out, std::vector<SceneView>& views) {
   if (std::all_of(views.begin(), views.end(), [](const SceneView& v) { return v.split == Split::kHeldOut; }))
     throw Error(ErrorCode::kInconsistent,
                 "--hold-out " + hold_out + ": holds out every view, expected some to train on");
+  if (std::all_of(views.begin(), views.end(), [](const SceneView& v) { return v.split == Split::kTrain; }))
+    throw Error(ErrorCode::kInconsistent,
+                "--hold-out " + hold_out + ": holds out none of the " + std::to_string(views.size()) + " views, expected some",
+                "leave it out to train on all");
 }
 
 /// The largest 1/k at which no photo's longer side exceeds kWorkingSizePx. One for all views: the small ones of a mixed
