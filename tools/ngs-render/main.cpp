@@ -46,7 +46,7 @@ int main(int argc, char** argv) {
   return tool.run(argc, argv, [&](cli::Run& run) {
     Scene scene = io::read_scene_json(scene_json.path);
     const io::GaussianPly ply = io::read_gaussian_ply(model.path);
-    const picture::Objects objects = picture::objects_of(ply);
+    const picture::Objects objects = picture::objects_of(ply, scene);
     const std::set<std::string> layers = picture::parse_layers(options.layers, objects, format.format);
     warn_unused(run, layers, options);
     choose_background(options.background, run.monitor(), scene);
@@ -54,6 +54,10 @@ int main(int argc, char** argv) {
     const SplatOptions splat =
         filter_at_scale(splat_options(raster, ply.cloud, scene), options.native_filter ? 1.0 : scale);
     const std::vector<std::size_t> views = select_views(scene, options.views);
+    if (views.empty())
+      run.nothing_found("--views " + options.views + ": none of the scene's " + std::to_string(scene.views.size()) +
+                            " views, expected some",
+                        "--views all renders them all");
     const std::vector<std::string> names = picture::file_names(scene, format.names);
     std::vector<std::string> files;
     for (std::size_t n = 0; out && n < views.size(); ++n)
@@ -61,6 +65,8 @@ int main(int argc, char** argv) {
                         std::back_inserter(files));
     cli::refuse_over_photos(scene, files);
     run.result()["views"] = views.size();
+    for (std::size_t k = 0; layers.contains("labels") && k < objects.names.size(); ++k)
+      run.result()["labels"][objects.names[k]] = objects.ids[k];
     if (run.dry_run()) {
       run.plan({{"views", views.size()}, {"layers", layers}});
       return 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numeric>
 #include <sstream>
 
 #include "ngs/io/exr.h"
@@ -84,7 +85,7 @@ void write_exr_view(const Destination& to, const RenderedView& view, const Objec
     for (std::size_t k = 0; k < objects.names.size(); ++k)
       image.channels[objects.names.size() == 1 ? "ngs.mask" : "ngs.mask_" + objects.names[k]] = plane(k);
   if (layers.contains("labels")) {
-    const ImageU16 map = label_map(view, options.threshold);
+    const ImageU16 map = label_map(view, options.threshold, objects.ids);
     image.channels["ngs.id"].assign(map.data.begin(), map.data.end());
   }
   image.text["ngs:schema"] = "ngs.render.1";
@@ -93,12 +94,18 @@ void write_exr_view(const Destination& to, const RenderedView& view, const Objec
 
 }  // namespace
 
-Objects objects_of(const io::GaussianPly& ply) {
+Objects objects_of(const io::GaussianPly& ply, const Scene& scene) {
   Objects objects;
   for (const io::NamedLabels& o : ply.objects)
     objects.names.push_back(o.object), objects.columns.push_back(o.columns);
   objects.gaussians = ply.cloud.size();
   if (objects.names.empty() && !ply.labels.label.empty()) objects.names = {ply.object}, objects.columns = {ply.labels};
+  for (const std::string& name : objects.names)
+    for (const SceneObject& object : scene.objects)
+      if (object.name == name && object.id > 0) objects.ids.push_back(std::uint16_t(object.id));
+  if (objects.ids.size() == objects.names.size()) return objects;
+  objects.ids.resize(objects.names.size());
+  std::iota(objects.ids.begin(), objects.ids.end(), std::uint16_t(1));
   return objects;
 }
 
@@ -163,7 +170,7 @@ void write_view(const Destination& to, const RenderedView& view, const Objects& 
     else if (layer == "depth")
       io::write_png16(prepared(folder, file), depth_to_16bit(view));
     else if (layer == "labels")
-      io::write_png16(prepared(folder, file), label_map(view, options.threshold));
+      io::write_png16(prepared(folder, file), label_map(view, options.threshold, objects.ids));
     else if (layer == "overlay")
       io::write_png(prepared(folder, file), overlay_picture(view, options.threshold));
   }

@@ -38,10 +38,11 @@ struct OutputOptions {
 struct Objects {
   std::vector<std::string> names;
   std::vector<LabelColumns> columns;
+  std::vector<std::uint16_t> ids;  // in label maps
   std::int64_t gaussians = 0;
 };
-/// The label sets of a model; none for a plain one.
-Objects objects_of(const io::GaussianPly& ply);
+/// The label sets of a model; none for a plain one. Ids are those of the scene's label maps; where it has none, 1 2 3 ...
+Objects objects_of(const io::GaussianPly& ply, const Scene& scene);
 
 /// Known layer names, default {"mask"}; kUsage for others and for masks of a model without labels.
 /// An overlay has no place in an EXR (kUsage).

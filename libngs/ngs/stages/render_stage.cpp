@@ -106,14 +106,14 @@ void show_objects_alone(const Exec& exec, const GaussianCloud& cloud,
   }
 }
 
-ImageU16 label_map(const RenderedView& view, double threshold) {
+ImageU16 label_map(const RenderedView& view, double threshold, const std::vector<std::uint16_t>& ids) {
   ImageU16 map(view.width_px, view.height_px, 1);
   const auto objects = std::size_t(view.label.channels);
   for (std::size_t p = 0; p < map.data.size(); ++p) {
     float best = float(threshold);
     for (std::size_t k = 0; k < objects; ++k)
       if (view.label.data[p * objects + k] > best)
-        best = view.label.data[p * objects + k], map.data[p] = std::uint16_t(k + 1);
+        best = view.label.data[p * objects + k], map.data[p] = ids.empty() ? std::uint16_t(k + 1) : ids[k];
   }
   return map;
 }

@@ -66,8 +66,8 @@ void show_objects_alone(const Exec& exec, const GaussianCloud& cloud,
                         const std::vector<LabelColumns>& objects, const Camera& camera,
                         const SplatOptions& splat, RenderedView& view);
 
-/// Label map: 0 background, else the index + 1 of the object whose mask is largest and exceeds `threshold`.
-ImageU16 label_map(const RenderedView& view, double threshold);
+/// Label map: 0 background, else the id of the object whose mask is largest and exceeds `threshold`; no ids: its index + 1.
+ImageU16 label_map(const RenderedView& view, double threshold, const std::vector<std::uint16_t>& ids = {});
 
 /// The picture with every mask's contour drawn (1 px) and its inside tinted, one hue per object.
 ImageU8 overlay_picture(const RenderedView& view, double threshold);
