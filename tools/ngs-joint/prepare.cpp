@@ -38,8 +38,8 @@ void compare_with_photos(cli::Run& run, const MethodInput& input) {
   if (gain_db >= least_db) return;
   char text[160];
   std::snprintf(text, sizeof text,
-                "the model explains the photos %.1f dB better than a constant colour, expected %.1f: is it this scene's?", gain_db,
-                least_db);
+                "the rendered model matches the photos %.1f dB above a constant colour, expected at least %.1f: is it this scene's?",
+                gain_db, least_db);
   run.monitor().warn(text);
 }
 

@@ -238,6 +238,13 @@ ImportedScene import_scene(const ImportRequest& request) {
   for (SceneView& view : scene.views)
     view.camera = resized(view.camera, scaled_size_px(view.camera.width_px, scene.image_scale),
                           scaled_size_px(view.camera.height_px, scene.image_scale));
+  constexpr int kLeastSide_px = 8;  // smaller pictures match any model as badly
+  for (const SceneView& view : scene.views)
+    if (const Camera& c = view.camera; scene.image_scale < 1 && std::min(c.width_px, c.height_px) < kLeastSide_px)
+      throw Error(ErrorCode::kUsage, "--image-scale " + std::to_string(request.image_scale) + ": view " + c.name + " becomes " +
+                                         std::to_string(c.width_px) + "x" + std::to_string(c.height_px) +
+                                         " px, expected at least " + std::to_string(kLeastSide_px) + " a side",
+                  "0 chooses the size");
   validate_scene(scene, request.capture.source);
   return out;
 }

@@ -44,14 +44,14 @@ Shares shares_of(const GaussianCloud& cloud, const Camera& camera, const std::ve
   return {double(in_front) / double(sample.size()), double(inside) / double(sample.size())};
 }
 
-std::vector<std::int64_t> sample_usable(const GaussianCloud& cloud) {
+std::vector<std::int64_t> sample_usable(const GaussianCloud& cloud, const std::string& name) {
   const std::int64_t stride = (cloud.size() + kMostSampled - 1) / kMostSampled;
   std::vector<std::int64_t> sample;
   for (std::int64_t i = 0; i < cloud.size(); i += stride)
     if (cloud.usable[std::size_t(i)] != 0) sample.push_back(i);
   if (sample.empty())
     throw Error(ErrorCode::kNothingFound,
-                "the model has no usable Gaussian, expected at least one finite row");
+                name + ": no usable Gaussian, expected at least one finite row");
   return sample;
 }
 
@@ -233,7 +233,7 @@ void check_inside_only(const SceneCheck& result) {
 void check_cloud(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options,
                  const GaussianCloud& cloud, const Scene& scene, const SceneLoaders& loaders,
                  SceneCheck& result) {
-  const std::vector<std::int64_t> sample = sample_usable(cloud);
+  const std::vector<std::int64_t> sample = sample_usable(cloud, scene.model_path);
   result.sampled_gaussians = std::int64_t(sample.size());
   {
     const auto timed = monitor.scope("project");
