@@ -150,6 +150,10 @@ std::string decibels(double value) {
   return text;
 }
 
+constexpr const char* kGsplatRemedy = "by the rules of gsplat, whose near plane is nearer: --compat gsplat";
+constexpr double kSomeTooNear = 0.01;  // share of the Gaussians from which on it is worth asking
+constexpr double kGsplatGain_db = 0.5;
+
 /// What the model would explain of the photos if gsplat had fitted it, whose near plane is nearer.
 double gain_by_gsplat(const Exec& exec, Subject model, const std::vector<Shot>& shots) {
   model.splat.compat = Compat::kGsplat;
@@ -157,9 +161,6 @@ double gain_by_gsplat(const Exec& exec, Subject model, const std::vector<Shot>& 
   for (const Shot& shot : shots) gains.push_back(best_match(exec, model, shot).gain_db());
   return median(gains);
 }
-constexpr const char* kGsplatRemedy = "by the rules of gsplat, whose near plane is nearer: --compat gsplat";
-constexpr double kSomeTooNear = 0.01;  // share of the Gaussians from which on it is worth asking
-constexpr double kGsplatGain_db = 0.5;
 
 /// What to do where the model does not fit the photos.
 std::string remedy_of(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options, const Subject& model,
