@@ -1,6 +1,7 @@
 // Four things on a table, cut out in runs apart and joined, against one run of all.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -60,6 +61,11 @@ const test::TempDir& table() {
   return dir;
 }
 
+Words operator+(Words words, const Words& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
 const LabelColumns& object(const io::GaussianPly& ply, const std::string& name) {
   for (const io::NamedLabels& o : ply.objects)
     if (o.object == name) return o.columns;
@@ -110,7 +116,13 @@ TEST_CASE("runs apart move and halve Gaussians of their own objects only, and jo
   }
   CHECK(moved > 20);
   CHECK(of_others == 0);
-  done(dir, {"ngs-extract", "l.ply", "--select", "c", "--object", "c.ply"});
+  const auto extracted = [&](const Words& select) {
+    return done(dir, Words{"ngs-extract", "l.ply", "--object", "part.ply"} + select)["result"]["object"].get<int>();
+  };
+  const int a = extracted({"--select", "a"}), c = extracted({"--select", "c"}), both = extracted({"--select", "c", "--select", "a"});
+  CHECK(std::min(a, c) > 0);
+  CHECK(both > std::max(a, c));
+  CHECK(both <= a + c);
 }
 
 TEST_CASE("parts that changed one and the same Gaussian are refused with the way out") {

@@ -26,14 +26,19 @@ std::vector<io::NamedLabels> labels_of(const io::GaussianPly& ply) {
   return objects;
 }
 
-std::vector<std::size_t> selected(const std::vector<io::NamedLabels>& objects, const std::string& name) {
+/// In the order of the model.
+std::vector<std::size_t> selected(const std::vector<io::NamedLabels>& objects, const std::vector<std::string>& select) {
+  std::vector<std::string> names;
+  for (const io::NamedLabels& object : objects) names.push_back(object.object);
+  for (const std::string& name : select)
+    if (std::ranges::find(names, name) == names.end()) {
+      std::string known;
+      for (const std::string& n : names) known += (known.empty() ? "" : ", ") + n;
+      throw Error(ErrorCode::kUsage, "select = " + name + ", expected one of: " + known);
+    }
   std::vector<std::size_t> chosen;
-  std::string names;
-  for (std::size_t k = 0; k < objects.size(); ++k) {
-    if (name.empty() || objects[k].object == name) chosen.push_back(k);
-    names += (k > 0 ? ", " : "") + objects[k].object;
-  }
-  if (chosen.empty()) throw Error(ErrorCode::kUsage, "select = " + name + ", expected one of: " + names);
+  for (std::size_t k = 0; k < names.size(); ++k)
+    if (select.empty() || std::ranges::find(select, names[k]) != select.end()) chosen.push_back(k);
   return chosen;
 }
 
@@ -51,7 +56,7 @@ Json counts(const std::string& name, const Extraction& e) {
 
 }  // namespace
 
-Extractor::Extractor(Run& run, io::GaussianPly ply, const ExtractOptions& options, const std::string& select)
+Extractor::Extractor(Run& run, io::GaussianPly ply, const ExtractOptions& options, const std::vector<std::string>& select)
     : run_(run),
       options_(options),
       ply_(std::move(ply)),

@@ -10,19 +10,19 @@
 namespace ngs::cli {
 
 struct SelectOptions {
-  std::string select;
+  std::vector<std::string> select;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.select,
-          Text{"select", "NAME", "the object to extract from a model with several; default: all of them"});
+          Text{"select", "NAME", "an object to extract from a model with several, repeat for more; default: all of them"});
   }
 };
 
 class Extractor {
  public:
-  /// kBadInput if the model has no labels, kUsage if no object is named `select`.
-  Extractor(Run& run, io::GaussianPly ply, const ExtractOptions& options, const std::string& select);
+  /// kBadInput if the model has no labels, kUsage if one of `select` names no object. None: all objects.
+  Extractor(Run& run, io::GaussianPly ply, const ExtractOptions& options, const std::vector<std::string>& select);
 
   /// Labels and ngs_fixed of the selected object from a hand-edited splat.
   void import(const std::string& path);
