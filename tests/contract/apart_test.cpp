@@ -61,11 +61,6 @@ const test::TempDir& table() {
   return dir;
 }
 
-Words operator+(Words words, const Words& more) {
-  words.insert(words.end(), more.begin(), more.end());
-  return words;
-}
-
 const LabelColumns& object(const io::GaussianPly& ply, const std::string& name) {
   for (const io::NamedLabels& o : ply.objects)
     if (o.object == name) return o.columns;
@@ -117,7 +112,9 @@ TEST_CASE("runs apart move and halve Gaussians of their own objects only, and jo
   CHECK(moved > 20);
   CHECK(of_others == 0);
   const auto extracted = [&](const Words& select) {
-    return done(dir, Words{"ngs-extract", "l.ply", "--object", "part.ply"} + select)["result"]["object"].get<int>();
+    Words argv{"ngs-extract", "l.ply", "--object", "part.ply"};
+    argv.insert(argv.end(), select.begin(), select.end());
+    return done(dir, argv)["result"]["object"].get<int>();
   };
   const int a = extracted({"--select", "a"}), c = extracted({"--select", "c"}), both = extracted({"--select", "c", "--select", "a"});
   CHECK(std::min(a, c) > 0);

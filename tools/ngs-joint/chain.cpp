@@ -233,7 +233,7 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
                                                                 : "";
     if (unread.empty()) {
       given = io::read_query_ply(paths.field);
-      require_grids(*given, input.cloud.origin, paths.field);
+      require_grids(*given, input.cloud, paths.field);
     } else {
       run.info("--field is not read: " + std::string(unread));
     }

@@ -21,7 +21,7 @@ struct Columns {
 
 class Reader {
  public:
-  explicit Reader(GaussianPly& ply, HigherBands bands = HigherBands::kRead, const std::array<double, 3>* origin = nullptr)
+  Reader(GaussianPly& ply, HigherBands bands, const std::array<double, 3>* origin)
       : ply_(ply), name_(ply.file.name()), bands_(bands), given_origin_(origin) {}
 
   void read() {
@@ -298,25 +298,21 @@ std::string column_suffix(const std::string& object) {
   return suffix;
 }
 
-GaussianPly read_gaussian_ply(const std::string& path, HigherBands bands) {
+namespace {
+
+GaussianPly read(PlyFile file, HigherBands bands = HigherBands::kRead, const std::array<double, 3>* origin = nullptr) {
   GaussianPly ply;
-  ply.file = PlyFile::open(path);
-  Reader(ply, bands).read();
+  ply.file = std::move(file);
+  Reader(ply, bands, origin).read();
   return ply;
 }
 
+}  // namespace
+
+GaussianPly read_gaussian_ply(const std::string& path, HigherBands bands) { return read(PlyFile::open(path), bands); }
 GaussianPly read_gaussian_ply(const std::string& path, const std::array<double, 3>& origin) {
-  GaussianPly ply;
-  ply.file = PlyFile::open(path);
-  Reader(ply, HigherBands::kRead, &origin).read();
-  return ply;
+  return read(PlyFile::open(path), HigherBands::kRead, &origin);
 }
-
-GaussianPly parse_gaussian_ply(std::string name, Bytes bytes) {
-  GaussianPly ply;
-  ply.file = PlyFile::parse(std::move(name), bytes);
-  Reader(ply).read();
-  return ply;
-}
+GaussianPly parse_gaussian_ply(std::string name, Bytes bytes) { return read(PlyFile::parse(std::move(name), bytes)); }
 
 }  // namespace ngs::io

@@ -194,10 +194,11 @@ void assign_splits(const std::string& hold_out, std::vector<SceneView>& views) {
     hold_out_every(hold_out, views);
   else
     hold_out_named(hold_out, views);
-  if (std::all_of(views.begin(), views.end(), [](const SceneView& v) { return v.split == Split::kHeldOut; }))
+  const auto held = std::ranges::count(views, Split::kHeldOut, &SceneView::split);
+  if (held == std::ssize(views))
     throw Error(ErrorCode::kInconsistent,
                 "--hold-out " + hold_out + ": holds out every view, expected some to train on");
-  if (std::all_of(views.begin(), views.end(), [](const SceneView& v) { return v.split == Split::kTrain; }))
+  if (held == 0)
     throw Error(ErrorCode::kInconsistent,
                 "--hold-out " + hold_out + ": holds out none of the " + std::to_string(views.size()) + " views, expected some",
                 "leave it out to train on all");

@@ -57,14 +57,14 @@ void match_per_object(const std::string& folder, const std::vector<std::string>&
     for (std::size_t v = 0; v < views.size(); ++v) {
       if (found[v].path.empty()) continue;
       has_any = true;
-      std::string path = with_object_field(found[v].path, object_folder, folder), &kept = views[v]->mask_path;
-      if (!kept.empty() && kept != path)
+      const std::string path = with_object_field(found[v].path, object_folder, folder);
+      std::string& kept = views[v]->mask_path;
+      if (kept.empty())
+        kept = path, ++matches.views_by_rule["<object>/" + found[v].rule];
+      else if (kept != path)
         throw Error(ErrorCode::kInconsistent,
                     found[v].path + ": another object has " + kept + ", expected one name in the folders of all objects",
                     "rename the masks alike");
-      if (!kept.empty()) continue;
-      kept = std::move(path);
-      ++matches.views_by_rule["<object>/" + found[v].rule];
     }
     if (has_any) matches.objects.push_back(object);
   }

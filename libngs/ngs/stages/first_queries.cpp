@@ -15,7 +15,7 @@ std::vector<float> boundary_flags(const MethodInput& input, bool boundary_effect
   return flags;
 }
 
-void require_grids(const QueryField& field, const std::array<double, 3>& origin, const std::string& name) {
+void require_grids(const QueryField& field, const GaussianCloud& cloud, const std::string& name) {
   const auto bad = [&](const std::string& what) {
     throw Error(ErrorCode::kBadInput, name + ": " + what, "sample again: ngs-sample scene.json boundary.ply -o queries.ply");
   };
@@ -24,9 +24,7 @@ void require_grids(const QueryField& field, const std::array<double, 3>& origin,
       {field.uv.size() / 2, "u v"}, {field.view.size(), "view"}, {field.slot.size(), "slot"}, {field.depth.size(), "depth"}};
   for (const auto& [rows, column] : columns)
     if (rows != n) bad(std::string("no columns ") + column + ", expected those of ngs-sample");
-  if (field.origin != origin)
-    throw Error(ErrorCode::kInconsistent, name + ": relative to another origin than the model, expected queries of this model",
-                "sample again: ngs-sample scene.json boundary.ply -o queries.ply");
+  require_same_origin(field, cloud);
   std::int32_t slot = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const std::int32_t before = i > 0 ? field.view[i - 1] : -1, view = field.view[i];

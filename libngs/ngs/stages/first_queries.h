@@ -10,7 +10,7 @@ std::vector<float> boundary_flags(const MethodInput& input, bool boundary_effect
 
 /// kBadInput where `field` is not what ngs-sample writes: the nodes of every grid in order, each with its pixel and depth.
 /// kInconsistent where it is relative to another origin. `name` is the file's.
-void require_grids(const QueryField& field, const std::array<double, 3>& origin, const std::string& name);
+void require_grids(const QueryField& field, const GaussianCloud& cloud, const std::string& name);
 
 struct FirstQueries {
   const Exec& exec;

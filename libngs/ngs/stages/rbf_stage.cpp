@@ -22,14 +22,14 @@ void require_finite(const QueryField& field) {
                   "write the queries again: ngs-sample scene.json boundary.ply -o queries.ply");
 }
 
+}  // namespace
+
 void require_same_origin(const QueryField& field, const GaussianCloud& cloud) {
   if (field.origin == cloud.origin) return;
   throw Error(ErrorCode::kInconsistent,
               "the queries are relative to another origin than the model, expected queries of this model",
               "sample again: ngs-sample scene.json boundary.ply -o queries.ply");
 }
-
-}  // namespace
 
 double rbf_width(const Exec& exec, const RbfOptions& options, Rows<const float, 3> boundary) {
   if (options.width == "auto")

@@ -26,6 +26,9 @@ struct RbfOptions {
   }
 };
 
+/// kInconsistent where the field is of a model with another origin.
+void require_same_origin(const QueryField& field, const GaussianCloud& cloud);
+
 /// The kernel width in world units. kUsage where `options.width` is neither auto nor a positive number.
 double rbf_width(const Exec& exec, const RbfOptions& options, Rows<const float, 3> boundary);
 

@@ -95,22 +95,20 @@ struct Subject {
   }
 };
 
-PhotoMatch best_match(const Exec& exec, const Subject& model, const Shot& shot) {
+PhotoMatch best_match(const Exec& exec, const Subject& model, const Camera& camera, const ImageF& photo) {
   PhotoMatch best;
   for (const double filter : kFilters) {
-    const PhotoMatch match = match_photo(exec, model.cloud, shot.camera, model.with_filter(filter), shot.photo);
+    const PhotoMatch match = match_photo(exec, model.cloud, camera, model.with_filter(filter), photo);
     if (filter == kFilters[0] || match.psnr_db > best.psnr_db) best = match;
   }
   return best;
 }
 
-double median_gain(const Exec& exec, const Subject& model, const std::vector<Shot>& shots,
-                   const PoseRepair& repair) {
+/// `repair`: of the cameras; null: as they are.
+double median_gain(const Exec& exec, const Subject& model, const std::vector<Shot>& shots, const PoseRepair* repair) {
   std::vector<double> gains;
-  for (const Shot& shot : shots) {
-    const Shot repaired{shot.view, repair.apply(shot.camera), shot.photo};
-    gains.push_back(best_match(exec, model, repaired).gain_db());
-  }
+  for (const Shot& shot : shots)
+    gains.push_back(best_match(exec, model, repair ? repair->apply(shot.camera) : shot.camera, shot.photo).gain_db());
   return median(gains);
 }
 
@@ -124,7 +122,7 @@ const PoseRepair* find_repair(const Exec& exec, Monitor& monitor, const SceneChe
   const PoseRepair* best = nullptr;
   double best_gain = options.min_fit_db;
   for (const PoseRepair& repair : pose_repairs()) {
-    const double gain = median_gain(exec, model, few, repair);
+    const double gain = median_gain(exec, model, few, &repair);
     if (gain > best_gain) best = &repair, best_gain = gain;
   }
   return best;
@@ -157,9 +155,7 @@ constexpr double kGsplatGain_db = 0.5;
 /// What the model would explain of the photos if gsplat had fitted it, whose near plane is nearer.
 double gain_by_gsplat(const Exec& exec, Subject model, const std::vector<Shot>& shots) {
   model.splat.compat = Compat::kGsplat;
-  std::vector<double> gains;
-  for (const Shot& shot : shots) gains.push_back(best_match(exec, model, shot).gain_db());
-  return median(gains);
+  return median_gain(exec, model, shots, nullptr);
 }
 
 /// What to do where the model does not fit the photos.
@@ -189,7 +185,7 @@ void check_photos(const Exec& exec, Monitor& monitor, const SceneCheckOptions& o
   {
     const auto timed = monitor.scope("compare");
     for (const Shot& shot : shots) {
-      const PhotoMatch match = best_match(exec, model, shot);
+      const PhotoMatch match = best_match(exec, model, shot.camera, shot.photo);
       gains.push_back(match.gain_db()), psnrs.push_back(match.psnr_db);
       result.views[shot.view].match = match;
     }

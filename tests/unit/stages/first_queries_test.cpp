@@ -23,12 +23,18 @@ QueryField sampled() {
   return field;
 }
 
+GaussianCloud cloud() {
+  GaussianCloud cloud;
+  cloud.origin = {1, 2, 3};
+  return cloud;
+}
+
 void refused(const std::function<void(QueryField&)>& spoil, ErrorCode code, const char* what) {
   CAPTURE(what);
   QueryField field = sampled();
   spoil(field);
   try {
-    require_grids(field, {1, 2, 3}, "f.ply");
+    require_grids(field, cloud(), "f.ply");
     FAIL("nothing was thrown");
   } catch (const Error& e) {
     CHECK(e.code() == code);
@@ -39,7 +45,7 @@ void refused(const std::function<void(QueryField&)>& spoil, ErrorCode code, cons
 }  // namespace
 
 TEST_CASE("a given field is taken as ngs-sample writes it, and refused where a column, the order or the origin is another") {
-  CHECK_NOTHROW(require_grids(sampled(), {1, 2, 3}, "f.ply"));
+  CHECK_NOTHROW(require_grids(sampled(), cloud(), "f.ply"));
   refused([](QueryField& f) { f.uv.clear(); }, ErrorCode::kBadInput, "f.ply: no columns u v");
   refused([](QueryField& f) { f.depth.clear(); }, ErrorCode::kBadInput, "f.ply: no columns depth");
   refused([](QueryField& f) { f.view.clear(); }, ErrorCode::kBadInput, "f.ply: no columns view");
