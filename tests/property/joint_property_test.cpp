@@ -89,7 +89,7 @@ TEST_CASE("joint: every part of the method can be switched off alone, and matter
              twice = state_after(*c, small_options(kSomeTwice), kSomeTwice, 2);
   const std::set<std::string_view> elsewhere{
       "exposure", "floaters", "strays", "view-trust", "joint", "edges",
-      "split", "second-round", "antialias"};  // stages of their own, or the tool's: unit/stages
+      "split", "second-round", "fine-rounds", "antialias"};  // stages of their own, or the tool's: unit/stages
   const std::set<std::string_view> nothing_here{"region",
                                                 "fine-hash"};  // small pictures, few levels: unit/stages
   for (const EffectInfo& effect : effect_registry()) {

@@ -67,6 +67,7 @@ RoundsCost Budget::rounds_cost(const JointOptions& joint, const EdgeOptions& edg
   const double n = double(views);
   RoundsCost rounds{.walk_s = foreseen_s(kWalkRenders * n),
                     .visit_s = foreseen_s(kEdgeStepRenders * n),
+                    .early_visit_s = foreseen_s(kEdgeStepRenders * n) * early_step_share(effects),
                     .check_s = foreseen_s(kCheckCost.renders * double(training_views)),
                     .rounds = 0,
                     .visits = edge_visits(edge, joint.quality, views)};

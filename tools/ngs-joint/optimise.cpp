@@ -122,7 +122,7 @@ MethodResult run_edges(cli::Run& run, const Settings& settings, const Problem& p
     const bool no_trial = planned == 1 && may_try_pictures(settings.edge, problem.input.scene);
     const int rounds = planned == 0 || no_trial ? planned : wanted;
     if (rounds < wanted) budget.note_cut();  // that later rounds or steps were left out the watch knows
-    watch.rounds_known(rounds);
+    watch.rounds_known(rounds, early_step_share(parse_effects(settings.joint.effect)));
     return rounds;
   };
   const double check_s = budget.foreseen_s(kCheckCost.renders * double(views));

@@ -46,7 +46,7 @@ void Watch::begin_steps(double keep_s, const JointTrainer& trainer) {
 
 void Watch::begin_rounds(double keep_s) {
   begin_stage(keep_s);
-  rounds_known(1);
+  rounds_known(1, 1);
 }
 
 /// After the first step of a round: all before it was the walk.
@@ -65,10 +65,11 @@ double Watch::step_s(const JointProgress& progress) const {
   return (seconds() - began_s_) / double(std::max<std::int64_t>(progress.step - began_step_, 1));
 }
 
-/// A walk like the last one, and the least of its steps at the pace of this one's.
+/// A walk like the last one, and the least of its steps, as this one's pace foretells them.
 bool Watch::room_for_next_round(const JointProgress& progress) const {
   constexpr double kCaution = 1.15;
-  return budget_.allows(keep_s_ + kCaution * walk_s_ + kLeastRound * double(planned_) * step_s(progress));
+  const double next_step_s = step_s(progress) / (rounds_left_ == 2 ? early_share_ : 1);
+  return budget_.allows(keep_s_ + kCaution * walk_s_ + kLeastRound * double(planned_) * next_step_s);
 }
 
 void Watch::replan(const JointProgress& progress, JointTrainer& trainer) {

@@ -16,8 +16,8 @@ class Watch {
   void begin_steps(double keep_s, const JointTrainer& trainer);
   /// The same for rounds of edges. Another is begun where what is left has room for its walk and half of its steps.
   void begin_rounds(double keep_s);
-  /// How many there may be, known after the first walk.
-  void rounds_known(int rounds) { rounds_left_ = rounds + 1; }
+  /// How many there may be, known after the first walk; a step of those before the last takes `early_share` of one of it.
+  void rounds_known(int rounds, double early_share) { rounds_left_ = rounds + 1, early_share_ = early_share; }
 
   /// True: no further step, because the target is met or the time is up.
   /// `whole` gives the model as it is, for scoring. Under a budget the trainer's plan follows the time that its steps turn out to take.
@@ -54,7 +54,7 @@ class Watch {
   std::int64_t planned_ = 0, began_step_ = 0;
   double began_s_ = 0, longest_step_s_ = 0, keep_s_ = 0;
   int rounds_left_ = 0;  // of edges, this one included; 0: these are not edges
-  double walk_s_ = 0;
+  double walk_s_ = 0, early_share_ = 1;
   LossTerms last_loss_;
   std::string text_;
 };

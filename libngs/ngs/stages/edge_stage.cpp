@@ -7,6 +7,7 @@
 
 #include "ngs/ops/evidence.h"
 #include "ngs/stages/apart.h"
+#include "ngs/stages/coarse_input.h"
 #include "ngs/stages/edge_masks.h"
 #include "ngs/stages/edge_split.h"
 #include "ngs/stages/edge_unseen.h"
@@ -28,6 +29,9 @@ constexpr GaussianRates kEdgeRates{.position = 1.6e-4,
 
 // The size, relative to the camera's, that photos with fewer pixels are enlarged to where that serves.
 constexpr int kLargeDetail = 2;
+
+// Of the rounds before the last, where the object has no parts that would be lost by it: sides, relative to the camera's.
+constexpr int kEarlyShrink = 2;
 
 // Which Gaussians are trained: share of the weight in the windows, weight across contours.
 constexpr double kLeastInside = 0.99, kLeastStraddling_px = 0.5;
@@ -197,11 +201,11 @@ class EdgeRun {
     return !judges_.empty();
   }
 
-  /// A round without the judges, which is forgotten. False if it ended early: then it counts.
-  bool try_unseen() {
+  /// A round as the first one of `rounds`, but without the judges, which is forgotten. False if it ended early: then it counts.
+  bool try_unseen(int rounds) {
     Model start = model_;
     std::erase_if(views_, [&](std::size_t v) { return std::find(judges_.begin(), judges_.end(), v) != judges_.end(); });
-    if (!train(0)) return false;
+    if (!train(0, rounds)) return false;
     const auto timed = monitor_.scope("pictures tried");
     trial_ = try_pictures(exec_, walk_setup(detail_), {start.cloud, start.labels}, {model_.cloud, model_.labels}, walked_, judges_);
     model_ = std::move(start), rounds_ = 0;
@@ -220,8 +224,8 @@ class EdgeRun {
     drop_empty_views();
   }
 
-  /// False if it ended early.
-  bool train(int round) {
+  /// One of `rounds`; the last is trained at the full size. False if it ended early.
+  bool train(int round, int rounds) {
     Scene scene = setup_.input.scene;
     for (const std::size_t v : views_)
       scene.views[v].camera = window_camera(scene.views[v].camera, walked_[v].window);
@@ -231,8 +235,10 @@ class EdgeRun {
     input.labels = gather_labels(exec_, model_.labels, play.rows);
     if (!model_.fixed.empty()) input.fixed = gather_column(exec_, model_.fixed, 1, play.rows);
     const JointOptions joint = window_options(setup_, views_.size());
+    std::optional<CoarseInput> coarse;
+    if (round + 1 < rounds && !parse_effects(joint.effect).fine_rounds) coarse.emplace(input, kEarlyShrink, 0);  // the trainer keeps views
     JointTrainer trainer(exec_, monitor_,
-                         {joint, setup_.sample, setup_.rbf, input, nullptr, kEdgeRates, play.frozen}, true);
+                         {joint, setup_.sample, setup_.rbf, coarse ? coarse->get() : input, nullptr, kEdgeRates, play.frozen}, true);
     const auto whole = [&] {
       put_back(exec_, trainer.result(), play.rows, model_);
       return MethodResult{.cloud = model_.cloud, .source_row = model_.source_row, .labels = model_.labels, .figures = {}};
@@ -352,6 +358,11 @@ int edge_visits(const EdgeOptions& edge, Quality quality, std::size_t views) {
   return int(std::ceil(visits * share));
 }
 
+double early_step_share(const JointEffects& effects) {
+  constexpr double kCoarse = 0.5;  // a quarter of the pixels, but all of the Gaussians
+  return effects.fine_rounds ? 1 : kCoarse;
+}
+
 bool may_try_pictures(const EdgeOptions& edge, const Scene& scene) {
   return edge.unseen == EdgeUnseen::kAuto && photo_views(scene).size() < scene.views.size();
 }
@@ -370,11 +381,11 @@ MethodResult follow_edges(const Exec& exec, Monitor& monitor, const EdgeSetup& s
       const int trial = run.must_try() ? 1 : 0;  // takes the time of a round
       const int allowed = setup.rounds_allowed ? setup.rounds_allowed(rounds + trial) : rounds + trial;
       if (allowed == 0) break;
-      if (trial != 0 && allowed > 1 && !(start.converged = run.try_unseen())) break;
       rounds = std::max(1, allowed - trial);
+      if (trial != 0 && allowed > 1 && !(start.converged = run.try_unseen(rounds))) break;
       run.settle_unseen();
     }
-    start.converged = run.train(round);
+    start.converged = run.train(round, rounds);
   }
   std::move(run).finish(start);
   return start;

@@ -89,6 +89,9 @@ inline constexpr int kEdgeViewsOfAllVisits = 21;
 /// than a walk's reach.
 inline int edge_rounds(const EdgeOptions& edge, bool beside) { return edge.rounds > 0 ? edge.rounds : beside ? 3 : 2; }
 
+/// What a step of a round before the last takes of the time of one of the last (BENCHMARKS.md).
+double early_step_share(const JointEffects& effects);
+
 /// Whether a trial on views without a photo may come before the rounds, and take the time of one more.
 bool may_try_pictures(const EdgeOptions& edge, const Scene& scene);
 

@@ -189,6 +189,18 @@ double gain_in_errors(const std::vector<double>& gains) {
   return error > 0 ? sum / n / error : sum == 0 ? 0 : std::copysign(INFINITY, sum);
 }
 
+NarrowParts narrow_parts(MaskPlane mask) {
+  constexpr std::int32_t kReach = kNarrow_px / 2;
+  const std::vector<std::int32_t> depth = chessboard_distance(mask, Outside::kUnknown);
+  std::vector<std::uint8_t> no_middle(depth.size());  // of such a square
+  for (std::size_t p = 0; p < depth.size(); ++p) no_middle[p] = depth[p] <= kReach;
+  const std::vector<std::int32_t> away = chessboard_distance({no_middle.data(), mask.width_px, mask.height_px}, Outside::kUnknown);
+  NarrowParts parts;
+  for (std::size_t p = 0; p < depth.size(); ++p)
+    if (depth[p] > 0) ++parts.all_px2, parts.narrow_px2 += away[p] > kReach;
+  return parts;
+}
+
 double weight_outside(const ImageF& label, int x0, int y0, int x1, int y1) {
   double outside = 0, all = 0;
   for (int y = 0; y < label.height_px; ++y)

@@ -59,6 +59,14 @@ double gain_in_errors(const std::vector<double>& gains);
 /// From here on a gain counts.
 inline constexpr double kSignificant = 2;
 
+/// Pixels of a mask, and those that no square of kNarrow_px in it covers; beyond the picture it may go on. Not the contour's
+/// length by the area, which of a small thing is as large as of a thin one.
+struct NarrowParts {
+  double narrow_px2 = 0, all_px2 = 0;
+};
+inline constexpr int kNarrow_px = 9;
+NarrowParts narrow_parts(MaskPlane mask);
+
 /// Share of the rendered object weight that lies outside of the windows. Not the windows' share of the
 /// picture.
 double weight_outside(const ImageF& label, int x0, int y0, int x1, int y1);

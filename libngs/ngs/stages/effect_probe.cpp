@@ -17,6 +17,12 @@
 namespace ngs {
 namespace {
 
+std::vector<std::uint8_t> object_pixels(const std::vector<float>& target) {
+  std::vector<std::uint8_t> plane(target.size());
+  for (std::size_t p = 0; p < plane.size(); ++p) plane[p] = target[p] >= 0.5f;
+  return plane;
+}
+
 double disagreement(const Confusion& counts) { return counts.both_empty() ? 0 : 1 - iou(counts); }
 
 }  // namespace
@@ -140,8 +146,7 @@ double EffectProbe::patches() {
     const ImageF photo = setup_.input.load_photo(v);
     if (!masks.available || photo.empty()) continue;
     for (const std::vector<float>& target : masks.target) {
-      std::vector<std::uint8_t> plane;
-      for (const float m : target) plane.push_back(m >= 0.5f);
+      const std::vector<std::uint8_t> plane = object_pixels(target);
       most = std::max(most, contour_deviation_levels(photo, {plane.data(), masks.width_px, masks.height_px}));
     }
   }
@@ -160,6 +165,23 @@ double EffectProbe::straddling() {
   const std::vector<Camera> some = cameras();
   return straddling_bound_px(setup_.input.cloud, some, setup_.input.splat.blur_px2) * double(views) /
          double(some.size());
+}
+
+double EffectProbe::narrow() {
+  std::vector<NarrowParts> sum(setup_.input.labels.size());
+  for (const std::size_t v : spread_views(setup_.input.views, kDecisionViews)) {
+    const ViewMasks masks = setup_.input.load_masks(v);
+    if (!masks.available) continue;
+    for (std::size_t k = 0; k < masks.target.size(); ++k) {
+      const std::vector<std::uint8_t> plane = object_pixels(masks.target[k]);
+      const NarrowParts parts = narrow_parts({plane.data(), masks.width_px, masks.height_px});
+      sum[k].narrow_px2 += parts.narrow_px2, sum[k].all_px2 += parts.all_px2;
+    }
+  }
+  double most = 0;
+  for (const NarrowParts& object : sum)
+    if (object.all_px2 > 0) most = std::max(most, object.narrow_px2 / object.all_px2);
+  return most;
 }
 
 namespace {

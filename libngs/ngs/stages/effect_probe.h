@@ -42,6 +42,7 @@ class EffectProbe {
   double view_dependence();
   double compensation();
   double straddling();
+  double narrow();
 
  private:
   struct Views;

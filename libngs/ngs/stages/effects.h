@@ -25,7 +25,7 @@ struct JointEffects {
   bool align = true, variance = true, density = true, mask = true, cont = true, smooth = true;
   bool photometric = true, region = true, sh = true, antialias = true;
   bool geometry = true, mask_geometry = true;
-  bool edges = true, split = true, second_round = true;  // after the steps
+  bool edges = true, split = true, second_round = true, fine_rounds = true;  // after the steps
 };
 
 class EffectProbe;

@@ -14,12 +14,15 @@ struct StepsCost {
 
 /// Seconds of the edges stage; no rounds: it is off.
 struct RoundsCost {
-  double walk_s = 0;   // of a round, before its first step
-  double visit_s = 0;  // one step for every view
-  double check_s = 0;  // once, after the last round
+  double walk_s = 0;         // of a round, before its first step
+  double visit_s = 0;        // one step for every view in the last round
+  double early_visit_s = 0;  // in the others
+  double check_s = 0;        // once, after the last round
   int rounds = 0, visits = 0;
 
-  double all_s() const { return rounds > 0 ? rounds * (walk_s + visits * visit_s) + check_s : 0; }
+  /// Of n rounds before the first step of the last.
+  double before_last_s(int n) const { return n * walk_s + (n - 1) * visits * early_visit_s; }
+  double all_s() const { return rounds > 0 ? before_last_s(rounds) + visits * visit_s + check_s : 0; }
 };
 
 struct TimePlan {
@@ -37,8 +40,8 @@ inline constexpr double kLeastRound = 0.5;
 /// Where less than this share of a visit by the steps fits, they are left out.
 inline constexpr double kLeastVisit = 0.1;
 
-/// The field is kept where all fits. `edge_rounds` are those that could have at least kLeastRound of their visits; in a run one
-/// after the other takes all of its own while there is time.
+/// The field is kept where all fits. `edge_rounds`: all but the last with all of their visits, the last with at least kLeastRound of
+/// its own, or kLeastEdgeVisits where it is the only one.
 TimePlan plan_time(double left_s, const StepsCost& steps, const RoundsCost& edges);
 
 /// Seconds in this run for one foreseen, from what its stages took. A foresight of `trust_s` seconds counts as

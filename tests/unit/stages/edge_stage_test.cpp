@@ -243,8 +243,25 @@ TEST_CASE("edges: how many rounds are done is asked when the first walk has deci
   }
 }
 
+TEST_CASE("edges: all rounds but the last may be trained at half the size") {
+  EdgeCase c;
+  const MethodInput in = c.input();
+  const auto rounds = [&](int count, const char* entry) {
+    c.edge.rounds = count, c.joint.effect = {"second-round=on", entry};
+    return c.run(in);
+  };
+  CHECK(rounds(1, "fine-rounds=off").cloud.position == rounds(1, "fine-rounds=on").cloud.position);
+  const MethodResult fine = rounds(2, "fine-rounds=on"), early_coarse = rounds(2, "fine-rounds=off");
+  CHECK(early_coarse.cloud.position != fine.cloud.position);
+  const double before = c.mean_biou(c.start(in));
+  MESSAGE("boundary IoU of 1 px: " << before << ", fine " << c.mean_biou(fine) << ", early round coarse " << c.mean_biou(early_coarse));
+  CHECK(c.mean_biou(early_coarse) > before + 0.1);
+  CHECK(c.mean_biou(early_coarse) > c.mean_biou(fine) - 0.05);
+}
+
 TEST_CASE("edges: the result does not depend on the number of threads") {
-  const EdgeCase c;
+  EdgeCase c;
+  c.joint.effect = {"second-round=on", "fine-rounds=off"};
   const MethodInput in = c.input();
   const MethodResult one = c.run(in, 1), three = c.run(in, 3);
   CHECK(one.cloud.position == three.cloud.position);

@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "ngs/ops/knn.h"
@@ -173,6 +174,36 @@ TEST_CASE("outside: the share of weight counts, not the share of the picture") {
   label.at(2, 2) = 1;
   CHECK(weight_outside(label, 40, 40, 60, 60) == doctest::Approx(1.0 / 101));
   CHECK(weight_outside(ImageF(3, 3, 1), 0, 0, 1, 1) == 0);
+}
+
+TEST_CASE("narrow parts: a small solid thing has none, a large one of stripes nothing else") {
+  const int w = 120, h = 90;
+  const auto drawn = [&](const auto& inside) {
+    std::vector<std::uint8_t> mask(std::size_t(w * h));
+    for (int y = 0; y < h; ++y)
+      for (int x = 0; x < w; ++x) mask[std::size_t(y * w + x)] = inside(x, y);
+    return mask;
+  };
+  const auto share = [&](const std::vector<std::uint8_t>& mask) {
+    const NarrowParts parts = narrow_parts({mask.data(), w, h});
+    return parts.narrow_px2 / parts.all_px2;
+  };
+  const auto contour_by_area = [&](const std::vector<std::uint8_t>& mask) {
+    const std::vector<std::int32_t> depth = chessboard_distance({mask.data(), w, h}, Outside::kUnknown);
+    return double(std::count(depth.begin(), depth.end(), 1)) / double(std::count(mask.begin(), mask.end(), 1));
+  };
+  const auto box = drawn([](int x, int y) { return x >= 50 && x < 59 && y >= 40 && y < 49; });
+  // Solid, with stripes of 8 px in a quarter of it: as long a contour by its area as the box of 9 px has would mean stripes of 4.
+  const auto stripes = drawn([](int x, int y) { return x >= 10 && x < 106 && y >= 20 && y < 60 && (x >= 82 || x % 12 < 8); });
+  CHECK(share(box) == 0);
+  CHECK(share(stripes) > 0.5);
+  CHECK(contour_by_area(stripes) < contour_by_area(box));  // naive: the box is the thinner one
+  const auto whisker = drawn([](int x, int y) { return (x < 60 && y < 60) || (y == 30 && x < 80); });
+  CHECK(share(whisker) == doctest::Approx(20.0 / 3620));  // beyond the picture's border it goes on
+  const auto cut = drawn([](int x, int) { return x < 5; });
+  CHECK(share(cut) == 0);
+  const NarrowParts none = narrow_parts({std::vector<std::uint8_t>(16).data(), 4, 4});
+  CHECK((none.all_px2 == 0 && none.narrow_px2 == 0));
 }
 
 }  // namespace ngs

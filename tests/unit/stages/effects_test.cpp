@@ -138,7 +138,7 @@ double mean_difference(const std::vector<float>& a, const std::vector<float>& b)
 std::vector<std::string> surroundings(std::string_view name) {
   std::vector<std::string> entries{"exposure=off", "view-trust=off", "floaters=off", "strays=off", "edges=off", "joint=on"};
   for (const char* part : {"nerf=on", "align=on"}) entries.push_back(part);
-  if (name == "split") entries.push_back("edges=on");
+  if (name == "split" || name == "fine-rounds") entries.push_back("edges=on");
   entries.push_back(std::string(name) + "=auto");
   return entries;
 }
@@ -154,6 +154,19 @@ void large_ball(EffectCase& c) {  // its contour lies outside of the photos', wh
   c.fine_photos = true;
   for (std::size_t i = 0; i < c.base->is_ball.size(); ++i)
     for (std::size_t k = 0; k < 3 && c.base->is_ball[i] > 0; ++k) c.base->model.log_scale[3 * i + k] += 0.35f;
+}
+void far_ball(EffectCase& c) {  // of 7 px
+  for (std::size_t v = 0; v < 4; ++v) {
+    Camera& camera = c.base->scene.views[v].camera;
+    camera.fx = camera.fy = 24;
+    RenderRequest request;
+    request.label = {c.base->is_ball.data(), c.base->model.size(), 1};
+    const RenderedView seen = render({}, c.base->truth, camera, {}, request);
+    c.base->photos[v] = seen.colour;
+    for (std::size_t p = 0; p < seen.label.data.size(); ++p) c.base->masks[v].target[0][p] = seen.label.data[p] > 0.5f;
+  }
+  c.fine_photos = true;
+  c.relabel();
 }
 void without_photos(EffectCase& c) {
   for (std::size_t v = 0; v < 4; ++v) c.base->scene.views[v].image_path.clear(), c.base->photos[v] = {};
@@ -231,6 +244,7 @@ std::vector<Pair> pairs() {
          for (float& o : c.base->model.logit_opacity) o = -1;
          c.relabel();
        }},
+      {"fine-rounds", far_ball, large_ball},
   };
 }
 

@@ -6,7 +6,7 @@ namespace ngs {
 namespace {
 
 constexpr StepsCost kSteps{.visit_s = 1, .field_visit_s = 2, .visits = 10};
-constexpr RoundsCost kRounds{.walk_s = 3, .visit_s = 1, .check_s = 0.5, .rounds = 2, .visits = 15};
+constexpr RoundsCost kRounds{.walk_s = 3, .visit_s = 1, .early_visit_s = 1, .check_s = 0.5, .rounds = 2, .visits = 15};
 
 }  // namespace
 
@@ -24,14 +24,24 @@ TEST_CASE("what does not fit goes in the order of what a second buys: field, ste
   const TimePlan short_steps = plan_time(38, kSteps, kRounds);
   CHECK(short_steps.edge_rounds == 2);
   CHECK(short_steps.steps_s == doctest::Approx(1.5));
-  const TimePlan shortened = plan_time(1 + 0.5 + 2 * (3 + 7.5), kSteps, kRounds);
+  const TimePlan shortened = plan_time(1 + 0.5 + 2 * 3 + 15 + 7.5, kSteps, kRounds);
   CHECK(shortened.edge_rounds == 2);
   CHECK(shortened.steps_s == doctest::Approx(1));
-  CHECK(plan_time(1 + 0.5 + 2 * (3 + 7.4), kSteps, kRounds).edge_rounds == 1);
+  CHECK(plan_time(1 + 0.5 + 2 * 3 + 15 + 7.4, kSteps, kRounds).edge_rounds == 1);
   CHECK(plan_time(1 + 0.5 + 3 + 3, kSteps, kRounds).edge_rounds == 1);
   const TimePlan steps_alone = plan_time(7.4, kSteps, kRounds);
   CHECK((steps_alone.edge_rounds == 0 && steps_alone.steps));
   CHECK(steps_alone.steps_s == doctest::Approx(7.4));
+}
+
+TEST_CASE("rounds before the last take all of their visits at their own pace, so cheap ones leave room for one more") {
+  RoundsCost cheap = kRounds;
+  cheap.early_visit_s = 0.5;
+  CHECK(cheap.all_s() == doctest::Approx(kRounds.all_s() - 15 * 0.5));
+  const double shortest_s = 1 + 0.5 + 2 * 3 + 7.5 + 7.5;
+  CHECK(plan_time(shortest_s, kSteps, kRounds).edge_rounds == 1);
+  CHECK(plan_time(shortest_s, kSteps, cheap).edge_rounds == 2);
+  CHECK(plan_time(shortest_s - 0.1, kSteps, cheap).edge_rounds == 1);
 }
 
 TEST_CASE("more time never plans fewer rounds, nor leaves the steps less than one visit once they had one") {
