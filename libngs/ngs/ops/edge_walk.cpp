@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "ngs/core/check.h"
 #include "ngs/math/stable.h"
@@ -18,6 +19,7 @@ constexpr double kColourNoise = 3e-4;   // least variance of a colour, (share of
 constexpr double kColourGap_px = 2;     // pixels so near the contour are mixed: nothing is learned from them
 constexpr double kOutliers = 0.1;       // share of colours that neither density explains
 constexpr double kLeastSupport = 1e-4;  // share of a neighbourhood below which its colours are unknown
+constexpr int kCellsOfRadius = 10;      // of a blur: it takes sums over cells of pixels, so fine that it does not show them
 
 /// The part of the image that the walk needs: the band about the contour and the colours in reach of it.
 struct Window {
@@ -71,31 +73,55 @@ void blur_lines(float* first, int n, std::size_t stride, int lanes, int r, std::
   }
 }
 
-/// Blurs planes that are interleaved: `planes` values per pixel, at most kBlurLanes.
-void blur(const Window& win, int r, int planes, std::vector<float>& values) {
-  std::vector<double> scratch;
-  const std::size_t line = std::size_t(win.w) * std::size_t(planes);
-  for (int y = 0; y < win.h; ++y)
-    blur_lines(&values[std::size_t(y) * line], win.w, std::size_t(planes), planes, r, scratch);
-  for (std::size_t x = 0; x < line; x += kBlurLanes)
-    blur_lines(&values[x], win.h, line, int(std::min<std::size_t>(kBlurLanes, line - x)), r, scratch);
-}
+/// Means near by of some values of the pixels: sums over square cells, blurred.
+template <int N>
+class LocalMeans {
+  static_assert(N <= kBlurLanes);
+
+ public:
+  LocalMeans(const Window& win, int r) : side_(std::max(1, r / kCellsOfRadius)), r_(r / side_), w_(cells(win.w)), h_(cells(win.h)) {
+    values_.resize(std::size_t(w_) * std::size_t(h_) * N);
+  }
+
+  /// The N values of the cell of pixel (x, y) of the window: to add to, and after blur() what is near by.
+  float* at(int x, int y) { return &values_[cell(x, y) * N]; }
+  const float* at(int x, int y) const { return &values_[cell(x, y) * N]; }
+
+  void blur() {
+    for (float& v : values_) v /= float(side_ * side_);
+    std::vector<double> scratch;
+    const std::size_t line = std::size_t(w_) * N;
+    for (int y = 0; y < h_; ++y) blur_lines(&values_[std::size_t(y) * line], w_, N, N, r_, scratch);
+    for (std::size_t x = 0; x < line; x += kBlurLanes)
+      blur_lines(&values_[x], h_, line, int(std::min<std::size_t>(kBlurLanes, line - x)), r_, scratch);
+  }
+
+ private:
+  int cells(int px) const { return (px + side_ - 1) / side_; }
+  std::size_t cell(int x, int y) const { return std::size_t(y / side_) * std::size_t(w_) + std::size_t(x / side_); }
+
+  int side_, r_, w_, h_;
+  std::vector<float> values_;
+};
 
 /// Local normal density of the colours of some pixels: weights, means and second moments, blurred.
 class LocalColours {
  public:
   LocalColours(const Window& win, const std::vector<std::array<float, 3>>& colour,
                const std::vector<std::uint8_t>& chosen, int r)
-      : moments_(win.pixels() * kMoments) {
-    for (std::size_t p = 0; p < win.pixels(); ++p)
-      for (std::size_t m = 0; chosen[p] && m < kMoments; ++m) moments_[p * kMoments + m] = term(m, colour[p]);
-    blur(win, r, int(kMoments), moments_);
+      : moments_(win, r) {
+    for (int y = 0; y < win.h; ++y)
+      for (int x = 0; x < win.w; ++x) {
+        const std::size_t p = win.at(x, y);
+        for (std::size_t m = 0; chosen[p] && m < kMoments; ++m) moments_.at(x, y)[m] += term(m, colour[p]);
+      }
+    moments_.blur();
   }
 
-  /// Density of the colour, a tenth of it even over all colours: one that neither side has shown is no
+  /// Density of the colour of pixel (x, y), a tenth of it even over all colours: one that neither side has shown is no
   /// evidence. False where no chosen pixel is near.
-  bool density(std::size_t p, const std::array<float, 3>& colour, double& value) const {
-    const float* moment = &moments_[p * kMoments];
+  bool density(int x, int y, const std::array<float, 3>& colour, double& value) const {
+    const float* moment = moments_.at(x, y);
     const double n = double(moment[0]);
     if (n < kLeastSupport) return false;
     double z[3], mean[3], c[3][3];
@@ -104,8 +130,8 @@ class LocalColours {
     for (std::size_t i = 0, m = 4; i < 3; ++i)
       for (std::size_t j = 0; j <= i; ++j, ++m)
         c[i][j] = double(moment[m]) / n - mean[i] * mean[j] + (i == j ? kColourNoise : 0.0);
-    // C = L Lᵀ; |L⁻¹ z|² and log det.
-    double square = 0, log_det = 0;
+    // C = L Lᵀ; |L⁻¹ z|² and |L|, which is at least 1e-6.
+    double square = 0, root_det = 1;
     for (std::size_t i = 0; i < 3; ++i) {
       for (std::size_t j = 0; j < i; ++j) {
         for (std::size_t k = 0; k < j; ++k) c[i][j] -= c[i][k] * c[j][k];
@@ -114,10 +140,10 @@ class LocalColours {
       }
       c[i][i] = std::sqrt(std::max(c[i][i], 0.5 * kColourNoise));
       z[i] /= c[i][i];
-      square += z[i] * z[i], log_det += 2 * std::log(c[i][i]);
+      square += z[i] * z[i], root_det *= c[i][i];
     }
     constexpr double kNormal = 0.06349363593424097;  // (2 π)^(-3/2)
-    value = (1 - kOutliers) * kNormal * std::exp(-0.5 * (square + log_det)) + kOutliers;
+    value = (1 - kOutliers) * kNormal * std::exp(-0.5 * square) / root_det + kOutliers;
     return true;
   }
 
@@ -129,7 +155,7 @@ class LocalColours {
     return m < 4 ? v[m - 1] : v[kFirst[m - 4]] * v[kSecond[m - 4]];
   }
   static constexpr std::size_t kMoments = 10;
-  std::vector<float> moments_;  // [pixels, kMoments]
+  LocalMeans<kMoments> moments_;
 };
 
 /// The photo in the window, relative to its mean colour so that second moments do not cancel. What is no
@@ -149,12 +175,20 @@ std::vector<std::array<float, 3>> colours_of(const Window& win, const ImageF& ph
   return colour;
 }
 
-/// 3x3 binomial mean: single pixels of a photo are noisy.
-std::vector<std::array<float, 3>> smoothed(const Window& win, const std::vector<std::array<float, 3>>& in) {
+/// The pixels of the window that the walk asks about; what lies further from the contour has no part in it.
+struct Sides {
+  std::vector<std::uint8_t> inside, outside;  // known, and their colours learned from
+  std::vector<std::uint8_t> free;             // in the band
+  explicit Sides(std::size_t pixels) : inside(pixels), outside(pixels), free(pixels) {}
+  bool any(std::size_t p) const { return inside[p] || outside[p] || free[p]; }
+};
+
+/// 3x3 binomial mean where it is asked for: single pixels of a photo are noisy.
+std::vector<std::array<float, 3>> smoothed(const Window& win, const std::vector<std::array<float, 3>>& in, const Sides& sides) {
   std::vector<std::array<float, 3>> out(in.size());
   for (int y = 0; y < win.h; ++y)
     for (int x = 0; x < win.w; ++x)
-      for (std::size_t c = 0; c < 3; ++c) {
+      for (std::size_t c = 0; c < 3 && sides.any(win.at(x, y)); ++c) {
         float sum = 0;
         for (int j = -1; j <= 1; ++j)
           for (int i = -1; i <= 1; ++i)
@@ -179,14 +213,6 @@ double mean_squared_step(const Window& win, const std::vector<std::array<float, 
   return sum / std::max(1.0, double(win.h) * double(win.w - 1));
 }
 
-/// The pixels of the window that the walk asks about; what lies further from the contour has no part in it.
-struct Sides {
-  std::vector<std::uint8_t> inside, outside;  // known, and their colours learned from
-  std::vector<std::uint8_t> free;             // in the band
-  explicit Sides(std::size_t pixels) : inside(pixels), outside(pixels), free(pixels) {}
-  bool any(std::size_t p) const { return inside[p] || outside[p] || free[p]; }
-};
-
 struct ColourModels {
   const LocalColours &object, &rest;
   const std::vector<std::array<float, 3>>& colour;
@@ -203,21 +229,25 @@ struct ColourEvidence {
 /// mislead, and the densities cannot know.
 ColourEvidence weigh_colours(const Window& win, const ColourModels& models, const Sides& sides, int r) {
   ColourEvidence out{std::vector<float>(win.pixels(), 0.5f), std::vector<float>(win.pixels())};
-  std::vector<float> said(win.pixels() * 2);  // right or wrong, and 1, of the known pixels
+  LocalMeans<2> said(win, r);  // right or wrong, and 1, of the known pixels
   std::vector<std::uint8_t> learnt(win.pixels());
-  for (std::size_t p = 0; p < win.pixels(); ++p) {
-    double in = 0, ex = 0;
-    if (!sides.any(p)) continue;
-    if (!models.object.density(p, models.colour[p], in) || !models.rest.density(p, models.colour[p], ex))
-      continue;
-    learnt[p] = 1, out.object[p] = float(in / (in + ex));
-    if (!sides.inside[p] && !sides.outside[p]) continue;
-    said[2 * p] = (sides.inside[p] ? 1.f : -1.f) * (2 * out.object[p] - 1), said[2 * p + 1] = 1;
-  }
-  blur(win, r, 2, said);
-  for (std::size_t p = 0; p < win.pixels(); ++p)
-    if (learnt[p] && said[2 * p + 1] > float(kLeastSupport))
-      out.trust[p] = std::clamp(said[2 * p] / said[2 * p + 1], 0.f, 1.f);
+  for (int y = 0; y < win.h; ++y)
+    for (int x = 0; x < win.w; ++x) {
+      const std::size_t p = win.at(x, y);
+      double in = 0, ex = 0;
+      if (!sides.any(p)) continue;
+      if (!models.object.density(x, y, models.colour[p], in) || !models.rest.density(x, y, models.colour[p], ex)) continue;
+      learnt[p] = 1, out.object[p] = float(in / (in + ex));
+      if (!sides.inside[p] && !sides.outside[p]) continue;
+      said.at(x, y)[0] += (sides.inside[p] ? 1.f : -1.f) * (2 * out.object[p] - 1), said.at(x, y)[1] += 1;
+    }
+  said.blur();
+  for (int y = 0; y < win.h; ++y)
+    for (int x = 0; x < win.w; ++x) {
+      const std::size_t p = win.at(x, y);
+      const float* near = said.at(x, y);
+      if (learnt[p] && sides.free[p] && near[1] > float(kLeastSupport)) out.trust[p] = std::clamp(near[0] / near[1], 0.f, 1.f);
+    }
   return out;
 }
 
@@ -232,29 +262,35 @@ struct Walk {
 std::vector<double> solve(Walk& walk, const std::vector<std::array<float, 3>>& colour) {
   const double m = std::max(mean_squared_step(walk.win, colour), 1e-12);
   const int n = int(walk.diagonal.size());
-  std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(std::size_t(n) * 9);
-  constexpr int kStep[8][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}};
+  Eigen::SparseMatrix<double, Eigen::RowMajor> matrix(n, n);
+  matrix.reserve(std::ptrdiff_t(n) * 9);  // so that entries stay where they are
+  // In the order of the rows and, within one, of their columns: as the matrix is stored.
   for (int y = 0; y < walk.win.h; ++y)
     for (int x = 0; x < walk.win.w; ++x) {
       const std::size_t p = walk.win.at(x, y);
       const int row = walk.index[p];
       if (row < 0) continue;
-      for (const auto& [dx, dy] : kStep) {
-        if (x + dx < 0 || x + dx >= walk.win.w || y + dy < 0 || y + dy >= walk.win.h) continue;
-        const std::size_t q = walk.win.at(x + dx, y + dy);
-        const double w = (std::exp(-squared_difference(colour[p], colour[q]) / m) + kLeastWeight) /
-                         std::sqrt(double(dx * dx + dy * dy));
-        walk.diagonal[std::size_t(row)] += w;
-        if (walk.index[q] >= 0)
-          entries.emplace_back(row, walk.index[q], -w);
-        else
-          walk.right[std::size_t(row)] += w * double(walk.given[q]);
-      }
-      entries.emplace_back(row, row, walk.diagonal[std::size_t(row)]);
+      double& diagonal = walk.diagonal[std::size_t(row)];
+      double* own = nullptr;  // the diagonal's entry
+      matrix.startVec(row);
+      for (int v = std::max(y - 1, 0); v <= std::min(y + 1, walk.win.h - 1); ++v)
+        for (int u = std::max(x - 1, 0); u <= std::min(x + 1, walk.win.w - 1); ++u) {
+          const std::size_t q = walk.win.at(u, v);
+          if (q == p) {
+            own = &matrix.insertBack(row, row);
+            continue;
+          }
+          const double apart_px = u != x && v != y ? std::numbers::sqrt2 : 1;
+          const double w = (std::exp(-squared_difference(colour[p], colour[q]) / m) + kLeastWeight) / apart_px;
+          diagonal += w;
+          if (walk.index[q] >= 0)
+            matrix.insertBack(row, walk.index[q]) = -w;
+          else
+            walk.right[std::size_t(row)] += w * double(walk.given[q]);
+        }
+      *own = diagonal;
     }
-  Eigen::SparseMatrix<double, Eigen::RowMajor> matrix(n, n);
-  matrix.setFromTriplets(entries.begin(), entries.end());
+  matrix.finalize();
   Eigen::ConjugateGradient<Eigen::SparseMatrix<double, Eigen::RowMajor>, Eigen::Lower | Eigen::Upper> cg(
       matrix);
   cg.setTolerance(1e-6);
@@ -276,7 +312,6 @@ std::vector<float> walk_to_edges(const EdgeWalkOptions& options, MaskPlane mask,
   const Window& win = walk.win;
   if (win.pixels() == 0) return out;
   const auto colour = colours_of(win, photo);
-  const auto smooth = smoothed(win, colour);
   Sides sides(win.pixels());
   std::vector<float> d(win.pixels());
   walk.given.resize(win.pixels()), walk.index.assign(win.pixels(), -1);
@@ -289,6 +324,7 @@ std::vector<float> walk_to_edges(const EdgeWalkOptions& options, MaskPlane mask,
       const bool usable = depth > kColourGap_px && depth < options.reach_px;
       sides.inside[p] = usable && d[p] > 0, sides.outside[p] = usable && d[p] < 0, sides.free[p] = depth <= options.band_px;
     }
+  const auto smooth = smoothed(win, colour, sides);
   const int r = std::max(1, int(std::lround(options.reach_px / 2)));
   const LocalColours object(win, smooth, sides.inside, r), rest(win, smooth, sides.outside, r);
   const ColourEvidence evidence = weigh_colours(win, {object, rest, smooth}, sides, r);
