@@ -24,7 +24,7 @@ inline constexpr StageCost kTrustCost{"view-trust", 1.5, 0.15}, kFloatersCost{"f
     kFloaterSearchCost{"floaters", 5.5, 1}, kDetectorsCost{"detectors", 1.5, 0.6},
     kDraftFloatersCost{"floaters", 8, 0.7}, kDraftSearchCost{"floaters", 4, 1},
     kRefitVisitCost{"refit", 4.5, 0.12}, kCheckCost{"check", 1.2, 1}, kLoadCost{"load views", 2, 0.4};
-inline constexpr double kStepRenders = 3, kFieldStepRenders = 7, kWalkRenders = 12, kEdgeStepRenders = 3.5;
+inline constexpr double kStepRenders = 3, kFieldStepRenders = 7, kWalkRenders = 10, kEdgeStepRenders = 2.7;
 
 class Budget {
  public:

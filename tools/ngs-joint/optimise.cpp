@@ -116,13 +116,15 @@ MethodResult run_edges(cli::Run& run, const Settings& settings, const Problem& p
     budget.note_cut();
     return result;
   }
+  const double early_share = early_step_share(parse_effects(settings.joint.effect));
   double walk_began_s = 0;
   const auto allow = [&](int wanted) {
     const int planned = std::min(wanted, rounds_that_fit(wall_seconds() - walk_began_s));
     const bool no_trial = planned == 1 && may_try_pictures(settings.edge, problem.input.scene);
-    const int rounds = planned == 0 || no_trial ? planned : wanted;
+    const bool last_is_another = early_share < 1;  // then it has to be known which it is; else they end when time is up
+    const int rounds = planned == 0 || no_trial || last_is_another ? planned : wanted;
     if (rounds < wanted) budget.note_cut();  // that later rounds or steps were left out the watch knows
-    watch.rounds_known(rounds, early_step_share(parse_effects(settings.joint.effect)));
+    watch.rounds_known(rounds, early_share);
     return rounds;
   };
   const double check_s = budget.foreseen_s(kCheckCost.renders * double(views));

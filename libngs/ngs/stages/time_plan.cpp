@@ -12,10 +12,10 @@ TimePlan plan_time(double left_s, const StepsCost& steps, const RoundsCost& edge
   const double first_s = std::min(steps.visits, 1) * steps.visit_s, rest_s = left_s - first_s - edges.check_s;
   const auto last_visits = [&](int rounds) { return (rest_s - edges.before_last_s(rounds)) / edges.visit_s; };
   int rounds = edges.rounds;
-  while (rounds > 1 && last_visits(rounds) < kLeastRound * edges.visits) --rounds;
+  while (rounds > 1 && last_visits(rounds) < edges.least_last() * edges.visits) --rounds;
   if (rounds > 0 && last_visits(rounds) < std::min(kLeastEdgeVisits, edges.visits)) rounds = 0;
   plan.edge_rounds = rounds;
-  const double spare_s = rounds > 0 ? std::max(first_s, left_s - edges.all_s()) : std::max(0.0, left_s);
+  const double spare_s = rounds > 0 ? std::max(first_s, left_s - edges.all_s(rounds)) : std::max(0.0, left_s);
   plan.steps = steps.visits > 0 && spare_s >= kLeastVisit * steps.visit_s;
   plan.steps_s = plan.steps ? spare_s : 0;
   return plan;

@@ -22,7 +22,10 @@ struct RoundsCost {
 
   /// Of n rounds before the first step of the last.
   double before_last_s(int n) const { return n * walk_s + (n - 1) * visits * early_visit_s; }
-  double all_s() const { return rounds > 0 ? before_last_s(rounds) + visits * visit_s + check_s : 0; }
+  double all_s(int n) const { return n > 0 ? before_last_s(n) + visits * visit_s + check_s : 0; }
+  double all_s() const { return all_s(rounds); }
+  /// Least share of the last round's visits with which it is begun.
+  double least_last() const;
 };
 
 struct TimePlan {
@@ -37,11 +40,15 @@ inline constexpr int kLeastEdgeVisits = 3;
 /// A further round is begun where this share of its steps fits. Half of a third one costs the capture of BENCHMARKS.md 0.001 of
 /// boundary IoU; where things are thin, half of a second gains up to 0.05.
 inline constexpr double kLeastRound = 0.5;
+/// The same of the last round where those before it are cheaper ones: it is the one that sees all pixels. A third one that was cut
+/// short left the capture 0.001 below two whole ones.
+inline constexpr double kLeastAfterCheap = 0.9;
+inline double RoundsCost::least_last() const { return early_visit_s < visit_s ? kLeastAfterCheap : kLeastRound; }
 /// Where less than this share of a visit by the steps fits, they are left out.
 inline constexpr double kLeastVisit = 0.1;
 
-/// The field is kept where all fits. `edge_rounds`: all but the last with all of their visits, the last with at least kLeastRound of
-/// its own, or kLeastEdgeVisits where it is the only one.
+/// The field is kept where all fits. `edge_rounds`: all but the last with all of their visits, the last with at least least_last() of
+/// its own, or kLeastEdgeVisits where it is the only one. What these leave is the steps'.
 TimePlan plan_time(double left_s, const StepsCost& steps, const RoundsCost& edges);
 
 /// Seconds in this run for one foreseen, from what its stages took. A foresight of `trust_s` seconds counts as

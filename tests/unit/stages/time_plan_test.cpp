@@ -38,10 +38,16 @@ TEST_CASE("rounds before the last take all of their visits at their own pace, so
   RoundsCost cheap = kRounds;
   cheap.early_visit_s = 0.5;
   CHECK(cheap.all_s() == doctest::Approx(kRounds.all_s() - 15 * 0.5));
-  const double shortest_s = 1 + 0.5 + 2 * 3 + 7.5 + 7.5;
-  CHECK(plan_time(shortest_s, kSteps, kRounds).edge_rounds == 1);
-  CHECK(plan_time(shortest_s, kSteps, cheap).edge_rounds == 2);
+  const double shortest_s = 1 + 0.5 + 2 * 3 + 7.5 + 0.9 * 15;  // the last one nearly whole: it is what they are for
   CHECK(plan_time(shortest_s - 0.1, kSteps, cheap).edge_rounds == 1);
+  CHECK(plan_time(shortest_s + 0.1, kSteps, cheap).edge_rounds == 2);
+  CHECK(plan_time(shortest_s - 1, kSteps, kRounds).edge_rounds == 1);
+}
+
+TEST_CASE("what a round that does not fit would have taken is the steps'") {
+  const TimePlan plan = plan_time(1 + 0.5 + 2 * 3 + 15 + 7.4, kSteps, kRounds);
+  REQUIRE(plan.edge_rounds == 1);
+  CHECK(plan.steps_s == doctest::Approx(1 + 3 + 15 + 7.4 - 15));
 }
 
 TEST_CASE("more time never plans fewer rounds, nor leaves the steps less than one visit once they had one") {
