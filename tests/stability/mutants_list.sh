@@ -167,6 +167,7 @@ mutant $f $t $f "edges: all that shows is trained" 's/play\.frozen\.push_back\(!
 mutant $f $t $f "edges: what was trained is not put back" 's/scatter_rows\(exec, trained\.cloud, rows, model\.cloud\);//'
 mutant $f $t $f "edges: small photos are always walked enlarged" 's/if \(gain_in_errors.*\) return;$//'
 mutant $f $t $f "edges: trained labels get another start" 's/joint\.start_steps = 1;//'
+mutant $f $t $f "edges: no round at the full size" 's/round \+ 1 < rounds \&\& //'
 mutant stages/edge_masks.cpp $t stages/edge_masks.cpp "edges: enlarged, reach and band stay" 's/walk\.band_px \*= .*;//'
 mutant scene/enlarge.cpp unit/scene/enlarge_test.cpp scene/enlarge.cpp "enlarged: half a pixel beside" 's/\(i \+ 0\.5\) \* from_px \/ to_px - 0\.5/double(i) * from_px \/ to_px/'
 mutant scene/enlarge.cpp unit/scene/enlarge_test.cpp scene/enlarge.cpp "enlarged: beyond the border nothing" 's/sum \+= taps\.weight\[t\] \* double\(image/if (taps.pixel[t] > 0) &/'
@@ -179,6 +180,10 @@ mutant $f "$t" $f "every neighbour alike" 's/std::exp\(-squared_difference\(colo
 mutant $f "$t" $f "pixels beside the band forgotten" 's/walk\.right\[std::size_t\(row\)\] \+= w \* double\(walk\.given\[q\]\);/;/'
 mutant $f "$t" $f "nothing says where the contour was" 's/right\.push_back\(shape_weight \* sigmoid\(.*\) \+$/right.push_back(0 +/'
 mutant $f "$t" $f "colours that are no numbers in the means" 's/if \(std::isfinite\(v\)\) sum/sum/'
+t=unit/stages/effect_detectors_test.cpp f=stages/effect_detectors.cpp
+mutant $f $t $f "narrow: corners of the squares left out" 's/away\[p\] > kReach/away[p] >= kReach/'
+mutant $f $t $f "narrow: beyond the picture is nothing" 's/chessboard_distance\(mask, Outside::kUnknown\)/chessboard_distance(mask)/'
+mutant stages/time_plan.h unit/stages/time_plan_test.cpp stages/time_plan.cpp "plan: early rounds cost what the last does" 's/visits \* early_visit_s;/visits * visit_s;/'
 t="unit/ops/pose_step_test.cpp stability/alignment_stability_test.cpp" f=ops/pose_step.cpp
 mutant $f "$t" $f "no prior on the motion" 's/const double prior = .*;/const double prior = 0;/'
 mutant $f "$t" $f "exposures not laid on each other" 's/match_exposure\(photo, view\.alpha, from\);//'

@@ -5,11 +5,11 @@ namespace ngs::joint {
 
 inline constexpr const char* kQualityTable =
     "quality, as measured:\n"
-    "  the capture of BENCHMARKS.md, one run on two Xeon cores, idle (wall: 2, 28, 64 and 162 s)\n"
+    "  the capture of BENCHMARKS.md, one run on two Xeon cores, idle, in a slow hour (wall: 2, 26, 60, 160 s)\n"
     "              CPU s     IoU   B-IoU   0.005\n"
-    "  draft          3.3  0.9670  0.9346  0.7470\n"
-    "  standard      54.1  0.9696  0.9428  0.7695\n"
-    "  high         123.1  0.9696  0.9430  0.7706\n"
-    "  reference    311.8  0.9690  0.9421  0.7683\n";
+    "  draft          3.7  0.9670  0.9346  0.7470\n"
+    "  standard      50.3  0.9696  0.9432  0.7707\n"
+    "  high         114.2  0.9696  0.9429  0.7697\n"
+    "  reference    307.3  0.9687  0.9414  0.7660\n";
 
 }  // namespace ngs::joint

@@ -287,7 +287,8 @@ std::string quoted(const std::string& text) {
 
 std::string sweep_csv(const Sweep& sweep) {
   std::string csv = "knob,setting,repeat,exit_code,wall_s,cpu_s,iou,biou,biou_005,frontier\n";
-  const auto cell = [](double value) { return std::isfinite(value) ? decimal(value, 6) : std::string(); };
+  // Digits enough that who rounds them rounds what was measured.
+  const auto cell = [](double value) { return std::isfinite(value) ? decimal(value, 9) : std::string(); };
   for (const SweepPoint& point : sweep.points)
     for (const SweepRun& run : point.runs)
       csv += quoted(point.knob) + "," + quoted(point.setting) + "," + std::to_string(run.repeat) + "," +

@@ -31,7 +31,8 @@ class FolderIndex {
 };
 
 struct FoundFile {
-  std::string path, rule;  // empty: none
+  std::string path, rule;    // empty: none
+  std::string beside_it = {};  // one that a later rule would have found
 };
 /// A file called after the name, folders included.
 using FindFile = std::function<FoundFile(const std::string& name)>;

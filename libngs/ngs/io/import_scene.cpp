@@ -157,6 +157,9 @@ void attach_masks(const ImportRequest& request, ImportedScene& out) {
   else if (!matches.unmatched.empty())
     out.notes.push_back("no mask for " + std::to_string(matches.unmatched.size()) + " of " +
                         std::to_string(scene.views.size()) + " views (first: " + matches.unmatched[0] + ")");
+  if (matches.several > 0)
+    out.notes.push_back("two masks of " + std::to_string(matches.several) + " views (first: " + matches.taken + " is taken, " +
+                        matches.not_taken + " is not)");
   if (!scene.objects.empty()) return;
   for (const std::string& name : matches.objects) scene.objects.push_back({name, 0});
   if (scene.objects.empty() && scene.mask_mode == MaskMode::kLabel)

@@ -18,19 +18,26 @@ FoundFile find_mask(const FolderIndex& index, const std::string& name) {
                              {stem + ".png", "<stem>.png"},
                              {stem + ".mask.png", "<stem>.mask.png"},
                              {stem + "_mask.png", "<stem>_mask.png"}};
+  FoundFile first;
   for (const FoundFile& candidate : tried) {
     const std::string path = index.find(candidate.path);
-    if (!path.empty()) return {path, candidate.rule};
+    if (path.empty() || path == first.path) continue;
+    if (!first.path.empty()) return {first.path, first.rule, path};
+    first = {path, candidate.rule};
   }
+  if (!first.path.empty()) return first;
   const std::string path = index.find_stem(name);
   return path.empty() ? FoundFile{} : FoundFile{path, "<stem>." + fs::path(path).extension().string().substr(1)};
 }
 
-std::vector<FoundFile> find_masks(const std::string& folder, const std::vector<SceneView*>& views) {
+std::vector<FoundFile> find_masks(const std::string& folder, const std::vector<SceneView*>& views, MaskMatches& matches) {
   const FolderIndex index(folder);
   std::vector<std::string> names;
   for (const SceneView* view : views) names.push_back(view->camera.name);
-  return files_of_views(names, [&](const std::string& name) { return find_mask(index, name); });
+  std::vector<FoundFile> found = files_of_views(names, [&](const std::string& name) { return find_mask(index, name); });
+  for (const FoundFile& file : found)
+    if (!file.beside_it.empty() && matches.several++ == 0) matches.taken = file.path, matches.not_taken = file.beside_it;
+  return found;
 }
 
 /// "<folder>/cup/a/0001.png" with "cup" -> "<folder>/{object}/a/0001.png"
@@ -40,7 +47,7 @@ std::string with_object_field(const std::string& path, const std::string& object
 }
 
 void match_plain(const std::string& folder, const std::vector<SceneView*>& views, MaskMatches& matches) {
-  const std::vector<FoundFile> found = find_masks(folder, views);
+  const std::vector<FoundFile> found = find_masks(folder, views, matches);
   for (std::size_t v = 0; v < views.size(); ++v) {
     if (found[v].path.empty()) continue;
     views[v]->mask_path = found[v].path;
@@ -52,7 +59,7 @@ void match_per_object(const std::string& folder, const std::vector<std::string>&
                       const std::vector<SceneView*>& views, MaskMatches& matches) {
   for (const std::string& object : candidates) {
     const std::string object_folder = (fs::path(folder) / object).string();
-    const std::vector<FoundFile> found = find_masks(object_folder, views);
+    const std::vector<FoundFile> found = find_masks(object_folder, views, matches);
     bool has_any = false;
     for (std::size_t v = 0; v < views.size(); ++v) {
       if (found[v].path.empty()) continue;

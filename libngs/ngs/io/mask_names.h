@@ -23,6 +23,8 @@ struct MaskMatches {
   std::map<std::string, int> views_by_rule;  // "<stem>.png" -> 21
   std::vector<std::string> unmatched;        // views without a mask
   std::vector<std::string> objects;          // sub-folders that were taken as objects; empty: none
+  int several = 0;                           // masks beside which another one lies that a later rule would have found
+  std::string taken, not_taken;              // the first of these
 };
 
 /// Sets mask_path of every view of `views` that has a mask in `folder` and no mask_path yet. `objects`: the

@@ -40,6 +40,17 @@ TEST_CASE("every naming rule finds the mask and is reported by its name") {
   }
 }
 
+TEST_CASE("a second mask of a view is counted, and which of them is taken can be said") {
+  const TempDir dir;
+  for (const char* file : {"a.jpg", "a.png", "b.png", "c.jpg", "c_mask.png", "d.png", "d.exr"}) dir.write(file, "x");
+  std::vector<SceneView> views = views_named({"a.jpg", "b.png", "c.jpg", "d.jpg"});
+  const MaskMatches matches = match_masks(dir.path(), {}, views);
+  CHECK(matches.several == 2);
+  CHECK(matches.taken == dir.path() + "/a.jpg");
+  CHECK(matches.not_taken == dir.path() + "/a.png");
+  CHECK(views[2].mask_path == dir.path() + "/c.jpg");
+}
+
 TEST_CASE("the files of a rig keep their folders; one that two views could mean is refused") {
   const TempDir dir;
   const std::vector<std::string> names = {"cam0/0.jpg", "cam0/1.jpg", "cam1/0.jpg", "cam1/1.jpg"};
