@@ -168,6 +168,8 @@ double EffectProbe::straddling() {
 }
 
 double EffectProbe::narrow() {
+  const Scene& scene = setup_.input.scene;
+  if (photo_views(scene).size() < scene.views.size()) return 1;  // what no photo holds drifts further at half the size
   std::vector<NarrowParts> sum(setup_.input.labels.size());
   for (const std::size_t v : spread_views(setup_.input.views, kDecisionViews)) {
     const ViewMasks masks = setup_.input.load_masks(v);

@@ -86,8 +86,8 @@ constexpr EffectInfo kRegistry[] = {
      "what replaced it cost up to 2 points of boundary IoU on scenes with inaccurate masks"},
     {"fine-rounds", "all rounds at the full size; off: the last alone", &Fx::fine_rounds,
      "half of the other rounds' rows and columns", "second-round", kAbove,
-     "most of an object that lies in parts narrower than 9 px, share", 0.2,
-     "between solid things (at most 0.13) and leaves and bones (0.5): at half the size their parts have two pixels",
+     "most of an object that lies in parts narrower than 9 px, share (1: some view has no photo)", 0.03,
+     "between solid things (at most 0.02) and small or thin ones (from 0.04), which half the size leaves few pixels of",
      &Probe::narrow},
 };
 

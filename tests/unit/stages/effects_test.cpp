@@ -155,19 +155,21 @@ void large_ball(EffectCase& c) {  // its contour lies outside of the photos', wh
   for (std::size_t i = 0; i < c.base->is_ball.size(); ++i)
     for (std::size_t k = 0; k < 3 && c.base->is_ball[i] > 0; ++k) c.base->model.log_scale[3 * i + k] += 0.35f;
 }
-void far_ball(EffectCase& c) {  // of 7 px
+/// Photos and masks of the true model through another lens.
+void focal(EffectCase& c, double focal_px) {
+  c.fine_photos = true;
   for (std::size_t v = 0; v < 4; ++v) {
     Camera& camera = c.base->scene.views[v].camera;
-    camera.fx = camera.fy = 24;
+    camera.fx = camera.fy = focal_px;
     RenderRequest request;
-    request.label = {c.base->is_ball.data(), c.base->model.size(), 1};
+    request.label = {c.base->is_ball.data(), c.base->truth.size(), 1};
     const RenderedView seen = render({}, c.base->truth, camera, {}, request);
     c.base->photos[v] = seen.colour;
     for (std::size_t p = 0; p < seen.label.data.size(); ++p) c.base->masks[v].target[0][p] = seen.label.data[p] > 0.5f;
   }
-  c.fine_photos = true;
-  c.relabel();
 }
+void far_ball(EffectCase& c) { focal(c, 24), c.relabel(); }   // of 7 px
+void near_ball(EffectCase& c) { large_ball(c), focal(c, 80); }  // of 27 px
 void without_photos(EffectCase& c) {
   for (std::size_t v = 0; v < 4; ++v) c.base->scene.views[v].image_path.clear(), c.base->photos[v] = {};
 }
@@ -244,7 +246,7 @@ std::vector<Pair> pairs() {
          for (float& o : c.base->model.logit_opacity) o = -1;
          c.relabel();
        }},
-      {"fine-rounds", far_ball, large_ball},
+      {"fine-rounds", far_ball, near_ball},
   };
 }
 
@@ -293,6 +295,14 @@ TEST_CASE("always on: auto decides so without a look, gives the bytes of on, and
     CHECK(masks_with(c, decided) == masks);
     CHECK(mean_difference(masks_with(c, off), masks) > 0);
   }
+}
+
+TEST_CASE("a view without a photo asks for the full size in all rounds") {
+  EffectCase c;
+  near_ball(c);
+  CHECK_FALSE(decision_on(c, "fine-rounds", surroundings("fine-rounds")).on);
+  c.base->scene.views[2].image_path.clear(), c.base->photos[2] = {};
+  CHECK(decision_on(c, "fine-rounds", surroundings("fine-rounds")).on);
 }
 
 TEST_CASE("without the second round the edges are followed once") {
