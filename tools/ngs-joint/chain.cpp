@@ -110,8 +110,7 @@ std::string fingerprint(const cli::Run& run, const Declared& declared, const Pat
   Json objects = Json::array(), effects = Json::array();
   for (const SceneObject& object : scene.objects) objects.push_back(object.name);
   for (const Json& d : decisions.json())
-    if (const std::string name = d["name"];
-        name != "edges" && name != "split" && name != "second-round" && name != "fine-rounds")
+    if (const std::string name = d["name"]; !belongs_to(name, "edges"))
       effects.push_back(name + (d["on"].get<bool>() ? "=on" : "=off"));
   return Json{{"scene", hash(paths.scene)},
               {"boundary", hash(paths.boundary)},

@@ -31,7 +31,7 @@ class FolderIndex {
 };
 
 struct FoundFile {
-  std::string path, rule;    // empty: none
+  std::string path, rule;      // empty: none
   std::string beside_it = {};  // one that a later rule would have found
 };
 /// A file called after the name, folders included.

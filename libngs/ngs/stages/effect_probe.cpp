@@ -17,12 +17,6 @@
 namespace ngs {
 namespace {
 
-std::vector<std::uint8_t> object_pixels(const std::vector<float>& target) {
-  std::vector<std::uint8_t> plane(target.size());
-  for (std::size_t p = 0; p < plane.size(); ++p) plane[p] = target[p] >= 0.5f;
-  return plane;
-}
-
 double disagreement(const Confusion& counts) { return counts.both_empty() ? 0 : 1 - iou(counts); }
 
 }  // namespace

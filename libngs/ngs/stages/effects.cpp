@@ -107,6 +107,12 @@ const EffectInfo* find_effect(std::string_view name) {
   return found == std::end(kRegistry) ? nullptr : found;
 }
 
+bool belongs_to(std::string_view name, std::string_view whole) {
+  for (; !name.empty(); name = find_effect(name)->needs)
+    if (name == whole) return true;
+  return false;
+}
+
 std::map<std::string_view, EffectMode> effect_modes(const std::vector<std::string>& entries) {
   std::map<std::string_view, EffectMode> modes;
   for (const std::string& entry : entries) {

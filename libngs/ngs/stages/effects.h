@@ -51,6 +51,9 @@ std::span<const EffectInfo> effect_registry();
 /// Null: there is none of that name.
 const EffectInfo* find_effect(std::string_view name);
 
+/// Whether an effect is `whole`, or has nothing to do without it.
+bool belongs_to(std::string_view name, std::string_view whole);
+
 /// Mean change of the rendered mask values, in [0, 1], that an effect may cause where `auto` leaves it out.
 inline constexpr double kEffectBound = 0.005;
 

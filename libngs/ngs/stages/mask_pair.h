@@ -7,6 +7,13 @@
 
 namespace ngs {
 
+/// 0/1 plane of what a mask gives to its object.
+inline std::vector<std::uint8_t> object_pixels(const std::vector<float>& target) {
+  std::vector<std::uint8_t> plane(target.size());
+  for (std::size_t p = 0; p < plane.size(); ++p) plane[p] = target[p] >= 0.5f;
+  return plane;
+}
+
 /// 0/1 planes of one object in one view; pixels of unknown mask are 0 in both.
 struct MaskPair {
   int width_px, height_px;

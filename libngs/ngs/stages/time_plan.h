@@ -12,6 +12,13 @@ struct StepsCost {
   int visits = 0;            // as many as asked for
 };
 
+/// A further round is begun where this share of its steps fits. Half of a third one costs the capture of BENCHMARKS.md 0.001 of
+/// boundary IoU; where things are thin, half of a second gains up to 0.05.
+inline constexpr double kLeastRound = 0.5;
+/// The same of the last round where those before it are cheaper ones: it is the one that sees all pixels. A third one that was cut
+/// short left the capture 0.001 below two whole ones.
+inline constexpr double kLeastAfterCheap = 0.9;
+
 /// Seconds of the edges stage; no rounds: it is off.
 struct RoundsCost {
   double walk_s = 0;         // of a round, before its first step
@@ -25,7 +32,7 @@ struct RoundsCost {
   double all_s(int n) const { return n > 0 ? before_last_s(n) + visits * visit_s + check_s : 0; }
   double all_s() const { return all_s(rounds); }
   /// Least share of the last round's visits with which it is begun.
-  double least_last() const;
+  double least_last() const { return early_visit_s < visit_s ? kLeastAfterCheap : kLeastRound; }
 };
 
 struct TimePlan {
@@ -37,13 +44,6 @@ struct TimePlan {
 
 /// Fewer visits than this leave a round of edges worse than none: it begins with halved Gaussians.
 inline constexpr int kLeastEdgeVisits = 3;
-/// A further round is begun where this share of its steps fits. Half of a third one costs the capture of BENCHMARKS.md 0.001 of
-/// boundary IoU; where things are thin, half of a second gains up to 0.05.
-inline constexpr double kLeastRound = 0.5;
-/// The same of the last round where those before it are cheaper ones: it is the one that sees all pixels. A third one that was cut
-/// short left the capture 0.001 below two whole ones.
-inline constexpr double kLeastAfterCheap = 0.9;
-inline double RoundsCost::least_last() const { return early_visit_s < visit_s ? kLeastAfterCheap : kLeastRound; }
 /// Where less than this share of a visit by the steps fits, they are left out.
 inline constexpr double kLeastVisit = 0.1;
 

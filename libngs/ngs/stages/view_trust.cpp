@@ -6,6 +6,7 @@
 #include "ngs/math/median.h"
 #include "ngs/ops/evidence.h"
 #include "ngs/stages/leave_one_out.h"
+#include "ngs/stages/mask_pair.h"
 
 namespace ngs {
 namespace {
@@ -18,10 +19,7 @@ struct Planes {
 
 Planes planes_of(const ViewMasks& masks) {
   Planes p;
-  for (const std::vector<float>& target : masks.target) {
-    p.object.emplace_back(target.size());
-    for (std::size_t i = 0; i < target.size(); ++i) p.object.back()[i] = target[i] >= 0.5f;
-  }
+  for (const std::vector<float>& target : masks.target) p.object.push_back(object_pixels(target));
   p.compared.assign(p.object.front().size(), 1);
   if (!masks.known.empty()) p.compared = masks.known;
   return p;

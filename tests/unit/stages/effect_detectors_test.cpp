@@ -193,7 +193,7 @@ TEST_CASE("narrow parts: a small solid thing has none, a large one of stripes no
     return double(std::count(depth.begin(), depth.end(), 1)) / double(std::count(mask.begin(), mask.end(), 1));
   };
   const auto box = drawn([](int x, int y) { return x >= 50 && x < 59 && y >= 40 && y < 49; });
-  // Solid, with stripes of 8 px in a quarter of it: as long a contour by its area as the box of 9 px has would mean stripes of 4.
+  // Six stripes of 8 px beside a solid quarter.
   const auto stripes = drawn([](int x, int y) { return x >= 10 && x < 106 && y >= 20 && y < 60 && (x >= 82 || x % 12 < 8); });
   CHECK(share(box) == 0);
   CHECK(share(stripes) > 0.5);
