@@ -5,7 +5,7 @@ namespace ngs::joint {
 
 inline constexpr const char* kQualityTable =
     "quality, as measured:\n"
-    "  the capture of BENCHMARKS.md, one run on two Xeon cores, idle, in a slow hour (wall: 2, 26, 60, 160 s)\n"
+    "  bird of BENCHMARKS.md, one run each, two threads of an idle Xeon; wall 2, 26, 60, 160 s, in other hours 1.4 times less\n"
     "              CPU s     IoU   B-IoU   0.005\n"
     "  draft          3.7  0.9670  0.9346  0.7470\n"
     "  standard      50.3  0.9696  0.9432  0.7707\n"
