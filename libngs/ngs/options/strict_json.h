@@ -10,13 +10,21 @@
 
 namespace ngs {
 
-/// `text` as JsonType (nlohmann's json or ordered_json). What is not one JSON value, and a key that occurs
-/// twice in one object, is Error(code); `source` names the text in messages.
+/// Arrays and objects within one another. What is read is printed in messages and pages by functions that call themselves for
+/// every level, so that a file could otherwise choose how much stack they take; ours have fewer than ten.
+inline constexpr int kMaxJsonDepth = 64;
+
+/// `text` as JsonType (nlohmann's json or ordered_json). What is not one JSON value, a key that occurs twice in one
+/// object, and more than kMaxJsonDepth levels are Error(code); `source` names the text in messages.
 template <class JsonType>
 JsonType parse_strict_json(std::string_view text, std::string_view source, ErrorCode code) {
   using Event = typename JsonType::parse_event_t;
   std::vector<std::set<std::string>> open_objects;  // the keys seen so far, outermost object first
-  const auto refuse_duplicates = [&](int, Event event, JsonType& parsed) {
+  const auto refuse = [&](int depth, Event event, JsonType& parsed) {
+    if ((event == Event::object_start || event == Event::array_start) && depth >= kMaxJsonDepth)
+      throw Error(code, std::string(source) + ": more than " + std::to_string(kMaxJsonDepth) +
+                            " levels of arrays and objects, expected at most that many",
+                  "no file of ngs is nested like that: write it again with the tool that made it");
     if (event == Event::object_start) open_objects.emplace_back();
     if (event == Event::object_end) open_objects.pop_back();
     if (event == Event::key && !open_objects.back().insert(parsed.template get<std::string>()).second)
@@ -25,7 +33,7 @@ JsonType parse_strict_json(std::string_view text, std::string_view source, Error
     return true;
   };
   try {
-    return JsonType::parse(text.begin(), text.end(), refuse_duplicates);
+    return JsonType::parse(text.begin(), text.end(), refuse);
   } catch (const typename JsonType::exception& e) {
     const std::string_view what = e.what();
     const std::size_t begin = what.find("] ");  // behind "[json.exception.parse_error.101"

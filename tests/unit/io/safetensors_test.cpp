@@ -117,7 +117,7 @@ TEST_CASE("hostile tensor headers are refused") {
   CHECK(error_of(file_of("{\"__metadata__\":{\"n\":1}}", "")).find("no string") != std::string::npos);
   CHECK(error_of(file_of("[]", "")).find("no JSON object") != std::string::npos);
   CHECK(error_of(file_of("{\"a\":3}", "")).find("expected an object") != std::string::npos);
-  CHECK(error_of(file_of(std::string(100000, '['), "")).find("not JSON") != std::string::npos);
+  CHECK(error_of(file_of(std::string(100000, '['), "")).find("more than 64 levels") != std::string::npos);
 }
 
 }  // namespace
