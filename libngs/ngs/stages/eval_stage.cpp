@@ -110,10 +110,11 @@ std::vector<std::uint8_t> binarised(const MaskSamples& samples, double threshold
 std::vector<std::uint32_t> label_ids(const MaskSamples& samples) {
   const std::size_t pixels = std::size_t(samples.width_px) * std::size_t(samples.height_px);
   const std::size_t channels = std::size_t(samples.channels);
+  const bool colours = channels >= 3 && !is_grey(samples);
   std::vector<std::uint32_t> labels(pixels);
   for (std::size_t i = 0; i < pixels; ++i) {
     const std::uint16_t* sample = samples.data.data() + i * channels;
-    labels[i] = channels >= 3 ? sample[0] + 256u * sample[1] + 65536u * sample[2] : sample[0];
+    labels[i] = colours ? sample[0] + 256u * sample[1] + 65536u * sample[2] : sample[0];
   }
   return labels;
 }

@@ -5,10 +5,11 @@
 // Protocol (Boundary IoU, NVOS, LERF-Mask): the prediction is resized to the truth by nearest neighbour, both
 // are made binary by `> threshold` on the 8-bit scale. A file whose largest sample is 1 counts as
 // {0,1}-valued. Of several channels the largest of R, G, B decides, or alpha where it is not constant
-// (scene/mask_samples.h). In label maps an object is `value == id`; colour-coded maps have
-// id = R + 256 G + 65536 B, and a pair of maps in which neither has the object is no pair. Where one id is asked
-// for, a prediction of nothing but 0 and 255 is the mask of that object. True pixels of the id `void_id` are no label
-// and are not scored (ops/metrics.h); a prediction of that id says that there is no object.
+// (scene/mask_samples.h). In label maps an object is `value == id`; maps of three equal channels are grey, as they are
+// when a scene is made (io/masks.h), other colours have id = R + 256 G + 65536 B, and a pair of maps in which neither has
+// the object is no pair. Where one id is asked for, a prediction of nothing but 0 and 255 is the mask of that object. True
+// pixels of the id `void_id` are no label and are not scored (ops/metrics.h); a prediction of that id says that there is
+// no object.
 #include <cstdint>
 #include <map>
 #include <span>

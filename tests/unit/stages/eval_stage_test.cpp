@@ -78,6 +78,14 @@ TEST_CASE("label maps are scored per id that either of them has") {
   CHECK(chosen[0].object == "leaf");
 }
 
+TEST_CASE("a label map of three equal channels has the ids of its grey values, and colours have their own") {
+  const Samples grey{{7, 7, 7, 0, 0, 0, 3, 3, 3}, 3, 1, 3}, colours{{7, 7, 7, 0, 0, 0, 3, 1, 2}, 3, 1, 3};
+  CHECK(label_ids(grey.view()) == std::vector<std::uint32_t>{7, 0, 3});
+  CHECK(label_ids(colours.view()) == std::vector<std::uint32_t>{7 + 256 * 7 + 65536 * 7, 0, 3 + 256 + 65536 * 2});
+  const Samples with_alpha{{7, 7, 7, 255, 0, 0, 0, 255}, 2, 1, 4};
+  CHECK(label_ids(with_alpha.view()) == std::vector<std::uint32_t>{7, 0});
+}
+
 TEST_CASE("the mask of one object is scored against its id in the true label map") {
   EvalOptions options;
   options.label_map = true;
