@@ -9,6 +9,7 @@
 #include "ngs/backend/try_each.h"
 #include "ngs/io/exr.h"
 #include "ngs/io/image_file.h"
+#include "ngs/io/masks.h"
 #include "ngs/io/text_lines.h"
 #include "ngs/ops/image_metrics.h"
 #include "ngs/scene/view_names.h"
@@ -68,6 +69,13 @@ void name_parts(const std::string& name, Layout layout, FilePair& pair) {
   pair.object = layout == Layout::kViewObject ? behind : before;
 }
 
+io::RawMask read_exr_ids(const std::string& path) {
+  const ImageF ids = io::read_id_exr(path);
+  io::RawMask raw{.width_px = ids.width_px, .height_px = ids.height_px, .channels = 1, .bits = 16, .data = {}};
+  for (const float id : ids.data) raw.data.push_back(std::uint16_t(id));
+  return raw;
+}
+
 io::RawMask read_exr_mask(const std::string& path) {
   const io::ExrImage exr = io::read_exr(path);
   const auto mask = exr.channels.find("ngs.mask");
@@ -77,13 +85,16 @@ io::RawMask read_exr_mask(const std::string& path) {
   io::RawMask raw{
       .width_px = exr.width_px, .height_px = exr.height_px, .channels = 1, .bits = 16, .data = {}};
   raw.data.reserve(mask->second.size());
-  for (float value : mask->second)
+  for (float value : mask->second) {
+    if (!std::isfinite(value))
+      throw Error(ErrorCode::kBadInput, path + ": mask value " + std::to_string(value) + ", expected [0, 1]");
     raw.data.push_back(std::uint16_t(std::lround(65535.0 * std::clamp(double(value), 0.0, 1.0))));
+  }
   return raw;
 }
 
 io::RawMask read_mask(const std::string& path, bool is_label_map) {
-  if (path.ends_with(".exr")) return read_exr_mask(path);
+  if (io::is_exr(path)) return is_label_map ? read_exr_ids(path) : read_exr_mask(path);
   return io::read_mask_raw(path, is_label_map ? io::Palette::kIndices : io::Palette::kMask);
 }
 

@@ -32,38 +32,39 @@ struct Decoded {
   bool lossy = false;
 };
 
-bool has_extension(const std::string& path, const char* extension) {
-  std::string found = std::filesystem::path(path).extension().string();
-  std::transform(found.begin(), found.end(), found.begin(),
-                 [](unsigned char c) { return char(std::tolower(c)); });
-  return found == extension;
-}
-
-Plane read_exr_plane(const std::string& path, MaskMode mode) {
+/// The first of these channels that the file has, else its only one, [H, W, 1].
+ImageF read_exr_channel(const std::string& path, const std::vector<std::string>& preferred) {
   ExrImage exr = read_exr(path);
-  const bool label = mode == MaskMode::kLabel;
-  const std::vector<std::string> preferred = label ? std::vector<std::string>{"ngs.id", "Y", "R"}
-                                                   : std::vector<std::string>{"ngs.mask", "A", "Y", "R"};
   const auto name = std::find_if(preferred.begin(), preferred.end(), [&](const std::string& candidate) {
     return exr.channels.count(candidate) != 0;
   });
   if (name == preferred.end() && exr.channels.size() != 1)
     throw Error(ErrorCode::kBadInput,
                 path + ": EXR without a channel " + preferred[0] + ", Y or R, expected one of them");
+  ImageF plane;
+  plane.width_px = exr.width_px, plane.height_px = exr.height_px, plane.channels = 1;
+  plane.data = std::move(name != preferred.end() ? exr.channels.at(*name) : exr.channels.begin()->second);
+  return plane;
+}
+
+[[noreturn]] void refuse_value(const std::string& path, float value, const char* expected) {
+  throw Error(ErrorCode::kBadInput, path + ": mask value " + std::to_string(value) + ", expected " + expected);
+}
+
+Plane read_exr_plane(const std::string& path, MaskMode mode) {
   Plane plane;
-  plane.value.width_px = exr.width_px, plane.value.height_px = exr.height_px, plane.value.channels = 1;
-  plane.value.data =
-      std::move(name != preferred.end() ? exr.channels.at(*name) : exr.channels.begin()->second);
-  const float largest = label ? 65535.f : 1.f;
+  if (mode == MaskMode::kLabel) {
+    plane.value = read_id_exr(path);
+    return plane;
+  }
+  plane.value = read_exr_channel(path, {"ngs.mask", "A", "Y", "R"});
   for (const float v : plane.value.data)
-    if (!(v >= 0.f && v <= largest) || (label && v != std::floor(v)))
-      throw Error(ErrorCode::kBadInput, path + ": mask value " + std::to_string(v) + ", expected " +
-                                            (label ? "ids in 0..65535" : "[0, 1]"));
+    if (!(v >= 0.f && v <= 1.f)) refuse_value(path, v, "[0, 1]");
   return plane;
 }
 
 Plane read_plane(const std::string& path, MaskMode mode, std::vector<std::string>& notes) {
-  if (has_extension(path, ".exr")) return read_exr_plane(path, mode);
+  if (is_exr(path)) return read_exr_plane(path, mode);
   const RawMask raw = read_mask_raw(path, mode == MaskMode::kLabel ? Palette::kIndices : Palette::kMask);
   Plane plane{ImageF(raw.width_px, raw.height_px, 1), raw.bits == 8 ? 255.f : 65535.f, raw.lossy};
   const MaskSamples samples = raw.samples();
@@ -107,7 +108,7 @@ Decoded decode(const Scene& scene, const std::string& path, std::vector<std::str
     case MaskMode::kBinary: {
       take_used_scale(plane, path, notes);
       // a {0,1} file has its own threshold; EXR and 16 bit share the 8-bit scale
-      const double threshold = plane.full_scale == 1.f && !has_extension(path, ".exr")
+      const double threshold = plane.full_scale == 1.f && !is_exr(path)
                                    ? 1.0
                                    : scene.mask_threshold / 255.0 * double(plane.full_scale);
       out.target.push_back(
@@ -202,6 +203,21 @@ bool is_absent(const Scene& scene, const SceneView& view, const std::vector<std:
 }
 
 }  // namespace
+
+bool is_exr(const std::string& path) {
+  std::string found = std::filesystem::path(path).extension().string();
+  std::transform(found.begin(), found.end(), found.begin(),
+                 [](unsigned char c) { return char(std::tolower(c)); });
+  return found == ".exr";
+}
+
+ImageF read_id_exr(const std::string& path) {
+  ImageF ids = read_exr_channel(path, {"ngs.id", "Y", "R"});
+  constexpr float kLargestId = 65535.f;
+  for (const float v : ids.data)
+    if (!(v >= 0.f && v <= kLargestId && v == std::floor(v))) refuse_value(path, v, "ids in 0..65535");
+  return ids;
+}
 
 std::vector<std::string> mask_files(const Scene& scene, std::size_t view) {
   const std::string& path = scene.views.at(view).mask_path;

@@ -40,6 +40,12 @@ struct LoadedMasks {
 LoadedMasks load_masks_with_notes(const Scene& scene, std::size_t view);
 ViewMasks load_masks(const Scene& scene, std::size_t view);
 
+/// By the ending of its name, in any case.
+bool is_exr(const std::string& path);
+/// The label map of an EXR, [H, W, 1]: channel ngs.id, else Y, else R, else the only one. kBadInput: no such channel, or
+/// values that are no whole numbers in 0..65535.
+ImageF read_id_exr(const std::string& path);
+
 /// Every value that occurs in a label map.
 std::set<std::uint32_t> ids_in_label_map(const std::string& path);
 
