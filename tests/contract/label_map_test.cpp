@@ -1,4 +1,4 @@
-// Label maps of every kind of file mean the same ids when a scene is made and when it is scored.
+// Masks of every kind of file and name are scored; label maps mean the same ids when a scene is made and when it is scored.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -90,6 +90,14 @@ TEST_CASE("an EXR that holds no ids, or no numbers, is refused by name") {
   refused({{"ngs.mask", half(0.5, 0)}, {"Z", half(1, 2)}}, {"--label-map"}, "EXR without a channel ngs.id, Y or R");
   refused({{"ngs.mask", half(kNan, 1)}}, {}, "mask value nan, expected [0, 1]");
   refused({{"ngs.mask", half(1, kInfinity)}}, {}, "mask value inf");
+}
+
+TEST_CASE("masks whose names are no UTF-8 are scored") {
+  const Maps maps;
+  for (const char* folder : {"p", "t"}) maps.write_grey(std::string(folder) + "/v\xfc.png", 1, 255, 0);
+  REQUIRE(maps.eval({}).exit_code == 0);
+  CHECK(maps.metrics()["mean"]["iou"] == 1.0);
+  CHECK(maps.metrics()["views"][0]["view"] == "v\xef\xbf\xbd");
 }
 
 }  // namespace ngs

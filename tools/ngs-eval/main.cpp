@@ -39,7 +39,8 @@ int main(int argc, char** argv) {
     outcome.metrics["pairing"] = cli::pairing_json(pairing);
     outcome.metrics["checks"] = cli::checks_json(checks);
     cli::warn_about_leftovers(run, pairing);
-    io::write_file(out.path, outcome.metrics.dump(2) + "\n");
+    // Names of files may be no UTF-8, as JSON asks for.
+    io::write_file(out.path, outcome.metrics.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 
     run.result()["mean"] = outcome.metrics["mean"];
     run.result()["files"] = Json::array();
