@@ -145,6 +145,13 @@ int depth(const ImageList& list) {
 
 Pairing pair_files(const ImageList& predicted, const ImageList& truth, const EvalFileOptions& options) {
   Pairing pairing = matched_files(predicted, truth, options);
+  if (pairing.pairs.empty() && depth(predicted) > depth(truth))
+    throw Error(ErrorCode::kInconsistent,
+                predicted.folder + ": masks in folders, " + predicted.names.front() + ", and " + truth.folder + " has none, " +
+                    truth.names.front() + ", expected both alike",
+                "of several objects score one, " + predicted.folder + "/" +
+                    predicted.names.front().substr(0, predicted.names.front().rfind('/')) +
+                    ", or all against true label maps: --label-map --object-id NAME=ID");
   require_pairs(pairing, predicted, truth, options);
   return pairing;
 }
