@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
+#include <set>
 
 #include "ngs/io/image_file.h"
+#include "ngs/io/masks.h"
 #include "ngs/io/scene_json.h"
 #include "ngs/io/sparse_points.h"
 #include "ngs/scene/view_names.h"
@@ -16,6 +19,7 @@ namespace ngs::cli {
 namespace {
 
 constexpr const char* kPictures[] = {"images", "holes", "dilated"};
+constexpr const char* kOtherFiles[] = {"background.ply", "sparse/0/cameras.txt", "sparse/0/images.txt", "sparse/0/points3D.txt"};
 
 ImageU8 picture_of(const PixelMask& mask, const Camera& camera) {
   ImageU8 out(camera.width_px, camera.height_px, 1);
@@ -35,6 +39,18 @@ std::string picture_file(const std::string& folder, const char* kind, const std:
   return folder + "/" + kind + "/" + name + ".png";
 }
 
+/// Inputs that are none (optional ones, views without a mask) are empty.
+void refuse_over_inputs(const std::vector<std::string>& inputs, const std::vector<std::string>& files) {
+  std::error_code ignored;
+  std::set<std::filesystem::path> kept;
+  for (const std::string& input : inputs)
+    if (!input.empty()) kept.insert(std::filesystem::weakly_canonical(input, ignored));
+  for (const std::string& file : files)
+    if (kept.contains(std::filesystem::weakly_canonical(file, ignored)))
+      throw Error(ErrorCode::kUsage, file + ": is an input of this run, which would replace it",
+                  "choose another folder for --inpaint");
+}
+
 }  // namespace
 
 void warn_unused(Run& run, const InpaintOptions& options, bool scene_given) {
@@ -43,15 +59,21 @@ void warn_unused(Run& run, const InpaintOptions& options, bool scene_given) {
   warn_unused(run, flags, "without --inpaint");
 }
 
-void check_inpaint_folder(const Scene& scene, const std::string& scene_path, const std::string& folder) {
+void check_inpaint_folder(const Scene& scene, const std::string& scene_path, const std::string& folder,
+                          std::vector<std::string> inputs) {
   std::error_code ignored;
   if (std::filesystem::equivalent(folder + "/scene.json", scene_path, ignored))
     throw Error(ErrorCode::kUsage, folder + ": is the folder of the scene, whose files would be replaced",
                 "choose another folder for --inpaint");
   std::vector<std::string> files;
+  for (const char* name : kOtherFiles) files.push_back(folder + "/" + name);
   for (const std::string& name : output_names(scene.views))
     for (const char* kind : kPictures) files.push_back(picture_file(folder, kind, name));
   refuse_over_photos(scene, files);
+  inputs.push_back(scene.model_path);
+  for (std::size_t view = 0; view < scene.views.size(); ++view)
+    std::ranges::copy(io::mask_files(scene, view), std::back_inserter(inputs));
+  refuse_over_inputs(inputs, files);
 }
 
 void write_inpainting(Run& run, const Extractor& extractor, const InpaintOptions& options, const Scene& scene,
@@ -65,6 +87,7 @@ void write_inpainting(Run& run, const Extractor& extractor, const InpaintOptions
   handed.objects = {{"hole", 0}};
   handed.image_scale = 1;  // its photos are the renderings, which have the cameras' size
   handed.mask_mode = MaskMode::kBinary, handed.mask_invert = false, handed.mask_threshold = 128;
+  handed.void_id.reset(), handed.missing_mask = MissingMask::kUnknown;  // of the label maps; every view has its holes
   std::vector<Camera> cameras;
   Json views = Json::array();
   const std::vector<std::string> names = output_names(scene.views);

@@ -15,8 +15,10 @@ namespace ngs::cli {
 /// Names what is given for --inpaint where that is not.
 void warn_unused(Run& run, const InpaintOptions& options, bool scene_given);
 
-/// kUsage where the folder is that of the scene, or holds its photos: they would be replaced.
-void check_inpaint_folder(const Scene& scene, const std::string& scene_path, const std::string& folder);
+/// kUsage where the folder is that of the scene, or where a file that will be written there is a photo, a mask or the model
+/// of the scene, or one of `inputs`: they would be replaced.
+void check_inpaint_folder(const Scene& scene, const std::string& scene_path, const std::string& folder,
+                          std::vector<std::string> inputs);
 
 void write_inpainting(Run& run, const Extractor& extractor, const InpaintOptions& options, const Scene& scene,
                       const std::string& folder);

@@ -49,7 +49,7 @@ int main(int argc, char** argv) {
     std::optional<Scene> scene;
     if (inpaint) {
       scene = io::read_scene_json(scene_json.path);
-      cli::check_inpaint_folder(*scene, scene_json.path, inpaint.path);
+      cli::check_inpaint_folder(*scene, scene_json.path, inpaint.path, {labelled.path, edited.path});
     }
     cli::Extractor extractor(run, io::read_gaussian_ply(labelled.path), options, select.select);
     if (run.dry_run()) return cli::kDone;
