@@ -181,7 +181,7 @@ void check_killed(const Prepared& prepared, const ProcessSpec& base) {
 
 int signal_number(const std::string& name) {
   static const std::map<std::string, int> numbers = {
-      {"", 0}, {"TERM", SIGTERM}, {"INT", SIGINT}, {"USR1", SIGUSR1}, {"KILL", SIGKILL}};
+      {"", 0}, {"TERM", SIGTERM}, {"INT", SIGINT}, {"USR1", SIGUSR1}, {"KILL", SIGKILL}, {"HUP", SIGHUP}, {"QUIT", SIGQUIT}};
   return numbers.at(name);
 }
 

@@ -1,6 +1,7 @@
 // A scene that goes from tool to tool through a pipe, as "-" promises.
 #include <doctest/doctest.h>
 
+#include <csignal>
 #include <filesystem>
 
 #include "support/process.h"
@@ -42,6 +43,39 @@ TEST_CASE("a scene from stdin names its files from the working directory, one to
   const std::string elsewhere = dir.write("else/where/scene.json", imported.out);
   CHECK(label("/", elsewhere, {}) != "");
   CHECK(label("/", "-", imported.out) == label("/", elsewhere, {}));
+}
+
+TEST_CASE("what is on its way to stdout leaves no file behind when a terminal closes, and goes on under nohup") {
+  const test::TempDir dir;
+  std::filesystem::create_directories(dir.path() + "/tmp");
+  const std::string in = dir.write("in", "text");
+  test::ProcessSpec spec;
+  spec.environment = {{"TMPDIR", dir.path() + "/tmp"}};
+  spec.signal_after = "line 5 ";
+  const std::vector<std::string> probe{NGS_TOOL_DIR "/ngs-probe", in, "-o", "-", "--act", "slow-write", "--count", "20"};
+  for (const int signal : {SIGHUP, SIGQUIT}) {
+    CAPTURE(signal);
+    spec.argv = probe, spec.signal = signal;
+    CHECK(test::run_process(spec).exit_code == (signal == SIGHUP ? 143 : 130));
+    CHECK(std::filesystem::is_empty(dir.path() + "/tmp"));
+  }
+  spec.argv = {"env", "--ignore-signal=HUP"}, spec.signal = SIGHUP;
+  spec.argv.insert(spec.argv.end(), probe.begin(), probe.end());
+  CHECK(test::run_process(spec).exit_code == 0);
+}
+
+TEST_CASE("a program that fails is a failure although the caller ignores the end of children") {
+  const test::TempDir dir;
+  test::write_tiny_scene(dir.path());
+  dir.write("p.json", R"({"ngs_prompts":1,"view":"v0.png","width":48,"height":36,"boxes":[[12,6,36,30]]})");
+  test::ProcessSpec spec;
+  spec.folder = dir.path();
+  spec.argv = {"env", "--ignore-signal=CHLD", NGS_TOOL_DIR "/ngs-mask", "scene.json", "--prompts", "p.json", "-o", "m",
+               "--segmenter", "sh -c 'cp masks/v0.png \"$2\"; exit 3' {image} {prompts} {out}"};
+  const test::ProcessResult result = test::run_process(spec);
+  INFO(result.err);
+  CHECK(result.exit_code == 8);
+  CHECK(result.err.find("exit code 3") != std::string::npos);
 }
 
 }  // namespace ngs

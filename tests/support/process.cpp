@@ -61,7 +61,7 @@ ProcessResult run_process(const ProcessSpec& spec) {
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error("fork failed");
   if (child == 0) {
-    for (const int number : {SIGPIPE, SIGTERM, SIGINT, SIGUSR1}) signal(number, SIG_DFL);
+    for (const int number : {SIGPIPE, SIGTERM, SIGINT, SIGUSR1, SIGHUP, SIGQUIT}) signal(number, SIG_DFL);
     sigprocmask(SIG_SETMASK, &before, nullptr);
     if (spec.closed_stdout) close(out.read_end);
     become(spec, in, out, err);

@@ -6,8 +6,8 @@ inline constexpr int kDone = 0;
 inline constexpr int kCheckFailed = 1;    // done, and a requested check failed
 inline constexpr int kBudgetHit = 7;      // a usable partial result was written
 inline constexpr int kBug = 70;           // an exception that is not an Error
-inline constexpr int kInterrupted = 130;  // SIGINT
-inline constexpr int kTerminated = 143;   // SIGTERM, SIGUSR1
+inline constexpr int kInterrupted = 130;  // SIGINT, SIGQUIT
+inline constexpr int kTerminated = 143;   // SIGTERM, SIGUSR1, SIGHUP
 
 inline constexpr const char* kExitCodeHelp =
     "exit codes: 0 done, 1 a requested check failed, 2 usage, 3 input unreadable or invalid,\n"

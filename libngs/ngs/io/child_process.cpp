@@ -65,7 +65,7 @@ pid_t spawn(const std::vector<std::string>& argv, int transcript) {
   posix_spawnattr_init(&attributes);
   sigset_t none, defaults;
   sigemptyset(&none), sigemptyset(&defaults);
-  for (const int number : {SIGTERM, SIGINT, SIGUSR1, SIGPIPE, SIGXFSZ}) sigaddset(&defaults, number);
+  for (const int number : {SIGTERM, SIGINT, SIGUSR1, SIGPIPE, SIGXFSZ, SIGCHLD}) sigaddset(&defaults, number);
   posix_spawnattr_setsigmask(&attributes, &none);
   posix_spawnattr_setsigdefault(&attributes, &defaults);
   posix_spawnattr_setflags(&attributes,
@@ -147,7 +147,8 @@ ChildResult run_child(const std::vector<std::string>& argv, const ChildLimits& l
   ChildResult result;
   bool ending = false;
   int status = 0;
-  for (double pause_ms = 1; waitpid(child, &status, WNOHANG) == 0;
+  pid_t ended = 0;
+  for (double pause_ms = 1; (ended = waitpid(child, &status, WNOHANG)) == 0 || (ended < 0 && errno == EINTR);
        pause_ms = std::min(50.0, pause_ms * 1.5)) {
     const bool late = since(start) > limits.time_s, stopped = limits.stop && limits.stop();
     if (!ending && (late || stopped)) {
@@ -160,6 +161,9 @@ ChildResult run_child(const std::vector<std::string>& argv, const ChildLimits& l
     std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(pause_ms));
   }
   if (ending) kill(-child, SIGKILL);  // what the child itself started
+  if (ended < 0 && !ending)
+    throw Error(ErrorCode::kEnvironment, argv[0] + ": its exit code is lost: " + std::strerror(errno),
+                "start this process with SIGCHLD at its default: while it is ignored, nobody learns how a program ended");
   if (!ending && WIFSIGNALED(status)) result.end = ChildResult::End::kSignalled;
   result.code = WIFEXITED(status) ? WEXITSTATUS(status) : WTERMSIG(status);
   result.last_words = transcript.end();

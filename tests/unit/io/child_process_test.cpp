@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <csignal>
+
 #include "ngs/core/error.h"
 
 namespace ngs {
@@ -59,6 +61,13 @@ TEST_CASE("a child that is late or no longer wanted is ended with what it starte
   CHECK(late.end == End::kTimedOut);
   const auto unwanted = io::run_child({"sleep", "50"}, {.time_s = 50, .stop = [] { return true; }});
   CHECK(unwanted.end == End::kStopped);
+}
+
+TEST_CASE("a child whose exit code is lost has not succeeded") {
+  const auto before = std::signal(SIGCHLD, SIG_IGN);
+  CHECK(code_of([] { io::run_child({"false"}, {}); }) == ErrorCode::kEnvironment);
+  std::signal(SIGCHLD, before);
+  CHECK(io::run_child({"false"}, {}).code == 1);
 }
 
 TEST_CASE("a program that is not there is an error of the environment") {
