@@ -42,9 +42,9 @@ model_of_scene() {
   if [ -n "$MODEL" ]; then printf '%s' "$MODEL"; return; fi
   local trained
   trained=$(first_existing "$SCENE/point_cloud.ply" "$SCENE/model.ply")
-  # A folder of the Inria trainer: the last iteration.
+  # A folder of the Inria trainer: the last iteration, as ngs-scene takes it; what else lies there is somebody's copy.
   if [ -z "$trained" ] && [ -d "$SCENE/point_cloud" ]; then
-    trained=$(find -L "$SCENE/point_cloud" -name point_cloud.ply | sort -V | tail -n 1)
+    trained=$(find -L "$SCENE/point_cloud" -mindepth 2 -maxdepth 2 -regex '.*/iteration_[0-9]+/point_cloud\.ply' | sort -V | tail -n 1)
   fi
   printf '%s' "$trained"
 }
