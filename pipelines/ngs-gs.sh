@@ -26,7 +26,8 @@
 #
 # Options for the other tools go in SCENE_FLAGS, VARIANCE_FLAGS, SAMPLE_FLAGS, RBF_FLAGS, EXTRACT_FLAGS,
 # RENDER_FLAGS and EVAL_FLAGS, quoted as for the shell: SCENE_FLAGS='--mask-mode label --object-id 7' ...
-# (JOINT_FLAGS too; options of ngs-joint given here come behind them).
+# (JOINT_FLAGS too; options of ngs-joint given here come behind them). Paths in these variables are absolute or relative
+# to OUT_DIR, paths among the options here to the folder of the call.
 #
 # The tools come from $NGS_BIN, else from the build folder, else from PATH.
 set -euo pipefail
@@ -55,9 +56,17 @@ while [ $# -gt 0 ]; do
       --seed=* | --device=* | --log-format=* | --threads=*)
       value=${option#*=} option=${option%%=*}
       shift ;;
+    --effects-from=* | --field=* | --options=* | --nerf=* | --checkpoint=*)
+      joint+=("${option%%=*}=$(absolute "${option#*=}")"); shift; continue ;;
     -*) joint+=("$option"); shift
       # A word behind an option of ngs-joint is its value, once both folders are named.
-      if [ -n "$out" ] && [ $# -gt 0 ] && [ "${1#-}" = "$1" ]; then joint+=("$1"); shift; fi
+      if [ -n "$out" ] && [ $# -gt 0 ] && [ "${1#-}" = "$1" ]; then
+        case $option in  # the stages run in OUT_DIR
+          --effects-from | --field | --options | --nerf | --checkpoint) joint+=("$(absolute "$1")") ;;
+          *) joint+=("$1") ;;
+        esac
+        shift
+      fi
       continue ;;
     *)
       if [ -z "$SCENE" ]; then SCENE=$option
@@ -100,6 +109,7 @@ export BIN NGS_STAGE=$pipelines/stage.sh
 cd -- "$out"
 export OUT=.
 bash "$NGS_STAGE" check
+bash "$NGS_STAGE" options
 if [ -n "$dry_run" ]; then
   printf 'cd %q && mkdir -p .state reports\n' "$PWD"
   for stage in scene variance sample rbf joint extract render eval report; do

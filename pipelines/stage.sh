@@ -2,6 +2,7 @@
 # One stage of experiment.mk: `stage.sh STAGE` runs its tool, `stage.sh key STAGE` writes what the stage depends on beside
 # the artifacts before it to OUT/.state/STAGE.key where that differs; with NGS_DRY_RUN set the commands are printed only.
 # `stage.sh check` only refuses an OUT where a stage would replace what is not its own, as every other call does first;
+# `stage.sh options` refuses options that a tool would refuse when its turn comes;
 # `stage.sh scored` fails where nothing was scored.
 # All values come through the environment, so that paths may hold any character. Not called by hand.
 set -euo pipefail
@@ -281,7 +282,7 @@ stage_report() {
 }
 
 key() {
-  local stage=$1 tool=ngs-$1 photos
+  local stage=$1 tool=ngs-$1 photos own
   stat -L -c '%n %s %Y' "$(tool_path "$tool")" 2>/dev/null || true
   printf '%s\n' "$COMMON_FLAGS" "$(device_of "$tool")"
   case $stage in
@@ -301,6 +302,43 @@ key() {
       fingerprint "$(truth_of_scene)" ;;
     report) ;;
   esac
+  own=${stage^^}_FLAGS
+  named_files "$COMMON_FLAGS ${!own:-}"
+}
+
+# named_files FLAGS: what is in the files that these options name, as far as they are inputs.
+named_files() {
+  local words=() i file
+  flags "$1"
+  for i in "${!words[@]}"; do
+    case ${words[i]} in
+      --effects-from | --field | --options | --import | --scene | --world-transform | --hold-out | --views | --ply | --images | --masks)
+        file=${words[i + 1]:-} ;;
+      --effects-from=* | --field=* | --options=* | --import=* | --scene=* | --world-transform=* | --hold-out=* | --views=* | \
+        --ply=* | --images=* | --masks=*)
+        file=${words[i]#*=} ;;
+      *) continue ;;
+    esac
+    if [ -e "$file" ]; then fingerprint "$file"; fi
+  done
+}
+
+# A misspelt option of the last tool is found before the first has worked for an hour.
+stage_options() {
+  accepted "$SCENE_FLAGS" ngs-scene import
+  accepted "$VARIANCE_FLAGS" ngs-variance
+  accepted "$SAMPLE_FLAGS" ngs-sample
+  accepted "$RBF_FLAGS" ngs-rbf
+  accepted "$JOINT_FLAGS$(chosen --method "$METHOD")$(chosen --quality "$QUALITY")" ngs-joint
+  accepted "$EXTRACT_FLAGS" ngs-extract
+  accepted "$RENDER_FLAGS" ngs-render
+  accepted "$EVAL_FLAGS" ngs-eval
+}
+chosen() { if [ -n "$2" ]; then printf ' %q' "$1" "$2"; fi; }
+# accepted FLAGS TOOL [COMMAND]: the tool reads the options and does nothing with them.
+accepted() {
+  flags "$1 $COMMON_FLAGS $(device_of "$2") $UNKEYED_FLAGS"
+  "$(tool_path "$2")" "${@:3}" "${words[@]}" --print-options > /dev/null || exit $?
 }
 
 # is_whole STAGE: whether the stage's artifacts that make does not see are all there.
@@ -323,6 +361,7 @@ refuse_foreign_masks
 refuse_own_model
 if [ "$1" = check ]; then exit; fi
 BIN=${BIN:-$(find_bin)}
+if [ "$1" = options ]; then stage_options; exit; fi
 # Two makes at once on one OUT take turns.
 if [ -z "${NGS_DRY_RUN:-}" ]; then
   exec 8> "$OUT/.state/stage.lock"

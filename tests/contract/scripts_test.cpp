@@ -155,6 +155,75 @@ TEST_CASE("sweep.sh gives JOINT_FLAGS to ngs-joint, and runs in a folder of any 
   CHECK(f.json("it's $HOME, \xc3\xbc/a/reports/ngs-joint.json")["options"]["method"] == "sa3d");
 }
 
+TEST_CASE("sweep.sh says why there is no comparison, and fails") {
+  const Folder f;
+  f.dir.write("runs", "a '" + f.path("capture") + "' --hold-out every:4:2 --method flash\n");
+  fs::create_directories(f.path("out/report.html"));
+  const test::ProcessResult result = f.run({kPipelines + "sweep.sh", "runs", "out"});
+  INFO(result.err);
+  CHECK(result.exit_code == 2);
+  CHECK(result.err.find("report.html: is a folder, expected a file") != std::string::npos);
+  CHECK(result.err.find("1 of 1 runs are finished") != std::string::npos);
+}
+
+TEST_CASE("ngs-gs.sh takes the model of the last iteration, as ngs-scene does") {
+  const Folder f;
+  for (const char* name : {"iteration_7", "iteration_30", "iteration_9_copy", "old", "iteration_30/zz"}) {
+    fs::create_directories(f.path("capture/point_cloud/") + name);
+    fs::copy_file(f.path("capture/model.ply"), f.path("capture/point_cloud/") + name + "/point_cloud.ply");
+  }
+  fs::remove(f.path("capture/model.ply"));
+  const test::ProcessResult plan = f.run(f.quick("out", {"-n"}));
+  INFO(plan.err);
+  CHECK(plan.out.find("--ply " + f.path("capture/point_cloud/iteration_30/point_cloud.ply ")) != std::string::npos);
+}
+
+TEST_CASE("ngs-gs.sh finds the files that options name in the folder of the call, and sees that they changed") {
+  const Folder f;
+  const auto steps = [&](const char* text, Words more, const std::string& flags = {}) {
+    f.dir.write("joint.json", text);
+    more.insert(more.end(), {"--until", "labelled.ply"});
+    const test::ProcessResult result = f.run(f.quick("out", more), {{"JOINT_FLAGS", flags}});
+    INFO(result.err);
+    CHECK(result.exit_code == 0);
+    return f.json("out/reports/ngs-joint.json")["options"]["steps"].get<int>();
+  };
+  CHECK(steps("{\"steps\": 3}", {"--options", "joint.json"}) == 3);
+  CHECK(steps("{\"steps\": 14}", {"--options", "joint.json"}) == 14);
+  CHECK(steps("{\"steps\": 155}", {"--options=joint.json"}) == 155);
+  CHECK(steps("{\"steps\": 1666}", {}, "--options ../joint.json") == 1666);
+  CHECK(steps("{\"steps\": 17777}", {}, "--options ../joint.json") == 17777);
+}
+
+TEST_CASE("ngs-gs.sh refuses an option that a later tool would refuse before the first tool runs") {
+  const Folder f;
+  const auto refused = [&](Words more, std::vector<std::pair<std::string, std::string>> environment, const std::string& because) {
+    const test::ProcessResult result = f.run(f.quick("out", std::move(more)), std::move(environment));
+    INFO(result.err);
+    CHECK(result.exit_code == 2);
+    CHECK(result.err.find(because) != std::string::npos);
+    CHECK_FALSE(f.has("out/scene.json"));
+  };
+  refused({"--stepps", "5"}, {}, "ngs-joint: error: unknown flag '--stepps'");
+  refused({"--quality", "best"}, {}, "quality");
+  refused({"-n", "--steps", "many"}, {}, "steps");
+  refused({}, {{"EVAL_FLAGS", "--threshold 300"}}, "ngs-eval: error: threshold = 300");
+  refused({"--log-format", "xml"}, {}, "log_format");
+}
+
+TEST_CASE("the mean over scenes is of the scores that there are, each once") {
+  const Folder f;
+  const auto summary = [&](const char* name, const char* biou) {
+    return f.dir.write(name, std::string("{\n  \"mean_over_runs\": {\n    \"iou\": 0.5,\n    \"biou\": ") + biou + "\n  }\n}\n");
+  };
+  const Words files{summary("a.json", "null"), summary("b.json", "null"), summary("c.json", "0.75")};
+  const test::ProcessResult result =
+      f.run({"bash", "-c", ". \"$0\"; mean_of_summaries \"$@\"", kPipelines + "common.sh", files[0], files[1], files[2]});
+  CHECK(result.err ==
+        "mean over 3 scenes: iou              0.5000\n"
+        "mean over 1 scenes: biou             0.7500\n");
+}
+
 TEST_CASE("robustness.mk makes the masks anew where the seed changed, and compares no scores of an earlier call") {
   const Folder f;
   const auto series = [&](Words more) {
