@@ -69,19 +69,19 @@ compare_runs() {
   local out=$1 bin
   shift
   [ $# -gt 0 ] || fail 5 "no scene was finished"
-  bin=$(find_bin)
-  "${bin:+$bin/}ngs-report" "$@" -o "$out/report.html" -w --report "$out/summary.json"
+  bin=$(find_bin) || return
+  "${bin:+$bin/}ngs-report" "$@" -o "$out/report.html" -w --report "$out/summary.json" || return
   say "summary: $out/summary.json, page: $out/report.html"
 }
 
-# mean_of_summaries SUMMARY...: the mean over scenes of the means that compare_runs left.
+# mean_of_summaries SUMMARY...: the mean over scenes of the means that compare_runs left; of each score over those that have it.
 mean_of_summaries() {
   awk '
-    FNR == 1 { inside = 0; ++files }
+    FNR == 1 { inside = 0 }
     /"mean_over_runs": \{/ { inside = 1; next }
     inside && /\}/ { inside = 0 }
-    inside { gsub(/[",:]/, " "); name = $1; if (!(name in sum)) order[++names] = name; if ($2 != "null") sum[name] += $2 }
-    END { for (i = 1; i <= names; ++i) printf "mean over %d scenes: %-16s %.4f\n", files, order[i], sum[order[i]] / files }
+    inside { gsub(/[",:]/, " "); if ($2 == "null") next; if (!($1 in sum)) order[++names] = $1; sum[$1] += $2; ++scenes[$1] }
+    END { for (i = 1; i <= names; ++i) { n = order[i]; printf "mean over %d scenes: %-16s %.4f\n", scenes[n], n, sum[n] / scenes[n] } }
   ' "$@" >&2
 }
 

@@ -16,7 +16,8 @@
 #   --no-wait        slurm: return after submitting; OUT/.sweep/ended appears at the end and holds the exit code
 #   -n, --dry-run    say which runs would start
 #
-# Exit code 1 if a run failed: one that a tool refused (exit codes 2 to 7, 70) is not tried again until its line changes.
+# Exit code 1 if a run failed: one that a tool refused (exit codes 2 to 7, 70) is not tried again until its line changes. That
+# of ngs-report if only the comparison failed.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "${NGS_PIPELINES:-$(dirname "$0")}/common.sh"
@@ -83,7 +84,7 @@ task() {
 
 # Compares what is finished, says what is not; the exit code of the series.
 finish() {
-  local line code finished=() failed=0
+  local line code finished=() failed=0 compared=0 said
   for line in $(lines_of_runs); do
     code=$(code_of "$line")
     read_run "$line"
@@ -92,9 +93,12 @@ finish() {
       *) failed=$((failed + 1)); say "$run_name failed${code:+ with exit code $code}" ;;
     esac
   done
-  if [ ${#finished[@]} -gt 0 ]; then compare_runs "$out" "${finished[@]}" 2> /dev/null; fi
+  if [ ${#finished[@]} -gt 0 ]; then  # its table would be long; why there is none is not
+    said=$(compare_runs "$out" "${finished[@]}" 2>&1) || { compared=$?; say "$said"; }
+  fi
   say "$(($(lines_of_runs | wc -l) - failed)) of $(lines_of_runs | wc -l) runs are finished, $(wc -l < "$state/tries") tries"
-  [ "$failed" -eq 0 ]
+  [ "$failed" -eq 0 ] || return 1
+  return "$compared"
 }
 
 # One round over the lines on stdin, on this machine.
