@@ -183,22 +183,38 @@ class Reader {
   struct Wanted {
     PlyColumn from;
     std::vector<float>* to;
+    std::string name = {};  // of a column whose range is checked
+    float most = INFINITY;
   };
 
   /// `to` stays empty where the column is absent.
   void want(const std::string& column, std::vector<float>& to, std::vector<Wanted>& wanted) const {
     const PlyColumn from = ply_.rows.column(column);
-    if (from) wanted.push_back({from, &to}), to.resize(std::size_t(ply_.rows.rows));
+    if (from) wanted.push_back({.from = from, .to = &to}), to.resize(std::size_t(ply_.rows.rows));
   }
 
   void want_labels(const std::string& suffix, LabelColumns& set, std::vector<Wanted>& wanted) const {
-    for (const LabelField& f : kLabelFields) want(std::string(f.name) + suffix, set.*f.column, wanted);
+    for (const LabelField& f : kLabelFields) {
+      const std::string name = std::string(f.name) + suffix;
+      const std::size_t before = wanted.size();
+      want(name, set.*f.column, wanted);
+      if (wanted.size() > before) wanted.back().name = name, wanted.back().most = f.column == &LabelColumns::views ? INFINITY : 1.f;
+    }
+  }
+
+  void check_range(const Wanted& w, std::int64_t i) const {
+    constexpr float kRounding = 1e-4f;  // of programs that computed in their own way
+    const float value = (*w.to)[std::size_t(i)];
+    if (w.name.empty() || (std::isfinite(value) && value >= -kRounding && value <= w.most + kRounding)) return;
+    bad(w.name + " of row " + std::to_string(i) + ": " + std::to_string(value) + ", expected " +
+            (std::isinf(w.most) ? "a number of views" : "0 to 1"),
+        "label the model again: ngs-variance scene.json -o boundary.ply");
   }
 
   /// All in one pass: a file of many objects has hundreds of columns, and its rows do not stay in memory.
   void read(const std::vector<Wanted>& wanted) const {
     for_each_row([&](std::int64_t i) {
-      for (const Wanted& w : wanted) (*w.to)[std::size_t(i)] = w.from.value_float(i);
+      for (const Wanted& w : wanted) (*w.to)[std::size_t(i)] = w.from.value_float(i), check_range(w, i);
     });
   }
 

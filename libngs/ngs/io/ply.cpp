@@ -13,6 +13,8 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "PLY rows are used in place as little-endian");
 
 constexpr std::size_t kMaxHeaderBytes = std::size_t(1) << 24;
+// Names are compared with one another, so that the time is the square of these; a model of ours has 5 properties per object.
+constexpr std::size_t kMaxElements = 256, kMaxProperties = 16384;
 
 struct TypeName {
   std::string_view name;
@@ -150,6 +152,7 @@ void PlyFile::parse_header() {
     bad(name_, std::to_string(text.size()) + " bytes that do not start with 'ply', expected a PLY file",
         "other splat formats: npx @playcanvas/splat-transform " + name_ + " model.ply");
   bool has_format = false;
+  std::size_t properties = 0;
   for (std::size_t at = text.find('\n') + 1;;) {
     const std::size_t end = text.find('\n', at);
     if (end == std::string_view::npos)
@@ -173,8 +176,13 @@ void PlyFile::parse_header() {
       format_ = parse_format(name_, words);
       has_format = true;
     } else if (key == "element") {
+      if (elements_.size() == kMaxElements)
+        bad(name_, "more than " + std::to_string(kMaxElements) + " elements, expected at most that many");
       elements_.push_back(parse_element(name_, words));
     } else if (key == "property") {
+      if (++properties > kMaxProperties)
+        bad(name_, "more than " + std::to_string(kMaxProperties) + " properties, expected at most that many",
+            "write models of many objects in parts: ngs-joint --objects NAME");
       add_property(name_, elements_, parse_property(name_, words));
     } else if (!key.empty()) {
       bad(name_,

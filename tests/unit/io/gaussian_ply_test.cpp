@@ -306,6 +306,39 @@ TEST_CASE("a model cut short at any byte is refused, in every format") {
   }
 }
 
+TEST_CASE("labels that are none are refused with column and row") {
+  const auto with = [](const std::string& column, double value) {
+    PlyColumns table = test::inria_columns(3, 0);
+    for (const char* name : {"ngs_label", "ngs_prob", "ngs_variance", "ngs_views", "ngs_boundary", "ngs_label_cup", "ngs_prob_cup"})
+      test::add_column(table, table.properties.size(), name, PlyType::kFloat32, 1);
+    table.rows[1][test::column_of(table, column)] = value;
+    return error_of(test::ply_bytes({table}, PlyFormat::kBinaryLittle));
+  };
+  CHECK(with("ngs_views", 700) == "");
+  CHECK(with("ngs_prob", 0.25) == "");
+  CHECK(with("ngs_prob", 1.00001) == "");  // rounding
+  CHECK(with("ngs_prob", 7).find("ngs_prob of row 1: 7.000000, expected 0 to 1") != std::string::npos);
+  CHECK(with("ngs_views", -5).find("ngs_views of row 1: -5.000000, expected a number of views") != std::string::npos);
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
+  for (const char* column : {"ngs_label", "ngs_prob", "ngs_variance", "ngs_views", "ngs_boundary", "ngs_label_cup", "ngs_prob_cup"})
+    for (const double value : {kNan, kInfinity, -1.0}) {
+      CAPTURE(column);
+      CHECK(with(column, value).find(std::string(column) + " of row 1") != std::string::npos);
+    }
+}
+
+TEST_CASE("a header of more names than any model has is refused before they are compared") {
+  const auto header = [](int count, const std::string& line, const std::string& behind) {
+    std::string text = "ply\nformat ascii 1.0\n";
+    if (behind.empty()) text += "element vertex 1\n";
+    for (int i = 0; i < count; ++i) text += line + std::to_string(i) + behind + "\n";
+    return text + "end_header\n";
+  };
+  CHECK(error_of(header(300000, "element e", " 0")).find("more than 256 elements") != std::string::npos);
+  CHECK(error_of(header(300000, "property float p", "")).find("more than 16384 properties") != std::string::npos);
+  CHECK(error_of(header(256, "element e", " 0")).find("no element 'vertex'") != std::string::npos);
+}
+
 TEST_CASE("counts that the file cannot hold are refused before anything is allocated") {
   const PlyColumns table = test::inria_columns(2, 0, false);
   for (const PlyFormat format : kFormats)

@@ -1,7 +1,9 @@
 #include <doctest/doctest.h>
+
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <limits>
 
@@ -65,7 +67,7 @@ TEST_CASE("the strict record is 62 floats at degree 3, vertex count in the third
 LabelColumns labels_of(std::size_t n, float base) {
   LabelColumns labels;
   for (std::size_t i = 0; i < n; ++i) {
-    const float v = base + 0.01f * float(i);
+    const float v = std::fmod(base + 0.01f * float(i), 1.f);
     labels.label.push_back(v > 0.5f ? 1.f : 0.f);
     labels.prob.push_back(v);
     labels.variance.push_back(v * v);
