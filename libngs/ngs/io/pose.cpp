@@ -68,10 +68,15 @@ void set_pose(Camera& camera, const Mat3<double>& axes, Vec3<double> centre) {
 
 void validate_camera(const Camera& camera, const std::string& object) {
   if (camera.name.empty()) refuse(object, "a view without a name, expected an image name");
+  const auto is_control = [](unsigned char c) { return c < 32 || c == 127; };
+  if (std::ranges::any_of(camera.name, is_control)) {
+    std::string shown = camera.name;
+    std::ranges::replace_if(shown, is_control, '?');
+    refuse(object, "view name '" + shown + "' with a line end or another control character, expected a name that a line of text can hold");
+  }
   const std::string where = object + ": view " + camera.name;
   const std::filesystem::path name(camera.name);
-  if (name.is_absolute() || camera.name.find('\0') != std::string::npos ||
-      std::find(name.begin(), name.end(), "..") != name.end())
+  if (name.is_absolute() || std::find(name.begin(), name.end(), "..") != name.end())
     refuse(where, "name that leaves the folder of the images, expected a relative one without \"..\"");
   if (camera.width_px < 1 || camera.height_px < 1 || camera.width_px > kMaxSide ||
       camera.height_px > kMaxSide)

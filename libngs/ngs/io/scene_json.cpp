@@ -133,6 +133,23 @@ void validate_objects(const Scene& scene, const std::string& object) {
     refuse(object, "void id " + std::to_string(*scene.void_id) + ", expected 0..65535 with label maps, none with other masks");
 }
 
+/// Relative paths start from the folder that the file is named in: a link may be there so that other files are taken. Where
+/// they lead nowhere from the link, and somewhere from the file, that is no such case.
+void refuse_lost_link(const json& root, const Scene& scene, const std::string& path) {
+  std::error_code ignored;
+  if (!fs::is_symlink(path, ignored)) return;
+  const fs::path file = fs::weakly_canonical(path, ignored);
+  const Scene meant = parse_scene_json(root, file.parent_path().string(), path);
+  const auto check = [&](const std::string& found, const std::string& there) {
+    if (found.empty() || fs::exists(found, ignored) || !fs::exists(there, ignored)) return;
+    throw Error(ErrorCode::kBadInput,
+                path + ": is a link, and " + found + " is not there; expected the files of the scene, whose paths are relative to it",
+                "name the file itself: " + file.string());
+  };
+  check(scene.model_path, meant.model_path);
+  check(scene.views[0].image_path, meant.views[0].image_path);
+}
+
 }  // namespace
 
 void validate_scene(const Scene& scene, const std::string& object) {
@@ -194,7 +211,10 @@ Scene parse_scene_json(const json& root, const std::string& folder, const std::s
 }
 
 Scene read_scene_json(const std::string& path) {
-  return parse_scene_json(read_json_file(path), folder_of_file(path), path);
+  const json root = read_json_file(path);
+  Scene scene = parse_scene_json(root, folder_of_file(path), path);
+  refuse_lost_link(root, scene, path);
+  return scene;
 }
 
 void write_scene_json(const std::string& path, const Scene& scene, StoredPaths stored) {

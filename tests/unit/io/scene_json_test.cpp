@@ -99,6 +99,37 @@ TEST_CASE("paths are stored relative to the json file and found from any working
         std::filesystem::path(dir.path()).parent_path() / "masks/a b.png");
 }
 
+TEST_CASE("a link to a scene whose files are not beside the link is refused with the file's own name") {
+  const TempDir dir;
+  written(dir);
+  std::filesystem::create_directories(dir.path() + "/link");
+  std::filesystem::create_symlink(dir.path() + "/scene.json", dir.path() + "/link/scene.json");
+  CHECK_NOTHROW(read_scene_json(dir.path() + "/link/scene.json"));  // the file leads nowhere either
+  dir.write("model.ply", "x");
+  try {
+    read_scene_json(dir.path() + "/link/scene.json");
+    FAIL("was accepted");
+  } catch (const Error& e) {
+    const std::string expected = "/link/scene.json: is a link, and " + dir.path() + "/link/model.ply is not there";
+    CHECK(std::string(e.what()).find(expected) == dir.path().size());
+    CHECK(e.remedy() == "name the file itself: " + std::filesystem::canonical(dir.path() + "/scene.json").string());
+  }
+  dir.write("link/model.ply", "x"), dir.write("link/images/a b.png", "x");
+  CHECK_NOTHROW(read_scene_json(dir.path() + "/link/scene.json"));
+}
+
+TEST_CASE("a view whose name is more than a line is refused") {
+  const TempDir dir;
+  for (const char* name : {"a\nb.png", "a\tb.png", "\x7f.png"}) {
+    nlohmann::json json = written(dir);
+    json["views"][0]["name"] = name;
+    refused(json, "with a line end or another control character");
+  }
+  nlohmann::json json = written(dir);
+  json["views"][0]["name"] = "a\nb.png";
+  refused(json, "scene.json: view name 'a?b.png'");
+}
+
 TEST_CASE("absolute paths in a scene are kept") {
   const TempDir dir;
   nlohmann::json json = written(dir);
