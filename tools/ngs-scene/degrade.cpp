@@ -62,7 +62,7 @@ int degrade_command(int argc, char** argv) {
   const cli::Output& out = tool.output_dir("-o,--output", "folder for the degraded masks");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
-    const synth::MaskNoise noise = synth::parse_mask_noise(options.mask_noise);
+    const synth::MaskNoise noise = synth::parse_mask_noise(options.mask_noise, synth::NoiseOf::kOneObject);
     const std::vector<std::string> names = io::list_images(masks.path);
     if (names.empty()) {
       run.nothing_found(masks.path + ": no image in this folder", "name the folder that holds the masks");

@@ -152,40 +152,41 @@ void add_blobs(ImageU16& labels, double probability, int view, std::uint64_t see
   }
 }
 
-[[noreturn]] void refuse(const std::string& spec) {
+[[noreturn]] void refuse(const std::string& spec, NoiseOf of) {
+  const std::string swap = of == NoiseOf::kLabelMaps ? "swap:P " : "";
   throw Error(ErrorCode::kUsage,
-              "mask noise: \"" + spec + "\", expected erode:PX, dilate:PX, jitter:PX (0..200), drop:P, swap:P or blob:P (0..1)",
+              "mask noise: \"" + spec + "\", expected erode:PX, dilate:PX, jitter:PX (0..200), drop:P, " + swap + "or blob:P (0..1)",
               "several are joined by commas: --mask-noise jitter:1,drop:0.1");
 }
 
-void parse_one(const std::string& spec, MaskNoise& noise) {
+void parse_one(const std::string& spec, NoiseOf of, MaskNoise& noise) {
   const std::size_t colon = spec.find(':');
-  if (colon == std::string::npos) refuse(spec);
+  if (colon == std::string::npos) refuse(spec, of);
   const std::string kind = spec.substr(0, colon), number = spec.substr(colon + 1);
   double value = 0;
   const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
-  if (error != std::errc() || end != number.data() + number.size() || !(value >= 0)) refuse(spec);
+  if (error != std::errc() || end != number.data() + number.size() || !(value >= 0)) refuse(spec, of);
   const auto set = [&](double& field, double most) {
-    if (value > most) refuse(spec);
+    if (value > most) refuse(spec, of);
     field = value;
   };
   if (kind == "erode") set(noise.erode_px, 200);
   else if (kind == "dilate") set(noise.dilate_px, 200);
   else if (kind == "jitter") set(noise.jitter_px, 200);
   else if (kind == "drop") set(noise.drop, 1);
-  else if (kind == "swap") set(noise.swap, 1);
+  else if (kind == "swap" && of == NoiseOf::kLabelMaps) set(noise.swap, 1);
   else if (kind == "blob") set(noise.blob, 1);
-  else refuse(spec);
+  else refuse(spec, of);
 }
 
 }  // namespace
 
-MaskNoise parse_mask_noise(std::span<const std::string> specs) {
+MaskNoise parse_mask_noise(std::span<const std::string> specs, NoiseOf of) {
   MaskNoise noise;
   for (const std::string& list : specs)
     for (std::size_t begin = 0; begin <= list.size();) {
       const std::size_t end = std::min(list.find(',', begin), list.size());
-      parse_one(list.substr(begin, end - begin), noise);
+      parse_one(list.substr(begin, end - begin), of, noise);
       begin = end + 1;
     }
   return noise;

@@ -23,8 +23,10 @@ struct MaskNoise {
   bool any() const { return swap > 0 || drop > 0 || jitter_px > 0 || dilate_px > 0 || erode_px > 0 || blob > 0; }
 };
 
-/// From "erode:1.5", "drop:0.1", …; several in one string are separated by commas. Error kUsage otherwise.
-MaskNoise parse_mask_noise(std::span<const std::string> specs);
+enum class NoiseOf : std::uint8_t { kLabelMaps, kOneObject };
+/// From "erode:1.5", "drop:0.1", …; several in one string are separated by commas. Error kUsage otherwise, and for swap
+/// where there is one object only.
+MaskNoise parse_mask_noise(std::span<const std::string> specs, NoiseOf of = NoiseOf::kLabelMaps);
 
 /// Erroneous copy of an exact label map. With `only_id` > 0 the result is binary: 1 where the disturbed mask of
 /// that object is, and growing or blobs then also run over other objects, as separately made masks do.

@@ -42,6 +42,14 @@ TEST_CASE("parse_mask_noise reads lists and refuses what it does not know") {
   }
 }
 
+TEST_CASE("masks of one object have no ids to swap") {
+  const std::vector<std::string> swap = {"swap:1"}, unknown = {"smear:1"};
+  CHECK(parse_mask_noise(swap).swap == 1);
+  CHECK_THROWS_WITH_AS(parse_mask_noise(swap, NoiseOf::kOneObject), doctest::Contains("\"swap:1\", expected erode:PX"), Error);
+  CHECK_THROWS_WITH_AS(parse_mask_noise(unknown), doctest::Contains("swap:P or blob:P"), Error);
+  CHECK_THROWS_WITH_AS(parse_mask_noise(unknown, NoiseOf::kOneObject), doctest::Contains("drop:P, or blob:P"), Error);
+}
+
 TEST_CASE("no noise returns the exact labels") {
   const ImageU16 exact = disc_image(32, 9);
   CHECK(disturb_labels({}, exact, {}, 0, 3, 7).data == exact.data);
