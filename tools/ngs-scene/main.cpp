@@ -51,6 +51,7 @@ int import_command(int argc, char** argv) {
       return io::import_scene(
           capture::request_from(options, source.value, {ply.path, images.path, masks.path, world.path}));
     }();
+    if (imported.format != "transforms.json") cli::warn_unused(run, options, {"original_world"}, "but by transforms.json");
     run.add_input("cameras", imported.cameras_file);
     if (!masks && !imported.masks_dir.empty()) run.add_input("masks", imported.masks_dir);
     run.result() = import_json(imported);

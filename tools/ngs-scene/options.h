@@ -1,5 +1,6 @@
 #pragma once
 // What ngs-scene import asks for beside its inputs.
+#include "ngs/core/error.h"
 #include "ngs/io/import_scene.h"
 #include "ngs/options/field.h"
 #include "ngs/stages/render_options.h"
@@ -67,6 +68,17 @@ struct ImportOptions {
   }
 };
 
+/// kUsage where options contradict one another, so that no file is blamed for it.
+inline void require_consistent(const ImportOptions& options) {
+  const bool label_maps = options.mask_mode == MaskMode::kLabel;
+  if (options.void_id >= 0 && !label_maps)
+    throw Error(ErrorCode::kUsage, "--void-id " + std::to_string(options.void_id) + " without label maps, expected with them only",
+                "add --mask-mode label, or leave --void-id out");
+  if (options.mask_invert && label_maps)
+    throw Error(ErrorCode::kUsage, "--mask-invert with label maps, expected with binary, soft or bands only",
+                "leave --mask-invert out; the objects of label maps are named by --object-id");
+}
+
 /// The inputs of the command line; empty: not given.
 struct ImportPaths {
   std::string ply, images, masks, world_transform;
@@ -74,6 +86,7 @@ struct ImportPaths {
 
 inline io::ImportRequest request_from(const ImportOptions& options, const std::string& source,
                                       const ImportPaths& paths) {
+  require_consistent(options);
   io::ImportRequest request;
   request.capture = {source, paths.images, paths.world_transform, options.original_world};
   request.model_path = paths.ply, request.masks_dir = paths.masks;

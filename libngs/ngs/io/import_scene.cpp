@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <set>
 
@@ -9,6 +11,7 @@
 #include "ngs/io/folder_index.h"
 #include "ngs/io/mask_names.h"
 #include "ngs/io/masks.h"
+#include "ngs/io/pose.h"
 #include "ngs/io/regular_file.h"
 #include "ngs/io/scene_json.h"
 #include "ngs/io/text_lines.h"
@@ -189,6 +192,13 @@ void hold_out_named(const std::string& path, std::vector<SceneView>& views) {
   }
 }
 
+/// At which the shortest side of the photos has that many pixels, rounded up.
+std::string least_scale(int side_px, int shortest_px) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%.3f", std::min(1.0, std::ceil(1000.0 * side_px / shortest_px) / 1000));
+  return text;
+}
+
 }  // namespace
 
 void assign_splits(const std::string& hold_out, std::vector<SceneView>& views) {
@@ -239,16 +249,19 @@ ImportedScene import_scene(const ImportRequest& request) {
   out.masks_dir = find_masks_dir(request, source.base, out.notes);
   assign_splits(request.hold_out, scene.views);
   attach_masks(request, out);
-  for (SceneView& view : scene.views)
+  int shortest_px = kMaxSide;
+  for (SceneView& view : scene.views) {
+    shortest_px = std::min({shortest_px, view.camera.width_px, view.camera.height_px});
     view.camera = resized(view.camera, scaled_size_px(view.camera.width_px, scene.image_scale),
                           scaled_size_px(view.camera.height_px, scene.image_scale));
+  }
   constexpr int kLeastSide_px = 8;  // smaller pictures match any model as badly
   for (const SceneView& view : scene.views)
     if (const Camera& c = view.camera; scene.image_scale < 1 && std::min(c.width_px, c.height_px) < kLeastSide_px)
-      throw Error(ErrorCode::kUsage, "--image-scale " + std::to_string(request.image_scale) + ": view " + c.name + " becomes " +
+      throw Error(ErrorCode::kUsage, "--image-scale " + std::to_string(scene.image_scale) + ": view " + c.name + " becomes " +
                                          std::to_string(c.width_px) + "x" + std::to_string(c.height_px) +
                                          " px, expected at least " + std::to_string(kLeastSide_px) + " a side",
-                  "0 chooses the size");
+                  "--image-scale " + least_scale(kLeastSide_px, shortest_px) + " or more keeps that of every view");
   validate_scene(scene, request.capture.source);
   return out;
 }

@@ -235,6 +235,27 @@ TEST_CASE("small photos that are worked on smaller because others are large are 
   CHECK(told(import_scene(request)) == 0);
 }
 
+TEST_CASE("of a photo too narrow for its working size, the size that keeps it is named") {
+  const TempDir dir;
+  auto views = test::random_cameras(1, false);
+  views[0].camera.name = "a.png", views[0].camera.width_px = 8000, views[0].camera.height_px = 64;
+  const test::ColmapFiles files = test::colmap_text(views);
+  dir.write("sparse/0/cameras.txt", files.cameras);
+  dir.write("sparse/0/images.txt", files.images);
+  write_png(dir.file("images/a.png"), ImageU8(8000, 64, 3, 9));
+  ImportRequest request = request_for(dir);
+  request.image_scale = 0;
+  try {
+    import_scene(request);
+    FAIL("was accepted");
+  } catch (const Error& e) {
+    CHECK(std::string(e.what()) == "--image-scale 0.100000: view a.png becomes 800x6 px, expected at least 8 a side");
+    CHECK(e.remedy() == "--image-scale 0.125 or more keeps that of every view");
+  }
+  request.image_scale = 0.125;
+  CHECK(import_scene(request).scene.views[0].camera.height_px == 8);
+}
+
 TEST_CASE("photos of another shape, no photo at all and no mask at all are inconsistent") {
   const TempDir dir;
   make_scene(dir, 1, {30, 30});
