@@ -1,5 +1,7 @@
 #include "shared/report.h"
 
+#include <algorithm>
+
 #include "ngs/core/version.h"
 
 namespace ngs::cli {
@@ -43,8 +45,10 @@ Json make_report(const ReportData& data) {
     if (!input.xxh3.empty()) record["xxh3"] = input.xxh3;
     inputs.push_back(std::move(record));
   }
+  const auto is_on = [](const bool* option) { return *option; };
+  const bool writes_nothing = std::ranges::any_of(data.spec.writes_nothing_if, is_on);
   for (const Output& output : data.spec.outputs)
-    if (output)
+    if (output && !writes_nothing)
       outputs.push_back({{"name", output.flags.substr(output.flags.rfind('-') + 1)},
                          {"path", data.streams.given(output.path)}});
   StageNode root = data.monitor.root();
