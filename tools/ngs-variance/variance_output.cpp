@@ -13,6 +13,29 @@
 #include "shared/shard.h"
 
 namespace ngs::variance {
+namespace {
+
+std::string scene_identity(const std::string& path) { return "scene " + io::content_hash(path).xxh3; }
+
+/// The scene with the objects of the evidence, in the order of its columns.
+Scene with_columns(Scene scene, const std::vector<std::string>& columns, const std::string& path) {
+  const auto refuse = [](const std::string& what) {
+    throw Error(ErrorCode::kInconsistent, what, "make the parts again from this scene");
+  };
+  if (columns.empty()) refuse(path + ": the parts have evidence of no object, expected at least one of the scene's");
+  std::vector<SceneObject> objects;
+  for (const std::string& name : columns) {
+    const auto named = [&](const SceneObject& o) { return o.name == name; };
+    const auto known = std::find_if(scene.objects.begin(), scene.objects.end(), named);
+    if (known == scene.objects.end()) refuse(path + ": no object '" + name + "', expected it: the parts have evidence of it");
+    if (std::any_of(objects.begin(), objects.end(), named)) refuse("object '" + name + "' is in the parts twice, expected once");
+    objects.push_back(*known);
+  }
+  scene.objects = std::move(objects);
+  return scene;
+}
+
+}  // namespace
 
 std::vector<std::size_t> shard_of(const std::vector<std::size_t>& views, const std::string& shard) {
   const auto [i, n] = cli::parse_shard("--views", shard);
@@ -21,7 +44,7 @@ std::vector<std::size_t> shard_of(const std::vector<std::size_t>& views, const s
 }
 
 std::string made_with(const std::string& scene_path, const SplatOptions& splat) {
-  return "scene " + io::content_hash(scene_path).xxh3 + ", --compat " + name_of(kCompatNames, splat.compat) +
+  return scene_identity(scene_path) + ", --compat " + name_of(kCompatNames, splat.compat) +
          ", --antialias " + (splat.antialiased ? "on" : "off");
 }
 
@@ -49,7 +72,11 @@ Json memory_plan(const GaussianCloud& cloud, const Scene& scene, std::size_t vie
 Scene scene_of(cli::Run& run, const io::EvidencePart& sum, const std::string& given) {
   const std::string& path = given.empty() ? sum.scene_path : given;
   if (given.empty()) run.add_input("scene", path);
-  Scene scene = io::read_scene_json(path);
+  Scene scene = with_columns(io::read_scene_json(path), sum.objects, path);
+  // Parts of before made_with say nothing of their scene.
+  if (const std::string made_from = scene_identity(path); !sum.made_with.empty() && !sum.made_with.starts_with(made_from + ","))
+    throw Error(ErrorCode::kInconsistent, path + ": is " + made_from + ", expected what the parts were made with: " + sum.made_with,
+                "give the scene.json of the parts, or make them again from this one");
   cli::require_model(run, scene, path);
   return scene;
 }

@@ -20,7 +20,8 @@ std::string made_with(const std::string& scene_path, const SplatOptions& splat);
 /// Estimated peak memory for --dry-run.
 Json memory_plan(const GaussianCloud& cloud, const Scene& scene, std::size_t views);
 
-/// The scene `given` or, if that is empty, the one that the parts name; it and its model become inputs of the run.
+/// The scene `given` or, if that is empty, the one that the parts name, with the objects that the parts have columns of, in
+/// their order; it and its model become inputs of the run. kInconsistent where it is not the scene the parts were made from.
 Scene scene_of(cli::Run& run, const io::EvidencePart& sum, const std::string& given);
 
 /// kInconsistent unless the merged parts are of this scene's model and of exactly its training views.

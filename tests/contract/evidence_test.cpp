@@ -1,0 +1,109 @@
+// Evidence in parts: whose columns they are, which scene they were made from, and where that scene lies.
+#include <doctest/doctest.h>
+
+#include <filesystem>
+
+#include "ngs/io/evidence_file.h"
+#include "support/process.h"
+#include "support/temp_dir.h"
+#include "support/tiny_scene.h"
+
+namespace ngs {
+namespace {
+
+namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
+
+/// The tiny scene with label maps of two objects: 'other', all that is not the ball, and 'ball'.
+struct Case {
+  test::TempDir dir;
+  std::string scene = path("scene.json"), part = path("part.evidence"), out = path("merged.ply");
+
+  explicit Case(const std::string& folder = {}) {
+    test::write_tiny_scene(dir.path());
+    if (!folder.empty()) fs::create_directories(path(folder));
+    import(scene, {"other=0", "ball=7"});
+  }
+  std::string path(const std::string& name) const { return dir.path() + "/" + name; }
+  test::ProcessResult run(Words argv, const std::string& folder = {}, const std::string& input = {}) const {
+    test::ProcessSpec spec;
+    argv[0] = NGS_TOOL_DIR "/" + argv[0];
+    spec.argv = std::move(argv), spec.folder = folder.empty() ? dir.path() : folder, spec.input = input;
+    spec.environment = {{"NGS_THREADS", "2"}};
+    return test::run_process(spec);
+  }
+  void good(const Words& argv) const {
+    const test::ProcessResult result = run(argv);
+    INFO(argv[0] << ": " << result.err);
+    REQUIRE(result.exit_code == 0);
+  }
+  void import(const std::string& to, const Words& objects) const {
+    Words argv{"ngs-scene", "import", "sparse", "--ply",    "model.ply", "--images", "images", "--masks", "labels",
+               "--mask-mode", "label", "--no-align-views", "-w", "-o", to};
+    for (const std::string& object : objects) argv.insert(argv.end(), {"--object-id", object});
+    good(argv);
+  }
+  /// Parts of the ball alone; then what is stored of them is what `change` makes of it.
+  template <class Change>
+  void write_part(Change&& change) const {
+    good({"ngs-variance", scene, "--object", "ball", "--allow-empty", "-w", "--partial", part});
+    io::EvidencePart forged = io::read_evidence(part);
+    change(forged);
+    io::write_evidence(part, forged);
+  }
+  test::ProcessResult merge(const Words& more = {}) const {
+    Words argv{"ngs-variance", "merge", part, "-w", "-o", out};
+    argv.insert(argv.end(), more.begin(), more.end());
+    return run(argv);
+  }
+};
+
+bool says(const test::ProcessResult& result, const std::string& text) { return result.err.find(text) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("ngs-variance merge names the object that the parts are of, not the scene's first") {
+  const Case c;
+  c.write_part([](io::EvidencePart&) {});
+  c.good({"ngs-variance", c.scene, "--object", "ball", "-o", c.path("whole.ply")});
+  const test::ProcessResult merged = c.merge();
+  INFO(merged.err);
+  REQUIRE(merged.exit_code == 0);
+  CHECK(merged.out.find("\"name\": \"ball\"") != std::string::npos);
+  CHECK(test::read_bytes(c.out) == test::read_bytes(c.path("whole.ply")));
+}
+
+TEST_CASE("ngs-variance merge refuses parts of no object, of objects the scene has not, and of one object twice") {
+  const Case c;
+  const auto with_columns = [](io::EvidencePart& part, const Words& names) {
+    part = {Evidence(part.evidence.gaussians, int(names.size())), part.model_hash, part.scene_path, part.made_with, names, part.views};
+  };
+  const std::pair<Words, std::string> forged[] = {{{}, "evidence of no object"},
+                                                  {{"cube"}, "no object 'cube'"},
+                                                  {{"other", "ball", "cube"}, "no object 'cube'"},
+                                                  {{"ball", "ball"}, "object 'ball' is in the parts twice"}};
+  for (const auto& [names, message] : forged) {
+    c.write_part([&, n = names](io::EvidencePart& part) { with_columns(part, n); });
+    const test::ProcessResult refused = c.merge();
+    INFO(refused.err);
+    CHECK(refused.exit_code == 4);
+    CHECK(says(refused, message));
+    CHECK_FALSE(fs::exists(c.out));
+  }
+}
+
+TEST_CASE("ngs-variance merge refuses a scene that the parts were not made from, and takes it where they do not say") {
+  const Case c;
+  c.write_part([](io::EvidencePart&) {});
+  c.import(c.path("another.json"), {"room=0", "ball=7"});
+  const test::ProcessResult refused = c.merge({"--scene", c.path("another.json")});
+  INFO(refused.err);
+  CHECK(refused.exit_code == 4);
+  CHECK(says(refused, "another.json: is scene "));
+  fs::copy(c.scene, c.path("same.json"));
+  CHECK(c.merge({"--scene", c.path("same.json")}).exit_code == 0);
+  c.write_part([](io::EvidencePart& part) { part.made_with.clear(); });
+  CHECK(c.merge({"--scene", c.path("another.json")}).exit_code == 0);
+}
+
+}  // namespace ngs
