@@ -106,4 +106,31 @@ TEST_CASE("ngs-variance merge refuses a scene that the parts were not made from,
   CHECK(c.merge({"--scene", c.path("another.json")}).exit_code == 0);
 }
 
+TEST_CASE("evidence to stdout names its scene from the root, evidence from stdin from the working directory") {
+  const Case c("elsewhere");
+  const test::ProcessResult piped = c.run({"ngs-variance", "scene.json", "--object", "ball", "--partial", "-"});
+  REQUIRE(piped.exit_code == 0);
+  c.dir.write("elsewhere/part.evidence", piped.out);
+  CHECK(fs::equivalent(io::read_evidence(c.path("elsewhere/part.evidence")).scene_path, c.scene));
+  const test::ProcessResult from_root = c.run({"ngs-variance", "merge", "-", "-o", c.out}, "/", piped.out);
+  INFO(from_root.err);
+  CHECK(from_root.exit_code == 0);
+
+  c.write_part([](io::EvidencePart&) {});  // a file's part names the scene from its own folder, which a pipe has not
+  const test::ProcessResult from_folder = c.run({"ngs-variance", "merge", "-", "-w", "-o", c.out}, {}, test::read_bytes(c.part));
+  INFO(from_folder.err);
+  CHECK(from_folder.exit_code == 0);
+}
+
+TEST_CASE("parts of a scene that came through a pipe ask for the scene") {
+  const Case c;
+  const test::ProcessResult part = c.run({"ngs-variance", "-", "--object", "ball", "--partial", c.part}, {}, test::read_bytes(c.scene));
+  REQUIRE(part.exit_code == 0);
+  const test::ProcessResult asked = c.merge();
+  INFO(asked.err);
+  CHECK(asked.exit_code == 2);
+  CHECK(says(asked, "--scene scene.json"));
+  CHECK(c.merge({"--scene", c.scene}).exit_code == 0);
+}
+
 }  // namespace ngs

@@ -62,11 +62,11 @@ int label_scene(int argc, char** argv) {
                                         [&](std::size_t view) { return io::load_masks(scene, view); });
     if (partial) {
       part.model_hash = io::content_hash(scene.model_path).xxh3;
-      part.scene_path = scene_json.path;
+      if (!run.comes_from_stream(scene_json)) part.scene_path = scene_json.path;
       part.made_with = variance::made_with(scene_json.path, splat_options(raster, ply.cloud, scene));
       for (const SceneObject& object : scene.objects) part.objects.push_back(object.name);
       for (const std::size_t view : views) part.views.push_back(scene.views[view].camera.name);
-      io::write_evidence(partial.path, part);
+      io::write_evidence(partial.path, part, run.goes_to_stdout(partial) ? io::StoredPaths::kAbsolute : io::StoredPaths::kRelative);
     }
     if (!out) return 0;
     const std::vector<LabelColumns> labels = label_gaussians(options, part.evidence);

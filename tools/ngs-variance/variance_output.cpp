@@ -71,6 +71,8 @@ Json memory_plan(const GaussianCloud& cloud, const Scene& scene, std::size_t vie
 
 Scene scene_of(cli::Run& run, const io::EvidencePart& sum, const std::string& given) {
   const std::string& path = given.empty() ? sum.scene_path : given;
+  if (path.empty())
+    throw Error(ErrorCode::kUsage, "the parts name no scene: theirs came through a pipe", "name it with --scene scene.json");
   if (given.empty()) run.add_input("scene", path);
   Scene scene = with_columns(io::read_scene_json(path), sum.objects, path);
   // Parts of before made_with say nothing of their scene.

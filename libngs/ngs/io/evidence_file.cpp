@@ -1,17 +1,13 @@
 #include "ngs/io/evidence_file.h"
 
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "ngs/core/error.h"
-#include "ngs/io/relative_path.h"
 #include "ngs/io/safetensors.h"
 
 namespace ngs::io {
 namespace {
-
-namespace fs = std::filesystem;
 
 /// Visits every array of the evidence with its name and shape; E is Evidence or const Evidence.
 template <class E, class F>
@@ -45,14 +41,14 @@ std::vector<std::string> names_in(const TensorFile& file, const std::string& key
 
 }  // namespace
 
-void write_evidence(const std::string& path, const EvidencePart& part) {
+void write_evidence(const std::string& path, const EvidencePart& part, StoredPaths stored) {
   TensorFile file;
   for_each_array(part.evidence, [&](const std::string& name, const auto& values, const std::vector<std::int64_t>& shape) {
     file.add(name, shape, values);
   });
   file.metadata["ngs:schema"] = "ngs.evidence.1";
   file.metadata["model"] = part.model_hash;
-  file.metadata["scene"] = path_to_folder(FileFolder(path), part.scene_path);
+  file.metadata["scene"] = path_to_folder(stored_folder(path, stored), part.scene_path);
   file.metadata["made_with"] = part.made_with;
   file.metadata["objects"] = nlohmann::json(part.objects).dump();
   file.metadata["views"] = nlohmann::json(part.views).dump();
@@ -63,7 +59,7 @@ EvidencePart parse_evidence(const std::string& path, Bytes bytes) {
   const TensorFile file = parse_safetensors(path, bytes);
   EvidencePart part;
   part.model_hash = file.meta("model");
-  part.scene_path = path_from_folder(fs::path(path).parent_path().string(), file.meta("scene"));
+  part.scene_path = path_from_folder(folder_of_file(path), file.meta("scene"));
   if (file.metadata.contains("made_with")) part.made_with = file.meta("made_with");  // parts of version 0.1 before it have none
   part.objects = names_in(file, "objects");
   part.views = names_in(file, "views");

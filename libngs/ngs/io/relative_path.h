@@ -1,5 +1,6 @@
 #pragma once
 // Paths in files, relative to the folder of the file that holds them.
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -18,6 +19,12 @@ struct FileFolder {
   explicit FileFolder(const std::string& file);
   std::filesystem::path named, real;  // absolute; as the user names it, and with its links resolved
 };
+
+enum class StoredPaths : std::uint8_t { kRelative, kAbsolute };  // absolute: for what will lie nobody knows where
+/// What the paths stored in `file` are relative to.
+inline FileFolder stored_folder(const std::string& file, StoredPaths stored) {
+  return stored == StoredPaths::kAbsolute ? FileFolder() : FileFolder(file);
+}
 
 /// `path`, which the working directory sees, relative to the folder. What lies below the folder by name keeps its
 /// name, so that the folder can be moved with the links in it; for all else the links of the folders are resolved, or

@@ -219,7 +219,7 @@ Scene read_scene_json(const std::string& path) {
 
 void write_scene_json(const std::string& path, const Scene& scene, StoredPaths stored) {
   validate_scene(scene, path);
-  const FileFolder folder = stored == StoredPaths::kAbsolute ? FileFolder() : FileFolder(path);
+  const FileFolder folder = stored_folder(path, stored);
   ordered_json out{{"ngs_scene", kSceneVersion},
                    {"model", path_to_folder(folder, scene.model_path)},
                    {"image_scale", scene.image_scale},

@@ -20,6 +20,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "ngs/io/relative_path.h"
 #include "ngs/scene/scene.h"
 
 namespace ngs::io {
@@ -27,7 +28,6 @@ namespace ngs::io {
 inline constexpr int kSceneVersion = 1;
 
 Scene read_scene_json(const std::string& path);
-enum class StoredPaths : std::uint8_t { kRelative, kAbsolute };  // absolute: for what will lie nobody knows where
 /// Refuses (kBadInput) what read_scene_json would refuse. Appears by rename.
 void write_scene_json(const std::string& path, const Scene& scene, StoredPaths stored = StoredPaths::kRelative);
 
