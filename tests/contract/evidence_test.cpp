@@ -1,5 +1,6 @@
 // Evidence in parts: whose columns they are, which scene they were made from, and where that scene lies.
 #include <doctest/doctest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 
@@ -131,6 +132,26 @@ TEST_CASE("parts of a scene that came through a pipe ask for the scene") {
   CHECK(asked.exit_code == 2);
   CHECK(says(asked, "--scene scene.json"));
   CHECK(c.merge({"--scene", c.scene}).exit_code == 0);
+}
+
+TEST_CASE("a scene that parts name and a model that a scene names are regular files, or refused before they are opened") {
+  const Case c;
+  c.write_part([](io::EvidencePart&) {});
+  fs::remove(c.path("model.ply"));
+  REQUIRE(mkfifo(c.path("model.ply").c_str(), 0600) == 0);
+  for (const Words& argv : {Words{"ngs-variance", c.scene, "-o", c.out}, {"ngs-variance", "merge", c.part, "-o", c.out},
+                            {"ngs-scene", "check", c.scene}}) {
+    const test::ProcessResult refused = c.run(argv);
+    INFO(argv[0] << ": " << refused.err);
+    CHECK(refused.exit_code == 3);
+    CHECK(says(refused, "model.ply: not a regular file, expected one"));
+  }
+  fs::remove(c.scene);
+  REQUIRE(mkfifo(c.scene.c_str(), 0600) == 0);
+  const test::ProcessResult refused = c.merge();
+  INFO(refused.err);
+  CHECK(refused.exit_code == 3);
+  CHECK(says(refused, "scene.json: not a regular file, expected one"));
 }
 
 }  // namespace ngs

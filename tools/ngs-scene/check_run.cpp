@@ -5,6 +5,7 @@
 #include "check_report.h"
 #include "ngs/io/masks.h"
 #include "ngs/io/photo.h"
+#include "ngs/io/regular_file.h"
 #include "ngs/stages/background.h"
 #include "ngs/stages/filter_probe.h"
 #include "ngs/stages/view_align.h"
@@ -37,6 +38,7 @@ std::vector<std::size_t> some_with_photo(const Scene& scene, int count) {
 Model read_model(cli::Run& run, const Scene& scene, std::vector<std::string>& notes) {
   if (scene.model_path.empty()) return std::nullopt;
   const auto timed = run.monitor().scope("model");
+  io::require_regular_file(scene.model_path);
   io::GaussianPly model = io::read_gaussian_ply(scene.model_path);
   run.add_input("model", scene.model_path);
   notes.insert(notes.end(), model.notes.begin(), model.notes.end());

@@ -6,6 +6,7 @@
 
 #include "ngs/io/content_hash.h"
 #include "ngs/io/exr.h"
+#include "ngs/io/regular_file.h"
 #include "ngs/io/scene_json.h"
 #include "ngs/options/name_of.h"
 #include "ngs/scene/view_names.h"
@@ -73,7 +74,10 @@ Scene scene_of(cli::Run& run, const io::EvidencePart& sum, const std::string& gi
   const std::string& path = given.empty() ? sum.scene_path : given;
   if (path.empty())
     throw Error(ErrorCode::kUsage, "the parts name no scene: theirs came through a pipe", "name it with --scene scene.json");
-  if (given.empty()) run.add_input("scene", path);
+  if (given.empty()) {
+    io::require_regular_file(path);
+    run.add_input("scene", path);
+  }
   Scene scene = with_columns(io::read_scene_json(path), sum.objects, path);
   // Parts of before made_with say nothing of their scene.
   if (const std::string made_from = scene_identity(path); !sum.made_with.empty() && !sum.made_with.starts_with(made_from + ","))

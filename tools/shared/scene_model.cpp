@@ -4,6 +4,7 @@
 #include <set>
 
 #include "ngs/core/error.h"
+#include "ngs/io/regular_file.h"
 
 namespace ngs::cli {
 
@@ -11,6 +12,7 @@ void require_model(Run& run, const Scene& scene, const std::string& scene_path) 
   if (scene.model_path.empty())
     throw Error(ErrorCode::kBadInput, scene_path + ": names no model, expected a 3DGS PLY",
                 "import the scene again with --ply MODEL.ply, or fit one: ngs-fit " + scene_path + " -o model.ply");
+  io::require_regular_file(scene.model_path);
   run.add_input("model", scene.model_path);
 }
 

@@ -8,7 +8,7 @@
 
 namespace ngs::cli {
 
-/// The scene's model becomes an input of the run. kBadInput where the scene names none.
+/// The scene's model becomes an input of the run. kBadInput where the scene names none, or no regular file.
 void require_model(Run& run, const Scene& scene, const std::string& scene_path);
 
 /// kUsage where one of the files that a run will write is a photo of the scene, which it would replace.

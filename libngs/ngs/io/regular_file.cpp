@@ -11,10 +11,14 @@ bool is_regular_file(const std::string& path) {
   return std::filesystem::is_regular_file(path, ignored);
 }
 
-MappedFile map_regular_file(const std::string& path) {
+void require_regular_file(const std::string& path) {
   std::error_code ignored;
   if (std::filesystem::exists(path, ignored) && !is_regular_file(path))
     throw Error(ErrorCode::kBadInput, path + ": not a regular file, expected one");
+}
+
+MappedFile map_regular_file(const std::string& path) {
+  require_regular_file(path);
   return MappedFile(path);
 }
 

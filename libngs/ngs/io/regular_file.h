@@ -9,6 +9,9 @@ namespace ngs::io {
 
 bool is_regular_file(const std::string& path);
 
+/// Throws kBadInput where `path` is something else than a regular file; what is not there opening it will tell.
+void require_regular_file(const std::string& path);
+
 /// Throws kBadInput unless `path` is a regular file that can be read.
 MappedFile map_regular_file(const std::string& path);
 
