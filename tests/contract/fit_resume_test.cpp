@@ -2,8 +2,10 @@
 #include <doctest/doctest.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <filesystem>
 
+#include "ngs/io/safetensors.h"
 #include "support/temp_dir.h"
 #include "support/tool_fixture.h"
 
@@ -76,6 +78,54 @@ TEST_CASE("ngs-fit that is stopped where there is no room for a checkpoint says 
   CHECK(result.exit_code == 8);
   CHECK(result.err.find("fit.safetensors: writing failed") != std::string::npos);
   CHECK_FALSE(std::filesystem::exists(dir.path() + "/m.ply"));
+}
+
+TEST_CASE("ngs-fit goes on with a copy of its files, and not where a photo or the points are others") {
+  const test::TempDir dir;
+  const std::string scene = dir.path() + "/scene", keep = dir.path() + "/keep";
+  std::filesystem::copy(test::fixture_folder(), scene, std::filesystem::copy_options::recursive);
+  const auto points_fit = [&](const std::string& folder, const std::vector<std::string>& more) {
+    nlohmann::json run = {"ngs-fit", folder + "/scene.json", "--points", dir.path() + "/points3D.txt", "-o", dir.path() + "/m.ply",
+                          "-w", "--steps", "4", "--checkpoint", keep};
+    for (const std::string& word : more) run.push_back(word);
+    return test::run_process(test::command(run));
+  };
+  const std::string points = "1 0 0 2 200 40 40 0\n2 0.5 0 2 40 200 40 0\n3 0 0.5 2.5 40 40 200 0\n";
+  dir.write("points3D.txt", points);
+  REQUIRE(points_fit(test::fixture_folder(), {}).exit_code == 0);
+  REQUIRE(points_fit(scene, {"--resume"}).exit_code == 0);
+  const std::pair<std::string, std::string> others[] = {{"scene/images/v1.png", test::read_bytes(scene + "/images/v2.png")},
+                                                        {"points3D.txt", points + "4 0 0 1.5 9 9 9 0\n"}};
+  for (const auto& [file, bytes] : others) {
+    const std::string before = test::read_bytes(dir.path() + "/" + file);
+    dir.write(file, bytes);
+    const test::ProcessResult refused = points_fit(scene, {"--resume"});
+    INFO(file << ": " << refused.err);
+    CHECK(refused.exit_code == 4);
+    CHECK(refused.err.find("expected the same options, seed, views, photos and points") != std::string::npos);
+    dir.write(file, before);
+  }
+  CHECK(points_fit(scene, {"--resume"}).exit_code == 0);
+}
+
+TEST_CASE("ngs-fit refuses a checkpoint whose step lies beyond the last, or whose numbers are not finite") {
+  const test::TempDir dir;
+  const std::string model = dir.path() + "/m.ply", keep = dir.path() + "/keep", kept = keep + "/fit.safetensors";
+  REQUIRE(fit(model, {"--checkpoint", keep}, false).exit_code == 0);
+  std::filesystem::remove(model);
+  const io::TensorFile whole = io::read_safetensors(kept);
+  for (const std::string name : {"step", "position", "sh_dc.v", "gradient_sum"}) {
+    io::TensorFile forged = whole;
+    for (io::Tensor& tensor : forged.tensors)
+      if (tensor.name == name)
+        std::fill(tensor.bytes.begin(), tensor.bytes.begin() + 4, name == "step" ? std::uint8_t(0x01) : std::uint8_t(0xff));
+    io::write_safetensors(kept, forged);
+    const test::ProcessResult refused = fit(model, {"--checkpoint", keep, "--resume"}, false);
+    INFO(name << ": " << refused.err);
+    CHECK(refused.exit_code == 3);
+    CHECK(refused.err.find(name == "step" ? "step 16843009 of 800" : name + " has a value that is not finite") != std::string::npos);
+    CHECK_FALSE(std::filesystem::exists(model));
+  }
 }
 
 }  // namespace ngs

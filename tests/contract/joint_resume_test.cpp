@@ -3,10 +3,12 @@
 #include <doctest/doctest.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
 #include "ngs/io/safetensors.h"
+#include "support/mutations.h"
 #include "support/temp_dir.h"
 #include "support/tool_fixture.h"
 
@@ -153,6 +155,93 @@ TEST_CASE("ngs-joint refuses the checkpoint of another run") {
   std::ofstream(copy / "scene.json") << text.replace(at, 7, "\"held-out\"");
   c.scene = (copy / "scene.json").string();
   CHECK(c.joint("other", resume).exit_code == 4);
+}
+
+TEST_CASE("ngs-joint goes on with a copy of its files, and not where a mask or a photo is another") {
+  Case c;
+  keep_six(c);
+  const Words resume = kSteps + Words{"--checkpoint", c.keep, "--resume"};
+  const fs::path copy = c.dir.path() + "/scene";
+  fs::copy(test::fixture_folder(), copy, fs::copy_options::recursive);
+  c.scene = (copy / "scene.json").string();
+  CHECK(says(c.joint("copied", resume), "resumed after step 6"));
+  for (const std::string file : {"masks/v1.png", "images/v3.png"}) {
+    const fs::path other = copy / (file[0] == 'm' ? "masks/v2.png" : "images/v4.png"), kept = copy / "kept.png";
+    fs::copy_file(copy / file, kept);
+    fs::copy_file(other, copy / file, fs::copy_options::overwrite_existing);
+    const test::ProcessResult refused = c.joint("other", resume);
+    INFO(file << ": " << refused.err);
+    CHECK(refused.exit_code == 4);
+    CHECK(says(refused, "the checkpoint of a run with other inputs, options or effects"));
+    fs::remove(copy / file), fs::rename(kept, copy / file);
+  }
+  CHECK(c.joint("again", resume).exit_code == 0);
+}
+
+TEST_CASE("ngs-joint without steps refuses the checkpoint of a run that had some") {
+  const Case c;
+  keep_six(c);
+  const test::ProcessResult refused =
+      c.joint("other", kSteps + Words{"--effect", "joint=off", "--checkpoint", c.keep, "--resume"});
+  INFO(refused.err);
+  CHECK(refused.exit_code == 4);
+  CHECK_FALSE(fs::exists(c.path("other")));
+}
+
+TEST_CASE("ngs-joint takes no plan for floaters from the checkpoint of another run, and looks for none before it says so") {
+  const Case c;
+  const Words options = kSteps + Words{"--effect", "floaters=on", "--checkpoint", c.keep};
+  REQUIRE(c.joint("first", options + Words{"--checkpoint-every", "6"}).exit_code == 0);
+  const test::ProcessResult refused = c.joint("other", options + Words{"--resume", "--lambda-cont", "0.2"});
+  INFO(refused.err);
+  CHECK(refused.exit_code == 4);
+  CHECK(says(refused, "auto: exposure="));
+  CHECK_FALSE(says(refused, "auto: sh="));  // which is decided when floaters are out
+}
+
+TEST_CASE("ngs-joint refuses a checkpoint whose step is none of its plan, or whose numbers are not finite") {
+  const Case c;
+  keep_six(c);
+  const Words resume = kSteps + Words{"--checkpoint", c.keep, "--resume"};
+  const io::TensorFile whole = io::read_safetensors(c.kept);
+  for (const std::string step : {"1e300", "999", "11", "-1", "3.5", "nan", " 6", "6x", ""}) {
+    io::TensorFile forged = whole;
+    forged.metadata["step"] = step;
+    io::write_safetensors(c.kept, forged);
+    const test::ProcessResult refused = c.joint("other", resume);
+    INFO(step << ": " << refused.err);
+    CHECK(refused.exit_code == 3);
+    CHECK(says(refused, "'step' is '" + step + "', expected a whole number from 0 to 10"));
+  }
+  for (const std::string name : {"position", "label", "label.m", "sh_dc.v"}) {
+    io::TensorFile forged = whole;
+    for (io::Tensor& tensor : forged.tensors)
+      if (tensor.name == name) std::fill(tensor.bytes.begin(), tensor.bytes.begin() + 4, std::uint8_t(0xff));
+    io::write_safetensors(c.kept, forged);
+    const test::ProcessResult refused = c.joint("other", resume);
+    INFO(name << ": " << refused.err);
+    CHECK(refused.exit_code == 3);
+    CHECK(says(refused, "'" + name + "' has a value that is not finite"));
+  }
+  CHECK_FALSE(fs::exists(c.path("other")));
+}
+
+TEST_CASE("ngs-joint goes on where Gaussians of the model are not finite") {
+  const Case c;
+  const std::string model = c.dir.path() + "/model.ply";
+  fs::copy_file(test::fixture_folder() + "/boundary.ply", model);
+  test::apply_mutation({{"poke", model}, {"property", "x"}, {"row", 5}, {"value", "nan"}});
+  const auto joint = [&](const std::string& name, const Words& more) {
+    test::ProcessSpec spec = c.spec(name, more);
+    spec.argv[2] = model;
+    return test::run_process(spec);
+  };
+  REQUIRE(joint("whole", kSteps).exit_code == 0);
+  REQUIRE(joint("kept", kSteps + Words{"--checkpoint", c.keep, "--checkpoint-every", "6"}).exit_code == 0);
+  const test::ProcessResult resumed = joint("resumed", kSteps + Words{"--checkpoint", c.keep, "--resume"});
+  INFO(resumed.err);
+  REQUIRE(resumed.exit_code == 0);
+  CHECK(c.bytes("resumed") == c.bytes("whole"));
 }
 
 TEST_CASE("ngs-joint that goes on takes floaters out as the run before did, whose budget decided it") {

@@ -9,13 +9,20 @@
 
 namespace ngs::cli {
 
-/// What must be equal for a checkpoint to be continued: options, seed, and the views' names, sizes, splits and cameras.
-std::string fit_identity(const FitOptions& options, std::uint64_t seed, const std::vector<FitView>& views);
+/// Hashes of the files that a fit reads beside the scene (shared/checkpoints.h, io/content_hash.h); points: empty without.
+struct FitFiles {
+  std::string photos, points;
+};
+
+/// What must be equal for a checkpoint to be continued: options, seed, the views' names, sizes, splits and cameras, and what lay
+/// in the files.
+std::string fit_identity(const FitOptions& options, std::uint64_t seed, const std::vector<FitView>& views, const FitFiles& files);
 
 std::string checkpoint_path(const std::string& folder);
 /// The folder is there (shared/checkpoints.h).
 void write_checkpoint(const std::string& folder, const FitState& state, const std::string& identity);
-/// Another identity is kInconsistent; shapes that do not fit together are kBadInput.
-FitState read_checkpoint(const std::string& folder, const std::string& identity);
+/// Another identity is kInconsistent; shapes that do not fit together, numbers that are not finite and a step beyond the last of
+/// `steps` are kBadInput.
+FitState read_checkpoint(const std::string& folder, const std::string& identity, std::int64_t steps);
 
 }  // namespace ngs::cli

@@ -3,6 +3,7 @@
 
 #include "checkpoint.h"
 #include "fit_input.h"
+#include "ngs/io/content_hash.h"
 #include "ngs/io/gaussian_ply.h"
 #include "ngs/io/scene_json.h"
 #include "shared/checkpoints.h"
@@ -60,8 +61,9 @@ int main(int argc, char** argv) {
     const bool keeps = !keep.checkpoint.empty();
     if (keeps) cli::require_checkpoint_folder(keep.checkpoint, cli::checkpoint_path(keep.checkpoint));
     const std::vector<FitView> views = cli::load_views(run, scene);
-    const std::string identity = cli::fit_identity(options, run.seed(), views);
-    FitState state = kept && keep.resume ? cli::read_checkpoint(keep.checkpoint, identity)
+    const cli::FitFiles files{keeps ? cli::photos_hash(scene) : "", keeps && points ? io::content_hash(points.path).xxh3 : ""};
+    const std::string identity = cli::fit_identity(options, run.seed(), views, files);
+    FitState state = kept && keep.resume ? cli::read_checkpoint(keep.checkpoint, identity, options.steps)
                                          : initial_fit(run.exec(), options, cli::load_points(run, options, points), views, run.seed());
     const std::int64_t first = state.step;
     Fitter fitter(options, views, std::move(state), run.seed());

@@ -2,6 +2,7 @@
 
 #include "apart.h"
 #include "decide.h"
+#include "fingerprint.h"
 #include "ngs/io/content_hash.h"
 #include "ngs/io/masks.h"
 #include "ngs/io/photo.h"
@@ -97,40 +98,6 @@ bool rule_steps_by_time(Budget& budget, const Settings& settings, const MethodIn
   return steps || plan.edge_rounds > 0;
 }
 
-/// All that the state of the steps follows from. Of effects their decisions, whoever took them; those on edges, which
-/// the steps know nothing of, may differ.
-std::string fingerprint(const cli::Run& run, const Declared& declared, const Paths& paths, const Scene& scene,
-                        const Decisions& decisions, const FloaterPlan& floaters, bool reads_field) {
-  const RunOptions& o = declared.settings.run;
-  if (o.checkpoint.empty()) return {};
-  const auto hash = [](const std::string& path) { return io::content_hash(path).xxh3; };
-  RasterOptions raster = declared.raster;
-  OptionSet splat;
-  splat.add(raster);
-  Json objects = Json::array(), effects = Json::array();
-  for (const SceneObject& object : scene.objects) objects.push_back(object.name);
-  for (const Json& d : decisions.json())
-    if (const std::string name = d["name"]; !belongs_to(name, "edges"))
-      effects.push_back(name + (d["on"].get<bool>() ? "=on" : "=off"));
-  return Json{{"scene", hash(paths.scene)},
-              {"boundary", hash(paths.boundary)},
-              {"field", reads_field ? hash(paths.field) : ""},
-              {"options", options_text(declared.settings)},
-              {"raster", splat.to_json()},
-              {"effects", effects},
-              {"floaters", floaters.json()},
-              {"background", o.background},
-              {"objects", objects},
-              {"seed", run.seed()},
-              {"apart", o.apart},
-              {"fast_atomics", o.fast_atomics}}
-      .dump();
-}
-
-std::optional<FloaterPlan> kept_floaters(const RunOptions& run) {
-  return run.resume && run.method == Method::kPaper ? Checkpoint::floaters_in(run.checkpoint) : std::nullopt;
-}
-
 /// A method beside the paper's, start to end. What a signal leaves of it is no result.
 int run_other(cli::Run& run, const Declared& declared, const MethodInput& input, const Source& source,
               const std::string& path) {
@@ -196,6 +163,10 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
   // The stages below end early on a signal. What they then leave is nothing to go on from, and no checkpoint.
   if (const int stopped = run.stop_code()) return stopped;
   const bool mend = !settings.run.explain;
+  const bool keeps = mend && settings.run.method == Method::kPaper && !settings.run.checkpoint.empty();
+  const StateSource state{run, declared, paths, scene, decisions};
+  const Json known = keeps ? known_of_state(state) : Json();
+  const auto kept_plan = keeps && settings.run.resume ? Checkpoint::floaters_in(settings.run.checkpoint, known) : std::nullopt;
   const auto exposures =
       mend && decisions.on("exposure") ? handle_exposure(run, coarse.get()) : std::vector<ViewExposure>{};
   const MethodInput read = with_levelled_photos(kept.get(), exposures);
@@ -203,7 +174,7 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
   if (const int stopped = run.stop_code()) return stopped;
   const MethodInput believed = with_trusted_masks(run, read, trust);
   const FloaterOutcome clean = mend && decisions.on("floaters")
-                                   ? handle_floaters(run, believed, settings.joint.quality, budget, kept_floaters(settings.run))
+                                   ? handle_floaters(run, believed, settings.joint.quality, budget, kept_plan)
                                    : FloaterOutcome{};
   if (const int stopped = run.stop_code()) return stopped;
   MethodInput input = without_floaters(believed, clean);
@@ -242,7 +213,7 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
                   {input,
                    given ? &*given : nullptr,
                    source,
-                   {settings.run.checkpoint, fingerprint(run, declared, paths, scene, decisions, clean.plan, given.has_value())},
+                   {settings.run.checkpoint, keeps ? fingerprint(known, state, clean.plan, given.has_value()) : ""},
                    budget},
                   {paths.labelled, paths.nerf, paths.trace});
 }

@@ -22,6 +22,41 @@ std::optional<double> number_before(std::string_view text, std::string_view& res
   return value;
 }
 
+[[noreturn]] void refuse_other_run(const std::string& path) {
+  throw Error(ErrorCode::kInconsistent, path + ": the checkpoint of a run with other inputs, options or effects",
+              "use the same inputs and options, or another --checkpoint folder");
+}
+
+/// Of effects a run has decided more than are known: the first ones have to be the same.
+bool begins_with(const Json& effects, const Json& known) {
+  return effects.is_array() && effects.size() >= known.size() && std::equal(known.begin(), known.end(), effects.begin());
+}
+
+bool has_all(const Json& run, const Json& known) {
+  if (!run.is_object()) return false;
+  for (const auto& [key, value] : known.items())
+    if (!run.contains(key) || !(key == "effects" ? begins_with(run[key], value) : run[key] == value)) return false;
+  return true;
+}
+
+/// Gaussians that take no part keep the numbers they came with, finite or not.
+void check_finite(const std::string& path, const StateBlock& block, const std::vector<float>& values) {
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!std::isfinite(values[i]) && (i >= block.values->size() || std::isfinite((*block.values)[i])))
+      throw Error(ErrorCode::kBadInput, path + ": '" + block.name + "' has a value that is not finite, expected numbers",
+                  "delete the checkpoint");
+}
+
+std::int64_t step_in(const std::string& path, const std::string& text, std::int64_t planned) {
+  std::int64_t step = -1;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), step);
+  if (error != std::errc() || stop != text.data() + text.size() || step < 0 || step > planned)
+    throw Error(ErrorCode::kBadInput,
+                path + ": 'step' is '" + text + "', expected a whole number from 0 to " + std::to_string(planned),
+                "delete the checkpoint");
+  return step;
+}
+
 }  // namespace
 
 std::string method_name(Method method) { return name_of(kMethodNames, method); }
@@ -78,10 +113,11 @@ std::string Checkpoint::path_in(const std::string& folder) {
   return (std::filesystem::path(folder) / "checkpoint.safetensors").string();
 }
 
-std::optional<FloaterPlan> Checkpoint::floaters_in(const std::string& folder) {
+std::optional<FloaterPlan> Checkpoint::floaters_in(const std::string& folder, const Json& known) {
   if (folder.empty() || !std::filesystem::exists(path_in(folder))) return std::nullopt;
   const Json run = Json::parse(io::read_safetensors(path_in(folder)).meta("run"), nullptr, false);
-  const Json plan = run.is_object() ? run.value("floaters", Json()) : Json();
+  if (!has_all(run, known)) refuse_other_run(path_in(folder));
+  const Json plan = run.value("floaters", Json());
   FloaterPlan kept;
   if (!plan.is_object() || !plan.value("draft", Json()).is_boolean() || !plan.value("refit_visits", Json()).is_number_integer())
     return std::nullopt;
@@ -105,10 +141,8 @@ void Checkpoint::save(JointTrainer& trainer) const {
 bool Checkpoint::load(JointTrainer& trainer) const {
   if (!std::filesystem::exists(path())) return false;
   const io::TensorFile file = io::read_safetensors(path());
-  if (file.meta("run") != fingerprint_)
-    throw Error(ErrorCode::kInconsistent,
-                path() + ": the checkpoint of a run with other inputs, options or effects",
-                "use the same inputs and options, or another --checkpoint folder");
+  if (file.meta("run") != fingerprint_) refuse_other_run(path());
+  const std::int64_t step = step_in(path(), file.meta("step"), trainer.steps_planned());
   for (const StateBlock& block : trainer.state()) {
     std::vector<float> values = file.get<float>(block.name);
     if (!block.fits(values.size()))
@@ -116,13 +150,10 @@ bool Checkpoint::load(JointTrainer& trainer) const {
                   path() + ": '" + block.name + "' has " + std::to_string(values.size()) + " values, expected " +
                       std::to_string(block.size),
                   "delete the checkpoint");
+    check_finite(path(), block, values);
     *block.values = std::move(values);
   }
-  std::string_view rest;
-  const std::optional<double> step = number_before(file.meta("step"), rest);
-  if (!step || !rest.empty() || *step < 0)
-    throw Error(ErrorCode::kBadInput, path() + ": 'step' is not a number", "delete the checkpoint");
-  trainer.resume_at(std::int64_t(*step));
+  trainer.resume_at(step);
   return true;
 }
 

@@ -82,12 +82,14 @@ class Checkpoint {
   Checkpoint(std::string folder, std::string fingerprint)
       : folder_(std::move(folder)), fingerprint_(std::move(fingerprint)) {}
   static std::string path_in(const std::string& folder);
-  /// "floaters" of the fingerprint of the state in that folder; none: there is no such state.
-  static std::optional<FloaterPlan> floaters_in(const std::string& folder);
+  /// "floaters" of the fingerprint of the state in that folder; none: there is no such state. kInconsistent where the state is of
+  /// a run with something else than what is `known` of this one (fingerprint.h), before the work for it is done.
+  static std::optional<FloaterPlan> floaters_in(const std::string& folder, const Json& known);
   bool given() const { return !folder_.empty(); }
   /// The folder is there (shared/checkpoints.h).
   void save(JointTrainer& trainer) const;
-  /// False if there is none.
+  /// False if there is none. Its contents are believed as little as those of any file: kBadInput for arrays of another length,
+  /// numbers that are not finite where the trainer's are, and a step that it does not plan.
   bool load(JointTrainer& trainer) const;
 
  private:

@@ -1,15 +1,21 @@
 #pragma once
 // Checkpoints cost no run its result: a folder that can never hold one is found before the work, and a full disk on the
-// way is a warning.
+// way is a warning. And they give none that it would not have had: what a run reads is part of what they are of.
 #include <functional>
 #include <string>
 
 #include "ngs/core/monitor.h"
+#include "ngs/scene/scene.h"
 
 namespace ngs::cli {
 
 /// Makes the folder and tries to write `path` in it, without leaving anything there. kEnvironment where that fails.
 void require_checkpoint_folder(const std::string& folder, const std::string& path);
+
+/// Hashes of what lies in the photos of all views, and in the masks of the training views. Of the contents, not of times: a
+/// run may go on elsewhere, on a copy, and reading the files once more is little beside decoding them.
+std::string photos_hash(const Scene& scene);
+std::string masks_hash(const Scene& scene);
 
 class Checkpoints {
  public:

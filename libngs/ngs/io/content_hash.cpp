@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "ngs/core/error.h"
+#include "ngs/io/regular_file.h"
 
 namespace ngs::io {
 namespace {
@@ -74,6 +75,15 @@ ContentHash folder_hash(const fs::path& folder) {
 }
 
 }  // namespace
+
+std::string files_hash(const std::vector<std::string>& paths) {
+  const State state = new_state();
+  for (const std::string& path : paths) {
+    const std::string line = is_regular_file(path) ? file_hash(path).xxh3 + '\n' : "absent\n";
+    XXH3_128bits_update(state.get(), line.data(), line.size());
+  }
+  return digits(state);
+}
 
 ContentHash content_hash(const std::string& path) {
   return fs::is_directory(path) ? folder_hash(path) : file_hash(path);
