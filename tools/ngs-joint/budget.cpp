@@ -51,9 +51,10 @@ void Budget::took(std::string_view name, double renders, double seconds) {
 int Budget::plan_refit(bool draft, int shrink, std::size_t views) {
   const int most = draft ? kDraftRefitVisits : RefitOptions{}.visits;
   const double visit_s = foreseen_s(refit_renders(1, shrink) * double(views));
-  if (!given() || kCaution * visit_s * most <= kRefitVisitCost.share * left_s()) return most;
-  cut_ = true;
-  return int(std::clamp(kRefitVisitCost.share * left_s() / visit_s, 1.0, double(most)));
+  if (!given()) return most;
+  const VisitsPlan plan = plan_visits(visit_s, kRefitVisitCost.share * left_s(), kCaution, most);
+  cut_ |= plan.cut;
+  return plan.visits;
 }
 
 Budget::Lap Budget::lap_refit(int visits, int shrink, std::size_t views) {

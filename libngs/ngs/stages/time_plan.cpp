@@ -21,4 +21,10 @@ TimePlan plan_time(double left_s, const StepsCost& steps, const RoundsCost& edge
   return plan;
 }
 
+VisitsPlan plan_visits(double visit_s, double room_s, double caution, int most) {
+  if (caution * visit_s * most <= room_s) return {most, false};
+  const int visits = int(std::clamp(room_s / visit_s, 1.0, double(most)));
+  return {visits, visits < most};
+}
+
 }  // namespace ngs

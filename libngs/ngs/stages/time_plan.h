@@ -51,6 +51,14 @@ inline constexpr double kLeastVisit = 0.1;
 /// its own, or kLeastEdgeVisits where it is the only one. What these leave is the steps'.
 TimePlan plan_time(double left_s, const StepsCost& steps, const RoundsCost& edges);
 
+/// Visits of every view that are begun at all.
+struct VisitsPlan {
+  int visits = 0;
+  bool cut = false;  // fewer than asked for
+};
+/// All of `most` where they fit `room_s` with `caution` to spare, else as many as fit, at least one.
+VisitsPlan plan_visits(double visit_s, double room_s, double caution, int most);
+
 /// Seconds in this run for one foreseen, from what its stages took. A foresight of `trust_s` seconds counts as
 /// much as stages that took as long.
 class Pace {

@@ -81,4 +81,14 @@ TEST_CASE("pace: one hiccup of a short stage counts little, a long stage much") 
   CHECK(pace.factor() == doctest::Approx(10.6 / 5.51));
 }
 
+TEST_CASE("visits that fit without caution only are all begun, and nothing is cut") {
+  const auto planned = [](double room_s) { return plan_visits(2, room_s, 1.25, 4); };
+  CHECK((planned(10).visits == 4 && !planned(10).cut));
+  CHECK((planned(9).visits == 4 && !planned(9).cut));  // naive: no room with caution, hence cut
+  CHECK((planned(8).visits == 4 && !planned(8).cut));
+  CHECK((planned(7.9).visits == 3 && planned(7.9).cut));
+  CHECK((planned(0).visits == 1 && planned(0).cut));
+  CHECK((planned(-3).visits == 1 && planned(-3).cut));
+}
+
 }  // namespace ngs
