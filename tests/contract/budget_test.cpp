@@ -112,4 +112,20 @@ TEST_CASE("under a budget a round of edges that ends far from the masks is undon
   CHECK(bytes("kept") != bytes("before"));
 }
 
+TEST_CASE("a budget that leaves out what would not have run anyway cuts nothing") {
+  const test::TempDir dir;
+  const std::string scene = with_many_views(dir, 40), model = test::fixture_folder() + "/boundary.ply";
+  const auto run = [&](const std::string& name, std::vector<std::string> more) {
+    Json words = {"ngs-joint", scene, model, "-o", dir.path() + "/" + name + ".ply", "--report", dir.path() + "/" + name + ".json"};
+    for (const std::string& word : more) words.push_back(word);
+    return test::run_process(test::command(words));
+  };
+  REQUIRE(run("off", {"--effect", "all=off"}).exit_code == 0);
+  const test::ProcessResult result = run("short", {"--effects-from", dir.path() + "/off.json", "--time-budget", "0.01s"});
+  INFO(result.err);
+  CHECK(result.exit_code == 0);
+  const Json budget = Json::parse(test::read_bytes(dir.path() + "/short.json")).at("result").at("budget");
+  CHECK(budget.at("cut") == false);
+}
+
 }  // namespace ngs

@@ -45,6 +45,8 @@ void check(cli::Run& run, const Declared& declared, const Paths& paths) {
             "2 is the default; --hash-levels adds resolutions");
   refuse_if(!paths.nerf.empty() && mode_of("nerf", declared.settings.joint.effect) == EffectMode::kOff,
             "--nerf with nerf off by --effect, expected a field to write", "leave out one of them");
+  refuse_if(!paths.nerf.empty() && o.method == Method::kPaper && mode_of("joint", declared.settings.joint.effect) == EffectMode::kOff,
+            "--nerf with joint off by --effect, expected steps that train the field", "leave out one of them");
   if (o.method != Method::kPaper && run.device_exec().device_ops != nullptr)
     throw Error(ErrorCode::kEnvironment, "--device cuda: only --method paper has a CUDA path", "use --device cpu");
   if (o.fast_atomics) run.sum_atomically();
@@ -71,16 +73,27 @@ std::vector<EffectVerdict> ruled_by_options(const Settings& settings, const Path
   return ruled;
 }
 
-void leave_out(std::string_view name, const Settings& settings, Budget& budget, Decisions& decisions) {
-  if (mode_of(name, settings.joint.effect) == EffectMode::kAuto) budget.note_cut();
+/// Whether an effect may be on, as far as that is known without a look at the scene that would itself take time.
+bool may_be_on(std::string_view name, const MethodInput& input, const Decisions& decisions) {
+  if (const std::optional<bool> said = decisions.said(name)) return *said;
+  if (name == "nerf") return photo_count(input.scene, input.views) == 0;
+  if (name == "edges") return photo_count(input.scene, input.views) > 0;
+  return name != "exposure" || !photo_views(input.scene).empty();
+}
+
+/// Nothing is cut where there was nothing to leave out, or where --effect insists.
+void leave_out(std::string_view name, const MethodInput& input, const Settings& settings, Budget& budget, Decisions& decisions) {
+  const bool insisted = mode_of(name, settings.joint.effect) != EffectMode::kAuto;
+  if (!insisted && may_be_on(name, input, decisions)) budget.note_cut();
   decisions.rule({name, false, "--time-budget has no room for it"});
 }
 
 /// What the time that is left decides before the steps.
-void rule_by_time(Budget& budget, const Settings& settings, std::size_t views, Decisions& decisions) {
+void rule_by_time(Budget& budget, const Settings& settings, const MethodInput& input, Decisions& decisions) {
+  const std::size_t views = input.scene.views.size();
   for (const std::string_view name : {"exposure", "view-trust"})
-    if (!budget.has_room_for(kTrustCost, views)) leave_out(name, settings, budget, decisions);
-  if (!budget.has_room_for(kDraftFloatersCost, views)) leave_out("floaters", settings, budget, decisions);
+    if (!budget.has_room_for(kTrustCost, views)) leave_out(name, input, settings, budget, decisions);
+  if (!budget.has_room_for(kDraftFloatersCost, views)) leave_out("floaters", input, settings, budget, decisions);
 }
 
 /// What it decides of steps and edges. False: of nothing that is left could a detector say more.
@@ -88,13 +101,13 @@ bool rule_steps_by_time(Budget& budget, const Settings& settings, const MethodIn
                         Decisions& decisions) {
   if (!budget.given()) return true;
   JointOptions planned = settings.joint;  // no time is kept for a field that photos make needless
-  if (!decisions.said("nerf").value_or(photo_count(input.scene, input.views) == 0)) planned.effect.emplace_back("nerf=off");
+  if (!may_be_on("nerf", input, decisions)) planned.effect.emplace_back("nerf=off");
   const TimePlan plan = budget.plan(planned, settings.edge, input.scene, input.views.size());
   const bool steps = plan.steps && budget.has_room_for(kDetectorsCost, input.views.size());
-  if (!steps) leave_out("joint", settings, budget, decisions);
-  if (!plan.field) leave_out("nerf", settings, budget, decisions);
+  if (!steps) leave_out("joint", input, settings, budget, decisions);
+  if (!plan.field) leave_out("nerf", input, settings, budget, decisions);
   if (plan.edge_rounds == 0 && edge_visits(settings.edge, settings.joint.quality, input.scene.views.size()) > 0)
-    leave_out("edges", settings, budget, decisions);
+    leave_out("edges", input, settings, budget, decisions);
   return steps || plan.edge_rounds > 0;
 }
 
@@ -117,6 +130,9 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
   Budget budget(declared.start_s, parse_budget(settings.run.time_budget));
   parse_target(settings.run.target);
   Decisions decisions(settings, ruled_by_options(settings, paths), paths.effects_from);
+  if (!paths.nerf.empty() && settings.run.method == Method::kPaper && decisions.said("joint") == false)
+    throw Error(ErrorCode::kInconsistent, paths.effects_from + ": decided joint=off, expected steps that train the field of --nerf",
+                "leave out --nerf, or add --effect joint=on");
   Scene whole = with_objects(io::read_scene_json(paths.scene), settings.run.objects);
   choose_background(settings.run.background, run.monitor(), whole);
   const double reads_s = wall_seconds();
@@ -151,7 +167,7 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
   if (from_files.views.empty())
     throw Error(ErrorCode::kInconsistent, paths.scene + ": no training view, expected at least one", "hold out fewer views");
   budget.measure(run.exec(), from_files, reading_s);
-  rule_by_time(budget, settings, scene.views.size(), decisions);
+  rule_by_time(budget, settings, from_files, decisions);
   const CoarseInput kept(from_files, 1), coarse(kept.get(), decision_shrink(scene));
   if (settings.run.method == Method::kPaper && budget.has_room_for(kLoadCost, scene.views.size())) {
     const auto timed = run.monitor().scope("load views");
@@ -196,6 +212,11 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
     run.text(decision_table(decisions));
     return 0;
   }
+  decisions.warn_of_needs(run);
+  warn_unused(run, declared, decisions);
+  const bool writes_nerf = decisions.on("nerf");
+  if (!writes_nerf && !paths.nerf.empty())
+    run.monitor().warn(paths.nerf + ": not written, there is no room for the steps that train the field; --time-budget with more");
   input.splat.antialiased = input.splat.antialiased && decisions.on("antialias");
   std::optional<QueryField> given;
   if (!paths.field.empty()) {
@@ -215,7 +236,7 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
                    source,
                    {settings.run.checkpoint, keeps ? fingerprint(known, state, clean.plan, given.has_value()) : ""},
                    budget},
-                  {paths.labelled, paths.nerf, paths.trace});
+                  {paths.labelled, writes_nerf ? paths.nerf : "", paths.trace});
 }
 
 }  // namespace ngs::joint

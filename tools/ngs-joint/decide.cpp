@@ -61,9 +61,22 @@ bool Decisions::on(std::string_view name) const {
 }
 
 std::optional<bool> Decisions::said(std::string_view name) const {
+  const std::string_view needs = find_effect(name)->needs;
+  if (!needs.empty() && said(needs) == false) return false;
   const std::optional<EffectDecision> settled =
       settled_decision(*find_effect(name), settings_.joint.effect, verdicts_, all_);
   return settled ? std::optional(settled->on) : std::nullopt;
+}
+
+void Decisions::warn_of_needs(cli::Run& run) const {
+  const auto asked = [&](std::string_view name) {  // by its own name: all=on means all that can be
+    return std::ranges::find(settings_.joint.effect, std::string(name) + "=on") != settings_.joint.effect.end() &&
+           mode_of(name, settings_.joint.effect) == EffectMode::kOn;
+  };
+  for (const EffectDecision& d : all_)
+    if (!d.on && asked(d.effect->name))
+      run.monitor().warn("--effect " + std::string(d.effect->name) + "=on: it is off, because it " + d.reason +
+                         ", which is off; --effect " + std::string(d.effect->needs) + "=on");
 }
 
 Settings Decisions::settled() const {

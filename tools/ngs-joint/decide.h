@@ -22,6 +22,8 @@ class Decisions {
   /// Decides a phase on `input`, says a line for each decision of a detector (-v), and notes all in the
   /// report.
   void decide(cli::Run& run, EffectPhase phase, const MethodInput& input);
+  /// Warns of effects that --effect asks for by name and that are off for want of another.
+  void warn_of_needs(cli::Run& run) const;
   bool on(std::string_view name) const;
   /// What is said of an effect before any detector, also by an effect that it needs; null: nothing yet.
   std::optional<bool> said(std::string_view name) const;

@@ -199,6 +199,8 @@ int optimise(cli::Run& run, Decisions& decisions, const Problem& problem, const 
   if (budget.given() && !result.converged)
     run.monitor().warn("--time-budget " + settings.run.time_budget +
                        ": parts were left out or cut short for want of time; result.budget of the report has the times");
+  if (!settings.run.target.empty() && !watch.target_met())
+    run.monitor().warn("--target " + settings.run.target + ": not reached in the training views");
   const LossTerms& l = watch.last_loss();
   run.result()["last_loss"] = {{"total", l.total}, {"photometric", l.photometric},
                                {"align", l.align}, {"mask", l.mask},

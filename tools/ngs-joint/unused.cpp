@@ -1,8 +1,9 @@
 #include "unused.h"
 
 #include <algorithm>
+#include <map>
 
-#include "shared/changed_options.h"
+#include "shared/unused.h"
 
 namespace ngs::joint {
 namespace {
@@ -42,7 +43,57 @@ void of_the_paper(const Settings& settings, const Paths& paths, Unused& unused) 
   unused.group(settings.edge), unused.group(settings.sample), unused.group(settings.rbf);
 }
 
+/// Of which effect an option is, where that is not its group's.
+struct OptionOf {
+  std::string_view option, effect;
+};
+constexpr OptionOf kOptionsOf[] = {
+    {"hash_levels", "nerf"},        {"hash_features", "nerf"},  {"hash_log2_table", "nerf"}, {"hash_base", "nerf"},
+    {"hash_finest", "nerf"},        {"mlp_hidden", "nerf"},     {"mlp_layers", "nerf"},      {"direction_degree", "nerf"},
+    {"rate_hash", "nerf"},          {"rate_mlp", "nerf"},       {"rate_feature", "nerf"},    {"width", "nerf"},
+    {"width_factor", "nerf"},       {"weight_opacity", "align"}, {"weight_variance", "variance"}, {"excess_variance", "variance"},
+    {"lambda_smooth", "smooth"},    {"smooth_points", "smooth"}, {"smooth_step", "smooth"},  {"lambda_cont", "cont"},
+    {"lambda_mask", "mask"},        {"mask_loss", "mask"},      {"photometric_weight", "photometric"}, {"steps", "joint"},
+    {"start_steps", "joint"},       {"rate_scale", "joint"},    {"rate_literal", "joint"},   {"checkpoint", "joint"},
+    {"checkpoint_every", "joint"},  {"resume", "joint"}};
+/// What steps and rounds of edges both listen to.
+constexpr std::string_view kOfAnyTraining[] = {"lambda_mask", "mask_loss", "photometric_weight", "rate_label", "rate_decay"};
+
+/// Collects, by the effect whose absence makes it so, what is given in vain.
+class InVain {
+ public:
+  explicit InVain(const Decisions& decisions) : decisions_(decisions) {}
+
+  template <class Options>
+  void group(const Options& options, std::string_view effect = {}) {
+    const bool trains = decisions_.on("joint") || decisions_.on("edges");
+    for (const auto& [name, value] : cli::changed_options(options)) {
+      const auto own = std::ranges::find(kOptionsOf, name, &OptionOf::option);
+      const std::string_view of = own == std::end(kOptionsOf) ? effect : own->effect;
+      if (!of.empty() && !decisions_.on(of))
+        flags_[of].push_back(option_flag(name));
+      else if (!trains && std::ranges::find(kOfAnyTraining, name) != std::end(kOfAnyTraining))
+        flags_["joint"].push_back(option_flag(name));
+    }
+  }
+  void warn(cli::Run& run) const {
+    for (const auto& [effect, flags] : flags_) cli::warn_unused(run, flags, "with " + std::string(effect) + "=off");
+  }
+
+ private:
+  const Decisions& decisions_;
+  std::map<std::string_view, std::vector<std::string>> flags_;
+};
+
 }  // namespace
+
+void warn_unused(cli::Run& run, const Declared& declared, const Decisions& decisions) {
+  const Settings& s = declared.settings;
+  InVain vain(decisions);
+  vain.group(s.run), vain.group(s.joint), vain.group(s.rbf);
+  vain.group(s.sample, "nerf"), vain.group(s.edge, "edges");
+  vain.warn(run);
+}
 
 std::string unused_flags(const Declared& declared, const Paths& paths) {
   Unused unused;

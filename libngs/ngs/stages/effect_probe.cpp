@@ -193,15 +193,15 @@ EffectDecision measured_decision(EffectProbe& probe, const EffectInfo& e) {
 std::optional<EffectDecision> settled_decision(const EffectInfo& e, const std::vector<std::string>& entries,
                                                const std::vector<EffectVerdict>& verdicts,
                                                const std::vector<EffectDecision>& earlier) {
+  for (const EffectDecision& d : earlier)
+    if (d.effect->name == e.needs && !d.on)
+      return EffectDecision{&e, "auto", false, "needs " + std::string(e.needs), {}};
   if (const EffectMode mode = mode_of(e.name, entries); mode != EffectMode::kAuto) {
     const bool on = mode == EffectMode::kOn;
     return EffectDecision{&e, on ? "on" : "off", on, "--effect", {}};
   }
   for (const EffectVerdict& v : verdicts)
     if (v.name == e.name) return EffectDecision{&e, v.mode, v.on, v.reason, {}};
-  for (const EffectDecision& d : earlier)
-    if (d.effect->name == e.needs && !d.on)
-      return EffectDecision{&e, "auto", false, "needs " + std::string(e.needs), {}};
   if (e.on == OnWhere::kAlways) return EffectDecision{&e, "auto", true, "always: " + std::string(e.why), {}};
   return std::nullopt;
 }

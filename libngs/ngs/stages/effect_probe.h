@@ -66,8 +66,9 @@ struct EffectVerdict {
   std::string mode = "auto";
 };
 
-/// What is decided of an effect without looking at the scene: an entry of --effect wins, then the first verdict, then
-/// an effect it needs that is off, then being always on. Null: its detector is asked. `earlier`: decided already.
+/// What is decided of an effect without looking at the scene: an effect it needs that is off, whatever else is said, for it
+/// could not run; then an entry of --effect, then the first verdict, then being always on. Null: its detector is asked.
+/// `earlier`: decided already.
 std::optional<EffectDecision> settled_decision(const EffectInfo& effect, const std::vector<std::string>& entries,
                                                const std::vector<EffectVerdict>& verdicts,
                                                const std::vector<EffectDecision>& earlier);

@@ -159,7 +159,7 @@ TEST_CASE("photos: those of views that may not supervise do not count, and one o
   CHECK(c.measure(&EffectProbe::photos) > threshold_of("edges"));
 }
 
-TEST_CASE("decisions without a detector: an entry, else the first verdict, else what it needs, else always on") {
+TEST_CASE("decisions without a detector: what it needs, else an entry, else the first verdict, else always on") {
   const EffectInfo &joint = *find_effect("joint"), &nerf = *find_effect("nerf"), &film = *find_effect("film");
   const std::vector<EffectVerdict> off{{"nerf", false, "first"}, {"nerf", true, "second"}};
   const std::vector<EffectDecision> no_steps{{&joint, "auto", false, "no room", {}}};
@@ -168,9 +168,11 @@ TEST_CASE("decisions without a detector: an entry, else the first verdict, else 
     const std::optional<EffectDecision> settled = settled_decision(e, entries, verdicts, earlier);
     return settled ? std::optional(settled->on) : std::nullopt;
   };
-  CHECK(on(nerf, {"nerf=on"}, off, no_steps) == true);
+  CHECK(on(nerf, {"nerf=on"}, off, no_steps) == false);  // nothing would train it
+  CHECK(on(nerf, {"nerf=on"}, off, {}) == true);
   CHECK(on(nerf, {}, off, {}) == false);
-  CHECK(on(nerf, {}, {off[1]}, no_steps) == true);
+  CHECK(on(nerf, {}, {off[1]}, no_steps) == false);
+  CHECK(on(nerf, {}, {off[1]}, {}) == true);
   CHECK(on(nerf, {}, {}, no_steps) == false);  // it has nothing to do
   CHECK(on(nerf, {"nerf=auto"}, {}, {{&joint, "auto", true, "", {}}}) == std::nullopt);
   CHECK(on(film, {}, {}, {}) == true);
