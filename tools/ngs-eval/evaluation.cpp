@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "ngs/backend/try_each.h"
+#include "ngs/backend/for_each.h"
 #include "ngs/io/exr.h"
 #include "ngs/io/image_file.h"
 #include "ngs/io/masks.h"
@@ -191,7 +191,7 @@ std::vector<PairScore> score_masks(Run& run, const EvalOptions& options, const s
   auto scope = run.monitor().scope("score masks");
   scope.items(std::int64_t(pairs.size()));
   std::vector<std::vector<PairScore>> found(pairs.size());
-  try_each_task(run.exec(), std::int64_t(pairs.size()), [&](std::int64_t index) {
+  for_each_task(run.exec(), std::int64_t(pairs.size()), [&](std::int64_t index) {
     const auto i = std::size_t(index);
     const io::RawMask predicted = read_mask(pairs[i].predicted, options.label_map && pairs[i].truth_id == 0),
                       truth = read_mask(pairs[i].truth, options.label_map);
@@ -209,7 +209,7 @@ std::vector<PhotoScore> score_photos(Run& run, const std::vector<FilePair>& pair
   auto scope = run.monitor().scope("score photos");
   scope.items(std::int64_t(pairs.size()));
   std::vector<PhotoScore> scores(pairs.size());
-  try_each_task(run.exec(), std::int64_t(pairs.size()), [&](std::int64_t index) {
+  for_each_task(run.exec(), std::int64_t(pairs.size()), [&](std::int64_t index) {
     const auto i = std::size_t(index);
     const ImageF predicted = io::read_image_rgb(pairs[i].predicted),
                  truth = io::read_image_rgb(pairs[i].truth);

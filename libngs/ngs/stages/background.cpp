@@ -6,7 +6,7 @@
 #include <iomanip>
 #include <sstream>
 
-#include "ngs/backend/try_each.h"
+#include "ngs/backend/for_each.h"
 #include "ngs/core/error.h"
 #include "ngs/math/median.h"
 #include "ngs/ops/image_metrics.h"
@@ -150,7 +150,7 @@ BackgroundFinding find_background(const Exec& exec, const GaussianCloud& cloud, 
                                   const std::vector<std::size_t>& views,
                                   const std::function<ImageF(std::size_t view)>& load_photo) {
   std::vector<Witness> witnesses(views.size());
-  try_each_task(exec, std::int64_t(views.size()), [&](std::int64_t i) {
+  for_each_task(exec, std::int64_t(views.size()), [&](std::int64_t i) {
     const std::size_t v = views[std::size_t(i)];
     witnesses[std::size_t(i)] =
         question(render({}, cloud, scene.views[v].camera, splat_options({}, cloud, scene), {}), load_photo(v));

@@ -1,6 +1,6 @@
 #include "ngs/stages/coarse_input.h"
 
-#include "ngs/backend/try_each.h"
+#include "ngs/backend/for_each.h"
 #include "ngs/scene/shrink.h"
 #include "ngs/stages/view_list.h"
 
@@ -80,7 +80,7 @@ ViewMasks CoarseInput::load_masks(std::size_t view) const {
 void CoarseInput::preload(const Exec& exec) const {
   const std::vector<std::size_t> photos = photo_views(scene_);
   const auto masks = std::int64_t(coarse_.views.size());
-  try_each_task(exec, masks + std::int64_t(photos.size()), [&](std::int64_t i) {
+  for_each_task(exec, masks + std::int64_t(photos.size()), [&](std::int64_t i) {
     {
       const std::lock_guard lock(mutex_);
       if (bytes_ > kept_bytes_ / 10 * 9) return;  // what is loaded now would not be kept

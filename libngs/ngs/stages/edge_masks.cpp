@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ngs/backend/try_each.h"
+#include "ngs/backend/for_each.h"
 #include "ngs/ops/metrics.h"
 #include "ngs/scene/enlarge.h"
 #include "ngs/stages/render_stage.h"
@@ -154,7 +154,7 @@ std::vector<WalkedView> walk_views(const Exec& exec, const WalkSetup& setup, con
   std::vector<std::uint8_t> compare(count, 0);
   for (const std::size_t v : compared) compare[v] = 1;
   const LabelChannels label(model.cloud, model.labels);
-  try_each_task(exec, std::int64_t(views.size()), [&](std::int64_t i) {
+  for_each_task(exec, std::int64_t(views.size()), [&](std::int64_t i) {
     const std::size_t v = views[std::size_t(i)];
     walked[v] = walk_view(setup, label, v, compare[v] != 0);
   });

@@ -1,6 +1,6 @@
 #include "ngs/stages/method_bce.h"
 
-#include "ngs/backend/try_each.h"
+#include "ngs/backend/for_each.h"
 #include "ngs/scene/packed_masks.h"
 #include "ngs/stages/method_labels.h"
 
@@ -29,7 +29,7 @@ class KeptTargets {
 
   /// Decodes all masks, several at a time.
   void preload(const Exec& exec) {
-    try_each_task(exec, std::int64_t(kept_.size()), [this](std::int64_t i) { load(std::size_t(i)); });
+    for_each_task(exec, std::int64_t(kept_.size()), [this](std::int64_t i) { load(std::size_t(i)); });
   }
 
   PixelTargets load(std::size_t i) {

@@ -2,7 +2,7 @@
 
 #include <mutex>
 
-#include "ngs/backend/try_each.h"
+#include "ngs/backend/for_each.h"
 #include "ngs/stages/pose_check.h"
 #include "ngs/stages/render_options.h"
 #include "ngs/stages/view_list.h"
@@ -52,7 +52,7 @@ std::vector<ViewAlignment> measure_alignment(const Exec& exec, Monitor& monitor,
   for (const std::size_t v : photo_views(scene)) alignment.emplace_back().view = v;
   std::mutex telling;
   std::int64_t done = 0;
-  try_each_task(exec, std::int64_t(alignment.size()), [&](std::int64_t i) {
+  for_each_task(exec, std::int64_t(alignment.size()), [&](std::int64_t i) {
     ViewAlignment& of_view = alignment[std::size_t(i)];
     const std::size_t v = of_view.view;
     of_view = align(cloud, splat, scene.views[v].camera, load_photo(v));
