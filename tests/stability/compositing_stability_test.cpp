@@ -25,11 +25,16 @@ std::vector<TileKernels<float>> lane_types() {
 /// Gaussians over one tile, nearest first, with one channel.
 struct Stack {
   TileFrame frame{0, 0, kTilePx, kTilePx};
+  struct Covariance {
+    Real xx, xy, yy;
+  };
   std::vector<SplatRecord<float>> record;
+  std::vector<Covariance> covariance;
   std::vector<float> opacity, value;
 
   void add(double x, double y, double xx, double xy, double yy, float opacity, float channel) {
-    record.push_back(test::splat_record(x, y, xx, xy, yy, opacity)), this->opacity.push_back(opacity), value.push_back(channel);
+    record.push_back(test::splat_record(x, y, xx, xy, yy, opacity)), covariance.push_back({xx, xy, yy});
+    this->opacity.push_back(opacity), value.push_back(channel);
   }
   /// A round one of `sigma` px.
   void add_round(Random& random, double sigma, float opacity) {
@@ -103,16 +108,19 @@ struct Pixel {
     const Real x = s.frame.x_px + pixel % kTilePx + 0.5L, y = s.frame.y_px + pixel / kTilePx + 0.5L;
     for (std::size_t i = 0; i < s.record.size(); ++i) {
       const SplatRecord<float>& g = s.record[i];
-      const Real u = g.mean_x - x, v = g.mean_y - y, a = g.conic_a, b = g.conic_b, c = g.conic_c;
+      const Real u = g.mean_x - x, v = g.mean_y - y;
+      const auto& [xx, xy, yy] = s.covariance[i];
+      // The quadratic form as two squares: what rounding can add is in proportion to `along`, not to its parts' squares.
+      const Real half_a = yy / (2 * (xx * yy - xy * xy)), part_u = std::sqrt(half_a) * u, part_v = -std::sqrt(half_a) * xy / yy * v,
+                 along = part_u + part_v, power = -along * along - v * v / (2 * yy);
       const Real size_x = std::abs(Real(g.mean_x) - s.frame.x_px) + 16,
                  size_y = std::abs(Real(g.mean_y) - s.frame.y_px) + 16;
       const Real opacity = s.opacity[i];
-      Real condition = 2 - std::log(opacity) + (a * u * u + c * v * v) / 2 + std::abs(b * u * v) +
-                       (std::abs(a * u) + std::abs(b * v)) * size_x +
-                       (std::abs(c * v) + std::abs(b * u)) * size_y;
-      const Real power = -(a * u * u + c * v * v) / 2 - b * u * v, free = opacity * std::exp(power);
-      ambiguous |=
-          power > -1e-7L * condition;  // a rounded needle may be indefinite; 3DGS leaves such pixels out
+      const Real steep_x = std::sqrt(half_a), steep_y = steep_x * std::abs(xy) / yy;
+      Real condition = 2 - std::log(opacity) - power +
+                       2 * std::abs(along) * (std::abs(part_u) + std::abs(part_v) + steep_x * size_x + steep_y * size_y) +
+                       std::abs(v) / yy * size_y;
+      const Real free = opacity * std::exp(power);
       const bool capped = free >= 0.99L;
       const Real alpha = capped ? Real(0.99f) : free;
       ambiguous |=
@@ -171,22 +179,37 @@ TEST_CASE("compositing: nearly opaque layers keep the accuracy of what shines th
                   });
 }
 
-TEST_CASE("compositing: needles reach exactly the pixels they should, as accurately as their conic") {
-  test::hard_case({"length / width",
-                   {1, 10, 100, 1e3},
-                   0.31,
-                   "not applicable: the quadratic form is given, it has one form"},
-                  [](double h, Random& random, Worst& worst) {
-                    Stack stack;
-                    for (int i = 0; i < 6; ++i) {
-                      const double phi = random.uniform(0, 6.28), c = std::cos(phi), s = std::sin(phi),
-                                   major = 0.6 * h * h, minor = 0.6;
-                      stack.add(random.uniform(0, 16), random.uniform(0, 16), major * c * c + minor * s * s,
-                                (major - minor) * c * s, major * s * s + minor * c * c,
-                                float(random.uniform(0.1, 0.9)), float(random.uniform(0.1, 1)));
-                    }
-                    check_stack(stack, random, worst, 16);
-                  });
+TEST_CASE("compositing: needles reach exactly the pixels they should, thousands of pixels from their centre too") {
+  const auto printed = [](const Stack& stack, const Pixel& pixel, int p) {  // Eq. (2) as it stands
+    float through = 1;
+    for (const Pixel::Hit& hit : pixel.hit) {
+      const auto& [xx, xy, yy] = stack.covariance[hit.index];
+      const Real det = xx * yy - xy * xy;
+      const float a = float(yy / det), b = float(-xy / det), c = float(xx / det);
+      const float u = float(stack.record[hit.index].mean_x - (p % 16 + 0.5)), v = float(stack.record[hit.index].mean_y - (p / 16 + 0.5));
+      through *= 1 - std::min(0.99f, stack.opacity[hit.index] * std::exp(-0.5f * (a * u * u + c * v * v) - b * u * v));
+    }
+    return through;
+  };
+  test::hard_case({"length, px", {1, 10, 100, 1e3, 1e4}, 1.2, "a u² + 2 b u v + c v²"}, [&](double h, Random& random, Worst& worst) {
+    Stack stack;
+    for (int i = 0; i < 6; ++i) {
+      const double phi = random.uniform(0, 6.28), c = std::cos(phi), s = std::sin(phi), major = h * h, minor = 0.36,
+                   off = random.uniform(-1.5, 1.5) * h, beside = random.uniform(-1, 1);
+      stack.add(8 + off * c - beside * s, 8 + off * s + beside * c, major * c * c + minor * s * s, (major - minor) * c * s,
+                major * s * s + minor * c * c, float(random.uniform(0.1, 0.9)), float(random.uniform(0.1, 1)));
+    }
+    check_stack(stack, random, worst, 0);
+    const Stack::Image image = stack.composite(lane_types()[0]);
+    for (int k = 0; k < 16; ++k) {
+      const auto p = std::size_t(random.below(kTilePixels));
+      const Pixel want(stack, int(p));
+      if (want.ambiguous || want.hit.empty()) continue;
+      worst.ours(image.through[p], want.through, want.through_condition);
+      worst.ours(image.channel[p], want.channel, want.channel_spread / want.channel);
+      worst.naive(printed(stack, want, int(p)), want.through, want.through_condition);
+    }
+  });
 }
 
 TEST_CASE("compositing: far to the right of a wide image positions keep their sub-pixel part") {
@@ -208,7 +231,7 @@ TEST_CASE("compositing: far to the right of a wide image positions keep their su
         const SplatRecord<float>& g = stack.record[hit.index];
         const float u = float(g.mean_x) - (float(stack.frame.x_px + int(p) % 16) + 0.5f),
                     v = float(g.mean_y) - (float(stack.frame.y_px + int(p) / 16) + 0.5f);
-        naive *= 1 - std::min(0.99f, stack.opacity[hit.index] * std::exp(-0.5f * (g.conic_a * u * u + g.conic_c * v * v)));
+        naive *= 1 - std::min(0.99f, stack.opacity[hit.index] * std::exp(-0.5f * (g.form.a() * u * u + g.form.c() * v * v)));
       }
       worst.naive(naive, want.through, want.through_condition);
     }
@@ -345,12 +368,11 @@ TEST_CASE("compositing: every tile that a needle reaches lists it") {
           for (int x = 0; x < 128; ++x) {
             const double u = g.mean_x - (x + 0.5), v = g.mean_y - (y + 0.5);
             const double form =
-                double(g.conic_a) * u * u + 2 * double(g.conic_b) * u * v + double(g.conic_c) * v * v;
+                double(g.form.a()) * u * u + 2 * double(g.form.b()) * u * v + double(g.form.c()) * v * v;
             if (form < double(g.two_cut) * (1 - 1e-4)) reached[y / 16 * 8 + x / 16] = true;
           }
         const TileRect r = view.rect[0];
-        const float det = g.conic_a * g.conic_c - g.conic_b * g.conic_b,
-                    half = std::sqrt(g.two_cut * g.conic_c / det);
+        const float a = g.form.a(), b = g.form.b(), c = g.form.c(), det = a * c - b * b, half = std::sqrt(g.two_cut * c / det);
         for (int tile = 0; tile < 64; ++tile) {
           const int tx = tile % 8, ty = tile / 8;
           if (tx < r.x_begin || tx >= r.x_end || ty < r.y_begin || ty >= r.y_end || !reached[tile]) continue;

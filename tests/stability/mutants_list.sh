@@ -41,6 +41,7 @@ mutant ops/splat_rows.h unit/ops/splat_rows_test.cpp "" "square as rounded" 's/T
 mutant ops/splat_rows.h unit/ops/splat_rows_test.cpp "" "no band but the first" 's/T\(band \* kBandPx - /T(-/'
 mutant ops/splat_rows.h $t "ops/tile_isa.cpp" "mean in float" 's/x_\[k\] = S\(g\.mean_x - W\(frame\.x_px \+ 0\.5\)\)/x_[k] = S(S(g.mean_x) - S(frame.x_px + 0.5))/'
 mutant ops/splat_step_kernels.h $t "ops/tile_isa.cpp" "alpha of exactly 1\/255 left out" 's/exponent, L\(S\(kLog2AlphaMin\)\)\)/exponent, L(S(kLog2AlphaMin + 1e-6)))/'
+mutant ops/splat_step_kernels.h $t "ops/tile_isa.cpp" "exponent as the printed form" 's/const L along = fma_lanes\(along_u, u, linear\);/const L two = L(typename LaneTraits<L>::Scalar(2));/; s/fma_lanes\(-along, along, constant\)/constant - linear * linear - two * along_u * u * linear - along_u * u * (along_u * u)/'
 mutant $f $t "ops/tile_isa.cpp" "weight without the transmittance" 's/const L weight = k\.alpha \* k\.transmittance;/const L weight = k.alpha;/'
 f=ops/splat_backward.h
 mutant $f $t "ops/tile_isa.cpp" "the cap passes a gradient" 's/select\(alpha < cap, weight \* difference, zero\)/weight * difference/'
@@ -69,6 +70,7 @@ mutant stages/view_trust.cpp unit/stages/view_trust_test.cpp stages/view_trust.c
 t=stability/geometry_stability_test.cpp
 mutant ops/sample_grid_kernels.h $t ops/sample_grid.cpp "Gaussians behind the camera count" 's/if \(!\(t\.z > kNearZ\)\) return;//'
 mutant ops/sample_grid_kernels.h $t ops/sample_grid.cpp "boxes thinner than a pixel divided" 's/if \(length < 1\) return .*;//'
+mutant ops/sample_grid_kernels.h unit/ops/sample_grid_test.cpp ops/sample_grid.cpp "half a step about nodes on the corners" 's/fitting \+ 1, 0\}/fitting + 1, step \/ 2}/'
 mutant ops/sample_grid_kernels.h $t ops/sample_grid.cpp "the box of nothing" 's/if \(sums\.visible == 0\) return \{\};//'
 mutant ops/sample_grid_kernels.h $t ops/sample_grid.cpp "box not clipped" 's/max2\(b\.min_x - pad_px, 0\.0\)/b.min_x - pad_px/'
 mutant ops/ray_query_kernels.h $t ops/ray_query.cpp "division by K - 1 = 0" 's/if \(samples == 1\) return .*;//'
@@ -86,6 +88,7 @@ mutant ops/knn.cpp $t ops/knn.cpp "a point is its own neighbour" 's/index == exc
 mutant ops/knn.cpp unit/ops/knn_test.cpp ops/knn.cpp "within: a tie is outside" 's/admitted_\(std::nextafter\(most_dist2, kInfinity\)\)/admitted_(most_dist2)/'
 mutant ops/knn.cpp $t ops/knn.cpp "search in float" 's/std::vector<double> out\(rows\.data, rows\.data \+ rows\.n \* 3\);/std::vector<double> out; for (std::int64_t i = 0; i < rows.n * 3; ++i) out.push_back(double(_Float16(rows.data[i])));/'
 f=ops/rbf_kernels.h
+mutant $f $t "" "the farther of two neighbours first" 's/max2\((dot\(x0 - xj, .*\)), T\(0\)\)/\1/'
 mutant $f $t ops/rbf.cpp "nearest distance not subtracted" 's/dot\(x0 - xj, \(q - x0\) \+ \(q - xj\)\)/dot(q - xj, q - xj)/'
 mutant $f $t ops/rbf.cpp "d_j² - d_0² as a difference" 's/-dot\(x0 - xj, \(q - x0\) \+ \(q - xj\)\)/-(dot(q - xj, q - xj) - dot(q - x0, q - x0))/'
 mutant $f $t ops/rbf.cpp "1e-6 added to the sum" 's/w\[j\] = w\[j\] \/ sum;/w[j] = w[j] \/ (sum + T(1e-6));/'
@@ -138,6 +141,7 @@ mutant $f $t ops/loss_smooth.cpp "|a|² - 2 a·b + |b|²" 's/term\[i\] = dot\(d,
 mutant $f "$t grad/loss_smooth_grad_test.cpp" ops/loss_smooth.cpp "sign of one gradient" 's/back\[0\] = -g\.x/back[0] = g.x/'
 mutant ops/loss_smooth.h $t ops/loss_smooth.cpp "the factor 3 of the estimate" 's/3 \* ratio \* ratio/ratio * ratio/'
 f=ops/photometric_kernels.h
+mutant $f unit/ops/photometric_test.cpp ops/photometric.cpp "SSIM with a variance below 0" 's/max_lanes\((moment\[kSquares\] - means), L\(T\(0\)\)\)/(\1)/'
 mutant $f $t "" "C2 dropped" 's/ \+ L\(T\(kC2\)\)//'
 mutant $f $t "" "C1 dropped" 's/ \+ L\(T\(kC1\)\)//'
 mutant $f $t "" "covariance not doubled" 's/a2 = two \* \(moment/a2 = (moment/'
@@ -177,6 +181,7 @@ mutant stages/label_start.h unit/stages/label_start_test.cpp stages/joint_stage.
 t="unit/ops/edge_walk_test.cpp stability/alignment_stability_test.cpp" f=ops/edge_walk.cpp
 mutant $f "$t" $f "densities of colours without a least variance" 's/\(i == j \? kColourNoise : 0\.0\)/0.0/; s/std::max\(c\[i\]\[i\], 0\.5 \* kColourNoise\)/c[i][i]/'
 mutant $f "$t" $f "every neighbour alike" 's/std::exp\(-squared_difference\(colour\[p\], colour\[q\]\) \/ m\)/1.0/'
+mutant $f "$t" $f "edges are steps along x" 's/if \(y \+ 1 < win\.h\) sum .*//'
 mutant $f "$t" $f "pixels beside the band forgotten" 's/walk\.right\[std::size_t\(row\)\] \+= w \* double\(walk\.given\[q\]\);/;/'
 mutant $f "$t" $f "nothing says where the contour was" 's/right\.push_back\(shape_weight \* sigmoid\(.*\) \+$/right.push_back(0 +/'
 mutant $f "$t" $f "colours that are no numbers in the means" 's/if \(std::isfinite\(v\)\) sum/sum/'

@@ -192,7 +192,7 @@ TEST_CASE("projection: a Gaussian too large for float is left out") {
                     const One one(p);
                     const auto view = one.view();
                     worst.ours_is(view.id.empty() ||
-                                  (std::isfinite(view.record[0].conic_a) && view.record[0].conic_a >= 0));
+                                  (std::isfinite(view.record[0].form.a()) && view.record[0].form.a() >= 0));
                     GaussianCloud cloud = one.cloud;
                     classify(cloud);
                     worst.ours_is(cloud.usable[0] == (h <= 40));

@@ -171,8 +171,8 @@ class TileBackward {
     sum_lanes_each(total_, kPairGeometry, sum);
     S* out = in_.pair_grad + std::size_t(in_.work.slot[span.entry]) * std::size_t(kPairGeometry + count());
     totals_.sum_each(count(), out + kPairGeometry);
-    out[0] = -(g.conic_a * sum[1] + g.conic_b * sum[2]);
-    out[1] = -(g.conic_b * sum[1] + g.conic_c * sum[2]);
+    out[0] = -g.form.times_x(sum[1], sum[2]);
+    out[1] = -g.form.times_y(sum[1], sum[2]);
     out[2] = S(-0.5) * sum[3];
     out[3] = -sum[4];
     out[4] = S(-0.5) * sum[5];

@@ -210,10 +210,9 @@ struct SplatBackwardTile {
 
   /// ∂L/∂(mean_x, mean_y, conic_a, conic_b, conic_c, log opacity) from the moments p, pu, pv, puu, puv, pvv.
   NGS_HD static float geometry(const TileGaussian<float>& g, const float* m, int k) {
-    const float a = g.form.a(), b = g.form.b(), c = g.form.c();
     switch (k) {
-      case 0: return -(a * m[1] + b * m[2]);
-      case 1: return -(b * m[1] + c * m[2]);
+      case 0: return -g.form.times_x(m[1], m[2]);
+      case 1: return -g.form.times_y(m[1], m[2]);
       case 2: return -0.5f * m[3];
       case 3: return -m[4];
       case 4: return -0.5f * m[5];

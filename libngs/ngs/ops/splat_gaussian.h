@@ -90,8 +90,8 @@ NGS_HD SplatRecord<S> record_of(const ProjectedGaussian<S>& p, WideOf<S> mean_x,
   const S two_cut = S(2) * log(S(255) * p.opacity);
   const S reach2 = max2(two_cut, S(0)), half_width = sqrt(reach2 * p.cov_xx), half_height = sqrt(reach2 * p.cov_yy);
   const S log2_opacity = S(log2(WideOf<S>(p.opacity)));
-  return {mean_x,       mean_y,  p.conic_a,    p.conic_b,  p.conic_c,
-          log2_opacity, two_cut, S(1) / p.det, half_width, half_height, -p.conic_b / p.conic_a * half_height, S(1) / p.conic_c};
+  return {mean_x,     mean_y,      PowerForm<S>::of(p.conic_a, p.conic_b, p.cov_yy), log2_opacity,      two_cut, S(1) / p.det,
+          half_width, half_height, -p.conic_b / p.conic_a * half_height,            S(1) / p.conic_c};
 }
 
 /// Columns [x_lo, x_hi] (px, continuous) where the ellipse {quadratic form <= two_cut} meets the pixel-centre
@@ -99,7 +99,7 @@ NGS_HD SplatRecord<S> record_of(const ProjectedGaussian<S>& p, WideOf<S> mean_x,
 /// extreme point lies, or the band's edge nearest to it.
 template <class S>
 NGS_HD bool ellipse_columns(const SplatRecord<S>& g, double y_lo, double y_hi, double& x_lo, double& x_hi) {
-  const double a = double(g.conic_a), b = double(g.conic_b), inv_det = double(g.inv_det);
+  const double a = double(g.form.a()), b = double(g.form.b()), inv_det = double(g.inv_det);
   const double mean_x = double(g.mean_x), mean_y = double(g.mean_y), two_cut = double(g.two_cut);
   const double half_height = double(g.half_height) + kSpanSlackPx;
   const double v_lo = max2(y_lo - mean_y, -half_height), v_hi = min2(y_hi - mean_y, half_height);
@@ -142,7 +142,7 @@ template <class S>
 NGS_HD TileGaussian<S> tile_gaussian(const SplatRecord<S>& g, const TileFrame& frame) {
   using W = WideOf<S>;
   return {S(g.mean_x - W(frame.x_px + 0.5)), S(g.mean_y - W(frame.y_px + 0.5)), g.log2_opacity,
-          PowerForm<S>::of_conic(g.conic_a, g.conic_b, g.conic_c)};
+          g.form};
 }
 
 template <class S>

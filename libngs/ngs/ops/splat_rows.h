@@ -43,8 +43,8 @@ class RowsAhead {
   [[gnu::always_inline]] void load(std::uint32_t k, const SplatRecord<S>& g, const TileFrame& frame) {
     using W = WideOf<S>;
     x_[k] = S(g.mean_x - W(frame.x_px + 0.5)), y_[k] = S(g.mean_y - W(frame.y_px + 0.5));
-    mean_x_[k] = T(x_[k]), mean_y_[k] = T(y_[k]), b_[k] = T(g.conic_b), inv_c_[k] = T(g.inv_c), inv_det_[k] = T(g.inv_det);
-    cut_c_[k] = T(1 + 8 * kEps) * T(g.two_cut) * T(g.conic_c), bottom_x_[k] = T(g.bottom_x);
+    mean_x_[k] = T(x_[k]), mean_y_[k] = T(y_[k]), b_[k] = T(g.form.b()), inv_c_[k] = T(g.inv_c), inv_det_[k] = T(g.inv_det);
+    cut_c_[k] = T(1 + 8 * kEps) * T(g.two_cut) * T(g.form.c()), bottom_x_[k] = T(g.bottom_x);
   }
 
   /// The ellipse {quadratic form <= two_cut} has its lowest point within the columns at its own lowest point, or on the

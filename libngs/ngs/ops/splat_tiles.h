@@ -78,7 +78,7 @@ struct RowTerms {
     constexpr int kLanes = LaneTraits<L>::kLanes;
     for (int row = 0; row < kTilePx; row += kLanes) {
       const L v = offsets_to(L(tile_y), lane, row);
-      store_lanes(linear + row, L(form.uv) * v), store_lanes(constant + row, splat_row_constant(L(form.vv), v, log2_opacity));
+      store_lanes(linear + row, L(form.along_v) * v), store_lanes(constant + row, splat_row_constant(L(form.across), v, log2_opacity));
     }
   }
 };
@@ -138,10 +138,9 @@ template <class L, class Sink>
       to_visit.find(work, e);
     }
     const SplatRecord<S>& g = work.record[work.visible[e]];
-    const PowerForm<S> form = PowerForm<S>::of_conic(g.conic_a, g.conic_b, g.conic_c);
-    const L uu(form.uu), log2_opacity(g.log2_opacity);
+    const L along_u(g.form.along_u);
     const L tile_x(to_visit.ahead.x(k));  // relative to the tile: the same bits for any pack width
-    const RowTerms<L> terms(lane, to_visit.ahead.y(k), form, log2_opacity);
+    const RowTerms<L> terms(lane, to_visit.ahead.y(k), g.form, L(g.log2_opacity));
     sink.begin(e);
     for (int column = 0; column < kColumns; ++column) {
       const std::uint32_t visited = to_visit.rows(k, column) & live_rows[column];
@@ -149,8 +148,8 @@ template <class L, class Sink>
       const L u = offsets_to(tile_x, lane, column * kLanes);
       for (std::uint32_t left = visited; left != 0; left &= left - 1) {
         const auto row = std::uint32_t(__builtin_ctz(left));
-        const L exponent = splat_exponent(u, uu, L(terms.linear[row]), L(terms.constant[row]));
-        alpha_of[row] = splat_alpha(splat_reaches(to_visit.lanes(k, row), exponent, log2_opacity), exponent);
+        const L exponent = splat_exponent(u, along_u, L(terms.linear[row]), L(terms.constant[row]));
+        alpha_of[row] = splat_alpha(splat_reaches(to_visit.lanes(k, row), exponent), exponent);
       }
       sink.begin_column(column);
       for (std::uint32_t left = visited; left != 0; left &= left - 1) {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "ngs/core/hd.h"
+#include "ngs/ops/splat_step_kernels.h"
 
 namespace ngs {
 
@@ -19,17 +19,18 @@ using WideOf = std::conditional_t<std::is_same_v<S, float>, double, S>;
 
 /// A visible Gaussian as the loops read it: 56 bytes for float.
 ///   mean_x, mean_y           px; wide, because a float mean at 1000 px is off by 3e-5 px, and alpha by as much
-///   conic, log2_opacity      alpha = min(0.99, 2^log2_opacity e^(-(a u² + 2 b u v + c v²) / 2)); rounded once, so that an
-///                            opacity of 1/255 reaches its centre
+///   form, log2_opacity       alpha = min(0.99, 2^exponent) by splat_exponent; log2_opacity rounded once, so that an opacity
+///                            of 1/255 reaches its centre
 ///   two_cut                  2 ln(255 · opacity): the quadratic form above which alpha < 1/255
 ///   inv_det                  1 / det(blurred covariance) = a c - b²
 ///   half_width, half_height  px, of the ellipse {quadratic form <= two_cut}
 ///   bottom_x                 px, where the ellipse's lowest point lies, from the mean
-///   inv_c                    1 / conic_c
+///   inv_c                    1 / c of the conic
 template <class S>
 struct SplatRecord {
   WideOf<S> mean_x, mean_y;
-  S conic_a, conic_b, conic_c, log2_opacity, two_cut, inv_det, half_width, half_height, bottom_x, inv_c;
+  PowerForm<S> form;
+  S log2_opacity, two_cut, inv_det, half_width, half_height, bottom_x, inv_c;
 };
 
 /// The pixels of one tile.

@@ -87,7 +87,7 @@ struct Model {
       const SplatRecord<S>& r = seen.record[v];
       const double dx = double(r.mean_x) - x - 0.5, dy = double(r.mean_y) - y - 0.5;
       const double power =
-          -0.5 * (double(r.conic_a) * dx * dx + double(r.conic_c) * dy * dy) - double(r.conic_b) * dx * dy;
+          -0.5 * (double(r.form.a()) * dx * dx + double(r.form.c()) * dy * dy) - double(r.form.b()) * dx * dy;
       const double alpha = std::min(0.99, std::exp2(double(r.log2_opacity)) * std::exp(std::min(power, 0.0)));
       sum += transmittance * alpha * double(label[seen.id[v]]), transmittance *= 1 - alpha;
     }

@@ -42,8 +42,8 @@ struct List {
 std::vector<SplatRecord<double>> wide(const std::vector<SplatRecord<float>>& record) {
   std::vector<SplatRecord<double>> out;
   for (const SplatRecord<float>& g : record)
-    out.push_back({g.mean_x, g.mean_y, g.conic_a, g.conic_b, g.conic_c, g.log2_opacity, g.two_cut, g.inv_det, g.half_width,
-                   g.half_height, g.bottom_x, g.inv_c});
+    out.push_back({g.mean_x, g.mean_y, {g.form.along_u, g.form.along_v, g.form.across}, g.log2_opacity, g.two_cut, g.inv_det,
+                   g.half_width, g.half_height, g.bottom_x, g.inv_c});
   return out;
 }
 
