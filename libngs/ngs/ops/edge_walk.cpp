@@ -205,12 +205,15 @@ double squared_difference(const std::array<float, 3>& a, const std::array<float,
   return sum;
 }
 
+/// Of the pairs side by side and one above the other.
 double mean_squared_step(const Window& win, const std::vector<std::array<float, 3>>& colour) {
-  double sum = 0;
+  double sum = 0, pairs = 0;
   for (int y = 0; y < win.h; ++y)
-    for (int x = 0; x + 1 < win.w; ++x)
-      sum += squared_difference(colour[win.at(x, y)], colour[win.at(x + 1, y)]);
-  return sum / std::max(1.0, double(win.h) * double(win.w - 1));
+    for (int x = 0; x < win.w; ++x) {
+      if (x + 1 < win.w) sum += squared_difference(colour[win.at(x, y)], colour[win.at(x + 1, y)]), ++pairs;
+      if (y + 1 < win.h) sum += squared_difference(colour[win.at(x, y)], colour[win.at(x, y + 1)]), ++pairs;
+    }
+  return sum / std::max(1.0, pairs);
 }
 
 struct ColourModels {

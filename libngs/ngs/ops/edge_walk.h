@@ -8,13 +8,13 @@
 //   Σ_pq w_pq (x_p - x_q)² + Σ_p (λ_s + λ_d (1 - r_p)²) (x_p - s_p)² + λ_c Σ_p r_p (x_p - c_p)²,
 //   w_pq = exp(-|I_p - I_q|² / m) + 1e-5
 //
-// over pairs of 8 neighbours (w divided by their distance), x fixed to the mask outside the band. m is the
-// mean of |I_p - I_q|² over the window, s a sigmoid of the signed distance to the given contour ("the contour
-// was here"), c the probability of the photo's colour under one normal density of the colours inside and one
-// outside, both estimated locally ("what looks like the object near by"), with a tenth of outliers in each. r
-// in [0, 1] says how well c tells the pixels near by whose side is known: where it does not, colours do not
-// pull and the given contour holds, or else edges within a texture would win. The minimum is unique: where
-// the photo shows no edge and no difference in colour, s alone decides, and the contour stays.
+// over pairs of 8 neighbours (w divided by their distance), x fixed to the mask outside the band. m is the mean of
+// |I_p - I_q|² over the window's pairs side by side and one above the other, s a sigmoid of the signed distance to
+// the given contour ("the contour was here"), c the probability of the photo's colour under one normal density of
+// the colours inside and one outside, both estimated locally ("what looks like the object near by"), with a tenth
+// of outliers in each. r in [0, 1] says how well c tells the pixels near by whose side is known: where it does not,
+// colours do not pull and the given contour holds, or else edges within a texture would win. The minimum is unique:
+// where the photo shows no edge and no difference in colour, s alone decides, and the contour stays.
 #include <vector>
 
 #include "ngs/ops/metrics.h"

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "ngs/core/rng.h"
 
@@ -49,6 +50,29 @@ TEST_CASE("a contour walks to the photo's edge from either side, and not beyond 
   }
   // 12 px away: what is outside the band keeps its side.
   CHECK(contour(walk(left_of(24), photo)) < 24 + 5.01);
+}
+
+// Stripes are steps in one direction only: how large a step counts as an edge must not depend on which.
+TEST_CASE("a turned picture has the turned contour") {
+  constexpr int kSide = 160;
+  ImageF photo(kSide, kSide, 3), turned = photo;
+  std::vector<std::uint8_t> mask(kSide * kSide), turned_mask = mask;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      const double r = std::hypot(x - 79.5, y - 79.5);
+      mask[std::size_t(y * kSide + x)] = turned_mask[std::size_t(x * kSide + y)] = r < 37;
+      for (int c = 0; c < 3; ++c)
+        photo.at(x, y, c) = turned.at(y, x, c) =
+            float(0.4 + (r < 40 ? 0.12 : 0) + 0.06 * std::sin(0.9 * y) +
+                  0.004 * rng_normal(7, RngStream::kTest, std::uint64_t(photo.index(x, y, c))));
+    }
+  const std::vector<float> soft = walk_to_edges({}, {mask.data(), kSide, kSide}, photo),
+                           soft_turned = walk_to_edges({}, {turned_mask.data(), kSide, kSide}, turned);
+  int different = 0;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x)
+      different += (soft[std::size_t(y * kSide + x)] > 0.5f) != (soft_turned[std::size_t(x * kSide + y)] > 0.5f);
+  CHECK(different <= 1);  // steps along x alone: 76 pixels
 }
 
 TEST_CASE("without an edge in the photo the contour stays") {
