@@ -90,7 +90,7 @@ mutant ops/knn.cpp $t ops/knn.cpp "search in float" 's/std::vector<double> out\(
 f=ops/rbf_kernels.h
 mutant $f $t "" "the farther of two neighbours first" 's/max2\((dot\(x0 - xj, .*\)), T\(0\)\)/\1/'
 mutant $f $t ops/rbf.cpp "nearest distance not subtracted" 's/dot\(x0 - xj, \(q - x0\) \+ \(q - xj\)\)/dot(q - xj, q - xj)/'
-mutant $f $t ops/rbf.cpp "d_j² - d_0² as a difference" 's/-dot\(x0 - xj, \(q - x0\) \+ \(q - xj\)\)/-(dot(q - xj, q - xj) - dot(q - x0, q - x0))/'
+mutant $f $t ops/rbf.cpp "d_j² - d_0² as a difference" 's/dot\(x0 - xj, \(q - x0\) \+ \(q - xj\)\)/dot(q - xj, q - xj) - dot(q - x0, q - x0)/'
 mutant $f $t ops/rbf.cpp "1e-6 added to the sum" 's/w\[j\] = w\[j\] \/ sum;/w[j] = w[j] \/ (sum + T(1e-6));/'
 mutant $f $t ops/rbf.cpp "softmax gradient without the mean" 's/g\[j\] = w\[j\] \* \(g\[j\] - mean\)/g[j] = w[j] * g[j]/'
 mutant ops/rbf.cpp $t ops/rbf.cpp "1 \/ 2h² overflows" 's/float\(std::min\((1\.0 \/ \(2\.0 \* width \* width\)), .*\)\);/float(\1);/'

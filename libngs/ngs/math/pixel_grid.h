@@ -15,16 +15,16 @@ struct PixelBox {
 struct PixelGrid {
   double first_x = 0, first_y = 0, step_x = 1, step_y = 1;  // px; steps >= 1
   int cols = 0, rows = 0;
+  double beyond_x = 0, beyond_y = 0;  // px from the outer nodes to the border of the box that the lattice samples
 
   NGS_HD long long nodes() const { return static_cast<long long>(cols) * rows; }
   NGS_HD double x(int col) const { return first_x + step_x * col; }
   NGS_HD double y(int row) const { return first_y + step_y * row; }
 };
 
-/// The nodes with half a step about them.
+/// The box that the lattice samples.
 NGS_HD inline PixelBox box_of(const PixelGrid& g) {
-  return {g.first_x - g.step_x / 2, g.first_y - g.step_y / 2, g.x(g.cols - 1) + g.step_x / 2,
-          g.y(g.rows - 1) + g.step_y / 2};
+  return {g.first_x - g.beyond_x, g.first_y - g.beyond_y, g.x(g.cols - 1) + g.beyond_x, g.y(g.rows - 1) + g.beyond_y};
 }
 
 /// The two pixels along one axis between whose centres `position_px` lies, and the weight of the upper one.

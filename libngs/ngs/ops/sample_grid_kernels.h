@@ -76,18 +76,19 @@ NGS_HD inline PixelGrid pixel_grid(const PixelBox& box, const GridShape& shape) 
   struct Axis {
     double first, step;
     int count;
+    double beyond;
   };
   const auto axis = [&](double low, double high, int cells) -> Axis {
     const double length = high - low;
-    if (length < 1) return {(low + high) / 2, 1, 1};
+    if (length < 1) return {(low + high) / 2, 1, 1, length / 2};
     const int fitting = int(min2(double(cells), std::floor(length)));
     const double step = length / fitting;
-    if (shape.nodes == GridNodes::kInclusive) return {low, step, fitting + 1};
-    return {low + step / 2, step, fitting};
+    if (shape.nodes == GridNodes::kInclusive) return {low, step, fitting + 1, 0};
+    return {low + step / 2, step, fitting, step / 2};
   };
   if (!(box.max_x > box.min_x) || !(box.max_y > box.min_y)) return {};
   const Axis x = axis(box.min_x, box.max_x, shape.cols), y = axis(box.min_y, box.max_y, shape.rows);
-  return {x.first, y.first, x.step, y.step, x.count, y.count};
+  return {x.first, y.first, x.step, y.step, x.count, y.count, x.beyond, y.beyond};
 }
 
 }  // namespace ngs

@@ -13,7 +13,7 @@ namespace ngs {
 /// The grid of one view. A view without visible boundary Gaussians has rows = cols = 0 and no queries.
 struct QueryView {
   std::string name;        // Camera::name
-  PixelBox box;            // Eq. (4), clipped to the image
+  PixelBox box;            // Eq. (4), clipped to the image; the whole image if that is sampled
   int rows = 0, cols = 0;  // grid nodes (rays): node (r, c) is ray r · cols + c
   int depth_samples = 0;   // samples per ray
   double mean_depth = 0;   // world, mean Euclidean distance from the camera centre to the boundary (C12)

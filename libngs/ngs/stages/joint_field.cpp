@@ -34,12 +34,13 @@ FilmMlpConfig mlp_config(const JointOptions& o, const HashGridConfig& hash) {
 }
 
 /// The lattice that `uv` [R, 2] samples row by row.
-PixelGrid lattice(const std::vector<float>& uv, int rows, int cols) {
+PixelGrid lattice(const std::vector<float>& uv, const QueryView& view) {
   PixelGrid grid;
-  grid.rows = rows, grid.cols = cols;
+  grid.rows = view.rows, grid.cols = view.cols;
   grid.first_x = uv[0], grid.first_y = uv[1];
-  if (cols > 1) grid.step_x = (double(uv[std::size_t(cols - 1) * 2]) - grid.first_x) / (cols - 1);
-  if (rows > 1) grid.step_y = (double(uv.back()) - grid.first_y) / (rows - 1);
+  if (view.cols > 1) grid.step_x = (double(uv[std::size_t(view.cols - 1) * 2]) - grid.first_x) / (view.cols - 1);
+  if (view.rows > 1) grid.step_y = (double(uv.back()) - grid.first_y) / (view.rows - 1);
+  grid.beyond_x = grid.first_x - view.box.min_x, grid.beyond_y = grid.first_y - view.box.min_y;
   return grid;
 }
 
@@ -128,7 +129,7 @@ FieldRays JointField::rays(const Exec& exec, const Camera& camera, const QueryFi
         rays.far.push_back(float(samples > 1 ? last : first + half));
     rays.spacing.push_back(float(2 * half / double(std::max<std::size_t>(samples - 1, 1))));
   }
-  rays.grid = lattice(rays.pixel, grid.rows, grid.cols);
+  rays.grid = lattice(rays.pixel, grid);
   if (!effects_.rbf || field.neighbours == 0) {
     out.graph = nearest_points(exec, boundary.positions(), rays.positions(), neighbours_);
   } else {

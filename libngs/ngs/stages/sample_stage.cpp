@@ -38,9 +38,9 @@ ViewSample sample_view(const Exec& exec, const SampleOptions& options, const Cam
                        Rows<const float, 3> boundary, const DepthMap& map) {
   ViewSample sample;
   sample.boundary = boundary_box(camera, boundary, options.bbox_pad_px);
-  const PixelBox image{0, 0, double(camera.width_px), double(camera.height_px)};
-  const PixelBox& box = options.whole_image && sample.boundary.visible > 0 ? image : sample.boundary.box;
-  const PixelGrid grid = pixel_grid(box, options.rows, options.cols, options.nodes);
+  if (options.whole_image && sample.boundary.visible > 0)
+    sample.boundary.box = {0, 0, double(camera.width_px), double(camera.height_px)};
+  const PixelGrid grid = pixel_grid(sample.boundary.box, options.rows, options.cols, options.nodes);
   sample.rays = ray_queries(exec, camera, grid,
                             {.samples = options.depth_samples,
                              .depth_span = options.depth_span,

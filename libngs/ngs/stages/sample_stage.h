@@ -58,7 +58,7 @@ struct SampleOptions {
 std::int64_t most_queries(const SampleOptions& options, std::size_t views);
 
 struct ViewSample {
-  BoundaryBox boundary;  // visible == 0: no rays
+  BoundaryBox boundary;  // visible == 0: no rays; its box is what the grid covers, the whole image if that was asked for
   RayQueries rays;
 };
 

@@ -88,6 +88,20 @@ TEST_CASE("a grid never steps by less than a pixel") {
     }
 }
 
+TEST_CASE("a grid knows the box that it samples, whatever its nodes and however few") {
+  for (const GridNodes nodes : {GridNodes::kCentres, GridNodes::kInclusive})
+    for (const double width : {0.25, 1.0, 3.75, 100.0})
+      for (const int cells : {1, 2, 64}) {
+        CAPTURE(width);
+        CAPTURE(cells);
+        const PixelBox box = box_of(pixel_grid({5, 7, 5 + width, 8}, 64, cells, nodes));
+        CHECK(box.min_x == doctest::Approx(5).epsilon(1e-12));
+        CHECK(box.max_x == doctest::Approx(5 + width).epsilon(1e-12));
+        CHECK(box.min_y == 7);
+        CHECK(box.max_y == 8);
+      }
+}
+
 TEST_CASE("the bilinear weights of an image position sum to one and name every pixel that they read") {
   for (const int size : {1, 2, 7})
     for (double at = -2; at < 9; at += 0.125) {
