@@ -146,6 +146,27 @@ TEST_CASE("knn: the neighbours are those of exact arithmetic, far from the origi
       });
 }
 
+TEST_CASE("rbf: of two neighbours at nearly the same distance none takes more than its share, at any width") {
+  test::hard_case({"width, world", {1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6}, 0, "exponents as rounding leaves them"},
+                  [](double h, Random& random, Worst& worst) {
+                    const auto on_sphere = [&](Vec3<double> centre, double radius) {
+                      const double z = random.uniform(-1, 1), phi = random.uniform(0, 6.283185307179586), r = std::sqrt(1 - z * z);
+                      return Vec3<float>{float(centre.x + radius * r * std::cos(phi)), float(centre.y + radius * r * std::sin(phi)),
+                                         float(centre.z + radius * z)};
+                    };
+                    const Vec3<float> q = on_sphere({0, 0, 0}, 1), a = on_sphere({q.x, q.y, q.z}, 0.7), b = on_sphere({q.x, q.y, q.z}, 0.7);
+                    const bool a_nearer = exact_dist2(&q.x, &a.x) <= exact_dist2(&q.x, &b.x);
+                    const Vec3<float> near = a_nearer ? a : b, far = a_nearer ? b : a;
+                    const float x[6] = {near.x, near.y, near.z, far.x, far.y, far.z}, inv_2h2 = float(1 / (2 * h * h));
+                    const std::uint32_t nearest[2] = {0, 1};
+                    float w[2];
+                    rbf_weights<float>(q, {x, 2}, nearest, 2, inv_2h2, w);
+                    worst.ours_is(w[0] >= w[1] && std::abs(w[0] + w[1] - 1) < 1e-6f);
+                    const float naive = std::exp(-dot(near - far, (q - near) + (q - far)) * inv_2h2);
+                    worst.naive_is(std::isfinite(naive) && naive <= 1);
+                  });
+}
+
 TEST_CASE("knn: coincident points come in the order of their indices") {
   test::hard_case(
       {"copies", {2, 9, 100}, 0, "not applicable: a search tree keeps whichever it meets first"},

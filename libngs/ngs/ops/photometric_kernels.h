@@ -78,7 +78,8 @@ NGS_HD void products(L x, L y, L* out) {
 
 /// SSIM of one window from its blurred moments, and its partials.
 ///   S = (2 μx μy + C1)(2 σxy + C2) / ((μx² + μy² + C1)(σx² + σy² + C2)),  σx² + σy² = E[x² + y²] - μx² - μy²
-/// In float σ² carries an absolute error of about eps·E[x²]; C2 keeps that below 1e-3 of the denominator.
+/// In float σ² carries an absolute error of about eps·E[x²]; C2 keeps that below 1e-3 of the denominator for values in [0, 1].
+/// Colours above it are drawn as they are: there σ² is kept from falling below 0, so that S keeps its sign.
 template <class L>
 NGS_HD L similarity(const L* moment, L* partial) {
   using T = typename LaneTraits<L>::Scalar;
@@ -86,7 +87,7 @@ NGS_HD L similarity(const L* moment, L* partial) {
   const L means = mx * mx + my * my, product = mx * my;
   const L a1 = two * product + L(T(kC1)), b1 = means + L(T(kC1));
   const L a2 = two * (moment[kXY] - product) + L(T(kC2));
-  const L b2 = (moment[kSquares] - means) + L(T(kC2));
+  const L b2 = max_lanes(moment[kSquares] - means, L(T(0))) + L(T(kC2));
   const L inv_b1 = L(T(1)) / b1, inv_b2 = L(T(1)) / b2, inv = inv_b1 * inv_b2;
   const L s = a1 * a2 * inv;
   partial[kDSquares] = -(s * inv_b2);

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "ngs/core/hd.h"
+#include "ngs/math/stable.h"
 #include "ngs/math/vec.h"
 #include "ngs/scene/views.h"
 
@@ -29,7 +30,7 @@ NGS_HD void rbf_weights(Vec3<T> q, Rows<const T, 3> x, const std::uint32_t* near
   T sum = T(0);
   for (int j = 0; j < k; ++j) {
     const Vec3<T> xj = vec3(x.row(nearest[j]));
-    w[j] = exp(-dot(x0 - xj, (q - x0) + (q - xj)) * inv_2h2);
+    w[j] = exp(-max2(dot(x0 - xj, (q - x0) + (q - xj)), T(0)) * inv_2h2);  // rounding may put x_j before x_0
     sum += w[j];
   }
   for (int j = 0; j < k; ++j) w[j] = w[j] / sum;  // sum >= w_0 = 1

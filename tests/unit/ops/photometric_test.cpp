@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -69,6 +70,20 @@ TEST_CASE("SSIM of nearly flat bright images stays within the rounding of its va
   // σ² is the difference of numbers near 1 with 22 roundings each: |Δσ²| ≲ 22·6e-8, against C2 = 9e-4.
   const ImageF x = random_image(40, 30, 3, 5, 0.97f, 0.002f), y = random_image(40, 30, 3, 6, 0.97f, 0.002f);
   CHECK(std::abs(photometric_loss({}, {}, x, y).ssim - reference_loss(x, y, 0.2).ssim) < 22 * 6e-8 / 9e-4);
+}
+
+// Rendered colours have no upper bound. Rounding of 10⁴ - 10⁴ is as large as C2, and of either sign.
+TEST_CASE("SSIM of a flat picture far too bright stays between 0 and 1") {
+  for (const float level : {30.f, 100.f, 300.f, 1000.f}) {
+    CAPTURE(level);
+    const ImageF bright = random_image(40, 40, 1, 3, level, 0), target = random_image(40, 40, 1, 3, 0.8f, 0);
+    ImageF gradient(40, 40, 1);
+    PhotometricPass<float> pass;
+    const auto value = pass.evaluate({}, {.dssim_weight = 1, .region = {10, 10, 30, 30}}, bright, target, nullptr, &gradient);
+    CHECK(value.ssim >= 0);
+    CHECK(value.ssim <= 1);
+    CHECK(std::all_of(gradient.data.begin(), gradient.data.end(), [](float g) { return std::isfinite(g); }));
+  }
 }
 
 TEST_CASE("the photometric loss of an image with itself is zero and its gradient vanishes") {
