@@ -114,6 +114,7 @@ struct GraphOnGrid {
   /// Fills row_begin and edge.
   void transpose(Grid& grid) {
     const std::int64_t edges = queries * neighbours;
+    NGS_CHECK(edges <= 0xffffffff, "edges are counted in 32 bits");
     const GridBuffer<Grid, std::uint64_t> key(grid, edges);
     const GridBuffer<Grid, std::uint32_t> sorted(grid, edges);
     row_begin = GridBuffer<Grid, std::int64_t>(grid, points + 1), edge = GridBuffer<Grid, std::int64_t>(grid, edges);

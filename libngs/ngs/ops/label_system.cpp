@@ -1,5 +1,7 @@
 #include "ngs/ops/label_system.h"
 
+#include <atomic>
+
 #include "ngs/core/check.h"
 #include "ngs/ops/cloud_view.h"
 #include "ngs/ops/label_blocks.h"
@@ -18,6 +20,9 @@ struct FloatColumns {
   }
   ColumnValues view() const { return {m.data(), rest.data()}; }
 };
+
+/// What the cache would hold of a block: nothing of one that no column reaches.
+std::int64_t bytes_kept(const LabelBlock& block) { return block.entry.empty() ? 0 : block.bytes(); }
 
 /// One view composited for the purpose of label sums.
 struct OpenView {
@@ -85,22 +90,34 @@ struct LabelSystem::State {
   double target_sum() const { return of_cached.target_sum + of_streamed.target_sum; }
   void open_view(const Exec& exec, std::size_t camera, std::int64_t cache_bytes);
   void open_streamed(const Exec& exec);
-  bool add_view(std::vector<LabelBlock> tiles, std::int64_t cache_bytes);
+  /// Whether blocks of `bytes` are kept. Once a view's were not, all later views are streamed too, so that sums keep the
+  /// order of the views.
+  bool fits(std::int64_t bytes, std::int64_t cache_bytes) const {
+    return streamed.empty() && stats.cached_bytes + bytes <= cache_bytes;
+  }
+  /// Of tiles that take `bytes`; those of a view that does not fit may have lost their contributions.
+  bool add_view(std::vector<LabelBlock> tiles, std::int64_t bytes, std::int64_t cache_bytes);
   void number_slots();
   TileLoss stream(const Exec& exec, const OpenView& open, ColumnValues at, LabelSums& out) const;
 };
 
-/// Collects the view's blocks and keeps them while they fit; once one did not, all later views are streamed
-/// too, so that sums keep the order of the views.
+/// Collects the view's blocks and keeps them while they fit. What does not is dropped tile by tile: a view may have far
+/// more contributions than the cache takes.
 void LabelSystem::State::open_view(const Exec& exec, std::size_t camera, std::int64_t cache_bytes) {
   const OpenView open(exec, problem, camera);
   if (open.empty()) return;
   std::vector<LabelBlock> tiles(std::size_t(open.lists.tiles()));
   const LabelPlaces places{open.view.id.data(), column_of.data(), label.data()};
+  std::atomic<std::int64_t> bytes = 0;
   open.for_each_recorded(exec, problem.splat.compat, [&](std::size_t tile, const RecordedTile& recorded) {
-    tiles[tile] = collect_block(recorded, places, open.planes(), problem.half_weights);
+    LabelBlock block = collect_block(recorded, places, open.planes(), problem.half_weights);
+    bytes += bytes_kept(block);
+    if (fits(bytes, cache_bytes))
+      tiles[tile] = std::move(block);
+    else
+      tiles[tile].target_sum = block.target_sum;
   });
-  if (!add_view(std::move(tiles), cache_bytes)) streamed.push_back(camera), ++stats.streamed_views;
+  if (!add_view(std::move(tiles), bytes, cache_bytes)) streamed.push_back(camera), ++stats.streamed_views;
 }
 
 /// Nothing is to be kept: one walk gives the constants and the sums at the labels given.
@@ -122,13 +139,11 @@ void LabelSystem::State::open_streamed(const Exec& exec) {
   start.loss = target_sum() > 0 ? loss / target_sum() : 0.0;
 }
 
-bool LabelSystem::State::add_view(std::vector<LabelBlock> tiles, std::int64_t cache_bytes) {
-  std::int64_t bytes = 0;
-  for (const LabelBlock& t : tiles) bytes += t.entry.empty() ? 0 : t.bytes();
-  const bool fits = streamed.empty() && stats.cached_bytes + bytes <= cache_bytes;
-  Constants& constants = fits ? of_cached : of_streamed;
+bool LabelSystem::State::add_view(std::vector<LabelBlock> tiles, std::int64_t bytes, std::int64_t cache_bytes) {
+  const bool kept = fits(bytes, cache_bytes);
+  Constants& constants = kept ? of_cached : of_streamed;
   for (const LabelBlock& t : tiles) constants.target_sum += t.target_sum;
-  if (!fits) return false;
+  if (!kept) return false;
   for (const LabelBlock& t : tiles) constants.loss += t.constant_loss;
   stats.cached_bytes += bytes, ++stats.cached_views;
   std::erase_if(tiles, [](const LabelBlock& t) { return t.entry.empty(); });
@@ -226,7 +241,9 @@ LabelSystem LabelSystem::reduced(const Exec& exec, const std::vector<std::int32_
     for_each_task(exec, std::int64_t(view.size()), [&](std::int64_t b) {
       tiles[std::size_t(b)] = reduced_block(view[std::size_t(b)], new_column.data(), at.view());
     });
-    out->add_view(std::move(tiles), s.stats.cached_bytes);
+    std::int64_t bytes = 0;
+    for (const LabelBlock& t : tiles) bytes += bytes_kept(t);
+    out->add_view(std::move(tiles), bytes, s.stats.cached_bytes);
   }
   for (const std::size_t camera : s.streamed) out->open_view(exec, camera, cache_bytes);
   out->number_slots();

@@ -37,7 +37,7 @@ struct CloudGradients {
   std::vector<float> position, rotation, log_scale, logit_opacity, sh_dc, sh_rest;
   std::vector<float> label;    // [N, K] ∂L/∂(label channel values)
   std::vector<float> mean_px;  // [N, 2] ∂L/∂(projected mean), px^-1: what densification thresholds
-  std::vector<std::uint8_t> visible;  // [N] 1: reached at least one pixel's compositing in this view
+  std::vector<std::uint8_t> visible;  // [N] 1: listed for a tile of this view, though perhaps hidden there
 };
 
 /// Counts of what `usable` excludes, by first reason found.
