@@ -66,12 +66,13 @@ RoundsCost Budget::rounds_cost(const JointOptions& joint, const EdgeOptions& edg
   const JointEffects effects = parse_effects(joint.effect);
   const std::size_t views = edge.views == EdgeViews::kAll ? scene.views.size() : training_views;
   const double n = double(views);
+  const int visits = edge_visits(edge, joint.quality, views);
   RoundsCost rounds{.walk_s = foreseen_s(kWalkRenders * n),
                     .visit_s = foreseen_s(kEdgeStepRenders * n),
-                    .early_visit_s = foreseen_s(kEdgeStepRenders * n) * early_step_share(effects),
+                    .early_share = early_round_share(effects, visits),
                     .check_s = foreseen_s(kCheckCost.renders * double(training_views)),
                     .rounds = 0,
-                    .visits = edge_visits(edge, joint.quality, views)};
+                    .visits = visits};
   if (effects.edges && rounds.visits > 0) rounds.rounds = effects.second_round ? edge_rounds(edge, true) : 1;
   if (rounds.rounds > 0 && may_try_pictures(edge, scene)) ++rounds.rounds;
   return rounds;
@@ -83,7 +84,7 @@ TimePlan Budget::plan(const JointOptions& joint, const EdgeOptions& edge, const 
   const double n = double(training_views);
   StepsCost steps{.visit_s = foreseen_s(kStepRenders * n), .field_visit_s = 0, .visits = 0};
   if (effects.joint)
-    steps.visits = joint.steps > 0 ? int(std::ceil(double(joint.steps) / n)) : visits_of(joint.quality);
+    steps.visits = joint.steps > 0 ? int(std::ceil(double(joint.steps) / n)) : visits_of(joint.quality, effects);
   if (effects.nerf) steps.field_visit_s = foreseen_s(kFieldStepRenders * n);
   return plan_time(left_s(), steps, rounds_cost(joint, edge, scene, training_views));
 }

@@ -103,7 +103,8 @@ MethodResult run_edges(cli::Run& run, const Settings& settings, const Problem& p
                        MethodResult result) {
   Budget& budget = problem.budget;
   const std::size_t views = problem.input.views.size();
-  if (edge_visits(settings.edge, settings.joint.quality, views) == 0) return result;  // --effect edges=on at a draft
+  const int visits = edge_visits(settings.edge, settings.joint.quality, views);
+  if (visits == 0) return result;  // --effect edges=on at a draft
   std::vector<Agreement> before;
   if (budget.given()) {
     const auto lap = budget.lap(kCheckCost, views);
@@ -116,7 +117,7 @@ MethodResult run_edges(cli::Run& run, const Settings& settings, const Problem& p
     budget.note_cut();
     return result;
   }
-  const double early_share = early_step_share(parse_effects(settings.joint.effect));
+  const double early_share = early_round_share(parse_effects(settings.joint.effect), visits);
   double walk_began_s = 0;
   const auto allow = [&](int wanted) {
     const int planned = std::min(wanted, rounds_that_fit(wall_seconds() - walk_began_s));

@@ -30,11 +30,10 @@ constexpr GaussianRates kEdgeRates{.position = 1.6e-4,
 // The size, relative to the camera's, that photos with fewer pixels are enlarged to where that serves.
 constexpr int kLargeDetail = 2;
 
-// Of the rounds before the last, where the object has no parts that would be lost by it: sides, relative to the camera's.
+// Rounds before the last, where the object has no parts that would be lost by it: sides, relative to the camera's; share of
+// the rates, since gradients of a quarter of the pixels are noisier and views that no photo shows drift; share of the visits.
 constexpr int kEarlyShrink = 2;
-
-// On the rates there: with a quarter of the pixels gradients are noisier, and views that no photo shows drift.
-constexpr double kEarlyRate = 0.75;
+constexpr double kEarlyRate = 0.75, kEarlyVisits = 0.5;
 
 // Which Gaussians are trained: share of the weight in the windows, weight across contours.
 constexpr double kLeastInside = 0.99, kLeastStraddling_px = 0.5;
@@ -152,10 +151,11 @@ void put_back(const Exec& exec, const MethodResult& trained, const std::vector<s
     for (const auto column : kLabelColumns) scatter_column(exec, trained.labels[k].*column, 1, rows, model.labels[k].*column);
 }
 
-JointOptions window_options(const EdgeSetup& setup, std::size_t views) {
+JointOptions window_options(const EdgeSetup& setup, std::size_t views, bool early) {
   JointOptions joint = setup.joint;
-  joint.steps = std::int64_t(edge_visits(setup.edge, setup.joint.quality, views)) * std::int64_t(views);
-  joint.rate_scale = setup.edge.rate, joint.rate_literal = false;
+  const int visits = edge_visits(setup.edge, setup.joint.quality, views);
+  joint.steps = std::int64_t(early ? early_visits(visits) : visits) * std::int64_t(views);
+  joint.rate_scale = setup.edge.rate * (early ? kEarlyRate : 1), joint.rate_literal = false;
   joint.start_steps = 1;  // from the labels as they have been trained
   joint.effect.push_back("nerf=off");  // its rays are those of the whole image
   joint.effect.push_back("cont=off");
@@ -237,12 +237,10 @@ class EdgeRun {
     MethodInput input = window_input(scene, round, part);
     input.labels = gather_labels(exec_, model_.labels, play.rows);
     if (!model_.fixed.empty()) input.fixed = gather_column(exec_, model_.fixed, 1, play.rows);
-    JointOptions joint = window_options(setup_, views_.size());
+    const bool early = round + 1 < rounds && !parse_effects(setup_.joint.effect).fine_rounds;
+    const JointOptions joint = window_options(setup_, views_.size(), early);
     std::optional<CoarseInput> coarse;
-    if (round + 1 < rounds && !parse_effects(joint.effect).fine_rounds) {
-      coarse.emplace(input, kEarlyShrink, 0);  // the trainer keeps views
-      joint.rate_scale *= kEarlyRate;
-    }
+    if (early) coarse.emplace(input, kEarlyShrink, 0);  // the trainer keeps views
     JointTrainer trainer(exec_, monitor_,
                          {joint, setup_.sample, setup_.rbf, coarse ? coarse->get() : input, nullptr, kEdgeRates, play.frozen}, true);
     const auto whole = [&] {
@@ -364,9 +362,11 @@ int edge_visits(const EdgeOptions& edge, Quality quality, std::size_t views) {
   return int(std::ceil(visits * share));
 }
 
-double early_step_share(const JointEffects& effects) {
+int early_visits(int visits) { return int(std::ceil(kEarlyVisits * visits)); }
+
+double early_round_share(const JointEffects& effects, int visits) {
   constexpr double kCoarse = 0.5;  // a quarter of the pixels, but all of the Gaussians
-  return effects.fine_rounds ? 1 : kCoarse;
+  return effects.fine_rounds ? 1 : kCoarse * early_visits(visits) / visits;
 }
 
 bool may_try_pictures(const EdgeOptions& edge, const Scene& scene) {

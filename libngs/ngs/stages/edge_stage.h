@@ -40,8 +40,10 @@ struct EdgeOptions {
                      "edges: rounds of masks walked to the photos' edges; 0: 2, and 3 where the masks' contours lie beside them", 0,
                      100});
     visit(self.visits,
-          Field<int>{"edge_visits", "", "edges: steps per view and round; 0: 15, high 40, reference 100, fewer of many views", 0,
-                     1'000'000});
+          Field<int>{"edge_visits", "",
+                     "edges: steps per view and round, half as many in rounds at half the size; 0: 15, high 40, reference 100, fewer "
+                     "of many views",
+                     0, 1'000'000});
     visit(self.views,
           Choice<EdgeViews>{"edge_views", "edges: whose photos are used; no held-out mask ever is",
                             kEdgeViewsNames});
@@ -89,8 +91,10 @@ inline constexpr int kEdgeViewsOfAllVisits = 21;
 /// than a walk's reach.
 inline int edge_rounds(const EdgeOptions& edge, bool beside) { return edge.rounds > 0 ? edge.rounds : beside ? 3 : 2; }
 
-/// What a step of a round before the last takes of the time of one of the last (BENCHMARKS.md).
-double early_step_share(const JointEffects& effects);
+/// Of `visits` in the last round, how many a round before it takes where it is trained at half the size.
+int early_visits(int visits);
+/// What the steps of a round before the last take of the time of those of the last (BENCHMARKS.md).
+double early_round_share(const JointEffects& effects, int visits);
 
 /// Whether a trial on views without a photo may come before the rounds, and take the time of one more.
 bool may_try_pictures(const EdgeOptions& edge, const Scene& scene);

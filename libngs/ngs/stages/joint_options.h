@@ -1,5 +1,6 @@
 #pragma once
 // Options of the joint optimisation. Paper's values where it gives any; else our reading (PAPER.md §4).
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,13 @@ inline int visits_of(Quality quality) {
   return 10;
 }
 
+/// Of these, what rounds of edges at half the size leave of the steps: those rounds do the rest of their work.
+inline constexpr double kVisitsBeforeRounds = 0.3;
+inline int visits_of(Quality quality, const JointEffects& effects) {
+  const bool few = effects.edges && effects.second_round && !effects.fine_rounds;
+  return int(std::ceil((few ? kVisitsBeforeRounds : 1) * visits_of(quality)));
+}
+
 /// What the effects leave of the box (Sp), and a draft of nodes and depths: one visit of every view learns little from the
 /// field, and a quarter of the nodes at half the depths moved no score of a capture by more than 0.0002 (BENCHMARKS.md).
 inline SampleOptions sample_of(SampleOptions sample, Quality quality, const JointEffects& effects) {
@@ -80,7 +88,8 @@ struct JointOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.quality,
-          Choice<Quality>{"quality", "visits of every training view: 1, 10, 40 or 160", kQualityNames});
+          Choice<Quality>{"quality", "visits of every training view: 1, 10, 40 or 160; 0.3 of that before edges at half the size",
+                          kQualityNames});
     visit(self.steps, Field<std::int64_t>{"steps", "", "optimiser steps, one view each; 0: as --quality says",
                                           0, 100'000'000});
     visit(self.effect,

@@ -23,16 +23,16 @@ inline constexpr double kLeastAfterCheap = 0.9;
 struct RoundsCost {
   double walk_s = 0;         // of a round, before its first step
   double visit_s = 0;        // one step for every view in the last round
-  double early_visit_s = 0;  // in the others
+  double early_share = 1;    // of the time of the last round's steps, what those of another take
   double check_s = 0;        // once, after the last round
   int rounds = 0, visits = 0;
 
   /// Of n rounds before the first step of the last.
-  double before_last_s(int n) const { return n * walk_s + (n - 1) * visits * early_visit_s; }
+  double before_last_s(int n) const { return n * walk_s + (n - 1) * early_share * visits * visit_s; }
   double all_s(int n) const { return n > 0 ? before_last_s(n) + visits * visit_s + check_s : 0; }
   double all_s() const { return all_s(rounds); }
   /// Least share of the last round's visits with which it is begun.
-  double least_last() const { return early_visit_s < visit_s ? kLeastAfterCheap : kLeastRound; }
+  double least_last() const { return early_share < 1 ? kLeastAfterCheap : kLeastRound; }
 };
 
 struct TimePlan {

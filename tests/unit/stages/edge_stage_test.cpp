@@ -344,6 +344,19 @@ TEST_CASE("edges: no photo, no label and draft leave the result alone; a broken 
   unchanged(in);
 }
 
+TEST_CASE("steps before rounds at half the size are few, since those rounds correct more") {
+  JointEffects effects;
+  effects.fine_rounds = false;
+  CHECK(visits_of(Quality::kStandard, effects) == 3);
+  CHECK(visits_of(Quality::kDraft, effects) == 1);
+  for (bool JointEffects::*const other : {&JointEffects::edges, &JointEffects::second_round}) {  // no such rounds follow
+    JointEffects without = effects;
+    without.*other = false;
+    CHECK(visits_of(Quality::kStandard, without) == 10);
+  }
+  CHECK(visits_of(Quality::kStandard, {}) == 10);
+}
+
 TEST_CASE("of many views each is visited less, few have all their visits, and what was asked for is done") {
   CHECK(edge_visits({}, Quality::kStandard, 1) == 15);
   CHECK(edge_visits({}, Quality::kStandard, 21) == 15);
@@ -356,6 +369,8 @@ TEST_CASE("of many views each is visited less, few have all their visits, and wh
   EdgeOptions asked;
   asked.visits = 7;
   CHECK(edge_visits(asked, Quality::kDraft, 1000) == 7);
+  CHECK(early_visits(15) == 8);
+  CHECK(early_visits(1) == 1);
 }
 
 }  // namespace

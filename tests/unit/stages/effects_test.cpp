@@ -168,8 +168,10 @@ void focal(EffectCase& c, double focal_px) {
     for (std::size_t p = 0; p < seen.label.data.size(); ++p) c.base->masks[v].target[0][p] = seen.label.data[p] > 0.5f;
   }
 }
-void far_ball(EffectCase& c) { focal(c, 24), c.relabel(); }   // of 7 px
-void near_ball(EffectCase& c) { large_ball(c), focal(c, 80); }  // of 27 px
+/// As many steps as by default: that is what the effect saves.
+void all_steps(EffectCase& c) { c.joint.steps = 0, c.edge.visits = 0; }
+void far_ball(EffectCase& c) { all_steps(c), focal(c, 24), c.relabel(); }   // of 7 px
+void near_ball(EffectCase& c) { all_steps(c), large_ball(c), focal(c, 80); }  // of 27 px
 void without_photos(EffectCase& c) {
   for (std::size_t v = 0; v < 4; ++v) c.base->scene.views[v].image_path.clear(), c.base->photos[v] = {};
 }

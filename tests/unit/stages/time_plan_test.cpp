@@ -6,7 +6,7 @@ namespace ngs {
 namespace {
 
 constexpr StepsCost kSteps{.visit_s = 1, .field_visit_s = 2, .visits = 10};
-constexpr RoundsCost kRounds{.walk_s = 3, .visit_s = 1, .early_visit_s = 1, .check_s = 0.5, .rounds = 2, .visits = 15};
+constexpr RoundsCost kRounds{.walk_s = 3, .visit_s = 1, .early_share = 1, .check_s = 0.5, .rounds = 2, .visits = 15};
 
 }  // namespace
 
@@ -36,7 +36,7 @@ TEST_CASE("what does not fit goes in the order of what a second buys: field, ste
 
 TEST_CASE("rounds before the last take all of their visits at their own pace, so cheap ones leave room for one more") {
   RoundsCost cheap = kRounds;
-  cheap.early_visit_s = 0.5;
+  cheap.early_share = 0.5;
   CHECK(cheap.all_s() == doctest::Approx(kRounds.all_s() - 15 * 0.5));
   const double shortest_s = 1 + 0.5 + 2 * 3 + 7.5 + 0.9 * 15;  // the last one nearly whole: it is what they are for
   CHECK(plan_time(shortest_s - 0.1, kSteps, cheap).edge_rounds == 1);
