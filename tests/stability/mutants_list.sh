@@ -189,6 +189,8 @@ t=unit/stages/effect_detectors_test.cpp f=stages/effect_detectors.cpp
 mutant $f $t $f "narrow: corners of the squares left out" 's/away\[p\] > kReach/away[p] >= kReach/'
 mutant $f $t $f "narrow: beyond the picture is nothing" 's/chessboard_distance\(mask, Outside::kUnknown\)/chessboard_distance(mask)/'
 mutant stages/time_plan.h unit/stages/time_plan_test.cpp stages/time_plan.cpp "plan: early rounds cost what the last does" 's/early_share \* visits \* visit_s;/visits * visit_s;/'
+mutant stages/edge_stage.cpp unit/stages/edge_stage_test.cpp stages/edge_stage.cpp "edges: early rounds take all visits" 's/early \? early_visits\(visits\) : visits/visits/'
+mutant stages/joint_options.h unit/stages/edge_stage_test.cpp "" "joint: few visits where no rounds follow" 's/effects\.edges && effects\.second_round && //'
 t="unit/ops/pose_step_test.cpp stability/alignment_stability_test.cpp" f=ops/pose_step.cpp
 mutant $f "$t" $f "no prior on the motion" 's/const double prior = .*;/const double prior = 0;/'
 mutant $f "$t" $f "exposures not laid on each other" 's/match_exposure\(photo, view\.alpha, from\);//'

@@ -366,7 +366,7 @@ int early_visits(int visits) { return int(std::ceil(kEarlyVisits * visits)); }
 
 double early_round_share(const JointEffects& effects, int visits) {
   constexpr double kCoarse = 0.5;  // a quarter of the pixels, but all of the Gaussians
-  return effects.fine_rounds ? 1 : kCoarse * early_visits(visits) / visits;
+  return effects.fine_rounds || visits == 0 ? 1 : kCoarse * early_visits(visits) / visits;
 }
 
 bool may_try_pictures(const EdgeOptions& edge, const Scene& scene) {

@@ -259,6 +259,25 @@ TEST_CASE("edges: all rounds but the last may be trained at half the size") {
   CHECK(c.mean_biou(early_coarse) > c.mean_biou(fine) - 0.05);
 }
 
+TEST_CASE("edges: rounds at half the size take half of the visits, the last all of them") {
+  EdgeCase c;
+  c.edge.rounds = 2;
+  const MethodInput in = c.input();
+  const auto steps_with = [&](const char* entry) {
+    c.joint.effect = {"second-round=on", entry};
+    Monitor monitor;
+    std::vector<std::int64_t> steps;
+    const auto note = [&](const JointProgress& progress, JointTrainer&, const std::function<MethodResult()>&) {
+      if (progress.step == 1) steps.push_back(progress.steps);
+      return false;
+    };
+    follow_edges({}, monitor, {c.edge, c.joint, c.sample, c.rbf, in, note}, c.start(in));
+    return steps;
+  };
+  CHECK(steps_with("fine-rounds=on") == std::vector<std::int64_t>{20, 20});
+  CHECK(steps_with("fine-rounds=off") == std::vector<std::int64_t>{12, 20});
+}
+
 TEST_CASE("edges: the result does not depend on the number of threads") {
   EdgeCase c;
   c.joint.effect = {"second-round=on", "fine-rounds=off"};
