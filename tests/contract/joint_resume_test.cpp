@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "ngs/io/image_file.h"
 #include "ngs/io/safetensors.h"
 #include "support/mutations.h"
 #include "support/temp_dir.h"
@@ -65,6 +66,26 @@ test::ProcessResult stop_and_resume(const Case& c, const Words& options, const s
   return resumed;
 }
 
+/// A copy of the scene whose photos show stripes, full of edges that no mask knows.
+void lay_stripes(Case& c) {
+  const fs::path copy = c.dir.path() + "/striped";
+  fs::copy(test::fixture_folder(), copy, fs::copy_options::recursive);
+  c.scene = (copy / "scene.json").string();
+  for (const auto& file : fs::directory_iterator(copy / "images")) {
+    const auto [w, h] = io::read_image_size(file.path().string());
+    ImageU8 photo(w, h, 3);
+    for (int y = 0; y < h; ++y)
+      for (int x = 0; x < w; ++x)
+        for (int k = 0; k < 3; ++k) photo.at(x, y, k) = (x + y) % 6 < 3 ? 230 : 25;
+    io::write_png(file.path().string(), photo);
+  }
+}
+
+/// `figure` of the report of a run that wrote NAME.
+Json figure(const Case& c, const std::string& name, const std::string& figure) {
+  return Json::parse(test::read_bytes(c.dir.path() + "/" + name + ".json")).at("result").at(figure);
+}
+
 /// Ten steps of which a checkpoint keeps the first six.
 const Words kSteps{"--steps", "10", "--effect", "nerf=off", "--effect", "edges=off"};
 void keep_six(const Case& c, const Words& more = {}) {
@@ -92,6 +113,27 @@ TEST_CASE("ngs-joint that was stopped in the edges goes on with the edges") {
   const test::ProcessResult resumed =
       stop_and_resume(c, Words{"--steps", "4", "--effect", "nerf=off"} + edges, "edges begin", true);
   CHECK(says(resumed, "resumed after step 4"));
+}
+
+TEST_CASE("ngs-joint takes few steps before rounds at half the size, and all of them where no such round comes") {
+  Case c;
+  const Json views = Json::parse(test::read_bytes(c.scene)).at("views");
+  const auto n = std::count_if(views.begin(), views.end(), [](const Json& v) { return v.at("split") == "train"; });
+  const Words coarse{"--effect", "nerf=off", "--effect", "fine-rounds=off", "--edge-visits", "2"};
+  const auto report = [&](const std::string& name) { return Words{"-w", "--report", c.dir.path() + "/" + name + ".json"}; };
+  REQUIRE(c.joint("rounds", coarse + report("rounds")).exit_code == 0);
+  REQUIRE(figure(c, "rounds", "edge_rounds") >= 2);
+  CHECK(figure(c, "rounds", "steps") == 3 * n);
+  REQUIRE(c.joint("one", coarse + Words{"--edge-rounds", "1"} + report("one")).exit_code == 0);
+  REQUIRE(figure(c, "one", "edge_rounds") == 1);
+  CHECK(figure(c, "one", "steps") == 10 * n);
+
+  // The walk is refused: then the other steps follow. Stopped in these it goes on with the edges.
+  lay_stripes(c);
+  const std::string rest = "step " + std::to_string(3 * n + 1) + " begins";
+  CHECK(says(stop_and_resume(c, coarse + report("refused"), rest, true), "resumed after step " + std::to_string(3 * n)));
+  REQUIRE(figure(c, "refused", "edge_rounds") == 0);
+  CHECK(figure(c, "refused", "steps") == 10 * n);
 }
 
 TEST_CASE("ngs-joint writes its result where there is no room for a checkpoint, and says so") {

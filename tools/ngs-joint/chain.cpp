@@ -66,6 +66,7 @@ std::vector<EffectVerdict> ruled_by_options(const Settings& settings, const Path
       ruled.push_back({name, false, "part of --method paper"});
   if (!paths.nerf.empty()) ruled.push_back({"nerf", true, "--nerf"});
   if (!walks_edges(settings)) ruled.push_back({"edges", false, "no visits: --quality draft without --edge-visits"});
+  if (settings.edge.rounds == 1) ruled.push_back({"second-round", false, "--edge-rounds 1"});
   if (settings.edge.split_px < EdgeOptions{}.split_px)  // less than what its detector looks for
     ruled.push_back({"split", true, "--edge-split"});
   if (!settings.run.apart.empty())

@@ -66,8 +66,7 @@ void write_result(cli::Run& run, const Source& source, const MethodResult& resul
 namespace {
 
 /// The steps of Eq. 20. Returns the exit code of a signal, else 0.
-int run_steps(cli::Run& run, const RunOptions& options, const Checkpoint& checkpoint, Watch& watch,
-              JointTrainer& trainer) {
+int run_steps(cli::Run& run, const RunOptions& options, const Checkpoint& checkpoint, Watch& watch, JointTrainer& trainer) {
   cli::Checkpoints checkpoints(run.monitor());
   run.info("step " + std::to_string(trainer.steps_done() + 1) + " begins");
   bool ended = watch.target_met();
@@ -148,13 +147,20 @@ MethodResult run_edges(cli::Run& run, const Settings& settings, const Problem& p
   return start;
 }
 
+/// All steps of Eq. 20 where no round of edges does a part of their work.
+std::int64_t steps_without_rounds(const JointOptions& joint, std::size_t views) {
+  JointEffects effects = parse_effects(joint.effect);
+  effects.edges = false;
+  return steps_of(joint, effects, views);
+}
+
 /// Steps until `keep_s` of the budget are left. Returns the exit code of a signal, else 0.
-int take_steps(cli::Run& run, const Settings& settings, const Problem& problem, bool field, double keep_s, Watch& watch,
-               JointTrainer& trainer) {
+int take_steps(cli::Run& run, const Settings& settings, const Problem& problem, const Checkpoint& checkpoint, bool field,
+               double keep_s, Watch& watch, JointTrainer& trainer) {
   watch.begin_steps(keep_s, trainer);
   const double began_s = wall_seconds();
   const std::int64_t done = trainer.steps_done();
-  const int stopped = run_steps(run, settings.run, problem.checkpoint, watch, trainer);
+  const int stopped = run_steps(run, settings.run, checkpoint, watch, trainer);
   problem.budget.took_steps(trainer.steps_done() - done, field, wall_seconds() - began_s);
   return stopped;
 }
@@ -169,14 +175,14 @@ int optimise(cli::Run& run, Decisions& decisions, const Problem& problem, const 
                        run.allow_empty());
   Watch watch(run.exec(), settings.run, problem.input, budget, !artifacts.trace.empty());
   watch.begin(trainer);
-  const std::int64_t all_steps = trainer.steps_planned();
   if (decisions.on("joint")) {
     const TimePlan plan =
         budget.plan(settings.joint, settings.edge, problem.input.scene, problem.input.views.size());
     if (settings.run.resume && problem.checkpoint.load(trainer))
       run.info("resumed after step " + std::to_string(trainer.steps_done()));
     const double keep_s = budget.left_s() - plan.steps_s;
-    if (const int stopped = take_steps(run, settings, problem, decisions.on("nerf"), keep_s, watch, trainer)) return stopped;
+    if (const int stopped = take_steps(run, settings, problem, problem.checkpoint, decisions.on("nerf"), keep_s, watch, trainer))
+      return stopped;
   }
   MethodResult result = trainer.result();
   result.converged = true;
@@ -186,10 +192,12 @@ int optimise(cli::Run& run, Decisions& decisions, const Problem& problem, const 
       cli::Checkpoints(run.monitor()).on_the_way([&] { problem.checkpoint.save(trainer); });
     result = run_edges(run, settings, problem, watch, std::move(result));
     if (run.monitor().stop_requested()) return run.stop_code();
-    const bool kept_in_vain = decisions.on("joint") && trainer.steps_done() < all_steps && result.source_row.empty();
-    if (kept_in_vain && !watch.target_met() && budget.has_room_for_steps(decisions.on("nerf"))) {
+    const std::int64_t all_steps = steps_without_rounds(settings.joint, problem.input.views.size());
+    const bool too_few = decisions.on("joint") && trainer.steps_done() < all_steps && result.source_row.empty();
+    if (too_few && !watch.target_met() && budget.has_room_for_steps(decisions.on("nerf"))) {
       trainer.plan_steps(all_steps);
-      if (const int stopped = take_steps(run, settings, problem, decisions.on("nerf"), 0, watch, trainer)) return stopped;
+      const Checkpoint none("", "");  // that of before the edges stays: they would be followed anew
+      if (const int stopped = take_steps(run, settings, problem, none, decisions.on("nerf"), 0, watch, trainer)) return stopped;
       MethodResult longer = trainer.result();
       longer.figures.merge(result.figures);
       result = std::move(longer);

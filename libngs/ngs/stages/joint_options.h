@@ -137,4 +137,9 @@ struct JointOptions {
   }
 };
 
+/// Steps of Eq. 20 in all, for `views` training views.
+inline std::int64_t steps_of(const JointOptions& options, const JointEffects& effects, std::size_t views) {
+  return options.steps > 0 ? options.steps : visits_of(options.quality, effects) * std::int64_t(views);
+}
+
 }  // namespace ngs

@@ -99,7 +99,7 @@ struct JointTrainer::Impl {
       effects.nerf = false;
     }
     if (!effects.nerf) effects.align = effects.density = effects.smooth = effects.variance = false;
-    steps = options.steps > 0 ? options.steps : visits_of(options.quality, effects) * std::int64_t(input.views.size());
+    steps = steps_of(options, effects, input.views.size());
     start_labels();
     if (boundary.size() > 1) {
       cont_graph = nearest_others(exec, boundary.positions(), rbf.neighbours);
