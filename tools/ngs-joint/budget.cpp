@@ -73,7 +73,7 @@ RoundsCost Budget::rounds_cost(const JointOptions& joint, const EdgeOptions& edg
                     .check_s = foreseen_s(kCheckCost.renders * double(training_views)),
                     .rounds = 0,
                     .visits = visits};
-  if (effects.edges && rounds.visits > 0) rounds.rounds = effects.second_round ? edge_rounds(edge, true) : 1;
+  if (effects.edges && rounds.visits > 0) rounds.rounds = effects.second_round ? edge_rounds(edge, joint.quality, true) : 1;
   if (rounds.rounds > 0 && may_try_pictures(edge, scene)) ++rounds.rounds;
   return rounds;
 }

@@ -353,13 +353,10 @@ class EdgeRun {
 }  // namespace
 
 int edge_visits(const EdgeOptions& edge, Quality quality, std::size_t views) {
-  if (edge.visits > 0) return edge.visits;
-  const int visits = quality == Quality::kReference  ? 100
-                     : quality == Quality::kHigh     ? 40
-                     : quality == Quality::kStandard ? 15
-                                                     : 0;
+  constexpr int kVisits = 15;
+  if (edge.visits > 0 || quality == Quality::kDraft) return edge.visits;
   const double share = std::min(1.0, std::sqrt(double(kEdgeViewsOfAllVisits) / double(std::max<std::size_t>(views, 1))));
-  return int(std::ceil(visits * share));
+  return int(std::ceil(kVisits * share));
 }
 
 int early_visits(int visits) { return int(std::ceil(kEarlyVisits * visits)); }
@@ -383,7 +380,7 @@ MethodResult follow_edges(const Exec& exec, Monitor& monitor, const EdgeSetup& s
   for (int round = 0; round < rounds && start.converged && !monitor.stop_requested(); ++round) {
     if (!run.walk(round == 0)) break;
     if (round == 0) {
-      if (more) rounds = edge_rounds(setup.edge, run.beside_edges());
+      if (more) rounds = edge_rounds(setup.edge, setup.joint.quality, run.beside_edges());
       const int trial = run.must_try() ? 1 : 0;  // takes the time of a round
       const int allowed = setup.rounds_allowed ? setup.rounds_allowed(rounds + trial) : rounds + trial;
       if (allowed == 0) break;

@@ -37,11 +37,12 @@ struct EdgeOptions {
   static void describe(Self& self, Visitor&& visit) {
     visit(self.rounds,
           Field<int>{"edge_rounds", "",
-                     "edges: rounds of masks walked to the photos' edges; 0: 2, and 3 where the masks' contours lie beside them", 0,
-                     100});
+                     "edges: rounds of masks walked to the photos' edges; 0: 2, and 3 where the masks' contours lie beside them; "
+                     "high 2 more, reference 5 more",
+                     0, 100});
     visit(self.visits,
           Field<int>{"edge_visits", "",
-                     "edges: steps per view and round, half as many in rounds at half the size; 0: 15, high 40, reference 100, fewer "
+                     "edges: steps per view and round, half as many in rounds at half the size; 0: 15, fewer "
                      "of many views",
                      0, 1'000'000});
     visit(self.views,
@@ -88,8 +89,11 @@ struct EdgeSetup {
 inline constexpr int kEdgeViewsOfAllVisits = 21;
 
 /// Rounds where the masks' contours lie on the photos' edges, or beside them: then what the first rounds correct is more
-/// than a walk's reach.
-inline int edge_rounds(const EdgeOptions& edge, bool beside) { return edge.rounds > 0 ? edge.rounds : beside ? 3 : 2; }
+/// than a walk's reach. Higher qualities have more rounds, which gain more than more visits in them do.
+inline int edge_rounds(const EdgeOptions& edge, Quality quality, bool beside) {
+  const int more = quality == Quality::kReference ? 5 : quality == Quality::kHigh ? 2 : 0;
+  return edge.rounds > 0 ? edge.rounds : (beside ? 3 : 2) + more;
+}
 
 /// Of `visits` in the last round, how many a round before it takes where it is trained at half the size.
 int early_visits(int visits);

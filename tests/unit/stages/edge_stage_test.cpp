@@ -376,17 +376,20 @@ TEST_CASE("steps before rounds at half the size are few, since those rounds corr
   CHECK(visits_of(Quality::kStandard, {}) == 10);
 }
 
-TEST_CASE("of many views each is visited less, few have all their visits, and what was asked for is done") {
+TEST_CASE("edges: of many views each is visited less, higher qualities have more rounds, and what was asked for is done") {
+  CHECK((edge_rounds({}, Quality::kStandard, false) == 2 && edge_rounds({}, Quality::kStandard, true) == 3));
+  CHECK((edge_rounds({}, Quality::kHigh, true) == 5 && edge_rounds({}, Quality::kReference, false) == 7));
   CHECK(edge_visits({}, Quality::kStandard, 1) == 15);
   CHECK(edge_visits({}, Quality::kStandard, 21) == 15);
-  CHECK(edge_visits({}, Quality::kHigh, 21) == 40);
+  CHECK(edge_visits({}, Quality::kReference, 21) == 15);
   CHECK(edge_visits({}, Quality::kStandard, 34) == 12);
   CHECK(edge_visits({}, Quality::kStandard, 84) == 8);  // half, rounded up
   CHECK(edge_visits({}, Quality::kStandard, 2100) == 2);
   CHECK(edge_visits({}, Quality::kStandard, 100000) == 1);
   CHECK(edge_visits({}, Quality::kDraft, 1000) == 0);
   EdgeOptions asked;
-  asked.visits = 7;
+  asked.visits = 7, asked.rounds = 4;
+  CHECK(edge_rounds(asked, Quality::kReference, true) == 4);
   CHECK(edge_visits(asked, Quality::kDraft, 1000) == 7);
   CHECK(early_visits(15) == 8);
   CHECK(early_visits(1) == 1);
