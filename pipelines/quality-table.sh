@@ -2,7 +2,8 @@
 # Writes the table of --quality from the benchmark: the paragraph in the help text of ngs-joint and the one in README.md.
 #
 #   pipelines/quality-table.sh                    from pipelines/quality.json
-#   pipelines/quality-table.sh POINTS.csv WHAT    that from the quality@... rows of pipelines/work-precision.mk; WHAT was run
+#   pipelines/quality-table.sh POINTS.csv WHAT    that from the quality@... rows of pipelines/work-precision.mk, the mean of
+#                                                 those of one quality (repeats, or pages joined by cat); WHAT was run
 #   pipelines/quality-table.sh --check            changes nothing, says what differs
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
@@ -17,12 +18,12 @@ json=$pipelines/quality.json header=$pipelines/../tools/ngs-joint/quality_table.
 
 from_csv() {  # one object per line, in the order of --quality
   awk -F, -v what="$2" '
-    $1 == "quality" { iou[$2] = $7; biou[$2] = $8; fine[$2] = $9; cpu[$2] = $6 }
+    $1 == "quality" && $4 == 0 { ++runs[$2]; iou[$2] += $7; biou[$2] += $8; fine[$2] += $9; cpu[$2] += $6 }
     END {
       printf "{\"what\": \"%s\",\n \"points\": [", what
       n = split("draft standard high reference", order, " ")
-      for (i = 1; i <= n; ++i) if ((q = order[i]) in cpu)
-        printf "%s\n  {\"quality\": \"%s\", \"cpu_s\": %.1f, \"iou\": %.4f, \"biou\": %.4f, \"biou_005\": %.4f}", (some++ ? "," : ""), q, cpu[q], iou[q], biou[q], fine[q]
+      for (i = 1; i <= n; ++i) if (r = runs[q = order[i]])
+        printf "%s\n  {\"quality\": \"%s\", \"cpu_s\": %.1f, \"iou\": %.4f, \"biou\": %.4f, \"biou_005\": %.4f}", (some++ ? "," : ""), q, cpu[q] / r, iou[q] / r, biou[q] / r, fine[q] / r
       print "\n ]}"
     }' "$1"
 }

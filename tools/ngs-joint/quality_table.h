@@ -5,11 +5,11 @@ namespace ngs::joint {
 
 inline constexpr const char* kQualityTable =
     "quality, as measured:\n"
-    "  bird of BENCHMARKS.md, one run each, two threads of Zen 4: wall 2, 15, 27, 66 s (in slower hours up to half as much again)\n"
+    "  bird of BENCHMARKS.md, mean of four splits, one run each, two threads of Zen 4 in a slow hour: wall 2, 20, 32, 57 s\n"
     "              CPU s     IoU   B-IoU   0.005\n"
-    "  draft          3.0  0.9670  0.9346  0.7470\n"
-    "  standard      28.8  0.9698  0.9434  0.7709\n"
-    "  high          53.8  0.9696  0.9424  0.7699\n"
-    "  reference    129.8  0.9695  0.9434  0.7712\n";
+    "  draft          3.7  0.9594  0.9210  0.7187\n"
+    "  standard      38.6  0.9632  0.9297  0.7478\n"
+    "  high          60.9  0.9636  0.9306  0.7508\n"
+    "  reference    109.9  0.9637  0.9308  0.7509\n";
 
 }  // namespace ngs::joint
