@@ -172,9 +172,17 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
   const CoarseInput kept(from_files, 1), coarse(kept.get(), decision_shrink(scene));
   if (settings.run.method == Method::kPaper && budget.has_room_for(kLoadCost, scene.views.size())) {
     const auto timed = run.monitor().scope("load views");
-    const auto lap = budget.lap(kLoadCost, scene.views.size());
-    kept.preload(run.exec()), coarse.preload(run.exec());
-    compare_with_photos(run, coarse.get());
+    // A disk may be slower than any foresight: what is left to load then costs what the rest is foreseen to.
+    const double began_s = budget.elapsed_s(), until_s = began_s + kLoadCost.share * budget.left_s();
+    const auto in_time = [&] { return budget.elapsed_s() < until_s; };
+    const double loaded = kept.preload(run.exec(), in_time);
+    if (loaded == 1) {
+      coarse.preload(run.exec());
+      compare_with_photos(run, coarse.get());
+    }
+    budget.took(kLoadCost.name, loaded * kLoadCost.renders * double(scene.views.size()), budget.elapsed_s() - began_s);
+    for (std::size_t i = 0; loaded < 1 && i < std::size(kMendingEffects); ++i)
+      leave_out(kMendingEffects[i], from_files, settings, budget, decisions);
   }
   decisions.decide(run, EffectPhase::kBefore, coarse.get());
   // The stages below end early on a signal. What they then leave is nothing to go on from, and no checkpoint.

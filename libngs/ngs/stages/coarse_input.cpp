@@ -1,5 +1,7 @@
 #include "ngs/stages/coarse_input.h"
 
+#include <atomic>
+
 #include "ngs/backend/for_each.h"
 #include "ngs/scene/shrink.h"
 #include "ngs/stages/view_list.h"
@@ -77,19 +79,25 @@ ViewMasks CoarseInput::load_masks(std::size_t view) const {
   return m;
 }
 
-void CoarseInput::preload(const Exec& exec) const {
+double CoarseInput::preload(const Exec& exec, const std::function<bool()>& go_on) const {
+  std::atomic<std::int64_t> refused = 0;
   const std::vector<std::size_t> photos = photo_views(scene_);
-  const auto masks = std::int64_t(coarse_.views.size());
-  for_each_task(exec, masks + std::int64_t(photos.size()), [&](std::int64_t i) {
+  const auto masks = std::int64_t(coarse_.views.size()), all = masks + std::int64_t(photos.size());
+  for_each_task(exec, all, [&](std::int64_t i) {
     {
       const std::lock_guard lock(mutex_);
       if (bytes_ > kept_bytes_ / 10 * 9) return;  // what is loaded now would not be kept
+    }
+    if (go_on && !go_on()) {
+      ++refused;
+      return;
     }
     if (i < masks)
       coarse_.load_masks(coarse_.views[std::size_t(i)]);
     else
       coarse_.load_photo(photos[std::size_t(i - masks)]);
   });
+  return all > 0 ? 1 - double(refused) / double(all) : 1;
 }
 
 }  // namespace ngs

@@ -1,6 +1,7 @@
 #pragma once
 // A method's input at a fraction of its size, for decisions that need no full resolution, and with photos and
 // masks that are decoded once.
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -21,8 +22,9 @@ class CoarseInput {
   CoarseInput& operator=(const CoarseInput&) = delete;
 
   const MethodInput& get() const { return coarse_; }
-  /// Loads the masks of the input's views and the photos of all that have one, on all threads, while there is room.
-  void preload(const Exec& exec) const;
+  /// Loads the masks of the input's views and the photos of all that have one, on all threads, while there is room and
+  /// `go_on` says so, which every thread asks before each of them. Returns the share that it did not refuse.
+  double preload(const Exec& exec, const std::function<bool()>& go_on = {}) const;
 
  private:
   template <class T>

@@ -83,6 +83,21 @@ TEST_CASE("what is preloaded by several threads is loaded once and is the same")
   CHECK(loads == expected + 2 * int(fine.views.size()));
 }
 
+TEST_CASE("loading ahead stops where it is told to, and what was not loaded is loaded when asked for") {
+  const auto c = test::joint_case();
+  for (SceneView& view : c->scene.views) view.image_path = view.camera.name;
+  MethodInput fine = c->input();
+  int loads = 0;
+  fine.load_photo = [&, load = fine.load_photo](std::size_t v) { return ++loads, load(v); };
+  fine.load_masks = [&, load = fine.load_masks](std::size_t v) { return ++loads, load(v); };
+  const CoarseInput some(fine, 2), all(fine, 2);
+  const double asked = double(photo_views(fine.scene).size() + fine.views.size());
+  CHECK(some.preload({}, [&] { return loads < 2; }) == doctest::Approx(2 / asked));
+  CHECK(loads == 2);
+  CHECK(all.preload({}, [] { return true; }) == 1);
+  for (const std::size_t v : fine.views) CHECK(some.get().load_photo(v).data == all.get().load_photo(v).data);
+}
+
 TEST_CASE("masks of many objects are kept as long as their contours fit, whatever their pixels would take") {
   const auto c = test::joint_case();
   MethodInput fine = c->input();
