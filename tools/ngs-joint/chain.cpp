@@ -176,13 +176,11 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
     const double began_s = budget.elapsed_s(), until_s = began_s + kLoadCost.share * budget.left_s();
     const auto in_time = [&] { return budget.elapsed_s() < until_s; };
     const double loaded = kept.preload(run.exec(), in_time);
-    if (loaded == 1) {
-      coarse.preload(run.exec());
-      compare_with_photos(run, coarse.get());
-    }
+    if (loaded < 1)
+      for (const std::string_view name : kMendingEffects) leave_out(name, from_files, settings, budget, decisions);
+    else
+      coarse.preload(run.exec()), compare_with_photos(run, coarse.get());
     budget.took(kLoadCost.name, loaded * kLoadCost.renders * double(scene.views.size()), budget.elapsed_s() - began_s);
-    for (std::size_t i = 0; loaded < 1 && i < std::size(kMendingEffects); ++i)
-      leave_out(kMendingEffects[i], from_files, settings, budget, decisions);
   }
   decisions.decide(run, EffectPhase::kBefore, coarse.get());
   // The stages below end early on a signal. What they then leave is nothing to go on from, and no checkpoint.

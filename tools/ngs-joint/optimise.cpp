@@ -66,7 +66,8 @@ void write_result(cli::Run& run, const Source& source, const MethodResult& resul
 namespace {
 
 /// The steps of Eq. 20. Returns the exit code of a signal, else 0.
-int run_steps(cli::Run& run, const RunOptions& options, const Checkpoint& checkpoint, Watch& watch, JointTrainer& trainer) {
+int run_steps(cli::Run& run, const RunOptions& options, const Checkpoint& checkpoint, Watch& watch,
+              JointTrainer& trainer) {
   cli::Checkpoints checkpoints(run.monitor());
   run.info("step " + std::to_string(trainer.steps_done() + 1) + " begins");
   bool ended = watch.target_met();
