@@ -8,7 +8,7 @@
 #   OUT_DIR    SCENE/PROMPT/ per run, report.html and summary.json per scene
 #
 # VIEW must be the stem of an image, or its number where that is unique. No mask of a test view is read; their photos are, by the
-# alignment of cameras, floaters and edges (--edge-views train keeps them out of the edges).
+# alignment of cameras, floaters and edges (--contour-views train keeps them out of the edges).
 # Score: mean over the views of a prompt, over the prompts of a scene, over scenes; printed at the end.
 # Exit code 1 if a prompt failed.
 set -euo pipefail

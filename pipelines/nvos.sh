@@ -10,7 +10,7 @@
 #   OUT_DIR    one folder per task, report.html and summary.json
 #
 # No mask of the target view is read, and where masks are made from scribbles its photo makes no other view's. Alignment of the
-# cameras, floaters and the edges do read that photo; --edge-views train keeps it out of the edges. The mean is over tasks,
+# cameras, floaters and the edges do read that photo; --contour-views train keeps it out of the edges. The mean is over tasks,
 # unweighted; "mAcc" of the papers is pixel accuracy. Which views have an input mask, and how the splat was trained, decides the
 # numbers: state both.
 # Tasks without a scene, masks or truth are skipped and said. Exit code 1 if a task failed.

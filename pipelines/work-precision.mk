@@ -33,7 +33,7 @@ POINTS ?= method@flash method@sa3d method@bce method@cob \
   hash-table@10 hash-table@15 hash-table@19 mlp@16 mlp@32 mlp@64 mlp@128
 
 # The joint stage alone, as the paper has it: what its own knobs act on.
-joint := --effect joint=on --effect nerf=on --effect edges=off --effect floaters=off
+joint := --effect joint=on --effect nerf=on --effect contours=off --effect floaters=off
 flags_method = --method $(1)
 flags_quality = --quality $(1)
 flags_effects = $(if $(filter all-on,$(1)),--effect all=on)

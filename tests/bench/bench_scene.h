@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <numbers>
 
-#include "ngs/io/gaussian_ply.h"
-#include "ngs/io/scene_json.h"
+#include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/io/scene/scene_json.h"
 #include "ngs/scene/scene.h"
 #include "support/random.h"
 

@@ -66,7 +66,7 @@ tool() {  # most seconds, tool, device, further words: in the scene's folder
   step "$(basename "$PWD")-$device-$name" "$limit" "$bin/ngs-${name%%-*}" "$@" --device "$device" -q --report "$device/$name.json"
 }
 on_device() {
-  local device=$1 short=(--steps 60 --effect nerf=on --effect view-trust=off --effect floaters=off --effect edges=off)
+  local device=$1 short=(--steps 60 --effect nerf=on --effect mask-outliers=off --effect floaters=off --effect contours=off)
   mkdir "$device"
   tool 30 variance "$device" scene.json -o "$device/boundary.ply" || return 0
   tool 20 render "$device" scene.json "$device/boundary.ply" --views held-out --layers color,mask -o "$device/pictures" || true

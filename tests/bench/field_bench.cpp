@@ -2,12 +2,12 @@
 // "GFLOP/s" counts multiplications and additions of the matrix products only, two per weight and query.
 #include <benchmark/benchmark.h>
 
-#include "ngs/ops/film_mlp.h"
-#include "ngs/ops/hash_grid.h"
-#include "ngs/ops/knn.h"
-#include "ngs/ops/photometric.h"
-#include "ngs/ops/rbf.h"
-#include "ngs/ops/volume.h"
+#include "ngs/ops/field/film_mlp.h"
+#include "ngs/ops/field/hash_grid.h"
+#include "ngs/ops/field/knn.h"
+#include "ngs/ops/losses/photometric.h"
+#include "ngs/ops/field/rbf.h"
+#include "ngs/ops/field/volume.h"
 #include "support/random.h"
 
 namespace ngs::bench {

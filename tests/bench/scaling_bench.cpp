@@ -3,7 +3,7 @@
 #include <benchmark/benchmark.h>
 
 #include "bench/bench_scene.h"
-#include "ngs/ops/evidence.h"
+#include "ngs/ops/splat/evidence.h"
 
 namespace ngs::bench {
 namespace {

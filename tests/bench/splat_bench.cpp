@@ -4,12 +4,12 @@
 #include <benchmark/benchmark.h>
 
 #include "bench/bench_scene.h"
-#include "ngs/ops/cloud_view.h"
-#include "ngs/ops/evidence.h"
-#include "ngs/ops/splat.h"
-#include "ngs/ops/splat_engine.h"
-#include "ngs/ops/tile_isa.h"
-#include "ngs/ops/tile_kernels_of.h"
+#include "ngs/ops/splat/cloud_view.h"
+#include "ngs/ops/splat/evidence.h"
+#include "ngs/ops/splat/splat.h"
+#include "ngs/ops/splat/splat_engine.h"
+#include "ngs/ops/splat/tile_isa.h"
+#include "ngs/ops/splat/tile_kernels_of.h"
 
 namespace ngs::bench {
 namespace {

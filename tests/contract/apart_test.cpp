@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "ngs/io/gaussian_ply.h"
+#include "ngs/io/ply/gaussian_ply.h"
 #include "support/mutations.h"
 #include "support/temp_dir.h"
 #include "support/tool_fixture.h"
@@ -38,7 +38,7 @@ Json done(const test::TempDir& dir, const Words& argv) {
 Words joint(Words more) {
   Words argv{"ngs-joint", "s.json", "b.ply", "--rows", "8", "--cols", "8", "--depth-samples", "2",
              "--mlp-hidden", "16", "--hash-levels", "2", "--hash-log2-table", "8", "--smooth-points", "32",
-             "--effect", "nerf=on", "--steps", "6", "--edge-visits", "2", "--edge-split", "1"};
+             "--effect", "nerf=on", "--steps", "6", "--contour-epochs", "2", "--contour-split", "1"};
   argv.insert(argv.end(), more.begin(), more.end());
   return argv;
 }
@@ -167,7 +167,7 @@ TEST_CASE("an object left out by every part keeps the model's labels, with a war
 
 TEST_CASE("one object of several starts from its own labels, not from their union") {
   const test::TempDir& dir = table();
-  done(dir, joint({"--objects", "a", "--effect", "edges=off", "-o", "a.ply"}));
+  done(dir, joint({"--objects", "a", "--effect", "contours=off", "-o", "a.ply"}));
   const io::GaussianPly model = io::read_gaussian_ply(dir.file("b.ply")), a = io::read_gaussian_ply(dir.file("a.ply"));
   std::int64_t of_others = 0;
   for (std::size_t i = 0; i < a.labels.label.size(); ++i)

@@ -6,9 +6,9 @@
 #include <fstream>
 #include <regex>
 
-#include "ngs/io/exr.h"
-#include "ngs/io/ply.h"
-#include "ngs/io/safetensors.h"
+#include "ngs/io/image/exr.h"
+#include "ngs/io/ply/ply.h"
+#include "ngs/io/files/safetensors.h"
 #include "support/schema_check.h"
 #include "support/temp_dir.h"
 #include "support/tool_fixture.h"
@@ -122,7 +122,7 @@ TEST_CASE("the field's parameters hold the kernel width to the last bit, also of
     CAPTURE(width);
     Json run = {"ngs-joint", test::fixture_folder() + "/scene.json", test::fixture_folder() + "/boundary.ply", "-w"};
     for (const char* word : {"--rows", "4", "--cols", "4", "--depth-samples", "2", "--mlp-hidden", "16", "--steps", "1",
-                             "--effect", "edges=off", "--width", width})
+                             "--effect", "contours=off", "--width", width})
       run.push_back(word);
     for (const std::string& word : {std::string("--nerf"), dir.file("n.safetensors"), std::string("-o"), dir.file("l.ply")})
       run.push_back(word);

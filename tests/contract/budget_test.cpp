@@ -28,11 +28,11 @@ Json joint(const test::TempDir& dir, const std::string& out, const std::vector<s
               "nerf=off",
               "--effect",
               "split=off",
-              "--edge-shape",
+              "--contour-shape",
               "1000",
-              "--edge-visits",
+              "--contour-epochs",
               "2",
-              "--edge-rounds",
+              "--contour-iterations",
               "1",
               "-o",
               dir.path() + "/" + out + ".ply",
@@ -88,27 +88,27 @@ TEST_CASE("under a budget the trace asks for no score that may end after it") {
 
 TEST_CASE("under a budget a round of edges that ends far from the masks is undone, and only such a one") {
   const test::TempDir dir;
-  const std::vector<std::string> ruinous{"--effect", "edges=on", "--edge-rate", "30"};
-  joint(dir, "before", {"--effect", "edges=off"});
+  const std::vector<std::string> ruinous{"--effect", "contours=on", "--contour-rate", "30"};
+  joint(dir, "before", {"--effect", "contours=off"});
   const auto bytes = [&](const std::string& name) {
     return test::read_bytes(dir.path() + "/" + name + ".ply");
   };
 
   const Json unasked = joint(dir, "ruined", ruinous);  // without a budget the round is taken as it is
-  CHECK(unasked.at("edge_rounds") == 1);
+  CHECK(unasked.at("contour_iterations") == 1);
   CHECK(bytes("ruined") != bytes("before"));
 
   std::vector<std::string> budgeted = ruinous;
   budgeted.insert(budgeted.end(), {"--time-budget", "1h"});
   const Json undone = joint(dir, "undone", budgeted);
-  CHECK(undone.at("edge_rounds_undone") == 1);
-  CHECK_FALSE(undone.contains("edge_rounds"));
+  CHECK(undone.at("contour_iterations_undone") == 1);
+  CHECK_FALSE(undone.contains("contour_iterations"));
   CHECK(bytes("undone") == bytes("before"));
 
   // Slow enough for two visits: the start agrees with these exact masks as well as any round could.
-  const Json kept = joint(dir, "kept", {"--effect", "edges=on", "--edge-rate", "0.1", "--time-budget", "1h"});
-  CHECK(kept.at("edge_rounds") == 1);
-  CHECK_FALSE(kept.contains("edge_rounds_undone"));
+  const Json kept = joint(dir, "kept", {"--effect", "contours=on", "--contour-rate", "0.1", "--time-budget", "1h"});
+  CHECK(kept.at("contour_iterations") == 1);
+  CHECK_FALSE(kept.contains("contour_iterations_undone"));
   CHECK(bytes("kept") != bytes("before"));
 }
 

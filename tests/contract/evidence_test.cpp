@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "ngs/io/evidence_file.h"
+#include "ngs/io/scene/evidence_file.h"
 #include "support/process.h"
 #include "support/temp_dir.h"
 #include "support/tiny_scene.h"

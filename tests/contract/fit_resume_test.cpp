@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "ngs/io/safetensors.h"
+#include "ngs/io/files/safetensors.h"
 #include "support/temp_dir.h"
 #include "support/tool_fixture.h"
 

@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "ngs/io/image_file.h"
-#include "ngs/io/safetensors.h"
+#include "ngs/io/image/image_file.h"
+#include "ngs/io/files/safetensors.h"
 #include "support/mutations.h"
 #include "support/temp_dir.h"
 #include "support/tool_fixture.h"
@@ -87,7 +87,7 @@ Json figure(const Case& c, const std::string& name, const std::string& figure) {
 }
 
 /// Ten steps of which a checkpoint keeps the first six.
-const Words kSteps{"--steps", "10", "--effect", "nerf=off", "--effect", "edges=off"};
+const Words kSteps{"--steps", "10", "--effect", "nerf=off", "--effect", "contours=off"};
 void keep_six(const Case& c, const Words& more = {}) {
   REQUIRE(c.joint("kept", kSteps + more + Words{"--checkpoint", c.keep, "--checkpoint-every", "6"}).exit_code == 0);
   REQUIRE(fs::exists(c.kept));
@@ -97,19 +97,19 @@ void keep_six(const Case& c, const Words& more = {}) {
 
 TEST_CASE("ngs-joint that was stopped while it prepared keeps nothing, and begins anew") {
   const Case c;
-  const Words options{"--steps", "4", "--effect", "edges=off", "--effect", "floaters=on", "--effect", "view-trust=on"};
+  const Words options{"--steps", "4", "--effect", "contours=off", "--effect", "floaters=on", "--effect", "mask-outliers=on"};
   stop_and_resume(c, options, "device", false);
 }
 
 TEST_CASE("ngs-joint that was stopped in its steps goes on with the next one") {
   const Case c;
-  stop_and_resume(c, {"--steps", "400", "--effect", "nerf=off", "--effect", "edges=off"}, "step 1 begins", true);
+  stop_and_resume(c, {"--steps", "400", "--effect", "nerf=off", "--effect", "contours=off"}, "step 1 begins", true);
 }
 
 TEST_CASE("ngs-joint that was stopped in the edges goes on with the edges") {
   const Case c;
   // The walk may move nothing, so that the round is taken; its many visits leave time for the signal.
-  const Words edges{"--effect", "edges=on", "--edge-shape", "1000", "--edge-rounds", "1", "--edge-visits", "400"};
+  const Words edges{"--effect", "contours=on", "--contour-shape", "1000", "--contour-iterations", "1", "--contour-epochs", "400"};
   const test::ProcessResult resumed =
       stop_and_resume(c, Words{"--steps", "4", "--effect", "nerf=off"} + edges, "edges begin", true);
   CHECK(says(resumed, "resumed after step 4"));
@@ -119,26 +119,26 @@ TEST_CASE("ngs-joint takes few steps before rounds at half the size, and all of 
   Case c;
   const Json views = Json::parse(test::read_bytes(c.scene)).at("views");
   const auto n = std::count_if(views.begin(), views.end(), [](const Json& v) { return v.at("split") == "train"; });
-  const Words coarse{"--effect", "nerf=off", "--effect", "fine-rounds=off", "--edge-visits", "2"};
+  const Words coarse{"--effect", "nerf=off", "--effect", "full-resolution=off", "--contour-epochs", "2"};
   const auto report = [&](const std::string& name) { return Words{"-w", "--report", c.dir.path() + "/" + name + ".json"}; };
   REQUIRE(c.joint("rounds", coarse + report("rounds")).exit_code == 0);
-  REQUIRE(figure(c, "rounds", "edge_rounds") >= 2);
+  REQUIRE(figure(c, "rounds", "contour_iterations") >= 2);
   CHECK(figure(c, "rounds", "steps") == 3 * n);
-  REQUIRE(c.joint("one", coarse + Words{"--edge-rounds", "1"} + report("one")).exit_code == 0);
-  REQUIRE(figure(c, "one", "edge_rounds") == 1);
+  REQUIRE(c.joint("one", coarse + Words{"--contour-iterations", "1"} + report("one")).exit_code == 0);
+  REQUIRE(figure(c, "one", "contour_iterations") == 1);
   CHECK(figure(c, "one", "steps") == 10 * n);
 
   // The walk is refused: then the other steps follow. Stopped in these it goes on with the edges.
   lay_stripes(c);
   const std::string rest = "step " + std::to_string(3 * n + 1) + " begins";
   CHECK(says(stop_and_resume(c, coarse + report("refused"), rest, true), "resumed after step " + std::to_string(3 * n)));
-  REQUIRE(figure(c, "refused", "edge_rounds") == 0);
+  REQUIRE(figure(c, "refused", "contour_iterations") == 0);
   CHECK(figure(c, "refused", "steps") == 10 * n);
 }
 
 TEST_CASE("ngs-joint writes its result where there is no room for a checkpoint, and says so") {
   const Case c;
-  const Words few{"--steps", "4", "--effect", "nerf=off", "--effect", "edges=on", "--edge-visits", "2"};
+  const Words few{"--steps", "4", "--effect", "nerf=off", "--effect", "contours=on", "--contour-epochs", "2"};
   REQUIRE(c.joint("whole", few).exit_code == 0);
   const int room_kib = int(fs::file_size(c.path("whole")) / 1024) + 8;  // for the model; a checkpoint holds the moments beside
   const Words kept = few + Words{"--checkpoint", c.keep, "--checkpoint-every", "1"};
@@ -152,7 +152,7 @@ TEST_CASE("ngs-joint writes its result where there is no room for a checkpoint, 
 
 TEST_CASE("ngs-joint that is stopped where there is no room for a checkpoint says that nothing was kept") {
   const Case c;
-  const Words many{"--steps", "400", "--effect", "nerf=off", "--effect", "edges=off", "--checkpoint", c.keep};
+  const Words many{"--steps", "400", "--effect", "nerf=off", "--effect", "contours=off", "--checkpoint", c.keep};
   const test::ProcessResult result = test::run_process(test::with_files_of_at_most(32, c.spec("full", many, "step 1 begins")));
   INFO(result.err);
   CHECK(result.exit_code == 8);
@@ -300,7 +300,7 @@ TEST_CASE("ngs-joint that goes on takes floaters out as the run before did, whos
   INFO(resumed.err);
   CHECK(resumed.exit_code == 0);
   CHECK(says(resumed, "resumed after step 6"));
-  for (const Json& wrong : {Json(), Json(3), Json{{"draft", 1}, {"refit_visits", 0}}, Json{{"draft", true}, {"refit_visits", 1000000}}}) {
+  for (const Json& wrong : {Json(), Json(3), Json{{"draft", 1}, {"refit_epochs", 0}}, Json{{"draft", true}, {"refit_epochs", 1000000}}}) {
     run["floaters"] = wrong;
     file.metadata["run"] = run.dump();
     io::write_safetensors(c.kept, file);

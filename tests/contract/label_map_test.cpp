@@ -5,8 +5,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "ngs/io/exr.h"
-#include "ngs/io/image_file.h"
+#include "ngs/io/image/exr.h"
+#include "ngs/io/image/image_file.h"
 #include "support/process.h"
 #include "support/temp_dir.h"
 

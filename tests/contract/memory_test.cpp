@@ -4,8 +4,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "ngs/io/gaussian_ply.h"
-#include "ngs/io/scene_json.h"
+#include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/io/scene/scene_json.h"
 #include "support/random.h"
 #include "support/temp_dir.h"
 #include "support/tool_fixture.h"

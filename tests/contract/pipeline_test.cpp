@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "ngs/io/image_file.h"
+#include "ngs/io/image/image_file.h"
 #include "support/process.h"
 #include "support/temp_dir.h"
 #include "support/tiny_scene.h"

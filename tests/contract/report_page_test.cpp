@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
-#include "ngs/io/image_file.h"
+#include "ngs/io/image/image_file.h"
 #include "ngs/scene/camera.h"
 #include "support/process.h"
 #include "support/temp_dir.h"

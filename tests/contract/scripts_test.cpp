@@ -302,7 +302,7 @@ TEST_CASE("another CMake project that adds ngs as a folder compiles against it, 
                                 "if(TARGET test_unit)\n  message(FATAL_ERROR \"the tests came along\")\nendif()\n"
                                 "add_library(user OBJECT user.cpp)\ntarget_link_libraries(user PRIVATE ngs::ngs)\n");
   // What the library's inline functions need of whoever compiles them: the same instructions, no contraction.
-  f.dir.write("user.cpp", "#include \"ngs/core/version.h\"\n#include \"ngs/io/gaussian_ply.h\"\n#include \"ngs/ops/splat.h\"\n"
+  f.dir.write("user.cpp", "#include \"ngs/core/version.h\"\n#include \"ngs/io/ply/gaussian_ply.h\"\n#include \"ngs/ops/splat/splat.h\"\n"
                           "#ifndef __AVX2__\n#error not compiled for x86-64-v3\n#endif\n"
                           "const char* version() { return ngs::kVersion; }\n"
                           "long rows(const char* path) { return ngs::io::read_gaussian_ply(path).cloud.size(); }\n");

@@ -1,11 +1,11 @@
-// A field that was made for a boundary set, and strays that leave this set, meet in ngs-joint.
+// A field that was made for a boundary set, and components that leave this set, meet in ngs-joint.
 #include <doctest/doctest.h>
 
 #include <filesystem>
 #include <fstream>
 
-#include "ngs/io/gaussian_ply.h"
-#include "ngs/io/query_ply.h"
+#include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/io/ply/query_ply.h"
 #include "support/process.h"
 #include "support/temp_dir.h"
 #include "support/tool_fixture.h"
@@ -15,7 +15,7 @@ namespace {
 
 /// A copy of the fixture's boundary.ply in which a Gaussian of the boundary that the field rests on lies far
 /// away, seen by no view.
-std::string with_a_stray(const test::TempDir& dir) {
+std::string with_a_component(const test::TempDir& dir) {
   const std::string source = test::fixture_folder() + "/boundary.ply", copy = dir.path() + "/stray.ply";
   const io::GaussianPly ply = io::read_gaussian_ply(source);
   const auto row = std::int64_t(io::read_query_ply(test::fixture_folder() + "/field.ply").neighbour.front());
@@ -37,9 +37,9 @@ std::string with_a_stray(const test::TempDir& dir) {
 
 }  // namespace
 
-TEST_CASE("ngs-joint samples anew where strays leave the boundary set that --field was made for") {
+TEST_CASE("ngs-joint samples anew where components leave the boundary set that --field was made for") {
   const test::TempDir dir;
-  const std::string fixture = test::fixture_folder(), model = with_a_stray(dir),
+  const std::string fixture = test::fixture_folder(), model = with_a_component(dir),
                     out = dir.path() + "/labelled.ply";
   const test::ProcessResult result = test::run_command(
       {NGS_TOOL_DIR "/ngs-joint", fixture + "/scene.json", model, "--field", fixture + "/field.ply",

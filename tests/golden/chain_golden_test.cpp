@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "ngs/io/gaussian_ply.h"
+#include "ngs/io/ply/gaussian_ply.h"
 #include "support/tool_fixture.h"
 
 namespace ngs {

@@ -2,7 +2,7 @@
 // the direction weights without their SH basis, columns of the unfinished last block counted in.
 #include <doctest/doctest.h>
 
-#include "ngs/ops/film_mlp_kernels.h"
+#include "ngs/ops/field/film_mlp_kernels.h"
 #include "support/adjoint.h"
 #include "support/random.h"
 

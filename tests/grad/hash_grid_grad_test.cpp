@@ -2,7 +2,7 @@
 // corners, a missing scale or smoothstep derivative, a gradient for points outside the box.
 #include <doctest/doctest.h>
 
-#include "ngs/ops/hash_grid.h"
+#include "ngs/ops/field/hash_grid.h"
 #include "support/adjoint.h"
 #include "support/random.h"
 

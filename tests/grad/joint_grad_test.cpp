@@ -10,7 +10,7 @@
 #include <cmath>
 #include <limits>
 
-#include "ngs/stages/joint_stage.h"
+#include "ngs/passes/joint/joint_stage.h"
 #include "support/adjoint.h"
 #include "support/joint_case.h"
 
@@ -60,7 +60,7 @@ class Probe {
   JointOptions options_;
   SampleOptions sample_;
   RbfOptions rbf_;
-  MethodInput input_;
+  Problem input_;
 };
 
 }  // namespace

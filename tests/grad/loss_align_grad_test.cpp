@@ -2,7 +2,7 @@
 // 1/49 for a cut patch, a variance that counts although the photo's is larger.
 #include <doctest/doctest.h>
 
-#include "ngs/ops/loss_align_kernels.h"
+#include "ngs/ops/losses/loss_align_kernels.h"
 #include "support/adjoint.h"
 #include "support/random.h"
 

@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "ngs/ops/loss_mask_kernels.h"
+#include "ngs/ops/losses/loss_mask_kernels.h"
 #include "support/adjoint.h"
 #include "support/random.h"
 

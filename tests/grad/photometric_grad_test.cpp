@@ -4,7 +4,7 @@
 
 #include "ngs/core/rng.h"
 #include "ngs/math/dual.h"
-#include "ngs/ops/photometric_impl.h"
+#include "ngs/ops/losses/photometric_impl.h"
 #include "support/adjoint.h"
 
 namespace ngs {

@@ -1,7 +1,7 @@
 // Mutants this kills: T_k for T_{k+1}, a suffix sum that includes the sample itself, a forgotten background.
 #include <doctest/doctest.h>
 
-#include "ngs/ops/volume_kernels.h"
+#include "ngs/ops/field/volume_kernels.h"
 #include "support/adjoint.h"
 #include "support/random.h"
 

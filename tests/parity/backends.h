@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "ngs/ops/device_ops.h"
+#include "ngs/ops/device/device_ops.h"
 
 namespace ngs::test {
 

@@ -3,21 +3,21 @@
 
 #include <memory>
 
-#include "ngs/ops/grid_field_ops.h"
-#include "ngs/ops/grid_loss_ops.h"
-#include "ngs/ops/grid_splat_ops.h"
-#include "ngs/ops/joint_step_grid.h"
-#include "support/host_grid.h"
+#include "ngs/ops/device/launched_field_ops.h"
+#include "ngs/ops/device/launched_loss_ops.h"
+#include "ngs/ops/device/launched_splat_ops.h"
+#include "ngs/ops/device/joint_step_grid.h"
+#include "support/host_launcher.h"
 
 namespace ngs::test {
 namespace {
 
 struct Emulated {
-  HostGrid grid;
-  GridSplatOps<HostGrid> splat;
-  GridFieldOps<HostGrid> field;
-  GridLossOps<HostGrid> loss{grid};
-  GridJointOps<HostGrid> joint;
+  HostLauncher grid;
+  LaunchedSplatOps<HostLauncher> splat;
+  LaunchedFieldOps<HostLauncher> field;
+  LaunchedLossOps<HostLauncher> loss{grid};
+  GridJointOps<HostLauncher> joint;
   DeviceOps ops{splat, field, loss, &joint};
   Emulated(ThreadOrder order, DeviceSums sums) : grid(order), splat(grid, sums), field(grid, sums), joint(grid, sums) {}
 };

@@ -1,10 +1,10 @@
 // Search, interpolation, encoding, network and volume rendering.
 #include "ngs/core/rng.h"
-#include "ngs/ops/film_mlp.h"
-#include "ngs/ops/hash_grid.h"
-#include "ngs/ops/knn.h"
-#include "ngs/ops/rbf.h"
-#include "ngs/ops/volume.h"
+#include "ngs/ops/field/film_mlp.h"
+#include "ngs/ops/field/hash_grid.h"
+#include "ngs/ops/field/knn.h"
+#include "ngs/ops/field/rbf.h"
+#include "ngs/ops/field/volume.h"
 #include "parity/backends.h"
 #include "support/random.h"
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "ngs/core/error.h"
-#include "ngs/stages/joint_stage.h"
+#include "ngs/passes/joint/joint_stage.h"
 #include "parity/backends.h"
 #include "support/joint_case.h"
 
@@ -33,7 +33,7 @@ struct Run {
 /// `visit(trainer, step)` after every step; reads losses at each of them, or at none but the last.
 template <class Visit>
 Run run(const Exec& exec, const JointCase& c, const Setup& s, bool read, const Visit& visit) {
-  const MethodInput input = c.input();
+  const Problem input = c.input();
   Monitor monitor;
   JointTrainer trainer(exec, monitor, {s.options, s.sample, s.rbf, input, s.field, {}, s.frozen}, true);
   Run result;
@@ -161,7 +161,7 @@ TEST_CASE("joint: resident steps follow a plan that changes, and the queries of 
   CHECK(got.losses.size() == 7);
   check_parameters(b, "joint resident, changed plan, ", got, want);
 
-  const MethodInput input = c->input();
+  const Problem input = c->input();
   std::vector<float> flags(std::size_t(c->model.size()));
   for (std::size_t i = 0; i < flags.size(); ++i) flags[i] = c->labels[0].boundary[i];
   const BoundarySet boundary = boundary_set(c->model, flags);

@@ -1,7 +1,7 @@
 // Images, gradients and evidence of whole views. Depths, and with them the order of Gaussians, are computed without
 // functions that differ between devices; alphas differ by the roundings of exp and log.
-#include "ngs/ops/evidence.h"
-#include "ngs/ops/tile_types.h"
+#include "ngs/ops/splat/evidence.h"
+#include "ngs/ops/splat/tile_types.h"
 #include "parity/backends.h"
 #include "support/random.h"
 #include "support/splat_reference.h"

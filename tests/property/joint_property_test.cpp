@@ -3,7 +3,7 @@
 #include <cmath>
 #include <set>
 
-#include "ngs/stages/joint_stage.h"
+#include "ngs/passes/joint/joint_stage.h"
 #include "support/joint_case.h"
 
 namespace ngs {
@@ -35,7 +35,7 @@ std::vector<float> state_after(const test::JointCase& c, const JointOptions& opt
   Monitor monitor;
   const SampleOptions sample = small_grid();
   const RbfOptions rbf;
-  const MethodInput input = c.input();
+  const Problem input = c.input();
   JointTrainer trainer({.threads = threads}, monitor, {options, sample, rbf, input, field}, false);
   for (std::int64_t s = 0; s < steps; ++s) trainer.step();
   return flat_state(trainer);
@@ -55,7 +55,7 @@ TEST_CASE("joint: interrupted and resumed equals uninterrupted, bit for bit") {
   const auto whole = state_after(*c, options, 11, 2);
   const SampleOptions sample = small_grid();
   const RbfOptions rbf;
-  const MethodInput input = c->input();
+  const Problem input = c->input();
   for (const std::int64_t cut : {1, 4, 7}) {
     CAPTURE(cut);
     Monitor monitor;
@@ -73,7 +73,7 @@ TEST_CASE("joint: interrupted and resumed equals uninterrupted, bit for bit") {
 TEST_CASE("joint: the artifact of ngs-sample and ngs-rbf gives the same result as sampling here") {
   const auto c = test::joint_case();
   Monitor monitor;
-  const MethodInput input = c->input();
+  const Problem input = c->input();
   const SampleOptions sample = small_grid();
   const BoundarySet boundary = boundary_set(c->model, c->labels[0].boundary);
   REQUIRE(boundary.size() > 8);
@@ -88,8 +88,8 @@ TEST_CASE("joint: every part of the method can be switched off alone, and matter
   const auto once = state_after(*c, small_options(kSomeTwice), kEveryViewOnce, 2),
              twice = state_after(*c, small_options(kSomeTwice), kSomeTwice, 2);
   const std::set<std::string_view> elsewhere{
-      "exposure", "floaters", "strays", "view-trust", "joint", "edges",
-      "split", "second-round", "fine-rounds", "antialias"};  // stages of their own, or the tool's: unit/stages
+      "exposure", "floaters", "components", "mask-outliers", "joint", "contours",
+      "split", "contour-iterations", "full-resolution", "antialias"};  // stages of their own, or the tool's: unit/stages
   const std::set<std::string_view> nothing_here{"region",
                                                 "fine-hash"};  // small pictures, few levels: unit/stages
   for (const EffectInfo& effect : effect_registry()) {
@@ -107,7 +107,7 @@ TEST_CASE("joint: every part of the method can be switched off alone, and matter
 TEST_CASE("joint: photometric and mask loss fall, and the labels find the ball") {
   const auto c = test::joint_case();
   Monitor monitor;
-  const MethodInput input = c->input();
+  const Problem input = c->input();
   JointOptions options = small_options(80);
   options.rate_scale = 1;
   options.start_steps = 1;  // three steps of EM leave the mask loss little to fall
@@ -125,7 +125,7 @@ TEST_CASE("joint: photometric and mask loss fall, and the labels find the ball")
     CAPTURE(term);
     CHECK(last[term] < first[term]);
   }
-  const MethodResult result = trainer.result();
+  const Solution result = trainer.result();
   int wrong = 0, seen = 0;
   for (std::size_t i = 0; i < c->is_ball.size(); ++i) {
     if (result.labels[0].views[i] == 0) continue;
@@ -139,7 +139,7 @@ TEST_CASE("joint: the excess variance asks no photo of a view that has none") {
   const auto c = test::joint_case();
   const SampleOptions sample = small_grid();
   const RbfOptions rbf;
-  MethodInput input = c->input();
+  Problem input = c->input();
   const auto state = [&](bool excess) {
     Monitor monitor;
     JointOptions options = small_options(6);
@@ -168,7 +168,7 @@ TEST_CASE("joint: an empty boundary set is nothing found, or labels alone if all
   auto c = test::joint_case();
   std::fill(c->labels[0].boundary.begin(), c->labels[0].boundary.end(), 0.f);
   Monitor monitor;
-  const MethodInput input = c->input();
+  const Problem input = c->input();
   const SampleOptions sample = small_grid();
   const RbfOptions rbf;
   const JointOptions options = small_options(4);

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "ngs/ops/knn.h"
-#include "ngs/ops/rbf.h"
+#include "ngs/ops/field/knn.h"
+#include "ngs/ops/field/rbf.h"
 #include "support/random.h"
 
 namespace ngs {

@@ -7,11 +7,11 @@
 #include <sstream>
 
 #include "ngs/core/error.h"
-#include "ngs/io/gaussian_ply.h"
-#include "ngs/io/import_scene.h"
-#include "ngs/io/masks.h"
-#include "ngs/io/photo.h"
-#include "ngs/stages/scene_check.h"
+#include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/io/scene/import_scene.h"
+#include "ngs/io/image/masks.h"
+#include "ngs/io/image/photo.h"
+#include "ngs/stages/scene/scene_check.h"
 #include "support/temp_dir.h"
 
 namespace ngs {

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ngs/ops/anderson.h"
-#include "ngs/ops/edge_walk.h"
-#include "ngs/ops/pose_step.h"
+#include "ngs/ops/optim/anderson.h"
+#include "ngs/ops/image/contour_refine.h"
+#include "ngs/ops/optim/pose_step.h"
 #include "support/stability.h"
 
 namespace ngs {
@@ -49,8 +49,8 @@ std::vector<std::uint8_t> left_of(int edge) {
   return mask;
 }
 
-std::vector<float> walked(const std::vector<std::uint8_t>& mask, const ImageF& photo) {
-  return walk_to_edges({}, {mask.data(), kWidth, kHeight}, photo);
+std::vector<float> refined(const std::vector<std::uint8_t>& mask, const ImageF& photo) {
+  return refine_contour({}, {mask.data(), kWidth, kHeight}, photo);
 }
 
 bool contour_is_at(const std::vector<float>& soft, int edge) {
@@ -158,7 +158,7 @@ TEST_CASE("edge walk: colours without any spread still have a density, and the c
         const ImageF photo = picture([&](int x, int, int c) {
           return 0.4 + (x < edge ? contrast * (c + 1) / 3 : 0.0) + h * random.uniform(-1, 1);
         });
-        worst.ours_is(contour_is_at(walked(left_of(start), photo), edge));
+        worst.ours_is(contour_is_at(refined(left_of(start), photo), edge));
         float n = 0, sum = 0, square = 0;
         for (int x = 0; x < edge; ++x) {
           const float v = photo.at(x, 3, 0);
@@ -176,7 +176,7 @@ TEST_CASE("edge walk: a photo with hardly any contrast leaves the contour where 
         const int start = 16 + int(random.below(16)), edge = start + (random.below(2) ? 3 : -3);
         const double shade = random.uniform(0.2, 0.8);
         const ImageF photo = picture([&](int x, int, int) { return shade + (x < edge ? h : 0.0); });
-        worst.ours_is(contour_is_at(walked(left_of(start), photo), start));
+        worst.ours_is(contour_is_at(refined(left_of(start), photo), start));
         float steps = 0, n = 0;
         for (int x = 0; x + 1 < kWidth; ++x, ++n) {
           const float d = photo.at(x + 1, 0, 0) - photo.at(x, 0, 0);
@@ -201,7 +201,7 @@ TEST_CASE("edge walk: colours that are no numbers have no say, the others find t
           const int x = (edge + 3 + int(random.below(kWidth - 6))) % kWidth, y = int(random.below(kHeight));
           photo.at(x, y, int(random.below(3))) = random.below(2) ? NAN : INFINITY;
         }
-        worst.ours_is(contour_is_at(walked(left_of(start), photo), edge));
+        worst.ours_is(contour_is_at(refined(left_of(start), photo), edge));
         float sum = 0;
         for (const float v : photo.data) sum += v;
         worst.naive_is(std::isfinite(sum / float(photo.data.size())));
@@ -221,7 +221,7 @@ TEST_CASE(
                         mask.push_back(y < start);
                         for (int c = 0; c < 3; ++c) photo.at(x, y, c) = y < edge ? 0.7f : 0.3f;
                       }
-                    const std::vector<float> soft = walk_to_edges({}, {mask.data(), width, height}, photo);
+                    const std::vector<float> soft = refine_contour({}, {mask.data(), width, height}, photo);
                     const int found = width >= 4 ? edge : start;
                     bool fine = true;
                     for (int y = 0; y < height; ++y)

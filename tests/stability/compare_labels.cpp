@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "ngs/io/gaussian_ply.h"
+#include "ngs/io/ply/gaussian_ply.h"
 
 int main(int count, char** arguments) {
   if (count != 3) return 2;

@@ -3,10 +3,10 @@
 
 #include <numeric>
 
-#include "ngs/ops/cloud_view.h"
-#include "ngs/ops/tile_isa.h"
-#include "ngs/ops/tile_kernels_of.h"
-#include "ngs/ops/tile_scratch.h"
+#include "ngs/ops/splat/cloud_view.h"
+#include "ngs/ops/splat/tile_isa.h"
+#include "ngs/ops/splat/tile_kernels_of.h"
+#include "ngs/ops/splat/tile_scratch.h"
 #include "support/splat_record.h"
 #include "support/stability.h"
 
@@ -238,7 +238,7 @@ TEST_CASE("compositing: far to the right of a wide image positions keep their su
   });
 }
 
-TEST_CASE("compositing: opacity gradients of deep stacks, walked backwards") {
+TEST_CASE("compositing: opacity gradients of deep stacks, refined backwards") {
   test::hard_case(
       {"opacity", {0.1, 0.5, 0.9, 0.985}, 0.18, "T from 1 - alpha of the image, divided by 1 - α"},
       [](double h, Random& random, Worst& worst) {

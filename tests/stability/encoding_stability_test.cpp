@@ -1,8 +1,8 @@
 // Hash encoding and the FiLM network.                                                         Eqs. (10)-(15)
 #include <doctest/doctest.h>
 
-#include "ngs/ops/film_mlp_kernels.h"
-#include "ngs/ops/hash_grid.h"
+#include "ngs/ops/field/film_mlp_kernels.h"
+#include "ngs/ops/field/hash_grid.h"
 #include "support/stability.h"
 
 namespace ngs {

@@ -17,25 +17,25 @@ cp -r "$root"/tests/{support,grad} "$wide/fresh/tests/"
 (
   cd "$wide/fresh"
   find . \( -name '*.cu' -o -name '*.cuh' \) -delete
-  : >libngs/ngs/ops/tile_isa_v4.cpp
+  : >libngs/ngs/ops/splat/tile_isa_v4.cpp
   kept='libngs/ngs/io/(ply|ply_scan|ply_writer|npy|exr|safetensors)\.(h|cpp)|ngs/math/(lanes|lanes16|lane_scalar)\.h|tests/support/ply_text\.h'
   find libngs tools tests \( -name '*.h' -o -name '*.cpp' \) | grep -v -E "$kept" | xargs sed -E -i \
     -e '/bit_cast<std::uint32_t>/!s/\bfloat\b/double/g' \
     -e '/bit_cast<std::uint32_t>/!s/(^|[^A-Za-z0-9_.])([0-9]+\.[0-9]*([eE][-+]?[0-9]+)?|[0-9]+[eE][-+]?[0-9]+)f\b/\1\2/g'
   # Records and pictures on their way to files and to OpenCV.
   sed -E -i -e 's/double row\[62\]/float row[62]/; s/double\* at = row/float* at = row/; s/sizeof\(double\)/sizeof(float)/' \
-    libngs/ngs/io/gaussian_ply_write.cpp
-  sed -i 's/CV_32F/CV_64F/' libngs/ngs/io/image_file.cpp
+    libngs/ngs/io/ply/gaussian_ply_write.cpp
+  sed -i 's/CV_32F/CV_64F/' libngs/ngs/io/image/image_file.cpp
   perl -0 -i -pe 's/plane\.value\.data =\s*std::move\((.*?second)\);/const auto& found = $1; plane.value.data.assign(found.begin(), found.end());/s' \
-    libngs/ngs/io/masks.cpp
+    libngs/ngs/io/image/masks.cpp
   sed -E -i 's/(image\.channels\[.*\]) = plane\(k\);/{ const auto p = plane(k); \1.assign(p.begin(), p.end()); }/' \
     tools/ngs-render/render_output.cpp
-  sed -i '/static_assert(sizeof values\[0\] == 4);/d' libngs/ngs/io/query_ply.cpp
-  sed -i 's/bit_cast<std::uint32_t>(plane/bit_cast<std::uint64_t>(plane/g' libngs/ngs/scene/packed_masks.cpp
+  sed -i '/static_assert(sizeof values\[0\] == 4);/d' libngs/ngs/io/ply/query_ply.cpp
+  sed -i 's/bit_cast<std::uint32_t>(plane/bit_cast<std::uint64_t>(plane/g' libngs/ngs/scene/rle_masks.cpp
   sed -i 's/__builtin_bit_cast(double, std::int32_t/__builtin_bit_cast(float, std::int32_t/' libngs/ngs/math/stable.h
   # What was there for float and for double is there once.
-  perl -0 -i -pe 's/(template class PhotometricPass<double, double>;\n)\1/$1/' libngs/ngs/ops/photometric.cpp
-  perl -0 -i -pe 's/(std::int64_t first_unusable\([^}]*\}\n)\1/$1/' libngs/ngs/ops/adam.cpp
+  perl -0 -i -pe 's/(template class PhotometricPass<double, double>;\n)\1/$1/' libngs/ngs/ops/losses/photometric.cpp
+  perl -0 -i -pe 's/(std::int64_t first_unusable\([^}]*\}\n)\1/$1/' libngs/ngs/ops/optim/adam.cpp
   sed -i -e '/add_subdirectory(tests)/d' CMakeLists.txt
   {
     cat "$root/tests/stability/float64_lanes.h"

@@ -1,10 +1,10 @@
 // Boxes, grids, rays and depth windows.                                                         Eqs. (4)-(7)
 #include <doctest/doctest.h>
 
-#include "ngs/ops/ray_query.h"
-#include "ngs/ops/ray_query_kernels.h"
-#include "ngs/ops/sample_grid.h"
-#include "ngs/stages/object_core.h"
+#include "ngs/ops/field/ray_query.h"
+#include "ngs/ops/field/ray_query_kernels.h"
+#include "ngs/ops/field/sample_grid.h"
+#include "ngs/passes/components/object_core.h"
 #include "support/cameras.h"
 #include "support/stability.h"
 

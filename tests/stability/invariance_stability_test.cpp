@@ -5,9 +5,9 @@
 #include <numeric>
 
 #include "ngs/core/error.h"
-#include "ngs/stages/joint_stage.h"
-#include "ngs/stages/method_bce.h"
-#include "ngs/stages/variance_stage.h"
+#include "ngs/passes/joint/joint_stage.h"
+#include "ngs/methods/method_bce.h"
+#include "ngs/stages/boundary/variance_stage.h"
 #include "support/joint_case.h"
 #include "support/method_case.h"
 #include "support/stability.h"
@@ -212,7 +212,7 @@ TEST_CASE("masks: an object in one view alone is labelled from it") {
                     MethodCase c = scene(random);
                     for (std::size_t v = std::size_t(h); v < kViews; ++v) c.masks[v].available = false;
                     Monitor monitor;
-                    const MethodResult result = run_bce({}, monitor, {}, c.input());
+                    const Solution result = run_bce({}, monitor, {}, c.input());
                     for (std::size_t i = 0; i < kGaussians; ++i)
                       worst.ours_is(result.labels[0].label[i] >= 0 && result.labels[0].label[i] <= 1 &&
                                     result.labels[0].views[i] <= float(h));
@@ -231,7 +231,7 @@ struct JointRun {
   JointOptions options;
   SampleOptions sample;
   RbfOptions rbf;
-  MethodInput input;
+  Problem input;
   JointTrainer trainer;
   static JointOptions small() {
     JointOptions o;

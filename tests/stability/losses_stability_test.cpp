@@ -1,14 +1,14 @@
 // The losses at the ends of their ranges.                                                     Eqs. (16)-(19)
 #include <doctest/doctest.h>
 
-#include "ngs/ops/knn.h"
-#include "ngs/ops/loss_align.h"
-#include "ngs/ops/loss_align_kernels.h"
-#include "ngs/ops/loss_cont.h"
-#include "ngs/ops/loss_mask.h"
-#include "ngs/ops/loss_mask_kernels.h"
-#include "ngs/ops/loss_smooth.h"
-#include "ngs/ops/photometric_kernels.h"
+#include "ngs/ops/field/knn.h"
+#include "ngs/ops/losses/loss_align.h"
+#include "ngs/ops/losses/loss_align_kernels.h"
+#include "ngs/ops/losses/loss_cont.h"
+#include "ngs/ops/losses/loss_mask.h"
+#include "ngs/ops/losses/loss_mask_kernels.h"
+#include "ngs/ops/losses/loss_smooth.h"
+#include "ngs/ops/losses/photometric_kernels.h"
 #include "support/stability.h"
 
 namespace ngs {

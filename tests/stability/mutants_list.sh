@@ -1,5 +1,5 @@
 # What tests/stability/mutants.sh breaks: FILE TESTS SOURCES WHAT SED.
-t=stability/projection_stability_test.cpp f=ops/project_kernels.h
+t=stability/projection_stability_test.cpp f=ops/splat/project_kernels.h
 mutant $f $t "" "determinant as a c - b²" 's/p\.det = ctx\.det_raw .*;/p.det = p.cov_xx * p.cov_yy - b * b;/'
 mutant $f $t "" "unblurred determinant as a c - b²" 's/ctx\.det_raw = dot.*;/ctx.det_raw = a * c - b * b;/'
 mutant $f $t "" "slope of the Jacobian not clamped" 's/clamp3\(slope_x, camera\.x_lo, camera\.x_hi\)/slope_x/'
@@ -7,14 +7,14 @@ mutant $f $t "" "no floor of the compensation" 's/sqrt\(max2\(ratio, T\(kCompens
 mutant $f $t "" "gradient of the opacity as 1 - s" 's/sigmoid\(-ctx\.logit_opacity\)/(T(1) - sigmoid(ctx.logit_opacity))/'
 mutant $f $t "" "direction of a zero offset" 's/length2 > T\(0\) \? T\(1\) \/ sqrt\(length2\) : T\(0\)/T(1) \/ sqrt(length2)/'
 mutant $f "$t grad/splat_grad_test.cpp" "" "off-diagonal gradient not halved" 's/g\.conic_b \/ T\(2\)/g.conic_b/'
-mutant ops/splat_gaussian.h $t "" "no near plane" 's/if \(!\(t\.z > camera\.near_z\)\) return false;//'
-mutant ops/splat_gaussian.h $t "" "positions subtracted in float" 's/using W = WideOf<S>;/using W = S;/'
-f=ops/splat_gaussian.h
-mutant $f unit/ops/cull_test.cpp "" "cull: two sigma instead of three" 's/kRadii = 3\.5/kRadii = 2/'
-mutant $f unit/ops/cull_test.cpp "" "cull: a footprint of the centre's slope" 's/std::hypot\(1\.0, std::max\(-lo, hi\)\)/1.0/'
-mutant $f unit/ops/cull_test.cpp "" "cull: no low-pass filter" 's/ \+ blur_px \* z\)/)/'
-mutant $f unit/ops/cull_test.cpp "" "cull: the first scale for the largest" 's/exp_at_least\(largest\)/exp_at_least(float(log_scale[0]))/'
-mutant math/stable.h unit/ops/cull_test.cpp "" "cull: a bound that rounds below" 's/1065354000/1065353100/'
+mutant ops/splat/splat_gaussian.h $t "" "no near plane" 's/if \(!\(t\.z > camera\.near_z\)\) return false;//'
+mutant ops/splat/splat_gaussian.h $t "" "positions subtracted in float" 's/using W = WideOf<S>;/using W = S;/'
+f=ops/splat/splat_gaussian.h
+mutant $f unit/ops/splat/cull_test.cpp "" "cull: two sigma instead of three" 's/kRadii = 3\.5/kRadii = 2/'
+mutant $f unit/ops/splat/cull_test.cpp "" "cull: a footprint of the centre's slope" 's/std::hypot\(1\.0, std::max\(-lo, hi\)\)/1.0/'
+mutant $f unit/ops/splat/cull_test.cpp "" "cull: no low-pass filter" 's/ \+ blur_px \* z\)/)/'
+mutant $f unit/ops/splat/cull_test.cpp "" "cull: the first scale for the largest" 's/exp_at_least\(largest\)/exp_at_least(float(log_scale[0]))/'
+mutant math/stable.h unit/ops/splat/cull_test.cpp "" "cull: a bound that rounds below" 's/1065354000/1065353100/'
 mutant math/quat.h $t "" "norm without scaling" 's/q\.([xyzw]) \/ largest/q.\1/g'
 mutant math/quat.h $t "" "zero quaternion not caught" 's/if \(!\(largest > T\(0\)\)\)/if (false)/'
 mutant math/quat.h "$t grad/splat_grad_test.cpp" "" "gradient keeps its part along q" 's/const T along = .*;/const T along = T(0);/'
@@ -32,189 +32,189 @@ mutant math/exact_sum.h $t "" "carry lost" 's/\(fraction\[i\] < f \? 1 : 0\)/0/'
 mutant math/exact_sum.h $t "" "32 bits of fraction" 's/return std::uint64_t\(\(x - std::floor\(x\)\) \* 0x1p64\)/return std::uint64_t((x - std::floor(x)) * 0x1p32) << 32/'
 mutant math/exact_sum.h $t "" "value in float" 's/return double\(whole\[i\]\) \+/return double(float(whole[i])) +/'
 
-t=stability/compositing_stability_test.cpp f=ops/splat_tiles.h
-mutant ops/splat_step_kernels.h $t "ops/tile_isa.cpp" "alpha not capped" 's/min_lanes\(L\(.*\)\), (exp2_where\(reached, exponent\))\)/\1/'
-mutant $f $t "ops/tile_isa.cpp" "pixels never stop" 's/and_at_least\(live\[pack\], after, stop\)/and_at_least(live[pack], after, zero)/'
-mutant $f $t "ops/tile_isa.cpp" "a stopped pixel goes on" 's/and_at_least\(live\[pack\], after, stop\)/after >= stop/'
-mutant ops/splat_rows.h unit/ops/splat_rows_test.cpp "" "borders as rounded" 's/G\(T\(4 \* kEps\)\)/G(T(0))/'
-mutant ops/splat_rows.h unit/ops/splat_rows_test.cpp "" "square as rounded" 's/T\(1 \+ 8 \* kEps\)/T(1)/'
-mutant ops/splat_rows.h unit/ops/splat_rows_test.cpp "" "no band but the first" 's/T\(band \* kBandPx - /T(-/'
-mutant ops/splat_rows.h $t "ops/tile_isa.cpp" "mean in float" 's/x_\[k\] = S\(g\.mean_x - W\(frame\.x_px \+ 0\.5\)\)/x_[k] = S(S(g.mean_x) - S(frame.x_px + 0.5))/'
-mutant ops/splat_step_kernels.h $t "ops/tile_isa.cpp" "alpha of exactly 1\/255 left out" 's/exponent, L\(S\(kLog2AlphaMin\)\)\)/exponent, L(S(kLog2AlphaMin + 1e-6)))/'
-mutant ops/splat_step_kernels.h $t "ops/tile_isa.cpp" "exponent as the printed form" 's/const L along = fma_lanes\(along_u, u, linear\);/const L two = L(typename LaneTraits<L>::Scalar(2));/; s/fma_lanes\(-along, along, constant\)/constant - linear * linear - two * along_u * u * linear - along_u * u * (along_u * u)/'
-mutant $f $t "ops/tile_isa.cpp" "weight without the transmittance" 's/const L weight = k\.alpha \* k\.transmittance;/const L weight = k.alpha;/'
-f=ops/splat_backward.h
-mutant $f $t "ops/tile_isa.cpp" "the cap passes a gradient" 's/select\(alpha < cap, weight \* difference, zero\)/weight * difference/'
-mutant $f $t "ops/tile_isa.cpp" "colour behind forgets what lies behind it" 's/behind_\[pack\] = fma_lanes\(alpha, difference, behind_\[pack\]\)/behind_[pack] = alpha * v/'
-mutant $f $t "ops/tile_isa.cpp" "no background behind the stack" 's/in_?\.background\[c\] : S\(0\)/S(0) : S(0)/'
-mutant ops/splat_gaussian.h $t "" "half extents of half the ellipse" 's/half_width = sqrt\(reach2 \* p\.cov_xx\)/half_width = S(0.5) * sqrt(reach2 * p.cov_xx)/; s/half_height = sqrt\(reach2 \* p\.cov_yy\)/half_height = S(0.5) * sqrt(reach2 * p.cov_yy)/'
+t=stability/compositing_stability_test.cpp f=ops/splat/splat_tiles.h
+mutant ops/splat/splat_step_kernels.h $t "ops/splat/tile_isa.cpp" "alpha not capped" 's/min_lanes\(L\(.*\)\), (exp2_where\(reached, exponent\))\)/\1/'
+mutant $f $t "ops/splat/tile_isa.cpp" "pixels never stop" 's/and_at_least\(live\[pack\], after, stop\)/and_at_least(live[pack], after, zero)/'
+mutant $f $t "ops/splat/tile_isa.cpp" "a stopped pixel goes on" 's/and_at_least\(live\[pack\], after, stop\)/after >= stop/'
+mutant ops/splat/splat_rows.h unit/ops/splat/splat_rows_test.cpp "" "borders as rounded" 's/G\(T\(4 \* kEps\)\)/G(T(0))/'
+mutant ops/splat/splat_rows.h unit/ops/splat/splat_rows_test.cpp "" "square as rounded" 's/T\(1 \+ 8 \* kEps\)/T(1)/'
+mutant ops/splat/splat_rows.h unit/ops/splat/splat_rows_test.cpp "" "no band but the first" 's/T\(band \* kBandPx - /T(-/'
+mutant ops/splat/splat_rows.h $t "ops/splat/tile_isa.cpp" "mean in float" 's/x_\[k\] = S\(g\.mean_x - W\(frame\.x_px \+ 0\.5\)\)/x_[k] = S(S(g.mean_x) - S(frame.x_px + 0.5))/'
+mutant ops/splat/splat_step_kernels.h $t "ops/splat/tile_isa.cpp" "alpha of exactly 1\/255 left out" 's/exponent, L\(S\(kLog2AlphaMin\)\)\)/exponent, L(S(kLog2AlphaMin + 1e-6)))/'
+mutant ops/splat/splat_step_kernels.h $t "ops/splat/tile_isa.cpp" "exponent as the printed form" 's/const L along = fma_lanes\(along_u, u, linear\);/const L two = L(typename LaneTraits<L>::Scalar(2));/; s/fma_lanes\(-along, along, constant\)/constant - linear * linear - two * along_u * u * linear - along_u * u * (along_u * u)/'
+mutant $f $t "ops/splat/tile_isa.cpp" "weight without the transmittance" 's/const L weight = k\.alpha \* k\.transmittance;/const L weight = k.alpha;/'
+f=ops/splat/splat_backward.h
+mutant $f $t "ops/splat/tile_isa.cpp" "the cap passes a gradient" 's/select\(alpha < cap, weight \* difference, zero\)/weight * difference/'
+mutant $f $t "ops/splat/tile_isa.cpp" "colour behind forgets what lies behind it" 's/behind_\[pack\] = fma_lanes\(alpha, difference, behind_\[pack\]\)/behind_[pack] = alpha * v/'
+mutant $f $t "ops/splat/tile_isa.cpp" "no background behind the stack" 's/in_?\.background\[c\] : S\(0\)/S(0) : S(0)/'
+mutant ops/splat/splat_gaussian.h $t "" "half extents of half the ellipse" 's/half_width = sqrt\(reach2 \* p\.cov_xx\)/half_width = S(0.5) * sqrt(reach2 * p.cov_xx)/; s/half_height = sqrt\(reach2 \* p\.cov_yy\)/half_height = S(0.5) * sqrt(reach2 * p.cov_yy)/'
 
 t=stability/evidence_stability_test.cpp f=scene/evidence.cpp
 mutant $f $t $f "squares of signals in double" 's/const Wide square = Wide\(units\) \* units;/const Wide square = Wide(double(units) * double(units));/'
 mutant $f $t $f "variance as a difference in double" 's/const Wide numerator = .*;/const double numerator = double(squares) * views - double(sum) * double(sum);/'
 mutant $f $t $f "pixel counts in 32 bits" 's/pixels\[i\] \+= other\.pixels\[i\];/pixels[i] = std::uint32_t(pixels[i] + other.pixels[i]);/'
 mutant $f $t $f "views not merged" 's/views\[i\] \+= other\.views\[i\];//'
-mutant stages/variance_stage.cpp $t stages/variance_stage.cpp "W1 \/ W of what no view sees" 's/if \(e\.views\[i\] == 0\) continue;//'
-mutant stages/variance_stage.cpp $t stages/variance_stage.cpp "pooled variance in float" 's/const double p = e\.object/const float p = (float)e.object/'
-mutant stages/variance_stage.cpp $t stages/variance_stage.cpp "unweighted ratio doubled" 's/return 1\.0 - r \* r;/return 1.0 - 2 * r * r;/'
-mutant ops/evidence.cpp $t ops/evidence.cpp "unknown pixels counted" 's/masks\.known\.empty\(\) \? nullptr : masks\.known\.data\(\)/nullptr/'
+mutant stages/boundary/variance_stage.cpp $t stages/boundary/variance_stage.cpp "W1 \/ W of what no view sees" 's/if \(e\.views\[i\] == 0\) continue;//'
+mutant stages/boundary/variance_stage.cpp $t stages/boundary/variance_stage.cpp "pooled variance in float" 's/const double p = e\.object/const float p = (float)e.object/'
+mutant stages/boundary/variance_stage.cpp $t stages/boundary/variance_stage.cpp "unweighted ratio doubled" 's/return 1\.0 - r \* r;/return 1.0 - 2 * r * r;/'
+mutant ops/splat/evidence.cpp $t ops/splat/evidence.cpp "unknown pixels counted" 's/masks\.known\.empty\(\) \? nullptr : masks\.known\.data\(\)/nullptr/'
 
-t=unit/stages/strays_test.cpp f=stages/strays.cpp
-mutant $f $t $f "strays: what many views agree on may be one" 's/if \(double\(object\.views\[i\]\) >= core\.least_views\) continue;//'
-mutant stages/strays.h $t $f "strays: a quarter of the views makes a core" 's/\.seen = 0\.5, //'
-mutant $f $t $f "strays: only the core's own cells are linked" 's/if \(labelled\.contains\(next\) .*$//'
-mutant $f $t $f "strays: rows fixed by hand change" 's/ \|\| is_fixed\(input, i\)//'
-mutant $f $t $f "strays: another object's Gaussian is held" 's/finding\.stray\[i\] = 0;/(void)0;/'
-mutant stages/object_core.cpp $t stages/object_core.cpp "core: the best seen of the whole model" 's/cloud\.usable\[i\] && double\(object\.prob\[i\]\) >= options\.share/cloud.usable[i]/'
-mutant stages/view_trust.cpp unit/stages/view_trust_test.cpp stages/view_trust.cpp "trust: views that see nothing agree" 's/if \(found != kNothingThere\) all\.push_back\(found\)/all.push_back(trust.disagreement[n])/'
+t=unit/passes/components/components_test.cpp f=passes/components/components.cpp
+mutant $f $t $f "components: what many views agree on may be one" 's/if \(double\(object\.views\[i\]\) >= core\.least_views\) continue;//'
+mutant passes/components/components.h $t $f "components: a quarter of the views makes a core" 's/\.seen = 0\.5, //'
+mutant $f $t $f "components: only the core's own cells are linked" 's/if \(labelled\.contains\(next\) .*$//'
+mutant $f $t $f "components: rows fixed by hand change" 's/ \|\| is_fixed\(input, i\)//'
+mutant $f $t $f "components: another object's Gaussian is held" 's/finding\.stray\[i\] = 0;/(void)0;/'
+mutant passes/components/object_core.cpp $t passes/components/object_core.cpp "core: the best seen of the whole model" 's/cloud\.usable\[i\] && double\(object\.prob\[i\]\) >= options\.share/cloud.usable[i]/'
+mutant passes/mask_outliers/mask_outliers.cpp unit/passes/mask_outliers/mask_outliers_test.cpp passes/mask_outliers/mask_outliers.cpp "trust: views that see nothing agree" 's/if \(found != kNothingThere\) all\.push_back\(found\)/all.push_back(trust.disagreement[n])/'
 t=stability/geometry_stability_test.cpp
-mutant ops/sample_grid_kernels.h $t ops/sample_grid.cpp "Gaussians behind the camera count" 's/if \(!\(t\.z > kNearZ\)\) return;//'
-mutant ops/sample_grid_kernels.h $t ops/sample_grid.cpp "boxes thinner than a pixel divided" 's/if \(length < 1\) return .*;//'
-mutant ops/sample_grid_kernels.h unit/ops/sample_grid_test.cpp ops/sample_grid.cpp "half a step about nodes on the corners" 's/fitting \+ 1, 0\}/fitting + 1, step \/ 2}/'
-mutant ops/sample_grid_kernels.h $t ops/sample_grid.cpp "the box of nothing" 's/if \(sums\.visible == 0\) return \{\};//'
-mutant ops/sample_grid_kernels.h $t ops/sample_grid.cpp "box not clipped" 's/max2\(b\.min_x - pad_px, 0\.0\)/b.min_x - pad_px/'
-mutant ops/ray_query_kernels.h $t ops/ray_query.cpp "division by K - 1 = 0" 's/if \(samples == 1\) return .*;//'
-mutant ops/ray_query_kernels.h $t ops/ray_query.cpp "window through the camera" 's/max2\(centre - half, nearest\)/centre - half/'
-mutant ops/ray_query_kernels.h $t ops/ray_query.cpp "spacing divided by K - 1 = 0" 's/samples > 1 \? samples - 1 : 1/samples - 1/'
-mutant ops/ray_query_kernels.h $t ops/ray_query.cpp "third component from the other two" 's/cosine = T\(1\) \/ sqrt\(x \* x \+ y \* y \+ T\(1\)\);/cosine = T(1) \/ sqrt(x * x + y * y + T(1)); cosine = sqrt(T(1) - cosine * cosine * (x * x + y * y));/'
-mutant ops/ray_query_kernels.h $t ops/ray_query.cpp "depth divided by no alpha" 's/if \(!\(covered > least_alpha\)\) return 0;//'
-mutant stages/object_core.cpp $t stages/object_core.cpp "radius of a core about the origin" 's/ - core\.centre\[a\];/;/'
-mutant math/pixel_grid.h $t ops/ray_query.cpp "positions beyond the border not clamped" 's/const double at = clamp3\(position_px - 0\.5, 0\.0, double\(size_px - 1\)\);/const double at = position_px - 0.5 < 0 ? 0 : position_px - 0.5;/'
+mutant ops/field/sample_grid_kernels.h $t ops/field/sample_grid.cpp "Gaussians behind the camera count" 's/if \(!\(t\.z > kNearZ\)\) return;//'
+mutant ops/field/sample_grid_kernels.h $t ops/field/sample_grid.cpp "boxes thinner than a pixel divided" 's/if \(length < 1\) return .*;//'
+mutant ops/field/sample_grid_kernels.h unit/ops/field/sample_grid_test.cpp ops/field/sample_grid.cpp "half a step about nodes on the corners" 's/fitting \+ 1, 0\}/fitting + 1, step \/ 2}/'
+mutant ops/field/sample_grid_kernels.h $t ops/field/sample_grid.cpp "the box of nothing" 's/if \(sums\.visible == 0\) return \{\};//'
+mutant ops/field/sample_grid_kernels.h $t ops/field/sample_grid.cpp "box not clipped" 's/max2\(b\.min_x - pad_px, 0\.0\)/b.min_x - pad_px/'
+mutant ops/field/ray_query_kernels.h $t ops/field/ray_query.cpp "division by K - 1 = 0" 's/if \(samples == 1\) return .*;//'
+mutant ops/field/ray_query_kernels.h $t ops/field/ray_query.cpp "window through the camera" 's/max2\(centre - half, nearest\)/centre - half/'
+mutant ops/field/ray_query_kernels.h $t ops/field/ray_query.cpp "spacing divided by K - 1 = 0" 's/samples > 1 \? samples - 1 : 1/samples - 1/'
+mutant ops/field/ray_query_kernels.h $t ops/field/ray_query.cpp "third component from the other two" 's/cosine = T\(1\) \/ sqrt\(x \* x \+ y \* y \+ T\(1\)\);/cosine = T(1) \/ sqrt(x * x + y * y + T(1)); cosine = sqrt(T(1) - cosine * cosine * (x * x + y * y));/'
+mutant ops/field/ray_query_kernels.h $t ops/field/ray_query.cpp "depth divided by no alpha" 's/if \(!\(covered > least_alpha\)\) return 0;//'
+mutant passes/components/object_core.cpp $t passes/components/object_core.cpp "radius of a core about the origin" 's/ - core\.centre\[a\];/;/'
+mutant math/pixel_grid.h $t ops/field/ray_query.cpp "positions beyond the border not clamped" 's/const double at = clamp3\(position_px - 0\.5, 0\.0, double\(size_px - 1\)\);/const double at = position_px - 0.5 < 0 ? 0 : position_px - 0.5;/'
 
 t=stability/neighbours_stability_test.cpp
-mutant ops/knn.cpp $t ops/knn.cpp "ties in any order" 's/dist2 < o\.dist2 \|\| \(dist2 == o\.dist2 \&\& index < o\.index\)/dist2 <= o.dist2/'
-mutant ops/knn.cpp $t ops/knn.cpp "ties not admitted" 's/std::nextafter\((best_\[count_ - 1\]\.dist2), .*\);/\1;/'
-mutant ops/knn.cpp $t ops/knn.cpp "a point is its own neighbour" 's/index == excluded_ \|\| //'
-mutant ops/knn.cpp unit/ops/knn_test.cpp ops/knn.cpp "within: a tie is outside" 's/admitted_\(std::nextafter\(most_dist2, kInfinity\)\)/admitted_(most_dist2)/'
-mutant ops/knn.cpp $t ops/knn.cpp "search in float" 's/std::vector<double> out\(rows\.data, rows\.data \+ rows\.n \* 3\);/std::vector<double> out; for (std::int64_t i = 0; i < rows.n * 3; ++i) out.push_back(double(_Float16(rows.data[i])));/'
-f=ops/rbf_kernels.h
+mutant ops/field/knn.cpp $t ops/field/knn.cpp "ties in any order" 's/dist2 < o\.dist2 \|\| \(dist2 == o\.dist2 \&\& index < o\.index\)/dist2 <= o.dist2/'
+mutant ops/field/knn.cpp $t ops/field/knn.cpp "ties not admitted" 's/std::nextafter\((best_\[count_ - 1\]\.dist2), .*\);/\1;/'
+mutant ops/field/knn.cpp $t ops/field/knn.cpp "a point is its own neighbour" 's/index == excluded_ \|\| //'
+mutant ops/field/knn.cpp unit/ops/field/knn_test.cpp ops/field/knn.cpp "within: a tie is outside" 's/admitted_\(std::nextafter\(most_dist2, kInfinity\)\)/admitted_(most_dist2)/'
+mutant ops/field/knn.cpp $t ops/field/knn.cpp "search in float" 's/std::vector<double> out\(rows\.data, rows\.data \+ rows\.n \* 3\);/std::vector<double> out; for (std::int64_t i = 0; i < rows.n * 3; ++i) out.push_back(double(_Float16(rows.data[i])));/'
+f=ops/field/rbf_kernels.h
 mutant $f $t "" "the farther of two neighbours first" 's/max2\((dot\(x0 - xj, .*\)), T\(0\)\)/\1/'
-mutant $f $t ops/rbf.cpp "nearest distance not subtracted" 's/dot\(x0 - xj, \(q - x0\) \+ \(q - xj\)\)/dot(q - xj, q - xj)/'
-mutant $f $t ops/rbf.cpp "d_j² - d_0² as a difference" 's/dot\(x0 - xj, \(q - x0\) \+ \(q - xj\)\)/dot(q - xj, q - xj) - dot(q - x0, q - x0)/'
-mutant $f $t ops/rbf.cpp "1e-6 added to the sum" 's/w\[j\] = w\[j\] \/ sum;/w[j] = w[j] \/ (sum + T(1e-6));/'
-mutant $f $t ops/rbf.cpp "softmax gradient without the mean" 's/g\[j\] = w\[j\] \* \(g\[j\] - mean\)/g[j] = w[j] * g[j]/'
-mutant ops/rbf.cpp $t ops/rbf.cpp "1 \/ 2h² overflows" 's/float\(std::min\((1\.0 \/ \(2\.0 \* width \* width\)), .*\)\);/float(\1);/'
-mutant ops/rbf.cpp $t ops/rbf.cpp "width 0 where points coincide" 's/spacing > 0 \? factor \* spacing : 1\.0/factor * spacing/'
+mutant $f $t ops/field/rbf.cpp "nearest distance not subtracted" 's/dot\(x0 - xj, \(q - x0\) \+ \(q - xj\)\)/dot(q - xj, q - xj)/'
+mutant $f $t ops/field/rbf.cpp "d_j² - d_0² as a difference" 's/dot\(x0 - xj, \(q - x0\) \+ \(q - xj\)\)/dot(q - xj, q - xj) - dot(q - x0, q - x0)/'
+mutant $f $t ops/field/rbf.cpp "1e-6 added to the sum" 's/w\[j\] = w\[j\] \/ sum;/w[j] = w[j] \/ (sum + T(1e-6));/'
+mutant $f $t ops/field/rbf.cpp "softmax gradient without the mean" 's/g\[j\] = w\[j\] \* \(g\[j\] - mean\)/g[j] = w[j] * g[j]/'
+mutant ops/field/rbf.cpp $t ops/field/rbf.cpp "1 \/ 2h² overflows" 's/float\(std::min\((1\.0 \/ \(2\.0 \* width \* width\)), .*\)\);/float(\1);/'
+mutant ops/field/rbf.cpp $t ops/field/rbf.cpp "width 0 where points coincide" 's/spacing > 0 \? factor \* spacing : 1\.0/factor * spacing/'
 
-t=stability/encoding_stability_test.cpp f=ops/hash_grid_kernels.h
-mutant $f $t ops/hash_grid.cpp "coordinates not clamped" 's/clamp3\(unit, T\(0\), T\(1\)\)/unit/'
-mutant $f $t ops/hash_grid.cpp "origin subtracted after scaling" 's/\(world - centre\) \* inv_extent/(world * inv_extent - centre * inv_extent)/'
-mutant $f $t ops/hash_grid.cpp "slope beyond the box" 's/slope = inside \? scale \* inv_extent : T\(0\);/slope = scale * inv_extent;/'
-mutant $f $t ops/hash_grid.cpp "smoothstep without its slope" 's/slope = slope \* T\(6\) \* frac \* \(T\(1\) - frac\);//'
-mutant $f $t ops/hash_grid.cpp "no half-cell stagger" 's/\* scale \+ T\(0\.5\)/* scale/'
-mutant ops/hash_grid.cpp $t ops/hash_grid.cpp "division by no extent" 's/side > 0 \? float\(1 \/ side\) : 0\.f/float(1 \/ side)/'
-mutant ops/hash_grid.cpp $t ops/hash_grid.cpp "resolution³ in 32 bits" 's/std::uint64_t\(level\.resolution\) \* level/level.resolution * level/'
-f=ops/film_mlp_kernels.h
+t=stability/encoding_stability_test.cpp f=ops/field/hash_grid_kernels.h
+mutant $f $t ops/field/hash_grid.cpp "coordinates not clamped" 's/clamp3\(unit, T\(0\), T\(1\)\)/unit/'
+mutant $f $t ops/field/hash_grid.cpp "origin subtracted after scaling" 's/\(world - centre\) \* inv_extent/(world * inv_extent - centre * inv_extent)/'
+mutant $f $t ops/field/hash_grid.cpp "slope beyond the box" 's/slope = inside \? scale \* inv_extent : T\(0\);/slope = scale * inv_extent;/'
+mutant $f $t ops/field/hash_grid.cpp "smoothstep without its slope" 's/slope = slope \* T\(6\) \* frac \* \(T\(1\) - frac\);//'
+mutant $f $t ops/field/hash_grid.cpp "no half-cell stagger" 's/\* scale \+ T\(0\.5\)/* scale/'
+mutant ops/field/hash_grid.cpp $t ops/field/hash_grid.cpp "division by no extent" 's/side > 0 \? float\(1 \/ side\) : 0\.f/float(1 \/ side)/'
+mutant ops/field/hash_grid.cpp $t ops/field/hash_grid.cpp "resolution³ in 32 bits" 's/std::uint64_t\(level\.resolution\) \* level/level.resolution * level/'
+f=ops/field/film_mlp_kernels.h
 mutant $f $t "" "ReLU hides NaN" 's/select\(x < L\(S\(0\)\), L\(S\(0\)\), x\)/select(x > L(S(0)), x, L(S(0)))/'
 mutant $f $t "" "colour gradient as y (1 - y)" 's/sigmoid_slope\((raw\[\(1 \+ ch\) \* kColumns \+ q\])\)/(sigmoid(\1) * (S(1) - sigmoid(\1)))/'
 mutant $f $t "" "density as log(1 + e^x)" 's/softplus\(raw\[q\]\)/std::log(S(1) + std::exp(raw[q]))/'
 mutant $f $t "" "modulation without its offset" 's/fma_lanes\(load\(gamma \+ i\), load\(h \+ i\), load\(beta \+ i\)\)/load(gamma + i) * load(h + i)/'
-mutant ops/film_gemm_kernels.h $t "" "bias dropped" 's/bias \? bias\[r\] : S\(0\)/S(0)/'
+mutant ops/field/film_gemm_kernels.h $t "" "bias dropped" 's/bias \? bias\[r\] : S\(0\)/S(0)/'
 
-t=stability/volume_stability_test.cpp f=ops/volume_kernels.h
+t=stability/volume_stability_test.cpp f=ops/field/volume_kernels.h
 mutant $f $t "" "weights as T_k - T_k+1" 's/weight\[at\] = through \* one_minus_exp\(tau\);/weight[at] = through - exp(-(depth + tau));/'
 mutant $f $t "" "alpha as 1 - e^-D" 's/alpha\[r\] = one_minus_exp\(depth\);/alpha[r] = T(1) - exp(-depth);/'
 mutant $f $t "" "transmittance as a product of 1 - α" 's/through = exp\(-depth\);/through = through * (T(1) - one_minus_exp(tau));/'
 mutant $f $t "" "no background behind the ray" 's/T behind = end \* dot\(g, in\.background\);/T behind = T(0);/'
 mutant $f "$t grad/volume_grad_test.cpp" "" "suffix sum includes the sample" 's/(grad_density\[at\] = .*)behind \+ common/\1behind - weight[at] * along + common/'
-mutant ops/loss_mask_kernels.h $t ops/loss_mask.cpp "0 times an overflowed depth" 's/min2\(double\(depth\), 0x1\.fffffep127\)/double(depth)/'
+mutant ops/losses/loss_mask_kernels.h $t ops/losses/loss_mask.cpp "0 times an overflowed depth" 's/min2\(double\(depth\), 0x1\.fffffep127\)/double(depth)/'
 
-t=stability/losses_stability_test.cpp f=ops/loss_mask_kernels.h
-mutant $f $t ops/loss_mask.cpp "log(1 - p)" 's/log1p\(-at\)/log(rest)/'
-mutant $f $t ops/loss_mask.cpp "clamp instead of the tangent" 's/ \+ slope \* \(p - at\)//'
-mutant $f $t ops/loss_mask.cpp "prediction not clamped" 's/at = clamp3\(p, low, T\(1\) - low\)/at = p/'
-mutant $f $t ops/loss_mask.cpp "unknown pixels have a loss" 's/if \(counts\) loss =/loss =/'
-mutant ops/loss_mask.cpp $t ops/loss_mask.cpp "float accumulator" 's/loss\.total \+= sum;/loss.total = float(loss.total) + float(sum);/'
-mutant ops/loss_mask.cpp $t ops/loss_mask.cpp "mean over no pixels" 's/if \(loss\.known == 0\) return loss;//'
-f=ops/loss_align_kernels.h
-mutant $f $t ops/loss_align.cpp "E[x²] - E[x]²" 's/const Vec3<T> d = vec3\(image\.at\(x, y, 3\)\) - mean;/const Vec3<T> d = vec3(image.at(x, y, 3));/; s/return share \* variance;/return share * variance - dot(mean, mean);/'
-mutant $f $t ops/loss_align.cpp "mean of the sum, not of the patch" 's/mean = share \* mean;//'
-mutant $f $t ops/loss_align.cpp "inactive nodes count" 's/if \(in\.is_active\(r\)\)/if (true)/'
-mutant ops/loss_align.cpp $t ops/loss_align.cpp "mean over no nodes" 's/if \(loss\.nodes == 0\) return(.*);/if (false) return\1;/'
-f=ops/loss_cont_kernels.h
-mutant $f $t ops/loss_cont.cpp "|a|² - 2 a·b + |b|²" 's/dot\(d, d\)/(dot(here, here) - T(2) * dot(here, here - d) + dot(here - d, here - d))/'
-mutant $f "$t grad/loss_cont_grad_test.cpp" ops/loss_cont.cpp "edges that point here forgotten" 's/at < graph\.row_begin\[i \+ 1\]/at < graph.row_begin[i]/'
-mutant $f $t ops/loss_cont.cpp "weights of edges not normalised" 's/T\(1\) \/ T\(index\.c\)/T(2)/'
-mutant ops/loss_cont.cpp $t ops/loss_cont.cpp "mean over no neighbours" 's/if \(graph\.neighbours == 0\) return 0;/if (graph.neighbours == 0) return 0.0 \/ graph.neighbours;/'
-f=ops/loss_smooth_kernels.h
-mutant $f $t ops/loss_smooth.cpp "|a|² - 2 a·b + |b|²" 's/term\[i\] = dot\(d, d\);/const Vec3<T> a = vec3(colour.row(i)), b = a + d; term[i] = dot(a, a) - T(2) * dot(a, b) + dot(b, b);/'
-mutant $f "$t grad/loss_smooth_grad_test.cpp" ops/loss_smooth.cpp "sign of one gradient" 's/back\[0\] = -g\.x/back[0] = g.x/'
-mutant ops/loss_smooth.h $t ops/loss_smooth.cpp "the factor 3 of the estimate" 's/3 \* ratio \* ratio/ratio * ratio/'
-f=ops/photometric_kernels.h
-mutant $f unit/ops/photometric_test.cpp ops/photometric.cpp "SSIM with a variance below 0" 's/max_lanes\((moment\[kSquares\] - means), L\(T\(0\)\)\)/(\1)/'
+t=stability/losses_stability_test.cpp f=ops/losses/loss_mask_kernels.h
+mutant $f $t ops/losses/loss_mask.cpp "log(1 - p)" 's/log1p\(-at\)/log(rest)/'
+mutant $f $t ops/losses/loss_mask.cpp "clamp instead of the tangent" 's/ \+ slope \* \(p - at\)//'
+mutant $f $t ops/losses/loss_mask.cpp "prediction not clamped" 's/at = clamp3\(p, low, T\(1\) - low\)/at = p/'
+mutant $f $t ops/losses/loss_mask.cpp "unknown pixels have a loss" 's/if \(counts\) loss =/loss =/'
+mutant ops/losses/loss_mask.cpp $t ops/losses/loss_mask.cpp "float accumulator" 's/loss\.total \+= sum;/loss.total = float(loss.total) + float(sum);/'
+mutant ops/losses/loss_mask.cpp $t ops/losses/loss_mask.cpp "mean over no pixels" 's/if \(loss\.known == 0\) return loss;//'
+f=ops/losses/loss_align_kernels.h
+mutant $f $t ops/losses/loss_align.cpp "E[x²] - E[x]²" 's/const Vec3<T> d = vec3\(image\.at\(x, y, 3\)\) - mean;/const Vec3<T> d = vec3(image.at(x, y, 3));/; s/return share \* variance;/return share * variance - dot(mean, mean);/'
+mutant $f $t ops/losses/loss_align.cpp "mean of the sum, not of the patch" 's/mean = share \* mean;//'
+mutant $f $t ops/losses/loss_align.cpp "inactive nodes count" 's/if \(in\.is_active\(r\)\)/if (true)/'
+mutant ops/losses/loss_align.cpp $t ops/losses/loss_align.cpp "mean over no nodes" 's/if \(loss\.nodes == 0\) return(.*);/if (false) return\1;/'
+f=ops/losses/loss_cont_kernels.h
+mutant $f $t ops/losses/loss_cont.cpp "|a|² - 2 a·b + |b|²" 's/dot\(d, d\)/(dot(here, here) - T(2) * dot(here, here - d) + dot(here - d, here - d))/'
+mutant $f "$t grad/loss_cont_grad_test.cpp" ops/losses/loss_cont.cpp "edges that point here forgotten" 's/at < graph\.row_begin\[i \+ 1\]/at < graph.row_begin[i]/'
+mutant $f $t ops/losses/loss_cont.cpp "weights of edges not normalised" 's/T\(1\) \/ T\(index\.c\)/T(2)/'
+mutant ops/losses/loss_cont.cpp $t ops/losses/loss_cont.cpp "mean over no neighbours" 's/if \(graph\.neighbours == 0\) return 0;/if (graph.neighbours == 0) return 0.0 \/ graph.neighbours;/'
+f=ops/losses/loss_smooth_kernels.h
+mutant $f $t ops/losses/loss_smooth.cpp "|a|² - 2 a·b + |b|²" 's/term\[i\] = dot\(d, d\);/const Vec3<T> a = vec3(colour.row(i)), b = a + d; term[i] = dot(a, a) - T(2) * dot(a, b) + dot(b, b);/'
+mutant $f "$t grad/loss_smooth_grad_test.cpp" ops/losses/loss_smooth.cpp "sign of one gradient" 's/back\[0\] = -g\.x/back[0] = g.x/'
+mutant ops/losses/loss_smooth.h $t ops/losses/loss_smooth.cpp "the factor 3 of the estimate" 's/3 \* ratio \* ratio/ratio * ratio/'
+f=ops/losses/photometric_kernels.h
+mutant $f unit/ops/losses/photometric_test.cpp ops/losses/photometric.cpp "SSIM with a variance below 0" 's/max_lanes\((moment\[kSquares\] - means), L\(T\(0\)\)\)/(\1)/'
 mutant $f $t "" "C2 dropped" 's/ \+ L\(T\(kC2\)\)//'
 mutant $f $t "" "C1 dropped" 's/ \+ L\(T\(kC1\)\)//'
 mutant $f $t "" "covariance not doubled" 's/a2 = two \* \(moment/a2 = (moment/'
-mutant ops/photometric_strips.h unit/ops/photometric_test.cpp ops/photometric.cpp "padding not cleared" 's/clear_beside\(layout, .*\);/continue;/'
+mutant ops/losses/photometric_strips.h unit/ops/losses/photometric_test.cpp ops/losses/photometric.cpp "padding not cleared" 's/clear_beside\(layout, .*\);/continue;/'
 
-t=stability/optimiser_stability_test.cpp f=ops/adam.cpp
-mutant ops/adam_kernels.h $t $f "no eps" 's/ \* inv_root \+ eps\)/ * inv_root)/'
-mutant ops/adam_kernels.h $t $f "rows without a gradient decay" 's/if \(touched\)/if (true)/'
-mutant ops/adam_kernels.h $t $f "first moment not moved by its share" 's/m\[i\] = mi;/m[i] = g;/'
+t=stability/optimiser_stability_test.cpp f=ops/optim/adam.cpp
+mutant ops/optim/adam_kernels.h $t $f "no eps" 's/ \* inv_root \+ eps\)/ * inv_root)/'
+mutant ops/optim/adam_kernels.h $t $f "rows without a gradient decay" 's/if \(touched\)/if (true)/'
+mutant ops/optim/adam_kernels.h $t $f "first moment not moved by its share" 's/m\[i\] = mi;/m[i] = g;/'
 mutant $f $t $f "1 - β₂ in float" 's/T\(1\.0 - o\.beta2\)/T(1) - T(o.beta2)/'
-mutant ops/adam_kernels.h $t $f "1 - β₂^t in float" 's/-std::expm1\(double\(step\) \* std::log\(beta\)\)/double(1 - std::pow(float(beta), float(step)))/'
+mutant ops/optim/adam_kernels.h $t $f "1 - β₂^t in float" 's/-std::expm1\(double\(step\) \* std::log\(beta\)\)/double(1 - std::pow(float(beta), float(step)))/'
 mutant $f $t $f "NaN passes the check" 's/if \(!\(std::abs\(values\[std::size_t\(i\)\]\) <= limit\)\)/if (std::abs(values[std::size_t(i)]) > limit)/'
-f=ops/label_solve.cpp
+f=ops/labels/label_solve.cpp
 mutant $f $t $f "0 \/ 0 of a label without evidence" 's/object \+ rest > 0 \? (object \/ \(object \+ rest\)) : m\[i\]/\1/'
 mutant $f $t $f "what is left as 1 - rest" 's/\? object \/ \(object \+ rest\)/? 1 - rest \/ (object + rest)/'
 mutant $f $t $f "gap of one bound only" 's/gap \+= std::max\(g \* m\[i\], .*;/gap += g * m[i];/'
 
-t=grad/joint_grad_test.cpp f=stages/joint_stage.cpp
+t=grad/joint_grad_test.cpp f=passes/joint/joint_stage.cpp
 mutant $f $t $f "colour continuity without its gradient" 's/(gradients\.sh_dc\[row \* 3 \+ c\] \+= float\()kShC0 \* /\10 * /'
 mutant $f $t $f "mask loss without its weight" 's/(loss_mask\(.*)/\1/; s/options\.lambda_mask, \&grad\.label\)/1.0, \&grad.label)/'
 mutant $f $t $f "label gradient without the sigmoid" 's/gradients\.label\[i\] \* sigmoid_slope\(logit\[i\]\)/gradients.label[i]/'
 mutant $f $t $f "smoothness gradient doubled" 's/field->smoothness\(exec, rays, boundary\.positions\(\), options\.lambda_smooth/field->smoothness(exec, rays, boundary.positions(), 2 * options.lambda_smooth/'
 
-f=stages/edge_stage.cpp t=unit/stages/edge_stage_test.cpp
+f=passes/contours/contour_stage.cpp t=unit/passes/contours/contour_stage_test.cpp
 mutant $f $t $f "edges: what is not trained does not show" 's/!\(across\.weight\.value\(i\) > 0\)/true/'
 mutant $f $t $f "edges: all that shows is trained" 's/play\.frozen\.push_back\(!trained\)/play.frozen.push_back(0)/'
 mutant $f $t $f "edges: what was trained is not put back" 's/scatter_rows\(exec, trained\.cloud, rows, model\.cloud\);//'
 mutant $f $t $f "edges: small photos are always walked enlarged" 's/if \(gain_in_errors.*\) return;$//'
 mutant $f $t $f "edges: trained labels get another start" 's/joint\.start_steps = 1;//'
 mutant $f $t $f "edges: no round at the full size" 's/round \+ 1 < rounds \&\& //'
-mutant stages/edge_masks.cpp $t stages/edge_masks.cpp "edges: enlarged, reach and band stay" 's/walk\.band_px \*= .*;//'
+mutant passes/contours/refined_masks.cpp $t passes/contours/refined_masks.cpp "edges: enlarged, reach and band stay" 's/walk\.band_px \*= .*;//'
 mutant scene/enlarge.cpp unit/scene/enlarge_test.cpp scene/enlarge.cpp "enlarged: half a pixel beside" 's/\(i \+ 0\.5\) \* from_px \/ to_px - 0\.5/double(i) * from_px \/ to_px/'
 mutant scene/enlarge.cpp unit/scene/enlarge_test.cpp scene/enlarge.cpp "enlarged: beyond the border nothing" 's/sum \+= taps\.weight\[t\] \* double\(image/if (taps.pixel[t] > 0) &/'
-mutant stages/label_start.h unit/stages/label_start_test.cpp stages/joint_stage.cpp "labels start at their share" 's/steps \* logit\(/logit(/'
-mutant stages/label_start.h unit/stages/label_start_test.cpp stages/joint_stage.cpp "start of the labels without a bound" 's/return std::clamp\((steps \* logit\(.*\)), -most, most\);/return \1;/'
+mutant passes/joint/label_start.h unit/passes/joint/label_start_test.cpp passes/joint/joint_stage.cpp "labels start at their share" 's/steps \* logit\(/logit(/'
+mutant passes/joint/label_start.h unit/passes/joint/label_start_test.cpp passes/joint/joint_stage.cpp "start of the labels without a bound" 's/return std::clamp\((steps \* logit\(.*\)), -most, most\);/return \1;/'
 
-t="unit/ops/edge_walk_test.cpp stability/alignment_stability_test.cpp" f=ops/edge_walk.cpp
+t="unit/ops/image/contour_refine_test.cpp stability/alignment_stability_test.cpp" f=ops/image/contour_refine.cpp
 mutant $f "$t" $f "densities of colours without a least variance" 's/\(i == j \? kColourNoise : 0\.0\)/0.0/; s/std::max\(c\[i\]\[i\], 0\.5 \* kColourNoise\)/c[i][i]/'
 mutant $f "$t" $f "every neighbour alike" 's/std::exp\(-squared_difference\(colour\[p\], colour\[q\]\) \/ m\)/1.0/'
 mutant $f "$t" $f "edges are steps along x" 's/if \(y \+ 1 < win\.h\) sum .*//'
 mutant $f "$t" $f "pixels beside the band forgotten" 's/walk\.right\[std::size_t\(row\)\] \+= w \* double\(walk\.given\[q\]\);/;/'
 mutant $f "$t" $f "nothing says where the contour was" 's/right\.push_back\(shape_weight \* sigmoid\(.*\) \+$/right.push_back(0 +/'
 mutant $f "$t" $f "colours that are no numbers in the means" 's/if \(std::isfinite\(v\)\) sum/sum/'
-t=unit/stages/effect_detectors_test.cpp f=stages/effect_detectors.cpp
+t=unit/passes/effect_detectors_test.cpp f=passes/effect_detectors.cpp
 mutant $f $t $f "narrow: corners of the squares left out" 's/away\[p\] > kReach/away[p] >= kReach/'
 mutant $f $t $f "narrow: beyond the picture is nothing" 's/chessboard_distance\(mask, Outside::kUnknown\)/chessboard_distance(mask)/'
-mutant stages/time_plan.h unit/stages/time_plan_test.cpp stages/time_plan.cpp "plan: early rounds cost what the last does" 's/early_share \* visits \* visit_s;/visits * visit_s;/'
-mutant stages/edge_stage.cpp unit/stages/edge_stage_test.cpp stages/edge_stage.cpp "edges: early rounds take all visits" 's/early \? early_visits\(visits\) : visits/visits/'
-mutant stages/joint_options.h unit/stages/edge_stage_test.cpp "" "joint: few visits where no rounds follow" 's/effects\.edges && effects\.second_round && //'
-t="unit/ops/pose_step_test.cpp stability/alignment_stability_test.cpp" f=ops/pose_step.cpp
+mutant passes/time_plan.h unit/passes/time_plan_test.cpp passes/time_plan.cpp "plan: early rounds cost what the last does" 's/early_share \* visits \* visit_s;/visits * visit_s;/'
+mutant passes/contours/contour_stage.cpp unit/passes/contours/contour_stage_test.cpp passes/contours/contour_stage.cpp "edges: early rounds take all visits" 's/early \? early_epochs\(visits\) : visits/visits/'
+mutant passes/joint/joint_options.h unit/passes/contours/contour_stage_test.cpp "" "joint: few visits where no rounds follow" 's/effects\.edges && effects\.contour_iterations_on && //'
+t="unit/ops/optim/pose_step_test.cpp stability/alignment_stability_test.cpp" f=ops/optim/pose_step.cpp
 mutant $f "$t" $f "no prior on the motion" 's/const double prior = .*;/const double prior = 0;/'
 mutant $f "$t" $f "exposures not laid on each other" 's/match_exposure\(photo, view\.alpha, from\);//'
 mutant $f "$t" $f "no weights of Cauchy" 's/return 1 \/ \(1 \+ residual .*;/return 1 + 0 * residual;/'
-t="unit/ops/anderson_test.cpp stability/alignment_stability_test.cpp" f=ops/anderson.cpp
+t="unit/ops/optim/anderson_test.cpp stability/alignment_stability_test.cpp" f=ops/optim/anderson.cpp
 mutant $f "$t" $f "no ridge" 's/1 \+ kRidge/1/'
 mutant $f "$t" $f "weights ignored" 's/sum \+= w\[i\] \* a\[i\]/sum += a[i]/'
 mutant $f "$t" $f "combined step without the points' differences" 's/dx_\[std::size_t\(j\)\]\[i\] \+ df_/df_/'
-t=unit/ops/label_solve_test.cpp f=ops/label_blocks.cpp
+t=unit/ops/labels/label_solve_test.cpp f=ops/labels/label_blocks.cpp
 mutant $f $t $f "label sums: background of a pixel from m" 's/c = fma_lanes\(weight, rest, c\)/c = fma_lanes(weight, m, c)/'
 mutant $f $t $f "label sums: the other factor of binary targets" 's/select\(inside > L\(0\.f\), m, rest\)/select(inside > L(0.f), rest, m)/'
 mutant $f $t $f "label sums: one side of a pack on both sides of the mask" 's/add_to\(sums\.outside\.data\(\), f\.c\)/any(f.q > L(0.f)) ? void() : add_to(sums.outside.data(), f.c)/'
 mutant $f $t $f "label sums: the first band twice" 's/\(inside\[at\] \+ inside\[at \+ 1\]\)/(inside[at] + inside[at])/'
-f=ops/label_packs.h g="ops/label_blocks.cpp ops/label_collect.cpp"
+f=ops/labels/label_packs.h g="ops/labels/label_blocks.cpp ops/labels/label_collect.cpp"
 mutant $f $t "$g" "label sums: unknown pixels count as background" 's/select\(p\.inside \+ p\.outside > L\(0\.f\), factor, L\(1\.f\)\)/factor/'
 mutant $f $t "$g" "label sums: predictions of exactly 0" 's/return fma_lanes\(L\(float\(1 - 2 \* kMaskEps\)\), sum, .*;/return sum;/'
-f=ops/label_collect.cpp
+f=ops/labels/label_collect.cpp
 mutant $f $t $f "label sums: folded Gaussians forgotten" 's/foreground\[k\] = fma_lanes\(weight, m, foreground\[k\]\)/foreground[k] = foreground[k]/'
 mutant $f $t $f "label sums: long steps cut off" 's/for \(; place - last_ > kLongestStep; .*$//'
-t=unit/ops/metrics_test.cpp f=ops/metrics.cpp
+t=unit/ops/image/metrics_test.cpp f=ops/image/metrics.cpp
 mutant $f $t $f "band without its last pixel" 's/<= band_px/< band_px/g'
 mutant $f $t $f "nothing of nothing is 0" 's/whole == 0 \? if_nothing/whole == 0 ? 0/'
 mutant $f $t $f "union of the bands from one mask" 's/in_any \+= p \|\| t/in_any += p/'
-t=unit/ops/front_layer_test.cpp f=ops/front_layer.cpp
+t=unit/ops/splat/front_layer_test.cpp f=ops/splat/front_layer.cpp
 mutant $f $t $f "what lies in front without its transmittance" 's/hit\.alpha \* hit\.transmittance, L/hit.alpha, L/'
 mutant $f $t $f "every Gaussian may be in front" 's/may = candidate.*;/may = true;/; s/if \(!query\.candidate\[i\]\) return;//'
 mutant $f $t $f "depths not compared" 's/select\(L\(depth\) < limit\[hit\.pack\], /select(L(depth) < L(1e30f), /'
@@ -224,49 +224,49 @@ mutant $f $t $f "a surface at a Gaussian lies behind it" 's/L\(depth\) < limit\[
 mutant scene/shrink.cpp $t scene/shrink.cpp "cells at the border divided as whole ones" 's/\(right - x \* factor\) \* \(bottom - y \* factor\)/factor * factor/'
 mutant scene/shrink.cpp $t scene/shrink.cpp "float accumulator" 's/double sum = 0/float sum = 0/; s/sum \+= double\(image(.*)\);/sum += image\1;/'
 mutant math/median.h $t "" "a third instead of the middle" 's/values\.size\(\) \/ 2/values.size() \/ 3/'
-f=ops/image_metrics.cpp
+f=ops/image/image_metrics.cpp
 mutant $f $t $f "squares, not the square of the difference" 's/sum \+= w \* d \* d;/const float p = a.at(x, int(y), c), q = b.at(x, int(y), c); sum += w * double(p * p - 2 * p * q + q * q) + 0 * d;/'
 
-t="parity/emulated_main.cpp parity/backends.cpp parity/splat_parity.cpp" f=ops/tiles_grid.h
+t="parity/emulated_main.cpp parity/backends.cpp parity/splat_parity.cpp" f=ops/device/tiles_schedule.h
 mutant $f "$t" "" "device: pairs of a Gaussian in one row of tiles only" 's/ty < rect\[i\]\.y_end/ty < rect[i].y_begin + 1/'
 mutant $f "$t" "" "device: last tile without an end" 's/grid\.each\(tile_count_ \+ 1, FindTiles/grid.each(tile_count_, FindTiles/'
 mutant $f "$t" "" "device: keys sorted by tile only" 's/\| near_first;/| 0;/'
-f=ops/splat_forward_grid.h
+f=ops/device/splat_forward_schedule.h
 mutant $f "$t" "" "device: a batch of the whole tile" 's/min2<std::int64_t>\(kBatch, end - first\)/kBatch/'
 mutant $f "$t" "" "device: background behind an opaque tile" 's/fma_lanes\(own\.walk\.transmittance, channels\.background\[c\], own\.sum\[c\]\)/own.sum[c]/'
-f=ops/splat_backward_grid.h
-mutant $f unit/ops/splat_backward_grid_test.cpp "" "device: transmittances kept by the wrong tile" 's/return begin \/ kBatch \+ tile;/return begin \/ kBatch;/'
+f=ops/device/splat_backward_schedule.h
+mutant $f unit/ops/device/splat_backward_schedule_test.cpp "" "device: transmittances kept by the wrong tile" 's/return begin \/ kBatch \+ tile;/return begin \/ kBatch;/'
 mutant $f "$t" "" "device: no barrier before memory is used again" 's/if \(j < used\) sum_segment\(shared, (.*), own\.part\);/if (j < used) { sum_segment(shared, \1, own.part); for (int k = 0; k < kSums; ++k) shared.segment[s][j * kSums + k] = own.part[k]; }/'
 mutant $f "$t" "" "device: chunks from the near end" 's/for \(int chunk = divided_up\(count, kChunk\); chunk-- > 0;\)/for (int chunk = 0; chunk < divided_up(count, kChunk); ++chunk)/'
 mutant $f "$t" "" "device: geometry of channel groups not added" 's/channels\.first > 0 \? \*to \+ value : value/false ? value : value/'
 mutant $f "$t" "" "device: segments that overlap" 's/at = s \/ 2 \* kTilePx \+ x/at = s \/ 2 * kTilePx + i/'
 mutant $f "$t" "" "device: an atomic sum without its last column" 's/if \(sums == DeviceSums::kAtomic\)$/if (sums == DeviceSums::kAtomic \&\& k + 1 < kPairGeometry + channels.used)/'
-mutant ops/splat_grid.h "$t" "" "device: atomic sums read as those of pairs" 's/summed \? i \+ 1 : end/end/; s/summed \? i : begin/begin/'
-mutant ops/evidence_grid.h "$t" "" "device: second group of objects over the first" 's/k \+ 2 \* first\)\]/k)]/'
+mutant ops/device/splat_schedule.h "$t" "" "device: atomic sums read as those of pairs" 's/summed \? i \+ 1 : end/end/; s/summed \? i : begin/begin/'
+mutant ops/device/evidence_schedule.h "$t" "" "device: second group of objects over the first" 's/k \+ 2 \* first\)\]/k)]/'
 t="parity/emulated_main.cpp parity/backends.cpp parity/field_parity.cpp"
-mutant ops/knn_grid.h "$t" "" "device: equal distances lose their order" 's/if \(!placed \&\& !/if (!/'
-mutant ops/knn_grid.h "$t" "" "device: float distances rejected without slack" 's/ \* 1\.000002f;/ * 0.999f;/'
-mutant ops/hash_grid_grid.h "$t" "" "device: every contribution starts a sum" 's/if \(i > 0 \&\& key\[i - 1\] == key\[i\]\) return;//'
-mutant ops/hash_grid_grid.h "$t" "" "device: an atomic sum drops a contribution" 's/(\[\]\(float\* to, float x\) \{ )(Grid::add_to)/[i](float* to, float x) { if (i != 77) \2/'
-mutant ops/film_backward_grid.h "$t" "" "device: parts lose the last tile" 's/\(block\.index \+ 1\) \* tiles \/ kParts;/(block.index + 1) * tiles \/ kParts - 1;/'
-mutant ops/film_backward_grid.h "$t" "" "device: conditions not loaded again" 's/Tile::load_condition\(t, net, first, shared\.condition\);//'
-mutant ops/film_forward_grid.h "$t" "" "device: activations written while they are read" 's/(Tile::product\(t, .*, shared\.x, own\.cells\);)/\1 shared.x[t] = own.cells[0][0];/'
+mutant ops/device/knn_schedule.h "$t" "" "device: equal distances lose their order" 's/if \(!placed \&\& !/if (!/'
+mutant ops/device/knn_schedule.h "$t" "" "device: float distances rejected without slack" 's/ \* 1\.000002f;/ * 0.999f;/'
+mutant ops/device/hash_grid_schedule.h "$t" "" "device: every contribution starts a sum" 's/if \(i > 0 \&\& key\[i - 1\] == key\[i\]\) return;//'
+mutant ops/device/hash_grid_schedule.h "$t" "" "device: an atomic sum drops a contribution" 's/(\[\]\(float\* to, float x\) \{ )(Grid::add_to)/[i](float* to, float x) { if (i != 77) \2/'
+mutant ops/device/film_backward_schedule.h "$t" "" "device: parts lose the last tile" 's/\(block\.index \+ 1\) \* tiles \/ kParts;/(block.index + 1) * tiles \/ kParts - 1;/'
+mutant ops/device/film_backward_schedule.h "$t" "" "device: conditions not loaded again" 's/Tile::load_condition\(t, net, first, shared\.condition\);//'
+mutant ops/device/film_forward_schedule.h "$t" "" "device: activations written while they are read" 's/(Tile::product\(t, .*, shared\.x, own\.cells\);)/\1 shared.x[t] = own.cells[0][0];/'
 t="parity/emulated_main.cpp parity/backends.cpp parity/loss_parity.cpp"
-mutant ops/sum_grid.h "$t" "" "device: a chunk one short" 's/row < rows\.end; row \+= rows\.step\) total/row + rows.step < rows.end; row += rows.step) total/'
-mutant ops/photometric_grid.h "$t" "" "device: padding not cleared" 's/products\.zero\(\);//'
-mutant ops/adam_grid.h "$t" "" "device: negative overflow passes" 's/if \(!\(value\[i\] <= limit \&\& -value\[i\] <= limit\)\)/if (!(value[i] <= limit))/'
-mutant ops/adam_grid.h "$t" "" "device: the last unusable gradient found" 's/found = i < found \? i : found;/found = i;/'
+mutant ops/device/sum_schedule.h "$t" "" "device: a chunk one short" 's/row < rows\.end; row \+= rows\.step\) total/row + rows.step < rows.end; row += rows.step) total/'
+mutant ops/device/photometric_schedule.h "$t" "" "device: padding not cleared" 's/products\.zero\(\);//'
+mutant ops/device/adam_schedule.h "$t" "" "device: negative overflow passes" 's/if \(!\(value\[i\] <= limit \&\& -value\[i\] <= limit\)\)/if (!(value[i] <= limit))/'
+mutant ops/device/adam_schedule.h "$t" "" "device: the last unusable gradient found" 's/found = i < found \? i : found;/found = i;/'
 
-t=unit/stages/exposure_test.cpp f=stages/exposure.cpp
+t=unit/passes/exposure/exposure_test.cpp f=passes/exposure/exposure.cpp
 mutant $f $t $f "one pixel for the median of an exposure" 's/upper_median\(std::move\(ratio\)\)/ratio[0]/'
 mutant $f $t $f "the model's own exposure taken for the view's" 's/logs\[i\]\[c\] - models/logs[i][c]/'
 mutant $f $t $f "clipped pixels have a say on exposure" 's/ && std::max\(a, b\) < kClipped//'
 
-t=unit/stages/effect_probe_test.cpp f=stages/effect_probe.cpp
+t=unit/passes/effect_probe_test.cpp f=passes/effect_probe.cpp
 mutant $f $t $f "an effect decided without what it needs" 's/d\.effect->name == e\.needs && !d\.on/false/'
 mutant $f $t $f "a verdict before an entry" 's/mode != EffectMode::kAuto\)/mode != EffectMode::kAuto \&\& verdicts.empty())/'
 
-t=unit/stages/background_test.cpp f=stages/background.cpp
+t=unit/stages/render/background_test.cpp f=stages/render/background.cpp
 mutant $f $t $f "background: black whatever the photos show" 's/found\.gain_db >= kBackgroundMarginDb/false/'
 mutant $f $t $f "background: also where black explains the photos as well" 's/ && found\.gain_db >= kBackgroundMarginDb//'
 mutant $f $t $f "background: the views need not agree" 's/<= kMostBackgroundError/<= 1e9/'

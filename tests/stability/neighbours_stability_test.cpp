@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <numeric>
 
-#include "ngs/ops/knn.h"
-#include "ngs/ops/rbf.h"
-#include "ngs/ops/rbf_kernels.h"
+#include "ngs/ops/field/knn.h"
+#include "ngs/ops/field/rbf.h"
+#include "ngs/ops/field/rbf_kernels.h"
 #include "support/stability.h"
 
 namespace ngs {

@@ -2,8 +2,8 @@
 #include <doctest/doctest.h>
 
 #include "ngs/core/error.h"
-#include "ngs/ops/adam.h"
-#include "ngs/ops/label_solve.h"
+#include "ngs/ops/optim/adam.h"
+#include "ngs/ops/labels/label_solve.h"
 #include "support/stability.h"
 
 namespace ngs {

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "ngs/math/median.h"
-#include "ngs/ops/front_layer.h"
-#include "ngs/ops/image_metrics.h"
+#include "ngs/ops/splat/front_layer.h"
+#include "ngs/ops/image/image_metrics.h"
 #include "ngs/scene/shrink.h"
 #include "support/stability.h"
 

@@ -4,16 +4,16 @@
 
 #include <filesystem>
 
-#include "ngs/io/gaussian_ply.h"
-#include "ngs/io/import_scene.h"
-#include "ngs/io/masks.h"
-#include "ngs/ops/cloud_view.h"
-#include "ngs/ops/metrics.h"
-#include "ngs/ops/splat_engine.h"
-#include "ngs/ops/tile_kernels_of.h"
-#include "ngs/ops/tile_scratch.h"
-#include "ngs/stages/render_options.h"
-#include "ngs/stages/variance_stage.h"
+#include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/io/scene/import_scene.h"
+#include "ngs/io/image/masks.h"
+#include "ngs/ops/splat/cloud_view.h"
+#include "ngs/ops/image/metrics.h"
+#include "ngs/ops/splat/splat_engine.h"
+#include "ngs/ops/splat/tile_kernels_of.h"
+#include "ngs/ops/splat/tile_scratch.h"
+#include "ngs/stages/render/render_options.h"
+#include "ngs/stages/boundary/variance_stage.h"
 
 namespace ngs {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "ngs/ops/cloud_view.h"
+#include "ngs/ops/splat/cloud_view.h"
 #include "support/stability.h"
 
 namespace ngs {

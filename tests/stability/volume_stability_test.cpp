@@ -2,8 +2,8 @@
 // (1)
 #include <doctest/doctest.h>
 
-#include "ngs/ops/loss_mask.h"
-#include "ngs/ops/volume_kernels.h"
+#include "ngs/ops/losses/loss_mask.h"
+#include "ngs/ops/field/volume_kernels.h"
 #include "support/stability.h"
 
 namespace ngs {

@@ -6,8 +6,8 @@
 #include <fstream>
 
 #include "ngs/core/rng.h"
-#include "ngs/io/image_file.h"
-#include "ngs/ops/splat.h"
+#include "ngs/io/image/image_file.h"
+#include "ngs/ops/splat/splat.h"
 #include "support/tiny_scene.h"
 
 namespace ngs::test {

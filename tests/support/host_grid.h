@@ -1,5 +1,5 @@
 #pragma once
-// The Grid of backend/grid.h, emulated: blocks one after the other, in every phase thread after thread. Finds without a
+// The Grid of backend/launcher.h, emulated: blocks one after the other, in every phase thread after thread. Finds without a
 // device what would go wrong on one:
 //   a read of memory never written    allocations, Shared and Thread start as NaN / all bits set
 //   a race within a phase or grid     results must not depend on `order` (ascending, descending, shuffled)
@@ -10,7 +10,7 @@
 #include <memory>
 #include <numeric>
 
-#include "ngs/backend/grid.h"
+#include "ngs/backend/launcher.h"
 #include "ngs/core/check.h"
 #include "ngs/core/rng.h"
 
@@ -47,13 +47,13 @@ class HostBlock {
   std::vector<Thread> own_;
 };
 
-class HostGrid {
+class HostLauncher {
  public:
-  explicit HostGrid(ThreadOrder order = ThreadOrder::kAscending) : order_(order) {}
+  explicit HostLauncher(ThreadOrder order = ThreadOrder::kAscending) : order_(order) {}
   static void add_to(float* to, float x) { *to += x; }
-  HostGrid(const HostGrid&) = delete;
-  HostGrid& operator=(const HostGrid&) = delete;
-  ~HostGrid() {
+  HostLauncher(const HostLauncher&) = delete;
+  HostLauncher& operator=(const HostLauncher&) = delete;
+  ~HostLauncher() {
     if (allocated_ != 0) std::abort();  // a leak
   }
 

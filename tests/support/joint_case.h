@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "ngs/core/rng.h"
-#include "ngs/stages/method.h"
-#include "ngs/stages/variance_stage.h"
+#include "ngs/problem/problem.h"
+#include "ngs/stages/boundary/variance_stage.h"
 
 namespace ngs::test {
 
@@ -18,7 +18,7 @@ struct JointCase {
   std::vector<ViewMasks> masks;
   std::vector<LabelColumns> labels;
 
-  MethodInput input() const {
+  Problem input() const {
     return {.cloud = model, .scene = scene, .views = {0, 1, 2, 3},
             .load_masks = [this](std::size_t v) { return masks[v]; },
             .load_photo = [this](std::size_t v) { return photos[v]; },

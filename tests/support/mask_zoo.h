@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "ngs/core/rng.h"
-#include "ngs/ops/metrics.h"
+#include "ngs/ops/image/metrics.h"
 
 namespace ngs::test {
 

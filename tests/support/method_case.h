@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "ngs/stages/method.h"
+#include "ngs/problem/problem.h"
 #include "support/splat_reference.h"
 
 namespace ngs::test {
@@ -15,7 +15,7 @@ struct MethodCase {
   std::vector<ViewMasks> masks;
   std::vector<ImageF> photos;
 
-  MethodInput input() const {
+  Problem input() const {
     std::vector<std::size_t> views(scene.views.size());
     std::iota(views.begin(), views.end(), std::size_t(0));
     return {cloud,

@@ -6,7 +6,7 @@
 #include <limits>
 #include <sstream>
 
-#include "ngs/io/image_file.h"
+#include "ngs/io/image/image_file.h"
 #include "support/temp_dir.h"
 
 namespace ngs::test {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "ngs/io/ply.h"
+#include "ngs/io/ply/ply.h"
 
 namespace ngs::test {
 

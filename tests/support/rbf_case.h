@@ -2,8 +2,8 @@
 // A small random interpolation problem, run through the kernels with any scalar.
 #include <vector>
 
-#include "ngs/ops/knn.h"
-#include "ngs/ops/rbf_kernels.h"
+#include "ngs/ops/field/knn.h"
+#include "ngs/ops/field/rbf_kernels.h"
 #include "support/adjoint.h"
 #include "support/random.h"
 

@@ -10,7 +10,7 @@
 namespace ngs::test {
 
 struct SourceFile {
-  std::string path;  // from the top of the project, "libngs/ngs/ops/rbf.cpp"
+  std::string path;  // from the top of the project, "libngs/ngs/ops/field/rbf.cpp"
   std::string text;
   bool ends_with(const std::string& suffix) const {
     return path.size() >= suffix.size() &&

@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "ngs/core/rng.h"
-#include "ngs/ops/splat_engine.h"
-#include "ngs/ops/tile_kernels_of.h"
+#include "ngs/ops/splat/splat_engine.h"
+#include "ngs/ops/splat/tile_kernels_of.h"
 
 namespace ngs::test {
 

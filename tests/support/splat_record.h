@@ -1,6 +1,6 @@
 #pragma once
 // A Gaussian as the compositing kernels read it, from its covariance in the picture.
-#include "ngs/ops/splat_gaussian.h"
+#include "ngs/ops/splat/splat_gaussian.h"
 
 namespace ngs::test {
 

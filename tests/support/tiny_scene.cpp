@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "ngs/io/image_file.h"
-#include "ngs/io/scene_json.h"
-#include "ngs/ops/splat.h"
+#include "ngs/io/image/image_file.h"
+#include "ngs/io/scene/scene_json.h"
+#include "ngs/ops/splat/splat.h"
 
 namespace ngs::test {
 namespace {

@@ -7,13 +7,13 @@
 #include <set>
 
 #include "ngs/backend/for_each.h"
-#include "ngs/io/exr.h"
-#include "ngs/io/image_file.h"
-#include "ngs/io/masks.h"
-#include "ngs/io/text_lines.h"
-#include "ngs/ops/image_metrics.h"
+#include "ngs/io/image/exr.h"
+#include "ngs/io/image/image_file.h"
+#include "ngs/io/image/masks.h"
+#include "ngs/io/files/text_lines.h"
+#include "ngs/ops/image/image_metrics.h"
 #include "ngs/scene/view_names.h"
-#include "ngs/stages/match_names.h"
+#include "ngs/stages/eval/match_names.h"
 
 namespace ngs::cli {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "image_list.h"
-#include "ngs/stages/eval_stage.h"
+#include "ngs/stages/eval/eval_stage.h"
 #include "shared/tool.h"
 
 namespace ngs::cli {

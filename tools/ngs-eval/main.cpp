@@ -1,5 +1,5 @@
-// ngs-eval: predicted and true masks -> scores (ops/metrics.h).
-#include "ngs/io/atomic_file.h"
+// ngs-eval: predicted and true masks -> scores (ops/image/metrics.h).
+#include "ngs/io/files/atomic_file.h"
 #include "outcome.h"
 #include "shared/unused.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <span>
 
-#include "ngs/stages/import_stage.h"
+#include "ngs/stages/extract/import_stage.h"
 
 namespace ngs::cli {
 namespace {

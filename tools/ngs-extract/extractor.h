@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "ngs/io/gaussian_ply.h"
-#include "ngs/stages/extract_stage.h"
+#include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/stages/extract/extract_stage.h"
 #include "shared/tool.h"
 
 namespace ngs::cli {

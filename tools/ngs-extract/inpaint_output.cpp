@@ -6,12 +6,12 @@
 #include <iterator>
 #include <set>
 
-#include "ngs/io/image_file.h"
-#include "ngs/io/masks.h"
-#include "ngs/io/scene_json.h"
-#include "ngs/io/sparse_points.h"
+#include "ngs/io/image/image_file.h"
+#include "ngs/io/image/masks.h"
+#include "ngs/io/scene/scene_json.h"
+#include "ngs/io/capture/sparse_points.h"
 #include "ngs/scene/view_names.h"
-#include "ngs/stages/render_options.h"
+#include "ngs/stages/render/render_options.h"
 #include "shared/scene_model.h"
 #include "shared/unused.h"
 

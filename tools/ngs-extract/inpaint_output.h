@@ -8,7 +8,7 @@
 //   sparse/0/*.txt      the cameras, COLMAP text, one per image
 //   scene.json          the same for ngs: model, images at the working size, and the dilated holes as masks
 #include "extractor.h"
-#include "ngs/stages/inpaint_stage.h"
+#include "ngs/stages/extract/inpaint_stage.h"
 
 namespace ngs::cli {
 

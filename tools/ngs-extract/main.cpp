@@ -3,7 +3,7 @@
 
 #include "extractor.h"
 #include "inpaint_output.h"
-#include "ngs/io/scene_json.h"
+#include "ngs/io/scene/scene_json.h"
 #include "shared/unused.h"
 
 int main(int argc, char** argv) {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "ngs/core/error.h"
-#include "ngs/io/safetensors.h"
+#include "ngs/io/files/safetensors.h"
 
 namespace ngs::cli {
 namespace {

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "ngs/options/option_set.h"
-#include "ngs/stages/fit_stage.h"
+#include "ngs/stages/fit/fit_stage.h"
 
 namespace ngs::cli {
 
-/// Hashes of the files that a fit reads beside the scene (shared/checkpoints.h, io/content_hash.h); points: empty without.
+/// Hashes of the files that a fit reads beside the scene (shared/checkpoints.h, io/files/content_hash.h); points: empty without.
 struct FitFiles {
   std::string photos, points;
 };

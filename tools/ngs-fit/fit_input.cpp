@@ -1,8 +1,8 @@
 #include "fit_input.h"
 
-#include "ngs/io/gaussian_ply.h"
-#include "ngs/io/photo.h"
-#include "ngs/io/sparse_points.h"
+#include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/io/image/photo.h"
+#include "ngs/io/capture/sparse_points.h"
 
 namespace ngs::cli {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "ngs/stages/fit_stage.h"
+#include "ngs/stages/fit/fit_stage.h"
 #include "shared/tool.h"
 
 namespace ngs::cli {

@@ -3,9 +3,9 @@
 
 #include "checkpoint.h"
 #include "fit_input.h"
-#include "ngs/io/content_hash.h"
-#include "ngs/io/gaussian_ply.h"
-#include "ngs/io/scene_json.h"
+#include "ngs/io/files/content_hash.h"
+#include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/io/scene/scene_json.h"
 #include "shared/checkpoints.h"
 #include "shared/unused.h"
 

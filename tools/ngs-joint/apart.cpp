@@ -4,9 +4,9 @@
 #include <set>
 
 #include "ngs/core/version.h"
-#include "ngs/io/content_hash.h"
-#include "ngs/stages/apart.h"
-#include "ngs/stages/variance_stage.h"
+#include "ngs/io/files/content_hash.h"
+#include "ngs/methods/apart.h"
+#include "ngs/stages/boundary/variance_stage.h"
 #include "optimise.h"
 #include "shared/changed_options.h"
 #include "shared/shard.h"
@@ -80,7 +80,7 @@ int merge(cli::Run& run, const std::string& model_path, const std::vector<std::s
   for (std::size_t k = 0; k < objects.size(); ++k)
     if (!in_part[k])
       run.monitor().warn("object '" + objects[k].object + "' is in no part, its labels stay as they are in the model");
-  const MethodResult joined = join_parts(model.cloud, labels, parts);
+  const Solution joined = join_parts(model.cloud, labels, parts);
   for (std::size_t k = 0; k < objects.size(); ++k) objects[k].columns = joined.labels[k];
   for (const auto& [name, value] : joined.figures) run.result()[name] = std::int64_t(value);
   run.result()["parts"] = parts.size(), run.result()["objects"] = objects.size();

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "ngs/stages/photo_refit.h"
-#include "ngs/stages/render_stage.h"
+#include "ngs/stages/fit/photo_refit.h"
+#include "ngs/stages/render/render_stage.h"
 
 namespace ngs::joint {
 namespace {
@@ -13,10 +13,10 @@ namespace {
 constexpr double kLeastClosing_s = 0.1;   // to write the result; reading the model may tell of more
 constexpr double kMeasuringShare = 0.02;  // of the budget
 constexpr double kCaution = 1.25;         // on what cannot be stopped
-constexpr int kDraftRefitVisits = 3;
+constexpr int kDraftRefitEpochs = 3;
 
 /// Of a view.
-double refit_renders(int visits, int shrink) { return kRefitVisitCost.renders * visits / double(shrink) / double(shrink); }
+double refit_renders(int epochs, int shrink) { return kRefitEpochCost.renders * epochs / double(shrink) / double(shrink); }
 
 }  // namespace
 
@@ -24,7 +24,7 @@ double Budget::left_s() const {
   return seconds_ ? *seconds_ - closing_s_ - elapsed_s() : std::numeric_limits<double>::infinity();
 }
 
-void Budget::measure(const Exec& exec, const MethodInput& input, double reading_s) {
+void Budget::measure(const Exec& exec, const Problem& input, double reading_s) {
   if (!given() || input.views.empty()) return;
   closing_s_ = kLeastClosing_s + 2 * reading_s;
   const Camera& camera = input.scene.views[input.views.front()].camera;
@@ -37,7 +37,7 @@ void Budget::measure(const Exec& exec, const MethodInput& input, double reading_
   }
 }
 
-bool Budget::has_room_for(const StageCost& cost, std::size_t views) const {
+bool Budget::fits(const StageCost& cost, std::size_t views) const {
   return !given() || kCaution * foreseen_s(cost.renders * double(views)) <= cost.share * left_s();
 }
 
@@ -49,51 +49,51 @@ void Budget::took(std::string_view name, double renders, double seconds) {
 }
 
 int Budget::plan_refit(bool draft, int shrink, std::size_t views) {
-  const int most = draft ? kDraftRefitVisits : RefitOptions{}.visits;
-  const double visit_s = foreseen_s(refit_renders(1, shrink) * double(views));
+  const int most = draft ? kDraftRefitEpochs : RefitOptions{}.epochs;
+  const double epoch_s = foreseen_s(refit_renders(1, shrink) * double(views));
   if (!given()) return most;
-  const VisitsPlan plan = plan_visits(visit_s, kRefitVisitCost.share * left_s(), kCaution, most);
+  const EpochsPlan plan = plan_epochs(epoch_s, kRefitEpochCost.share * left_s(), kCaution, most);
   cut_ |= plan.cut;
-  return plan.visits;
+  return plan.epochs;
 }
 
-Budget::Lap Budget::lap_refit(int visits, int shrink, std::size_t views) {
-  return {*this, kRefitVisitCost.name, refit_renders(visits, shrink) * double(views)};
+Budget::Lap Budget::lap_refit(int epochs, int shrink, std::size_t views) {
+  return {*this, kRefitEpochCost.name, refit_renders(epochs, shrink) * double(views)};
 }
 
-RoundsCost Budget::rounds_cost(const JointOptions& joint, const EdgeOptions& edge, const Scene& scene,
+IterationsCost Budget::iterations_cost(const JointOptions& joint, const ContourOptions& edge, const Scene& scene,
                                std::size_t training_views) const {
   const JointEffects effects = parse_effects(joint.effect);
-  const std::size_t views = edge.views == EdgeViews::kAll ? scene.views.size() : training_views;
+  const std::size_t views = edge.views == ContourViews::kAll ? scene.views.size() : training_views;
   const double n = double(views);
-  const int visits = edge_visits(edge, joint.quality, views);
-  RoundsCost rounds{.walk_s = foreseen_s(kWalkRenders * n),
-                    .visit_s = foreseen_s(kEdgeStepRenders * n),
-                    .early_share = early_round_share(effects, visits),
+  const int epochs = contour_epochs(edge, joint.quality, views);
+  IterationsCost iterations{.refine_s = foreseen_s(kRefineRenders * n),
+                    .epoch_s = foreseen_s(kContourStepRenders * n),
+                    .early_share = early_iteration_share(effects, epochs),
                     .check_s = foreseen_s(kCheckCost.renders * double(training_views)),
-                    .rounds = 0,
-                    .visits = visits};
-  if (effects.edges && rounds.visits > 0) rounds.rounds = effects.second_round ? edge_rounds(edge, joint.quality, true) : 1;
-  if (rounds.rounds > 0 && may_try_pictures(edge, scene)) ++rounds.rounds;
-  return rounds;
+                    .iterations = 0,
+                    .epochs = epochs};
+  if (effects.edges && iterations.epochs > 0) iterations.iterations = effects.contour_iterations_on ? contour_iterations(edge, joint.quality, true) : 1;
+  if (iterations.iterations > 0 && may_try_pictures(edge, scene)) ++iterations.iterations;
+  return iterations;
 }
 
-TimePlan Budget::plan(const JointOptions& joint, const EdgeOptions& edge, const Scene& scene,
+TimePlan Budget::plan(const JointOptions& joint, const ContourOptions& edge, const Scene& scene,
                       std::size_t training_views) const {
   const JointEffects effects = parse_effects(joint.effect);
   const double n = double(training_views);
-  StepsCost steps{.visit_s = foreseen_s(kStepRenders * n), .field_visit_s = 0, .visits = 0};
+  StepsCost steps{.epoch_s = foreseen_s(kStepRenders * n), .field_epoch_s = 0, .epochs = 0};
   if (effects.joint)
-    steps.visits = joint.steps > 0 ? int(std::ceil(double(joint.steps) / n)) : visits_of(joint.quality, effects);
-  if (effects.nerf) steps.field_visit_s = foreseen_s(kFieldStepRenders * n);
-  return plan_time(left_s(), steps, rounds_cost(joint, edge, scene, training_views));
+    steps.epochs = joint.steps > 0 ? int(std::ceil(double(joint.steps) / n)) : epochs_of(joint.quality, effects);
+  if (effects.nerf) steps.field_epoch_s = foreseen_s(kFieldStepRenders * n);
+  return plan_time(left_s(), steps, iterations_cost(joint, edge, scene, training_views));
 }
 
-TimePlan Budget::plan_rounds(const JointOptions& joint, const EdgeOptions& edge, const Scene& scene,
-                             std::size_t training_views, std::optional<double> first_walk_s) const {
-  RoundsCost rounds = rounds_cost(joint, edge, scene, training_views);
-  rounds.walk_s = first_walk_s.value_or(rounds.walk_s);
-  return plan_time(left_s() + first_walk_s.value_or(0), {}, rounds);
+TimePlan Budget::plan_iterations(const JointOptions& joint, const ContourOptions& edge, const Scene& scene,
+                             std::size_t training_views, std::optional<double> first_refine_s) const {
+  IterationsCost iterations = iterations_cost(joint, edge, scene, training_views);
+  iterations.refine_s = first_refine_s.value_or(iterations.refine_s);
+  return plan_time(left_s() + first_refine_s.value_or(0), {}, iterations);
 }
 
 Json Budget::json() const {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "ngs/stages/effect_probe.h"
-#include "ngs/stages/time_plan.h"
+#include "ngs/passes/effect_probe.h"
+#include "ngs/passes/time_plan.h"
 #include "shared/tool.h"
 
 namespace ngs::joint {
@@ -20,11 +20,11 @@ struct StageCost {
 };
 
 // Measured on the captures of BENCHMARKS.md (Budgets); a run corrects them by its own pace.
-inline constexpr StageCost kTrustCost{"view-trust", 1.5, 0.15}, kFloatersCost{"floaters", 8, 0.2},
+inline constexpr StageCost kMaskOutliersCost{"mask-outliers", 1.5, 0.15}, kFloatersCost{"floaters", 8, 0.2},
     kFloaterSearchCost{"floaters", 5.5, 1}, kDetectorsCost{"detectors", 1.5, 0.6},
     kDraftFloatersCost{"floaters", 8, 0.7}, kDraftSearchCost{"floaters", 4, 1},
-    kRefitVisitCost{"refit", 4.5, 0.12}, kCheckCost{"check", 1.2, 1}, kLoadCost{"load views", 2, 0.4};
-inline constexpr double kStepRenders = 3, kFieldStepRenders = 7, kWalkRenders = 10, kEdgeStepRenders = 2.7;
+    kRefitEpochCost{"refit", 4.5, 0.12}, kCheckCost{"check", 1.2, 1}, kLoadCost{"load views", 2, 0.4};
+inline constexpr double kStepRenders = 3, kFieldStepRenders = 7, kRefineRenders = 10, kContourStepRenders = 2.7;
 
 class Budget {
  public:
@@ -39,9 +39,9 @@ class Budget {
 
   /// Times a render of the first view, and keeps the time for writing that reading took. Only where a budget
   /// is given.
-  void measure(const Exec& exec, const MethodInput& input, double reading_s);
+  void measure(const Exec& exec, const Problem& input, double reading_s);
   double foreseen_s(double renders) const { return renders * render_s_ * pace_.factor(); }
-  bool has_room_for(const StageCost& cost, std::size_t views) const;
+  bool fits(const StageCost& cost, std::size_t views) const;
 
   /// Until the end of its scope a stage is timed against what was foreseen for it.
   class Lap {
@@ -65,18 +65,18 @@ class Budget {
   /// Visits of every view, at 1 / shrink of its size, to refit the colours that floaters covered: few for a draft, and
   /// as many as there is room for.
   int plan_refit(bool draft, int shrink, std::size_t views);
-  Lap lap_refit(int visits, int shrink, std::size_t views);
+  Lap lap_refit(int epochs, int shrink, std::size_t views);
 
   /// Steps of Eq. 20 that the run has taken.
   void took_steps(std::int64_t steps, bool field, double seconds) { took("steps", double(steps) * step_renders(field), seconds); }
   /// Whether there is still room for more than one of them.
-  bool has_room_for_steps(bool field) const { return allows(2 * foreseen_s(step_renders(field))); }
+  bool steps_fit(bool field) const { return allows(2 * foreseen_s(step_renders(field))); }
 
   /// What is left for steps and edges; for edges alone, before the first walk, or after it, and then by what it took.
-  TimePlan plan(const JointOptions& joint, const EdgeOptions& edge, const Scene& scene,
+  TimePlan plan(const JointOptions& joint, const ContourOptions& edge, const Scene& scene,
                 std::size_t training_views) const;
-  TimePlan plan_rounds(const JointOptions& joint, const EdgeOptions& edge, const Scene& scene,
-                       std::size_t training_views, std::optional<double> first_walk_s) const;
+  TimePlan plan_iterations(const JointOptions& joint, const ContourOptions& edge, const Scene& scene,
+                       std::size_t training_views, std::optional<double> first_refine_s) const;
 
   /// Something was left out or shortened for want of time.
   void note_cut() { cut_ = true; }
@@ -85,7 +85,7 @@ class Budget {
   Json json() const;
 
  private:
-  RoundsCost rounds_cost(const JointOptions& joint, const EdgeOptions& edge, const Scene& scene,
+  IterationsCost iterations_cost(const JointOptions& joint, const ContourOptions& edge, const Scene& scene,
                          std::size_t training_views) const;
   static double step_renders(bool field) { return kStepRenders + (field ? kFieldStepRenders : 0); }
 

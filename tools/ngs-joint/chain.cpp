@@ -3,15 +3,15 @@
 #include "apart.h"
 #include "decide.h"
 #include "fingerprint.h"
-#include "ngs/io/content_hash.h"
-#include "ngs/io/masks.h"
-#include "ngs/io/photo.h"
-#include "ngs/io/query_ply.h"
-#include "ngs/io/scene_json.h"
-#include "ngs/stages/coarse_input.h"
-#include "ngs/stages/first_queries.h"
-#include "ngs/stages/variance_stage.h"
-#include "ngs/stages/view_list.h"
+#include "ngs/io/files/content_hash.h"
+#include "ngs/io/image/masks.h"
+#include "ngs/io/image/photo.h"
+#include "ngs/io/ply/query_ply.h"
+#include "ngs/io/scene/scene_json.h"
+#include "ngs/problem/coarse_input.h"
+#include "ngs/passes/joint/first_queries.h"
+#include "ngs/stages/boundary/variance_stage.h"
+#include "ngs/problem/view_list.h"
 #include "prepare.h"
 #include "shared/checkpoints.h"
 #include "unused.h"
@@ -23,8 +23,8 @@ void refuse_if(bool wrong, const std::string& what, const std::string& remedy) {
   if (wrong) throw Error(ErrorCode::kUsage, what, remedy);
 }
 
-/// Whether the edges stage has anything to do: where it has no visits, it has none for any number of views.
-bool walks_edges(const Settings& settings) { return edge_visits(settings.edge, settings.joint.quality, 1) > 0; }
+/// Whether the edges stage has anything to do: where it has no epochs, it has none for any number of views.
+bool refines_contours(const Settings& settings) { return contour_epochs(settings.edge, settings.joint.quality, 1) > 0; }
 
 void check(cli::Run& run, const Declared& declared, const Paths& paths) {
   const RunOptions& o = declared.settings.run;
@@ -52,9 +52,9 @@ void check(cli::Run& run, const Declared& declared, const Paths& paths) {
   if (o.fast_atomics) run.sum_atomically();
   if (const std::string unused = unused_flags(declared, paths); !unused.empty())
     run.monitor().warn(unused + ": not used by --method " + method_name(o.method));
-  if (o.method == Method::kPaper && !walks_edges(declared.settings) &&
-      mode_of("edges", declared.settings.joint.effect) == EffectMode::kOn)
-    run.monitor().warn("--effect edges=on with --quality draft, which has no visits for them: they are left out; --edge-visits N gives "
+  if (o.method == Method::kPaper && !refines_contours(declared.settings) &&
+      mode_of("contours", declared.settings.joint.effect) == EffectMode::kOn)
+    run.monitor().warn("--effect contours=on with --quality draft, which has no epochs for them: they are left out; --contour-epochs N gives "
                        "some");
 }
 
@@ -65,59 +65,59 @@ std::vector<EffectVerdict> ruled_by_options(const Settings& settings, const Path
     for (const std::string_view name : kMendingEffects)  // the methods beside it are as their papers say
       ruled.push_back({name, false, "part of --method paper"});
   if (!paths.nerf.empty()) ruled.push_back({"nerf", true, "--nerf"});
-  if (!walks_edges(settings)) ruled.push_back({"edges", false, "no visits: --quality draft without --edge-visits"});
-  if (settings.edge.rounds == 1) ruled.push_back({"second-round", false, "--edge-rounds 1"});
-  if (settings.edge.split_px < EdgeOptions{}.split_px)  // less than what its detector looks for
-    ruled.push_back({"split", true, "--edge-split"});
+  if (!refines_contours(settings)) ruled.push_back({"contours", false, "no epochs: --quality draft without --contour-epochs"});
+  if (settings.edge.iterations == 1) ruled.push_back({"contour-iterations", false, "--contour-iterations 1"});
+  if (settings.edge.split_px < ContourOptions{}.split_px)  // less than what its detector looks for
+    ruled.push_back({"split", true, "--contour-split"});
   if (!settings.run.apart.empty())
     ruled.push_back({"floaters", false, "what stands before several objects is not one run's"});
   return ruled;
 }
 
 /// Whether an effect may be on, as far as that is known without a look at the scene that would itself take time.
-bool may_be_on(std::string_view name, const MethodInput& input, const Decisions& decisions) {
+bool may_be_on(std::string_view name, const Problem& input, const Decisions& decisions) {
   if (const std::optional<bool> said = decisions.said(name)) return *said;
   if (name == "nerf") return photo_count(input.scene, input.views) == 0;
-  if (name == "edges") return photo_count(input.scene, input.views) > 0;
+  if (name == "contours") return photo_count(input.scene, input.views) > 0;
   return name != "exposure" || !photo_views(input.scene).empty();
 }
 
 /// Nothing is cut where there was nothing to leave out, or where --effect insists.
-void leave_out(std::string_view name, const MethodInput& input, const Settings& settings, Budget& budget, Decisions& decisions) {
+void leave_out(std::string_view name, const Problem& input, const Settings& settings, Budget& budget, Decisions& decisions) {
   const bool insisted = mode_of(name, settings.joint.effect) != EffectMode::kAuto;
   if (!insisted && may_be_on(name, input, decisions)) budget.note_cut();
   decisions.rule({name, false, "--time-budget has no room for it"});
 }
 
 /// What the time that is left decides before the steps.
-void rule_by_time(Budget& budget, const Settings& settings, const MethodInput& input, Decisions& decisions) {
+void rule_by_time(Budget& budget, const Settings& settings, const Problem& input, Decisions& decisions) {
   const std::size_t views = input.scene.views.size();
-  for (const std::string_view name : {"exposure", "view-trust"})
-    if (!budget.has_room_for(kTrustCost, views)) leave_out(name, input, settings, budget, decisions);
-  if (!budget.has_room_for(kDraftFloatersCost, views)) leave_out("floaters", input, settings, budget, decisions);
+  for (const std::string_view name : {"exposure", "mask-outliers"})
+    if (!budget.fits(kMaskOutliersCost, views)) leave_out(name, input, settings, budget, decisions);
+  if (!budget.fits(kDraftFloatersCost, views)) leave_out("floaters", input, settings, budget, decisions);
 }
 
 /// What it decides of steps and edges. False: of nothing that is left could a detector say more.
-bool rule_steps_by_time(Budget& budget, const Settings& settings, const MethodInput& input,
+bool rule_steps_by_time(Budget& budget, const Settings& settings, const Problem& input,
                         Decisions& decisions) {
   if (!budget.given()) return true;
   JointOptions planned = settings.joint;  // no time is kept for a field that photos make needless
   if (!may_be_on("nerf", input, decisions)) planned.effect.emplace_back("nerf=off");
   const TimePlan plan = budget.plan(planned, settings.edge, input.scene, input.views.size());
-  const bool steps = plan.steps && budget.has_room_for(kDetectorsCost, input.views.size());
+  const bool steps = plan.steps && budget.fits(kDetectorsCost, input.views.size());
   if (!steps) leave_out("joint", input, settings, budget, decisions);
   if (!plan.field) leave_out("nerf", input, settings, budget, decisions);
-  if (plan.edge_rounds == 0 && edge_visits(settings.edge, settings.joint.quality, input.scene.views.size()) > 0)
-    leave_out("edges", input, settings, budget, decisions);
-  return steps || plan.edge_rounds > 0;
+  if (plan.contour_iterations == 0 && contour_epochs(settings.edge, settings.joint.quality, input.scene.views.size()) > 0)
+    leave_out("contours", input, settings, budget, decisions);
+  return steps || plan.contour_iterations > 0;
 }
 
 /// A method beside the paper's, start to end. What a signal leaves of it is no result.
-int run_other(cli::Run& run, const Declared& declared, const MethodInput& input, const Source& source,
+int run_other(cli::Run& run, const Declared& declared, const Problem& input, const Source& source,
               const std::string& path) {
   const Method method = declared.settings.run.method;
   run.info("method " + method_name(method) + " begins");
-  const MethodResult result = run_beside(run, method, declared.methods, input);
+  const Solution result = run_beside(run, method, declared.methods, input);
   if (const int stopped = run.stop_code()) return stopped;
   write_result(run, source, result, path);
   return result.converged ? cli::kDone : cli::kBudgetHit;
@@ -141,7 +141,7 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
   const double reading_s = wall_seconds() - reads_s;
   const ApartRun apart = apart_run(ply, whole, settings.run.apart);
   const Scene& scene = apart.scene;
-  const MethodInput from_files{
+  const Problem from_files{
       .cloud = ply.cloud,
       .scene = scene,
       .views = training_views(scene),
@@ -170,7 +170,7 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
   budget.measure(run.exec(), from_files, reading_s);
   rule_by_time(budget, settings, from_files, decisions);
   const CoarseInput kept(from_files, 1), coarse(kept.get(), decision_shrink(scene));
-  if (settings.run.method == Method::kPaper && budget.has_room_for(kLoadCost, scene.views.size())) {
+  if (settings.run.method == Method::kPaper && budget.fits(kLoadCost, scene.views.size())) {
     const auto timed = run.monitor().scope("load views");
     // A disk may be slower than any foresight: what is left to load then costs what the rest is foreseen to.
     const double began_s = budget.elapsed_s(), until_s = began_s + kLoadCost.share * budget.left_s();
@@ -192,16 +192,16 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
   const auto kept_plan = keeps && settings.run.resume ? Checkpoint::floaters_in(settings.run.checkpoint, known) : std::nullopt;
   const auto exposures =
       mend && decisions.on("exposure") ? handle_exposure(run, coarse.get()) : std::vector<ViewExposure>{};
-  const MethodInput read = with_levelled_photos(kept.get(), exposures);
-  const ViewTrust trust = mend && decisions.on("view-trust") ? handle_trust(run, coarse.get()) : ViewTrust{};
+  const Problem read = with_levelled_photos(kept.get(), exposures);
+  const MaskOutliers trust = mend && decisions.on("mask-outliers") ? handle_mask_outliers(run, coarse.get()) : MaskOutliers{};
   if (const int stopped = run.stop_code()) return stopped;
-  const MethodInput believed = with_trusted_masks(run, read, trust);
+  const Problem believed = with_consistent_masks(run, read, trust);
   const FloaterOutcome clean = mend && decisions.on("floaters")
                                    ? handle_floaters(run, believed, settings.joint.quality, budget, kept_plan)
                                    : FloaterOutcome{};
   if (const int stopped = run.stop_code()) return stopped;
-  MethodInput input = without_floaters(believed, clean);
-  const bool strays = mend && decisions.on("strays") && leave_strays(run, input);
+  Problem input = without_floaters(believed, clean);
+  const bool components = mend && decisions.on("components") && release_disconnected(run, input);
   const bool is_apart = !settings.run.apart.empty();
   const std::string apart_of = is_apart ? io::content_hash(paths.boundary).xxh3 : "";
   const std::string made_with = is_apart ? part_made_with(run, declared, paths) : "";
@@ -228,7 +228,7 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
   std::optional<QueryField> given;
   if (!paths.field.empty()) {
     const std::string_view unread = !decisions.on("nerf")       ? "nerf=off"
-                                    : clean.removed() || strays ? "it holds points of what was taken out"
+                                    : clean.removed() || components ? "it holds points of what was taken out"
                                                                 : "";
     if (unread.empty()) {
       given = io::read_query_ply(paths.field);

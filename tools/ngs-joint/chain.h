@@ -1,7 +1,7 @@
 #pragma once
 // ngs-joint from its inputs to its outputs: read, mend, decide, optimise, write.
 #include "methods.h"
-#include "ngs/stages/render_options.h"
+#include "ngs/stages/render/render_options.h"
 #include "optimise.h"
 
 namespace ngs::joint {

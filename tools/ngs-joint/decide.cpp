@@ -45,7 +45,7 @@ Decisions::Decisions(const Settings& settings, std::vector<EffectVerdict> ruled,
   for (EffectVerdict& verdict : replayed(effects_from, settings.run.method)) verdicts_.push_back(std::move(verdict));
 }
 
-void Decisions::decide(cli::Run& run, EffectPhase phase, const MethodInput& input) {
+void Decisions::decide(cli::Run& run, EffectPhase phase, const Problem& input) {
   const EffectSetup setup{settings_.joint, settings_.edge, settings_.sample, settings_.rbf, input};
   for (EffectDecision& d : decide_effects(run.exec(), run.monitor(), setup, phase, verdicts_, all_)) {
     if (d.measured) run.info(decision_line(d));

@@ -21,7 +21,7 @@ class Decisions {
 
   /// Decides a phase on `input`, says a line for each decision of a detector (-v), and notes all in the
   /// report.
-  void decide(cli::Run& run, EffectPhase phase, const MethodInput& input);
+  void decide(cli::Run& run, EffectPhase phase, const Problem& input);
   /// Warns of effects that --effect asks for by name and that are off for want of another.
   void warn_of_needs(cli::Run& run) const;
   bool on(std::string_view name) const;

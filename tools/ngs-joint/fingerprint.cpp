@@ -1,6 +1,6 @@
 #include "fingerprint.h"
 
-#include "ngs/io/content_hash.h"
+#include "ngs/io/files/content_hash.h"
 #include "shared/checkpoints.h"
 
 namespace ngs::joint {
@@ -11,7 +11,7 @@ std::string hash(const std::string& path) { return io::content_hash(path).xxh3; 
 Json decided(const Decisions& decisions) {
   Json effects = Json::array();
   for (const Json& d : decisions.json())
-    if (const std::string name = d["name"]; !belongs_to(name, "edges"))
+    if (const std::string name = d["name"]; !belongs_to(name, "contours"))
       effects.push_back(name + (d["on"].get<bool>() ? "=on" : "=off"));
   return effects;
 }

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <filesystem>
 
-#include "ngs/io/safetensors.h"
+#include "ngs/io/files/safetensors.h"
 #include "ngs/options/name_of.h"
-#include "ngs/stages/mask_pair.h"
-#include "ngs/stages/photo_refit.h"
-#include "ngs/stages/render_stage.h"
+#include "ngs/stages/masks/mask_pair.h"
+#include "ngs/stages/fit/photo_refit.h"
+#include "ngs/stages/render/render_stage.h"
 
 namespace ngs::joint {
 namespace {
@@ -83,8 +83,8 @@ std::optional<Target> parse_target(const std::string& text) {
   return Target{boundary, *value};
 }
 
-std::vector<Agreement> training_agreement(const Exec& exec, const MethodInput& input,
-                                          const MethodResult& result) {
+std::vector<Agreement> training_agreement(const Exec& exec, const Problem& input,
+                                          const Solution& result) {
   const std::size_t objects = result.labels.size();
   const LabelChannels channels(result.cloud, result.labels);
   std::vector<Agreement> views;
@@ -119,12 +119,12 @@ std::optional<FloaterPlan> Checkpoint::floaters_in(const std::string& folder, co
   if (!has_all(run, known)) refuse_other_run(path_in(folder));
   const Json plan = run.value("floaters", Json());
   FloaterPlan kept;
-  if (!plan.is_object() || !plan.value("draft", Json()).is_boolean() || !plan.value("refit_visits", Json()).is_number_integer())
+  if (!plan.is_object() || !plan.value("draft", Json()).is_boolean() || !plan.value("refit_epochs", Json()).is_number_integer())
     return std::nullopt;
   kept.draft = plan["draft"];
-  const auto visits = plan["refit_visits"].get<std::int64_t>();
-  if (visits < 0 || visits > RefitOptions{}.visits) return std::nullopt;
-  kept.refit_visits = int(visits);
+  const auto epochs = plan["refit_epochs"].get<std::int64_t>();
+  if (epochs < 0 || epochs > RefitOptions{}.epochs) return std::nullopt;
+  kept.refit_epochs = int(epochs);
   return kept;
 }
 

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "ngs/options/field.h"
-#include "ngs/stages/background.h"
-#include "ngs/stages/joint_stage.h"
+#include "ngs/stages/render/background.h"
+#include "ngs/passes/joint/joint_stage.h"
 #include "shared/tool.h"
 
 namespace ngs::joint {
@@ -38,7 +38,7 @@ struct RunOptions {
           Field<std::int64_t>{"checkpoint_every", "", "steps between checkpoints; 0: when interrupted, and before the edges",
                               0, 1'000'000'000});
     visit(self.trace_every,
-          Field<int>{"trace_every", "", "steps between scores in the trace; 0: once per round of views", 0,
+          Field<int>{"trace_every", "", "steps between scores in the trace; 0: once per iteration of views", 0,
                      1 << 30});
     visit(self.objects, Text{"objects", "NAME", "only this object of the scene; repeat for more"});
     visit(self.apart, Text{"apart", "i/N",
@@ -64,15 +64,15 @@ struct Agreement {
   double iou = 0, biou = 0;
 };
 /// Of every training view with masks.
-std::vector<Agreement> training_agreement(const Exec& exec, const MethodInput& input,
-                                          const MethodResult& result);
+std::vector<Agreement> training_agreement(const Exec& exec, const Problem& input,
+                                          const Solution& result);
 Agreement mean_agreement(const std::vector<Agreement>& views);
 
 /// How floaters were taken out. Under a budget the clock decides it, and a run that is resumed has to do the same again.
 struct FloaterPlan {
   bool draft = false;    // searched at a half of the size of decisions
-  int refit_visits = 0;  // 0: nothing was found
-  Json json() const { return {{"draft", draft}, {"refit_visits", refit_visits}}; }
+  int refit_epochs = 0;  // 0: nothing was found
+  Json json() const { return {{"draft", draft}, {"refit_epochs", refit_epochs}}; }
 };
 
 /// Where the state of a run is kept; the file appears by rename. `fingerprint` names all that the

@@ -43,7 +43,7 @@ int label_model(int argc, char** argv) {
   const cli::Output& out = tool.output("-o,--output", "labelled PLY with optimised attributes");
   const cli::Output& nerf = tool.optional_output("--nerf", "parameters of the field (safetensors)");
   const cli::Output& trace = tool.optional_output(
-      "--trace", "one JSON line per step of this run: time, loss terms; per round of views: agreement");
+      "--trace", "one JSON line per step of this run: time, loss terms; per iteration of views: agreement");
   tool.writes_nothing_if(declared.settings.run.explain);
   tool.stops_on_request();
   tool.runs_partly_on_device();  // the joint steps

@@ -1,12 +1,12 @@
 #pragma once
 // The methods beside the paper's: their options on the command line and the one place that chooses.
 #include "joint_run.h"
-#include "ngs/stages/method_bce.h"
-#include "ngs/stages/method_cob.h"
-#include "ngs/stages/method_flash.h"
-#include "ngs/stages/method_released.h"
-#include "ngs/stages/method_sa3d.h"
-#include "ngs/stages/method_saga.h"
+#include "ngs/methods/method_bce.h"
+#include "ngs/methods/method_cob.h"
+#include "ngs/methods/method_flash.h"
+#include "ngs/methods/method_released.h"
+#include "ngs/methods/method_sa3d.h"
+#include "ngs/methods/method_saga.h"
 
 namespace ngs::joint {
 
@@ -29,7 +29,7 @@ struct MethodOptions {
 };
 
 /// Runs bce and reports loss and certified gap over time, one list per object: the accuracy that time buys.
-inline MethodResult bce_with_trace(cli::Run& run, const BceOptions& options, const MethodInput& input) {
+inline Solution bce_with_trace(cli::Run& run, const BceOptions& options, const Problem& input) {
   BceResult result = solve_bce(run.exec(), run.monitor(), options, input);
   for (const std::vector<GapPoint>& object : result.trace) {
     Json points = Json::array();
@@ -41,8 +41,8 @@ inline MethodResult bce_with_trace(cli::Run& run, const BceOptions& options, con
 }
 
 /// Not for Method::kPaper.
-inline MethodResult run_beside(cli::Run& run, Method method, const MethodOptions& options,
-                               const MethodInput& input) {
+inline Solution run_beside(cli::Run& run, Method method, const MethodOptions& options,
+                               const Problem& input) {
   switch (method) {
     case Method::kFlash:
       return run_flash(run.exec(), run.monitor(), options.flash, input);

@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "decide.h"
-#include "ngs/io/atomic_file.h"
-#include "ngs/stages/edge_masks.h"
-#include "ngs/stages/effect_detectors.h"
+#include "ngs/io/files/atomic_file.h"
+#include "ngs/passes/contours/refined_masks.h"
+#include "ngs/passes/effect_detectors.h"
 #include "shared/checkpoints.h"
 #include "watch.h"
 
@@ -46,7 +46,7 @@ std::vector<LabelColumns> labels_of(const io::GaussianPly& ply, const Scene& sce
   return labels;
 }
 
-void write_result(cli::Run& run, const Source& source, const MethodResult& result, const std::string& path) {
+void write_result(cli::Run& run, const Source& source, const Solution& result, const std::string& path) {
   const auto timed = run.monitor().scope("write");
   std::vector<io::NamedLabels> named;
   for (std::size_t k = 0; k < result.labels.size(); ++k)
@@ -85,55 +85,55 @@ int run_steps(cli::Run& run, const RunOptions& options, const Checkpoint& checkp
   return 0;
 }
 
-/// Under a budget the rounds may have ended too early to earn their place: whether the outcome agrees
+/// Under a budget the iterations may have ended too early to earn their place: whether the outcome agrees
 /// significantly less with the views' own masks than what it started from, as the stage asks of its walk.
-bool has_lost(const MethodResult& outcome, const std::vector<Agreement>& before,
+bool has_lost(const Solution& outcome, const std::vector<Agreement>& before,
               const std::vector<Agreement>& after) {
-  const auto given = outcome.figures.find("edge_contrast_given"),
-             walked = outcome.figures.find("edge_contrast_walked");
-  if (given == outcome.figures.end() || given->second < kOffEdges * walked->second)
+  const auto given = outcome.figures.find("contour_contrast_given"),
+             refined = outcome.figures.find("contour_contrast_refined");
+  if (given == outcome.figures.end() || given->second < kOffEdges * refined->second)
     return false;  // no judges: those masks do not lie on edges
   std::vector<double> gains;
   for (std::size_t i = 0; i < before.size(); ++i) gains.push_back(after[i].biou - before[i].biou);
   return gain_in_errors(gains) < -kSignificant;
 }
 
-/// Follows the photos' edges in the rounds that the budget has room for.
-MethodResult run_edges(cli::Run& run, const Settings& settings, const Problem& problem, Watch& watch,
-                       MethodResult result) {
+/// Follows the photos' edges in the iterations that the budget has room for.
+Solution run_contours(cli::Run& run, const Settings& settings, const JointJob& problem, Watch& watch,
+                       Solution result) {
   Budget& budget = problem.budget;
   const std::size_t views = problem.input.views.size();
-  const int visits = edge_visits(settings.edge, settings.joint.quality, views);
-  if (visits == 0) return result;  // --effect edges=on at a draft
+  const int epochs = contour_epochs(settings.edge, settings.joint.quality, views);
+  if (epochs == 0) return result;  // --effect contours=on at a draft
   std::vector<Agreement> before;
   if (budget.given()) {
     const auto lap = budget.lap(kCheckCost, views);
     before = training_agreement(run.exec(), problem.input, result);
   }
-  const auto rounds_that_fit = [&](std::optional<double> first_walk_s) {
-    return budget.plan_rounds(settings.joint, settings.edge, problem.input.scene, views, first_walk_s).edge_rounds;
+  const auto iterations_that_fit = [&](std::optional<double> first_refine_s) {
+    return budget.plan_iterations(settings.joint, settings.edge, problem.input.scene, views, first_refine_s).contour_iterations;
   };
-  if (rounds_that_fit({}) == 0) {
+  if (iterations_that_fit({}) == 0) {
     budget.note_cut();
     return result;
   }
-  const double early_share = early_round_share(parse_effects(settings.joint.effect), visits);
-  double walk_began_s = 0;
+  const double early_share = early_iteration_share(parse_effects(settings.joint.effect), epochs);
+  double refine_began_s = 0;
   const auto allow = [&](int wanted) {
-    const int planned = std::min(wanted, rounds_that_fit(wall_seconds() - walk_began_s));
+    const int planned = std::min(wanted, iterations_that_fit(wall_seconds() - refine_began_s));
     const bool no_trial = planned == 1 && may_try_pictures(settings.edge, problem.input.scene);
     const bool last_is_another = early_share < 1;  // then it has to be known which it is; else they end when time is up
-    const int rounds = planned == 0 || no_trial || last_is_another ? planned : wanted;
-    if (rounds < wanted) budget.note_cut();  // that later rounds or steps were left out the watch knows
-    watch.rounds_known(rounds, early_share);
-    return rounds;
+    const int iterations = planned == 0 || no_trial || last_is_another ? planned : wanted;
+    if (iterations < wanted) budget.note_cut();  // that later iterations or steps were left out the watch knows
+    watch.iterations_known(iterations, early_share);
+    return iterations;
   };
   const double check_s = budget.foreseen_s(kCheckCost.renders * double(views));
-  watch.begin_rounds(check_s);
+  watch.begin_iterations(check_s);
   run.info("edges begin");
-  MethodResult start = budget.given() ? result : MethodResult{};
-  walk_began_s = wall_seconds();
-  result = follow_edges(run.exec(), run.monitor(),
+  Solution start = budget.given() ? result : Solution{};
+  refine_began_s = wall_seconds();
+  result = refine_contours(run.exec(), run.monitor(),
                         {settings.edge, settings.joint, settings.sample, settings.rbf, problem.input,
                          [&](const JointProgress& progress, JointTrainer& trainer, const auto& whole) {
                            return watch.after_step(progress, trainer, whole);
@@ -144,19 +144,19 @@ MethodResult run_edges(cli::Run& run, const Settings& settings, const Problem& p
   const auto lap = budget.lap(kCheckCost, views);
   if (!has_lost(result, before, training_agreement(run.exec(), problem.input, result))) return result;
   run.info("the edges are left out again: too few steps, or the masks disagree");
-  start.figures["edge_rounds_undone"] = result.figures["edge_rounds"];
+  start.figures["contour_iterations_undone"] = result.figures["contour_iterations"];
   return start;
 }
 
-/// All steps of Eq. 20 where no round of edges does a part of their work.
-std::int64_t steps_without_rounds(const JointOptions& joint, std::size_t views) {
+/// All steps of Eq. 20 where no iteration of edges does a part of their work.
+std::int64_t steps_without_contours(const JointOptions& joint, std::size_t views) {
   JointEffects effects = parse_effects(joint.effect);
   effects.edges = false;
   return steps_of(joint, effects, views);
 }
 
 /// Steps until `keep_s` of the budget are left. Returns the exit code of a signal, else 0.
-int take_steps(cli::Run& run, const Settings& settings, const Problem& problem, const Checkpoint& checkpoint, bool field,
+int take_steps(cli::Run& run, const Settings& settings, const JointJob& problem, const Checkpoint& checkpoint, bool field,
                double keep_s, Watch& watch, JointTrainer& trainer) {
   watch.begin_steps(keep_s, trainer);
   const double began_s = wall_seconds();
@@ -168,7 +168,7 @@ int take_steps(cli::Run& run, const Settings& settings, const Problem& problem, 
 
 }  // namespace
 
-int optimise(cli::Run& run, Decisions& decisions, const Problem& problem, const Artifacts& artifacts) {
+int optimise(cli::Run& run, Decisions& decisions, const JointJob& problem, const Artifacts& artifacts) {
   const Settings settings = decisions.settled();
   Budget& budget = problem.budget;
   JointTrainer trainer(run.device_exec(), run.monitor(),
@@ -185,21 +185,21 @@ int optimise(cli::Run& run, Decisions& decisions, const Problem& problem, const 
     if (const int stopped = take_steps(run, settings, problem, problem.checkpoint, decisions.on("nerf"), keep_s, watch, trainer))
       return stopped;
   }
-  MethodResult result = trainer.result();
+  Solution result = trainer.result();
   result.converged = true;
-  if (decisions.on("edges") && !watch.target_met()) {
+  if (decisions.on("contours") && !watch.target_met()) {
     // The edges keep no state of their own: what is interrupted from here on begins with them.
     if (decisions.on("joint") && problem.checkpoint.given())
       cli::Checkpoints(run.monitor()).on_the_way([&] { problem.checkpoint.save(trainer); });
-    result = run_edges(run, settings, problem, watch, std::move(result));
+    result = run_contours(run, settings, problem, watch, std::move(result));
     if (run.monitor().stop_requested()) return run.stop_code();
-    const std::int64_t all_steps = steps_without_rounds(settings.joint, problem.input.views.size());
+    const std::int64_t all_steps = steps_without_contours(settings.joint, problem.input.views.size());
     const bool too_few = decisions.on("joint") && trainer.steps_done() < all_steps && result.source_row.empty();
-    if (too_few && !watch.target_met() && budget.has_room_for_steps(decisions.on("nerf"))) {
+    if (too_few && !watch.target_met() && budget.steps_fit(decisions.on("nerf"))) {
       trainer.plan_steps(all_steps);
       const Checkpoint none("", "");  // that of before the edges stays: they would be followed anew
       if (const int stopped = take_steps(run, settings, problem, none, decisions.on("nerf"), 0, watch, trainer)) return stopped;
-      MethodResult longer = trainer.result();
+      Solution longer = trainer.result();
       longer.figures.merge(result.figures);
       result = std::move(longer);
     }

@@ -4,15 +4,15 @@
 #include <vector>
 
 #include "joint_run.h"
-#include "ngs/io/gaussian_ply.h"
-#include "ngs/stages/edge_stage.h"
+#include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/passes/contours/contour_stage.h"
 
 namespace ngs::joint {
 
 struct Settings {
   RunOptions run;
   JointOptions joint;
-  EdgeOptions edge;
+  ContourOptions edge;
   SampleOptions sample;
   RbfOptions rbf;
 };
@@ -33,13 +33,13 @@ struct Source {
 };
 
 /// The labelled PLY and the figures of a finished method.
-void write_result(cli::Run& run, const Source& source, const MethodResult& result, const std::string& path);
+void write_result(cli::Run& run, const Source& source, const Solution& result, const std::string& path);
 
 class Budget;
 class Decisions;
 
-struct Problem {
-  const MethodInput& input;
+struct JointJob {
+  const Problem& input;
   const QueryField* field;
   Source source;
   Checkpoint checkpoint;
@@ -50,6 +50,6 @@ struct Artifacts {
 };
 
 /// Steps until the end, the budget, the target or a signal. Returns the exit code.
-int optimise(cli::Run& run, Decisions& decisions, const Problem& problem, const Artifacts& artifacts);
+int optimise(cli::Run& run, Decisions& decisions, const JointJob& problem, const Artifacts& artifacts);
 
 }  // namespace ngs::joint

@@ -4,11 +4,11 @@
 
 #include "budget.h"
 #include "ngs/math/median.h"
-#include "ngs/stages/coarse_input.h"
-#include "ngs/stages/method_labels.h"
-#include "ngs/stages/scene_check.h"
-#include "ngs/stages/strays.h"
-#include "ngs/stages/view_list.h"
+#include "ngs/problem/coarse_input.h"
+#include "ngs/stages/boundary/method_labels.h"
+#include "ngs/stages/scene/scene_check.h"
+#include "ngs/passes/components/components.h"
+#include "ngs/problem/view_list.h"
 
 namespace ngs::joint {
 namespace {
@@ -25,7 +25,7 @@ int decision_shrink(const Scene& scene) {
   return longest_px >= 512 ? 2 : 1;
 }
 
-void compare_with_photos(cli::Run& run, const MethodInput& input) {
+void compare_with_photos(cli::Run& run, const Problem& input) {
   const auto timed = run.monitor().scope("compare with photos");
   const std::vector<std::size_t> with_photo = photo_views(input.scene);
   std::vector<double> gains_db;
@@ -43,7 +43,7 @@ void compare_with_photos(cli::Run& run, const MethodInput& input) {
   run.monitor().warn(text);
 }
 
-std::vector<ViewExposure> handle_exposure(cli::Run& run, const MethodInput& input) {
+std::vector<ViewExposure> handle_exposure(cli::Run& run, const Problem& input) {
   const auto timed = run.monitor().scope("exposure");
   std::vector<ViewExposure> exposures = view_exposures(run.exec(), input, photo_views(input.scene));
   Json gains = Json::object();
@@ -52,8 +52,8 @@ std::vector<ViewExposure> handle_exposure(cli::Run& run, const MethodInput& inpu
   return exposures;
 }
 
-MethodInput with_levelled_photos(const MethodInput& input, const std::vector<ViewExposure>& exposures) {
-  MethodInput levelled = input;
+Problem with_levelled_photos(const Problem& input, const std::vector<ViewExposure>& exposures) {
+  Problem levelled = input;
   if (exposures.empty()) return levelled;
   const auto level = [&exposures](std::function<ImageF(std::size_t)> load) {
     return [&exposures, load = std::move(load)](std::size_t view) {
@@ -65,37 +65,37 @@ MethodInput with_levelled_photos(const MethodInput& input, const std::vector<Vie
   return levelled;
 }
 
-ViewTrust handle_trust(cli::Run& run, const MethodInput& input) {
-  ViewTrust trust = judge_views(run.exec(), run.monitor(), {}, input);
+MaskOutliers handle_mask_outliers(cli::Run& run, const Problem& input) {
+  MaskOutliers trust = judge_views(run.exec(), run.monitor(), {}, input);
   Json names = Json::array();
   for (const std::size_t v : trust.ignored) {
     names.push_back(input.scene.views[v].camera.name);
     run.monitor().warn(
         "the mask of view '" + input.scene.views[v].camera.name +
-        "' contradicts the masks of the other views and is ignored; --effect view-trust=off keeps it");
+        "' contradicts the masks of the other views and is ignored; --effect mask-outliers=off keeps it");
   }
   Json report = {{"ignored", names}};
   for (const auto& [name, value] : trust.figures) report[name] = value;
-  run.result()["view_trust"] = report;
+  run.result()["mask_outliers"] = report;
   return trust;
 }
 
-MethodInput with_trusted_masks(cli::Run& run, const MethodInput& input, const ViewTrust& trust) {
-  MethodInput trusted = input;
+Problem with_consistent_masks(cli::Run& run, const Problem& input, const MaskOutliers& trust) {
+  Problem trusted = input;
   if (trust.ignored.empty()) return trusted;
   trusted.load_masks = [load = input.load_masks, &trust](std::size_t view) {
-    return trusted_masks(trust, view, load(view));
+    return consistent_masks(trust, view, load(view));
   };
   trusted.labels = labels_anew(run.exec(), run.monitor(), trusted, input.cloud);
   return trusted;
 }
 
-FloaterOutcome handle_floaters(cli::Run& run, const MethodInput& input, Quality quality, Budget& budget,
+FloaterOutcome handle_floaters(cli::Run& run, const Problem& input, Quality quality, Budget& budget,
                                const std::optional<FloaterPlan>& kept) {
   FloaterOutcome outcome;
   const FloaterOptions options;
   const std::size_t views = input.scene.views.size();
-  const bool draft = kept ? kept->draft : quality == Quality::kDraft || !budget.has_room_for(kFloatersCost, views);
+  const bool draft = kept ? kept->draft : quality == Quality::kDraft || !budget.fits(kFloatersCost, views);
   outcome.plan.draft = draft;
   const int shrink = decision_shrink(input.scene) * (draft ? kDraftShrink : 1);
   const CoarseInput coarse(input, shrink);
@@ -111,10 +111,10 @@ FloaterOutcome handle_floaters(cli::Run& run, const MethodInput& input, Quality 
                  {"least_hidden", options.least_hidden}};
   for (const auto& [name, value] : finding.figures) report[name] = value;
   if (finding.count > 0) {
-    const RefitOptions refit{.visits = kept && kept->refit_visits > 0 ? kept->refit_visits : budget.plan_refit(draft, shrink, views)};
-    outcome.plan.refit_visits = refit.visits;
+    const RefitOptions refit{.epochs = kept && kept->refit_epochs > 0 ? kept->refit_epochs : budget.plan_refit(draft, shrink, views)};
+    outcome.plan.refit_epochs = refit.epochs;
     FloaterRemoval removal = [&] {
-      const auto lap = budget.lap_refit(refit.visits, shrink, views);
+      const auto lap = budget.lap_refit(refit.epochs, shrink, views);
       return remove_floaters(run.exec(), run.monitor(), refit, coarse.get(), finding);
     }();
     for (const auto& [name, value] : removal.figures) report[name] = value;
@@ -129,7 +129,7 @@ FloaterOutcome handle_floaters(cli::Run& run, const MethodInput& input, Quality 
   return outcome;
 }
 
-MethodInput without_floaters(const MethodInput& input, const FloaterOutcome& outcome) {
+Problem without_floaters(const Problem& input, const FloaterOutcome& outcome) {
   return {.cloud = outcome.removed() ? outcome.cloud : input.cloud,
           .scene = input.scene,
           .views = input.views,
@@ -144,9 +144,9 @@ MethodInput without_floaters(const MethodInput& input, const FloaterOutcome& out
           .held = input.held};
 }
 
-bool leave_strays(cli::Run& run, MethodInput& input) {
-  StrayFinding finding = find_strays(run.exec(), {}, input);
-  run.result()["strays"] = {{"found", finding.count}};
+bool release_disconnected(cli::Run& run, Problem& input) {
+  ComponentFinding finding = find_disconnected(run.exec(), {}, input);
+  run.result()["components"] = {{"found", finding.count}};
   if (finding.count == 0) return false;
   input.held.resize(finding.stray.size());
   for (std::size_t i = 0; i < finding.stray.size(); ++i) input.held[i] |= finding.stray[i];

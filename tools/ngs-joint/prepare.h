@@ -1,14 +1,14 @@
 #pragma once
 // What happens before any method sees model and masks: differences of exposure are taken from the photos
 // (--effect exposure), masks that the others contradict are left out
-// (--effect view-trust), floaters before the object are taken out (--effect floaters), and what masks claim apart from the
-// object is taken for unseen (--effect strays).
+// (--effect mask-outliers), floaters before the object are taken out (--effect floaters), and what masks claim apart from the
+// object is taken for unseen (--effect components).
 #include <string>
 #include <vector>
 
-#include "ngs/stages/exposure.h"
-#include "ngs/stages/floaters.h"
-#include "ngs/stages/view_trust.h"
+#include "ngs/passes/exposure/exposure.h"
+#include "ngs/passes/floaters/floaters.h"
+#include "ngs/passes/mask_outliers/mask_outliers.h"
 #include "optimise.h"
 
 namespace ngs::joint {
@@ -26,30 +26,30 @@ struct FloaterOutcome {
 int decision_shrink(const Scene& scene);
 
 /// Warns where the model explains the photos no better than import asks for: then it is another scene's. Three views are asked.
-void compare_with_photos(cli::Run& run, const MethodInput& input);
+void compare_with_photos(cli::Run& run, const Problem& input);
 
 /// Gains of all photos, at the size of decisions; the report has them.
-std::vector<ViewExposure> handle_exposure(cli::Run& run, const MethodInput& input);
+std::vector<ViewExposure> handle_exposure(cli::Run& run, const Problem& input);
 
 /// `input` with the photos as one exposure would show them; `exposures` must outlive it.
-MethodInput with_levelled_photos(const MethodInput& input, const std::vector<ViewExposure>& exposures);
+Problem with_levelled_photos(const Problem& input, const std::vector<ViewExposure>& exposures);
 
 /// Judges the masks at the size of decisions, warns, and notes the figures in the report.
-ViewTrust handle_trust(cli::Run& run, const MethodInput& input);
+MaskOutliers handle_mask_outliers(cli::Run& run, const Problem& input);
 
 /// `input` with only the masks that `trust`, which must outlive it, leaves, and labels that follow from them.
-MethodInput with_trusted_masks(cli::Run& run, const MethodInput& input, const ViewTrust& trust);
+Problem with_consistent_masks(cli::Run& run, const Problem& input, const MaskOutliers& trust);
 
 /// Searches, removes, warns, and notes the figures in the report. A draft searches at half the size of
 /// decisions, and refits there, briefly; so does a budget that has no room for more. `kept`: as the run did that is resumed.
-FloaterOutcome handle_floaters(cli::Run& run, const MethodInput& input, Quality quality, Budget& budget,
+FloaterOutcome handle_floaters(cli::Run& run, const Problem& input, Quality quality, Budget& budget,
                                const std::optional<FloaterPlan>& kept);
 
 /// `input` with the model and labels of the outcome, which must outlive it, where something was removed.
-MethodInput without_floaters(const MethodInput& input, const FloaterOutcome& outcome);
+Problem without_floaters(const Problem& input, const FloaterOutcome& outcome);
 
-/// Labels without strays, which are held as they are; the report says how many. True where there were any: they leave the
+/// Labels without components, which are held as they are; the report says how many. True where there were any: they leave the
 /// boundary set, so that a field made for it no longer fits.
-bool leave_strays(cli::Run& run, MethodInput& input);
+bool release_disconnected(cli::Run& run, Problem& input);
 
 }  // namespace ngs::joint

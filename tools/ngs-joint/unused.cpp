@@ -56,7 +56,7 @@ constexpr OptionOf kOptionsOf[] = {
     {"lambda_mask", "mask"},        {"mask_loss", "mask"},      {"photometric_weight", "photometric"}, {"steps", "joint"},
     {"start_steps", "joint"},       {"rate_scale", "joint"},    {"rate_literal", "joint"},   {"checkpoint", "joint"},
     {"checkpoint_every", "joint"},  {"resume", "joint"}};
-/// What steps and rounds of edges both listen to.
+/// What steps and iterations of edges both listen to.
 constexpr std::string_view kOfAnyTraining[] = {"lambda_mask", "mask_loss", "photometric_weight", "rate_label", "rate_decay"};
 
 /// Collects, by the effect whose absence makes it so, what is given in vain.
@@ -66,7 +66,7 @@ class InVain {
 
   template <class Options>
   void group(const Options& options, std::string_view effect = {}) {
-    const bool trains = decisions_.on("joint") || decisions_.on("edges");
+    const bool trains = decisions_.on("joint") || decisions_.on("contours");
     for (const auto& [name, value] : cli::changed_options(options)) {
       const auto own = std::ranges::find(kOptionsOf, name, &OptionOf::option);
       const std::string_view of = own == std::end(kOptionsOf) ? effect : own->effect;
@@ -91,7 +91,7 @@ void warn_unused(cli::Run& run, const Declared& declared, const Decisions& decis
   const Settings& s = declared.settings;
   InVain vain(decisions);
   vain.group(s.run), vain.group(s.joint), vain.group(s.rbf);
-  vain.group(s.sample, "nerf"), vain.group(s.edge, "edges");
+  vain.group(s.sample, "nerf"), vain.group(s.edge, "contours");
   vain.warn(run);
 }
 

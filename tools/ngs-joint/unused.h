@@ -6,7 +6,7 @@
 namespace ngs::joint {
 
 /// Of --effect only these act on the methods beside the paper's: they mend what any method is given.
-inline constexpr std::string_view kMendingEffects[] = {"exposure", "view-trust", "floaters", "strays"};
+inline constexpr std::string_view kMendingEffects[] = {"exposure", "mask-outliers", "floaters", "components"};
 
 /// "--quality, --effect sh=off": what was given, beside the defaults, and is not used; empty: nothing.
 std::string unused_flags(const Declared& declared, const Paths& paths);

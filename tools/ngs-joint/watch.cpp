@@ -4,7 +4,7 @@
 
 namespace ngs::joint {
 
-Watch::Watch(const Exec& exec, const RunOptions& options, const MethodInput& input, const Budget& budget,
+Watch::Watch(const Exec& exec, const RunOptions& options, const Problem& input, const Budget& budget,
              bool traced)
     : exec_(exec),
       input_(input),
@@ -14,7 +14,7 @@ Watch::Watch(const Exec& exec, const RunOptions& options, const MethodInput& inp
       every_(options.trace_every > 0 ? options.trace_every : std::int64_t(input.views.size())),
       longest_score_s_(budget.foreseen_s(kCheckCost.renders * double(input.views.size()))) {}
 
-void Watch::score(Json& line, const std::function<MethodResult()>& whole) {
+void Watch::score(Json& line, const std::function<Solution()>& whole) {
   const double before = wall_seconds();
   const Agreement agreement = mean_agreement(training_agreement(exec_, input_, whole()));
   const double took_s = wall_seconds() - before;
@@ -27,7 +27,7 @@ void Watch::score(Json& line, const std::function<MethodResult()>& whole) {
 bool Watch::begin(const JointTrainer& trainer) {
   if (target_ || traced_) {
     Json line{{"t", seconds()}, {"stage", "start"}, {"step", 0}};
-    if (room_for_score()) score(line, [&] { return trainer.result(); });
+    if (score_fits()) score(line, [&] { return trainer.result(); });
     if (traced_) text_ += line.dump() + "\n";
   }
   last_s_ = seconds();
@@ -35,7 +35,7 @@ bool Watch::begin(const JointTrainer& trainer) {
 }
 
 void Watch::begin_stage(double keep_s) {
-  rounds_left_ = 0, keep_s_ = keep_s;
+  iterations_left_ = 0, keep_s_ = keep_s;
   last_s_ = began_s_ = seconds(), longest_step_s_ = 0;
 }
 
@@ -44,32 +44,32 @@ void Watch::begin_steps(double keep_s, const JointTrainer& trainer) {
   planned_ = trainer.steps_planned(), step_ = began_step_ = trainer.steps_done();
 }
 
-void Watch::begin_rounds(double keep_s) {
+void Watch::begin_iterations(double keep_s) {
   begin_stage(keep_s);
-  rounds_known(1, 1);
+  iterations_known(1, 1);
 }
 
-/// After the first step of a round: all before it was the walk.
-void Watch::begin_round(const JointProgress& first, double now_s) {
-  walk_s_ = now_s - last_s_;
-  --rounds_left_;
+/// After the first step of an iteration: all before it was the walk.
+void Watch::begin_iteration(const JointProgress& first, double now_s) {
+  refine_s_ = now_s - last_s_;
+  --iterations_left_;
   planned_ = first.steps, began_step_ = first.step;
   began_s_ = last_s_ = now_s, longest_step_s_ = 0;
 }
 
 /// It cannot be stopped midway: one like the longest, and the step that led to it.
-bool Watch::room_for_score() const { return budget_.allows(keep_s_ + 1.2 * (longest_score_s_ + longest_step_s_)); }
+bool Watch::score_fits() const { return budget_.allows(keep_s_ + 1.2 * (longest_score_s_ + longest_step_s_)); }
 
-/// Of this stage or round so far.
+/// Of this stage or iteration so far.
 double Watch::step_s(const JointProgress& progress) const {
   return (seconds() - began_s_) / double(std::max<std::int64_t>(progress.step - began_step_, 1));
 }
 
 /// A walk like the last one, and the least of its steps, as this one's pace foretells them.
-bool Watch::room_for_next_round(const JointProgress& progress) const {
+bool Watch::next_iteration_fits(const JointProgress& progress) const {
   constexpr double kCaution = 1.15;
-  const double next_step_s = step_s(progress) / (rounds_left_ == 2 ? early_share_ : 1);
-  return budget_.allows(keep_s_ + kCaution * walk_s_ + kLeastRound * double(planned_) * next_step_s);
+  const double next_step_s = step_s(progress) / (iterations_left_ == 2 ? early_share_ : 1);
+  return budget_.allows(keep_s_ + kCaution * refine_s_ + kLeastIteration * double(planned_) * next_step_s);
 }
 
 void Watch::replan(const JointProgress& progress, JointTrainer& trainer) {
@@ -79,15 +79,15 @@ void Watch::replan(const JointProgress& progress, JointTrainer& trainer) {
 }
 
 bool Watch::after_step(const JointProgress& progress, JointTrainer& trainer,
-                       const std::function<MethodResult()>& whole) {
+                       const std::function<Solution()>& whole) {
   const LossTerms& l = last_loss_ = progress.loss;
   ++step_;
   const double now = seconds();
-  if (rounds_left_ > 0 && progress.step == 1) begin_round(progress, now);
+  if (iterations_left_ > 0 && progress.step == 1) begin_iteration(progress, now);
   longest_step_s_ = std::max(longest_step_s_, now - last_s_);
   if (target_ || traced_) {
     Json line{{"t", now},
-              {"stage", rounds_left_ > 0 ? "edges" : "joint"},
+              {"stage", iterations_left_ > 0 ? "contours" : "joint"},
               {"step", step_},
               {"view", input_.scene.views[progress.view].camera.name},
               {"loss",
@@ -97,14 +97,14 @@ bool Watch::after_step(const JointProgress& progress, JointTrainer& trainer,
                 {"mask", l.mask},
                 {"cont", l.cont},
                 {"smooth", l.smooth}}}};
-    if ((step_ % every_ == 0 || progress.step == progress.steps) && room_for_score()) score(line, whole);
+    if ((step_ % every_ == 0 || progress.step == progress.steps) && score_fits()) score(line, whole);
     if (traced_) text_ += line.dump() + "\n";
   }
   replan(progress, trainer);
   last_s_ = seconds();
   bool over = !budget_.allows(keep_s_ + 1.2 * longest_step_s_);
-  if (rounds_left_ > 1 && trainer.finished()) over |= !room_for_next_round(progress);
-  cut_ |= (over || trainer.finished()) && (progress.step < planned_ || (over && rounds_left_ > 1));
+  if (iterations_left_ > 1 && trainer.finished()) over |= !next_iteration_fits(progress);
+  cut_ |= (over || trainer.finished()) && (progress.step < planned_ || (over && iterations_left_ > 1));
   return target_met_ || over;
 }
 

@@ -4,9 +4,9 @@
 #include <sstream>
 
 #include "ngs/core/error.h"
-#include "ngs/io/atomic_file.h"
-#include "ngs/io/child_process.h"
-#include "ngs/io/image_file.h"
+#include "ngs/io/files/atomic_file.h"
+#include "ngs/io/files/child_process.h"
+#include "ngs/io/image/image_file.h"
 #include "segmenters.h"
 
 namespace ngs::cli {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ngs/io/grab_cut.h"
+#include "ngs/io/image/grab_cut.h"
 #include "segmenters.h"
 
 namespace ngs::cli {

@@ -1,8 +1,8 @@
 // ngs-mask: strokes or boxes on one photo -> masks of all views, through the splat.
-#include "ngs/io/gaussian_ply.h"
-#include "ngs/io/scene_json.h"
-#include "ngs/stages/hand_prompt.h"
-#include "ngs/stages/render_options.h"
+#include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/io/scene/scene_json.h"
+#include "ngs/stages/masks/hand_prompt.h"
+#include "ngs/stages/render/render_options.h"
 #include "prompt_input.h"
 #include "segmenters.h"
 #include "shared/scene_model.h"

@@ -5,9 +5,9 @@
 #include <fstream>
 
 #include "ngs/core/error.h"
-#include "ngs/io/prompt_files.h"
+#include "ngs/io/scene/prompt_files.h"
 #include "ngs/scene/view_names.h"
-#include "ngs/stages/render_stage.h"
+#include "ngs/stages/render/render_stage.h"
 
 namespace ngs::cli {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "ngs/options/field.h"
-#include "ngs/stages/mask_spread.h"
+#include "ngs/stages/masks/mask_spread.h"
 #include "shared/tool.h"
 
 namespace ngs::cli {

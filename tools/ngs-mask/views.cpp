@@ -6,10 +6,10 @@
 #include <iomanip>
 #include <sstream>
 
-#include "ngs/io/atomic_file.h"
-#include "ngs/io/image_file.h"
-#include "ngs/io/photo.h"
-#include "ngs/io/regular_file.h"
+#include "ngs/io/files/atomic_file.h"
+#include "ngs/io/image/image_file.h"
+#include "ngs/io/image/photo.h"
+#include "ngs/io/files/regular_file.h"
 #include "ngs/options/name_of.h"
 #include "ngs/scene/view_names.h"
 #include "segmenters.h"

@@ -3,7 +3,7 @@
 #include <map>
 
 #include "ngs/scene/gaussian_cloud.h"
-#include "ngs/stages/mask_spread.h"
+#include "ngs/stages/masks/mask_spread.h"
 #include "shared/tool.h"
 
 namespace ngs::cli {

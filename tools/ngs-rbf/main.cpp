@@ -1,6 +1,6 @@
 // ngs-rbf: boundary PLY + query PLY -> query PLY with interpolated features. Algorithm 1, step 5.
-#include "ngs/io/query_ply.h"
-#include "ngs/stages/rbf_stage.h"
+#include "ngs/io/ply/query_ply.h"
+#include "ngs/stages/boundary/rbf_stage.h"
 #include "shared/boundary.h"
 #include "shared/tool.h"
 #include "shared/unused.h"

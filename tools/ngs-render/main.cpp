@@ -4,11 +4,11 @@
 #include <set>
 #include <sstream>
 
-#include "ngs/io/gaussian_ply.h"
-#include "ngs/io/photo.h"
-#include "ngs/io/scene_json.h"
-#include "ngs/stages/render_options.h"
-#include "ngs/stages/render_stage.h"
+#include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/io/image/photo.h"
+#include "ngs/io/scene/scene_json.h"
+#include "ngs/stages/render/render_options.h"
+#include "ngs/stages/render/render_stage.h"
 #include "render_output.h"
 #include "shared/scene_model.h"
 #include "shared/tool.h"

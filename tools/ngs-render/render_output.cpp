@@ -6,8 +6,8 @@
 #include <numeric>
 #include <sstream>
 
-#include "ngs/io/exr.h"
-#include "ngs/io/image_file.h"
+#include "ngs/io/image/exr.h"
+#include "ngs/io/image/image_file.h"
 #include "ngs/scene/view_names.h"
 
 namespace ngs::picture {

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "ngs/io/gaussian_ply.h"
+#include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/options/field.h"
-#include "ngs/stages/render_stage.h"
+#include "ngs/stages/render/render_stage.h"
 
 namespace ngs::picture {
 

@@ -35,15 +35,15 @@ std::string text_svg(double x, double y, const char* anchor, const std::string& 
 }
 
 /// 1, 2 and 5 of every power; k counts them from 1 on.
-double round_number(int k) {
+double iteration_number(int k) {
   constexpr double kDigits[] = {1, 2, 5};
   const int power = int(std::floor(k / 3.0));
   return kDigits[k - 3 * power] * std::pow(10, power);
 }
 /// The largest round number that is not above `value`, which is positive.
-int last_round_number(double value) {
+int last_iteration_number(double value) {
   int k = 3 * int(std::floor(std::log10(value))) - 1;
-  while (round_number(k + 1) <= value * (1 + 1e-9)) ++k;
+  while (iteration_number(k + 1) <= value * (1 + 1e-9)) ++k;
   return k;
 }
 
@@ -63,8 +63,8 @@ std::vector<double> ticks_of(const Frame& frame) {
       ticks.push_back(frame.x.low + i * frame.x.step);
   if (frame.log_x) {
     const bool powers_alone = frame.x.high - frame.x.low > kDecadesWithAllTicks;
-    for (int k = last_round_number(std::pow(10, frame.x.low)); std::log10(round_number(k)) <= frame.x.high + 1e-9; ++k)
-      if (!powers_alone || k % 3 == 0) ticks.push_back(round_number(k));
+    for (int k = last_iteration_number(std::pow(10, frame.x.low)); std::log10(iteration_number(k)) <= frame.x.high + 1e-9; ++k)
+      if (!powers_alone || k % 3 == 0) ticks.push_back(iteration_number(k));
   }
   return ticks;
 }
@@ -188,8 +188,8 @@ std::string plot_svg(const Plot& plot) {
     if (std::isfinite(p.x) && std::isfinite(p.y) && (p.x > 0 || !plot.log_x))
       frame.x.include(frame.across(p.x)), frame.y.include(p.y);
   if (plot.log_x) {  // to the round numbers around
-    frame.x.low = std::log10(round_number(last_round_number(std::pow(10, frame.x.low))));
-    frame.x.high = std::log10(round_number(last_round_number(std::pow(10, frame.x.high)) + 1));
+    frame.x.low = std::log10(iteration_number(last_iteration_number(std::pow(10, frame.x.low))));
+    frame.x.high = std::log10(iteration_number(last_iteration_number(std::pow(10, frame.x.high)) + 1));
   } else {
     frame.x.settle();
   }

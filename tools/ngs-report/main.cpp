@@ -3,7 +3,7 @@
 
 #include "html.h"
 #include "ngs/core/error.h"
-#include "ngs/io/atomic_file.h"
+#include "ngs/io/files/atomic_file.h"
 #include "page.h"
 #include "shared/tool.h"
 #include "work_precision.h"

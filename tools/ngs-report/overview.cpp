@@ -7,9 +7,9 @@
 
 #include "html.h"
 #include "ngs/core/error.h"
-#include "ngs/io/gaussian_ply.h"
-#include "ngs/io/image_file.h"
-#include "ngs/stages/render_options.h"
+#include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/io/image/image_file.h"
+#include "ngs/stages/render/render_options.h"
 #include "planes.h"
 
 namespace ngs::cli {

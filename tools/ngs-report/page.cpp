@@ -8,7 +8,7 @@
 #include "charts.h"
 #include "html.h"
 #include "ngs/core/version.h"
-#include "ngs/ops/metrics.h"
+#include "ngs/ops/image/metrics.h"
 #include "overview.h"
 #include "sections.h"
 #include "style.h"

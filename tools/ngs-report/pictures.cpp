@@ -5,8 +5,8 @@
 
 #include "html.h"
 #include "ngs/core/error.h"
-#include "ngs/io/image_file.h"
-#include "ngs/ops/outline.h"
+#include "ngs/io/image/image_file.h"
+#include "ngs/ops/image/outline.h"
 #include "planes.h"
 
 namespace ngs::cli {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "ngs/ops/metrics.h"
+#include "ngs/ops/image/metrics.h"
 #include "run_folder.h"
 
 namespace ngs::cli {

@@ -9,10 +9,10 @@
 
 #include "html.h"
 #include "ngs/core/error.h"
-#include "ngs/io/masks.h"
-#include "ngs/io/scene_json.h"
+#include "ngs/io/image/masks.h"
+#include "ngs/io/scene/scene_json.h"
 #include "ngs/scene/view_names.h"
-#include "ngs/stages/match_names.h"
+#include "ngs/stages/eval/match_names.h"
 
 namespace ngs::cli {
 namespace {

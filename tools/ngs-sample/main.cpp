@@ -1,9 +1,9 @@
 // ngs-sample: scene.json + boundary PLY -> query PLY with a grid of rays per view. Algorithm 1, steps 2-4.
-#include "ngs/io/query_ply.h"
-#include "ngs/io/scene_json.h"
-#include "ngs/stages/render_options.h"
-#include "ngs/stages/render_stage.h"
-#include "ngs/stages/sample_stage.h"
+#include "ngs/io/ply/query_ply.h"
+#include "ngs/io/scene/scene_json.h"
+#include "ngs/stages/render/render_options.h"
+#include "ngs/stages/render/render_stage.h"
+#include "ngs/stages/boundary/sample_stage.h"
 #include "shared/boundary.h"
 #include "shared/tool.h"
 

@@ -2,7 +2,7 @@
 // scene_check.h as JSON for the report and as a table for people.
 #include "ngs/options/option_set.h"
 #include "ngs/scene/gaussian_cloud.h"
-#include "ngs/stages/scene_check.h"
+#include "ngs/stages/scene/scene_check.h"
 
 namespace ngs::capture {
 

@@ -3,13 +3,13 @@
 #include <algorithm>
 
 #include "check_report.h"
-#include "ngs/io/masks.h"
-#include "ngs/io/photo.h"
-#include "ngs/io/regular_file.h"
-#include "ngs/stages/background.h"
-#include "ngs/stages/filter_probe.h"
-#include "ngs/stages/view_align.h"
-#include "ngs/stages/view_list.h"
+#include "ngs/io/image/masks.h"
+#include "ngs/io/image/photo.h"
+#include "ngs/io/files/regular_file.h"
+#include "ngs/stages/render/background.h"
+#include "ngs/stages/scene/filter_probe.h"
+#include "ngs/stages/scene/view_align.h"
+#include "ngs/problem/view_list.h"
 
 namespace ngs::capture {
 namespace {

@@ -1,10 +1,10 @@
 #pragma once
-// The checks of stages/scene_check.h with files behind them: what import and check have in common.
+// The checks of stages/scene/scene_check.h with files behind them: what import and check have in common.
 #include <optional>
 
-#include "ngs/io/gaussian_ply.h"
+#include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/scene/scene.h"
-#include "ngs/stages/scene_check.h"
+#include "ngs/stages/scene/scene_check.h"
 #include "shared/tool.h"
 
 namespace ngs::capture {
@@ -15,7 +15,7 @@ using Model = std::optional<io::GaussianPly>;
 /// Reads the scene's model into memory, its health into the report, and adds to `notes`.
 Model read_model(cli::Run& run, const Scene& scene, std::vector<std::string>& notes);
 
-/// The low-pass filter of the model (stages/filter_probe.h); 0.3 px² where model or photos are missing. What
+/// The low-pass filter of the model (stages/scene/filter_probe.h); 0.3 px² where model or photos are missing. What
 /// was measured goes into the report.
 double probe_model_filter(cli::Run& run, const SceneCheckOptions& options, const Scene& scene,
                           const Model& model);
@@ -25,10 +25,10 @@ double probe_model_filter(cli::Run& run, const SceneCheckOptions& options, const
 bool settle_transparent_photos(cli::Run& run, const SceneCheckOptions& options, const Model& model, Scene& scene,
                                std::vector<std::string>& notes);
 
-/// The background that the photos tell (stages/background.h), into the scene and the report.
+/// The background that the photos tell (stages/render/background.h), into the scene and the report.
 void find_model_background(cli::Run& run, const SceneCheckOptions& options, const Model& model, Scene& scene);
 
-/// Moves the cameras of the scene to where the photos fit the model (stages/view_align.h); says in the report
+/// Moves the cameras of the scene to where the photos fit the model (stages/scene/view_align.h); says in the report
 /// by how much.
 void align_views(cli::Run& run, const Model& model, Scene& scene);
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <map>
 
-#include "ngs/io/folder_index.h"
-#include "ngs/io/image_file.h"
+#include "ngs/io/files/folder_index.h"
+#include "ngs/io/image/image_file.h"
 #include "ngs/options/field.h"
 #include "ngs/scene/view_names.h"
-#include "ngs/stages/mask_noise.h"
+#include "ngs/stages/synth/mask_noise.h"
 #include "shared/tool.h"
 
 namespace ngs::capture {

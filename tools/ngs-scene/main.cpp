@@ -1,8 +1,8 @@
 // ngs-scene: cameras, photos, masks and a model of any origin -> the canonical scene.json, checked.
 #include "check_run.h"
 #include "degrade.h"
-#include "ngs/io/scene_json.h"
-#include "ngs/stages/background.h"
+#include "ngs/io/scene/scene_json.h"
+#include "ngs/stages/render/background.h"
 #include "options.h"
 #include "shared/unused.h"
 

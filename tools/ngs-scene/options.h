@@ -1,9 +1,9 @@
 #pragma once
 // What ngs-scene import asks for beside its inputs.
 #include "ngs/core/error.h"
-#include "ngs/io/import_scene.h"
+#include "ngs/io/scene/import_scene.h"
 #include "ngs/options/field.h"
-#include "ngs/stages/render_options.h"
+#include "ngs/stages/render/render_options.h"
 
 namespace ngs::capture {
 

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "ngs/options/option_set.h"
-#include "ngs/stages/fit_stage.h"
-#include "ngs/stages/mask_noise.h"
-#include "ngs/stages/synth_render.h"
+#include "ngs/stages/fit/fit_stage.h"
+#include "ngs/stages/synth/mask_noise.h"
+#include "ngs/stages/synth/synth_render.h"
 
 namespace ngs::cli {
 

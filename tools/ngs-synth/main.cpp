@@ -1,6 +1,6 @@
 // ngs-synth: a recipe -> photos, poses, exact and erroneous masks, depth, and a splat fitted to the photos.
 #include "dataset.h"
-#include "ngs/io/gaussian_ply.h"
+#include "ngs/io/ply/gaussian_ply.h"
 #include "options.h"
 #include "shared/unused.h"
 

@@ -1,9 +1,9 @@
 // ngs-variance: scene.json -> labelled PLY with evidence, variance and the boundary set. Algorithm 1, step 1.
 // Sharded: `--views i/N --partial part.evidence` for each i, then `ngs-variance merge *.evidence -o out.ply`.
-#include "ngs/io/content_hash.h"
-#include "ngs/io/masks.h"
-#include "ngs/io/scene_json.h"
-#include "ngs/stages/render_options.h"
+#include "ngs/io/files/content_hash.h"
+#include "ngs/io/image/masks.h"
+#include "ngs/io/scene/scene_json.h"
+#include "ngs/stages/render/render_options.h"
 #include "variance_output.h"
 
 namespace {

@@ -4,13 +4,13 @@
 #include <filesystem>
 #include <set>
 
-#include "ngs/io/content_hash.h"
-#include "ngs/io/exr.h"
-#include "ngs/io/regular_file.h"
-#include "ngs/io/scene_json.h"
+#include "ngs/io/files/content_hash.h"
+#include "ngs/io/image/exr.h"
+#include "ngs/io/files/regular_file.h"
+#include "ngs/io/scene/scene_json.h"
 #include "ngs/options/name_of.h"
 #include "ngs/scene/view_names.h"
-#include "ngs/stages/render_options.h"
+#include "ngs/stages/render/render_options.h"
 #include "shared/shard.h"
 
 namespace ngs::variance {

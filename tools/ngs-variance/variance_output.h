@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "ngs/io/evidence_file.h"
-#include "ngs/io/gaussian_ply.h"
-#include "ngs/stages/variance_stage.h"
+#include "ngs/io/scene/evidence_file.h"
+#include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/stages/boundary/variance_stage.h"
 #include "shared/scene_model.h"
 #include "shared/tool.h"
 

@@ -2,7 +2,7 @@
 // What ngs-sample, ngs-rbf and ngs-joint ask of the PLY that ngs-variance writes.
 #include <string>
 
-#include "ngs/io/gaussian_ply.h"
+#include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/scene/boundary_set.h"
 #include "shared/tool.h"
 

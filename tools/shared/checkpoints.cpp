@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "ngs/core/error.h"
-#include "ngs/io/atomic_file.h"
-#include "ngs/io/content_hash.h"
-#include "ngs/io/masks.h"
+#include "ngs/io/files/atomic_file.h"
+#include "ngs/io/files/content_hash.h"
+#include "ngs/io/image/masks.h"
 
 namespace ngs::cli {
 

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <map>
 
-#include "ngs/io/content_hash.h"
+#include "ngs/io/files/content_hash.h"
 
 namespace ngs::cli {
 namespace {

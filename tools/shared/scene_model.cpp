@@ -4,7 +4,7 @@
 #include <set>
 
 #include "ngs/core/error.h"
-#include "ngs/io/regular_file.h"
+#include "ngs/io/files/regular_file.h"
 
 namespace ngs::cli {
 

@@ -3,7 +3,7 @@
 #include <signal.h>
 #include <unistd.h>
 
-#include "ngs/io/unfinished_files.h"
+#include "ngs/io/files/unfinished_files.h"
 #include "shared/exit_code.h"
 
 namespace ngs::cli {

@@ -10,7 +10,7 @@
 #include <filesystem>
 
 #include "ngs/core/error.h"
-#include "ngs/io/mapped_file.h"
+#include "ngs/io/files/mapped_file.h"
 
 namespace ngs::cli {
 namespace {

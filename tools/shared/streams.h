@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "ngs/io/unfinished_files.h"
+#include "ngs/io/files/unfinished_files.h"
 #include "shared/spec.h"
 
 namespace ngs::cli {

@@ -9,8 +9,8 @@
 #include <new>
 
 #include "ngs/core/error.h"
-#include "ngs/io/atomic_file.h"
-#include "ngs/ops/device_ops.h"
+#include "ngs/io/files/atomic_file.h"
+#include "ngs/ops/device/device_ops.h"
 #include "shared/command_line.h"
 #include "shared/console.h"
 #include "shared/help.h"

@@ -1,4 +1,4 @@
-#include "ngs/backend/cuda_grid.cuh"
+#include "ngs/backend/cuda_launcher.cuh"
 #include "ngs/backend/device_info.h"
 
 namespace ngs {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <map>
 
-#include "ngs/backend/cuda_grid.cuh"
+#include "ngs/backend/cuda_launcher.cuh"
 #include "ngs/backend/device_profile.h"
 
 namespace ngs {

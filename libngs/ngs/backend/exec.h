@@ -13,7 +13,7 @@ enum class Device : std::uint8_t { kCpu, kCuda };
 /// blocks come.
 enum class DeviceSums : std::uint8_t { kInOrder, kAtomic };
 
-/// The ops of a device (ops/device_ops.h).
+/// The ops of a device (ops/device/device_ops.h).
 class DeviceOps;
 
 struct Exec {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "bench_scene.h"
-#include "ngs/stages/joint_stage.h"
+#include "ngs/passes/joint/joint_stage.h"
 
 namespace ngs::bench {
 
@@ -32,7 +32,7 @@ class JointSteps {
   /// Seconds of a step, after two rounds of the views; `around(begin or end)` brackets what is measured.
   template <class Around>
   double seconds(const Exec& exec, int steps, const Around& around) const {
-    const MethodInput input{.cloud = bench_.cloud,
+    const Problem input{.cloud = bench_.cloud,
                             .scene = scene_,
                             .views = {0, 1, 2, 3},
                             .load_masks = [&](std::size_t) { return bench_.masks; },

@@ -11,11 +11,11 @@
 #include "joint_steps.h"
 #include "ngs/backend/device_info.h"
 #include "ngs/backend/device_profile.h"
-#include "ngs/ops/device_ops.h"
-#include "ngs/ops/evidence.h"
-#include "ngs/ops/hash_grid.h"
-#include "ngs/ops/knn.h"
-#include "ngs/ops/photometric.h"
+#include "ngs/ops/device/device_ops.h"
+#include "ngs/ops/splat/evidence.h"
+#include "ngs/ops/field/hash_grid.h"
+#include "ngs/ops/field/knn.h"
+#include "ngs/ops/losses/photometric.h"
 
 namespace ngs::bench {
 namespace {

@@ -15,18 +15,18 @@
 #include <numeric>
 
 #include "ngs/core/rng.h"
-#include "ngs/io/gaussian_ply.h"
-#include "ngs/io/scene_json.h"
-#include "ngs/ops/cloud_view.h"
-#include "ngs/ops/knn.h"
-#include "ngs/ops/rbf.h"
-#include "ngs/ops/splat.h"
-#include "ngs/ops/splat_engine.h"
-#include "ngs/ops/tile_kernels_of.h"
-#include "ngs/ops/tile_scratch.h"
+#include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/io/scene/scene_json.h"
+#include "ngs/ops/splat/cloud_view.h"
+#include "ngs/ops/field/knn.h"
+#include "ngs/ops/field/rbf.h"
+#include "ngs/ops/splat/splat.h"
+#include "ngs/ops/splat/splat_engine.h"
+#include "ngs/ops/splat/tile_kernels_of.h"
+#include "ngs/ops/splat/tile_scratch.h"
 #include "ngs/scene/boundary_set.h"
-#include "ngs/stages/rbf_stage.h"
-#include "ngs/stages/variance_stage.h"
+#include "ngs/stages/boundary/rbf_stage.h"
+#include "ngs/stages/boundary/variance_stage.h"
 
 namespace ngs::bench {
 namespace {

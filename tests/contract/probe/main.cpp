@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "ngs/core/error.h"
-#include "ngs/io/atomic_file.h"
+#include "ngs/io/files/atomic_file.h"
 #include "shared/tool.h"
 
 namespace {

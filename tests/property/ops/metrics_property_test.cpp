@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "ngs/ops/metrics.h"
+#include "ngs/ops/image/metrics.h"
 #include "support/mask_zoo.h"
 
 namespace ngs {

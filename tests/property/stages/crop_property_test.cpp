@@ -6,16 +6,16 @@
 #include <filesystem>
 
 #include "ngs/core/monitor.h"
-#include "ngs/io/gaussian_ply.h"
-#include "ngs/io/import_scene.h"
-#include "ngs/io/masks.h"
-#include "ngs/io/photo.h"
-#include "ngs/ops/adam.h"
-#include "ngs/ops/loss_mask.h"
-#include "ngs/ops/photometric.h"
-#include "ngs/ops/splat_view.h"
-#include "ngs/stages/edge_masks.h"
-#include "ngs/stages/variance_stage.h"
+#include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/io/scene/import_scene.h"
+#include "ngs/io/image/masks.h"
+#include "ngs/io/image/photo.h"
+#include "ngs/ops/optim/adam.h"
+#include "ngs/ops/losses/loss_mask.h"
+#include "ngs/ops/losses/photometric.h"
+#include "ngs/ops/splat/splat_view.h"
+#include "ngs/passes/contours/refined_masks.h"
+#include "ngs/stages/boundary/variance_stage.h"
 #include "support/joint_case.h"
 
 namespace ngs {

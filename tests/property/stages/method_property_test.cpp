@@ -1,17 +1,17 @@
 #include <doctest/doctest.h>
 
-#include "ngs/stages/method_bce.h"
-#include "ngs/stages/method_cob.h"
-#include "ngs/stages/method_flash.h"
-#include "ngs/stages/method_released.h"
-#include "ngs/stages/method_sa3d.h"
-#include "ngs/stages/method_saga.h"
+#include "ngs/methods/method_bce.h"
+#include "ngs/methods/method_cob.h"
+#include "ngs/methods/method_flash.h"
+#include "ngs/methods/method_released.h"
+#include "ngs/methods/method_sa3d.h"
+#include "ngs/methods/method_saga.h"
 #include "support/method_case.h"
 
 namespace ngs {
 namespace {
 
-using Run = MethodResult (*)(const Exec&, Monitor&, const MethodInput&);
+using Run = Solution (*)(const Exec&, Monitor&, const Problem&);
 struct NamedRun {
   const char* name;
   Run run;
@@ -19,31 +19,31 @@ struct NamedRun {
 };
 
 const NamedRun kRuns[] = {
-    {"flash", [](const Exec& e, Monitor& m, const MethodInput& in) { return run_flash(e, m, {}, in); }, false,
+    {"flash", [](const Exec& e, Monitor& m, const Problem& in) { return run_flash(e, m, {}, in); }, false,
      false},
-    {"bce", [](const Exec& e, Monitor& m, const MethodInput& in) { return run_bce(e, m, {}, in); }, false,
+    {"bce", [](const Exec& e, Monitor& m, const Problem& in) { return run_bce(e, m, {}, in); }, false,
      false},
-    {"cob", [](const Exec& e, Monitor& m, const MethodInput& in) { return run_cob(e, m, {}, in); }, true,
+    {"cob", [](const Exec& e, Monitor& m, const Problem& in) { return run_cob(e, m, {}, in); }, true,
      true},
     {"released",
-     [](const Exec& e, Monitor& m, const MethodInput& in) {
+     [](const Exec& e, Monitor& m, const Problem& in) {
        ReleasedOptions short_run;
        short_run.cob.rounds = 1;
        return run_released(e, m, short_run, in);
      },
      true, true},
     {"saga",
-     [](const Exec& e, Monitor& m, const MethodInput& in) {
+     [](const Exec& e, Monitor& m, const Problem& in) {
        SagaOptions few;
        few.steps = 12, few.dims = 8, few.pixels = 64;
        return run_saga(e, m, few, in);
      },
      true, true},
-    {"sa3d", [](const Exec& e, Monitor& m, const MethodInput& in) { return run_sa3d(e, m, {}, in); }, true,
+    {"sa3d", [](const Exec& e, Monitor& m, const Problem& in) { return run_sa3d(e, m, {}, in); }, true,
      false},
 };
 
-void check_equal(const MethodResult& a, const MethodResult& b) {
+void check_equal(const Solution& a, const Solution& b) {
   REQUIRE(a.labels.size() == b.labels.size());
   CHECK(a.source_row == b.source_row);
   CHECK(a.cloud.position == b.cloud.position);
@@ -73,9 +73,9 @@ TEST_CASE("a method that sums over views gives the same labels for any order of 
     if (method.view_order_matters) continue;
     CAPTURE(method.name);
     Monitor monitor;
-    MethodInput shuffled = c.input();
+    Problem shuffled = c.input();
     shuffled.views = {2, 0, 3, 1};
-    const MethodResult a = method.run({}, monitor, c.input()), b = method.run({}, monitor, shuffled);
+    const Solution a = method.run({}, monitor, c.input()), b = method.run({}, monitor, shuffled);
     CHECK(a.labels[0].label == b.labels[0].label);
   }
 }
@@ -90,7 +90,7 @@ TEST_CASE("permuting the Gaussians permutes the labels") {
     if (method.row_order_matters) continue;
     CAPTURE(method.name);
     Monitor monitor;
-    const MethodResult a = method.run({}, monitor, c.input()), b = method.run({}, monitor, p.input());
+    const Solution a = method.run({}, monitor, c.input()), b = method.run({}, monitor, p.input());
     int same = 0;
     for (std::size_t i = 0; i < order.size(); ++i)
       same += b.labels[0].label[i] == a.labels[0].label[order[i]];

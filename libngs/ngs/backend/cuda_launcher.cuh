@@ -1,0 +1,224 @@
+#pragma once
+// The Grid of backend/launcher.h on a CUDA device. Included by *.cu only. All work of a process goes to one stream, which is
+// not the default one: that cannot be recorded.
+#include <cuda_runtime.h>
+
+#include <cub/device/device_radix_sort.cuh>
+#include <cub/device/device_scan.cuh>
+
+#include "ngs/backend/launcher.h"
+#include "ngs/core/error.h"
+
+namespace ngs {
+
+inline void check_cuda(cudaError_t status, const char* what) {
+  if (status == cudaSuccess) return;
+  throw Error(ErrorCode::kEnvironment,
+              std::string("CUDA, ") + what + ": " + cudaGetErrorString(status) + ", expected success",
+              status == cudaErrorMemoryAllocation ? "use a smaller image scale, or --device cpu" : "run with --device cpu");
+}
+
+/// A block as its threads see it.
+template <class Kernel>
+struct CudaBlock {
+  std::int64_t index;
+  typename Kernel::Shared& shared;
+  typename Kernel::Thread& own;
+
+  template <class F>
+  NGS_HD void phase(const F& f) {
+#ifdef __CUDA_ARCH__
+    f(int(threadIdx.x), shared, own);
+    __syncthreads();
+#endif
+  }
+  template <class F>
+  NGS_HD bool any(const F& f) {
+#ifdef __CUDA_ARCH__
+    return __syncthreads_or(f(int(threadIdx.x), shared, own)) != 0;
+#else
+    return false;
+#endif
+  }
+};
+
+namespace detail {
+
+template <class Kernel>
+__global__ void each_kernel(std::int64_t n, const __grid_constant__ Kernel kernel) {
+  const std::int64_t stride = std::int64_t(blockDim.x) * gridDim.x;
+  for (std::int64_t i = std::int64_t(blockIdx.x) * blockDim.x + threadIdx.x; i < n; i += stride) kernel(i);
+}
+
+template <class Kernel>
+__global__ __launch_bounds__(Kernel::kThreads, 1) void block_kernel(std::int64_t first, const __grid_constant__ Kernel kernel) {
+  __shared__ typename Kernel::Shared shared;
+  typename Kernel::Thread own;
+  CudaBlock<Kernel> block{first + blockIdx.x, shared, own};
+  kernel(block);
+}
+
+/// Whether profile_device() is on: every launch waits then, and none can be recorded.
+bool profiling();
+
+/// Measures a launch while profile_device() is on (device_profile.cu).
+class KernelClock {
+ public:
+  KernelClock(const char* name, cudaStream_t stream);
+  void stop();
+
+ private:
+  const char* name_;
+  cudaStream_t stream_;
+  cudaEvent_t begin_ = nullptr;
+};
+
+struct AddWide {
+  NGS_HD std::int64_t operator()(std::int64_t a, std::int64_t b) const { return a + b; }
+};
+
+}  // namespace detail
+
+class CudaLauncher {
+ public:
+  static NGS_HD void add_to(float* to, float x) {
+#ifdef __CUDA_ARCH__
+    atomicAdd(to, x);
+#else
+    *to += x;
+#endif
+  }
+
+  template <class Kernel>
+  void each(std::int64_t n, const Kernel& kernel) {
+    if (n <= 0) return;
+    constexpr int kBlock = 256;
+    constexpr std::int64_t kMostBlocks = std::int64_t(1) << 20;
+    const std::int64_t blocks = divided_up<std::int64_t>(n, kBlock);
+    detail::KernelClock clock(Kernel::kName, stream());
+    detail::each_kernel<<<unsigned(blocks < kMostBlocks ? blocks : kMostBlocks), kBlock, 0, stream()>>>(n, kernel);
+    check_cuda(cudaGetLastError(), Kernel::kName);
+    clock.stop();
+    last_kernel_ = Kernel::kName;
+  }
+
+  template <class Kernel>
+  void blocks(std::int64_t n, const Kernel& kernel) {
+    static_assert(sizeof(typename Kernel::Shared) <= 48 * 1024, "beyond it a block needs an attribute");
+    constexpr std::int64_t kMost = 0x7fffffff;
+    for (std::int64_t first = 0; first < n; first += kMost) {
+      const std::int64_t count = n - first < kMost ? n - first : kMost;
+      detail::KernelClock clock(Kernel::kName, stream());
+      detail::block_kernel<<<unsigned(count), Kernel::kThreads, 0, stream()>>>(first, kernel);
+      check_cuda(cudaGetLastError(), Kernel::kName);
+      clock.stop();
+      last_kernel_ = Kernel::kName;
+    }
+  }
+
+  void sort(std::uint64_t* keys, std::uint32_t* values, std::int64_t n, int bits) {
+    if (n <= 1) return;
+    const DeviceBuffer<CudaLauncher, std::uint64_t> other_keys(*this, n);
+    const DeviceBuffer<CudaLauncher, std::uint32_t> other_values(*this, n);
+    cub::DoubleBuffer<std::uint64_t> k(keys, other_keys.data());
+    cub::DoubleBuffer<std::uint32_t> v(values, other_values.data());
+    std::size_t bytes = 0;
+    check_cuda(cub::DeviceRadixSort::SortPairs(nullptr, bytes, k, v, n, 0, bits, stream()), "sort");
+    const DeviceBuffer<CudaLauncher, char> scratch(*this, std::int64_t(bytes));
+    detail::KernelClock clock("sort", stream());
+    check_cuda(cub::DeviceRadixSort::SortPairs(scratch.data(), bytes, k, v, n, 0, bits, stream()), "sort");
+    clock.stop();
+    if (k.Current() != keys) copy(keys, k.Current(), std::size_t(n) * sizeof *keys);
+    if (v.Current() != values) copy(values, v.Current(), std::size_t(n) * sizeof *values);
+  }
+
+  void sum_before(const std::uint32_t* in, std::int64_t* out, std::int64_t n) {
+    fill_zero(out, sizeof *out);
+    if (n == 0) return;
+    std::size_t bytes = 0;
+    const auto sum = [&](void* scratch) {
+      return cub::DeviceScan::InclusiveScan(scratch, bytes, in, out + 1, detail::AddWide{}, n, stream());
+    };
+    check_cuda(sum(nullptr), "sum");
+    const DeviceBuffer<CudaLauncher, char> scratch(*this, std::int64_t(bytes));
+    detail::KernelClock clock("sum", stream());
+    check_cuda(sum(scratch.data()), "sum");
+    clock.stop();
+  }
+
+  void* allocate(std::size_t bytes) {
+    void* memory = nullptr;
+    check_cuda(cudaMallocAsync(&memory, bytes, stream()), "memory");
+    return memory;
+  }
+  void release(void* memory) noexcept { cudaFreeAsync(memory, stream()); }
+  void upload(void* device, const void* host, std::size_t bytes) {
+    check_cuda(cudaMemcpyAsync(device, host, bytes, cudaMemcpyHostToDevice, stream()), "copy to the device");
+  }
+  void download(void* host, const void* device, std::size_t bytes) {
+    check_cuda(cudaMemcpyAsync(host, device, bytes, cudaMemcpyDeviceToHost, stream()), "copy from the device");
+    // A fault of a kernel shows here; it is at or before the last one.
+    check_cuda(cudaStreamSynchronize(stream()), (std::string("kernels up to ") + last_kernel_).c_str());
+  }
+  void fill_zero(void* device, std::size_t bytes) { check_cuda(cudaMemsetAsync(device, 0, bytes, stream()), "fill"); }
+
+  std::int64_t bytes_to_spare() const {
+    std::size_t spare = 0, all = 0;
+    check_cuda(cudaMemGetInfo(&spare, &all), "memory");
+    return std::int64_t(spare);
+  }
+
+  /// A CUDA graph, once recorded.
+  class Recording {
+   public:
+    Recording() = default;
+    ~Recording() {
+      if (graph_ != nullptr) cudaGraphExecDestroy(graph_);
+    }
+    Recording(Recording&& other) noexcept : graph_(std::exchange(other.graph_, nullptr)) {}
+    Recording& operator=(Recording&& other) noexcept {
+      std::swap(graph_, other.graph_);
+      return *this;
+    }
+
+   private:
+    friend class CudaLauncher;
+    cudaGraphExec_t graph_ = nullptr;
+  };
+  template <class Body>
+  void replay(Recording& recording, const Body& body) {
+    if (detail::profiling()) return body();
+    if (recording.graph_ == nullptr) {
+      check_cuda(cudaStreamBeginCapture(stream(), cudaStreamCaptureModeThreadLocal), "record");
+      cudaGraph_t graph = nullptr;
+      try {
+        body();
+      } catch (...) {
+        cudaStreamEndCapture(stream(), &graph);
+        if (graph != nullptr) cudaGraphDestroy(graph);
+        throw;
+      }
+      check_cuda(cudaStreamEndCapture(stream(), &graph), "record");
+      const cudaError_t made = cudaGraphInstantiate(&recording.graph_, graph, 0);
+      cudaGraphDestroy(graph);
+      check_cuda(made, "record");
+    }
+    check_cuda(cudaGraphLaunch(recording.graph_, stream()), "replay");
+  }
+
+ private:
+  const char* last_kernel_ = "none";
+  static cudaStream_t stream() {
+    static const cudaStream_t only = [] {
+      cudaStream_t created = nullptr;
+      check_cuda(cudaStreamCreateWithFlags(&created, cudaStreamNonBlocking), "stream");
+      return created;
+    }();
+    return only;
+  }
+  void copy(void* to, const void* from, std::size_t bytes) {
+    check_cuda(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice, stream()), "copy");
+  }
+};
+
+}  // namespace ngs

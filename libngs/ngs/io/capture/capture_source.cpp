@@ -1,0 +1,179 @@
+#include "ngs/io/capture/capture_source.h"
+
+#include <filesystem>
+#include <map>
+
+#include "ngs/core/error.h"
+#include "ngs/io/capture/cameras_json.h"
+#include "ngs/io/capture/colmap.h"
+#include "ngs/io/files/folder_index.h"
+#include "ngs/io/capture/llff.h"
+#include "ngs/io/capture/pose.h"
+#include "ngs/io/files/regular_file.h"
+#include "ngs/io/image/size_rule.h"
+#include "ngs/io/capture/transforms_json.h"
+
+namespace ngs::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kKnownFiles[] = {"transforms.json", "transforms_train.json", "cameras.json",
+                                       "poses_bounds.npy"};
+
+/// The scene's folder: the source that the model was found below, or what lies above the "sparse/0", "sparse" or
+/// "colmap/sparse/0" that the source names.
+std::string base_of_model(const std::string& source, const std::string& model) {
+  const fs::path below = fs::path(model).lexically_relative(source);
+  if (!below.empty() && (*below.begin() == "sparse" || *below.begin() == "colmap")) return source;
+  fs::path base = model, named = (fs::absolute(base) / "").lexically_normal().parent_path();  // "." has a name too
+  std::error_code ignored;
+  for (const char* part : {"0", "sparse", "colmap"}) {
+    if (named.filename() != part || fs::is_directory(named / "images", ignored)) continue;
+    named = named.parent_path(), base /= "..";
+  }
+  base = base.lexically_normal();
+  return (base.has_filename() ? base : base.parent_path()).string();
+}
+
+struct Located {
+  std::string file, base;
+  bool colmap = false;
+  std::vector<std::string> also;  // other descriptions of cameras beside it
+};
+
+Located locate(const std::string& source) {
+  if (is_regular_file(source)) {
+    const fs::path folder = fs::path(source).parent_path();
+    const std::string stem =
+        fs::path(source).stem().string();  // one file of a COLMAP model stands for its folder
+    if ((stem == "cameras" || stem == "images") && fs::path(source).extension() != ".json")
+      if (const std::string model = find_colmap_model(folder.empty() ? "." : folder.string()); !model.empty())
+        return {model, base_of_model(model, model), true, {}};
+    return {source, folder.empty() ? "." : folder.string(), false, {}};
+  }
+  std::error_code ignored;
+  if (!fs::is_directory(source, ignored))
+    throw Error(ErrorCode::kBadInput, source + ": no such file or folder, expected cameras");
+  Located found;
+  if (const std::string model = find_colmap_model(source); !model.empty())
+    found = {model, base_of_model(source, model), true, {}};
+  for (const char* name : kKnownFiles) {
+    const std::string file = (fs::path(source) / name).string();
+    if (!is_regular_file(file)) continue;
+    if (found.file.empty())
+      found = {file, source, false, {}};
+    else
+      found.also.push_back(name);
+  }
+  if (found.file.empty())
+    throw Error(ErrorCode::kBadInput,
+                source +
+                    ": no cameras found, expected sparse/0 (COLMAP), transforms.json, cameras.json or "
+                    "poses_bounds.npy",
+                "name the file or the folder of the COLMAP model itself");
+  return found;
+}
+
+std::string find_images_dir(const CaptureRequest& request, const std::string& base) {
+  std::error_code ignored;
+  if (!request.images_dir.empty()) {
+    if (!fs::is_directory(request.images_dir, ignored))
+      throw Error(ErrorCode::kBadInput, request.images_dir + ": no such folder, expected the photos");
+    return request.images_dir;
+  }
+  const std::string images = (fs::path(base) / "images").string();
+  return fs::is_directory(images, ignored) ? images : std::string();
+}
+
+Capture read_cameras(const CaptureRequest& request, const Located& located, const std::string& images_dir) {
+  if (located.colmap) return read_colmap(located.file);
+  const fs::path file(located.file);
+  if (file.extension() == ".npy") {
+    if (images_dir.empty())
+      throw Error(ErrorCode::kBadInput,
+                  located.file + ": no folder of images found, expected one (its order names the poses)",
+                  "name it with --images DIR");
+    return read_llff(located.file, list_images(images_dir));
+  }
+  if (file.filename().string().rfind("cameras", 0) == 0) return read_cameras_json(located.file);
+  if (file.extension() == ".json") return read_transforms_json(located.file, request.original_world);
+  throw Error(ErrorCode::kBadInput, located.file +
+                                        ": unknown kind of file, expected transforms.json, cameras.json, "
+                                        "poses_bounds.npy or a COLMAP folder");
+}
+
+void attach_photos(const CaptureRequest& request, const std::string& images_dir, Capture& capture) {
+  const FolderIndex index(images_dir);
+  std::vector<SceneView*> open;
+  std::vector<std::string> names;  // theirs
+  for (SceneView& view : capture.views) {
+    const bool own = request.images_dir.empty() && is_regular_file(view.image_path);
+    if (!own) open.push_back(&view), names.push_back(view.camera.name);
+  }
+  const std::vector<FoundFile> found = files_of_views(names, [&](const std::string& name) {
+    if (images_dir.empty()) return FoundFile{};
+    const std::string same = index.find(name);
+    return FoundFile{same.empty() ? index.find_stem(name) : same, {}};
+  });
+  std::size_t missing = 0;
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    open[i]->image_path = found[i].path;
+    missing += found[i].path.empty();
+  }
+  if (missing == capture.views.size() && !request.images_dir.empty())
+    throw Error(ErrorCode::kInconsistent, images_dir + ": no photo of any view (such as " +
+                                              capture.views[0].camera.name +
+                                              "), expected the photos of the cameras");
+  if (missing > 0)
+    capture.notes.push_back("no photo for " + std::to_string(missing) + " of " +
+                            std::to_string(capture.views.size()) + " views" +
+                            (images_dir.empty() ? " (name their folder with --images DIR)" : ""));
+}
+
+/// Cameras follow their photos: a folder images_4 or a calibration at another size is the norm.
+void bring_to_photo_sizes(Capture& capture) {
+  std::map<std::string, int> resized_views;
+  for (SceneView& view : capture.views) {
+    if (view.image_path.empty()) continue;
+    const ImageSize photo = read_image_size(view.image_path),
+                    camera{view.camera.width_px, view.camera.height_px};
+    const SizeRelation relation = relate_sizes(photo, camera, 1);
+    if (relation.same) continue;
+    if (!relation.allowed)
+      throw Error(
+          ErrorCode::kInconsistent,
+          view.image_path + ": photo of " + to_string(photo) + " px for a camera of " + to_string(camera) +
+              " px, expected the same size or an integer factor",
+          is_turned(photo, camera, 1)
+              ? "turn its pixels as the cameras have them: its EXIF orientation, which nothing here follows, may have"
+                " been followed where the cameras were made (mogrify -auto-orient)"
+              : "use the photos that the cameras were calibrated on (undistorted ones for an undistorted model)");
+    ++resized_views[to_string(camera) + " px brought to the photos' " + to_string(photo) + " px"];
+    view.camera = resized(view.camera, photo.width_px, photo.height_px);
+  }
+  for (const auto& [sizes, count] : resized_views)
+    capture.notes.push_back(std::to_string(count) + " cameras of " + sizes);
+}
+
+}  // namespace
+
+CaptureSource read_capture(const CaptureRequest& request) {
+  const Located located = locate(request.source);
+  CaptureSource source;
+  source.file = located.file, source.base = located.base;
+  source.images_dir = find_images_dir(request, located.base);
+  source.capture = read_cameras(request, located, source.images_dir);
+  for (const std::string& other : located.also)
+    source.capture.notes.push_back(request.source + ": also holds " + other + ", cameras are read from " +
+                                   located.file);
+  if (!request.world_transform.empty()) {
+    const WorldTransform world = read_world_transform(request.world_transform);
+    for (SceneView& view : source.capture.views) apply(world, view.camera);
+  }
+  attach_photos(request, source.images_dir, source.capture);
+  bring_to_photo_sizes(source.capture);
+  return source;
+}
+
+}  // namespace ngs::io

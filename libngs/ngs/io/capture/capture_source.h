@@ -1,0 +1,29 @@
+#pragma once
+// A folder or file in any of the known conventions -> cameras with their photos.
+#include <string>
+#include <vector>
+
+#include "ngs/io/capture/capture.h"
+
+namespace ngs::io {
+
+struct CaptureRequest {
+  std::string source;      // COLMAP folder, transforms.json, cameras.json, poses_bounds.npy, or a folder that
+                           //   holds one of them
+  std::string images_dir;  // empty: images/ beside the cameras
+  std::string world_transform;  // transforms_json.h read_world_transform(); empty: none
+  bool original_world = false;  // transforms.json: undo applied_transform
+};
+
+struct CaptureSource {
+  Capture capture;         // cameras at the photos' size, image_path set where a photo was found
+  std::string file;        // what was read: a file, or the folder of a COLMAP model
+  std::string base;        // the folder where images, masks and models are looked for
+  std::string images_dir;  // empty: no folder of photos
+};
+
+/// Missing photos are a note; no photo at all with an explicit images_dir, or a photo whose size is no
+/// integer factor of its camera's, is kInconsistent.
+CaptureSource read_capture(const CaptureRequest& request);
+
+}  // namespace ngs::io

@@ -1,0 +1,202 @@
+#include "ngs/io/capture/transforms_json.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <optional>
+
+#include "ngs/core/error.h"
+#include "ngs/io/files/json_file.h"
+#include "ngs/io/capture/pose.h"
+#include "ngs/io/files/relative_path.h"
+
+namespace ngs::io {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// Intrinsics of a frame, falling back to those of the file.
+class Lookup {
+ public:
+  Lookup(const JsonReader& frame, const JsonReader& file) : frame_(frame), file_(file) {}
+  const JsonReader* holder(const std::string& key) const {
+    return frame_.has(key) ? &frame_ : file_.has(key) ? &file_ : nullptr;
+  }
+  std::optional<double> number(const std::string& key) const {
+    const JsonReader* reader = holder(key);
+    return reader != nullptr ? std::optional(reader->number(key)) : std::nullopt;
+  }
+
+ private:
+  const JsonReader &frame_, &file_;
+};
+
+void refuse_distortion(const Lookup& lookup, const std::string& where) {
+  const std::string remedy =
+      "undistort the photos, e.g. with colmap image_undistorter --image_path images --input_path "
+      "colmap/sparse/0 "
+      "--output_path undistorted --output_type COLMAP, then import the folder undistorted";
+  constexpr double kNegligible = 1e-9;
+  for (const char* key : {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"}) {
+    const double value = lookup.number(key).value_or(0);
+    if (std::abs(value) >= kNegligible)
+      throw Error(ErrorCode::kBadInput,
+                  where + ": lens distortion " + key + " = " + json(value).dump() + ", expected none",
+                  remedy);
+  }
+  const JsonReader* fisheye = lookup.holder("is_fisheye");  // instant-ngp's; bends straight lines even with k1..k4 zero
+  if (fisheye != nullptr && fisheye->boolean("is_fisheye"))
+    throw Error(ErrorCode::kBadInput, where + ": is_fisheye, expected a pinhole", remedy);
+  const JsonReader* reader = lookup.holder("camera_model");
+  if (reader == nullptr) return;
+  const std::string model = reader->text("camera_model");
+  constexpr std::array kStraight{"PINHOLE",       "SIMPLE_PINHOLE", "OPENCV",
+                                 "SIMPLE_RADIAL", "RADIAL",         "FULL_OPENCV"};
+  if (std::find(kStraight.begin(), kStraight.end(), model) == kStraight.end())
+    throw Error(ErrorCode::kBadInput, where + ": camera model " + model + ", expected a pinhole", remedy);
+}
+
+/// A path of the file. Written on Windows it has backslashes between its folders; a file that is really called so wins.
+std::string path_in(const TransformsSource& source, std::string text) {
+  const std::string folder = source.folder.empty() ? "." : source.folder;
+  if (text.find('\\') != std::string::npos && !source.images.exists(path_from_folder(folder, text)))
+    std::replace(text.begin(), text.end(), '\\', '/');
+  return path_from_folder(folder, text);
+}
+
+std::string find_image(const TransformsSource& source, const std::string& file_path) {
+  const std::string path = path_in(source, file_path);
+  if (source.images.exists(path)) return path;
+  for (const char* extension : {".png", ".jpg", ".jpeg", ".JPG", ".PNG"})
+    if (source.images.exists(path + extension)) return path + extension;
+  return fs::path(path).has_extension() ? path : path + ".png";
+}
+
+void read_intrinsics(const Lookup& lookup, const TransformsSource& source, const std::string& where,
+                     SceneView& view) {
+  Camera& camera = view.camera;
+  if (lookup.holder("w") != nullptr && lookup.holder("h") != nullptr) {
+    camera.width_px = int(lookup.holder("w")->integer("w", 1, kMaxSide));
+    camera.height_px = int(lookup.holder("h")->integer("h", 1, kMaxSide));
+  } else if (source.images.exists(view.image_path)) {
+    const ImageSize size = source.images.size(view.image_path);
+    camera.width_px = size.width_px, camera.height_px = size.height_px;
+  } else {
+    throw Error(ErrorCode::kBadInput,
+                where + ": no w and h and no image " + view.image_path + ", expected a size",
+                "add \"w\" and \"h\" to the file, or put the images where file_path says");
+  }
+  const auto focal_of = [&](const char* focal, const char* angle, int size_px) -> std::optional<double> {
+    if (const auto value = lookup.number(focal)) return value;
+    const auto value = lookup.number(angle);
+    if (!value) return std::nullopt;
+    if (!(*value > 0 && *value < std::numbers::pi)) lookup.holder(angle)->fail(angle, "an angle between 0 and pi");
+    return size_px / (2 * std::tan(*value / 2));
+  };
+  const auto fx = focal_of("fl_x", "camera_angle_x", camera.width_px);
+  const auto fy = focal_of("fl_y", "camera_angle_y", camera.height_px);
+  if (!fx && !fy)
+    throw Error(ErrorCode::kBadInput, where + ": no focal length, expected fl_x or camera_angle_x");
+  camera.fx = fx.value_or(fy.value_or(0)), camera.fy = fy.value_or(fx.value_or(0));
+  camera.cx = lookup.number("cx").value_or(camera.width_px / 2.0);
+  camera.cy = lookup.number("cy").value_or(camera.height_px / 2.0);
+}
+
+struct RigidRows {  // [rotation | translation]
+  Mat3<double> rotation;
+  Vec3<double> translation;
+};
+
+RigidRows rigid_from(const std::vector<double>& rows, const std::string& where) {
+  const Mat3<double> m{{rows[0], rows[1], rows[2], rows[4], rows[5], rows[6], rows[8], rows[9], rows[10]}};
+  return {checked_rotation(m, where), {rows[3], rows[7], rows[11]}};
+}
+
+RigidRows read_rigid(const JsonReader& reader, const std::string& key) {
+  const std::size_t rows = reader.array(key).size() == 3 ? 3 : 4;
+  const std::vector<double> m = reader.matrix(key, rows, 4);
+  const bool affine = rows == 3 || (m[12] == 0 && m[13] == 0 && m[14] == 0 && m[15] == 1);
+  if (!affine) reader.fail(key, "a last row of 0 0 0 1");
+  return rigid_from(m, reader.where() + "." + key);
+}
+
+/// x = original -> x' = scale · (A x + b); its inverse, as a similarity.
+std::optional<WorldTransform> undo_applied(const JsonReader& file) {
+  if (!file.has("applied_transform")) return std::nullopt;
+  const RigidRows applied = read_rigid(file, "applied_transform");
+  const double scale = file.number_or("applied_scale", 1);
+  if (!(scale > 0)) file.fail("applied_scale", "a number > 0");
+  // x = Aᵀ (x' / scale - b) = 1/scale · (Aᵀ x' - scale Aᵀ b)
+  const Mat3<double> inverse = transpose(applied.rotation);
+  return WorldTransform{inverse, (-scale) * (inverse * applied.translation), 1 / scale};
+}
+
+/// Names relative to the deepest folder that holds all images. All from the root, where one may be named so and others
+/// relative to the file; up there at the latest they share one.
+void name_views(Capture& capture) {
+  std::vector<fs::path> files;
+  for (const SceneView& view : capture.views) files.push_back(fs::absolute(view.image_path).lexically_normal());
+  fs::path shared = files.front().parent_path();
+  for (const fs::path& file : files)
+    while (std::mismatch(shared.begin(), shared.end(), file.begin(), file.end()).first != shared.end())
+      shared = shared.parent_path();
+  for (std::size_t i = 0; i < files.size(); ++i)
+    capture.views[i].camera.name = files[i].lexically_relative(shared).string();
+}
+
+}  // namespace
+
+Capture parse_transforms_json(const json& root, const TransformsSource& source) {
+  const JsonReader file(root, source.object);
+  Capture capture;
+  capture.format = "transforms.json";
+  for (const json& entry : file.array("frames")) {
+    const JsonReader frame(entry, source.object + ": frames[" + std::to_string(capture.views.size()) + "]");
+    const Lookup lookup(frame, file);
+    refuse_distortion(lookup, frame.where());
+    SceneView view;
+    view.image_path = find_image(source, frame.text("file_path"));
+    if (frame.has("mask_path")) view.mask_path = path_in(source, frame.text("mask_path"));
+    read_intrinsics(lookup, source, frame.where(), view);
+    const RigidRows pose = read_rigid(frame, "transform_matrix");
+    Mat3<double> axes = pose.rotation;  // OpenGL -> ours: y and z change sign
+    for (int r = 0; r < 3; ++r) axes(r, 1) = -axes(r, 1), axes(r, 2) = -axes(r, 2);
+    set_pose(view.camera, axes, pose.translation);
+    capture.views.push_back(std::move(view));
+  }
+  if (!capture.views.empty()) name_views(capture);
+  if (const auto undo = undo_applied(file)) {
+    if (source.original_world)
+      for (SceneView& view : capture.views) apply(*undo, view.camera);
+    capture.notes.push_back(source.object +
+                            (source.original_world
+                                 ? ": applied_transform undone"
+                                 : ": poses kept in the file's own world (it has an applied_transform)"));
+  }
+  finish_capture(capture, source.object);
+  return capture;
+}
+
+Capture read_transforms_json(const std::string& path, bool original_world) {
+  return parse_transforms_json(
+      read_json_file(path), {fs::path(path).parent_path().string(), path, original_world, images_on_disk()});
+}
+
+WorldTransform read_world_transform(const std::string& path) {
+  const json root = read_json_file(path);
+  const JsonReader reader(root, path);
+  const RigidRows rigid = read_rigid(reader, "transform");
+  const double scale = reader.number_or("scale", 1);
+  if (!(scale > 0)) reader.fail("scale", "a number > 0");
+  return {rigid.rotation, rigid.translation, scale};
+}
+
+void apply(const WorldTransform& world, Camera& camera) {
+  const Mat3<double> axes = world.rotation * transpose(camera.rotation);
+  set_pose(camera, axes, world.scale * (world.rotation * camera.centre() + world.translation));
+}
+
+}  // namespace ngs::io

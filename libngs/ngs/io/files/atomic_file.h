@@ -1,0 +1,47 @@
+#pragma once
+// An output that appears under its name only when it is complete: bytes go to a temporary file in the same
+// folder, commit() syncs and renames it. Without commit() (an exception, an early return) the temporary is
+// removed and whatever stood at the path stays as it was.
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include "ngs/io/files/unfinished_files.h"
+
+namespace ngs::io {
+
+class AtomicFile {
+ public:
+  /// Opens the temporary. Throws kEnvironment (no such folder, no permission, the path is a folder).
+  /// A path that exists and is no regular file (a pipe, /dev/null) is written directly instead.
+  explicit AtomicFile(std::string path);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  /// Appends. Throws kEnvironment (disk full, input/output error).
+  void write(const void* data, std::size_t bytes);
+  void write(std::string_view text) { write(text.data(), text.size()); }
+
+  /// For libraries that write by path: fill the file of this name (it has the extension of the target),
+  /// then commit(). Do not mix with write().
+  const std::string& temporary_path() const { return temporary_; }
+
+  /// Syncs and renames. Throws kEnvironment.
+  void commit();
+
+ private:
+  void fail(const char* what) const;
+
+  std::string path_;    // as given, for messages
+  std::string target_;  // symbolic links resolved
+  std::string temporary_;
+  int descriptor_ = -1;
+  bool direct_ = false;
+  UnfinishedFile unfinished_;  // removed by the signal handlers of the tools
+};
+
+/// The whole file at once.
+void write_file(const std::string& path, std::string_view bytes);
+
+}  // namespace ngs::io

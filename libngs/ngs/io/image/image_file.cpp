@@ -1,0 +1,162 @@
+#include "ngs/io/image/image_file.h"
+
+#include <algorithm>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "ngs/core/check.h"
+#include "ngs/core/error.h"
+#include "ngs/io/files/atomic_file.h"
+#include "ngs/io/image/image_codecs.h"
+#include "ngs/io/image/image_header.h"
+#include "ngs/io/files/regular_file.h"
+
+namespace ngs::io {
+namespace {
+
+Picture decode(Bytes bytes, const std::string& path) {
+  Picture picture = image_codecs().decode(bytes);
+  if (picture.width_px == 0)
+    throw Error(ErrorCode::kBadInput,
+                path + ": not a readable image, expected PNG, JPEG or another common format");
+  if (picture.bits == 0 || (picture.channels != 1 && picture.channels != 3 && picture.channels != 4))
+    throw Error(ErrorCode::kBadInput,
+                path + ": samples of an unsupported type, expected 8 or 16 bit, 1, 3 or 4 channels",
+                "convert it, e.g. with: convert " + path + " -depth 8 out.png");
+  return picture;
+}
+
+/// visit(samples as 8 or 16 bit)
+template <class Visit>
+void with_samples(const Picture& picture, const Visit& visit) {
+  if (picture.bits == 8)
+    visit(picture.samples.data());
+  else
+    visit(reinterpret_cast<const std::uint16_t*>(picture.samples.data()));
+}
+
+template <class T>
+PictureView view_of(const Image<T>& image) {
+  NGS_CHECK(!image.empty() && (image.channels == 1 || image.channels == 3 || image.channels == 4),
+            "a picture has pixels of 1, 3 or 4 channels");
+  return {image.width_px, image.height_px, image.channels, 8 * int(sizeof(T)), image.data.data()};
+}
+
+template <class T>
+std::vector<std::uint8_t> png_of(const Image<T>& image) {
+  std::vector<std::uint8_t> bytes = image_codecs().encode_png(view_of(image));
+  if (bytes.empty())
+    throw Error(ErrorCode::kEnvironment, "the PNG encoder failed, expected a compressed image");
+  return bytes;
+}
+
+template <class T>
+void write_png_of(const std::string& path, const Image<T>& image) {
+  const std::vector<std::uint8_t> bytes = with_context(path, [&] { return png_of(image); });
+  write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
+
+RawMask raw_mask(const Picture& picture, bool lossy) {
+  RawMask mask{picture.width_px, picture.height_px, picture.channels, picture.bits, lossy, {}};
+  mask.data.resize(picture.samples.size() * 8 / std::size_t(picture.bits));
+  with_samples(picture, [&](const auto* sample) { std::copy_n(sample, mask.data.size(), mask.data.begin()); });
+  return mask;
+}
+
+ImageF resize(const ImageF& image, int width_px, int height_px, int method) {
+  NGS_CHECK(!image.empty() && width_px > 0 && height_px > 0, "resize needs a non-empty image and size");
+  if (image.width_px == width_px && image.height_px == height_px) return image;
+  ImageF out(width_px, height_px, image.channels);
+  const cv::Mat from(image.height_px, image.width_px, CV_MAKETYPE(CV_32F, image.channels),
+                     const_cast<float*>(image.data.data()));
+  cv::Mat to(height_px, width_px, from.type(), out.data.data());
+  cv::resize(from, to, to.size(), 0, 0, method);
+  return out;
+}
+
+}  // namespace
+
+HeldPhoto read_photo(const std::string& path, Vec3<float> behind) {
+  const MappedFile file = map_regular_file(path);
+  parse_image_header(file.bytes(), path);
+  Picture picture = decode(file.bytes(), path);
+  const auto as_image = [&]<class T>(Image<T> image, std::vector<T> samples) {
+    image.width_px = picture.width_px, image.height_px = picture.height_px, image.channels = picture.channels;
+    image.data = std::move(samples);
+    return HeldPhoto(std::move(image), behind);
+  };
+  if (picture.bits == 8) return as_image(ImageU8(), std::move(picture.samples));
+  const auto* wide = reinterpret_cast<const std::uint16_t*>(picture.samples.data());
+  return as_image(ImageU16(), std::vector<std::uint16_t>(wide, wide + picture.samples.size() / 2));
+}
+
+ImageF read_image_rgb(const std::string& path, Vec3<float> behind) { return read_photo(path, behind).rgb(); }
+
+bool is_transparent(const std::string& path) {
+  const MappedFile file = map_regular_file(path);
+  const auto header = parse_image_header(file.bytes(), path);
+  if (header && header->format == ImageFormat::kJpeg) return false;
+  const Picture picture = decode(file.bytes(), path);
+  bool found = false;
+  if (picture.channels == 4)
+    with_samples(picture, [&](const auto* sample) {
+      const int opaque = picture.bits == 8 ? 255 : 65535;
+      const std::size_t pixels = std::size_t(picture.width_px) * std::size_t(picture.height_px);
+      for (std::size_t p = 0; p < pixels && !found; ++p) found = int(sample[4 * p + 3]) < opaque;
+    });
+  return found;
+}
+
+RawMask read_mask_raw(const std::string& path, Palette palette) {
+  const MappedFile file = map_regular_file(path);
+  const auto header = parse_image_header(file.bytes(), path);
+  const bool lossy = header && header->format == ImageFormat::kJpeg;
+  if (lossy && palette == Palette::kIndices)
+    throw Error(ErrorCode::kBadInput, path + ": a JPEG, whose compression changes ids, expected a label map",
+                "save the label maps as PNG, from before they were JPEG");
+  if (!header || !header->palette) return raw_mask(decode(file.bytes(), path), lossy);
+  if (palette != Palette::kIndices) {
+    RawMask colours = raw_mask(decode(file.bytes(), path), lossy);
+    if (palette == Palette::kColours || !header->begins_black || is_grey(colours.samples())) return colours;
+  }
+  RawMask indices = raw_mask(decode(palette_png_as_indices(file.bytes()), path), lossy);
+  // Decoders stretch 1, 2 and 4 bit grey to 0..255; an index must come back as itself.
+  const int stretch = header->bits < 8 ? 255 / ((1 << header->bits) - 1) : 1;
+  for (std::uint16_t& value : indices.data) value = std::uint16_t(value / stretch);
+  return indices;
+}
+
+ImageSize read_image_size(const std::string& path) {
+  const MappedFile file = map_regular_file(path);
+  if (const auto header = parse_image_header(file.bytes(), path))
+    return {header->width_px, header->height_px};
+  const Picture picture = decode(file.bytes(), path);
+  return {picture.width_px, picture.height_px};
+}
+
+std::string to_string(ImageSize size) {
+  return std::to_string(size.width_px) + "x" + std::to_string(size.height_px);
+}
+
+void write_png(const std::string& path, const ImageU8& image) { write_png_of(path, image); }
+void write_png16(const std::string& path, const ImageU16& image) { write_png_of(path, image); }
+
+std::vector<std::uint8_t> encode_png(const ImageU8& image) { return png_of(image); }
+
+std::vector<std::uint8_t> encode_jpeg(const ImageU8& image, int quality) {
+  NGS_CHECK(image.channels == 3, "JPEG needs an RGB image");
+  std::vector<std::uint8_t> bytes = image_codecs().encode_jpeg(view_of(image), quality);
+  if (bytes.empty())
+    throw Error(ErrorCode::kEnvironment, "the JPEG encoder failed, expected a compressed image");
+  return bytes;
+}
+
+ImageF resize_area(const ImageF& image, int width_px, int height_px) {
+  return resize(image, width_px, height_px, cv::INTER_AREA);
+}
+
+ImageF resize_nearest(const ImageF& image, int width_px, int height_px) {
+  return resize(image, width_px, height_px, cv::INTER_NEAREST_EXACT);
+}
+
+}  // namespace ngs::io

@@ -1,0 +1,274 @@
+#include "ngs/io/image/masks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <set>
+
+#include "ngs/core/check.h"
+#include "ngs/core/error.h"
+#include "ngs/io/image/exr.h"
+#include "ngs/io/image/image_file.h"
+#include "ngs/io/image/size_rule.h"
+
+namespace ngs::io {
+namespace {
+
+constexpr float kBandSegment = 128, kBandKeep = 250;  // on the 8-bit scale
+constexpr const char* kObjectField = "{object}";
+
+/// One file as single-channel samples, not yet interpreted.
+struct Plane {
+  ImageF value;          // [H, W, 1] as in the file
+  float full_scale = 1;  // of the file's type: 255, 65535, or 1
+  bool lossy = false;
+  float used_scale = full_scale;  // of its values, see full_scale()
+};
+
+/// One file interpreted at its own size.
+struct Decoded {
+  std::vector<ImageF> target;  // one per object the file speaks of, [H, W, 1]
+  ImageF known;                // [H, W, 1]; empty: all
+  bool lossy = false;
+};
+
+/// The first of these channels that the file has, else its only one, [H, W, 1].
+ImageF read_exr_channel(const std::string& path, const std::vector<std::string>& preferred) {
+  ExrImage exr = read_exr(path);
+  const auto name = std::find_if(preferred.begin(), preferred.end(), [&](const std::string& candidate) {
+    return exr.channels.count(candidate) != 0;
+  });
+  if (name == preferred.end() && exr.channels.size() != 1)
+    throw Error(ErrorCode::kBadInput,
+                path + ": EXR without a channel " + preferred[0] + ", Y or R, expected one of them");
+  ImageF plane;
+  plane.width_px = exr.width_px, plane.height_px = exr.height_px, plane.channels = 1;
+  plane.data = std::move(name != preferred.end() ? exr.channels.at(*name) : exr.channels.begin()->second);
+  return plane;
+}
+
+[[noreturn]] void refuse_value(const std::string& path, float value, const char* expected) {
+  throw Error(ErrorCode::kBadInput, path + ": mask value " + std::to_string(value) + ", expected " + expected);
+}
+
+Plane read_exr_plane(const std::string& path, MaskMode mode) {
+  Plane plane;
+  if (mode == MaskMode::kLabel) {
+    plane.value = read_id_exr(path);
+    return plane;
+  }
+  plane.value = read_exr_channel(path, {"ngs.mask", "A", "Y", "R"});
+  for (const float v : plane.value.data)
+    if (!(v >= 0.f && v <= 1.f)) refuse_value(path, v, "[0, 1]");
+  return plane;
+}
+
+Plane read_plane(const std::string& path, MaskMode mode, std::vector<std::string>& notes) {
+  if (is_exr(path)) return read_exr_plane(path, mode);
+  const RawMask raw = read_mask_raw(path, mode == MaskMode::kLabel ? Palette::kIndices : Palette::kMask);
+  Plane plane{ImageF(raw.width_px, raw.height_px, 1), raw.bits == 8 ? 255.f : 65535.f, raw.lossy};
+  const MaskSamples samples = raw.samples();
+  const bool is_label_map = mode == MaskMode::kLabel, cut_out = is_cut_out(samples) && !is_label_map;
+  if (!cut_out && !is_grey(samples)) {
+    if (is_label_map)
+      throw Error(ErrorCode::kBadInput, path + ": colour image, expected a label map with one id per pixel",
+                  "save the ids themselves (8 or 16 bit grey, or a palette PNG), not their colours");
+    notes.push_back(path + ": colour image, the largest of red, green and blue used as the mask");
+  }
+  if (cut_out) notes.push_back(path + ": alpha channel used as the mask");
+  if (is_label_map)
+    for (std::size_t i = 0; i < plane.value.data.size(); ++i)
+      plane.value.data[i] = float(raw.data[i * std::size_t(raw.channels)]);
+  else
+    std::ranges::copy(decisive_channel(samples), plane.value.data.begin()), plane.used_scale = full_scale(samples);
+  return plane;
+}
+
+/// At the scale of their type such files would be all background.
+void take_used_scale(Plane& plane, const std::string& path, std::vector<std::string>& notes) {
+  if (plane.used_scale == plane.full_scale) return;
+  plane.full_scale = plane.used_scale;
+  notes.push_back(path + ": values are 0 and " + std::to_string(int(plane.used_scale)) +
+                  " only, read as background and object");
+}
+
+template <class Rule>
+ImageF mapped(const ImageF& from, const Rule& rule) {
+  ImageF out(from.width_px, from.height_px, 1);
+  std::transform(from.data.begin(), from.data.end(), out.data.begin(), rule);
+  return out;
+}
+
+Decoded decode(const Scene& scene, const std::string& path, std::vector<std::string>& notes) {
+  Plane plane = read_plane(path, scene.mask_mode, notes);
+  const float object = scene.mask_invert ? 0.f : 1.f;
+  Decoded out;
+  out.lossy = plane.lossy;
+  switch (scene.mask_mode) {
+    case MaskMode::kBinary: {
+      take_used_scale(plane, path, notes);
+      // a {0,1} file has its own threshold; EXR and 16 bit share the 8-bit scale
+      const double threshold = plane.full_scale == 1.f && !is_exr(path)
+                                   ? 1.0
+                                   : scene.mask_threshold / 255.0 * double(plane.full_scale);
+      out.target.push_back(
+          mapped(plane.value, [&](float v) { return double(v) >= threshold ? object : 1 - object; }));
+      break;
+    }
+    case MaskMode::kSoft:
+      take_used_scale(plane, path, notes);
+      out.target.push_back(mapped(plane.value, [&](float v) {
+        const float soft = v / plane.full_scale;
+        return scene.mask_invert ? 1 - soft : soft;
+      }));
+      break;
+    case MaskMode::kBands: {
+      const float scale = plane.full_scale / 255.f;
+      out.target.push_back(mapped(plane.value, [&](float v) {
+        return v < kBandSegment * scale ? 0.f : v > kBandKeep * scale ? object : 1 - object;
+      }));
+      out.known = mapped(plane.value, [&](float v) { return v < kBandSegment * scale ? 0.f : 1.f; });
+      break;
+    }
+    case MaskMode::kLabel:
+      for (const SceneObject& o : scene.objects)
+        out.target.push_back(mapped(plane.value, [&](float v) { return v == float(o.id) ? 1.f : 0.f; }));
+      if (scene.void_id) out.known = mapped(plane.value, [&](float v) { return v == float(*scene.void_id) ? 0.f : 1.f; });
+      break;
+  }
+  return out;
+}
+
+/// Area shares -> the class with the largest share of what is known; objects come first in a tie, background last.
+void take_majority(const ImageF& known, std::vector<ImageF>& share) {
+  for (std::size_t i = 0; i < share[0].data.size(); ++i) {
+    float background = known.empty() ? 1 : known.data[i];
+    std::size_t best = 0;
+    for (std::size_t k = 0; k < share.size(); ++k) {
+      background -= share[k].data[i];
+      if (share[k].data[i] > share[best].data[i]) best = k;
+    }
+    // the shares are sums of 1/k² terms: without the slack 8 of 16 pixels may read as less than a half
+    constexpr float kRounding = 1e-5f;
+    const bool object_wins = share[best].data[i] >= background - kRounding;
+    for (std::size_t k = 0; k < share.size(); ++k) share[k].data[i] = object_wins && k == best ? 1.f : 0.f;
+  }
+}
+
+void bring_to_size(const Scene& scene, const Camera& camera, const std::string& path, Decoded& mask,
+                   LoadedMasks& out) {
+  const ImageSize file{mask.target[0].width_px, mask.target[0].height_px};
+  const ImageSize wanted{camera.width_px, camera.height_px};
+  const SizeRelation relation = relate_mask_size(file, wanted, scene.image_scale);
+  if (relation.same) return;
+  if (!relation.allowed)
+    throw Error(
+        ErrorCode::kInconsistent,
+        path + ": mask of " + to_string(file) + " px for view " + camera.name + " of " + to_string(wanted) +
+            " px, expected the same size or an integer factor",
+        is_turned(file, wanted, scene.image_scale)
+            ? "turn it as the pixels of the photo's file lie: what made it followed the photo's EXIF orientation"
+            : "make the masks from the photos that the scene names, or import with their folder as --images");
+  const auto resize = relation.larger ? resize_area : resize_nearest;
+  for (ImageF& target : mask.target) target = resize(target, wanted.width_px, wanted.height_px);
+  if (!mask.known.empty()) mask.known = resize(mask.known, wanted.width_px, wanted.height_px);
+  if (scene.mask_mode != MaskMode::kSoft) take_majority(mask.known, mask.target);
+  for (float& v : mask.known.data) v = v >= 0.5f ? 1.f : 0.f;
+  out.resized = true;
+  out.notes.push_back(path + ": mask of " + to_string(file) + " px brought to the camera's " +
+                      to_string(wanted) + " px");
+}
+
+void append(Decoded&& mask, ViewMasks& masks) {
+  for (ImageF& target : mask.target) masks.target.push_back(std::move(target.data));
+  if (mask.known.empty()) return;
+  if (masks.known.empty()) masks.known.assign(mask.known.data.size(), 1);
+  for (std::size_t i = 0; i < masks.known.size(); ++i)
+    masks.known[i] &= std::uint8_t(mask.known.data[i] != 0.f);
+}
+
+bool is_per_object(const SceneView& view) { return view.mask_path.find(kObjectField) != std::string::npos; }
+
+/// What a view without (all) its files stands for.
+bool is_absent(const Scene& scene, const SceneView& view, const std::vector<std::string>& files) {
+  const auto exists = [](const std::string& file) { return std::filesystem::exists(file); };
+  const bool complete =
+      !files.empty() && (!is_per_object(view) || std::all_of(files.begin(), files.end(), exists));
+  if (complete || scene.missing_mask == MissingMask::kEmpty) return false;
+  if (scene.missing_mask == MissingMask::kError)
+    throw Error(ErrorCode::kInconsistent,
+                "view " + view.camera.name + ": no mask, expected one for every view",
+                "add the mask, or use --missing-mask unknown (no evidence) or empty (object not visible)");
+  return true;
+}
+
+}  // namespace
+
+bool is_exr(const std::string& path) {
+  std::string found = std::filesystem::path(path).extension().string();
+  std::transform(found.begin(), found.end(), found.begin(),
+                 [](unsigned char c) { return char(std::tolower(c)); });
+  return found == ".exr";
+}
+
+ImageF read_id_exr(const std::string& path) {
+  ImageF ids = read_exr_channel(path, {"ngs.id", "Y", "R"});
+  constexpr float kLargestId = 65535.f;
+  for (const float v : ids.data)
+    if (!(v >= 0.f && v <= kLargestId && v == std::floor(v))) refuse_value(path, v, "ids in 0..65535");
+  return ids;
+}
+
+std::vector<std::string> mask_files(const Scene& scene, std::size_t view) {
+  const std::string& path = scene.views.at(view).mask_path;
+  if (path.empty()) return {};
+  const std::size_t at = path.find(kObjectField);
+  if (at == std::string::npos) return {path};
+  std::vector<std::string> files;
+  for (const SceneObject& object : scene.objects)
+    files.push_back(std::string(path).replace(at, std::string(kObjectField).size(), object.name));
+  return files;
+}
+
+LoadedMasks load_masks_with_notes(const Scene& scene, std::size_t view) {
+  NGS_CHECK(view < scene.views.size(), "view index");
+  const SceneView& v = scene.views[view];
+  LoadedMasks out;
+  out.masks.width_px = v.camera.width_px, out.masks.height_px = v.camera.height_px;
+  const std::vector<std::string> files = mask_files(scene, view);
+  if (is_absent(scene, v, files)) return out;
+  out.masks.available = true;
+  const std::size_t pixels = std::size_t(v.camera.width_px) * std::size_t(v.camera.height_px);
+  const bool per_object = is_per_object(v);
+  for (const std::string& file : files) {
+    if (per_object && !std::filesystem::exists(file)) {
+      out.masks.target.emplace_back(pixels, 0.f);
+      continue;
+    }
+    Decoded mask = decode(scene, file, out.notes);
+    bring_to_size(scene, v.camera, file, mask, out);
+    out.lossy |= mask.lossy;
+    append(std::move(mask), out.masks);
+  }
+  if (files.empty()) out.masks.target.assign(scene.objects.size(), std::vector<float>(pixels, 0.f));
+  NGS_CHECK(out.masks.target.size() == scene.objects.size(), "one mask plane per object");
+  return out;
+}
+
+std::set<std::uint32_t> ids_in_label_map(const std::string& path) {
+  std::vector<std::string> notes;
+  const Plane plane = read_plane(path, MaskMode::kLabel, notes);
+  std::set<std::uint32_t> ids;
+  float last = -1;
+  for (const float v : plane.value.data) {
+    if (v != last) ids.insert(std::uint32_t(v));  // neighbours are mostly equal
+    last = v;
+  }
+  return ids;
+}
+
+ViewMasks load_masks(const Scene& scene, std::size_t view) {
+  return load_masks_with_notes(scene, view).masks;
+}
+
+}  // namespace ngs::io

@@ -1,0 +1,76 @@
+#include "ngs/io/image/photo.h"
+
+#include "ngs/core/check.h"
+#include "ngs/core/error.h"
+#include "ngs/io/image/image_header.h"
+#include "ngs/io/files/regular_file.h"
+#include "ngs/io/image/size_rule.h"
+
+namespace ngs::io {
+
+namespace {
+
+/// The file as it is, checked against the camera; empty where the view has none.
+HeldPhoto checked_photo(const Scene& scene, std::size_t view) {
+  NGS_CHECK(view < scene.views.size(), "view index");
+  const SceneView& v = scene.views[view];
+  if (v.image_path.empty()) return {};
+  HeldPhoto photo = read_photo(v.image_path, background_of(scene));
+  const ImageSize camera{v.camera.width_px, v.camera.height_px}, file{photo.width_px(), photo.height_px()};
+  const SizeRelation relation = relate_sizes(file, camera, scene.image_scale);
+  if (!relation.allowed || (!relation.same && !relation.larger))
+    throw Error(
+        ErrorCode::kInconsistent,
+        v.image_path + ": photo of " + to_string(file) + " px, expected the camera's " + to_string(camera) +
+            " px or an integer multiple of it",
+        "import the scene again with the folder of these photos: ngs-scene import SOURCE --images DIR");
+  return photo;
+}
+
+}  // namespace
+
+HeldPhoto hold_photo(const Scene& scene, std::size_t view) {
+  HeldPhoto photo = checked_photo(scene, view);
+  const Camera& camera = scene.views[view].camera;
+  if (photo.empty() || (photo.width_px() == camera.width_px && photo.height_px() == camera.height_px)) return photo;
+  return resize_area(photo.rgb(), camera.width_px, camera.height_px);
+}
+
+ImageF load_photo(const Scene& scene, std::size_t view) { return hold_photo(scene, view).rgb(); }
+
+double held_photo_bytes(const Scene& scene, std::size_t view) {
+  const SceneView& v = scene.views.at(view);
+  if (v.image_path.empty()) return 0;
+  const double pixels = double(v.camera.width_px) * v.camera.height_px;
+  const MappedFile file = map_regular_file(v.image_path);
+  const auto header = parse_image_header(file.bytes(), v.image_path);
+  const bool as_in_file = header && header->width_px == v.camera.width_px && header->height_px == v.camera.height_px;
+  return 3 * pixels * (!as_in_file ? double(sizeof(float)) : header->bits > 8 ? 2 : 1);
+}
+
+ImageF load_fine_photo(const Scene& scene, std::size_t view, int most) {
+  ImageF photo = checked_photo(scene, view).rgb();
+  const Camera& camera = scene.views[view].camera;
+  if (photo.empty() || photo.width_px <= most * camera.width_px + most) return photo;
+  return resize_area(photo, most * camera.width_px, most * camera.height_px);
+}
+
+ImageSize full_size(const Scene& scene, std::size_t view) {
+  const SceneView& v = scene.views.at(view);
+  const auto scaled = [](ImageSize size, double scale) {
+    return ImageSize{scaled_size_px(size.width_px, scale), scaled_size_px(size.height_px, scale)};
+  };
+  const ImageSize camera{v.camera.width_px, v.camera.height_px};
+  if (is_regular_file(v.image_path)) {
+    const ImageSize photo = read_image_size(v.image_path);
+    if (scaled(photo, scene.image_scale) == camera) return photo;
+  }
+  return scaled(camera, 1 / scene.image_scale);
+}
+
+bool photo_is_transparent(const Scene& scene, std::size_t view) {
+  const std::string& path = scene.views[view].image_path;
+  return !path.empty() && is_transparent(path);
+}
+
+}  // namespace ngs::io

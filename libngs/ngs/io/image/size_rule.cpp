@@ -1,0 +1,46 @@
+#include "ngs/io/image/size_rule.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ngs::io {
+
+SizeRelation relate_sizes(ImageSize file, ImageSize camera, double image_scale) {
+  SizeRelation relation;
+  relation.same = file == camera;
+  relation.allowed = relation.same;
+  relation.larger = file.width_px > camera.width_px || file.height_px > camera.height_px;
+  constexpr int kMaxFactor = 16;
+  const auto matches = [&](double factor) {  // floor, ceil and round of the true size all lie within 1 px
+    return std::abs(file.width_px * factor - camera.width_px) < 1 &&
+           std::abs(file.height_px * factor - camera.height_px) < 1;
+  };
+  for (int k = 1; k <= kMaxFactor && !relation.allowed; ++k)
+    for (const double scale : {1.0, image_scale})
+      relation.allowed |=
+          matches(scale * k) || matches(scale / k) ||
+          // both rounded on the way: the file to the full size / k, the camera to full · scale
+          (std::abs(camera.width_px / scale / k - file.width_px) < 1 &&
+           std::abs(camera.height_px / scale / k - file.height_px) < 1);
+  return relation;
+}
+
+SizeRelation relate_mask_size(ImageSize file, ImageSize camera, double image_scale) {
+  SizeRelation relation = relate_sizes(file, camera, image_scale);
+  const auto within = [&](double scale, double slack_px) {
+    return std::abs(file.width_px * scale - camera.width_px) <= slack_px &&
+           std::abs(file.height_px * scale - camera.height_px) <= slack_px;
+  };
+  constexpr int kLeastSidePx = 100;  // of less, a pixel is more than rounding: another shape
+  if (std::min(camera.width_px, camera.height_px) < kLeastSidePx) return relation;
+  // the camera's size was rounded to nearest from the photo's
+  relation.allowed |= within(1, 1) || within(image_scale, image_scale + 0.5);
+  return relation;
+}
+
+bool is_turned(ImageSize file, ImageSize camera, double image_scale) {
+  return !relate_mask_size(file, camera, image_scale).allowed &&
+         relate_mask_size({file.height_px, file.width_px}, camera, image_scale).allowed;
+}
+
+}  // namespace ngs::io

@@ -1,0 +1,71 @@
+// The 3D filter of Mip-Splatting and its kin, whose PLYs hold scales and opacities from before it.
+#include <algorithm>
+#include <cmath>
+
+#include "ngs/io/ply/gaussian_columns.h"
+#include "ngs/math/stable.h"
+
+namespace ngs::io {
+namespace {
+
+/// ln √(s² + f²) of ln s and ln f.
+double filtered_log_scale(double log_scale, double log_filter) {
+  return log_scale + 0.5 * softplus(2 * (log_filter - log_scale));
+}
+
+/// The logit of c σ(x), where ln c = -loss <= 0: neither σ(x) nor c is rounded to 0 or 1 on the way.
+double fainter_logit(double x, double loss) { return -loss - std::log(std::exp(-x) + one_minus_exp(loss)); }
+
+PlyTable without(const PlyTable& from, std::string_view name) {
+  PlyTable to;
+  std::vector<PlyProperty> properties = from.properties;
+  std::erase_if(properties, [&](const PlyProperty& p) { return p.name == name; });
+  to.set_properties(std::move(properties));
+  to.rows = from.rows;
+  to.owned.resize(std::size_t(to.rows) * to.row_bytes);
+  const auto left_out = std::size_t(from.find(name));
+  const std::size_t before = from.offset[left_out], width = ply_type_bytes(from.properties[left_out].type);
+  for (std::int64_t i = 0; i < from.rows; ++i) {
+    std::uint8_t* row = to.owned.data() + std::size_t(i) * to.row_bytes;
+    std::copy_n(from.row(i), before, row);
+    std::copy_n(from.row(i) + before + width, to.row_bytes - before, row + before);
+  }
+  return to;
+}
+
+}  // namespace
+
+bool has_3d_filter(const PlyTable& rows) { return rows.find(kFilter3dColumn) >= 0; }
+
+PlyTable fuse_3d_filter(const PlyTable& rows) {
+  PlyTable fused = without(rows, kFilter3dColumn);
+  struct Field {
+    PlyColumn column;
+    std::size_t offset;
+  };
+  const auto store = [&](const Field& to, std::int64_t i, double value) {
+    ply_store(to.column.type, value, fused.owned.data() + std::size_t(i) * fused.row_bytes + to.offset);
+  };
+  std::vector<Field> scales, opacities;
+  for (std::size_t p = 0; p < fused.properties.size(); ++p) {
+    const std::string& name = fused.properties[p].name;
+    if (name == "opacity") opacities.push_back({fused.column(name), fused.offset[p]});
+    if (name == "scale_0" || name == "scale_1" || name == "scale_2")
+      scales.push_back({fused.column(name), fused.offset[p]});
+  }
+  const PlyColumn filter = rows.column(kFilter3dColumn);
+  for (std::int64_t i = 0; i < rows.rows; ++i) {
+    const double width = std::abs(filter.value(i));
+    if (width == 0) continue;
+    double loss = 0;
+    for (const Field& scale : scales) {
+      const double before = scale.column.value(i), after = filtered_log_scale(before, std::log(width));
+      loss += after - before;
+      store(scale, i, after);
+    }
+    for (const Field& opacity : opacities) store(opacity, i, fainter_logit(opacity.column.value(i), loss));
+  }
+  return fused;
+}
+
+}  // namespace ngs::io

@@ -1,0 +1,334 @@
+#include "ngs/io/ply/gaussian_ply.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "ngs/core/error.h"
+#include "ngs/io/ply/gaussian_columns.h"
+#include "ngs/io/ply/ply_scan.h"
+#include "ngs/scene/view_names.h"
+
+namespace ngs::io {
+namespace {
+
+struct Columns {
+  std::array<PlyColumn, 3> position, scale, sh_dc;
+  std::array<PlyColumn, 4> rotation;
+  PlyColumn opacity;
+  std::vector<PlyColumn> rest;  // file order: channel-major
+};
+
+class Reader {
+ public:
+  Reader(GaussianPly& ply, HigherBands bands, const std::array<double, 3>* origin)
+      : ply_(ply), name_(ply.file.name()), bands_(bands), given_origin_(origin) {}
+
+  void read() {
+    load_rows();
+    find_columns();
+    ply_.cloud.resize(ply_.rows.rows, bands_ == HigherBands::kRead ? degree() : 0);
+    choose_origin();
+    copy_positions();
+    copy_attributes();
+    copy_labels();
+    copy_source();
+    read_comments();
+    ply_.health = classify(ply_.cloud);
+  }
+
+ private:
+  [[noreturn]] void bad(const std::string& message, std::string remedy = {}) const {
+    throw Error(ErrorCode::kBadInput, name_ + ": " + message, std::move(remedy));
+  }
+
+  void load_rows() {
+    ply_.comments = ply_.file.comments();
+    if (is_compressed(ply_.file)) {
+      ply_.rows = decode_compressed(ply_.file);
+      ply_.notes.push_back("compressed.ply: attributes are quantised");
+      return;
+    }
+    const PlyElement* vertex = ply_.file.find("vertex");
+    if (vertex == nullptr) bad("no element 'vertex', expected a Gaussian splatting model");
+    ply_.rows = ply_.file.table(*vertex);
+    if (ply_.rows.properties.size() != vertex->properties.size())
+      ply_.notes.push_back("list properties of the Gaussians are left out");
+    for (const PlyElement& e : ply_.file.elements())
+      if (&e != vertex) ply_.notes.push_back("element '" + e.name + "' is left out");
+    if (has_3d_filter(ply_.rows)) fuse_filter();
+  }
+
+  /// Those who train with a 3D filter render with the opacity compensation. No file of ours has the column.
+  void fuse_filter() {
+    ply_.rows = fuse_3d_filter(ply_.rows);
+    ply_.comments.push_back(kAntialiasedComment);
+    ply_.notes.push_back("filter_3D (Mip-Splatting) is laid into scales and opacities, as when it is rendered");
+  }
+
+  PlyColumn required(const std::string& column) const {
+    const PlyColumn found = ply_.rows.column(column);
+    if (found) return found;
+    const auto& p = ply_.rows.properties;
+    const std::string range = p.empty() ? ""
+                                        : " (found " + std::to_string(p.size()) + " properties, " +
+                                              p.front().name + " ... " + p.back().name + ")";
+    bad("vertex property '" + column + "' is missing" + range, remedy_for(column));
+  }
+
+  std::string remedy_for(const std::string& missing) const {
+    if (ply_.rows.find("red") < 0) return {};
+    if (ply_.rows.find("scale_0") < 0)
+      return "this is a point cloud, not a Gaussian model: ngs-fit makes one from posed photos";
+    if (!missing.starts_with("f_dc_")) return {};
+    return "its colours are red green blue: export it with SH coefficients (f_dc_0 f_dc_1 f_dc_2)";
+  }
+
+  void find_columns() {
+    columns_.position = {required("x"), required("y"), required("z")};
+    columns_.scale = {required("scale_0"), required("scale_1"), ply_.rows.column("scale_2")};
+    for (int k = 0; k < 4; ++k) columns_.rotation[std::size_t(k)] = required("rot_" + std::to_string(k));
+    columns_.opacity = required("opacity");
+    for (int c = 0; c < 3; ++c) columns_.sh_dc[std::size_t(c)] = required("f_dc_" + std::to_string(c));
+    std::size_t rest = 0;
+    for (const PlyProperty& p : ply_.rows.properties) rest += p.name.starts_with("f_rest_");
+    if (rest != 0 && rest != 9 && rest != 24 && rest != 45)
+      bad(std::to_string(rest) + " properties f_rest_*, expected 0, 9, 24 or 45 (SH degree 0 to 3)");
+    for (std::size_t k = 0; k < rest; ++k) columns_.rest.push_back(required("f_rest_" + std::to_string(k)));
+    if (!columns_.scale[2])
+      ply_.notes.push_back(
+          "no scale_2 (a 2DGS model): read as flat Gaussians, 1/1000 of the smaller scale thick");
+  }
+
+  int degree() const {
+    for (int degree = 0; degree < 3; ++degree)
+      if (std::size_t(sh_rest_count(degree)) * 3 == columns_.rest.size()) return degree;
+    return 3;
+  }
+
+  // Only double coordinates have detail that float would lose; the centre is a float, so that a strict file
+  // and its cameras need no more digits than the centre has.
+  void choose_origin() {
+    if (given_origin_ != nullptr) {
+      ply_.cloud.origin = *given_origin_;
+      return;
+    }
+    if (std::none_of(columns_.position.begin(), columns_.position.end(),
+                     [](const PlyColumn& c) { return c.type == PlyType::kFloat64; }))
+      return;
+    std::array<double, 3> low, high;
+    low.fill(INFINITY), high.fill(-INFINITY);
+    for (std::size_t a = 0; a < 3; ++a)
+      for (std::int64_t i = 0; i < ply_.rows.rows; ++i)
+        if (const double v = columns_.position[a].value(i); std::abs(v) < 1e30)
+          low[a] = std::min(low[a], v), high[a] = std::max(high[a], v);
+    double half_extent = 0, distance = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (low[a] > high[a]) return;
+      half_extent = std::max(half_extent, 0.5 * (high[a] - low[a]));
+      distance = std::max(distance, std::abs(0.5 * (low[a] + high[a])));
+    }
+    if (distance <= 8 * half_extent) return;
+    for (std::size_t a = 0; a < 3; ++a) ply_.cloud.origin[a] = double(float(0.5 * (low[a] + high[a])));
+    ply_.notes.push_back(
+        "double positions far from 0 are kept relative to their centre; strict outputs round them");
+  }
+
+  /// f(row) for all rows; of a mapped file only a part is in memory at a time.
+  template <class F>
+  void for_each_row(const F& f) const {
+    constexpr std::int64_t kRowsAtOnce = 1 << 17;
+    for (std::int64_t i = 0; i < ply_.rows.rows; ++i) {
+      if (i % kRowsAtOnce == 0) ply_.file.forget_pages();
+      f(i);
+    }
+    ply_.file.forget_pages();
+  }
+
+  void copy_positions() {
+    for_each_row([&](std::int64_t i) {
+      for (std::size_t a = 0; a < 3; ++a) {
+        const PlyColumn& column = columns_.position[a];
+        ply_.cloud.position[std::size_t(i) * 3 + a] = column.type == PlyType::kFloat32 && ply_.cloud.origin[a] == 0
+                                                          ? column.value_float(i)
+                                                          : float(column.value(i) - ply_.cloud.origin[a]);
+      }
+    });
+  }
+
+  void copy_attributes() {
+    GaussianCloud& cloud = ply_.cloud;
+    const std::size_t rest = columns_.rest.size() / 3;
+    for_each_row([&](std::int64_t i) {
+      const std::size_t r = std::size_t(i);
+      for (std::size_t k = 0; k < 4; ++k) cloud.rotation[r * 4 + k] = columns_.rotation[k].value_float(i);
+      for (std::size_t c = 0; c < 3; ++c) cloud.sh_dc[r * 3 + c] = columns_.sh_dc[c].value_float(i);
+      cloud.logit_opacity[r] = columns_.opacity.value_float(i);
+      float* scale = &cloud.log_scale[r * 3];
+      for (std::size_t k = 0; k < 2; ++k) scale[k] = columns_.scale[k].value_float(i);
+      scale[2] =
+          columns_.scale[2] ? columns_.scale[2].value_float(i) : std::min(scale[0], scale[1]) - kLog1000;
+      if (bands_ == HigherBands::kCheckOnly) {
+        // A band that is not finite excludes the row; so does a constant band that is not.
+        for (const PlyColumn& column : columns_.rest)
+          if (!std::isfinite(column.value_float(i))) cloud.sh_dc[r * 3] = NAN;
+        return;
+      }
+      float* to = cloud.sh_rest.data() + r * rest * 3;
+      for (std::size_t k = 0; k < rest; ++k)
+        for (std::size_t c = 0; c < 3; ++c) to[k * 3 + c] = columns_.rest[c * rest + k].value_float(i);
+    });
+  }
+
+  struct Wanted {
+    PlyColumn from;
+    std::vector<float>* to;
+    std::string name = {};  // of a column whose range is checked
+    float most = INFINITY;
+  };
+
+  /// `to` stays empty where the column is absent.
+  void want(const std::string& column, std::vector<float>& to, std::vector<Wanted>& wanted) const {
+    const PlyColumn from = ply_.rows.column(column);
+    if (from) wanted.push_back({.from = from, .to = &to}), to.resize(std::size_t(ply_.rows.rows));
+  }
+
+  void want_labels(const std::string& suffix, LabelColumns& set, std::vector<Wanted>& wanted) const {
+    for (const LabelField& f : kLabelFields) {
+      const std::string name = std::string(f.name) + suffix;
+      const std::size_t before = wanted.size();
+      want(name, set.*f.column, wanted);
+      if (wanted.size() > before) wanted.back().name = name, wanted.back().most = f.column == &LabelColumns::views ? INFINITY : 1.f;
+    }
+  }
+
+  void check_range(const Wanted& w, std::int64_t i) const {
+    constexpr float kRounding = 1e-4f;  // of programs that computed in their own way
+    const float value = (*w.to)[std::size_t(i)];
+    if (w.name.empty() || (std::isfinite(value) && value >= -kRounding && value <= w.most + kRounding)) return;
+    bad(w.name + " of row " + std::to_string(i) + ": " + std::to_string(value) + ", expected " +
+            (std::isinf(w.most) ? "a number of views" : "0 to 1"),
+        "label the model again: ngs-variance scene.json -o boundary.ply");
+  }
+
+  /// All in one pass: a file of many objects has hundreds of columns, and its rows do not stay in memory.
+  void read(const std::vector<Wanted>& wanted) const {
+    for_each_row([&](std::int64_t i) {
+      for (const Wanted& w : wanted) (*w.to)[std::size_t(i)] = w.from.value_float(i), check_range(w, i);
+    });
+  }
+
+  // Names of objects come from the comment where it agrees with the columns, else from the columns.
+  std::vector<std::string> object_names() const {
+    for (const std::string& comment : ply_.comments) {
+      if (!comment.starts_with(kObjectsComment)) continue;
+      const auto json = nlohmann::json::parse(comment.substr(kObjectsComment.size()), nullptr, false);
+      std::vector<std::string> names;
+      if (json.is_array())
+        for (const auto& name : json)
+          if (name.is_string()) names.push_back(name);
+      return names;
+    }
+    return {};
+  }
+
+  /// Masks of several objects lie in folders of their names.
+  std::string checked(const std::string& object) const {
+    if (!is_folder_name(object))
+      bad("object name \"" + printable(object) + "\", expected a name that can be a folder");
+    return object;
+  }
+
+  void copy_labels() {
+    const std::vector<std::string> names = object_names();
+    if (names.size() == 1) ply_.object = checked(names[0]), ply_.names_object = true;
+    const std::string prefix = std::string(kLabelFields[0].name) + "_";
+    std::vector<std::string> suffixes;
+    for (const PlyProperty& p : ply_.rows.properties) {
+      if (!p.name.starts_with(prefix)) continue;
+      const std::string suffix = p.name.substr(prefix.size());
+      const auto named = std::find_if(names.begin(), names.end(),
+                                      [&](const std::string& name) { return column_suffix(name) == suffix; });
+      ply_.objects.push_back({checked(named != names.end() ? *named : suffix), {}});
+      suffixes.push_back("_" + suffix);
+    }
+    std::vector<Wanted> wanted;
+    std::vector<float> state;
+    want_labels("", ply_.labels, wanted);
+    for (std::size_t k = 0; k < suffixes.size(); ++k) want_labels(suffixes[k], ply_.objects[k].columns, wanted);
+    want(std::string(kFixedColumn), ply_.fixed, wanted);
+    want(std::string(kStateColumn), state, wanted);
+    read(wanted);
+    for (const float v : state)
+      ply_.state.push_back(v >= 0 && v <= 255 ? std::uint8_t(v) : std::uint8_t(0));
+  }
+
+  /// Whether a row is one of the model's is for those to say who have the model.
+  void copy_source() {
+    const PlyColumn from = ply_.rows.column(std::string(kSourceColumn));
+    if (!from) return;
+    for_each_row([&](std::int64_t i) {
+      const double row = from.value(i);
+      if (!(row >= 0) || row > kMostRows || row != std::floor(row))
+        bad(std::string(kSourceColumn) + " of row " + std::to_string(i) + " is no row number");
+      ply_.source_row.push_back(std::int64_t(row));
+    });
+  }
+
+  void read_comments() {
+    for (const std::string& comment : ply_.comments) {
+      if (comment.starts_with(kApartComment)) ply_.apart_of = comment.substr(kApartComment.size());
+      if (comment.starts_with(kMadeWithComment)) ply_.made_with = comment.substr(kMadeWithComment.size());
+    }
+    for (const std::string& comment : ply_.comments) {
+      if (!is_render_comment(comment)) continue;
+      ply_.cloud.antialiased |= comment.find("mip") != std::string::npos ||
+                                comment.find('1') != std::string::npos ||
+                                comment.find("true") != std::string::npos;
+    }
+    if (ply_.cloud.antialiased) ply_.notes.push_back("trained with antialiasing");
+  }
+
+  static constexpr float kLog1000 = 6.9077554f;
+  static constexpr double kMostRows = 4294967295.0;
+  GaussianPly& ply_;
+  std::string name_;
+  HigherBands bands_;
+  const std::array<double, 3>* given_origin_;  // null: chosen here
+  Columns columns_;
+};
+
+}  // namespace
+
+bool is_render_comment(std::string_view comment) {
+  return comment.starts_with("SplatRenderMode") || comment.starts_with("antialiased");
+}
+
+std::string column_suffix(const std::string& object) {
+  std::string suffix = object;
+  for (char& c : suffix) {
+    const bool plain =
+        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '-';
+    if (!plain) c = '_';
+  }
+  return suffix;
+}
+
+namespace {
+
+GaussianPly read(PlyFile file, HigherBands bands = HigherBands::kRead, const std::array<double, 3>* origin = nullptr) {
+  GaussianPly ply;
+  ply.file = std::move(file);
+  Reader(ply, bands, origin).read();
+  return ply;
+}
+
+}  // namespace
+
+GaussianPly read_gaussian_ply(const std::string& path, HigherBands bands) { return read(PlyFile::open(path), bands); }
+GaussianPly read_gaussian_ply(const std::string& path, const std::array<double, 3>& origin) {
+  return read(PlyFile::open(path), HigherBands::kRead, &origin);
+}
+GaussianPly parse_gaussian_ply(std::string name, Bytes bytes) { return read(PlyFile::parse(std::move(name), bytes)); }
+
+}  // namespace ngs::io

@@ -1,0 +1,299 @@
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "ngs/core/check.h"
+#include "ngs/core/error.h"
+#include "ngs/core/version.h"
+#include "ngs/io/ply/gaussian_columns.h"
+#include "ngs/io/ply/gaussian_ply.h"
+
+namespace ngs::io {
+namespace {
+
+std::vector<std::string> numbered(const std::string& stem, int n) {
+  std::vector<std::string> names;
+  for (int k = 0; k < n; ++k) names.push_back(stem + std::to_string(k));
+  return names;
+}
+
+bool same_bits(float a, float b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+/// A column of the cloud that an edit may overwrite: where it is in the cloud and in the input's row.
+struct Edited {
+  const float* source;  // first value of the column in the input's cloud
+  const float* edited;
+  std::size_t stride;  // in floats
+  double origin;
+  std::size_t offset;  // in the row
+  PlyType type;
+};
+
+/// The passthrough part of a row with the edited columns laid over it.
+class RowSource {
+ public:
+  RowSource(const GaussianPly& source, const LabelledWrite& options, std::int64_t rows)
+      : source_(source), options_(options) {
+    for (std::size_t p = 0; p < source.rows.properties.size(); ++p) {
+      if (is_replaced(source.rows.properties[p].name)) continue;
+      properties_.push_back(source.rows.properties[p]);
+      from_.push_back(source.rows.offset[p]);
+    }
+    for (const PlyProperty& p : properties_) row_bytes_ += ply_type_bytes(p.type);
+    plain_ = properties_.size() == source.rows.properties.size();
+    if (options.edited == nullptr) {
+      NGS_CHECK(rows == source.cloud.size(), "as many rows as the input unless it is edited");
+      return;
+    }
+    NGS_CHECK(options.edited->sh_degree == source.cloud.sh_degree, "an edit keeps the SH degree");
+    NGS_CHECK(options.edited->size() == rows, "labels and edited cloud have one row each");
+    NGS_CHECK(options.source_row.empty() ? rows == source.cloud.size()
+                                         : std::int64_t(options.source_row.size()) == rows,
+              "source_row has one entry per row");
+    list_edits();
+  }
+
+  const std::vector<PlyProperty>& properties() const { return properties_; }
+  std::size_t row_bytes() const { return row_bytes_; }
+
+  std::int64_t source_of(std::int64_t i) const {
+    return options_.source_row.empty() ? i : options_.source_row[std::size_t(i)];
+  }
+
+  void fill(std::int64_t i, std::uint8_t* to) const {
+    const std::int64_t from = source_of(i);
+    const std::uint8_t* row = source_.rows.row(from);
+    if (plain_)
+      std::memcpy(to, row, row_bytes_);
+    else
+      copy_columns(row, to);
+    if (options_.edited == nullptr || !options_.edited->usable[std::size_t(i)]) return;
+    for (const Edited& e : edits_) {
+      const float value = e.edited[std::size_t(i) * e.stride];
+      if (same_bits(value, e.source[std::size_t(from) * e.stride])) continue;
+      if (e.type == PlyType::kFloat32)
+        ply_store_float(value, to + e.offset);
+      else
+        ply_store(e.type, e.origin + double(value), to + e.offset);
+    }
+  }
+
+ private:
+  bool is_replaced(const std::string& name) const {
+    if (name == kFixedColumn) return !options_.fixed.empty();
+    if (name == kFloaterColumn) return !options_.floater.empty();
+    if (name == kStateColumn) return !options_.state.empty();
+    if (name == kSourceColumn) return true;
+    return std::any_of(kLabelFields.begin(), kLabelFields.end(), [&](const LabelField& f) {
+      return name == f.name || name.starts_with(std::string(f.name) + "_");
+    });
+  }
+
+  void copy_columns(const std::uint8_t* row, std::uint8_t* to) const {
+    for (std::size_t p = 0; p < properties_.size(); ++p) {
+      const std::size_t bytes = ply_type_bytes(properties_[p].type);
+      std::memcpy(to, row + from_[p], bytes);
+      to += bytes;
+    }
+  }
+
+  void add_edit(const std::string& column, std::vector<float> GaussianCloud::*values, std::size_t at,
+                std::size_t stride, double origin = 0) {
+    std::size_t offset = 0;
+    for (const PlyProperty& p : properties_) {
+      if (p.name == column)
+        edits_.push_back({(source_.cloud.*values).data() + at, (options_.edited->*values).data() + at, stride,
+                          origin, offset, p.type});
+      offset += ply_type_bytes(p.type);
+    }
+  }
+
+  void list_edits() {
+    const std::size_t rest = std::size_t(source_.cloud.rest_count());
+    const char* axes[] = {"x", "y", "z"};
+    for (std::size_t a = 0; a < 3; ++a) {
+      add_edit(axes[a], &GaussianCloud::position, a, 3, source_.cloud.origin[a]);
+      add_edit("scale_" + std::to_string(a), &GaussianCloud::log_scale, a, 3);
+      add_edit("f_dc_" + std::to_string(a), &GaussianCloud::sh_dc, a, 3);
+      for (std::size_t k = 0; k < rest; ++k)
+        add_edit("f_rest_" + std::to_string(a * rest + k), &GaussianCloud::sh_rest, k * 3 + a, rest * 3);
+    }
+    for (std::size_t k = 0; k < 4; ++k) add_edit("rot_" + std::to_string(k), &GaussianCloud::rotation, k, 4);
+    add_edit("opacity", &GaussianCloud::logit_opacity, 0, 1);
+  }
+
+  const GaussianPly& source_;
+  const LabelledWrite& options_;
+  std::vector<PlyProperty> properties_;
+  std::vector<std::size_t> from_;
+  std::size_t row_bytes_ = 0;
+  bool plain_ = false;
+  std::vector<Edited> edits_;
+};
+
+/// The float columns that are added, in file order.
+struct Added {
+  std::string name;
+  std::span<const float> values;
+};
+
+void add_label_set(std::vector<Added>& added, const LabelColumns& set, const std::string& suffix) {
+  for (const LabelField& f : kLabelFields) added.push_back({std::string(f.name) + suffix, set.*f.column});
+}
+
+std::vector<Added> added_columns(std::span<const NamedLabels> objects, const LabelColumns& all) {
+  std::vector<Added> added;
+  add_label_set(added, all, "");
+  if (objects.size() < 2) return added;
+  for (const NamedLabels& object : objects) {
+    const std::string suffix = std::string(1, '_').append(column_suffix(object.object));
+    for (const Added& a : added)
+      if (a.name == std::string(kLabelFields[0].name) + suffix)
+        throw Error(ErrorCode::kInconsistent,
+                    "object '" + object.object + "': another object has the same column name '" + a.name +
+                        "', expected names that differ in [A-Za-z0-9.-]",
+                    "rename one of the objects");
+    add_label_set(added, object.columns, suffix);
+  }
+  return added;
+}
+
+std::vector<std::string> labelled_comments(const GaussianPly& source, std::span<const NamedLabels> objects,
+                                           const LabelledWrite& options) {
+  std::vector<std::string> comments;
+  const auto is_rewritten = [](const std::string& c) {
+    return c.starts_with(kObjectsComment) || c.starts_with(kApartComment) || c.starts_with(kMadeWithComment);
+  };
+  for (const std::string& c : source.comments)
+    if (!is_rewritten(c)) comments.push_back(c);
+  nlohmann::json names = nlohmann::json::array();
+  for (const NamedLabels& object : objects) names.push_back(object.object);
+  comments.push_back(std::string(kObjectsComment) +
+                     names.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
+  if (!options.apart_of.empty()) comments.push_back(std::string(kApartComment) + options.apart_of);
+  if (!options.made_with.empty()) comments.push_back(std::string(kMadeWithComment) + options.made_with);
+  comments.insert(comments.end(), options.history.begin(), options.history.end());
+  return comments;
+}
+
+std::int64_t count_kept(std::int64_t rows, const std::vector<std::uint8_t>& keep) {
+  NGS_CHECK(keep.empty() || std::int64_t(keep.size()) == rows, "keep has one entry per Gaussian");
+  return keep.empty() ? rows : std::count_if(keep.begin(), keep.end(), [](std::uint8_t k) { return k != 0; });
+}
+
+}  // namespace
+
+PlyElement inria_element(std::int64_t count, int sh_degree) {
+  PlyElement element;
+  element.name = "vertex";
+  element.count = count;
+  const auto add = [&](std::string name) { element.properties.push_back({.name = std::move(name)}); };
+  for (const char* name : {"x", "y", "z", "nx", "ny", "nz"}) add(name);
+  for (std::string& name : numbered("f_dc_", 3)) add(std::move(name));
+  for (std::string& name : numbered("f_rest_", 3 * sh_rest_count(sh_degree))) add(std::move(name));
+  add("opacity");
+  for (std::string& name : numbered("scale_", 3)) add(std::move(name));
+  for (std::string& name : numbered("rot_", 4)) add(std::move(name));
+  return element;
+}
+
+void store_inria_row(const GaussianCloud& cloud, std::int64_t i, std::uint8_t* to) {
+  const std::size_t r = std::size_t(i), rest = std::size_t(cloud.rest_count());
+  float row[62];
+  float* at = row;
+  const bool moved = cloud.origin != std::array<double, 3>{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const float p = cloud.position[r * 3 + a];
+    *at++ = moved ? float(cloud.origin[a] + double(p)) : p;
+  }
+  for (int a = 0; a < 3; ++a) *at++ = 0;
+  at = std::copy_n(&cloud.sh_dc[r * 3], 3, at);
+  const float* sh = cloud.sh_rest.data() + r * rest * 3;
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t k = 0; k < rest; ++k) *at++ = sh[k * 3 + c];
+  *at++ = cloud.logit_opacity[r];
+  at = std::copy_n(&cloud.log_scale[r * 3], 3, at);
+  at = std::copy_n(&cloud.rotation[r * 4], 4, at);
+  std::memcpy(to, row, std::size_t(at - row) * sizeof(float));
+}
+
+std::string history_line(const std::string& tool, const std::string& options_json) {
+  return "ngs " + tool + " " + kVersion + " " + options_json;
+}
+
+LabelColumns union_of(std::span<const NamedLabels> objects) {
+  if (objects.empty()) return {};
+  LabelColumns all = objects[0].columns;
+  for (const NamedLabels& object : objects.subspan(1))
+    for (const LabelField& f : kLabelFields) {
+      std::vector<float>& to = all.*f.column;
+      const std::vector<float>& from = object.columns.*f.column;
+      NGS_CHECK(to.size() == from.size(), "every object has one value per row and column");
+      for (std::size_t i = 0; i < to.size(); ++i) to[i] = std::max(to[i], from[i]);
+    }
+  return all;
+}
+
+void write_strict_ply(const std::string& path, const GaussianCloud& cloud,
+                      const std::vector<std::uint8_t>& keep, const std::vector<std::string>& comments) {
+  PlyWriter writer(path, inria_element(count_kept(cloud.size(), keep), cloud.sh_degree), comments);
+  for (std::int64_t i = 0; i < cloud.size(); ++i)
+    if (keep.empty() || keep[std::size_t(i)]) store_inria_row(cloud, i, writer.row());
+  writer.commit();
+}
+
+void write_strict_ply(const std::string& path, const GaussianPly& ply, const std::vector<std::uint8_t>& keep,
+                      const std::vector<std::string>& history) {
+  std::vector<std::string> comments;
+  for (const std::string& c : ply.comments)
+    if (is_render_comment(c)) comments.push_back(c);
+  comments.insert(comments.end(), history.begin(), history.end());
+  write_strict_ply(path, ply.cloud, keep, comments);
+}
+
+void write_labelled_ply(const std::string& path, const GaussianPly& source,
+                        std::span<const NamedLabels> objects, const LabelledWrite& options) {
+  NGS_CHECK(!objects.empty(), "at least one object");
+  const LabelColumns all = union_of(objects);
+  const std::int64_t rows = std::int64_t(all.label.size());
+  const RowSource passthrough(source, options, rows);
+  std::vector<Added> added = added_columns(objects, all);
+  if (!options.fixed.empty()) added.push_back({std::string(kFixedColumn), options.fixed});
+  if (!options.floater.empty()) added.push_back({std::string(kFloaterColumn), options.floater});
+
+  PlyElement element;
+  element.name = "vertex";
+  element.count = rows;
+  element.properties = passthrough.properties();
+  for (const Added& a : added) {
+    NGS_CHECK(std::int64_t(a.values.size()) == rows, "column " + a.name + " has one value per row");
+    element.properties.push_back({.name = a.name});
+  }
+  const bool has_state = !options.state.empty();
+  NGS_CHECK(!has_state || std::int64_t(options.state.size()) == rows, "state has one value per row");
+  const bool has_source = !options.apart_of.empty();
+  if (has_source)
+    element.properties.push_back({.name = std::string(kSourceColumn), .type = PlyType::kUint32});
+  if (has_state) element.properties.push_back({.name = std::string(kStateColumn), .type = PlyType::kUint8});
+
+  PlyWriter writer(path, element, labelled_comments(source, objects, options));
+  constexpr std::int64_t kRowsAtOnce = 1 << 17;
+  for (std::int64_t i = 0; i < rows; ++i) {
+    if (i % kRowsAtOnce == 0) source.file.forget_pages();
+    std::uint8_t* to = writer.row();
+    passthrough.fill(i, to);
+    to += passthrough.row_bytes();
+    for (const Added& a : added) {
+      ply_store_float(a.values[std::size_t(i)], to);
+      to += sizeof(float);
+    }
+    if (has_source) {
+      ply_store(PlyType::kUint32, double(passthrough.source_of(i)), to);
+      to += ply_type_bytes(PlyType::kUint32);
+    }
+    if (has_state) *to = options.state[std::size_t(i)];
+  }
+  writer.commit();
+}
+
+}  // namespace ngs::io

@@ -1,0 +1,251 @@
+#include "ngs/io/ply/ply.h"
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+
+#include "ngs/core/error.h"
+#include "ngs/io/ply/ply_scan.h"
+
+namespace ngs::io {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "PLY rows are used in place as little-endian");
+
+constexpr std::size_t kMaxHeaderBytes = std::size_t(1) << 24;
+// Names are compared with one another, so that the time is the square of these; a model of ours has 5 properties per object.
+constexpr std::size_t kMaxElements = 256, kMaxProperties = 16384;
+
+struct TypeName {
+  std::string_view name;
+  PlyType type;
+};
+constexpr TypeName kTypeNames[] = {
+    {"char", PlyType::kInt8},      {"uchar", PlyType::kUint8},    {"short", PlyType::kInt16},
+    {"ushort", PlyType::kUint16},  {"int", PlyType::kInt32},      {"uint", PlyType::kUint32},
+    {"float", PlyType::kFloat32},  {"double", PlyType::kFloat64}, {"int8", PlyType::kInt8},
+    {"uint8", PlyType::kUint8},    {"int16", PlyType::kInt16},    {"uint16", PlyType::kUint16},
+    {"int32", PlyType::kInt32},    {"uint32", PlyType::kUint32},  {"float32", PlyType::kFloat32},
+    {"float64", PlyType::kFloat64}};
+
+[[noreturn]] void bad(const std::string& name, const std::string& message, std::string remedy = {}) {
+  throw Error(ErrorCode::kBadInput, name + ": " + message, std::move(remedy));
+}
+
+std::vector<std::string_view> split(std::string_view line) {
+  std::vector<std::string_view> words;
+  for (std::size_t i = 0; i < line.size();) {
+    const std::size_t begin = line.find_first_not_of(" \t", i);
+    if (begin == std::string_view::npos) break;
+    const std::size_t end = std::min(line.find_first_of(" \t", begin), line.size());
+    words.push_back(line.substr(begin, end - begin));
+    i = end;
+  }
+  return words;
+}
+
+PlyType parse_type(const std::string& name, std::string_view word) {
+  for (const TypeName& t : kTypeNames)
+    if (t.name == word) return t.type;
+  bad(name, "property type '" + printable(word) +
+                "', expected char uchar short ushort int uint float double (or int8 ... float64)");
+}
+
+PlyProperty parse_property(const std::string& name, const std::vector<std::string_view>& words) {
+  PlyProperty property;
+  const bool list = words.size() == 5 && words[1] == "list";
+  if (!list && words.size() != 3)
+    bad(name, "property line of " + std::to_string(words.size()) + " words, expected 'property TYPE NAME'");
+  property.is_list = list;
+  if (list) property.count_type = parse_type(name, words[2]);
+  if (list && property.count_type >= PlyType::kFloat32)
+    bad(name, "list '" + printable(words[4]) + "' counts in " + std::string(words[2]) +
+                  ", expected an integer type");
+  property.type = parse_type(name, words[list ? 3 : 1]);
+  property.name = std::string(words[list ? 4 : 2]);
+  return property;
+}
+
+void add_property(const std::string& name, std::vector<PlyElement>& elements, PlyProperty property) {
+  if (elements.empty()) bad(name, "property '" + printable(property.name) + "' before any element");
+  auto& properties = elements.back().properties;
+  for (const PlyProperty& p : properties)
+    if (p.name == property.name)
+      bad(name, "element '" + elements.back().name + "' has property '" + printable(property.name) +
+                    "' twice, expected once");
+  properties.push_back(std::move(property));
+}
+
+PlyElement parse_element(const std::string& name, const std::vector<std::string_view>& words) {
+  if (words.size() != 3)
+    bad(name, "element line of " + std::to_string(words.size()) + " words, expected 'element NAME COUNT'");
+  PlyElement element;
+  element.name = std::string(words[1]);
+  const char* end = words[2].data() + words[2].size();
+  const auto [stop, status] = std::from_chars(words[2].data(), end, element.count);
+  if (status != std::errc() || stop != end || element.count < 0)
+    bad(name, "element '" + printable(words[1]) + "' has count '" + printable(words[2]) +
+                  "', expected a whole number >= 0");
+  return element;
+}
+
+PlyFormat parse_format(const std::string& name, const std::vector<std::string_view>& words) {
+  if (words.size() == 3 && words[2] == "1.0") {
+    if (words[1] == "ascii") return PlyFormat::kAscii;
+    if (words[1] == "binary_little_endian") return PlyFormat::kBinaryLittle;
+    if (words[1] == "binary_big_endian") return PlyFormat::kBinaryBig;
+  }
+  bad(name, "unknown format line, expected 'format ascii|binary_little_endian|binary_big_endian 1.0'");
+}
+
+template <class T>
+double load_as(const std::uint8_t* from) {
+  T v;
+  std::memcpy(&v, from, sizeof v);
+  return double(v);
+}
+
+}  // namespace
+
+std::size_t ply_type_bytes(PlyType type) {
+  constexpr std::size_t kBytes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+  return kBytes[std::size_t(type)];
+}
+
+std::string_view ply_type_name(PlyType type) { return kTypeNames[std::size_t(type)].name; }
+
+std::string printable(std::string_view word) {
+  std::string text(word.substr(0, 60));
+  for (char& c : text)
+    if (c < 32 || c > 126) c = '?';
+  return text;
+}
+
+PlyFile PlyFile::open(const std::string& path) {
+  PlyFile file;
+  file.name_ = path;
+  file.mapped_ = MappedFile(path);
+  file.bytes_ = file.mapped_.bytes();
+  file.parse_header();
+  file.locate_elements();
+  return file;
+}
+
+PlyFile PlyFile::parse(std::string name, Bytes bytes) {
+  PlyFile file;
+  file.name_ = std::move(name);
+  file.bytes_ = bytes;
+  file.parse_header();
+  file.locate_elements();
+  return file;
+}
+
+const PlyElement* PlyFile::find(std::string_view element) const {
+  for (const PlyElement& e : elements_)
+    if (e.name == element) return &e;
+  return nullptr;
+}
+
+void PlyFile::parse_header() {
+  const std::string_view text(reinterpret_cast<const char*>(bytes_.data()), bytes_.size());
+  if (!text.starts_with("ply\n") && !text.starts_with("ply\r\n"))
+    bad(name_, std::to_string(text.size()) + " bytes that do not start with 'ply', expected a PLY file",
+        "other splat formats: npx @playcanvas/splat-transform " + name_ + " model.ply");
+  bool has_format = false;
+  std::size_t properties = 0;
+  for (std::size_t at = text.find('\n') + 1;;) {
+    const std::size_t end = text.find('\n', at);
+    if (end == std::string_view::npos)
+      bad(name_, "the header stops after " + std::to_string(text.size()) + " bytes, expected 'end_header'");
+    if (end > kMaxHeaderBytes)
+      bad(name_, "no 'end_header' in the first " + std::to_string(kMaxHeaderBytes) +
+                     " bytes, expected a PLY header");
+    std::string_view line = text.substr(at, end - at);
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    at = end + 1;
+    const std::vector<std::string_view> words = split(line);
+    const std::string_view key = words.empty() ? std::string_view() : words[0];
+    if (key == "end_header") {
+      body_ = at;
+      break;
+    }
+    if (key == "comment" || key == "obj_info") {
+      const std::size_t content = line.find(key) + key.size() + 1;
+      comments_.emplace_back(content < line.size() ? line.substr(content) : "");
+    } else if (key == "format") {
+      format_ = parse_format(name_, words);
+      has_format = true;
+    } else if (key == "element") {
+      if (elements_.size() == kMaxElements)
+        bad(name_, "more than " + std::to_string(kMaxElements) + " elements, expected at most that many");
+      elements_.push_back(parse_element(name_, words));
+    } else if (key == "property") {
+      if (++properties > kMaxProperties)
+        bad(name_, "more than " + std::to_string(kMaxProperties) + " properties, expected at most that many",
+            "write models of many objects in parts: ngs-joint --objects NAME");
+      add_property(name_, elements_, parse_property(name_, words));
+    } else if (!key.empty()) {
+      bad(name_,
+          "header line starting with '" + printable(key) + "', expected format, comment, element, property");
+    }
+  }
+  if (!has_format) bad(name_, "the header has no format line, expected 'format binary_little_endian 1.0'");
+  for (std::size_t i = 0; i < elements_.size(); ++i)
+    if (find(elements_[i].name) != &elements_[i])
+      bad(name_, "element '" + printable(elements_[i].name) + "' occurs twice, expected once");
+}
+
+void PlyFile::locate_elements() {
+  std::size_t at = body_;
+  for (PlyElement& element : elements_) {
+    element.begin = at;
+    element.end = at = element_end(name_, format_, element, bytes_);
+  }
+}
+
+int PlyTable::find(std::string_view name) const {
+  for (std::size_t p = 0; p < properties.size(); ++p)
+    if (properties[p].name == name) return int(p);
+  return -1;
+}
+
+PlyColumn PlyTable::column(std::string_view name) const {
+  const int p = find(name);
+  if (p < 0) return {};
+  return {rows > 0 ? row(0) + offset[std::size_t(p)] : nullptr, row_bytes, properties[std::size_t(p)].type};
+}
+
+void PlyTable::set_properties(std::vector<PlyProperty> scalar_properties) {
+  properties = std::move(scalar_properties);
+  offset.clear();
+  row_bytes = 0;
+  for (const PlyProperty& p : properties) {
+    offset.push_back(row_bytes);
+    row_bytes += ply_type_bytes(p.type);
+  }
+}
+
+double PlyColumn::value(std::int64_t row) const {
+  const std::uint8_t* from = first + std::size_t(row) * stride;
+  switch (type) {
+    case PlyType::kInt8:
+      return load_as<std::int8_t>(from);
+    case PlyType::kUint8:
+      return load_as<std::uint8_t>(from);
+    case PlyType::kInt16:
+      return load_as<std::int16_t>(from);
+    case PlyType::kUint16:
+      return load_as<std::uint16_t>(from);
+    case PlyType::kInt32:
+      return load_as<std::int32_t>(from);
+    case PlyType::kUint32:
+      return load_as<std::uint32_t>(from);
+    case PlyType::kFloat32:
+      return load_as<float>(from);
+    case PlyType::kFloat64:
+      return load_as<double>(from);
+  }
+  return 0;
+}
+
+}  // namespace ngs::io

@@ -1,0 +1,269 @@
+#include "ngs/io/scene/import_scene.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <set>
+
+#include "ngs/core/error.h"
+#include "ngs/io/files/folder_index.h"
+#include "ngs/io/image/mask_names.h"
+#include "ngs/io/image/masks.h"
+#include "ngs/io/capture/pose.h"
+#include "ngs/io/files/regular_file.h"
+#include "ngs/io/scene/scene_json.h"
+#include "ngs/io/files/text_lines.h"
+#include "ngs/scene/view_names.h"
+
+namespace ngs::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool parse_count(std::string_view text, std::uint32_t& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size() && !text.empty();
+}
+
+/// The newest point_cloud/iteration_N/point_cloud.ply of a trainer's output folder.
+std::string newest_iteration(const fs::path& base) {
+  std::uint32_t newest = 0;
+  std::string path;
+  for (const std::string& name : list_folders((base / "point_cloud").string())) {
+    std::uint32_t iteration = 0;
+    const std::string file = (base / "point_cloud" / name / "point_cloud.ply").string();
+    if (name.rfind("iteration_", 0) != 0 || !parse_count(name.substr(10), iteration) ||
+        !is_regular_file(file))
+      continue;
+    if (path.empty() || iteration > newest) newest = iteration, path = file;
+  }
+  return path;
+}
+
+std::string find_model(const std::string& base, std::vector<std::string>& notes) {
+  for (const char* name : {"point_cloud.ply", "model.ply"})
+    if (const std::string file = (fs::path(base) / name).string(); is_regular_file(file)) return file;
+  if (const std::string file = newest_iteration(base); !file.empty()) return file;
+  std::vector<std::string> found;
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(base, ignored)) {
+    const fs::path name = entry.path().filename();
+    if (name.extension() == ".ply" && name != "input.ply" && name != "points3D.ply")
+      found.push_back(entry.path().string());
+  }
+  if (found.size() == 1) return found[0];
+  notes.push_back(base + (found.empty() ? ": no model found" : ": several models found, none chosen") +
+                  " (name it with --ply MODEL.ply)");
+  return {};
+}
+
+std::string find_masks_dir(const ImportRequest& request, const std::string& base,
+                           std::vector<std::string>& notes) {
+  std::error_code ignored;
+  if (!request.masks_dir.empty()) {
+    if (!fs::is_directory(request.masks_dir, ignored))
+      throw Error(ErrorCode::kBadInput, request.masks_dir + ": no such folder, expected masks");
+    return request.masks_dir;
+  }
+  std::vector<std::string> candidates, of_truth;
+  for (const std::string& name : list_folders(base)) {
+    if (name == "masks") return (fs::path(base) / name).string();
+    if (name.find("mask") == std::string::npos) continue;
+    const bool is_truth = name.ends_with("_gt") || name.starts_with("gt");
+    (is_truth ? of_truth : candidates).push_back(name);
+  }
+  if (candidates.size() == 1) {
+    const std::string chosen = (fs::path(base) / candidates[0]).string();
+    notes.push_back(chosen + ": taken as the masks, by its name (name another with --masks DIR)");
+    return chosen;
+  }
+  for (const std::string& name : of_truth)
+    notes.push_back((fs::path(base) / name).string() +
+                    ": holds the truth by its name, not read (if it holds the input masks: --masks DIR)");
+  if (!candidates.empty()) {
+    std::string names;
+    for (const std::string& name : candidates) names += " " + name;
+    notes.push_back(base + ": several folders of masks (" + names.substr(1) +
+                    "), none chosen (name one with --masks DIR)");
+  }
+  return {};
+}
+
+/// "7" -> {"object-7", 7} for label maps, {"7", 0} else; "cup=7" -> {"cup", 7}; "cup" -> {"cup", 0}.
+SceneObject parse_object(const std::string& text, MaskMode mode) {
+  const std::size_t equals = text.rfind('=');
+  const std::string name = text.substr(0, equals);
+  const std::string digits = equals == std::string::npos ? text : text.substr(equals + 1);
+  std::uint32_t id = 0;
+  const bool has_id = parse_count(digits, id);
+  if (equals != std::string::npos && (!has_id || name.empty()))
+    throw Error(ErrorCode::kUsage,
+                "--object-id " + text + ": no id after \"=\", expected name=id such as cup=7");
+  if (mode != MaskMode::kLabel) return {name, equals == std::string::npos ? 0 : id};
+  if (!has_id || id > 65535)
+    throw Error(ErrorCode::kUsage,
+                "--object-id " + text + ": no id in 0..65535, expected 7 or cup=7 for label maps");
+  return {equals == std::string::npos ? "object-" + digits : name, id};
+}
+
+std::vector<SceneObject> objects_in_label_maps(const std::vector<SceneView>& views, std::optional<std::uint32_t> void_id,
+                                               std::vector<std::string>& notes) {
+  std::set<std::uint32_t> ids;
+  for (const SceneView& view : views) {
+    if (view.mask_path.empty() || view.split == Split::kHeldOut) continue;
+    ids.merge(ids_in_label_map(view.mask_path));
+    constexpr std::size_t kMostObjects = 1024;
+    if (ids.size() > kMostObjects)
+      throw Error(ErrorCode::kBadInput,
+                  view.mask_path + ": more than 1024 different values, expected a label map",
+                  "choose the objects with --object-id, or use --mask-mode soft");
+  }
+  ids.erase(0);
+  if (void_id) ids.erase(*void_id);
+  constexpr std::uint32_t kUsualVoid = 255;  // PASCAL VOC and its heirs
+  if (ids.size() > 1 && ids.contains(kUsualVoid))
+    notes.push_back("label maps hold 255 beside other ids; if it marks pixels without a label: --void-id 255");
+  std::vector<SceneObject> objects;
+  for (const std::uint32_t id : ids) objects.push_back({"object-" + std::to_string(id), id});
+  return objects;
+}
+
+/// nerfstudio's mask_path are mostly masks of valid pixels: a folder that the user names is meant instead of them.
+void leave_out_masks_of_source(ImportedScene& out) {
+  int count = 0;
+  for (SceneView& view : out.scene.views)
+    if (!view.mask_path.empty()) view.mask_path.clear(), ++count;
+  if (count > 0)
+    out.notes.push_back(out.cameras_file + ": mask_path of " + std::to_string(count) +
+                        " views left out, the masks are those of " + out.masks_dir);
+}
+
+void attach_masks(const ImportRequest& request, ImportedScene& out) {
+  Scene& scene = out.scene;
+  if (!request.masks_dir.empty()) leave_out_masks_of_source(out);
+  for (const std::string& text : request.object_ids)
+    scene.objects.push_back(parse_object(text, request.mask_mode));
+  std::vector<std::string> names;
+  for (const SceneObject& object : scene.objects) names.push_back(object.name);
+  const MaskMatches matches = match_masks(out.masks_dir, names, scene.views);
+  out.views_by_mask_rule = matches.views_by_rule;
+  const bool none = matches.unmatched.size() == scene.views.size();
+  if (none && !request.masks_dir.empty())
+    throw Error(ErrorCode::kInconsistent,
+                out.masks_dir + ": no mask of any view (such as " + scene.views[0].camera.name +
+                    "), expected names like <stem>.png, <name>.png, <stem>_mask.png or <object>/<stem>.png",
+                "rename the masks after their photos");
+  if (none && out.masks_dir.empty())
+    out.notes.push_back("no masks");
+  else if (!matches.unmatched.empty())
+    out.notes.push_back("no mask for " + std::to_string(matches.unmatched.size()) + " of " +
+                        std::to_string(scene.views.size()) + " views (first: " + matches.unmatched[0] + ")");
+  if (matches.several > 0)
+    out.notes.push_back("two masks of " + std::to_string(matches.several) + " views (first: " + matches.taken + " is taken, " +
+                        matches.not_taken + " is not)");
+  if (!scene.objects.empty()) return;
+  for (const std::string& name : matches.objects) scene.objects.push_back({name, 0});
+  if (scene.objects.empty() && scene.mask_mode == MaskMode::kLabel)
+    scene.objects = objects_in_label_maps(scene.views, scene.void_id, out.notes);
+  if (scene.objects.empty()) scene.objects.push_back({});
+}
+
+void hold_out_every(const std::string& rule, std::vector<SceneView>& views) {
+  const std::optional<EveryRule> every = parse_every(rule);
+  if (!every)
+    throw Error(ErrorCode::kUsage, "--hold-out " + rule + ": not every:N:K with K < N, expected e.g. every:8:0");
+  for (std::size_t i = 0; i < views.size(); ++i)
+    if (every->selects(i)) views[i].split = Split::kHeldOut;
+}
+
+void hold_out_named(const std::string& path, std::vector<SceneView>& views) {
+  const std::vector<std::string> listed = read_name_list(path);
+  if (listed.empty()) throw Error(ErrorCode::kBadInput, path + ": names no view, expected image names, one per line");
+  const ViewNames names(views);
+  for (const std::string& name : listed) {
+    const std::vector<std::size_t> found = names.find(name);
+    if (found.size() != 1)
+      throw Error(ErrorCode::kInconsistent, path + ": " + name + " is " +
+                                                (found.empty() ? "no view" : "several views") +
+                                                ", expected image names, one per line");
+    views[found[0]].split = Split::kHeldOut;
+  }
+}
+
+/// At which the shortest side of the photos has that many pixels, rounded up.
+std::string least_scale(int side_px, int shortest_px) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%.3f", std::min(1.0, std::ceil(1000.0 * side_px / shortest_px) / 1000));
+  return text;
+}
+
+}  // namespace
+
+void assign_splits(const std::string& hold_out, std::vector<SceneView>& views) {
+  if (hold_out.empty()) return;
+  if (hold_out.rfind("every:", 0) == 0)
+    hold_out_every(hold_out, views);
+  else
+    hold_out_named(hold_out, views);
+  const auto held = std::ranges::count(views, Split::kHeldOut, &SceneView::split);
+  if (held == std::ssize(views))
+    throw Error(ErrorCode::kInconsistent,
+                "--hold-out " + hold_out + ": holds out every view, expected some to train on");
+  if (held == 0)
+    throw Error(ErrorCode::kInconsistent,
+                "--hold-out " + hold_out + ": holds out none of the " + std::to_string(views.size()) + " views, expected some",
+                "leave it out to train on all");
+}
+
+/// The largest 1/k at which no photo's longer side exceeds kWorkingSizePx. One for all views: the small ones of a mixed
+/// capture lose pixels that they could keep, which is said.
+double automatic_scale(const std::vector<SceneView>& views, std::vector<std::string>& notes) {
+  const auto side = [](const SceneView& view) { return std::max(view.camera.width_px, view.camera.height_px); };
+  int longest = 1;
+  for (const SceneView& view : views) longest = std::max(longest, side(view));
+  const int k = (longest + kWorkingSizePx - 1) / kWorkingSizePx;
+  const auto small = std::count_if(views.begin(), views.end(), [&](const SceneView& view) {
+    return k > 1 && side(view) <= kWorkingSizePx;
+  });
+  if (small > 0)
+    notes.push_back(std::to_string(small) + " views of at most " + std::to_string(kWorkingSizePx) + " px are worked on at 1/" +
+                    std::to_string(k) + " of their size too, as the largest of " + std::to_string(longest) +
+                    " px asks for; --image-scale 1 keeps them");
+  return 1.0 / k;
+}
+
+ImportedScene import_scene(const ImportRequest& request) {
+  CaptureSource source = read_capture(request.capture);
+  ImportedScene out;
+  out.format = source.capture.format, out.notes = source.capture.notes;
+  out.cameras_file = source.file, out.images_dir = source.images_dir;
+  Scene& scene = out.scene;
+  scene.views = std::move(source.capture.views);
+  scene.model_path = request.model_path.empty() ? find_model(source.base, out.notes) : request.model_path;
+  scene.mask_mode = request.mask_mode, scene.mask_invert = request.mask_invert;
+  scene.mask_threshold = request.mask_threshold, scene.missing_mask = request.missing_mask;
+  scene.void_id = request.void_id;
+  scene.image_scale = request.image_scale > 0 ? request.image_scale : automatic_scale(scene.views, out.notes);
+  out.masks_dir = find_masks_dir(request, source.base, out.notes);
+  assign_splits(request.hold_out, scene.views);
+  attach_masks(request, out);
+  int shortest_px = kMaxSide;
+  for (SceneView& view : scene.views) {
+    shortest_px = std::min({shortest_px, view.camera.width_px, view.camera.height_px});
+    view.camera = resized(view.camera, scaled_size_px(view.camera.width_px, scene.image_scale),
+                          scaled_size_px(view.camera.height_px, scene.image_scale));
+  }
+  constexpr int kLeastSide_px = 8;  // smaller pictures match any model as badly
+  for (const SceneView& view : scene.views)
+    if (const Camera& c = view.camera; scene.image_scale < 1 && std::min(c.width_px, c.height_px) < kLeastSide_px)
+      throw Error(ErrorCode::kUsage, "--image-scale " + std::to_string(scene.image_scale) + ": view " + c.name + " becomes " +
+                                         std::to_string(c.width_px) + "x" + std::to_string(c.height_px) +
+                                         " px, expected at least " + std::to_string(kLeastSide_px) + " a side",
+                  "--image-scale " + least_scale(kLeastSide_px, shortest_px) + " or more keeps that of every view");
+  validate_scene(scene, request.capture.source);
+  return out;
+}
+
+}  // namespace ngs::io

@@ -1,0 +1,46 @@
+#pragma once
+// Cameras, photos, masks and a model of any origin -> Scene. What ngs-scene import does, without the checks
+// that need the model (stages/scene/scene_check.h).
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ngs/io/capture/capture_source.h"
+#include "ngs/scene/scene.h"
+
+namespace ngs::io {
+
+inline constexpr int kWorkingSizePx = 800;  // longest side that the automatic image_scale allows
+
+struct ImportRequest {
+  CaptureRequest capture;
+  std::string model_path;               // empty: looked for beside the cameras
+  std::string masks_dir;                // in place of the source's own; empty: masks/ beside the cameras, or the only
+                                        // other folder *mask* that is none of truth (*_gt, gt*)
+  std::vector<std::string> object_ids;  // "7", "cup=7" (label maps), "cup" (one folder per object)
+  std::string hold_out;                 // "every:N:K", a file of names, or empty
+  MaskMode mask_mode = MaskMode::kBinary;
+  bool mask_invert = false;
+  double mask_threshold = 128;
+  std::optional<std::uint32_t> void_id;  // label maps
+  MissingMask missing_mask = MissingMask::kUnknown;
+  double image_scale = 1;  // (0, 1]; 0: automatic, see kWorkingSizePx
+};
+
+struct ImportedScene {
+  Scene scene;
+  std::string format;
+  std::string cameras_file, images_dir, masks_dir;
+  std::map<std::string, int> views_by_mask_rule;
+  std::vector<std::string> notes;
+};
+
+/// Usage errors (a bad --object-id or --hold-out) are kUsage; see the readers for the others. Label maps
+/// without object_ids: every id but 0 and void_id that occurs in a mask becomes an object "object-<id>".
+ImportedScene import_scene(const ImportRequest& request);
+
+/// `hold_out` as above; kInconsistent for a name that no view has or when no view is left to train on.
+void assign_splits(const std::string& hold_out, std::vector<SceneView>& views);
+
+}  // namespace ngs::io

@@ -1,0 +1,112 @@
+#include "ngs/methods/method_bce.h"
+
+#include "ngs/backend/for_each.h"
+#include "ngs/scene/rle_masks.h"
+#include "ngs/stages/boundary/method_labels.h"
+
+namespace ngs {
+namespace {
+
+constexpr double kHalfWeightsGap = 5e-4;
+
+void note_figures(const LabelSolution& s, const std::string& suffix, std::map<std::string, double>& figures) {
+  figures["loss" + suffix] = s.loss;
+  figures["gap" + suffix] = s.gap;
+  figures["relative_gap" + suffix] = s.loss > 0 ? s.gap / s.loss : 0.0;
+  figures["evaluations" + suffix] = s.evaluations;
+  figures["rounds" + suffix] = s.rounds;
+  figures["columns" + suffix] = double(s.columns);
+  figures["working_columns" + suffix] = double(s.working_columns);
+  figures["cache_mib" + suffix] = double(s.cache.cached_bytes) / (1 << 20);
+  figures["streamed_views" + suffix] = double(s.cache.streamed_views);
+}
+
+/// The masks of one object, kept run by run where that takes less than a byte per pixel, since every evaluation reads
+/// them; others are decoded anew.
+class KeptTargets {
+ public:
+  KeptTargets(const Problem& input, std::size_t object) : input_(input), object_(object), kept_(input.views.size()) {}
+
+  /// Decodes all masks, several at a time.
+  void preload(const Exec& exec) {
+    for_each_task(exec, std::int64_t(kept_.size()), [this](std::int64_t i) { load(std::size_t(i)); });
+  }
+
+  PixelTargets load(std::size_t i) {
+    if (kept_[i].available()) return pixel_targets(kept_[i].unpacked(), 0);
+    ViewMasks masks = input_.load_masks(input_.views[i]);
+    if (!masks.available) return {};
+    masks.target = {std::move(masks.target[object_])};
+    const std::size_t pixels = masks.target[0].size();
+    PixelTargets targets = pixel_targets(masks, 0);
+    if (RleMasks packed(std::move(masks)); packed.bytes() < pixels) kept_[i] = std::move(packed);
+    return targets;
+  }
+
+ private:
+  const Problem& input_;
+  std::size_t object_;
+  std::vector<RleMasks> kept_;  // [views]
+};
+
+/// The soft values are the labels: the fitted masks are renders of them, and thresholding would move the
+/// contours. Of several objects that claim a Gaussian only the one with the largest value keeps it, if
+/// exclusive.
+void decide(const BceOptions& options, std::vector<LabelColumns>& labels) {
+  for (std::size_t i = 0; i < labels[0].label.size(); ++i) {
+    std::size_t best = 0;
+    for (std::size_t k = 1; k < labels.size(); ++k)
+      if (labels[k].prob[i] > labels[best].prob[i]) best = k;
+    for (std::size_t k = 0; k < labels.size(); ++k) {
+      LabelColumns& c = labels[k];
+      if (c.views[i] > 0) c.label[i] = !options.exclusive || k == best ? c.prob[i] : 0.f;
+    }
+  }
+}
+
+}  // namespace
+
+BceResult solve_bce(const Exec& exec, Monitor& monitor, const BceOptions& options, const Problem& input) {
+  BceResult result;
+  result.method.cloud = input.cloud;
+  std::vector<LabelColumns>& labels = result.method.labels = closed_form_labels(exec, monitor, input);
+  const auto timed = monitor.scope("label solve");
+  LabelSolveOptions solve;
+  solve.relative_gap = options.relative_gap, solve.relaxation = options.relaxation;
+  solve.max_evaluations = options.max_evaluations, solve.cache_bytes = std::int64_t(options.cache_mib) << 20;
+  solve.stop = [&] { return monitor.stop_requested(); };
+  const auto n = std::size_t(input.cloud.size());
+  for (std::size_t k = 0; k < labels.size(); ++k) {
+    LabelProblem problem{input.cloud, {}, {}, input.splat, false};
+    for (const std::size_t view : input.views) problem.cameras.push_back(input.scene.views[view].camera);
+    // The working set is solved with rounded weights, the certificate is not: on real scenes the rounding costs a
+    // relative gap of about 1e-5.
+    problem.half_weights = options.relative_gap >= kHalfWeightsGap;
+    KeptTargets targets(input, k);
+    targets.preload(exec);
+    problem.load_targets = [&](std::size_t i) { return targets.load(i); };
+    std::vector<double> start(n);
+    std::vector<std::uint8_t> movable(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      movable[i] = labels[k].views[i] > 0 && !is_fixed(input, i);
+      start[i] = double(movable[i] ? labels[k].prob[i] : labels[k].label[i]);
+    }
+    LabelSolution solution = solve_labels(exec, problem, solve, start, movable);
+    for (std::size_t i = 0; i < n; ++i)
+      if (movable[i]) labels[k].prob[i] = float(solution.label[i]);
+    note_figures(solution, labels.size() > 1 ? "_" + input.scene.objects[k].name : "", result.method.figures);
+    result.method.converged &= solution.converged;
+    result.trace.push_back(std::move(solution.trace));
+  }
+  decide(options, labels);
+  restore_fixed(input, {}, labels);
+  for (const LabelColumns& c : labels) result.method.figures["object_gaussians"] += labelled_count(c);
+  return result;
+}
+
+Solution run_bce(const Exec& exec, Monitor& monitor, const BceOptions& options,
+                     const Problem& input) {
+  return std::move(solve_bce(exec, monitor, options, input).method);
+}
+
+}  // namespace ngs

@@ -1,0 +1,45 @@
+#pragma once
+// ngs-joint --method bce: the labels that explain the masks best, geometry fixed.       Eq. (19); C18 (a)
+//
+// Convex: started from the closed form, solved to a certified gap (ops/labels/label_solve.h). Figures of the result,
+// each with the object's name appended where there are several: loss, gap, relative_gap, evaluations, rounds,
+// columns, working_columns, cache_mib, streamed_views (the last three: of the largest working set).
+#include "ngs/ops/labels/label_solve.h"
+#include "ngs/options/field.h"
+#include "ngs/problem/problem.h"
+
+namespace ngs {
+
+struct BceOptions {
+  double relative_gap = 1e-3;
+  double relaxation = 1;
+  int max_evaluations = 2000;
+  int cache_mib = 2048;
+  bool exclusive = true;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.relative_gap,
+          Field<double>{"bce_gap", "of the loss", "bce: stop at this duality gap (bound on loss - optimum)",
+                        1e-6, 1.0});
+    visit(self.relaxation, Field<double>{"bce_relaxation", "",
+                                         "bce: over-relaxation of the EM steps; 1 is plain EM", 1.0, 1.99});
+    visit(self.max_evaluations,
+          Field<int>{"bce_evaluations", "", "bce: at most this many evaluations of the loss", 1, 1000000});
+    visit(self.cache_mib,
+          Field<int>{"bce_cache_mib", "MiB", "bce: memory for weights; views beyond it are composited anew",
+                     0, 1 << 24});
+    visit(self.exclusive,
+          Flag{"bce_exclusive", "bce: a Gaussian belongs to at most one object (the largest soft label)"});
+  }
+};
+
+struct BceResult {
+  Solution method;
+  std::vector<std::vector<GapPoint>> trace;  // per object: loss and gap over time
+};
+
+BceResult solve_bce(const Exec& exec, Monitor& monitor, const BceOptions& options, const Problem& input);
+Solution run_bce(const Exec& exec, Monitor& monitor, const BceOptions& options, const Problem& input);
+
+}  // namespace ngs

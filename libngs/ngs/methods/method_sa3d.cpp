@@ -1,0 +1,109 @@
+#include "ngs/methods/method_sa3d.h"
+
+#include "ngs/stages/boundary/method_labels.h"
+
+namespace ngs {
+namespace {
+
+/// State of one object's inverse rendering.
+struct ObjectState {
+  int object;
+  double threshold;
+  GaussianCloud cloud;                // `usable` loses what a pass removed
+  Evidence evidence;                  // of the current pass
+  std::vector<std::size_t> accepted;  // views that passed the gate in the first pass
+  std::vector<float> label() const {
+    std::vector<float> out(std::size_t(evidence.gaussians), 0.f);
+    for (std::size_t i = 0; i < out.size(); ++i)
+      out[i] = float(evidence.object_weight.value(i) > threshold * evidence.weight.value(i));
+    return out;
+  }
+};
+
+/// IoU of the rendered label mask and the given one over known pixels; two empty masks agree.
+double mask_agreement(const Exec& exec, const ObjectState& state, const Problem& input,
+                      const Camera& camera, const ViewMasks& masks) {
+  const std::vector<float> label = state.label();
+  RenderRequest request;
+  request.colour = false;
+  request.label = {label.data(), std::int64_t(label.size()), 1};
+  const RenderedView view = render(exec, state.cloud, camera, input.splat, request);
+  const std::vector<float>& target = masks.target[0];
+  std::int64_t both = 0, either = 0;
+  for (std::size_t p = 0; p < target.size(); ++p) {
+    if (!masks.known.empty() && !masks.known[p]) continue;
+    const bool rendered = view.label.data[p] > 0.5f, given = target[p] >= 0.5f;
+    both += rendered && given, either += rendered || given;
+  }
+  return either == 0 ? 1.0 : double(both) / double(either);
+}
+
+/// The masks of the view, of this object alone: what the others weigh would be gathered in vain.
+ViewMasks masks_of(const Problem& input, std::size_t view, const ObjectState& state) {
+  ViewMasks masks = input.load_masks(view);
+  if (masks.available) masks.target = {std::move(masks.target[std::size_t(state.object)])};
+  return masks;
+}
+
+void take_view(const Exec& exec, const Problem& input, std::size_t view, const ViewMasks& masks,
+               ObjectState& state) {
+  add_view_evidence(exec, state.cloud, input.scene.views[view].camera, input.splat, masks, state.evidence);
+}
+
+void first_pass(const Exec& exec, Monitor& monitor, const Sa3dOptions& options, const Problem& input,
+                ObjectState& state) {
+  for (const std::size_t view : input.views) {
+    if (monitor.stop_requested()) return;
+    const ViewMasks masks = masks_of(input, view, state);
+    if (!masks.available) continue;
+    const Camera& camera = input.scene.views[view].camera;
+    if (!state.accepted.empty() && mask_agreement(exec, state, input, camera, masks) < options.gate_iou)
+      continue;
+    state.accepted.push_back(view);
+    take_view(exec, input, view, masks, state);
+  }
+}
+
+void later_pass(const Exec& exec, const Sa3dOptions& options, const Problem& input, ObjectState& state) {
+  if (options.remove_ambiguous) {
+    const std::vector<float> label = state.label();
+    for (std::size_t i = 0; i < label.size(); ++i) state.cloud.usable[i] &= label[i] > 0.f;
+  }
+  state.evidence = Evidence(state.cloud.size(), 1);
+  for (const std::size_t view : state.accepted) take_view(exec, input, view, masks_of(input, view, state), state);
+}
+
+}  // namespace
+
+Solution run_sa3d(const Exec& exec, Monitor& monitor, const Sa3dOptions& options,
+                      const Problem& input) {
+  const auto timed = monitor.scope("sa3d");
+  Solution result;
+  result.cloud = input.cloud;
+  const double threshold = options.lambda / (1 + options.lambda);
+  for (int k = 0; k < int(input.scene.objects.size()); ++k) {
+    ObjectState state{k, threshold, input.cloud, Evidence(input.cloud.size(), 1), {}};
+    first_pass(exec, monitor, options, input, state);
+    VarianceOptions closed_form;
+    closed_form.label_threshold = threshold;
+    LabelColumns columns = label_gaussians(closed_form, state.evidence)[0];
+    for (int pass = 1; pass < options.passes && !monitor.stop_requested(); ++pass) {
+      later_pass(exec, options, input, state);
+      const std::vector<float> kept = state.label();
+      for (std::size_t i = 0; i < kept.size(); ++i) {
+        columns.label[i] = kept[i];
+        if (state.evidence.views[i] > 0)
+          columns.prob[i] = float(state.evidence.object_weight.value(i) / state.evidence.weight.value(i));
+      }
+    }
+    result.figures["views_accepted"] += double(state.accepted.size());
+    result.figures["object_gaussians"] += labelled_count(columns);
+    result.labels.push_back(std::move(columns));
+  }
+  restore_fixed(input, {}, result.labels);
+  result.figures["threshold"] = threshold;
+  result.converged = !monitor.stop_requested();
+  return result;
+}
+
+}  // namespace ngs

@@ -1,0 +1,35 @@
+#pragma once
+// ngs-joint --method sa3d: mask inverse rendering of SA3D-GS in closed form.               PAPER.md §6.2
+//
+// Its loss, -Σ G M + λ Σ (1 - G) M per view, is linear in the labels: the label of a Gaussian is 1 where its
+// share f = A1 / (A0 + A1) exceeds λ / (1 + λ). Views are taken in order; one whose mask disagrees with what
+// the labels so far render (IoU below the gate) is left out, the first excepted. Between passes the Gaussians
+// that are not the object are removed, so that later passes see what stood behind them.
+#include "ngs/options/field.h"
+#include "ngs/problem/problem.h"
+
+namespace ngs {
+
+struct Sa3dOptions {
+  double lambda = 0.3;
+  double gate_iou = 0.5;
+  int passes = 2;
+  bool remove_ambiguous = true;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.lambda,
+          Field<double>{"sa3d_lambda", "", "sa3d: weight of pixels outside the mask", 1e-6, 1e6});
+    visit(self.gate_iou,
+          Field<double>{"sa3d_gate_iou", "",
+                        "sa3d: views that agree less with the labels so far are left out", 0.0, 1.0});
+    visit(self.passes, Field<int>{"sa3d_passes", "", "sa3d: passes over the views", 1, 100});
+    visit(self.remove_ambiguous,
+          Flag{"sa3d_remove_ambiguous", "sa3d: between passes, drop what is not the object"});
+  }
+};
+
+Solution run_sa3d(const Exec& exec, Monitor& monitor, const Sa3dOptions& options,
+                      const Problem& input);
+
+}  // namespace ngs

@@ -1,0 +1,68 @@
+#pragma once
+// Adam on a device: the step of ops/optim/adam_kernels.h element by element, and the search for gradients that it cannot take.
+#include <limits>
+
+#include "ngs/ops/optim/adam_kernels.h"
+#include "ngs/ops/device/sum_schedule.h"
+
+namespace ngs {
+
+struct AdamElement {
+  static constexpr const char* kName = "adam";
+  AdamKernel<float> kernel;
+  NGS_HD void operator()(std::int64_t i) const { kernel.range(i, i + 1); }
+};
+
+struct SparseAdamRow {
+  static constexpr const char* kName = "adam_rows";
+  SparseAdamKernel<float> kernel;
+  NGS_HD void operator()(std::int64_t row) const { kernel(row); }
+};
+
+inline constexpr std::int64_t kNoIndex = std::numeric_limits<std::int64_t>::max();
+
+/// The least index in each chunk whose value is not finite or above the limit.
+struct FindUnusable {
+  static constexpr const char* kName = "find_unusable";
+  static constexpr std::int64_t kRows = 256;
+  const float* value;
+  std::int64_t n;
+  float limit;
+  std::int64_t* least;  // [chunks] out; kNoIndex: none
+  NGS_HD void operator()(std::int64_t chunk) const {
+    const DealtRows rows(chunk, n, kRows);
+    std::int64_t found = kNoIndex;
+    for (std::int64_t i = rows.first; i < rows.end; i += rows.step)
+      if (!(value[i] <= limit && -value[i] <= limit)) found = i < found ? i : found;
+    least[chunk] = found;
+  }
+};
+
+/// *least = the least index of an unusable value, or kNoIndex; all of it the grid's memory.
+template <class Grid>
+void least_unusable_on_grid(Grid& grid, const float* value, std::int64_t n, float limit, std::int64_t* least) {
+  const std::int64_t chunks = n > 0 ? divided_up(n, FindUnusable::kRows) : 1;
+  const DeviceBuffer<Grid, std::int64_t> found(grid, chunks);
+  grid.each(chunks, FindUnusable{value, n, limit, found.data()});
+  least_on_grid(grid, static_cast<const std::int64_t*>(found.data()), chunks, least);
+}
+
+/// The same on the host; -1 if there is none.
+template <class Grid>
+std::int64_t first_unusable_on_grid(Grid& grid, const float* value, std::int64_t n, float limit) {
+  const DeviceBuffer<Grid, std::int64_t> least(grid, 1);
+  least_unusable_on_grid(grid, value, n, limit, least.data());
+  std::int64_t found = kNoIndex;
+  least.to(&found);
+  return found == kNoIndex ? -1 : found;
+}
+
+template <class Grid>
+void adam_on_grid(Grid& grid, const AdamKernel<float>& kernel, std::int64_t sparse_columns) {
+  if (sparse_columns > 0)
+    grid.each(kernel.n / sparse_columns, SparseAdamRow{{kernel, sparse_columns}});
+  else
+    grid.each(kernel.n, AdamElement{kernel});
+}
+
+}  // namespace ngs

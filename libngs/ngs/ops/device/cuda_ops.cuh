@@ -1,0 +1,16 @@
+#pragma once
+// The parts of cuda_ops(), one per .cu file so that they compile side by side.
+#include <memory>
+
+#include "ngs/backend/cuda_launcher.cuh"
+#include "ngs/ops/device/device_ops.h"
+
+namespace ngs {
+
+CudaLauncher& cuda_launcher();
+std::unique_ptr<DeviceSplatOps> cuda_splat_ops(DeviceSums sums);
+std::unique_ptr<DeviceFieldOps> cuda_field_ops(DeviceSums sums);
+std::unique_ptr<DeviceLossOps> cuda_loss_ops();
+std::unique_ptr<DeviceJointOps> cuda_joint_ops(DeviceSums sums);
+
+}  // namespace ngs

@@ -1,0 +1,29 @@
+#include "ngs/ops/device/cuda_ops.cuh"
+
+namespace ngs {
+
+CudaLauncher& cuda_launcher() {
+  static CudaLauncher grid;
+  return grid;
+}
+
+namespace {
+
+struct CudaOps {
+  std::unique_ptr<DeviceSplatOps> splat;
+  std::unique_ptr<DeviceFieldOps> field;
+  std::unique_ptr<DeviceLossOps> loss = cuda_loss_ops();
+  std::unique_ptr<DeviceJointOps> joint;
+  DeviceOps all{*splat, *field, *loss, joint.get()};
+  explicit CudaOps(DeviceSums sums)
+      : splat(cuda_splat_ops(sums)), field(cuda_field_ops(sums)), joint(cuda_joint_ops(sums)) {}
+};
+
+}  // namespace
+
+const DeviceOps* cuda_ops(DeviceSums sums) {
+  static const CudaOps in_order(DeviceSums::kInOrder), atomic(DeviceSums::kAtomic);
+  return sums == DeviceSums::kAtomic ? &atomic.all : &in_order.all;
+}
+
+}  // namespace ngs

@@ -1,0 +1,120 @@
+#pragma once
+// The ops that have a device path. Each is the op of the same name with the same meaning; arguments and results are host
+// memory, results have their size already. The ops themselves look at Exec::device_ops, callers do not.
+//
+// Abstract, because there is one implementation per Grid (backend/launcher.h): that of CUDA, and an emulation for the tests.
+#include <memory>
+
+#include "ngs/backend/exec.h"
+#include "ngs/ops/optim/adam_kernels.h"
+#include "ngs/ops/device/device_joint.h"
+#include "ngs/ops/field/film_mlp.h"
+#include "ngs/ops/field/hash_grid_kernels.h"
+#include "ngs/ops/losses/loss_align_kernels.h"
+#include "ngs/ops/losses/loss_cont_kernels.h"
+#include "ngs/ops/losses/loss_mask_kernels.h"
+#include "ngs/ops/losses/loss_smooth_kernels.h"
+#include "ngs/ops/losses/photometric_kernels.h"
+#include "ngs/ops/field/rbf.h"
+#include "ngs/ops/splat/splat.h"
+#include "ngs/ops/splat/splat_gaussian.h"
+#include "ngs/ops/field/volume.h"
+#include "ngs/scene/scene.h"
+
+namespace ngs {
+
+/// One view between forward and backward.
+class DeviceSplat {
+ public:
+  virtual ~DeviceSplat() = default;
+  /// out[c]: channel c of an image, out[count]: alpha.
+  virtual void forward(const std::vector<Plane<float>>& out) = 0;
+  virtual void backward(const std::vector<Plane<const float>>& grad, const std::vector<std::uint8_t>& moves,
+                        const CloudGradientView<float>& out) = 0;
+};
+
+class DeviceSplatOps {
+ public:
+  virtual ~DeviceSplatOps() = default;
+  virtual std::unique_ptr<DeviceSplat> view(const Camera& camera, const SplatOptions& options,
+                                            const CloudView<float>& cloud, const ChannelPlan<float>& plan,
+                                            Vec3<float> background) const = 0;
+  /// [N, 2 + 2 K] sums of one view over all pairs of a Gaussian: W, n, then W1, n1 per object (ops/splat/evidence.h).
+  virtual std::vector<double> evidence(const Camera& camera, const SplatOptions& options, const CloudView<float>& cloud,
+                                       const ViewMasks& masks) const = 0;
+};
+
+/// The table of a hash grid on the host, and where queries are.
+struct HashCall {
+  HashGridView<float> grid;
+  int features;
+  std::uint64_t entries;
+};
+
+struct FilmCall {
+  FilmMlpConfig config;
+  const float* params;  // FilmMlpLayout
+  float density_scale;
+};
+
+class DeviceFieldOps {
+ public:
+  virtual ~DeviceFieldOps() = default;
+  /// Without the transpose.
+  virtual KnnGraph nearest(Rows<const float, 3> points, Rows<const float, 3> queries, int neighbours,
+                           bool exclude_self) const = 0;
+  virtual void rbf_forward(const RbfProblem& problem, float inv_2h2, RbfField& out) const = 0;
+  virtual void rbf_backward(const RbfProblem& problem, float inv_2h2, const RbfField& field,
+                            Matrix<const float> grad_feature, RbfGradients& out) const = 0;
+  virtual void hash_forward(const HashCall& call, std::vector<float>& out) const = 0;
+  virtual void hash_backward(const HashCall& call, const std::vector<float>& grad_out,
+                             float* grad_table_accumulate) const = 0;
+  virtual void hash_backward_points(const HashCall& call, const std::vector<float>& grad_out,
+                                    std::vector<float>& grad_points) const = 0;
+  virtual void film_forward(const FilmCall& call, const FilmMlpInputs& in, FilmMlpOutput& out) const = 0;
+  virtual void film_backward(const FilmCall& call, const FilmMlpInputs& in, const FilmMlpOutput& forward,
+                             const std::vector<float>& grad_density, const std::vector<float>& grad_rgb,
+                             FilmMlpGradients& out, float* grad_params_accumulate) const = 0;
+  virtual void volume_forward(const VolumeInputs& in, VolumeOutput& out) const = 0;
+  virtual void volume_backward(const VolumeInputs& in, const VolumeOutput& forward, const std::vector<float>& grad_colour,
+                               const std::vector<float>& grad_alpha, const std::vector<float>& grad_optical_depth,
+                               VolumeGradients& out) const = 0;
+};
+
+/// The losses take the kernels of the CPU with host pointers.
+class DeviceLossOps {
+ public:
+  virtual ~DeviceLossOps() = default;
+  virtual void align_forward(const AlignForward<float>& kernel) const = 0;
+  virtual void align_backward(const AlignBackwardField<float>& field, const AlignBackwardImage<float>& image,
+                              std::int64_t rect_pixels) const = 0;
+  virtual void density_weight(const DensityWeight& kernel, std::int64_t pixels) const = 0;
+  /// Returns the sum over pixels.
+  virtual double mask(const MaskLossRow<float, double>& kernel, int height) const = 0;
+  virtual void continuity(const ContinuityForward<float>& forward, const ContinuityBackward<float>* backward) const = 0;
+  virtual void smoothness(const SmoothnessForwardBackward<float>& kernel) const = 0;
+  /// Sums of w |x - y| and w S over the crop; `gradient.first` null: not wanted. Kernels as in photometric_impl.h.
+  struct PhotometricSums {
+    double l1, ssim;
+  };
+  virtual PhotometricSums photometric(const ssim::Layout& layout, ssim::Crop<const float> x, ssim::Crop<const float> y,
+                                      const ssim::PixelWeights& weights, double ssim_factor, double l1_factor,
+                                      ssim::Crop<float> gradient) const = 0;
+  /// Index of the first gradient that is not finite or above `limit` in magnitude, then nothing was done; else -1.
+  virtual std::int64_t adam(const AdamKernel<float>& kernel, std::int64_t sparse_columns, float limit) const = 0;
+};
+
+class DeviceOps {
+ public:
+  DeviceOps(const DeviceSplatOps& s, const DeviceFieldOps& f, const DeviceLossOps& l, const DeviceJointOps* j)
+      : splat(s), field(f), loss(l), joint(j) {}
+  const DeviceSplatOps& splat;
+  const DeviceFieldOps& field;
+  const DeviceLossOps& loss;
+  const DeviceJointOps* joint;  // whole steps, whose memory stays; null: op by op
+};
+
+/// The ops of the CUDA device that cuda_device() describes; null in builds without it.
+const DeviceOps* cuda_ops(DeviceSums sums = DeviceSums::kInOrder);
+
+}  // namespace ngs

@@ -1,0 +1,10 @@
+#include "ngs/ops/device/cuda_ops.cuh"
+#include "ngs/ops/device/launched_field_ops.h"
+
+namespace ngs {
+
+std::unique_ptr<DeviceFieldOps> cuda_field_ops(DeviceSums sums) {
+  return std::make_unique<LaunchedFieldOps<CudaLauncher>>(cuda_launcher(), sums);
+}
+
+}  // namespace ngs

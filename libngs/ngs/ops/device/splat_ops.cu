@@ -1,0 +1,10 @@
+#include "ngs/ops/device/cuda_ops.cuh"
+#include "ngs/ops/device/launched_splat_ops.h"
+
+namespace ngs {
+
+std::unique_ptr<DeviceSplatOps> cuda_splat_ops(DeviceSums sums) {
+  return std::make_unique<LaunchedSplatOps<CudaLauncher>>(cuda_launcher(), sums);
+}
+
+}  // namespace ngs

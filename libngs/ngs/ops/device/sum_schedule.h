@@ -1,0 +1,70 @@
+#pragma once
+// Sums over rows on a device, in double: fixed chunks, whose sums are summed in fixed chunks, and so on; likewise the least value.
+#include <vector>
+
+#include "ngs/backend/launcher.h"
+
+namespace ngs {
+
+template <class T>
+struct SumChunk {
+  static constexpr const char* kName = "sum_chunk";
+  static constexpr std::int64_t kRows = 256;
+  const T* value;  // [n, columns]
+  std::int64_t n;
+  int columns;
+  double* sum;  // [chunks, columns] out
+
+  NGS_HD void operator()(std::int64_t i) const {
+    const DealtRows rows(i / columns, n, kRows);
+    double total = 0;
+    for (std::int64_t row = rows.first; row < rows.end; row += rows.step) total += double(value[row * columns + i % columns]);
+    sum[i] = total;
+  }
+};
+
+/// total[c] = the sum of column c of `value` [n, columns]; all of it the grid's memory.
+template <class T, class Grid>
+void sums_on_grid(Grid& grid, const T* value, std::int64_t n, int columns, double* total) {
+  const std::int64_t chunks = divided_up(n, SumChunk<T>::kRows);
+  if (chunks <= 1) return grid.each(columns, SumChunk<T>{value, n, columns, total});
+  const DeviceBuffer<Grid, double> part(grid, chunks * columns);
+  grid.each(chunks * columns, SumChunk<T>{value, n, columns, part.data()});
+  sums_on_grid(grid, static_cast<const double*>(part.data()), chunks, columns, total);
+}
+
+struct LeastOfChunk {
+  static constexpr const char* kName = "least_of_chunk";
+  static constexpr std::int64_t kRows = 256;
+  const std::int64_t* value;  // [n], n > 0
+  std::int64_t n;
+  std::int64_t* least;  // [chunks] out
+  NGS_HD void operator()(std::int64_t chunk) const {
+    const DealtRows rows(chunk, n, kRows);
+    std::int64_t found = value[rows.first];
+    for (std::int64_t row = rows.first; row < rows.end; row += rows.step) found = value[row] < found ? value[row] : found;
+    least[chunk] = found;
+  }
+};
+
+/// *least = the least of n > 0 values; all of it the grid's memory.
+template <class Grid>
+void least_on_grid(Grid& grid, const std::int64_t* value, std::int64_t n, std::int64_t* least) {
+  const std::int64_t chunks = divided_up(n, LeastOfChunk::kRows);
+  if (chunks <= 1) return grid.each(1, LeastOfChunk{value, n, least});
+  const DeviceBuffer<Grid, std::int64_t> part(grid, chunks);
+  grid.each(chunks, LeastOfChunk{value, n, part.data()});
+  least_on_grid(grid, static_cast<const std::int64_t*>(part.data()), chunks, least);
+}
+
+/// The sums on the host.
+template <class T, class Grid>
+std::vector<double> ordered_sums(Grid& grid, const T* value, std::int64_t n, int columns) {
+  const DeviceBuffer<Grid, double> total(grid, columns);
+  sums_on_grid(grid, value, n, columns, total.data());
+  std::vector<double> host;
+  total.to(host);
+  return host;
+}
+
+}  // namespace ngs

@@ -1,7 +1,0 @@
-#include "ngs/ops/device_ops.h"
-
-namespace ngs {
-
-const DeviceOps* cuda_ops(DeviceSums) { return nullptr; }
-
-}  // namespace ngs

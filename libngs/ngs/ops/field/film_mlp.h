@@ -1,0 +1,66 @@
+#pragma once
+// The small NeRF: density and colour from hash features, modulated by interpolated features. Eqs. (12)-(15)
+//
+// Modulation (FiLM) acts at every hidden layer; its scale starts at 1 (b_γ = 1), so an untrained condition
+// leaves the network a plain MLP (C21). Density is softplus, in units of 1 / density_length: with a length
+// of the scene, such as the RBF width, samples can turn opaque whatever the unit of the scene is. softplus
+// grows linearly, so no clamp is needed for finite weights.
+// Results, parameter gradients included, do not depend on exec.threads.
+#include <vector>
+
+#include "ngs/backend/exec.h"
+#include "ngs/ops/field/film_mlp_layout.h"
+#include "ngs/scene/param_store.h"
+#include "ngs/scene/views.h"
+
+namespace ngs {
+
+struct FilmMlpInit {
+  std::uint64_t seed = 0;
+  double density_bias = -2;  // raw density before training: softplus(-2) = 0.13
+};
+
+/// Appends the network's blocks "PREFIX.0.weight", ... to the store and initialises them. Returns the offset
+/// of the first. Weights: He-uniform; modulation weights small; biases 0 but b_γ = 1 and the density's.
+std::size_t add_film_mlp(ParamStore& store, const std::string& prefix, const FilmMlpConfig& config,
+                         const FilmMlpInit& init);
+
+struct FilmMlpInputs {
+  Matrix<const float> feature;     // [Q, inputs]    f_hash
+  Matrix<const float> condition;   // [Q, condition] f_inter
+  Rows<const float, 3> direction;  // [Q / queries_per_direction, 3] unit; unused if direction_degree = 0
+  std::int64_t queries_per_direction = 1;
+};
+
+struct FilmMlpOutput {
+  std::vector<float> density;  // [Q] >= 0, world^-1
+  std::vector<float> rgb;      // [Q, 3] in (0, 1)
+  std::vector<float> context;  // for backward
+};
+
+struct FilmMlpGradients {
+  std::vector<float> feature;    // [Q, inputs]
+  std::vector<float> condition;  // [Q, condition]
+};
+
+class FilmMlp {
+ public:
+  /// `offset`: where add_film_mlp put the parameters. `density_length` > 0: world.
+  FilmMlp(const FilmMlpConfig& config, std::size_t offset, double density_length);
+
+  const FilmMlpConfig& config() const { return config_; }
+  std::size_t offset() const { return offset_; }
+  float density_scale() const { return density_scale_; }
+  void forward(const Exec& exec, const ParamStore& store, const FilmMlpInputs& in, FilmMlpOutput& out) const;
+  /// Overwrites `out`; adds the parameters' gradients to store.grads. `grad_density` [Q], `grad_rgb` [Q, 3].
+  void backward(const Exec& exec, ParamStore& store, const FilmMlpInputs& in, const FilmMlpOutput& forward,
+                const std::vector<float>& grad_density, const std::vector<float>& grad_rgb,
+                FilmMlpGradients& out) const;
+
+ private:
+  FilmMlpConfig config_;
+  std::size_t offset_;
+  float density_scale_;
+};
+
+}  // namespace ngs

@@ -1,0 +1,191 @@
+#include "ngs/ops/field/knn.h"
+
+#include <flann/algorithms/kdtree_single_index.h>
+
+#include <algorithm>
+#include <cmath>
+#include <flann/flann.hpp>
+#include <limits>
+
+#include "ngs/backend/for_each.h"
+#include "ngs/core/check.h"
+#include "ngs/ops/device/device_ops.h"
+
+namespace ngs {
+namespace {
+
+using Distance = flann::L2_Simple<double>;
+using Tree = flann::KDTreeSingleIndex<Distance>;
+
+// FLANN bounds a subtree by sums that are rounded; pruning with this much slack keeps the search exact.
+constexpr float kPruningSlack = 1e-6f;
+constexpr std::int64_t kQueriesPerTask = 256;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+struct Neighbour {
+  double dist2;
+  std::size_t index;
+  bool operator<(const Neighbour& o) const {
+    return dist2 < o.dist2 || (dist2 == o.dist2 && index < o.index);
+  }
+};
+
+/// The K smallest (dist2, index). FLANN's own result sets keep whichever of several equal distances the tree
+/// visits first; this one admits ties (worstDist is just above the K-th) and orders them by index.
+class OrderedResult : public flann::ResultSet<double> {
+ public:
+  /// `bound`: at least the K-th squared distance.
+  OrderedResult(int capacity, std::size_t excluded, double bound)
+      : capacity_(capacity), excluded_(excluded), admitted_(bound) {}
+  bool full() const override { return count_ == capacity_; }
+  double worstDist() const override { return admitted_; }
+  void addPoint(double dist2, std::size_t index) override {
+    const Neighbour candidate{dist2, index};
+    if (index == excluded_ || (full() && !(candidate < best_[count_ - 1]))) return;
+    int slot = full() ? count_ - 1 : count_++;
+    for (; slot > 0 && candidate < best_[slot - 1]; --slot) best_[slot] = best_[slot - 1];
+    best_[slot] = candidate;
+    if (full()) admitted_ = std::nextafter(best_[count_ - 1].dist2, kInfinity);
+  }
+  const Neighbour& operator[](int slot) const { return best_[slot]; }
+
+ private:
+  int capacity_, count_ = 0;
+  std::size_t excluded_;
+  double admitted_;
+  Neighbour best_[kMaxNeighbours];
+};
+
+/// Whether there is a point within a distance: the first one ends the search.
+class AnyResult : public flann::ResultSet<double> {
+ public:
+  explicit AnyResult(double most_dist2) : admitted_(std::nextafter(most_dist2, kInfinity)) {}
+  bool full() const override { return found_; }
+  double worstDist() const override { return admitted_; }
+  void addPoint(double dist2, std::size_t) override {
+    if (dist2 < admitted_) found_ = true, admitted_ = -1;  // nothing is nearer than that
+  }
+  bool found() const { return found_; }
+
+ private:
+  double admitted_;
+  bool found_ = false;
+};
+
+constexpr std::size_t kNoExclusion = std::numeric_limits<std::size_t>::max();
+
+/// What a query's K-th squared distance cannot exceed, from that of another query: both lie within reach of its points.
+double bound_beside(const double* query, const double* other, double dist2_of_other) {
+  double step2 = 0;
+  for (int a = 0; a < 3; ++a) step2 += (query[a] - other[a]) * (query[a] - other[a]);
+  const double reach = std::sqrt(dist2_of_other) + std::sqrt(step2);
+  return reach * reach * (1 + double(kPruningSlack)) + std::numeric_limits<double>::min();
+}
+
+std::vector<double> to_double(Rows<const float, 3> rows, const char* what) {
+  std::vector<double> out(rows.data, rows.data + rows.n * 3);
+  for (const double x : out) NGS_CHECK(std::isfinite(x), std::string(what) + " must be finite");
+  return out;
+}
+
+void require_countable(Rows<const float, 3> points) {
+  NGS_CHECK(points.n <= std::numeric_limits<std::int32_t>::max(), "the search tree counts points in 32 bits");
+}
+
+/// search(tree, [queries, 3], begin, end) for chunks of the queries, with FLANN's tree over the points (at least one).
+template <class Search>
+void for_each_chunk(const Exec& exec, std::vector<double> point, std::vector<double> query, const Search& search) {
+  Tree tree(flann::Matrix<double>(point.data(), point.size() / 3, 3), flann::KDTreeSingleIndexParams());
+  tree.buildIndex();
+  const auto queries = std::int64_t(query.size() / 3);
+  for_each_task(exec, (queries + kQueriesPerTask - 1) / kQueriesPerTask, [&](std::int64_t task) {
+    search(tree, query.data(), task * kQueriesPerTask, std::min(queries, (task + 1) * kQueriesPerTask));
+  });
+}
+
+flann::SearchParams exact_search() { return {flann::FLANN_CHECKS_UNLIMITED, -kPruningSlack}; }
+
+KnnGraph search(const Exec& exec, Rows<const float, 3> points, Rows<const float, 3> queries, int neighbours,
+                bool exclude_self) {
+  NGS_CHECK(neighbours >= 1 && neighbours <= kMaxNeighbours, "neighbours must be in [1, kMaxNeighbours]");
+  require_countable(points);
+  KnnGraph graph;
+  graph.points = points.n;
+  graph.neighbours = int(std::min<std::int64_t>(neighbours, points.n - (exclude_self ? 1 : 0)));
+  if (graph.neighbours <= 0 || queries.n == 0) {
+    graph.neighbours = 0;
+    build_transpose(graph);
+    return graph;
+  }
+  std::vector<double> point = to_double(points, "points"), query = to_double(queries, "queries");
+  if (exec.device_ops) return exec.device_ops->field.nearest(points, queries, neighbours, exclude_self);
+
+  const int k = graph.neighbours;
+  graph.index.resize(std::size_t(queries.n) * std::size_t(k));
+  graph.dist2.resize(graph.index.size());
+  const auto chunk = [&](const Tree& tree, const double* all, std::int64_t begin, std::int64_t end) {
+    double last_dist2 = kInfinity;  // the K-th of the query before, which is often close
+    for (std::int64_t i = begin; i < end; ++i) {
+      const double* at_query = all + 3 * i;
+      const double bound = std::isfinite(last_dist2) ? bound_beside(at_query, at_query - 3, last_dist2) : kInfinity;
+      OrderedResult result(k, exclude_self ? std::size_t(i) : kNoExclusion, bound);
+      tree.findNeighbors(result, at_query, exact_search());
+      if (!exclude_self) last_dist2 = result[k - 1].dist2;
+      for (int slot = 0; slot < k; ++slot) {
+        const std::size_t at = std::size_t(i) * std::size_t(k) + std::size_t(slot);
+        graph.index[at] = std::uint32_t(result[slot].index);
+        graph.dist2[at] = float(result[slot].dist2);
+      }
+    }
+  };
+  for_each_chunk(exec, std::move(point), std::move(query), chunk);
+  build_transpose(graph);
+  return graph;
+}
+
+}  // namespace
+
+KnnGraph nearest_points(const Exec& exec, Rows<const float, 3> points, Rows<const float, 3> queries,
+                        int neighbours) {
+  return search(exec, points, queries, neighbours, false);
+}
+
+KnnGraph nearest_others(const Exec& exec, Rows<const float, 3> points, int neighbours) {
+  return search(exec, points, points, neighbours, true);
+}
+
+std::vector<std::uint8_t> any_within(const Exec& exec, Rows<const float, 3> points, Rows<const float, 3> queries,
+                                     double radius) {
+  NGS_CHECK(radius >= 0, "radius must not be negative");
+  require_countable(points);
+  std::vector<std::uint8_t> found(std::size_t(queries.n), 0);
+  if (points.n == 0 || queries.n == 0) return found;
+  const auto search = [&](const Tree& tree, const double* all, std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) {
+      AnyResult result(radius * radius);
+      tree.findNeighbors(result, all + 3 * i, exact_search());
+      found[std::size_t(i)] = result.found();
+    }
+  };
+  for_each_chunk(exec, to_double(points, "points"), to_double(queries, "queries"), search);
+  return found;
+}
+
+void build_transpose(KnnGraph& graph) {
+  // A counting sort by point: stable, so edges ascend within a row.
+  graph.row_begin.assign(std::size_t(graph.points) + 1, 0);
+  for (const std::uint32_t j : graph.index) ++graph.row_begin[j + 1];
+  for (std::size_t j = 1; j < graph.row_begin.size(); ++j) graph.row_begin[j] += graph.row_begin[j - 1];
+  graph.edge.resize(graph.index.size());
+  std::vector<std::int64_t> next(graph.row_begin.begin(), graph.row_begin.end() - 1);
+  for (std::size_t e = 0; e < graph.index.size(); ++e)
+    graph.edge[std::size_t(next[graph.index[e]]++)] = std::int64_t(e);
+}
+
+double mean_spacing(const KnnGraph& graph) {
+  double sum = 0;
+  for (const float d2 : graph.dist2) sum += std::sqrt(double(d2));
+  return graph.dist2.empty() ? 0 : sum / double(graph.dist2.size());
+}
+
+}  // namespace ngs

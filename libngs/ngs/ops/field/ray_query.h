@@ -1,0 +1,47 @@
+#pragma once
+// The rays of a pixel grid and the query points on them.                                   Eqs. (6)-(7)
+//
+// Defined for every input: an empty grid has no rays; a window that would cross the camera starts kNearZ in
+// front of it. Positions are in the frame of the camera that is passed (see relative_to).
+#include <vector>
+
+#include "ngs/backend/exec.h"
+#include "ngs/ops/field/ray_query_kernels.h"
+#include "ngs/scene/camera.h"
+#include "ngs/scene/views.h"
+
+namespace ngs {
+
+/// A rendered depth map of the same camera (RenderedView): the window of a ray is centred on its expected
+/// depth where more than half of the pixel is covered. Null members: every window is centred on
+/// mean_distance.
+struct DepthMap {
+  const ImageF* depth = nullptr;  // [H, W, 1] Σ α T z
+  const ImageF* alpha = nullptr;  // [H, W, 1]
+};
+
+struct RayQueries {
+  PixelGrid grid;
+  int samples = 0;
+  std::vector<float> pixel;      // [R, 2] px
+  std::vector<float> direction;  // [R, 3] unit
+  std::vector<float> near, far;  // [R] sampled part of the ray, world
+  std::vector<float> spacing;    // [R] Δ of Eq. (1), world
+  std::vector<float> position;   // [R, K, 3] query points, near to far
+  std::vector<float> depth;      // [R, K] distance from the camera centre
+
+  std::int64_t rays() const { return std::int64_t(spacing.size()); }
+  Rows<const float, 3> positions() const { return {position.data(), rays() * samples}; }
+};
+
+RayQueries ray_queries(const Exec& exec, const Camera& camera, const PixelGrid& grid,
+                       const RayOptions& options, const DepthMap& map);
+
+/// [R] 1 where the view renders nothing at the node (alpha < 1e-3) or its expected depth lies in the ray's
+/// window: where rendered colour and field colour are about the same piece of space (C15).
+std::vector<std::uint8_t> rays_on_surface(const Camera& camera, const RayQueries& rays, const DepthMap& map);
+
+/// Bilinear reading of channel `c` at a pixel position; beyond the border the border's value.
+double sample_bilinear(const ImageF& image, double x_px, double y_px, int c = 0);
+
+}  // namespace ngs

@@ -1,0 +1,141 @@
+#pragma once
+// Scalar maths of rays and depth windows.                                                  Eqs. (6)-(7)
+#include "ngs/ops/field/sample_grid_kernels.h"
+
+namespace ngs {
+
+/// The unit direction, in world axes, of the ray through pixel position (u, v).                 Eq. (6)
+///
+///   d = Rᵀ normalise((u - cx) / fx, (v - cy) / fy, 1),   R: world -> camera
+///
+/// The paper calls R camera -> world but transposes it; with R world -> camera the formula is right
+/// (C11). `cosine` is the angle's with the optical axis: z-depth = cosine · distance along the ray.
+template <class T>
+NGS_HD Vec3<T> ray_direction(const Mat3<T>& rotation, T fx, T fy, T cx, T cy, T u, T v, T& cosine) {
+  using std::sqrt;
+  const T x = (u - cx) / fx, y = (v - cy) / fy;
+  cosine = T(1) / sqrt(x * x + y * y + T(1));
+  return cosine * (transpose(rotation) * Vec3<T>{x, y, T(1)});
+}
+
+/// The part of a ray that is sampled: distances from the camera centre, 0 < near <= far.
+template <class T>
+struct DepthWindow {
+  T near, far;
+};
+
+/// [t - h, t + h] with h = max(span·t, epsilon), cut where it would reach the camera.           Eq. (7)
+template <class T>
+NGS_HD DepthWindow<T> depth_window(T centre, T span, T epsilon, T nearest) {
+  const T half = max2(span * centre, epsilon);
+  return {max2(centre - half, nearest), max2(centre + half, nearest)};
+}
+
+/// Distance of sample k of K: near to far inclusive, δ_k = -1 + 2k / (K - 1); K = 1: the middle (C9).
+template <class T>
+NGS_HD T sample_distance(DepthWindow<T> window, int k, int samples) {
+  if (samples == 1) return T(0.5) * (window.near + window.far);
+  const T t = T(k) / T(samples - 1);
+  return (T(1) - t) * window.near + t * window.far;
+}
+
+/// The length of ray that one sample stands for in Eq. (1) (C15).
+template <class T>
+NGS_HD T sample_spacing(DepthWindow<T> window, int samples) {
+  return (window.far - window.near) / T(samples > 1 ? samples - 1 : 1);
+}
+
+struct RayOptions {
+  int samples = 8;              // per ray, >= 1
+  double depth_span = 0.1;      // half window / distance
+  double depth_epsilon = 1e-4;  // world, least half window
+  double mean_distance = 0;     // world > 0: centre of the window where the depth map has no answer
+};
+
+/// A node of the grid as a ray.
+struct RayNode {
+  Vec3<double> direction;
+  double u, v, cosine;
+};
+NGS_HD inline RayNode ray_node(const RayCamera& camera, const PixelGrid& grid, std::int64_t ray) {
+  RayNode node;
+  node.u = grid.x(int(ray % grid.cols)), node.v = grid.y(int(ray / grid.cols));
+  node.direction = ray_direction(camera.rotation, camera.fx, camera.fy, camera.cx, camera.cy, node.u, node.v, node.cosine);
+  return node;
+}
+
+/// Planes of a rendered view, [H, W] each; null: none.
+struct DepthPlanes {
+  const float *depth = nullptr, *alpha = nullptr;
+  int width_px = 0, height_px = 0;
+
+  /// Expected distance along the ray, or 0 where the view covers at most `least_alpha` of the pixel.
+  NGS_HD double expected_distance(const RayNode& node, double least_alpha) const {
+    if (depth == nullptr || alpha == nullptr) return 0;
+    const double covered = at(alpha, node);
+    if (!(covered > least_alpha)) return 0;
+    return at(depth, node) / covered / node.cosine;
+  }
+
+ private:
+  NGS_HD double at(const float* plane, const RayNode& node) const {
+    return read_bilinear(node.u, node.v, width_px, height_px,
+                         [&](int x, int y) { return plane[static_cast<std::int64_t>(y) * width_px + x]; });
+  }
+};
+
+/// Arrays of RayQueries; null `pixel` and `depth`: not wanted.
+struct RayArrays {
+  float *pixel = nullptr, *direction = nullptr, *near = nullptr, *far = nullptr, *spacing = nullptr, *position = nullptr,
+        *depth = nullptr;
+};
+
+/// Owns ray r.
+struct SampleRay {
+  static constexpr const char* kName = "sample_ray";
+  static constexpr double kCovered = 0.5;  // alpha above which a pixel has a depth of its own
+  RayCamera camera;
+  PixelGrid grid;
+  RayOptions options;
+  DepthPlanes map;
+  RayArrays out;
+
+  NGS_HD void operator()(std::int64_t r) const {
+    const RayNode node = ray_node(camera, grid, r);
+    double distance = map.expected_distance(node, kCovered);
+    if (!(distance > kNearZ)) distance = options.mean_distance;
+    const DepthWindow<double> window =
+        depth_window(distance, options.depth_span, options.depth_epsilon, kNearZ / node.cosine);
+    if (out.pixel) out.pixel[r * 2] = float(node.u), out.pixel[r * 2 + 1] = float(node.v);
+    store(out.direction + r * 3, node.direction);
+    out.near[r] = float(window.near), out.far[r] = float(window.far);
+    out.spacing[r] = float(sample_spacing(window, options.samples));
+    for (int k = 0; k < options.samples; ++k) {
+      const double t = sample_distance(window, k, options.samples);
+      const std::int64_t at = r * options.samples + k;
+      if (out.depth) out.depth[at] = float(t);
+      store(out.position + at * 3, camera.centre + t * node.direction);
+    }
+  }
+
+ private:
+  NGS_HD static void store(float* p, Vec3<double> v) { p[0] = float(v.x), p[1] = float(v.y), p[2] = float(v.z); }
+};
+
+/// Owns ray r: 1 where the view shows only background at the node or its expected depth lies in the ray's window.
+struct RayOnSurface {
+  static constexpr const char* kName = "ray_on_surface";
+  static constexpr double kNothingThere = 1e-3;  // alpha below which the view shows only background
+  RayCamera camera;
+  PixelGrid grid;
+  DepthPlanes map;
+  const float *near, *far;  // [R]
+  std::uint8_t* on;         // [R] out
+
+  NGS_HD void operator()(std::int64_t r) const {
+    const double distance = map.expected_distance(ray_node(camera, grid, r), kNothingThere);
+    on[r] = distance == 0 || (distance >= double(near[r]) && distance <= double(far[r]));
+  }
+};
+
+}  // namespace ngs

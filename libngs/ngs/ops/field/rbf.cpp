@@ -1,0 +1,83 @@
+#include "ngs/ops/field/rbf.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "ngs/backend/for_each.h"
+#include "ngs/core/check.h"
+#include "ngs/ops/device/device_ops.h"
+#include "ngs/ops/field/knn.h"
+#include "ngs/ops/field/rbf_kernels.h"
+
+namespace ngs {
+namespace {
+
+Matrix<const float> weights_of(const RbfField& field, const KnnGraph& graph) {
+  return {field.weight.data(), graph.queries(), graph.neighbours};
+}
+
+}  // namespace
+
+float inv_2h2(double width) {
+  NGS_CHECK(width > 0, "the RBF width must be positive");
+  return float(std::min(1.0 / (2.0 * width * width), double(std::numeric_limits<float>::max())));
+}
+
+void rbf_forward(const Exec& exec, const RbfProblem& problem, RbfField& out) {
+  const KnnGraph& graph = *problem.graph;
+  const int features = problem.feature.c;
+  out.feature.assign(std::size_t(problem.query.n) * std::size_t(features), 0.f);
+  out.weight.resize(graph.index.size());
+  if (graph.neighbours == 0) return;
+  NGS_CHECK(graph.queries() == problem.query.n && graph.points == problem.boundary.n,
+            "the graph is of other points");
+  if (exec.device_ops) return exec.device_ops->field.rbf_forward(problem, inv_2h2(problem.width), out);
+  for_each_index(exec, problem.query.n,
+                 RbfForward<float>{problem.query,
+                                   problem.boundary,
+                                   graph.indices(),
+                                   problem.feature,
+                                   inv_2h2(problem.width),
+                                   {out.weight.data(), problem.query.n, graph.neighbours},
+                                   {out.feature.data(), problem.query.n, features}});
+}
+
+void rbf_backward(const Exec& exec, const RbfProblem& problem, const RbfField& field,
+                  Matrix<const float> grad_feature, bool with_positions, RbfGradients& out) {
+  const KnnGraph& graph = *problem.graph;
+  const std::int64_t points = problem.boundary.n;
+  const int features = problem.feature.c;
+  out.feature.assign(std::size_t(points) * std::size_t(features), 0.f);
+  out.boundary.assign(with_positions ? std::size_t(points) * 3 : 0, 0.f);
+  if (graph.neighbours == 0) return;
+  if (exec.device_ops)
+    return exec.device_ops->field.rbf_backward(problem, inv_2h2(problem.width), field, grad_feature, out);
+  const Matrix<const float> weight = weights_of(field, graph);
+  for_each_index(exec, points,
+                 RbfBackwardFeature<float>{graph.row_begin.data(),
+                                           graph.edge.data(),
+                                           weight,
+                                           grad_feature,
+                                           {out.feature.data(), points, features}});
+  if (!with_positions) return;
+  std::vector<float> grad_exponent(graph.index.size());
+  const Matrix<float> exponent{grad_exponent.data(), graph.queries(), graph.neighbours};
+  for_each_index(
+      exec, graph.queries(),
+      RbfBackwardExponent<float>{graph.indices(), problem.feature, weight, grad_feature, exponent});
+  for_each_index(exec, points,
+                 RbfBackwardPosition<float>{graph.row_begin.data(),
+                                            graph.edge.data(),
+                                            {exponent.data, exponent.n, exponent.c},
+                                            problem.query,
+                                            problem.boundary,
+                                            inv_2h2(problem.width),
+                                            {out.boundary.data(), points}});
+}
+
+double auto_rbf_width(const Exec& exec, Rows<const float, 3> boundary, int neighbours, double factor) {
+  const double spacing = mean_spacing(nearest_others(exec, boundary, neighbours));
+  return spacing > 0 ? factor * spacing : 1.0;
+}
+
+}  // namespace ngs

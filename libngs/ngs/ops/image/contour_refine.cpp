@@ -1,0 +1,355 @@
+#include "ngs/ops/image/contour_refine.h"
+
+#include <Eigen/IterativeLinearSolvers>
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "ngs/core/check.h"
+#include "ngs/math/stable.h"
+
+namespace ngs {
+namespace {
+
+constexpr double kLeastWeight = 1e-5;   // keeps the graph connected across any edge
+constexpr double kShapeWidth_px = 2;    // of the sigmoid that s is
+constexpr double kColourNoise = 3e-4;   // least variance of a colour, (share of full scale)²
+constexpr double kColourGap_px = 2;     // pixels so near the contour are mixed: nothing is learned from them
+constexpr double kOutliers = 0.1;       // share of colours that neither density explains
+constexpr double kLeastSupport = 1e-4;  // share of a neighbourhood below which its colours are unknown
+constexpr int kCellsOfRadius = 10;      // of a blur: it takes sums over cells of pixels, so fine that it does not show them
+
+/// The part of the image that the walk needs: the band about the contour and the colours in reach of it.
+struct Window {
+  int x0, y0, w, h;
+  std::size_t pixels() const { return std::size_t(w) * std::size_t(h); }
+  std::size_t at(int x, int y) const { return std::size_t(y) * std::size_t(w) + std::size_t(x); }
+};
+
+/// Chessboard distance to the contour, positive inside, from pixel centres: ±0.5 at the contour itself.
+std::vector<float> signed_distance(MaskPlane mask) {
+  std::vector<std::uint8_t> outside(std::size_t(mask.pixels()));
+  for (std::size_t p = 0; p < outside.size(); ++p) outside[p] = !mask.data[p];
+  const auto in = chessboard_distance(mask, Outside::kUnknown);
+  const auto out = chessboard_distance({outside.data(), mask.width_px, mask.height_px}, Outside::kUnknown);
+  std::vector<float> d(outside.size());
+  for (std::size_t p = 0; p < d.size(); ++p) d[p] = mask.data[p] ? float(in[p]) - 0.5f : 0.5f - float(out[p]);
+  return d;
+}
+
+Window window_of(const std::vector<float>& distance, MaskPlane mask, double reach_px) {
+  int x0 = mask.width_px, x1 = -1, y0 = mask.height_px, y1 = -1;
+  for (int y = 0; y < mask.height_px; ++y)
+    for (int x = 0; x < mask.width_px; ++x)
+      if (std::abs(distance[std::size_t(y) * std::size_t(mask.width_px) + std::size_t(x)]) < reach_px)
+        x0 = std::min(x0, x), x1 = std::max(x1, x), y0 = std::min(y0, y), y1 = std::max(y1, y);
+  return {x0, y0, std::max(0, x1 - x0 + 1), std::max(0, y1 - y0 + 1)};
+}
+
+/// Values blurred together: a cache line of them in a running sum each.
+constexpr int kBlurLanes = 16;
+
+/// Three running means of width 2 r + 1 along `n` places that lie `stride` apart, of `lanes` values side by side: nearly a
+/// normal density of deviation r. Zeros outside.
+void blur_lines(float* first, int n, std::size_t stride, int lanes, int r, std::vector<double>& from) {
+  from.resize(std::size_t(n) * kBlurLanes);
+  const double scale = 1.0 / (2 * r + 1);
+  const auto row = [&](int i) { return &from[std::size_t(i) * kBlurLanes]; };
+  for (int pass = 0; pass < 3; ++pass) {
+    for (int i = 0; i < n; ++i)
+      for (int b = 0; b < lanes; ++b) row(i)[b] = double(first[std::size_t(i) * stride + std::size_t(b)]);
+    double sum[kBlurLanes] = {};
+    const auto add = [&](const double* values, double sign) {
+      for (int b = 0; b < kBlurLanes; ++b) sum[b] += sign * values[b];
+    };
+    for (int i = 0; i < std::min(r, n); ++i) add(row(i), 1);
+    for (int i = 0; i < n; ++i) {
+      if (i + r < n) add(row(i + r), 1);
+      for (int b = 0; b < lanes; ++b) first[std::size_t(i) * stride + std::size_t(b)] = float(sum[b] * scale);
+      if (i >= r) add(row(i - r), -1);
+    }
+  }
+}
+
+/// Means near by of some values of the pixels: sums over square cells, blurred.
+template <int N>
+class LocalMeans {
+  static_assert(N <= kBlurLanes);
+
+ public:
+  LocalMeans(const Window& win, int r) : side_(std::max(1, r / kCellsOfRadius)), r_(r / side_), w_(cells(win.w)), h_(cells(win.h)) {
+    values_.resize(std::size_t(w_) * std::size_t(h_) * N);
+  }
+
+  /// The N values of the cell of pixel (x, y) of the window: to add to, and after blur() what is near by.
+  float* at(int x, int y) { return &values_[cell(x, y) * N]; }
+  const float* at(int x, int y) const { return &values_[cell(x, y) * N]; }
+
+  void blur() {
+    for (float& v : values_) v /= float(side_ * side_);
+    std::vector<double> scratch;
+    const std::size_t line = std::size_t(w_) * N;
+    for (int y = 0; y < h_; ++y) blur_lines(&values_[std::size_t(y) * line], w_, N, N, r_, scratch);
+    for (std::size_t x = 0; x < line; x += kBlurLanes)
+      blur_lines(&values_[x], h_, line, int(std::min<std::size_t>(kBlurLanes, line - x)), r_, scratch);
+  }
+
+ private:
+  int cells(int px) const { return (px + side_ - 1) / side_; }
+  std::size_t cell(int x, int y) const { return std::size_t(y / side_) * std::size_t(w_) + std::size_t(x / side_); }
+
+  int side_, r_, w_, h_;
+  std::vector<float> values_;
+};
+
+/// Local normal density of the colours of some pixels: weights, means and second moments, blurred.
+class LocalColours {
+ public:
+  LocalColours(const Window& win, const std::vector<std::array<float, 3>>& colour,
+               const std::vector<std::uint8_t>& chosen, int r)
+      : moments_(win, r) {
+    for (int y = 0; y < win.h; ++y)
+      for (int x = 0; x < win.w; ++x) {
+        const std::size_t p = win.at(x, y);
+        for (std::size_t m = 0; chosen[p] && m < kMoments; ++m) moments_.at(x, y)[m] += term(m, colour[p]);
+      }
+    moments_.blur();
+  }
+
+  /// Density of the colour of pixel (x, y), a tenth of it even over all colours: one that neither side has shown is no
+  /// evidence. False where no chosen pixel is near.
+  bool density(int x, int y, const std::array<float, 3>& colour, double& value) const {
+    const float* moment = moments_.at(x, y);
+    const double n = double(moment[0]);
+    if (n < kLeastSupport) return false;
+    double z[3], mean[3], c[3][3];
+    for (std::size_t i = 0; i < 3; ++i)
+      mean[i] = double(moment[1 + i]) / n, z[i] = double(colour[i]) - mean[i];
+    for (std::size_t i = 0, m = 4; i < 3; ++i)
+      for (std::size_t j = 0; j <= i; ++j, ++m)
+        c[i][j] = double(moment[m]) / n - mean[i] * mean[j] + (i == j ? kColourNoise : 0.0);
+    // C = L Lᵀ; |L⁻¹ z|² and |L|, which is at least 1e-6.
+    double square = 0, root_det = 1;
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        for (std::size_t k = 0; k < j; ++k) c[i][j] -= c[i][k] * c[j][k];
+        c[i][j] /= c[j][j];
+        c[i][i] -= c[i][j] * c[i][j], z[i] -= c[i][j] * z[j];
+      }
+      c[i][i] = std::sqrt(std::max(c[i][i], 0.5 * kColourNoise));
+      z[i] /= c[i][i];
+      square += z[i] * z[i], root_det *= c[i][i];
+    }
+    constexpr double kNormal = 0.06349363593424097;  // (2 π)^(-3/2)
+    value = (1 - kOutliers) * kNormal * std::exp(-0.5 * square) / root_det + kOutliers;
+    return true;
+  }
+
+ private:
+  /// 1; r g b; rr gr gg br bg bb.
+  static float term(std::size_t m, const std::array<float, 3>& v) {
+    constexpr std::size_t kFirst[6] = {0, 1, 1, 2, 2, 2}, kSecond[6] = {0, 0, 1, 0, 1, 2};
+    if (m == 0) return 1.f;
+    return m < 4 ? v[m - 1] : v[kFirst[m - 4]] * v[kSecond[m - 4]];
+  }
+  static constexpr std::size_t kMoments = 10;
+  LocalMeans<kMoments> moments_;
+};
+
+/// The photo in the window, relative to its mean colour so that second moments do not cancel. What is no
+/// number counts as the mean colour, or it would be everywhere in the means.
+std::vector<std::array<float, 3>> colours_of(const Window& win, const ImageF& photo) {
+  std::vector<std::array<float, 3>> colour(win.pixels());
+  double sum[3] = {0, 0, 0}, count[3] = {0, 0, 0};
+  for (int y = 0; y < win.h; ++y)
+    for (int x = 0; x < win.w; ++x)
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float v = photo.at(win.x0 + x, win.y0 + y, int(c));
+        colour[win.at(x, y)][c] = v;
+        if (std::isfinite(v)) sum[c] += double(v), ++count[c];
+      }
+  for (auto& v : colour)
+    for (std::size_t c = 0; c < 3; ++c) v[c] = std::isfinite(v[c]) ? v[c] - float(sum[c] / count[c]) : 0.f;
+  return colour;
+}
+
+/// The pixels of the window that the walk asks about; what lies further from the contour has no part in it.
+struct Sides {
+  std::vector<std::uint8_t> inside, outside;  // known, and their colours learned from
+  std::vector<std::uint8_t> free;             // in the band
+  explicit Sides(std::size_t pixels) : inside(pixels), outside(pixels), free(pixels) {}
+  bool any(std::size_t p) const { return inside[p] || outside[p] || free[p]; }
+};
+
+/// 3x3 binomial mean where it is asked for: single pixels of a photo are noisy.
+std::vector<std::array<float, 3>> smoothed(const Window& win, const std::vector<std::array<float, 3>>& in, const Sides& sides) {
+  std::vector<std::array<float, 3>> out(in.size());
+  for (int y = 0; y < win.h; ++y)
+    for (int x = 0; x < win.w; ++x)
+      for (std::size_t c = 0; c < 3 && sides.any(win.at(x, y)); ++c) {
+        float sum = 0;
+        for (int j = -1; j <= 1; ++j)
+          for (int i = -1; i <= 1; ++i)
+            sum += float((2 - std::abs(i)) * (2 - std::abs(j))) *
+                   in[win.at(std::clamp(x + i, 0, win.w - 1), std::clamp(y + j, 0, win.h - 1))][c];
+        out[win.at(x, y)][c] = sum / 16;
+      }
+  return out;
+}
+
+double squared_difference(const std::array<float, 3>& a, const std::array<float, 3>& b) {
+  double sum = 0;
+  for (std::size_t c = 0; c < 3; ++c) sum += double(a[c] - b[c]) * double(a[c] - b[c]);
+  return sum;
+}
+
+/// Of the pairs side by side and one above the other.
+double mean_squared_step(const Window& win, const std::vector<std::array<float, 3>>& colour) {
+  double sum = 0, pairs = 0;
+  for (int y = 0; y < win.h; ++y)
+    for (int x = 0; x < win.w; ++x) {
+      if (x + 1 < win.w) sum += squared_difference(colour[win.at(x, y)], colour[win.at(x + 1, y)]), ++pairs;
+      if (y + 1 < win.h) sum += squared_difference(colour[win.at(x, y)], colour[win.at(x, y + 1)]), ++pairs;
+    }
+  return sum / std::max(1.0, pairs);
+}
+
+struct ColourModels {
+  const LocalColours &object, &rest;
+  const std::vector<std::array<float, 3>>& colour;
+};
+
+/// What the colours say, and how far they are to be trusted.
+struct ColourEvidence {
+  std::vector<float> object;  // probability of the object; 0.5 where no colour was learnt, or nobody asks
+  std::vector<float> trust;   // 0 to 1
+};
+
+/// Trust is what the same two densities say about the pixels on either side whose answer is known: the mean
+/// of ±(2 c - 1) near by. A texture that both sides share, or two colours on one side, tell nothing or
+/// mislead, and the densities cannot know.
+ColourEvidence weigh_colours(const Window& win, const ColourModels& models, const Sides& sides, int r) {
+  ColourEvidence out{std::vector<float>(win.pixels(), 0.5f), std::vector<float>(win.pixels())};
+  LocalMeans<2> said(win, r);  // right or wrong, and 1, of the known pixels
+  std::vector<std::uint8_t> learnt(win.pixels());
+  for (int y = 0; y < win.h; ++y)
+    for (int x = 0; x < win.w; ++x) {
+      const std::size_t p = win.at(x, y);
+      double in = 0, ex = 0;
+      if (!sides.any(p)) continue;
+      if (!models.object.density(x, y, models.colour[p], in) || !models.rest.density(x, y, models.colour[p], ex)) continue;
+      learnt[p] = 1, out.object[p] = float(in / (in + ex));
+      if (!sides.inside[p] && !sides.outside[p]) continue;
+      said.at(x, y)[0] += (sides.inside[p] ? 1.f : -1.f) * (2 * out.object[p] - 1), said.at(x, y)[1] += 1;
+    }
+  said.blur();
+  for (int y = 0; y < win.h; ++y)
+    for (int x = 0; x < win.w; ++x) {
+      const std::size_t p = win.at(x, y);
+      const float* near = said.at(x, y);
+      if (learnt[p] && sides.free[p] && near[1] > float(kLeastSupport)) out.trust[p] = std::clamp(near[0] / near[1], 0.f, 1.f);
+    }
+  return out;
+}
+
+/// What the walk is about: which pixels are free, and what pulls at each.
+struct Walk {
+  Window win;
+  std::vector<float> given;         // the mask, 0 or 1
+  std::vector<std::int32_t> index;  // row of the system; -1: fixed
+  std::vector<double> diagonal, right;
+};
+
+std::vector<double> solve(Walk& walk, const std::vector<std::array<float, 3>>& colour) {
+  const double m = std::max(mean_squared_step(walk.win, colour), 1e-12);
+  const int n = int(walk.diagonal.size());
+  Eigen::SparseMatrix<double, Eigen::RowMajor> matrix(n, n);
+  matrix.reserve(std::ptrdiff_t(n) * 9);  // so that entries stay where they are
+  // In the order of the rows and, within one, of their columns: as the matrix is stored.
+  for (int y = 0; y < walk.win.h; ++y)
+    for (int x = 0; x < walk.win.w; ++x) {
+      const std::size_t p = walk.win.at(x, y);
+      const int row = walk.index[p];
+      if (row < 0) continue;
+      double& diagonal = walk.diagonal[std::size_t(row)];
+      double* own = nullptr;  // the diagonal's entry
+      matrix.startVec(row);
+      for (int v = std::max(y - 1, 0); v <= std::min(y + 1, walk.win.h - 1); ++v)
+        for (int u = std::max(x - 1, 0); u <= std::min(x + 1, walk.win.w - 1); ++u) {
+          const std::size_t q = walk.win.at(u, v);
+          if (q == p) {
+            own = &matrix.insertBack(row, row);
+            continue;
+          }
+          const double apart_px = u != x && v != y ? std::numbers::sqrt2 : 1;
+          const double w = (std::exp(-squared_difference(colour[p], colour[q]) / m) + kLeastWeight) / apart_px;
+          diagonal += w;
+          if (walk.index[q] >= 0)
+            matrix.insertBack(row, walk.index[q]) = -w;
+          else
+            walk.right[std::size_t(row)] += w * double(walk.given[q]);
+        }
+      *own = diagonal;
+    }
+  matrix.finalize();
+  Eigen::ConjugateGradient<Eigen::SparseMatrix<double, Eigen::RowMajor>, Eigen::Lower | Eigen::Upper> cg(
+      matrix);
+  cg.setTolerance(1e-6);
+  const Eigen::Map<const Eigen::VectorXd> b(walk.right.data(), n);
+  const Eigen::VectorXd x = cg.solve(b);
+  return {x.data(), x.data() + n};
+}
+
+}  // namespace
+
+std::vector<float> refine_contour(const ContourRefineOptions& options, MaskPlane mask, const ImageF& photo) {
+  NGS_CHECK(photo.width_px == mask.width_px && photo.height_px == mask.height_px && photo.channels == 3,
+            "the photo has the mask's size");
+  std::vector<float> out(std::size_t(mask.pixels()));
+  for (std::size_t p = 0; p < out.size(); ++p) out[p] = mask.data[p] ? 1.f : 0.f;
+  const std::vector<float> distance = signed_distance(mask);
+  Walk walk;
+  walk.win = window_of(distance, mask, options.reach_px);
+  const Window& win = walk.win;
+  if (win.pixels() == 0) return out;
+  const auto colour = colours_of(win, photo);
+  Sides sides(win.pixels());
+  std::vector<float> d(win.pixels());
+  walk.given.resize(win.pixels()), walk.index.assign(win.pixels(), -1);
+  for (int y = 0; y < win.h; ++y)
+    for (int x = 0; x < win.w; ++x) {
+      const std::size_t p = win.at(x, y);
+      const std::size_t full = std::size_t(win.y0 + y) * std::size_t(mask.width_px) + std::size_t(win.x0 + x);
+      d[p] = distance[full], walk.given[p] = out[full];
+      const double depth = std::abs(double(d[p]));
+      const bool usable = depth > kColourGap_px && depth < options.reach_px;
+      sides.inside[p] = usable && d[p] > 0, sides.outside[p] = usable && d[p] < 0, sides.free[p] = depth <= options.band_px;
+    }
+  const auto smooth = smoothed(win, colour, sides);
+  const int r = std::max(1, int(std::lround(options.reach_px / 2)));
+  const LocalColours object(win, smooth, sides.inside, r), rest(win, smooth, sides.outside, r);
+  const ColourEvidence evidence = weigh_colours(win, {object, rest, smooth}, sides, r);
+  for (std::size_t p = 0; p < win.pixels(); ++p) {
+    if (!sides.free[p]) continue;
+    walk.index[p] = int(walk.diagonal.size());
+    const double trust = double(evidence.trust[p]), doubt = 1 - trust;
+    const double colour_weight = options.colour_weight * trust,
+                 shape_weight = options.shape_weight + options.doubt_weight * doubt * doubt;
+    walk.diagonal.push_back(shape_weight + colour_weight);
+    walk.right.push_back(shape_weight * sigmoid(double(d[p]) / kShapeWidth_px) +
+                         colour_weight * double(evidence.object[p]));
+  }
+  const std::vector<double> x = solve(walk, colour);
+  for (int wy = 0; wy < win.h; ++wy)
+    for (int wx = 0; wx < win.w; ++wx) {
+      const std::int32_t row = walk.index[win.at(wx, wy)];
+      if (row < 0) continue;
+      out[std::size_t(win.y0 + wy) * std::size_t(mask.width_px) + std::size_t(win.x0 + wx)] =
+          float(std::clamp(x[std::size_t(row)], 0.0, 1.0));
+    }
+  return out;
+}
+
+}  // namespace ngs

@@ -1,0 +1,18 @@
+#pragma once
+// How alike two images are. Values in [0, 1], any number of channels; sizes must agree.
+#include "ngs/backend/exec.h"
+#include "ngs/scene/views.h"
+
+namespace ngs {
+
+/// Mean squared difference over pixels and channels, summed in double by rows. `weight` ([H, W, 1]) may be null;
+/// NaN if nothing counts.
+double mean_squared_error(const Exec& exec, const ImageF& a, const ImageF& b, const ImageF* weight = nullptr);
+
+/// -10 log10(MSE), dB; infinite for equal images.
+double psnr_db(const Exec& exec, const ImageF& a, const ImageF& b, const ImageF* weight = nullptr);
+
+/// Mean SSIM, 3DGS's convention (ops/losses/photometric.h).
+double ssim_index(const Exec& exec, const ImageF& a, const ImageF& b);
+
+}  // namespace ngs

@@ -1,0 +1,93 @@
+#pragma once
+// Compact weights of one tile and the two products with them. Internal to ops (label_system.cpp).
+#include "ngs/ops/splat/splat_view.h"
+#include "ngs/ops/splat/tile_scratch.h"
+
+namespace ngs {
+
+using LabelPack = PackF;
+inline constexpr int kLabelPacks = kPacksPerTile<LabelPack>;
+
+/// Targets of 8 pixels and what the folded Gaussians contribute to them.
+struct PixelPack {
+  LabelPack inside, outside;         // a, b
+  LabelPack foreground, background;  // Σ_folded w m;  T + Σ_folded w (1 - m)
+};
+
+/// The columns of one tile nearest first, and their weights pack by pack, so that the sums of a pack's pixels stay in
+/// registers and a weight comes from memory once per evaluation.
+struct LabelBlock {
+  struct Entry {
+    std::uint32_t column, slot;
+  };
+  std::vector<Entry> entry;
+  std::vector<PixelPack> pixel;    // reached by at least one column
+  std::vector<std::uint32_t> end;  // [pixel] of the pack's contributions, which begin where those of the last one end
+  // Contributions. Each has a place, 2 · entry + band: an entry has one sum for columns 0 to 7 of the tile and one for
+  // the others. Within a pack places ascend from 0 by these steps; where one byte does not reach, weights of 0 stand
+  // between.
+  std::vector<std::uint8_t> step;
+  std::vector<LabelPack> weight;
+  std::vector<HalfPack> half;  // the same in half precision, instead of `weight`
+  double constant_loss = 0;    // -Σ a ln q + b ln c of the pixels that no column reaches
+  double target_sum = 0;       // Σ a + b of the tile
+  bool binary = true;          // every target is 0 or 1, and only one of a pixel's two is 1
+
+  std::int64_t bytes() const {
+    return std::int64_t(sizeof(LabelBlock) + entry.size() * sizeof(Entry) + pixel.size() * sizeof(PixelPack) +
+                        end.size() * sizeof(std::uint32_t) + step.size() + weight.size() * sizeof(LabelPack) +
+                        half.size() * sizeof(HalfPack));
+  }
+};
+
+/// What the columns stand at: m and 1 - m as floats, each with its own relative accuracy.
+struct ColumnValues {
+  const float *m, *rest;
+};
+
+/// Sums over a slot: P and Q of one (column, tile) pair.
+struct SlotSums {
+  float inside, outside;
+};
+
+/// The block's part of Σ a ln q + b ln c, negated; writes its entries' slots.
+double evaluate_block(const LabelBlock& block, ColumnValues at, SlotSums* slots);
+
+/// Where a Gaussian's label is, for collect_block: its column, or -1 and the folded value.
+struct LabelPlaces {
+  const std::uint32_t* id;     // [V] Gaussians that the view shows
+  const std::int32_t* column;  // [N]
+  const double* label;         // [N]
+};
+
+/// Targets of a whole view, [H·W] each.
+struct TargetPlanes {
+  const float *inside, *outside;
+};
+
+/// Loss and targets of a tile.
+struct TileLoss {
+  double loss = 0;        // -Σ a ln q + b ln c
+  double target_sum = 0;  // Σ a + b
+};
+
+/// A tile's contributions by `record` of packs of `lanes` pixels. Who walks it overwrites alphas with weights: once.
+struct RecordedTile {
+  TileWork<float> work;
+  Tape<float>& tape;
+  int lanes;
+  float* transmittance;  // [kTilePixels] behind the last one, in packs
+};
+
+/// The sums of all Gaussians of the tile, which stand at `at` [V]; writes their slots. The same sums as those of a block
+/// whose columns are all Gaussians.
+TileLoss evaluate_tile(const RecordedTile& tile, ColumnValues at, TargetPlanes targets, SlotSums* slots);
+
+/// The tile's block, in half precision if wanted; slots are those of the view's lists.
+LabelBlock collect_block(const RecordedTile& tile, LabelPlaces places, TargetPlanes targets, bool half);
+
+/// The block with only the columns whose `new_column` is >= 0, renumbered; the others are folded at their
+/// values. Its constant_loss is that of the pixels which no column reaches any more; its target_sum is 0.
+LabelBlock reduced_block(const LabelBlock& block, const std::int32_t* new_column, ColumnValues at);
+
+}  // namespace ngs

@@ -1,0 +1,201 @@
+#include "ngs/ops/labels/label_solve.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "ngs/core/check.h"
+#include "ngs/ops/optim/anderson.h"
+
+namespace ngs {
+namespace {
+
+// Working sets. Folded are the labels that kForeseen plain steps with the first gradient take to within kBand of a
+// bound that the gradient holds them to, unless they explain more than kOwnShare of a pixel: such a pixel would change
+// its mind at the bound. Later rounds fold only what stands at a bound exactly. A label lifted off one starts at kLift.
+constexpr int kForeseen = 4;
+constexpr double kBand = 0.02, kOwnShare = 0.1, kLift = 0.02;
+constexpr double kRoundingOfLoss = 1e-7;  // relative: what float predictions leave uncertain
+constexpr double kInnerShare = 0.8;  // of the wanted gap, left to a working set
+constexpr int kMaxRounds = 50;
+constexpr std::size_t kHistory = 5;  // points that a step is combined from
+// In log-odds. What is combined of a curved path overshoots: labels thrown to a bound that pixels speak against cost more
+// steps than they save.
+constexpr double kLongestStep = 2;
+
+double seconds_now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+bool inner(double m) { return m > 0 && m < 1; }
+double log_odds(double m) { return std::log(m / (1 - m)); }
+
+class Solver {
+ public:
+  Solver(const Exec& exec, const LabelProblem& problem, const LabelSolveOptions& options,
+         const std::vector<double>& start, const std::vector<std::uint8_t>& movable)
+      : exec_(exec), options_(options), begin_(seconds_now()), system_(make_system(problem, start, movable)) {
+    // The full system is never kept: of all weights only those of the working set are needed often.
+    solution_.label = start;
+    solution_.columns = system_.columns();
+    m_.resize(std::size_t(system_.columns()));
+    for (std::size_t i = 0; i < start.size(); ++i)
+      if (column_of_[i] >= 0) m_[std::size_t(column_of_[i])] = start[i];
+    kept_.assign(m_.size(), 0);
+  }
+
+  LabelSolution run() {
+    for (;; ++solution_.rounds) {
+      if (solution_.rounds == 0)
+        sums_ = system_.at_start();
+      else
+        system_.evaluate(exec_, m_, sums_);
+      ++solution_.evaluations;
+      note(m_, sums_, true);
+      const GapPoint& now = solution_.trace.back();
+      solution_.loss = now.loss, solution_.gap = now.gap;
+      solution_.converged = now.gap <= options_.relative_gap * now.loss;
+      if (solution_.converged || out_of_budget() || solution_.rounds == kMaxRounds) break;
+      solve_working_set();
+    }
+    for (std::size_t i = 0; i < column_of_.size(); ++i)
+      if (column_of_[i] >= 0) solution_.label[i] = m_[std::size_t(column_of_[i])];
+    return std::move(solution_);
+  }
+
+ private:
+  LabelSystem make_system(const LabelProblem& problem, const std::vector<double>& start,
+                          const std::vector<std::uint8_t>& movable) {
+    NGS_CHECK(start.size() == std::size_t(problem.cloud.size()) && movable.size() == start.size(),
+              "labels to solve for");
+    column_of_.assign(movable.size(), -1);
+    std::int32_t next = 0;
+    for (std::size_t i = 0; i < movable.size(); ++i)
+      if (movable[i]) column_of_[i] = next++;
+    return LabelSystem(exec_, problem, column_of_, start, 0);
+  }
+
+  bool out_of_budget() const {
+    return solution_.evaluations >= options_.max_evaluations || (options_.stop && options_.stop()) ||
+           (options_.time_budget_s > 0 && seconds_now() - begin_ > options_.time_budget_s);
+  }
+  void note(const std::vector<double>& m, const LabelSums& sums, bool certified) {
+    solution_.trace.push_back(
+        {seconds_now() - begin_, sums.loss, frank_wolfe_gap(m, sums, system_.gradient_scale()), certified});
+  }
+
+  /// Whether a label at `m` (its distance from a bound) may be folded there. `towards`, `away`: P and Q, or Q and P.
+  bool held(double foreseen, double m, double away, double towards) const {
+    if (towards <= away) return false;
+    return solution_.rounds == 0 ? foreseen <= kBand && m * away <= kOwnShare : m <= 0;
+  }
+
+  void solve_working_set() {
+    std::vector<double> foreseen = m_;
+    if (solution_.rounds == 0)
+      for (int i = 0; i < kForeseen; ++i) foreseen = em_update(foreseen, sums_);
+    std::vector<std::int32_t> place(m_.size(), -1);
+    std::vector<double> work;
+    for (std::size_t c = 0; c < m_.size(); ++c) {
+      const bool held_low = held(foreseen[c], m_[c], sums_.inside[c], sums_.outside[c]),
+                 held_high = held(1 - foreseen[c], 1 - m_[c], sums_.outside[c], sums_.inside[c]);
+      if (!kept_[c] && (held_low || held_high)) {
+        m_[c] = held_low ? 0.0 : 1.0;
+        continue;
+      }
+      if (solution_.rounds > 0) kept_[c] = 1;  // once lifted off a bound, never folded again: rounds must end
+      const double g = sums_.outside[c] - sums_.inside[c];
+      if (m_[c] <= 0 && g < 0) m_[c] = kLift;
+      if (m_[c] >= 1 && g > 0) m_[c] = 1 - kLift;
+      place[c] = std::int32_t(work.size());
+      work.push_back(m_[c]);
+    }
+    const LabelSystem reduced = system_.reduced(exec_, place, m_, options_.cache_bytes);
+    if (reduced.columns() > solution_.working_columns)
+      solution_.working_columns = reduced.columns(), solution_.cache = reduced.stats();
+    iterate(reduced, work);
+    for (std::size_t c = 0; c < m_.size(); ++c)
+      if (place[c] >= 0) m_[c] = work[std::size_t(place[c])];
+  }
+
+  /// EM on the reduced system, accelerated, until its own gap is small enough.
+  void iterate(const LabelSystem& system, std::vector<double>& m) {
+    LabelSums now, next;
+    const auto evaluate = [&](const std::vector<double>& at, LabelSums& out) {
+      system.evaluate(exec_, at, out);
+      ++solution_.evaluations;
+    };
+    Anderson history(kHistory);
+    evaluate(m, now);
+    for (;;) {
+      note(m, now, false);
+      const GapPoint& point = solution_.trace.back();
+      if (point.gap <= kInnerShare * options_.relative_gap * point.loss || out_of_budget()) return;
+      const std::vector<double> plain = em_update(m, now);
+      std::vector<double> step = accelerated(history, m, plain, now);
+      evaluate(step, next);
+      if (next.loss > now.loss * (1 + kRoundingOfLoss)) {
+        history.reset();
+        step = plain, evaluate(step, next);
+      }
+      m = std::move(step);
+      std::swap(now, next);
+    }
+  }
+
+  /// The step in log-odds, each label weighted with the pixels it explains times m (1 - m). Labels at a bound, or taken
+  /// to one by rounding, move as EM moves them.
+  std::vector<double> accelerated(Anderson& history, const std::vector<double>& m, const std::vector<double>& plain,
+                                  const LabelSums& sums) const {
+    std::vector<double> x(m.size(), 0.0), f(m.size(), 0.0), weight(m.size(), 0.0);
+    for (std::size_t c = 0; c < m.size(); ++c) {
+      if (!inner(m[c]) || !inner(plain[c])) continue;
+      x[c] = log_odds(m[c]), f[c] = options_.relaxation * (log_odds(plain[c]) - x[c]);
+      weight[c] = m[c] * (1 - m[c]) * (m[c] * sums.inside[c] + (1 - m[c]) * sums.outside[c]);
+    }
+    const std::vector<double> to = history.next(x, f, weight);
+    std::vector<double> step = plain;
+    for (std::size_t c = 0; c < m.size(); ++c) {
+      const double moved = 1 / (1 + std::exp(-std::clamp(to[c], x[c] - kLongestStep, x[c] + kLongestStep)));
+      if (inner(m[c]) && inner(plain[c]) && inner(moved)) step[c] = moved;
+    }
+    return step;
+  }
+
+  const Exec& exec_;
+  const LabelSolveOptions& options_;
+  double begin_;
+  std::vector<std::int32_t> column_of_;  // before system_, which its construction fills it for
+  LabelSystem system_;
+  std::vector<double> m_;
+  std::vector<std::uint8_t> kept_;
+  LabelSums sums_;
+  LabelSolution solution_;
+};
+
+}  // namespace
+
+double frank_wolfe_gap(const std::vector<double>& m, const LabelSums& sums, double gradient_scale) {
+  double gap = 0;
+  for (std::size_t i = 0; i < m.size(); ++i) {
+    const double g = gradient_scale * (sums.outside[i] - sums.inside[i]);
+    gap += std::max(g * m[i], -g * (1 - m[i]));
+  }
+  return gap;
+}
+
+std::vector<double> em_update(const std::vector<double>& m, const LabelSums& sums) {
+  std::vector<double> out(m.size());
+  for (std::size_t i = 0; i < m.size(); ++i) {
+    const double object = m[i] * sums.inside[i], rest = (1 - m[i]) * sums.outside[i];
+    out[i] = object + rest > 0 ? object / (object + rest) : m[i];
+  }
+  return out;
+}
+
+LabelSolution solve_labels(const Exec& exec, const LabelProblem& problem, const LabelSolveOptions& options,
+                           const std::vector<double>& start, const std::vector<std::uint8_t>& movable) {
+  return Solver(exec, problem, options, start, movable).run();
+}
+
+}  // namespace ngs

@@ -1,0 +1,33 @@
+#include "ngs/ops/losses/loss_cont.h"
+
+#include "ngs/backend/for_each.h"
+#include "ngs/core/check.h"
+#include "ngs/ops/device/device_ops.h"
+#include "ngs/ops/losses/loss_cont_kernels.h"
+
+namespace ngs {
+
+double loss_cont(const Exec& exec, const KnnGraph& graph, Rows<const float, 3> colour,
+                 const std::vector<float>& weight, double scale, std::vector<float>* gradient) {
+  if (gradient) gradient->assign(std::size_t(colour.n) * 3, 0.f);
+  if (graph.neighbours == 0) return 0;
+  NGS_CHECK(graph.queries() == colour.n && graph.points == colour.n, "the graph is of other points");
+  NGS_CHECK(weight.empty() || weight.size() == graph.index.size(), "one weight per edge, or none");
+  const ContinuityGraph<float> view{graph.indices(), graph.row_begin.data(), graph.edge.data(),
+                                    weight.empty() ? nullptr : weight.data(), colour};
+  std::vector<float> term(std::size_t(colour.n));
+  const ContinuityForward<float> forward{view, term.data()};
+  const ContinuityBackward<float> backward{
+      view, float(scale / double(colour.n)), {gradient ? gradient->data() : nullptr, colour.n}};
+  if (exec.device_ops) {
+    exec.device_ops->loss.continuity(forward, gradient ? &backward : nullptr);
+  } else {
+    for_each_index(exec, colour.n, forward);
+    if (gradient) for_each_index(exec, colour.n, backward);
+  }
+  double sum = 0;
+  for (const float t : term) sum += double(t);
+  return sum / double(colour.n);
+}
+
+}  // namespace ngs

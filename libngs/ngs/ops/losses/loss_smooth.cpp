@@ -1,0 +1,44 @@
+#include "ngs/ops/losses/loss_smooth.h"
+
+#include <cmath>
+
+#include "ngs/backend/for_each.h"
+#include "ngs/core/check.h"
+#include "ngs/ops/device/device_ops.h"
+#include "ngs/ops/losses/loss_smooth_kernels.h"
+
+namespace ngs {
+std::vector<float> jittered_points(const Exec& exec, Rows<const float, 3> points, std::uint64_t seed,
+                                   std::uint64_t first_index, double jitter_length) {
+  std::vector<float> moved(std::size_t(points.n) * 3);
+  for_each_index(exec, points.n, [&](std::int64_t i) {
+    jitter_point(points.row(i), seed, first_index + std::uint64_t(i), jitter_length, &moved[std::size_t(i) * 3]);
+  });
+  return moved;
+}
+
+double loss_smooth_backward(const Exec& exec, const SmoothnessScale& scale, const std::vector<float>& colour,
+                            const std::vector<float>& moved_colour, double weight, SmoothnessGradients& out) {
+  NGS_CHECK(colour.size() == moved_colour.size(), "one moved colour per colour");
+  const std::int64_t n = std::int64_t(colour.size() / 3);
+  out.colour.resize(colour.size()), out.moved_colour.resize(colour.size());
+  if (n == 0) return 0;
+  NGS_CHECK(scale.jitter_length > 0 && scale.unit_length > 0, "lengths must be positive");
+  const double factor = smoothness_factor(scale, n);
+  std::vector<float> term(colour.size() / 3);
+  const SmoothnessForwardBackward<float> kernel{{colour.data(), n},
+                                                {moved_colour.data(), n},
+                                                float(weight * factor),
+                                                term.data(),
+                                                {out.colour.data(), n},
+                                                {out.moved_colour.data(), n}};
+  if (exec.device_ops)
+    exec.device_ops->loss.smoothness(kernel);
+  else
+    for_each_index(exec, n, kernel);
+  double sum = 0;
+  for (const float t : term) sum += double(t);
+  return factor * sum;
+}
+
+}  // namespace ngs

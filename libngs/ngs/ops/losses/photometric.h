@@ -1,0 +1,54 @@
+#pragma once
+// The photometric loss of 3DGS and its gradient with respect to the rendered image.
+//
+//   L = (1 - λ) · mean |x - y| + λ · (1 - mean SSIM(x, y)),   λ = 0.2
+//
+// Means run over pixels and channels. SSIM uses an 11x11 Gaussian window (σ 1.5 px) per channel with zero padding,
+// C1 = 1e-4, C2 = 9e-4, values in [0, 1]. With pixel weights w both means become Σ w · / Σ w; with a region only its
+// pixels count, but their windows still see the pixels around it. All weights zero: loss and gradient are zero.
+#include <cstdint>
+
+#include "ngs/backend/exec.h"
+#include "ngs/ops/losses/photometric_kernels.h"
+
+namespace ngs {
+
+struct PixelRegion {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  // px, half open; empty: the whole image
+  bool empty() const { return x1 <= x0 || y1 <= y0; }
+};
+
+struct PhotometricOptions {
+  double dssim_weight = 0.2;  // λ
+  PixelRegion region = {};
+  double gradient_scale = 1;  // the gradient is that of so many times the loss
+};
+
+struct PhotometricLoss {
+  double total = 0;
+  double l1 = 0;    // mean |x - y|
+  double ssim = 1;  // mean SSIM
+};
+
+/// Keeps its buffers between calls. T: float in production, double and Dual<double> in tests.
+template <class T, class Acc = double>
+class PhotometricPass {
+ public:
+  struct Value { Acc total, l1, ssim; };
+
+  /// `weight` ([H, W, 1], >= 0) and `gradient` (overwritten, shaped like `rendered`) may be null.
+  Value evaluate(const Exec& exec, const PhotometricOptions& options, const Image<T>& rendered,
+                 const Image<T>& target, const ImageF* weight, Image<T>* gradient);
+
+ private:
+  std::vector<T> partials_;  // ∂L/∂(blurred moments), of the largest image so far
+  std::vector<Acc> sums_;    // per piece of work
+};
+extern template class PhotometricPass<float, double>;
+extern template class PhotometricPass<double, double>;
+
+/// Value only, with buffers of its own.
+PhotometricLoss photometric_loss(const Exec& exec, const PhotometricOptions& options, const ImageF& rendered,
+                                 const ImageF& target);
+
+}  // namespace ngs

@@ -1,0 +1,263 @@
+#pragma once
+// How the CPU runs ops/losses/photometric_kernels.h: strips of columns, whose last 11 rows stay in the innermost cache while both
+// passes of the window go down the image. Internal to ops.
+#include <algorithm>
+#include <vector>
+
+#include "ngs/math/lanes.h"
+#include "ngs/ops/losses/photometric_kernels.h"
+
+namespace ngs::ssim {
+
+inline constexpr int kStrip = 128;  // values of a strip; only speed and the order of the loss's sums depend on it
+inline constexpr int kBand = 128;   // rows of a strip that are one piece of work
+inline constexpr int kRing = 2 * kRadius + 1;
+
+template <class T>
+struct StripLane {
+  using Type = T;
+};
+template <>
+struct StripLane<float> {
+  using Type = PackF;
+};
+
+/// A sum over lanes in a wider scalar.
+template <class L, class Acc>
+struct WideSum {
+  Acc sum = Acc(0);
+  void add(L x) { sum += Acc(x); }
+  Acc total() const { return sum; }
+};
+template <>
+struct WideSum<PackF, double> {
+  Pack4D low = 0.0, high = 0.0;
+  void add(PackF x) { low = low + low_half(x), high = high + high_half(x); }
+  double total() const {
+    const Pack4D four = low + high;
+    return (four.v[0] + four.v[1]) + (four.v[2] + four.v[3]);
+  }
+};
+
+/// One piece of work: values [begin, begin + count) of rows [y0, y1).
+struct StripBand {
+  std::int64_t begin;
+  int count, y0, y1;
+};
+
+struct StripPlan {
+  Layout layout;
+  std::int64_t strips() const { return (layout.width() + kStrip - 1) / kStrip; }
+  std::int64_t size() const { return strips() * ((layout.h + kBand - 1) / kBand); }
+  StripBand band(std::int64_t task) const {
+    const std::int64_t begin = task % strips() * kStrip;
+    const int y0 = int(task / strips()) * kBand;
+    return {begin, int(std::min<std::int64_t>(kStrip, layout.width() - begin)), y0, std::min(layout.h, y0 + kBand)};
+  }
+};
+
+/// A strip's next row lies a whole image row further, which the processor does not foresee: it is asked for so many
+/// rows before it is read.
+inline constexpr int kRowsAhead = 2;
+template <class T>
+void prefetch_values(const T* first, std::int64_t count) {
+  constexpr std::int64_t kLine = sizeof(T) < 64 ? 64 / sizeof(T) : 1;
+  for (std::int64_t i = 0; i < count; i += kLine) __builtin_prefetch(first + i);
+}
+
+/// Rows of planes as the blur wants them: value i of the strip at first[i], i from -pad; `plane` values between planes.
+template <class T>
+struct PlaneRows {
+  const T* first;
+  std::int64_t plane;
+};
+
+/// Calls use(y, column) for every row of the band, where column(plane, i) is the pack of values from i of the plane blurred
+/// both ways. load(y) gives the PlaneRows of row y of the image.
+template <class T, int kPlanes, class Load, class Use>
+void blur_band(const Layout& layout, const Window<T>& window, const StripBand& band, const Load& load, const Use& use) {
+  using L = typename StripLane<T>::Type;
+  constexpr int kLanes = LaneTraits<L>::kLanes;
+  alignas(64) T ring[kRing][kPlanes][kStrip];
+  const auto slot = [&](int y) { return &ring[(y + kRing) % kRing][0][0]; };
+  const std::int64_t step = layout.c;
+  for (int y = band.y0 - kRadius; y < band.y1 + kRadius; ++y) {
+    T* to = slot(y);
+    if (y < 0 || y >= layout.h) {
+      std::fill_n(to, kPlanes * kStrip, T(0));
+    } else {
+      const PlaneRows<T> from = load(y);
+      for (int p = 0; p < kPlanes; ++p)
+        for (int i = 0; i < band.count; i += kLanes) {
+          const T* middle = from.first + p * from.plane + i;
+          store_lanes(to + p * kStrip + i, blurred<L>(window, [&](int k) {
+                        L value;
+                        load_lanes(middle + k * step, value);
+                        return value;
+                      }));
+        }
+    }
+    const int out = y - kRadius;
+    if (out < band.y0) continue;
+    const T* row[kRing];
+    for (int k = -kRadius; k <= kRadius; ++k) row[k + kRadius] = slot(out + k);
+    use(out, [&](int p, int i) {
+      return blurred<L>(window, [&](int k) {
+        L value;
+        load_lanes(row[k + kRadius] + p * kStrip + i, value);
+        return value;
+      });
+    });
+  }
+}
+
+/// The values of row y of a crop in and beside a strip, zero outside of the crop.
+template <class T>
+void copy_row(const Crop<const T>& image, std::int64_t width, int y, std::int64_t begin, std::int64_t end, T* out) {
+  const std::int64_t first = std::max<std::int64_t>(begin, 0), last = std::min(end, width);
+  std::fill(out, out + (first - begin), T(0));
+  std::copy(image.row(y) + first, image.row(y) + last, out + (first - begin));
+  std::fill(out + (last - begin), out + (end - begin), T(0));
+}
+
+/// x and y of one row of a strip.
+template <class T>
+struct StripRow {
+  alignas(64) T x[kStrip], y[kStrip];
+  void load(const Crop<const T>& a, const Crop<const T>& b, std::int64_t width, int row, const StripBand& band) {
+    copy_row(a, width, row, band.begin, band.begin + kStrip, x);
+    copy_row(b, width, row, band.begin, band.begin + kStrip, y);
+  }
+};
+
+/// The weights of the pixels of a strip, value by value; zero outside.
+template <class T>
+class StripWeights {
+ public:
+  StripWeights(const PixelWeights& weights, const Layout& layout, const StripBand& band)
+      : weights_(weights), layout_(layout), band_(band) {
+    fill(weights.y0);
+  }
+  const T* row(int y) {
+    if (y < weights_.y0 || y >= weights_.y1) return zero_;
+    if (weights_.weight.first) fill(y);
+    return value_;
+  }
+
+ private:
+  void fill(int y) {
+    for (int i = 0; i < band_.count; ++i) value_[i] = T(weights_.at(int((band_.begin + i) / layout_.c), y));
+  }
+  const PixelWeights& weights_;
+  const Layout& layout_;
+  const StripBand& band_;
+  alignas(64) T value_[kStrip] = {};
+  alignas(64) T zero_[kStrip] = {};
+};
+
+/// Zeros beside one row of a plane, where the band begins or ends it.
+template <class T>
+void clear_beside(const Layout& layout, const StripBand& band, T* row) {
+  if (band.begin == 0) std::fill_n(row - layout.pad(), layout.pad(), T(0));
+  const std::int64_t width = layout.width();
+  if (band.begin + band.count == width) std::fill_n(row + width, layout.stride() - layout.pad() - width, T(0));
+}
+
+/// Σ w |x - y| and Σ w S of a band, and the partials times the factor of S, zero beside the image.
+template <class T, class Acc>
+struct BandLoss {
+  Layout layout;
+  Window<T> window;
+  Crop<const T> x, y;
+  PixelWeights weights;
+  T ssim_factor;  // ∂L/∂S of a pixel of weight 1
+  T* partials;    // [kPartials, plane] out; null: not wanted
+  Acc* sums;      // [tasks, 2] out
+
+  void operator()(std::int64_t task) const {
+    using L = typename StripLane<T>::Type;
+    constexpr int kLanes = LaneTraits<L>::kLanes;
+    const StripBand band = StripPlan{layout}.band(task);
+    const std::int64_t wide = (kStrip + 2 * layout.pad() + kLanes - 1) / kLanes * kLanes;
+    std::vector<T> memory(std::size_t(wide) * (2 + kMoments));
+    T *a = memory.data(), *b = a + wide, *planes = b + wide;
+    const auto load = [&](int row) {
+      if (row + kRowsAhead < layout.h)
+        for (const Crop<const T>& image : {x, y}) prefetch_values(image.row(row + kRowsAhead) + band.begin, band.count);
+      copy_row(x, layout.width(), row, band.begin - layout.pad(), band.begin - layout.pad() + wide, a);
+      copy_row(y, layout.width(), row, band.begin - layout.pad(), band.begin - layout.pad() + wide, b);
+      for (std::int64_t i = 0; i < wide; i += kLanes) {
+        L in[2], out[kMoments];
+        load_lanes(a + i, in[0]), load_lanes(b + i, in[1]);
+        products(in[0], in[1], out);
+        for (int m = 0; m < kMoments; ++m) store_lanes(planes + m * wide + i, out[m]);
+      }
+      return PlaneRows<T>{planes + layout.pad(), wide};
+    };
+    StripRow<T> pixels;
+    StripWeights<T> strip_weights(weights, layout, band);
+    WideSum<L, Acc> l1, similar;
+    blur_band<T, kMoments>(layout, window, band, load, [&](int row, const auto& column) {
+      pixels.load(x, y, layout.width(), row, band);
+      const T* weight = strip_weights.row(row);
+      for (int i = 0; i < band.count; i += kLanes) {
+        L moment[kMoments], partial[kPartials], w, at_x, at_y;
+        for (int m = 0; m < kMoments; ++m) moment[m] = column(m, i);
+        load_lanes(weight + i, w), load_lanes(pixels.x + i, at_x), load_lanes(pixels.y + i, at_y);
+        similar.add(w * similarity(moment, partial));
+        l1.add(w * distance(at_x, at_y));
+        if (partials == nullptr) continue;
+        const L factor = w * L(ssim_factor);
+        T* out = partials + layout.row(row) + band.begin + i;
+        for (int d = 0; d < kPartials; ++d) store_lanes(out + d * layout.plane(), partial[d] * factor);
+      }
+      for (int d = 0; partials && d < kPartials; ++d) clear_beside(layout, band, partials + d * layout.plane() + layout.row(row));
+    });
+    sums[2 * task] = l1.total(), sums[2 * task + 1] = similar.total();
+  }
+};
+
+/// The gradient of a band from the partials.                                                  adjoint of BandLoss
+template <class T>
+struct BandGradient {
+  Layout layout;
+  Window<T> window;
+  Crop<const T> x, y;
+  PixelWeights weights;
+  T l1_factor;
+  const T* partials;  // [kPartials, plane]
+  Crop<T> gradient;   // out
+
+  void operator()(std::int64_t task) const {
+    using L = typename StripLane<T>::Type;
+    constexpr int kLanes = LaneTraits<L>::kLanes;
+    const StripBand band = StripPlan{layout}.band(task);
+    StripRow<T> pixels;
+    StripWeights<T> strip_weights(weights, layout, band);
+    alignas(64) T result[kStrip];
+    const auto load = [&](int row) {
+      const T* first = partials + layout.row(row) + band.begin;
+      if (row + kRowsAhead < layout.h) {
+        const T* ahead = first + kRowsAhead * layout.stride() - layout.pad();
+        for (int d = 0; d < kPartials; ++d) prefetch_values(ahead + d * layout.plane(), band.count + 2 * layout.pad());
+      }
+      const int of_pixels = row - kRadius + kRowsAhead;
+      if (of_pixels >= 0 && of_pixels < layout.h)
+        for (const Crop<const T>& image : {x, y}) prefetch_values(image.row(of_pixels) + band.begin, band.count);
+      return PlaneRows<T>{first, layout.plane()};
+    };
+    blur_band<T, kPartials>(layout, window, band, load, [&](int row, const auto& column) {
+      pixels.load(x, y, layout.width(), row, band);
+      const T* weight = strip_weights.row(row);
+      for (int i = 0; i < band.count; i += kLanes) {
+        L blur[kPartials], w, at_x, at_y;
+        for (int d = 0; d < kPartials; ++d) blur[d] = column(d, i);
+        load_lanes(weight + i, w), load_lanes(pixels.x + i, at_x), load_lanes(pixels.y + i, at_y);
+        store_lanes(result + i, gradient_of(blur, at_x, at_y, w * L(l1_factor)));
+      }
+      std::copy_n(result, band.count, gradient.row(row) + band.begin);
+    });
+  }
+};
+
+}  // namespace ngs::ssim

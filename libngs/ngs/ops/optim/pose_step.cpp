@@ -1,0 +1,170 @@
+#include "ngs/ops/optim/pose_step.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "ngs/core/check.h"
+
+namespace ngs {
+namespace {
+
+constexpr int kBorder_px = 4, kParameters = 6, kExposurePasses = 5;
+// Prior on the motion, in units of the information on the best determined parameter. A turn and a move that
+// cancel but for the parallax within the model have (its depth over its distance)² of it, 1/200 for an object
+// that fills a tenth of its distance; what is below a fifth of that would follow the errors of the model.
+constexpr double kPrior = 1e-3;
+constexpr float kSolid = 0.5f;          // alpha; below it the depth is that of a rim
+constexpr double kLeastTexture = 1e-7;  // mean squared gradient, per px²: below 3e-4 it is noise
+
+using Row = Eigen::Matrix<double, kParameters, 1>;
+using Normal = Eigen::Matrix<double, kParameters, kParameters>;
+
+double cauchy_weight(double residual) {
+  return 1 / (1 + residual * residual / (kPoseResidual * kPoseResidual));
+}
+
+/// Lays the colours of `from` on those of `to`, channel by channel, by gain and offset: exposures differ
+/// between photos. Least squares with Cauchy weights, as the alignment itself.
+void match_exposure(const ImageF& to, const ImageF& alpha, ImageF& from) {
+  for (int c = 0; c < from.channels; ++c) {
+    double gain = 1, offset = 0;
+    for (int pass = 0; pass < kExposurePasses; ++pass) {
+      double w = 0, x = 0, y = 0, xx = 0, xy = 0;
+      for (std::size_t p = 0; p < alpha.data.size(); ++p) {
+        if (!(alpha.data[p] > kSolid)) continue;
+        const double a = double(from.data[p * std::size_t(from.channels) + std::size_t(c)]),
+                     b = double(to.data[p * std::size_t(from.channels) + std::size_t(c)]),
+                     weight = cauchy_weight(b - gain * a - offset);
+        w += weight, x += weight * a, y += weight * b, xx += weight * a * a, xy += weight * a * b;
+      }
+      const double spread = w * xx - x * x;
+      if (!(spread > 1e-6 * w * w)) break;
+      gain = (w * xy - x * y) / spread, offset = (y - gain * x) / w;
+    }
+    for (std::size_t p = std::size_t(c); p < from.data.size(); p += std::size_t(from.channels))
+      from.data[p] = float(gain * double(from.data[p]) + offset);
+  }
+}
+
+/// The depth that the model has on the whole.
+double mean_depth(const RenderedView& view) {
+  double depth = 0, alpha = 0;
+  for (std::size_t p = 0; p < view.alpha.data.size(); ++p)
+    depth += double(view.depth.data[p]), alpha += double(view.alpha.data[p]);
+  return alpha > 0 ? depth / alpha : 0;
+}
+
+/// How far each parameter moves the pixel at ray (x, y, 1) and inverse relative depth q. Parameters are in
+/// pixels: turns times f, moves times f over the mean depth.
+std::array<Row, 2> flow_of(double x, double y, double q) {
+  Row du, dv;
+  du << -x * y, 1 + x * x, -y, q, 0, -x * q;
+  dv << -(1 + y * y), x * y, x, 0, q, -y * q;
+  return {du, dv};
+}
+
+/// Weighted sums of one linearisation.
+struct Sums {
+  Normal normal = Normal::Zero(), flow = Normal::Zero();
+  Row rhs = Row::Zero();
+  double error = 0, weight = 0, texture = 0;
+};
+
+Sums linearise(const ImageF& from, const ImageF& to, const RenderedView& view, const Camera& camera,
+               double depth) {
+  Sums s;
+  for (int y = kBorder_px; y < to.height_px - kBorder_px; ++y)
+    for (int x = kBorder_px; x < to.width_px - kBorder_px; ++x) {
+      const double alpha = double(view.alpha.at(x, y));
+      if (!(alpha > double(kSolid))) continue;
+      const double q = depth * alpha / double(view.depth.at(x, y));
+      const auto [du, dv] = flow_of((x + 0.5 - camera.cx) / camera.fx, (y + 0.5 - camera.cy) / camera.fy, q);
+      s.flow += alpha * (du * du.transpose() + dv * dv.transpose());
+      const double share = alpha / to.channels;
+      double xx = 0, xy = 0, yy = 0, xr = 0,
+             yr = 0;  // of the image gradient and the residual, over the channels
+      for (int c = 0; c < to.channels; ++c) {
+        const double gx = 0.5 * double(from.at(x + 1, y, c) - from.at(x - 1, y, c)),
+                     gy = 0.5 * double(from.at(x, y + 1, c) - from.at(x, y - 1, c)),
+                     r = double(to.at(x, y, c)) - double(from.at(x, y, c)), cauchy = share * cauchy_weight(r);
+        xx += cauchy * gx * gx, xy += cauchy * gx * gy, yy += cauchy * gy * gy;
+        xr += cauchy * gx * r, yr += cauchy * gy * r;
+        s.error += share * std::log1p(r * r / (kPoseResidual * kPoseResidual));
+      }
+      s.normal += du * (xx * du + xy * dv).transpose() + dv * (xy * du + yy * dv).transpose();
+      s.rhs -= xr * du + yr * dv;
+      s.texture += xx + yy, s.weight += alpha;
+    }
+  return s;
+}
+
+}  // namespace
+
+ImageF smoothed_for_pose(const ImageF& in) {
+  constexpr float kTap[5] = {1 / 16.f, 4 / 16.f, 6 / 16.f, 4 / 16.f, 1 / 16.f};
+  ImageF rows(in.width_px, in.height_px, in.channels), out = rows;
+  const auto pass = [&](const ImageF& from, ImageF& to, int sx, int sy) {
+    for (int y = 0; y < from.height_px; ++y)
+      for (int x = 0; x < from.width_px; ++x)
+        for (int c = 0; c < from.channels; ++c) {
+          float sum = 0;
+          for (int k = -2; k <= 2; ++k)
+            sum += kTap[k + 2] * from.at(std::clamp(x + k * sx, 0, from.width_px - 1),
+                                         std::clamp(y + k * sy, 0, from.height_px - 1), c);
+          to.at(x, y, c) = sum;
+        }
+  };
+  pass(in, rows, 1, 0), pass(rows, out, 0, 1);
+  return out;
+}
+
+Camera moved(Camera camera, const CameraMotion& motion) {
+  const Eigen::Vector3d turn(motion.turn.x, motion.turn.y, motion.turn.z);
+  const double angle = turn.norm();
+  if (angle > 0) {
+    const Eigen::Matrix3d r = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
+    Mat3<double> rotation;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) rotation(i, j) = r(i, j);
+    camera.rotation = rotation * camera.rotation;
+    camera.translation = rotation * camera.translation;
+  }
+  camera.translation = camera.translation + motion.move;
+  return camera;
+}
+
+PoseStep pose_step(const RenderedView& view, const ImageF& photo, const Camera& camera,
+                   const CameraMotion& so_far) {
+  NGS_CHECK(view.colour.width_px == photo.width_px && view.colour.height_px == photo.height_px &&
+                view.colour.channels == photo.channels && !view.depth.empty(),
+            "a view with depth and a photo of one size");
+  PoseStep step;
+  const double depth = mean_depth(view), f_px = 0.5 * (camera.fx + camera.fy);
+  if (!(depth > 0)) return step;
+  ImageF from = smoothed_for_pose(view.colour);
+  match_exposure(photo, view.alpha, from);
+  const Sums sums = linearise(from, photo, view, camera, depth);
+  if (!(sums.weight > 0)) return step;
+  step.error = sums.error / sums.weight;
+  if (!(sums.texture > kLeastTexture * sums.weight)) return step;
+  const double turn_px = f_px, move_px = f_px / depth;  // per unit of each parameter
+  const auto& [turn, move] = so_far;
+  Row total;
+  total << turn_px * turn.x, turn_px * turn.y, turn_px * turn.z, move_px * move.x, move_px * move.y,
+      move_px * move.z;
+  const double prior = kPrior * sums.normal.diagonal().maxCoeff();
+  const Row p = (sums.normal + prior * Normal::Identity()).ldlt().solve(sums.rhs - prior * total);
+  if (!p.allFinite()) return step;
+  const auto rms_px = [&](const Row& motion) {
+    return std::sqrt(std::max(0.0, motion.dot(sums.flow * motion)) / sums.weight);
+  };
+  step.motion = {{p[0] / turn_px, p[1] / turn_px, p[2] / turn_px},
+                 {p[3] / move_px, p[4] / move_px, p[5] / move_px}};
+  step.flow_px = rms_px(p), step.total_px = rms_px(total + p);
+  step.determined = true;
+  return step;
+}
+
+}  // namespace ngs

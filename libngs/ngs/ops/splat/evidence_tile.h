@@ -1,0 +1,74 @@
+#pragma once
+// The evidence kernel of one tile: what ops/splat/evidence.h sums, per (Gaussian, tile) pair.
+#include "ngs/ops/splat/splat_tiles.h"
+
+namespace ngs {
+
+/// Objects: K, or any number where K = 0.
+template <class L, int K>
+struct EvidenceSink {
+  using S = typename LaneTraits<L>::Scalar;
+  using F = typename LaneTraits<L>::Folded;
+  static constexpr int kLanes = LaneTraits<L>::kLanes, kSums = K > 0 ? 2 + 2 * K : 0;
+  static constexpr bool kTakesEmpty = true;
+  const EvidenceTile<S>& in;
+  const S* mask;  // [packs][1 + objects][lanes]: known, targets
+  ChannelSums<L, kSums> sum;
+  ChannelSums<F, kSums> total;
+  std::uint32_t entry = 0;
+  bool reached = false;
+
+  EvidenceSink(const EvidenceTile<S>& tile, const S* masks, S* memory)
+      : in(tile), mask(masks), sum(memory), total(memory + (2 + 2 * tile.objects) * kTilePx) {}
+  [[gnu::always_inline]] int objects() const { return K > 0 ? K : in.objects; }
+  [[gnu::always_inline]] int sums() const { return 2 + 2 * objects(); }
+
+  void begin(std::uint32_t e) {
+    entry = e, reached = false;
+    total.clear(sums());
+  }
+  void begin_column(int) { sum.clear(sums()); }
+  [[gnu::always_inline]] void add(std::uint32_t, const Contribution<L>& hit) {
+    const S* planes = mask + std::size_t(hit.pack) * std::size_t((1 + objects()) * kLanes);
+    const L weight = hit.alpha * hit.transmittance, zero(S(0)), one(S(1));
+    L known;
+    load_lanes(planes, known);
+    sum.put(0, fma_lanes(weight, known, sum.get(0)));
+    sum.put(1, sum.get(1) + select(hit.alpha > zero, known, zero));
+    for (int k = 0; k < objects(); ++k) {
+      L m;
+      load_lanes(planes + (1 + k) * kLanes, m);
+      sum.put(2 + 2 * k, fma_lanes(weight, m, sum.get(2 + 2 * k)));
+      sum.put(3 + 2 * k, sum.get(3 + 2 * k) + select((m >= L(S(0.5))) & (hit.alpha > zero), one, zero));
+    }
+  }
+  void end_column(int) {
+    for (int i = 0; i < sums(); ++i) total.put(i, total.get(i) + folded(sum.get(i)));
+    reached = true;
+  }
+  void end() {
+    if (reached) total.sum_each(sums(), in.pair + std::size_t(in.work.slot[entry]) * std::size_t(sums()));
+  }
+};
+
+template <class L, int K>
+void evidence_tile(const EvidenceTile<typename LaneTraits<L>::Scalar>& in) {
+  using S = typename LaneTraits<L>::Scalar;
+  constexpr int kLanes = LaneTraits<L>::kLanes;
+  const TileFrame frame = in.work.frame;
+  const int planes = 1 + in.objects;
+  for (int i = 0; i < planes * kTilePixels; ++i) in.scratch[i] = S(0);  // 0 outside the image and where unknown
+  for (int y = 0; y < frame.rows(); ++y)
+    for (int x = 0; x < frame.columns(); ++x) {
+      const std::size_t pixel = std::size_t(frame.y_px + y) * std::size_t(frame.width_px) + std::size_t(frame.x_px + x);
+      if (in.known && !in.known[pixel]) continue;
+      S* at = in.scratch + (x / kLanes * kTilePx + y) * planes * kLanes + x % kLanes;
+      at[0] = S(1);
+      for (int k = 0; k < in.objects; ++k) at[(1 + k) * kLanes] = S(in.target[k][pixel]);
+    }
+  EvidenceSink<L, K> sink(in, in.scratch, in.scratch + planes * kTilePixels);
+  L transmittance[kPacksPerTile<L>];
+  composite_tile<L>(in.work, transmittance, sink);
+}
+
+}  // namespace ngs

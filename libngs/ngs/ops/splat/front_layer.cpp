@@ -1,0 +1,187 @@
+#include "ngs/ops/splat/front_layer.h"
+
+#include "ngs/core/check.h"
+#include "ngs/ops/splat/cloud_view.h"
+#include "ngs/ops/splat/splat_tiles.h"
+
+namespace ngs {
+namespace {
+
+using L = PackF;
+constexpr int kPacks = kPacksPerTile<L>;
+
+/// Where pixel (x, y) of a tile lies in its packs: columns of packs, rows within.
+int lane_of(int x, int y) { return (x / L::kLanes * kTilePx + y) * L::kLanes + x % L::kLanes; }
+
+/// A plane of the image in the tile's packs; 0 outside the image.
+template <class T>
+void tile_plane(const TileFrame& frame, const std::vector<T>& image, L* packs) {
+  float lane[kTilePixels] = {};
+  for (int y = 0; y < frame.rows(); ++y)
+    for (int x = 0; x < frame.columns(); ++x)
+      lane[lane_of(x, y)] = float(
+          image[std::size_t(frame.y_px + y) * std::size_t(frame.width_px) + std::size_t(frame.x_px + x)]);
+  for (int i = 0; i < kPacks; ++i) load_lanes(lane + i * L::kLanes, packs[i]);
+}
+
+struct BinnedView {
+  ProjectedView<float> view;
+  TileLists lists;
+};
+
+/// What both sinks share: which of the tile's Gaussians may be in front, and where.
+struct FrontBase {
+  static constexpr bool kTakesEmpty = true;
+  const BinnedView& binned;
+  TileWork<float> work;
+  const std::vector<std::uint8_t>& candidate;
+  L limit[kPacks];
+  std::size_t v = 0;
+  bool may = false;
+  float depth = 0;
+
+  void enter(std::uint32_t entry) {
+    v = work.visible[entry];
+    may = candidate[binned.view.id[v]] != 0;
+    depth = binned.view.depth[v];
+  }
+  L front_weight(const Contribution<L>& hit) const {
+    return select(L(depth) < limit[hit.pack], hit.alpha * hit.transmittance, L(0.f));
+  }
+};
+
+/// Nothing of a tile without surface is in front.
+bool has_surface(const L* limit) {
+  bool some = false;
+  for (int i = 0; i < kPacks; ++i) some |= any(limit[i] > L(0.f));
+  return some;
+}
+
+struct LayerSink : FrontBase {
+  Matrix<const float> value;
+  std::vector<L> sum;  // [C + 1, packs]
+
+  void begin(std::uint32_t entry) { enter(entry); }
+  void begin_column(int) {}
+  void add(int, const Contribution<L>& hit) {
+    if (!may) return;
+    const L weight = front_weight(hit);
+    const float* row = value.row(binned.view.id[v]);
+    for (int c = 0; c < value.c; ++c) {
+      L& s = sum[std::size_t(c * kPacks + hit.pack)];
+      s = fma_lanes(weight, L(row[c]), s);
+    }
+    sum[std::size_t(value.c * kPacks + hit.pack)] += weight;
+  }
+  void end_column(int) {}
+  void end() {}
+};
+
+struct SumSink : FrontBase {
+  Matrix<float> pair;  // [pairs, 2]
+  L marked[kPacks];
+  L front = L(0.f), of_marked = L(0.f);
+  std::uint32_t entry = 0;
+
+  void begin(std::uint32_t e) {
+    enter(entry = e);
+    front = of_marked = L(0.f);
+  }
+  void begin_column(int) {}
+  void add(int, const Contribution<L>& hit) {
+    if (!may) return;
+    const L weight = front_weight(hit);
+    front += weight;
+    of_marked = fma_lanes(weight, marked[hit.pack], of_marked);
+  }
+  void end_column(int) {}
+  void end() {
+    if (!may) return;
+    float* row = pair.row(work.slot[entry]);
+    row[0] = sum_lanes(front), row[1] = sum_lanes(of_marked);
+  }
+};
+
+void store_tile(const TileFrame& frame, const std::vector<L>& sum, ImageF& out) {
+  float lane[kTilePixels];
+  for (int c = 0; c < out.channels; ++c) {
+    for (int i = 0; i < kPacks; ++i) store_lanes(lane + i * L::kLanes, sum[std::size_t(c * kPacks + i)]);
+    for (int y = 0; y < frame.rows(); ++y)
+      for (int x = 0; x < frame.columns(); ++x)
+        out.at(frame.x_px + x, frame.y_px + y, c) = lane[lane_of(x, y)];
+  }
+}
+
+}  // namespace
+
+struct FrontView::State {
+  Exec exec;
+  Camera camera;
+  Compat compat;
+  std::int64_t gaussians;
+  BinnedView binned;
+
+  void check(const FrontQuery& query) const {
+    NGS_CHECK(query.limit.width_px == camera.width_px && query.limit.height_px == camera.height_px &&
+                  query.limit.channels == 1,
+              "one limit per pixel");
+    NGS_CHECK(std::int64_t(query.candidate.size()) == gaussians, "one candidate flag per Gaussian");
+  }
+};
+
+FrontView::FrontView(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options)
+    : state_(std::make_unique<State>(State{exec, camera, options.compat, cloud.size(), {}})) {
+  BinnedView& b = state_->binned;
+  b.view = project_view(exec, cloud_view(cloud, 0, nullptr), relative_camera(camera, cloud), options);
+  b.lists = bin_tiles(exec, b.view, camera.width_px, camera.height_px);
+}
+FrontView::~FrontView() = default;
+
+ImageF FrontView::layer(const FrontQuery& query, Matrix<const float> value) const {
+  const State& s = *state_;
+  const BinnedView& b = s.binned;
+  s.check(query);
+  NGS_CHECK(value.n == s.gaussians, "one value row per Gaussian");
+  ImageF out(s.camera.width_px, s.camera.height_px, value.c + 1);
+  for_each_task(s.exec, b.lists.tiles(), [&](std::int64_t tile) {
+    const TileWork<float> work = tile_work(b.view, b.lists, tile, s.camera, s.compat);
+    const TileFrame& frame = work.frame;
+    LayerSink sink{{b, work, query.candidate, {}}, value, std::vector<L>(std::size_t((value.c + 1) * kPacks), L(0.f))};
+    tile_plane(frame, query.limit.data, sink.limit);
+    if (!has_surface(sink.limit)) return;
+    L transmittance[kPacks];
+    composite_tile<L>(work, transmittance, sink);
+    store_tile(frame, sink.sum, out);
+  });
+  return out;
+}
+
+FrontSums FrontView::sums(const FrontQuery& query, const std::vector<std::uint8_t>& marked) const {
+  const State& s = *state_;
+  const BinnedView& b = s.binned;
+  s.check(query);
+  NGS_CHECK(std::int64_t(marked.size()) == query.limit.pixels(), "one mark per pixel");
+  std::vector<float> pairs(std::size_t(b.lists.pairs()) * 2, 0.f);
+  const Matrix<float> pair{pairs.data(), b.lists.pairs(), 2};
+  for_each_task(s.exec, b.lists.tiles(), [&](std::int64_t tile) {
+    const TileWork<float> work = tile_work(b.view, b.lists, tile, s.camera, s.compat);
+    const TileFrame& frame = work.frame;
+    SumSink sink{{b, work, query.candidate, {}}, pair, {}};
+    tile_plane(frame, query.limit.data, sink.limit);
+    if (!has_surface(sink.limit)) return;
+    tile_plane(frame, marked, sink.marked);
+    L transmittance[kPacks];
+    composite_tile<L>(work, transmittance, sink);
+  });
+  const auto n = std::size_t(s.gaussians);
+  FrontSums sums{std::vector<double>(n), std::vector<double>(n)};
+  for_each_index(s.exec, std::int64_t(b.view.id.size()), [&](std::int64_t v) {
+    const std::size_t i = b.view.id[std::size_t(v)];
+    if (!query.candidate[i]) return;
+    for (std::int64_t slot = b.lists.slot_begin[std::size_t(v)]; slot < b.lists.slot_begin[std::size_t(v) + 1]; ++slot)
+      sums.front[i] += double(pair.row(slot)[0]), sums.marked[i] += double(pair.row(slot)[1]);
+  });
+  return sums;
+}
+
+}  // namespace ngs

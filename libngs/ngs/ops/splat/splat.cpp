@@ -1,0 +1,128 @@
+#include "ngs/ops/splat/splat.h"
+
+#include "ngs/core/check.h"
+#include "ngs/ops/splat/cloud_view.h"
+#include "ngs/ops/device/device_ops.h"
+#include "ngs/ops/splat/splat_engine.h"
+#include "ngs/ops/splat/tile_isa.h"
+
+namespace ngs {
+namespace {
+
+ChannelRequest<float> channel_request(const RenderRequest& request) {
+  const Vec3<float> b = request.background;
+  return {request.colour, request.depth, request.label, b};
+}
+
+/// Planes of the images of a view in channel order; `alpha` last. F maps an image to its data pointer (or null).
+template <class T, class View>
+std::vector<Plane<T>> planes(const ChannelRequest<float>& request, View& view) {
+  std::vector<Plane<T>> out;
+  const auto add = [&](auto& image, int channels) {
+    for (int c = 0; c < channels; ++c)
+      out.push_back({image.empty() ? nullptr : image.data.data() + c, channels});
+  };
+  if (request.colour) add(view.colour, 3);
+  if (request.label.n > 0) add(view.label, request.label.c);
+  if (request.depth) add(view.depth, 1);
+  add(view.alpha, 1);
+  return out;
+}
+
+/// Images of the right shapes; every pixel is written later, so that those of an earlier view serve as they are.
+void allocate(const Camera& camera, const ChannelRequest<float>& request, RenderedView& view) {
+  const int w = camera.width_px, h = camera.height_px;
+  view.width_px = w, view.height_px = h;
+  const auto shape = [&](ImageF& image, int channels) {
+    if (channels == 0)
+      image = {};
+    else if (image.width_px != w || image.height_px != h || image.channels != channels)
+      image = ImageF(w, h, channels);
+  };
+  shape(view.colour, request.colour ? 3 : 0);
+  shape(view.label, request.label.n > 0 ? request.label.c : 0);
+  shape(view.depth, request.depth ? 1 : 0);
+  shape(view.alpha, 1);
+}
+
+std::unique_ptr<DeviceSplat> device_view(const Exec& exec, const CloudView<float>& cloud, const Camera& relative,
+                                         const SplatOptions& options, const ChannelRequest<float>& request) {
+  return exec.device_ops->splat.view(relative, options, cloud, {request.colour, request.depth, request.label},
+                                     request.background);
+}
+
+}  // namespace
+
+struct SplatPass::State {
+  SplatOptions options;
+  ChannelRequest<float> request;
+  std::unique_ptr<SplatEngine<float>> engine;
+  std::unique_ptr<DeviceSplat> on_device;  // instead of the engine
+  RenderedView rendered;
+  std::int64_t gaussians = 0;
+  std::size_t rest_values = 0;
+};
+
+SplatPass::SplatPass(SplatOptions options) : state_(std::make_unique<State>()) { state_->options = options; }
+SplatPass::~SplatPass() = default;
+SplatPass::SplatPass(SplatPass&&) noexcept = default;
+SplatPass& SplatPass::operator=(SplatPass&&) noexcept = default;
+
+const RenderedView& SplatPass::forward(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
+                                       const RenderRequest& request) {
+  State& s = *state_;
+  s.request = channel_request(request);
+  allocate(camera, s.request, s.rendered);
+  s.gaussians = cloud.size(), s.rest_values = cloud.sh_rest.size();
+  const CloudView<float> view = cloud_view(cloud, s.options.max_sh_degree, request.include);
+  s.on_device.reset();
+  if (exec.device_ops) {
+    s.on_device = device_view(exec, view, relative_camera(camera, cloud), s.options, s.request);
+    s.on_device->forward(planes<float>(s.request, s.rendered));
+    return s.rendered;
+  }
+  s.engine = std::make_unique<SplatEngine<float>>(float_tile_kernels(exec.isa), s.options, view,
+                                                  relative_camera(camera, cloud), s.request);
+  s.engine->forward(exec, planes<float>(s.request, s.rendered));
+  return s.rendered;
+}
+
+void SplatPass::backward(const Exec& exec, const ViewGradients& gradients, CloudGradients& out,
+                         const std::vector<std::uint8_t>& label_alone) {
+  const State& s = *state_;
+  const auto n = std::size_t(s.gaussians);
+  NGS_CHECK(label_alone.empty() || label_alone.size() == n, "one flag per Gaussian");
+  out.position.resize(n * 3), out.rotation.resize(n * 4), out.log_scale.resize(n * 3), out.logit_opacity.resize(n);
+  out.sh_dc.resize(n * 3), out.sh_rest.resize(s.rest_values), out.mean_px.resize(n * 2), out.visible.resize(n);
+  out.label.resize(s.request.label.n > 0 ? n * std::size_t(s.request.label.c) : 0);
+  std::vector<std::uint8_t> moves;
+  if (s.request.colour) moves.insert(moves.end(), 3, gradients.colour_moves_geometry);
+  if (s.request.label.n > 0) moves.insert(moves.end(), std::size_t(s.request.label.c), gradients.label_moves_geometry);
+  if (s.request.depth) moves.push_back(gradients.depth_moves_geometry);
+  const CloudGradientView<float> view{out.position.data(), out.rotation.data(), out.log_scale.data(),
+                                      out.logit_opacity.data(), out.sh_dc.data(), out.sh_rest.data(), out.label.data(),
+                                      out.mean_px.data(), out.visible.data(),
+                                      label_alone.empty() ? nullptr : label_alone.data()};
+  const std::vector<Plane<const float>> image = planes<const float>(s.request, gradients);
+  if (s.on_device)
+    s.on_device->backward(image, moves, view);
+  else
+    s.engine->backward(exec, image, moves, view);
+}
+
+RenderedView render(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options,
+                    const RenderRequest& request) {
+  const ChannelRequest<float> channels = channel_request(request);
+  RenderedView view;
+  allocate(camera, channels, view);
+  const CloudView<float> on_view = cloud_view(cloud, options.max_sh_degree, request.include);
+  if (exec.device_ops) {
+    device_view(exec, on_view, relative_camera(camera, cloud), options, channels)->forward(planes<float>(channels, view));
+    return view;
+  }
+  SplatEngine<float> engine(float_tile_kernels(exec.isa), options, on_view, relative_camera(camera, cloud), channels);
+  engine.forward(exec, planes<float>(channels, view));
+  return view;
+}
+
+}  // namespace ngs

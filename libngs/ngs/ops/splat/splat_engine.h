@@ -1,0 +1,124 @@
+#pragma once
+// Forward and backward of one whole view, templated on the storage scalar; the kernels of its tiles come as a table.
+// Internal to ops: splat.cpp runs it with the float kernels of the machine, tests also with one-lane kernels of double
+// and Dual<double>.
+#include <memory>
+
+#include "ngs/ops/splat/splat_view.h"
+#include "ngs/ops/splat/tile_scratch.h"
+
+namespace ngs {
+
+/// What to composite. Channels in order: rgb (if colour), the K label columns, camera z (if depth).
+template <class S>
+struct ChannelRequest {
+  bool colour = true, depth = false;
+  Matrix<const S> label;  // [N, K]
+  Vec3<S> background{S(0), S(0), S(0)};
+  int count() const { return (colour ? 3 : 0) + (label.n > 0 ? label.c : 0) + (depth ? 1 : 0); }
+};
+
+template <class S>
+class SplatEngine {
+ public:
+  SplatEngine(const TileKernels<S>& kernels, const SplatOptions& options, const CloudView<S>& cloud,
+              const Camera& camera, const ChannelRequest<S>& request)
+      : kernels_(kernels), options_(options), cloud_(cloud), camera_(camera), request_(request) {
+    background_.assign(std::size_t(request.count()), S(0));
+    if (request.colour)
+      background_[0] = request.background.x, background_[1] = request.background.y, background_[2] = request.background.z;
+  }
+
+  /// Writes channel c to out[c] and 1 - T_final to out[count()].
+  void forward(const Exec& exec, const std::vector<Plane<S>>& out) {
+    prepare(exec);
+    composite(exec, out);
+  }
+  /// The two halves of forward.
+  void prepare(const Exec& exec) {
+    view_ = project_view(exec, cloud_, camera_, options_);
+    lists_ = bin_tiles(exec, view_, camera_.width_px, camera_.height_px);
+    gather_channels(exec);
+  }
+  void composite(const Exec& exec, const std::vector<Plane<S>>& out) const {
+    for_each_task(exec, lists_.tiles(), [&](std::int64_t tile) {
+      S* scratch = thread_scratch().values(std::size_t(request_.count() * kTilePixels));
+      kernels_.forward({work(tile), channels(), background_.data(), out.data(), scratch});
+    });
+  }
+
+  /// grad[c]: ∂L/∂(out[c] of forward), grad[count()]: ∂L/∂alpha. moves[c]: whether channel c's gradient
+  /// reaches alpha, and through it the geometry.
+  void backward(const Exec& exec, const std::vector<Plane<const S>>& grad, const std::vector<std::uint8_t>& moves,
+                const CloudGradientView<S>& out) {
+    const int columns = kPairGeometry + request_.count();
+    const std::unique_ptr<S[]> pair_grad = zeros(exec, lists_.pairs() * columns);
+    const Matrix<const S> pairs{pair_grad.get(), lists_.pairs(), columns};
+    for_each_task(exec, lists_.tiles(), [&](std::int64_t tile) {
+      TileScratch<S>& memory = thread_scratch();
+      S* scratch = memory.values(backward_scratch(request_.count()));
+      kernels_.backward({work(tile), channels(), background_.data(), grad.data(), moves.data(), pair_grad.get(), scratch,
+                         &memory.tape});
+    });
+    clear(exec, out);
+    const GaussianBackward<S> gaussian{view_projector<S>(camera_, options_), cloud_, plan(), pairs, out};
+    for_each_index(exec, std::int64_t(view_.id.size()), [&](std::int64_t row) {
+      const auto v = std::size_t(row);
+      const std::int64_t begin = lists_.slot_begin[v], end = lists_.slot_begin[v + 1];
+      if (begin < end) gaussian.gather(view_.id[v], channels().row(std::uint32_t(v)), begin, end);
+    });
+  }
+
+  const ProjectedView<S>& view() const { return view_; }
+  const TileLists& lists() const { return lists_; }
+
+ private:
+  void gather_channels(const Exec& exec) {
+    const int count = request_.count();
+    const ViewProjector<S> view = view_projector<S>(camera_, options_);
+    channel_.resize(view_.id.size() * std::size_t(count));
+    for_each_index(exec, std::int64_t(view_.id.size()), [&](std::int64_t v) {
+      channel_row(plan(), view, cloud_, view_.id[std::size_t(v)], view_.depth[std::size_t(v)], channel_.data() + v * count);
+    });
+  }
+
+  TileWork<S> work(std::int64_t tile) const { return tile_work(view_, lists_, tile, camera_, options_.compat); }
+  ChannelPlan<S> plan() const { return {request_.colour, request_.depth, request_.label}; }
+  ChannelValues<S> channels() const { return {channel_.data(), request_.count()}; }
+  /// Written, and so first touched, by all threads.
+  static std::unique_ptr<S[]> zeros(const Exec& exec, std::int64_t n) {
+    constexpr std::int64_t kChunk = 1 << 14;
+    std::unique_ptr<S[]> memory = std::make_unique_for_overwrite<S[]>(std::size_t(n));
+    for_each_index(exec, (n + kChunk - 1) / kChunk, [&](std::int64_t chunk) {
+      std::fill(memory.get() + chunk * kChunk, memory.get() + std::min(n, (chunk + 1) * kChunk), S(0));
+    });
+    return memory;
+  }
+  static TileScratch<S>& thread_scratch() {
+    static thread_local TileScratch<S> scratch;
+    return scratch;
+  }
+
+  void clear(const Exec& exec, const CloudGradientView<S>& out) const {
+    const int labels = request_.label.n > 0 ? request_.label.c : 0;
+    for_each_index(exec, cloud_.size, [&](std::int64_t i) {
+      const auto zero = [i](S* column, int width) {
+        if (column) std::fill_n(column + i * width, width, S(0));
+      };
+      zero(out.position, 3), zero(out.rotation, 4), zero(out.log_scale, 3), zero(out.logit_opacity, 1);
+      zero(out.sh_dc, 3), zero(out.sh_rest, cloud_.rest_stride * 3), zero(out.label, labels), zero(out.mean_px, 2);
+      if (out.visible) out.visible[i] = 0;
+    });
+  }
+
+  TileKernels<S> kernels_;
+  SplatOptions options_;
+  CloudView<S> cloud_;
+  Camera camera_;
+  ChannelRequest<S> request_;
+  ProjectedView<S> view_;
+  TileLists lists_;
+  std::vector<S> background_, channel_;  // [C], [V, C]
+};
+
+}  // namespace ngs

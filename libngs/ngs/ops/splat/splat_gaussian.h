@@ -1,0 +1,315 @@
+#pragma once
+// What is done once per Gaussian of a view, on any device: projection, tiles, channel values, and the way back from the
+// sums over its pixels to the cloud's columns. Internal to ops; templated on the storage scalar S.  PAPER.md §5.1
+#include "ngs/ops/splat/near_plane.h"
+#include "ngs/ops/splat/project_kernels.h"
+#include "ngs/ops/splat/splat.h"
+#include "ngs/ops/splat/splat_step_kernels.h"
+#include "ngs/ops/splat/tile_types.h"
+
+namespace ngs {
+
+/// A cloud as arrays of S. Members as in GaussianCloud; null sh_dc: colour is not evaluated.
+template <class S>
+struct CloudView {
+  std::int64_t size = 0;
+  const S *position = nullptr, *rotation = nullptr, *log_scale = nullptr, *logit_opacity = nullptr;
+  const S *sh_dc = nullptr, *sh_rest = nullptr;
+  int sh_degree = 0;    // bands to evaluate
+  int rest_stride = 0;  // coefficients stored per Gaussian
+  const std::uint8_t *usable = nullptr, *include = nullptr;  // null: all
+};
+
+/// ∂L/∂(columns of CloudView); any pointer may be null (not wanted). Rows of invisible Gaussians are set to 0.
+template <class S>
+struct CloudGradientView {
+  S *position = nullptr, *rotation = nullptr, *log_scale = nullptr, *logit_opacity = nullptr;
+  S *sh_dc = nullptr, *sh_rest = nullptr, *label = nullptr, *mean_px = nullptr;
+  std::uint8_t* visible = nullptr;
+  const std::uint8_t* label_alone = nullptr;  // [N] 1: of this Gaussian only `label` is wanted, its other rows are 0; null: none
+};
+
+struct TileRect {
+  std::uint16_t x_begin, x_end, y_begin, y_end;  // half open, in tiles
+};
+
+/// The camera in coordinates relative to `origin` (GaussianCloud::origin), with the Jacobian limits of gsplat,
+/// which for a centred principal point are the 1.3 tan(fov/2) of 3DGS.
+template <class S>
+ProjectionCamera<S> projection_camera(const Camera& camera, const SplatOptions& options) {
+  const double margin_x = 0.15 * camera.width_px / camera.fx, margin_y = 0.15 * camera.height_px / camera.fy;
+  return {mat3_cast<S>(camera.rotation), S(camera.fx), S(camera.fy), S(camera.cx), S(camera.cy),
+          S(-camera.cx / camera.fx - margin_x), S((camera.width_px - camera.cx) / camera.fx + margin_x),
+          S(-camera.cy / camera.fy - margin_y), S((camera.height_px - camera.cy) / camera.fy + margin_y),
+          S(near_plane(options.compat)), S(options.blur_px2)};
+}
+
+/// p - centre in the wide scalar: both may be far from the origin and close to each other.
+template <class S>
+NGS_HD Vec3<WideOf<S>> offset_from(const Vec3<double>& centre, const S* p) {
+  using W = WideOf<S>;
+  return {W(p[0]) - W(centre.x), W(p[1]) - W(centre.y), W(p[2]) - W(centre.z)};
+}
+template <class S, class W>
+NGS_HD Vec3<S> narrowed(Vec3<W> v) { return {S(v.x), S(v.y), S(v.z)}; }
+
+/// Rounds towards zero after clamping to [lo, hi]; NaN gives lo.
+template <class S>
+NGS_HD int clamped_int(S x, int lo, int hi) {
+  const double v = double(x);
+  return v > lo ? (v < hi ? int(v) : hi) : lo;
+}
+
+/// The tile rectangle of the chosen family: 3DGS takes 3 sigma of the longer axis, gsplat an opacity-aware
+/// box per axis. Both visit whole tiles, which is where their results differ at tile borders.
+template <class S>
+NGS_HD TileRect tile_rect(const ProjectedGaussian<S>& p, Compat compat, int tiles_x, int tiles_y) {
+  double radius_x, radius_y;
+  const double xx = double(p.cov_xx), yy = double(p.cov_yy), det = double(p.det);
+  if (compat == Compat::kInria) {
+    const double mid = 0.5 * (xx + yy);
+    radius_x = radius_y = std::ceil(3.0 * std::sqrt(mid + std::sqrt(max2(0.1, mid * mid - det))));
+  } else {
+    const double extent = min2(3.33, std::sqrt(2.0 * std::log(255.0 * double(p.opacity))));
+    radius_x = std::ceil(extent * std::sqrt(xx)), radius_y = std::ceil(extent * std::sqrt(yy));
+  }
+  // 3DGS puts pixel centres at integers: its coordinate is ours - 0.5.
+  const double shift = compat == Compat::kInria ? 0.5 : 0.0;
+  const double x = double(p.mean_x) - shift, y = double(p.mean_y) - shift;
+  const auto tile = [](double v, int hi) { return std::uint16_t(clamped_int(v / kTilePx, 0, hi)); };
+  const double round_up = kTilePx - 1;
+  return {tile(x - radius_x, tiles_x), tile(x + radius_x + round_up, tiles_x), tile(y - radius_y, tiles_y),
+          tile(y + radius_y + round_up, tiles_y)};
+}
+
+template <class S>
+NGS_HD SplatRecord<S> record_of(const ProjectedGaussian<S>& p, WideOf<S> mean_x, WideOf<S> mean_y) {
+  using std::log;
+  using std::log2;
+  using std::sqrt;
+  const S two_cut = S(2) * log(S(255) * p.opacity);
+  const S reach2 = max2(two_cut, S(0)), half_width = sqrt(reach2 * p.cov_xx), half_height = sqrt(reach2 * p.cov_yy);
+  const S log2_opacity = S(log2(WideOf<S>(p.opacity)));
+  return {mean_x,     mean_y,      PowerForm<S>::of(p.conic_a, p.conic_b, p.cov_yy), log2_opacity,      two_cut, S(1) / p.det,
+          half_width, half_height, -p.conic_b / p.conic_a * half_height,            S(1) / p.conic_c};
+}
+
+/// Columns [x_lo, x_hi] (px, continuous) where the ellipse {quadratic form <= two_cut} meets the pixel-centre
+/// rows [y_lo, y_hi]; false if it does not. Exact up to rounding: the widest row is where the ellipse's own
+/// extreme point lies, or the band's edge nearest to it.
+template <class S>
+NGS_HD bool ellipse_columns(const SplatRecord<S>& g, double y_lo, double y_hi, double& x_lo, double& x_hi) {
+  const double a = double(g.form.a()), b = double(g.form.b()), inv_det = double(g.inv_det);
+  const double mean_x = double(g.mean_x), mean_y = double(g.mean_y), two_cut = double(g.two_cut);
+  const double half_height = double(g.half_height) + kSpanSlackPx;
+  const double v_lo = max2(y_lo - mean_y, -half_height), v_hi = min2(y_hi - mean_y, half_height);
+  if (v_lo > v_hi) return false;
+  const double v_right = -b * double(g.inv_c) * double(g.half_width);  // where the rightmost point lies
+  const double inv_a = 1 / a;
+  const auto row = [&](double v, double side) {
+    return mean_x + inv_a * (side * std::sqrt(max2(0.0, two_cut * a - v * v * inv_det)) - b * v);
+  };
+  x_hi = row(clamp3(v_right, v_lo, v_hi), 1.0) + kSpanSlackPx;
+  x_lo = row(clamp3(-v_right, v_lo, v_hi), -1.0) - kSpanSlackPx;
+  return true;
+}
+
+/// Tiles [first, end) of one row of tiles.
+struct TileSpan {
+  std::uint16_t first, end;
+};
+
+/// The tiles of row `ty` that a Gaussian reaches.
+template <class S>
+NGS_HD TileSpan tile_span(const SplatRecord<S>& record, const TileRect& r, int ty) {
+  double x_lo, x_hi;
+  if (!ellipse_columns(record, ty * kTilePx + 0.5, ty * kTilePx + kTilePx - 0.5, x_lo, x_hi) || x_hi < 0.5)
+    return {0, 0};
+  // Pixel centres are at +0.5: column x is touched when x + 0.5 lies in [x_lo, x_hi].
+  const int first = max2(int(r.x_begin), clamped_int((x_lo - 0.5) / kTilePx, 0, r.x_end));
+  const int last = min2(int(r.x_end) - 1, clamped_int((x_hi - 0.5) / kTilePx, -1, r.x_end));
+  if (last < first) return {0, 0};
+  return {std::uint16_t(first), std::uint16_t(last + 1)};
+}
+
+/// Where a pixel's walk ends in each family: below 1e-4, or at it.
+inline double transmittance_stop(Compat compat) {
+  return compat == Compat::kInria ? kTransmittanceStop : double(std::nextafter(float(kTransmittanceStop), 1.f));
+}
+
+/// The record relative to a tile's first pixel centre; subtracted in the wide scalar.
+template <class S>
+NGS_HD TileGaussian<S> tile_gaussian(const SplatRecord<S>& g, const TileFrame& frame) {
+  using W = WideOf<S>;
+  return {S(g.mean_x - W(frame.x_px + 0.5)), S(g.mean_y - W(frame.y_px + 0.5)), g.log2_opacity,
+          g.form};
+}
+
+template <class S>
+struct VisibleGaussian {
+  SplatRecord<S> record;
+  S depth;  // camera z
+  TileRect rect;
+};
+
+/// Everything about a view that does not depend on the Gaussian.
+template <class S>
+struct ViewProjector {
+  using Wide = WideOf<S>;
+  ProjectionCamera<S> camera;
+  ProjectionCamera<Wide> wide;
+  Vec3<double> centre;
+  double spread, blur_px;  // of beside(): px · world per unit of scale; px
+  int tiles_x, tiles_y;
+  bool antialiased;
+  Compat compat;
+
+  /// The centre of Gaussian i relative to the camera's, in world axes.
+  NGS_HD Vec3<Wide> offset(const CloudView<S>& cloud, std::int64_t i) const {
+    return offset_from(centre, cloud.position + i * 3);
+  }
+
+  /// Whether tile_rect would be empty, found without the covariance; may be false although it is. What is bounded:
+  /// both radii are at most 3.33 (cov_xx + cov_yy + 0.32)^½ + 1 px and cov_xx + cov_yy <= (largest scale · `spread` / z)² +
+  /// 2 blur. All multiplied by z; what the factors exceed 3.33 and 1 by is for rounding. Without branches: a loop over
+  /// Gaussians becomes one of packs.
+  NGS_HD bool beside(const CloudView<S>& cloud, std::int64_t i) const {
+    constexpr double kRadii = 3.5, kRounding_px = 2;
+    const Vec3<Wide> t = wide.rotation * offset(cloud, i);
+    const S* log_scale = cloud.log_scale + i * 3;
+    const double x = double(t.x), y = double(t.y), z = double(t.z);
+    const double column = double(wide.f_x) * x + double(wide.c_x) * z, row = double(wide.f_y) * y + double(wide.c_y) * z;
+    const double right = column - kTilePx * tiles_x * z, below = row - kTilePx * tiles_y * z;
+    const double off = max2(max2(-column, right), max2(-row, below));
+    const float largest = max2(max2(float(double(log_scale[0])), float(double(log_scale[1]))), float(double(log_scale[2])));
+    return off > kRadii * (double(exp_at_least(largest)) * spread + blur_px * z) + kRounding_px * z;
+  }
+
+  /// False for a Gaussian that cannot reach a pixel.
+  NGS_HD bool project(const CloudView<S>& cloud, std::int64_t i, VisibleGaussian<S>& out) const {
+    using std::isfinite;
+    if ((cloud.usable && !cloud.usable[i]) || (cloud.include && !cloud.include[i])) return false;
+    const Vec3<Wide> t_wide = wide.rotation * offset(cloud, i);
+    const Vec3<S> t = narrowed<S>(t_wide);
+    if (!(t.z > camera.near_z)) return false;
+    ProjectionContext<S> ctx;
+    const ProjectedGaussian<S> p = project_gaussian(camera, t, cloud.rotation + i * 4, cloud.log_scale + i * 3,
+                                                    cloud.logit_opacity[i], antialiased, ctx);
+    if (!(p.opacity >= S(kAlphaMin)) || !(p.det > S(0)) || !isfinite(double(p.det)) || !isfinite(double(p.mean_x)) ||
+        !isfinite(double(p.mean_y)))
+      return false;
+    out.rect = tile_rect(p, compat, tiles_x, tiles_y);
+    if (out.rect.x_begin >= out.rect.x_end || out.rect.y_begin >= out.rect.y_end) return false;
+    out.record = record_of<S>(p, wide.f_x * (t_wide.x / t_wide.z) + wide.c_x, wide.f_y * (t_wide.y / t_wide.z) + wide.c_y);
+    out.depth = t.z;
+    return true;
+  }
+};
+
+template <class S>
+ViewProjector<S> view_projector(const Camera& camera, const SplatOptions& options) {
+  const ProjectionCamera<double> c = projection_camera<double>(camera, options);
+  const auto row_length = [](double f, double lo, double hi) { return f * std::hypot(1.0, std::max(-lo, hi)); };
+  return {projection_camera<S>(camera, options), projection_camera<WideOf<S>>(camera, options), camera.centre(),
+          std::hypot(row_length(c.f_x, c.x_lo, c.x_hi), row_length(c.f_y, c.y_lo, c.y_hi)),
+          std::sqrt(2 * c.blur + 0.32), (camera.width_px + kTilePx - 1) / kTilePx,
+          (camera.height_px + kTilePx - 1) / kTilePx, options.antialiased, options.compat};
+}
+
+/// Which channels are composited: rgb (if colour), the label columns, camera z (if depth).
+template <class S>
+struct ChannelPlan {
+  bool colour = true, depth = false;
+  Matrix<const S> label;  // [N, K], n = 0: none
+  NGS_HD int labels() const { return label.n > 0 ? label.c : 0; }
+  NGS_HD int count() const { return (colour ? 3 : 0) + labels() + (depth ? 1 : 0); }
+};
+
+/// The channel values of Gaussian i at depth `depth` into row [count].
+template <class S>
+NGS_HD void channel_row(const ChannelPlan<S>& plan, const ViewProjector<S>& view, const CloudView<S>& cloud,
+                        std::int64_t i, S depth, S* row) {
+  if (plan.colour) {
+    const Vec3<S> rgb = sh_colour(cloud.sh_degree, narrowed<S>(view.offset(cloud, i)), cloud.sh_dc + i * 3,
+                                  cloud.sh_rest + i * cloud.rest_stride * 3);
+    *row++ = rgb.x, *row++ = rgb.y, *row++ = rgb.z;
+  }
+  for (int k = 0; k < plan.labels(); ++k) *row++ = plan.label.row(i)[k];
+  if (plan.depth) *row = depth;
+}
+
+/// From the gradients of a Gaussian's pairs [begin, end), and its channel values, to the columns of the cloud.
+///                                                                                             adjoint of project
+template <class S>
+struct GaussianBackward {
+  using Wide = WideOf<S>;
+  ViewProjector<S> view;
+  CloudView<S> cloud;
+  ChannelPlan<S> plan;
+  Matrix<const S> pairs;  // [pairs, kPairGeometry + count]
+  CloudGradientView<S> out;
+
+  template <int N>
+  struct Sums {
+    S of[N];
+  };
+  /// Over the pairs, of N columns side by side: one alone would wait for each of its additions.
+  template <int N>
+  NGS_HD Sums<N> sums(int first, std::int64_t begin, std::int64_t end) const {
+    Wide total[N] = {};
+    for (std::int64_t slot = begin; slot < end; ++slot)
+      for (int c = 0; c < N; ++c) total[c] += Wide(pairs.row(slot)[first + c]);
+    Sums<N> out;
+    for (int c = 0; c < N; ++c) out.of[c] = S(total[c]);
+    return out;
+  }
+
+  NGS_HD void gather(std::int64_t i, const S* value, std::int64_t begin, std::int64_t end) const {
+    int channel = kPairGeometry + (plan.colour ? 3 : 0);
+    for (int k = 0; k < plan.labels(); ++k, ++channel)
+      if (out.label) out.label[i * plan.labels() + k] = sums<1>(channel, begin, end).of[0];
+    if (out.visible) out.visible[i] = 1;
+    if (!out.label_alone || !out.label_alone[i]) gather_shape_and_colour(i, value, begin, end);
+  }
+
+ private:
+  NGS_HD void gather_shape_and_colour(std::int64_t i, const S* value, std::int64_t begin, std::int64_t end) const {
+    const Vec3<Wide> wide_offset = view.offset(cloud, i);
+    const Vec3<S> offset = narrowed<S>(wide_offset), t = narrowed<S>(view.wide.rotation * wide_offset);
+    ProjectionContext<S> ctx;
+    const ProjectedGaussian<S> p = project_gaussian(view.camera, t, cloud.rotation + i * 4, cloud.log_scale + i * 3,
+                                                    cloud.logit_opacity[i], view.antialiased, ctx);
+    const auto [mean_x, mean_y, conic_a, conic_b, conic_c, log_opacity] = sums<kPairGeometry>(0, begin, end).of;
+    GaussianGradient<S> g = project_gaussian_backward(view.camera, t, p, ctx, view.antialiased,
+                                                      ProjectedGradient<S>{mean_x, mean_y, conic_a, conic_b, conic_c, log_opacity});
+    Vec3<S> grad_offset{S(0), S(0), S(0)};
+    if (plan.colour) {
+      const auto [red, green, blue] = sums<3>(kPairGeometry, begin, end).of;
+      grad_offset = colour(i, offset, Vec3<S>{value[0], value[1], value[2]}, Vec3<S>{red, green, blue});
+    }
+    if (plan.depth) g.t.z += sums<1>(kPairGeometry + plan.count() - 1, begin, end).of[0];
+    store(out.position, i, transpose(view.camera.rotation) * g.t + grad_offset);
+    if (out.rotation) {
+      S* o = out.rotation + i * 4;
+      o[0] = g.rotation.x, o[1] = g.rotation.y, o[2] = g.rotation.z, o[3] = g.rotation.w;
+    }
+    store(out.log_scale, i, g.log_scale);
+    if (out.logit_opacity) out.logit_opacity[i] = g.logit_opacity;
+    if (out.mean_px) out.mean_px[i * 2] = mean_x, out.mean_px[i * 2 + 1] = mean_y;
+  }
+  NGS_HD static void store(S* column, std::int64_t i, Vec3<S> v) {
+    if (column) column[i * 3] = v.x, column[i * 3 + 1] = v.y, column[i * 3 + 2] = v.z;
+  }
+  NGS_HD Vec3<S> colour(std::int64_t i, Vec3<S> offset, Vec3<S> rgb, Vec3<S> grad_rgb) const {
+    const S* rest = cloud.sh_rest + i * cloud.rest_stride * 3;
+    S dc[3], rest_grad[45];
+    const Vec3<S> grad_offset = sh_colour_backward(cloud.sh_degree, offset, rest, rgb, grad_rgb, dc, rest_grad);
+    store(out.sh_dc, i, {dc[0], dc[1], dc[2]});
+    const int bands = (cloud.sh_degree + 1) * (cloud.sh_degree + 1) - 1;
+    if (out.sh_rest)
+      for (int k = 0; k < bands * 3; ++k) out.sh_rest[i * cloud.rest_stride * 3 + k] = rest_grad[k];
+    return grad_offset;
+  }
+};
+
+}  // namespace ngs

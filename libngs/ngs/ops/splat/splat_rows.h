@@ -1,0 +1,80 @@
+#pragma once
+// Which rows of a tile a Gaussian can meet: what the walk of splat_tiles.h visits.                    PAPER.md §5.1
+//
+// Found for kAhead Gaussians at once, one per lane. One after the other, the walk would wait for every square root.
+#include <limits>
+#include <type_traits>
+
+#include "ngs/math/lanes.h"
+#include "ngs/ops/splat/splat_step_kernels.h"
+#include "ngs/ops/splat/tile_types.h"
+
+namespace ngs {
+
+/// Gaussians whose rows are found at once.
+inline constexpr std::uint32_t kAhead = 32;
+
+/// The next Gaussians of a tile relative to its first pixel centre, and the rows in which alpha can reach 1/255 within
+/// bands of columns: 8 of them where packs are that wide, so that Pack16 visits what two PackF visit; else one.
+template <class L>
+class RowsAhead {
+  using S = typename LaneTraits<L>::Scalar;
+  // Derivatives are not asked for which rows to visit.
+  using G = std::conditional_t<std::is_arithmetic_v<S>, L, double>;
+  using T = typename LaneTraits<G>::Scalar;
+  static constexpr int kBandPx = LaneTraits<L>::kLanes < 8 ? LaneTraits<L>::kLanes : 8, kBands = kTilePx / kBandPx;
+  static constexpr double kEps = std::numeric_limits<T>::epsilon();
+
+ public:
+  /// Gaussians [first, first + kAhead) of the tile's list, or as many as there are.
+  [[gnu::always_inline]] void find(const TileWork<S>& work, std::uint32_t first) {
+    const std::uint32_t count = work.entries - first < kAhead ? work.entries - first : kAhead;
+    for (std::uint32_t k = 0; k < count; ++k) load(k, work.record[work.visible[first + k]], work.frame);
+    for (std::uint32_t k = 0; k < count; k += LaneTraits<G>::kLanes)
+      for (int band = 0; band < kBands; ++band) find_rows(k, band, work.frame.rows());
+  }
+  /// Of the k-th: the mean, px from the first pixel centre.
+  S x(std::uint32_t k) const { return x_[k]; }
+  S y(std::uint32_t k) const { return y_[k]; }
+  /// Of the k-th: bits of the rows to visit in a band.
+  std::uint32_t rows(std::uint32_t k, int band) const { return rows_[band][k]; }
+
+ private:
+  [[gnu::always_inline]] void load(std::uint32_t k, const SplatRecord<S>& g, const TileFrame& frame) {
+    using W = WideOf<S>;
+    x_[k] = S(g.mean_x - W(frame.x_px + 0.5)), y_[k] = S(g.mean_y - W(frame.y_px + 0.5));
+    mean_x_[k] = T(x_[k]), mean_y_[k] = T(y_[k]), b_[k] = T(g.form.b()), inv_c_[k] = T(g.inv_c), inv_det_[k] = T(g.inv_det);
+    cut_c_[k] = T(1 + 8 * kEps) * T(g.two_cut) * T(g.form.c()), bottom_x_[k] = T(g.bottom_x);
+  }
+
+  /// The ellipse {quadratic form <= two_cut} has its lowest point within the columns at its own lowest point, or on the
+  /// border nearest to that. Rounding adds rows and takes none: the square is widened by what cancels in it, the border by
+  /// what cancels in v. Where the ellipse misses the columns, at most a row too many.
+  [[gnu::always_inline]] void find_rows(std::uint32_t k, int band, int rows) {
+    const G left = G(T(band * kBandPx - kSpanSlackPx)) - lanes(mean_x_, k), right = left + G(T(kBandPx - 1 + 2 * kSpanSlackPx));
+    const G b = lanes(b_, k), inv_c = lanes(inv_c_, k), inv_det = lanes(inv_det_, k), cut_c = lanes(cut_c_, k);
+    const G bottom_x = lanes(bottom_x_, k), mean_y = lanes(mean_y_, k);
+    const auto border = [&](T downwards) {
+      const G u = max_lanes(min_lanes(G(downwards) * bottom_x, right), left), along = b * u;
+      const G root = sqrt_lanes(max_lanes(fma_lanes(-u * inv_det, u, cut_c), G(T(0))));
+      const G v = (G(downwards) * root - along) * inv_c;
+      const G slack = fma_lanes(max_lanes(along, -along) + root, inv_c * G(T(4 * kEps)), G(T(kSpanSlackPx)));
+      const G row = G(downwards) * floor_lanes(fma_lanes(G(downwards), mean_y + v, slack)) + G(T(downwards > 0 ? 1 : 0));
+      return min_lanes(max_lanes(row, G(T(0))), G(T(rows)));
+    };
+    store_row_bits(rows_[band] + k, border(T(-1)), border(T(1)));
+  }
+  [[gnu::always_inline]] static G lanes(const T* values, std::uint32_t k) {
+    G g;
+    load_lanes(values + k, g);
+    return g;
+  }
+
+  S x_[kAhead], y_[kAhead];
+  // Lanes behind the last Gaussian are computed too: they must hold something.
+  T mean_x_[kAhead] = {}, mean_y_[kAhead] = {}, b_[kAhead] = {}, inv_c_[kAhead] = {}, inv_det_[kAhead] = {}, cut_c_[kAhead] = {},
+    bottom_x_[kAhead] = {};
+  std::uint32_t rows_[kBands][kAhead];
+};
+
+}  // namespace ngs

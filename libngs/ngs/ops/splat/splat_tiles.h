@@ -1,0 +1,282 @@
+#pragma once
+// The compositing walk of one tile and its forward kernel.                           Eq. (2); PAPER.md §5.1
+//
+// Templated on the lane type L: PackF (8 pixels of one row) or Pack16 in production, one-lane scalars in tests. A tile
+// is refined in columns of packs, pack = column · 16 + row; per Gaussian only rows where alpha can reach 1/255 within
+// 8 px of columns are visited. Pack16 visits what two PackF visit, so results do not depend on the width.
+#include <cmath>
+
+#include "ngs/math/lanes.h"
+#include "ngs/ops/splat/splat_rows.h"
+
+namespace ngs {
+
+template <class L>
+inline constexpr int kPackColumns = kTilePx / LaneTraits<L>::kLanes;
+template <class L>
+inline constexpr int kPacksPerTile = kPackColumns<L>* kTilePx;
+
+/// Where pixel (x, y) of a tile lies in a plane of [packs][lanes].
+template <class L>
+constexpr int place_in_packs(int x, int y) {
+  constexpr int kLanes = LaneTraits<L>::kLanes;
+  return (x / kLanes * kTilePx + y) * kLanes + x % kLanes;
+}
+
+/// One (Gaussian, pixel pack) contribution: what sinks receive.
+///   alpha           0 in lanes that the Gaussian does not reach
+///   transmittance   before this Gaussian
+template <class L>
+struct Contribution {
+  std::uint32_t pack;
+  L alpha, transmittance;
+};
+
+/// Rows to visit per column of packs.
+template <class L>
+struct RowsToVisit {
+  using Mask = typename LaneTraits<L>::Mask;
+  RowsAhead<L> ahead;
+
+  [[gnu::always_inline]] void find(const TileWork<typename LaneTraits<L>::Scalar>& work, std::uint32_t first) {
+    ahead.find(work, first);
+  }
+  std::uint32_t rows(std::uint32_t k, int column) const { return ahead.rows(k, column); }
+  [[gnu::always_inline]] Mask lanes(std::uint32_t, std::uint32_t) const { return all_lanes(L()); }
+};
+
+/// A pack as wide as the tile: the rows of its two halves, and for every row the lanes of the half that visits it.
+template <class L>
+  requires(LaneTraits<L>::kLanes == kTilePx)
+struct RowsToVisit<L> {
+  using Mask = typename LaneTraits<L>::Mask;
+  RowsAhead<L> ahead;
+  Mask visits[kAhead][kTilePx];
+
+  [[gnu::always_inline]] void find(const TileWork<typename LaneTraits<L>::Scalar>& work, std::uint32_t first) {
+    ahead.find(work, first);
+    for (std::uint32_t k = 0; k < kAhead && first + k < work.entries; ++k)
+      masks_of_halves(ahead.rows(k, 0), ahead.rows(k, 1), visits[k]);
+  }
+  std::uint32_t rows(std::uint32_t k, int) const { return ahead.rows(k, 0) | ahead.rows(k, 1); }
+  [[gnu::always_inline]] Mask lanes(std::uint32_t k, std::uint32_t row) const { return visits[k][row]; }
+};
+
+/// From the pixels `first`, first + 1, ... of a row or column to a mean; lane = 0, 1, ...
+template <class L>
+[[gnu::always_inline]] inline L offsets_to(L mean, L lane, int first) {
+  return mean - (lane + L(typename LaneTraits<L>::Scalar(first)));
+}
+
+/// What splat_exponent takes per row of a Gaussian: all rows of the tile at once.
+template <class L>
+struct RowTerms {
+  using S = typename LaneTraits<L>::Scalar;
+  S linear[kTilePx], constant[kTilePx];
+
+  [[gnu::always_inline]] RowTerms(L lane, S tile_y, const PowerForm<S>& form, L log2_opacity) {
+    constexpr int kLanes = LaneTraits<L>::kLanes;
+    for (int row = 0; row < kTilePx; row += kLanes) {
+      const L v = offsets_to(L(tile_y), lane, row);
+      store_lanes(linear + row, L(form.along_v) * v), store_lanes(constant + row, splat_row_constant(L(form.across), v, log2_opacity));
+    }
+  }
+};
+
+/// Bits of the rows with a live lane per column of packs; false if there is none.
+template <class L>
+bool find_live_rows(const typename LaneTraits<L>::Mask* live, std::uint32_t* rows) {
+  std::uint32_t all = 0;
+  for (int column = 0; column < kPackColumns<L>; ++column) {
+    rows[column] = 0;
+    for (int row = 0; row < kTilePx; ++row) rows[column] |= std::uint32_t(any(live[column * kTilePx + row])) << row;
+    all |= rows[column];
+  }
+  return all != 0;
+}
+
+/// Walks the tile's Gaussians nearest first and hands each contribution to `sink`:
+///   sink.begin(e)                        e = position in the tile's list
+///     sink.begin_column(column)          a column of packs that may be reached
+///     sink.add(row, Contribution<L>)     zero or more, rows ascending
+///     sink.end_column(column)
+///   sink.end()
+/// Contributions without any lane are left out, unless Sink::kTakesEmpty: a branch that waits for the whole evaluation
+/// costs more than an addition of zeros. `transmittance` [packs] is left at its final value. A pixel stops before its
+/// transmittance would fall below work.stop; the tile stops when all its pixels have.
+///
+/// The alphas of a column come first, then what they do to the pixels. In one loop each row would be one long chain of
+/// operations, few of which fit into what the processor looks ahead at.
+template <class L, class Sink>
+[[gnu::always_inline]] inline void composite_tile(const TileWork<typename LaneTraits<L>::Scalar>& work, L* transmittance,
+                                                  Sink& sink) {
+  using S = typename LaneTraits<L>::Scalar;
+  using Mask = typename LaneTraits<L>::Mask;
+  constexpr int kLanes = LaneTraits<L>::kLanes, kColumns = kPackColumns<L>;
+  const TileFrame frame = work.frame;
+  const int rows = frame.rows(), columns = frame.columns();
+  Mask live[kPacksPerTile<L>];
+  std::uint32_t live_rows[kColumns];
+  L lane;
+  iota_lanes(S(0), lane);
+  for (int column = 0; column < kColumns; ++column) {
+    const int inside = columns - column * kLanes;
+    for (int row = 0; row < kTilePx; ++row) {
+      transmittance[column * kTilePx + row] = L(S(1));
+      live[column * kTilePx + row] = lane < L(S(row < rows ? inside : 0));
+    }
+  }
+  const L stop(work.stop), zero = L(S(0));
+
+  RowsToVisit<L> to_visit;
+  L alpha_of[kTilePx];
+  for (std::uint32_t e = 0; e < work.entries; ++e) {
+    const std::uint32_t k = e % kAhead;
+    if (k == 0) {
+      // Not after each Gaussian: the walk would wait for its last pixel.
+      if (!find_live_rows<L>(live, live_rows)) return;
+      to_visit.find(work, e);
+    }
+    const SplatRecord<S>& g = work.record[work.visible[e]];
+    const L along_u(g.form.along_u);
+    const L tile_x(to_visit.ahead.x(k));  // relative to the tile: the same bits for any pack width
+    const RowTerms<L> terms(lane, to_visit.ahead.y(k), g.form, L(g.log2_opacity));
+    sink.begin(e);
+    for (int column = 0; column < kColumns; ++column) {
+      const std::uint32_t visited = to_visit.rows(k, column) & live_rows[column];
+      if (visited == 0) continue;
+      const L u = offsets_to(tile_x, lane, column * kLanes);
+      for (std::uint32_t left = visited; left != 0; left &= left - 1) {
+        const auto row = std::uint32_t(__builtin_ctz(left));
+        const L exponent = splat_exponent(u, along_u, L(terms.linear[row]), L(terms.constant[row]));
+        alpha_of[row] = splat_alpha(splat_reaches(to_visit.lanes(k, row), exponent), exponent);
+      }
+      sink.begin_column(column);
+      for (std::uint32_t left = visited; left != 0; left &= left - 1) {
+        const std::uint32_t row = std::uint32_t(__builtin_ctz(left)), pack = std::uint32_t(column * kTilePx) + row;
+        const L before = transmittance[pack], after = splat_behind(alpha_of[row], before);
+        // A lane that is not reached stays as it is, for no transmittance is ever below `stop`.
+        const Mask lasts = and_at_least(live[pack], after, stop);
+        const L alpha = select(lasts, alpha_of[row], zero);
+        live[pack] = lasts;
+        transmittance[pack] = select(lasts, after, before);
+        if constexpr (!Sink::kTakesEmpty)
+          if (!any(alpha > zero)) continue;
+        sink.add(row, Contribution<L>{pack, alpha, before});
+      }
+      sink.end_column(column);
+    }
+    sink.end();
+  }
+}
+
+/// The channel values of one Gaussian: C of them in registers, or any number where C = 0.
+template <class L, int C>
+struct ChannelRow {
+  using S = typename LaneTraits<L>::Scalar;
+  L value[C > 0 ? C : 1];
+  const S* row = nullptr;
+  [[gnu::always_inline]] void load(const S* r) {
+    row = r;
+    for (int c = 0; c < C; ++c) value[c] = L(r[c]);
+  }
+  [[gnu::always_inline]] L operator[](int c) const {
+    if constexpr (C > 0) return value[c];
+    return L(row[c]);
+  }
+};
+
+/// Sums over lanes per channel: C of them in registers, or any number in memory where C = 0.
+template <class L, int C>
+struct ChannelSums {
+  using S = typename LaneTraits<L>::Scalar;
+  static constexpr int kLanes = LaneTraits<L>::kLanes;
+  L sum[C > 0 ? C : 1];
+  S* memory;
+  explicit ChannelSums(S* scratch) : memory(scratch) {}
+  [[gnu::always_inline]] void clear(int count) {
+    for (int c = 0; c < count; ++c) put(c, L(S(0)));
+  }
+  [[gnu::always_inline]] L get(int c) const {
+    if constexpr (C > 0) return sum[c];
+    L s;
+    load_lanes(memory + c * kLanes, s);
+    return s;
+  }
+  [[gnu::always_inline]] void put(int c, L x) {
+    if constexpr (C > 0) {
+      sum[c] = x;
+    } else {
+      store_lanes(memory + c * kLanes, x);
+    }
+  }
+  [[gnu::always_inline]] void sum_each(int count, S* out) const {
+    if constexpr (C > 0) {
+      sum_lanes_each(sum, C, out);
+    } else {
+      for (int c = 0; c < count; ++c) out[c] = sum_lanes(get(c));
+    }
+  }
+};
+
+/// Sink that sums the channels: sum[pack][c] += alpha · transmittance · value[c].
+template <class L, int C>
+struct ChannelSink {
+  using S = typename LaneTraits<L>::Scalar;
+  static constexpr bool kTakesEmpty = true;
+  const TileWork<S>& work;
+  ChannelValues<S> value;
+  S* sum;  // [packs][count][lanes]
+  ChannelRow<L, C> row = {};
+
+  void begin(std::uint32_t e) { row.load(value.row(work.visible[e])); }
+  void begin_column(int) {}
+  [[gnu::always_inline]] void add(std::uint32_t, const Contribution<L>& k) {
+    constexpr int kLanes = LaneTraits<L>::kLanes;
+    const int count = C > 0 ? C : value.count;
+    const L weight = k.alpha * k.transmittance;
+    S* at = sum + std::size_t(k.pack) * std::size_t(count * kLanes);
+    for (int c = 0; c < count; ++c) {
+      L s;
+      load_lanes(at + c * kLanes, s);
+      store_lanes(at + c * kLanes, fma_lanes(weight, row[c], s));
+    }
+  }
+  void end_column(int) {}
+  void end() {}
+};
+
+template <class L, int C>
+void forward_tile(const ForwardTile<typename LaneTraits<L>::Scalar>& in) {
+  using S = typename LaneTraits<L>::Scalar;
+  constexpr int kLanes = LaneTraits<L>::kLanes;
+  const int count = in.value.count;
+  for (int i = 0; i < count * kTilePixels; ++i) in.scratch[i] = S(0);
+  L transmittance[kPacksPerTile<L>];
+  ChannelSink<L, C> sink{in.work, in.value, in.scratch};
+  composite_tile<L>(in.work, transmittance, sink);
+  const TileFrame frame = in.work.frame;
+  const int rows = frame.rows(), columns = frame.columns();
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column * kLanes < columns; ++column) {
+      const int pack = column * kTilePx + row, width = columns - column * kLanes < kLanes ? columns - column * kLanes : kLanes;
+      const std::size_t pixel = std::size_t(frame.y_px + row) * std::size_t(frame.width_px) + std::size_t(frame.x_px + column * kLanes);
+      for (int c = 0; c <= count; ++c) {
+        const Plane<S> plane = in.out[c];
+        if (plane.data == nullptr) continue;
+        L value;
+        if (c < count) {
+          load_lanes(in.scratch + (pack * count + c) * kLanes, value);
+          value = fma_lanes(transmittance[pack], L(in.background[c]), value);
+        } else {
+          value = L(S(1)) - transmittance[pack];
+        }
+        S lanes[kLanes];
+        store_lanes(lanes, value);
+        S* out = plane.data + pixel * std::size_t(plane.stride);
+        for (int x = 0; x < width; ++x) out[x * plane.stride] = lanes[x];
+      }
+    }
+}
+
+}  // namespace ngs

@@ -1,0 +1,182 @@
+#include "ngs/passes/contours/refined_masks.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ngs/backend/for_each.h"
+#include "ngs/ops/image/metrics.h"
+#include "ngs/scene/enlarge.h"
+#include "ngs/stages/render/render_stage.h"
+
+namespace ngs {
+namespace {
+
+/// Mean over the area of every coarse pixel; sides of any ratio.
+std::vector<float> reduce(const std::vector<float>& fine, int fw, int fh, int w, int h) {
+  std::vector<float> rows(std::size_t(w) * std::size_t(fh)), out(std::size_t(w) * std::size_t(h));
+  const auto along = [](int n, int coarse, const auto& from, const auto& to) {
+    const double step = double(n) / coarse;
+    for (int i = 0; i < coarse; ++i) {
+      const double lo = i * step, hi = (i + 1) * step;
+      double sum = 0;
+      for (int j = int(lo); j < std::min(n, int(std::ceil(hi))); ++j)
+        sum += from(j) * (std::min(hi, j + 1.0) - std::max(lo, double(j)));
+      to(i, float(sum / step));
+    }
+  };
+  for (int y = 0; y < fh; ++y)
+    along(
+        fw, w, [&](int x) { return double(fine[std::size_t(y) * std::size_t(fw) + std::size_t(x)]); },
+        [&](int x, float v) { rows[std::size_t(y) * std::size_t(w) + std::size_t(x)] = v; });
+  for (int x = 0; x < w; ++x)
+    along(
+        fh, h, [&](int y) { return double(rows[std::size_t(y) * std::size_t(w) + std::size_t(x)]); },
+        [&](int y, float v) { out[std::size_t(y) * std::size_t(w) + std::size_t(x)] = v; });
+  return out;
+}
+
+/// Agreement of a mask at the camera's size with the view's own, over the pixels that are known.
+double agreement(const std::vector<float>& mask, const ViewMasks& own, std::size_t k) {
+  std::vector<std::uint8_t> a(mask.size()), b(mask.size());
+  for (std::size_t p = 0; p < mask.size(); ++p) {
+    const bool known = own.known.empty() || own.known[p];
+    a[p] = known && mask[p] >= 0.5f, b[p] = known && own.target[k][p] >= 0.5f;
+  }
+  Exec serial;
+  const int w = own.width_px, h = own.height_px;
+  return boundary_iou(serial, chessboard_distance({a.data(), w, h}), chessboard_distance({b.data(), w, h}), w,
+                      band_width_px(0.005, w, h));
+}
+
+/// The mask at another size, thresholded after bilinear interpolation.
+std::vector<std::uint8_t> enlarged_mask(const std::vector<float>& coarse, int w, int h, int fw, int fh) {
+  std::vector<std::uint8_t> out(std::size_t(fw) * std::size_t(fh));
+  for (int y = 0; y < fh; ++y)
+    for (int x = 0; x < fw; ++x) {
+      const double u = std::clamp((x + 0.5) * w / fw - 0.5, 0.0, w - 1.0),
+                   v = std::clamp((y + 0.5) * h / fh - 0.5, 0.0, h - 1.0);
+      const int x0 = int(u), y0 = int(v), x1 = std::min(x0 + 1, w - 1), y1 = std::min(y0 + 1, h - 1);
+      const auto at = [&](int a, int b) {
+        return double(coarse[std::size_t(b) * std::size_t(w) + std::size_t(a)]);
+      };
+      const double top = at(x0, y0) + (u - x0) * (at(x1, y0) - at(x0, y0)),
+                   bottom = at(x0, y1) + (u - x0) * (at(x1, y1) - at(x0, y1));
+      out[std::size_t(y) * std::size_t(fw) + std::size_t(x)] = top + (v - y0) * (bottom - top) >= 0.5;
+    }
+  return out;
+}
+
+/// Mean colour difference across the contour, between pixels three apart: 0 where the photo shows no edge
+/// there.
+double contrast_of(const std::vector<std::uint8_t>& mask, const ImageF& photo) {
+  const int w = photo.width_px, h = photo.height_px;
+  double sum = 0, count = 0;
+  const auto add = [&](int x, int y, int dx, int dy) {
+    const auto in = [&](int a, int b) { return mask[std::size_t(b) * std::size_t(w) + std::size_t(a)] != 0; };
+    if (in(x, y) == in(x + dx, y + dy)) return;
+    double difference = 0;
+    for (int c = 0; c < photo.channels; ++c)
+      difference +=
+          std::abs(double(photo.at(x - dx, y - dy, c)) - double(photo.at(x + 2 * dx, y + 2 * dy, c)));
+    sum += difference, ++count;
+  };
+  for (int y = 1; y < h - 2; ++y)
+    for (int x = 1; x < w - 2; ++x) add(x, y, 1, 0), add(x, y, 0, 1);
+  return count > 0 ? sum / count : 0;
+}
+
+RefinedView refine_view(const RefineSetup& setup, const LabelChannels& model, std::size_t v, bool compare) {
+  const Exec serial;
+  const Problem& input = setup.input;
+  const Camera& camera = input.scene.views[v].camera;
+  ImageF photo = input.load_fine_photo(v);
+  if (photo.empty()) return {};
+  const int w = camera.width_px, h = camera.height_px;
+  RefinedView out;
+  out.detail = double(photo.width_px) / w;
+  ContourRefineOptions walk = setup.walk;
+  if (out.detail < setup.detail) {
+    photo = enlarged(photo, setup.detail * w, setup.detail * h);
+    walk.band_px *= setup.detail / out.detail, walk.reach_px *= setup.detail / out.detail;
+  }
+  const int fw = photo.width_px, fh = photo.height_px;
+  const ImageF label =
+      model.view(serial, resized(camera, fw, fh), filter_at_scale(input.splat, double(fw) / w));
+  const ViewMasks own = compare ? input.load_masks(v) : ViewMasks{};
+  const std::size_t objects = model.objects();
+  out.compared = own.available;
+  std::vector<std::vector<float>> targets(objects);
+  for (std::size_t k = 0; k < objects; ++k) {
+    std::vector<std::uint8_t> mask(std::size_t(photo.pixels()));
+    for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = label.data[p * objects + k] > 0.5f;
+    std::vector<float> refined = refine_contour(walk, {mask.data(), fw, fh}, photo);
+    for (float& x : refined) x = x > 0.5f ? 1.f : 0.f;
+    targets[k] = reduce(refined, fw, fh, w, h);
+    if (!out.compared) continue;
+    out.own_contrast += contrast_of(enlarged_mask(own.target[k], w, h, fw, fh), photo);
+    out.refined_contrast += contrast_of({refined.begin(), refined.end()}, photo);
+    out.rendered_biou +=
+        agreement(reduce({mask.begin(), mask.end()}, fw, fh, w, h), own, k) / double(objects);
+    out.refined_biou += agreement(targets[k], own, k) / double(objects);
+  }
+  out.window = window_of(targets, w, h, int(std::lround(setup.margin_px)));
+  ViewMasks masks{out.window.w, out.window.h, {}, {}, out.window.w > 0};
+  for (const auto& target : targets) masks.target.push_back(cropped(target, w, 1, out.window));
+  out.masks = RleMasks(std::move(masks));
+  return out;
+}
+
+}  // namespace
+
+std::vector<RefinedView> refine_views(const Exec& exec, const RefineSetup& setup, const LabelledModel& model,
+                                   const std::vector<std::size_t>& views,
+                                   const std::vector<std::size_t>& compared) {
+  const std::size_t count = setup.input.scene.views.size();
+  std::vector<RefinedView> refined(count);
+  std::vector<std::uint8_t> compare(count, 0);
+  for (const std::size_t v : compared) compare[v] = 1;
+  const LabelChannels label(model.cloud, model.labels);
+  for_each_task(exec, std::int64_t(views.size()), [&](std::int64_t i) {
+    const std::size_t v = views[std::size_t(i)];
+    refined[v] = refine_view(setup, label, v, compare[v] != 0);
+  });
+  return refined;
+}
+
+ViewMasks whole_masks(const RefinedView& refined, int w, int h) {
+  const PixelWindow& win = refined.window;
+  const ViewMasks parts = refined.masks.unpacked();
+  ViewMasks whole{w, h, {}, {}, parts.available};
+  for (const std::vector<float>& part : parts.target) {
+    std::vector<float>& target = whole.target.emplace_back(std::size_t(w) * std::size_t(h));
+    for (int y = 0; y < win.h; ++y)
+      std::copy_n(part.begin() + std::ptrdiff_t(y) * win.w, win.w, target.begin() + (std::ptrdiff_t(win.y0 + y) * w + win.x0));
+  }
+  return whole;
+}
+
+bool could_enlarge(const std::vector<RefinedView>& refined, int detail) {
+  return std::any_of(refined.begin(), refined.end(), [&](const RefinedView& view) { return view.compared && view.detail < detail; });
+}
+
+std::vector<double> gains_over(const std::vector<RefinedView>& refined, const std::vector<RefinedView>& other) {
+  std::vector<double> gains;
+  for (std::size_t v = 0; v < refined.size(); ++v)
+    if (refined[v].compared && other[v].compared) gains.push_back(refined[v].refined_biou - other[v].refined_biou);
+  return gains;
+}
+
+std::vector<double> refinement_gains(const std::vector<RefinedView>& refined) {
+  std::vector<double> gains;
+  for (const RefinedView& view : refined)
+    if (view.compared) gains.push_back(view.refined_biou - view.rendered_biou);
+  return gains;
+}
+
+bool masks_misaligned(const std::vector<RefinedView>& refined) {
+  double own = 0, all = 0;
+  for (const RefinedView& view : refined) own += view.own_contrast, all += view.refined_contrast;
+  return own < kOffEdges * all;
+}
+
+}  // namespace ngs

@@ -1,0 +1,72 @@
+#include "ngs/passes/exposure/exposure.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ngs/math/median.h"
+#include "ngs/ops/splat/splat.h"
+
+namespace ngs {
+namespace {
+
+constexpr float kSolid = 0.9f;                     // opacity from which the model says what is there
+constexpr float kDark = 0.08f, kClipped = 0.97f;   // of photo and render: below, above, a ratio says nothing
+constexpr std::size_t kLeastPixels = 256;
+constexpr double kMostLog = 1.4;  // two stops: beyond it photo and render show different things
+
+/// ln(photo / render) in the median pixel; NaN: too few.
+double log_gain(const RenderedView& rendered, const ImageF& photo, std::size_t channel) {
+  std::vector<double> ratio;
+  for (std::size_t p = 0; p < rendered.alpha.data.size(); ++p) {
+    const float a = photo.data[3 * p + channel], b = rendered.colour.data[3 * p + channel];
+    const bool says = rendered.alpha.data[p] > kSolid && std::min(a, b) > kDark && std::max(a, b) < kClipped;
+    if (says) ratio.push_back(double(a) / double(b));
+  }
+  return ratio.size() < kLeastPixels ? NAN : std::log(upper_median(std::move(ratio)));
+}
+
+}  // namespace
+
+std::vector<ViewExposure> view_exposures(const Exec& exec, const Problem& input,
+                                         const std::vector<std::size_t>& views) {
+  std::vector<ViewExposure> exposures;
+  std::vector<std::array<double, 3>> logs;
+  for (const std::size_t v : views) {
+    const ImageF photo = input.load_photo(v);
+    if (photo.empty()) continue;
+    RenderRequest request;
+    request.background = input.background;
+    const RenderedView rendered = render(exec, input.cloud, input.scene.views[v].camera, input.splat, request);
+    exposures.push_back({v});
+    logs.emplace_back();
+    for (std::size_t c = 0; c < 3; ++c) logs.back()[c] = log_gain(rendered, photo, c);
+  }
+  for (std::size_t c = 0; c < 3; ++c) {
+    std::vector<double> known;
+    for (const auto& log : logs)
+      if (!std::isnan(log[c])) known.push_back(log[c]);
+    if (known.empty()) continue;
+    const double models = upper_median(known);
+    for (std::size_t i = 0; i < logs.size(); ++i)
+      if (!std::isnan(logs[i][c]))
+        exposures[i].gain[c] = float(std::exp(std::clamp(logs[i][c] - models, -kMostLog, kMostLog)));
+  }
+  return exposures;
+}
+
+double exposure_spread_percent(const std::vector<ViewExposure>& exposures) {
+  double worst = 0;
+  for (const ViewExposure& e : exposures)
+    for (const float g : e.gain) worst = std::max(worst, std::abs(std::log(double(g))));
+  return 100 * std::expm1(worst);
+}
+
+ImageF levelled_photo(const std::vector<ViewExposure>& exposures, std::size_t view, ImageF photo) {
+  const auto known = std::find_if(exposures.begin(), exposures.end(),
+                                  [&](const ViewExposure& e) { return e.view == view; });
+  if (known == exposures.end()) return photo;
+  for (std::size_t i = 0; i < photo.data.size(); ++i) photo.data[i] /= known->gain[i % 3];
+  return photo;
+}
+
+}  // namespace ngs

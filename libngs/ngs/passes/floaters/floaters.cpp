@@ -1,0 +1,288 @@
+#include "ngs/passes/floaters/floaters.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ngs/backend/for_each.h"
+#include "ngs/math/median.h"
+#include "ngs/ops/splat/front_layer.h"
+#include "ngs/ops/field/knn.h"
+#include "ngs/stages/boundary/leave_one_out.h"
+#include "ngs/stages/boundary/method_labels.h"
+#include "ngs/passes/components/object_core.h"
+#include "ngs/problem/view_list.h"
+
+namespace ngs {
+namespace {
+
+constexpr std::size_t kScoredViews = 8;  // of which the figures PSNR are means
+
+/// Neither core nor near it, nor fixed by hand.
+std::vector<std::uint8_t> candidates_of(const Exec& exec, const Problem& input, const ObjectCore& core,
+                                        double margin) {
+  const auto n = std::size_t(input.cloud.size());
+  const std::vector<float> centres = core_centres(input.cloud, core);
+  std::vector<float> others;
+  std::vector<std::size_t> row;
+  for (std::size_t i = 0; i < n; ++i) {
+    const float* p = &input.cloud.position[3 * i];
+    if (!core.member[i] && input.cloud.usable[i] && !is_fixed(input, i))
+      others.insert(others.end(), p, p + 3), row.push_back(i);
+  }
+  const std::vector<std::uint8_t> near =
+      any_within(exec, {centres.data(), core.count}, {others.data(), std::int64_t(row.size())}, margin);
+  std::vector<std::uint8_t> candidate(n, 0);
+  for (std::size_t k = 0; k < row.size(); ++k) candidate[row[k]] = !near[k];
+  return candidate;
+}
+
+/// What the core alone looks like from one camera.
+struct Surface {
+  ImageF colour;  // of the surface, where there is one
+  ImageF limit;   // [H, W, 1] camera z before which things are in front of it; 0: no surface
+};
+
+Surface surface_of(const Exec& exec, const FloaterOptions& options, const Problem& input,
+                   const GaussianCloud& cloud, const ObjectCore& core, const Camera& camera, double margin) {
+  RenderRequest request;
+  request.depth = true;
+  request.include = core.member.data();
+  RenderedView alone = render(exec, cloud, camera, input.splat, request);
+  Surface s{std::move(alone.colour), ImageF(camera.width_px, camera.height_px, 1)};
+  for (std::size_t p = 0; p < alone.alpha.data.size(); ++p) {
+    const double alpha = double(alone.alpha.data[p]);
+    if (alpha < options.surface_alpha) continue;
+    s.limit.data[p] = float(double(alone.depth.data[p]) / alpha - margin);
+    for (std::size_t c = 0; c < 3; ++c) s.colour.data[3 * p + c] /= float(alpha);
+  }
+  return s;
+}
+
+double difference(const float* a, const float* b) {
+  double sum = 0;
+  for (int c = 0; c < 3; ++c) sum += std::abs(double(a[c]) - double(b[c]));
+  return sum / 3;
+}
+
+/// The photo's colours as three soft masks: their evidence is the mean colour of what a Gaussian covers. Of those that
+/// may be floaters: what the others show is not asked.
+ViewSums colour_sums(const Exec& exec, const Problem& input, const GaussianCloud& cloud, const Camera& camera,
+                     const ImageF& photo, const std::vector<std::uint8_t>& candidate) {
+  ViewMasks channels;
+  channels.width_px = camera.width_px, channels.height_px = camera.height_px, channels.available = true;
+  channels.target.assign(3, std::vector<float>(std::size_t(photo.pixels())));
+  for (std::size_t p = 0; p < std::size_t(photo.pixels()); ++p)
+    for (std::size_t c = 0; c < 3; ++c) channels.target[c][p] = photo.data[3 * p + c];
+  return view_sums(exec, cloud, camera, input.splat, channels, &candidate);
+}
+
+class FloaterSearch {
+ public:
+  FloaterSearch(const Exec& exec, const FloaterOptions& options, const Problem& input)
+      : exec_(exec),
+        options_(options),
+        input_(input),
+        cloud_(input.cloud),
+        core_(core_of(options.core, input.cloud, input.labels)),
+        views_(photo_views(input.scene)),
+        trained_(input.scene.views.size(), 0) {
+    for (const std::size_t v : input.views) trained_[v] = 1;
+  }
+
+  FloaterFinding run(Monitor& monitor) {
+    FloaterFinding finding;
+    finding.floater.assign(std::size_t(cloud_.size()), 0);
+    if (core_.count == 0 || views_.empty()) return finding;
+    margin_ = core_margin(exec_, options_.core, cloud_, core_);
+    finding.far = candidate_ = candidates_of(exec_, input_, core_, margin_);
+    const auto candidates = std::count(candidate_.begin(), candidate_.end(), std::uint8_t(1));
+    finding.figures = {
+        {"core", double(core_.count)}, {"candidates", double(candidates)}, {"margin", margin_}};
+    noise_ = core_noise();
+    int rounds = 0;
+    while (rounds < options_.rounds && !monitor.stop_requested()) {
+      const auto timed = monitor.scope("floaters: search");
+      ++rounds;
+      const std::vector<std::size_t> found = round();
+      if (rounds == 1) finding.figures["hidden"] = hidden_;
+      if (found.empty() || (rounds == 1 && hidden_ < options_.least_hidden)) break;
+      for (const std::size_t i : found)
+        finding.floater[i] = 1, candidate_[i] = 0, cloud_.logit_opacity[i] = kRemovedLogit;
+      finding.count += std::int64_t(found.size());
+    }
+    finding.figures["rounds"] = rounds, finding.figures["noise"] = noise_;
+    return finding;
+  }
+
+  double front_opacity() {
+    if (core_.count == 0) return 0;
+    margin_ = core_margin(exec_, options_.core, cloud_, core_);
+    candidate_ = candidates_of(exec_, input_, core_, margin_);
+    const std::vector<float> none(std::size_t(cloud_.size()), 0.f);
+    double sum = 0, pixels = 0;
+    for (const std::size_t v : views_) {
+      const Surface s = surface(v);
+      const ImageF layer = FrontView(exec_, cloud_, camera(v), input_.splat)
+                               .layer({s.limit, candidate_}, {none.data(), cloud_.size(), 1});
+      for (std::size_t p = 0; p < s.limit.data.size(); ++p)
+        if (s.limit.data[p] > 0) sum += double(layer.data[2 * p + 1]), ++pixels;
+    }
+    return pixels > 0 ? sum / pixels : 0;
+  }
+
+ private:
+  const Camera& camera(std::size_t v) const { return input_.scene.views[v].camera; }
+
+  /// The core is the same in all rounds; its surfaces are kept up to 256 MiB.
+  Surface surface(std::size_t v) {
+    const auto known = surfaces_.find(v);
+    if (known != surfaces_.end()) return known->second;
+    constexpr std::size_t kKeptBytes = 256u << 20;
+    Surface s = surface_of(exec_, options_, input_, cloud_, core_, camera(v), margin_);
+    const std::size_t bytes = std::size_t(s.limit.pixels()) * 4 * sizeof(float);
+    if ((surfaces_.size() + 1) * bytes <= kKeptBytes) surfaces_[v] = s;
+    return s;
+  }
+
+  /// Median over views of the median difference between core and photo.
+  double core_noise() {
+    std::vector<double> medians;
+    for (const std::size_t v : views_) {
+      const Surface s = surface(v);
+      const ImageF photo = input_.load_photo(v);
+      std::vector<double> all;
+      for (std::size_t p = 0; p < s.limit.data.size(); ++p)
+        if (s.limit.data[p] > 0) all.push_back(difference(&photo.data[3 * p], &s.colour.data[3 * p]));
+      if (!all.empty()) medians.push_back(upper_median(all));
+    }
+    return medians.empty() ? 1.0 : upper_median(medians);
+  }
+
+  /// Mean photo colour of every Gaussian in the views other than this one, and 1; zeros where there are none.
+  std::vector<float> colour_elsewhere(const LeaveOneOut::Rest& others) const {
+    std::vector<float> value(others.seen.size() * 4);
+    for_each_index(exec_, std::int64_t(others.seen.size()), [&](std::int64_t i) {
+      std::copy_n(&others.share[std::size_t(3 * i)], 3, &value[std::size_t(4 * i)]);
+      value[std::size_t(4 * i + 3)] = others.seen[std::size_t(i)];
+    });
+    return value;
+  }
+
+  /// Pixels at which the photo shows the surface although something is drawn in front of it.
+  std::vector<std::uint8_t> seen_through(std::size_t v, const Surface& s, const ImageF& photo,
+                                         const ImageF& front) const {
+    ViewMasks masks;
+    if (trained_[v]) masks = input_.load_masks(v);
+    std::vector<std::uint8_t> marked(s.limit.data.size(), 0);
+    const double least = options_.noise_factor * noise_;
+    for (std::size_t p = 0; p < marked.size(); ++p) {
+      const float* f = &front.data[5 * p];
+      if (!(s.limit.data[p] > 0) || !(f[4] > 0) || vetoed(masks, p)) continue;
+      const double to_surface = difference(&photo.data[3 * p], &s.colour.data[3 * p]);
+      if (f[3] >= 0.5f * f[4]) {
+        const float elsewhere[3] = {f[0] / f[3], f[1] / f[3], f[2] / f[3]};
+        marked[p] = difference(&photo.data[3 * p], elsewhere) - to_surface > least;
+      } else {
+        marked[p] = to_surface < least;
+      }
+    }
+    return marked;
+  }
+  /// The view's own masks are known to say that the pixel shows none of the objects.
+  static bool vetoed(const ViewMasks& masks, std::size_t p) {
+    if (!masks.available || (!masks.known.empty() && !masks.known[p])) return false;
+    return std::all_of(masks.target.begin(), masks.target.end(),
+                       [&](const std::vector<float>& target) { return target[p] < 0.5f; });
+  }
+
+  /// Rows of the floaters of this round, and hidden_.
+  std::vector<std::size_t> round() {
+    const auto n = std::size_t(cloud_.size());
+    LeaveOneOut colours(exec_, cloud_.size(), 3, [this](std::size_t v) {
+      return colour_sums(exec_, input_, cloud_, camera(v), input_.load_photo(v), candidate_);
+    });
+    for (const std::size_t v : views_) colours.add(v);
+    std::vector<double> front(n), through(n), reach(n);
+    double surface_px = 0;
+    for (const std::size_t v : views_) {
+      const ImageF photo = input_.load_photo(v);
+      const Surface s = surface(v);
+      surface_px +=
+          double(std::count_if(s.limit.data.begin(), s.limit.data.end(), [](float z) { return z > 0; }));
+      const LeaveOneOut::Rest others = colours.without(v);
+      const std::vector<float> elsewhere = colour_elsewhere(others);
+      const FrontQuery query{s.limit, candidate_};
+      const FrontView view(exec_, cloud_, camera(v), input_.splat);
+      const ImageF layer = view.layer(query, {elsewhere.data(), cloud_.size(), 4});
+      const FrontSums sums = view.sums(query, seen_through(v, s, photo, layer));
+      for (std::size_t i = 0; i < n; ++i) {
+        front[i] += sums.front[i], through[i] += sums.marked[i];
+        if (others.own[i] > 0) reach[i] = std::max(reach[i], sums.front[i] / others.own[i]);
+      }
+    }
+    std::vector<std::size_t> found;
+    double hidden_px = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (!candidate_[i] || !(front[i] > 0) || reach[i] < options_.least_reach ||
+          through[i] < options_.seen_through * front[i])
+        continue;
+      found.push_back(i), hidden_px += through[i];
+    }
+    hidden_ = surface_px > 0 ? hidden_px / surface_px : 0;
+    return found;
+  }
+
+  const Exec& exec_;
+  const FloaterOptions& options_;
+  const Problem& input_;
+  GaussianCloud cloud_;  // without the floaters of the rounds before
+  ObjectCore core_;
+  std::vector<std::size_t> views_;
+  std::vector<std::uint8_t> trained_;  // [views of the scene]
+  std::vector<std::uint8_t> candidate_;
+  std::map<std::size_t, Surface> surfaces_;  // by view
+  double margin_ = 0, noise_ = 0, hidden_ = 0;
+};
+
+}  // namespace
+
+double front_opacity(const Exec& exec, const FloaterOptions& options, const Problem& input) {
+  return FloaterSearch(exec, options, input).front_opacity();
+}
+
+FloaterFinding find_floaters(const Exec& exec, Monitor& monitor, const FloaterOptions& options,
+                             const Problem& input) {
+  return FloaterSearch(exec, options, input).run(monitor);
+}
+
+FloaterRemoval remove_floaters(const Exec& exec, Monitor& monitor, const RefitOptions& refit,
+                               const Problem& input, const FloaterFinding& finding) {
+  const std::vector<std::uint8_t>& floater = finding.floater;
+  FloaterRemoval out{input.cloud, {}};
+  const auto timed = monitor.scope("floaters: removal");
+  const std::vector<std::size_t> views = photo_views(input.scene);
+  for (std::size_t i = 0; i < floater.size(); ++i)
+    if (floater[i]) out.cloud.logit_opacity[i] = kRemovedLogit;
+  const std::vector<std::size_t> scored = spread_views(views, kScoredViews);
+  out.figures["psnr_before_db"] = mean_psnr_db(exec, input, input.cloud, scored);
+  out.figures["psnr_removed_db"] = mean_psnr_db(exec, input, out.cloud, scored);
+  refit_to_photos(exec, monitor, refit, input, views, finding.far, out.cloud);
+  out.figures["psnr_after_db"] = mean_psnr_db(exec, input, out.cloud, scored);
+  return out;
+}
+
+std::vector<LabelColumns> labels_without_floaters(const Exec& exec, Monitor& monitor,
+                                                  const Problem& input, const GaussianCloud& cloud,
+                                                  const std::vector<std::uint8_t>& floater) {
+  std::vector<LabelColumns> labels = labels_anew(exec, monitor, input, cloud);
+  for (std::size_t k = 0; k < labels.size(); ++k)
+    for (std::size_t i = 0; i < floater.size(); ++i)
+      if (floater[i]) {
+        LabelColumns& c = labels[k];
+        c.label[i] = c.prob[i] = c.variance[i] = c.boundary[i] = 0;
+        c.views[i] = input.labels[k].views[i];
+      }
+  return labels;
+}
+
+}  // namespace ngs

@@ -1,0 +1,397 @@
+#include "ngs/passes/joint/joint_stage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "ngs/core/rng.h"
+#include "ngs/math/sh.h"
+#include "ngs/ops/device/device_ops.h"
+#include "ngs/ops/field/knn.h"
+#include "ngs/ops/losses/loss_cont.h"
+#include "ngs/ops/losses/photometric.h"
+#include "ngs/problem/cloud_rows.h"
+#include "ngs/passes/joint/first_queries.h"
+#include "ngs/stages/fit/fit_stage.h"
+#include "ngs/passes/joint/label_start.h"
+#include "ngs/passes/joint/resident_steps.h"
+#include "ngs/passes/joint/view_cache.h"
+#include "ngs/problem/view_list.h"
+
+namespace ngs {
+namespace {
+
+void refresh_positions(const GaussianCloud& cloud, BoundarySet& boundary) {
+  for (std::size_t b = 0; b < boundary.row.size(); ++b)
+    std::copy_n(&cloud.position[std::size_t(boundary.row[b]) * 3], 3, &boundary.position[b * 3]);
+}
+
+GroupRates group_rates(const JointSetup& s, const JointEffects& effects) {
+  const GaussianRates& r = s.rates;
+  const double extent = scene_extent(cameras_of(s.input.scene, s.input.views));
+  GroupRates rates{r.position * extent, r.rotation, r.log_scale, r.logit_opacity, r.sh_dc, r.sh_rest};
+  for (double& rate : rates) rate = s.options.rate_literal ? kLiteralRate : rate * s.options.rate_scale;
+  if (!effects.geometry) rates = {};
+  if (!effects.sh) rates[kGroupRest] = 0;
+  return rates;
+}
+
+SplatOptions splat_of(SplatOptions splat, const JointEffects& effects) {
+  if (!effects.sh) splat.max_sh_degree = 0;
+  return splat;
+}
+
+}  // namespace
+
+struct JointTrainer::Impl {
+  Exec exec;
+  Monitor& monitor;
+  JointOptions options;
+  JointEffects effects;
+  SampleOptions sample;
+  RbfOptions rbf;
+  const Problem& input;
+  const QueryField* given_field;
+  GroupRates rates;  // of a step, before they fall
+  std::vector<std::uint8_t> frozen;
+
+  GaussianCloud cloud;
+  BoundarySet boundary;
+  std::vector<float> logit;             // [N, K]
+  std::vector<std::uint8_t> trainable;  // [N, K] seen and not fixed by hand
+  std::unique_ptr<JointField> field;
+  std::int64_t steps = 0, done = 0;
+
+  SplatOptions splat_options;
+  SplatPass splat;
+  PhotometricPass<float> photometric;
+  CloudGradients gradients;
+  GaussianMoments moments;
+  AdamMoments label_moments;
+  KnnGraph cont_graph;
+  ViewCache cache;
+  std::unique_ptr<ResidentSteps> resident;  // instead of step_view and update
+
+  Impl(const Exec& e, Monitor& m, const JointSetup& s)
+      : exec(e),
+        monitor(m),
+        options(s.options),
+        effects(parse_effects(s.options.effect)),
+        sample(sample_of(s.sample, s.options.quality, effects)),
+        rbf(s.rbf),
+        input(s.input),
+        given_field(s.field),
+        rates(group_rates(s, effects)),
+        frozen(s.frozen.empty() ? s.input.held : s.frozen),
+        cloud(s.input.cloud),
+        splat_options(splat_of(s.input.splat, effects)),
+        splat(splat_options),
+        cache(input, effects) {}
+
+  std::size_t objects() const { return input.labels.size(); }
+
+  void start(bool empty_boundary_is_fine) {
+    boundary = boundary_set(cloud, boundary_flags(input, effects.boundary));
+    if (boundary.size() == 0) {
+      if (!empty_boundary_is_fine)
+        throw Error(ErrorCode::kNothingFound, "the boundary set is empty",
+                    "lower --tau of ngs-variance, or pass --allow-empty to train labels alone");
+      effects.nerf = false;
+    }
+    if (!effects.nerf) effects.align = effects.density = effects.smooth = effects.variance = false;
+    steps = steps_of(options, effects, input.views.size());
+    start_labels();
+    if (boundary.size() > 1) {
+      cont_graph = nearest_others(exec, boundary.positions(), rbf.neighbours);
+      build_transpose(cont_graph);
+    }
+    if (effects.nerf) {
+      const double reach = field_reach(sample, cloud, cameras_of(input.scene, input.views), boundary);
+      field = std::make_unique<JointField>(
+          exec, JointField::Setup{options, effects, sample, rbf, cloud, boundary, reach, input.seed});
+    }
+    if (exec.device_ops && exec.device_ops->joint) start_resident();
+  }
+
+  void start_labels() {
+    const auto n = std::size_t(cloud.size()), k_count = objects();
+    logit.resize(n * k_count), trainable.resize(n * k_count);
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t k = 0; k < k_count; ++k) {
+        const LabelColumns& object = input.labels[k];
+        const bool fixed = !input.fixed.empty() && input.fixed[i] == 1.f;
+        trainable[i * k_count + k] = object.views[i] > 0.f && !fixed;
+        const double prob = fixed ? double(object.label[i]) : double(object.prob[i]);
+        logit[i * k_count + k] = float(start_log_odds(prob, options.start_steps));
+      }
+  }
+
+  std::vector<float> label_values() const {
+    std::vector<float> values(logit.size());
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = sigmoid(logit[i]);
+    return values;
+  }
+
+  std::string step_name(std::int64_t s) const {
+    return "view '" + input.scene.views[input.views[view_of(s)]].camera.name + "', step " + std::to_string(s + 1);
+  }
+
+  /// Position in input.views of step `s` (from 0): every round is a new permutation.
+  std::size_t view_of(std::int64_t s) const {
+    const auto n = input.views.size();
+    const std::uint64_t round = std::uint64_t(s) / n;
+    std::vector<std::size_t> order(n);
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    for (std::size_t i = n; i-- > 1;)
+      std::swap(order[i], order[rng_bits(input.seed, RngStream::kViewOrder, round * n + i) % (i + 1)]);
+    return order[std::size_t(s) % n];
+  }
+
+  FirstQueries first_queries() const { return {exec, sample, rbf, input, effects.boundary, given_field, *field}; }
+
+  FieldRays rays_of(std::size_t n, const RenderedView& rendered) {
+    const auto timed = monitor.scope("rays");
+    const std::size_t v = input.views[n];
+    const Camera& world = input.scene.views[v].camera;
+    const Camera camera = relative_to(world, cloud.origin);
+    const DepthMap map{&rendered.depth, &rendered.alpha};
+    FieldRays rays;
+    if (done < std::int64_t(input.views.size())) {
+      rays = first_queries().rays(v);
+    } else {
+      rays = field->rays(exec, camera, boundary.positions(),
+                         sample.window == WindowCentre::kPixel ? map : DepthMap{});
+    }
+    if (rays.rays.rays() > 0) rays.on_surface = rays_on_surface(camera, rays.rays, map);
+    return rays;
+  }
+
+  LossTerms step_view(std::size_t n);
+  void field_terms(const FieldRays& rays, const RenderedView& rendered, const ViewCache::View& view,
+                   LossTerms& loss, ViewGradients& grad, ImageF& weights);
+  void cont_term(LossTerms& loss);
+  void update(double decay);
+  void sum_up(LossTerms& loss) const;
+  void start_resident();
+  void to_host();
+};
+
+void JointTrainer::Impl::field_terms(const FieldRays& rays, const RenderedView& rendered,
+                                     const ViewCache::View& view, LossTerms& loss, ViewGradients& grad,
+                                     ImageF& weights) {
+  if (rays.rays.rays() == 0) return;
+  const auto timed = monitor.scope("field");
+  const VolumeOutput& volume = field->forward(exec, rays, boundary.positions(), input.background);
+  if (effects.density) {
+    const PixelGrid& g = rays.rays.grid;
+    weights = density_weights(exec, rendered.width_px, rendered.height_px, g, box_of(g), volume.optical_depth);
+  }
+  if (effects.align) {
+    const AlignOptions align{options.weight_opacity, effects.variance ? options.weight_variance : 0.0};
+    const AlignInputs in{.grid = rays.rays.grid,
+                         .colour = &rendered.colour,
+                         .alpha = &rendered.alpha,
+                         .photo = options.excess_variance && !view.photo.empty() ? &view.photo : nullptr,
+                         .field_colour = &volume.colour,
+                         .field_alpha = &volume.alpha,
+                         .active = &rays.on_surface};
+    AlignContext context;
+    const AlignLoss value = loss_align(exec, align, in, context);
+    AlignFieldGradients to_field;
+    loss_align_backward(exec, align, in, value, context, 1.0, to_field, grad.colour, grad.alpha);
+    field->backward(exec, rays, boundary.positions(), input.background, to_field);
+    loss.align = value.total;
+  }
+  if (effects.smooth)
+    loss.smooth = field->smoothness(exec, rays, boundary.positions(), options.lambda_smooth, done);
+}
+
+void JointTrainer::Impl::cont_term(LossTerms& loss) {
+  if (!effects.cont || cont_graph.queries() == 0) return;
+  std::vector<float> colour(boundary.row.size() * 3), grad;
+  for (std::size_t b = 0; b < boundary.row.size(); ++b)
+    for (std::size_t c = 0; c < 3; ++c)
+      colour[b * 3 + c] = float(0.5 + kShC0 * double(cloud.sh_dc[std::size_t(boundary.row[b]) * 3 + c]));
+  loss.cont = loss_cont(exec, cont_graph, {colour.data(), boundary.size()}, {}, options.lambda_cont, &grad);
+  for (std::size_t b = 0; b < boundary.row.size(); ++b) {
+    const std::size_t row = boundary.row[b];
+    if (!frozen.empty() && frozen[row]) continue;
+    for (std::size_t c = 0; c < 3; ++c) gradients.sh_dc[row * 3 + c] += float(kShC0 * double(grad[b * 3 + c]));
+  }
+}
+
+LossTerms JointTrainer::Impl::step_view(std::size_t n) {
+  ViewCache::View scratch;
+  const ViewCache::View& view = cache.load(monitor, n, scratch);
+  const Camera& camera = input.scene.views[input.views[n]].camera;
+  const std::vector<float> label = label_values();
+  const bool colour = effects.photometric || effects.align;
+  RenderRequest request;
+  request.colour = colour, request.depth = effects.nerf, request.background = input.background;
+  request.label = {label.data(), cloud.size(), int(objects())};
+  const RenderedView& rendered = [&]() -> const RenderedView& {
+    const auto timed = monitor.scope("splat forward");
+    return splat.forward(exec, cloud, camera, request);
+  }();
+  LossTerms loss;
+  ViewGradients grad;
+  grad.label_moves_geometry = effects.mask_geometry;
+  if (effects.align) grad.alpha = ImageF(camera.width_px, camera.height_px, 1);
+  if (effects.photometric && !view.photo.empty()) {
+    const auto timed = monitor.scope("photometric");
+    const PixelRegion& r = view.region;
+    const double share = r.empty() ? 1 : double(r.x1 - r.x0) * (r.y1 - r.y0) / double(view.photo.pixels());
+    const PhotometricOptions anchor{.region = r, .gradient_scale = share * options.photometric_weight};
+    loss.photometric =
+        share * photometric.evaluate(exec, anchor, rendered.colour, view.photo, nullptr, &grad.colour).total;
+  } else if (colour) {
+    grad.colour = ImageF(camera.width_px, camera.height_px, 3);
+  }
+  ImageF weights;
+  if (effects.nerf) field_terms(rays_of(n, rendered), rendered, view, loss, grad, weights);
+  if (effects.mask && view.masks.available) {
+    const auto timed = monitor.scope("mask loss");
+    loss.mask = loss_mask(exec, {options.mask_loss, 1.0},
+                          {&rendered.label, &view.masks, weights.empty() ? nullptr : &weights, 1.0},
+                          options.lambda_mask, &grad.label)
+                    .total;
+  }
+  {
+    const auto timed = monitor.scope("splat backward");
+    splat.backward(exec, grad, gradients, frozen);  // whose moments stay zero, and so do the steps
+  }
+  for (std::size_t i = 0; i < label.size(); ++i)
+    gradients.label[i] = trainable[i] ? gradients.label[i] * sigmoid_slope(logit[i]) : 0.f;
+  cont_term(loss);
+  sum_up(loss);
+  return loss;
+}
+
+void JointTrainer::Impl::sum_up(LossTerms& loss) const {
+  loss.total = options.photometric_weight * loss.photometric + loss.align + options.lambda_mask * loss.mask +
+               options.lambda_cont * loss.cont + options.lambda_smooth * loss.smooth;
+}
+
+void JointTrainer::Impl::start_resident() {
+  ResidentSteps::Views views;
+  views.at = [this](std::int64_t step) { return view_of(step); };
+  views.context = [this](std::int64_t step) { return step_name(step); };
+  views.view = [this](std::size_t n) {
+    const Camera& world = input.scene.views[input.views[n]].camera;
+    return JointView{n, relative_to(world, cloud.origin), [this, n, scratch = ViewCache::View()]() mutable {
+                       const ViewCache::View& view = cache.load(monitor, n, scratch);
+                       return JointImages{view.photo.empty() ? nullptr : &view.photo, &view.masks, view.region};
+                     }};
+  };
+  if (given_field != nullptr) views.given = [this](std::size_t n) { return first_queries().rays(input.views[n]); };
+  const ResidentModel model{options, effects,   sample, input,    splat_options, rates,       cloud,  logit,
+                            trainable, frozen, boundary, cont_graph, field.get(), label_moments, moments};
+  resident = std::make_unique<ResidentSteps>(*exec.device_ops->joint, model, std::move(views));
+}
+
+void JointTrainer::Impl::to_host() {
+  if (!resident) return;
+  resident->download();
+  refresh_positions(cloud, boundary);
+}
+
+void JointTrainer::Impl::update(double decay) {
+  const auto timed = monitor.scope("adam");
+  const std::int64_t t = done + 1;
+  adam_step(exec, {.lr = options.rate_label * decay}, t, "label", logit, gradients.label, label_moments);
+  if (effects.geometry) {
+    GroupRates fallen = rates;
+    for (double& rate : fallen) rate *= decay;
+    step_gaussians(exec, t, fallen, gradients, cloud, moments);
+    refresh_positions(cloud, boundary);
+  }
+  if (field) field->step(exec, t, decay);
+}
+
+JointTrainer::JointTrainer(const Exec& exec, Monitor& monitor, const JointSetup& setup,
+                           bool empty_boundary_is_fine)
+    : impl_(std::make_unique<Impl>(exec, monitor, setup)) {
+  impl_->start(empty_boundary_is_fine);
+}
+JointTrainer::~JointTrainer() = default;
+
+bool JointTrainer::finished() const { return impl_->done >= impl_->steps; }
+void JointTrainer::plan_steps(std::int64_t steps) { impl_->steps = std::max(steps, impl_->done); }
+std::int64_t JointTrainer::steps_done() const { return impl_->done; }
+std::int64_t JointTrainer::steps_planned() const { return impl_->steps; }
+const JointField* JointTrainer::field() const { return impl_->to_host(), impl_->field.get(); }
+const BoundarySet& JointTrainer::boundary() const { return impl_->boundary; }
+
+JointProgress JointTrainer::step(bool read_losses) {
+  Impl& s = *impl_;
+  const std::size_t n = s.view_of(s.done);
+  JointProgress progress;
+  if (s.resident) {
+    const auto timed = s.monitor.scope("steps on the device");
+    s.resident->step(s.steps);
+    if (read_losses || s.done + 1 == s.steps) {
+      const JointLosses l = s.resident->losses();
+      progress.loss = {l.photometric, l.align, l.mask, l.cont, l.smooth, 0};
+      s.sum_up(progress.loss);
+    }
+  } else {
+    with_context(s.step_name(s.done), [&] {
+      progress.loss = s.step_view(n);
+      s.update(std::pow(s.options.rate_decay, double(s.done) / double(s.steps)));
+    });
+  }
+  ++s.done;
+  progress.step = s.done, progress.steps = s.steps, progress.view = s.input.views[n];
+  return progress;
+}
+
+Solution JointTrainer::result() const {
+  impl_->to_host();
+  const Impl& s = *impl_;
+  Solution result;
+  result.cloud = s.cloud;
+  result.labels = s.input.labels;
+  result.converged = finished();
+  const std::vector<float> label = s.label_values();
+  const std::size_t k_count = s.objects();
+  for (std::size_t k = 0; k < k_count; ++k)
+    for (std::size_t i = 0; i < std::size_t(s.cloud.size()); ++i)
+      if (s.trainable[i * k_count + k])
+        result.labels[k].label[i] = result.labels[k].prob[i] = label[i * k_count + k];
+  result.figures["steps"] = double(s.done);
+  result.figures["boundary"] = double(s.boundary.size());
+  return result;
+}
+
+std::vector<StateBlock> JointTrainer::state() {
+  Impl& s = *impl_;
+  s.to_host();
+  if (s.resident) s.resident->host_changed(s.done);
+  std::vector<StateBlock> blocks;
+  const auto moments = [&](const std::string& name, AdamMoments& m, std::size_t size) {
+    blocks.push_back({name + ".m", &m.m, size, true});
+    blocks.push_back({name + ".v", &m.v, size, true});
+  };
+  const auto stepped = [&](const std::string& name, std::vector<float>& values, AdamMoments& m) {
+    blocks.push_back({name, &values, values.size()});
+    moments(name, m, values.size());
+  };
+  for (std::size_t g = 0; g < kGaussianGroups; ++g)
+    stepped(kGroupColumns[g].name, s.cloud.*kGroupColumns[g].value, s.moments[g]);
+  stepped("label", s.logit, s.label_moments);
+  if (s.field) {
+    ParamStore& store = s.field->parameters();
+    blocks.push_back({"field", &store.values, store.values.size()});
+    for (std::size_t b = 0; b < s.field->moments().size(); ++b)
+      moments("field." + std::to_string(b), s.field->moments()[b], store.blocks[b].size);
+  }
+  return blocks;
+}
+
+void JointTrainer::resume_at(std::int64_t step) {
+  impl_->done = step;
+  if (impl_->resident) impl_->resident->host_changed(step);
+  refresh_positions(impl_->cloud, impl_->boundary);
+}
+
+}  // namespace ngs

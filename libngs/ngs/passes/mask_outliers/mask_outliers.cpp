@@ -1,0 +1,171 @@
+#include "ngs/passes/mask_outliers/mask_outliers.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ngs/math/median.h"
+#include "ngs/ops/splat/evidence.h"
+#include "ngs/stages/boundary/leave_one_out.h"
+#include "ngs/stages/masks/mask_pair.h"
+
+namespace ngs {
+namespace {
+
+/// Binary planes of all objects, and where they can be compared.
+struct Planes {
+  std::vector<std::vector<std::uint8_t>> object;  // [K][H·W]
+  std::vector<std::uint8_t> compared;             // [H·W]
+};
+
+Planes planes_of(const ViewMasks& masks) {
+  Planes p;
+  for (const std::vector<float>& target : masks.target) p.object.push_back(object_pixels(target));
+  p.compared.assign(p.object.front().size(), 1);
+  if (!masks.known.empty()) p.compared = masks.known;
+  return p;
+}
+
+constexpr double kNothingThere = -1;
+
+/// 1 - IoU over all objects, where both can be compared; kNothingThere where neither shows any of them.
+double disagreement(const Planes& mask, const Planes& consensus) {
+  double both = 0, either = 0;
+  for (std::size_t k = 0; k < mask.object.size(); ++k)
+    for (std::size_t i = 0; i < mask.compared.size(); ++i) {
+      if (!mask.compared[i] || !consensus.compared[i]) continue;
+      const bool m = mask.object[k][i] != 0, c = consensus.object[k][i] != 0;
+      both += m && c, either += m || c;
+    }
+  return either > 0 ? 1 - both / either : kNothingThere;
+}
+
+/// What the other views say about one view.
+struct Consensus {
+  Planes modal, amodal;
+};
+
+class Judge {
+ public:
+  Judge(const Exec& exec, const MaskOutlierOptions& options, const Problem& input)
+      : exec_(exec), options_(options), input_(input), trusted_(input.views.size(), 1) {}
+
+  MaskOutliers run(Monitor& monitor) {
+    const auto timed = monitor.scope("view trust");
+    MaskOutliers trust;
+    int rounds = 0;
+    while (rounds < options_.rounds && !monitor.stop_requested()) {
+      LeaveOneOut others(exec_, input_.cloud.size(), int(input_.scene.objects.size()),
+                         [this](std::size_t n) {
+                           return view_sums(exec_, input_.cloud, camera(n), input_.splat,
+                                            input_.load_masks(input_.views[n]));
+                         });
+      if (!gather(others)) break;
+      ++rounds;
+      if (!judge(others, trust)) break;
+    }
+    for (std::size_t n = 0; n < trusted_.size(); ++n)
+      if (!trusted_[n]) trust.ignored.push_back(input_.views[n]);
+    trust.figures["rounds"] = rounds;
+    return trust;
+  }
+
+ private:
+  const Camera& camera(std::size_t n) const { return input_.scene.views[input_.views[n]].camera; }
+
+  /// Evidence of the trusted views; false where too few have masks.
+  bool gather(LeaveOneOut& others) const {
+    int with_masks = 0;
+    for (std::size_t n = 0; n < trusted_.size(); ++n) {
+      if (!trusted_[n]) continue;
+      with_masks += input_.load_masks(input_.views[n]).available;
+      others.add(n);
+    }
+    return with_masks >= options_.least_views;
+  }
+
+  Consensus consensus_of(const LeaveOneOut::Rest& rest, std::size_t n) const {
+    const std::size_t rows = rest.seen.size(), objects = input_.scene.objects.size();
+    std::vector<float> label(rows * (objects + 1), 0.f);  // last: the others have seen it
+    std::vector<std::uint8_t> object(rows, 0);
+    for (std::size_t i = 0; i < rows; ++i) {
+      label[i * (objects + 1) + objects] = rest.seen[i];
+      for (std::size_t k = 0; k < objects; ++k)
+        if (rest.share[i * objects + k] > 0.5f) label[i * (objects + 1) + k] = 1.f, object[i] = 1;
+    }
+    RenderRequest request;
+    request.colour = false;
+    request.label = {label.data(), input_.cloud.size(), int(objects) + 1};
+    Consensus c;
+    c.modal = thresholded(render(exec_, input_.cloud, camera(n), input_.splat, request), true);
+    request.include = object.data();
+    c.amodal = thresholded(render(exec_, input_.cloud, camera(n), input_.splat, request), false);
+    return c;
+  }
+  /// `seen_only`: compared only where most of the pixel was seen by the others.
+  static Planes thresholded(const RenderedView& view, bool seen_only) {
+    const std::size_t channels = std::size_t(view.label.channels), pixels = std::size_t(view.label.pixels());
+    Planes p{{}, std::vector<std::uint8_t>(pixels, 1)};
+    p.object.assign(channels - 1, std::vector<std::uint8_t>(pixels));
+    for (std::size_t i = 0; i < pixels; ++i) {
+      const float* at = &view.label.data[i * channels];
+      for (std::size_t k = 0; k + 1 < channels; ++k) p.object[k][i] = at[k] > 0.5f;
+      if (seen_only) p.compared[i] = at[channels - 1] > 0.5f;
+    }
+    return p;
+  }
+
+  /// True where another view is ignored now, or one no longer is. Views that agree on showing nothing are trusted, and no
+  /// measure of how well contours agree: where most views do not see the object, their zeros would be the median.
+  bool judge(const LeaveOneOut& others, MaskOutliers& trust) {
+    trust.disagreement.assign(trusted_.size(), -1.0);
+    std::vector<double> all;
+    for (std::size_t n = 0; n < trusted_.size(); ++n) {
+      const ViewMasks masks = input_.load_masks(input_.views[n]);
+      if (!masks.available) continue;
+      const Planes mask = planes_of(masks);
+      const Consensus c = consensus_of(others.without(n), n);
+      const double found = std::min(disagreement(mask, c.modal), disagreement(mask, c.amodal));
+      trust.disagreement[n] = std::max(found, 0.0);
+      if (found != kNothingThere) all.push_back(found);
+    }
+    if (std::ssize(all) < options_.least_views) return false;
+    const double threshold = ignore_threshold(options_, all, trust.figures["median_disagreement"]);
+    trust.figures["threshold"] = threshold;
+    bool changed = false;
+    for (std::size_t n = 0; n < trusted_.size(); ++n) {
+      const std::uint8_t now = trust.disagreement[n] <= threshold;
+      changed |= now != trusted_[n], trusted_[n] = now;
+    }
+    return changed;
+  }
+
+  const Exec& exec_;
+  const MaskOutlierOptions& options_;
+  const Problem& input_;
+  std::vector<std::uint8_t> trusted_;  // per entry of input.views
+};
+
+}  // namespace
+
+double ignore_threshold(const MaskOutlierOptions& options, const std::vector<double>& disagreement, double& median) {
+  constexpr double kMadToSigma = 1.4826;  // of a normal distribution
+  median = upper_median(disagreement);
+  std::vector<double> deviations;
+  for (const double d : disagreement) deviations.push_back(std::abs(d - median));
+  const double sigma = kMadToSigma * upper_median(std::move(deviations));
+  const double threshold = std::max({options.factor * median, median + options.spreads * sigma, options.least});
+  // Of nine masks three empty ones are spread enough for a threshold that no 1 - IoU can exceed.
+  const bool strangers = *std::max_element(disagreement.begin(), disagreement.end()) > options.most;
+  return strangers && median < 0.5 ? std::min(threshold, options.most) : threshold;
+}
+
+MaskOutliers judge_views(const Exec& exec, Monitor& monitor, const MaskOutlierOptions& options, const Problem& input) {
+  return Judge(exec, options, input).run(monitor);
+}
+
+ViewMasks consistent_masks(const MaskOutliers& trust, std::size_t view, ViewMasks masks) {
+  if (std::binary_search(trust.ignored.begin(), trust.ignored.end(), view)) masks.available = false;
+  return masks;
+}
+
+}  // namespace ngs

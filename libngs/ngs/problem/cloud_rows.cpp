@@ -1,0 +1,125 @@
+#include "ngs/problem/cloud_rows.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ngs/backend/for_each.h"
+#include "ngs/core/rng.h"
+#include "ngs/math/quat.h"
+#include "ngs/math/stable.h"
+
+namespace ngs {
+namespace {
+
+void gather_moments(const std::vector<CloudRow>& rows, int width, std::vector<float>& moments) {
+  if (moments.empty()) return;
+  std::vector<float> out(rows.size() * std::size_t(width), 0.f);
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    if (rows[r].origin == RowOrigin::kKept)
+      std::copy_n(moments.begin() + std::ptrdiff_t(rows[r].source * width), width,
+                  out.begin() + std::ptrdiff_t(r * std::size_t(width)));
+  moments = std::move(out);
+}
+
+Mat3<double> axes_of(const GaussianCloud& cloud, std::size_t r) {
+  const float* q = &cloud.rotation[r * 4];
+  double inv;
+  return rotation_matrix(
+      normalised(Vec4<double>{double(q[0]), double(q[1]), double(q[2]), double(q[3])}, inv));
+}
+
+void move_by(GaussianCloud& cloud, std::size_t r, Vec3<double> offset) {
+  float* p = &cloud.position[r * 3];
+  p[0] += float(offset.x), p[1] += float(offset.y), p[2] += float(offset.z);
+}
+
+/// Moves a gathered copy of its parent to a place drawn from the parent, and shrinks it.
+void place_child(GaussianCloud& cloud, std::size_t r, const CloudRow& row, std::uint64_t seed) {
+  const float* s = &cloud.log_scale[r * 3];
+  const std::uint64_t draw = 2 * std::uint64_t(row.source) + (row.origin == RowOrigin::kChild1);
+  double local[3];
+  for (std::uint64_t k = 0; k < 3; ++k)
+    local[k] = std::exp(double(s[k])) * rng_normal(seed, RngStream::kSplit, 3 * draw + k);
+  move_by(cloud, r, axes_of(cloud, r) * Vec3<double>{local[0], local[1], local[2]});
+  for (std::size_t k = 0; k < 3; ++k) cloud.log_scale[r * 3 + k] -= float(std::log(kSplitShrink));
+}
+
+/// Normals at ±d of deviation s have the variance d² + s² together: with d = 0.75 of the parent's deviation
+/// s = sqrt(1 - d²) of it. Their optical depths add up to the parent's, integrated along the axis: each has
+/// 1 / (2 s) of its peak.
+void place_half(GaussianCloud& cloud, std::size_t r, RowOrigin half) {
+  constexpr double kShift = 0.75;
+  const double shrink = std::sqrt(1 - kShift * kShift);
+  float* s = &cloud.log_scale[r * 3];
+  const auto axis = std::size_t(std::max_element(s, s + 3) - s);
+  double local[3] = {0, 0, 0};
+  local[axis] = (half == RowOrigin::kHalf0 ? kShift : -kShift) * std::exp(double(s[axis]));
+  move_by(cloud, r, axes_of(cloud, r) * Vec3<double>{local[0], local[1], local[2]});
+  s[axis] += float(std::log(shrink));
+  const double depth =
+      softplus(double(cloud.logit_opacity[r])) / (2 * shrink);  // -log(1 - opacity) of a half
+  cloud.logit_opacity[r] = float(std::log(std::max(std::expm1(depth), 1e-300)));
+}
+
+void clear(const std::vector<std::uint8_t>& chosen, std::size_t width, std::vector<float>& values) {
+  for (std::size_t i = 0; i < chosen.size(); ++i)
+    if (chosen[i]) std::fill_n(values.begin() + std::ptrdiff_t(i * width), width, 0.f);
+}
+
+}  // namespace
+
+void edit_column(const Exec& exec, const std::vector<CloudRow>& rows, int width, std::vector<float>& values) {
+  values = gather_column(exec, values, width, rows);
+}
+
+void edit_rows(const Exec& exec, const std::vector<CloudRow>& rows, std::uint64_t seed,
+               GaussianCloud& cloud) {
+  edit_column(exec, rows, 3, cloud.position), edit_column(exec, rows, 4, cloud.rotation);
+  edit_column(exec, rows, 3, cloud.log_scale), edit_column(exec, rows, 1, cloud.logit_opacity);
+  edit_column(exec, rows, 3, cloud.sh_dc), edit_column(exec, rows, cloud.rest_count() * 3, cloud.sh_rest);
+  cloud.usable = gather_column(exec, cloud.usable, 1, rows);
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    if (rows[r].origin >= RowOrigin::kHalf0)
+      place_half(cloud, r, rows[r].origin);
+    else if (rows[r].origin >= RowOrigin::kChild0)
+      place_child(cloud, r, rows[r], seed);
+}
+
+GaussianCloud gather_rows(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::int64_t>& rows) {
+  GaussianCloud part;
+  part.origin = cloud.origin, part.sh_degree = cloud.sh_degree, part.antialiased = cloud.antialiased;
+  part.position = gather_column(exec, cloud.position, 3, rows);
+  part.rotation = gather_column(exec, cloud.rotation, 4, rows);
+  part.log_scale = gather_column(exec, cloud.log_scale, 3, rows);
+  part.logit_opacity = gather_column(exec, cloud.logit_opacity, 1, rows);
+  part.sh_dc = gather_column(exec, cloud.sh_dc, 3, rows);
+  part.sh_rest = gather_column(exec, cloud.sh_rest, cloud.rest_count() * 3, rows);
+  part.usable = gather_column(exec, cloud.usable, 1, rows);
+  return part;
+}
+
+void scatter_rows(const Exec& exec, const GaussianCloud& part, const std::vector<std::int64_t>& rows, GaussianCloud& cloud) {
+  scatter_column(exec, part.position, 3, rows, cloud.position);
+  scatter_column(exec, part.rotation, 4, rows, cloud.rotation);
+  scatter_column(exec, part.log_scale, 3, rows, cloud.log_scale);
+  scatter_column(exec, part.logit_opacity, 1, rows, cloud.logit_opacity);
+  scatter_column(exec, part.sh_dc, 3, rows, cloud.sh_dc);
+  scatter_column(exec, part.sh_rest, cloud.rest_count() * 3, rows, cloud.sh_rest);
+  scatter_column(exec, part.usable, 1, rows, cloud.usable);
+}
+
+void edit_moments(const std::vector<CloudRow>& rows, int width, AdamMoments& moments) {
+  gather_moments(rows, width, moments.m), gather_moments(rows, width, moments.v);
+}
+
+void clear_shapes(const std::vector<std::uint8_t>& chosen, CloudGradients& gradients) {
+  clear(chosen, 3, gradients.position), clear(chosen, 4, gradients.rotation);
+  clear(chosen, 3, gradients.log_scale), clear(chosen, 1, gradients.logit_opacity);
+}
+
+double largest_scale(const GaussianCloud& cloud, std::int64_t row) {
+  const float* s = &cloud.log_scale[std::size_t(row) * 3];
+  return std::exp(double(std::max({s[0], s[1], s[2]})));
+}
+
+}  // namespace ngs

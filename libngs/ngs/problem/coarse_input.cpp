@@ -1,0 +1,103 @@
+#include "ngs/problem/coarse_input.h"
+
+#include <atomic>
+
+#include "ngs/backend/for_each.h"
+#include "ngs/scene/shrink.h"
+#include "ngs/problem/view_list.h"
+
+namespace ngs {
+namespace {
+
+std::size_t bytes_of(const ImageF& image) { return image.data.size() * sizeof(float); }
+std::size_t bytes_of(const RleMasks& masks) { return masks.bytes(); }
+
+std::vector<float> plane_means(std::vector<float> plane, const ViewMasks& masks, int shrink) {
+  ImageF fine;
+  fine.width_px = masks.width_px, fine.height_px = masks.height_px, fine.channels = 1;
+  fine.data = std::move(plane);
+  return shrunk(fine, shrink).data;
+}
+
+Scene with_shrunk_cameras(Scene scene, int shrink) {
+  for (SceneView& view : scene.views) view.camera = shrunk(view.camera, shrink);
+  return scene;
+}
+
+}  // namespace
+
+CoarseInput::CoarseInput(const Problem& fine, int shrink, std::size_t kept_bytes)
+    : fine_(fine),
+      shrink_(shrink),
+      scene_(with_shrunk_cameras(fine.scene, shrink)),
+      coarse_{.cloud = fine.cloud,
+              .scene = scene_,
+              .views = fine.views,
+              .load_masks = [this](std::size_t view) { return masks(view); },
+              .load_photo = [this](std::size_t view) { return photo(view); },
+              .splat = filter_at_scale(fine.splat, 1.0 / shrink),
+              .background = fine.background,
+              .seed = fine.seed,
+              .fixed = fine.fixed,
+              .labels = fine.labels,
+              .load_fine_photo = fine.load_fine_photo,
+              .held = fine.held},
+      kept_bytes_(kept_bytes) {}
+
+template <class T, class Load>
+std::shared_ptr<const T> CoarseInput::remembered(Kept<T>& kept, std::size_t view, const Load& load) {
+  {
+    const std::lock_guard lock(mutex_);
+    const auto known = kept.find(view);
+    if (known != kept.end()) return known->second;
+  }
+  const auto loaded = std::make_shared<const T>(load());
+  const std::lock_guard lock(mutex_);
+  const std::size_t bytes = bytes_of(*loaded);
+  if (bytes_ + bytes <= kept_bytes_ && kept.emplace(view, loaded).second) bytes_ += bytes;
+  return loaded;
+}
+
+ImageF CoarseInput::photo(std::size_t view) {
+  return *remembered(photos_, view, [&] { return shrunk(fine_.load_photo(view), shrink_); });
+}
+
+ViewMasks CoarseInput::masks(std::size_t view) {
+  return remembered(masks_, view, [&] { return RleMasks(load_masks(view)); })->unpacked();
+}
+
+ViewMasks CoarseInput::load_masks(std::size_t view) const {
+  ViewMasks m = fine_.load_masks(view);
+  if (shrink_ == 1 || !m.available) return m;
+  for (std::vector<float>& target : m.target) target = plane_means(std::move(target), m, shrink_);
+  if (!m.known.empty()) {
+    const std::vector<float> share = plane_means({m.known.begin(), m.known.end()}, m, shrink_);
+    m.known.assign(share.size(), 0);
+    for (std::size_t i = 0; i < share.size(); ++i) m.known[i] = share[i] == 1.f;
+  }
+  m.width_px = shrunk_size_px(m.width_px, shrink_), m.height_px = shrunk_size_px(m.height_px, shrink_);
+  return m;
+}
+
+double CoarseInput::preload(const Exec& exec, const std::function<bool()>& go_on) const {
+  std::atomic<std::int64_t> refused = 0;
+  const std::vector<std::size_t> photos = photo_views(scene_);
+  const auto masks = std::int64_t(coarse_.views.size()), all = masks + std::int64_t(photos.size());
+  for_each_task(exec, all, [&](std::int64_t i) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (bytes_ > kept_bytes_ / 10 * 9) return;  // what is loaded now would not be kept
+    }
+    if (go_on && !go_on()) {
+      ++refused;
+      return;
+    }
+    if (i < masks)
+      coarse_.load_masks(coarse_.views[std::size_t(i)]);
+    else
+      coarse_.load_photo(photos[std::size_t(i - masks)]);
+  });
+  return all > 0 ? 1 - double(refused) / double(all) : 1;
+}
+
+}  // namespace ngs

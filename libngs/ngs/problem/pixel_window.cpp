@@ -1,0 +1,25 @@
+#include "ngs/problem/pixel_window.h"
+
+#include <algorithm>
+
+namespace ngs {
+
+PixelWindow window_of(const std::vector<std::vector<float>>& targets, int w, int h, int margin) {
+  int x0 = w, x1 = -1, y0 = h, y1 = -1;
+  for (const std::vector<float>& target : targets)
+    for (int y = 0; y < h; ++y)
+      for (int x = 0; x < w; ++x)
+        if (target[std::size_t(y) * std::size_t(w) + std::size_t(x)] > 0.f)
+          x0 = std::min(x0, x), x1 = std::max(x1, x), y0 = std::min(y0, y), y1 = std::max(y1, y);
+  if (x1 < 0) return {};
+  x0 = std::max(0, x0 - margin), y0 = std::max(0, y0 - margin);
+  return {x0, y0, std::min(w, x1 + 1 + margin) - x0, std::min(h, y1 + 1 + margin) - y0};
+}
+
+Camera window_camera(Camera camera, const PixelWindow& win) {
+  camera.cx -= win.x0, camera.cy -= win.y0;
+  camera.width_px = win.w, camera.height_px = win.h;
+  return camera;
+}
+
+}  // namespace ngs

@@ -1,0 +1,60 @@
+#pragma once
+// What every method of ngs-joint takes and gives back: the paper's joint optimisation and the methods beside it
+// (flash, sa3d, cob, saga, bce, released) run on the same inputs through the same splat core.
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "ngs/core/monitor.h"
+#include "ngs/ops/splat/splat.h"
+#include "ngs/scene/evidence.h"
+#include "ngs/scene/scene.h"
+
+namespace ngs {
+
+/// Labels, one per object, that nobody changes: the inputs of one run's stages share them. With many objects they take more
+/// memory than the model.
+class SharedLabels {
+ public:
+  SharedLabels() : SharedLabels(std::vector<LabelColumns>()) {}
+  SharedLabels(std::vector<LabelColumns> labels)
+      : labels_(std::make_shared<const std::vector<LabelColumns>>(std::move(labels))) {}
+  operator const std::vector<LabelColumns>&() const { return *labels_; }
+  bool empty() const { return labels_->empty(); }
+  std::size_t size() const { return labels_->size(); }
+  const LabelColumns& operator[](std::size_t object) const { return (*labels_)[object]; }
+  auto begin() const { return labels_->begin(); }
+  auto end() const { return labels_->end(); }
+
+ private:
+  std::shared_ptr<const std::vector<LabelColumns>> labels_;
+};
+
+struct Problem {
+  const GaussianCloud& cloud;
+  const Scene& scene;
+  std::vector<std::size_t> views;                          // indices of scene.views that may supervise
+  std::function<ViewMasks(std::size_t view)> load_masks;   // at the camera's size
+  std::function<ImageF(std::size_t view)> load_photo;      // [H, W, 3] at the camera's size; empty: no photo
+  SplatOptions splat;
+  Vec3<float> background{0, 0, 0};
+  std::uint64_t seed = 0;
+  std::vector<float> fixed;                                // [N] ngs_fixed of a hand edit: 1 keeps its label; may be empty
+  SharedLabels labels;                                     // of ngs-variance, one per object
+  // As load_photo, finer where the photo has more pixels than the camera; empty function or image: no photo.
+  std::function<ImageF(std::size_t view)> load_fine_photo = {};
+  std::vector<std::uint8_t> held = {};                     // [N] 1: method paper keeps shape, opacity and colour; empty: none
+};
+
+struct Solution {
+  GaussianCloud cloud;                    // the input's, with optimised attributes; rows may be added or removed
+  std::vector<std::int64_t> source_row;   // [rows] input row each row descends from; empty: unchanged rows
+  std::vector<LabelColumns> labels;       // one per object; label is the method's decision, prob its soft value
+  std::map<std::string, double> figures;  // what the method has to say about itself: steps, losses, gap, ...
+  bool converged = true;                  // false: a budget ended it early with a usable result
+};
+
+}  // namespace ngs

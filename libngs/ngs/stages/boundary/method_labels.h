@@ -1,0 +1,29 @@
+#pragma once
+// What the methods of ngs-joint share: where evidence comes from, and whose label no method may change.
+#include "ngs/problem/problem.h"
+#include "ngs/stages/boundary/variance_stage.h"
+
+namespace ngs {
+
+/// One LabelColumns per object: the input's, or those of the closed form over its views where it brings none.
+std::vector<LabelColumns> closed_form_labels(const Exec& exec, Monitor& monitor, const Problem& input);
+
+/// Labels from evidence gathered anew, with the boundary rule that the input's own labels follow: the criterion is the
+/// one that gives variances like theirs, tau the largest variance that is not boundary there. Hand-fixed labels stay. For
+/// stages that change the model or the masks.
+std::vector<LabelColumns> labels_anew(const Exec& exec, Monitor& monitor, const Problem& input,
+                                      const GaussianCloud& cloud);
+
+/// Hand-fixed Gaussians get their input label (and prob) back. Rows of `labels` are the input's unless
+/// `source_row` says from which input row each descends.
+void restore_fixed(const Problem& input, const std::vector<std::int64_t>& source_row,
+                   std::vector<LabelColumns>& labels);
+
+inline bool is_fixed(const Problem& input, std::size_t row) {
+  return !input.fixed.empty() && input.fixed[row] == 1.f;
+}
+
+/// Number of Gaussians labelled as the object, for Solution::figures.
+double labelled_count(const LabelColumns& labels);
+
+}  // namespace ngs

@@ -1,0 +1,77 @@
+#include "ngs/stages/boundary/sample_stage.h"
+
+namespace ngs {
+namespace {
+
+RenderedView render_depth(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
+                          const SplatOptions& splat) {
+  RenderRequest request;
+  request.colour = false;
+  request.depth = true;
+  return render(exec, cloud, camera, splat, request);
+}
+
+void append(const ViewSample& sample, const Camera& camera, QueryField& field) {
+  const RayQueries& rays = sample.rays;
+  const auto view = std::int32_t(field.views.size());
+  field.views.push_back({camera.name, sample.boundary.box, rays.grid.rows, rays.grid.cols, rays.samples,
+                         sample.boundary.mean_distance});
+  const std::size_t queries = rays.depth.size();
+  field.position.insert(field.position.end(), rays.position.begin(), rays.position.end());
+  field.depth.insert(field.depth.end(), rays.depth.begin(), rays.depth.end());
+  field.view.insert(field.view.end(), queries, view);
+  for (std::size_t i = 0; i < queries; ++i) {
+    const std::size_t ray = i / std::size_t(rays.samples);
+    field.uv.insert(field.uv.end(), {rays.pixel[ray * 2], rays.pixel[ray * 2 + 1]});
+    field.slot.push_back(std::int32_t(i));
+  }
+}
+
+}  // namespace
+
+std::int64_t most_queries(const SampleOptions& options, std::size_t views) {
+  const int extra = options.nodes == GridNodes::kInclusive ? 1 : 0;
+  return std::int64_t(views) * (options.rows + extra) * (options.cols + extra) * options.depth_samples;
+}
+
+ViewSample sample_view(const Exec& exec, const SampleOptions& options, const Camera& camera,
+                       Rows<const float, 3> boundary, const DepthMap& map) {
+  ViewSample sample;
+  sample.boundary = boundary_box(camera, boundary, options.bbox_pad_px);
+  if (options.whole_image && sample.boundary.visible > 0)
+    sample.boundary.box = {0, 0, double(camera.width_px), double(camera.height_px)};
+  const PixelGrid grid = pixel_grid(sample.boundary.box, options.rows, options.cols, options.nodes);
+  sample.rays = ray_queries(exec, camera, grid,
+                            {.samples = options.depth_samples,
+                             .depth_span = options.depth_span,
+                             .depth_epsilon = options.depth_epsilon,
+                             .mean_distance = sample.boundary.mean_distance},
+                            map);
+  return sample;
+}
+
+QueryField sample_queries(const Exec& exec, Monitor& monitor, const SampleOptions& options,
+                          const GaussianCloud& cloud, const BoundarySet& boundary, const Scene& scene,
+                          const std::vector<std::size_t>& views, const SplatOptions& splat) {
+  auto timed = monitor.scope("sample");
+  QueryField field;
+  field.origin = cloud.origin;
+  field.depth_span = options.depth_span, field.depth_epsilon = options.depth_epsilon;
+  for (std::size_t n = 0; n < views.size(); ++n) {
+    const Camera& world = scene.views[views[n]].camera;
+    const Camera camera = relative_to(world, cloud.origin);
+    RenderedView rendered;
+    DepthMap map;
+    if (options.window == WindowCentre::kPixel &&
+        boundary_box(camera, boundary.positions(), options.bbox_pad_px).visible > 0) {
+      rendered = render_depth(exec, cloud, world, splat);
+      map = {&rendered.depth, &rendered.alpha};
+    }
+    append(sample_view(exec, options, camera, boundary.positions(), map), world, field);
+    monitor.progress(std::int64_t(n) + 1, std::int64_t(views.size()));
+  }
+  timed.items(field.size());
+  return field;
+}
+
+}  // namespace ngs

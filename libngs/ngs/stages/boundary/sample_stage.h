@@ -1,0 +1,75 @@
+#pragma once
+// Boxes, grids and query points of every view.                    Eqs. (4)-(7), Algorithm 1 steps 2-4
+#include <string>
+#include <vector>
+
+#include "ngs/core/monitor.h"
+#include "ngs/ops/field/ray_query.h"
+#include "ngs/ops/field/sample_grid.h"
+#include "ngs/ops/splat/splat.h"
+#include "ngs/options/field.h"
+#include "ngs/scene/boundary_set.h"
+#include "ngs/scene/query_field.h"
+#include "ngs/scene/scene.h"
+
+namespace ngs {
+
+enum class WindowCentre : std::uint8_t { kMean, kPixel };
+inline constexpr NamedValue<WindowCentre> kWindowNames[] = {{WindowCentre::kMean, "mean"},
+                                                            {WindowCentre::kPixel, "pixel"}};
+inline constexpr NamedValue<GridNodes> kNodesNames[] = {{GridNodes::kCentres, "centres"},
+                                                        {GridNodes::kInclusive, "inclusive"}};
+
+struct SampleOptions {
+  int rows = 64, cols = 64;
+  int depth_samples = 8;
+  double bbox_pad_px = 5;
+  double depth_span = 0.1;
+  double depth_epsilon = 1e-4;
+  WindowCentre window = WindowCentre::kPixel;
+  GridNodes nodes = GridNodes::kCentres;
+  bool whole_image = false;  // the grid covers every view that sees the boundary: --effect box=off, no option of its own
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.rows,
+          Field<int>{"rows", "", "grid rows, fewer where they would be under 1 px (Eq. 5)", 1, 4096});
+    visit(self.cols, Field<int>{"cols", "", "grid columns (Eq. 5)", 1, 4096});
+    visit(self.depth_samples,
+          Field<int>{"depth_samples", "", "query points per ray, the paper's K (Eq. 7)", 1, 256});
+    visit(self.bbox_pad_px,
+          Field<double>{"bbox_pad_px", "px",
+                        "margin of the box about the boundary, the paper's delta (Eq. 4)", 0, 1e4});
+    visit(self.depth_span,
+          Field<double>{"depth_span", "",
+                        "half depth window relative to the depth, the paper's alpha (Eq. 7)", 0, 1});
+    visit(self.depth_epsilon,
+          Field<double>{"depth_epsilon", "world", "least half depth window (Eq. 7)", 0, 1e6});
+    visit(self.window,
+          Choice<WindowCentre>{
+              "window", "depth windows about the view's mean, or the rendered depth of the pixel (C12)",
+              kWindowNames});
+    visit(self.nodes, Choice<GridNodes>{"nodes", "grid nodes: cell centres, or the paper's corners 0..N (C7)",
+                                        kNodesNames});
+  }
+};
+
+/// Upper bound of the number of query points.
+std::int64_t most_queries(const SampleOptions& options, std::size_t views);
+
+struct ViewSample {
+  BoundaryBox boundary;  // visible == 0: no rays; its box is what the grid covers, the whole image if that was asked for
+  RayQueries rays;
+};
+
+/// The grid and rays of one camera. `camera` is relative to the model's origin (relative_to). `map` serves
+/// --window pixel; empty: all windows are centred on the mean distance.
+ViewSample sample_view(const Exec& exec, const SampleOptions& options, const Camera& camera,
+                       Rows<const float, 3> boundary, const DepthMap& map);
+
+/// Query points of the given views of the scene; renders depth where the options ask for it.
+QueryField sample_queries(const Exec& exec, Monitor& monitor, const SampleOptions& options,
+                          const GaussianCloud& cloud, const BoundarySet& boundary, const Scene& scene,
+                          const std::vector<std::size_t>& views, const SplatOptions& splat);
+
+}  // namespace ngs

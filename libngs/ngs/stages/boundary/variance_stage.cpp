@@ -1,0 +1,109 @@
+#include "ngs/stages/boundary/variance_stage.h"
+
+#include <algorithm>
+#include <sstream>
+
+namespace ngs {
+namespace {
+
+/// Normalised mask variance in [0, 1].
+double normalised_variance(Criterion criterion, const Evidence& e, std::size_t gaussian, std::size_t cell) {
+  switch (criterion) {
+    case Criterion::kPooled: {  // law of total variance over views and pixels: 4 p (1 - p)
+      const double p = e.object_weight.value(cell) / e.weight.value(gaussian);
+      return 4.0 * p * (1.0 - p);
+    }
+    case Criterion::kBetweenViews:
+      return between_views_variance(e, cell, e.views[gaussian]);
+    case Criterion::kRelativeDiff: {  // 1 - r²: for binary evidence equal to 4 p (1 - p)
+      const double r = double(e.contrast_sum[cell]) * 0x1p-32 / e.views[gaussian];
+      return 1.0 - r * r;
+    }
+  }
+  return 0.0;
+}
+
+/// The object that outweighs every other object and the background; -1 if none does.
+int heaviest_object(const Evidence& e, std::size_t gaussian) {
+  double background = e.weight.value(gaussian), best_weight = 0;
+  int best = -1;
+  for (int k = 0; k < e.objects; ++k) {
+    const double w = e.object_weight.value(gaussian * std::size_t(e.objects) + std::size_t(k));
+    background -= w;
+    if (w > best_weight) best = k, best_weight = w;
+  }
+  return best_weight > background ? best : -1;
+}
+
+}  // namespace
+
+Scene with_objects(Scene scene, const std::vector<std::string>& names) {
+  if (names.empty()) return scene;
+  for (const std::string& name : names)
+    if (std::none_of(scene.objects.begin(), scene.objects.end(),
+                     [&](const SceneObject& o) { return o.name == name; }))
+      throw Error(ErrorCode::kUsage, "the scene has no object '" + name + "'",
+                  "it has " + std::to_string(scene.objects.size()) + " objects, the first is '" +
+                      scene.objects.front().name + "'");
+  std::erase_if(scene.objects, [&](const SceneObject& o) {
+    return std::find(names.begin(), names.end(), o.name) == names.end();
+  });
+  return scene;
+}
+
+std::vector<std::size_t> training_views(const Scene& scene) {
+  std::vector<std::size_t> views;
+  for (std::size_t i = 0; i < scene.views.size(); ++i)
+    if (scene.views[i].split == Split::kTrain) views.push_back(i);
+  return views;
+}
+
+Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud,
+                             const Scene& scene, const std::vector<std::size_t>& views,
+                             const SplatOptions& options, const MaskLoader& load_masks) {
+  Evidence evidence(cloud.size(), int(scene.objects.size()));
+  for (std::size_t n = 0; n < views.size(); ++n) {
+    const ViewMasks masks = [&] {
+      const auto timed = monitor.scope("load masks");
+      return load_masks(views[n]);
+    }();
+    const auto timed = monitor.scope("evidence");
+    add_view_evidence(exec, cloud, scene.views[views[n]].camera, options, masks, evidence);
+    monitor.progress(std::int64_t(n) + 1, std::int64_t(views.size()));
+  }
+  return evidence;
+}
+
+void check_tau(const VarianceOptions& options) {
+  if (options.tau >= 0 && options.tau < 1) return;
+  std::ostringstream found;
+  found << "tau = " << options.tau
+        << ", expected a value in [0, 1): the normalised variance 4 Var never exceeds 1";
+  throw Error(ErrorCode::kUsage, found.str(),
+              "a raw variance threshold v (at most 0.25) is --tau 4v; the default is 0.6");
+}
+
+std::vector<LabelColumns> label_gaussians(const VarianceOptions& options, const Evidence& e) {
+  check_tau(options);
+  const auto n = std::size_t(e.gaussians);
+  std::vector<LabelColumns> columns(std::size_t(e.objects));
+  for (LabelColumns& c : columns)
+    for (auto* column : {&c.label, &c.prob, &c.variance, &c.views, &c.boundary}) column->assign(n, 0.f);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (e.views[i] == 0) continue;
+    const bool one_of_several = options.exclusive && e.objects > 1;
+    const int owner = one_of_several ? heaviest_object(e, i) : -1;
+    for (int k = 0; k < e.objects; ++k) {
+      LabelColumns& c = columns[std::size_t(k)];
+      const std::size_t cell = i * std::size_t(e.objects) + std::size_t(k);
+      const double prob = e.object_weight.value(cell) / e.weight.value(i);
+      const double variance = normalised_variance(options.criterion, e, i, cell);
+      c.prob[i] = float(prob), c.variance[i] = float(variance), c.views[i] = float(e.views[i]);
+      c.label[i] = one_of_several ? float(owner == k) : float(prob > options.label_threshold);
+      c.boundary[i] = float(variance > options.tau);
+    }
+  }
+  return columns;
+}
+
+}  // namespace ngs

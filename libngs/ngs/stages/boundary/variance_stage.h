@@ -1,0 +1,61 @@
+#pragma once
+// Evidence of all views, closed-form labels and the boundary set.             Eq. (3), Algorithm 1 step 1;
+// C1, C2
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "ngs/core/monitor.h"
+#include "ngs/ops/splat/evidence.h"
+#include "ngs/options/field.h"
+
+namespace ngs {
+
+enum class Criterion : std::uint8_t { kPooled, kBetweenViews, kRelativeDiff };
+inline constexpr NamedValue<Criterion> kCriterionNames[] = {{Criterion::kPooled, "pooled"},
+                                                            {Criterion::kBetweenViews, "between-views"},
+                                                            {Criterion::kRelativeDiff, "relative-diff"}};
+
+struct VarianceOptions {
+  double tau = 0.6;
+  Criterion criterion = Criterion::kPooled;
+  double label_threshold = 0.5;
+  bool exclusive = true;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.tau,
+          Field<double>{"tau", "", "boundary: normalised mask variance above this (Eq. 3, C1)", 0.0, 0.999999});
+    visit(self.criterion,
+          Choice<Criterion>{"criterion", "what the variance is taken over (C2)", kCriterionNames});
+    visit(self.label_threshold,
+          Field<double>{"label_threshold", "", "closed-form label: 1 where prob exceeds this", 0.0, 1.0});
+    visit(self.exclusive,
+          Flag{"exclusive", "several objects: a Gaussian belongs to at most one (the heaviest)"});
+  }
+};
+
+/// The masks of view `index` of the scene.
+using MaskLoader = std::function<ViewMasks(std::size_t index)>;
+
+/// Sums the evidence of the given views of the scene (held-out views must not be among them).
+Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud,
+                             const Scene& scene, const std::vector<std::size_t>& views,
+                             const SplatOptions& options, const MaskLoader& load_masks);
+
+/// The scene with only the named objects, in the order of the scene; no names: all. kUsage for an unknown
+/// name.
+Scene with_objects(Scene scene, const std::vector<std::string>& names);
+
+/// Indices of the scene's views that may supervise.
+std::vector<std::size_t> training_views(const Scene& scene);
+
+/// kUsage unless tau lies in the attainable range [0, 1) of the normalised variance.
+void check_tau(const VarianceOptions& options);
+
+/// Labels, probabilities, variances and boundary membership, one LabelColumns per object. Gaussians without
+/// evidence have views = 0, prob = 0, label = 0: the third state that ngs-extract resolves by its rule.
+/// Calls check_tau.
+std::vector<LabelColumns> label_gaussians(const VarianceOptions& options, const Evidence& evidence);
+
+}  // namespace ngs

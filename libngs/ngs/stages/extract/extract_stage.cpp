@@ -1,0 +1,196 @@
+#include "ngs/stages/extract/extract_stage.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numeric>
+
+#include "ngs/core/check.h"
+#include "ngs/core/error.h"
+#include "ngs/ops/field/knn.h"
+
+namespace ngs {
+namespace {
+
+[[noreturn]] void bad_rule(const std::string& rule, const std::string& expected) {
+  throw Error(ErrorCode::kUsage, "rule = " + rule + ", expected " + expected);
+}
+
+double rule_value(const std::string& rule, std::size_t colon, double low, double high) {
+  double value = 0;
+  const char* end = rule.data() + rule.size();
+  const auto [stop, status] = std::from_chars(rule.data() + colon + 1, end, value);
+  if (status != std::errc() || stop != end || !(value >= low && value <= high)) {
+    char range[64];
+    std::snprintf(range, sizeof range, "a number in [%g, %g] after the colon", low, high);
+    bad_rule(rule, range);
+  }
+  return value;
+}
+
+std::vector<std::uint32_t> rows_where(std::size_t n, const auto& chosen) {
+  std::vector<std::uint32_t> rows;
+  for (std::size_t i = 0; i < n; ++i)
+    if (chosen(i)) rows.push_back(std::uint32_t(i));
+  return rows;
+}
+
+std::vector<float> positions_of(const GaussianCloud& cloud, const std::vector<std::uint32_t>& rows) {
+  std::vector<float> positions;
+  positions.reserve(rows.size() * 3);
+  for (const std::uint32_t i : rows)
+    positions.insert(positions.end(), &cloud.position[i * 3ull], &cloud.position[i * 3ull] + 3);
+  return positions;
+}
+
+Rows<const float, 3> as_rows(const std::vector<float>& positions) {
+  return {positions.data(), std::int64_t(positions.size() / 3)};
+}
+
+/// Unseen Gaussians take the side of more than half of their nearest seen ones.
+void vote(const Exec& exec, const ExtractOptions& options, const GaussianCloud& cloud,
+          const std::vector<std::uint32_t>& unseen, const std::vector<std::uint32_t>& seen, Extraction& out) {
+  if (unseen.empty() || seen.empty()) return;
+  const std::vector<float> points = positions_of(cloud, seen), queries = positions_of(cloud, unseen);
+  const KnnGraph graph = nearest_points(exec, as_rows(points), as_rows(queries), options.unseen_neighbours);
+  for (std::size_t q = 0; q < unseen.size(); ++q) {
+    int votes = 0;
+    for (int k = 0; k < graph.neighbours; ++k)
+      votes += out.object[seen[graph.index[q * std::size_t(graph.neighbours) + std::size_t(k)]]];
+    out.object[unseen[q]] = 2 * votes > graph.neighbours;
+  }
+}
+
+void remove_small_pieces(const Exec& exec, const ExtractOptions& options, const ExtractInput& input,
+                         Extraction& out) {
+  const std::vector<std::int32_t> piece =
+      connected_pieces(exec, input.cloud, out.object, options.component_neighbours);
+  std::vector<std::int64_t> size;
+  std::vector<std::uint8_t> is_fixed;
+  for (std::size_t i = 0; i < piece.size(); ++i) {
+    if (piece[i] < 0) continue;
+    const std::size_t p = std::size_t(piece[i]);
+    if (p >= size.size()) size.resize(p + 1), is_fixed.resize(p + 1);
+    ++size[p];
+    is_fixed[p] |= !input.fixed.empty() && input.fixed[i] == 1;
+  }
+  out.components = std::int64_t(size.size());
+  const auto is_small = [&](std::size_t p) { return size[p] < options.min_component && !is_fixed[p]; };
+  for (std::size_t p = 0; p < size.size(); ++p) out.removed_components += is_small(p);
+  for (std::size_t i = 0; i < piece.size(); ++i)
+    if (piece[i] >= 0 && is_small(std::size_t(piece[i]))) out.object[i] = 0, ++out.removed;
+}
+
+struct UnionFind {
+  std::vector<std::uint32_t> parent;
+  explicit UnionFind(std::size_t n) : parent(n) { std::iota(parent.begin(), parent.end(), 0u); }
+  std::uint32_t root(std::uint32_t i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  }
+  void join(std::uint32_t a, std::uint32_t b) {
+    a = root(a), b = root(b);
+    if (a != b) parent[std::max(a, b)] = std::min(a, b);  // the root is the first row, whatever the order
+  }
+};
+
+}  // namespace
+
+ExtractRule parse_extract_rule(const std::string& rule) {
+  const std::size_t colon = rule.find(':');
+  const std::string kind = rule.substr(0, colon);
+  if (rule == "sa3d") return {.cut = 0.3 / 1.3, .inclusive = false, .on_prob = true};
+  const bool known = kind == "threshold" || kind == "flash" || kind == "flash-l2" || kind == "cob";
+  if (!known || colon == std::string::npos)
+    bad_rule(rule, "threshold:T, flash:GAMMA, flash-l2:GAMMA, sa3d or cob:T");
+  if (kind == "threshold") return {.cut = rule_value(rule, colon, 0, 1), .inclusive = true, .on_prob = false};
+  if (kind == "cob") return {.cut = rule_value(rule, colon, 0, 1), .inclusive = false, .on_prob = false};
+  const double gamma = rule_value(rule, colon, -1, 1);
+  if (kind == "flash") return {.cut = 0.5 * (1 + gamma), .inclusive = false, .on_prob = true};
+  // a0/|a| + gamma < a1/|a| with the 2-norm: the pair lies beyond 45° + asin(gamma/√2) on its circle.
+  const double t = std::tan(std::atan(1.0) + std::asin(gamma / std::sqrt(2.0)));
+  return {.cut = t / (1 + t), .inclusive = false, .on_prob = true};
+}
+
+std::vector<std::int32_t> connected_pieces(const Exec& exec, const GaussianCloud& cloud,
+                                           const std::vector<std::uint8_t>& member, int neighbours) {
+  const std::size_t n = std::size_t(cloud.size());
+  NGS_CHECK(member.size() == n, "one entry per Gaussian");
+  const std::vector<std::uint32_t> rows =
+      rows_where(n, [&](std::size_t i) { return member[i] && cloud.usable[i]; });
+  const std::vector<float> points = positions_of(cloud, rows);
+  const KnnGraph graph = nearest_others(exec, as_rows(points), neighbours);
+  const std::size_t k_count = std::size_t(graph.neighbours);
+
+  std::vector<float> nearest(graph.neighbours > 0 ? rows.size() : 0);
+  for (std::size_t q = 0; q < nearest.size(); ++q) nearest[q] = std::sqrt(graph.dist2[q * k_count]);
+  float spacing = 0;
+  if (!nearest.empty()) {
+    const auto middle = nearest.begin() + std::ptrdiff_t(nearest.size() / 2);
+    std::nth_element(nearest.begin(), middle, nearest.end());
+    spacing = *middle;
+  }
+  const auto radius = [&](std::uint32_t i) {
+    const float* s = &cloud.log_scale[i * 3ull];
+    return std::exp(std::max({s[0], s[1], s[2]}));
+  };
+  UnionFind sets(rows.size());
+  for (std::size_t q = 0; q < rows.size(); ++q)
+    for (std::size_t k = 0; k < k_count; ++k) {
+      const std::uint32_t other = graph.index[q * k_count + k];
+      const float reach = 3 * std::max(spacing, radius(rows[q]) + radius(rows[other]));
+      if (std::sqrt(graph.dist2[q * k_count + k]) <= reach) sets.join(std::uint32_t(q), other);
+    }
+  std::vector<std::int32_t> piece(n, -1);
+  std::int32_t next = 0;
+  for (std::size_t q = 0; q < rows.size(); ++q) {
+    const std::uint32_t root = sets.root(std::uint32_t(q));
+    piece[rows[q]] = root == q ? next++ : piece[rows[root]];
+  }
+  return piece;
+}
+
+Extraction extract_object(const Exec& exec, const ExtractOptions& options, const ExtractInput& input) {
+  const ExtractRule rule = parse_extract_rule(options.rule);
+  const bool wants_prob =
+      options.score == ScoreColumn::kAuto ? rule.on_prob : options.score == ScoreColumn::kProb;
+  const LabelColumns& labels = input.labels;
+  const std::vector<float>& score =
+      (wants_prob && !labels.prob.empty()) || labels.label.empty() ? labels.prob : labels.label;
+  const std::size_t n = std::size_t(input.cloud.size());
+  if (score.size() != n)
+    throw Error(ErrorCode::kBadInput,
+                "the model has neither ngs_label nor ngs_prob, expected a labelled model",
+                "label it first: ngs-variance scene.json -o boundary.ply");
+  NGS_CHECK(labels.views.empty() || labels.views.size() == n, "ngs_views has one entry per Gaussian");
+  NGS_CHECK(input.fixed.empty() || (input.fixed.size() == n && labels.label.size() == n),
+            "ngs_fixed needs ngs_label");
+
+  const auto is_fixed = [&](std::size_t i) { return !input.fixed.empty() && input.fixed[i] == 1; };
+  const auto is_unseen = [&](std::size_t i) {
+    return !labels.views.empty() && labels.views[i] == 0 && !is_fixed(i);
+  };
+  Extraction out;
+  out.object.assign(n, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!input.cloud.usable[i])
+      ++out.unusable;
+    else if (is_fixed(i))
+      out.object[i] = labels.label[i] >= 0.5f, ++out.fixed;
+    else if (!is_unseen(i))
+      out.object[i] = rule.inclusive ? score[i] >= rule.cut : score[i] > rule.cut;
+    else
+      out.object[i] = options.unseen == UnseenRule::kObject;
+  }
+  const auto unseen = rows_where(n, [&](std::size_t i) { return input.cloud.usable[i] && is_unseen(i); });
+  if (options.unseen == UnseenRule::kKnn)
+    vote(exec, options, input.cloud, unseen,
+         rows_where(n, [&](std::size_t i) { return input.cloud.usable[i] && !is_unseen(i); }), out);
+  out.unseen = std::int64_t(unseen.size());
+  for (const std::uint32_t i : unseen) out.unseen_to_object += out.object[i];
+  if (options.min_component > 0) remove_small_pieces(exec, options, input, out);
+  out.objects = std::count(out.object.begin(), out.object.end(), std::uint8_t(1));
+  return out;
+}
+
+}  // namespace ngs

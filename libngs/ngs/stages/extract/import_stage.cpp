@@ -1,0 +1,135 @@
+#include "ngs/stages/extract/import_stage.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <span>
+
+#include "ngs/core/check.h"
+#include "ngs/core/error.h"
+
+namespace ngs {
+namespace {
+
+constexpr std::uint8_t kSelected = 1, kDeleted = 4;
+using Key = std::array<std::uint32_t, 7>;  // bits of x y z, then opacity and colour
+
+struct Keyed {
+  Key key;
+  std::uint32_t row;
+  bool at(const Keyed& other) const { return std::equal(key.begin(), key.begin() + 3, other.key.begin()); }
+};
+
+std::uint32_t bits(double value) { return std::bit_cast<std::uint32_t>(float(value) + 0.0f); }  // -0 is 0
+
+std::vector<Keyed> sorted_keys(const GaussianCloud& cloud) {
+  std::vector<Keyed> keys(std::size_t(cloud.size()));
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      keys[i].key[a] = bits(cloud.origin[a] + double(cloud.position[i * 3 + a]));
+      keys[i].key[4 + a] = bits(cloud.sh_dc[i * 3 + a]);
+    }
+    keys[i].key[3] = bits(cloud.logit_opacity[i]);
+    keys[i].row = std::uint32_t(i);
+  }
+  std::sort(keys.begin(), keys.end(),
+            [](const Keyed& a, const Keyed& b) { return a.key != b.key ? a.key < b.key : a.row < b.row; });
+  return keys;
+}
+
+/// Pairs the rows of two sorted groups at one position: equal keys first, what is left over in order.
+void pair_group(std::span<const Keyed> model, std::span<const Keyed> edit, std::vector<std::int64_t>& found) {
+  std::vector<std::uint32_t> model_left, edit_left;
+  std::size_t m = 0, e = 0;
+  while (m < model.size() || e < edit.size()) {
+    if (m < model.size() && e < edit.size() && model[m].key == edit[e].key)
+      found[edit[e++].row] = model[m++].row;
+    else if (e == edit.size() || (m < model.size() && model[m].key < edit[e].key))
+      model_left.push_back(model[m++].row);
+    else
+      edit_left.push_back(edit[e++].row);
+  }
+  for (std::size_t k = 0; k < std::min(model_left.size(), edit_left.size()); ++k)
+    found[edit_left[k]] = model_left[k];
+}
+
+/// [edit rows] row of the model, -1 where there is none.
+std::vector<std::int64_t> match_rows(const GaussianCloud& cloud, const GaussianCloud& edit) {
+  const std::vector<Keyed> model = sorted_keys(cloud), edited = sorted_keys(edit);
+  std::vector<std::int64_t> found(edited.size(), -1);
+  const auto group_end = [](const std::vector<Keyed>& keys, std::size_t begin) {
+    std::size_t end = begin + 1;
+    while (end < keys.size() && keys[end].at(keys[begin])) ++end;
+    return end;
+  };
+  for (std::size_t m = 0, e = 0; m < model.size() && e < edited.size();) {
+    const auto order = std::lexicographical_compare_three_way(
+        model[m].key.begin(), model[m].key.begin() + 3, edited[e].key.begin(), edited[e].key.begin() + 3);
+    const std::size_t m_end = group_end(model, m), e_end = group_end(edited, e);
+    if (order == 0) pair_group({&model[m], m_end - m}, {&edited[e], e_end - e}, found);
+    if (order <= 0) m = m_end;
+    if (order >= 0) e = e_end;
+  }
+  return found;
+}
+
+/// [rows of the model] -1 not in the edit, 0 background, 1 object.
+std::vector<std::int8_t> verdicts_of(const std::vector<std::int64_t>& found, const std::vector<std::uint8_t>& state,
+                                     bool by_selection, std::size_t rows) {
+  std::vector<std::int8_t> verdict(rows, -1);
+  for (std::size_t e = 0; e < found.size(); ++e) {
+    if (found[e] < 0) continue;
+    const std::uint8_t s = state.empty() ? std::uint8_t(0) : state[e];
+    verdict[std::size_t(found[e])] = (s & kDeleted) == 0 && (!by_selection || (s & kSelected) != 0);
+  }
+  return verdict;
+}
+
+/// Nobody edited anything, or what was edited is not in the file.
+void refuse_whole_model(const GaussianCloud& cloud, const std::vector<std::uint8_t>& object,
+                        const std::vector<std::int8_t>& verdict) {
+  bool changes = false;
+  for (std::size_t i = 0; i < verdict.size(); ++i) {
+    if (!cloud.usable[i]) continue;
+    if (verdict[i] != 1) return;
+    changes |= !object[i];
+  }
+  if (!changes) return;
+  throw Error(ErrorCode::kInconsistent,
+              "the edited model: every Gaussian of the labelled one, none selected, expected those of the object alone",
+              "an editor's export holds no selection: invert it there, delete the rest, then export what is left");
+}
+
+}  // namespace
+
+ImportedEdit import_edit(const GaussianCloud& cloud, const std::vector<std::uint8_t>& object,
+                         const std::vector<float>& label, const GaussianCloud& edit,
+                         const std::vector<std::uint8_t>& state) {
+  const std::size_t n = std::size_t(cloud.size());
+  NGS_CHECK(object.size() == n && label.size() == n, "one decision and one label per Gaussian");
+  NGS_CHECK(state.empty() || std::int64_t(state.size()) == edit.size(), "one state per edited row");
+  const std::vector<std::int64_t> found = match_rows(cloud, edit);
+  ImportedEdit out{.label = label, .fixed = std::vector<float>(n, 0.f)};
+  out.matched = std::count_if(found.begin(), found.end(), [](std::int64_t row) { return row >= 0; });
+  out.unmatched = edit.size() - out.matched;
+  if (2 * out.matched < edit.size())
+    throw Error(ErrorCode::kInconsistent,
+                "the edited model: " + std::to_string(out.matched) + " of " + std::to_string(edit.size()) +
+                    " Gaussians are at positions of the labelled one, expected at least half",
+                "edit an output of this model and do not move, rotate or scale it in the editor");
+
+  out.by_selection = std::any_of(state.begin(), state.end(), [](std::uint8_t s) { return s & kSelected; });
+  const std::vector<std::int8_t> verdict = verdicts_of(found, state, out.by_selection, n);
+  if (!out.by_selection) refuse_whole_model(cloud, object, verdict);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (verdict[i] < 0 && !object[i]) continue;
+    const bool is_object = verdict[i] == 1;
+    out.fixed[i] = 1;
+    out.label[i] = is_object;
+    out.to_object += is_object && !object[i];
+    out.to_background += !is_object && object[i];
+  }
+  return out;
+}
+
+}  // namespace ngs

@@ -1,0 +1,120 @@
+#include <algorithm>
+#include <cmath>
+
+#include "ngs/core/error.h"
+#include "ngs/core/rng.h"
+#include "ngs/math/stable.h"
+#include "ngs/ops/field/knn.h"
+#include "ngs/stages/fit/fit_stage.h"
+#include "ngs/stages/scene/pose_check.h"
+
+namespace ngs {
+namespace {
+
+constexpr float kSh0 = 0.28209479177387814f;
+
+/// A world that is too small would stay empty for all steps, and no gradient would say so.
+void require_drawn(const GaussianCloud& cloud, std::span<const FitView> views) {
+  std::vector<Camera> training;
+  for (const FitView& view : views)
+    if (view.split == Split::kTrain) training.push_back(view.camera);
+  const double near = share_too_near(cloud, training, Compat::kInria);
+  if (near > kTooNear)
+    throw Error(ErrorCode::kInconsistent,
+                "fit: " + std::to_string(std::lround(100 * near)) +
+                    " % of the points before the median camera are nearer than the near plane, expected at most half",
+                kTooNearRemedy);
+}
+
+/// The point nearest to all optical axes; a pull towards the point one extent ahead settles parallel axes.
+Vec3<double> looked_at(std::span<const FitView> views, double extent) {
+  constexpr double kPull = 1e-3;
+  Vec3<double> row[3] = {}, right{0, 0, 0};  // the normal equations (Σ (1 - aaᵀ) + pull) x = right
+  const Vec3<double> unit[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (const FitView& view : views) {
+    const Mat3<double>& r = view.camera.rotation;
+    const Vec3<double> axis{r(2, 0), r(2, 1), r(2, 2)}, centre = view.camera.centre();
+    for (int k = 0; k < 3; ++k) row[k] = row[k] + (1 + kPull) * unit[k] - dot(axis, unit[k]) * axis;
+    right = right + centre - dot(axis, centre) * axis + kPull * (centre + extent * axis);
+  }
+  const Vec3<double> c0 = cross(row[1], row[2]), c1 = cross(row[2], row[0]), c2 = cross(row[0], row[1]);
+  const double det = dot(row[0], c0);
+  return (1 / det) * (right.x * c0 + right.y * c1 + right.z * c2);
+}
+
+std::vector<FitPoint> random_cube(const FitOptions& options, std::span<const FitView> views, std::uint64_t seed) {
+  const double extent = scene_extent(views);
+  const Vec3<double> middle = looked_at(views, extent);
+  std::vector<FitPoint> points(std::size_t(options.random_points));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto draw = [&](std::uint64_t k) { return rng_uniform(seed, RngStream::kFitInit, 8 * i + k); };
+    const auto coordinate = [&](double at, std::uint64_t k) { return float(at + 1.3 * extent * (2 * draw(k) - 1)); };
+    points[i] = {{coordinate(middle.x, 0), coordinate(middle.y, 1), coordinate(middle.z, 2)},
+                 {float(draw(3)), float(draw(4)), float(draw(5))}};
+  }
+  return points;
+}
+
+/// Evenly spread over the list: the first points of COLMAP are those of the first photos, one side of the scene.
+std::vector<FitPoint> at_most(std::vector<FitPoint> points, std::size_t most) {
+  if (points.size() <= most) return points;
+  for (std::size_t i = 0; i < most; ++i) points[i] = points[i * points.size() / most];
+  points.resize(most);
+  return points;
+}
+
+}  // namespace
+
+double scene_extent(std::span<const Camera> cameras) {
+  Vec3<double> mean{0, 0, 0};
+  double farthest = 0;
+  for (const Camera& camera : cameras) mean = mean + camera.centre();
+  mean = (1 / std::max(1.0, double(cameras.size()))) * mean;
+  for (const Camera& camera : cameras) {
+    const Vec3<double> d = camera.centre() - mean;
+    farthest = std::max(farthest, std::sqrt(dot(d, d)));
+  }
+  return farthest > 0 ? 1.1 * farthest : 1.0;
+}
+
+double scene_extent(std::span<const FitView> views) {
+  std::vector<Camera> training;
+  for (const FitView& view : views)
+    if (view.split == Split::kTrain) training.push_back(view.camera);
+  return scene_extent(training);
+}
+
+FitState initial_fit(const Exec& exec, const FitOptions& options, std::span<const FitPoint> points,
+                     std::span<const FitView> views, std::uint64_t seed) {
+  std::vector<FitPoint> start(points.begin(), points.end());
+  if (start.empty()) start = random_cube(options, views, seed);
+  start = at_most(std::move(start), std::size_t(options.max_gaussians));
+  FitState state;
+  GaussianCloud& cloud = state.cloud;
+  cloud.resize(std::int64_t(start.size()), options.sh_degree);
+  cloud.antialiased = options.antialiased;
+  for (std::size_t i = 0; i < start.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (!std::isfinite(start[i].position[k]) || !std::isfinite(start[i].rgb[k]))
+        throw Error(ErrorCode::kBadInput, "point " + std::to_string(i) + " is not finite, expected a position and a colour");
+      cloud.position[3 * i + k] = start[i].position[k];
+      cloud.sh_dc[3 * i + k] = (start[i].rgb[k] - 0.5f) / kSh0;
+    }
+  const KnnGraph near = nearest_others(exec, {cloud.position.data(), cloud.size()}, 3);
+  const float alone = float(0.01 * scene_extent(views));  // a single point has no neighbours
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    double mean = 0;
+    for (int k = 0; k < near.neighbours; ++k)
+      mean += double(near.dist2[i * std::size_t(near.neighbours) + std::size_t(k)]) / near.neighbours;
+    const float log_scale = near.neighbours > 0 ? float(0.5 * std::log(std::max(mean, 1e-7))) : std::log(alone);
+    std::fill_n(cloud.log_scale.begin() + std::ptrdiff_t(3 * i), 3, log_scale);
+    cloud.rotation[4 * i] = 1;
+    cloud.logit_opacity[i] = logit(0.1f);
+  }
+  state.gradient_sum.assign(start.size(), 0.f);
+  state.gradient_views.assign(start.size(), 0.f);
+  require_drawn(cloud, views);
+  return state;
+}
+
+}  // namespace ngs

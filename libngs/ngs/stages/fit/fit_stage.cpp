@@ -1,0 +1,155 @@
+#include "ngs/stages/fit/fit_stage.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ngs/backend/for_each.h"
+#include "ngs/core/error.h"
+#include "ngs/core/rng.h"
+#include "ngs/math/stable.h"
+#include "ngs/ops/image/image_metrics.h"
+#include "ngs/stages/fit/fit_density.h"
+
+namespace ngs {
+namespace {
+
+RenderRequest fit_request(const FitOptions& options) {
+  RenderRequest request;
+  if (!options.background.empty()) request.background = parse_background(options.background);
+  return request;
+}
+
+/// Log-linear from the first to the last rate, as in 3DGS.
+double position_lr(const FitOptions& options, std::int64_t step, double extent) {
+  if (options.position_lr == 0) return 0;
+  const double t = std::clamp(double(step) / options.steps, 0.0, 1.0);
+  return extent * std::exp((1 - t) * std::log(options.position_lr) + t * std::log(options.position_lr_final));
+}
+
+}  // namespace
+
+FitSchedule resolved_schedule(const FitOptions& o) {
+  const auto pick = [](int given, int derived) { return given > 0 ? given : std::max(1, derived); };
+  return {pick(o.sh_every, std::min(1000, o.steps / 8)), pick(o.densify_from, std::min(500, o.steps / 10)),
+          pick(o.densify_until, std::min(15000, o.steps / 2)), pick(o.densify_every, std::clamp(o.steps / 15, 10, 100))};
+}
+
+FitCost fit_cost(const FitOptions& options, std::span<const Camera> cameras, double photo_bytes) {
+  double pixels = 0;
+  for (const Camera& c : cameras) pixels += double(c.width_px) * c.height_px;
+  const double per_view = cameras.empty() ? 0 : pixels / double(cameras.size()), gaussians = options.max_gaussians;
+  constexpr double kSecondsPerPixel = 2.5e-7, kSecondsPerGaussian = 5e-7;  // of one step, forward and backward
+  constexpr double kBytesPerPixel = 250, kFloatsPerParameter = 4;  // value, gradient, m, v
+  const double parameters = 14 + 3 * sh_rest_count(options.sh_degree);
+  return {options.steps * (kSecondsPerPixel * per_view + kSecondsPerGaussian * gaussians),
+          (photo_bytes + kBytesPerPixel * per_view + 4 * kFloatsPerParameter * parameters * gaussians) / 1048576};
+}
+
+Fitter::Fitter(const FitOptions& options, std::span<const FitView> views, FitState state, std::uint64_t seed)
+    : options_(options), schedule_(resolved_schedule(options)), views_(views), state_(std::move(state)), seed_(seed),
+      extent_(scene_extent(views)), pass_(SplatOptions{}) {
+  for (std::size_t i = 0; i < views.size(); ++i)
+    if (views[i].split == Split::kTrain) training_.push_back(i);
+  if (training_.empty())
+    throw Error(ErrorCode::kInconsistent, "fit: no training view with a photo, expected at least one",
+                "give the photos to ngs-scene import --images, or hold out fewer views");
+}
+
+std::size_t Fitter::view_of_step() {
+  const auto n = std::int64_t(training_.size());
+  const std::int64_t epoch = state_.step / n;
+  if (epoch != order_epoch_) {  // every view once per epoch, in an order that depends on seed and epoch alone
+    order_ = training_;
+    const auto rank = [&](std::size_t view) {
+      return rng_bits(seed_, RngStream::kViewOrder, (std::uint64_t(epoch) << 32) + view);
+    };
+    std::sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
+    order_epoch_ = epoch;
+  }
+  return order_[std::size_t(state_.step % n)];
+}
+
+void Fitter::step(const Exec& exec) {
+  const FitView& view = views_[view_of_step()];
+  const int degree = int(std::min<std::int64_t>(options_.sh_degree, state_.step / schedule_.sh_every));
+  if (degree != pass_degree_) {
+    pass_ = SplatPass(SplatOptions{.antialiased = options_.antialiased, .max_sh_degree = degree});
+    pass_degree_ = degree;
+  }
+  const RenderedView& rendered = pass_.forward(exec, state_.cloud, view.camera, fit_request(options_));
+  const auto loss = photometric_.evaluate(exec, {.dssim_weight = options_.dssim_weight}, rendered.colour, view.photo.rgb(),
+                                          nullptr, &colour_gradient_);
+  last_loss_ = {loss.total, loss.l1, loss.ssim};
+  ViewGradients back;
+  back.colour = std::move(colour_gradient_);
+  pass_.backward(exec, back, gradients_);
+  colour_gradient_ = std::move(back.colour);
+
+  ++state_.step;
+  update_parameters(exec);
+  if (state_.step > schedule_.densify_until) return;
+  note_gradients(exec, view.camera);
+  if (state_.step > schedule_.densify_from && state_.step % schedule_.densify_every == 0) {
+    const bool after_reset = state_.step > options_.opacity_reset_every;
+    const DensityRule rule{options_.densify_gradient, options_.dense_fraction * extent_, options_.min_opacity,
+                           after_reset ? options_.max_scale_fraction * extent_ : 0, options_.max_gaussians};
+    densify_and_prune(exec, state_, rule, rng_bits(seed_, RngStream::kSplit, std::uint64_t(state_.step)));
+  }
+  if (state_.step % options_.opacity_reset_every == 0 && state_.step < schedule_.densify_until) reset_opacity();
+}
+
+void Fitter::update_parameters(const Exec& exec) {
+  const FitOptions& o = options_;
+  const GroupRates rates{position_lr(o, state_.step, extent_), o.rotation_lr, o.scale_lr, o.opacity_lr, o.dc_lr,
+                         pass_degree_ > 0 ? o.rest_lr : 0.0};
+  step_gaussians(exec, state_.step, rates, gradients_, state_.cloud, state_.moments);
+}
+
+void Fitter::note_gradients(const Exec& exec, const Camera& camera) {
+  // 3DGS's threshold refers to normalised device coordinates, which span 2 over the image.
+  const float per_ndc_x = 0.5f * float(camera.width_px), per_ndc_y = 0.5f * float(camera.height_px);
+  for_each_index(exec, state_.cloud.size(), [&](std::int64_t row) {
+    const auto i = std::size_t(row);
+    if (!gradients_.visible[i]) return;
+    const float gx = per_ndc_x * gradients_.mean_px[2 * i], gy = per_ndc_y * gradients_.mean_px[2 * i + 1];
+    state_.gradient_sum[i] += std::sqrt(gx * gx + gy * gy);
+    state_.gradient_views[i] += 1;
+  });
+}
+
+void Fitter::reset_opacity() {
+  const float most = logit(0.01f);
+  for (float& o : state_.cloud.logit_opacity) o = std::min(o, most);
+  state_.moments[kGroupOpacity] = {};
+}
+
+void run_fit(const Exec& exec, Monitor& monitor, Fitter& fitter, const FitOptions& options,
+             const std::function<void(const Fitter&)>& every) {
+  auto scope = monitor.scope("fit");
+  const std::int64_t first = fitter.state().step;
+  while (fitter.state().step < options.steps && !monitor.stop_requested()) {
+    fitter.step(exec);
+    if (every) every(fitter);
+    monitor.progress(fitter.state().step, options.steps);
+  }
+  scope.items(fitter.state().step - first);
+}
+
+FitScore score_fit(const Exec& exec, const FitOptions& options, const GaussianCloud& cloud,
+                   std::span<const FitView> views, Split split) {
+  FitScore score;
+  for (const FitView& view : views) {
+    if (view.split != split) continue;
+    const SplatOptions splat{.antialiased = options.antialiased, .max_sh_degree = options.sh_degree};
+    ImageF colour = std::move(render(exec, cloud, view.camera, splat, fit_request(options)).colour);
+    for (float& c : colour.data) c = std::clamp(c, 0.f, 1.f);
+    const ImageF photo = view.photo.rgb();
+    score.psnr_db += psnr_db(exec, colour, photo);
+    score.ssim += ssim_index(exec, colour, photo);
+    ++score.views;
+  }
+  if (score.views > 0) score.psnr_db /= score.views, score.ssim /= score.views;
+  return score;
+}
+
+}  // namespace ngs

@@ -1,0 +1,155 @@
+#pragma once
+// The ordinary photometric fit of 3D Gaussian splatting: L1 + DSSIM, clone and split by the view-space gradient,
+// prune by opacity and size, opacity resets, SH bands in steps.
+//
+// A run is a function of (options, seed, views, initial state): its bytes depend neither on exec.threads nor on
+// being interrupted. Everything that later steps read is in FitState.
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "ngs/core/monitor.h"
+#include "ngs/ops/losses/photometric.h"
+#include "ngs/ops/splat/splat.h"
+#include "ngs/options/field.h"
+#include "ngs/scene/held_photo.h"
+#include "ngs/scene/scene.h"
+#include "ngs/stages/render/background.h"
+#include "ngs/stages/fit/gaussian_adam.h"
+
+namespace ngs {
+
+/// Defaults are those of 3DGS. Counts of steps that are 0 follow from `steps` (resolved_schedule()).
+struct FitOptions {
+  int steps = 7000;
+  int sh_degree = 3;
+  int max_gaussians = 1000000;
+  double dssim_weight = 0.2;
+  std::string background = {};  // empty: black
+  bool antialiased = false;
+  int random_points = 20000;
+  int sh_every = 0, densify_from = 0, densify_until = 0, densify_every = 0, opacity_reset_every = 3000;
+  double densify_gradient = 2e-4, dense_fraction = 0.01, min_opacity = 0.005, max_scale_fraction = 0.1;
+  double position_lr = 1.6e-4, position_lr_final = 1.6e-6;
+  double dc_lr = 0.0025, rest_lr = 0.000125, opacity_lr = 0.05, scale_lr = 0.005, rotation_lr = 0.001;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.steps, Field<int>{"steps", "", "optimisation steps, one view each", 1, 10000000});
+    visit(self.sh_degree, Field<int>{"sh_degree", "", "bands of spherical harmonics", 0, 3});
+    visit(self.max_gaussians, Field<int>{"max_gaussians", "", "densification stops here", 1, 1 << 30});
+    visit(self.dssim_weight, Field<double>{"dssim_weight", "", "weight of 1 - SSIM; L1 has the rest", 0, 1});
+    visit(self.background, background_option());
+    visit(self.antialiased, Flag{"antialiased", "fit with the Mip-Splatting opacity compensation"});
+    visit(self.random_points, Field<int>{"random_points", "", "Gaussians to start from without a point cloud", 1, 1 << 24});
+    visit(self.sh_every, Field<int>{"sh_every", "steps", "one more SH band each; 0: min(1000, steps/8)", 0, 10000000});
+    visit(self.densify_from, Field<int>{"densify_from", "step", "0: min(500, steps/10)", 0, 10000000});
+    visit(self.densify_until, Field<int>{"densify_until", "step", "0: min(15000, steps/2)", 0, 10000000});
+    visit(self.densify_every, Field<int>{"densify_every", "steps", "0: steps/15, 10 to 100", 0, 10000000});
+    visit(self.opacity_reset_every, Field<int>{"opacity_reset_every", "steps", "while densifying", 1, 10000000});
+    visit(self.densify_gradient, Field<double>{"densify_gradient", "per NDC",
+                                               "mean view-space gradient above which a Gaussian is cloned or split", 0, 1});
+    visit(self.dense_fraction, Field<double>{"dense_fraction", "of the extent", "larger ones are split, others cloned", 0, 10});
+    visit(self.min_opacity, Field<double>{"min_opacity", "", "fainter Gaussians are pruned", 0, 0.5});
+    visit(self.max_scale_fraction, Field<double>{"max_scale_fraction", "of the extent",
+                                                 "larger ones are pruned after the first opacity reset", 0, 1e6});
+    visit(self.position_lr, Field<double>{"position_lr", "of the extent", "at the first step", 0, 1});
+    visit(self.position_lr_final, Field<double>{"position_lr_final", "of the extent", "at the last step", 1e-12, 1});
+    visit(self.dc_lr, Field<double>{"dc_lr", "", "constant colour", 0, 1});
+    visit(self.rest_lr, Field<double>{"rest_lr", "", "other SH coefficients", 0, 1});
+    visit(self.opacity_lr, Field<double>{"opacity_lr", "", "logit of the opacity", 0, 1});
+    visit(self.scale_lr, Field<double>{"scale_lr", "", "logarithm of the scale", 0, 1});
+    visit(self.rotation_lr, Field<double>{"rotation_lr", "", "quaternion", 0, 1});
+  }
+};
+
+struct FitSchedule {
+  int sh_every, densify_from, densify_until, densify_every;
+};
+FitSchedule resolved_schedule(const FitOptions& options);
+
+/// What a fit will cost: seconds of one core, peak memory. From a current machine; right within a factor of two.
+struct FitCost {
+  double cpu_s = 0, memory_mib = 0;
+};
+/// `photo_bytes`: of all photos as they are held.
+FitCost fit_cost(const FitOptions& options, std::span<const Camera> cameras, double photo_bytes);
+
+struct FitView {
+  Camera camera;
+  HeldPhoto photo;  // of the camera's size
+  Split split = Split::kTrain;
+};
+
+/// A point to start from.
+struct FitPoint {
+  float position[3];
+  float rgb[3];  // [0, 1]
+};
+
+struct FitState {
+  std::int64_t step = 0;  // steps done
+  GaussianCloud cloud;
+  GaussianMoments moments;
+  std::vector<float> gradient_sum;   // [N] Σ |∂L/∂mean| in NDC over the views that saw it since the last densification
+  std::vector<float> gradient_views; // [N] their number
+};
+
+/// 1.1 times the largest distance of a training camera from their mean; of one camera: 1. 3DGS's spatial scale.
+double scene_extent(std::span<const FitView> views);
+double scene_extent(std::span<const Camera> cameras);
+
+/// Isotropic Gaussians, opacity 0.1, as wide as the root mean square distance of their 3 nearest neighbours.
+/// Of more than `max_gaussians` points as many, evenly spread over the list.
+/// No points: `random_points` grey ones in a cube that the cameras look into.
+FitState initial_fit(const Exec& exec, const FitOptions& options, std::span<const FitPoint> points,
+                     std::span<const FitView> views, std::uint64_t seed);
+
+class Fitter {
+ public:
+  /// Keeps a reference to `views` (at least one in training).
+  Fitter(const FitOptions& options, std::span<const FitView> views, FitState state, std::uint64_t seed);
+
+  /// One optimisation step. A non-finite gradient is Error(kNumeric).
+  void step(const Exec& exec);
+  const FitState& state() const { return state_; }
+  PhotometricLoss last_loss() const { return last_loss_; }
+  FitState take() { return std::move(state_); }
+
+ private:
+  std::size_t view_of_step();
+  void update_parameters(const Exec& exec);
+  void note_gradients(const Exec& exec, const Camera& camera);
+  void reset_opacity();
+
+  FitOptions options_;
+  FitSchedule schedule_;
+  std::span<const FitView> views_;
+  FitState state_;
+  std::uint64_t seed_;
+  double extent_;
+  std::vector<std::size_t> training_;  // indices of views
+  std::vector<std::size_t> order_;     // of the current epoch
+  std::int64_t order_epoch_ = -1;
+  int pass_degree_ = -1;
+  SplatPass pass_;
+  PhotometricPass<float> photometric_;
+  ImageF colour_gradient_;
+  CloudGradients gradients_;
+  PhotometricLoss last_loss_;
+};
+
+/// Runs to options.steps, or until the monitor asks to stop. `every(state)` is called after each step.
+void run_fit(const Exec& exec, Monitor& monitor, Fitter& fitter, const FitOptions& options,
+             const std::function<void(const Fitter&)>& every);
+
+struct FitScore {
+  double psnr_db = 0, ssim = 0;
+  int views = 0;
+};
+/// Mean PSNR and SSIM of the render, clamped to [0, 1], over the views of one split; 0 views: zeros.
+FitScore score_fit(const Exec& exec, const FitOptions& options, const GaussianCloud& cloud,
+                   std::span<const FitView> views, Split split);
+
+}  // namespace ngs

@@ -1,0 +1,19 @@
+#include "ngs/stages/fit/gaussian_adam.h"
+
+namespace ngs {
+
+int group_width(const GaussianCloud& cloud, std::size_t group) {
+  const int widths[kGaussianGroups] = {3, 4, 3, 1, 3, 3 * cloud.rest_count()};
+  return widths[group];
+}
+
+void step_gaussians(const Exec& exec, std::int64_t t, const GroupRates& rates, const CloudGradients& gradients,
+                    GaussianCloud& cloud, GaussianMoments& moments) {
+  for (std::size_t g = 0; g < kGaussianGroups; ++g) {
+    const auto& [name, value, gradient] = kGroupColumns[g];
+    if (rates[g] > 0 && !(cloud.*value).empty())
+      adam_step(exec, {.lr = rates[g]}, t, name, cloud.*value, gradients.*gradient, moments[g]);
+  }
+}
+
+}  // namespace ngs

@@ -1,0 +1,36 @@
+#pragma once
+// The parameters of a cloud as the groups that 3DGS has rates for, and Adam on them.
+#include <array>
+
+#include "ngs/ops/optim/adam.h"
+#include "ngs/ops/splat/splat.h"
+#include "ngs/scene/gaussian_cloud.h"
+
+namespace ngs {
+
+enum GaussianGroup { kGroupPosition, kGroupRotation, kGroupScale, kGroupOpacity, kGroupDc, kGroupRest, kGaussianGroups };
+
+struct GroupColumns {
+  const char* name;
+  std::vector<float> GaussianCloud::*value;
+  std::vector<float> CloudGradients::*gradient;
+};
+inline constexpr GroupColumns kGroupColumns[kGaussianGroups] = {
+    {"position", &GaussianCloud::position, &CloudGradients::position},
+    {"rotation", &GaussianCloud::rotation, &CloudGradients::rotation},
+    {"log_scale", &GaussianCloud::log_scale, &CloudGradients::log_scale},
+    {"logit_opacity", &GaussianCloud::logit_opacity, &CloudGradients::logit_opacity},
+    {"sh_dc", &GaussianCloud::sh_dc, &CloudGradients::sh_dc},
+    {"sh_rest", &GaussianCloud::sh_rest, &CloudGradients::sh_rest}};
+
+/// Values per Gaussian.
+int group_width(const GaussianCloud& cloud, std::size_t group);
+
+using GroupRates = std::array<double, kGaussianGroups>;
+using GaussianMoments = std::array<AdamMoments, kGaussianGroups>;
+
+/// Step t, from 1. A group whose rate is 0 keeps its values and moments.
+void step_gaussians(const Exec& exec, std::int64_t t, const GroupRates& rates, const CloudGradients& gradients,
+                    GaussianCloud& cloud, GaussianMoments& moments);
+
+}  // namespace ngs

@@ -1,0 +1,297 @@
+#include "ngs/stages/masks/mask_consensus.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ngs/ops/splat/evidence.h"
+#include "ngs/ops/field/knn.h"
+#include "ngs/ops/image/metrics.h"
+#include "ngs/stages/masks/pixel_pieces.h"
+
+namespace ngs {
+namespace {
+
+/// A view has seen a Gaussian where its mean weight over the pixels it reaches is at least this. What shines
+/// through a surface that is not quite opaque must not be taken for a part of it.
+constexpr double kLeastMeanWeight = 0.03;
+
+Vec3<double> position_of(const GaussianCloud& cloud, std::size_t i) {
+  const float* p = &cloud.position[3 * i];
+  return Vec3<double>{cloud.origin[0], cloud.origin[1], cloud.origin[2]} + Vec3<double>{p[0], p[1], p[2]};
+}
+
+MaskPlane plane_of(const std::vector<std::uint8_t>& mask, int width_px, int height_px) {
+  return {mask.data(), width_px, height_px};
+}
+
+/// Root mean square distances from the object's centre beyond which nothing belongs to it.
+constexpr double kReach = 3;
+/// Seen Gaussians that an unseen one asks.
+constexpr int kVoters = 8;
+/// A clear consensus: the share of the object beyond which thin parts are believed.
+constexpr float kClear = 0.8f;
+/// The middle of a thin part is as far from its edges as this share of the deepest place nearby.
+constexpr double kMiddle = 0.6;
+
+bool hides_object(const Consensus& c, std::size_t p) { return c.object[p] <= 0.5f && c.alone[p] > 0.5f; }
+
+/// Unseen Gaussians take the side of their nearest seen ones where those agree.
+void ask_neighbours(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::size_t>& unseen,
+                    std::vector<float>& channels) {
+  std::vector<std::size_t> seen;
+  std::vector<float> points, queries;
+  const auto append = [&](std::vector<float>& to, std::size_t i) {
+    to.insert(to.end(), &cloud.position[3 * i], &cloud.position[3 * i] + 3);
+  };
+  for (const std::size_t i : unseen) append(queries, i);
+  for (std::size_t i = 0; i < channels.size() / 2; ++i)
+    if (channels[2 * i + 1] > 0) seen.push_back(i), append(points, i);
+  if (unseen.empty() || seen.empty()) return;
+  const KnnGraph graph = nearest_points(exec, {points.data(), std::int64_t(seen.size())},
+                                        {queries.data(), std::int64_t(unseen.size())}, kVoters);
+  const auto voters = std::size_t(graph.neighbours);
+  std::vector<float> side(unseen.size());
+  for (std::size_t q = 0; q < unseen.size(); ++q) {
+    std::size_t votes = 0;
+    for (std::size_t k = 0; k < voters; ++k) votes += channels[2 * seen[graph.index[q * voters + k]]] > 0.5f;
+    side[q] = votes == voters ? 1.f : votes == 0 ? 0.f : -1.f;
+  }
+  for (std::size_t q = 0; q < unseen.size(); ++q)
+    if (side[q] >= 0) channels[2 * unseen[q]] = side[q], channels[2 * unseen[q] + 1] = 1;
+}
+
+/// [N, 2]: share of the object, and 1 where something is known.
+std::vector<float> shares(const Exec& exec, const GaussianCloud& cloud, const Lifted& lifted,
+                          const ObjectPlace& place) {
+  const auto n = std::size_t(cloud.size());
+  std::vector<float> channels(2 * n);
+  std::vector<std::size_t> unseen;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (lifted.weight[i] > 0) {
+      channels[2 * i] = float(std::min(1.0, lifted.object[i] / lifted.weight[i])), channels[2 * i + 1] = 1;
+    } else if (cloud.usable[i]) {
+      const Vec3<double> d = position_of(cloud, i) - place.centre;
+      if (dot(d, d) > place.reach * place.reach)
+        channels[2 * i + 1] = 1;
+      else
+        unseen.push_back(i);
+    }
+  }
+  ask_neighbours(exec, cloud, unseen, channels);
+  return channels;
+}
+
+/// The largest value within `reach` (chessboard distance), one axis after the other.
+std::vector<std::int32_t> largest_nearby(std::vector<std::int32_t> value, int width_px, int height_px,
+                                         int reach) {
+  std::vector<std::int32_t> out(value.size());
+  for (const bool rows : {true, false}) {
+    const int length = rows ? width_px : height_px, lines = rows ? height_px : width_px;
+    const auto at = [&](int line, int i) {
+      return rows ? std::size_t(line) * std::size_t(width_px) + std::size_t(i)
+                  : std::size_t(i) * std::size_t(width_px) + std::size_t(line);
+    };
+    for (int line = 0; line < lines; ++line)
+      for (int i = 0; i < length; ++i) {
+        std::int32_t most = 0;
+        for (int k = std::max(0, i - reach); k <= std::min(length - 1, i + reach); ++k)
+          most = std::max(most, value[at(line, k)]);
+        out[at(line, i)] = most;
+      }
+    value = out;
+  }
+  return out;
+}
+
+/// Pixels of `side` deeper than the band, and the middle of its thin parts where `clear`.
+std::vector<std::uint8_t> certain(const std::vector<std::uint8_t>& side, const Consensus& c, int band_px,
+                                  const auto& clear) {
+  const auto depth = chessboard_distance(plane_of(side, c.width_px, c.height_px), Outside::kUnknown);
+  const auto deepest = largest_nearby(depth, c.width_px, c.height_px, band_px);
+  std::vector<std::uint8_t> out(side.size());
+  for (std::size_t p = 0; p < out.size(); ++p)
+    out[p] = depth[p] > band_px || (depth[p] > 2 && depth[p] >= kMiddle * deepest[p] && clear(p));
+  return out;
+}
+
+std::vector<std::uint8_t> marked(const std::vector<PixelHint>& hints, const auto& wanted) {
+  std::vector<std::uint8_t> mask(hints.size());
+  for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = wanted(hints[p]);
+  return mask;
+}
+
+}  // namespace
+
+void LiftedSum::add(const Lifted& view) {
+  for (std::size_t i = 0; i < view.weight.size(); ++i) weight_.add(i, view.weight[i]), object_.add(i, view.object[i]);
+}
+
+void LiftedSum::remove(const Lifted& view) {
+  for (std::size_t i = 0; i < view.weight.size(); ++i) weight_.subtract(i, view.weight[i]), object_.subtract(i, view.object[i]);
+}
+
+Lifted LiftedSum::value() const {
+  Lifted sum{std::int64_t(weight_.size())};
+  for (std::size_t i = 0; i < weight_.size(); ++i) sum.weight[i] = weight_.value(i), sum.object[i] = object_.value(i);
+  return sum;
+}
+
+Lifted lift_mask(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
+                 const SplatOptions& splat, const PixelMask& mask) {
+  ViewMasks masks;
+  masks.width_px = camera.width_px, masks.height_px = camera.height_px, masks.available = true;
+  masks.target.emplace_back(mask.begin(), mask.end());
+  Evidence evidence(cloud.size(), 1);
+  add_view_evidence(exec, cloud, camera, splat, masks, evidence);
+  Lifted lifted(cloud.size());
+  for (std::size_t i = 0; i < lifted.weight.size(); ++i)
+    if (evidence.weight.value(i) >= kLeastMeanWeight * double(evidence.pixels[i]))
+      lifted.weight[i] = evidence.weight.value(i), lifted.object[i] = evidence.object_weight.value(i);
+  return lifted;
+}
+
+ObjectPlace object_place(const GaussianCloud& cloud, const Lifted& lifted) {
+  ObjectPlace place;
+  const auto mean = [&](const auto& of) {
+    decltype(of(std::size_t(0))) sum{};
+    double total = 0;
+    for (std::size_t i = 0; i < lifted.weight.size(); ++i) {
+      if (lifted.object[i] <= 0.5 * lifted.weight[i]) continue;
+      sum = sum + lifted.object[i] * of(i), total += lifted.object[i];
+    }
+    return total > 0 ? (1 / total) * sum : sum;
+  };
+  place.centre = mean([&](std::size_t i) { return position_of(cloud, i); });
+  place.reach = kReach * std::sqrt(mean([&](std::size_t i) {
+                  const Vec3<double> d = position_of(cloud, i) - place.centre;
+                  return dot(d, d);
+                }));
+  return place;
+}
+
+Consensus render_consensus(const Exec& exec, const GaussianCloud& cloud, const Lifted& lifted,
+                           const ObjectPlace& place, const Camera& camera, const SplatOptions& splat) {
+  const auto n = std::size_t(cloud.size());
+  const std::vector<float> channels = shares(exec, cloud, lifted, place);
+  RenderRequest request;
+  request.colour = false;
+  request.label = {channels.data(), cloud.size(), 2};
+  const RenderedView view = render(exec, cloud, camera, splat, request);
+  std::vector<std::uint8_t> is_object(n);
+  for (std::size_t i = 0; i < n; ++i) is_object[i] = channels[2 * i] > 0.5f;
+  RenderRequest alone;
+  alone.colour = false;
+  alone.include = is_object.data();
+  Consensus out{
+      camera.width_px, camera.height_px, {}, {}, render(exec, cloud, camera, splat, alone).alpha.data};
+  out.object.resize(view.alpha.data.size()), out.known.resize(view.alpha.data.size());
+  for (std::size_t p = 0; p < out.object.size(); ++p) {
+    const float object = view.label.data[2 * p], seen = view.label.data[2 * p + 1],
+                empty = 1 - view.alpha.data[p];
+    out.known[p] = std::clamp(seen + empty, 0.f, 1.f);
+    out.object[p] = seen + empty > 0 ? std::clamp(object / (seen + empty), 0.f, 1.f) : 0.f;
+  }
+  return out;
+}
+
+ViewPrompt prompt_from(const Consensus& c, int band_px, const PixelMask& before) {
+  std::vector<std::uint8_t> inside(c.object.size()), outside(c.object.size());
+  for (std::size_t p = 0; p < inside.size(); ++p) {
+    if (c.known[p] < 0.5f) continue;  // on neither side
+    inside[p] = c.object[p] > 0.5f, outside[p] = !inside[p] && !hides_object(c, p);
+  }
+  const std::vector<std::uint8_t> sure_in =
+      certain(inside, c, band_px, [&](std::size_t p) { return c.object[p] > kClear; });
+  const std::vector<std::uint8_t> sure_out =
+      certain(outside, c, band_px, [&](std::size_t p) { return c.object[p] < 1 - kClear; });
+  ViewPrompt prompt{c.width_px, c.height_px,
+                    std::vector<PixelHint>(inside.size(), PixelHint::kLikelyBackground), false};
+  for (std::size_t p = 0; p < inside.size(); ++p) {
+    const bool known = inside[p] || outside[p], was_object = !before.empty() && before[p] != 0;
+    if (sure_in[p])
+      prompt.hint[p] = PixelHint::kObject;
+    else if (sure_out[p])
+      prompt.hint[p] = PixelHint::kBackground;
+    else if (inside[p] || (!known && was_object))
+      prompt.hint[p] = PixelHint::kLikelyObject;
+  }
+  return prompt;
+}
+
+double agreement(const Consensus& consensus, const PixelMask& mask) {
+  std::int64_t both = 0, either = 0;
+  for (std::size_t p = 0; p < mask.size(); ++p) {
+    if (consensus.known[p] < 0.5f || hides_object(consensus, p)) continue;
+    const bool expected = consensus.object[p] > 0.5f, found = mask[p] != 0;
+    both += expected && found, either += expected || found;
+  }
+  return either > 0 ? double(both) / double(either) : 1;
+}
+
+PixelMask keep_seeded_pieces(const ViewPrompt& prompt, PixelMask mask, double speck_share) {
+  const auto seeded = [&](const std::vector<std::uint8_t>& of, PixelHint hint) {
+    PixelPieces pieces = pixel_pieces(plane_of(of, prompt.width_px, prompt.height_px));
+    std::vector<std::uint8_t> has_seed(pieces.size.size());
+    bool any = false;
+    for (std::size_t p = 0; p < of.size(); ++p)
+      if (prompt.hint[p] == hint)
+        any = true, has_seed[std::size_t(std::max(0, pieces.piece[p]))] |= pieces.piece[p] >= 0;
+    return std::tuple(std::move(pieces), std::move(has_seed), any);
+  };
+  if (std::find(mask.begin(), mask.end(), 1) == mask.end()) return mask;
+  const auto [objects, object_seeds, has_object] = seeded(mask, PixelHint::kObject);
+  for (std::size_t p = 0; p < mask.size(); ++p)
+    if (mask[p] && has_object && !object_seeds[std::size_t(objects.piece[p])]) mask[p] = 0;
+  PixelMask rest(mask.size());
+  for (std::size_t p = 0; p < mask.size(); ++p) rest[p] = !mask[p];
+  if (std::find(rest.begin(), rest.end(), 1) == rest.end()) return mask;
+  const double most = speck_share * double(std::count(mask.begin(), mask.end(), 1));
+  const auto [holes, hole_seeds, has_background] = seeded(rest, PixelHint::kBackground);
+  for (std::size_t p = 0; p < mask.size(); ++p)
+    if (rest[p] && !hole_seeds[std::size_t(holes.piece[p])] &&
+        double(holes.size[std::size_t(holes.piece[p])]) < most)
+      mask[p] = 1;
+  return mask;
+}
+
+std::vector<PromptPoint> prompt_points(const ViewPrompt& prompt, int most) {
+  const std::array<int, 4> box = object_box(prompt);
+  const int reach = std::max({1, (box[2] - box[0]) / 4, (box[3] - box[1]) / 4});
+  std::vector<PromptPoint> points;
+  for (const bool object : {true, false}) {
+    const PixelHint side = object ? PixelHint::kObject : PixelHint::kBackground;
+    auto depth = chessboard_distance(plane_of(marked(prompt.hint, [&](PixelHint h) { return h == side; }),
+                                              prompt.width_px, prompt.height_px));
+    const auto usable = [&](int x, int y) {
+      return object ||
+             (x >= box[0] - reach && x < box[2] + reach && y >= box[1] - reach && y < box[3] + reach);
+    };
+    for (int found = 0; found < most; ++found) {
+      std::int32_t deepest = 0;
+      PromptPoint best{0, 0, object};
+      for (int y = 0; y < prompt.height_px; ++y)
+        for (int x = 0; x < prompt.width_px; ++x) {
+          const std::int32_t d = depth[std::size_t(y) * std::size_t(prompt.width_px) + std::size_t(x)];
+          if (d > deepest && usable(x, y)) deepest = d, best.x = x, best.y = y;
+        }
+      if (deepest == 0) break;
+      points.push_back(best);
+      for (int y = std::max(0, best.y - reach); y < std::min(prompt.height_px, best.y + reach + 1); ++y)
+        for (int x = std::max(0, best.x - reach); x < std::min(prompt.width_px, best.x + reach + 1); ++x)
+          depth[std::size_t(y) * std::size_t(prompt.width_px) + std::size_t(x)] = 0;
+    }
+  }
+  return points;
+}
+
+std::array<int, 4> object_box(const ViewPrompt& prompt) {
+  std::array<int, 4> box{prompt.width_px, prompt.height_px, 0, 0};
+  for (int y = 0; y < prompt.height_px; ++y)
+    for (int x = 0; x < prompt.width_px; ++x) {
+      if (!is_object(prompt.hint[std::size_t(y) * std::size_t(prompt.width_px) + std::size_t(x)])) continue;
+      box = {std::min(box[0], x), std::min(box[1], y), std::max(box[2], x + 1), std::max(box[3], y + 1)};
+    }
+  return box[2] == 0 ? std::array<int, 4>{} : box;
+}
+
+}  // namespace ngs

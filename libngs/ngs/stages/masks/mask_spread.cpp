@@ -1,0 +1,160 @@
+#include "ngs/stages/masks/mask_spread.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "ngs/core/check.h"
+
+namespace ngs {
+namespace {
+
+double angle_between(Vec3<double> a, Vec3<double> b) {
+  const double scale = std::sqrt(dot(a, a) * dot(b, b));
+  return scale > 0 ? std::acos(std::clamp(dot(a, b) / scale, -1.0, 1.0)) : 0;
+}
+
+bool is_empty(const PixelMask& mask) { return std::find(mask.begin(), mask.end(), 1) == mask.end(); }
+
+/// The strokes of a person hold, whatever the others say.
+void keep_strokes(const ViewPrompt& by_hand, ViewPrompt& prompt) {
+  for (std::size_t p = 0; p < prompt.hint.size(); ++p)
+    if (is_certain(by_hand.hint[p])) prompt.hint[p] = by_hand.hint[p];
+}
+
+class Spreader {
+ public:
+  Spreader(const Exec& exec, Monitor& monitor, const SpreadOptions& options, const SpreadInput& input)
+      : exec_(exec),
+        monitor_(monitor),
+        options_(options),
+        in_(input),
+        all_(input.cloud.size()),
+        lifted_mask_(input.camera.size()) {}
+
+  void run() {
+    start();
+    if (monitor_.stop_requested()) return;
+    const std::vector<std::size_t> order =
+        view_order(in_.camera, in_.reference, object_place(in_.cloud, all_.value()).centre);
+    for (int pass = 0; pass < options_.passes; ++pass) {
+      const auto timed = monitor_.scope("pass " + std::to_string(pass + 1));
+      const bool last = pass + 1 == options_.passes;
+      std::int64_t count = 0;
+      place_ = object_place(in_.cloud, all_.value());
+      for (const std::size_t view : order) {
+        if (!last && !supervises(view)) continue;
+        const SpreadView result =
+            view == in_.reference && pass == 0 ? std::move(first_) : segment(view, pass);
+        if (monitor_.stop_requested()) return;
+        if (last) in_.done(view, result);
+        monitor_.progress(++count, std::int64_t(order.size()));
+      }
+    }
+  }
+
+ private:
+  bool supervises(std::size_t view) const {
+    return view == in_.reference || in_.scene.views[view].split == Split::kTrain;
+  }
+
+  void start() {
+    const auto timed = monitor_.scope("reference");
+    first_.mask = in_.segment(in_.reference, in_.prompt);
+    if (monitor_.stop_requested()) return;
+    if (is_empty(first_.mask))
+      throw Error(ErrorCode::kNothingFound, "the reference view: no pixel was segmented, expected the object",
+                  "draw more strokes on the object, or a box around it");
+    first_.source = MaskSource::kReference;
+    first_.soft.assign(first_.mask.begin(), first_.mask.end());
+    keep(in_.reference, first_.mask);
+  }
+
+  Lifted lift(std::size_t view) const {
+    return lift_mask(exec_, in_.cloud, in_.camera[view], in_.splat, lifted_mask_[view]);
+  }
+  void keep(std::size_t view, const PixelMask& mask) {
+    lifted_mask_[view] = mask;
+    all_.add(lift(view));
+  }
+
+  int band_px(const Camera& camera, int pass) const {
+    const double diagonal = std::hypot(double(camera.width_px), double(camera.height_px));
+    return int(std::lround(std::max(options_.least_band_px, std::ldexp(options_.band * diagonal, -pass))));
+  }
+
+  SpreadView segment(std::size_t view, int pass) {
+    const bool is_reference = view == in_.reference;
+    if (!lifted_mask_[view].empty()) all_.remove(lift(view));
+    const PixelMask before = std::exchange(lifted_mask_[view], {});
+    const Consensus consensus = render_consensus(exec_, in_.cloud, all_.value(), place_, in_.camera[view], in_.splat);
+    ViewPrompt prompt = prompt_from(consensus, band_px(in_.camera[view], pass), before);
+    if (is_reference) keep_strokes(in_.prompt, prompt);
+
+    SpreadView out;
+    for (const float known : consensus.known) out.known += double(known) / double(consensus.known.size());
+    out.mask.resize(consensus.object.size());
+    for (std::size_t p = 0; p < out.mask.size(); ++p)
+      out.mask[p] = consensus.object[p] > 0.5f && consensus.known[p] >= 0.5f;
+    if (!is_empty(out.mask) || is_reference) {
+      out.source = MaskSource::kRendered;
+      if (in_.has_photo[view]) try_segmenter(view, is_reference, prompt, consensus, out);
+    }
+    out.soft.resize(out.mask.size());
+    for (std::size_t p = 0; p < out.mask.size(); ++p)
+      out.soft[p] = 0.5f * (float(out.mask[p]) + consensus.object[p]);
+    return out;
+  }
+
+  void try_segmenter(std::size_t view, bool is_reference, const ViewPrompt& prompt,
+                     const Consensus& consensus, SpreadView& out) {
+    PixelMask found = in_.segment(view, prompt);
+    out.agreement = agreement(consensus, found);
+    if (!is_reference && (out.agreement < options_.gate_iou || is_empty(found))) return;
+    out.mask = std::move(found);
+    out.source = is_reference ? MaskSource::kReference : MaskSource::kSegmented;
+    if (supervises(view)) keep(view, out.mask);
+  }
+
+  const Exec& exec_;
+  Monitor& monitor_;
+  const SpreadOptions& options_;
+  const SpreadInput& in_;
+  ObjectPlace place_;                   // at the start of the pass
+  LiftedSum all_;                       // of all masks that were kept
+  std::vector<PixelMask> lifted_mask_;  // per view; empty: none was kept
+  SpreadView first_;
+};
+
+}  // namespace
+
+std::vector<std::size_t> view_order(const std::vector<Camera>& cameras, std::size_t reference,
+                                    Vec3<double> focus) {
+  std::vector<std::size_t> order;
+  std::vector<double> nearest(cameras.size(), std::numeric_limits<double>::infinity());
+  std::vector<std::uint8_t> done(cameras.size());
+  for (std::size_t next = reference; order.size() < cameras.size();) {
+    order.push_back(next);
+    done[next] = 1;
+    const Vec3<double> direction = cameras[next].centre() - focus;
+    std::size_t best = cameras.size();
+    for (std::size_t v = 0; v < cameras.size(); ++v) {
+      if (done[v]) continue;
+      nearest[v] = std::min(nearest[v], angle_between(cameras[v].centre() - focus, direction));
+      if (best == cameras.size() || nearest[v] < nearest[best]) best = v;
+    }
+    next = best;
+  }
+  return order;
+}
+
+void spread_masks(const Exec& exec, Monitor& monitor, const SpreadOptions& options,
+                  const SpreadInput& input) {
+  NGS_CHECK(input.camera.size() == input.scene.views.size() &&
+                input.has_photo.size() == input.camera.size() && input.reference < input.camera.size(),
+            "one camera per view");
+  Spreader(exec, monitor, options, input).run();
+}
+
+}  // namespace ngs

@@ -1,0 +1,78 @@
+#pragma once
+// From strokes on one view to masks of all: lift, render into the next view, segment there, repeat. PAPER.md
+// §6.7
+//
+// The reference view's prompt is segmented and its mask lifted to the splat (evidence). The other views
+// follow, the one next whose direction to the object is closest to a view that is done. The consensus
+// rendered there becomes the prompt; a mask that agrees too little with it (SA3D's gate) is rejected and
+// lifted nowhere. Later passes do all views again, each against the consensus of the others, in a band that
+// halves.
+//
+// The photo of a held-out view decides nothing but the mask of that view: it is segmented in the last pass and lifted
+// nowhere, unless it is the reference.
+#include <functional>
+
+#include "ngs/core/monitor.h"
+#include "ngs/options/field.h"
+#include "ngs/stages/masks/mask_consensus.h"
+
+namespace ngs {
+
+struct SpreadOptions {
+  double gate_iou = 0.7;
+  int passes = 3;
+  double band = 0.02;
+  double least_band_px = 3;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.gate_iou,
+          Field<double>{"gate_iou", "", "masks that agree less with the other views are rejected", 0.0, 1.0});
+    visit(self.passes, Field<int>{"passes", "", "times that every view is segmented", 1, 20});
+    visit(self.band,
+          Field<double>{"band", "of the diagonal",
+                        "free band around the rendered contour in the first pass; halved in each later one",
+                        0.0, 1.0});
+    visit(self.least_band_px,
+          Field<double>{"least_band_px", "px", "the band is never narrower", 1.0, 1000.0});
+  }
+};
+
+/// The mask of view `view` given what is known about it. Sizes as the prompt's.
+using Segmenter = std::function<PixelMask(std::size_t view, const ViewPrompt& prompt)>;
+
+enum class MaskSource : std::uint8_t { kReference, kSegmented, kRendered, kUnseen };
+inline constexpr NamedValue<MaskSource> kMaskSourceNames[] = {{MaskSource::kReference, "reference"},
+                                                              {MaskSource::kSegmented, "segmented"},
+                                                              {MaskSource::kRendered, "rendered"},
+                                                              {MaskSource::kUnseen, "unseen"}};
+
+struct SpreadView {
+  PixelMask mask;           // at the size of SpreadInput::camera
+  std::vector<float> soft;  // [H·W] mean of mask and consensus
+  MaskSource source = MaskSource::kUnseen;
+  double agreement = -1;  // with the consensus of the other views; negative: there is none
+  double known = 0;       // share of the picture that the other views know
+};
+
+struct SpreadInput {
+  const GaussianCloud& cloud;
+  const Scene& scene;
+  std::vector<Camera> camera;   // per view of the scene, at the size that is segmented
+  std::vector<bool> has_photo;  // per view; without one the consensus is the mask
+  SplatOptions splat;           // at the size of `camera`
+  std::size_t reference = 0;
+  ViewPrompt prompt;  // of the reference view
+  Segmenter segment;
+  std::function<void(std::size_t view, const SpreadView&)> done;  // once per view, in the last pass
+};
+
+/// Calls `done` for every view of the scene. kNothingFound where the reference mask is empty.
+void spread_masks(const Exec& exec, Monitor& monitor, const SpreadOptions& options, const SpreadInput& input);
+
+/// The other views in the order in which they are done: next is the one whose direction from `focus` is
+/// closest to one before it; ties go to the first.
+std::vector<std::size_t> view_order(const std::vector<Camera>& cameras, std::size_t reference,
+                                    Vec3<double> focus);
+
+}  // namespace ngs

@@ -1,0 +1,41 @@
+#pragma once
+// Options every tool shares that splats a model.
+#include "ngs/ops/splat/splat.h"
+#include "ngs/options/field.h"
+#include "ngs/scene/scene.h"
+
+namespace ngs {
+
+enum class Antialias : std::uint8_t { kAuto, kOn, kOff };
+enum class CompatChoice : std::uint8_t { kAuto, kInria, kGsplat };
+inline constexpr NamedValue<Compat> kCompatNames[] = {{Compat::kInria, "inria"}, {Compat::kGsplat, "gsplat"}};
+inline constexpr NamedValue<CompatChoice> kCompatChoices[] = {
+    {CompatChoice::kAuto, "auto"}, {CompatChoice::kInria, "inria"}, {CompatChoice::kGsplat, "gsplat"}};
+inline constexpr NamedValue<Antialias> kAntialiasNames[] = {
+    {Antialias::kAuto, "auto"}, {Antialias::kOn, "on"}, {Antialias::kOff, "off"}};
+
+struct RasterOptions {
+  CompatChoice compat = CompatChoice::kAuto;
+  Antialias antialias = Antialias::kAuto;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.compat,
+          Choice<CompatChoice>{"compat", "whose near plane and footprint rule to follow; auto: as scene.json says", kCompatChoices});
+    visit(self.antialias,
+          Choice<Antialias>{"antialias", "opacity compensation; auto: as scene.json says, else the PLY's comments",
+                            kAntialiasNames});
+  }
+};
+
+/// For renders of `scene`'s views at its working size.
+inline SplatOptions splat_options(const RasterOptions& options, const GaussianCloud& cloud, const Scene& scene) {
+  const bool antialiased = options.antialias == Antialias::kAuto ? scene.antialiased.value_or(cloud.antialiased)
+                                                                 : options.antialias == Antialias::kOn;
+  const Compat compat = options.compat == CompatChoice::kAuto    ? scene.compat
+                        : options.compat == CompatChoice::kInria ? Compat::kInria
+                                                                 : Compat::kGsplat;
+  return {compat, antialiased, 3, scene.filter_px2};
+}
+
+}  // namespace ngs

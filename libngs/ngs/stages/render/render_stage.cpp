@@ -1,0 +1,144 @@
+#include "ngs/stages/render/render_stage.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <sstream>
+
+#include "ngs/scene/view_names.h"
+
+namespace ngs {
+namespace {
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::istringstream in(text);
+  for (std::string part; std::getline(in, part, separator);) parts.push_back(part);
+  return parts;
+}
+
+/// Well separated hues for object k.
+std::array<float, 3> hue(std::size_t k) {
+  const double h = std::fmod(0.02 + 0.618033988749895 * double(k), 1.0) * 6;
+  const auto channel = [h](double offset) {
+    const double x = std::fmod(h + offset, 6.0);
+    return float(std::clamp(std::abs(x - 3) - 1, 0.0, 1.0));
+  };
+  return {channel(0), channel(4), channel(2)};
+}
+
+}  // namespace
+
+std::vector<std::size_t> select_views(const Scene& scene, const std::string& selection) {
+  std::vector<std::size_t> views;
+  if (selection == "all" || selection == "train" || selection == "held-out") {
+    for (std::size_t i = 0; i < scene.views.size(); ++i)
+      if (selection == "all" || (scene.views[i].split == Split::kTrain) == (selection == "train"))
+        views.push_back(i);
+    return views;
+  }
+  const ViewNames names(scene.views);
+  for (const std::string& name : split(selection, ',')) {
+    const std::vector<std::size_t> found = names.find(name);
+    if (found.size() > 1)
+      throw Error(ErrorCode::kUsage, "--views: several views are named '" + name + "'",
+                  "give the whole name, such as '" + scene.views[found[0]].camera.name + "'");
+    if (found.empty())
+      throw Error(ErrorCode::kUsage, "--views: no view is named '" + name + "'",
+                  "the scene has " + std::to_string(scene.views.size()) + " views, the first is '" +
+                      (scene.views.empty() ? std::string() : scene.views.front().camera.name) + "'");
+    views.push_back(found[0]);
+  }
+  return views;
+}
+
+namespace {
+
+/// [N, K]
+std::vector<float> label_matrix(const std::vector<LabelColumns>& objects, std::size_t n) {
+  const std::size_t k_count = objects.size();
+  std::vector<float> label(n * k_count);
+  for (std::size_t k = 0; k < k_count; ++k)
+    for (std::size_t i = 0; i < n; ++i) label[i * k_count + k] = objects[k].label[i];
+  return label;
+}
+
+}  // namespace
+
+LabelChannels::LabelChannels(const GaussianCloud& cloud, const std::vector<LabelColumns>& objects)
+    : cloud_(cloud), objects_(objects.size()), label_(label_matrix(objects, std::size_t(cloud.size()))) {}
+
+ImageF LabelChannels::view(const Exec& exec, const Camera& camera, const SplatOptions& splat) const {
+  RenderRequest request;
+  request.colour = false;
+  request.label = {label_.data(), cloud_.size(), int(objects_)};
+  return std::move(render(exec, cloud_, camera, splat, request).label);
+}
+
+RenderedView render_labelled(const Exec& exec, const GaussianCloud& cloud,
+                             const std::vector<LabelColumns>& objects, const Camera& camera,
+                             const SplatOptions& splat, Vec3<float> background, bool amodal) {
+  const std::size_t k_count = objects.size();
+  const std::vector<float> label = label_matrix(objects, std::size_t(cloud.size()));
+  RenderRequest request;
+  request.depth = true;
+  request.background = background;
+  if (k_count > 0) request.label = {label.data(), cloud.size(), int(k_count)};
+  RenderedView view = render(exec, cloud, camera, splat, request);
+  if (amodal) show_objects_alone(exec, cloud, objects, camera, splat, view);
+  return view;
+}
+
+void show_objects_alone(const Exec& exec, const GaussianCloud& cloud,
+                        const std::vector<LabelColumns>& objects, const Camera& camera,
+                        const SplatOptions& splat, RenderedView& view) {
+  const auto n = std::size_t(cloud.size());
+  const std::size_t k_count = objects.size();
+  for (std::size_t k = 0; k < k_count; ++k) {
+    std::vector<std::uint8_t> mine(n);
+    for (std::size_t i = 0; i < n; ++i) mine[i] = objects[k].label[i] > 0.5f;
+    RenderRequest alone;
+    alone.colour = false;
+    alone.include = mine.data();
+    const RenderedView object = render(exec, cloud, camera, splat, alone);
+    for (std::size_t p = 0; p < object.alpha.data.size(); ++p)
+      view.label.data[p * k_count + k] = object.alpha.data[p];
+  }
+}
+
+ImageU16 label_map(const RenderedView& view, double threshold, const std::vector<std::uint16_t>& ids) {
+  ImageU16 map(view.width_px, view.height_px, 1);
+  const auto objects = std::size_t(view.label.channels);
+  for (std::size_t p = 0; p < map.data.size(); ++p) {
+    float best = float(threshold);
+    for (std::size_t k = 0; k < objects; ++k)
+      if (view.label.data[p * objects + k] > best)
+        best = view.label.data[p * objects + k], map.data[p] = ids.empty() ? std::uint16_t(k + 1) : ids[k];
+  }
+  return map;
+}
+
+ImageU8 overlay_picture(const RenderedView& view, double threshold) {
+  const ImageU16 map = label_map(view, threshold);
+  ImageU8 picture(view.width_px, view.height_px, 3);
+  for (int y = 0; y < view.height_px; ++y)
+    for (int x = 0; x < view.width_px; ++x) {
+      const std::uint16_t id = map.at(x, y);
+      const bool edge = (x > 0 && map.at(x - 1, y) != id) || (y > 0 && map.at(x, y - 1) != id);
+      const std::uint16_t owner =
+          id != 0
+              ? id
+              : (edge ? (x > 0 && map.at(x - 1, y) != 0 ? map.at(x - 1, y) : map.at(x, std::max(0, y - 1)))
+                      : 0);
+      const float mix = edge ? 1.f : (id != 0 ? 0.3f : 0.f);
+      const std::array<float, 3> tint =
+          owner != 0 ? hue(std::size_t(owner - 1)) : std::array<float, 3>{0, 0, 0};
+      for (int c = 0; c < 3; ++c) {
+        const float value = (1 - mix) * view.colour.at(x, y, c) + mix * tint[std::size_t(c)];
+        picture.at(x, y, c) = std::uint8_t(std::lround(255 * std::clamp(value, 0.f, 1.f)));
+      }
+    }
+  return picture;
+}
+
+}  // namespace ngs

@@ -1,0 +1,75 @@
+#pragma once
+// Pictures of a labelled model from the scene's cameras.
+#include <string>
+#include <vector>
+
+#include "ngs/core/monitor.h"
+#include "ngs/ops/splat/splat.h"
+#include "ngs/options/field.h"
+#include "ngs/scene/scene.h"
+#include "ngs/stages/render/background.h"
+
+namespace ngs {
+
+struct RenderOptions {
+  std::string views = "all";
+  std::vector<std::string> layers;
+  double scale = 1.0;
+  bool native_filter = false;
+  bool amodal = false;
+  double threshold = 0.5;
+  std::string background;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.views, Text{"views", "train|held-out|all|NAME,...", "which cameras"});
+    visit(self.layers,
+          Text{"layers", "color,mask,alpha,depth,labels,overlay", "what to render; default mask"});
+    visit(self.scale,
+          Field<double>{"scale", "", "image size relative to the scene's working size; 0: the photos' size",
+                        0, 64.0});
+    visit(
+        self.native_filter,
+        Flag{"native_filter", "0.3 px² low-pass at the rendered size, not that of the working size scaled"});
+    visit(self.amodal, Flag{"amodal", "mask of the object alone, as if nothing stood before it"});
+    visit(self.threshold,
+          Field<double>{"threshold", "", "PNG masks: 255 where the rendered mask exceeds this", 0.0, 1.0});
+    visit(self.background, background_option());
+  }
+};
+
+/// Indices of the views that `selection` names. kUsage for a name that the scene does not have.
+std::vector<std::size_t> select_views(const Scene& scene, const std::string& selection);
+
+/// Renders the model at `camera`. Modal: label channels composited through the whole model. Amodal: per
+/// object the alpha of its own Gaussians (label > 0.5) alone.
+RenderedView render_labelled(const Exec& exec, const GaussianCloud& cloud,
+                             const std::vector<LabelColumns>& objects, const Camera& camera,
+                             const SplatOptions& splat, Vec3<float> background, bool amodal);
+
+/// The label channels alone of such modal views of one model. `cloud` must outlive it.
+class LabelChannels {
+ public:
+  LabelChannels(const GaussianCloud& cloud, const std::vector<LabelColumns>& objects);
+  /// [H, W, K]
+  ImageF view(const Exec& exec, const Camera& camera, const SplatOptions& splat) const;
+  std::size_t objects() const { return objects_; }
+
+ private:
+  const GaussianCloud& cloud_;
+  std::size_t objects_;
+  std::vector<float> label_;  // [N, K]
+};
+
+/// Makes a modal view amodal: only its label channels change.
+void show_objects_alone(const Exec& exec, const GaussianCloud& cloud,
+                        const std::vector<LabelColumns>& objects, const Camera& camera,
+                        const SplatOptions& splat, RenderedView& view);
+
+/// Label map: 0 background, else the id of the object whose mask is largest and exceeds `threshold`; no ids: its index + 1.
+ImageU16 label_map(const RenderedView& view, double threshold, const std::vector<std::uint16_t>& ids = {});
+
+/// The picture with every mask's contour drawn (1 px) and its inside tinted, one hue per object.
+ImageU8 overlay_picture(const RenderedView& view, double threshold);
+
+}  // namespace ngs

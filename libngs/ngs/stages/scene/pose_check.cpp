@@ -1,0 +1,192 @@
+#include "ngs/stages/scene/pose_check.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ngs/core/check.h"
+#include "ngs/math/median.h"
+#include "ngs/ops/splat/near_plane.h"
+
+namespace ngs {
+namespace {
+
+struct ChannelSums {  // over pixels: photo p, render without background c, transmittance t = 1 - alpha
+  double p = 0, pp = 0, t_residual = 0, tt = 0, residual2 = 0;
+};
+
+/// min over b of Σ (p - c - t b)² = Σ (p - c)² - (Σ t (p - c))² / Σ t², b kept in [0, 1].
+double fitted_error(const ChannelSums& sums, double& background) {
+  background = sums.tt > 0 ? std::clamp(sums.t_residual / sums.tt, 0.0, 1.0) : 0.0;
+  return sums.residual2 - 2 * background * sums.t_residual + background * background * sums.tt;
+}
+
+double db(double mean_square) { return -10 * std::log10(std::max(mean_square, 1e-12)); }
+
+}  // namespace
+
+PhotoMatch match_photo(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
+                       const SplatOptions& splat, const ImageF& photo) {
+  NGS_CHECK(photo.width_px == camera.width_px && photo.height_px == camera.height_px && photo.channels == 3,
+            "the photo has the camera's size");
+  const RenderedView view = render(exec, cloud, camera, splat, {});
+  PhotoMatch match;
+  double error = 0, spread = 0;
+  const double n = double(photo.pixels());
+  for (int channel = 0; channel < 3; ++channel) {
+    ChannelSums sums;
+    for (std::int64_t i = 0; i < photo.pixels(); ++i) {
+      const std::size_t at = std::size_t(i) * 3 + std::size_t(channel);
+      const double p = photo.data[at], r = p - view.colour.data[at],
+                   t = 1.0 - view.alpha.data[std::size_t(i)];
+      sums.p += p, sums.pp += p * p, sums.t_residual += t * r, sums.tt += t * t, sums.residual2 += r * r;
+    }
+    double background = 0;
+    error += fitted_error(sums, background);
+    spread += sums.pp - sums.p * sums.p / n;
+    (channel == 0 ? match.background.x : channel == 1 ? match.background.y : match.background.z) = background;
+  }
+  for (const float a : view.alpha.data) match.covered += double(a) / n;
+  match.psnr_db = db(error / (3 * n)), match.constant_db = db(spread / (3 * n));
+  return match;
+}
+
+double recoloured_gain_db(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& splat,
+                          const ImageF& photo, const PhotoMatch& match) {
+  const Vec3<double>& background = match.background;
+  RenderRequest request;
+  request.background = {float(background.x), float(background.y), float(background.z)};
+  const ImageF picture = render(exec, cloud, camera, splat, request).colour;
+  NGS_CHECK(photo.data.size() == picture.data.size(), "the photo has the camera's size");
+  const double n = double(photo.pixels());
+  double error = 0;
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    double p = 0, q = 0, pp = 0, pq = 0, qq = 0;
+    for (std::size_t i = channel; i < photo.data.size(); i += 3) {
+      const double a = photo.data[i], b = picture.data[i];
+      p += a, q += b, pp += a * a, pq += a * b, qq += b * b;
+    }
+    const double own = pp - p * p / n, together = pq - p * q / n, drawn = qq - q * q / n;
+    error += together > 0 && drawn > 0 ? own - together * together / drawn : own;
+  }
+  return db(error / (3 * n)) - match.constant_db;
+}
+
+double share_too_near(const GaussianCloud& cloud, std::span<const Camera> cameras, Compat compat) {
+  std::vector<double> shares;
+  for (const Camera& camera : cameras) {
+    double in_front = 0, near = 0;
+    for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
+      const float* p = &cloud.position[3 * i];
+      const Vec3<double> world{cloud.origin[0] + double(p[0]), cloud.origin[1] + double(p[1]), cloud.origin[2] + double(p[2])};
+      const double z = (camera.rotation * world + camera.translation).z;
+      in_front += cloud.usable[i] && z > 0, near += cloud.usable[i] && z > 0 && z <= near_plane(compat);
+    }
+    if (in_front > 0) shares.push_back(near / in_front);
+  }
+  return shares.empty() ? 0 : upper_median(std::move(shares));
+}
+
+namespace {
+
+struct Quaternion {
+  double w, x, y, z;
+};
+
+/// The quaternion of a rotation, by its largest component.
+Quaternion quaternion_of(const Mat3<double>& r) {
+  const double four[4] = {1 + r(0, 0) + r(1, 1) + r(2, 2), 1 + r(0, 0) - r(1, 1) - r(2, 2),
+                          1 - r(0, 0) + r(1, 1) - r(2, 2), 1 - r(0, 0) - r(1, 1) + r(2, 2)};
+  const auto largest = std::max_element(four, four + 4) - four;
+  const double s = 2 * std::sqrt(four[largest]);
+  const double a = (r(2, 1) - r(1, 2)) / s, b = (r(0, 2) - r(2, 0)) / s, c = (r(1, 0) - r(0, 1)) / s;
+  const double d = (r(0, 1) + r(1, 0)) / s, e = (r(0, 2) + r(2, 0)) / s, f = (r(1, 2) + r(2, 1)) / s,
+               q = s / 4;
+  switch (largest) {
+    case 0:
+      return {q, a, b, c};
+    case 1:
+      return {a, q, d, e};
+    case 2:
+      return {b, d, q, f};
+    default:
+      return {c, e, f, q};
+  }
+}
+
+Mat3<double> rotation_of(const Quaternion& q) {
+  return {{1 - 2 * (q.y * q.y + q.z * q.z), 2 * (q.x * q.y - q.w * q.z), 2 * (q.x * q.z + q.w * q.y),
+           2 * (q.x * q.y + q.w * q.z), 1 - 2 * (q.x * q.x + q.z * q.z), 2 * (q.y * q.z - q.w * q.x),
+           2 * (q.x * q.z - q.w * q.y), 2 * (q.y * q.z + q.w * q.x), 1 - 2 * (q.x * q.x + q.y * q.y)}};
+}
+
+Camera reordered_quaternion(Camera c) {  // read as w x y z, stored x y z w
+  const Quaternion q = quaternion_of(c.rotation);
+  c.rotation = rotation_of({q.z, q.w, q.x, q.y});
+  return c;
+}
+
+Camera inverted(Camera c) {
+  const Vec3<double> centre = c.centre();
+  c.rotation = transpose(c.rotation), c.translation = centre;
+  return c;
+}
+
+Camera flipped_axes(Camera c) {  // camera y and z
+  for (int i = 3; i < 9; ++i) c.rotation.m[i] = -c.rotation.m[i];
+  c.translation = {c.translation.x, -c.translation.y, -c.translation.z};
+  return c;
+}
+
+Camera centre_as_translation(Camera c) {  // t holds the centre
+  c.translation = -1.0 * (c.rotation * c.translation);
+  return c;
+}
+
+Camera transposed_rotation(Camera c) {  // R holds its transpose, t is right
+  c.rotation = transpose(c.rotation);
+  return c;
+}
+
+/// The model's world is the cameras' world with axes m: x_cameras = m x_model.
+Camera in_world(Camera c, const Mat3<double>& m) {
+  c.rotation = c.rotation * m;
+  return c;
+}
+
+}  // namespace
+
+const std::vector<PoseRepair>& pose_repairs() {
+  static const std::vector<PoseRepair> repairs{
+      {"quaternions are stored as x y z w", "write them as w x y z", reordered_quaternion},
+      {"poses are camera-to-world", "invert them: COLMAP's poses are world-to-camera", inverted},
+      {"camera axes are OpenGL's (y up, z backward)", "negate the camera's y and z axes", flipped_axes},
+      {"poses are camera-to-world with OpenGL axes", "invert them and negate the camera's y and z axes",
+       [](Camera c) { return flipped_axes(inverted(c)); }},
+      {"poses are camera-to-world with OpenGL axes that were flipped after inverting",
+       "flip the axes before inverting", [](Camera c) { return inverted(flipped_axes(c)); }},
+      {"quaternions are stored as x y z w and poses are camera-to-world",
+       "write them as w x y z and invert the poses",
+       [](Camera c) { return inverted(reordered_quaternion(c)); }},
+      {"the translation holds the camera's centre", "store t = -R centre", centre_as_translation},
+      {"rotations are transposed", "transpose them, keep the translations", transposed_rotation},
+      {"the model is rotated by 180 degrees about x", "rotate it back, or import with --world-transform",
+       [](Camera c) {
+         return in_world(c, {{1, 0, 0, 0, -1, 0, 0, 0, -1}});
+       }},
+      {"the model is rotated by 180 degrees about z", "rotate it back, or import with --world-transform",
+       [](Camera c) {
+         return in_world(c, {{-1, 0, 0, 0, -1, 0, 0, 0, 1}});
+       }},
+      {"the model is in nerfstudio's world (x y z -> y x -z)",
+       "import transforms.json, or use --world-transform",
+       [](Camera c) {
+         return in_world(c, {{0, 1, 0, 1, 0, 0, 0, 0, -1}});
+       }},
+      {"the model's z points up where the cameras' y points down",
+       "rotate it back, or import with --world-transform", [](Camera c) {
+         return in_world(c, {{1, 0, 0, 0, 0, -1, 0, 1, 0}});
+       }}};
+  return repairs;
+}
+
+}  // namespace ngs

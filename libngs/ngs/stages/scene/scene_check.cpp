@@ -1,0 +1,271 @@
+#include "ngs/stages/scene/scene_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "ngs/backend/for_each.h"
+#include "ngs/core/error.h"
+#include "ngs/scene/shrink.h"
+#include "ngs/stages/scene/mask_check.h"
+#include "ngs/stages/render/render_options.h"
+#include "ngs/problem/view_list.h"
+
+namespace ngs {
+namespace {
+
+constexpr double kLowestInside = 0.01;
+constexpr std::int64_t kMostSampled =
+    1 << 18;  // Gaussians for the shares: exact to 0.1 % and fast for any model
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+struct Shares {
+  double in_front = 0, inside = 0;
+};
+
+Shares shares_of(const GaussianCloud& cloud, const Camera& camera, const std::vector<std::int64_t>& sample) {
+  std::int64_t in_front = 0, inside = 0;
+  for (const std::int64_t i : sample) {
+    const float* p = &cloud.position[std::size_t(i) * 3];
+    const Vec3<double> world{cloud.origin[0] + double(p[0]), cloud.origin[1] + double(p[1]),
+                             cloud.origin[2] + double(p[2])};
+    const Vec3<double> t = camera.rotation * world + camera.translation;
+    if (!(t.z > 0)) continue;
+    ++in_front;
+    const double x = camera.fx * t.x / t.z + camera.cx, y = camera.fy * t.y / t.z + camera.cy;
+    inside += x >= 0 && x < camera.width_px && y >= 0 && y < camera.height_px;
+  }
+  return {double(in_front) / double(sample.size()), double(inside) / double(sample.size())};
+}
+
+std::vector<std::int64_t> sample_usable(const GaussianCloud& cloud, const std::string& name) {
+  const std::int64_t stride = (cloud.size() + kMostSampled - 1) / kMostSampled;
+  std::vector<std::int64_t> sample;
+  for (std::int64_t i = 0; i < cloud.size(); i += stride)
+    if (cloud.usable[std::size_t(i)] != 0) sample.push_back(i);
+  if (sample.empty())
+    throw Error(ErrorCode::kNothingFound,
+                name + ": no usable Gaussian, expected at least one finite row");
+  return sample;
+}
+
+/// A photo and its camera at the size of the comparison.
+struct Shot {
+  std::size_t view = 0;
+  Camera camera;
+  ImageF photo;
+};
+
+Shot take_shot(const Scene& scene, std::size_t view, int longest_px, const ImageF& photo) {
+  const Camera& camera = scene.views[view].camera;
+  const int factor = (std::max(camera.width_px, camera.height_px) + longest_px - 1) / longest_px;
+  return {view, shrunk(camera, factor), shrunk(photo, factor)};
+}
+
+std::vector<Shot> take_shots(Monitor& monitor, const SceneCheckOptions& options, const Scene& scene,
+                             const SceneLoaders& loaders) {
+  const auto timed = monitor.scope("photos");
+  const std::vector<std::size_t> with_photo = photo_views(scene);
+  std::vector<Shot> shots;
+  for (const std::size_t i : evenly_spaced(std::size_t(options.check_views), with_photo.size()))
+    shots.push_back(take_shot(scene, with_photo[i], options.check_size_px, loaders.photo(with_photo[i])));
+  return shots;
+}
+
+// The size that the model was fitted at is not known yet (filter_probe.h). Its 0.3 px² of low-pass filter are
+// right there; of a much reduced picture a pixel's own area, 1/12 px², is what is left, and 0.3 px² would
+// drown the model.
+constexpr double kFilters[] = {0.3, 0.075};
+
+/// The model as the scene says that it was fitted.
+struct Subject {
+  const GaussianCloud& cloud;
+  SplatOptions splat;
+
+  SplatOptions with_filter(double filter_px2) const {
+    SplatOptions out = splat;
+    out.blur_px2 = filter_px2;
+    return out;
+  }
+};
+
+PhotoMatch best_match(const Exec& exec, const Subject& model, const Camera& camera, const ImageF& photo) {
+  PhotoMatch best;
+  for (const double filter : kFilters) {
+    const PhotoMatch match = match_photo(exec, model.cloud, camera, model.with_filter(filter), photo);
+    if (filter == kFilters[0] || match.psnr_db > best.psnr_db) best = match;
+  }
+  return best;
+}
+
+/// `repair`: of the cameras; null: as they are.
+double median_gain(const Exec& exec, const Subject& model, const std::vector<Shot>& shots, const PoseRepair* repair) {
+  std::vector<double> gains;
+  for (const Shot& shot : shots)
+    gains.push_back(best_match(exec, model, repair ? repair->apply(shot.camera) : shot.camera, shot.photo).gain_db());
+  return median(gains);
+}
+
+/// The repair that makes the model fit a few of the shots; null: none does.
+const PoseRepair* find_repair(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options,
+                              const Subject& model, const std::vector<Shot>& shots) {
+  const auto timed = monitor.scope("pose repairs");
+  constexpr std::size_t kShots = 3;
+  std::vector<Shot> few;
+  for (const std::size_t i : evenly_spaced(kShots, shots.size())) few.push_back(shots[i]);
+  const PoseRepair* best = nullptr;
+  double best_gain = options.min_fit_db;
+  for (const PoseRepair& repair : pose_repairs()) {
+    const double gain = median_gain(exec, model, few, &repair);
+    if (gain > best_gain) best = &repair, best_gain = gain;
+  }
+  return best;
+}
+
+/// How well the model would fit in other colours. `views`: with the matches of the shots.
+double median_recoloured_gain(const Exec& exec, const Subject& model, const std::vector<Shot>& shots,
+                              const std::vector<ViewCheck>& views) {
+  std::vector<double> gains;
+  for (const Shot& shot : shots) {
+    double best = 0;  // a gain of zero
+    for (const double filter : kFilters)
+      best = std::max(best, recoloured_gain_db(exec, model.cloud, shot.camera, model.with_filter(filter), shot.photo,
+                                               *views[shot.view].match));
+    gains.push_back(best);
+  }
+  return median(gains);
+}
+
+std::string decibels(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f dB", std::round(value * 10) / 10 + 0.0);  // no "-0.0"
+  return text;
+}
+
+constexpr const char* kGsplatRemedy = "by the rules of gsplat, whose near plane is nearer: --compat gsplat";
+constexpr double kSomeTooNear = 0.01;  // share of the Gaussians from which on it is worth asking
+constexpr double kGsplatGain_db = 0.5;
+
+/// What the model would explain of the photos if gsplat had fitted it, whose near plane is nearer.
+double gain_by_gsplat(const Exec& exec, Subject model, const std::vector<Shot>& shots) {
+  model.splat.compat = Compat::kGsplat;
+  return median_gain(exec, model, shots, nullptr);
+}
+
+/// What to do where the model does not fit the photos.
+std::string remedy_of(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options, const Subject& model,
+                      const std::vector<Shot>& shots, const std::vector<ViewCheck>& views) {
+  if (const PoseRepair* repair = find_repair(exec, monitor, options, model, shots))
+    return "it fits if " + repair->mistake + ": " + repair->remedy;
+  if (const double recoloured_db = median_recoloured_gain(exec, model, shots, views); recoloured_db >= options.min_fit_db)
+    return "the poses fit, the colours do not: with a gain and an offset per channel it is " + decibels(recoloured_db) +
+           " above it; give the photos that the model was trained on, or import these with --min-fit-db -100";
+  return "the model was trained on other poses, or in a world that was moved or scaled since; import the cameras it was "
+         "trained with (a splat exported by nerfstudio: with --world-transform dataparser_transforms.json, and "
+         "--original-world where transforms.json has an applied_transform)";
+}
+
+std::string percent(double share) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g %%", 100 * share);
+  return text;
+}
+
+void check_photos(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options,
+                  const GaussianCloud& cloud, const Scene& scene, const std::vector<Shot>& shots,
+                  SceneCheck& result) {
+  const Subject model{cloud, splat_options({}, cloud, scene)};
+  std::vector<double> gains, psnrs;
+  {
+    const auto timed = monitor.scope("compare");
+    for (const Shot& shot : shots) {
+      const PhotoMatch match = best_match(exec, model, shot.camera, shot.photo);
+      gains.push_back(match.gain_db()), psnrs.push_back(match.psnr_db);
+      result.views[shot.view].match = match;
+    }
+  }
+  result.median_fit_db = median(gains), result.median_psnr_db = median(psnrs);
+  std::vector<Camera> cameras;
+  for (const Shot& shot : shots) cameras.push_back(shot.camera);
+  const double too_near = share_too_near(cloud, cameras, scene.compat);
+  if (result.median_fit_db >= options.min_fit_db) {
+    for (std::size_t i = 0; i < shots.size(); ++i)
+      if (gains[i] < options.min_fit_db)
+        result.warnings.push_back("view " + scene.views[shots[i].view].camera.name +
+                                  ": the model explains its photo only " + decibels(gains[i]) +
+                                  " better than a constant colour (" + decibels(psnrs[i]) + ")");
+    if (scene.compat == Compat::kInria && too_near > kSomeTooNear)
+      if (const double more_db = gain_by_gsplat(exec, model, shots) - result.median_fit_db; more_db > kGsplatGain_db)
+        result.warnings.push_back("the model explains the photos " + decibels(more_db) + " better " + kGsplatRemedy);
+    return;
+  }
+  const auto remedy = [&]() -> std::string {
+    if (!(too_near > kTooNear)) return remedy_of(exec, monitor, options, model, shots, result.views);
+    return gain_by_gsplat(exec, model, shots) >= options.min_fit_db ? std::string("it fits ") + kGsplatRemedy : kTooNearRemedy;
+  };
+  throw Error(ErrorCode::kInconsistent,
+              "cameras and model: rendered views match the photos " + decibels(result.median_psnr_db) + ", " +
+                  decibels(result.median_fit_db) + " above a constant colour (" +
+                  percent(result.median_inside) + " of the Gaussians in view), expected at least " +
+                  decibels(options.min_fit_db) + " above it",
+              remedy());
+}
+
+void check_inside_only(const SceneCheck& result) {
+  if (result.median_inside >= kLowestInside) return;
+  throw Error(
+      ErrorCode::kInconsistent,
+      "cameras and model: " + percent(result.median_inside) +
+          " of the Gaussians lie inside the median view, expected at least 1 %",
+      "poses are world-to-camera with x right, y down, z forward; with photos (--images DIR) the likely "
+      "mistake is found by itself");
+}
+
+void check_cloud(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options,
+                 const GaussianCloud& cloud, const Scene& scene, const SceneLoaders& loaders,
+                 SceneCheck& result) {
+  const std::vector<std::int64_t> sample = sample_usable(cloud, scene.model_path);
+  result.sampled_gaussians = std::int64_t(sample.size());
+  {
+    const auto timed = monitor.scope("project");
+    for_each_task(exec, std::int64_t(scene.views.size()), [&](std::int64_t i) {
+      const Shares shares = shares_of(cloud, scene.views[std::size_t(i)].camera, sample);
+      result.views[std::size_t(i)].in_front = shares.in_front,
+      result.views[std::size_t(i)].inside = shares.inside;
+    });
+  }
+  std::vector<double> inside;
+  for (const ViewCheck& view : result.views) inside.push_back(view.inside);
+  result.median_inside = median(inside);
+  const std::vector<Shot> shots = take_shots(monitor, options, scene, loaders);
+  if (shots.empty())
+    check_inside_only(result);
+  else
+    check_photos(exec, monitor, options, cloud, scene, shots, result);
+}
+
+}  // namespace
+
+std::vector<std::size_t> evenly_spaced(std::size_t count, std::size_t n) {
+  std::vector<std::size_t> out;
+  count = std::min(count, n);
+  for (std::size_t i = 0; i < count; ++i) out.push_back((2 * i + 1) * n / (2 * count));
+  return out;
+}
+
+SceneCheck check_scene(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options,
+                       const GaussianCloud* cloud, const Scene& scene, const SceneLoaders& loaders) {
+  SceneCheck result;
+  result.views.resize(scene.views.size());
+  if (cloud != nullptr) check_cloud(exec, monitor, options, *cloud, scene, loaders, result);
+  check_masks(monitor, scene, loaders, result);
+  return result;
+}
+
+}  // namespace ngs

@@ -1,0 +1,34 @@
+#pragma once
+// Cameras that are off by a pixel or two. A splat averages over such views, but a mask rendered there misses
+// the object's edge by as much. The photo tells: the camera is moved to where the rendered model lies on it.
+// PAPER.md §5.11
+#include <functional>
+#include <vector>
+
+#include "ngs/core/monitor.h"
+#include "ngs/ops/optim/pose_step.h"
+#include "ngs/ops/splat/splat.h"
+#include "ngs/scene/scene.h"
+
+namespace ngs {
+
+struct ViewAlignment {
+  std::size_t view = 0;
+  CameraMotion motion;
+  double flow_px = 0;                        // RMS of how far the picture moves, at the working size
+  double error_before = 0, error_after = 0;  // pose_step's, both measured on the rendered model
+  Camera camera;                             // the moved one
+  bool applied = false;
+};
+
+inline constexpr double kLeastFlow_px = 0.15, kMostFlow_px = 8;
+
+/// The alignment of every view with a photo. Applied: motions of at least kLeastFlow_px that lower the error;
+/// larger ones than kMostFlow_px are a wrong pose, not an inaccurate one.
+std::vector<ViewAlignment> measure_alignment(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud,
+                                             const Scene& scene,
+                                             const std::function<ImageF(std::size_t view)>& load_photo);
+
+void apply_alignment(const std::vector<ViewAlignment>& alignment, Scene& scene);
+
+}  // namespace ngs

@@ -1,0 +1,94 @@
+#pragma once
+// Analytic scenes by name, and the rig of cameras that looks at them.
+//
+// A scene is a list of objects (unions of solids) in a textured room, so that every pixel shows something. Object k
+// has the id k + 1; id 0 is the room. World units; +z is up.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "ngs/options/field.h"
+#include "ngs/scene/camera.h"
+#include "ngs/stages/synth/synth_solids.h"
+
+namespace ngs::synth {
+
+enum class SceneKind : std::uint8_t { kTwoSpheres, kTorusBox, kLeaves, kBones, kTable };
+enum class Rig : std::uint8_t { kOrbit, kForward };
+inline constexpr NamedValue<SceneKind> kSceneNames[] = {{SceneKind::kTwoSpheres, "two-spheres"},
+                                                        {SceneKind::kTorusBox, "torus-box"},
+                                                        {SceneKind::kLeaves, "leaves"},
+                                                        {SceneKind::kBones, "bones"},
+                                                        {SceneKind::kTable, "table"}};
+inline constexpr NamedValue<Rig> kRigNames[] = {{Rig::kOrbit, "orbit"}, {Rig::kForward, "forward"}};
+
+/// Everything that decides what a scene looks like.
+struct Recipe {
+  SceneKind scene = SceneKind::kTorusBox;
+  Rig rig = Rig::kOrbit;
+  int views = 20;
+  int width_px = 320, height_px = 240;
+  double fov_deg = 50;
+  int samples_per_side = 4;
+  double principal_shift = 0.05;
+  bool mixed_sizes = false;
+  double gloss = 0.15;
+  bool grey = false;
+  int points = 4000;
+  std::string target;
+  std::int64_t scene_seed = 1;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.scene, Choice<SceneKind>{"scene", "what stands in the room", kSceneNames});
+    visit(self.rig, Choice<Rig>{"rig", "where the cameras stand", kRigNames});
+    visit(self.views, Field<int>{"views", "", "number of cameras", 1, 10000});
+    visit(self.width_px, Field<int>{"width_px", "px", "image width", 8, 16384});
+    visit(self.height_px, Field<int>{"height_px", "px", "image height", 8, 16384});
+    visit(self.fov_deg, Field<double>{"fov_deg", "deg", "horizontal field of view", 5, 120});
+    visit(self.samples_per_side, Field<int>{"samples_per_side", "", "colour samples per pixel and axis", 1, 16});
+    visit(self.principal_shift, Field<double>{"principal_shift", "of the size",
+                                              "how far the principal point of every third view is off-centre", 0, 0.4});
+    visit(self.mixed_sizes, Flag{"mixed_sizes", "every fourth view has another image size"});
+    visit(self.gloss, Field<double>{"gloss", "", "strength of the view-dependent highlight", 0, 1});
+    visit(self.grey, Flag{"grey", "luminance only: colours that do not tell the objects apart"});
+    visit(self.points, Field<int>{"points", "", "sparse points sampled on the surfaces", 1, 10000000});
+    visit(self.target, Text{"target", "NAME", "object whose masks go to masks/; empty: the scene's first"});
+    visit(self.scene_seed, Field<std::int64_t>{"scene_seed", "", "textures, layout and rig", 0, 1ll << 53});
+  }
+};
+
+/// A recipe by name: the five scenes, and `tiny` (two spheres, 6 views of 64x48, for tests). Unknown: Error kUsage.
+Recipe named_recipe(const std::string& name);
+std::vector<std::string> recipe_names();
+
+struct Object {
+  std::string name;
+  std::vector<Solid> solids;
+  Texture texture;
+};
+
+/// The room, seen from inside: an axis-aligned box with one texture for the floor and one for the rest.
+struct Room {
+  Vec3<double> low{}, high{};
+  Texture floor, walls;
+};
+
+struct AnalyticScene {
+  std::vector<Object> objects;
+  Room room;
+  Vec3<double> light{0.45, -0.3, 0.84};  // unit, towards the light
+  double ambient = 0.4, gloss = 0;
+  bool grey = false;      // pictures have luminance only
+  Vec3<double> focus{};   // what the cameras look at
+  double rig_radius = 3;  // distance of the cameras from it
+  int target = 0;         // index into objects
+};
+
+/// Builds the scene of a recipe. An unknown target is an Error (kUsage) that lists the objects.
+AnalyticScene build_scene(const Recipe& recipe);
+
+/// The cameras, named 0000.png, 0001.png, …, all inside the room.
+std::vector<Camera> build_rig(const Recipe& recipe, const AnalyticScene& scene);
+
+}  // namespace ngs::synth

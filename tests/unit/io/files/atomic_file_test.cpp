@@ -1,0 +1,106 @@
+#include "ngs/io/files/atomic_file.h"
+
+#include <doctest/doctest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "ngs/core/error.h"
+#include "ngs/io/files/mapped_file.h"
+#include "support/temp_dir.h"
+
+namespace ngs {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::size_t entries(const std::string& folder) {
+  return std::size_t(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+}
+
+TEST_CASE("an output appears whole on commit and not at all without it") {
+  const test::TempDir dir;
+  {
+    io::AtomicFile file(dir.file("out.ply"));
+    file.write("half");
+    CHECK_FALSE(fs::exists(dir.file("out.ply")));
+    CHECK(fs::path(file.temporary_path()).extension() == ".ply");
+  }
+  CHECK(entries(dir.path()) == 0);
+  io::write_file(dir.file("out.ply"), "old");
+  {
+    io::AtomicFile file(dir.file("out.ply"));
+    file.write("new");
+  }
+  CHECK(test::read_bytes(dir.file("out.ply")) == "old");
+  io::write_file(dir.file("out.ply"), "new");
+  CHECK(test::read_bytes(dir.file("out.ply")) == "new");
+  CHECK(entries(dir.path()) == 1);
+}
+
+TEST_CASE("a mapped input keeps its bytes when an output is renamed over it") {
+  const test::TempDir dir;
+  io::write_file(dir.file("model.ply"), "before");
+  const io::MappedFile before(dir.file("model.ply"));
+  io::write_file(dir.file("model.ply"), "after");
+  CHECK(before.text() == "before");
+  CHECK(io::MappedFile(dir.file("model.ply")).text() == "after");
+}
+
+TEST_CASE("an output through a symbolic link replaces the file, not the link") {
+  const test::TempDir dir;
+  io::write_file(dir.file("real"), "old");
+  fs::create_symlink(dir.file("real"), dir.path() + "/link");
+  io::write_file(dir.path() + "/link", "new");
+  CHECK(fs::is_symlink(dir.path() + "/link"));
+  CHECK(test::read_bytes(dir.file("real")) == "new");
+}
+
+TEST_CASE("outputs have the permissions of ordinary files") {
+  const test::TempDir dir;
+  const mode_t old = ::umask(022);
+  io::write_file(dir.file("f"), "x");
+  ::umask(old);
+  struct stat status {};
+  REQUIRE(::stat(dir.file("f").c_str(), &status) == 0);
+  CHECK((status.st_mode & 0777) == 0644);
+}
+
+TEST_CASE("a device is written in place and survives") {
+  io::write_file("/dev/null", "x");
+  CHECK(fs::is_character_file("/dev/null"));
+}
+
+TEST_CASE("places that cannot be written or read are named with the reason") {
+  const test::TempDir dir;
+  const auto code_of = [](auto&& body) {
+    try {
+      body();
+    } catch (const Error& e) {
+      CHECK(std::string(e.what()).find(": ") != std::string::npos);
+      return e.code();
+    }
+    return ErrorCode::kUsage;
+  };
+  CHECK(code_of([&] { io::write_file(dir.path() + "/none/f", "x"); }) == ErrorCode::kEnvironment);
+  CHECK(code_of([&] { io::write_file(dir.path(), "x"); }) == ErrorCode::kEnvironment);
+  CHECK(code_of([&] { io::write_file("/dev/full", "x"); }) == ErrorCode::kEnvironment);
+  CHECK(code_of([&] { io::MappedFile(dir.path() + "/none"); }) == ErrorCode::kBadInput);
+  CHECK(code_of([&] { io::MappedFile{dir.path()}; }) == ErrorCode::kBadInput);
+}
+
+TEST_CASE("an empty file and a pipe are read to their end") {
+  const test::TempDir dir;
+  io::write_file(dir.file("empty"), "");
+  CHECK(io::MappedFile(dir.file("empty")).bytes().empty());
+  int ends[2];
+  REQUIRE(::pipe(ends) == 0);
+  REQUIRE(::write(ends[1], "through a pipe", 14) == 14);
+  ::close(ends[1]);
+  CHECK(io::MappedFile("/dev/fd/" + std::to_string(ends[0])).text() == "through a pipe");
+  ::close(ends[0]);
+}
+
+}  // namespace
+}  // namespace ngs

@@ -1,0 +1,121 @@
+#include "ngs/io/image/mask_names.h"
+
+#include <doctest/doctest.h>
+
+#include "ngs/core/error.h"
+#include "support/camera_files.h"
+#include "support/temp_dir.h"
+
+namespace ngs::io {
+namespace {
+
+using test::TempDir;
+using test::views_named;
+
+}  // namespace
+
+TEST_CASE("every naming rule finds the mask and is reported by its name") {
+  const struct {
+    const char *view, *file, *rule;
+  } cases[] = {{"a.jpg", "a.jpg.png", "<name>.png"},
+               {"a.png", "a.png", "<name>"},
+               {"a.jpg", "a.png", "<stem>.png"},
+               {"a.jpg", "a.mask.png", "<stem>.mask.png"},
+               {"a.jpg", "a_mask.png", "<stem>_mask.png"},
+               {"a.jpg", "a.exr", "<stem>.exr"},
+               {"a.jpg", "a.JPEG", "<stem>.JPEG"},
+               {"cam/a.jpg", "cam/a.png", "<stem>.png"},
+               {"cam/a.jpg", "a.jpg.png", "<name>.png"},
+               {"cam/a.jpg", "a.tif", "<stem>.tif"},
+               {"frame.0001", "frame.0001.png", "<name>.png"},
+               {"a.jpg", "cup/a.png", "<object>/<stem>.png"}};
+  for (const auto& c : cases) {
+    CAPTURE(c.file);
+    const TempDir dir;
+    dir.write(c.file, "x");
+    std::vector<SceneView> views = views_named({c.view, "other.png"});
+    const MaskMatches matches = match_masks(dir.path(), {}, views);
+    CHECK(matches.views_by_rule == std::map<std::string, int>{{c.rule, 1}});
+    CHECK(matches.unmatched == std::vector<std::string>{"other.png"});
+  }
+}
+
+TEST_CASE("a second mask of a view is counted, and which of them is taken can be said") {
+  const TempDir dir;
+  for (const char* file : {"a.jpg", "a.png", "b.png", "c.jpg", "c_mask.png", "d.png", "d.exr"}) dir.write(file, "x");
+  std::vector<SceneView> views = views_named({"a.jpg", "b.png", "c.jpg", "d.jpg"});
+  const MaskMatches matches = match_masks(dir.path(), {}, views);
+  CHECK(matches.several == 2);
+  CHECK(matches.taken == dir.path() + "/a.jpg");
+  CHECK(matches.not_taken == dir.path() + "/a.png");
+  CHECK(views[2].mask_path == dir.path() + "/c.jpg");
+}
+
+TEST_CASE("the files of a rig keep their folders; one that two views could mean is refused") {
+  const TempDir dir;
+  const std::vector<std::string> names = {"cam0/0.jpg", "cam0/1.jpg", "cam1/0.jpg", "cam1/1.jpg"};
+  for (const char* file : {"cam0/0.png", "cam1/0.png", "1.png"}) dir.write(file, "x");
+  std::vector<SceneView> views = views_named(names);
+  try {
+    match_masks(dir.path(), {}, views);
+    FAIL("accepted");
+  } catch (const Error& e) {
+    CHECK(e.code() == ErrorCode::kInconsistent);
+    CHECK(std::string(e.what()).find("1.png: is called like both views cam0/1.jpg and cam1/1.jpg") !=
+          std::string::npos);
+    CHECK(e.remedy().find("/cam1/1.png") != std::string::npos);
+  }
+  dir.write("cam0/1.png", "x");  // the file without a folder is then the other's
+  views = views_named(names);
+  CHECK(match_masks(dir.path(), {}, views).unmatched.empty());
+  for (std::size_t v = 0; v < 3; ++v)
+    CHECK(views[v].mask_path == dir.path() + "/" + names[v].substr(0, names[v].size() - 3) + "png");
+  CHECK(views[3].mask_path == dir.path() + "/1.png");
+}
+
+TEST_CASE("a file that has a view's full name is no other view's") {
+  const TempDir dir;
+  dir.write("0.png", "x");
+  std::vector<SceneView> views = views_named({"0.png", "cam/0.png"});
+  CHECK(match_masks(dir.path(), {}, views).unmatched == std::vector<std::string>{"cam/0.png"});
+}
+
+TEST_CASE("a name in several formats is no match, and prefixes do not match") {
+  const TempDir dir;
+  dir.write("a.tif", "x");
+  dir.write("a.exr", "x");
+  dir.write("ab.png", "x");
+  std::vector<SceneView> views = views_named({"a.jpg"});
+  CHECK(match_masks(dir.path(), {}, views).views_by_rule.empty());
+}
+
+TEST_CASE("a path that the source names comes before the folder") {
+  const TempDir dir;
+  dir.write("a.png", "x");
+  std::vector<SceneView> views = views_named({"a.png"});
+  views[0].mask_path = "/own/mask.png";
+  CHECK(match_masks(dir.path(), {}, views).views_by_rule.at("mask_path of the source") == 1);
+  CHECK(views[0].mask_path == "/own/mask.png");
+}
+
+TEST_CASE("sub-folders become objects, or only those that were named") {
+  const TempDir dir;
+  for (const char* file : {"cup/a.png", "spoon/a.png", "spoon/b.png", "empty/z.png"}) dir.write(file, "x");
+  std::vector<SceneView> views = views_named({"a.jpg", "b.jpg"});
+  CHECK(match_masks(dir.path(), {}, views).objects == std::vector<std::string>{"cup", "spoon"});
+  CHECK(views[0].mask_path == dir.path() + "/{object}/a.png");
+  CHECK(views[1].mask_path == dir.path() + "/{object}/b.png");
+  views = views_named({"a.jpg", "b.jpg"});
+  CHECK(match_masks(dir.path(), {"cup"}, views).unmatched == std::vector<std::string>{"b.jpg"});
+}
+
+TEST_CASE("masks of one view that are named otherwise for another object are refused, not lost") {
+  const TempDir dir;
+  for (const char* file : {"cup/a.png", "cup/b.png", "spoon/a.png", "spoon/b_mask.png"}) dir.write(file, "x");
+  std::vector<SceneView> views = views_named({"a.jpg", "b.jpg"});
+  CHECK_THROWS_WITH_AS(match_masks(dir.path(), {}, views), doctest::Contains("spoon/b_mask.png: another object has "), Error);
+  views = views_named({"a.jpg", "b.jpg"});
+  CHECK(match_masks(dir.path(), {"spoon"}, views).unmatched.empty());
+}
+
+}  // namespace ngs::io

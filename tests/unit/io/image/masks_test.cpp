@@ -1,0 +1,306 @@
+#include "ngs/io/image/masks.h"
+
+#include <doctest/doctest.h>
+
+#include "ngs/core/error.h"
+#include "ngs/io/image/exr.h"
+#include "ngs/io/image/image_file.h"
+#include "ngs/io/image/photo.h"
+#include "support/temp_dir.h"
+
+namespace ngs::io {
+namespace {
+
+using test::TempDir;
+using Values = std::vector<float>;
+
+Scene one_view(MaskMode mode, int width, int height, const std::string& mask) {
+  Scene scene;
+  scene.mask_mode = mode;
+  scene.objects = {{"object", 0}};
+  SceneView view;
+  view.camera.name = "a.png", view.camera.width_px = width, view.camera.height_px = height;
+  view.mask_path = mask;
+  scene.views = {view};
+  return scene;
+}
+
+std::string grey(const TempDir& dir, const std::string& name, int width, std::vector<std::uint8_t> values) {
+  ImageU8 image(width, int(values.size()) / width, 1);
+  image.data = std::move(values);
+  write_png(dir.file(name), image);
+  return dir.file(name);
+}
+
+}  // namespace
+
+TEST_CASE("binary masks are cut at the threshold, object at and above it") {
+  const TempDir dir;
+  Scene scene = one_view(MaskMode::kBinary, 4, 1, grey(dir, "m.png", 4, {0, 127, 128, 255}));
+  CHECK(load_masks(scene, 0).target[0] == Values{0, 0, 1, 1});
+  scene.mask_threshold = 127;
+  CHECK(load_masks(scene, 0).target[0] == Values{0, 1, 1, 1});
+  scene.mask_invert = true;
+  CHECK(load_masks(scene, 0).target[0] == Values{1, 0, 0, 0});
+}
+
+TEST_CASE("a binary mask of 16 bit is cut at the same share of its range") {
+  const TempDir dir;
+  ImageU16 image(3, 1, 1);
+  image.data = {128 * 257 - 1, 128 * 257, 65535};
+  write_png16(dir.file("m.png"), image);
+  CHECK(load_masks(one_view(MaskMode::kBinary, 3, 1, dir.file("m.png")), 0).target[0] == Values{0, 1, 1});
+}
+
+TEST_CASE("a mask of zeros and ones is recognised and noted") {
+  const TempDir dir;
+  const LoadedMasks got =
+      load_masks_with_notes(one_view(MaskMode::kBinary, 2, 1, grey(dir, "m.png", 2, {0, 1})), 0);
+  CHECK(got.masks.target[0] == Values{0, 1});
+  REQUIRE(got.notes.size() == 1);
+  CHECK(got.notes[0].find("values are 0 and 1 only") != std::string::npos);
+}
+
+TEST_CASE("a mask of 8 bit that was saved as 16 bit is recognised and noted, other small values are none") {
+  const TempDir dir;
+  ImageU16 image(2, 1, 1);
+  image.data = {0, 255};
+  write_png16(dir.file("m.png"), image);
+  for (const MaskMode mode : {MaskMode::kBinary, MaskMode::kSoft}) {
+    const LoadedMasks got = load_masks_with_notes(one_view(mode, 2, 1, dir.file("m.png")), 0);
+    CHECK(got.masks.target[0] == Values{0, 1});
+    REQUIRE(got.notes.size() == 1);
+    CHECK(got.notes[0].find("values are 0 and 255 only") != std::string::npos);
+  }
+  image.data = {200, 255};  // a faint soft mask
+  write_png16(dir.file("m.png"), image);
+  CHECK(load_masks(one_view(MaskMode::kBinary, 2, 1, dir.file("m.png")), 0).target[0] == Values{0, 0});
+}
+
+TEST_CASE("an all-zero mask stays empty, with no note") {
+  const TempDir dir;
+  const LoadedMasks got =
+      load_masks_with_notes(one_view(MaskMode::kBinary, 2, 1, grey(dir, "m.png", 2, {0, 0})), 0);
+  CHECK(got.masks.target[0] == Values{0, 0});
+  CHECK(got.notes.empty());
+}
+
+TEST_CASE("label maps give one plane per object, 8 and 16 bit") {
+  const TempDir dir;
+  Scene scene = one_view(MaskMode::kLabel, 4, 1, grey(dir, "m.png", 4, {0, 7, 3, 7}));
+  scene.objects = {{"cup", 7}, {"spoon", 3}};
+  const ViewMasks masks = load_masks(scene, 0);
+  CHECK(masks.target[0] == Values{0, 1, 0, 1});
+  CHECK(masks.target[1] == Values{0, 0, 1, 0});
+  ImageU16 wide(2, 1, 1);
+  wide.data = {300, 44};  // 300 & 255 == 44: the high byte counts
+  write_png16(dir.file("w.png"), wide);
+  scene = one_view(MaskMode::kLabel, 2, 1, dir.file("w.png"));
+  scene.objects = {{"o", 300}};
+  CHECK(load_masks(scene, 0).target[0] == Values{1, 0});
+}
+
+TEST_CASE("label maps are read from EXR by their ids, and other numbers refused") {
+  const TempDir dir;
+  ExrImage exr{3, 1, {{"ngs.id", {0, 300, 7}}, {"R", {1, 1, 1}}}, {}, {}};
+  write_exr(dir.file("m.exr"), exr);
+  Scene scene = one_view(MaskMode::kLabel, 3, 1, dir.file("m.exr"));
+  scene.objects = {{"cup", 300}};
+  CHECK(load_masks(scene, 0).target[0] == Values{0, 1, 0});
+  CHECK(ids_in_label_map(dir.file("m.exr")) == std::set<std::uint32_t>{0, 7, 300});
+  exr.channels["ngs.id"][2] = 7.5f;
+  write_exr(dir.file("m.exr"), exr);
+  CHECK_THROWS_WITH_AS(load_masks(scene, 0), doctest::Contains("expected ids in 0..65535"), Error);
+}
+
+TEST_CASE("a coloured label map is refused") {
+  const TempDir dir;
+  ImageU8 image(1, 1, 3);
+  image.data = {255, 0, 0};
+  write_png(dir.file("m.png"), image);
+  CHECK_THROWS_WITH_AS(load_masks(one_view(MaskMode::kLabel, 1, 1, dir.file("m.png")), 0),
+                       doctest::Contains("expected a label map"), Error);
+}
+
+TEST_CASE("a label map that went through JPEG is refused, other masks are not") {
+  const TempDir dir;
+  const std::vector<std::uint8_t> jpeg = encode_jpeg(ImageU8(8, 8, 3, 200), 90);
+  const std::string path = dir.write("m.jpg", {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
+  CHECK_THROWS_WITH_AS(load_masks(one_view(MaskMode::kLabel, 8, 8, path), 0), doctest::Contains("changes ids"), Error);
+  CHECK_THROWS_AS(ids_in_label_map(path), Error);
+  CHECK(load_masks_with_notes(one_view(MaskMode::kBinary, 8, 8, path), 0).lossy);
+}
+
+TEST_CASE("soft masks keep their values, from 16-bit PNG and from EXR") {
+  const TempDir dir;
+  ImageU16 image(2, 1, 1);
+  image.data = {13107, 65535};
+  write_png16(dir.file("m.png"), image);
+  CHECK(load_masks(one_view(MaskMode::kSoft, 2, 1, dir.file("m.png")), 0).target[0] == Values{0.2f, 1.f});
+  ExrImage exr{2, 1, {{"Z", {5, 5}}, {"ngs.mask", {0.25f, 0.75f}}}, {}, {}};
+  write_exr(dir.file("m.exr"), exr);
+  CHECK(load_masks(one_view(MaskMode::kSoft, 2, 1, dir.file("m.exr")), 0).target[0] == Values{0.25f, 0.75f});
+  CHECK(load_masks(one_view(MaskMode::kBinary, 2, 1, dir.file("m.exr")), 0).target[0] == Values{0, 1});
+  exr.channels["ngs.mask"][0] = 1.5f;
+  write_exr(dir.file("m.exr"), exr);
+  CHECK_THROWS_AS(load_masks(one_view(MaskMode::kSoft, 2, 1, dir.file("m.exr")), 0), Error);
+}
+
+TEST_CASE("the three bands are unknown, background and object, with LichtFeld's borders") {
+  const TempDir dir;
+  Scene scene = one_view(MaskMode::kBands, 5, 1, grey(dir, "m.png", 5, {0, 127, 128, 250, 251}));
+  ViewMasks masks = load_masks(scene, 0);
+  CHECK(masks.target[0] == Values{0, 0, 0, 0, 1});
+  CHECK(masks.known == std::vector<std::uint8_t>{0, 0, 1, 1, 1});
+  scene.mask_invert = true;  // swaps object and background, never the unknown
+  masks = load_masks(scene, 0);
+  CHECK(masks.target[0] == Values{0, 0, 1, 1, 0});
+  CHECK(masks.known == std::vector<std::uint8_t>{0, 0, 1, 1, 1});
+}
+
+TEST_CASE("the alpha channel of a cut-out is the mask") {
+  const TempDir dir;
+  ImageU8 image(2, 1, 4);
+  image.data = {200, 10, 10, 0, 200, 10, 10, 255};
+  write_png(dir.file("m.png"), image);
+  CHECK(load_masks(one_view(MaskMode::kBinary, 2, 1, dir.file("m.png")), 0).target[0] == Values{0, 1});
+}
+
+TEST_CASE("an object painted in a pure colour is not lost") {
+  const TempDir dir;
+  ImageU8 image(3, 1, 3);
+  image.data = {0, 0, 255, 0, 0, 0, 255, 0, 0};
+  write_png(dir.file("m.png"), image);
+  const LoadedMasks got = load_masks_with_notes(one_view(MaskMode::kBinary, 3, 1, dir.file("m.png")), 0);
+  CHECK(got.masks.target[0] == Values{1, 0, 1});
+  REQUIRE(got.notes.size() == 1);
+  CHECK(got.notes[0].find("the largest of red, green and blue") != std::string::npos);
+}
+
+TEST_CASE("a binary mask twice as large is reduced by majority, the object wins a tie") {
+  const TempDir dir;
+  // columns of 2x2 blocks: 1 of 4, 2 of 4, 3 of 4 object
+  const std::string path = grey(dir, "m.png", 6, {255, 0, 255, 0, 255, 255, 0, 0, 0, 255, 255, 0});
+  const LoadedMasks got = load_masks_with_notes(one_view(MaskMode::kBinary, 3, 1, path), 0);
+  CHECK(got.masks.target[0] == Values{0, 1, 1});
+  CHECK(got.resized);
+  CHECK(got.notes[0].find("6x2 px brought to the camera's 3x1 px") != std::string::npos);
+}
+
+TEST_CASE("a label map is reduced to the label with the largest share") {
+  const TempDir dir;
+  Scene scene = one_view(MaskMode::kLabel, 1, 1, grey(dir, "m.png", 3, {1, 1, 1, 2, 2, 2, 2, 0, 0}));
+  scene.objects = {{"a", 1}, {"b", 2}};
+  const ViewMasks masks = load_masks(scene, 0);
+  CHECK(masks.target[0] == Values{0});
+  CHECK(masks.target[1] == Values{1});
+}
+
+TEST_CASE("what a label map or a band calls unknown is no evidence, and no background where a mask is reduced") {
+  const TempDir dir;
+  Scene scene = one_view(MaskMode::kLabel, 4, 1, grey(dir, "m.png", 4, {0, 7, 255, 7}));
+  scene.objects = {{"cup", 7}};
+  CHECK(load_masks(scene, 0).known.empty());
+  scene.void_id = 255;
+  const ViewMasks masks = load_masks(scene, 0);
+  CHECK(masks.target[0] == Values{0, 1, 0, 1});
+  CHECK(masks.known == std::vector<std::uint8_t>{1, 1, 0, 1});
+  // 4 of 9 object, 2 background, 3 unknown; then 4 of 9 object and 5 unknown
+  scene = one_view(MaskMode::kLabel, 2, 1, grey(dir, "n.png", 6, {7, 7, 0, 7, 7, 255, 7, 7, 0, 255, 255, 255, 255, 255, 255, 7, 7, 255}));
+  scene.objects = {{"cup", 7}}, scene.void_id = 255;
+  const ViewMasks reduced = load_masks(scene, 0);
+  CHECK(reduced.target[0] == Values{1, 1});
+  CHECK(reduced.known == std::vector<std::uint8_t>{1, 0});
+  scene = one_view(MaskMode::kBands, 1, 1, grey(dir, "b.png", 3, {255, 255, 0, 255, 255, 0, 200, 200, 0}));
+  CHECK(load_masks(scene, 0).target[0] == Values{1});
+}
+
+TEST_CASE("a soft mask is reduced by area, a smaller mask is enlarged by nearest") {
+  const TempDir dir;
+  CHECK(load_masks(one_view(MaskMode::kSoft, 1, 1, grey(dir, "m.png", 2, {0, 255, 0, 0})), 0).target[0] ==
+        Values{0.25f});
+  CHECK(load_masks(one_view(MaskMode::kBinary, 4, 2, grey(dir, "n.png", 2, {0, 255})), 0).target[0] ==
+        Values{0, 0, 1, 1, 0, 0, 1, 1});
+}
+
+TEST_CASE("masks of the full-size photos suit cameras at image_scale") {
+  const TempDir dir;
+  Scene scene = one_view(MaskMode::kBinary, 3, 3, grey(dir, "m.png", 4, std::vector<std::uint8_t>(16, 255)));
+  CHECK_THROWS_AS(load_masks(scene, 0), Error);
+  scene.image_scale = 0.75;
+  CHECK(load_masks(scene, 0).target[0] == Values(9, 1.f));
+}
+
+TEST_CASE("a mask of another shape is refused and both sizes are named") {
+  const TempDir dir;
+  const Scene scene = one_view(MaskMode::kBinary, 4, 3, grey(dir, "m.png", 5, {0, 0, 0, 0, 0}));
+  CHECK_THROWS_WITH_AS(load_masks(scene, 0), doctest::Contains("mask of 5x1 px for view a.png of 4x3 px"),
+                       Error);
+}
+
+TEST_CASE("a mask that lies turned is told from one of another shape") {
+  const TempDir dir;
+  const auto remedy = [&](int width, int height) {
+    write_png(dir.file("m.png"), ImageU8(width, height, 1));
+    try {
+      load_masks(one_view(MaskMode::kBinary, 400, 300, dir.file("m.png")), 0);
+    } catch (const Error& e) {
+      return e.remedy();
+    }
+    return std::string();
+  };
+  CHECK(remedy(300, 400).find("EXIF orientation") != std::string::npos);
+  CHECK(remedy(600, 800).find("EXIF orientation") != std::string::npos);
+  CHECK(remedy(300, 410).find("photos that the scene names") != std::string::npos);
+}
+
+TEST_CASE("a missing mask is unknown, empty or an error, as the scene says") {
+  Scene scene = one_view(MaskMode::kBinary, 2, 2, "");
+  CHECK_FALSE(load_masks(scene, 0).available);
+  scene.missing_mask = MissingMask::kEmpty;
+  CHECK(load_masks(scene, 0).available);
+  CHECK(load_masks(scene, 0).target[0] == Values(4, 0.f));
+  scene.missing_mask = MissingMask::kError;
+  CHECK_THROWS_WITH_AS(load_masks(scene, 0), doctest::Contains("view a.png: no mask"), Error);
+}
+
+TEST_CASE("one folder per object gives one plane per object, and an absent file makes the view unknown") {
+  const TempDir dir;
+  grey(dir, "cup/a.png", 2, {255, 0});
+  grey(dir, "spoon/a.png", 2, {0, 255});
+  Scene scene = one_view(MaskMode::kBinary, 2, 1, dir.path() + "/{object}/a.png");
+  scene.objects = {{"cup", 0}, {"spoon", 0}};
+  CHECK(load_masks(scene, 0).target == std::vector<Values>{{1, 0}, {0, 1}});
+  scene.objects.push_back({"fork", 0});
+  CHECK_FALSE(load_masks(scene, 0).available);
+  scene.missing_mask = MissingMask::kEmpty;
+  CHECK(load_masks(scene, 0).target == std::vector<Values>{{1, 0}, {0, 1}, {0, 0}});
+}
+
+TEST_CASE("the colours under transparent pixels of a photo reach no pixel of the reduced one") {
+  const TempDir dir;
+  Scene scene = one_view(MaskMode::kBinary, 1, 1, "");
+  ImageU8 rgba(2, 1, 4);
+  rgba.data = {255, 0, 0, 255, /* green, but not there */ 0, 255, 0, 0};
+  scene.views[0].image_path = dir.file("p.png");
+  write_png(scene.views[0].image_path, rgba);
+  CHECK(photo_is_transparent(scene, 0));
+  CHECK(load_photo(scene, 0).data == std::vector<float>{0.5f, 0, 0});
+  scene.background = Vec3<double>{1, 1, 1};
+  CHECK(load_photo(scene, 0).data == std::vector<float>{1, 0.5f, 0.5f});
+  CHECK(load_fine_photo(scene, 0).data == std::vector<float>{1, 0, 0, 1, 1, 1});
+}
+
+TEST_CASE("a photo is reduced by area to the camera, and never enlarged") {
+  const TempDir dir;
+  Scene scene = one_view(MaskMode::kBinary, 2, 1, "");
+  CHECK(load_photo(scene, 0).empty());
+  scene.views[0].image_path = grey(dir, "p.png", 4, {0, 255, 255, 255, 0, 255, 255, 255});
+  const ImageF photo = load_photo(scene, 0);
+  CHECK(photo.width_px == 2);
+  CHECK(photo.at(0, 0, 1) == doctest::Approx(0.5));
+  scene.views[0].camera.width_px = 8, scene.views[0].camera.height_px = 4;
+  CHECK_THROWS_WITH_AS(load_photo(scene, 0), doctest::Contains("expected the camera's 8x4 px"), Error);
+}
+
+}  // namespace ngs::io

@@ -1,0 +1,114 @@
+// Which sizes of photos and masks belong to which cameras, and the size that is worked at.
+#include "ngs/io/image/size_rule.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "ngs/io/scene/import_scene.h"
+#include "ngs/io/image/masks.h"
+#include "ngs/io/image/photo.h"
+#include "ngs/io/scene/scene_json.h"
+#include "support/camera_files.h"
+#include "support/temp_dir.h"
+
+namespace ngs::io {
+namespace {
+
+using test::TempDir;
+
+/// COLMAP files of one camera, 0.png, in `dir`; its working size is left to the import.
+ImportRequest one_camera(const TempDir& dir, ImageSize size) {
+  auto views = test::random_cameras(1, false);
+  views[0].camera.name = "0.png", views[0].camera.width_px = size.width_px, views[0].camera.height_px = size.height_px;
+  const test::ColmapFiles files = test::colmap_text(views);
+  dir.write("sparse/0/cameras.txt", files.cameras);
+  dir.write("sparse/0/images.txt", files.images);
+  ImportRequest request;
+  request.capture.source = dir.path(), request.image_scale = 0;
+  return request;
+}
+
+}  // namespace
+
+TEST_CASE("sizes: same, integer factors and image_scale are related, others are not") {
+  CHECK(relate_sizes({10, 8}, {10, 8}, 1).same);
+  CHECK(relate_sizes({20, 16}, {10, 8}, 1).allowed);
+  CHECK(relate_sizes({5, 4}, {10, 8}, 1).allowed);
+  CHECK(relate_sizes({4032, 3024}, {504, 378}, 1).allowed);
+  CHECK(relate_sizes({1023, 767}, {511, 383}, 1).allowed);  // floor
+  CHECK(relate_sizes({1023, 767}, {512, 384}, 1).allowed);  // round
+  CHECK_FALSE(relate_sizes({15, 12}, {10, 8}, 1).allowed);
+  CHECK(relate_sizes({1000, 800}, {300, 240}, 0.3).allowed);
+  CHECK(relate_sizes({250, 200}, {300, 240}, 0.3).allowed);  // masks of images_4, cameras at 0.3
+  CHECK_FALSE(relate_sizes({8, 10}, {10, 8}, 1).allowed);
+  CHECK_FALSE(relate_sizes({20, 8}, {10, 8}, 1).allowed);
+}
+
+TEST_CASE("a mask may be a pixel off the photo's size or the camera's, at any working size; a photo may not") {
+  const ImageSize photo{1024, 768};
+  for (const double scale : {1.0, 0.75, 0.5, 1.0 / 3, 0.3}) {
+    CAPTURE(scale);
+    const ImageSize camera{scaled_size_px(photo.width_px, scale), scaled_size_px(photo.height_px, scale)};
+    for (const int off : {-1, 0, 1}) {
+      CAPTURE(off);
+      CHECK(relate_mask_size({photo.width_px + off, photo.height_px}, camera, scale).allowed);
+      CHECK(relate_mask_size({photo.width_px, photo.height_px + off}, camera, scale).allowed);
+      CHECK(relate_mask_size({camera.width_px + off, camera.height_px}, camera, scale).allowed);
+    }
+    CHECK_FALSE(relate_mask_size({photo.height_px, photo.width_px}, camera, scale).allowed);
+    CHECK_FALSE(relate_mask_size({photo.width_px + 6, photo.height_px}, camera, scale).allowed);
+  }
+  CHECK_FALSE(relate_mask_size({1026, 768}, photo, 1).allowed);
+  CHECK_FALSE(relate_mask_size({51, 40}, {50, 40}, 1).allowed);
+  CHECK_FALSE(relate_sizes({1025, 768}, photo, 1).allowed);
+  CHECK_FALSE(relate_mask_size({1025, 768}, photo, 1).same);
+}
+
+TEST_CASE("the working size is the photos' over the smallest whole number that brings them to 800 px") {
+  const struct {
+    int photo_px, working_px;
+  } cases[] = {{800, 800}, {801, 401},   {1024, 512}, {1600, 800}, {1601, 534},
+               {1604, 535}, {4032, 672}, {3200, 800}, {6400, 800}, {12000, 800}};
+  for (const auto& c : cases) {
+    CAPTURE(c.photo_px);
+    const TempDir dir;
+    CHECK(import_scene(one_camera(dir, {c.photo_px, 300})).scene.views[0].camera.width_px == c.working_px);
+  }
+}
+
+TEST_CASE("photos, masks and full size of a scene of odd size at a third of it") {
+  const TempDir dir;
+  const ImportRequest request = one_camera(dir, {1604, 1069});
+  const double focal = test::random_cameras(1, false)[0].camera.fx;
+  write_png(dir.file("images/0.png"), ImageU8(1604, 1069, 3, 9));
+  for (const ImageSize size : {ImageSize{1604, 1069}, {802, 535}, {802, 534}, {535, 356}, {534, 356}, {1605, 1069}}) {
+    CAPTURE(to_string(size));
+    write_png(dir.file("masks/0.png"), ImageU8(size.width_px, size.height_px, 1, 255));
+    const Scene scene = import_scene(request).scene;
+    CHECK((scene.views[0].camera.width_px == 535 && scene.views[0].camera.height_px == 356));
+    CHECK(scene.views[0].camera.fx == doctest::Approx(focal * 535 / 1604));
+    CHECK(full_size(scene, 0) == ImageSize{1604, 1069});
+    CHECK(load_photo(scene, 0).width_px == 535);
+    CHECK(load_fine_photo(scene, 0).width_px == 1070);
+    const ViewMasks masks = load_masks(scene, 0);
+    CHECK(std::count(masks.target[0].begin(), masks.target[0].end(), 1.f) == 535 * 356);
+    write_scene_json(dir.file("scene.json"), scene);
+    CHECK(full_size(read_scene_json(dir.file("scene.json")), 0) == ImageSize{1604, 1069});
+  }
+}
+
+TEST_CASE("without its photo the full size of a view is the camera's over image_scale") {
+  Scene scene;
+  scene.views.resize(1);
+  scene.views[0].camera.width_px = 14, scene.views[0].camera.height_px = 11, scene.image_scale = 0.3;
+  CHECK(full_size(scene, 0) == ImageSize{47, 37});
+  const TempDir dir;
+  scene.views[0].image_path = dir.file("a.png");
+  write_png(scene.views[0].image_path, ImageU8(48, 36, 3, 9));
+  CHECK(full_size(scene, 0) == ImageSize{48, 36});
+  write_png(scene.views[0].image_path, ImageU8(36, 48, 3, 9));  // another picture
+  CHECK(full_size(scene, 0) == ImageSize{47, 37});
+}
+
+}  // namespace ngs::io

@@ -1,0 +1,69 @@
+#include "ngs/ops/device/sum_schedule.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "ngs/ops/device/adam_schedule.h"
+#include "support/host_launcher.h"
+
+namespace ngs {
+
+namespace {
+
+// About a chunk, and about the 32 chunks that deal their rows out among them.
+constexpr std::int64_t kSizes[] = {1, 2, 255, 256, 257, 511, 8191, 8192, 8193, 70000};
+
+}  // namespace
+
+TEST_CASE("chunks that deal their rows out have every row once, and neighbours at every moment") {
+  for (const std::int64_t n : kSizes) {
+    CAPTURE(n);
+    std::vector<int> times(static_cast<std::size_t>(n));
+    const std::int64_t chunks = divided_up<std::int64_t>(n, 256);
+    for (std::int64_t chunk = 0; chunk < chunks; ++chunk) {
+      const DealtRows rows(chunk, n, 256);
+      std::int64_t count = 0;
+      for (std::int64_t row = rows.first; row < rows.end; row += rows.step) ++times[std::size_t(row)], ++count;
+      CHECK(count <= 256);
+      if (chunk % 32 > 0) CHECK(rows.first == DealtRows(chunk - 1, n, 256).first + 1);
+    }
+    CHECK(std::count(times.begin(), times.end(), 1) == n);
+  }
+}
+
+TEST_CASE("sums and least values of a grid are those of all rows") {
+  test::HostLauncher grid;
+  for (const std::int64_t n : kSizes)
+    for (const int columns : {1, 3}) {
+      CAPTURE(n);
+      std::vector<float> value;
+      std::vector<double> want(std::size_t(columns), 0.0);
+      for (std::int64_t i = 0; i < n * columns; ++i) {
+        value.push_back(float(i % 1013) - 500.f);  // sums are whole numbers
+        want[std::size_t(i % columns)] += double(value.back());
+      }
+      const DeviceBuffer<test::HostLauncher, float> on_grid(grid, value);
+      CHECK(ordered_sums(grid, static_cast<const float*>(on_grid.data()), n, columns) == want);
+    }
+}
+
+TEST_CASE("the first unusable value of a grid is found wherever it lies") {
+  test::HostLauncher grid;
+  for (const std::int64_t n : kSizes)
+    for (const std::int64_t bad : {std::int64_t(0), n / 3, n / 2, n - 1}) {
+      CAPTURE(n);
+      CAPTURE(bad);
+      std::vector<float> value(std::size_t(n), 1.f);
+      const auto first = [&] {
+        const DeviceBuffer<test::HostLauncher, float> on_grid(grid, value);
+        return first_unusable_on_grid(grid, on_grid.data(), n, 100.f);
+      };
+      CHECK(first() == -1);
+      std::fill(value.begin() + bad, value.end(), 101.f);
+      CHECK(first() == bad);
+    }
+  CHECK(first_unusable_on_grid(grid, nullptr, 0, 1.f) == -1);
+}
+
+}  // namespace ngs

@@ -1,0 +1,80 @@
+#include "ngs/ops/field/volume.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "support/random.h"
+
+namespace ngs {
+namespace {
+
+VolumeOutput run(int samples, const std::vector<float>& density, const std::vector<float>& rgb,
+                 const std::vector<float>& spacing, Vec3<float> background, int threads = 1) {
+  VolumeOutput out;
+  Exec exec;
+  exec.threads = threads;
+  volume_forward(
+      exec, {samples, density.data(), rgb.data(), spacing.data(), std::int64_t(spacing.size()), background},
+      out);
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("volume: a homogeneous medium has the closed form of Beer and Lambert") {
+  const double sigma = 1.7, spacing = 0.3;
+  const VolumeOutput o =
+      run(8, std::vector<float>(8, 1.7f), std::vector<float>(24, 0.5f), {0.3f}, {1, 0, 0.5f});
+  const double alpha = 1 - std::exp(-8 * sigma * spacing);
+  CHECK(double(o.alpha[0]) == doctest::Approx(alpha).epsilon(1e-6));
+  CHECK(double(o.optical_depth[0]) == doctest::Approx(8 * sigma * spacing).epsilon(1e-6));
+  CHECK(double(o.colour[0]) == doctest::Approx(0.5 * alpha + 1 - alpha).epsilon(1e-6));
+  CHECK(double(o.colour[1]) == doctest::Approx(0.5 * alpha).epsilon(1e-6));
+  CHECK(double(o.colour[2]) == doctest::Approx(0.5).epsilon(1e-6));
+}
+
+TEST_CASE("volume: empty space shows the background exactly and one opaque sample hides what is behind") {
+  const VolumeOutput empty = run(3, {0, 0, 0}, std::vector<float>(9, 0.9f), {0.1f}, {0.25f, 0.5f, 0.75f});
+  CHECK(empty.colour == std::vector<float>{0.25f, 0.5f, 0.75f});
+  CHECK(empty.alpha[0] == 0);
+  const VolumeOutput wall = run(2, {1e6f, 5}, {0.1f, 0.2f, 0.3f, 9, 9, 9}, {1}, {7, 7, 7});
+  CHECK(wall.colour == std::vector<float>{0.1f, 0.2f, 0.3f});
+  CHECK(wall.alpha[0] == 1);
+}
+
+TEST_CASE("volume: a very thin medium keeps its alpha and its gradient") {
+  const VolumeOutput o = run(1, {1e-9f}, {1, 1, 1}, {1}, {0, 0, 0});
+  CHECK(o.alpha[0] == 1e-9f);  // as 1 - exp(-τ) this would be 0
+  VolumeGradients g;
+  const float density = 1e-9f, rgb[] = {1, 1, 1}, spacing = 1;
+  volume_backward({}, {1, &density, rgb, &spacing, 1, {0, 0, 0}}, o, {1, 0, 0}, {0}, {}, g);
+  CHECK(g.density[0] == 1);
+}
+
+TEST_CASE("volume: no rays and no samples are defined") {
+  CHECK(run(8, {}, {}, {}, {0, 0, 0}).colour.empty());
+  const VolumeOutput o = run(0, {}, {}, {1}, {0.5f, 0.5f, 0.5f});
+  CHECK(o.colour == std::vector<float>(3, 0.5f));
+  CHECK(o.alpha[0] == 0);
+  VolumeGradients g;
+  volume_backward({}, {0, nullptr, nullptr, nullptr, 1, {}}, o, {1, 1, 1}, {1}, {}, g);
+  CHECK(g.density.empty());
+}
+
+TEST_CASE("volume: weights sum to alpha and bytes do not depend on the thread count") {
+  test::Random random(1);
+  const auto density = random.uniform_vector<float>(8000, 0, 20),
+             rgb = random.uniform_vector<float>(24000, 0, 1);
+  const auto spacing = random.uniform_vector<float>(1000, 0.01, 0.2);
+  const VolumeOutput a = run(8, density, rgb, spacing, {1, 1, 1}),
+                     b = run(8, density, rgb, spacing, {1, 1, 1}, 7);
+  CHECK(a.colour == b.colour);
+  for (std::size_t r = 0; r < 1000; ++r) {
+    double sum = 0;
+    for (std::size_t k = 0; k < 8; ++k) sum += double(a.weight[r * 8 + k]);
+    CHECK(sum == doctest::Approx(double(a.alpha[r])).epsilon(1e-5));
+  }
+}
+
+}  // namespace ngs

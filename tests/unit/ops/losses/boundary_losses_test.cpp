@@ -1,0 +1,283 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "ngs/ops/field/knn.h"
+#include "ngs/ops/losses/loss_align.h"
+#include "ngs/ops/losses/loss_cont.h"
+#include "ngs/ops/losses/loss_mask.h"
+#include "ngs/ops/losses/loss_smooth.h"
+#include "ngs/ops/field/sample_grid.h"
+#include "support/random.h"
+
+namespace ngs {
+namespace {
+
+Exec threads(int n) {
+  Exec exec;
+  exec.threads = n;
+  return exec;
+}
+
+ImageF random_image(test::Random& random, int width, int height, int channels) {
+  ImageF image(width, height, channels);
+  image.data = random.uniform_vector<float>(image.data.size(), 0, 1);
+  return image;
+}
+
+/// A view of 40 x 30 px with a grid over its middle.
+struct AlignScene {
+  PixelGrid grid = pixel_grid({5, 4, 33, 27}, 6, 8, GridNodes::kCentres);
+  ImageF colour, alpha;
+  std::vector<float> field_colour, field_alpha;
+  explicit AlignScene(std::uint64_t seed) {
+    test::Random random(seed);
+    colour = random_image(random, 40, 30, 3), alpha = random_image(random, 40, 30, 1);
+    field_colour = random.uniform_vector<float>(144, 0, 1),
+    field_alpha = random.uniform_vector<float>(48, 0, 1);
+  }
+  AlignInputs inputs() const {
+    return {grid, &colour, &alpha, nullptr, &field_colour, &field_alpha, nullptr};
+  }
+};
+
+ViewMasks masks_of(int width, int height, std::vector<std::vector<float>> target) {
+  ViewMasks masks;
+  masks.width_px = width, masks.height_px = height;
+  masks.target = std::move(target), masks.available = true;
+  return masks;
+}
+
+}  // namespace
+
+TEST_CASE("loss_align: a constant view and an equal field agree exactly") {
+  AlignScene s(1);
+  s.colour = ImageF(40, 30, 3, 0.25f), s.alpha = ImageF(40, 30, 1, 0.5f);
+  s.field_colour.assign(144, 0.25f), s.field_alpha.assign(48, 0.5f);
+  AlignContext context;
+  const AlignLoss loss = loss_align({}, {}, s.inputs(), context);
+  CHECK(loss.total == 0);
+  CHECK(loss.nodes == 48);
+}
+
+TEST_CASE("loss_align: its parts have the values of the formula") {
+  AlignScene s(1);
+  s.colour = ImageF(40, 30, 3, 0.25f), s.alpha = ImageF(40, 30, 1, 0.5f);
+  for (int y = 0; y < 30; ++y)
+    for (int x = 0; x < 40; ++x)
+      s.colour.at(x, y, 0) = x % 2 == 0 ? 0.2f : 0.4f;  // patches of 7: 3 or 4 of each
+  s.field_colour.assign(144, 0.25f), s.field_alpha.assign(48, 0.1f);
+  AlignContext context;
+  const AlignLoss loss = loss_align({}, {.weight_alpha = 0.5, .weight_variance = 2}, s.inputs(), context);
+  CHECK(loss.alpha == doctest::Approx(0.16).epsilon(1e-5));
+  CHECK(loss.variance == doctest::Approx(0.04 * 12 / 49).epsilon(1e-5));
+  CHECK(loss.total == doctest::Approx(loss.colour + 0.5 * loss.alpha + 2 * loss.variance));
+}
+
+TEST_CASE("loss_align: variance that the photo has as well is no error") {
+  AlignScene s(2);
+  AlignInputs in = s.inputs();
+  AlignContext context;
+  CHECK(loss_align({}, {}, in, context).variance > 0);
+  in.photo = &s.colour;
+  CHECK(loss_align({}, {}, in, context).variance == 0);
+  ImageF busier = s.colour;  // more than the render has: no reward for that
+  for (float& x : busier.data) x *= 2;
+  in.photo = &busier;
+  CHECK(loss_align({}, {}, in, context).variance == 0);
+}
+
+TEST_CASE("loss_align: variance keeps its accuracy far from zero") {
+  // Bright values with a ripple of 1/4096: E[x²] - E[x]² in float would be noise of this size.
+  AlignScene s(3);
+  for (int y = 0; y < 30; ++y)
+    for (int x = 0; x < 40; ++x)
+      for (int c = 0; c < 3; ++c) s.colour.at(x, y, c) = 1000.f + (x % 2 == 0 ? 0.f : 1.f / 4096);
+  AlignContext context;
+  const double want = 3 * (12.0 / 49) / 4096 / 4096;
+  CHECK(loss_align({}, {}, s.inputs(), context).variance == doctest::Approx(want).epsilon(0.05));
+}
+
+TEST_CASE("loss_align: no nodes or none active give zero and leave gradients alone") {
+  AlignScene s(4);
+  const std::vector<std::uint8_t> none(48, 0);
+  AlignInputs in = s.inputs();
+  in.active = &none;
+  AlignContext context;
+  const AlignLoss loss = loss_align({}, {}, in, context);
+  CHECK(loss.total == 0);
+  ImageF grad_colour(40, 30, 3, 1.f), grad_alpha(40, 30, 1, 1.f);
+  AlignFieldGradients field;
+  loss_align_backward({}, {}, in, loss, context, 1, field, grad_colour, grad_alpha);
+  CHECK(grad_colour.data == std::vector<float>(3600, 1.f));
+  CHECK(field.colour == std::vector<float>(144, 0.f));
+  const std::vector<float> empty;
+  AlignInputs nothing{{}, &s.colour, &s.alpha, nullptr, &empty, &empty, nullptr};
+  CHECK(loss_align({}, {}, nothing, context).nodes == 0);
+}
+
+TEST_CASE("loss_align: the library's gradient is that of its loss and does not depend on the thread count") {
+  AlignScene s(5);
+  AlignContext context;
+  const AlignOptions options{.weight_alpha = 0.5, .weight_variance = 0.3};
+  const AlignLoss loss = loss_align({}, options, s.inputs(), context);
+  ImageF gc1(40, 30, 3), ga1(40, 30, 1), gc7(40, 30, 3), ga7(40, 30, 1);
+  AlignFieldGradients f1, f7;
+  loss_align_backward(threads(1), options, s.inputs(), loss, context, 2, f1, gc1, ga1);
+  loss_align_backward(threads(7), options, s.inputs(), loss, context, 2, f7, gc7, ga7);
+  CHECK(gc1.data == gc7.data);
+  CHECK(ga1.data == ga7.data);
+  CHECK(f1.colour == f7.colour);
+  // Along one direction: the loss is quadratic, so a central difference is exact up to rounding.
+  test::Random random(6);
+  const auto v = random.uniform_vector<float>(3600, -0.01, 0.01);
+  double want = 0;
+  for (std::size_t i = 0; i < 3600; ++i) want += double(gc1.data[i]) * double(v[i]);
+  const auto at = [&](float t) {
+    AlignScene moved = s;
+    for (std::size_t i = 0; i < 3600; ++i) moved.colour.data[i] += t * v[i];
+    AlignContext unused;
+    return 2 * loss_align({}, options, moved.inputs(), unused).total;
+  };
+  CHECK((at(1) - at(-1)) / 2 == doctest::Approx(want).epsilon(1e-3));
+}
+
+TEST_CASE("density weights are sigmoids of the interpolated optical depth inside the box and 0.5 outside") {
+  const PixelBox box{2, 1, 6, 5};
+  const PixelGrid grid = pixel_grid(box, 2, 2, GridNodes::kCentres);  // nodes at x 3, 5 and y 2, 4
+  const ImageF w = density_weights({}, 8, 6, grid, box, {0, 4, 0, 4});
+  CHECK(w.at(0, 0) == 0.5f);
+  CHECK(w.at(7, 3) == 0.5f);
+  CHECK(w.at(2, 2) == 0.5f);  // x 2.5: left of the first node, D = 0
+  CHECK(double(w.at(3, 2)) == doctest::Approx(1 / (1 + std::exp(-1.0))));  // x 3.5: a quarter of the way
+  CHECK(double(w.at(5, 3)) == doctest::Approx(1 / (1 + std::exp(-4.0))));
+  CHECK(density_weights({}, 3, 2, {}, {}, {}).data == std::vector<float>(6, 0.5f));
+}
+
+TEST_CASE("loss_mask: cross-entropy has its closed values and stays finite at the ends") {
+  const ImageF p = [] {
+    ImageF i(2, 1, 1);
+    i.data = {0.25f, 0.75f};
+    return i;
+  }();
+  const ViewMasks masks = masks_of(2, 1, {{0, 1}});
+  ImageF g;
+  const MaskLoss loss = loss_mask({}, {}, {&p, &masks, nullptr, 1}, 1, &g);
+  CHECK(loss.total == doctest::Approx(-std::log(0.75)).epsilon(1e-6));
+  CHECK(double(g.data[0]) == doctest::Approx(0.5 / 0.75).epsilon(1e-6));
+  ImageF wrong(2, 1, 1);
+  wrong.data = {1.f, 0.f};  // saturated and wrong
+  const MaskLoss worst = loss_mask({}, {}, {&wrong, &masks, nullptr, 1}, 1, &g);
+  CHECK(std::isfinite(worst.total));
+  CHECK(g.data[0] > 1e5f);
+  CHECK(g.data[1] < -1e5f);
+}
+
+TEST_CASE("loss_mask: unknown pixels, missing masks and zero trust give no gradient") {
+  test::Random random(7);
+  const ImageF p = random_image(random, 6, 5, 2);
+  ViewMasks masks = masks_of(6, 5, {std::vector<float>(30, 1.f), std::vector<float>(30, 0.f)});
+  ImageF g;
+  masks.known.assign(30, 1), masks.known[4] = 0;
+  const MaskLoss loss = loss_mask({}, {}, {&p, &masks, nullptr, 1}, 1, &g);
+  CHECK(loss.known == 29);
+  CHECK(g.at(4, 0, 0) == 0);
+  CHECK(g.at(4, 0, 1) == 0);
+  CHECK(g.at(5, 0, 0) != 0);
+  CHECK(loss_mask({}, {}, {&p, &masks, nullptr, 0.5}, 1, nullptr).total == doctest::Approx(loss.total / 2));
+  masks.known.assign(30, 0);
+  CHECK(loss_mask({}, {}, {&p, &masks, nullptr, 1}, 1, &g).total == 0);
+  masks.available = false;
+  CHECK(loss_mask({}, {}, {&p, &masks, nullptr, 1}, 1, &g).total == 0);
+  CHECK(g.data == std::vector<float>(60, 0.f));
+}
+
+TEST_CASE("loss_mask: the literal reading of the paper is the linear loss times ln(1/eps)") {
+  // Eq. as printed with binary truth G inside the logarithms (eps added), prediction outside (C18).
+  test::Random random(8);
+  const ImageF p = random_image(random, 8, 8, 1);
+  std::vector<float> truth = random.uniform_vector<float>(64, 0, 1);
+  double printed = 0, ones = 0;
+  constexpr double eps = 1e-6;
+  for (std::size_t i = 0; i < 64; ++i) {
+    truth[i] = truth[i] > 0.5f ? 1.f : 0.f;
+    const double m = double(p.data[i]), g = double(truth[i]);
+    printed += -m * std::log(g + eps) - (1 - m) * std::log(1 - g + eps);
+    ones += g;
+  }
+  const ViewMasks masks = masks_of(8, 8, {truth});
+  const double linear = loss_mask({}, {MaskLossForm::kLinear, 1}, {&p, &masks, nullptr, 1}, 1, nullptr).total;
+  CHECK(printed / 64 == doctest::Approx(-std::log(eps) * (linear + ones / 64)).epsilon(1e-5));
+}
+
+TEST_CASE("loss_mask gives the same bytes for 1 and 7 threads") {
+  test::Random random(9);
+  const ImageF p = random_image(random, 50, 40, 3);
+  const ViewMasks masks = masks_of(50, 40,
+                                   {std::vector<float>(2000, 1.f), std::vector<float>(2000, 0.f),
+                                    random.uniform_vector<float>(2000, 0, 1)});
+  const ImageF weight = random_image(random, 50, 40, 1);
+  ImageF a, b;
+  CHECK(loss_mask(threads(1), {}, {&p, &masks, &weight, 1}, 1, &a).total ==
+        loss_mask(threads(7), {}, {&p, &masks, &weight, 1}, 1, &b).total);
+  CHECK(a.data == b.data);
+}
+
+TEST_CASE("loss_cont: constant colours cost nothing, one step costs its square") {
+  const std::vector<float> points{0, 0, 0, 1, 0, 0, 2.5f, 0, 0};
+  const KnnGraph graph = nearest_others({}, {points.data(), 3}, 1);  // 0 -> 1, 1 -> 0, 2 -> 1
+  const std::vector<float> same(9, 0.4f), step{0, 0, 0, 0.5f, 0, 0, 0.5f, 0, 0};
+  std::vector<float> g;
+  CHECK(loss_cont({}, graph, {same.data(), 3}, {}, 1, &g) == 0);
+  CHECK(g == std::vector<float>(9, 0.f));
+  CHECK(loss_cont({}, graph, {step.data(), 3}, {}, 1, &g) == doctest::Approx(2 * 0.25 / 3));
+  CHECK(double(g[0]) == doctest::Approx(-2.0 * 2 * 0.5 / 3));
+  CHECK(g[6] == 0);
+  const KnnGraph lonely = nearest_others({}, {points.data(), 1}, 1);
+  CHECK(loss_cont({}, lonely, {step.data(), 1}, {}, 1, &g) == 0);
+}
+
+TEST_CASE("loss_cont gives the same bytes for 1 and 7 threads") {
+  test::Random random(10);
+  const auto points = random.uniform_vector<float>(3000, -1, 1),
+             colour = random.uniform_vector<float>(3000, 0, 1);
+  const KnnGraph graph = nearest_others({}, {points.data(), 1000}, 8);
+  std::vector<float> a, b;
+  CHECK(loss_cont(threads(1), graph, {colour.data(), 1000}, {}, 1, &a) ==
+        loss_cont(threads(7), graph, {colour.data(), 1000}, {}, 1, &b));
+  CHECK(a == b);
+}
+
+TEST_CASE("loss_smooth: jittered points lie on spheres, differ between steps and repeat with the seed") {
+  const std::vector<float> points(3000, 0.5f);
+  const Rows<const float, 3> rows{points.data(), 1000};
+  const auto a = jittered_points(threads(1), rows, 1, 0, 0.25),
+             b = jittered_points(threads(7), rows, 1, 0, 0.25);
+  CHECK(a == b);
+  CHECK(jittered_points({}, rows, 1, 1000, 0.25) != a);
+  double mean[3] = {0, 0, 0};
+  for (std::size_t i = 0; i < 1000; ++i) {
+    double d2 = 0;
+    for (std::size_t c = 0; c < 3; ++c)
+      d2 += std::pow(double(a[i * 3 + c]) - 0.5, 2), mean[c] += (double(a[i * 3 + c]) - 0.5) / 1000;
+    CHECK(std::sqrt(d2) == doctest::Approx(0.25).epsilon(1e-5));
+  }
+  for (const double m : mean) CHECK(std::abs(m) < 0.02);  // 4 standard deviations of the mean of 1000: 0.018
+}
+
+TEST_CASE("loss_smooth estimates the squared gradient of a linear field without bias") {
+  // c(x) = g·x in every channel with |g| = 3: Σ_channels |u ∇c|² = 3 · (2 · 3)² = 108 for u = 2.
+  std::vector<float> points(60000, 0.f);
+  const auto moved = jittered_points({}, {points.data(), 20000}, 5, 0, 0.1);
+  std::vector<float> colour(60000, 0.f), moved_colour(60000);
+  for (std::size_t i = 0; i < 20000; ++i)
+    for (std::size_t c = 0; c < 3; ++c)
+      moved_colour[i * 3 + c] = moved[i * 3] + 2 * moved[i * 3 + 1] - 2 * moved[i * 3 + 2];
+  SmoothnessGradients g;
+  const double loss =
+      loss_smooth_backward({}, {.jitter_length = 0.1, .unit_length = 2}, colour, moved_colour, 1, g);
+  CHECK(loss == doctest::Approx(108).epsilon(0.03));  // relative standard deviation 0.9 / sqrt(20000) = 0.6 %
+  CHECK(loss_smooth_backward({}, {}, {}, {}, 1, g) == 0);
+}
+
+}  // namespace ngs

@@ -1,0 +1,94 @@
+#include "ngs/ops/optim/pose_step.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+namespace ngs {
+namespace {
+
+constexpr int kWidth = 80, kHeight = 64;
+
+Camera camera() {
+  Camera c;
+  c.width_px = kWidth, c.height_px = kHeight, c.fx = c.fy = 100, c.cx = 40, c.cy = 32;
+  for (int i = 0; i < 3; ++i) c.rotation(i, i) = 1;
+  return c;
+}
+
+/// A textured plane at depth 5 before a camera that has moved.
+RenderedView picture(const CameraMotion& motion, double gain = 1) {
+  const Camera c = moved(camera(), motion);
+  RenderedView view;
+  view.width_px = kWidth, view.height_px = kHeight;
+  view.colour = ImageF(kWidth, kHeight, 3);
+  view.alpha = ImageF(kWidth, kHeight, 1, 1.f);
+  view.depth = ImageF(kWidth, kHeight, 1, 5.f);
+  const Mat3<double> back = transpose(c.rotation);
+  const Vec3<double> eye = c.centre();
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const Vec3<double> ray = back * Vec3<double>{(x + 0.5 - c.cx) / c.fx, (y + 0.5 - c.cy) / c.fy, 1};
+      const double s = (5 - eye.z) / ray.z, u = 20 * (eye.x + s * ray.x), v = 20 * (eye.y + s * ray.y);
+      for (int k = 0; k < 3; ++k)
+        view.colour.at(x, y, k) = float(
+            gain * (0.5 + 0.2 * std::sin(0.31 * u + 0.17 * v + k) + 0.2 * std::cos(0.13 * u - 0.37 * v)));
+    }
+  return view;
+}
+
+TEST_CASE("a step of a small motion points at the camera that took the photo") {
+  for (const CameraMotion motion : {CameraMotion{{0, 0, 0.01}, {}}, CameraMotion{{}, {0, 0, 0.05}},
+                                    CameraMotion{{0.002, -0.003, 0.004}, {}}}) {
+    const PoseStep step = pose_step(picture({}), smoothed_for_pose(picture(motion).colour), camera(), {});
+    REQUIRE(step.determined);
+    CAPTURE(step.motion.turn.z);
+    // Turn and move across the line of sight look alike on a plane: what counts is where the picture goes.
+    const Camera found = moved(camera(), step.motion), right = moved(camera(), motion);
+    for (const double x : {-1.5, 1.5})
+      for (const double y : {-1.2, 1.2}) {
+        const auto seen = [&](const Camera& c) {
+          const Vec3<double> p = c.rotation * Vec3<double>{x, y, 5} + c.translation;
+          return Vec3<double>{c.fx * p.x / p.z, c.fy * p.y / p.z, 0};
+        };
+        const Vec3<double> a = seen(found), b = seen(right), still = seen(camera());
+        CHECK(std::hypot(a.x - b.x, a.y - b.y) < 0.1 * std::hypot(b.x - still.x, b.y - still.y) + 0.02);
+      }
+  }
+}
+
+TEST_CASE("what only the photo shows does not pull the camera, nor does its exposure") {
+  ImageF photo = picture({}, 0.6).colour;
+  for (int y = 10; y < 26; ++y)
+    for (int x = 10; x < 26; ++x)
+      for (int k = 0; k < 3; ++k) photo.at(x, y, k) = 1.f;  // a twentieth of the picture
+  const PoseStep step = pose_step(picture({}), smoothed_for_pose(photo), camera(), {});
+  REQUIRE(step.determined);
+  CHECK(step.flow_px < 0.1);
+}
+
+TEST_CASE("the prior pulls back a motion that the photo does not ask for") {
+  const CameraMotion far{{0.5, 0, 0}, {0, 2.5, 0}};  // cancel on the plane
+  const PoseStep step = pose_step(picture({}), smoothed_for_pose(picture({}).colour), camera(), far);
+  REQUIRE(step.determined);
+  CHECK(step.motion.turn.x < 0);
+  CHECK(step.motion.move.y < 0);
+}
+
+TEST_CASE("without texture, without a model in view or without room there is no step") {
+  RenderedView flat = picture({});
+  std::fill(flat.colour.data.begin(), flat.colour.data.end(), 0.5f);
+  CHECK(!pose_step(flat, flat.colour, camera(), {}).determined);
+  RenderedView nothing = picture({});
+  std::fill(nothing.alpha.data.begin(), nothing.alpha.data.end(), 0.f);
+  std::fill(nothing.depth.data.begin(), nothing.depth.data.end(), 0.f);
+  CHECK(!pose_step(nothing, nothing.colour, camera(), {}).determined);
+  RenderedView small;
+  small.width_px = small.height_px = 6;
+  small.colour = ImageF(6, 6, 3, 0.2f), small.alpha = ImageF(6, 6, 1, 1.f),
+  small.depth = ImageF(6, 6, 1, 2.f);
+  CHECK(!pose_step(small, small.colour, camera(), {}).determined);
+}
+
+}  // namespace
+}  // namespace ngs

@@ -1,0 +1,191 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "ngs/ops/splat/evidence.h"
+#include "ngs/stages/boundary/variance_stage.h"
+#include "support/splat_reference.h"
+
+namespace ngs {
+namespace {
+
+/// Two overlapping binary objects and, in one corner, pixels that say nothing.
+ViewMasks two_discs(const Camera& camera, double shift) {
+  ViewMasks m;
+  m.width_px = camera.width_px, m.height_px = camera.height_px, m.available = true;
+  m.target.resize(2);
+  for (int y = 0; y < camera.height_px; ++y)
+    for (int x = 0; x < camera.width_px; ++x) {
+      m.target[0].push_back(std::hypot(x - 20 - shift, y - 20) < 13 ? 1.f : 0.f);
+      m.target[1].push_back(std::hypot(x - 38 + shift, y - 22) < 9 ? 1.f : 0.f);
+      m.known.push_back(x + y > 12);
+    }
+  return m;
+}
+
+struct BruteForce {
+  std::vector<double> weight, object_weight;
+  std::vector<std::uint64_t> pixels, object_pixels;
+  bool near_threshold = false;
+};
+
+void add_brute_force(const test::SplatCase& c, const ViewMasks& masks, BruteForce& sums) {
+  const auto image = test::reference_render(c, {});
+  for (std::size_t i = 0; i < image.size(); ++i) {
+    sums.near_threshold |= image[i].closest_threshold < 1e-5;
+    if (!masks.known[i]) continue;
+    for (const auto& [g, w] : image[i].weight) {
+      const auto row = std::size_t(g);
+      sums.weight[row] += w, sums.pixels[row] += 1;
+      for (std::size_t k = 0; k < 2; ++k)
+        sums.object_weight[row * 2 + k] += w * masks.target[k][i], sums.object_pixels[row * 2 + k] += masks.target[k][i] > 0;
+    }
+  }
+}
+
+}  // namespace
+
+// A pixel's weight alpha · T carries an absolute float error below 1e-6 (the worst factor is 1 - alpha at alpha =
+// 0.99), so a sum over n pixels is within n · 1e-6. Counts are exact unless some contribution lies within rounding of
+// the 1/255 or 1e-4 thresholds; such scenes are recognised from the reference and must be rare.
+TEST_CASE("evidence equals a brute-force evaluation in double: counts exactly, weights to 1e-6 per pixel") {
+  int compared = 0, scenes_at_a_threshold = 0;
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    CAPTURE(seed);
+    const test::SplatCase base = test::splat_case(seed, 80, 61, 47);
+    BruteForce want{std::vector<double>(80), std::vector<double>(160), std::vector<std::uint64_t>(80), std::vector<std::uint64_t>(160)};
+    Evidence got(80, 2);
+    const GaussianCloud cloud = test::float_cloud(base);
+    for (int view = 0; view < 3; ++view) {
+      test::SplatCase c = base;
+      c.camera.cx += 3 * view, c.camera.fy *= 1 - 0.05 * view;
+      const ViewMasks masks = two_discs(c.camera, 2.0 * view);
+      add_brute_force(c, masks, want);
+      add_view_evidence({.threads = 2}, cloud, c.camera, {}, masks, got);
+    }
+    if (want.near_threshold) {
+      ++scenes_at_a_threshold;
+      continue;
+    }
+    for (std::size_t i = 0; i < 80; ++i) {
+      const double tolerance = 1e-6 * double(want.pixels[i]);
+      CHECK(got.pixels[i] == want.pixels[i]);
+      CHECK(std::abs(got.weight.value(i) - want.weight[i]) <= tolerance);
+      for (std::size_t cell = i * 2; cell < i * 2 + 2; ++cell) {
+        CHECK(got.object_pixels[cell] == want.object_pixels[cell]);
+        CHECK(std::abs(got.object_weight.value(cell) - want.object_weight[cell]) <= tolerance);
+      }
+      compared += want.pixels[i] > 0;
+    }
+    VarianceOptions options;
+    options.exclusive = false;
+    const auto labels = label_gaussians(options, got);
+    for (std::size_t i = 0; i < 80; ++i) {
+      if (want.weight[i] == 0) continue;
+      const double f = want.object_weight[i * 2] / want.weight[i];
+      if (std::abs(f - 0.5) > 1e-5) CHECK(labels[0].label[i] == float(f > 0.5));
+      CHECK(std::abs(double(labels[0].variance[i]) - 4 * f * (1 - f)) < 1e-5);
+    }
+  }
+  CHECK(compared > 500);
+  CHECK(scenes_at_a_threshold <= 3);
+}
+
+TEST_CASE("evidence of parts adds up to the evidence of the whole, bit for bit, in any order") {
+  const test::SplatCase c = test::splat_case(2, 60, 50, 40);
+  const GaussianCloud cloud = test::float_cloud(c);
+  std::vector<Evidence> part;
+  Evidence whole(60, 2);
+  for (int view = 0; view < 5; ++view) {
+    Camera camera = c.camera;
+    camera.cx += view;
+    const ViewMasks masks = two_discs(camera, view);
+    add_view_evidence({.threads = 1}, cloud, camera, {}, masks, part.emplace_back(60, 2));
+    add_view_evidence({.threads = 3}, cloud, camera, {}, masks, whole);
+  }
+  Evidence merged(60, 2);
+  for (const int i : {3, 0, 4, 1, 2}) merged.add(part[std::size_t(i)]);
+  CHECK(merged.weight.whole == whole.weight.whole);
+  CHECK(merged.weight.fraction == whole.weight.fraction);
+  CHECK(merged.object_weight.fraction == whole.object_weight.fraction);
+  CHECK(merged.signal_square_sum.fraction == whole.signal_square_sum.fraction);
+  CHECK(merged.signal_sum == whole.signal_sum);
+  CHECK(merged.contrast_sum == whole.contrast_sum);
+  CHECK(merged.views == whole.views);
+}
+
+TEST_CASE("between-views variance is exact where the textbook difference of floats is not") {
+  Evidence e(1, 1);  // 1000 views that all say 0.3, then one that says 0.3 + 2^-20
+  const std::uint64_t m = std::uint64_t(0.3 * 0x1p32), m2 = m + (1u << 12);
+  for (int view = 0; view < 1001; ++view) {
+    const std::uint64_t q = view < 1000 ? m : m2;
+    e.signal_sum[0] += q;
+    e.signal_square_sum.add(0, double(q) * 0x1p-32 * (double(q) * 0x1p-32));
+  }
+  const double delta = 0x1p-20, want = 4 * delta * delta * 1000 / (1001.0 * 1001.0);
+  CHECK(between_views_variance(e, 0, 1001) == doctest::Approx(want).epsilon(1e-4));
+  float sum = 0, square = 0;
+  for (int view = 0; view < 1001; ++view) {
+    const float x = float(double(view < 1000 ? m : m2) * 0x1p-32);
+    sum += x, square += x * x;
+  }
+  const float naive = 4 * (square / 1001 - sum / 1001 * (sum / 1001));
+  CHECK(std::abs(double(naive) - want) > 1000 * want);
+}
+
+TEST_CASE("label_gaussians refuses a threshold that the normalised variance cannot reach") {
+  VarianceOptions options;
+  options.tau = 1.0;
+  CHECK_THROWS_AS(label_gaussians(options, Evidence(1, 1)), Error);
+}
+
+TEST_CASE("label_gaussians leaves Gaussians without evidence in the third state") {
+  const auto labels = label_gaussians({}, Evidence(2, 1));
+  CHECK(labels[0].views[0] == 0.f);
+  CHECK(labels[0].boundary[1] == 0.f);
+}
+
+TEST_CASE("label_gaussians gives a Gaussian to the heaviest object when labels are exclusive") {
+  Evidence e(3, 2);
+  const double weight[3] = {10, 10, 10}, object[3][2] = {{4, 5}, {3, 3}, {6, 6}};  // backgrounds 1, 4, -2 (overlap)
+  for (std::size_t i = 0; i < 3; ++i) {
+    e.weight.add(i, weight[i]), e.views[i] = 1;
+    for (std::size_t k = 0; k < 2; ++k) e.object_weight.add(i * 2 + k, object[i][k]);
+  }
+  const auto exclusive = label_gaussians({}, e);
+  CHECK(exclusive[0].label == std::vector<float>{0, 0, 1});  // a tie goes to the first object
+  CHECK(exclusive[1].label == std::vector<float>{1, 0, 0});
+  VarianceOptions independent;
+  independent.exclusive = false;
+  CHECK(label_gaussians(independent, e)[1].label == std::vector<float>{0, 0, 1});
+}
+
+TEST_CASE("with_objects keeps the named objects in the scene's order and refuses unknown names") {
+  Scene scene;
+  scene.objects = {{"cup", 3}, {"spoon", 5}, {"plate", 9}};
+  CHECK(with_objects(scene, {}).objects.size() == 3);
+  const Scene two = with_objects(scene, {"plate", "cup"});
+  REQUIRE(two.objects.size() == 2);
+  CHECK(two.objects[0].id == 3);
+  CHECK(two.objects[1].id == 9);
+  CHECK_THROWS_AS(with_objects(scene, {"fork"}), Error);
+}
+
+TEST_CASE("evidence: x86-64-v4 gives the bytes of x86-64-v3") {
+  const test::SplatCase c = test::splat_case(9, 400, 70, 45);
+  const GaussianCloud cloud = test::float_cloud(c);
+  for (const int objects : {1, 2, 3}) {  // one object has a kernel of its own
+    ViewMasks masks = two_discs(c.camera, 2);
+    masks.target.resize(std::size_t(objects), masks.target[0]);
+    Evidence a(cloud.size(), objects), b(cloud.size(), objects);
+    add_view_evidence({.isa = Isa::kV3}, cloud, c.camera, {}, masks, a);
+    add_view_evidence({.isa = best_isa()}, cloud, c.camera, {}, masks, b);
+    CHECK(a.weight.whole == b.weight.whole);
+    CHECK(a.weight.fraction == b.weight.fraction);
+    CHECK(a.object_weight.fraction == b.object_weight.fraction);
+    CHECK(a.object_pixels == b.object_pixels);
+    CHECK(a.pixels == b.pixels);
+  }
+}
+
+}  // namespace ngs

@@ -1,0 +1,129 @@
+#include "ngs/passes/components/components.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "support/joint_case.h"
+
+namespace ngs {
+namespace {
+
+constexpr float kViews = 16;  // of the ball's Gaussians; its radius is 0.6 about (0, 0, 4)
+
+/// The ball is certain, the wall is not claimed; rows of the wall can be moved and claimed.
+struct ComponentCase {
+  std::unique_ptr<test::JointCase> base = test::joint_case();
+  std::vector<float> fixed;
+
+  ComponentCase() {
+    LabelColumns& ball = base->labels[0];
+    for (std::size_t i = 0; i < base->is_ball.size(); ++i)
+      ball.label[i] = ball.prob[i] = base->is_ball[i], ball.views[i] = kViews;
+  }
+  void claim(std::size_t row, float x, float z, float prob, float views) {
+    base->model.position[3 * row] = x, base->model.position[3 * row + 1] = 0, base->model.position[3 * row + 2] = z;
+    base->labels[0].prob[row] = prob, base->labels[0].label[row] = prob > 0.5f, base->labels[0].views[row] = views;
+  }
+  ComponentFinding find() const {
+    Problem in = base->input();
+    in.fixed = fixed;
+    return find_disconnected({}, {}, in);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("the object has a core also where most views look elsewhere, and components are found") {
+  ComponentCase c;
+  LabelColumns& ball = c.base->labels[0];
+  for (std::size_t i = 0; i < c.base->is_ball.size(); ++i)
+    if (c.base->is_ball[i] == 0) ball.views[i] = 10 * kViews;  // the wall
+  c.claim(200, 0, 9, 1, 1);
+  for (const double seen : {0.25, 0.5, 1.0}) {
+    const ObjectCore core = core_of({.seen = seen}, c.base->model, c.base->labels);
+    CHECK(core.least_views == seen * kViews);
+    CHECK(core.count == std::count(c.base->is_ball.begin(), c.base->is_ball.end(), 1.f));
+  }
+  CHECK(c.find().stray[200] == 1);
+}
+
+TEST_CASE("a piece of the room that few views claim becomes as unseen, and nothing else changes") {
+  ComponentCase c;
+  c.claim(200, 0, 9, 1, 1);
+  const ComponentFinding found = c.find();
+  CHECK(found.count == 1);
+  CHECK(std::count(found.stray.begin(), found.stray.end(), 1) == 1);
+  CHECK(found.stray[200] == 1);
+  for (const auto column : {&LabelColumns::label, &LabelColumns::prob, &LabelColumns::variance, &LabelColumns::views,
+                            &LabelColumns::boundary}) {
+    std::vector<float> want = c.base->labels[0].*column;
+    want[200] = 0;
+    CHECK(found.labels[0].*column == want);
+  }
+}
+
+TEST_CASE("what a third of the views sees in the open is no core that others hang on to") {
+  ComponentCase c;
+  for (std::size_t i = 200; i < 210; ++i) c.claim(i, 0, 9, 1, 6);
+  c.claim(210, 0.1f, 9, 1, 1);
+  CHECK(c.find().count == 11);
+}
+
+TEST_CASE("what hangs together with the ball is its own however far it reaches, what lies beyond a gap is not") {
+  const auto with_arm = [](float prob) {  // out to 7 radii
+    ComponentCase c;
+    for (std::size_t i = 0; i < 20; ++i) c.claim(200 + i, 0.6f + 0.2f * float(i), 4, prob, 1);
+    return c;
+  };
+  ComponentCase whole = with_arm(1), cut = with_arm(1), faint = with_arm(0.3f);
+  CHECK(whole.find().count == 0);
+  for (std::size_t i = 204; i < 212; ++i) cut.claim(i, 0.6f, 4, 1, 1);
+  CHECK(cut.find().count == 8);
+  CHECK(faint.find().count > 8);  // claims do not link, labels do
+}
+
+TEST_CASE("neither what many views agree on, nor what is near, hardly claimed, unusable or fixed by hand is a stray") {
+  ComponentCase c;
+  c.claim(200, 0, 9, 0.7f, kViews / 2);  // no core, but seen well
+  c.claim(201, 0.7f, 4, 1, 1);
+  c.claim(202, 0, 9, 0.04f, 1);
+  c.claim(203, NAN, 9, 1, 1);
+  c.base->model.usable[203] = 0;
+  c.claim(204, 0, 9, 1, 1);
+  c.fixed.assign(c.base->is_ball.size(), 0), c.fixed[204] = 1;
+  CHECK(c.find().count == 0);
+  c.claim(205, 3e38f, -3e38f, 1, 1);  // beyond all cells, and still apart
+  CHECK(c.find().count == 1);
+}
+
+TEST_CASE("without a core, and with so few views that half of them are one, nothing is a stray") {
+  ComponentCase c;
+  c.claim(200, 0, 9, 1, 1);
+  ComponentCase few = std::move(c), none;
+  for (float& v : few.base->labels[0].views) v = std::min(v, 2.f);
+  CHECK(few.find().count == 0);
+  for (float& v : few.base->labels[0].views) v *= 2;
+  few.base->labels[0].views[200] = 1;
+  CHECK(few.find().count == 1);
+  for (float& p : none.base->labels[0].prob) p *= 0.8f;
+  none.claim(200, 0, 9, 0.8f, 1);
+  CHECK(none.find().count == 0);
+}
+
+TEST_CASE("a stray of one object that belongs to another is not held") {
+  ComponentCase c;
+  c.base->scene.objects.push_back({"room", 1});
+  c.base->labels.push_back(c.base->labels[0]);
+  LabelColumns& room = c.base->labels[1];
+  for (std::size_t i = 0; i < c.base->is_ball.size(); ++i) room.prob[i] = room.label[i] = 1 - c.base->is_ball[i];
+  c.claim(200, 0, 5.7f, 1, 1);
+  const ComponentFinding found = c.find();
+  CHECK(found.count == 1);
+  CHECK(found.labels[0].prob[200] == 0);
+  CHECK(found.labels[1].prob[200] == 1);
+  CHECK(std::count(found.stray.begin(), found.stray.end(), 1) == 0);
+}
+
+}  // namespace ngs

@@ -1,0 +1,182 @@
+// The detectors that look at pictures, each on a case in which the naive measure that it replaces decides wrongly.
+// Those that look at columns alone: effect_detectors_test.cpp.
+#include "ngs/passes/effect_probe.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ngs/passes/effects.h"
+#include "support/joint_case.h"
+
+namespace ngs {
+namespace {
+
+struct ProbeCase {
+  std::unique_ptr<test::JointCase> base = test::joint_case();
+  std::vector<std::size_t> views{0, 1, 2, 3};
+
+  ProbeCase() {
+    for (SceneView& v : base->scene.views) v.image_path = "photo";
+  }
+  double measure(double (EffectProbe::*what)()) const {
+    Problem in = base->input();
+    in.views = views;
+    const JointOptions joint;
+    const ContourOptions edge;
+    const SampleOptions sample;
+    const RbfOptions rbf;
+    const EffectSetup setup{joint, edge, sample, rbf, in};
+    EffectProbe probe({}, setup);
+    return (probe.*what)();
+  }
+};
+
+double threshold_of(std::string_view effect) { return find_effect(effect)->threshold; }
+
+/// Row `i` becomes a speck at (x, y, z), ball radius 0.6 about (0, 0, 4), cameras about the origin.
+void hang(GaussianCloud& cloud, std::size_t i, float x, float y, float z) {
+  cloud.position[3 * i] = x, cloud.position[3 * i + 1] = y, cloud.position[3 * i + 2] = z;
+  for (std::size_t a = 0; a < 3; ++a) cloud.log_scale[3 * i + a] = -3.5f;
+  cloud.logit_opacity[i] = 4;
+}
+
+/// Gaussians nearer to the cameras than any of the ball: what one would count.
+int nearer_than_the_ball(const GaussianCloud& cloud) {
+  int count = 0;
+  for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) count += cloud.position[3 * i + 2] < 3.3f;
+  return count;
+}
+
+}  // namespace
+
+TEST_CASE("view trust: views that do not see the object do not make the others' common error an outlier") {
+  ProbeCase c;
+  for (std::size_t v = 0; v < 4; ++v) {  // every mask is off by 2 px, to one side or the other
+    std::vector<float>& mask = c.base->masks[v].target[0];
+    std::rotate(mask.begin(), v % 2 == 0 ? mask.begin() + 2 : mask.end() - 2, mask.end());
+  }
+  const double few = c.measure(&EffectProbe::trust);
+  CHECK(few <= threshold_of("mask-outliers"));
+  for (int more = 0; more < 20; ++more) c.views.push_back(c.base->look_away());  // naive: the median is zero
+  CHECK(c.measure(&EffectProbe::trust) == few);
+}
+
+TEST_CASE("exposure: a camera that turns to the dark wall measures no other light, one that stops down does") {
+  ProbeCase turned, stopped;
+  const auto mean = [](const ImageF& photo) {
+    double sum = 0;
+    for (const float x : photo.data) sum += double(x);
+    return sum / double(photo.data.size());
+  };
+  for (ProbeCase* c : {&turned, &stopped}) {
+    if (c == &turned) c->base->scene.views[1].camera.cx -= 30;
+    for (std::size_t v = 0; v < 4; ++v)
+      c->base->photos[v] = render({}, c->base->model, c->base->scene.views[v].camera, {}, {}).colour;
+  }
+  for (float& x : stopped.base->photos[1].data) x *= 0.95f;
+  const auto ratio = [&](const ProbeCase& c) { return mean(c.base->photos[1]) / mean(c.base->photos[2]); };
+  CHECK(ratio(turned) < ratio(stopped));  // naive: photos darker than others
+  CHECK(turned.measure(&EffectProbe::exposure) <= threshold_of("exposure"));
+  CHECK(stopped.measure(&EffectProbe::exposure) > threshold_of("exposure"));
+}
+
+TEST_CASE("components: an arm that one view sees hangs together with the ball, one speck behind it does not") {
+  ProbeCase arm, speck;
+  for (ProbeCase* c : {&arm, &speck}) {
+    LabelColumns& ball = c->base->labels[0];
+    for (std::size_t i = 0; i < c->base->is_ball.size(); ++i) ball.prob[i] = c->base->is_ball[i], ball.views[i] = 16;
+  }
+  const auto claim = [](ProbeCase& c, std::size_t i, float x, float z) {
+    hang(c.base->model, i, x, 0, z);
+    c.base->labels[0].prob[i] = c.base->labels[0].views[i] = 1;
+  };
+  for (std::size_t i = 0; i < 20; ++i) claim(arm, 160 + i, 0.6f + 0.2f * float(i), 4);
+  claim(speck, 160, 0, 9);
+  const auto far_and_doubtful = [](const ProbeCase& c) {  // naive: claimed, seen once, two radii away
+    int count = 0;
+    for (std::size_t i = 0; i < c.base->is_ball.size(); ++i)
+      count += c.base->labels[0].prob[i] > 0.5f && c.base->labels[0].views[i] == 1 &&
+               std::hypot(c.base->model.position[3 * i], c.base->model.position[3 * i + 2] - 4) > 1.2f;
+    return count;
+  };
+  CHECK(far_and_doubtful(arm) == 16);
+  CHECK(far_and_doubtful(speck) == 1);
+  CHECK(arm.measure(&EffectProbe::components) <= threshold_of("components"));
+  CHECK(speck.measure(&EffectProbe::components) > threshold_of("components"));
+}
+
+TEST_CASE("front: many specks before the object's depth but beside it hide nothing, one before it does") {
+  ProbeCase beside, before;
+  for (std::size_t i = 160; i < 200; ++i) hang(beside.base->model, i, 0.02f * float(i) - 3.6f, 0.45f, 1.5f);
+  hang(before.base->model, 160, 0, 0, 1.5f);
+  CHECK(nearer_than_the_ball(beside.base->model) == 40);  // naive: a seventh of the model, search
+  CHECK(nearer_than_the_ball(before.base->model) == 1);   // naive: one of 280, leave it
+  CHECK(beside.measure(&EffectProbe::front) <= threshold_of("floaters"));
+  CHECK(before.measure(&EffectProbe::front) > threshold_of("floaters"));
+}
+
+TEST_CASE("gap without photos: contours that are wrong at a few pixels leave the IoU as good as it was") {
+  ProbeCase c;
+  for (SceneView& v : c.base->scene.views) v.image_path.clear();
+  c.base->model = c.base->truth;
+  c.base->labels[0].label = c.base->labels[0].prob = c.base->is_ball;  // renders the masks as they are
+  // Naive: there is a boundary set, hence something to do for the field.
+  CHECK(std::count(c.base->labels[0].boundary.begin(), c.base->labels[0].boundary.end(), 1.f) > 0);
+  CHECK(c.measure(&EffectProbe::gap_without_photos) <= threshold_of("nerf"));
+  double worst_iou_gap = 0;
+  for (ViewMasks& m : c.base->masks) {
+    auto& mask = m.target[0];
+    const auto area = double(std::count(mask.begin(), mask.end(), 1.f));
+    const std::vector<float> whole = mask;
+    int cut = 0;
+    for (std::size_t p = 1; p < mask.size() && cut < 3; ++p)  // left end of a row of the mask
+      if (whole[p] > 0 && whole[p - 1] == 0) mask[p] = 0, ++cut;
+    worst_iou_gap = std::max(worst_iou_gap, cut / area);
+  }
+  CHECK(worst_iou_gap < threshold_of("nerf"));  // naive: the masks are met
+  CHECK(c.measure(&EffectProbe::gap_without_photos) > threshold_of("nerf"));
+  // However wrong they are: one photo tells where the contour is, and a view that may not supervise has none.
+  c.base->scene.views[1].image_path = "photo";
+  CHECK(c.measure(&EffectProbe::gap_without_photos) == 0);
+  c.views = {0, 2, 3};
+  CHECK(c.measure(&EffectProbe::gap_without_photos) > threshold_of("nerf"));
+  // Without a boundary the field has nothing to work on.
+  std::fill(c.base->labels[0].boundary.begin(), c.base->labels[0].boundary.end(), 0.f);
+  CHECK(c.measure(&EffectProbe::gap_without_photos) == 0);
+}
+
+TEST_CASE("photos: those of views that may not supervise do not count, and one of many is enough") {
+  ProbeCase c;
+  c.views = {0, 1};
+  c.base->scene.views[0].image_path.clear(), c.base->scene.views[1].image_path.clear();
+  // Naive: half of the scene's views have a photo.
+  CHECK(c.measure(&EffectProbe::photos) <= threshold_of("photometric"));
+  c.base->scene.views[1].image_path = "photo";
+  c.views = {0, 1, 2, 3};
+  for (std::size_t v = 2; v < 4; ++v) c.base->scene.views[v].image_path.clear();  // naive: most views have none
+  CHECK(c.measure(&EffectProbe::photos) > threshold_of("contours"));
+}
+
+TEST_CASE("decisions without a detector: what it needs, else an entry, else the first verdict, else always on") {
+  const EffectInfo &joint = *find_effect("joint"), &nerf = *find_effect("nerf"), &film = *find_effect("film");
+  const std::vector<EffectVerdict> off{{"nerf", false, "first"}, {"nerf", true, "second"}};
+  const std::vector<EffectDecision> no_steps{{&joint, "auto", false, "no room", {}}};
+  const auto on = [&](const EffectInfo& e, const std::vector<std::string>& entries,
+                      const std::vector<EffectVerdict>& verdicts, const std::vector<EffectDecision>& earlier) {
+    const std::optional<EffectDecision> settled = settled_decision(e, entries, verdicts, earlier);
+    return settled ? std::optional(settled->on) : std::nullopt;
+  };
+  CHECK(on(nerf, {"nerf=on"}, off, no_steps) == false);  // nothing would train it
+  CHECK(on(nerf, {"nerf=on"}, off, {}) == true);
+  CHECK(on(nerf, {}, off, {}) == false);
+  CHECK(on(nerf, {}, {off[1]}, no_steps) == false);
+  CHECK(on(nerf, {}, {off[1]}, {}) == true);
+  CHECK(on(nerf, {}, {}, no_steps) == false);  // it has nothing to do
+  CHECK(on(nerf, {"nerf=auto"}, {}, {{&joint, "auto", true, "", {}}}) == std::nullopt);
+  CHECK(on(film, {}, {}, {}) == true);
+  CHECK(on(film, {}, {}, {{&nerf, "auto", false, "", {}}}) == false);
+}
+
+}  // namespace ngs

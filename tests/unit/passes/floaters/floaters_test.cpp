@@ -1,0 +1,201 @@
+#include "ngs/passes/floaters/floaters.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "ngs/problem/view_list.h"
+#include "support/joint_case.h"
+
+namespace ngs {
+namespace {
+
+constexpr std::int64_t kBall = 160, kWall = 120, kAdded = 12;
+
+/// Small dark Gaussians halfway between camera 0 and the ball: they cover it there, and the wall elsewhere.
+void add_before_ball(const Camera& camera, GaussianCloud& cloud) {
+  const Vec3<double> from = camera.centre(), ball{0, 0, 4};
+  const std::int64_t first = cloud.size();
+  GaussianCloud more = cloud;
+  more.resize(first + kAdded, cloud.sh_degree);
+  for (std::int64_t k = 0; k < kAdded; ++k) {
+    const auto i = std::size_t(first + k);
+    const double x = 0.07 * (double(k % 4) - 1.5), y = 0.07 * (double(k / 4) - 1);
+    const Vec3<double> p = from + 0.4 * (ball - from);
+    more.position[3 * i] = float(p.x + x), more.position[3 * i + 1] = float(p.y + y),
+                      more.position[3 * i + 2] = float(p.z);
+    more.rotation[4 * i] = 1, more.logit_opacity[i] = 3;
+    for (std::size_t a = 0; a < 3; ++a) more.log_scale[3 * i + a] = -3.f, more.sh_dc[3 * i + a] = -1.2f;
+  }
+  cloud = std::move(more);
+}
+
+/// The joint case with view 0 held out and Gaussians added before its ball; `real`: the photos show them.
+struct FloaterCase {
+  std::unique_ptr<test::JointCase> base = test::joint_case(int(kBall), int(kWall));
+  std::vector<std::size_t> mask_reads;
+
+  explicit FloaterCase(bool real, bool nothing_added = false) {
+    base->model = base->truth;
+    if (!nothing_added) add_before_ball(base->scene.views[0].camera, base->model);
+    for (std::size_t v = 0; v < 4; ++v) {
+      base->scene.views[v].image_path = "photo";
+      if (real) base->photos[v] = render({}, base->model, base->scene.views[v].camera, {}, {}).colour;
+    }
+    base->scene.views[0].split = Split::kHeldOut;
+    Monitor monitor;
+    const auto load = [&](std::size_t v) { return base->masks[v]; };
+    base->labels =
+        label_gaussians({}, accumulate_evidence({}, monitor, base->model, base->scene, {1, 2, 3}, {}, load));
+  }
+  Problem input() {
+    Problem in = base->input();
+    in.views = {1, 2, 3};
+    in.load_masks = [this](std::size_t v) {
+      mask_reads.push_back(v);
+      return base->masks[v];
+    };
+    return in;
+  }
+  FloaterFinding find(int threads = 1) {
+    Monitor monitor;
+    return find_floaters({.threads = threads}, monitor, {}, input());
+  }
+};
+
+/// Share of the ball's true pixels that the rendered mask of view 0 shows.
+double recall_of_view_0(const FloaterCase& c, const GaussianCloud& cloud, const LabelColumns& labels) {
+  RenderRequest request;
+  request.colour = false;
+  request.label = {labels.label.data(), cloud.size(), 1};
+  const RenderedView view = render({}, cloud, c.base->scene.views[0].camera, {}, request);
+  double hit = 0, all = 0;
+  for (std::size_t p = 0; p < view.label.data.size(); ++p) {
+    if (c.base->masks[0].target[0][p] < 0.5f) continue;
+    all += 1, hit += view.label.data[p] > 0.5f;
+  }
+  return hit / all;
+}
+
+}  // namespace
+
+TEST_CASE("floaters before the object are found by photos alone, and nothing else is") {
+  FloaterCase c(false);
+  const FloaterFinding finding = c.find();
+  CHECK(finding.count == kAdded);
+  for (std::int64_t i = 0; i < c.base->model.size(); ++i) {
+    CAPTURE(i);
+    CHECK(bool(finding.floater[std::size_t(i)]) == (i >= kBall + kWall));
+  }
+  for (const std::size_t v : c.mask_reads) CHECK(v != 0);
+  CHECK(finding.figures.at("core") > 50);
+  CHECK(finding.floater == c.find(3).floater);
+}
+
+TEST_CASE("what the photos show before the object is no floater") {
+  FloaterCase c(true);
+  CHECK(c.find().count == 0);
+}
+
+TEST_CASE("a model without floaters loses nothing") {
+  FloaterCase c(false, true);
+  CHECK(c.find().count == 0);
+}
+
+TEST_CASE("a mask that says something else is seen outvotes the photo") {
+  FloaterCase c(false);
+  Problem in = c.input();
+  in.views = {0, 1, 2, 3};
+  ViewMasks nothing = c.base->masks[0];
+  std::fill(nothing.target[0].begin(), nothing.target[0].end(), 0.f);
+  in.load_masks = [&](std::size_t v) { return v == 0 ? nothing : c.base->masks[v]; };
+  Monitor monitor;
+  // View 1 sees some of them before the rim of the ball, so that not all are kept.
+  CHECK(find_floaters({}, monitor, {}, in).count < kAdded / 2);
+}
+
+TEST_CASE(
+    "floaters that hide less of the object than is asked for stay, and the report says how much they hide") {
+  FloaterCase c(false);
+  Monitor monitor;
+  const FloaterFinding all = c.find();
+  REQUIRE(all.count > 0);
+  const double hidden = all.figures.at("hidden");
+  CHECK(hidden > 1e-3);
+  CHECK(hidden < 1);
+  CHECK(find_floaters({}, monitor, {.least_hidden = 0.99 * hidden}, c.input()).count == all.count);
+  CHECK(find_floaters({}, monitor, {.least_hidden = 1.01 * hidden}, c.input()).count == 0);
+}
+
+TEST_CASE("a hand-fixed Gaussian is never a floater") {
+  FloaterCase c(false);
+  Problem in = c.input();
+  in.fixed.assign(std::size_t(c.base->model.size()), 0.f);
+  in.fixed[std::size_t(kBall + kWall)] = 1.f;
+  Monitor monitor;
+  const FloaterFinding finding = find_floaters({}, monitor, {}, in);
+  CHECK(finding.floater[std::size_t(kBall + kWall)] == 0);
+  CHECK(finding.count > 0);
+}
+
+TEST_CASE("without a core, without photos or without Gaussians nothing is found") {
+  FloaterCase c(false);
+  for (float& p : c.base->labels[0].prob) p = std::min(p, 0.5f);
+  CHECK(c.find().count == 0);
+  FloaterCase blind(false);
+  for (SceneView& v : blind.base->scene.views) v.image_path.clear();
+  CHECK(blind.find().count == 0);
+  FloaterCase empty(false, true);
+  empty.base->model.resize(0, 1);
+  empty.base->labels = label_gaussians({}, Evidence(0, 1));
+  CHECK(empty.find().count == 0);
+}
+
+TEST_CASE("removal uncovers the object, keeps every row and reports the photos' PSNR") {
+  FloaterCase c(false);
+  Monitor monitor;
+  const FloaterFinding finding = c.find();
+  const FloaterRemoval out = remove_floaters({}, monitor, {.visits = 2}, c.input(), finding);
+  const std::vector<LabelColumns> labels =
+      labels_without_floaters({}, monitor, c.input(), out.cloud, finding.floater);
+  REQUIRE(out.cloud.size() == c.base->model.size());
+  for (std::size_t i = 0; i < finding.floater.size(); ++i) {
+    if (!finding.floater[i]) continue;
+    CHECK(out.cloud.logit_opacity[i] == kRemovedLogit);
+    CHECK(labels[0].label[i] == 0);
+    CHECK(labels[0].views[i] == c.base->labels[0].views[i]);
+  }
+  const double before = recall_of_view_0(c, c.base->model, c.base->labels[0]);
+  const double after = recall_of_view_0(c, out.cloud, labels[0]);
+  CAPTURE(before);
+  CHECK(before < 0.85);
+  CHECK(after > 0.97);
+  CHECK(out.figures.at("psnr_removed_db") > out.figures.at("psnr_before_db"));
+  CHECK(out.figures.at("psnr_after_db") > out.figures.at("psnr_before_db"));
+}
+
+TEST_CASE("a refit moves only what may move and brings back a shifted colour") {
+  const auto c = test::joint_case();
+  for (SceneView& v : c->scene.views) v.image_path = "photo";
+  Problem in = c->input();
+  std::vector<std::uint8_t> moves(std::size_t(c->model.size()), 0);
+  for (std::size_t i = std::size_t(kBall); i < moves.size(); ++i) moves[i] = 1;
+  Monitor monitor;
+  GaussianCloud cloud = c->model;
+  const std::vector<std::size_t> views = photo_views(c->scene);
+  REQUIRE(views.size() == 4);
+  refit_to_photos({}, monitor, {.visits = 8}, in, views, moves, cloud);
+  CHECK(mean_psnr_db({}, in, cloud, views) > mean_psnr_db({}, in, c->model, views) + 1);
+  double moved = 0;
+  for (std::size_t i = 0; i < moves.size(); ++i)
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double d = std::abs(double(cloud.position[3 * i + a]) - double(c->model.position[3 * i + a]));
+      if (moves[i])
+        moved += d;
+      else
+        CHECK(d == 0);
+    }
+  CHECK(moved > 0);
+}
+
+}  // namespace ngs

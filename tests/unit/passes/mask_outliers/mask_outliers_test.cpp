@@ -1,0 +1,141 @@
+#include "ngs/passes/mask_outliers/mask_outliers.h"
+
+#include <doctest/doctest.h>
+
+#include "support/joint_case.h"
+
+namespace ngs {
+namespace {
+
+/// Six views: those of the joint case and the first two again, whose masks may be spoilt.
+struct MaskOutlierCase {
+  std::unique_ptr<test::JointCase> base = test::joint_case();
+  MaskOutlierCase() {
+    base->model = base->truth;
+    for (std::size_t v = 0; v < 2; ++v) {
+      base->scene.views.push_back(base->scene.views[v]);
+      base->masks.push_back(base->masks[v]);
+    }
+  }
+  Problem input() const {
+    Problem in = base->input();
+    in.views = {0, 1, 2, 3, 4, 5};
+    return in;
+  }
+  MaskOutliers judge(int threads = 1) const {
+    Monitor monitor;
+    return judge_views({.threads = threads}, monitor, {}, input());
+  }
+  void mirror(std::size_t view) {
+    ViewMasks& m = base->masks[view];
+    for (std::size_t row = 0; row < 40; ++row)
+      std::reverse(m.target[0].begin() + std::ptrdiff_t(row * 48), m.target[0].begin() + std::ptrdiff_t(row * 48 + 48));
+    std::rotate(m.target[0].begin(), m.target[0].begin() + 480 + 14, m.target[0].end());
+  }
+};
+
+}  // namespace
+
+TEST_CASE("masks that agree are all trusted") {
+  const MaskOutlierCase c;
+  const MaskOutliers trust = c.judge();
+  CHECK(trust.ignored.empty());
+  for (const double d : trust.disagreement) CHECK(d < 0.2);
+  CHECK(trust.figures.at("threshold") >= 0.2);
+}
+
+TEST_CASE("a view whose mask is elsewhere is ignored, the others stay") {
+  MaskOutlierCase c;
+  c.mirror(4);
+  const MaskOutliers trust = c.judge();
+  REQUIRE(trust.ignored.size() == 1);
+  CHECK(trust.ignored[0] == 4);
+  CHECK(trust.disagreement[4] > 0.5);
+  CHECK_FALSE(consistent_masks(trust, 4, c.base->masks[4]).available);
+  CHECK(consistent_masks(trust, 3, c.base->masks[3]).available);
+  CHECK(c.judge(3).disagreement == trust.disagreement);
+}
+
+TEST_CASE("a mask of nothing is ignored where the others see the object") {
+  MaskOutlierCase c;
+  std::fill(c.base->masks[2].target[0].begin(), c.base->masks[2].target[0].end(), 0.f);
+  const MaskOutliers trust = c.judge();
+  REQUIRE(trust.ignored.size() == 1);
+  CHECK(trust.ignored[0] == 2);
+}
+
+TEST_CASE("no share of wrong masks spreads the disagreement so far that none of them is found") {
+  double median = 0;
+  const std::vector<double> third_wrong = {0.07, 0.11, 0.16, 0.2, 0.22, 0.38, 1, 1, 1};
+  CHECK(ignore_threshold({}, third_wrong, median) < 1);
+  CHECK(median == 0.22);
+  CHECK(ignore_threshold({}, third_wrong, median) > 0.38);
+  // Where most views do not know the object, they do not tell who is wrong.
+  CHECK(ignore_threshold({}, std::vector<double>{0.3, 0.5, 0.6, 0.8, 1}, median) > 1);
+}
+
+TEST_CASE("views that do not see the object are no measure of how well the others agree") {
+  MaskOutlierCase c;
+  for (std::size_t v = 0; v < 6; ++v) {  // every mask is off by 2 px, to one side or the other
+    std::vector<float>& mask = c.base->masks[v].target[0];
+    std::rotate(mask.begin(), v % 2 == 0 ? mask.begin() + 2 : mask.end() - 2, mask.end());
+  }
+  const MaskOutliers few = c.judge();
+  CHECK(few.ignored.empty());
+  CHECK(few.figures.at("median_disagreement") > 0.15);
+
+  Problem in = c.input();
+  for (int more = 0; more < 20; ++more) in.views.push_back(c.base->look_away());
+  Monitor monitor;
+  const MaskOutliers many = judge_views({}, monitor, {}, in);
+  CHECK(many.ignored.empty());
+  CHECK(many.figures.at("median_disagreement") == few.figures.at("median_disagreement"));
+  for (std::size_t n = 0; n < in.views.size(); ++n) CHECK(many.disagreement[n] == (n < 6 ? few.disagreement[n] : 0));
+
+  c.mirror(4);  // and one that is elsewhere is still found
+  const MaskOutliers one = judge_views({}, monitor, {}, in);
+  REQUIRE(one.ignored.size() == 1);
+  CHECK(one.ignored[0] == 4);
+}
+
+TEST_CASE("fewer than four masks that show the object judge nobody, however many are empty") {
+  MaskOutlierCase c;
+  Problem in = c.input();
+  in.views = {0, 1, 2};
+  c.mirror(0);
+  for (int more = 0; more < 5; ++more) in.views.push_back(c.base->look_away());
+  Monitor monitor;
+  CHECK(judge_views({}, monitor, {}, in).ignored.empty());
+}
+
+TEST_CASE("of four masks one that contradicts is ignored, although three are too few to judge again") {
+  MaskOutlierCase c;
+  std::fill(c.base->masks[2].target[0].begin(), c.base->masks[2].target[0].end(), 0.f);
+  Problem in = c.input();
+  in.views = {0, 1, 2, 3};
+  Monitor monitor;
+  const MaskOutliers trust = judge_views({}, monitor, {}, in);
+  CHECK(trust.ignored == std::vector<std::size_t>{2});
+  CHECK(trust.figures.at("rounds") == 1);
+}
+
+TEST_CASE("with fewer than four masks nobody is judged") {
+  MaskOutlierCase c;
+  c.mirror(0);
+  for (const std::size_t v : {1u, 2u, 3u}) c.base->masks[v].available = false;
+  CHECK(c.judge().ignored.empty());
+}
+
+TEST_CASE("what floaters hide does not make a good mask a bad one") {
+  MaskOutlierCase c;  // a dark sheet before the ball in view 3, beside it in the others
+  GaussianCloud& cloud = c.base->model;
+  const auto i = std::size_t(cloud.size());
+  cloud.resize(cloud.size() + 1, cloud.sh_degree);
+  const Vec3<double> eye = c.base->scene.views[3].camera.centre(), p = eye + 0.3 * (Vec3<double>{0, 0, 4} - eye);
+  cloud.position[3 * i] = float(p.x), cloud.position[3 * i + 1] = float(p.y), cloud.position[3 * i + 2] = float(p.z);
+  cloud.rotation[4 * i] = 1, cloud.logit_opacity[i] = 6;
+  for (std::size_t a = 0; a < 3; ++a) cloud.log_scale[3 * i + a] = -2.7f;
+  CHECK(c.judge().ignored.empty());
+}
+
+}  // namespace ngs

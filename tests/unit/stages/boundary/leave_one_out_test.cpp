@@ -1,0 +1,58 @@
+// ngs/stages/boundary/leave_one_out.h: what the others say is the evidence of the others, whether it was kept or not.
+#include "ngs/stages/boundary/leave_one_out.h"
+
+#include <doctest/doctest.h>
+
+#include "ngs/core/rng.h"
+
+namespace ngs {
+namespace {
+
+constexpr std::int64_t kGaussians = 5;
+constexpr int kObjects = 2;
+
+/// Gaussian 4 is seen by view 1 alone.
+ViewSums gather(std::size_t view) {
+  ViewSums sums{kObjects, {}, {}};
+  for (std::size_t i = 0; i < 5; ++i) {
+    if (i == 4 && view != 1) continue;
+    const double weight = 1 + rng_uniform(view, RngStream::kTest, i);
+    sums.row.push_back(std::uint32_t(i));
+    sums.sum.insert(sums.sum.end(), {weight, 1});
+    for (std::size_t k = 0; k < 2; ++k)
+      sums.sum.insert(sums.sum.end(), {weight * rng_uniform(view, RngStream::kTest, 100 + 2 * i + k), 0});
+  }
+  return sums;
+}
+
+constexpr std::size_t kViews[] = {0, 1, 3};
+
+}  // namespace
+
+TEST_CASE("without a view there is the evidence of the others, kept or gathered anew") {
+  for (const std::size_t kept : {std::size_t(0), std::size_t(200), std::size_t(1) << 20}) {
+    CAPTURE(kept);
+    const Exec exec;
+    LeaveOneOut views(exec, kGaussians, kObjects, gather, kept);
+    for (const std::size_t v : kViews) views.add(v);
+    for (std::size_t left_out = 0; left_out < 4; ++left_out) {
+      Evidence others(kGaussians, kObjects);
+      for (const std::size_t v : kViews)
+        if (v != left_out) {
+          const ViewSums sums = gather(v);
+          for (std::size_t row = 0; row < sums.size(); ++row) others.add(sums.row[row], sums.at(row));
+        }
+      const LeaveOneOut::Rest rest = views.without(left_out);
+      for (std::size_t i = 0; i < 5; ++i) {
+        CHECK(int(rest.seen[i]) == (i == 4 && left_out == 1 ? 0 : 1));
+        const bool sees = left_out != 2 && (i < 4 || left_out == 1);
+        CHECK(rest.own[i] == (sees ? gather(left_out).weight(i) : 0));
+        for (std::size_t k = 2 * i; k < 2 * i + 2; ++k)
+          CHECK(double(rest.share[k]) ==
+                doctest::Approx(rest.seen[i] ? others.object_weight.value(k) / others.weight.value(i) : 0));
+      }
+    }
+  }
+}
+
+}  // namespace ngs

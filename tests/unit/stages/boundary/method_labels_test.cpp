@@ -1,0 +1,58 @@
+// Labels gathered anew for a changed model or changed masks follow the rule of the labels that were given.
+#include "ngs/stages/boundary/method_labels.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "support/joint_case.h"
+
+namespace ngs {
+namespace {
+
+struct Anew {
+  std::unique_ptr<test::JointCase> base = test::joint_case();
+  Problem input;
+
+  explicit Anew(const VarianceOptions& rule) : input(base->input()) {
+    Monitor monitor;
+    input.labels = label_gaussians(rule, accumulate_evidence({}, monitor, base->model, base->scene, input.views,
+                                                             input.splat, input.load_masks));
+  }
+  LabelColumns labels() const {
+    Monitor monitor;
+    return labels_anew({}, monitor, input, base->model)[0];
+  }
+};
+
+}  // namespace
+
+TEST_CASE("labels anew are those that were given where nothing changed, whatever their criterion and tau") {
+  for (const NamedValue<Criterion>& criterion : kCriterionNames)
+    for (const double tau : {0.05, 0.3}) {
+      CAPTURE(criterion.name);
+      CAPTURE(tau);
+      const Anew c({.tau = tau, .criterion = criterion.value});
+      const LabelColumns& given = c.input.labels[0];
+      const LabelColumns found = c.labels();
+      CHECK(std::count(given.boundary.begin(), given.boundary.end(), 1.f) > 0);
+      CHECK(found.boundary == given.boundary);
+      CHECK(found.variance == given.variance);
+      CHECK(found.prob == given.prob);
+    }
+}
+
+TEST_CASE("labels anew keep the criterion where a mask is gone") {
+  for (const NamedValue<Criterion>& criterion : kCriterionNames) {
+    CAPTURE(criterion.name);
+    Anew c({.tau = 0.1, .criterion = criterion.value});
+    c.base->masks[3].available = false;
+    const LabelColumns found = c.labels();
+    Monitor monitor;
+    const Evidence rest = accumulate_evidence({}, monitor, c.base->model, c.base->scene, {0, 1, 2}, c.input.splat,
+                                              c.input.load_masks);
+    CHECK(found.variance == label_gaussians({.criterion = criterion.value}, rest)[0].variance);
+  }
+}
+
+}  // namespace ngs

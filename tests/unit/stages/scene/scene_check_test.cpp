@@ -1,0 +1,322 @@
+#include "ngs/stages/scene/scene_check.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "ngs/core/error.h"
+#include "support/tiny_scene.h"
+
+namespace ngs {
+namespace {
+
+struct Capture {
+  Scene scene;
+  GaussianCloud cloud;
+  std::vector<ImageF> photos;
+  std::vector<ViewMasks> masks;
+
+  SceneLoaders loaders() const {
+    return {[this](std::size_t view) { return photos.at(view); },
+            [this](std::size_t view) {
+              return MaskSample{masks.at(view), {}, false};
+            }};
+  }
+  SceneCheck check(SceneCheckOptions options = {}, int threads = 1) const {
+    Monitor monitor;
+    return check_scene(Exec{Device::kCpu, threads}, monitor, options, &cloud, scene, loaders());
+  }
+};
+
+/// The tiny scene with photos rendered from it, over a background that no PLY knows. One quarter of the wall is
+/// dark: the ball and the plain wall would look the same upside down.
+Capture tiny_capture() {
+  const test::TinyScene tiny = test::tiny_scene();
+  Capture capture;
+  capture.cloud = tiny.cloud;
+  for (std::size_t i = 0; i < capture.cloud.usable.size(); ++i)
+    if (tiny.is_object[i] == 0 && capture.cloud.position[i * 3] > 0 && capture.cloud.position[i * 3 + 1] > 0)
+      for (std::size_t c = 0; c < 3; ++c) capture.cloud.sh_dc[i * 3 + c] = -1.5f;
+  classify(capture.cloud);
+  capture.scene.objects = {{"ball", 0}};
+  for (const Camera& camera : tiny.cameras) {
+    SceneView view;
+    view.camera = camera, view.image_path = "photo", view.mask_path = "mask";
+    capture.scene.views.push_back(view);
+    RenderRequest request;
+    request.background = {0.2f, 0.9f, 0.4f};
+    request.label = {tiny.is_object.data(), tiny.cloud.size(), 1};
+    const RenderedView rendered = render({}, capture.cloud, camera, {}, request);
+    capture.photos.push_back(rendered.colour);
+    ViewMasks masks{camera.width_px, camera.height_px, {rendered.label.data}, {}, true};
+    for (float& m : masks.target[0]) m = m > 0.5f ? 1.f : 0.f;
+    capture.masks.push_back(masks);
+  }
+  return capture;
+}
+
+/// The capture in other units.
+Capture shrunk(double factor) {
+  Capture capture = tiny_capture();
+  for (SceneView& view : capture.scene.views) view.camera.translation = factor * view.camera.translation;
+  for (float& x : capture.cloud.position) x *= float(factor);
+  for (float& s : capture.cloud.log_scale) s += float(std::log(factor));
+  return capture;
+}
+
+/// {code, message, remedy} of what `body` throws.
+template <class Body>
+Error thrown_by(const Body& body) {
+  try {
+    body();
+  } catch (const Error& e) {
+    return e;
+  }
+  FAIL("nothing was thrown");
+  return Error(ErrorCode::kUsage, "");
+}
+
+Camera with_wrong_quaternion(Camera c, double w, double x, double y, double z) {
+  c.rotation = {{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y), 2 * (x * y + w * z),
+                 1 - 2 * (x * x + z * z), 2 * (y * z - w * x), 2 * (x * z - w * y), 2 * (y * z + w * x),
+                 1 - 2 * (x * x + y * y)}};
+  return c;
+}
+
+}  // namespace
+
+TEST_CASE("a scene whose model explains its photos passes, and the unknown background is found") {
+  const Capture capture = tiny_capture();
+  const SceneCheck result = capture.check();
+  CHECK(result.warnings.empty());
+  CHECK(result.median_psnr_db > 60);  // the photos are the model
+  int compared = 0;
+  for (const ViewCheck& view : result.views) {
+    CHECK(view.in_front == 1);
+    CHECK(view.inside > 0.5);
+    REQUIRE(view.masks);
+    CHECK(view.masks->coverage[0] > 0.02);
+    if (!view.match) continue;
+    ++compared;
+    if (view.match->covered > 0.99) continue;
+    CHECK(view.match->background.y == doctest::Approx(0.9).epsilon(1e-3));
+  }
+  CHECK(compared == 4);
+  CHECK(result.objects[0].views == 6);
+}
+
+TEST_CASE("the numbers do not depend on the thread count") {
+  const Capture capture = tiny_capture();
+  const SceneCheck one = capture.check({}, 1), many = capture.check({}, 3);
+  CHECK(one.median_psnr_db == many.median_psnr_db);
+  CHECK(one.median_inside == many.median_inside);
+}
+
+TEST_CASE("the usual mistakes in pose files are refused and named") {
+  const Capture good = tiny_capture();
+  const auto refused = [&](const std::string& hint, const std::function<Camera(Camera)>& spoil) {
+    CAPTURE(hint);
+    Capture bad = good;
+    for (SceneView& view : bad.scene.views) view.camera = spoil(view.camera);
+    const Error error = thrown_by([&] { bad.check(); });
+    CHECK(error.code() == ErrorCode::kInconsistent);
+    CHECK(error.remedy().find(hint) != std::string::npos);
+  };
+  refused("poses are camera-to-world:", [](Camera c) {
+    const Vec3<double> centre = c.centre();
+    c.rotation = transpose(c.rotation), c.translation = centre;
+    return c;
+  });
+  refused("camera axes are OpenGL's", [](Camera c) {
+    for (int i = 3; i < 9; ++i) c.rotation.m[i] = -c.rotation.m[i];
+    c.translation = {c.translation.x, -c.translation.y, -c.translation.z};
+    return c;
+  });
+  refused("the translation holds the camera's centre", [](Camera c) {
+    c.translation = c.centre();
+    return c;
+  });
+  refused("quaternions are stored as x y z w", [](Camera c) {
+    // right: (w, x, y, z); a file with x y z w read as w x y z gives (x, y, z, w)
+    const auto& m = c.rotation.m;
+    const double w = 0.5 * std::sqrt(1 + m[0] + m[4] + m[8]);
+    const double x = (m[7] - m[5]) / (4 * w), y = (m[2] - m[6]) / (4 * w), z = (m[3] - m[1]) / (4 * w);
+    return with_wrong_quaternion(c, x, y, z, w);
+  });
+}
+
+TEST_CASE("a world so small that nothing is drawn is refused with the way out, and not for its poses") {
+  const Error error = thrown_by([] { shrunk(1e-3).check(); });
+  CHECK(error.code() == ErrorCode::kInconsistent);
+  CHECK(error.remedy().find("scale the world") != std::string::npos);
+}
+
+TEST_CASE("a model between the near planes of 3DGS and gsplat is sent to gsplat's, where it passes") {
+  Capture small = shrunk(0.02);
+  const Error error = thrown_by([&] { small.check(); });
+  CHECK(error.code() == ErrorCode::kInconsistent);
+  CHECK(error.remedy().find("--compat gsplat") != std::string::npos);
+  small.scene.compat = Compat::kGsplat;
+  CHECK(small.check().median_fit_db > 60);  // 73: the photos were drawn with 3DGS's footprints
+}
+
+TEST_CASE("a model of which a part lies between the near planes is warned about where gsplat's explains the photos better") {
+  Capture part = shrunk(0.04);
+  const SceneCheckOptions anything{.min_fit_db = -100};
+  const SceneCheck as_inria = part.check(anything);
+  REQUIRE(as_inria.warnings.size() == 1);
+  CHECK(as_inria.warnings[0].find("better by the rules of gsplat") != std::string::npos);
+  part.scene.compat = Compat::kGsplat;
+  CHECK(part.check(anything).warnings.empty());
+  CHECK(tiny_capture().check(anything).warnings.empty());
+  // As near, but never seen by those who fitted it.
+  part.scene.compat = Compat::kInria;
+  for (std::size_t v = 0; v < part.photos.size(); ++v)
+    part.photos[v] = render({}, part.cloud, part.scene.views[v].camera, {}, {}).colour;
+  CHECK(part.check(anything).warnings.empty());
+}
+
+TEST_CASE("poses that no known mistake explains are refused without a wrong guess") {
+  Capture bad = tiny_capture();
+  for (SceneView& view : bad.scene.views) view.camera.translation = 4.0 * view.camera.translation;
+  const Error error = thrown_by([&] { bad.check(); });
+  CHECK(error.code() == ErrorCode::kInconsistent);
+  CHECK(error.remedy().find("trained on other poses") != std::string::npos);
+}
+
+TEST_CASE("photos in other colours than the model's are refused as that, and --min-fit-db takes them") {
+  Capture other = tiny_capture();
+  for (ImageF& photo : other.photos)
+    for (float& v : photo.data) v = 0.5f + 0.3f * v;
+  const Error error = thrown_by([&] { other.check(); });
+  CHECK(error.code() == ErrorCode::kInconsistent);
+  CHECK(error.remedy().find("the poses fit, the colours do not") == 0);
+  SceneCheckOptions options;
+  options.min_fit_db = -100;
+  CHECK(other.check(options).median_fit_db < 3);
+}
+
+TEST_CASE("one photo that does not fit is a warning that names its view") {
+  Capture capture = tiny_capture();
+  SceneCheckOptions options;
+  options.check_views = 6;
+  for (float& v : capture.photos[2].data) v = 1 - v;
+  const SceneCheck result = capture.check(options);
+  REQUIRE(result.warnings.size() == 1);
+  CHECK(result.warnings[0].find("view v2.png: the model explains its photo only") == 0);
+}
+
+TEST_CASE("without photos the share of Gaussians in view decides") {
+  Capture capture = tiny_capture();
+  SceneCheckOptions options;
+  options.check_views = 0;
+  CHECK_NOTHROW(capture.check(options));
+  for (SceneView& view : capture.scene.views) view.camera.translation.z = -100;
+  const Error error = thrown_by([&] { capture.check(options); });
+  CHECK(error.code() == ErrorCode::kInconsistent);
+  CHECK(std::string(error.what()).find("0 % of the Gaussians lie inside") != std::string::npos);
+}
+
+TEST_CASE("a comparison at reduced size keeps model and photo on each other") {
+  Capture capture = tiny_capture();
+  SceneCheckOptions options;
+  options.check_size_px = 24;  // blocks of 2 divide 48 x 36
+  const double even = capture.check(options).median_fit_db;
+  options.check_size_px = 16;  // blocks of 3 do too
+  const double third = capture.check(options).median_fit_db;
+  for (SceneView& view : capture.scene.views) view.camera.cx += 2;  // what a shift by less than a block costs
+  CHECK(even > third);
+  CHECK(third > 5);
+  CHECK(capture.check(options).median_fit_db < third - 1);
+}
+
+TEST_CASE("a model without a usable Gaussian is nothing to check") {
+  Capture capture = tiny_capture();
+  capture.cloud.usable.assign(capture.cloud.usable.size(), 0);
+  CHECK(thrown_by([&] { capture.check(); }).code() == ErrorCode::kNothingFound);
+  capture.cloud = {};
+  CHECK(thrown_by([&] { capture.check(); }).code() == ErrorCode::kNothingFound);
+}
+
+TEST_CASE("a scene without a model is checked for its masks alone") {
+  const Capture capture = tiny_capture();
+  Monitor monitor;
+  const SceneCheck result = check_scene({}, monitor, {}, nullptr, capture.scene, capture.loaders());
+  CHECK(result.sampled_gaussians == 0);
+  CHECK(result.objects[0].views == 6);
+}
+
+TEST_CASE("masks that are all empty or all full are refused, some are not") {
+  Capture capture = tiny_capture();
+  const auto set = [&](std::size_t view, float value) {
+    capture.masks[view].target[0].assign(capture.masks[view].target[0].size(), value);
+  };
+  set(0, 0);
+  CHECK(capture.check().objects[0].empty == 1);
+  set(0, 1);
+  CHECK(capture.check().warnings.at(0) == "object ball: 1 of 6 masks are full");
+  for (std::size_t i = 0; i < 6; ++i) set(i, 0);
+  CHECK(std::string(thrown_by([&] { capture.check(); }).what()).find("all its 6 masks are empty") !=
+        std::string::npos);
+  for (std::size_t i = 0; i < 6; ++i) set(i, 1);
+  const Error full = thrown_by([&] { capture.check(); });
+  CHECK(full.code() == ErrorCode::kInconsistent);
+  CHECK(full.remedy().find("--mask-invert") != std::string::npos);
+}
+
+TEST_CASE("masks that cover the images' borders are suspected to be inverted") {
+  Capture capture = tiny_capture();
+  for (ViewMasks& masks : capture.masks)
+    for (float& m : masks.target[0]) m = 1 - m;
+  const SceneCheck result = capture.check();
+  REQUIRE(result.warnings.size() == 1);
+  CHECK(result.warnings[0].find("--mask-invert") != std::string::npos);
+}
+
+TEST_CASE("coverage counts known pixels only") {
+  Capture capture = tiny_capture();
+  ViewMasks& masks = capture.masks[1];
+  masks.target[0].assign(masks.target[0].size(), 0.f);
+  masks.known.assign(masks.target[0].size(), 0);
+  for (std::size_t i = 0; i < 8; ++i) masks.known[i] = 1, masks.target[0][i] = i < 2 ? 1.f : 0.f;
+  const SceneCheck result = capture.check();
+  CHECK(result.views[1].masks->coverage[0] == 0.25);
+  CHECK(result.views[1].masks->known == 8.0 / double(masks.known.size()));
+}
+
+TEST_CASE("masks of held-out views are never asked for") {
+  Capture capture = tiny_capture();
+  capture.scene.views[3].split = Split::kHeldOut;
+  SceneLoaders loaders = capture.loaders();
+  loaders.masks = [&](std::size_t view) {
+    CHECK(view != 3);
+    return MaskSample{capture.masks[view], {}, false};
+  };
+  Monitor monitor;
+  const SceneCheck result = check_scene({}, monitor, {}, &capture.cloud, capture.scene, loaders);
+  CHECK(result.objects[0].views == 5);
+  CHECK_FALSE(result.views[3].masks);
+}
+
+TEST_CASE("notes about many masks become one warning, JPEG masks one too") {
+  const Capture capture = tiny_capture();
+  SceneLoaders loaders = capture.loaders();
+  loaders.masks = [&](std::size_t view) {
+    return MaskSample{capture.masks[view], {"m" + std::to_string(view) + ": resized"}, true};
+  };
+  Monitor monitor;
+  const SceneCheck result = check_scene({}, monitor, {}, &capture.cloud, capture.scene, loaders);
+  REQUIRE(result.warnings.size() == 2);
+  CHECK(result.warnings[0] == "6 masks: JPEG, compression moves the contours (use PNG) (first: mask)");
+  CHECK(result.warnings[1] == "6 masks: resized (first: m0)");
+}
+
+TEST_CASE("evenly spaced indices are the middles of equal parts, at most n of them") {
+  CHECK(evenly_spaced(4, 21) == std::vector<std::size_t>{2, 7, 13, 18});
+  CHECK(evenly_spaced(1, 1) == std::vector<std::size_t>{0});
+  CHECK(evenly_spaced(5, 3) == std::vector<std::size_t>{0, 1, 2});
+  CHECK(evenly_spaced(0, 3).empty());
+  CHECK(evenly_spaced(3, 0).empty());
+}
+
+}  // namespace ngs

@@ -1,0 +1,84 @@
+#include "ngs/stages/scene/view_align.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "support/joint_case.h"
+
+namespace ngs {
+namespace {
+
+struct Measured {
+  std::unique_ptr<test::JointCase> c = test::joint_case();
+  std::vector<ViewAlignment> views;
+  Camera right;  // view 1's
+  /// View 1's camera is wrong by the inverse of `motion`; the photos are those of the true cameras.
+  explicit Measured(const CameraMotion& motion, int threads = 1, float gain = 1.f) {
+    for (SceneView& view : c->scene.views) view.image_path = "photo";
+    right = c->scene.views[1].camera;
+    c->scene.views[1].camera = moved(right, {-1.0 * motion.turn, -1.0 * motion.move});
+    for (float& x : c->photos[1].data) x = gain * x + 0.2f * (1.f - gain);
+    Monitor monitor;
+    Exec exec;
+    exec.threads = threads;
+    views = measure_alignment(exec, monitor, c->truth, c->scene, [&](std::size_t v) { return c->photos[v]; });
+  }
+  /// Largest distance between where the two cameras see points of the object, px.
+  double error_px(const Camera& camera) const {
+    double worst = 0;
+    for (std::int64_t i = 0; i < c->truth.size(); ++i) {
+      const float* p = &c->truth.position[std::size_t(3 * i)];
+      const auto seen = [&](const Camera& from) {
+        const Vec3<double> x = from.rotation * Vec3<double>{p[0], p[1], p[2]} + from.translation;
+        return std::pair{from.fx * x.x / x.z, from.fy * x.y / x.z};
+      };
+      const auto [u, v] = seen(right);
+      const auto [a, b] = seen(camera);
+      worst = std::max(worst, std::hypot(u - a, v - b));
+    }
+    return worst;
+  }
+};
+
+TEST_CASE("a camera that was turned, rolled and moved is brought back, the others stay") {
+  Measured m({{0.01, -0.015, 0.03}, {0.02, 0.01, -0.05}});
+  REQUIRE(m.views.size() == 4);
+  const double before = m.error_px(m.c->scene.views[1].camera);
+  for (const ViewAlignment& a : m.views) CHECK(a.applied == (a.view == 1));
+  CHECK(m.views[1].error_after < 0.1 * m.views[1].error_before);
+  apply_alignment(m.views, m.c->scene);
+  const double after = m.error_px(m.c->scene.views[1].camera);
+  MESSAGE("largest error " << before << " -> " << after << " px");
+  CHECK(before > 1);
+  CHECK(after < 0.19);  // measured 0.12
+}
+
+TEST_CASE("a darker photo moves no camera, and hides no motion") {
+  for (const ViewAlignment& a : Measured({}, 1, 0.7f).views) CHECK(!a.applied);
+  Measured m({{0.01, 0.02, 0}, {0, 0, 0}}, 1, 0.7f);
+  apply_alignment(m.views, m.c->scene);
+  CHECK(m.error_px(m.c->scene.views[1].camera) < 0.19);  // measured 0.12
+}
+
+TEST_CASE(
+    "views are aligned in the same way by any number of threads, and exact or photoless ones not at all") {
+  for (const ViewAlignment& a : Measured({}).views) CHECK(!a.applied);
+  const CameraMotion motion{{0.02, 0.01, 0}, {0.01, 0, 0}};
+  const Measured one(motion, 1), three(motion, 3);
+  for (std::size_t v = 0; v < 4; ++v) {
+    CHECK(one.views[v].flow_px == three.views[v].flow_px);
+    CHECK(one.views[v].applied == three.views[v].applied);
+  }
+  auto c = test::joint_case();  // no image_path: no photo
+  Monitor monitor;
+  CHECK(measure_alignment({}, monitor, c->truth, c->scene, [](std::size_t) { return ImageF(); }).empty());
+  for (SceneView& view : c->scene.views) view.image_path = "photo";
+  CHECK_THROWS_AS(measure_alignment(
+                      {}, monitor, c->truth, c->scene,
+                      [](std::size_t) -> ImageF { throw Error(ErrorCode::kBadInput, "photo: broken", ""); }),
+                  Error);
+}
+
+}  // namespace
+}  // namespace ngs
