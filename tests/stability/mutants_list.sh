@@ -185,10 +185,10 @@ mutant $f "$t" $f "edges are steps along x" 's/if \(y \+ 1 < win\.h\) sum .*//'
 mutant $f "$t" $f "pixels beside the band forgotten" 's/walk\.right\[std::size_t\(row\)\] \+= w \* double\(walk\.given\[q\]\);/;/'
 mutant $f "$t" $f "nothing says where the contour was" 's/right\.push_back\(shape_weight \* sigmoid\(.*\) \+$/right.push_back(0 +/'
 mutant $f "$t" $f "colours that are no numbers in the means" 's/if \(std::isfinite\(v\)\) sum/sum/'
-t=unit/passes/effect_detectors_test.cpp f=passes/effect_detectors.cpp
+t=unit/passes/detectors_test.cpp f=passes/detectors.cpp
 mutant $f $t $f "narrow: corners of the squares left out" 's/away\[p\] > kReach/away[p] >= kReach/'
 mutant $f $t $f "narrow: beyond the picture is nothing" 's/chessboard_distance\(mask, Outside::kUnknown\)/chessboard_distance(mask)/'
-mutant passes/time_plan.h unit/passes/time_plan_test.cpp passes/time_plan.cpp "plan: early rounds cost what the last does" 's/early_share \* visits \* visit_s;/visits * visit_s;/'
+mutant passes/time/time_plan.h unit/passes/time_plan_test.cpp passes/time_plan.cpp "plan: early rounds cost what the last does" 's/early_share \* visits \* visit_s;/visits * visit_s;/'
 mutant passes/contours/contour_stage.cpp unit/passes/contours/contour_stage_test.cpp passes/contours/contour_stage.cpp "edges: early rounds take all visits" 's/early \? early_epochs\(visits\) : visits/visits/'
 mutant passes/joint/joint_options.h unit/passes/contours/contour_stage_test.cpp "" "joint: few visits where no rounds follow" 's/effects\.edges && effects\.contour_iterations_on && //'
 t="unit/ops/optim/pose_step_test.cpp stability/alignment_stability_test.cpp" f=ops/optim/pose_step.cpp
@@ -262,7 +262,7 @@ mutant $f $t $f "one pixel for the median of an exposure" 's/upper_median\(std::
 mutant $f $t $f "the model's own exposure taken for the view's" 's/logs\[i\]\[c\] - models/logs[i][c]/'
 mutant $f $t $f "clipped pixels have a say on exposure" 's/ && std::max\(a, b\) < kClipped//'
 
-t=unit/passes/effect_probe_test.cpp f=passes/effect_probe.cpp
+t=unit/passes/scene_probe_test.cpp f=passes/effect_probe.cpp
 mutant $f $t $f "an effect decided without what it needs" 's/d\.effect->name == e\.needs && !d\.on/false/'
 mutant $f $t $f "a verdict before an entry" 's/mode != EffectMode::kAuto\)/mode != EffectMode::kAuto \&\& verdicts.empty())/'
 

@@ -5,7 +5,7 @@
 #include "decide.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/passes/contours/refined_masks.h"
-#include "ngs/passes/effect_detectors.h"
+#include "ngs/passes/detectors.h"
 #include "shared/checkpoints.h"
 #include "watch.h"
 

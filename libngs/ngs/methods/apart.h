@@ -12,7 +12,7 @@
 
 namespace ngs {
 
-inline constexpr double kLeastForegroundShare = 0.05;
+
 
 /// Objects that meet, directly or by way of others: lists of indices, ascending, ordered by their first.
 std::vector<std::vector<std::size_t>> objects_that_meet(const std::vector<LabelColumns>& objects);

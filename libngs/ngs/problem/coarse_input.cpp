@@ -1,5 +1,6 @@
 #include "ngs/problem/coarse_input.h"
 
+#include <algorithm>
 #include <atomic>
 
 #include "ngs/backend/for_each.h"
@@ -98,6 +99,12 @@ double CoarseInput::preload(const Exec& exec, const std::function<bool()>& go_on
       coarse_.load_photo(photos[std::size_t(i - masks)]);
   });
   return all > 0 ? 1 - double(refused) / double(all) : 1;
+}
+
+int decision_shrink(const Scene& scene) {
+  int longest_px = 0;
+  for (const SceneView& view : scene.views) longest_px = std::max({longest_px, view.camera.width_px, view.camera.height_px});
+  return longest_px >= 512 ? 2 : 1;
 }
 
 }  // namespace ngs

@@ -11,6 +11,9 @@
 
 namespace ngs {
 
+/// By how much decisions shrink a scene: whether a mask or a Gaussian is wrong shows at half the size, where that still is a picture.
+int decision_shrink(const Scene& scene);
+
 /// Cameras and the low-pass filter are those of images of ceil(size / shrink) pixels; photos and masks are
 /// the means of shrink x shrink pixels, unknown where one of them is. Loads only; nothing is written back.
 /// What was loaded is kept, masks run by run, up to `kept_bytes`. `fine` must outlive it, and load for several

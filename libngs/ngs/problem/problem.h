@@ -33,6 +33,9 @@ class SharedLabels {
   std::shared_ptr<const std::vector<LabelColumns>> labels_;
 };
 
+/// Share of an object's weight from which a Gaussian counts as a part of it.
+inline constexpr double kLeastForegroundShare = 0.05;
+
 struct Problem {
   const GaussianCloud& cloud;
   const Scene& scene;
@@ -46,7 +49,8 @@ struct Problem {
   SharedLabels labels;                                     // of ngs-variance, one per object
   // As load_photo, finer where the photo has more pixels than the camera; empty function or image: no photo.
   std::function<ImageF(std::size_t view)> load_fine_photo = {};
-  std::vector<std::uint8_t> held = {};                     // [N] 1: method paper keeps shape, opacity and colour; empty: none
+  std::vector<std::uint8_t> held = {};                     // [N] 1: shape, opacity and colour stay as they are; empty: none
+  std::vector<std::shared_ptr<const void>> owns = {};      // what the references above refer to, where nobody else keeps it
 };
 
 struct Solution {

@@ -1,4 +1,4 @@
-#include "ngs/passes/time_plan.h"
+#include "ngs/passes/time/time_plan.h"
 
 #include <doctest/doctest.h>
 

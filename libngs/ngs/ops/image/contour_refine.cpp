@@ -336,7 +336,7 @@ std::vector<float> refine_contour(const ContourRefineOptions& options, MaskPlane
     walk.index[p] = int(walk.diagonal.size());
     const double trust = double(evidence.trust[p]), doubt = 1 - trust;
     const double colour_weight = options.colour_weight * trust,
-                 shape_weight = options.shape_weight + options.doubt_weight * doubt * doubt;
+                 shape_weight = options.shape_weight + options.ambiguity_weight * doubt * doubt;
     walk.diagonal.push_back(shape_weight + colour_weight);
     walk.right.push_back(shape_weight * sigmoid(double(d[p]) / kShapeWidth_px) +
                          colour_weight * double(evidence.object[p]));

@@ -27,7 +27,7 @@ struct ContourRefineOptions {
   double reach_px = 40;        // colours are learned from pixels nearer than this to the contour
   double colour_weight = 0.1;  // λ_c
   double shape_weight = 3e-3;  // λ_s
-  double doubt_weight = 3;     // λ_d
+  double ambiguity_weight = 3;     // λ_d
 };
 
 /// Soft mask [H·W] in [0, 1]; > 0.5 is the object. `photo` [H, W, 3] of the mask's size. Serial: views are

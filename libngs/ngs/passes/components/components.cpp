@@ -40,15 +40,15 @@ class Cells {
   double side_;
 };
 
-/// 1: claimed, and apart from the core.
+/// 1: claimed, and not linked with the core.
 std::vector<std::uint8_t> far_from_core(const Exec& exec, const ComponentOptions& options, const Problem& input,
                                           const LabelColumns& object) {
   const GaussianCloud& cloud = input.cloud;
   const auto n = std::size_t(cloud.size());
-  std::vector<std::uint8_t> apart(n, 0);
+  std::vector<std::uint8_t> far(n, 0);
   const ObjectCore core = core_of(options.core, cloud, std::span(&object, 1));
   const double margin = core.count > 1 ? core_margin(exec, options.core, cloud, core) : 0;
-  if (!(margin > 0)) return apart;
+  if (!(margin > 0)) return far;
   const Cells cells(core, margin);
   std::unordered_set<std::uint64_t> labelled, linked;
   std::vector<std::uint64_t> open;
@@ -70,9 +70,9 @@ std::vector<std::uint8_t> far_from_core(const Exec& exec, const ComponentOptions
     if (double(object.views[i]) >= core.least_views) continue;
     bool near = false;
     Cells::for_neighbours(cells.of(&cloud.position[3 * i]), [&](std::uint64_t cell) { near |= linked.contains(cell); });
-    apart[i] = !near;
+    far[i] = !near;
   }
-  return apart;
+  return far;
 }
 
 }  // namespace
@@ -80,16 +80,16 @@ std::vector<std::uint8_t> far_from_core(const Exec& exec, const ComponentOptions
 ComponentFinding find_disconnected(const Exec& exec, const ComponentOptions& options, const Problem& input) {
   ComponentFinding finding{input.labels, std::vector<std::uint8_t>(std::size_t(input.cloud.size()), 0)};
   for (LabelColumns& object : finding.labels) {
-    const std::vector<std::uint8_t> apart = far_from_core(exec, options, input, object);
-    for (std::size_t i = 0; i < apart.size(); ++i) {
-      if (!apart[i]) continue;
-      ++finding.count, finding.stray[i] = 1;
+    const std::vector<std::uint8_t> far = far_from_core(exec, options, input, object);
+    for (std::size_t i = 0; i < far.size(); ++i) {
+      if (!far[i]) continue;
+      ++finding.count, finding.disconnected[i] = 1;
       object.label[i] = object.prob[i] = object.variance[i] = object.views[i] = object.boundary[i] = 0;
     }
   }
   for (const LabelColumns& object : finding.labels)
-    for (std::size_t i = 0; i < finding.stray.size(); ++i)
-      if (double(object.prob[i]) > options.claimed) finding.stray[i] = 0;
+    for (std::size_t i = 0; i < finding.disconnected.size(); ++i)
+      if (double(object.prob[i]) > options.claimed) finding.disconnected[i] = 0;
   return finding;
 }
 

@@ -1,12 +1,11 @@
 #pragma once
-// Strays: Gaussians far from the object that its masks claim all the same.                        PAPER.md §5.13
+// Disconnected components: Gaussians far from the object that its masks claim all the same.     PAPER.md §5.13
 //
 // What stands behind the object is hidden in the views that look at it across the object; a trace of it shows through,
 // all of it within the mask, and so its closed form is 1. Where another view sees it in the open, a piece of the room
 // is drawn as object. Evidence that small cannot be weighed against itself; but an object hangs together. Gaussians
 // labelled as the object are linked where they lie in neighbouring cells whose side is the core's margin
-// (passes/components/object_core.h); what is claimed and lies beside no cell that is linked with the core is a stray.
-#include "ngs/methods/apart.h"
+// (object_core.h); what is claimed and lies beside no cell that is linked with the core is disconnected.
 #include "ngs/passes/components/object_core.h"
 
 namespace ngs {
@@ -14,13 +13,13 @@ namespace ngs {
 struct ComponentOptions {
   CoreOptions core{.seen = 0.5, .margin = 0.5};
   double labelled = 0.5;  // share from which a Gaussian links others to the core
-  double claimed = kLeastForegroundShare;  // share from which it may be a stray
+  double claimed = kLeastForegroundShare;  // share from which it may be disconnected
 };
 
 struct ComponentFinding {
-  std::vector<LabelColumns> labels;  // of the input; components of an object are as what no view has seen: all 0
-  std::vector<std::uint8_t> stray;   // [N] 1: a stray of some object that no object claims any more
-  std::int64_t count = 0;            // over all objects
+  std::vector<LabelColumns> labels;        // of the input; what is disconnected is as what no view has seen: all 0
+  std::vector<std::uint8_t> disconnected;  // [N] 1: of some object, and no object has a share in it any more
+  std::int64_t count = 0;                  // over all objects
 };
 
 /// Without a core, as with masks of so few views that every trace is one, nothing is found. Rows fixed by hand stay.

@@ -6,12 +6,11 @@
 #include <optional>
 
 #include "ngs/ops/splat/evidence.h"
-#include "ngs/methods/apart.h"
 #include "ngs/problem/coarse_input.h"
 #include "ngs/passes/contours/refined_masks.h"
 #include "ngs/passes/contours/straddler_split.h"
 #include "ngs/passes/contours/photoless_views.h"
-#include "ngs/passes/effect_detectors.h"
+#include "ngs/passes/detectors.h"
 #include "ngs/stages/boundary/variance_stage.h"
 #include "ngs/problem/view_list.h"
 
@@ -30,10 +29,10 @@ constexpr GaussianRates kContourRates{.position = 1.6e-4,
 // The size, relative to the camera's, that photos with fewer pixels are enlarged to where that serves.
 constexpr int kLargeDetail = 2;
 
-// Rounds before the last, where the object has no parts that would be lost by it: sides, relative to the camera's; share of
-// the rates, since gradients of a quarter of the pixels are noisier and views that no photo shows drift; share of the epochs.
+// Iterations before the last, where the object has no parts that would be lost by it: by how much the sides shrink, and the
+// share of the rates, since gradients of a quarter of the pixels are noisier and views that no photo shows drift.
 constexpr int kEarlyShrink = 2;
-constexpr double kEarlyRate = 0.75, kEarlyEpochs = 0.5;
+constexpr double kEarlyRate = 0.75;
 
 // Which Gaussians are trained: share of the weight in the windows, weight across contours.
 constexpr double kLeastInside = 0.99, kLeastStraddling_px = 0.5;
@@ -55,21 +54,21 @@ ExactSums weight_in_all(const Exec& exec, const ContourSetup& setup, const std::
   ExactSums weight;
   weight.resize(std::size_t(cloud.size()));
   for (const std::size_t v : views) {
-    const Camera& camera = setup.input.scene.views[v].camera;
+    const Camera& camera = setup.problem.scene.views[v].camera;
     ViewMasks all;
     all.width_px = camera.width_px, all.height_px = camera.height_px, all.available = true;
     all.target.emplace_back(std::size_t(camera.width_px) * std::size_t(camera.height_px), 1.f);
-    const ViewSums seen = view_sums(exec, cloud, camera, setup.input.splat, all);
+    const ViewSums seen = view_sums(exec, cloud, camera, setup.problem.splat, all);
     for (std::size_t r = 0; r < seen.size(); ++r) weight.add(seen.row[r], seen.weight(r));
   }
   return weight;
 }
 
 /// 1: the Gaussian is held, or shows outside of the windows too, where no photo would hold it.
-std::vector<float> untouchable(const Exec& exec, const ContourSetup& setup, const std::vector<std::size_t>& views,
+std::vector<float> kept_rows(const Exec& exec, const ContourSetup& setup, const std::vector<std::size_t>& views,
                                const Model& model, const ExactSums& inside) {
   const ExactSums all = weight_in_all(exec, setup, views, model.cloud);
-  const std::vector<std::uint8_t>& held = setup.input.held;
+  const std::vector<std::uint8_t>& held = setup.problem.held;
   std::vector<float> out(all.size());
   for (std::size_t i = 0; i < out.size(); ++i)
     out[i] = inside.value(i) < kLeastInside * all.value(i) ||
@@ -80,14 +79,14 @@ std::vector<float> untouchable(const Exec& exec, const ContourSetup& setup, cons
 /// The rows with the Gaussians that lie across a contour halved. Not what must stay whole: halves look a little different
 /// until they are trained.
 std::vector<CloudRow> halved_rows(const ContourSetup& setup, std::vector<double> straddling_px,
-                                  const std::vector<float>& whole) {
+                                  const std::vector<float>& kept) {
   for (std::size_t i = 0; i < straddling_px.size(); ++i)
-    if (whole[i] > 0) straddling_px[i] = 0;
-  return split_straddlers(straddling_px, setup.edge.split_px, std::int64_t(straddling_px.size()));
+    if (kept[i] > 0) straddling_px[i] = 0;
+  return split_straddlers(straddling_px, setup.contour.split_px, std::int64_t(straddling_px.size()));
 }
 
 void edit_model(const Exec& exec, const ContourSetup& setup, const std::vector<CloudRow>& rows, Model& model) {
-  edit_rows(exec, rows, setup.input.seed, model.cloud);
+  edit_rows(exec, rows, setup.problem.seed, model.cloud);
   if (!model.fixed.empty()) edit_column(exec, rows, 1, model.fixed);
   for (LabelColumns& c : model.labels)
     for (const auto column : kLabelColumns) edit_column(exec, rows, 1, c.*column);
@@ -107,33 +106,33 @@ void label_halves(const Evidence& halves, std::vector<LabelColumns>& labels) {
 }
 
 /// What an iteration works on: of a large model most shows in no window.
-struct InPlay {
+struct TrainedRows {
   std::vector<std::int64_t> rows;    // that show in some window, or are trained
-  std::vector<std::uint8_t> frozen;  // [rows] 1: not trained: the untouchable, and background that does not lie across a
+  std::vector<std::uint8_t> frozen;  // [rows] 1: not trained: the kept_rows, and background that does not lie across a
                                      // contour
 };
 
 /// Halves what lies across a contour.
-InPlay split_model(const Exec& exec, const ContourSetup& setup, const Problem& window, Model& model) {
+TrainedRows split_model(const Exec& exec, const ContourSetup& setup, const Problem& window, Model& model) {
   Straddling across = straddling(exec, window, model.cloud, 0);
-  std::vector<float> whole = untouchable(exec, setup, window.views, model, across.weight);
-  if (parse_effects(setup.joint.effect).split) {
-    const std::vector<CloudRow> rows = halved_rows(setup, across.px, whole);
+  std::vector<float> kept = kept_rows(exec, setup, window.views, model, across.weight);
+  if (setup.contour.on.split) {
+    const std::vector<CloudRow> rows = halved_rows(setup, across.px, kept);
     edit_model(exec, setup, rows, model);
-    edit_column(exec, rows, 1, whole);
+    edit_column(exec, rows, 1, kept);
     const auto halves = std::count_if(rows.begin(), rows.end(), [](CloudRow row) { return row.origin != RowOrigin::kKept; });
     across = straddling(exec, window, model.cloud, halves);
     label_halves(across.last, model.labels);
   }
-  InPlay play;
-  for (std::size_t i = 0; i < whole.size(); ++i) {
+  TrainedRows part;
+  for (std::size_t i = 0; i < kept.size(); ++i) {
     bool concerned = across.px[i] > kLeastStraddling_px;
     for (const LabelColumns& object : model.labels) concerned |= object.prob[i] > kLeastForegroundShare;
-    const bool trained = concerned && whole[i] == 0;
+    const bool trained = concerned && kept[i] == 0;
     if (!trained && !(across.weight.value(i) > 0)) continue;
-    play.rows.push_back(std::int64_t(i)), play.frozen.push_back(!trained);
+    part.rows.push_back(std::int64_t(i)), part.frozen.push_back(!trained);
   }
-  return play;
+  return part;
 }
 
 std::vector<LabelColumns> gather_labels(const Exec& exec, const std::vector<LabelColumns>& labels,
@@ -152,13 +151,12 @@ void put_back(const Exec& exec, const Solution& trained, const std::vector<std::
 }
 
 JointOptions window_options(const ContourSetup& setup, std::size_t views, bool early) {
-  JointOptions joint = setup.joint;
-  const int epochs = contour_epochs(setup.edge, setup.joint.quality, views);
+  JointOptions joint = setup.training.joint;
+  const int epochs = contour_epochs(setup.contour, setup.training.joint.quality, views);
   joint.steps = std::int64_t(early ? early_epochs(epochs) : epochs) * std::int64_t(views);
-  joint.rate_scale = setup.edge.rate * (early ? kEarlyRate : 1), joint.rate_literal = false;
+  joint.rate_scale = setup.contour.rate * (early ? kEarlyRate : 1), joint.rate_literal = false;
   joint.start_steps = 1;  // from the labels as they have been trained
-  joint.effect.push_back("nerf=off");  // its rays are those of the whole image
-  joint.effect.push_back("cont=off");
+  joint.on.nerf = joint.on.cont = false;  // rays are those of the whole image
   return joint;
 }
 
@@ -169,82 +167,82 @@ class ContourRun {
       : exec_(exec),
         monitor_(monitor),
         setup_(setup),
-        model_{start.cloud, start.labels, start.source_row, setup.input.fixed},
-        views_(setup.input.views) {
+        model_{start.cloud, start.labels, start.source_row, setup.problem.fixed},
+        views_(setup.problem.views) {
     if (model_.source_row.empty()) {
       model_.source_row.resize(std::size_t(model_.cloud.size()));
       std::iota(model_.source_row.begin(), model_.source_row.end(), std::int64_t(0));
     }
-    if (setup.edge.views == ContourViews::kAll) {
-      views_.resize(setup.input.scene.views.size());
+    if (setup.contour.views == ContourViews::kAll) {
+      views_.resize(setup.problem.scene.views.size());
       std::iota(views_.begin(), views_.end(), std::size_t(0));
     }
   }
 
   /// Masks of the model as it is; false where there is none to train on or, in the first iteration, where the
-  /// walk disagrees with the given masks.
-  bool walk(bool first) {
-    const auto timed = monitor_.scope("walk");
-    refined_ = walk_at(detail_, first);
-    if (first && could_enlarge(refined_, kLargeDetail)) try_enlarged();
+  /// refinement disagrees with the given masks.
+  bool refine(bool first) {
+    const auto timed = monitor_.scope("refine contours");
+    refined_ = refined_at(detail_, first);
+    if (first && could_enlarge(refined_, kLargeDetail)) try_enlarging();
     if (first)
-      std::copy_if(views_.begin(), views_.end(), std::back_inserter(unseen_), [&](std::size_t v) { return refined_[v].detail == 0; });
+      std::copy_if(views_.begin(), views_.end(), std::back_inserter(photoless_), [&](std::size_t v) { return refined_[v].detail == 0; });
     drop_empty_views();
     if (!first || views_.empty()) return !views_.empty();
-    return believable();
+    return agrees_with_masks();
   }
 
-  /// Whether the given masks' contours do not lie on the edges that the last walk found.
-  bool beside_edges() const { return masks_misaligned(refined_); }
+  /// Whether the given masks' contours do not lie on the edges that the last refinement found.
+  bool misaligned() const { return masks_misaligned(refined_); }
 
   /// Whether it has to be tried what views without a photo are trained on, and can be: then there are judges. After the
-  /// first walk.
+  /// first refinement.
   bool must_try() {
-    if (setup_.edge.unseen == PhotolessViews::kAuto && !unseen_.empty()) judges_ = judges_of(views_);
+    if (setup_.contour.photoless == PhotolessViews::kAuto && !photoless_.empty()) judges_ = judges_of(views_);
     return !judges_.empty();
   }
 
   /// An iteration as the first one of `iterations`, but without the judges, which is forgotten. False if it ended early: then it counts.
-  bool try_unseen(int iterations) {
+  bool try_pictures_first(int iterations) {
     Model start = model_;
     std::erase_if(views_, [&](std::size_t v) { return std::find(judges_.begin(), judges_.end(), v) != judges_.end(); });
     if (!train(0, iterations)) return false;
     const auto timed = monitor_.scope("pictures tried");
     trial_ = try_pictures(exec_, refine_setup(detail_), {start.cloud, start.labels}, {model_.cloud, model_.labels}, refined_, judges_);
-    model_ = std::move(start), rounds_ = 0;
+    model_ = std::move(start), iterations_ = 0;
     add_views(judges_);
     return true;
   }
 
   /// Views without a photo get the picture of the model as it is, where it serves or was asked for. Before the first iteration.
-  void settle_unseen() {
-    const bool wanted = setup_.edge.unseen == PhotolessViews::kPicture || (trial_ && trial_->picture_serves);
-    if (unseen_.empty() || !wanted) return;
-    pictured_.emplace(with_pictures(exec_, setup_.input, model_.cloud, unseen_));
-    std::vector<RefinedView> more = refine_views(exec_, refine_setup(detail_), {model_.cloud, model_.labels}, unseen_, {});
-    for (const std::size_t v : unseen_) refined_[v] = std::move(more[v]);
-    add_views(unseen_);
+  void settle_photoless() {
+    const bool wanted = setup_.contour.photoless == PhotolessViews::kPicture || (trial_ && trial_->picture_serves);
+    if (photoless_.empty() || !wanted) return;
+    pictured_.emplace(with_pictures(exec_, setup_.problem, model_.cloud, photoless_));
+    std::vector<RefinedView> more = refine_views(exec_, refine_setup(detail_), {model_.cloud, model_.labels}, photoless_, {});
+    for (const std::size_t v : photoless_) refined_[v] = std::move(more[v]);
+    add_views(photoless_);
     drop_empty_views();
   }
 
   /// One of `iterations`; the last is trained at the full size. False if it ended early.
   bool train(int iteration, int iterations) {
-    Scene scene = setup_.input.scene;
+    Scene scene = setup_.problem.scene;
     for (const std::size_t v : views_)
       scene.views[v].camera = window_camera(scene.views[v].camera, refined_[v].window);
-    const InPlay play = split_model(exec_, setup_, window_input(scene, iteration, model_.cloud), model_);
-    const GaussianCloud part = gather_rows(exec_, model_.cloud, play.rows);
+    const TrainedRows rows = split_model(exec_, setup_, window_input(scene, iteration, model_.cloud), model_);
+    const GaussianCloud part = gather_rows(exec_, model_.cloud, rows.rows);
     Problem input = window_input(scene, iteration, part);
-    input.labels = gather_labels(exec_, model_.labels, play.rows);
-    if (!model_.fixed.empty()) input.fixed = gather_column(exec_, model_.fixed, 1, play.rows);
-    const bool early = iteration + 1 < iterations && !parse_effects(setup_.joint.effect).full_resolution;
+    input.labels = gather_labels(exec_, model_.labels, rows.rows);
+    if (!model_.fixed.empty()) input.fixed = gather_column(exec_, model_.fixed, 1, rows.rows);
+    const bool early = iteration + 1 < iterations && !setup_.contour.on.full_resolution;
     const JointOptions joint = window_options(setup_, views_.size(), early);
     std::optional<CoarseInput> coarse;
     if (early) coarse.emplace(input, kEarlyShrink, 0);  // the trainer keeps views
     JointTrainer trainer(exec_, monitor_,
-                         {joint, setup_.sample, setup_.rbf, coarse ? coarse->get() : input, nullptr, kContourRates, play.frozen}, true);
+                         {joint, setup_.training.sample, setup_.training.rbf, coarse ? coarse->get() : input, nullptr, kContourRates, rows.frozen}, true);
     const auto whole = [&] {
-      put_back(exec_, trainer.result(), play.rows, model_);
+      put_back(exec_, trainer.result(), rows.rows, model_);
       return Solution{.cloud = model_.cloud, .source_row = model_.source_row, .labels = model_.labels, .figures = {}};
     };
     bool ended = false;
@@ -253,37 +251,37 @@ class ContourRun {
       monitor_.progress(progress.step, progress.steps);
       ended = setup_.stop_after && setup_.stop_after(progress, trainer, whole);
     }
-    put_back(exec_, trainer.result(), play.rows, model_);
-    ++rounds_;
+    put_back(exec_, trainer.result(), rows.rows, model_);
+    ++iterations_;
     return trainer.finished() && !ended;
   }
 
   void finish(Solution& result) && {
-    result.figures["contour_iterations"] = double(rounds_);
+    result.figures["contour_iterations"] = double(iterations_);
     result.figures["contour_biou_rendered"] = rendered_, result.figures["contour_biou_refined"] = refined_biou_;
     result.figures["contour_contrast_given"] = own_contrast_;
     result.figures["contour_contrast_refined"] = refined_contrast_;
     result.figures["contour_detail"] = double(detail_);
-    result.figures["contour_pictures"] = pictured_ ? double(std::count_if(unseen_.begin(), unseen_.end(), [&](std::size_t v) {
+    result.figures["contour_pictures"] = pictured_ ? double(std::count_if(photoless_.begin(), photoless_.end(), [&](std::size_t v) {
                                           return refined_[v].masks.available();
                                         }))
                                                 : 0.0;
-    if (trial_) result.figures["contour_biou_pictured"] = trial_->pictured, result.figures["contour_biou_skipped"] = trial_->unseen;
+    if (trial_) result.figures["contour_biou_pictured"] = trial_->pictured, result.figures["contour_biou_skipped"] = trial_->skipped;
     result.figures["contour_gaussians"] = double(model_.cloud.size());
-    if (rounds_ == 0) return;
+    if (iterations_ == 0) return;
     result.cloud = std::move(model_.cloud), result.labels = std::move(model_.labels);
     result.source_row = std::move(model_.source_row);
   }
 
  private:
-  std::vector<RefinedView> walk_at(int detail, bool compare) const {
+  std::vector<RefinedView> refined_at(int detail, bool compare) const {
     return refine_views(exec_, refine_setup(detail), {model_.cloud, model_.labels}, views_,
-                      compare ? setup_.input.views : std::vector<std::size_t>{});
+                      compare ? setup_.problem.views : std::vector<std::size_t>{});
   }
 
-  RefineSetup refine_setup(int detail) const { return {setup_.edge.walk, setup_.edge.margin_px, input(), detail}; }
+  RefineSetup refine_setup(int detail) const { return {setup_.contour.refine, setup_.contour.margin_px, input(), detail}; }
 
-  const Problem& input() const { return pictured_ ? *pictured_ : setup_.input; }
+  const Problem& input() const { return pictured_ ? *pictured_ : setup_.problem; }
 
   void add_views(const std::vector<std::size_t>& more) {
     views_.insert(views_.end(), more.begin(), more.end());
@@ -295,8 +293,8 @@ class ContourRun {
   }
 
   /// Keeps to enlarged photos if the contours refined there agree better with the given masks.
-  void try_enlarged() {
-    std::vector<RefinedView> large = walk_at(kLargeDetail, true);
+  void try_enlarging() {
+    std::vector<RefinedView> large = refined_at(kLargeDetail, true);
     if (gain_in_errors(gains_over(large, refined_)) <= kSignificant) return;
     detail_ = kLargeDetail, refined_ = std::move(large);
   }
@@ -304,7 +302,7 @@ class ContourRun {
   /// Whether the refined masks agree with the given ones at least as well as the rendered masks did, within
   /// twice the standard error of the mean difference over the views; or whether the given masks are too far
   /// from the photos' edges to judge them.
-  bool believable() {
+  bool agrees_with_masks() {
     double count = 0;
     for (const RefinedView& view : refined_) {
       if (!view.compared) continue;
@@ -323,9 +321,9 @@ class ContourRun {
             .views = views_,
             .load_masks = [this](std::size_t v) { return refined_[v].masks.unpacked(); },
             .load_photo = [this](std::size_t v) { return window_photo(v); },
-            .splat = setup_.input.splat,
-            .background = setup_.input.background,
-            .seed = setup_.input.seed + std::uint64_t(iteration),
+            .splat = setup_.problem.splat,
+            .background = setup_.problem.background,
+            .seed = setup_.problem.seed + std::uint64_t(iteration),
             .fixed = {},
             .labels = {}};
   }
@@ -342,51 +340,33 @@ class ContourRun {
   const ContourSetup& setup_;
   Model model_;
   std::vector<std::size_t> views_;  // with a photo, and with something of the object in it
-  std::vector<std::size_t> unseen_, judges_;      // without a photo; with one, but not in the first iteration
+  std::vector<std::size_t> photoless_, judges_;      // without a photo; with one, but not in the first iteration
   std::vector<RefinedView> refined_;                // [scene views]
-  std::optional<Problem> pictured_;           // the input with pictures of the unseen, where these serve
+  std::optional<Problem> pictured_;           // the input with pictures of these views, where these serve
   std::optional<Trial> trial_;                    // where it came to its end
   double rendered_ = 0, refined_biou_ = 0, own_contrast_ = 0, refined_contrast_ = 0;
-  int rounds_ = 0, detail_ = 1;
+  int iterations_ = 0, detail_ = 1;
 };
 
 }  // namespace
 
-int contour_epochs(const ContourOptions& edge, Quality quality, std::size_t views) {
-  constexpr int kEpochs = 15;
-  if (edge.epochs > 0 || quality == Quality::kDraft) return edge.epochs;
-  const double share = std::min(1.0, std::sqrt(double(kViewsOfAllEpochs) / double(std::max<std::size_t>(views, 1))));
-  return int(std::ceil(kEpochs * share));
-}
-
-int early_epochs(int epochs) { return int(std::ceil(kEarlyEpochs * epochs)); }
-
-double early_iteration_share(const JointEffects& effects, int epochs) {
-  constexpr double kCoarse = 0.5;  // a quarter of the pixels, but all of the Gaussians
-  return effects.full_resolution || epochs == 0 ? 1 : kCoarse * early_epochs(epochs) / epochs;
-}
-
-bool may_try_pictures(const ContourOptions& edge, const Scene& scene) {
-  return edge.unseen == PhotolessViews::kAuto && photo_views(scene).size() < scene.views.size();
-}
-
 Solution refine_contours(const Exec& exec, Monitor& monitor, const ContourSetup& setup, Solution start) {
-  const std::size_t all_views = setup.input.scene.views.size();
-  if (contour_epochs(setup.edge, setup.joint.quality, all_views) == 0 || !setup.input.load_fine_photo) return start;
+  const std::size_t all_views = setup.problem.scene.views.size();
+  if (contour_epochs(setup.contour, setup.training.joint.quality, all_views) == 0 || !setup.problem.load_fine_photo) return start;
   const auto timed = monitor.scope("contours");
   ContourRun run(exec, monitor, setup, start);
-  const bool more = parse_effects(setup.joint.effect).contour_iterations_on;
+  const bool more = setup.contour.on.iterations;
   int iterations = 1;
   for (int iteration = 0; iteration < iterations && start.converged && !monitor.stop_requested(); ++iteration) {
-    if (!run.walk(iteration == 0)) break;
+    if (!run.refine(iteration == 0)) break;
     if (iteration == 0) {
-      if (more) iterations = contour_iterations(setup.edge, setup.joint.quality, run.beside_edges());
+      if (more) iterations = contour_iterations(setup.contour, setup.training.joint.quality, run.misaligned());
       const int trial = run.must_try() ? 1 : 0;  // takes the time of an iteration
       const int allowed = setup.iterations_allowed ? setup.iterations_allowed(iterations + trial) : iterations + trial;
       if (allowed == 0) break;
       iterations = std::max(1, allowed - trial);
-      if (trial != 0 && allowed > 1 && !(start.converged = run.try_unseen(iterations))) break;
-      run.settle_unseen();
+      if (trial != 0 && allowed > 1 && !(start.converged = run.try_pictures_first(iterations))) break;
+      run.settle_photoless();
     }
     start.converged = run.train(iteration, iterations);
   }

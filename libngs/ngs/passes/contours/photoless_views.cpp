@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "ngs/passes/effect_detectors.h"
+#include "ngs/passes/detectors.h"
 
 namespace ngs {
 
@@ -75,16 +75,16 @@ Trial try_pictures(const Exec& exec, const RefineSetup& setup, const LabelledMod
       const Camera& camera = input.scene.views[v].camera;
       return whole_masks(in_photos[v], camera.width_px, camera.height_px);
     };
-    return refine_views(exec, {setup.walk, setup.margin_px, input, setup.detail}, model, judges, judges);
+    return refine_views(exec, {setup.refine, setup.margin_px, input, setup.detail}, model, judges, judges);
   };
-  const std::vector<RefinedView> pictured = judged(with_pictures(exec, setup.input, before.cloud, judges), before),
-                                unseen = judged(setup.input, after);
+  const std::vector<RefinedView> pictured = judged(with_pictures(exec, setup.problem, before.cloud, judges), before),
+                                skipped = judged(setup.problem, after);
   Trial trial;
   std::vector<double> gains;
   for (const std::size_t v : judges) {
-    gains.push_back(pictured[v].refined_biou - unseen[v].rendered_biou);
+    gains.push_back(pictured[v].refined_biou - skipped[v].rendered_biou);
     trial.pictured += pictured[v].refined_biou / double(judges.size());
-    trial.unseen += unseen[v].rendered_biou / double(judges.size());
+    trial.skipped += skipped[v].rendered_biou / double(judges.size());
   }
   trial.picture_serves = gain_in_errors(gains) > kSignificant;
   return trial;

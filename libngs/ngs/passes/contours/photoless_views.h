@@ -1,5 +1,5 @@
 #pragma once
-// Views without a photo, in the iterations of edges.                                                  PAPER.md §5.10
+// Views without a photo, in contour iterations.                                                 PAPER.md §5.10
 //
 // No photo of an iteration holds what such a view shows, and it drifts. What the model showed there before the iterations could stand
 // in for the photo: its picture is kept, and its contours are refined to the picture's edges. That serves where the picture is
@@ -22,7 +22,7 @@ Problem with_pictures(const Exec& exec, const Problem& input, const GaussianClou
                           std::size_t kept_bytes = 256u << 20);
 
 struct Trial {
-  double pictured = 0, unseen = 0;  // mean boundary IoU (0.005) with the contours as refined in the photos
+  double pictured = 0, skipped = 0;  // mean boundary IoU (0.005) with the contours as refined in the photos
   bool picture_serves = false;      // pictured is higher by more than twice the standard error
 };
 

@@ -87,17 +87,17 @@ double contrast_of(const std::vector<std::uint8_t>& mask, const ImageF& photo) {
 
 RefinedView refine_view(const RefineSetup& setup, const LabelChannels& model, std::size_t v, bool compare) {
   const Exec serial;
-  const Problem& input = setup.input;
+  const Problem& input = setup.problem;
   const Camera& camera = input.scene.views[v].camera;
   ImageF photo = input.load_fine_photo(v);
   if (photo.empty()) return {};
   const int w = camera.width_px, h = camera.height_px;
   RefinedView out;
   out.detail = double(photo.width_px) / w;
-  ContourRefineOptions walk = setup.walk;
+  ContourRefineOptions refine = setup.refine;
   if (out.detail < setup.detail) {
     photo = enlarged(photo, setup.detail * w, setup.detail * h);
-    walk.band_px *= setup.detail / out.detail, walk.reach_px *= setup.detail / out.detail;
+    refine.band_px *= setup.detail / out.detail, refine.reach_px *= setup.detail / out.detail;
   }
   const int fw = photo.width_px, fh = photo.height_px;
   const ImageF label =
@@ -109,7 +109,7 @@ RefinedView refine_view(const RefineSetup& setup, const LabelChannels& model, st
   for (std::size_t k = 0; k < objects; ++k) {
     std::vector<std::uint8_t> mask(std::size_t(photo.pixels()));
     for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = label.data[p * objects + k] > 0.5f;
-    std::vector<float> refined = refine_contour(walk, {mask.data(), fw, fh}, photo);
+    std::vector<float> refined = refine_contour(refine, {mask.data(), fw, fh}, photo);
     for (float& x : refined) x = x > 0.5f ? 1.f : 0.f;
     targets[k] = reduce(refined, fw, fh, w, h);
     if (!out.compared) continue;
@@ -131,7 +131,7 @@ RefinedView refine_view(const RefineSetup& setup, const LabelChannels& model, st
 std::vector<RefinedView> refine_views(const Exec& exec, const RefineSetup& setup, const LabelledModel& model,
                                    const std::vector<std::size_t>& views,
                                    const std::vector<std::size_t>& compared) {
-  const std::size_t count = setup.input.scene.views.size();
+  const std::size_t count = setup.problem.scene.views.size();
   std::vector<RefinedView> refined(count);
   std::vector<std::uint8_t> compare(count, 0);
   for (const std::size_t v : compared) compare[v] = 1;

@@ -19,9 +19,9 @@ struct RefinedView {
 };
 
 struct RefineSetup {
-  const ContourRefineOptions& walk;
+  const ContourRefineOptions& refine;
   double margin_px;  // of the windows
-  const Problem& input;
+  const Problem& problem;
   int detail = 1;  // photos with fewer pixels than this many times the camera's size are enlarged to it
 };
 

@@ -6,7 +6,7 @@
 #include "ngs/core/check.h"
 #include "ngs/ops/field/knn.h"
 #include "ngs/ops/losses/loss_smooth.h"
-#include "ngs/passes/effect_detectors.h"
+#include "ngs/passes/detectors.h"
 
 namespace ngs {
 namespace {

@@ -26,7 +26,7 @@ struct FieldRays {
 double field_reach(const SampleOptions& sample, const GaussianCloud& cloud,
                    const std::vector<Camera>& cameras, const BoundarySet& boundary);
 
-/// Side of the finest cell of the encoding, in spacings of the boundary (passes/effect_detectors.h).
+/// Side of the finest cell of the encoding, in spacings of the boundary (passes/detectors.h).
 double encoding_cells(const Exec& exec, double reach, double width, Rows<const float, 3> boundary,
                       int finest);
 
@@ -34,7 +34,7 @@ class JointField {
  public:
   struct Setup {
     const JointOptions& options;
-    const JointEffects& effects;
+    const JointSwitches& effects;
     const SampleOptions& sample;
     const RbfOptions& rbf;
     const GaussianCloud& cloud;
@@ -100,7 +100,7 @@ class JointField {
   Points points_of(const FieldRays& rays, Rows<const float, 3> boundary) const;
 
   JointOptions options_;
-  JointEffects effects_;
+  JointSwitches effects_;
   SampleOptions sample_;
   int neighbours_ = 8;
   double width_ = 1;

@@ -8,7 +8,7 @@
 #include "ngs/ops/field/hash_grid.h"
 #include "ngs/ops/losses/loss_mask.h"
 #include "ngs/options/field.h"
-#include "ngs/passes/effects.h"
+#include "ngs/passes/joint/joint_switches.h"
 #include "ngs/stages/boundary/rbf_stage.h"
 #include "ngs/stages/boundary/sample_stage.h"
 
@@ -50,26 +50,14 @@ inline int epochs_of(Quality quality) {
   return 10;
 }
 
-/// Of these, what iterations of edges at half the size leave of the steps: those iterations do the rest of their work.
+/// Share of the epochs that is taken before contour iterations at half the size, which do the rest of their work.
 inline constexpr double kEpochsBeforeContours = 0.3;
-inline int epochs_of(Quality quality, const JointEffects& effects) {
-  const bool few = effects.edges && effects.contour_iterations_on && !effects.full_resolution;
-  return int(std::ceil((few ? kEpochsBeforeContours : 1) * epochs_of(quality)));
-}
-
-/// What the effects leave of the box (Sp), and a draft of nodes and depths: one visit of every view learns little from the
-/// field, and a quarter of the nodes at half the depths moved no score of a capture by more than 0.0002 (BENCHMARKS.md).
-inline SampleOptions sample_of(SampleOptions sample, Quality quality, const JointEffects& effects) {
-  sample.whole_image = !effects.box;
-  if (quality != Quality::kDraft) return sample;
-  for (int* count : {&sample.rows, &sample.cols, &sample.depth_samples}) *count = (*count + 1) / 2;
-  return sample;
-}
 
 struct JointOptions {
   Quality quality = Quality::kStandard;
   std::int64_t steps = 0;
-  std::vector<std::string> effect;
+  JointSwitches on;               // as the effects are decided
+  bool contours_go_on = false;    // contour iterations at half the size follow and do a part of the work
   double lambda_mask = 0.5, lambda_cont = 0.1, lambda_smooth = 0.05;
   double weight_opacity = 0.5, weight_variance = 0.01;
   bool excess_variance = false;
@@ -92,8 +80,6 @@ struct JointOptions {
                           kQualityNames});
     visit(self.steps, Field<std::int64_t>{"steps", "", "optimiser steps, one view each; 0: as --quality says",
                                           0, 100'000'000});
-    visit(self.effect,
-          Text{"effect", "NAME=auto|on|off", "switch a part of the method; --explain lists them"});
     visit(self.lambda_mask, Field<double>{"lambda_mask", "", "weight of L_mask (Eq. 20)", 0, 1e6});
     visit(self.lambda_cont, Field<double>{"lambda_cont", "", "weight of L_cont (Eq. 20)", 0, 1e6});
     visit(self.lambda_smooth, Field<double>{"lambda_smooth", "", "weight of L_smth (Eq. 20)", 0, 1e6});
@@ -137,9 +123,22 @@ struct JointOptions {
   }
 };
 
+inline int epochs_of(const JointOptions& options) {
+  return int(std::ceil((options.contours_go_on ? kEpochsBeforeContours : 1) * epochs_of(options.quality)));
+}
+
 /// Steps of Eq. 20 in all, for `views` training views.
-inline std::int64_t steps_of(const JointOptions& options, const JointEffects& effects, std::size_t views) {
-  return options.steps > 0 ? options.steps : epochs_of(options.quality, effects) * std::int64_t(views);
+inline std::int64_t steps_of(const JointOptions& options, std::size_t views) {
+  return options.steps > 0 ? options.steps : epochs_of(options) * std::int64_t(views);
+}
+
+/// The samples of a run: the whole image without its box (Sp), and for a draft half of the nodes and depths along each axis,
+/// because one epoch learns little from the field.
+inline SampleOptions sample_of(SampleOptions sample, const JointOptions& options) {
+  sample.whole_image = !options.on.box;
+  if (options.quality != Quality::kDraft) return sample;
+  for (int* count : {&sample.rows, &sample.cols, &sample.depth_samples}) *count = (*count + 1) / 2;
+  return sample;
 }
 
 }  // namespace ngs

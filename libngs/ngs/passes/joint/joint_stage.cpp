@@ -26,7 +26,7 @@ void refresh_positions(const GaussianCloud& cloud, BoundarySet& boundary) {
     std::copy_n(&cloud.position[std::size_t(boundary.row[b]) * 3], 3, &boundary.position[b * 3]);
 }
 
-GroupRates group_rates(const JointSetup& s, const JointEffects& effects) {
+GroupRates group_rates(const JointSetup& s, const JointSwitches& effects) {
   const GaussianRates& r = s.rates;
   const double extent = scene_extent(cameras_of(s.input.scene, s.input.views));
   GroupRates rates{r.position * extent, r.rotation, r.log_scale, r.logit_opacity, r.sh_dc, r.sh_rest};
@@ -36,7 +36,7 @@ GroupRates group_rates(const JointSetup& s, const JointEffects& effects) {
   return rates;
 }
 
-SplatOptions splat_of(SplatOptions splat, const JointEffects& effects) {
+SplatOptions splat_of(SplatOptions splat, const JointSwitches& effects) {
   if (!effects.sh) splat.max_sh_degree = 0;
   return splat;
 }
@@ -47,7 +47,7 @@ struct JointTrainer::Impl {
   Exec exec;
   Monitor& monitor;
   JointOptions options;
-  JointEffects effects;
+  JointSwitches effects;
   SampleOptions sample;
   RbfOptions rbf;
   const Problem& input;
@@ -76,8 +76,8 @@ struct JointTrainer::Impl {
       : exec(e),
         monitor(m),
         options(s.options),
-        effects(parse_effects(s.options.effect)),
-        sample(sample_of(s.sample, s.options.quality, effects)),
+        effects(s.options.on),
+        sample(sample_of(s.sample, s.options)),
         rbf(s.rbf),
         input(s.input),
         given_field(s.field),
@@ -99,7 +99,7 @@ struct JointTrainer::Impl {
       effects.nerf = false;
     }
     if (!effects.nerf) effects.align = effects.density = effects.smooth = effects.variance = false;
-    steps = steps_of(options, effects, input.views.size());
+    steps = steps_of(options, input.views.size());
     start_labels();
     if (boundary.size() > 1) {
       cont_graph = nearest_others(exec, boundary.positions(), rbf.neighbours);

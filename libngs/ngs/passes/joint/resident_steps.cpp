@@ -25,7 +25,7 @@ std::vector<JointBlock> blocks_of(const ResidentModel& m) {
 
 JointTerms terms_of(const ResidentModel& m) {
   const JointOptions& o = m.options;
-  const JointEffects& e = m.effects;
+  const JointSwitches& e = m.effects;
   const double width = m.field != nullptr ? m.field->width() : 1;
   return {.photometric = e.photometric,
           .align = e.align,

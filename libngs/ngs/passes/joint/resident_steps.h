@@ -16,7 +16,7 @@ namespace ngs {
 /// A trainer's parts; those that are trained are written by download().
 struct ResidentModel {
   const JointOptions& options;
-  const JointEffects& effects;
+  const JointSwitches& effects;
   const SampleOptions& sample;
   const Problem& input;
   const SplatOptions& splat;

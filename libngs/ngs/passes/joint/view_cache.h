@@ -18,7 +18,7 @@ class ViewCache {
     ViewMasks masks;
     PixelRegion region;  // of the anchor; empty: the whole photo
   };
-  ViewCache(const Problem& input, const JointEffects& effects)
+  ViewCache(const Problem& input, const JointSwitches& effects)
       : input_(input), effects_(effects), view_(input.views.size()) {}
 
   /// View `n` of input.views; `scratch` holds it where it is not kept.
@@ -47,7 +47,7 @@ class ViewCache {
   }
 
   const Problem& input_;
-  const JointEffects& effects_;
+  const JointSwitches& effects_;
   std::vector<std::unique_ptr<View>> view_;
   std::size_t bytes_ = 0;
 };

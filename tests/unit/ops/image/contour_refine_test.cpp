@@ -100,7 +100,7 @@ TEST_CASE("a texture that both sides share does not draw the contour to its own 
     for (int x = 0; x < kWidth; ++x)
       for (int c = 0; c < 3; ++c) photo.at(x, y, c) = x / 7 % 2 == 0 ? 0.3f : 0.6f;
   ContourRefineOptions naive;  // colours count in full, wherever they were learnt
-  naive.doubt_weight = 0;
+  naive.ambiguity_weight = 0;
   for (const double start : {37., 38., 39.}) {  // the stripe goes from 35 to 42
     CAPTURE(start);
     CHECK(contour(walk(left_of(start), photo)) == doctest::Approx(start));

@@ -1,6 +1,6 @@
 #pragma once
 // What the effects' decisions rest on: numbers from what is loaded anyway. Pure functions, each small enough
-// to be tested against the naive measure that it replaces (tests/unit/passes/effect_detectors_test.cpp).
+// to be tested against the naive measure that it replaces (tests/unit/passes/detectors_test.cpp).
 //
 // A level is 1/255: differences of colour below half a level leave no trace in a photo of 8 bits.
 #include <cstdint>

@@ -1,5 +1,5 @@
 // Each detector on a case in which the naive measure that it replaces decides wrongly.
-#include "ngs/passes/effect_detectors.h"
+#include "ngs/passes/detectors.h"
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include "ngs/passes/effect_detectors.h"
+#include "ngs/passes/detectors.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,51 @@
+#include "ngs/passes/agreement.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "ngs/core/error.h"
+#include "ngs/stages/masks/mask_pair.h"
+#include "ngs/stages/render/render_stage.h"
+
+namespace ngs {
+
+std::vector<Agreement> training_agreement(const Exec& exec, const Problem& problem, const Solution& solution) {
+  const std::size_t objects = solution.labels.size();
+  const LabelChannels channels(solution.cloud, solution.labels);
+  std::vector<Agreement> views;
+  for (const std::size_t view : problem.views) {
+    const ViewMasks masks = problem.load_masks(view);
+    if (!masks.available) continue;
+    const ImageF label = channels.view(exec, problem.scene.views[view].camera, problem.splat);
+    Agreement sum;
+    for (std::size_t k = 0; k < objects; ++k) {
+      const MaskPair pair(label, masks, k);
+      sum.iou += iou(pair.counts(exec)), sum.biou += pair.biou(exec);
+    }
+    views.push_back({sum.iou / double(objects), sum.biou / double(objects)});
+  }
+  return views;
+}
+
+Agreement mean_agreement(const std::vector<Agreement>& views) {
+  Agreement sum;
+  for (const Agreement& view : views) sum.iou += view.iou, sum.biou += view.biou;
+  const double count = std::max<double>(1, double(views.size()));
+  return {sum.iou / count, sum.biou / count};
+}
+
+std::optional<AgreementTarget> parse_target(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  const bool boundary = text.starts_with("biou=");
+  double value = -1;
+  if (boundary || text.starts_with("iou=")) {
+    const char* end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data() + text.find('=') + 1, end, value);
+    if (error != std::errc() || stop != end) value = -1;
+  }
+  if (!(value >= 0 && value <= 1))
+    throw Error(ErrorCode::kUsage, "--target: '" + text + "', expected biou=X or iou=X with X in [0, 1]");
+  return AgreementTarget{boundary, value};
+}
+
+}  // namespace ngs

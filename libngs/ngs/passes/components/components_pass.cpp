@@ -1,0 +1,28 @@
+#include "ngs/passes/components/components_pass.h"
+
+#include "ngs/passes/components/components.h"
+
+namespace ngs {
+
+std::vector<Effect> ComponentsPass::effects() const {
+  return {{.name = "components",
+           .help = "claim nothing that does not hang together with the object",
+           .saves = "linking what is labelled",
+           .detector = {"Gaussians that masks claim apart from the object", 0, "one is enough: it may be large",
+                        [](SceneProbe& probe) { return double(find_disconnected(probe.exec(), {}, probe.problem()).count); }},
+           .was = "strays"}};
+}
+
+void ComponentsPass::run(PassRun& run) {
+  Problem& problem = *run.problem;
+  ComponentFinding finding = find_disconnected(run.exec, {}, problem);
+  run.report["components"] = {{"found", finding.count}};
+  if (finding.count == 0) return;
+  problem.held.resize(finding.disconnected.size());
+  for (std::size_t i = 0; i < finding.disconnected.size(); ++i) problem.held[i] |= finding.disconnected[i];
+  problem.labels = std::move(finding.labels);
+  run.fields_fit = false;
+  run.say(std::to_string(finding.count) + " Gaussians that masks claim lie apart from the object: taken for unseen");
+}
+
+}  // namespace ngs

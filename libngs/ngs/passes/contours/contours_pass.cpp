@@ -1,0 +1,163 @@
+#include "ngs/passes/contours/contours_pass.h"
+
+#include <algorithm>
+
+#include "ngs/passes/contours/contour_stage.h"
+#include "ngs/passes/detectors.h"
+#include "ngs/problem/view_list.h"
+
+namespace ngs {
+namespace {
+
+// Renders of a view that a refinement and a step take.
+constexpr double kRefineRenders = 10, kStepRenders = 2.7;
+
+bool has_photos(const Problem& problem) { return photo_count(problem.scene, problem.views) > 0; }
+
+double straddling(SceneProbe& probe, ContourViews trained) {
+  const Problem& problem = probe.problem();
+  const std::size_t views = trained == ContourViews::kAll ? problem.scene.views.size() : problem.views.size();
+  const std::vector<Camera> some = probe.some_cameras();
+  return straddling_bound_px(problem.cloud, some, problem.splat.blur_px2) * double(views) / double(some.size());
+}
+
+double narrow_share(SceneProbe& probe) {
+  const Problem& problem = probe.problem();
+  if (photo_views(problem.scene).size() < problem.scene.views.size()) return 1;  // what no photo holds drifts further at half the size
+  std::vector<NarrowParts> sum(problem.labels.size());
+  for (const std::size_t v : probe.some_views()) {
+    const ViewMasks masks = problem.load_masks(v);
+    if (!masks.available) continue;
+    for (std::size_t k = 0; k < masks.target.size(); ++k) {
+      const std::vector<std::uint8_t> plane = object_pixels(masks.target[k]);
+      const NarrowParts parts = narrow_parts({plane.data(), masks.width_px, masks.height_px});
+      sum[k].narrow_px2 += parts.narrow_px2, sum[k].all_px2 += parts.all_px2;
+    }
+  }
+  double most = 0;
+  for (const NarrowParts& object : sum)
+    if (object.all_px2 > 0) most = std::max(most, object.narrow_px2 / object.all_px2);
+  return most;
+}
+
+/// Under a budget the iterations may have ended too early to earn their place: whether the outcome agrees significantly less with
+/// the views' own masks than what it started from, as the stage asks of its refinement.
+bool has_lost(const Solution& outcome, const std::vector<Agreement>& before, const std::vector<Agreement>& after) {
+  const auto given = outcome.figures.find("contour_contrast_given"), refined = outcome.figures.find("contour_contrast_refined");
+  if (given == outcome.figures.end() || given->second < kOffEdges * refined->second) return false;  // those masks do not lie on edges
+  std::vector<double> gains;
+  for (std::size_t i = 0; i < before.size(); ++i) gains.push_back(after[i].biou - before[i].biou);
+  return gain_in_errors(gains) < -kSignificant;
+}
+
+}  // namespace
+
+std::vector<Effect> ContoursPass::effects() const {
+  const ContourViews trained = options_.views;
+  return {
+      {.name = "contours",
+       .help = "contours follow the photos' edges",
+       .saves = "refinement, halving, training on the windows",
+       .detector = {"views that have a photo", 0, "one is enough; the refinement then has its own test",
+                    [](SceneProbe& probe) { return probe.photos(); }, has_photos},
+       .was = "edges"},
+      {.name = "split",
+       .help = "halve what lies across contours",
+       .saves = "the search for it, and the rows it adds",
+       .needs = "contours",
+       .detector = {"most weight that a Gaussian can have on a wrong side, px", ContourOptions{}.split_px,
+                    "the default of --contour-split: nothing is halved",
+                    [trained](SceneProbe& probe) { return straddling(probe, trained); }}},
+      {.name = "contour-iterations",
+       .help = "refine contours more than once",
+       .saves = "all iterations but the first",
+       .needs = "contours",
+       .always = "what replaced it cost up to 2 points of boundary IoU on scenes with inaccurate masks",
+       .was = "second-round"},
+      {.name = "full-resolution",
+       .help = "all iterations at the full size, after all steps; off: coarse to fine, after few",
+       .saves = "half of the other iterations' rows, columns and epochs, 0.7 of the steps before them",
+       .needs = "contour-iterations",
+       .detector = {"most of an object that lies in parts narrower than 9 px, share (1: some view has no photo)", 0.03,
+                    "between solid things (at most 0.02) and small or thin ones (from 0.04), which half the size leaves few pixels of",
+                    narrow_share},
+       .was = "fine-rounds"}};
+}
+
+void ContoursPass::declare(OptionSet& options) {
+  options.add(options_, {.title = "contours: follow the photos' edges", .effect = "contours"});
+}
+
+std::vector<EffectVerdict> ContoursPass::rules(const TrainingOptions& training) const {
+  std::vector<EffectVerdict> rules;
+  if (contour_epochs(options_, training.joint.quality, 1) == 0)
+    rules.push_back({"contours", false, "no epochs: --quality draft without --contour-epochs"});
+  if (options_.iterations == 1) rules.push_back({"contour-iterations", false, "--contour-iterations 1"});
+  if (options_.split_px < ContourOptions{}.split_px) rules.push_back({"split", true, "--contour-split"});  // less than its detector looks for
+  return rules;
+}
+
+void ContoursPass::foresee(PassRun& run) {
+  const Scene& scene = run.problem->scene;
+  const Quality quality = run.training.joint.quality;
+  const auto on = [&](std::string_view name) { return run.decisions.settled(name).value_or(true); };
+  options_.on = {.split = on("split"), .iterations = on("contour-iterations"), .full_resolution = on("full-resolution")};
+  run.training.joint.contours_go_on = on("contours") && options_.on.iterations && !options_.on.full_resolution;
+
+  const std::size_t training = run.problem->views.size(), views = options_.views == ContourViews::kAll ? scene.views.size() : training;
+  ContourForecast& forecast = run.budget.contours;
+  forecast = {.refine_renders = kRefineRenders * double(views),
+              .epoch_renders = kStepRenders * double(views),
+              .check_renders = kCheckRenders * double(training),
+              .epochs = contour_epochs(options_, quality, views)};
+  forecast.early_share = early_iteration_share(options_.on, forecast.epochs);
+  if (on("contours") && forecast.epochs > 0)
+    forecast.iterations = options_.on.iterations ? contour_iterations(options_, quality, true) : 1;
+  if (forecast.iterations > 0 && may_try_pictures(options_, scene.views.size(), photo_views(scene).size())) ++forecast.iterations;
+}
+
+int ContoursPass::allowed_iterations(PassRun& run, int wanted, double first_refine_s) const {
+  Budget& budget = run.budget;
+  const int planned = std::min(wanted, budget.plan_contours(first_refine_s).contour_iterations);
+  const Scene& scene = run.problem->scene;
+  const bool no_trial = planned == 1 && may_try_pictures(options_, scene.views.size(), photo_views(scene).size());
+  const bool last_is_another = budget.contours.early_share < 1;  // then it has to be known which it is; else they end when time is up
+  const int allowed = planned == 0 || no_trial || last_is_another ? planned : wanted;
+  if (allowed < wanted) budget.note_cut();  // that later iterations or steps were left out the watch knows
+  run.watch->iterations_known(allowed, budget.contours.early_share);
+  return allowed;
+}
+
+void ContoursPass::run(PassRun& run) {
+  const std::size_t views = run.problem->views.size();
+  Budget& budget = run.budget;
+  if (run.watch->target_met() || budget.contours.epochs == 0) return;
+  // Contours keep no state of their own: what is interrupted from here on begins with them.
+  if (run.store != nullptr && run.on("joint")) run.store->save_on_the_way(*run.trainer);
+  std::vector<Agreement> before;
+  if (budget.given()) {
+    const auto lap = budget.lap("check", kCheckRenders * double(views));
+    before = training_agreement(run.exec, *run.problem, *run.solution);
+  }
+  if (budget.plan_contours({}).contour_iterations == 0) return budget.note_cut();
+  run.watch->begin_iterations(budget.foreseen_s(budget.contours.check_renders));
+  run.say("contours begin");
+  const Solution start = budget.given() ? *run.solution : Solution{};
+  const double began_s = wall_seconds();
+  run.solution = refine_contours(run.exec, run.monitor,
+                                 {options_, run.training, *run.problem,
+                                  [&](const JointProgress& progress, JointTrainer& trainer, const auto& whole) {
+                                    return run.watch->after_step(progress, trainer, whole);
+                                  },
+                                  [&](int wanted) { return allowed_iterations(run, wanted, wall_seconds() - began_s); }},
+                                 std::move(*run.solution));
+  if (run.monitor.stop_requested() || !budget.given() || run.solution->source_row.empty()) return;
+  const auto lap = budget.lap("check", kCheckRenders * double(views));
+  if (!has_lost(*run.solution, before, training_agreement(run.exec, *run.problem, *run.solution))) return;
+  run.say("the contours are left out again: too few steps, or the masks disagree");
+  const double undone = run.solution->figures["contour_iterations"];
+  run.solution = start;
+  run.solution->figures["contour_iterations_undone"] = undone;
+}
+
+}  // namespace ngs

@@ -1,0 +1,96 @@
+#include "ngs/passes/decisions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace ngs {
+
+Decisions::Decisions(std::vector<Effect> effects, EffectModes modes, std::vector<EffectVerdict> verdicts)
+    : effects_(std::move(effects)), modes_(std::move(modes)), verdicts_(std::move(verdicts)) {}
+
+const EffectDecision* Decisions::find(std::string_view name) const {
+  const auto found = std::ranges::find_if(all_, [&](const EffectDecision& d) { return d.effect->name == name; });
+  return found == all_.end() ? nullptr : &*found;
+}
+
+/// An effect it needs that is off, whatever else is said, for it could not run; then an entry of --effect, then the first verdict,
+/// then being always on. Null: its detector is asked.
+std::optional<EffectDecision> Decisions::settled_decision(const Effect& e) const {
+  if (const EffectDecision* need = find(e.needs); need != nullptr && !need->on)
+    return EffectDecision{&e, "auto", false, "needs " + std::string(e.needs)};
+  if (const EffectMode mode = modes_.of(e.name); mode != EffectMode::kAuto) {
+    const bool on = mode == EffectMode::kOn;
+    return EffectDecision{&e, on ? "on" : "off", on, "--effect"};
+  }
+  for (const EffectVerdict& v : verdicts_)
+    if (v.name == e.name) return EffectDecision{&e, v.mode, v.on, v.reason};
+  if (!e.always.empty()) return EffectDecision{&e, "auto", true, "always: " + std::string(e.always)};
+  return std::nullopt;
+}
+
+bool Decisions::decide(const std::vector<Effect>& some, SceneProbe& probe) {
+  bool asked = false;
+  for (const Effect& one : some) {
+    const Effect& e = *find_effect(effects_, one.name);
+    if (std::optional<EffectDecision> settled = settled_decision(e)) {
+      all_.push_back(std::move(*settled));
+      continue;
+    }
+    asked = true;
+    const double measured = e.detector.measure(probe);
+    all_.push_back({&e, "auto", measured > e.detector.threshold, decision_reason(e.detector, measured), measured});
+  }
+  return asked;
+}
+
+bool Decisions::on(std::string_view name) const {
+  const EffectDecision* decision = find(name);
+  if (decision == nullptr) throw std::logic_error("an effect is asked for before it is decided");
+  return decision->on;
+}
+
+std::optional<bool> Decisions::settled(std::string_view name) const {
+  if (const EffectDecision* decision = find(name)) return decision->on;
+  const Effect& e = *find_effect(effects_, name);
+  if (!e.needs.empty() && settled(e.needs) == false) return false;
+  const std::optional<EffectDecision> decision = settled_decision(e);
+  return decision ? std::optional(decision->on) : std::nullopt;
+}
+
+bool Decisions::may_be_on(std::string_view name, const Problem& problem) const {
+  if (const std::optional<bool> known = settled(name)) return *known;
+  const auto& possible = find_effect(effects_, name)->detector.possible;
+  return !possible || possible(problem);
+}
+
+Json Decisions::json() const {
+  Json table = Json::array();
+  for (const EffectDecision& d : all_) {
+    Json entry = {{"name", d.effect->name}, {"mode", d.mode}, {"on", d.on}, {"reason", d.reason}};
+    entry["measured"] = d.measured && std::isfinite(*d.measured) ? Json(*d.measured) : Json();
+    entry["threshold"] = d.effect->always.empty() ? Json(d.effect->detector.threshold) : Json();
+    entry["saving"] = d.on ? "" : d.effect->saves;
+    table.push_back(std::move(entry));
+  }
+  return table;
+}
+
+std::string Decisions::table() const {
+  std::size_t widest = 0;
+  for (const EffectDecision& d : all_) widest = std::max(widest, d.effect->name.size());
+  std::string text;
+  for (const EffectDecision& d : all_) {
+    std::string name(d.effect->name);
+    name.resize(widest + 2, ' ');
+    text += name + (d.on ? "on  " : "off ") + d.mode + ": " + d.reason + "\n";
+  }
+  return text;
+}
+
+std::string decision_line(const EffectDecision& d) {
+  return d.mode + ": " + std::string(d.effect->name) + "=" + (d.on ? "on" : "off") + " (" + d.reason + ")" +
+         (d.on || d.effect->saves.empty() ? "" : ", leaves out " + std::string(d.effect->saves));
+}
+
+}  // namespace ngs

@@ -1,0 +1,91 @@
+#include "ngs/passes/effect.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "ngs/core/error.h"
+
+namespace ngs {
+namespace {
+
+std::string short_number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+[[noreturn]] void refuse_entry(std::span<const Effect> effects, const std::string& entry) {
+  std::string names = "all";
+  for (const Effect& e : effects) names += ", " + std::string(e.name);
+  throw Error(ErrorCode::kUsage, "--effect: '" + entry + "', expected NAME=auto|on|off", "NAME is one of " + names);
+}
+
+}  // namespace
+
+const Effect* find_effect(std::span<const Effect> effects, std::string_view name) {
+  for (const Effect& e : effects)
+    if (e.name == name || (!e.was.empty() && e.was == name)) return &e;
+  return nullptr;
+}
+
+bool belongs_to(std::span<const Effect> effects, std::string_view name, std::string_view whole) {
+  for (; !name.empty(); name = find_effect(effects, name)->needs)
+    if (name == whole) return true;
+  return false;
+}
+
+EffectModes::EffectModes(std::span<const Effect> effects, const std::vector<std::string>& entries) {
+  for (const std::string& entry : entries) read(effects, entry);
+  for (const Effect& e : effects)
+    if (const Entry* own = find(e.name); own != nullptr && own->by_name && own->mode == EffectMode::kOn) require(effects, e);
+}
+
+EffectModes::Entry* EffectModes::find(std::string_view name) {
+  const auto found = std::ranges::find(entries_, name, &Entry::name);
+  return found == entries_.end() ? nullptr : &*found;
+}
+
+void EffectModes::set(std::string_view name, EffectMode mode, bool by_name) {
+  if (Entry* entry = find(name))
+    *entry = {name, mode, by_name};
+  else
+    entries_.push_back({name, mode, by_name});
+}
+
+void EffectModes::read(std::span<const Effect> effects, const std::string& entry) {
+  const std::size_t equals = std::min(entry.find('='), entry.size());
+  const std::string name = entry.substr(0, equals), value = entry.substr(std::min(equals + 1, entry.size()));
+  const Effect* known = find_effect(effects, name);
+  if ((known == nullptr && name != "all") || (value != "auto" && value != "on" && value != "off")) refuse_entry(effects, entry);
+  const EffectMode mode = value == "auto" ? EffectMode::kAuto : value == "on" ? EffectMode::kOn : EffectMode::kOff;
+  if (known == nullptr) {
+    for (const Effect& e : effects) set(e.name, mode, false);
+    return;
+  }
+  if (name != known->name) renamed_.push_back("--effect " + name + " is now called " + std::string(known->name));
+  set(known->name, mode, true);
+}
+
+void EffectModes::require(std::span<const Effect> effects, const Effect& effect) {
+  for (std::string_view need = effect.needs; !need.empty(); need = find_effect(effects, need)->needs) {
+    const Entry* entry = find(need);
+    if (entry == nullptr || entry->mode != EffectMode::kOff) continue;
+    if (entry->by_name)
+      throw Error(ErrorCode::kUsage,
+                  "--effect " + std::string(effect.name) + "=on: it needs " + std::string(need) + ", which is off by name",
+                  "--effect " + std::string(need) + "=on, or leave out one of them");
+    set(need, EffectMode::kOn, false);
+  }
+}
+
+EffectMode EffectModes::of(std::string_view name) const {
+  const auto found = std::ranges::find(entries_, name, &Entry::name);
+  return found == entries_.end() ? EffectMode::kAuto : found->mode;
+}
+
+std::string decision_reason(const Detector& detector, double measured) {
+  return std::string(detector.measured) + ": " + short_number(measured) + (measured > detector.threshold ? " > " : " <= ") +
+         short_number(detector.threshold);
+}
+
+}  // namespace ngs

@@ -1,0 +1,15 @@
+#pragma once
+// Takes differences of exposure between the photos out of them.                                 PAPER.md §5.14
+#include "ngs/passes/pass.h"
+
+namespace ngs {
+
+class ExposurePass : public Pass {
+ public:
+  PassStage stage() const override { return PassStage::kMend; }
+  std::vector<Effect> effects() const override;
+  std::optional<PassCost> cost() const override { return PassCost{1.5, 0.15}; }
+  void run(PassRun& run) override;
+};
+
+}  // namespace ngs

@@ -1,0 +1,106 @@
+#include "ngs/passes/floaters/floaters_pass.h"
+
+#include "ngs/passes/floaters/floaters.h"
+#include "ngs/problem/coarse_input.h"
+
+namespace ngs {
+namespace {
+
+constexpr PassCost kWhole{8, 0.2}, kRefitEpoch{4.5, 0.12};
+constexpr double kSearchRenders = 5.5, kDraftSearchRenders = 4;
+constexpr int kDraftShrink = 2, kDraftRefitEpochs = 3;
+
+/// How floaters are taken out. Under a budget the clock decides it, and a run that is resumed has to do the same again.
+struct FloaterPlan {
+  bool draft = false;    // searched and refitted at half the size of decisions
+  int refit_epochs = 0;  // 0: as many as fit
+
+  Json json() const { return {{"draft", draft}, {"refit_epochs", refit_epochs}}; }
+};
+
+FloaterPlan plan_for(const PassRun& run) {
+  FloaterPlan plan;
+  const Json kept = run.resumed.value("floaters", Json());
+  if (kept.is_object() && kept.value("draft", Json()).is_boolean() && kept.value("refit_epochs", Json()).is_number_integer()) {
+    const auto epochs = kept["refit_epochs"].get<std::int64_t>();
+    if (epochs >= 0 && epochs <= RefitOptions{}.epochs) return {kept["draft"].get<bool>(), int(epochs)};
+  }
+  plan.draft = run.training.joint.quality == Quality::kDraft || !run.budget.fits(kWhole, run.problem->scene.views.size());
+  return plan;
+}
+
+void note(const std::map<std::string, double>& figures, Json& report) {
+  for (const auto& [name, value] : figures) report[name] = value;
+}
+
+/// The problem with the model and labels that are left.
+Problem without(const Problem& problem, std::shared_ptr<const GaussianCloud> cloud, std::vector<LabelColumns> labels) {
+  Problem next{.cloud = *cloud,
+               .scene = problem.scene,
+               .views = problem.views,
+               .load_masks = problem.load_masks,
+               .load_photo = problem.load_photo,
+               .splat = problem.splat,
+               .background = problem.background,
+               .seed = problem.seed,
+               .fixed = problem.fixed,
+               .labels = std::move(labels),
+               .load_fine_photo = problem.load_fine_photo,
+               .held = problem.held,
+               .owns = problem.owns};
+  next.owns.push_back(std::move(cloud));
+  return next;
+}
+
+/// Takes them out, and refits what they covered.
+void remove(PassRun& run, const CoarseInput& coarse, int shrink, const FloaterFinding& finding, FloaterPlan& plan) {
+  Json& report = run.report["floaters"];
+  const double epoch_renders = kRefitEpoch.renders * double(run.problem->scene.views.size()) / double(shrink * shrink);
+  const int most = plan.draft ? kDraftRefitEpochs : RefitOptions{}.epochs;
+  if (plan.refit_epochs == 0) plan.refit_epochs = run.budget.epochs_that_fit(epoch_renders, kRefitEpoch.share, most);
+  FloaterRemoval removal = [&] {
+    const auto lap = run.budget.lap("refit", plan.refit_epochs * epoch_renders);
+    return remove_floaters(run.exec, run.monitor, {.epochs = plan.refit_epochs}, coarse.get(), finding);
+  }();
+  note(removal.figures, report);
+  std::vector<LabelColumns> labels = labels_without_floaters(run.exec, run.monitor, *run.problem, removal.cloud, finding.floater);
+  Problem next = without(*run.problem, std::make_shared<const GaussianCloud>(std::move(removal.cloud)), std::move(labels));
+  run.problem.emplace(std::move(next));
+  run.floater.assign(finding.floater.begin(), finding.floater.end());
+  run.fields_fit = false;
+  run.say(std::to_string(finding.count) + " floaters before the object were taken out (column ngs_floater)");
+}
+
+}  // namespace
+
+std::vector<Effect> FloatersPass::effects() const {
+  return {{.name = "floaters",
+           .help = "take floaters before the object out",
+           .saves = "search, removal, refit",
+           .detector = {"share of the object's surface hidden by what stands before it", 1e-3,
+                        "the search itself leaves alone what hides less (FloaterOptions::least_hidden)",
+                        [](SceneProbe& probe) { return front_opacity(probe.exec(), {}, probe.problem()); }}}};
+}
+
+void FloatersPass::run(PassRun& run) {
+  const FloaterOptions options;
+  FloaterPlan plan = plan_for(run);
+  const int shrink = decision_shrink(run.problem->scene) * (plan.draft ? kDraftShrink : 1);
+  const CoarseInput coarse(*run.problem, shrink);
+  coarse.preload(run.exec);
+  const FloaterFinding finding = [&] {
+    const double renders = plan.draft ? kDraftSearchRenders : kSearchRenders;
+    const auto lap = run.budget.lap("floaters", renders * double(run.problem->scene.views.size()));
+    return find_floaters(run.exec, run.monitor, options, coarse.get());
+  }();
+  Json& report = run.report["floaters"] = {{"removed", finding.count},
+                                           {"reason", finding.count > 0 ? "the photos show the object behind them"
+                                                                        : "what lies before the object hides too little of it"},
+                                           {"seen_through", options.seen_through},
+                                           {"least_hidden", options.least_hidden}};
+  note(finding.figures, report);
+  if (finding.count > 0 && !run.monitor.stop_requested()) remove(run, coarse, shrink, finding, plan);
+  run.state["floaters"] = plan.json();
+}
+
+}  // namespace ngs

@@ -1,0 +1,15 @@
+#pragma once
+// Takes floaters before the object out of the model.                                            PAPER.md §5.8
+#include "ngs/passes/pass.h"
+
+namespace ngs {
+
+class FloatersPass : public Pass {
+ public:
+  PassStage stage() const override { return PassStage::kMend; }
+  std::vector<Effect> effects() const override;
+  std::optional<PassCost> cost() const override { return PassCost{8, 0.7}; }
+  void run(PassRun& run) override;
+};
+
+}  // namespace ngs

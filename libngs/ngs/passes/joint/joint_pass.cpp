@@ -1,0 +1,92 @@
+#include "ngs/passes/joint/joint_pass.h"
+
+#include <cmath>
+
+#include "ngs/passes/joint/joint_effects.h"
+
+namespace ngs {
+namespace {
+
+// Renders of a view that a step takes, and that the NeRF adds to it.
+constexpr double kStepRenders = 3, kFieldStepRenders = 7;
+
+double step_renders(bool field) { return kStepRenders + (field ? kFieldStepRenders : 0); }
+
+/// Steps until `keep_s` of the budget are left, the plan, the target or a signal. `store`: null, nothing is kept.
+void take_steps(PassRun& run, double keep_s, StepStore* store) {
+  JointTrainer& trainer = *run.trainer;
+  run.watch->begin_steps(keep_s, trainer);
+  const double began_s = wall_seconds();
+  const std::int64_t before = trainer.steps_done();
+  run.say("step " + std::to_string(before + 1) + " begins");
+  bool ended = run.watch->target_met();
+  while (!trainer.finished() && !ended) {
+    const JointProgress progress = trainer.step();
+    run.monitor.progress(progress.step, progress.steps);
+    ended = run.watch->after_step(progress, trainer, [&] { return trainer.result(); });
+    if (run.monitor.stop_requested()) {
+      if (store != nullptr) store->save(trainer);  // all that is left of the run
+      return;
+    }
+    if (store != nullptr && store->every() > 0 && progress.step % store->every() == 0) store->save_on_the_way(trainer);
+  }
+  const double renders = double(trainer.steps_done() - before) * step_renders(run.on("nerf"));
+  run.budget.took("steps", renders, wall_seconds() - began_s);
+}
+
+}  // namespace
+
+std::vector<Effect> JointPass::effects() const { return joint_effects(); }
+
+void JointPass::foresee(PassRun& run) {
+  JointOptions& joint = run.training.joint;
+  joint.on = joint_switches([&](std::string_view name) { return run.decisions.settled(name).value_or(true); });
+  const double views = double(run.problem->views.size());
+  StepsForecast& steps = run.budget.steps;
+  steps = {.epoch_renders = kStepRenders * views};
+  if (run.decisions.settled("joint").value_or(true))
+    steps.epochs = joint.steps > 0 ? int(std::ceil(double(joint.steps) / views)) : epochs_of(joint);
+  if (run.decisions.may_be_on("nerf", *run.problem)) steps.field_epoch_renders = kFieldStepRenders * views;
+}
+
+void JointPass::begin(PassRun& run) {
+  Problem& problem = *run.problem;
+  problem.splat.antialiased = problem.splat.antialiased && run.on("antialias");
+  const TrainingOptions& o = run.training;
+  run.trainer = std::make_unique<JointTrainer>(run.device_exec, run.monitor, JointSetup{o.joint, o.sample, o.rbf, problem, run.field},
+                                               run.allow_empty);
+  run.watch.emplace(run.exec, run.watching, problem, run.budget);
+  run.watch->begin(*run.trainer);
+  run.solution = run.trainer->result();
+  run.solution->converged = true;
+}
+
+void JointPass::run(PassRun& run) {
+  const TimePlan plan = run.budget.plan();
+  if (run.store != nullptr && run.store->load(*run.trainer))
+    run.say("resumed after step " + std::to_string(run.trainer->steps_done()));
+  take_steps(run, run.budget.left_s() - plan.steps_s, run.store);
+  run.solution = run.trainer->result();
+  run.solution->converged = true;
+}
+
+void JointPass::finish(PassRun& run) {
+  JointOptions all = run.training.joint;
+  all.contours_go_on = false;
+  const std::int64_t all_steps = steps_of(all, run.problem->views.size());
+  const bool too_few = run.on("joint") && run.trainer->steps_done() < all_steps && run.solution->source_row.empty();
+  const bool time_left = run.budget.allows(2 * run.budget.foreseen_s(step_renders(run.on("nerf"))));
+  if (too_few && run.on("contours") && !run.watch->target_met() && time_left) {
+    run.trainer->plan_steps(all_steps);
+    take_steps(run, 0, nullptr);  // what is kept is the state before the contours: they would be refined anew
+    Solution longer = run.trainer->result();
+    longer.figures.merge(run.solution->figures);
+    run.solution = std::move(longer);
+  }
+  run.solution->converged = run.watch->target_met() || (!run.watch->cut() && !run.budget.cut());
+  const LossTerms& l = run.watch->last_loss();
+  run.report["last_loss"] = {{"total", l.total}, {"photometric", l.photometric}, {"align", l.align},
+                             {"mask", l.mask},   {"cont", l.cont},               {"smooth", l.smooth}};
+}
+
+}  // namespace ngs

@@ -1,0 +1,37 @@
+#pragma once
+// Runs passes in order: decides which are called for, keeps to the time, and reports.                PAPER.md §5.7
+#include <memory>
+#include <vector>
+
+#include "ngs/passes/pass.h"
+
+namespace ngs {
+
+class Pipeline {
+ public:
+  explicit Pipeline(std::vector<std::unique_ptr<Pass>> passes) : passes_(std::move(passes)) {}
+
+  /// Of all passes, in order.
+  std::vector<Effect> effects() const;
+  std::vector<Effect> effects(PassStage stage) const;
+  void declare(OptionSet& options) const;
+  std::vector<EffectVerdict> rules(const TrainingOptions& training) const;
+
+  /// Leaves out what the time does not allow, then decides on `seen`, which may be the problem at a fraction of its size.
+  void decide(PassStage stage, PassRun& run, const Problem& seen) const;
+  /// Leaves out all passes of a stage for want of time.
+  void leave_out(PassStage stage, PassRun& run) const;
+  /// Runs the passes that are on. False: a signal asked to stop, and nothing in `run` is a result.
+  bool run(PassStage stage, PassRun& run) const;
+
+ private:
+  void rule_by_time(PassStage stage, PassRun& run) const;
+  void foresee(PassRun& run) const;
+
+  std::vector<std::unique_ptr<Pass>> passes_;
+};
+
+/// Leaves an effect out for want of time. Nothing is cut short where it was off anyway, or where --effect insists.
+void leave_out_for_time(PassRun& run, std::string_view effect);
+
+}  // namespace ngs

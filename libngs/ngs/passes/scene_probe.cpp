@@ -1,0 +1,72 @@
+#include "ngs/passes/scene_probe.h"
+
+#include <algorithm>
+
+#include "ngs/ops/field/knn.h"
+#include "ngs/passes/detectors.h"
+#include "ngs/passes/effect.h"
+#include "ngs/problem/pixel_window.h"
+#include "ngs/problem/view_list.h"
+#include "ngs/stages/masks/mask_pair.h"
+#include "ngs/stages/render/render_stage.h"
+
+namespace ngs {
+namespace {
+
+/// One view's part of LabelViews; returns the number of objects that count towards the mean.
+std::size_t add_view(const Exec& exec, const Problem& problem, const ImageF& rendered, const ViewMasks& masks, LabelViews& views) {
+  double sum = 0;
+  bool shown = false;
+  for (std::size_t k = 0; k < masks.target.size(); ++k) {
+    const MaskPair pair(rendered, masks, k);
+    const Confusion counts = pair.counts(exec);
+    sum += disagreement(counts), shown |= !counts.both_empty();
+    views.biou += pair.biou(exec);
+  }
+  views.disagreement.push_back(sum), views.shown.push_back(shown);
+  const PixelWindow w = window_of(masks.target, masks.width_px, masks.height_px, kRegionMargin_px);
+  views.outside = std::max(views.outside, weight_outside(rendered, w.x0, w.y0, w.x0 + w.w, w.y0 + w.h));
+  return masks.target.size();
+}
+
+}  // namespace
+
+double disagreement(const Confusion& counts) { return counts.both_empty() ? 0 : 1 - iou(counts); }
+
+std::vector<std::size_t> SceneProbe::some_views() const { return spread_views(problem_.views, kDecisionViews); }
+std::vector<Camera> SceneProbe::some_cameras() const { return cameras_of(problem_.scene, some_views()); }
+double SceneProbe::photos() const { return double(photo_count(problem_.scene, problem_.views)); }
+
+const LabelViews& SceneProbe::label_views() {
+  if (views_) return *views_;
+  views_.emplace();
+  const LabelChannels label(problem_.cloud, problem_.labels);
+  std::size_t count = 0;
+  for (const std::size_t v : problem_.views) {
+    const ViewMasks masks = problem_.load_masks(v);
+    if (!masks.available) continue;
+    const ImageF rendered = label.view(exec_, problem_.scene.views[v].camera, problem_.splat);
+    count += add_view(exec_, problem_, rendered, masks, *views_);
+  }
+  if (count > 0) views_->biou /= double(count);
+  return *views_;
+}
+
+const BoundarySet& SceneProbe::boundary() {
+  if (boundary_) return *boundary_;
+  std::vector<float> flags(std::size_t(problem_.cloud.size()), 0.f);
+  for (const LabelColumns& object : problem_.labels)
+    for (std::size_t i = 0; i < flags.size(); ++i) flags[i] = std::max(flags[i], object.boundary[i]);
+  return boundary_.emplace(boundary_set(problem_.cloud, flags));
+}
+
+Rows<const float, 3> SceneProbe::boundary_colours() { return {boundary().colour.data(), boundary().size()}; }
+
+const KnnGraph& SceneProbe::boundary_neighbours() {
+  if (neighbours_) return *neighbours_;
+  neighbours_.emplace();
+  if (boundary().size() > 1) neighbours_ = nearest_others(exec_, boundary().positions(), training_.rbf.neighbours);
+  return *neighbours_;
+}
+
+}  // namespace ngs

@@ -1,0 +1,92 @@
+#include "ngs/passes/time/budget.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+#include "ngs/core/error.h"
+#include "ngs/stages/render/render_stage.h"
+
+namespace ngs {
+namespace {
+
+constexpr double kLeastClosing_s = 0.1;   // to write the result; reading the model may tell of more
+constexpr double kMeasuringShare = 0.02;  // of the budget
+constexpr double kCaution = 1.25;         // on what cannot be stopped
+
+}  // namespace
+
+double Budget::left_s() const {
+  return seconds_ ? *seconds_ - closing_s_ - elapsed_s() : std::numeric_limits<double>::infinity();
+}
+
+void Budget::measure(const Exec& exec, const Problem& problem, double reading_s) {
+  if (!given() || problem.views.empty()) return;
+  closing_s_ = kLeastClosing_s + 2 * reading_s;
+  const Camera& camera = problem.scene.views[problem.views.front()].camera;
+  render_s_ = std::numeric_limits<double>::infinity();
+  const double began_s = wall_seconds(), most_s = kMeasuringShare * *seconds_;
+  for (int again = 0; again < 5 && wall_seconds() - began_s <= most_s; ++again) {  // best: least disturbed
+    const double before = wall_seconds();
+    render(exec, problem.cloud, camera, problem.splat, {});
+    render_s_ = std::min(render_s_, wall_seconds() - before);
+  }
+}
+
+bool Budget::fits(const PassCost& cost, std::size_t views) const {
+  return !given() || kCaution * foreseen_s(cost.renders * double(views)) <= cost.share * left_s();
+}
+
+void Budget::took(std::string_view name, double renders, double seconds) {
+  if (!given()) return;
+  laps_.push_back({{"stage", name}, {"foreseen_s", foreseen_s(renders)}, {"took_s", seconds}});
+  pace_.add(renders * render_s_, seconds);
+}
+
+int Budget::epochs_that_fit(double renders, double share, int most) {
+  if (!given()) return most;
+  const EpochsPlan plan = plan_epochs(foreseen_s(renders), share * left_s(), kCaution, most);
+  cut_ |= plan.cut;
+  return plan.epochs;
+}
+
+IterationsCost Budget::contours_cost() const {
+  return {.refine_s = foreseen_s(contours.refine_renders),
+          .epoch_s = foreseen_s(contours.epoch_renders),
+          .early_share = contours.early_share,
+          .check_s = foreseen_s(contours.check_renders),
+          .iterations = contours.iterations,
+          .epochs = contours.epochs};
+}
+
+TimePlan Budget::plan() const {
+  const StepsCost cost{.epoch_s = foreseen_s(steps.epoch_renders),
+                       .field_epoch_s = foreseen_s(steps.field_epoch_renders),
+                       .epochs = steps.epochs};
+  return plan_time(left_s(), cost, contours_cost());
+}
+
+TimePlan Budget::plan_contours(std::optional<double> first_refine_s) const {
+  IterationsCost cost = contours_cost();
+  cost.refine_s = first_refine_s.value_or(cost.refine_s);
+  return plan_time(left_s() + first_refine_s.value_or(0), {}, cost);
+}
+
+Json Budget::json() const {
+  return {{"seconds", seconds_.value_or(0)}, {"render_s", render_s_}, {"pace", pace_.factor()}, {"cut", cut_}, {"stages", laps_}};
+}
+
+std::optional<double> parse_seconds(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  double value = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const std::string unit(stop, text.data() + text.size());
+  const double seconds = unit == "m" ? 60 : unit == "h" ? 3600 : 1;
+  const bool known = unit.empty() || unit == "s" || unit == "m" || unit == "h";
+  if (error != std::errc() || !std::isfinite(value) || !(value > 0) || !known)
+    throw Error(ErrorCode::kUsage, "--time-budget: '" + text + "', expected a time such as 60s, 5m or 1h");
+  return value * seconds;
+}
+
+}  // namespace ngs

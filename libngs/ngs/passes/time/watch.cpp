@@ -1,0 +1,112 @@
+#include "ngs/passes/time/watch.h"
+
+#include <algorithm>
+
+namespace ngs {
+
+Watch::Watch(const Exec& exec, const WatchOptions& options, const Problem& problem, const Budget& budget)
+    : exec_(exec),
+      options_(options),
+      problem_(problem),
+      budget_(budget),
+      every_(options.trace_every > 0 ? options.trace_every : std::int64_t(problem.views.size())),
+      longest_score_s_(budget.foreseen_s(kCheckRenders * double(problem.views.size()))) {}
+
+void Watch::score(Json& line, const std::function<Solution()>& whole) {
+  const double before = wall_seconds();
+  const Agreement agreement = mean_agreement(training_agreement(exec_, problem_, whole()));
+  const double took_s = wall_seconds() - before;
+  scoring_s_ += took_s, longest_score_s_ = std::max(longest_score_s_, took_s);
+  const std::optional<AgreementTarget>& target = options_.target;
+  target_met_ = target && (target->boundary ? agreement.biou : agreement.iou) >= target->value;
+  line["training_iou"] = agreement.iou, line["training_biou"] = agreement.biou;
+  line["scoring_s"] = scoring_s_;
+}
+
+void Watch::begin(const JointTrainer& trainer) {
+  if (options_.target || options_.traced) {
+    Json line{{"t", seconds()}, {"stage", "start"}, {"step", 0}};
+    if (score_fits()) score(line, [&] { return trainer.result(); });
+    if (options_.traced) text_ += line.dump() + "\n";
+  }
+  last_s_ = seconds();
+}
+
+void Watch::begin_stage(double keep_s) {
+  iterations_left_ = 0, keep_s_ = keep_s;
+  last_s_ = began_s_ = seconds(), longest_step_s_ = 0;
+}
+
+void Watch::begin_steps(double keep_s, const JointTrainer& trainer) {
+  begin_stage(keep_s);
+  planned_ = trainer.steps_planned(), step_ = began_step_ = trainer.steps_done();
+}
+
+void Watch::begin_iterations(double keep_s) {
+  begin_stage(keep_s);
+  iterations_known(1, 1);
+}
+
+/// After the first step of an iteration: all before it was the refinement.
+void Watch::begin_iteration(const JointProgress& first, double now_s) {
+  refine_s_ = now_s - last_s_;
+  --iterations_left_;
+  planned_ = first.steps, began_step_ = first.step;
+  began_s_ = last_s_ = now_s, longest_step_s_ = 0;
+}
+
+/// It cannot be stopped midway: one like the longest, and the step that led to it.
+bool Watch::score_fits() const { return budget_.allows(keep_s_ + 1.2 * (longest_score_s_ + longest_step_s_)); }
+
+/// Of these steps so far.
+double Watch::step_s(const JointProgress& progress) const {
+  return (seconds() - began_s_) / double(std::max<std::int64_t>(progress.step - began_step_, 1));
+}
+
+/// A refinement like the last one, and the least of its steps, as this one's pace foretells them.
+bool Watch::next_iteration_fits(const JointProgress& progress) const {
+  constexpr double kCaution = 1.15;
+  const double next_step_s = step_s(progress) / (iterations_left_ == 2 ? early_share_ : 1);
+  return budget_.allows(keep_s_ + kCaution * refine_s_ + kLeastIteration * double(planned_) * next_step_s);
+}
+
+void Watch::replan(const JointProgress& progress, JointTrainer& trainer) {
+  if (!budget_.given() || progress.step == began_step_) return;
+  const double more = std::max(0.0, budget_.left_s() - keep_s_ - 1.2 * longest_step_s_) / step_s(progress);
+  trainer.plan_steps(std::min(planned_, progress.step + std::int64_t(std::min(more, double(planned_)))));
+}
+
+void Watch::write_step(const JointProgress& progress, double now_s, const std::function<Solution()>& whole) {
+  if (!options_.target && !options_.traced) return;
+  const LossTerms& l = progress.loss;
+  Json line{{"t", now_s},
+            {"stage", iterations_left_ > 0 ? "contours" : "joint"},
+            {"step", step_},
+            {"view", problem_.scene.views[progress.view].camera.name},
+            {"loss",
+             {{"total", l.total},
+              {"photometric", l.photometric},
+              {"align", l.align},
+              {"mask", l.mask},
+              {"cont", l.cont},
+              {"smooth", l.smooth}}}};
+  if ((step_ % every_ == 0 || progress.step == progress.steps) && score_fits()) score(line, whole);
+  if (options_.traced) text_ += line.dump() + "\n";
+}
+
+bool Watch::after_step(const JointProgress& progress, JointTrainer& trainer, const std::function<Solution()>& whole) {
+  last_loss_ = progress.loss;
+  ++step_;
+  const double now = seconds();
+  if (iterations_left_ > 0 && progress.step == 1) begin_iteration(progress, now);
+  longest_step_s_ = std::max(longest_step_s_, now - last_s_);
+  write_step(progress, now, whole);
+  replan(progress, trainer);
+  last_s_ = seconds();
+  bool over = !budget_.allows(keep_s_ + 1.2 * longest_step_s_);
+  if (iterations_left_ > 1 && trainer.finished()) over |= !next_iteration_fits(progress);
+  cut_ |= (over || trainer.finished()) && (progress.step < planned_ || (over && iterations_left_ > 1));
+  return target_met_ || over;
+}
+
+}  // namespace ngs
