@@ -6,6 +6,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/options/near_matches.h"
+#include "ngs/options/option_warnings.h"
 #include "shared/text_file.h"
 
 namespace ngs::cli {
@@ -45,16 +46,21 @@ class Splitter {
     app_.set_help_flag();
     app_.allow_extras();
   }
-  void value(const std::string& flags) {
-    app_.add_option(flags, texts_[flags])->take_all()->expected(1)->allow_extra_args(false);
+  /// `old_flags` mean the same and are not suggested to anybody.
+  void value(const std::string& flags, const std::string& old_flags = {}) {
+    app_.add_option(flags + old_flags, texts_[flags])->take_all()->expected(1)->allow_extra_args(false);
     remember(flags);
   }
-  void flag(const std::string& flags) {
-    app_.add_flag(flags, texts_[flags])->take_all();
+  void flag(const std::string& flags, const std::string& old_flags = {}) {
+    app_.add_flag(flags + old_flags, texts_[flags])->take_all();
     remember(flags);
   }
   const Texts& operator[](const std::string& flags) const { return texts_.at(flags); }
   bool has(const std::string& flags) const { return !texts_.at(flags).empty(); }
+  /// Whether this spelling is among the words, as "--flag" or "--flag=value".
+  bool has_word(const std::string& flag) const {
+    return std::ranges::any_of(words_, [&](const std::string& word) { return word.substr(0, word.find('=')) == flag; });
+  }
 
   /// The words that belong to no flag.
   Texts split(int argc, char** argv) {
@@ -62,6 +68,7 @@ class Splitter {
     const auto end_of_flags = std::find(words.begin(), words.end(), "--");
     Texts plain(end_of_flags == words.end() ? end_of_flags : end_of_flags + 1, words.end());
     words.erase(end_of_flags, words.end());
+    words_ = words;
     std::reverse(words.begin(), words.end());  // CLI11 takes them from the back
     try {
       app_.parse(words);
@@ -98,12 +105,20 @@ class Splitter {
 
   CLI::App app_;
   std::map<std::string, Texts> texts_;
+  Texts words_;  // up to "--"
   Texts known_;
 };
 
-std::string option_flags(const OptionEntry& entry) {
-  const std::string flag = option_flag(entry.name);
+/// "--name", of a switch "--name,!--no-name".
+std::string flags_of(const OptionEntry& entry, const std::string& name) {
+  const std::string flag = option_flag(name);
   return entry.kind == OptionKind::kBool ? flag + ",!--no" + flag.substr(1) : flag;
+}
+std::string option_flags(const OptionEntry& entry) { return flags_of(entry, entry.name); }
+std::string old_flags(const OptionEntry& entry) { return entry.was.empty() ? "" : "," + flags_of(entry, entry.was); }
+bool is_by_old_flag(const Splitter& splitter, const OptionEntry& entry) {
+  const std::string flag = option_flag(entry.was);
+  return splitter.has_word(flag) || (entry.kind == OptionKind::kBool && splitter.has_word("--no" + flag.substr(1)));
 }
 
 constexpr const char* kCommonSwitches[] = {"-h,--help",      "--version",     "--json",
@@ -118,8 +133,8 @@ void declare(const Spec& spec, Splitter& splitter) {
   splitter.flag("--print-schema");
   splitter.flag("--print-commands");
   for (const OptionEntry& entry : spec.options.entries())
-    entry.kind == OptionKind::kBool ? splitter.flag(option_flags(entry))
-                                    : splitter.value(option_flags(entry));
+    entry.kind == OptionKind::kBool ? splitter.flag(option_flags(entry), old_flags(entry))
+                                    : splitter.value(option_flags(entry), old_flags(entry));
   for (const Input& input : spec.inputs)
     if (input.name[0] == '-') splitter.value(input.name);
   for (const Output& output : spec.outputs) splitter.value(output.flags);
@@ -170,6 +185,19 @@ void assign_positionals(const Texts& words, Spec& spec) {
                 "see --help for the order of the arguments");
 }
 
+/// The options file first, then the flags.
+void set_options(const Splitter& splitter, const OptionSet& options, CommonFlags& flags) {
+  std::vector<const OptionEntry*> by_old_name;
+  if (!flags.options_file.empty())
+    by_old_name = options.set_json(
+        parse_json(read_text_file(flags.options_file, ErrorCode::kUsage), flags.options_file), flags.options_file);
+  for (const OptionEntry& entry : options.entries()) {
+    if (splitter.has(option_flags(entry))) options.set_text(entry.name, splitter[option_flags(entry)]);
+    if (!entry.was.empty() && (std::ranges::count(by_old_name, &entry) > 0 || is_by_old_flag(splitter, entry)))
+      flags.warnings.push_back(renamed_warning(entry));
+  }
+}
+
 /// "-" is where the report goes anyway, unless an output does.
 void settle_report(const Spec& spec, CommonFlags& flags) {
   if (flags.report_path != "-") return;
@@ -192,12 +220,7 @@ CommonFlags parse_command_line(int argc, char** argv, Spec& spec) {
     flags.print_schema = of_report ? "report" : "options";
   }
   assign_positionals(words, spec);
-  if (!flags.options_file.empty())
-    spec.options.set_json(
-        parse_json(read_text_file(flags.options_file, ErrorCode::kUsage), flags.options_file),
-        flags.options_file);
-  for (const OptionEntry& entry : spec.options.entries())
-    if (splitter.has(option_flags(entry))) spec.options.set_text(entry.name, splitter[option_flags(entry)]);
+  set_options(splitter, spec.options, flags);
   for (Input& input : spec.inputs)
     if (input.name[0] == '-' && splitter.has(input.name)) input.path = splitter[input.name].back();
   for (Output& output : spec.outputs)

@@ -64,6 +64,20 @@ std::string option_row(const OptionEntry& entry) {
   return row(left, help);
 }
 
+/// Group by group, in the order in which their titles come first; groups that nothing listens to are left out.
+std::string option_rows(const OptionSet& options) {
+  std::vector<std::pair<std::string, std::string>> parts;
+  for (const OptionEntry& entry : options.entries()) {
+    if (!is_heard(entry)) continue;
+    auto part = std::ranges::find(parts, entry.group->title, &std::pair<std::string, std::string>::first);
+    if (part == parts.end()) part = parts.insert(part, {entry.group->title, ""});
+    part->second += option_row(entry);
+  }
+  std::string text;
+  for (const auto& [title, rows] : parts) text += "\n" + title + " [default; range]:\n" + rows;
+  return text;
+}
+
 constexpr const char* kCommonHelp =
     "common:\n"
     "  -h, --help                  this text\n"
@@ -104,8 +118,7 @@ std::string help_text(const Spec& spec) {
   for (const Output& output : spec.outputs)
     text += row(flags_and_value(output.flags, output.directory ? "DIR" : "FILE"), output.help);
 
-  if (!spec.options.entries().empty()) text += "\noptions [default; range]:\n";
-  for (const OptionEntry& entry : spec.options.entries()) text += option_row(entry);
+  text += option_rows(spec.options);
   for (const std::string& paragraph : spec.help_texts) text += "\n" + paragraph;
   return text + "\n" + kCommonHelp + "\n" + kExitCodeHelp;
 }

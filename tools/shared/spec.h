@@ -39,6 +39,7 @@ struct CommonFlags {
   std::optional<int> threads;
   std::uint64_t seed = 0;
   std::string options_file, report_path;
+  std::vector<std::string> warnings;  // of options given by earlier names
   bool print_options = false;
   bool print_commands = false;  // for scripts that walk over all tools: one empty line (see dispatch())
   std::string print_schema;     // empty, "options" or "report"

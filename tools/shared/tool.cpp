@@ -10,6 +10,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
+#include "ngs/options/option_warnings.h"
 #include "ngs/ops/device/device_ops.h"
 #include "shared/command_line.h"
 #include "shared/console.h"
@@ -67,6 +68,10 @@ void Run::nothing_found(const std::string& message, const std::string& remedy) {
     throw Error(ErrorCode::kNothingFound, message,
                 remedy.empty() ? "--allow-empty makes this a result" : remedy);
   state_.monitor.warn(message);
+}
+
+void Run::warn_unused(const std::function<bool(std::string_view effect)>& is_on) {
+  for (const std::string& warning : without_effect_warnings(state_.spec.options, is_on)) state_.monitor.warn(warning);
 }
 
 struct Tool::Impl {
@@ -220,6 +225,8 @@ int Tool::Impl::run(const CommonFlags& flags, Console& console, const std::funct
   };
   console.info("device: " + device.name + " (" + device.reason +
                "), threads: " + std::to_string(state.exec.threads) + ", " + isa_name(state.exec.isa));
+  for (const std::string& warning : flags.warnings) state.monitor.warn(warning);
+  for (const std::string& warning : unheard_warnings(spec.options)) state.monitor.warn(warning);
   {
     const Monitor::Scope scope = state.monitor.scope("hash inputs");
     state.inputs = describe_inputs(spec, !flags.dry_run);

@@ -1,5 +1,5 @@
 #pragma once
-// What makes eleven binaries one program: declare options, inputs and outputs, then run() parses the command
+// What makes the binaries of ngs one program: declare options, inputs and outputs, then run() parses the command
 // line, checks paths, hashes the inputs, runs the body, writes the report and maps errors to exit codes.
 //
 //   Tool tool("ngs-rbf", "Interpolate ...", {"ngs-rbf boundary.ply queries.ply -o field.ply"});
@@ -85,6 +85,8 @@ class Run {
   void add_input(const std::string& name, const std::string& path);
   /// Nothing to work on: Error(kNothingFound), or with --allow-empty a warning.
   void nothing_found(const std::string& message, const std::string& remedy = {});
+  /// Warns of the options that were given for effects (Field::of) of which `is_on` says that they are off.
+  void warn_unused(const std::function<bool(std::string_view effect)>& is_on);
   /// 130 or 143 if a signal asked the tool to stop, else 0. For bodies that poll monitor().stop_requested():
   /// checkpoint, then `return run.stop_code();`.
   int stop_code() const;
@@ -101,9 +103,15 @@ class Tool {
   Tool(const Tool&) = delete;
   Tool& operator=(const Tool&) = delete;
 
-  /// Any number of structs with describe(). `prefix` goes before their option names ("fit_" -> --fit-steps).
+  /// Any number of structs with describe(). What is given of a group that nothing listens to is warned about before the
+  /// body runs.
   template <class Options>
-  void options(Options& options, std::string_view prefix = {}) {
+  void options(Options& options, OptionGroup group = {}) {
+    option_set().add(options, std::move(group));
+  }
+  /// `prefix` goes before their option names ("fit_" -> --fit-steps).
+  template <class Options>
+  void options(Options& options, std::string_view prefix) {
     option_set().add(options, prefix);
   }
   const Input& input(std::string name, std::string help);

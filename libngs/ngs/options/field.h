@@ -1,32 +1,53 @@
 #pragma once
-// One option, described once. CLI flag, JSON key, JSON schema, --help line, range check and the provenance
-// record are all read from these. An options struct has
+// One option, described once. CLI flag, JSON key, JSON schema, --help line, range check, the provenance record, the warning
+// that nothing listens to it and the name it had before are all read from these. An options struct has
 //
 //   template <class Self, class Visitor> static void describe(Self& self, Visitor&& visit) {
 //     visit(self.neighbours, Field<int>{"neighbours", "", "boundary Gaussians per query (before Eq. 8)", 1, 32});
 //     visit(self.antialiased, Flag{"antialiased", "apply the opacity compensation"});
 //     visit(self.window, Choice<Window>{"window", "centre of the depth window (C12)", kWindowNames});
+//     visit(self.levels, Field<int>{"hash_levels", "", "levels of the grid", 1, 32}.of("nerf").was("grid_levels"));
 //   }
 //
-// Names are snake_case; the flag is the same name with '-'.
+// Names are snake_case; the flag is the same name with '-'. Every descriptor has, beside what it is given in braces:
+//
+//   .of("nerf")          the effect without which nothing listens to the option; "joint|contours": one of them must be on
+//   .was("grid_levels")  an earlier name, still accepted as flag and JSON key, with a warning
 #include <span>
 #include <string_view>
 
 namespace ngs {
+
+/// What .of() and .was() say; empty: nothing.
+struct OptionNotes {
+  std::string_view effect = {}, old_name = {};
+};
 
 /// A number (int, std::int64_t, std::uint64_t or double) in [min, max].
 template <class T>
 struct Field {
   std::string_view name, unit, help;
   T min, max;
+  OptionNotes notes = {};
+
+  constexpr Field of(std::string_view effect) const { return {name, unit, help, min, max, {effect, notes.old_name}}; }
+  constexpr Field was(std::string_view old_name) const { return {name, unit, help, min, max, {notes.effect, old_name}}; }
 };
 
 struct Flag {  // bool
   std::string_view name, help;
+  OptionNotes notes = {};
+
+  constexpr Flag of(std::string_view effect) const { return {name, help, {effect, notes.old_name}}; }
+  constexpr Flag was(std::string_view old_name) const { return {name, help, {notes.effect, old_name}}; }
 };
 
 struct Text {  // std::string, or std::vector<std::string> for a repeatable option
   std::string_view name, placeholder, help;
+  OptionNotes notes = {};
+
+  constexpr Text of(std::string_view effect) const { return {name, placeholder, help, {effect, notes.old_name}}; }
+  constexpr Text was(std::string_view old_name) const { return {name, placeholder, help, {notes.effect, old_name}}; }
 };
 
 template <class E>
@@ -39,6 +60,10 @@ template <class E>
 struct Choice {  // an enum class
   std::string_view name, help;
   std::span<const NamedValue<E>> values;
+  OptionNotes notes = {};
+
+  constexpr Choice of(std::string_view effect) const { return {name, help, values, {effect, notes.old_name}}; }
+  constexpr Choice was(std::string_view old_name) const { return {name, help, values, {notes.effect, old_name}}; }
 };
 
 }  // namespace ngs

@@ -120,13 +120,26 @@ std::string option_flag(std::string_view name) {
   return flag;
 }
 
+bool is_heard(const OptionEntry& entry) { return !entry.group->listens || entry.group->listens(); }
+
+bool is_effective(const OptionEntry& entry, const std::function<bool(std::string_view effect)>& is_on) {
+  if (entry.effect.empty()) return true;
+  for (std::size_t begin = 0; begin <= entry.effect.size();) {
+    const std::size_t end = std::min(entry.effect.find('|', begin), entry.effect.size());
+    if (is_on(std::string_view(entry.effect).substr(begin, end - begin))) return true;
+    begin = end + 1;
+  }
+  return false;
+}
+
 Json parse_json(std::string_view text, std::string_view source) {
   return parse_strict_json<Json>(text, source, ErrorCode::kUsage);
 }
 
 void OptionSet::push(OptionEntry entry) {
   for (const OptionEntry& other : entries_)
-    NGS_CHECK(other.name != entry.name, "option '" + entry.name + "' is described twice");
+    for (const std::string& name : {entry.name, entry.was})
+      NGS_CHECK(name.empty() || (other.name != name && other.was != name), "option '" + name + "' is described twice");
   entry.default_value = entry.get();
   entries_.push_back(std::move(entry));
 }
@@ -137,9 +150,16 @@ std::vector<std::string> OptionSet::names() const {
   return names;
 }
 
+std::vector<const OptionEntry*> OptionSet::given() const {
+  std::vector<const OptionEntry*> given;
+  for (const OptionEntry& entry : entries_)
+    if (entry.get() != entry.default_value) given.push_back(&entry);
+  return given;
+}
+
 const OptionEntry& OptionSet::at(std::string_view name, std::string_view source) const {
   for (const OptionEntry& entry : entries_)
-    if (entry.name == name) return entry;
+    if (entry.name == name || (!name.empty() && entry.was == name)) return entry;
   throw Error(
       ErrorCode::kUsage,
       (source.empty() ? "" : std::string(source) + ": ") + "unknown option '" + std::string(name) + "'",
@@ -156,14 +176,22 @@ void OptionSet::set_text(std::string_view name, const std::vector<std::string>& 
   entry.set(entry.kind == OptionKind::kBool ? typed_bool(text) : Json(text));
 }
 
-void OptionSet::set_json(const Json& values, std::string_view source) const {
+std::vector<const OptionEntry*> OptionSet::set_json(const Json& values, std::string_view source) const {
   if (!values.is_object())
     throw Error(ErrorCode::kUsage,
                 std::string(source) + ": found " + values.type_name() + ", expected an object of options");
+  std::vector<const OptionEntry*> by_old_name;
   for (const auto& item : values.items()) {
     const OptionEntry& entry = at(item.key(), source);
+    if (item.key() == entry.was) {
+      by_old_name.push_back(&entry);
+      if (values.contains(entry.name))
+        throw Error(ErrorCode::kUsage,
+                    std::string(source) + ": '" + entry.was + "' is now called '" + entry.name + "', found both, expected one");
+    }
     with_context(source, [&] { entry.set(item.value()); });
   }
+  return by_old_name;
 }
 
 Json OptionSet::to_json() const {

@@ -6,6 +6,7 @@
 // Every value passes the same checks, whether it comes from a flag or from JSON: the right type, finite, in
 // its range, a known choice. A violation is Error(kUsage) "name = value, expected in [a, b]".
 #include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -21,6 +22,16 @@ using Json = nlohmann::ordered_json;
 
 enum class OptionKind { kBool, kInteger, kReal, kText, kTextList, kChoice };
 
+/// What the options of one struct have in common in one tool.
+struct OptionGroup {
+  std::string title = "options";    // of their part of --help; groups with one title share it
+  std::string prefix = {};          // before their names: "fit_" -> --fit-steps
+  std::string effect = {};          // of those that name none themselves, as in Field::of()
+  std::function<bool()> listens = {};  // asked once all values are set: false, and nothing uses them. Empty: always
+  std::string listener = {};        // who would: "--method cob"
+  bool basic = false;               // what a first user needs: shown by -h too
+};
+
 struct OptionEntry {
   std::string name;  // snake_case, unique in its set; the flag has '-' for '_'
   std::string unit;  // of a number; the placeholder of a text
@@ -28,7 +39,10 @@ struct OptionEntry {
   OptionKind kind = OptionKind::kBool;
   Json min, max;  // of a number, else null
   std::vector<std::string> choices;
-  Json default_value;
+  std::shared_ptr<const OptionGroup> group;
+  std::string effect;   // see Field::of(); empty: nothing turns it off
+  std::string was;      // an earlier name, prefix included; empty: none
+  Json default_value;   // at its declaration
   std::function<Json()> get;
   std::function<void(const Json&)> set;  // checks, then stores
 };
@@ -36,24 +50,35 @@ struct OptionEntry {
 /// "--bbox-pad-px" for "bbox_pad_px".
 std::string option_flag(std::string_view name);
 
+/// False where the group of the option says that nothing listens to it.
+bool is_heard(const OptionEntry& entry);
+/// False where the option names effects and `is_on` says of all of them that they are off.
+bool is_effective(const OptionEntry& entry, const std::function<bool(std::string_view effect)>& is_on);
+
 /// `text` as JSON; a key that occurs twice in one object is an error, as is anything after the value.
 Json parse_json(std::string_view text, std::string_view source);
 
 class OptionSet {
  public:
-  /// Adds every option that Options::describe() visits, `prefix` before its name.
+  /// Adds every option that Options::describe() visits.
   template <class Options>
-  void add(Options& options, std::string_view prefix = {});
+  void add(Options& options, OptionGroup group = {});
+  template <class Options>
+  void add(Options& options, std::string_view prefix) {
+    add(options, OptionGroup{.prefix = std::string(prefix)});
+  }
 
   const std::vector<OptionEntry>& entries() const { return entries_; }
   std::vector<std::string> names() const;
-  /// The entry, or Error(kUsage) that suggests the nearest names.
+  /// Those whose value is another than it was at their declaration; an options file repeats the others as well.
+  std::vector<const OptionEntry*> given() const;
+  /// The entry of this name, now or before, or Error(kUsage) that suggests the nearest names.
   const OptionEntry& at(std::string_view name, std::string_view source = {}) const;
 
   /// Values as typed on a command line: all of them for a text list, else the last one.
   void set_text(std::string_view name, const std::vector<std::string>& texts) const;
-  /// `source` names the file in messages.
-  void set_json(const Json& values, std::string_view source) const;
+  /// `source` names the file in messages. Returns the options that it knows by an earlier name; kUsage where it has both.
+  std::vector<const OptionEntry*> set_json(const Json& values, std::string_view source) const;
   Json to_json() const;
   /// JSON Schema (draft-07) of to_json(), defaults included.
   Json schema(std::string_view title) const;
@@ -82,15 +107,18 @@ std::size_t checked_choice(std::string_view name, const Json& value, const std::
 /// The visitor that describe() is given.
 struct Binder {
   std::function<void(OptionEntry)> push;
-  std::string prefix;
+  std::shared_ptr<const OptionGroup> group;
 
-  OptionEntry entry(std::string_view name, std::string_view unit, std::string_view help,
-                    OptionKind kind) const {
+  template <class Descriptor>
+  OptionEntry entry(const Descriptor& field, std::string_view unit, OptionKind kind) const {
     OptionEntry e;
-    e.name = prefix + std::string(name);
+    e.name = group->prefix + std::string(field.name);
     e.unit = unit;
-    e.help = help;
+    e.help = field.help;
     e.kind = kind;
+    e.group = group;
+    e.effect = field.notes.effect.empty() ? group->effect : std::string(field.notes.effect);
+    if (!field.notes.old_name.empty()) e.was = group->prefix + std::string(field.notes.old_name);
     return e;
   }
 
@@ -100,8 +128,7 @@ struct Binder {
                   "a number option is int, std::int64_t, std::uint64_t or double");
     using Wide = std::conditional_t<std::is_same_v<T, double>, double,
                                     std::conditional_t<std::is_signed_v<T>, std::int64_t, std::uint64_t>>;
-    OptionEntry e = entry(field.name, field.unit, field.help,
-                          std::is_integral_v<T> ? OptionKind::kInteger : OptionKind::kReal);
+    OptionEntry e = entry(field, field.unit, std::is_integral_v<T> ? OptionKind::kInteger : OptionKind::kReal);
     e.min = field.min;
     e.max = field.max;
     e.get = [&value] { return Json(value); };
@@ -111,21 +138,21 @@ struct Binder {
   }
 
   void operator()(bool& value, const Flag& field) const {
-    OptionEntry e = entry(field.name, "", field.help, OptionKind::kBool);
+    OptionEntry e = entry(field, "", OptionKind::kBool);
     e.get = [&value] { return Json(value); };
     e.set = [&value, name = e.name](const Json& json) { value = checked_bool(name, json); };
     push(std::move(e));
   }
 
   void operator()(std::string& value, const Text& field) const {
-    OptionEntry e = entry(field.name, field.placeholder, field.help, OptionKind::kText);
+    OptionEntry e = entry(field, field.placeholder, OptionKind::kText);
     e.get = [&value] { return Json(value); };
     e.set = [&value, name = e.name](const Json& json) { value = checked_text(name, json); };
     push(std::move(e));
   }
 
   void operator()(std::vector<std::string>& value, const Text& field) const {
-    OptionEntry e = entry(field.name, field.placeholder, field.help, OptionKind::kTextList);
+    OptionEntry e = entry(field, field.placeholder, OptionKind::kTextList);
     e.get = [&value] { return Json(value); };
     e.set = [&value, name = e.name](const Json& json) { value = checked_texts(name, json); };
     push(std::move(e));
@@ -133,7 +160,7 @@ struct Binder {
 
   template <class E>
   void operator()(E& value, const Choice<E>& field) const {
-    OptionEntry e = entry(field.name, "", field.help, OptionKind::kChoice);
+    OptionEntry e = entry(field, "", OptionKind::kChoice);
     for (const NamedValue<E>& choice : field.values) e.choices.emplace_back(choice.name);
     e.get = [&value, values = field.values] {
       for (const NamedValue<E>& choice : values)
@@ -150,8 +177,9 @@ struct Binder {
 }  // namespace option_detail
 
 template <class Options>
-void OptionSet::add(Options& options, std::string_view prefix) {
-  option_detail::Binder binder{[this](OptionEntry e) { push(std::move(e)); }, std::string(prefix)};
+void OptionSet::add(Options& options, OptionGroup group) {
+  option_detail::Binder binder{[this](OptionEntry e) { push(std::move(e)); },
+                               std::make_shared<const OptionGroup>(std::move(group))};
   Options::describe(options, binder);
 }
 

@@ -2,11 +2,13 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
 #include "ngs/core/error.h"
 #include "ngs/options/near_matches.h"
+#include "ngs/options/option_warnings.h"
 
 namespace ngs {
 namespace {
@@ -176,6 +178,128 @@ TEST_CASE("edit distance counts insertions, deletions, substitutions and swaps")
   CHECK(edit_distance("kitten", "sitting") == 3);
   CHECK(near_matches("thread", {"seed", "threads", "tau"}) == std::vector<std::string>{"threads"});
   CHECK(suggestion("zzz", {"seed", "tau"}) == "known: seed, tau");
+}
+
+namespace {
+
+struct FieldOptions {
+  int levels = 16, layers = 2;
+  double rate = 0.1;
+  bool literal = false;
+  std::string note;
+  Window window = Window::kPixel;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.levels, Field<int>{"hash_levels", "", "of the grid", 1, 32}.of("nerf").was("grid_levels"));
+    visit(self.layers, Field<int>{"mlp_layers", "", "of the network", 1, 8}.was("layers").of("nerf"));
+    visit(self.rate, Field<double>{"rate", "", "of descent", 0, 1}.of("joint|contours"));
+    visit(self.literal, Flag{"literal", "as printed"}.was("exact"));
+    visit(self.note, Text{"note", "TEXT", "is kept"}.of("nerf"));
+    visit(self.window, Choice<Window>{"window", "centre", kWindows}.was("aperture"));
+  }
+};
+
+struct Twice {
+  int a = 0, b = 0;
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.a, Field<int>{"a", "", "", 0, 1});
+    visit(self.b, Field<int>{"b", "", "", 0, 1}.was("a"));
+  }
+};
+
+}  // namespace
+
+TEST_CASE("an option carries its effect, its group's where it names none, and its earlier name with the prefix") {
+  FieldOptions options;
+  OptionSet set;
+  set.add(options, OptionGroup{.title = "field", .prefix = "near_", .effect = "start"});
+  CHECK(set.at("near_hash_levels").effect == "nerf");
+  CHECK(set.at("near_hash_levels").was == "near_grid_levels");
+  CHECK(set.at("near_mlp_layers").effect == "nerf");
+  CHECK(set.at("near_mlp_layers").was == "near_layers");
+  CHECK(set.at("near_rate").effect == "joint|contours");
+  CHECK(set.at("near_literal").effect == "start");
+  CHECK(set.at("near_literal").was == "near_exact");
+  CHECK(set.at("near_note").effect == "nerf");
+  CHECK(set.at("near_window").was == "near_aperture");
+  CHECK(set.at("near_window").group->title == "field");
+}
+
+TEST_CASE("an earlier name sets the option, in JSON and typed, and is told apart from the present one") {
+  FieldOptions options;
+  OptionSet set;
+  set.add(options);
+  const auto by_old_name = set.set_json({{"grid_levels", 4}, {"mlp_layers", 3}}, "o.json");
+  CHECK(options.levels == 4);
+  CHECK(options.layers == 3);
+  REQUIRE(by_old_name.size() == 1);
+  CHECK(renamed_warning(*by_old_name[0]) == "--grid-levels is now called --hash-levels");
+  CHECK(set.set_json({{"hash_levels", 5}}, "o.json").empty());
+  set.set_text("aperture", {"mean"});
+  CHECK(options.window == Window::kMean);
+  CHECK_FALSE(set.to_json().contains("grid_levels"));
+  CHECK(message_of([&] { set.set_json({{"grid_levels", 4}, {"hash_levels", 4}}, "o.json"); }) ==
+        "o.json: 'grid_levels' is now called 'hash_levels', found both, expected one | ");
+  CHECK(options.levels == 5);
+}
+
+TEST_CASE("an earlier name that another option has, now or before, is a bug") {
+  Twice twice;
+  OptionSet set;
+  CHECK_THROWS_AS(set.add(twice), std::logic_error);
+}
+
+TEST_CASE("given are the options whose value is not the one of their declaration") {
+  FieldOptions options;
+  options.layers = 5;  // what the tool chose, not the user
+  OptionSet set;
+  set.add(options);
+  CHECK(set.given().empty());
+  set.set_text("hash_levels", {"16"});  // the default again
+  CHECK(set.given().empty());
+  set.set_text("hash_levels", {"8"});
+  set.set_text("mlp_layers", {"2"});
+  REQUIRE(set.given().size() == 2);
+  CHECK(set.given()[0]->name == "hash_levels");
+  CHECK(set.given()[1]->name == "mlp_layers");
+}
+
+TEST_CASE("what is given without its effect is warned about effect by effect, what is not given is not") {
+  FieldOptions options;
+  OptionSet set;
+  set.add(options);
+  const auto warnings = [&](const std::vector<std::string_view>& on) {
+    return without_effect_warnings(
+        set, [&](std::string_view effect) { return std::ranges::find(on, effect) != on.end(); });
+  };
+  using Texts = std::vector<std::string>;
+  CHECK(warnings({}).empty());
+  set.set_json({{"hash_levels", 4}, {"rate", 0.5}, {"note", "x"}, {"literal", true}}, "o.json");
+  CHECK(warnings({}) ==
+        Texts{"--hash-levels, --note: not used with nerf=off", "--rate: not used with joint=off and contours=off"});
+  CHECK(warnings({"contours"}) == Texts{"--hash-levels, --note: not used with nerf=off"});
+  CHECK(warnings({"nerf"}) == Texts{"--rate: not used with joint=off and contours=off"});
+  CHECK(warnings({"nerf", "joint"}).empty());
+}
+
+TEST_CASE("what is given of a group that nothing listens to is warned about once, with who would listen") {
+  FieldOptions near, far;
+  bool is_listening = false;
+  OptionSet set;
+  const auto listens = [&] { return is_listening; };
+  set.add(near, {.prefix = "near_", .listens = listens, .listener = "--method near"});
+  set.add(far, {.prefix = "far_", .listens = listens});
+  using Texts = std::vector<std::string>;
+  CHECK(unheard_warnings(set).empty());
+  set.set_json({{"near_hash_levels", 4}, {"near_rate", 0.5}, {"far_rate", 0.5}}, "o.json");
+  CHECK(unheard_warnings(set) ==
+        Texts{"--near-hash-levels, --near-rate: not used, only --method near listens", "--far-rate: not used"});
+  CHECK(without_effect_warnings(set, [](std::string_view) { return false; }).empty());
+  is_listening = true;
+  CHECK(unheard_warnings(set).empty());
+  CHECK(without_effect_warnings(set, [](std::string_view) { return false; }).size() == 2);
 }
 
 }  // namespace ngs
