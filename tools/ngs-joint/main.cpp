@@ -2,10 +2,8 @@
 // step 6.
 #include <ctime>
 
-#include "apart.h"
-#include "chain.h"
-#include "decide.h"
 #include "quality_table.h"
+#include "run.h"
 
 namespace {
 
@@ -16,49 +14,44 @@ double process_start_s() {
   return ngs::wall_seconds() - double(used.tv_sec) - 1e-9 * double(used.tv_nsec);
 }
 
-int label_model(int argc, char** argv) {
-  using namespace ngs;
-  joint::Declared declared;
-  declared.start_s = process_start_s();
-  cli::Tool tool("ngs-joint",
-                 "Optimise labels, Gaussians and a NeRF on the boundary jointly (Eqs. 1-2, 10-20), or run a "
-                 "method beside it.",
-                 {"ngs-joint scene.json boundary.ply --field field.ply -o labelled.ply",
-                  "ngs-joint scene.json boundary.ply --method flash -o labelled.ply"});
-  tool.options(declared.settings.run);
-  tool.options(declared.settings.joint);
-  tool.options(declared.settings.edge);
-  tool.options(declared.settings.sample);
-  tool.options(declared.settings.rbf);
-  tool.options(declared.raster);
-  declared.methods.declare(tool);
-  tool.help(joint::kQualityTable);
-  tool.help(joint::effects_help());
-  const cli::Input& scene = tool.input("scene", "scene.json written by ngs-scene");
-  const cli::Input& boundary = tool.input("boundary", "PLY written by ngs-variance");
-  const cli::Input& field =
-      tool.optional_input("--field", "PLY written by ngs-rbf; else sampled and interpolated here");
-  const cli::Input& effects_from =
-      tool.optional_input("--effects-from", "report of a run whose decisions on effects are taken over");
-  const cli::Output& out = tool.output("-o,--output", "labelled PLY with optimised attributes");
-  const cli::Output& nerf = tool.optional_output("--nerf", "parameters of the field (safetensors)");
-  const cli::Output& trace = tool.optional_output(
-      "--trace", "one JSON line per step of this run: time, loss terms; per iteration of views: agreement");
-  tool.writes_nothing_if(declared.settings.run.explain);
-  tool.stops_on_request();
-  tool.runs_partly_on_device();  // the joint steps
-
-  return tool.run(argc, argv, [&](cli::Run& run) {
-    return joint::run_chain(
-        run, declared,
-        {scene.path, boundary.path, field.path, effects_from.path, out.path, nerf.path, trace.path});
-  });
+/// For --help: every effect and what it does.
+std::string effects_help(const ngs::Pipeline& pipeline) {
+  std::string text = "effects (--effect NAME=auto|on|off, all=...; --explain decides them for a scene):\n";
+  for (const ngs::Effect& e : pipeline.effects()) {
+    std::string name = "  " + std::string(e.name);
+    name.resize(22, ' ');
+    text += name + std::string(e.help) + (e.always.empty() ? "; auto" : "") + "\n";
+  }
+  return text;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  return ngs::cli::dispatch(argc, argv,
-                            {{"", label_model, "optimise the labels of a scene"},
-                             {"merge", ngs::joint::merge_parts, "join objects that were run apart"}});
+  using namespace ngs;
+  const double start_s = process_start_s();
+  joint::Options options;
+  cli::Tool tool("ngs-joint",
+                 "Optimise labels, Gaussians and a NeRF on the boundary jointly (Eqs. 1-2, 10-20), or run a method beside it.",
+                 {"ngs-joint scene.json boundary.ply -o labelled.ply", "ngs-joint scene.json boundary.ply --method flash -o labelled.ply"});
+  options.declare(tool);
+  tool.help(joint::kQualityTable);
+  tool.help(effects_help(options.pipeline));
+  const cli::Input& scene = tool.input("scene", "scene.json written by ngs-scene");
+  const cli::Input& boundary = tool.input("boundary", "PLY written by ngs-variance");
+  const cli::Input& field = tool.optional_input("--field", "PLY written by ngs-rbf; else sampled and interpolated here");
+  const cli::Input& effects_from =
+      tool.optional_input("--effects-from", "report of a run whose decisions on effects are taken over");
+  const cli::Output& out = tool.output("-o,--output", "labelled PLY with optimised attributes");
+  const cli::Output& nerf = tool.optional_output("--nerf", "parameters of the field (safetensors)");
+  const cli::Output& trace =
+      tool.optional_output("--trace", "one JSON line per step of this run: time, loss terms; per epoch: agreement");
+  tool.writes_nothing_if(options.choice.explain);
+  tool.stops_on_request();
+  tool.runs_partly_on_device();  // the joint steps
+
+  return tool.run(argc, argv, [&](cli::Run& run) {
+    const joint::Paths paths{scene.path, boundary.path, field.path, effects_from.path, out.path, nerf.path, trace.path};
+    return joint::run_method(run, options, paths, start_s);
+  });
 }

@@ -114,6 +114,8 @@ class Tool {
   void options(Options& options, std::string_view prefix) {
     option_set().add(options, prefix);
   }
+  /// For what adds groups of its own.
+  OptionSet& option_set();
   const Input& input(std::string name, std::string help);
   const Input& optional_input(std::string name, std::string help);
   const Inputs& inputs(std::string name, std::string help);
@@ -137,8 +139,6 @@ class Tool {
   int run(int argc, char** argv, const std::function<int(Run&)>& body);
 
  private:
-  OptionSet& option_set();
-
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

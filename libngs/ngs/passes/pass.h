@@ -22,9 +22,9 @@ class StepStore {
   /// Goes on from what is kept, where --resume asks for it; false: from the start.
   virtual bool load(JointTrainer& trainer) = 0;
   /// What is left of an interrupted run; fails where it cannot be written.
-  virtual void save(const JointTrainer& trainer) = 0;
+  virtual void save(JointTrainer& trainer) = 0;
   /// The same on the way: where it cannot be written, the run goes on with a warning.
-  virtual void save_on_the_way(const JointTrainer& trainer) = 0;
+  virtual void save_on_the_way(JointTrainer& trainer) = 0;
   /// Steps between saves on the way; 0: none.
   virtual std::int64_t every() const = 0;
 };
@@ -37,7 +37,8 @@ struct PassRun {
   TrainingOptions training;
   Decisions& decisions;
   Budget& budget;
-  WatchOptions watching;
+  Json& report;  // "result" of the run's report: a key per pass
+  WatchOptions watching = {};
   bool allow_empty = false;           // an empty boundary is no error
   std::function<void(const std::string&)> info = {};  // a line for people; may be empty
 
@@ -53,7 +54,7 @@ struct PassRun {
   std::unique_ptr<JointTrainer> trainer = {};
   std::optional<Watch> watch = {};
   std::optional<Solution> solution = {};
-  Json report = Json::object();          // "result" of the report, a key per pass
+
 
   void say(const std::string& line) const {
     if (info) info(line);
@@ -71,8 +72,8 @@ class Pass {
   virtual PassStage stage() const = 0;
   /// The pass itself first, then its parts that can be switched.
   virtual std::vector<Effect> effects() const = 0;
-  /// Its options, as a group of --help.
-  virtual void declare(OptionSet&) {}
+  /// Adds its options, as `group` under a title of its own.
+  virtual void declare(OptionSet&, OptionGroup /*group*/) {}
   /// What its options decide without naming an effect.
   virtual std::vector<EffectVerdict> rules(const TrainingOptions&) const { return {}; }
   /// What it takes at most before it can be stopped; none: it follows the clock.

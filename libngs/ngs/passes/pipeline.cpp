@@ -32,8 +32,8 @@ std::vector<Effect> Pipeline::effects(PassStage stage) const {
   return all;
 }
 
-void Pipeline::declare(OptionSet& options) const {
-  for (const auto& pass : passes_) pass->declare(options);
+void Pipeline::declare(OptionSet& options, const OptionGroup& group) const {
+  for (const auto& pass : passes_) pass->declare(options, group);
 }
 
 std::vector<EffectVerdict> Pipeline::rules(const TrainingOptions& training) const {

@@ -14,7 +14,7 @@ class Pipeline {
   /// Of all passes, in order.
   std::vector<Effect> effects() const;
   std::vector<Effect> effects(PassStage stage) const;
-  void declare(OptionSet& options) const;
+  void declare(OptionSet& options, const OptionGroup& group) const;
   std::vector<EffectVerdict> rules(const TrainingOptions& training) const;
 
   /// Leaves out what the time does not allow, then decides on `seen`, which may be the problem at a fraction of its size.

@@ -14,7 +14,7 @@ namespace ngs {
 namespace {
 
 /// One view's part of LabelViews; returns the number of objects that count towards the mean.
-std::size_t add_view(const Exec& exec, const Problem& problem, const ImageF& rendered, const ViewMasks& masks, LabelViews& views) {
+std::size_t add_view(const Exec& exec, const ImageF& rendered, const ViewMasks& masks, LabelViews& views) {
   double sum = 0;
   bool shown = false;
   for (std::size_t k = 0; k < masks.target.size(); ++k) {
@@ -46,7 +46,7 @@ const LabelViews& SceneProbe::label_views() {
     const ViewMasks masks = problem_.load_masks(v);
     if (!masks.available) continue;
     const ImageF rendered = label.view(exec_, problem_.scene.views[v].camera, problem_.splat);
-    count += add_view(exec_, problem_, rendered, masks, *views_);
+    count += add_view(exec_, rendered, masks, *views_);
   }
   if (count > 0) views_->biou /= double(count);
   return *views_;

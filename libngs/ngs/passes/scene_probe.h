@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "ngs/ops/image/metrics.h"
 #include "ngs/passes/joint/training_options.h"
 #include "ngs/problem/problem.h"
 #include "ngs/scene/boundary_set.h"

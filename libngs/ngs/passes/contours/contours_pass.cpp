@@ -3,8 +3,10 @@
 #include <algorithm>
 
 #include "ngs/passes/contours/contour_stage.h"
+#include "ngs/passes/contours/refined_masks.h"
 #include "ngs/passes/detectors.h"
 #include "ngs/problem/view_list.h"
+#include "ngs/stages/masks/mask_pair.h"
 
 namespace ngs {
 namespace {
@@ -84,8 +86,9 @@ std::vector<Effect> ContoursPass::effects() const {
        .was = "fine-rounds"}};
 }
 
-void ContoursPass::declare(OptionSet& options) {
-  options.add(options_, {.title = "contours: follow the photos' edges", .effect = "contours"});
+void ContoursPass::declare(OptionSet& options, OptionGroup group) {
+  group.title = "contours: follow the photos' edges", group.effect = "contours";
+  options.add(options_, std::move(group));
 }
 
 std::vector<EffectVerdict> ContoursPass::rules(const TrainingOptions& training) const {

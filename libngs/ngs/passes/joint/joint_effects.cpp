@@ -6,12 +6,11 @@
 #include "ngs/passes/joint/joint_field.h"
 #include "ngs/passes/scene_probe.h"
 #include "ngs/problem/view_list.h"
+#include "ngs/stages/masks/mask_pair.h"
 
 namespace ngs {
 namespace {
 
-/// Finest useful cell of the encoding, in spacings of the boundary: two cells to a spacing.
-constexpr double kFinestCell = 0.5;
 constexpr std::string_view kHalfLevel = "half a level of an 8-bit photo, which none can show";
 
 double gap_without_photos(SceneProbe& probe) {

@@ -26,6 +26,9 @@ struct FieldRays {
 double field_reach(const SampleOptions& sample, const GaussianCloud& cloud,
                    const std::vector<Camera>& cameras, const BoundarySet& boundary);
 
+/// Finest useful cell of the encoding, in spacings of the boundary: two cells to a spacing.
+inline constexpr double kFinestCell = 0.5;
+
 /// Side of the finest cell of the encoding, in spacings of the boundary (passes/detectors.h).
 double encoding_cells(const Exec& exec, double reach, double width, Rows<const float, 3> boundary,
                       int finest);

@@ -75,51 +75,48 @@ struct JointOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.quality,
-          Choice<Quality>{"quality", "epochs of every training view: 1, 10, 40 or 160; 0.3 of that before edges at half the size",
-                          kQualityNames});
     visit(self.steps, Field<std::int64_t>{"steps", "", "optimiser steps, one view each; 0: as --quality says",
-                                          0, 100'000'000});
-    visit(self.lambda_mask, Field<double>{"lambda_mask", "", "weight of L_mask (Eq. 20)", 0, 1e6});
-    visit(self.lambda_cont, Field<double>{"lambda_cont", "", "weight of L_cont (Eq. 20)", 0, 1e6});
-    visit(self.lambda_smooth, Field<double>{"lambda_smooth", "", "weight of L_smth (Eq. 20)", 0, 1e6});
-    visit(self.weight_opacity, Field<double>{"weight_opacity", "", "w_alpha of L_align (Eq. 16)", 0, 1e6});
-    visit(self.weight_variance, Field<double>{"weight_variance", "", "w_v of L_align (Eq. 16, C17)", 0, 1e6});
-    visit(self.excess_variance, Flag{"excess_variance", "7x7 term: only variance above the photo's (C17)"});
+                                          0, 100'000'000}.of("joint"));
+    visit(self.lambda_mask, Field<double>{"lambda_mask", "", "weight of L_mask (Eq. 20)", 0, 1e6}.of("mask"));
+    visit(self.lambda_cont, Field<double>{"lambda_cont", "", "weight of L_cont (Eq. 20)", 0, 1e6}.of("cont"));
+    visit(self.lambda_smooth, Field<double>{"lambda_smooth", "", "weight of L_smth (Eq. 20)", 0, 1e6}.of("smooth"));
+    visit(self.weight_opacity, Field<double>{"weight_opacity", "", "w_alpha of L_align (Eq. 16)", 0, 1e6}.of("align"));
+    visit(self.weight_variance, Field<double>{"weight_variance", "", "w_v of L_align (Eq. 16, C17)", 0, 1e6}.of("variance"));
+    visit(self.excess_variance, Flag{"excess_variance", "7x7 term: only variance above the photo's (C17)"}.of("variance"));
     visit(self.mask_loss,
           Choice<MaskLossForm>{"mask_loss", "L_mask: cross-entropy, or COB-GS's linear form (C18)",
-                               kMaskLossNames});
+                               kMaskLossNames}.of("mask"));
     visit(self.photometric_weight,
-          Field<double>{"photometric_weight", "", "weight of 0.8 L1 + 0.2 DSSIM (C16)", 0, 1e6});
+          Field<double>{"photometric_weight", "", "weight of 0.8 L1 + 0.2 DSSIM (C16)", 0, 1e6}.of("photometric"));
     visit(self.start_steps,
-          Field<int>{"start_steps", "", "labels start this many EM steps from 1/2 (PAPER.md 5.4); 1: at their share of evidence", 1, 100});
-    visit(self.rate_label, Field<double>{"rate_label", "", "Adam rate of the label logits", 0, 100});
+          Field<int>{"start_steps", "", "labels start this many EM steps from 1/2 (PAPER.md 5.4); 1: at their share of evidence", 1, 100}.of("joint"));
+    visit(self.rate_label, Field<double>{"rate_label", "", "Adam rate of the label logits", 0, 100}.of("joint|contours"));
     visit(self.rate_scale,
-          Field<double>{"rate_scale", "", "factor on 3DGS's rates of the Gaussians (C20)", 0, 1e3});
+          Field<double>{"rate_scale", "", "factor on 3DGS's rates of the Gaussians (C20)", 0, 1e3}.of("joint"));
     visit(self.rate_literal,
-          Flag{"rate_literal", "the paper's single rate 1.6e-4 for Gaussians and NeRF (C20)"});
-    visit(self.rate_hash, Field<double>{"rate_hash", "", "Adam rate of the hash tables", 0, 10});
-    visit(self.rate_mlp, Field<double>{"rate_mlp", "", "Adam rate of the network", 0, 10});
+          Flag{"rate_literal", "the paper's single rate 1.6e-4 for Gaussians and NeRF (C20)"}.of("joint"));
+    visit(self.rate_hash, Field<double>{"rate_hash", "", "Adam rate of the hash tables", 0, 10}.of("nerf"));
+    visit(self.rate_mlp, Field<double>{"rate_mlp", "", "Adam rate of the network", 0, 10}.of("nerf"));
     visit(self.rate_feature,
-          Field<double>{"rate_feature", "", "Adam rate of the boundary features f_j", 0, 10});
+          Field<double>{"rate_feature", "", "Adam rate of the boundary features f_j", 0, 10}.of("nerf"));
     visit(self.rate_decay,
-          Field<double>{"rate_decay", "", "all rates fall exponentially to this factor", 1e-6, 1});
+          Field<double>{"rate_decay", "", "all rates fall exponentially to this factor", 1e-6, 1}.of("joint|contours"));
     visit(self.smooth_points,
-          Field<int>{"smooth_points", "", "query points per step for L_smth", 1, 1 << 24});
+          Field<int>{"smooth_points", "", "query points per step for L_smth", 1, 1 << 24}.of("smooth"));
     visit(self.smooth_step,
-          Field<double>{"smooth_step", "", "finite-difference step of L_smth, in kernel widths", 1e-6, 10});
+          Field<double>{"smooth_step", "", "finite-difference step of L_smth, in kernel widths", 1e-6, 10}.of("smooth"));
     visit(self.hash_levels,
-          Field<int>{"hash_levels", "", "resolutions L of the hash encoding (Eq. 11)", 1, kMaxHashLevels});
-    visit(self.hash_features, Field<int>{"hash_features", "", "features per level: 1, 2, 4 or 8", 1, 8});
+          Field<int>{"hash_levels", "", "resolutions L of the hash encoding (Eq. 11)", 1, kMaxHashLevels}.of("nerf"));
+    visit(self.hash_features, Field<int>{"hash_features", "", "features per level: 1, 2, 4 or 8", 1, 8}.of("nerf"));
     visit(self.hash_log2_table,
-          Field<int>{"hash_log2_table", "", "log2 of the entries of a hashed level", 3, 24});
-    visit(self.hash_base, Field<int>{"hash_base", "vertices", "coarsest resolution, along an axis", 2, 4096});
-    visit(self.hash_finest, Field<int>{"hash_finest", "vertices", "finest resolution, along an axis", 2, kMaxHashResolution});
-    visit(self.mlp_hidden, Field<int>{"mlp_hidden", "", "width of the network", 16, 128});
+          Field<int>{"hash_log2_table", "", "log2 of the entries of a hashed level", 3, 24}.of("nerf"));
+    visit(self.hash_base, Field<int>{"hash_base", "vertices", "coarsest resolution, along an axis", 2, 4096}.of("nerf"));
+    visit(self.hash_finest, Field<int>{"hash_finest", "vertices", "finest resolution, along an axis", 2, kMaxHashResolution}.of("nerf"));
+    visit(self.mlp_hidden, Field<int>{"mlp_hidden", "", "width of the network", 16, 128}.of("nerf"));
     visit(self.mlp_layers,
-          Field<int>{"mlp_layers", "", "hidden layers, each modulated (Eq. 14)", 1, kMaxFilmLayers});
+          Field<int>{"mlp_layers", "", "hidden layers, each modulated (Eq. 14)", 1, kMaxFilmLayers}.of("nerf"));
     visit(self.direction_degree,
-          Field<int>{"direction_degree", "", "SH bands of the view direction (C14); 0: none", 0, 3});
+          Field<int>{"direction_degree", "", "SH bands of the view direction (C14); 0: none", 0, 3}.of("nerf"));
   }
 };
 

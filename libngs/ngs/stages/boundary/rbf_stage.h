@@ -21,8 +21,8 @@ struct RbfOptions {
                                       1, kMaxNeighbours});
     visit(self.width,
           Text{"width", "auto|WORLD",
-               "kernel width, the paper's sigma (Eq. 8); auto: from the mean spacing of the boundary (C22)"});
-    visit(self.width_factor, Field<double>{"width_factor", "", "--width auto: times this", 1e-3, 1e3});
+               "kernel width, the paper's sigma (Eq. 8); auto: from the mean spacing of the boundary (C22)"}.of("nerf"));
+    visit(self.width_factor, Field<double>{"width_factor", "", "--width auto: times this", 1e-3, 1e3}.of("nerf"));
   }
 };
 

@@ -1,0 +1,55 @@
+#include "labelled_result.h"
+
+#include "ngs/core/error.h"
+
+namespace ngs::joint {
+namespace {
+
+/// Whether the unsuffixed columns are a whole set of one object's.
+bool has_one_set(const io::GaussianPly& ply) {
+  const LabelColumns& l = ply.labels;
+  return ply.objects.empty() && !l.label.empty() && !l.boundary.empty() && !l.views.empty() && !l.prob.empty();
+}
+
+}  // namespace
+
+std::vector<LabelColumns> labels_of(const io::GaussianPly& ply, const Scene& scene) {
+  const std::size_t wanted = scene.objects.size();
+  if (ply.cloud.size() == 0)
+    throw Error(ErrorCode::kNothingFound, ply.file.name() + ": the model has no Gaussians, expected some",
+                "label one that has: ngs-variance scene.json -o boundary.ply");
+  if (wanted == 1 && has_one_set(ply)) {  // beside the sets of several objects the unsuffixed one is their union
+    const std::string& name = scene.objects[0].name;
+    if (ply.names_object && ply.object != name)
+      throw Error(ErrorCode::kInconsistent, ply.file.name() + ": labelled for object '" + ply.object + "', expected '" + name + "'",
+                  "label that one: ngs-variance scene.json --object NAME -o boundary.ply");
+    return {ply.labels};
+  }
+  std::vector<LabelColumns> labels;
+  for (const SceneObject& object : scene.objects)
+    for (const io::NamedLabels& named : ply.objects)
+      if (named.object == object.name) labels.push_back(named.columns);
+  if (labels.size() != wanted)
+    throw Error(ErrorCode::kBadInput,
+                "the model has ngs_ columns for " + std::to_string(labels.size()) + " of the scene's " + std::to_string(wanted) +
+                    " objects, expected all of them",
+                ply.names_object ? "it is labelled for one: --objects '" + ply.object + "'"
+                                 : "label it first: ngs-variance scene.json -o boundary.ply");
+  return labels;
+}
+
+void write_result(cli::Run& run, const ResultSource& source, const Solution& solution, const std::string& path) {
+  const auto timed = run.monitor().scope("write");
+  std::vector<io::NamedLabels> named;
+  for (std::size_t k = 0; k < solution.labels.size(); ++k) named.push_back({source.scene.objects[k].name, solution.labels[k]});
+  std::vector<float> floater;
+  for (std::size_t row = 0; !source.floater.empty() && row < std::size_t(solution.cloud.size()); ++row)
+    floater.push_back(source.floater[solution.source_row.empty() ? row : std::size_t(solution.source_row[row])]);
+  io::LabelledWrite write;
+  write.edited = &solution.cloud, write.source_row = solution.source_row, write.floater = floater;
+  io::write_labelled_ply(path, source.ply, named, write);
+  for (const auto& [name, value] : solution.figures) run.result()[name] = value;
+  run.result()["converged"] = solution.converged;
+}
+
+}  // namespace ngs::joint

@@ -1,0 +1,75 @@
+#pragma once
+// The options of ngs-joint beside those of its passes, and how they are grouped.
+#include <string>
+#include <vector>
+
+#include "methods.h"
+#include "ngs/passes/joint/training_options.h"
+#include "ngs/passes/pass_list.h"
+#include "ngs/passes/pipeline.h"
+#include "ngs/stages/render/background.h"
+#include "ngs/stages/render/render_options.h"
+
+namespace ngs::joint {
+
+/// What any method listens to.
+struct MethodChoice {
+  Method method = Method::kNgs;
+  std::vector<std::string> objects, effect;
+  Quality quality = Quality::kStandard;
+  std::string background;
+  bool explain = false;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.method, Choice<Method>{"method", "what decides the labels; --method M --help shows its options", kMethodNames});
+    visit(self.quality, Choice<Quality>{"quality", "how long labels and Gaussians are trained", kQualityNames});
+    visit(self.objects, Text{"objects", "NAME", "only this object of the scene; repeat for more"});
+    visit(self.effect, Text{"effect", "NAME=auto|on|off", "switch a pass or a part of one; all=... all of them"});
+    visit(self.explain, Flag{"explain", "decide what this scene calls for, list it, run nothing else"});
+    visit(self.background, background_option());
+  }
+};
+
+/// What goes with the steps of a run.
+struct StepOptions {
+  std::string time_budget, target, checkpoint;
+  std::int64_t checkpoint_every = 0;
+  int trace_every = 0;
+  bool resume = false, fast_atomics = false;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.time_budget, Text{"time_budget", "60s|5m", "the whole process ends by then, with what there is (exit 7)"});
+    visit(self.target, Text{"target", "biou=0.9|iou=0.95", "stop when the training views agree this well with their masks"});
+    visit(self.checkpoint, Text{"checkpoint", "DIR", "folder in which the state of the run is kept"}.of("joint"));
+    visit(self.checkpoint_every,
+          Field<std::int64_t>{"checkpoint_every", "", "steps between checkpoints; 0: when interrupted, and before contours", 0,
+                              1'000'000'000}
+              .of("joint"));
+    visit(self.resume, Flag{"resume", "go on from the checkpoint in --checkpoint, if there is one"}.of("joint"));
+    visit(self.trace_every, Field<int>{"trace_every", "", "steps between scores in the trace; 0: once per epoch", 0, 1 << 30});
+    visit(self.fast_atomics, Flag{"fast_atomics", "with --device cuda: sum as it comes; the same run then differs in last bits"});
+  }
+};
+
+/// All that a command line decides.
+struct Options {
+  MethodChoice choice;
+  StepOptions steps;
+  TrainingOptions training;
+  RasterOptions raster;
+  BaselineOptions baselines;
+  Pipeline pipeline{all_passes()};
+
+  /// By groups, of which --help shows those that the method listens to.
+  void declare(cli::Tool& tool);
+  /// Once the command line is read.
+  void settle(Monitor& monitor);
+  bool runs_passes() const { return choice.method == Method::kNgs || choice.method == Method::kNgGs; }
+};
+
+/// The options that change a result, as one line of JSON.
+std::string options_text(Options& options);
+
+}  // namespace ngs::joint

@@ -1,0 +1,316 @@
+#include "run.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "labelled_result.h"
+#include "ngs/io/files/atomic_file.h"
+#include "ngs/io/files/content_hash.h"
+#include "ngs/io/image/masks.h"
+#include "ngs/io/image/photo.h"
+#include "ngs/io/ply/query_ply.h"
+#include "ngs/io/scene/scene_json.h"
+#include "ngs/math/median.h"
+#include "ngs/passes/joint/first_queries.h"
+#include "ngs/problem/coarse_input.h"
+#include "ngs/problem/view_list.h"
+#include "ngs/stages/scene/scene_check.h"
+#include "shared/checkpoints.h"
+#include "step_files.h"
+#include "verdicts.h"
+
+namespace ngs::joint {
+namespace {
+
+constexpr PassCost kLoadCost{2, 0.4};
+
+void refuse_if(bool wrong, const std::string& what, const std::string& remedy) {
+  if (wrong) throw Error(ErrorCode::kUsage, what, remedy);
+}
+
+void check_options(cli::Run& run, const Options& options, const Paths& paths) {
+  const StepOptions& o = options.steps;
+  refuse_if(o.resume && o.checkpoint.empty(), "--resume without --checkpoint, expected the folder to go on from", "--checkpoint DIR");
+  refuse_if(o.checkpoint_every > 0 && o.checkpoint.empty(), "--checkpoint-every without --checkpoint, expected the folder to write to",
+            "--checkpoint DIR");
+  refuse_if(o.trace_every > 0 && paths.trace.empty() && o.target.empty(),
+            "--trace-every without --trace or --target, expected what the scores are for", "--trace FILE");
+  const int features = options.training.joint.hash_features;
+  refuse_if(!are_hash_features(features), "--hash-features: " + std::to_string(features) + ", expected 1, 2, 4 or 8",
+            "2 is the default; --hash-levels adds resolutions");
+  if (!options.runs_passes() && run.device_exec().device_ops != nullptr)
+    throw Error(ErrorCode::kEnvironment, "--device cuda: only --method ngs and ng-gs have a CUDA path", "use --device cpu");
+  if (o.fast_atomics) run.sum_atomically();
+}
+
+/// Files and effects that a baseline has no use for.
+void warn_of_baseline(cli::Run& run, const Options& options, const Paths& paths) {
+  if (options.runs_passes()) return;
+  std::vector<std::string> unused;
+  const auto file = [&](const char* flag, const std::string& path) {
+    if (!path.empty()) unused.push_back(flag);
+  };
+  file("--field", paths.field), file("--nerf", paths.nerf), file("--trace", paths.trace);
+  const std::vector<Effect> effects = options.pipeline.effects(PassStage::kMend);
+  for (const std::string& entry : options.choice.effect)
+    if (const std::string name = entry.substr(0, entry.find('=')); name != "all" && find_effect(effects, name) == nullptr)
+      unused.push_back("--effect " + entry);
+  std::string text;
+  for (const std::string& flag : unused) text += (text.empty() ? "" : ", ") + flag;
+  if (!text.empty()) run.monitor().warn(text + ": not used by --method " + method_name(options.choice.method));
+}
+
+void check_nerf(const Options& options, const Paths& paths, const EffectModes& modes) {
+  if (paths.nerf.empty() || !options.runs_passes()) return;
+  refuse_if(modes.of("nerf") == EffectMode::kOff, "--nerf with nerf off by --effect, expected a field to write", "leave out one of them");
+  refuse_if(modes.of("joint") == EffectMode::kOff, "--nerf with joint off by --effect, expected steps that train the field",
+            "leave out one of them");
+}
+
+/// Everything that was read, and what refers to it.
+struct Input {
+  Scene scene;
+  io::GaussianPly ply;
+  double reading_s = 0;
+
+  Input(cli::Run& run, const Options& options, const Paths& paths)
+      : scene(with_objects(io::read_scene_json(paths.scene), options.choice.objects)) {
+    choose_background(options.choice.background, run.monitor(), scene);
+    const double began_s = wall_seconds();
+    ply = io::read_gaussian_ply(paths.boundary);
+    reading_s = wall_seconds() - began_s;
+  }
+  Problem problem(const Options& options, std::uint64_t seed) const {
+    return {.cloud = ply.cloud,
+            .scene = scene,
+            .views = training_views(scene),
+            .load_masks = [this](std::size_t view) { return io::load_masks(scene, view); },
+            .load_photo = [this](std::size_t view) { return io::load_photo(scene, view); },
+            .splat = splat_options(options.raster, ply.cloud, scene),
+            .background = background_of(scene),
+            .seed = seed,
+            .fixed = ply.fixed,
+            .labels = labels_of(ply, scene),
+            .load_fine_photo = [this](std::size_t view) { return io::load_fine_photo(scene, view); }};
+  }
+};
+
+/// Warns where the model explains the photos no better than import asks for: then it is another scene's. Three views are asked.
+void compare_with_photos(cli::Run& run, const Problem& problem) {
+  constexpr std::size_t kViews = 3;
+  const auto timed = run.monitor().scope("compare with photos");
+  const std::vector<std::size_t> with_photo = photo_views(problem.scene);
+  std::vector<double> gains_db;
+  for (std::size_t n = 0; n < std::min(with_photo.size(), kViews); ++n) {
+    const std::size_t v = with_photo[n * with_photo.size() / kViews];
+    const Camera& camera = problem.scene.views[v].camera;
+    gains_db.push_back(match_photo(run.exec(), problem.cloud, camera, problem.splat, problem.load_photo(v)).gain_db());
+  }
+  if (gains_db.empty()) return;
+  const double gain_db = upper_median(std::move(gains_db)), least_db = SceneCheckOptions{}.min_fit_db;
+  if (gain_db >= least_db) return;
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "the rendered model matches the photos %.1f dB above a constant colour, expected at least %.1f: is it this scene's?",
+                gain_db, least_db);
+  run.monitor().warn(text);
+}
+
+/// Decodes photos and masks once, at both sizes that passes ask for. False: the time did not allow it.
+bool load_views(cli::Run& run, Budget& budget, const CoarseInput& full, const CoarseInput& coarse) {
+  const std::size_t views = full.get().scene.views.size();
+  if (!budget.fits(kLoadCost, views)) return true;  // they are then loaded where they are asked for
+  const auto timed = run.monitor().scope("load views");
+  // A disk may be slower than any foresight: what is left to load then costs what the rest is foreseen to.
+  const double began_s = budget.elapsed_s(), until_s = began_s + kLoadCost.share * budget.left_s();
+  const double loaded = full.preload(run.exec(), [&] { return budget.elapsed_s() < until_s; });
+  if (loaded >= 1) coarse.preload(run.exec()), compare_with_photos(run, coarse.get());
+  budget.took("load views", loaded * kLoadCost.renders * double(views), budget.elapsed_s() - began_s);
+  return loaded >= 1;
+}
+
+/// All that the state of the joint steps follows from, as far as it is known before the passes run.
+Json identity_of(cli::Run& run, Options& options, const Paths& paths, const Scene& scene) {
+  OptionSet raster;
+  raster.add(options.raster);
+  Json objects = Json::array();
+  for (const SceneObject& object : scene.objects) objects.push_back(object.name);
+  return {{"scene", io::content_hash(paths.scene).xxh3},
+          {"boundary", io::content_hash(paths.boundary).xxh3},
+          {"masks", cli::masks_hash(scene)},
+          {"photos", cli::photos_hash(scene)},
+          {"options", options_text(options)},
+          {"raster", raster.to_json()},
+          {"background", options.choice.background},
+          {"objects", objects},
+          {"seed", run.seed()},
+          {"fast_atomics", options.steps.fast_atomics}};
+}
+
+/// Decisions that the state follows from: contours begin where it ends.
+Json decided(const Decisions& decisions) {
+  Json effects = Json::array();
+  for (const EffectDecision& d : decisions.all())
+    if (!belongs_to(decisions.effects(), d.effect->name, "contours"))
+      effects.push_back(std::string(d.effect->name) + (d.on ? "=on" : "=off"));
+  return effects;
+}
+
+/// A run of a method on what was read.
+class MethodRun {
+ public:
+  MethodRun(cli::Run& run, Options& options, const Paths& paths, double start_s)
+      : run_(run),
+        options_(options),
+        paths_(paths),
+        budget_(start_s, parse_seconds(options.steps.time_budget)),
+        modes_(options.pipeline.effects(), options.choice.effect),
+        decisions_(options.pipeline.effects(), modes_, verdicts_of(options, !paths.nerf.empty(), paths.effects_from)),
+        input_(run, options, paths),
+        store_(run.monitor(), {options.steps.checkpoint, options.steps.resume, options.steps.checkpoint_every}) {
+    check_nerf(options, paths, modes_);
+    if (!paths.nerf.empty() && options.runs_passes() && decisions_.settled("joint") == false)
+      throw Error(ErrorCode::kInconsistent, paths.effects_from + ": decided joint=off, expected steps that train the field of --nerf",
+                  "leave out --nerf, or add --effect joint=on");
+    for (const std::string& renamed : modes_.renamed()) run.monitor().warn(renamed);
+  }
+
+  int operator()() {
+    const Problem from_files = input_.problem(options_, run_.seed());
+    if (run_.dry_run()) return plan(from_files);
+    if (keeps_steps()) cli::require_checkpoint_folder(options_.steps.checkpoint, StepFile::path_in(options_.steps.checkpoint));
+    if (from_files.views.empty())
+      throw Error(ErrorCode::kInconsistent, paths_.scene + ": no training view, expected at least one", "hold out fewer views");
+    budget_.measure(run_.exec(), from_files, input_.reading_s);
+    const CoarseInput full(from_files, 1), coarse(full.get(), decision_shrink(input_.scene));
+    PassRun passes = pass_run(full.get(), coarse.get());
+    if (options_.runs_passes() && !load_views(run_, budget_, full, coarse)) options_.pipeline.leave_out(PassStage::kMend, passes);
+    options_.pipeline.decide(PassStage::kMend, passes, coarse.get());
+    if (const int stopped = run_.stop_code()) return stopped;  // nothing to go on from, and no checkpoint
+    if (options_.choice.explain) return explain(passes, from_files);
+    Json identity = keeps_steps() ? identity_of(run_, options_, paths_, input_.scene) : Json();
+    if (keeps_steps()) {
+      identity["effects"] = decided(decisions_);
+      passes.resumed = store_.resumed(identity);
+    }
+    if (!options_.pipeline.run(PassStage::kMend, passes)) return run_.stop_code();
+    return options_.runs_passes() ? optimise(passes, std::move(identity)) : baseline(passes);
+  }
+
+ private:
+  bool keeps_steps() const {
+    return !options_.steps.checkpoint.empty() && options_.runs_passes() && !options_.choice.explain;
+  }
+
+  Json plan_json(const Problem& problem) const {
+    return {{"training_views", problem.views.size()}, {"gaussians", problem.cloud.size()}};
+  }
+
+  int plan(const Problem& problem) {
+    run_.plan(plan_json(problem));
+    return cli::kDone;
+  }
+
+  PassRun pass_run(const Problem& full, const Problem& coarse) {
+    PassRun passes{.exec = run_.exec(),
+                   .device_exec = run_.device_exec(),
+                   .monitor = run_.monitor(),
+                   .training = options_.training,
+                   .decisions = decisions_,
+                   .budget = budget_,
+                   .report = run_.result(),
+                   .watching = {parse_target(options_.steps.target), !paths_.trace.empty(), options_.steps.trace_every},
+                   .allow_empty = run_.allow_empty(),
+                   .info = [this](const std::string& line) { run_.info(line); }};
+    passes.problem.emplace(full);
+    passes.coarse = &coarse;
+    return passes;
+  }
+
+  int explain(PassRun& passes, const Problem& problem) {
+    if (options_.runs_passes()) options_.pipeline.decide(PassStage::kOptimise, passes, *passes.problem);
+    if (const int stopped = run_.stop_code()) return stopped;
+    Json plan = plan_json(problem);
+    plan["effects"] = decisions_.json();
+    run_.plan(std::move(plan));
+    run_.text(decisions_.table());
+    return cli::kDone;
+  }
+
+  /// A method beside ours, start to end. What a signal leaves of it is no result.
+  int baseline(PassRun& passes) {
+    run_.info("method " + method_name(options_.choice.method) + " begins");
+    const Solution solution = run_baseline(run_, options_.choice.method, options_.baselines, *passes.problem);
+    if (const int stopped = run_.stop_code()) return stopped;
+    write_result(run_, {input_.ply, input_.scene, passes.floater}, solution, paths_.labelled);
+    return solution.converged ? cli::kDone : cli::kBudgetHit;
+  }
+
+  /// The field of --field, where the NeRF is on and it still belongs to the model.
+  std::optional<QueryField> read_field(const PassRun& passes) {
+    if (paths_.field.empty()) return std::nullopt;
+    const std::string_view unread = !passes.on("nerf")    ? "nerf=off"
+                                    : !passes.fields_fit ? "it holds points of what was taken out"
+                                                         : "";
+    if (!unread.empty()) {
+      run_.info("--field is not read: " + std::string(unread));
+      return std::nullopt;
+    }
+    std::optional<QueryField> field = io::read_query_ply(paths_.field);
+    require_grids(*field, passes.problem->cloud, paths_.field);
+    return field;
+  }
+
+  int optimise(PassRun& passes, Json identity) {
+    options_.pipeline.decide(PassStage::kOptimise, passes, *passes.problem);
+    if (const int stopped = run_.stop_code()) return stopped;
+    run_.warn_unused([&](std::string_view effect) { return decisions_.on(effect); });
+    const bool writes_nerf = !paths_.nerf.empty() && passes.on("nerf");
+    if (!paths_.nerf.empty() && !writes_nerf)
+      run_.monitor().warn(paths_.nerf + ": not written, there is no time for the steps that train the field; --time-budget with more");
+    const std::optional<QueryField> field = read_field(passes);
+    passes.field = field ? &*field : nullptr;
+    if (keeps_steps()) {
+      identity["effects"] = decided(decisions_), identity["passes"] = passes.state;
+      identity["field"] = field ? io::content_hash(paths_.field).xxh3 : "";
+      store_.identify(std::move(identity));
+      passes.store = &store_;
+    }
+    if (!options_.pipeline.run(PassStage::kOptimise, passes)) return run_.stop_code();
+    return write(passes, writes_nerf);
+  }
+
+  int write(const PassRun& passes, bool writes_nerf) {
+    const Solution& solution = *passes.solution;
+    if (budget_.given()) run_.result()["budget"] = budget_.json();
+    if (budget_.given() && !solution.converged)
+      run_.monitor().warn("--time-budget " + options_.steps.time_budget +
+                          ": parts were left out or cut short for want of time; result.budget of the report has the times");
+    if (passes.watching.target && !passes.watch->target_met())
+      run_.monitor().warn("--target " + options_.steps.target + ": not reached in the training views");
+    write_result(run_, {input_.ply, input_.scene, passes.floater}, solution, paths_.labelled);
+    if (writes_nerf) write_nerf(paths_.nerf, *passes.trainer);
+    if (!paths_.trace.empty()) io::write_file(paths_.trace, passes.watch->trace());
+    return solution.converged ? cli::kDone : cli::kBudgetHit;
+  }
+
+  cli::Run& run_;
+  Options& options_;
+  const Paths& paths_;
+  Budget budget_;
+  EffectModes modes_;
+  Decisions decisions_;
+  Input input_;
+  StepFile store_;
+};
+
+}  // namespace
+
+int run_method(cli::Run& run, Options& options, const Paths& paths, double start_s) {
+  options.settle(run.monitor());
+  check_options(run, options, paths);
+  warn_of_baseline(run, options, paths);
+  return MethodRun(run, options, paths, start_s)();
+}
+
+}  // namespace ngs::joint

@@ -1,0 +1,14 @@
+#pragma once
+// ngs-joint from its inputs to its outputs: read, mend, decide, optimise, write.
+#include "options.h"
+
+namespace ngs::joint {
+
+struct Paths {  // empty: not given
+  std::string scene, boundary, field, effects_from, labelled, nerf, trace;
+};
+
+/// `start_s`: wall_seconds() when the process began. Returns the exit code.
+int run_method(cli::Run& run, Options& options, const Paths& paths, double start_s);
+
+}  // namespace ngs::joint

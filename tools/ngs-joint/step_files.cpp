@@ -1,0 +1,107 @@
+#include "step_files.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+
+#include "ngs/core/error.h"
+#include "ngs/io/files/safetensors.h"
+
+namespace ngs::joint {
+namespace {
+
+[[noreturn]] void refuse_other_run(const std::string& path) {
+  throw Error(ErrorCode::kInconsistent, path + ": the checkpoint of a run with other inputs, options or effects",
+              "use the same inputs and options, or another --checkpoint folder");
+}
+
+/// Of effects a run has decided more than are known: the first ones have to be the same.
+bool begins_with(const Json& effects, const Json& known) {
+  return effects.is_array() && effects.size() >= known.size() && std::equal(known.begin(), known.end(), effects.begin());
+}
+
+bool has_all(const Json& run, const Json& known) {
+  if (!run.is_object()) return false;
+  for (const auto& [key, value] : known.items())
+    if (!run.contains(key) || !(key == "effects" ? begins_with(run[key], value) : run[key] == value)) return false;
+  return true;
+}
+
+/// Gaussians that take no part keep the numbers they came with, finite or not.
+void check_finite(const std::string& path, const StateBlock& block, const std::vector<float>& values) {
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!std::isfinite(values[i]) && (i >= block.values->size() || std::isfinite((*block.values)[i])))
+      throw Error(ErrorCode::kBadInput, path + ": '" + block.name + "' has a value that is not finite, expected numbers",
+                  "delete the checkpoint");
+}
+
+std::int64_t step_in(const std::string& path, const std::string& text, std::int64_t planned) {
+  std::int64_t step = -1;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), step);
+  if (error != std::errc() || stop != text.data() + text.size() || step < 0 || step > planned)
+    throw Error(ErrorCode::kBadInput, path + ": 'step' is '" + text + "', expected a whole number from 0 to " + std::to_string(planned),
+                "delete the checkpoint");
+  return step;
+}
+
+}  // namespace
+
+std::string StepFile::path_in(const std::string& folder) {
+  return (std::filesystem::path(folder) / "checkpoint.safetensors").string();
+}
+
+Json StepFile::resumed(const Json& known) const {
+  if (!setup_.resume || !std::filesystem::exists(path())) return Json::object();
+  const Json run = Json::parse(io::read_safetensors(path()).meta("run"), nullptr, false);
+  if (!has_all(run, known)) refuse_other_run(path());
+  const Json passes = run.value("passes", Json());
+  return passes.is_object() ? passes : Json::object();
+}
+
+void StepFile::save(JointTrainer& trainer) {
+  io::TensorFile file;
+  for (const StateBlock& block : trainer.state())
+    file.add(block.name, {std::int64_t(block.values->size())}, *block.values);
+  file.metadata["ngs:schema"] = "ngs.checkpoint.1";
+  file.metadata["step"] = std::to_string(trainer.steps_done());
+  file.metadata["run"] = identity_;
+  io::write_safetensors(path(), file);
+}
+
+void StepFile::save_on_the_way(JointTrainer& trainer) {
+  on_the_way_.on_the_way([&] { save(trainer); });
+}
+
+bool StepFile::load(JointTrainer& trainer) {
+  if (!setup_.resume || !std::filesystem::exists(path())) return false;
+  const io::TensorFile file = io::read_safetensors(path());
+  if (file.meta("run") != identity_) refuse_other_run(path());
+  const std::int64_t step = step_in(path(), file.meta("step"), trainer.steps_planned());
+  for (const StateBlock& block : trainer.state()) {
+    std::vector<float> values = file.get<float>(block.name);
+    if (!block.fits(values.size()))
+      throw Error(ErrorCode::kBadInput,
+                  path() + ": '" + block.name + "' has " + std::to_string(values.size()) + " values, expected " + std::to_string(block.size),
+                  "delete the checkpoint");
+    check_finite(path(), block, values);
+    *block.values = std::move(values);
+  }
+  trainer.resume_at(step);
+  return true;
+}
+
+void write_nerf(const std::string& path, const JointTrainer& trainer) {
+  io::TensorFile file;
+  file.metadata["ngs:schema"] = "ngs.nerf.1";
+  if (const JointField* field = trainer.field()) {
+    const ParamStore& store = field->parameters();
+    for (const ParamBlock& block : store.blocks) file.add(block.name, block.shape, store.value_of(block));
+    file.add("boundary_row", {trainer.boundary().size()}, trainer.boundary().row);
+    char width[32];  // the shortest text that is this number: a fixed point would lose a small world's width
+    file.metadata["width"] = std::string(width, std::to_chars(width, std::end(width), field->width()).ptr);
+  }
+  io::write_safetensors(path, file);
+}
+
+}  // namespace ngs::joint

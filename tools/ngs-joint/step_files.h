@@ -1,0 +1,45 @@
+#pragma once
+// The state of the joint steps in a file (--checkpoint, --resume), and their field (--nerf).
+#include <string>
+
+#include "ngs/passes/pass.h"
+#include "shared/checkpoints.h"
+
+namespace ngs::joint {
+
+/// One folder. `identity` names all that the state follows from; a checkpoint with another one is kInconsistent. Its contents are
+/// believed as little as those of any file: kBadInput for arrays of another length, numbers that are not finite where the trainer's
+/// are, and a step that is not planned.
+class StepFile : public StepStore {
+ public:
+  struct Setup {
+    std::string folder;
+    bool resume = false;
+    std::int64_t every = 0;
+  };
+  StepFile(Monitor& monitor, Setup setup) : setup_(std::move(setup)), on_the_way_(monitor) {}
+
+  static std::string path_in(const std::string& folder);
+  /// What the passes of the run that is resumed did where the clock decided it (PassRun::state); empty: there is no such run.
+  /// kInconsistent where it is of other things than what is `known` of this run, before the work for it is done.
+  Json resumed(const Json& known) const;
+  /// Once it is known what the run follows from.
+  void identify(Json identity) { identity_ = identity.dump(); }
+
+  bool load(JointTrainer& trainer) override;
+  void save(JointTrainer& trainer) override;
+  void save_on_the_way(JointTrainer& trainer) override;
+  std::int64_t every() const override { return setup_.every; }
+
+ private:
+  std::string path() const { return path_in(setup_.folder); }
+
+  Setup setup_;
+  cli::Checkpoints on_the_way_;
+  std::string identity_;
+};
+
+/// The parameters of the field; empty tensors where the boundary was empty.
+void write_nerf(const std::string& path, const JointTrainer& trainer);
+
+}  // namespace ngs::joint

@@ -1,0 +1,62 @@
+#include "verdicts.h"
+
+#include "ngs/options/strict_json.h"
+#include "shared/text_file.h"
+
+namespace ngs::joint {
+namespace {
+
+/// What the report says of its method, by the name that it has now.
+std::string method_of(const Json& report) {
+  const Json options = report.is_object() ? report.value("options", Json()) : Json();
+  const Json method = options.is_object() ? options.value("method", Json()) : Json();
+  if (!method.is_string()) return {};
+  return method == method_name(Method::kPaper) ? method_name(Method::kNgs) : method.get<std::string>();
+}
+
+/// The report's list of decisions; an empty one where it has none.
+Json effects_of(const Json& report) {
+  const Json result = report.is_object() ? report.value("result", Json()) : Json();
+  const Json effects = result.is_object() ? result.value("effects", Json()) : Json();
+  return effects.is_array() ? effects : Json::array();
+}
+
+std::vector<EffectVerdict> replayed(const std::string& path, const Options& options) {
+  const Json report = parse_strict_json<Json>(cli::read_text_file(path, ErrorCode::kBadInput), path, ErrorCode::kBadInput);
+  const std::string ran = method_of(report), wanted = method_name(options.choice.method);
+  if (!ran.empty() && ran != wanted)  // what a method does not ask for it calls off
+    throw Error(ErrorCode::kInconsistent, path + ": decisions of --method " + ran + ", expected those of " + wanted,
+                "give the report of a run of this method");
+  const std::vector<Effect> effects = options.pipeline.effects();
+  std::vector<EffectVerdict> verdicts;
+  for (const Json& entry : effects_of(report)) {
+    const Json name = entry.is_object() ? entry.value("name", Json()) : Json(), on = entry.is_object() ? entry.value("on", Json()) : Json();
+    if (!name.is_string() || !on.is_boolean()) continue;
+    if (const Effect* known = find_effect(effects, name.get<std::string>()))
+      verdicts.push_back({known->name, on.get<bool>(), "--effects-from", "replayed"});
+  }
+  if (verdicts.empty())
+    throw Error(ErrorCode::kBadInput, path + ": no decisions on effects, expected a report of ngs-joint",
+                "write one: ngs-joint ... --report FILE");
+  return verdicts;
+}
+
+}  // namespace
+
+std::vector<EffectVerdict> verdicts_of(const Options& options, bool writes_nerf, const std::string& effects_from) {
+  std::vector<EffectVerdict> verdicts;
+  const auto rule_out = [&](std::string_view effect) { verdicts.push_back({effect, false, "part of --method ngs"}); };
+  if (options.choice.method != Method::kNgs)  // the other methods are as their papers say
+    for (const Effect& effect : options.pipeline.effects(PassStage::kMend)) rule_out(effect.name);
+  if (options.choice.method == Method::kNgGs) {
+    rule_out("contours");
+    verdicts.push_back({"nerf", true, "--method ng-gs"});
+  }
+  if (writes_nerf) verdicts.push_back({"nerf", true, "--nerf"});
+  for (EffectVerdict& rule : options.pipeline.rules(options.training)) verdicts.push_back(std::move(rule));
+  if (!effects_from.empty())
+    for (EffectVerdict& verdict : replayed(effects_from, options)) verdicts.push_back(std::move(verdict));
+  return verdicts;
+}
+
+}  // namespace ngs::joint
