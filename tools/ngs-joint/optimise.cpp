@@ -72,7 +72,7 @@ int run_steps(cli::Run& run, const RunOptions& options, const Checkpoint& checkp
   run.info("step " + std::to_string(trainer.steps_done() + 1) + " begins");
   bool ended = watch.target_met();
   while (!trainer.finished() && !ended) {
-    const JointProgress progress = trainer.step(watch.reads_every_step());
+    const JointProgress progress = trainer.step();
     run.monitor().progress(progress.step, progress.steps);
     ended = watch.after_step(progress, trainer, [&] { return trainer.result(); });
     const bool periodic = options.checkpoint_every > 0 && progress.step % options.checkpoint_every == 0;

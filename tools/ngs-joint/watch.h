@@ -23,8 +23,6 @@ class Watch {
   /// `whole` gives the model as it is, for scoring. Under a budget the trainer's plan follows the time that its steps turn out to take.
   bool after_step(const JointProgress& progress, JointTrainer& trainer, const std::function<Solution()>& whole);
 
-  /// Losses or times of single steps are wanted: a run on a device then waits for each.
-  bool reads_every_step() const { return target_ || traced_ || budget_.given(); }
   bool target_met() const { return target_met_; }
   /// Steps were left out for want of time.
   bool cut() const { return cut_; }
