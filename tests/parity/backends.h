@@ -17,7 +17,6 @@ struct Backend {
   std::string name;
   Exec exec;
   bool same_functions = false;  // exp, log and their kin are the CPU's, so what is computed in its order is equal
-  std::int64_t* spare_bytes = nullptr;  // emulated: the memory that the device says it has
 };
 const std::vector<Backend>& backends();
 /// The same devices with atomic sums, whose bits depend on the order of threads.

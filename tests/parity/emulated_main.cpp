@@ -6,7 +6,6 @@
 #include "ngs/ops/device/launched_field_ops.h"
 #include "ngs/ops/device/launched_loss_ops.h"
 #include "ngs/ops/device/launched_splat_ops.h"
-#include "ngs/ops/device/joint_step_grid.h"
 #include "support/host_launcher.h"
 
 namespace ngs::test {
@@ -17,9 +16,8 @@ struct Emulated {
   LaunchedSplatOps<HostLauncher> splat;
   LaunchedFieldOps<HostLauncher> field;
   LaunchedLossOps<HostLauncher> loss{grid};
-  GridJointOps<HostLauncher> joint;
-  DeviceOps ops{splat, field, loss, &joint};
-  Emulated(ThreadOrder order, DeviceSums sums) : grid(order), splat(grid, sums), field(grid, sums), joint(grid, sums) {}
+  DeviceOps ops{splat, field, loss};
+  Emulated(ThreadOrder order, DeviceSums sums) : grid(order), splat(grid, sums), field(grid, sums) {}
 };
 
 /// The emulation in three orders of threads; lives as long as the process.
@@ -28,8 +26,7 @@ std::vector<Backend> emulated(DeviceSums sums, const std::string& what) {
   std::vector<Backend> backends;
   const auto add = [&](const char* name, ThreadOrder order) {
     Emulated& e = *all.emplace_back(std::make_unique<Emulated>(order, sums));
-    backends.push_back({"emulated, " + std::string(name) + what, Exec{.device = Device::kCuda, .device_ops = &e.ops}, true,
-                        &e.grid.spare_bytes});
+    backends.push_back({"emulated, " + std::string(name) + what, Exec{.device = Device::kCuda, .device_ops = &e.ops}, true});
   };
   add("ascending", ThreadOrder::kAscending), add("descending", ThreadOrder::kDescending);
   add("shuffled", ThreadOrder::kShuffled);

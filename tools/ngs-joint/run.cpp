@@ -14,6 +14,7 @@
 #include "ngs/passes/joint/first_queries.h"
 #include "ngs/problem/coarse_input.h"
 #include "ngs/problem/view_list.h"
+#include "ngs/stages/boundary/variance_stage.h"
 #include "ngs/stages/scene/scene_check.h"
 #include "shared/checkpoints.h"
 #include "step_files.h"

@@ -1,6 +1,6 @@
 #pragma once
-// The Grid of backend/launcher.h on a CUDA device. Included by *.cu only. All work of a process goes to one stream, which is
-// not the default one: that cannot be recorded.
+// The Grid of backend/launcher.h on a CUDA device. Included by *.cu only. All work of a process goes to one stream, which
+// waits for no other and on which no other waits.
 #include <cuda_runtime.h>
 
 #include <cub/device/device_radix_sort.cuh>
@@ -57,9 +57,6 @@ __global__ __launch_bounds__(Kernel::kThreads, 1) void block_kernel(std::int64_t
   CudaBlock<Kernel> block{first + blockIdx.x, shared, own};
   kernel(block);
 }
-
-/// Whether profile_device() is on: every launch waits then, and none can be recorded.
-bool profiling();
 
 /// Measures a launch while profile_device() is on (device_profile.cu).
 class KernelClock {
@@ -161,50 +158,6 @@ class CudaLauncher {
     check_cuda(cudaStreamSynchronize(stream()), (std::string("kernels up to ") + last_kernel_).c_str());
   }
   void fill_zero(void* device, std::size_t bytes) { check_cuda(cudaMemsetAsync(device, 0, bytes, stream()), "fill"); }
-
-  std::int64_t bytes_to_spare() const {
-    std::size_t spare = 0, all = 0;
-    check_cuda(cudaMemGetInfo(&spare, &all), "memory");
-    return std::int64_t(spare);
-  }
-
-  /// A CUDA graph, once recorded.
-  class Recording {
-   public:
-    Recording() = default;
-    ~Recording() {
-      if (graph_ != nullptr) cudaGraphExecDestroy(graph_);
-    }
-    Recording(Recording&& other) noexcept : graph_(std::exchange(other.graph_, nullptr)) {}
-    Recording& operator=(Recording&& other) noexcept {
-      std::swap(graph_, other.graph_);
-      return *this;
-    }
-
-   private:
-    friend class CudaLauncher;
-    cudaGraphExec_t graph_ = nullptr;
-  };
-  template <class Body>
-  void replay(Recording& recording, const Body& body) {
-    if (detail::profiling()) return body();
-    if (recording.graph_ == nullptr) {
-      check_cuda(cudaStreamBeginCapture(stream(), cudaStreamCaptureModeThreadLocal), "record");
-      cudaGraph_t graph = nullptr;
-      try {
-        body();
-      } catch (...) {
-        cudaStreamEndCapture(stream(), &graph);
-        if (graph != nullptr) cudaGraphDestroy(graph);
-        throw;
-      }
-      check_cuda(cudaStreamEndCapture(stream(), &graph), "record");
-      const cudaError_t made = cudaGraphInstantiate(&recording.graph_, graph, 0);
-      cudaGraphDestroy(graph);
-      check_cuda(made, "record");
-    }
-    check_cuda(cudaGraphLaunch(recording.graph_, stream()), "replay");
-  }
 
  private:
   const char* last_kernel_ = "none";

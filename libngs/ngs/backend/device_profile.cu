@@ -20,8 +20,6 @@ Profile& profile() {
 
 namespace detail {
 
-bool profiling() { return profile().on; }
-
 KernelClock::KernelClock(const char* name, cudaStream_t stream) : name_(name), stream_(stream) {
   if (!profile().on) return;
   check_cuda(cudaEventCreate(&begin_), "event");

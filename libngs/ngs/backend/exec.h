@@ -14,7 +14,7 @@ enum class Device : std::uint8_t { kCpu, kCuda };
 enum class DeviceSums : std::uint8_t { kInOrder, kAtomic };
 
 /// The ops of a device (ops/device/device_ops.h).
-class DeviceOps;
+struct DeviceOps;
 
 struct Exec {
   Device device = Device::kCpu;

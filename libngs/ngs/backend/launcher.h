@@ -1,15 +1,14 @@
 #pragma once
-// What a device offers to the schedules of ops/*_grid.h. A schedule is written once, against a Grid: CudaLauncher runs it
-// on a GPU (backend/cuda_launcher.cuh), the emulator of the tests thread by thread on the CPU (tests/support/host_launcher.h).
+// What a device offers to the schedules of ops/device/*_schedule.h. A schedule is written once, against a Grid:
+// CudaLauncher runs it on a GPU (backend/cuda_launcher.cuh), the emulator of the tests thread by thread on the CPU
+// (tests/support/host_launcher.h).
 //
 //   grid.each(n, kernel)         kernel(i) for i in [0, n), in no order; kernel(i) writes only what i owns
 //   grid.blocks(n, kernel)       n cooperating blocks, see below
 //   grid.sort(keys, values, n, bits)   stable, ascending by the lowest `bits` of the 64-bit keys; both are replaced
 //   grid.sum_before(in, out, n)  out[i] = in[0] + ... + in[i - 1], i <= n: n + 1 results
 //   Grid::add_to(float*, x)      in a kernel: adds where other threads may add too, in no order
-//   grid.upload / download / fill_zero, grid.allocate / release, grid.bytes_to_spare()
-//   grid.replay(recording, body)   what body() launches: recorded the first time, then replayed without calling body.
-//                                  All that it allocates it frees; it copies nothing from or to the host
+//   grid.upload / download / fill_zero, grid.allocate / release
 //
 // All pointers in kernels are the grid's. Launches run in order; download waits for them. A kernel has a kName.
 //

@@ -16,8 +16,8 @@ struct ParamBlock {
 };
 
 struct ParamStore {
-  std::vector<float> values, grads, adam_m, adam_v;  // one length
-  std::vector<ParamBlock> blocks;                    // in order of their offsets, without gaps
+  std::vector<float> values, grads;  // one length
+  std::vector<ParamBlock> blocks;    // in order of their offsets, without gaps
 
   /// Appends a block of zeros; returns its offset.
   std::size_t add(std::string name, std::vector<std::int64_t> shape) {
@@ -28,7 +28,7 @@ struct ParamStore {
     }
     const std::size_t offset = values.size();
     blocks.push_back({std::move(name), std::move(shape), offset, size});
-    for (std::vector<float>* v : {&values, &grads, &adam_m, &adam_v}) v->resize(offset + size, 0.f);
+    values.resize(offset + size, 0.f), grads.resize(offset + size, 0.f);
     return offset;
   }
   const ParamBlock& block(std::string_view name) const {

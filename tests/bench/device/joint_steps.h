@@ -1,5 +1,5 @@
 #pragma once
-// The joint stage on a synthetic scene, for what a step costs on the CPU, op by op on a device, and resident there.
+// The joint stage on a synthetic scene, for what a step costs on the CPU and on a device.
 #include <chrono>
 #include <cmath>
 
@@ -29,7 +29,7 @@ class JointSteps {
   }
   std::int64_t gaussians() const { return bench_.cloud.size(); }
 
-  /// Seconds of a step, after two rounds of the views; `around(begin or end)` brackets what is measured.
+  /// Seconds of a step, after two epochs; `around(begin or end)` brackets what is measured.
   template <class Around>
   double seconds(const Exec& exec, int steps, const Around& around) const {
     const Problem input{.cloud = bench_.cloud,
@@ -49,7 +49,7 @@ class JointSteps {
     for (int i = 0; i < 2 * kViews; ++i) trainer.step();
     around(true);
     const auto begin = std::chrono::steady_clock::now();
-    while (!trainer.finished()) trainer.step(false);  // the last one waits
+    while (!trainer.finished()) trainer.step();
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
     around(false);
     return took.count() / steps;

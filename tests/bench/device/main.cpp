@@ -116,20 +116,14 @@ void joint(Bench& bench, std::int64_t gaussians) {
   const JointSteps steps(gaussians);
   const auto nothing = [](bool) {};
   const double cpu_s = steps.seconds(bench.cpu, 4, nothing);
-  const DeviceOps& all = *bench.device.device_ops;
-  const DeviceOps ops(all.splat, all.field, all.loss, nullptr);
-  Exec op_by_op = bench.device;
-  op_by_op.device_ops = &ops;
   struct How {
     const char* name;
     const Exec& exec;
-    int steps;
   };
-  for (const auto& [name, exec, count] : {How{"op by op", op_by_op, 8}, How{"resident", bench.device, 64},
-                                          How{"resident, atomic sums", bench.atomic, 64}}) {
-    Json one{{"name", std::string("joint step, ") + name + ", " + std::to_string(steps.gaussians()) + " Gaussians"},
+  for (const auto& [name, exec] : {How{"joint step", bench.device}, How{"joint step, atomic sums", bench.atomic}}) {
+    Json one{{"name", name + (", " + std::to_string(steps.gaussians())) + " Gaussians"},
              {"cpu_s", cpu_s},
-             {"device_s", steps.seconds(exec, count, nothing)},
+             {"device_s", steps.seconds(exec, 8, nothing)},
              {"kernels", Json::array()}};
     std::vector<KernelTime> kernels;
     steps.seconds(exec, 4, [&kernels](bool begins) {

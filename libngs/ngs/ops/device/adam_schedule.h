@@ -38,22 +38,14 @@ struct FindUnusable {
   }
 };
 
-/// *least = the least index of an unusable value, or kNoIndex; all of it the grid's memory.
-template <class Grid>
-void least_unusable_on_grid(Grid& grid, const float* value, std::int64_t n, float limit, std::int64_t* least) {
-  const std::int64_t chunks = n > 0 ? divided_up(n, FindUnusable::kRows) : 1;
-  const DeviceBuffer<Grid, std::int64_t> found(grid, chunks);
-  grid.each(chunks, FindUnusable{value, n, limit, found.data()});
-  least_on_grid(grid, static_cast<const std::int64_t*>(found.data()), chunks, least);
-}
-
-/// The same on the host; -1 if there is none.
+/// The least index of a value that is not finite or above `limit`, -1 if there is none; `value` is the grid's memory.
 template <class Grid>
 std::int64_t first_unusable_on_grid(Grid& grid, const float* value, std::int64_t n, float limit) {
-  const DeviceBuffer<Grid, std::int64_t> least(grid, 1);
-  least_unusable_on_grid(grid, value, n, limit, least.data());
-  std::int64_t found = kNoIndex;
-  least.to(&found);
+  if (n == 0) return -1;
+  const std::int64_t chunks = divided_up(n, FindUnusable::kRows);
+  const DeviceBuffer<Grid, std::int64_t> least(grid, chunks);
+  grid.each(chunks, FindUnusable{value, n, limit, least.data()});
+  const std::int64_t found = least_on_grid(grid, static_cast<const std::int64_t*>(least.data()), chunks);
   return found == kNoIndex ? -1 : found;
 }
 

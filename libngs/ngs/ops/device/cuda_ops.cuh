@@ -11,6 +11,5 @@ CudaLauncher& cuda_launcher();
 std::unique_ptr<DeviceSplatOps> cuda_splat_ops(DeviceSums sums);
 std::unique_ptr<DeviceFieldOps> cuda_field_ops(DeviceSums sums);
 std::unique_ptr<DeviceLossOps> cuda_loss_ops();
-std::unique_ptr<DeviceJointOps> cuda_joint_ops(DeviceSums sums);
 
 }  // namespace ngs

@@ -13,10 +13,8 @@ struct CudaOps {
   std::unique_ptr<DeviceSplatOps> splat;
   std::unique_ptr<DeviceFieldOps> field;
   std::unique_ptr<DeviceLossOps> loss = cuda_loss_ops();
-  std::unique_ptr<DeviceJointOps> joint;
-  DeviceOps all{*splat, *field, *loss, joint.get()};
-  explicit CudaOps(DeviceSums sums)
-      : splat(cuda_splat_ops(sums)), field(cuda_field_ops(sums)), joint(cuda_joint_ops(sums)) {}
+  DeviceOps all{*splat, *field, *loss};
+  explicit CudaOps(DeviceSums sums) : splat(cuda_splat_ops(sums)), field(cuda_field_ops(sums)) {}
 };
 
 }  // namespace

@@ -7,7 +7,6 @@
 
 #include "ngs/backend/exec.h"
 #include "ngs/ops/optim/adam_kernels.h"
-#include "ngs/ops/device/device_joint.h"
 #include "ngs/ops/field/film_mlp.h"
 #include "ngs/ops/field/hash_grid_kernels.h"
 #include "ngs/ops/losses/loss_align_kernels.h"
@@ -104,14 +103,10 @@ class DeviceLossOps {
   virtual std::int64_t adam(const AdamKernel<float>& kernel, std::int64_t sparse_columns, float limit) const = 0;
 };
 
-class DeviceOps {
- public:
-  DeviceOps(const DeviceSplatOps& s, const DeviceFieldOps& f, const DeviceLossOps& l, const DeviceJointOps* j)
-      : splat(s), field(f), loss(l), joint(j) {}
+struct DeviceOps {
   const DeviceSplatOps& splat;
   const DeviceFieldOps& field;
   const DeviceLossOps& loss;
-  const DeviceJointOps* joint;  // whole steps, whose memory stays; null: op by op
 };
 
 /// The ops of the CUDA device that cuda_device() describes; null in builds without it.

@@ -62,9 +62,9 @@ template <class Grid>
 class GridSplat {
  public:
   GridSplat(Grid& grid, const Camera& camera, const SplatOptions& options, const CloudView<float>& cloud,
-            const ChannelPlan<float>& plan, Vec3<float> background, const PairRoom* room = nullptr)
+            const ChannelPlan<float>& plan, Vec3<float> background)
       : grid_(grid), projector_(view_projector<float>(camera, options)), cloud_(cloud), plan_(plan), background_(background),
-        bins_(grid, projector_, cloud, camera.width_px, camera.height_px, room), channel_(grid, cloud.size * plan.count()) {
+        bins_(grid, projector_, cloud, camera.width_px, camera.height_px), channel_(grid, cloud.size * plan.count()) {
     if (plan.count() > 0)
       grid.each(cloud.size, ChannelRows{plan, projector_, cloud, bins_.depth(), bins_.slot_begin(), channel_.data()});
   }

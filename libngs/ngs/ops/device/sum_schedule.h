@@ -47,14 +47,16 @@ struct LeastOfChunk {
   }
 };
 
-/// *least = the least of n > 0 values; all of it the grid's memory.
+/// The least of n > 0 values in the grid's memory.
 template <class Grid>
-void least_on_grid(Grid& grid, const std::int64_t* value, std::int64_t n, std::int64_t* least) {
+std::int64_t least_on_grid(Grid& grid, const std::int64_t* value, std::int64_t n) {
   const std::int64_t chunks = divided_up(n, LeastOfChunk::kRows);
-  if (chunks <= 1) return grid.each(1, LeastOfChunk{value, n, least});
   const DeviceBuffer<Grid, std::int64_t> part(grid, chunks);
   grid.each(chunks, LeastOfChunk{value, n, part.data()});
-  least_on_grid(grid, static_cast<const std::int64_t*>(part.data()), chunks, least);
+  if (chunks > 1) return least_on_grid(grid, static_cast<const std::int64_t*>(part.data()), chunks);
+  std::int64_t least = 0;
+  part.to(&least);
+  return least;
 }
 
 /// The sums on the host.

@@ -58,40 +58,6 @@ struct ProjectGaussians {
   }
 };
 
-/// Room for pairs that is made before they are counted, so that nothing waits for their number.
-struct PairRoom {
-  std::int64_t capacity;
-  std::int64_t* most;  // [1], the grid's: the largest number that was wanted. Beyond the capacity the view is left empty
-};
-
-struct NotePairs {
-  static constexpr const char* kName = "note_pairs";
-  const std::int64_t* pairs;
-  std::int64_t *here, *most;
-  NGS_HD void operator()(std::int64_t) const { *here = *pairs, *most = max2(*most, *pairs); }
-};
-
-struct EmptyWhereFull {
-  static constexpr const char* kName = "empty_where_full";
-  const std::int64_t* pairs;
-  std::int64_t capacity;
-  std::int64_t* slot_begin;  // [N + 1]
-  NGS_HD void operator()(std::int64_t i) const {
-    if (*pairs > capacity) slot_begin[i] = 0;
-  }
-};
-
-/// Entries that no pair has taken; their key is behind all tiles.
-struct PadPairs {
-  static constexpr const char* kName = "pad_pairs";
-  const std::int64_t* pairs;
-  std::uint64_t* key;
-  std::uint32_t *slot, *of_slot;
-  NGS_HD void operator()(std::int64_t e) const {
-    if (e >= *pairs) key[e] = ~std::uint64_t(0), slot[e] = std::uint32_t(e), of_slot[e] = 0;
-  }
-};
-
 struct MakePairs {
   static constexpr const char* kName = "make_pairs";
   const SplatRecord<float>* record;
@@ -136,9 +102,8 @@ struct GaussianOfEntry {
 template <class Grid>
 class TileBins {
  public:
-  /// All arrays of `cloud` are the grid's. Without `room` there is as much as it takes, once their number is known.
-  TileBins(Grid& grid, const ViewProjector<float>& view, const CloudView<float>& cloud, int width_px, int height_px,
-           const PairRoom* room = nullptr)
+  /// All arrays of `cloud` are the grid's. Waits for the number of pairs, which is how much memory they take.
+  TileBins(Grid& grid, const ViewProjector<float>& view, const CloudView<float>& cloud, int width_px, int height_px)
       : width_px_(width_px), height_px_(height_px), tiles_x_(view.tiles_x), tile_count_(std::int64_t(view.tiles_x) * view.tiles_y),
         stop_(float(transmittance_stop(view.compat))), record_(grid, cloud.size), depth_(grid, cloud.size),
         slot_begin_(grid, cloud.size + 1), begin_(grid, tile_count_ + 1) {
@@ -146,22 +111,13 @@ class TileBins {
     const DeviceBuffer<Grid, std::uint32_t> tiles(grid, cloud.size);
     grid.each(cloud.size, ProjectGaussians{view, cloud, record_.data(), depth_.data(), rect.data(), tiles.data()});
     grid.sum_before(tiles.data(), slot_begin_.data(), cloud.size);
-    const std::int64_t* const last = slot_begin_.data() + cloud.size;
-    if (room != nullptr) {
-      const DeviceBuffer<Grid, std::int64_t> wanted(grid, 1);
-      pairs_ = room->capacity;
-      grid.each(1, NotePairs{last, wanted.data(), room->most});
-      grid.each(cloud.size + 1, EmptyWhereFull{wanted.data(), pairs_, slot_begin_.data()});
-    } else {
-      grid.download(&pairs_, last, sizeof pairs_);
-    }
+    grid.download(&pairs_, slot_begin_.data() + cloud.size, sizeof pairs_);
     NGS_CHECK(pairs_ <= 0xffffffff, "slots are counted in 32 bits");
     const DeviceBuffer<Grid, std::uint64_t> key(grid, pairs_);
     const DeviceBuffer<Grid, std::uint32_t> of_slot(grid, pairs_);
     slot_ = DeviceBuffer<Grid, std::uint32_t>(grid, pairs_), gaussian_ = DeviceBuffer<Grid, std::uint32_t>(grid, pairs_);
     grid.each(cloud.size, MakePairs{record_.data(), depth_.data(), rect.data(), slot_begin_.data(), tiles_x_, key.data(),
                                     slot_.data(), of_slot.data()});
-    if (room != nullptr) grid.each(pairs_, PadPairs{last, key.data(), slot_.data(), of_slot.data()});
     grid.sort(key.data(), slot_.data(), pairs_, 32 + bits_of(tile_count_));
     grid.each(tile_count_ + 1, FindTiles{key.data(), pairs_, begin_.data()});
     grid.each(pairs_, GaussianOfEntry{slot_.data(), of_slot.data(), gaussian_.data()});

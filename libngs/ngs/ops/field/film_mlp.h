@@ -49,8 +49,6 @@ class FilmMlp {
   FilmMlp(const FilmMlpConfig& config, std::size_t offset, double density_length);
 
   const FilmMlpConfig& config() const { return config_; }
-  std::size_t offset() const { return offset_; }
-  float density_scale() const { return density_scale_; }
   void forward(const Exec& exec, const ParamStore& store, const FilmMlpInputs& in, FilmMlpOutput& out) const;
   /// Overwrites `out`; adds the parameters' gradients to store.grads. `grad_density` [Q], `grad_rgb` [Q, 3].
   void backward(const Exec& exec, ParamStore& store, const FilmMlpInputs& in, const FilmMlpOutput& forward,

@@ -46,8 +46,6 @@ class HashGrid {
   const HashGridConfig& config() const { return config_; }
   const HashBox<float>& box() const { return box_; }
   const std::vector<HashLevel>& levels() const { return levels_; }
-  std::uint64_t entries() const { return std::uint64_t(levels_.back().offset) + levels_.back().size; }
-  std::size_t offset() const { return offset_; }
   /// [Q, 3] -> [Q, L·F], level-major rows.
   void forward(const Exec& exec, const ParamStore& store, Rows<const float, 3> points,
                std::vector<float>& out) const;
@@ -60,6 +58,7 @@ class HashGrid {
 
  private:
   HashGridView<float> view(const ParamStore& store, Rows<const float, 3> points) const;
+  std::uint64_t entries() const { return std::uint64_t(levels_.back().offset) + levels_.back().size; }
   HashGridConfig config_;
   HashBox<float> box_;
   std::size_t offset_;

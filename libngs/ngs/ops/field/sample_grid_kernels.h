@@ -60,14 +60,10 @@ NGS_HD inline BoundaryBox boundary_box(const RayCamera& camera, const BoxSums& s
           sums.visible, sums.distance_sum / double(sums.visible)};
 }
 
-/// How many cells and nodes there may be.
+/// How many cells there may be, and where their nodes lie.
 struct GridShape {
   int rows, cols;
   GridNodes nodes;
-  NGS_HD std::int64_t most_nodes() const {
-    const int extra = nodes == GridNodes::kInclusive ? 1 : 0;
-    return std::int64_t(rows + extra) * (cols + extra);
-  }
 };
 
 /// At most rows x cols cells over the box, fewer where they would be smaller than 1 px.         Eq. (5)

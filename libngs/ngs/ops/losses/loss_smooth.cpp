@@ -4,6 +4,7 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/check.h"
+#include "ngs/core/rng.h"
 #include "ngs/ops/device/device_ops.h"
 #include "ngs/ops/losses/loss_smooth_kernels.h"
 
@@ -12,7 +13,10 @@ std::vector<float> jittered_points(const Exec& exec, Rows<const float, 3> points
                                    std::uint64_t first_index, double jitter_length) {
   std::vector<float> moved(std::size_t(points.n) * 3);
   for_each_index(exec, points.n, [&](std::int64_t i) {
-    jitter_point(points.row(i), seed, first_index + std::uint64_t(i), jitter_length, &moved[std::size_t(i) * 3]);
+    double n[3];
+    rng_unit_vector(seed, RngStream::kSmoothJitter, first_index + std::uint64_t(i), n);
+    for (std::int64_t a = 0; a < 3; ++a)
+      moved[std::size_t(i * 3 + a)] = float(double(points.row(i)[a]) + jitter_length * n[a]);
   });
   return moved;
 }
@@ -24,7 +28,8 @@ double loss_smooth_backward(const Exec& exec, const SmoothnessScale& scale, cons
   out.colour.resize(colour.size()), out.moved_colour.resize(colour.size());
   if (n == 0) return 0;
   NGS_CHECK(scale.jitter_length > 0 && scale.unit_length > 0, "lengths must be positive");
-  const double factor = smoothness_factor(scale, n);
+  const double ratio = scale.unit_length / scale.jitter_length;
+  const double factor = 3 * ratio * ratio / double(n);
   std::vector<float> term(colour.size() / 3);
   const SmoothnessForwardBackward<float> kernel{{colour.data(), n},
                                                 {moved_colour.data(), n},

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "ngs/backend/exec.h"
-#include "ngs/core/rng.h"
 #include "ngs/scene/views.h"
 
 namespace ngs {
@@ -19,19 +18,6 @@ struct SmoothnessScale {
   double jitter_length = 0;  // h > 0, world
   double unit_length = 0;    // u > 0, world
 };
-
-/// x + h n, n random vector number `index` of the seed.
-NGS_HD inline void jitter_point(const float* x, std::uint64_t seed, std::uint64_t index, double jitter_length, float* out) {
-  double n[3];
-  rng_unit_vector(seed, RngStream::kSmoothJitter, index, n);
-  for (int a = 0; a < 3; ++a) out[a] = float(double(x[a]) + jitter_length * n[a]);
-}
-
-/// 3 (u/h)² / N.
-NGS_HD inline double smoothness_factor(const SmoothnessScale& scale, std::int64_t n) {
-  const double ratio = scale.unit_length / scale.jitter_length;
-  return 3 * ratio * ratio / double(n);
-}
 
 /// x_i + h n_i. `first_index` (for example step · points) makes the vectors of every step different.
 std::vector<float> jittered_points(const Exec& exec, Rows<const float, 3> points, std::uint64_t seed,

@@ -272,18 +272,4 @@ void JointField::step(const Exec& exec, std::int64_t step, double decay) {
   store_.zero_grads();
 }
 
-std::vector<JointBlock> JointField::blocks() {
-  std::vector<JointBlock> blocks;
-  for (std::size_t b = 0; b < store_.blocks.size(); ++b) {
-    const ParamBlock& block = store_.blocks[b];
-    const AdamOptions adam = adam_of(block);
-    blocks.push_back({block.name, store_.value_of(block), &moments_[b], adam.lr, adam.beta2, adam.sparse_columns});
-  }
-  return blocks;
-}
-
-JointFieldLayout JointField::layout() const {
-  return {&hash_, &mlp_, feature_offset_, neighbours_, width_, effects_.film};
-}
-
 }  // namespace ngs

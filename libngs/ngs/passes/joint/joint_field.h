@@ -5,7 +5,9 @@
 
 #include "ngs/core/monitor.h"
 #include "ngs/ops/optim/adam.h"
-#include "ngs/ops/device/device_joint.h"
+#include "ngs/ops/field/film_mlp.h"
+#include "ngs/ops/field/hash_grid.h"
+#include "ngs/ops/field/ray_query.h"
 #include "ngs/ops/losses/loss_align.h"
 #include "ngs/ops/field/volume.h"
 #include "ngs/scene/boundary_set.h"
@@ -70,10 +72,6 @@ class JointField {
 
   /// One Adam step on all parameters; clears the gradients. `decay` multiplies the rates.
   void step(const Exec& exec, std::int64_t step, double decay);
-
-  /// The parameters for a device, and where they lie.
-  std::vector<JointBlock> blocks();
-  JointFieldLayout layout() const;
 
   ParamStore& parameters() { return store_; }
   const ParamStore& parameters() const { return store_; }

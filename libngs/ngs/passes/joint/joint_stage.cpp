@@ -6,7 +6,6 @@
 
 #include "ngs/core/rng.h"
 #include "ngs/math/sh.h"
-#include "ngs/ops/device/device_ops.h"
 #include "ngs/ops/field/knn.h"
 #include "ngs/ops/losses/loss_cont.h"
 #include "ngs/ops/losses/photometric.h"
@@ -14,7 +13,6 @@
 #include "ngs/passes/joint/first_queries.h"
 #include "ngs/stages/fit/fit_stage.h"
 #include "ngs/passes/joint/label_start.h"
-#include "ngs/passes/joint/resident_steps.h"
 #include "ngs/passes/joint/view_cache.h"
 #include "ngs/problem/view_list.h"
 
@@ -70,7 +68,6 @@ struct JointTrainer::Impl {
   AdamMoments label_moments;
   KnnGraph cont_graph;
   ViewCache cache;
-  std::unique_ptr<ResidentSteps> resident;  // instead of step_view and update
 
   Impl(const Exec& e, Monitor& m, const JointSetup& s)
       : exec(e),
@@ -110,7 +107,6 @@ struct JointTrainer::Impl {
       field = std::make_unique<JointField>(
           exec, JointField::Setup{options, effects, sample, rbf, cloud, boundary, reach, input.seed});
     }
-    if (exec.device_ops && exec.device_ops->joint) start_resident();
   }
 
   void start_labels() {
@@ -172,8 +168,6 @@ struct JointTrainer::Impl {
   void cont_term(LossTerms& loss);
   void update(double decay);
   void sum_up(LossTerms& loss) const;
-  void start_resident();
-  void to_host();
 };
 
 void JointTrainer::Impl::field_terms(const FieldRays& rays, const RenderedView& rendered,
@@ -272,29 +266,6 @@ void JointTrainer::Impl::sum_up(LossTerms& loss) const {
                options.lambda_cont * loss.cont + options.lambda_smooth * loss.smooth;
 }
 
-void JointTrainer::Impl::start_resident() {
-  ResidentSteps::Views views;
-  views.at = [this](std::int64_t step) { return view_of(step); };
-  views.context = [this](std::int64_t step) { return step_name(step); };
-  views.view = [this](std::size_t n) {
-    const Camera& world = input.scene.views[input.views[n]].camera;
-    return JointView{n, relative_to(world, cloud.origin), [this, n, scratch = ViewCache::View()]() mutable {
-                       const ViewCache::View& view = cache.load(monitor, n, scratch);
-                       return JointImages{view.photo.empty() ? nullptr : &view.photo, &view.masks, view.region};
-                     }};
-  };
-  if (given_field != nullptr) views.given = [this](std::size_t n) { return first_queries().rays(input.views[n]); };
-  const ResidentModel model{options, effects,   sample, input,    splat_options, rates,       cloud,  logit,
-                            trainable, frozen, boundary, cont_graph, field.get(), label_moments, moments};
-  resident = std::make_unique<ResidentSteps>(*exec.device_ops->joint, model, std::move(views));
-}
-
-void JointTrainer::Impl::to_host() {
-  if (!resident) return;
-  resident->download();
-  refresh_positions(cloud, boundary);
-}
-
 void JointTrainer::Impl::update(double decay) {
   const auto timed = monitor.scope("adam");
   const std::int64_t t = done + 1;
@@ -319,34 +290,23 @@ bool JointTrainer::finished() const { return impl_->done >= impl_->steps; }
 void JointTrainer::plan_steps(std::int64_t steps) { impl_->steps = std::max(steps, impl_->done); }
 std::int64_t JointTrainer::steps_done() const { return impl_->done; }
 std::int64_t JointTrainer::steps_planned() const { return impl_->steps; }
-const JointField* JointTrainer::field() const { return impl_->to_host(), impl_->field.get(); }
+const JointField* JointTrainer::field() const { return impl_->field.get(); }
 const BoundarySet& JointTrainer::boundary() const { return impl_->boundary; }
 
-JointProgress JointTrainer::step(bool read_losses) {
+JointProgress JointTrainer::step() {
   Impl& s = *impl_;
   const std::size_t n = s.view_of(s.done);
   JointProgress progress;
-  if (s.resident) {
-    const auto timed = s.monitor.scope("steps on the device");
-    s.resident->step(s.steps);
-    if (read_losses || s.done + 1 == s.steps) {
-      const JointLosses l = s.resident->losses();
-      progress.loss = {l.photometric, l.align, l.mask, l.cont, l.smooth, 0};
-      s.sum_up(progress.loss);
-    }
-  } else {
-    with_context(s.step_name(s.done), [&] {
-      progress.loss = s.step_view(n);
-      s.update(std::pow(s.options.rate_decay, double(s.done) / double(s.steps)));
-    });
-  }
+  with_context(s.step_name(s.done), [&] {
+    progress.loss = s.step_view(n);
+    s.update(std::pow(s.options.rate_decay, double(s.done) / double(s.steps)));
+  });
   ++s.done;
   progress.step = s.done, progress.steps = s.steps, progress.view = s.input.views[n];
   return progress;
 }
 
 Solution JointTrainer::result() const {
-  impl_->to_host();
   const Impl& s = *impl_;
   Solution result;
   result.cloud = s.cloud;
@@ -365,8 +325,6 @@ Solution JointTrainer::result() const {
 
 std::vector<StateBlock> JointTrainer::state() {
   Impl& s = *impl_;
-  s.to_host();
-  if (s.resident) s.resident->host_changed(s.done);
   std::vector<StateBlock> blocks;
   const auto moments = [&](const std::string& name, AdamMoments& m, std::size_t size) {
     blocks.push_back({name + ".m", &m.m, size, true});
@@ -390,7 +348,6 @@ std::vector<StateBlock> JointTrainer::state() {
 
 void JointTrainer::resume_at(std::int64_t step) {
   impl_->done = step;
-  if (impl_->resident) impl_->resident->host_changed(step);
   refresh_positions(impl_->cloud, impl_->boundary);
 }
 

@@ -52,8 +52,7 @@ class JointTrainer {
   bool finished() const;
   /// Another number of steps in all; the rates go on falling towards that end. At least those that are done.
   void plan_steps(std::int64_t steps);
-  /// Without `read_losses` a run on a device does not wait for the step; its losses are zero but for the last step's.
-  JointProgress step(bool read_losses = true);
+  JointProgress step();
   std::int64_t steps_done() const;
   std::int64_t steps_planned() const;
   Solution result() const;

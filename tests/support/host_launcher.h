@@ -85,17 +85,6 @@ class HostLauncher {
     out[0] = 0;
     for (std::int64_t i = 0; i < n; ++i) out[i + 1] = out[i] + in[i];
   }
-  struct Recording {};
-  template <class Body>
-  void replay(Recording&, const Body& body) {
-    const int before = allocated_;
-    recording_ = true;
-    body();
-    recording_ = false;
-    NGS_CHECK(allocated_ == before, "what is recorded frees what it allocates");
-  }
-  std::int64_t spare_bytes = std::int64_t(1) << 40;
-  std::int64_t bytes_to_spare() const { return spare_bytes; }
   void* allocate(std::size_t bytes) {
     ++allocated_;
     return std::memset(std::malloc(bytes), 0xff, bytes);
@@ -104,15 +93,11 @@ class HostLauncher {
     --allocated_;
     std::free(memory);
   }
-  void upload(void* device, const void* host, std::size_t bytes) { transfer(device, host, bytes); }
-  void download(void* host, const void* device, std::size_t bytes) { transfer(host, device, bytes); }
+  void upload(void* device, const void* host, std::size_t bytes) { std::memcpy(device, host, bytes); }
+  void download(void* host, const void* device, std::size_t bytes) { std::memcpy(host, device, bytes); }
   void fill_zero(void* device, std::size_t bytes) { std::memset(device, 0, bytes); }
 
  private:
-  void transfer(void* to, const void* from, std::size_t bytes) {
-    NGS_CHECK(!recording_, "what is recorded copies nothing from or to the host");
-    std::memcpy(to, from, bytes);
-  }
   std::vector<int> sequence(std::int64_t n) const {
     std::vector<int> order(std::size_t(std::max<std::int64_t>(n, 0)));
     std::iota(order.begin(), order.end(), 0);
@@ -124,7 +109,6 @@ class HostLauncher {
   }
   ThreadOrder order_;
   int allocated_ = 0;
-  bool recording_ = false;
 };
 
 }  // namespace ngs::test
