@@ -1,0 +1,321 @@
+#!/usr/bin/env bash
+# Whether two builds make the same bytes of the same inputs: the chain of tools on several scenes, with every method.
+#
+#   pipelines/same-bytes.sh OLD_BUILD NEW_BUILD [--quick] [--scenes DIR] [-o OUT]
+#
+#   OLD_BUILD, NEW_BUILD  folders that hold bin/ with the tools
+#   --quick               a small torus-box with every method, and the draft of bird, alone: less than a minute
+#   --scenes DIR          where captures lie (default: ../shared/scenes beside the checkout); bird is compared if there
+#   -o, --output OUT      folder of all that is made (default: build/same-bytes)
+#
+# The scenes are made once, by OLD_BUILD: the demo's, the five recipes of ngs-synth at a small size, and one with two
+# objects. Each build then runs its own chain on them, in its own spelling of options that have changed their names.
+# JSON files are compared key by key, without times, versions and paths; of all others every byte counts. The table on
+# stdout has a line per run; behind it stand the keys that one of the two lacks (renamed ones are in both lists) and the
+# texts that differ; these are no failure. OUT/artifacts.tsv lists every artifact. What OLD_BUILD has made is kept for
+# the next call. The exit code is 1 where an artifact or a number differs or is absent, and where a tool failed.
+set -euo pipefail
+shopt -s inherit_errexit
+# shellcheck source=pipelines/common.sh
+. "$(dirname "$0")/common.sh"
+
+scenes=$pipelines/../../shared/scenes out=$pipelines/../build/same-bytes quick='' builds=()
+while [ $# -gt 0 ]; do
+  case $1 in
+    -h | --help) usage_of "$0"; exit 0 ;;
+    --quick) quick=1; shift; continue ;;
+    --scenes | -o | --output) [ $# -ge 2 ] || fail 2 "$1: no value given" "see $0 --help" ;;&
+    --scenes) scenes=$2; shift 2 ;;
+    -o | --output) out=$2; shift 2 ;;
+    -*) fail 2 "unknown option '$1'" "see $0 --help" ;;
+    *) builds+=("$1"); shift ;;
+  esac
+done
+[ ${#builds[@]} -eq 2 ] || fail 2 "expected OLD_BUILD NEW_BUILD" "see $0 --help"
+for build in "${builds[@]}"; do
+  [ -x "$build/bin/ngs-scene" ] ||
+    fail 8 "$build: no bin/ngs-scene there" "$pipelines/build.sh builds the tools into build/"
+done
+# shellcheck disable=SC2034  # read by name: ${!side}
+old=$(cd "${builds[0]}/bin" && pwd) new=$(cd "${builds[1]}/bin" && pwd)
+mkdir -p "$out"
+out=$(cd "$out" && pwd)
+
+# --- the scenes -------------------------------------------------------------------------------------------------------
+
+small=(--views 8 --width-px 128 --height-px 96 --fit-steps 200 --mask-noise jitter:1.5)
+demo=(--views 16 --width-px 320 --height-px 240 --fit-steps 800 --mask-noise jitter:1.5)
+recipes=(torus-box two-spheres leaves bones table)
+every_method=(default draft ng-gs flash sa3d cob bce saga released)
+
+make_scene() {  # NAME RECIPE FLAGS...: once, by the old build
+  local folder=$out/inputs/$1
+  if [ -f "$folder/point_cloud.ply" ]; then return; fi
+  mkdir -p "$out/inputs"
+  "$old/ngs-synth" "$2" -o "$folder" -w -q "${@:3}" --report "$folder.json"
+}
+
+# --- the runs of one build --------------------------------------------------------------------------------------------
+
+# spelled BIN NEW OLD: NEW where the help of ngs-joint has a line on it, else OLD.
+spelled() {
+  local help
+  help=$("$1/ngs-joint" --help)
+  if grep -qE "^ *$2( |\$)" <<< "$help"; then printf '%s' "$2"; else printf '%s' "$3"; fi
+}
+
+# joint_words BIN RUN: the options of a run of ngs-joint, into `words`.
+joint_words() {
+  local effect
+  case $2 in
+    default) words=() ;;
+    draft) words=(--quality draft) ;;
+    ng-gs)  # the paper's joint stage; builds without that word take what pipelines/ablation.mk has as BASE
+      words=(--method ng-gs)
+      if "$1/ngs-joint" "${words[@]}" --print-options > /dev/null 2>&1; then return; fi
+      words=(--effect joint=on --effect nerf=on)
+      for effect in exposure "$(spelled "$1" mask-outliers view-trust)" floaters "$(spelled "$1" components strays)" \
+        "$(spelled "$1" contours edges)"; do
+        words+=(--effect "$effect=off")
+      done ;;
+    saga) words=(--method saga --saga-steps 100) ;;
+    *) words=(--method "$2") ;;
+  esac
+}
+
+# run TOOL ARGUMENTS...: in the folder of the scene; its report, and its exit code for the comparison.
+run() {
+  local tool=$1 report=$1 code=0
+  shift
+  if [ "$1" = --report-name ]; then report=$2; shift 2; fi
+  mkdir -p reports "$(dirname "reports/$report")"
+  "$bin/$tool" "$@" -w --report "reports/$report.json" > /dev/null 2> "reports/$report.log" || code=$?
+  printf '%s %s\n' "$report" "$code" >> exit_codes
+  [ "$code" -eq 0 ]
+}
+
+score() {  # MASKS METRICS REPORT: for binary masks, and for those of objects, which have a folder each
+  local words=() id
+  if [ -n "$label_map" ]; then
+    words=(--label-map --layout object/view)
+    for id in 1 2; do words+=(--object-id "object-$id=$id"); done
+  fi
+  run ngs-eval --report-name "$3" "$1" "$truth" "${words[@]}" -o "$2"
+}
+
+run_joint() {  # RUN: one method and what is cut out by it
+  local words
+  joint_words "$bin" "$1"
+  mkdir -p "$1"
+  run ngs-joint --report-name "$1/ngs-joint" scene.json boundary.ply --field field.ply "${words[@]}" \
+    -o "$1/labelled.ply" || return 0
+  run ngs-extract --report-name "$1/ngs-extract" "$1/labelled.ply" --object "$1/object.ply" \
+    --background "$1/background.ply" || true
+  run ngs-render --report-name "$1/ngs-render" scene.json "$1/labelled.ply" --views held-out --layers mask --scale 0 \
+    -o "$1/masks" || return 0
+  score "$1/masks" "$1/metrics.json" "$1/ngs-eval" || true
+}
+
+# What else the tools write, from the default's result.
+run_others() {
+  local size
+  size=$(sed -n 's/.*"width":\([0-9]*\),"height":\([0-9]*\),.*/\1 \2/p;T;q' scene.json)
+  mkdir -p others
+  awk '{
+    printf "{\"ngs_prompts\": 1, \"view\": \"0000.png\", \"width\": %d, \"height\": %d, ", $1, $2
+    printf "\"boxes\": [[%d, %d, %d, %d]]}\n", $1 / 4, $2 / 4, $1 * 3 / 4, $2 * 5 / 6
+  }' <<< "$size" > others/prompts.json
+  run ngs-mask scene.json --prompts others/prompts.json -o others/masks --soft others/soft || true
+  run ngs-render scene.json default/labelled.ply --layers color,mask,alpha,depth,labels,overlay -o others/pictures ||
+    true
+  run ngs-extract --report-name ngs-extract-inpaint default/labelled.ply --scene scene.json --inpaint others/inpaint \
+    --supersplat others/supersplat.ply --labelled others/decided.ply || true
+  run ngs-fit scene.json --points "$source/sparse/0/points3D.txt" --steps 40 --sh-degree 1 -o others/fit.ply || true
+  run ngs-variance --report-name ngs-variance-shard scene.json --views 1/2 --partial others/shard.evidence || true
+}
+
+# run_chain SIDE SCENE SOURCE MASKS TRUTH RUNS...: all of one build on one scene, in OUT/SIDE/SCENE. Photos and masks
+# are the same files for both; what OLD_BUILD made is kept while its tools, inputs and this script are the same.
+run_chain() {
+  local side=$1 name=$2 bin=${!1} source=$3 masks=$4 truth=$5 label_map='' import=() run_name key
+  shift 5
+  case $masks in */labels) label_map=1 import=(--mask-mode label) ;; esac
+  key=$(printf '%s\n' "$*" && fingerprint "$bin" "$source" "$pipelines/same-bytes.sh")
+  if [ "$side" = old ] && [ "$(cat "$out/old/$name.key" 2> /dev/null)" = "$key" ]; then return; fi
+  say "== $name: $side build"
+  rm -rf "$out/${side:?}/$name" "$out/$side/$name.key"
+  mkdir -p "$out/$side/$name"
+  cd "$out/$side/$name"
+  if run ngs-scene import "$source" --ply "$source/point_cloud.ply" --masks "$masks" --hold-out every:4:2 \
+      "${import[@]}" -o scene.json &&
+    run ngs-variance scene.json -o boundary.ply && run ngs-sample scene.json boundary.ply -o queries.ply &&
+    run ngs-rbf boundary.ply queries.ply -o field.ply; then
+    for run_name in "$@"; do
+      if [ "$run_name" = others ]; then run_others; else run_joint "$run_name"; fi
+    done
+  fi
+  cd "$out"
+  printf '%s\n' "$key" > "$out/$side/$name.key"
+}
+
+run_recipe() {  # SIDE RECIPE: the scene itself, made anew
+  local side=$1 bin=${!1}
+  mkdir -p "$out/$side/synth"
+  cd "$out/$side/synth"
+  rm -rf "$2"
+  run ngs-synth --report-name "$2" "$2" -o "$2" "${small[@]:0:6}" --fit-steps 30 --mask-noise jitter:1.5 || true
+  cd "$out"
+}
+
+# --- the comparison ---------------------------------------------------------------------------------------------------
+
+# json_leaves FILE: a line "path<TAB>value" for each value, as it is written; an element that begins with its name is
+# called by it. Without what differs from run to run, and what belongs to the machine or the folder.
+json_leaves() {
+  awk '
+    function path(   d, p) {
+      for (d = 1; d <= depth; ++d) p = p (kind[d] == "{" ? "." key[d] : "[" (d in label ? label[d] : at[d]) "]")
+      return p
+    }
+    function leaf(value,   p) {
+      if (kind[depth] == "{" && key[depth] == "name" && first[depth] && depth > 1) label[depth - 1] = value
+      print path() "\t" value
+    }
+    function take(token,   c) {
+      c = substr(token, 1, 1)
+      if (c ~ /[][{},]/) delete label[depth + (c ~ /[[{]/)]
+      if (c == "{" || c == "[") { kind[++depth] = c; at[depth] = 0; first[depth] = 1; want_key = c == "{" }
+      else if (c == "}" || c == "]") { --depth; want_key = 0 }
+      else if (c == ",") { ++at[depth]; first[depth] = 0; want_key = kind[depth] == "{" }
+      else if (c == ":") want_key = 0
+      else if (want_key) key[depth] = substr(token, 2, length(token) - 2)
+      else leaf(token)
+    }
+    {
+      while (match($0, /"(\\.|[^"\\])*"|[][{}:,]|[^][{}:," \t\r]+/)) {
+        take(substr($0, RSTART, RLENGTH))
+        $0 = substr($0, RSTART + RLENGTH)
+      }
+    }' "$1" |
+    grep -Ev '^\.(version|stages|inputs|outputs|device|threads|isa)[.[	]|(_s|\.t|\.path)	' || true
+}
+
+# compare_json FOLDER FILE: key by key; lines for OUT/keys; fails where a number differs.
+compare_json() {
+  json_leaves "$out/old/$1/$2" > "$out/.old" && json_leaves "$out/new/$1/$2" > "$out/.new"
+  awk -F '\t' -v file="$1/$2" -v keys="$out/keys" '
+    function kind_of(path) { gsub(/\[[0-9]+\]/, "[]", path); return path }
+    function tell(what, path, value) { printf "%s\t%s\t%s\t%s\n", what, file, kind_of(path), value >> keys }
+    NR == FNR { old[$1] = $2; next }
+    !($1 in old) { tell("new", $1, $2); next }
+    {
+      if (old[$1] != $2) {
+        texts = old[$1] ~ /^"/ && $2 ~ /^"/
+        if (!texts) different = 1
+        tell(texts ? "text" : "value", $1, old[$1] " / " $2)
+      }
+      delete old[$1]
+    }
+    END { for (path in old) tell("old", path, old[path]); exit different }' "$out/.old" "$out/.new"
+}
+
+# compare_files FOLDER: each file of either build, one line of OUT/artifacts.tsv each.
+compare_files() {
+  local file verdict
+  { cd "$out/old/$1" && find . -type f; cd "$out/new/$1" && find . -type f; } | sed 's|^\./||' | grep -v '\.log$' |
+    LC_ALL=C sort -u | while IFS= read -r file; do
+    verdict=same
+    if [ ! -f "$out/old/$1/$file" ]; then verdict='only new'
+    elif [ ! -f "$out/new/$1/$file" ]; then verdict='only old'
+    else
+      case $file in
+        *.json) compare_json "$1" "$file" || verdict=different ;;
+        *) cmp -s "$out/old/$1/$file" "$out/new/$1/$file" || verdict=different ;;
+      esac
+    fi
+    printf '%s\t%s\t%s\n' "$1" "$file" "$verdict"
+  done >> "$out/artifacts.tsv"
+  awk -v scene="$1" '$2 != 0 { print scene "\t" $1 "\texit code " $2 }' "$out/old/$1/exit_codes" >> "$out/artifacts.tsv"
+}
+
+table() {  # a line per scene and run, of OUT/artifacts.tsv
+  awk -F '\t' '
+    {
+      run = $2 ~ /\// ? $2 : "chain"
+      sub(/^reports\//, "", run)
+      if (run !~ /\//) run = "chain"
+      sub(/\/.*/, "", run)
+      row = $1 "\t" run
+      if (!(row in files)) order[++rows] = row
+      ++files[row]
+      if ($3 == "same") ++same[row]; else if (++bad[row] <= 4) what[row] = what[row] " " $2 " (" $3 ")"
+    }
+    END {
+      printf "%-14s %-12s %6s %6s\n", "scene", "run", "files", "same"
+      for (i = 1; i <= rows; ++i) {
+        row = order[i]
+        split(row, names, "\t")
+        printf "%-14s %-12s %6d %6d", names[1], names[2], files[row], same[row]
+        print bad[row] ? "  DIFFERENT:" what[row] (bad[row] > 4 ? " ..." : "") : ""
+        all += files[row]; equal += same[row]
+      }
+      printf "%-14s %-12s %6d %6d\n", "all", "", all, equal
+      exit all == 0 || all != equal
+    }' "$out/artifacts.tsv"
+}
+
+keys_of() {  # WHAT TITLE: the keys of one kind, each once, with an example; no more than a screen of them
+  awk -F '\t' -v what="$1" -v title="$2" '
+    $1 == what && !seen[$3]++ {
+      if (!some++) print "\n" title
+      if (some <= 40) printf "  %-48s %s   (%s)\n", $3, substr($4, 1, 160), $2
+    }
+    END { if (some > 40) printf "  ... and %d more\n", some - 40 }' "$out/keys"
+}
+
+compare() {  # SCENE SOURCE MASKS TRUTH RUNS...: both builds
+  run_chain old "$@"
+  run_chain new "$@"
+  compare_files "$1"
+}
+
+rm -f "$out/artifacts.tsv" "$out/keys"
+: > "$out/artifacts.tsv"
+: > "$out/keys"
+key=$(fingerprint "$old" && printf '%s\n' "${demo[@]}" "${small[@]}")
+if [ "$(cat "$out/inputs.key" 2> /dev/null)" != "$key" ]; then rm -rf "$out/inputs" "$out/inputs.key"; fi
+
+if [ -n "$quick" ]; then recipes=(torus-box); fi
+for recipe in "${recipes[@]}"; do
+  make_scene "$recipe" "$recipe" "${small[@]}"
+  source=$out/inputs/$recipe
+  compare "$recipe" "$source" "$source/masks" "$source/masks_gt" "${every_method[@]}" others
+  run_recipe old "$recipe"
+  run_recipe new "$recipe"
+done
+compare_files synth
+source=$out/inputs/torus-box
+compare two-objects "$source" "$source/labels" "$source/labels_gt" draft flash bce
+if [ -z "$quick" ]; then
+  make_scene demo torus-box "${demo[@]}"
+  source=$out/inputs/demo
+  compare demo "$source" "$source/masks" "$source/masks_gt" "${every_method[@]}" others
+fi
+printf '%s\n' "$key" > "$out/inputs.key"
+bird=$scenes/bird
+if [ ! -d "$bird" ]; then
+  say "$bird: not there, skipped"
+elif [ -n "$quick" ]; then
+  compare bird "$(cd "$bird" && pwd)" "$bird/masks_sam" "$bird/masks_gt" draft
+else
+  compare bird "$(cd "$bird" && pwd)" "$bird/masks_sam" "$bird/masks_gt" "${every_method[@]}" others
+fi
+rm -f "$out/.old" "$out/.new"
+
+code=0
+table || code=1
+keys_of old "keys of the old build alone:"
+keys_of new "keys of the new build alone:"
+keys_of value "numbers that differ, old / new:"
+keys_of text "texts that differ, old / new:"
+exit $code
