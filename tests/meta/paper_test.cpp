@@ -2,6 +2,8 @@
 // PAPER.md. A name that no longer leads anywhere misleads, so each is looked up.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <regex>
 #include <set>
@@ -27,10 +29,33 @@ std::vector<std::string> named_paths(const std::string& text) {
   return captures(text, path);
 }
 
-/// Relative links without their anchors, [text](file.md#anchor); links within the document are none.
-std::vector<std::string> linked_files(const std::string& text) {
-  static const std::regex link("\\]\\(([^)#:]+)(?:#[^)]*)?\\)");
-  return captures(text, link);
+struct Link {
+  std::string file, anchor;  // file is empty within the document, anchor where there is none
+};
+
+/// Relative links, [text](file.md#anchor).
+std::vector<Link> links_of(const std::string& text) {
+  static const std::regex link("\\]\\(([^)#:]*)(?:#([^)]*))?\\)");
+  std::vector<Link> found;
+  for (std::sregex_iterator at(text.begin(), text.end(), link), end; at != end; ++at)
+    found.push_back({(*at)[1], (*at)[2]});
+  return found;
+}
+
+/// What a heading is linked by: letters in lower case, digits, '-' and '_', a '-' for every space.
+std::string anchor_of(const std::string& heading) {
+  std::string anchor;
+  for (const char c : heading) {
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_') anchor += char(std::tolower(c));
+    if (c == ' ') anchor += '-';
+  }
+  return anchor;
+}
+
+bool has_anchor(const std::string& text, const std::string& anchor) {
+  static const std::regex heading("(?:^|\n)#+ ([^\n]*)");
+  const std::vector<std::string> found = captures(text, heading);
+  return std::any_of(found.begin(), found.end(), [&](const std::string& h) { return anchor_of(h) == anchor; });
 }
 
 /// Sources are named from libngs/ngs, all else from the top folder; of a test ".cpp" is left out.
@@ -49,8 +74,12 @@ std::vector<std::string> lost_paths(const SourceFile& document) {
 std::vector<std::string> lost_links(const SourceFile& document) {
   const fs::path folder = (fs::path(NGS_SOURCE_DIR) / document.path).parent_path();
   std::vector<std::string> lost;
-  for (const std::string& link : linked_files(document.text))
-    if (!fs::exists(folder / link)) lost.push_back(document.path + ": " + link);
+  for (const auto& [file, anchor] : links_of(document.text)) {
+    const bool there = file.empty() || fs::exists(folder / file);
+    const bool at_heading =
+        anchor.empty() || has_anchor(file.empty() ? document.text : test::read_bytes((folder / file).string()), anchor);
+    if (!there || !at_heading) lost.push_back(document.path + ": " + file + (at_heading ? "" : "#" + anchor));
+  }
   return lost;
 }
 
@@ -99,13 +128,16 @@ TEST_CASE("every path that PAPER.md or a decision note names exists") {
   CHECK(lost_paths(astray) == std::vector<std::string>{"a.md: ops/none_kernels.h"});
 }
 
-TEST_CASE("every relative link of a document leads to a file") {
+TEST_CASE("every relative link of a document leads to a file, and to one of its headings") {
   std::vector<std::string> lost;
   for (const SourceFile& document : documents()) append(lost, lost_links(document));
   CHECK(test::listed(lost) == "");
 
-  const SourceFile astray{"libngs/a.md", "[a](PAPER.md#x) [b](#c) [d](https://e.org) [f](decisions/none.md)"};
-  CHECK(lost_links(astray) == std::vector<std::string>{"libngs/a.md: decisions/none.md"});
+  const SourceFile astray{"libngs/a.md",
+                          "## A b: `c`\n[a](PAPER.md#4--readings) [b](#a-b-c) [d](https://e.org) "
+                          "[f](decisions/none.md) [g](PAPER.md#44--none) [h](#a)"};
+  CHECK(lost_links(astray) == std::vector<std::string>{"libngs/a.md: decisions/none.md",
+                                                       "libngs/a.md: PAPER.md#44--none", "libngs/a.md: #a"});
 }
 
 TEST_CASE("every section that a comment or a document cites is one of PAPER.md") {
