@@ -1,0 +1,91 @@
+#!/usr/bin/env bash
+# Lays the tools' own help into their pages (tools/ngs-NAME/ngs-NAME.md):
+#
+#   pipelines/tool-pages.sh --write [DIR]     writes the pages anew
+#   pipelines/tool-pages.sh --check [DIR]     changes nothing, shows what differs; exit code 1 where something does
+#
+# What stands between two marks of a page is written by this script, 100 columns wide:
+#
+#   <!-- help -->                   --help of the tool and of each of its commands
+#   <!-- help: --method cob -->     what --method cob --help says more than --help
+#   <!-- help: common -->           in DIR/README.md: what all tools have in common, which the pages leave out
+#   <!-- /help -->                  the end of each
+#
+# DIR is the folder of the pages (default: tools). The tools come from $NGS_BIN, else from the build folder, else from PATH.
+set -euo pipefail
+# shellcheck source=pipelines/common.sh
+. "$(dirname "$0")/common.sh"
+
+case ${1:-} in
+  -h | --help) usage_of "$0"; exit 0 ;;
+  --write | --check) [ $# -le 2 ] || fail 2 "expected --write or --check, and a folder" "see $0 --help" ;;
+  *) fail 2 "expected --write or --check" "see $0 --help" ;;
+esac
+task=$1 pages=${2:-$pipelines/../tools}
+[ -f "$pages/README.md" ] || fail 3 "$pages: no README.md, expected the folder of the tools' pages"
+bin=$(find_bin)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# help_of TOOL ARGUMENTS...: wherever it is called, the same.
+help_of() { COLUMNS=100 LC_ALL=C "${bin:+$bin/}$1" "${@:2}" --help < /dev/null; }
+# The paragraphs of a help text that say the same of every tool.
+common_part() { awk 'BEGIN { RS = ""; ORS = "\n\n" } tolower($0) ~ /^(common|flags of all tools|exit codes)/'; }
+# beyond FILE...: the paragraphs that, letter by letter, none of the files has.
+beyond() { awk 'BEGIN { RS = ""; ORS = "\n\n" } FILENAME != "-" { known[$0]; next } !($0 in known)' "$@" -; }
+# A page that shows them needs no word on whose options are not shown.
+without_pointers() { awk 'BEGIN { RS = ""; ORS = "\n\n" } !/^not shown/'; }
+# shellcheck disable=SC2016  # the backticks are those of the page
+fenced() { printf '```text\n%s\n```\n' "$(cat)"; }  # $(...) takes the empty lines off the end
+
+synopsis_of() {  # TOOL
+  local command commands
+  commands=$("${bin:+$bin/}$1" --print-commands)
+  help_of "$1" | beyond "$work/common" | fenced
+  for command in $commands; do
+    printf '\n'
+    help_of "$1" "$command" | beyond "$work/common" | fenced
+  done
+}
+
+text_of() {  # TOOL MARK: what comes behind it
+  local words
+  case $2 in
+    '<!-- help: common -->') fenced < "$work/common" ;;
+    '<!-- help -->') synopsis_of "$1" ;;
+    *)
+      words=${2#'<!-- help: '}
+      read -ra words <<< "${words%' -->'}"
+      help_of "$1" > "$work/plain"
+      help_of "$1" "${words[@]}" | beyond "$work/common" "$work/plain" | without_pointers | fenced ;;
+  esac
+}
+
+# fill TOOL PAGE: writes it anew, or shows what would change.
+fill() {
+  local line inside=
+  while IFS= read -r line; do
+    if [ "$line" = '<!-- /help -->' ]; then inside=; fi
+    if [ -z "$inside" ]; then printf '%s\n' "$line"; fi
+    case $line in '<!-- help -->' | '<!-- help: '*' -->')
+      inside=1
+      text_of "$1" "$line" ;;
+    esac
+  done < "$2" > "$work/new"
+  [ -z "$inside" ] || fail 3 "$2: expected '<!-- /help -->' behind the last mark"
+  if [ "$task" = --check ]; then
+    diff -u "$2" "$work/new" || differs=1
+  elif ! cmp -s "$2" "$work/new"; then
+    cp "$work/new" "$2"
+  fi
+}
+
+differs=0
+help_of ngs-variance | common_part > "$work/common"
+fill ngs-variance "$pages/README.md"
+for folder in "$pages"/ngs-*/; do
+  tool=$(basename "$folder")
+  grep -qsx '<!-- help -->' "$folder$tool.md" || fail 3 "$folder$tool.md: expected the page of $tool, with a line '<!-- help -->'"
+  fill "$tool" "$folder$tool.md"
+done
+exit "$differs"

@@ -1,0 +1,132 @@
+// What pipelines/tutorial.md and the pages of the tools tell people to type: their ```sh blocks are run as they
+// stand, in one folder, with the tools and scripts of this tree in PATH. (```bash blocks need what a test lacks:
+// somebody's data, other programs.)
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <sstream>
+
+#include "support/process.h"
+#include "support/source_tree.h"
+
+namespace ngs {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kTutorial = NGS_SOURCE_DIR "/pipelines/tutorial.md";
+
+struct Step {
+  std::string commands;
+  std::vector<std::string> made;  // files that the paragraph "Made: ..." behind the block names
+};
+
+void add_quoted(const std::string& line, std::vector<std::string>& names) {
+  static const std::regex quoted("`([^`]+)`");
+  for (std::sregex_iterator at(line.begin(), line.end(), quoted), end; at != end; ++at) names.push_back((*at)[1]);
+}
+
+std::vector<Step> steps_of(const std::string& page) {
+  std::vector<Step> steps;
+  enum class Part { kProse, kCommands, kMade } part = Part::kProse;
+  std::istringstream lines(test::read_bytes(page));
+  for (std::string line; std::getline(lines, line);) {
+    if (part == Part::kCommands) {
+      if (line == "```")
+        part = Part::kProse;
+      else
+        steps.back().commands += line + "\n";
+      continue;
+    }
+    if (line == "```sh") {
+      part = Part::kCommands;
+      steps.emplace_back();
+    } else if (line.starts_with("Made: ")) {
+      part = Part::kMade;
+    } else if (line.empty()) {
+      part = Part::kProse;
+    }
+    if (part == Part::kMade && !steps.empty()) add_quoted(line, steps.back().made);
+  }
+  return steps;
+}
+
+test::ProcessResult run_step(const std::string& folder, const std::string& commands) {
+  test::ProcessSpec spec;
+  spec.argv = {"bash", "-euo", "pipefail", "-c", commands};
+  spec.folder = folder;
+  const std::string path = std::getenv("PATH");
+  spec.environment = {{"PATH", NGS_TOOL_DIR ":" NGS_SOURCE_DIR "/pipelines:" + path},
+                      {"NGS_BIN", NGS_TOOL_DIR},
+                      {"NGS_THREADS", "2"}};
+  return test::run_process(spec);
+}
+
+/// The folder in which the tutorial was worked through, once for all tests.
+const std::string& tour() {
+  static const test::TempDir dir;
+  static const bool worked = [] {
+    for (const Step& step : steps_of(kTutorial)) {
+      const test::ProcessResult result = run_step(dir.path(), step.commands);
+      INFO(step.commands << result.err);
+      REQUIRE(result.exit_code == 0);
+      CHECK_FALSE(step.made.empty());
+      for (const std::string& name : step.made) {
+        INFO(name);
+        REQUIRE(fs::is_regular_file(dir.path() + "/" + name));
+        CHECK(fs::file_size(dir.path() + "/" + name) > 0);
+      }
+    }
+    return true;
+  }();
+  CHECK(worked);
+  return dir.path();
+}
+
+}  // namespace
+
+TEST_CASE("every command of the tutorial runs, and makes the files that the text names") {
+  CHECK(steps_of(kTutorial).size() >= 10);
+  CHECK(fs::exists(tour() + "/object.ply"));
+}
+
+TEST_CASE("the scores that the tutorial states are those of its runs") {
+  const std::string text = test::read_bytes(kTutorial);
+  const std::regex row(R"(\| `(out/[a-z]+)` \| ([0-9.]+) \| ([0-9.]+) \| ([0-9.]+) \|)");
+  int rows = 0;
+  for (std::sregex_iterator at(text.begin(), text.end(), row), end; at != end; ++at, ++rows) {
+    const std::smatch& match = *at;
+    CAPTURE(match.str());
+    const std::string bytes = test::read_bytes(tour() + "/" + match[1].str() + "/metrics.json");
+    const nlohmann::json mean = nlohmann::json::parse(bytes)["mean"];
+    int column = 2;
+    for (const char* score : {"iou", "biou", "biou_005"}) {
+      // Three digits are printed; another compiler's exp and log may move the last of them.
+      CHECK(std::abs(mean[score].get<double>() - std::stod(match[std::size_t(column++)])) < 0.002);
+    }
+  }
+  CHECK(rows == 3);
+}
+
+TEST_CASE("the examples on the pages of the tools run on the tutorial's files") {
+  int pages = 0;
+  for (const test::SourceFile& page : test::source_files({"tools"}, {".md"})) {
+    if (page.ends_with("/README.md")) continue;
+    const std::vector<Step> steps = steps_of(NGS_SOURCE_DIR "/" + page.path);
+    INFO(page.path);
+    CHECK_FALSE(steps.empty());
+    for (const Step& step : steps) {
+      const test::ProcessResult result = run_step(tour(), step.commands);
+      INFO(step.commands << result.err);
+      CHECK(result.exit_code == 0);
+    }
+    ++pages;
+  }
+  CHECK(pages == 12);
+}
+
+}  // namespace ngs
