@@ -1,9 +1,7 @@
 #include "chain.h"
 
-#include "apart.h"
 #include "decide.h"
 #include "fingerprint.h"
-#include "ngs/io/files/content_hash.h"
 #include "ngs/io/image/masks.h"
 #include "ngs/io/image/photo.h"
 #include "ngs/io/ply/query_ply.h"
@@ -34,12 +32,6 @@ void check(cli::Run& run, const Declared& declared, const Paths& paths) {
             "--checkpoint-every without --checkpoint, expected the folder to write to", "--checkpoint DIR");
   refuse_if(o.trace_every > 0 && paths.trace.empty() && o.target.empty(),
             "--trace-every without --trace or --target, expected what the scores are for", "--trace FILE");
-  refuse_if(!o.apart.empty() && (o.method == Method::kCob || o.method == Method::kReleased),
-            "--apart with a method that moves Gaussians of all objects",
-            "use --method paper, flash, sa3d, bce or saga");
-  refuse_if(!o.apart.empty() && !paths.field.empty(),
-            "--apart with --field, whose query points are those of all objects",
-            "leave --field out: the run samples its own");
   const int features = declared.settings.joint.hash_features;
   refuse_if(!are_hash_features(features), "--hash-features: " + std::to_string(features) + ", expected 1, 2, 4 or 8",
             "2 is the default; --hash-levels adds resolutions");
@@ -69,8 +61,6 @@ std::vector<EffectVerdict> ruled_by_options(const Settings& settings, const Path
   if (settings.edge.iterations == 1) ruled.push_back({"contour-iterations", false, "--contour-iterations 1"});
   if (settings.edge.split_px < ContourOptions{}.split_px)  // less than what its detector looks for
     ruled.push_back({"split", true, "--contour-split"});
-  if (!settings.run.apart.empty())
-    ruled.push_back({"floaters", false, "what stands before several objects is not one run's"});
   return ruled;
 }
 
@@ -134,13 +124,11 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
   if (!paths.nerf.empty() && settings.run.method == Method::kPaper && decisions.said("joint") == false)
     throw Error(ErrorCode::kInconsistent, paths.effects_from + ": decided joint=off, expected steps that train the field of --nerf",
                 "leave out --nerf, or add --effect joint=on");
-  Scene whole = with_objects(io::read_scene_json(paths.scene), settings.run.objects);
-  choose_background(settings.run.background, run.monitor(), whole);
+  Scene scene = with_objects(io::read_scene_json(paths.scene), settings.run.objects);
+  choose_background(settings.run.background, run.monitor(), scene);
   const double reads_s = wall_seconds();
   const io::GaussianPly ply = io::read_gaussian_ply(paths.boundary);
   const double reading_s = wall_seconds() - reads_s;
-  const ApartRun apart = apart_run(ply, whole, settings.run.apart);
-  const Scene& scene = apart.scene;
   const Problem from_files{
       .cloud = ply.cloud,
       .scene = scene,
@@ -152,12 +140,9 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
       .seed = run.seed(),
       .fixed = ply.fixed,
       .labels = labels_of(ply, scene),
-      .load_fine_photo = [&](std::size_t view) { return io::load_fine_photo(scene, view); },
-      .held = apart.held};
+      .load_fine_photo = [&](std::size_t view) { return io::load_fine_photo(scene, view); }};
   Json plan = {{"training_views", from_files.views.size()},
-               {"gaussians", ply.cloud.size()},
-               {"groups", apart.groups.size()},
-               {"objects_that_meet", apart.groups}};
+               {"gaussians", ply.cloud.size()}};
   if (run.dry_run()) {
     run.plan(std::move(plan));
     return 0;
@@ -202,10 +187,7 @@ int run_chain(cli::Run& run, const Declared& declared, const Paths& paths) {
   if (const int stopped = run.stop_code()) return stopped;
   Problem input = without_floaters(believed, clean);
   const bool components = mend && decisions.on("components") && release_disconnected(run, input);
-  const bool is_apart = !settings.run.apart.empty();
-  const std::string apart_of = is_apart ? io::content_hash(paths.boundary).xxh3 : "";
-  const std::string made_with = is_apart ? part_made_with(run, declared, paths) : "";
-  const Source source{ply, scene, clean.floater, apart_of, made_with};
+  const Source source{ply, scene, clean.floater};
   if (settings.run.method != Method::kPaper && mend) return run_other(run, declared, input, source, paths.labelled);
   const bool detects = rule_steps_by_time(budget, settings, input, decisions);
   {

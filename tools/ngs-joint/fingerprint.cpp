@@ -35,7 +35,6 @@ Json known_of_state(const StateSource& source) {
           {"background", o.background},
           {"objects", objects},
           {"seed", source.run.seed()},
-          {"apart", o.apart},
           {"fast_atomics", o.fast_atomics}};
 }
 

@@ -19,7 +19,7 @@ std::string method_name(Method method);
 
 struct RunOptions {
   Method method = Method::kPaper;
-  std::string time_budget, target, background, checkpoint, apart;
+  std::string time_budget, target, background, checkpoint;
   std::int64_t checkpoint_every = 0;
   int trace_every = 0;
   std::vector<std::string> objects;
@@ -41,8 +41,6 @@ struct RunOptions {
           Field<int>{"trace_every", "", "steps between scores in the trace; 0: once per iteration of views", 0,
                      1 << 30});
     visit(self.objects, Text{"objects", "NAME", "only this object of the scene; repeat for more"});
-    visit(self.apart, Text{"apart", "i/N",
-                           "only shard i of N (from 0) of the objects that do not meet, all else stays; for merge"});
     visit(self.resume, Flag{"resume", "go on from the checkpoint in --checkpoint, if there is one"});
     visit(self.explain, Flag{"explain", "decide the effects for this scene, list them, run nothing else"});
     visit(self.fast_atomics,

@@ -2,7 +2,6 @@
 // step 6.
 #include <ctime>
 
-#include "apart.h"
 #include "chain.h"
 #include "decide.h"
 #include "quality_table.h"
@@ -16,7 +15,9 @@ double process_start_s() {
   return ngs::wall_seconds() - double(used.tv_sec) - 1e-9 * double(used.tv_nsec);
 }
 
-int label_model(int argc, char** argv) {
+}  // namespace
+
+int main(int argc, char** argv) {
   using namespace ngs;
   joint::Declared declared;
   declared.start_s = process_start_s();
@@ -53,12 +54,4 @@ int label_model(int argc, char** argv) {
         run, declared,
         {scene.path, boundary.path, field.path, effects_from.path, out.path, nerf.path, trace.path});
   });
-}
-
-}  // namespace
-
-int main(int argc, char** argv) {
-  return ngs::cli::dispatch(argc, argv,
-                            {{"", label_model, "optimise the labels of a scene"},
-                             {"merge", ngs::joint::merge_parts, "join objects that were run apart"}});
 }

@@ -53,7 +53,7 @@ void write_result(cli::Run& run, const Source& source, const Solution& result, c
     named.push_back({source.scene.objects[k].name, result.labels[k]});
   io::LabelledWrite write;
   write.edited = &result.cloud;
-  write.source_row = result.source_row, write.apart_of = source.apart_of, write.made_with = source.made_with;
+  write.source_row = result.source_row;
   std::vector<float> floater;
   for (std::size_t row = 0; !source.floater.empty() && row < std::size_t(result.cloud.size()); ++row)
     floater.push_back(source.floater[result.source_row.empty() ? row : std::size_t(result.source_row[row])]);

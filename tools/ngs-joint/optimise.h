@@ -28,8 +28,6 @@ struct Source {
   const io::GaussianPly& ply;
   const Scene& scene;
   const std::vector<float>& floater;  // [N] 1: taken out; empty: none was
-  const std::string& apart_of;        // content hash of the model where the run is one apart, else empty
-  const std::string& made_with;       // all else that a run apart follows from, else empty
 };
 
 /// The labelled PLY and the figures of a finished method.

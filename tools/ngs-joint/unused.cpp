@@ -33,7 +33,7 @@ bool mends(const std::string& entry) {
 
 void of_the_paper(const Settings& settings, const Paths& paths, Unused& unused) {
   unused.file("--field", paths.field), unused.file("--nerf", paths.nerf), unused.file("--trace", paths.trace);
-  unused.group(settings.run, {"method", "background", "objects", "apart", "explain", "fast_atomics"});
+  unused.group(settings.run, {"method", "background", "objects", "explain", "fast_atomics"});
   unused.group(settings.joint, {"effect", "quality"});
   const auto& effects = settings.joint.effect;
   if (settings.joint.quality != JointOptions{}.quality && mode_of("floaters", effects) != EffectMode::kOn)

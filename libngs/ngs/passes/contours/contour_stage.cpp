@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "ngs/ops/splat/evidence.h"
-#include "ngs/methods/apart.h"
+#include "ngs/problem/problem.h"
 #include "ngs/problem/coarse_input.h"
 #include "ngs/passes/contours/refined_masks.h"
 #include "ngs/passes/contours/straddler_split.h"
