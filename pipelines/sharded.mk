@@ -7,20 +7,43 @@
 # `submit` queues the array and the merge behind it and returns when merged. A second call makes only the shards that are not
 # there, or that were made of another SCENE_JSON or with other RASTER_FLAGS. RASTER_FLAGS are options of the shards (--compat,
 # --antialias), VARIANCE_FLAGS of the merge (--tau ...).
-THIS := $(abspath $(lastword $(MAKEFILE_LIST)))
-TOOL_NAME := ngs-variance
-PART := evidence
+SHELL := bash
+.DELETE_ON_ERROR:
+.SECONDARY:
+.DEFAULT_GOAL := $(OUT)
+SCENE_JSON ?= $(error SCENE_JSON is not set)
+OUT ?= $(error OUT is not set)
 SHARDS ?= 8
 RASTER_FLAGS ?=
 VARIANCE_FLAGS ?=
-PART_FLAGS = $(SCENE_JSON) $(RASTER_FLAGS)
-JOIN_FLAGS = $(VARIANCE_FLAGS)
-SETTINGS = RASTER_FLAGS='$(RASTER_FLAGS)' VARIANCE_FLAGS='$(VARIANCE_FLAGS)'
-include $(dir $(THIS))shards.mk
+SBATCH ?=
+
+THIS := $(abspath $(lastword $(MAKEFILE_LIST)))
+TOOL := $(shell . '$(dir $(THIS))common.sh'; bin=$$(find_bin); printf %s "$${bin:+$$bin/}ngs-variance")
+PARTS = $(shell printf '$(OUT).parts/%s-of-$(SHARDS).evidence ' $$(seq 0 $$(($(SHARDS) - 1))))
+AGAIN = make -f $(THIS) SCENE_JSON=$(SCENE_JSON) OUT=$(OUT) SHARDS=$(SHARDS) \
+  RASTER_FLAGS='$(RASTER_FLAGS)' VARIANCE_FLAGS='$(VARIANCE_FLAGS)'
 
 $(OUT): $(PARTS) $(OUT).join.flags
 	$(TOOL) merge $(PARTS) $(VARIANCE_FLAGS) -w -q -o $@ --report $@.json
 
-$(OUT).parts/%-of-$(SHARDS).$(PART): $(SCENE_JSON) $(OUT).part.flags
+$(OUT).parts/%-of-$(SHARDS).evidence: $(SCENE_JSON) $(OUT).part.flags
 	@mkdir -p $(@D)
 	$(TOOL) $(SCENE_JSON) --views $*/$(SHARDS) $(RASTER_FLAGS) -w -q --partial $@ --report $@.json
+
+.PHONY: submit FORCE
+# What parts and merge were made with, written anew only where it differs: parts of two settings are never merged.
+export PART_FLAGS = $(SCENE_JSON) $(RASTER_FLAGS)
+export JOIN_FLAGS = $(VARIANCE_FLAGS)
+flags_file = @mkdir -p $(@D); printf '%s\n' "$$$(1)" > $@.new-$$$$; if cmp -s $@.new-$$$$ $@; then rm $@.new-$$$$; else mv $@.new-$$$$ $@; fi
+$(OUT).part.flags: FORCE
+	$(call flags_file,PART_FLAGS)
+$(OUT).join.flags: FORCE
+	$(call flags_file,JOIN_FLAGS)
+
+submit: $(OUT).part.flags
+	@mkdir -p $(OUT).parts; \
+	array=$$(sbatch --parsable --requeue $(SBATCH) --array=0-$$(($(SHARDS) - 1)) -J ngs-part -o $(OUT).parts/%a.log \
+	  --wrap "$(AGAIN) $(OUT).parts/\$$SLURM_ARRAY_TASK_ID-of-$(SHARDS).evidence"); \
+	sbatch --parsable --requeue $(SBATCH) --dependency=afterok:$$array --kill-on-invalid-dep=yes --wait -J ngs-join \
+	  -o $(OUT).parts/join.log --wrap "$(AGAIN) $(OUT)"

@@ -4,9 +4,8 @@
 # serially, with make -j, with GNU parallel and as array jobs; then again as array jobs while a node is killed, a task gets
 # SIGKILL and the disk of another is full. The final artifacts of all must hash alike. It ends with one table.
 #
-#   pipelines/slurm-test.sh [TABLE_FILE] [--no-setup] [--only-apart]
+#   pipelines/slurm-test.sh [TABLE_FILE] [--no-setup]
 #
-# --only-apart: only the row of the objects of one scene in runs apart.
 # Needs root (it installs packages and mounts small tmpfs). Everything lies below one temporary folder and is gone at the end,
 # daemons included, also on failure. Exit code 1 if any hash differs.
 set -euo pipefail
@@ -16,11 +15,10 @@ set -euo pipefail
 . "$pipelines/slurm-cluster.sh"
 
 case ${1:-} in -h | --help) usage_of "$0"; exit 0 ;; esac
-table='' setup=1 only_apart=
+table='' setup=1
 for argument; do
   case $argument in
     --no-setup) setup= ;;
-    --only-apart) only_apart=1 ;;
     *) table=$argument ;;
   esac
 done
@@ -84,30 +82,6 @@ sweep() {
   "$pipelines/sweep.sh" "$shared/runs" "$shared/$1" "${@:2}"
   seconds=$(since "$begin")
 }
-
-# The objects of one scene, in runs of their own: as the tasks of an array, and by make here.
-apart() {
-  local scene=$shared/table begin same=equal flags='--rows 8 --cols 8 --depth-samples 2 --quality draft'
-  say "== four objects of one scene in runs apart"
-  "$bin/ngs-synth" table -o "$scene" --views 8 --width-px 128 --height-px 96 --fit-steps 150 --fit-max-gaussians 2500 -q > /dev/null
-  "$bin/ngs-scene" import "$scene" --ply "$scene/point_cloud.ply" --images "$scene/images" --masks "$scene/labels" --mask-mode label \
-    --object-id a=1 --object-id b=6 --object-id c=19 --object-id d=20 --no-align-views -o "$shared/table.json" -q > /dev/null
-  "$bin/ngs-variance" "$shared/table.json" -o "$shared/table.ply" -q > /dev/null
-  for how in apart-by-make apart-by-slurm; do
-    begin=$(now)
-    make -s -f "$pipelines/apart.mk" SCENE_JSON="$shared/table.json" BOUNDARY="$shared/table.ply" OUT="$shared/$how.ply" \
-      JOINT_FLAGS="$flags" "$([ "$how" = apart-by-make ] && echo "$shared/$how.ply" || echo submit)" > /dev/null
-  done
-  if ! cmp -s "$shared/apart-by-make.ply" "$shared/apart-by-slurm.ply"; then same=DIFFERENT failures=$((failures + 1)); fi
-  row "ngs-joint in $(find "$shared/apart-by-slurm.ply.parts" -name '*.ply' | wc -l) array tasks, joined" \
-    "$(printf '%.0f s' "$(since "$begin")")" "" "$same (labelled.ply, against make)"
-}
-if [ -n "$only_apart" ]; then
-  cluster_start "$scratch/cluster"
-  apart
-  printf '%s\n' "${rows[@]}" | tee ${table:+"$table"}
-  exit $((failures > 0))
-fi
 
 say "== two scenes, 48 runs"
 for recipe in two-spheres torus-box; do
@@ -222,7 +196,6 @@ make -s -f "$pipelines/sharded.mk" submit SCENE_JSON="$shared/serial/cut-flash-0
 same=equal
 if ! cmp -s "$shared/sharded.ply" "$shared/serial/cut-flash-0.6-0/boundary.ply"; then same=DIFFERENT failures=$((failures + 1)); fi
 row "ngs-variance in 5 array tasks, merged" "$(printf '%.0f s' "$(since "$begin")")" "" "$same (boundary.ply)"
-apart
 
 {
   echo "| 48 runs of the whole chain, $cores cores | time | times serial | load at its end | artifacts against serial |"

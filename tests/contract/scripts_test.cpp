@@ -275,24 +275,18 @@ TEST_CASE("sharded.mk joins no shards of other options, and leaves the bytes of 
   CHECK(other != one);
 }
 
-TEST_CASE("sharded.mk and apart.mk join no parts of another scene, though that one is older") {
+TEST_CASE("sharded.mk joins no parts of another scene, though that one is older") {
   const Folder f;
   REQUIRE(f.run(f.quick("held", {"--until", "boundary.ply", "--hold-out", "every:2:0"})).exit_code == 0);
   REQUIRE(f.run(f.quick("all", {"--until", "boundary.ply"})).exit_code == 0);
-  const auto made = [&](const std::string& makefile, const std::string& scene, Words more) {
-    more.insert(more.begin(), {"SCENE_JSON=" + scene + "/scene.json", "OUT=" + makefile + ".ply"});
-    const test::ProcessResult result = f.make(makefile, more);
+  const auto made = [&](const std::string& scene) {
+    const test::ProcessResult result = f.make("sharded.mk", {"SCENE_JSON=" + scene + "/scene.json", "OUT=s.ply", "SHARDS=2"});
     INFO(result.err);
     CHECK(result.exit_code == 0);
-    return f.bytes(makefile + ".ply");
+    return f.bytes("s.ply");
   };
-  made("sharded.mk", "all", {"SHARDS=2"});
-  CHECK(made("sharded.mk", "held", {"SHARDS=2"}) == f.bytes("held/boundary.ply"));
-  const Words same_model{"BOUNDARY=all/boundary.ply", "JOINT_FLAGS=--method sa3d"};
-  made("apart.mk", "all", same_model);
-  REQUIRE(f.run({NGS_TOOL_DIR "/ngs-joint", "held/scene.json", "all/boundary.ply", "--method", "sa3d", "-q", "-o", "one.ply"})
-              .exit_code == 0);
-  CHECK(made("apart.mk", "held", same_model) == f.bytes("one.ply"));
+  CHECK(made("all") == f.bytes("all/boundary.ply"));
+  CHECK(made("held") == f.bytes("held/boundary.ply"));
 }
 
 TEST_CASE("another CMake project that adds ngs as a folder compiles against it, in its arithmetic and without its tests") {

@@ -15,6 +15,9 @@
 
 namespace ngs {
 
+/// Share of the masks' evidence from which on a Gaussian counts as partly an object's.
+inline constexpr double kLeastForegroundShare = 0.05;
+
 /// Labels, one per object, that nobody changes: the inputs of one run's stages share them. With many objects they take more
 /// memory than the model.
 class SharedLabels {

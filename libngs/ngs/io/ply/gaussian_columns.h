@@ -22,10 +22,7 @@ inline constexpr std::array<LabelField, 5> kLabelFields{{{"ngs_label", &LabelCol
 inline constexpr std::string_view kFixedColumn = "ngs_fixed";
 inline constexpr std::string_view kFloaterColumn = "ngs_floater";
 inline constexpr std::string_view kStateColumn = "state";
-inline constexpr std::string_view kSourceColumn = "ngs_source";
 inline constexpr std::string_view kFilter3dColumn = "filter_3D";     // Mip-Splatting: a width per Gaussian, world
-inline constexpr std::string_view kApartComment = "ngs-apart ";      // then the input's content hash
-inline constexpr std::string_view kMadeWithComment = "ngs-made-with ";  // then what else it was made from, as text
 inline constexpr std::string_view kObjectsComment = "ngs-objects ";  // then a JSON array of names
 
 /// The Inria record for a degree: x y z nx ny nz f_dc f_rest opacity scale rot, all float.

@@ -21,8 +21,7 @@ struct Columns {
 
 class Reader {
  public:
-  Reader(GaussianPly& ply, HigherBands bands, const std::array<double, 3>* origin)
-      : ply_(ply), name_(ply.file.name()), bands_(bands), given_origin_(origin) {}
+  Reader(GaussianPly& ply, HigherBands bands) : ply_(ply), name_(ply.file.name()), bands_(bands) {}
 
   void read() {
     load_rows();
@@ -32,7 +31,6 @@ class Reader {
     copy_positions();
     copy_attributes();
     copy_labels();
-    copy_source();
     read_comments();
     ply_.health = classify(ply_.cloud);
   }
@@ -109,10 +107,6 @@ class Reader {
   // Only double coordinates have detail that float would lose; the centre is a float, so that a strict file
   // and its cameras need no more digits than the centre has.
   void choose_origin() {
-    if (given_origin_ != nullptr) {
-      ply_.cloud.origin = *given_origin_;
-      return;
-    }
     if (std::none_of(columns_.position.begin(), columns_.position.end(),
                      [](const PlyColumn& c) { return c.type == PlyType::kFloat64; }))
       return;
@@ -263,23 +257,7 @@ class Reader {
       ply_.state.push_back(v >= 0 && v <= 255 ? std::uint8_t(v) : std::uint8_t(0));
   }
 
-  /// Whether a row is one of the model's is for those to say who have the model.
-  void copy_source() {
-    const PlyColumn from = ply_.rows.column(std::string(kSourceColumn));
-    if (!from) return;
-    for_each_row([&](std::int64_t i) {
-      const double row = from.value(i);
-      if (!(row >= 0) || row > kMostRows || row != std::floor(row))
-        bad(std::string(kSourceColumn) + " of row " + std::to_string(i) + " is no row number");
-      ply_.source_row.push_back(std::int64_t(row));
-    });
-  }
-
   void read_comments() {
-    for (const std::string& comment : ply_.comments) {
-      if (comment.starts_with(kApartComment)) ply_.apart_of = comment.substr(kApartComment.size());
-      if (comment.starts_with(kMadeWithComment)) ply_.made_with = comment.substr(kMadeWithComment.size());
-    }
     for (const std::string& comment : ply_.comments) {
       if (!is_render_comment(comment)) continue;
       ply_.cloud.antialiased |= comment.find("mip") != std::string::npos ||
@@ -290,11 +268,9 @@ class Reader {
   }
 
   static constexpr float kLog1000 = 6.9077554f;
-  static constexpr double kMostRows = 4294967295.0;
   GaussianPly& ply_;
   std::string name_;
   HigherBands bands_;
-  const std::array<double, 3>* given_origin_;  // null: chosen here
   Columns columns_;
 };
 
@@ -316,19 +292,16 @@ std::string column_suffix(const std::string& object) {
 
 namespace {
 
-GaussianPly read(PlyFile file, HigherBands bands = HigherBands::kRead, const std::array<double, 3>* origin = nullptr) {
+GaussianPly read(PlyFile file, HigherBands bands = HigherBands::kRead) {
   GaussianPly ply;
   ply.file = std::move(file);
-  Reader(ply, bands, origin).read();
+  Reader(ply, bands).read();
   return ply;
 }
 
 }  // namespace
 
 GaussianPly read_gaussian_ply(const std::string& path, HigherBands bands) { return read(PlyFile::open(path), bands); }
-GaussianPly read_gaussian_ply(const std::string& path, const std::array<double, 3>& origin) {
-  return read(PlyFile::open(path), HigherBands::kRead, &origin);
-}
 GaussianPly parse_gaussian_ply(std::string name, Bytes bytes) { return read(PlyFile::parse(std::move(name), bytes)); }
 
 }  // namespace ngs::io

@@ -38,9 +38,6 @@ struct GaussianPly {
   std::string object = "object";     // the object's name, where the file has one
   bool names_object = false;         // it has
   std::vector<float> fixed;          // ngs_fixed: 1 = labelled by hand (ngs-extract --import); empty: absent
-  std::vector<std::int64_t> source_row;  // ngs_source: row of the model that apart_of names; empty: absent
-  std::string apart_of;                  // content hash of the model that a run apart was made from; empty: none
-  std::string made_with;                 // what else that run was made from, as text; empty: none
   std::vector<std::uint8_t> state;   // SuperSplat: bit 1 selected, 2 locked, 4 deleted; empty: absent
   std::vector<std::string> notes;    // what a reader of the file should know, one sentence each
 };
@@ -54,8 +51,6 @@ struct GaussianPly {
 /// intact, so a labelled copy keeps them. For tools that never look at colour: a quarter of the memory at degree 3.
 enum class HigherBands : std::uint8_t { kRead, kCheckOnly };
 GaussianPly read_gaussian_ply(const std::string& path, HigherBands bands = HigherBands::kRead);
-/// With positions relative to a given origin: those that were written from the same float come back as that float.
-GaussianPly read_gaussian_ply(const std::string& path, const std::array<double, 3>& origin);
 
 /// The same on a buffer that outlives the result.
 GaussianPly parse_gaussian_ply(std::string name, Bytes bytes);
@@ -84,9 +79,6 @@ struct LabelledWrite {
   std::span<const float> fixed;         // [rows] adds ngs_fixed; empty: the input's column, if any, is kept
   std::span<const float> floater;       // [rows] adds ngs_floater; empty: the input's column, if any, is kept
   std::span<const std::uint8_t> state;  // [rows] adds `uchar state` (supersplat)
-  std::string apart_of;                 // content hash of the input: kept as a comment, and `uint ngs_source` is
-                                        // added; else neither is, whatever the input has
-  std::string made_with;                // of a run apart: what else it was made from, as one line; kept as a comment
   std::vector<std::string> history;     // appended to the input's comments
 };
 

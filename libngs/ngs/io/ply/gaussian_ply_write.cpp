@@ -83,7 +83,6 @@ class RowSource {
     if (name == kFixedColumn) return !options_.fixed.empty();
     if (name == kFloaterColumn) return !options_.floater.empty();
     if (name == kStateColumn) return !options_.state.empty();
-    if (name == kSourceColumn) return true;
     return std::any_of(kLabelFields.begin(), kLabelFields.end(), [&](const LabelField& f) {
       return name == f.name || name.starts_with(std::string(f.name) + "_");
     });
@@ -161,17 +160,12 @@ std::vector<Added> added_columns(std::span<const NamedLabels> objects, const Lab
 std::vector<std::string> labelled_comments(const GaussianPly& source, std::span<const NamedLabels> objects,
                                            const LabelledWrite& options) {
   std::vector<std::string> comments;
-  const auto is_rewritten = [](const std::string& c) {
-    return c.starts_with(kObjectsComment) || c.starts_with(kApartComment) || c.starts_with(kMadeWithComment);
-  };
   for (const std::string& c : source.comments)
-    if (!is_rewritten(c)) comments.push_back(c);
+    if (!c.starts_with(kObjectsComment)) comments.push_back(c);
   nlohmann::json names = nlohmann::json::array();
   for (const NamedLabels& object : objects) names.push_back(object.object);
   comments.push_back(std::string(kObjectsComment) +
                      names.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
-  if (!options.apart_of.empty()) comments.push_back(std::string(kApartComment) + options.apart_of);
-  if (!options.made_with.empty()) comments.push_back(std::string(kMadeWithComment) + options.made_with);
   comments.insert(comments.end(), options.history.begin(), options.history.end());
   return comments;
 }
@@ -271,9 +265,6 @@ void write_labelled_ply(const std::string& path, const GaussianPly& source,
   }
   const bool has_state = !options.state.empty();
   NGS_CHECK(!has_state || std::int64_t(options.state.size()) == rows, "state has one value per row");
-  const bool has_source = !options.apart_of.empty();
-  if (has_source)
-    element.properties.push_back({.name = std::string(kSourceColumn), .type = PlyType::kUint32});
   if (has_state) element.properties.push_back({.name = std::string(kStateColumn), .type = PlyType::kUint8});
 
   PlyWriter writer(path, element, labelled_comments(source, objects, options));
@@ -286,10 +277,6 @@ void write_labelled_ply(const std::string& path, const GaussianPly& source,
     for (const Added& a : added) {
       ply_store_float(a.values[std::size_t(i)], to);
       to += sizeof(float);
-    }
-    if (has_source) {
-      ply_store(PlyType::kUint32, double(passthrough.source_of(i)), to);
-      to += ply_type_bytes(PlyType::kUint32);
     }
     if (has_state) *to = options.state[std::size_t(i)];
   }

@@ -147,24 +147,6 @@ TEST_CASE("double columns near 0 are read as they are, far from 0 relative to th
   CHECK(b - a == doctest::Approx(0.001).epsilon(1e-5));
 }
 
-TEST_CASE("positions come back bit for bit relative to the origin that they were written from, whatever else moved") {
-  const test::TempDir dir;
-  PlyColumns table = test::inria_columns(3, 0, true, PlyType::kFloat64);
-  table.rows[0][0] = 1000.1, table.rows[1][0] = 1000.7, table.rows[2][0] = 1001.3;
-  const std::string bytes = test::ply_bytes({table}, PlyFormat::kBinaryLittle);  // borrowed
-  const io::GaussianPly model = parse(bytes);
-  GaussianCloud moved = model.cloud;
-  moved.position[6] += 0.123f;  // the last one, which is at the border
-  const std::vector<io::NamedLabels> objects = {{"x", LabelColumns{{1, 1, 1}, {1, 1, 1}, {0, 0, 0}, {1, 1, 1}, {0, 0, 0}}}};
-  io::LabelledWrite write;
-  write.edited = &moved;
-  io::write_labelled_ply(dir.file("moved.ply"), model, objects, write);
-  CHECK(io::read_gaussian_ply(dir.file("moved.ply")).cloud.origin != model.cloud.origin);
-  const io::GaussianPly back = io::read_gaussian_ply(dir.file("moved.ply"), model.cloud.origin);
-  CHECK(back.cloud.origin == model.cloud.origin);
-  CHECK(back.cloud.position == moved.position);
-}
-
 TEST_CASE("a 2DGS model is read as flat Gaussians and says so") {
   PlyColumns table = test::inria_columns(2, 0);
   test::remove_column(table, "scale_2");
