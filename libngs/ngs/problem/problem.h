@@ -36,9 +36,6 @@ class SharedLabels {
   std::shared_ptr<const std::vector<LabelColumns>> labels_;
 };
 
-/// Share of an object's weight from which a Gaussian counts as a part of it.
-inline constexpr double kLeastForegroundShare = 0.05;
-
 struct Problem {
   const GaussianCloud& cloud;
   const Scene& scene;
