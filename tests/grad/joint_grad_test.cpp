@@ -13,6 +13,7 @@
 #include "ngs/passes/joint/joint_stage.h"
 #include "support/adjoint.h"
 #include "support/joint_case.h"
+#include "support/switches.h"
 
 namespace ngs {
 namespace {
@@ -27,7 +28,7 @@ struct Group {
 class Probe {
  public:
   Probe(const test::JointCase& c, const std::vector<std::string>& effect) : input_(c.input()) {
-    options_.steps = 4, options_.effect = effect;
+    options_.steps = 4, options_.on = test::joint_switched(effect);
     options_.hash_levels = 3, options_.hash_log2_table = 8, options_.hash_finest = 32;
     options_.mlp_hidden = 16, options_.smooth_points = 64, options_.smooth_step = 0.5;
     sample_.rows = sample_.cols = 10, sample_.depth_samples = 4;

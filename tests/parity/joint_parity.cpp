@@ -6,6 +6,7 @@
 #include "ngs/passes/joint/joint_stage.h"
 #include "parity/backends.h"
 #include "support/joint_case.h"
+#include "support/switches.h"
 
 namespace ngs::test {
 namespace {
@@ -15,6 +16,8 @@ struct Setup {
   SampleOptions sample;
   RbfOptions rbf;
   std::vector<std::uint8_t> frozen;
+  std::string without;  // a part that is off
+  void off(const std::string& effect) { without = effect, options.on = joint_switched({effect + "=off"}); }
   Setup() {
     options.mlp_hidden = 16, options.hash_levels = 3, options.hash_log2_table = 8, options.smooth_points = 32;
     options.steps = 10;
@@ -124,7 +127,7 @@ TEST_CASE("joint: every part of the method does on a device what it does on the 
   std::vector<Setup> setups;
   for (const char* effect : {"nerf", "box", "rbf", "hash", "film", "align", "variance", "density", "mask", "cont", "smooth",
                              "photometric", "region", "sh", "geometry", "mask-geometry"})
-    setups.emplace_back().options.effect = {std::string(effect) + "=off"};
+    setups.emplace_back().off(effect);
   setups.emplace_back().options.rate_literal = true;
   setups.emplace_back().options.excess_variance = true;
   setups.emplace_back().options.mask_loss = MaskLossForm::kLinear;
@@ -133,7 +136,7 @@ TEST_CASE("joint: every part of the method does on a device what it does on the 
   setups.emplace_back().frozen.assign(std::size_t(c->model.size()), 1);
   for (Setup& s : setups) {
     s.options.steps = 6;
-    const std::string how = s.options.effect.empty() ? std::string() : s.options.effect[0];
+    const std::string& how = s.without;
     CAPTURE(how);
     const Run want = run({}, *c, s), got = run(b.exec, *c, s);
     check_losses(b, "joint, a part left out, ", got.losses, want.losses);

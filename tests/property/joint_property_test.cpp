@@ -5,6 +5,7 @@
 
 #include "ngs/passes/joint/joint_stage.h"
 #include "support/joint_case.h"
+#include "support/switches.h"
 
 namespace ngs {
 namespace {
@@ -92,11 +93,11 @@ TEST_CASE("joint: every part of the method can be switched off alone, and matter
       "split", "contour-iterations", "full-resolution", "antialias"};  // stages of their own, or the tool's: unit/stages
   const std::set<std::string_view> nothing_here{"region",
                                                 "fine-hash"};  // small pictures, few levels: unit/stages
-  for (const EffectInfo& effect : effect_registry()) {
+  for (const Effect& effect : Pipeline(all_passes()).effects()) {
     if (elsewhere.contains(effect.name) || nothing_here.contains(effect.name)) continue;
     CAPTURE(std::string(effect.name));
     JointOptions options = small_options(kSomeTwice);
-    options.effect = {std::string(effect.name) + "=off"};
+    options.on = test::joint_switched({std::string(effect.name) + "=off"});
     const auto other = state_after(*c, options, kSomeTwice, 2);
     for (const float x : other) REQUIRE(std::isfinite(x));
     CHECK(other != twice);
@@ -152,16 +153,6 @@ TEST_CASE("joint: the excess variance asks no photo of a view that has none") {
   CHECK(state(true) == state(false));
   input.load_photo = [&c](std::size_t v) { return v == 2 ? c->photos[v] : ImageF(); };
   CHECK(state(true) != state(false));  // of the view that has one
-}
-
-TEST_CASE("joint: unknown effects and values are refused") {
-  CHECK_THROWS_AS(parse_effects({"nerv=off"}), Error);
-  CHECK_THROWS_AS(parse_effects({"nerf=maybe"}), Error);
-  CHECK_THROWS_AS(parse_effects({"nerf"}), Error);
-  CHECK_FALSE(parse_effects({"nerf=off"}).nerf);
-  CHECK(parse_effects({"nerf=off", "nerf=auto"}).nerf);
-  CHECK_FALSE(parse_effects({"all=off", "nerf=on"}).film);
-  CHECK(parse_effects({"all=off", "nerf=on"}).nerf);
 }
 
 TEST_CASE("joint: an empty boundary set is nothing found, or labels alone if allowed") {

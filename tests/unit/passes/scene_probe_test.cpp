@@ -1,13 +1,14 @@
 // The detectors that look at pictures, each on a case in which the naive measure that it replaces decides wrongly.
 // Those that look at columns alone: effect_detectors_test.cpp.
-#include "ngs/passes/effect_probe.h"
+#include "ngs/passes/scene_probe.h"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "ngs/passes/effects.h"
+#include "ngs/passes/pass_list.h"
+#include "ngs/passes/pipeline.h"
 #include "support/joint_case.h"
 
 namespace ngs {
@@ -20,20 +21,21 @@ struct ProbeCase {
   ProbeCase() {
     for (SceneView& v : base->scene.views) v.image_path = "photo";
   }
-  double measure(double (EffectProbe::*what)()) const {
+  /// What the detector of an effect measures.
+  double measure(std::string_view effect) const {
     Problem in = base->input();
     in.views = views;
-    const JointOptions joint;
-    const ContourOptions edge;
-    const SampleOptions sample;
-    const RbfOptions rbf;
-    const EffectSetup setup{joint, edge, sample, rbf, in};
-    EffectProbe probe({}, setup);
-    return (probe.*what)();
+    const TrainingOptions training;
+    SceneProbe probe({}, training, in);
+    const std::vector<Effect> effects = Pipeline(all_passes()).effects();
+    return find_effect(effects, effect)->detector.measure(probe);
   }
 };
 
-double threshold_of(std::string_view effect) { return find_effect(effect)->threshold; }
+double threshold_of(std::string_view effect) {
+  const std::vector<Effect> effects = Pipeline(all_passes()).effects();
+  return find_effect(effects, effect)->detector.threshold;
+}
 
 /// Row `i` becomes a speck at (x, y, z), ball radius 0.6 about (0, 0, 4), cameras about the origin.
 void hang(GaussianCloud& cloud, std::size_t i, float x, float y, float z) {
@@ -57,10 +59,10 @@ TEST_CASE("view trust: views that do not see the object do not make the others' 
     std::vector<float>& mask = c.base->masks[v].target[0];
     std::rotate(mask.begin(), v % 2 == 0 ? mask.begin() + 2 : mask.end() - 2, mask.end());
   }
-  const double few = c.measure(&EffectProbe::trust);
+  const double few = c.measure("mask-outliers");
   CHECK(few <= threshold_of("mask-outliers"));
   for (int more = 0; more < 20; ++more) c.views.push_back(c.base->look_away());  // naive: the median is zero
-  CHECK(c.measure(&EffectProbe::trust) == few);
+  CHECK(c.measure("mask-outliers") == few);
 }
 
 TEST_CASE("exposure: a camera that turns to the dark wall measures no other light, one that stops down does") {
@@ -78,8 +80,8 @@ TEST_CASE("exposure: a camera that turns to the dark wall measures no other ligh
   for (float& x : stopped.base->photos[1].data) x *= 0.95f;
   const auto ratio = [&](const ProbeCase& c) { return mean(c.base->photos[1]) / mean(c.base->photos[2]); };
   CHECK(ratio(turned) < ratio(stopped));  // naive: photos darker than others
-  CHECK(turned.measure(&EffectProbe::exposure) <= threshold_of("exposure"));
-  CHECK(stopped.measure(&EffectProbe::exposure) > threshold_of("exposure"));
+  CHECK(turned.measure("exposure") <= threshold_of("exposure"));
+  CHECK(stopped.measure("exposure") > threshold_of("exposure"));
 }
 
 TEST_CASE("components: an arm that one view sees hangs together with the ball, one speck behind it does not") {
@@ -103,8 +105,8 @@ TEST_CASE("components: an arm that one view sees hangs together with the ball, o
   };
   CHECK(far_and_doubtful(arm) == 16);
   CHECK(far_and_doubtful(speck) == 1);
-  CHECK(arm.measure(&EffectProbe::components) <= threshold_of("components"));
-  CHECK(speck.measure(&EffectProbe::components) > threshold_of("components"));
+  CHECK(arm.measure("components") <= threshold_of("components"));
+  CHECK(speck.measure("components") > threshold_of("components"));
 }
 
 TEST_CASE("front: many specks before the object's depth but beside it hide nothing, one before it does") {
@@ -113,8 +115,8 @@ TEST_CASE("front: many specks before the object's depth but beside it hide nothi
   hang(before.base->model, 160, 0, 0, 1.5f);
   CHECK(nearer_than_the_ball(beside.base->model) == 40);  // naive: a seventh of the model, search
   CHECK(nearer_than_the_ball(before.base->model) == 1);   // naive: one of 280, leave it
-  CHECK(beside.measure(&EffectProbe::front) <= threshold_of("floaters"));
-  CHECK(before.measure(&EffectProbe::front) > threshold_of("floaters"));
+  CHECK(beside.measure("floaters") <= threshold_of("floaters"));
+  CHECK(before.measure("floaters") > threshold_of("floaters"));
 }
 
 TEST_CASE("gap without photos: contours that are wrong at a few pixels leave the IoU as good as it was") {
@@ -124,7 +126,7 @@ TEST_CASE("gap without photos: contours that are wrong at a few pixels leave the
   c.base->labels[0].label = c.base->labels[0].prob = c.base->is_ball;  // renders the masks as they are
   // Naive: there is a boundary set, hence something to do for the field.
   CHECK(std::count(c.base->labels[0].boundary.begin(), c.base->labels[0].boundary.end(), 1.f) > 0);
-  CHECK(c.measure(&EffectProbe::gap_without_photos) <= threshold_of("nerf"));
+  CHECK(c.measure("nerf") <= threshold_of("nerf"));
   double worst_iou_gap = 0;
   for (ViewMasks& m : c.base->masks) {
     auto& mask = m.target[0];
@@ -136,15 +138,15 @@ TEST_CASE("gap without photos: contours that are wrong at a few pixels leave the
     worst_iou_gap = std::max(worst_iou_gap, cut / area);
   }
   CHECK(worst_iou_gap < threshold_of("nerf"));  // naive: the masks are met
-  CHECK(c.measure(&EffectProbe::gap_without_photos) > threshold_of("nerf"));
+  CHECK(c.measure("nerf") > threshold_of("nerf"));
   // However wrong they are: one photo tells where the contour is, and a view that may not supervise has none.
   c.base->scene.views[1].image_path = "photo";
-  CHECK(c.measure(&EffectProbe::gap_without_photos) == 0);
+  CHECK(c.measure("nerf") == 0);
   c.views = {0, 2, 3};
-  CHECK(c.measure(&EffectProbe::gap_without_photos) > threshold_of("nerf"));
+  CHECK(c.measure("nerf") > threshold_of("nerf"));
   // Without a boundary the field has nothing to work on.
   std::fill(c.base->labels[0].boundary.begin(), c.base->labels[0].boundary.end(), 0.f);
-  CHECK(c.measure(&EffectProbe::gap_without_photos) == 0);
+  CHECK(c.measure("nerf") == 0);
 }
 
 TEST_CASE("photos: those of views that may not supervise do not count, and one of many is enough") {
@@ -152,31 +154,11 @@ TEST_CASE("photos: those of views that may not supervise do not count, and one o
   c.views = {0, 1};
   c.base->scene.views[0].image_path.clear(), c.base->scene.views[1].image_path.clear();
   // Naive: half of the scene's views have a photo.
-  CHECK(c.measure(&EffectProbe::photos) <= threshold_of("photometric"));
+  CHECK(c.measure("contours") <= threshold_of("photometric"));
   c.base->scene.views[1].image_path = "photo";
   c.views = {0, 1, 2, 3};
   for (std::size_t v = 2; v < 4; ++v) c.base->scene.views[v].image_path.clear();  // naive: most views have none
-  CHECK(c.measure(&EffectProbe::photos) > threshold_of("contours"));
-}
-
-TEST_CASE("decisions without a detector: what it needs, else an entry, else the first verdict, else always on") {
-  const EffectInfo &joint = *find_effect("joint"), &nerf = *find_effect("nerf"), &film = *find_effect("film");
-  const std::vector<EffectVerdict> off{{"nerf", false, "first"}, {"nerf", true, "second"}};
-  const std::vector<EffectDecision> no_steps{{&joint, "auto", false, "no room", {}}};
-  const auto on = [&](const EffectInfo& e, const std::vector<std::string>& entries,
-                      const std::vector<EffectVerdict>& verdicts, const std::vector<EffectDecision>& earlier) {
-    const std::optional<EffectDecision> settled = settled_decision(e, entries, verdicts, earlier);
-    return settled ? std::optional(settled->on) : std::nullopt;
-  };
-  CHECK(on(nerf, {"nerf=on"}, off, no_steps) == false);  // nothing would train it
-  CHECK(on(nerf, {"nerf=on"}, off, {}) == true);
-  CHECK(on(nerf, {}, off, {}) == false);
-  CHECK(on(nerf, {}, {off[1]}, no_steps) == false);
-  CHECK(on(nerf, {}, {off[1]}, {}) == true);
-  CHECK(on(nerf, {}, {}, no_steps) == false);  // it has nothing to do
-  CHECK(on(nerf, {"nerf=auto"}, {}, {{&joint, "auto", true, "", {}}}) == std::nullopt);
-  CHECK(on(film, {}, {}, {}) == true);
-  CHECK(on(film, {}, {}, {{&nerf, "auto", false, "", {}}}) == false);
+  CHECK(c.measure("contours") > threshold_of("contours"));
 }
 
 }  // namespace ngs

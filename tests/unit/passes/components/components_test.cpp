@@ -46,7 +46,7 @@ TEST_CASE("the object has a core also where most views look elsewhere, and compo
     CHECK(core.least_views == seen * kViews);
     CHECK(core.count == std::count(c.base->is_ball.begin(), c.base->is_ball.end(), 1.f));
   }
-  CHECK(c.find().stray[200] == 1);
+  CHECK(c.find().disconnected[200] == 1);
 }
 
 TEST_CASE("a piece of the room that few views claim becomes as unseen, and nothing else changes") {
@@ -54,8 +54,8 @@ TEST_CASE("a piece of the room that few views claim becomes as unseen, and nothi
   c.claim(200, 0, 9, 1, 1);
   const ComponentFinding found = c.find();
   CHECK(found.count == 1);
-  CHECK(std::count(found.stray.begin(), found.stray.end(), 1) == 1);
-  CHECK(found.stray[200] == 1);
+  CHECK(std::count(found.disconnected.begin(), found.disconnected.end(), 1) == 1);
+  CHECK(found.disconnected[200] == 1);
   for (const auto column : {&LabelColumns::label, &LabelColumns::prob, &LabelColumns::variance, &LabelColumns::views,
                             &LabelColumns::boundary}) {
     std::vector<float> want = c.base->labels[0].*column;
@@ -123,7 +123,7 @@ TEST_CASE("a stray of one object that belongs to another is not held") {
   CHECK(found.count == 1);
   CHECK(found.labels[0].prob[200] == 0);
   CHECK(found.labels[1].prob[200] == 1);
-  CHECK(std::count(found.stray.begin(), found.stray.end(), 1) == 0);
+  CHECK(std::count(found.disconnected.begin(), found.disconnected.end(), 1) == 0);
 }
 
 }  // namespace ngs

@@ -11,19 +11,20 @@
 #include "ngs/methods/method_flash.h"
 #include "ngs/stages/render/render_stage.h"
 #include "support/joint_case.h"
+#include "support/switches.h"
 
 namespace ngs {
 namespace {
 
 struct ContourCase {
   std::unique_ptr<test::JointCase> base = test::joint_case();
-  ContourOptions edge;
+  ContourOptions contour;
   JointOptions joint;
   SampleOptions sample;
   RbfOptions rbf;
 
   ContourCase() {
-    edge.epochs = 5, edge.margin_px = 6, edge.walk.reach_px = 8, edge.walk.band_px = 3;
+    contour.epochs = 5, contour.margin_px = 6, contour.refine.reach_px = 8, contour.refine.band_px = 3;
     // A model whose ball is too large: its contour lies outside the photos'.
     for (std::size_t i = 0; i < base->is_ball.size(); ++i)
       if (base->is_ball[i] > 0)
@@ -42,7 +43,7 @@ struct ContourCase {
     Monitor monitor;
     Exec exec;
     exec.threads = threads;
-    return refine_contours(exec, monitor, {edge, joint, sample, rbf, in, {}}, start(in));
+    return refine_contours(exec, monitor, {contour, {joint, sample, rbf}, in, {}}, start(in));
   }
   double mean_biou(const Solution& result) const {
     double sum = 0;
@@ -60,7 +61,7 @@ struct ContourCase {
 
 TEST_CASE("a model whose contours lie beside the photos' edges is brought to them") {
   ContourCase c;
-  c.joint.effect = {"contour-iterations=on"};
+  c.contour.on = test::contours_switched({"contour-iterations=on"});
   const Problem in = c.input();
   const Solution before = c.start(in), after = c.run(in);
   CHECK(after.figures.at("contour_iterations") == 2);
@@ -77,11 +78,11 @@ TEST_CASE("a model whose contours lie beside the photos' edges is brought to the
 TEST_CASE("edges: small photos are enlarged where their contours then agree better with the masks, and only there") {
   ContourCase c;
   c.base = test::joint_case();  // as its masks say
-  c.edge.walk.reach_px = 16;
+  c.contour.refine.reach_px = 16;
   const Problem in = c.input();
   const Solution start = c.start(in), after = c.run(in);
   const auto refined = [&](int detail) {
-    return refine_views({}, {c.edge.walk, c.edge.margin_px, in, detail}, {start.cloud, start.labels}, in.views, in.views);
+    return refine_views({}, {c.contour.refine, c.contour.margin_px, in, detail}, {start.cloud, start.labels}, in.views, in.views);
   };
   const std::vector<RefinedView> small = refined(1), large = refined(2);
   CHECK(could_enlarge(small, 2));
@@ -96,18 +97,18 @@ TEST_CASE("edges: small photos are enlarged where their contours then agree bett
 
 TEST_CASE("edges: a contour moves as far in an enlarged photo as in the photo") {
   ContourCase c;  // whose contours lie outside the photos'
-  c.edge.walk.band_px = 1;
+  c.contour.refine.band_px = 1;
   const Problem in = c.input();
   const Solution start = c.start(in);
   const auto area_px = [&](int detail) {
     const std::vector<RefinedView> refined =
-        refine_views({}, {c.edge.walk, c.edge.margin_px, in, detail}, {start.cloud, start.labels}, {0}, {});
+        refine_views({}, {c.contour.refine, c.contour.margin_px, in, detail}, {start.cloud, start.labels}, {0}, {});
     const ViewMasks masks = refined[0].masks.unpacked();
     return std::accumulate(masks.target[0].begin(), masks.target[0].end(), 0.0);
   };
-  c.edge.walk.shape_weight = 1e6;
+  c.contour.refine.shape_weight = 1e6;
   const double rendered_px = area_px(1);
-  c.edge.walk.shape_weight = ContourOptions{}.walk.shape_weight;
+  c.contour.refine.shape_weight = ContourOptions{}.refine.shape_weight;
   const double moved_px = rendered_px - area_px(1), moved_large_px = rendered_px - area_px(2);
   MESSAGE("area " << rendered_px << ", refined away " << moved_px << ", enlarged " << moved_large_px);
   CHECK(moved_px > 0.05 * rendered_px);
@@ -116,13 +117,13 @@ TEST_CASE("edges: a contour moves as far in an enlarged photo as in the photo") 
 
 TEST_CASE("edges: an iteration begins with the labels as they have been trained") {
   ContourCase c;
-  c.joint.rate_label = 0, c.joint.effect = {"split=off"};
+  c.joint.rate_label = 0, c.contour.on = test::contours_switched({"split=off"});
   const Problem in = c.input();
   Solution start = c.start(in);
   std::vector<float>& trained = start.labels[0].prob;
   for (std::size_t i = 0; i < trained.size(); ++i) trained[i] = c.base->is_ball[i] > 0 ? 0.7f : 0.2f;
   Monitor monitor;
-  const Solution after = refine_contours({}, monitor, {c.edge, c.joint, c.sample, c.rbf, in}, start);
+  const Solution after = refine_contours({}, monitor, {c.contour, {c.joint, c.sample, c.rbf}, in}, start);
   REQUIRE(after.figures.at("contour_iterations") > 0);
   REQUIRE(after.labels[0].prob.size() == trained.size());
   for (std::size_t i = 0; i < trained.size(); ++i) CHECK(std::abs(after.labels[0].prob[i] - trained[i]) < 1e-5f);
@@ -136,7 +137,7 @@ TEST_CASE("edges: no mask of a held-out view is read, its photo is") {
   in.load_masks = [&, inner = in.load_masks](std::size_t v) { return masks.insert(v), inner(v); };
   in.load_fine_photo = [&, inner = in.load_fine_photo](std::size_t v) { return photos.insert(v), inner(v); };
   ContourCase only_train;
-  only_train.edge.views = ContourViews::kTrain;
+  only_train.contour.views = ContourViews::kTrain;
   c.run(in);
   CHECK(masks == std::set<std::size_t>{0, 1, 3});
   CHECK(photos == std::set<std::size_t>{0, 1, 2, 3});
@@ -166,7 +167,7 @@ TEST_CASE("edges: what shows outside of the windows stays, with the picture ther
 
 TEST_CASE("edges: Gaussians that show in no window change nothing and stay as they are") {
   ContourCase plain, crowded;
-  crowded.joint.effect = plain.joint.effect = {"contour-iterations=on"};
+  crowded.contour.on = plain.contour.on = test::contours_switched({"contour-iterations=on"});
   GaussianCloud& cloud = crowded.base->model;
   const std::int64_t n = cloud.size(), more = 40;
   cloud.resize(n + more, cloud.sh_degree);
@@ -205,7 +206,7 @@ TEST_CASE("edges: after a step the whole model is asked for, not what is trained
   Monitor monitor;
   std::int64_t calls = 0, whole_rows = 0;
   const Solution result =
-      refine_contours({}, monitor, {c.edge, c.joint, c.sample, c.rbf, in,
+      refine_contours({}, monitor, {c.contour, {c.joint, c.sample, c.rbf}, in,
                                  [&](const JointProgress&, JointTrainer& trainer, const std::function<Solution()>& whole) {
                                    const Solution now = whole();
                                    ++calls, whole_rows = now.cloud.size();
@@ -221,7 +222,7 @@ TEST_CASE("edges: after a step the whole model is asked for, not what is trained
 
 TEST_CASE("edges: how many iterations are done is asked when the first walk has decided how many it wants, before the first step") {
   ContourCase c;
-  c.joint.effect = {"contour-iterations=on"};
+  c.contour.on = test::contours_switched({"contour-iterations=on"});
   const Problem in = c.input();
   Monitor monitor;
   for (const int allowed : {2, 1, 0}) {
@@ -233,7 +234,7 @@ TEST_CASE("edges: how many iterations are done is asked when the first walk has 
       return false;
     };
     const auto allow = [&](int iterations) { return wanted.push_back(iterations), before = !stepped, allowed; };
-    const Solution result = refine_contours({}, monitor, {c.edge, c.joint, c.sample, c.rbf, in, step, allow}, c.start(in));
+    const Solution result = refine_contours({}, monitor, {c.contour, {c.joint, c.sample, c.rbf}, in, step, allow}, c.start(in));
     CHECK(wanted == std::vector{2});
     CHECK(before);
     CHECK(stepped == (allowed > 0));
@@ -247,7 +248,7 @@ TEST_CASE("edges: all iterations but the last may be trained at half the size") 
   ContourCase c;
   const Problem in = c.input();
   const auto iterations = [&](int count, const char* entry) {
-    c.edge.iterations = count, c.joint.effect = {"contour-iterations=on", entry};
+    c.contour.iterations = count, c.contour.on = test::contours_switched({"contour-iterations=on", entry});
     return c.run(in);
   };
   CHECK(iterations(1, "full-resolution=off").cloud.position == iterations(1, "full-resolution=on").cloud.position);
@@ -261,17 +262,17 @@ TEST_CASE("edges: all iterations but the last may be trained at half the size") 
 
 TEST_CASE("edges: iterations at half the size take half of the epochs, the last all of them") {
   ContourCase c;
-  c.edge.iterations = 2;
+  c.contour.iterations = 2;
   const Problem in = c.input();
   const auto steps_with = [&](const char* entry) {
-    c.joint.effect = {"contour-iterations=on", entry};
+    c.contour.on = test::contours_switched({"contour-iterations=on", entry});
     Monitor monitor;
     std::vector<std::int64_t> steps;
     const auto note = [&](const JointProgress& progress, JointTrainer&, const std::function<Solution()>&) {
       if (progress.step == 1) steps.push_back(progress.steps);
       return false;
     };
-    refine_contours({}, monitor, {c.edge, c.joint, c.sample, c.rbf, in, note}, c.start(in));
+    refine_contours({}, monitor, {c.contour, {c.joint, c.sample, c.rbf}, in, note}, c.start(in));
     return steps;
   };
   CHECK(steps_with("full-resolution=on") == std::vector<std::int64_t>{20, 20});
@@ -280,7 +281,7 @@ TEST_CASE("edges: iterations at half the size take half of the epochs, the last 
 
 TEST_CASE("edges: the result does not depend on the number of threads") {
   ContourCase c;
-  c.joint.effect = {"contour-iterations=on", "full-resolution=off"};
+  c.contour.on = test::contours_switched({"contour-iterations=on", "full-resolution=off"});
   const Problem in = c.input();
   const Solution one = c.run(in, 1), three = c.run(in, 3);
   CHECK(one.cloud.position == three.cloud.position);
@@ -333,7 +334,7 @@ TEST_CASE("edges: masks that are all too small do not outvote the photos") {
                        << after.figures.at("contour_contrast_refined"));
   CHECK(after.figures.at("contour_contrast_given") < 0.75 * after.figures.at("contour_contrast_refined"));
   CHECK(after.figures.at("contour_iterations") == 3);  // of two for masks on the edges
-  c.edge.iterations = 1;
+  c.contour.iterations = 1;
   CHECK(c.run(in).figures.at("contour_iterations") == 1);
 }
 
@@ -359,21 +360,17 @@ TEST_CASE("edges: no photo, no label and draft leave the result alone; a broken 
     throw Error(ErrorCode::kBadInput, "photo: broken", "");
   };
   CHECK_THROWS_AS(c.run(broken, 2), Error);
-  c.edge.epochs = 0, c.joint.quality = Quality::kDraft;
+  c.contour.epochs = 0, c.joint.quality = Quality::kDraft;
   unchanged(in);
 }
 
 TEST_CASE("steps before iterations at half the size are few, since those iterations correct more") {
-  JointEffects effects;
-  effects.full_resolution = false;
-  CHECK(epochs_of(Quality::kStandard, effects) == 3);
-  CHECK(epochs_of(Quality::kDraft, effects) == 1);
-  for (bool JointEffects::*const other : {&JointEffects::edges, &JointEffects::contour_iterations_on}) {  // no such iterations follow
-    JointEffects without = effects;
-    without.*other = false;
-    CHECK(epochs_of(Quality::kStandard, without) == 10);
-  }
-  CHECK(epochs_of(Quality::kStandard, {}) == 10);
+  JointOptions joint;
+  CHECK(epochs_of(joint) == 10);
+  joint.contours_go_on = true;
+  CHECK(epochs_of(joint) == 3);
+  joint.quality = Quality::kDraft;
+  CHECK(epochs_of(joint) == 1);
 }
 
 TEST_CASE("edges: of many views each is visited less, higher qualities have more iterations, and what was asked for is done") {

@@ -9,6 +9,7 @@
 #include "ngs/methods/method_flash.h"
 #include "ngs/stages/render/render_stage.h"
 #include "support/joint_case.h"
+#include "support/switches.h"
 
 namespace ngs {
 namespace {
@@ -17,12 +18,12 @@ namespace {
 struct SevenViews {
   static constexpr int kViews = 7;
   std::unique_ptr<test::JointCase> base = test::joint_case();
-  ContourOptions edge;
+  ContourOptions contour;
   JointOptions joint;
   std::size_t seen;
 
   explicit SevenViews(int unseen) : seen(std::size_t(kViews - unseen)) {
-    edge.epochs = 3, edge.margin_px = 6, edge.walk.reach_px = 8, edge.walk.band_px = 3;
+    contour.epochs = 3, contour.margin_px = 6, contour.refine.reach_px = 8, contour.refine.band_px = 3;
     for (int v = 4; v < kViews; ++v) {
       SceneView view = base->scene.views[0];
       Camera& camera = view.camera;
@@ -52,7 +53,7 @@ struct SevenViews {
     return in;
   }
   Solution run(PhotolessViews unseen, int threads = 1, std::vector<int>* told = nullptr, int most_rounds = 9) {
-    edge.unseen = unseen;
+    contour.photoless = unseen;
     Monitor monitor;
     Exec exec;
     exec.threads = threads;
@@ -61,7 +62,7 @@ struct SevenViews {
       if (told != nullptr) told->push_back(iterations);
       return std::min(iterations, most_rounds);
     };
-    return refine_contours(exec, monitor, {edge, joint, {}, {}, in, {}, allow}, run_flash({}, monitor, {}, in));
+    return refine_contours(exec, monitor, {contour, {joint, {}, {}}, in, {}, allow}, run_flash({}, monitor, {}, in));
   }
 };
 
@@ -120,18 +121,18 @@ TEST_CASE("edges: a picture serves where its contours are nearer to the photos' 
   Monitor monitor;
   const std::vector<LabelColumns> labels = run_flash({}, monitor, {}, in).labels;
   const LabelledModel truth{c.base->truth, labels}, swollen{c.base->model, labels};
-  const RefineSetup walk{c.edge.walk, c.edge.margin_px, in};
+  const RefineSetup walk{c.contour.refine, c.contour.margin_px, in};
   const std::vector<RefinedView> in_photos = refine_views({}, walk, truth, in.views, {});
   const Trial good = try_pictures({}, walk, truth, swollen, in_photos, judges);
   const Trial bad = try_pictures({}, walk, swollen, truth, in_photos, judges);
   const Trial even = try_pictures({}, walk, truth, truth, in_photos, judges);
-  MESSAGE("pictured, unseen: " << good.pictured << " " << good.unseen << "; " << bad.pictured << " " << bad.unseen << "; "
-                               << even.pictured << " " << even.unseen);
+  MESSAGE("pictured, unseen: " << good.pictured << " " << good.skipped << "; " << bad.pictured << " " << bad.skipped << "; "
+                               << even.pictured << " " << even.skipped);
   CHECK(good.picture_serves);
-  CHECK(good.pictured > good.unseen + 0.1);
+  CHECK(good.pictured > good.skipped + 0.1);
   CHECK_FALSE(bad.picture_serves);
-  CHECK(bad.pictured < bad.unseen);
-  CHECK(good.unseen < even.unseen);
+  CHECK(bad.pictured < bad.skipped);
+  CHECK(good.skipped < even.skipped);
 }
 
 TEST_CASE("edges: the trial of pictures decides, and leaves nothing else behind") {
@@ -159,7 +160,7 @@ TEST_CASE("edges: a trial that is cut short counts as an iteration and has no fi
   const Problem in = c.input();
   int steps = 0;
   const auto cut = [&](const JointProgress&, JointTrainer&, const std::function<Solution()>&) { return ++steps == 2; };
-  const Solution result = refine_contours({}, monitor, {c.edge, c.joint, {}, {}, in, cut}, run_flash({}, monitor, {}, in));
+  const Solution result = refine_contours({}, monitor, {c.contour, {c.joint, {}, {}}, in, cut}, run_flash({}, monitor, {}, in));
   CHECK(steps == 2);
   CHECK_FALSE(result.converged);
   CHECK(result.figures.at("contour_iterations") == 1);

@@ -155,7 +155,7 @@ TEST_CASE("removal uncovers the object, keeps every row and reports the photos' 
   FloaterCase c(false);
   Monitor monitor;
   const FloaterFinding finding = c.find();
-  const FloaterRemoval out = remove_floaters({}, monitor, {.visits = 2}, c.input(), finding);
+  const FloaterRemoval out = remove_floaters({}, monitor, {.epochs = 2}, c.input(), finding);
   const std::vector<LabelColumns> labels =
       labels_without_floaters({}, monitor, c.input(), out.cloud, finding.floater);
   REQUIRE(out.cloud.size() == c.base->model.size());
@@ -184,7 +184,7 @@ TEST_CASE("a refit moves only what may move and brings back a shifted colour") {
   GaussianCloud cloud = c->model;
   const std::vector<std::size_t> views = photo_views(c->scene);
   REQUIRE(views.size() == 4);
-  refit_to_photos({}, monitor, {.visits = 8}, in, views, moves, cloud);
+  refit_to_photos({}, monitor, {.epochs = 8}, in, views, moves, cloud);
   CHECK(mean_psnr_db({}, in, cloud, views) > mean_psnr_db({}, in, c->model, views) + 1);
   double moved = 0;
   for (std::size_t i = 0; i < moves.size(); ++i)

@@ -1,0 +1,68 @@
+#pragma once
+// The passes of ngs-joint on a problem in memory.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "ngs/passes/pass_list.h"
+#include "ngs/passes/pipeline.h"
+
+namespace ngs::test {
+
+/// One run; what it refers to must outlive it.
+class PipelineCase {
+ public:
+  PipelineCase(const Problem& problem, const TrainingOptions& training, const std::vector<std::string>& entries,
+               std::vector<std::unique_ptr<Pass>> passes = all_passes())
+      : pipeline_(std::move(passes)),
+        training_(training),
+        modes_(pipeline_.effects(), entries),
+        decisions_(pipeline_.effects(), modes_, pipeline_.rules(training)),
+        run_{.exec = exec_,
+             .device_exec = exec_,
+             .monitor = monitor_,
+             .training = training,
+             .decisions = decisions_,
+             .budget = budget_,
+             .report = report_,
+             .allow_empty = true} {
+    run_.problem.emplace(problem);
+    run_.coarse = &problem;
+  }
+  PipelineCase(const PipelineCase&) = delete;
+  PipelineCase& operator=(const PipelineCase&) = delete;
+
+  /// A value of an option of some pass, before anything is decided.
+  void set(const std::string& option, const std::string& value) {
+    OptionSet options;
+    pipeline_.declare(options, {});
+    options.set_text(option, {value});
+  }
+  /// Decides both stages on the problem as it is, and runs nothing.
+  const Decisions& decide() {
+    pipeline_.decide(PassStage::kMend, run_, *run_.problem);
+    pipeline_.decide(PassStage::kOptimise, run_, *run_.problem);
+    return decisions_;
+  }
+  PassRun& run() {
+    for (const PassStage stage : {PassStage::kMend, PassStage::kOptimise})
+      pipeline_.decide(stage, run_, *run_.problem), pipeline_.run(stage, run_);
+    return run_;
+  }
+  const Problem& problem() const { return *run_.problem; }
+  const Json& report() const { return report_; }
+  Decisions& decisions() { return decisions_; }
+
+ private:
+  const Exec exec_;
+  Monitor monitor_;
+  Pipeline pipeline_;
+  TrainingOptions training_;
+  EffectModes modes_;
+  Decisions decisions_;
+  Budget budget_{0, std::nullopt};
+  Json report_ = Json::object();
+  PassRun run_;
+};
+
+}  // namespace ngs::test

@@ -1,0 +1,422 @@
+// For each effect with a detector a scene that needs it, on which auto is on and gives the bytes of `on`, and
+// one that does not, on which auto is off and the rendered masks of off and on differ by at most
+// kEffectBound. For each of the others, which are always on, a scene whose masks it changes.
+#include "ngs/passes/pipeline.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "ngs/core/error.h"
+#include "ngs/stages/boundary/variance_stage.h"
+#include "ngs/stages/render/render_stage.h"
+#include "support/joint_case.h"
+#include "support/pipeline_case.h"
+#include "support/switches.h"
+
+namespace ngs {
+namespace {
+
+/// The joint case, to be bent, and the passes of ngs-joint on it.
+struct EffectCase {
+  std::unique_ptr<test::JointCase> base = test::joint_case();
+  TrainingOptions training;
+  int contour_epochs = 4;
+  bool fine_photos = false;
+
+  EffectCase() {
+    JointOptions& joint = training.joint;
+    joint.steps = 12, joint.hash_levels = 3, joint.hash_log2_table = 8, joint.hash_finest = 48;
+    joint.mlp_hidden = 16, joint.smooth_points = 64;
+    training.sample.rows = training.sample.cols = 10, training.sample.depth_samples = 4;
+    for (SceneView& v : base->scene.views) v.image_path = "photo";
+  }
+  Problem input() const {
+    Problem in = base->input();
+    if (fine_photos) in.load_fine_photo = in.load_photo;
+    in.splat.antialiased = base->model.antialiased;
+    return in;
+  }
+  void relabel(double tau = 0.2) {
+    Monitor monitor;
+    VarianceOptions options;
+    options.tau = tau;
+    base->labels =
+        label_gaussians(options, accumulate_evidence({}, monitor, base->model, base->scene, {0, 1, 2, 3},
+                                                     base->input().splat, base->input().load_masks));
+  }
+  void render_photos(const SplatOptions& splat = {}) {
+    for (std::size_t v = 0; v < 4; ++v)
+      base->photos[v] = render({}, base->model, base->scene.views[v].camera, splat, {}).colour;
+  }
+  void paint(float value) {  // everything in one colour, photos too
+    std::fill(base->model.sh_dc.begin(), base->model.sh_dc.end(), value);
+    render_photos();
+  }
+};
+
+void set_contours(const EffectCase& c, test::PipelineCase& passes) {
+  passes.set("contour_epochs", std::to_string(c.contour_epochs));
+  passes.set("contour_margin", "6"), passes.set("contour_reach", "8"), passes.set("contour_band", "3");
+}
+
+EffectDecision decision_on(const EffectCase& c, std::string_view name, const std::vector<std::string>& entries) {
+  const Problem in = c.input();
+  test::PipelineCase passes(in, c.training, entries);
+  set_contours(c, passes);
+  for (const EffectDecision& d : passes.decide().all())
+    if (d.effect->name == name) {
+      EffectDecision decision = d;
+      decision.effect = nullptr;  // of the decisions that end here
+      return decision;
+    }
+  throw std::logic_error("no such effect");
+}
+
+/// Rendered mask values of all views after the passes that the entries leave on.
+std::vector<float> masks_with(const EffectCase& c, const std::vector<std::string>& entries) {
+  const Problem in = c.input();
+  test::PipelineCase passes(in, c.training, entries);
+  set_contours(c, passes);
+  const PassRun& run = passes.run();
+  std::vector<float> values;
+  for (const SceneView& view : c.base->scene.views) {
+    const ImageF label =
+        render_labelled({}, run.solution->cloud, run.solution->labels, view.camera, run.problem->splat, {}, false).label;
+    values.insert(values.end(), label.data.begin(), label.data.end());
+  }
+  return values;
+}
+
+double mean_difference(const std::vector<float>& a, const std::vector<float>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += std::abs(double(a[i]) - double(b[i]));
+  return sum / double(a.size());
+}
+
+/// Steps on, unless it is they that are asked about; what surrounds them off.
+std::vector<std::string> surroundings(std::string_view name) {
+  std::vector<std::string> entries{"exposure=off", "mask-outliers=off", "floaters=off", "components=off", "contours=off", "joint=on"};
+  if (name != "joint" && name != "nerf") entries.push_back("nerf=on");  // which needs what may be off here
+  if (name == "split" || name == "full-resolution") entries.push_back("contours=on");
+  entries.push_back(std::string(name) + "=auto");
+  return entries;
+}
+
+struct Pair {
+  std::string name;
+  std::function<void(EffectCase&)> needs, does_not;
+};
+
+void as_it_is(EffectCase&) {}
+void one_colour(EffectCase& c) { c.paint(0.4f); }
+void large_ball(EffectCase& c) {  // its contour lies outside of the photos', where refinement finds it
+  c.fine_photos = true;
+  for (std::size_t i = 0; i < c.base->is_ball.size(); ++i)
+    for (std::size_t k = 0; k < 3 && c.base->is_ball[i] > 0; ++k) c.base->model.log_scale[3 * i + k] += 0.35f;
+}
+/// Photos and masks of the true model through another lens.
+void focal(EffectCase& c, double focal_px) {
+  c.fine_photos = true;
+  for (std::size_t v = 0; v < 4; ++v) {
+    Camera& camera = c.base->scene.views[v].camera;
+    camera.fx = camera.fy = focal_px;
+    RenderRequest request;
+    request.label = {c.base->is_ball.data(), c.base->truth.size(), 1};
+    const RenderedView seen = render({}, c.base->truth, camera, {}, request);
+    c.base->photos[v] = seen.colour;
+    for (std::size_t p = 0; p < seen.label.data.size(); ++p) c.base->masks[v].target[0][p] = seen.label.data[p] > 0.5f;
+  }
+}
+/// As many steps as by default: that is what the effect saves.
+void all_steps(EffectCase& c) { c.training.joint.steps = 0, c.contour_epochs = 0; }
+void far_ball(EffectCase& c) { all_steps(c), focal(c, 24), c.relabel(); }   // of 7 px
+void near_ball(EffectCase& c) { all_steps(c), large_ball(c), focal(c, 80); }  // of 27 px
+void without_photos(EffectCase& c) {
+  for (std::size_t v = 0; v < 4; ++v) c.base->scene.views[v].image_path.clear(), c.base->photos[v] = {};
+}
+void view_dependent(EffectCase& c) {
+  for (std::size_t i = 0; i < c.base->model.sh_rest.size(); ++i)
+    c.base->model.sh_rest[i] = 0.2f * float(int(i * 7 % 5) - 2);
+}
+
+std::vector<Pair> pairs() {
+  return {
+      {"exposure",
+       [](EffectCase& c) {
+         for (float& x : c.base->photos[1].data) x *= 0.8f;
+       },
+       as_it_is},
+      {"mask-outliers",
+       [](EffectCase& c) {
+         auto& mask = c.base->masks[1].target[0];
+         std::rotate(mask.begin(), mask.begin() + 480 + 14, mask.end());
+       },
+       as_it_is},
+      {"floaters",
+       [](EffectCase& c) {  // the wall's first Gaussians hang before the ball
+         for (std::size_t i = 160; i < 166; ++i)
+           c.base->model.position[3 * i] = 0.05f * float(i - 163), c.base->model.position[3 * i + 1] = 0,
+                                      c.base->model.position[3 * i + 2] = 1.5f;
+       },
+       as_it_is},
+      {"components",
+       [](EffectCase& c) {  // a piece of the wall that one of sixteen views claims
+         for (float& v : c.base->labels[0].views) v *= 4;
+         c.base->labels[0].prob[200] = c.base->labels[0].label[200] = c.base->labels[0].views[200] = 1;
+       },
+       as_it_is},
+      {"nerf",
+       [](EffectCase& c) {
+         large_ball(c);
+         without_photos(c);
+       },
+       large_ball},
+      {"rbf", as_it_is, one_colour},
+      {"fine-hash", [](EffectCase& c) { c.training.joint.hash_finest = 20; },
+       [](EffectCase& c) { c.training.joint.hash_finest = 4096; }},
+      {"variance", as_it_is,
+       [](EffectCase& c) {
+         for (ImageF& photo : c.base->photos) std::fill(photo.data.begin(), photo.data.end(), 0.5f);
+       }},
+      {"cont", as_it_is, one_colour},
+      {"smooth", as_it_is, one_colour},
+      {"photometric", as_it_is, without_photos},
+      {"region",
+       [](EffectCase& c) {  // masks of a corner of the ball: labels show far from them
+         for (ViewMasks& m : c.base->masks) std::fill(m.target[0].begin(), m.target[0].end(), 0.f);
+         c.base->labels[0].label = c.base->is_ball;
+       },
+       as_it_is},
+      {"sh", view_dependent, as_it_is},
+      {"antialias",
+       [](EffectCase& c) {
+         c.base->model.antialiased = true;
+         for (float& s : c.base->model.log_scale) s -= 1.5f;
+       },
+       [](EffectCase& c) { c.base->model.antialiased = false; }},
+      {"contours",
+       large_ball,
+       [](EffectCase& c) {
+         large_ball(c);
+         without_photos(c);
+       }},
+      {"split", large_ball,
+       [](EffectCase& c) {
+         large_ball(c);
+         for (float& s : c.base->model.log_scale) s = -7;
+         for (float& o : c.base->model.logit_opacity) o = -1;
+         c.relabel();
+       }},
+      {"full-resolution", far_ball, near_ball},
+  };
+}
+
+}  // namespace
+
+TEST_CASE(
+    "every effect with a detector: auto is on where the scene needs it, off where it does not, within the "
+    "bound") {
+  for (const Pair& pair : pairs()) {
+    CAPTURE(pair.name);
+    const std::vector<std::string> entries = surroundings(pair.name);
+    EffectCase needs, does_not;
+    pair.needs(needs), pair.does_not(does_not);
+    const EffectDecision yes = decision_on(needs, pair.name, entries),
+                         no = decision_on(does_not, pair.name, entries);
+    CAPTURE(yes.reason);
+    CAPTURE(no.reason);
+    CHECK(yes.on);
+    CHECK(yes.mode == "auto");
+    CHECK_FALSE(no.on);
+    CHECK(no.measured.has_value());
+    std::vector<std::string> on = entries, off = entries;
+    on.push_back(pair.name + "=on"), off.push_back(pair.name + "=off");
+    CHECK(masks_with(needs, entries) == masks_with(needs, on));
+    const double change = mean_difference(masks_with(does_not, off), masks_with(does_not, on));
+    MESSAGE(pair.name << ": |off - on| = " << change << " (" << no.reason << ")");
+    CHECK(change <= kEffectBound);
+  }
+}
+
+TEST_CASE("always on: auto decides so without a look, gives the bytes of on, and off changes the masks") {
+  for (const Effect& e : Pipeline(all_passes()).effects()) {
+    if (e.always.empty() || e.name == "contour-iterations") continue;  // that has a test of its own
+    CAPTURE(e.name);
+    EffectCase c;
+    large_ball(c);
+    c.relabel(0.05);
+    const std::vector<std::string> entries = surroundings(e.name);
+    const EffectDecision decision = decision_on(c, e.name, entries);
+    CHECK((decision.on && decision.mode == "auto" && !decision.measured));
+    std::vector<std::string> on = entries, off = entries;
+    on.push_back(std::string(e.name) + "=on"), off.push_back(std::string(e.name) + "=off");
+    const std::vector<float> masks = masks_with(c, on);
+    CHECK(masks_with(c, entries) == masks);
+    CHECK(mean_difference(masks_with(c, off), masks) > 0);
+  }
+}
+
+TEST_CASE("a view without a photo asks for the full size in all iterations") {
+  EffectCase c;
+  near_ball(c);
+  CHECK_FALSE(decision_on(c, "full-resolution", surroundings("full-resolution")).on);
+  c.base->scene.views[2].image_path.clear(), c.base->photos[2] = {};
+  CHECK(decision_on(c, "full-resolution", surroundings("full-resolution")).on);
+}
+
+TEST_CASE("without contour iterations the contours are refined once") {
+  EffectCase c;
+  large_ball(c);
+  const auto iterations = [&c](const std::string& entry) {
+    const Problem in = c.input();
+    test::PipelineCase passes(in, c.training, {"joint=off", "contours=on", entry});
+    set_contours(c, passes);
+    return passes.run().solution->figures.at("contour_iterations");
+  };
+  CHECK(iterations("contour-iterations=auto") == 2);
+  CHECK(iterations("contour-iterations=off") == 1);
+}
+
+TEST_CASE("few steps come only before contour iterations at half the size, which do a part of the work") {
+  const EffectCase c;
+  const auto go_on = [&c](std::vector<std::string> entries) {
+    for (const char* rest : {"nerf=off", "exposure=off", "mask-outliers=off", "floaters=off", "components=off"}) entries.push_back(rest);
+    const Problem in = c.input();
+    test::PipelineCase passes(in, c.training, entries);
+    passes.set("contour_epochs", "1");
+    return passes.run().training.joint.contours_go_on;
+  };
+  CHECK(go_on({"contours=on", "full-resolution=off"}));
+  CHECK_FALSE(go_on({"contours=off", "full-resolution=off"}));
+  CHECK_FALSE(go_on({"contours=on", "full-resolution=on"}));
+  CHECK_FALSE(go_on({"contours=on", "contour-iterations=off"}));
+}
+
+TEST_CASE("entries: the last one that names an effect counts, all names every one, earlier names are told") {
+  const EffectModes modes = test::modes_of({"all=off", "nerf=auto", "cont=on", "cont=auto", "strays=on"});
+  CHECK(modes.of("contours") == EffectMode::kOff);
+  CHECK(modes.of("cont") == EffectMode::kAuto);
+  CHECK(modes.of("components") == EffectMode::kOn);
+  CHECK(modes.renamed() == std::vector<std::string>{"--effect strays is now called components"});
+  CHECK(test::modes_of({}).of("sh") == EffectMode::kAuto);
+  for (const char* wrong : {"nerf", "nerv=on", "nerf=yes", "=on", "", "all"}) CHECK_THROWS_AS(test::modes_of({wrong}), Error);
+}
+
+TEST_CASE("entries: an effect that is asked for by name switches on what it needs, unless that is off by name") {
+  const EffectModes modes = test::modes_of({"all=off", "align=on"});
+  for (const char* name : {"align", "nerf", "joint"}) CHECK(modes.of(name) == EffectMode::kOn);
+  CHECK(modes.of("film") == EffectMode::kOff);
+  CHECK_THROWS_WITH_AS(test::modes_of({"nerf=on", "joint=off"}), doctest::Contains("nerf=on: it needs joint"), Error);
+  CHECK(test::modes_of({"all=on", "joint=off"}).of("joint") == EffectMode::kOff);  // nothing asks for its parts by name
+}
+
+TEST_CASE("decisions: an entry wins over a verdict, a verdict over the detector, and a need that is off over that") {
+  const EffectCase c;
+  const Problem in = c.input();
+  test::PipelineCase passes(in, c.training, {"sh=on", "contours=off"});
+  for (EffectVerdict& verdict : std::vector<EffectVerdict>{{"sh", false, "because"},
+                                                           {"cont", false, "because", "replayed"},
+                                                           {"nerf", false, "too"},
+                                                           {"joint", true, "so"}})
+    passes.decisions().rule(std::move(verdict));
+  for (const EffectDecision& d : passes.decide().all()) {
+    CAPTURE(d.effect->name);
+    if (d.effect->name == "sh") CHECK((d.on && d.mode == "on"));
+    if (d.effect->name == "cont") CHECK((!d.on && d.mode == "replayed" && d.reason == "because"));
+    if (d.effect->name == "smooth") CHECK((!d.on && d.reason == "needs nerf"));
+  }
+}
+
+TEST_CASE("decisions without a detector: what it needs, else an entry, else the first verdict, else always on") {
+  const EffectVerdict no_steps{"joint", false, "no time"}, off{"nerf", false, "first"}, on{"nerf", true, "second"};
+  const auto settled = [](std::string_view name, const std::vector<std::string>& entries, std::vector<EffectVerdict> verdicts) {
+    return Decisions(Pipeline(all_passes()).effects(), test::modes_of(entries), std::move(verdicts)).settled(name);
+  };
+  CHECK(settled("nerf", {"nerf=on"}, {off, on, no_steps}) == false);  // nothing would train it
+  CHECK(settled("nerf", {"nerf=on"}, {off, on}) == true);
+  CHECK(settled("nerf", {}, {off, on}) == false);
+  CHECK(settled("nerf", {}, {on, no_steps}) == false);
+  CHECK(settled("nerf", {}, {on}) == true);
+  CHECK(settled("nerf", {}, {no_steps}) == false);  // it has nothing to do
+  CHECK(settled("nerf", {"nerf=auto"}, {}) == std::nullopt);
+  CHECK(settled("film", {}, {}) == true);
+  CHECK(settled("film", {}, {off}) == false);
+}
+
+TEST_CASE("every effect says what it is, what off saves, and why it is always on or has its threshold") {
+  const std::vector<Effect> effects = Pipeline(all_passes()).effects();
+  for (const Effect& e : effects) {
+    CAPTURE(e.name);
+    CHECK_FALSE(e.help.empty());
+    CHECK(find_effect(effects, e.name) == &e);
+    if (!e.needs.empty()) CHECK(find_effect(effects, e.needs) < &e);  // decided before
+    CHECK(e.always.empty() == !e.detector.why.empty());
+    if (!e.always.empty()) continue;
+    CHECK_FALSE(e.saves.empty());
+    CHECK_FALSE(e.detector.measured.empty());
+    CHECK(bool(e.detector.measure));
+  }
+}
+
+namespace {
+
+/// Takes Gaussians larger than a share of the scene out of the labels: a pass as somebody might add it.
+class OversizedPass : public Pass {
+ public:
+  PassStage stage() const override { return PassStage::kMend; }
+  std::vector<Effect> effects() const override {
+    return {{.name = "oversized",
+             .help = "label no Gaussian larger than --oversized-scale",
+             .saves = "a look at every scale",
+             .detector = {"largest scale, world", 0.5, "half of a unit", [](SceneProbe& probe) {
+                            const std::vector<float>& s = probe.problem().cloud.log_scale;
+                            return double(std::exp(*std::max_element(s.begin(), s.end())));
+                          }}}};
+  }
+  void declare(OptionSet& options, OptionGroup group) override {
+    group.title = "oversized", group.effect = "oversized";
+    options.add(*this, std::move(group));
+  }
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.scale_, Field<double>{"oversized_scale", "world", "largest scale that keeps its label", 0, 1e9});
+  }
+  void run(PassRun& run) override {
+    std::vector<LabelColumns> labels = run.problem->labels;
+    std::int64_t count = 0;
+    for (std::size_t i = 0; i < labels[0].label.size(); ++i)
+      if (std::exp(run.problem->cloud.log_scale[3 * i]) > scale_) labels[0].label[i] = labels[0].prob[i] = 0, ++count;
+    run.problem->labels = std::move(labels);
+    run.report["oversized"] = {{"count", count}};
+  }
+
+ private:
+  double scale_ = 0.5;
+};
+
+}  // namespace
+
+TEST_CASE("a pass that is added to the list is decided, switched, given its options, run and reported like the others") {
+  EffectCase c;
+  for (std::size_t a = 0; a < 3; ++a) c.base->model.log_scale[3 * 7 + a] = 0;  // one of a unit
+  const auto passes = [] {
+    std::vector<std::unique_ptr<Pass>> list = all_passes();
+    list.insert(list.begin() + 4, std::make_unique<OversizedPass>());
+    return list;
+  };
+  const std::vector<std::string> entries{"all=off", "oversized=auto"};
+  const Problem in = c.input();
+  test::PipelineCase found(in, c.training, entries, passes());
+  CHECK(found.run().report["oversized"]["count"] == 1);
+  CHECK(found.problem().labels[0].prob[7] == 0);
+  CHECK(found.decisions().on("oversized"));
+  test::PipelineCase switched_off(in, c.training, {"all=off"}, passes());
+  CHECK_FALSE(switched_off.run().report.contains("oversized"));
+  test::PipelineCase larger(in, c.training, entries, passes());
+  larger.set("oversized_scale", "2");
+  CHECK(larger.run().report["oversized"]["count"] == 0);
+}
+
+}  // namespace ngs
