@@ -1,5 +1,5 @@
-// Programs that people already use open what the tools write. Each is skipped with a message where it is
-// absent:
+// Programs that people already use open what the tools write. A case whose program is absent is
+// skipped:
 //   splat-transform   npm install -g @playcanvas/splat-transform@3.7.0
 //   oiiotool          Debian's openimageio-tools
 #include <doctest/doctest.h>
@@ -7,16 +7,17 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "support/skip.h"
 #include "support/temp_dir.h"
 #include "support/tool_fixture.h"
 
 namespace ngs {
 namespace {
 
-/// True if `program` can be started.
+/// True if `program` can be started; else the case is skipped.
 bool present(const std::string& program) {
   if (test::run_command({"sh", "-c", "command -v " + program}).exit_code == 0) return true;
-  MESSAGE("skipped: ", program, " is absent");
+  test::skip(program + " is absent");
   return false;
 }
 

@@ -8,6 +8,7 @@
 
 #include "support/process.h"
 #include "support/schema_check.h"
+#include "support/skip.h"
 #include "support/temp_dir.h"
 #include "support/tiny_scene.h"
 #include "support/tool_fixture.h"
@@ -55,12 +56,12 @@ struct Machine {
   }
 };
 
-/// python3 writes the report; no tool needs it, so a machine may lack it.
+/// python3 writes the report; no tool needs it, so a machine may lack it; the case is then skipped.
 bool can_report() {
   test::ProcessSpec spec;
   spec.argv = {"sh", "-c", "command -v python3"};
   const bool found = test::run_process(spec).exit_code == 0;
-  if (!found) MESSAGE("no python3: skipped");
+  if (!found) test::skip("no python3");
   return found;
 }
 

@@ -9,6 +9,7 @@
 #include "ngs/io/image/image_file.h"
 #include "ngs/scene/camera.h"
 #include "support/process.h"
+#include "support/skip.h"
 #include "support/temp_dir.h"
 #include "support/tiny_scene.h"
 
@@ -211,10 +212,7 @@ std::string widths_in_browser(const test::TempDir& dir, const std::string& page,
 }
 
 TEST_CASE("the page needs no sideways scrolling on a phone or a desk") {
-  if (!fs::exists("/usr/bin/chromium")) {
-    MESSAGE("chromium is not there: skipped");
-    return;
-  }
+  if (!fs::exists("/usr/bin/chromium")) return test::skip("no /usr/bin/chromium");
   const test::TempDir dir;
   const std::string out = made_run(dir);
   run_tool(out, {"ngs-report", ".", "-o", "../page.html"});

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "support/process.h"
+#include "support/skip.h"
 #include "support/temp_dir.h"
 #include "support/tiny_scene.h"
 
@@ -301,10 +302,7 @@ TEST_CASE("another CMake project that adds ngs as a folder compiles against it, 
                           "const char* version() { return ngs::kVersion; }\n"
                           "long rows(const char* path) { return ngs::io::read_gaussian_ply(path).cloud.size(); }\n");
   const test::ProcessResult configured = f.run({"cmake", "-S", ".", "-B", "build", "-G", "Ninja", "-DNGS_WITH_CUDA=OFF"});
-  if (configured.exit_code == 127) {
-    MESSAGE("no cmake: skipped");
-    return;
-  }
+  if (configured.exit_code == 127) return test::skip("no cmake");
   INFO(configured.out << configured.err);
   REQUIRE(configured.exit_code == 0);
   const test::ProcessResult compiled = f.run({"cmake", "--build", "build", "--target", "user", "--verbose"});
@@ -318,10 +316,7 @@ TEST_CASE("what cmake --install copies runs by itself, pictures included") {
   const Folder f;
   const test::ProcessResult installed =
       f.run({"cmake", "--install", NGS_TOOL_DIR "/..", "--prefix", f.path("prefix")});
-  if (installed.exit_code == 127) {
-    MESSAGE("no cmake: skipped");
-    return;
-  }
+  if (installed.exit_code == 127) return test::skip("no cmake");
   INFO(installed.err);
   REQUIRE(installed.exit_code == 0);
   for (const fs::directory_entry& tool : fs::directory_iterator(NGS_SOURCE_DIR "/tools")) {

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "support/process.h"
+#include "support/skip.h"
 #include "support/source_tree.h"
 
 namespace ngs {
@@ -31,14 +32,11 @@ TEST_CASE("the code for x86-64-v4 shares no symbol with other translation units"
   test::ProcessSpec spec;
   spec.argv = {"/usr/bin/nm", "-C", NGS_V4_OBJECT};
   const test::ProcessResult nm = test::run_process(spec);
-  if (nm.exit_code != 0) {
-    MESSAGE("skipped: no nm");
-    return;
-  }
+  if (nm.exit_code != 0) return test::skip("no nm");
   CHECK(nm.out.find("Pack16") != std::string::npos);
   CHECK(test::listed(shared_symbols(nm.out)) == "");
 #else
-  MESSAGE("skipped: this build has no code for x86-64-v4");
+  test::skip("this build has no code for x86-64-v4");
 #endif
 }
 

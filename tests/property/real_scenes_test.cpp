@@ -12,6 +12,7 @@
 #include "ngs/io/image/masks.h"
 #include "ngs/io/image/photo.h"
 #include "ngs/stages/scene/scene_check.h"
+#include "support/skip.h"
 #include "support/temp_dir.h"
 
 namespace ngs {
@@ -20,9 +21,10 @@ namespace {
 namespace fs = std::filesystem;
 const fs::path kScenes = fs::path(NGS_SOURCE_DIR) / ".." / "shared" / "scenes";
 
+/// Else the case is skipped.
 bool is_here(const char* name) {
   if (fs::exists(kScenes / name / "point_cloud.ply")) return true;
-  MESSAGE("skipped: no scene " << std::string(name) << " in ../shared/scenes");
+  test::skip("no scene " + std::string(name) + " in ../shared/scenes");
   return false;
 }
 

@@ -14,6 +14,7 @@
 #include "ngs/ops/splat/tile_scratch.h"
 #include "ngs/stages/render/render_options.h"
 #include "ngs/stages/boundary/variance_stage.h"
+#include "support/skip.h"
 
 namespace ngs {
 namespace {
@@ -90,10 +91,7 @@ std::vector<std::uint8_t> float_mask(const GaussianCloud& cloud, const Camera& c
 }  // namespace
 
 TEST_CASE("float labels of a real capture differ from double ones only within rounding of the threshold") {
-  if (!fs::exists(kScene / "point_cloud.ply")) {
-    MESSAGE("skipped: no scene bird in ../shared/scenes");
-    return;
-  }
+  if (!fs::exists(kScene / "point_cloud.ply")) return test::skip("no scene bird in ../shared/scenes");
   io::ImportRequest request;
   request.capture.source = kScene.string(), request.masks_dir = (kScene / "masks_sam").string();
   request.hold_out = "every:4:2", request.image_scale = 0.5;

@@ -94,10 +94,10 @@ std::string kernel_section(const std::string& kernel, const std::vector<const Ha
       "class=\"wide\"><table><tr><th>case</th><th>hardness</th><th>worst</th><th>budget</th><th>textbook "
       "form</th><th>its worst</th><th>values</th></tr>\n";
   for (const HardResult* r : cases)
-    html += std::string("<tr") + (r->passed() ? "" : " class=\"failed\"") + "><td>" + escaped(r->name) +
-            "</td><td>" + escaped(r->hard.axis) + " to " + number(r->hard.values.back()) +
-            "</td><td class=\"n\">" + ratio_text(r->worst()) + "</td><td class=\"n\">" +
-            number(r->hard.budget) + "</td><td>" + escaped(r->hard.naive) + "</td><td class=\"n\">" +
+    html += std::string("<tr") + (r->passed() ? "" : " class=\"failed\"") + "><td>" + escaped(r->name) + "</td><td>" +
+            escaped(r->hard.axis) + " to " + number(r->hard.values.back()) + "</td><td class=\"n\">" +
+            ratio_text(r->worst()) + "</td><td class=\"n\">" + number(r->hard.budget) + "</td><td>" +
+            escaped(r->hard.naive.form) + "</td><td class=\"n\">" +
             (r->has_naive() ? ratio_text(r->naive_worst()) : "") + "</td><td class=\"n\">" +
             std::to_string(r->values()) + "</td></tr>\n";
   return html + "</table></div>\n";

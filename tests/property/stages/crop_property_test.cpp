@@ -17,6 +17,7 @@
 #include "ngs/passes/contours/refined_masks.h"
 #include "ngs/stages/boundary/variance_stage.h"
 #include "support/joint_case.h"
+#include "support/skip.h"
 
 namespace ngs {
 namespace {
@@ -197,10 +198,7 @@ TEST_CASE("a crop about what is trained gives its gradients and its steps as the
 
 TEST_CASE("on a real capture a crop about the boundary gives its gradients as the whole picture does") {
   const std::filesystem::path bird = std::filesystem::path(NGS_SOURCE_DIR) / ".." / "shared" / "scenes" / "bird";
-  if (!std::filesystem::exists(bird / "point_cloud.ply")) {
-    MESSAGE("skipped: no scene bird in ../shared/scenes");
-    return;
-  }
+  if (!std::filesystem::exists(bird / "point_cloud.ply")) return test::skip("no scene bird in ../shared/scenes");
   io::ImportRequest request;
   request.capture.source = bird.string(), request.masks_dir = (bird / "masks_sam").string();
   request.image_scale = 0.5;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "ngs/ops/splat/splat.h"
+#include "support/skip.h"
 #include "support/splat_reference.h"
 
 namespace ngs {
@@ -95,10 +96,7 @@ WholeView whole_view(const test::SplatCase& c, Isa isa, int threads, int labels,
 }  // namespace
 
 TEST_CASE("splat: x86-64-v4 gives the bytes of x86-64-v3, forward and backward") {
-  if (best_isa() != Isa::kV4) {
-    MESSAGE("skipped: no x86-64-v4 here");
-    return;
-  }
+  if (best_isa() != Isa::kV4) return test::skip("this processor, or this build, has no x86-64-v4");
   for (std::uint64_t seed = 0; seed < 6; ++seed)
     for (const int labels : {0, 1, 2, 4}) {
       CAPTURE(seed);

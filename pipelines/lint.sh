@@ -1,0 +1,54 @@
+#!/usr/bin/env bash
+# Holds changed source files against .clang-format and .clang-tidy:
+#   pipelines/lint.sh [--base COMMIT] [FILE...]
+# Without FILE: what has changed since COMMIT (default: where this branch left origin/main, else HEAD~1), committed or not.
+# clang-tidy needs compile_commands.json in build/ (pipelines/build.sh makes it). Exit code 1: something was found; 77:
+# nothing was, but a part was skipped because a program or that file is absent.
+set -euo pipefail
+# shellcheck source=pipelines/common.sh
+. "$(dirname "$0")/common.sh"
+
+base="" files=()
+while [ $# -gt 0 ]; do
+  case $1 in
+    -h | --help) usage_of "$0"; exit 0 ;;
+    --base) base=${2:?--base: a commit is missing}; shift 2 ;;
+    -*) fail 2 "$1: no such option" "$0 --help" ;;
+    *) files+=("$(realpath "$1")"); shift ;;
+  esac
+done
+cd "$pipelines/.."
+if [ ${#files[@]} -eq 0 ]; then
+  base=${base:-$(git merge-base origin/main HEAD 2> /dev/null || git rev-parse --quiet --verify HEAD~1)} ||
+    fail 2 "no commit to compare with" "--base COMMIT"
+  mapfile -t files < <(
+    git diff --name-only --diff-filter=d "$base" -- '*.h' '*.cpp' '*.cu' '*.cuh'
+    git ls-files --others --exclude-standard -- '*.h' '*.cpp' '*.cu' '*.cuh'
+  )
+fi
+[ ${#files[@]} -gt 0 ] || { say "no source file has changed"; exit 0; }
+
+code=0 skipped=0
+skip() { say "skipped: $1"; skipped=77; }
+
+if command -v clang-format > /dev/null; then
+  clang-format --dry-run -Werror "${files[@]}" || code=1
+else
+  skip "clang-format is not installed"
+fi
+
+compiled=()  # device code needs nvcc
+for file in "${files[@]}"; do
+  case $file in *.h | *.cpp) compiled+=("$file") ;; esac
+done
+if ! command -v clang-tidy > /dev/null; then
+  skip "clang-tidy is not installed"
+elif [ ! -e build/compile_commands.json ]; then
+  skip "build/compile_commands.json is absent"
+elif [ ${#compiled[@]} -gt 0 ]; then
+  # Of a file's own lines alone; flags that only g++ knows are no finding.
+  printf '%s\0' "${compiled[@]}" | xargs -0 -n 1 -P "$(nproc)" clang-tidy -p build --quiet --header-filter='^$' \
+    --extra-arg=-Wno-unknown-warning-option || code=1
+fi
+[ "$code" -ne 0 ] || code=$skipped
+exit "$code"

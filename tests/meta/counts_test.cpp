@@ -1,0 +1,51 @@
+// The line that says how many cases passed, failed and were skipped.
+#include <doctest/doctest.h>
+
+#include "support/process.h"
+#include "support/source_tree.h"
+
+namespace ngs {
+namespace {
+
+/// What check.sh prints of suites with these outputs.
+std::string counted(const std::vector<std::pair<std::string, std::string>>& suites) {
+  test::ProcessSpec spec;
+  spec.argv = {"awk", "-f", NGS_SOURCE_DIR "/pipelines/count-tests.awk"};
+  spec.input = "<testsuite>\n";
+  for (const auto& [name, output] : suites)
+    spec.input += "<testcase name=\"" + name + "\" classname=\"" + name + "\">\n<system-out>" + output + "</system-out>\n";
+  const test::ProcessResult result = test::run_process(spec);
+  CHECK(result.exit_code == 0);
+  return result.out;
+}
+
+std::string doctest_line(const std::string& counts) { return "[doctest] test cases: " + counts + "\n"; }
+
+}  // namespace
+
+TEST_CASE("a case whose needs are absent counts as skipped and says why; one that failed before counts as failed") {
+  const test::ProcessResult suite = test::run_command({NGS_TOOL_DIR "/ngs_skipping"});
+  CHECK(suite.exit_code == 1);
+  const std::string text = counted({{"some", suite.out}});
+  INFO(suite.out);
+  CHECK(text.find("some              5 cases      1 passed      2 failed      2 skipped\n") != std::string::npos);
+  CHECK(text.find("total             5 cases      1 passed      2 failed      2 skipped\n") != std::string::npos);
+  CHECK(text.find("skipped: a case that finds nothing to work on: no scene\n") != std::string::npos);
+  CHECK(text.find("skipped: a case that finds nothing in one of its parts: no program\n") != std::string::npos);
+  CHECK(text.find("no processor") == std::string::npos);
+}
+
+TEST_CASE("the counts of several suites add up, with the cases of a filter and the programs of clients") {
+  const std::string text =
+      counted({{"unit", "skipped: one: no photo\nskipped cases: 1\n" + doctest_line("  9 |  9 passed | 0 failed | 0 skipped")},
+               {"grad", doctest_line(" 4 | \033[32m3 passed\033[0m | 1 failed | 5 skipped")},
+               {"clients", "12 checks passed, 1 failed, 2 skipped\n"}});
+  CHECK(text ==
+        "unit              9 cases      8 passed      0 failed      1 skipped\n"
+        "grad              4 cases      3 passed      1 failed      5 skipped\n"
+        "clients          15 cases     12 passed      1 failed      2 skipped\n"
+        "total            28 cases     23 passed      2 failed      8 skipped\n"
+        "skipped: one: no photo\n");
+}
+
+}  // namespace ngs
