@@ -19,7 +19,7 @@ OUT ?= out/ablation
 ARGS ?=
 MASKS ?=
 SEED ?= 0
-BASE ?= --effect joint=on --effect nerf=on $(foreach e,exposure mask-outliers floaters strays edges,--effect $(e)=off)
+BASE ?= --method ng-gs
 EFFECTS ?= boundary box rbf hash nerf align smooth film variance density mask cont photometric geometry mask-geometry
 TAUS ?= 0.2 0.4 0.8
 SIGMAS ?= 0.5 2 4

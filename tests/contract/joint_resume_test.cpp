@@ -106,12 +106,12 @@ TEST_CASE("ngs-joint that was stopped in its steps goes on with the next one") {
   stop_and_resume(c, {"--steps", "400", "--effect", "nerf=off", "--effect", "contours=off"}, "step 1 begins", true);
 }
 
-TEST_CASE("ngs-joint that was stopped in the edges goes on with the edges") {
+TEST_CASE("ngs-joint that was stopped in contour refinement goes on with it") {
   const Case c;
   // The walk may move nothing, so that the round is taken; its many visits leave time for the signal.
   const Words edges{"--effect", "contours=on", "--contour-shape", "1000", "--contour-iterations", "1", "--contour-epochs", "400"};
   const test::ProcessResult resumed =
-      stop_and_resume(c, Words{"--steps", "4", "--effect", "nerf=off"} + edges, "edges begin", true);
+      stop_and_resume(c, Words{"--steps", "4", "--effect", "nerf=off"} + edges, "contours begin", true);
   CHECK(says(resumed, "resumed after step 4"));
 }
 
@@ -128,7 +128,7 @@ TEST_CASE("ngs-joint takes few steps before rounds at half the size, and all of 
   REQUIRE(figure(c, "one", "contour_iterations") == 1);
   CHECK(figure(c, "one", "steps") == 10 * n);
 
-  // The walk is refused: then the other steps follow. Stopped in these it goes on with the edges.
+  // The refinement is refused: then the other steps follow. Stopped in these it goes on with the contours.
   lay_stripes(c);
   const std::string rest = "step " + std::to_string(3 * n + 1) + " begins";
   CHECK(says(stop_and_resume(c, coarse + report("refused"), rest, true), "resumed after step " + std::to_string(3 * n)));
@@ -292,8 +292,8 @@ TEST_CASE("ngs-joint that goes on takes floaters out as the run before did, whos
   REQUIRE(c.joint("first", options + Words{"--checkpoint-every", "6"}).exit_code == 0);
   io::TensorFile file = io::read_safetensors(c.kept);
   auto run = nlohmann::ordered_json::parse(file.metadata.at("run"));
-  REQUIRE(run.at("floaters").at("draft") == false);
-  run["floaters"]["draft"] = true;
+  REQUIRE(run.at("passes").at("floaters").at("draft") == false);
+  run["passes"]["floaters"]["draft"] = true;
   file.metadata["run"] = run.dump();
   io::write_safetensors(c.kept, file);
   const test::ProcessResult resumed = c.joint("resumed", options + Words{"--resume"});
@@ -301,7 +301,7 @@ TEST_CASE("ngs-joint that goes on takes floaters out as the run before did, whos
   CHECK(resumed.exit_code == 0);
   CHECK(says(resumed, "resumed after step 6"));
   for (const Json& wrong : {Json(), Json(3), Json{{"draft", 1}, {"refit_epochs", 0}}, Json{{"draft", true}, {"refit_epochs", 1000000}}}) {
-    run["floaters"] = wrong;
+    run["passes"]["floaters"] = wrong;
     file.metadata["run"] = run.dump();
     io::write_safetensors(c.kept, file);
     CHECK(c.joint("other", options + Words{"--resume"}).exit_code == 4);

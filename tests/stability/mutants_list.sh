@@ -64,7 +64,7 @@ mutant $f $t $f "components: what many views agree on may be one" 's/if \(double
 mutant passes/components/components.h $t $f "components: a quarter of the views makes a core" 's/\.seen = 0\.5, //'
 mutant $f $t $f "components: only the core's own cells are linked" 's/if \(labelled\.contains\(next\) .*$//'
 mutant $f $t $f "components: rows fixed by hand change" 's/ \|\| is_fixed\(input, i\)//'
-mutant $f $t $f "components: another object's Gaussian is held" 's/finding\.stray\[i\] = 0;/(void)0;/'
+mutant $f $t $f "components: another object's Gaussian is held" 's/finding\.disconnected\[i\] = 0;/(void)0;/'
 mutant passes/components/object_core.cpp $t passes/components/object_core.cpp "core: the best seen of the whole model" 's/cloud\.usable\[i\] && double\(object\.prob\[i\]\) >= options\.share/cloud.usable[i]/'
 mutant passes/mask_outliers/mask_outliers.cpp unit/passes/mask_outliers/mask_outliers_test.cpp passes/mask_outliers/mask_outliers.cpp "trust: views that see nothing agree" 's/if \(found != kNothingThere\) all\.push_back\(found\)/all.push_back(trust.disagreement[n])/'
 t=stability/geometry_stability_test.cpp
@@ -139,7 +139,7 @@ mutant ops/losses/loss_cont.cpp $t ops/losses/loss_cont.cpp "mean over no neighb
 f=ops/losses/loss_smooth_kernels.h
 mutant $f $t ops/losses/loss_smooth.cpp "|a|² - 2 a·b + |b|²" 's/term\[i\] = dot\(d, d\);/const Vec3<T> a = vec3(colour.row(i)), b = a + d; term[i] = dot(a, a) - T(2) * dot(a, b) + dot(b, b);/'
 mutant $f "$t grad/loss_smooth_grad_test.cpp" ops/losses/loss_smooth.cpp "sign of one gradient" 's/back\[0\] = -g\.x/back[0] = g.x/'
-mutant ops/losses/loss_smooth.h $t ops/losses/loss_smooth.cpp "the factor 3 of the estimate" 's/3 \* ratio \* ratio/ratio * ratio/'
+mutant ops/losses/loss_smooth.cpp $t ops/losses/loss_smooth.cpp "the factor 3 of the estimate" 's/3 \* ratio \* ratio/ratio * ratio/'
 f=ops/losses/photometric_kernels.h
 mutant $f unit/ops/losses/photometric_test.cpp ops/losses/photometric.cpp "SSIM with a variance below 0" 's/max_lanes\((moment\[kSquares\] - means), L\(T\(0\)\)\)/(\1)/'
 mutant $f $t "" "C2 dropped" 's/ \+ L\(T\(kC2\)\)//'
@@ -167,12 +167,12 @@ mutant $f $t $f "smoothness gradient doubled" 's/field->smoothness\(exec, rays, 
 
 f=passes/contours/contour_stage.cpp t=unit/passes/contours/contour_stage_test.cpp
 mutant $f $t $f "edges: what is not trained does not show" 's/!\(across\.weight\.value\(i\) > 0\)/true/'
-mutant $f $t $f "edges: all that shows is trained" 's/play\.frozen\.push_back\(!trained\)/play.frozen.push_back(0)/'
+mutant $f $t $f "edges: all that shows is trained" 's/part\.frozen\.push_back\(!trained\)/part.frozen.push_back(0)/'
 mutant $f $t $f "edges: what was trained is not put back" 's/scatter_rows\(exec, trained\.cloud, rows, model\.cloud\);//'
 mutant $f $t $f "edges: small photos are always walked enlarged" 's/if \(gain_in_errors.*\) return;$//'
 mutant $f $t $f "edges: trained labels get another start" 's/joint\.start_steps = 1;//'
-mutant $f $t $f "edges: no round at the full size" 's/round \+ 1 < rounds \&\& //'
-mutant passes/contours/refined_masks.cpp $t passes/contours/refined_masks.cpp "edges: enlarged, reach and band stay" 's/walk\.band_px \*= .*;//'
+mutant $f $t $f "contours: no iteration at the full size" 's/iteration \+ 1 < iterations \&\& //'
+mutant passes/contours/refined_masks.cpp $t passes/contours/refined_masks.cpp "edges: enlarged, reach and band stay" 's/refine\.band_px \*= .*;//'
 mutant scene/enlarge.cpp unit/scene/enlarge_test.cpp scene/enlarge.cpp "enlarged: half a pixel beside" 's/\(i \+ 0\.5\) \* from_px \/ to_px - 0\.5/double(i) * from_px \/ to_px/'
 mutant scene/enlarge.cpp unit/scene/enlarge_test.cpp scene/enlarge.cpp "enlarged: beyond the border nothing" 's/sum \+= taps\.weight\[t\] \* double\(image/if (taps.pixel[t] > 0) &/'
 mutant passes/joint/label_start.h unit/passes/joint/label_start_test.cpp passes/joint/joint_stage.cpp "labels start at their share" 's/steps \* logit\(/logit(/'
@@ -188,9 +188,9 @@ mutant $f "$t" $f "colours that are no numbers in the means" 's/if \(std::isfini
 t=unit/passes/detectors_test.cpp f=passes/detectors.cpp
 mutant $f $t $f "narrow: corners of the squares left out" 's/away\[p\] > kReach/away[p] >= kReach/'
 mutant $f $t $f "narrow: beyond the picture is nothing" 's/chessboard_distance\(mask, Outside::kUnknown\)/chessboard_distance(mask)/'
-mutant passes/time/time_plan.h unit/passes/time_plan_test.cpp passes/time_plan.cpp "plan: early rounds cost what the last does" 's/early_share \* visits \* visit_s;/visits * visit_s;/'
-mutant passes/contours/contour_stage.cpp unit/passes/contours/contour_stage_test.cpp passes/contours/contour_stage.cpp "edges: early rounds take all visits" 's/early \? early_epochs\(visits\) : visits/visits/'
-mutant passes/joint/joint_options.h unit/passes/contours/contour_stage_test.cpp "" "joint: few visits where no rounds follow" 's/effects\.edges && effects\.contour_iterations_on && //'
+mutant passes/time/time_plan.h unit/passes/time_plan_test.cpp passes/time/time_plan.cpp "plan: early iterations cost what the last does" 's/early_share \* epochs \* epoch_s;/epochs * epoch_s;/'
+mutant passes/contours/contour_stage.cpp unit/passes/contours/contour_stage_test.cpp passes/contours/contour_stage.cpp "contours: early iterations take all epochs" 's/early \? early_epochs\(epochs\) : epochs/epochs/'
+mutant passes/joint/joint_options.h unit/passes/contours/contour_stage_test.cpp "" "joint: few epochs where no iterations follow" 's/options\.contours_go_on \? kEpochsBeforeContours : 1/kEpochsBeforeContours/'
 t="unit/ops/optim/pose_step_test.cpp stability/alignment_stability_test.cpp" f=ops/optim/pose_step.cpp
 mutant $f "$t" $f "no prior on the motion" 's/const double prior = .*;/const double prior = 0;/'
 mutant $f "$t" $f "exposures not laid on each other" 's/match_exposure\(photo, view\.alpha, from\);//'
@@ -262,9 +262,9 @@ mutant $f $t $f "one pixel for the median of an exposure" 's/upper_median\(std::
 mutant $f $t $f "the model's own exposure taken for the view's" 's/logs\[i\]\[c\] - models/logs[i][c]/'
 mutant $f $t $f "clipped pixels have a say on exposure" 's/ && std::max\(a, b\) < kClipped//'
 
-t=unit/passes/scene_probe_test.cpp f=passes/effect_probe.cpp
-mutant $f $t $f "an effect decided without what it needs" 's/d\.effect->name == e\.needs && !d\.on/false/'
-mutant $f $t $f "a verdict before an entry" 's/mode != EffectMode::kAuto\)/mode != EffectMode::kAuto \&\& verdicts.empty())/'
+t=unit/passes/pipeline_test.cpp f=passes/decisions.cpp
+mutant $f $t $f "an effect decided without what it needs" 's/need != nullptr && !need->on/false/'
+mutant $f $t $f "a verdict before an entry" 's/mode != EffectMode::kAuto\)/mode != EffectMode::kAuto \&\& verdicts_.empty())/'
 
 t=unit/stages/render/background_test.cpp f=stages/render/background.cpp
 mutant $f $t $f "background: black whatever the photos show" 's/found\.gain_db >= kBackgroundMarginDb/false/'

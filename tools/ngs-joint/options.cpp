@@ -36,6 +36,7 @@ std::string options_text(Options& options) {
   set.add(options.training.rbf);
   Json values = set.to_json();
   values["quality"] = name_of(kQualityNames, options.choice.quality);
+  values["effect"] = options.choice.effect;
   return values.dump();
 }
 

@@ -44,7 +44,7 @@ void check_options(cli::Run& run, const Options& options, const Paths& paths) {
   if (o.fast_atomics) run.sum_atomically();
 }
 
-/// Files and effects that a baseline has no use for.
+/// Files, effects and a quality that a baseline has no use for.
 void warn_of_baseline(cli::Run& run, const Options& options, const Paths& paths) {
   if (options.runs_passes()) return;
   std::vector<std::string> unused;
@@ -52,6 +52,9 @@ void warn_of_baseline(cli::Run& run, const Options& options, const Paths& paths)
     if (!path.empty()) unused.push_back(flag);
   };
   file("--field", paths.field), file("--nerf", paths.nerf), file("--trace", paths.trace);
+  const EffectModes modes(options.pipeline.effects(), options.choice.effect);
+  if (options.choice.quality != MethodChoice{}.quality && modes.of("floaters") != EffectMode::kOn)
+    unused.push_back("--quality");  // it says how thoroughly floaters are searched
   const std::vector<Effect> effects = options.pipeline.effects(PassStage::kMend);
   for (const std::string& entry : options.choice.effect)
     if (const std::string name = entry.substr(0, entry.find('=')); name != "all" && find_effect(effects, name) == nullptr)

@@ -18,7 +18,7 @@
 
 namespace ngs {
 
-/// What .of() and .was() say; empty: nothing.
+/// What .of() and .was() say; empty: nothing. An effect may be a list: "joint|contours,mask" needs one of the first two, and mask.
 struct OptionNotes {
   std::string_view effect = {}, old_name = {};
 };

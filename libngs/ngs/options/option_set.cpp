@@ -122,14 +122,33 @@ std::string option_flag(std::string_view name) {
 
 bool is_heard(const OptionEntry& entry) { return !entry.group->listens || entry.group->listens(); }
 
-bool is_effective(const OptionEntry& entry, const std::function<bool(std::string_view effect)>& is_on) {
-  if (entry.effect.empty()) return true;
-  for (std::size_t begin = 0; begin <= entry.effect.size();) {
-    const std::size_t end = std::min(entry.effect.find('|', begin), entry.effect.size());
-    if (is_on(std::string_view(entry.effect).substr(begin, end - begin))) return true;
+namespace {
+
+/// Whether one of "joint|contours" is on.
+bool any_on(std::string_view effects, const std::function<bool(std::string_view effect)>& is_on) {
+  for (std::size_t begin = 0; begin <= effects.size();) {
+    const std::size_t end = std::min(effects.find('|', begin), effects.size());
+    if (is_on(effects.substr(begin, end - begin))) return true;
     begin = end + 1;
   }
   return false;
+}
+
+}  // namespace
+
+std::string missing_effects(const OptionEntry& entry, const std::function<bool(std::string_view effect)>& is_on) {
+  const std::string_view all = entry.effect;
+  for (std::size_t begin = 0; begin < all.size();) {
+    const std::size_t end = std::min(all.find(',', begin), all.size());
+    const std::string_view needed = all.substr(begin, end - begin);
+    if (!any_on(needed, is_on)) return std::string(needed);
+    begin = end + 1;
+  }
+  return {};
+}
+
+bool is_effective(const OptionEntry& entry, const std::function<bool(std::string_view effect)>& is_on) {
+  return missing_effects(entry, is_on).empty();
 }
 
 Json parse_json(std::string_view text, std::string_view source) {

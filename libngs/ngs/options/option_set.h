@@ -52,7 +52,8 @@ std::string option_flag(std::string_view name);
 
 /// False where the group of the option says that nothing listens to it.
 bool is_heard(const OptionEntry& entry);
-/// False where the option names effects and `is_on` says of all of them that they are off.
+/// Of the effects that the option needs (Field::of()), the first that `is_on` says is off; empty: it is listened to.
+std::string missing_effects(const OptionEntry& entry, const std::function<bool(std::string_view effect)>& is_on);
 bool is_effective(const OptionEntry& entry, const std::function<bool(std::string_view effect)>& is_on);
 
 /// `text` as JSON; a key that occurs twice in one object is an error, as is anything after the value.

@@ -50,8 +50,8 @@ std::vector<std::string> without_effect_warnings(const OptionSet& options,
                                                  const std::function<bool(std::string_view effect)>& is_on) {
   FlagsByReason without_effect;
   for (const OptionEntry* entry : options.given())
-    if (is_heard(*entry) && !is_effective(*entry, is_on))
-      without_effect.add(with_all_off(entry->effect), option_flag(entry->name));
+    if (const std::string missing = missing_effects(*entry, is_on); is_heard(*entry) && !missing.empty())
+      without_effect.add(with_all_off(missing), option_flag(entry->name));
   return without_effect.texts();
 }
 

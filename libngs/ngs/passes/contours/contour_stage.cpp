@@ -240,7 +240,9 @@ class ContourRun {
     std::optional<CoarseInput> coarse;
     if (early) coarse.emplace(input, kEarlyShrink, 0);  // the trainer keeps views
     JointTrainer trainer(exec_, monitor_,
-                         {joint, setup_.training.sample, setup_.training.rbf, coarse ? coarse->get() : input, nullptr, kContourRates, rows.frozen}, true);
+                         {joint, setup_.training.sample, setup_.training.rbf, coarse ? coarse->get() : input, nullptr, kContourRates,
+                          rows.frozen},
+                         true);
     const auto whole = [&] {
       put_back(exec_, trainer.result(), rows.rows, model_);
       return Solution{.cloud = model_.cloud, .source_row = model_.source_row, .labels = model_.labels, .figures = {}};

@@ -134,6 +134,8 @@ int ContoursPass::allowed_iterations(PassRun& run, int wanted, double first_refi
 void ContoursPass::run(PassRun& run) {
   const std::size_t views = run.problem->views.size();
   Budget& budget = run.budget;
+  if (budget.contours.epochs == 0)
+    run.monitor.warn("--effect contours=on with --quality draft, which has no epochs for them: they are left out; --contour-epochs N gives some");
   if (run.watch->target_met() || budget.contours.epochs == 0) return;
   // Contours keep no state of their own: what is interrupted from here on begins with them.
   if (run.store != nullptr && run.on("joint")) run.store->save_on_the_way(*run.trainer);

@@ -77,7 +77,7 @@ struct JointOptions {
   static void describe(Self& self, Visitor&& visit) {
     visit(self.steps, Field<std::int64_t>{"steps", "", "optimiser steps, one view each; 0: as --quality says",
                                           0, 100'000'000}.of("joint"));
-    visit(self.lambda_mask, Field<double>{"lambda_mask", "", "weight of L_mask (Eq. 20)", 0, 1e6}.of("mask"));
+    visit(self.lambda_mask, Field<double>{"lambda_mask", "", "weight of L_mask (Eq. 20)", 0, 1e6}.of("joint|contours,mask"));
     visit(self.lambda_cont, Field<double>{"lambda_cont", "", "weight of L_cont (Eq. 20)", 0, 1e6}.of("cont"));
     visit(self.lambda_smooth, Field<double>{"lambda_smooth", "", "weight of L_smth (Eq. 20)", 0, 1e6}.of("smooth"));
     visit(self.weight_opacity, Field<double>{"weight_opacity", "", "w_alpha of L_align (Eq. 16)", 0, 1e6}.of("align"));
@@ -85,9 +85,9 @@ struct JointOptions {
     visit(self.excess_variance, Flag{"excess_variance", "7x7 term: only variance above the photo's (C17)"}.of("variance"));
     visit(self.mask_loss,
           Choice<MaskLossForm>{"mask_loss", "L_mask: cross-entropy, or COB-GS's linear form (C18)",
-                               kMaskLossNames}.of("mask"));
+                               kMaskLossNames}.of("joint|contours,mask"));
     visit(self.photometric_weight,
-          Field<double>{"photometric_weight", "", "weight of 0.8 L1 + 0.2 DSSIM (C16)", 0, 1e6}.of("photometric"));
+          Field<double>{"photometric_weight", "", "weight of 0.8 L1 + 0.2 DSSIM (C16)", 0, 1e6}.of("joint|contours,photometric"));
     visit(self.start_steps,
           Field<int>{"start_steps", "", "labels start this many EM steps from 1/2 (PAPER.md 5.4); 1: at their share of evidence", 1, 100}.of("joint"));
     visit(self.rate_label, Field<double>{"rate_label", "", "Adam rate of the label logits", 0, 100}.of("joint|contours"));
