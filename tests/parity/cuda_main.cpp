@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "ngs/backend/device_info.h"
+#include "ngs/ops/device/cuda_ops.h"
 
 namespace ngs::test {
 

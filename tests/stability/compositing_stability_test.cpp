@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "ngs/ops/splat/cloud_view.h"
+#include "ngs/ops/splat/splat_view.h"
 #include "ngs/ops/splat/tile_isa.h"
 #include "ngs/ops/splat/tile_kernels_of.h"
 #include "ngs/ops/splat/tile_scratch.h"

@@ -18,7 +18,7 @@ cp -r "$root"/tests/{support,grad} "$wide/fresh/tests/"
   cd "$wide/fresh"
   find . \( -name '*.cu' -o -name '*.cuh' \) -delete
   : >libngs/ngs/ops/splat/tile_isa_v4.cpp
-  kept='libngs/ngs/io/(ply|ply_scan|ply_writer|npy|exr|safetensors)\.(h|cpp)|ngs/math/(lanes|lanes16|lane_scalar)\.h|tests/support/ply_text\.h'
+  kept='libngs/ngs/io/[a-z]*/(ply|ply_scan|ply_types|ply_writer|npy|exr|safetensors)\.(h|cpp)|ngs/math/(lanes|lanes16|lane_scalar)\.h|tests/support/ply_text\.h'
   find libngs tools tests \( -name '*.h' -o -name '*.cpp' \) | grep -v -E "$kept" | xargs sed -E -i \
     -e '/bit_cast<std::uint32_t>/!s/\bfloat\b/double/g' \
     -e '/bit_cast<std::uint32_t>/!s/(^|[^A-Za-z0-9_.])([0-9]+\.[0-9]*([eE][-+]?[0-9]+)?|[0-9]+[eE][-+]?[0-9]+)f\b/\1\2/g'
@@ -34,7 +34,7 @@ cp -r "$root"/tests/{support,grad} "$wide/fresh/tests/"
   sed -i 's/bit_cast<std::uint32_t>(plane/bit_cast<std::uint64_t>(plane/g' libngs/ngs/scene/rle_masks.cpp
   sed -i 's/__builtin_bit_cast(double, std::int32_t/__builtin_bit_cast(float, std::int32_t/' libngs/ngs/math/stable.h
   # What was there for float and for double is there once.
-  perl -0 -i -pe 's/(template class PhotometricPass<double, double>;\n)\1/$1/' libngs/ngs/ops/losses/photometric.cpp
+  perl -0 -i -pe 's/(template class PhotometricPass<double, double>;\n)\1/$1/' libngs/ngs/ops/losses/photometric_impl.cpp
   perl -0 -i -pe 's/(std::int64_t first_unusable\([^}]*\}\n)\1/$1/' libngs/ngs/ops/optim/adam.cpp
   sed -i -e '/add_subdirectory(tests)/d' CMakeLists.txt
   {
@@ -51,9 +51,9 @@ cp -r "$root"/tests/{support,grad} "$wide/fresh/tests/"
 
 cmake -S "$wide/source" -B "$wide/build" -G Ninja -DNGS_WITH_CUDA=OFF -DNGS_BUILD_TESTS=OFF -DNGS_WERROR=OFF \
   -DCMAKE_BUILD_TYPE=Float64 -DCMAKE_CXX_FLAGS_FLOAT64="-O2 -DNDEBUG -w" >/dev/null
-ninja -C "$wide/build" ngs_stages ngs-variance ngs-joint ngs-render >&2
+ninja -C "$wide/build" ngs_passes ngs-variance ngs-joint ngs-render >&2
 flags=(-std=c++20 -O2 -march=x86-64-v3 -ffp-contract=off -fno-math-errno -fopenmp -w)
-own=("$wide"/build/libngs/libngs_{stages,ops,backend,options,scene,core}.a -llz4)
+own=("$wide"/build/libngs/libngs_{passes,stages,problem,ops,backend,options,scene,core}.a -llz4)
 g++ "${flags[@]}" -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS -I"$wide/source/tests" -I"$wide/source/libngs" -I"$wide/build/libngs" \
   "$wide"/source/tests/{grad/joint_grad_test,support/adjoint,support/doctest_main}.cpp "${own[@]}" -o "$wide/joint_grad"
 echo "the whole loss in double against extrapolated differences:"

@@ -141,11 +141,11 @@ mutant $f $t ops/losses/loss_smooth.cpp "|a|² - 2 a·b + |b|²" 's/term\[i\] = 
 mutant $f "$t grad/loss_smooth_grad_test.cpp" ops/losses/loss_smooth.cpp "sign of one gradient" 's/back\[0\] = -g\.x/back[0] = g.x/'
 mutant ops/losses/loss_smooth.cpp $t ops/losses/loss_smooth.cpp "the factor 3 of the estimate" 's/3 \* ratio \* ratio/ratio * ratio/'
 f=ops/losses/photometric_kernels.h
-mutant $f unit/ops/losses/photometric_test.cpp ops/losses/photometric.cpp "SSIM with a variance below 0" 's/max_lanes\((moment\[kSquares\] - means), L\(T\(0\)\)\)/(\1)/'
+mutant $f unit/ops/losses/photometric_test.cpp ops/losses/photometric_impl.cpp "SSIM with a variance below 0" 's/max_lanes\((moment\[kSquares\] - means), L\(T\(0\)\)\)/(\1)/'
 mutant $f $t "" "C2 dropped" 's/ \+ L\(T\(kC2\)\)//'
 mutant $f $t "" "C1 dropped" 's/ \+ L\(T\(kC1\)\)//'
 mutant $f $t "" "covariance not doubled" 's/a2 = two \* \(moment/a2 = (moment/'
-mutant ops/losses/photometric_strips.h unit/ops/losses/photometric_test.cpp ops/losses/photometric.cpp "padding not cleared" 's/clear_beside\(layout, .*\);/continue;/'
+mutant ops/losses/photometric_strips.h unit/ops/losses/photometric_test.cpp ops/losses/photometric_impl.cpp "padding not cleared" 's/clear_beside\(layout, .*\);/continue;/'
 
 t=stability/optimiser_stability_test.cpp f=ops/optim/adam.cpp
 mutant ops/optim/adam_kernels.h $t $f "no eps" 's/ \* inv_root \+ eps\)/ * inv_root)/'
@@ -199,12 +199,12 @@ t="unit/ops/optim/anderson_test.cpp stability/alignment_stability_test.cpp" f=op
 mutant $f "$t" $f "no ridge" 's/1 \+ kRidge/1/'
 mutant $f "$t" $f "weights ignored" 's/sum \+= w\[i\] \* a\[i\]/sum += a[i]/'
 mutant $f "$t" $f "combined step without the points' differences" 's/dx_\[std::size_t\(j\)\]\[i\] \+ df_/df_/'
-t=unit/ops/labels/label_solve_test.cpp f=ops/labels/label_blocks.cpp
+t=unit/ops/labels/label_solve_test.cpp f=ops/labels/label_evaluate.cpp
 mutant $f $t $f "label sums: background of a pixel from m" 's/c = fma_lanes\(weight, rest, c\)/c = fma_lanes(weight, m, c)/'
 mutant $f $t $f "label sums: the other factor of binary targets" 's/select\(inside > L\(0\.f\), m, rest\)/select(inside > L(0.f), rest, m)/'
 mutant $f $t $f "label sums: one side of a pack on both sides of the mask" 's/add_to\(sums\.outside\.data\(\), f\.c\)/any(f.q > L(0.f)) ? void() : add_to(sums.outside.data(), f.c)/'
 mutant $f $t $f "label sums: the first band twice" 's/\(inside\[at\] \+ inside\[at \+ 1\]\)/(inside[at] + inside[at])/'
-f=ops/labels/label_packs.h g="ops/labels/label_blocks.cpp ops/labels/label_collect.cpp"
+f=ops/labels/label_packs.h g="ops/labels/label_evaluate.cpp ops/labels/label_collect.cpp"
 mutant $f $t "$g" "label sums: unknown pixels count as background" 's/select\(p\.inside \+ p\.outside > L\(0\.f\), factor, L\(1\.f\)\)/factor/'
 mutant $f $t "$g" "label sums: predictions of exactly 0" 's/return fma_lanes\(L\(float\(1 - 2 \* kMaskEps\)\), sum, .*;/return sum;/'
 f=ops/labels/label_collect.cpp

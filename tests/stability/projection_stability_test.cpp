@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ngs/ops/splat/cloud_view.h"
+#include "ngs/ops/splat/splat_view.h"
 #include "support/projection_reference.h"
 #include "support/stability.h"
 

@@ -5,6 +5,7 @@
 #include "ngs/core/rng.h"
 #include "ngs/ops/splat/splat_engine.h"
 #include "ngs/ops/splat/tile_kernels_of.h"
+#include "ngs/scene/gaussian_cloud.h"
 
 namespace ngs::test {
 

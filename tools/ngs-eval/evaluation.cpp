@@ -13,7 +13,7 @@
 #include "ngs/io/files/text_lines.h"
 #include "ngs/ops/image/image_metrics.h"
 #include "ngs/scene/view_names.h"
-#include "ngs/stages/eval/match_names.h"
+#include "ngs/io/files/match_names.h"
 
 namespace ngs::cli {
 namespace {
@@ -42,18 +42,18 @@ std::uint32_t id_of(const std::string& object, const ObjectIds& ids) {
 std::vector<std::string> select_truth(const ImageList& truth, const std::string& rule, Pairing& pairing) {
   std::vector<std::string> selected;
   if (rule == "all" || rule.starts_with("every:")) {
-    for (std::size_t i : select_every(rule, truth.names.size())) selected.push_back(truth.names[i]);
+    for (std::size_t i : io::select_every(rule, truth.names.size())) selected.push_back(truth.names[i]);
     return selected;
   }
   const std::vector<std::string> listed = with_folders(io::read_name_list(rule), depth(truth));
-  const NameMatch match = match_names(listed, truth.names);
-  for (const NamePair& pair : match.pairs) selected.push_back(truth.names[pair.truth]);
+  const io::NameMatch match = io::match_names(listed, truth.names);
+  for (const io::NamePair& pair : match.pairs) selected.push_back(truth.names[pair.truth]);
   for (std::size_t i : match.unmatched_predicted) pairing.listed_only.push_back(listed[i]);
   return selected;
 }
 
 /// Predictions outside the selection are no leftovers: only those that match no truth at all are reported.
-void note_unmatched(const NameMatch& all, const ImageList& predicted, Pairing& pairing) {
+void note_unmatched(const io::NameMatch& all, const ImageList& predicted, Pairing& pairing) {
   for (std::size_t i : all.unmatched_predicted) pairing.predicted_only.push_back(predicted.names[i]);
 }
 
@@ -101,7 +101,7 @@ io::RawMask read_mask(const std::string& path, bool is_label_map) {
 Pairing matched_files(const ImageList& predicted, const ImageList& truth, const EvalFileOptions& options) {
   Pairing pairing;
   const std::vector<std::string> selected = select_truth(truth, options.views, pairing);
-  NameMatch match = match_names(predicted.names, truth.names);
+  io::NameMatch match = io::match_names(predicted.names, truth.names);
   note_unmatched(match, predicted, pairing);
   // One file each: the caller has said what belongs together.
   if (match.pairs.empty() && predicted.names.size() == 1 && truth.names.size() == 1) {
@@ -112,7 +112,7 @@ Pairing matched_files(const ImageList& predicted, const ImageList& truth, const 
     return std::find(selected.begin(), selected.end(), truth.names[i]) != selected.end();
   };
   std::map<std::string, int> rules;
-  for (const NamePair& found : match.pairs) {
+  for (const io::NamePair& found : match.pairs) {
     if (!is_selected(found.truth)) continue;
     FilePair pair{{}, {}, predicted.path(found.predicted), truth.path(found.truth)};
     name_parts(truth.names[found.truth], options.image_metrics ? Layout::kView : options.layout, pair);

@@ -3,9 +3,9 @@
 #include <filesystem>
 #include <sstream>
 
+#include "child_process.h"
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
-#include "ngs/io/files/child_process.h"
 #include "ngs/io/image/image_file.h"
 #include "segmenters.h"
 
@@ -83,10 +83,10 @@ struct CommandSegmenter {
     if (!mask.empty()) io::write_png(mask, likely_object(prompt));
     io::write_file(prompts, prompts_json(name, prompt, points, mask).dump(1) + "\n");
     const std::string who = "--segmenter " + words[0] + " on view " + name;
-    const io::ChildResult child =
-        io::run_child(io::fill_placeholders(words, {{"image", image}, {"prompts", prompts}, {"out", out}}),
+    const ChildResult child =
+        run_child(fill_placeholders(words, {{"image", image}, {"prompts", prompts}, {"out", out}}),
                       {time_s, [this] { return run.monitor().stop_requested(); }});
-    if (child.end == io::ChildResult::End::kStopped) return PixelMask(prompt.hint.size());
+    if (child.end == ChildResult::End::kStopped) return PixelMask(prompt.hint.size());
     check(child, who);
     PixelMask found = read_answer(out, prompt, who);
     for (const std::string& file : {image, prompts, out, mask})
@@ -94,17 +94,17 @@ struct CommandSegmenter {
     return found;
   }
 
-  void check(const io::ChildResult& child, const std::string& who) const {
-    if (child.end == io::ChildResult::End::kExited && child.code == 0) return;
+  void check(const ChildResult& child, const std::string& who) const {
+    if (child.end == ChildResult::End::kExited && child.code == 0) return;
     std::ostringstream found;
-    if (child.end == io::ChildResult::End::kTimedOut) found << "not done after " << time_s << " s";
-    if (child.end == io::ChildResult::End::kSignalled) found << "ended by signal " << child.code;
-    if (child.end == io::ChildResult::End::kExited) found << "exit code " << child.code;
+    if (child.end == ChildResult::End::kTimedOut) found << "not done after " << time_s << " s";
+    if (child.end == ChildResult::End::kSignalled) found << "ended by signal " << child.code;
+    if (child.end == ChildResult::End::kExited) found << "exit code " << child.code;
     const std::string said = child.last_words.substr(child.last_words.rfind('\n') + 1);
     throw Error(ErrorCode::kEnvironment,
                 who + ": " + found.str() + ", expected exit code 0 and a mask" +
                     (said.empty() ? "" : "; it said: " + said),
-                child.end == io::ChildResult::End::kTimedOut ? "give it more time with --segmenter-timeout-s"
+                child.end == ChildResult::End::kTimedOut ? "give it more time with --segmenter-timeout-s"
                                                              : "run it by hand on one photo");
   }
 };
@@ -112,7 +112,7 @@ struct CommandSegmenter {
 }  // namespace
 
 Segmenter command_segmenter(const SegmenterOptions& options, const Scene& scene, PhotoLoader load, Run& run) {
-  const std::vector<std::string> words = io::split_command(options.segmenter);
+  const std::vector<std::string> words = split_command(options.segmenter);
   for (const char* placeholder : {"{image}", "{prompts}", "{out}"})
     if (std::none_of(words.begin() + 1, words.end(),
                      [&](const std::string& w) { return w.find(placeholder) != w.npos; }))

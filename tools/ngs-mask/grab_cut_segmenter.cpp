@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ngs/io/image/grab_cut.h"
+#include "ngs/ops/image/grab_cut.h"
 #include "segmenters.h"
 
 namespace ngs::cli {
@@ -50,7 +50,7 @@ bool is_worth_it(const ViewPrompt& prompt) {
 /// dark. Every pixel takes the mean of its windows, weighted by how central it is; `whole` votes where a
 /// window has no say.
 PixelMask cut_windows(const ImageU8& photo, const ViewPrompt& prompt, const PixelMask& whole, int window_px,
-                      const io::GrabCutOptions& options) {
+                      const GrabCutOptions& options) {
   const auto pixels = std::size_t(photo.pixels());
   std::vector<float> votes(pixels), weights(pixels);
   const int step = std::max(1, window_px / 2);
@@ -61,7 +61,7 @@ PixelMask cut_windows(const ImageU8& photo, const ViewPrompt& prompt, const Pixe
                      std::min(photo.height_px, top + window_px) - std::max(0, top)};
       const ViewPrompt mine = cropped(prompt, w);
       if (!is_worth_it(mine)) continue;
-      const PixelMask cut = io::grab_cut(cropped(photo, w), mine, options);
+      const PixelMask cut = grab_cut(cropped(photo, w), mine, options);
       for (int y = 0; y < w.height; ++y)
         for (int x = 0; x < w.width; ++x) {
           const auto tent = [&](int i) { return 1 - std::abs(2 * (float(i) + 0.5f) / float(window_px) - 1); };
@@ -82,11 +82,11 @@ PixelMask cut_windows(const ImageU8& photo, const ViewPrompt& prompt, const Pixe
 
 Segmenter grab_cut_segmenter(const SegmenterOptions& options, PhotoLoader load, std::uint64_t seed) {
   return [=](std::size_t view, const ViewPrompt& prompt) {
-    io::GrabCutOptions cut;
+    GrabCutOptions cut;
     cut.seed = seed;
     cut.iterations = prompt.by_hand ? std::max(5, options.iterations) : options.iterations;
     const ImageU8 photo = load(view);
-    PixelMask mask = io::grab_cut(photo, prompt, cut);
+    PixelMask mask = grab_cut(photo, prompt, cut);
     if (options.window > 0) {
       const std::array<int, 4> box = object_box(prompt);
       const double size = std::sqrt(double(box[2] - box[0]) * double(box[3] - box[1]));

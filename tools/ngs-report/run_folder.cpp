@@ -12,7 +12,7 @@
 #include "ngs/io/image/masks.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/scene/view_names.h"
-#include "ngs/stages/eval/match_names.h"
+#include "ngs/io/files/match_names.h"
 
 namespace ngs::cli {
 namespace {
@@ -165,7 +165,7 @@ void add_scene_files(RunFolder& run) {
     std::vector<std::size_t> found = names.find(view.view);
     if (found.size() != 1) {
       const std::vector<std::string> one{view.view};
-      const NameMatch match = match_names(one, known);
+      const io::NameMatch match = io::match_names(one, known);
       if (match.pairs.empty()) continue;
       found = {match.pairs[0].truth};
     }

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "ngs/core/version.h"
-#include "ngs/ops/device/device_ops.h"
+#include "ngs/ops/device/cuda_ops.h"
 #include "shared/exit_code.h"
 
 namespace ngs::cli {

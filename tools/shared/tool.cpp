@@ -10,8 +10,8 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
+#include "ngs/ops/device/cuda_ops.h"
 #include "ngs/options/option_warnings.h"
-#include "ngs/ops/device/device_ops.h"
 #include "shared/command_line.h"
 #include "shared/console.h"
 #include "shared/help.h"

@@ -1,10 +1,11 @@
 #pragma once
 // The state of a COB-GS run and its phases. Internal to the methods cob and released.      PAPER.md §6.3
+#include "ngs/methods/cob_options.h"
 #include "ngs/ops/losses/photometric.h"
 #include "ngs/problem/cloud_rows.h"
-#include "ngs/stages/fit/fit_stage.h"
-#include "ngs/methods/method_cob.h"
+#include "ngs/problem/problem.h"
 #include "ngs/stages/boundary/method_labels.h"
+#include "ngs/stages/fit/fit_stage.h"
 
 namespace ngs {
 

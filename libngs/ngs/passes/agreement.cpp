@@ -4,7 +4,7 @@
 #include <charconv>
 
 #include "ngs/core/error.h"
-#include "ngs/stages/masks/mask_pair.h"
+#include "ngs/ops/image/mask_pair.h"
 #include "ngs/stages/render/render_stage.h"
 
 namespace ngs {

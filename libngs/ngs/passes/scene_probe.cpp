@@ -7,7 +7,7 @@
 #include "ngs/passes/effect.h"
 #include "ngs/problem/pixel_window.h"
 #include "ngs/problem/view_list.h"
-#include "ngs/stages/masks/mask_pair.h"
+#include "ngs/ops/image/mask_pair.h"
 #include "ngs/stages/render/render_stage.h"
 
 namespace ngs {

@@ -11,7 +11,7 @@
 #include "joint_steps.h"
 #include "ngs/backend/device_info.h"
 #include "ngs/backend/device_profile.h"
-#include "ngs/ops/device/device_ops.h"
+#include "ngs/ops/device/cuda_ops.h"
 #include "ngs/ops/splat/evidence.h"
 #include "ngs/ops/field/hash_grid.h"
 #include "ngs/ops/field/knn.h"

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "ngs/methods/cob_trainer.h"
+#include "ngs/methods/method_cob.h"
 #include "ngs/methods/method_flash.h"
 #include "support/method_case.h"
 

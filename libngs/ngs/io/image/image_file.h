@@ -1,5 +1,5 @@
 #pragma once
-// Photos and masks in, PNG out. With grab_cut.h the only user of OpenCV. All files are hostile: an unreadable
+// Photos and masks in, PNG out. With codecs/ the only user of OpenCV in io. All files are hostile: an unreadable
 // one is kBadInput. EXIF orientation is ignored, as the trainers and COLMAP do.
 #include <cstdint>
 #include <string>

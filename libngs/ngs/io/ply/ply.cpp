@@ -1,8 +1,8 @@
 #include "ngs/io/ply/ply.h"
 
 #include <algorithm>
-#include <bit>
 #include <charconv>
+#include <optional>
 
 #include "ngs/core/error.h"
 #include "ngs/io/ply/ply_scan.h"
@@ -10,23 +10,9 @@
 namespace ngs::io {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "PLY rows are used in place as little-endian");
-
 constexpr std::size_t kMaxHeaderBytes = std::size_t(1) << 24;
 // Names are compared with one another, so that the time is the square of these; a model of ours has 5 properties per object.
 constexpr std::size_t kMaxElements = 256, kMaxProperties = 16384;
-
-struct TypeName {
-  std::string_view name;
-  PlyType type;
-};
-constexpr TypeName kTypeNames[] = {
-    {"char", PlyType::kInt8},      {"uchar", PlyType::kUint8},    {"short", PlyType::kInt16},
-    {"ushort", PlyType::kUint16},  {"int", PlyType::kInt32},      {"uint", PlyType::kUint32},
-    {"float", PlyType::kFloat32},  {"double", PlyType::kFloat64}, {"int8", PlyType::kInt8},
-    {"uint8", PlyType::kUint8},    {"int16", PlyType::kInt16},    {"uint16", PlyType::kUint16},
-    {"int32", PlyType::kInt32},    {"uint32", PlyType::kUint32},  {"float32", PlyType::kFloat32},
-    {"float64", PlyType::kFloat64}};
 
 [[noreturn]] void bad(const std::string& name, const std::string& message, std::string remedy = {}) {
   throw Error(ErrorCode::kBadInput, name + ": " + message, std::move(remedy));
@@ -45,8 +31,7 @@ std::vector<std::string_view> split(std::string_view line) {
 }
 
 PlyType parse_type(const std::string& name, std::string_view word) {
-  for (const TypeName& t : kTypeNames)
-    if (t.name == word) return t.type;
+  if (const std::optional<PlyType> type = ply_type_of(word)) return *type;
   bad(name, "property type '" + printable(word) +
                 "', expected char uchar short ushort int uint float double (or int8 ... float64)");
 }
@@ -98,28 +83,7 @@ PlyFormat parse_format(const std::string& name, const std::vector<std::string_vi
   bad(name, "unknown format line, expected 'format ascii|binary_little_endian|binary_big_endian 1.0'");
 }
 
-template <class T>
-double load_as(const std::uint8_t* from) {
-  T v;
-  std::memcpy(&v, from, sizeof v);
-  return double(v);
-}
-
 }  // namespace
-
-std::size_t ply_type_bytes(PlyType type) {
-  constexpr std::size_t kBytes[] = {1, 1, 2, 2, 4, 4, 4, 8};
-  return kBytes[std::size_t(type)];
-}
-
-std::string_view ply_type_name(PlyType type) { return kTypeNames[std::size_t(type)].name; }
-
-std::string printable(std::string_view word) {
-  std::string text(word.substr(0, 60));
-  for (char& c : text)
-    if (c < 32 || c > 126) c = '?';
-  return text;
-}
 
 PlyFile PlyFile::open(const std::string& path) {
   PlyFile file;
@@ -195,57 +159,14 @@ void PlyFile::parse_header() {
       bad(name_, "element '" + printable(elements_[i].name) + "' occurs twice, expected once");
 }
 
+PlyTable PlyFile::table(const PlyElement& element) const { return element_table({name_, format_, bytes_}, element); }
+
 void PlyFile::locate_elements() {
   std::size_t at = body_;
   for (PlyElement& element : elements_) {
     element.begin = at;
-    element.end = at = element_end(name_, format_, element, bytes_);
+    element.end = at = element_end({name_, format_, bytes_}, element);
   }
-}
-
-int PlyTable::find(std::string_view name) const {
-  for (std::size_t p = 0; p < properties.size(); ++p)
-    if (properties[p].name == name) return int(p);
-  return -1;
-}
-
-PlyColumn PlyTable::column(std::string_view name) const {
-  const int p = find(name);
-  if (p < 0) return {};
-  return {rows > 0 ? row(0) + offset[std::size_t(p)] : nullptr, row_bytes, properties[std::size_t(p)].type};
-}
-
-void PlyTable::set_properties(std::vector<PlyProperty> scalar_properties) {
-  properties = std::move(scalar_properties);
-  offset.clear();
-  row_bytes = 0;
-  for (const PlyProperty& p : properties) {
-    offset.push_back(row_bytes);
-    row_bytes += ply_type_bytes(p.type);
-  }
-}
-
-double PlyColumn::value(std::int64_t row) const {
-  const std::uint8_t* from = first + std::size_t(row) * stride;
-  switch (type) {
-    case PlyType::kInt8:
-      return load_as<std::int8_t>(from);
-    case PlyType::kUint8:
-      return load_as<std::uint8_t>(from);
-    case PlyType::kInt16:
-      return load_as<std::int16_t>(from);
-    case PlyType::kUint16:
-      return load_as<std::uint16_t>(from);
-    case PlyType::kInt32:
-      return load_as<std::int32_t>(from);
-    case PlyType::kUint32:
-      return load_as<std::uint32_t>(from);
-    case PlyType::kFloat32:
-      return load_as<float>(from);
-    case PlyType::kFloat64:
-      return load_as<double>(from);
-  }
-  return 0;
 }
 
 }  // namespace ngs::io

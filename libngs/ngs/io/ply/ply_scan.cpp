@@ -12,11 +12,11 @@ namespace {
 
 // Where an error is, without building the text before it is needed.
 struct Place {
-  const std::string& name;
+  const PlyBytes& file;
   const PlyElement& element;
 
   [[noreturn]] void bad(const std::string& message, std::string remedy = {}) const {
-    throw Error(ErrorCode::kBadInput, name + ": " + message, std::move(remedy));
+    throw Error(ErrorCode::kBadInput, file.name + ": " + message, std::move(remedy));
   }
   [[noreturn]] void truncated(std::int64_t row) const {
     bad("the data stop in row " + std::to_string(row) + " of element '" + printable(element.name) +
@@ -57,9 +57,9 @@ void load_little(PlyFormat format, PlyType type, const std::uint8_t* from, std::
     copy_swapped<std::uint64_t>(from, to, [](std::uint64_t w) { return __builtin_bswap64(w); });
 }
 
-std::size_t list_bytes(const Place& place, PlyFormat format, const PlyProperty& p, const std::uint8_t* from) {
+std::size_t list_bytes(const Place& place, const PlyProperty& p, const std::uint8_t* from) {
   std::uint8_t little[8];
-  load_little(format, p.count_type, from, little);
+  load_little(place.file.format, p.count_type, from, little);
   const double count = PlyColumn{little, 8, p.count_type}.value(0);
   if (count < 0) place.bad("list '" + printable(p.name) + "' has a negative length, expected >= 0");
   return std::size_t(count) * ply_type_bytes(p.type);
@@ -67,8 +67,8 @@ std::size_t list_bytes(const Place& place, PlyFormat format, const PlyProperty& 
 
 /// Calls visit(property index, its bytes) for the scalars of the row at `at`; returns where the row ends.
 template <class Visit>
-std::size_t walk_binary_row(const Place& place, PlyFormat format, Bytes bytes, std::size_t at,
-                            std::int64_t row, const Visit& visit) {
+std::size_t scan_binary_row(const Place& place, std::size_t at, std::int64_t row, const Visit& visit) {
+  const Bytes bytes = place.file.bytes;
   const auto need = [&](std::size_t n) {
     if (n > bytes.size() - at) place.truncated(row);
   };
@@ -77,7 +77,7 @@ std::size_t walk_binary_row(const Place& place, PlyFormat format, Bytes bytes, s
     std::size_t size = ply_type_bytes(p.is_list ? p.count_type : p.type);
     need(size);
     if (!p.is_list) visit(i, bytes.data() + at);
-    const std::size_t list = p.is_list ? list_bytes(place, format, p, bytes.data() + at) : 0;
+    const std::size_t list = p.is_list ? list_bytes(place, p, bytes.data() + at) : 0;
     at += size;
     need(list);
     at += list;
@@ -86,15 +86,15 @@ std::size_t walk_binary_row(const Place& place, PlyFormat format, Bytes bytes, s
 }
 
 /// The next line that is not blank; `at` moves behind it.
-std::string_view next_line(const Place& place, Bytes bytes, std::size_t& at, std::int64_t row) {
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+std::string_view next_line(const Place& place, std::size_t& at, std::int64_t row) {
+  const std::string_view text(reinterpret_cast<const char*>(place.file.bytes.data()), place.file.bytes.size());
   for (;;) {
     const std::size_t end = text.find('\n', at);
     if (end == std::string_view::npos) {
       if (text.find_first_not_of(" \t\r", at) == std::string_view::npos) place.truncated(row);
       place.bad("row " + std::to_string(row) + " of element '" + printable(place.element.name) +
                     "' has no end of line, expected " + std::to_string(place.element.count) + " whole rows",
-                "if the file is complete, end it with a newline: echo >> " + place.name);
+                "if the file is complete, end it with a newline: echo >> " + place.file.name);
     }
     const std::string_view line = text.substr(at, end - at);
     at = end + 1;
@@ -176,12 +176,12 @@ void parse_line(const Place& place, std::string_view line, std::int64_t row, std
 
 }  // namespace
 
-std::size_t element_end(const std::string& name, PlyFormat format, const PlyElement& element, Bytes bytes) {
-  const Place place{name, element};
+std::size_t element_end(const PlyBytes& file, const PlyElement& element) {
+  const Place place{file, element};
   std::size_t at = element.begin;
   if (element.properties.empty()) return at;
-  const bool ascii = format == PlyFormat::kAscii;
-  const std::size_t left = bytes.size() - at;  // a value of text takes a digit and a blank at least
+  const bool ascii = file.format == PlyFormat::kAscii;
+  const std::size_t left = file.bytes.size() - at;  // a value of text takes a digit and a blank at least
   const std::size_t row_bytes = ascii ? 2 * element.properties.size() : least_row_bytes(element);
   if (std::uint64_t(element.count) > left / row_bytes)
     place.bad("element '" + printable(element.name) + "': " + std::to_string(left) +
@@ -189,41 +189,48 @@ std::size_t element_end(const std::string& name, PlyFormat format, const PlyElem
                   (ascii || has_list(element) ? "at least " : "") + std::to_string(row_bytes) + " bytes",
               "the file is cut short: copy or download it again");
   if (ascii) {
-    for (std::int64_t i = 0; i < element.count; ++i) next_line(place, bytes, at, i);
+    for (std::int64_t i = 0; i < element.count; ++i) next_line(place, at, i);
     return at;
   }
   if (!has_list(element)) return at + std::size_t(element.count) * row_bytes;
   for (std::int64_t i = 0; i < element.count; ++i)
-    at = walk_binary_row(place, format, bytes, at, i, [](std::size_t, const std::uint8_t*) {});
+    at = scan_binary_row(place, at, i, [](std::size_t, const std::uint8_t*) {});
   return at;
 }
 
-PlyTable PlyFile::table(const PlyElement& element) const {
-  const Place place{name_, element};
+PlyTable element_table(const PlyBytes& file, const PlyElement& element) {
+  const Place place{file, element};
   PlyTable table;
   std::vector<PlyProperty> scalars;
   for (const PlyProperty& p : element.properties)
     if (!p.is_list) scalars.push_back(p);
   table.set_properties(std::move(scalars));
   table.rows = element.count;
-  table.borrowed = bytes_.data() + element.begin;
+  table.borrowed = file.bytes.data() + element.begin;
   if (table.row_bytes == 0 || table.rows == 0) return table;
-  if (format_ == PlyFormat::kBinaryLittle && !has_list(element)) return table;
+  if (file.format == PlyFormat::kBinaryLittle && !has_list(element)) return table;
 
   table.owned.resize(std::size_t(table.rows) * table.row_bytes);
   std::size_t at = element.begin;
   for (std::int64_t i = 0; i < table.rows; ++i) {
     std::uint8_t* to = table.owned.data() + std::size_t(i) * table.row_bytes;
-    if (format_ == PlyFormat::kAscii) {
-      parse_line(place, next_line(place, bytes_, at, i), i, to);
+    if (file.format == PlyFormat::kAscii) {
+      parse_line(place, next_line(place, at, i), i, to);
       continue;
     }
-    at = walk_binary_row(place, format_, bytes_, at, i, [&](std::size_t p, const std::uint8_t* from) {
-      load_little(format_, element.properties[p].type, from, to);
+    at = scan_binary_row(place, at, i, [&](std::size_t p, const std::uint8_t* from) {
+      load_little(file.format, element.properties[p].type, from, to);
       to += ply_type_bytes(element.properties[p].type);
     });
   }
   return table;
+}
+
+std::string printable(std::string_view word) {
+  std::string text(word.substr(0, 60));
+  for (char& c : text)
+    if (c < 32 || c > 126) c = '?';
+  return text;
 }
 
 }  // namespace ngs::io

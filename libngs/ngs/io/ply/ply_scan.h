@@ -1,11 +1,22 @@
 #pragma once
-// The parts of ply.h that walk rows: where an element ends, and its rows as little-endian bytes.
-#include "ngs/io/ply/ply.h"
+// The rows of an element: where they end, and their scalars as packed little-endian bytes.
+#include "ngs/io/files/mapped_file.h"
+#include "ngs/io/ply/ply_types.h"
 
 namespace ngs::io {
 
+/// The bytes of a file; `name` is for messages.
+struct PlyBytes {
+  const std::string& name;
+  PlyFormat format;
+  Bytes bytes;
+};
+
 /// Where `element`, which starts at `element.begin`, ends. Throws kBadInput where the bytes do not suffice.
-std::size_t element_end(const std::string& name, PlyFormat format, const PlyElement& element, Bytes bytes);
+std::size_t element_end(const PlyBytes& file, const PlyElement& element);
+
+/// The rows of `element`; borrowed from the file where they are plain little-endian. Throws kBadInput.
+PlyTable element_table(const PlyBytes& file, const PlyElement& element);
 
 /// At most 60 characters of a hostile word, other than printable ASCII replaced.
 std::string printable(std::string_view word);

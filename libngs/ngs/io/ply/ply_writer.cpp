@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "ngs/core/check.h"
 #include "ngs/io/files/atomic_file.h"
@@ -11,37 +9,7 @@ namespace {
 
 constexpr std::size_t kBufferBytes = std::size_t(1) << 20;
 
-template <class T>
-void store_integer(double value, std::uint8_t* to) {
-  constexpr double kLow = double(std::numeric_limits<T>::min()),
-                   kHigh = double(std::numeric_limits<T>::max());
-  const T v = std::isnan(value) ? T(0) : T(std::clamp(std::nearbyint(value), kLow, kHigh));
-  std::memcpy(to, &v, sizeof v);
-}
-
 }  // namespace
-
-void ply_store(PlyType type, double value, std::uint8_t* to) {
-  switch (type) {
-    case PlyType::kInt8:
-      return store_integer<std::int8_t>(value, to);
-    case PlyType::kUint8:
-      return store_integer<std::uint8_t>(value, to);
-    case PlyType::kInt16:
-      return store_integer<std::int16_t>(value, to);
-    case PlyType::kUint16:
-      return store_integer<std::uint16_t>(value, to);
-    case PlyType::kInt32:
-      return store_integer<std::int32_t>(value, to);
-    case PlyType::kUint32:
-      return store_integer<std::uint32_t>(value, to);
-    case PlyType::kFloat32:
-      return ply_store_float(float(value), to);
-    case PlyType::kFloat64:
-      std::memcpy(to, &value, sizeof value);
-      return;
-  }
-}
 
 PlyWriter::PlyWriter(const std::string& path, const PlyElement& element,
                      const std::vector<std::string>& comments)

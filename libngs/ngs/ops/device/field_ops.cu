@@ -1,4 +1,4 @@
-#include "ngs/ops/device/cuda_ops.cuh"
+#include "ngs/ops/device/cuda_op_groups.cuh"
 #include "ngs/ops/device/launched_field_ops.h"
 
 namespace ngs {

@@ -6,6 +6,7 @@
 // walk is not recorded: transmittances are kept every kBatch entries in memory and every kChunk in the block, and from
 // there the steps are taken again, which gives the same bits. Per chunk the threads then change roles: from a pixel with
 // kChunk Gaussians to a Gaussian with eight pixels of half a row, so that sums over pixels need no exchange within warps.
+#include "ngs/backend/exec.h"
 #include "ngs/ops/device/splat_forward_schedule.h"
 
 namespace ngs {

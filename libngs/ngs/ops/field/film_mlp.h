@@ -6,12 +6,10 @@
 // of the scene, such as the RBF width, samples can turn opaque whatever the unit of the scene is. softplus
 // grows linearly, so no clamp is needed for finite weights.
 // Results, parameter gradients included, do not depend on exec.threads.
-#include <vector>
-
 #include "ngs/backend/exec.h"
 #include "ngs/ops/field/film_mlp_layout.h"
+#include "ngs/ops/field/film_mlp_types.h"
 #include "ngs/scene/param_store.h"
-#include "ngs/scene/views.h"
 
 namespace ngs {
 
@@ -24,24 +22,6 @@ struct FilmMlpInit {
 /// of the first. Weights: He-uniform; modulation weights small; biases 0 but b_γ = 1 and the density's.
 std::size_t add_film_mlp(ParamStore& store, const std::string& prefix, const FilmMlpConfig& config,
                          const FilmMlpInit& init);
-
-struct FilmMlpInputs {
-  Matrix<const float> feature;     // [Q, inputs]    f_hash
-  Matrix<const float> condition;   // [Q, condition] f_inter
-  Rows<const float, 3> direction;  // [Q / queries_per_direction, 3] unit; unused if direction_degree = 0
-  std::int64_t queries_per_direction = 1;
-};
-
-struct FilmMlpOutput {
-  std::vector<float> density;  // [Q] >= 0, world^-1
-  std::vector<float> rgb;      // [Q, 3] in (0, 1)
-  std::vector<float> context;  // for backward
-};
-
-struct FilmMlpGradients {
-  std::vector<float> feature;    // [Q, inputs]
-  std::vector<float> condition;  // [Q, condition]
-};
 
 class FilmMlp {
  public:

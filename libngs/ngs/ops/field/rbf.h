@@ -4,36 +4,15 @@
 // The weights are the L1-normalised Gaussians of Eq. (8), computed as a softmax of -d²/2h², which equals the
 // printed form where that is defined and tends to the nearest neighbour where it is 0/0 (C22).
 // With an empty graph (no boundary Gaussians) every feature is 0. Nothing here depends on exec.threads.
-#include <vector>
-
 #include "ngs/backend/exec.h"
-#include "ngs/scene/knn_graph.h"
+#include "ngs/ops/field/rbf_types.h"
 
 namespace ngs {
-
-/// The arguments shared by forward and backward. `graph` = nearest_points(boundary, query).
-struct RbfProblem {
-  Rows<const float, 3> query;     // [Q, 3] world
-  Rows<const float, 3> boundary;  // [B, 3] world
-  Matrix<const float> feature;    // [B, F]
-  const KnnGraph* graph = nullptr;
-  double width = 1;  // kernel width h > 0, world
-};
 
 /// 1 / (2 h²) as the kernels take it; finite for every width: the nearest neighbour's exponent is 0 times it.
 float inv_2h2(double width);
 
-struct RbfField {
-  std::vector<float> weight;   // [Q, K] Σ_j = 1 per row
-  std::vector<float> feature;  // [Q, F]
-};
-
 void rbf_forward(const Exec& exec, const RbfProblem& problem, RbfField& out);
-
-struct RbfGradients {
-  std::vector<float> feature;   // [B, F] ∂L/∂feature
-  std::vector<float> boundary;  // [B, 3] ∂L/∂boundary through the weights; empty unless asked for
-};
 
 /// Overwrites `out`. `grad_feature` = ∂L/∂(field.feature) [Q, F]. The neighbour lists count as constant.
 void rbf_backward(const Exec& exec, const RbfProblem& problem, const RbfField& field,

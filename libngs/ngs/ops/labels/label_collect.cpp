@@ -1,3 +1,5 @@
+#include "ngs/ops/labels/label_collect.h"
+
 #include "ngs/ops/labels/label_packs.h"
 
 namespace ngs {
@@ -36,7 +38,7 @@ class PackWriter {
   std::uint32_t last_ = 0;
 };
 
-/// The contributions of a tile's columns in the order of the walk; one per thread, grows and is kept.
+/// The contributions of a tile's columns in the order of the traversal; one per thread, grows and is kept.
 struct Contributions {
   struct Part {
     std::uint32_t place, pack;
@@ -87,7 +89,7 @@ struct WeightSink {
   }
 };
 
-/// The contributions of each pack, in the order of the walk.
+/// The contributions of each pack, in the order of the traversal.
 struct PackOrder {
   std::vector<std::uint32_t> order;  // [contributions]
   std::uint32_t end[kTilePacks];
@@ -112,7 +114,7 @@ LabelBlock collect_block(const RecordedTile& tile, LabelPlaces places, TargetPla
   const TileTargets targets(tile.work.frame, planes);
   L foreground[kTilePacks], background[kTilePacks];
   std::fill_n(foreground, kTilePacks, L(0.f)), std::fill_n(background, kTilePacks, L(0.f));
-  walk(tile, WeightSink{tile, places, found, foreground, background});
+  traverse(tile, WeightSink{tile, places, found, foreground, background});
 
   LabelBlock out;
   out.binary = targets.binary, out.entry = found.entry;

@@ -1,9 +1,9 @@
 #pragma once
-// Packs of pixels, tile targets and the walk of a tile, for the two sides of a label block: label_collect.cpp makes it,
-// label_blocks.cpp evaluates it.
+// Packs of pixels, tile targets and the contributions of a tile in order, for the two sides of a label block:
+// label_collect.cpp makes it, label_evaluate.cpp evaluates it.
 #include <cmath>
 
-#include "ngs/ops/labels/label_blocks.h"
+#include "ngs/ops/labels/label_block.h"
 #include "ngs/ops/losses/loss_mask_kernels.h"
 
 namespace ngs::label {
@@ -92,7 +92,7 @@ template <class F>
 /// others: sink.begin(entry), sink.begin_band(band), sink.add(pack, [lanes] of alpha, then of transmittance `lanes`
 /// later), sink.end_band(band), sink.end(). Some have no lane at all: to leave them out costs more than to add zeros.
 template <class Sink>
-void walk(const RecordedTile& tile, Sink&& sink) {
+void traverse(const RecordedTile& tile, Sink&& sink) {
   const Tape<float>& tape = tile.tape;
   const int bands = tile.lanes / L::kLanes;  // side by side in the tape
   for (std::size_t k = 0; k < tape.spans;) {

@@ -3,9 +3,11 @@
 #include <atomic>
 
 #include "ngs/core/check.h"
-#include "ngs/ops/splat/cloud_view.h"
-#include "ngs/ops/labels/label_blocks.h"
+#include "ngs/ops/labels/label_collect.h"
+#include "ngs/ops/labels/label_evaluate.h"
 #include "ngs/ops/losses/loss_mask_kernels.h"
+#include "ngs/ops/splat/cloud_view.h"
+#include "ngs/ops/splat/splat_view.h"
 #include "ngs/ops/splat/tile_isa.h"
 
 namespace ngs {
@@ -120,7 +122,7 @@ void LabelSystem::State::open_view(const Exec& exec, std::size_t camera, std::in
   if (!add_view(std::move(tiles), bytes, cache_bytes)) streamed.push_back(camera), ++stats.streamed_views;
 }
 
-/// Nothing is to be kept: one walk gives the constants and the sums at the labels given.
+/// Nothing is to be kept: one traversal gives the constants and the sums at the labels given.
 void LabelSystem::State::open_streamed(const Exec& exec) {
   std::vector<double> m(std::size_t(columns), 0.0);
   for (std::size_t i = 0; i < column_of.size(); ++i)

@@ -6,6 +6,7 @@
 // Means run over pixels and channels. SSIM uses an 11x11 Gaussian window (σ 1.5 px) per channel with zero padding,
 // C1 = 1e-4, C2 = 9e-4, values in [0, 1]. With pixel weights w both means become Σ w · / Σ w; with a region only its
 // pixels count, but their windows still see the pixels around it. All weights zero: loss and gradient are zero.
+// Defined in photometric_impl.h, which tests instantiate for dual numbers.
 #include <cstdint>
 
 #include "ngs/backend/exec.h"

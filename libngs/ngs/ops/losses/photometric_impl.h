@@ -1,5 +1,5 @@
 #pragma once
-// Body of PhotometricPass; included by photometric.cpp and by the gradient test, which instantiates it with Dual.
+// The body of photometric.h; included by the gradient test as well, which instantiates it for Dual.
 #include <algorithm>
 
 #include "ngs/backend/for_each.h"

@@ -1,6 +1,9 @@
 #pragma once
 // GaussianCloud and Camera in the form the float kernels take. Internal to ops.
-#include "ngs/ops/splat/splat_view.h"
+#include <algorithm>
+
+#include "ngs/ops/splat/splat_gaussian.h"
+#include "ngs/scene/gaussian_cloud.h"
 
 namespace ngs {
 

@@ -2,6 +2,7 @@
 
 #include "ngs/core/check.h"
 #include "ngs/ops/splat/cloud_view.h"
+#include "ngs/ops/splat/splat_view.h"
 #include "ngs/ops/device/device_ops.h"
 #include "ngs/ops/splat/tile_isa.h"
 #include "ngs/ops/splat/tile_scratch.h"

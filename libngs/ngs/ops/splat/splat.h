@@ -7,27 +7,12 @@
 #include <memory>
 
 #include "ngs/backend/exec.h"
+#include "ngs/ops/splat/splat_options.h"
 #include "ngs/scene/camera.h"
-#include "ngs/scene/compat.h"
 #include "ngs/scene/gaussian_cloud.h"
 #include "ngs/scene/rendered_view.h"
 
 namespace ngs {
-
-struct SplatOptions {
-  Compat compat = Compat::kInria;
-  bool antialiased = false;  // multiply opacity by sqrt(det / det_blurred)
-  int max_sh_degree = 3;     // bands above it are not evaluated
-  double blur_px2 = 0.3;     // variance of the low-pass filter at the rendered size; see filter_at_scale
-};
-
-/// The options for a picture `scale` times the size the model was fitted at: the same filter in the scene, that is
-/// scale² times its variance in pixels. With the 0.3 px² of the fitting size at a larger size, footprints shrink and
-/// rendered masks come out too small.
-inline SplatOptions filter_at_scale(SplatOptions options, double scale) {
-  options.blur_px2 *= scale * scale;
-  return options;
-}
 
 /// Which images to produce, and from which Gaussians.
 struct RenderRequest {

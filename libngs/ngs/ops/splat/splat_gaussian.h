@@ -3,9 +3,11 @@
 // sums over its pixels to the cloud's columns. Internal to ops; templated on the storage scalar S.  PAPER.md §5.1
 #include "ngs/ops/splat/near_plane.h"
 #include "ngs/ops/splat/project_kernels.h"
-#include "ngs/ops/splat/splat.h"
+#include "ngs/ops/splat/splat_options.h"
 #include "ngs/ops/splat/splat_step_kernels.h"
 #include "ngs/ops/splat/tile_types.h"
+#include "ngs/scene/camera.h"
+#include "ngs/scene/views.h"
 
 namespace ngs {
 

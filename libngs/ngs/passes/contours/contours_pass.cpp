@@ -6,7 +6,7 @@
 #include "ngs/passes/contours/refined_masks.h"
 #include "ngs/passes/detectors.h"
 #include "ngs/problem/view_list.h"
-#include "ngs/stages/masks/mask_pair.h"
+#include "ngs/ops/image/mask_pair.h"
 
 namespace ngs {
 namespace {

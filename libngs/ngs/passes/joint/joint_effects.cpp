@@ -6,7 +6,7 @@
 #include "ngs/passes/joint/joint_field.h"
 #include "ngs/passes/scene_probe.h"
 #include "ngs/problem/view_list.h"
-#include "ngs/stages/masks/mask_pair.h"
+#include "ngs/ops/image/mask_pair.h"
 
 namespace ngs {
 namespace {

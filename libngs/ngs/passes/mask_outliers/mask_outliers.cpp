@@ -6,7 +6,7 @@
 #include "ngs/math/median.h"
 #include "ngs/ops/splat/evidence.h"
 #include "ngs/stages/boundary/leave_one_out.h"
-#include "ngs/stages/masks/mask_pair.h"
+#include "ngs/ops/image/mask_pair.h"
 
 namespace ngs {
 namespace {

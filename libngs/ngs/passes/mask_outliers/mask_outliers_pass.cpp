@@ -5,7 +5,7 @@
 #include "ngs/passes/detectors.h"
 #include "ngs/passes/mask_outliers/mask_outliers.h"
 #include "ngs/stages/boundary/method_labels.h"
-#include "ngs/stages/masks/mask_pair.h"
+#include "ngs/ops/image/mask_pair.h"
 #include "ngs/stages/render/render_stage.h"
 
 namespace ngs {

@@ -1,6 +1,7 @@
 #pragma once
 // How the fit changes the number of Gaussians: clone, split and prune as in 3DGS.
-#include "ngs/stages/fit/fit_stage.h"
+#include "ngs/backend/exec.h"
+#include "ngs/stages/fit/fit_state.h"
 
 namespace ngs {
 

@@ -16,7 +16,7 @@
 #include "ngs/scene/held_photo.h"
 #include "ngs/scene/scene.h"
 #include "ngs/stages/render/background.h"
-#include "ngs/stages/fit/gaussian_adam.h"
+#include "ngs/stages/fit/fit_state.h"
 
 namespace ngs {
 
@@ -86,14 +86,6 @@ struct FitView {
 struct FitPoint {
   float position[3];
   float rgb[3];  // [0, 1]
-};
-
-struct FitState {
-  std::int64_t step = 0;  // steps done
-  GaussianCloud cloud;
-  GaussianMoments moments;
-  std::vector<float> gradient_sum;   // [N] Σ |∂L/∂mean| in NDC over the views that saw it since the last densification
-  std::vector<float> gradient_views; // [N] their number
 };
 
 /// 1.1 times the largest distance of a training camera from their mean; of one camera: 1. 3DGS's spatial scale.

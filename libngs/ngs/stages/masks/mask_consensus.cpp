@@ -6,7 +6,7 @@
 #include "ngs/ops/splat/evidence.h"
 #include "ngs/ops/field/knn.h"
 #include "ngs/ops/image/metrics.h"
-#include "ngs/stages/masks/pixel_pieces.h"
+#include "ngs/ops/image/connected_components.h"
 
 namespace ngs {
 namespace {
@@ -230,26 +230,26 @@ double agreement(const Consensus& consensus, const PixelMask& mask) {
 
 PixelMask keep_seeded_pieces(const ViewPrompt& prompt, PixelMask mask, double speck_share) {
   const auto seeded = [&](const std::vector<std::uint8_t>& of, PixelHint hint) {
-    PixelPieces pieces = pixel_pieces(plane_of(of, prompt.width_px, prompt.height_px));
-    std::vector<std::uint8_t> has_seed(pieces.size.size());
+    ConnectedComponents components = connected_components(plane_of(of, prompt.width_px, prompt.height_px));
+    std::vector<std::uint8_t> has_seed(components.size.size());
     bool any = false;
     for (std::size_t p = 0; p < of.size(); ++p)
       if (prompt.hint[p] == hint)
-        any = true, has_seed[std::size_t(std::max(0, pieces.piece[p]))] |= pieces.piece[p] >= 0;
-    return std::tuple(std::move(pieces), std::move(has_seed), any);
+        any = true, has_seed[std::size_t(std::max(0, components.component[p]))] |= components.component[p] >= 0;
+    return std::tuple(std::move(components), std::move(has_seed), any);
   };
   if (std::find(mask.begin(), mask.end(), 1) == mask.end()) return mask;
   const auto [objects, object_seeds, has_object] = seeded(mask, PixelHint::kObject);
   for (std::size_t p = 0; p < mask.size(); ++p)
-    if (mask[p] && has_object && !object_seeds[std::size_t(objects.piece[p])]) mask[p] = 0;
+    if (mask[p] && has_object && !object_seeds[std::size_t(objects.component[p])]) mask[p] = 0;
   PixelMask rest(mask.size());
   for (std::size_t p = 0; p < mask.size(); ++p) rest[p] = !mask[p];
   if (std::find(rest.begin(), rest.end(), 1) == rest.end()) return mask;
   const double most = speck_share * double(std::count(mask.begin(), mask.end(), 1));
   const auto [holes, hole_seeds, has_background] = seeded(rest, PixelHint::kBackground);
   for (std::size_t p = 0; p < mask.size(); ++p)
-    if (rest[p] && !hole_seeds[std::size_t(holes.piece[p])] &&
-        double(holes.size[std::size_t(holes.piece[p])]) < most)
+    if (rest[p] && !hole_seeds[std::size_t(holes.component[p])] &&
+        double(holes.size[std::size_t(holes.component[p])]) < most)
       mask[p] = 1;
   return mask;
 }

@@ -1,6 +1,7 @@
 #pragma once
-// The masks' part of scene_check.h.
-#include "ngs/stages/scene/scene_check.h"
+// The masks' part of a check of a scene.
+#include "ngs/core/monitor.h"
+#include "ngs/stages/scene/scene_findings.h"
 
 namespace ngs {
 

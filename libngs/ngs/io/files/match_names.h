@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-namespace ngs {
+namespace ngs::io {
 
 struct NamePair {
   std::size_t predicted = 0, truth = 0;  // indices into the two lists
@@ -32,4 +32,4 @@ NameMatch match_names(std::span<const std::string> predicted, std::span<const st
 /// rule.
 std::vector<std::size_t> select_every(std::string_view rule, std::size_t count);
 
-}  // namespace ngs
+}  // namespace ngs::io

@@ -4,7 +4,7 @@
 // only likely cannot spoil them. One thread and a fixed seed: the same bytes everywhere.
 #include "ngs/scene/view_prompt.h"
 
-namespace ngs::io {
+namespace ngs {
 
 struct GrabCutOptions {
   int iterations = 3;  // cuts; after the first the colours are learnt again from its result
@@ -16,4 +16,4 @@ struct GrabCutOptions {
 /// of any kind there is nothing to learn from: the likely sides come back as they are.
 PixelMask grab_cut(const ImageU8& photo, const ViewPrompt& prompt, const GrabCutOptions& options);
 
-}  // namespace ngs::io
+}  // namespace ngs

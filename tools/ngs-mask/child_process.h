@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace ngs::io {
+namespace ngs::cli {
 
 /// Words of a command line: blanks separate, '...' and "..." group, a backslash takes the next character as
 /// it is (not within '...'). kUsage for an open quote, a trailing backslash and an empty line.
@@ -33,4 +33,4 @@ struct ChildLimits {
 /// started.
 ChildResult run_child(const std::vector<std::string>& argv, const ChildLimits& limits);
 
-}  // namespace ngs::io
+}  // namespace ngs::cli

@@ -1,4 +1,4 @@
-#include "ngs/stages/eval/match_names.h"
+#include "ngs/io/files/match_names.h"
 
 #include <doctest/doctest.h>
 
@@ -10,9 +10,9 @@ namespace {
 using Names = std::vector<std::string>;
 
 std::string described(const Names& predicted, const Names& truth) {
-  const NameMatch match = match_names(predicted, truth);
+  const io::NameMatch match = io::match_names(predicted, truth);
   std::string text;
-  for (const NamePair& pair : match.pairs)
+  for (const io::NamePair& pair : match.pairs)
     text += predicted[pair.predicted] + "=" + truth[pair.truth] + "(" + std::string(pair.rule) + ") ";
   for (std::size_t i : match.unmatched_predicted) text += "-" + predicted[i] + " ";
   for (std::size_t i : match.unmatched_truth) text += "+" + truth[i] + " ";
@@ -48,17 +48,17 @@ TEST_CASE("a folder in front is part of the name") {
 }
 
 TEST_CASE("two files of one stem are refused") {
-  CHECK_THROWS_AS(match_names(Names{"a.png", "a.jpg"}, Names{"a.png"}), Error);
+  CHECK_THROWS_AS(io::match_names(Names{"a.png", "a.jpg"}, Names{"a.png"}), Error);
 }
 
 TEST_CASE("every:N:K selects by index and refuses anything else") {
-  CHECK(select_every("every:4:2", 11) == std::vector<std::size_t>{2, 6, 10});
-  CHECK(select_every("all", 3) == std::vector<std::size_t>{0, 1, 2});
-  CHECK(select_every("every:4:2", 0).empty());
+  CHECK(io::select_every("every:4:2", 11) == std::vector<std::size_t>{2, 6, 10});
+  CHECK(io::select_every("all", 3) == std::vector<std::size_t>{0, 1, 2});
+  CHECK(io::select_every("every:4:2", 0).empty());
   for (const char* rule :
        {"every:4:4", "every:0:0", "every:4", "every::", "every:a:1", "every:4:-1", "some", ""}) {
     CAPTURE(rule);
-    CHECK_THROWS_AS(select_every(rule, 5), Error);
+    CHECK_THROWS_AS(io::select_every(rule, 5), Error);
   }
 }
 

@@ -1,4 +1,4 @@
-#include "ngs/stages/eval/match_names.h"
+#include "ngs/io/files/match_names.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include "ngs/core/error.h"
 #include "ngs/scene/view_names.h"
 
-namespace ngs {
+namespace ngs::io {
 namespace {
 
 using namespace std::string_view_literals;
@@ -124,4 +124,4 @@ std::vector<std::size_t> select_every(std::string_view rule, std::size_t count) 
   return selected;
 }
 
-}  // namespace ngs
+}  // namespace ngs::io

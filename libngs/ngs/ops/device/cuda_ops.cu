@@ -1,4 +1,6 @@
-#include "ngs/ops/device/cuda_ops.cuh"
+#include "ngs/ops/device/cuda_ops.h"
+
+#include "ngs/ops/device/cuda_op_groups.cuh"
 
 namespace ngs {
 

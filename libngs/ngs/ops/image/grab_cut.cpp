@@ -1,4 +1,4 @@
-#include "ngs/io/image/grab_cut.h"
+#include "ngs/ops/image/grab_cut.h"
 
 #include <algorithm>
 #include <opencv2/core.hpp>
@@ -6,7 +6,7 @@
 
 #include "ngs/core/check.h"
 
-namespace ngs::io {
+namespace ngs {
 namespace {
 
 constexpr std::size_t kComponents = 5;         // of the mixture of each side, fixed in OpenCV
@@ -103,4 +103,4 @@ PixelMask grab_cut(const ImageU8& photo, const ViewPrompt& prompt, const GrabCut
   return mask;
 }
 
-}  // namespace ngs::io
+}  // namespace ngs

@@ -1,5 +1,5 @@
 #pragma once
-// The parts of cuda_ops(), one per .cu file so that they compile side by side.
+// The groups of ops that cuda_ops() joins, one per .cu file so that they compile side by side.
 #include <memory>
 
 #include "ngs/backend/cuda_launcher.cuh"

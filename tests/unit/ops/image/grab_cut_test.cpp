@@ -1,4 +1,4 @@
-#include "ngs/io/image/grab_cut.h"
+#include "ngs/ops/image/grab_cut.h"
 
 #include <doctest/doctest.h>
 
@@ -39,12 +39,12 @@ TEST_CASE("a stroke on either side brings the whole object, the same bytes every
            : y == 4                    ? PixelHint::kBackground
                                        : PixelHint::kLikelyBackground;
   });
-  const PixelMask mask = io::grab_cut(disc_photo(), strokes, {});
+  const PixelMask mask = grab_cut(disc_photo(), strokes, {});
   int wrong = 0;
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x) wrong += (mask[std::size_t(y * kWidth + x)] != 0) != in_disc(x, y);
   CHECK(wrong == 0);
-  CHECK(io::grab_cut(disc_photo(), strokes, {}) == mask);
+  CHECK(grab_cut(disc_photo(), strokes, {}) == mask);
 }
 
 TEST_CASE("certain pixels keep their side against all colours") {
@@ -53,7 +53,7 @@ TEST_CASE("certain pixels keep their side against all colours") {
     if (x == 5 && y == 5) return PixelHint::kObject;
     return in_disc(x, y) ? PixelHint::kLikelyObject : PixelHint::kLikelyBackground;
   });
-  const PixelMask mask = io::grab_cut(disc_photo(), against, {});
+  const PixelMask mask = grab_cut(disc_photo(), against, {});
   CHECK(mask[22 * kWidth + 30] == 0);
   CHECK(mask[5 * kWidth + 5] == 1);
 }
@@ -62,10 +62,10 @@ TEST_CASE("without pixels of a side, or without freedom, the hints come back") {
   const ImageU8 photo = disc_photo();
   for (const PixelHint all :
        {PixelHint::kBackground, PixelHint::kObject, PixelHint::kLikelyBackground, PixelHint::kLikelyObject}) {
-    const PixelMask mask = io::grab_cut(photo, prompt_of([&](int, int) { return all; }), {});
+    const PixelMask mask = grab_cut(photo, prompt_of([&](int, int) { return all; }), {});
     CHECK(mask == PixelMask(std::size_t(kWidth * kHeight), is_object(all)));
   }
-  const PixelMask four = io::grab_cut(
+  const PixelMask four = grab_cut(
       photo, prompt_of([](int x, int y) {
         return y == 0 && x < 4 ? PixelHint::kObject
                                : PixelHint::kLikelyBackground;  // one fewer than a mixture has parts

@@ -1,4 +1,4 @@
-#include "ngs/io/files/child_process.h"
+#include "child_process.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -20,7 +20,7 @@
 
 extern char** environ;
 
-namespace ngs::io {
+namespace ngs::cli {
 namespace {
 
 constexpr std::size_t kLastWords = 2000;
@@ -170,4 +170,4 @@ ChildResult run_child(const std::vector<std::string>& argv, const ChildLimits& l
   return result;
 }
 
-}  // namespace ngs::io
+}  // namespace ngs::cli

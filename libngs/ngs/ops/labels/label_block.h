@@ -1,6 +1,9 @@
 #pragma once
-// Compact weights of one tile and the two products with them. Internal to ops (label_system.cpp).
-#include "ngs/ops/splat/splat_view.h"
+// Compact weights of one tile, what they are made from, and what is evaluated on them. Internal to ops (label_system.cpp).
+#include <vector>
+
+#include "ngs/math/lanes.h"
+#include "ngs/ops/splat/splat_tiles.h"
 #include "ngs/ops/splat/tile_scratch.h"
 
 namespace ngs {
@@ -50,44 +53,17 @@ struct SlotSums {
   float inside, outside;
 };
 
-/// The block's part of Σ a ln q + b ln c, negated; writes its entries' slots.
-double evaluate_block(const LabelBlock& block, ColumnValues at, SlotSums* slots);
-
-/// Where a Gaussian's label is, for collect_block: its column, or -1 and the folded value.
-struct LabelPlaces {
-  const std::uint32_t* id;     // [V] Gaussians that the view shows
-  const std::int32_t* column;  // [N]
-  const double* label;         // [N]
-};
-
 /// Targets of a whole view, [H·W] each.
 struct TargetPlanes {
   const float *inside, *outside;
 };
 
-/// Loss and targets of a tile.
-struct TileLoss {
-  double loss = 0;        // -Σ a ln q + b ln c
-  double target_sum = 0;  // Σ a + b
-};
-
-/// A tile's contributions by `record` of packs of `lanes` pixels. Who walks it overwrites alphas with weights: once.
+/// A tile's contributions by `record` of packs of `lanes` pixels. Who traverses it overwrites alphas with weights: once.
 struct RecordedTile {
   TileWork<float> work;
   Tape<float>& tape;
   int lanes;
   float* transmittance;  // [kTilePixels] behind the last one, in packs
 };
-
-/// The sums of all Gaussians of the tile, which stand at `at` [V]; writes their slots. The same sums as those of a block
-/// whose columns are all Gaussians.
-TileLoss evaluate_tile(const RecordedTile& tile, ColumnValues at, TargetPlanes targets, SlotSums* slots);
-
-/// The tile's block, in half precision if wanted; slots are those of the view's lists.
-LabelBlock collect_block(const RecordedTile& tile, LabelPlaces places, TargetPlanes targets, bool half);
-
-/// The block with only the columns whose `new_column` is >= 0, renumbered; the others are folded at their
-/// values. Its constant_loss is that of the pixels which no column reaches any more; its target_sum is 0.
-LabelBlock reduced_block(const LabelBlock& block, const std::int32_t* new_column, ColumnValues at);
 
 }  // namespace ngs

@@ -1,18 +1,18 @@
-#include "ngs/stages/masks/pixel_pieces.h"
+#include "ngs/ops/image/connected_components.h"
 
 namespace ngs {
 
-PixelPieces pixel_pieces(MaskPlane mask) {
-  PixelPieces out;
-  out.piece.assign(std::size_t(mask.pixels()), -1);
+ConnectedComponents connected_components(MaskPlane mask) {
+  ConnectedComponents out;
+  out.component.assign(std::size_t(mask.pixels()), -1);
   std::vector<std::int64_t> open;
   for (std::int64_t first = 0; first < mask.pixels(); ++first) {
-    if (mask.data[first] == 0 || out.piece[std::size_t(first)] >= 0) continue;
+    if (mask.data[first] == 0 || out.component[std::size_t(first)] >= 0) continue;
     const auto number = std::int32_t(out.size.size());
     out.size.push_back(0);
     const auto visit = [&](std::int64_t p) {
-      if (mask.data[p] == 0 || out.piece[std::size_t(p)] >= 0) return;
-      out.piece[std::size_t(p)] = number, ++out.size.back();
+      if (mask.data[p] == 0 || out.component[std::size_t(p)] >= 0) return;
+      out.component[std::size_t(p)] = number, ++out.size.back();
       open.push_back(p);
     };
     visit(first);

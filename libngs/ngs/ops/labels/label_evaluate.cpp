@@ -1,3 +1,5 @@
+#include "ngs/ops/labels/label_evaluate.h"
+
 #include "ngs/ops/labels/label_packs.h"
 
 namespace ngs {
@@ -152,11 +154,11 @@ TileLoss evaluate_with(const RecordedTile& tile, ColumnValues at, const TileTarg
     out.target_sum += double(sum_lanes(pixel[k].inside)) + double(sum_lanes(pixel[k].outside));
     f[k].start(pixel[k]);
   }
-  walk(tile, FactorSink<Factors>{tile, at, f});
+  traverse(tile, FactorSink<Factors>{tile, at, f});
   LossSum loss;
   for (std::size_t k = 0; k < kTilePacks; ++k) f[k].divide(pixel[k], loss);
   out.loss = loss.value();
-  walk(tile, SlotSink<Factors>{tile.work, f, slots});
+  traverse(tile, SlotSink<Factors>{tile.work, f, slots});
   return out;
 }
 

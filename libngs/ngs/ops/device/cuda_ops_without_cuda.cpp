@@ -1,4 +1,4 @@
-#include "ngs/ops/device/device_ops.h"
+#include "ngs/ops/device/cuda_ops.h"
 
 namespace ngs {
 

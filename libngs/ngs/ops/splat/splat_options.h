@@ -1,0 +1,22 @@
+#pragma once
+// How Gaussians are projected and composited (ops/splat/splat.h).                         Eq. (2)
+#include "ngs/scene/compat.h"
+
+namespace ngs {
+
+struct SplatOptions {
+  Compat compat = Compat::kInria;
+  bool antialiased = false;  // multiply opacity by sqrt(det / det_blurred)
+  int max_sh_degree = 3;     // bands above it are not evaluated
+  double blur_px2 = 0.3;     // variance of the low-pass filter at the rendered size; see filter_at_scale
+};
+
+/// The options for a picture `scale` times the size the model was fitted at: the same filter in the scene, that is
+/// scale² times its variance in pixels. With the 0.3 px² of the fitting size at a larger size, footprints shrink and
+/// rendered masks come out too small.
+inline SplatOptions filter_at_scale(SplatOptions options, double scale) {
+  options.blur_px2 *= scale * scale;
+  return options;
+}
+
+}  // namespace ngs

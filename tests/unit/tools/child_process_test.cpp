@@ -1,0 +1,77 @@
+#include "ngs-mask/child_process.h"
+
+#include <doctest/doctest.h>
+
+#include <csignal>
+
+#include "ngs/core/error.h"
+
+namespace ngs {
+namespace {
+
+using Words = std::vector<std::string>;
+using End = cli::ChildResult::End;
+
+ErrorCode code_of(const auto& body) {
+  try {
+    body();
+  } catch (const Error& e) {
+    return e.code();
+  }
+  FAIL("nothing was thrown");
+  return ErrorCode::kNumeric;
+}
+
+}  // namespace
+
+TEST_CASE("a command line is split as a shell would, and nothing in it is run") {
+  CHECK(cli::split_command("a b") == Words{"a", "b"});
+  CHECK(cli::split_command("  a\t'b c'  \"d e\"f ''") == Words{"a", "b c", "d ef", ""});
+  CHECK(cli::split_command("a\\ b \"c\\\"d\" 'e\\f'") == Words{"a b", "c\"d", "e\\f"});
+  CHECK(cli::split_command("a; b | c && $(d) `e` > f") ==
+        Words{"a;", "b", "|", "c", "&&", "$(d)", "`e`", ">", "f"});
+  for (const char* bad : {"", "   ", "a 'b", "a \"b", "a \\"}) {
+    CAPTURE(bad);
+    CHECK(code_of([&] { cli::split_command(bad); }) == ErrorCode::kUsage);
+  }
+}
+
+TEST_CASE("placeholders are filled within words and once only") {
+  CHECK(cli::fill_placeholders({"--i={a}", "{a}{b}", "{c}", "{", "}"}, {{"a", "{b} x"}, {"b", "y"}}) ==
+        Words{"--i={b} x", "{b} xy", "{c}", "{", "}"});
+}
+
+TEST_CASE("a child's end and last words come back") {
+  const cli::ChildResult good = cli::run_child({"sh", "-c", "echo one; echo two >&2"}, {});
+  CHECK(good.end == End::kExited);
+  CHECK(good.code == 0);
+  CHECK(good.last_words == "one\ntwo");
+  const cli::ChildResult bad = cli::run_child({"sh", "-c", "printf 'a\\033[31mb'; exit 7"}, {});
+  CHECK(bad.code == 7);
+  CHECK(bad.last_words == "a?[31mb");
+  const cli::ChildResult killed = cli::run_child({"sh", "-c", "kill -9 $$"}, {});
+  CHECK(killed.end == End::kSignalled);
+  CHECK(killed.code == 9);
+  CHECK(cli::run_child({"sh", "-c", "head -c 100000 /dev/zero | tr '\\0' x"}, {}).last_words.size() == 2000);
+  CHECK(cli::run_child({"cat"}, {}).code == 0);  // stdin is empty
+}
+
+TEST_CASE("a child that is late or no longer wanted is ended with what it started") {
+  const auto late = cli::run_child({"sh", "-c", "sleep 50 & sleep 50"}, {.time_s = 0.05});
+  CHECK(late.end == End::kTimedOut);
+  const auto unwanted = cli::run_child({"sleep", "50"}, {.time_s = 50, .stop = [] { return true; }});
+  CHECK(unwanted.end == End::kStopped);
+}
+
+TEST_CASE("a child whose exit code is lost has not succeeded") {
+  const auto before = std::signal(SIGCHLD, SIG_IGN);
+  CHECK(code_of([] { cli::run_child({"false"}, {}); }) == ErrorCode::kEnvironment);
+  std::signal(SIGCHLD, before);
+  CHECK(cli::run_child({"false"}, {}).code == 1);
+}
+
+TEST_CASE("a program that is not there is an error of the environment") {
+  CHECK(code_of([] { cli::run_child({"no-such-program-anywhere"}, {}); }) == ErrorCode::kEnvironment);
+}
+
+}  // namespace ngs
