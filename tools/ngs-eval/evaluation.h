@@ -6,7 +6,7 @@
 
 #include "image_list.h"
 #include "ngs/stages/eval/eval_stage.h"
-#include "shared/tool.h"
+#include "shared/run/run.h"
 
 namespace ngs::cli {
 

@@ -1,7 +1,7 @@
 // ngs-eval: predicted and true masks -> scores (ops/image/metrics.h).
 #include "ngs/io/files/atomic_file.h"
 #include "outcome.h"
-#include "shared/unused.h"
+#include "shared/tool.h"
 
 int main(int argc, char** argv) {
   using namespace ngs;
@@ -21,9 +21,9 @@ int main(int argc, char** argv) {
   return tool.run(argc, argv, [&](cli::Run& run) {
     require_consistent(options);
     if (files.image_metrics)
-      cli::warn_unused(run, options, {"threshold", "contour_tolerance"}, "with --image-metrics");
+      run.warn_unused({"--threshold", "--contour-tolerance"}, "with --image-metrics");
     else if (options.label_map)
-      cli::warn_unused(run, options, {"threshold"}, "with --label-map");
+      run.warn_unused({"--threshold"}, "with --label-map");
     // A misspelt score is found before the work.
     check_scores(options.fail_below, files.image_metrics ? cli::mean_scores({cli::PhotoScore{}})
                                                          : cli::mean_scores(EvalSummary{}));

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "shared/text_columns.h"
+#include "shared/text/text_columns.h"
 
 namespace ngs::cli {
 namespace {

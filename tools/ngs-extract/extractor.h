@@ -5,7 +5,7 @@
 
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/stages/extract/extract_stage.h"
-#include "shared/tool.h"
+#include "shared/run/run.h"
 
 namespace ngs::cli {
 

@@ -12,8 +12,7 @@
 #include "ngs/io/capture/sparse_points.h"
 #include "ngs/scene/view_names.h"
 #include "ngs/stages/render/render_options.h"
-#include "shared/scene_model.h"
-#include "shared/unused.h"
+#include "shared/scene/scene_model.h"
 
 namespace ngs::cli {
 namespace {
@@ -52,12 +51,6 @@ void refuse_over_inputs(const std::vector<std::string>& inputs, const std::vecto
 }
 
 }  // namespace
-
-void warn_unused(Run& run, const InpaintOptions& options, bool scene_given) {
-  std::vector<std::string> flags = given_flags(options);
-  if (scene_given) flags.insert(flags.begin(), "--scene");
-  warn_unused(run, flags, "without --inpaint");
-}
 
 void check_inpaint_folder(const Scene& scene, const std::string& scene_path, const std::string& folder,
                           std::vector<std::string> inputs) {

@@ -12,9 +12,6 @@
 
 namespace ngs::cli {
 
-/// Names what is given for --inpaint where that is not.
-void warn_unused(Run& run, const InpaintOptions& options, bool scene_given);
-
 /// kUsage where the folder is that of the scene, or where a file that will be written there is a photo, a mask or the model
 /// of the scene, or one of `inputs`: they would be replaced.
 void check_inpaint_folder(const Scene& scene, const std::string& scene_path, const std::string& folder,

@@ -4,7 +4,7 @@
 #include "extractor.h"
 #include "inpaint_output.h"
 #include "ngs/io/scene/scene_json.h"
-#include "shared/unused.h"
+#include "shared/tool.h"
 
 int main(int argc, char** argv) {
   using namespace ngs;
@@ -40,12 +40,12 @@ int main(int argc, char** argv) {
           ErrorCode::kUsage,
           "no output was asked for, expected --object, --background, --labelled, --supersplat or --inpaint");
     if (options.min_component == 0)
-      cli::warn_unused(run, options, {"component_neighbours"}, "without --min-component");
+      run.warn_unused({"--component-neighbours"}, "without --min-component");
     if (options.unseen != UnseenRule::kKnn)
-      cli::warn_unused(run, options, {"unseen_neighbours"}, "but by --unseen knn");
+      run.warn_unused({"--unseen-neighbours"}, "but by --unseen knn");
     if (inpaint && !scene_json)
       throw Error(ErrorCode::kUsage, "--inpaint needs the cameras", "give --scene scene.json");
-    if (!inpaint) cli::warn_unused(run, inpaint_options, bool(scene_json));
+    if (!inpaint) run.warn_unused({"--scene", "--inpaint-opacity", "--inpaint-trace", "--inpaint-dilate-px"}, "without --inpaint");
     std::optional<Scene> scene;
     if (inpaint) {
       scene = io::read_scene_json(scene_json.path);

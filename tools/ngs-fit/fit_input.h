@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "ngs/stages/fit/fit_stage.h"
-#include "shared/tool.h"
+#include "shared/run/run.h"
 
 namespace ngs::cli {
 

@@ -6,8 +6,8 @@
 #include "ngs/io/files/content_hash.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/scene/scene_json.h"
-#include "shared/checkpoints.h"
-#include "shared/unused.h"
+#include "shared/run/checkpoints.h"
+#include "shared/tool.h"
 
 namespace {
 
@@ -44,8 +44,8 @@ int main(int argc, char** argv) {
   return tool.run(argc, argv, [&](cli::Run& run) {
     if (keep.resume && keep.checkpoint.empty())
       throw Error(ErrorCode::kUsage, "resume without checkpoint, expected --checkpoint DIR", "name the folder of the interrupted run");
-    if (points) cli::warn_unused(run, options, {"random_points"}, "with --points");
-    if (keep.checkpoint.empty()) cli::warn_unused(run, keep, {"checkpoint_every"}, "without --checkpoint");
+    if (points) run.warn_unused({"--random-points"}, "with --points");
+    if (keep.checkpoint.empty()) run.warn_unused({"--checkpoint-every"}, "without --checkpoint");
     Scene scene = io::read_scene_json(scene_json.path);
     if (scene.compat != Compat::kInria)
       run.monitor().warn("the scene says --compat gsplat, and this fits by the rules of 3DGS: import the new model without it");

@@ -16,7 +16,7 @@
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/boundary/variance_stage.h"
 #include "ngs/stages/scene/scene_check.h"
-#include "shared/checkpoints.h"
+#include "shared/run/checkpoints.h"
 #include "step_files.h"
 #include "verdicts.h"
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "ngs/passes/pass.h"
-#include "shared/checkpoints.h"
+#include "shared/run/checkpoints.h"
 
 namespace ngs::joint {
 

@@ -1,7 +1,7 @@
 #include "verdicts.h"
 
 #include "ngs/options/strict_json.h"
-#include "shared/text_file.h"
+#include "shared/text/text_file.h"
 
 namespace ngs::joint {
 namespace {

@@ -5,8 +5,8 @@
 #include "ngs/stages/render/render_options.h"
 #include "prompt_input.h"
 #include "segmenters.h"
-#include "shared/scene_model.h"
-#include "shared/unused.h"
+#include "shared/scene/scene_model.h"
+#include "shared/tool.h"
 #include "views.h"
 
 namespace {
@@ -63,9 +63,9 @@ int main(int argc, char** argv) {
   return tool.run(argc, argv, [&](cli::Run& run) {
     const Scene scene = io::read_scene_json(scene_json.path);
     if (segmenter.segmenter.empty())
-      cli::warn_unused(run, segmenter, {"points", "segmenter_timeout_s"}, "without --segmenter");
+      run.warn_unused({"--points", "--segmenter-timeout-s"}, "without --segmenter");
     else
-      cli::warn_unused(run, segmenter, {"iterations", "window", "speck"}, "with --segmenter");
+      run.warn_unused({"--iterations", "--window", "--speck"}, "with --segmenter");
     if (!model) cli::require_model(run, scene, scene_json.path);
     const std::string model_path = model ? model.path : scene.model_path;
     const HandPrompt hand = cli::read_prompts(marks);

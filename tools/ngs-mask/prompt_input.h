@@ -2,7 +2,7 @@
 // The marks of a person, from whichever files they come in.
 #include "ngs/scene/hand_prompt.h"
 #include "ngs/scene/scene.h"
-#include "shared/tool.h"
+#include "shared/run/run.h"
 
 namespace ngs::cli {
 

@@ -5,7 +5,7 @@
 
 #include "ngs/options/field.h"
 #include "ngs/stages/masks/mask_spread.h"
-#include "shared/tool.h"
+#include "shared/run/run.h"
 
 namespace ngs::cli {
 

@@ -4,7 +4,7 @@
 
 #include "ngs/scene/gaussian_cloud.h"
 #include "ngs/stages/masks/mask_spread.h"
-#include "shared/tool.h"
+#include "shared/run/run.h"
 
 namespace ngs::cli {
 

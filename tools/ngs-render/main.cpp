@@ -10,19 +10,18 @@
 #include "ngs/stages/render/render_options.h"
 #include "ngs/stages/render/render_stage.h"
 #include "render_output.h"
-#include "shared/scene_model.h"
+#include "shared/scene/scene_model.h"
 #include "shared/tool.h"
-#include "shared/unused.h"
 
 namespace {
 
 using namespace ngs;
 
-void warn_unused(cli::Run& run, const std::set<std::string>& layers, const RenderOptions& options) {
+void warn_unused(cli::Run& run, const std::set<std::string>& layers) {
   if (!layers.contains("color") && !layers.contains("overlay"))
-    cli::warn_unused(run, options, {"background"}, "without the layer color or overlay");
+    run.warn_unused({"--background"}, "without the layer color or overlay");
   if (!layers.contains("mask") && !layers.contains("labels") && !layers.contains("overlay"))
-    cli::warn_unused(run, options, {"amodal", "threshold"}, "without the layer mask, labels or overlay");
+    run.warn_unused({"--amodal", "--threshold"}, "without the layer mask, labels or overlay");
 }
 
 }  // namespace
@@ -48,7 +47,7 @@ int main(int argc, char** argv) {
     const io::GaussianPly ply = io::read_gaussian_ply(model.path);
     const picture::Objects objects = picture::objects_of(ply, scene);
     const std::set<std::string> layers = picture::parse_layers(options.layers, objects, format.format);
-    warn_unused(run, layers, options);
+    warn_unused(run, layers);
     choose_background(options.background, run.monitor(), scene);
     const double scale = options.scale > 0 ? options.scale : 1 / scene.image_scale;
     const SplatOptions splat =

@@ -9,7 +9,7 @@
 
 #include "html.h"
 #include "ngs/core/error.h"
-#include "shared/text_file.h"
+#include "shared/text/text_file.h"
 
 namespace ngs::cli {
 namespace {

@@ -4,7 +4,7 @@
 #include "ngs/stages/render/render_options.h"
 #include "ngs/stages/render/render_stage.h"
 #include "ngs/stages/boundary/sample_stage.h"
-#include "shared/boundary.h"
+#include "shared/scene/boundary.h"
 #include "shared/tool.h"
 
 namespace {

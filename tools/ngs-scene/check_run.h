@@ -5,7 +5,7 @@
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/scene/scene.h"
 #include "ngs/stages/scene/scene_check.h"
-#include "shared/tool.h"
+#include "shared/run/run.h"
 
 namespace ngs::capture {
 

@@ -4,7 +4,8 @@
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/stages/render/background.h"
 #include "options.h"
-#include "shared/unused.h"
+#include "shared/cli/dispatch.h"
+#include "shared/tool.h"
 
 namespace {
 
@@ -45,13 +46,13 @@ int import_command(int argc, char** argv) {
 
   return tool.run(argc, argv, [&](cli::Run& run) {
     if (options.mask_mode != MaskMode::kBinary)
-      cli::warn_unused(run, options, {"mask_threshold"}, "but by --mask-mode binary");
+      run.warn_unused({"--mask-threshold"}, "but by --mask-mode binary");
     io::ImportedScene imported = [&] {
       const auto timed = run.monitor().scope("import");
       return io::import_scene(
           capture::request_from(options, source.value, {ply.path, images.path, masks.path, world.path}));
     }();
-    if (imported.format != "transforms.json") cli::warn_unused(run, options, {"original_world"}, "but by transforms.json");
+    if (imported.format != "transforms.json") run.warn_unused({"--original-world"}, "but by transforms.json");
     run.add_input("cameras", imported.cameras_file);
     if (!masks && !imported.masks_dir.empty()) run.add_input("masks", imported.masks_dir);
     run.result() = import_json(imported);

@@ -2,7 +2,7 @@
 #include "dataset.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "options.h"
-#include "shared/unused.h"
+#include "shared/tool.h"
 
 namespace {
 
@@ -61,14 +61,16 @@ int main(int argc, char** argv) {
   cli::SynthOptions options;
   FitOptions fit_options = small_fit();
   tool.options(options);
-  tool.options(fit_options, "fit_");
+  tool.options(fit_options, {.title = "fit to the photos",
+                             .prefix = "fit_",
+                             .listens = [&options] { return options.fit; },
+                             .listener = "--fit"});
   const cli::Argument& name =
       tool.argument("recipe", "two-spheres, torus-box, leaves, bones, table, tiny, or a JSON file of recipe options");
   const cli::Output& out = tool.output_dir("-o,--output", "folder of the scene");
   tool.stops_on_request();
 
   return tool.run(argc, argv, [&](cli::Run& run) {
-    if (!options.fit) cli::warn_unused(run, cli::given_flags(fit_options, small_fit(), "fit_"), "with --no-fit");
     bool is_file = false;
     cli::SynthData data;
     data.recipe = resolved(cli::load_recipe(name.value, is_file), options);

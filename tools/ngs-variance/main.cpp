@@ -4,6 +4,8 @@
 #include "ngs/io/image/masks.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/stages/render/render_options.h"
+#include "shared/cli/dispatch.h"
+#include "shared/tool.h"
 #include "variance_output.h"
 
 namespace {

@@ -11,7 +11,7 @@
 #include "ngs/options/name_of.h"
 #include "ngs/scene/view_names.h"
 #include "ngs/stages/render/render_options.h"
-#include "shared/shard.h"
+#include "shared/scene/shard.h"
 
 namespace ngs::variance {
 namespace {

@@ -6,8 +6,8 @@
 #include "ngs/io/scene/evidence_file.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/stages/boundary/variance_stage.h"
-#include "shared/scene_model.h"
-#include "shared/tool.h"
+#include "shared/scene/scene_model.h"
+#include "shared/run/run.h"
 
 namespace ngs::variance {
 

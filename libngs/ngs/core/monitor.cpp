@@ -45,6 +45,7 @@ Monitor::Scope::~Scope() {
   node_->cpu_s += cpu_seconds() - cpu_start_;
   node_->max_rss_mib = peak_rss_mib();
   monitor_.current_ = parent_;
+  if (monitor_.on_stage_end) monitor_.on_stage_end(node_->name);
 }
 
 void Monitor::warn(std::string message) {

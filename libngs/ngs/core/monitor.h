@@ -49,8 +49,10 @@ class Monitor {
   const StageNode& root() const { return root_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
 
-  std::function<void(const std::string&)> on_warning;                                      // may be empty
-  std::function<void(const std::string& stage, std::int64_t done, std::int64_t total)> on_progress;  // may be empty
+  // May be empty.
+  std::function<void(const std::string&)> on_warning;
+  std::function<void(const std::string& stage, std::int64_t done, std::int64_t total)> on_progress;
+  std::function<void(const std::string& stage)> on_stage_end;  // by its Scope
   void stop_flag(const std::atomic<bool>* flag) { stop_ = flag; }
 
  private:

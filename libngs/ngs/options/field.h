@@ -9,18 +9,25 @@
 //     visit(self.levels, Field<int>{"hash_levels", "", "levels of the grid", 1, 32}.of("nerf").was("grid_levels"));
 //   }
 //
-// Names are snake_case; the flag is the same name with '-'. Every descriptor has, beside what it is given in braces:
+// Names are snake_case; the flag is the same name with '-' (a name of one letter: -h). Every descriptor has, beside what it is given in braces:
 //
-//   .of("nerf")          the effect without which nothing listens to the option; "joint|contours": one of them must be on
+//   .of("nerf")          the effect without which nothing listens to the option; "joint|contours": one of them must be on;
+//                        "mask,joint|contours": that, and mask
 //   .was("grid_levels")  an earlier name, still accepted as flag and JSON key, with a warning
+//   .letter('l')         a short flag, -l
 #include <span>
 #include <string_view>
 
 namespace ngs {
 
-/// What .of() and .was() say; empty: nothing. An effect may be a list: "joint|contours,mask" needs one of the first two, and mask.
+/// What .of(), .was() and .letter() say; empty: nothing.
 struct OptionNotes {
   std::string_view effect = {}, old_name = {};
+  char letter = '\0';
+
+  constexpr OptionNotes of(std::string_view name) const { return {name, old_name, letter}; }
+  constexpr OptionNotes was(std::string_view name) const { return {effect, name, letter}; }
+  constexpr OptionNotes with(char c) const { return {effect, old_name, c}; }
 };
 
 /// A number (int, std::int64_t, std::uint64_t or double) in [min, max].
@@ -30,24 +37,27 @@ struct Field {
   T min, max;
   OptionNotes notes = {};
 
-  constexpr Field of(std::string_view effect) const { return {name, unit, help, min, max, {effect, notes.old_name}}; }
-  constexpr Field was(std::string_view old_name) const { return {name, unit, help, min, max, {notes.effect, old_name}}; }
+  constexpr Field of(std::string_view effect) const { return {name, unit, help, min, max, notes.of(effect)}; }
+  constexpr Field was(std::string_view old_name) const { return {name, unit, help, min, max, notes.was(old_name)}; }
+  constexpr Field letter(char c) const { return {name, unit, help, min, max, notes.with(c)}; }
 };
 
 struct Flag {  // bool
   std::string_view name, help;
   OptionNotes notes = {};
 
-  constexpr Flag of(std::string_view effect) const { return {name, help, {effect, notes.old_name}}; }
-  constexpr Flag was(std::string_view old_name) const { return {name, help, {notes.effect, old_name}}; }
+  constexpr Flag of(std::string_view effect) const { return {name, help, notes.of(effect)}; }
+  constexpr Flag was(std::string_view old_name) const { return {name, help, notes.was(old_name)}; }
+  constexpr Flag letter(char c) const { return {name, help, notes.with(c)}; }
 };
 
 struct Text {  // std::string, or std::vector<std::string> for a repeatable option
   std::string_view name, placeholder, help;
   OptionNotes notes = {};
 
-  constexpr Text of(std::string_view effect) const { return {name, placeholder, help, {effect, notes.old_name}}; }
-  constexpr Text was(std::string_view old_name) const { return {name, placeholder, help, {notes.effect, old_name}}; }
+  constexpr Text of(std::string_view effect) const { return {name, placeholder, help, notes.of(effect)}; }
+  constexpr Text was(std::string_view old_name) const { return {name, placeholder, help, notes.was(old_name)}; }
+  constexpr Text letter(char c) const { return {name, placeholder, help, notes.with(c)}; }
 };
 
 template <class E>
@@ -62,8 +72,9 @@ struct Choice {  // an enum class
   std::span<const NamedValue<E>> values;
   OptionNotes notes = {};
 
-  constexpr Choice of(std::string_view effect) const { return {name, help, values, {effect, notes.old_name}}; }
-  constexpr Choice was(std::string_view old_name) const { return {name, help, values, {notes.effect, old_name}}; }
+  constexpr Choice of(std::string_view effect) const { return {name, help, values, notes.of(effect)}; }
+  constexpr Choice was(std::string_view old_name) const { return {name, help, values, notes.was(old_name)}; }
+  constexpr Choice letter(char c) const { return {name, help, values, notes.with(c)}; }
 };
 
 }  // namespace ngs

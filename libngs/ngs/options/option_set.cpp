@@ -115,41 +115,12 @@ std::size_t checked_choice(std::string_view name, const Json& value,
 }  // namespace option_detail
 
 std::string option_flag(std::string_view name) {
-  std::string flag = "--" + std::string(name);
+  std::string flag = (name.size() == 1 ? "-" : "--") + std::string(name);
   std::replace(flag.begin(), flag.end(), '_', '-');
   return flag;
 }
 
 bool is_heard(const OptionEntry& entry) { return !entry.group->listens || entry.group->listens(); }
-
-namespace {
-
-/// Whether one of "joint|contours" is on.
-bool any_on(std::string_view effects, const std::function<bool(std::string_view effect)>& is_on) {
-  for (std::size_t begin = 0; begin <= effects.size();) {
-    const std::size_t end = std::min(effects.find('|', begin), effects.size());
-    if (is_on(effects.substr(begin, end - begin))) return true;
-    begin = end + 1;
-  }
-  return false;
-}
-
-}  // namespace
-
-std::string missing_effects(const OptionEntry& entry, const std::function<bool(std::string_view effect)>& is_on) {
-  const std::string_view all = entry.effect;
-  for (std::size_t begin = 0; begin < all.size();) {
-    const std::size_t end = std::min(all.find(',', begin), all.size());
-    const std::string_view needed = all.substr(begin, end - begin);
-    if (!any_on(needed, is_on)) return std::string(needed);
-    begin = end + 1;
-  }
-  return {};
-}
-
-bool is_effective(const OptionEntry& entry, const std::function<bool(std::string_view effect)>& is_on) {
-  return missing_effects(entry, is_on).empty();
-}
 
 Json parse_json(std::string_view text, std::string_view source) {
   return parse_strict_json<Json>(text, source, ErrorCode::kUsage);
@@ -219,18 +190,21 @@ Json OptionSet::to_json() const {
   return values;
 }
 
-Json OptionSet::schema(std::string_view title) const {
+Json OptionSet::property_schema(std::string_view name) const {
   static constexpr const char* kTypes[] = {"boolean", "integer", "number", "string", "array", "string"};
+  const OptionEntry& entry = at(name);
+  Json property = {{"type", kTypes[int(entry.kind)]}, {"description", entry.help}};
+  if (!entry.min.is_null()) property.update({{"minimum", entry.min}, {"maximum", entry.max}});
+  if (entry.kind == OptionKind::kTextList) property["items"] = {{"type", "string"}};
+  if (!entry.choices.empty()) property["enum"] = entry.choices;
+  if (!entry.unit.empty() && !entry.min.is_null()) property["x-unit"] = entry.unit;
+  property["default"] = entry.default_value;
+  return property;
+}
+
+Json OptionSet::schema(std::string_view title) const {
   Json properties = Json::object();
-  for (const OptionEntry& entry : entries_) {
-    Json property = {{"type", kTypes[int(entry.kind)]}, {"description", entry.help}};
-    if (!entry.min.is_null()) property.update({{"minimum", entry.min}, {"maximum", entry.max}});
-    if (entry.kind == OptionKind::kTextList) property["items"] = {{"type", "string"}};
-    if (!entry.choices.empty()) property["enum"] = entry.choices;
-    if (!entry.unit.empty() && !entry.min.is_null()) property["x-unit"] = entry.unit;
-    property["default"] = entry.default_value;
-    properties[entry.name] = std::move(property);
-  }
+  for (const OptionEntry& entry : entries_) properties[entry.name] = property_schema(entry.name);
   return {{"$schema", "http://json-schema.org/draft-07/schema#"},
           {"title", std::string(title)},
           {"type", "object"},

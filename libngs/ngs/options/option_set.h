@@ -42,19 +42,17 @@ struct OptionEntry {
   std::shared_ptr<const OptionGroup> group;
   std::string effect;   // see Field::of(); empty: nothing turns it off
   std::string was;      // an earlier name, prefix included; empty: none
+  char letter = '\0';   // of a short flag; 0: none
   Json default_value;   // at its declaration
   std::function<Json()> get;
   std::function<void(const Json&)> set;  // checks, then stores
 };
 
-/// "--bbox-pad-px" for "bbox_pad_px".
+/// "--bbox-pad-px" for "bbox_pad_px", "-h" for "h".
 std::string option_flag(std::string_view name);
 
 /// False where the group of the option says that nothing listens to it.
 bool is_heard(const OptionEntry& entry);
-/// Of the effects that the option needs (Field::of()), the first that `is_on` says is off; empty: it is listened to.
-std::string missing_effects(const OptionEntry& entry, const std::function<bool(std::string_view effect)>& is_on);
-bool is_effective(const OptionEntry& entry, const std::function<bool(std::string_view effect)>& is_on);
 
 /// `text` as JSON; a key that occurs twice in one object is an error, as is anything after the value.
 Json parse_json(std::string_view text, std::string_view source);
@@ -83,6 +81,8 @@ class OptionSet {
   Json to_json() const;
   /// JSON Schema (draft-07) of to_json(), defaults included.
   Json schema(std::string_view title) const;
+  /// That of one value.
+  Json property_schema(std::string_view name) const;
 
  private:
   void push(OptionEntry entry);
@@ -118,6 +118,7 @@ struct Binder {
     e.help = field.help;
     e.kind = kind;
     e.group = group;
+    e.letter = field.notes.letter;
     e.effect = field.notes.effect.empty() ? group->effect : std::string(field.notes.effect);
     if (!field.notes.old_name.empty()) e.was = group->prefix + std::string(field.notes.old_name);
     return e;

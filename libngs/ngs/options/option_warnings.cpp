@@ -26,10 +26,30 @@ class FlagsByReason {
   std::vector<std::pair<std::string, std::string>> lists_;
 };
 
-/// " with joint=off and contours=off" for "joint|contours".
-std::string with_all_off(std::string effects) {
-  for (std::size_t at = effects.find('|'); at != effects.npos; at = effects.find('|', at)) effects.replace(at, 1, "=off and ");
-  return " with " + effects + "=off";
+using IsOn = std::function<bool(std::string_view effect)>;
+
+std::vector<std::string_view> split(std::string_view text, char separator) {
+  std::vector<std::string_view> parts;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(separator, begin), text.size());
+    parts.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return parts;
+}
+
+/// " with joint=off and contours=off" for "joint|contours" where neither is on; empty: the option is used.
+std::string why_not_used(std::string_view effects, const IsOn& is_on) {
+  if (effects.empty()) return {};
+  for (const std::string_view condition : split(effects, ',')) {
+    const std::vector<std::string_view> any_of = split(condition, '|');
+    if (std::ranges::any_of(any_of, is_on)) continue;
+    std::string all_off;
+    for (const std::string_view effect : any_of)
+      all_off += (all_off.empty() ? " with " : " and ") + std::string(effect) + "=off";
+    return all_off;
+  }
+  return {};
 }
 
 }  // namespace
@@ -46,12 +66,12 @@ std::vector<std::string> unheard_warnings(const OptionSet& options) {
   return unheard.texts();
 }
 
-std::vector<std::string> without_effect_warnings(const OptionSet& options,
-                                                 const std::function<bool(std::string_view effect)>& is_on) {
+std::vector<std::string> without_effect_warnings(const OptionSet& options, const IsOn& is_on) {
   FlagsByReason without_effect;
-  for (const OptionEntry* entry : options.given())
-    if (const std::string missing = missing_effects(*entry, is_on); is_heard(*entry) && !missing.empty())
-      without_effect.add(with_all_off(missing), option_flag(entry->name));
+  for (const OptionEntry* entry : options.given()) {
+    const std::string reason = is_heard(*entry) ? why_not_used(entry->effect, is_on) : "";
+    if (!reason.empty()) without_effect.add(reason, option_flag(entry->name));
+  }
   return without_effect.texts();
 }
 

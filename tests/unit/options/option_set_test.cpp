@@ -187,6 +187,7 @@ struct FieldOptions {
   double rate = 0.1;
   bool literal = false;
   std::string note;
+  double weight = 1;
   Window window = Window::kPixel;
 
   template <class Self, class Visitor>
@@ -196,6 +197,7 @@ struct FieldOptions {
     visit(self.rate, Field<double>{"rate", "", "of descent", 0, 1}.of("joint|contours"));
     visit(self.literal, Flag{"literal", "as printed"}.was("exact"));
     visit(self.note, Text{"note", "TEXT", "is kept"}.of("nerf"));
+    visit(self.weight, Field<double>{"weight", "", "of the mask", 0, 9}.of("mask,joint|contours"));
     visit(self.window, Choice<Window>{"window", "centre", kWindows}.was("aperture"));
   }
 };
@@ -282,6 +284,10 @@ TEST_CASE("what is given without its effect is warned about effect by effect, wh
   CHECK(warnings({"contours"}) == Texts{"--hash-levels, --note: not used with nerf=off"});
   CHECK(warnings({"nerf"}) == Texts{"--rate: not used with joint=off and contours=off"});
   CHECK(warnings({"nerf", "joint"}).empty());
+  set.set_json({{"weight", 2}}, "o.json");
+  CHECK(warnings({"nerf", "joint"}) == Texts{"--weight: not used with mask=off"});
+  CHECK(warnings({"nerf", "mask"}) == Texts{"--rate, --weight: not used with joint=off and contours=off"});
+  CHECK(warnings({"nerf", "mask", "contours"}).empty());
 }
 
 TEST_CASE("what is given of a group that nothing listens to is warned about once, with who would listen") {

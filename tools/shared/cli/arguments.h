@@ -1,0 +1,33 @@
+#pragma once
+// What a tool declares beside its options: what it reads and writes, and words.
+#include <string>
+#include <vector>
+
+namespace ngs::cli {
+
+struct Input {
+  std::string name, help;  // name: a word (positional) or a flag such as "--field"
+  bool required = true;
+  std::string path;  // empty: not given
+  explicit operator bool() const { return !path.empty(); }
+};
+
+struct Inputs {  // one or more positional paths, behind the other positionals
+  std::string name, help;
+  std::vector<std::string> paths;
+};
+
+struct Output {
+  std::string flags, help;  // "-o,--output"
+  bool required = true;
+  bool directory = false;  // made by the tool; must be absent or empty unless -w, which says what stays of before
+  std::string path;        // empty: not given
+  explicit operator bool() const { return !path.empty(); }
+  std::string long_flag() const { return flags.substr(flags.find("--")); }
+};
+
+struct Argument {  // a positional word that is not a path
+  std::string name, help, value;
+};
+
+}  // namespace ngs::cli

@@ -1,0 +1,128 @@
+#include "shared/cli/command_line.h"
+
+#include <algorithm>
+
+#include "ngs/core/error.h"
+#include "ngs/options/option_warnings.h"
+#include "shared/cli/splitter.h"
+#include "shared/text/text_file.h"
+
+namespace ngs::cli {
+namespace {
+
+constexpr const char* kPrintSchema = "--print-schema";
+
+/// "--name", of a switch that can be turned off "--name,!--no-name".
+std::string spellings(const OptionEntry& entry, const std::string& name) {
+  const std::string flag = option_flag(name);
+  return entry.kind == OptionKind::kBool ? flag + ",!--no" + flag.substr(1) : flag;
+}
+std::string option_flags(const OptionEntry& entry) { return spellings(entry, entry.name); }
+std::string old_flags(const OptionEntry& entry) { return entry.was.empty() ? "" : "," + spellings(entry, entry.was); }
+/// "-j,--threads"; none of these is turned off.
+std::string common_flags(const OptionEntry& entry) {
+  return (entry.letter != '\0' ? std::string("-") + entry.letter + "," : "") + option_flag(entry.name);
+}
+
+void declare(const OptionSet& common, const Spec& spec, Splitter& splitter) {
+  for (const OptionEntry& entry : common.entries())
+    entry.kind == OptionKind::kBool ? splitter.flag(common_flags(entry)) : splitter.value(common_flags(entry));
+  for (const OptionEntry& entry : spec.options.entries())
+    entry.kind == OptionKind::kBool ? splitter.flag(option_flags(entry), old_flags(entry))
+                                    : splitter.value(option_flags(entry), old_flags(entry));
+  for (const Input& input : spec.inputs)
+    if (input.name[0] == '-') splitter.value(input.name);
+  for (const Output& output : spec.outputs) splitter.value(output.flags);
+}
+
+/// The words behind the tool's name. --print-schema takes the word behind it, or stands alone and means the options.
+Texts words_of(int argc, char** argv) {
+  Texts words(argv + std::min(argc, 1), argv + argc);
+  const auto end = std::find(words.begin(), words.end(), "--");
+  const auto flag = std::find(words.begin(), end, kPrintSchema);
+  if (flag != end && (flag + 1 == end || (flag + 1)->starts_with("-"))) *flag += "=options";
+  return words;
+}
+
+void check_common_flags(const CommonFlags& flags) {
+  if (flags.json && !flags.version) throw Error(ErrorCode::kUsage, "unknown flag '--json'", "it goes with --version");
+  if (!flags.print_schema.empty() && flags.print_schema != "options" && flags.print_schema != "report")
+    throw Error(ErrorCode::kUsage, kPrintSchema + (": '" + flags.print_schema) + "', expected options or report",
+                std::string(kPrintSchema) + " alone means the options");
+}
+
+void assign_positionals(const Texts& words, Spec& spec) {
+  std::size_t next = 0;
+  for (std::string* target : spec.positionals)
+    if (next < words.size()) *target = words[next++];
+  for (Inputs& list : spec.input_lists)
+    for (; next < words.size(); ++next) list.paths.push_back(words[next]);
+  if (next < words.size())
+    throw Error(ErrorCode::kUsage, "unexpected argument '" + words[next] + "'",
+                "see --help for the order of the arguments");
+}
+
+bool is_by_old_flag(const Splitter& splitter, const OptionEntry& entry) {
+  const std::string flag = option_flag(entry.was);
+  return splitter.has_word(flag) || (entry.kind == OptionKind::kBool && splitter.has_word("--no" + flag.substr(1)));
+}
+
+/// The options file first, then the flags.
+void set_options(const Splitter& splitter, const OptionSet& options, CommonFlags& flags) {
+  std::vector<const OptionEntry*> by_old_name;
+  if (const std::string& path = flags.options_file; !path.empty())
+    by_old_name = options.set_json(parse_json(read_text_file(path, ErrorCode::kUsage), path), path);
+  for (const OptionEntry& entry : options.entries()) {
+    if (splitter.has(option_flags(entry))) options.set_text(entry.name, splitter[option_flags(entry)]);
+    if (!entry.was.empty() && (std::ranges::count(by_old_name, &entry) > 0 || is_by_old_flag(splitter, entry)))
+      flags.warnings.push_back(renamed_warning(entry));
+  }
+}
+
+void set_paths(const Splitter& splitter, Spec& spec) {
+  for (Input& input : spec.inputs)
+    if (input.name[0] == '-' && splitter.has(input.name)) input.path = splitter[input.name].back();
+  for (Output& output : spec.outputs)
+    if (splitter.has(output.flags)) output.path = splitter[output.flags].back();
+}
+
+/// "-" is where the report goes anyway, unless an output does.
+void settle_report(const Spec& spec, CommonFlags& flags) {
+  if (flags.report_path != "-") return;
+  for (const Output& output : spec.outputs)
+    if (output.path == "-")
+      throw Error(ErrorCode::kUsage, "--report: '-', expected a file: an output goes to stdout already");
+  flags.report_path.clear();
+}
+
+}  // namespace
+
+CommonFlags parse_command_line(int argc, char** argv, Spec& spec) {
+  CommonFlags flags;
+  OptionSet common;
+  common.add(flags);
+  Splitter splitter;
+  declare(common, spec, splitter);
+  const Texts words = splitter.split(words_of(argc, argv));
+  for (const OptionEntry& entry : common.entries())
+    if (splitter.has(common_flags(entry))) common.set_text(entry.name, splitter[common_flags(entry)]);
+  check_common_flags(flags);
+  assign_positionals(words, spec);
+  set_options(splitter, spec.options, flags);
+  set_paths(splitter, spec);
+  settle_report(spec, flags);
+  return flags;
+}
+
+void check_required(const Spec& spec, bool dry_run) {
+  const auto require = [](bool given, const std::string& name, const std::string& help) {
+    if (!given) throw Error(ErrorCode::kUsage, name + ": not given, expected " + help, "see --help");
+  };
+  for (const Input& input : spec.inputs) require(!input.required || input, input.name, input.help);
+  for (const Argument& argument : spec.arguments) require(!argument.value.empty(), argument.name, argument.help);
+  for (const Inputs& list : spec.input_lists) require(!list.paths.empty(), list.name, list.help);
+  if (dry_run || spec.writes_nothing()) return;
+  for (const Output& output : spec.outputs) require(!output.required || output, output.long_flag(), output.help);
+}
+
+}  // namespace ngs::cli

@@ -1,0 +1,64 @@
+#pragma once
+// The flags that every tool has. Declared once, as options are: the parser, --help and the schema of the report read this
+// list. A flag without help is for scripts and not shown.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "ngs/options/field.h"
+
+namespace ngs::cli {
+
+enum class LogLevel { kError, kWarning, kInfo };
+enum class LogFormat { kText, kJson };
+enum class DeviceChoice { kCpu, kCuda, kAuto };
+
+inline constexpr NamedValue<LogLevel> kLogLevels[] = {
+    {LogLevel::kError, "error"}, {LogLevel::kWarning, "warning"}, {LogLevel::kInfo, "info"}};
+inline constexpr NamedValue<LogFormat> kLogFormats[] = {{LogFormat::kText, "text"}, {LogFormat::kJson, "json"}};
+inline constexpr NamedValue<DeviceChoice> kDevices[] = {
+    {DeviceChoice::kCpu, "cpu"}, {DeviceChoice::kCuda, "cuda"}, {DeviceChoice::kAuto, "auto"}};
+
+struct CommonFlags {
+  bool short_help = false, help = false, version = false, json = false;
+  int threads = 0;  // 0: not given
+  DeviceChoice device = DeviceChoice::kAuto;
+  std::uint64_t seed = 0;
+  bool dry_run = false, overwrite = false, allow_empty = false;
+  std::string options_file, report_path;
+  bool print_options = false;
+  std::string print_schema;  // empty, "options" or "report"
+  bool print_commands = false;
+  bool quiet = false, verbose = false;
+  LogLevel log_level = LogLevel::kWarning;
+  LogFormat log_format = LogFormat::kText;
+
+  std::vector<std::string> warnings;  // of options given by earlier names
+
+  LogLevel shown_level() const { return quiet ? LogLevel::kError : verbose ? LogLevel::kInfo : log_level; }
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.short_help, Flag{"h", "the help a first user needs"});
+    visit(self.help, Flag{"help", "this text"});
+    visit(self.version, Flag{"version", "and how it was built"});
+    visit(self.json, Flag{"json", "with --version: as JSON"});
+    visit(self.threads, Field<int>{"threads", "", "else NGS_THREADS, SLURM_CPUS_PER_TASK, all CPUs", 1, 4096}.letter('j'));
+    visit(self.device, Choice<DeviceChoice>{"device", "where to compute", kDevices});
+    visit(self.seed, Field<std::uint64_t>{"seed", "", "of every random choice", 0, UINT64_MAX});
+    visit(self.dry_run, Flag{"dry_run", "say the plan, write nothing"}.letter('n'));
+    visit(self.overwrite, Flag{"overwrite", "replace outputs that exist"}.letter('w'));
+    visit(self.allow_empty, Flag{"allow_empty", "no error if nothing is found"});
+    visit(self.options_file, Text{"options", "FILE.json", "options; flags win"});
+    visit(self.print_options, Flag{"print_options", "the resolved ones, as JSON"});
+    visit(self.print_schema, Text{"print_schema", "[report]", "of the options, or report"});
+    visit(self.report_path, Text{"report", "FILE", "the report, else on stdout"});
+    visit(self.quiet, Flag{"quiet", "only errors on stderr"}.letter('q'));
+    visit(self.verbose, Flag{"verbose", "more on stderr"}.letter('v'));
+    visit(self.log_level, Choice<LogLevel>{"log_level", "on stderr", kLogLevels});
+    visit(self.log_format, Choice<LogFormat>{"log_format", "on stderr", kLogFormats});
+    visit(self.print_commands, Flag{"print_commands", ""});
+  }
+};
+
+}  // namespace ngs::cli

@@ -1,0 +1,49 @@
+#include "shared/run/checkpoints.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+#include <vector>
+
+#include "ngs/core/error.h"
+#include "ngs/io/files/atomic_file.h"
+#include "ngs/io/files/content_hash.h"
+#include "ngs/io/image/masks.h"
+
+namespace ngs::cli {
+
+void require_checkpoint_folder(const std::string& folder, const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error)
+    throw Error(ErrorCode::kEnvironment, folder + ": " + error.message() + ", expected a folder to keep a checkpoint in",
+                "name another folder with --checkpoint");
+  const io::AtomicFile unfinished(path);
+}
+
+std::string photos_hash(const Scene& scene) {
+  std::vector<std::string> files;
+  for (const SceneView& view : scene.views)
+    if (!view.image_path.empty()) files.push_back(view.image_path);
+  return io::files_hash(files);
+}
+
+std::string masks_hash(const Scene& scene) {
+  std::vector<std::string> files;
+  for (std::size_t v = 0; v < scene.views.size(); ++v)
+    if (scene.views[v].split == Split::kTrain) std::ranges::copy(io::mask_files(scene, v), std::back_inserter(files));
+  return io::files_hash(files);
+}
+
+void Checkpoints::on_the_way(const std::function<void()>& write) {
+  try {
+    write();
+    failed_ = false;
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::kEnvironment) throw;
+    if (!failed_) monitor_.warn("the checkpoint was not written, the run goes on without it: " + std::string(e.what()));
+    failed_ = true;
+  }
+}
+
+}  // namespace ngs::cli

@@ -1,0 +1,43 @@
+#pragma once
+// stderr: messages and progress for people, or JSON lines. stdout is data and no business of this file.
+// Progress on a terminal is one line that is rewritten; it is gone before anything else is written and once its stage is
+// over, so that nothing of it stays behind.
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "shared/cli/common_flags.h"
+
+namespace ngs::cli {
+
+class Console {
+ public:
+  Console(std::string tool, LogLevel level, LogFormat format);
+  ~Console() { clear_progress(); }
+  Console(const Console&) = delete;
+  Console& operator=(const Console&) = delete;
+
+  void error(const std::string& message, const std::string& remedy);
+  void warning(const std::string& message);
+  void info(const std::string& message);
+  /// A table or another text of several lines for people, as it is; silent with -q.
+  void text(const std::string& lines);
+  /// On a terminal one line that is rewritten, else a line every five seconds at most.
+  void progress(const std::string& stage, std::int64_t done, std::int64_t total);
+  void stage_ended(const std::string& stage);
+  /// For those who write to the terminal themselves.
+  void clear_progress();
+
+ private:
+  void line(std::string_view level, std::string_view colour, const std::string& message);
+
+  std::string tool_;
+  LogLevel level_;
+  LogFormat format_;
+  bool terminal_, colour_;
+  bool shows_progress_ = false;
+  std::string stage_;  // whose progress is shown
+  double last_progress_s_;
+};
+
+}  // namespace ngs::cli

@@ -1,0 +1,61 @@
+#include "shared/run/environment.h"
+
+#include <sched.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <cstring>
+
+#include "ngs/backend/device_info.h"
+#include "ngs/core/error.h"
+
+namespace ngs::cli {
+
+int choose_threads(int flag) {
+  if (flag > 0) return flag;
+  for (const char* name : {"NGS_THREADS", "SLURM_CPUS_PER_TASK"}) {
+    const char* text = std::getenv(name);
+    if (text == nullptr || *text == '\0') continue;
+    int threads = 0;
+    const char* end = text + std::strlen(text);
+    const auto parsed = std::from_chars(text, end, threads);
+    if (parsed.ec != std::errc() || parsed.ptr != end || threads < 1 || threads > 4096)
+      throw Error(ErrorCode::kUsage, std::string(name) + " = '" + text + "', expected in [1, 4096]",
+                  std::string("unset it or use -j"));
+    return threads;
+  }
+  cpu_set_t cpus;
+  if (sched_getaffinity(0, sizeof cpus, &cpus) != 0) return 1;
+  return std::max(1, CPU_COUNT(&cpus));
+}
+
+const char* isa_name(Isa isa) { return isa == Isa::kV4 ? "x86-64-v4" : "x86-64-v3"; }
+
+Isa choose_isa() {
+  const char* text = std::getenv("NGS_ISA");
+  if (text == nullptr || *text == '\0') return best_isa();
+  if (std::strcmp(text, "v3") == 0) return Isa::kV3;
+  if (std::strcmp(text, "v4") != 0)
+    throw Error(ErrorCode::kUsage, std::string("NGS_ISA = '") + text + "', expected v3 or v4", "unset it");
+  if (best_isa() != Isa::kV4)
+    throw Error(ErrorCode::kEnvironment, "NGS_ISA = v4: this processor or this build has no x86-64-v4", "unset it");
+  return Isa::kV4;
+}
+
+ChosenDevice choose_device(DeviceChoice choice, const Spec& tool) {
+  if (choice == DeviceChoice::kCpu) return {Device::kCpu, "cpu", "--device cpu"};
+  const std::string no_path = tool.name + " has no CUDA path";
+  if (choice == DeviceChoice::kCuda && !tool.runs_on_device)
+    throw Error(ErrorCode::kEnvironment, "--device cuda: " + no_path + ", expected ngs-variance, ngs-rbf, ngs-joint or ngs-render",
+                "use --device cpu or auto");
+  if (!tool.runs_on_device) return {Device::kCpu, "cpu", "auto: " + no_path};
+  const DeviceInfo cuda = cuda_device();
+  if (choice == DeviceChoice::kCuda && !cuda.usable)
+    throw Error(ErrorCode::kEnvironment, "--device cuda: " + cuda.reason, "use --device cpu or auto");
+  if (choice == DeviceChoice::kCuda) return {Device::kCuda, cuda.name, "--device cuda"};
+  if (cuda.usable) return {Device::kCpu, "cpu", "auto: " + cuda.name + " is used on request only, --device cuda"};
+  return {Device::kCpu, "cpu", "auto: " + cuda.reason};
+}
+
+}  // namespace ngs::cli

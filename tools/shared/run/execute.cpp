@@ -1,0 +1,140 @@
+#include "shared/run/execute.h"
+
+#include <sys/resource.h>
+
+#include <filesystem>
+
+#include "ngs/core/error.h"
+#include "ngs/io/files/atomic_file.h"
+#include "ngs/ops/device/cuda_ops.h"
+#include "ngs/options/option_warnings.h"
+#include "shared/cli/command_line.h"
+#include "shared/run/leftovers.h"
+#include "shared/run/paths.h"
+#include "shared/run/run_state.h"
+#include "shared/run/signals.h"
+
+namespace ngs::cli {
+namespace {
+
+double process_cpu_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) { return double(t.tv_sec) + 1e-6 * double(t.tv_usec); };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+void choose_where_to_compute(RunState& state) {
+  state.exec.threads = choose_threads(state.flags.threads);
+  state.exec.isa = choose_isa();
+  state.device_exec = state.exec;
+  state.device_exec.device = state.device.device;
+  if (state.device.device == Device::kCuda) state.device_exec.device_ops = cuda_ops();
+  if (!state.spec.partly_on_device) state.exec = state.device_exec;
+  state.console.info("device: " + state.device.name + " (" + state.device.reason +
+                     "), threads: " + std::to_string(state.exec.threads) + ", " + isa_name(state.exec.isa));
+}
+
+void connect(Monitor& monitor, Console& console) {
+  monitor.stop_flag(&stop_flag());
+  monitor.on_warning = [&](const std::string& message) { console.warning(message); };
+  monitor.on_progress = [&](const std::string& stage, std::int64_t done, std::int64_t total) {
+    console.progress(stage, done, total);
+  };
+  monitor.on_stage_end = [&](const std::string& stage) { console.stage_ended(stage); };
+}
+
+void hash_inputs(RunState& state) {
+  const Monitor::Scope scope = state.monitor.scope("hash inputs");
+  state.inputs = describe_inputs(state.spec, !state.flags.dry_run);
+  for (ReadInput& input : state.inputs) input.path = state.streams.given(input.path);
+}
+
+/// The folders of the outputs: made, taken away again where the body fails and leaves them empty, and looked through for
+/// files of before.
+class OutputFolders {
+ public:
+  explicit OutputFolders(const RunState& state) {
+    for (const Output& output : state.spec.outputs)
+      if (output && output.directory && !state.flags.dry_run) {
+        if (std::filesystem::create_directories(output.path)) made_.push_back(output.path);
+        folders_.emplace_back(output.path);
+      }
+  }
+  void remove_empty() const {
+    std::error_code not_empty;
+    for (const std::string& folder : made_) std::filesystem::remove(folder, not_empty);
+  }
+  void warn_of_leftovers(Monitor& monitor) const {
+    for (const Leftovers& folder : folders_)
+      if (const std::vector<std::string> names = folder.untouched(); !names.empty())
+        monitor.warn(folder.folder() + ": holds " + std::to_string(names.size()) + " files of before, the first is " +
+                     names.front() + ": they are none of this run's (remove the folder first to be rid of them)");
+  }
+
+ private:
+  std::vector<Leftovers> folders_;
+  std::vector<std::string> made_;
+};
+
+int run_body(RunState& state, const std::function<int(Run&)>& body) {
+  const OutputFolders folders(state);
+  Run run(state);
+  try {
+    const int exit_code = body(run);
+    folders.warn_of_leftovers(state.monitor);
+    return exit_code;
+  } catch (...) {
+    folders.remove_empty();
+    throw;
+  }
+}
+
+Json report_of(const RunState& state, double wall_s, int exit_code) {
+  return make_report({.spec = state.spec,
+                      .flags = state.flags,
+                      .streams = state.streams,
+                      .device = state.device,
+                      .threads = state.exec.threads,
+                      .isa = state.exec.isa,
+                      .inputs = state.inputs,
+                      .monitor = state.monitor,
+                      .result = state.result,
+                      .plan = state.plan,
+                      .wall_s = wall_s,
+                      .cpu_s = process_cpu_seconds(),
+                      .exit_code = exit_code});
+}
+
+}  // namespace
+
+int execute(Spec& spec, const CommonFlags& flags, Console& console, const std::function<int(Run&)>& body) {
+  const double start_s = wall_seconds();
+  install_signal_handlers(spec.stops_on_request);
+  check_required(spec, flags.dry_run);
+  check_outputs(spec, flags.report_path, flags.overwrite);
+  const Streams streams(spec);
+  check_inputs(spec);
+  RunState state{.spec = spec,
+                 .streams = streams,
+                 .flags = flags,
+                 .console = console,
+                 .device = choose_device(flags.device, spec)};
+  choose_where_to_compute(state);
+  connect(state.monitor, console);
+  for (const std::string& warning : flags.warnings) state.monitor.warn(warning);
+  for (const std::string& warning : unheard_warnings(spec.options)) state.monitor.warn(warning);
+  hash_inputs(state);
+  const int exit_code = run_body(state, body);
+
+  console.clear_progress();
+  const Json report = report_of(state, wall_seconds() - start_s, exit_code);
+  streams.copy_output();
+  if (!flags.report_path.empty())
+    io::write_file(flags.report_path, json_document(report));
+  else if (!streams.to_stdout())
+    print_json(report);
+  return exit_code;
+}
+
+}  // namespace ngs::cli

@@ -1,0 +1,119 @@
+#include "shared/run/paths.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <map>
+
+#include "ngs/io/files/content_hash.h"
+
+namespace ngs::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+void for_each_input(const Spec& spec,
+                    const std::function<void(const std::string& name, const std::string& path)>& visit) {
+  for (const Input& input : spec.inputs)
+    if (input) visit(input.name.substr(input.name.find_first_not_of('-')), input.path);
+  for (const Inputs& list : spec.input_lists)
+    for (const std::string& path : list.paths) visit(list.name, path);
+}
+
+void refuse_input(const std::string& output, const std::string& name, const std::string& input) {
+  std::error_code ignored;
+  if (fs::equivalent(output, input, ignored))
+    throw Error(ErrorCode::kUsage, output + ": is the input '" + name + "' too, expected another path for the output");
+}
+
+/// Links are followed, so that one place has one name; empty: a device or pipe, which may be given several times.
+fs::path place_of(const std::string& path) {
+  std::error_code ignored;
+  if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored) && !fs::is_directory(path, ignored)) return {};
+  return (fs::weakly_canonical(path, ignored) / "").parent_path();  // "out/" is "out"
+}
+
+/// Of two outputs in one place the second would replace the first.
+void check_distinct(const Spec& spec, const std::string& report_path) {
+  std::map<fs::path, std::string> taken;  // by the flag
+  const auto take = [&](const std::string& path, const std::string& flag) {
+    const fs::path place = path.empty() || path == "-" ? fs::path() : place_of(path);
+    if (place.empty()) return;
+    const auto [other, is_free] = taken.emplace(place, flag);
+    if (!is_free)
+      throw Error(ErrorCode::kUsage, path + ": is given for " + other->second + " and for " + flag +
+                                         ", expected a path for each");
+  };
+  for (const Output& output : spec.outputs) take(output.path, output.flags.substr(output.flags.find("--")));
+  take(report_path, "--report");
+}
+
+void check_output(const Spec& spec, const Output& output, bool overwrite) {
+  const fs::path path = output.path;
+  std::error_code ignored;
+  for_each_input(spec, [&](const std::string& name, const std::string& input) { refuse_input(output.path, name, input); });
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  if (!output.directory && !fs::is_directory(folder, ignored))
+    throw Error(ErrorCode::kEnvironment, output.path + ": no folder " + folder.string(),
+                "mkdir -p " + folder.string());
+  if (!fs::exists(path, ignored)) return;
+  const bool is_folder = fs::is_directory(path, ignored);
+  if (is_folder != output.directory && (is_folder || fs::is_regular_file(path, ignored)))
+    throw Error(ErrorCode::kUsage, output.path + ": is a " + (is_folder ? "folder" : "file") +
+                                       ", expected a " + (output.directory ? "folder" : "file"));
+  const bool occupied = output.directory ? !fs::is_empty(path, ignored) : fs::is_regular_file(path, ignored);
+  if (occupied && !overwrite)
+    throw Error(ErrorCode::kUsage, output.path + (is_folder ? ": is not empty" : ": exists already"),
+                "replace it with -w");
+}
+
+}  // namespace
+
+void check_inputs(const Spec& spec) {
+  for_each_input(spec, [](const std::string& name, const std::string& path) {
+    if (access(path.c_str(), R_OK) != 0)
+      throw Error(ErrorCode::kBadInput,
+                  path + ": " + std::strerror(errno) + ", expected the input '" + name + "'");
+  });
+}
+
+void refuse_outputs_over(const Spec& spec, const std::string& report_path, const std::string& name,
+                         const std::string& input) {
+  for (const Output& output : spec.outputs)
+    if (output) refuse_input(output.path, name, input);
+  if (!report_path.empty()) refuse_input(report_path, name, input);
+}
+
+void check_outputs(const Spec& spec, const std::string& report_path, bool overwrite) {
+  check_distinct(spec, report_path);
+  for (const Output& output : spec.outputs)
+    if (output && output.path != "-") check_output(spec, output, overwrite);
+  Output report;
+  report.path = report_path;
+  if (report) check_output(spec, report, overwrite);
+}
+
+ReadInput describe_input(const std::string& name, const std::string& path, bool hash) {
+  ReadInput input{name, path, 0, {}};
+  if (hash) {
+    io::ContentHash content = io::content_hash(path);
+    input.bytes = content.bytes;
+    input.xxh3 = std::move(content.xxh3);
+  } else if (fs::is_regular_file(path)) {
+    input.bytes = fs::file_size(path);
+  }
+  return input;
+}
+
+std::vector<ReadInput> describe_inputs(const Spec& spec, bool hash) {
+  std::vector<ReadInput> inputs;
+  for_each_input(spec, [&](const std::string& name, const std::string& path) {
+    inputs.push_back(describe_input(name, path, hash));
+  });
+  return inputs;
+}
+
+}  // namespace ngs::cli

@@ -1,0 +1,40 @@
+#pragma once
+// The JSON report that every tool ends with, and its schema.
+#include <string>
+#include <vector>
+
+#include "ngs/core/monitor.h"
+#include "shared/cli/common_flags.h"
+#include "shared/cli/spec.h"
+#include "shared/run/environment.h"
+#include "shared/run/streams.h"
+
+namespace ngs::cli {
+
+/// A file or folder that was read.
+struct ReadInput {
+  std::string name, path;
+  std::uint64_t bytes = 0;
+  std::string xxh3;  // empty in a dry run
+};
+
+struct ReportData {
+  const Spec& spec;
+  const CommonFlags& flags;
+  const Streams& streams;
+  const ChosenDevice& device;
+  int threads;
+  Isa isa;
+  const std::vector<ReadInput>& inputs;
+  const Monitor& monitor;
+  const Json& result;
+  const Json& plan;
+  double wall_s, cpu_s;  // of the whole process
+  int exit_code;
+};
+
+Json make_report(const ReportData& data);
+/// JSON Schema (draft-07) of the report of a tool with these options.
+Json report_schema(const Spec& spec);
+
+}  // namespace ngs::cli

@@ -1,0 +1,27 @@
+#pragma once
+// What a Run stands on. Internal to tools/shared.
+#include <vector>
+
+#include "shared/cli/common_flags.h"
+#include "shared/cli/spec.h"
+#include "shared/run/console.h"
+#include "shared/run/environment.h"
+#include "shared/run/report.h"
+#include "shared/run/streams.h"
+
+namespace ngs::cli {
+
+struct RunState {
+  const Spec& spec;
+  const Streams& streams;
+  const CommonFlags& flags;
+  Console& console;
+  ChosenDevice device;
+  Exec exec = {}, device_exec = {};
+  Monitor monitor = {};
+  std::vector<ReadInput> inputs = {};
+  Json result = Json::object();
+  Json plan = Json::object();
+};
+
+}  // namespace ngs::cli

@@ -1,0 +1,30 @@
+#include "shared/scene/scene_model.h"
+
+#include <filesystem>
+#include <set>
+
+#include "ngs/core/error.h"
+#include "ngs/io/files/regular_file.h"
+
+namespace ngs::cli {
+
+void require_model(Run& run, const Scene& scene, const std::string& scene_path) {
+  if (scene.model_path.empty())
+    throw Error(ErrorCode::kBadInput, scene_path + ": names no model, expected a 3DGS PLY",
+                "import the scene again with --ply MODEL.ply, or fit one: ngs-fit " + scene_path + " -o model.ply");
+  io::require_regular_file(scene.model_path);
+  run.add_input("model", scene.model_path);
+}
+
+void refuse_over_photos(const Scene& scene, const std::vector<std::string>& files) {
+  std::error_code ignored;
+  std::set<std::filesystem::path> photos;
+  for (const SceneView& view : scene.views)
+    if (!view.image_path.empty()) photos.insert(std::filesystem::weakly_canonical(view.image_path, ignored));
+  for (const std::string& file : files)
+    if (photos.contains(std::filesystem::weakly_canonical(file, ignored)))
+      throw Error(ErrorCode::kUsage, file + ": is a photo of the scene, which this run would replace",
+                  "choose another folder for the output");
+}
+
+}  // namespace ngs::cli
