@@ -63,7 +63,7 @@ std::string with_many_views(const test::TempDir& dir, int times) {
 
 }  // namespace
 
-TEST_CASE("under a budget the trace asks for no score that may end after it") {
+TEST_CASE("under a time budget the trace asks for no score that could end too late") {
   const test::TempDir dir;
   constexpr double kBudget_s = 6;
   const test::ProcessResult result = test::run_process(test::command(
@@ -86,7 +86,7 @@ TEST_CASE("under a budget the trace asks for no score that may end after it") {
   MESSAGE("longest score: " << longest_s << " s");  // below 0.1 s it would fit in what is kept for writing anyway
 }
 
-TEST_CASE("under a budget a round of edges that ends far from the masks is undone, and only such a one") {
+TEST_CASE("under a time budget a contour iteration that ends far from the masks is undone, and no other") {
   const test::TempDir dir;
   const std::vector<std::string> ruinous{"--effect", "contours=on", "--contour-rate", "30"};
   joint(dir, "before", {"--effect", "contours=off"});
@@ -112,7 +112,7 @@ TEST_CASE("under a budget a round of edges that ends far from the masks is undon
   CHECK(bytes("kept") != bytes("before"));
 }
 
-TEST_CASE("a budget that leaves out what would not have run anyway cuts nothing") {
+TEST_CASE("a time budget that leaves out only passes that would not have run reports no cut") {
   const test::TempDir dir;
   const std::string scene = with_many_views(dir, 40), model = test::fixture_folder() + "/boundary.ply";
   const auto run = [&](const std::string& name, std::vector<std::string> more) {

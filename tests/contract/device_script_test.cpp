@@ -71,7 +71,7 @@ bool failed(const Json& report, const std::string& step) {
 
 }  // namespace
 
-TEST_CASE("device.sh says 77 where there is no device, and 2 where nobody says what to write") {
+TEST_CASE("device.sh exits with 77 without a device, and with 2 without the name of its output") {
   const Machine machine;
   CHECK(machine.run({}).exit_code == 2);
   for (const char* answer : {"exit 9", "echo 'No devices found.'"}) {

@@ -107,7 +107,7 @@ TEST_CASE("ngs-variance merge refuses a scene that the parts were not made from,
   CHECK(c.merge({"--scene", c.path("another.json")}).exit_code == 0);
 }
 
-TEST_CASE("evidence to stdout names its scene from the root, evidence from stdin from the working directory") {
+TEST_CASE("evidence on stdout names its scene by an absolute path, evidence from stdin from the working directory") {
   const Case c("elsewhere");
   const test::ProcessResult piped = c.run({"ngs-variance", "scene.json", "--object", "ball", "--partial", "-"});
   REQUIRE(piped.exit_code == 0);
@@ -123,7 +123,7 @@ TEST_CASE("evidence to stdout names its scene from the root, evidence from stdin
   CHECK(from_folder.exit_code == 0);
 }
 
-TEST_CASE("parts of a scene that came through a pipe ask for the scene") {
+TEST_CASE("merging parts whose scene came through a pipe asks for the scene") {
   const Case c;
   const test::ProcessResult part = c.run({"ngs-variance", "-", "--object", "ball", "--partial", c.part}, {}, test::read_bytes(c.scene));
   REQUIRE(part.exit_code == 0);
@@ -134,7 +134,7 @@ TEST_CASE("parts of a scene that came through a pipe ask for the scene") {
   CHECK(c.merge({"--scene", c.scene}).exit_code == 0);
 }
 
-TEST_CASE("a scene that parts name and a model that a scene names are regular files, or refused before they are opened") {
+TEST_CASE("a scene or a model that a file names is refused before it is opened unless it is a regular file") {
   const Case c;
   c.write_part([](io::EvidencePart&) {});
   fs::remove(c.path("model.ply"));

@@ -106,7 +106,7 @@ TEST_CASE("ngs-joint that was stopped in its steps goes on with the next one") {
   stop_and_resume(c, {"--steps", "400", "--effect", "nerf=off", "--effect", "contours=off"}, "step 1 begins", true);
 }
 
-TEST_CASE("ngs-joint that was stopped in contour refinement goes on with it") {
+TEST_CASE("ngs-joint that was stopped in the contour refinement goes on with it") {
   const Case c;
   // The walk may move nothing, so that the round is taken; its many visits leave time for the signal.
   const Words edges{"--effect", "contours=on", "--contour-shape", "1000", "--contour-iterations", "1", "--contour-epochs", "400"};
@@ -115,7 +115,7 @@ TEST_CASE("ngs-joint that was stopped in contour refinement goes on with it") {
   CHECK(says(resumed, "resumed after step 4"));
 }
 
-TEST_CASE("ngs-joint takes few steps before rounds at half the size, and all of them where no such round comes") {
+TEST_CASE("ngs-joint shortens the joint stage before contour iterations at half the size, and only then") {
   Case c;
   const Json views = Json::parse(test::read_bytes(c.scene)).at("views");
   const auto n = std::count_if(views.begin(), views.end(), [](const Json& v) { return v.at("split") == "train"; });
@@ -160,7 +160,7 @@ TEST_CASE("ngs-joint that is stopped where there is no room for a checkpoint say
   CHECK_FALSE(fs::exists(c.path("full")));
 }
 
-TEST_CASE("ngs-joint that goes on under a budget does all the steps that are left, and counts on") {
+TEST_CASE("ngs-joint that resumes under a time budget does all remaining steps and continues their numbers") {
   const Case c;
   REQUIRE(c.joint("whole", kSteps).exit_code == 0);
   keep_six(c);
@@ -230,7 +230,7 @@ TEST_CASE("ngs-joint without steps refuses the checkpoint of a run that had some
   CHECK_FALSE(fs::exists(c.path("other")));
 }
 
-TEST_CASE("ngs-joint takes no plan for floaters from the checkpoint of another run, and looks for none before it says so") {
+TEST_CASE("ngs-joint refuses the checkpoint of another run before it looks for floaters, and takes none from it") {
   const Case c;
   const Words options = kSteps + Words{"--effect", "floaters=on", "--checkpoint", c.keep};
   REQUIRE(c.joint("first", options + Words{"--checkpoint-every", "6"}).exit_code == 0);
@@ -286,7 +286,7 @@ TEST_CASE("ngs-joint goes on where Gaussians of the model are not finite") {
   CHECK(c.bytes("resumed") == c.bytes("whole"));
 }
 
-TEST_CASE("ngs-joint that goes on takes floaters out as the run before did, whose budget decided it") {
+TEST_CASE("ngs-joint that resumes removes the floaters that the interrupted run had decided on under its budget") {
   const Case c;
   const Words options = kSteps + Words{"--effect", "floaters=on", "--checkpoint", c.keep};
   REQUIRE(c.joint("first", options + Words{"--checkpoint-every", "6"}).exit_code == 0);

@@ -21,7 +21,7 @@ test::ProcessResult run_in(const std::string& folder, std::vector<std::string> a
 
 }  // namespace
 
-TEST_CASE("a scene from stdin names its files from the working directory, one to stdout names them from the root") {
+TEST_CASE("a scene from stdin has paths relative to the working directory, one written to stdout has absolute paths") {
   const test::TempDir dir;
   test::write_tiny_scene(dir.path());
   const auto label = [&](const std::string& folder, const std::string& scene, const std::string& input) {
@@ -45,7 +45,7 @@ TEST_CASE("a scene from stdin names its files from the working directory, one to
   CHECK(label("/", "-", imported.out) == label("/", elsewhere, {}));
 }
 
-TEST_CASE("what is on its way to stdout leaves no file behind when a terminal closes, and goes on under nohup") {
+TEST_CASE("output to stdout leaves no temporary file when the terminal closes, and continues under nohup") {
   const test::TempDir dir;
   std::filesystem::create_directories(dir.path() + "/tmp");
   const std::string in = dir.write("in", "text");
@@ -64,7 +64,7 @@ TEST_CASE("what is on its way to stdout leaves no file behind when a terminal cl
   CHECK(test::run_process(spec).exit_code == 0);
 }
 
-TEST_CASE("a program that fails is a failure although the caller ignores the end of children") {
+TEST_CASE("a failing child program is reported although the caller ignores SIGCHLD") {
   const test::TempDir dir;
   test::write_tiny_scene(dir.path());
   dir.write("p.json", R"({"ngs_prompts":1,"view":"v0.png","width":48,"height":36,"boxes":[[12,6,36,30]]})");

@@ -212,7 +212,7 @@ TEST_CASE("ngs-gs.sh refuses an option that a later tool would refuse before the
   refused({"--log-format", "xml"}, {}, "log_format");
 }
 
-TEST_CASE("the mean over scenes is of the scores that there are, each once") {
+TEST_CASE("the mean over scenes counts every score that exists, once") {
   const Folder f;
   const auto summary = [&](const char* name, const char* biou) {
     return f.dir.write(name, std::string("{\n  \"mean_over_runs\": {\n    \"iou\": 0.5,\n    \"biou\": ") + biou + "\n  }\n}\n");

@@ -37,7 +37,7 @@ std::string with_a_component(const test::TempDir& dir) {
 
 }  // namespace
 
-TEST_CASE("ngs-joint samples anew where components leave the boundary set that --field was made for") {
+TEST_CASE("ngs-joint samples again where removed components shrink the boundary set that --field was made for") {
   const test::TempDir dir;
   const std::string fixture = test::fixture_folder(), model = with_a_component(dir),
                     out = dir.path() + "/labelled.ply";

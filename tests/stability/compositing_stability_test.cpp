@@ -241,7 +241,7 @@ TEST_CASE("compositing: far to the right of a wide image positions keep their su
   });
 }
 
-TEST_CASE("compositing: opacity gradients of deep stacks, refined backwards") {
+TEST_CASE("compositing: opacity gradients keep their accuracy deep in a stack, gathered from back to front") {
   test::hard_case(
       {"opacity", {0.1, 0.5, 0.9, 0.985}, 0.18, {"T from 1 - alpha of the image, divided by 1 - α", 3}},
       [](double h, Random& random, Worst& worst) {

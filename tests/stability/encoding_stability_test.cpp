@@ -49,7 +49,7 @@ struct Level {
 
 }  // namespace
 
-TEST_CASE("hash grid: a point on a vertex reads exactly its entry, on a face nothing from beyond") {
+TEST_CASE("hash grid: a point on a vertex reads exactly that entry, one on a face nothing from beyond the face") {
   test::hard_case({"cells", {4, 16, 32}, 0, "not applicable: the blend is the same in every form"},
                   [](double h, Random& random, Worst& worst) {
                     const Level level(random, int(h));
@@ -364,7 +364,7 @@ TEST_CASE("network: a saturated colour keeps its gradient") {
   });
 }
 
-TEST_CASE("network: a NaN that goes in comes out, and stays with its own query") {
+TEST_CASE("network: a NaN in a query's input is a NaN in its output and in no other query's") {
   test::hard_case({"NaNs", {0, 1}, 0, {"max(0, x) as ReLU, which makes 0 of NaN", test::kWrong}},
                   [](double h, Random& random, Worst& worst) {
                     Network n(random, 1);

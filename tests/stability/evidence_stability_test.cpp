@@ -143,7 +143,7 @@ TEST_CASE("evidence: a Gaussian whose pixels agree has their answer and no varia
                   });
 }
 
-TEST_CASE("evidence: a Gaussian that no pixel sees is the third state, not a number") {
+TEST_CASE("evidence: a Gaussian that no pixel sees is unseen, neither object nor background") {
   test::hard_case(
       {"known pixels", {kSize * kSize, 0}, 0, {"W1 / W", test::kWrong}}, [](double h, Random& random, Worst& worst) {
         Capture c(random, 1);

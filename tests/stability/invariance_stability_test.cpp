@@ -176,7 +176,7 @@ TEST_CASE("invariance: float labels differ from the rendering equation in double
       });
 }
 
-TEST_CASE("masks: two views that contradict each other leave the label undecided, and say so") {
+TEST_CASE("masks: two views that contradict each other give probability one half and the largest variance") {
   test::hard_case(
       {"views", {2}, 0, "not applicable: a count decides"}, [](double, Random& random, Worst& worst) {
         MethodCase c = scene(random);
@@ -287,7 +287,7 @@ TEST_CASE("joint: a photo with one NaN stops the step and names the view") {
                   });
 }
 
-TEST_CASE("joint: nothing boundary, all boundary and one boundary Gaussian stay finite") {
+TEST_CASE("joint: training stays finite with no, one and only boundary Gaussians") {
   test::hard_case({"boundary share", {0.5, 0.01, 1, 0}, 0, "not applicable: sets, not formulas", 100},
                   [](double h, Random& random, Worst& worst) {
                     const auto c = test::joint_case(60, 40);

@@ -70,7 +70,7 @@ TEST_CASE("mask loss: the cross-entropy of an almost right pixel keeps its relat
                   });
 }
 
-TEST_CASE("mask loss: beyond its ends it goes on along the tangent") {
+TEST_CASE("mask loss: beyond the clamped ends of the probability the loss continues along its tangent") {
   test::hard_case({"p", {1e-5, 1e-6, 1e-7, 1e-30, 0, -0.1}, 1.9, {"-log(p)", test::kWrong}},
                   [](double h, Random& random, Worst& worst) {
                     const float p = float(h * random.uniform(0.5, 0.99)), low = float(kMaskEps);

@@ -81,8 +81,7 @@ TEST_CASE("pictures: the squared difference of pictures that nearly agree keeps 
                   });
 }
 
-TEST_CASE(
-    "front layer: a surface an ulp behind a Gaussian leaves it in front, one at it or nowhere does not") {
+TEST_CASE("front layer: a Gaussian is in front of a surface an ulp behind it, not of one at its depth or of none") {
   test::hard_case(
       {"gap over depth", {1e-2, 1e-5, 1e-7, 0, NAN}, 0, {"inverse depths, as a depth buffer has them", test::kWrong}},
       [](double h, Random& random, Worst& worst) {

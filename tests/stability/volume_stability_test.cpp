@@ -132,7 +132,7 @@ TEST_CASE("volume: opaque and overflowing densities give finite colours, alphas 
                   });
 }
 
-TEST_CASE("volume: nothing reaches what lies behind an opaque sample") {
+TEST_CASE("volume: samples behind an opaque one have no weight and no gradient") {
   test::hard_case(
       {"density", {1, 200, 1e4, 1e30}, 0, {"T_k c_k - behind / (1 - α_k)", test::kWrong}},
       [](double h, Random& random, Worst& worst) {

@@ -10,14 +10,15 @@ constexpr IterationsCost kRounds{.refine_s = 3, .epoch_s = 1, .early_share = 1, 
 
 }  // namespace
 
-TEST_CASE("where all fits nothing is cut, and what is over goes to nobody's harm to the steps") {
+TEST_CASE("where everything fits into the time nothing is cut, and what is left over goes to the steps") {
   const TimePlan plan = plan_time(30 + 36.5, kSteps, kRounds);
   CHECK_FALSE(plan.cut);
   CHECK((plan.steps && plan.field && plan.contour_iterations == 2));
   CHECK(plan.steps_s == doctest::Approx(30));
 }
 
-TEST_CASE("what does not fit goes in the order of what a second buys: field, steps, second iteration, edges") {
+TEST_CASE(
+    "what does not fit is cut in the order of the gain per second: field, steps, second contour iteration, contours") {
   const TimePlan no_field = plan_time(60, kSteps, kRounds);
   CHECK((no_field.cut && !no_field.field && no_field.contour_iterations == 2));
   CHECK(no_field.steps_s == doctest::Approx(60 - 36.5));
@@ -34,7 +35,8 @@ TEST_CASE("what does not fit goes in the order of what a second buys: field, ste
   CHECK(steps_alone.steps_s == doctest::Approx(7.4));
 }
 
-TEST_CASE("iterations before the last take all of their epochs at their own pace, so cheap ones leave room for one more") {
+TEST_CASE(
+    "iterations before the last take all of their epochs at their own cost, so cheap ones leave time for one more") {
   IterationsCost cheap = kRounds;
   cheap.early_share = 0.5;
   CHECK(cheap.all_s() == doctest::Approx(kRounds.all_s() - 15 * 0.5));
@@ -44,13 +46,13 @@ TEST_CASE("iterations before the last take all of their epochs at their own pace
   CHECK(plan_time(shortest_s - 1, kSteps, kRounds).contour_iterations == 1);
 }
 
-TEST_CASE("what an iteration that does not fit would have taken is the steps'") {
+TEST_CASE("the time of an iteration that does not fit goes to the steps") {
   const TimePlan plan = plan_time(1 + 0.5 + 2 * 3 + 15 + 7.4, kSteps, kRounds);
   REQUIRE(plan.contour_iterations == 1);
   CHECK(plan.steps_s == doctest::Approx(1 + 3 + 15 + 7.4 - 15));
 }
 
-TEST_CASE("more time never plans fewer iterations, nor leaves the steps less than one visit once they had one") {
+TEST_CASE("more time never plans fewer iterations, nor less than one epoch of steps where less time planned one") {
   int iterations = 0;
   for (double left_s = -1; left_s < 90; left_s += 0.25) {
     CAPTURE(left_s);
@@ -72,7 +74,7 @@ TEST_CASE("without time, steps or edges there is a plan too") {
   CHECK(steps_alone.steps_s == doctest::Approx(4));
 }
 
-TEST_CASE("pace: one hiccup of a short stage counts little, a long stage much") {
+TEST_CASE("pace: the estimate follows long stages and hardly one slow short one") {
   Pace pace(0.5);
   CHECK(pace.factor() == 1);
   pace.add(0.01, 0.1);
@@ -81,7 +83,7 @@ TEST_CASE("pace: one hiccup of a short stage counts little, a long stage much") 
   CHECK(pace.factor() == doctest::Approx(10.6 / 5.51));
 }
 
-TEST_CASE("epochs that fit without caution only are all begun, and nothing is cut") {
+TEST_CASE("epochs that fit only without the safety margin are all begun, and nothing is cut") {
   const auto planned = [](double available_s) { return plan_epochs(2, available_s, 1.25, 4); };
   CHECK((planned(10).epochs == 4 && !planned(10).cut));
   CHECK((planned(9).epochs == 4 && !planned(9).cut));  // naive: no room with caution, hence cut

@@ -98,7 +98,7 @@ TEST_CASE("loading ahead stops where it is told to, and what was not loaded is l
   for (const std::size_t v : fine.views) CHECK(some.get().load_photo(v).data == all.get().load_photo(v).data);
 }
 
-TEST_CASE("masks of many objects are kept as long as their contours fit, whatever their pixels would take") {
+TEST_CASE("masks of many objects stay in memory as long as their contours fit, whatever their pixels would take") {
   const auto c = test::joint_case();
   Problem fine = c->input();
   ViewMasks many = c->masks[0];

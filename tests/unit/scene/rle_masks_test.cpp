@@ -8,7 +8,8 @@
 
 namespace ngs {
 
-TEST_CASE("packed masks come back bit for bit: contours, signed zeros, NaN, planes of one value and empty ones") {
+TEST_CASE(
+    "run-length encoded masks decode bit for bit: contours, signed zeros, NaN, planes of one value and empty ones") {
   ViewMasks masks{7, 3, {}, {1, 0, 1}, true};
   masks.target.push_back({0, 0, 1, 1, 0.25f, 0, 0, 1, 1, 1, 0.5f, 0.5f, 0.75f, 0, 0, 0, 0, 0, 0, 0, 1});
   masks.target.push_back({0.f, -0.f, 0.f, NAN, NAN, -NAN, std::nextafter(1.f, 0.f), 1.f});
@@ -28,7 +29,7 @@ TEST_CASE("packed masks come back bit for bit: contours, signed zeros, NaN, plan
   CHECK(RleMasks().unpacked().target.empty());
 }
 
-TEST_CASE("packed masks take what their contours take, and never more than the planes themselves") {
+TEST_CASE("run-length encoded masks take memory in proportion to their contours, and never more than the planes") {
   ViewMasks binary{64, 64, {}, {}, true}, soft = binary;
   binary.target.emplace_back(64 * 64, 0.f);
   std::fill_n(binary.target[0].begin() + 1000, 2000, 1.f);

@@ -8,7 +8,7 @@
 namespace ngs {
 
 // The emulation runs one block after the other; only blocks that run at once would notice rows in common.
-TEST_CASE("tiles keep their transmittances in rows of their own, within those that were asked for") {
+TEST_CASE("every tile stores its transmittances in rows that no other tile uses, within the allocated ones") {
   using Tile = SplatBackwardTile<3, test::HostLauncher>;
   test::Random random(3);
   for (int draw = 0; draw < 200; ++draw) {

@@ -16,7 +16,7 @@ constexpr std::int64_t kSizes[] = {1, 2, 255, 256, 257, 511, 8191, 8192, 8193, 7
 
 }  // namespace
 
-TEST_CASE("chunks that deal their rows out have every row once, and neighbours at every moment") {
+TEST_CASE("interleaved chunks cover every row once, and read neighbouring rows at the same time") {
   for (const std::int64_t n : kSizes) {
     CAPTURE(n);
     std::vector<int> times(static_cast<std::size_t>(n));
@@ -32,7 +32,7 @@ TEST_CASE("chunks that deal their rows out have every row once, and neighbours a
   }
 }
 
-TEST_CASE("sums and least values of a grid are those of all rows") {
+TEST_CASE("sums and minima of a device schedule are those of all rows") {
   test::HostLauncher grid;
   for (const std::int64_t n : kSizes)
     for (const int columns : {1, 3}) {
@@ -48,7 +48,7 @@ TEST_CASE("sums and least values of a grid are those of all rows") {
     }
 }
 
-TEST_CASE("the first unusable value of a grid is found wherever it lies") {
+TEST_CASE("the first value that is not finite is found by a device schedule wherever it lies") {
   test::HostLauncher grid;
   for (const std::int64_t n : kSizes)
     for (const std::int64_t bad : {std::int64_t(0), n / 3, n / 2, n - 1}) {

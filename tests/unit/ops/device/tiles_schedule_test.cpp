@@ -9,7 +9,7 @@
 
 namespace ngs {
 
-TEST_CASE("more than 2^32 entries of tiles are refused on a grid before any room is asked for them") {
+TEST_CASE("more than 2^32 entries of tiles are refused on a device before any memory is allocated for them") {
   test::SplatCase c = test::splat_case(5, 1100, 32000, 32000);
   const Vec3<double> ahead = c.camera.centre() + transpose(c.camera.rotation) * Vec3<double>{0, 0, 2};
   for (std::size_t i = 0; i < std::size_t(c.gaussians); ++i) {

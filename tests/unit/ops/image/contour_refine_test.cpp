@@ -42,7 +42,7 @@ std::vector<float> walk(const std::vector<std::uint8_t>& mask, const ImageF& pho
   return refine_contour(options, {mask.data(), kWidth, kHeight}, photo);
 }
 
-TEST_CASE("a contour walks to the photo's edge from either side, and not beyond the band") {
+TEST_CASE("a contour moves to the photo's edge from either side, and not beyond the band") {
   const ImageF photo = two_colours(36, 0.3, 0.02);
   for (const double start : {32., 34., 36., 38., 40.}) {
     CAPTURE(start);

@@ -57,7 +57,7 @@ TEST_CASE("a step of a small motion points at the camera that took the photo") {
   }
 }
 
-TEST_CASE("what only the photo shows does not pull the camera, nor does its exposure") {
+TEST_CASE("neither an object that only the photo shows nor the photo's exposure moves the camera") {
   ImageF photo = picture({}, 0.6).colour;
   for (int y = 10; y < 26; ++y)
     for (int x = 10; x < 26; ++x)
@@ -75,7 +75,7 @@ TEST_CASE("the prior pulls back a motion that the photo does not ask for") {
   CHECK(step.motion.move.y < 0);
 }
 
-TEST_CASE("without texture, without a model in view or without room there is no step") {
+TEST_CASE("a pose step is not taken without texture, without a model in view or in a picture that is too small") {
   RenderedView flat = picture({});
   std::fill(flat.colour.data.begin(), flat.colour.data.end(), 0.5f);
   CHECK(!pose_step(flat, flat.colour, camera(), {}).determined);

@@ -45,7 +45,7 @@ Any any_gaussian(const Camera& camera) {
 
 }  // namespace
 
-TEST_CASE("cull: the bound of the exponential is one, and close") {
+TEST_CASE("cull: the fast bound of the exponential is never below it, and close") {
   double least = 2, most = 0;
   for (float x = -87; x <= 88; x += 1e-4f) {
     const double ratio = double(exp_at_least(x)) / std::exp(double(x));
@@ -59,7 +59,8 @@ TEST_CASE("cull: the bound of the exponential is one, and close") {
   for (const float x : {1e30f, kInf}) CHECK(exp_at_least(x) == exp_at_least(88.f));
 }
 
-TEST_CASE("cull: whatever it leaves out reaches no tile, and it leaves out about half of that, close to the border") {
+TEST_CASE(
+    "cull: no culled Gaussian reaches a tile, and near the border about half of those that reach none are culled") {
   for (const Compat compat : {Compat::kInria, Compat::kGsplat}) {
     std::int64_t culled = 0, empty = 0, wrong = 0;
     for (int c = 0; c < 200; ++c) {

@@ -78,7 +78,8 @@ void count_rows(const List& list, Count& count) {
 
 }  // namespace
 
-TEST_CASE("rounding takes no row of an ellipse of half a pixel to 300000, and few rows are visited in vain") {
+TEST_CASE(
+    "rounding drops no row of pixels of ellipses from half a pixel to 300000 pixels, and few rows are tried in vain") {
   test::Random random(1);
   Count packs, lanes;
   for (int i = 0; i < 2000; ++i) {

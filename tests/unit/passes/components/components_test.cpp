@@ -35,7 +35,7 @@ struct ComponentCase {
 
 }  // namespace
 
-TEST_CASE("the object has a core also where most views look elsewhere, and components are found") {
+TEST_CASE("the object's core is found although most views look elsewhere, and disconnected components with it") {
   ComponentCase c;
   LabelColumns& ball = c.base->labels[0];
   for (std::size_t i = 0; i < c.base->is_ball.size(); ++i)
@@ -49,7 +49,7 @@ TEST_CASE("the object has a core also where most views look elsewhere, and compo
   CHECK(c.find().disconnected[200] == 1);
 }
 
-TEST_CASE("a piece of the room that few views claim becomes as unseen, and nothing else changes") {
+TEST_CASE("a disconnected piece that few views label as object is treated as unseen, and nothing else changes") {
   ComponentCase c;
   c.claim(200, 0, 9, 1, 1);
   const ComponentFinding found = c.find();
@@ -64,14 +64,14 @@ TEST_CASE("a piece of the room that few views claim becomes as unseen, and nothi
   }
 }
 
-TEST_CASE("what a third of the views sees in the open is no core that others hang on to") {
+TEST_CASE("a piece that a third of the views sees unoccluded is no core that keeps other pieces") {
   ComponentCase c;
   for (std::size_t i = 200; i < 210; ++i) c.claim(i, 0, 9, 1, 6);
   c.claim(210, 0.1f, 9, 1, 1);
   CHECK(c.find().count == 11);
 }
 
-TEST_CASE("what hangs together with the ball is its own however far it reaches, what lies beyond a gap is not") {
+TEST_CASE("what is connected to the ball belongs to it however far it reaches, what lies beyond a gap does not") {
   const auto with_arm = [](float prob) {  // out to 7 radii
     ComponentCase c;
     for (std::size_t i = 0; i < 20; ++i) c.claim(200 + i, 0.6f + 0.2f * float(i), 4, prob, 1);
@@ -84,7 +84,8 @@ TEST_CASE("what hangs together with the ball is its own however far it reaches, 
   CHECK(faint.find().count > 8);  // claims do not link, labels do
 }
 
-TEST_CASE("neither what many views agree on, nor what is near, hardly claimed, unusable or fixed by hand is a stray") {
+TEST_CASE(
+    "pieces that many views agree on, that are near, hardly labelled, unusable or fixed by hand are not removed") {
   ComponentCase c;
   c.claim(200, 0, 9, 0.7f, kViews / 2);  // no core, but seen well
   c.claim(201, 0.7f, 4, 1, 1);
@@ -98,7 +99,7 @@ TEST_CASE("neither what many views agree on, nor what is near, hardly claimed, u
   CHECK(c.find().count == 1);
 }
 
-TEST_CASE("without a core, and with so few views that half of them are one, nothing is a stray") {
+TEST_CASE("without a core, or with so few views that one is half of them, no piece is removed") {
   ComponentCase c;
   c.claim(200, 0, 9, 1, 1);
   ComponentCase few = std::move(c), none;
@@ -112,7 +113,7 @@ TEST_CASE("without a core, and with so few views that half of them are one, noth
   CHECK(none.find().count == 0);
 }
 
-TEST_CASE("a stray of one object that belongs to another is not held") {
+TEST_CASE("a piece that is disconnected from one object and part of another is left to the other") {
   ComponentCase c;
   c.base->scene.objects.push_back({"room", 1});
   c.base->labels.push_back(c.base->labels[0]);

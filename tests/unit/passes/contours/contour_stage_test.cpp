@@ -59,7 +59,7 @@ struct ContourCase {
   }
 };
 
-TEST_CASE("a model whose contours lie beside the photos' edges is brought to them") {
+TEST_CASE("a model whose contours are misaligned with the photos' edges is moved to them") {
   ContourCase c;
   c.contour.on = test::contours_switched({"contour-iterations=on"});
   const Problem in = c.input();
@@ -75,7 +75,7 @@ TEST_CASE("a model whose contours lie beside the photos' edges is brought to the
     for (const float x : *values) REQUIRE(std::isfinite(x));
 }
 
-TEST_CASE("edges: small photos are enlarged where their contours then agree better with the masks, and only there") {
+TEST_CASE("contours: small photos are enlarged only where their contours then agree better with the masks") {
   ContourCase c;
   c.base = test::joint_case();  // as its masks say
   c.contour.refine.reach_px = 16;
@@ -95,7 +95,7 @@ TEST_CASE("edges: small photos are enlarged where their contours then agree bett
   CHECK(too_large.run(too_large.input()).figures.at("contour_detail") == 1);
 }
 
-TEST_CASE("edges: a contour moves as far in an enlarged photo as in the photo") {
+TEST_CASE("contours: in an enlarged photo a contour moves by the same part of the picture as in the photo") {
   ContourCase c;  // whose contours lie outside the photos'
   c.contour.refine.band_px = 1;
   const Problem in = c.input();
@@ -115,7 +115,7 @@ TEST_CASE("edges: a contour moves as far in an enlarged photo as in the photo") 
   CHECK(moved_large_px > 0.75 * moved_px);
 }
 
-TEST_CASE("edges: an iteration begins with the labels as they have been trained") {
+TEST_CASE("contours: every iteration starts from the labels trained so far") {
   ContourCase c;
   c.joint.rate_label = 0, c.contour.on = test::contours_switched({"split=off"});
   const Problem in = c.input();
@@ -129,7 +129,7 @@ TEST_CASE("edges: an iteration begins with the labels as they have been trained"
   for (std::size_t i = 0; i < trained.size(); ++i) CHECK(std::abs(after.labels[0].prob[i] - trained[i]) < 1e-5f);
 }
 
-TEST_CASE("edges: no mask of a held-out view is read, its photo is") {
+TEST_CASE("contours: of a held-out view the photo is read, the mask never") {
   const ContourCase c;
   Problem in = c.input();
   in.views = {0, 1, 3};
@@ -146,7 +146,7 @@ TEST_CASE("edges: no mask of a held-out view is read, its photo is") {
   CHECK(photos == std::set<std::size_t>{0, 1, 3});
 }
 
-TEST_CASE("edges: what shows outside of the windows stays, with the picture there") {
+TEST_CASE("contours: what shows outside of the trained windows keeps its Gaussians and its picture") {
   ContourCase c;
   const Problem in = c.input();
   const Solution before = c.start(in), after = c.run(in);
@@ -165,7 +165,7 @@ TEST_CASE("edges: what shows outside of the windows stays, with the picture ther
   CHECK(worst < 0.02);
 }
 
-TEST_CASE("edges: Gaussians that show in no window change nothing and stay as they are") {
+TEST_CASE("contours: Gaussians that show in no trained window have no influence and are not changed") {
   ContourCase plain, crowded;
   crowded.contour.on = plain.contour.on = test::contours_switched({"contour-iterations=on"});
   GaussianCloud& cloud = crowded.base->model;
@@ -200,7 +200,7 @@ TEST_CASE("edges: Gaussians that show in no window change nothing and stay as th
   CHECK(moved > 100);
 }
 
-TEST_CASE("edges: after a step the whole model is asked for, not what is trained of it") {
+TEST_CASE("contours: what is called after a step sees the whole model, not only its trained part") {
   const ContourCase c;
   const Problem in = c.input();
   Monitor monitor;
@@ -220,7 +220,7 @@ TEST_CASE("edges: after a step the whole model is asked for, not what is trained
   CHECK_FALSE(result.converged);
 }
 
-TEST_CASE("edges: how many iterations are done is asked when the first walk has decided how many it wants, before the first step") {
+TEST_CASE("contours: before the first step the caller may limit the iterations that the first refinement wants") {
   ContourCase c;
   c.contour.on = test::contours_switched({"contour-iterations=on"});
   const Problem in = c.input();
@@ -244,7 +244,7 @@ TEST_CASE("edges: how many iterations are done is asked when the first walk has 
   }
 }
 
-TEST_CASE("edges: all iterations but the last may be trained at half the size") {
+TEST_CASE("contours: all iterations but the last may train at half the size") {
   ContourCase c;
   const Problem in = c.input();
   const auto iterations = [&](int count, const char* entry) {
@@ -260,7 +260,7 @@ TEST_CASE("edges: all iterations but the last may be trained at half the size") 
   CHECK(c.mean_biou(early_coarse) > c.mean_biou(fine) - 0.05);
 }
 
-TEST_CASE("edges: iterations at half the size take half of the epochs, the last all of them") {
+TEST_CASE("contours: iterations at half the size take half of the epochs, the last all of them") {
   ContourCase c;
   c.contour.iterations = 2;
   const Problem in = c.input();
@@ -279,7 +279,7 @@ TEST_CASE("edges: iterations at half the size take half of the epochs, the last 
   CHECK(steps_with("full-resolution=off") == std::vector<std::int64_t>{12, 20});
 }
 
-TEST_CASE("edges: the result does not depend on the number of threads") {
+TEST_CASE("contours: the result does not depend on the number of threads") {
   ContourCase c;
   c.contour.on = test::contours_switched({"contour-iterations=on", "full-resolution=off"});
   const Problem in = c.input();
@@ -290,7 +290,7 @@ TEST_CASE("edges: the result does not depend on the number of threads") {
   CHECK(one.source_row == three.source_row);
 }
 
-TEST_CASE("edges: where the walk disagrees with the masks the model stays as it was") {
+TEST_CASE("contours: where the refined masks disagree with the given ones the model is not changed") {
   ContourCase c;
   c.base = test::joint_case();  // as its masks say
   Problem in = c.input();
@@ -309,7 +309,7 @@ TEST_CASE("edges: where the walk disagrees with the masks the model stays as it 
   CHECK(after.labels[0].label == before.labels[0].label);
 }
 
-TEST_CASE("edges: masks that are all too small do not outvote the photos") {
+TEST_CASE("contours: masks that are all too small do not outvote the photos") {
   ContourCase c;
   c.base = test::joint_case();
   for (std::size_t i = 0; i < c.base->is_ball.size(); ++i)  // what is rendered is as small as they are
@@ -338,7 +338,8 @@ TEST_CASE("edges: masks that are all too small do not outvote the photos") {
   CHECK(c.run(in).figures.at("contour_iterations") == 1);
 }
 
-TEST_CASE("edges: no photo, no label and draft leave the result alone; a broken photo is an error") {
+TEST_CASE(
+    "contours: without photos, without labels and at draft quality nothing changes; an unreadable photo is an error") {
   ContourCase c;
   Problem in = c.input();
   const Solution before = c.start(in);
@@ -364,7 +365,7 @@ TEST_CASE("edges: no photo, no label and draft leave the result alone; a broken 
   unchanged(in);
 }
 
-TEST_CASE("steps before iterations at half the size are few, since those iterations correct more") {
+TEST_CASE("the joint stage is short before contour iterations at half the size, which correct more") {
   JointOptions joint;
   CHECK(epochs_of(joint) == 10);
   joint.contours_go_on = true;
@@ -373,7 +374,7 @@ TEST_CASE("steps before iterations at half the size are few, since those iterati
   CHECK(epochs_of(joint) == 1);
 }
 
-TEST_CASE("edges: of many views each is visited less, higher qualities have more iterations, and what was asked for is done") {
+TEST_CASE("contours: more views mean fewer epochs, higher qualities more iterations, and given options win") {
   CHECK((contour_iterations({}, Quality::kStandard, false) == 2 && contour_iterations({}, Quality::kStandard, true) == 3));
   CHECK((contour_iterations({}, Quality::kHigh, true) == 5 && contour_iterations({}, Quality::kReference, false) == 7));
   CHECK(contour_epochs({}, Quality::kStandard, 1) == 15);

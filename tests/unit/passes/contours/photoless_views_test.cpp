@@ -71,14 +71,14 @@ bool same(const Solution& a, const Solution& b) {
          a.labels[0].label == b.labels[0].label && a.source_row == b.source_row;
 }
 
-TEST_CASE("edges: every third view judges, and at least two of at least five") {
+TEST_CASE("photoless views: every third photo judges, and at least two of at least five") {
   CHECK(judges_of({}).empty());
   CHECK(judges_of({0, 1, 2, 3}).empty());
   CHECK(judges_of({0, 2, 4, 6, 8}) == std::vector<std::size_t>{2, 8});
   CHECK(judges_of({0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}) == std::vector<std::size_t>{1, 4, 7, 10});
 }
 
-TEST_CASE("edges: a picture stands in for the photo of the views that are named, over the background") {
+TEST_CASE("photoless views: a rendered picture over the background stands in for the photo of the named views") {
   SevenViews c(2);
   Problem in = c.input();
   in.background = {0.2f, 0.4f, 0.6f};
@@ -94,7 +94,7 @@ TEST_CASE("edges: a picture stands in for the photo of the views that are named,
   CHECK(out.load_fine_photo(5).empty());
 }
 
-TEST_CASE("edges: pictures for which there is no room are drawn of the model as it was, by any number of threads") {
+TEST_CASE("photoless views: pictures that do not fit into memory are rendered again from the first model") {
   SevenViews c(2);
   Problem in = c.input();
   in.background = {0.2f, 0.4f, 0.6f};
@@ -113,7 +113,7 @@ TEST_CASE("edges: pictures for which there is no room are drawn of the model as 
   for (const ImageF& picture : at_once) CHECK(picture.data == out[0].load_fine_photo(5).data);
 }
 
-TEST_CASE("edges: a picture serves where its contours are nearer to the photos' than what an iteration without the view draws") {
+TEST_CASE("photoless views: a picture is used where its contours are nearer to the photo's than without the view") {
   SevenViews c(0);
   const Problem in = c.input();
   const std::vector<std::size_t> judges = judges_of(in.views);
@@ -135,7 +135,7 @@ TEST_CASE("edges: a picture serves where its contours are nearer to the photos' 
   CHECK(good.skipped < even.skipped);
 }
 
-TEST_CASE("edges: the trial of pictures decides, and leaves nothing else behind") {
+TEST_CASE("photoless views: the trial decides whether pictures are used, and leaves nothing else behind") {
   SevenViews c(2);
   std::vector<int> told_leave, told_auto;
   const Solution leave = c.run(PhotolessViews::kLeave, 1, &told_leave), picture = c.run(PhotolessViews::kPicture),
@@ -154,7 +154,7 @@ TEST_CASE("edges: the trial of pictures decides, and leaves nothing else behind"
   CHECK(short_of_time.figures.at("contour_iterations") == 1);
 }
 
-TEST_CASE("edges: a trial that is cut short counts as an iteration and has no figures") {
+TEST_CASE("photoless views: a trial that is cut short counts as an iteration and reports no measurements") {
   SevenViews c(2);
   Monitor monitor;
   const Problem in = c.input();
@@ -168,7 +168,7 @@ TEST_CASE("edges: a trial that is cut short counts as an iteration and has no fi
   CHECK(result.figures.count("contour_biou_skipped") == 0);
 }
 
-TEST_CASE("edges: with a photo of every view, or with too few to judge, nothing is tried") {
+TEST_CASE("photoless views: with a photo of every view, or with too few to judge, there is no trial") {
   SevenViews all(0), few(3);
   const Solution leave = all.run(PhotolessViews::kLeave), decided = all.run(PhotolessViews::kAuto);
   CHECK(same(leave, decided));

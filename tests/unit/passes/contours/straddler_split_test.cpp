@@ -87,7 +87,7 @@ TEST_CASE("only Gaussians that a contour crosses count as straddling") {
   for (const double x : straddling({}, input, c->truth, 0).px) CHECK(x <= 1e-12 * most);
 }
 
-TEST_CASE("the rows of a split keep their order, the worst go first, halves come in pairs") {
+TEST_CASE("a split takes the Gaussians that straddle most, keeps the order of rows and appends the halves in pairs") {
   const std::vector<double> px = {0, 5, 2, 9, 1};
   const auto rows = split_straddlers(px, 1.5, 2);
   REQUIRE(rows.size() == 7);

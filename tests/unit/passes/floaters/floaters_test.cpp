@@ -79,7 +79,7 @@ double recall_of_view_0(const FloaterCase& c, const GaussianCloud& cloud, const 
 
 }  // namespace
 
-TEST_CASE("floaters before the object are found by photos alone, and nothing else is") {
+TEST_CASE("floaters in front of the object are found by photos alone, and nothing else is") {
   FloaterCase c(false);
   const FloaterFinding finding = c.find();
   CHECK(finding.count == kAdded);
@@ -92,7 +92,7 @@ TEST_CASE("floaters before the object are found by photos alone, and nothing els
   CHECK(finding.floater == c.find(3).floater);
 }
 
-TEST_CASE("what the photos show before the object is no floater") {
+TEST_CASE("what the photos show in front of the object is no floater") {
   FloaterCase c(true);
   CHECK(c.find().count == 0);
 }
@@ -102,7 +102,7 @@ TEST_CASE("a model without floaters loses nothing") {
   CHECK(c.find().count == 0);
 }
 
-TEST_CASE("a mask that says something else is seen outvotes the photo") {
+TEST_CASE("a mask without the object outvotes the photo: what covers the object there is no floater") {
   FloaterCase c(false);
   Problem in = c.input();
   in.views = {0, 1, 2, 3};

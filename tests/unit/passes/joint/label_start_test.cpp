@@ -89,7 +89,7 @@ double iou_at_start(const Bar& b, int start_steps) {
 
 }  // namespace
 
-TEST_CASE("label start: a thin object keeps its width under masks that lie beside it") {
+TEST_CASE("label start: a thin object keeps its width under misaligned masks") {
   const Bar b = bar({-4, 2, -2, 0, 2, -2, 4});
   const double as_they_are = iou_at_start(b, 1), started = iou_at_start(b, JointOptions{}.start_steps);
   CAPTURE(as_they_are);

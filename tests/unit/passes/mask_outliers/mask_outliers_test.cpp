@@ -36,7 +36,7 @@ struct MaskOutlierCase {
 
 }  // namespace
 
-TEST_CASE("masks that agree are all trusted") {
+TEST_CASE("masks that agree hold no outlier") {
   const MaskOutlierCase c;
   const MaskOutliers trust = c.judge();
   CHECK(trust.ignored.empty());
@@ -44,7 +44,7 @@ TEST_CASE("masks that agree are all trusted") {
   CHECK(trust.figures.at("threshold") >= 0.2);
 }
 
-TEST_CASE("a view whose mask is elsewhere is ignored, the others stay") {
+TEST_CASE("a view whose mask is elsewhere is an outlier, the others stay") {
   MaskOutlierCase c;
   c.mirror(4);
   const MaskOutliers trust = c.judge();
@@ -56,7 +56,7 @@ TEST_CASE("a view whose mask is elsewhere is ignored, the others stay") {
   CHECK(c.judge(3).disagreement == trust.disagreement);
 }
 
-TEST_CASE("a mask of nothing is ignored where the others see the object") {
+TEST_CASE("an empty mask is ignored where the others show the object") {
   MaskOutlierCase c;
   std::fill(c.base->masks[2].target[0].begin(), c.base->masks[2].target[0].end(), 0.f);
   const MaskOutliers trust = c.judge();
@@ -98,7 +98,7 @@ TEST_CASE("views that do not see the object are no measure of how well the other
   CHECK(one.ignored[0] == 4);
 }
 
-TEST_CASE("fewer than four masks that show the object judge nobody, however many are empty") {
+TEST_CASE("no mask is an outlier where fewer than four show the object, however many are empty") {
   MaskOutlierCase c;
   Problem in = c.input();
   in.views = {0, 1, 2};
@@ -119,7 +119,7 @@ TEST_CASE("of four masks one that contradicts is ignored, although three are too
   CHECK(trust.figures.at("rounds") == 1);
 }
 
-TEST_CASE("with fewer than four masks nobody is judged") {
+TEST_CASE("with fewer than four masks none is an outlier") {
   MaskOutlierCase c;
   c.mirror(0);
   for (const std::size_t v : {1u, 2u, 3u}) c.base->masks[v].available = false;

@@ -29,7 +29,7 @@ constexpr std::size_t kViews[] = {0, 1, 3};
 
 }  // namespace
 
-TEST_CASE("without a view there is the evidence of the others, kept or gathered anew") {
+TEST_CASE("leaving a view out gives the evidence of the others, whether it is kept or gathered again") {
   for (const std::size_t kept : {std::size_t(0), std::size_t(200), std::size_t(1) << 20}) {
     CAPTURE(kept);
     const Exec exec;

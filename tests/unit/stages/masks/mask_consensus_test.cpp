@@ -36,7 +36,7 @@ PixelMask mask_of(const std::vector<std::string>& rows) {
 
 }  // namespace
 
-TEST_CASE("of masks that are taken out again, in any order, nothing is left") {
+TEST_CASE("adding masks to a consensus and removing them in any order leaves it empty") {
   std::vector<Lifted> views;
   for (const double weight : {0.1, 0.7, 1e-9, 3e5}) {
     views.emplace_back(2);
@@ -52,7 +52,7 @@ TEST_CASE("of masks that are taken out again, in any order, nothing is left") {
   for (const double left : sum.value().object) CHECK(left == 0);
 }
 
-TEST_CASE("pixels beyond the band are certain, unknown ones take the side of the mask before") {
+TEST_CASE("pixels beyond the band are certain, unknown ones keep the side of the earlier mask") {
   const std::vector<std::string> rows(9, "......########????");
   CHECK(row_of(prompt_from(drawn(rows), 2, {}), 4) == "----bboo++++oobbbb");
   PixelMask before(9 * 18);
@@ -67,7 +67,7 @@ TEST_CASE("the middle of a thin part is certain where the consensus is clear") {
   CHECK(row_of(prompt_from(c, 8, {}), 20).substr(8, 31) == "----bbbbbbbbooooooobbbbbbbb----");
 }
 
-TEST_CASE("nothing is certain where something stands before the object, and it counts for no agreement") {
+TEST_CASE("pixels with something in front of the object are neither certain nor counted as agreement") {
   const Consensus c = drawn(std::vector<std::string>(7, ".......///////"));
   CHECK(row_of(prompt_from(c, 1, {}), 3) == "------bbbbbbbb");
   const Consensus half = drawn({"##//..", "##//.."});
@@ -118,7 +118,7 @@ TEST_CASE("prompt points lie deep inside either side and apart from each other")
   CHECK(object_box(prompt) == std::array<int, 4>{});
 }
 
-TEST_CASE("a lifted mask renders as itself where it was seen, and nothing lifted as nothing") {
+TEST_CASE("a mask lifted to the Gaussians renders as itself in its own view, an empty one as empty") {
   const auto c = test::joint_case();
   const Camera& camera = c->scene.views[0].camera;
   PixelMask mask;
