@@ -4,7 +4,7 @@
 
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
-#include "ngs/ops/device/device_ops.h"
+#include "ngs/ops/device/cuda_ops.h"
 #include "ngs/options/option_warnings.h"
 #include "shared/run/paths.h"
 #include "shared/run/run_state.h"
