@@ -13,7 +13,8 @@ std::string counted(const std::vector<std::pair<std::string, std::string>>& suit
   spec.argv = {"awk", "-f", NGS_SOURCE_DIR "/pipelines/count-tests.awk"};
   spec.input = "<testsuite>\n";
   for (const auto& [name, output] : suites)
-    spec.input += "<testcase name=\"" + name + "\" classname=\"" + name + "\">\n<system-out>" + output + "</system-out>\n";
+    spec.input +=
+        "<testcase name=\"" + name + "\" classname=\"" + name + "\">\n<system-out>" + output + "</system-out>\n";
   const test::ProcessResult result = test::run_process(spec);
   CHECK(result.exit_code == 0);
   return result.out;
@@ -36,10 +37,10 @@ TEST_CASE("a case whose needs are absent counts as skipped and says why; one tha
 }
 
 TEST_CASE("the counts of several suites add up, with the cases of a filter and the programs of clients") {
-  const std::string text =
-      counted({{"unit", "skipped: one: no photo\nskipped cases: 1\n" + doctest_line("  9 |  9 passed | 0 failed | 0 skipped")},
-               {"grad", doctest_line(" 4 | \033[32m3 passed\033[0m | 1 failed | 5 skipped")},
-               {"clients", "12 checks passed, 1 failed, 2 skipped\n"}});
+  const std::string text = counted(
+      {{"unit", "skipped: one: no photo\nskipped cases: 1\n" + doctest_line("  9 |  9 passed | 0 failed | 0 skipped")},
+       {"grad", doctest_line(" 4 | \033[32m3 passed\033[0m | 1 failed | 5 skipped")},
+       {"clients", "12 checks passed, 1 failed, 2 skipped\n"}});
   CHECK(text ==
         "unit              9 cases      8 passed      0 failed      1 skipped\n"
         "grad              4 cases      3 passed      1 failed      5 skipped\n"
