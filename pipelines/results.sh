@@ -2,14 +2,14 @@
 # Measured results: a question each, with a JSON file each, and the tables that are made of them.
 #
 #   pipelines/results.sh QUESTION...        measures; tests/bench/results/QUESTION.json; `all` is every question
-#   pipelines/results.sh --list             the questions, what they ask, and how long each took
+#   pipelines/results.sh --list             the questions, how long each took, what they ask
 #   pipelines/results.sh --table QUESTION   prints its table
-#   pipelines/results.sh --write            fills the tables of BENCHMARKS.md and README.md, and that of ngs-joint --help
-#   pipelines/results.sh --check            says what --write would change; exit code 1 where it would change anything
+#   pipelines/results.sh --write            fills the tables of BENCHMARKS.md, README.md and ngs-joint --help
+#   pipelines/results.sh --check            says what --write would change; exit code 1 where there is anything
 #
-# Two threads, one run at a time; nothing else may run on the machine where a table has times. A call that was broken off
-# goes on where it was, as long as the commit is the same: the runs are in build/results/COMMIT/QUESTION/ (delete a folder
-# there to measure it anew).
+# Two threads, one run at a time; nothing else may run on the machine where a table has times. A call that was broken
+# off goes on where it was while the commit is the same: the runs are in build/results/COMMIT/QUESTION/ (delete a
+# folder there to measure it anew).
 #
 #   NGS_SCENES     folder of the captures            (default: ../shared/scenes beside the checkout)
 #   NGS_BIN        tools of another build, which is not built anew; NGS_COMMIT then names its commit
@@ -24,8 +24,7 @@ shopt -s inherit_errexit
 
 top=$(cd "$pipelines/.." && pwd)
 results=$top/tests/bench/results
-help_header=$top/tools/ngs-joint/quality_table.h
-questions=(captures inductive skull floaters masks recipes qualities effects ablation budgets times kernels stability goals)
+questions=(captures floaters masks recipes qualities effects ablation times kernels stability goals)
 for question in "${questions[@]}"; do
   # shellcheck disable=SC1090
   . "$pipelines/results/$question.sh"
@@ -35,8 +34,9 @@ done
 commit_of_source() {
   local measured=(libngs tools ':!*.md' ":!tools/ngs-joint/quality_table.h")
   if [ -n "${NGS_COMMIT:-}" ]; then printf '%s\n' "$NGS_COMMIT"; return; fi
-  [ -z "${NGS_BIN:-}" ] || fail 2 "NGS_BIN is set, but not NGS_COMMIT" "name the commit that these tools were built from"
-  git -C "$top" diff --quiet HEAD -- "${measured[@]}" || fail 4 "libngs or tools differ from the last commit" "commit first: a table names one"
+  [ -z "${NGS_BIN:-}" ] || fail 2 "NGS_BIN is set, NGS_COMMIT is not" "name the commit that these tools were built from"
+  git -C "$top" diff --quiet HEAD -- "${measured[@]}" ||
+    fail 4 "libngs or tools differ from the last commit" "commit first: a table names a commit"
   git -C "$top" log -1 --format=%h --abbrev=7 -- "${measured[@]}"
 }
 
@@ -49,11 +49,7 @@ measure() {
   "question_$question" > "$work/lines.part"
   spent
   trap - EXIT
-  {
-    heading
-    cat "$work/lines.part"
-    line meta seconds "$(seconds_of_work)"
-  } | tool ngs_results collect > "$results/$question.json.part"
+  result_of "$work/lines.part" "$(cat "$work/seconds")" > "$results/$question.json.part"
   mv "$results/$question.json.part" "$results/$question.json"
 }
 
@@ -65,73 +61,96 @@ spent() {
   began=$SECONDS
 }
 
-# A question that runs nothing has no time of its own.
-seconds_of_work() { case $question in goals) echo 0 ;; *) cat "$work/seconds" ;; esac; }
+# result_of LINES SECONDS: the JSON of `question`. Lines of the question itself overrule what goes before them.
+result_of() {
+  {
+    line meta question "$question"
+    line meta commit "$commit"
+    line meta machine "$(machine_name)"
+    line meta command "$(restrictions)pipelines/results.sh $question"
+    line meta defaults "$defaults"
+    cat "$1"
+    line meta seconds "$2"
+  } | tool ngs_results collect
+}
 
-# What goes before the lines of the question, which may say otherwise.
-heading() {
-  line meta question "$question"
-  line meta commit "$commit"
-  line meta machine "$(machine_name)"
-  line meta command "$(restrictions)pipelines/results.sh $question"
-  line meta defaults "$(hash_of_defaults)"
+# The goals are made of the other results, in no time.
+write_goals() {
+  local question=goals lines
+  commit=''
+  lines=$(question_goals)
+  result_of /dev/stdin 0 <<< "$lines"
 }
 
 list_questions() {
   local about
   for question in "${questions[@]}"; do
     about='not measured'
-    if [ -f "$results/$question.json" ]; then about="$(tool ngs_results about "$results/$question.json" | cut -f1) s"; fi
+    if [ -f "$results/$question.json" ]; then
+      about="$(tool ngs_results about "$results/$question.json" | cut -f1) s"
+    fi
     printf '%-10s %12s   %s\n' "$question" "$about" "$(sed -n "s/^# $question: //p" "$pipelines/results/$question.sh")"
   done
 }
 
 # new_texts FOLDER: what the generated files should be.
 new_texts() {
-  local page defaults
-  defaults=$(hash_of_defaults)
-  for page in BENCHMARKS.md README.md; do
-    tool ngs_results page "$top/$page" "$results" "$defaults" > "$1/$page"
-  done
-  if [ -f "$results/qualities.json" ]; then tool ngs_results help "$results/qualities.json" > "$1/quality_table.h"; fi
-}
-
-compare_texts() {  # FOLDER
-  local differs=0
-  for page in BENCHMARKS.md README.md; do diff "$top/$page" "$1/$page" || differs=1; done
-  diff "$help_header" "$1/quality_table.h" || differs=1
-  return $differs
-}
-
-replace_texts() {  # FOLDER
   local page
-  for page in BENCHMARKS.md README.md; do cmp -s "$1/$page" "$top/$page" || cp "$1/$page" "$top/$page"; done
-  cmp -s "$1/quality_table.h" "$help_header" || cp "$1/quality_table.h" "$help_header"
+  mkdir "$1/results"
+  cp "$results"/*.json "$1/results/"
+  write_goals > "$1/results/goals.json"
+  tool ngs_results help "$results/qualities.json" > "$1/quality_table.h"
+  for page in BENCHMARKS.md README.md; do
+    tool ngs_results page "$top/$page" "$1/results" "$defaults" > "$1/$page"
+  done
 }
 
-ready() { bin=$(find_bin); }
-build_if_ours() { [ -n "${NGS_BIN:-}" ] || "$pipelines/build.sh" --target "$@" >&2; ready; }
+# Calls COMMAND with each generated file and what it should be.
+for_each_text() {  # FOLDER COMMAND...
+  "${@:2}" "$results/goals.json" "$1/results/goals.json"
+  "${@:2}" "$top/tools/ngs-joint/quality_table.h" "$1/quality_table.h"
+  "${@:2}" "$top/BENCHMARKS.md" "$1/BENCHMARKS.md"
+  "${@:2}" "$top/README.md" "$1/README.md"
+}
+differs=0
+compare_text() { diff "$@" || differs=1; }
+replace_text() { cmp -s "$@" || cp "$2" "$1"; }
+
+# Builds TARGETS, unless NGS_BIN says otherwise, and finds the tools.
+prepare_tools() {
+  if [ -z "${NGS_BIN:-}" ]; then "$pipelines/build.sh" --target "$@" >&2; fi
+  bin=$(find_bin)
+}
 known() { case " ${questions[*]} " in *" $1 "*) ;; *) fail 2 "no question '$1'" "see $0 --list" ;; esac; }
 
 case ${1:-} in
   -h | --help) usage_of "$0"; exit 0 ;;
-  --list) build_if_ours ngs_results; list_questions ;;
+  --list)
+    prepare_tools ngs_results
+    list_questions ;;
   --table)
     known "${2:-}"
-    build_if_ours ngs_results tools
-    tool ngs_results table "$results/$2.json" "$(hash_of_defaults)" ;;
+    prepare_tools ngs_results tools
+    defaults=$(hash_of_defaults)
+    tool ngs_results table "$results/$2.json" "$defaults" ;;
   --write | --check)
-    build_if_ours ngs_results tools
-    texts=$(mktemp -d)
+    prepare_tools ngs_results tools
+    defaults=$(hash_of_defaults) texts=$(mktemp -d)
     trap 'rm -rf "$texts"' EXIT
     new_texts "$texts"
-    if [ "$1" = --write ]; then replace_texts "$texts"; else compare_texts "$texts"; fi ;;
+    if [ "$1" = --check ]; then
+      for_each_text "$texts" compare_text
+      exit $differs
+    fi
+    for_each_text "$texts" replace_text ;;
   '' | -*) fail 2 "expected QUESTION..., all, --list, --table, --write or --check" "see $0 --help" ;;
   *)
     if [ "$*" = all ]; then set -- "${questions[@]}"; fi
     for asked in "$@"; do known "$asked"; done
     commit=$(commit_of_source)
-    build_if_ours tools ngs_results ngs_bench test_stability
-    runs=$top/build/results/$commit
-    for asked in "$@"; do measure "$asked"; done ;;
+    prepare_tools tools ngs_results ngs_bench test_stability
+    defaults=$(hash_of_defaults) runs=$top/build/results/$commit
+    for asked in "$@"; do
+      if [ "$asked" = goals ]; then write_goals > "$results/goals.json"; else measure "$asked"; fi
+    done ;;
 esac

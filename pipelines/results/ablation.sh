@@ -1,7 +1,7 @@
 # ablation: each part of NG-GS and of the default left out by itself
 # shellcheck shell=bash disable=SC2154
 question_ablation() {
-  title 'The capture bird, every:4:2 held out, one part left out at a time'
+  title 'Bird, every:4:2 held out, one part left out at a time; CPU time of ngs-joint'
   label method method
   label without without
   score_columns
@@ -10,8 +10,8 @@ question_ablation() {
   local bird
   bird=$(capture bird)
   prepare scene "$bird" --masks "$bird/masks_sam" --hold-out every:4:2
-  without_each ng-gs boundary box rbf hash film nerf align smooth cont mask photometric geometry mask-geometry
-  without_each ngs exposure mask-outliers floaters components joint photometric contours split contour-iterations
+  without_each ng-gs boundary rbf hash nerf align smooth cont mask geometry
+  without_each ngs exposure mask-outliers floaters components joint contours contour-iterations
 }
 
 # without_each METHOD EFFECT...

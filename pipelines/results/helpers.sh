@@ -1,5 +1,5 @@
-# What the questions share; sourced by results.sh. Question NAME is the function question_NAME of NAME.sh: it runs what it needs in
-# the folder $work and prints the title, the columns and the rows of its table, in the lines of
+# What the questions share; sourced by results.sh. Question NAME is the function question_NAME of NAME.sh: it runs what
+# it needs in the folder $work and prints the title, the columns and the rows of its table, in the lines of
 # tests/bench/results_table/collect.h.
 # shellcheck shell=bash disable=SC2034,SC2154
 
@@ -44,7 +44,9 @@ machine_name() {
 restrictions() {
   local name
   for name in SPLITS RECIPES REPEATS; do
-    if [ -n "${!name:-}" ] && grep -q "\$${name,,}" "$pipelines/results/$question.sh"; then printf "%s='%s' " "$name" "${!name}"; fi
+    if [ -n "${!name:-}" ] && grep -q "\$${name,,}" "$pipelines/results/$question.sh"; then
+      printf "%s='%s' " "$name" "${!name}"
+    fi
   done
 }
 
@@ -79,14 +81,15 @@ flags_of() {
   esac
 }
 
-# cut_out NAME PREPARED TRUTH FLAGS...: ngs-joint on the scene of $work/PREPARED, its masks of the held-out views scored:
-# $work/NAME/joint.json and metrics.json. In the cameras of another prepared scene where `seen_in` names one.
+# cut_out NAME PREPARED TRUTH FLAGS...: ngs-joint on the scene of $work/PREPARED, its masks of the held-out views
+# scored, in the cameras of another prepared scene where `seen_in` names one: $work/NAME/joint.json and metrics.json.
 cut_out() {
   local run=$work/$1 scene=$work/$2 truth=$3
   if [ "$(cat "$run/done" 2> /dev/null)" = "${*:4}." ]; then return; fi
   say "$question: $1"
   mkdir -p "$run"
-  tool ngs-joint "$scene/scene.json" "$scene/boundary.ply" -o "$run/labelled.ply" -w -q --report "$run/joint.json" "${@:4}"
+  tool ngs-joint "$scene/scene.json" "$scene/boundary.ply" -o "$run/labelled.ply" -w -q \
+    --report "$run/joint.json" "${@:4}"
   score_masks "$work/${seen_in:-$2}/scene.json" "$run/labelled.ply" "$truth" "$run/metrics.json"
   rm "$run/labelled.ply"
   printf '%s.' "${*:4}" > "$run/done"
@@ -95,7 +98,7 @@ cut_out() {
 # row_of NAME KEY=VALUE...: the row of a run of cut_out.
 row_of() { row "${@:2}" scores="$work/$1/metrics.json" times="$work/$1/joint.json"; }
 
-# Every method of $1 (words) on the prepared scene $2; TRUTH; further words of their rows.
+# methods NAMES PREPARED TRUTH KEY=VALUE...: runs and rows of every name in the words NAMES.
 methods() {
   local method
   for method in $1; do
@@ -108,5 +111,6 @@ methods() {
 # held_out SCENE_DIR every:N:K: the names of these photos.
 held_out() {
   local rule=${2#every:}
-  find -L "$1/images" -type f -printf '%f\n' | LC_ALL=C sort | awk -v n="${rule%:*}" -v k="${rule#*:}" '(NR - 1) % n == k'
+  find -L "$1/images" -type f -printf '%f\n' | LC_ALL=C sort |
+    awk -v n="${rule%:*}" -v k="${rule#*:}" '(NR - 1) % n == k'
 }

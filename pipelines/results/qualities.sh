@@ -1,7 +1,7 @@
 # qualities: what --quality buys, and what it costs
 # shellcheck shell=bash disable=SC2154
 question_qualities() {
-  title "The capture bird, means over the splits ${splits// /, }; times of ngs-joint on two threads"
+  title "Means over ${splits// /, } of bird; times of ngs-joint on two threads"
   label quality method
   score_columns
   column wall s wall_s mean 1

@@ -51,7 +51,8 @@ std::vector<results::Result> all_results() {
 
 /// Rows of tables in `markdown` that state a measurement: a number with two decimals or more, or one with a unit.
 std::vector<std::string> figure_rows(const std::string& markdown) {
-  static const std::regex figure("(^|[ |(~])[+-]?[0-9]*\\.[0-9][0-9]+([ |,;)x]|$)|[0-9] (CPU )?(s|ms|min|MiB|GiB|dB)\\b");
+  static const std::regex figure(
+      "(^|[ |(~])[+-]?[0-9]*\\.[0-9][0-9]+([ |,;)x]|$)|[0-9] (CPU )?(s|ms|min|MiB|GiB|dB)\\b");
   std::vector<std::string> rows;
   std::istringstream lines(markdown);
   for (std::string line; std::getline(lines, line);)

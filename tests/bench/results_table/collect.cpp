@@ -43,14 +43,22 @@ double number_of_text(const std::string& text) {
 }
 
 void set_meta(Result& result, const std::string& key, const std::string& value) {
-  if (key == "seconds") result.seconds = std::round(number_of_text(value));
-  else if (key == "question") result.question = value;
-  else if (key == "title") result.title = value;
-  else if (key == "commit") result.commit = value;
-  else if (key == "machine") result.machine = value;
-  else if (key == "command") result.command = value;
-  else if (key == "defaults") result.defaults = value;
-  else refuse(key, "question, title, commit, machine, command, defaults or seconds");
+  if (key == "seconds")
+    result.seconds = std::round(number_of_text(value));
+  else if (key == "question")
+    result.question = value;
+  else if (key == "title")
+    result.title = value;
+  else if (key == "commit")
+    result.commit = value;
+  else if (key == "machine")
+    result.machine = value;
+  else if (key == "command")
+    result.command = value;
+  else if (key == "defaults")
+    result.defaults = value;
+  else
+    refuse(key, "question, title, commit, machine, command, defaults or seconds");
 }
 
 Column column_of(const Words& words) {
@@ -77,10 +85,14 @@ Json row_of(const Words& words, const std::set<std::string>& numeric) {
   Json row = Json::object();
   for (std::size_t i = 1; i < words.size(); ++i) {
     const auto [key, value] = pair_of(words[i]);
-    if (key == "scores") row.update(read_scores(value));
-    else if (key == "times") row.update(read_times(value));
-    else if (numeric.count(key) != 0) row[key] = rounded(number_of_text(value));
-    else row[key] = value;
+    if (key == "scores")
+      row.update(read_scores(value));
+    else if (key == "times")
+      row.update(read_times(value));
+    else if (numeric.count(key) != 0)
+      row[key] = rounded(number_of_text(value));
+    else
+      row[key] = value;
   }
   return row;
 }

@@ -6,15 +6,15 @@
 //   row    KEY=VALUE...                   VALUE is a number where a column shows KEY as one
 //          scores=FILE                    adds iou, biou and biou_005 of a metrics.json of ngs-eval
 //          times=FILE                     adds wall_s, cpu_s and peak_mib of a tool's report
-//   rows   benchmark|stability|budgets FILE      see readers.h
+//   rows   benchmark|stability FILE      see readers.h
 #include <istream>
 
 #include "result.h"
 
 namespace ngs::results {
 
-/// Numbers are kept to seven significant digits. Throws kBadInput for a line that is none of these, two rows with the same
-/// labels and the same "run", and a file that cannot be read.
+/// Numbers are kept to seven significant digits. Throws kBadInput for a line that is none of these, two rows with the
+/// same labels and the same "run", and a file that cannot be read.
 Result collect(std::istream& lines);
 
 }  // namespace ngs::results

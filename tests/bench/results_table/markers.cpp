@@ -18,7 +18,8 @@ std::string question_of(std::string_view line) {
   return std::string(line.substr(kBegin.size(), name_size));
 }
 
-/// Calls `outside(LINE)` for lines that are in no block, markers included, and `block(QUESTION)` behind each first marker.
+/// Calls `outside(LINE)` for lines that are in no block, markers included, and `block(QUESTION)` behind each first
+/// marker.
 template <class Outside, class Block>
 void for_each_line(const std::string& page, Outside&& outside, Block&& block) {
   std::istringstream lines(page);
@@ -39,7 +40,8 @@ void for_each_line(const std::string& page, Outside&& outside, Block&& block) {
 
 std::vector<std::string> blocks_of(const std::string& page) {
   std::vector<std::string> questions;
-  for_each_line(page, [](const std::string&) {}, [&](const std::string& q) { questions.push_back(q); });
+  for_each_line(
+      page, [](const std::string&) {}, [&](const std::string& q) { questions.push_back(q); });
   return questions;
 }
 

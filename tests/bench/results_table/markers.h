@@ -1,5 +1,6 @@
 #pragma once
-// Generated blocks of a markdown page:  <!-- result: QUESTION -->  what is generated  <!-- /result -->, each marker a line.
+// Generated blocks of a markdown page:  <!-- result: QUESTION -->  what is generated  <!-- /result -->, each marker a
+// line.
 #include <functional>
 #include <string>
 #include <vector>

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <map>
 
 #include "ngs/core/error.h"
 
@@ -45,41 +46,45 @@ double worst_of(const Json& stability_case, const char* key) {
   return worst;
 }
 
-void count(Json& row, const char* key) { row[key] = row[key].get<int>() + 1; }
-void raise(Json& row, const char* key, double value) {
-  row[key] = std::max(row.value(key, 0.0), rounded(value));
+/// Small suites share a row.
+std::string group_of(const std::string& kernel) {
+  static const std::map<std::string, std::string> groups{
+      {"align", "losses"},      {"continuity", "losses"},     {"mask loss", "losses"}, {"photometric", "losses"},
+      {"smoothness", "losses"}, {"adam", "solvers"},          {"anderson", "solvers"}, {"label solve", "solvers"},
+      {"pose step", "solvers"}, {"invariance", "end to end"}, {"joint", "end to end"}, {"masks", "end to end"}};
+  const auto at = groups.find(kernel);
+  return at == groups.end() ? kernel : at->second;
 }
+
+void count(Json& row, const char* key) { row[key] = row[key].get<int>() + 1; }
+void raise(Json& row, const char* key, double value) { row[key] = std::max(row.value(key, 0.0), rounded(value)); }
 
 void add_case(Json& row, const Json& stability_case) {
   count(row, "cases");
   if (!stability_case.at("passed").get<bool>()) count(row, "failed");
-  if (stability_case.at("budget").get<double>() > 0) raise(row, "worst_ratio", worst_of(stability_case, "ratio"));
-  else count(row, "exact");
+  if (stability_case.at("budget").get<double>() > 0)
+    raise(row, "worst_ratio", worst_of(stability_case, "ratio"));
+  else
+    count(row, "exact");
   if (stability_case.at("textbook").get<std::string>().rfind("not applicable", 0) == 0) return;
   count(row, "textbook");
   const double textbook = worst_of(stability_case, "textbook_ratio");
-  if (std::isfinite(textbook)) raise(row, "textbook_ratio", textbook);
-  else count(row, "textbook_wrong");
+  if (std::isfinite(textbook))
+    raise(row, "textbook_ratio", textbook);
+  else
+    count(row, "textbook_wrong");
 }
 
 std::vector<Json> stability_rows(const Json& file) {
   std::vector<Json> rows;
   for (const Json& stability_case : file.at("cases")) {
-    const std::string kernel = stability_case.at("kernel");
+    const std::string kernel = group_of(stability_case.at("kernel"));
     auto row = std::find_if(rows.begin(), rows.end(), [&](const Json& r) { return r["kernel"] == kernel; });
     if (row == rows.end())
-      row = rows.insert(row, Json{{"kernel", kernel}, {"cases", 0}, {"exact", 0}, {"failed", 0}, {"textbook", 0}, {"textbook_wrong", 0}});
+      row = rows.insert(
+          row,
+          Json{{"kernel", kernel}, {"cases", 0}, {"exact", 0}, {"failed", 0}, {"textbook", 0}, {"textbook_wrong", 0}});
     add_case(*row, stability_case);
-  }
-  return rows;
-}
-
-std::vector<Json> budget_rows(const Json& file) {
-  std::vector<Json> rows;
-  for (const Json& run : file.at("runs")) {
-    Json row{{"budget", run.at("budget_s").dump()}};
-    for (const char* key : {"wall_s", "exit_code", "iou", "biou", "biou_005"}) row[key] = rounded(run.at(key));
-    rows.push_back(std::move(row));
   }
   return rows;
 }
@@ -112,8 +117,7 @@ Json read_times(const std::string& path) {
 std::vector<Json> read_rows(const std::string& kind, const std::string& path) {
   if (kind == "benchmark") return read_json(path, "JSON of google-benchmark", benchmark_rows);
   if (kind == "stability") return read_json(path, "stability.json", stability_rows);
-  if (kind == "budgets") return read_json(path, "budgets.json", budget_rows);
-  throw Error(ErrorCode::kBadInput, "rows of '" + kind + "', expected benchmark, stability or budgets");
+  throw Error(ErrorCode::kBadInput, "rows of '" + kind + "', expected benchmark or stability");
 }
 
 }  // namespace ngs::results

@@ -1,6 +1,6 @@
 #pragma once
-// What the rows of a result take from the files that the tools and suites write. Every function throws kBadInput where its
-// file cannot be read or is none of its kind.
+// What the rows of a result take from the files that the tools and suites write. Every function throws kBadInput where
+// its file cannot be read or is none of its kind.
 #include <string>
 #include <vector>
 
@@ -19,11 +19,11 @@ Json read_scores(const std::string& path);
 Json read_times(const std::string& path);
 
 /// Rows of a whole file, `kind` one of
-///   benchmark   google-benchmark's JSON: the medians; kernel and isa of its name KERNEL/ISA (isa is - without), cpu_ms, mega_pairs_s
-///   stability   stability.json: a row per kernel; cases, exact (of them without a ratio), worst_ratio of the others,
+///   benchmark   google-benchmark's JSON: the medians; kernel and isa of its name KERNEL/ISA (isa is - without),
+///   cpu_ms, mega_pairs_s stability   stability.json: a row per kernel or group of small ones; cases, exact (of them
+///   without a ratio), worst_ratio of the others,
 ///               textbook (cases that have such a form), textbook_wrong (of them NaN, Inf or a wrong answer),
 ///               textbook_ratio (the worst of the others), failed
-///   budgets     budgets.json: budget, wall_s, exit_code, iou, biou, biou_005
 std::vector<Json> read_rows(const std::string& kind, const std::string& path);
 
 }  // namespace ngs::results

@@ -53,7 +53,8 @@ std::string lines_of(const std::vector<std::string>& elements) {
 Show show_of(std::string_view name) {
   const auto* const at = std::find(kShowNames.begin(), kShowNames.end(), name);
   if (at == kShowNames.end())
-    throw Error(ErrorCode::kBadInput, "column shows '" + std::string(name) + "', expected label, mean, median, least, most, each, change or ratio");
+    throw Error(ErrorCode::kBadInput, "column shows '" + std::string(name) +
+                                          "', expected label, mean, median, least, most, each, change or ratio");
   return Show(at - kShowNames.begin());
 }
 
@@ -80,9 +81,13 @@ Result read_result(const std::string& path) {
 }
 
 std::string text_of(const Result& result) {
-  const std::vector<std::pair<const char*, Json>> head{
-      {"question", result.question}, {"title", result.title},       {"commit", result.commit},  {"machine", result.machine},
-      {"command", result.command},   {"defaults", result.defaults}, {"seconds", std::llround(result.seconds)}};
+  const std::vector<std::pair<const char*, Json>> head{{"question", result.question},
+                                                       {"title", result.title},
+                                                       {"commit", result.commit},
+                                                       {"machine", result.machine},
+                                                       {"command", result.command},
+                                                       {"defaults", result.defaults},
+                                                       {"seconds", std::llround(result.seconds)}};
   std::string text = "{\n";
   for (const auto& [key, value] : head) text += "  \"" + std::string(key) + "\": " + value.dump() + ",\n";
   std::vector<std::string> columns, rows;

@@ -1,6 +1,6 @@
 #pragma once
-// A measured result: one file tests/bench/results/QUESTION.json (data-schema/result.schema.json). Its rows are the single
-// runs; its columns say what a table shows of them.
+// A measured result: one file tests/bench/results/QUESTION.json (data-schema/result.schema.json). Its rows are the
+// single runs; its columns say what a table shows of them.
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -13,7 +13,7 @@ using Json = nlohmann::ordered_json;
 
 /// What a column shows of the rows that share one line of the table.
 enum class Show {
-  kLabel,   // text; rows with the same labels share a line
+  kLabel,  // text; rows with the same labels share a line
   kMean,
   kMedian,
   kLeast,
@@ -24,11 +24,11 @@ enum class Show {
 };
 
 struct Column {
-  std::string name;        // in the table's head
-  std::string unit;        // behind the name; empty: none
-  std::string key;         // of the rows
+  std::string name;  // in the table's head
+  std::string unit;  // behind the name; empty: none
+  std::string key;   // of the rows
   Show show = Show::kLabel;
-  int digits = 0;          // behind the point; significant ones where `scientific`
+  int digits = 0;  // behind the point; significant ones where `scientific`
   bool scientific = false;
   std::string where_key, where_value;  // only rows with this value of this key; empty: all
 };

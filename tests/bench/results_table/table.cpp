@@ -58,16 +58,22 @@ std::string number_text(double value, const Column& column, bool sign = false) {
 
 double aggregate(const std::vector<double>& numbers, Show show) {
   switch (show) {
-    case Show::kLeast: return *std::min_element(numbers.begin(), numbers.end());
-    case Show::kMost: return *std::max_element(numbers.begin(), numbers.end());
+    case Show::kLeast:
+      return *std::min_element(numbers.begin(), numbers.end());
+    case Show::kMost:
+      return *std::max_element(numbers.begin(), numbers.end());
     case Show::kMedian:
-    case Show::kRatio: return median_of(numbers);
-    default: return mean_of(numbers);
+    case Show::kRatio:
+      return median_of(numbers);
+    default:
+      return mean_of(numbers);
   }
 }
 
 const Line& reference_of(const std::vector<Line>& lines, const Line& line) {
-  const auto shared = [](const Line& l) { return Cells(l.labels.begin(), l.labels.end() - (l.labels.empty() ? 0 : 1)); };
+  const auto shared = [](const Line& l) {
+    return Cells(l.labels.begin(), l.labels.end() - (l.labels.empty() ? 0 : 1));
+  };
   return *std::find_if(lines.begin(), lines.end(), [&](const Line& l) { return shared(l) == shared(line); });
 }
 
@@ -137,8 +143,8 @@ std::string markdown_of(const Result& result, const std::string& defaults) {
     for (const Column& column : result.columns) text += column.show == Show::kLabel ? "---|" : "---:|";
     text += "\n";
   }
-  text += "\n" + result.title + ". Commit `" + result.commit + "`, " + result.machine + ", " + duration_text(result.seconds) +
-          ": `" + result.command + "`.";
+  text += "\n" + result.title + ". Commit `" + result.commit + "`, " + result.machine +
+          (result.seconds > 0 ? ", " + duration_text(result.seconds) : "") + ": `" + result.command + "`.";
   if (!result.defaults.empty() && result.defaults != defaults)
     text += " **The tools' default options have changed since.**";
   return text + "\n";
@@ -148,17 +154,21 @@ std::string help_header_of(const Result& result) {
   const std::vector<Cells> table = cells_of(result);
   std::string text =
       "#pragma once\n"
-      "// Written by pipelines/results.sh from tests/bench/results/" + result.question + ".json; do not edit.\n\n"
+      "// Written by pipelines/results.sh from tests/bench/results/" +
+      result.question +
+      ".json; do not edit.\n\n"
       "namespace ngs::joint {\n\n"
       "inline constexpr const char* kQualityTable =\n"
       "    \"quality, as measured:\\n\"\n"
-      "    \"  " + result.title + "\\n\"\n";
+      "    \"  " +
+      result.title + "\\n\"\n";
   for (std::size_t i = 0; i < table.size(); ++i) {
     std::string line = " ";
     for (std::size_t c = 0; c < result.columns.size(); ++c) {
       std::size_t width = 0;
       for (const Cells& cells : table) width = std::max(width, width_of(cells[c]));
-      line += " " + std::string(c == 0 ? 0 : 1, ' ') + padded(table[i][c], width, result.columns[c].show == Show::kLabel);
+      line +=
+          " " + std::string(c == 0 ? 0 : 1, ' ') + padded(table[i][c], width, result.columns[c].show == Show::kLabel);
     }
     text += "    \"" + line + "\\n\"" + (i + 1 == table.size() ? ";" : "") + "\n";
   }
@@ -177,7 +187,8 @@ double value_of(const Result& result, const std::string& key, Show show,
     if (wanted && number) numbers.push_back(*number);
   }
   if (numbers.empty())
-    throw Error(ErrorCode::kNothingFound, result.question + ": no row has a number '" + key + "' under these conditions");
+    throw Error(ErrorCode::kNothingFound,
+                result.question + ": no row has a number '" + key + "' under these conditions");
   return aggregate(numbers, show);
 }
 
