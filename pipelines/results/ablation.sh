@@ -10,7 +10,7 @@ question_ablation() {
   local bird
   bird=$(capture bird)
   prepare scene "$bird" --masks "$bird/masks_sam" --hold-out every:4:2
-  without_each ng-gs boundary rbf hash nerf align smooth cont mask geometry
+  without_each ng-gs boundary rbf hash nerf align smooth mask geometry
   without_each ngs exposure mask-outliers floaters components joint contours contour-iterations
 }
 

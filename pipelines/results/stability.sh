@@ -1,7 +1,7 @@
 # stability: the worst rounding errors of every kernel over hard inputs
 # shellcheck shell=bash disable=SC2154
 question_stability() {
-  title 'Errors in units of (eps of float · condition · |value|) against long double, the worst over all hardnesses'
+  title 'Errors against long double in units of (eps · condition · |value|), the worst of all hard inputs'
   without_options
   label kernel kernel
   column cases '' cases mean 0

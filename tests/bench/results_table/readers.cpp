@@ -33,6 +33,8 @@ std::vector<Json> benchmark_rows(const Json& file) {
     if (entry.contains("pairs/s")) row["mega_pairs_s"] = rounded(1e-6 * entry["pairs/s"].get<double>());
     rows.push_back(std::move(row));
   }
+  // they come in the order in which they ended
+  std::stable_sort(rows.begin(), rows.end(), [](const Json& a, const Json& b) { return a["kernel"] < b["kernel"]; });
   return rows;
 }
 

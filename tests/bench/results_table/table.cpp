@@ -45,13 +45,14 @@ std::vector<double> numbers_of(const Line& line, const Column& column) {
   return numbers;
 }
 
-/// 6.8e+13 is written 6.8e13, -0.00 as 0.00.
+/// 6.8e+05 is written 6.8e5, -0.00 as 0.00.
 std::string number_text(double value, const Column& column, bool sign = false) {
   char text[64];
   const char* const format = column.scientific ? (sign ? "%+.*g" : "%.*g") : (sign ? "%+.*f" : "%.*f");
   std::snprintf(text, sizeof text, format, column.digits, value);
   std::string cell = text;
-  if (const std::size_t at = cell.find("e+"); at != std::string::npos) cell.erase(at + 1, 1);
+  if (const std::size_t at = cell.find("e+"); at != std::string::npos)
+    cell.erase(at + 1, cell.find_first_not_of("+0", at + 1) - at - 1);
   if (cell.find_first_of("123456789") == std::string::npos) cell.erase(0, cell.find_first_not_of("+-"));
   return cell;
 }
