@@ -16,7 +16,6 @@ shopt -s inherit_errexit
 case ${1:-} in -h | --help) usage_of "$0"; exit 0 ;; esac
 [ $# -ge 4 ] || fail 2 "expected scene.json boundary.ply MASKS_GT OUT" "see $0 --help"
 bin=$(find_bin)
-tool() { "${bin:+$bin/}$1" "${@:2}"; }
 
 scene=$1 boundary=$2 truth=$3 out=$4
 shift 4
@@ -34,9 +33,8 @@ run() {  # BUDGET FLAGS...: a line of JSON
   tool ngs-joint "$scene" "$boundary" -o "$out/$budget.ply" -w -q --report "$out/$budget.json" --time-budget "${budget}s" "${@:2}" || rc=$?
   if [ "$rc" -ne 0 ] && [ "$rc" -ne 7 ]; then exit "$rc"; fi  # it has no result to score
   ended=$(date +%s.%N)
-  tool ngs-render "$scene" "$out/$budget.ply" --views held-out --layers mask --scale 0 -o "$out/$budget.masks" -w -q >/dev/null
-  tool ngs-eval "$out/$budget.masks" "$truth" -o "$out/$budget.metrics.json" -w -q >/dev/null
-  rm -r "$out/$budget.masks" "$out/$budget.ply"
+  score_masks "$scene" "$out/$budget.ply" "$truth" "$out/$budget.metrics.json"
+  rm "$out/$budget.ply"
   awk -v b="$budget" -v t="$began $ended" -v rc="$rc" -v iou="$(score iou "$budget")" -v biou="$(score biou "$budget")" \
     -v fine="$(score biou_005 "$budget")" 'BEGIN { split(t, at, " ");
       printf "{\"budget_s\": %s, \"wall_s\": %.2f, \"exit_code\": %d, \"iou\": %.4f, \"biou\": %.4f, \"biou_005\": %.4f}", b, at[2] - at[1], rc, iou, biou, fine }'

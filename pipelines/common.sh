@@ -27,6 +27,16 @@ find_bin() {
   command -v ngs-scene > /dev/null || fail 8 "ngs-scene: not in the build folder, not in PATH" "$hint"
 }
 
+# tool NAME ARGUMENTS...: a tool of the folder `bin`, which is what find_bin said.
+tool() { "${bin:+$bin/}$1" "${@:2}"; }
+
+# score_masks SCENE_JSON LABELLED TRUTH METRICS: the masks of the held-out views at the photos' size against TRUTH.
+score_masks() {
+  rm -rf "$4.masks"
+  tool ngs-render "$1" "$2" --views held-out --layers mask --scale 0 -o "$4.masks" -w -q > /dev/null &&
+    tool ngs-eval "$4.masks" "$3" -o "$4" -w -q > /dev/null && rm -r "$4.masks"
+}
+
 # run_scene NAME SCENE_DIR OUT_DIR [options of ngs-gs.sh]: one scene of a loop. A failure is said and counted in
 # `failed_scenes`; the loop goes on. Finished folders are collected in `finished_runs`, those below --fail-below too: a mean
 # over the others would say that all is well.

@@ -6,7 +6,6 @@ set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"
 bin=$(find_bin)
-tool() { "${bin:+$bin/}$1" "${@:2}"; }
 
 settings() {
   local file=$OUT/settings now
@@ -52,9 +51,8 @@ run() {
   echo "$1: ${*:3}" >&2
   tool ngs-joint "$scene" "$2" -o "$folder/labelled.ply" -w -q "${trace[@]}" --report "$folder/joint.json" "${@:3}" || rc=$?
   if (( rc == 0 || rc == 7 )); then
-    tool ngs-render "$scene" "$folder/labelled.ply" --views held-out --layers mask --scale 0 -o "$folder/masks" -w -q >/dev/null
-    tool ngs-eval "$folder/masks" "$GT" -o "$folder/metrics.json" -w -q >/dev/null
-    rm -r "$folder/labelled.ply" "$folder/masks"
+    score_masks "$scene" "$folder/labelled.ply" "$GT" "$folder/metrics.json"
+    rm "$folder/labelled.ply"
   fi
   echo "$rc" >"$folder/done"
 }

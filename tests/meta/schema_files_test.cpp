@@ -7,7 +7,6 @@
 #include <sstream>
 
 #include "support/process.h"
-#include "support/schema_check.h"
 #include "support/source_tree.h"
 
 namespace ngs {
@@ -98,23 +97,6 @@ TEST_CASE("every schema is named in the table of data-schema/, and every name th
       INFO(file);
       CHECK(fs::exists(kSchemas / file));
     }
-}
-
-TEST_CASE("quality.json satisfies its schema, and a broken one does not") {
-  const auto read = [](const fs::path& path) { return nlohmann::json::parse(test::read_bytes(path.string())); };
-  const nlohmann::json schema = read(kSchemas / "quality.schema.json");
-  nlohmann::json quality = read(fs::path(NGS_SOURCE_DIR) / "pipelines/quality.json");
-  CHECK(test::schema_violations(schema, quality) == "");
-  quality["points"][0]["iou"] = 1.5;
-  CHECK(test::schema_violations(schema, quality) != "");
-}
-
-TEST_CASE("the table of --quality in help and README is what quality-table.sh makes of the benchmark") {
-  test::ProcessSpec spec;
-  spec.argv = {"bash", NGS_SOURCE_DIR "/pipelines/quality-table.sh", "--check"};
-  const test::ProcessResult result = test::run_process(spec);
-  INFO(result.out);
-  CHECK(result.exit_code == 0);
 }
 
 }  // namespace ngs

@@ -1,0 +1,156 @@
+#!/usr/bin/env bash
+# Measured results: a question each, with a JSON file each, and the tables that are made of them.
+#
+#   pipelines/results.sh QUESTION...        measures; tests/bench/results/QUESTION.json; `all` is every question
+#   pipelines/results.sh --list             the questions, how long each took, what they ask
+#   pipelines/results.sh --table QUESTION   prints its table
+#   pipelines/results.sh --write            fills the tables of BENCHMARKS.md, README.md and ngs-joint --help
+#   pipelines/results.sh --check            says what --write would change; exit code 1 where there is anything
+#
+# Two threads, one run at a time; nothing else may run on the machine where a table has times. A call that was broken
+# off goes on where it was while the commit is the same: the runs are in build/results/COMMIT/QUESTION/ (delete a
+# folder there to measure it anew).
+#
+#   NGS_SCENES     folder of the captures            (default: ../shared/scenes beside the checkout)
+#   NGS_BIN        tools of another build, which is not built anew; NGS_COMMIT then names its commit
+#   NGS_MACHINE    how the tables call the machine   (default: by the processor)
+#   SPLITS='every:4:2' RECIPES='table' REPEATS=1     a part of a question; its table says so
+set -euo pipefail
+shopt -s inherit_errexit
+# shellcheck source=pipelines/common.sh
+. "$(dirname "$0")/common.sh"
+# shellcheck source=pipelines/results/helpers.sh
+. "$pipelines/results/helpers.sh"
+
+top=$(cd "$pipelines/.." && pwd)
+results=$top/tests/bench/results
+questions=(captures floaters masks recipes qualities effects ablation times kernels stability goals)
+for question in "${questions[@]}"; do
+  # shellcheck disable=SC1090
+  . "$pipelines/results/$question.sh"
+done
+
+# The last commit that changed what is measured: not the documents, nor what --write itself writes.
+commit_of_source() {
+  local measured=(libngs tools ':!*.md' ":!tools/ngs-joint/quality_table.h")
+  if [ -n "${NGS_COMMIT:-}" ]; then printf '%s\n' "$NGS_COMMIT"; return; fi
+  [ -z "${NGS_BIN:-}" ] || fail 2 "NGS_BIN is set, NGS_COMMIT is not" "name the commit that these tools were built from"
+  git -C "$top" diff --quiet HEAD -- "${measured[@]}" ||
+    fail 4 "libngs or tools differ from the last commit" "commit first: a table names a commit"
+  git -C "$top" log -1 --format=%h --abbrev=7 -- "${measured[@]}"
+}
+
+# Measures question $1 and writes its file. The times of broken-off calls add up.
+measure() {
+  question=$1 work=$runs/$1 began=$SECONDS
+  mkdir -p "$work" "$results"
+  say "== $question"
+  trap 'spent' EXIT
+  "question_$question" > "$work/lines.part"
+  spent
+  trap - EXIT
+  result_of "$work/lines.part" "$(cat "$work/seconds")" > "$results/$question.json.part"
+  mv "$results/$question.json.part" "$results/$question.json"
+}
+
+# Adds the time since `began`.
+spent() {
+  local before=0
+  if [ -f "$work/seconds" ]; then before=$(cat "$work/seconds"); fi
+  printf '%s\n' $((before + SECONDS - began)) > "$work/seconds"
+  began=$SECONDS
+}
+
+# result_of LINES SECONDS: the JSON of `question`. Lines of the question itself overrule what goes before them.
+result_of() {
+  {
+    line meta question "$question"
+    line meta commit "$commit"
+    line meta machine "$(machine_name)"
+    line meta command "$(restrictions)pipelines/results.sh $question"
+    line meta defaults "$defaults"
+    cat "$1"
+    line meta seconds "$2"
+  } | tool ngs_results collect
+}
+
+# The goals are made of the other results, in no time.
+write_goals() {
+  local question=goals lines
+  commit=''
+  lines=$(question_goals)
+  result_of /dev/stdin 0 <<< "$lines"
+}
+
+list_questions() {
+  local about
+  for question in "${questions[@]}"; do
+    about='not measured'
+    if [ -f "$results/$question.json" ]; then
+      about="$(tool ngs_results about "$results/$question.json" | cut -f1) s"
+    fi
+    printf '%-10s %12s   %s\n' "$question" "$about" "$(sed -n "s/^# $question: //p" "$pipelines/results/$question.sh")"
+  done
+}
+
+# new_texts FOLDER: what the generated files should be.
+new_texts() {
+  local page
+  mkdir "$1/results"
+  cp "$results"/*.json "$1/results/"
+  write_goals > "$1/results/goals.json"
+  tool ngs_results help "$results/qualities.json" > "$1/quality_table.h"
+  for page in BENCHMARKS.md README.md; do
+    tool ngs_results page "$top/$page" "$1/results" "$defaults" > "$1/$page"
+  done
+}
+
+# Calls COMMAND with each generated file and what it should be.
+for_each_text() {  # FOLDER COMMAND...
+  "${@:2}" "$results/goals.json" "$1/results/goals.json"
+  "${@:2}" "$top/tools/ngs-joint/quality_table.h" "$1/quality_table.h"
+  "${@:2}" "$top/BENCHMARKS.md" "$1/BENCHMARKS.md"
+  "${@:2}" "$top/README.md" "$1/README.md"
+}
+differs=0
+compare_text() { diff "$@" || differs=1; }
+replace_text() { cmp -s "$@" || cp "$2" "$1"; }
+
+# Builds TARGETS, unless NGS_BIN says otherwise, and finds the tools.
+prepare_tools() {
+  if [ -z "${NGS_BIN:-}" ]; then "$pipelines/build.sh" --target "$@" >&2; fi
+  bin=$(find_bin)
+}
+known() { case " ${questions[*]} " in *" $1 "*) ;; *) fail 2 "no question '$1'" "see $0 --list" ;; esac; }
+
+case ${1:-} in
+  -h | --help) usage_of "$0"; exit 0 ;;
+  --list)
+    prepare_tools ngs_results
+    list_questions ;;
+  --table)
+    known "${2:-}"
+    prepare_tools ngs_results tools
+    defaults=$(hash_of_defaults)
+    tool ngs_results table "$results/$2.json" "$defaults" ;;
+  --write | --check)
+    prepare_tools ngs_results tools
+    defaults=$(hash_of_defaults) texts=$(mktemp -d)
+    trap 'rm -rf "$texts"' EXIT
+    new_texts "$texts"
+    if [ "$1" = --check ]; then
+      for_each_text "$texts" compare_text
+      exit $differs
+    fi
+    for_each_text "$texts" replace_text ;;
+  '' | -*) fail 2 "expected QUESTION..., all, --list, --table, --write or --check" "see $0 --help" ;;
+  *)
+    if [ "$*" = all ]; then set -- "${questions[@]}"; fi
+    for asked in "$@"; do known "$asked"; done
+    commit=$(commit_of_source)
+    prepare_tools tools ngs_results ngs_bench test_stability
+    defaults=$(hash_of_defaults) runs=$top/build/results/$commit
+    for asked in "$@"; do
+      if [ "$asked" = goals ]; then write_goals > "$results/goals.json"; else measure "$asked"; fi
+    done ;;
+esac

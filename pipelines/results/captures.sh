@@ -1,0 +1,80 @@
+# captures: what every method makes of two real captures, and of views that were taken away
+# shellcheck shell=bash disable=SC2154
+question_captures() {
+  title "Held out are ${splits// /, } (means) of bird, every:4:2 of skull; CPU time on bird"
+  label method method
+  label 'what it is' what
+  column IoU '' iou mean 4 set=bird
+  column 'B-IoU 0.02' '' biou mean 4 set=bird
+  column 'B-IoU 0.005' '' biou_005 mean 4 set=bird
+  column 'views taken away: B-IoU 0.005' '' biou_005 mean 4 set=taken-away
+  column 'skull: B-IoU 0.005' '' biou_005 mean 4 set=skull
+  column CPU s cpu_s mean 2 set=bird
+  local split
+  for split in $splits; do capture_bird "$split"; done
+  prepare skull "$(capture skull)" --masks "$(capture skull)/masks_sam" --hold-out every:4:2
+  all_methods skull "$(capture skull)" set=skull run=every:4:2
+}
+
+# capture_bird SPLIT: with the photos of the held-out views, and with nothing of them.
+capture_bird() {
+  local bird
+  bird=$(capture bird)
+  prepare "$1" "$bird" --masks "$bird/masks_sam" --hold-out "$1"
+  all_methods "$1" "$bird" set=bird run="$1"
+  without_views "$bird" "$1" "$work/$1-less-scene"
+  prepare "$1-less" "$work/$1-less-scene" --masks "$work/$1-less-scene/masks"
+  seen_in=$1 described_methods "$1-less" "$bird/masks_gt" set=taken-away run="$1"
+}
+
+# all_methods PREPARED CAPTURE KEY=VALUE...: the input masks' own score, and that of every method.
+all_methods() {
+  local scored=$work/$1/input.json rule
+  rule=$(printf '%s\n' "${@:3}" | sed -n 's/^run=//p')
+  held_out "$2" "$rule" | sed 's/\.[^.]*$/.png/' > "$work/$1/names"
+  tool ngs-eval "$2/masks_sam" "$2/masks_gt" --views "$work/$1/names" -o "$scored" -w -q > /dev/null
+  row method='(none)' what='the input masks of these views' scores="$scored" "${@:3}"
+  described_methods "$1" "$2/masks_gt" "${@:3}"
+}
+
+# described_methods PREPARED TRUTH KEY=VALUE...
+described_methods() {
+  local method
+  for method in flash sa3d saga cob bce released ng-gs ngs; do
+    methods "$method" "$1" "$2" what="$(what_is "$method")" "${@:3}"
+  done
+}
+
+what_is() {
+  case $1 in
+    flash) echo 'FlashSplat, closed form' ;;
+    sa3d) echo 'SA3D-GS' ;;
+    saga) echo 'SAGA' ;;
+    cob) echo 'COB-GS' ;;
+    bce) echo 'best labels of the Gaussians as they are' ;;
+    released) echo 'steps of the published NG-GS code' ;;
+    ng-gs) echo 'NG-GS as the paper has it, NeRF on' ;;
+    ngs) echo 'the default' ;;
+  esac
+}
+
+# without_views SCENE_DIR SPLIT TO: the capture as if the views of SPLIT had never been taken (COLMAP text).
+without_views() {
+  local kept
+  rm -rf "$3"
+  mkdir -p "$3/images" "$3/masks" "$3/sparse/0"
+  ln -s "$(realpath "$1/point_cloud.ply")" "$3/point_cloud.ply"
+  held_out "$1" "$2" > "$3/taken"
+  find -L "$1/images" -type f -printf '%f\n' | grep -vxFf "$3/taken" | while read -r kept; do
+    ln -s "$(realpath "$1/images/$kept")" "$3/images/"
+    ln -s "$(realpath "$1/masks_sam/${kept%.*}.png")" "$3/masks/"
+  done
+  cp "$1/sparse/0/cameras.txt" "$1/sparse/0/points3D.txt" "$3/sparse/0/"
+  # An image is two lines, the first of which ends with its name; the second may be empty.
+  awk '
+    FNR == NR { taken[$1]; next }
+    /^#/ { print; next }
+    !second { drop = $NF in taken }
+    !drop { print }
+    { second = !second }' "$3/taken" "$1/sparse/0/images.txt" > "$3/sparse/0/images.txt"
+}

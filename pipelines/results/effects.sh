@@ -1,0 +1,35 @@
+# effects: auto against everything switched on: scores and time
+# shellcheck shell=bash disable=SC2154
+question_effects() {
+  title "--effect all=auto (the default) and all=on, every:4:2 held out; times are medians of $repeats"
+  label scene scene
+  label effects method
+  score_columns
+  column 'change of B-IoU 0.005' '' biou_005 change 4
+  column wall s wall_s median 1
+  column CPU s cpu_s median 1
+  column 'wall against auto' '' wall_s ratio 1
+  local bird torus=$work/torus-box-scene
+  bird=$(capture bird)
+  prepare bird "$bird" --masks "$bird/masks_sam" --hold-out every:4:2
+  auto_and_all bird "$bird/masks_gt"
+  if [ ! -f "$torus/done" ]; then
+    tool ngs-synth torus-box -o "$torus" --views 16 --fit-steps 1500 -w -q > /dev/null
+    touch "$torus/done"
+  fi
+  degraded_masks "$torus/masks_gt" "$torus/masks_2px" --mask-noise jitter:2 --seed 1
+  prepare torus-box "$torus" --masks "$torus/masks_2px" --hold-out every:4:2
+  auto_and_all torus-box "$torus/masks_gt"
+}
+
+# auto_and_all PREPARED TRUTH: the two in turn, so that a slow minute of the machine falls on both.
+auto_and_all() {
+  local run which
+  for run in $(seq "$repeats"); do
+    for which in auto 'everything on'; do
+      # shellcheck disable=SC2046
+      cut_out "$1-$which-$run" "$1" "$2" $(flags_of "$which")
+      row_of "$1-$which-$run" scene="$1" method="$which" run="$run"
+    done
+  done
+}

@@ -1,0 +1,58 @@
+# goals: what was aimed at, and what the other results say
+# shellcheck shell=bash disable=SC2154
+question_goals() {
+  title 'Aims against the other results'
+  label goal goal
+  label aim aim
+  label measured measured
+  label met met
+  local key
+  for key in commit machine defaults; do line meta "$key" "$(head_of captures "$key")"; done
+  goal 'B-IoU 0.005 of ngs above flash, bird, mean of the splits' '>=' 0.06 \
+    "$(difference captures biou_005 $'set=bird\tmethod=ngs' $'set=bird\tmethod=flash')"
+  goal 'B-IoU 0.02 of ngs on bird, every:4:2: half-way from flash to 1' '>=' 0.965 \
+    "$(number captures biou mean method=ngs set=bird run=every:4:2)"
+  goal 'B-IoU 0.005 of ngs with floaters' '>=' 0.65 "$(number floaters biou_005 mean method=ngs)"
+  goal 'B-IoU 0.02 of ngs above cob, mean of the recipes' '>=' 0.056 "$(difference recipes biou method=ngs method=cob)"
+  goal 'B-IoU 0.005 that standard loses to reference' '<=' 0.003 \
+    "$(difference qualities biou_005 method=reference method=standard)"
+  goal 'standard on bird, wall s' '<=' 60 "$(number qualities wall_s mean method=standard)"
+  goal 'everything on against auto, bird, wall' '>=' 3 \
+    "$(quotient effects wall_s $'scene=bird\tmethod=everything on' $'scene=bird\tmethod=auto')"
+  goal 'ngs-variance on bird, wall s' '<=' 1 "$(number times wall_s median tool=ngs-variance)"
+  goal 'label solve (bce) on bird, wall s' '<=' 1 "$(number times wall_s median 'tool=ngs-joint --method bce')"
+  goal 'forward compositing, x86-64-v4, 10⁶ pairs/s' '>=' 500 \
+    "$(number kernels mega_pairs_s mean kernel=forward isa=v4)"
+  goal 'backward compositing, x86-64-v4, 10⁶ pairs/s' '>=' 200 \
+    "$(number kernels mega_pairs_s mean kernel=backward isa=v4)"
+  goal 'forward, x86-64-v4 against one lane of double' '>=' 12 \
+    "$(quotient kernels cpu_ms $'kernel=forward\tisa=double' $'kernel=forward\tisa=v4')"
+  goal 'backward, x86-64-v4 against one lane of double' '>=' 8 \
+    "$(quotient kernels cpu_ms $'kernel=backward\tisa=double' $'kernel=backward\tisa=v4')"
+  goal 'cases of stability beyond their budgets' '<=' 0 "$(number stability failed most)"
+}
+
+# goal SENTENCE '>='|'<=' AIM MEASURED: its row.
+goal() {
+  [ -n "$4" ] || fail 5 "$1: not measured"
+  awk -v goal="$1" -v how="$2" -v aim="$3" -v measured="$4" 'BEGIN {
+    met = how == ">=" ? measured >= aim : measured <= aim
+    bound = how == ">=" ? "at least" : "at most"
+    printf "row\tgoal=%s\taim=%s %s\tmeasured=%.4g\tmet=%s\n", goal, bound, aim, measured, met ? "yes" : "**no**"
+  }'
+}
+
+head_of() { sed -n "s/^  \"$2\": \"\(.*\)\",\$/\1/p" "$results/$1.json"; }  # QUESTION KEY
+number() { tool ngs_results value "$results/$1.json" "${@:2}"; }           # QUESTION KEY SHOW KEY=VALUE...
+
+# Of QUESTION KEY THESE THOSE, conditions separated by tabs: the mean under THESE less that under THOSE; the median
+# under THESE divided by that under THOSE.
+difference() { compared mean 'a - b' "$@"; }
+quotient() { compared median 'a / b' "$@"; }
+compared() {
+  local these those
+  IFS=$'\t' read -ra these <<< "$5"
+  IFS=$'\t' read -ra those <<< "$6"
+  awk -v a="$(number "$3" "$4" "$1" "${these[@]}")" -v b="$(number "$3" "$4" "$1" "${those[@]}")" \
+    "BEGIN { printf \"%.10g\", $2 }"
+}

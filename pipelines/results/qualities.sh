@@ -1,0 +1,15 @@
+# qualities: what --quality buys, and what it costs
+# shellcheck shell=bash disable=SC2154
+question_qualities() {
+  title "Means over ${splits// /, } of bird; times of ngs-joint on two threads"
+  label quality method
+  score_columns
+  column wall s wall_s mean 1
+  column CPU s cpu_s mean 1
+  local bird split
+  bird=$(capture bird)
+  for split in $splits; do
+    prepare "$split" "$bird" --masks "$bird/masks_sam" --hold-out "$split"
+    methods 'draft standard high reference' "$split" "$bird/masks_gt" run="$split"
+  done
+}
