@@ -14,7 +14,7 @@
 #   NGS_SCENES     folder of the captures            (default: ../shared/scenes beside the checkout)
 #   NGS_BIN        tools of another build, which is not built anew; NGS_COMMIT then names its commit
 #   NGS_MACHINE    how the tables call the machine   (default: by the processor)
-#   SPLITS='every:4:2' RECIPES='table' REPEATS=1     a part of a question; its table says so
+#   SPLITS='every:4:2' RECIPES='table' METHODS='flash ngs' REPEATS=1     a part of a question; its table says so
 set -euo pipefail
 shopt -s inherit_errexit
 # shellcheck source=pipelines/common.sh

@@ -14,10 +14,11 @@ question_ablation() {
   without_each ngs exposure mask-outliers floaters components joint contours contour-iterations
 }
 
-# without_each METHOD EFFECT...
+# without_each METHOD EFFECT...: rows of the method as it is and of the method without each; METHODS as in `methods`.
 without_each() {
   local method=$1 effect
   shift
+  wanted "$method" || return 0
   cut_out "$method" scene "$bird/masks_gt" --method "$method"
   row_of "$method" method="$method" without=nothing
   for effect in "$@"; do

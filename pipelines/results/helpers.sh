@@ -43,8 +43,8 @@ machine_name() {
 # What restricts this question, in words of the shell; nothing where it is whole.
 restrictions() {
   local name
-  for name in SPLITS RECIPES REPEATS; do
-    if [ -n "${!name:-}" ] && grep -q "\$${name,,}" "$pipelines/results/$question.sh"; then
+  for name in SPLITS RECIPES METHODS REPEATS; do
+    if [ -n "${!name:-}" ] && grep -q "${name,,}" "$pipelines/results/$question.sh"; then
       printf "%s='%s' " "$name" "${!name}"
     fi
   done
@@ -61,6 +61,9 @@ hash_of_defaults() {
 }
 
 # ---- runs
+
+# Whether METHODS, where it is set, names method $1.
+wanted() { case " ${METHODS:-$1} " in *" $1 "*) ;; *) return 1 ;; esac; }
 
 # The folder of a capture, which this repository does not contain.
 capture() {
@@ -102,6 +105,7 @@ row_of() { row "${@:2}" scores="$work/$1/metrics.json" times="$work/$1/joint.jso
 methods() {
   local method
   for method in $1; do
+    wanted "$method" || continue
     # shellcheck disable=SC2046
     cut_out "$2-$method" "$2" "$3" $(flags_of "$method")
     row_of "$2-$method" method="$method" "${@:4}"
