@@ -43,7 +43,7 @@ const std::vector<Confinement>& confinements() {
          "OpenCV belongs to io/image: codecs/, image_file.cpp and grab_cut.cpp");
     only("(Imf|Imath|OpenEXR|Iex).*", "libngs/ngs/io/image/exr\\.cpp", "OpenEXR belongs to io/image/exr.cpp");
     only("flann/.*", "libngs/ngs/ops/field/knn\\.cpp", "FLANN belongs to ops/field/knn.cpp");
-    only("CLI/.*", "tools/shared/.*\\.cpp", "CLI11 belongs to tools/shared/*.cpp");
+    only("CLI/.*", "tools/shared/cli/splitter\\.cpp", "CLI11 belongs to tools/shared/cli/splitter.cpp");
     only("nlohmann/.*", "(libngs/ngs/(options|io|passes)|tools)/.*", "nlohmann belongs to options/, io/, passes/ (reports) and tools/");
     only("Eigen/.*", ".*\\.cpp", "Eigen belongs to .cpp files");
     only("xxhash\\.h", "libngs/ngs/io/files/content_hash\\.cpp", "xxHash belongs to io/files/content_hash.cpp");

@@ -9,7 +9,7 @@
 
 namespace ngs::cli {
 
-/// Hashes of the files that a fit reads beside the scene (shared/checkpoints.h, io/files/content_hash.h); points: empty without.
+/// Hashes of the files that a fit reads beside the scene (shared/run/checkpoints.h, io/files/content_hash.h); points: empty without.
 struct FitFiles {
   std::string photos, points;
 };
@@ -19,7 +19,7 @@ struct FitFiles {
 std::string fit_identity(const FitOptions& options, std::uint64_t seed, const std::vector<FitView>& views, const FitFiles& files);
 
 std::string checkpoint_path(const std::string& folder);
-/// The folder is there (shared/checkpoints.h).
+/// The folder is there (shared/run/checkpoints.h).
 void write_checkpoint(const std::string& folder, const FitState& state, const std::string& identity);
 /// Another identity is kInconsistent; shapes that do not fit together, numbers that are not finite and a step beyond the last of
 /// `steps` are kBadInput.

@@ -18,6 +18,8 @@ struct CheckpointOptions {
   int checkpoint_every = 1000;
   bool resume = false;
 
+  bool is_on() const { return !checkpoint.empty(); }
+
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.checkpoint, Text{"checkpoint", "DIR", "keep what is needed to go on in this folder"});
@@ -25,6 +27,83 @@ struct CheckpointOptions {
     visit(self.resume, Flag{"resume", "go on from --checkpoint where there is one"});
   }
 };
+
+struct Files {
+  const cli::Input &scene, &points;
+  const cli::Output& out;
+};
+
+/// The scene that is fitted, with the background that the options ask for; they then name it, for the report.
+Scene scene_of(cli::Run& run, const Files& files, FitOptions& options) {
+  Scene scene = io::read_scene_json(files.scene.path);
+  if (scene.compat != Compat::kInria)
+    run.monitor().warn("the scene says --compat gsplat, and this fits by the rules of 3DGS: import the new model without it");
+  choose_background(options.background, run.monitor(), scene);
+  options.background = background_text(background_of(scene));
+  run.result()["views"] = scene.views.size();
+  return scene;
+}
+
+void check_options(cli::Run& run, const CheckpointOptions& keep, const Files& files) {
+  if (keep.resume && !keep.is_on())
+    throw Error(ErrorCode::kUsage, "resume without checkpoint, expected --checkpoint DIR", "name the folder of the interrupted run");
+  if (files.points) run.warn_unused({"--random-points"}, "with --points");
+  if (!keep.is_on()) run.warn_unused({"--checkpoint-every"}, "without --checkpoint");
+}
+
+/// Whether there is a state to go on from. One that nobody wants to go on from is only replaced with -w.
+bool resumes(const cli::Run& run, const CheckpointOptions& keep) {
+  const bool kept = keep.is_on() && std::filesystem::exists(cli::checkpoint_path(keep.checkpoint));
+  if (kept && !keep.resume && !run.overwrite())
+    throw Error(ErrorCode::kUsage, cli::checkpoint_path(keep.checkpoint) + ": already there, expected none",
+                "go on with --resume, or start over with -w");
+  return kept && keep.resume;
+}
+
+void warn_of_stop(cli::Run& run, std::int64_t step, std::int64_t steps, const CheckpointOptions& keep) {
+  run.monitor().warn("stopped at step " + std::to_string(step) + " of " + std::to_string(steps) + ": no model was written, " +
+                     (!keep.is_on() ? "and nothing to go on from; --checkpoint DIR would keep it"
+                                    : "--resume goes on from " + keep.checkpoint));
+}
+
+int fit(cli::Run& run, FitOptions& options, const CheckpointOptions& keep, const Files& files) {
+  check_options(run, keep, files);
+  const Scene scene = scene_of(run, files, options);
+  const bool goes_on = resumes(run, keep);
+  if (run.dry_run()) return run.plan(cli::fit_plan(options, scene, goes_on, run.exec().threads)), cli::kDone;
+
+  if (keep.is_on()) cli::require_checkpoint_folder(keep.checkpoint, cli::checkpoint_path(keep.checkpoint));
+  const std::vector<FitView> views = cli::load_views(run, scene);
+  const cli::FitFiles read{keep.is_on() ? cli::photos_hash(scene) : "",
+                           keep.is_on() && files.points ? io::content_hash(files.points.path).xxh3 : ""};
+  const std::string identity = cli::fit_identity(options, run.seed(), views, read);
+  FitState state = goes_on ? cli::read_checkpoint(keep.checkpoint, identity, options.steps)
+                           : initial_fit(run.exec(), options, cli::load_points(run, options, files.points), views, run.seed());
+  const std::int64_t first = state.step;
+  Fitter fitter(options, views, std::move(state), run.seed());
+  const double start = wall_seconds();
+  const auto save = [&] { cli::write_checkpoint(keep.checkpoint, fitter.state(), identity); };
+  cli::Checkpoints checkpoints(run.monitor());
+  run_fit(run.exec(), run.monitor(), fitter, options, [&](const Fitter& f) {
+    if (keep.is_on() && f.state().step % keep.checkpoint_every == 0) checkpoints.on_the_way(save);
+  });
+  const double seconds = wall_seconds() - start;
+  run.result()["step"] = fitter.state().step;
+  if (fitter.state().step < options.steps) {
+    if (keep.is_on()) save();  // all that is left of the run
+    warn_of_stop(run, fitter.state().step, options.steps, keep);
+    return run.stop_code();
+  }
+  if (keep.is_on() && options.steps % keep.checkpoint_every != 0) checkpoints.on_the_way(save);
+
+  const GaussianCloud& cloud = fitter.state().cloud;
+  io::write_strict_ply(files.out.path, cloud, {}, io::trained_comments(cli::history(options), options.antialiased));
+  run.result()["gaussians"] = cloud.size();
+  run.result()["steps_per_s"] = double(fitter.state().step - first) / std::max(seconds, 1e-9);
+  run.result()["train"] = cli::score_json(score_fit(run.exec(), options, cloud, views, Split::kTrain));
+  run.result()["held_out"] = cli::score_json(score_fit(run.exec(), options, cloud, views, Split::kHeldOut));
+  return cli::kDone;
+}
 
 }  // namespace
 
@@ -41,57 +120,5 @@ int main(int argc, char** argv) {
   const cli::Output& out = tool.output("-o,--output", "trained model, plain 3DGS PLY");
   tool.stops_on_request();
 
-  return tool.run(argc, argv, [&](cli::Run& run) {
-    if (keep.resume && keep.checkpoint.empty())
-      throw Error(ErrorCode::kUsage, "resume without checkpoint, expected --checkpoint DIR", "name the folder of the interrupted run");
-    if (points) run.warn_unused({"--random-points"}, "with --points");
-    if (keep.checkpoint.empty()) run.warn_unused({"--checkpoint-every"}, "without --checkpoint");
-    Scene scene = io::read_scene_json(scene_json.path);
-    if (scene.compat != Compat::kInria)
-      run.monitor().warn("the scene says --compat gsplat, and this fits by the rules of 3DGS: import the new model without it");
-    choose_background(options.background, run.monitor(), scene);
-    options.background = background_text(background_of(scene));
-    const bool kept = !keep.checkpoint.empty() && std::filesystem::exists(cli::checkpoint_path(keep.checkpoint));
-    if (kept && !keep.resume && !run.overwrite())
-      throw Error(ErrorCode::kUsage, cli::checkpoint_path(keep.checkpoint) + ": already there, expected none",
-                  "go on with --resume, or start over with -w");
-    run.result()["views"] = scene.views.size();
-    if (run.dry_run()) return run.plan(cli::fit_plan(options, scene, kept && keep.resume, run.exec().threads)), cli::kDone;
-
-    const bool keeps = !keep.checkpoint.empty();
-    if (keeps) cli::require_checkpoint_folder(keep.checkpoint, cli::checkpoint_path(keep.checkpoint));
-    const std::vector<FitView> views = cli::load_views(run, scene);
-    const cli::FitFiles files{keeps ? cli::photos_hash(scene) : "", keeps && points ? io::content_hash(points.path).xxh3 : ""};
-    const std::string identity = cli::fit_identity(options, run.seed(), views, files);
-    FitState state = kept && keep.resume ? cli::read_checkpoint(keep.checkpoint, identity, options.steps)
-                                         : initial_fit(run.exec(), options, cli::load_points(run, options, points), views, run.seed());
-    const std::int64_t first = state.step;
-    Fitter fitter(options, views, std::move(state), run.seed());
-    const double start = wall_seconds();
-    const auto save = [&] { cli::write_checkpoint(keep.checkpoint, fitter.state(), identity); };
-    cli::Checkpoints checkpoints(run.monitor());
-    run_fit(run.exec(), run.monitor(), fitter, options, [&](const Fitter& f) {
-      if (keeps && f.state().step % keep.checkpoint_every == 0) checkpoints.on_the_way(save);
-    });
-    const double seconds = wall_seconds() - start;
-    run.result()["step"] = fitter.state().step;
-    const bool finished = fitter.state().step == options.steps;
-    if (keeps && finished && options.steps % keep.checkpoint_every != 0) checkpoints.on_the_way(save);
-    if (!finished) {
-      if (keeps) save();  // all that is left of the run
-      run.monitor().warn("stopped at step " + std::to_string(fitter.state().step) + " of " + std::to_string(options.steps) +
-                         ": no model was written, " +
-                         (!keeps ? "and nothing to go on from; --checkpoint DIR would keep it"
-                                 : "--resume goes on from " + keep.checkpoint));
-      return run.stop_code();
-    }
-
-    const GaussianCloud& cloud = fitter.state().cloud;
-    io::write_strict_ply(out.path, cloud, {}, io::trained_comments(cli::history(options), options.antialiased));
-    run.result()["gaussians"] = cloud.size();
-    run.result()["steps_per_s"] = double(fitter.state().step - first) / std::max(seconds, 1e-9);
-    run.result()["train"] = cli::score_json(score_fit(run.exec(), options, cloud, views, Split::kTrain));
-    run.result()["held_out"] = cli::score_json(score_fit(run.exec(), options, cloud, views, Split::kHeldOut));
-    return cli::kDone;
-  });
+  return tool.run(argc, argv, [&](cli::Run& run) { return fit(run, options, keep, {scene_json, points, out}); });
 }

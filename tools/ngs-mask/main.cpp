@@ -28,6 +28,68 @@ struct ViewOptions {
   }
 };
 
+struct Options {
+  SpreadOptions spread;
+  ViewOptions which;
+  cli::SegmenterOptions segmenter;
+  RasterOptions raster;
+
+  bool runs_a_program() const { return !segmenter.segmenter.empty(); }
+};
+
+struct Files {
+  const cli::Input &scene, &model;
+  const cli::PromptInputs marks;
+  const cli::Output &out, &soft;
+};
+
+void refuse_over_photos(const cli::MaskViews& views, const Scene& scene, const Files& files) {
+  std::vector<std::string> written;
+  for (std::size_t v = 0; v < scene.views.size(); ++v)
+    for (const cli::Output* folder : {&files.out, &files.soft})
+      if (*folder) written.push_back(views.file_in(folder->path, v));
+  cli::refuse_over_photos(scene, written);
+}
+
+int make_masks(cli::Run& run, const Options& options, const Files& files) {
+  const Scene scene = io::read_scene_json(files.scene.path);
+  if (options.runs_a_program())
+    run.warn_unused({"--iterations", "--window", "--speck"}, "with --segmenter");
+  else
+    run.warn_unused({"--points", "--segmenter-timeout-s"}, "without --segmenter");
+  if (!files.model) cli::require_model(run, scene, files.scene.path);
+  const std::string model_path = files.model ? files.model.path : scene.model_path;
+  const HandPrompt hand = cli::read_prompts(files.marks);
+  const std::size_t reference = cli::reference_view(run, scene, options.which.view, hand, files.marks);
+  const io::GaussianPly ply = io::read_gaussian_ply(model_path, io::HigherBands::kCheckOnly);
+  cli::MaskViews views(scene, options.which.detail);
+  refuse_over_photos(views, scene, files);
+  const cli::PhotoLoader load = [&](std::size_t view) { return views.photo(view); };
+  const Segmenter segment = options.runs_a_program()
+                                ? cli::command_segmenter(options.segmenter, scene, load, run)
+                                : cli::grab_cut_segmenter(options.segmenter, load, run.seed());
+  run.result()["views"] = scene.views.size();
+  run.result()["reference"] = scene.views[reference].camera.name;
+  const Camera& camera = views.cameras()[reference];
+  const SpreadInput input{ply.cloud,
+                          scene,
+                          views.cameras(),
+                          views.has_photo(),
+                          filter_at_scale(splat_options(options.raster, ply.cloud, scene), views.scale()),
+                          reference,
+                          rasterise(hand, camera.width_px, camera.height_px),
+                          segment,
+                          [&](std::size_t view, const SpreadView& result) {
+                            views.keep(run, view, result, files.out.path, files.soft.path);
+                          }};
+  if (!input.has_photo[reference])
+    throw Error(ErrorCode::kInconsistent, "view " + camera.name + ": it has no photo, expected one under the strokes");
+  if (run.dry_run()) return run.plan(views.plan(ply.cloud, options.spread.passes)), cli::kDone;
+  spread_masks(run.exec(), run.monitor(), options.spread, input);
+  if (run.stop_code() == 0) views.finish(run);
+  return run.stop_code();
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -37,14 +99,11 @@ int main(int argc, char** argv) {
                   "neg.png -o masks/",
                   "ngs-mask scene.json --prompts 0003.png -o masks/ --segmenter 'python3 sam.py {image} "
                   "{prompts} {out}'"});
-  SpreadOptions spread;
-  ViewOptions which;
-  cli::SegmenterOptions segmenter;
-  RasterOptions raster;
-  tool.options(which);
-  tool.options(segmenter);
-  tool.options(spread);
-  tool.options(raster);
+  Options options;
+  tool.options(options.which);
+  tool.options(options.segmenter);
+  tool.options(options.spread);
+  tool.options(options.raster);
   const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene");
   const cli::Input& model = tool.optional_input("--model", "3DGS PLY; default: the scene's");
   const cli::PromptInputs marks{
@@ -60,47 +119,6 @@ int main(int argc, char** argv) {
                                "views agree, and where not");
   tool.stops_on_request();
 
-  return tool.run(argc, argv, [&](cli::Run& run) {
-    const Scene scene = io::read_scene_json(scene_json.path);
-    if (segmenter.segmenter.empty())
-      run.warn_unused({"--points", "--segmenter-timeout-s"}, "without --segmenter");
-    else
-      run.warn_unused({"--iterations", "--window", "--speck"}, "with --segmenter");
-    if (!model) cli::require_model(run, scene, scene_json.path);
-    const std::string model_path = model ? model.path : scene.model_path;
-    const HandPrompt hand = cli::read_prompts(marks);
-    const std::size_t reference = cli::reference_view(run, scene, which.view, hand, marks);
-    const io::GaussianPly ply = io::read_gaussian_ply(model_path, io::HigherBands::kCheckOnly);
-    cli::MaskViews views(scene, which.detail);
-    std::vector<std::string> files;
-    for (std::size_t v = 0; v < scene.views.size(); ++v)
-      for (const cli::Output* folder : {&out, &soft})
-        if (*folder) files.push_back(views.file_in(folder->path, v));
-    cli::refuse_over_photos(scene, files);
-    const cli::PhotoLoader load = [&](std::size_t view) { return views.photo(view); };
-    const Segmenter segment = segmenter.segmenter.empty()
-                                  ? cli::grab_cut_segmenter(segmenter, load, run.seed())
-                                  : cli::command_segmenter(segmenter, scene, load, run);
-    run.result()["views"] = scene.views.size();
-    run.result()["reference"] = scene.views[reference].camera.name;
-    const Camera& camera = views.cameras()[reference];
-    const SpreadInput input{ply.cloud,
-                            scene,
-                            views.cameras(),
-                            views.has_photo(),
-                            filter_at_scale(splat_options(raster, ply.cloud, scene), views.scale()),
-                            reference,
-                            rasterise(hand, camera.width_px, camera.height_px),
-                            segment,
-                            [&](std::size_t view, const SpreadView& result) {
-                              views.keep(run, view, result, out.path, soft.path);
-                            }};
-    if (!input.has_photo[reference])
-      throw Error(ErrorCode::kInconsistent,
-                  "view " + camera.name + ": it has no photo, expected one under the strokes");
-    if (run.dry_run()) return run.plan(views.plan(ply.cloud, spread.passes)), cli::kDone;
-    spread_masks(run.exec(), run.monitor(), spread, input);
-    if (run.stop_code() == 0) views.finish(run);
-    return run.stop_code();
-  });
+  return tool.run(argc, argv,
+                  [&](cli::Run& run) { return make_masks(run, options, {scene_json, model, marks, out, soft}); });
 }

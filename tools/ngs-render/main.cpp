@@ -24,6 +24,24 @@ void warn_unused(cli::Run& run, const std::set<std::string>& layers) {
     run.warn_unused({"--amodal", "--threshold"}, "without the layer mask, labels or overlay");
 }
 
+/// The size that is asked for; without --scale that of the photos.
+Camera camera_of(const Scene& scene, std::size_t view, const RenderOptions& options) {
+  const Camera& working = scene.views[view].camera;
+  const io::ImageSize size = options.scale > 0 ? io::ImageSize{scaled_size_px(working.width_px, options.scale),
+                                                               scaled_size_px(working.height_px, options.scale)}
+                                               : io::full_size(scene, view);
+  return resized(working, size.width_px, size.height_px);
+}
+
+std::vector<std::size_t> wanted_views(cli::Run& run, const Scene& scene, const std::string& views) {
+  std::vector<std::size_t> wanted = select_views(scene, views);
+  if (wanted.empty())
+    run.nothing_found(
+        "--views " + views + ": none of the scene's " + std::to_string(scene.views.size()) + " views, expected some",
+        "--views all renders them all");
+  return wanted;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -52,11 +70,7 @@ int main(int argc, char** argv) {
     const double scale = options.scale > 0 ? options.scale : 1 / scene.image_scale;
     const SplatOptions splat =
         filter_at_scale(splat_options(raster, ply.cloud, scene), options.native_filter ? 1.0 : scale);
-    const std::vector<std::size_t> views = select_views(scene, options.views);
-    if (views.empty())
-      run.nothing_found("--views " + options.views + ": none of the scene's " + std::to_string(scene.views.size()) +
-                            " views, expected some",
-                        "--views all renders them all");
+    const std::vector<std::size_t> views = wanted_views(run, scene, options.views);
     const std::vector<std::string> names = picture::file_names(scene, format.names);
     std::vector<std::string> files;
     for (std::size_t n = 0; out && n < views.size(); ++n)
@@ -71,18 +85,13 @@ int main(int argc, char** argv) {
       return 0;
     }
     for (std::size_t n = 0; n < views.size(); ++n) {
-      const Camera& working = scene.views[views[n]].camera;
-      const io::ImageSize size = options.scale > 0 ? io::ImageSize{scaled_size_px(working.width_px, scale),
-                                                                   scaled_size_px(working.height_px, scale)}
-                                                   : io::full_size(scene, views[n]);
-      const Camera camera = resized(working, size.width_px, size.height_px);
       const RenderedView view = [&] {
         const auto timed = run.monitor().scope("render");
-        return render_labelled(run.exec(), ply.cloud, objects.columns, camera, splat,
+        return render_labelled(run.exec(), ply.cloud, objects.columns, camera_of(scene, views[n], options), splat,
                                background_of(scene), options.amodal);
       }();
       const auto timed = run.monitor().scope("write");
-      picture::write_view({out.path, names[views[n]]}, view, objects, layers, options, format);
+      picture::write_view({out.path, names[views[n]]}, view, {objects, layers, format.format, options.threshold});
       run.monitor().progress(std::int64_t(n) + 1, std::int64_t(views.size()));
     }
     return 0;

@@ -64,8 +64,9 @@ void write_masks(const std::filesystem::path& folder, const std::string& stem, c
     io::write_png(prepared(mask_folder(folder, objects, k), stem + ".png"), binary_mask(view.label, k, threshold));
 }
 
-void write_exr_view(const Destination& to, const RenderedView& view, const Objects& objects,
-                    const std::set<std::string>& layers, const RenderOptions& options) {
+void write_exr_view(const Destination& to, const RenderedView& view, const Wanted& wanted) {
+  const Objects& objects = wanted.objects;
+  const std::set<std::string>& layers = wanted.layers;
   io::ExrImage image;
   image.width_px = view.width_px, image.height_px = view.height_px;
   const auto plane = [&](std::size_t object) {
@@ -85,7 +86,7 @@ void write_exr_view(const Destination& to, const RenderedView& view, const Objec
     for (std::size_t k = 0; k < objects.names.size(); ++k)
       image.channels[objects.names.size() == 1 ? "ngs.mask" : "ngs.mask_" + objects.names[k]] = plane(k);
   if (layers.contains("labels")) {
-    const ImageU16 map = label_map(view, options.threshold, objects.ids);
+    const ImageU16 map = label_map(view, wanted.threshold, objects.ids);
     image.channels["ngs.id"].assign(map.data.begin(), map.data.end());
   }
   image.text["ngs:schema"] = "ngs.render.1";
@@ -154,15 +155,13 @@ std::vector<std::string> files_of(const Destination& to, const Objects& objects,
   return files;
 }
 
-void write_view(const Destination& to, const RenderedView& view, const Objects& objects,
-                const std::set<std::string>& layers, const RenderOptions& options,
-                const OutputOptions& format) {
-  if (format.format == Format::kExr) return write_exr_view(to, view, objects, layers, options);
-  for (const std::string& layer : layers) {
-    const std::filesystem::path folder = layer_folder(to, layers, layer);
+void write_view(const Destination& to, const RenderedView& view, const Wanted& wanted) {
+  if (wanted.format == Format::kExr) return write_exr_view(to, view, wanted);
+  for (const std::string& layer : wanted.layers) {
+    const std::filesystem::path folder = layer_folder(to, wanted.layers, layer);
     const std::string file = to.stem + ".png";
     if (layer == "mask")
-      write_masks(folder, to.stem, view, objects, options.threshold);
+      write_masks(folder, to.stem, view, wanted.objects, wanted.threshold);
     else if (layer == "color")
       io::write_png(prepared(folder, file), to_8bit(view.colour));
     else if (layer == "alpha")
@@ -170,9 +169,9 @@ void write_view(const Destination& to, const RenderedView& view, const Objects& 
     else if (layer == "depth")
       io::write_png16(prepared(folder, file), depth_to_16bit(view));
     else if (layer == "labels")
-      io::write_png16(prepared(folder, file), label_map(view, options.threshold, objects.ids));
+      io::write_png16(prepared(folder, file), label_map(view, wanted.threshold, wanted.objects.ids));
     else if (layer == "overlay")
-      io::write_png(prepared(folder, file), overlay_picture(view, options.threshold));
+      io::write_png(prepared(folder, file), overlay_picture(view, wanted.threshold));
   }
 }
 

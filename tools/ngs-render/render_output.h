@@ -56,8 +56,14 @@ std::vector<std::string> file_names(const Scene& scene, FileNames names);
 /// The files that write_view() writes.
 std::vector<std::string> files_of(const Destination& to, const Objects& objects, const std::set<std::string>& layers,
                                   Format format);
-void write_view(const Destination& to, const RenderedView& view, const Objects& objects,
-                const std::set<std::string>& layers, const RenderOptions& options,
-                const OutputOptions& format);
+
+/// What is wanted of every view.
+struct Wanted {
+  const Objects& objects;
+  const std::set<std::string>& layers;
+  Format format;
+  double threshold;  // of the rendered label: a pixel above it is the object's
+};
+void write_view(const Destination& to, const RenderedView& view, const Wanted& wanted);
 
 }  // namespace ngs::picture

@@ -40,18 +40,27 @@ ImageU8 picture_of(const ErrorAtlas& atlas, const ImageF& photo) {
   return out;
 }
 
-/// Smaller, the wrong pixels kept: of each block the one with a cause.
+struct Pixel {
+  int x, y;
+};
+
+/// Of the block of `factor` by `factor` pixels that begins at `first`, the last one with a cause, else the first.
+Pixel shown_pixel(const ErrorAtlas& atlas, const ImageU8& picture, Pixel first, int factor) {
+  Pixel shown = first;
+  for (int y = first.y; y < std::min(first.y + factor, picture.height_px); ++y)
+    for (int x = first.x; x < std::min(first.x + factor, picture.width_px); ++x)
+      if (atlas.cause[std::size_t(y) * std::size_t(picture.width_px) + std::size_t(x)] != ErrorCause::kNone) shown = {x, y};
+  return shown;
+}
+
+/// Smaller, the wrong pixels kept.
 ImageU8 reduced(const ErrorAtlas& atlas, const ImageU8& picture) {
   const int factor = std::max(1, (picture.width_px + kPictureWidthPx - 1) / kPictureWidthPx);
   ImageU8 out((picture.width_px + factor - 1) / factor, (picture.height_px + factor - 1) / factor, 3);
   for (int y = 0; y < out.height_px; ++y)
     for (int x = 0; x < out.width_px; ++x) {
-      int from_x = x * factor, from_y = y * factor;
-      for (int j = y * factor; j < std::min((y + 1) * factor, picture.height_px); ++j)
-        for (int i = x * factor; i < std::min((x + 1) * factor, picture.width_px); ++i)
-          if (atlas.cause[std::size_t(j) * std::size_t(picture.width_px) + std::size_t(i)] != ErrorCause::kNone)
-            from_x = i, from_y = j;
-      for (int c = 0; c < 3; ++c) out.at(x, y, c) = picture.at(from_x, from_y, c);
+      const Pixel from = shown_pixel(atlas, picture, {x * factor, y * factor}, factor);
+      for (int c = 0; c < 3; ++c) out.at(x, y, c) = picture.at(from.x, from.y, c);
     }
   return out;
 }

@@ -5,6 +5,7 @@
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
 #include "page.h"
+#include "run_figures.h"
 #include "shared/cli/dispatch.h"
 #include "shared/tool.h"
 #include "work_precision.h"

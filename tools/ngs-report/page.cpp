@@ -10,15 +10,12 @@
 #include "ngs/core/version.h"
 #include "ngs/ops/image/metrics.h"
 #include "overview.h"
+#include "run_figures.h"
 #include "sections.h"
 #include "style.h"
 
 namespace ngs::cli {
 namespace {
-
-std::string text_or(const Json& json, const std::string& otherwise) {
-  return json.is_string() && !json.get<std::string>().empty() ? json.get<std::string>() : otherwise;
-}
 
 std::string comparison(const std::vector<RunFolder>& runs) {
   Table table{.caption = "Mean scores of each run", .head = {"run", "method", "time"}, .rows = {}};
@@ -61,19 +58,6 @@ std::string with_prefix(std::string html, const std::string& prefix) {
 }
 
 }  // namespace
-
-double run_seconds(const RunFolder& run) {
-  double seconds = 0;
-  for (const ToolReport& tool : run.reports) {
-    const double wall = number_at(tool.report, {"stages", "wall_s"});
-    if (std::isfinite(wall) && !tool.name.starts_with("ngs-eval")) seconds += wall;
-  }
-  return seconds;
-}
-
-std::string method_of(const RunFolder& run) {
-  return text_or(value_at(run.report("ngs-joint"), {"options", "method"}), "–");
-}
 
 std::string means_table(const std::vector<RunFolder>& runs) {
   char line[160];

@@ -18,8 +18,4 @@ std::string report_page(const Exec& exec, std::vector<RunFolder>& runs, const Pi
 std::string means_table(const std::vector<RunFolder>& runs);
 Json means_json(const std::vector<RunFolder>& runs);
 
-/// Seconds a run took: the sum over its tools' reports.
-double run_seconds(const RunFolder& run);
-std::string method_of(const RunFolder& run);
-
 }  // namespace ngs::cli

@@ -1,15 +1,13 @@
 #include "sections.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <set>
 
 #include "charts.h"
 #include "html.h"
 #include "ngs/ops/image/metrics.h"
-#include "page.h"
+#include "run_figures.h"
 
 namespace ngs::cli {
 namespace {
@@ -85,32 +83,6 @@ std::string learnt_from(const RunFolder& run, const std::string& noun) {
 }
 
 }  // namespace
-
-std::string score_title(std::string_view name) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kTitles = {
-      {{"iou", "IoU"},
-       {"accuracy", "accuracy"},
-       {"class_accuracy", "class accuracy"},
-       {"biou", "B-IoU 2&nbsp;%"},
-       {"biou_005", "B-IoU 0.5&nbsp;%"},
-       {"biou_1px", "B-IoU 1&nbsp;px"},
-       {"biou_3px", "B-IoU 3&nbsp;px"},
-       {"biou_5px", "B-IoU 5&nbsp;px"},
-       {"contour_f", "contour F"}}};
-  for (const auto& [key, title] : kTitles)
-    if (key == name) return std::string(title);
-  return escaped(name);
-}
-
-double mean_over_runs(const std::vector<RunFolder>& runs, std::string_view score) {
-  double sum = 0;
-  int count = 0;
-  for (const RunFolder& run : runs) {
-    const double value = number_at(run.metrics, {"mean", score});
-    if (std::isfinite(value)) sum += value, ++count;
-  }
-  return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
-}
 
 std::string tiles(const RunFolder& run) {
   std::string html = "<dl class=tiles>";

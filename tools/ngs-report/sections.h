@@ -20,8 +20,4 @@ std::string trace_section(const RunFolder& run);
 std::string inputs_section(const RunFolder& run);
 std::string tools_section(const RunFolder& run);
 
-std::string score_title(std::string_view name);  // "biou" -> "boundary IoU"
-/// Over the runs that have the score; NaN if none has.
-double mean_over_runs(const std::vector<RunFolder>& runs, std::string_view score);
-
 }  // namespace ngs::cli

@@ -72,10 +72,8 @@ int label_scene(int argc, char** argv) {
     }
     if (!out) return 0;
     const std::vector<LabelColumns> labels = label_gaussians(options, part.evidence);
-    variance::write_labels(run, scene, ply, options, labels, out.path);
-    if (layers)
-      variance::write_layers(run, scene, ply.cloud, labels, splat_options(raster, ply.cloud, scene),
-                             layers.path);
+    variance::write_labels(run, {scene, ply, labels}, options, out.path);
+    if (layers) variance::write_layers(run, {scene, ply, labels}, splat_options(raster, ply.cloud, scene), layers.path);
     return 0;
   });
 }
@@ -98,7 +96,8 @@ int merge_parts(int argc, char** argv) {
     variance::check_complete(sum, scene);
     const io::GaussianPly ply = io::read_gaussian_ply(scene.model_path, io::HigherBands::kCheckOnly);
     if (run.dry_run()) return 0;
-    variance::write_labels(run, scene, ply, options, label_gaussians(options, sum.evidence), out.path);
+    const std::vector<LabelColumns> labels = label_gaussians(options, sum.evidence);
+    variance::write_labels(run, {scene, ply, labels}, options, out.path);
     return 0;
   });
 }

@@ -36,6 +36,24 @@ Scene with_columns(Scene scene, const std::vector<std::string>& columns, const s
   return scene;
 }
 
+/// Into the report; returns the boundary Gaussians of all objects.
+std::int64_t report_counts(cli::Run& run, const LabelledScene& labelled) {
+  const auto& [scene, ply, labels] = labelled;
+  const auto count = [](const std::vector<float>& column) { return std::count(column.begin(), column.end(), 1.f); };
+  std::int64_t boundary_total = 0;
+  for (std::size_t k = 0; k < labels.size(); ++k) {
+    const std::int64_t boundary = count(labels[k].boundary);
+    boundary_total += boundary;
+    run.result()["objects"].push_back(
+        {{"name", scene.objects[k].name}, {"boundary", boundary}, {"object", count(labels[k].label)}});
+  }
+  run.result()["gaussians"] = ply.cloud.size();
+  run.result()["excluded"] = ply.health.excluded();
+  run.result()["never_seen"] = std::count(labels[0].views.begin(), labels[0].views.end(), 0.f);
+  run.result()["boundary"] = boundary_total;
+  return boundary_total;
+}
+
 }  // namespace
 
 std::vector<std::size_t> shard_of(const std::vector<std::size_t>& views, const std::string& shard) {
@@ -103,29 +121,13 @@ void check_complete(const io::EvidencePart& sum, const Scene& scene) {
                 "merge the parts of all shards");
 }
 
-void write_labels(cli::Run& run, const Scene& scene, const io::GaussianPly& ply,
-                  const VarianceOptions& options, const std::vector<LabelColumns>& labels,
-                  const std::string& path) {
+void write_labels(cli::Run& run, const LabelledScene& labelled, const VarianceOptions& options, const std::string& path) {
   const auto timed = run.monitor().scope("write");
+  const auto& [scene, ply, labels] = labelled;
   if (labels.size() > 1 && options.exclusive && options.label_threshold != VarianceOptions{}.label_threshold)
     run.monitor().warn("--label-threshold is not used: of several objects the heaviest takes a Gaussian; --no-exclusive asks each by "
                        "itself");
-  const auto count = [](const std::vector<float>& column) {
-    return std::count(column.begin(), column.end(), 1.f);
-  };
-  std::int64_t boundary_total = 0;
-  std::vector<io::NamedLabels> named;
-  for (std::size_t k = 0; k < labels.size(); ++k) {
-    const std::int64_t boundary = count(labels[k].boundary);
-    boundary_total += boundary;
-    named.push_back({scene.objects[k].name, labels[k]});
-    run.result()["objects"].push_back(
-        {{"name", scene.objects[k].name}, {"boundary", boundary}, {"object", count(labels[k].label)}});
-  }
-  run.result()["gaussians"] = ply.cloud.size();
-  run.result()["excluded"] = ply.health.excluded();
-  run.result()["never_seen"] = std::count(labels[0].views.begin(), labels[0].views.end(), 0.f);
-  run.result()["boundary"] = boundary_total;
+  const std::int64_t boundary = report_counts(run, labelled);
   const bool any_evidence = std::any_of(labels.begin(), labels.end(), [](const LabelColumns& l) {
     return std::any_of(l.views.begin(), l.views.end(), [](float views) { return views > 0; });
   });
@@ -133,17 +135,19 @@ void write_labels(cli::Run& run, const Scene& scene, const io::GaussianPly& ply,
     run.nothing_found("no mask of a training view shows any Gaussian",
                       "masks of held-out views do not count; see what was found: ngs-scene check scene.json; make masks with "
                       "ngs-mask, and import the scene again with --masks DIR");
-  else if (boundary_total == 0)
+  else if (boundary == 0)
     run.nothing_found("no Gaussian has a normalised mask variance above tau = " + std::to_string(options.tau),
                       "lower --tau, or check the masks: ngs-scene check scene.json");
+  std::vector<io::NamedLabels> named;
+  for (std::size_t k = 0; k < labels.size(); ++k) named.push_back({scene.objects[k].name, labels[k]});
   io::write_labelled_ply(path, ply, named);
 }
 
-void write_layers(cli::Run& run, const Scene& scene, const GaussianCloud& cloud,
-                  const std::vector<LabelColumns>& labels, const SplatOptions& splat,
-                  const std::string& folder) {
+void write_layers(cli::Run& run, const LabelledScene& labelled, const SplatOptions& splat, const std::string& folder) {
   const auto timed = run.monitor().scope("layers");
-  const LabelColumns& first = labels.front();
+  const Scene& scene = labelled.scene;
+  const GaussianCloud& cloud = labelled.ply.cloud;
+  const LabelColumns& first = labelled.labels.front();
   std::vector<float> channels;
   for (std::size_t i = 0; i < first.label.size(); ++i)
     channels.insert(channels.end(), {first.label[i], first.prob[i], first.variance[i], first.boundary[i]});

@@ -27,15 +27,17 @@ Scene scene_of(cli::Run& run, const io::EvidencePart& sum, const std::string& gi
 /// kInconsistent unless the merged parts are of this scene's model and of exactly its training views.
 void check_complete(const io::EvidencePart& sum, const Scene& scene);
 
+struct LabelledScene {
+  const Scene& scene;
+  const io::GaussianPly& ply;
+  const std::vector<LabelColumns>& labels;  // [objects of the scene]
+};
+
 /// Writes the labelled PLY and the counts; an empty boundary set is kNothingFound unless allowed.
-void write_labels(cli::Run& run, const Scene& scene, const io::GaussianPly& ply,
-                  const VarianceOptions& options, const std::vector<LabelColumns>& labels,
-                  const std::string& path);
+void write_labels(cli::Run& run, const LabelledScene& labelled, const VarianceOptions& options, const std::string& path);
 
 /// One EXR per training view: the first object's ngs.mask, ngs.prob, ngs.variance and ngs.boundary,
 /// composited.
-void write_layers(cli::Run& run, const Scene& scene, const GaussianCloud& cloud,
-                  const std::vector<LabelColumns>& labels, const SplatOptions& splat,
-                  const std::string& folder);
+void write_layers(cli::Run& run, const LabelledScene& labelled, const SplatOptions& splat, const std::string& folder);
 
 }  // namespace ngs::variance
