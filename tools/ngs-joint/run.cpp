@@ -180,7 +180,8 @@ class MethodRun {
   }
 
   int operator()() {
-    const Problem from_files = input_.problem(options_, run_.seed());
+    Problem from_files = input_.problem(options_, run_.seed());
+    from_files.splat.prepared = prepare_cloud(run_.exec(), from_files.cloud);
     if (run_.dry_run()) return plan(from_files);
     if (keeps_steps()) cli::require_checkpoint_folder(options_.steps.checkpoint, StepFile::path_in(options_.steps.checkpoint));
     if (from_files.views.empty())

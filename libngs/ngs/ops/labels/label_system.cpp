@@ -1,11 +1,13 @@
 #include "ngs/ops/labels/label_system.h"
 
 #include <atomic>
+#include <optional>
 
 #include "ngs/core/check.h"
 #include "ngs/ops/labels/label_collect.h"
 #include "ngs/ops/labels/label_evaluate.h"
 #include "ngs/ops/losses/loss_mask_kernels.h"
+#include "ngs/ops/splat/binned_view.h"
 #include "ngs/ops/splat/cloud_view.h"
 #include "ngs/ops/splat/splat_view.h"
 #include "ngs/ops/splat/tile_isa.h"
@@ -29,8 +31,7 @@ std::int64_t bytes_kept(const LabelBlock& block) { return block.entry.empty() ? 
 /// One view composited for the purpose of label sums.
 struct OpenView {
   Camera camera;
-  ProjectedView<float> view;
-  TileLists lists;
+  std::optional<BinnedView<float>> binned;  // if there are targets
   PixelTargets targets;
 
   OpenView(const Exec& exec, const LabelProblem& problem, std::size_t index)
@@ -38,18 +39,19 @@ struct OpenView {
     if (targets.inside.empty()) return;
     const auto pixels = std::size_t(camera.width_px) * std::size_t(camera.height_px);
     NGS_CHECK(targets.inside.size() == pixels && targets.outside.size() == pixels, "target size");
-    view = project_view(exec, cloud_view(problem.cloud, 0, nullptr), camera, problem.splat);
-    lists = bin_tiles(exec, view, camera.width_px, camera.height_px);
+    binned.emplace(exec, cloud_view(problem.cloud, 0, nullptr), camera, problem.splat);
   }
   bool empty() const { return targets.inside.empty(); }
+  const ProjectedView<float>& view() const { return binned->view(); }
+  const TileLists& lists() const { return binned->lists(); }
   TargetPlanes planes() const { return {targets.inside.data(), targets.outside.data()}; }
   /// f(tile, its contributions) for every tile.
   template <class F>
   void for_each_recorded(const Exec& exec, Compat compat, const F& f) const {
     const TileKernels<float> kernels = float_tile_kernels(exec.isa);
-    for_each_task(exec, lists.tiles(), [&](std::int64_t tile) {
+    for_each_task(exec, lists().tiles(), [&](std::int64_t tile) {
       static thread_local TileScratch<float> scratch;
-      const RecordedTile recorded{tile_work(view, lists, tile, camera, compat), scratch.tape, kernels.lanes,
+      const RecordedTile recorded{tile_work(view(), lists(), tile, camera, compat), scratch.tape, kernels.lanes,
                                   scratch.values(kTilePixels)};
       kernels.record(recorded.work, scratch.tape, recorded.transmittance);
       f(std::size_t(tile), recorded);
@@ -58,9 +60,9 @@ struct OpenView {
   /// f(Gaussian, first slot, end slot) for every visible Gaussian; f owns what belongs to the Gaussian.
   template <class F>
   void for_each_visible(const Exec& exec, const F& f) const {
-    for_each_index(exec, std::int64_t(view.id.size()), [&](std::int64_t v) {
-      f(view.id[std::size_t(v)], std::size_t(lists.slot_begin[std::size_t(v)]),
-        std::size_t(lists.slot_begin[std::size_t(v) + 1]));
+    for_each_index(exec, std::int64_t(view().id.size()), [&](std::int64_t v) {
+      f(view().id[std::size_t(v)], std::size_t(lists().slot_begin[std::size_t(v)]),
+        std::size_t(lists().slot_begin[std::size_t(v) + 1]));
     });
   }
 };
@@ -108,8 +110,8 @@ struct LabelSystem::State {
 void LabelSystem::State::open_view(const Exec& exec, std::size_t camera, std::int64_t cache_bytes) {
   const OpenView open(exec, problem, camera);
   if (open.empty()) return;
-  std::vector<LabelBlock> tiles(std::size_t(open.lists.tiles()));
-  const LabelPlaces places{open.view.id.data(), column_of.data(), label.data()};
+  std::vector<LabelBlock> tiles(std::size_t(open.lists().tiles()));
+  const LabelPlaces places{open.view().id.data(), column_of.data(), label.data()};
   std::atomic<std::int64_t> bytes = 0;
   open.for_each_recorded(exec, problem.splat.compat, [&](std::size_t tile, const RecordedTile& recorded) {
     LabelBlock block = collect_block(recorded, places, open.planes(), problem.half_weights);
@@ -170,16 +172,16 @@ void LabelSystem::State::number_slots() {
 
 /// Adds what one view that is not cached says; returns its whole loss.
 TileLoss LabelSystem::State::stream(const Exec& exec, const OpenView& open, ColumnValues at, LabelSums& out) const {
-  const std::size_t visible = open.view.id.size();
+  const std::size_t visible = open.view().id.size();
   std::vector<float> m(visible), rest(visible);
   for (std::size_t v = 0; v < visible; ++v) {
-    const std::uint32_t gaussian = open.view.id[v];
+    const std::uint32_t gaussian = open.view().id[v];
     const std::int32_t column = column_of[gaussian];
     m[v] = column >= 0 ? at.m[column] : float(label[gaussian]);
     rest[v] = column >= 0 ? at.rest[column] : float(1 - label[gaussian]);
   }
-  std::vector<SlotSums> pair(std::size_t(open.lists.pairs()), SlotSums{0.f, 0.f});
-  std::vector<TileLoss> tile_loss(std::size_t(open.lists.tiles()));
+  std::vector<SlotSums> pair(std::size_t(open.lists().pairs()), SlotSums{0.f, 0.f});
+  std::vector<TileLoss> tile_loss(std::size_t(open.lists().tiles()));
   open.for_each_recorded(exec, problem.splat.compat, [&](std::size_t tile, const RecordedTile& recorded) {
     tile_loss[tile] = evaluate_tile(recorded, {m.data(), rest.data()}, open.planes(), pair.data());
   });

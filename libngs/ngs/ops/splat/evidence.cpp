@@ -1,6 +1,7 @@
 #include "ngs/ops/splat/evidence.h"
 
 #include "ngs/core/check.h"
+#include "ngs/ops/splat/binned_view.h"
 #include "ngs/ops/splat/cloud_view.h"
 #include "ngs/ops/splat/splat_view.h"
 #include "ngs/ops/device/device_ops.h"
@@ -11,39 +12,56 @@ namespace ngs {
 namespace {
 
 /// The pairs of one view with what each draws, [pairs, 2 + 2K].
-struct ViewPairs {
-  std::vector<std::uint32_t> id;  // [V]
-  TileLists lists;
-  std::vector<float> sums;
-  std::size_t columns;
+class ViewPairs {
+ public:
+  ViewPairs(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options,
+            const ViewMasks& masks)
+      : binned_(exec, cloud_view(cloud, 0, nullptr), relative_camera(camera, cloud), options),
+        columns_(2 + 2 * masks.target.size()) {
+    const int objects = int(masks.target.size());
+    std::vector<float>& sums = binned_.sums(std::size_t(binned_.lists().pairs()) * columns_);
+    const TileKernels<float> kernels = float_tile_kernels(exec.isa);
+    std::vector<const float*> target;
+    for (const std::vector<float>& t : masks.target) target.push_back(t.data());
+    for_each_task(exec, binned_.lists().tiles(), [&](std::int64_t tile) {
+      static thread_local TileScratch<float> scratch;
+      kernels.evidence({tile_work(binned_.view(), binned_.lists(), tile, camera, options.compat),
+                        masks.known.empty() ? nullptr : masks.known.data(), target.data(), objects, sums.data(),
+                        scratch.values(evidence_scratch(objects))});
+    });
+    sums_ = sums.data();
+  }
+
+  std::int64_t chunks() const { return (std::int64_t(binned_.view().id.size()) + kChunk - 1) / kChunk; }
+  /// f(Gaussian, its sums) for the Gaussians of a chunk with W > 0, of those `of` them (null: all), in their order.
+  template <class F>
+  void for_each_seen(std::int64_t chunk, const std::vector<std::uint8_t>* of, const F& f) const {
+    const std::vector<std::uint32_t>& id = binned_.view().id;
+    std::vector<double> sum(columns_);
+    const auto end = std::min(id.size(), std::size_t((chunk + 1) * kChunk));
+    for (auto v = std::size_t(chunk * kChunk); v < end; ++v) {
+      if (of != nullptr && !(*of)[id[v]]) continue;
+      sum_up(v, sum.data());
+      if (sum[0] > 0) f(id[v], sum.data());
+    }
+  }
+
+ private:
+  static constexpr std::int64_t kChunk = 1 << 12;
 
   /// The sums of visible Gaussian v over its tiles.
   void sum_up(std::size_t v, double* sum) const {
-    std::fill_n(sum, columns, 0.0);
+    const TileLists& lists = binned_.lists();
+    std::fill_n(sum, columns_, 0.0);
     for (std::int64_t slot = lists.slot_begin[v]; slot < lists.slot_begin[v + 1]; ++slot)
-      for (std::size_t c = 0; c < columns; ++c) sum[c] += double(sums[std::size_t(slot) * columns + c]);
-    for (std::size_t c = 2; c < columns; c += 2) sum[c] = std::min(sum[c], sum[0]);
+      for (std::size_t c = 0; c < columns_; ++c) sum[c] += double(sums_[std::size_t(slot) * columns_ + c]);
+    for (std::size_t c = 2; c < columns_; c += 2) sum[c] = std::min(sum[c], sum[0]);
   }
-};
 
-ViewPairs pairs_of(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options,
-                   const ViewMasks& masks) {
-  const int objects = int(masks.target.size());
-  ProjectedView<float> view = project_view(exec, cloud_view(cloud, 0, nullptr), relative_camera(camera, cloud), options);
-  ViewPairs pairs{{}, bin_tiles(exec, view, camera.width_px, camera.height_px), {}, std::size_t(2 + 2 * objects)};
-  pairs.sums.assign(std::size_t(pairs.lists.pairs()) * pairs.columns, 0.f);
-  const TileKernels<float> kernels = float_tile_kernels(exec.isa);
-  std::vector<const float*> target;
-  for (const std::vector<float>& t : masks.target) target.push_back(t.data());
-  for_each_task(exec, pairs.lists.tiles(), [&](std::int64_t tile) {
-    static thread_local TileScratch<float> scratch;
-    kernels.evidence({tile_work(view, pairs.lists, tile, camera, options.compat),
-                      masks.known.empty() ? nullptr : masks.known.data(), target.data(), objects, pairs.sums.data(),
-                      scratch.values(evidence_scratch(objects))});
-  });
-  pairs.id = std::move(view.id);
-  return pairs;
-}
+  BinnedView<float> binned_;
+  std::size_t columns_;
+  const float* sums_ = nullptr;
+};
 
 /// [N, 2 + 2K] from the device, the same.
 std::vector<double> sums_on_device(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
@@ -69,21 +87,24 @@ ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const Camera& c
   require_size(masks, camera);
   NGS_CHECK(of == nullptr || std::int64_t(of->size()) == cloud.size(), "one flag per Gaussian");
   const auto columns = std::size_t(seen.columns());
-  const auto take = [&](std::uint32_t gaussian, const double* sum) {
-    const bool wanted = of == nullptr || (*of)[gaussian];
-    if (wanted && sum[0] > 0) seen.row.push_back(gaussian), seen.sum.insert(seen.sum.end(), sum, sum + columns);
-  };
   if (exec.device_ops) {
     const std::vector<double> sums = sums_on_device(exec, cloud, camera, options, masks);
-    for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) take(std::uint32_t(i), &sums[i * columns]);
+    for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
+      const double* sum = &sums[i * columns];
+      const bool wanted = of == nullptr || (*of)[i];
+      if (wanted && sum[0] > 0) seen.row.push_back(std::uint32_t(i)), seen.sum.insert(seen.sum.end(), sum, sum + columns);
+    }
     return seen;
   }
-  const ViewPairs pairs = pairs_of(exec, cloud, camera, options, masks);
-  std::vector<double> sums(pairs.id.size() * columns);
-  for_each_index(exec, std::int64_t(pairs.id.size()), [&](std::int64_t v) {
-    if (of == nullptr || (*of)[pairs.id[std::size_t(v)]]) pairs.sum_up(std::size_t(v), &sums[std::size_t(v) * columns]);
+  const ViewPairs pairs(exec, cloud, camera, options, masks);
+  std::vector<ViewSums> part(std::size_t(pairs.chunks()), ViewSums{seen.objects, {}, {}});
+  for_each_task(exec, pairs.chunks(), [&](std::int64_t chunk) {
+    pairs.for_each_seen(chunk, of, [&part = part[std::size_t(chunk)], columns](std::uint32_t gaussian, const double* sum) {
+      part.row.push_back(gaussian), part.sum.insert(part.sum.end(), sum, sum + columns);
+    });
   });
-  for (std::size_t v = 0; v < pairs.id.size(); ++v) take(pairs.id[v], &sums[v * columns]);
+  for (const ViewSums& p : part)
+    seen.row.insert(seen.row.end(), p.row.begin(), p.row.end()), seen.sum.insert(seen.sum.end(), p.sum.begin(), p.sum.end());
   return seen;
 }
 
@@ -100,11 +121,9 @@ void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const Camer
       if (sum[0] > 0) evidence.add(std::size_t(i), sum);
     });
   }
-  const ViewPairs pairs = pairs_of(exec, cloud, camera, options, masks);
-  for_each_index(exec, std::int64_t(pairs.id.size()), [&](std::int64_t v) {
-    std::vector<double> sum(columns);
-    pairs.sum_up(std::size_t(v), sum.data());
-    if (sum[0] > 0) evidence.add(pairs.id[std::size_t(v)], sum.data());
+  const ViewPairs pairs(exec, cloud, camera, options, masks);
+  for_each_task(exec, pairs.chunks(), [&](std::int64_t chunk) {
+    pairs.for_each_seen(chunk, nullptr, [&](std::uint32_t gaussian, const double* sum) { evidence.add(gaussian, sum); });
   });
 }
 

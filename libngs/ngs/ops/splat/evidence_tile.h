@@ -15,7 +15,7 @@ struct EvidenceSink {
   const S* mask;  // [packs][1 + objects][lanes]: known, targets
   ChannelSums<L, kSums> sum;
   ChannelSums<F, kSums> total;
-  std::uint32_t entry = 0;
+  std::uint32_t entry = 0, seen = 0;
   bool reached = false;
 
   EvidenceSink(const EvidenceTile<S>& tile, const S* masks, S* memory)
@@ -24,7 +24,7 @@ struct EvidenceSink {
   [[gnu::always_inline]] int sums() const { return 2 + 2 * objects(); }
 
   void begin(std::uint32_t e) {
-    entry = e, reached = false;
+    entry = e, seen = e + 1, reached = false;
     total.clear(sums());
   }
   void begin_column(int) { sum.clear(sums()); }
@@ -47,7 +47,19 @@ struct EvidenceSink {
     reached = true;
   }
   void end() {
-    if (reached) total.sum_each(sums(), in.pair + std::size_t(in.work.slot[entry]) * std::size_t(sums()));
+    if (reached)
+      total.sum_each(sums(), row(entry));
+    else
+      clear(entry);
+  }
+  /// Nothing of the entries that the tile stopped before.
+  void end_tile() const {
+    for (std::uint32_t e = seen; e < in.work.entries; ++e) clear(e);
+  }
+  S* row(std::uint32_t e) const { return in.pair + std::size_t(in.work.slot[e]) * std::size_t(sums()); }
+  void clear(std::uint32_t e) const {
+    S* at = row(e);
+    for (int i = 0; i < sums(); ++i) at[i] = S(0);
   }
 };
 
@@ -69,6 +81,7 @@ void evidence_tile(const EvidenceTile<typename LaneTraits<L>::Scalar>& in) {
   EvidenceSink<L, K> sink(in, in.scratch, in.scratch + planes * kTilePixels);
   L transmittance[kPacksPerTile<L>];
   composite_tile<L>(in.work, transmittance, sink);
+  sink.end_tile();
 }
 
 }  // namespace ngs

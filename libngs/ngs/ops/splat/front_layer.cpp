@@ -1,6 +1,7 @@
 #include "ngs/ops/splat/front_layer.h"
 
 #include "ngs/core/check.h"
+#include "ngs/ops/splat/binned_view.h"
 #include "ngs/ops/splat/cloud_view.h"
 #include "ngs/ops/splat/splat_view.h"
 #include "ngs/ops/splat/splat_tiles.h"
@@ -25,15 +26,10 @@ void tile_plane(const TileFrame& frame, const std::vector<T>& image, L* packs) {
   for (int i = 0; i < kPacks; ++i) load_lanes(lane + i * L::kLanes, packs[i]);
 }
 
-struct BinnedView {
-  ProjectedView<float> view;
-  TileLists lists;
-};
-
 /// What both sinks share: which of the tile's Gaussians may be in front, and where.
 struct FrontBase {
   static constexpr bool kTakesEmpty = true;
-  const BinnedView& binned;
+  const BinnedView<float>& binned;
   TileWork<float> work;
   const std::vector<std::uint8_t>& candidate;
   L limit[kPacks];
@@ -43,8 +39,8 @@ struct FrontBase {
 
   void enter(std::uint32_t entry) {
     v = work.visible[entry];
-    may = candidate[binned.view.id[v]] != 0;
-    depth = binned.view.depth[v];
+    may = candidate[binned.view().id[v]] != 0;
+    depth = binned.view().depth[v];
   }
   L front_weight(const Contribution<L>& hit) const {
     return select(L(depth) < limit[hit.pack], hit.alpha * hit.transmittance, L(0.f));
@@ -67,7 +63,7 @@ struct LayerSink : FrontBase {
   void add(int, const Contribution<L>& hit) {
     if (!may) return;
     const L weight = front_weight(hit);
-    const float* row = value.row(binned.view.id[v]);
+    const float* row = value.row(binned.view().id[v]);
     for (int c = 0; c < value.c; ++c) {
       L& s = sum[std::size_t(c * kPacks + hit.pack)];
       s = fma_lanes(weight, L(row[c]), s);
@@ -120,7 +116,7 @@ struct FrontView::State {
   Camera camera;
   Compat compat;
   std::int64_t gaussians;
-  BinnedView binned;
+  BinnedView<float> binned;
 
   void check(const FrontQuery& query) const {
     NGS_CHECK(query.limit.width_px == camera.width_px && query.limit.height_px == camera.height_px &&
@@ -131,21 +127,19 @@ struct FrontView::State {
 };
 
 FrontView::FrontView(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options)
-    : state_(std::make_unique<State>(State{exec, camera, options.compat, cloud.size(), {}})) {
-  BinnedView& b = state_->binned;
-  b.view = project_view(exec, cloud_view(cloud, 0, nullptr), relative_camera(camera, cloud), options);
-  b.lists = bin_tiles(exec, b.view, camera.width_px, camera.height_px);
-}
+    : state_(std::make_unique<State>(State{
+          exec, camera, options.compat, cloud.size(),
+          BinnedView<float>(exec, cloud_view(cloud, 0, nullptr), relative_camera(camera, cloud), options)})) {}
 FrontView::~FrontView() = default;
 
 ImageF FrontView::layer(const FrontQuery& query, Matrix<const float> value) const {
   const State& s = *state_;
-  const BinnedView& b = s.binned;
+  const BinnedView<float>& b = s.binned;
   s.check(query);
   NGS_CHECK(value.n == s.gaussians, "one value row per Gaussian");
   ImageF out(s.camera.width_px, s.camera.height_px, value.c + 1);
-  for_each_task(s.exec, b.lists.tiles(), [&](std::int64_t tile) {
-    const TileWork<float> work = tile_work(b.view, b.lists, tile, s.camera, s.compat);
+  for_each_task(s.exec, b.lists().tiles(), [&](std::int64_t tile) {
+    const TileWork<float> work = tile_work(b.view(), b.lists(), tile, s.camera, s.compat);
     const TileFrame& frame = work.frame;
     LayerSink sink{{b, work, query.candidate, {}}, value, std::vector<L>(std::size_t((value.c + 1) * kPacks), L(0.f))};
     tile_plane(frame, query.limit.data, sink.limit);
@@ -159,13 +153,13 @@ ImageF FrontView::layer(const FrontQuery& query, Matrix<const float> value) cons
 
 FrontSums FrontView::sums(const FrontQuery& query, const std::vector<std::uint8_t>& marked) const {
   const State& s = *state_;
-  const BinnedView& b = s.binned;
+  const BinnedView<float>& b = s.binned;
   s.check(query);
   NGS_CHECK(std::int64_t(marked.size()) == query.limit.pixels(), "one mark per pixel");
-  std::vector<float> pairs(std::size_t(b.lists.pairs()) * 2, 0.f);
-  const Matrix<float> pair{pairs.data(), b.lists.pairs(), 2};
-  for_each_task(s.exec, b.lists.tiles(), [&](std::int64_t tile) {
-    const TileWork<float> work = tile_work(b.view, b.lists, tile, s.camera, s.compat);
+  std::vector<float> pairs(std::size_t(b.lists().pairs()) * 2, 0.f);
+  const Matrix<float> pair{pairs.data(), b.lists().pairs(), 2};
+  for_each_task(s.exec, b.lists().tiles(), [&](std::int64_t tile) {
+    const TileWork<float> work = tile_work(b.view(), b.lists(), tile, s.camera, s.compat);
     const TileFrame& frame = work.frame;
     SumSink sink{{b, work, query.candidate, {}}, pair, {}};
     tile_plane(frame, query.limit.data, sink.limit);
@@ -176,10 +170,10 @@ FrontSums FrontView::sums(const FrontQuery& query, const std::vector<std::uint8_
   });
   const auto n = std::size_t(s.gaussians);
   FrontSums sums{std::vector<double>(n), std::vector<double>(n)};
-  for_each_index(s.exec, std::int64_t(b.view.id.size()), [&](std::int64_t v) {
-    const std::size_t i = b.view.id[std::size_t(v)];
+  for_each_index(s.exec, std::int64_t(b.view().id.size()), [&](std::int64_t v) {
+    const std::size_t i = b.view().id[std::size_t(v)];
     if (!query.candidate[i]) return;
-    for (std::int64_t slot = b.lists.slot_begin[std::size_t(v)]; slot < b.lists.slot_begin[std::size_t(v) + 1]; ++slot)
+    for (std::int64_t slot = b.lists().slot_begin[std::size_t(v)]; slot < b.lists().slot_begin[std::size_t(v) + 1]; ++slot)
       sums.front[i] += double(pair.row(slot)[0]), sums.marked[i] += double(pair.row(slot)[1]);
   });
   return sums;

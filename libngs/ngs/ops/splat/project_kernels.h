@@ -53,6 +53,17 @@ struct ProjectionContext {
   bool compensation_floored;
 };
 
+/// What of the context does not depend on the view: rotation, scale and their product.
+template <class T>
+NGS_HD void gaussian_shape(const T* rotation, const T* log_scale, ProjectionContext<T>& ctx) {
+  using std::exp;
+  ctx.unit_rotation = normalised(Vec4<T>{rotation[0], rotation[1], rotation[2], rotation[3]}, ctx.inv_rotation_norm);
+  ctx.r = rotation_matrix(ctx.unit_rotation);
+  ctx.scale = {exp(log_scale[0]), exp(log_scale[1]), exp(log_scale[2])};
+  const T scale[3] = {ctx.scale.x, ctx.scale.y, ctx.scale.z};
+  for (int i = 0; i < 9; ++i) ctx.m.m[i] = ctx.r.m[i] * scale[i % 3];
+}
+
 /// Projects a Gaussian whose centre is at `t` in camera coordinates, t.z > near_z.
 ///
 /// The covariance is a Gram matrix V Vᵀ with V = J W R S, so it is never indefinite; its determinant is
@@ -61,13 +72,8 @@ template <class T>
 NGS_HD ProjectedGaussian<T> project_gaussian(const ProjectionCamera<T>& camera, Vec3<T> t, const T* rotation,
                                              const T* log_scale, T logit_opacity, bool antialiased,
                                              ProjectionContext<T>& ctx) {
-  using std::exp;
   using std::sqrt;
-  ctx.unit_rotation = normalised(Vec4<T>{rotation[0], rotation[1], rotation[2], rotation[3]}, ctx.inv_rotation_norm);
-  ctx.r = rotation_matrix(ctx.unit_rotation);
-  ctx.scale = {exp(log_scale[0]), exp(log_scale[1]), exp(log_scale[2])};
-  const T scale[3] = {ctx.scale.x, ctx.scale.y, ctx.scale.z};
-  for (int i = 0; i < 9; ++i) ctx.m.m[i] = ctx.r.m[i] * scale[i % 3];
+  gaussian_shape(rotation, log_scale, ctx);
 
   const T slope_x = t.x / t.z, slope_y = t.y / t.z;
   ctx.slope_x = clamp3(slope_x, camera.x_lo, camera.x_hi);

@@ -3,8 +3,9 @@
 // Internal to ops: splat.cpp runs it with the float kernels of the machine, tests also with one-lane kernels of double
 // and Dual<double>.
 #include <memory>
+#include <optional>
 
-#include "ngs/ops/splat/splat_view.h"
+#include "ngs/ops/splat/binned_view.h"
 #include "ngs/ops/splat/tile_scratch.h"
 
 namespace ngs {
@@ -36,12 +37,12 @@ class SplatEngine {
   }
   /// The two halves of forward.
   void prepare(const Exec& exec) {
-    view_ = project_view(exec, cloud_, camera_, options_);
-    lists_ = bin_tiles(exec, view_, camera_.width_px, camera_.height_px);
+    binned_.reset();
+    binned_.emplace(exec, cloud_, camera_, options_);
     gather_channels(exec);
   }
   void composite(const Exec& exec, const std::vector<Plane<S>>& out) const {
-    for_each_task(exec, lists_.tiles(), [&](std::int64_t tile) {
+    for_each_task(exec, lists().tiles(), [&](std::int64_t tile) {
       S* scratch = thread_scratch().values(std::size_t(request_.count() * kTilePixels));
       kernels_.forward({work(tile), channels(), background_.data(), out.data(), scratch});
     });
@@ -52,9 +53,9 @@ class SplatEngine {
   void backward(const Exec& exec, const std::vector<Plane<const S>>& grad, const std::vector<std::uint8_t>& moves,
                 const CloudGradientView<S>& out) {
     const int columns = kPairGeometry + request_.count();
-    const std::unique_ptr<S[]> pair_grad = zeros(exec, lists_.pairs() * columns);
-    const Matrix<const S> pairs{pair_grad.get(), lists_.pairs(), columns};
-    for_each_task(exec, lists_.tiles(), [&](std::int64_t tile) {
+    const std::unique_ptr<S[]> pair_grad = zeros(exec, lists().pairs() * columns);
+    const Matrix<const S> pairs{pair_grad.get(), lists().pairs(), columns};
+    for_each_task(exec, lists().tiles(), [&](std::int64_t tile) {
       TileScratch<S>& memory = thread_scratch();
       S* scratch = memory.values(backward_scratch(request_.count()));
       kernels_.backward({work(tile), channels(), background_.data(), grad.data(), moves.data(), pair_grad.get(), scratch,
@@ -62,27 +63,27 @@ class SplatEngine {
     });
     clear(exec, out);
     const GaussianBackward<S> gaussian{view_projector<S>(camera_, options_), cloud_, plan(), pairs, out};
-    for_each_index(exec, std::int64_t(view_.id.size()), [&](std::int64_t row) {
+    for_each_index(exec, std::int64_t(view().id.size()), [&](std::int64_t row) {
       const auto v = std::size_t(row);
-      const std::int64_t begin = lists_.slot_begin[v], end = lists_.slot_begin[v + 1];
-      if (begin < end) gaussian.gather(view_.id[v], channels().row(std::uint32_t(v)), begin, end);
+      const std::int64_t begin = lists().slot_begin[v], end = lists().slot_begin[v + 1];
+      if (begin < end) gaussian.gather(view().id[v], channels().row(std::uint32_t(v)), begin, end);
     });
   }
 
-  const ProjectedView<S>& view() const { return view_; }
-  const TileLists& lists() const { return lists_; }
+  const ProjectedView<S>& view() const { return binned_->view(); }
+  const TileLists& lists() const { return binned_->lists(); }
 
  private:
   void gather_channels(const Exec& exec) {
     const int count = request_.count();
-    const ViewProjector<S> view = view_projector<S>(camera_, options_);
-    channel_.resize(view_.id.size() * std::size_t(count));
-    for_each_index(exec, std::int64_t(view_.id.size()), [&](std::int64_t v) {
-      channel_row(plan(), view, cloud_, view_.id[std::size_t(v)], view_.depth[std::size_t(v)], channel_.data() + v * count);
+    const ViewProjector<S> projector = view_projector<S>(camera_, options_);
+    channel_.resize(view().id.size() * std::size_t(count));
+    for_each_index(exec, std::int64_t(view().id.size()), [&](std::int64_t v) {
+      channel_row(plan(), projector, cloud_, view().id[std::size_t(v)], view().depth[std::size_t(v)], channel_.data() + v * count);
     });
   }
 
-  TileWork<S> work(std::int64_t tile) const { return tile_work(view_, lists_, tile, camera_, options_.compat); }
+  TileWork<S> work(std::int64_t tile) const { return tile_work(view(), lists(), tile, camera_, options_.compat); }
   ChannelPlan<S> plan() const { return {request_.colour, request_.depth, request_.label}; }
   ChannelValues<S> channels() const { return {channel_.data(), request_.count()}; }
   /// Written, and so first touched, by all threads.
@@ -116,8 +117,7 @@ class SplatEngine {
   CloudView<S> cloud_;
   Camera camera_;
   ChannelRequest<S> request_;
-  ProjectedView<S> view_;
-  TileLists lists_;
+  std::optional<BinnedView<S>> binned_;
   std::vector<S> background_, channel_;  // [C], [V, C]
 };
 

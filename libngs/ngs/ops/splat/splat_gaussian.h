@@ -62,6 +62,9 @@ NGS_HD int clamped_int(S x, int lo, int hi) {
   return v > lo ? (v < hi ? int(v) : hi) : lo;
 }
 
+/// How many standard deviations gsplat's tiles reach from the mean.
+NGS_HD inline double tile_extent(double opacity) { return min2(3.33, std::sqrt(2.0 * std::log(255.0 * opacity))); }
+
 /// The tile rectangle of the chosen family: 3DGS takes 3 sigma of the longer axis, gsplat an opacity-aware
 /// box per axis. Both visit whole tiles, which is where their results differ at tile borders.
 template <class S>
@@ -72,7 +75,7 @@ NGS_HD TileRect tile_rect(const ProjectedGaussian<S>& p, Compat compat, int tile
     const double mid = 0.5 * (xx + yy);
     radius_x = radius_y = std::ceil(3.0 * std::sqrt(mid + std::sqrt(max2(0.1, mid * mid - det))));
   } else {
-    const double extent = min2(3.33, std::sqrt(2.0 * std::log(255.0 * double(p.opacity))));
+    const double extent = tile_extent(double(p.opacity));
     radius_x = std::ceil(extent * std::sqrt(xx)), radius_y = std::ceil(extent * std::sqrt(yy));
   }
   // 3DGS puts pixel centres at integers: its coordinate is ours - 0.5.
@@ -84,14 +87,24 @@ NGS_HD TileRect tile_rect(const ProjectedGaussian<S>& p, Compat compat, int tile
           tile(y + radius_y + round_up, tiles_y)};
 }
 
+/// The members of SplatRecord that depend on the opacity alone.
+template <class S>
+NGS_HD S two_cut_of(S opacity) {
+  using std::log;
+  return S(2) * log(S(255) * opacity);
+}
+template <class S>
+NGS_HD S log2_opacity_of(S opacity) {
+  using std::log2;
+  return S(log2(WideOf<S>(opacity)));
+}
+
 template <class S>
 NGS_HD SplatRecord<S> record_of(const ProjectedGaussian<S>& p, WideOf<S> mean_x, WideOf<S> mean_y) {
-  using std::log;
-  using std::log2;
   using std::sqrt;
-  const S two_cut = S(2) * log(S(255) * p.opacity);
+  const S two_cut = two_cut_of(p.opacity);
   const S reach2 = max2(two_cut, S(0)), half_width = sqrt(reach2 * p.cov_xx), half_height = sqrt(reach2 * p.cov_yy);
-  const S log2_opacity = S(log2(WideOf<S>(p.opacity)));
+  const S log2_opacity = log2_opacity_of(p.opacity);
   return {mean_x,     mean_y,      PowerForm<S>::of(p.conic_a, p.conic_b, p.cov_yy), log2_opacity,      two_cut, S(1) / p.det,
           half_width, half_height, -p.conic_b / p.conic_a * half_height,            S(1) / p.conic_c};
 }
@@ -171,12 +184,12 @@ struct ViewProjector {
     return offset_from(centre, cloud.position + i * 3);
   }
 
+  static constexpr double kRadii = 3.5, kRounding_px = 2;
   /// Whether tile_rect would be empty, found without the covariance; may be false although it is. What is bounded:
   /// both radii are at most 3.33 (cov_xx + cov_yy + 0.32)^½ + 1 px and cov_xx + cov_yy <= (largest scale · `spread` / z)² +
   /// 2 blur. All multiplied by z; what the factors exceed 3.33 and 1 by is for rounding. Without branches: a loop over
   /// Gaussians becomes one of packs.
   NGS_HD bool beside(const CloudView<S>& cloud, std::int64_t i) const {
-    constexpr double kRadii = 3.5, kRounding_px = 2;
     const Vec3<Wide> t = wide.rotation * offset(cloud, i);
     const S* log_scale = cloud.log_scale + i * 3;
     const double x = double(t.x), y = double(t.y), z = double(t.z);

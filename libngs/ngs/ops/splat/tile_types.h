@@ -122,7 +122,7 @@ struct EvidenceTile {
   const std::uint8_t* known;     // [H·W] or null: all
   const float* const* target;    // [objects][H·W]
   int objects;
-  S* pair;                       // [pairs, 2 + 2 · objects]; rows of pairs without a contribution are left alone or 0
+  S* pair;                       // [pairs, 2 + 2 · objects]; the row of every entry is overwritten
   S* scratch;                    // [evidence_scratch(objects)]
 };
 

@@ -62,13 +62,15 @@ Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const GaussianC
                              const Scene& scene, const std::vector<std::size_t>& views,
                              const SplatOptions& options, const MaskLoader& load_masks) {
   Evidence evidence(cloud.size(), int(scene.objects.size()));
+  SplatOptions prepared = options;
+  if (!options.prepared) prepared.prepared = prepare_cloud(exec, cloud);
   for (std::size_t n = 0; n < views.size(); ++n) {
     const ViewMasks masks = [&] {
       const auto timed = monitor.scope("load masks");
       return load_masks(views[n]);
     }();
     const auto timed = monitor.scope("evidence");
-    add_view_evidence(exec, cloud, scene.views[views[n]].camera, options, masks, evidence);
+    add_view_evidence(exec, cloud, scene.views[views[n]].camera, prepared, masks, evidence);
     monitor.progress(std::int64_t(n) + 1, std::int64_t(views.size()));
   }
   return evidence;

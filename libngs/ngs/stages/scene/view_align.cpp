@@ -47,7 +47,8 @@ std::vector<ViewAlignment> measure_alignment(const Exec& exec, Monitor& monitor,
                                              const Scene& scene,
                                              const std::function<ImageF(std::size_t view)>& load_photo) {
   const auto timed = monitor.scope("align views");
-  const SplatOptions splat = splat_options({}, cloud, scene);
+  SplatOptions splat = splat_options({}, cloud, scene);
+  splat.prepared = prepare_cloud(exec, cloud);
   std::vector<ViewAlignment> alignment;
   for (const std::size_t v : photo_views(scene)) alignment.emplace_back().view = v;
   std::mutex telling;

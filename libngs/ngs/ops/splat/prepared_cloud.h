@@ -1,0 +1,52 @@
+#pragma once
+// What projection takes from a Gaussian alone, worked out once for all views of a model that does not change.
+// Internal to ops, but for `prepare_cloud`.
+#include <array>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "ngs/ops/splat/pass_memory.h"
+#include "ngs/ops/splat/splat_gaussian.h"
+
+namespace ngs {
+
+inline constexpr int kBlockRows = 256;
+
+/// The box of a block's centres and its largest Gaussian. Rows that no view draws are not counted.
+struct BlockBounds {
+  static constexpr float kNone = std::numeric_limits<float>::infinity();
+  std::array<float, 3> lo{kNone, kNone, kNone}, hi{-kNone, -kNone, -kNone};  // world, relative to the cloud's origin
+  float scale = 0;                                                           // at least the largest
+  bool empty() const { return lo[0] > hi[0]; }
+};
+
+/// Columns of N rows, filled up with rows that are never drawn to a multiple of kBlockRows.
+///
+/// Holds what it was made from by address: it serves that cloud as long as none of its columns changes or moves.
+class PreparedCloud {
+ public:
+  PreparedCloud(const Exec& exec, const CloudView<float>& cloud);
+  PreparedCloud(const PreparedCloud&) = delete;
+  PreparedCloud& operator=(const PreparedCloud&) = delete;
+
+  /// Whether it was made from these columns.
+  bool serves(const CloudView<float>& cloud) const;
+  std::int64_t blocks() const { return std::int64_t(bounds.size()); }
+
+  std::array<std::vector<float>, 3> position;  // world, relative to the cloud's origin
+  std::array<std::vector<float>, 9> shape;     // rotation · diag(scale), row-major            world
+  std::vector<float> opacity;                  // sigmoid of the logit; 0 where the row is not usable
+  std::vector<float> two_cut, log2_opacity;    // as in SplatRecord, without the compensation of antialiasing
+  std::vector<float> scale_bound;              // at least the largest scale                   world
+  std::vector<BlockBounds> bounds;             // [blocks]
+  mutable PassMemoryPool memory;               // what passes over this cloud keep from view to view
+
+ private:
+  void prepare_row(const CloudView<float>& cloud, std::int64_t i);
+  BlockBounds bounds_of(std::int64_t block) const;
+
+  CloudView<float> source_;
+};
+
+}  // namespace ngs

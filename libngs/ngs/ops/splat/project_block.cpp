@@ -1,0 +1,311 @@
+#include "ngs/ops/splat/project_block.h"
+
+#include <cstring>
+#include <limits>
+
+#include "ngs/backend/for_each.h"
+
+namespace ngs {
+namespace {
+
+/// f(row) for the rows of a block, which f treats independently of each other.
+template <class F>
+[[gnu::always_inline]] inline void each_row(const F& f) {
+#pragma GCC ivdep
+  for (int i = 0; i < kBlockRows; ++i) f(i);
+}
+
+/// One column of a block.
+template <class T>
+struct alignas(64) Column {
+  T of[kBlockRows];
+  [[gnu::always_inline]] T& operator[](int i) { return of[i]; }
+  [[gnu::always_inline]] const T& operator[](int i) const { return of[i]; }
+};
+
+/// As tile_rect's rounding: v in tiles of 16 px, clamped to [0, hi]; NaN gives 0.
+[[gnu::always_inline]] inline int clamped_tile(double v, int hi) {
+  const double tile = v / kTilePx, above = tile > 0 ? tile : 0;
+  return int(above < hi ? above : double(hi));
+}
+
+/// The rows of a block on their way to ProjectedView; the members are those of ProjectedGaussian, SplatRecord and TileRect.
+struct BlockRows {
+  Column<double> x, y, z;  // the centre in camera coordinates
+  Column<float> depth, mean_x, mean_y, variance_x, variance_y, det_raw, det, conic_a, conic_b, conic_c;
+  Column<float> opacity, two_cut, log2_opacity;
+  Column<float> along_u, along_v, across, inv_det, half_width, half_height, bottom_x, inv_c;
+  Column<double> wide_x, wide_y, radius_x, radius_y;
+  Column<int> x_begin, x_end, y_begin, y_end, span_first, span_end;
+  Column<int> reaches;
+};
+
+class BlockProjector {
+  using View = ViewProjector<float>;
+
+ public:
+  BlockProjector(const PreparedCloud& cloud, const CloudView<float>& columns, const View& projector)
+      : cloud_(cloud), columns_(columns), view_(projector) {}
+
+  /// Flags the rows that may reach a pixel; their number.
+  int flag(std::int64_t block, std::uint8_t* reaches) const;
+  /// Writes the flagged rows from row `at` on.
+  void project(std::int64_t block, const std::uint8_t* reaches, std::size_t at, ProjectedView<float>& out) const;
+  /// The same row by row: faster where few are flagged.
+  void project_few(std::int64_t block, const std::uint8_t* reaches, std::size_t at, ProjectedView<float>& out) const;
+
+ private:
+  bool may_reach(const BlockBounds& bounds) const;
+  bool any_included(std::int64_t block) const;
+  void to_camera(std::int64_t block, BlockRows& rows) const;
+  void covariance(std::int64_t block, BlockRows& rows) const;
+  void opacity(std::int64_t block, const std::uint8_t* reaches, BlockRows& rows) const;
+  void radius(const std::uint8_t* reaches, BlockRows& rows) const;
+  void rectangle(BlockRows& rows) const;
+  void record(BlockRows& rows) const;
+  void first_span(BlockRows& rows) const;
+
+  const PreparedCloud& cloud_;
+  const CloudView<float>& columns_;
+  const View& view_;
+};
+
+/// The four linear forms of ViewProjector::beside at the corners of the box: where one is beyond the largest Gaussian's reach
+/// at all corners, it is so at every centre.
+bool BlockProjector::may_reach(const BlockBounds& bounds) const {
+  if (bounds.empty()) return false;
+  const auto& w = view_.wide;
+  const double far = std::numeric_limits<double>::infinity();
+  double left = far, right = far, above = far, below = far, z_most = -far;
+  for (int corner = 0; corner < 8; ++corner) {
+    const float at[3] = {(corner & 1 ? bounds.hi : bounds.lo)[0], (corner & 2 ? bounds.hi : bounds.lo)[1],
+                         (corner & 4 ? bounds.hi : bounds.lo)[2]};
+    const Vec3<double> t = w.rotation * offset_from(view_.centre, at);
+    const double column = w.f_x * t.x + w.c_x * t.z, row = w.f_y * t.y + w.c_y * t.z;
+    const double slack = (View::kRadii * view_.blur_px + View::kRounding_px) * t.z;
+    left = min2(left, -column - slack), right = min2(right, column - kTilePx * view_.tiles_x * t.z - slack);
+    above = min2(above, -row - slack), below = min2(below, row - kTilePx * view_.tiles_y * t.z - slack);
+    z_most = max2(z_most, t.z);
+  }
+  if (!std::isfinite(left + right + above + below + z_most)) return true;
+  const double reach = View::kRadii * double(bounds.scale) * view_.spread;
+  return max2(max2(left, right), max2(above, below)) <= reach && float(z_most) > view_.camera.near_z;
+}
+
+bool BlockProjector::any_included(std::int64_t block) const {
+  if (columns_.include == nullptr) return true;
+  const std::int64_t begin = block * kBlockRows, count = std::min<std::int64_t>(kBlockRows, columns_.size - begin);
+  std::uint8_t any = 0;
+  for (std::int64_t i = begin; i < begin + count; ++i) any |= columns_.include[i];
+  return any != 0;
+}
+
+int BlockProjector::flag(std::int64_t block, std::uint8_t* reaches) const {
+  if (!may_reach(cloud_.bounds[std::size_t(block)]) || !any_included(block)) return 0;
+  BlockRows rows;
+  to_camera(block, rows);
+  const auto base = std::size_t(block) * kBlockRows;
+  const float *scale = &cloud_.scale_bound[base], *opacity = &cloud_.opacity[base];
+  const auto w = view_.wide;
+  const double spread = view_.spread, blur_px = view_.blur_px, width = kTilePx * view_.tiles_x, height = kTilePx * view_.tiles_y;
+  const float near_z = view_.camera.near_z;
+  each_row([&rows, scale, opacity, w, spread, blur_px, width, height, near_z](int i) {
+    const double z = rows.z[i], column = w.f_x * rows.x[i] + w.c_x * z, row = w.f_y * rows.y[i] + w.c_y * z;
+    const double off = max2(max2(-column, column - width * z), max2(-row, row - height * z));
+    const double reach = View::kRadii * (double(scale[i]) * spread + blur_px * z) + View::kRounding_px * z;
+    rows.reaches[i] = !(off > reach) & (float(z) > near_z) & (opacity[i] >= float(kAlphaMin));
+  });
+  int count = 0;
+  for (int i = 0; i < kBlockRows; ++i) reaches[i] = std::uint8_t(rows.reaches[i]);
+  if (columns_.include != nullptr)
+    for (int i = 0; i < kBlockRows && std::int64_t(base) + i < columns_.size; ++i)
+      reaches[i] &= std::uint8_t(columns_.include[base + std::size_t(i)] != 0);
+  for (int i = 0; i < kBlockRows; ++i) count += reaches[i];
+  return count;
+}
+
+void BlockProjector::to_camera(std::int64_t block, BlockRows& rows) const {
+  const auto base = std::size_t(block) * kBlockRows;
+  const float *x = &cloud_.position[0][base], *y = &cloud_.position[1][base], *z = &cloud_.position[2][base];
+  const Vec3<double> centre = view_.centre;
+  const Mat3<double> r = view_.wide.rotation;
+  each_row([&rows, x, y, z, centre, r](int i) {
+    const Vec3<double> t = r * Vec3<double>{double(x[i]) - centre.x, double(y[i]) - centre.y, double(z[i]) - centre.z};
+    rows.x[i] = t.x, rows.y[i] = t.y, rows.z[i] = t.z;
+  });
+}
+
+/// project_gaussian without the opacity.
+void BlockProjector::covariance(std::int64_t block, BlockRows& rows) const {
+  const auto base = std::size_t(block) * kBlockRows;
+  const float* m[9];
+  for (std::size_t k = 0; k < 9; ++k) m[k] = &cloud_.shape[k][base];
+  const float *m0 = m[0], *m1 = m[1], *m2 = m[2], *m3 = m[3], *m4 = m[4], *m5 = m[5], *m6 = m[6], *m7 = m[7], *m8 = m[8];
+  const ProjectionCamera<float> c = view_.camera;
+  each_row([=, &rows](int i) {
+    const float z = float(rows.z[i]), slope_x = float(rows.x[i]) / z, slope_y = float(rows.y[i]) / z;
+    const float j00 = c.f_x / z, j11 = c.f_y / z;
+    const float j02 = -j00 * clamp3(slope_x, c.x_lo, c.x_hi), j12 = -j11 * clamp3(slope_y, c.y_lo, c.y_hi);
+    const float* r = c.rotation.m;
+    const Vec3<float> u0 = j00 * vec3(r) + j02 * vec3(r + 6), u1 = j11 * vec3(r + 3) + j12 * vec3(r + 6);
+    const auto times_shape = [&](const Vec3<float>& u) {
+      return Vec3<float>{m0[i] * u.x + m3[i] * u.y + m6[i] * u.z, m1[i] * u.x + m4[i] * u.y + m7[i] * u.z,
+                         m2[i] * u.x + m5[i] * u.y + m8[i] * u.z};
+    };
+    const Vec3<float> v0 = times_shape(u0), v1 = times_shape(u1), v_cross = cross(v0, v1);
+    const float xx = dot(v0, v0), xy = dot(v0, v1), yy = dot(v1, v1), det_raw = dot(v_cross, v_cross);
+    const float det = det_raw + c.blur * (xx + yy) + c.blur * c.blur;
+    rows.depth[i] = z, rows.mean_x[i] = c.f_x * slope_x + c.c_x, rows.mean_y[i] = c.f_y * slope_y + c.c_y;
+    rows.variance_x[i] = xx + c.blur, rows.variance_y[i] = yy + c.blur, rows.det_raw[i] = det_raw, rows.det[i] = det;
+    rows.conic_a[i] = (yy + c.blur) / det, rows.conic_b[i] = -xy / det, rows.conic_c[i] = (xx + c.blur) / det;
+  });
+}
+
+void BlockProjector::opacity(std::int64_t block, const std::uint8_t* reaches, BlockRows& rows) const {
+  const auto base = std::size_t(block) * kBlockRows;
+  std::memcpy(rows.opacity.of, &cloud_.opacity[base], sizeof rows.opacity.of);
+  std::memcpy(rows.two_cut.of, &cloud_.two_cut[base], sizeof rows.two_cut.of);
+  std::memcpy(rows.log2_opacity.of, &cloud_.log2_opacity[base], sizeof rows.log2_opacity.of);
+  if (!view_.antialiased) return;
+  for (int i = 0; i < kBlockRows; ++i) {
+    if (!reaches[i]) continue;
+    rows.opacity[i] *= std::sqrt(max2(rows.det_raw[i] / rows.det[i], float(kCompensationFloor2)));
+    rows.two_cut[i] = two_cut_of(rows.opacity[i]), rows.log2_opacity[i] = log2_opacity_of(rows.opacity[i]);
+  }
+}
+
+/// The radii of tile_rect.
+void BlockProjector::radius(const std::uint8_t* reaches, BlockRows& rows) const {
+  if (view_.compat == Compat::kInria)
+    return each_row([&rows](int i) {
+      const double xx = rows.variance_x[i], yy = rows.variance_y[i], det = rows.det[i], mid = 0.5 * (xx + yy);
+      rows.radius_x[i] = std::ceil(3.0 * std::sqrt(mid + std::sqrt(max2(0.1, mid * mid - det))));
+      rows.radius_y[i] = rows.radius_x[i];
+    });
+  for (int i = 0; i < kBlockRows; ++i) {
+    const double extent = reaches[i] ? tile_extent(double(rows.opacity[i])) : 0.0;
+    rows.radius_x[i] = std::ceil(extent * std::sqrt(double(rows.variance_x[i])));
+    rows.radius_y[i] = std::ceil(extent * std::sqrt(double(rows.variance_y[i])));
+  }
+}
+
+void BlockProjector::rectangle(BlockRows& rows) const {
+  const double shift = view_.compat == Compat::kInria ? 0.5 : 0.0;
+  const int tiles_x = view_.tiles_x, tiles_y = view_.tiles_y;
+  const auto w = view_.wide;
+  each_row([&rows, shift, tiles_x, tiles_y, w](int i) {
+    constexpr double kRoundUp = kTilePx - 1;
+    const double x = double(rows.mean_x[i]) - shift, y = double(rows.mean_y[i]) - shift;
+    const double radius_x = rows.radius_x[i], radius_y = rows.radius_y[i];
+    rows.x_begin[i] = clamped_tile(x - radius_x, tiles_x), rows.x_end[i] = clamped_tile(x + radius_x + kRoundUp, tiles_x);
+    rows.y_begin[i] = clamped_tile(y - radius_y, tiles_y), rows.y_end[i] = clamped_tile(y + radius_y + kRoundUp, tiles_y);
+    rows.wide_x[i] = w.f_x * (rows.x[i] / rows.z[i]) + w.c_x, rows.wide_y[i] = w.f_y * (rows.y[i] / rows.z[i]) + w.c_y;
+  });
+}
+
+/// As record_of; and whether the row reaches a pixel.
+void BlockProjector::record(BlockRows& rows) const {
+  each_row([&rows](int i) {
+    constexpr float kMost = std::numeric_limits<float>::max();
+    const auto form = PowerForm<float>::of(rows.conic_a[i], rows.conic_b[i], rows.variance_y[i]);
+    const float reach2 = max2(rows.two_cut[i], 0.f), half_height = std::sqrt(reach2 * rows.variance_y[i]);
+    rows.along_u[i] = form.along_u, rows.along_v[i] = form.along_v, rows.across[i] = form.across;
+    rows.inv_det[i] = 1.f / rows.det[i], rows.inv_c[i] = 1.f / rows.conic_c[i];
+    rows.half_width[i] = std::sqrt(reach2 * rows.variance_x[i]), rows.half_height[i] = half_height;
+    rows.bottom_x[i] = -rows.conic_b[i] / rows.conic_a[i] * half_height;
+    rows.reaches[i] = (rows.opacity[i] >= float(kAlphaMin)) & (rows.det[i] > 0.f) & (rows.det[i] <= kMost) &
+                      (std::fabs(rows.mean_x[i]) <= kMost) & (std::fabs(rows.mean_y[i]) <= kMost) &
+                      (rows.x_begin[i] < rows.x_end[i]) & (rows.y_begin[i] < rows.y_end[i]);
+  });
+}
+
+/// tile_span of the first row of tiles.
+void BlockProjector::first_span(BlockRows& rows) const {
+  each_row([&rows](int i) {
+    const PowerForm<float> form{rows.along_u[i], rows.along_v[i], rows.across[i]};
+    const double a = double(form.a()), b = double(form.b()), inv_det = double(rows.inv_det[i]), inv_a = 1 / a;
+    const double cut = double(rows.two_cut[i]) * a, mean_x = rows.wide_x[i], mean_y = rows.wide_y[i];
+    const double half_height = double(rows.half_height[i]) + kSpanSlackPx;
+    const double y_lo = rows.y_begin[i] * kTilePx + 0.5, y_hi = rows.y_begin[i] * kTilePx + kTilePx - 0.5;
+    const double v_lo = max2(y_lo - mean_y, -half_height), v_hi = min2(y_hi - mean_y, half_height);
+    const double v_right = -b * double(rows.inv_c[i]) * double(rows.half_width[i]);
+    const double v_most = clamp3(v_right, v_lo, v_hi), v_least = clamp3(-v_right, v_lo, v_hi);
+    const double x_hi = mean_x + inv_a * (1.0 * std::sqrt(max2(0.0, cut - v_most * v_most * inv_det)) - b * v_most) + kSpanSlackPx;
+    const double x_lo = mean_x + inv_a * (-1.0 * std::sqrt(max2(0.0, cut - v_least * v_least * inv_det)) - b * v_least) - kSpanSlackPx;
+    const double to = rows.x_end[i], first = (x_lo - 0.5) / kTilePx, last = (x_hi - 0.5) / kTilePx;
+    const int from_tile = int(first > 0 ? (first < to ? first : to) : 0), to_tile = int(last > -1 ? (last < to ? last : to) : -1);
+    const int span_first = from_tile < rows.x_begin[i] ? rows.x_begin[i] : from_tile;
+    const int span_last = to_tile < rows.x_end[i] - 1 ? to_tile : rows.x_end[i] - 1;
+    const bool misses = (v_lo > v_hi) | (x_hi < 0.5) | (span_last < span_first);
+    rows.span_first[i] = misses ? 0 : span_first, rows.span_end[i] = misses ? 0 : span_last + 1;
+  });
+}
+
+void BlockProjector::project(std::int64_t block, const std::uint8_t* reaches, std::size_t at, ProjectedView<float>& out) const {
+  BlockRows rows;
+  to_camera(block, rows);
+  covariance(block, rows);
+  opacity(block, reaches, rows);
+  radius(reaches, rows);
+  rectangle(rows);
+  record(rows);
+  first_span(rows);
+  const auto half = [](int tiles) { return std::uint16_t(tiles); };
+  for (int i = 0; i < kBlockRows; ++i) {
+    if (!reaches[i]) continue;
+    out.id[at] = std::uint32_t(block * kBlockRows + i), out.depth[at] = rows.depth[i];
+    out.rect[at] = rows.reaches[i] ? TileRect{half(rows.x_begin[i]), half(rows.x_end[i]), half(rows.y_begin[i]), half(rows.y_end[i])}
+                                   : TileRect{0, 0, 0, 0};
+    out.first[at] = {half(rows.span_first[i]), half(rows.span_end[i])};
+    out.record[at] = {rows.wide_x[i],     rows.wide_y[i],  {rows.along_u[i], rows.along_v[i], rows.across[i]},
+                      rows.log2_opacity[i], rows.two_cut[i], rows.inv_det[i], rows.half_width[i], rows.half_height[i],
+                      rows.bottom_x[i],   rows.inv_c[i]};
+    ++at;
+  }
+}
+
+void BlockProjector::project_few(std::int64_t block, const std::uint8_t* reaches, std::size_t at,
+                                 ProjectedView<float>& out) const {
+  for (int i = 0; i < kBlockRows; ++i) {
+    if (!reaches[i]) continue;
+    VisibleGaussian<float> g{};
+    if (!view_.project(columns_, block * kBlockRows + i, g)) g = {};
+    out.id[at] = std::uint32_t(block * kBlockRows + i);
+    out.record[at] = g.record, out.depth[at] = g.depth, out.rect[at] = g.rect;
+    out.first[at] = g.rect.y_begin < g.rect.y_end ? tile_span(g.record, g.rect, g.rect.y_begin) : TileSpan{0, 0};
+    ++at;
+  }
+}
+
+}  // namespace
+
+void project_blocks(const Exec& exec, const PreparedCloud& cloud, const CloudView<float>& columns,
+                    const ViewProjector<float>& projector, PassMemory<float>& memory) {
+  constexpr std::int64_t kBlocks = 8;  // of a task
+  constexpr std::int64_t kFew = 48;    // flagged rows below which a block is projected row by row
+  const BlockProjector blocks(cloud, columns, projector);
+  const std::int64_t tasks = (cloud.blocks() + kBlocks - 1) / kBlocks;
+  const auto in_tasks = [&](const auto& f) {
+    for_each_task(exec, tasks, [&](std::int64_t task) {
+      for (std::int64_t b = task * kBlocks; b < std::min(cloud.blocks(), (task + 1) * kBlocks); ++b)
+        f(b, memory.reaches.data() + b * kBlockRows);
+    });
+  };
+  memory.reaches.resize(std::size_t(cloud.blocks()) * kBlockRows);
+  memory.first.resize(std::size_t(cloud.blocks()) + 1);
+  in_tasks([&](std::int64_t b, std::uint8_t* reaches) { memory.first[std::size_t(b) + 1] = blocks.flag(b, reaches); });
+  memory.first[0] = 0;
+  for (std::size_t b = 0; b + 1 < memory.first.size(); ++b) memory.first[b + 1] += memory.first[b];
+  const auto visible = std::size_t(memory.first.back());
+  ProjectedView<float>& out = memory.view;
+  out.id.resize(visible), out.record.resize(visible), out.depth.resize(visible), out.rect.resize(visible);
+  out.first.resize(visible);
+  in_tasks([&](std::int64_t b, const std::uint8_t* reaches) {
+    const std::int64_t at = memory.first[std::size_t(b)], count = memory.first[std::size_t(b) + 1] - at;
+    if (count == 0) return;
+    if (count < kFew) return blocks.project_few(b, reaches, std::size_t(at), out);
+    blocks.project(b, reaches, std::size_t(at), out);
+  });
+}
+
+}  // namespace ngs

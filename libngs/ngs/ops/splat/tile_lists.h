@@ -1,0 +1,177 @@
+#pragma once
+// Which Gaussians of a view reach which tile, nearest first. Internal to ops; templated on the storage scalar S.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <utility>
+#include <vector>
+
+#include "ngs/backend/for_each.h"
+#include "ngs/core/check.h"
+#include "ngs/ops/splat/splat_gaussian.h"
+
+namespace ngs {
+
+template <class S>
+struct ProjectedView {
+  std::vector<std::uint32_t> id;       // [V] ascending index into the cloud
+  std::vector<SplatRecord<S>> record;  // [V]
+  std::vector<S> depth;                // [V] camera z
+  std::vector<TileRect> rect;          // [V] tiles the compat mode's radius reaches; may be none
+  std::vector<TileSpan> first;         // [V] tiles of rect's first row that it reaches; empty: not known yet
+};
+
+/// Per tile the visible Gaussians that reach alpha >= 1/255 in it, nearest first.
+/// Slots number the (Gaussian, tile) pairs Gaussian-major: the slots of visible Gaussian v are
+/// [slot_begin[v], slot_begin[v + 1]), so that per-pair results are summed per Gaussian in a fixed order.
+struct TileLists {
+  int tiles_x = 0, tiles_y = 0;
+  std::vector<std::int64_t> tile_begin;  // [tiles + 1]
+  std::vector<std::uint32_t> visible;    // [pairs] index v
+  std::vector<std::uint32_t> slot;       // [pairs]
+  std::vector<std::int64_t> slot_begin;  // [V + 1]
+  std::int64_t pairs() const { return std::int64_t(visible.size()); }
+  std::int64_t tiles() const { return std::int64_t(tiles_x) * tiles_y; }
+};
+
+/// One (Gaussian, tile) pair on its way into the lists.
+struct TileEntry {
+  std::uint32_t depth;  // the bits of the depth: positive floats sort like them
+  std::uint32_t visible, slot;
+};
+
+/// What bin_tiles works in; kept from view to view.
+struct BinScratch {
+  struct Chunk {                         // of the visible Gaussians, in their order
+    std::vector<TileSpan> span;          // per Gaussian and row of its tiles
+    std::vector<std::uint32_t> next;     // [tiles] how many pairs; then where the next one goes
+    std::uint32_t slots = 0;             // pairs; then its first slot
+  };
+  std::vector<Chunk> chunk;
+  std::vector<TileEntry> entry;          // [pairs] by tile, in order of the Gaussians
+};
+
+/// The tiles of row `ty` that visible Gaussian v reaches.
+template <class S>
+TileSpan tile_span(const ProjectedView<S>& view, std::size_t v, int ty) {
+  if (!view.first.empty() && ty == view.rect[v].y_begin) return view.first[v];
+  return tile_span(view.record[v], view.rect[v], ty);
+}
+
+/// Sorts the entries of one tile by (depth, index) into its part of the lists. On entry they are in order of the index.
+inline void sort_tile(const TileEntry* entry, std::uint32_t count, std::uint32_t* visible, std::uint32_t* slot) {
+  static thread_local std::vector<std::uint64_t> memory;  // depth, place
+  if (memory.size() < 2 * std::size_t(count)) memory.resize(2 * std::size_t(count));
+  std::uint64_t *from = memory.data(), *to = from + count;
+  std::uint32_t least = ~0u, most = 0;
+  for (std::uint32_t i = 0; i < count; ++i) least = std::min(least, entry[i].depth), most = std::max(most, entry[i].depth);
+  for (std::uint32_t i = 0; i < count; ++i) from[i] = std::uint64_t(entry[i].depth - least) << 32 | i;
+  constexpr std::uint32_t kFew = 128;  // below it a comparison sort is faster
+  if (count < kFew) {
+    std::sort(from, from + count);
+  } else {
+    for (int shift = 32; shift < 32 + int(std::bit_width(most - least)); shift += 8) {
+      std::array<std::uint32_t, 257> begin{};
+      for (std::uint32_t i = 0; i < count; ++i) ++begin[(from[i] >> shift & 255) + 1];
+      for (std::size_t k = 0; k < 256; ++k) begin[k + 1] += begin[k];
+      for (std::uint32_t i = 0; i < count; ++i) to[begin[from[i] >> shift & 255]++] = from[i];
+      std::swap(from, to);
+    }
+  }
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const TileEntry& e = entry[std::uint32_t(from[i])];
+    visible[i] = e.visible, slot[i] = e.slot;
+  }
+}
+
+/// Bins one view; each chunk of the visible Gaussians owns its own range of every tile's list.
+template <class S>
+class TileBinner {
+ public:
+  TileBinner(const Exec& exec, const ProjectedView<S>& view, TileLists& lists, BinScratch& scratch)
+      : exec_(exec), view_(view), lists_(lists), scratch_(scratch) {}
+
+  void bin() {
+    const auto count = std::int64_t(view_.id.size());
+    chunks_ = std::max<std::int64_t>(1, exec_.threads), per_chunk_ = (count + chunks_ - 1) / chunks_;
+    scratch_.chunk.resize(std::size_t(chunks_));
+    lists_.slot_begin.resize(std::size_t(count) + 1);
+    for_each_task(exec_, chunks_, [&](std::int64_t c) { count_pairs(c); });
+    place_tiles();
+    for_each_task(exec_, chunks_, [&](std::int64_t c) { scatter(c); });
+    for_each_task(exec_, lists_.tiles(), [&](std::int64_t tile) {
+      const auto begin = std::size_t(lists_.tile_begin[std::size_t(tile)]);
+      const auto end = std::size_t(lists_.tile_begin[std::size_t(tile) + 1]);
+      sort_tile(scratch_.entry.data() + begin, std::uint32_t(end - begin), lists_.visible.data() + begin,
+                lists_.slot.data() + begin);
+    });
+  }
+
+ private:
+  std::size_t first(std::int64_t c) const { return std::size_t(std::min(c * per_chunk_, std::int64_t(view_.id.size()))); }
+
+  /// The spans of a chunk, its pairs per tile, and slot_begin counted from the chunk's first.
+  void count_pairs(std::int64_t c) {
+    BinScratch::Chunk& chunk = scratch_.chunk[std::size_t(c)];
+    chunk.span.clear();
+    chunk.next.assign(std::size_t(lists_.tiles()), 0);
+    std::uint64_t slots = 0;
+    for (std::size_t v = first(c); v < first(c + 1); ++v) {
+      lists_.slot_begin[v] = std::int64_t(slots);
+      const TileRect& r = view_.rect[v];
+      for (int ty = r.y_begin; ty < r.y_end; ++ty) {
+        const TileSpan span = tile_span(view_, v, ty);
+        chunk.span.push_back(span);
+        std::uint32_t* next = chunk.next.data() + std::ptrdiff_t(ty) * lists_.tiles_x;
+        for (int tx = span.first; tx < span.end; ++tx) ++next[tx];
+        slots += std::uint64_t(span.end - span.first);
+      }
+    }
+    NGS_CHECK(slots <= 0xffffffff, "slots are counted in 32 bits");
+    chunk.slots = std::uint32_t(slots);
+  }
+
+  void place_tiles() {
+    lists_.tile_begin.resize(std::size_t(lists_.tiles()) + 1);
+    std::uint64_t total = 0;
+    for (BinScratch::Chunk& chunk : scratch_.chunk) total += std::exchange(chunk.slots, std::uint32_t(total));
+    NGS_CHECK(total <= 0xffffffff, "slots are counted in 32 bits");
+    std::uint32_t at = 0;
+    for (std::size_t tile = 0; tile < std::size_t(lists_.tiles()); ++tile) {
+      lists_.tile_begin[tile] = at;
+      for (BinScratch::Chunk& chunk : scratch_.chunk) at += std::exchange(chunk.next[tile], at);
+    }
+    lists_.tile_begin.back() = lists_.slot_begin.back() = std::int64_t(total);
+    scratch_.entry.resize(total), lists_.visible.resize(total), lists_.slot.resize(total);
+  }
+
+  void scatter(std::int64_t c) {
+    BinScratch::Chunk& chunk = scratch_.chunk[std::size_t(c)];
+    std::uint32_t slot = chunk.slots;
+    const TileSpan* span = chunk.span.data();
+    for (std::size_t v = first(c); v < first(c + 1); ++v) {
+      lists_.slot_begin[v] += chunk.slots;
+      const TileRect& r = view_.rect[v];
+      const auto depth = std::bit_cast<std::uint32_t>(float(double(view_.depth[v])));
+      for (int ty = r.y_begin; ty < r.y_end; ++ty, ++span) {
+        std::uint32_t* next = chunk.next.data() + std::ptrdiff_t(ty) * lists_.tiles_x;
+        for (int tx = span->first; tx < span->end; ++tx)
+          scratch_.entry[next[tx]++] = {depth, std::uint32_t(v), slot++};
+      }
+    }
+  }
+
+  const Exec& exec_;
+  const ProjectedView<S>& view_;
+  TileLists& lists_;
+  BinScratch& scratch_;
+  std::int64_t chunks_ = 1, per_chunk_ = 0;
+};
+
+/// Lists per tile, ordered by (depth, index); lists.tiles_x and tiles_y are given.
+template <class S>
+void bin_tiles(const Exec& exec, const ProjectedView<S>& view, TileLists& lists, BinScratch& scratch) {
+  TileBinner<S>(exec, view, lists, scratch).bin();
+}
+
+}  // namespace ngs

@@ -1,0 +1,165 @@
+#include <doctest/doctest.h>
+
+#include <cstring>
+#include <limits>
+#include <random>
+
+#include "ngs/ops/splat/binned_view.h"
+#include "ngs/ops/splat/cloud_view.h"
+#include "ngs/ops/splat/evidence.h"
+
+namespace ngs {
+namespace {
+
+constexpr float kInf = std::numeric_limits<float>::infinity(), kNan = std::numeric_limits<float>::quiet_NaN();
+
+/// Around the origin, most within 3 of it; sizes from specks to ones larger than the scene.
+GaussianCloud random_cloud(std::int64_t n, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<float> normal;
+  GaussianCloud cloud;
+  cloud.resize(n, 1);
+  for (float& x : cloud.position) x = 1.5f * normal(random);
+  for (float& x : cloud.rotation) x = normal(random);
+  for (float& x : cloud.log_scale) x = -3.f + 1.5f * normal(random);
+  for (float& x : cloud.logit_opacity) x = 3.f * normal(random);
+  for (float& x : cloud.sh_dc) x = normal(random);
+  for (float& x : cloud.sh_rest) x = 0.2f * normal(random);
+  return cloud;
+}
+
+/// Every tenth row is one that arithmetic may stumble over; `usable` does not say so.
+void make_hostile(GaussianCloud& cloud) {
+  const float hostile[] = {kNan, kInf, -kInf, 0.f, 1e30f, -1e30f, 1e-40f, 39.f, -120.f};
+  const std::size_t kinds = std::size(hostile);
+  for (std::size_t i = 0; i < std::size_t(cloud.size()); i += 10) {
+    const float value = hostile[i / 10 % kinds];
+    switch (i / 10 / kinds % 6) {
+      case 0: cloud.position[3 * i + i % 3] = value; break;
+      case 1: cloud.rotation[4 * i + i % 4] = value; break;
+      case 2: cloud.log_scale[3 * i + i % 3] = value; break;
+      case 3: cloud.logit_opacity[i] = value; break;
+      case 4: std::fill_n(&cloud.log_scale[3 * i], 3, value); break;
+      default: std::fill_n(&cloud.rotation[4 * i], 4, value);
+    }
+  }
+}
+
+Camera camera_at(double z) {
+  Camera camera;
+  camera.width_px = 150, camera.height_px = 90;
+  camera.fx = 120, camera.fy = 118, camera.cx = 70.5, camera.cy = 46.25;
+  camera.rotation = {{1, 0, 0, 0, 0.8, -0.6, 0, 0.6, 0.8}};
+  camera.translation = {0.1, -0.2, z};
+  return camera;
+}
+
+struct View {
+  GaussianCloud cloud;
+  Camera camera;
+  SplatOptions options;
+  std::vector<std::uint8_t> include;  // empty: all
+  const std::uint8_t* included() const { return include.empty() ? nullptr : include.data(); }
+  CloudView<float> view() const { return cloud_view(cloud, 1, included()); }
+};
+
+/// f(scene) for clouds, cameras in front of and inside them, both families, filters and lists of the included.
+template <class F>
+void for_each_scene(const F& f) {
+  for (const bool hostile : {false, true})
+    for (const double z : {6.0, 0.5})
+      for (const Compat compat : {Compat::kInria, Compat::kGsplat})
+        for (const bool antialiased : {false, true})
+          for (const std::size_t every : {0, 2, 40}) {
+            INFO("hostile ", hostile, ", z ", z, ", compat ", int(compat), ", antialiased ", antialiased, ", one of ", every);
+            View scene{random_cloud(3000, 7), camera_at(z), {.compat = compat, .antialiased = antialiased}, {}};
+            if (hostile) make_hostile(scene.cloud);
+            for (std::size_t i = 0; every > 0 && i < 3000; ++i) scene.include.push_back(i % every == 0);
+            for (std::size_t i = 0; i < 100; ++i) scene.cloud.usable[7 * i] = 0;
+            f(scene);
+          }
+}
+
+template <class T>
+bool same_bytes(const T& a, const T& b) {
+  return std::memcmp(&a, &b, sizeof(T)) == 0;
+}
+
+/// Whether row `at` of the blocks' view is row v of the scalar one's.
+bool same_row(const ProjectedView<float>& blocks, std::size_t at, const ProjectedView<float>& want, std::size_t v) {
+  return blocks.id[at] == want.id[v] && same_bytes(blocks.record[at], want.record[v]) && blocks.depth[at] == want.depth[v] &&
+         same_bytes(blocks.rect[at], want.rect[v]) &&
+         same_bytes(blocks.first[at], tile_span(want.record[v], want.rect[v], want.rect[v].y_begin));
+}
+
+}  // namespace
+
+TEST_CASE("prepared cloud: blocks project to the bits of the scalar projection") {
+  for_each_scene([](View& scene) {
+    const ProjectedView<float> want = project_view({}, scene.view(), scene.camera, scene.options);
+    scene.options.prepared = prepare_cloud({}, scene.cloud);
+    const BinnedView<float> binned({.threads = 3}, scene.view(), scene.camera, scene.options);
+    const ProjectedView<float>& got = binned.view();
+    std::size_t v = 0, differ = 0;
+    for (std::size_t at = 0; at < got.id.size(); ++at) {
+      if (got.rect[at].x_begin == got.rect[at].x_end) continue;
+      differ += v >= want.id.size() || !same_row(got, at, want, v);
+      ++v;
+    }
+    CHECK(want.id.size() > 5);
+    CHECK(v == want.id.size());
+    CHECK(differ == 0);
+  });
+}
+
+TEST_CASE("prepared cloud: pictures and evidence keep their bits") {
+  for_each_scene([](const View& scene) {
+    SplatOptions prepared = scene.options;
+    prepared.prepared = prepare_cloud({}, scene.cloud);
+    RenderRequest request;
+    request.depth = true, request.include = scene.included();
+    const auto pixels = std::size_t(scene.camera.width_px * scene.camera.height_px);
+    const ViewMasks masks{scene.camera.width_px, scene.camera.height_px, {std::vector<float>(pixels, 0.75f)}, {}, true};
+    for (const int threads : {1, 3}) {
+      const RenderedView want = render({}, scene.cloud, scene.camera, scene.options, request),
+                         got = render({.threads = threads}, scene.cloud, scene.camera, prepared, request);
+      CHECK(std::memcmp(got.colour.data.data(), want.colour.data.data(), pixels * 3 * sizeof(float)) == 0);
+      CHECK(std::memcmp(got.depth.data.data(), want.depth.data.data(), pixels * sizeof(float)) == 0);
+      const ViewSums sums = view_sums({}, scene.cloud, scene.camera, scene.options, masks),
+                     same = view_sums({.threads = threads}, scene.cloud, scene.camera, prepared, masks);
+      CHECK(sums.size() > 5);
+      CHECK(same.row == sums.row);
+      CHECK(same.sum == sums.sum);
+    }
+  });
+}
+
+TEST_CASE("prepared cloud: serves no other cloud") {
+  const GaussianCloud cloud = random_cloud(300, 1), other = cloud;
+  const auto prepared = prepare_cloud({}, cloud);
+  CHECK(prepared->serves(cloud_view(cloud, 3, nullptr)));
+  CHECK_FALSE(prepared->serves(cloud_view(other, 3, nullptr)));
+}
+
+TEST_CASE("tile lists: nearest first, equal depths by index, for few and for many in a tile") {
+  for (const std::int64_t n : {3, 100, 5000}) {
+    GaussianCloud cloud = random_cloud(n, 3);
+    for (std::size_t i = 0; i < std::size_t(n); ++i) cloud.position[3 * i + 2] = 0.5f * float(i * 7 % 5);
+    const ProjectedView<float> view = project_view({}, cloud_view(cloud, 0, nullptr), camera_at(6), {});
+    const TileLists lists = bin_tiles({.threads = 2}, view, 150, 90);
+    std::int64_t disorder = 0, wrong_slots = 0;
+    for (std::int64_t tile = 0; tile < lists.tiles(); ++tile)
+      for (std::int64_t e = lists.tile_begin[std::size_t(tile)]; e < lists.tile_begin[std::size_t(tile) + 1]; ++e) {
+        const std::size_t v = lists.visible[std::size_t(e)], slot = lists.slot[std::size_t(e)];
+        wrong_slots += std::int64_t(slot) < lists.slot_begin[v] || std::int64_t(slot) >= lists.slot_begin[v + 1];
+        if (e == lists.tile_begin[std::size_t(tile)]) continue;
+        const std::size_t before = lists.visible[std::size_t(e) - 1];
+        disorder += std::pair(view.depth[before], before) >= std::pair(view.depth[v], v);
+      }
+    CHECK(lists.pairs() >= n / 2);
+    CHECK(disorder == 0);
+    CHECK(wrong_slots == 0);
+  }
+}
+
+}  // namespace ngs
