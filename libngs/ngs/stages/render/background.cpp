@@ -146,6 +146,13 @@ void choose_background(const std::string& given, Monitor& monitor, Scene& scene)
   scene.background = Vec3<double>{colour.x, colour.y, colour.z};
 }
 
+RenderedView over_background(RenderedView view, Vec3<float> background) {
+  const float behind[3] = {background.x, background.y, background.z};
+  for (std::size_t p = 0; p < view.alpha.data.size(); ++p)
+    for (std::size_t c = 0; c < 3; ++c) view.colour.data[3 * p + c] += (1 - view.alpha.data[p]) * behind[c];
+  return view;
+}
+
 BackgroundFinding find_background(const Exec& exec, const GaussianCloud& cloud, const Scene& scene,
                                   const std::vector<std::size_t>& views,
                                   const std::function<ImageF(std::size_t view)>& load_photo) {

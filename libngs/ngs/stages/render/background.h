@@ -29,6 +29,9 @@ std::string background_text(Vec3<float> colour);
 /// scene's own stays. Warns where the scene knows another one.
 void choose_background(const std::string& given, Monitor& monitor, Scene& scene);
 
+/// The same view with `background` behind it: its colours, rendered over black, plus what its alpha leaves open of it.
+RenderedView over_background(RenderedView view, Vec3<float> background);
+
 /// What the photos say about it.
 struct BackgroundFinding {
   std::optional<Vec3<double>> colour;  // in steps of 1/255; none: black is what to take

@@ -3,9 +3,10 @@
 #include <mutex>
 
 #include "ngs/backend/for_each.h"
-#include "ngs/stages/scene/pose_check.h"
-#include "ngs/stages/render/render_options.h"
 #include "ngs/problem/view_list.h"
+#include "ngs/stages/render/background.h"
+#include "ngs/stages/render/render_options.h"
+#include "ngs/stages/scene/pose_check.h"
 
 namespace ngs {
 namespace {
@@ -13,20 +14,26 @@ namespace {
 constexpr int kMostSteps = 15, kPatience = 2;  // steps in all, and in a row that do not lower the error
 constexpr double kSettled_px = 0.03;
 
+Vec3<float> fitted_background(const RenderedView& view, const ImageF& photo) {
+  const Vec3<double> b = match_rendered(view, photo).background;
+  return {float(b.x), float(b.y), float(b.z)};
+}
+
 ViewAlignment align(const GaussianCloud& cloud, const SplatOptions& splat, const Camera& start,
                     const ImageF& photo) {
   ViewAlignment best;
-  const Vec3<double> background = match_photo({}, cloud, start, splat, photo).background;
+  Vec3<float> background;  // that of the first picture: it is fitted to what is rendered anyway
   RenderRequest request;
   request.depth = true;
-  request.background = {float(background.x), float(background.y), float(background.z)};
   const ImageF smooth = smoothed_for_pose(photo);
   Camera camera = start;
   CameraMotion total;
   double total_px = 0;
   int in_vain = 0;
   for (int step = 0; step < kMostSteps && in_vain < kPatience; ++step) {
-    const PoseStep found = pose_step(render({}, cloud, camera, splat, request), smooth, camera, total);
+    RenderedView view = render({}, cloud, camera, splat, request);
+    if (step == 0) background = fitted_background(view, photo);
+    const PoseStep found = pose_step(over_background(std::move(view), background), smooth, camera, total);
     if (!found.determined) break;
     if (step == 0) best.error_before = best.error_after = found.error;
     in_vain = step > 0 && found.error >= best.error_after ? in_vain + 1 : 0;
