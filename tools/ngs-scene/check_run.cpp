@@ -83,13 +83,18 @@ bool settle_transparent_photos(cli::Run& run, const SceneCheckOptions& options, 
   return true;
 }
 
-void find_model_background(cli::Run& run, const SceneCheckOptions& options, const Model& model, Scene& scene) {
+std::vector<std::size_t> background_views(const SceneCheckOptions& options, const Scene& scene) {
+  constexpr int kViews = 24;  // of each the photos tell little where the model covers much
+  return some_with_photo(scene, options.check_views == 0 ? 0 : std::max(options.check_views, kViews));
+}
+
+void find_model_background(cli::Run& run, const Model& model, const std::vector<std::size_t>& views,
+                           const std::vector<BackgroundWitness>& witnesses, Scene& scene) {
   if (!model) return;
   const auto timed = run.monitor().scope("background");
-  constexpr int kViews = 24;  // of each the photos tell little where the model covers much
-  const int views = options.check_views == 0 ? 0 : std::max(options.check_views, kViews);
   const BackgroundFinding found =
-      find_background(run.exec(), model->cloud, scene, some_with_photo(scene, views), photos_of(scene));
+      witnesses.empty() ? find_background(run.exec(), run.monitor(), {model->cloud, scene, photos_of(scene)}, views)
+                        : find_background(witnesses);
   scene.background = found.colour;
   const auto triple = [](const Vec3<double>& v) { return Json::array({v.x, v.y, v.z}); };
   run.result()["background"] = {{"found", found.colour.has_value()},
@@ -101,10 +106,12 @@ void find_model_background(cli::Run& run, const SceneCheckOptions& options, cons
   if (found.colour) run.info("the photos show a background of " + background_text(background_of(scene)));
 }
 
-void align_views(cli::Run& run, const Model& model, Scene& scene) {
-  if (!model) return;
-  const auto alignment = measure_alignment(run.exec(), run.monitor(), model->cloud, scene,
-                                           photos_of(scene));
+std::vector<BackgroundWitness> align_views(cli::Run& run, const Model& model, const std::vector<std::size_t>& questioned,
+                                           Scene& scene) {
+  std::vector<BackgroundWitness> witnesses;
+  if (!model) return witnesses;
+  const auto alignment =
+      measure_alignment(run.exec(), run.monitor(), {model->cloud, scene, photos_of(scene)}, questioned);
   apply_alignment(alignment, scene);
   const auto triple = [](const Vec3<double>& v) { return Json::array({v.x, v.y, v.z}); };
   for (const ViewAlignment& a : alignment)
@@ -115,6 +122,9 @@ void align_views(cli::Run& run, const Model& model, Scene& scene) {
                                               {"error_before", a.error_before},
                                               {"error_after", a.error_after},
                                               {"applied", a.applied}});
+  for (const ViewAlignment& a : alignment)
+    if (a.background) witnesses.push_back(*a.background);
+  return witnesses;
 }
 
 void run_checks(cli::Run& run, const SceneCheckOptions& options, const Scene& scene, const Model& model,

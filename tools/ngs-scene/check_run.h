@@ -4,6 +4,7 @@
 
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/scene/scene.h"
+#include "ngs/stages/render/background.h"
 #include "ngs/stages/scene/scene_check.h"
 #include "shared/tool.h"
 
@@ -25,12 +26,18 @@ double probe_model_filter(cli::Run& run, const SceneCheckOptions& options, const
 bool settle_transparent_photos(cli::Run& run, const SceneCheckOptions& options, const Model& model, Scene& scene,
                                std::vector<std::string>& notes);
 
-/// The background that the photos tell (stages/render/background.h), into the scene and the report.
-void find_model_background(cli::Run& run, const SceneCheckOptions& options, const Model& model, Scene& scene);
-
 /// Moves the cameras of the scene to where the photos fit the model (stages/scene/view_align.h); says in the report
-/// by how much.
-void align_views(cli::Run& run, const Model& model, Scene& scene);
+/// by how much. Returns what the `questioned` photos say about the background; nothing without a model.
+std::vector<BackgroundWitness> align_views(cli::Run& run, const Model& model, const std::vector<std::size_t>& questioned,
+                                           Scene& scene);
+
+/// The photos that are asked for the background.
+std::vector<std::size_t> background_views(const SceneCheckOptions& options, const Scene& scene);
+
+/// The background that the photos tell (stages/render/background.h), into the scene and the report. `witnesses`: of
+/// these views, as far as known; none: the views are rendered.
+void find_model_background(cli::Run& run, const Model& model, const std::vector<std::size_t>& views,
+                           const std::vector<BackgroundWitness>& witnesses, Scene& scene);
 
 /// Reads photos and masks, fills "result" of the report, prints the table. `notes` become warnings, after the
 /// checks: an error must stand first on stderr. Throws where the scene does not hold together.

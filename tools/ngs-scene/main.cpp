@@ -69,8 +69,11 @@ int import_command(int argc, char** argv) {
     imported.scene.filter_px2 = options.filter_px2 > 0
                                     ? options.filter_px2
                                     : capture::probe_model_filter(run, checks, imported.scene, model);
-    if (options.align_views) capture::align_views(run, model, imported.scene);
-    if (!settled) capture::find_model_background(run, checks, model, imported.scene);
+    const std::vector<std::size_t> asked =
+        settled ? std::vector<std::size_t>{} : capture::background_views(checks, imported.scene);
+    std::vector<BackgroundWitness> witnesses;
+    if (options.align_views) witnesses = capture::align_views(run, model, asked, imported.scene);
+    if (!settled) capture::find_model_background(run, model, asked, witnesses, imported.scene);
     io::write_scene_json(out.path, imported.scene,
                          run.goes_to_stdout(out) ? io::StoredPaths::kAbsolute : io::StoredPaths::kRelative);
     return cli::kDone;
