@@ -53,8 +53,8 @@ double probe_model_filter(cli::Run& run, const SceneCheckOptions& options, const
                           const Model& model) {
   if (!model) return scene.filter_px2;
   const auto timed = run.monitor().scope("filter");
-  const FilterProbe probe = probe_filter(run.exec(), model->cloud, scene, some_with_photo(scene, options.check_views),
-                                         photos_of(scene));
+  const FilterProbe probe = probe_filter(run.exec(), run.monitor(), {model->cloud, scene, photos_of(scene)},
+                                         some_with_photo(scene, options.check_views));
   for (const FilterCandidate& c : probe.candidates)
     run.result()["filter"].push_back({{"filter_px2", c.filter_px2}, {"psnr_db", c.psnr_db}});
   return probe.filter_px2;
