@@ -35,7 +35,7 @@ void choose_background(const std::string& given, Monitor& monitor, Scene& scene)
 /// The same view with `background` behind it: its colours, rendered over black, plus what its alpha leaves open of it.
 RenderedView over_background(RenderedView view, Vec3<float> background);
 
-/// What one photo says about it. T: the share of a pixel that the model leaves open; r: the photo less the view over black.
+/// What one photo says about it. T: the share of a pixel that the model leaves open; r: photo less view over black.
 struct BackgroundWitness {
   bool open = false;                  // some pixel shows the background
   std::array<double, 3> colour{};     // that which fits the open pixels best, not clamped
