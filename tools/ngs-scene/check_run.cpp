@@ -6,7 +6,6 @@
 #include "ngs/io/image/masks.h"
 #include "ngs/io/image/photo.h"
 #include "ngs/io/files/regular_file.h"
-#include "ngs/stages/render/background.h"
 #include "ngs/stages/scene/filter_probe.h"
 #include "ngs/stages/scene/view_align.h"
 #include "ngs/problem/view_list.h"
@@ -14,16 +13,7 @@
 namespace ngs::capture {
 namespace {
 
-std::function<ImageF(std::size_t view)> photos_of(const Scene& scene) {
-  return [&scene](std::size_t view) { return io::load_photo(scene, view); };
-}
-
-SceneLoaders loaders_from_files(const Scene& scene) {
-  return {photos_of(scene), [&scene](std::size_t view) {
-            io::LoadedMasks loaded = io::load_masks_with_notes(scene, view);
-            return MaskSample{std::move(loaded.masks), std::move(loaded.notes), loaded.lossy};
-          }};
-}
+constexpr int kBackgroundViews = 24;  // of each the photos tell little where the model covers much
 
 /// `count` views with a photo, evenly spaced.
 std::vector<std::size_t> some_with_photo(const Scene& scene, int count) {
@@ -33,8 +23,13 @@ std::vector<std::size_t> some_with_photo(const Scene& scene, int count) {
   return some;
 }
 
-}  // namespace
+std::vector<std::size_t> background_views(const SceneCheckOptions& options, const Scene& scene) {
+  return some_with_photo(scene, options.check_views == 0 ? 0 : std::max(options.check_views, kBackgroundViews));
+}
 
+Json triple(const Vec3<double>& v) { return Json::array({v.x, v.y, v.z}); }
+
+/// `notes`: what reading it took.
 Model read_model(cli::Run& run, const Scene& scene, std::vector<std::string>& notes) {
   if (scene.model_path.empty()) return std::nullopt;
   const auto timed = run.monitor().scope("model");
@@ -49,82 +44,96 @@ Model read_model(cli::Run& run, const Scene& scene, std::vector<std::string>& no
   return model;
 }
 
-double probe_model_filter(cli::Run& run, const SceneCheckOptions& options, const Scene& scene,
-                          const Model& model) {
-  if (!model) return scene.filter_px2;
-  const auto timed = run.monitor().scope("filter");
-  const FilterProbe probe = probe_filter(run.exec(), model->cloud, scene, some_with_photo(scene, options.check_views),
-                                         photos_of(scene));
-  for (const FilterCandidate& c : probe.candidates)
-    run.result()["filter"].push_back({{"filter_px2", c.filter_px2}, {"psnr_db", c.psnr_db}});
-  return probe.filter_px2;
+}  // namespace
+
+SceneChecks::SceneChecks(cli::Run& run, const SceneCheckOptions& options, Scene& scene, std::vector<std::string> notes)
+    : run_(run), options_(options), scene_(scene), notes_(std::move(notes)),
+      compared_(some_with_photo(scene, options.check_views)), photos_(scene, compared_),
+      model_(read_model(run, scene, notes_)) {}
+
+PhotographedModel SceneChecks::photographed() {
+  return {model_->cloud, scene_, [this](std::size_t view) { return photos_.load(view); }};
 }
 
-bool settle_transparent_photos(cli::Run& run, const SceneCheckOptions& options, const Model& model, Scene& scene,
-                               std::vector<std::string>& notes) {
-  const auto timed = run.monitor().scope("transparency");
-  const std::vector<std::size_t> compared = some_with_photo(scene, options.check_views);
-  if (std::none_of(compared.begin(), compared.end(),
-                   [&](std::size_t view) { return io::photo_is_transparent(scene, view); }))
+bool SceneChecks::settle_transparent_photos() {
+  const auto timed = run_.monitor().scope("transparency");
+  if (std::none_of(compared_.begin(), compared_.end(),
+                   [&](std::size_t view) { return io::photo_is_transparent(scene_, view); }))
     return false;
   double psnr[2] = {0, 0};
   const double level[2] = {0, 1};
   for (const int k : {0, 1}) {
-    scene.background = Vec3<double>{level[k], level[k], level[k]};
-    if (model) psnr[k] = psnr_over_background(run.exec(), model->cloud, scene, compared, photos_of(scene));
+    scene_.background = Vec3<double>{level[k], level[k], level[k]};
+    if (model_)
+      psnr[k] = psnr_over_background(run_.exec(), model_->cloud, scene_, compared_,
+                                     [&](std::size_t view) { return io::load_photo(scene_, view); });
   }
   const bool white = psnr[1] > psnr[0] + kBackgroundMarginDb;
-  if (!white) scene.background = Vec3<double>{0, 0, 0};
-  if (!model) scene.background.reset();
-  notes.push_back(std::string("photos are transparent: they are laid over ") + (white ? "white" : "black") +
-                  (model ? ", over which the model fits them better" : " until a model says otherwise") +
+  if (!white) scene_.background = Vec3<double>{0, 0, 0};
+  if (!model_) scene_.background.reset();
+  notes_.push_back(std::string("photos are transparent: they are laid over ") + (white ? "white" : "black") +
+                  (model_ ? ", over which the model fits them better" : " until a model says otherwise") +
                   "; --background " + (white ? "black" : "white") + " takes the other");
-  if (model) run.result()["background"] = {{"black_psnr_db", psnr[0]}, {"white_psnr_db", psnr[1]}};
+  if (model_) run_.result()["background"] = {{"black_psnr_db", psnr[0]}, {"white_psnr_db", psnr[1]}};
   return true;
 }
 
-void find_model_background(cli::Run& run, const SceneCheckOptions& options, const Model& model, Scene& scene) {
-  if (!model) return;
-  const auto timed = run.monitor().scope("background");
-  constexpr int kViews = 24;  // of each the photos tell little where the model covers much
-  const int views = options.check_views == 0 ? 0 : std::max(options.check_views, kViews);
+void SceneChecks::check() {
+  const SceneLoaders loaders{[this](std::size_t view) { return photos_.load(view); },
+                             [this](std::size_t view) {
+                               io::LoadedMasks loaded = io::load_masks_with_notes(scene_, view);
+                               return MaskSample{std::move(loaded.masks), std::move(loaded.notes), loaded.lossy};
+                             }};
+  const SceneCheck result =
+      check_scene(run_.exec(), run_.monitor(), options_, model_ ? &model_->cloud : nullptr, scene_, loaders);
+  notes_.insert(notes_.end(), result.warnings.begin(), result.warnings.end());
+  for (const std::string& note : notes_) run_.monitor().warn(note);
+  run_.result().update(check_json(scene_, result));
+  run_.text(check_table(scene_, result));
+}
+
+void SceneChecks::find_filter() {
+  if (!model_) return;
+  const auto timed = run_.monitor().scope("filter");
+  const FilterProbe probe = probe_filter(run_.exec(), run_.monitor(), photographed(), compared_);
+  for (const FilterCandidate& c : probe.candidates)
+    run_.result()["filter"].push_back({{"filter_px2", c.filter_px2}, {"psnr_db", c.psnr_db}});
+  scene_.filter_px2 = probe.filter_px2;
+}
+
+void SceneChecks::align_views(bool for_background) {
+  if (!model_) return;
+  std::vector<std::size_t> questioned;
+  if (for_background) questioned = background_views(options_, scene_);
+  const auto alignment = measure_alignment(run_.exec(), run_.monitor(), photographed(), questioned);
+  apply_alignment(alignment, scene_);
+  for (const ViewAlignment& a : alignment) {
+    run_.result()["view_alignment"].push_back({{"view", scene_.views[a.view].camera.name},
+                                               {"flow_px", a.flow_px},
+                                               {"turn_rad", triple(a.motion.turn)},
+                                               {"move_world", triple(a.motion.move)},
+                                               {"error_before", a.error_before},
+                                               {"error_after", a.error_after},
+                                               {"applied", a.applied}});
+    if (a.background) witnesses_.push_back(*a.background);
+  }
+}
+
+void SceneChecks::find_background() {
+  if (!model_) return;
+  const auto timed = run_.monitor().scope("background");
   const BackgroundFinding found =
-      find_background(run.exec(), model->cloud, scene, some_with_photo(scene, views), photos_of(scene));
-  scene.background = found.colour;
-  const auto triple = [](const Vec3<double>& v) { return Json::array({v.x, v.y, v.z}); };
-  run.result()["background"] = {{"found", found.colour.has_value()},
-                                {"fitted", triple(found.fitted)},
-                                {"error", triple(found.error)},
-                                {"shown", found.shown},
-                                {"gain_db", found.gain_db},
-                                {"views", found.views}};
-  if (found.colour) run.info("the photos show a background of " + background_text(background_of(scene)));
-}
-
-void align_views(cli::Run& run, const Model& model, Scene& scene) {
-  if (!model) return;
-  const auto alignment = measure_alignment(run.exec(), run.monitor(), model->cloud, scene,
-                                           photos_of(scene));
-  apply_alignment(alignment, scene);
-  const auto triple = [](const Vec3<double>& v) { return Json::array({v.x, v.y, v.z}); };
-  for (const ViewAlignment& a : alignment)
-    run.result()["view_alignment"].push_back({{"view", scene.views[a.view].camera.name},
-                                              {"flow_px", a.flow_px},
-                                              {"turn_rad", triple(a.motion.turn)},
-                                              {"move_world", triple(a.motion.move)},
-                                              {"error_before", a.error_before},
-                                              {"error_after", a.error_after},
-                                              {"applied", a.applied}});
-}
-
-void run_checks(cli::Run& run, const SceneCheckOptions& options, const Scene& scene, const Model& model,
-                std::vector<std::string> notes) {
-  const SceneCheck result = check_scene(run.exec(), run.monitor(), options, model ? &model->cloud : nullptr,
-                                        scene, loaders_from_files(scene));
-  notes.insert(notes.end(), result.warnings.begin(), result.warnings.end());
-  for (const std::string& note : notes) run.monitor().warn(note);
-  run.result().update(check_json(scene, result));
-  run.text(check_table(scene, result));
+      witnesses_.empty()
+          ? ngs::find_background(run_.exec(), run_.monitor(), photographed(), background_views(options_, scene_))
+          : ngs::find_background(witnesses_);
+  scene_.background = found.colour;
+  run_.result()["background"] = {{"found", found.colour.has_value()},
+                                 {"fitted", triple(found.fitted)},
+                                 {"error", triple(found.error)},
+                                 {"shown", found.shown},
+                                 {"gain_db", found.gain_db},
+                                 {"views", found.views}};
+  if (found.colour) run_.info("the photos show a background of " + background_text(background_of(scene_)));
 }
 
 }  // namespace ngs::capture

@@ -1,9 +1,14 @@
 #pragma once
-// The checks of stages/scene/scene_check.h with files behind them: what import and check have in common.
+// The checks of stages/scene/scene_check.h with files behind them, which import and check have in common; and what
+// import finds out about a model by its photos.
 #include <optional>
+#include <string>
+#include <vector>
 
+#include "ngs/io/image/photo_cache.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/scene/scene.h"
+#include "ngs/stages/render/background.h"
 #include "ngs/stages/scene/scene_check.h"
 #include "shared/run/run.h"
 
@@ -12,29 +17,38 @@ namespace ngs::capture {
 /// Empty: the scene names no model.
 using Model = std::optional<io::GaussianPly>;
 
-/// Reads the scene's model into memory, its health into the report, and adds to `notes`.
-Model read_model(cli::Run& run, const Scene& scene, std::vector<std::string>& notes);
+/// What is found goes into the scene, what was measured into "result" of the report. Steps in the order of this class;
+/// without a model or photos those that need them do nothing.
+class SceneChecks {
+ public:
+  /// Reads the scene's model into memory, its health into the report. `notes` become warnings.
+  SceneChecks(cli::Run& run, const SceneCheckOptions& options, Scene& scene, std::vector<std::string> notes);
 
-/// The low-pass filter of the model (stages/scene/filter_probe.h); 0.3 px² where model or photos are missing. What
-/// was measured goes into the report.
-double probe_model_filter(cli::Run& run, const SceneCheckOptions& options, const Scene& scene,
-                          const Model& model);
+  /// Where the background shows through photos, no photo tells it: black or white, whichever the model fits better
+  /// over, with a note. False: the photos are opaque, and nothing was done.
+  bool settle_transparent_photos();
+  /// Reads photos and masks, prints the table. Notes are told after the checks: an error must stand first on stderr.
+  /// Throws where the scene does not hold together.
+  void check();
+  /// The low-pass filter of the model (stages/scene/filter_probe.h).
+  void find_filter();
+  /// Moves the cameras to where the photos fit the model (stages/scene/view_align.h). `for_background`: the photos are
+  /// also asked for the background, which find_background() then knows without a render.
+  void align_views(bool for_background);
+  /// The background that the photos tell (stages/render/background.h).
+  void find_background();
 
-/// Where the background shows through photos, no photo tells it: black or white, whichever the model fits better over,
-/// with a note. False: the photos are opaque, and nothing was done.
-bool settle_transparent_photos(cli::Run& run, const SceneCheckOptions& options, const Model& model, Scene& scene,
-                               std::vector<std::string>& notes);
+ private:
+  PhotographedModel photographed();
 
-/// The background that the photos tell (stages/render/background.h), into the scene and the report.
-void find_model_background(cli::Run& run, const SceneCheckOptions& options, const Model& model, Scene& scene);
-
-/// Moves the cameras of the scene to where the photos fit the model (stages/scene/view_align.h); says in the report
-/// by how much.
-void align_views(cli::Run& run, const Model& model, Scene& scene);
-
-/// Reads photos and masks, fills "result" of the report, prints the table. `notes` become warnings, after the
-/// checks: an error must stand first on stderr. Throws where the scene does not hold together.
-void run_checks(cli::Run& run, const SceneCheckOptions& options, const Scene& scene, const Model& model,
-                std::vector<std::string> notes);
+  cli::Run& run_;
+  const SceneCheckOptions& options_;
+  Scene& scene_;
+  std::vector<std::string> notes_;
+  std::vector<std::size_t> compared_;  // views
+  io::PhotoCache photos_;              // of these, of which every step asks for some
+  Model model_;
+  std::vector<BackgroundWitness> witnesses_;
+};
 
 }  // namespace ngs::capture

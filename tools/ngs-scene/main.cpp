@@ -60,18 +60,18 @@ int import_command(int argc, char** argv) {
       run.plan({{"views", imported.scene.views.size()}, {"compared_views", checks.check_views}});
       return cli::kDone;
     }
-    const capture::Model model = capture::read_model(run, imported.scene, imported.notes);
+    capture::SceneChecks scene(run, checks, imported.scene, std::move(imported.notes));
     imported.scene.compat = options.compat;
     if (options.antialias != Antialias::kAuto) imported.scene.antialiased = options.antialias == Antialias::kOn;
     choose_background(options.background, run.monitor(), imported.scene);
-    const bool settled = !options.background.empty() || capture::settle_transparent_photos(
-                                                            run, checks, model, imported.scene, imported.notes);
-    capture::run_checks(run, checks, imported.scene, model, imported.notes);
-    imported.scene.filter_px2 = options.filter_px2 > 0
-                                    ? options.filter_px2
-                                    : capture::probe_model_filter(run, checks, imported.scene, model);
-    if (options.align_views) capture::align_views(run, model, imported.scene);
-    if (!settled) capture::find_model_background(run, checks, model, imported.scene);
+    const bool settled = !options.background.empty() || scene.settle_transparent_photos();
+    scene.check();
+    if (options.filter_px2 > 0)
+      imported.scene.filter_px2 = options.filter_px2;
+    else
+      scene.find_filter();
+    if (options.align_views) scene.align_views(!settled);
+    if (!settled) scene.find_background();
     io::write_scene_json(out.path, imported.scene,
                          run.goes_to_stdout(out) ? io::StoredPaths::kAbsolute : io::StoredPaths::kRelative);
     return cli::kDone;
@@ -87,15 +87,13 @@ int check_command(int argc, char** argv) {
   const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene import");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
-    const Scene scene = io::read_scene_json(scene_json.path);
+    Scene scene = io::read_scene_json(scene_json.path);
     run.result()["views"] = scene.views.size();
     if (run.dry_run()) {
       run.plan({{"views", scene.views.size()}, {"compared_views", checks.check_views}});
       return cli::kDone;
     }
-    std::vector<std::string> notes;
-    const capture::Model model = capture::read_model(run, scene, notes);
-    capture::run_checks(run, checks, scene, model, notes);
+    capture::SceneChecks(run, checks, scene, {}).check();
     return cli::kDone;
   });
 }

@@ -83,16 +83,18 @@ Sums linearise(const ImageF& from, const ImageF& to, const RenderedView& view, c
       const auto [du, dv] = flow_of((x + 0.5 - camera.cx) / camera.fx, (y + 0.5 - camera.cy) / camera.fy, q);
       s.flow += alpha * (du * du.transpose() + dv * dv.transpose());
       const double share = alpha / to.channels;
-      double xx = 0, xy = 0, yy = 0, xr = 0,
-             yr = 0;  // of the image gradient and the residual, over the channels
+      double xx = 0, xy = 0, yy = 0, xr = 0, yr = 0;  // of the image gradient and the residual, over the channels
+      double over_one = 0;  // Π (1 + r² / s²) - 1: one logarithm for all channels
       for (int c = 0; c < to.channels; ++c) {
         const double gx = 0.5 * double(from.at(x + 1, y, c) - from.at(x - 1, y, c)),
                      gy = 0.5 * double(from.at(x, y + 1, c) - from.at(x, y - 1, c)),
                      r = double(to.at(x, y, c)) - double(from.at(x, y, c)), cauchy = share * cauchy_weight(r);
         xx += cauchy * gx * gx, xy += cauchy * gx * gy, yy += cauchy * gy * gy;
         xr += cauchy * gx * r, yr += cauchy * gy * r;
-        s.error += share * std::log1p(r * r / (kPoseResidual * kPoseResidual));
+        const double square = r * r / (kPoseResidual * kPoseResidual);
+        over_one += square + over_one * square;
       }
+      s.error += share * std::log1p(over_one);
       s.normal += du * (xx * du + xy * dv).transpose() + dv * (xy * du + yy * dv).transpose();
       s.rhs -= xr * du + yr * dv;
       s.texture += xx + yy, s.weight += alpha;
@@ -100,23 +102,39 @@ Sums linearise(const ImageF& from, const ImageF& to, const RenderedView& view, c
   return s;
 }
 
+float binomial(float a, float b, float c, float d, float e) {
+  return 1 / 16.f * a + 4 / 16.f * b + 6 / 16.f * c + 4 / 16.f * d + 1 / 16.f * e;
+}
+
+/// The two pixels at either end of a row, beyond which the outermost goes on.
+void smooth_ends(const float* from, float* to, int width_px, int channels) {
+  for (int x = 0; x < width_px; ++x) {
+    if (x >= 2 && x < width_px - 2) continue;
+    for (int c = 0; c < channels; ++c) {
+      const auto at = [&](int k) { return from[std::clamp(x + k, 0, width_px - 1) * channels + c]; };
+      to[x * channels + c] = binomial(at(-2), at(-1), at(0), at(1), at(2));
+    }
+  }
+}
+
 }  // namespace
 
 ImageF smoothed_for_pose(const ImageF& in) {
-  constexpr float kTap[5] = {1 / 16.f, 4 / 16.f, 6 / 16.f, 4 / 16.f, 1 / 16.f};
   ImageF rows(in.width_px, in.height_px, in.channels), out = rows;
-  const auto pass = [&](const ImageF& from, ImageF& to, int sx, int sy) {
-    for (int y = 0; y < from.height_px; ++y)
-      for (int x = 0; x < from.width_px; ++x)
-        for (int c = 0; c < from.channels; ++c) {
-          float sum = 0;
-          for (int k = -2; k <= 2; ++k)
-            sum += kTap[k + 2] * from.at(std::clamp(x + k * sx, 0, from.width_px - 1),
-                                         std::clamp(y + k * sy, 0, from.height_px - 1), c);
-          to.at(x, y, c) = sum;
-        }
-  };
-  pass(in, rows, 1, 0), pass(rows, out, 0, 1);
+  const std::ptrdiff_t next = in.channels, length = std::ptrdiff_t(in.width_px) * next;
+  for (int y = 0; y < in.height_px; ++y) {
+    const float* from = in.data.data() + y * length;
+    float* to = rows.data.data() + y * length;
+    smooth_ends(from, to, in.width_px, in.channels);
+    for (std::ptrdiff_t i = 2 * next; i < length - 2 * next; ++i)
+      to[i] = binomial(from[i - 2 * next], from[i - next], from[i], from[i + next], from[i + 2 * next]);
+  }
+  const auto row = [&](int y) { return rows.data.data() + std::clamp(y, 0, in.height_px - 1) * length; };
+  for (int y = 0; y < in.height_px; ++y) {
+    const float *a = row(y - 2), *b = row(y - 1), *c = row(y), *d = row(y + 1), *e = row(y + 2);
+    float* to = out.data.data() + y * length;
+    for (std::ptrdiff_t i = 0; i < length; ++i) to[i] = binomial(a[i], b[i], c[i], d[i], e[i]);
+  }
   return out;
 }
 

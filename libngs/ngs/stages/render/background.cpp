@@ -8,6 +8,7 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/error.h"
+#include "ngs/core/progress_count.h"
 #include "ngs/math/median.h"
 #include "ngs/ops/image/image_metrics.h"
 #include "ngs/stages/render/render_options.h"
@@ -21,14 +22,6 @@ constexpr std::size_t kMostSamples = std::size_t(1) << 16;  // per view; their m
 constexpr double kMuchApart = 0.1;
 
 Vec3<double> vec(const Rgb& c) { return {c[0], c[1], c[2]}; }
-
-/// What one view says.
-struct Witness {
-  bool open = false;  // some pixel shows the background
-  Rgb colour{};
-  double open2 = 0, shown = 0;      // Σ T², and its mean over all pixels
-  Rgb residual{}, residual2{};      // Σ T r and Σ r², r = photo - colour without background
-};
 
 struct Sample {
   double value, weight;
@@ -56,58 +49,13 @@ double least_deviations(const std::vector<std::size_t>& pixels, const RenderedVi
   return weighted_median(samples);
 }
 
-Witness question(const RenderedView& view, const ImageF& photo) {
-  Witness w;
-  std::vector<std::size_t> pixels;
-  for (std::size_t p = 0; p < view.alpha.data.size(); ++p) {
-    const double t = 1 - double(view.alpha.data[p]);
-    if (t >= kLeastOpen) pixels.push_back(p);
-    w.open2 += t * t;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const double r = double(photo.data[3 * p + c]) - double(view.colour.data[3 * p + c]);
-      w.residual[c] += t * r, w.residual2[c] += r * r;
-    }
-  }
-  w.open = !pixels.empty(), w.shown = w.open2 / double(view.alpha.data.size());
-  if (!w.open) return w;
-  const std::size_t stride = (pixels.size() + kMostSamples - 1) / kMostSamples;
-  std::vector<std::size_t> some;
-  for (std::size_t i = 0; i < pixels.size(); i += stride) some.push_back(pixels[i]);
-  for (int c = 0; c < 3; ++c) w.colour[std::size_t(c)] = least_deviations(some, view, photo, c);
-  return w;
-}
-
 /// Σ (r - T b)² over black's Σ r², as decibels.
-double gain_db(const Witness& w, const Rgb& b) {
+double gain_db(const BackgroundWitness& w, const Rgb& b) {
   double black = 0, over = 0;
   for (std::size_t c = 0; c < 3; ++c)
     black += w.residual2[c], over += w.residual2[c] - 2 * b[c] * w.residual[c] + b[c] * b[c] * w.open2;
   constexpr double kNothing = 1e-12;  // of a photo that is explained to the last bit
   return 10 * std::log10(std::max(black, kNothing) / std::max(over, kNothing));
-}
-
-BackgroundFinding verdict(const std::vector<Witness>& witnesses) {
-  BackgroundFinding found;
-  std::array<std::vector<double>, 3> values;
-  for (const Witness& w : witnesses)
-    for (std::size_t c = 0; w.open && c < 3; ++c) values[c].push_back(w.colour[c]);
-  found.views = int(values[0].size());
-  if (found.views == 0) return found;
-  Rgb fitted{}, error{};
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double middle = upper_median(values[c]);
-    fitted[c] = std::clamp(std::round(255 * middle) / 255, 0.0, 1.0) + 0.0;  // no -0
-    for (double& v : values[c]) v = std::abs(v - middle);
-    // 1.4826 MAD is the deviation of normal values, and their median's standard error is √(π/2) that of their mean
-    error[c] = 1.4826 * 1.2533 * upper_median(values[c]) / std::sqrt(double(found.views));
-  }
-  std::vector<double> gains, shown;
-  for (const Witness& w : witnesses) gains.push_back(gain_db(w, fitted)), shown.push_back(w.shown);
-  found.fitted = vec(fitted), found.error = vec(error);
-  found.gain_db = upper_median(gains), found.shown = upper_median(shown);
-  const bool agreed = *std::max_element(error.begin(), error.end()) <= kMostBackgroundError;
-  if (found.shown >= kLeastShown && agreed && found.gain_db >= kBackgroundMarginDb) found.colour = found.fitted;
-  return found;
 }
 
 }  // namespace
@@ -146,16 +94,70 @@ void choose_background(const std::string& given, Monitor& monitor, Scene& scene)
   scene.background = Vec3<double>{colour.x, colour.y, colour.z};
 }
 
-BackgroundFinding find_background(const Exec& exec, const GaussianCloud& cloud, const Scene& scene,
-                                  const std::vector<std::size_t>& views,
-                                  const std::function<ImageF(std::size_t view)>& load_photo) {
-  std::vector<Witness> witnesses(views.size());
+RenderedView over_background(RenderedView view, Vec3<float> background) {
+  const float behind[3] = {background.x, background.y, background.z};
+  for (std::size_t p = 0; p < view.alpha.data.size(); ++p)
+    for (std::size_t c = 0; c < 3; ++c) view.colour.data[3 * p + c] += (1 - view.alpha.data[p]) * behind[c];
+  return view;
+}
+
+BackgroundWitness question_background(const RenderedView& view, const ImageF& photo) {
+  BackgroundWitness w;
+  std::vector<std::size_t> pixels;
+  for (std::size_t p = 0; p < view.alpha.data.size(); ++p) {
+    const double t = 1 - double(view.alpha.data[p]);
+    if (t >= kLeastOpen) pixels.push_back(p);
+    w.open2 += t * t;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double r = double(photo.data[3 * p + c]) - double(view.colour.data[3 * p + c]);
+      w.residual[c] += t * r, w.residual2[c] += r * r;
+    }
+  }
+  w.open = !pixels.empty(), w.shown = w.open2 / double(view.alpha.data.size());
+  if (!w.open) return w;
+  const std::size_t stride = (pixels.size() + kMostSamples - 1) / kMostSamples;
+  std::vector<std::size_t> some;
+  for (std::size_t i = 0; i < pixels.size(); i += stride) some.push_back(pixels[i]);
+  for (int c = 0; c < 3; ++c) w.colour[std::size_t(c)] = least_deviations(some, view, photo, c);
+  return w;
+}
+
+BackgroundFinding find_background(std::span<const BackgroundWitness> witnesses) {
+  BackgroundFinding found;
+  std::array<std::vector<double>, 3> values;
+  for (const BackgroundWitness& w : witnesses)
+    for (std::size_t c = 0; w.open && c < 3; ++c) values[c].push_back(w.colour[c]);
+  found.views = int(values[0].size());
+  if (found.views == 0) return found;
+  Rgb fitted{}, error{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double middle = upper_median(values[c]);
+    fitted[c] = std::clamp(std::round(255 * middle) / 255, 0.0, 1.0) + 0.0;  // no -0
+    for (double& v : values[c]) v = std::abs(v - middle);
+    // 1.4826 MAD is the deviation of normal values, and their median's standard error is √(π/2) that of their mean
+    error[c] = 1.4826 * 1.2533 * upper_median(values[c]) / std::sqrt(double(found.views));
+  }
+  std::vector<double> gains, shown;
+  for (const BackgroundWitness& w : witnesses) gains.push_back(gain_db(w, fitted)), shown.push_back(w.shown);
+  found.fitted = vec(fitted), found.error = vec(error);
+  found.gain_db = upper_median(gains), found.shown = upper_median(shown);
+  const bool agreed = *std::max_element(error.begin(), error.end()) <= kMostBackgroundError;
+  if (found.shown >= kLeastShown && agreed && found.gain_db >= kBackgroundMarginDb) found.colour = found.fitted;
+  return found;
+}
+
+BackgroundFinding find_background(const Exec& exec, Monitor& monitor, const PhotographedModel& model,
+                                  const std::vector<std::size_t>& views) {
+  const SplatOptions splat = splat_options({}, model.cloud, model.scene);
+  std::vector<BackgroundWitness> witnesses(views.size());
+  ProgressCount progress(monitor, std::int64_t(views.size()));
   for_each_task(exec, std::int64_t(views.size()), [&](std::int64_t i) {
     const std::size_t v = views[std::size_t(i)];
-    witnesses[std::size_t(i)] =
-        question(render({}, cloud, scene.views[v].camera, splat_options({}, cloud, scene), {}), load_photo(v));
+    witnesses[std::size_t(i)] = question_background(render({}, model.cloud, model.scene.views[v].camera, splat, {}),
+                                                    model.load_photo(v));
+    progress.add_one();
   });
-  return verdict(witnesses);
+  return find_background(witnesses);
 }
 
 double psnr_over_background(const Exec& exec, const GaussianCloud& cloud, const Scene& scene,

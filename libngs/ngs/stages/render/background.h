@@ -2,8 +2,10 @@
 // The colour behind all Gaussians. It is not in a PLY, and a trainer's images were drawn over it: where a model
 // leaves a share T of a pixel open, the photo shows its colour c plus T b. Over another b such pixels do not fit,
 // and an optimiser that is given them grows Gaussians to explain b.
+#include <array>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -11,6 +13,7 @@
 #include "ngs/ops/splat/splat.h"
 #include "ngs/options/field.h"
 #include "ngs/scene/scene.h"
+#include "ngs/stages/render/photographed_model.h"
 
 namespace ngs {
 
@@ -29,7 +32,21 @@ std::string background_text(Vec3<float> colour);
 /// scene's own stays. Warns where the scene knows another one.
 void choose_background(const std::string& given, Monitor& monitor, Scene& scene);
 
-/// What the photos say about it.
+/// The same view with `background` behind it: its colours, rendered over black, plus what its alpha leaves open of it.
+RenderedView over_background(RenderedView view, Vec3<float> background);
+
+/// What one photo says about it. T: the share of a pixel that the model leaves open; r: photo less view over black.
+struct BackgroundWitness {
+  bool open = false;                  // some pixel shows the background
+  std::array<double, 3> colour{};     // that which fits the open pixels best, not clamped
+  double open2 = 0, shown = 0;        // Σ T², and its mean over all pixels
+  std::array<double, 3> residual{}, residual2{};  // Σ T r and Σ r²
+};
+
+/// `view`: rendered over black at the photo's camera. The photo is opaque.
+BackgroundWitness question_background(const RenderedView& view, const ImageF& photo);
+
+/// What the photos together say about it.
 struct BackgroundFinding {
   std::optional<Vec3<double>> colour;  // in steps of 1/255; none: black is what to take
   Vec3<double> fitted{0, 0, 0};        // median over the views that show any of it
@@ -44,10 +61,11 @@ struct BackgroundFinding {
 // put there. It is found as well, but not taken: a model without its floaters is refitted worse over it (PAPER.md 5.1).
 inline constexpr double kLeastShown = 0.01, kMostBackgroundError = 0.1, kBackgroundMarginDb = 0.02;
 
-/// Renders the `views`. load_photo: as Problem's, of opaque photos.
-BackgroundFinding find_background(const Exec& exec, const GaussianCloud& cloud, const Scene& scene,
-                                  const std::vector<std::size_t>& views,
-                                  const std::function<ImageF(std::size_t view)>& load_photo);
+BackgroundFinding find_background(std::span<const BackgroundWitness> witnesses);
+
+/// The same from renders of the `views`, whose photos are opaque.
+BackgroundFinding find_background(const Exec& exec, Monitor& monitor, const PhotographedModel& model,
+                                  const std::vector<std::size_t>& views);
 
 /// Mean PSNR of the rendered views against their photos, both over the scene's background: which background
 /// transparent photos were fitted over.

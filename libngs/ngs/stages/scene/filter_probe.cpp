@@ -1,27 +1,58 @@
 #include "ngs/stages/scene/filter_probe.h"
 
-#include "ngs/stages/scene/pose_check.h"
 #include "ngs/stages/render/render_options.h"
+#include "ngs/stages/scene/pose_check.h"
 
 namespace ngs {
+namespace {
 
-FilterProbe probe_filter(const Exec& exec, const GaussianCloud& cloud, const Scene& scene,
-                         const std::vector<std::size_t>& views,
-                         const std::function<ImageF(std::size_t view)>& load_photo) {
-  FilterProbe probe;
-  for (const double size : {1.0, 0.25, 0.5, 2.0, 4.0}) probe.candidates.push_back({0.3 / (size * size), 0});
-  if (views.empty()) return probe;
-  for (const std::size_t view : views) {
-    const ImageF photo = load_photo(view);
-    for (FilterCandidate& c : probe.candidates) {
+constexpr double kFilter_px2 = 0.3;  // at the size of the fit
+constexpr std::int64_t kUsualCandidates = 3, kMostCandidates = 4;
+
+/// Measures one candidate after the other.
+class Trials {
+ public:
+  Trials(const Exec& exec, Monitor& monitor, const PhotographedModel& model, const std::vector<std::size_t>& views)
+      : exec_(exec), monitor_(monitor), model_(model), views_(views) {}
+
+  /// What the filter of a fit at `size` times the working size explains.
+  FilterCandidate at(double size) {
+    FilterCandidate c{kFilter_px2 / (size * size), 0};
+    SplatOptions splat = splat_options({}, model_.cloud, model_.scene);
+    splat.blur_px2 = c.filter_px2;
+    const std::int64_t passes = std::int64_t(views_.size());
+    for (const std::size_t v : views_) {
       // over the background that fits best: it is not in the PLY, and over black the largest footprints would win
-      SplatOptions splat = splat_options({}, cloud, scene);
-      splat.blur_px2 = c.filter_px2;
-      c.psnr_db += match_photo(exec, cloud, scene.views[view].camera, splat, photo).psnr_db / double(views.size());
+      const Camera& camera = model_.scene.views[v].camera;
+      c.psnr_db += match_photo(exec_, model_.cloud, camera, splat, model_.load_photo(v)).psnr_db / double(passes);
+      ++done_;
+      monitor_.progress(done_, passes * (done_ > passes * kUsualCandidates ? kMostCandidates : kUsualCandidates));
     }
+    return c;
   }
-  double best = probe.candidates.front().psnr_db + kFilterMarginDb;
-  for (const FilterCandidate& c : probe.candidates)
+
+ private:
+  const Exec& exec_;
+  Monitor& monitor_;
+  const PhotographedModel& model_;
+  const std::vector<std::size_t>& views_;
+  std::int64_t done_ = 0;
+};
+
+}  // namespace
+
+FilterProbe probe_filter(const Exec& exec, Monitor& monitor, const PhotographedModel& model,
+                         const std::vector<std::size_t>& views) {
+  FilterProbe probe;
+  if (views.empty()) return probe;
+  Trials trials(exec, monitor, model, views);
+  std::vector<FilterCandidate>& tried = probe.candidates;
+  tried = {trials.at(1), trials.at(0.5)};
+  const bool smaller = tried[1].psnr_db > tried[0].psnr_db;
+  tried.push_back(trials.at(smaller ? 0.25 : 2));
+  if (!smaller && tried[2].psnr_db > tried[0].psnr_db) tried.push_back(trials.at(4));
+  double best = tried[0].psnr_db + kFilterMarginDb;
+  for (const FilterCandidate& c : tried)
     if (c.psnr_db > best) best = c.psnr_db, probe.filter_px2 = c.filter_px2;
   return probe;
 }

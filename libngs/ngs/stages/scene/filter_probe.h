@@ -2,11 +2,11 @@
 // At which size was a model fitted? 3DGS adds a low-pass filter of 0.3 px² at the size it is fitted at.
 // Rendered at another size with 0.3 px² again, footprints are too small (or too large), and so are masks. The
 // filter that explains the photos best tells the fitting size.
-#include <functional>
 #include <vector>
 
+#include "ngs/core/monitor.h"
 #include "ngs/ops/splat/splat.h"
-#include "ngs/scene/scene.h"
+#include "ngs/stages/render/photographed_model.h"
 
 namespace ngs {
 
@@ -16,14 +16,14 @@ struct FilterCandidate {
 
 struct FilterProbe {
   double filter_px2 = 0.3;  // the best; 0.3 unless another is better by kFilterMarginDb
-  std::vector<FilterCandidate>
-      candidates;  // 0.3 px² at 1/4, 1/2, 1, 2 and 4 times the working size, in working pixels
+  std::vector<FilterCandidate> candidates;  // those tried, in this order
 };
 inline constexpr double kFilterMarginDb = 0.02;
 
-/// Renders the `views` with each candidate. No views: 0.3 px².
-FilterProbe probe_filter(const Exec& exec, const GaussianCloud& cloud, const Scene& scene,
-                         const std::vector<std::size_t>& views,
-                         const std::function<ImageF(std::size_t view)>& load_photo);
+/// Renders the `views` with 0.3 px² at the working size, then at 1/2 of it and, where that is better, at 1/4; else at
+/// 2 times it and, where that is better, at 4 times. The mean PSNR is taken to have one maximum over the filter. No
+/// views: 0.3 px².
+FilterProbe probe_filter(const Exec& exec, Monitor& monitor, const PhotographedModel& model,
+                         const std::vector<std::size_t>& views);
 
 }  // namespace ngs

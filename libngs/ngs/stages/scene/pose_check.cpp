@@ -24,11 +24,9 @@ double db(double mean_square) { return -10 * std::log10(std::max(mean_square, 1e
 
 }  // namespace
 
-PhotoMatch match_photo(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
-                       const SplatOptions& splat, const ImageF& photo) {
-  NGS_CHECK(photo.width_px == camera.width_px && photo.height_px == camera.height_px && photo.channels == 3,
+PhotoMatch match_rendered(const RenderedView& view, const ImageF& photo) {
+  NGS_CHECK(photo.width_px == view.width_px && photo.height_px == view.height_px && photo.channels == 3,
             "the photo has the camera's size");
-  const RenderedView view = render(exec, cloud, camera, splat, {});
   PhotoMatch match;
   double error = 0, spread = 0;
   const double n = double(photo.pixels());
@@ -48,6 +46,11 @@ PhotoMatch match_photo(const Exec& exec, const GaussianCloud& cloud, const Camer
   for (const float a : view.alpha.data) match.covered += double(a) / n;
   match.psnr_db = db(error / (3 * n)), match.constant_db = db(spread / (3 * n));
   return match;
+}
+
+PhotoMatch match_photo(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& splat,
+                       const ImageF& photo) {
+  return match_rendered(render(exec, cloud, camera, splat, {}), photo);
 }
 
 double recoloured_gain_db(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& splat,

@@ -19,7 +19,10 @@ struct PhotoMatch {
   double gain_db() const { return psnr_db - constant_db; }
 };
 
-/// `photo` has the camera's size.
+/// `view`: the model, rendered over black at the camera of `photo` and at its size.
+PhotoMatch match_rendered(const RenderedView& view, const ImageF& photo);
+
+/// The same of the model rendered here. `photo` has the camera's size.
 PhotoMatch match_photo(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
                        const SplatOptions& splat, const ImageF& photo);
 

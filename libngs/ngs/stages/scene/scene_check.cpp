@@ -73,8 +73,11 @@ std::vector<Shot> take_shots(Monitor& monitor, const SceneCheckOptions& options,
   const auto timed = monitor.scope("photos");
   const std::vector<std::size_t> with_photo = photo_views(scene);
   std::vector<Shot> shots;
-  for (const std::size_t i : evenly_spaced(std::size_t(options.check_views), with_photo.size()))
+  const std::vector<std::size_t> compared = evenly_spaced(std::size_t(options.check_views), with_photo.size());
+  for (const std::size_t i : compared) {
     shots.push_back(take_shot(scene, with_photo[i], options.check_size_px, loaders.photo(with_photo[i])));
+    monitor.progress(std::int64_t(shots.size()), std::int64_t(compared.size()));
+  }
   return shots;
 }
 
@@ -82,11 +85,14 @@ std::vector<Shot> take_shots(Monitor& monitor, const SceneCheckOptions& options,
 // right there; of a much reduced picture a pixel's own area, 1/12 px², is what is left, and 0.3 px² would
 // drown the model.
 constexpr double kFilters[] = {0.3, 0.075};
+// A gain so far above what is demanded passes whatever the other filter would say.
+constexpr double kEnoughAbove_db = 3;
 
 /// The model as the scene says that it was fitted.
 struct Subject {
   const GaussianCloud& cloud;
   SplatOptions splat;
+  double enough_db;  // gain from which on the second filter is not tried
 
   SplatOptions with_filter(double filter_px2) const {
     SplatOptions out = splat;
@@ -98,6 +104,7 @@ struct Subject {
 PhotoMatch best_match(const Exec& exec, const Subject& model, const Camera& camera, const ImageF& photo) {
   PhotoMatch best;
   for (const double filter : kFilters) {
+    if (filter != kFilters[0] && best.gain_db() >= model.enough_db) break;
     const PhotoMatch match = match_photo(exec, model.cloud, camera, model.with_filter(filter), photo);
     if (filter == kFilters[0] || match.psnr_db > best.psnr_db) best = match;
   }
@@ -180,7 +187,7 @@ std::string percent(double share) {
 void check_photos(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options,
                   const GaussianCloud& cloud, const Scene& scene, const std::vector<Shot>& shots,
                   SceneCheck& result) {
-  const Subject model{cloud, splat_options({}, cloud, scene)};
+  const Subject model{cloud, splat_options({}, cloud, scene), options.min_fit_db + kEnoughAbove_db};
   std::vector<double> gains, psnrs;
   {
     const auto timed = monitor.scope("compare");
@@ -188,6 +195,7 @@ void check_photos(const Exec& exec, Monitor& monitor, const SceneCheckOptions& o
       const PhotoMatch match = best_match(exec, model, shot.camera, shot.photo);
       gains.push_back(match.gain_db()), psnrs.push_back(match.psnr_db);
       result.views[shot.view].match = match;
+      monitor.progress(std::int64_t(psnrs.size()), std::int64_t(shots.size()));
     }
   }
   result.median_fit_db = median(gains), result.median_psnr_db = median(psnrs);

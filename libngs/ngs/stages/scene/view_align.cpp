@@ -1,11 +1,13 @@
 #include "ngs/stages/scene/view_align.h"
 
-#include <mutex>
+#include <algorithm>
 
 #include "ngs/backend/for_each.h"
-#include "ngs/stages/scene/pose_check.h"
-#include "ngs/stages/render/render_options.h"
+#include "ngs/core/progress_count.h"
 #include "ngs/problem/view_list.h"
+#include "ngs/stages/render/background.h"
+#include "ngs/stages/render/render_options.h"
+#include "ngs/stages/scene/pose_check.h"
 
 namespace ngs {
 namespace {
@@ -13,53 +15,58 @@ namespace {
 constexpr int kMostSteps = 15, kPatience = 2;  // steps in all, and in a row that do not lower the error
 constexpr double kSettled_px = 0.03;
 
-ViewAlignment align(const GaussianCloud& cloud, const SplatOptions& splat, const Camera& start,
-                    const ImageF& photo) {
+Vec3<float> fitted_background(const RenderedView& view, const ImageF& photo) {
+  const Vec3<double> b = match_rendered(view, photo).background;
+  return {float(b.x), float(b.y), float(b.z)};
+}
+
+/// `question`: what its photo says about the background.
+ViewAlignment align(const PhotographedModel& model, const SplatOptions& splat, std::size_t view_index, bool question) {
   ViewAlignment best;
-  const Vec3<double> background = match_photo({}, cloud, start, splat, photo).background;
+  best.view = view_index;
+  const ImageF photo = model.load_photo(view_index), smooth = smoothed_for_pose(photo);
   RenderRequest request;
   request.depth = true;
-  request.background = {float(background.x), float(background.y), float(background.z)};
-  const ImageF smooth = smoothed_for_pose(photo);
-  Camera camera = start;
+  RenderedView at_start, at_best;  // over black; best: of a moved camera
+  Vec3<float> background;          // that of the first picture: it is fitted to what is rendered anyway
+  Camera camera = model.scene.views[view_index].camera;
   CameraMotion total;
   double total_px = 0;
   int in_vain = 0;
   for (int step = 0; step < kMostSteps && in_vain < kPatience; ++step) {
-    const PoseStep found = pose_step(render({}, cloud, camera, splat, request), smooth, camera, total);
-    if (!found.determined) break;
-    if (step == 0) best.error_before = best.error_after = found.error;
-    in_vain = step > 0 && found.error >= best.error_after ? in_vain + 1 : 0;
-    if (found.error < best.error_after)
-      best.motion = total, best.flow_px = total_px, best.error_after = found.error, best.camera = camera;
-    if (found.flow_px < kSettled_px) break;
+    RenderedView view = render({}, model.cloud, camera, splat, request);
+    if (step == 0) background = fitted_background(view, photo);
+    const PoseStep found = pose_step(over_background(view, background), smooth, camera, total);
+    const bool better = step > 0 && found.determined && found.error < best.error_after;
+    if (step == 0 && found.determined) best.error_before = best.error_after = found.error;
+    if (better) best.motion = total, best.flow_px = total_px, best.error_after = found.error, best.camera = camera;
+    if (step == 0 || better) (better ? at_best : at_start) = std::move(view);
+    in_vain = step > 0 && !better ? in_vain + 1 : 0;
+    if (!found.determined || found.flow_px < kSettled_px) break;
     camera = moved(camera, found.motion);
     total.turn = total.turn + found.motion.turn, total.move = total.move + found.motion.move;
     total_px = found.total_px;
   }
   best.applied = best.flow_px >= kLeastFlow_px && best.flow_px <= kMostFlow_px;
+  if (question) best.background = question_background(best.applied ? at_best : at_start, photo);
   return best;
 }
 
 }  // namespace
 
-std::vector<ViewAlignment> measure_alignment(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud,
-                                             const Scene& scene,
-                                             const std::function<ImageF(std::size_t view)>& load_photo) {
+std::vector<ViewAlignment> measure_alignment(const Exec& exec, Monitor& monitor, const PhotographedModel& model,
+                                             const std::vector<std::size_t>& questioned) {
   const auto timed = monitor.scope("align views");
-  SplatOptions splat = splat_options({}, cloud, scene);
-  splat.prepared = prepare_cloud(exec, cloud);
-  std::vector<ViewAlignment> alignment;
-  for (const std::size_t v : photo_views(scene)) alignment.emplace_back().view = v;
-  std::mutex telling;
-  std::int64_t done = 0;
-  for_each_task(exec, std::int64_t(alignment.size()), [&](std::int64_t i) {
-    ViewAlignment& of_view = alignment[std::size_t(i)];
-    const std::size_t v = of_view.view;
-    of_view = align(cloud, splat, scene.views[v].camera, load_photo(v));
-    of_view.view = v;
-    const std::lock_guard lock(telling);
-    monitor.progress(++done, std::int64_t(alignment.size()));
+  SplatOptions splat = splat_options({}, model.cloud, model.scene);
+  splat.prepared = prepare_cloud(exec, model.cloud);
+  const std::vector<std::size_t> views = photo_views(model.scene);
+  std::vector<ViewAlignment> alignment(views.size());
+  ProgressCount progress(monitor, std::int64_t(views.size()));
+  for_each_task(exec, std::int64_t(views.size()), [&](std::int64_t i) {
+    const std::size_t v = views[std::size_t(i)];
+    const bool question = std::find(questioned.begin(), questioned.end(), v) != questioned.end();
+    alignment[std::size_t(i)] = align(model, splat, v, question);
+    progress.add_one();
   });
   return alignment;
 }

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace ngs {
@@ -35,6 +36,30 @@ RenderedView picture(const CameraMotion& motion, double gain = 1) {
             gain * (0.5 + 0.2 * std::sin(0.31 * u + 0.17 * v + k) + 0.2 * std::cos(0.13 * u - 0.37 * v)));
     }
   return view;
+}
+
+TEST_CASE("the picture is smoothed by a binomial, as if its outermost pixels went on beyond it") {
+  const double tap[5] = {1 / 16., 4 / 16., 6 / 16., 4 / 16., 1 / 16.};
+  struct Size {
+    int width_px, height_px, channels;
+  };
+  for (const auto [w, h, channels] :
+       {Size{1, 1, 3}, Size{2, 5, 3}, Size{3, 1, 1}, Size{4, 4, 3}, Size{5, 3, 2}, Size{9, 7, 3}}) {
+    CAPTURE(w);
+    ImageF in(w, h, channels);
+    for (std::size_t i = 0; i < in.data.size(); ++i) in.data[i] = float((i * i * 7 + 3 * i) % 101) / 100.f;
+    const ImageF out = smoothed_for_pose(in);
+    for (int y = 0; y < h; ++y)
+      for (int x = 0; x < w; ++x)
+        for (int c = 0; c < channels; ++c) {
+          double expected = 0;
+          for (int k = 0; k < 25; ++k) {
+            const int u = std::clamp(x + k % 5 - 2, 0, w - 1), v = std::clamp(y + k / 5 - 2, 0, h - 1);
+            expected += tap[k % 5] * tap[k / 5] * double(in.at(u, v, c));
+          }
+          CHECK(std::abs(double(out.at(x, y, c)) - expected) < 1e-6);
+        }
+  }
 }
 
 TEST_CASE("a step of a small motion points at the camera that took the photo") {

@@ -39,7 +39,9 @@ struct Capture {
   BackgroundFinding find(int threads = 1) const {
     std::vector<std::size_t> all(scene.views.size());
     for (std::size_t v = 0; v < all.size(); ++v) all[v] = v;
-    return find_background(Exec{Device::kCpu, threads}, cloud, scene, all, [&](std::size_t v) { return photos[v]; });
+    Monitor monitor;
+    return find_background(Exec{Device::kCpu, threads}, monitor,
+                           {cloud, scene, [&](std::size_t v) { return photos[v]; }}, all);
   }
 };
 

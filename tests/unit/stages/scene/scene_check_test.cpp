@@ -105,6 +105,22 @@ TEST_CASE("a scene whose model explains its photos passes, and the unknown backg
   CHECK(result.objects[0].views == 6);
 }
 
+TEST_CASE("another filter is tried only where the first does not explain the photos well enough") {
+  Capture capture = tiny_capture();
+  for (std::size_t v = 0; v < capture.photos.size(); ++v) {
+    RenderRequest request;
+    request.background = {0.2f, 0.9f, 0.4f};
+    const Camera& camera = capture.scene.views[v].camera;
+    capture.photos[v] = render({}, capture.cloud, camera, {.blur_px2 = 0.075}, request).colour;
+  }
+  SceneCheckOptions options;
+  const double first_db = capture.check(options).median_fit_db;
+  CHECK(first_db > options.min_fit_db + 3);
+  CHECK(first_db < 40);
+  options.min_fit_db = first_db - 2;
+  CHECK(capture.check(options).median_fit_db > 60);  // by the filter of the photos
+}
+
 TEST_CASE("the numbers do not depend on the thread count") {
   const Capture capture = tiny_capture();
   const SceneCheck one = capture.check({}, 1), many = capture.check({}, 3);

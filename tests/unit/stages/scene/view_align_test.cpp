@@ -22,7 +22,7 @@ struct Measured {
     Monitor monitor;
     Exec exec;
     exec.threads = threads;
-    views = measure_alignment(exec, monitor, c->truth, c->scene, [&](std::size_t v) { return c->photos[v]; });
+    views = measure_alignment(exec, monitor, {c->truth, c->scene, [&](std::size_t v) { return c->photos[v]; }}, {1, 2});
   }
   /// Largest distance between where the two cameras see points of the object, px.
   double error_px(const Camera& camera) const {
@@ -54,6 +54,27 @@ TEST_CASE("a camera that was turned, rolled and moved is brought back, the other
   CHECK(after < 0.19);  // measured 0.12
 }
 
+TEST_CASE("what a photo says about the background is read off the view at the camera that it ends with") {
+  Measured m({{0.01, -0.015, 0.03}, {0.02, 0.01, -0.05}});
+  const Camera before = m.c->scene.views[1].camera;
+  apply_alignment(m.views, m.c->scene);
+  CHECK(!m.views[0].background);  // was not questioned
+  const auto from_render = [&](std::size_t v, const Camera& camera) {
+    return question_background(render({}, m.c->truth, camera, {}, {}), m.c->photos[v]);
+  };
+  for (const std::size_t v : {std::size_t(1), std::size_t(2)}) {  // moved, and left
+    CAPTURE(v);
+    REQUIRE(m.views[v].background);
+    const BackgroundWitness told = *m.views[v].background, own = from_render(v, m.c->scene.views[v].camera);
+    CHECK(told.open);
+    CHECK(told.colour == own.colour);
+    CHECK(told.residual == own.residual);
+    CHECK(told.residual2 == own.residual2);
+    CHECK(told.open2 == own.open2);
+  }
+  CHECK(m.views[1].background->residual2[0] < 0.5 * from_render(1, before).residual2[0]);
+}
+
 TEST_CASE("a darker photo moves no camera, and hides no motion") {
   for (const ViewAlignment& a : Measured({}, 1, 0.7f).views) CHECK(!a.applied);
   Measured m({{0.01, 0.02, 0}, {0, 0, 0}}, 1, 0.7f);
@@ -72,11 +93,12 @@ TEST_CASE(
   }
   auto c = test::joint_case();  // no image_path: no photo
   Monitor monitor;
-  CHECK(measure_alignment({}, monitor, c->truth, c->scene, [](std::size_t) { return ImageF(); }).empty());
+  CHECK(measure_alignment({}, monitor, {c->truth, c->scene, [](std::size_t) { return ImageF(); }}).empty());
   for (SceneView& view : c->scene.views) view.image_path = "photo";
   CHECK_THROWS_AS(measure_alignment(
-                      {}, monitor, c->truth, c->scene,
-                      [](std::size_t) -> ImageF { throw Error(ErrorCode::kBadInput, "photo: broken", ""); }),
+                      {}, monitor, {c->truth, c->scene, [](std::size_t) -> ImageF {
+                                     throw Error(ErrorCode::kBadInput, "photo: broken", "");
+                                   }}),
                   Error);
 }
 
