@@ -43,6 +43,9 @@ class SceneProbe {
   /// Training views with a photo.
   double photos() const;
 
+  /// Whether to stop: then what is measured means nothing.
+  bool stopped() const;
+
   const LabelViews& label_views();
   const BoundarySet& boundary();
   Rows<const float, 3> boundary_colours();

@@ -120,13 +120,13 @@ class FloaterSearch {
     candidate_ = candidates_of(exec_, input_, core_, margin_);
     const std::vector<float> none(std::size_t(cloud_.size()), 0.f);
     double sum = 0, pixels = 0;
-    for (const std::size_t v : views_) {
+    for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) {
       const Surface s = surface(v);
       const ImageF layer = FrontView(exec_, cloud_, camera(v), input_.splat)
                                .layer({s.limit, candidate_}, {none.data(), cloud_.size(), 1});
       for (std::size_t p = 0; p < s.limit.data.size(); ++p)
         if (s.limit.data[p] > 0) sum += double(layer.data[2 * p + 1]), ++pixels;
-    }
+    });
     return pixels > 0 ? sum / pixels : 0;
   }
 
@@ -147,14 +147,14 @@ class FloaterSearch {
   /// Median over views of the median difference between core and photo.
   double core_noise() {
     std::vector<double> medians;
-    for (const std::size_t v : views_) {
+    for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) {
       const Surface s = surface(v);
       const ImageF photo = input_.load_photo(v);
       std::vector<double> all;
       for (std::size_t p = 0; p < s.limit.data.size(); ++p)
         if (s.limit.data[p] > 0) all.push_back(difference(&photo.data[3 * p], &s.colour.data[3 * p]));
       if (!all.empty()) medians.push_back(upper_median(all));
-    }
+    });
     return medians.empty() ? 1.0 : upper_median(medians);
   }
 
@@ -201,10 +201,10 @@ class FloaterSearch {
     LeaveOneOut colours(exec_, cloud_.size(), 3, [this](std::size_t v) {
       return colour_sums(exec_, input_, cloud_, camera(v), input_.load_photo(v), candidate_);
     });
-    for (const std::size_t v : views_) colours.add(v);
+    if (!for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) { colours.add(v); })) return {};
     std::vector<double> front(n), through(n), reach(n);
     double surface_px = 0;
-    for (const std::size_t v : views_) {
+    for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) {
       const ImageF photo = input_.load_photo(v);
       const Surface s = surface(v);
       surface_px +=
@@ -219,7 +219,8 @@ class FloaterSearch {
         front[i] += sums.front[i], through[i] += sums.marked[i];
         if (others.own[i] > 0) reach[i] = std::max(reach[i], sums.front[i] / others.own[i]);
       }
-    }
+    });
+    if (stop_requested(input_.monitor)) return {};
     std::vector<std::size_t> found;
     double hidden_px = 0;
     for (std::size_t i = 0; i < n; ++i) {

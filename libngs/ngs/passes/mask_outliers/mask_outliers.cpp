@@ -5,6 +5,7 @@
 
 #include "ngs/math/median.h"
 #include "ngs/ops/splat/evidence.h"
+#include "ngs/problem/view_list.h"
 #include "ngs/stages/boundary/leave_one_out.h"
 #include "ngs/stages/masks/mask_pair.h"
 
@@ -72,15 +73,15 @@ class Judge {
  private:
   const Camera& camera(std::size_t n) const { return input_.scene.views[input_.views[n]].camera; }
 
-  /// Evidence of the trusted views; false where too few have masks.
+  /// Evidence of the trusted views; false where too few have masks, or it was asked to stop.
   bool gather(LeaveOneOut& others) const {
     int with_masks = 0;
-    for (std::size_t n = 0; n < trusted_.size(); ++n) {
-      if (!trusted_[n]) continue;
-      with_masks += input_.load_masks(input_.views[n]).available;
+    const bool all = for_each_view(input_.monitor, input_.views, [&](std::size_t n, std::size_t view) {
+      if (!trusted_[n]) return;
+      with_masks += input_.load_masks(view).available;
       others.add(n);
-    }
-    return with_masks >= options_.least_views;
+    });
+    return all && with_masks >= options_.least_views;
   }
 
   Consensus consensus_of(const LeaveOneOut::Rest& rest, std::size_t n) const {
@@ -119,16 +120,16 @@ class Judge {
   bool judge(const LeaveOneOut& others, MaskOutliers& trust) {
     trust.disagreement.assign(trusted_.size(), -1.0);
     std::vector<double> all;
-    for (std::size_t n = 0; n < trusted_.size(); ++n) {
-      const ViewMasks masks = input_.load_masks(input_.views[n]);
-      if (!masks.available) continue;
+    const bool every = for_each_view(input_.monitor, input_.views, [&](std::size_t n, std::size_t view) {
+      const ViewMasks masks = input_.load_masks(view);
+      if (!masks.available) return;
       const Planes mask = planes_of(masks);
       const Consensus c = consensus_of(others.without(n), n);
       const double found = std::min(disagreement(mask, c.modal), disagreement(mask, c.amodal));
       trust.disagreement[n] = std::max(found, 0.0);
       if (found != kNothingThere) all.push_back(found);
-    }
-    if (std::ssize(all) < options_.least_views) return false;
+    });
+    if (!every || std::ssize(all) < options_.least_views) return false;
     const double threshold = ignore_threshold(options_, all, trust.figures["median_disagreement"]);
     trust.figures["threshold"] = threshold;
     bool changed = false;

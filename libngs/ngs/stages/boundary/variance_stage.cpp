@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <sstream>
 
+#include "ngs/problem/view_list.h"
+
 namespace ngs {
 namespace {
 
@@ -62,15 +64,14 @@ Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const GaussianC
                              const Scene& scene, const std::vector<std::size_t>& views,
                              const SplatOptions& options, const MaskLoader& load_masks) {
   Evidence evidence(cloud.size(), int(scene.objects.size()));
-  for (std::size_t n = 0; n < views.size(); ++n) {
+  for_each_view(&monitor, views, [&](std::size_t, std::size_t view) {
     const ViewMasks masks = [&] {
       const auto timed = monitor.scope("load masks");
-      return load_masks(views[n]);
+      return load_masks(view);
     }();
     const auto timed = monitor.scope("evidence");
-    add_view_evidence(exec, cloud, scene.views[views[n]].camera, options, masks, evidence);
-    monitor.progress(std::int64_t(n) + 1, std::int64_t(views.size()));
-  }
+    add_view_evidence(exec, cloud, scene.views[view].camera, options, masks, evidence);
+  });
   return evidence;
 }
 
