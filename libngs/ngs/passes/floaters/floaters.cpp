@@ -40,6 +40,10 @@ std::vector<std::uint8_t> candidates_of(const Exec& exec, const Problem& input, 
 struct Surface {
   ImageF colour;  // of the surface, where there is one
   ImageF limit;   // [H, W, 1] camera z before which things are in front of it; 0: no surface
+
+  double pixels() const {
+    return double(std::count_if(limit.data.begin(), limit.data.end(), [](float z) { return z > 0; }));
+  }
 };
 
 Surface surface_of(const Exec& exec, const FloaterOptions& options, const Problem& input,
@@ -122,6 +126,7 @@ class FloaterSearch {
     double sum = 0, pixels = 0;
     for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) {
       const Surface s = surface(v);
+      if (s.pixels() == 0) return;
       const ImageF layer = FrontView(exec_, cloud_, camera(v), input_.splat)
                                .layer({s.limit, candidate_}, {none.data(), cloud_.size(), 1});
       for (std::size_t p = 0; p < s.limit.data.size(); ++p)
@@ -205,10 +210,10 @@ class FloaterSearch {
     std::vector<double> front(n), through(n), reach(n);
     double surface_px = 0;
     for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) {
-      const ImageF photo = input_.load_photo(v);
       const Surface s = surface(v);
-      surface_px +=
-          double(std::count_if(s.limit.data.begin(), s.limit.data.end(), [](float z) { return z > 0; }));
+      if (s.pixels() == 0) return;  // nothing is before it
+      surface_px += s.pixels();
+      const ImageF photo = input_.load_photo(v);
       const LeaveOneOut::Rest others = colours.without(v);
       const std::vector<float> elsewhere = colour_elsewhere(others);
       const FrontQuery query{s.limit, candidate_};
