@@ -84,7 +84,7 @@ struct Input {
     ply = io::read_gaussian_ply(paths.boundary);
     reading_s = wall_seconds() - began_s;
   }
-  Problem problem(const Options& options, std::uint64_t seed) const {
+  Problem problem(const Options& options, std::uint64_t seed, Monitor& monitor) const {
     return {.cloud = ply.cloud,
             .scene = scene,
             .views = training_views(scene),
@@ -95,7 +95,8 @@ struct Input {
             .seed = seed,
             .fixed = ply.fixed,
             .labels = labels_of(ply, scene),
-            .load_fine_photo = [this](std::size_t view) { return io::load_fine_photo(scene, view); }};
+            .load_fine_photo = [this](std::size_t view) { return io::load_fine_photo(scene, view); },
+            .monitor = &monitor};
   }
 };
 
@@ -105,12 +106,11 @@ void compare_with_photos(cli::Run& run, const Problem& problem) {
   const auto timed = run.monitor().scope("compare with photos");
   const std::vector<std::size_t> with_photo = photo_views(problem.scene);
   std::vector<double> gains_db;
-  for (std::size_t n = 0; n < std::min(with_photo.size(), kViews); ++n) {
-    const std::size_t v = with_photo[n * with_photo.size() / kViews];
+  for_each_view(&run.monitor(), spread_views(with_photo, kViews), [&](std::size_t, std::size_t v) {
     const Camera& camera = problem.scene.views[v].camera;
     gains_db.push_back(match_photo(run.exec(), problem.cloud, camera, problem.splat, problem.load_photo(v)).gain_db());
-  }
-  if (gains_db.empty()) return;
+  });
+  if (gains_db.empty() || run.monitor().stop_requested()) return;
   const double gain_db = upper_median(std::move(gains_db)), least_db = SceneCheckOptions{}.min_fit_db;
   if (gain_db >= least_db) return;
   char text[160];
@@ -180,9 +180,9 @@ class MethodRun {
   }
 
   int operator()() {
-    Problem from_files = input_.problem(options_, run_.seed());
-    from_files.splat.prepared = prepare_cloud(run_.exec(), from_files.cloud);
+    Problem from_files = input_.problem(options_, run_.seed(), run_.monitor());
     if (run_.dry_run()) return plan(from_files);
+    from_files.splat.prepared = prepare_cloud(run_.exec(), from_files.cloud);
     if (keeps_steps()) cli::require_checkpoint_folder(options_.steps.checkpoint, StepFile::path_in(options_.steps.checkpoint));
     if (from_files.views.empty())
       throw Error(ErrorCode::kInconsistent, paths_.scene + ": no training view, expected at least one", "hold out fewer views");

@@ -5,6 +5,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/ops/image/mask_pair.h"
+#include "ngs/problem/view_list.h"
 #include "ngs/stages/render/render_stage.h"
 
 namespace ngs {
@@ -13,9 +14,9 @@ std::vector<Agreement> training_agreement(const Exec& exec, const Problem& probl
   const std::size_t objects = solution.labels.size();
   const LabelChannels channels(solution.cloud, solution.labels);
   std::vector<Agreement> views;
-  for (const std::size_t view : problem.views) {
+  for_each_view(problem.monitor, problem.views, [&](std::size_t, std::size_t view) {
     const ViewMasks masks = problem.load_masks(view);
-    if (!masks.available) continue;
+    if (!masks.available) return;
     const ImageF label = channels.view(exec, problem.scene.views[view].camera, problem.splat);
     Agreement sum;
     for (std::size_t k = 0; k < objects; ++k) {
@@ -23,7 +24,7 @@ std::vector<Agreement> training_agreement(const Exec& exec, const Problem& probl
       sum.iou += iou(pair.counts(exec)), sum.biou += pair.biou(exec);
     }
     views.push_back({sum.iou / double(objects), sum.biou / double(objects)});
-  }
+  });
   return views;
 }
 

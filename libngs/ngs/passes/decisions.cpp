@@ -39,6 +39,7 @@ bool Decisions::decide(const std::vector<Effect>& some, SceneProbe& probe) {
     }
     asked = true;
     const double measured = e.detector.measure(probe);
+    if (probe.stopped()) break;
     all_.push_back({&e, "auto", measured > e.detector.threshold, decision_reason(e.detector, measured), measured});
   }
   return asked;

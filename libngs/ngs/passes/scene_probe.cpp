@@ -25,7 +25,7 @@ std::size_t add_view(const Exec& exec, const ImageF& rendered, const ViewMasks& 
   }
   views.disagreement.push_back(sum), views.shown.push_back(shown);
   const PixelWindow w = window_of(masks.target, masks.width_px, masks.height_px, kRegionMargin_px);
-  views.outside = std::max(views.outside, weight_outside(rendered, w.x0, w.y0, w.x0 + w.w, w.y0 + w.h));
+  if (w.w > 0) views.outside = std::max(views.outside, weight_outside(rendered, w.x0, w.y0, w.x0 + w.w, w.y0 + w.h));
   return masks.target.size();
 }
 
@@ -37,17 +37,19 @@ std::vector<std::size_t> SceneProbe::some_views() const { return spread_views(pr
 std::vector<Camera> SceneProbe::some_cameras() const { return cameras_of(problem_.scene, some_views()); }
 double SceneProbe::photos() const { return double(photo_count(problem_.scene, problem_.views)); }
 
+bool SceneProbe::stopped() const { return stop_requested(problem_.monitor); }
+
 const LabelViews& SceneProbe::label_views() {
   if (views_) return *views_;
   views_.emplace();
   const LabelChannels label(problem_.cloud, problem_.labels);
   std::size_t count = 0;
-  for (const std::size_t v : problem_.views) {
+  for_each_view(problem_.monitor, problem_.views, [&](std::size_t, std::size_t v) {
     const ViewMasks masks = problem_.load_masks(v);
-    if (!masks.available) continue;
+    if (!masks.available) return;
     const ImageF rendered = label.view(exec_, problem_.scene.views[v].camera, problem_.splat);
     count += add_view(exec_, rendered, masks, *views_);
-  }
+  });
   if (count > 0) views_->biou /= double(count);
   return *views_;
 }

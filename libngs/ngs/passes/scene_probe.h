@@ -21,6 +21,7 @@ struct LabelViews {
   std::vector<std::uint8_t> shown;   // per view, 1: mask or model shows an object
   double biou = 0;                   // mean over views and objects
   double outside = 0;                // share of the rendered object beyond a margin about its mask: the largest over the views
+                                     // whose mask is not empty; the others' pixels are all beyond
 };
 
 /// 1 - IoU; 0 where both masks are empty.
@@ -42,6 +43,9 @@ class SceneProbe {
   std::vector<Camera> some_cameras() const;
   /// Training views with a photo.
   double photos() const;
+
+  /// Whether to stop: then what is measured means nothing.
+  bool stopped() const;
 
   const LabelViews& label_views();
   const BoundarySet& boundary();

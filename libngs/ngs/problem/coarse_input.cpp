@@ -42,7 +42,8 @@ CoarseInput::CoarseInput(const Problem& fine, int shrink, std::size_t kept_bytes
               .fixed = fine.fixed,
               .labels = fine.labels,
               .load_fine_photo = fine.load_fine_photo,
-              .held = fine.held},
+              .held = fine.held,
+              .monitor = fine.monitor},
       kept_bytes_(kept_bytes) {}
 
 template <class T, class Load>
@@ -89,7 +90,7 @@ double CoarseInput::preload(const Exec& exec, const std::function<bool()>& go_on
       const std::lock_guard lock(mutex_);
       if (bytes_ > kept_bytes_ / 10 * 9) return;  // what is loaded now would not be kept
     }
-    if (go_on && !go_on()) {
+    if (stop_requested(fine_.monitor) || (go_on && !go_on())) {
       ++refused;
       return;
     }

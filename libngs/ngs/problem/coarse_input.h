@@ -25,8 +25,9 @@ class CoarseInput {
   CoarseInput& operator=(const CoarseInput&) = delete;
 
   const Problem& get() const { return coarse_; }
-  /// Loads the masks of the input's views and the photos of all that have one, on all threads, while there is room and
-  /// `go_on` says so, which every thread asks before each of them. Returns the share that it did not refuse.
+  /// Loads the masks of the input's views and the photos of all that have one, on all threads, while there is room,
+  /// nobody asks to stop and `go_on` says so, which every thread asks before each of them. Returns the share that was
+  /// not refused.
   double preload(const Exec& exec, const std::function<bool()>& go_on = {}) const;
 
  private:

@@ -51,6 +51,7 @@ struct Problem {
   std::function<ImageF(std::size_t view)> load_fine_photo = {};
   std::vector<std::uint8_t> held = {};                     // [N] 1: shape, opacity and colour stay as they are; empty: none
   std::vector<std::shared_ptr<const void>> owns = {};      // what the references above refer to, where nobody else keeps it
+  Monitor* monitor = nullptr;                              // asked before every view whether to go on; null: goes on
 };
 
 struct Solution {

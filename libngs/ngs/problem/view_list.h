@@ -3,10 +3,25 @@
 #include <algorithm>
 #include <vector>
 
+#include "ngs/core/monitor.h"
 #include "ngs/core/rng.h"
 #include "ngs/scene/scene.h"
 
 namespace ngs {
+
+inline bool stop_requested(const Monitor* monitor) { return monitor != nullptr && monitor->stop_requested(); }
+
+/// Calls f(n, views[n]) in order, and tells `monitor` (may be null) how far it is. False: it was asked to stop, and
+/// the views from there on are left out: what the caller has made is no result.
+template <class F>
+bool for_each_view(Monitor* monitor, const std::vector<std::size_t>& views, const F& f) {
+  for (std::size_t n = 0; n < views.size(); ++n) {
+    if (stop_requested(monitor)) return false;
+    f(n, views[n]);
+    if (monitor != nullptr) monitor->progress(std::int64_t(n) + 1, std::int64_t(views.size()));
+  }
+  return true;
+}
 
 inline std::vector<Camera> cameras_of(const Scene& scene, const std::vector<std::size_t>& views) {
   std::vector<Camera> cameras;

@@ -161,4 +161,13 @@ TEST_CASE("photos: those of views that may not supervise do not count, and one o
   CHECK(c.measure("contours") > threshold_of("contours"));
 }
 
+TEST_CASE("region: a view that does not show the object is no reason to train on all of every photo") {
+  ProbeCase c;
+  const std::size_t last = c.base->is_ball.size() - 1;
+  hang(c.base->model, last, 0, 0, -4);  // behind the cameras that see the ball
+  c.base->labels[0].label[last] = 1;
+  c.views.push_back(c.base->look_away());  // naive: what it shows is all outside of its empty mask's window
+  CHECK(c.measure("region") <= threshold_of("region"));
+}
+
 }  // namespace ngs

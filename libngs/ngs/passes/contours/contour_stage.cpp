@@ -53,14 +53,14 @@ ExactSums weight_in_all(const Exec& exec, const ContourSetup& setup, const std::
                         const GaussianCloud& cloud) {
   ExactSums weight;
   weight.resize(std::size_t(cloud.size()));
-  for (const std::size_t v : views) {
+  for_each_view(setup.problem.monitor, views, [&](std::size_t, std::size_t v) {
     const Camera& camera = setup.problem.scene.views[v].camera;
     ViewMasks all;
     all.width_px = camera.width_px, all.height_px = camera.height_px, all.available = true;
     all.target.emplace_back(std::size_t(camera.width_px) * std::size_t(camera.height_px), 1.f);
     const ViewSums seen = view_sums(exec, cloud, camera, setup.problem.splat, all);
     for (std::size_t r = 0; r < seen.size(); ++r) weight.add(seen.row[r], seen.weight(r));
-  }
+  });
   return weight;
 }
 
@@ -231,6 +231,7 @@ class ContourRun {
     for (const std::size_t v : views_)
       scene.views[v].camera = window_camera(scene.views[v].camera, refined_[v].window);
     const TrainedRows rows = split_model(exec_, setup_, window_input(scene, iteration, model_.cloud), model_);
+    if (monitor_.stop_requested()) return false;
     const GaussianCloud part = gather_rows(exec_, model_.cloud, rows.rows);
     Problem input = window_input(scene, iteration, part);
     input.labels = gather_labels(exec_, model_.labels, rows.rows);
@@ -327,7 +328,8 @@ class ContourRun {
             .background = setup_.problem.background,
             .seed = setup_.problem.seed + std::uint64_t(iteration),
             .fixed = {},
-            .labels = {}};
+            .labels = {},
+            .monitor = &monitor_};
   }
 
   ImageF window_photo(std::size_t v) const {

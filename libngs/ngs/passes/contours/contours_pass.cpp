@@ -27,15 +27,15 @@ double narrow_share(SceneProbe& probe) {
   const Problem& problem = probe.problem();
   if (photo_views(problem.scene).size() < problem.scene.views.size()) return 1;  // what no photo holds drifts further at half the size
   std::vector<NarrowParts> sum(problem.labels.size());
-  for (const std::size_t v : probe.some_views()) {
+  for_each_view(problem.monitor, probe.some_views(), [&](std::size_t, std::size_t v) {
     const ViewMasks masks = problem.load_masks(v);
-    if (!masks.available) continue;
+    if (!masks.available) return;
     for (std::size_t k = 0; k < masks.target.size(); ++k) {
       const std::vector<std::uint8_t> plane = object_pixels(masks.target[k]);
       const NarrowParts parts = narrow_parts({plane.data(), masks.width_px, masks.height_px});
       sum[k].narrow_px2 += parts.narrow_px2, sum[k].all_px2 += parts.all_px2;
     }
-  }
+  });
   double most = 0;
   for (const NarrowParts& object : sum)
     if (object.all_px2 > 0) most = std::max(most, object.narrow_px2 / object.all_px2);
@@ -143,6 +143,7 @@ void ContoursPass::run(PassRun& run) {
   if (budget.given()) {
     const auto lap = budget.lap("check", kCheckRenders * double(views));
     before = training_agreement(run.exec, *run.problem, *run.solution);
+    if (run.monitor.stop_requested()) return;
   }
   if (budget.plan_contours({}).contour_iterations == 0) return budget.note_cut();
   run.watch->begin_iterations(budget.foreseen_s(budget.contours.check_renders));
@@ -158,7 +159,8 @@ void ContoursPass::run(PassRun& run) {
                                  std::move(*run.solution));
   if (run.monitor.stop_requested() || !budget.given() || run.solution->source_row.empty()) return;
   const auto lap = budget.lap("check", kCheckRenders * double(views));
-  if (!has_lost(*run.solution, before, training_agreement(run.exec, *run.problem, *run.solution))) return;
+  const std::vector<Agreement> after = training_agreement(run.exec, *run.problem, *run.solution);
+  if (run.monitor.stop_requested() || !has_lost(*run.solution, before, after)) return;
   run.say("the contours are left out again: too few steps, or the masks disagree");
   const double undone = run.solution->figures["contour_iterations"];
   run.solution = start;

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "ngs/passes/detectors.h"
+#include "ngs/problem/view_list.h"
 
 namespace ngs {
 
@@ -25,14 +26,14 @@ class Pictures {
            std::size_t kept_bytes)
       : exec_(exec), scene_(input.scene), splat_(input.splat) {
     request_.background = input.background;
-    for (const std::size_t v : views) {
+    for_each_view(input.monitor, views, [&](std::size_t, std::size_t v) {
       const Camera& camera = scene_.views[v].camera;
       const std::size_t bytes = 3 * sizeof(float) * std::size_t(camera.width_px) * std::size_t(camera.height_px);
       std::optional<ImageF>& picture = picture_[v];
-      if (bytes > kept_bytes) continue;
+      if (bytes > kept_bytes) return;
       kept_bytes -= bytes;
       picture = drawn(cloud, v);
-    }
+    });
     if (std::any_of(picture_.begin(), picture_.end(), [](const auto& of_view) { return !of_view.second; })) model_ = cloud;
   }
 

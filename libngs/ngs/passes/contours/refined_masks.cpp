@@ -5,6 +5,7 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/ops/image/metrics.h"
+#include "ngs/problem/view_list.h"
 #include "ngs/scene/enlarge.h"
 #include "ngs/stages/render/render_stage.h"
 
@@ -137,6 +138,7 @@ std::vector<RefinedView> refine_views(const Exec& exec, const RefineSetup& setup
   for (const std::size_t v : compared) compare[v] = 1;
   const LabelChannels label(model.cloud, model.labels);
   for_each_task(exec, std::int64_t(views.size()), [&](std::int64_t i) {
+    if (stop_requested(setup.problem.monitor)) return;
     const std::size_t v = views[std::size_t(i)];
     refined[v] = refine_view(setup, label, v, compare[v] != 0);
   });

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "ngs/ops/splat/evidence.h"
+#include "ngs/problem/view_list.h"
 
 namespace ngs {
 
@@ -11,9 +12,9 @@ Straddling straddling(const Exec& exec, const Problem& input, const GaussianClou
   const auto n = std::size_t(cloud.size()), objects = input.scene.objects.size(), first = n - std::size_t(last_rows);
   Straddling all{std::vector<double>(n), {}, Evidence(last_rows, int(objects))};
   all.weight.resize(n);
-  for (const std::size_t view : input.views) {
+  for_each_view(input.monitor, input.views, [&](std::size_t, std::size_t view) {
     const ViewMasks masks = input.load_masks(view);
-    if (!masks.available) continue;
+    if (!masks.available) return;
     const ViewSums seen = view_sums(exec, cloud, input.scene.views[view].camera, input.splat, masks);
     for (std::size_t v = 0; v < seen.size(); ++v) {
       double most = 0;
@@ -26,7 +27,7 @@ Straddling straddling(const Exec& exec, const Problem& input, const GaussianClou
       all.weight.add(row, seen.weight(v));
       if (row >= first) all.last.add(row - first, seen.at(v));
     }
-  }
+  });
   return all;
 }
 

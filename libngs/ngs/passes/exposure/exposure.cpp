@@ -5,6 +5,7 @@
 
 #include "ngs/math/median.h"
 #include "ngs/ops/splat/splat.h"
+#include "ngs/problem/view_list.h"
 
 namespace ngs {
 namespace {
@@ -31,16 +32,16 @@ std::vector<ViewExposure> view_exposures(const Exec& exec, const Problem& input,
                                          const std::vector<std::size_t>& views) {
   std::vector<ViewExposure> exposures;
   std::vector<std::array<double, 3>> logs;
-  for (const std::size_t v : views) {
+  for_each_view(input.monitor, views, [&](std::size_t, std::size_t v) {
     const ImageF photo = input.load_photo(v);
-    if (photo.empty()) continue;
+    if (photo.empty()) return;
     RenderRequest request;
     request.background = input.background;
     const RenderedView rendered = render(exec, input.cloud, input.scene.views[v].camera, input.splat, request);
     exposures.push_back({v});
     logs.emplace_back();
     for (std::size_t c = 0; c < 3; ++c) logs.back()[c] = log_gain(rendered, photo, c);
-  }
+  });
   for (std::size_t c = 0; c < 3; ++c) {
     std::vector<double> known;
     for (const auto& log : logs)

@@ -40,6 +40,10 @@ std::vector<std::uint8_t> candidates_of(const Exec& exec, const Problem& input, 
 struct Surface {
   ImageF colour;  // of the surface, where there is one
   ImageF limit;   // [H, W, 1] camera z before which things are in front of it; 0: no surface
+
+  double pixels() const {
+    return double(std::count_if(limit.data.begin(), limit.data.end(), [](float z) { return z > 0; }));
+  }
 };
 
 Surface surface_of(const Exec& exec, const FloaterOptions& options, const Problem& input,
@@ -120,13 +124,14 @@ class FloaterSearch {
     candidate_ = candidates_of(exec_, input_, core_, margin_);
     const std::vector<float> none(std::size_t(cloud_.size()), 0.f);
     double sum = 0, pixels = 0;
-    for (const std::size_t v : views_) {
+    for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) {
       const Surface s = surface(v);
+      if (s.pixels() == 0) return;
       const ImageF layer = FrontView(exec_, cloud_, camera(v), input_.splat)
                                .layer({s.limit, candidate_}, {none.data(), cloud_.size(), 1});
       for (std::size_t p = 0; p < s.limit.data.size(); ++p)
         if (s.limit.data[p] > 0) sum += double(layer.data[2 * p + 1]), ++pixels;
-    }
+    });
     return pixels > 0 ? sum / pixels : 0;
   }
 
@@ -147,14 +152,14 @@ class FloaterSearch {
   /// Median over views of the median difference between core and photo.
   double core_noise() {
     std::vector<double> medians;
-    for (const std::size_t v : views_) {
+    for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) {
       const Surface s = surface(v);
       const ImageF photo = input_.load_photo(v);
       std::vector<double> all;
       for (std::size_t p = 0; p < s.limit.data.size(); ++p)
         if (s.limit.data[p] > 0) all.push_back(difference(&photo.data[3 * p], &s.colour.data[3 * p]));
       if (!all.empty()) medians.push_back(upper_median(all));
-    }
+    });
     return medians.empty() ? 1.0 : upper_median(medians);
   }
 
@@ -201,14 +206,14 @@ class FloaterSearch {
     LeaveOneOut colours(exec_, cloud_.size(), 3, [this](std::size_t v) {
       return colour_sums(exec_, input_, cloud_, camera(v), input_.load_photo(v), candidate_);
     });
-    for (const std::size_t v : views_) colours.add(v);
+    if (!for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) { colours.add(v); })) return {};
     std::vector<double> front(n), through(n), reach(n);
     double surface_px = 0;
-    for (const std::size_t v : views_) {
-      const ImageF photo = input_.load_photo(v);
+    for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) {
       const Surface s = surface(v);
-      surface_px +=
-          double(std::count_if(s.limit.data.begin(), s.limit.data.end(), [](float z) { return z > 0; }));
+      if (s.pixels() == 0) return;  // nothing is before it
+      surface_px += s.pixels();
+      const ImageF photo = input_.load_photo(v);
       const LeaveOneOut::Rest others = colours.without(v);
       const std::vector<float> elsewhere = colour_elsewhere(others);
       const FrontQuery query{s.limit, candidate_};
@@ -219,7 +224,8 @@ class FloaterSearch {
         front[i] += sums.front[i], through[i] += sums.marked[i];
         if (others.own[i] > 0) reach[i] = std::max(reach[i], sums.front[i] / others.own[i]);
       }
-    }
+    });
+    if (stop_requested(input_.monitor)) return {};
     std::vector<std::size_t> found;
     double hidden_px = 0;
     for (std::size_t i = 0; i < n; ++i) {

@@ -47,7 +47,8 @@ Problem without(const Problem& problem, std::shared_ptr<const GaussianCloud> clo
                .labels = std::move(labels),
                .load_fine_photo = problem.load_fine_photo,
                .held = problem.held,
-               .owns = problem.owns};
+               .owns = problem.owns,
+               .monitor = problem.monitor};
   next.owns.push_back(std::move(cloud));
   return next;
 }
@@ -99,7 +100,8 @@ void FloatersPass::run(PassRun& run) {
                                            {"seen_through", options.seen_through},
                                            {"least_hidden", options.least_hidden}};
   note(finding.figures, report);
-  if (finding.count > 0 && !run.monitor.stop_requested()) remove(run, coarse, shrink, finding, plan);
+  if (run.monitor.stop_requested()) return;
+  if (finding.count > 0) remove(run, coarse, shrink, finding, plan);
   run.state["floaters"] = plan.json();
 }
 

@@ -34,15 +34,15 @@ double finest_cell(SceneProbe& probe) {
 
 double patch_deviation(SceneProbe& probe) {
   double most = 0;
-  for (const std::size_t v : probe.some_views()) {
+  for_each_view(probe.problem().monitor, probe.some_views(), [&](std::size_t, std::size_t v) {
     const ViewMasks masks = probe.problem().load_masks(v);
     const ImageF photo = probe.problem().load_photo(v);
-    if (!masks.available || photo.empty()) continue;
+    if (!masks.available || photo.empty()) return;
     for (const std::vector<float>& target : masks.target) {
       const std::vector<std::uint8_t> plane = object_pixels(target);
       most = std::max(most, contour_deviation_levels(photo, {plane.data(), masks.width_px, masks.height_px}));
     }
-  }
+  });
   return most;
 }
 

@@ -5,6 +5,7 @@
 
 #include "ngs/math/median.h"
 #include "ngs/ops/splat/evidence.h"
+#include "ngs/problem/view_list.h"
 #include "ngs/stages/boundary/leave_one_out.h"
 #include "ngs/ops/image/mask_pair.h"
 
@@ -39,26 +40,19 @@ double disagreement(const Planes& mask, const Planes& consensus) {
   return either > 0 ? 1 - both / either : kNothingThere;
 }
 
-/// What the other views say about one view.
-struct Consensus {
-  Planes modal, amodal;
-};
-
 class Judge {
  public:
   Judge(const Exec& exec, const MaskOutlierOptions& options, const Problem& input)
-      : exec_(exec), options_(options), input_(input), trusted_(input.views.size(), 1) {}
+      : exec_(exec), options_(options), input_(input), trusted_(input.views.size(), 1), gathered_(input.views.size(), 0) {}
 
   MaskOutliers run(Monitor& monitor) {
     const auto timed = monitor.scope("view trust");
     MaskOutliers trust;
     int rounds = 0;
+    LeaveOneOut others(exec_, input_.cloud.size(), int(input_.scene.objects.size()), [this](std::size_t n) {
+      return view_sums(exec_, input_.cloud, camera(n), input_.splat, input_.load_masks(input_.views[n]));
+    });
     while (rounds < options_.rounds && !monitor.stop_requested()) {
-      LeaveOneOut others(exec_, input_.cloud.size(), int(input_.scene.objects.size()),
-                         [this](std::size_t n) {
-                           return view_sums(exec_, input_.cloud, camera(n), input_.splat,
-                                            input_.load_masks(input_.views[n]));
-                         });
       if (!gather(others)) break;
       ++rounds;
       if (!judge(others, trust)) break;
@@ -72,18 +66,21 @@ class Judge {
  private:
   const Camera& camera(std::size_t n) const { return input_.scene.views[input_.views[n]].camera; }
 
-  /// Evidence of the trusted views; false where too few have masks.
-  bool gather(LeaveOneOut& others) const {
+  /// Evidence of the trusted views, from that of those that were trusted before; false where too few have masks, or it was asked to stop.
+  bool gather(LeaveOneOut& others) {
     int with_masks = 0;
-    for (std::size_t n = 0; n < trusted_.size(); ++n) {
-      if (!trusted_[n]) continue;
-      with_masks += input_.load_masks(input_.views[n]).available;
-      others.add(n);
-    }
-    return with_masks >= options_.least_views;
+    const bool all = for_each_view(input_.monitor, input_.views, [&](std::size_t n, std::size_t view) {
+      if (gathered_[n] && !trusted_[n]) others.remove(n);
+      if (!gathered_[n] && trusted_[n]) others.add(n);
+      gathered_[n] = trusted_[n];
+      if (trusted_[n]) with_masks += input_.load_masks(view).available;
+    });
+    return all && with_masks >= options_.least_views;
   }
 
-  Consensus consensus_of(const LeaveOneOut::Rest& rest, std::size_t n) const {
+  /// Disagreement of a mask with the better consensus. Where mask and object alone show nothing, nothing is less, and the
+  /// model as it stands is not rendered.
+  double disagreement_with(const LeaveOneOut::Rest& rest, std::size_t n, const Planes& mask) const {
     const std::size_t rows = rest.seen.size(), objects = input_.scene.objects.size();
     std::vector<float> label(rows * (objects + 1), 0.f);  // last: the others have seen it
     std::vector<std::uint8_t> object(rows, 0);
@@ -95,11 +92,11 @@ class Judge {
     RenderRequest request;
     request.colour = false;
     request.label = {label.data(), input_.cloud.size(), int(objects) + 1};
-    Consensus c;
-    c.modal = thresholded(render(exec_, input_.cloud, camera(n), input_.splat, request), true);
     request.include = object.data();
-    c.amodal = thresholded(render(exec_, input_.cloud, camera(n), input_.splat, request), false);
-    return c;
+    const double alone = disagreement(mask, thresholded(render(exec_, input_.cloud, camera(n), input_.splat, request), false));
+    if (alone == kNothingThere) return alone;
+    request.include = nullptr;
+    return std::min(alone, disagreement(mask, thresholded(render(exec_, input_.cloud, camera(n), input_.splat, request), true)));
   }
   /// `seen_only`: compared only where most of the pixel was seen by the others.
   static Planes thresholded(const RenderedView& view, bool seen_only) {
@@ -119,16 +116,15 @@ class Judge {
   bool judge(const LeaveOneOut& others, MaskOutliers& trust) {
     trust.disagreement.assign(trusted_.size(), -1.0);
     std::vector<double> all;
-    for (std::size_t n = 0; n < trusted_.size(); ++n) {
-      const ViewMasks masks = input_.load_masks(input_.views[n]);
-      if (!masks.available) continue;
+    const bool every = for_each_view(input_.monitor, input_.views, [&](std::size_t n, std::size_t view) {
+      const ViewMasks masks = input_.load_masks(view);
+      if (!masks.available) return;
       const Planes mask = planes_of(masks);
-      const Consensus c = consensus_of(others.without(n), n);
-      const double found = std::min(disagreement(mask, c.modal), disagreement(mask, c.amodal));
+      const double found = disagreement_with(others.without(n), n, mask);
       trust.disagreement[n] = std::max(found, 0.0);
       if (found != kNothingThere) all.push_back(found);
-    }
-    if (std::ssize(all) < options_.least_views) return false;
+    });
+    if (!every || std::ssize(all) < options_.least_views) return false;
     const double threshold = ignore_threshold(options_, all, trust.figures["median_disagreement"]);
     trust.figures["threshold"] = threshold;
     bool changed = false;
@@ -142,7 +138,7 @@ class Judge {
   const Exec& exec_;
   const MaskOutlierOptions& options_;
   const Problem& input_;
-  std::vector<std::uint8_t> trusted_;  // per entry of input.views
+  std::vector<std::uint8_t> trusted_, gathered_;  // per entry of input.views
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "ngs/passes/detectors.h"
 #include "ngs/passes/mask_outliers/mask_outliers.h"
+#include "ngs/problem/view_list.h"
 #include "ngs/stages/boundary/method_labels.h"
 #include "ngs/ops/image/mask_pair.h"
 #include "ngs/stages/render/render_stage.h"
@@ -24,15 +25,17 @@ double disagreement_alone(const Exec& exec, const Problem& problem, const Camera
 double worst_outlier(SceneProbe& probe) {
   const Problem& problem = probe.problem();
   std::vector<double> better;  // of the model as it stands and the objects alone
-  std::size_t next = 0;        // of label_views()
-  for (const std::size_t v : problem.views) {
+  const LabelViews& views = probe.label_views();
+  if (probe.stopped()) return 0;
+  std::size_t next = 0;  // of `views`
+  for_each_view(problem.monitor, problem.views, [&](std::size_t, std::size_t v) {
     const ViewMasks masks = problem.load_masks(v);
-    if (!masks.available) continue;
+    if (!masks.available) return;
     const std::size_t at = next++;
-    if (!probe.label_views().shown[at]) continue;  // as judge_views() leaves it out
+    if (!views.shown[at]) return;  // as judge_views() leaves it out
     const double alone = disagreement_alone(probe.exec(), problem, problem.scene.views[v].camera, masks);
-    better.push_back(std::min(probe.label_views().disagreement[at], alone) / double(masks.target.size()));
-  }
+    better.push_back(std::min(views.disagreement[at], alone) / double(masks.target.size()));
+  });
   return outlier_score(better);
 }
 
@@ -49,6 +52,7 @@ std::vector<Effect> MaskOutliersPass::effects() const {
 
 void MaskOutliersPass::run(PassRun& run) {
   const auto outliers = std::make_shared<const MaskOutliers>(judge_views(run.exec, run.monitor, {}, *run.coarse));
+  if (run.monitor.stop_requested()) return;
   Json names = Json::array();
   for (const std::size_t v : outliers->ignored) {
     const std::string& name = run.problem->scene.views[v].camera.name;
@@ -58,7 +62,7 @@ void MaskOutliersPass::run(PassRun& run) {
   }
   Json& report = run.report["mask_outliers"] = {{"ignored", names}};
   for (const auto& [name, value] : outliers->figures) report[name] = value;
-  if (outliers->ignored.empty() || run.monitor.stop_requested()) return;
+  if (outliers->ignored.empty()) return;
   Problem& problem = *run.problem;
   problem.load_masks = [load = problem.load_masks, outliers](std::size_t view) {
     return consistent_masks(*outliers, view, load(view));

@@ -32,6 +32,14 @@ LeaveOneOut::Own LeaveOneOut::own_of(const ViewSums& one) const {
   return own;
 }
 
+std::size_t LeaveOneOut::bytes_of(const Own& own) {
+  return own.row.size() * sizeof(own.row[0]) + own.weight.size() * sizeof(own.weight[0]);
+}
+
+bool LeaveOneOut::is_not_kept(std::size_t n) const {
+  return std::find(not_kept_.begin(), not_kept_.end(), n) != not_kept_.end();
+}
+
 void LeaveOneOut::add(std::size_t n) {
   Own own = own_of(gather_(n));
   for_each_index(exec_, std::int64_t(own.row.size()), [&](std::int64_t v) {
@@ -40,17 +48,35 @@ void LeaveOneOut::add(std::size_t n) {
     weight_.add(i, weight[0]);
     for (std::size_t k = 0; k < objects_; ++k) object_weight_.add(i * objects_ + k, weight[1 + k]);
   });
-  const std::size_t bytes = own.row.size() * sizeof(own.row[0]) + own.weight.size() * sizeof(own.weight[0]);
+  const std::size_t bytes = bytes_of(own);
   if (bytes > left_bytes_) return not_kept_.push_back(n);
   left_bytes_ -= bytes;
   kept_[n] = std::move(own);
+}
+
+void LeaveOneOut::remove(std::size_t n) {
+  const auto kept = kept_.find(n);
+  if (kept == kept_.end() && !is_not_kept(n)) return;
+  const Own own = kept == kept_.end() ? own_of(gather_(n)) : std::move(kept->second);
+  for_each_index(exec_, std::int64_t(own.row.size()), [&](std::int64_t v) {
+    const double* weight = &own.weight[std::size_t(v) * (1 + objects_)];
+    const std::size_t i = own.row[std::size_t(v)];
+    weight_.subtract(i, weight[0]);
+    for (std::size_t k = 0; k < objects_; ++k) object_weight_.subtract(i * objects_ + k, weight[1 + k]);
+  });
+  if (kept == kept_.end()) {
+    std::erase(not_kept_, n);
+  } else {
+    left_bytes_ += bytes_of(own);
+    kept_.erase(kept);
+  }
 }
 
 LeaveOneOut::Rest LeaveOneOut::without(std::size_t n) const {
   const auto rows = std::size_t(gaussians_);
   Own again;
   const auto kept = kept_.find(n);
-  if (kept == kept_.end() && std::find(not_kept_.begin(), not_kept_.end(), n) != not_kept_.end()) again = own_of(gather_(n));
+  if (kept == kept_.end() && is_not_kept(n)) again = own_of(gather_(n));
   const Own& own = kept == kept_.end() ? again : kept->second;
   Rest rest{std::vector<std::uint8_t>(rows), std::vector<float>(rows * objects_), std::vector<double>(rows)};
   const std::vector<double> none(1 + objects_, 0.0);

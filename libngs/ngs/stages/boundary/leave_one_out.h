@@ -16,6 +16,8 @@ class LeaveOneOut {
   LeaveOneOut(const Exec& exec, std::int64_t gaussians, int objects, Gather gather, std::size_t kept_bytes = 256u << 20);
 
   void add(std::size_t n);
+  /// A view that was added: nothing of it is left.
+  void remove(std::size_t n);
 
   struct Rest {
     std::vector<std::uint8_t> seen;  // [N] the others have at least a thousandth of the weight
@@ -31,6 +33,8 @@ class LeaveOneOut {
     std::vector<double> weight;      // [V, 1 + K] W, then W1 of each object
   };
   Own own_of(const ViewSums& one) const;
+  static std::size_t bytes_of(const Own& own);
+  bool is_not_kept(std::size_t n) const;
 
   const Exec exec_;
   std::int64_t gaussians_;

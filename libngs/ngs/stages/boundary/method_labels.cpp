@@ -54,9 +54,10 @@ std::vector<LabelColumns> labels_anew(const Exec& exec, Monitor& monitor, const 
       if (c.views[i] > 0 && c.boundary[i] < 0.5f) largest = std::max(largest, c.variance[i]);
   // Just above it: the column is rounded, and what it was rounded from must not be boundary either.
   if (largest >= 0) rule.tau = std::min(double(std::nextafter(largest, 2.f)), std::nextafter(1.0, 0.0));
-  std::vector<LabelColumns> labels =
-      labels_like(input.labels, rule, accumulate_evidence(exec, monitor, cloud, input.scene, input.views, input.splat,
-                                                          input.load_masks));
+  const Evidence evidence =
+      accumulate_evidence(exec, monitor, cloud, input.scene, input.views, input.splat, input.load_masks);
+  if (monitor.stop_requested()) return input.labels;
+  std::vector<LabelColumns> labels = labels_like(input.labels, rule, evidence);
   restore_fixed(input, {}, labels);
   return labels;
 }

@@ -10,7 +10,7 @@ std::vector<LabelColumns> closed_form_labels(const Exec& exec, Monitor& monitor,
 
 /// Labels from evidence gathered anew, with the boundary rule that the input's own labels follow: the criterion is the
 /// one that gives variances like theirs, tau the largest variance that is not boundary there. Hand-fixed labels stay. For
-/// stages that change the model or the masks.
+/// stages that change the model or the masks. The input's own where `monitor` was asked to stop.
 std::vector<LabelColumns> labels_anew(const Exec& exec, Monitor& monitor, const Problem& input,
                                       const GaussianCloud& cloud);
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <sstream>
 
+#include "ngs/problem/view_list.h"
+
 namespace ngs {
 namespace {
 
@@ -64,15 +66,14 @@ Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const GaussianC
   Evidence evidence(cloud.size(), int(scene.objects.size()));
   SplatOptions prepared = options;
   if (!options.prepared) prepared.prepared = prepare_cloud(exec, cloud);
-  for (std::size_t n = 0; n < views.size(); ++n) {
+  for_each_view(&monitor, views, [&](std::size_t, std::size_t view) {
     const ViewMasks masks = [&] {
       const auto timed = monitor.scope("load masks");
-      return load_masks(views[n]);
+      return load_masks(view);
     }();
     const auto timed = monitor.scope("evidence");
-    add_view_evidence(exec, cloud, scene.views[views[n]].camera, prepared, masks, evidence);
-    monitor.progress(std::int64_t(n) + 1, std::int64_t(views.size()));
-  }
+    add_view_evidence(exec, cloud, scene.views[view].camera, prepared, masks, evidence);
+  });
   return evidence;
 }
 

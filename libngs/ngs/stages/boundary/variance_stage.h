@@ -38,7 +38,8 @@ struct VarianceOptions {
 /// The masks of view `index` of the scene.
 using MaskLoader = std::function<ViewMasks(std::size_t index)>;
 
-/// Sums the evidence of the given views of the scene (held-out views must not be among them).
+/// Sums the evidence of the given views of the scene (held-out views must not be among them); of fewer
+/// where `monitor` was asked to stop.
 Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud,
                              const Scene& scene, const std::vector<std::size_t>& views,
                              const SplatOptions& options, const MaskLoader& load_masks);

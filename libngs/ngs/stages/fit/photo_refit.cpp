@@ -15,13 +15,13 @@ namespace ngs {
 double mean_psnr_db(const Exec& exec, const Problem& input, const GaussianCloud& cloud,
                     const std::vector<std::size_t>& views) {
   double sum = 0;
-  for (const std::size_t v : views) {
+  for_each_view(input.monitor, views, [&](std::size_t, std::size_t v) {
     RenderRequest request;
     request.background = input.background;
     ImageF colour = std::move(render(exec, cloud, input.scene.views[v].camera, input.splat, request).colour);
     for (float& c : colour.data) c = std::clamp(c, 0.f, 1.f);
     sum += psnr_db(exec, colour, input.load_photo(v));
-  }
+  });
   return views.empty() ? 0 : sum / double(views.size());
 }
 

@@ -55,4 +55,25 @@ TEST_CASE("leaving a view out gives the evidence of the others, whether it is ke
   }
 }
 
+TEST_CASE("a view that was removed leaves the bits of the others, and may be added again") {
+  for (const std::size_t kept : {std::size_t(0), std::size_t(200), std::size_t(1) << 20}) {
+    CAPTURE(kept);
+    LeaveOneOut removed({}, kGaussians, kObjects, gather, kept), never({}, kGaussians, kObjects, gather, kept);
+    for (const std::size_t v : kViews) removed.add(v);
+    removed.remove(1), removed.remove(2);  // the second was not there
+    never.add(0), never.add(3);
+    const auto same = [&] {
+      for (std::size_t left_out = 0; left_out < 4; ++left_out) {
+        const LeaveOneOut::Rest a = removed.without(left_out), b = never.without(left_out);
+        CHECK(a.seen == b.seen);
+        CHECK(a.share == b.share);
+        CHECK(a.own == b.own);
+      }
+    };
+    same();
+    removed.add(1), never.add(1);
+    same();
+  }
+}
+
 }  // namespace ngs
