@@ -19,7 +19,8 @@ class BinnedView {
       if (lender_) project_blocks(exec, *lender_, cloud, view_projector<float>(camera, options), *memory_);
     if (!lender_) memory_->view = project_view(exec, cloud, camera, options);
     TileLists& lists = memory_->lists;
-    lists.tiles_x = (camera.width_px + kTilePx - 1) / kTilePx, lists.tiles_y = (camera.height_px + kTilePx - 1) / kTilePx;
+    lists.tiles_x = (camera.width_px + kTilePx - 1) / kTilePx,
+    lists.tiles_y = (camera.height_px + kTilePx - 1) / kTilePx;
     bin_tiles(exec, memory_->view, lists, memory_->bins);
   }
   BinnedView(BinnedView&&) noexcept = default;

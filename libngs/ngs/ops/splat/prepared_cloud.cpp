@@ -41,7 +41,8 @@ BlockBounds PreparedCloud::bounds_of(std::int64_t block) const {
   BlockBounds b;
   for (auto i = std::size_t(block) * kBlockRows; i < std::size_t(block + 1) * kBlockRows; ++i) {
     if (!(opacity[i] >= float(kAlphaMin))) continue;
-    for (std::size_t k = 0; k < 3; ++k) b.lo[k] = min2(b.lo[k], position[k][i]), b.hi[k] = max2(b.hi[k], position[k][i]);
+    for (std::size_t k = 0; k < 3; ++k)
+      b.lo[k] = min2(b.lo[k], position[k][i]), b.hi[k] = max2(b.hi[k], position[k][i]);
     b.scale = max2(b.scale, scale_bound[i]);
   }
   return b;

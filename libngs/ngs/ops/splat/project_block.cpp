@@ -29,7 +29,8 @@ struct alignas(64) Column {
   return int(above < hi ? above : double(hi));
 }
 
-/// The rows of a block on their way to ProjectedView; the members are those of ProjectedGaussian, SplatRecord and TileRect.
+/// The rows of a block on their way to ProjectedView; the members are those of ProjectedGaussian, SplatRecord and
+/// TileRect.
 struct BlockRows {
   Column<double> x, y, z;  // the centre in camera coordinates
   Column<float> depth, mean_x, mean_y, variance_x, variance_y, det_raw, det, conic_a, conic_b, conic_c;
@@ -70,8 +71,8 @@ class BlockProjector {
   const View& view_;
 };
 
-/// The four linear forms of ViewProjector::beside at the corners of the box: where one is beyond the largest Gaussian's reach
-/// at all corners, it is so at every centre.
+/// The four linear forms of ViewProjector::beside at the corners of the box: where one is beyond the largest Gaussian's
+/// reach at all corners, it is so at every centre.
 bool BlockProjector::may_reach(const BlockBounds& bounds) const {
   if (bounds.empty()) return false;
   const auto& w = view_.wide;
@@ -107,7 +108,8 @@ int BlockProjector::flag(std::int64_t block, std::uint8_t* reaches) const {
   const auto base = std::size_t(block) * kBlockRows;
   const float *scale = &cloud_.scale_bound[base], *opacity = &cloud_.opacity[base];
   const auto w = view_.wide;
-  const double spread = view_.spread, blur_px = view_.blur_px, width = kTilePx * view_.tiles_x, height = kTilePx * view_.tiles_y;
+  const double spread = view_.spread, blur_px = view_.blur_px, width = kTilePx * view_.tiles_x,
+               height = kTilePx * view_.tiles_y;
   const float near_z = view_.camera.near_z;
   each_row([&rows, scale, opacity, w, spread, blur_px, width, height, near_z](int i) {
     const double z = rows.z[i], column = w.f_x * rows.x[i] + w.c_x * z, row = w.f_y * rows.y[i] + w.c_y * z;
@@ -140,7 +142,8 @@ void BlockProjector::covariance(std::int64_t block, BlockRows& rows) const {
   const auto base = std::size_t(block) * kBlockRows;
   const float* m[9];
   for (std::size_t k = 0; k < 9; ++k) m[k] = &cloud_.shape[k][base];
-  const float *m0 = m[0], *m1 = m[1], *m2 = m[2], *m3 = m[3], *m4 = m[4], *m5 = m[5], *m6 = m[6], *m7 = m[7], *m8 = m[8];
+  const float *m0 = m[0], *m1 = m[1], *m2 = m[2], *m3 = m[3], *m4 = m[4], *m5 = m[5], *m6 = m[6], *m7 = m[7],
+              *m8 = m[8];
   const ProjectionCamera<float> c = view_.camera;
   each_row([=, &rows](int i) {
     const float z = float(rows.z[i]), slope_x = float(rows.x[i]) / z, slope_y = float(rows.y[i]) / z;
@@ -197,8 +200,10 @@ void BlockProjector::rectangle(BlockRows& rows) const {
     constexpr double kRoundUp = kTilePx - 1;
     const double x = double(rows.mean_x[i]) - shift, y = double(rows.mean_y[i]) - shift;
     const double radius_x = rows.radius_x[i], radius_y = rows.radius_y[i];
-    rows.x_begin[i] = clamped_tile(x - radius_x, tiles_x), rows.x_end[i] = clamped_tile(x + radius_x + kRoundUp, tiles_x);
-    rows.y_begin[i] = clamped_tile(y - radius_y, tiles_y), rows.y_end[i] = clamped_tile(y + radius_y + kRoundUp, tiles_y);
+    rows.x_begin[i] = clamped_tile(x - radius_x, tiles_x),
+    rows.x_end[i] = clamped_tile(x + radius_x + kRoundUp, tiles_x);
+    rows.y_begin[i] = clamped_tile(y - radius_y, tiles_y),
+    rows.y_end[i] = clamped_tile(y + radius_y + kRoundUp, tiles_y);
     rows.wide_x[i] = w.f_x * (rows.x[i] / rows.z[i]) + w.c_x, rows.wide_y[i] = w.f_y * (rows.y[i] / rows.z[i]) + w.c_y;
   });
 }
@@ -230,10 +235,13 @@ void BlockProjector::first_span(BlockRows& rows) const {
     const double v_lo = max2(y_lo - mean_y, -half_height), v_hi = min2(y_hi - mean_y, half_height);
     const double v_right = -b * double(rows.inv_c[i]) * double(rows.half_width[i]);
     const double v_most = clamp3(v_right, v_lo, v_hi), v_least = clamp3(-v_right, v_lo, v_hi);
-    const double x_hi = mean_x + inv_a * (1.0 * std::sqrt(max2(0.0, cut - v_most * v_most * inv_det)) - b * v_most) + kSpanSlackPx;
-    const double x_lo = mean_x + inv_a * (-1.0 * std::sqrt(max2(0.0, cut - v_least * v_least * inv_det)) - b * v_least) - kSpanSlackPx;
+    const double x_hi =
+        mean_x + inv_a * (1.0 * std::sqrt(max2(0.0, cut - v_most * v_most * inv_det)) - b * v_most) + kSpanSlackPx;
+    const double x_lo =
+        mean_x + inv_a * (-1.0 * std::sqrt(max2(0.0, cut - v_least * v_least * inv_det)) - b * v_least) - kSpanSlackPx;
     const double to = rows.x_end[i], first = (x_lo - 0.5) / kTilePx, last = (x_hi - 0.5) / kTilePx;
-    const int from_tile = int(first > 0 ? (first < to ? first : to) : 0), to_tile = int(last > -1 ? (last < to ? last : to) : -1);
+    const int from_tile = int(first > 0 ? (first < to ? first : to) : 0),
+              to_tile = int(last > -1 ? (last < to ? last : to) : -1);
     const int span_first = from_tile < rows.x_begin[i] ? rows.x_begin[i] : from_tile;
     const int span_last = to_tile < rows.x_end[i] - 1 ? to_tile : rows.x_end[i] - 1;
     const bool misses = (v_lo > v_hi) | (x_hi < 0.5) | (span_last < span_first);
@@ -241,7 +249,8 @@ void BlockProjector::first_span(BlockRows& rows) const {
   });
 }
 
-void BlockProjector::project(std::int64_t block, const std::uint8_t* reaches, std::size_t at, ProjectedView<float>& out) const {
+void BlockProjector::project(std::int64_t block, const std::uint8_t* reaches, std::size_t at,
+                             ProjectedView<float>& out) const {
   BlockRows rows;
   to_camera(block, rows);
   covariance(block, rows);
@@ -254,12 +263,14 @@ void BlockProjector::project(std::int64_t block, const std::uint8_t* reaches, st
   for (int i = 0; i < kBlockRows; ++i) {
     if (!reaches[i]) continue;
     out.id[at] = std::uint32_t(block * kBlockRows + i), out.depth[at] = rows.depth[i];
-    out.rect[at] = rows.reaches[i] ? TileRect{half(rows.x_begin[i]), half(rows.x_end[i]), half(rows.y_begin[i]), half(rows.y_end[i])}
+    out.rect[at] = rows.reaches[i] ? TileRect{half(rows.x_begin[i]), half(rows.x_end[i]), half(rows.y_begin[i]),
+                                              half(rows.y_end[i])}
                                    : TileRect{0, 0, 0, 0};
     out.first[at] = {half(rows.span_first[i]), half(rows.span_end[i])};
-    out.record[at] = {rows.wide_x[i],     rows.wide_y[i],  {rows.along_u[i], rows.along_v[i], rows.across[i]},
-                      rows.log2_opacity[i], rows.two_cut[i], rows.inv_det[i], rows.half_width[i], rows.half_height[i],
-                      rows.bottom_x[i],   rows.inv_c[i]};
+    out.record[at] = {rows.wide_x[i],       rows.wide_y[i],      {rows.along_u[i], rows.along_v[i], rows.across[i]},
+                      rows.log2_opacity[i], rows.two_cut[i],     rows.inv_det[i],
+                      rows.half_width[i],   rows.half_height[i], rows.bottom_x[i],
+                      rows.inv_c[i]};
     ++at;
   }
 }

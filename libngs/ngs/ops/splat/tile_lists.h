@@ -42,13 +42,13 @@ struct TileEntry {
 
 /// What bin_tiles works in; kept from view to view.
 struct BinScratch {
-  struct Chunk {                         // of the visible Gaussians, in their order
-    std::vector<TileSpan> span;          // per Gaussian and row of its tiles
-    std::vector<std::uint32_t> next;     // [tiles] how many pairs; then where the next one goes
-    std::uint32_t slots = 0;             // pairs; then its first slot
+  struct Chunk {                      // of the visible Gaussians, in their order
+    std::vector<TileSpan> span;       // per Gaussian and row of its tiles
+    std::vector<std::uint32_t> next;  // [tiles] how many pairs; then where the next one goes
+    std::uint32_t slots = 0;          // pairs; then its first slot
   };
   std::vector<Chunk> chunk;
-  std::vector<TileEntry> entry;          // [pairs] by tile, in order of the Gaussians
+  std::vector<TileEntry> entry;  // [pairs] by tile, in order of the Gaussians
 };
 
 /// The tiles of row `ty` that visible Gaussian v reaches.
@@ -64,7 +64,8 @@ inline void sort_tile(const TileEntry* entry, std::uint32_t count, std::uint32_t
   if (memory.size() < 2 * std::size_t(count)) memory.resize(2 * std::size_t(count));
   std::uint64_t *from = memory.data(), *to = from + count;
   std::uint32_t least = ~0u, most = 0;
-  for (std::uint32_t i = 0; i < count; ++i) least = std::min(least, entry[i].depth), most = std::max(most, entry[i].depth);
+  for (std::uint32_t i = 0; i < count; ++i)
+    least = std::min(least, entry[i].depth), most = std::max(most, entry[i].depth);
   for (std::uint32_t i = 0; i < count; ++i) from[i] = std::uint64_t(entry[i].depth - least) << 32 | i;
   constexpr std::uint32_t kFew = 128;  // below it a comparison sort is faster
   if (count < kFew) {
@@ -108,7 +109,9 @@ class TileBinner {
   }
 
  private:
-  std::size_t first(std::int64_t c) const { return std::size_t(std::min(c * per_chunk_, std::int64_t(view_.id.size()))); }
+  std::size_t first(std::int64_t c) const {
+    return std::size_t(std::min(c * per_chunk_, std::int64_t(view_.id.size())));
+  }
 
   /// The spans of a chunk, its pairs per tile, and slot_begin counted from the chunk's first.
   void count_pairs(std::int64_t c) {
@@ -155,8 +158,7 @@ class TileBinner {
       const auto depth = std::bit_cast<std::uint32_t>(float(double(view_.depth[v])));
       for (int ty = r.y_begin; ty < r.y_end; ++ty, ++span) {
         std::uint32_t* next = chunk.next.data() + std::ptrdiff_t(ty) * lists_.tiles_x;
-        for (int tx = span->first; tx < span->end; ++tx)
-          scratch_.entry[next[tx]++] = {depth, std::uint32_t(v), slot++};
+        for (int tx = span->first; tx < span->end; ++tx) scratch_.entry[next[tx]++] = {depth, std::uint32_t(v), slot++};
       }
     }
   }

@@ -35,12 +35,23 @@ void make_hostile(GaussianCloud& cloud) {
   for (std::size_t i = 0; i < std::size_t(cloud.size()); i += 10) {
     const float value = hostile[i / 10 % kinds];
     switch (i / 10 / kinds % 6) {
-      case 0: cloud.position[3 * i + i % 3] = value; break;
-      case 1: cloud.rotation[4 * i + i % 4] = value; break;
-      case 2: cloud.log_scale[3 * i + i % 3] = value; break;
-      case 3: cloud.logit_opacity[i] = value; break;
-      case 4: std::fill_n(&cloud.log_scale[3 * i], 3, value); break;
-      default: std::fill_n(&cloud.rotation[4 * i], 4, value);
+      case 0:
+        cloud.position[3 * i + i % 3] = value;
+        break;
+      case 1:
+        cloud.rotation[4 * i + i % 4] = value;
+        break;
+      case 2:
+        cloud.log_scale[3 * i + i % 3] = value;
+        break;
+      case 3:
+        cloud.logit_opacity[i] = value;
+        break;
+      case 4:
+        std::fill_n(&cloud.log_scale[3 * i], 3, value);
+        break;
+      default:
+        std::fill_n(&cloud.rotation[4 * i], 4, value);
     }
   }
 }
@@ -71,7 +82,8 @@ void for_each_scene(const F& f) {
       for (const Compat compat : {Compat::kInria, Compat::kGsplat})
         for (const bool antialiased : {false, true})
           for (const std::size_t every : {0, 2, 40}) {
-            INFO("hostile ", hostile, ", z ", z, ", compat ", int(compat), ", antialiased ", antialiased, ", one of ", every);
+            INFO("hostile ", hostile, ", z ", z, ", compat ", int(compat), ", antialiased ", antialiased, ", one of ",
+                 every);
             View scene{random_cloud(3000, 7), camera_at(z), {.compat = compat, .antialiased = antialiased}, {}};
             if (hostile) make_hostile(scene.cloud);
             for (std::size_t i = 0; every > 0 && i < 3000; ++i) scene.include.push_back(i % every == 0);
@@ -87,8 +99,8 @@ bool same_bytes(const T& a, const T& b) {
 
 /// Whether row `at` of the blocks' view is row v of the scalar one's.
 bool same_row(const ProjectedView<float>& blocks, std::size_t at, const ProjectedView<float>& want, std::size_t v) {
-  return blocks.id[at] == want.id[v] && same_bytes(blocks.record[at], want.record[v]) && blocks.depth[at] == want.depth[v] &&
-         same_bytes(blocks.rect[at], want.rect[v]) &&
+  return blocks.id[at] == want.id[v] && same_bytes(blocks.record[at], want.record[v]) &&
+         blocks.depth[at] == want.depth[v] && same_bytes(blocks.rect[at], want.rect[v]) &&
          same_bytes(blocks.first[at], tile_span(want.record[v], want.rect[v], want.rect[v].y_begin));
 }
 
