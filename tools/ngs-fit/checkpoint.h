@@ -4,10 +4,26 @@
 #include <string>
 #include <vector>
 
+#include "ngs/options/field.h"
 #include "ngs/options/option_set.h"
 #include "ngs/stages/fit/fit_stage.h"
 
 namespace ngs::cli {
+
+struct CheckpointOptions {
+  std::string checkpoint;
+  int checkpoint_every = 1000;
+  bool resume = false;
+
+  bool is_on() const { return !checkpoint.empty(); }
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.checkpoint, Text{"checkpoint", "DIR", "keep what is needed to go on in this folder"});
+    visit(self.checkpoint_every, Field<int>{"checkpoint_every", "steps", "and when a signal asks to stop", 1, 10000000});
+    visit(self.resume, Flag{"resume", "go on from --checkpoint where there is one"});
+  }
+};
 
 /// Hashes of the files that a fit reads beside the scene (shared/run/checkpoints.h, io/files/content_hash.h); points: empty without.
 struct FitFiles {

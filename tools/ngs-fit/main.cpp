@@ -13,21 +13,6 @@ namespace {
 
 using namespace ngs;
 
-struct CheckpointOptions {
-  std::string checkpoint;
-  int checkpoint_every = 1000;
-  bool resume = false;
-
-  bool is_on() const { return !checkpoint.empty(); }
-
-  template <class Self, class Visitor>
-  static void describe(Self& self, Visitor&& visit) {
-    visit(self.checkpoint, Text{"checkpoint", "DIR", "keep what is needed to go on in this folder"});
-    visit(self.checkpoint_every, Field<int>{"checkpoint_every", "steps", "and when a signal asks to stop", 1, 10000000});
-    visit(self.resume, Flag{"resume", "go on from --checkpoint where there is one"});
-  }
-};
-
 struct Files {
   const cli::Input &scene, &points;
   const cli::Output& out;
@@ -44,7 +29,7 @@ Scene scene_of(cli::Run& run, const Files& files, FitOptions& options) {
   return scene;
 }
 
-void check_options(cli::Run& run, const CheckpointOptions& keep, const Files& files) {
+void check_options(cli::Run& run, const cli::CheckpointOptions& keep, const Files& files) {
   if (keep.resume && !keep.is_on())
     throw Error(ErrorCode::kUsage, "resume without checkpoint, expected --checkpoint DIR", "name the folder of the interrupted run");
   if (files.points) run.warn_unused({"--random-points"}, "with --points");
@@ -52,7 +37,7 @@ void check_options(cli::Run& run, const CheckpointOptions& keep, const Files& fi
 }
 
 /// Whether there is a state to go on from. One that nobody wants to go on from is only replaced with -w.
-bool resumes(const cli::Run& run, const CheckpointOptions& keep) {
+bool resumes(const cli::Run& run, const cli::CheckpointOptions& keep) {
   const bool kept = keep.is_on() && std::filesystem::exists(cli::checkpoint_path(keep.checkpoint));
   if (kept && !keep.resume && !run.overwrite())
     throw Error(ErrorCode::kUsage, cli::checkpoint_path(keep.checkpoint) + ": already there, expected none",
@@ -60,13 +45,13 @@ bool resumes(const cli::Run& run, const CheckpointOptions& keep) {
   return kept && keep.resume;
 }
 
-void warn_of_stop(cli::Run& run, std::int64_t step, std::int64_t steps, const CheckpointOptions& keep) {
+void warn_of_stop(cli::Run& run, std::int64_t step, std::int64_t steps, const cli::CheckpointOptions& keep) {
   run.monitor().warn("stopped at step " + std::to_string(step) + " of " + std::to_string(steps) + ": no model was written, " +
                      (!keep.is_on() ? "and nothing to go on from; --checkpoint DIR would keep it"
                                     : "--resume goes on from " + keep.checkpoint));
 }
 
-int fit(cli::Run& run, FitOptions& options, const CheckpointOptions& keep, const Files& files) {
+int fit(cli::Run& run, FitOptions& options, const cli::CheckpointOptions& keep, const Files& files) {
   check_options(run, keep, files);
   const Scene scene = scene_of(run, files, options);
   const bool goes_on = resumes(run, keep);
@@ -112,7 +97,7 @@ int main(int argc, char** argv) {
                  {"ngs-fit scene.json --points sparse/0/points3D.txt -o model.ply --steps 7000",
                   "ngs-fit scene.json --points sparse/0/points3D.txt -o model.ply --checkpoint fit/ --resume"});
   FitOptions options;
-  CheckpointOptions keep;
+  cli::CheckpointOptions keep;
   tool.options(options);
   tool.options(keep);
   const cli::Input& scene_json = tool.input("scene", "scene.json with photos");

@@ -82,7 +82,8 @@ bool StepFile::load(JointTrainer& trainer) {
     std::vector<float> values = file.get<float>(block.name);
     if (!block.fits(values.size()))
       throw Error(ErrorCode::kBadInput,
-                  path() + ": '" + block.name + "' has " + std::to_string(values.size()) + " values, expected " + std::to_string(block.size),
+                  path() + ": '" + block.name + "' has " + std::to_string(values.size()) + " values, expected " +
+                      std::to_string(block.size),
                   "delete the checkpoint");
     check_finite(path(), block, values);
     *block.values = std::move(values);

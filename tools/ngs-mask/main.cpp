@@ -13,24 +13,9 @@ namespace {
 
 using namespace ngs;
 
-struct ViewOptions {
-  std::string view;
-  int detail = 2;
-
-  template <class Self, class Visitor>
-  static void describe(Self& self, Visitor&& visit) {
-    visit(self.view, Text{"view", "NAME", "the view that the prompts are of; default: as they say"});
-    visit(self.detail,
-          Field<int>{"detail", "",
-                     "segment and write at up to this many times the scene's working size, as far "
-                     "as the photos have the pixels",
-                     1, 16});
-  }
-};
-
 struct Options {
   SpreadOptions spread;
-  ViewOptions which;
+  cli::ViewOptions which;
   cli::SegmenterOptions segmenter;
   RasterOptions raster;
 

@@ -2,11 +2,27 @@
 // The views at the size that is segmented, and what becomes of them.
 #include <map>
 
+#include "ngs/options/field.h"
 #include "ngs/scene/gaussian_cloud.h"
 #include "ngs/stages/masks/mask_spread.h"
 #include "shared/run/run.h"
 
 namespace ngs::cli {
+
+struct ViewOptions {
+  std::string view;
+  int detail = 2;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.view, Text{"view", "NAME", "the view that the prompts are of; default: as they say"});
+    visit(self.detail,
+          Field<int>{"detail", "",
+                     "segment and write at up to this many times the scene's working size, as far "
+                     "as the photos have the pixels",
+                     1, 16});
+  }
+};
 
 class MaskViews {
  public:

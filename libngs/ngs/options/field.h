@@ -9,7 +9,8 @@
 //     visit(self.levels, Field<int>{"hash_levels", "", "levels of the grid", 1, 32}.of("nerf").was("grid_levels"));
 //   }
 //
-// Names are snake_case; the flag is the same name with '-' (a name of one letter: -h). Every descriptor has, beside what it is given in braces:
+// Names are snake_case; the flag is the same name with '-' (a name of one letter: -h). Every descriptor has, beside what it is
+// given in braces:
 //
 //   .of("nerf")          the effect without which nothing listens to the option; "joint|contours": one of them must be on;
 //                        "mask,joint|contours": that, and mask

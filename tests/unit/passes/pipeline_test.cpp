@@ -141,6 +141,21 @@ void view_dependent(EffectCase& c) {
     c.base->model.sh_rest[i] = 0.2f * float(int(i * 7 % 5) - 2);
 }
 
+/// Pictures so wide that the ball lies far from the masks, which show something at their edge.
+void wide_pictures(EffectCase& c) {
+  constexpr int kWidth_px = 240;
+  for (std::size_t v = 0; v < 4; ++v) {
+    Camera& camera = c.base->scene.views[v].camera;
+    camera.cx += 0.5 * (kWidth_px - camera.width_px), camera.width_px = kWidth_px;
+    ViewMasks& masks = c.base->masks[v];
+    masks.width_px = kWidth_px, masks.known.clear();
+    masks.target[0].assign(std::size_t(kWidth_px) * std::size_t(masks.height_px), 0.f);
+    masks.target[0][0] = 1;
+  }
+  c.render_photos();
+  c.base->labels[0].label = c.base->is_ball;
+}
+
 std::vector<Pair> pairs() {
   return {
       {"exposure",
@@ -183,12 +198,7 @@ std::vector<Pair> pairs() {
       {"cont", as_it_is, one_colour},
       {"smooth", as_it_is, one_colour},
       {"photometric", as_it_is, without_photos},
-      {"region",
-       [](EffectCase& c) {  // masks of a corner of the ball: labels show far from them
-         for (ViewMasks& m : c.base->masks) std::fill(m.target[0].begin(), m.target[0].end(), 0.f);
-         c.base->labels[0].label = c.base->is_ball;
-       },
-       as_it_is},
+      {"region", wide_pictures, as_it_is},
       {"sh", view_dependent, as_it_is},
       {"antialias",
        [](EffectCase& c) {
@@ -358,65 +368,6 @@ TEST_CASE("every effect says what it is, what off saves, and why it is always on
     CHECK_FALSE(e.detector.measured.empty());
     CHECK(bool(e.detector.measure));
   }
-}
-
-namespace {
-
-/// Takes Gaussians larger than a share of the scene out of the labels: a pass as somebody might add it.
-class OversizedPass : public Pass {
- public:
-  PassStage stage() const override { return PassStage::kMend; }
-  std::vector<Effect> effects() const override {
-    return {{.name = "oversized",
-             .help = "label no Gaussian larger than --oversized-scale",
-             .saves = "a look at every scale",
-             .detector = {"largest scale, world", 0.5, "half of a unit", [](SceneProbe& probe) {
-                            const std::vector<float>& s = probe.problem().cloud.log_scale;
-                            return double(std::exp(*std::max_element(s.begin(), s.end())));
-                          }}}};
-  }
-  void declare(OptionSet& options, OptionGroup group) override {
-    group.title = "oversized", group.effect = "oversized";
-    options.add(*this, std::move(group));
-  }
-  template <class Self, class Visitor>
-  static void describe(Self& self, Visitor&& visit) {
-    visit(self.scale_, Field<double>{"oversized_scale", "world", "largest scale that keeps its label", 0, 1e9});
-  }
-  void run(PassRun& run) override {
-    std::vector<LabelColumns> labels = run.problem->labels;
-    std::int64_t count = 0;
-    for (std::size_t i = 0; i < labels[0].label.size(); ++i)
-      if (std::exp(run.problem->cloud.log_scale[3 * i]) > scale_) labels[0].label[i] = labels[0].prob[i] = 0, ++count;
-    run.problem->labels = std::move(labels);
-    run.report["oversized"] = {{"count", count}};
-  }
-
- private:
-  double scale_ = 0.5;
-};
-
-}  // namespace
-
-TEST_CASE("a pass that is added to the list is decided, switched, given its options, run and reported like the others") {
-  EffectCase c;
-  for (std::size_t a = 0; a < 3; ++a) c.base->model.log_scale[3 * 7 + a] = 0;  // one of a unit
-  const auto passes = [] {
-    std::vector<std::unique_ptr<Pass>> list = all_passes();
-    list.insert(list.begin() + 4, std::make_unique<OversizedPass>());
-    return list;
-  };
-  const std::vector<std::string> entries{"all=off", "oversized=auto"};
-  const Problem in = c.input();
-  test::PipelineCase found(in, c.training, entries, passes());
-  CHECK(found.run().report["oversized"]["count"] == 1);
-  CHECK(found.problem().labels[0].prob[7] == 0);
-  CHECK(found.decisions().on("oversized"));
-  test::PipelineCase switched_off(in, c.training, {"all=off"}, passes());
-  CHECK_FALSE(switched_off.run().report.contains("oversized"));
-  test::PipelineCase larger(in, c.training, entries, passes());
-  larger.set("oversized_scale", "2");
-  CHECK(larger.run().report["oversized"]["count"] == 0);
 }
 
 }  // namespace ngs

@@ -96,7 +96,8 @@ std::vector<EffectVerdict> ContoursPass::rules(const TrainingOptions& training) 
   if (contour_epochs(options_, training.joint.quality, 1) == 0)
     rules.push_back({"contours", false, "no epochs: --quality draft without --contour-epochs"});
   if (options_.iterations == 1) rules.push_back({"contour-iterations", false, "--contour-iterations 1"});
-  if (options_.split_px < ContourOptions{}.split_px) rules.push_back({"split", true, "--contour-split"});  // less than its detector looks for
+  if (options_.split_px < ContourOptions{}.split_px)  // less than its detector looks for
+    rules.push_back({"split", true, "--contour-split"});
   return rules;
 }
 
@@ -135,7 +136,8 @@ void ContoursPass::run(PassRun& run) {
   const std::size_t views = run.problem->views.size();
   Budget& budget = run.budget;
   if (budget.contours.epochs == 0)
-    run.monitor.warn("--effect contours=on with --quality draft, which has no epochs for them: they are left out; --contour-epochs N gives some");
+    run.monitor.warn(
+        "--effect contours=on with --quality draft, which has no epochs for them: they are left out; --contour-epochs N gives some");
   if (run.watch->target_met() || budget.contours.epochs == 0) return;
   // Contours keep no state of their own: what is interrupted from here on begins with them.
   if (run.store != nullptr && run.on("joint")) run.store->save_on_the_way(*run.trainer);

@@ -6,8 +6,8 @@
 // rendered mask has a hole. Nothing here reads a mask of a held-out view; photos of all views are read, as
 // when the model was trained.
 //
-// The object's surface is what its core (passes/components/object_core.h) renders. A Gaussian far from the core and nearer to the camera than
-// that surface is a candidate. At a pixel the photo decides between the two: it shows the surface where it is
+// The object's surface is what its core (passes/components/object_core.h) renders. A Gaussian far from the core and nearer to the
+// camera than that surface is a candidate. At a pixel the photo decides between the two: it shows the surface where it is
 // closer to the core's colour than to the one that the Gaussians in front have in the other views' photos, by
 // more than the noise. A training view's own mask vetoes where it says that something else is seen. A
 // candidate is a floater if the photos see through it in at least `seen_through` of its weight before the

@@ -89,7 +89,8 @@ struct JointOptions {
     visit(self.photometric_weight,
           Field<double>{"photometric_weight", "", "weight of 0.8 L1 + 0.2 DSSIM (C16)", 0, 1e6}.of("joint|contours,photometric"));
     visit(self.start_steps,
-          Field<int>{"start_steps", "", "labels start this many EM steps from 1/2 (PAPER.md 5.4); 1: at their share of evidence", 1, 100}.of("joint"));
+          Field<int>{"start_steps", "", "labels start this many EM steps from 1/2 (PAPER.md 5.4); 1: at their share of evidence", 1, 100}
+              .of("joint"));
     visit(self.rate_label, Field<double>{"rate_label", "", "Adam rate of the label logits", 0, 100}.of("joint|contours"));
     visit(self.rate_scale,
           Field<double>{"rate_scale", "", "factor on 3DGS's rates of the Gaussians (C20)", 0, 1e3}.of("joint"));

@@ -1,6 +1,6 @@
 #pragma once
 // What the time that is left is spent on. Pure: seconds in, a plan out. The order is that of what a second
-// buys (BENCHMARKS.md, Budgets): a visit of every view by the steps, then iterations of edges, then more steps,
+// buys (decisions/031-order-of-spending.md): an epoch of the steps, then iterations of edges, then more steps,
 // the field last.
 
 namespace ngs {
@@ -47,8 +47,8 @@ inline constexpr int kLeastContourEpochs = 3;
 /// Where less than this share of a visit by the steps fits, they are left out.
 inline constexpr double kLeastEpoch = 0.1;
 
-/// The field is kept where all fits. `contour_iterations`: all but the last with all of their epochs, the last with at least least_last() of
-/// its own, or kLeastContourEpochs where it is the only one. What these leave is the steps'.
+/// The field is kept where all fits. `contour_iterations`: all but the last with all of their epochs, the last with at least
+/// least_last() of its own, or kLeastContourEpochs where it is the only one. What these leave is the steps'.
 TimePlan plan_time(double left_s, const StepsCost& steps, const IterationsCost& edges);
 
 /// Visits of every view that are begun at all.

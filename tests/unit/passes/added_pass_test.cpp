@@ -1,0 +1,71 @@
+// What it takes to add a pass: one class, and one line of the list.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "support/joint_case.h"
+#include "support/pipeline_case.h"
+
+namespace ngs {
+namespace {
+
+/// Takes Gaussians larger than a share of the scene out of the labels: a pass as somebody might add it.
+class OversizedPass : public Pass {
+ public:
+  PassStage stage() const override { return PassStage::kMend; }
+  std::vector<Effect> effects() const override {
+    return {{.name = "oversized",
+             .help = "label no Gaussian larger than --oversized-scale",
+             .saves = "a look at every scale",
+             .detector = {"largest scale, world", 0.5, "half of a unit", [](SceneProbe& probe) {
+                            const std::vector<float>& s = probe.problem().cloud.log_scale;
+                            return double(std::exp(*std::max_element(s.begin(), s.end())));
+                          }}}};
+  }
+  void declare(OptionSet& options, OptionGroup group) override {
+    group.title = "oversized", group.effect = "oversized";
+    options.add(*this, std::move(group));
+  }
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.scale_, Field<double>{"oversized_scale", "world", "largest scale that keeps its label", 0, 1e9});
+  }
+  void run(PassRun& run) override {
+    std::vector<LabelColumns> labels = run.problem->labels;
+    std::int64_t count = 0;
+    for (std::size_t i = 0; i < labels[0].label.size(); ++i)
+      if (std::exp(run.problem->cloud.log_scale[3 * i]) > scale_) labels[0].label[i] = labels[0].prob[i] = 0, ++count;
+    run.problem->labels = std::move(labels);
+    run.report["oversized"] = {{"count", count}};
+  }
+
+ private:
+  double scale_ = 0.5;
+};
+
+}  // namespace
+
+TEST_CASE("a pass that is added to the list is decided, switched, given its options, run and reported like the others") {
+  const std::unique_ptr<test::JointCase> c = test::joint_case();
+  for (std::size_t a = 0; a < 3; ++a) c->model.log_scale[3 * 7 + a] = 0;  // one of a unit
+  const TrainingOptions training;
+  const auto passes = [] {
+    std::vector<std::unique_ptr<Pass>> list = all_passes();
+    list.insert(list.begin() + 4, std::make_unique<OversizedPass>());
+    return list;
+  };
+  const std::vector<std::string> entries{"all=off", "oversized=auto"};
+  const Problem in = c->input();
+  test::PipelineCase found(in, training, entries, passes());
+  CHECK(found.run().report["oversized"]["count"] == 1);
+  CHECK(found.problem().labels[0].prob[7] == 0);
+  CHECK(found.decisions().on("oversized"));
+  test::PipelineCase switched_off(in, training, {"all=off"}, passes());
+  CHECK_FALSE(switched_off.run().report.contains("oversized"));
+  test::PipelineCase larger(in, training, entries, passes());
+  larger.set("oversized_scale", "2");
+  CHECK(larger.run().report["oversized"]["count"] == 0);
+}
+
+}  // namespace ngs
