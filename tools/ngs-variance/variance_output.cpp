@@ -72,11 +72,13 @@ Json memory_plan(const GaussianCloud& cloud, const Scene& scene, std::size_t vie
   const auto objects = double(scene.objects.size()), n = double(cloud.size());
   const double model = 57 + 12.0 * cloud.rest_count();  // position, rotation, scale, opacity, constant band, usable
   const double sums = 28 + 56 * objects;                // Evidence
-  // One view at a time, as if every Gaussian were visible and reached three tiles: record, depth, rectangle and id,
-  // twice while the parts of the projection are joined; order, slots and spans; lists and sums of the pairs.
-  const double view = 2 * (56 + 4 + 8 + 4) + 12 + 16 + 3 * 4 + 3 * (8 + 4 * (2 + 2 * objects));
+  const double prepared = 56;                           // what the projection takes from a Gaussian alone
+  // One view at a time, as if every Gaussian were visible and reached three tiles: id, record, depth, rectangle, first span,
+  // first slot and a flag; spans, whose lists grow by doubling; sums of the view; lists, entries and sums of the pairs.
+  const double row = 4 + 56 + 4 + 16 + 8 + 8 + 1, spans = 2 * 3 * 8, view_sums = 4 + 8 * (2 + 2 * objects);
+  const double view = row + spans + view_sums + 3 * (8 + 12 + 4 * (2 + 2 * objects));
   const double labels = 20 * (objects + 1);  // written after the last view
-  const double per_gaussian = model + sums + std::max(view, labels);
+  const double per_gaussian = model + sums + std::max(prepared + view, labels);
   const double per_pixel = 1 + 4 * objects + 8;  // masks, and the image they are read from
   double largest_view_px = 0;
   for (const SceneView& v : scene.views)

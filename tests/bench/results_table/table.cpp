@@ -144,10 +144,10 @@ std::string markdown_of(const Result& result, const std::string& defaults) {
     for (const Column& column : result.columns) text += column.show == Show::kLabel ? "---|" : "---:|";
     text += "\n";
   }
-  text += "\n" + result.title + ". Commit `" + result.commit + "`, " + result.machine +
+  text += "\n" + result.title + ".\nCommit `" + result.commit + "`, " + result.machine +
           (result.seconds > 0 ? ", " + duration_text(result.seconds) : "") + ": `" + result.command + "`.";
   if (!result.defaults.empty() && result.defaults != defaults)
-    text += " **The tools' default options have changed since.**";
+    text += "\n**The tools' default options have changed since.**";
   return text + "\n";
 }
 
