@@ -99,8 +99,7 @@ void network_backward(benchmark::State& state) {
   FilmMlpOutput out;
   n.mlp.forward({}, n.store, n.inputs(), out);
   const std::vector<float> density(std::size_t(kQueries), 0.1f), rgb(std::size_t(3 * kQueries), 0.1f);
-  FilmMlpGradients gradients;
-  for (auto unused : state) n.mlp.backward({}, n.store, n.inputs(), out, density, rgb, gradients);
+  for (auto unused : state) benchmark::DoNotOptimize(n.mlp.backward({}, n.store, n.inputs(), out, {density, rgb}));
   n.count(state, 2);  // gradients of inputs and of weights
 }
 
@@ -113,7 +112,7 @@ void volume(benchmark::State& state) {
   VolumeGradients gradients;
   for (auto unused : state) {
     volume_forward({}, in, out);
-    volume_backward({}, in, out, colour, alpha, {}, gradients);
+    volume_backward({}, in, out, {colour, alpha, {}}, gradients);
   }
   per_query(state);
 }
@@ -122,7 +121,7 @@ void photometric(benchmark::State& state) {
   ImageF a(512, 384, 3), b(512, 384, 3), gradient;
   a.data = uniform(11, std::int64_t(a.data.size()), 0, 1), b.data = uniform(12, std::int64_t(b.data.size()), 0, 1);
   PhotometricPass<float> pass;
-  for (auto unused : state) benchmark::DoNotOptimize(pass.evaluate({}, {}, a, b, nullptr, &gradient).total);
+  for (auto unused : state) benchmark::DoNotOptimize(pass.evaluate({}, {}, {a, b}, &gradient).total);
   state.counters["pixels/s"] = benchmark::Counter(double(a.pixels()), benchmark::Counter::kIsIterationInvariantRate);
 }
 

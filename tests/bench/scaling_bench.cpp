@@ -22,7 +22,7 @@ void one_view(benchmark::State& state, std::int64_t gaussians, const Camera& cam
   const GaussianCloud cloud = surface_cloud(gaussians);
   const ViewMasks masks = disc(camera);
   Evidence evidence(gaussians, 1);
-  for (auto unused : state) add_view_evidence({}, cloud, camera, SplatOptions{}, masks, evidence);
+  for (auto unused : state) add_view_evidence({}, cloud, {camera, masks}, SplatOptions{}, evidence);
 }
 
 void gaussians(benchmark::State& state) {

@@ -110,7 +110,7 @@ void project_and_bin(benchmark::State& state) {
 void evidence_view(benchmark::State& state, Isa isa) {
   const BenchScene& s = scene();
   Evidence evidence(s.cloud.size(), 1);
-  for (auto unused : state) add_view_evidence({.isa = isa}, s.cloud, s.camera, SplatOptions{}, s.masks, evidence);
+  for (auto unused : state) add_view_evidence({.isa = isa}, s.cloud, {s.camera, s.masks}, SplatOptions{}, evidence);
   count_pairs(state);
 }
 

@@ -38,7 +38,7 @@ TEST_CASE("photometric: the gradient is the adjoint of the dual-number forward p
     const PhotometricOptions options{.dssim_weight = 0.35, .region = k.region};
 
     Image<double> gradient;
-    const auto value = PhotometricPass<double>().evaluate({}, options, x, y, w, &gradient);
+    const auto value = PhotometricPass<double>().evaluate({}, options, {x, y, w}, &gradient);
     Image<D> dual_x(k.w, k.h, k.c), dual_y(k.w, k.h, k.c);
     double jt_v = 0, scale = 0;
     for (std::size_t i = 0; i < x.data.size(); ++i) {
@@ -46,7 +46,7 @@ TEST_CASE("photometric: the gradient is the adjoint of the dual-number forward p
       dual_x.data[i] = D(x.data[i], v), dual_y.data[i] = D(y.data[i]);
       jt_v += gradient.data[i] * v, scale += std::abs(gradient.data[i] * v);
     }
-    const auto dual = PhotometricPass<D, D>().evaluate({}, options, dual_x, dual_y, w, nullptr);
+    const auto dual = PhotometricPass<D, D>().evaluate({}, options, {dual_x, dual_y, w}, nullptr);
     CHECK(dual.total.v == doctest::Approx(value.total).epsilon(1e-14));
     CHECK(test::adjoint_difference(dual.total.d, jt_v, scale) < 1e-12);
   }
@@ -56,12 +56,12 @@ TEST_CASE("photometric: the gradient agrees with extrapolated finite differences
   const Image<double> x = random_image(9, 8, 3, 11), y = random_image(9, 8, 3, 12);
   Image<double> gradient;
   PhotometricPass<double> pass;
-  pass.evaluate({}, {}, x, y, nullptr, &gradient);
+  pass.evaluate({}, {}, {x, y}, &gradient);
   const auto loss = [&](double t) {
     Image<double> moved = x;
     for (std::size_t i = 0; i < x.data.size(); ++i)
       moved.data[i] += t * (2 * rng_uniform(5, RngStream::kTest, i) - 1);
-    return pass.evaluate({}, {}, moved, y, nullptr, nullptr).total;
+    return pass.evaluate({}, {}, {moved, y}, nullptr).total;
   };
   double want = 0;
   for (std::size_t i = 0; i < x.data.size(); ++i)

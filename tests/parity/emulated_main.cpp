@@ -12,12 +12,12 @@ namespace ngs::test {
 namespace {
 
 struct Emulated {
-  HostLauncher grid;
+  HostLauncher launcher;
   LaunchedSplatOps<HostLauncher> splat;
   LaunchedFieldOps<HostLauncher> field;
-  LaunchedLossOps<HostLauncher> loss{grid};
+  LaunchedLossOps<HostLauncher> loss{launcher};
   DeviceOps ops{splat, field, loss};
-  Emulated(ThreadOrder order, DeviceSums sums) : grid(order), splat(grid, sums), field(grid, sums) {}
+  Emulated(ThreadOrder order, DeviceSums sums) : launcher(order), splat(launcher, sums), field(launcher, sums) {}
 };
 
 /// The emulation in three orders of threads; lives as long as the process.

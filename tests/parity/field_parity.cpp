@@ -64,9 +64,8 @@ TEST_CASE("rbf: values and gradients of a device are the CPU's") {
       const RbfProblem problem{rows3(q), rows3(x), {feature.data(), points, 3}, &graph, 0.35};
       RbfField want, got;
       rbf_forward({}, problem, want), rbf_forward(b.exec, problem, got);
-      RbfGradients want_grad, got_grad;
-      rbf_backward({}, problem, want, {upstream.data(), 900, 3}, true, want_grad);
-      rbf_backward(b.exec, problem, want, {upstream.data(), 900, 3}, true, got_grad);
+      const RbfGradients want_grad = rbf_backward({}, problem, want, {upstream.data(), 900, 3}, true),
+                         got_grad = rbf_backward(b.exec, problem, want, {upstream.data(), 900, 3}, true);
       // exp at exponents up to some tens: 2 ulp and the exponent's own rounding
       check_ratio(b, "rbf weight", worst_ratio(got.weight, want.weight, 1), 64);
       check_ratio(b, "rbf feature", worst_ratio(got.feature, want.feature, 1), 64);
@@ -178,9 +177,8 @@ TEST_CASE("film mlp: values and gradients of a device are the CPU's") {
       FilmMlpOutput want, got;
       mlp.forward({}, store, in, want), mlp.forward(b.exec, store, in, got);
       const auto grad_density = random.uniform_vector<float>(n, -1, 1), grad_rgb = random.uniform_vector<float>(n * 3, -1, 1);
-      FilmMlpGradients want_grad, got_grad;
-      mlp.backward({}, store, in, want, grad_density, grad_rgb, want_grad);
-      mlp.backward(b.exec, other, in, got, grad_density, grad_rgb, got_grad);
+      const FilmMlpGradients want_grad = mlp.backward({}, store, in, want, {grad_density, grad_rgb}),
+                             got_grad = mlp.backward(b.exec, other, in, got, {grad_density, grad_rgb});
       CAPTURE(c.config.hidden);
       CAPTURE(c.queries);
       check_ratio(b, "film density", worst_ratio(got.density, want.density, std::max(1.0, largest(want.density))), 4);
@@ -212,8 +210,8 @@ TEST_CASE("volume: values and gradients of a device are the CPU's") {
       for (const bool with_depth : {false, true}) {
         VolumeGradients want_grad, got_grad;
         const std::vector<float> depth_or_none = with_depth ? up_depth : std::vector<float>{};
-        volume_backward({}, in, want, up_colour, up_alpha, depth_or_none, want_grad);
-        volume_backward(b.exec, in, want, up_colour, up_alpha, depth_or_none, got_grad);
+        volume_backward({}, in, want, {up_colour, up_alpha, depth_or_none}, want_grad);
+        volume_backward(b.exec, in, want, {up_colour, up_alpha, depth_or_none}, got_grad);
         check_ratio(b, "volume gradient of density", worst_ratio(got_grad.density, want_grad.density, 1), 4);
         check_ratio(b, "volume gradient of colour", worst_ratio(got_grad.rgb, want_grad.rgb, 1), 4);
       }

@@ -47,8 +47,8 @@ TEST_CASE("align: value and gradients of a device are the CPU's") {
         AlignFieldGradients want_field, got_field;
         ImageF want_colour = random_image(random, 37, 29, 3), want_alpha = random_image(random, 37, 29, 1);
         ImageF got_colour = want_colour, got_alpha = want_alpha;  // gradients are added
-        loss_align_backward({}, {}, in, want, want_context, 0.7, want_field, want_colour, want_alpha);
-        loss_align_backward(b.exec, {}, in, got, got_context, 0.7, got_field, got_colour, got_alpha);
+        loss_align_backward({}, {}, in, want_context, {0.7, want_field, want_colour, want_alpha});
+        loss_align_backward(b.exec, {}, in, got_context, {0.7, got_field, got_colour, got_alpha});
         CHECK(got_field.colour == want_field.colour);
         CHECK(got_field.alpha == want_field.alpha);
         CHECK(got_colour.data == want_colour.data);
@@ -69,8 +69,8 @@ TEST_CASE("mask loss and density weights of a device are the CPU's") {
           for (int i = 0; i < 37 * 29; ++i) masks.known.push_back(random.below(3) != 0);
         const PixelGrid grid{4.5, 3.2, 2.5, 3.1, 10, 6};
         const auto depth = random.uniform_vector<float>(60, 0, 5);
-        const ImageF want_weight = density_weights({}, 37, 29, grid, {3, 1, 31, 22}, depth),
-                     got_weight = density_weights(b.exec, 37, 29, grid, {3, 1, 31, 22}, depth);
+        const ImageF want_weight = density_weights({}, 37, 29, {grid, {3, 1, 31, 22}, depth}),
+                     got_weight = density_weights(b.exec, 37, 29, {grid, {3, 1, 31, 22}, depth});
         check_ratio(b, "density weight", worst_ratio(got_weight.data, want_weight.data, 1), 4);
         ImageF want_grad, got_grad;
         const MaskLossInputs in{&rendered, &masks, objects == 3 ? &want_weight : nullptr, 0.9};
@@ -94,15 +94,15 @@ TEST_CASE("continuity and smoothness of a device are the CPU's") {
       for (const bool weighted : {false, true}) {
         std::vector<float> want_grad, got_grad;
         const std::vector<float> weights = weighted ? weight : std::vector<float>{};
-        const double want = loss_cont({}, graph, {colour.data(), n}, weights, 0.4, &want_grad),
-                     got = loss_cont(b.exec, graph, {colour.data(), n}, weights, 0.4, &got_grad);
+        const double want = loss_cont({}, {graph, {colour.data(), n}, weights}, 0.4, &want_grad),
+                     got = loss_cont(b.exec, {graph, {colour.data(), n}, weights}, 0.4, &got_grad);
         CHECK(got == want);
         CHECK(got_grad == want_grad);
-        CHECK(loss_cont(b.exec, graph, {colour.data(), n}, weights, 0.4, nullptr) == want);
+        CHECK(loss_cont(b.exec, {graph, {colour.data(), n}, weights}, 0.4, nullptr) == want);
       }
       SmoothnessGradients want, got;
-      CHECK(loss_smooth_backward(b.exec, {0.1, 0.3}, colour, moved, 0.2, got) ==
-            loss_smooth_backward({}, {0.1, 0.3}, colour, moved, 0.2, want));
+      CHECK(loss_smooth_backward(b.exec, {0.1, 0.3}, {colour, moved}, 0.2, got) ==
+            loss_smooth_backward({}, {0.1, 0.3}, {colour, moved}, 0.2, want));
       CHECK(got.colour == want.colour);
       CHECK(got.moved_colour == want.moved_colour);
     }
@@ -123,12 +123,12 @@ TEST_CASE("photometric: value and gradient of a device are the CPU's") {
       const PhotometricOptions options{0.2, c.region};
       ImageF want_grad, got_grad;
       PhotometricPass<float> pass;
-      const auto want = pass.evaluate({}, options, x, y, c.weighted ? &weight : nullptr, &want_grad),
-                 got = pass.evaluate(b.exec, options, x, y, c.weighted ? &weight : nullptr, &got_grad);
+      const auto want = pass.evaluate({}, options, {x, y, c.weighted ? &weight : nullptr}, &want_grad),
+                 got = pass.evaluate(b.exec, options, {x, y, c.weighted ? &weight : nullptr}, &got_grad);
       CAPTURE(c.width);
       check_ratio(b, "photometric loss", relative(got.total, want.total), 1e-3);
       CHECK(got_grad.data == want_grad.data);  // sums, products and quotients in the same order
-      CHECK(pass.evaluate(b.exec, options, x, y, c.weighted ? &weight : nullptr, nullptr).total == got.total);
+      CHECK(pass.evaluate(b.exec, options, {x, y, c.weighted ? &weight : nullptr}, nullptr).total == got.total);
     }
 }
 
@@ -145,8 +145,8 @@ TEST_CASE("adam: a step of a device is the CPU's to the last bit") {
         AdamOptions options;
         options.sparse_columns = columns;
         for (std::int64_t step = 1; step <= 3; ++step) {
-          adam_step({}, options, step, "x", want, grad, want_moments);
-          adam_step(b.exec, options, step, "x", got, grad, got_moments);
+          adam_step({}, options, step, {"x", want, grad}, want_moments);
+          adam_step(b.exec, options, step, {"x", got, grad}, got_moments);
         }
         CHECK(got == want);
         CHECK(got_moments.m == want_moments.m);
@@ -155,7 +155,7 @@ TEST_CASE("adam: a step of a device is the CPU's to the last bit") {
         grad[n / 2] = -INFINITY;  // the first is named
         std::string message;
         try {
-          adam_step(b.exec, options, 4, "x", got, grad, got_moments);
+          adam_step(b.exec, options, 4, {"x", got, grad}, got_moments);
         } catch (const Error& e) {
           message = e.what();
         }

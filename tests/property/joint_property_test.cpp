@@ -78,8 +78,8 @@ TEST_CASE("joint: the artifact of ngs-sample and ngs-rbf gives the same result a
   const SampleOptions sample = small_grid();
   const BoundarySet boundary = boundary_set(c->model, c->labels[0].boundary);
   REQUIRE(boundary.size() > 8);
-  QueryField field = sample_queries({}, monitor, sample, c->model, boundary, c->scene, input.views, {});
-  interpolate_features({}, monitor, {}, c->model, boundary, field);
+  QueryField field = sample_queries({}, monitor, sample, {c->model, boundary, c->scene, input.views});
+  interpolate_features({}, monitor, {}, boundary, field);
   CHECK(state_after(*c, small_options(6), 6, 2, &field) == state_after(*c, small_options(6), 6, 2));
 }
 

@@ -86,11 +86,8 @@ TEST_CASE("rbf gives the same bytes for 1 and 7 threads, forward and backward") 
   CHECK(one.weight == seven.weight);
   test::Random random(4);
   const auto grad = random.uniform_vector<float>(9000, -1, 1);
-  RbfGradients a, b;
-  Exec exec;
-  rbf_backward(exec, s.problem(), one, {grad.data(), 3000, 3}, true, a);
-  exec.threads = 7;
-  rbf_backward(exec, s.problem(), one, {grad.data(), 3000, 3}, true, b);
+  const RbfGradients a = rbf_backward({}, s.problem(), one, {grad.data(), 3000, 3}, true),
+                     b = rbf_backward({.threads = 7}, s.problem(), one, {grad.data(), 3000, 3}, true);
   CHECK(a.feature == b.feature);
   CHECK(a.boundary == b.boundary);
 }
@@ -99,9 +96,7 @@ TEST_CASE("rbf with no boundary Gaussians gives zero features and no gradients")
   Scene s(5, 0, 5);
   const RbfField field = forward(s);
   CHECK(field.feature == std::vector<float>(15, 0.f));
-  RbfGradients g;
-  rbf_backward({}, s.problem(), field, {field.feature.data(), 5, 3}, true, g);
-  CHECK(g.feature.empty());
+  CHECK(rbf_backward({}, s.problem(), field, {field.feature.data(), 5, 3}, true).feature.empty());
 }
 
 TEST_CASE("rbf with one boundary Gaussian reproduces its feature exactly at any distance") {

@@ -39,7 +39,7 @@ SceneCheck checked(io::ImportRequest request) {
         return MaskSample{std::move(loaded.masks), std::move(loaded.notes), loaded.lossy};
       }};
   Monitor monitor;
-  return check_scene({}, monitor, {}, &model.cloud, scene, loaders);
+  return check_scene({}, monitor, {}, {&model.cloud, scene, loaders});
 }
 
 /// sparse/0/images.txt with its quaternions in the order x y z w.

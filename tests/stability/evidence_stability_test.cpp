@@ -37,7 +37,7 @@ struct Capture {
   }
   Evidence evidence() const {
     Evidence e(cloud.size(), 1);
-    add_view_evidence({}, cloud, camera, {}, masks, e);
+    add_view_evidence({}, cloud, {camera, masks}, {}, e);
     return e;
   }
 };

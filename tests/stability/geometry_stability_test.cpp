@@ -204,7 +204,7 @@ TEST_CASE("geometry: directions far off the axis are unit vectors to rounding") 
                     const Mat3<float> axes{{1, 0, 0, 0, 1, 0, 0, 0, 1}};
                     const float u = float(h * random.uniform(0.5, 1)), v = float(h * random.uniform(0.5, 1));
                     float cosine;
-                    const Vec3<float> d = ray_direction(axes, 1.f, 1.f, 0.f, 0.f, u, v, cosine);
+                    const Vec3<float> d = ray_direction(axes, u, v, cosine);
                     const Real length = std::sqrt(Real(u) * u + Real(v) * v + 1);
                     worst.ours(d.x, u / length), worst.ours(d.y, v / length), worst.ours(d.z, 1 / length),
                         worst.ours(cosine, 1 / length);

@@ -27,8 +27,7 @@ MethodCase scene(Random& random, int objects = 1) {
 Evidence evidence_of(const MethodCase& c, const std::vector<std::size_t>& views = {0, 1, 2},
                      int threads = 1) {
   Monitor monitor;
-  return accumulate_evidence({.threads = threads}, monitor, c.cloud, c.scene, views, {},
-                             [&](std::size_t v) { return c.masks[v]; });
+  return accumulate_evidence({.threads = threads}, monitor, {c.cloud, c.scene, views, {}, [&](std::size_t v) { return c.masks[v]; }});
 }
 std::vector<LabelColumns> labels_of(const MethodCase& c) { return label_gaussians({}, evidence_of(c)); }
 

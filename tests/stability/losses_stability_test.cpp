@@ -202,7 +202,7 @@ TEST_CASE("align: without active nodes the loss and its gradients are zero") {
                     const AlignLoss loss = loss_align({}, {.weight_alpha = 0, .weight_variance = 0}, in, context);
                     AlignFieldGradients field;
                     ImageF grad_colour(12, 10, 3), grad_alpha(12, 10, 1);
-                    loss_align_backward({}, {}, in, loss, context, 1, field, grad_colour, grad_alpha);
+                    loss_align_backward({}, {}, in, context, {1, field, grad_colour, grad_alpha});
                     bool zero = loss.total == 0;
                     for (const auto* values : {&field.colour, &field.alpha, &grad_colour.data, &grad_alpha.data})
                       for (const float x : *values) zero &= x == 0;
@@ -243,7 +243,7 @@ TEST_CASE("align: a node that is switched off adds nothing, whatever the field s
           ImageF to_alpha(12, 10, 1);
           to_colour[k] = ImageF(12, 10, 3);
           loss[k] = loss_align({}, {}, in, context);
-          loss_align_backward({}, {}, in, loss[k], context, 1, field, to_colour[k], to_alpha);
+          loss_align_backward({}, {}, in, context, {1, field, to_colour[k], to_alpha});
           worst.ours_is(field.colour[off * 3] == 0 && field.alpha[off] == 0);
           field_colour[off * 3] = float(h);
         }
@@ -270,7 +270,7 @@ TEST_CASE("continuity: colours that nearly agree keep their squared difference")
                                                    bb += colour[3 + c] * colour[3 + c];
                     }
                     if (want == 0) return;
-                    worst.ours(float(loss_cont({}, graph, {colour.data(), 2}, {}, 1, nullptr)), want),
+                    worst.ours(float(loss_cont({}, {graph, {colour.data(), 2}}, 1, nullptr)), want),
                         worst.naive(aa - 2 * ab + bb, want);
                   });
 }
@@ -283,7 +283,7 @@ TEST_CASE("continuity: one boundary Gaussian and none have loss 0") {
                     const Rows<const float, 3> colour{position.data(), std::int64_t(count)};
                     const KnnGraph graph = nearest_others({}, colour, kMaxNeighbours);
                     std::vector<float> grad;
-                    const double loss = loss_cont({}, graph, colour, {}, 1, &grad);
+                    const double loss = loss_cont({}, {graph, colour}, 1, &grad);
                     Real want = 0;
                     float sum = 0, pairs = 0;
                     for (std::size_t e = 0; e < graph.index.size(); ++e)
@@ -308,7 +308,7 @@ TEST_CASE("smoothness: a short step keeps the accuracy of the colours' differenc
                     for (float& x : b) x += float(h * random.uniform(0.5, 1));
                     SmoothnessGradients grad;
                     const Real factor = 3 / (1e-4L * 1e-4L);
-                    const double loss = loss_smooth_backward({}, {1e-4, 1}, a, b, 1, grad);
+                    const double loss = loss_smooth_backward({}, {1e-4, 1}, {a, b}, 1, grad);
                     Real want = 0;
                     float aa = 0, ab = 0, bb = 0;
                     for (std::size_t c = 0; c < 3; ++c) {

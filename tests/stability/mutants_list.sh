@@ -180,9 +180,9 @@ mutant passes/joint/label_start.h unit/passes/joint/label_start_test.cpp passes/
 
 t="unit/ops/image/contour_refine_test.cpp stability/alignment_stability_test.cpp" f=ops/image/contour_refine.cpp
 mutant $f "$t" $f "densities of colours without a least variance" 's/\(i == j \? kColourNoise : 0\.0\)/0.0/; s/std::max\(c\[i\]\[i\], 0\.5 \* kColourNoise\)/c[i][i]/'
-mutant $f "$t" $f "every neighbour alike" 's/std::exp\(-squared_difference\(colour\[p\], colour\[q\]\) \/ m\)/1.0/'
+mutant $f "$t" $f "every neighbour alike" 's/std::exp\(-squared_difference\(colour\[p\], colour\[q\]\) \/ mean_square\)/1.0/'
 mutant $f "$t" $f "edges are steps along x" 's/if \(y \+ 1 < win\.h\) sum .*//'
-mutant $f "$t" $f "pixels beside the band forgotten" 's/walk\.right\[std::size_t\(row\)\] \+= w \* double\(walk\.given\[q\]\);/;/'
+mutant $f "$t" $f "pixels beside the band forgotten" 's/system\.right\[std::size_t\(row\)\] \+= w \* double\(system\.given\[q\]\);/;/'
 mutant $f "$t" $f "nothing says where the contour was" 's/right\.push_back\(shape_weight \* sigmoid\(.*\) \+$/right.push_back(0 +/'
 mutant $f "$t" $f "colours that are no numbers in the means" 's/if \(std::isfinite\(v\)\) sum/sum/'
 t=unit/passes/detectors_test.cpp f=passes/detectors.cpp
@@ -221,7 +221,7 @@ mutant $f $t $f "depths not compared" 's/select\(L\(depth\) < limit\[hit\.pack\]
 
 t=stability/pictures_stability_test.cpp
 mutant $f $t $f "a surface at a Gaussian lies behind it" 's/L\(depth\) < limit\[hit\.pack\]/limit[hit.pack] >= L(depth)/'
-mutant scene/shrink.cpp $t scene/shrink.cpp "cells at the border divided as whole ones" 's/\(right - x \* factor\) \* \(bottom - y \* factor\)/factor * factor/'
+mutant scene/shrink.cpp $t scene/shrink.cpp "cells at the border divided as whole ones" 's/= mean_of\(image, cell, c\);/= mean_of(image, cell, c) * float((cell.right - cell.left) * (cell.bottom - cell.top)) \/ float(factor * factor);/'
 mutant scene/shrink.cpp $t scene/shrink.cpp "float accumulator" 's/double sum = 0/float sum = 0/; s/sum \+= double\(image(.*)\);/sum += image\1;/'
 mutant math/median.h $t "" "a third instead of the middle" 's/values\.size\(\) \/ 2/values.size() \/ 3/'
 f=ops/image/image_metrics.cpp
@@ -229,11 +229,11 @@ mutant $f $t $f "squares, not the square of the difference" 's/sum \+= w \* d \*
 
 t="parity/emulated_main.cpp parity/backends.cpp parity/splat_parity.cpp" f=ops/device/tiles_schedule.h
 mutant $f "$t" "" "device: pairs of a Gaussian in one row of tiles only" 's/ty < rect\[i\]\.y_end/ty < rect[i].y_begin + 1/'
-mutant $f "$t" "" "device: last tile without an end" 's/grid\.each\(tile_count_ \+ 1, FindTiles/grid.each(tile_count_, FindTiles/'
+mutant $f "$t" "" "device: last tile without an end" 's/launcher\.each\(tile_count_ \+ 1, FindTiles/launcher.each(tile_count_, FindTiles/'
 mutant $f "$t" "" "device: keys sorted by tile only" 's/\| near_first;/| 0;/'
 f=ops/device/splat_forward_schedule.h
 mutant $f "$t" "" "device: a batch of the whole tile" 's/min2<std::int64_t>\(kBatch, end - first\)/kBatch/'
-mutant $f "$t" "" "device: background behind an opaque tile" 's/fma_lanes\(own\.walk\.transmittance, channels\.background\[c\], own\.sum\[c\]\)/own.sum[c]/'
+mutant $f "$t" "" "device: background behind an opaque tile" 's/fma_lanes\(own\.traversal\.transmittance, channels\.background\[c\], own\.sum\[c\]\)/own.sum[c]/'
 f=ops/device/splat_backward_schedule.h
 mutant $f unit/ops/device/splat_backward_schedule_test.cpp "" "device: transmittances kept by the wrong tile" 's/return begin \/ kBatch \+ tile;/return begin \/ kBatch;/'
 mutant $f "$t" "" "device: no barrier before memory is used again" 's/if \(j < used\) sum_segment\(shared, (.*), own\.part\);/if (j < used) { sum_segment(shared, \1, own.part); for (int k = 0; k < kSums; ++k) shared.segment[s][j * kSums + k] = own.part[k]; }/'
@@ -247,7 +247,7 @@ t="parity/emulated_main.cpp parity/backends.cpp parity/field_parity.cpp"
 mutant ops/device/knn_schedule.h "$t" "" "device: equal distances lose their order" 's/if \(!placed \&\& !/if (!/'
 mutant ops/device/knn_schedule.h "$t" "" "device: float distances rejected without slack" 's/ \* 1\.000002f;/ * 0.999f;/'
 mutant ops/device/hash_grid_schedule.h "$t" "" "device: every contribution starts a sum" 's/if \(i > 0 \&\& key\[i - 1\] == key\[i\]\) return;//'
-mutant ops/device/hash_grid_schedule.h "$t" "" "device: an atomic sum drops a contribution" 's/(\[\]\(float\* to, float x\) \{ )(Grid::add_to)/[i](float* to, float x) { if (i != 77) \2/'
+mutant ops/device/hash_grid_schedule.h "$t" "" "device: an atomic sum drops a contribution" 's/(\[\]\(float\* to, float x\) \{ )(Launcher::add_to)/[i](float* to, float x) { if (i != 77) \2/'
 mutant ops/device/film_backward_schedule.h "$t" "" "device: parts lose the last tile" 's/\(block\.index \+ 1\) \* tiles \/ kParts;/(block.index + 1) * tiles \/ kParts - 1;/'
 mutant ops/device/film_backward_schedule.h "$t" "" "device: conditions not loaded again" 's/Tile::load_condition\(t, net, first, shared\.condition\);//'
 mutant ops/device/film_forward_schedule.h "$t" "" "device: activations written while they are read" 's/(Tile::product\(t, .*, shared\.x, own\.cells\);)/\1 shared.x[t] = own.cells[0][0];/'

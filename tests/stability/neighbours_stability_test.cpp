@@ -86,7 +86,7 @@ TEST_CASE("rbf: of two neighbours at nearly the same distance none takes more th
                     const float x[6] = {near.x, near.y, near.z, far.x, far.y, far.z}, inv_2h2 = float(1 / (2 * h * h));
                     const std::uint32_t nearest[2] = {0, 1};
                     float w[2];
-                    rbf_weights<float>(q, {x, 2}, nearest, 2, inv_2h2, w);
+                    rbf_weights<float>(q, {x, 2}, {nearest, 2}, inv_2h2, w);
                     worst.ours_is(w[0] >= w[1] && std::abs(w[0] + w[1] - 1) < 1e-6f);
                     const float naive = std::exp(-dot(near - far, (q - near) + (q - far)) * inv_2h2);
                     worst.naive_is(std::isfinite(naive) && naive <= 1);

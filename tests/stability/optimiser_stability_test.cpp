@@ -19,7 +19,7 @@ constexpr double kLr = 1e-2;
 float first_move(float g, std::int64_t t) {
   std::vector<float> x{0.f}, grad{g};
   AdamMoments moments;
-  adam_step({}, {.lr = kLr}, t, "x", x, grad, moments);
+  adam_step({}, {.lr = kLr}, t, {"x", x, grad}, moments);
   return x[0];
 }
 
@@ -43,7 +43,7 @@ TEST_CASE("adam: without gradients nothing moves") {
                       const double move = h > 0 ? -kLr * double(last) : 0;
                       float m = 0, v = 0;
                       for (std::int64_t t = first; t <= last; ++t) {
-                        adam_step({}, {.lr = kLr, .eps = 0x1p-60}, t, "x", x, grad, moments);
+                        adam_step({}, {.lr = kLr, .eps = 0x1p-60}, t, {"x", x, grad}, moments);
                         m = 0.9f * m + 0.1f * grad[0], v = 0.999f * v + 0.001f * grad[0] * grad[0];
                         const double c1 = 1 - std::pow(0.9, double(t)), c2 = 1 - std::pow(0.999, double(t));
                         for (float& value : naive) value -= float(kLr) * (m / float(c1)) / std::sqrt(v / float(c2));
@@ -95,7 +95,7 @@ TEST_CASE("adam: moments of a constant gradient after a hundred thousand steps")
         std::vector<float> x(1000, 0.f);
         AdamMoments moments;
         for (std::int64_t t = 1; t <= std::int64_t(h); ++t)
-          adam_step({}, {.lr = 1e-4}, t, "x", x, grad, moments);
+          adam_step({}, {.lr = 1e-4}, t, {"x", x, grad}, moments);
         const Real c1 = -std::expm1(Real(h) * std::log(0.9L)), c2 = -std::expm1(Real(h) * std::log(0.999L));
         for (std::size_t i = 0; i < grad.size(); ++i) {
           worst.ours(moments.m[i], c1 * grad[i], 10), worst.ours(moments.v[i], c2 * grad[i] * grad[i], 1000);
@@ -110,13 +110,13 @@ TEST_CASE("adam: a gradient that is not a number is named and moves nothing") {
                     std::vector<float> x = random.uniform_vector<float>(100, -1, 1),
                                        grad = random.uniform_vector<float>(100, -1, 1);
                     AdamMoments moments;
-                    adam_step({}, {.lr = kLr}, 1, "position", x, grad, moments);
+                    adam_step({}, {.lr = kLr}, 1, {"position", x, grad}, moments);
                     const std::vector<float> before = x, m = moments.m, v = moments.v;
                     const auto at = std::size_t(random.below(100));
                     grad[at] = random.below(2) == 1 ? float(h) : -float(h);
                     bool named = false;
                     try {
-                      adam_step({}, {.lr = kLr}, 2, "position", x, grad, moments);
+                      adam_step({}, {.lr = kLr}, 2, {"position", x, grad}, moments);
                     } catch (const Error& e) {
                       named = e.code() == ErrorCode::kNumeric &&
                               std::string(e.what()).find("position: gradient " + std::to_string(at) + " ") !=
@@ -137,12 +137,12 @@ TEST_CASE("adam: rows without a gradient keep their value and their moments, the
                     std::vector<float> x = random.uniform_vector<float>(kRows * columns, -1, 1),
                                        grad = random.uniform_vector<float>(kRows * columns, 0.1, 1);
                     AdamMoments moments;
-                    adam_step({}, {.lr = kLr}, 1, "table", x, grad, moments);
+                    adam_step({}, {.lr = kLr}, 1, {"table", x, grad}, moments);
                     std::fill_n(grad.begin(), still, 0.f);
                     std::vector<float> dense = x, sparse = x;
                     AdamMoments dense_moments = moments, sparse_moments = moments;
-                    adam_step({}, {.lr = kLr}, 2, "table", dense, grad, dense_moments);
-                    adam_step({}, {.lr = kLr, .sparse_columns = int(columns)}, 2, "table", sparse, grad,
+                    adam_step({}, {.lr = kLr}, 2, {"table", dense, grad}, dense_moments);
+                    adam_step({}, {.lr = kLr, .sparse_columns = int(columns)}, 2, {"table", sparse, grad},
                               sparse_moments);
                     const auto as_wanted = [&](const std::vector<float>& value, const AdamMoments& after) {
                       bool fine = true;

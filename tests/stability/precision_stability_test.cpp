@@ -72,7 +72,7 @@ std::vector<std::uint8_t> thresholded(const std::vector<double>& values) {
 
 std::vector<std::uint8_t> double_mask(const DoubleCloud& cloud, const Camera& camera,
                                       const SplatOptions& options, const std::vector<double>& label) {
-  ChannelRequest<double> request;
+  ChannelPlan<double> request;
   request.colour = false, request.label = {label.data(), std::int64_t(label.size()), 1};
   SplatEngine<double> engine(tile_kernels_of<double>(), options, cloud.view, camera, request);
   std::vector<double> image(std::size_t(camera.width_px) * std::size_t(camera.height_px)), alpha = image;
@@ -101,8 +101,8 @@ TEST_CASE("float labels of a real capture differ from double ones only within ro
   Monitor monitor;
   const SplatOptions options;
   const LabelColumns single =
-      label_gaussians({}, accumulate_evidence({}, monitor, model.cloud, scene, training_views(scene), options,
-                                              [&](std::size_t v) { return io::load_masks(scene, v); }))[0];
+      label_gaussians({}, accumulate_evidence({}, monitor, {model.cloud, scene, training_views(scene), options,
+                                                            [&](std::size_t v) { return io::load_masks(scene, v); }}))[0];
   const DoubleCloud cloud(model.cloud);
   std::vector<double> weight(n, 0.0), object(n, 0.0), label(n, 0.0);
   for (const std::size_t v : training_views(scene))

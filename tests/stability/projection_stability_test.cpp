@@ -190,7 +190,7 @@ TEST_CASE("projection: a saturated opacity still has its gradient") {
     Probe p(random, 0.1, 0.1, 0.1);
     p.logit = float(h * random.uniform(0.9, 1));
     Projected got(p);
-    const auto g = project_gaussian_backward(got.camera, p.t, got.out, got.context, false, {0, 0, 0, 0, 0, 1});
+    const auto g = project_gaussian_backward(got.camera, p.t, got.out, got.context, {0, 0, 0, 0, 0, 1});
     const Real e = std::exp(-Real(p.logit)), want = e / (1 + e);
     worst.ours(g.logit_opacity, want), worst.naive(1 - sigmoid(p.logit), want);
   });
@@ -221,7 +221,7 @@ TEST_CASE("projection: the zero quaternion is the identity and has no gradient")
         std::fill_n(p.rotation, 4, 0.f);
         p.rotation[0] = float(h);
         Projected got(p);
-        const auto g = project_gaussian_backward(got.camera, p.t, got.out, got.context, false, {1, 1, 1, 1, 1, 1});
+        const auto g = project_gaussian_backward(got.camera, p.t, got.out, got.context, {1, 1, 1, 1, 1, 1});
         p.rotation[0] = 1;
         const Projected identity(p);
         worst.ours_is(got.out.conic_a == identity.out.conic_a && got.out.conic_b == identity.out.conic_b);
@@ -305,13 +305,13 @@ TEST_CASE("projection: gradients of needles stay as accurate as their conic") {
         std::copy_n(p.rotation, 4, rotation), std::copy_n(p.log_scale, 3, log_scale);
         const Vec3<double> t{p.t.x, p.t.y, p.t.z};
         ProjectionContext<double> ctx;
-        const auto out = project_gaussian(cam, t, rotation, log_scale, 0.0, false, ctx);
+        const auto out = project_gaussian(cam, t, {rotation, log_scale, 0.0}, ctx);
         float u[6];
         for (float& x : u) x = float(random.uniform(-1, 1));
-        const auto g = project_gaussian_backward(got.camera, p.t, got.out, got.context, false,
+        const auto g = project_gaussian_backward(got.camera, p.t, got.out, got.context,
                                                  {u[0], u[1], u[2], u[3], u[4], u[5]});
         const auto w =
-            project_gaussian_backward(cam, t, out, ctx, false, {u[0], u[1], u[2], u[3], u[4], u[5]});
+            project_gaussian_backward(cam, t, out, ctx, {u[0], u[1], u[2], u[3], u[4], u[5]});
         // What is added up on the way, |Q|² |V|², may cancel.
         const double conic = out.conic_a + out.conic_c, terms = conic * conic * (out.cov_xx + out.cov_yy);
         const auto size = [](Vec3<double> v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); };

@@ -1,8 +1,8 @@
 #pragma once
-// The Grid of backend/launcher.h, emulated: blocks one after the other, in every phase thread after thread. Finds without a
+// The Launcher of backend/launcher.h, emulated: blocks one after the other, in every phase thread after thread. Finds without a
 // device what would go wrong on one:
 //   a read of memory never written    allocations, Shared and Thread start as NaN / all bits set
-//   a race within a phase or grid     results must not depend on `order` (ascending, descending, shuffled)
+//   a race within a phase or launch    results must not depend on `order` (ascending, descending, shuffled)
 //   an access out of bounds           allocations are exact, for the address sanitizer
 #include <algorithm>
 #include <cstdlib>

@@ -84,7 +84,7 @@ inline std::unique_ptr<JointCase> joint_case(int ball = 160, int wall = 120) {
   }
   Monitor monitor;
   const auto load = [&](std::size_t v) { return c->masks[v]; };
-  const Evidence evidence = accumulate_evidence({}, monitor, c->model, c->scene, {0, 1, 2, 3}, {}, load);
+  const Evidence evidence = accumulate_evidence({}, monitor, {c->model, c->scene, {0, 1, 2, 3}, {}, load});
   VarianceOptions options;
   options.tau = 0.2;
   c->labels = label_gaussians(options, evidence);

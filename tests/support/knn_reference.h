@@ -65,7 +65,7 @@ struct Cluster {
 
   std::vector<float> ours() const {
     std::vector<float> w(kNeighbours);
-    rbf_weights<float>(q, rows(x), nearest.data(), kNeighbours, inv_2h2(), w.data());
+    rbf_weights<float>(q, rows(x), {nearest.data(), kNeighbours}, inv_2h2(), w.data());
     return w;
   }
   std::vector<float> normalised(std::vector<float> exponent) const {

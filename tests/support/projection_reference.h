@@ -90,7 +90,8 @@ struct Projected {
   explicit Projected(const Probe& p, bool antialiased = false)
       : Projected(p, antialiased, projection_camera<float>(front_camera(), {})) {}
   Projected(const Probe& p, bool antialiased, const ProjectionCamera<float>& by) : camera(by) {
-    out = project_gaussian(camera, p.t, p.rotation, p.log_scale, p.logit, antialiased, context);
+    camera.antialiased = antialiased;
+    out = project_gaussian(camera, p.t, {p.rotation, p.log_scale, p.logit}, context);
   }
 };
 

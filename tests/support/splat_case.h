@@ -79,7 +79,7 @@ struct SplatArrays {
     return {std::int64_t(logit_opacity.size()), position.data(), rotation.data(), log_scale.data(), logit_opacity.data(),
             sh_dc.data(), sh_rest.data(), degree, 15, nullptr, nullptr};
   }
-  ChannelRequest<S> request(Vec3<double> background) const {
+  ChannelPlan<S> request(Vec3<double> background) const {
     return {true, true, {label.data(), std::int64_t(logit_opacity.size()), 2}, {S(background.x), S(background.y), S(background.z)}};
   }
   std::vector<std::vector<S>*> parameters() { return {&position, &rotation, &log_scale, &logit_opacity, &sh_dc, &sh_rest, &label}; }

@@ -108,7 +108,7 @@ void compare_with_photos(cli::Run& run, const Problem& problem) {
   std::vector<double> gains_db;
   for_each_view(&run.monitor(), spread_views(with_photo, kViews), [&](std::size_t, std::size_t v) {
     const Camera& camera = problem.scene.views[v].camera;
-    gains_db.push_back(match_photo(run.exec(), problem.cloud, camera, problem.splat, problem.load_photo(v)).gain_db());
+    gains_db.push_back(match_photo(run.exec(), problem.cloud, {camera, problem.load_photo(v)}, problem.splat).gain_db());
   });
   if (gains_db.empty() || run.monitor().stop_requested()) return;
   const double gain_db = upper_median(std::move(gains_db)), least_db = SceneCheckOptions{}.min_fit_db;

@@ -28,7 +28,7 @@ int main(int argc, char** argv) {
       return 0;
     }
     const RbfSummary summary =
-        interpolate_features(run.exec(), run.monitor(), options, ply.cloud, boundary, field);
+        interpolate_features(run.exec(), run.monitor(), options, boundary, field);
     run.result()["width"] = summary.width;
     run.result()["far_queries"] = summary.far_queries;
     run.result()["mean_nearest"] = summary.mean_nearest;

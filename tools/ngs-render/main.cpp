@@ -87,8 +87,8 @@ int main(int argc, char** argv) {
     for (std::size_t n = 0; n < views.size(); ++n) {
       const RenderedView view = [&] {
         const auto timed = run.monitor().scope("render");
-        return render_labelled(run.exec(), ply.cloud, objects.columns, camera_of(scene, views[n], options), splat,
-                               background_of(scene), options.amodal);
+        return render_labelled(run.exec(), {ply.cloud, objects.columns}, camera_of(scene, views[n], options),
+                               {splat, background_of(scene), options.amodal});
       }();
       const auto timed = run.monitor().scope("write");
       picture::write_view({out.path, names[views[n]]}, view, {objects, layers, format.format, options.threshold});

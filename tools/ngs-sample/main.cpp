@@ -64,8 +64,8 @@ int main(int argc, char** argv) {
                 {"output_mib_at_most", double(queries * kBytesPerQuery) / 1048576}});
       return 0;
     }
-    const QueryField field = sample_queries(run.exec(), run.monitor(), options, ply.cloud, boundary, scene,
-                                            views, splat_options(raster, ply.cloud, scene));
+    const QueryField field = sample_queries(run.exec(), run.monitor(), options,
+                                            {ply.cloud, boundary, scene, views, splat_options(raster, ply.cloud, scene)});
     report_views(run, field);
     if (field.size() == 0 && boundary.size() > 0)
       run.nothing_found("the boundary is visible in none of the chosen views",

@@ -85,7 +85,7 @@ void SceneChecks::check() {
                                return MaskSample{std::move(loaded.masks), std::move(loaded.notes), loaded.lossy};
                              }};
   const SceneCheck result =
-      check_scene(run_.exec(), run_.monitor(), options_, model_ ? &model_->cloud : nullptr, scene_, loaders);
+      check_scene(run_.exec(), run_.monitor(), options_, {model_ ? &model_->cloud : nullptr, scene_, loaders});
   notes_.insert(notes_.end(), result.warnings.begin(), result.warnings.end());
   for (const std::string& note : notes_) run_.monitor().warn(note);
   run_.result().update(check_json(scene_, result));

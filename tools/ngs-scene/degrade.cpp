@@ -85,7 +85,7 @@ int degrade_command(int argc, char** argv) {
       if (fate[v] < 0) continue;
       const ImageU16 mask = read_binary(masks.path + "/" + names[std::size_t(fate[v])]);
       write_binary(out.path + "/" + image_stem(names[v]) + ".png",
-                   synth::disturb_labels(run.exec(), mask, noise, 1, int(v), run.seed()));
+                   synth::disturb_labels(run.exec(), mask, noise, {1, int(v), run.seed()}));
       any_object |= std::ranges::find(mask.data, std::uint16_t(1)) != mask.data.end();
     }
     if (!any_object && missing.size() < names.size())

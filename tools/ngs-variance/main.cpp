@@ -58,9 +58,9 @@ int label_scene(int argc, char** argv) {
       return 0;
     }
     io::EvidencePart part;
-    part.evidence = accumulate_evidence(run.exec(), run.monitor(), ply.cloud, scene, views,
-                                        splat_options(raster, ply.cloud, scene),
-                                        [&](std::size_t view) { return io::load_masks(scene, view); });
+    part.evidence = accumulate_evidence(run.exec(), run.monitor(),
+                                        {ply.cloud, scene, views, splat_options(raster, ply.cloud, scene),
+                                         [&](std::size_t view) { return io::load_masks(scene, view); }});
     if (partial) {
       part.model_hash = io::content_hash(scene.model_path).xxh3;
       if (!run.comes_from_stream(scene_json)) part.scene_path = scene_json.path;

@@ -1,5 +1,5 @@
 #pragma once
-// The Grid of backend/launcher.h on a CUDA device. Included by *.cu only. All work of a process goes to one stream, which
+// The Launcher of backend/launcher.h on a CUDA device. Included by *.cu only. All work of a process goes to one stream, which
 // waits for no other and on which no other waits.
 #include <cuda_runtime.h>
 

@@ -1,16 +1,16 @@
 #pragma once
-// What a device offers to the schedules of ops/device/*_schedule.h. A schedule is written once, against a Grid:
+// What a device offers to the schedules of ops/device/*_schedule.h. A schedule is written once, against a Launcher:
 // CudaLauncher runs it on a GPU (backend/cuda_launcher.cuh), the emulator of the tests thread by thread on the CPU
 // (tests/support/host_launcher.h).
 //
-//   grid.each(n, kernel)         kernel(i) for i in [0, n), in no order; kernel(i) writes only what i owns
-//   grid.blocks(n, kernel)       n cooperating blocks, see below
-//   grid.sort(keys, values, n, bits)   stable, ascending by the lowest `bits` of the 64-bit keys; both are replaced
-//   grid.sum_before(in, out, n)  out[i] = in[0] + ... + in[i - 1], i <= n: n + 1 results
-//   Grid::add_to(float*, x)      in a kernel: adds where other threads may add too, in no order
-//   grid.upload / download / fill_zero, grid.allocate / release
+//   launcher.each(n, kernel)              kernel(i) for i in [0, n), in no order; kernel(i) writes only what i owns
+//   launcher.blocks(n, kernel)            n cooperating blocks, see below
+//   launcher.sort(keys, values, n, bits)  stable, ascending by the lowest `bits` of the 64-bit keys; both are replaced
+//   launcher.sum_before(in, out, n)       out[i] = in[0] + ... + in[i - 1], i <= n: n + 1 results
+//   Launcher::add_to(float*, x)           in a kernel: adds where other threads may add too, in no order
+//   launcher.upload / download / fill_zero, launcher.allocate / release
 //
-// All pointers in kernels are the grid's. Launches run in order; download waits for them. A kernel has a kName.
+// All pointers in kernels are the device's. Launches run in order; download waits for them. A kernel has a kName.
 //
 // A cooperative kernel has kThreads, a trivially copyable struct Shared (not initialised), a struct Thread (a thread's own
 // variables) and
@@ -29,21 +29,21 @@
 
 namespace ngs {
 
-/// Owned memory of a grid, contents undefined until written. Freed in order with the grid's launches.
-template <class Grid, class T>
+/// Owned memory of a device, contents undefined until written. Freed in order with the launches.
+template <class Launcher, class T>
 class DeviceBuffer {
  public:
   DeviceBuffer() = default;
-  DeviceBuffer(Grid& grid, std::int64_t size) : grid_(&grid), size_(size) {
-    if (size > 0) data_ = static_cast<T*>(grid.allocate(std::size_t(size) * sizeof(T)));
+  DeviceBuffer(Launcher& launcher, std::int64_t size) : launcher_(&launcher), size_(size) {
+    if (size > 0) data_ = static_cast<T*>(launcher.allocate(std::size_t(size) * sizeof(T)));
   }
   /// A copy of `host`.
-  DeviceBuffer(Grid& grid, const T* host, std::int64_t size) : DeviceBuffer(grid, size) {
-    if (size > 0) grid.upload(data_, host, std::size_t(size) * sizeof(T));
+  DeviceBuffer(Launcher& launcher, const T* host, std::int64_t size) : DeviceBuffer(launcher, size) {
+    if (size > 0) launcher.upload(data_, host, std::size_t(size) * sizeof(T));
   }
-  DeviceBuffer(Grid& grid, const std::vector<T>& host) : DeviceBuffer(grid, host.data(), std::int64_t(host.size())) {}
+  DeviceBuffer(Launcher& launcher, const std::vector<T>& host) : DeviceBuffer(launcher, host.data(), std::int64_t(host.size())) {}
   ~DeviceBuffer() {
-    if (data_ != nullptr) grid_->release(data_);
+    if (data_ != nullptr) launcher_->release(data_);
   }
   DeviceBuffer(DeviceBuffer&& other) noexcept { swap(other); }
   DeviceBuffer& operator=(DeviceBuffer&& other) noexcept {
@@ -54,11 +54,11 @@ class DeviceBuffer {
   T* data() const { return data_; }
   std::int64_t size() const { return size_; }
   void zero() {
-    if (size_ > 0) grid_->fill_zero(data_, std::size_t(size_) * sizeof(T));
+    if (size_ > 0) launcher_->fill_zero(data_, std::size_t(size_) * sizeof(T));
   }
   /// Into host memory of `size()` values.
   void to(T* host) const {
-    if (size_ > 0) grid_->download(host, data_, std::size_t(size_) * sizeof(T));
+    if (size_ > 0) launcher_->download(host, data_, std::size_t(size_) * sizeof(T));
   }
   void to(std::vector<T>& host) const {
     host.resize(std::size_t(size_));
@@ -67,9 +67,9 @@ class DeviceBuffer {
 
  private:
   void swap(DeviceBuffer& other) noexcept {
-    std::swap(grid_, other.grid_), std::swap(data_, other.data_), std::swap(size_, other.size_);
+    std::swap(launcher_, other.launcher_), std::swap(data_, other.data_), std::swap(size_, other.size_);
   }
-  Grid* grid_ = nullptr;
+  Launcher* launcher_ = nullptr;
   T* data_ = nullptr;
   std::int64_t size_ = 0;
 };

@@ -58,21 +58,25 @@ NGS_HD inline double bilinear_weight(double position_px, int size_px, int pixel)
   return weight;
 }
 
+/// The nodes of a grid along one axis.
+struct NodeAxis {
+  double first_px, step_px;
+  int count;
+};
 /// A range of nodes along one axis; empty if last < first.
 struct NodeRange {
   int first, last;
 };
 /// The nodes of one axis that may lie within `reach_px` of a pixel's centre after clamping to the image: a
 /// superset, never missing one.
-NGS_HD inline NodeRange nodes_near(double first_px, double step_px, int count, int size_px, int pixel,
-                                   double reach_px) {
+NGS_HD inline NodeRange nodes_near(const NodeAxis& axis, int size_px, int pixel, double reach_px) {
   const double centre = pixel + 0.5;
-  const double low = (centre - reach_px - first_px) / step_px - 1e-6,
-               high = (centre + reach_px - first_px) / step_px + 1e-6;
+  const double low = (centre - reach_px - axis.first_px) / axis.step_px - 1e-6,
+               high = (centre + reach_px - axis.first_px) / axis.step_px + 1e-6;
   // Nodes beyond the border are read from the border pixels.
   const bool at_low_border = centre - reach_px <= 0.5, at_high_border = centre + reach_px >= size_px - 0.5;
-  NodeRange range{at_low_border || low <= 0 ? 0 : int(low), count - 1};
-  if (!at_high_border && high < count - 1) range.last = high < 0 ? -1 : int(high);
+  NodeRange range{at_low_border || low <= 0 ? 0 : int(low), axis.count - 1};
+  if (!at_high_border && high < axis.count - 1) range.last = high < 0 ? -1 : int(high);
   return range;
 }
 

@@ -33,7 +33,7 @@ void CobTrainer::mask_phase(const Exec& exec, Monitor& monitor) {
       const ViewMasks masks = input_.load_masks(view);
       if (!masks.available) continue;
       Evidence one(cloud_.size(), objects_);
-      add_view_evidence(exec, cloud_, input_.scene.views[view].camera, input_.splat, masks, one);
+      add_view_evidence(exec, cloud_, {input_.scene.views[view].camera, masks}, input_.splat, one);
       label_step(exec, one);
       if (pass == 0) evidence_.add(one), ++mask_views_;  // the second pass sees the same pixels
     }
@@ -52,7 +52,7 @@ void CobTrainer::label_step(const Exec& exec, const Evidence& view) {
       gradient[cell] = float((options_.lambda * outside - inside) * m * (1 - m));
     }
   });
-  adam_step(exec, {.lr = options_.label_lr}, ++label_steps_, "label", logit_, gradient, label_moments_);
+  adam_step(exec, {.lr = options_.label_lr}, ++label_steps_, {"label", logit_, gradient}, label_moments_);
 }
 
 std::vector<double> CobTrainer::certainty() const {
@@ -136,7 +136,7 @@ void CobTrainer::texture_step(const Exec& exec, std::size_t view, const ImageF& 
   PhotometricOptions photometric;
   photometric.dssim_weight = options_.dssim_weight;
   last_photometric_ =
-      photometric_.evaluate(exec, photometric, rendered.colour, photo, nullptr, &image_gradient_.colour)
+      photometric_.evaluate(exec, photometric, {rendered.colour, photo}, &image_gradient_.colour)
           .total;
   if (texture_steps_ == 0) first_photometric_ = last_photometric_;
   pass_.backward(exec, image_gradient_, gradients_);
@@ -144,7 +144,7 @@ void CobTrainer::texture_step(const Exec& exec, std::size_t view, const ImageF& 
   ++texture_steps_;
   const CobOptions& o = options_;
   const GroupRates rates{o.position_lr * extent_, o.rotation_lr, o.scale_lr, o.opacity_lr, o.dc_lr, o.rest_lr};
-  step_gaussians(exec, texture_steps_, rates, gradients_, cloud_, moments_);
+  step_gaussians(exec, {texture_steps_, rates}, gradients_, cloud_, moments_);
 }
 
 Solution CobTrainer::result(Monitor& monitor) {

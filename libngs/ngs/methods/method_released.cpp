@@ -53,7 +53,7 @@ Solution run_released(const Exec& exec, Monitor& monitor, const ReleasedOptions&
         position.push_back(cloud.position[i * 3 + c]);
         base.push_back(std::clamp(0.5 + kShDc * double(cloud.sh_dc[i * 3 + c]), 0.0, 1.0));
       }
-    last = field.evaluate(e, weights, position, base, draw++, grad_base);
+    last = field.evaluate(e, weights, {position, base}, draw++, grad_base);
     for (std::size_t k = 0; k < base.size(); ++k)
       if (base[k] > 0 && base[k] < 1) grad_sh_dc[rows[k / 3] * 3 + k % 3] += float(kShDc * grad_base[k]);
     field.step(e, options.lr);

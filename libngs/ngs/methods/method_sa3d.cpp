@@ -47,7 +47,7 @@ ViewMasks masks_of(const Problem& input, std::size_t view, const ObjectState& st
 
 void take_view(const Exec& exec, const Problem& input, std::size_t view, const ViewMasks& masks,
                ObjectState& state) {
-  add_view_evidence(exec, state.cloud, input.scene.views[view].camera, input.splat, masks, state.evidence);
+  add_view_evidence(exec, state.cloud, {input.scene.views[view].camera, masks}, input.splat, state.evidence);
 }
 
 void first_pass(const Exec& exec, Monitor& monitor, const Sa3dOptions& options, const Problem& input,

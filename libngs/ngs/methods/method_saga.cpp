@@ -60,8 +60,7 @@ class Saga {
       loss_ = backward_pixels(exec, image, pixel);
       pass_.backward(exec, image_gradient_, gradients_);
       smooth.backward(exec, features_, u, gradients_.label, grad_features);
-      adam_step(exec, {.lr = options_.lr}, ++updates_, "affinity feature", features_, grad_features,
-                moments_);
+      adam_step(exec, {.lr = options_.lr}, ++updates_, {"affinity feature", features_, grad_features}, moments_);
       monitor.progress(step_ + 1, options_.steps);
     }
   }

@@ -26,22 +26,32 @@ constexpr std::size_t kW1 = 0, kB1 = kW1 + kHidden * kInputs, kW2 = kB1 + kHidde
                       kBetaW = kGammaB + kHidden, kBetaB = kBetaW + kHidden * 3, kHeadW = kBetaB + kHidden,
                       kHeadB = kHeadW + kHeads * kHidden, kNetwork = kHeadB + kHeads;
 
-/// y = W x + b and its adjoint.
-void affine(const double* w, const double* b, const double* x, int rows, int columns, double* y) {
-  for (int r = 0; r < rows; ++r) {
-    double sum = b[r];
-    for (int c = 0; c < columns; ++c) sum += w[r * columns + c] * x[c];
-    y[r] = sum;
+/// y = W x + b and its adjoint: where a layer lies among the parameters of the network.
+struct Affine {
+  std::size_t weight, bias;
+  int rows, columns;
+
+  void forward(const double* net, const double* x, double* y) const {
+    const double *w = net + weight, *b = net + bias;
+    for (int r = 0; r < rows; ++r) {
+      double sum = b[r];
+      for (int c = 0; c < columns; ++c) sum += w[r * columns + c] * x[c];
+      y[r] = sum;
+    }
   }
-}
-void affine_backward(const double* w, const double* x, const double* gy, int rows, int columns, double* gw,
-                     double* gb, double* gx_add) {
-  for (int r = 0; r < rows; ++r) {
-    gb[r] += gy[r];
-    for (int c = 0; c < columns; ++c)
-      gw[r * columns + c] += gy[r] * x[c], gx_add[c] += w[r * columns + c] * gy[r];
+  /// Adds to the gradients of the parameters and of x.
+  void backward(const double* net, const double* x, const double* grad_y, double* grad, double* grad_x) const {
+    const double* w = net + weight;
+    double *gw = grad + weight, *gb = grad + bias;
+    for (int r = 0; r < rows; ++r) {
+      gb[r] += grad_y[r];
+      for (int c = 0; c < columns; ++c)
+        gw[r * columns + c] += grad_y[r] * x[c], grad_x[c] += w[r * columns + c] * grad_y[r];
+    }
   }
-}
+};
+constexpr Affine kLayer1{kW1, kB1, kHidden, kInputs}, kLayer2{kW2, kB2, kHidden, kHidden},
+    kGamma{kGammaW, kGammaB, kHidden, 3}, kBeta{kBetaW, kBetaB, kHidden, 3}, kHead{kHeadW, kHeadB, kHeads, kHidden};
 
 /// What one row's forward pass leaves for its backward pass.
 struct RowState {
@@ -59,17 +69,17 @@ double relu(double x) { return x > 0 ? x : 0; }
 RowOutput forward_row(const double* net, RowState& s) {
   const double* base = s.in + kLevels * kFeatures;
   double h1[kHidden], h2[kHidden];
-  affine(net + kW1, net + kB1, s.in, kHidden, kInputs, s.a1);
+  kLayer1.forward(net, s.in, s.a1);
   for (int i = 0; i < kHidden; ++i) h1[i] = relu(s.a1[i]);
-  affine(net + kW2, net + kB2, h1, kHidden, kHidden, s.a2);
-  affine(net + kGammaW, net + kGammaB, base, kHidden, 3, s.gamma);
-  affine(net + kBetaW, net + kBetaB, base, kHidden, 3, s.beta);
+  kLayer2.forward(net, h1, s.a2);
+  kGamma.forward(net, base, s.gamma);
+  kBeta.forward(net, base, s.beta);
   for (int i = 0; i < kHidden; ++i) {
     h2[i] = relu(s.a2[i]);
     s.film[i] = (1 + s.gamma[i]) * h2[i] + s.beta[i];
     s.h3[i] = relu(s.film[i]);
   }
-  affine(net + kHeadW, net + kHeadB, s.h3, kHeads, kHidden, s.head);
+  kHead.forward(net, s.h3, s.head);
   RowOutput out;
   for (int c = 0; c < 3; ++c) out.rgb[c] = std::clamp(base[c] + kTint * std::tanh(s.head[c]), 0.0, 1.0);
   out.density = softplus(s.head[3]);
@@ -89,18 +99,18 @@ void backward_row(const double* net, const RowState& s, const RowOutput& g, doub
     grad_base[c] += through, g_head[c] = through * kTint * (1 - t * t);
   }
   g_head[3] = g.density * sigmoid(s.head[3]);
-  affine_backward(net + kHeadW, s.h3, g_head, kHeads, kHidden, grad + kHeadW, grad + kHeadB, g3);
+  kHead.backward(net, s.h3, g_head, grad, g3);
   for (int i = 0; i < kHidden; ++i) {
     g_film[i] = s.film[i] > 0 ? g3[i] : 0;
     g_gamma[i] = g_film[i] * relu(s.a2[i]);
     g2[i] = s.a2[i] > 0 ? g_film[i] * (1 + s.gamma[i]) : 0;
     h1[i] = relu(s.a1[i]);
   }
-  affine_backward(net + kGammaW, base, g_gamma, kHidden, 3, grad + kGammaW, grad + kGammaB, grad_base);
-  affine_backward(net + kBetaW, base, g_film, kHidden, 3, grad + kBetaW, grad + kBetaB, grad_base);
-  affine_backward(net + kW2, h1, g2, kHidden, kHidden, grad + kW2, grad + kB2, g1);
+  kGamma.backward(net, base, g_gamma, grad, grad_base);
+  kBeta.backward(net, base, g_film, grad, grad_base);
+  kLayer2.backward(net, h1, g2, grad, g1);
   for (int i = 0; i < kHidden; ++i) g1[i] = s.a1[i] > 0 ? g1[i] : 0;
-  affine_backward(net + kW1, s.in, g1, kHidden, kInputs, grad + kW1, grad + kB1, grad_in);
+  kLayer1.backward(net, s.in, g1, grad, grad_in);
 }
 
 /// Table entry of every (row, level): floor cell of coordinates scaled to the batch's own bounds.
@@ -236,8 +246,9 @@ ReleasedField::ReleasedField(std::uint64_t seed) : value_(kTables + kNetwork), s
 }
 
 ReleasedLosses ReleasedField::evaluate(const Exec& exec, const ReleasedWeights& weights,
-                                       const std::vector<float>& position, const std::vector<double>& base,
-                                       std::uint64_t draw, std::vector<double>& grad_base) {
+                                       const ReleasedRows& in, std::uint64_t draw, std::vector<double>& grad_base) {
+  const std::vector<float>& position = in.position;
+  const std::vector<double>& base = in.base;
   ReleasedLosses loss;
   std::fill(grad_.begin(), grad_.end(), 0.0);
   grad_base.assign(base.size(), 0.0);
@@ -272,8 +283,7 @@ ReleasedLosses ReleasedField::evaluate(const Exec& exec, const ReleasedWeights& 
 }
 
 void ReleasedField::step(const Exec& exec, double lr) {
-  adam_step(exec, {.lr = lr}, ++steps_, "released field", std::span<double>(value_),
-            std::span<const double>(grad_), std::span<double>(m_), std::span<double>(v_));
+  adam_step(exec, {.lr = lr}, ++steps_, {"released field", value_, grad_}, {m_, v_});
 }
 
 }  // namespace ngs

@@ -17,6 +17,12 @@ struct ReleasedWeights {
   double align = 1, continuity = 0.1, smooth = 0.05, density = 1e-3;
 };
 
+/// The Gaussians of a batch.
+struct ReleasedRows {
+  const std::vector<float>& position;  // [M, 3] world
+  const std::vector<double>& base;     // [M, 3] their colours, in [0, 1]
+};
+
 struct ReleasedLosses {
   double align = 0, continuity = 0, smooth = 0, density = 0, total = 0;
 };
@@ -25,12 +31,10 @@ class ReleasedField {
  public:
   explicit ReleasedField(std::uint64_t seed);
 
-  /// Losses of M Gaussians (`position`, `base` [M, 3], base in [0, 1]) and their gradients: `grad_base` [M,
-  /// 3] and grad() are overwritten. `draw` numbers the step, for its jitter. Gradients stop where the code
-  /// detaches.
-  ReleasedLosses evaluate(const Exec& exec, const ReleasedWeights& weights,
-                          const std::vector<float>& position, const std::vector<double>& base,
-                          std::uint64_t draw, std::vector<double>& grad_base);
+  /// Losses of M Gaussians and their gradients: `grad_base` [M, 3] and grad() are overwritten. `draw` numbers the step, for
+  /// its jitter. Gradients stop where the code detaches.
+  ReleasedLosses evaluate(const Exec& exec, const ReleasedWeights& weights, const ReleasedRows& in, std::uint64_t draw,
+                          std::vector<double>& grad_base);
   /// One Adam step of the network and its tables against grad().
   void step(const Exec& exec, double lr);
 

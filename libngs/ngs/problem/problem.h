@@ -36,6 +36,11 @@ class SharedLabels {
   std::shared_ptr<const std::vector<LabelColumns>> labels_;
 };
 
+struct LabelledModel {
+  const GaussianCloud& cloud;
+  const std::vector<LabelColumns>& labels;  // one per object
+};
+
 struct Problem {
   const GaussianCloud& cloud;
   const Scene& scene;

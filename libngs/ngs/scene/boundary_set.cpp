@@ -8,6 +8,7 @@ BoundarySet boundary_set(const GaussianCloud& cloud, const std::vector<float>& b
   NGS_CHECK(boundary.size() == std::size_t(cloud.size()), "one boundary flag per Gaussian");
   constexpr float kConstantBand = 0.28209479177387814f;  // Y_00
   BoundarySet set;
+  set.origin = cloud.origin;
   for (std::size_t i = 0; i < boundary.size(); ++i) {
     if (!(boundary[i] >= 0.5f) || !cloud.usable[i]) continue;
     set.row.push_back(std::uint32_t(i));

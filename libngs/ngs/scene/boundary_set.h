@@ -1,5 +1,6 @@
 #pragma once
 // The boundary Gaussians B of a labelled model: which rows, and where they are.                  Eq. (3)
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -10,8 +11,9 @@ namespace ngs {
 
 struct BoundarySet {
   std::vector<std::uint32_t> row;  // [B] rows of the model, ascending
-  std::vector<float> position;     // [B, 3] world, relative to the model's origin
+  std::vector<float> position;     // [B, 3] world, relative to `origin`
   std::vector<float> colour;       // [B, 3] rgb of the constant SH band, not clamped
+  std::array<double, 3> origin{};  // the model's, world
 
   std::int64_t size() const { return std::int64_t(row.size()); }
   Rows<const float, 3> positions() const { return {position.data(), size()}; }

@@ -75,13 +75,13 @@ void splat(Bench& bench, std::int64_t gaussians) {
   });
   bench.run("evidence" + size, [&](const Exec& exec) {
     Evidence evidence(scene.cloud.size(), 1);
-    add_view_evidence(exec, scene.cloud, scene.camera, {}, scene.masks, evidence);
+    add_view_evidence(exec, scene.cloud, {scene.camera, scene.masks}, {}, evidence);
   });
   const ImageF target = render(bench.cpu, scene.cloud, scene.camera, {}, {}).colour;
   ImageF to;
   PhotometricPass<float> pass;
   if (gaussians < 200000)
-    bench.run("photometric", [&](const Exec& exec) { pass.evaluate(exec, {}, target, target, nullptr, &to); });
+    bench.run("photometric", [&](const Exec& exec) { pass.evaluate(exec, {}, {target, target}, &to); });
 }
 
 void field(Bench& bench) {
@@ -103,11 +103,10 @@ void field(Bench& bench) {
   bench.run("hash forward", [&](const Exec& exec) { hash.forward(exec, store, queries, encoding); });
   bench.run_sums("hash backward", [&](const Exec& exec) { hash.backward(exec, store, queries, encoding); });
   const FilmMlpInputs in{{encoding.data(), kQueries, 16}, {rbf.feature.data(), kQueries, 3}, queries, 1};
-  FilmMlpGradients gradients;
   bench.run("film forward and backward", [&](const Exec& exec) {
     FilmMlpOutput out;
     film.forward(exec, store, in, out);
-    film.backward(exec, store, in, out, out.density, out.rgb, gradients);
+    film.backward(exec, store, in, out, {out.density, out.rgb});
   });
 }
 

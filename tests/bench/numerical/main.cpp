@@ -72,7 +72,7 @@ struct Model {
   }
 
   std::vector<double> image(const Camera& camera) const {
-    ChannelRequest<S> request;
+    ChannelPlan<S> request;
     request.colour = false, request.label = {label.data(), view.size, 1};
     SplatEngine<S> engine(tile_kernels_of<S>(), {}, view, camera, request);
     std::vector<S> plane(std::size_t(camera.width_px) * std::size_t(camera.height_px)), alpha = plane;

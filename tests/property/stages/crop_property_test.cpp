@@ -69,8 +69,8 @@ struct Step {
     const RenderedView& rendered = pass.forward({}, model.cloud, view.camera, request);
     ViewGradients grad;
     grad.label_moves_geometry = true;
-    PhotometricPass<float>().evaluate({}, {.region = region, .gradient_scale = photo_share}, rendered.colour, view.photo,
-                                      nullptr, &grad.colour);
+    PhotometricPass<float>().evaluate({}, {.region = region, .gradient_scale = photo_share}, {rendered.colour, view.photo},
+                                      &grad.colour);
     loss_mask({}, {}, {&rendered.label, &view.masks, nullptr, 1.0}, 0.5 * mask_share, &grad.label);
     pass.backward({}, grad, out);
   }
@@ -147,7 +147,7 @@ Model trained_for(int steps, Model model, const std::vector<View>& views, const 
       const std::size_t columns = value.size() / model.trained.size();
       for (std::size_t i = 0; i < gradient.size(); ++i)
         if (!model.trained[i / columns]) gradient[i] = 0;
-      adam_step({}, {.lr = 1e-3}, s + 1, name, value, gradient, m);
+      adam_step({}, {.lr = 1e-3}, s + 1, {name, value, gradient}, m);
     };
     move("position", model.cloud.position, g.position, position), move("log_scale", model.cloud.log_scale, g.log_scale, scale);
     move("sh_dc", model.cloud.sh_dc, g.sh_dc, colour), move("label", model.label, g.label, label);
@@ -206,8 +206,9 @@ TEST_CASE("on a real capture a crop about the boundary gives its gradients as th
   Model model{io::read_gaussian_ply(scene.model_path).cloud, {}, {}};
   Monitor monitor;
   const std::vector<std::size_t> views = {0, 5, 10, 15};
-  const LabelColumns labels = label_gaussians({}, accumulate_evidence({}, monitor, model.cloud, scene, views, {},
-                                                                      [&](std::size_t v) { return io::load_masks(scene, v); }))[0];
+  const auto load = [&](std::size_t v) { return io::load_masks(scene, v); };
+  const LabelColumns labels =
+      label_gaussians({}, accumulate_evidence({}, monitor, {model.cloud, scene, views, {}, load}))[0];
   model.label = labels.prob;
   for (const float b : labels.boundary) model.trained.push_back(b > 0);
   for (const std::size_t v : {views[0], views[2]}) {

@@ -147,7 +147,7 @@ TEST_CASE("sa3d's second pass sees the scene without what the first pass rejecte
   for (std::size_t i = 0; i < left.usable.size(); ++i) left.usable[i] = first.labels[0].label[i] > 0;
   Evidence evidence(left.size(), 1);
   for (std::size_t v = 0; v < c.masks.size(); ++v)
-    add_view_evidence({}, left, c.scene.views[v].camera, {}, c.masks[v], evidence);
+    add_view_evidence({}, left, {c.scene.views[v].camera, c.masks[v]}, {}, evidence);
   int changed = 0;
   for (std::size_t i = 0; i < left.usable.size(); ++i) {
     const bool object = evidence.object_weight.value(i) > 0.3 / 1.3 * evidence.weight.value(i);

@@ -35,9 +35,9 @@ TEST_CASE("the released regulariser has the gradients of finite differences") {
       field.parameters()[i] *= 2000;  // entries of 1e-4 hardly matter
     std::vector<double> grad_base, ignored;
     const auto total = [&](const std::vector<double>& base) {
-      return field.evaluate({}, weights, c.position, base, 5, ignored).total;
+      return field.evaluate({}, weights, {c.position, base}, 5, ignored).total;
     };
-    field.evaluate({.threads = 2}, weights, c.position, c.base, 5, grad_base);
+    field.evaluate({.threads = 2}, weights, {c.position, c.base}, 5, grad_base);
     const std::vector<double> grad = field.grad();
     std::vector<std::size_t> moving;
     for (std::size_t i = 0; i < grad.size(); ++i)
@@ -65,11 +65,11 @@ TEST_CASE("the released regulariser learns its target, the mean colour of the ne
   const FieldCase c;
   ReleasedField field(2);
   std::vector<double> grad_base;
-  const double before = field.evaluate({}, {}, c.position, c.base, 0, grad_base).align;
+  const double before = field.evaluate({}, {}, {c.position, c.base}, 0, grad_base).align;
   for (int i = 0; i < 60; ++i)
-    field.step({}, 1e-2), field.evaluate({}, {}, c.position, c.base, std::uint64_t(i), grad_base);
-  CHECK(field.evaluate({}, {}, c.position, c.base, 0, grad_base).align < 0.8 * before);
-  CHECK(field.evaluate({}, {}, {}, {}, 0, grad_base).total == 0);
+    field.step({}, 1e-2), field.evaluate({}, {}, {c.position, c.base}, std::uint64_t(i), grad_base);
+  CHECK(field.evaluate({}, {}, {c.position, c.base}, 0, grad_base).align < 0.8 * before);
+  CHECK(field.evaluate({}, {}, {{}, {}}, 0, grad_base).total == 0);
 }
 
 TEST_CASE("the released code takes the most undecided Gaussians, ties in row order") {

@@ -43,8 +43,8 @@ struct EffectCase {
     VarianceOptions options;
     options.tau = tau;
     base->labels =
-        label_gaussians(options, accumulate_evidence({}, monitor, base->model, base->scene, {0, 1, 2, 3},
-                                                     base->input().splat, base->input().load_masks));
+        label_gaussians(options, accumulate_evidence({}, monitor, {base->model, base->scene, {0, 1, 2, 3},
+                                                                  base->input().splat, base->input().load_masks}));
   }
   void render_photos(const SplatOptions& splat = {}) {
     for (std::size_t v = 0; v < 4; ++v)
@@ -83,7 +83,7 @@ std::vector<float> masks_with(const EffectCase& c, const std::vector<std::string
   std::vector<float> values;
   for (const SceneView& view : c.base->scene.views) {
     const ImageF label =
-        render_labelled({}, run.solution->cloud, run.solution->labels, view.camera, run.problem->splat, {}, false).label;
+        render_labelled({}, {run.solution->cloud, run.solution->labels}, view.camera, {run.problem->splat}).label;
     values.insert(values.end(), label.data.begin(), label.data.end());
   }
   return values;

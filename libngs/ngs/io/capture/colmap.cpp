@@ -31,7 +31,7 @@ ColmapCameras read_cameras(ByteReader reader, const std::string& folder) {
     if (model == nullptr) refuse_colmap_model("number " + std::to_string(model_id), where, folder);
     std::vector<double> parameters;
     for (int p = 0; p < model->parameters; ++p) parameters.push_back(reader.read<double>());
-    if (!cameras.emplace(id, colmap_camera(*model, width, height, parameters, where, folder)).second)
+    if (!cameras.emplace(id, pinhole_camera({*model, width, height, parameters}, where, folder)).second)
       throw Error(ErrorCode::kBadInput, where + ": defined twice, expected once");
   }
   return cameras;

@@ -53,9 +53,8 @@ void refuse_colmap_model(const std::string& model, const std::string& where, con
               undistort_command(folder));
 }
 
-Camera colmap_camera(const ColmapModel& model, std::uint64_t width, std::uint64_t height,
-                     const std::vector<double>& parameters, const std::string& where,
-                     const std::string& folder) {
+Camera pinhole_camera(const ColmapCamera& given, const std::string& where, const std::string& folder) {
+  const auto& [model, width, height, parameters] = given;
   if (!is_pinhole_without_distortion(model)) refuse_colmap_model(model.name, where, folder);
   for (std::size_t i = std::size_t(model.intrinsics); i < parameters.size(); ++i) {
     if (std::abs(parameters[i]) < kNegligible) continue;

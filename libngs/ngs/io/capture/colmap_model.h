@@ -23,10 +23,15 @@ const ColmapModel* find_colmap_model_by_name(const std::string& name);
 /// COLMAP camera id -> size and intrinsics.
 using ColmapCameras = std::map<std::int64_t, Camera>;
 
+/// A camera as the file has it.
+struct ColmapCamera {
+  const ColmapModel& model;
+  std::uint64_t width, height;  // px
+  std::vector<double> parameters;
+};
+
 /// Size and intrinsics; distortion >= 1e-9 is kBadInput. `folder` is what the remedy's command reads.
-Camera colmap_camera(const ColmapModel& model, std::uint64_t width, std::uint64_t height,
-                     const std::vector<double>& parameters, const std::string& where,
-                     const std::string& folder);
+Camera pinhole_camera(const ColmapCamera& given, const std::string& where, const std::string& folder);
 
 /// kBadInput for a model that is not in the list.
 [[noreturn]] void refuse_colmap_model(const std::string& model, const std::string& where,

@@ -96,7 +96,7 @@ ColmapCameras read_cameras(std::string_view text, const std::string& folder) {
       throw Error(ErrorCode::kBadInput, lines.where() + ": more than the " +
                                             std::to_string(model->parameters) + " parameters of " + name +
                                             ", expected no more");
-    if (!cameras.emplace(id, colmap_camera(*model, width, height, parameters, lines.where(), folder)).second)
+    if (!cameras.emplace(id, pinhole_camera({*model, width, height, parameters}, lines.where(), folder)).second)
       throw Error(ErrorCode::kBadInput,
                   lines.where() + ": camera " + std::to_string(id) + " twice, expected once");
   }

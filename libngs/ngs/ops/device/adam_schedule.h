@@ -38,23 +38,23 @@ struct FindUnusable {
   }
 };
 
-/// The least index of a value that is not finite or above `limit`, -1 if there is none; `value` is the grid's memory.
-template <class Grid>
-std::int64_t first_unusable_on_grid(Grid& grid, const float* value, std::int64_t n, float limit) {
+/// The least index of a value that is not finite or above `limit`, -1 if there is none; `value` is the device's memory.
+template <class Launcher>
+std::int64_t first_unusable_on_device(Launcher& launcher, const float* value, std::int64_t n, float limit) {
   if (n == 0) return -1;
   const std::int64_t chunks = divided_up(n, FindUnusable::kRows);
-  const DeviceBuffer<Grid, std::int64_t> least(grid, chunks);
-  grid.each(chunks, FindUnusable{value, n, limit, least.data()});
-  const std::int64_t found = least_on_grid(grid, static_cast<const std::int64_t*>(least.data()), chunks);
+  const DeviceBuffer<Launcher, std::int64_t> least(launcher, chunks);
+  launcher.each(chunks, FindUnusable{value, n, limit, least.data()});
+  const std::int64_t found = least_on_device(launcher, static_cast<const std::int64_t*>(least.data()), chunks);
   return found == kNoIndex ? -1 : found;
 }
 
-template <class Grid>
-void adam_on_grid(Grid& grid, const AdamKernel<float>& kernel, std::int64_t sparse_columns) {
+template <class Launcher>
+void adam_on_device(Launcher& launcher, const AdamKernel<float>& kernel, std::int64_t sparse_columns) {
   if (sparse_columns > 0)
-    grid.each(kernel.n / sparse_columns, SparseAdamRow{{kernel, sparse_columns}});
+    launcher.each(kernel.n / sparse_columns, SparseAdamRow{{kernel, sparse_columns}});
   else
-    grid.each(kernel.n, AdamElement{kernel});
+    launcher.each(kernel.n, AdamElement{kernel});
 }
 
 }  // namespace ngs

@@ -5,8 +5,8 @@
 namespace ngs {
 
 CudaLauncher& cuda_launcher() {
-  static CudaLauncher grid;
-  return grid;
+  static CudaLauncher launcher;
+  return launcher;
 }
 
 namespace {

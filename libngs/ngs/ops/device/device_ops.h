@@ -3,7 +3,7 @@
 // memory, results have their size already. The ops themselves look at Exec::device_ops, callers do not: so this header
 // sees the types and kernels of the ops, but none of the headers that declare them.
 //
-// Abstract, because there is one implementation per Grid (backend/launcher.h): that of CUDA, and an emulation for the tests.
+// Abstract, because there is one implementation per Launcher (backend/launcher.h): that of CUDA, and an emulation for the tests.
 #include <memory>
 
 #include "ngs/backend/exec.h"
@@ -37,11 +37,10 @@ class DeviceSplat {
 class DeviceSplatOps {
  public:
   virtual ~DeviceSplatOps() = default;
-  virtual std::unique_ptr<DeviceSplat> view(const Camera& camera, const SplatOptions& options,
-                                            const CloudView<float>& cloud, const ChannelPlan<float>& plan,
-                                            Vec3<float> background) const = 0;
+  virtual std::unique_ptr<DeviceSplat> view(const ViewProjector<float>& view, const CloudView<float>& cloud,
+                                            const ChannelPlan<float>& plan) const = 0;
   /// [N, 2 + 2 K] sums of one view over all pairs of a Gaussian: W, n, then W1, n1 per object (ops/splat/evidence.h).
-  virtual std::vector<double> evidence(const Camera& camera, const SplatOptions& options, const CloudView<float>& cloud,
+  virtual std::vector<double> evidence(const ViewProjector<float>& view, const CloudView<float>& cloud,
                                        const ViewMasks& masks) const = 0;
 };
 
@@ -73,12 +72,10 @@ class DeviceFieldOps {
   virtual void hash_backward_points(const HashCall& call, const std::vector<float>& grad_out,
                                     std::vector<float>& grad_points) const = 0;
   virtual void film_forward(const FilmCall& call, const FilmMlpInputs& in, FilmMlpOutput& out) const = 0;
-  virtual void film_backward(const FilmCall& call, const FilmMlpInputs& in, const FilmMlpOutput& forward,
-                             const std::vector<float>& grad_density, const std::vector<float>& grad_rgb,
-                             FilmMlpGradients& out, float* grad_params_accumulate) const = 0;
+  virtual FilmMlpGradients film_backward(const FilmCall& call, const FilmMlpInputs& in, const FilmMlpOutput& forward,
+                                         const FilmMlpOutputGradients& grad, float* grad_params_accumulate) const = 0;
   virtual void volume_forward(const VolumeInputs& in, VolumeOutput& out) const = 0;
-  virtual void volume_backward(const VolumeInputs& in, const VolumeOutput& forward, const std::vector<float>& grad_colour,
-                               const std::vector<float>& grad_alpha, const std::vector<float>& grad_optical_depth,
+  virtual void volume_backward(const VolumeInputs& in, const VolumeOutput& forward, const VolumeOutputGradients& grad,
                                VolumeGradients& out) const = 0;
 };
 
@@ -94,13 +91,11 @@ class DeviceLossOps {
   virtual double mask(const MaskLossRow<float, double>& kernel, int height) const = 0;
   virtual void continuity(const ContinuityForward<float>& forward, const ContinuityBackward<float>* backward) const = 0;
   virtual void smoothness(const SmoothnessForwardBackward<float>& kernel) const = 0;
-  /// Sums of w |x - y| and w S over the crop; `gradient.first` null: not wanted. Kernels as in photometric_impl.h.
+  /// Sums of w |x - y| and w S over the crop.
   struct PhotometricSums {
     double l1, ssim;
   };
-  virtual PhotometricSums photometric(const ssim::Layout& layout, ssim::Crop<const float> x, ssim::Crop<const float> y,
-                                      const ssim::PixelWeights& weights, double ssim_factor, double l1_factor,
-                                      ssim::Crop<float> gradient) const = 0;
+  virtual PhotometricSums photometric(const ssim::Comparison<float>& host) const = 0;
   /// Index of the first gradient that is not finite or above `limit` in magnitude, then nothing was done; else -1.
   virtual std::int64_t adam(const AdamKernel<float>& kernel, std::int64_t sparse_columns, float limit) const = 0;
 };

@@ -1,19 +1,19 @@
 #pragma once
 // Mask evidence on a device: what ops/splat/evidence_tile.h sums per (Gaussian, tile) pair, and the sums per Gaussian. A thread
-// is a pixel on the walk, then eight pixels of one Gaussian, as in ops/device/splat_backward_schedule.h.     before Eq. (3)
+// is a pixel of the traversal, then eight pixels of one Gaussian, as in ops/device/splat_backward_schedule.h.     before Eq. (3)
 #include "ngs/ops/device/tiles_schedule.h"
 
 namespace ngs {
 
 /// K objects of the launch, from object `first` on; `used` of them exist.
 template <int K>
-struct EvidenceTileOnGrid {
+struct EvidenceTileOnDevice {
   static constexpr const char* kName = "evidence_tile";
   static constexpr int kThreads = kTilePixels, kBatch = 64, kChunk = 8;
   static constexpr int kSegments = kThreads / kChunk, kSegmentPx = kTilePixels / kSegments;
   static constexpr int kSums = 2 + 2 * K;
 
-  TilesOnGrid tiles;
+  TilesOnDevice tiles;
   const std::uint8_t* known;  // [H·W] or null: all
   const float* target;        // [objects, H·W]
   std::int64_t pixels;        // H·W
@@ -28,7 +28,7 @@ struct EvidenceTileOnGrid {
     float segment[kSegments][kChunk * kSums + 1];  // odd rows, as in the splat's backward pass
   };
   struct Thread {
-    PixelTraversal<float> walk;
+    PixelTraversal<float> traversal;
   };
 
   template <class Block>
@@ -40,7 +40,7 @@ struct EvidenceTileOnGrid {
       const int count = int(min2<std::int64_t>(kBatch, end - at));
       const bool more = block.any([&](int t, Shared& shared, Thread& own) {
         if (t < count) shared.gaussian[t] = tile_gaussian(tiles.record[tiles.gaussian[at + t]], frame);
-        return own.walk.live;
+        return own.traversal.live;
       });
       if (!more) return;
       for (int from = 0; from < count; from += kChunk) sum_chunk(block, frame, at + from, from, min2(kChunk, count - from));
@@ -51,7 +51,7 @@ struct EvidenceTileOnGrid {
   NGS_HD void load_masks(int t, const TileFrame& frame, Shared& shared, Thread& own) const {
     const TilePixel pixel(t, frame);
     const bool counts = pixel.inside && (known == nullptr || known[pixel.index] != 0);
-    own.walk = {1.f, pixel.inside};
+    own.traversal = {1.f, pixel.inside};
     shared.mask[0][t] = counts ? 1.f : 0.f;
     for (int k = 0; k < K; ++k)
       shared.mask[1 + k][t] = counts && k < used ? target[(first + k) * pixels + pixel.index] : 0.f;
@@ -63,7 +63,7 @@ struct EvidenceTileOnGrid {
       const TilePixel pixel(t, frame);
       for (int j = 0; j < count; ++j) {
         float before;
-        const float opaque = own.walk.pass(shared.gaussian[from + j], float(pixel.column), float(pixel.row), tiles.stop, before);
+        const float opaque = own.traversal.pass(shared.gaussian[from + j], float(pixel.column), float(pixel.row), tiles.stop, before);
         shared.weight[j][t] = opaque * before;
       }
     });
@@ -115,23 +115,31 @@ struct SumPairs {
   }
 };
 
+/// The masks of a view on a device.
+struct MasksOnDevice {
+  const std::uint8_t* known;  // [H·W] or null: all
+  const float* target;        // [objects, H·W]
+  std::int64_t pixels;        // H·W
+  int objects;
+};
+
 /// [N, 2 + 2 · objects] sums of the pairs of every Gaussian.
-template <class Grid>
-DeviceBuffer<Grid, double> evidence_sums(Grid& grid, const TileBins<Grid>& bins, std::int64_t gaussians, const std::uint8_t* known,
-                                       const float* target, std::int64_t pixels, int objects) {
+template <class Launcher>
+DeviceBuffer<Launcher, double> evidence_sums(Launcher& launcher, const TileBins<Launcher>& bins, const MasksOnDevice& masks) {
+  const auto& [known, target, pixels, objects] = masks;
   const int columns = 2 + 2 * objects;
-  DeviceBuffer<Grid, float> pair(grid, bins.pairs() * columns);
+  DeviceBuffer<Launcher, float> pair(launcher, bins.pairs() * columns);
   pair.zero();
   if (objects == 1) {
-    grid.blocks(bins.tiles(), EvidenceTileOnGrid<1>{bins.view(), known, target, pixels, 0, 1, pair.data(), columns});
+    launcher.blocks(bins.tiles(), EvidenceTileOnDevice<1>{bins.view(), known, target, pixels, 0, 1, pair.data(), columns});
   } else {
     constexpr int kGroup = 4;
     for (int first = 0; first < max2(objects, 1); first += kGroup)
-      grid.blocks(bins.tiles(), EvidenceTileOnGrid<kGroup>{bins.view(), known, target, pixels, first,
+      launcher.blocks(bins.tiles(), EvidenceTileOnDevice<kGroup>{bins.view(), known, target, pixels, first,
                                                            min2(kGroup, objects - first), pair.data(), columns});
   }
-  DeviceBuffer<Grid, double> sum(grid, gaussians * columns);
-  grid.each(gaussians, SumPairs{bins.slot_begin(), pair.data(), columns, sum.data()});
+  DeviceBuffer<Launcher, double> sum(launcher, bins.gaussians() * columns);
+  launcher.each(bins.gaussians(), SumPairs{bins.slot_begin(), pair.data(), columns, sum.data()});
   return sum;
 }
 

@@ -11,7 +11,7 @@ struct FilmBackwardTiles {
   static constexpr const char* kName = "film_backward_tiles";
   static constexpr int kThreads = Tile::kThreads;
   static constexpr std::int64_t kParts = 128;
-  FilmOnGrid net;
+  FilmOnDevice net;
   const float* grad_density;  // [Q]
   const float* grad_rgb;      // [Q, 3]
   float* grad_input;          // [Q, inputs] out
@@ -48,15 +48,11 @@ struct FilmBackwardTiles {
  private:
   /// x = ReLU(γ_l h_l + β_l).
   NGS_HD void modulate(int t, int l, const float* context, Shared& shared) const {
-    const FilmMlpLayout::Layer layer = net.at.layer[l];
-    const float* p = net.params;
     const float* h = context + std::int64_t(l) * net.config.hidden * kQueries;
     for (int i = t; i < net.config.hidden * kQueries; i += kThreads) {
       const int r = i / kQueries, q = i % kQueries;
-      const float gamma =
-          Tile::modulation(p + layer.gamma_weight, p + layer.gamma_bias, net.config.condition, r, q, shared.condition);
-      const float beta =
-          Tile::modulation(p + layer.beta_weight, p + layer.beta_bias, net.config.condition, r, q, shared.condition);
+      const float gamma = Tile::modulation(net.gamma(l), r, q, shared.condition);
+      const float beta = Tile::modulation(net.beta(l), r, q, shared.condition);
       shared.x[r * Tile::kStride + q] = Tile::relu(fma_lanes(gamma, h[i], beta));
     }
   }
@@ -145,8 +141,7 @@ struct FilmBackwardTiles {
     block.phase([&](int t, Shared& shared, Thread&) {
       for (int i = t; i < hidden * kQueries; i += kThreads) {
         const int r = i / kQueries, q = i % kQueries, at = r * Tile::kStride + q;
-        const float through =
-            shared.g[at] * Tile::modulation(p + layer.gamma_weight, p + layer.gamma_bias, conditions, r, q, shared.condition);
+        const float through = shared.g[at] * Tile::modulation(net.gamma(l), r, q, shared.condition);
         shared.g[at] = l > 0 || h[i] > 0.f ? through : 0.f;
       }
     });
@@ -164,7 +159,7 @@ struct FilmBackwardTiles {
         Tile::load_rows(t, net.input, first, shared.x, Tile::kStride);
     });
     block.phase([&](int t, Shared& shared, Thread& own) {
-      Tile::outer(t, shared.g, hidden, shared.x, inputs, g + layer.weight);
+      Tile::outer(t, {shared.g, shared.x, hidden, inputs, g + layer.weight});
       for (int r = t; r < hidden; r += kThreads) {
         float sum = 0.f;
         for (int q = 0; q < kQueries; ++q) sum += shared.g[r * Tile::kStride + q];
@@ -204,22 +199,22 @@ struct FilmPartSums {
 };
 
 /// ∂L/∂ of a network's outputs and inputs.
-struct FilmGradientsOnGrid {
+struct FilmGradientsOnDevice {
   const float *density, *rgb;  // [Q], [Q, 3]
   float *input, *condition;    // [Q, inputs], [Q, condition] out
 };
 
 /// `net` with the context of the forward pass; adds to `params_accumulate`.
-template <class Grid>
-void film_backward_on_grid(Grid& grid, const FilmOnGrid& net, const FilmGradientsOnGrid& gradients,
+template <class Launcher>
+void film_backward_on_device(Launcher& launcher, const FilmOnDevice& net, const FilmGradientsOnDevice& gradients,
                            float* params_accumulate) {
   const auto parameters = std::int64_t(net.at.size);
   with_film_tile(net.config, [&](auto width, auto queries) {
     using Kernel = FilmBackwardTiles<width, queries>;
-    DeviceBuffer<Grid, float> part(grid, Kernel::kParts * parameters);
+    DeviceBuffer<Launcher, float> part(launcher, Kernel::kParts * parameters);
     part.zero();
-    grid.blocks(Kernel::kParts, Kernel{net, gradients.density, gradients.rgb, gradients.input, gradients.condition, part.data()});
-    grid.each(parameters, FilmPartSums{part.data(), Kernel::kParts, parameters, params_accumulate});
+    launcher.blocks(Kernel::kParts, Kernel{net, gradients.density, gradients.rgb, gradients.input, gradients.condition, part.data()});
+    launcher.each(parameters, FilmPartSums{part.data(), Kernel::kParts, parameters, params_accumulate});
   });
 }
 

@@ -9,7 +9,7 @@ struct FilmForwardTile {
   using Tile = FilmTile<kWidth, kQueries>;
   static constexpr const char* kName = "film_forward_tile";
   static constexpr int kThreads = Tile::kThreads;
-  FilmOnGrid net;
+  FilmOnDevice net;
   float* density;  // [Q]
   float* rgb;      // [Q, 3]
 
@@ -38,12 +38,11 @@ struct FilmForwardTile {
         Tile::product(t, {p + layer.weight, net.config.hidden, inputs, inputs, 1, p + layer.bias}, shared.x, own.cells);
       });
       block.phase([&](int t, Shared& shared, Thread& own) {
-        const int conditions = net.config.condition;
         Tile::each_cell(t, net.config.hidden, own.cells, [&](int r, int q, float value) {
           if (l == 0) value = Tile::relu(value);
           h[r * kQueries + q] = value;
-          const float gamma = Tile::modulation(p + layer.gamma_weight, p + layer.gamma_bias, conditions, r, q, shared.condition);
-          const float beta = Tile::modulation(p + layer.beta_weight, p + layer.beta_bias, conditions, r, q, shared.condition);
+          const float gamma = Tile::modulation(net.gamma(l), r, q, shared.condition);
+          const float beta = Tile::modulation(net.beta(l), r, q, shared.condition);
           shared.x[r * Tile::kStride + q] = Tile::relu(fma_lanes(gamma, value, beta));
         });
       });
@@ -79,14 +78,14 @@ struct FilmForwardTile {
 };
 
 /// Density and colour of all queries of `net`; returns its context.
-template <class Grid>
-DeviceBuffer<Grid, float> film_forward_on_grid(Grid& grid, FilmOnGrid net, float* density, float* rgb) {
-  DeviceBuffer<Grid, float> context;
+template <class Launcher>
+DeviceBuffer<Launcher, float> film_forward_on_device(Launcher& launcher, FilmOnDevice net, float* density, float* rgb) {
+  DeviceBuffer<Launcher, float> context;
   with_film_tile(net.config, [&](auto width, auto queries) {
     const std::int64_t tiles = divided_up<std::int64_t>(net.input.n, queries);
-    context = {grid, tiles * net.context_rows() * queries};
+    context = {launcher, tiles * net.context_rows() * queries};
     net.context = context.data();
-    grid.blocks(tiles, FilmForwardTile<width, queries>{net, density, rgb});
+    launcher.blocks(tiles, FilmForwardTile<width, queries>{net, density, rgb});
   });
   return context;
 }

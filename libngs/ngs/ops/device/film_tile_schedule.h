@@ -1,6 +1,6 @@
 #pragma once
 // Pieces of the FiLM network on a tile of queries in a block's shared memory, for ops/device/film_forward_schedule.h and
-// film_backward_grid.h. Sums run in the order of ops/field/film_gemm_kernels.h, so that activations are equal to the CPU's but
+// film_backward_schedule.h. Sums run in the order of ops/field/film_gemm_kernels.h, so that activations are equal to the CPU's but
 // for the exponentials of the two ends.                                               Eqs. (12)-(15)
 #include "ngs/backend/launcher.h"
 #include "ngs/core/check.h"
@@ -14,8 +14,14 @@ namespace ngs {
 
 inline constexpr int kMostConditions = 4, kMostDirections = 15;
 
-/// What goes in and comes out for all queries; as FilmMlpData, on a grid.
-struct FilmOnGrid {
+/// What makes the γ or the β of a layer from the condition.
+struct FilmModulation {
+  const float *weight, *bias;
+  int conditions;
+};
+
+/// What goes in and comes out for all queries; as FilmMlpData, on a device.
+struct FilmOnDevice {
   FilmMlpConfig config;
   FilmMlpLayout at;
   int direction_inputs;
@@ -28,6 +34,12 @@ struct FilmOnGrid {
 
   NGS_HD std::int64_t context_rows() const { return std::int64_t(config.layers) * config.hidden + 4; }
   NGS_HD int inputs(int layer) const { return layer == 0 ? config.inputs : config.hidden; }
+  NGS_HD FilmModulation gamma(int layer) const {
+    return {params + at.layer[layer].gamma_weight, params + at.layer[layer].gamma_bias, config.condition};
+  }
+  NGS_HD FilmModulation beta(int layer) const {
+    return {params + at.layer[layer].beta_weight, params + at.layer[layer].beta_bias, config.condition};
+  }
 };
 
 /// A block of 256 threads works on kQueries queries and up to kWidth features. Registers hold kCells values of a
@@ -76,35 +88,22 @@ struct FilmTile {
   }
 
   /// g[r][c] += Σ_q u[r][q] x[c][q], g the block's own in memory.
-  NGS_HD static void outer(int t, const Plane& u, int rows, const Plane& x, int cols, float* g) {
-    constexpr int kTile = 4;  // 64 rows by 64 columns of g at a time
-    for (int r0 = 0; r0 < rows; r0 += 16 * kTile)
-      for (int c0 = 0; c0 < cols; c0 += 16 * kTile) {
-        float sum[kTile][kTile];
-        for (int i = 0; i < kTile; ++i)
-          for (int j = 0; j < kTile; ++j) sum[i][j] = 0.f;
-        for (int q = 0; q < kQueries; ++q) {
-          float left[kTile], right[kTile];
-          for (int i = 0; i < kTile; ++i) {
-            const int r = r0 + t / 16 + 16 * i, c = c0 + t % 16 + 16 * i;
-            left[i] = r < rows ? u[r * kStride + q] : 0.f, right[i] = c < cols ? x[c * kStride + q] : 0.f;
-          }
-          for (int i = 0; i < kTile; ++i)
-            for (int j = 0; j < kTile; ++j) sum[i][j] = fma_lanes(left[i], right[j], sum[i][j]);
-        }
-        for (int i = 0; i < kTile; ++i)
-          for (int j = 0; j < kTile; ++j) {
-            const int r = r0 + t / 16 + 16 * i, c = c0 + t % 16 + 16 * j;
-            if (r < rows && c < cols) g[r * cols + c] += sum[i][j];
-          }
-      }
+  struct Outer {
+    static constexpr int kTile = 4;  // 64 rows by 64 columns of g at a time
+    const Plane& u;
+    const Plane& x;
+    int rows, cols;
+    float* g;
+  };
+  NGS_HD static void outer(int t, const Outer& o) {
+    for (int r0 = 0; r0 < o.rows; r0 += 16 * Outer::kTile)
+      for (int c0 = 0; c0 < o.cols; c0 += 16 * Outer::kTile) outer_tile(o, r0 + t / 16, c0 + t % 16);
   }
 
   /// γ or β of feature r: bias + Σ_k W[r][k] c[k].
-  NGS_HD static float modulation(const float* weight, const float* bias, int conditions, int r, int q,
-                                 const Conditions& condition) {
-    float sum = bias[r];
-    for (int k = 0; k < conditions; ++k) sum = fma_lanes(weight[r * conditions + k], condition[k][q], sum);
+  NGS_HD static float modulation(const FilmModulation& m, int r, int q, const Conditions& condition) {
+    float sum = m.bias[r];
+    for (int k = 0; k < m.conditions; ++k) sum = fma_lanes(m.weight[r * m.conditions + k], condition[k][q], sum);
     return sum;
   }
   NGS_HD static float relu(float x) { return x < 0.f ? 0.f : x; }  // keeps NaN
@@ -116,14 +115,35 @@ struct FilmTile {
       columns[k * stride + q] = first + q < rows.n ? rows.row(first + q)[k] : 0.f;
     }
   }
-  NGS_HD static void load_condition(int t, const FilmOnGrid& net, std::int64_t first, Conditions& condition) {
+  NGS_HD static void load_condition(int t, const FilmOnDevice& net, std::int64_t first, Conditions& condition) {
     load_rows(t, net.condition, first, &condition[0][0], kStride);
   }
   /// Basis functions of the query's direction; zeros beyond the last query.
-  NGS_HD static void basis(const FilmOnGrid& net, std::int64_t query, float* out) {
+  NGS_HD static void basis(const FilmOnDevice& net, std::int64_t query, float* out) {
     for (int i = 0; i < kMostDirections; ++i) out[i] = 0.f;
     if (net.direction_inputs > 0 && query < net.input.n)
       sh_rest_basis(net.config.direction_degree, vec3(net.direction.row(query / net.queries_per_direction)), out);
+  }
+
+ private:
+  /// The thread's part of a tile of g: rows r, r + 16, ... and columns c, c + 16, ...
+  NGS_HD static void outer_tile(const Outer& o, int r, int c) {
+    constexpr int kTile = Outer::kTile;
+    float sum[kTile][kTile];
+    for (int i = 0; i < kTile; ++i)
+      for (int j = 0; j < kTile; ++j) sum[i][j] = 0.f;
+    for (int q = 0; q < kQueries; ++q) {
+      float left[kTile], right[kTile];
+      for (int i = 0; i < kTile; ++i) {
+        left[i] = r + 16 * i < o.rows ? o.u[(r + 16 * i) * kStride + q] : 0.f;
+        right[i] = c + 16 * i < o.cols ? o.x[(c + 16 * i) * kStride + q] : 0.f;
+      }
+      for (int i = 0; i < kTile; ++i)
+        for (int j = 0; j < kTile; ++j) sum[i][j] = fma_lanes(left[i], right[j], sum[i][j]);
+    }
+    for (int i = 0; i < kTile; ++i)
+      for (int j = 0; j < kTile; ++j)
+        if (r + 16 * i < o.rows && c + 16 * j < o.cols) o.g[(r + 16 * i) * o.cols + c + 16 * j] += sum[i][j];
   }
 };
 

@@ -54,31 +54,31 @@ struct HashEntrySums {
 };
 
 /// Every contribution where it belongs; index i = level · Q + query.
-template <int F, class Grid>
+template <int F, class Launcher>
 struct HashAtomicSums {
   static constexpr const char* kName = "hash_atomic_sums";
   HashBackwardTable<float, F> table;
   NGS_HD void operator()(std::int64_t i) const {
     const std::int64_t queries = table.grid.point.n;
-    table.at(i / queries, i % queries, [](float* to, float x) { Grid::add_to(to, x); });
+    table.at(i / queries, i % queries, [](float* to, float x) { Launcher::add_to(to, x); });
   }
 };
 
-/// Adds to the kernel's table; its pointers are the grid's.
-template <int F, class Grid>
-void hash_backward_on_grid(Grid& grid, const HashBackwardTable<float, F>& kernel, std::uint64_t entries, DeviceSums sums) {
+/// Adds to the kernel's table; its pointers are the device's.
+template <int F, class Launcher>
+void hash_backward_on_device(Launcher& launcher, const HashBackwardTable<float, F>& kernel, std::uint64_t entries, DeviceSums sums) {
   const HashGridView<float>& view = kernel.grid;
   const std::int64_t pairs = view.point.n * view.levels, n = pairs * 8;
-  if (sums == DeviceSums::kAtomic) return grid.each(pairs, HashAtomicSums<F, Grid>{kernel});
+  if (sums == DeviceSums::kAtomic) return launcher.each(pairs, HashAtomicSums<F, Launcher>{kernel});
   NGS_CHECK(n <= 0xffffffff, "contributions are counted in 32 bits");
-  const DeviceBuffer<Grid, std::uint64_t> key(grid, n);
-  const DeviceBuffer<Grid, std::uint32_t> which(grid, n);
-  const DeviceBuffer<Grid, float> weight(grid, n);
+  const DeviceBuffer<Launcher, std::uint64_t> key(launcher, n);
+  const DeviceBuffer<Launcher, std::uint32_t> which(launcher, n);
+  const DeviceBuffer<Launcher, float> weight(launcher, n);
   int bits = 1;
   while ((std::uint64_t(1) << bits) < entries) ++bits;
-  grid.each(pairs, HashContributions{view, key.data(), which.data(), weight.data()});
-  grid.sort(key.data(), which.data(), n, bits);
-  grid.each(n, HashEntrySums<F>{key.data(), which.data(), weight.data(), n, view.point.n, view.levels, kernel.grad_out,
+  launcher.each(pairs, HashContributions{view, key.data(), which.data(), weight.data()});
+  launcher.sort(key.data(), which.data(), n, bits);
+  launcher.each(n, HashEntrySums<F>{key.data(), which.data(), weight.data(), n, view.point.n, view.levels, kernel.grad_out,
                                 kernel.grad_table_accumulate});
 }
 

@@ -87,7 +87,7 @@ struct EdgeKeys {
 };
 
 /// Thread = point, and one more.
-struct ContourRows {
+struct TransposedRows {
   static constexpr const char* kName = "edge_rows";
   const std::uint64_t* key;  // [edges] sorted
   std::int64_t edges;
@@ -102,48 +102,48 @@ struct WideEdges {
   NGS_HD void operator()(std::int64_t e) const { to[e] = from[e]; }
 };
 
-template <class Grid>
-struct GraphOnGrid {
+template <class Launcher>
+struct GraphOnDevice {
   int neighbours = 0;
   std::int64_t points = 0, queries = 0;
-  DeviceBuffer<Grid, std::uint32_t> index;
-  DeviceBuffer<Grid, float> dist2;
-  DeviceBuffer<Grid, std::int64_t> row_begin, edge;
+  DeviceBuffer<Launcher, std::uint32_t> index;
+  DeviceBuffer<Launcher, float> dist2;
+  DeviceBuffer<Launcher, std::int64_t> row_begin, edge;
   Matrix<const std::uint32_t> indices() const { return {index.data(), queries, neighbours}; }
 
   /// Fills row_begin and edge.
-  void transpose(Grid& grid) {
+  void transpose(Launcher& launcher) {
     const std::int64_t edges = queries * neighbours;
     NGS_CHECK(edges <= 0xffffffff, "edges are counted in 32 bits");
-    const DeviceBuffer<Grid, std::uint64_t> key(grid, edges);
-    const DeviceBuffer<Grid, std::uint32_t> sorted(grid, edges);
-    row_begin = DeviceBuffer<Grid, std::int64_t>(grid, points + 1), edge = DeviceBuffer<Grid, std::int64_t>(grid, edges);
-    grid.each(edges, EdgeKeys{index.data(), key.data(), sorted.data()});
-    grid.sort(key.data(), sorted.data(), edges, 32);
-    grid.each(points + 1, ContourRows{key.data(), edges, row_begin.data()});
-    grid.each(edges, WideEdges{sorted.data(), edge.data()});
+    const DeviceBuffer<Launcher, std::uint64_t> key(launcher, edges);
+    const DeviceBuffer<Launcher, std::uint32_t> sorted(launcher, edges);
+    row_begin = DeviceBuffer<Launcher, std::int64_t>(launcher, points + 1), edge = DeviceBuffer<Launcher, std::int64_t>(launcher, edges);
+    launcher.each(edges, EdgeKeys{index.data(), key.data(), sorted.data()});
+    launcher.sort(key.data(), sorted.data(), edges, 32);
+    launcher.each(points + 1, TransposedRows{key.data(), edges, row_begin.data()});
+    launcher.each(edges, WideEdges{sorted.data(), edge.data()});
   }
 };
 
-/// `points`, `queries`: the grid's.
-template <class Grid>
-GraphOnGrid<Grid> nearest_on_grid(Grid& grid, Rows<const float, 3> points, Rows<const float, 3> queries, int neighbours,
+/// `points`, `queries`: the device's.
+template <class Launcher>
+GraphOnDevice<Launcher> nearest_on_device(Launcher& launcher, Rows<const float, 3> points, Rows<const float, 3> queries, int neighbours,
                                   bool exclude_self) {
-  GraphOnGrid<Grid> graph;
+  GraphOnDevice<Launcher> graph;
   graph.points = points.n;
   const std::int64_t others = points.n - (exclude_self ? 1 : 0);
   const int k = int(min2<std::int64_t>(neighbours, others));
   if (k > 0 && queries.n > 0) {
     graph.neighbours = k, graph.queries = queries.n;
-    graph.index = DeviceBuffer<Grid, std::uint32_t>(grid, queries.n * k);
-    graph.dist2 = DeviceBuffer<Grid, float>(grid, queries.n * k);
+    graph.index = DeviceBuffer<Launcher, std::uint32_t>(launcher, queries.n * k);
+    graph.dist2 = DeviceBuffer<Launcher, float>(launcher, queries.n * k);
     const std::int64_t blocks = divided_up<std::int64_t>(queries.n, NearestPoints<8>::kThreads);
     if (k <= 8)
-      grid.blocks(blocks, NearestPoints<8>{points, queries, k, exclude_self, graph.index.data(), graph.dist2.data()});
+      launcher.blocks(blocks, NearestPoints<8>{points, queries, k, exclude_self, graph.index.data(), graph.dist2.data()});
     else
-      grid.blocks(blocks, NearestPoints<32>{points, queries, k, exclude_self, graph.index.data(), graph.dist2.data()});
+      launcher.blocks(blocks, NearestPoints<32>{points, queries, k, exclude_self, graph.index.data(), graph.dist2.data()});
   }
-  graph.transpose(grid);
+  graph.transpose(launcher);
   return graph;
 }
 

@@ -1,23 +1,23 @@
 #pragma once
-// DeviceSplatOps on a Grid: copies in, the schedules, copies out.
+// DeviceSplatOps on a Launcher: copies in, the schedules, copies out.
 #include "ngs/ops/device/device_ops.h"
 #include "ngs/ops/device/evidence_schedule.h"
 #include "ngs/ops/device/splat_schedule.h"
 
 namespace ngs {
 
-template <class Grid>
-class GridSplatView final : public DeviceSplat {
+template <class Launcher>
+class LaunchedSplatView final : public DeviceSplat {
  public:
-  GridSplatView(Grid& grid, DeviceSums sums, const Camera& camera, const SplatOptions& options, const CloudView<float>& cloud,
-                const ChannelPlan<float>& plan, Vec3<float> background)
-      : grid_(grid), sums_(sums), plan_(plan), pixels_(std::int64_t(camera.width_px) * camera.height_px), cloud_(grid, cloud),
-        label_(grid, plan.label.data, plan.label.n * plan.label.c),
-        splat_(grid, camera, options, cloud_.view(),
-               {plan.colour, plan.depth, {label_.data(), plan.label.n, plan.label.c}}, background) {}
+  LaunchedSplatView(Launcher& launcher, DeviceSums sums, const ViewProjector<float>& view, const CloudView<float>& cloud,
+                    const ChannelPlan<float>& plan)
+      : launcher_(launcher), sums_(sums), plan_(plan), pixels_(std::int64_t(view.width_px) * view.height_px),
+        cloud_(launcher, cloud), label_(launcher, plan.label.data, plan.label.n * plan.label.c),
+        splat_(launcher, view, cloud_.view(),
+               {plan.colour, plan.depth, {label_.data(), plan.label.n, plan.label.c}, plan.background}) {}
 
   void forward(const std::vector<Plane<float>>& out) override {
-    const DeviceBuffer<Grid, float> image(grid_, std::int64_t(out.size()) * pixels_);
+    const DeviceBuffer<Launcher, float> image(launcher_, std::int64_t(out.size()) * pixels_);
     std::vector<Plane<float>> planes;
     for (std::size_t c = 0; c < out.size(); ++c)
       planes.push_back({out[c].data ? image.data() + std::int64_t(c) * pixels_ : nullptr, 1});
@@ -25,14 +25,14 @@ class GridSplatView final : public DeviceSplat {
     std::vector<float> host(static_cast<std::size_t>(pixels_));
     for (std::size_t c = 0; c < out.size(); ++c) {
       if (out[c].data == nullptr) continue;
-      grid_.download(host.data(), planes[c].data, host.size() * sizeof(float));
+      launcher_.download(host.data(), planes[c].data, host.size() * sizeof(float));
       for (std::size_t i = 0; i < host.size(); ++i) out[c].data[i * std::size_t(out[c].stride)] = host[i];
     }
   }
 
   void backward(const std::vector<Plane<const float>>& grad, const std::vector<std::uint8_t>& moves,
                 const CloudGradientView<float>& out) override {
-    const DeviceBuffer<Grid, float> image(grid_, std::int64_t(grad.size()) * pixels_);
+    const DeviceBuffer<Launcher, float> image(launcher_, std::int64_t(grad.size()) * pixels_);
     std::vector<Plane<const float>> planes;
     std::vector<float> host(static_cast<std::size_t>(pixels_));
     for (std::size_t c = 0; c < grad.size(); ++c) {
@@ -40,10 +40,10 @@ class GridSplatView final : public DeviceSplat {
       planes.push_back({grad[c].data ? plane : nullptr, 1});
       if (grad[c].data == nullptr) continue;
       for (std::size_t i = 0; i < host.size(); ++i) host[i] = grad[c].data[i * std::size_t(grad[c].stride)];
-      grid_.upload(plane, host.data(), host.size() * sizeof(float));
+      launcher_.upload(plane, host.data(), host.size() * sizeof(float));
     }
     const CloudView<float>& cloud = cloud_.view();
-    Columns columns(grid_, cloud, plan_.labels(), out);
+    Columns columns(launcher_, cloud, plan_.labels(), out);
     splat_.backward(planes, moves, columns.view, sums_);
     columns.download(out);
   }
@@ -51,14 +51,14 @@ class GridSplatView final : public DeviceSplat {
  private:
   /// The wanted columns of the gradient.
   struct Columns {
-    DeviceBuffer<Grid, float> position, rotation, log_scale, logit_opacity, sh_dc, sh_rest, label, mean_px;
-    DeviceBuffer<Grid, std::uint8_t> visible, label_alone;
+    DeviceBuffer<Launcher, float> position, rotation, log_scale, logit_opacity, sh_dc, sh_rest, label, mean_px;
+    DeviceBuffer<Launcher, std::uint8_t> visible, label_alone;
     CloudGradientView<float> view;
 
-    Columns(Grid& grid, const CloudView<float>& cloud, int labels, const CloudGradientView<float>& wanted) {
+    Columns(Launcher& launcher, const CloudView<float>& cloud, int labels, const CloudGradientView<float>& wanted) {
       const auto make = [&](auto& buffer, auto* host, auto*& pointer, int width) {
         if (host == nullptr || width == 0) return;
-        buffer = {grid, cloud.size * width};
+        buffer = {launcher, cloud.size * width};
         pointer = buffer.data();
       };
       make(position, wanted.position, view.position, 3), make(rotation, wanted.rotation, view.rotation, 4);
@@ -67,7 +67,7 @@ class GridSplatView final : public DeviceSplat {
       make(sh_dc, wanted.sh_dc, view.sh_dc, 3), make(sh_rest, wanted.sh_rest, view.sh_rest, cloud.rest_stride * 3);
       make(label, wanted.label, view.label, labels), make(mean_px, wanted.mean_px, view.mean_px, 2);
       make(visible, wanted.visible, view.visible, 1);
-      if (wanted.label_alone) label_alone = {grid, wanted.label_alone, cloud.size}, view.label_alone = label_alone.data();
+      if (wanted.label_alone) label_alone = {launcher, wanted.label_alone, cloud.size}, view.label_alone = label_alone.data();
     }
     void download(const CloudGradientView<float>& to) const {
       position.to(to.position), rotation.to(to.rotation), log_scale.to(to.log_scale), logit_opacity.to(to.logit_opacity);
@@ -75,43 +75,42 @@ class GridSplatView final : public DeviceSplat {
     }
   };
 
-  Grid& grid_;
+  Launcher& launcher_;
   DeviceSums sums_;
   ChannelPlan<float> plan_;
   std::int64_t pixels_;
-  CloudOnGrid<Grid> cloud_;
-  DeviceBuffer<Grid, float> label_;
-  GridSplat<Grid> splat_;
+  CloudOnDevice<Launcher> cloud_;
+  DeviceBuffer<Launcher, float> label_;
+  SplatOnDevice<Launcher> splat_;
 };
 
-template <class Grid>
+template <class Launcher>
 class LaunchedSplatOps final : public DeviceSplatOps {
  public:
-  LaunchedSplatOps(Grid& grid, DeviceSums sums) : grid_(grid), sums_(sums) {}
+  LaunchedSplatOps(Launcher& launcher, DeviceSums sums) : launcher_(launcher), sums_(sums) {}
 
-  std::unique_ptr<DeviceSplat> view(const Camera& camera, const SplatOptions& options, const CloudView<float>& cloud,
-                                    const ChannelPlan<float>& plan, Vec3<float> background) const override {
-    return std::make_unique<GridSplatView<Grid>>(grid_, sums_, camera, options, cloud, plan, background);
+  std::unique_ptr<DeviceSplat> view(const ViewProjector<float>& view, const CloudView<float>& cloud,
+                                    const ChannelPlan<float>& plan) const override {
+    return std::make_unique<LaunchedSplatView<Launcher>>(launcher_, sums_, view, cloud, plan);
   }
 
-  std::vector<double> evidence(const Camera& camera, const SplatOptions& options, const CloudView<float>& cloud,
+  std::vector<double> evidence(const ViewProjector<float>& view, const CloudView<float>& cloud,
                                const ViewMasks& masks) const override {
-    const CloudOnGrid<Grid> on_grid(grid_, cloud);
-    const TileBins<Grid> bins(grid_, view_projector<float>(camera, options), on_grid.view(), camera.width_px,
-                              camera.height_px);
-    const std::int64_t pixels = std::int64_t(camera.width_px) * camera.height_px;
+    const CloudOnDevice<Launcher> on_device(launcher_, cloud);
+    const TileBins<Launcher> bins(launcher_, view, on_device.view());
+    const std::int64_t pixels = std::int64_t(view.width_px) * view.height_px;
     const auto objects = std::int64_t(masks.target.size());
-    const DeviceBuffer<Grid, std::uint8_t> known(grid_, masks.known);
-    const DeviceBuffer<Grid, float> target(grid_, objects * pixels);
+    const DeviceBuffer<Launcher, std::uint8_t> known(launcher_, masks.known);
+    const DeviceBuffer<Launcher, float> target(launcher_, objects * pixels);
     for (std::int64_t k = 0; k < objects; ++k)
-      grid_.upload(target.data() + k * pixels, masks.target[std::size_t(k)].data(), std::size_t(pixels) * sizeof(float));
+      launcher_.upload(target.data() + k * pixels, masks.target[std::size_t(k)].data(), std::size_t(pixels) * sizeof(float));
     std::vector<double> sums;
-    evidence_sums(grid_, bins, cloud.size, known.data(), target.data(), pixels, int(objects)).to(sums);
+    evidence_sums(launcher_, bins, {known.data(), target.data(), pixels, int(objects)}).to(sums);
     return sums;
   }
 
  private:
-  Grid& grid_;
+  Launcher& launcher_;
   DeviceSums sums_;
 };
 

@@ -94,37 +94,29 @@ struct ValueGradient {
   }
 };
 
-/// What is compared, on the grid, and the factors of the gradient; `gradient.first` null: not wanted.
-struct PhotometricCrops {
-  Layout layout;
-  Crop<const float> x, y;
-  PixelWeights weights;
-  double ssim_factor, l1_factor;
-  Crop<float> gradient;
-};
-
-/// What PhotometricPass does between preparing the crop and dividing the sums: Σ w |x - y| and Σ w S into `sums`.
-template <class Grid>
-void photometric_on_grid(Grid& grid, const PhotometricCrops& in, double* sums) {
+/// What PhotometricPass does between preparing the crop and dividing the sums: Σ w |x - y| and Σ w S into `sums`; all
+/// of it on the device.
+template <class Launcher>
+void photometric_on_device(Launcher& launcher, const Comparison<float>& in, double* sums) {
   const Layout& layout = in.layout;
   const std::int64_t values = layout.width() * layout.h, pixels = std::int64_t(layout.w) * layout.h;
-  DeviceBuffer<Grid, float> products(grid, layout.plane() * kMoments);
+  DeviceBuffer<Launcher, float> products(launcher, layout.plane() * kMoments);
   products.zero();  // the padding stays
-  const DeviceBuffer<Grid, float> rows(grid, layout.plane() * kMoments), both(grid, layout.plane() * kMoments);
-  const DeviceBuffer<Grid, double> term(grid, pixels * 2);
+  const DeviceBuffer<Launcher, float> rows(launcher, layout.plane() * kMoments), both(launcher, layout.plane() * kMoments);
+  const DeviceBuffer<Launcher, double> term(launcher, pixels * 2);
   const Window<float> window;
   const auto blur = [&](int planes) {
-    grid.each(planes * values, BlurRowValues{layout, window, products.data(), rows.data()});
-    grid.each(planes * values, BlurColumnValues{layout, window, rows.data(), both.data()});
+    launcher.each(planes * values, BlurRowValues{layout, window, products.data(), rows.data()});
+    launcher.each(planes * values, BlurColumnValues{layout, window, rows.data(), both.data()});
   };
-  grid.each(values, ProductValues{layout, in.x, in.y, products.data()});
+  launcher.each(values, ProductValues{layout, in.x, in.y, products.data()});
   blur(kMoments);
-  grid.each(pixels, PixelLoss{layout, both.data(), products.data(), in.x, in.y, in.weights, float(in.ssim_factor), term.data()});
+  launcher.each(pixels, PixelLoss{layout, both.data(), products.data(), in.x, in.y, in.weights, float(in.ssim_factor), term.data()});
   if (in.gradient.first != nullptr) {
     blur(kPartials);
-    grid.each(values, ValueGradient{layout, both.data(), in.x, in.y, in.weights, float(in.l1_factor), in.gradient});
+    launcher.each(values, ValueGradient{layout, both.data(), in.x, in.y, in.weights, float(in.l1_factor), in.gradient});
   }
-  sums_on_grid(grid, term.data(), pixels, 2, sums);
+  sums_on_device(launcher, term.data(), pixels, 2, sums);
 }
 
 }  // namespace ngs::ssim

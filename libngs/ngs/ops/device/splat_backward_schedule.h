@@ -2,8 +2,8 @@
 // The backward pass of one tile on a device. In order, every (Gaussian, tile) pair has one row, written by one block;
 // with atomic sums a Gaussian has one, and its tiles add to it.                         adjoint of Eq. (2)
 //
-// As on the CPU (ops/splat/splat_backward.h) a walk is gone through from its far end, and nothing is divided by 1 - alpha. The
-// walk is not recorded: transmittances are kept every kBatch entries in memory and every kChunk in the block, and from
+// As on the CPU (ops/splat/splat_backward.h) a traversal is gone through from its far end, and nothing is divided by 1 - alpha. The
+// traversal is not recorded: transmittances are kept every kBatch entries in memory and every kChunk in the block, and from
 // there the steps are taken again, which gives the same bits. Per chunk the threads then change roles: from a pixel with
 // kChunk Gaussians to a Gaussian with eight pixels of half a row, so that sums over pixels need no exchange within warps.
 #include "ngs/backend/exec.h"
@@ -11,7 +11,7 @@
 
 namespace ngs {
 
-template <int C, class Grid>
+template <int C, class Launcher>
 struct SplatBackwardTile {
   static constexpr const char* kName = "splat_backward_tile";
   static constexpr int kThreads = kTilePixels, kBatch = 64, kChunk = 8, kChunks = kBatch / kChunk;
@@ -19,7 +19,7 @@ struct SplatBackwardTile {
   static constexpr int kSums = kPairGeometry + C;
   static_assert(kSegmentPx == 8 && kSegments == 32);
 
-  TilesOnGrid tiles;
+  TilesOnDevice tiles;
   ChannelGroup<C> channels;
   Plane<const float> grad[C + 1];  // ∂L/∂(channel), the last one ∂L/∂alpha; null: zero
   std::uint32_t moves;             // bit c: channel c's gradient reaches alpha
@@ -48,7 +48,7 @@ struct SplatBackwardTile {
     float total[kChunk * kSums];
   };
   struct Thread {
-    PixelTraversal<float> walk;
+    PixelTraversal<float> traversal;
     float behind;
     float part[kSums];
   };
@@ -61,7 +61,7 @@ struct SplatBackwardTile {
     const bool any_gradient = block.any([&](int t, Shared& shared, Thread& own) { return start(t, frame, shared, own); });
     if (!any_gradient) return;  // a loss that does not look at this tile costs nothing here
     float* const kept_here = kept + first_kept_row(begin, block.index) * kTilePixels;
-    const int batches = walk(block, frame, begin, end, kept_here);
+    const int batches = traverse(block, frame, begin, end, kept_here);
     for (int batch = batches; batch-- > 0;) {
       const std::int64_t first = begin + std::int64_t(batch) * kBatch;
       const int count = int(min2<std::int64_t>(kBatch, end - first));
@@ -86,27 +86,27 @@ struct SplatBackwardTile {
       some = some || !(g == 0.f);
       if (c < C && (moves >> c & 1)) own.behind = fma_lanes(g, channels.background[c], own.behind);
     }
-    own.walk = {1.f, pixel.inside};
+    own.traversal = {1.f, pixel.inside};
     return some;
   }
 
   /// Walks to the end, keeping the transmittances every kBatch entries; returns the number of batches.
   template <class Block>
-  NGS_HD int walk(Block& block, const TileFrame& frame, std::int64_t begin, std::int64_t end, float* kept_here) const {
+  NGS_HD int traverse(Block& block, const TileFrame& frame, std::int64_t begin, std::int64_t end, float* kept_here) const {
     int batches = 0;
     for (std::int64_t first = begin; first < end; first += kBatch, ++batches) {
       const int count = int(min2<std::int64_t>(kBatch, end - first));
       const bool more = block.any([&](int t, Shared& shared, Thread& own) {
-        kept_here[std::int64_t(batches) * kTilePixels + t] = own.walk.live ? own.walk.transmittance : -1.f;
-        shared.staged.template load<kThreads>(t, tiles, frame, channels, first, count);
-        return own.walk.live;
+        kept_here[std::int64_t(batches) * kTilePixels + t] = own.traversal.live ? own.traversal.transmittance : -1.f;
+        shared.staged.template load<kThreads>(t, tiles, frame, channels, {first, count});
+        return own.traversal.live;
       });
       if (!more) break;
       block.phase([&](int t, Shared& shared, Thread& own) {
         const TilePixel pixel(t, frame);
         float before;
-        for (int k = 0; k < count && own.walk.live; ++k)
-          own.walk.pass(shared.staged.gaussian[k], float(pixel.column), float(pixel.row), tiles.stop, before);
+        for (int k = 0; k < count && own.traversal.live; ++k)
+          own.traversal.pass(shared.staged.gaussian[k], float(pixel.column), float(pixel.row), tiles.stop, before);
       });
     }
     return batches;
@@ -116,16 +116,16 @@ struct SplatBackwardTile {
   template <class Block>
   NGS_HD void replay(Block& block, const TileFrame& frame, std::int64_t first, int count, const float* kept_batch) const {
     block.phase([&](int t, Shared& shared, Thread&) {
-      shared.staged.template load<kThreads>(t, tiles, frame, channels, first, count);
+      shared.staged.template load<kThreads>(t, tiles, frame, channels, {first, count});
     });
     block.phase([&](int t, Shared& shared, Thread& own) {
       const TilePixel pixel(t, frame);
       const float kept_value = kept_batch[t];
-      own.walk = {kept_value, kept_value >= 0.f};
+      own.traversal = {kept_value, kept_value >= 0.f};
       float before;
       for (int k = 0; k < count; ++k) {
-        if (k % kChunk == 0) shared.start[k / kChunk][t] = own.walk.live ? own.walk.transmittance : -1.f;
-        own.walk.pass(shared.staged.gaussian[k], float(pixel.column), float(pixel.row), tiles.stop, before);
+        if (k % kChunk == 0) shared.start[k / kChunk][t] = own.traversal.live ? own.traversal.transmittance : -1.f;
+        own.traversal.pass(shared.staged.gaussian[k], float(pixel.column), float(pixel.row), tiles.stop, before);
       }
     });
   }
@@ -137,10 +137,10 @@ struct SplatBackwardTile {
     block.phase([&](int t, Shared& shared, Thread& own) {
       const TilePixel pixel(t, frame);
       const float start_value = shared.start[chunk][t];
-      own.walk = {start_value, start_value >= 0.f};
+      own.traversal = {start_value, start_value >= 0.f};
       for (int j = 0; j < used; ++j) {
         float before;
-        shared.pair.first[j][t] = own.walk.pass(shared.staged.gaussian[chunk * kChunk + j], float(pixel.column),
+        shared.pair.first[j][t] = own.traversal.pass(shared.staged.gaussian[chunk * kChunk + j], float(pixel.column),
                                                 float(pixel.row), tiles.stop, before);
         shared.pair.second[j][t] = before;
       }
@@ -186,7 +186,7 @@ struct SplatBackwardTile {
       const std::uint32_t* row_of = sums == DeviceSums::kAtomic ? tiles.gaussian : tiles.slot;
       float* to = row_grad + std::int64_t(row_of[entry + j]) * row_columns + (of_geometry ? k : k + channels.first);
       if (sums == DeviceSums::kAtomic)
-        Grid::add_to(to, value);
+        Launcher::add_to(to, value);
       else
         *to = of_geometry && channels.first > 0 ? *to + value : value;
     });

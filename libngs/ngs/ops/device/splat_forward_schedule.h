@@ -16,19 +16,25 @@ struct ChannelGroup {
   }
 };
 
+/// Entries [first, first + count) of the lists of tiles.
+struct EntryRange {
+  std::int64_t first;
+  int count;
+};
+
 /// The Gaussians that a block works on next.
 template <int C, int kBatch>
 struct StagedGaussians {
   TileGaussian<float> gaussian[kBatch];
   float value[kBatch][C];
 
-  /// Thread's part of bringing the entries [first, first + count) in.
+  /// Thread's part of bringing the entries in.
   template <int kThreads>
-  NGS_HD void load(int thread, const TilesOnGrid& tiles, const TileFrame& frame, const ChannelGroup<C>& channels,
-                   std::int64_t first, int count) {
-    if (thread < count) gaussian[thread] = tile_gaussian(tiles.record[tiles.gaussian[first + thread]], frame);
-    for (int i = thread; i < count * C; i += kThreads)
-      value[i / C][i % C] = channels.at(tiles.gaussian[first + i / C], i % C);
+  NGS_HD void load(int thread, const TilesOnDevice& tiles, const TileFrame& frame, const ChannelGroup<C>& channels,
+                   const EntryRange& entries) {
+    const std::uint32_t* id = tiles.gaussian + entries.first;
+    if (thread < entries.count) gaussian[thread] = tile_gaussian(tiles.record[id[thread]], frame);
+    for (int i = thread; i < entries.count * C; i += kThreads) value[i / C][i % C] = channels.at(id[i / C], i % C);
   }
 };
 
@@ -36,14 +42,14 @@ template <int C>
 struct SplatForwardTile {
   static constexpr const char* kName = "splat_forward_tile";
   static constexpr int kThreads = kTilePixels, kBatch = 64;
-  TilesOnGrid tiles;
+  TilesOnDevice tiles;
   ChannelGroup<C> channels;
   Plane<float> out[C];
   Plane<float> alpha;
 
   using Shared = StagedGaussians<C, kBatch>;
   struct Thread {
-    PixelTraversal<float> walk;
+    PixelTraversal<float> traversal;
     float sum[C];
   };
 
@@ -52,21 +58,21 @@ struct SplatForwardTile {
     const TileFrame frame = tiles.frame(block.index);
     const std::int64_t begin = tiles.begin[block.index], end = tiles.begin[block.index + 1];
     block.phase([&](int t, Shared&, Thread& own) {
-      own.walk = {1.f, TilePixel(t, frame).inside};
+      own.traversal = {1.f, TilePixel(t, frame).inside};
       for (int c = 0; c < C; ++c) own.sum[c] = 0.f;
     });
     for (std::int64_t first = begin; first < end; first += kBatch) {
       const int count = int(min2<std::int64_t>(kBatch, end - first));
       const bool more = block.any([&](int t, Shared& shared, Thread& own) {
-        shared.template load<kThreads>(t, tiles, frame, channels, first, count);
-        return own.walk.live;
+        shared.template load<kThreads>(t, tiles, frame, channels, {first, count});
+        return own.traversal.live;
       });
       if (!more) break;
       block.phase([&](int t, Shared& shared, Thread& own) {
         const TilePixel pixel(t, frame);
-        for (int k = 0; k < count && own.walk.live; ++k) {
+        for (int k = 0; k < count && own.traversal.live; ++k) {
           float before;
-          const float opaque = own.walk.pass(shared.gaussian[k], float(pixel.column), float(pixel.row), tiles.stop, before);
+          const float opaque = own.traversal.pass(shared.gaussian[k], float(pixel.column), float(pixel.row), tiles.stop, before);
           const float weight = opaque * before;
           for (int c = 0; c < C; ++c) own.sum[c] = fma_lanes(weight, shared.value[k][c], own.sum[c]);
         }
@@ -77,8 +83,8 @@ struct SplatForwardTile {
       if (!pixel.inside) return;
       for (int c = 0; c < C; ++c)
         if (out[c].data != nullptr)
-          out[c].data[pixel.index * out[c].stride] = fma_lanes(own.walk.transmittance, channels.background[c], own.sum[c]);
-      if (alpha.data != nullptr) alpha.data[pixel.index * alpha.stride] = 1.f - own.walk.transmittance;
+          out[c].data[pixel.index * out[c].stride] = fma_lanes(own.traversal.transmittance, channels.background[c], own.sum[c]);
+      if (alpha.data != nullptr) alpha.data[pixel.index * alpha.stride] = 1.f - own.traversal.transmittance;
     });
   }
 };

@@ -6,17 +6,17 @@
 
 namespace ngs {
 
-/// Copies of the columns of a cloud on a grid. Columns that `cloud` does not have stay null.
-template <class Grid>
-class CloudOnGrid {
+/// Copies of the columns of a cloud on a device. Columns that `cloud` does not have stay null.
+template <class Launcher>
+class CloudOnDevice {
  public:
-  CloudOnGrid(Grid& grid, const CloudView<float>& cloud)
-      : view_(cloud), position_(grid, cloud.position, cloud.size * 3), rotation_(grid, cloud.rotation, cloud.size * 4),
-        log_scale_(grid, cloud.log_scale, cloud.size * 3), logit_opacity_(grid, cloud.logit_opacity, cloud.size),
-        sh_dc_(grid, cloud.sh_dc, cloud.sh_dc ? cloud.size * 3 : 0),
-        sh_rest_(grid, cloud.sh_rest, cloud.sh_rest ? cloud.size * cloud.rest_stride * 3 : 0),
-        usable_(grid, cloud.usable, cloud.usable ? cloud.size : 0),
-        include_(grid, cloud.include, cloud.include ? cloud.size : 0) {
+  CloudOnDevice(Launcher& launcher, const CloudView<float>& cloud)
+      : view_(cloud), position_(launcher, cloud.position, cloud.size * 3), rotation_(launcher, cloud.rotation, cloud.size * 4),
+        log_scale_(launcher, cloud.log_scale, cloud.size * 3), logit_opacity_(launcher, cloud.logit_opacity, cloud.size),
+        sh_dc_(launcher, cloud.sh_dc, cloud.sh_dc ? cloud.size * 3 : 0),
+        sh_rest_(launcher, cloud.sh_rest, cloud.sh_rest ? cloud.size * cloud.rest_stride * 3 : 0),
+        usable_(launcher, cloud.usable, cloud.usable ? cloud.size : 0),
+        include_(launcher, cloud.include, cloud.include ? cloud.size : 0) {
     view_.position = position_.data(), view_.rotation = rotation_.data(), view_.log_scale = log_scale_.data();
     view_.logit_opacity = logit_opacity_.data(), view_.sh_dc = sh_dc_.data(), view_.sh_rest = sh_rest_.data();
     view_.usable = usable_.data(), view_.include = include_.data();
@@ -25,8 +25,8 @@ class CloudOnGrid {
 
  private:
   CloudView<float> view_;
-  DeviceBuffer<Grid, float> position_, rotation_, log_scale_, logit_opacity_, sh_dc_, sh_rest_;
-  DeviceBuffer<Grid, std::uint8_t> usable_, include_;
+  DeviceBuffer<Launcher, float> position_, rotation_, log_scale_, logit_opacity_, sh_dc_, sh_rest_;
+  DeviceBuffer<Launcher, std::uint8_t> usable_, include_;
 };
 
 struct ChannelRows {
@@ -38,7 +38,7 @@ struct ChannelRows {
   const std::int64_t* slot_begin;
   float* row;  // [N, count] out, of Gaussians with slots
   NGS_HD void operator()(std::int64_t i) const {
-    if (slot_begin[i] < slot_begin[i + 1]) channel_row(plan, view, cloud, i, depth[i], row + i * plan.count());
+    if (slot_begin[i] < slot_begin[i + 1]) plan.fill(view, cloud, i, depth[i], row + i * plan.count());
   }
 };
 
@@ -57,16 +57,16 @@ struct GaussiansBackward {
 
 inline constexpr int kMostChannels = 8;  // in one launch
 
-/// One view. All pointers are the grid's; `cloud` and `plan.label` outlive it.
-template <class Grid>
-class GridSplat {
+/// One view. All pointers are the device's; `cloud` and `plan.label` outlive it.
+template <class Launcher>
+class SplatOnDevice {
  public:
-  GridSplat(Grid& grid, const Camera& camera, const SplatOptions& options, const CloudView<float>& cloud,
-            const ChannelPlan<float>& plan, Vec3<float> background)
-      : grid_(grid), projector_(view_projector<float>(camera, options)), cloud_(cloud), plan_(plan), background_(background),
-        bins_(grid, projector_, cloud, camera.width_px, camera.height_px), channel_(grid, cloud.size * plan.count()) {
+  SplatOnDevice(Launcher& launcher, const ViewProjector<float>& view, const CloudView<float>& cloud,
+                const ChannelPlan<float>& plan)
+      : launcher_(launcher), projector_(view), cloud_(cloud), plan_(plan), bins_(launcher, view, cloud),
+        channel_(launcher, cloud.size * plan.count()) {
     if (plan.count() > 0)
-      grid.each(cloud.size, ChannelRows{plan, projector_, cloud, bins_.depth(), bins_.slot_begin(), channel_.data()});
+      launcher.each(cloud.size, ChannelRows{plan, projector_, cloud, bins_.depth(), bins_.slot_begin(), channel_.data()});
   }
 
   /// out[c]: channel c; out[count]: 1 - T_final.
@@ -76,7 +76,7 @@ class GridSplat {
         SplatForwardTile<size> kernel{bins_.view(), group<size>(first), {}, {}};
         for (int c = 0; c < kernel.channels.used; ++c) kernel.out[c] = out[std::size_t(first + c)];
         if (first == 0) kernel.alpha = out[std::size_t(plan_.count())];
-        grid_.blocks(bins_.tiles(), kernel);
+        launcher_.blocks(bins_.tiles(), kernel);
       });
   }
 
@@ -84,26 +84,26 @@ class GridSplat {
   void backward(const std::vector<Plane<const float>>& grad, const std::vector<std::uint8_t>& moves,
                 const CloudGradientView<float>& out, DeviceSums sums) {
     const int columns = kPairGeometry + plan_.count();
-    DeviceBuffer<Grid, float> rows(grid_, (sums == DeviceSums::kAtomic ? cloud_.size : bins_.pairs()) * columns);
+    DeviceBuffer<Launcher, float> rows(launcher_, (sums == DeviceSums::kAtomic ? cloud_.size : bins_.pairs()) * columns);
     rows.zero();
-    const DeviceBuffer<Grid, float> kept(
-        grid_, SplatBackwardTile<1, Grid>::kept_rows(bins_.pairs(), bins_.tiles()) * std::int64_t(kTilePixels));
+    const DeviceBuffer<Launcher, float> kept(
+        launcher_, SplatBackwardTile<1, Launcher>::kept_rows(bins_.pairs(), bins_.tiles()) * std::int64_t(kTilePixels));
     for (int first = 0; first == 0 || first < plan_.count(); first += kMostChannels)
       with_group(first, [&](auto size) {
-        SplatBackwardTile<size, Grid> kernel{bins_.view(), group<size>(first), {}, 0, kept.data(), rows.data(), columns, sums};
+        SplatBackwardTile<size, Launcher> kernel{bins_.view(), group<size>(first), {}, 0, kept.data(), rows.data(), columns, sums};
         for (int c = 0; c < kernel.channels.used; ++c) {
           kernel.grad[c] = grad[std::size_t(first + c)];
           if (moves[std::size_t(first + c)]) kernel.moves |= 1u << c;
         }
         if (first == 0) kernel.grad[size] = grad[std::size_t(plan_.count())];
-        grid_.blocks(bins_.tiles(), kernel);
+        launcher_.blocks(bins_.tiles(), kernel);
       });
     clear(out);
     const Matrix<const float> summands{rows.data(), rows.size() / columns, columns};
-    grid_.each(cloud_.size, GaussiansBackward{{projector_, cloud_, plan_, summands, out}, bins_.slot_begin(), sums, channel_.data()});
+    launcher_.each(cloud_.size, GaussiansBackward{{projector_, cloud_, plan_, summands, out}, bins_.slot_begin(), sums, channel_.data()});
   }
 
-  const TileBins<Grid>& bins() const { return bins_; }
+  const TileBins<Launcher>& bins() const { return bins_; }
 
  private:
   /// body(std::integral_constant<int, C>) for the C that holds the channels from `first` on.
@@ -121,27 +121,26 @@ class GridSplat {
   template <int C>
   ChannelGroup<C> group(int first) const {
     ChannelGroup<C> g{channel_.data(), plan_.count(), first, min2(C, plan_.count() - first), {}};
-    const float b[3] = {background_.x, background_.y, background_.z};
+    const float b[3] = {plan_.background.x, plan_.background.y, plan_.background.z};
     if (plan_.colour && first == 0)
       for (int c = 0; c < min2(C, 3); ++c) g.background[c] = b[c];
     return g;
   }
   void clear(const CloudGradientView<float>& out) {
     const auto zero = [&](auto* column, int width) {
-      if (column) grid_.fill_zero(column, std::size_t(cloud_.size) * std::size_t(width) * sizeof *column);
+      if (column) launcher_.fill_zero(column, std::size_t(cloud_.size) * std::size_t(width) * sizeof *column);
     };
     zero(out.position, 3), zero(out.rotation, 4), zero(out.log_scale, 3), zero(out.logit_opacity, 1);
     zero(out.sh_dc, 3), zero(out.sh_rest, cloud_.rest_stride * 3), zero(out.label, plan_.labels()), zero(out.mean_px, 2);
     zero(out.visible, 1);
   }
 
-  Grid& grid_;
+  Launcher& launcher_;
   ViewProjector<float> projector_;
   CloudView<float> cloud_;
   ChannelPlan<float> plan_;
-  Vec3<float> background_;
-  TileBins<Grid> bins_;
-  DeviceBuffer<Grid, float> channel_;  // [N, count]
+  TileBins<Launcher> bins_;
+  DeviceBuffer<Launcher, float> channel_;  // [N, count]
 };
 
 }  // namespace ngs

@@ -23,14 +23,14 @@ struct SumChunk {
   }
 };
 
-/// total[c] = the sum of column c of `value` [n, columns]; all of it the grid's memory.
-template <class T, class Grid>
-void sums_on_grid(Grid& grid, const T* value, std::int64_t n, int columns, double* total) {
+/// total[c] = the sum of column c of `value` [n, columns]; all of it the device's memory.
+template <class T, class Launcher>
+void sums_on_device(Launcher& launcher, const T* value, std::int64_t n, int columns, double* total) {
   const std::int64_t chunks = divided_up(n, SumChunk<T>::kRows);
-  if (chunks <= 1) return grid.each(columns, SumChunk<T>{value, n, columns, total});
-  const DeviceBuffer<Grid, double> part(grid, chunks * columns);
-  grid.each(chunks * columns, SumChunk<T>{value, n, columns, part.data()});
-  sums_on_grid(grid, static_cast<const double*>(part.data()), chunks, columns, total);
+  if (chunks <= 1) return launcher.each(columns, SumChunk<T>{value, n, columns, total});
+  const DeviceBuffer<Launcher, double> part(launcher, chunks * columns);
+  launcher.each(chunks * columns, SumChunk<T>{value, n, columns, part.data()});
+  sums_on_device(launcher, static_cast<const double*>(part.data()), chunks, columns, total);
 }
 
 struct LeastOfChunk {
@@ -47,23 +47,23 @@ struct LeastOfChunk {
   }
 };
 
-/// The least of n > 0 values in the grid's memory.
-template <class Grid>
-std::int64_t least_on_grid(Grid& grid, const std::int64_t* value, std::int64_t n) {
+/// The least of n > 0 values in the device's memory.
+template <class Launcher>
+std::int64_t least_on_device(Launcher& launcher, const std::int64_t* value, std::int64_t n) {
   const std::int64_t chunks = divided_up(n, LeastOfChunk::kRows);
-  const DeviceBuffer<Grid, std::int64_t> part(grid, chunks);
-  grid.each(chunks, LeastOfChunk{value, n, part.data()});
-  if (chunks > 1) return least_on_grid(grid, static_cast<const std::int64_t*>(part.data()), chunks);
+  const DeviceBuffer<Launcher, std::int64_t> part(launcher, chunks);
+  launcher.each(chunks, LeastOfChunk{value, n, part.data()});
+  if (chunks > 1) return least_on_device(launcher, static_cast<const std::int64_t*>(part.data()), chunks);
   std::int64_t least = 0;
   part.to(&least);
   return least;
 }
 
 /// The sums on the host.
-template <class T, class Grid>
-std::vector<double> ordered_sums(Grid& grid, const T* value, std::int64_t n, int columns) {
-  const DeviceBuffer<Grid, double> total(grid, columns);
-  sums_on_grid(grid, value, n, columns, total.data());
+template <class T, class Launcher>
+std::vector<double> ordered_sums(Launcher& launcher, const T* value, std::int64_t n, int columns) {
+  const DeviceBuffer<Launcher, double> total(launcher, columns);
+  sums_on_device(launcher, value, n, columns, total.data());
   std::vector<double> host;
   total.to(host);
   return host;

@@ -11,7 +11,7 @@
 namespace ngs {
 
 /// What the kernels of a tile read; tile t has the entries [begin[t], begin[t + 1]), nearest first.
-struct TilesOnGrid {
+struct TilesOnDevice {
   const SplatRecord<float>* record;              // [N]
   const std::uint32_t *gaussian, *slot;          // [pairs]
   const std::int64_t* begin;                     // [tiles + 1]
@@ -99,34 +99,36 @@ struct GaussianOfEntry {
 };
 
 /// The lists of one view and the memory they live in.
-template <class Grid>
+template <class Launcher>
 class TileBins {
  public:
-  /// All arrays of `cloud` are the grid's. Waits for the number of pairs, which is how much memory they take.
-  TileBins(Grid& grid, const ViewProjector<float>& view, const CloudView<float>& cloud, int width_px, int height_px)
-      : width_px_(width_px), height_px_(height_px), tiles_x_(view.tiles_x), tile_count_(std::int64_t(view.tiles_x) * view.tiles_y),
-        stop_(float(transmittance_stop(view.compat))), record_(grid, cloud.size), depth_(grid, cloud.size),
-        slot_begin_(grid, cloud.size + 1), begin_(grid, tile_count_ + 1) {
-    const DeviceBuffer<Grid, TileRect> rect(grid, cloud.size);
-    const DeviceBuffer<Grid, std::uint32_t> tiles(grid, cloud.size);
-    grid.each(cloud.size, ProjectGaussians{view, cloud, record_.data(), depth_.data(), rect.data(), tiles.data()});
-    grid.sum_before(tiles.data(), slot_begin_.data(), cloud.size);
-    grid.download(&pairs_, slot_begin_.data() + cloud.size, sizeof pairs_);
+  /// All arrays of `cloud` are the device's. Waits for the number of pairs, which is how much memory they take.
+  TileBins(Launcher& launcher, const ViewProjector<float>& view, const CloudView<float>& cloud)
+      : width_px_(view.width_px), height_px_(view.height_px), tiles_x_(view.tiles_x),
+        tile_count_(std::int64_t(view.tiles_x) * view.tiles_y), stop_(float(transmittance_stop(view.compat))),
+        record_(launcher, cloud.size), depth_(launcher, cloud.size),
+        slot_begin_(launcher, cloud.size + 1), begin_(launcher, tile_count_ + 1) {
+    const DeviceBuffer<Launcher, TileRect> rect(launcher, cloud.size);
+    const DeviceBuffer<Launcher, std::uint32_t> tiles(launcher, cloud.size);
+    launcher.each(cloud.size, ProjectGaussians{view, cloud, record_.data(), depth_.data(), rect.data(), tiles.data()});
+    launcher.sum_before(tiles.data(), slot_begin_.data(), cloud.size);
+    launcher.download(&pairs_, slot_begin_.data() + cloud.size, sizeof pairs_);
     NGS_CHECK(pairs_ <= 0xffffffff, "slots are counted in 32 bits");
-    const DeviceBuffer<Grid, std::uint64_t> key(grid, pairs_);
-    const DeviceBuffer<Grid, std::uint32_t> of_slot(grid, pairs_);
-    slot_ = DeviceBuffer<Grid, std::uint32_t>(grid, pairs_), gaussian_ = DeviceBuffer<Grid, std::uint32_t>(grid, pairs_);
-    grid.each(cloud.size, MakePairs{record_.data(), depth_.data(), rect.data(), slot_begin_.data(), tiles_x_, key.data(),
+    const DeviceBuffer<Launcher, std::uint64_t> key(launcher, pairs_);
+    const DeviceBuffer<Launcher, std::uint32_t> of_slot(launcher, pairs_);
+    slot_ = DeviceBuffer<Launcher, std::uint32_t>(launcher, pairs_), gaussian_ = DeviceBuffer<Launcher, std::uint32_t>(launcher, pairs_);
+    launcher.each(cloud.size, MakePairs{record_.data(), depth_.data(), rect.data(), slot_begin_.data(), tiles_x_, key.data(),
                                     slot_.data(), of_slot.data()});
-    grid.sort(key.data(), slot_.data(), pairs_, 32 + bits_of(tile_count_));
-    grid.each(tile_count_ + 1, FindTiles{key.data(), pairs_, begin_.data()});
-    grid.each(pairs_, GaussianOfEntry{slot_.data(), of_slot.data(), gaussian_.data()});
+    launcher.sort(key.data(), slot_.data(), pairs_, 32 + bits_of(tile_count_));
+    launcher.each(tile_count_ + 1, FindTiles{key.data(), pairs_, begin_.data()});
+    launcher.each(pairs_, GaussianOfEntry{slot_.data(), of_slot.data(), gaussian_.data()});
   }
 
-  TilesOnGrid view() const {
+  TilesOnDevice view() const {
     return {record_.data(), gaussian_.data(), slot_.data(), begin_.data(), tiles_x_, width_px_, height_px_, stop_};
   }
   std::int64_t tiles() const { return tile_count_; }
+  std::int64_t gaussians() const { return record_.size(); }
   std::int64_t pairs() const { return pairs_; }
   const std::int64_t* slot_begin() const { return slot_begin_.data(); }  // [N + 1]
   const float* depth() const { return depth_.data(); }
@@ -141,10 +143,10 @@ class TileBins {
   std::int64_t tile_count_;
   float stop_;
   std::int64_t pairs_ = 0;
-  DeviceBuffer<Grid, SplatRecord<float>> record_;
-  DeviceBuffer<Grid, float> depth_;
-  DeviceBuffer<Grid, std::int64_t> slot_begin_, begin_;
-  DeviceBuffer<Grid, std::uint32_t> slot_, gaussian_;
+  DeviceBuffer<Launcher, SplatRecord<float>> record_;
+  DeviceBuffer<Launcher, float> depth_;
+  DeviceBuffer<Launcher, std::int64_t> slot_begin_, begin_;
+  DeviceBuffer<Launcher, std::uint32_t> slot_, gaussian_;
 };
 
 }  // namespace ngs

@@ -108,20 +108,19 @@ void FilmMlp::forward(const Exec& exec, const ParamStore& store, const FilmMlpIn
   });
 }
 
-void FilmMlp::backward(const Exec& exec, ParamStore& store, const FilmMlpInputs& in,
-                       const FilmMlpOutput& forward, const std::vector<float>& grad_density,
-                       const std::vector<float>& grad_rgb, FilmMlpGradients& out) const {
+FilmMlpGradients FilmMlp::backward(const Exec& exec, ParamStore& store, const FilmMlpInputs& in,
+                                   const FilmMlpOutput& forward, const FilmMlpOutputGradients& grad) const {
   const std::int64_t queries = in.feature.n, blocks = block_count(queries);
-  NGS_CHECK(std::int64_t(grad_density.size()) == queries && std::int64_t(grad_rgb.size()) == 3 * queries,
+  NGS_CHECK(std::int64_t(grad.density.size()) == queries && std::int64_t(grad.rgb.size()) == 3 * queries,
             "one gradient per output");
+  const FilmCall call{config_, store.values.data() + offset_, density_scale_};
+  if (exec.device_ops) return exec.device_ops->field.film_backward(call, in, forward, grad, store.grads.data() + offset_);
+  FilmMlpGradients out;
   out.feature.resize(std::size_t(queries * config_.inputs)),
       out.condition.resize(std::size_t(queries * config_.condition));
-  if (exec.device_ops)
-    return exec.device_ops->field.film_backward({config_, store.values.data() + offset_, density_scale_}, in, forward,
-                                                grad_density, grad_rgb, out, store.grads.data() + offset_);
   const FilmMlpData<float> data = data_of(store.values.data() + offset_, in, density_scale_);
   const std::size_t kept = film_context_size<PackF>(config_);
-  const FilmMlpGrads<float> grads{grad_density.data(), grad_rgb.data(), out.feature.data(),
+  const FilmMlpGrads<float> grads{grad.density.data(), grad.rgb.data(), out.feature.data(),
                                   out.condition.data()};
   const std::size_t params = film_mlp_layout(config_).size;
   std::vector<float> partial(std::size_t(kPartialSums) * params, 0.f);
@@ -139,6 +138,7 @@ void FilmMlp::backward(const Exec& exec, ParamStore& store, const FilmMlpInputs&
       total += double(partial[sum * params + std::size_t(i)]);
     store.grads[offset_ + std::size_t(i)] += float(total);
   });
+  return out;
 }
 
 }  // namespace ngs

@@ -30,10 +30,9 @@ class FilmMlp {
 
   const FilmMlpConfig& config() const { return config_; }
   void forward(const Exec& exec, const ParamStore& store, const FilmMlpInputs& in, FilmMlpOutput& out) const;
-  /// Overwrites `out`; adds the parameters' gradients to store.grads. `grad_density` [Q], `grad_rgb` [Q, 3].
-  void backward(const Exec& exec, ParamStore& store, const FilmMlpInputs& in, const FilmMlpOutput& forward,
-                const std::vector<float>& grad_density, const std::vector<float>& grad_rgb,
-                FilmMlpGradients& out) const;
+  /// Adds the parameters' gradients to store.grads; returns the inputs'.
+  FilmMlpGradients backward(const Exec& exec, ParamStore& store, const FilmMlpInputs& in, const FilmMlpOutput& forward,
+                            const FilmMlpOutputGradients& grad) const;
 
  private:
   FilmMlpConfig config_;

@@ -19,6 +19,12 @@ struct FilmMlpOutput {
   std::vector<float> context;  // for backward
 };
 
+/// ∂L/∂(what the network gives).
+struct FilmMlpOutputGradients {
+  const std::vector<float>& density;  // [Q]
+  const std::vector<float>& rgb;      // [Q, 3]
+};
+
 struct FilmMlpGradients {
   std::vector<float> feature;    // [Q, inputs]
   std::vector<float> condition;  // [Q, condition]

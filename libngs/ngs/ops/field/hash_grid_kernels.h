@@ -44,22 +44,27 @@ NGS_HD inline std::uint32_t hash_vertex(std::uint32_t x, std::uint32_t y, std::u
 
 namespace detail {
 
-/// Cell, fraction and slope along one axis; returns the lower vertex.
+/// Where a point lies along one axis.
 template <class T>
-NGS_HD std::uint32_t hash_axis(T world, T centre, T inv_extent, T scale, bool smoothstep, T& frac, T& slope) {
-  using std::floor;
-  const T unit = T(0.5) + (world - centre) * inv_extent;
-  const bool inside = T(0) <= unit && unit <= T(1);
-  const T at = clamp3(unit, T(0), T(1)) * scale + T(0.5);
-  const T cell = floor(at);
-  frac = at - cell;
-  slope = inside ? scale * inv_extent : T(0);
-  if (smoothstep) {
-    slope = slope * T(6) * frac * (T(1) - frac);
-    frac = frac * frac * (T(3) - T(2) * frac);
+struct HashAxis {
+  std::uint32_t lower;  // vertex
+  T frac, slope;
+
+  NGS_HD HashAxis(T world, T centre, T inv_extent, T scale, bool smoothstep) {
+    using std::floor;
+    const T unit = T(0.5) + (world - centre) * inv_extent;
+    const bool inside = T(0) <= unit && unit <= T(1);
+    const T at = clamp3(unit, T(0), T(1)) * scale + T(0.5);
+    const T cell = floor(at);
+    frac = at - cell;
+    slope = inside ? scale * inv_extent : T(0);
+    if (smoothstep) {
+      slope = slope * T(6) * frac * (T(1) - frac);
+      frac = frac * frac * (T(3) - T(2) * frac);
+    }
+    lower = std::uint32_t(double(cell));
   }
-  return std::uint32_t(double(cell));
-}
+};
 
 }  // namespace detail
 
@@ -67,16 +72,13 @@ NGS_HD std::uint32_t hash_axis(T world, T centre, T inv_extent, T scale, bool sm
 template <class T>
 [[gnu::always_inline]] NGS_HD inline HashCell<T> hash_cell(const HashLevel& level, const HashBox<T>& box,
                                                            Vec3<T> p, bool smoothstep) {
-  HashCell<T> cell;
   const T scale = T(level.scale);
-  const std::uint32_t x =
-      detail::hash_axis(p.x, box.centre.x, box.inv_extent.x, scale, smoothstep, cell.frac[0], cell.slope[0]);
-  const std::uint32_t y =
-      detail::hash_axis(p.y, box.centre.y, box.inv_extent.y, scale, smoothstep, cell.frac[1], cell.slope[1]);
-  const std::uint32_t z =
-      detail::hash_axis(p.z, box.centre.z, box.inv_extent.z, scale, smoothstep, cell.frac[2], cell.slope[2]);
+  const detail::HashAxis<T> x(p.x, box.centre.x, box.inv_extent.x, scale, smoothstep);
+  const detail::HashAxis<T> y(p.y, box.centre.y, box.inv_extent.y, scale, smoothstep);
+  const detail::HashAxis<T> z(p.z, box.centre.z, box.inv_extent.z, scale, smoothstep);
+  HashCell<T> cell{{}, {x.frac, y.frac, z.frac}, {x.slope, y.slope, z.slope}};
   for (std::uint32_t corner = 0; corner < 8; ++corner) {
-    const std::uint32_t cx = x + (corner & 1), cy = y + (corner >> 1 & 1), cz = z + (corner >> 2);
+    const std::uint32_t cx = x.lower + (corner & 1), cy = y.lower + (corner >> 1 & 1), cz = z.lower + (corner >> 2);
     std::uint32_t entry;
     if (level.dense) {
       // The half-cell stagger lets the upper vertex step over the edge; there the table wraps, once at most.

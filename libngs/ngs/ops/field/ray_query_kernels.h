@@ -6,14 +6,13 @@ namespace ngs {
 
 /// The unit direction, in world axes, of the ray through pixel position (u, v).                 Eq. (6)
 ///
-///   d = Rᵀ normalise((u - cx) / fx, (v - cy) / fy, 1),   R: world -> camera
+///   d = Rᵀ normalise(x, y, 1),   x = (u - cx) / fx, y = (v - cy) / fy,   R: world -> camera
 ///
 /// The paper calls R camera -> world but transposes it; with R world -> camera the formula is right
 /// (C11). `cosine` is the angle's with the optical axis: z-depth = cosine · distance along the ray.
 template <class T>
-NGS_HD Vec3<T> ray_direction(const Mat3<T>& rotation, T fx, T fy, T cx, T cy, T u, T v, T& cosine) {
+NGS_HD Vec3<T> ray_direction(const Mat3<T>& rotation, T x, T y, T& cosine) {
   using std::sqrt;
-  const T x = (u - cx) / fx, y = (v - cy) / fy;
   cosine = T(1) / sqrt(x * x + y * y + T(1));
   return cosine * (transpose(rotation) * Vec3<T>{x, y, T(1)});
 }
@@ -60,7 +59,7 @@ struct RayNode {
 NGS_HD inline RayNode ray_node(const RayCamera& camera, const PixelGrid& grid, std::int64_t ray) {
   RayNode node;
   node.u = grid.x(int(ray % grid.cols)), node.v = grid.y(int(ray / grid.cols));
-  node.direction = ray_direction(camera.rotation, camera.fx, camera.fy, camera.cx, camera.cy, node.u, node.v, node.cosine);
+  node.direction = ray_direction(camera.rotation, (node.u - camera.cx) / camera.fx, (node.v - camera.cy) / camera.fy, node.cosine);
   return node;
 }
 

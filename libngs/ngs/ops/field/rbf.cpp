@@ -42,16 +42,19 @@ void rbf_forward(const Exec& exec, const RbfProblem& problem, RbfField& out) {
                                    {out.feature.data(), problem.query.n, features}});
 }
 
-void rbf_backward(const Exec& exec, const RbfProblem& problem, const RbfField& field,
-                  Matrix<const float> grad_feature, bool with_positions, RbfGradients& out) {
+RbfGradients rbf_backward(const Exec& exec, const RbfProblem& problem, const RbfField& field,
+                          Matrix<const float> grad_feature, bool with_positions) {
+  RbfGradients out;
   const KnnGraph& graph = *problem.graph;
   const std::int64_t points = problem.boundary.n;
   const int features = problem.feature.c;
   out.feature.assign(std::size_t(points) * std::size_t(features), 0.f);
   out.boundary.assign(with_positions ? std::size_t(points) * 3 : 0, 0.f);
-  if (graph.neighbours == 0) return;
-  if (exec.device_ops)
-    return exec.device_ops->field.rbf_backward(problem, inv_2h2(problem.width), field, grad_feature, out);
+  if (graph.neighbours == 0) return out;
+  if (exec.device_ops) {
+    exec.device_ops->field.rbf_backward(problem, inv_2h2(problem.width), field, grad_feature, out);
+    return out;
+  }
   const Matrix<const float> weight = weights_of(field, graph);
   for_each_index(exec, points,
                  RbfBackwardFeature<float>{graph.row_begin.data(),
@@ -59,7 +62,7 @@ void rbf_backward(const Exec& exec, const RbfProblem& problem, const RbfField& f
                                            weight,
                                            grad_feature,
                                            {out.feature.data(), points, features}});
-  if (!with_positions) return;
+  if (!with_positions) return out;
   std::vector<float> grad_exponent(graph.index.size());
   const Matrix<float> exponent{grad_exponent.data(), graph.queries(), graph.neighbours};
   for_each_index(
@@ -73,6 +76,7 @@ void rbf_backward(const Exec& exec, const RbfProblem& problem, const RbfField& f
                                             problem.boundary,
                                             inv_2h2(problem.width),
                                             {out.boundary.data(), points}});
+  return out;
 }
 
 double auto_rbf_width(const Exec& exec, Rows<const float, 3> boundary, int neighbours, double factor) {

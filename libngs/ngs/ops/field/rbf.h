@@ -14,9 +14,9 @@ float inv_2h2(double width);
 
 void rbf_forward(const Exec& exec, const RbfProblem& problem, RbfField& out);
 
-/// Overwrites `out`. `grad_feature` = ∂L/∂(field.feature) [Q, F]. The neighbour lists count as constant.
-void rbf_backward(const Exec& exec, const RbfProblem& problem, const RbfField& field,
-                  Matrix<const float> grad_feature, bool with_positions, RbfGradients& out);
+/// `grad_feature` = ∂L/∂(field.feature) [Q, F]. The neighbour lists count as constant.
+RbfGradients rbf_backward(const Exec& exec, const RbfProblem& problem, const RbfField& field,
+                          Matrix<const float> grad_feature, bool with_positions);
 
 /// The kernel width: factor · mean spacing of the boundary Gaussians (C22). 1 where the spacing is 0
 /// (a single or only coincident Gaussians): every width then gives the same weights.

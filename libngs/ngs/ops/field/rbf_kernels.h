@@ -10,6 +10,12 @@
 
 namespace ngs {
 
+/// The neighbours of one query point, nearest first.
+struct NeighbourRows {
+  const std::uint32_t* row;
+  int count;
+};
+
 /// Normalised Gaussian weights of one query point.                              Eq. (8), L1-normalised
 ///
 ///   w_j = exp(-(d_j² - d_0²) / 2h²) / Σ_l exp(-(d_l² - d_0²) / 2h²),   d_j = ‖q - x_j‖
@@ -20,20 +26,20 @@ namespace ngs {
 ///
 ///   q         query position                        [3]     world
 ///   x         boundary positions                    [B, 3]  world
-///   nearest   neighbour rows, nearest first         [K]     0 <= nearest[j] < B
+///   nearest   neighbour rows, nearest first         [K]     0 <= row[j] < B
 ///   inv_2h2   1 / (2 h²), h = kernel width          >= 0    world^-2
 ///   w         out: weights, Σ w_j = 1, w_0 largest  [K]
 template <class T>
-NGS_HD void rbf_weights(Vec3<T> q, Rows<const T, 3> x, const std::uint32_t* nearest, int k, T inv_2h2, T* w) {
+NGS_HD void rbf_weights(Vec3<T> q, Rows<const T, 3> x, NeighbourRows nearest, T inv_2h2, T* w) {
   using std::exp;
-  const Vec3<T> x0 = vec3(x.row(nearest[0]));
+  const Vec3<T> x0 = vec3(x.row(nearest.row[0]));
   T sum = T(0);
-  for (int j = 0; j < k; ++j) {
-    const Vec3<T> xj = vec3(x.row(nearest[j]));
+  for (int j = 0; j < nearest.count; ++j) {
+    const Vec3<T> xj = vec3(x.row(nearest.row[j]));
     w[j] = exp(-max2(dot(x0 - xj, (q - x0) + (q - xj)), T(0)) * inv_2h2);  // rounding may put x_j before x_0
     sum += w[j];
   }
-  for (int j = 0; j < k; ++j) w[j] = w[j] / sum;  // sum >= w_0 = 1
+  for (int j = 0; j < nearest.count; ++j) w[j] = w[j] / sum;  // sum >= w_0 = 1
 }
 
 /// f_i = Σ_j w_ij f_j.                                                                        Eq. (9)
@@ -52,7 +58,7 @@ struct RbfForward {
 
   NGS_HD void operator()(std::int64_t i) const {
     T* w = weight.row(i);
-    rbf_weights(vec3(query.row(i)), boundary, index.row(i), index.c, inv_2h2, w);
+    rbf_weights(vec3(query.row(i)), boundary, {index.row(i), index.c}, inv_2h2, w);
     for (int f = 0; f < feature.c; ++f) {
       T sum = T(0);
       for (int j = 0; j < index.c; ++j) sum += w[j] * feature.row(index.row(i)[j])[f];

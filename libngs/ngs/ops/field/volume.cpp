@@ -26,19 +26,17 @@ void volume_forward(const Exec& exec, const VolumeInputs& in, VolumeOutput& out)
 }
 
 void volume_backward(const Exec& exec, const VolumeInputs& in, const VolumeOutput& forward,
-                     const std::vector<float>& grad_colour, const std::vector<float>& grad_alpha,
-                     const std::vector<float>& grad_optical_depth, VolumeGradients& out) {
+                     const VolumeOutputGradients& grad, VolumeGradients& out) {
   const auto rays = std::size_t(in.rays), samples = std::size_t(in.samples);
-  NGS_CHECK(grad_colour.size() == rays * 3 && grad_alpha.size() == rays, "one gradient per output");
-  NGS_CHECK(grad_optical_depth.empty() || grad_optical_depth.size() == rays,
+  NGS_CHECK(grad.colour.size() == rays * 3 && grad.alpha.size() == rays, "one gradient per output");
+  NGS_CHECK(grad.optical_depth.empty() || grad.optical_depth.size() == rays,
             "one gradient per output, or none");
   out.density.resize(rays * samples), out.rgb.resize(rays * samples * 3);
-  if (exec.device_ops)
-    return exec.device_ops->field.volume_backward(in, forward, grad_colour, grad_alpha, grad_optical_depth, out);
+  if (exec.device_ops) return exec.device_ops->field.volume_backward(in, forward, grad, out);
   for_each_index(exec, in.rays,
                  VolumeBackward<float>{rays_of(in), forward.weight.data(), forward.transmittance_after.data(),
-                                       grad_colour.data(), grad_alpha.data(),
-                                       grad_optical_depth.empty() ? nullptr : grad_optical_depth.data(),
+                                       grad.colour.data(), grad.alpha.data(),
+                                       grad.optical_depth.empty() ? nullptr : grad.optical_depth.data(),
                                        out.density.data(), out.rgb.data()});
 }
 

@@ -12,9 +12,8 @@ namespace ngs {
 
 void volume_forward(const Exec& exec, const VolumeInputs& in, VolumeOutput& out);
 
-/// Overwrites `out`. `grad_optical_depth` may be empty (zero).
+/// Overwrites `out`.
 void volume_backward(const Exec& exec, const VolumeInputs& in, const VolumeOutput& forward,
-                     const std::vector<float>& grad_colour, const std::vector<float>& grad_alpha,
-                     const std::vector<float>& grad_optical_depth, VolumeGradients& out);
+                     const VolumeOutputGradients& grad, VolumeGradients& out);
 
 }  // namespace ngs

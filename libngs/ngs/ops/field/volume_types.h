@@ -23,6 +23,13 @@ struct VolumeOutput {
   std::vector<float> weight, transmittance_after;  // [R, K] for backward
 };
 
+/// ∂L/∂(what is rendered).
+struct VolumeOutputGradients {
+  const std::vector<float>& colour;         // [R, 3]
+  const std::vector<float>& alpha;          // [R]
+  const std::vector<float>& optical_depth;  // [R], or empty: zero
+};
+
 struct VolumeGradients {
   std::vector<float> density;  // [R, K]
   std::vector<float> rgb;      // [R, K, 3]

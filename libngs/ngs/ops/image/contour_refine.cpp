@@ -21,7 +21,7 @@ constexpr double kOutliers = 0.1;       // share of colours that neither density
 constexpr double kLeastSupport = 1e-4;  // share of a neighbourhood below which its colours are unknown
 constexpr int kCellsOfRadius = 10;      // of a blur: it takes sums over cells of pixels, so fine that it does not show them
 
-/// The part of the image that the walk needs: the band about the contour and the colours in reach of it.
+/// The part of the image that the random walks need: the band about the contour and the colours in reach of it.
 struct Window {
   int x0, y0, w, h;
   std::size_t pixels() const { return std::size_t(w) * std::size_t(h); }
@@ -51,15 +51,24 @@ Window window_of(const std::vector<float>& distance, MaskPlane mask, double reac
 /// Values blurred together: a cache line of them in a running sum each.
 constexpr int kBlurLanes = 16;
 
-/// Three running means of width 2 r + 1 along `n` places that lie `stride` apart, of `lanes` values side by side: nearly a
-/// normal density of deviation r. Zeros outside.
-void blur_lines(float* first, int n, std::size_t stride, int lanes, int r, std::vector<double>& from) {
+/// `n` places that lie `stride` apart, with `lanes` values side by side.
+struct BlurLine {
+  float* first;
+  int n;
+  std::size_t stride;
+  int lanes;
+  float& at(int i, int lane) const { return first[std::size_t(i) * stride + std::size_t(lane)]; }
+};
+
+/// Three running means of width 2 r + 1 along the line: nearly a normal density of deviation r. Zeros outside.
+void blur(const BlurLine& line, int r, std::vector<double>& from) {
+  const int n = line.n;
   from.resize(std::size_t(n) * kBlurLanes);
   const double scale = 1.0 / (2 * r + 1);
   const auto row = [&](int i) { return &from[std::size_t(i) * kBlurLanes]; };
   for (int pass = 0; pass < 3; ++pass) {
     for (int i = 0; i < n; ++i)
-      for (int b = 0; b < lanes; ++b) row(i)[b] = double(first[std::size_t(i) * stride + std::size_t(b)]);
+      for (int b = 0; b < line.lanes; ++b) row(i)[b] = double(line.at(i, b));
     double sum[kBlurLanes] = {};
     const auto add = [&](const double* values, double sign) {
       for (int b = 0; b < kBlurLanes; ++b) sum[b] += sign * values[b];
@@ -67,7 +76,7 @@ void blur_lines(float* first, int n, std::size_t stride, int lanes, int r, std::
     for (int i = 0; i < std::min(r, n); ++i) add(row(i), 1);
     for (int i = 0; i < n; ++i) {
       if (i + r < n) add(row(i + r), 1);
-      for (int b = 0; b < lanes; ++b) first[std::size_t(i) * stride + std::size_t(b)] = float(sum[b] * scale);
+      for (int b = 0; b < line.lanes; ++b) line.at(i, b) = float(sum[b] * scale);
       if (i >= r) add(row(i - r), -1);
     }
   }
@@ -91,9 +100,9 @@ class LocalMeans {
     for (float& v : values_) v /= float(side_ * side_);
     std::vector<double> scratch;
     const std::size_t line = std::size_t(w_) * N;
-    for (int y = 0; y < h_; ++y) blur_lines(&values_[std::size_t(y) * line], w_, N, N, r_, scratch);
+    for (int y = 0; y < h_; ++y) ngs::blur({&values_[std::size_t(y) * line], w_, N, N}, r_, scratch);
     for (std::size_t x = 0; x < line; x += kBlurLanes)
-      blur_lines(&values_[x], h_, line, int(std::min<std::size_t>(kBlurLanes, line - x)), r_, scratch);
+      ngs::blur({&values_[x], h_, line, int(std::min<std::size_t>(kBlurLanes, line - x))}, r_, scratch);
   }
 
  private:
@@ -175,7 +184,7 @@ std::vector<std::array<float, 3>> colours_of(const Window& win, const ImageF& ph
   return colour;
 }
 
-/// The pixels of the window that the walk asks about; what lies further from the contour has no part in it.
+/// The pixels of the window that the random walks ask about; what lies further from the contour has no part in it.
 struct Sides {
   std::vector<std::uint8_t> inside, outside;  // known, and their colours learned from
   std::vector<std::uint8_t> free;             // in the band
@@ -183,19 +192,26 @@ struct Sides {
   bool any(std::size_t p) const { return inside[p] || outside[p] || free[p]; }
 };
 
-/// 3x3 binomial mean where it is asked for: single pixels of a photo are noisy.
+/// 3x3 binomial mean.
+std::array<float, 3> smoothed(const Window& win, const std::vector<std::array<float, 3>>& in, int x, int y) {
+  std::array<float, 3> out;
+  for (std::size_t c = 0; c < 3; ++c) {
+    float sum = 0;
+    for (int j = -1; j <= 1; ++j)
+      for (int i = -1; i <= 1; ++i)
+        sum += float((2 - std::abs(i)) * (2 - std::abs(j))) *
+               in[win.at(std::clamp(x + i, 0, win.w - 1), std::clamp(y + j, 0, win.h - 1))][c];
+    out[c] = sum / 16;
+  }
+  return out;
+}
+
+/// The colours where they are asked for, smoothed: single pixels of a photo are noisy.
 std::vector<std::array<float, 3>> smoothed(const Window& win, const std::vector<std::array<float, 3>>& in, const Sides& sides) {
   std::vector<std::array<float, 3>> out(in.size());
   for (int y = 0; y < win.h; ++y)
     for (int x = 0; x < win.w; ++x)
-      for (std::size_t c = 0; c < 3 && sides.any(win.at(x, y)); ++c) {
-        float sum = 0;
-        for (int j = -1; j <= 1; ++j)
-          for (int i = -1; i <= 1; ++i)
-            sum += float((2 - std::abs(i)) * (2 - std::abs(j))) *
-                   in[win.at(std::clamp(x + i, 0, win.w - 1), std::clamp(y + j, 0, win.h - 1))][c];
-        out[win.at(x, y)][c] = sum / 16;
-      }
+      if (sides.any(win.at(x, y))) out[win.at(x, y)] = smoothed(win, in, x, y);
   return out;
 }
 
@@ -254,50 +270,64 @@ ColourEvidence weigh_colours(const Window& win, const ColourModels& models, cons
   return out;
 }
 
-/// What the walk is about: which pixels are free, and what pulls at each.
-struct Walk {
+/// The linear system of the random walks: which pixels are free, and what pulls at each.
+struct WalkSystem {
   Window win;
   std::vector<float> given;         // the mask, 0 or 1
   std::vector<std::int32_t> index;  // row of the system; -1: fixed
   std::vector<double> diagonal, right;
 };
 
-std::vector<double> solve(Walk& walk, const std::vector<std::array<float, 3>>& colour) {
-  const double m = std::max(mean_squared_step(walk.win, colour), 1e-12);
-  const int n = int(walk.diagonal.size());
-  Eigen::SparseMatrix<double, Eigen::RowMajor> matrix(n, n);
-  matrix.reserve(std::ptrdiff_t(n) * 9);  // so that entries stay where they are
-  // In the order of the rows and, within one, of their columns: as the matrix is stored.
-  for (int y = 0; y < walk.win.h; ++y)
-    for (int x = 0; x < walk.win.w; ++x) {
-      const std::size_t p = walk.win.at(x, y);
-      const int row = walk.index[p];
-      if (row < 0) continue;
-      double& diagonal = walk.diagonal[std::size_t(row)];
-      double* own = nullptr;  // the diagonal's entry
-      matrix.startVec(row);
-      for (int v = std::max(y - 1, 0); v <= std::min(y + 1, walk.win.h - 1); ++v)
-        for (int u = std::max(x - 1, 0); u <= std::min(x + 1, walk.win.w - 1); ++u) {
-          const std::size_t q = walk.win.at(u, v);
-          if (q == p) {
-            own = &matrix.insertBack(row, row);
-            continue;
-          }
-          const double apart_px = u != x && v != y ? std::numbers::sqrt2 : 1;
-          const double w = (std::exp(-squared_difference(colour[p], colour[q]) / m) + kLeastWeight) / apart_px;
-          diagonal += w;
-          if (walk.index[q] >= 0)
-            matrix.insertBack(row, walk.index[q]) = -w;
-          else
-            walk.right[std::size_t(row)] += w * double(walk.given[q]);
-        }
-      *own = diagonal;
+using WalkMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+/// Edge weights of one walk between neighbours of these colours.
+struct EdgeWeights {
+  const std::vector<std::array<float, 3>>& colour;
+  double mean_square;  // of the difference of neighbours
+  double operator()(std::size_t p, std::size_t q, bool diagonal) const {
+    const double apart_px = diagonal ? std::numbers::sqrt2 : 1;
+    return (std::exp(-squared_difference(colour[p], colour[q]) / mean_square) + kLeastWeight) / apart_px;
+  }
+};
+
+/// The row of pixel (x, y), in the order of its columns: as the matrix is stored.
+void add_row(WalkSystem& system, const EdgeWeights& weight, int x, int y, WalkMatrix& matrix) {
+  const Window& win = system.win;
+  const std::size_t p = win.at(x, y);
+  const int row = system.index[p];
+  double& diagonal = system.diagonal[std::size_t(row)];
+  double* own = nullptr;  // the diagonal's entry
+  matrix.startVec(row);
+  for (int v = std::max(y - 1, 0); v <= std::min(y + 1, win.h - 1); ++v)
+    for (int u = std::max(x - 1, 0); u <= std::min(x + 1, win.w - 1); ++u) {
+      const std::size_t q = win.at(u, v);
+      if (q == p) {
+        own = &matrix.insertBack(row, row);
+        continue;
+      }
+      const double w = weight(p, q, u != x && v != y);
+      diagonal += w;
+      if (system.index[q] >= 0)
+        matrix.insertBack(row, system.index[q]) = -w;
+      else
+        system.right[std::size_t(row)] += w * double(system.given[q]);
     }
+  *own = diagonal;
+}
+
+std::vector<double> solve(WalkSystem& system, const std::vector<std::array<float, 3>>& colour) {
+  const Window& win = system.win;
+  const EdgeWeights weight{colour, std::max(mean_squared_step(win, colour), 1e-12)};
+  const int n = int(system.diagonal.size());
+  WalkMatrix matrix(n, n);
+  matrix.reserve(std::ptrdiff_t(n) * 9);  // so that entries stay where they are
+  for (int y = 0; y < win.h; ++y)
+    for (int x = 0; x < win.w; ++x)
+      if (system.index[win.at(x, y)] >= 0) add_row(system, weight, x, y, matrix);
   matrix.finalize();
-  Eigen::ConjugateGradient<Eigen::SparseMatrix<double, Eigen::RowMajor>, Eigen::Lower | Eigen::Upper> cg(
-      matrix);
+  Eigen::ConjugateGradient<WalkMatrix, Eigen::Lower | Eigen::Upper> cg(matrix);
   cg.setTolerance(1e-6);
-  const Eigen::Map<const Eigen::VectorXd> b(walk.right.data(), n);
+  const Eigen::Map<const Eigen::VectorXd> b(system.right.data(), n);
   const Eigen::VectorXd x = cg.solve(b);
   return {x.data(), x.data() + n};
 }
@@ -310,19 +340,19 @@ std::vector<float> refine_contour(const ContourRefineOptions& options, MaskPlane
   std::vector<float> out(std::size_t(mask.pixels()));
   for (std::size_t p = 0; p < out.size(); ++p) out[p] = mask.data[p] ? 1.f : 0.f;
   const std::vector<float> distance = signed_distance(mask);
-  Walk walk;
-  walk.win = window_of(distance, mask, options.reach_px);
-  const Window& win = walk.win;
+  WalkSystem system;
+  system.win = window_of(distance, mask, options.reach_px);
+  const Window& win = system.win;
   if (win.pixels() == 0) return out;
   const auto colour = colours_of(win, photo);
   Sides sides(win.pixels());
   std::vector<float> d(win.pixels());
-  walk.given.resize(win.pixels()), walk.index.assign(win.pixels(), -1);
+  system.given.resize(win.pixels()), system.index.assign(win.pixels(), -1);
   for (int y = 0; y < win.h; ++y)
     for (int x = 0; x < win.w; ++x) {
       const std::size_t p = win.at(x, y);
       const std::size_t full = std::size_t(win.y0 + y) * std::size_t(mask.width_px) + std::size_t(win.x0 + x);
-      d[p] = distance[full], walk.given[p] = out[full];
+      d[p] = distance[full], system.given[p] = out[full];
       const double depth = std::abs(double(d[p]));
       const bool usable = depth > kColourGap_px && depth < options.reach_px;
       sides.inside[p] = usable && d[p] > 0, sides.outside[p] = usable && d[p] < 0, sides.free[p] = depth <= options.band_px;
@@ -333,18 +363,18 @@ std::vector<float> refine_contour(const ContourRefineOptions& options, MaskPlane
   const ColourEvidence evidence = weigh_colours(win, {object, rest, smooth}, sides, r);
   for (std::size_t p = 0; p < win.pixels(); ++p) {
     if (!sides.free[p]) continue;
-    walk.index[p] = int(walk.diagonal.size());
+    system.index[p] = int(system.diagonal.size());
     const double trust = double(evidence.trust[p]), doubt = 1 - trust;
     const double colour_weight = options.colour_weight * trust,
                  shape_weight = options.shape_weight + options.ambiguity_weight * doubt * doubt;
-    walk.diagonal.push_back(shape_weight + colour_weight);
-    walk.right.push_back(shape_weight * sigmoid(double(d[p]) / kShapeWidth_px) +
+    system.diagonal.push_back(shape_weight + colour_weight);
+    system.right.push_back(shape_weight * sigmoid(double(d[p]) / kShapeWidth_px) +
                          colour_weight * double(evidence.object[p]));
   }
-  const std::vector<double> x = solve(walk, colour);
+  const std::vector<double> x = solve(system, colour);
   for (int wy = 0; wy < win.h; ++wy)
     for (int wx = 0; wx < win.w; ++wx) {
-      const std::int32_t row = walk.index[win.at(wx, wy)];
+      const std::int32_t row = system.index[win.at(wx, wy)];
       if (row < 0) continue;
       out[std::size_t(win.y0 + wy) * std::size_t(mask.width_px) + std::size_t(win.x0 + wx)] =
           float(std::clamp(x[std::size_t(row)], 0.0, 1.0));

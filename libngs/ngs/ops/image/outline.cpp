@@ -8,7 +8,7 @@ namespace {
 enum Heading { kRight, kDown, kLeft, kUp };
 constexpr std::array<int, 4> kStepX = {1, 0, -1, 0}, kStepY = {0, 1, 0, -1};
 
-struct Walker {
+struct ContourTracer {
   MaskPlane mask;
   std::vector<std::uint8_t>& seen;  // [H·W] the top edge of this pixel was refined
 
@@ -25,7 +25,7 @@ struct Walker {
     return object(x - (h == kDown || h == kLeft), y - (h == kLeft || h == kUp));
   }
 
-  Loop walk(int start_x, int start_y) {
+  Loop trace(int start_x, int start_y) {
     Loop loop;
     int x = start_x, y = start_y;
     Heading heading = kRight;
@@ -48,13 +48,13 @@ struct Walker {
 
 std::vector<Loop> outlines(MaskPlane mask) {
   std::vector<std::uint8_t> seen(std::size_t(mask.pixels()), 0);
-  Walker walker{mask, seen};
+  ContourTracer tracer{mask, seen};
   std::vector<Loop> loops;
   for (int y = 0; y < mask.height_px; ++y)
     for (int x = 0; x < mask.width_px; ++x)
-      if (walker.object(x, y) && !walker.object(x, y - 1) &&
+      if (tracer.object(x, y) && !tracer.object(x, y - 1) &&
           !seen[std::size_t(y) * std::size_t(mask.width_px) + std::size_t(x)])
-        loops.push_back(walker.walk(x, y));
+        loops.push_back(tracer.trace(x, y));
   return loops;
 }
 

@@ -57,6 +57,7 @@ AlignLoss loss_align(const Exec& exec, const AlignOptions& options, const AlignI
   const auto nodes = std::size_t(in.grid.nodes());
   context.colour_residual.resize(nodes * 3), context.alpha_residual.resize(nodes);
   context.patch_mean.resize(nodes * 3), context.patch_share.resize(nodes);
+  context.nodes = 0;
   if (nodes == 0) return loss;
   std::vector<float> term(nodes * 3);
   const AlignForward<float> kernel{view_of(options, in), nodes_of(context), term.data()};
@@ -69,32 +70,31 @@ AlignLoss loss_align(const Exec& exec, const AlignOptions& options, const AlignI
         loss.variance += double(term[r * 3 + 2]);
     loss.nodes += in.active == nullptr || (*in.active)[r] != 0;
   }
+  context.nodes = loss.nodes;
   if (loss.nodes == 0) return loss;
   for (double* part : {&loss.colour, &loss.alpha, &loss.variance}) *part /= double(loss.nodes);
   loss.total = loss.colour + options.weight_alpha * loss.alpha + options.weight_variance * loss.variance;
   return loss;
 }
 
-void loss_align_backward(const Exec& exec, const AlignOptions& options, const AlignInputs& in,
-                         const AlignLoss& loss, AlignContext& context, double weight,
-                         AlignFieldGradients& field, ImageF& grad_colour_accumulate,
-                         ImageF& grad_alpha_accumulate) {
+void loss_align_backward(const Exec& exec, const AlignOptions& options, const AlignInputs& in, AlignContext& context,
+                         const AlignGradients& out) {
   const std::int64_t nodes = in.grid.nodes();
-  field.colour.assign(std::size_t(nodes) * 3, 0.f), field.alpha.assign(std::size_t(nodes), 0.f);
-  if (loss.nodes == 0) return;
-  NGS_CHECK(grad_colour_accumulate.data.size() == in.colour->data.size() &&
-                grad_alpha_accumulate.data.size() == in.alpha->data.size(),
+  out.field.colour.assign(std::size_t(nodes) * 3, 0.f), out.field.alpha.assign(std::size_t(nodes), 0.f);
+  if (context.nodes == 0) return;
+  NGS_CHECK(out.colour_accumulate.data.size() == in.colour->data.size() &&
+                out.alpha_accumulate.data.size() == in.alpha->data.size(),
             "gradients have the shape of the images");
-  const float scale = float(weight / double(loss.nodes));
-  const AlignBackwardField<float> to_field{nodes_of(context), float(options.weight_alpha), scale, field.colour.data(),
-                                           field.alpha.data()};
+  const float scale = float(out.weight / double(context.nodes));
+  const AlignBackwardField<float> to_field{nodes_of(context), float(options.weight_alpha), scale,
+                                           out.field.colour.data(), out.field.alpha.data()};
   const PixelGrid& g = in.grid;
   const Span x = pixels_read(g.x(0), g.x(g.cols - 1), in.colour->width_px);
   const Span y = pixels_read(g.y(0), g.y(g.rows - 1), in.colour->height_px);
   const int width = x.end - x.begin;
   const std::int64_t rect_pixels = std::int64_t(width) * (y.end - y.begin);
   const AlignBackwardImage<float> to_image{view_of(options, in), nodes_of(context), scale, x.begin, y.begin, width,
-                                           grad_colour_accumulate.data.data(), grad_alpha_accumulate.data.data()};
+                                           out.colour_accumulate.data.data(), out.alpha_accumulate.data.data()};
   if (exec.device_ops) return exec.device_ops->loss.align_backward(to_field, to_image, rect_pixels);
   for_each_index(exec, nodes, to_field);
   for_each_index(exec, rect_pixels, to_image);

@@ -34,7 +34,9 @@ struct AlignLoss {
   std::int64_t nodes = 0;
 };
 
+/// What backward needs of the forward pass.
 struct AlignContext {
+  std::int64_t nodes = 0;  // active ones
   std::vector<float> colour_residual, alpha_residual, patch_mean, patch_share;
 };
 
@@ -45,10 +47,14 @@ struct AlignFieldGradients {
   std::vector<float> colour, alpha;  // [R, 3], [R]
 };
 
-/// `weight` · ∂total: overwrites `field`, adds to the images (shaped like the rendered ones).
-void loss_align_backward(const Exec& exec, const AlignOptions& options, const AlignInputs& in,
-                         const AlignLoss& loss, AlignContext& context, double weight,
-                         AlignFieldGradients& field, ImageF& grad_colour_accumulate,
-                         ImageF& grad_alpha_accumulate);
+/// Where `weight` · ∂total goes.
+struct AlignGradients {
+  double weight;
+  AlignFieldGradients& field;                // overwritten
+  ImageF &colour_accumulate, &alpha_accumulate;  // of the rendered images, and shaped like them
+};
+
+void loss_align_backward(const Exec& exec, const AlignOptions& options, const AlignInputs& in, AlignContext& context,
+                         const AlignGradients& out);
 
 }  // namespace ngs

@@ -160,8 +160,8 @@ struct AlignBackwardImage {
     const int x = x0 + int(i % rect_width), y = y0 + int(i / rect_width);
     const int width = in.colour.width, height = in.colour.height;
     constexpr double kReachPx = kPatchRadiusPx + 1.0;
-    const NodeRange cols = nodes_near(in.grid.first_x, in.grid.step_x, in.grid.cols, width, x, kReachPx);
-    const NodeRange rows = nodes_near(in.grid.first_y, in.grid.step_y, in.grid.rows, height, y, kReachPx);
+    const NodeRange cols = nodes_near({in.grid.first_x, in.grid.step_x, in.grid.cols}, width, x, kReachPx);
+    const NodeRange rows = nodes_near({in.grid.first_y, in.grid.step_y, in.grid.rows}, height, y, kReachPx);
     const Vec3<T> here = vec3(in.colour.at(x, y, 3));
     Vec3<T> colour{T(0), T(0), T(0)};
     T alpha = T(0);

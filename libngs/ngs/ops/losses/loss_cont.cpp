@@ -7,14 +7,15 @@
 
 namespace ngs {
 
-double loss_cont(const Exec& exec, const KnnGraph& graph, Rows<const float, 3> colour,
-                 const std::vector<float>& weight, double scale, std::vector<float>* gradient) {
+double loss_cont(const Exec& exec, const ContinuityInputs& in, double scale, std::vector<float>* gradient) {
+  const KnnGraph& graph = in.graph;
+  const Rows<const float, 3> colour = in.colour;
   if (gradient) gradient->assign(std::size_t(colour.n) * 3, 0.f);
   if (graph.neighbours == 0) return 0;
   NGS_CHECK(graph.queries() == colour.n && graph.points == colour.n, "the graph is of other points");
-  NGS_CHECK(weight.empty() || weight.size() == graph.index.size(), "one weight per edge, or none");
+  NGS_CHECK(in.weight.empty() || in.weight.size() == graph.index.size(), "one weight per edge, or none");
   const ContinuityGraph<float> view{graph.indices(), graph.row_begin.data(), graph.edge.data(),
-                                    weight.empty() ? nullptr : weight.data(), colour};
+                                    in.weight.empty() ? nullptr : in.weight.data(), colour};
   std::vector<float> term(std::size_t(colour.n));
   const ContinuityForward<float> forward{view, term.data()};
   const ContinuityBackward<float> backward{

@@ -12,8 +12,13 @@
 
 namespace ngs {
 
-/// `colour` [B, 3]; `weight` [B, K] or empty. `gradient`: null, or scale · ∂L/∂colour [B, 3], overwritten.
-double loss_cont(const Exec& exec, const KnnGraph& graph, Rows<const float, 3> colour,
-                 const std::vector<float>& weight, double scale, std::vector<float>* gradient);
+struct ContinuityInputs {
+  const KnnGraph& graph;
+  Rows<const float, 3> colour;     // [B, 3]
+  std::vector<float> weight = {};  // [B, K] or empty
+};
+
+/// `gradient`: null, or scale · ∂L/∂colour [B, 3], overwritten.
+double loss_cont(const Exec& exec, const ContinuityInputs& in, double scale, std::vector<float>* gradient);
 
 }  // namespace ngs

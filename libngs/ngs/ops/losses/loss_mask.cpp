@@ -9,12 +9,12 @@
 
 namespace ngs {
 
-ImageF density_weights(const Exec& exec, int width_px, int height_px, const PixelGrid& grid,
-                       const PixelBox& box, const std::vector<float>& optical_depth) {
-  NGS_CHECK(std::int64_t(optical_depth.size()) == grid.nodes(), "one optical depth per node");
+ImageF density_weights(const Exec& exec, int width_px, int height_px, const FieldDensity& field) {
+  const PixelBox& box = field.box;
+  NGS_CHECK(std::int64_t(field.optical_depth.size()) == field.grid.nodes(), "one optical depth per node");
   ImageF weight(width_px, height_px, 1);
-  const DensityWeight kernel{grid,     box.min_x,            box.min_y,         box.max_x, box.max_y,
-                             width_px, optical_depth.data(), weight.data.data()};
+  const DensityWeight kernel{field.grid, box.min_x, box.min_y, box.max_x, box.max_y,
+                             width_px,   field.optical_depth.data(), weight.data.data()};
   if (exec.device_ops)
     exec.device_ops->loss.density_weight(kernel, weight.pixels());
   else

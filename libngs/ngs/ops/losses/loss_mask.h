@@ -22,9 +22,15 @@ struct MaskLossOptions {
   double lambda = 1;  // linear form: weight of pixels outside the object
 };
 
-/// s_p for every pixel. `optical_depth`: one value per node, VolumeOutput::optical_depth.
-ImageF density_weights(const Exec& exec, int width_px, int height_px, const PixelGrid& grid,
-                       const PixelBox& box, const std::vector<float>& optical_depth);
+/// How dense the field is at the nodes of a view's grid.
+struct FieldDensity {
+  PixelGrid grid;
+  PixelBox box;                             // outside of it the weight is 0.5
+  const std::vector<float>& optical_depth;  // one value per node, VolumeOutput::optical_depth
+};
+
+/// s_p for every pixel.
+ImageF density_weights(const Exec& exec, int width_px, int height_px, const FieldDensity& field);
 
 struct MaskLossInputs {
   const ImageF* rendered = nullptr;      // [H, W, K] RenderedView::label

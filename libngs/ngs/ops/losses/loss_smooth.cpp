@@ -21,8 +21,9 @@ std::vector<float> jittered_points(const Exec& exec, Rows<const float, 3> points
   return moved;
 }
 
-double loss_smooth_backward(const Exec& exec, const SmoothnessScale& scale, const std::vector<float>& colour,
-                            const std::vector<float>& moved_colour, double weight, SmoothnessGradients& out) {
+double loss_smooth_backward(const Exec& exec, const SmoothnessScale& scale, const SmoothnessInputs& in, double weight,
+                            SmoothnessGradients& out) {
+  const auto& [colour, moved_colour] = in;
   NGS_CHECK(colour.size() == moved_colour.size(), "one moved colour per colour");
   const std::int64_t n = std::int64_t(colour.size() / 3);
   out.colour.resize(colour.size()), out.moved_colour.resize(colour.size());

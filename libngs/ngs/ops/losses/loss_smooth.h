@@ -23,12 +23,17 @@ struct SmoothnessScale {
 std::vector<float> jittered_points(const Exec& exec, Rows<const float, 3> points, std::uint64_t seed,
                                    std::uint64_t first_index, double jitter_length);
 
+/// Colours of the field at the points and at the jittered ones, [N, 3] each.
+struct SmoothnessInputs {
+  const std::vector<float>&colour, &moved_colour;
+};
+
 struct SmoothnessGradients {
   std::vector<float> colour, moved_colour;  // [N, 3]
 };
 
-/// The loss; `out` is overwritten with weight · its gradients with respect to both sets of colours [N, 3].
-double loss_smooth_backward(const Exec& exec, const SmoothnessScale& scale, const std::vector<float>& colour,
-                            const std::vector<float>& moved_colour, double weight, SmoothnessGradients& out);
+/// The loss; `out` is overwritten with weight · its gradients.
+double loss_smooth_backward(const Exec& exec, const SmoothnessScale& scale, const SmoothnessInputs& in, double weight,
+                            SmoothnessGradients& out);
 
 }  // namespace ngs

@@ -36,12 +36,17 @@ template <class T, class Acc = double>
 class PhotometricPass {
  public:
   struct Value { Acc total, l1, ssim; };
+  struct Images {
+    const Image<T>&rendered, &target;
+    const ImageF* weight = nullptr;  // [H, W, 1], >= 0; null: 1
+  };
 
-  /// `weight` ([H, W, 1], >= 0) and `gradient` (overwritten, shaped like `rendered`) may be null.
-  Value evaluate(const Exec& exec, const PhotometricOptions& options, const Image<T>& rendered,
-                 const Image<T>& target, const ImageF* weight, Image<T>* gradient);
+  /// `gradient` (overwritten, shaped like `rendered`) may be null.
+  Value evaluate(const Exec& exec, const PhotometricOptions& options, const Images& in, Image<T>* gradient);
 
  private:
+  Value compare(const Exec& exec, const ssim::Comparison<T>& c, double dssim_weight, double norm);
+
   std::vector<T> partials_;  // ∂L/∂(blurred moments), of the largest image so far
   std::vector<Acc> sums_;    // per piece of work
 };

@@ -7,7 +7,7 @@ template class PhotometricPass<double, double>;
 
 PhotometricLoss photometric_loss(const Exec& exec, const PhotometricOptions& options, const ImageF& rendered,
                                  const ImageF& target) {
-  const auto value = PhotometricPass<float>().evaluate(exec, options, rendered, target, nullptr, nullptr);
+  const auto value = PhotometricPass<float>().evaluate(exec, options, {rendered, target}, nullptr);
   return {value.total, value.l1, value.ssim};
 }
 

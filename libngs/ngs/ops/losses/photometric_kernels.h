@@ -60,6 +60,16 @@ struct PixelWeights {
   }
 };
 
+/// What is compared, and the factors of |x - y| and of S in the loss.
+template <class T>
+struct Comparison {
+  Layout layout;
+  Crop<const T> x, y;
+  PixelWeights weights;
+  double ssim_factor, l1_factor;
+  Crop<T> gradient;  // out; null: not wanted
+};
+
 /// One pass of the window: at(k) is the value k places from the middle.
 template <class L, class T, class At>
 NGS_HD L blurred(const Window<T>& window, const At& at) {

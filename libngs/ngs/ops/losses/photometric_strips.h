@@ -111,12 +111,12 @@ void blur_band(const Layout& layout, const Window<T>& window, const StripBand& b
   }
 }
 
-/// The values of row y of a crop in and beside a strip, zero outside of the crop.
+/// Values [begin, end) of a row of `width`, zero outside of it.
 template <class T>
-void copy_row(const Crop<const T>& image, std::int64_t width, int y, std::int64_t begin, std::int64_t end, T* out) {
+void copy_row(const T* row, std::int64_t width, std::int64_t begin, std::int64_t end, T* out) {
   const std::int64_t first = std::max<std::int64_t>(begin, 0), last = std::min(end, width);
   std::fill(out, out + (first - begin), T(0));
-  std::copy(image.row(y) + first, image.row(y) + last, out + (first - begin));
+  std::copy(row + first, row + last, out + (first - begin));
   std::fill(out + (last - begin), out + (end - begin), T(0));
 }
 
@@ -125,8 +125,8 @@ template <class T>
 struct StripRow {
   alignas(64) T x[kStrip], y[kStrip];
   void load(const Crop<const T>& a, const Crop<const T>& b, std::int64_t width, int row, const StripBand& band) {
-    copy_row(a, width, row, band.begin, band.begin + kStrip, x);
-    copy_row(b, width, row, band.begin, band.begin + kStrip, y);
+    copy_row(a.row(row), width, band.begin, band.begin + kStrip, x);
+    copy_row(b.row(row), width, band.begin, band.begin + kStrip, y);
   }
 };
 
@@ -184,8 +184,8 @@ struct BandLoss {
     const auto load = [&](int row) {
       if (row + kRowsAhead < layout.h)
         for (const Crop<const T>& image : {x, y}) prefetch_values(image.row(row + kRowsAhead) + band.begin, band.count);
-      copy_row(x, layout.width(), row, band.begin - layout.pad(), band.begin - layout.pad() + wide, a);
-      copy_row(y, layout.width(), row, band.begin - layout.pad(), band.begin - layout.pad() + wide, b);
+      copy_row(x.row(row), layout.width(), band.begin - layout.pad(), band.begin - layout.pad() + wide, a);
+      copy_row(y.row(row), layout.width(), band.begin - layout.pad(), band.begin - layout.pad() + wide, b);
       for (std::int64_t i = 0; i < wide; i += kLanes) {
         L in[2], out[kMoments];
         load_lanes(a + i, in[0]), load_lanes(b + i, in[1]);

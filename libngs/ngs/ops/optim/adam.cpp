@@ -35,15 +35,24 @@ std::int64_t find_unusable(const Exec& exec, std::span<const T> values, T limit)
   return -1;
 }
 
+[[noreturn]] void refuse_step(std::string_view name, std::int64_t index, double value, double limit) {
+  throw Error(ErrorCode::kNumeric,
+              std::string(name) + ": gradient " + std::to_string(index) + " is " + std::to_string(value) +
+                  ", expected a finite value below " + std::to_string(limit),
+              "lower the learning rate, or look for non-finite values in the inputs: ngs-scene check");
+}
+
 template <class T>
-void step_block(const Exec& exec, const AdamOptions& o, std::int64_t step, std::string_view name,
-                std::span<T> value, std::span<const T> grad, std::span<T> m, std::span<T> v) {
+void step_block(const Exec& exec, const AdamOptions& o, std::int64_t step, const AdamBlock<T>& block,
+                const AdamMomentSpans<T>& moments) {
+  const auto& [name, value, grad] = block;
+  const auto& [m, v] = moments;
   NGS_CHECK(value.size() == grad.size() && value.size() == m.size() && value.size() == v.size(),
             "adam_step: value, grad, m and v must have one length");
   NGS_CHECK(step >= 1, "adam_step: the first step is 1");
   const T limit = adam_limit<T>();
   const auto require_usable = [&](std::int64_t bad) {
-    if (bad >= 0) refuse_step(name, bad, double(grad[std::size_t(bad)]), double(limit));
+    if (bad >= 0) refuse_step(block.name, bad, double(block.grad[std::size_t(bad)]), double(limit));
   };
   const double bias1 = adam_bias(o.beta1, step), bias2 = adam_bias(o.beta2, step);
   const std::int64_t n = std::int64_t(value.size());
@@ -62,23 +71,16 @@ void step_block(const Exec& exec, const AdamOptions& o, std::int64_t step, std::
 
 }  // namespace
 
-void refuse_step(std::string_view name, std::int64_t index, double value, double limit) {
-  throw Error(ErrorCode::kNumeric,
-              std::string(name) + ": gradient " + std::to_string(index) + " is " + std::to_string(value) +
-                  ", expected a finite value below " + std::to_string(limit),
-              "lower the learning rate, or look for non-finite values in the inputs: ngs-scene check");
+void adam_step(const Exec& exec, const AdamOptions& options, std::int64_t step, const AdamBlock<float>& block,
+               AdamMoments& moments) {
+  if (moments.m.empty()) moments.m.assign(block.value.size(), 0.f);
+  if (moments.v.empty()) moments.v.assign(block.value.size(), 0.f);
+  step_block<float>(exec, options, step, block, {moments.m, moments.v});
 }
 
-void adam_step(const Exec& exec, const AdamOptions& options, std::int64_t step, std::string_view name,
-               std::span<float> value, std::span<const float> grad, AdamMoments& moments) {
-  if (moments.m.empty()) moments.m.assign(value.size(), 0.f);
-  if (moments.v.empty()) moments.v.assign(value.size(), 0.f);
-  step_block<float>(exec, options, step, name, value, grad, moments.m, moments.v);
-}
-
-void adam_step(const Exec& exec, const AdamOptions& options, std::int64_t step, std::string_view name,
-               std::span<double> value, std::span<const double> grad, std::span<double> m, std::span<double> v) {
-  step_block<double>(exec, options, step, name, value, grad, m, v);
+void adam_step(const Exec& exec, const AdamOptions& options, std::int64_t step, const AdamBlock<double>& block,
+               const AdamMomentSpans<double>& moments) {
+  step_block<double>(exec, options, step, block, moments);
 }
 
 std::int64_t first_unusable(const Exec& exec, std::span<const float> values, float limit) {

@@ -19,20 +19,30 @@ struct AdamOptions {
   int sparse_columns = 0;  // > 0: rows of this many values with an all-zero gradient are skipped entirely
 };
 
+/// What one step changes, and by what.
+template <class T>
+struct AdamBlock {
+  std::string_view name;  // for the error
+  std::span<T> value;
+  std::span<const T> grad;  // as many
+};
+
 /// Moments of one block; empty means zero. Both have the block's length once stepped.
 struct AdamMoments {
   std::vector<float> m, v;
 };
+/// Moments that the caller keeps, of the block's length.
+template <class T>
+struct AdamMomentSpans {
+  std::span<T> m, v;
+};
 
-/// Step number `step` (the first is 1) of `value` against `grad` (same length). `name` goes into the error.
-void adam_step(const Exec& exec, const AdamOptions& options, std::int64_t step, std::string_view name,
-               std::span<float> value, std::span<const float> grad, AdamMoments& moments);
-/// The same in double, for tests and small problems. `m`, `v`: same length as `value`.
-void adam_step(const Exec& exec, const AdamOptions& options, std::int64_t step, std::string_view name,
-               std::span<double> value, std::span<const double> grad, std::span<double> m, std::span<double> v);
-
-/// The error of adam_step.
-[[noreturn]] void refuse_step(std::string_view name, std::int64_t index, double value, double limit);
+/// Step number `step` (the first is 1) of a block.
+void adam_step(const Exec& exec, const AdamOptions& options, std::int64_t step, const AdamBlock<float>& block,
+               AdamMoments& moments);
+/// The same in double, for tests and small problems.
+void adam_step(const Exec& exec, const AdamOptions& options, std::int64_t step, const AdamBlock<double>& block,
+               const AdamMomentSpans<double>& moments);
 
 /// Index of the first value that is NaN, infinite or larger in magnitude than `limit`; -1 if none.
 std::int64_t first_unusable(const Exec& exec, std::span<const float> values, float limit);

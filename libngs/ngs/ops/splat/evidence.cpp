@@ -14,10 +14,10 @@ namespace {
 /// The pairs of one view with what each draws, [pairs, 2 + 2K].
 class ViewPairs {
  public:
-  ViewPairs(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options,
-            const ViewMasks& masks)
-      : binned_(exec, cloud_view(cloud, 0, nullptr), relative_camera(camera, cloud), options),
-        columns_(2 + 2 * masks.target.size()) {
+  ViewPairs(const Exec& exec, const GaussianCloud& cloud, const MaskedView& of, const SplatOptions& options)
+      : binned_(exec, cloud_view(cloud, 0, nullptr), relative_camera(of.camera, cloud), options),
+        columns_(2 + 2 * of.masks.target.size()) {
+    const ViewMasks& masks = of.masks;
     const int objects = int(masks.target.size());
     std::vector<float>& sums = binned_.sums(std::size_t(binned_.lists().pairs()) * columns_);
     const TileKernels<float> kernels = float_tile_kernels(exec.isa);
@@ -25,7 +25,7 @@ class ViewPairs {
     for (const std::vector<float>& t : masks.target) target.push_back(t.data());
     for_each_task(exec, binned_.lists().tiles(), [&](std::int64_t tile) {
       static thread_local TileScratch<float> scratch;
-      kernels.evidence({tile_work(binned_.view(), binned_.lists(), tile, camera, options.compat),
+      kernels.evidence({tile_work(binned_.view(), binned_.lists(), tile, of.camera, options.compat),
                         masks.known.empty() ? nullptr : masks.known.data(), target.data(), objects, sums.data(),
                         scratch.values(evidence_scratch(objects))});
     });
@@ -64,31 +64,31 @@ class ViewPairs {
 };
 
 /// [N, 2 + 2K] from the device, the same.
-std::vector<double> sums_on_device(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
-                                   const SplatOptions& options, const ViewMasks& masks) {
-  std::vector<double> sums =
-      exec.device_ops->splat.evidence(relative_camera(camera, cloud), options, cloud_view(cloud, 0, nullptr), masks);
-  const std::size_t columns = 2 + 2 * masks.target.size();
+std::vector<double> sums_on_device(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,
+                                   const SplatOptions& options) {
+  const ViewProjector<float> projector = view_projector<float>(relative_camera(view.camera, cloud), options);
+  std::vector<double> sums = exec.device_ops->splat.evidence(projector, cloud_view(cloud, 0, nullptr), view.masks);
+  const std::size_t columns = 2 + 2 * view.masks.target.size();
   for (std::size_t row = 0; row < sums.size(); row += columns)
     for (std::size_t c = 2; c < columns; c += 2) sums[row + c] = std::min(sums[row + c], sums[row]);
   return sums;
 }
 
-void require_size(const ViewMasks& masks, const Camera& camera) {
-  NGS_CHECK(masks.width_px == camera.width_px && masks.height_px == camera.height_px, "mask size");
+void require_size(const MaskedView& view) {
+  NGS_CHECK(view.masks.width_px == view.camera.width_px && view.masks.height_px == view.camera.height_px, "mask size");
 }
 
 }  // namespace
 
-ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options,
-                   const ViewMasks& masks, const std::vector<std::uint8_t>* of) {
-  ViewSums seen{int(masks.target.size()), {}, {}};
-  if (!masks.available) return seen;
-  require_size(masks, camera);
+ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view, const SplatOptions& options,
+                   const std::vector<std::uint8_t>* of) {
+  ViewSums seen{int(view.masks.target.size()), {}, {}};
+  if (!view.masks.available) return seen;
+  require_size(view);
   NGS_CHECK(of == nullptr || std::int64_t(of->size()) == cloud.size(), "one flag per Gaussian");
   const auto columns = std::size_t(seen.columns());
   if (exec.device_ops) {
-    const std::vector<double> sums = sums_on_device(exec, cloud, camera, options, masks);
+    const std::vector<double> sums = sums_on_device(exec, cloud, view, options);
     for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
       const double* sum = &sums[i * columns];
       const bool wanted = of == nullptr || (*of)[i];
@@ -96,7 +96,7 @@ ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const Camera& c
     }
     return seen;
   }
-  const ViewPairs pairs(exec, cloud, camera, options, masks);
+  const ViewPairs pairs(exec, cloud, view, options);
   std::vector<ViewSums> part(std::size_t(pairs.chunks()), ViewSums{seen.objects, {}, {}});
   for_each_task(exec, pairs.chunks(), [&](std::int64_t chunk) {
     pairs.for_each_seen(chunk, of, [&part = part[std::size_t(chunk)], columns](std::uint32_t gaussian, const double* sum) {
@@ -108,20 +108,21 @@ ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const Camera& c
   return seen;
 }
 
-void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
-                       const SplatOptions& options, const ViewMasks& masks, Evidence& evidence) {
+void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view, const SplatOptions& options,
+                       Evidence& evidence) {
+  const ViewMasks& masks = view.masks;
   if (!masks.available) return;
-  require_size(masks, camera);
+  require_size(view);
   NGS_CHECK(int(masks.target.size()) == evidence.objects && evidence.gaussians == cloud.size(), "evidence shape");
   const std::size_t columns = 2 + 2 * masks.target.size();
   if (exec.device_ops) {
-    const std::vector<double> sums = sums_on_device(exec, cloud, camera, options, masks);
+    const std::vector<double> sums = sums_on_device(exec, cloud, view, options);
     return for_each_index(exec, cloud.size(), [&](std::int64_t i) {
       const double* sum = &sums[std::size_t(i) * columns];
       if (sum[0] > 0) evidence.add(std::size_t(i), sum);
     });
   }
-  const ViewPairs pairs(exec, cloud, camera, options, masks);
+  const ViewPairs pairs(exec, cloud, view, options);
   for_each_task(exec, pairs.chunks(), [&](std::int64_t chunk) {
     pairs.for_each_seen(chunk, nullptr, [&](std::uint32_t gaussian, const double* sum) { evidence.add(gaussian, sum); });
   });

@@ -6,14 +6,20 @@
 
 namespace ngs {
 
-/// What one view says of the Gaussians that it sees, or of those `of` them [N] (1: wanted; null: all). `masks` at the
-/// camera's size; a view that is not available says nothing. A pixel's weights are those of rendering (occlusion
+/// A camera and the masks of its view, at its size.
+struct MaskedView {
+  const Camera& camera;
+  const ViewMasks& masks;
+};
+
+/// What one view says of the Gaussians that it sees, or of those `of` them [N] (1: wanted; null: all). A view whose
+/// masks are not available says nothing. A pixel's weights are those of rendering (occlusion
 /// included); pixels with masks.known == 0 are not counted.
-ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options,
-                   const ViewMasks& masks, const std::vector<std::uint8_t>* of = nullptr);
+ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view, const SplatOptions& options,
+                   const std::vector<std::uint8_t>* of = nullptr);
 
 /// Adds that to `evidence`, without keeping it.
-void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
-                       const SplatOptions& options, const ViewMasks& masks, Evidence& evidence);
+void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view, const SplatOptions& options,
+                       Evidence& evidence);
 
 }  // namespace ngs

@@ -169,7 +169,7 @@ void BlockProjector::opacity(std::int64_t block, const std::uint8_t* reaches, Bl
   std::memcpy(rows.opacity.of, &cloud_.opacity[base], sizeof rows.opacity.of);
   std::memcpy(rows.two_cut.of, &cloud_.two_cut[base], sizeof rows.two_cut.of);
   std::memcpy(rows.log2_opacity.of, &cloud_.log2_opacity[base], sizeof rows.log2_opacity.of);
-  if (!view_.antialiased) return;
+  if (!view_.camera.antialiased) return;
   for (int i = 0; i < kBlockRows; ++i) {
     if (!reaches[i]) continue;
     rows.opacity[i] *= std::sqrt(max2(rows.det_raw[i] / rows.det[i], float(kCompensationFloor2)));

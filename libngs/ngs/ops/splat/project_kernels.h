@@ -16,15 +16,24 @@ namespace ngs {
 ///   x_lo, x_hi, y_lo, y_hi    limits of x/z and y/z inside the Jacobian: 0.15 image sizes beyond the border
 ///   near_z       Gaussians with z <= near_z are culled            world
 ///   blur         variance of the low-pass filter added to the projected covariance        px^2
+///   antialiased  the opacity is multiplied by sqrt(det / det_blurred)
 template <class T>
 struct ProjectionCamera {
   Mat3<T> rotation;
   T f_x, f_y, c_x, c_y;
   T x_lo, x_hi, y_lo, y_hi;
   T near_z, blur;
+  bool antialiased;
 };
 
 inline constexpr double kCompensationFloor2 = 2.5e-5;  // of (det / blurred det): opacity factor >= 0.005
+
+/// A Gaussian's shape and opacity, as GaussianCloud has them.
+template <class T>
+struct GaussianShape {
+  const T *rotation, *log_scale;  // [4], [3]
+  T logit_opacity;
+};
 
 /// A projected Gaussian.
 ///   mean_x, mean_y      px
@@ -69,11 +78,10 @@ NGS_HD void gaussian_shape(const T* rotation, const T* log_scale, ProjectionCont
 /// The covariance is a Gram matrix V Vᵀ with V = J W R S, so it is never indefinite; its determinant is
 /// |v0 × v1|² (Lagrange), which keeps full accuracy for needles where ac - b² cancels.
 template <class T>
-NGS_HD ProjectedGaussian<T> project_gaussian(const ProjectionCamera<T>& camera, Vec3<T> t, const T* rotation,
-                                             const T* log_scale, T logit_opacity, bool antialiased,
+NGS_HD ProjectedGaussian<T> project_gaussian(const ProjectionCamera<T>& camera, Vec3<T> t, const GaussianShape<T>& shape,
                                              ProjectionContext<T>& ctx) {
   using std::sqrt;
-  gaussian_shape(rotation, log_scale, ctx);
+  gaussian_shape(shape.rotation, shape.log_scale, ctx);
 
   const T slope_x = t.x / t.z, slope_y = t.y / t.z;
   ctx.slope_x = clamp3(slope_x, camera.x_lo, camera.x_hi);
@@ -100,15 +108,15 @@ NGS_HD ProjectedGaussian<T> project_gaussian(const ProjectionCamera<T>& camera, 
   p.mean_x = camera.f_x * slope_x + camera.c_x;
   p.mean_y = camera.f_y * slope_y + camera.c_y;
 
-  ctx.logit_opacity = logit_opacity;
+  ctx.logit_opacity = shape.logit_opacity;
   ctx.compensation = T(1);
   ctx.compensation_floored = true;
-  if (antialiased) {
+  if (camera.antialiased) {
     const T ratio = ctx.det_raw / p.det;
     ctx.compensation_floored = ratio < T(kCompensationFloor2);
     ctx.compensation = sqrt(max2(ratio, T(kCompensationFloor2)));
   }
-  p.opacity = sigmoid(logit_opacity) * ctx.compensation;
+  p.opacity = sigmoid(shape.logit_opacity) * ctx.compensation;
   return p;
 }
 
@@ -134,7 +142,7 @@ struct GaussianGradient {
 template <class T>
 NGS_HD GaussianGradient<T> project_gaussian_backward(const ProjectionCamera<T>& camera, Vec3<T> t,
                                                      const ProjectedGaussian<T>& p, const ProjectionContext<T>& ctx,
-                                                     bool antialiased, const ProjectedGradient<T>& g) {
+                                                     const ProjectedGradient<T>& g) {
   const T half_b = g.conic_b / T(2);
   const T qa = p.conic_a, qb = p.conic_b, qc = p.conic_c;
   const T r00 = g.conic_a * qa + half_b * qb, r01 = g.conic_a * qb + half_b * qc;
@@ -143,7 +151,7 @@ NGS_HD GaussianGradient<T> project_gaussian_backward(const ProjectionCamera<T>& 
   const T grad_b = -T(2) * (qa * r01 + qb * r11);
 
   T grad_det_raw(0);
-  if (antialiased && !ctx.compensation_floored) {  // compensation² = det_raw / det
+  if (camera.antialiased && !ctx.compensation_floored) {  // compensation² = det_raw / det
     const T grad_ratio = g.log_opacity / (T(2) * ctx.compensation * ctx.compensation);
     const T grad_det = -grad_ratio * (ctx.det_raw / p.det) / p.det;
     grad_det_raw = grad_ratio / p.det + grad_det;
@@ -204,14 +212,26 @@ NGS_HD Vec3<T> sh_colour(int degree, Vec3<T> offset, const T* dc, const T* rest)
   return {rgb[0], rgb[1], rgb[2]};
 }
 
-/// Adjoint of sh_colour; channels clamped at 0 (rgb == 0) pass no gradient. Writes grad_dc [3] and
-/// grad_rest [n, 3]; returns ∂L/∂offset.
+/// What sh_colour gave, and ∂L/∂ of it.
 template <class T>
-NGS_HD Vec3<T> sh_colour_backward(int degree, Vec3<T> offset, const T* rest, Vec3<T> rgb, Vec3<T> grad_rgb,
-                                  T* grad_dc, T* grad_rest) {
+struct ColourAndGradient {
+  Vec3<T> rgb, grad;
+};
+/// ∂L/∂ of dc and rest.
+template <class T>
+struct ShGradient {
+  T dc[3], rest[45];
+};
+
+/// Adjoint of sh_colour; channels clamped at 0 (rgb == 0) pass no gradient. Writes out.dc and, of the bands above 0, n rows of
+/// out.rest; returns ∂L/∂offset.
+template <class T>
+NGS_HD Vec3<T> sh_colour_backward(int degree, Vec3<T> offset, const T* rest, const ColourAndGradient<T>& colour,
+                                  ShGradient<T>& out) {
   using std::sqrt;
-  const T g[3] = {rgb.x > T(0) ? grad_rgb.x : T(0), rgb.y > T(0) ? grad_rgb.y : T(0), rgb.z > T(0) ? grad_rgb.z : T(0)};
-  for (int c = 0; c < 3; ++c) grad_dc[c] = T(kShC0) * g[c];
+  const auto& [rgb, grad] = colour;
+  const T g[3] = {rgb.x > T(0) ? grad.x : T(0), rgb.y > T(0) ? grad.y : T(0), rgb.z > T(0) ? grad.z : T(0)};
+  for (int c = 0; c < 3; ++c) out.dc[c] = T(kShC0) * g[c];
   const T length2 = dot(offset, offset);
   if (degree < 1 || !(length2 > T(0))) return {T(0), T(0), T(0)};
   const T inv = T(1) / sqrt(length2);
@@ -222,7 +242,7 @@ NGS_HD Vec3<T> sh_colour_backward(int degree, Vec3<T> offset, const T* rest, Vec
     grad_basis[k] = T(0);
     for (int c = 0; c < 3; ++c) {
       grad_basis[k] += rest[k * 3 + c] * g[c];
-      grad_rest[k * 3 + c] = basis[k] * g[c];
+      out.rest[k * 3 + c] = basis[k] * g[c];
     }
   }
   const Vec3<T> grad_d = sh_rest_basis_backward(degree, d, grad_basis);

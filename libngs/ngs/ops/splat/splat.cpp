@@ -9,28 +9,27 @@
 namespace ngs {
 namespace {
 
-ChannelRequest<float> channel_request(const RenderRequest& request) {
-  const Vec3<float> b = request.background;
-  return {request.colour, request.depth, request.label, b};
+ChannelPlan<float> channel_plan(const RenderRequest& request) {
+  return {request.colour, request.depth, request.label, request.background};
 }
 
 /// Planes of the images of a view in channel order; `alpha` last. F maps an image to its data pointer (or null).
 template <class T, class View>
-std::vector<Plane<T>> planes(const ChannelRequest<float>& request, View& view) {
+std::vector<Plane<T>> planes(const ChannelPlan<float>& plan, View& view) {
   std::vector<Plane<T>> out;
   const auto add = [&](auto& image, int channels) {
     for (int c = 0; c < channels; ++c)
       out.push_back({image.empty() ? nullptr : image.data.data() + c, channels});
   };
-  if (request.colour) add(view.colour, 3);
-  if (request.label.n > 0) add(view.label, request.label.c);
-  if (request.depth) add(view.depth, 1);
+  if (plan.colour) add(view.colour, 3);
+  if (plan.label.n > 0) add(view.label, plan.label.c);
+  if (plan.depth) add(view.depth, 1);
   add(view.alpha, 1);
   return out;
 }
 
 /// Images of the right shapes; every pixel is written later, so that those of an earlier view serve as they are.
-void allocate(const Camera& camera, const ChannelRequest<float>& request, RenderedView& view) {
+void allocate(const Camera& camera, const ChannelPlan<float>& plan, RenderedView& view) {
   const int w = camera.width_px, h = camera.height_px;
   view.width_px = w, view.height_px = h;
   const auto shape = [&](ImageF& image, int channels) {
@@ -39,23 +38,22 @@ void allocate(const Camera& camera, const ChannelRequest<float>& request, Render
     else if (image.width_px != w || image.height_px != h || image.channels != channels)
       image = ImageF(w, h, channels);
   };
-  shape(view.colour, request.colour ? 3 : 0);
-  shape(view.label, request.label.n > 0 ? request.label.c : 0);
-  shape(view.depth, request.depth ? 1 : 0);
+  shape(view.colour, plan.colour ? 3 : 0);
+  shape(view.label, plan.labels());
+  shape(view.depth, plan.depth ? 1 : 0);
   shape(view.alpha, 1);
 }
 
 std::unique_ptr<DeviceSplat> device_view(const Exec& exec, const CloudView<float>& cloud, const Camera& relative,
-                                         const SplatOptions& options, const ChannelRequest<float>& request) {
-  return exec.device_ops->splat.view(relative, options, cloud, {request.colour, request.depth, request.label},
-                                     request.background);
+                                         const SplatOptions& options, const ChannelPlan<float>& plan) {
+  return exec.device_ops->splat.view(view_projector<float>(relative, options), cloud, plan);
 }
 
 }  // namespace
 
 struct SplatPass::State {
   SplatOptions options;
-  ChannelRequest<float> request;
+  ChannelPlan<float> plan;
   std::unique_ptr<SplatEngine<float>> engine;
   std::unique_ptr<DeviceSplat> on_device;  // instead of the engine
   RenderedView rendered;
@@ -71,19 +69,19 @@ SplatPass& SplatPass::operator=(SplatPass&&) noexcept = default;
 const RenderedView& SplatPass::forward(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
                                        const RenderRequest& request) {
   State& s = *state_;
-  s.request = channel_request(request);
-  allocate(camera, s.request, s.rendered);
+  s.plan = channel_plan(request);
+  allocate(camera, s.plan, s.rendered);
   s.gaussians = cloud.size(), s.rest_values = cloud.sh_rest.size();
   const CloudView<float> view = cloud_view(cloud, s.options.max_sh_degree, request.include);
   s.on_device.reset();
   if (exec.device_ops) {
-    s.on_device = device_view(exec, view, relative_camera(camera, cloud), s.options, s.request);
-    s.on_device->forward(planes<float>(s.request, s.rendered));
+    s.on_device = device_view(exec, view, relative_camera(camera, cloud), s.options, s.plan);
+    s.on_device->forward(planes<float>(s.plan, s.rendered));
     return s.rendered;
   }
   s.engine = std::make_unique<SplatEngine<float>>(float_tile_kernels(exec.isa), s.options, view,
-                                                  relative_camera(camera, cloud), s.request);
-  s.engine->forward(exec, planes<float>(s.request, s.rendered));
+                                                  relative_camera(camera, cloud), s.plan);
+  s.engine->forward(exec, planes<float>(s.plan, s.rendered));
   return s.rendered;
 }
 
@@ -94,16 +92,16 @@ void SplatPass::backward(const Exec& exec, const ViewGradients& gradients, Cloud
   NGS_CHECK(label_alone.empty() || label_alone.size() == n, "one flag per Gaussian");
   out.position.resize(n * 3), out.rotation.resize(n * 4), out.log_scale.resize(n * 3), out.logit_opacity.resize(n);
   out.sh_dc.resize(n * 3), out.sh_rest.resize(s.rest_values), out.mean_px.resize(n * 2), out.visible.resize(n);
-  out.label.resize(s.request.label.n > 0 ? n * std::size_t(s.request.label.c) : 0);
+  out.label.resize(n * std::size_t(s.plan.labels()));
   std::vector<std::uint8_t> moves;
-  if (s.request.colour) moves.insert(moves.end(), 3, gradients.colour_moves_geometry);
-  if (s.request.label.n > 0) moves.insert(moves.end(), std::size_t(s.request.label.c), gradients.label_moves_geometry);
-  if (s.request.depth) moves.push_back(gradients.depth_moves_geometry);
+  if (s.plan.colour) moves.insert(moves.end(), 3, gradients.colour_moves_geometry);
+  if (s.plan.label.n > 0) moves.insert(moves.end(), std::size_t(s.plan.label.c), gradients.label_moves_geometry);
+  if (s.plan.depth) moves.push_back(gradients.depth_moves_geometry);
   const CloudGradientView<float> view{out.position.data(), out.rotation.data(), out.log_scale.data(),
                                       out.logit_opacity.data(), out.sh_dc.data(), out.sh_rest.data(), out.label.data(),
                                       out.mean_px.data(), out.visible.data(),
                                       label_alone.empty() ? nullptr : label_alone.data()};
-  const std::vector<Plane<const float>> image = planes<const float>(s.request, gradients);
+  const std::vector<Plane<const float>> image = planes<const float>(s.plan, gradients);
   if (s.on_device)
     s.on_device->backward(image, moves, view);
   else
@@ -112,7 +110,7 @@ void SplatPass::backward(const Exec& exec, const ViewGradients& gradients, Cloud
 
 RenderedView render(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options,
                     const RenderRequest& request) {
-  const ChannelRequest<float> channels = channel_request(request);
+  const ChannelPlan<float> channels = channel_plan(request);
   RenderedView view;
   allocate(camera, channels, view);
   const CloudView<float> on_view = cloud_view(cloud, options.max_sh_degree, request.include);

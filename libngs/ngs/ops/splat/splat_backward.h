@@ -1,10 +1,10 @@
 #pragma once
-// The backward kernel of one tile: record the walk, then go through it from the far end.      PAPER.md §5.1
+// The backward kernel of one tile: record the traversal, then go through it from the far end.      PAPER.md §5.1
 #include "ngs/ops/splat/splat_tiles.h"
 
 namespace ngs {
 
-/// Sink that records the walk.
+/// Sink that records the traversal.
 template <class L>
 struct TapeSink {
   using S = typename LaneTraits<L>::Scalar;

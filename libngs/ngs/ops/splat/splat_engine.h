@@ -10,24 +10,14 @@
 
 namespace ngs {
 
-/// What to composite. Channels in order: rgb (if colour), the K label columns, camera z (if depth).
-template <class S>
-struct ChannelRequest {
-  bool colour = true, depth = false;
-  Matrix<const S> label;  // [N, K]
-  Vec3<S> background{S(0), S(0), S(0)};
-  int count() const { return (colour ? 3 : 0) + (label.n > 0 ? label.c : 0) + (depth ? 1 : 0); }
-};
-
 template <class S>
 class SplatEngine {
  public:
   SplatEngine(const TileKernels<S>& kernels, const SplatOptions& options, const CloudView<S>& cloud,
-              const Camera& camera, const ChannelRequest<S>& request)
-      : kernels_(kernels), options_(options), cloud_(cloud), camera_(camera), request_(request) {
-    background_.assign(std::size_t(request.count()), S(0));
-    if (request.colour)
-      background_[0] = request.background.x, background_[1] = request.background.y, background_[2] = request.background.z;
+              const Camera& camera, const ChannelPlan<S>& plan)
+      : kernels_(kernels), options_(options), cloud_(cloud), camera_(camera), plan_(plan) {
+    background_.assign(std::size_t(plan.count()), S(0));
+    if (plan.colour) background_[0] = plan.background.x, background_[1] = plan.background.y, background_[2] = plan.background.z;
   }
 
   /// Writes channel c to out[c] and 1 - T_final to out[count()].
@@ -43,7 +33,7 @@ class SplatEngine {
   }
   void composite(const Exec& exec, const std::vector<Plane<S>>& out) const {
     for_each_task(exec, lists().tiles(), [&](std::int64_t tile) {
-      S* scratch = thread_scratch().values(std::size_t(request_.count() * kTilePixels));
+      S* scratch = thread_scratch().values(std::size_t(plan_.count() * kTilePixels));
       kernels_.forward({work(tile), channels(), background_.data(), out.data(), scratch});
     });
   }
@@ -52,17 +42,17 @@ class SplatEngine {
   /// reaches alpha, and through it the geometry.
   void backward(const Exec& exec, const std::vector<Plane<const S>>& grad, const std::vector<std::uint8_t>& moves,
                 const CloudGradientView<S>& out) {
-    const int columns = kPairGeometry + request_.count();
+    const int columns = kPairGeometry + plan_.count();
     const std::unique_ptr<S[]> pair_grad = zeros(exec, lists().pairs() * columns);
     const Matrix<const S> pairs{pair_grad.get(), lists().pairs(), columns};
     for_each_task(exec, lists().tiles(), [&](std::int64_t tile) {
       TileScratch<S>& memory = thread_scratch();
-      S* scratch = memory.values(backward_scratch(request_.count()));
+      S* scratch = memory.values(backward_scratch(plan_.count()));
       kernels_.backward({work(tile), channels(), background_.data(), grad.data(), moves.data(), pair_grad.get(), scratch,
                          &memory.tape});
     });
     clear(exec, out);
-    const GaussianBackward<S> gaussian{view_projector<S>(camera_, options_), cloud_, plan(), pairs, out};
+    const GaussianBackward<S> gaussian{view_projector<S>(camera_, options_), cloud_, plan_, pairs, out};
     for_each_index(exec, std::int64_t(view().id.size()), [&](std::int64_t row) {
       const auto v = std::size_t(row);
       const std::int64_t begin = lists().slot_begin[v], end = lists().slot_begin[v + 1];
@@ -75,17 +65,16 @@ class SplatEngine {
 
  private:
   void gather_channels(const Exec& exec) {
-    const int count = request_.count();
+    const int count = plan_.count();
     const ViewProjector<S> projector = view_projector<S>(camera_, options_);
     channel_.resize(view().id.size() * std::size_t(count));
     for_each_index(exec, std::int64_t(view().id.size()), [&](std::int64_t v) {
-      channel_row(plan(), projector, cloud_, view().id[std::size_t(v)], view().depth[std::size_t(v)], channel_.data() + v * count);
+      plan_.fill(projector, cloud_, view().id[std::size_t(v)], view().depth[std::size_t(v)], channel_.data() + v * count);
     });
   }
 
   TileWork<S> work(std::int64_t tile) const { return tile_work(view(), lists(), tile, camera_, options_.compat); }
-  ChannelPlan<S> plan() const { return {request_.colour, request_.depth, request_.label}; }
-  ChannelValues<S> channels() const { return {channel_.data(), request_.count()}; }
+  ChannelValues<S> channels() const { return {channel_.data(), plan_.count()}; }
   /// Written, and so first touched, by all threads.
   static std::unique_ptr<S[]> zeros(const Exec& exec, std::int64_t n) {
     constexpr std::int64_t kChunk = 1 << 14;
@@ -101,7 +90,7 @@ class SplatEngine {
   }
 
   void clear(const Exec& exec, const CloudGradientView<S>& out) const {
-    const int labels = request_.label.n > 0 ? request_.label.c : 0;
+    const int labels = plan_.labels();
     for_each_index(exec, cloud_.size, [&](std::int64_t i) {
       const auto zero = [i](S* column, int width) {
         if (column) std::fill_n(column + i * width, width, S(0));
@@ -116,7 +105,7 @@ class SplatEngine {
   SplatOptions options_;
   CloudView<S> cloud_;
   Camera camera_;
-  ChannelRequest<S> request_;
+  ChannelPlan<S> plan_;
   std::optional<BinnedView<S>> binned_;
   std::vector<S> background_, channel_;  // [C], [V, C]
 };

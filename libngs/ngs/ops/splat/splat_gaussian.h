@@ -20,6 +20,8 @@ struct CloudView {
   int sh_degree = 0;    // bands to evaluate
   int rest_stride = 0;  // coefficients stored per Gaussian
   const std::uint8_t *usable = nullptr, *include = nullptr;  // null: all
+
+  NGS_HD GaussianShape<S> shape(std::int64_t i) const { return {rotation + i * 4, log_scale + i * 3, logit_opacity[i]}; }
 };
 
 /// ∂L/∂(columns of CloudView); any pointer may be null (not wanted). Rows of invisible Gaussians are set to 0.
@@ -43,7 +45,7 @@ ProjectionCamera<S> projection_camera(const Camera& camera, const SplatOptions& 
   return {mat3_cast<S>(camera.rotation), S(camera.fx), S(camera.fy), S(camera.cx), S(camera.cy),
           S(-camera.cx / camera.fx - margin_x), S((camera.width_px - camera.cx) / camera.fx + margin_x),
           S(-camera.cy / camera.fy - margin_y), S((camera.height_px - camera.cy) / camera.fy + margin_y),
-          S(near_plane(options.compat)), S(options.blur_px2)};
+          S(near_plane(options.compat)), S(options.blur_px2), options.antialiased};
 }
 
 /// p - centre in the wide scalar: both may be far from the origin and close to each other.
@@ -147,7 +149,7 @@ NGS_HD TileSpan tile_span(const SplatRecord<S>& record, const TileRect& r, int t
   return {std::uint16_t(first), std::uint16_t(last + 1)};
 }
 
-/// Where a pixel's walk ends in each family: below 1e-4, or at it.
+/// Where a pixel's traversal ends in each family: below 1e-4, or at it.
 inline double transmittance_stop(Compat compat) {
   return compat == Compat::kInria ? kTransmittanceStop : double(std::nextafter(float(kTransmittanceStop), 1.f));
 }
@@ -175,8 +177,7 @@ struct ViewProjector {
   ProjectionCamera<Wide> wide;
   Vec3<double> centre;
   double spread, blur_px;  // of beside(): px · world per unit of scale; px
-  int tiles_x, tiles_y;
-  bool antialiased;
+  int width_px, height_px, tiles_x, tiles_y;
   Compat compat;
 
   /// The centre of Gaussian i relative to the camera's, in world axes.
@@ -208,8 +209,7 @@ struct ViewProjector {
     const Vec3<S> t = narrowed<S>(t_wide);
     if (!(t.z > camera.near_z)) return false;
     ProjectionContext<S> ctx;
-    const ProjectedGaussian<S> p = project_gaussian(camera, t, cloud.rotation + i * 4, cloud.log_scale + i * 3,
-                                                    cloud.logit_opacity[i], antialiased, ctx);
+    const ProjectedGaussian<S> p = project_gaussian(camera, t, cloud.shape(i), ctx);
     if (!(p.opacity >= S(kAlphaMin)) || !(p.det > S(0)) || !isfinite(double(p.det)) || !isfinite(double(p.mean_x)) ||
         !isfinite(double(p.mean_y)))
       return false;
@@ -227,31 +227,30 @@ ViewProjector<S> view_projector(const Camera& camera, const SplatOptions& option
   const auto row_length = [](double f, double lo, double hi) { return f * std::hypot(1.0, std::max(-lo, hi)); };
   return {projection_camera<S>(camera, options), projection_camera<WideOf<S>>(camera, options), camera.centre(),
           std::hypot(row_length(c.f_x, c.x_lo, c.x_hi), row_length(c.f_y, c.y_lo, c.y_hi)),
-          std::sqrt(2 * c.blur + 0.32), (camera.width_px + kTilePx - 1) / kTilePx,
-          (camera.height_px + kTilePx - 1) / kTilePx, options.antialiased, options.compat};
+          std::sqrt(2 * c.blur + 0.32), camera.width_px, camera.height_px, (camera.width_px + kTilePx - 1) / kTilePx,
+          (camera.height_px + kTilePx - 1) / kTilePx, options.compat};
 }
 
 /// Which channels are composited: rgb (if colour), the label columns, camera z (if depth).
 template <class S>
 struct ChannelPlan {
   bool colour = true, depth = false;
-  Matrix<const S> label;  // [N, K], n = 0: none
+  Matrix<const S> label;                       // [N, K], n = 0: none
+  Vec3<S> background{S(0), S(0), S(0)};        // of the colour
   NGS_HD int labels() const { return label.n > 0 ? label.c : 0; }
   NGS_HD int count() const { return (colour ? 3 : 0) + labels() + (depth ? 1 : 0); }
-};
 
-/// The channel values of Gaussian i at depth `depth` into row [count].
-template <class S>
-NGS_HD void channel_row(const ChannelPlan<S>& plan, const ViewProjector<S>& view, const CloudView<S>& cloud,
-                        std::int64_t i, S depth, S* row) {
-  if (plan.colour) {
-    const Vec3<S> rgb = sh_colour(cloud.sh_degree, narrowed<S>(view.offset(cloud, i)), cloud.sh_dc + i * 3,
-                                  cloud.sh_rest + i * cloud.rest_stride * 3);
-    *row++ = rgb.x, *row++ = rgb.y, *row++ = rgb.z;
+  /// The channel values of Gaussian i at depth `z` into row [count].
+  NGS_HD void fill(const ViewProjector<S>& view, const CloudView<S>& cloud, std::int64_t i, S z, S* row) const {
+    if (colour) {
+      const Vec3<S> rgb = sh_colour(cloud.sh_degree, narrowed<S>(view.offset(cloud, i)), cloud.sh_dc + i * 3,
+                                    cloud.sh_rest + i * cloud.rest_stride * 3);
+      *row++ = rgb.x, *row++ = rgb.y, *row++ = rgb.z;
+    }
+    for (int k = 0; k < labels(); ++k) *row++ = label.row(i)[k];
+    if (depth) *row = z;
   }
-  for (int k = 0; k < plan.labels(); ++k) *row++ = plan.label.row(i)[k];
-  if (plan.depth) *row = depth;
-}
+};
 
 /// From the gradients of a Gaussian's pairs [begin, end), and its channel values, to the columns of the cloud.
 ///                                                                                             adjoint of project
@@ -292,10 +291,9 @@ struct GaussianBackward {
     const Vec3<Wide> wide_offset = view.offset(cloud, i);
     const Vec3<S> offset = narrowed<S>(wide_offset), t = narrowed<S>(view.wide.rotation * wide_offset);
     ProjectionContext<S> ctx;
-    const ProjectedGaussian<S> p = project_gaussian(view.camera, t, cloud.rotation + i * 4, cloud.log_scale + i * 3,
-                                                    cloud.logit_opacity[i], view.antialiased, ctx);
+    const ProjectedGaussian<S> p = project_gaussian(view.camera, t, cloud.shape(i), ctx);
     const auto [mean_x, mean_y, conic_a, conic_b, conic_c, log_opacity] = sums<kPairGeometry>(0, begin, end).of;
-    GaussianGradient<S> g = project_gaussian_backward(view.camera, t, p, ctx, view.antialiased,
+    GaussianGradient<S> g = project_gaussian_backward(view.camera, t, p, ctx,
                                                       ProjectedGradient<S>{mean_x, mean_y, conic_a, conic_b, conic_c, log_opacity});
     Vec3<S> grad_offset{S(0), S(0), S(0)};
     if (plan.colour) {
@@ -317,12 +315,12 @@ struct GaussianBackward {
   }
   NGS_HD Vec3<S> colour(std::int64_t i, Vec3<S> offset, Vec3<S> rgb, Vec3<S> grad_rgb) const {
     const S* rest = cloud.sh_rest + i * cloud.rest_stride * 3;
-    S dc[3], rest_grad[45];
-    const Vec3<S> grad_offset = sh_colour_backward(cloud.sh_degree, offset, rest, rgb, grad_rgb, dc, rest_grad);
-    store(out.sh_dc, i, {dc[0], dc[1], dc[2]});
+    ShGradient<S> grad;
+    const Vec3<S> grad_offset = sh_colour_backward(cloud.sh_degree, offset, rest, {rgb, grad_rgb}, grad);
+    store(out.sh_dc, i, {grad.dc[0], grad.dc[1], grad.dc[2]});
     const int bands = (cloud.sh_degree + 1) * (cloud.sh_degree + 1) - 1;
     if (out.sh_rest)
-      for (int k = 0; k < bands * 3; ++k) out.sh_rest[i * cloud.rest_stride * 3 + k] = rest_grad[k];
+      for (int k = 0; k < bands * 3; ++k) out.sh_rest[i * cloud.rest_stride * 3 + k] = grad.rest[k];
     return grad_offset;
   }
 };

@@ -1,7 +1,7 @@
 #pragma once
-// Which rows of a tile a Gaussian can meet: what the walk of splat_tiles.h visits.                    PAPER.md §5.1
+// Which rows of a tile a Gaussian can meet: what the loop of splat_tiles.h visits.                    PAPER.md §5.1
 //
-// Found for kAhead Gaussians at once, one per lane. One after the other, the walk would wait for every square root.
+// Found for kAhead Gaussians at once, one per lane. One after the other, the loop would wait for every square root.
 #include <limits>
 #include <type_traits>
 

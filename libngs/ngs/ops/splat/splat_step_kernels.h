@@ -1,5 +1,5 @@
 #pragma once
-// One Gaussian at one pixel: the step that every compositing walk repeats.            Eq. (2); PAPER.md §5.1
+// One Gaussian at one pixel: the step that every compositing loop repeats.            Eq. (2); PAPER.md §5.1
 //
 // L is a lane type: a pack of pixels on the CPU, one pixel in a thread of a device. Every product that is summed is an
 // explicit fma, so all of them compute the same bits.
@@ -81,7 +81,7 @@ struct TileGaussian {
   PowerForm<S> form;
 };
 
-/// A pixel on its walk.
+/// A pixel on its way through the Gaussians of its tile.
 template <class S>
 struct PixelTraversal {
   S transmittance;

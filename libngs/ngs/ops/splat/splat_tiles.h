@@ -1,5 +1,5 @@
 #pragma once
-// The compositing walk of one tile and its forward kernel.                           Eq. (2); PAPER.md §5.1
+// The compositing loop of one tile and its forward kernel.                           Eq. (2); PAPER.md §5.1
 //
 // Templated on the lane type L: PackF (8 pixels of one row) or Pack16 in production, one-lane scalars in tests. A tile
 // is refined in columns of packs, pack = column · 16 + row; per Gaussian only rows where alpha can reach 1/255 within
@@ -95,7 +95,22 @@ bool find_live_rows(const typename LaneTraits<L>::Mask* live, std::uint32_t* row
   return all != 0;
 }
 
-/// Walks the tile's Gaussians nearest first and hands each contribution to `sink`:
+/// The pixels before the first Gaussian: transparent, and live where they are inside the image.
+template <class L>
+[[gnu::always_inline]] inline void begin_pixels(const TileFrame& frame, const L& lane, L* transmittance,
+                                                typename LaneTraits<L>::Mask* live) {
+  using S = typename LaneTraits<L>::Scalar;
+  const int rows = frame.rows(), columns = frame.columns();
+  for (int column = 0; column < kPackColumns<L>; ++column) {
+    const int inside = columns - column * LaneTraits<L>::kLanes;
+    for (int row = 0; row < kTilePx; ++row) {
+      transmittance[column * kTilePx + row] = L(S(1));
+      live[column * kTilePx + row] = lane < L(S(row < rows ? inside : 0));
+    }
+  }
+}
+
+/// Goes through the tile's Gaussians nearest first and hands each contribution to `sink`:
 ///   sink.begin(e)                        e = position in the tile's list
 ///     sink.begin_column(column)          a column of packs that may be reached
 ///     sink.add(row, Contribution<L>)     zero or more, rows ascending
@@ -113,19 +128,11 @@ template <class L, class Sink>
   using S = typename LaneTraits<L>::Scalar;
   using Mask = typename LaneTraits<L>::Mask;
   constexpr int kLanes = LaneTraits<L>::kLanes, kColumns = kPackColumns<L>;
-  const TileFrame frame = work.frame;
-  const int rows = frame.rows(), columns = frame.columns();
   Mask live[kPacksPerTile<L>];
   std::uint32_t live_rows[kColumns];
   L lane;
   iota_lanes(S(0), lane);
-  for (int column = 0; column < kColumns; ++column) {
-    const int inside = columns - column * kLanes;
-    for (int row = 0; row < kTilePx; ++row) {
-      transmittance[column * kTilePx + row] = L(S(1));
-      live[column * kTilePx + row] = lane < L(S(row < rows ? inside : 0));
-    }
-  }
+  begin_pixels(work.frame, lane, transmittance, live);
   const L stop(work.stop), zero = L(S(0));
 
   RowsToVisit<L> to_visit;
@@ -133,7 +140,7 @@ template <class L, class Sink>
   for (std::uint32_t e = 0; e < work.entries; ++e) {
     const std::uint32_t k = e % kAhead;
     if (k == 0) {
-      // Not after each Gaussian: the walk would wait for its last pixel.
+      // Not after each Gaussian: the loop would wait for its last pixel.
       if (!find_live_rows<L>(live, live_rows)) return;
       to_visit.find(work, e);
     }
@@ -160,9 +167,7 @@ template <class L, class Sink>
         const L alpha = select(lasts, alpha_of[row], zero);
         live[pack] = lasts;
         transmittance[pack] = select(lasts, after, before);
-        if constexpr (!Sink::kTakesEmpty)
-          if (!any(alpha > zero)) continue;
-        sink.add(row, Contribution<L>{pack, alpha, before});
+        if (Sink::kTakesEmpty || any(alpha > zero)) sink.add(row, Contribution<L>{pack, alpha, before});
       }
       sink.end_column(column);
     }

@@ -75,7 +75,7 @@ struct ForwardTile {
   S* scratch;             // [count · kTilePixels]
 };
 
-/// The walk of a tile as it was recorded, so that the backward pass can go from the far end without dividing by
+/// The traversal of a tile as it was recorded, so that the backward pass can go from the far end without dividing by
 /// 1 - alpha: 8 bytes per contributing (Gaussian, pixel) pair, at most ~2300 per pixel (T falls by 1/255 each).
 /// `lanes` holds alpha and transmittance of each contribution, 2 · kLanes values.
 template <class S>
@@ -127,7 +127,7 @@ struct EvidenceTile {
 };
 
 /// The kernels of one lane type.
-///   record   walks the tile into the tape; transmittance [kTilePixels]: the final one, in packs
+///   record   traverses the tile into the tape; transmittance [kTilePixels]: the final one, in packs
 template <class S>
 struct TileKernels {
   int lanes;

@@ -58,7 +58,7 @@ ExactSums weight_in_all(const Exec& exec, const ContourSetup& setup, const std::
     ViewMasks all;
     all.width_px = camera.width_px, all.height_px = camera.height_px, all.available = true;
     all.target.emplace_back(std::size_t(camera.width_px) * std::size_t(camera.height_px), 1.f);
-    const ViewSums seen = view_sums(exec, cloud, camera, setup.problem.splat, all);
+    const ViewSums seen = view_sums(exec, cloud, {camera, all}, setup.problem.splat);
     for (std::size_t r = 0; r < seen.size(); ++r) weight.add(seen.row[r], seen.weight(r));
   });
   return weight;

@@ -25,11 +25,6 @@ struct RefineSetup {
   int detail = 1;  // photos with fewer pixels than this many times the camera's size are enlarged to it
 };
 
-struct LabelledModel {
-  const GaussianCloud& cloud;
-  const std::vector<LabelColumns>& labels;
-};
-
 /// Photos are read at up to twice the camera's size, and enlarged to setup.detail times it. [scene views] the given views
 /// refined, the others empty, as is a view without a photo. The masks of the views in `compared` are loaded and compared with; no other
 /// mask is read.

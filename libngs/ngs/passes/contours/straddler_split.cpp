@@ -15,7 +15,7 @@ Straddling straddling(const Exec& exec, const Problem& input, const GaussianClou
   for_each_view(input.monitor, input.views, [&](std::size_t, std::size_t view) {
     const ViewMasks masks = input.load_masks(view);
     if (!masks.available) return;
-    const ViewSums seen = view_sums(exec, cloud, input.scene.views[view].camera, input.splat, masks);
+    const ViewSums seen = view_sums(exec, cloud, {input.scene.views[view].camera, masks}, input.splat);
     for (std::size_t v = 0; v < seen.size(); ++v) {
       double most = 0;
       for (std::size_t k = 0; k < objects; ++k) {

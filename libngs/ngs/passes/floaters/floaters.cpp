@@ -77,7 +77,7 @@ ViewSums colour_sums(const Exec& exec, const Problem& input, const GaussianCloud
   channels.target.assign(3, std::vector<float>(std::size_t(photo.pixels())));
   for (std::size_t p = 0; p < std::size_t(photo.pixels()); ++p)
     for (std::size_t c = 0; c < 3; ++c) channels.target[c][p] = photo.data[3 * p + c];
-  return view_sums(exec, cloud, camera, input.splat, channels, &candidate);
+  return view_sums(exec, cloud, {camera, channels}, input.splat, &candidate);
 }
 
 class FloaterSearch {
@@ -272,7 +272,7 @@ FloaterRemoval remove_floaters(const Exec& exec, Monitor& monitor, const RefitOp
   const std::vector<std::size_t> scored = spread_views(views, kScoredViews);
   out.figures["psnr_before_db"] = mean_psnr_db(exec, input, input.cloud, scored);
   out.figures["psnr_removed_db"] = mean_psnr_db(exec, input, out.cloud, scored);
-  refit_to_photos(exec, monitor, refit, input, views, finding.far, out.cloud);
+  refit_to_photos(exec, monitor, refit, {input, views, finding.far}, out.cloud);
   out.figures["psnr_after_db"] = mean_psnr_db(exec, input, out.cloud, scored);
   return out;
 }

@@ -24,7 +24,7 @@ void require_grids(const QueryField& field, const GaussianCloud& cloud, const st
       {field.uv.size() / 2, "u v"}, {field.view.size(), "view"}, {field.slot.size(), "slot"}, {field.depth.size(), "depth"}};
   for (const auto& [rows, column] : columns)
     if (rows != n) bad(std::string("no columns ") + column + ", expected those of ngs-sample");
-  require_same_origin(field, cloud);
+  require_same_origin(field, cloud.origin);
   std::int32_t slot = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const std::int32_t before = i > 0 ? field.view[i - 1] : -1, view = field.view[i];
@@ -43,8 +43,8 @@ FieldRays FirstQueries::rays(std::size_t v) const {
   const BoundarySet initial = boundary_set(input.cloud, boundary_flags(input, boundary_effect));
   if (given == nullptr) {
     Monitor quiet;
-    QueryField sampled = sample_queries(exec, quiet, sample, input.cloud, initial, input.scene, {v}, input.splat);
-    interpolate_features(exec, quiet, rbf, input.cloud, initial, sampled);
+    QueryField sampled = sample_queries(exec, quiet, sample, {input.cloud, initial, input.scene, {v}, input.splat});
+    interpolate_features(exec, quiet, rbf, initial, sampled);
     return field.rays(exec, camera, sampled, 0, initial);
   }
   for (std::size_t i = 0; i < given->views.size(); ++i)

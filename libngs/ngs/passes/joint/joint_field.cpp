@@ -184,14 +184,14 @@ void JointField::evaluate(const Exec& exec, const Points& points, Sampled& out) 
 
 void JointField::differentiate(const Exec& exec, const Points& points, const Sampled& at,
                                const std::vector<float>& grad_density, const std::vector<float>& grad_rgb) {
-  FilmMlpGradients inputs;
-  mlp_.backward(exec, store_, at.inputs(points.direction, points.per_direction, mlp_.config()), at.network,
-                grad_density, grad_rgb, inputs);
+  const FilmMlpGradients inputs =
+      mlp_.backward(exec, store_, at.inputs(points.direction, points.per_direction, mlp_.config()), at.network,
+                    {grad_density, grad_rgb});
   hash_.backward(exec, store_, points.position, inputs.feature);
   if (!effects_.film) return;
-  RbfGradients features;
   const auto queries = std::int64_t(inputs.condition.size()) / 3;
-  rbf_backward(exec, rbf_problem(points), at.rbf, {inputs.condition.data(), queries, 3}, false, features);
+  const RbfGradients features =
+      rbf_backward(exec, rbf_problem(points), at.rbf, {inputs.condition.data(), queries, 3}, false);
   for (std::size_t i = 0; i < features.feature.size(); ++i)
     store_.grads[feature_offset_ + i] += features.feature[i];
 }
@@ -211,7 +211,7 @@ void JointField::backward(const Exec& exec, const FieldRays& rays, Rows<const fl
   volume_backward(exec,
                   {rays.rays.samples, sampled_.network.density.data(), sampled_.network.rgb.data(),
                    rays.rays.spacing.data(), rays.rays.rays(), background},
-                  volume_, gradients.colour, gradients.alpha, {}, volume_grad_);
+                  volume_, {gradients.colour, gradients.alpha, {}}, volume_grad_);
   differentiate(exec, points_of(rays, boundary), sampled_, volume_grad_.density, volume_grad_.rgb);
 }
 
@@ -241,7 +241,7 @@ double JointField::smoothness(const Exec& exec, const FieldRays& rays, Rows<cons
   }
   SmoothnessGradients gradients;
   const double loss =
-      loss_smooth_backward(exec, scale, at[0].network.rgb, at[1].network.rgb, weight, gradients);
+      loss_smooth_backward(exec, scale, {at[0].network.rgb, at[1].network.rgb}, weight, gradients);
   const std::vector<float> no_density(std::size_t(count), 0.f);
   const std::vector<float>* grad[2] = {&gradients.colour, &gradients.moved_colour};
   for (int k = 0; k < 2; ++k)
@@ -267,7 +267,7 @@ void JointField::step(const Exec& exec, std::int64_t step, double decay) {
     AdamOptions adam = adam_of(block);
     adam.lr *= decay;
     const std::span<float> grad = store_.grad_of(block);
-    if (!grad.empty()) adam_step(exec, adam, step, block.name, store_.value_of(block), grad, moments_[b]);
+    if (!grad.empty()) adam_step(exec, adam, step, {block.name, store_.value_of(block), grad}, moments_[b]);
   }
   store_.zero_grads();
 }

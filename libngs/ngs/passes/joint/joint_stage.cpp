@@ -178,7 +178,7 @@ void JointTrainer::Impl::field_terms(const FieldRays& rays, const RenderedView& 
   const VolumeOutput& volume = field->forward(exec, rays, boundary.positions(), input.background);
   if (effects.density) {
     const PixelGrid& g = rays.rays.grid;
-    weights = density_weights(exec, rendered.width_px, rendered.height_px, g, box_of(g), volume.optical_depth);
+    weights = density_weights(exec, rendered.width_px, rendered.height_px, {g, box_of(g), volume.optical_depth});
   }
   if (effects.align) {
     const AlignOptions align{options.weight_opacity, effects.variance ? options.weight_variance : 0.0};
@@ -192,7 +192,7 @@ void JointTrainer::Impl::field_terms(const FieldRays& rays, const RenderedView& 
     AlignContext context;
     const AlignLoss value = loss_align(exec, align, in, context);
     AlignFieldGradients to_field;
-    loss_align_backward(exec, align, in, value, context, 1.0, to_field, grad.colour, grad.alpha);
+    loss_align_backward(exec, align, in, context, {1.0, to_field, grad.colour, grad.alpha});
     field->backward(exec, rays, boundary.positions(), input.background, to_field);
     loss.align = value.total;
   }
@@ -206,7 +206,7 @@ void JointTrainer::Impl::cont_term(LossTerms& loss) {
   for (std::size_t b = 0; b < boundary.row.size(); ++b)
     for (std::size_t c = 0; c < 3; ++c)
       colour[b * 3 + c] = float(0.5 + kShC0 * double(cloud.sh_dc[std::size_t(boundary.row[b]) * 3 + c]));
-  loss.cont = loss_cont(exec, cont_graph, {colour.data(), boundary.size()}, {}, options.lambda_cont, &grad);
+  loss.cont = loss_cont(exec, {cont_graph, {colour.data(), boundary.size()}}, options.lambda_cont, &grad);
   for (std::size_t b = 0; b < boundary.row.size(); ++b) {
     const std::size_t row = boundary.row[b];
     if (!frozen.empty() && frozen[row]) continue;
@@ -237,7 +237,7 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
     const double share = r.empty() ? 1 : double(r.x1 - r.x0) * (r.y1 - r.y0) / double(view.photo.pixels());
     const PhotometricOptions anchor{.region = r, .gradient_scale = share * options.photometric_weight};
     loss.photometric =
-        share * photometric.evaluate(exec, anchor, rendered.colour, view.photo, nullptr, &grad.colour).total;
+        share * photometric.evaluate(exec, anchor, {rendered.colour, view.photo}, &grad.colour).total;
   } else if (colour) {
     grad.colour = ImageF(camera.width_px, camera.height_px, 3);
   }
@@ -269,11 +269,11 @@ void JointTrainer::Impl::sum_up(LossTerms& loss) const {
 void JointTrainer::Impl::update(double decay) {
   const auto timed = monitor.scope("adam");
   const std::int64_t t = done + 1;
-  adam_step(exec, {.lr = options.rate_label * decay}, t, "label", logit, gradients.label, label_moments);
+  adam_step(exec, {.lr = options.rate_label * decay}, t, {"label", logit, gradients.label}, label_moments);
   if (effects.geometry) {
     GroupRates fallen = rates;
     for (double& rate : fallen) rate *= decay;
-    step_gaussians(exec, t, fallen, gradients, cloud, moments);
+    step_gaussians(exec, {t, fallen}, gradients, cloud, moments);
     refresh_positions(cloud, boundary);
   }
   if (field) field->step(exec, t, decay);

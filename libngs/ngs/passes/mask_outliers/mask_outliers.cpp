@@ -50,7 +50,7 @@ class Judge {
     MaskOutliers trust;
     int rounds = 0;
     LeaveOneOut others(exec_, input_.cloud.size(), int(input_.scene.objects.size()), [this](std::size_t n) {
-      return view_sums(exec_, input_.cloud, camera(n), input_.splat, input_.load_masks(input_.views[n]));
+      return view_sums(exec_, input_.cloud, {camera(n), input_.load_masks(input_.views[n])}, input_.splat);
     });
     while (rounds < options_.rounds && !monitor.stop_requested()) {
       if (!gather(others)) break;

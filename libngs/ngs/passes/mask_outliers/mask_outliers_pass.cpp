@@ -16,7 +16,7 @@ namespace {
 double disagreement_alone(const Exec& exec, const Problem& problem, const Camera& camera, const ViewMasks& masks) {
   RenderedView view;
   view.label = ImageF(camera.width_px, camera.height_px, int(problem.labels.size()));
-  show_objects_alone(exec, problem.cloud, problem.labels, camera, problem.splat, view);
+  show_objects_alone(exec, {problem.cloud, problem.labels}, camera, problem.splat, view);
   double sum = 0;
   for (std::size_t k = 0; k < masks.target.size(); ++k) sum += disagreement(MaskPair(view.label, masks, k).counts(exec));
   return sum;

@@ -13,8 +13,7 @@ std::vector<LabelColumns> closed_form_labels(const Exec& exec, Monitor& monitor,
     return input.labels;
   }
   const auto timed = monitor.scope("evidence");
-  return label_gaussians({}, accumulate_evidence(exec, monitor, input.cloud, input.scene, input.views,
-                                                 input.splat, input.load_masks));
+  return label_gaussians({}, accumulate_evidence(exec, monitor, {input.cloud, input.scene, input.views, input.splat, input.load_masks}));
 }
 
 namespace {
@@ -55,7 +54,7 @@ std::vector<LabelColumns> labels_anew(const Exec& exec, Monitor& monitor, const 
   // Just above it: the column is rounded, and what it was rounded from must not be boundary either.
   if (largest >= 0) rule.tau = std::min(double(std::nextafter(largest, 2.f)), std::nextafter(1.0, 0.0));
   const Evidence evidence =
-      accumulate_evidence(exec, monitor, cloud, input.scene, input.views, input.splat, input.load_masks);
+      accumulate_evidence(exec, monitor, {cloud, input.scene, input.views, input.splat, input.load_masks});
   if (monitor.stop_requested()) return input.labels;
   std::vector<LabelColumns> labels = labels_like(input.labels, rule, evidence);
   restore_fixed(input, {}, labels);

@@ -24,8 +24,8 @@ void require_finite(const QueryField& field) {
 
 }  // namespace
 
-void require_same_origin(const QueryField& field, const GaussianCloud& cloud) {
-  if (field.origin == cloud.origin) return;
+void require_same_origin(const QueryField& field, const std::array<double, 3>& origin) {
+  if (field.origin == origin) return;
   throw Error(ErrorCode::kInconsistent,
               "the queries are relative to another origin than the model, expected queries of this model",
               "sample again: ngs-sample scene.json boundary.ply -o queries.ply");
@@ -44,9 +44,9 @@ double rbf_width(const Exec& exec, const RbfOptions& options, Rows<const float, 
 }
 
 RbfSummary interpolate_features(const Exec& exec, Monitor& monitor, const RbfOptions& options,
-                                const GaussianCloud& cloud, const BoundarySet& boundary, QueryField& field) {
+                                const BoundarySet& boundary, QueryField& field) {
   require_finite(field);
-  require_same_origin(field, cloud);
+  require_same_origin(field, boundary.origin);
   auto timed = monitor.scope("interpolate");
   timed.items(field.size());
   const Rows<const float, 3> points = boundary.positions();

@@ -27,7 +27,7 @@ struct RbfOptions {
 };
 
 /// kInconsistent where the field is of a model with another origin.
-void require_same_origin(const QueryField& field, const GaussianCloud& cloud);
+void require_same_origin(const QueryField& field, const std::array<double, 3>& origin);
 
 /// The kernel width in world units. kUsage where `options.width` is neither auto nor a positive number.
 double rbf_width(const Exec& exec, const RbfOptions& options, Rows<const float, 3> boundary);
@@ -42,6 +42,6 @@ struct RbfSummary {
 /// `field`. kInconsistent where the field is of a model with another origin, kBadInput where a position is
 /// not finite.
 RbfSummary interpolate_features(const Exec& exec, Monitor& monitor, const RbfOptions& options,
-                                const GaussianCloud& cloud, const BoundarySet& boundary, QueryField& field);
+                                const BoundarySet& boundary, QueryField& field);
 
 }  // namespace ngs

@@ -50,25 +50,25 @@ ViewSample sample_view(const Exec& exec, const SampleOptions& options, const Cam
   return sample;
 }
 
-QueryField sample_queries(const Exec& exec, Monitor& monitor, const SampleOptions& options,
-                          const GaussianCloud& cloud, const BoundarySet& boundary, const Scene& scene,
-                          const std::vector<std::size_t>& views, const SplatOptions& splat) {
+QueryField sample_queries(const Exec& exec, Monitor& monitor, const SampleOptions& options, const SampleInputs& in) {
+  const GaussianCloud& cloud = in.cloud;
+  const BoundarySet& boundary = in.boundary;
   auto timed = monitor.scope("sample");
   QueryField field;
   field.origin = cloud.origin;
   field.depth_span = options.depth_span, field.depth_epsilon = options.depth_epsilon;
-  for (std::size_t n = 0; n < views.size(); ++n) {
-    const Camera& world = scene.views[views[n]].camera;
+  for (std::size_t n = 0; n < in.views.size(); ++n) {
+    const Camera& world = in.scene.views[in.views[n]].camera;
     const Camera camera = relative_to(world, cloud.origin);
     RenderedView rendered;
     DepthMap map;
     if (options.window == WindowCentre::kPixel &&
         boundary_box(camera, boundary.positions(), options.bbox_pad_px).visible > 0) {
-      rendered = render_depth(exec, cloud, world, splat);
+      rendered = render_depth(exec, cloud, world, in.splat);
       map = {&rendered.depth, &rendered.alpha};
     }
     append(sample_view(exec, options, camera, boundary.positions(), map), world, field);
-    monitor.progress(std::int64_t(n) + 1, std::int64_t(views.size()));
+    monitor.progress(std::int64_t(n) + 1, std::int64_t(in.views.size()));
   }
   timed.items(field.size());
   return field;

@@ -67,9 +67,15 @@ struct ViewSample {
 ViewSample sample_view(const Exec& exec, const SampleOptions& options, const Camera& camera,
                        Rows<const float, 3> boundary, const DepthMap& map);
 
-/// Query points of the given views of the scene; renders depth where the options ask for it.
-QueryField sample_queries(const Exec& exec, Monitor& monitor, const SampleOptions& options,
-                          const GaussianCloud& cloud, const BoundarySet& boundary, const Scene& scene,
-                          const std::vector<std::size_t>& views, const SplatOptions& splat);
+struct SampleInputs {
+  const GaussianCloud& cloud;
+  const BoundarySet& boundary;
+  const Scene& scene;
+  std::vector<std::size_t> views;  // of the scene
+  SplatOptions splat = {};
+};
+
+/// Query points of the given views; renders depth where the options ask for it.
+QueryField sample_queries(const Exec& exec, Monitor& monitor, const SampleOptions& options, const SampleInputs& in);
 
 }  // namespace ngs

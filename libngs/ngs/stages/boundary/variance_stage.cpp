@@ -60,19 +60,17 @@ std::vector<std::size_t> training_views(const Scene& scene) {
   return views;
 }
 
-Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud,
-                             const Scene& scene, const std::vector<std::size_t>& views,
-                             const SplatOptions& options, const MaskLoader& load_masks) {
-  Evidence evidence(cloud.size(), int(scene.objects.size()));
-  SplatOptions prepared = options;
-  if (!options.prepared) prepared.prepared = prepare_cloud(exec, cloud);
-  for_each_view(&monitor, views, [&](std::size_t, std::size_t view) {
+Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const EvidenceInputs& in) {
+  Evidence evidence(in.cloud.size(), int(in.scene.objects.size()));
+  SplatOptions prepared = in.splat;
+  if (!prepared.prepared) prepared.prepared = prepare_cloud(exec, in.cloud);
+  for_each_view(&monitor, in.views, [&](std::size_t, std::size_t view) {
     const ViewMasks masks = [&] {
       const auto timed = monitor.scope("load masks");
-      return load_masks(view);
+      return in.load_masks(view);
     }();
     const auto timed = monitor.scope("evidence");
-    add_view_evidence(exec, cloud, scene.views[view].camera, prepared, masks, evidence);
+    add_view_evidence(exec, in.cloud, {in.scene.views[view].camera, masks}, prepared, evidence);
   });
   return evidence;
 }

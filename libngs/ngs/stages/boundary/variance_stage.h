@@ -38,11 +38,16 @@ struct VarianceOptions {
 /// The masks of view `index` of the scene.
 using MaskLoader = std::function<ViewMasks(std::size_t index)>;
 
-/// Sums the evidence of the given views of the scene (held-out views must not be among them); of fewer
-/// where `monitor` was asked to stop.
-Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud,
-                             const Scene& scene, const std::vector<std::size_t>& views,
-                             const SplatOptions& options, const MaskLoader& load_masks);
+struct EvidenceInputs {
+  const GaussianCloud& cloud;
+  const Scene& scene;
+  std::vector<std::size_t> views;  // of the scene; held-out views must not be among them
+  SplatOptions splat;
+  MaskLoader load_masks;
+};
+
+/// Sums the evidence of the given views; of fewer where `monitor` was asked to stop.
+Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const EvidenceInputs& in);
 
 /// The scene with only the named objects, in the order of the scene; no names: all. kUsage for an unknown
 /// name.

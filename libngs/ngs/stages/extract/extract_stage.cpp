@@ -47,9 +47,14 @@ Rows<const float, 3> as_rows(const std::vector<float>& positions) {
   return {positions.data(), std::int64_t(positions.size() / 3)};
 }
 
+/// Rows of Gaussians that some view has seen, and that none has.
+struct Sighted {
+  std::vector<std::uint32_t> seen, unseen;
+};
+
 /// Unseen Gaussians take the side of more than half of their nearest seen ones.
-void vote(const Exec& exec, const ExtractOptions& options, const GaussianCloud& cloud,
-          const std::vector<std::uint32_t>& unseen, const std::vector<std::uint32_t>& seen, Extraction& out) {
+void vote(const Exec& exec, const ExtractOptions& options, const GaussianCloud& cloud, const Sighted& rows, Extraction& out) {
+  const auto& [seen, unseen] = rows;
   if (unseen.empty() || seen.empty()) return;
   const std::vector<float> points = positions_of(cloud, seen), queries = positions_of(cloud, unseen);
   const KnnGraph graph = nearest_points(exec, as_rows(points), as_rows(queries), options.unseen_neighbours);
@@ -182,12 +187,11 @@ Extraction extract_object(const Exec& exec, const ExtractOptions& options, const
     else
       out.object[i] = options.unseen == UnseenRule::kObject;
   }
-  const auto unseen = rows_where(n, [&](std::size_t i) { return input.cloud.usable[i] && is_unseen(i); });
-  if (options.unseen == UnseenRule::kKnn)
-    vote(exec, options, input.cloud, unseen,
-         rows_where(n, [&](std::size_t i) { return input.cloud.usable[i] && !is_unseen(i); }), out);
-  out.unseen = std::int64_t(unseen.size());
-  for (const std::uint32_t i : unseen) out.unseen_to_object += out.object[i];
+  const Sighted rows{rows_where(n, [&](std::size_t i) { return input.cloud.usable[i] && !is_unseen(i); }),
+                     rows_where(n, [&](std::size_t i) { return input.cloud.usable[i] && is_unseen(i); })};
+  if (options.unseen == UnseenRule::kKnn) vote(exec, options, input.cloud, rows, out);
+  out.unseen = std::int64_t(rows.unseen.size());
+  for (const std::uint32_t i : rows.unseen) out.unseen_to_object += out.object[i];
   if (options.min_component > 0) remove_small_pieces(exec, options, input, out);
   out.objects = std::count(out.object.begin(), out.object.end(), std::uint8_t(1));
   return out;

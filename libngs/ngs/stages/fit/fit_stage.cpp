@@ -77,8 +77,8 @@ void Fitter::step(const Exec& exec) {
     pass_degree_ = degree;
   }
   const RenderedView& rendered = pass_.forward(exec, state_.cloud, view.camera, fit_request(options_));
-  const auto loss = photometric_.evaluate(exec, {.dssim_weight = options_.dssim_weight}, rendered.colour, view.photo.rgb(),
-                                          nullptr, &colour_gradient_);
+  const auto loss = photometric_.evaluate(exec, {.dssim_weight = options_.dssim_weight}, {rendered.colour, view.photo.rgb()},
+                                          &colour_gradient_);
   last_loss_ = {loss.total, loss.l1, loss.ssim};
   ViewGradients back;
   back.colour = std::move(colour_gradient_);
@@ -102,7 +102,7 @@ void Fitter::update_parameters(const Exec& exec) {
   const FitOptions& o = options_;
   const GroupRates rates{position_lr(o, state_.step, extent_), o.rotation_lr, o.scale_lr, o.opacity_lr, o.dc_lr,
                          pass_degree_ > 0 ? o.rest_lr : 0.0};
-  step_gaussians(exec, state_.step, rates, gradients_, state_.cloud, state_.moments);
+  step_gaussians(exec, {state_.step, rates}, gradients_, state_.cloud, state_.moments);
 }
 
 void Fitter::note_gradients(const Exec& exec, const Camera& camera) {

@@ -7,12 +7,12 @@ int group_width(const GaussianCloud& cloud, std::size_t group) {
   return widths[group];
 }
 
-void step_gaussians(const Exec& exec, std::int64_t t, const GroupRates& rates, const CloudGradients& gradients,
-                    GaussianCloud& cloud, GaussianMoments& moments) {
+void step_gaussians(const Exec& exec, const GaussianStep& step, const CloudGradients& gradients, GaussianCloud& cloud,
+                    GaussianMoments& moments) {
   for (std::size_t g = 0; g < kGaussianGroups; ++g) {
     const auto& [name, value, gradient] = kGroupColumns[g];
-    if (rates[g] > 0 && !(cloud.*value).empty())
-      adam_step(exec, {.lr = rates[g]}, t, name, cloud.*value, gradients.*gradient, moments[g]);
+    if (step.rates[g] > 0 && !(cloud.*value).empty())
+      adam_step(exec, {.lr = step.rates[g]}, step.number, {name, cloud.*value, gradients.*gradient}, moments[g]);
   }
 }
 

@@ -29,8 +29,13 @@ int group_width(const GaussianCloud& cloud, std::size_t group);
 using GroupRates = std::array<double, kGaussianGroups>;
 using GaussianMoments = std::array<AdamMoments, kGaussianGroups>;
 
-/// Step t, from 1. A group whose rate is 0 keeps its values and moments.
-void step_gaussians(const Exec& exec, std::int64_t t, const GroupRates& rates, const CloudGradients& gradients,
-                    GaussianCloud& cloud, GaussianMoments& moments);
+struct GaussianStep {
+  std::int64_t number;  // from 1
+  GroupRates rates;
+};
+
+/// A group whose rate is 0 keeps its values and moments.
+void step_gaussians(const Exec& exec, const GaussianStep& step, const CloudGradients& gradients, GaussianCloud& cloud,
+                    GaussianMoments& moments);
 
 }  // namespace ngs

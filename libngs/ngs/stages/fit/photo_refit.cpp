@@ -25,13 +25,14 @@ double mean_psnr_db(const Exec& exec, const Problem& input, const GaussianCloud&
   return views.empty() ? 0 : sum / double(views.size());
 }
 
-void refit_to_photos(const Exec& exec, Monitor& monitor, const RefitOptions& options,
-                     const Problem& input, const std::vector<std::size_t>& views,
-                     const std::vector<std::uint8_t>& moves, GaussianCloud& cloud) {
+void refit_to_photos(const Exec& exec, Monitor& monitor, const RefitOptions& options, const RefitInputs& in,
+                     GaussianCloud& cloud) {
+  const Problem& input = in.problem;
+  const std::vector<std::size_t>& views = in.views;
   const double extent = scene_extent(cameras_of(input.scene, views));
   const std::int64_t steps = std::int64_t(options.epochs) * std::int64_t(views.size());
-  std::vector<std::uint8_t> still(moves.size());
-  for (std::size_t i = 0; i < still.size(); ++i) still[i] = !moves[i];
+  std::vector<std::uint8_t> still(in.moves.size());
+  for (std::size_t i = 0; i < still.size(); ++i) still[i] = !in.moves[i];
   SplatPass pass(input.splat);
   PhotometricPass<float> photometric;
   CloudGradients gradients;
@@ -44,7 +45,7 @@ void refit_to_photos(const Exec& exec, Monitor& monitor, const RefitOptions& opt
       RenderRequest request;
       request.background = input.background;
       const RenderedView& rendered = pass.forward(exec, cloud, input.scene.views[v].camera, request);
-      photometric.evaluate(exec, {}, rendered.colour, input.load_photo(v), nullptr, &image.colour);
+      photometric.evaluate(exec, {}, {rendered.colour, input.load_photo(v)}, &image.colour);
       pass.backward(exec, image, gradients);
       clear_shapes(still, gradients);
       const double decay = std::pow(options.decay, double(step) / double(steps));
@@ -52,7 +53,7 @@ void refit_to_photos(const Exec& exec, Monitor& monitor, const RefitOptions& opt
       GroupRates rates{options.position_lr * extent, options.rotation_lr, options.scale_lr,
                        options.opacity_lr,           options.dc_lr,       options.rest_lr};
       for (double& rate : rates) rate *= decay;
-      step_gaussians(exec, step, rates, gradients, cloud, moments);
+      step_gaussians(exec, {step, rates}, gradients, cloud, moments);
       monitor.progress(step, steps);
     }
 }

@@ -16,10 +16,15 @@ struct RefitOptions {
 double mean_psnr_db(const Exec& exec, const Problem& input, const GaussianCloud& cloud,
                     const std::vector<std::size_t>& views);
 
-/// Steps over `views` (each with a photo) in an order that depends on input.seed. Colours of all rows are trained,
-/// geometry and opacity where `moves` [N] is not 0. Rows whose opacity is too small to be drawn stay as they are.
-void refit_to_photos(const Exec& exec, Monitor& monitor, const RefitOptions& options, const Problem& input,
-                     const std::vector<std::size_t>& views, const std::vector<std::uint8_t>& moves,
+struct RefitInputs {
+  const Problem& problem;
+  const std::vector<std::size_t>& views;   // of its scene, each with a photo
+  const std::vector<std::uint8_t>& moves;  // [N] 1: geometry and opacity are trained as well
+};
+
+/// Steps over the views in an order that depends on the problem's seed. Colours of all rows are trained. Rows whose opacity is
+/// too small to be drawn stay as they are.
+void refit_to_photos(const Exec& exec, Monitor& monitor, const RefitOptions& options, const RefitInputs& in,
                      GaussianCloud& cloud);
 
 }  // namespace ngs

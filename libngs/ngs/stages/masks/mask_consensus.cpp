@@ -114,6 +114,36 @@ std::vector<std::uint8_t> certain(const std::vector<std::uint8_t>& side, const C
   return out;
 }
 
+/// Pixels [x0, x1) x [y0, y1); may reach beyond the image.
+struct PixelRange {
+  int x0, y0, x1, y1;
+};
+
+/// Distance of every pixel of one side from the other.
+struct SideDepth {
+  std::vector<std::int32_t> depth;
+  int width_px, height_px;
+
+  std::int32_t& at(int x, int y) { return depth[std::size_t(y) * std::size_t(width_px) + std::size_t(x)]; }
+  PixelRange inside(PixelRange r) const {
+    return {std::max(0, r.x0), std::max(0, r.y0), std::min(width_px, r.x1), std::min(height_px, r.y1)};
+  }
+  /// The first of the deepest pixels; false: there is none.
+  bool find_deepest(const PixelRange& among, PromptPoint& point) {
+    const PixelRange r = inside(among);
+    std::int32_t deepest = 0;
+    for (int y = r.y0; y < r.y1; ++y)
+      for (int x = r.x0; x < r.x1; ++x)
+        if (at(x, y) > deepest) deepest = at(x, y), point.x = x, point.y = y;
+    return deepest > 0;
+  }
+  void clear(const PixelRange& range) {
+    const PixelRange r = inside(range);
+    for (int y = r.y0; y < r.y1; ++y)
+      for (int x = r.x0; x < r.x1; ++x) at(x, y) = 0;
+  }
+};
+
 std::vector<std::uint8_t> marked(const std::vector<PixelHint>& hints, const auto& wanted) {
   std::vector<std::uint8_t> mask(hints.size());
   for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = wanted(hints[p]);
@@ -142,7 +172,7 @@ Lifted lift_mask(const Exec& exec, const GaussianCloud& cloud, const Camera& cam
   masks.width_px = camera.width_px, masks.height_px = camera.height_px, masks.available = true;
   masks.target.emplace_back(mask.begin(), mask.end());
   Evidence evidence(cloud.size(), 1);
-  add_view_evidence(exec, cloud, camera, splat, masks, evidence);
+  add_view_evidence(exec, cloud, {camera, masks}, splat, evidence);
   Lifted lifted(cloud.size());
   for (std::size_t i = 0; i < lifted.weight.size(); ++i)
     if (evidence.weight.value(i) >= kLeastMeanWeight * double(evidence.pixels[i]))
@@ -169,10 +199,10 @@ ObjectPlace object_place(const GaussianCloud& cloud, const Lifted& lifted) {
   return place;
 }
 
-Consensus render_consensus(const Exec& exec, const GaussianCloud& cloud, const Lifted& lifted,
-                           const ObjectPlace& place, const Camera& camera, const SplatOptions& splat) {
+Consensus render_consensus(const Exec& exec, const LiftedModel& model, const Camera& camera, const SplatOptions& splat) {
+  const GaussianCloud& cloud = model.cloud;
   const auto n = std::size_t(cloud.size());
-  const std::vector<float> channels = shares(exec, cloud, lifted, place);
+  const std::vector<float> channels = shares(exec, cloud, model.lifted, model.place);
   RenderRequest request;
   request.colour = false;
   request.label = {channels.data(), cloud.size(), 2};
@@ -260,25 +290,16 @@ std::vector<PromptPoint> prompt_points(const ViewPrompt& prompt, int most) {
   std::vector<PromptPoint> points;
   for (const bool object : {true, false}) {
     const PixelHint side = object ? PixelHint::kObject : PixelHint::kBackground;
-    auto depth = chessboard_distance(plane_of(marked(prompt.hint, [&](PixelHint h) { return h == side; }),
-                                              prompt.width_px, prompt.height_px));
-    const auto usable = [&](int x, int y) {
-      return object ||
-             (x >= box[0] - reach && x < box[2] + reach && y >= box[1] - reach && y < box[3] + reach);
-    };
+    SideDepth side_depth{chessboard_distance(plane_of(marked(prompt.hint, [&](PixelHint h) { return h == side; }),
+                                                           prompt.width_px, prompt.height_px)),
+                              prompt.width_px, prompt.height_px};
+    const PixelRange near_object{box[0] - reach, box[1] - reach, box[2] + reach, box[3] + reach};
+    const PixelRange everywhere{0, 0, prompt.width_px, prompt.height_px};
     for (int found = 0; found < most; ++found) {
-      std::int32_t deepest = 0;
       PromptPoint best{0, 0, object};
-      for (int y = 0; y < prompt.height_px; ++y)
-        for (int x = 0; x < prompt.width_px; ++x) {
-          const std::int32_t d = depth[std::size_t(y) * std::size_t(prompt.width_px) + std::size_t(x)];
-          if (d > deepest && usable(x, y)) deepest = d, best.x = x, best.y = y;
-        }
-      if (deepest == 0) break;
+      if (!side_depth.find_deepest(object ? everywhere : near_object, best)) break;
       points.push_back(best);
-      for (int y = std::max(0, best.y - reach); y < std::min(prompt.height_px, best.y + reach + 1); ++y)
-        for (int x = std::max(0, best.x - reach); x < std::min(prompt.width_px, best.x + reach + 1); ++x)
-          depth[std::size_t(y) * std::size_t(prompt.width_px) + std::size_t(x)] = 0;
+      side_depth.clear({best.x - reach, best.y - reach, best.x + reach + 1, best.y + reach + 1});
     }
   }
   return points;

@@ -54,8 +54,14 @@ struct Consensus {
   std::vector<float> alone;          // [H·W] opacity of the object without what stands before it
 };
 
-Consensus render_consensus(const Exec& exec, const GaussianCloud& cloud, const Lifted& lifted,
-                           const ObjectPlace& place, const Camera& camera, const SplatOptions& splat);
+/// A model, what the masks say of it, and where its object is.
+struct LiftedModel {
+  const GaussianCloud& cloud;
+  const Lifted& lifted;
+  const ObjectPlace& place;
+};
+
+Consensus render_consensus(const Exec& exec, const LiftedModel& model, const Camera& camera, const SplatOptions& splat);
 
 /// Hints: certain where at least half is known and the contour of the consensus is farther than `band_px`
 /// (chessboard distance), or, within thinner parts of a clear consensus, in their middle; elsewhere the

@@ -88,7 +88,7 @@ class Spreader {
     const bool is_reference = view == in_.reference;
     if (!lifted_mask_[view].empty()) all_.remove(lift(view));
     const PixelMask before = std::exchange(lifted_mask_[view], {});
-    const Consensus consensus = render_consensus(exec_, in_.cloud, all_.value(), place_, in_.camera[view], in_.splat);
+    const Consensus consensus = render_consensus(exec_, {in_.cloud, all_.value(), place_}, in_.camera[view], in_.splat);
     ViewPrompt prompt = prompt_from(consensus, band_px(in_.camera[view], pass), before);
     if (is_reference) keep_strokes(in_.prompt, prompt);
 

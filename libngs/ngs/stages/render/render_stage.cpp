@@ -75,23 +75,22 @@ ImageF LabelChannels::view(const Exec& exec, const Camera& camera, const SplatOp
   return std::move(render(exec, cloud_, camera, splat, request).label);
 }
 
-RenderedView render_labelled(const Exec& exec, const GaussianCloud& cloud,
-                             const std::vector<LabelColumns>& objects, const Camera& camera,
-                             const SplatOptions& splat, Vec3<float> background, bool amodal) {
-  const std::size_t k_count = objects.size();
+RenderedView render_labelled(const Exec& exec, const LabelledModel& model, const Camera& camera,
+                             const LabelledRequest& request) {
+  const auto& [cloud, objects] = model;
   const std::vector<float> label = label_matrix(objects, std::size_t(cloud.size()));
-  RenderRequest request;
-  request.depth = true;
-  request.background = background;
-  if (k_count > 0) request.label = {label.data(), cloud.size(), int(k_count)};
-  RenderedView view = render(exec, cloud, camera, splat, request);
-  if (amodal) show_objects_alone(exec, cloud, objects, camera, splat, view);
+  RenderRequest wanted;
+  wanted.depth = true;
+  wanted.background = request.background;
+  if (!objects.empty()) wanted.label = {label.data(), cloud.size(), int(objects.size())};
+  RenderedView view = render(exec, cloud, camera, request.splat, wanted);
+  if (request.amodal) show_objects_alone(exec, model, camera, request.splat, view);
   return view;
 }
 
-void show_objects_alone(const Exec& exec, const GaussianCloud& cloud,
-                        const std::vector<LabelColumns>& objects, const Camera& camera,
-                        const SplatOptions& splat, RenderedView& view) {
+void show_objects_alone(const Exec& exec, const LabelledModel& model, const Camera& camera, const SplatOptions& splat,
+                        RenderedView& view) {
+  const auto& [cloud, objects] = model;
   const auto n = std::size_t(cloud.size());
   const std::size_t k_count = objects.size();
   for (std::size_t k = 0; k < k_count; ++k) {

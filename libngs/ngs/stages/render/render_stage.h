@@ -6,6 +6,7 @@
 #include "ngs/core/monitor.h"
 #include "ngs/ops/splat/splat.h"
 #include "ngs/options/field.h"
+#include "ngs/problem/problem.h"
 #include "ngs/scene/scene.h"
 #include "ngs/stages/render/background.h"
 
@@ -41,11 +42,16 @@ struct RenderOptions {
 /// Indices of the views that `selection` names. kUsage for a name that the scene does not have.
 std::vector<std::size_t> select_views(const Scene& scene, const std::string& selection);
 
-/// Renders the model at `camera`. Modal: label channels composited through the whole model. Amodal: per
-/// object the alpha of its own Gaussians (label > 0.5) alone.
-RenderedView render_labelled(const Exec& exec, const GaussianCloud& cloud,
-                             const std::vector<LabelColumns>& objects, const Camera& camera,
-                             const SplatOptions& splat, Vec3<float> background, bool amodal);
+/// How a labelled model is rendered. Modal: label channels composited through the whole model. Amodal: per object the alpha of
+/// its own Gaussians (label > 0.5) alone.
+struct LabelledRequest {
+  SplatOptions splat = {};
+  Vec3<float> background{0, 0, 0};
+  bool amodal = false;
+};
+
+RenderedView render_labelled(const Exec& exec, const LabelledModel& model, const Camera& camera,
+                             const LabelledRequest& request);
 
 /// The label channels alone of such modal views of one model. `cloud` must outlive it.
 class LabelChannels {
@@ -62,9 +68,8 @@ class LabelChannels {
 };
 
 /// Makes a modal view amodal: only its label channels change.
-void show_objects_alone(const Exec& exec, const GaussianCloud& cloud,
-                        const std::vector<LabelColumns>& objects, const Camera& camera,
-                        const SplatOptions& splat, RenderedView& view);
+void show_objects_alone(const Exec& exec, const LabelledModel& model, const Camera& camera, const SplatOptions& splat,
+                        RenderedView& view);
 
 /// Label map: 0 background, else the id of the object whose mask is largest and exceeds `threshold`; no ids: its index + 1.
 ImageU16 label_map(const RenderedView& view, double threshold, const std::vector<std::uint16_t>& ids = {});

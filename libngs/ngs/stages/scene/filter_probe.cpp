@@ -23,8 +23,8 @@ class Trials {
     const std::int64_t passes = std::int64_t(views_.size());
     for (const std::size_t v : views_) {
       // over the background that fits best: it is not in the PLY, and over black the largest footprints would win
-      const Camera& camera = model_.scene.views[v].camera;
-      c.psnr_db += match_photo(exec_, model_.cloud, camera, splat, model_.load_photo(v)).psnr_db / double(passes);
+      const PhotoView view{model_.scene.views[v].camera, model_.load_photo(v)};
+      c.psnr_db += match_photo(exec_, model_.cloud, view, splat).psnr_db / double(passes);
       ++done_;
       monitor_.progress(done_, passes * (done_ > passes * kUsualCandidates ? kMostCandidates : kUsualCandidates));
     }

@@ -48,17 +48,17 @@ PhotoMatch match_rendered(const RenderedView& view, const ImageF& photo) {
   return match;
 }
 
-PhotoMatch match_photo(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& splat,
-                       const ImageF& photo) {
-  return match_rendered(render(exec, cloud, camera, splat, {}), photo);
+PhotoMatch match_photo(const Exec& exec, const GaussianCloud& cloud, const PhotoView& view, const SplatOptions& splat) {
+  return match_rendered(render(exec, cloud, view.camera, splat, {}), view.photo);
 }
 
-double recoloured_gain_db(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& splat,
-                          const ImageF& photo, const PhotoMatch& match) {
+double recoloured_gain_db(const Exec& exec, const GaussianCloud& cloud, const PhotoView& view, const SplatOptions& splat,
+                          const PhotoMatch& match) {
+  const ImageF& photo = view.photo;
   const Vec3<double>& background = match.background;
   RenderRequest request;
   request.background = {float(background.x), float(background.y), float(background.z)};
-  const ImageF picture = render(exec, cloud, camera, splat, request).colour;
+  const ImageF picture = render(exec, cloud, view.camera, splat, request).colour;
   NGS_CHECK(photo.data.size() == picture.data.size(), "the photo has the camera's size");
   const double n = double(photo.pixels());
   double error = 0;

@@ -22,14 +22,19 @@ struct PhotoMatch {
 /// `view`: the model, rendered over black at the camera of `photo` and at its size.
 PhotoMatch match_rendered(const RenderedView& view, const ImageF& photo);
 
-/// The same of the model rendered here. `photo` has the camera's size.
-PhotoMatch match_photo(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
-                       const SplatOptions& splat, const ImageF& photo);
+/// A camera and its photo, of its size.
+struct PhotoView {
+  const Camera& camera;
+  const ImageF& photo;
+};
+
+/// The same of the model rendered here.
+PhotoMatch match_photo(const Exec& exec, const GaussianCloud& cloud, const PhotoView& view, const SplatOptions& splat);
 
 /// What a gain (not negative) and an offset per channel would make of the model's picture over the background of `match`: the
 /// PSNR of min over g, o of Σ (p - g q - o)², above its `constant_db`.
-double recoloured_gain_db(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& splat,
-                          const ImageF& photo, const PhotoMatch& match);
+double recoloured_gain_db(const Exec& exec, const GaussianCloud& cloud, const PhotoView& view, const SplatOptions& splat,
+                          const PhotoMatch& match);
 
 /// Median over the cameras of the share of what is in front of one that is nearer than the near plane, and so never
 /// drawn: near 1 in a world that is too small. 0: nothing is in front of any.

@@ -88,94 +88,10 @@ constexpr double kFilters[] = {0.3, 0.075};
 // A gain so far above what is demanded passes whatever the other filter would say.
 constexpr double kEnoughAbove_db = 3;
 
-/// The model as the scene says that it was fitted.
-struct Subject {
-  const GaussianCloud& cloud;
-  SplatOptions splat;
-  double enough_db;  // gain from which on the second filter is not tried
-
-  SplatOptions with_filter(double filter_px2) const {
-    SplatOptions out = splat;
-    out.blur_px2 = filter_px2;
-    return out;
-  }
-};
-
-PhotoMatch best_match(const Exec& exec, const Subject& model, const Camera& camera, const ImageF& photo) {
-  PhotoMatch best;
-  for (const double filter : kFilters) {
-    if (filter != kFilters[0] && best.gain_db() >= model.enough_db) break;
-    const PhotoMatch match = match_photo(exec, model.cloud, camera, model.with_filter(filter), photo);
-    if (filter == kFilters[0] || match.psnr_db > best.psnr_db) best = match;
-  }
-  return best;
-}
-
-/// `repair`: of the cameras; null: as they are.
-double median_gain(const Exec& exec, const Subject& model, const std::vector<Shot>& shots, const PoseRepair* repair) {
-  std::vector<double> gains;
-  for (const Shot& shot : shots)
-    gains.push_back(best_match(exec, model, repair ? repair->apply(shot.camera) : shot.camera, shot.photo).gain_db());
-  return median(gains);
-}
-
-/// The repair that makes the model fit a few of the shots; null: none does.
-const PoseRepair* find_repair(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options,
-                              const Subject& model, const std::vector<Shot>& shots) {
-  const auto timed = monitor.scope("pose repairs");
-  constexpr std::size_t kShots = 3;
-  std::vector<Shot> few;
-  for (const std::size_t i : evenly_spaced(kShots, shots.size())) few.push_back(shots[i]);
-  const PoseRepair* best = nullptr;
-  double best_gain = options.min_fit_db;
-  for (const PoseRepair& repair : pose_repairs()) {
-    const double gain = median_gain(exec, model, few, &repair);
-    if (gain > best_gain) best = &repair, best_gain = gain;
-  }
-  return best;
-}
-
-/// How well the model would fit in other colours. `views`: with the matches of the shots.
-double median_recoloured_gain(const Exec& exec, const Subject& model, const std::vector<Shot>& shots,
-                              const std::vector<ViewCheck>& views) {
-  std::vector<double> gains;
-  for (const Shot& shot : shots) {
-    double best = 0;  // a gain of zero
-    for (const double filter : kFilters)
-      best = std::max(best, recoloured_gain_db(exec, model.cloud, shot.camera, model.with_filter(filter), shot.photo,
-                                               *views[shot.view].match));
-    gains.push_back(best);
-  }
-  return median(gains);
-}
-
 std::string decibels(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.1f dB", std::round(value * 10) / 10 + 0.0);  // no "-0.0"
   return text;
-}
-
-constexpr const char* kGsplatRemedy = "by the rules of gsplat, whose near plane is nearer: --compat gsplat";
-constexpr double kSomeTooNear = 0.01;  // share of the Gaussians from which on it is worth asking
-constexpr double kGsplatGain_db = 0.5;
-
-/// What the model would explain of the photos if gsplat had fitted it, whose near plane is nearer.
-double gain_by_gsplat(const Exec& exec, Subject model, const std::vector<Shot>& shots) {
-  model.splat.compat = Compat::kGsplat;
-  return median_gain(exec, model, shots, nullptr);
-}
-
-/// What to do where the model does not fit the photos.
-std::string remedy_of(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options, const Subject& model,
-                      const std::vector<Shot>& shots, const std::vector<ViewCheck>& views) {
-  if (const PoseRepair* repair = find_repair(exec, monitor, options, model, shots))
-    return "it fits if " + repair->mistake + ": " + repair->remedy;
-  if (const double recoloured_db = median_recoloured_gain(exec, model, shots, views); recoloured_db >= options.min_fit_db)
-    return "the poses fit, the colours do not: with a gain and an offset per channel it is " + decibels(recoloured_db) +
-           " above it; give the photos that the model was trained on, or import these with --min-fit-db -100";
-  return "the model was trained on other poses, or in a world that was moved or scaled since; import the cameras it was "
-         "trained with (a splat exported by nerfstudio: with --world-transform dataparser_transforms.json, and "
-         "--original-world where transforms.json has an applied_transform)";
 }
 
 std::string percent(double share) {
@@ -184,46 +100,134 @@ std::string percent(double share) {
   return text;
 }
 
-void check_photos(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options,
-                  const GaussianCloud& cloud, const Scene& scene, const std::vector<Shot>& shots,
-                  SceneCheck& result) {
-  const Subject model{cloud, splat_options({}, cloud, scene), options.min_fit_db + kEnoughAbove_db};
-  std::vector<double> gains, psnrs;
-  {
-    const auto timed = monitor.scope("compare");
-    for (const Shot& shot : shots) {
-      const PhotoMatch match = best_match(exec, model, shot.camera, shot.photo);
-      gains.push_back(match.gain_db()), psnrs.push_back(match.psnr_db);
-      result.views[shot.view].match = match;
-      monitor.progress(std::int64_t(psnrs.size()), std::int64_t(shots.size()));
+constexpr const char* kGsplatRemedy = "by the rules of gsplat, whose near plane is nearer: --compat gsplat";
+constexpr double kSomeTooNear = 0.01;  // share of the Gaussians from which on it is worth asking
+constexpr double kGsplatGain_db = 0.5;
+
+/// A model against photos of its scene.
+class PhotoCheck {
+ public:
+  PhotoCheck(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options, const GaussianCloud& cloud,
+             const Scene& scene)
+      : exec_(exec), monitor_(monitor), options_(options), cloud_(cloud), scene_(scene),
+        splat_(splat_options({}, cloud, scene)) {}
+
+  /// Notes how well each photo is matched, and warns; throws where they are not.
+  void check(const std::vector<Shot>& shots, SceneCheck& result) {
+    std::vector<double> gains, psnrs;
+    {
+      const auto timed = monitor_.scope("compare");
+      for (const Shot& shot : shots) {
+        const PhotoMatch match = best_match({shot.camera, shot.photo});
+        gains.push_back(match.gain_db()), psnrs.push_back(match.psnr_db);
+        result.views[shot.view].match = match;
+        monitor_.progress(std::int64_t(psnrs.size()), std::int64_t(shots.size()));
+      }
     }
-  }
-  result.median_fit_db = median(gains), result.median_psnr_db = median(psnrs);
-  std::vector<Camera> cameras;
-  for (const Shot& shot : shots) cameras.push_back(shot.camera);
-  const double too_near = share_too_near(cloud, cameras, scene.compat);
-  if (result.median_fit_db >= options.min_fit_db) {
+    result.median_fit_db = median(gains), result.median_psnr_db = median(psnrs);
+    std::vector<Camera> cameras;
+    for (const Shot& shot : shots) cameras.push_back(shot.camera);
+    const double too_near = share_too_near(cloud_, cameras, scene_.compat);
+    if (!(result.median_fit_db >= options_.min_fit_db)) refuse(shots, too_near, result);
     for (std::size_t i = 0; i < shots.size(); ++i)
-      if (gains[i] < options.min_fit_db)
-        result.warnings.push_back("view " + scene.views[shots[i].view].camera.name +
+      if (gains[i] < options_.min_fit_db)
+        result.warnings.push_back("view " + scene_.views[shots[i].view].camera.name +
                                   ": the model explains its photo only " + decibels(gains[i]) +
                                   " better than a constant colour (" + decibels(psnrs[i]) + ")");
-    if (scene.compat == Compat::kInria && too_near > kSomeTooNear)
-      if (const double more_db = gain_by_gsplat(exec, model, shots) - result.median_fit_db; more_db > kGsplatGain_db)
-        result.warnings.push_back("the model explains the photos " + decibels(more_db) + " better " + kGsplatRemedy);
-    return;
+    if (scene_.compat != Compat::kInria || !(too_near > kSomeTooNear)) return;
+    if (const double more_db = gain_by_gsplat(shots) - result.median_fit_db; more_db > kGsplatGain_db)
+      result.warnings.push_back("the model explains the photos " + decibels(more_db) + " better " + kGsplatRemedy);
   }
-  const auto remedy = [&]() -> std::string {
-    if (!(too_near > kTooNear)) return remedy_of(exec, monitor, options, model, shots, result.views);
-    return gain_by_gsplat(exec, model, shots) >= options.min_fit_db ? std::string("it fits ") + kGsplatRemedy : kTooNearRemedy;
-  };
-  throw Error(ErrorCode::kInconsistent,
-              "cameras and model: rendered views match the photos " + decibels(result.median_psnr_db) + ", " +
-                  decibels(result.median_fit_db) + " above a constant colour (" +
-                  percent(result.median_inside) + " of the Gaussians in view), expected at least " +
-                  decibels(options.min_fit_db) + " above it",
-              remedy());
-}
+
+ private:
+  SplatOptions with_filter(double filter_px2) const {
+    SplatOptions out = splat_;
+    out.blur_px2 = filter_px2;
+    return out;
+  }
+
+  PhotoMatch best_match(const PhotoView& view) const {
+    PhotoMatch best;
+    for (const double filter : kFilters) {
+      if (filter != kFilters[0] && best.gain_db() >= options_.min_fit_db + kEnoughAbove_db) break;
+      const PhotoMatch match = match_photo(exec_, cloud_, view, with_filter(filter));
+      if (filter == kFilters[0] || match.psnr_db > best.psnr_db) best = match;
+    }
+    return best;
+  }
+
+  /// `repair`: of the cameras; null: as they are.
+  double median_gain(const std::vector<Shot>& shots, const PoseRepair* repair) const {
+    std::vector<double> gains;
+    for (const Shot& shot : shots)
+      gains.push_back(best_match({repair ? repair->apply(shot.camera) : shot.camera, shot.photo}).gain_db());
+    return median(gains);
+  }
+
+  /// What the model would explain of the photos if gsplat had fitted it, whose near plane is nearer.
+  double gain_by_gsplat(const std::vector<Shot>& shots) const {
+    PhotoCheck other = *this;
+    other.splat_.compat = Compat::kGsplat;
+    return other.median_gain(shots, nullptr);
+  }
+
+  /// The repair that makes the model fit a few of the shots; null: none does.
+  const PoseRepair* find_repair(const std::vector<Shot>& shots) {
+    const auto timed = monitor_.scope("pose repairs");
+    constexpr std::size_t kShots = 3;
+    std::vector<Shot> few;
+    for (const std::size_t i : evenly_spaced(kShots, shots.size())) few.push_back(shots[i]);
+    const PoseRepair* best = nullptr;
+    double best_gain = options_.min_fit_db;
+    for (const PoseRepair& repair : pose_repairs()) {
+      const double gain = median_gain(few, &repair);
+      if (gain > best_gain) best = &repair, best_gain = gain;
+    }
+    return best;
+  }
+
+  /// How well the model would fit in other colours. `views`: with the matches of the shots.
+  double median_recoloured_gain(const std::vector<Shot>& shots, const std::vector<ViewCheck>& views) const {
+    std::vector<double> gains;
+    for (const Shot& shot : shots) {
+      double best = 0;  // a gain of zero
+      for (const double filter : kFilters)
+        best = std::max(best, recoloured_gain_db(exec_, cloud_, {shot.camera, shot.photo}, with_filter(filter),
+                                                 *views[shot.view].match));
+      gains.push_back(best);
+    }
+    return median(gains);
+  }
+
+  /// What to do where the model does not fit the photos.
+  std::string remedy(const std::vector<Shot>& shots, double too_near, const std::vector<ViewCheck>& views) {
+    if (too_near > kTooNear)
+      return gain_by_gsplat(shots) >= options_.min_fit_db ? std::string("it fits ") + kGsplatRemedy : kTooNearRemedy;
+    if (const PoseRepair* repair = find_repair(shots))
+      return "it fits if " + repair->mistake + ": " + repair->remedy;
+    if (const double recoloured_db = median_recoloured_gain(shots, views); recoloured_db >= options_.min_fit_db)
+      return "the poses fit, the colours do not: with a gain and an offset per channel it is " + decibels(recoloured_db) +
+             " above it; give the photos that the model was trained on, or import these with --min-fit-db -100";
+    return "the model was trained on other poses, or in a world that was moved or scaled since; import the cameras it was "
+           "trained with (a splat exported by nerfstudio: with --world-transform dataparser_transforms.json, and "
+           "--original-world where transforms.json has an applied_transform)";
+  }
+
+  [[noreturn]] void refuse(const std::vector<Shot>& shots, double too_near, const SceneCheck& result) {
+    throw Error(ErrorCode::kInconsistent,
+                "cameras and model: rendered views match the photos " + decibels(result.median_psnr_db) + ", " +
+                    decibels(result.median_fit_db) + " above a constant colour (" + percent(result.median_inside) +
+                    " of the Gaussians in view), expected at least " + decibels(options_.min_fit_db) + " above it",
+                remedy(shots, too_near, result.views));
+  }
+
+  const Exec& exec_;
+  Monitor& monitor_;
+  const SceneCheckOptions& options_;
+  const GaussianCloud& cloud_;
+  const Scene& scene_;
+  SplatOptions splat_;  // as the scene says that the model was fitted
+};
 
 void check_inside_only(const SceneCheck& result) {
   if (result.median_inside >= kLowestInside) return;
@@ -235,9 +239,10 @@ void check_inside_only(const SceneCheck& result) {
       "mistake is found by itself");
 }
 
-void check_cloud(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options,
-                 const GaussianCloud& cloud, const Scene& scene, const SceneLoaders& loaders,
+void check_cloud(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options, const SceneCheckInputs& in,
                  SceneCheck& result) {
+  const GaussianCloud& cloud = *in.cloud;
+  const Scene& scene = in.scene;
   const std::vector<std::int64_t> sample = sample_usable(cloud, scene.model_path);
   result.sampled_gaussians = std::int64_t(sample.size());
   {
@@ -251,11 +256,11 @@ void check_cloud(const Exec& exec, Monitor& monitor, const SceneCheckOptions& op
   std::vector<double> inside;
   for (const ViewCheck& view : result.views) inside.push_back(view.inside);
   result.median_inside = median(inside);
-  const std::vector<Shot> shots = take_shots(monitor, options, scene, loaders);
+  const std::vector<Shot> shots = take_shots(monitor, options, scene, in.loaders);
   if (shots.empty())
     check_inside_only(result);
   else
-    check_photos(exec, monitor, options, cloud, scene, shots, result);
+    PhotoCheck(exec, monitor, options, cloud, scene).check(shots, result);
 }
 
 }  // namespace
@@ -268,11 +273,11 @@ std::vector<std::size_t> evenly_spaced(std::size_t count, std::size_t n) {
 }
 
 SceneCheck check_scene(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options,
-                       const GaussianCloud* cloud, const Scene& scene, const SceneLoaders& loaders) {
+                       const SceneCheckInputs& in) {
   SceneCheck result;
-  result.views.resize(scene.views.size());
-  if (cloud != nullptr) check_cloud(exec, monitor, options, *cloud, scene, loaders, result);
-  check_masks(monitor, scene, loaders, result);
+  result.views.resize(in.scene.views.size());
+  if (in.cloud != nullptr) check_cloud(exec, monitor, options, in, result);
+  check_masks(monitor, in.scene, in.loaders, result);
   return result;
 }
 

@@ -34,9 +34,13 @@ struct SceneCheckOptions {
   }
 };
 
-/// `cloud` may be null (a scene before its model is fitted): then only masks are checked.
-SceneCheck check_scene(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options,
-                       const GaussianCloud* cloud, const Scene& scene, const SceneLoaders& loaders);
+struct SceneCheckInputs {
+  const GaussianCloud* cloud;  // null (a scene before its model is fitted): only masks are checked
+  const Scene& scene;
+  const SceneLoaders& loaders;
+};
+
+SceneCheck check_scene(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options, const SceneCheckInputs& in);
 
 /// `count` evenly spaced indices below n, the middle of each of `count` equal parts.
 std::vector<std::size_t> evenly_spaced(std::size_t count, std::size_t n);

@@ -192,8 +192,8 @@ MaskNoise parse_mask_noise(std::span<const std::string> specs, NoiseOf of) {
   return noise;
 }
 
-ImageU16 disturb_labels(const Exec& exec, const ImageU16& labels, const MaskNoise& noise, std::uint32_t only_id,
-                        int view, std::uint64_t seed) {
+ImageU16 disturb_labels(const Exec& exec, const ImageU16& labels, const MaskNoise& noise, const MaskDraw& draw) {
+  const auto& [only_id, view, seed] = draw;
   ImageU16 result = labels;
   swap_and_drop(result, noise, view, seed);
   if (only_id > 0)

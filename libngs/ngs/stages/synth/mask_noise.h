@@ -28,10 +28,16 @@ enum class NoiseOf : std::uint8_t { kLabelMaps, kOneObject };
 /// where there is one object only.
 MaskNoise parse_mask_noise(std::span<const std::string> specs, NoiseOf of = NoiseOf::kLabelMaps);
 
-/// Erroneous copy of an exact label map. With `only_id` > 0 the result is binary: 1 where the disturbed mask of
-/// that object is, and growing or blobs then also run over other objects, as separately made masks do.
-ImageU16 disturb_labels(const Exec& exec, const ImageU16& labels, const MaskNoise& noise, std::uint32_t only_id,
-                        int view, std::uint64_t seed);
+/// Which mask is drawn. With `only_id` > 0 it is binary: 1 where the disturbed mask of that object is, and growing or blobs
+/// then also run over other objects, as separately made masks do.
+struct MaskDraw {
+  std::uint32_t only_id;
+  int view;
+  std::uint64_t seed;
+};
+
+/// Erroneous copy of an exact label map.
+ImageU16 disturb_labels(const Exec& exec, const ImageU16& labels, const MaskNoise& noise, const MaskDraw& draw);
 
 /// What a share of the views gets instead of its own mask: [views] the index of the view whose mask it gets, its own
 /// or, where `wrong`, another's; -1 where it gets none. Exactly round(share · views) of each kind, chosen by seed.

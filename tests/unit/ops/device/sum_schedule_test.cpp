@@ -33,7 +33,7 @@ TEST_CASE("interleaved chunks cover every row once, and read neighbouring rows a
 }
 
 TEST_CASE("sums and minima of a device schedule are those of all rows") {
-  test::HostLauncher grid;
+  test::HostLauncher launcher;
   for (const std::int64_t n : kSizes)
     for (const int columns : {1, 3}) {
       CAPTURE(n);
@@ -43,27 +43,27 @@ TEST_CASE("sums and minima of a device schedule are those of all rows") {
         value.push_back(float(i % 1013) - 500.f);  // sums are whole numbers
         want[std::size_t(i % columns)] += double(value.back());
       }
-      const DeviceBuffer<test::HostLauncher, float> on_grid(grid, value);
-      CHECK(ordered_sums(grid, static_cast<const float*>(on_grid.data()), n, columns) == want);
+      const DeviceBuffer<test::HostLauncher, float> on_device(launcher, value);
+      CHECK(ordered_sums(launcher, static_cast<const float*>(on_device.data()), n, columns) == want);
     }
 }
 
 TEST_CASE("the first value that is not finite is found by a device schedule wherever it lies") {
-  test::HostLauncher grid;
+  test::HostLauncher launcher;
   for (const std::int64_t n : kSizes)
     for (const std::int64_t bad : {std::int64_t(0), n / 3, n / 2, n - 1}) {
       CAPTURE(n);
       CAPTURE(bad);
       std::vector<float> value(std::size_t(n), 1.f);
       const auto first = [&] {
-        const DeviceBuffer<test::HostLauncher, float> on_grid(grid, value);
-        return first_unusable_on_grid(grid, on_grid.data(), n, 100.f);
+        const DeviceBuffer<test::HostLauncher, float> on_device(launcher, value);
+        return first_unusable_on_device(launcher, on_device.data(), n, 100.f);
       };
       CHECK(first() == -1);
       std::fill(value.begin() + bad, value.end(), 101.f);
       CHECK(first() == bad);
     }
-  CHECK(first_unusable_on_grid(grid, nullptr, 0, 1.f) == -1);
+  CHECK(first_unusable_on_device(launcher, nullptr, 0, 1.f) == -1);
 }
 
 }  // namespace ngs

@@ -18,11 +18,11 @@ TEST_CASE("more than 2^32 entries of tiles are refused on a device before any me
     c.logit_opacity[i] = 3;
   }
   const auto entries_of = [&](std::int64_t gaussians) {  // each reaches all of the 2000 x 2000 tiles
-    test::HostLauncher grid;
+    test::HostLauncher launcher;
     const test::SplatArrays<float> arrays(c);
     CloudView<float> cloud = arrays.cloud();
     cloud.size = gaussians;
-    const TileBins<test::HostLauncher> bins(grid, view_projector<float>(c.camera, {}), cloud, c.camera.width_px, c.camera.height_px);
+    const TileBins<test::HostLauncher> bins(launcher, view_projector<float>(c.camera, {}), cloud);
     return bins.pairs();
   };
   CHECK(entries_of(1) == 2000 * 2000);

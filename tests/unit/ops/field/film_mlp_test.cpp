@@ -73,8 +73,7 @@ TEST_CASE("film mlp: the packed network agrees with the same source in double") 
     test::Random random(4);
     const auto gd = random.uniform_vector<float>(std::size_t(n), -1, 1),
                gc = random.uniform_vector<float>(std::size_t(n) * 3, -1, 1);
-    FilmMlpGradients grads;
-    mlp.backward({}, net.store, net.inputs(), out, gd, gc, grads);
+    const FilmMlpGradients grads = mlp.backward({}, net.store, net.inputs(), out, {gd, gc});
 
     const auto wide = [](const std::vector<float>& v) { return std::vector<double>(v.begin(), v.end()); };
     const auto params = wide({net.store.values.begin() + std::ptrdiff_t(net.offset), net.store.values.end()});
@@ -115,12 +114,11 @@ TEST_CASE("film mlp gives the same bytes for 1 and 7 threads, gradients included
   const auto gd = random.uniform_vector<float>(5000, -1, 1), gc = random.uniform_vector<float>(15000, -1, 1);
   const FilmMlp mlp(a.config, a.offset, 0.1);
   FilmMlpOutput out_a, out_b;
-  FilmMlpGradients grads_a, grads_b;
   Exec one, seven;
   seven.threads = 7;
   mlp.forward(one, a.store, a.inputs(), out_a), mlp.forward(seven, b.store, b.inputs(), out_b);
-  mlp.backward(one, a.store, a.inputs(), out_a, gd, gc, grads_a),
-      mlp.backward(seven, b.store, b.inputs(), out_b, gd, gc, grads_b);
+  const FilmMlpGradients grads_a = mlp.backward(one, a.store, a.inputs(), out_a, {gd, gc}),
+                         grads_b = mlp.backward(seven, b.store, b.inputs(), out_b, {gd, gc});
   CHECK(out_a.density == out_b.density);
   CHECK(out_a.rgb == out_b.rgb);
   CHECK(grads_a.feature == grads_b.feature);
@@ -131,10 +129,9 @@ TEST_CASE("film mlp gives the same bytes for 1 and 7 threads, gradients included
 TEST_CASE("film mlp of no queries is empty") {
   Net net({}, 0, 7);
   FilmMlpOutput out;
-  FilmMlpGradients grads;
   const FilmMlp mlp(net.config, net.offset, 1);
   mlp.forward({}, net.store, net.inputs(), out);
-  mlp.backward({}, net.store, net.inputs(), out, {}, {}, grads);
+  mlp.backward({}, net.store, net.inputs(), out, {{}, {}});
   CHECK(out.density.empty());
   CHECK(net.store.grads == std::vector<float>(net.store.grads.size(), 0.f));
 }

@@ -40,7 +40,7 @@ TEST_CASE("a ray direction is a unit vector whose cosine turns distance into dep
   test::Random random(2);
   const Camera c = test::camera_around(random, 3);
   double cosine;
-  const Vec3<double> d = ray_direction(c.rotation, c.fx, c.fy, c.cx, c.cy, 13.25, 71.5, cosine);
+  const Vec3<double> d = ray_direction(c.rotation, (13.25 - c.cx) / c.fx, (71.5 - c.cy) / c.fy, cosine);
   CHECK(dot(d, d) == doctest::Approx(1).epsilon(1e-14));
   CHECK((c.rotation * d).z == doctest::Approx(cosine).epsilon(1e-14));
 }

@@ -122,7 +122,7 @@ TEST_CASE("the node range of a pixel misses no node that reads it") {
                              pixel_grid({3.2, 0, 3.9, 5}, 5, 9, GridNodes::kCentres)};
   for (const PixelGrid& g : grids)
     for (int pixel = 0; pixel < 9; ++pixel) {
-      const NodeRange range = nodes_near(g.first_x, g.step_x, g.cols, 9, pixel, 1.0);
+      const NodeRange range = nodes_near({g.first_x, g.step_x, g.cols}, 9, pixel, 1.0);
       for (int col = 0; col < g.cols; ++col)
         if (bilinear_weight(g.x(col), 9, pixel) > 0) CHECK((col >= range.first && col <= range.last));
     }

@@ -48,7 +48,7 @@ TEST_CASE("volume: a very thin medium keeps its alpha and its gradient") {
   CHECK(o.alpha[0] == 1e-9f);  // as 1 - exp(-τ) this would be 0
   VolumeGradients g;
   const float density = 1e-9f, rgb[] = {1, 1, 1}, spacing = 1;
-  volume_backward({}, {1, &density, rgb, &spacing, 1, {0, 0, 0}}, o, {1, 0, 0}, {0}, {}, g);
+  volume_backward({}, {1, &density, rgb, &spacing, 1, {0, 0, 0}}, o, {{1, 0, 0}, {0}, {}}, g);
   CHECK(g.density[0] == 1);
 }
 
@@ -58,7 +58,7 @@ TEST_CASE("volume: no rays and no samples are defined") {
   CHECK(o.colour == std::vector<float>(3, 0.5f));
   CHECK(o.alpha[0] == 0);
   VolumeGradients g;
-  volume_backward({}, {0, nullptr, nullptr, nullptr, 1, {}}, o, {1, 1, 1}, {1}, {}, g);
+  volume_backward({}, {0, nullptr, nullptr, nullptr, 1, {}}, o, {{1, 1, 1}, {1}, {}}, g);
   CHECK(g.density.empty());
 }
 

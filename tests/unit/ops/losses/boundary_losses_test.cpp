@@ -108,7 +108,7 @@ TEST_CASE("loss_align: no nodes or none active give zero and leave gradients alo
   CHECK(loss.total == 0);
   ImageF grad_colour(40, 30, 3, 1.f), grad_alpha(40, 30, 1, 1.f);
   AlignFieldGradients field;
-  loss_align_backward({}, {}, in, loss, context, 1, field, grad_colour, grad_alpha);
+  loss_align_backward({}, {}, in, context, {1, field, grad_colour, grad_alpha});
   CHECK(grad_colour.data == std::vector<float>(3600, 1.f));
   CHECK(field.colour == std::vector<float>(144, 0.f));
   const std::vector<float> empty;
@@ -120,11 +120,11 @@ TEST_CASE("loss_align: the library's gradient is that of its loss and does not d
   AlignScene s(5);
   AlignContext context;
   const AlignOptions options{.weight_alpha = 0.5, .weight_variance = 0.3};
-  const AlignLoss loss = loss_align({}, options, s.inputs(), context);
+  loss_align({}, options, s.inputs(), context);
   ImageF gc1(40, 30, 3), ga1(40, 30, 1), gc7(40, 30, 3), ga7(40, 30, 1);
   AlignFieldGradients f1, f7;
-  loss_align_backward(threads(1), options, s.inputs(), loss, context, 2, f1, gc1, ga1);
-  loss_align_backward(threads(7), options, s.inputs(), loss, context, 2, f7, gc7, ga7);
+  loss_align_backward(threads(1), options, s.inputs(), context, {2, f1, gc1, ga1});
+  loss_align_backward(threads(7), options, s.inputs(), context, {2, f7, gc7, ga7});
   CHECK(gc1.data == gc7.data);
   CHECK(ga1.data == ga7.data);
   CHECK(f1.colour == f7.colour);
@@ -145,13 +145,13 @@ TEST_CASE("loss_align: the library's gradient is that of its loss and does not d
 TEST_CASE("density weights are sigmoids of the interpolated optical depth inside the box and 0.5 outside") {
   const PixelBox box{2, 1, 6, 5};
   const PixelGrid grid = pixel_grid(box, 2, 2, GridNodes::kCentres);  // nodes at x 3, 5 and y 2, 4
-  const ImageF w = density_weights({}, 8, 6, grid, box, {0, 4, 0, 4});
+  const ImageF w = density_weights({}, 8, 6, {grid, box, {0, 4, 0, 4}});
   CHECK(w.at(0, 0) == 0.5f);
   CHECK(w.at(7, 3) == 0.5f);
   CHECK(w.at(2, 2) == 0.5f);  // x 2.5: left of the first node, D = 0
   CHECK(double(w.at(3, 2)) == doctest::Approx(1 / (1 + std::exp(-1.0))));  // x 3.5: a quarter of the way
   CHECK(double(w.at(5, 3)) == doctest::Approx(1 / (1 + std::exp(-4.0))));
-  CHECK(density_weights({}, 3, 2, {}, {}, {}).data == std::vector<float>(6, 0.5f));
+  CHECK(density_weights({}, 3, 2, {{}, {}, {}}).data == std::vector<float>(6, 0.5f));
 }
 
 TEST_CASE("loss_mask: cross-entropy has its closed values and stays finite at the ends") {
@@ -228,13 +228,13 @@ TEST_CASE("loss_cont: constant colours cost nothing, one step costs its square")
   const KnnGraph graph = nearest_others({}, {points.data(), 3}, 1);  // 0 -> 1, 1 -> 0, 2 -> 1
   const std::vector<float> same(9, 0.4f), step{0, 0, 0, 0.5f, 0, 0, 0.5f, 0, 0};
   std::vector<float> g;
-  CHECK(loss_cont({}, graph, {same.data(), 3}, {}, 1, &g) == 0);
+  CHECK(loss_cont({}, {graph, {same.data(), 3}}, 1, &g) == 0);
   CHECK(g == std::vector<float>(9, 0.f));
-  CHECK(loss_cont({}, graph, {step.data(), 3}, {}, 1, &g) == doctest::Approx(2 * 0.25 / 3));
+  CHECK(loss_cont({}, {graph, {step.data(), 3}}, 1, &g) == doctest::Approx(2 * 0.25 / 3));
   CHECK(double(g[0]) == doctest::Approx(-2.0 * 2 * 0.5 / 3));
   CHECK(g[6] == 0);
   const KnnGraph lonely = nearest_others({}, {points.data(), 1}, 1);
-  CHECK(loss_cont({}, lonely, {step.data(), 1}, {}, 1, &g) == 0);
+  CHECK(loss_cont({}, {lonely, {step.data(), 1}}, 1, &g) == 0);
 }
 
 TEST_CASE("loss_cont gives the same bytes for 1 and 7 threads") {
@@ -243,8 +243,8 @@ TEST_CASE("loss_cont gives the same bytes for 1 and 7 threads") {
              colour = random.uniform_vector<float>(3000, 0, 1);
   const KnnGraph graph = nearest_others({}, {points.data(), 1000}, 8);
   std::vector<float> a, b;
-  CHECK(loss_cont(threads(1), graph, {colour.data(), 1000}, {}, 1, &a) ==
-        loss_cont(threads(7), graph, {colour.data(), 1000}, {}, 1, &b));
+  CHECK(loss_cont(threads(1), {graph, {colour.data(), 1000}}, 1, &a) ==
+        loss_cont(threads(7), {graph, {colour.data(), 1000}}, 1, &b));
   CHECK(a == b);
 }
 
@@ -275,9 +275,9 @@ TEST_CASE("loss_smooth estimates the squared gradient of a linear field without 
       moved_colour[i * 3 + c] = moved[i * 3] + 2 * moved[i * 3 + 1] - 2 * moved[i * 3 + 2];
   SmoothnessGradients g;
   const double loss =
-      loss_smooth_backward({}, {.jitter_length = 0.1, .unit_length = 2}, colour, moved_colour, 1, g);
+      loss_smooth_backward({}, {.jitter_length = 0.1, .unit_length = 2}, {colour, moved_colour}, 1, g);
   CHECK(loss == doctest::Approx(108).epsilon(0.03));  // relative standard deviation 0.9 / sqrt(20000) = 0.6 %
-  CHECK(loss_smooth_backward({}, {}, {}, {}, 1, g) == 0);
+  CHECK(loss_smooth_backward({}, {}, {{}, {}}, 1, g) == 0);
 }
 
 }  // namespace ngs

@@ -79,7 +79,7 @@ TEST_CASE("SSIM of a flat picture far too bright stays between 0 and 1") {
     const ImageF bright = random_image(40, 40, 1, 3, level, 0), target = random_image(40, 40, 1, 3, 0.8f, 0);
     ImageF gradient(40, 40, 1);
     PhotometricPass<float> pass;
-    const auto value = pass.evaluate({}, {.dssim_weight = 1, .region = {10, 10, 30, 30}}, bright, target, nullptr, &gradient);
+    const auto value = pass.evaluate({}, {.dssim_weight = 1, .region = {10, 10, 30, 30}}, {bright, target}, &gradient);
     CHECK(value.ssim >= 0);
     CHECK(value.ssim <= 1);
     CHECK(std::all_of(gradient.data.begin(), gradient.data.end(), [](float g) { return std::isfinite(g); }));
@@ -89,7 +89,7 @@ TEST_CASE("SSIM of a flat picture far too bright stays between 0 and 1") {
 TEST_CASE("the photometric loss of an image with itself is zero and its gradient vanishes") {
   const ImageF x = random_image(20, 14, 3, 3);
   ImageF gradient;
-  const auto value = PhotometricPass<float>().evaluate({}, {}, x, x, nullptr, &gradient);
+  const auto value = PhotometricPass<float>().evaluate({}, {}, {x, x}, &gradient);
   CHECK(value.l1 == 0.0);
   CHECK(value.ssim == doctest::Approx(1.0).epsilon(1e-6));
   float worst = 0;
@@ -104,7 +104,7 @@ TEST_CASE("a region and pixel weights restrict the loss to their pixels but not 
     for (const ImageF* weight : {static_cast<const ImageF*>(nullptr), &w}) {
       ImageF gradient;
       const PhotometricOptions options{.dssim_weight = 0.3, .region = region};
-      const auto got = PhotometricPass<float>().evaluate({}, options, x, y, weight, &gradient);
+      const auto got = PhotometricPass<float>().evaluate({}, options, {x, y, weight}, &gradient);
       CHECK(std::abs(got.total - reference_loss(x, y, 0.3, weight, region).total) < 2e-6);
       if (region.empty()) continue;
       for (int py = 0; py < 27; ++py)
@@ -117,7 +117,7 @@ TEST_CASE("a region and pixel weights restrict the loss to their pixels but not 
 TEST_CASE("weights that are all zero give zero loss and zero gradient") {
   const ImageF x = random_image(8, 8, 3, 7), y = random_image(8, 8, 3, 8), w(8, 8, 1);
   ImageF gradient;
-  const auto value = PhotometricPass<float>().evaluate({}, {}, x, y, &w, &gradient);
+  const auto value = PhotometricPass<float>().evaluate({}, {}, {x, y, &w}, &gradient);
   CHECK(value.total == 0.0);
   CHECK(gradient.data == std::vector<float>(gradient.data.size(), 0.f));
 }
@@ -125,8 +125,8 @@ TEST_CASE("weights that are all zero give zero loss and zero gradient") {
 TEST_CASE("the photometric gradient has the same bytes for any thread count") {
   const ImageF x = random_image(67, 41, 3, 7), y = random_image(67, 41, 3, 8);
   ImageF one, three;
-  const auto a = PhotometricPass<float>().evaluate({.threads = 1}, {}, x, y, nullptr, &one);
-  const auto b = PhotometricPass<float>().evaluate({.threads = 3}, {}, x, y, nullptr, &three);
+  const auto a = PhotometricPass<float>().evaluate({.threads = 1}, {}, {x, y}, &one);
+  const auto b = PhotometricPass<float>().evaluate({.threads = 3}, {}, {x, y}, &three);
   CHECK(a.total == b.total);
   CHECK(one.data == three.data);
 }
@@ -139,8 +139,8 @@ TEST_CASE("a photometric pass that saw images of other sizes gives the bytes of 
     CAPTURE(size.second);
     const ImageF x = random_image(size.first, size.second, 3, 11), y = random_image(size.first, size.second, 3, 12);
     ImageF g, h;
-    CHECK(used.evaluate(serial, {}, x, y, nullptr, &g).total ==
-          PhotometricPass<float>().evaluate(serial, {}, x, y, nullptr, &h).total);
+    CHECK(used.evaluate(serial, {}, {x, y}, &g).total ==
+          PhotometricPass<float>().evaluate(serial, {}, {x, y}, &h).total);
     CHECK(g.data == h.data);
   }
 }

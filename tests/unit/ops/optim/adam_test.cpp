@@ -37,7 +37,7 @@ TEST_CASE("adam_step follows the textbook scalar recursion in double to rounding
         g[i] = rng_normal(std::uint64_t(t), RngStream::kTest, i);
         want[i].step(g[i], t, options);
       }
-      adam_step(exec, options, t, "x", x, g, m, v);
+      adam_step(exec, options, t, {"x", x, g}, {m, v});
     }
     double worst = 0;
     for (std::size_t i = 0; i < n; ++i) worst = std::max(worst, std::abs(x[i] - double(want[i].x)));
@@ -57,7 +57,7 @@ TEST_CASE("adam_step in float moves by lr per step under a constant gradient for
   double worst_step = 0;
   for (int t = 1; t <= 100000; ++t) {
     const std::vector<float> before = x;
-    adam_step(exec, options, t, "x", x, gradient, moments);
+    adam_step(exec, options, t, {"x", x, gradient}, moments);
     if (t < 1000)
       for (std::size_t i = 0; i < 4; ++i)
         worst_step = std::max(worst_step, std::abs(std::abs(double(x[i]) - before[i]) / 1e-3 - 1));
@@ -71,7 +71,7 @@ TEST_CASE("adam_step leaves values finite and unchanged under zero gradients") {
   const Exec exec;
   std::vector<float> x{1.f, -2.f, 0.f}, g(3, 0.f);
   AdamMoments moments;
-  for (int t = 1; t <= 3; ++t) adam_step(exec, {}, t, "x", x, g, moments);
+  for (int t = 1; t <= 3; ++t) adam_step(exec, {}, t, {"x", x, g}, moments);
   CHECK(x == std::vector<float>{1.f, -2.f, 0.f});
 }
 
@@ -79,7 +79,7 @@ TEST_CASE("adam_step keeps tiny gradients whose square underflows harmless") {
   const Exec exec;
   std::vector<float> x{0.f, 0.f}, g{1e-30f, -1e-22f};  // g² is 0 in float
   AdamMoments moments;
-  for (int t = 1; t <= 100; ++t) adam_step(exec, {}, t, "x", x, g, moments);
+  for (int t = 1; t <= 100; ++t) adam_step(exec, {}, t, {"x", x, g}, moments);
   for (const float value : x) CHECK(std::abs(value) < 1e-6f);
 }
 
@@ -91,7 +91,7 @@ TEST_CASE("adam_step refuses a gradient that is not finite, names its index and 
       g[at] = bad;
       AdamMoments moments;
       try {
-        adam_step(exec, {}, 1, "position", x, g, moments);
+        adam_step(exec, {}, 1, {"position", x, g}, moments);
         FAIL("no error");
       } catch (const Error& e) {
         CHECK(e.code() == ErrorCode::kNumeric);
@@ -109,8 +109,8 @@ TEST_CASE("sparse adam_step skips rows with zero gradient and steps the others l
   AdamMoments moments, dense_moments;
   moments.m.assign(6, 0.25f), moments.v.assign(6, 0.25f);
   dense_moments = moments;
-  adam_step(exec, {.sparse_columns = 2}, 5, "x", x, g, moments);
-  adam_step(exec, {}, 5, "x", dense_x, g, dense_moments);
+  adam_step(exec, {.sparse_columns = 2}, 5, {"x", x, g}, moments);
+  adam_step(exec, {}, 5, {"x", dense_x, g}, dense_moments);
   CHECK(x[0] == 1.f), CHECK(x[1] == 1.f), CHECK(x[4] == 1.f);
   CHECK(moments.m[0] == 0.25f), CHECK(moments.v[5] == 0.25f);
   CHECK(x[2] == dense_x[2]), CHECK(x[3] == dense_x[3]);
@@ -123,7 +123,7 @@ TEST_CASE("adam_step gives the same bytes for any thread count") {
     std::vector<float> x(10007), g(10007);
     for (std::size_t i = 0; i < x.size(); ++i) g[i] = float(rng_normal(3, RngStream::kTest, i));
     AdamMoments moments;
-    for (int t = 1; t <= 5; ++t) adam_step({.threads = threads}, {}, t, "x", x, g, moments);
+    for (int t = 1; t <= 5; ++t) adam_step({.threads = threads}, {}, t, {"x", x, g}, moments);
     results.push_back(x);
   }
   CHECK(results[0] == results[1]);

@@ -61,7 +61,7 @@ TEST_CASE("evidence equals a brute-force evaluation in double: counts exactly, w
       c.camera.cx += 3 * view, c.camera.fy *= 1 - 0.05 * view;
       const ViewMasks masks = two_discs(c.camera, 2.0 * view);
       add_brute_force(c, masks, want);
-      add_view_evidence({.threads = 2}, cloud, c.camera, {}, masks, got);
+      add_view_evidence({.threads = 2}, cloud, {c.camera, masks}, {}, got);
     }
     if (want.near_threshold) {
       ++scenes_at_a_threshold;
@@ -100,8 +100,8 @@ TEST_CASE("evidence of parts adds up to the evidence of the whole, bit for bit, 
     Camera camera = c.camera;
     camera.cx += view;
     const ViewMasks masks = two_discs(camera, view);
-    add_view_evidence({.threads = 1}, cloud, camera, {}, masks, part.emplace_back(60, 2));
-    add_view_evidence({.threads = 3}, cloud, camera, {}, masks, whole);
+    add_view_evidence({.threads = 1}, cloud, {camera, masks}, {}, part.emplace_back(60, 2));
+    add_view_evidence({.threads = 3}, cloud, {camera, masks}, {}, whole);
   }
   Evidence merged(60, 2);
   for (const int i : {3, 0, 4, 1, 2}) merged.add(part[std::size_t(i)]);
@@ -178,8 +178,8 @@ TEST_CASE("evidence: x86-64-v4 gives the bytes of x86-64-v3") {
     ViewMasks masks = two_discs(c.camera, 2);
     masks.target.resize(std::size_t(objects), masks.target[0]);
     Evidence a(cloud.size(), objects), b(cloud.size(), objects);
-    add_view_evidence({.isa = Isa::kV3}, cloud, c.camera, {}, masks, a);
-    add_view_evidence({.isa = best_isa()}, cloud, c.camera, {}, masks, b);
+    add_view_evidence({.isa = Isa::kV3}, cloud, {c.camera, masks}, {}, a);
+    add_view_evidence({.isa = best_isa()}, cloud, {c.camera, masks}, {}, b);
     CHECK(a.weight.whole == b.weight.whole);
     CHECK(a.weight.fraction == b.weight.fraction);
     CHECK(a.object_weight.fraction == b.object_weight.fraction);

@@ -137,8 +137,8 @@ TEST_CASE("prepared cloud: pictures and evidence keep their bits") {
                          got = render({.threads = threads}, scene.cloud, scene.camera, prepared, request);
       CHECK(std::memcmp(got.colour.data.data(), want.colour.data.data(), pixels * 3 * sizeof(float)) == 0);
       CHECK(std::memcmp(got.depth.data.data(), want.depth.data.data(), pixels * sizeof(float)) == 0);
-      const ViewSums sums = view_sums({}, scene.cloud, scene.camera, scene.options, masks),
-                     same = view_sums({.threads = threads}, scene.cloud, scene.camera, prepared, masks);
+      const ViewSums sums = view_sums({}, scene.cloud, {scene.camera, masks}, scene.options),
+                     same = view_sums({.threads = threads}, scene.cloud, {scene.camera, masks}, prepared);
       CHECK(sums.size() > 5);
       CHECK(same.row == sums.row);
       CHECK(same.sum == sums.sum);

@@ -49,7 +49,7 @@ struct ContourCase {
     double sum = 0;
     for (std::size_t v = 0; v < 4; ++v) {
       const RenderedView r =
-          render_labelled({}, result.cloud, result.labels, base->scene.views[v].camera, {}, {}, false);
+          render_labelled({}, {result.cloud, result.labels}, base->scene.views[v].camera, {});
       std::vector<std::uint8_t> a, b;
       for (std::size_t p = 0; p < r.label.data.size(); ++p)
         a.push_back(r.label.data[p] > 0.5f), b.push_back(base->masks[v].target[0][p] > 0.5f);

@@ -60,7 +60,7 @@ TEST_CASE("only Gaussians that a contour crosses count as straddling") {
   const std::vector<double>& px = across.px;
   Evidence anew(c->truth.size(), 1);
   for (const std::size_t v : input.views)
-    add_view_evidence({}, c->truth, c->scene.views[v].camera, input.splat, c->masks[v], anew);
+    add_view_evidence({}, c->truth, {c->scene.views[v].camera, c->masks[v]}, input.splat, anew);
   for (std::size_t i = 0; i < px.size(); ++i) CHECK(across.weight.value(i) == anew.weight.value(i));
   REQUIRE(across.last.gaussians == 50);
   const std::size_t first = px.size() - 50;

@@ -46,7 +46,7 @@ struct FloaterCase {
     Monitor monitor;
     const auto load = [&](std::size_t v) { return base->masks[v]; };
     base->labels =
-        label_gaussians({}, accumulate_evidence({}, monitor, base->model, base->scene, {1, 2, 3}, {}, load));
+        label_gaussians({}, accumulate_evidence({}, monitor, {base->model, base->scene, {1, 2, 3}, {}, load}));
   }
   Problem input() {
     Problem in = base->input();
@@ -184,7 +184,7 @@ TEST_CASE("a refit moves only what may move and brings back a shifted colour") {
   GaussianCloud cloud = c->model;
   const std::vector<std::size_t> views = photo_views(c->scene);
   REQUIRE(views.size() == 4);
-  refit_to_photos({}, monitor, {.epochs = 8}, in, views, moves, cloud);
+  refit_to_photos({}, monitor, {.epochs = 8}, {in, views, moves}, cloud);
   CHECK(mean_psnr_db({}, in, cloud, views) > mean_psnr_db({}, in, c->model, views) + 1);
   double moved = 0;
   for (std::size_t i = 0; i < moves.size(); ++i)

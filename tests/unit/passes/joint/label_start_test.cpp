@@ -64,7 +64,7 @@ Bar bar(const std::vector<int>& errors_px) {
   }
   Monitor monitor;
   const Problem input = b.input();
-  b.labels = label_gaussians({}, accumulate_evidence({}, monitor, b.cloud, b.scene, input.views, {}, input.load_masks));
+  b.labels = label_gaussians({}, accumulate_evidence({}, monitor, {b.cloud, b.scene, input.views, {}, input.load_masks}));
   return b;
 }
 

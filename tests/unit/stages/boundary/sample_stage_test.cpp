@@ -30,7 +30,7 @@ struct Capture {
   QueryField sample(int threads = 1) {
     Exec exec;
     exec.threads = threads;
-    return sample_queries(exec, monitor, options, tiny.cloud, boundary, scene, views, {});
+    return sample_queries(exec, monitor, options, {tiny.cloud, boundary, scene, views});
   }
 };
 
@@ -85,8 +85,8 @@ TEST_CASE("sampling and interpolation give the same bytes for any number of thre
   CHECK(a.position == b.position);
   Exec seven;
   seven.threads = 7;
-  interpolate_features({}, c.monitor, {}, c.tiny.cloud, c.boundary, a);
-  interpolate_features(seven, c.monitor, {}, c.tiny.cloud, c.boundary, b);
+  interpolate_features({}, c.monitor, {}, c.boundary, a);
+  interpolate_features(seven, c.monitor, {}, c.boundary, b);
   CHECK(a.feature == b.feature);
   CHECK(a.neighbour == b.neighbour);
 }
@@ -94,7 +94,7 @@ TEST_CASE("sampling and interpolation give the same bytes for any number of thre
 TEST_CASE("interpolation names neighbours by their rows in the model") {
   Capture c;
   QueryField field = c.sample();
-  const RbfSummary summary = interpolate_features({}, c.monitor, {}, c.tiny.cloud, c.boundary, field);
+  const RbfSummary summary = interpolate_features({}, c.monitor, {}, c.boundary, field);
   CHECK(summary.width > 0);
   REQUIRE(field.neighbours == 8);
   for (std::size_t i = 0; i < field.neighbour.size(); ++i) CHECK(c.tiny.is_object[field.neighbour[i]] == 1);
@@ -112,15 +112,15 @@ TEST_CASE("interpolation refuses bad widths, positions that are not finite and a
   for (const char* width : {"", "x", "0", "-1", "inf", "nan", "0.3m"}) {
     RbfOptions options;
     options.width = width;
-    CHECK_THROWS_AS(interpolate_features({}, c.monitor, options, c.tiny.cloud, c.boundary, field), Error);
+    CHECK_THROWS_AS(interpolate_features({}, c.monitor, options, c.boundary, field), Error);
   }
   CHECK(rbf_width({}, {.width = "0.35"}, c.boundary.positions()) == 0.35);
   QueryField bad = field;
   bad.position[7] = NAN;
-  CHECK_THROWS_AS(interpolate_features({}, c.monitor, {}, c.tiny.cloud, c.boundary, bad), Error);
+  CHECK_THROWS_AS(interpolate_features({}, c.monitor, {}, c.boundary, bad), Error);
   bad = field;
   bad.origin[0] = 1;
-  CHECK_THROWS_AS(interpolate_features({}, c.monitor, {}, c.tiny.cloud, c.boundary, bad), Error);
+  CHECK_THROWS_AS(interpolate_features({}, c.monitor, {}, c.boundary, bad), Error);
 }
 
 TEST_CASE("the defaults are the paper's where it states them") {

@@ -126,10 +126,10 @@ TEST_CASE("a mask lifted to the Gaussians renders as itself in its own view, an 
   const Lifted one = lift_mask({}, c->truth, camera, {}, mask), none(c->truth.size());
   const ObjectPlace place = object_place(c->truth, one);
   CHECK(place.centre.z == doctest::Approx(3.6).epsilon(0.05));  // the near side of the ball at z = 4
-  const Consensus seen = render_consensus({}, c->truth, one, place, camera, {});
+  const Consensus seen = render_consensus({}, {c->truth, one, place}, camera, {});
   CHECK(agreement(seen, mask) > 0.85);
   CHECK(*std::min_element(seen.known.begin(), seen.known.end()) > 0.99f);
-  const Consensus nothing = render_consensus({}, c->truth, none, place, camera, {});
+  const Consensus nothing = render_consensus({}, {c->truth, none, place}, camera, {});
   CHECK(*std::max_element(nothing.object.begin(), nothing.object.end()) == 0);
   CHECK(nothing.known[0] > 0.5f);  // the wall is beyond the reach of the ball
   CHECK(object_place(c->truth, none).reach == 0);

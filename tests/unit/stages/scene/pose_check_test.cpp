@@ -50,7 +50,7 @@ TEST_CASE("the match of a photo is that of the view rendered beforehand, with th
   CHECK(match.background.x == doctest::Approx(0.2));
   CHECK(match.background.y == doctest::Approx(0.9));
   CHECK(match.background.z == doctest::Approx(0.6));
-  const PhotoMatch own = match_photo({}, capture.c->truth, capture.camera, {}, photo);
+  const PhotoMatch own = match_photo({}, capture.c->truth, {capture.camera, photo}, {});
   CHECK(own.psnr_db == match.psnr_db);
   CHECK(own.covered == match.covered);
   CHECK_THROWS(match_rendered(capture.over({}), ImageF(7, 7, 3)));

@@ -24,7 +24,7 @@ struct Capture {
   }
   SceneCheck check(SceneCheckOptions options = {}, int threads = 1) const {
     Monitor monitor;
-    return check_scene(Exec{Device::kCpu, threads}, monitor, options, &cloud, scene, loaders());
+    return check_scene(Exec{Device::kCpu, threads}, monitor, options, {&cloud, scene, loaders()});
   }
 };
 
@@ -257,7 +257,7 @@ TEST_CASE("a model without a usable Gaussian is nothing to check") {
 TEST_CASE("a scene without a model is checked for its masks alone") {
   const Capture capture = tiny_capture();
   Monitor monitor;
-  const SceneCheck result = check_scene({}, monitor, {}, nullptr, capture.scene, capture.loaders());
+  const SceneCheck result = check_scene({}, monitor, {}, {nullptr, capture.scene, capture.loaders()});
   CHECK(result.sampled_gaussians == 0);
   CHECK(result.objects[0].views == 6);
 }
@@ -309,7 +309,7 @@ TEST_CASE("masks of held-out views are never asked for") {
     return MaskSample{capture.masks[view], {}, false};
   };
   Monitor monitor;
-  const SceneCheck result = check_scene({}, monitor, {}, &capture.cloud, capture.scene, loaders);
+  const SceneCheck result = check_scene({}, monitor, {}, {&capture.cloud, capture.scene, loaders});
   CHECK(result.objects[0].views == 5);
   CHECK_FALSE(result.views[3].masks);
 }
@@ -321,7 +321,7 @@ TEST_CASE("notes about many masks become one warning, JPEG masks one too") {
     return MaskSample{capture.masks[view], {"m" + std::to_string(view) + ": resized"}, true};
   };
   Monitor monitor;
-  const SceneCheck result = check_scene({}, monitor, {}, &capture.cloud, capture.scene, loaders);
+  const SceneCheck result = check_scene({}, monitor, {}, {&capture.cloud, capture.scene, loaders});
   REQUIRE(result.warnings.size() == 2);
   CHECK(result.warnings[0] == "6 masks: JPEG, compression moves the contours (use PNG) (first: mask)");
   CHECK(result.warnings[1] == "6 masks: resized (first: m0)");

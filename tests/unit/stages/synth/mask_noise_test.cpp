@@ -52,7 +52,7 @@ TEST_CASE("masks of one object have no ids to swap") {
 
 TEST_CASE("no noise returns the exact labels") {
   const ImageU16 exact = disc_image(32, 9);
-  CHECK(disturb_labels({}, exact, {}, 0, 3, 7).data == exact.data);
+  CHECK(disturb_labels({}, exact, {}, {0, 3, 7}).data == exact.data);
 }
 
 TEST_CASE("dilating and eroding a disc changes its area like its radius") {
@@ -60,8 +60,8 @@ TEST_CASE("dilating and eroding a disc changes its area like its radius") {
   const double pi = 3.141592653589793, r = 30;
   const ImageU16 exact = disc_image(100, r);
   for (const double px : {1.0, 2.0, 5.0}) {
-    const double grown = std::sqrt(area(disturb_labels({}, exact, {.dilate_px = px}, 0, 0, 1)) / pi) - r;
-    const double shrunk = r - std::sqrt(area(disturb_labels({}, exact, {.erode_px = px}, 0, 0, 1)) / pi);
+    const double grown = std::sqrt(area(disturb_labels({}, exact, {.dilate_px = px}, {0, 0, 1})) / pi) - r;
+    const double shrunk = r - std::sqrt(area(disturb_labels({}, exact, {.erode_px = px}, {0, 0, 1})) / pi);
     CHECK(std::abs(grown - px) < 0.5);
     CHECK(std::abs(shrunk - px) < 0.5);
   }
@@ -78,7 +78,7 @@ TEST_CASE("jitter moves the contour with the stated standard deviation and keeps
     double sum = 0, squares = 0;
     const int views = 40;
     for (int view = 0; view < views; ++view) {
-      const ImageU16 moved = disturb_labels({.threads = 2}, exact, {.jitter_px = sigma}, 0, view, 5);
+      const ImageU16 moved = disturb_labels({.threads = 2}, exact, {.jitter_px = sigma}, {0, view, 5});
       for (int y = 0; y < 400; ++y) {
         double covered = 0;
         for (int x = 0; x < 120; ++x) covered += moved.at(x, y);
@@ -98,8 +98,8 @@ TEST_CASE("drop and swap happen as often as asked, per view and object") {
   int dropped = 0, swapped = 0;
   const int views = 2000;
   for (int view = 0; view < views; ++view) {
-    dropped += disturb_labels({}, exact, {.drop = 0.2}, 0, view, 1).at(0, 0) == 0;
-    swapped += disturb_labels({}, exact, {.swap = 0.2}, 0, view, 1).at(0, 0) == 2;
+    dropped += disturb_labels({}, exact, {.drop = 0.2}, {0, view, 1}).at(0, 0) == 0;
+    swapped += disturb_labels({}, exact, {.swap = 0.2}, {0, view, 1}).at(0, 0) == 2;
   }
   const double spread = 4 * std::sqrt(views * 0.25);  // four standard deviations of the widest binomial
   CHECK(std::abs(dropped - 0.2 * views) < spread);
@@ -111,7 +111,7 @@ TEST_CASE("blobs change a contour region of the object they hit and nothing else
   const ImageU16 exact = disc_image(64, 15, 3);
   int added = 0, removed = 0, untouched = 0;
   for (int view = 0; view < 200; ++view) {
-    const double change = area(disturb_labels({}, exact, {.blob = 0.5}, 0, view, 2), 3) - area(exact, 3);
+    const double change = area(disturb_labels({}, exact, {.blob = 0.5}, {0, view, 2}), 3) - area(exact, 3);
     (change > 0 ? added : change < 0 ? removed : untouched)++;
     CHECK(std::abs(change) <= 3.2 * 0.45 * 0.45 * 15 * 15);
   }
@@ -123,17 +123,17 @@ TEST_CASE("blobs change a contour region of the object they hit and nothing else
 TEST_CASE("a separately made mask grows over its neighbour, a label map does not") {
   ImageU16 exact(10, 1, 1);
   for (int x = 0; x < 10; ++x) exact.at(x, 0) = std::uint16_t(x < 5 ? 1 : 2);
-  CHECK(area(disturb_labels({}, exact, {.dilate_px = 2}, 1, 0, 1)) == 7);
-  CHECK(disturb_labels({}, exact, {.dilate_px = 2}, 0, 0, 1).data == exact.data);
+  CHECK(area(disturb_labels({}, exact, {.dilate_px = 2}, {1, 0, 1})) == 7);
+  CHECK(disturb_labels({}, exact, {.dilate_px = 2}, {0, 0, 1}).data == exact.data);
 }
 
 TEST_CASE("mask noise depends on seed and view, and not on the thread count") {
   const ImageU16 exact = disc_image(80, 25);
   const MaskNoise noise = noise_of("jitter:2,blob:1,erode:1");
-  const ImageU16 a = disturb_labels({.threads = 1}, exact, noise, 0, 4, 9);
-  CHECK(a.data == disturb_labels({.threads = 3}, exact, noise, 0, 4, 9).data);
-  CHECK(a.data != disturb_labels({}, exact, noise, 0, 5, 9).data);
-  CHECK(a.data != disturb_labels({}, exact, noise, 0, 4, 10).data);
+  const ImageU16 a = disturb_labels({.threads = 1}, exact, noise, {0, 4, 9});
+  CHECK(a.data == disturb_labels({.threads = 3}, exact, noise, {0, 4, 9}).data);
+  CHECK(a.data != disturb_labels({}, exact, noise, {0, 5, 9}).data);
+  CHECK(a.data != disturb_labels({}, exact, noise, {0, 4, 10}).data);
 }
 
 TEST_CASE("view_fates leaves out and exchanges exactly the asked shares, by seed alone") {
