@@ -1,6 +1,7 @@
 #include "ngs/scene/boundary_set.h"
 
 #include "ngs/core/check.h"
+#include "ngs/scene/mask_threshold.h"
 
 namespace ngs {
 
@@ -9,7 +10,7 @@ BoundarySet boundary_set(const GaussianCloud& cloud, const std::vector<float>& b
   constexpr float kConstantBand = 0.28209479177387814f;  // Y_00
   BoundarySet set;
   for (std::size_t i = 0; i < boundary.size(); ++i) {
-    if (!(boundary[i] >= 0.5f) || !cloud.usable[i]) continue;
+    if (!is_set(boundary[i]) || !cloud.usable[i]) continue;
     set.row.push_back(std::uint32_t(i));
     for (std::size_t c = 0; c < 3; ++c) {
       set.position.push_back(cloud.position[i * 3 + c]);
