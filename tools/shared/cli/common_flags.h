@@ -48,7 +48,7 @@ struct CommonFlags {
     visit(self.threads, Field<int>{"threads", "", "else NGS_THREADS or all", 1, 4096}.letter('j'));
     visit(self.device, Choice<DeviceChoice>{"device", "where to compute", kDevices});
     visit(self.seed, Field<std::uint64_t>{"seed", "", "of every random choice", 0, UINT64_MAX});
-    visit(self.dry_run, Flag{"dry_run", "say the plan, do nothing"}.letter('n'));
+    visit(self.dry_run, Flag{"dry_run", "say the plan and stop"}.letter('n'));
     visit(self.overwrite, Flag{"overwrite", "replace what exists"}.letter('w'));
     visit(self.allow_empty, Flag{"allow_empty", "an empty result is fine"});
     visit(self.options_file, Text{"options", "FILE.json", "options; flags win"});
@@ -56,7 +56,7 @@ struct CommonFlags {
     visit(self.print_schema, Text{"print_schema", "[report]", "of options or report"});
     visit(self.report_path, Text{"report", "FILE", "else it is on stdout"});
     visit(self.quiet, Flag{"quiet", "errors only"}.letter('q'));
-    visit(self.verbose, Flag{"verbose", "more on stderr"}.letter('v'));
+    visit(self.verbose, Flag{"verbose", "more, also in --help"}.letter('v'));
     visit(self.log_level, Choice<LogLevel>{"log_level", "", kLogLevels});
     visit(self.log_format, Choice<LogFormat>{"log_format", "of stderr", kLogFormats});
     visit(self.print_commands, Flag{"print_commands", kForScripts});

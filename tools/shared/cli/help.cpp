@@ -104,21 +104,31 @@ std::vector<Part> parts_of(const OptionSet& options, bool basic_only) {
   return parts;
 }
 
-std::string option_rows(const std::vector<Part>& parts, int width) {
-  std::string text;
-  for (const Part& part : parts) {
-    text += "\n" + part.title + (text.empty() ? " [default; range]:\n" : ":\n");
-    for (const OptionEntry* entry : part.entries) text += option_row(*entry, width);
-  }
-  return text;
+/// "TITLE: --flag --flag", and further lines indented.
+std::string flag_list(const std::string& title, const std::vector<const OptionEntry*>& entries, const Margins& margins) {
+  std::string flags;
+  for (const OptionEntry* entry : entries) flags += " " + option_flag(entry->name);
+  return wrapped(title + ":", flags, margins) + "\n";
 }
 
 /// The flags alone, for a tool that has many and says of none that it is basic.
 std::string option_list(const std::vector<Part>& parts, int width) {
-  std::string flags;
-  for (const Part& part : parts)
-    for (const OptionEntry* entry : part.entries) flags += " " + option_flag(entry->name);
-  return "\n" + wrapped("options:", flags, {2, width}) + "\n";
+  std::vector<const OptionEntry*> all;
+  for (const Part& part : parts) all.insert(all.end(), part.entries.begin(), part.entries.end());
+  return "\n" + flag_list("options", all, {2, width});
+}
+
+std::string option_rows(const std::vector<Part>& parts, int width, bool verbose) {
+  std::string text, named;
+  for (const Part& part : parts) {
+    if (!verbose && part.entries.front()->group->expert) {
+      named += flag_list("  " + part.title, part.entries, {4, width});
+      continue;
+    }
+    text += "\n" + part.title + (text.empty() ? " [default; range]:\n" : ":\n");
+    for (const OptionEntry* entry : part.entries) text += option_row(*entry, width);
+  }
+  return text + (named.empty() ? "" : "\nfor experts, explained by --help -v:\n" + named);
 }
 
 /// Who would listen to the options that are not shown.
@@ -213,15 +223,16 @@ std::string short_help_text(const Spec& spec, int width) {
   std::vector<Part> parts = parts_of(spec.options, true);
   if (parts.empty()) parts = parts_of(spec.options, false);
   if (parts.empty()) return head + tail;
-  std::string text = head + option_rows(parts, width) + tail;
+  std::string text = head + option_rows(parts, width, true) + tail;
   if (std::ranges::count(text, '\n') > kShortHelpLines) text = head + option_list(parts, width) + tail;
   return text;
 }
 
-std::string help_text(const Spec& spec, int width) {
+std::string help_text(const Spec& spec, int width, bool verbose) {
   std::string text = examples_and_usage(spec, width) + inputs_and_outputs(spec, width);
-  text += option_rows(parts_of(spec.options, false), width) + other_listeners(spec.options, width);
-  for (const std::string& paragraph : spec.help_texts) text += "\n" + rewrapped(paragraph, width);
+  text += option_rows(parts_of(spec.options, false), width, verbose) + other_listeners(spec.options, width);
+  for (const std::string& paragraph : spec.help_texts)
+    if (verbose) text += "\n" + rewrapped(paragraph, width);
   text += "\nflags of all tools:\n" + common_rows(width);
   return text + "\n" + wrapped("exit codes:", kExitCodeHelp, {2, width}) + "\n";
 }
