@@ -6,8 +6,8 @@
 #
 # What stands between two marks of a page is written by this script, 100 columns wide:
 #
-#   <!-- help -->                   --help of the tool and of each of its commands
-#   <!-- help: --method cob -->     what --method cob --help says more than --help
+#   <!-- help -->                   --help -v of the tool and of each of its commands
+#   <!-- help: --method cob -->     what --method cob --help -v says more than --help -v
 #   <!-- help: common -->           in DIR/README.md: what all tools have in common, which the pages leave out
 #   <!-- /help -->                  the end of each
 #
@@ -28,7 +28,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 # help_of TOOL ARGUMENTS...: wherever it is called, the same.
-help_of() { COLUMNS=100 LC_ALL=C "${bin:+$bin/}$1" "${@:2}" --help < /dev/null; }
+help_of() { COLUMNS=100 LC_ALL=C "${bin:+$bin/}$1" "${@:2}" --help -v < /dev/null; }
 # The paragraphs of a help text that say the same of every tool.
 common_part() { awk 'BEGIN { RS = ""; ORS = "\n\n" } tolower($0) ~ /^(common|flags of all tools|exit codes)/'; }
 # beyond FILE...: the paragraphs that, letter by letter, none of the files has.

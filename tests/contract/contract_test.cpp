@@ -57,23 +57,32 @@ Words temporaries_under(const std::string& folder) {
   return found;
 }
 
-const Json& report_schema(const std::string& tool) {
+/// As the tool, or the command of one ("ngs-scene import"), prints it.
+const Json& schema_of(const std::string& tool, const char* kind) {
   static std::map<std::string, Json> schemas;
-  if (schemas.count(tool) == 0) {
+  Json& schema = schemas[tool + " " + kind];
+  if (schema.is_null()) {
     Json run = Json::array();
     for (std::size_t begin = 0; begin <= tool.size();
          begin = std::min(tool.find(' ', begin), tool.size()) + 1)
       run.push_back(tool.substr(begin, tool.find(' ', begin) - begin));
-    run.push_back("--print-schema"), run.push_back("report");
-    schemas[tool] = Json::parse(test::run_process(command(run)).out);
+    run.push_back("--print-schema"), run.push_back(kind);
+    schema = Json::parse(test::run_process(command(run)).out);
   }
-  return schemas[tool];
+  return schema;
 }
 
 void check_report(const std::string& text) {
   const Json report = Json::parse(text, nullptr, false);
   REQUIRE_MESSAGE(!report.is_discarded(), "the report is not JSON: ", text);
-  CHECK(test::schema_violations(report_schema(report.value("tool", "ngs-probe")), report) == "");
+  const std::string tool = report.value("tool", "ngs-probe");
+  const auto options = [&](const std::string& reference) {
+    std::string file = "../options/" + tool + ".schema.json";
+    std::replace(file.begin(), file.end(), ' ', '-');
+    CHECK(reference == file);
+    return schema_of(tool, "options");
+  };
+  CHECK(test::schema_violations(schema_of(tool, "report"), report, options) == "");
 }
 
 struct Prepared {
@@ -109,6 +118,10 @@ void check_result(const Prepared& prepared, const Words& argv, const ProcessResu
   CHECK(result.exit_code == spec["exit"].get<int>());
   check_texts(spec.value("stdout_contains", Json::array()), result.out);
   check_texts(spec.value("stderr_contains", Json::array()), result.err);
+  for (const std::string& part : words(spec.value("stdout_lacks", Json::array()))) {
+    INFO("unexpected part: " << part << "\nin: " << result.out.substr(0, 2000));
+    CHECK(result.out.find(part) == result.out.npos);
+  }
   if (spec.contains("stdout")) CHECK(result.out == spec["stdout"].get<std::string>());
   if (spec.contains("stderr")) CHECK(result.err == spec["stderr"].get<std::string>());
   for (const std::string& path : words(spec.value("absent", Json::array()))) CHECK_FALSE(fs::exists(path));
@@ -211,6 +224,7 @@ ProcessResult run_case(const Json& raw) {
   spec.signal = signal_number(prepared.spec.value("signal", ""));
   spec.signal_after = prepared.spec.value("signal_after", "");
   spec.closed_stdout = prepared.spec.value("closed_stdout", false);
+  spec.err_is_terminal = prepared.spec.value("err_is_terminal", false);
   for (const std::string& path : outputs_of(spec.argv))
     if (fs::exists(path)) prepared.before.insert(path);
   const ProcessResult result = test::run_process(spec);

@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <sys/wait.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -17,14 +18,26 @@ constexpr double kLimitS = 60;
 
 struct Pipe {
   int read_end = -1, write_end = -1;
-  Pipe() {
+  explicit Pipe(bool is_terminal = false) { is_terminal ? open_terminal() : open_pipe(); }
+  ~Pipe() { close_read(), close_write(); }
+  void close_read() { read_end = read_end >= 0 ? (close(read_end), -1) : -1; }
+  void close_write() { write_end = write_end >= 0 ? (close(write_end), -1) : -1; }
+
+ private:
+  void open_pipe() {
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("pipe failed");
     read_end = ends[0], write_end = ends[1];
   }
-  ~Pipe() { close_read(), close_write(); }
-  void close_read() { read_end = read_end >= 0 ? (close(read_end), -1) : -1; }
-  void close_write() { write_end = write_end >= 0 ? (close(write_end), -1) : -1; }
+  void open_terminal() {
+    read_end = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+    if (read_end < 0 || grantpt(read_end) != 0 || unlockpt(read_end) != 0) throw std::runtime_error("posix_openpt failed");
+    write_end = open(ptsname(read_end), O_RDWR | O_NOCTTY | O_CLOEXEC);
+    termios mode{};
+    if (write_end < 0 || tcgetattr(write_end, &mode) != 0) throw std::runtime_error("the terminal cannot be opened");
+    cfmakeraw(&mode);
+    tcsetattr(write_end, TCSANOW, &mode);
+  }
 };
 
 [[noreturn]] void become(const ProcessSpec& spec, const Pipe& in, const Pipe& out, const Pipe& err) {
@@ -53,7 +66,7 @@ bool drain(int descriptor, std::string& text) {
 ProcessResult run_process(const ProcessSpec& spec) {
   using Clock = std::chrono::steady_clock;
   signal(SIGPIPE, SIG_IGN);  // a program that does not read its stdin must not end the test
-  Pipe in, out, err;
+  Pipe in, out, err(spec.err_is_terminal);
   // The child must not run the handlers of the test framework between fork and exec.
   sigset_t all, before;
   sigfillset(&all);

@@ -14,7 +14,8 @@ struct ProcessSpec {
   int signal = 0;  // sent once stderr holds `signal_after`, or after `signal_after_ms`
   std::string signal_after;
   int signal_after_ms = -1;
-  bool closed_stdout = false;  // nobody reads stdout
+  bool closed_stdout = false;    // nobody reads stdout
+  bool err_is_terminal = false;  // stderr is a terminal that passes on what it is given, byte by byte
 };
 
 struct ProcessResult {

@@ -1,16 +1,27 @@
 #include "support/schema_check.h"
 
+#include <memory>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
 #include <valijson/schema.hpp>
 #include <valijson/schema_parser.hpp>
 #include <valijson/validator.hpp>
 
+#include "support/source_tree.h"
+
 namespace ngs::test {
 
-std::string schema_violations(const nlohmann::json& schema, const nlohmann::json& document) {
+nlohmann::json committed_schema(const std::string& reference) {
+  return nlohmann::json::parse(read_bytes(NGS_SOURCE_DIR "/data-schema/report/" + reference));
+}
+
+std::string schema_violations(const nlohmann::json& schema, const nlohmann::json& document, const SchemaSource& source) {
   using Adapter = valijson::adapters::NlohmannJsonAdapter;
+  const auto fetch = [&](const std::string& reference) {
+    return std::make_unique<nlohmann::json>(source(reference)).release();
+  };
+  const auto release = [](const nlohmann::json* fetched) { std::default_delete<const nlohmann::json>()(fetched); };
   valijson::Schema compiled;
-  valijson::SchemaParser().populateSchema(Adapter(schema), compiled);
+  valijson::SchemaParser().populateSchema(Adapter(schema), compiled, fetch, release);
   valijson::ValidationResults results;
   if (valijson::Validator().validate(compiled, Adapter(document), &results)) return {};
   std::string text;

@@ -9,10 +9,13 @@ void Options::declare(cli::Tool& tool) {
     return OptionGroup{.title = std::move(title),
                        .effect = std::move(effect),
                        .listens = [this] { return runs_passes(); },
-                       .listener = "--method ngs"};
+                       .listener = "--method ngs",
+                       .expert = true};
   };
+  OptionGroup of_steps = group("steps: time, target, checkpoints");
+  of_steps.expert = false;
   tool.options(choice, {.title = "method", .basic = true});
-  tool.options(steps, group("steps: time, target, checkpoints"));
+  tool.options(steps, of_steps);
   tool.options(training.joint, group("joint: losses and rates of Eq. 20"));
   pipeline.declare(tool.option_set(), group(""));
   tool.options(training.sample, group("nerf: query points", "nerf"));

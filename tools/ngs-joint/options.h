@@ -66,7 +66,9 @@ struct Options {
   void declare(cli::Tool& tool);
   /// Once the command line is read.
   void settle(Monitor& monitor);
-  bool runs_passes() const { return choice.method == Method::kNgs || choice.method == Method::kNgGs; }
+  bool runs_passes() const {
+    return choice.method == Method::kNgs || choice.method == Method::kNgGs || choice.method == Method::kPaper;
+  }
 };
 
 /// The options that change a result, as one line of JSON.

@@ -9,6 +9,7 @@
 #include "ngs/core/error.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/image/image_file.h"
+#include "ngs/scene/mask_threshold.h"
 #include "ngs/stages/render/render_options.h"
 #include "planes.h"
 
@@ -121,9 +122,9 @@ ImageF side_picture(const io::GaussianPly& ply, const LabelColumns& labels, int 
     const double x = cell(i, across), y = cell(i, down);
     if (!(x >= 0 && y >= 0 && x < kSidePx && y < kSidePx)) continue;
     const std::size_t at = std::size_t(y) * kSidePx + std::size_t(x);
-    if (labels.boundary[i] > 0.5f)
+    if (is_set(labels.boundary[i]))
       boundary[at] += 1;
-    else if (labels.label[i] > 0.5f)
+    else if (label_says_object(labels.label[i]))
       object[at] += 1;
   }
   ImageF picture(kSidePx, kSidePx, 3, 0.08f);
@@ -149,7 +150,7 @@ std::array<std::array<double, 2>, 3> range_of(const io::GaussianPly& ply, const 
   for (std::size_t axis = 0; axis < 3; ++axis) {
     std::vector<float> along;
     for (std::size_t i = 0; i < labels.boundary.size(); ++i)
-      if (labels.boundary[i] > 0.5f && std::isfinite(ply.cloud.position[3 * i + axis]))
+      if (is_set(labels.boundary[i]) && std::isfinite(ply.cloud.position[3 * i + axis]))
         along.push_back(ply.cloud.position[3 * i + axis]);
     if (along.size() < 2) return {};
     std::sort(along.begin(), along.end());
@@ -196,8 +197,8 @@ std::string boundary_section(RunFolder& run, Pictures& pictures) {
     const auto range = range_of(ply, labels);
     if (!(range[0][1] > range[0][0])) return {};
     boundary =
-        std::count_if(labels.boundary.begin(), labels.boundary.end(), [](float b) { return b > 0.5f; });
-    object = std::count_if(labels.label.begin(), labels.label.end(), [](float l) { return l > 0.5f; });
+        std::ranges::count_if(labels.boundary, is_set);
+    object = std::ranges::count_if(labels.label, label_says_object);
     for (const int axis : {0, 1, 2}) {
       const std::string name = "along " + std::string(1, char('x' + axis));
       const std::string figure =

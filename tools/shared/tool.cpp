@@ -78,7 +78,7 @@ namespace {
 /// True if the command line asked for a text instead of a run.
 bool print_text(const Spec& spec, const CommonFlags& flags) {
   if (flags.help)
-    print(help_text(spec, terminal_columns()));
+    print(help_text(spec, terminal_columns(), flags.verbose));
   else if (flags.short_help)
     print(short_help_text(spec, terminal_columns()));
   else if (flags.version)

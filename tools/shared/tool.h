@@ -59,7 +59,7 @@ class Tool {
   const Output& optional_output_dir(std::string flags, std::string help);
   /// Where this option is set the tool writes nothing, and asks for no output, as in a dry run.
   void writes_nothing_if(const bool& option);
-  /// A paragraph of --help behind the options.
+  /// A paragraph of --help -v, behind the options.
   void help(std::string text);
   /// The body polls monitor().stop_requested(). Otherwise a signal ends the tool at once, without output.
   void stops_on_request();

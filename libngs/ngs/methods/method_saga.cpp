@@ -5,6 +5,7 @@
 #include "ngs/core/rng.h"
 #include "ngs/ops/field/knn.h"
 #include "ngs/problem/cloud_rows.h"
+#include "ngs/scene/mask_threshold.h"
 #include "ngs/stages/boundary/method_labels.h"
 #include "ngs/methods/saga_features.h"
 
@@ -21,7 +22,7 @@ std::vector<int> pixel_ids(const ViewMasks& masks, int width_px, int height_px) 
       const std::size_t p = row * std::size_t(masks.width_px) + column;
       int found = masks.known.empty() || masks.known[p] ? 0 : -1;
       for (std::size_t k = masks.target.size(); found >= 0 && k-- > 0;)
-        if (masks.target[k][p] >= 0.5f) found = int(k) + 1;
+        if (mask_says_object(masks.target[k][p])) found = int(k) + 1;
       id.push_back(found);
     }
   return id;

@@ -30,6 +30,7 @@ struct OptionGroup {
   std::function<bool()> listens = {};  // asked once all values are set: false, and nothing uses them. Empty: always
   std::string listener = {};        // who would: "--method cob"
   bool basic = false;               // what a first user needs: shown by -h too
+  bool expert = false;              // --help names them, --help -v explains them
 };
 
 struct OptionEntry {

@@ -1,6 +1,7 @@
 #include "ngs/scene/boundary_set.h"
 
 #include "ngs/core/check.h"
+#include "ngs/scene/mask_threshold.h"
 
 namespace ngs {
 
@@ -10,7 +11,7 @@ BoundarySet boundary_set(const GaussianCloud& cloud, const std::vector<float>& b
   BoundarySet set;
   set.origin = cloud.origin;
   for (std::size_t i = 0; i < boundary.size(); ++i) {
-    if (!(boundary[i] >= 0.5f) || !cloud.usable[i]) continue;
+    if (!is_set(boundary[i]) || !cloud.usable[i]) continue;
     set.row.push_back(std::uint32_t(i));
     for (std::size_t c = 0; c < 3; ++c) {
       set.position.push_back(cloud.position[i * 3 + c]);

@@ -13,11 +13,12 @@ namespace {
 
 using namespace ngs;
 
-enum class Act { kWrite, kSlowWrite, kCheckFails, kEmpty, kNumeric, kNoMemory, kBug, kPoll };
+enum class Act { kWrite, kSlowWrite, kCheckFails, kEmpty, kNumeric, kNoMemory, kBug, kPoll, kProgress, kEcho };
 constexpr NamedValue<Act> kActs[] = {{Act::kWrite, "write"},      {Act::kSlowWrite, "slow-write"},
                                      {Act::kCheckFails, "check"}, {Act::kEmpty, "empty"},
                                      {Act::kNumeric, "numeric"},  {Act::kNoMemory, "no-memory"},
-                                     {Act::kBug, "bug"},          {Act::kPoll, "poll"}};
+                                     {Act::kBug, "bug"},          {Act::kPoll, "poll"},
+                                     {Act::kProgress, "progress"}, {Act::kEcho, "echo"}};
 
 struct ProbeOptions {
   Act act = Act::kWrite;
@@ -29,12 +30,34 @@ struct ProbeOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.act, Choice<Act>{"act", "what to do", kActs});
-    visit(self.count, Field<int>{"count", "", "lines to write", 0, 1000});
-    visit(self.width, Field<double>{"line_width", "px", "written", 0, 10});
-    visit(self.fast, Flag{"fast", "written"});
+    visit(self.count, Field<int>{"count", "", "lines to write", 0, 1000}.was("lines"));
+    visit(self.width, Field<double>{"line_width", "px", "written", 0, 10}.of("wide"));
+    visit(self.fast, Flag{"fast", "written"}.was("quick"));
     visit(self.names, Text{"names", "NAME", "written"});
   }
 };
+
+struct EchoOptions {
+  int times = 1;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.times, Field<int>{"times", "", "echoes", 1, 9}.of("loud|far"));
+  }
+};
+
+/// Two stages with progress, and a warning in the first.
+void show_progress(cli::Run& run, int count) {
+  // longer than a terminal waits between two states of the line
+  const auto nap = [] { std::this_thread::sleep_for(std::chrono::milliseconds(120)); };
+  for (const char* stage : {"work", "rest"}) {
+    const auto timed = run.monitor().scope(stage);
+    nap(), run.monitor().progress(1, count);
+    if (stage == std::string_view("rest")) break;
+    run.monitor().warn("half of it");
+    nap(), run.monitor().progress(2, count);
+  }
+}
 
 int act(cli::Run& run, const ProbeOptions& options, const std::string& path) {
   const auto nap = [] { std::this_thread::sleep_for(std::chrono::milliseconds(20)); };
@@ -42,6 +65,7 @@ int act(cli::Run& run, const ProbeOptions& options, const std::string& path) {
   if (options.act == Act::kNumeric) throw Error(ErrorCode::kNumeric, "row 3: nan, expected finite");
   if (options.act == Act::kNoMemory) throw std::bad_alloc();
   if (options.act == Act::kBug) throw std::logic_error("probe");
+  if (options.act == Act::kProgress) show_progress(run, options.count);
   while (options.act == Act::kPoll && !run.monitor().stop_requested()) nap();
   if (options.act == Act::kPoll) return run.stop_code();
   io::AtomicFile file(path);
@@ -61,12 +85,18 @@ int main(int argc, char** argv) {
   cli::Tool tool("ngs-probe", "Do what a test asks.",
                  {"ngs-probe in.txt -o out.txt", "ngs-probe in.txt -o out.txt --count 5"});
   ProbeOptions options;
+  EchoOptions echo;
   tool.options(options);
+  tool.options(echo, {.title = "echo",
+                      .prefix = "echo_",
+                      .listens = [&options] { return options.act == Act::kEcho; },
+                      .listener = "--act echo"});
   const cli::Input& in = tool.input("text", "any file");
   const cli::Input& more = tool.optional_input("--more", "any file or folder");
   const cli::Output& out = tool.output("-o,--output", "lines");
   if (argc > 1 && std::string(argv[argc - 1]) == "--act=poll") tool.stops_on_request();
   return tool.run(argc, argv, [&](cli::Run& run) {
+    run.warn_unused([](std::string_view effect) { return effect == "far"; });
     run.result()["input"] = in.path;
     run.result()["more"] = more.path;
     if (run.dry_run()) {

@@ -1,6 +1,6 @@
 #pragma once
 // The flags that every tool has. Declared once, as options are: the parser, --help and the schema of the report read this
-// list. A flag without help is for scripts and not shown.
+// list.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -18,6 +18,8 @@ inline constexpr NamedValue<LogLevel> kLogLevels[] = {
 inline constexpr NamedValue<LogFormat> kLogFormats[] = {{LogFormat::kText, "text"}, {LogFormat::kJson, "json"}};
 inline constexpr NamedValue<DeviceChoice> kDevices[] = {
     {DeviceChoice::kCpu, "cpu"}, {DeviceChoice::kCuda, "cuda"}, {DeviceChoice::kAuto, "auto"}};
+
+inline constexpr const char* kForScripts = "for scripts";  // not shown by --help
 
 struct CommonFlags {
   bool short_help = false, help = false, version = false, json = false;
@@ -39,25 +41,25 @@ struct CommonFlags {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.short_help, Flag{"h", "the help a first user needs"});
+    visit(self.short_help, Flag{"h", "short help"});
     visit(self.help, Flag{"help", "this text"});
-    visit(self.version, Flag{"version", "and how it was built"});
+    visit(self.version, Flag{"version", "version and build"});
     visit(self.json, Flag{"json", "with --version: as JSON"});
-    visit(self.threads, Field<int>{"threads", "", "else NGS_THREADS, SLURM_CPUS_PER_TASK, all CPUs", 1, 4096}.letter('j'));
+    visit(self.threads, Field<int>{"threads", "", "else NGS_THREADS or all", 1, 4096}.letter('j'));
     visit(self.device, Choice<DeviceChoice>{"device", "where to compute", kDevices});
     visit(self.seed, Field<std::uint64_t>{"seed", "", "of every random choice", 0, UINT64_MAX});
-    visit(self.dry_run, Flag{"dry_run", "say the plan, write nothing"}.letter('n'));
-    visit(self.overwrite, Flag{"overwrite", "replace outputs that exist"}.letter('w'));
-    visit(self.allow_empty, Flag{"allow_empty", "no error if nothing is found"});
+    visit(self.dry_run, Flag{"dry_run", "say the plan and stop"}.letter('n'));
+    visit(self.overwrite, Flag{"overwrite", "replace what exists"}.letter('w'));
+    visit(self.allow_empty, Flag{"allow_empty", "an empty result is fine"});
     visit(self.options_file, Text{"options", "FILE.json", "options; flags win"});
-    visit(self.print_options, Flag{"print_options", "the resolved ones, as JSON"});
-    visit(self.print_schema, Text{"print_schema", "[report]", "of the options, or report"});
-    visit(self.report_path, Text{"report", "FILE", "the report, else on stdout"});
-    visit(self.quiet, Flag{"quiet", "only errors on stderr"}.letter('q'));
-    visit(self.verbose, Flag{"verbose", "more on stderr"}.letter('v'));
-    visit(self.log_level, Choice<LogLevel>{"log_level", "on stderr", kLogLevels});
-    visit(self.log_format, Choice<LogFormat>{"log_format", "on stderr", kLogFormats});
-    visit(self.print_commands, Flag{"print_commands", ""});
+    visit(self.print_options, Flag{"print_options", "resolved options, JSON"});
+    visit(self.print_schema, Text{"print_schema", "[report]", "of options or report"});
+    visit(self.report_path, Text{"report", "FILE", "else it is on stdout"});
+    visit(self.quiet, Flag{"quiet", "errors only"}.letter('q'));
+    visit(self.verbose, Flag{"verbose", "more, also in --help"}.letter('v'));
+    visit(self.log_level, Choice<LogLevel>{"log_level", "", kLogLevels});
+    visit(self.log_format, Choice<LogFormat>{"log_format", "of stderr", kLogFormats});
+    visit(self.print_commands, Flag{"print_commands", kForScripts});
   }
 };
 

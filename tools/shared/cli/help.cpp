@@ -104,21 +104,31 @@ std::vector<Part> parts_of(const OptionSet& options, bool basic_only) {
   return parts;
 }
 
-std::string option_rows(const std::vector<Part>& parts, int width) {
-  std::string text;
-  for (const Part& part : parts) {
-    text += "\n" + part.title + (text.empty() ? " [default; range]:\n" : ":\n");
-    for (const OptionEntry* entry : part.entries) text += option_row(*entry, width);
-  }
-  return text;
+/// "TITLE: --flag --flag", and further lines indented.
+std::string flag_list(const std::string& title, const std::vector<const OptionEntry*>& entries, const Margins& margins) {
+  std::string flags;
+  for (const OptionEntry* entry : entries) flags += " " + option_flag(entry->name);
+  return wrapped(title + ":", flags, margins) + "\n";
 }
 
 /// The flags alone, for a tool that has many and says of none that it is basic.
 std::string option_list(const std::vector<Part>& parts, int width) {
-  std::string flags;
-  for (const Part& part : parts)
-    for (const OptionEntry* entry : part.entries) flags += " " + option_flag(entry->name);
-  return "\n" + wrapped("options:", flags, {2, width}) + "\n";
+  std::vector<const OptionEntry*> all;
+  for (const Part& part : parts) all.insert(all.end(), part.entries.begin(), part.entries.end());
+  return "\n" + flag_list("options", all, {2, width});
+}
+
+std::string option_rows(const std::vector<Part>& parts, int width, bool verbose) {
+  std::string text, named;
+  for (const Part& part : parts) {
+    if (!verbose && part.entries.front()->group->expert) {
+      named += flag_list("  " + part.title, part.entries, {4, width});
+      continue;
+    }
+    text += "\n" + part.title + (text.empty() ? " [default; range]:\n" : ":\n");
+    for (const OptionEntry* entry : part.entries) text += option_row(*entry, width);
+  }
+  return text + (named.empty() ? "" : "\nfor experts, explained by --help -v:\n" + named);
 }
 
 /// Who would listen to the options that are not shown.
@@ -135,38 +145,52 @@ std::string other_listeners(const OptionSet& options, int width) {
   return "\n" + wrapped("not shown: options of", text + "; --help beside it shows them", {2, width}) + "\n";
 }
 
-/// Two in a line where there is room.
+/// Two in a line where both have room.
 std::string common_rows(int width) {
+  constexpr int kFlagColumns = 27;
   CommonFlags defaults;
   OptionSet common;
   common.add(defaults);
-  const int cell = width / 2, flag_columns = 21;
-  std::string text, line;
+  std::string text, left;
+  const auto end_line = [&](const std::string& right) {
+    text += (right.empty() ? left : in_columns(left, width / 2) + right) + "\n";
+    left.clear();
+  };
   for (const OptionEntry& entry : common.entries()) {
-    if (entry.help.empty()) continue;
-    std::string item = "  " + (entry.letter != '\0' ? std::string("-") + entry.letter + ", " : "") +
+    if (entry.help == kForScripts) continue;
+    std::string cell = "  " + (entry.letter != '\0' ? std::string("-") + entry.letter + ", " : "") +
                        option_flag(entry.name) + value_of(entry) + "  ";
-    item.append(std::size_t(std::max(0, flag_columns - columns_of(item))), ' ');
-    item += entry.help;
-    if (entry.kind == OptionKind::kChoice) item += " [" + default_of(entry) + "]";
-    if (!line.empty() && columns_of(item) <= width - cell) {
-      text += in_columns(line, cell) + item + "\n";
-      line.clear();
-      continue;
+    cell.append(std::size_t(std::max(0, kFlagColumns - columns_of(cell))), ' ');
+    const std::string help = entry.help + (entry.kind == OptionKind::kChoice ? " [" + default_of(entry) + "]" : "");
+    cell = wrapped(std::move(cell), help, {kFlagColumns, width});
+    const bool is_narrow = cell.find('\n') == cell.npos && columns_of(cell) <= width / 2;
+    if (!left.empty()) {
+      end_line(is_narrow ? cell : "");
+      if (is_narrow) continue;
     }
-    if (!line.empty()) text += line + "\n";
-    line.clear();
-    if (columns_of(item) < cell)
-      line = item;
-    else
-      text += rewrapped(item, width);
+    left = cell;
+    if (!is_narrow) end_line("");
   }
-  return text + (line.empty() ? "" : line + "\n");
+  if (!left.empty()) end_line("");
+  return text;
+}
+
+/// A command line: a flag stays with its value, and a line that goes on ends with a backslash.
+std::string example(const std::string& command, int width) {
+  const std::string kNoBreak = "\u00a0";
+  std::string text = command;
+  for (std::size_t at = text.find(" -"); at != text.npos; at = text.find(" -", at + 1)) {
+    const std::size_t blank = text.find(' ', at + 1);
+    if (blank != text.npos && text[blank + 1] != '-') text.replace(blank, 1, kNoBreak);
+  }
+  std::string lines = wrapped("  ", text, {6, width, " \\"});
+  for (std::size_t at = lines.find(kNoBreak); at != lines.npos; at = lines.find(kNoBreak)) lines.replace(at, kNoBreak.size(), " ");
+  return lines + "\n";
 }
 
 std::string examples_and_usage(const Spec& spec, int width) {
   std::string text = wrapped(spec.name + ":", spec.summary, {2, width}) + "\n\nexamples:\n";
-  for (const std::string& example : spec.examples) text += wrapped("  ", example, {6, width, " \\"}) + "\n";
+  for (const std::string& line : spec.examples) text += example(line, width);
   std::string words = "[options]";
   for (const std::string& name : spec.positional_names) words += " " + upper(name);
   for (const Inputs& list : spec.input_lists) words += " " + upper(list.name) + "...";
@@ -199,15 +223,16 @@ std::string short_help_text(const Spec& spec, int width) {
   std::vector<Part> parts = parts_of(spec.options, true);
   if (parts.empty()) parts = parts_of(spec.options, false);
   if (parts.empty()) return head + tail;
-  std::string text = head + option_rows(parts, width) + tail;
+  std::string text = head + option_rows(parts, width, true) + tail;
   if (std::ranges::count(text, '\n') > kShortHelpLines) text = head + option_list(parts, width) + tail;
   return text;
 }
 
-std::string help_text(const Spec& spec, int width) {
+std::string help_text(const Spec& spec, int width, bool verbose) {
   std::string text = examples_and_usage(spec, width) + inputs_and_outputs(spec, width);
-  text += option_rows(parts_of(spec.options, false), width) + other_listeners(spec.options, width);
-  for (const std::string& paragraph : spec.help_texts) text += "\n" + rewrapped(paragraph, width);
+  text += option_rows(parts_of(spec.options, false), width, verbose) + other_listeners(spec.options, width);
+  for (const std::string& paragraph : spec.help_texts)
+    if (verbose) text += "\n" + rewrapped(paragraph, width);
   text += "\nflags of all tools:\n" + common_rows(width);
   return text + "\n" + wrapped("exit codes:", kExitCodeHelp, {2, width}) + "\n";
 }

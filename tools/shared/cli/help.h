@@ -9,7 +9,8 @@ namespace ngs::cli {
 
 /// At most 30 lines of 100 columns: what it is, two examples, inputs and outputs, the options a first user needs.
 std::string short_help_text(const Spec& spec, int width);
-std::string help_text(const Spec& spec, int width);
+/// `verbose`: with what the tool says about itself, and what the options of experts do.
+std::string help_text(const Spec& spec, int width, bool verbose);
 /// Of a tool or, in dispatch(), of several.
 std::string version_text(const std::string& tool, bool json);
 

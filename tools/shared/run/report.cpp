@@ -36,6 +36,17 @@ Json object_schema(Json properties, const std::vector<std::string>& optional = {
           {"properties", std::move(properties)}};
 }
 
+/// What a common flag accepts, without its default, which for some means that the tool chooses.
+Json common_flag_schema(const char* name) {
+  CommonFlags flags;
+  OptionSet set;
+  set.add(flags);
+  Json schema = set.property_schema(name);
+  schema.erase("default");
+  schema.erase("maximum");  // readers of JSON differ beyond 2^53
+  return schema;
+}
+
 }  // namespace
 
 Json make_report(const ReportData& data) {
@@ -45,10 +56,8 @@ Json make_report(const ReportData& data) {
     if (!input.xxh3.empty()) record["xxh3"] = input.xxh3;
     inputs.push_back(std::move(record));
   }
-  const auto is_on = [](const bool* option) { return *option; };
-  const bool writes_nothing = std::ranges::any_of(data.spec.writes_nothing_if, is_on);
   for (const Output& output : data.spec.outputs)
-    if (output && !writes_nothing)
+    if (output && !data.spec.writes_nothing())
       outputs.push_back({{"name", output.flags.substr(output.flags.rfind('-') + 1)},
                          {"path", data.streams.given(output.path)}});
   StageNode root = data.monitor.root();
@@ -87,9 +96,10 @@ Json report_schema(const Spec& spec) {
   const auto list_of = [](Json items) { return Json{{"type", "array"}, {"items", std::move(items)}}; };
   const Json hash = {{"type", "string"}, {"pattern", "^[0-9a-f]{32}$"}};
   const Json counts = {{"type", "object"}, {"additionalProperties", {{"type", "integer"}}}};
-  Json options = spec.options.schema(spec.name + " options");
-  options.erase("$schema");
-  options["required"] = spec.options.names();
+  std::string file = spec.name + ".schema.json";
+  std::ranges::replace(file, ' ', '-');
+  // All of them: the schema of an options file allows no other, and lets any of them be absent.
+  const Json options = {{"allOf", {{{"$ref", "../options/" + file}}}}, {"minProperties", spec.options.entries().size()}};
   const Json stage = object_schema({{"name", text},
                                     {"wall_s", seconds},
                                     {"cpu_s", seconds},
@@ -100,8 +110,8 @@ Json report_schema(const Spec& spec) {
   Json report = object_schema(
       {{"tool", {{"const", spec.name}}},
        {"version", text},
-       {"options", std::move(options)},
-       {"seed", count},
+       {"options", options},
+       {"seed", common_flag_schema("seed")},
        {"inputs",
         list_of(object_schema({{"name", text}, {"path", text}, {"bytes", count}, {"xxh3", hash}}, {"xxh3"}))},
        {"outputs", list_of(object_schema({{"name", text}, {"path", text}}))},
@@ -109,9 +119,9 @@ Json report_schema(const Spec& spec) {
                                  {"name", text},
                                  {"reason", text},
                                  {"fast_atomics", {{"type", "boolean"}}}})},
-       {"threads", {{"type", "integer"}, {"minimum", 1}}},
+       {"threads", common_flag_schema("threads")},
        {"isa", {{"enum", {"x86-64-v3", "x86-64-v4"}}}},
-       {"dry_run", {{"type", "boolean"}}},
+       {"dry_run", common_flag_schema("dry_run")},
        {"exit_code", {{"enum", {0, 1, 7, 130, 143}}}},
        {"stages", {{"$ref", "#/definitions/stage"}}},
        {"counts", counts},

@@ -10,6 +10,7 @@
 #include "ngs/io/image/exr.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/image/size_rule.h"
+#include "ngs/scene/mask_threshold.h"
 
 namespace ngs::io {
 namespace {
@@ -173,7 +174,7 @@ void bring_to_size(const Scene& scene, const Camera& camera, const std::string& 
   for (ImageF& target : mask.target) target = resize(target, wanted.width_px, wanted.height_px);
   if (!mask.known.empty()) mask.known = resize(mask.known, wanted.width_px, wanted.height_px);
   if (scene.mask_mode != MaskMode::kSoft) take_majority(mask.known, mask.target);
-  for (float& v : mask.known.data) v = v >= 0.5f ? 1.f : 0.f;
+  for (float& v : mask.known.data) v = is_set(v) ? 1.f : 0.f;
   out.resized = true;
   out.notes.push_back(path + ": mask of " + to_string(file) + " px brought to the camera's " +
                       to_string(wanted) + " px");

@@ -2,6 +2,7 @@
 // Mask evidence on a device: what ops/splat/evidence_tile.h sums per (Gaussian, tile) pair, and the sums per Gaussian. A thread
 // is a pixel of the traversal, then eight pixels of one Gaussian, as in ops/device/splat_backward_schedule.h.     before Eq. (3)
 #include "ngs/ops/device/tiles_schedule.h"
+#include "ngs/scene/mask_threshold.h"
 
 namespace ngs {
 
@@ -91,7 +92,7 @@ struct EvidenceTileOnDevice {
       for (int k = 0; k < K; ++k) {
         const float m = shared.mask[1 + k][at];
         sum[2 + 2 * k] = fma_lanes(weight, m, sum[2 + 2 * k]);
-        sum[3 + 2 * k] += weight > 0.f && m >= 0.5f ? 1.f : 0.f;
+        sum[3 + 2 * k] += weight > 0.f && mask_says_object(m) ? 1.f : 0.f;
       }
     }
     for (int k = 0; k < kSums; ++k) shared.segment[s][j * kSums + k] = sum[k];

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "ngs/ops/image/metrics.h"
+#include "ngs/scene/mask_threshold.h"
 #include "ngs/scene/scene.h"
 
 namespace ngs {
@@ -10,7 +11,7 @@ namespace ngs {
 /// 0/1 plane of what a mask gives to its object.
 inline std::vector<std::uint8_t> object_pixels(const std::vector<float>& target) {
   std::vector<std::uint8_t> plane(target.size());
-  for (std::size_t p = 0; p < plane.size(); ++p) plane[p] = target[p] >= 0.5f;
+  for (std::size_t p = 0; p < plane.size(); ++p) plane[p] = mask_says_object(target[p]);
   return plane;
 }
 
@@ -19,14 +20,14 @@ struct MaskPair {
   int width_px, height_px;
   std::vector<std::uint8_t> rendered, own;
 
-  /// `label` [H, W, K] as rendered: object k where it exceeds 0.5.
+  /// `label` [H, W, K] as rendered: object k where label_says_object().
   MaskPair(const ImageF& label, const ViewMasks& masks, std::size_t k)
       : width_px(masks.width_px), height_px(masks.height_px) {
     const auto channels = std::size_t(label.channels);
     for (std::size_t p = 0; p < masks.target[k].size(); ++p) {
       const bool known = masks.known.empty() || masks.known[p];
-      rendered.push_back(known && label.data[p * channels + k] > 0.5f);
-      own.push_back(known && masks.target[k][p] >= 0.5f);
+      rendered.push_back(known && label_says_object(label.data[p * channels + k]));
+      own.push_back(known && mask_says_object(masks.target[k][p]));
     }
   }
 

@@ -1,6 +1,7 @@
 #pragma once
 // The evidence kernel of one tile: what ops/splat/evidence.h sums, per (Gaussian, tile) pair.
 #include "ngs/ops/splat/splat_tiles.h"
+#include "ngs/scene/mask_threshold.h"
 
 namespace ngs {
 
@@ -39,7 +40,7 @@ struct EvidenceSink {
       L m;
       load_lanes(planes + (1 + k) * kLanes, m);
       sum.put(2 + 2 * k, fma_lanes(weight, m, sum.get(2 + 2 * k)));
-      sum.put(3 + 2 * k, sum.get(3 + 2 * k) + select((m >= L(S(0.5))) & (hit.alpha > zero), one, zero));
+      sum.put(3 + 2 * k, sum.get(3 + 2 * k) + select((m >= L(S(kHalfShare))) & (hit.alpha > zero), one, zero));
     }
   }
   void end_column(int) {

@@ -7,6 +7,7 @@
 #include "ngs/ops/image/metrics.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/scene/enlarge.h"
+#include "ngs/scene/mask_threshold.h"
 #include "ngs/stages/render/render_stage.h"
 
 namespace ngs {
@@ -41,7 +42,7 @@ double agreement(const std::vector<float>& mask, const ViewMasks& own, std::size
   std::vector<std::uint8_t> a(mask.size()), b(mask.size());
   for (std::size_t p = 0; p < mask.size(); ++p) {
     const bool known = own.known.empty() || own.known[p];
-    a[p] = known && mask[p] >= 0.5f, b[p] = known && own.target[k][p] >= 0.5f;
+    a[p] = known && mask_says_object(mask[p]), b[p] = known && mask_says_object(own.target[k][p]);
   }
   Exec serial;
   const int w = own.width_px, h = own.height_px;
@@ -62,7 +63,7 @@ std::vector<std::uint8_t> enlarged_mask(const std::vector<float>& coarse, int w,
       };
       const double top = at(x0, y0) + (u - x0) * (at(x1, y0) - at(x0, y0)),
                    bottom = at(x0, y1) + (u - x0) * (at(x1, y1) - at(x0, y1));
-      out[std::size_t(y) * std::size_t(fw) + std::size_t(x)] = top + (v - y0) * (bottom - top) >= 0.5;
+      out[std::size_t(y) * std::size_t(fw) + std::size_t(x)] = top + (v - y0) * (bottom - top) >= kHalfShare;
     }
   return out;
 }
@@ -109,9 +110,9 @@ RefinedView refine_view(const RefineSetup& setup, const LabelChannels& model, st
   std::vector<std::vector<float>> targets(objects);
   for (std::size_t k = 0; k < objects; ++k) {
     std::vector<std::uint8_t> mask(std::size_t(photo.pixels()));
-    for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = label.data[p * objects + k] > 0.5f;
+    for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = label_says_object(label.data[p * objects + k]);
     std::vector<float> refined = refine_contour(refine, {mask.data(), fw, fh}, photo);
-    for (float& x : refined) x = x > 0.5f ? 1.f : 0.f;
+    for (float& x : refined) x = label_says_object(x) ? 1.f : 0.f;
     targets[k] = reduce(refined, fw, fh, w, h);
     if (!out.compared) continue;
     out.own_contrast += contrast_of(enlarged_mask(own.target[k], w, h, fw, fh), photo);

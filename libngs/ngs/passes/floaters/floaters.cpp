@@ -7,6 +7,7 @@
 #include "ngs/math/median.h"
 #include "ngs/ops/splat/front_layer.h"
 #include "ngs/ops/field/knn.h"
+#include "ngs/scene/mask_threshold.h"
 #include "ngs/stages/boundary/leave_one_out.h"
 #include "ngs/stages/boundary/method_labels.h"
 #include "ngs/passes/components/object_core.h"
@@ -197,7 +198,7 @@ class FloaterSearch {
   static bool vetoed(const ViewMasks& masks, std::size_t p) {
     if (!masks.available || (!masks.known.empty() && !masks.known[p])) return false;
     return std::all_of(masks.target.begin(), masks.target.end(),
-                       [&](const std::vector<float>& target) { return target[p] < 0.5f; });
+                       [&](const std::vector<float>& target) { return !mask_says_object(target[p]); });
   }
 
   /// Rows of the floaters of this round, and hidden_.

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "ngs/core/error.h"
+#include "ngs/scene/mask_threshold.h"
 
 namespace ngs {
 
@@ -11,7 +12,7 @@ std::vector<float> boundary_flags(const Problem& input, bool boundary_effect) {
   std::vector<float> flags(std::size_t(input.cloud.size()), 0.f);
   for (const LabelColumns& object : input.labels)
     for (std::size_t i = 0; i < flags.size(); ++i)
-      if (boundary_effect ? object.boundary[i] >= 0.5f : object.views[i] > 0.f) flags[i] = 1.f;
+      if (boundary_effect ? is_set(object.boundary[i]) : object.views[i] > 0.f) flags[i] = 1.f;
   return flags;
 }
 

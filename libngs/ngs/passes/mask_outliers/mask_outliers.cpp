@@ -6,6 +6,7 @@
 #include "ngs/math/median.h"
 #include "ngs/ops/splat/evidence.h"
 #include "ngs/problem/view_list.h"
+#include "ngs/scene/mask_threshold.h"
 #include "ngs/stages/boundary/leave_one_out.h"
 #include "ngs/ops/image/mask_pair.h"
 
@@ -87,7 +88,7 @@ class Judge {
     for (std::size_t i = 0; i < rows; ++i) {
       label[i * (objects + 1) + objects] = rest.seen[i];
       for (std::size_t k = 0; k < objects; ++k)
-        if (rest.share[i * objects + k] > 0.5f) label[i * (objects + 1) + k] = 1.f, object[i] = 1;
+        if (label_says_object(rest.share[i * objects + k])) label[i * (objects + 1) + k] = 1.f, object[i] = 1;
     }
     RenderRequest request;
     request.colour = false;
@@ -105,7 +106,7 @@ class Judge {
     p.object.assign(channels - 1, std::vector<std::uint8_t>(pixels));
     for (std::size_t i = 0; i < pixels; ++i) {
       const float* at = &view.label.data[i * channels];
-      for (std::size_t k = 0; k + 1 < channels; ++k) p.object[k][i] = at[k] > 0.5f;
+      for (std::size_t k = 0; k + 1 < channels; ++k) p.object[k][i] = label_says_object(at[k]);
       if (seen_only) p.compared[i] = at[channels - 1] > 0.5f;
     }
     return p;

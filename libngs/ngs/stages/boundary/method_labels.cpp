@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ngs/core/check.h"
+#include "ngs/scene/mask_threshold.h"
 
 namespace ngs {
 
@@ -50,7 +51,7 @@ std::vector<LabelColumns> labels_anew(const Exec& exec, Monitor& monitor, const 
   float largest = -1;
   for (const LabelColumns& c : input.labels)
     for (std::size_t i = 0; i < c.views.size(); ++i)
-      if (c.views[i] > 0 && c.boundary[i] < 0.5f) largest = std::max(largest, c.variance[i]);
+      if (c.views[i] > 0 && !is_set(c.boundary[i])) largest = std::max(largest, c.variance[i]);
   // Just above it: the column is rounded, and what it was rounded from must not be boundary either.
   if (largest >= 0) rule.tau = std::min(double(std::nextafter(largest, 2.f)), std::nextafter(1.0, 0.0));
   const Evidence evidence =
@@ -75,7 +76,7 @@ void restore_fixed(const Problem& input, const std::vector<std::int64_t>& source
 
 double labelled_count(const LabelColumns& labels) {
   return double(
-      std::count_if(labels.label.begin(), labels.label.end(), [](float label) { return label > 0.5f; }));
+      std::ranges::count_if(labels.label, label_says_object));
 }
 
 }  // namespace ngs

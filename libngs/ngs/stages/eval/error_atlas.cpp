@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "ngs/core/check.h"
+#include "ngs/scene/mask_threshold.h"
 
 namespace ngs {
 namespace {
@@ -42,7 +43,7 @@ Renders rendered(const Exec& exec, const AtlasInput& in) {
     value[i * kChannels + kObject] = in.labels.label[i];
     value[i * kChannels + kBarely] = in.labels.views[i] <= kBarelySeenViews;
     value[i * kChannels + kBoundary] = in.labels.boundary[i];
-    object[i] = in.labels.label[i] > 0.5f, other[i] = !object[i];
+    object[i] = label_says_object(in.labels.label[i]), other[i] = !object[i];
   }
   RenderRequest request;
   request.colour = false;

@@ -8,6 +8,7 @@
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
 #include "ngs/ops/field/knn.h"
+#include "ngs/scene/mask_threshold.h"
 
 namespace ngs {
 namespace {
@@ -181,7 +182,7 @@ Extraction extract_object(const Exec& exec, const ExtractOptions& options, const
     if (!input.cloud.usable[i])
       ++out.unusable;
     else if (is_fixed(i))
-      out.object[i] = labels.label[i] >= 0.5f, ++out.fixed;
+      out.object[i] = is_set(labels.label[i]), ++out.fixed;
     else if (!is_unseen(i))
       out.object[i] = rule.inclusive ? score[i] >= rule.cut : score[i] > rule.cut;
     else

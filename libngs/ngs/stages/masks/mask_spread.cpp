@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "ngs/core/check.h"
+#include "ngs/scene/mask_threshold.h"
 
 namespace ngs {
 namespace {
@@ -96,7 +97,7 @@ class Spreader {
     for (const float known : consensus.known) out.known += double(known) / double(consensus.known.size());
     out.mask.resize(consensus.object.size());
     for (std::size_t p = 0; p < out.mask.size(); ++p)
-      out.mask[p] = consensus.object[p] > 0.5f && consensus.known[p] >= 0.5f;
+      out.mask[p] = label_says_object(consensus.object[p]) && is_set(consensus.known[p]);
     if (!is_empty(out.mask) || is_reference) {
       out.source = MaskSource::kRendered;
       if (in_.has_photo[view]) try_segmenter(view, is_reference, prompt, consensus, out);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "ngs/scene/mask_threshold.h"
 #include "ngs/scene/view_names.h"
 
 namespace ngs {
@@ -95,7 +96,7 @@ void show_objects_alone(const Exec& exec, const LabelledModel& model, const Came
   const std::size_t k_count = objects.size();
   for (std::size_t k = 0; k < k_count; ++k) {
     std::vector<std::uint8_t> mine(n);
-    for (std::size_t i = 0; i < n; ++i) mine[i] = objects[k].label[i] > 0.5f;
+    for (std::size_t i = 0; i < n; ++i) mine[i] = label_says_object(objects[k].label[i]);
     RenderRequest alone;
     alone.colour = false;
     alone.include = mine.data();
