@@ -32,7 +32,8 @@ inline GaussianCloud surface_cloud(std::int64_t n) {
       const double z = random.uniform(-1, 1), phi = random.uniform(0, 2 * std::numbers::pi), r = std::sqrt(1 - z * z);
       p[0] = float(r * std::cos(phi)), p[1] = float(r * std::sin(phi)), p[2] = float(4 + z);
     } else {
-      p[0] = float(random.uniform(-2.6, 2.6)), p[1] = float(random.uniform(-2, 2)), p[2] = float(random.uniform(6, 6.05));
+      p[0] = float(random.uniform(-2.6, 2.6)), p[1] = float(random.uniform(-2, 2)),
+      p[2] = float(random.uniform(6, 6.05));
     }
     const double size = spacing * std::exp(random.uniform(-1, 0.7)) * (i % 29 == 0 ? 4 : 1);
     for (std::size_t a = 0; a < 3; ++a) {

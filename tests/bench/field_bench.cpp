@@ -5,9 +5,9 @@
 #include "ngs/ops/field/film_mlp.h"
 #include "ngs/ops/field/hash_grid.h"
 #include "ngs/ops/field/knn.h"
-#include "ngs/ops/losses/photometric.h"
 #include "ngs/ops/field/rbf.h"
 #include "ngs/ops/field/volume.h"
+#include "ngs/ops/losses/photometric.h"
 #include "support/random.h"
 
 namespace ngs::bench {
@@ -34,7 +34,8 @@ void interpolation(benchmark::State& state) {
   const std::vector<float> points = uniform(1, 3 * kBoundary, -1, 1), queries = uniform(2, 3 * kQueries, -1, 1),
                            feature = uniform(3, 3 * kBoundary, 0, 1);
   const KnnGraph graph = nearest_points({}, {points.data(), kBoundary}, {queries.data(), kQueries}, 8);
-  const RbfProblem problem{{queries.data(), kQueries}, {points.data(), kBoundary}, {feature.data(), kBoundary, 3}, &graph, 0.1};
+  const RbfProblem problem{
+      {queries.data(), kQueries}, {points.data(), kBoundary}, {feature.data(), kBoundary, 3}, &graph, 0.1};
   RbfField field;
   for (auto unused : state) rbf_forward({}, problem, field);
   per_query(state);
@@ -66,13 +67,17 @@ struct Network {
   ParamStore store;
   std::size_t offset = add_film_mlp(store, "film", config, {});
   FilmMlp mlp{config, offset, 1.0};
-  std::vector<float> feature = uniform(6, kQueries * config.inputs, -1, 1), condition = uniform(7, kQueries * config.condition, 0, 1);
+  std::vector<float> feature = uniform(6, kQueries*config.inputs, -1, 1),
+                     condition = uniform(7, kQueries*config.condition, 0, 1);
   std::vector<float> direction;
   Network() {
     for (std::int64_t r = 0; r < kRays; ++r) direction.insert(direction.end(), {0.36f, 0.48f, 0.8f});
   }
   FilmMlpInputs inputs() const {
-    return {{feature.data(), kQueries, config.inputs}, {condition.data(), kQueries, config.condition}, {direction.data(), kRays}, 8};
+    return {{feature.data(), kQueries, config.inputs},
+            {condition.data(), kQueries, config.condition},
+            {direction.data(), kRays},
+            8};
   }
   /// Multiplications and additions of one forward pass.
   double flop() const {
@@ -83,7 +88,8 @@ struct Network {
   }
   void count(benchmark::State& state, double passes) const {
     per_query(state);
-    state.counters["GFLOP/s"] = benchmark::Counter(1e-9 * passes * flop(), benchmark::Counter::kIsIterationInvariantRate);
+    state.counters["GFLOP/s"] =
+        benchmark::Counter(1e-9 * passes * flop(), benchmark::Counter::kIsIterationInvariantRate);
   }
 };
 

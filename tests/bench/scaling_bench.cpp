@@ -14,7 +14,8 @@ ViewMasks disc(const Camera& camera) {
   masks.target.emplace_back();
   for (int y = 0; y < camera.height_px; ++y)
     for (int x = 0; x < camera.width_px; ++x)
-      masks.target[0].push_back(std::hypot(x - camera.width_px / 2, y - camera.height_px / 2) < 0.25 * camera.width_px ? 1.f : 0.f);
+      masks.target[0].push_back(
+          std::hypot(x - camera.width_px / 2, y - camera.height_px / 2) < 0.25 * camera.width_px ? 1.f : 0.f);
   return masks;
 }
 
@@ -25,9 +26,7 @@ void one_view(benchmark::State& state, std::int64_t gaussians, const Camera& cam
   for (auto unused : state) add_view_evidence({}, cloud, {camera, masks}, SplatOptions{}, evidence);
 }
 
-void gaussians(benchmark::State& state) {
-  one_view(state, state.range(0), bench_camera(1152, 864));
-}
+void gaussians(benchmark::State& state) { one_view(state, state.range(0), bench_camera(1152, 864)); }
 
 void pixels(benchmark::State& state) {
   const int width = int(state.range(0));

@@ -58,12 +58,17 @@ struct Columns {
   std::vector<S> position, rotation, log_scale, logit_opacity, sh_dc, sh_rest;
   const GaussianCloud& cloud;
   explicit Columns(const GaussianCloud& c)
-      : position(c.position.begin(), c.position.end()), rotation(c.rotation.begin(), c.rotation.end()),
-        log_scale(c.log_scale.begin(), c.log_scale.end()), logit_opacity(c.logit_opacity.begin(), c.logit_opacity.end()),
-        sh_dc(c.sh_dc.begin(), c.sh_dc.end()), sh_rest(c.sh_rest.begin(), c.sh_rest.end()), cloud(c) {}
+      : position(c.position.begin(), c.position.end()),
+        rotation(c.rotation.begin(), c.rotation.end()),
+        log_scale(c.log_scale.begin(), c.log_scale.end()),
+        logit_opacity(c.logit_opacity.begin(), c.logit_opacity.end()),
+        sh_dc(c.sh_dc.begin(), c.sh_dc.end()),
+        sh_rest(c.sh_rest.begin(), c.sh_rest.end()),
+        cloud(c) {}
   CloudView<S> view() const {
-    return {cloud.size(), position.data(), rotation.data(), log_scale.data(), logit_opacity.data(), sh_dc.data(),
-            sh_rest.data(), cloud.sh_degree, cloud.rest_count(), nullptr, nullptr};
+    return {cloud.size(),         position.data(), rotation.data(), log_scale.data(),
+            logit_opacity.data(), sh_dc.data(),    sh_rest.data(),  cloud.sh_degree,
+            cloud.rest_count(),   nullptr,         nullptr};
   }
 };
 
@@ -91,7 +96,8 @@ void backward(benchmark::State& state, TileKernels<S> kernels) {
   const std::vector<Plane<const S>> grad{{&colour[0], 3}, {&colour[1], 3}, {&colour[2], 3}, {nullptr, 1}};
   std::vector<S> position(columns.position.size()), rotation(columns.rotation.size()), scale(columns.log_scale.size()),
       opacity(columns.logit_opacity.size()), dc(columns.sh_dc.size()), rest(columns.sh_rest.size());
-  const CloudGradientView<S> out{position.data(), rotation.data(), scale.data(), opacity.data(), dc.data(), rest.data()};
+  const CloudGradientView<S> out{position.data(), rotation.data(), scale.data(),
+                                 opacity.data(),  dc.data(),       rest.data()};
   for (auto unused : state) engine.backward({}, grad, {1, 1, 1}, out);
   count_pairs(state);
 }
@@ -116,7 +122,8 @@ void evidence_view(benchmark::State& state, Isa isa) {
 
 void render_view(benchmark::State& state, Isa isa) {
   const BenchScene& s = scene();
-  for (auto unused : state) benchmark::DoNotOptimize(render({.isa = isa}, s.cloud, s.camera, SplatOptions{}, {}).alpha.data[0]);
+  for (auto unused : state)
+    benchmark::DoNotOptimize(render({.isa = isa}, s.cloud, s.camera, SplatOptions{}, {}).alpha.data[0]);
   count_pairs(state);
 }
 

@@ -6,9 +6,9 @@
 #include <fstream>
 #include <regex>
 
+#include "ngs/io/files/safetensors.h"
 #include "ngs/io/image/exr.h"
 #include "ngs/io/ply/ply.h"
-#include "ngs/io/files/safetensors.h"
 #include "support/schema_check.h"
 #include "support/temp_dir.h"
 #include "support/tool_fixture.h"
@@ -48,8 +48,7 @@ template <class Value>
 std::string outside(const Json& entry, std::int64_t n, const Value& value) {
   const Json &min = entry["range"][0], &max = entry["range"][1];
   for (std::int64_t i = 0; i < n; ++i)
-    if ((!min.is_null() && !(value(i) >= min.get<double>())) ||
-        (!max.is_null() && !(value(i) <= max.get<double>())))
+    if ((!min.is_null() && !(value(i) >= min.get<double>())) || (!max.is_null() && !(value(i) <= max.get<double>())))
       return "row " + std::to_string(i) + ": " + std::to_string(value(i));
   return {};
 }
@@ -124,7 +123,8 @@ TEST_CASE("the field's parameters hold the kernel width to the last bit, also of
     for (const char* word : {"--rows", "4", "--cols", "4", "--depth-samples", "2", "--mlp-hidden", "16", "--steps", "1",
                              "--effect", "contours=off", "--width", width})
       run.push_back(word);
-    for (const std::string& word : {std::string("--nerf"), dir.file("n.safetensors"), std::string("-o"), dir.file("l.ply")})
+    for (const std::string& word :
+         {std::string("--nerf"), dir.file("n.safetensors"), std::string("-o"), dir.file("l.ply")})
       run.push_back(word);
     const test::ProcessResult result = test::run_process(test::command(run));
     INFO(result.err);
@@ -135,7 +135,8 @@ TEST_CASE("the field's parameters hold the kernel width to the last bit, also of
 
 TEST_CASE("what ngs-synth says of its scene satisfies the schemas, and broken files do not") {
   const test::TempDir dir;
-  test::ProcessSpec spec = test::command(Json::parse(R"(["ngs-synth", "tiny", "--no-fit", "--mask-noise", "jitter:1", "-o"])"));
+  test::ProcessSpec spec =
+      test::command(Json::parse(R"(["ngs-synth", "tiny", "--no-fit", "--mask-noise", "jitter:1", "-o"])"));
   spec.argv.push_back(dir.file("scene"));
   REQUIRE(test::run_process(spec).exit_code == 0);
   for (const char* name : {"recipe", "ground-truth"}) {

@@ -29,9 +29,9 @@ test::ProcessResult run(std::vector<std::string> words) {
 }
 
 test::ProcessResult import(const std::string& dir, std::vector<std::string> further = {}) {
-  std::vector<std::string> words{"ngs-scene", "import", dir + "/text", "--ply", dir + "/model.ply", "--images",
-                                 dir + "/images", "--masks", dir + "/masks", "--hold-out", "every:3:1", "-o",
-                                 dir + "/scene.json", "-w"};
+  std::vector<std::string> words{
+      "ngs-scene",    "import",     dir + "/text", "--ply", dir + "/model.ply",  "--images", dir + "/images", "--masks",
+      dir + "/masks", "--hold-out", "every:3:1",   "-o",    dir + "/scene.json", "-w"};
   words.insert(words.end(), further.begin(), further.end());
   return run(words);
 }
@@ -47,8 +47,8 @@ double boundary_iou(const std::string& dir, std::vector<std::string> further) {
 }
 
 double colour_db(const std::string& dir, std::vector<std::string> further) {
-  std::vector<std::string> words{"ngs-render", dir + "/scene.json", dir + "/model.ply", "--layers", "color",
-                                 "-o", dir + "/colour", "-w"};
+  std::vector<std::string> words{
+      "ngs-render", dir + "/scene.json", dir + "/model.ply", "--layers", "color", "-o", dir + "/colour", "-w"};
   words.insert(words.end(), further.begin(), further.end());
   run(words);
   run({"ngs-eval", dir + "/colour", dir + "/images", "--image-metrics", "-o", dir + "/photos.json", "-w"});
@@ -80,9 +80,8 @@ TEST_CASE("a --background that contradicts the scene's is taken, with a warning"
   CHECK(std::abs(found[0].get<double>() - 0.6) < 0.01);
   CHECK(std::abs(found[1].get<double>()) < 0.01);
   CHECK(std::abs(found[2].get<double>() - 0.4) < 0.01);
-  const test::ProcessResult render =
-      run({"ngs-render", dir.path() + "/scene.json", dir.path() + "/model.ply", "--layers", "color", "--background",
-           "white", "-o", dir.path() + "/r"});
+  const test::ProcessResult render = run({"ngs-render", dir.path() + "/scene.json", dir.path() + "/model.ply",
+                                          "--layers", "color", "--background", "white", "-o", dir.path() + "/r"});
   CHECK(render.err.find("is not the scene's") != std::string::npos);
   import(dir.path(), {"--background", "white"});
   CHECK(read(dir.path() + "/scene.json").at("background") == json({1.0, 1.0, 1.0}));

@@ -53,7 +53,8 @@ std::string with_many_views(const test::TempDir& dir, int times) {
       views.push_back(view);
       views.back()["name"] = std::to_string(k) + "_" + view.at("name").get<std::string>();
       for (const char* file : {"image", "mask"})
-        if (view.contains(file)) views.back()[file] = fs::absolute(fs::path(test::fixture_folder()) / view[file].get<std::string>());
+        if (view.contains(file))
+          views.back()[file] = fs::absolute(fs::path(test::fixture_folder()) / view[file].get<std::string>());
     }
   scene["views"] = views, scene["model"] = test::fixture_folder() + "/model.ply";
   const std::string path = dir.path() + "/many.json";
@@ -66,10 +67,27 @@ std::string with_many_views(const test::TempDir& dir, int times) {
 TEST_CASE("under a time budget the trace asks for no score that could end too late") {
   const test::TempDir dir;
   constexpr double kBudget_s = 6;
-  const test::ProcessResult result = test::run_process(test::command(
-      {"ngs-joint", with_many_views(dir, 160), test::fixture_folder() + "/boundary.ply", "--effect", "all=off", "--effect",
-       "joint=on", "--effect", "mask=on", "--steps", "1000000", "--time-budget", "6s", "-j", "1", "--trace-every", "1", "--trace",
-       dir.path() + "/t.jsonl", "-o", dir.path() + "/l.ply"}));
+  const test::ProcessResult result = test::run_process(test::command({"ngs-joint",
+                                                                      with_many_views(dir, 160),
+                                                                      test::fixture_folder() + "/boundary.ply",
+                                                                      "--effect",
+                                                                      "all=off",
+                                                                      "--effect",
+                                                                      "joint=on",
+                                                                      "--effect",
+                                                                      "mask=on",
+                                                                      "--steps",
+                                                                      "1000000",
+                                                                      "--time-budget",
+                                                                      "6s",
+                                                                      "-j",
+                                                                      "1",
+                                                                      "--trace-every",
+                                                                      "1",
+                                                                      "--trace",
+                                                                      dir.path() + "/t.jsonl",
+                                                                      "-o",
+                                                                      dir.path() + "/l.ply"}));
   INFO(result.err);
   REQUIRE(result.exit_code == 7);
   std::istringstream lines(test::read_bytes(dir.path() + "/t.jsonl"));
@@ -78,7 +96,8 @@ TEST_CASE("under a time budget the trace asks for no score that could end too la
   for (std::string text; std::getline(lines, text);) {
     const Json line = Json::parse(text);
     if (!line.contains("scoring_s")) continue;
-    CHECK(line["t"].get<double>() + scored_s + longest_s <= kBudget_s);  // it begins where one like the longest still fits
+    CHECK(line["t"].get<double>() + scored_s + longest_s <=
+          kBudget_s);  // it begins where one like the longest still fits
     const double now_s = line["scoring_s"];
     longest_s = std::max(longest_s, now_s - scored_s), scored_s = now_s, ++scores;
   }
@@ -90,9 +109,7 @@ TEST_CASE("under a time budget a contour iteration that ends far from the masks 
   const test::TempDir dir;
   const std::vector<std::string> ruinous{"--effect", "contours=on", "--contour-rate", "30"};
   joint(dir, "before", {"--effect", "contours=off"});
-  const auto bytes = [&](const std::string& name) {
-    return test::read_bytes(dir.path() + "/" + name + ".ply");
-  };
+  const auto bytes = [&](const std::string& name) { return test::read_bytes(dir.path() + "/" + name + ".ply"); };
 
   const Json unasked = joint(dir, "ruined", ruinous);  // without a budget the round is taken as it is
   CHECK(unasked.at("contour_iterations") == 1);
@@ -116,12 +133,19 @@ TEST_CASE("a time budget that leaves out only passes that would not have run rep
   const test::TempDir dir;
   const std::string scene = with_many_views(dir, 40), model = test::fixture_folder() + "/boundary.ply";
   const auto run = [&](const std::string& name, std::vector<std::string> more) {
-    Json words = {"ngs-joint", scene, model, "-o", dir.path() + "/" + name + ".ply", "--report", dir.path() + "/" + name + ".json"};
+    Json words = {"ngs-joint",
+                  scene,
+                  model,
+                  "-o",
+                  dir.path() + "/" + name + ".ply",
+                  "--report",
+                  dir.path() + "/" + name + ".json"};
     for (const std::string& word : more) words.push_back(word);
     return test::run_process(test::command(words));
   };
   REQUIRE(run("off", {"--effect", "all=off"}).exit_code == 0);
-  const test::ProcessResult result = run("short", {"--effects-from", dir.path() + "/off.json", "--time-budget", "0.01s"});
+  const test::ProcessResult result =
+      run("short", {"--effects-from", dir.path() + "/off.json", "--time-budget", "0.01s"});
   INFO(result.err);
   CHECK(result.exit_code == 0);
   const Json budget = Json::parse(test::read_bytes(dir.path() + "/short.json")).at("result").at("budget");

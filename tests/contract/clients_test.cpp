@@ -45,8 +45,8 @@ TEST_CASE("splat-transform cuts the object out of the labelled model by its labe
   if (!present("splat-transform")) return;
   const test::TempDir tmp;
   const std::string& fixture = test::fixture_folder();
-  const test::ProcessResult cut = test::run_command({"splat-transform", "-q", "-w", fixture + "/decided.ply", "-V",
-                                       "ngs_label,gte,0.5", tmp.path() + "/cut.ply"});
+  const test::ProcessResult cut = test::run_command(
+      {"splat-transform", "-q", "-w", fixture + "/decided.ply", "-V", "ngs_label,gte,0.5", tmp.path() + "/cut.ply"});
   REQUIRE(cut.exit_code == 0);
   CHECK(gaussians_in(tmp.path() + "/cut.ply") == gaussians_in(fixture + "/object.ply"));
 }
@@ -56,7 +56,8 @@ TEST_CASE("oiiotool finds the named layers in every EXR, and no NaN or infinity"
   int files = 0;
   for (const char* folder : {"layers", "evidence"})
     for (const auto& entry : std::filesystem::directory_iterator(test::fixture_folder() + "/" + folder)) {
-      const test::ProcessResult stats = test::run_command({"oiiotool", "-v", "--info", "--stats", entry.path().string()});
+      const test::ProcessResult stats =
+          test::run_command({"oiiotool", "-v", "--info", "--stats", entry.path().string()});
       CAPTURE(entry.path().filename().string());
       CAPTURE(stats.out);
       REQUIRE(stats.exit_code == 0);

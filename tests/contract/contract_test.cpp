@@ -52,8 +52,7 @@ Words outputs_of(const Words& argv) {
 Words temporaries_under(const std::string& folder) {
   Words found;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
-    if (entry.path().filename().string().find(".tmp") != std::string::npos)
-      found.push_back(entry.path().string());
+    if (entry.path().filename().string().find(".tmp") != std::string::npos) found.push_back(entry.path().string());
   return found;
 }
 
@@ -63,8 +62,7 @@ const Json& schema_of(const std::string& tool, const char* kind) {
   Json& schema = schemas[tool + " " + kind];
   if (schema.is_null()) {
     Json run = Json::array();
-    for (std::size_t begin = 0; begin <= tool.size();
-         begin = std::min(tool.find(' ', begin), tool.size()) + 1)
+    for (std::size_t begin = 0; begin <= tool.size(); begin = std::min(tool.find(' ', begin), tool.size()) + 1)
       run.push_back(tool.substr(begin, tool.find(' ', begin) - begin));
     run.push_back("--print-schema"), run.push_back(kind);
     schema = Json::parse(test::run_process(command(run)).out);
@@ -187,14 +185,14 @@ void check_killed(const Prepared& prepared, const ProcessSpec& base) {
       const ProcessResult result = test::run_process(run);
       INFO("signal " << signal << " after " << after_ms << " ms: exit " << result.exit_code);
       CHECK((result.exit_code == 128 + signal || result.exit_code == prepared.spec["exit"].get<int>()));
-      for (const auto& [path, content] : complete)
-        CHECK((!fs::exists(path) || test::read_bytes(path) == content));
+      for (const auto& [path, content] : complete) CHECK((!fs::exists(path) || test::read_bytes(path) == content));
     }
 }
 
 int signal_number(const std::string& name) {
-  static const std::map<std::string, int> numbers = {
-      {"", 0}, {"TERM", SIGTERM}, {"INT", SIGINT}, {"USR1", SIGUSR1}, {"KILL", SIGKILL}, {"HUP", SIGHUP}, {"QUIT", SIGQUIT}};
+  static const std::map<std::string, int> numbers = {{"", 0},           {"TERM", SIGTERM}, {"INT", SIGINT},
+                                                     {"USR1", SIGUSR1}, {"KILL", SIGKILL}, {"HUP", SIGHUP},
+                                                     {"QUIT", SIGQUIT}};
   return numbers.at(name);
 }
 

@@ -78,8 +78,7 @@ TEST_CASE("nvos.sh scores the target view of the tasks that are there and says w
   write_fern(data);
   data.copy("masks", "masks/fern");
   fs::rename(data.path("masks/fern/v2.png"), data.path("masks/fern/IMG_4027.png"));
-  const test::ProcessResult result =
-      data.run("nvos.sh", {"nvos", "llff", "masks", "out", "--method", "flash", "-q"});
+  const test::ProcessResult result = data.run("nvos.sh", {"nvos", "llff", "masks", "out", "--method", "flash", "-q"});
   INFO(result.err);
   CHECK(result.exit_code == 0);
   CHECK(result.err.find("trex skipped") != std::string::npos);
@@ -91,15 +90,14 @@ TEST_CASE("nvos.sh scores the target view of the tasks that are there and says w
   CHECK(fs::exists(data.path("out/report.html")));
   // Below a bound: a failure of the loop, but not left out of the mean, which would be that of the good ones.
   fs::remove(data.path("out/summary.json"));
-  const test::ProcessResult below =
-      data.run("nvos.sh", {"nvos", "llff", "masks", "out", "--method", "flash", "-q"}, {{"EVAL_FLAGS", "--fail-below iou=1.01"}});
+  const test::ProcessResult below = data.run("nvos.sh", {"nvos", "llff", "masks", "out", "--method", "flash", "-q"},
+                                             {{"EVAL_FLAGS", "--fail-below iou=1.01"}});
   CHECK(below.exit_code == 1);
   CHECK(below.err.find("a bound of --fail-below was not met") != std::string::npos);
   CHECK(data.json("out/summary.json")["result"]["means"].size() == 1);
   const Json scene = data.json("out/fern/scene.json");
   for (const Json& view : scene["views"])
-    CHECK((view["split"] == "held-out") ==
-          (view["name"].get<std::string>().find("IMG_4027") != std::string::npos));
+    CHECK((view["split"] == "held-out") == (view["name"].get<std::string>().find("IMG_4027") != std::string::npos));
 }
 
 TEST_CASE("lerf-mask.sh scores each prompt and averages over prompts and scenes") {
@@ -108,12 +106,10 @@ TEST_CASE("lerf-mask.sh scores each prompt and averages over prompts and scenes"
   data.copy("transforms.json", "lerf/ramen/transforms.json");
   data.copy("model.ply", "lerf/ramen/point_cloud.ply");
   for (const char* view : {"v2", "v4"})
-    data.copy(std::string("masks/") + view + ".png",
-              std::string("lerf/ramen/test_mask/") + view + "/red ball.png");
+    data.copy(std::string("masks/") + view + ".png", std::string("lerf/ramen/test_mask/") + view + "/red ball.png");
   data.copy("masks", "masks/ramen/red ball");
 
-  const test::ProcessResult result =
-      data.run("lerf-mask.sh", {"lerf", "masks", "out", "--method", "flash", "-q"});
+  const test::ProcessResult result = data.run("lerf-mask.sh", {"lerf", "masks", "out", "--method", "flash", "-q"});
   INFO(result.err);
   CHECK(result.exit_code == 0);
   CHECK(data.json("out/ramen/red ball/metrics.json")["views"].size() == 2);
@@ -128,8 +124,7 @@ void write_scannet_poses(const DataSet& data) {
     std::string text;
     for (const Json& row : frame["transform_matrix"])
       for (int c = 0; c < 4; ++c)
-        text += std::to_string((c == 1 || c == 2 ? -1 : 1) * row[std::size_t(c)].get<double>()) +
-                (c == 3 ? "\n" : " ");
+        text += std::to_string((c == 1 || c == 2 ? -1 : 1) * row[std::size_t(c)].get<double>()) + (c == 3 ? "\n" : " ");
     data.dir.write("scans/scene0/pose/" + std::to_string(index) + ".txt", text);
     const std::string name = fs::path(frame["file_path"].get<std::string>()).stem().string();
     data.copy("images/" + name + ".png", "scans/scene0/color/" + std::to_string(index) + ".jpg");
@@ -140,9 +135,9 @@ void write_scannet_poses(const DataSet& data) {
                  "-inf -inf -inf -inf\n-inf -inf -inf -inf\n-inf -inf -inf -inf\n0 0 0 1\n");
   const Json& k = transforms.contains("fl_x") ? transforms : transforms["frames"][0];
   const auto value = [&](const char* key) { return std::to_string(k[key].get<double>()); };
-  data.dir.write("scans/scene0/intrinsic/intrinsic_color.txt", value("fl_x") + " 0 " + value("cx") +
-                                                                   " 0\n0 " + value("fl_y") + " " +
-                                                                   value("cy") + " 0\n0 0 1 0\n0 0 0 1\n");
+  data.dir.write(
+      "scans/scene0/intrinsic/intrinsic_color.txt",
+      value("fl_x") + " 0 " + value("cx") + " 0\n0 " + value("fl_y") + " " + value("cy") + " 0\n0 0 1 0\n0 0 0 1\n");
 }
 
 TEST_CASE("scannet.sh turns poses into a capture and scores instances of label maps") {
@@ -172,8 +167,8 @@ test::ProcessResult make(const DataSet& data, std::vector<std::string> arguments
 TEST_CASE("ablation.mk compares the full method with its variants and leaves out those that fail") {
   const DataSet data;
   const test::ProcessResult result =
-      make(data, {"-f", NGS_SOURCE_DIR "/pipelines/ablation.mk", "EFFECTS=cont nonsense", "TAUS=0.5",
-                  "SIGMAS=2", "KS=4", "ARGS=--steps 2 --hold-out every:4:2 --gt tiny/masks"});
+      make(data, {"-f", NGS_SOURCE_DIR "/pipelines/ablation.mk", "EFFECTS=cont nonsense", "TAUS=0.5", "SIGMAS=2",
+                  "KS=4", "ARGS=--steps 2 --hold-out every:4:2 --gt tiny/masks"});
   INFO(result.err);
   CHECK(result.exit_code == 0);
   CHECK(result.err.find("variant without-nonsense failed, left out") != std::string::npos);
@@ -189,8 +184,16 @@ TEST_CASE("ablation.mk compares the full method with its variants and leaves out
 /// A run per budget, on the scene that the sweep has prepared.
 void check_budgets(const DataSet& data, const nlohmann::json& schema) {
   test::ProcessSpec spec;
-  spec.argv = {NGS_SOURCE_DIR "/pipelines/budgets.sh", "out/once/scene/scene.json",
-               "out/once/scene/boundary.ply", "tiny/masks", "out/budgets", "0.2", "1", "--", "--steps", "8"};
+  spec.argv = {NGS_SOURCE_DIR "/pipelines/budgets.sh",
+               "out/once/scene/scene.json",
+               "out/once/scene/boundary.ply",
+               "tiny/masks",
+               "out/budgets",
+               "0.2",
+               "1",
+               "--",
+               "--steps",
+               "8"};
   spec.folder = data.dir.path();
   spec.environment = {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}};
   const test::ProcessResult result = test::run_process(spec);
@@ -214,8 +217,8 @@ void check_budgets(const DataSet& data, const nlohmann::json& schema) {
 TEST_CASE("work-precision.mk draws its points with their frontier, and keeps those that fail") {
   const DataSet data;
   const test::ProcessResult result =
-      make(data, {"-f", NGS_SOURCE_DIR "/pipelines/work-precision.mk", "GT=tiny/masks", "REPEATS=2",
-                  "STEPS=2", "POINTS=method@flash method@nonsense steps@2 views@2 views@9"});
+      make(data, {"-f", NGS_SOURCE_DIR "/pipelines/work-precision.mk", "GT=tiny/masks", "REPEATS=2", "STEPS=2",
+                  "POINTS=method@flash method@nonsense steps@2 views@2 views@9"});
   INFO(result.err);
   REQUIRE(result.exit_code == 0);
   const auto schema = [](const char* name) {

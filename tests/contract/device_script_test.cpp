@@ -1,5 +1,5 @@
-// tests/bench/device.sh where there is no GPU: it says so; and, beside stand-ins for the GPU's programs, what it writes is
-// valid whatever fails.
+// tests/bench/device.sh where there is no GPU: it says so; and, beside stand-ins for the GPU's programs, what it writes
+// is valid whatever fails.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -28,10 +28,12 @@ struct Machine {
     fs::create_directories(dir.path() + "/path"), fs::create_directories(dir.path() + "/build/bin");
     program("path/nvidia-smi", "echo 'GPU 0: stand-in'");
     // Runs what it is given, if it knows the options.
-    program("path/compute-sanitizer",
-            "while [[ $1 == --* ]]; do case $1 in --tool|--error-exitcode|--kernel-name) shift 2;; *) exit 3;; esac; done; "
-            "exec \"$@\"");
-    program("build/bin/test_parity", "printf 'parity\\tstand-in\\tan op\\t0.5\\t2\\nparity\\tstand-in\\tan op\\t1.5\\t2\\n'");
+    program(
+        "path/compute-sanitizer",
+        "while [[ $1 == --* ]]; do case $1 in --tool|--error-exitcode|--kernel-name) shift 2;; *) exit 3;; esac; done; "
+        "exec \"$@\"");
+    program("build/bin/test_parity",
+            "printf 'parity\\tstand-in\\tan op\\t0.5\\t2\\nparity\\tstand-in\\tan op\\t1.5\\t2\\n'");
     program("build/bin/ngs_device_bench",
             "echo '{\"device\": \"stand-in\", \"threads\": 1, \"copy_bytes_per_s\": 1, \"cases\": []}'");
   }
@@ -45,13 +47,15 @@ struct Machine {
     spec.argv = {NGS_SOURCE_DIR "/tests/bench/device.sh"};
     spec.argv.insert(spec.argv.end(), arguments.begin(), arguments.end());
     spec.folder = dir.path();
-    spec.environment = {{"PATH", dir.path() + "/path:" + std::getenv("PATH")}, {"NGS_DEVICE_BUILD", dir.path() + "/build"}};
+    spec.environment = {{"PATH", dir.path() + "/path:" + std::getenv("PATH")},
+                        {"NGS_DEVICE_BUILD", dir.path() + "/build"}};
     return test::run_process(spec);
   }
   /// What it wrote, which satisfies the schema.
   Json written() const {
     const Json report = Json::parse(test::read_bytes(out));
-    CHECK(test::schema_violations(Json::parse(test::read_bytes(NGS_SOURCE_DIR "/data-schema/device.schema.json")), report) == "");
+    CHECK(test::schema_violations(Json::parse(test::read_bytes(NGS_SOURCE_DIR "/data-schema/device.schema.json")),
+                                  report) == "");
     return report;
   }
 };
@@ -104,7 +108,8 @@ TEST_CASE("device.sh writes a valid report whatever fails") {
   if (!can_report()) return;
   const Machine machine;
   machine.program("path/compute-sanitizer", "exit 9");
-  machine.program("build/bin/test_parity", "printf 'parity\\tstand-in\\tan op\\tinf\\t2\\nparity\\thalf a line\\n'; exit 1");
+  machine.program("build/bin/test_parity",
+                  "printf 'parity\\tstand-in\\tan op\\tinf\\t2\\nparity\\thalf a line\\n'; exit 1");
   machine.program("build/bin/ngs_device_bench", "echo '{\"device\": \"broken o'; exit 1");
   for (const char* name : {"scene", "variance", "render", "sample", "rbf"})
     fs::create_symlink(std::string(NGS_TOOL_DIR "/ngs-") + name, machine.dir.path() + "/build/bin/ngs-" + name);
@@ -135,7 +140,8 @@ TEST_CASE("device.sh begins no step for which there is no time") {
   machine.program("build/bin/test_parity", "sleep 20");
   test::ProcessSpec spec;
   spec.argv = {"env", "NGS_DEVICE_SECONDS=1", NGS_SOURCE_DIR "/tests/bench/device.sh", machine.out};
-  spec.environment = {{"PATH", machine.dir.path() + "/path:" + std::getenv("PATH")}, {"NGS_DEVICE_BUILD", machine.dir.path() + "/build"}};
+  spec.environment = {{"PATH", machine.dir.path() + "/path:" + std::getenv("PATH")},
+                      {"NGS_DEVICE_BUILD", machine.dir.path() + "/build"}};
   CHECK(test::run_process(spec).exit_code == 1);
   const Json report = machine.written();
   for (const Json& step : report.at("steps")) CHECK(step.at("exit") == 124);

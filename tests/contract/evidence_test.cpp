@@ -39,8 +39,9 @@ struct Case {
     REQUIRE(result.exit_code == 0);
   }
   void import(const std::string& to, const Words& objects) const {
-    Words argv{"ngs-scene", "import", "sparse", "--ply",    "model.ply", "--images", "images", "--masks", "labels",
-               "--mask-mode", "label", "--no-align-views", "-w", "-o", to};
+    Words argv{"ngs-scene", "import",           "sparse",  "--ply",  "model.ply",
+               "--images",  "images",           "--masks", "labels", "--mask-mode",
+               "label",     "--no-align-views", "-w",      "-o",     to};
     for (const std::string& object : objects) argv.insert(argv.end(), {"--object-id", object});
     good(argv);
   }
@@ -59,7 +60,9 @@ struct Case {
   }
 };
 
-bool says(const test::ProcessResult& result, const std::string& text) { return result.err.find(text) != std::string::npos; }
+bool says(const test::ProcessResult& result, const std::string& text) {
+  return result.err.find(text) != std::string::npos;
+}
 
 }  // namespace
 
@@ -77,7 +80,12 @@ TEST_CASE("ngs-variance merge names the object that the parts are of, not the sc
 TEST_CASE("ngs-variance merge refuses parts of no object, of objects the scene has not, and of one object twice") {
   const Case c;
   const auto with_columns = [](io::EvidencePart& part, const Words& names) {
-    part = {Evidence(part.evidence.gaussians, int(names.size())), part.model_hash, part.scene_path, part.made_with, names, part.views};
+    part = {Evidence(part.evidence.gaussians, int(names.size())),
+            part.model_hash,
+            part.scene_path,
+            part.made_with,
+            names,
+            part.views};
   };
   const std::pair<Words, std::string> forged[] = {{{}, "evidence of no object"},
                                                   {{"cube"}, "no object 'cube'"},
@@ -118,14 +126,16 @@ TEST_CASE("evidence on stdout names its scene by an absolute path, evidence from
   CHECK(from_root.exit_code == 0);
 
   c.write_part([](io::EvidencePart&) {});  // a file's part names the scene from its own folder, which a pipe has not
-  const test::ProcessResult from_folder = c.run({"ngs-variance", "merge", "-", "-w", "-o", c.out}, {}, test::read_bytes(c.part));
+  const test::ProcessResult from_folder =
+      c.run({"ngs-variance", "merge", "-", "-w", "-o", c.out}, {}, test::read_bytes(c.part));
   INFO(from_folder.err);
   CHECK(from_folder.exit_code == 0);
 }
 
 TEST_CASE("merging parts whose scene came through a pipe asks for the scene") {
   const Case c;
-  const test::ProcessResult part = c.run({"ngs-variance", "-", "--object", "ball", "--partial", c.part}, {}, test::read_bytes(c.scene));
+  const test::ProcessResult part =
+      c.run({"ngs-variance", "-", "--object", "ball", "--partial", c.part}, {}, test::read_bytes(c.scene));
   REQUIRE(part.exit_code == 0);
   const test::ProcessResult asked = c.merge();
   INFO(asked.err);
@@ -139,7 +149,8 @@ TEST_CASE("a scene or a model that a file names is refused before it is opened u
   c.write_part([](io::EvidencePart&) {});
   fs::remove(c.path("model.ply"));
   REQUIRE(mkfifo(c.path("model.ply").c_str(), 0600) == 0);
-  for (const Words& argv : {Words{"ngs-variance", c.scene, "-o", c.out}, {"ngs-variance", "merge", c.part, "-o", c.out},
+  for (const Words& argv : {Words{"ngs-variance", c.scene, "-o", c.out},
+                            {"ngs-variance", "merge", c.part, "-o", c.out},
                             {"ngs-scene", "check", c.scene}}) {
     const test::ProcessResult refused = c.run(argv);
     INFO(argv[0] << ": " << refused.err);

@@ -13,8 +13,22 @@ namespace ngs {
 namespace {
 
 test::ProcessSpec fit_spec(const std::string& out, const std::vector<std::string>& more, bool interrupt) {
-  nlohmann::json run = {"ngs-fit", test::fixture_folder() + "/scene.json", "-o", out, "--steps", "800", "--random-points", "60",
-                        "--densify-from", "5", "--densify-every", "10", "--max-gaussians", "90", "--sh-degree", "1"};
+  nlohmann::json run = {"ngs-fit",
+                        test::fixture_folder() + "/scene.json",
+                        "-o",
+                        out,
+                        "--steps",
+                        "800",
+                        "--random-points",
+                        "60",
+                        "--densify-from",
+                        "5",
+                        "--densify-every",
+                        "10",
+                        "--max-gaussians",
+                        "90",
+                        "--sh-degree",
+                        "1"};
   for (const std::string& word : more) run.push_back(word);
   test::ProcessSpec spec = test::command(run);
   if (interrupt) spec.signal = SIGTERM, spec.signal_after = "random Gaussians";
@@ -40,7 +54,8 @@ std::size_t count(const std::string& text, const std::string& part) {
 
 TEST_CASE("ngs-fit that was stopped by SIGTERM and resumed writes the bytes of one that was not") {
   const test::TempDir dir;
-  const std::string whole = dir.path() + "/whole.ply", resumed = dir.path() + "/resumed.ply", keep = dir.path() + "/keep";
+  const std::string whole = dir.path() + "/whole.ply", resumed = dir.path() + "/resumed.ply",
+                    keep = dir.path() + "/keep";
   REQUIRE(fit(whole, {}, false).exit_code == 0);
   REQUIRE(fit(resumed, {"--checkpoint", keep}, true).exit_code == 128 + SIGTERM);
   CHECK_FALSE(std::filesystem::exists(resumed));
@@ -72,8 +87,8 @@ TEST_CASE("ngs-fit writes its model where there is no room for a checkpoint, say
 TEST_CASE("ngs-fit that is stopped where there is no room for a checkpoint says that nothing was kept") {
   const test::TempDir dir;
   // At the first step the checkpoint is no larger than the model.
-  const test::ProcessResult result =
-      test::run_process(test::with_files_of_at_most(1, fit_spec(dir.path() + "/m.ply", {"--checkpoint", dir.path() + "/keep"}, true)));
+  const test::ProcessResult result = test::run_process(
+      test::with_files_of_at_most(1, fit_spec(dir.path() + "/m.ply", {"--checkpoint", dir.path() + "/keep"}, true)));
   INFO(result.err);
   CHECK(result.exit_code == 8);
   CHECK(result.err.find("fit.safetensors: writing failed") != std::string::npos);
@@ -85,8 +100,9 @@ TEST_CASE("ngs-fit goes on with a copy of its files, and not where a photo or th
   const std::string scene = dir.path() + "/scene", keep = dir.path() + "/keep";
   std::filesystem::copy(test::fixture_folder(), scene, std::filesystem::copy_options::recursive);
   const auto points_fit = [&](const std::string& folder, const std::vector<std::string>& more) {
-    nlohmann::json run = {"ngs-fit", folder + "/scene.json", "--points", dir.path() + "/points3D.txt", "-o", dir.path() + "/m.ply",
-                          "-w", "--steps", "4", "--checkpoint", keep};
+    nlohmann::json run = {"ngs-fit", folder + "/scene.json", "--points", dir.path() + "/points3D.txt",
+                          "-o",      dir.path() + "/m.ply",  "-w",       "--steps",
+                          "4",       "--checkpoint",         keep};
     for (const std::string& word : more) run.push_back(word);
     return test::run_process(test::command(run));
   };
@@ -94,8 +110,9 @@ TEST_CASE("ngs-fit goes on with a copy of its files, and not where a photo or th
   dir.write("points3D.txt", points);
   REQUIRE(points_fit(test::fixture_folder(), {}).exit_code == 0);
   REQUIRE(points_fit(scene, {"--resume"}).exit_code == 0);
-  const std::pair<std::string, std::string> others[] = {{"scene/images/v1.png", test::read_bytes(scene + "/images/v2.png")},
-                                                        {"points3D.txt", points + "4 0 0 1.5 9 9 9 0\n"}};
+  const std::pair<std::string, std::string> others[] = {
+      {"scene/images/v1.png", test::read_bytes(scene + "/images/v2.png")},
+      {"points3D.txt", points + "4 0 0 1.5 9 9 9 0\n"}};
   for (const auto& [file, bytes] : others) {
     const std::string before = test::read_bytes(dir.path() + "/" + file);
     dir.write(file, bytes);
@@ -118,12 +135,14 @@ TEST_CASE("ngs-fit refuses a checkpoint whose step lies beyond the last, or whos
     io::TensorFile forged = whole;
     for (io::Tensor& tensor : forged.tensors)
       if (tensor.name == name)
-        std::fill(tensor.bytes.begin(), tensor.bytes.begin() + 4, name == "step" ? std::uint8_t(0x01) : std::uint8_t(0xff));
+        std::fill(tensor.bytes.begin(), tensor.bytes.begin() + 4,
+                  name == "step" ? std::uint8_t(0x01) : std::uint8_t(0xff));
     io::write_safetensors(kept, forged);
     const test::ProcessResult refused = fit(model, {"--checkpoint", keep, "--resume"}, false);
     INFO(name << ": " << refused.err);
     CHECK(refused.exit_code == 3);
-    CHECK(refused.err.find(name == "step" ? "step 16843009 of 800" : name + " has a value that is not finite") != std::string::npos);
+    CHECK(refused.err.find(name == "step" ? "step 16843009 of 800" : name + " has a value that is not finite") !=
+          std::string::npos);
     CHECK_FALSE(std::filesystem::exists(model));
   }
 }

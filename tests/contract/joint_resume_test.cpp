@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "ngs/io/image/image_file.h"
 #include "ngs/io/files/safetensors.h"
+#include "ngs/io/image/image_file.h"
 #include "support/mutations.h"
 #include "support/temp_dir.h"
 #include "support/tool_fixture.h"
@@ -97,7 +97,8 @@ void keep_six(const Case& c, const Words& more = {}) {
 
 TEST_CASE("ngs-joint that was stopped while it prepared keeps nothing, and begins anew") {
   const Case c;
-  const Words options{"--steps", "4", "--effect", "contours=off", "--effect", "floaters=on", "--effect", "mask-outliers=on"};
+  const Words options{"--steps",  "4",           "--effect", "contours=off",
+                      "--effect", "floaters=on", "--effect", "mask-outliers=on"};
   stop_and_resume(c, options, "device", false);
 }
 
@@ -109,7 +110,8 @@ TEST_CASE("ngs-joint that was stopped in its steps goes on with the next one") {
 TEST_CASE("ngs-joint that was stopped in the contour refinement goes on with it") {
   const Case c;
   // The walk may move nothing, so that the round is taken; its many visits leave time for the signal.
-  const Words edges{"--effect", "contours=on", "--contour-shape", "1000", "--contour-iterations", "1", "--contour-epochs", "400"};
+  const Words edges{"--effect",         "contours=on", "--contour-shape", "1000", "--contour-iterations", "1",
+                    "--contour-epochs", "400"};
   const test::ProcessResult resumed =
       stop_and_resume(c, Words{"--steps", "4", "--effect", "nerf=off"} + edges, "contours begin", true);
   CHECK(says(resumed, "resumed after step 4"));
@@ -120,7 +122,9 @@ TEST_CASE("ngs-joint shortens the joint stage before contour iterations at half 
   const Json views = Json::parse(test::read_bytes(c.scene)).at("views");
   const auto n = std::count_if(views.begin(), views.end(), [](const Json& v) { return v.at("split") == "train"; });
   const Words coarse{"--effect", "nerf=off", "--effect", "full-resolution=off", "--contour-epochs", "2"};
-  const auto report = [&](const std::string& name) { return Words{"-w", "--report", c.dir.path() + "/" + name + ".json"}; };
+  const auto report = [&](const std::string& name) {
+    return Words{"-w", "--report", c.dir.path() + "/" + name + ".json"};
+  };
   REQUIRE(c.joint("rounds", coarse + report("rounds")).exit_code == 0);
   REQUIRE(figure(c, "rounds", "contour_iterations") >= 2);
   CHECK(figure(c, "rounds", "steps") == 3 * n);
@@ -131,7 +135,8 @@ TEST_CASE("ngs-joint shortens the joint stage before contour iterations at half 
   // The refinement is refused: then the other steps follow. Stopped in these it goes on with the contours.
   lay_stripes(c);
   const std::string rest = "step " + std::to_string(3 * n + 1) + " begins";
-  CHECK(says(stop_and_resume(c, coarse + report("refused"), rest, true), "resumed after step " + std::to_string(3 * n)));
+  CHECK(
+      says(stop_and_resume(c, coarse + report("refused"), rest, true), "resumed after step " + std::to_string(3 * n)));
   REQUIRE(figure(c, "refused", "contour_iterations") == 0);
   CHECK(figure(c, "refused", "steps") == 10 * n);
 }
@@ -140,7 +145,8 @@ TEST_CASE("ngs-joint writes its result where there is no room for a checkpoint, 
   const Case c;
   const Words few{"--steps", "4", "--effect", "nerf=off", "--effect", "contours=on", "--contour-epochs", "2"};
   REQUIRE(c.joint("whole", few).exit_code == 0);
-  const int room_kib = int(fs::file_size(c.path("whole")) / 1024) + 8;  // for the model; a checkpoint holds the moments beside
+  const int room_kib =
+      int(fs::file_size(c.path("whole")) / 1024) + 8;  // for the model; a checkpoint holds the moments beside
   const Words kept = few + Words{"--checkpoint", c.keep, "--checkpoint-every", "1"};
   const test::ProcessResult result = test::run_process(test::with_files_of_at_most(room_kib, c.spec("full", kept)));
   INFO(result.err);
@@ -153,7 +159,8 @@ TEST_CASE("ngs-joint writes its result where there is no room for a checkpoint, 
 TEST_CASE("ngs-joint that is stopped where there is no room for a checkpoint says that nothing was kept") {
   const Case c;
   const Words many{"--steps", "400", "--effect", "nerf=off", "--effect", "contours=off", "--checkpoint", c.keep};
-  const test::ProcessResult result = test::run_process(test::with_files_of_at_most(32, c.spec("full", many, "step 1 begins")));
+  const test::ProcessResult result =
+      test::run_process(test::with_files_of_at_most(32, c.spec("full", many, "step 1 begins")));
   INFO(result.err);
   CHECK(result.exit_code == 8);
   CHECK(says(result, "checkpoint.safetensors: writing failed"));
@@ -181,8 +188,11 @@ TEST_CASE("ngs-joint refuses the checkpoint of another run") {
   CHECK(c.joint("same", resume).exit_code == 0);
   const std::string decided = c.dir.path() + "/decided.json";
   REQUIRE(c.joint("decided", kSteps + Words{"--effect", "mask-geometry=off", "--report", decided}).exit_code == 0);
-  for (const Words& other : {Words{"--background", "1,1,1"}, {"--compat", "gsplat"}, {"--seed", "3"},
-                             {"--lambda-cont", "0.2"}, {"--effects-from", decided}}) {
+  for (const Words& other : {Words{"--background", "1,1,1"},
+                             {"--compat", "gsplat"},
+                             {"--seed", "3"},
+                             {"--lambda-cont", "0.2"},
+                             {"--effects-from", decided}}) {
     const test::ProcessResult refused = c.joint("other", resume + other);
     INFO(other[0] << ": " << refused.err);
     CHECK(refused.exit_code == 4);
@@ -300,7 +310,8 @@ TEST_CASE("ngs-joint that resumes removes the floaters that the interrupted run 
   INFO(resumed.err);
   CHECK(resumed.exit_code == 0);
   CHECK(says(resumed, "resumed after step 6"));
-  for (const Json& wrong : {Json(), Json(3), Json{{"draft", 1}, {"refit_epochs", 0}}, Json{{"draft", true}, {"refit_epochs", 1000000}}}) {
+  for (const Json& wrong :
+       {Json(), Json(3), Json{{"draft", 1}, {"refit_epochs", 0}}, Json{{"draft", true}, {"refit_epochs", 1000000}}}) {
     run["passes"]["floaters"] = wrong;
     file.metadata["run"] = run.dump();
     io::write_safetensors(c.kept, file);

@@ -1,4 +1,5 @@
-// Masks of every kind of file and name are scored; label maps mean the same ids when a scene is made and when it is scored.
+// Masks of every kind of file and name are scored; label maps mean the same ids when a scene is made and when it is
+// scored.
 #include <doctest/doctest.h>
 
 #include <filesystem>

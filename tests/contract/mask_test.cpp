@@ -18,11 +18,8 @@ Json schema() { return Json::parse(std::ifstream(NGS_SOURCE_DIR "/data-schema/pr
 
 void run_tool(const test::TempDir& dir, std::vector<std::string> argv) {
   argv[0] = std::string(NGS_TOOL_DIR "/") + argv[0];
-  const test::ProcessResult result = test::run_process({.argv = argv,
-                                                        .environment = {{"NGS_THREADS", "2"}},
-                                                        .folder = dir.path(),
-                                                        .input = {},
-                                                        .signal_after = {}});
+  const test::ProcessResult result = test::run_process(
+      {.argv = argv, .environment = {{"NGS_THREADS", "2"}}, .folder = dir.path(), .input = {}, .signal_after = {}});
   INFO(argv[0] << ": " << result.err);
   REQUIRE(result.exit_code == 0);
 }
@@ -38,10 +35,10 @@ const char* const kStrokes = R"({"ngs_prompts":1,"view":"0002.png","width":112,"
 const test::TempDir& stroke_scene() {
   static const test::TempDir dir;
   static const bool made = [] {
-    run_tool(dir, {"ngs-synth", "two-spheres", "-o", "scene", "--views", "8", "--width-px", "112",
-                   "--height-px", "84", "--fit-steps", "300", "-q"});
-    run_tool(dir, {"ngs-scene", "import", "scene", "--ply", "scene/point_cloud.ply", "--images",
-                   "scene/images", "-o", "scene.json", "-q"});
+    run_tool(dir, {"ngs-synth", "two-spheres", "-o", "scene", "--views", "8", "--width-px", "112", "--height-px", "84",
+                   "--fit-steps", "300", "-q"});
+    run_tool(dir, {"ngs-scene", "import", "scene", "--ply", "scene/point_cloud.ply", "--images", "scene/images", "-o",
+                   "scene.json", "-q"});
     dir.write("strokes.json", kStrokes);
     return true;
   }();
@@ -54,8 +51,7 @@ const test::TempDir& stroke_scene() {
 TEST_CASE("strokes on one view bring masks of all views of a synthetic scene") {
   const test::TempDir& dir = stroke_scene();
   CHECK(test::schema_violations(schema(), Json::parse(kStrokes)) == "");
-  run_tool(dir, {"ngs-mask", "scene.json", "--prompts", "strokes.json", "-o", "masks", "-q", "--report",
-                 "mask.json"});
+  run_tool(dir, {"ngs-mask", "scene.json", "--prompts", "strokes.json", "-o", "masks", "-q", "--report", "mask.json"});
   run_tool(dir, {"ngs-eval", "masks", "scene/masks_gt", "-o", "metrics.json", "-q", "--report", "eval.json"});
   const Json metrics = Json::parse(test::read_bytes(dir.path() + "/metrics.json"));
   const double iou = metrics["mean"]["iou"], biou = metrics["mean"]["biou"];
@@ -66,8 +62,7 @@ TEST_CASE("strokes on one view bring masks of all views of a synthetic scene") {
   CHECK(Json::parse(test::read_bytes(dir.path() + "/mask.json"))["result"]["segmented_masks"] == 7);
 }
 
-TEST_CASE(
-    "a program is given prompts that satisfy the schema: points and a box, then the expected mask too") {
+TEST_CASE("a program is given prompts that satisfy the schema: points and a box, then the expected mask too") {
   const test::TempDir& dir = stroke_scene();
   dir.write("segment.sh",
             "cp \"$2\" kept-$(basename \"$2\")\ncat /proc/$PPID/comm > comm\n"

@@ -52,7 +52,8 @@ TEST_CASE("output to stdout leaves no temporary file when the terminal closes, a
   test::ProcessSpec spec;
   spec.environment = {{"TMPDIR", dir.path() + "/tmp"}};
   spec.signal_after = "line 5 ";
-  const std::vector<std::string> probe{NGS_TOOL_DIR "/ngs-probe", in, "-o", "-", "--act", "slow-write", "--count", "20"};
+  const std::vector<std::string> probe{
+      NGS_TOOL_DIR "/ngs-probe", in, "-o", "-", "--act", "slow-write", "--count", "20"};
   for (const int signal : {SIGHUP, SIGQUIT}) {
     CAPTURE(signal);
     spec.argv = probe, spec.signal = signal;
@@ -70,8 +71,16 @@ TEST_CASE("a failing child program is reported although the caller ignores SIGCH
   dir.write("p.json", R"({"ngs_prompts":1,"view":"v0.png","width":48,"height":36,"boxes":[[12,6,36,30]]})");
   test::ProcessSpec spec;
   spec.folder = dir.path();
-  spec.argv = {"env", "--ignore-signal=CHLD", NGS_TOOL_DIR "/ngs-mask", "scene.json", "--prompts", "p.json", "-o", "m",
-               "--segmenter", "sh -c 'cp masks/v0.png \"$2\"; exit 3' {image} {prompts} {out}"};
+  spec.argv = {"env",
+               "--ignore-signal=CHLD",
+               NGS_TOOL_DIR "/ngs-mask",
+               "scene.json",
+               "--prompts",
+               "p.json",
+               "-o",
+               "m",
+               "--segmenter",
+               "sh -c 'cp masks/v0.png \"$2\"; exit 3' {image} {prompts} {out}"};
   const test::ProcessResult result = test::run_process(spec);
   INFO(result.err);
   CHECK(result.exit_code == 8);

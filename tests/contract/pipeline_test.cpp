@@ -51,8 +51,7 @@ struct Capture {
   /// The tiny scene with spaces in both folders, v2 held out.
   test::ProcessResult run(std::vector<std::string> further,
                           std::vector<std::pair<std::string, std::string>> environment = {}) const {
-    further.insert(further.begin(),
-                   {"my scene", "the output", "--hold-out", "every:4:2", "--gt", "my scene/masks"});
+    further.insert(further.begin(), {"my scene", "the output", "--hold-out", "every:4:2", "--gt", "my scene/masks"});
     return run_script(dir.path(), further, std::move(environment));
   }
 };
@@ -63,9 +62,8 @@ TEST_CASE("ngs-gs.sh makes every promised file, then runs only what changed") {
   const test::ProcessResult first = capture.run({"--method", "flash"});
   INFO(first.err);
   REQUIRE(first.exit_code == 0);
-  for (const char* name :
-       {"scene.json", "boundary.ply", "queries.ply", "field.ply", "labelled.ply", "object.ply",
-        "background.ply", "masks/v2.png", "metrics.json", "report.html", "reports/ngs-joint.json"}) {
+  for (const char* name : {"scene.json", "boundary.ply", "queries.ply", "field.ply", "labelled.ply", "object.ply",
+                           "background.ply", "masks/v2.png", "metrics.json", "report.html", "reports/ngs-joint.json"}) {
     CAPTURE(name);
     CHECK(fs::exists(capture.out + "/" + name));
   }
@@ -86,8 +84,8 @@ TEST_CASE("ngs-gs.sh makes every promised file, then runs only what changed") {
     CHECK(after["report.html"] != before.at("report.html"));
   }
   SUBCASE("everything, if a mask changed") {
-    fs::copy_file(capture.dir.path() + "/my scene/masks/v0.png",
-                  capture.dir.path() + "/my scene/masks/v1.png", fs::copy_options::overwrite_existing);
+    fs::copy_file(capture.dir.path() + "/my scene/masks/v0.png", capture.dir.path() + "/my scene/masks/v1.png",
+                  fs::copy_options::overwrite_existing);
     const test::ProcessResult second = capture.run({"--method", "flash"});
     INFO(second.err);
     CHECK(second.exit_code == 0);
@@ -96,8 +94,7 @@ TEST_CASE("ngs-gs.sh makes every promised file, then runs only what changed") {
     CHECK(after["metrics.json"] != before.at("metrics.json"));
   }
   SUBCASE("the scores, if a bound was added; it exits 1 where it is not met") {
-    const test::ProcessResult second =
-        capture.run({"--method", "flash"}, {{"EVAL_FLAGS", "--fail-below iou=1.01"}});
+    const test::ProcessResult second = capture.run({"--method", "flash"}, {{"EVAL_FLAGS", "--fail-below iou=1.01"}});
     INFO(second.err);
     CHECK(second.exit_code == 1);
     auto after = times_of(capture.out);
@@ -134,7 +131,8 @@ TEST_CASE("ngs-gs.sh gives --device to the tools that have a CUDA path, and to n
     std::map<std::string, bool> tools;
     std::istringstream lines(result.out);
     for (std::string line; std::getline(lines, line);)
-      if (line.starts_with("ngs-")) tools[line.substr(0, line.find(' '))] = line.find(" --device cuda ") != std::string::npos;
+      if (line.starts_with("ngs-"))
+        tools[line.substr(0, line.find(' '))] = line.find(" --device cuda ") != std::string::npos;
     return tools;
   };
   std::map<std::string, bool> expected;
@@ -335,7 +333,11 @@ TEST_CASE("ngs-gs.sh refuses an output folder where it would replace masks that 
     fs::copy(scene + "/masks", out + "/masks");
     refused({"my scene", "the output"}, "no run has rendered");
     test::ProcessSpec make;
-    make.argv = {"make", "-f", NGS_SOURCE_DIR "/pipelines/experiment.mk", "SCENE=my scene", "OUT=the-output",
+    make.argv = {"make",
+                 "-f",
+                 NGS_SOURCE_DIR "/pipelines/experiment.mk",
+                 "SCENE=my scene",
+                 "OUT=the-output",
                  "the-output/scene.json"};
     make.folder = capture.dir.path();
     make.environment = {{"NGS_BIN", NGS_TOOL_DIR}};

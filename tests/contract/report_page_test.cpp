@@ -20,11 +20,8 @@ namespace fs = std::filesystem;
 
 void run_tool(const std::string& folder, std::vector<std::string> argv) {
   argv[0] = std::string(NGS_TOOL_DIR "/") + argv[0];
-  const test::ProcessResult result = test::run_process({.argv = argv,
-                                                        .environment = {{"NGS_THREADS", "2"}},
-                                                        .folder = folder,
-                                                        .input = {},
-                                                        .signal_after = {}});
+  const test::ProcessResult result = test::run_process(
+      {.argv = argv, .environment = {{"NGS_THREADS", "2"}}, .folder = folder, .input = {}, .signal_after = {}});
   INFO(argv[0] << ": " << result.err);
   REQUIRE(result.exit_code == 0);
 }
@@ -37,14 +34,13 @@ std::string made_run(const test::TempDir& dir) {
   fs::create_directories(out + "/reports");
   fs::create_directories(out + "/masks");
   fs::copy_file(scene + "/masks/v5.png", out + "/masks/v5.png");
-  dir.write("scene/scene.json",
-            std::regex_replace(test::read_bytes(scene + "/scene.json"),
-                               std::regex("\"(model.ply|images/|masks/)"), "\"../scene/$1"));
+  dir.write("scene/scene.json", std::regex_replace(test::read_bytes(scene + "/scene.json"),
+                                                   std::regex("\"(model.ply|images/|masks/)"), "\"../scene/$1"));
   fs::copy_file(scene + "/scene.json", out + "/scene.json");
   run_tool(out, {"ngs-eval", scene + "/masks", scene + "/masks", "--views", "every:6:4", "-q", "-o",
                  "metrics_input.json", "--report", "reports/ngs-eval-input.json"});
-  run_tool(out, {"ngs-eval", "masks", scene + "/masks", "-q", "-o", "metrics.json", "--report",
-                 "reports/ngs-eval.json"});
+  run_tool(out,
+           {"ngs-eval", "masks", scene + "/masks", "-q", "-o", "metrics.json", "--report", "reports/ngs-eval.json"});
   dir.write(
       "a <run> & more/reports/ngs-joint.json",
       R"({"tool":"ngs-joint","version":"0.1.0","options":{"method":"bce","steps":5},"inputs":[],"device":{"name":"cpu","reason":"r"},
@@ -55,9 +51,8 @@ std::string made_run(const test::TempDir& dir) {
                 "threshold":null,"saving":""}]},
                 "warnings":["a \"strange\" <mask>"]})");
   dir.write("a <run> & more/reports/ngs-joint.sh", "ngs-joint scene.json --method bce <x>\n");
-  dir.write(
-      "a <run> & more/trace.jsonl",
-      "{\"step\":1,\"t\":0.1,\"loss\":{\"total\":0.5}}\n{\"step\":2,\"t\":0.2,\"loss\":{\"total\":0.25}}\n");
+  dir.write("a <run> & more/trace.jsonl",
+            "{\"step\":1,\"t\":0.1,\"loss\":{\"total\":0.5}}\n{\"step\":2,\"t\":0.2,\"loss\":{\"total\":0.25}}\n");
   return out;
 }
 
@@ -73,8 +68,8 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
   run_tool(out, {"ngs-report", ".", "-o", "report.html"});
   const std::string page = test::read_bytes(out + "/report.html");
 
-  for (const char* id : {"overview", "oddities", "accuracy", "views", "objects", "decisions", "times",
-                         "trace", "inputs", "repeat", "tools"}) {
+  for (const char* id : {"overview", "oddities", "accuracy", "views", "objects", "decisions", "times", "trace",
+                         "inputs", "repeat", "tools"}) {
     CAPTURE(id);
     CHECK(page.find("<section id=\"" + std::string(id) + "\">") != page.npos);
   }
@@ -109,12 +104,10 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
   }
   SUBCASE("each picture has a text and the outlines of prediction, truth and input") {
     CHECK(occurrences(page, "<img ") >= 2);  // the sheet and a crop
-    CHECK(occurrences(page, "<img ") ==
-          occurrences(page, "<img alt=\"View") + occurrences(page, "<img alt=\"Crop"));
+    CHECK(occurrences(page, "<img ") == occurrences(page, "<img alt=\"View") + occurrences(page, "<img alt=\"Crop"));
     for (const char* kind : {"predicted", "truth", "input"}) {
       CAPTURE(kind);
-      CHECK(occurrences(page, std::string("<g class=") + kind + "><path class=casing d=\"M") >=
-            3);  // and the legend
+      CHECK(occurrences(page, std::string("<g class=") + kind + "><path class=casing d=\"M") >= 3);  // and the legend
     }
   }
   SUBCASE("the page is small and the same for the same run") {
@@ -193,22 +186,20 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
 
 /// What Chromium says of the page in a frame of the given width: "scroll WIDTH of WIDTH".
 std::string widths_in_browser(const test::TempDir& dir, const std::string& page, int width_px) {
-  dir.write("frame.html", "<body><iframe id=f width=" + std::to_string(width_px) + " height=800 src=\"" +
-                              page +
+  dir.write("frame.html", "<body><iframe id=f width=" + std::to_string(width_px) + " height=800 src=\"" + page +
                               "\"></iframe><script>onload=()=>{const d=f.contentDocument.documentElement;"
                               "document.body.append('scroll '+d.scrollWidth+' of '+d.clientWidth)}</script>");
-  const test::ProcessResult result = test::run_process(
-      {.argv = {"chromium", "--headless", "--no-sandbox", "--disable-gpu", "--allow-file-access-from-files",
-                "--user-data-dir=" + dir.path() + "/profile", "--virtual-time-budget=2000", "--dump-dom",
-                "file://" + dir.path() + "/frame.html"},
-       .environment = {},
-       .folder = dir.path(),
-       .input = {},
-       .signal_after = {}});
+  const test::ProcessResult result =
+      test::run_process({.argv = {"chromium", "--headless", "--no-sandbox", "--disable-gpu",
+                                  "--allow-file-access-from-files", "--user-data-dir=" + dir.path() + "/profile",
+                                  "--virtual-time-budget=2000", "--dump-dom", "file://" + dir.path() + "/frame.html"},
+                         .environment = {},
+                         .folder = dir.path(),
+                         .input = {},
+                         .signal_after = {}});
   const std::size_t at = result.out.rfind("scroll ");
-  return result.exit_code != 0 || at == result.out.npos
-             ? result.err
-             : result.out.substr(at, result.out.find('<', at) - at);
+  return result.exit_code != 0 || at == result.out.npos ? result.err
+                                                        : result.out.substr(at, result.out.find('<', at) - at);
 }
 
 TEST_CASE("the page needs no sideways scrolling on a phone or a desk") {

@@ -142,7 +142,8 @@ TEST_CASE("sweep.sh refuses a series that it could not bring to an end, before a
   refused("a capture --method flash\na capture --method sa3d\n", "runs:2: a run 'a' is there already");
   refused("a capture VARIANCES_FLAGS='--tau 0.1'\n", "VARIANCES_FLAGS is read by no run");
   refused("a capture --method flash\nb/c capture\n", "runs:2: 'b/c' is no name of a run");
-  const test::ProcessResult absent = f.run({kPipelines + "sweep.sh", "runs", "out", "--on", "slurm"}, {{"PATH", "/bin"}});
+  const test::ProcessResult absent =
+      f.run({kPipelines + "sweep.sh", "runs", "out", "--on", "slurm"}, {{"PATH", "/bin"}});
   if (!fs::exists("/bin/sbatch")) CHECK(absent.exit_code == 8);
 }
 
@@ -198,7 +199,8 @@ TEST_CASE("ngs-gs.sh finds the files that options name in the folder of the call
 
 TEST_CASE("ngs-gs.sh refuses an option that a later tool would refuse before the first tool runs") {
   const Folder f;
-  const auto refused = [&](Words more, std::vector<std::pair<std::string, std::string>> environment, const std::string& because) {
+  const auto refused = [&](Words more, std::vector<std::pair<std::string, std::string>> environment,
+                           const std::string& because) {
     const test::ProcessResult result = f.run(f.quick("out", std::move(more)), std::move(environment));
     INFO(result.err);
     CHECK(result.exit_code == 2);
@@ -215,11 +217,12 @@ TEST_CASE("ngs-gs.sh refuses an option that a later tool would refuse before the
 TEST_CASE("the mean over scenes counts every score that exists, once") {
   const Folder f;
   const auto summary = [&](const char* name, const char* biou) {
-    return f.dir.write(name, std::string("{\n  \"mean_over_runs\": {\n    \"iou\": 0.5,\n    \"biou\": ") + biou + "\n  }\n}\n");
+    return f.dir.write(
+        name, std::string("{\n  \"mean_over_runs\": {\n    \"iou\": 0.5,\n    \"biou\": ") + biou + "\n  }\n}\n");
   };
   const Words files{summary("a.json", "null"), summary("b.json", "null"), summary("c.json", "0.75")};
-  const test::ProcessResult result =
-      f.run({"bash", "-c", ". \"$0\"; mean_of_summaries \"$@\"", kPipelines + "common.sh", files[0], files[1], files[2]});
+  const test::ProcessResult result = f.run(
+      {"bash", "-c", ". \"$0\"; mean_of_summaries \"$@\"", kPipelines + "common.sh", files[0], files[1], files[2]});
   CHECK(result.err ==
         "mean over 3 scenes: iou              0.5000\n"
         "mean over 1 scenes: biou             0.7500\n");
@@ -228,7 +231,8 @@ TEST_CASE("the mean over scenes counts every score that exists, once") {
 TEST_CASE("robustness.mk makes the masks anew where the seed changed, and compares no scores of an earlier call") {
   const Folder f;
   const auto series = [&](Words more) {
-    more.insert(more.begin(), {"SCENE=capture", "TRUTH=capture/masks", "OUT=out", "DAMAGES=wrong", "METHODS=flash sa3d"});
+    more.insert(more.begin(),
+                {"SCENE=capture", "TRUTH=capture/masks", "OUT=out", "DAMAGES=wrong", "METHODS=flash sa3d"});
     return f.make("robustness.mk", more);
   };
   const auto masks = [&] {
@@ -271,7 +275,9 @@ TEST_CASE("sharded.mk joins no shards of other options, and leaves the bytes of 
   // A series that was stopped half way and is taken up with other options.
   fs::remove(f.path("s.ply.parts/1-of-2.evidence"));
   const std::string other = sharded({"RASTER_FLAGS=--antialias on"});
-  REQUIRE(f.run({NGS_TOOL_DIR "/ngs-variance", "one/scene.json", "--antialias", "on", "-q", "-o", "on.ply"}).exit_code == 0);
+  REQUIRE(
+      f.run({NGS_TOOL_DIR "/ngs-variance", "one/scene.json", "--antialias", "on", "-q", "-o", "on.ply"}).exit_code ==
+      0);
   CHECK(other == f.bytes("on.ply"));
   CHECK(other != one);
 }
@@ -281,7 +287,8 @@ TEST_CASE("sharded.mk joins no parts of another scene, though that one is older"
   REQUIRE(f.run(f.quick("held", {"--until", "boundary.ply", "--hold-out", "every:2:0"})).exit_code == 0);
   REQUIRE(f.run(f.quick("all", {"--until", "boundary.ply"})).exit_code == 0);
   const auto made = [&](const std::string& scene) {
-    const test::ProcessResult result = f.make("sharded.mk", {"SCENE_JSON=" + scene + "/scene.json", "OUT=s.ply", "SHARDS=2"});
+    const test::ProcessResult result =
+        f.make("sharded.mk", {"SCENE_JSON=" + scene + "/scene.json", "OUT=s.ply", "SHARDS=2"});
     INFO(result.err);
     CHECK(result.exit_code == 0);
     return f.bytes("s.ply");
@@ -290,18 +297,24 @@ TEST_CASE("sharded.mk joins no parts of another scene, though that one is older"
   CHECK(made("held") == f.bytes("held/boundary.ply"));
 }
 
-TEST_CASE("another CMake project that adds ngs as a folder compiles against it, in its arithmetic and without its tests") {
+TEST_CASE(
+    "another CMake project that adds ngs as a folder compiles against it, in its arithmetic and without its tests") {
   const Folder f;
-  f.dir.write("CMakeLists.txt", "cmake_minimum_required(VERSION 3.25)\nproject(user CXX)\n"
-                                "add_subdirectory(" NGS_SOURCE_DIR " ngs)\n"
-                                "if(TARGET test_unit)\n  message(FATAL_ERROR \"the tests came along\")\nendif()\n"
-                                "add_library(user OBJECT user.cpp)\ntarget_link_libraries(user PRIVATE ngs::ngs)\n");
+  f.dir.write("CMakeLists.txt",
+              "cmake_minimum_required(VERSION 3.25)\nproject(user CXX)\n"
+              "add_subdirectory(" NGS_SOURCE_DIR
+              " ngs)\n"
+              "if(TARGET test_unit)\n  message(FATAL_ERROR \"the tests came along\")\nendif()\n"
+              "add_library(user OBJECT user.cpp)\ntarget_link_libraries(user PRIVATE ngs::ngs)\n");
   // What the library's inline functions need of whoever compiles them: the same instructions, no contraction.
-  f.dir.write("user.cpp", "#include \"ngs/core/version.h\"\n#include \"ngs/io/ply/gaussian_ply.h\"\n#include \"ngs/ops/splat/splat.h\"\n"
-                          "#ifndef __AVX2__\n#error not compiled for x86-64-v3\n#endif\n"
-                          "const char* version() { return ngs::kVersion; }\n"
-                          "long rows(const char* path) { return ngs::io::read_gaussian_ply(path).cloud.size(); }\n");
-  const test::ProcessResult configured = f.run({"cmake", "-S", ".", "-B", "build", "-G", "Ninja", "-DNGS_WITH_CUDA=OFF"});
+  f.dir.write(
+      "user.cpp",
+      "#include \"ngs/core/version.h\"\n#include \"ngs/io/ply/gaussian_ply.h\"\n#include \"ngs/ops/splat/splat.h\"\n"
+      "#ifndef __AVX2__\n#error not compiled for x86-64-v3\n#endif\n"
+      "const char* version() { return ngs::kVersion; }\n"
+      "long rows(const char* path) { return ngs::io::read_gaussian_ply(path).cloud.size(); }\n");
+  const test::ProcessResult configured =
+      f.run({"cmake", "-S", ".", "-B", "build", "-G", "Ninja", "-DNGS_WITH_CUDA=OFF"});
   if (configured.exit_code == 127) return test::skip("no cmake");
   INFO(configured.out << configured.err);
   REQUIRE(configured.exit_code == 0);
@@ -314,8 +327,7 @@ TEST_CASE("another CMake project that adds ngs as a folder compiles against it, 
 
 TEST_CASE("what cmake --install copies runs by itself, pictures included") {
   const Folder f;
-  const test::ProcessResult installed =
-      f.run({"cmake", "--install", NGS_TOOL_DIR "/..", "--prefix", f.path("prefix")});
+  const test::ProcessResult installed = f.run({"cmake", "--install", NGS_TOOL_DIR "/..", "--prefix", f.path("prefix")});
   if (installed.exit_code == 127) return test::skip("no cmake");
   INFO(installed.err);
   REQUIRE(installed.exit_code == 0);

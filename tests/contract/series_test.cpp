@@ -31,8 +31,7 @@ std::size_t leftovers_in(const fs::path& folder) {
   return count;
 }
 
-test::ProcessSpec script(const std::string& name, const std::string& folder,
-                         std::vector<std::string> arguments) {
+test::ProcessSpec script(const std::string& name, const std::string& folder, std::vector<std::string> arguments) {
   test::ProcessSpec spec;
   spec.argv = {std::string(NGS_SOURCE_DIR "/pipelines/") + name};
   spec.argv.insert(spec.argv.end(), arguments.begin(), arguments.end());
@@ -42,8 +41,7 @@ test::ProcessSpec script(const std::string& name, const std::string& folder,
 }
 
 /// Both results of two processes that run at the same time.
-std::pair<test::ProcessResult, test::ProcessResult> at_once(const test::ProcessSpec& a,
-                                                            const test::ProcessSpec& b) {
+std::pair<test::ProcessResult, test::ProcessResult> at_once(const test::ProcessSpec& a, const test::ProcessSpec& b) {
   std::pair<test::ProcessResult, test::ProcessResult> results;
   std::thread other([&] { results.second = test::run_process(b); });
   results.first = test::run_process(a);
@@ -84,10 +82,8 @@ TEST_CASE("every tool, run twice at once on one output, leaves the bytes of one 
       CHECK(first.exit_code == each.value("exit", 0));
       CHECK(second.exit_code == first.exit_code);
       test::run_process(spec(alone));
-      const std::vector<std::string> there = test::words(
-                                         test::resolved(each.at("same_bytes"), shared.path(), "")),
-                                     here =
-                                         test::words(test::resolved(each.at("same_bytes"), alone.path(), ""));
+      const std::vector<std::string> there = test::words(test::resolved(each.at("same_bytes"), shared.path(), "")),
+                                     here = test::words(test::resolved(each.at("same_bytes"), alone.path(), ""));
       for (std::size_t i = 0; i < there.size(); ++i) {
         CAPTURE(there[i]);
         REQUIRE(fs::exists(there[i]));
@@ -103,8 +99,7 @@ TEST_CASE("ngs-gs.sh, called twice at once on one folder, leaves what one call l
   const test::TempDir dir;
   tiny_capture(dir);
   const auto run = [&](const std::string& out) {
-    return script("ngs-gs.sh", dir.path(),
-                  {"capture", out, "--hold-out", "every:4:2", "--method", "flash", "-q"});
+    return script("ngs-gs.sh", dir.path(), {"capture", out, "--hold-out", "every:4:2", "--method", "flash", "-q"});
   };
   fs::create_directories(dir.path() + "/shared");
   std::ofstream(dir.path() + "/shared/.ngs-1-0.tmp.ply") << "what a killed run leaves";
@@ -145,8 +140,7 @@ TEST_CASE("sweep.sh keeps what is finished or refused, and starts again what was
   }
   SUBCASE("a run that left no exit code, or whose line changed, is started") {
     fs::remove(out + "/.sweep/plain.code");
-    std::ofstream(runs)
-        << "plain capture --hold-out every:4:2 --method flash\nrefused capture --method flash\n";
+    std::ofstream(runs) << "plain capture --hold-out every:4:2 --method flash\nrefused capture --method flash\n";
     const test::ProcessResult plan = test::run_process(script("sweep.sh", dir.path(), {runs, "out", "-n"}));
     CHECK(plan.out == "plain\nrefused\n");
   }

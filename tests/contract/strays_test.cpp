@@ -22,13 +22,12 @@ std::string with_a_component(const test::TempDir& dir) {
   REQUIRE(ply.labels.boundary[std::size_t(row)] > 0);
   std::filesystem::copy_file(source, copy);
   std::fstream file(copy, std::ios::binary | std::ios::in | std::ios::out);
-  const auto table_begin =
-      std::filesystem::file_size(source) - std::size_t(ply.rows.rows) * ply.rows.row_bytes;
+  const auto table_begin = std::filesystem::file_size(source) - std::size_t(ply.rows.rows) * ply.rows.row_bytes;
   const auto set = [&](const char* name, float value) {
     const int property = ply.rows.find(name);
     REQUIRE(property >= 0);
-    file.seekp(std::streamoff(table_begin + std::size_t(row) * ply.rows.row_bytes +
-                              ply.rows.offset[std::size_t(property)]));
+    file.seekp(
+        std::streamoff(table_begin + std::size_t(row) * ply.rows.row_bytes + ply.rows.offset[std::size_t(property)]));
     file.write(reinterpret_cast<const char*>(&value), sizeof value);
   };
   set("x", 40.f), set("ngs_views", 0.f), set("ngs_prob", 1.f);
@@ -39,11 +38,10 @@ std::string with_a_component(const test::TempDir& dir) {
 
 TEST_CASE("ngs-joint samples again where removed components shrink the boundary set that --field was made for") {
   const test::TempDir dir;
-  const std::string fixture = test::fixture_folder(), model = with_a_component(dir),
-                    out = dir.path() + "/labelled.ply";
-  const test::ProcessResult result = test::run_command(
-      {NGS_TOOL_DIR "/ngs-joint", fixture + "/scene.json", model, "--field", fixture + "/field.ply",
-       "--steps", "2", "--mlp-hidden", "16", "--effect", "nerf=on", "-v", "-o", out});
+  const std::string fixture = test::fixture_folder(), model = with_a_component(dir), out = dir.path() + "/labelled.ply";
+  const test::ProcessResult result =
+      test::run_command({NGS_TOOL_DIR "/ngs-joint", fixture + "/scene.json", model, "--field", fixture + "/field.ply",
+                         "--steps", "2", "--mlp-hidden", "16", "--effect", "nerf=on", "-v", "-o", out});
   CAPTURE(result.err);
   CHECK(result.exit_code == 0);
   CHECK(result.err.find("taken for unseen") != std::string::npos);

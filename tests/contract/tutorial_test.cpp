@@ -60,9 +60,8 @@ test::ProcessResult run_step(const std::string& folder, const std::string& comma
   spec.argv = {"bash", "-euo", "pipefail", "-c", commands};
   spec.folder = folder;
   const std::string path = std::getenv("PATH");
-  spec.environment = {{"PATH", NGS_TOOL_DIR ":" NGS_SOURCE_DIR "/pipelines:" + path},
-                      {"NGS_BIN", NGS_TOOL_DIR},
-                      {"NGS_THREADS", "2"}};
+  spec.environment = {
+      {"PATH", NGS_TOOL_DIR ":" NGS_SOURCE_DIR "/pipelines:" + path}, {"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}};
   return test::run_process(spec);
 }
 

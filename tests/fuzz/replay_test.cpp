@@ -34,21 +34,11 @@ std::string mutated(std::string bytes, Dice dice) {
   for (std::size_t edits = 1 + dice.below(4); edits > 0 && !bytes.empty(); --edits) {
     const std::size_t at = dice.below(bytes.size());
     switch (dice.below(5)) {
-      case 0:
-        bytes[at] = char(bytes[at] ^ (1 << dice.below(8)));
-        break;
-      case 1:
-        bytes[at] = kInteresting[dice.below(sizeof kInteresting)];
-        break;
-      case 2:
-        bytes.erase(at, 1 + dice.below(16));
-        break;
-      case 3:
-        bytes.insert(at, bytes.substr(dice.below(bytes.size()), 1 + dice.below(16)));
-        break;
-      default:
-        bytes.insert(at, 1 + dice.below(3), '9');
-        break;  // longer numbers in headers
+      case 0: bytes[at] = char(bytes[at] ^ (1 << dice.below(8))); break;
+      case 1: bytes[at] = kInteresting[dice.below(sizeof kInteresting)]; break;
+      case 2: bytes.erase(at, 1 + dice.below(16)); break;
+      case 3: bytes.insert(at, bytes.substr(dice.below(bytes.size()), 1 + dice.below(16))); break;
+      default: bytes.insert(at, 1 + dice.below(3), '9'); break;  // longer numbers in headers
     }
   }
   return bytes;

@@ -14,18 +14,18 @@
 #include "ngs/core/error.h"
 #include "ngs/io/capture/cameras_json.h"
 #include "ngs/io/capture/colmap.h"
-#include "ngs/io/scene/evidence_file.h"
-#include "ngs/io/image/exr.h"
-#include "ngs/io/ply/gaussian_ply.h"
-#include "ngs/io/image/image_header.h"
-#include "ngs/io/files/json_file.h"
 #include "ngs/io/capture/llff.h"
-#include "ngs/io/scene/prompt_files.h"
-#include "ngs/io/ply/query_ply.h"
-#include "ngs/io/files/safetensors.h"
-#include "ngs/io/scene/scene_json.h"
 #include "ngs/io/capture/sparse_points.h"
 #include "ngs/io/capture/transforms_json.h"
+#include "ngs/io/files/json_file.h"
+#include "ngs/io/files/safetensors.h"
+#include "ngs/io/image/exr.h"
+#include "ngs/io/image/image_header.h"
+#include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/io/ply/query_ply.h"
+#include "ngs/io/scene/evidence_file.h"
+#include "ngs/io/scene/prompt_files.h"
+#include "ngs/io/scene/scene_json.h"
 
 namespace ngs::fuzz {
 
@@ -84,12 +84,8 @@ inline int fuzz_colmap_files(const std::uint8_t* data, std::size_t size, bool bi
       (void)io::parse_colmap_text(text_of(cameras, split), text_of(images, rest), "fuzz");
   });
 }
-inline int fuzz_colmap_bin(const std::uint8_t* data, std::size_t size) {
-  return fuzz_colmap_files(data, size, true);
-}
-inline int fuzz_colmap_txt(const std::uint8_t* data, std::size_t size) {
-  return fuzz_colmap_files(data, size, false);
-}
+inline int fuzz_colmap_bin(const std::uint8_t* data, std::size_t size) { return fuzz_colmap_files(data, size, true); }
+inline int fuzz_colmap_txt(const std::uint8_t* data, std::size_t size) { return fuzz_colmap_files(data, size, false); }
 
 inline int fuzz_transforms_json(const std::uint8_t* data, std::size_t size) {
   return refuses_or_reads([&] {
@@ -110,9 +106,8 @@ inline int fuzz_cameras_json(const std::uint8_t* data, std::size_t size) {
 }
 
 inline int fuzz_scene_json(const std::uint8_t* data, std::size_t size) {
-  return refuses_or_reads([&] {
-    (void)io::parse_scene_json(io::parse_json(text_of(data, size), "fuzz.json"), "/data", "fuzz.json");
-  });
+  return refuses_or_reads(
+      [&] { (void)io::parse_scene_json(io::parse_json(text_of(data, size), "fuzz.json"), "/data", "fuzz.json"); });
 }
 
 inline int fuzz_prompts_json(const std::uint8_t* data, std::size_t size) {
@@ -124,8 +119,7 @@ inline int fuzz_npy(const std::uint8_t* data, std::size_t size) {
   return refuses_or_reads([&] {
     const io::NpyMatrix matrix = io::parse_npy({data, size}, "fuzz.npy");
     std::vector<std::string> names;
-    for (std::size_t i = 0; i < std::min<std::size_t>(matrix.rows, 1000); ++i)
-      names.push_back(std::to_string(i));
+    for (std::size_t i = 0; i < std::min<std::size_t>(matrix.rows, 1000); ++i) names.push_back(std::to_string(i));
     (void)io::llff_capture(matrix, names, "fuzz.npy");
   });
 }

@@ -77,34 +77,27 @@ struct FilmCase {
 
 TEST_CASE("film mlp: backward with respect to weights, features and condition is the adjoint of forward") {
   test::Random random(31);
-  const FilmMlpConfig configs[] = {
-      {.inputs = 5, .condition = 3, .hidden = 16, .layers = 2, .direction_degree = 2},
-      {.inputs = 1, .condition = 1, .hidden = 7, .layers = 1, .direction_degree = 0},
-      {.inputs = 20, .condition = 4, .hidden = 17, .layers = 4, .direction_degree = 3}};
+  const FilmMlpConfig configs[] = {{.inputs = 5, .condition = 3, .hidden = 16, .layers = 2, .direction_degree = 2},
+                                   {.inputs = 1, .condition = 1, .hidden = 7, .layers = 1, .direction_degree = 0},
+                                   {.inputs = 20, .condition = 4, .hidden = 17, .layers = 4, .direction_degree = 3}};
   for (const FilmMlpConfig& config : configs)
-    for (const std::int64_t n :
-         {1, 12, 31}) {  // one lane per query: blocks of 12, so 31 is 2 blocks and a rest
+    for (const std::int64_t n : {1, 12, 31}) {  // one lane per query: blocks of 12, so 31 is 2 blocks and a rest
       CAPTURE(config.hidden);
       CAPTURE(n);
       const FilmCase c(random, config, n);
       const auto u_density = random.uniform_vector(std::size_t(n), -1, 1),
                  u_rgb = random.uniform_vector(std::size_t(n) * 3, -1, 1);
-      const auto vp = random.uniform_vector(c.params.size(), -1, 1),
-                 vx = random.uniform_vector(c.input.size(), -1, 1);
+      const auto vp = random.uniform_vector(c.params.size(), -1, 1), vx = random.uniform_vector(c.input.size(), -1, 1);
       const auto vc = random.uniform_vector(c.condition.size(), -1, 1);
       const auto g = c.backward(u_density, u_rgb);
       const auto constant = [](const std::vector<double>& x) { return test::constant<test::DualD>(x); };
       const auto check = [&](const FilmCase::Run<test::DualD>& dual, double jtu_v) {
-        const double u_jv =
-            test::dot(u_density, test::deriv(dual.density)) + test::dot(u_rgb, test::deriv(dual.rgb));
+        const double u_jv = test::dot(u_density, test::deriv(dual.density)) + test::dot(u_rgb, test::deriv(dual.rgb));
         CHECK(test::adjoint_difference(u_jv, jtu_v) < 1e-11);
       };
-      check(c.forward(test::seed(c.params, vp), constant(c.input), constant(c.condition)),
-            test::dot(g.params, vp));
-      check(c.forward(constant(c.params), test::seed(c.input, vx), constant(c.condition)),
-            test::dot(g.input, vx));
-      check(c.forward(constant(c.params), constant(c.input), test::seed(c.condition, vc)),
-            test::dot(g.condition, vc));
+      check(c.forward(test::seed(c.params, vp), constant(c.input), constant(c.condition)), test::dot(g.params, vp));
+      check(c.forward(constant(c.params), test::seed(c.input, vx), constant(c.condition)), test::dot(g.input, vx));
+      check(c.forward(constant(c.params), constant(c.input), test::seed(c.condition, vc)), test::dot(g.condition, vc));
     }
 }
 
@@ -117,8 +110,7 @@ TEST_CASE("film mlp: the weight gradient agrees with extrapolated finite differe
     const auto run = c.forward(test::moved(c.params, v, t), c.input, c.condition);
     return test::dot(u_density, run.density) + test::dot(u_rgb, run.rgb);
   };
-  CHECK(test::ridders_difference(test::ridders(along, 1e-3),
-                                  test::dot(c.backward(u_density, u_rgb).params, v)) < 1e-8);
+  CHECK(test::ridders_difference(test::ridders(along, 1e-3), test::dot(c.backward(u_density, u_rgb).params, v)) < 1e-8);
 }
 
 }  // namespace ngs

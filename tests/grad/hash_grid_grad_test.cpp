@@ -11,8 +11,7 @@ namespace {
 
 /// Levels 0-1 dense, 2-3 hashed into 256 entries (with many collisions).
 struct HashCase {
-  HashGridConfig config{
-      .levels = 4, .features = 2, .log2_table = 8, .base_resolution = 2, .max_resolution = 40};
+  HashGridConfig config{.levels = 4, .features = 2, .log2_table = 8, .base_resolution = 2, .max_resolution = 40};
   std::vector<HashLevel> level;
   std::vector<double> table, point;
   std::int64_t queries;
@@ -44,8 +43,7 @@ TEST_CASE("hash grid: backward with respect to the table is the adjoint of forwa
   for (const std::int64_t n : {1, 2, 100}) {
     const HashCase c(random, n, n == 2);
     REQUIRE((c.level[1].dense && !c.level[2].dense));
-    const auto v = random.uniform_vector(c.table.size(), -1, 1),
-               u = random.uniform_vector(std::size_t(n) * 8, -1, 1);
+    const auto v = random.uniform_vector(c.table.size(), -1, 1), u = random.uniform_vector(std::size_t(n) * 8, -1, 1);
     const auto dual = c.forward(test::seed(c.table, v), test::constant<test::DualD>(c.point));
     std::vector<double> g(c.table.size(), 0.0);
     const HashBackwardTable<double, 2> kernel{c.view(c.table, c.point), u.data(), g.data()};
@@ -59,8 +57,7 @@ TEST_CASE("hash grid: backward with respect to positions is the adjoint of forwa
   for (const bool smoothstep : {false, true})
     for (const std::int64_t n : {1, 2, 100}) {
       const HashCase c(random, n, smoothstep);
-      const auto v = random.uniform_vector(c.point.size(), -1, 1),
-                 u = random.uniform_vector(std::size_t(n) * 8, -1, 1);
+      const auto v = random.uniform_vector(c.point.size(), -1, 1), u = random.uniform_vector(std::size_t(n) * 8, -1, 1);
       const auto dual = c.forward(test::constant<test::DualD>(c.table), test::seed(c.point, v));
       std::vector<double> g(c.point.size());
       const HashBackwardPosition<double, 2> kernel{c.view(c.table, c.point), u.data(), {g.data(), n}};

@@ -53,8 +53,7 @@ class Probe {
   static std::vector<double> first_moment(JointTrainer& trainer, const std::string& block) {
     std::vector<double> g;
     for (const StateBlock& b : trainer.state())
-      if (b.name == block + ".m" ||
-          (block == "field" && b.name.starts_with("field.") && b.name.ends_with(".m")))
+      if (b.name == block + ".m" || (block == "field" && b.name.starts_with("field.") && b.name.ends_with(".m")))
         for (const float m : *b.values) g.push_back(double(m) * 10);
     return g;
   }
@@ -89,11 +88,11 @@ TEST_CASE("joint: the gradient of the whole loss agrees with extrapolated differ
     for (double& x : direction) x /= largest;
     // A build with wider scalars (stability/float64.sh) can take shorter steps, over which pixels cross no threshold.
     const double shrink = std::sqrt(double(std::numeric_limits<float>::epsilon()) / 0x1p-23);
-    const double numeric = test::ridders(
-        [&](double t) { return probe.loss(group.block, direction, t, nullptr); }, group.step * shrink);
+    const double numeric =
+        test::ridders([&](double t) { return probe.loss(group.block, direction, t, nullptr); }, group.step * shrink);
     const double difference = test::ridders_difference(numeric, square / largest);
-    MESSAGE(std::string(group.block), ": gradient ", square / largest, ", differences ", numeric,
-            ", relative ", difference);
+    MESSAGE(std::string(group.block), ": gradient ", square / largest, ", differences ", numeric, ", relative ",
+            difference);
     CHECK(difference < group.bound);
   }
 }

@@ -69,11 +69,9 @@ struct AlignCase {
                      {},
                      std::vector<double>(field_colour.size()),
                      std::vector<double>(field_alpha.size())};
-    const AlignBackwardField<double> field{nodes.view(), 0.7, 2.5, g.field_colour.data(),
-                                           g.field_alpha.data()};
+    const AlignBackwardField<double> field{nodes.view(), 0.7, 2.5, g.field_colour.data(), g.field_alpha.data()};
     for (std::int64_t r = 0; r < grid.nodes(); ++r) field(r);
-    const AlignBackwardImage<double> image{view(in), nodes.view(),    2.5,           0, 0,
-                                           width,    g.colour.data(), g.alpha.data()};
+    const AlignBackwardImage<double> image{view(in), nodes.view(), 2.5, 0, 0, width, g.colour.data(), g.alpha.data()};
     for (int i = 0; i < width * height; ++i) image(i);
     return g;
   }
@@ -102,8 +100,7 @@ TEST_CASE("loss_align: backward is the adjoint of forward, up to the image borde
           nodes);
       const auto g = c.gradient();
       const double jtu_v = test::dot(g.colour, v.colour) + test::dot(g.alpha, v.alpha) +
-                           test::dot(g.field_colour, v.field_colour) +
-                           test::dot(g.field_alpha, v.field_alpha);
+                           test::dot(g.field_colour, v.field_colour) + test::dot(g.field_alpha, v.field_alpha);
       CHECK(test::adjoint_difference(loss.d, jtu_v) < 1e-11);
     }
 }

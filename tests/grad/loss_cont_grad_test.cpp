@@ -21,11 +21,8 @@ struct ContCase {
   std::int64_t size() const { return std::int64_t(colour.size() / 3); }
   template <class T>
   ContinuityGraph<T> view(const std::vector<T>& c, const std::vector<T>& w) const {
-    return {graph.indices(),
-            graph.row_begin.data(),
-            graph.edge.data(),
-            w.empty() ? nullptr : w.data(),
-            {c.data(), size()}};
+    return {
+        graph.indices(), graph.row_begin.data(), graph.edge.data(), w.empty() ? nullptr : w.data(), {c.data(), size()}};
   }
   template <class T>
   T loss(const std::vector<T>& c) const {

@@ -16,8 +16,7 @@ struct MaskCase {
   std::vector<float> weight;
   bool linear;
 
-  MaskCase(test::Random& random, bool use_linear)
-      : rendered(random.uniform_vector(60, -0.1, 1.1)), linear(use_linear) {
+  MaskCase(test::Random& random, bool use_linear) : rendered(random.uniform_vector(60, -0.1, 1.1)), linear(use_linear) {
     rendered[0] = 0, rendered[1] = 1, rendered[2] = 5e-7,
     rendered[3] = 1 - 2e-7;  // beyond the logarithm's range
     for (int k = 0; k < 3; ++k) target.push_back(random.uniform_vector<float>(20, 0, 1));

@@ -8,8 +8,7 @@ namespace ngs {
 namespace {
 
 template <class T>
-T smoothness(const std::vector<T>& a, const std::vector<T>& b, std::vector<T>& grad_a,
-             std::vector<T>& grad_b) {
+T smoothness(const std::vector<T>& a, const std::vector<T>& b, std::vector<T>& grad_a, std::vector<T>& grad_b) {
   const std::int64_t n = std::int64_t(a.size() / 3);
   std::vector<T> term(a.size() / 3, T(0));
   grad_a.resize(a.size()), grad_b.resize(a.size());

@@ -23,8 +23,11 @@ struct Case {
   PixelRegion region;
   bool weighted;
 };
-const Case kCases[] = {{1, 1, 1, {}, false}, {7, 5, 3, {}, false}, {19, 16, 3, {}, true},
-                       {24, 18, 2, {8, 3, 17, 12}, false}, {24, 18, 3, {0, 10, 9, 18}, true}};
+const Case kCases[] = {{1, 1, 1, {}, false},
+                       {7, 5, 3, {}, false},
+                       {19, 16, 3, {}, true},
+                       {24, 18, 2, {8, 3, 17, 12}, false},
+                       {24, 18, 3, {0, 10, 9, 18}, true}};
 
 }  // namespace
 
@@ -59,8 +62,7 @@ TEST_CASE("photometric: the gradient agrees with extrapolated finite differences
   pass.evaluate({}, {}, {x, y}, &gradient);
   const auto loss = [&](double t) {
     Image<double> moved = x;
-    for (std::size_t i = 0; i < x.data.size(); ++i)
-      moved.data[i] += t * (2 * rng_uniform(5, RngStream::kTest, i) - 1);
+    for (std::size_t i = 0; i < x.data.size(); ++i) moved.data[i] += t * (2 * rng_uniform(5, RngStream::kTest, i) - 1);
     return pass.evaluate({}, {}, {moved, y}, nullptr).total;
   };
   double want = 0;

@@ -52,8 +52,7 @@ TEST_CASE("rbf: backward with respect to features is the adjoint of forward") {
     const test::RbfCase c(shape, random);
     const auto v = random.uniform_vector(c.feature.size(), -1, 1);
     const auto u = random.uniform_vector(std::size_t(shape.queries * shape.features), -1, 1);
-    const auto dual =
-        test::rbf_run(c, test::constant<test::DualD>(c.boundary), test::seed(c.feature, v), kInv2h2);
+    const auto dual = test::rbf_run(c, test::constant<test::DualD>(c.boundary), test::seed(c.feature, v), kInv2h2);
     const double u_jv = test::dot(u, test::deriv(dual.feature));
     const double jtu_v = test::dot(backward_feature(c, test::value(dual.weight), u), v);
     CHECK(test::adjoint_difference(u_jv, jtu_v) < 1e-12);
@@ -67,8 +66,7 @@ TEST_CASE("rbf: backward with respect to boundary positions is the adjoint of fo
     const test::RbfCase c(shape, random);
     const auto v = random.uniform_vector(c.boundary.size(), -1, 1);
     const auto u = random.uniform_vector(std::size_t(shape.queries * shape.features), -1, 1);
-    const auto dual =
-        test::rbf_run(c, test::seed(c.boundary, v), test::constant<test::DualD>(c.feature), kInv2h2);
+    const auto dual = test::rbf_run(c, test::seed(c.boundary, v), test::constant<test::DualD>(c.feature), kInv2h2);
     const double u_jv = test::dot(u, test::deriv(dual.feature));
     const double jtu_v = test::dot(backward_position(c, test::value(dual.weight), u), v);
     if (shape.boundary == 1)
@@ -87,8 +85,7 @@ TEST_CASE("rbf: the position gradient agrees with extrapolated finite difference
     return test::dot(u, test::rbf_run(c, test::moved(c.boundary, v, t), c.feature, kInv2h2).feature);
   };
   const auto weight = test::rbf_run(c, c.boundary, c.feature, kInv2h2).weight;
-  CHECK(test::ridders_difference(test::ridders(along, 0.1), test::dot(backward_position(c, weight, u), v)) <
-        1e-9);
+  CHECK(test::ridders_difference(test::ridders(along, 0.1), test::dot(backward_position(c, weight, u), v)) < 1e-9);
 }
 
 }  // namespace ngs

@@ -36,7 +36,8 @@ AdjointResult adjoint(std::uint64_t seed, const SplatOptions& options, int only_
   const auto parameters = dual.parameters();
   for (std::size_t p = 0; p < parameters.size(); ++p) {
     std::vector<double>& v = direction.emplace_back();
-    for (D& x : *parameters[p]) x.d = v.emplace_back(only_parameter < 0 || only_parameter == int(p) ? rng(seed, index) : 0.0);
+    for (D& x : *parameters[p])
+      x.d = v.emplace_back(only_parameter < 0 || only_parameter == int(p) ? rng(seed, index) : 0.0);
   }
   const Vec3<double> background{0.3, 0.1, 0.8};
   const std::size_t pixels = 37 * 29;
@@ -54,8 +55,9 @@ AdjointResult adjoint(std::uint64_t seed, const SplatOptions& options, int only_
   engine.forward(exec, planes_of<double>(out));
   std::vector<std::vector<double>> grad;
   for (const auto* p : plain.parameters()) grad.emplace_back(p->size(), NAN);
-  engine.backward(exec, planes_of<const double>(u), std::vector<std::uint8_t>(std::size_t(count), 1),
-                  {grad[0].data(), grad[1].data(), grad[2].data(), grad[3].data(), grad[4].data(), grad[5].data(), grad[6].data()});
+  engine.backward(
+      exec, planes_of<const double>(u), std::vector<std::uint8_t>(std::size_t(count), 1),
+      {grad[0].data(), grad[1].data(), grad[2].data(), grad[3].data(), grad[4].data(), grad[5].data(), grad[6].data()});
   for (std::size_t p = 0; p < grad.size(); ++p)
     for (std::size_t i = 0; i < grad[p].size(); ++i) r.JTu_v += grad[p][i] * direction[p][i];
   return r;

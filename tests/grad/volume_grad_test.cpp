@@ -42,19 +42,17 @@ struct VolumeCase {
   struct Grads {
     std::vector<double> density, rgb;
   };
-  Grads backward(const std::vector<double>& uc, const std::vector<double>& ua,
-                 const std::vector<double>& ud) const {
+  Grads backward(const std::vector<double>& uc, const std::vector<double>& ua, const std::vector<double>& ud) const {
     const Run<double> o = forward(density, rgb);
     Grads g{std::vector<double>(density.size()), std::vector<double>(rgb.size())};
-    const VolumeBackward<double> kernel{
-        {rays, samples, density.data(), rgb.data(), spacing.data(), {0.2, 0.7, 0.4}},
-        o.weight.data(),
-        o.after.data(),
-        uc.data(),
-        ua.data(),
-        ud.data(),
-        g.density.data(),
-        g.rgb.data()};
+    const VolumeBackward<double> kernel{{rays, samples, density.data(), rgb.data(), spacing.data(), {0.2, 0.7, 0.4}},
+                                        o.weight.data(),
+                                        o.after.data(),
+                                        uc.data(),
+                                        ua.data(),
+                                        ud.data(),
+                                        g.density.data(),
+                                        g.rgb.data()};
     for (std::int64_t r = 0; r < rays; ++r) kernel(r);
     return g;
   }
@@ -73,8 +71,7 @@ TEST_CASE("volume: backward is the adjoint of forward, also behind opaque sample
       const auto n = std::size_t(rays);
       const auto uc = random.uniform_vector(n * 3, -1, 1), ua = random.uniform_vector(n, -1, 1),
                  ud = random.uniform_vector(n, -1, 1);
-      const auto vd = random.uniform_vector(c.density.size(), -1, 1),
-                 vc = random.uniform_vector(c.rgb.size(), -1, 1);
+      const auto vd = random.uniform_vector(c.density.size(), -1, 1), vc = random.uniform_vector(c.rgb.size(), -1, 1);
       const auto dual = c.forward(test::seed(c.density, vd), test::seed(c.rgb, vc));
       const double u_jv = test::dot(uc, test::deriv(dual.colour)) + test::dot(ua, test::deriv(dual.alpha)) +
                           test::dot(ud, test::deriv(dual.depth));
@@ -93,8 +90,7 @@ TEST_CASE("volume: the density gradient agrees with extrapolated finite differen
     const auto o = c.forward(test::moved(c.density, v, t), c.rgb);
     return test::dot(uc, o.colour) + test::dot(ua, o.alpha) + test::dot(ud, o.depth);
   };
-  CHECK(test::ridders_difference(test::ridders(along, 0.05), test::dot(c.backward(uc, ua, ud).density, v)) <
-        1e-9);
+  CHECK(test::ridders_difference(test::ridders(along, 0.05), test::dot(c.backward(uc, ua, ud).density, v)) < 1e-9);
 }
 
 }  // namespace ngs

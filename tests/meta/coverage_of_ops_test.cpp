@@ -13,8 +13,8 @@ using test::SourceFile;
 
 /// Headers that are parts of another op: its gradient test runs through them.
 const std::map<std::string, std::string> kPartOf = {
-    {"project", "splat"}, {"splat_engine", "splat"}, {"splat_tiles", "splat"}, {"splat_gaussian", "splat"},
-    {"splat_backward", "splat"},  {"tile_kernels_of", "splat"}, {"tile_types", "splat"}};
+    {"project", "splat"},        {"splat_engine", "splat"},    {"splat_tiles", "splat"}, {"splat_gaussian", "splat"},
+    {"splat_backward", "splat"}, {"tile_kernels_of", "splat"}, {"tile_types", "splat"}};
 
 /// "rbf" for libngs/ngs/ops/field/rbf_kernels.h
 std::string family(const std::string& path) {
@@ -52,8 +52,7 @@ TEST_CASE("parts of ops name headers that exist") {
     INFO(entry.first);
     const auto& [part, whole] = entry;
     const std::string folder = NGS_SOURCE_DIR "/libngs/ngs/ops/splat/";
-    CHECK((std::filesystem::exists(folder + part + ".h") ||
-           std::filesystem::exists(folder + part + "_kernels.h")));
+    CHECK((std::filesystem::exists(folder + part + ".h") || std::filesystem::exists(folder + part + "_kernels.h")));
     CHECK(std::filesystem::exists(folder + whole + ".h"));
   }
 }

@@ -44,7 +44,8 @@ const std::vector<Confinement>& confinements() {
     only("(Imf|Imath|OpenEXR|Iex).*", "libngs/ngs/io/image/exr\\.cpp", "OpenEXR belongs to io/image/exr.cpp");
     only("flann/.*", "libngs/ngs/ops/field/knn\\.cpp", "FLANN belongs to ops/field/knn.cpp");
     only("CLI/.*", "tools/shared/cli/splitter\\.cpp", "CLI11 belongs to tools/shared/cli/splitter.cpp");
-    only("nlohmann/.*", "(libngs/ngs/(options|io|passes)|tools)/.*", "nlohmann belongs to options/, io/, passes/ (reports) and tools/");
+    only("nlohmann/.*", "(libngs/ngs/(options|io|passes)|tools)/.*",
+         "nlohmann belongs to options/, io/, passes/ (reports) and tools/");
     only("Eigen/.*", ".*\\.cpp", "Eigen belongs to .cpp files");
     only("xxhash\\.h", "libngs/ngs/io/files/content_hash\\.cpp", "xxHash belongs to io/files/content_hash.cpp");
     only("omp\\.h", "libngs/ngs/backend/.*", "OpenMP belongs to backend/");
@@ -65,8 +66,7 @@ std::string layer_of(const std::string& path) {
 std::vector<std::string> included(const std::string& text) {
   static const std::regex include("#\\s*include\\s*[<\"]([^>\"]+)[>\"]");
   std::vector<std::string> headers;
-  for (std::sregex_iterator at(text.begin(), text.end(), include), end; at != end; ++at)
-    headers.push_back((*at)[1]);
+  for (std::sregex_iterator at(text.begin(), text.end(), include), end; at != end; ++at) headers.push_back((*at)[1]);
   return headers;
 }
 
@@ -79,8 +79,7 @@ Offenders layer_offences(const SourceFile& file) {
     const std::string target = header.substr(4, header.find('/', 4) - 4);
     if (!layer.empty() && kMayInclude.at(layer).count(target) == 0)
       offences.push_back(file.path + ": includes " + header + ", but " + layer + " may not see " + target);
-    if ((file.ends_with("_kernels.h") || file.ends_with("_layout.h")) &&
-        !std::regex_match(header, kernel_may))
+    if ((file.ends_with("_kernels.h") || file.ends_with("_layout.h")) && !std::regex_match(header, kernel_may))
       offences.push_back(file.path + ": includes " + header +
                          ", a kernel header sees core/hd.h, math/ and scene/views.h");
   }
@@ -103,14 +102,14 @@ Offenders word_offences(const SourceFile& file) {
     if (!allowed && std::regex_search(file.text, match, std::regex(words)))
       offences.push_back(file.path + ": has '" + match[0].str() + "', but " + rule);
   };
-  const bool backend = file.in("libngs/ngs/backend"),
-             cuda = backend || file.ends_with(".cu") || file.ends_with(".cuh");
+  const bool backend = file.in("libngs/ngs/backend"), cuda = backend || file.ends_with(".cu") || file.ends_with(".cuh");
   search("__(global|device|host|shared|constant|launch_bounds)__|\\bcuda[A-Z]\\w+|<<<",
          cuda || file.path == "libngs/ngs/core/hd.h", "CUDA words belong to backend/ and *.cu");
   search("#\\s*pragma\\s+omp", backend, "OpenMP pragmas belong to backend/");
   search("\\batomic(Add|CAS|Max|Min|Exch)\\b|omp\\s+(atomic|critical)|std::atomic_ref",
          file.path == "libngs/ngs/backend/cuda_launcher.cuh", "kernels gather, they do not scatter");
-  search("\\b(Grid|Launcher)::add_to\\b", file.text.find("DeviceSums::kAtomic") != std::string::npos || !file.in("libngs/ngs/ops"),
+  search("\\b(Grid|Launcher)::add_to\\b",
+         file.text.find("DeviceSums::kAtomic") != std::string::npos || !file.in("libngs/ngs/ops"),
          "kernels scatter by request only, DeviceSums::kAtomic");
   return offences;
 }
@@ -166,8 +165,7 @@ TEST_CASE("CUDA and OpenMP words stand in the backend only, and nothing scatters
 }
 
 TEST_CASE("no build file asks for fast-math or contraction") {
-  const std::vector<SourceFile> files =
-      test::source_files({"libngs", "tools", "tests"}, {"CMakeLists.txt", ".cmake"});
+  const std::vector<SourceFile> files = test::source_files({"libngs", "tools", "tests"}, {"CMakeLists.txt", ".cmake"});
   CHECK(files.size() >= 6);
   CHECK(over(files, flag_offences) == "");
   CHECK(flag_offences({"x.cmake", "add_compile_options(-O3 -ffast-math)"}).size() == 1);

@@ -7,7 +7,8 @@
 namespace ngs {
 
 TEST_CASE("every mutant still changes the file that it breaks") {
-  const test::ProcessResult result = test::run_command({std::string(NGS_SOURCE_DIR) + "/tests/stability/mutants.sh", "--applies"});
+  const test::ProcessResult result =
+      test::run_command({std::string(NGS_SOURCE_DIR) + "/tests/stability/mutants.sh", "--applies"});
   INFO(result.err);
   CHECK(result.out == "");
   CHECK(result.exit_code == 0);

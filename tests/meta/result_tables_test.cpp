@@ -39,8 +39,7 @@ TEST_CASE("a table's cells: rows with the same labels share a line, changes are 
   REQUIRE(cells.size() == 4);
   CHECK(cells[0] == Cells{"method", "without", "IoU", "of b", "each", "wall s", "change", "times", "least", "most"});
   CHECK(cells[1] == Cells{"x", "-", "0.6250", "0.75", "0.50, 0.75", "1.5", "", "", "1", "2"});
-  CHECK(cells[2] ==
-        Cells{"x", "q", "0.3750", "0.50", "0.25, 0.50", "60003.0", "-0.25", "40002.0x", "6", "1.2e5"});
+  CHECK(cells[2] == Cells{"x", "q", "0.3750", "0.50", "0.25, 0.50", "60003.0", "-0.25", "40002.0x", "6", "1.2e5"});
   CHECK(cells[3] == Cells{"y", "-", "0.1000", "", "0.10", "", "", "", "", ""});
 }
 
@@ -58,7 +57,8 @@ TEST_CASE("a table says where it comes from, and whether the defaults have chang
   const std::string same = results::markdown_of(result, "0123456789abcdef");
   CHECK(same.find("| method | without | IoU |") == 0);
   CHECK(same.find("|---|---|---:|") != std::string::npos);
-  CHECK(same.find("A title.\nCommit `abc1234`, two cores, 2 min: `pipelines/results.sh shown`.\n") != std::string::npos);
+  CHECK(same.find("A title.\nCommit `abc1234`, two cores, 2 min: `pipelines/results.sh shown`.\n") !=
+        std::string::npos);
   CHECK(same.find("have changed since") == std::string::npos);
   CHECK(results::markdown_of(result, "fedcba9876543210").find("default options have changed since") !=
         std::string::npos);

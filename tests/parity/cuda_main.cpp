@@ -1,11 +1,10 @@
 // Skipped (77) where no device is present.
 #define DOCTEST_CONFIG_IMPLEMENT
-#include "parity/backends.h"
-
 #include <cstdio>
 
 #include "ngs/backend/device_info.h"
 #include "ngs/ops/device/cuda_ops.h"
+#include "parity/backends.h"
 
 namespace ngs::test {
 
@@ -14,9 +13,8 @@ const std::vector<Backend>& backends() {
   return all;
 }
 const std::vector<Backend>& atomic_backends() {
-  static const std::vector<Backend> all{
-      {cuda_device().name + ", atomic sums",
-       Exec{.device = Device::kCuda, .device_ops = cuda_ops(DeviceSums::kAtomic)}}};
+  static const std::vector<Backend> all{{cuda_device().name + ", atomic sums",
+                                         Exec{.device = Device::kCuda, .device_ops = cuda_ops(DeviceSums::kAtomic)}}};
   return all;
 }
 

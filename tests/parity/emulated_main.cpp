@@ -1,11 +1,10 @@
 #define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
-#include "parity/backends.h"
-
 #include <memory>
 
 #include "ngs/ops/device/launched_field_ops.h"
 #include "ngs/ops/device/launched_loss_ops.h"
 #include "ngs/ops/device/launched_splat_ops.h"
+#include "parity/backends.h"
 #include "support/host_launcher.h"
 
 namespace ngs::test {
@@ -26,7 +25,8 @@ std::vector<Backend> emulated(DeviceSums sums, const std::string& what) {
   std::vector<Backend> backends;
   const auto add = [&](const char* name, ThreadOrder order) {
     Emulated& e = *all.emplace_back(std::make_unique<Emulated>(order, sums));
-    backends.push_back({"emulated, " + std::string(name) + what, Exec{.device = Device::kCuda, .device_ops = &e.ops}, true});
+    backends.push_back(
+        {"emulated, " + std::string(name) + what, Exec{.device = Device::kCuda, .device_ops = &e.ops}, true});
   };
   add("ascending", ThreadOrder::kAscending), add("descending", ThreadOrder::kDescending);
   add("shuffled", ThreadOrder::kShuffled);

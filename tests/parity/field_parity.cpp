@@ -81,7 +81,11 @@ TEST_CASE("hash grid: values and gradients of a device are the CPU's to the last
   for (const Backend& b : backends())
     for (const int features : {1, 2, 4, 8})
       for (const bool smoothstep : {false, true}) {
-        HashGridConfig config{.levels = 5, .features = features, .log2_table = 9, .base_resolution = 4, .max_resolution = 60,
+        HashGridConfig config{.levels = 5,
+                              .features = features,
+                              .log2_table = 9,
+                              .base_resolution = 4,
+                              .max_resolution = 60,
                               .smoothstep = smoothstep};
         const std::vector<float> p = random_points(6, 333, 1.3);  // some beyond the box
         ParamStore store;
@@ -106,7 +110,8 @@ TEST_CASE("hash grid: values and gradients of a device are the CPU's to the last
 
 TEST_CASE("hash grid: atomic sums of a device are those in order to the rounding of their terms") {
   for (const int features : {1, 2, 4, 8}) {
-    const HashGridConfig config{.levels = 5, .features = features, .log2_table = 9, .base_resolution = 4, .max_resolution = 60};
+    const HashGridConfig config{
+        .levels = 5, .features = features, .log2_table = 9, .base_resolution = 4, .max_resolution = 60};
     const std::vector<float> p = random_points(6, 333, 1.3);
     ParamStore empty;
     const std::size_t offset = add_hash_grid(empty, "hash", config, 1);
@@ -119,7 +124,8 @@ TEST_CASE("hash grid: atomic sums of a device are those in order to the rounding
     };
     std::vector<float> positive = upstream;
     for (float& u : positive) u = std::abs(u);
-    const std::vector<float> ordered = table_gradient({}, upstream), terms = table_gradient({}, positive);  // weights are >= 0
+    const std::vector<float> ordered = table_gradient({}, upstream),
+                             terms = table_gradient({}, positive);  // weights are >= 0
     std::vector<int> count(ordered.size());
     for (const HashLevel& level : grid.levels())
       for (std::int64_t q = 0; q < 333; ++q)
@@ -130,7 +136,8 @@ TEST_CASE("hash grid: atomic sums of a device are those in order to the rounding
       double worst = 0;
       for (std::size_t i = 0; i < got.size(); ++i)
         if (const double error = std::abs(double(got[i]) - double(ordered[i])); error > 0)
-          worst = std::max(worst, error / (count[i] * double(std::numeric_limits<float>::epsilon()) * double(terms[i])));
+          worst =
+              std::max(worst, error / (count[i] * double(std::numeric_limits<float>::epsilon()) * double(terms[i])));
       return worst;
     };
     CAPTURE(features);
@@ -151,8 +158,8 @@ TEST_CASE("film mlp: values and gradients of a device are the CPU's") {
     std::int64_t queries, per_direction;
   };
   // one tile not full, tiles and a rest, every width of tile, more tiles than parts of the parameter sum
-  const Case cases[] = {{{16, 3, 64, 2, 2}, 1, 1},  {{16, 3, 64, 2, 2}, 1000, 8},  {{32, 3, 128, 3, 3}, 100, 4},
-                        {{6, 1, 16, 1, 0}, 65, 1},  {{128, 4, 16, 4, 1}, 200, 5},  {{3, 3, 33, 2, 2}, 9000, 8}};
+  const Case cases[] = {{{16, 3, 64, 2, 2}, 1, 1}, {{16, 3, 64, 2, 2}, 1000, 8}, {{32, 3, 128, 3, 3}, 100, 4},
+                        {{6, 1, 16, 1, 0}, 65, 1}, {{128, 4, 16, 4, 1}, 200, 5}, {{3, 3, 33, 2, 2}, 9000, 8}};
   for (const Backend& b : backends())
     for (const Case& c : cases) {
       if (b.same_functions && c.queries > 5000 && &b != &backends()[0]) continue;
@@ -171,12 +178,15 @@ TEST_CASE("film mlp: values and gradients of a device are the CPU's") {
         const double inv = 1 / std::sqrt(dot(d, d));
         direction.insert(direction.end(), {float(inv * d.x), float(inv * d.y), float(inv * d.z)});
       }
-      const FilmMlpInputs in{{feature.data(), c.queries, c.config.inputs}, {condition.data(), c.queries, c.config.condition},
-                             rows3(direction), c.per_direction};
+      const FilmMlpInputs in{{feature.data(), c.queries, c.config.inputs},
+                             {condition.data(), c.queries, c.config.condition},
+                             rows3(direction),
+                             c.per_direction};
       const FilmMlp mlp(c.config, offset, 0.5);
       FilmMlpOutput want, got;
       mlp.forward({}, store, in, want), mlp.forward(b.exec, store, in, got);
-      const auto grad_density = random.uniform_vector<float>(n, -1, 1), grad_rgb = random.uniform_vector<float>(n * 3, -1, 1);
+      const auto grad_density = random.uniform_vector<float>(n, -1, 1),
+                 grad_rgb = random.uniform_vector<float>(n * 3, -1, 1);
       const FilmMlpGradients want_grad = mlp.backward({}, store, in, want, {grad_density, grad_rgb}),
                              got_grad = mlp.backward(b.exec, other, in, got, {grad_density, grad_rgb});
       CAPTURE(c.config.hidden);
@@ -186,9 +196,11 @@ TEST_CASE("film mlp: values and gradients of a device are the CPU's") {
       check_ratio(b, "film gradient of inputs",
                   worst_ratio(got_grad.feature, want_grad.feature, std::max(1.0, largest(want_grad.feature))), 64);
       check_ratio(b, "film gradient of conditions",
-                  worst_ratio(got_grad.condition, want_grad.condition, std::max(1.0, largest(want_grad.condition))), 64);
+                  worst_ratio(got_grad.condition, want_grad.condition, std::max(1.0, largest(want_grad.condition))),
+                  64);
       // sums over all queries, in another order
-      check_ratio(b, "film gradient of parameters", worst_ratio(other.grads, store.grads, std::max(1.0, largest(store.grads))), 64);
+      check_ratio(b, "film gradient of parameters",
+                  worst_ratio(other.grads, store.grads, std::max(1.0, largest(store.grads))), 64);
       if (!b.same_functions) continue;
       CHECK(got.density == want.density);
       CHECK(got.rgb == want.rgb);
@@ -202,8 +214,10 @@ TEST_CASE("volume: values and gradients of a device are the CPU's") {
       Random random(9);
       const auto n = std::size_t(kRays * samples);
       const auto density = random.uniform_vector<float>(n, 0, 40), rgb = random.uniform_vector<float>(n * 3, 0, 1),
-                 spacing = random.uniform_vector<float>(kRays, 0, 0.3), up_colour = random.uniform_vector<float>(kRays * 3, -1, 1),
-                 up_alpha = random.uniform_vector<float>(kRays, -1, 1), up_depth = random.uniform_vector<float>(kRays, -1, 1);
+                 spacing = random.uniform_vector<float>(kRays, 0, 0.3),
+                 up_colour = random.uniform_vector<float>(kRays * 3, -1, 1),
+                 up_alpha = random.uniform_vector<float>(kRays, -1, 1),
+                 up_depth = random.uniform_vector<float>(kRays, -1, 1);
       const VolumeInputs in{samples, density.data(), rgb.data(), spacing.data(), kRays, {0.1f, 0.2f, 0.3f}};
       VolumeOutput want, got;
       volume_forward({}, in, want), volume_forward(b.exec, in, got);

@@ -38,7 +38,8 @@ Run run(const Exec& exec, const JointCase& c, const Setup& s) {
   Run result;
   for (const StateBlock& block : trainer.state()) result.start.push_back(*block.values);
   while (!trainer.finished()) result.losses.push_back(trainer.step().loss);
-  for (const StateBlock& block : trainer.state()) result.name.push_back(block.name), result.state.push_back(*block.values);
+  for (const StateBlock& block : trainer.state())
+    result.name.push_back(block.name), result.state.push_back(*block.values);
   return result;
 }
 
@@ -53,8 +54,8 @@ void check_block(const Backend& b, const std::string& what, const Run& got, cons
     squares += difference * difference;
     most_moved = std::max(most_moved, moved), squares_moved += moved * moved;
   }
-  // With the CPU's exp only roundings of sums differ: 1.7e-4 at most, 3.1e-5 rms were measured. With another one the sign
-  // of gradients that are nearly zero may, and Adam then takes whole steps the other way.
+  // With the CPU's exp only roundings of sums differ: 1.7e-4 at most, 3.1e-5 rms were measured. With another one the
+  // sign of gradients that are nearly zero may, and Adam then takes whole steps the other way.
   check_ratio(b, what + want.name[block] + ", most", most > 0 ? most / most_moved : 0, b.same_functions ? 1e-3 : 2);
   check_ratio(b, what + want.name[block] + ", rms", squares > 0 ? std::sqrt(squares / squares_moved) : 0,
               b.same_functions ? 2e-4 : 0.1);
@@ -68,14 +69,15 @@ void check_parameters(const Backend& b, const std::string& what, const Run& got,
 void check_losses(const Backend& b, const std::string& how, const std::vector<LossTerms>& got,
                   const std::vector<LossTerms>& want) {
   for (std::size_t step = 0; step < want.size(); ++step) {
-    // A first step differs by rounding; in L_smth by that of two nearly equal colours. Adam divides by the root of squares:
-    // where a gradient is nearly zero, rounding decides its sign, and the next steps start from slightly other parameters.
-    // With the CPU's functions the first step is equal but for the order of sums, and later ones differ by at most 4.8
-    // units, L_smth by 258.
+    // A first step differs by rounding; in L_smth by that of two nearly equal colours. Adam divides by the root of
+    // squares: where a gradient is nearly zero, rounding decides its sign, and the next steps start from slightly other
+    // parameters. With the CPU's functions the first step is equal but for the order of sums, and later ones differ by
+    // at most 4.8 units, L_smth by 258.
     const auto term = [&](const char* name, double LossTerms::*member, double first, double later) {
       const double w = want[step].*member, error = std::abs(got[step].*member - w);
       const double bound = step == 0 ? (b.same_functions ? 1 : first) : (b.same_functions ? later : 1e5);
-      check_ratio(b, how + name + (step == 0 ? ", first step" : ", later steps"), error / (1.2e-7 * std::max(w, 1e-3)), bound);
+      check_ratio(b, how + name + (step == 0 ? ", first step" : ", later steps"), error / (1.2e-7 * std::max(w, 1e-3)),
+                  bound);
     };
     term("align", &LossTerms::align, 100, 25), term("mask", &LossTerms::mask, 100, 25);
     term("cont", &LossTerms::cont, 100, 25), term("smooth", &LossTerms::smooth, 1000, 1000);
@@ -125,8 +127,8 @@ TEST_CASE("joint: every part of the method does on a device what it does on the 
   const auto c = joint_case(60, 40);
   const Backend& b = backends()[0];
   std::vector<Setup> setups;
-  for (const char* effect : {"nerf", "box", "rbf", "hash", "film", "align", "variance", "density", "mask", "cont", "smooth",
-                             "photometric", "region", "sh", "geometry", "mask-geometry"})
+  for (const char* effect : {"nerf", "box", "rbf", "hash", "film", "align", "variance", "density", "mask", "cont",
+                             "smooth", "photometric", "region", "sh", "geometry", "mask-geometry"})
     setups.emplace_back().off(effect);
   setups.emplace_back().options.rate_literal = true;
   setups.emplace_back().options.excess_variance = true;

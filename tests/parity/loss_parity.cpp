@@ -1,12 +1,12 @@
 // The losses with their gradients, and Adam.
 #include "ngs/core/error.h"
-#include "ngs/ops/optim/adam.h"
 #include "ngs/ops/field/knn.h"
 #include "ngs/ops/losses/loss_align.h"
 #include "ngs/ops/losses/loss_cont.h"
 #include "ngs/ops/losses/loss_mask.h"
 #include "ngs/ops/losses/loss_smooth.h"
 #include "ngs/ops/losses/photometric.h"
+#include "ngs/ops/optim/adam.h"
 #include "parity/backends.h"
 #include "support/random.h"
 
@@ -38,7 +38,12 @@ TEST_CASE("align: value and gradients of a device are the CPU's") {
                    field_alpha = random.uniform_vector<float>(nodes, 0, 1);
         std::vector<std::uint8_t> active(nodes);
         for (auto& a : active) a = random.below(3) != 0;
-        const AlignInputs in{grid, &colour, &alpha, with_photo ? &photo : nullptr, &field_colour, &field_alpha,
+        const AlignInputs in{grid,
+                             &colour,
+                             &alpha,
+                             with_photo ? &photo : nullptr,
+                             &field_colour,
+                             &field_alpha,
                              with_gate ? &active : nullptr};
         AlignContext want_context, got_context;
         const AlignLoss want = loss_align({}, {}, in, want_context), got = loss_align(b.exec, {}, in, got_context);
@@ -74,7 +79,8 @@ TEST_CASE("mask loss and density weights of a device are the CPU's") {
         check_ratio(b, "density weight", worst_ratio(got_weight.data, want_weight.data, 1), 4);
         ImageF want_grad, got_grad;
         const MaskLossInputs in{&rendered, &masks, objects == 3 ? &want_weight : nullptr, 0.9};
-        const MaskLoss want = loss_mask({}, {form, 0.3}, in, 1.3, &want_grad), got = loss_mask(b.exec, {form, 0.3}, in, 1.3, &got_grad);
+        const MaskLoss want = loss_mask({}, {form, 0.3}, in, 1.3, &want_grad),
+                       got = loss_mask(b.exec, {form, 0.3}, in, 1.3, &got_grad);
         CHECK(got.known == want.known);
         check_ratio(b, "mask loss", relative(got.total, want.total), 4);
         CHECK(got_grad.data == want_grad.data);  // quotients only

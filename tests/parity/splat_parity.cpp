@@ -68,7 +68,7 @@ double image_ratio(const ImageF& got, const ImageF& want, const std::vector<std:
   return worst;
 }
 
-constexpr Channels kChannels[] = {{true, false, 0}, {true, true, 1}, {false, false, 1}, {false, true, 0},
+constexpr Channels kChannels[] = {{true, false, 0},  {true, true, 1},  {false, false, 1}, {false, true, 0},
                                   {false, false, 0}, {true, false, 1}, {true, true, 9}};
 constexpr int kSizes[] = {0, 1, 7, 150, 700};  // nobody, one, one chunk not full, several batches per tile
 
@@ -184,7 +184,8 @@ TEST_CASE("splat: atomic sums of a device are those in order to the rounding of 
     for (std::size_t i = 0; i < tile.label.data.size(); ++i) without.label.data[i] -= tile.label.data[i];
     CHECK(worst_share(sums(b.exec, without)) > 1000);
   }
-  if (atomic_backends().size() > 1) CHECK(sums(atomic_backends()[0].exec, upstream) != sums(atomic_backends()[1].exec, upstream));
+  if (atomic_backends().size() > 1)
+    CHECK(sums(atomic_backends()[0].exec, upstream) != sums(atomic_backends()[1].exec, upstream));
 }
 
 TEST_CASE("splat: a device passes no gradient where the loss does not look") {

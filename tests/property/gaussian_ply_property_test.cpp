@@ -20,8 +20,8 @@ GaussianCloud any_cloud(std::int64_t n, int degree) {
   GaussianCloud cloud;
   cloud.resize(n, degree);
   std::uint64_t at = 0;
-  for (auto* column : {&cloud.position, &cloud.rotation, &cloud.log_scale, &cloud.logit_opacity, &cloud.sh_dc,
-                       &cloud.sh_rest})
+  for (auto* column :
+       {&cloud.position, &cloud.rotation, &cloud.log_scale, &cloud.logit_opacity, &cloud.sh_dc, &cloud.sh_rest})
     for (float& v : *column) {
       const std::uint32_t bits = std::uint32_t(rng_bits(std::uint64_t(degree), RngStream::kTest, at++));
       std::memcpy(&v, &bits, sizeof v);
@@ -83,9 +83,8 @@ TEST_CASE("real models are read whole and come back bit for bit") {
   const struct {
     const char* path;
     std::int64_t gaussians;
-  } files[] = {{"bird/point_cloud.ply", 9070},
-               {"bird/point_cloud_floaters.ply", 35741},
-               {"flower/point_cloud.ply", 129065}};
+  } files[] = {
+      {"bird/point_cloud.ply", 9070}, {"bird/point_cloud_floaters.ply", 35741}, {"flower/point_cloud.ply", 129065}};
   for (const auto& file : files)
     if (!std::filesystem::exists(scenes + file.path))
       return test::skip(std::string("no ../shared/scenes/") + file.path);

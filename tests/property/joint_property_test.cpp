@@ -26,13 +26,12 @@ SampleOptions small_grid() {
 /// All state after `steps` steps, as one vector.
 std::vector<float> flat_state(JointTrainer& trainer) {
   std::vector<float> all;
-  for (const StateBlock& block : trainer.state())
-    all.insert(all.end(), block.values->begin(), block.values->end());
+  for (const StateBlock& block : trainer.state()) all.insert(all.end(), block.values->begin(), block.values->end());
   return all;
 }
 
-std::vector<float> state_after(const test::JointCase& c, const JointOptions& options, std::int64_t steps,
-                               int threads, const QueryField* field = nullptr) {
+std::vector<float> state_after(const test::JointCase& c, const JointOptions& options, std::int64_t steps, int threads,
+                               const QueryField* field = nullptr) {
   Monitor monitor;
   const SampleOptions sample = small_grid();
   const RbfOptions rbf;
@@ -88,11 +87,11 @@ TEST_CASE("joint: every part of the method can be switched off alone, and matter
   constexpr std::int64_t kEveryViewOnce = 4, kSomeTwice = 6;
   const auto once = state_after(*c, small_options(kSomeTwice), kEveryViewOnce, 2),
              twice = state_after(*c, small_options(kSomeTwice), kSomeTwice, 2);
-  const std::set<std::string_view> elsewhere{
-      "exposure", "floaters", "components", "mask-outliers", "joint", "contours",
-      "split", "contour-iterations", "full-resolution", "antialias"};  // stages of their own, or the tool's: unit/stages
-  const std::set<std::string_view> nothing_here{"region",
-                                                "fine-hash"};  // small pictures, few levels: unit/stages
+  const std::set<std::string_view> elsewhere{"exposure",        "floaters", "components", "mask-outliers",
+                                             "joint",           "contours", "split",      "contour-iterations",
+                                             "full-resolution", "antialias"};  // stages of their own, or the tool's:
+                                                                               // unit/stages
+  const std::set<std::string_view> nothing_here{"region", "fine-hash"};  // small pictures, few levels: unit/stages
   for (const Effect& effect : Pipeline(all_passes()).effects()) {
     if (elsewhere.contains(effect.name) || nothing_here.contains(effect.name)) continue;
     CAPTURE(std::string(effect.name));

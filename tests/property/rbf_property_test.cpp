@@ -27,11 +27,8 @@ struct Scene {
   std::int64_t queries() const { return std::int64_t(query.size() / 3); }
   std::int64_t points() const { return std::int64_t(boundary.size() / 3); }
   RbfProblem problem() const {
-    return {{query.data(), queries()},
-            {boundary.data(), points()},
-            {feature.data(), points(), features},
-            &graph,
-            width};
+    return {
+        {query.data(), queries()}, {boundary.data(), points()}, {feature.data(), points(), features}, &graph, width};
   }
 };
 

@@ -7,10 +7,10 @@
 #include <sstream>
 
 #include "ngs/core/error.h"
-#include "ngs/io/ply/gaussian_ply.h"
-#include "ngs/io/scene/import_scene.h"
 #include "ngs/io/image/masks.h"
 #include "ngs/io/image/photo.h"
+#include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/io/scene/import_scene.h"
 #include "ngs/stages/scene/scene_check.h"
 #include "support/skip.h"
 #include "support/temp_dir.h"
@@ -32,12 +32,11 @@ SceneCheck checked(io::ImportRequest request) {
   request.image_scale = 0.25;  // a quarter of the work; the fit is about the same at any size
   const Scene scene = io::import_scene(request).scene;
   const io::GaussianPly model = io::read_gaussian_ply(scene.model_path);
-  const SceneLoaders loaders{
-      [&](std::size_t view) { return io::load_photo(scene, view); },
-      [&](std::size_t view) {
-        io::LoadedMasks loaded = io::load_masks_with_notes(scene, view);
-        return MaskSample{std::move(loaded.masks), std::move(loaded.notes), loaded.lossy};
-      }};
+  const SceneLoaders loaders{[&](std::size_t view) { return io::load_photo(scene, view); },
+                             [&](std::size_t view) {
+                               io::LoadedMasks loaded = io::load_masks_with_notes(scene, view);
+                               return MaskSample{std::move(loaded.masks), std::move(loaded.notes), loaded.lossy};
+                             }};
   Monitor monitor;
   return check_scene({}, monitor, {}, {&model.cloud, scene, loaders});
 }

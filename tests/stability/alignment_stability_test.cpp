@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ngs/ops/optim/anderson.h"
 #include "ngs/ops/image/contour_refine.h"
+#include "ngs/ops/optim/anderson.h"
 #include "ngs/ops/optim/pose_step.h"
 #include "support/stability.h"
 
@@ -110,8 +110,7 @@ TEST_CASE("pose step: a photo with structure in one direction alone moves the ca
                   });
 }
 
-TEST_CASE(
-    "pose step: a photo exposed in another way than the model's pictures moves the camera all the same") {
+TEST_CASE("pose step: a photo exposed in another way than the model's pictures moves the camera all the same") {
   test::hard_case(
       {"gain of the photo", {1, 0.9, 0.75, 0.5, 0.3}, 0, {"Gauss-Newton on the colours as they are", test::kWrong}, 20},
       [](double h, Random& random, Worst& worst) {
@@ -119,8 +118,7 @@ TEST_CASE(
                      offset = random.uniform(0, 1 - h);
         // brighter on one side, as lit pictures are: there gradient and colour are not independent
         const auto lit = [&](double x, double y) {
-          return 0.3 + 0.008 * x + 0.1 * std::sin(0.5 * x + 0.2 * y + phase) +
-                 0.1 * std::sin(0.4 * y - 0.3 * x);
+          return 0.3 + 0.008 * x + 0.1 * std::sin(0.5 * x + 0.2 * y + phase) + 0.1 * std::sin(0.4 * y - 0.3 * x);
         };
         const RenderedView view = front_view([&](int x, int y, int) { return lit(x, y); });
         const ImageF photo = picture([&](int x, int y, int) { return offset + h * lit(x - shift_px, y); });
@@ -150,10 +148,8 @@ TEST_CASE("pose step: a photo without texture, or with a colour that is no numbe
           return shade + (h > 0 ? h : 0.0) * 0.5 * (std::sin(0.4 * x + phase) + std::sin(0.3 * y + phase));
         };
         const RenderedView view = front_view([&](int x, int y, int) { return texture(x, y); });
-        ImageF photo =
-            picture([&](int x, int y, int) { return texture(x - 0.3, y) + 1e-3 * random.uniform(-1, 1); });
-        if (std::isnan(h))
-          photo.at(5 + int(random.below(kWidth - 10)), 5 + int(random.below(kHeight - 10))) = NAN;
+        ImageF photo = picture([&](int x, int y, int) { return texture(x - 0.3, y) + 1e-3 * random.uniform(-1, 1); });
+        if (std::isnan(h)) photo.at(5 + int(random.below(kWidth - 10)), 5 + int(random.below(kHeight - 10))) = NAN;
         const PoseStep step = pose_step(view, smoothed_for_pose(photo), front_camera(), {});
         const double naive_px = flow_by_cramer_px(normal_equations(view, photo));
         if (h > 0.1) {
@@ -161,34 +157,32 @@ TEST_CASE("pose step: a photo without texture, or with a colour that is no numbe
           worst.naive_is(std::abs(naive_px - 0.3) < 0.15);
           return;
         }
-        worst.ours_is(!step.determined && step.flow_px == 0 &&
-                      length({step.motion.turn.x, step.motion.move.x}) == 0);
+        worst.ours_is(!step.determined && step.flow_px == 0 && length({step.motion.turn.x, step.motion.move.x}) == 0);
         worst.naive_is(naive_px < 1e-3);
       });
 }
 
 TEST_CASE("edge walk: colours without any spread still have a density, and the contour finds the edge") {
-  test::hard_case(
-      {"noise of the photo",
-       {1e-2, 1e-4, 1e-6, 0},
-       0,
-       {"normal density with the sample covariance as it is", test::kWrong},
-       50},
-      [](double h, Random& random, Worst& worst) {
-        const int edge = 20 + int(random.below(8)), start = edge - 3 + int(random.below(7));
-        const double contrast = random.uniform(0.2, 0.5);
-        const ImageF photo = picture([&](int x, int, int c) {
-          return 0.4 + (x < edge ? contrast * (c + 1) / 3 : 0.0) + h * random.uniform(-1, 1);
-        });
-        worst.ours_is(contour_is_at(refined(left_of(start), photo), edge));
-        float n = 0, sum = 0, square = 0;
-        for (int x = 0; x < edge; ++x) {
-          const float v = photo.at(x, 3, 0);
-          n += 1, sum += v, square += v * v;
-        }
-        const float variance = square / n - sum / n * (sum / n);
-        worst.naive_is(variance > 0);
-      });
+  test::hard_case({"noise of the photo",
+                   {1e-2, 1e-4, 1e-6, 0},
+                   0,
+                   {"normal density with the sample covariance as it is", test::kWrong},
+                   50},
+                  [](double h, Random& random, Worst& worst) {
+                    const int edge = 20 + int(random.below(8)), start = edge - 3 + int(random.below(7));
+                    const double contrast = random.uniform(0.2, 0.5);
+                    const ImageF photo = picture([&](int x, int, int c) {
+                      return 0.4 + (x < edge ? contrast * (c + 1) / 3 : 0.0) + h * random.uniform(-1, 1);
+                    });
+                    worst.ours_is(contour_is_at(refined(left_of(start), photo), edge));
+                    float n = 0, sum = 0, square = 0;
+                    for (int x = 0; x < edge; ++x) {
+                      const float v = photo.at(x, 3, 0);
+                      n += 1, sum += v, square += v * v;
+                    }
+                    const float variance = square / n - sum / n * (sum / n);
+                    worst.naive_is(variance > 0);
+                  });
 }
 
 TEST_CASE("edge walk: a photo with hardly any contrast leaves the contour where it was") {
@@ -233,8 +227,7 @@ TEST_CASE("edge walk: colours that are no numbers have no say, the others find t
                   });
 }
 
-TEST_CASE(
-    "edge walk: in pictures of a few columns the contour finds the edge, without room for colours it stays") {
+TEST_CASE("edge walk: in pictures of a few columns the contour finds the edge, without room for colours it stays") {
   test::hard_case({"columns", {16, 4, 2, 1}, 0, {"mean step along the rows", test::kWrong}, 50},
                   [](double h, Random& random, Worst& worst) {
                     const int width = int(h), height = random.below(8) > 0 ? 40 : 1;
@@ -256,8 +249,7 @@ TEST_CASE(
                       }
                     worst.ours_is(fine);
                     float steps = 0;
-                    for (int x = 0; x + 1 < width; ++x)
-                      steps += std::abs(photo.at(x + 1, 0, 0) - photo.at(x, 0, 0));
+                    for (int x = 0; x + 1 < width; ++x) steps += std::abs(photo.at(x + 1, 0, 0) - photo.at(x, 0, 0));
                     worst.naive_is(std::isfinite(steps / float(width - 1)));
                   });
 }
@@ -288,7 +280,8 @@ TEST_CASE("anderson: steps that have become parallel still lead to the fixed poi
         }
         double error = 0, distance = 0;
         for (std::size_t i = 0; i < 4; ++i)
-          error = std::max(error, std::abs(x[i] - fixed[i])), distance = std::max(distance, std::abs(start[i] - fixed[i]));
+          error = std::max(error, std::abs(x[i] - fixed[i])),
+          distance = std::max(distance, std::abs(start[i] - fixed[i]));
         worst.ours_is(error <= 1e-4 * distance);
         double aa = 0, ab = 0, bb = 0, ra = 0, rb = 0;
         for (std::size_t i = 0; i < 4; ++i) {
@@ -298,62 +291,59 @@ TEST_CASE("anderson: steps that have become parallel still lead to the fixed poi
         const double det = aa * bb - ab * ab, g0 = (ra * bb - rb * ab) / det, g1 = (aa * rb - ab * ra) / det;
         double naive = 0;
         for (std::size_t i = 0; i < 4; ++i)
-          naive = std::max(naive, std::abs(step[2][i] - g0 * (step[1][i] - step[0][i]) - g1 * (step[2][i] - step[1][i])));
+          naive =
+              std::max(naive, std::abs(step[2][i] - g0 * (step[1][i] - step[0][i]) - g1 * (step[2][i] - step[1][i])));
         worst.naive_is(naive <= 1e-4 * distance);
       });
 }
 
 TEST_CASE("anderson: after parallel steps one in a new direction is not thrown further than its own length") {
-  test::hard_case({"angle between the steps before",
-                   {1, 1e-6, 1e-8, 1e-10, 1e-12, 0},
-                   0.8,
-                   {"normal equations by elimination", test::kWrong}},
-                  [](double h, Random& random, Worst& worst) {
-                    constexpr std::size_t kUnknowns = 6, kPast = 4;
-                    const std::vector<double> direction = random.uniform_vector<double>(kUnknowns, -1, 1),
-                                              weight(kUnknowns, 1.0);
-                    std::vector<double> x = random.uniform_vector<double>(kUnknowns, -1, 1), f(kUnknowns);
-                    const double rate = random.uniform(0.3, 0.6);
-                    Anderson accelerated(kPast);
-                    std::vector<std::vector<double>> points, steps;
-                    double size = 1;
-                    for (std::size_t k = 0; k <= kPast; ++k, size *= rate) {
-                      for (std::size_t i = 0; i < kUnknowns; ++i) {
-                        const double noise = random.uniform(-1, 1);
-                        f[i] = size * (k < kPast ? direction[i] + h * noise : noise);
-                      }
-                      points.push_back(x), steps.push_back(f);
-                      x = accelerated.next(x, f, weight);
-                    }
-                    std::vector<double> move(kUnknowns);
-                    for (std::size_t i = 0; i < kUnknowns; ++i) move[i] = x[i] - points[kPast][i];
-                    if (h < 1) worst.ours_ratio(length(move) / length(f));
+  test::hard_case(
+      {"angle between the steps before",
+       {1, 1e-6, 1e-8, 1e-10, 1e-12, 0},
+       0.8,
+       {"normal equations by elimination", test::kWrong}},
+      [](double h, Random& random, Worst& worst) {
+        constexpr std::size_t kUnknowns = 6, kPast = 4;
+        const std::vector<double> direction = random.uniform_vector<double>(kUnknowns, -1, 1), weight(kUnknowns, 1.0);
+        std::vector<double> x = random.uniform_vector<double>(kUnknowns, -1, 1), f(kUnknowns);
+        const double rate = random.uniform(0.3, 0.6);
+        Anderson accelerated(kPast);
+        std::vector<std::vector<double>> points, steps;
+        double size = 1;
+        for (std::size_t k = 0; k <= kPast; ++k, size *= rate) {
+          for (std::size_t i = 0; i < kUnknowns; ++i) {
+            const double noise = random.uniform(-1, 1);
+            f[i] = size * (k < kPast ? direction[i] + h * noise : noise);
+          }
+          points.push_back(x), steps.push_back(f);
+          x = accelerated.next(x, f, weight);
+        }
+        std::vector<double> move(kUnknowns);
+        for (std::size_t i = 0; i < kUnknowns; ++i) move[i] = x[i] - points[kPast][i];
+        if (h < 1) worst.ours_ratio(length(move) / length(f));
 
-                    double gram[kPast][kPast + 1] = {};
-                    const auto change = [](const auto& of, std::size_t k, std::size_t i) {
-                      return of[k + 1][i] - of[k][i];
-                    };
-                    for (std::size_t a = 0; a < kPast; ++a)
-                      for (std::size_t i = 0; i < kUnknowns; ++i) {
-                        for (std::size_t b = 0; b < kPast; ++b)
-                          gram[a][b] += change(steps, a, i) * change(steps, b, i);
-                        gram[a][kPast] += change(steps, a, i) * f[i];
-                      }
-                    for (std::size_t a = 0; a < kPast; ++a)
-                      for (std::size_t r = 0; r < kPast; ++r) {
-                        const double share = r == a ? 0 : gram[r][a] / gram[a][a];
-                        for (std::size_t c = a; c <= kPast; ++c) gram[r][c] -= share * gram[a][c];
-                      }
-                    std::vector<double> naive = f;
-                    for (std::size_t a = 0; a < kPast; ++a)
-                      for (std::size_t i = 0; i < kUnknowns; ++i)
-                        naive[i] -=
-                            gram[a][kPast] / gram[a][a] * (change(points, a, i) + change(steps, a, i));
-                    std::vector<double> beside(kUnknowns);
-                    for (std::size_t i = 0; i < kUnknowns; ++i) beside[i] = naive[i] - move[i];
-                    // steps in all directions determine the move: both find the same
-                    worst.naive_ratio(h < 1 ? length(naive) / length(f) : length(beside) / length(move));
-                  });
+        double gram[kPast][kPast + 1] = {};
+        const auto change = [](const auto& of, std::size_t k, std::size_t i) { return of[k + 1][i] - of[k][i]; };
+        for (std::size_t a = 0; a < kPast; ++a)
+          for (std::size_t i = 0; i < kUnknowns; ++i) {
+            for (std::size_t b = 0; b < kPast; ++b) gram[a][b] += change(steps, a, i) * change(steps, b, i);
+            gram[a][kPast] += change(steps, a, i) * f[i];
+          }
+        for (std::size_t a = 0; a < kPast; ++a)
+          for (std::size_t r = 0; r < kPast; ++r) {
+            const double share = r == a ? 0 : gram[r][a] / gram[a][a];
+            for (std::size_t c = a; c <= kPast; ++c) gram[r][c] -= share * gram[a][c];
+          }
+        std::vector<double> naive = f;
+        for (std::size_t a = 0; a < kPast; ++a)
+          for (std::size_t i = 0; i < kUnknowns; ++i)
+            naive[i] -= gram[a][kPast] / gram[a][a] * (change(points, a, i) + change(steps, a, i));
+        std::vector<double> beside(kUnknowns);
+        for (std::size_t i = 0; i < kUnknowns; ++i) beside[i] = naive[i] - move[i];
+        // steps in all directions determine the move: both find the same
+        worst.naive_ratio(h < 1 ? length(naive) / length(f) : length(beside) / length(move));
+      });
 }
 
 TEST_CASE("anderson: components that weigh nothing do not choose the step, however far they jump") {

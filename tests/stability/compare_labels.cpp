@@ -1,5 +1,5 @@
-// compare_labels A.ply B.ply: how far the labels of two labelled copies of one model are apart. Used by float64.sh, where
-// A comes from the float build and B from the double one.
+// compare_labels A.ply B.ply: how far the labels of two labelled copies of one model are apart. Used by float64.sh,
+// where A comes from the float build and B from the double one.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -21,8 +21,8 @@ int main(int count, char** arguments) {
     if ((p[i] > 0.5f) == (q[i] > 0.5f)) continue;
     ++differ, margin = std::max(margin, std::abs(double(q[i]) - 0.5));
   }
-  std::printf("Gaussians seen %zu; labels that differ %zu (%.4f %%); widest double margin of these %.3g\n", seen, differ,
-              100.0 * double(differ) / double(std::max<std::size_t>(seen, 1)), margin);
+  std::printf("Gaussians seen %zu; labels that differ %zu (%.4f %%); widest double margin of these %.3g\n", seen,
+              differ, 100.0 * double(differ) / double(std::max<std::size_t>(seen, 1)), margin);
   std::printf("largest change of a label %.3g, RMS %.3g; in one boundary set only %zu\n", change,
               std::sqrt(square / double(std::max<std::size_t>(seen, 1))), boundary);
 }

@@ -60,15 +60,13 @@ struct Stack {
     kernels.forward({work(), {values.data(), 3}, background, out, scratch.data()});
     Image image;
     for (std::size_t p = 0; p < kTilePixels; ++p) {
-      const std::size_t at =
-          p / kTilePx * std::size_t(frame.width_px) + std::size_t(frame.x_px) + p % kTilePx;
+      const std::size_t at = p / kTilePx * std::size_t(frame.width_px) + std::size_t(frame.x_px) + p % kTilePx;
       image.channel[p] = memory[0][at], image.through[p] = memory[1][at];
     }
     return image;
   }
   /// o ∂L/∂o of every Gaussian, o its opacity, for L = g · channel at one pixel over `background`.
-  std::vector<float> opacity_gradients(const TileKernels<float>& kernels, int pixel, float g,
-                                       float background) {
+  std::vector<float> opacity_gradients(const TileKernels<float>& kernels, int pixel, float g, float background) {
     std::vector<float> grad(kTilePixels, 0.f), pair(record.size() * 7, 0.f), scratch(backward_scratch(1)), out;
     grad[std::size_t(pixel)] = g;
     const Plane<const float> planes[2] = {{grad.data(), 1}, {}};
@@ -84,12 +82,8 @@ struct Stack {
   TileWork<float> work() {
     index_.resize(record.size());
     std::iota(index_.begin(), index_.end(), 0u);
-    return {frame,
-            record.data(),
-            index_.data(),
-            index_.data(),
-            std::uint32_t(record.size()),
-            float(kTransmittanceStop)};
+    return {
+        frame, record.data(), index_.data(), index_.data(), std::uint32_t(record.size()), float(kTransmittanceStop)};
   }
   std::vector<std::uint32_t> index_;
 };
@@ -111,21 +105,23 @@ struct Pixel {
       const SplatRecord<float>& g = s.record[i];
       const Real u = g.mean_x - x, v = g.mean_y - y;
       const auto& [xx, xy, yy] = s.covariance[i];
-      // The quadratic form as two squares: what rounding can add is in proportion to `along`, not to its parts' squares.
-      const Real half_a = yy / (2 * (xx * yy - xy * xy)), part_u = std::sqrt(half_a) * u, part_v = -std::sqrt(half_a) * xy / yy * v,
-                 along = part_u + part_v, power = -along * along - v * v / (2 * yy);
+      // The quadratic form as two squares: what rounding can add is in proportion to `along`, not to its parts'
+      // squares.
+      const Real half_a = yy / (2 * (xx * yy - xy * xy)), part_u = std::sqrt(half_a) * u,
+                 part_v = -std::sqrt(half_a) * xy / yy * v, along = part_u + part_v,
+                 power = -along * along - v * v / (2 * yy);
       const Real size_x = std::abs(Real(g.mean_x) - s.frame.x_px) + 16,
                  size_y = std::abs(Real(g.mean_y) - s.frame.y_px) + 16;
       const Real opacity = s.opacity[i];
       const Real steep_x = std::sqrt(half_a), steep_y = steep_x * std::abs(xy) / yy;
-      Real condition = 2 - std::log(opacity) - power +
-                       2 * std::abs(along) * (std::abs(part_u) + std::abs(part_v) + steep_x * size_x + steep_y * size_y) +
-                       std::abs(v) / yy * size_y;
+      Real condition =
+          2 - std::log(opacity) - power +
+          2 * std::abs(along) * (std::abs(part_u) + std::abs(part_v) + steep_x * size_x + steep_y * size_y) +
+          std::abs(v) / yy * size_y;
       const Real free = opacity * std::exp(power);
       const bool capped = free >= 0.99L;
       const Real alpha = capped ? Real(0.99f) : free;
-      ambiguous |=
-          std::abs(alpha * 255 - 1) < 1e-6L * condition || std::abs(free / 0.99L - 1) < 1e-6L * condition;
+      ambiguous |= std::abs(alpha * 255 - 1) < 1e-6L * condition || std::abs(free / 0.99L - 1) < 1e-6L * condition;
       if (alpha < 1 / 255.L) continue;
       const Real next = through * (1 - alpha);
       ambiguous |= std::abs(next * 1e4L - 1) < 1e-6L * (through_condition + condition * 100);
@@ -162,8 +158,7 @@ TEST_CASE("compositing: a pixel under many faint Gaussians keeps its transmittan
   test::hard_case({"Gaussians", {10, 100, 1000, 1e5}, 0.62, {"T as 1 - Σ w", 100}, 4},
                   [](double h, Random& random, Worst& worst) {
                     Stack stack;
-                    for (int i = 0; i < int(h); ++i)
-                      stack.add_round(random, 200, float(random.uniform(0.005, 0.03)));
+                    for (int i = 0; i < int(h); ++i) stack.add_round(random, 200, float(random.uniform(0.005, 0.03)));
                     check_stack(stack, random, worst, 20);
                   });
 }
@@ -172,10 +167,8 @@ TEST_CASE("compositing: nearly opaque layers keep the accuracy of what shines th
   test::hard_case({"opacity", {0.5, 0.9, 0.98, 0.9899}, 1.1, {"T as 1 - Σ w", 10}},
                   [](double h, Random& random, Worst& worst) {
                     Stack stack;
-                    for (int i = 0; i < 2; ++i)
-                      stack.add_round(random, 500, float(h * random.uniform(0.99, 1)));
-                    for (int i = 0; i < 10; ++i)
-                      stack.add_round(random, 500, float(random.uniform(0.005, 0.02)));
+                    for (int i = 0; i < 2; ++i) stack.add_round(random, 500, float(h * random.uniform(0.99, 1)));
+                    for (int i = 0; i < 10; ++i) stack.add_round(random, 500, float(random.uniform(0.005, 0.02)));
                     check_stack(stack, random, worst, 4);
                   });
 }
@@ -187,92 +180,92 @@ TEST_CASE("compositing: needles reach exactly the pixels they should, thousands 
       const auto& [xx, xy, yy] = stack.covariance[hit.index];
       const Real det = xx * yy - xy * xy;
       const float a = float(yy / det), b = float(-xy / det), c = float(xx / det);
-      const float u = float(stack.record[hit.index].mean_x - (p % 16 + 0.5)), v = float(stack.record[hit.index].mean_y - (p / 16 + 0.5));
+      const float u = float(stack.record[hit.index].mean_x - (p % 16 + 0.5)),
+                  v = float(stack.record[hit.index].mean_y - (p / 16 + 0.5));
       through *= 1 - std::min(0.99f, stack.opacity[hit.index] * std::exp(-0.5f * (a * u * u + c * v * v) - b * u * v));
     }
     return through;
   };
-  test::hard_case({"length, px", {1, 10, 100, 1e3, 1e4}, 1.2, {"a u² + 2 b u v + c v²", 1e5}}, [&](double h,
-                                                                                                   Random& random,
-                                                                                                   Worst& worst) {
-    Stack stack;
-    for (int i = 0; i < 6; ++i) {
-      const double phi = random.uniform(0, 6.28), c = std::cos(phi), s = std::sin(phi), major = h * h, minor = 0.36,
-                   off = random.uniform(-1.5, 1.5) * h, beside = random.uniform(-1, 1);
-      stack.add(8 + off * c - beside * s, 8 + off * s + beside * c, major * c * c + minor * s * s, (major - minor) * c * s,
-                major * s * s + minor * c * c, float(random.uniform(0.1, 0.9)), float(random.uniform(0.1, 1)));
-    }
-    check_stack(stack, random, worst, 0);
-    const Stack::Image image = stack.composite(lane_types()[0]);
-    for (int k = 0; k < 16; ++k) {
-      const auto p = std::size_t(random.below(kTilePixels));
-      const Pixel want(stack, int(p));
-      if (want.ambiguous || want.hit.empty()) continue;
-      worst.ours(image.through[p], want.through, want.through_condition);
-      worst.ours(image.channel[p], want.channel, want.channel_spread / want.channel);
-      worst.naive(printed(stack, want, int(p)), want.through, want.through_condition);
-    }
-  });
+  test::hard_case({"length, px", {1, 10, 100, 1e3, 1e4}, 1.2, {"a u² + 2 b u v + c v²", 1e5}},
+                  [&](double h, Random& random, Worst& worst) {
+                    Stack stack;
+                    for (int i = 0; i < 6; ++i) {
+                      const double phi = random.uniform(0, 6.28), c = std::cos(phi), s = std::sin(phi), major = h * h,
+                                   minor = 0.36, off = random.uniform(-1.5, 1.5) * h, beside = random.uniform(-1, 1);
+                      stack.add(8 + off * c - beside * s, 8 + off * s + beside * c, major * c * c + minor * s * s,
+                                (major - minor) * c * s, major * s * s + minor * c * c, float(random.uniform(0.1, 0.9)),
+                                float(random.uniform(0.1, 1)));
+                    }
+                    check_stack(stack, random, worst, 0);
+                    const Stack::Image image = stack.composite(lane_types()[0]);
+                    for (int k = 0; k < 16; ++k) {
+                      const auto p = std::size_t(random.below(kTilePixels));
+                      const Pixel want(stack, int(p));
+                      if (want.ambiguous || want.hit.empty()) continue;
+                      worst.ours(image.through[p], want.through, want.through_condition);
+                      worst.ours(image.channel[p], want.channel, want.channel_spread / want.channel);
+                      worst.naive(printed(stack, want, int(p)), want.through, want.through_condition);
+                    }
+                  });
 }
 
 TEST_CASE("compositing: far to the right of a wide image positions keep their sub-pixel part") {
-  test::hard_case({"column, px", {16, 1024, 16384, 65520}, 0.3, {"mean and pixel in float", 200}}, [](double h,
-                                                                                                      Random& random,
-                                                                                                      Worst& worst) {
-    Stack stack;
-    stack.frame = {int(h), 0, int(h) + 16, 16};
-    for (int i = 0; i < 4; ++i) stack.add_round(random, 1.5, float(random.uniform(0.3, 0.9)));
-    check_stack(stack, random, worst, 0);
-    const auto [channel, through] = stack.composite(lane_types().back());
-    for (int k = 0; k < 8; ++k) {
-      const auto p = std::size_t(random.below(kTilePixels));
-      const Pixel want(stack, int(p));
-      if (want.ambiguous || want.hit.empty()) continue;
-      worst.ours(through[p], want.through, want.through_condition);
-      float naive = 1;
-      for (const Pixel::Hit& hit : want.hit) {
-        const SplatRecord<float>& g = stack.record[hit.index];
-        const float u = float(g.mean_x) - (float(stack.frame.x_px + int(p) % 16) + 0.5f),
-                    v = float(g.mean_y) - (float(stack.frame.y_px + int(p) / 16) + 0.5f);
-        naive *= 1 - std::min(0.99f, stack.opacity[hit.index] * std::exp(-0.5f * (g.form.a() * u * u + g.form.c() * v * v)));
-      }
-      worst.naive(naive, want.through, want.through_condition);
-    }
-  });
+  test::hard_case({"column, px", {16, 1024, 16384, 65520}, 0.3, {"mean and pixel in float", 200}},
+                  [](double h, Random& random, Worst& worst) {
+                    Stack stack;
+                    stack.frame = {int(h), 0, int(h) + 16, 16};
+                    for (int i = 0; i < 4; ++i) stack.add_round(random, 1.5, float(random.uniform(0.3, 0.9)));
+                    check_stack(stack, random, worst, 0);
+                    const auto [channel, through] = stack.composite(lane_types().back());
+                    for (int k = 0; k < 8; ++k) {
+                      const auto p = std::size_t(random.below(kTilePixels));
+                      const Pixel want(stack, int(p));
+                      if (want.ambiguous || want.hit.empty()) continue;
+                      worst.ours(through[p], want.through, want.through_condition);
+                      float naive = 1;
+                      for (const Pixel::Hit& hit : want.hit) {
+                        const SplatRecord<float>& g = stack.record[hit.index];
+                        const float u = float(g.mean_x) - (float(stack.frame.x_px + int(p) % 16) + 0.5f),
+                                    v = float(g.mean_y) - (float(stack.frame.y_px + int(p) / 16) + 0.5f);
+                        naive *= 1 - std::min(0.99f, stack.opacity[hit.index] *
+                                                         std::exp(-0.5f * (g.form.a() * u * u + g.form.c() * v * v)));
+                      }
+                      worst.naive(naive, want.through, want.through_condition);
+                    }
+                  });
 }
 
 TEST_CASE("compositing: opacity gradients keep their accuracy deep in a stack, gathered from back to front") {
-  test::hard_case(
-      {"opacity", {0.1, 0.5, 0.9, 0.985}, 0.18, {"T from 1 - alpha of the image, divided by 1 - α", 3}},
-      [](double h, Random& random, Worst& worst) {
-        Stack stack;
-        for (int i = 0; i < 2; ++i) stack.add_round(random, 300, float(h * random.uniform(0.95, 1)));
-        for (int i = 0; i < 20; ++i) stack.add_round(random, 300, float(random.uniform(0.01, 0.1)));
-        const int p = int(random.below(kTilePixels));
-        const float g = float(random.uniform(0.5, 1)), background = 0.3f;
-        const std::vector<float> got = stack.opacity_gradients(lane_types().back(), p, g, background);
-        for (const TileKernels<float>& kernels :
-             lane_types()) {  // one lane and eight sum the pixels in different orders
-          const std::vector<float> other = stack.opacity_gradients(kernels, p, g, background);
-          for (std::size_t i = 0; i < got.size(); ++i) worst.ours(other[i], got[i]);
-        }
-        const Pixel want(stack, p);
-        if (want.ambiguous) return;
-        float naive_after = 1 - float(1 - want.through), naive_behind = naive_after * background;
-        Real behind = want.through * background;  // the colour behind, times what reaches it
-        for (std::size_t k = want.hit.size(); k-- > 0;) {
-          const Pixel::Hit& hit = want.hit[k];
-          const Real value = stack.value[hit.index], after = hit.before * (1 - hit.alpha);
-          const Real factor = g * hit.alpha * hit.before, own = value, rest = behind / after;
-          const Real size = factor * (own + rest) * (hit.condition + want.through_condition);
-          worst.ours(got[hit.index], factor * (own - rest), size / std::abs(factor * (own - rest)));
-          const float alpha = float(hit.alpha), before = naive_after / (1 - alpha);
-          worst.naive(g * alpha * (before * float(value) - naive_behind / (1 - alpha)),
-                      factor * (own - rest), size / std::abs(factor * (own - rest)));
-          naive_behind += alpha * before * float(value), naive_after = before;
-          behind += hit.alpha * hit.before * value;
-        }
-      });
+  test::hard_case({"opacity", {0.1, 0.5, 0.9, 0.985}, 0.18, {"T from 1 - alpha of the image, divided by 1 - α", 3}},
+                  [](double h, Random& random, Worst& worst) {
+                    Stack stack;
+                    for (int i = 0; i < 2; ++i) stack.add_round(random, 300, float(h * random.uniform(0.95, 1)));
+                    for (int i = 0; i < 20; ++i) stack.add_round(random, 300, float(random.uniform(0.01, 0.1)));
+                    const int p = int(random.below(kTilePixels));
+                    const float g = float(random.uniform(0.5, 1)), background = 0.3f;
+                    const std::vector<float> got = stack.opacity_gradients(lane_types().back(), p, g, background);
+                    for (const TileKernels<float>& kernels :
+                         lane_types()) {  // one lane and eight sum the pixels in different orders
+                      const std::vector<float> other = stack.opacity_gradients(kernels, p, g, background);
+                      for (std::size_t i = 0; i < got.size(); ++i) worst.ours(other[i], got[i]);
+                    }
+                    const Pixel want(stack, p);
+                    if (want.ambiguous) return;
+                    float naive_after = 1 - float(1 - want.through), naive_behind = naive_after * background;
+                    Real behind = want.through * background;  // the colour behind, times what reaches it
+                    for (std::size_t k = want.hit.size(); k-- > 0;) {
+                      const Pixel::Hit& hit = want.hit[k];
+                      const Real value = stack.value[hit.index], after = hit.before * (1 - hit.alpha);
+                      const Real factor = g * hit.alpha * hit.before, own = value, rest = behind / after;
+                      const Real size = factor * (own + rest) * (hit.condition + want.through_condition);
+                      worst.ours(got[hit.index], factor * (own - rest), size / std::abs(factor * (own - rest)));
+                      const float alpha = float(hit.alpha), before = naive_after / (1 - alpha);
+                      worst.naive(g * alpha * (before * float(value) - naive_behind / (1 - alpha)),
+                                  factor * (own - rest), size / std::abs(factor * (own - rest)));
+                      naive_behind += alpha * before * float(value), naive_after = before;
+                      behind += hit.alpha * hit.before * value;
+                    }
+                  });
 }
 
 TEST_CASE("compositing: at the cap alpha is 0.99 and passes no gradient to the opacity") {
@@ -320,80 +313,79 @@ TEST_CASE("compositing: alpha below 1/255 adds exactly nothing, from there on it
                     stack.record[0].two_cut = std::max(0.f, 2 * std::log(255 * opacity)),
                     stack.record[0].log2_opacity = float(std::log2(double(opacity)));
                     const auto [channel, through] = stack.composite(lane_types().back());
-                    const auto centre = std::size_t(8 * 16 + 8),
-                               other = std::size_t(random.below(kTilePixels));
+                    const auto centre = std::size_t(8 * 16 + 8), other = std::size_t(random.below(kTilePixels));
                     worst.ours_is((channel[centre] > 0) == (h >= 1) && (through[centre] < 1) == (h >= 1));
                     if (h < 1) worst.ours_is(channel[other] == 0 && through[other] == 1);
                   });
 }
 
 TEST_CASE("compositing: equal depths are drawn in the order of their indices") {
-  test::hard_case(
-      {"Gaussians", {2, 17, 100}, 0, "not applicable: an order by depth alone may give any image"},
-      [](double h, Random& random, Worst& worst) {
-        GaussianCloud cloud;
-        cloud.resize(int(h), 0);
-        for (std::size_t i = 0; i < std::size_t(h); ++i) {
-          cloud.position[i * 3] = float(random.uniform(-0.2, 0.2)),
-                             cloud.position[i * 3 + 1] = float(random.uniform(-0.2, 0.2)),
-                             cloud.position[i * 3 + 2] = 3;
-          cloud.rotation[i * 4] = 1;
-          for (std::size_t k = 0; k < 3; ++k) cloud.log_scale[i * 3 + k] = -2;
-        }
-        Camera camera;
-        camera.width_px = camera.height_px = 32, camera.fx = camera.fy = 32, camera.cx = camera.cy = 16;
-        camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
-        for (const int threads : {1, 3}) {
-          const TileLists lists = bin_tiles(
-              {.threads = threads}, project_view({}, cloud_view(cloud, 0, nullptr), camera, {}), 32, 32);
-          for (std::size_t tile = 0; tile < std::size_t(lists.tiles()); ++tile)
-            worst.ours_is(std::is_sorted(lists.visible.begin() + lists.tile_begin[tile],
-                                         lists.visible.begin() + lists.tile_begin[tile + 1]));
-        }
-      });
+  test::hard_case({"Gaussians", {2, 17, 100}, 0, "not applicable: an order by depth alone may give any image"},
+                  [](double h, Random& random, Worst& worst) {
+                    GaussianCloud cloud;
+                    cloud.resize(int(h), 0);
+                    for (std::size_t i = 0; i < std::size_t(h); ++i) {
+                      cloud.position[i * 3] = float(random.uniform(-0.2, 0.2)),
+                                         cloud.position[i * 3 + 1] = float(random.uniform(-0.2, 0.2)),
+                                         cloud.position[i * 3 + 2] = 3;
+                      cloud.rotation[i * 4] = 1;
+                      for (std::size_t k = 0; k < 3; ++k) cloud.log_scale[i * 3 + k] = -2;
+                    }
+                    Camera camera;
+                    camera.width_px = camera.height_px = 32, camera.fx = camera.fy = 32, camera.cx = camera.cy = 16;
+                    camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
+                    for (const int threads : {1, 3}) {
+                      const TileLists lists = bin_tiles(
+                          {.threads = threads}, project_view({}, cloud_view(cloud, 0, nullptr), camera, {}), 32, 32);
+                      for (std::size_t tile = 0; tile < std::size_t(lists.tiles()); ++tile)
+                        worst.ours_is(std::is_sorted(lists.visible.begin() + lists.tile_begin[tile],
+                                                     lists.visible.begin() + lists.tile_begin[tile + 1]));
+                    }
+                  });
 }
 
 TEST_CASE("compositing: every tile that a needle reaches lists it") {
-  test::hard_case(
-      {"length, world",
-       {0.1, 1, 10, 100},
-       0,
-       {"half extents from the conic, divided by a c - b² in float", test::kWrong}},
-      [](double h, Random& random, Worst& worst) {
-        GaussianCloud cloud;
-        cloud.resize(1, 0);
-        const double length = h * random.uniform(0.5, 1);
-        for (std::size_t k = 0; k < 3; ++k)
-          cloud.position[k] = float(random.uniform(-0.5, 0.5)) + (k == 2 ? 3.f : 0.f),
-          cloud.log_scale[k] = float(std::log(k == 0 ? length : 1e-3));
-        for (float& q : cloud.rotation) q = float(random.uniform(-1, 1));
-        cloud.logit_opacity[0] = 2;
-        Camera camera;
-        camera.width_px = camera.height_px = 128, camera.fx = camera.fy = 128, camera.cx = camera.cy = 64;
-        camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
-        const auto view = project_view({}, cloud_view(cloud, 0, nullptr), camera, {});
-        if (view.id.empty()) return;
-        const SplatRecord<float>& g = view.record[0];
-        const TileLists lists = bin_tiles({}, view, 128, 128);
-        bool listed[64] = {}, reached[64] = {};
-        for (std::size_t tile = 0; tile < 64; ++tile)
-          listed[tile] = lists.tile_begin[tile] < lists.tile_begin[tile + 1];
-        for (int y = 0; y < 128; ++y)
-          for (int x = 0; x < 128; ++x) {
-            const double u = g.mean_x - (x + 0.5), v = g.mean_y - (y + 0.5);
-            const double form =
-                double(g.form.a()) * u * u + 2 * double(g.form.b()) * u * v + double(g.form.c()) * v * v;
-            if (form < double(g.two_cut) * (1 - 1e-4)) reached[y / 16 * 8 + x / 16] = true;
-          }
-        const TileRect r = view.rect[0];
-        const float a = g.form.a(), b = g.form.b(), c = g.form.c(), det = a * c - b * b, half = std::sqrt(g.two_cut * c / det);
-        for (int tile = 0; tile < 64; ++tile) {
-          const int tx = tile % 8, ty = tile / 8;
-          if (tx < r.x_begin || tx >= r.x_end || ty < r.y_begin || ty >= r.y_end || !reached[tile]) continue;
-          worst.ours_is(listed[tile]);
-          worst.naive_is(tx * 16 <= g.mean_x + double(half) && tx * 16 + 16 >= g.mean_x - double(half));
-        }
-      });
+  test::hard_case({"length, world",
+                   {0.1, 1, 10, 100},
+                   0,
+                   {"half extents from the conic, divided by a c - b² in float", test::kWrong}},
+                  [](double h, Random& random, Worst& worst) {
+                    GaussianCloud cloud;
+                    cloud.resize(1, 0);
+                    const double length = h * random.uniform(0.5, 1);
+                    for (std::size_t k = 0; k < 3; ++k)
+                      cloud.position[k] = float(random.uniform(-0.5, 0.5)) + (k == 2 ? 3.f : 0.f),
+                      cloud.log_scale[k] = float(std::log(k == 0 ? length : 1e-3));
+                    for (float& q : cloud.rotation) q = float(random.uniform(-1, 1));
+                    cloud.logit_opacity[0] = 2;
+                    Camera camera;
+                    camera.width_px = camera.height_px = 128, camera.fx = camera.fy = 128, camera.cx = camera.cy = 64;
+                    camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
+                    const auto view = project_view({}, cloud_view(cloud, 0, nullptr), camera, {});
+                    if (view.id.empty()) return;
+                    const SplatRecord<float>& g = view.record[0];
+                    const TileLists lists = bin_tiles({}, view, 128, 128);
+                    bool listed[64] = {}, reached[64] = {};
+                    for (std::size_t tile = 0; tile < 64; ++tile)
+                      listed[tile] = lists.tile_begin[tile] < lists.tile_begin[tile + 1];
+                    for (int y = 0; y < 128; ++y)
+                      for (int x = 0; x < 128; ++x) {
+                        const double u = g.mean_x - (x + 0.5), v = g.mean_y - (y + 0.5);
+                        const double form =
+                            double(g.form.a()) * u * u + 2 * double(g.form.b()) * u * v + double(g.form.c()) * v * v;
+                        if (form < double(g.two_cut) * (1 - 1e-4)) reached[y / 16 * 8 + x / 16] = true;
+                      }
+                    const TileRect r = view.rect[0];
+                    const float a = g.form.a(), b = g.form.b(), c = g.form.c(), det = a * c - b * b,
+                                half = std::sqrt(g.two_cut * c / det);
+                    for (int tile = 0; tile < 64; ++tile) {
+                      const int tx = tile % 8, ty = tile / 8;
+                      if (tx < r.x_begin || tx >= r.x_end || ty < r.y_begin || ty >= r.y_end || !reached[tile])
+                        continue;
+                      worst.ours_is(listed[tile]);
+                      worst.naive_is(tx * 16 <= g.mean_x + double(half) && tx * 16 + 16 >= g.mean_x - double(half));
+                    }
+                  });
 }
 
 }  // namespace ngs

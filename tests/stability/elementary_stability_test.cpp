@@ -58,18 +58,17 @@ TEST_CASE("elementary: softplus is linear above and exponential below") {
 }
 
 TEST_CASE("elementary: the logit is accurate near 0 and near 1") {
-  test::hard_case(
-      {"distance to the end", {0.4, 1e-3, 1e-6, 1e-30}, 0.8, {"-log(1 / p - 1)", 1e4}},
-      [](double h, Random& random, Worst& worst) {
-        const float p = near_value(random, h), q = 1 - float(near_value(random, h));
-        for (const float x : {p, q}) {
-          if (x >= 1) continue;
-          const Real want = std::log(Real(x)) - std::log1p(-Real(x)),
-                     condition =
-                         1 + (std::abs(std::log(Real(x))) + std::abs(std::log1p(-Real(x)))) / std::abs(want);
-          worst.ours(logit(x), want, condition), worst.naive(-std::log(1 / x - 1), want, condition);
-        }
-      });
+  test::hard_case({"distance to the end", {0.4, 1e-3, 1e-6, 1e-30}, 0.8, {"-log(1 / p - 1)", 1e4}},
+                  [](double h, Random& random, Worst& worst) {
+                    const float p = near_value(random, h), q = 1 - float(near_value(random, h));
+                    for (const float x : {p, q}) {
+                      if (x >= 1) continue;
+                      const Real want = std::log(Real(x)) - std::log1p(-Real(x)),
+                                 condition = 1 + (std::abs(std::log(Real(x))) + std::abs(std::log1p(-Real(x)))) /
+                                                     std::abs(want);
+                      worst.ours(logit(x), want, condition), worst.naive(-std::log(1 / x - 1), want, condition);
+                    }
+                  });
 }
 
 TEST_CASE("elementary: 2^x of the compositing loop is within an ulp and the same in every lane") {
@@ -121,28 +120,27 @@ TEST_CASE("elementary: a sum over 30 decades does not depend on its order") {
 }
 
 TEST_CASE("elementary: a sum over 30 decades keeps its small terms") {
-  test::hard_case({"terms", {10, 1e3, 1e4}, 0.86, {"a sum in float", 20}},
-                  [](double h, Random& random, Worst& worst) {
-                    ExactSums sum;
-                    sum.resize(1);
-                    Real want = 0;
-                    float naive = 0;
-                    for (int i = 0; i < int(h); ++i) {
-                      const double x = i == 0       ? 1e15
-                                       : i % 2 == 1 ? 1e15 / h * random.uniform(0.1, 1)
-                                                    : std::pow(10.0, random.uniform(-15, -10));
-                      sum.add(0, x), want += x, naive += float(x);
-                    }
-                    worst.ours(float(sum.value(0)), want), worst.naive(naive, want);
-                    Real small = 0;
-                    ExactSums tiny;
-                    tiny.resize(1);
-                    for (int i = 0; i < int(h); ++i) {
-                      const double x = std::pow(10.0, random.uniform(-11, -9));
-                      tiny.add(0, x), small += x;
-                    }
-                    worst.ours(float(tiny.value(0)), small);
-                  });
+  test::hard_case({"terms", {10, 1e3, 1e4}, 0.86, {"a sum in float", 20}}, [](double h, Random& random, Worst& worst) {
+    ExactSums sum;
+    sum.resize(1);
+    Real want = 0;
+    float naive = 0;
+    for (int i = 0; i < int(h); ++i) {
+      const double x = i == 0       ? 1e15
+                       : i % 2 == 1 ? 1e15 / h * random.uniform(0.1, 1)
+                                    : std::pow(10.0, random.uniform(-15, -10));
+      sum.add(0, x), want += x, naive += float(x);
+    }
+    worst.ours(float(sum.value(0)), want), worst.naive(naive, want);
+    Real small = 0;
+    ExactSums tiny;
+    tiny.resize(1);
+    for (int i = 0; i < int(h); ++i) {
+      const double x = std::pow(10.0, random.uniform(-11, -9));
+      tiny.add(0, x), small += x;
+    }
+    worst.ours(float(tiny.value(0)), small);
+  });
 }
 
 TEST_CASE("elementary: a sum of many fractions carries into its whole part exactly") {
@@ -156,8 +154,7 @@ TEST_CASE("elementary: a sum of many fractions carries into its whole part exact
           const std::int64_t rest = random.below(1 << 20), term = (std::int64_t(1) << 36) + (h > 1 ? rest : 0);
           sum.add(0, double(term) * 0x1p-20), want += term, naive += float(double(term) * 0x1p-20);
         }
-        worst.ours_is(sum.value(0) == double(want) * 0x1p-20),
-            worst.naive_is(double(naive) == double(want) * 0x1p-20);
+        worst.ours_is(sum.value(0) == double(want) * 0x1p-20), worst.naive_is(double(naive) == double(want) * 0x1p-20);
       });
 }
 

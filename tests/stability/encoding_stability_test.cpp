@@ -20,15 +20,12 @@ struct Level {
   bool smoothstep = false;
 
   Level(Random& random, int cells, float centre = 0, double table_size = 1)
-      : level{float(cells), std::uint32_t(cells) + 1, 0, 0, true},
-        box{{centre, centre, centre}, {0.5f, 0.5f, 0.5f}} {
+      : level{float(cells), std::uint32_t(cells) + 1, 0, 0, true}, box{{centre, centre, centre}, {0.5f, 0.5f, 0.5f}} {
     const auto n = std::size_t(level.resolution);
     table = random.uniform_vector<float>((n * n * n + 7) / 8 * 8, 0.5 * table_size, table_size);
     level.size = std::uint32_t(table.size());
   }
-  HashGridView<float> view(const float* point) const {
-    return {&level, 1, box, smoothstep, table.data(), {point, 1}};
-  }
+  HashGridView<float> view(const float* point) const { return {&level, 1, box, smoothstep, table.data(), {point, 1}}; }
   float at(const float* point) const {
     float out;
     HashForward<float, 1>{view(point), &out}(0);
@@ -50,24 +47,25 @@ struct Level {
 }  // namespace
 
 TEST_CASE("hash grid: a point on a vertex reads exactly that entry, one on a face nothing from beyond the face") {
-  test::hard_case({"cells", {4, 16, 32}, 0, "not applicable: the blend is the same in every form"},
-                  [](double h, Random& random, Worst& worst) {
-                    const Level level(random, int(h));
-                    std::uint32_t v[3];
-                    float p[3];
-                    for (int a = 0; a < 3; ++a) {  // unit · cells + 0.5 = v exactly
-                      v[a] = std::uint32_t(1 + random.below(int(h) - 1));
-                      p[a] = 2 * ((float(v[a]) - 0.5f) / float(h) - 0.5f);
-                    }
-                    worst.ours_is(level.at(p) == level.vertex(v[0], v[1], v[2]));
-                    p[1] += 0.3f / float(h), p[2] += 0.7f / float(h);
-                    Level blind = level;
-                    for (std::uint32_t y = 0; y < level.level.resolution; ++y)
-                      for (std::uint32_t z = 0; z < level.level.resolution; ++z)
-                        blind.table[(v[0] + 1) % level.level.resolution +
-                                    level.level.resolution * (y + level.level.resolution * z)] = 1e30f;
-                    worst.ours_is(blind.at(p) == level.at(p));
-                  });
+  test::hard_case({"cells", {4, 16, 32}, 0, "not applicable: the blend is the same in every form"}, [](double h,
+                                                                                                       Random& random,
+                                                                                                       Worst& worst) {
+    const Level level(random, int(h));
+    std::uint32_t v[3];
+    float p[3];
+    for (int a = 0; a < 3; ++a) {  // unit · cells + 0.5 = v exactly
+      v[a] = std::uint32_t(1 + random.below(int(h) - 1));
+      p[a] = 2 * ((float(v[a]) - 0.5f) / float(h) - 0.5f);
+    }
+    worst.ours_is(level.at(p) == level.vertex(v[0], v[1], v[2]));
+    p[1] += 0.3f / float(h), p[2] += 0.7f / float(h);
+    Level blind = level;
+    for (std::uint32_t y = 0; y < level.level.resolution; ++y)
+      for (std::uint32_t z = 0; z < level.level.resolution; ++z)
+        blind.table[(v[0] + 1) % level.level.resolution + level.level.resolution * (y + level.level.resolution * z)] =
+            1e30f;
+    worst.ours_is(blind.at(p) == level.at(p));
+  });
 }
 
 TEST_CASE("hash grid: outside its box the encoding is that of the box's surface and has no slope") {
@@ -122,12 +120,10 @@ TEST_CASE("hash grid: levels past 1625 vertices per axis are hashed within their
         const HashLevel& fine = levels[1];
         const std::uint64_t vertices = std::uint64_t(fine.resolution) * fine.resolution * fine.resolution;
         const HashBox<float> box{{0, 0, 0}, {0.5f, 0.5f, 0.5f}};
-        const Vec3<float> p{float(random.uniform(-2, 2)), float(random.uniform(-2, 2)),
-                            float(random.uniform(-2, 2))};
+        const Vec3<float> p{float(random.uniform(-2, 2)), float(random.uniform(-2, 2)), float(random.uniform(-2, 2))};
         const HashCell<float> cell = hash_cell(fine, box, p, false);
         bool inside = fine.dense == (vertices <= fine.size) && fine.size <= (1u << 15);
-        for (const std::uint32_t entry : cell.entry)
-          inside &= entry >= fine.offset && entry < fine.offset + fine.size;
+        for (const std::uint32_t entry : cell.entry) inside &= entry >= fine.offset && entry < fine.offset + fine.size;
         for (const float f : cell.frac) inside &= f >= 0 && f <= 1;
         worst.ours_is(inside);
         worst.naive_is(std::uint64_t(fine.resolution * fine.resolution * fine.resolution) == vertices);
@@ -135,76 +131,73 @@ TEST_CASE("hash grid: levels past 1625 vertices per axis are hashed within their
 }
 
 TEST_CASE("hash grid: a box far from the origin is encoded as accurately as one at it") {
-  test::hard_case(
-      {"centre, world", {0, 1e2, 1e4, 1e6}, 0.12, {"x · scale - lo · scale", 2e4}},
-      [](double h, Random& random, Worst& worst) {
-        Level level(random, 16, float(h));
-        const float inv = 0.3f;
-        level.box.inv_extent = {inv, inv, inv};
-        float p[3];
-        Real want = 0, at[3], frac[3], vertex[3];
-        for (int a = 0; a < 3; ++a) {
-          p[a] = float(h + random.uniform(-1, 1));
-          at[a] = std::min<Real>(std::max<Real>(0.5L + (Real(p[a]) - float(h)) * inv, 0), 1) * 16 + 0.5L;
-          vertex[a] = std::floor(at[a]), frac[a] = at[a] - vertex[a];
-        }
-        const auto blend = [&](const Real* f) {
-          Real sum = 0;
-          for (int corner = 0; corner < 8; ++corner) {
-            Real w = 1;
-            for (int a = 0; a < 3; ++a) w *= (corner >> a & 1) ? f[a] : 1 - f[a];
-            sum += w * level.vertex(std::uint32_t(vertex[0]) + (corner & 1),
-                                    std::uint32_t(vertex[1]) + (corner >> 1 & 1),
-                                    std::uint32_t(vertex[2]) + unsigned(corner >> 2));
-          }
-          return sum;
-        };
-        want = blend(frac);
-        worst.ours(level.at(p), want,
-                   4 * 17);  // rounding of the position in cells, across table entries of a factor 2
-        Real shifted[3];
-        for (int a = 0; a < 3; ++a) {
-          const float cell = p[a] * (16 * inv) - (float(h) - 0.5f / inv) * (16 * inv) + 0.5f;
-          shifted[a] = Real(cell) - vertex[a];
-        }
-        worst.naive(float(blend(shifted)), want, 4 * 17);
-      });
+  test::hard_case({"centre, world", {0, 1e2, 1e4, 1e6}, 0.12, {"x · scale - lo · scale", 2e4}}, [](double h,
+                                                                                                   Random& random,
+                                                                                                   Worst& worst) {
+    Level level(random, 16, float(h));
+    const float inv = 0.3f;
+    level.box.inv_extent = {inv, inv, inv};
+    float p[3];
+    Real want = 0, at[3], frac[3], vertex[3];
+    for (int a = 0; a < 3; ++a) {
+      p[a] = float(h + random.uniform(-1, 1));
+      at[a] = std::min<Real>(std::max<Real>(0.5L + (Real(p[a]) - float(h)) * inv, 0), 1) * 16 + 0.5L;
+      vertex[a] = std::floor(at[a]), frac[a] = at[a] - vertex[a];
+    }
+    const auto blend = [&](const Real* f) {
+      Real sum = 0;
+      for (int corner = 0; corner < 8; ++corner) {
+        Real w = 1;
+        for (int a = 0; a < 3; ++a) w *= (corner >> a & 1) ? f[a] : 1 - f[a];
+        sum += w * level.vertex(std::uint32_t(vertex[0]) + (corner & 1), std::uint32_t(vertex[1]) + (corner >> 1 & 1),
+                                std::uint32_t(vertex[2]) + unsigned(corner >> 2));
+      }
+      return sum;
+    };
+    want = blend(frac);
+    worst.ours(level.at(p), want,
+               4 * 17);  // rounding of the position in cells, across table entries of a factor 2
+    Real shifted[3];
+    for (int a = 0; a < 3; ++a) {
+      const float cell = p[a] * (16 * inv) - (float(h) - 0.5f / inv) * (16 * inv) + 0.5f;
+      shifted[a] = Real(cell) - vertex[a];
+    }
+    worst.naive(float(blend(shifted)), want, 4 * 17);
+  });
 }
 
 TEST_CASE("hash grid: a small entry beside a large one keeps its accuracy at its own vertex") {
-  test::hard_case({"ratio of entries", {1, 1e3, 1e6, 1e9}, 1.7, {"a + t (b - a)", 2000}},
-                  [](double h, Random& random, Worst& worst) {
-                    Level level(random, 4);
-                    for (std::size_t i = 0; i < level.table.size(); ++i)
-                      if (i % level.level.resolution % 2 == 0) level.table[i] *= float(h);
-                    const float t = 1 - float(random.uniform(0.5, 1)) * 0x1p-12f;
-                    const float p[3] = {2 * ((2 - 0.5f + t) / 4 - 0.5f), 2 * ((1 - 0.5f) / 4 - 0.5f),
-                                        2 * ((1 - 0.5f) / 4 - 0.5f)};
-                    const HashCell<float> cell = hash_cell(level.level, level.box, {p[0], p[1], p[2]}, false);
-                    const float a = level.table[cell.entry[0]], b = level.table[cell.entry[1]];
-                    const Real want = (1 - Real(cell.frac[0])) * a + Real(cell.frac[0]) * b;
-                    worst.ours(level.at(p), want), worst.naive(a + cell.frac[0] * (b - a), want);
-                  });
+  test::hard_case({"ratio of entries", {1, 1e3, 1e6, 1e9}, 1.7, {"a + t (b - a)", 2000}}, [](double h, Random& random,
+                                                                                             Worst& worst) {
+    Level level(random, 4);
+    for (std::size_t i = 0; i < level.table.size(); ++i)
+      if (i % level.level.resolution % 2 == 0) level.table[i] *= float(h);
+    const float t = 1 - float(random.uniform(0.5, 1)) * 0x1p-12f;
+    const float p[3] = {2 * ((2 - 0.5f + t) / 4 - 0.5f), 2 * ((1 - 0.5f) / 4 - 0.5f), 2 * ((1 - 0.5f) / 4 - 0.5f)};
+    const HashCell<float> cell = hash_cell(level.level, level.box, {p[0], p[1], p[2]}, false);
+    const float a = level.table[cell.entry[0]], b = level.table[cell.entry[1]];
+    const Real want = (1 - Real(cell.frac[0])) * a + Real(cell.frac[0]) * b;
+    worst.ours(level.at(p), want), worst.naive(a + cell.frac[0] * (b - a), want);
+  });
 }
 
 TEST_CASE("hash grid: at faces the position gradient is one-sided and finite, with smoothstep exactly zero") {
-  test::hard_case(
-      {"smoothstep", {0, 1}, 0, "not applicable: a piecewise polynomial has one derivative per side"},
-      [](double h, Random& random, Worst& worst) {
-        Level level(random, 8);
-        level.smoothstep = h == 1;
-        float p[3];
-        std::uint32_t v[3];
-        for (int a = 0; a < 3; ++a)
-          v[a] = std::uint32_t(1 + random.below(6)), p[a] = 2 * ((float(v[a]) - 0.5f) / 8 - 0.5f);
-        const Vec3<float> g = level.gradient(p);
-        if (h == 1) {
-          worst.ours_is(g.x == 0 && g.y == 0 && g.z == 0);
-        } else {
-          const Real difference = Real(level.vertex(v[0] + 1, v[1], v[2])) - level.vertex(v[0], v[1], v[2]);
-          worst.ours(g.x, difference * 4, 1 / std::abs(difference));
-        }
-      });
+  test::hard_case({"smoothstep", {0, 1}, 0, "not applicable: a piecewise polynomial has one derivative per side"},
+                  [](double h, Random& random, Worst& worst) {
+                    Level level(random, 8);
+                    level.smoothstep = h == 1;
+                    float p[3];
+                    std::uint32_t v[3];
+                    for (int a = 0; a < 3; ++a)
+                      v[a] = std::uint32_t(1 + random.below(6)), p[a] = 2 * ((float(v[a]) - 0.5f) / 8 - 0.5f);
+                    const Vec3<float> g = level.gradient(p);
+                    if (h == 1) {
+                      worst.ours_is(g.x == 0 && g.y == 0 && g.z == 0);
+                    } else {
+                      const Real difference = Real(level.vertex(v[0] + 1, v[1], v[2])) - level.vertex(v[0], v[1], v[2]);
+                      worst.ours(g.x, difference * 4, 1 / std::abs(difference));
+                    }
+                  });
 }
 
 TEST_CASE("hash grid: the table's gradient sums to the gradients that came in") {
@@ -215,8 +208,7 @@ TEST_CASE("hash grid: the table's gradient sums to the gradients that came in") 
                    50},
                   [](double h, Random& random, Worst& worst) {
                     const Level level(random, 4);
-                    const std::vector<float> points =
-                                                 random.uniform_vector<float>(std::size_t(h) * 3, -1.2, 1.2),
+                    const std::vector<float> points = random.uniform_vector<float>(std::size_t(h) * 3, -1.2, 1.2),
                                              upstream = random.uniform_vector<float>(std::size_t(h), 0, 1);
                     std::vector<float> grad(level.table.size(), 0.f);
                     HashGridView<float> view = level.view(points.data());
@@ -245,8 +237,7 @@ struct Network {
         rgb(kQueries * 3) {}
   FilmMlpData<float> data() {
     FilmMlpData<float> d;
-    d.params = params.data(), d.input = {input.data(), kQueries, 8},
-    d.condition = {condition.data(), kQueries, 3};
+    d.params = params.data(), d.input = {input.data(), kQueries, 8}, d.condition = {condition.data(), kQueries, 3};
     d.density = density.data(), d.rgb = rgb.data();
     return d;
   }
@@ -275,8 +266,7 @@ struct Network {
     std::vector<Sum> x, c;
     for (int i = 0; i < 8; ++i)
       x.push_back({input[std::size_t(q * 8 + i)], std::abs(Real(input[std::size_t(q * 8 + i)]))});
-    for (int i = 0; i < 3; ++i)
-      c.push_back({condition[std::size_t(q * 3 + i)], condition[std::size_t(q * 3 + i)]});
+    for (int i = 0; i < 3; ++i) c.push_back({condition[std::size_t(q * 3 + i)], condition[std::size_t(q * 3 + i)]});
     for (int l = 0; l < config.layers; ++l) {
       std::vector<Sum> next;
       for (int r = 0; r < config.hidden; ++r) {
@@ -298,27 +288,27 @@ struct Network {
 }  // namespace
 
 TEST_CASE("network: outputs stay as accurate as their sums, in eight lanes and in one") {
-  test::hard_case(
-      {"weights", {0.1, 1, 10}, 0.69, "not applicable: a chain of dot products has one form"},
-      [](double h, Random& random, Worst& worst) {
-        Network n(random, h);
-        n.forward<float>();
-        const std::vector<float> density = n.density, rgb = n.rgb;
-        n.forward<PackF>();
-        worst.ours_is(density == n.density && rgb == n.rgb);
-        for (int q = 0; q < Network::kQueries; ++q) {
-          const auto raw = n.raw(q);
-          for (int ch = 0; ch < 3; ++ch) {
-            const Network::Sum& z = raw[std::size_t(1 + ch)];
-            if (z.value < -80) continue;  // below float's normal numbers
-            const Real s = 1 / (1 + std::exp(-z.value));
-            worst.ours(n.rgb[std::size_t(q * 3 + ch)], s, 2 + 4 * z.size * (1 - s));
-          }
-          const Real z = raw[0].value, soft = z > 0 ? z + std::log1p(std::exp(-z)) : std::log1p(std::exp(z));
-          if (z > -80)
-            worst.ours(n.density[std::size_t(q)], soft, 2 + 4 * raw[0].size / (1 + std::exp(-z)) / soft);
-        }
-      });
+  test::hard_case({"weights", {0.1, 1, 10}, 0.69, "not applicable: a chain of dot products has one form"},
+                  [](double h, Random& random, Worst& worst) {
+                    Network n(random, h);
+                    n.forward<float>();
+                    const std::vector<float> density = n.density, rgb = n.rgb;
+                    n.forward<PackF>();
+                    worst.ours_is(density == n.density && rgb == n.rgb);
+                    for (int q = 0; q < Network::kQueries; ++q) {
+                      const auto raw = n.raw(q);
+                      for (int ch = 0; ch < 3; ++ch) {
+                        const Network::Sum& z = raw[std::size_t(1 + ch)];
+                        if (z.value < -80) continue;  // below float's normal numbers
+                        const Real s = 1 / (1 + std::exp(-z.value));
+                        worst.ours(n.rgb[std::size_t(q * 3 + ch)], s, 2 + 4 * z.size * (1 - s));
+                      }
+                      const Real z = raw[0].value,
+                                 soft = z > 0 ? z + std::log1p(std::exp(-z)) : std::log1p(std::exp(z));
+                      if (z > -80)
+                        worst.ours(n.density[std::size_t(q)], soft, 2 + 4 * raw[0].size / (1 + std::exp(-z)) / soft);
+                    }
+                  });
 }
 
 TEST_CASE("network: saturated colours and densities are finite and pass finite gradients") {
@@ -326,11 +316,10 @@ TEST_CASE("network: saturated colours and densities are finite and pass finite g
                   [](double h, Random& random, Worst& worst) {
                     Network n(random, 0.3);
                     const FilmMlpLayout at = film_mlp_layout(n.config);
-                    for (std::size_t r = 0; r < 4; ++r)
-                      n.params[at.head_bias + r] = float(random.below(2) ? h : -h);
+                    for (std::size_t r = 0; r < 4; ++r) n.params[at.head_bias + r] = float(random.below(2) ? h : -h);
                     n.forward<PackF>();
-                    std::vector<float> grad(n.params.size(), 0.f), input(n.input.size()),
-                        condition(n.condition.size()), one(Network::kQueries * 3, 1.f);
+                    std::vector<float> grad(n.params.size(), 0.f), input(n.input.size()), condition(n.condition.size()),
+                        one(Network::kQueries * 3, 1.f);
                     FilmMlpBlock<PackF> block(n.config);
                     block.backward(n.data(), {one.data(), one.data(), input.data(), condition.data()}, 0,
                                    n.context.data(), grad.data());
@@ -354,8 +343,7 @@ TEST_CASE("network: a saturated colour keeps its gradient") {
     const float bias = float(h * random.uniform(0.8, 1));
     n.params[at.head_bias + 1] = bias;
     n.forward<PackF>();
-    std::vector<float> grad(n.params.size(), 0.f), zero(Network::kQueries, 0.f),
-        one(Network::kQueries * 3, 1.f);
+    std::vector<float> grad(n.params.size(), 0.f), zero(Network::kQueries, 0.f), one(Network::kQueries * 3, 1.f);
     FilmMlpBlock<PackF> block(n.config);
     block.backward(n.data(), {zero.data(), one.data(), nullptr, nullptr}, 0, n.context.data(), grad.data());
     const Real e = std::exp(-Real(bias)), want = Network::kQueries * e / ((1 + e) * (1 + e));

@@ -47,9 +47,8 @@ bool same(const Evidence& a, const Evidence& b) {
     return x.whole == y.whole && x.fraction == y.fraction;
   };
   return sums(a.weight, b.weight) && sums(a.object_weight, b.object_weight) &&
-         sums(a.signal_square_sum, b.signal_square_sum) && a.pixels == b.pixels &&
-         a.object_pixels == b.object_pixels && a.views == b.views && a.signal_sum == b.signal_sum &&
-         a.contrast_sum == b.contrast_sum;
+         sums(a.signal_square_sum, b.signal_square_sum) && a.pixels == b.pixels && a.object_pixels == b.object_pixels &&
+         a.views == b.views && a.signal_sum == b.signal_sum && a.contrast_sum == b.contrast_sum;
 }
 
 LabelColumns labels(const Evidence& e, Criterion criterion = Criterion::kPooled) {
@@ -71,15 +70,14 @@ Evidence of_signals(const std::vector<double>& signals) {
 }  // namespace
 
 TEST_CASE("evidence: a mask that is empty everywhere gives probability exactly 0") {
-  test::hard_case({"mask", {0}, 0, "not applicable: a sum of zeros is exact in any form"},
-                  [](double, Random& random, Worst& worst) {
-                    const Capture c(random);
-                    const Evidence e = c.evidence();
-                    const LabelColumns l = labels(e);
-                    for (std::size_t i = 0; i < l.prob.size(); ++i)
-                      worst.ours_is(e.object_weight.value(i) == 0 && l.prob[i] == 0 && l.variance[i] == 0 &&
-                                    l.label[i] == 0);
-                  });
+  test::hard_case({"mask", {0}, 0, "not applicable: a sum of zeros is exact in any form"}, [](double, Random& random,
+                                                                                              Worst& worst) {
+    const Capture c(random);
+    const Evidence e = c.evidence();
+    const LabelColumns l = labels(e);
+    for (std::size_t i = 0; i < l.prob.size(); ++i)
+      worst.ours_is(e.object_weight.value(i) == 0 && l.prob[i] == 0 && l.variance[i] == 0 && l.label[i] == 0);
+  });
 }
 
 TEST_CASE("evidence: a mask that is full everywhere gives probability exactly 1, however its pixels arrive") {
@@ -111,16 +109,15 @@ TEST_CASE("evidence: a mask that is full everywhere gives probability exactly 1,
 }
 
 TEST_CASE("evidence: a mask that is half everywhere gives probability one half and the largest variance") {
-  test::hard_case(
-      {"mask", {0.5}, 0, "not applicable: halving is exact in any form"},
-      [](double, Random& random, Worst& worst) {
-        Capture c(random);
-        c.masks.target[0].assign(kSize * kSize, 0.5f);
-        const Evidence e = c.evidence();
-        const LabelColumns l = labels(e);
-        for (std::size_t i = 0; i < l.prob.size(); ++i)
-          worst.ours_is(e.views[i] == 0 || (l.prob[i] == 0.5f && l.variance[i] == 1 && l.label[i] == 0));
-      });
+  test::hard_case({"mask", {0.5}, 0, "not applicable: halving is exact in any form"},
+                  [](double, Random& random, Worst& worst) {
+                    Capture c(random);
+                    c.masks.target[0].assign(kSize * kSize, 0.5f);
+                    const Evidence e = c.evidence();
+                    const LabelColumns l = labels(e);
+                    for (std::size_t i = 0; i < l.prob.size(); ++i)
+                      worst.ours_is(e.views[i] == 0 || (l.prob[i] == 0.5f && l.variance[i] == 1 && l.label[i] == 0));
+                  });
 }
 
 TEST_CASE("evidence: a Gaussian whose pixels agree has their answer and no variance, also where it has one pixel") {
@@ -158,73 +155,70 @@ TEST_CASE("evidence: a Gaussian that no pixel sees is unseen, neither object nor
 }
 
 TEST_CASE("evidence: merged parts equal one run, in any order and any sharding") {
-  test::hard_case({"views", {2, 8, 40}, 0, {"weights summed in float", test::kWrong}},
-                  [](double h, Random& random, Worst& worst) {
-                    Capture c(random);
-                    std::vector<Evidence> parts;
-                    for (int v = 0; v < int(h); ++v) {
-                      for (float& m : c.masks.target[0]) m = float(random.below(2));
-                      c.camera.cx = 16 + random.uniform(-3, 3);
-                      parts.push_back(c.evidence());
-                    }
-                    Evidence once(c.cloud.size(), 1), merged(c.cloud.size(), 1), shard[2] = {merged, merged};
-                    for (const Evidence& e : parts) once.add(e);
-                    for (std::size_t k = parts.size(); k-- > 0;) shard[random.below(2)].add(parts[k]);
-                    merged.add(shard[1]), merged.add(shard[0]);
-                    worst.ours_is(same(once, merged));
-                    float forwards = 0, backwards = 0;
-                    for (std::size_t k = 0; k < parts.size(); ++k)
-                      forwards += float(parts[k].weight.value(0)),
-                          backwards += float(parts[parts.size() - 1 - k].weight.value(0));
-                    worst.naive_is(forwards == backwards);
-                  });
+  test::hard_case(
+      {"views", {2, 8, 40}, 0, {"weights summed in float", test::kWrong}}, [](double h, Random& random, Worst& worst) {
+        Capture c(random);
+        std::vector<Evidence> parts;
+        for (int v = 0; v < int(h); ++v) {
+          for (float& m : c.masks.target[0]) m = float(random.below(2));
+          c.camera.cx = 16 + random.uniform(-3, 3);
+          parts.push_back(c.evidence());
+        }
+        Evidence once(c.cloud.size(), 1), merged(c.cloud.size(), 1), shard[2] = {merged, merged};
+        for (const Evidence& e : parts) once.add(e);
+        for (std::size_t k = parts.size(); k-- > 0;) shard[random.below(2)].add(parts[k]);
+        merged.add(shard[1]), merged.add(shard[0]);
+        worst.ours_is(same(once, merged));
+        float forwards = 0, backwards = 0;
+        for (std::size_t k = 0; k < parts.size(); ++k)
+          forwards += float(parts[k].weight.value(0)), backwards += float(parts[parts.size() - 1 - k].weight.value(0));
+        worst.naive_is(forwards == backwards);
+      });
 }
 
 TEST_CASE("evidence: weights over thirty decades give one probability, in any order and exact to rounding") {
-  test::hard_case({"decades", {0, 1, 10, 20, 30}, 0.87, {"W1 / W of sums in float", 1}},
-                  [](double h, Random& random, Worst& worst) {
-                    struct Term {
-                      double weight;
-                      bool inside;
-                    };
-                    std::vector<Term> terms;
-                    Evidence e(1, 1), backwards(1, 1);
-                    Real object = 0, rest = 0;
-                    float naive = 0, naive_object = 0;
-                    for (int k = 0; k < 64; ++k) {
-                      const std::int64_t most = 1 << (h > 0 ? 20 : 16);  // 0 decades: sums that float holds
-                      const double w =
-                          std::ldexp(double(1 + random.below(most)), -64 + int(random.below(1 + int(3.3 * h))));
-                      terms.push_back({w, random.below(2) == 1});
-                      (terms.back().inside ? object : rest) += w;
-                      naive += float(w), naive_object += terms.back().inside ? float(w) : 0.f;
-                    }
-                    const auto add = [](Evidence& to, const Term& t) {
-                      to.weight.add(0, t.weight), to.object_weight.add(0, t.inside ? t.weight : 0.0);
-                    };
-                    for (const Term& t : terms) add(e, t);
-                    std::reverse(terms.begin(), terms.end());
-                    for (const Term& t : terms) add(backwards, t);
-                    e.views[0] = backwards.views[0] = 1;
-                    const float prob = labels(e).prob[0];
-                    worst.ours(prob, object / (object + rest));
-                    worst.ours_is(same(e, backwards) && labels(backwards).prob[0] == prob);
-                    worst.naive(naive_object / naive, object / (object + rest));
-                  });
+  test::hard_case({"decades", {0, 1, 10, 20, 30}, 0.87, {"W1 / W of sums in float", 1}}, [](double h, Random& random,
+                                                                                            Worst& worst) {
+    struct Term {
+      double weight;
+      bool inside;
+    };
+    std::vector<Term> terms;
+    Evidence e(1, 1), backwards(1, 1);
+    Real object = 0, rest = 0;
+    float naive = 0, naive_object = 0;
+    for (int k = 0; k < 64; ++k) {
+      const std::int64_t most = 1 << (h > 0 ? 20 : 16);  // 0 decades: sums that float holds
+      const double w = std::ldexp(double(1 + random.below(most)), -64 + int(random.below(1 + int(3.3 * h))));
+      terms.push_back({w, random.below(2) == 1});
+      (terms.back().inside ? object : rest) += w;
+      naive += float(w), naive_object += terms.back().inside ? float(w) : 0.f;
+    }
+    const auto add = [](Evidence& to, const Term& t) {
+      to.weight.add(0, t.weight), to.object_weight.add(0, t.inside ? t.weight : 0.0);
+    };
+    for (const Term& t : terms) add(e, t);
+    std::reverse(terms.begin(), terms.end());
+    for (const Term& t : terms) add(backwards, t);
+    e.views[0] = backwards.views[0] = 1;
+    const float prob = labels(e).prob[0];
+    worst.ours(prob, object / (object + rest));
+    worst.ours_is(same(e, backwards) && labels(backwards).prob[0] == prob);
+    worst.naive(naive_object / naive, object / (object + rest));
+  });
 }
 
 TEST_CASE("evidence: a hundred thousand views add up without loss") {
-  test::hard_case({"views", {1, 1e3, 1e5}, 0.75, {"weights summed in float", 3000}, 100},
-                  [](double h, Random& random, Worst& worst) {
-                    const Evidence one = Capture(random, 2).evidence();
-                    Evidence sum(2, 1);
-                    float naive = 0;
-                    for (int v = 0; v < int(h); ++v) sum.add(one), naive += float(one.weight.value(0));
-                    worst.ours_is(sum.pixels[0] == one.pixels[0] * std::uint64_t(h) &&
-                                  sum.views[0] == one.views[0] * std::uint32_t(h));
-                    const Real want = Real(one.weight.value(0)) * Real(h);
-                    if (want > 0) worst.ours(float(sum.weight.value(0)), want), worst.naive(naive, want);
-                  });
+  test::hard_case({"views", {1, 1e3, 1e5}, 0.75, {"weights summed in float", 3000}, 100}, [](double h, Random& random,
+                                                                                             Worst& worst) {
+    const Evidence one = Capture(random, 2).evidence();
+    Evidence sum(2, 1);
+    float naive = 0;
+    for (int v = 0; v < int(h); ++v) sum.add(one), naive += float(one.weight.value(0));
+    worst.ours_is(sum.pixels[0] == one.pixels[0] * std::uint64_t(h) && sum.views[0] == one.views[0] * std::uint32_t(h));
+    const Real want = Real(one.weight.value(0)) * Real(h);
+    if (want > 0) worst.ours(float(sum.weight.value(0)), want), worst.naive(naive, want);
+  });
 }
 
 TEST_CASE("evidence: pixel counts pass 2^32") {
@@ -232,8 +226,7 @@ TEST_CASE("evidence: pixel counts pass 2^32") {
                                                                                                  Random& random,
                                                                                                  Worst& worst) {
     Evidence part(1, 1), sum(1, 1);
-    part.pixels[0] = std::uint64_t(h) + std::uint64_t(random.below(1000)),
-    part.object_pixels[0] = part.pixels[0] / 2;
+    part.pixels[0] = std::uint64_t(h) + std::uint64_t(random.below(1000)), part.object_pixels[0] = part.pixels[0] / 2;
     for (int k = 0; k < 7; ++k) sum.add(part);
     worst.ours_is(sum.pixels[0] == 7 * part.pixels[0] && sum.object_pixels[0] == 7 * part.object_pixels[0]);
     worst.naive_is(std::uint32_t(7 * part.pixels[0]) == 7 * part.pixels[0]);
@@ -241,16 +234,16 @@ TEST_CASE("evidence: pixel counts pass 2^32") {
 }
 
 TEST_CASE("evidence: equal signals have variance exactly 0") {
-  test::hard_case({"views", {1, 2, 7, 1000}, 0, {"E[m²] - E[m]²", test::kWrong}}, [](double h, Random& random,
-                                                                                     Worst& worst) {
-    const double m = random.uniform(0, 1);
-    const Evidence e = of_signals(std::vector<double>(std::size_t(h), m));
-    worst.ours_is(between_views_variance(e, 0, e.views[0]) == 0 &&
-                  labels(e, Criterion::kBetweenViews).variance[0] == 0);
-    float sum = 0, squares = 0;
-    for (int v = 0; v < int(h); ++v) sum += float(m), squares += float(m) * float(m);
-    worst.naive_is(squares / float(h) - sum / float(h) * (sum / float(h)) == 0);
-  });
+  test::hard_case({"views", {1, 2, 7, 1000}, 0, {"E[m²] - E[m]²", test::kWrong}},
+                  [](double h, Random& random, Worst& worst) {
+                    const double m = random.uniform(0, 1);
+                    const Evidence e = of_signals(std::vector<double>(std::size_t(h), m));
+                    worst.ours_is(between_views_variance(e, 0, e.views[0]) == 0 &&
+                                  labels(e, Criterion::kBetweenViews).variance[0] == 0);
+                    float sum = 0, squares = 0;
+                    for (int v = 0; v < int(h); ++v) sum += float(m), squares += float(m) * float(m);
+                    worst.naive_is(squares / float(h) - sum / float(h) * (sum / float(h)) == 0);
+                  });
 }
 
 TEST_CASE("evidence: nearly equal signals keep their variance") {
@@ -275,8 +268,7 @@ TEST_CASE("evidence: the pooled variance of an almost certain Gaussian keeps its
   test::hard_case({"1 - p", {0.5, 1e-3, 1e-6, 1e-8}, 0.87, {"4 p (1 - p) in float", 8e7}},
                   [](double h, Random& random, Worst& worst) {
                     Evidence e(1, 1);
-                    const double total = random.uniform(10, 1000),
-                                 outside = total * h * random.uniform(0.5, 1);
+                    const double total = random.uniform(10, 1000), outside = total * h * random.uniform(0.5, 1);
                     e.weight.add(0, total), e.object_weight.add(0, total - outside), e.views[0] = 1;
                     const Real p = Real(e.object_weight.value(0)) / e.weight.value(0), want = 4 * p * (1 - p);
                     worst.ours(labels(e).variance[0], want);

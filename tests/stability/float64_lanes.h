@@ -25,7 +25,10 @@ struct PackF {
   friend PackF operator*(PackF a, PackF b) { return a.v * b.v; }
   friend PackF operator/(PackF a, PackF b) { return a.v / b.v; }
   friend PackF operator-(PackF a) { return -a.v; }
-  PackF& operator+=(PackF b) { v += b.v; return *this; }
+  PackF& operator+=(PackF b) {
+    v += b.v;
+    return *this;
+  }
 };
 
 struct PackMask {
@@ -40,7 +43,8 @@ inline PackMask operator>=(PackF a, PackF b) { return {a.v >= b.v}; }
 inline PackMask operator>(PackF a, PackF b) { return {a.v > b.v}; }
 inline PackMask and_at_least(PackMask m, PackF a, PackF b) { return m & (a >= b); }
 
-template <> struct LaneTraits<PackF> {
+template <>
+struct LaneTraits<PackF> {
   using Scalar = double;
   using Folded = PackF;
   using Mask = PackMask;
@@ -63,21 +67,35 @@ inline PackF fma_lanes(PackF a, PackF b, PackF c) {
 }
 inline PackF min_lanes(PackF a, PackF b) { return a.v < b.v ? a.v : b.v; }
 inline PackF max_lanes(PackF a, PackF b) { return a.v > b.v ? a.v : b.v; }
-inline PackF sqrt_lanes(PackF x) { return each_lane(x, [&](int i) { return std::sqrt(x.v[i]); }); }
-inline PackF floor_lanes(PackF x) { return each_lane(x, [&](int i) { return std::floor(x.v[i]); }); }
+inline PackF sqrt_lanes(PackF x) {
+  return each_lane(x, [&](int i) { return std::sqrt(x.v[i]); });
+}
+inline PackF floor_lanes(PackF x) {
+  return each_lane(x, [&](int i) { return std::floor(x.v[i]); });
+}
 inline void store_row_bits(std::uint32_t* p, PackF begin, PackF end) {
   for (int i = 0; i < PackF::kLanes; ++i) store_row_bits(p + i, begin.v[i], end.v[i]);
 }
-inline void store_lanes(double* p, PackF x) { for (int i = 0; i < PackF::kLanes; ++i) p[i] = x.v[i]; }
-inline void load_lanes(const double* p, PackF& x) { for (int i = 0; i < PackF::kLanes; ++i) x.v[i] = p[i]; }
-inline void iota_lanes(double start, PackF& x) { x = each_lane(x, [&](int i) { return start + i; }); }
+inline void store_lanes(double* p, PackF x) {
+  for (int i = 0; i < PackF::kLanes; ++i) p[i] = x.v[i];
+}
+inline void load_lanes(const double* p, PackF& x) {
+  for (int i = 0; i < PackF::kLanes; ++i) x.v[i] = p[i];
+}
+inline void iota_lanes(double start, PackF& x) {
+  x = each_lane(x, [&](int i) { return start + i; });
+}
 inline double sum_lanes(PackF x) {
   return ((x.v[0] + x.v[4]) + (x.v[2] + x.v[6])) + ((x.v[1] + x.v[5]) + (x.v[3] + x.v[7]));
 }
-inline void sum_lanes_each(const PackF* x, int n, double* out) { for (int i = 0; i < n; ++i) out[i] = sum_lanes(x[i]); }
+inline void sum_lanes_each(const PackF* x, int n, double* out) {
+  for (int i = 0; i < n; ++i) out[i] = sum_lanes(x[i]);
+}
 inline PackF folded(PackF x) { return x; }
 inline PackMask all_lanes(PackF) { return {PackF::RawMask{-1, -1, -1, -1, -1, -1, -1, -1}}; }
-inline PackF exp2_where(PackMask m, PackF x) { return each_lane(x, [&](int i) { return m.v[i] ? std::exp2(x.v[i]) : 0.0; }); }
+inline PackF exp2_where(PackMask m, PackF x) {
+  return each_lane(x, [&](int i) { return m.v[i] ? std::exp2(x.v[i]) : 0.0; });
+}
 
 struct HalfPack {
   PackF v;
@@ -86,7 +104,13 @@ struct HalfPack {
   PackF wide() const { return v; }
 };
 
-template <class T> Dual<T> fma_lanes(Dual<T> a, Dual<T> b, Dual<T> c) { return a * b + c; }
-template <class T> Dual<T> exp2_where(bool m, Dual<T> x) { return m ? exp2(x) : Dual<T>(0); }
+template <class T>
+Dual<T> fma_lanes(Dual<T> a, Dual<T> b, Dual<T> c) {
+  return a * b + c;
+}
+template <class T>
+Dual<T> exp2_where(bool m, Dual<T> x) {
+  return m ? exp2(x) : Dual<T>(0);
+}
 
 }  // namespace ngs

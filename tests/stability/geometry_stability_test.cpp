@@ -32,8 +32,7 @@ RayQueries rays_of(const Camera& camera, const PixelGrid& grid, int samples, dou
 
 bool finite(const RayQueries& rays) {
   bool fine = true;
-  for (const auto* values :
-       {&rays.position, &rays.depth, &rays.near, &rays.far, &rays.spacing, &rays.direction})
+  for (const auto* values : {&rays.position, &rays.depth, &rays.near, &rays.far, &rays.spacing, &rays.direction})
     for (const float x : *values) fine &= std::isfinite(x);
   return fine;
 }
@@ -91,36 +90,34 @@ TEST_CASE("geometry: Gaussians behind the camera are not seen, also where their 
 }
 
 TEST_CASE("geometry: a box beside the image is empty, not negative") {
-  test::hard_case(
-      {"offset, px", {0, 200, 1e4, 1e6}, 0, {"min and max clipped to the image", test::kWrong}},
-      [](double h, Random& random, Worst& worst) {
-        const Camera camera = test::camera_around(random, 3);
-        std::vector<float> points = points_near_origin(random, 5);
-        const Vec3<double> shift = transpose(camera.rotation) * Vec3<double>{h * 3 / camera.fx, 0, 0};
-        for (std::size_t i = 0; i < points.size(); ++i) points[i] += float((&shift.x)[i % 3]);
-        const BoundaryBox box = box_of(camera, points);
-        worst.ours_is(box.box.max_x >= box.box.min_x && box.box.max_y >= box.box.min_y &&
-                      (h < 1e3 || box.visible == 0));
-        const double x = test::project(camera, {points[0], points[1], points[2]}).x;
-        worst.naive_is(std::min(x + 5, double(camera.width_px)) >= std::max(x - 5, 0.0));
-      });
+  test::hard_case({"offset, px", {0, 200, 1e4, 1e6}, 0, {"min and max clipped to the image", test::kWrong}},
+                  [](double h, Random& random, Worst& worst) {
+                    const Camera camera = test::camera_around(random, 3);
+                    std::vector<float> points = points_near_origin(random, 5);
+                    const Vec3<double> shift = transpose(camera.rotation) * Vec3<double>{h * 3 / camera.fx, 0, 0};
+                    for (std::size_t i = 0; i < points.size(); ++i) points[i] += float((&shift.x)[i % 3]);
+                    const BoundaryBox box = box_of(camera, points);
+                    worst.ours_is(box.box.max_x >= box.box.min_x && box.box.max_y >= box.box.min_y &&
+                                  (h < 1e3 || box.visible == 0));
+                    const double x = test::project(camera, {points[0], points[1], points[2]}).x;
+                    worst.naive_is(std::min(x + 5, double(camera.width_px)) >= std::max(x - 5, 0.0));
+                  });
 }
 
 TEST_CASE("geometry: a box larger than the image is the image") {
-  test::hard_case({"spread, world", {0.1, 1, 2}, 0, "not applicable: clipping has one form"},
-                  [](double h, Random& random, Worst& worst) {
-                    const Camera camera = test::camera_around(random, 3);
-                    std::vector<float> points;
-                    for (int i = 0; i < 400; ++i) {
-                      const Vec3<double> t{h * random.uniform(-1, 1), h * random.uniform(-1, 1), 0},
-                          p = transpose(camera.rotation) * t;
-                      points.insert(points.end(), {float(p.x), float(p.y), float(p.z)});
-                    }
-                    const PixelBox box = box_of(camera, points, 30).box;
-                    worst.ours_is(box.min_x >= 0 && box.min_y >= 0 && box.max_x <= camera.width_px &&
-                                  box.max_y <= camera.height_px);
-                    if (h == 2) worst.ours_is(box.min_x == 0 && box.max_y == camera.height_px);
-                  });
+  test::hard_case({"spread, world", {0.1, 1, 2}, 0, "not applicable: clipping has one form"}, [](double h,
+                                                                                                 Random& random,
+                                                                                                 Worst& worst) {
+    const Camera camera = test::camera_around(random, 3);
+    std::vector<float> points;
+    for (int i = 0; i < 400; ++i) {
+      const Vec3<double> t{h * random.uniform(-1, 1), h * random.uniform(-1, 1), 0}, p = transpose(camera.rotation) * t;
+      points.insert(points.end(), {float(p.x), float(p.y), float(p.z)});
+    }
+    const PixelBox box = box_of(camera, points, 30).box;
+    worst.ours_is(box.min_x >= 0 && box.min_y >= 0 && box.max_x <= camera.width_px && box.max_y <= camera.height_px);
+    if (h == 2) worst.ours_is(box.min_x == 0 && box.max_y == camera.height_px);
+  });
 }
 
 TEST_CASE("geometry: grids over boxes of a pixel, of less and of nothing keep steps of a pixel or more") {
@@ -130,8 +127,7 @@ TEST_CASE("geometry: grids over boxes of a pixel, of less and of nothing keep st
                     for (const GridNodes nodes : {GridNodes::kCentres, GridNodes::kInclusive}) {
                       const PixelGrid grid = pixel_grid({x, y, x + h, y + h}, 64, 64, nodes);
                       bool fine = (grid.nodes() == 0) == (h == 0) && grid.step_x >= 1;
-                      if (grid.nodes() > 0)
-                        fine &= grid.first_x >= x && grid.x(grid.cols - 1) <= x + h + 1e-12;
+                      if (grid.nodes() > 0) fine &= grid.first_x >= x && grid.x(grid.cols - 1) <= x + h + 1e-12;
                       worst.ours_is(fine);
                     }
                     worst.naive_is(h / 64 >= 1);
@@ -154,21 +150,20 @@ TEST_CASE("geometry: a single sample lies in the middle of its window") {
 }
 
 TEST_CASE("geometry: the first and last sample are exactly the ends of the window") {
-  test::hard_case(
-      {"samples", {2, 8, 33, 1000}, 1.1, {"near + k · step, accumulated", 80}},
-      [](double h, Random& random, Worst& worst) {
-        const DepthWindow<float> window{float(random.uniform(1, 10)), float(random.uniform(11, 20))};
-        const int samples = int(h);
-        worst.ours_is(sample_distance(window, 0, samples) == window.near &&
-                      sample_distance(window, samples - 1, samples) == window.far);
-        const float step = (window.far - window.near) / float(samples - 1);
-        float naive = window.near;
-        for (int k = 0; k < samples; ++k) {
-          const Real want = Real(window.near) + (Real(window.far) - window.near) * k / (samples - 1);
-          worst.ours(sample_distance(window, k, samples), want, 2), worst.naive(naive, want, 2);
-          naive += step;
-        }
-      });
+  test::hard_case({"samples", {2, 8, 33, 1000}, 1.1, {"near + k · step, accumulated", 80}},
+                  [](double h, Random& random, Worst& worst) {
+                    const DepthWindow<float> window{float(random.uniform(1, 10)), float(random.uniform(11, 20))};
+                    const int samples = int(h);
+                    worst.ours_is(sample_distance(window, 0, samples) == window.near &&
+                                  sample_distance(window, samples - 1, samples) == window.far);
+                    const float step = (window.far - window.near) / float(samples - 1);
+                    float naive = window.near;
+                    for (int k = 0; k < samples; ++k) {
+                      const Real want = Real(window.near) + (Real(window.far) - window.near) * k / (samples - 1);
+                      worst.ours(sample_distance(window, k, samples), want, 2), worst.naive(naive, want, 2);
+                      naive += step;
+                    }
+                  });
 }
 
 TEST_CASE("geometry: a window that would cross the camera starts before it") {
@@ -220,8 +215,8 @@ TEST_CASE("geometry: query points of a scene far from its origin keep their deta
                     const std::array<double, 3> origin{h, -0.5 * h, 0.25 * h};
                     const RayQueries near_origin = rays_of(camera, node, 3, 2.5);
                     Camera far_camera = camera;
-                    far_camera.translation = far_camera.translation -
-                                             camera.rotation * Vec3<double>{origin[0], origin[1], origin[2]};
+                    far_camera.translation =
+                        far_camera.translation - camera.rotation * Vec3<double>{origin[0], origin[1], origin[2]};
                     const RayQueries far_away = rays_of(relative_to(far_camera, origin), node, 3, 2.5);
                     for (std::size_t i = 0; i < 9; ++i) {
                       const double want = double(near_origin.position[i]), size = 3;  // of the scene
@@ -256,8 +251,8 @@ TEST_CASE("geometry: images are read up to and beyond their border") {
                     const double y = random.uniform(0, 5), value = sample_bilinear(image, h, y);
                     const BilinearAxis v = bilinear_axis(y, 5);
                     const int column = h > 7 ? 6 : 0;
-                    const Real want = (1 - v.weight) * Real(image.at(column, v.lower)) +
-                                      v.weight * Real(image.at(column, v.upper));
+                    const Real want =
+                        (1 - v.weight) * Real(image.at(column, v.lower)) + v.weight * Real(image.at(column, v.upper));
                     worst.ours(float(value), want);
                     const double left = std::floor(h - 0.5);
                     worst.naive_is(left >= 0 && left + 1 < 7);

@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include "ngs/core/error.h"
-#include "ngs/passes/joint/joint_stage.h"
 #include "ngs/methods/method_bce.h"
+#include "ngs/passes/joint/joint_stage.h"
 #include "ngs/stages/boundary/variance_stage.h"
 #include "support/joint_case.h"
 #include "support/method_case.h"
@@ -24,10 +24,10 @@ constexpr int kGaussians = 40, kViews = 3;
 MethodCase scene(Random& random, int objects = 1) {
   return test::method_case(std::uint64_t(random.below(1 << 30)), kGaussians, kViews, objects);
 }
-Evidence evidence_of(const MethodCase& c, const std::vector<std::size_t>& views = {0, 1, 2},
-                     int threads = 1) {
+Evidence evidence_of(const MethodCase& c, const std::vector<std::size_t>& views = {0, 1, 2}, int threads = 1) {
   Monitor monitor;
-  return accumulate_evidence({.threads = threads}, monitor, {c.cloud, c.scene, views, {}, [&](std::size_t v) { return c.masks[v]; }});
+  return accumulate_evidence({.threads = threads}, monitor,
+                             {c.cloud, c.scene, views, {}, [&](std::size_t v) { return c.masks[v]; }});
 }
 std::vector<LabelColumns> labels_of(const MethodCase& c) { return label_gaussians({}, evidence_of(c)); }
 
@@ -36,8 +36,7 @@ std::vector<LabelColumns> labels_of(const MethodCase& c) { return label_gaussian
 bool same_labels(const LabelColumns& a, const LabelColumns& b, float bound) {
   bool same = true;
   for (std::size_t i = 0; i < a.label.size(); ++i)
-    if (a.views[i] > 0 && b.views[i] > 0)
-      same &= a.label[i] == b.label[i] || std::abs(a.prob[i] - 0.5f) < bound;
+    if (a.views[i] > 0 && b.views[i] > 0) same &= a.label[i] == b.label[i] || std::abs(a.prob[i] - 0.5f) < bound;
   return same;
 }
 float largest_change(const LabelColumns& a, const LabelColumns& b) {
@@ -57,28 +56,25 @@ constexpr float kBound = 0.02f;  // of a probability
 }  // namespace
 
 TEST_CASE("invariance: a rotated scene has the same labels") {
-  test::hard_case({"turn, rad", {1e-3, 1, 3}, 0, "not applicable: the reference is the scene itself"},
-                  [](double h, Random& random, Worst& worst) {
-                    const MethodCase c = scene(random);
-                    MethodCase turned = c;
-                    const double half = h / 2, s = std::sin(half) / std::sqrt(3.0), w = std::cos(half);
-                    const Mat3<double> r = rotation_matrix(Vec4<double>{w, s, s, s});
-                    for (std::size_t i = 0; i < kGaussians; ++i) {
-                      const Vec3<double> p =
-                          r * Vec3<double>{c.cloud.position[i * 3], c.cloud.position[i * 3 + 1],
-                                           c.cloud.position[i * 3 + 2]};
-                      for (std::size_t k = 0; k < 3; ++k) turned.cloud.position[i * 3 + k] = float((&p.x)[k]);
-                      const float* q = &c.cloud.rotation[i * 4];  // (w, s, s, s) · q
-                      const double product[4] = {
-                          w * q[0] - s * (q[1] + q[2] + q[3]), w * q[1] + s * (q[0] + q[3] - q[2]),
-                          w * q[2] + s * (q[0] + q[1] - q[3]), w * q[3] + s * (q[0] + q[2] - q[1])};
-                      for (std::size_t k = 0; k < 4; ++k)
-                        turned.cloud.rotation[i * 4 + k] = float(product[k]);
-                    }
-                    for (SceneView& view : turned.scene.views)
-                      view.camera.rotation = view.camera.rotation * transpose(r);
-                    worst.ours_is(same_labels(labels_of(c)[0], labels_of(turned)[0], kBound));
-                  });
+  test::hard_case(
+      {"turn, rad", {1e-3, 1, 3}, 0, "not applicable: the reference is the scene itself"},
+      [](double h, Random& random, Worst& worst) {
+        const MethodCase c = scene(random);
+        MethodCase turned = c;
+        const double half = h / 2, s = std::sin(half) / std::sqrt(3.0), w = std::cos(half);
+        const Mat3<double> r = rotation_matrix(Vec4<double>{w, s, s, s});
+        for (std::size_t i = 0; i < kGaussians; ++i) {
+          const Vec3<double> p =
+              r * Vec3<double>{c.cloud.position[i * 3], c.cloud.position[i * 3 + 1], c.cloud.position[i * 3 + 2]};
+          for (std::size_t k = 0; k < 3; ++k) turned.cloud.position[i * 3 + k] = float((&p.x)[k]);
+          const float* q = &c.cloud.rotation[i * 4];  // (w, s, s, s) · q
+          const double product[4] = {w * q[0] - s * (q[1] + q[2] + q[3]), w * q[1] + s * (q[0] + q[3] - q[2]),
+                                     w * q[2] + s * (q[0] + q[1] - q[3]), w * q[3] + s * (q[0] + q[2] - q[1])};
+          for (std::size_t k = 0; k < 4; ++k) turned.cloud.rotation[i * 4 + k] = float(product[k]);
+        }
+        for (SceneView& view : turned.scene.views) view.camera.rotation = view.camera.rotation * transpose(r);
+        worst.ours_is(same_labels(labels_of(c)[0], labels_of(turned)[0], kBound));
+      });
 }
 
 TEST_CASE("invariance: a scene with an origin of its own has the same labels anywhere") {
@@ -116,33 +112,31 @@ TEST_CASE("invariance: a scene in another unit has the same labels") {
 }
 
 TEST_CASE("invariance: permuted Gaussians have permuted labels, bit for bit") {
-  test::hard_case(
-      {"Gaussians", {kGaussians}, 0, "not applicable: sums in float depend on the order of arrival"},
-      [](double, Random& random, Worst& worst) {
-        const MethodCase c = scene(random);
-        std::vector<std::size_t> order(kGaussians);
-        std::iota(order.begin(), order.end(), std::size_t(0));
-        for (std::size_t i = kGaussians; i-- > 1;)
-          std::swap(order[i], order[std::size_t(random.below(std::int64_t(i) + 1))]);
-        MethodCase p = c;
-        p.cloud = test::permuted(c.cloud, order);
-        const LabelColumns a = labels_of(c)[0], b = labels_of(p)[0];
-        for (std::size_t i = 0; i < kGaussians; ++i)
-          worst.ours_is(b.prob[i] == a.prob[order[i]] && b.variance[i] == a.variance[order[i]] &&
-                        b.label[i] == a.label[order[i]]);
-      });
+  test::hard_case({"Gaussians", {kGaussians}, 0, "not applicable: sums in float depend on the order of arrival"},
+                  [](double, Random& random, Worst& worst) {
+                    const MethodCase c = scene(random);
+                    std::vector<std::size_t> order(kGaussians);
+                    std::iota(order.begin(), order.end(), std::size_t(0));
+                    for (std::size_t i = kGaussians; i-- > 1;)
+                      std::swap(order[i], order[std::size_t(random.below(std::int64_t(i) + 1))]);
+                    MethodCase p = c;
+                    p.cloud = test::permuted(c.cloud, order);
+                    const LabelColumns a = labels_of(c)[0], b = labels_of(p)[0];
+                    for (std::size_t i = 0; i < kGaussians; ++i)
+                      worst.ours_is(b.prob[i] == a.prob[order[i]] && b.variance[i] == a.variance[order[i]] &&
+                                    b.label[i] == a.label[order[i]]);
+                  });
 }
 
 TEST_CASE("invariance: permuted views and any number of threads give the same bits") {
-  test::hard_case(
-      {"threads", {1, 2, 7}, 0, "not applicable: sums in float depend on the order of arrival", 4},
-      [](double h, Random& random, Worst& worst) {
-        const MethodCase c = scene(random);
-        const Evidence a = evidence_of(c), b = evidence_of(c, {2, 0, 1}, int(h));
-        worst.ours_is(a.weight.whole == b.weight.whole && a.weight.fraction == b.weight.fraction &&
-                      a.object_weight.fraction == b.object_weight.fraction &&
-                      a.signal_square_sum.fraction == b.signal_square_sum.fraction && a.pixels == b.pixels);
-      });
+  test::hard_case({"threads", {1, 2, 7}, 0, "not applicable: sums in float depend on the order of arrival", 4},
+                  [](double h, Random& random, Worst& worst) {
+                    const MethodCase c = scene(random);
+                    const Evidence a = evidence_of(c), b = evidence_of(c, {2, 0, 1}, int(h));
+                    worst.ours_is(a.weight.whole == b.weight.whole && a.weight.fraction == b.weight.fraction &&
+                                  a.object_weight.fraction == b.object_weight.fraction &&
+                                  a.signal_square_sum.fraction == b.signal_square_sum.fraction && a.pixels == b.pixels);
+                  });
 }
 
 TEST_CASE("invariance: permuted objects have permuted labels") {
@@ -161,33 +155,31 @@ TEST_CASE("invariance: permuted objects have permuted labels") {
 }
 
 TEST_CASE("invariance: float labels differ from the rendering equation in double only near the threshold") {
-  test::hard_case(
-      {"Gaussians", {kGaussians}, 0.45, "not applicable: the reference is the printed form in double", 4},
-      [](double, Random& random, Worst& worst) {
-        const MethodCase c = scene(random);
-        const test::ReferenceWeights want = test::reference_weights(c);
-        if (!want.clear) return;
-        const LabelColumns got = labels_of(c)[0];
-        for (std::size_t i = 0; i < want.weight.size(); ++i)
-          if (want.weight[i] > 0)
-            worst.ours_ratio(std::abs(double(got.prob[i]) - want.object_weight[i] / want.weight[i]) /
-                             (0x1p-23 * want.spread[i] / want.weight[i]));
-      });
+  test::hard_case({"Gaussians", {kGaussians}, 0.45, "not applicable: the reference is the printed form in double", 4},
+                  [](double, Random& random, Worst& worst) {
+                    const MethodCase c = scene(random);
+                    const test::ReferenceWeights want = test::reference_weights(c);
+                    if (!want.clear) return;
+                    const LabelColumns got = labels_of(c)[0];
+                    for (std::size_t i = 0; i < want.weight.size(); ++i)
+                      if (want.weight[i] > 0)
+                        worst.ours_ratio(std::abs(double(got.prob[i]) - want.object_weight[i] / want.weight[i]) /
+                                         (0x1p-23 * want.spread[i] / want.weight[i]));
+                  });
 }
 
 TEST_CASE("masks: two views that contradict each other give probability one half and the largest variance") {
-  test::hard_case(
-      {"views", {2}, 0, "not applicable: a count decides"}, [](double, Random& random, Worst& worst) {
-        MethodCase c = scene(random);
-        c.scene.views[1].camera = c.scene.views[0].camera;
-        c.masks[1] = c.masks[0];
-        for (float& m : c.masks[1].target[0]) m = 1 - m;
-        const Evidence e = evidence_of(c, {0, 1});
-        const LabelColumns l = label_gaussians({}, e)[0];
-        for (std::size_t i = 0; i < kGaussians; ++i)
-          if (e.views[i] > 0)
-            worst.ours_is(std::abs(l.prob[i] - 0.5f) < 1e-6f && l.variance[i] > 0.999f && l.boundary[i] == 1);
-      });
+  test::hard_case({"views", {2}, 0, "not applicable: a count decides"}, [](double, Random& random, Worst& worst) {
+    MethodCase c = scene(random);
+    c.scene.views[1].camera = c.scene.views[0].camera;
+    c.masks[1] = c.masks[0];
+    for (float& m : c.masks[1].target[0]) m = 1 - m;
+    const Evidence e = evidence_of(c, {0, 1});
+    const LabelColumns l = label_gaussians({}, e)[0];
+    for (std::size_t i = 0; i < kGaussians; ++i)
+      if (e.views[i] > 0)
+        worst.ours_is(std::abs(l.prob[i] - 0.5f) < 1e-6f && l.variance[i] > 0.999f && l.boundary[i] == 1);
+  });
 }
 
 TEST_CASE("masks: where two objects overlap a Gaussian belongs to one at most") {
@@ -243,8 +235,7 @@ struct JointRun {
   JointTrainer trainer;
   static JointOptions small() {
     JointOptions o;
-    o.steps = 4, o.hash_levels = 2, o.hash_log2_table = 6, o.hash_finest = 32, o.mlp_hidden = 16,
-    o.smooth_points = 16;
+    o.steps = 4, o.hash_levels = 2, o.hash_log2_table = 6, o.hash_finest = 32, o.mlp_hidden = 16, o.smooth_points = 16;
     return o;
   }
   static SampleOptions few() {
@@ -269,21 +260,19 @@ struct JointRun {
 }  // namespace
 
 TEST_CASE("joint: a photo with one NaN stops the step and names the view") {
-  test::hard_case({"NaNs", {1}, 0, "not applicable: a step is taken or it is not", 100},
-                  [](double, Random& random, Worst& worst) {
-                    const auto c = test::joint_case(60, 40);
-                    for (ImageF& photo : c->photos)
-                      photo.data[std::size_t(random.below(std::int64_t(photo.data.size())))] = NAN;
-                    JointRun run(*c, false);
-                    bool named = false;
-                    try {
-                      run.trainer.step();
-                    } catch (const Error& e) {
-                      named = e.code() == ErrorCode::kNumeric &&
-                              std::string(e.what()).find("view 'view") != std::string::npos;
-                    }
-                    worst.ours_is(named && run.trainer.steps_done() == 0);
-                  });
+  test::hard_case(
+      {"NaNs", {1}, 0, "not applicable: a step is taken or it is not", 100}, [](double, Random& random, Worst& worst) {
+        const auto c = test::joint_case(60, 40);
+        for (ImageF& photo : c->photos) photo.data[std::size_t(random.below(std::int64_t(photo.data.size())))] = NAN;
+        JointRun run(*c, false);
+        bool named = false;
+        try {
+          run.trainer.step();
+        } catch (const Error& e) {
+          named = e.code() == ErrorCode::kNumeric && std::string(e.what()).find("view 'view") != std::string::npos;
+        }
+        worst.ours_is(named && run.trainer.steps_done() == 0);
+      });
 }
 
 TEST_CASE("joint: training stays finite with no, one and only boundary Gaussians") {

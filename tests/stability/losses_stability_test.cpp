@@ -109,21 +109,21 @@ TEST_CASE("mask loss: what is unknown adds nothing, whatever is rendered there")
 }
 
 TEST_CASE("mask loss: the mean over many pixels is summed in double") {
-  test::hard_case(
-      {"pixels", {100, 1e4, 1e6}, 0.63, {"a sum in float", 100}, 100}, [](double h, Random& random, Worst& worst) {
-        const int side = int(std::sqrt(h));
-        const ImageF rendered = image_of(random, side, side, 1, 0.3, 0.7);
-        const ViewMasks masks = masks_of(random, side, side);
-        Real want = 0;
-        float naive = 0;
-        for (std::size_t i = 0; i < rendered.data.size(); ++i) {
-          want += book_bce(rendered.data[i], masks.target[0][i]);
-          naive += mask_bce(rendered.data[i], masks.target[0][i]).value;
-        }
-        const Real n = Real(side) * side;
-        worst.ours(float(loss_mask({}, {}, {&rendered, &masks, nullptr, 1}, 1, nullptr).total), want / n),
-            worst.naive(naive / float(n), want / n);
-      });
+  test::hard_case({"pixels", {100, 1e4, 1e6}, 0.63, {"a sum in float", 100}, 100},
+                  [](double h, Random& random, Worst& worst) {
+                    const int side = int(std::sqrt(h));
+                    const ImageF rendered = image_of(random, side, side, 1, 0.3, 0.7);
+                    const ViewMasks masks = masks_of(random, side, side);
+                    Real want = 0;
+                    float naive = 0;
+                    for (std::size_t i = 0; i < rendered.data.size(); ++i) {
+                      want += book_bce(rendered.data[i], masks.target[0][i]);
+                      naive += mask_bce(rendered.data[i], masks.target[0][i]).value;
+                    }
+                    const Real n = Real(side) * side;
+                    worst.ours(float(loss_mask({}, {}, {&rendered, &masks, nullptr, 1}, 1, nullptr).total), want / n),
+                        worst.naive(naive / float(n), want / n);
+                  });
 }
 
 TEST_CASE("mask loss: a view without a known pixel is worth nothing") {
@@ -168,19 +168,19 @@ TEST_CASE("align: the variance of a nearly constant patch survives a large offse
 }
 
 TEST_CASE("align: the variance of a constant patch is never negative and as good as zero") {
-  test::hard_case({"value", {0, 1, 1e4, 1e15}, 0.12, {"E[x²] - E[x]²", 1e5}}, [](double h, Random& random,
-                                                                                 Worst& worst) {
-    const float value = float(h * random.uniform(0.5, 1));
-    const ImageF image(7, 7, 3, value);
-    Vec3<float> mean;
-    const float got = patch_variance<float>({image.data.data(), 7, 7}, {0, 6, 0, 6}, mean);
-    const double allowed = double(value) * 49 * 0x1p-24;  // of the mean
-    worst.ours_ratio(got < 0 ? test::kWrong : h == 0 ? double(got) : double(got) / (3 * allowed * allowed));
-    float sum = 0, squares = 0;
-    for (int i = 0; i < 49; ++i) sum += value, squares += value * value;
-    worst.naive_ratio(
-        h == 0 ? 0 : std::abs(3 * double(squares / 49 - sum / 49 * (sum / 49))) / (3 * allowed * allowed));
-  });
+  test::hard_case(
+      {"value", {0, 1, 1e4, 1e15}, 0.12, {"E[x²] - E[x]²", 1e5}}, [](double h, Random& random, Worst& worst) {
+        const float value = float(h * random.uniform(0.5, 1));
+        const ImageF image(7, 7, 3, value);
+        Vec3<float> mean;
+        const float got = patch_variance<float>({image.data.data(), 7, 7}, {0, 6, 0, 6}, mean);
+        const double allowed = double(value) * 49 * 0x1p-24;  // of the mean
+        worst.ours_ratio(got < 0 ? test::kWrong : h == 0 ? double(got) : double(got) / (3 * allowed * allowed));
+        float sum = 0, squares = 0;
+        for (int i = 0; i < 49; ++i) sum += value, squares += value * value;
+        worst.naive_ratio(
+            h == 0 ? 0 : std::abs(3 * double(squares / 49 - sum / 49 * (sum / 49))) / (3 * allowed * allowed));
+      });
 }
 
 TEST_CASE("align: without active nodes the loss and its gradients are zero") {
@@ -247,8 +247,7 @@ TEST_CASE("align: a node that is switched off adds nothing, whatever the field s
           worst.ours_is(field.colour[off * 3] == 0 && field.alpha[off] == 0);
           field_colour[off * 3] = float(h);
         }
-        worst.ours_is(loss[0].total == loss[1].total && loss[0].nodes == 11 &&
-                      to_colour[0].data == to_colour[1].data);
+        worst.ours_is(loss[0].total == loss[1].total && loss[0].nodes == 11 && to_colour[0].data == to_colour[1].data);
         const float residual = colour.at(2, 2, 0) - float(h);
         worst.naive_is(float(active[off]) * residual * residual == 0);
       });
@@ -259,8 +258,7 @@ TEST_CASE("continuity: colours that nearly agree keep their squared difference")
                   [](double h, Random& random, Worst& worst) {
                     std::vector<float> position = random.uniform_vector<float>(6, -1, 1),
                                        colour = random.uniform_vector<float>(6, 0.4, 0.6);
-                    for (std::size_t c = 0; c < 3; ++c)
-                      colour[3 + c] = colour[c] + float(h * random.uniform(0.5, 1));
+                    for (std::size_t c = 0; c < 3; ++c) colour[3 + c] = colour[c] + float(h * random.uniform(0.5, 1));
                     const KnnGraph graph = nearest_others({}, {position.data(), 2}, 1);
                     Real want = 0;
                     float aa = 0, ab = 0, bb = 0;

@@ -59,8 +59,7 @@ TEST_CASE("knn: the neighbours are those of exact arithmetic, far from the origi
                            query = random.uniform_vector<float>(3, -1, 1);
         for (float& x : points) x += float(h);
         for (float& x : query) x += float(h);
-        worst.ours_is(
-            agrees(nearest_points({}, rows(points), rows(query), kNeighbours), points, query.data()));
+        worst.ours_is(agrees(nearest_points({}, rows(points), rows(query), kNeighbours), points, query.data()));
         std::size_t naive = 0;
         for (std::size_t i = 1; i < 20; ++i)
           if (expanded_dist2(&points[i * 3], query.data()) < expanded_dist2(&points[naive * 3], query.data()))
@@ -70,41 +69,39 @@ TEST_CASE("knn: the neighbours are those of exact arithmetic, far from the origi
 }
 
 TEST_CASE("rbf: of two neighbours at nearly the same distance none takes more than its share, at any width") {
-  test::hard_case({"width, world",
-                   {1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6},
-                   0,
-                   {"exponents as rounding leaves them", test::kWrong}},
-                  [](double h, Random& random, Worst& worst) {
-                    const auto on_sphere = [&](Vec3<double> centre, double radius) {
-                      const double z = random.uniform(-1, 1), phi = random.uniform(0, 6.283185307179586), r = std::sqrt(1 - z * z);
-                      return Vec3<float>{float(centre.x + radius * r * std::cos(phi)), float(centre.y + radius * r * std::sin(phi)),
-                                         float(centre.z + radius * z)};
-                    };
-                    const Vec3<float> q = on_sphere({0, 0, 0}, 1), a = on_sphere({q.x, q.y, q.z}, 0.7), b = on_sphere({q.x, q.y, q.z}, 0.7);
-                    const bool a_nearer = exact_dist2(&q.x, &a.x) <= exact_dist2(&q.x, &b.x);
-                    const Vec3<float> near = a_nearer ? a : b, far = a_nearer ? b : a;
-                    const float x[6] = {near.x, near.y, near.z, far.x, far.y, far.z}, inv_2h2 = float(1 / (2 * h * h));
-                    const std::uint32_t nearest[2] = {0, 1};
-                    float w[2];
-                    rbf_weights<float>(q, {x, 2}, {nearest, 2}, inv_2h2, w);
-                    worst.ours_is(w[0] >= w[1] && std::abs(w[0] + w[1] - 1) < 1e-6f);
-                    const float naive = std::exp(-dot(near - far, (q - near) + (q - far)) * inv_2h2);
-                    worst.naive_is(std::isfinite(naive) && naive <= 1);
-                  });
+  test::hard_case(
+      {"width, world", {1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6}, 0, {"exponents as rounding leaves them", test::kWrong}},
+      [](double h, Random& random, Worst& worst) {
+        const auto on_sphere = [&](Vec3<double> centre, double radius) {
+          const double z = random.uniform(-1, 1), phi = random.uniform(0, 6.283185307179586), r = std::sqrt(1 - z * z);
+          return Vec3<float>{float(centre.x + radius * r * std::cos(phi)), float(centre.y + radius * r * std::sin(phi)),
+                             float(centre.z + radius * z)};
+        };
+        const Vec3<float> q = on_sphere({0, 0, 0}, 1), a = on_sphere({q.x, q.y, q.z}, 0.7),
+                          b = on_sphere({q.x, q.y, q.z}, 0.7);
+        const bool a_nearer = exact_dist2(&q.x, &a.x) <= exact_dist2(&q.x, &b.x);
+        const Vec3<float> near = a_nearer ? a : b, far = a_nearer ? b : a;
+        const float x[6] = {near.x, near.y, near.z, far.x, far.y, far.z}, inv_2h2 = float(1 / (2 * h * h));
+        const std::uint32_t nearest[2] = {0, 1};
+        float w[2];
+        rbf_weights<float>(q, {x, 2}, {nearest, 2}, inv_2h2, w);
+        worst.ours_is(w[0] >= w[1] && std::abs(w[0] + w[1] - 1) < 1e-6f);
+        const float naive = std::exp(-dot(near - far, (q - near) + (q - far)) * inv_2h2);
+        worst.naive_is(std::isfinite(naive) && naive <= 1);
+      });
 }
 
 TEST_CASE("knn: coincident points come in the order of their indices") {
-  test::hard_case(
-      {"copies", {2, 9, 100}, 0, "not applicable: a search tree keeps whichever it meets first"},
-      [](double h, Random& random, Worst& worst) {
-        std::vector<float> points, query = random.uniform_vector<float>(3, -1, 1);
-        for (int i = 0; i < int(h); ++i) points.insert(points.end(), {0.25f, -0.5f, 0.125f});
-        const KnnGraph graph = nearest_points({}, rows(points), rows(query), kNeighbours);
-        bool fine = graph.neighbours == std::min(int(h), kNeighbours);
-        for (std::size_t k = 0; k < graph.index.size(); ++k) fine &= graph.index[k] == k;
-        const KnnGraph others = nearest_others({}, rows(points), 1);
-        worst.ours_is(fine && others.index[0] == 1 && others.index[1] == 0 && others.dist2[0] == 0);
-      });
+  test::hard_case({"copies", {2, 9, 100}, 0, "not applicable: a search tree keeps whichever it meets first"},
+                  [](double h, Random& random, Worst& worst) {
+                    std::vector<float> points, query = random.uniform_vector<float>(3, -1, 1);
+                    for (int i = 0; i < int(h); ++i) points.insert(points.end(), {0.25f, -0.5f, 0.125f});
+                    const KnnGraph graph = nearest_points({}, rows(points), rows(query), kNeighbours);
+                    bool fine = graph.neighbours == std::min(int(h), kNeighbours);
+                    for (std::size_t k = 0; k < graph.index.size(); ++k) fine &= graph.index[k] == k;
+                    const KnnGraph others = nearest_others({}, rows(points), 1);
+                    worst.ours_is(fine && others.index[0] == 1 && others.index[1] == 0 && others.dist2[0] == 0);
+                  });
 }
 
 TEST_CASE("knn: exact ties on a lattice are broken by the index") {
@@ -117,8 +114,8 @@ TEST_CASE("knn: exact ties on a lattice are broken by the index") {
           points.insert(points.end(), {float(i % n), float(i / n % n), float(i / n / n)});
         const std::vector<float> query{float(random.below(n)), float(random.below(2 * n)) / 2,
                                        float(random.below(n)) + 0.5f};
-        worst.ours_is(agrees(nearest_points({}, rows(points), rows(query), std::min(kNeighbours, n * n * n)),
-                             points, query.data()));
+        worst.ours_is(agrees(nearest_points({}, rows(points), rows(query), std::min(kNeighbours, n * n * n)), points,
+                             query.data()));
       });
 }
 
@@ -138,41 +135,39 @@ TEST_CASE("knn: duplicates of the query come first, at distance exactly 0") {
 }
 
 TEST_CASE("knn: fewer points than neighbours, one point and none") {
-  test::hard_case(
-      {"points", {7, 1, 0}, 0, "not applicable: nothing is computed"},
-      [](double h, Random& random, Worst& worst) {
-        const std::vector<float> points = random.uniform_vector<float>(std::size_t(h) * 3, -1, 1),
-                                 query = random.uniform_vector<float>(6, -1, 1);
-        const KnnGraph graph = nearest_points({}, rows(points), rows(query), kNeighbours),
-                       others = nearest_others({}, rows(points), kNeighbours);
-        worst.ours_is(graph.neighbours == int(h) && graph.index.size() == std::size_t(h) * 2 &&
-                      others.neighbours == std::max(int(h) - 1, 0));
-        worst.ours_is(mean_spacing(others) >= 0 && auto_rbf_width({}, rows(points), kNeighbours, 1.0) > 0);
-      });
+  test::hard_case({"points", {7, 1, 0}, 0, "not applicable: nothing is computed"},
+                  [](double h, Random& random, Worst& worst) {
+                    const std::vector<float> points = random.uniform_vector<float>(std::size_t(h) * 3, -1, 1),
+                                             query = random.uniform_vector<float>(6, -1, 1);
+                    const KnnGraph graph = nearest_points({}, rows(points), rows(query), kNeighbours),
+                                   others = nearest_others({}, rows(points), kNeighbours);
+                    worst.ours_is(graph.neighbours == int(h) && graph.index.size() == std::size_t(h) * 2 &&
+                                  others.neighbours == std::max(int(h) - 1, 0));
+                    worst.ours_is(mean_spacing(others) >= 0 && auto_rbf_width({}, rows(points), kNeighbours, 1.0) > 0);
+                  });
 }
 
 TEST_CASE("knn: the unit of the world does not change the neighbours") {
-  test::hard_case({"scale", {1, 1e-6, 1e6, 1e-15, 1e15}, 0, {"distances compared up to 1e-7", test::kWrong}},
-                  [](double h, Random& random, Worst& worst) {
-                    std::vector<float> points = random.uniform_vector<float>(60, -1, 1),
-                                       query = random.uniform_vector<float>(3, -1, 1);
-                    for (auto* v : {&points, &query})
-                      for (float& x : *v) x *= float(h);
-                    worst.ours_is(agrees(nearest_points({}, rows(points), rows(query), kNeighbours), points,
-                                         query.data()));
-                    const auto order = brute_force(points, query.data());
-                    worst.naive_is(exact_dist2(&points[order[7] * 3], query.data()) -
-                                       exact_dist2(&points[order[0] * 3], query.data()) >
-                                   1e-7L);
-                  });
+  test::hard_case(
+      {"scale", {1, 1e-6, 1e6, 1e-15, 1e15}, 0, {"distances compared up to 1e-7", test::kWrong}},
+      [](double h, Random& random, Worst& worst) {
+        std::vector<float> points = random.uniform_vector<float>(60, -1, 1),
+                           query = random.uniform_vector<float>(3, -1, 1);
+        for (auto* v : {&points, &query})
+          for (float& x : *v) x *= float(h);
+        worst.ours_is(agrees(nearest_points({}, rows(points), rows(query), kNeighbours), points, query.data()));
+        const auto order = brute_force(points, query.data());
+        worst.naive_is(exact_dist2(&points[order[7] * 3], query.data()) -
+                           exact_dist2(&points[order[0] * 3], query.data()) >
+                       1e-7L);
+      });
 }
 
 TEST_CASE("rbf: weights keep full accuracy far from the boundary") {
   test::hard_case({"distance, widths", {0, 1, 5, 20, 40, 1e3, 1e5}, 3.2, {"exp(-d²/2h²) as printed", test::kWrong}},
                   [](double h, Random& random, Worst& worst) {
                     const Cluster c(random, 0.35, h, 0);
-                    worst.ours_ratio(c.worst_ratio(c.ours())),
-                        worst.naive_ratio(c.worst_ratio(c.as_printed(false)));
+                    worst.ours_ratio(c.worst_ratio(c.ours())), worst.naive_ratio(c.worst_ratio(c.as_printed(false)));
                   });
 }
 
@@ -192,8 +187,7 @@ TEST_CASE("rbf: weights keep full accuracy far from the origin") {
                     std::vector<float> d2(kNeighbours);
                     for (std::size_t j = 0; j < kNeighbours; ++j)
                       d2[j] = expanded_dist2(&c.q.x, &c.x[3 * c.nearest[j]]) * c.inv_2h2();
-                    worst.ours_ratio(c.worst_ratio(c.ours())),
-                        worst.naive_ratio(c.worst_ratio(c.normalised(d2)));
+                    worst.ours_ratio(c.worst_ratio(c.ours())), worst.naive_ratio(c.worst_ratio(c.normalised(d2)));
                   });
 }
 
@@ -231,8 +225,7 @@ TEST_CASE("rbf: coincident boundary Gaussians share the weight equally") {
   test::hard_case({"distance, world", {0, 1, 1e10, 1e18}, 0, {"exp(-d²/2h²) as printed, h = 0.35", test::kWrong}},
                   [](double h, Random& random, Worst& worst) {
                     std::vector<float> boundary;
-                    for (int i = 0; i < kNeighbours; ++i)
-                      boundary.insert(boundary.end(), {0.5f, 0.25f, -1.f});
+                    for (int i = 0; i < kNeighbours; ++i) boundary.insert(boundary.end(), {0.5f, 0.25f, -1.f});
                     const std::vector<float> query{0.5f + float(h * random.uniform(0.5, 1)), 0.25f, -1.f},
                         feature = random.uniform_vector<float>(kNeighbours, 0, 1);
                     const KnnGraph graph = nearest_points({}, rows(boundary), rows(query), kNeighbours);
@@ -272,8 +265,7 @@ TEST_CASE("rbf: weight gradients stay finite and accurate far from the boundary"
   test::hard_case({"distance, widths", {1, 5, 20, 1e3}, 1.2, {"quotient rule on Eq. (8) as printed", test::kWrong}},
                   [](double h, Random& random, Worst& worst) {
                     const Cluster c(random, 0.35, h, 0);
-                    const std::vector<float> w = c.ours(),
-                                             feature = random.uniform_vector<float>(kNeighbours, -1, 1);
+                    const std::vector<float> w = c.ours(), feature = random.uniform_vector<float>(kNeighbours, -1, 1);
                     const float upstream = 1;
                     std::vector<float> grad(kNeighbours);
                     RbfBackwardExponent<float>{{c.nearest.data(), 1, kNeighbours},

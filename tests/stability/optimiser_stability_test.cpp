@@ -2,8 +2,8 @@
 #include <doctest/doctest.h>
 
 #include "ngs/core/error.h"
-#include "ngs/ops/optim/adam.h"
 #include "ngs/ops/labels/label_solve.h"
+#include "ngs/ops/optim/adam.h"
 #include "support/stability.h"
 
 namespace ngs {
@@ -77,25 +77,20 @@ TEST_CASE("adam: bias corrections keep their accuracy at any step") {
         const Real want = -kLr / c1 * 0.1L * g / (std::sqrt(0.001L * g * g) / std::sqrt(c2) + 1e-15L);
         worst.ours(first_move(g, t), want);
         const float b1 = 0.9f, b2 = 0.999f, m = (1 - b1) * g, v = (1 - b2) * g * g;
-        worst.naive(-float(kLr) * (m / (1 - std::pow(b1, float(t)))) /
-                        (std::sqrt(v / (1 - std::pow(b2, float(t)))) + 1e-15f),
-                    want);
+        worst.naive(
+            -float(kLr) * (m / (1 - std::pow(b1, float(t)))) / (std::sqrt(v / (1 - std::pow(b2, float(t)))) + 1e-15f),
+            want);
       });
 }
 
 TEST_CASE("adam: moments of a constant gradient after a hundred thousand steps") {
   test::hard_case(
-      {"steps",
-       {10, 1e3, 1e5},
-       0.87,
-       "not applicable: β m + (1 - β) g stalls within the same 1 / (1 - β) ulps",
-       1000},
+      {"steps", {10, 1e3, 1e5}, 0.87, "not applicable: β m + (1 - β) g stalls within the same 1 / (1 - β) ulps", 1000},
       [](double h, Random& random, Worst& worst) {
         const std::vector<float> grad = random.uniform_vector<float>(1000, 0.1, 1);
         std::vector<float> x(1000, 0.f);
         AdamMoments moments;
-        for (std::int64_t t = 1; t <= std::int64_t(h); ++t)
-          adam_step({}, {.lr = 1e-4}, t, {"x", x, grad}, moments);
+        for (std::int64_t t = 1; t <= std::int64_t(h); ++t) adam_step({}, {.lr = 1e-4}, t, {"x", x, grad}, moments);
         const Real c1 = -std::expm1(Real(h) * std::log(0.9L)), c2 = -std::expm1(Real(h) * std::log(0.999L));
         for (std::size_t i = 0; i < grad.size(); ++i) {
           worst.ours(moments.m[i], c1 * grad[i], 10), worst.ours(moments.v[i], c2 * grad[i] * grad[i], 1000);
@@ -131,28 +126,28 @@ TEST_CASE("adam: a gradient that is not a number is named and moves nothing") {
 
 TEST_CASE("adam: rows without a gradient keep their value and their moments, the others step as ever") {
   constexpr std::size_t kRows = 10;
-  test::hard_case({"rows without a gradient", {0, 1, 9}, 0, {"a step of all rows alike", test::kWrong}},
-                  [](double h, Random& random, Worst& worst) {
-                    const std::size_t columns = std::size_t(1) << random.below(4), still = std::size_t(h) * columns;
-                    std::vector<float> x = random.uniform_vector<float>(kRows * columns, -1, 1),
-                                       grad = random.uniform_vector<float>(kRows * columns, 0.1, 1);
-                    AdamMoments moments;
-                    adam_step({}, {.lr = kLr}, 1, {"table", x, grad}, moments);
-                    std::fill_n(grad.begin(), still, 0.f);
-                    std::vector<float> dense = x, sparse = x;
-                    AdamMoments dense_moments = moments, sparse_moments = moments;
-                    adam_step({}, {.lr = kLr}, 2, {"table", dense, grad}, dense_moments);
-                    adam_step({}, {.lr = kLr, .sparse_columns = int(columns)}, 2, {"table", sparse, grad},
-                              sparse_moments);
-                    const auto as_wanted = [&](const std::vector<float>& value, const AdamMoments& after) {
-                      bool fine = true;
-                      for (std::size_t i = 0; i < x.size(); ++i)
-                        fine &= i < still ? value[i] == x[i] && after.m[i] == moments.m[i] && after.v[i] == moments.v[i]
-                                          : value[i] == dense[i] && after.m[i] == dense_moments.m[i];
-                      return fine;
-                    };
-                    worst.ours_is(as_wanted(sparse, sparse_moments)), worst.naive_is(as_wanted(dense, dense_moments));
-                  });
+  test::hard_case(
+      {"rows without a gradient", {0, 1, 9}, 0, {"a step of all rows alike", test::kWrong}},
+      [](double h, Random& random, Worst& worst) {
+        const std::size_t columns = std::size_t(1) << random.below(4), still = std::size_t(h) * columns;
+        std::vector<float> x = random.uniform_vector<float>(kRows * columns, -1, 1),
+                           grad = random.uniform_vector<float>(kRows * columns, 0.1, 1);
+        AdamMoments moments;
+        adam_step({}, {.lr = kLr}, 1, {"table", x, grad}, moments);
+        std::fill_n(grad.begin(), still, 0.f);
+        std::vector<float> dense = x, sparse = x;
+        AdamMoments dense_moments = moments, sparse_moments = moments;
+        adam_step({}, {.lr = kLr}, 2, {"table", dense, grad}, dense_moments);
+        adam_step({}, {.lr = kLr, .sparse_columns = int(columns)}, 2, {"table", sparse, grad}, sparse_moments);
+        const auto as_wanted = [&](const std::vector<float>& value, const AdamMoments& after) {
+          bool fine = true;
+          for (std::size_t i = 0; i < x.size(); ++i)
+            fine &= i < still ? value[i] == x[i] && after.m[i] == moments.m[i] && after.v[i] == moments.v[i]
+                              : value[i] == dense[i] && after.m[i] == dense_moments.m[i];
+          return fine;
+        };
+        worst.ours_is(as_wanted(sparse, sparse_moments)), worst.naive_is(as_wanted(dense, dense_moments));
+      });
 }
 
 TEST_CASE("label solve: labels at saturation neither leave [0, 1] nor become NaN") {

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "ngs/math/median.h"
-#include "ngs/ops/splat/front_layer.h"
 #include "ngs/ops/image/image_metrics.h"
+#include "ngs/ops/splat/front_layer.h"
 #include "ngs/scene/shrink.h"
 #include "support/stability.h"
 
@@ -54,8 +54,7 @@ TEST_CASE("pictures: the median is a value of the sample that outliers of any si
         worst.ours_is(std::count(sample.begin(), sample.end(), middle) == 1);
         const auto below = std::count_if(values.begin(), values.end(), [&](double v) { return v < middle; });
         worst.ours_is(below <= std::ptrdiff_t(values.size() / 2) &&
-                      std::count(values.begin(), values.end(), middle) + below >
-                          std::ptrdiff_t(values.size() / 2));
+                      std::count(values.begin(), values.end(), middle) + below > std::ptrdiff_t(values.size() / 2));
         double sum = 0;
         for (const double v : values) sum += v;
         worst.naive_is(sum / double(values.size()) >= -1 && sum / double(values.size()) <= 1);

@@ -4,16 +4,16 @@
 
 #include <filesystem>
 
+#include "ngs/io/image/masks.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/scene/import_scene.h"
-#include "ngs/io/image/masks.h"
-#include "ngs/ops/splat/cloud_view.h"
 #include "ngs/ops/image/metrics.h"
+#include "ngs/ops/splat/cloud_view.h"
 #include "ngs/ops/splat/splat_engine.h"
 #include "ngs/ops/splat/tile_kernels_of.h"
 #include "ngs/ops/splat/tile_scratch.h"
-#include "ngs/stages/render/render_options.h"
 #include "ngs/stages/boundary/variance_stage.h"
+#include "ngs/stages/render/render_options.h"
 #include "support/skip.h"
 
 namespace ngs {
@@ -31,17 +31,8 @@ struct DoubleCloud {
         rotation(c.rotation.begin(), c.rotation.end()),
         log_scale(c.log_scale.begin(), c.log_scale.end()),
         logit_opacity(c.logit_opacity.begin(), c.logit_opacity.end()) {
-    view = {c.size(),
-            position.data(),
-            rotation.data(),
-            log_scale.data(),
-            logit_opacity.data(),
-            nullptr,
-            nullptr,
-            0,
-            0,
-            c.usable.data(),
-            nullptr};
+    view = {c.size(), position.data(), rotation.data(), log_scale.data(), logit_opacity.data(), nullptr, nullptr, 0,
+            0,        c.usable.data(), nullptr};
   }
 };
 
@@ -55,8 +46,8 @@ void add_double_evidence(const DoubleCloud& cloud, const Camera& camera, const S
   const std::uint8_t* known = masks.known.empty() ? nullptr : masks.known.data();
   TileScratch<double> scratch;
   for (std::int64_t tile = 0; tile < lists.tiles(); ++tile)
-    tile_kernels_of<double>().evidence({tile_work(view, lists, tile, camera, options.compat), known, &target,
-                                        1, pair.data(), scratch.values(evidence_scratch(1))});
+    tile_kernels_of<double>().evidence({tile_work(view, lists, tile, camera, options.compat), known, &target, 1,
+                                        pair.data(), scratch.values(evidence_scratch(1))});
   for (std::size_t v = 0; v < view.id.size(); ++v)
     for (std::int64_t slot = lists.slot_begin[v]; slot < lists.slot_begin[v + 1]; ++slot) {
       weight[view.id[v]] += pair[std::size_t(slot) * 4];
@@ -70,8 +61,8 @@ std::vector<std::uint8_t> thresholded(const std::vector<double>& values) {
   return out;
 }
 
-std::vector<std::uint8_t> double_mask(const DoubleCloud& cloud, const Camera& camera,
-                                      const SplatOptions& options, const std::vector<double>& label) {
+std::vector<std::uint8_t> double_mask(const DoubleCloud& cloud, const Camera& camera, const SplatOptions& options,
+                                      const std::vector<double>& label) {
   ChannelPlan<double> request;
   request.colour = false, request.label = {label.data(), std::int64_t(label.size()), 1};
   SplatEngine<double> engine(tile_kernels_of<double>(), options, cloud.view, camera, request);
@@ -80,8 +71,8 @@ std::vector<std::uint8_t> double_mask(const DoubleCloud& cloud, const Camera& ca
   return thresholded(image);
 }
 
-std::vector<std::uint8_t> float_mask(const GaussianCloud& cloud, const Camera& camera,
-                                     const SplatOptions& options, const std::vector<float>& label) {
+std::vector<std::uint8_t> float_mask(const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options,
+                                     const std::vector<float>& label) {
   RenderRequest request;
   request.colour = false, request.label = {label.data(), cloud.size(), 1};
   const RenderedView view = render({}, cloud, camera, options, request);
@@ -100,14 +91,15 @@ TEST_CASE("float labels of a real capture differ from double ones only within ro
   const auto n = std::size_t(model.cloud.size());
   Monitor monitor;
   const SplatOptions options;
-  const LabelColumns single =
-      label_gaussians({}, accumulate_evidence({}, monitor, {model.cloud, scene, training_views(scene), options,
-                                                            [&](std::size_t v) { return io::load_masks(scene, v); }}))[0];
+  const LabelColumns single = label_gaussians(
+      {}, accumulate_evidence({}, monitor, {model.cloud, scene, training_views(scene), options, [&](std::size_t v) {
+                                              return io::load_masks(scene, v);
+                                            }}))[0];
   const DoubleCloud cloud(model.cloud);
   std::vector<double> weight(n, 0.0), object(n, 0.0), label(n, 0.0);
   for (const std::size_t v : training_views(scene))
-    add_double_evidence(cloud, relative_camera(scene.views[v].camera, model.cloud), options,
-                        io::load_masks(scene, v), weight, object);
+    add_double_evidence(cloud, relative_camera(scene.views[v].camera, model.cloud), options, io::load_masks(scene, v),
+                        weight, object);
   std::size_t seen = 0, differ = 0, seen_by_one = 0;
   double widest_margin = 0, largest_change = 0;
   for (std::size_t i = 0; i < n; ++i) {
@@ -135,8 +127,7 @@ TEST_CASE("float labels of a real capture differ from double ones only within ro
         float_mask(model.cloud, view.camera, options, single.label),
         double_mask(cloud, relative_camera(view.camera, model.cloud), options, label)};
     const int w = view.camera.width_px, h = view.camera.height_px;
-    for (int k = 0; k < 2; ++k)
-      biou[k] += score_mask({}, {mask[k].data(), w, h}, {target.data(), w, h}).biou_005;
+    for (int k = 0; k < 2; ++k) biou[k] += score_mask({}, {mask[k].data(), w, h}, {target.data(), w, h}).biou_005;
     pixels += target.size();
     for (std::size_t p = 0; p < target.size(); ++p) other_pixels += mask[0][p] != mask[1][p];
   }

@@ -116,19 +116,19 @@ TEST_CASE("projection: a Gaussian without extent has the footprint of the low-pa
 }
 
 TEST_CASE("projection: a Gaussian too large for float is left out") {
-  test::hard_case({"log scale", {30, 41, 80, 1e30, INFINITY}, 0, {"conic of an infinite covariance", test::kWrong}},
-                  [](double h, Random& random, Worst& worst) {
-                    Probe p(random, 1, 1, 1);
-                    for (float& s : p.log_scale) s = float(h);
-                    const One one(p);
-                    const auto view = one.view();
-                    worst.ours_is(view.id.empty() ||
-                                  (std::isfinite(view.record[0].form.a()) && view.record[0].form.a() >= 0));
-                    GaussianCloud cloud = one.cloud;
-                    classify(cloud);
-                    worst.ours_is(cloud.usable[0] == (h <= 40));
-                    worst.naive_is(std::isfinite(Projected(p).out.conic_a));
-                  });
+  test::hard_case(
+      {"log scale", {30, 41, 80, 1e30, INFINITY}, 0, {"conic of an infinite covariance", test::kWrong}},
+      [](double h, Random& random, Worst& worst) {
+        Probe p(random, 1, 1, 1);
+        for (float& s : p.log_scale) s = float(h);
+        const One one(p);
+        const auto view = one.view();
+        worst.ours_is(view.id.empty() || (std::isfinite(view.record[0].form.a()) && view.record[0].form.a() >= 0));
+        GaussianCloud cloud = one.cloud;
+        classify(cloud);
+        worst.ours_is(cloud.usable[0] == (h <= 40));
+        worst.naive_is(std::isfinite(Projected(p).out.conic_a));
+      });
 }
 
 TEST_CASE("projection: on and behind the near plane nothing is drawn") {
@@ -200,9 +200,8 @@ TEST_CASE("projection: a quaternion of any length is the rotation of its directi
   test::hard_case({"log10 of the length", {0, 5, 18, 22, 37}, 2.8, {"q / sqrt(q·q)", test::kWrong}},
                   [](double h, Random& random, Worst& worst) {
                     const double length = std::pow(10.0, (random.uniform(0, 1) < 0.5 ? -1 : 1) * h);
-                    Vec4<float> q{
-                        float(length * random.uniform(0.2, 1)), float(length * random.uniform(-1, 1)),
-                        float(length * random.uniform(-1, 1)), float(length * random.uniform(-1, 1))};
+                    Vec4<float> q{float(length * random.uniform(0.2, 1)), float(length * random.uniform(-1, 1)),
+                                  float(length * random.uniform(-1, 1)), float(length * random.uniform(-1, 1))};
                     Real norm = 0;
                     for (const float x : {q.x, q.y, q.z, q.w}) norm += Real(x) * x;
                     float inv;
@@ -231,24 +230,22 @@ TEST_CASE("projection: the zero quaternion is the identity and has no gradient")
 }
 
 TEST_CASE("projection: a scene far from its origin keeps its details") {
-  test::hard_case({"offset, world", {0, 1e2, 1e4, 1e6}, 0.86, {"R p + t in float", 1e5}},
-                  [](double h, Random& random, Worst& worst) {
-                    Probe p(random, 0.01, 0.01, 0.01);
-                    One one(p);
-                    Camera camera = front_camera();
-                    const Vec3<double> origin{h, -0.7 * h, 0.3 * h};
-                    one.cloud.origin = {origin.x, origin.y, origin.z};
-                    camera.translation = -1.0 * origin;
-                    const auto view = project_view({}, cloud_view(one.cloud, 0, nullptr),
-                                                   relative_camera(camera, one.cloud), {});
-                    const Real want = Real(camera.fx) * p.t.x / p.t.z + camera.cx;
-                    worst.ours(float(view.record.at(0).mean_x), want);
-                    worst.ours_ratio(std::abs(double(view.record[0].mean_x - want)) / 1e-6);  // px
-                    const float world_x = float(origin.x) + p.t.x, world_z = float(origin.z) + p.t.z;
-                    const float x = world_x + float(camera.translation.x),
-                                z = world_z + float(camera.translation.z);
-                    worst.naive(float(camera.fx) * x / z + float(camera.cx), want);
-                  });
+  test::hard_case({"offset, world", {0, 1e2, 1e4, 1e6}, 0.86, {"R p + t in float", 1e5}}, [](double h, Random& random,
+                                                                                             Worst& worst) {
+    Probe p(random, 0.01, 0.01, 0.01);
+    One one(p);
+    Camera camera = front_camera();
+    const Vec3<double> origin{h, -0.7 * h, 0.3 * h};
+    one.cloud.origin = {origin.x, origin.y, origin.z};
+    camera.translation = -1.0 * origin;
+    const auto view = project_view({}, cloud_view(one.cloud, 0, nullptr), relative_camera(camera, one.cloud), {});
+    const Real want = Real(camera.fx) * p.t.x / p.t.z + camera.cx;
+    worst.ours(float(view.record.at(0).mean_x), want);
+    worst.ours_ratio(std::abs(double(view.record[0].mean_x - want)) / 1e-6);  // px
+    const float world_x = float(origin.x) + p.t.x, world_z = float(origin.z) + p.t.z;
+    const float x = world_x + float(camera.translation.x), z = world_z + float(camera.translation.z);
+    worst.naive(float(camera.fx) * x / z + float(camera.cx), want);
+  });
 }
 
 TEST_CASE("projection: positions far from the origin are subtracted from the camera without loss") {
@@ -257,8 +254,7 @@ TEST_CASE("projection: positions far from the origin are subtracted from the cam
       [](double h, Random& random, Worst& worst) {
         Probe p(random, 0.01, 0.01, 0.01);
         Camera camera = front_camera();
-        const Vec3<double> centre{h * random.uniform(0.5, 1), h * random.uniform(0.5, 1),
-                                  h * random.uniform(0.5, 1)};
+        const Vec3<double> centre{h * random.uniform(0.5, 1), h * random.uniform(0.5, 1), h * random.uniform(0.5, 1)};
         camera.translation = -1.0 * centre;
         const Vec3<double> world = centre + Vec3<double>{p.t.x, p.t.y, 2 * double(p.t.z)};
         p.t = {float(world.x), float(world.y), float(world.z)};  // the input; its own rounding is not ours
@@ -281,8 +277,7 @@ TEST_CASE("projection: the antialiasing compensation keeps its accuracy down to 
                     p.logit = 90;  // exactly opaque: the opacity is the compensation
                     const Projected got(p, true);
                     const Truth want(p, got.camera);
-                    const Real factor =
-                        std::sqrt(std::max(want.det_raw / want.det, Real(float(kCompensationFloor2))));
+                    const Real factor = std::sqrt(std::max(want.det_raw / want.det, Real(float(kCompensationFloor2))));
                     worst.ours(got.out.opacity, factor, 2 + want.raw_condition);
                     const float raw = raw_det_by_difference(got.context);
                     worst.naive(std::sqrt(std::max(raw / got.out.det, float(kCompensationFloor2))), factor,
@@ -291,36 +286,34 @@ TEST_CASE("projection: the antialiasing compensation keeps its accuracy down to 
 }
 
 TEST_CASE("projection: gradients of needles stay as accurate as their conic") {
-  test::hard_case(
-      {"scale ratio",
-       {1, 1e2, 1e4},
-       15,
-       "not applicable: the reference is the same kernel in double, whose adjoint tests/grad proves"},
-      [](double h, Random& random, Worst& worst) {
-        const Probe p(random, 0.1, 0.1 / h, 0.1 / h);
-        const Projected got(p);
-        const Truth want(p, got.camera);
-        const auto cam = projection_camera<double>(front_camera(), {});
-        double rotation[4], log_scale[3];
-        std::copy_n(p.rotation, 4, rotation), std::copy_n(p.log_scale, 3, log_scale);
-        const Vec3<double> t{p.t.x, p.t.y, p.t.z};
-        ProjectionContext<double> ctx;
-        const auto out = project_gaussian(cam, t, {rotation, log_scale, 0.0}, ctx);
-        float u[6];
-        for (float& x : u) x = float(random.uniform(-1, 1));
-        const auto g = project_gaussian_backward(got.camera, p.t, got.out, got.context,
-                                                 {u[0], u[1], u[2], u[3], u[4], u[5]});
-        const auto w =
-            project_gaussian_backward(cam, t, out, ctx, {u[0], u[1], u[2], u[3], u[4], u[5]});
-        // What is added up on the way, |Q|² |V|², may cancel.
-        const double conic = out.conic_a + out.conic_c, terms = conic * conic * (out.cov_xx + out.cov_yy);
-        const auto size = [](Vec3<double> v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); };
-        const auto error = [&](Vec3<float> a, Vec3<double> b) {
-          return size(Vec3<double>{a.x, a.y, a.z} - b) * 0x1p23;
-        };
-        worst.ours_ratio(error(g.log_scale, w.log_scale) / (size(w.log_scale) + terms));
-        worst.ours_ratio(error(g.t, w.t) / (size(w.t) + (kFocal + terms) / t.z));
-      });
+  test::hard_case({"scale ratio",
+                   {1, 1e2, 1e4},
+                   15,
+                   "not applicable: the reference is the same kernel in double, whose adjoint tests/grad proves"},
+                  [](double h, Random& random, Worst& worst) {
+                    const Probe p(random, 0.1, 0.1 / h, 0.1 / h);
+                    const Projected got(p);
+                    const Truth want(p, got.camera);
+                    const auto cam = projection_camera<double>(front_camera(), {});
+                    double rotation[4], log_scale[3];
+                    std::copy_n(p.rotation, 4, rotation), std::copy_n(p.log_scale, 3, log_scale);
+                    const Vec3<double> t{p.t.x, p.t.y, p.t.z};
+                    ProjectionContext<double> ctx;
+                    const auto out = project_gaussian(cam, t, {rotation, log_scale, 0.0}, ctx);
+                    float u[6];
+                    for (float& x : u) x = float(random.uniform(-1, 1));
+                    const auto g = project_gaussian_backward(got.camera, p.t, got.out, got.context,
+                                                             {u[0], u[1], u[2], u[3], u[4], u[5]});
+                    const auto w = project_gaussian_backward(cam, t, out, ctx, {u[0], u[1], u[2], u[3], u[4], u[5]});
+                    // What is added up on the way, |Q|² |V|², may cancel.
+                    const double conic = out.conic_a + out.conic_c, terms = conic * conic * (out.cov_xx + out.cov_yy);
+                    const auto size = [](Vec3<double> v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); };
+                    const auto error = [&](Vec3<float> a, Vec3<double> b) {
+                      return size(Vec3<double>{a.x, a.y, a.z} - b) * 0x1p23;
+                    };
+                    worst.ours_ratio(error(g.log_scale, w.log_scale) / (size(w.log_scale) + terms));
+                    worst.ours_ratio(error(g.t, w.t) / (size(w.t) + (kFocal + terms) / t.z));
+                  });
 }
 
 }  // namespace ngs

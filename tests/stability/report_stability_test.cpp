@@ -48,8 +48,7 @@ TEST_CASE("a textbook form must fail by as much as is pinned") {
 }
 
 TEST_CASE("stability.json satisfies its schema, infinities included") {
-  nlohmann::json schema =
-      nlohmann::json::parse(std::ifstream(NGS_SOURCE_DIR "/data-schema/stability.schema.json"));
+  nlohmann::json schema = nlohmann::json::parse(std::ifstream(NGS_SOURCE_DIR "/data-schema/stability.schema.json"));
   std::vector<test::HardResult> all{result(2, "printed", {{1, 1}, {1, INFINITY}}),
                                     result(0, "not applicable: exact", {{0, 0}})};
   all[1].hard.values[0] = -INFINITY;

@@ -2,8 +2,8 @@
 // (1)
 #include <doctest/doctest.h>
 
-#include "ngs/ops/losses/loss_mask.h"
 #include "ngs/ops/field/volume_kernels.h"
+#include "ngs/ops/losses/loss_mask.h"
 #include "support/stability.h"
 
 namespace ngs {
@@ -160,8 +160,7 @@ TEST_CASE("volume: without spacing a ray is empty and its gradients are exactly 
                     worst.ours_is(ray.finite());
                     if (h > 0) worst.ours(ray.alpha, -std::expm1(-ray.depth_before(8)), 4);
                     if (h == 0)
-                      for (std::size_t k = 0; k < 8; ++k)
-                        worst.ours_is(ray.grad_density[k] == 0 && ray.weight[k] == 0);
+                      for (std::size_t k = 0; k < 8; ++k) worst.ours_is(ray.grad_density[k] == 0 && ray.weight[k] == 0);
                     worst.naive(ray.weight[0] / (1 - std::exp(-ray.density[0] * ray.spacing)), 1);
                   });
 }
@@ -177,8 +176,7 @@ TEST_CASE("volume: empty space is exactly empty and still has a gradient") {
                     for (int k = 0; k < 8; ++k) {
                       Real along = 0, size = 0;  // ∂C/∂τ_k = c_k - background
                       for (int c = 0; c < 3; ++c) {
-                        const Real term =
-                            Real(g[c]) * (Real(ray.rgb[std::size_t(k * 3 + c)]) - (&ray.background.x)[c]);
+                        const Real term = Real(g[c]) * (Real(ray.rgb[std::size_t(k * 3 + c)]) - (&ray.background.x)[c]);
                         along += term, size += std::abs(Real(g[c])) * 2;
                       }
                       worst.ours(ray.grad_density[std::size_t(k)], along, size / std::abs(along));
@@ -187,13 +185,12 @@ TEST_CASE("volume: empty space is exactly empty and still has a gradient") {
 }
 
 TEST_CASE("volume: a ray without samples is the background") {
-  test::hard_case({"samples", {0}, 0, "not applicable: no formula is left"},
-                  [](double, Random& random, Worst& worst) {
-                    Ray ray(random, 0, 1);
-                    ray.forward();
-                    worst.ours_is(ray.alpha == 0 && ray.depth == 0 && ray.colour[0] == ray.background.x &&
-                                  ray.colour[2] == ray.background.z);
-                  });
+  test::hard_case({"samples", {0}, 0, "not applicable: no formula is left"}, [](double, Random& random, Worst& worst) {
+    Ray ray(random, 0, 1);
+    ray.forward();
+    worst.ours_is(ray.alpha == 0 && ray.depth == 0 && ray.colour[0] == ray.background.x &&
+                  ray.colour[2] == ray.background.z);
+  });
 }
 
 TEST_CASE("volume: the density gradient keeps its accuracy where the rest of the ray is faint") {
@@ -231,8 +228,7 @@ TEST_CASE("volume: the density weight of the mask loss is defined for any optica
   test::hard_case({"optical depth", {0, 20, 1e4, 3e38, INFINITY}, 0.03, {"e^D / (1 + e^D)", test::kWrong}},
                   [](double h, Random& random, Worst& worst) {
                     PixelGrid grid;
-                    grid.first_x = 2, grid.first_y = 2, grid.step_x = 3, grid.step_y = 3, grid.cols = 3,
-                    grid.rows = 3;
+                    grid.first_x = 2, grid.first_y = 2, grid.step_x = 3, grid.step_y = 3, grid.cols = 3, grid.rows = 3;
                     std::vector<float> depth(9, float(h));
                     depth[std::size_t(random.below(9))] = 0;
                     const ImageF weight = density_weights({}, 10, 10, {grid, {0.5, 0.5, 9.5, 9.5}, depth});

@@ -49,9 +49,9 @@ inline double relative_difference(double a, double b) {
   return scale == 0 ? 0 : std::abs(a - b) / scale;
 }
 
-/// The relative difference of the two sides of an adjoint test, or of a gradient and extrapolated differences. The worst of
-/// each op (the test's name up to its colon) is printed at the end of the run where NGS_GRAD_TABLE is set. `scale`: the
-/// size of the terms, where both sides are sums that cancel.
+/// The relative difference of the two sides of an adjoint test, or of a gradient and extrapolated differences. The
+/// worst of each op (the test's name up to its colon) is printed at the end of the run where NGS_GRAD_TABLE is set.
+/// `scale`: the size of the terms, where both sides are sums that cancel.
 double adjoint_difference(double jv, double jtu, double scale = 0);
 double ridders_difference(double numeric, double gradient);
 

@@ -92,12 +92,12 @@ inline ColmapFiles colmap_text(const std::vector<PosedCamera>& views) {
   images << "# Image list\n";
   for (std::size_t i = 0; i < views.size(); ++i) {
     const Camera& c = views[i].camera;
-    cameras << i + 1 << " PINHOLE " << c.width_px << ' ' << c.height_px << ' ' << c.fx << ' ' << c.fy << ' '
-            << c.cx << ' ' << c.cy << '\n';
+    cameras << i + 1 << " PINHOLE " << c.width_px << ' ' << c.height_px << ' ' << c.fx << ' ' << c.fy << ' ' << c.cx
+            << ' ' << c.cy << '\n';
     images << i + 1;
     for (const double q : views[i].q) images << ' ' << q;
-    images << ' ' << c.translation.x << ' ' << c.translation.y << ' ' << c.translation.z << ' ' << i + 1
-           << ' ' << c.name << '\n';
+    images << ' ' << c.translation.x << ' ' << c.translation.y << ' ' << c.translation.z << ' ' << i + 1 << ' '
+           << c.name << '\n';
     // every second image has no points: its second line is empty
     images << (i % 2 == 0 ? "1.5 2.5 -1 3 4 17" : "") << '\n';
   }
@@ -150,8 +150,8 @@ inline nlohmann::json cameras_json(const std::vector<PosedCamera>& views) {
 }
 
 inline std::string npy_header(const std::string& type, bool fortran, const std::string& shape) {
-  std::string dict = "{'descr': '" + type + "', 'fortran_order': " + (fortran ? "True" : "False") +
-                     ", 'shape': " + shape + ", }";
+  std::string dict =
+      "{'descr': '" + type + "', 'fortran_order': " + (fortran ? "True" : "False") + ", 'shape': " + shape + ", }";
   dict.append(64 - (10 + dict.size() + 1) % 64, ' ');
   dict += '\n';
   return std::string("\x93NUMPY\x01\x00", 8) + char(dict.size() & 255) + char(dict.size() >> 8) + dict;
@@ -165,8 +165,7 @@ inline std::string llff_npy(const std::vector<PosedCamera>& views) {
     const Mat3<double> axes = transpose(view.camera.rotation);
     const Vec3<double> o = view.camera.centre();
     const double centre[3] = {o.x, o.y, o.z}, hwf[3] = {480, 640, view.camera.fx};
-    for (int r = 0; r < 3; ++r)
-      out.put(axes(r, 1)).put(axes(r, 0)).put(-axes(r, 2)).put(centre[r]).put(hwf[r]);
+    for (int r = 0; r < 3; ++r) out.put(axes(r, 1)).put(axes(r, 0)).put(-axes(r, 2)).put(centre[r]).put(hwf[r]);
     out.put(0.5).put(9.0);
   }
   return out.bytes;

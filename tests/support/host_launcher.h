@@ -1,6 +1,6 @@
 #pragma once
-// The Launcher of backend/launcher.h, emulated: blocks one after the other, in every phase thread after thread. Finds without a
-// device what would go wrong on one:
+// The Launcher of backend/launcher.h, emulated: blocks one after the other, in every phase thread after thread. Finds
+// without a device what would go wrong on one:
 //   a read of memory never written    allocations, Shared and Thread start as NaN / all bits set
 //   a race within a phase or launch    results must not depend on `order` (ascending, descending, shuffled)
 //   an access out of bounds           allocations are exact, for the address sanitizer
@@ -79,7 +79,8 @@ class HostLauncher {
     std::vector<std::pair<std::uint64_t, std::uint32_t>> pairs;
     for (std::int64_t i = 0; i < n; ++i) pairs.emplace_back(keys[i], values[i]);
     std::stable_sort(pairs.begin(), pairs.end(), [&](auto a, auto b) { return (a.first & mask) < (b.first & mask); });
-    for (std::int64_t i = 0; i < n; ++i) keys[i] = pairs[std::size_t(i)].first, values[i] = pairs[std::size_t(i)].second;
+    for (std::int64_t i = 0; i < n; ++i)
+      keys[i] = pairs[std::size_t(i)].first, values[i] = pairs[std::size_t(i)].second;
   }
   void sum_before(const std::uint32_t* in, std::int64_t* out, std::int64_t n) {
     out[0] = 0;

@@ -19,10 +19,16 @@ struct JointCase {
   std::vector<LabelColumns> labels;
 
   Problem input() const {
-    return {.cloud = model, .scene = scene, .views = {0, 1, 2, 3},
+    return {.cloud = model,
+            .scene = scene,
+            .views = {0, 1, 2, 3},
             .load_masks = [this](std::size_t v) { return masks[v]; },
             .load_photo = [this](std::size_t v) { return photos[v]; },
-            .splat = {}, .background = {0, 0, 0}, .seed = 7, .fixed = {}, .labels = labels};
+            .splat = {},
+            .background = {0, 0, 0},
+            .seed = 7,
+            .fixed = {},
+            .labels = labels};
   }
   /// A camera that looks the other way, with an empty mask; its index.
   std::size_t look_away() {
@@ -39,7 +45,9 @@ struct JointCase {
 inline std::unique_ptr<JointCase> joint_case(int ball = 160, int wall = 120) {
   auto c = std::make_unique<JointCase>();
   std::uint64_t index = 0;
-  const auto uniform = [&](double lo, double hi) { return float(lo + (hi - lo) * rng_uniform(3, RngStream::kTest, index++)); };
+  const auto uniform = [&](double lo, double hi) {
+    return float(lo + (hi - lo) * rng_uniform(3, RngStream::kTest, index++));
+  };
   GaussianCloud& t = c->truth;
   t.resize(ball + wall, 1);
   for (int i = 0; i < ball + wall; ++i) {
@@ -51,7 +59,8 @@ inline std::unique_ptr<JointCase> joint_case(int ball = 160, int wall = 120) {
       t.position[k * 3] = float(0.6 * r * std::cos(phi)), t.position[k * 3 + 1] = float(0.6 * r * std::sin(phi));
       t.position[k * 3 + 2] = float(4 + 0.6 * z);
     } else {
-      t.position[k * 3] = uniform(-2, 2), t.position[k * 3 + 1] = uniform(-1.6, 1.6), t.position[k * 3 + 2] = uniform(5.6, 5.8);
+      t.position[k * 3] = uniform(-2, 2), t.position[k * 3 + 1] = uniform(-1.6, 1.6),
+                     t.position[k * 3 + 2] = uniform(5.6, 5.8);
     }
     t.rotation[k * 4] = 1;
     for (std::size_t a = 0; a < 3; ++a) {

@@ -13,12 +13,9 @@ struct Mask {
   int width_px = 0, height_px = 0;
   std::vector<std::uint8_t> data;
   Mask() = default;
-  Mask(int width, int height)
-      : width_px(width), height_px(height), data(std::size_t(width) * std::size_t(height), 0) {}
+  Mask(int width, int height) : width_px(width), height_px(height), data(std::size_t(width) * std::size_t(height), 0) {}
   std::uint8_t& at(int x, int y) { return data[std::size_t(y) * std::size_t(width_px) + std::size_t(x)]; }
-  std::uint8_t at(int x, int y) const {
-    return data[std::size_t(y) * std::size_t(width_px) + std::size_t(x)];
-  }
+  std::uint8_t at(int x, int y) const { return data[std::size_t(y) * std::size_t(width_px) + std::size_t(x)]; }
   MaskPlane plane() const { return {data.data(), width_px, height_px}; }
 };
 
@@ -48,34 +45,20 @@ inline bool shape_contains(MaskKind kind, int x, int y, const Mask& mask, std::u
   const int spot_x = int(random(1u << 20) * w), spot_y = int(random((1u << 20) + 1) * h);
   const int period = 2 + int(random((1u << 20) + 2) * 7);
   switch (kind) {
-    case MaskKind::kEmpty:
-      return false;
-    case MaskKind::kFull:
-      return true;
-    case MaskKind::kOnePixel:
-      return x == spot_x && y == spot_y;
-    case MaskKind::kOneHole:
-      return !(x == spot_x && y == spot_y);
-    case MaskKind::kChecker:
-      return ((x / (period / 2) + y / (period / 2)) & 1) != 0;
-    case MaskKind::kStripes:
-      return x % period != 0;
-    case MaskKind::kFrame:
-      return x == 0 || y == 0 || x == w - 1 || y == h - 1;
-    case MaskKind::kDiagonal:
-      return (x + y) % period == 0;
-    case MaskKind::kComb:
-      return y < h / 3 || x % period < 2;
-    case MaskKind::kRings:
-      return std::max(std::abs(x - spot_x), std::abs(y - spot_y)) / period % 2 == 0;
-    case MaskKind::kHalf:
-      return x < spot_x;
-    case MaskKind::kNoise:
-      return random(index) < 0.5;
-    case MaskKind::kSparseNoise:
-      return random(index) < 0.02;
-    case MaskKind::kDenseNoise:
-      return random(index) < 0.98;
+    case MaskKind::kEmpty: return false;
+    case MaskKind::kFull: return true;
+    case MaskKind::kOnePixel: return x == spot_x && y == spot_y;
+    case MaskKind::kOneHole: return !(x == spot_x && y == spot_y);
+    case MaskKind::kChecker: return ((x / (period / 2) + y / (period / 2)) & 1) != 0;
+    case MaskKind::kStripes: return x % period != 0;
+    case MaskKind::kFrame: return x == 0 || y == 0 || x == w - 1 || y == h - 1;
+    case MaskKind::kDiagonal: return (x + y) % period == 0;
+    case MaskKind::kComb: return y < h / 3 || x % period < 2;
+    case MaskKind::kRings: return std::max(std::abs(x - spot_x), std::abs(y - spot_y)) / period % 2 == 0;
+    case MaskKind::kHalf: return x < spot_x;
+    case MaskKind::kNoise: return random(index) < 0.5;
+    case MaskKind::kSparseNoise: return random(index) < 0.02;
+    case MaskKind::kDenseNoise: return random(index) < 0.98;
     default: {
       for (std::uint64_t blob = 0; blob < 4; ++blob) {
         const double cx = random((1u << 21) + 3 * blob) * w, cy = random((1u << 21) + 3 * blob + 1) * h;
@@ -112,8 +95,7 @@ inline Mask boundary_band(const Mask& mask, int d) {
   Mask core = mask;
   for (int i = 0; i < d; ++i) core = eroded(core);
   Mask band(mask.width_px, mask.height_px);
-  for (std::size_t i = 0; i < band.data.size(); ++i)
-    band.data[i] = mask.data[i] != 0 && core.data[i] == 0 ? 255 : 0;
+  for (std::size_t i = 0; i < band.data.size(); ++i) band.data[i] = mask.data[i] != 0 && core.data[i] == 0 ? 255 : 0;
   return band;
 }
 

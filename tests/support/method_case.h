@@ -51,8 +51,7 @@ inline MethodCase method_case(std::uint64_t seed, int gaussians, int views, int 
   MethodCase c;
   const SplatCase base = splat_case(seed, gaussians, 56, 40);
   c.cloud = float_cloud(base);
-  for (int k = 0; k < objects; ++k)
-    c.scene.objects.push_back({"object" + std::to_string(k), std::uint32_t(k + 1)});
+  for (int k = 0; k < objects; ++k) c.scene.objects.push_back({"object" + std::to_string(k), std::uint32_t(k + 1)});
   for (int v = 0; v < views; ++v) {
     SplatCase moved = base;
     moved.camera.name = "view" + std::to_string(v) + ".png";
@@ -62,8 +61,8 @@ inline MethodCase method_case(std::uint64_t seed, int gaussians, int views, int 
     RenderRequest request;
     c.photos.push_back(render({}, c.cloud, moved.camera, {}, request).colour);
     for (std::size_t i = 0; i < c.photos.back().data.size(); ++i)
-      c.photos.back().data[i] = float(std::clamp(
-          double(c.photos.back().data[i]) + 0.1 * rng_normal(seed + 1, RngStream::kTest, i), 0.0, 1.0));
+      c.photos.back().data[i] = float(
+          std::clamp(double(c.photos.back().data[i]) + 0.1 * rng_normal(seed + 1, RngStream::kTest, i), 0.0, 1.0));
     c.view.push_back(std::move(moved));
   }
   return c;
@@ -77,10 +76,8 @@ inline GaussianCloud permuted(const GaussianCloud& cloud, const std::vector<std:
     for (std::size_t i = 0; i < order.size(); ++i)
       for (std::size_t c = 0; c < columns; ++c) to[i * columns + c] = from[order[i] * columns + c];
   };
-  gather(out.position, cloud.position), gather(out.rotation, cloud.rotation),
-      gather(out.log_scale, cloud.log_scale);
-  gather(out.logit_opacity, cloud.logit_opacity), gather(out.sh_dc, cloud.sh_dc),
-      gather(out.sh_rest, cloud.sh_rest);
+  gather(out.position, cloud.position), gather(out.rotation, cloud.rotation), gather(out.log_scale, cloud.log_scale);
+  gather(out.logit_opacity, cloud.logit_opacity), gather(out.sh_dc, cloud.sh_dc), gather(out.sh_rest, cloud.sh_rest);
   gather(out.usable, cloud.usable);
   return out;
 }
@@ -89,7 +86,7 @@ inline GaussianCloud permuted(const GaussianCloud& cloud, const std::vector<std:
 struct ReferenceWeights {
   std::vector<double> weight, object_weight;  // W, and W1 of object 0
   std::vector<double> spread;                 // of W: the sum of what rounding does to each of its terms
-  bool clear = true;                          // false: a contribution lies at a threshold, where float may decide otherwise
+  bool clear = true;  // false: a contribution lies at a threshold, where float may decide otherwise
 };
 inline ReferenceWeights reference_weights(const MethodCase& c) {
   ReferenceWeights r;

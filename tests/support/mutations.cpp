@@ -60,12 +60,10 @@ void poke(const Json& step) {
   const Column column = find_column(ply, step["property"]);
   require(column.found, step);
   const float value = float(number(step["value"]));
-  const std::size_t first = step.value("row", std::size_t(0)),
-                    last = step.contains("row") ? first + 1 : column.rows;
+  const std::size_t first = step.value("row", std::size_t(0)), last = step.contains("row") ? first + 1 : column.rows;
   require(last <= column.rows && column.header_bytes + last * column.row_bytes <= ply.size(), step);
   for (std::size_t row = first; row < last; ++row)
-    std::memcpy(ply.data() + column.header_bytes + row * column.row_bytes + column.offset, &value,
-                sizeof value);
+    std::memcpy(ply.data() + column.header_bytes + row * column.row_bytes + column.offset, &value, sizeof value);
   write_bytes(path, ply);
 }
 
@@ -92,8 +90,7 @@ void overwrite_bytes(const Json& step) {
   const std::string hex = step["hex"];
   const std::size_t at = step["at"];
   require(at + hex.size() / 2 <= bytes.size(), step);
-  for (std::size_t i = 0; i < hex.size() / 2; ++i)
-    bytes[at + i] = char(std::stoi(hex.substr(2 * i, 2), nullptr, 16));
+  for (std::size_t i = 0; i < hex.size() / 2; ++i) bytes[at + i] = char(std::stoi(hex.substr(2 * i, 2), nullptr, 16));
   write_bytes(step["bytes"], bytes);
 }
 
@@ -125,10 +122,8 @@ void apply_mutation(const Json& step) {
   if (step.contains("remove")) return require(fs::remove_all(step["remove"].get<std::string>()) > 0, step);
   if (step.contains("mkdir")) return void(fs::create_directories(step["mkdir"].get<std::string>()));
   if (step.contains("copy"))
-    return fs::copy(step["copy"].get<std::string>(), step["to"].get<std::string>(),
-                    fs::copy_options::recursive);
-  if (step.contains("link"))
-    return fs::create_symlink(step["link"].get<std::string>(), step["to"].get<std::string>());
+    return fs::copy(step["copy"].get<std::string>(), step["to"].get<std::string>(), fs::copy_options::recursive);
+  if (step.contains("link")) return fs::create_symlink(step["link"].get<std::string>(), step["to"].get<std::string>());
   require(false, step);
 }
 

@@ -35,8 +35,7 @@ inline std::string ply_body(const PlyColumns& table, io::PlyFormat format, const
       std::uint8_t bytes[8];
       const std::size_t n = io::ply_type_bytes(type);
       io::ply_store(type, row[p], bytes);
-      for (std::size_t k = 0; k < n; ++k)
-        body += char(bytes[format == io::PlyFormat::kBinaryBig ? n - 1 - k : k]);
+      for (std::size_t k = 0; k < n; ++k) body += char(bytes[format == io::PlyFormat::kBinaryBig ? n - 1 - k : k]);
     }
     if (format == io::PlyFormat::kAscii) body += end_of_line;
   }
@@ -45,8 +44,7 @@ inline std::string ply_body(const PlyColumns& table, io::PlyFormat format, const
 
 /// A whole file of several elements. `extra` holds header lines (comments) without line ends.
 inline std::string ply_bytes(const std::vector<PlyColumns>& elements, io::PlyFormat format,
-                             const std::vector<std::string>& extra = {},
-                             const std::string& end_of_line = "\n") {
+                             const std::vector<std::string>& extra = {}, const std::string& end_of_line = "\n") {
   const char* names[] = {"ascii", "binary_little_endian", "binary_big_endian"};
   std::string file = "ply" + end_of_line + "format " + names[int(format)] + " 1.0" + end_of_line;
   for (const std::string& line : extra) file += line + end_of_line;
@@ -65,14 +63,12 @@ inline io::Bytes as_bytes(const std::string& text) {
 }
 
 /// A model of `n` Gaussians in the Inria layout of a degree; value (row, column) is a fixed simple number.
-inline PlyColumns inria_columns(int n, int degree, bool normals = true,
-                                io::PlyType type = io::PlyType::kFloat32) {
+inline PlyColumns inria_columns(int n, int degree, bool normals = true, io::PlyType type = io::PlyType::kFloat32) {
   PlyColumns table;
   std::vector<std::string> names = {"x", "y", "z"};
   if (normals) names.insert(names.end(), {"nx", "ny", "nz"});
   names.insert(names.end(), {"f_dc_0", "f_dc_1", "f_dc_2"});
-  for (int k = 0; k < 3 * ((degree + 1) * (degree + 1) - 1); ++k)
-    names.push_back("f_rest_" + std::to_string(k));
+  for (int k = 0; k < 3 * ((degree + 1) * (degree + 1) - 1); ++k) names.push_back("f_rest_" + std::to_string(k));
   names.insert(names.end(), {"opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"});
   for (const std::string& name : names) table.properties.push_back({name, type});
   for (int i = 0; i < n; ++i) {
@@ -85,13 +81,12 @@ inline PlyColumns inria_columns(int n, int degree, bool normals = true,
 }
 
 inline std::size_t column_of(const PlyColumns& table, const std::string& name) {
-  const auto found = std::find_if(table.properties.begin(), table.properties.end(),
-                                  [&](const auto& p) { return p.first == name; });
+  const auto found =
+      std::find_if(table.properties.begin(), table.properties.end(), [&](const auto& p) { return p.first == name; });
   return std::size_t(found - table.properties.begin());
 }
 
-inline void add_column(PlyColumns& table, std::size_t at, const std::string& name, io::PlyType type,
-                       double value) {
+inline void add_column(PlyColumns& table, std::size_t at, const std::string& name, io::PlyType type, double value) {
   table.properties.insert(table.properties.begin() + std::ptrdiff_t(at), {name, type});
   for (auto& row : table.rows) row.insert(row.begin() + std::ptrdiff_t(at), value);
 }

@@ -31,7 +31,8 @@ struct Pipe {
   }
   void open_terminal() {
     read_end = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
-    if (read_end < 0 || grantpt(read_end) != 0 || unlockpt(read_end) != 0) throw std::runtime_error("posix_openpt failed");
+    if (read_end < 0 || grantpt(read_end) != 0 || unlockpt(read_end) != 0)
+      throw std::runtime_error("posix_openpt failed");
     write_end = open(ptsname(read_end), O_RDWR | O_NOCTTY | O_CLOEXEC);
     termios mode{};
     if (write_end < 0 || tcgetattr(write_end, &mode) != 0) throw std::runtime_error("the terminal cannot be opened");
@@ -89,8 +90,7 @@ ProcessResult run_process(const ProcessSpec& spec) {
   const Clock::time_point start = Clock::now();
   bool signal_sent = spec.signal == 0, out_open = !spec.closed_stdout, err_open = true;
   while (out_open || err_open) {
-    pollfd streams[2] = {{out_open ? out.read_end : -1, POLLIN, 0},
-                         {err_open ? err.read_end : -1, POLLIN, 0}};
+    pollfd streams[2] = {{out_open ? out.read_end : -1, POLLIN, 0}, {err_open ? err.read_end : -1, POLLIN, 0}};
     poll(streams, 2, signal_sent ? 100 : 1);
     if (streams[0].revents != 0) out_open = drain(out.read_end, result.out);
     if (streams[1].revents != 0) err_open = drain(err.read_end, result.err);

@@ -10,9 +10,7 @@ namespace ngs::test {
 class Random {
  public:
   explicit Random(std::uint64_t seed) : seed_(seed) {}
-  double uniform(double lo, double hi) {
-    return lo + (hi - lo) * rng_uniform(seed_, RngStream::kTest, next_++);
-  }
+  double uniform(double lo, double hi) { return lo + (hi - lo) * rng_uniform(seed_, RngStream::kTest, next_++); }
   /// An integer in [0, n).
   std::int64_t below(std::int64_t n) {
     return std::int64_t(rng_bits(seed_, RngStream::kTest, next_++) % std::uint64_t(n));

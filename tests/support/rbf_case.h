@@ -34,8 +34,7 @@ struct RbfOut {
 };
 
 template <class T>
-RbfOut<T> rbf_run(const RbfCase& c, const std::vector<T>& boundary, const std::vector<T>& feature,
-                  double inv_2h2) {
+RbfOut<T> rbf_run(const RbfCase& c, const std::vector<T>& boundary, const std::vector<T>& feature, double inv_2h2) {
   const std::vector<T> q = constant<T>(c.query);
   const auto n = std::int64_t(c.shape.queries);
   RbfOut<T> r{std::vector<T>(c.graph.index.size()), std::vector<T>(std::size_t(n * c.shape.features))};

@@ -14,7 +14,8 @@ nlohmann::json committed_schema(const std::string& reference) {
   return nlohmann::json::parse(read_bytes(NGS_SOURCE_DIR "/data-schema/report/" + reference));
 }
 
-std::string schema_violations(const nlohmann::json& schema, const nlohmann::json& document, const SchemaSource& source) {
+std::string schema_violations(const nlohmann::json& schema, const nlohmann::json& document,
+                              const SchemaSource& source) {
   using Adapter = valijson::adapters::NlohmannJsonAdapter;
   const auto fetch = [&](const std::string& reference) {
     return std::make_unique<nlohmann::json>(source(reference)).release();

@@ -13,8 +13,7 @@ struct SourceFile {
   std::string path;  // from the top of the project, "libngs/ngs/ops/field/rbf.cpp"
   std::string text;
   bool ends_with(const std::string& suffix) const {
-    return path.size() >= suffix.size() &&
-           path.compare(path.size() - suffix.size(), suffix.size(), suffix) == 0;
+    return path.size() >= suffix.size() && path.compare(path.size() - suffix.size(), suffix.size(), suffix) == 0;
   }
   bool in(const std::string& folder) const { return path.rfind(folder + "/", 0) == 0; }
 };
@@ -25,23 +24,19 @@ inline std::vector<SourceFile> source_files(const std::vector<std::string>& fold
   namespace fs = std::filesystem;
   std::vector<SourceFile> files;
   for (const std::string& folder : folders)
-    for (const fs::directory_entry& entry :
-         fs::recursive_directory_iterator(fs::path(NGS_SOURCE_DIR) / folder)) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(fs::path(NGS_SOURCE_DIR) / folder)) {
       SourceFile file{entry.path().lexically_relative(NGS_SOURCE_DIR).generic_string(), {}};
-      const bool wanted = std::any_of(suffixes.begin(), suffixes.end(),
-                                      [&](const std::string& s) { return file.ends_with(s); });
+      const bool wanted =
+          std::any_of(suffixes.begin(), suffixes.end(), [&](const std::string& s) { return file.ends_with(s); });
       if (!wanted || !entry.is_regular_file()) continue;
       file.text = read_bytes(entry.path().string());
       files.push_back(std::move(file));
     }
-  std::sort(files.begin(), files.end(),
-            [](const SourceFile& a, const SourceFile& b) { return a.path < b.path; });
+  std::sort(files.begin(), files.end(), [](const SourceFile& a, const SourceFile& b) { return a.path < b.path; });
   return files;
 }
 
-inline std::vector<SourceFile> code_files() {
-  return source_files({"libngs", "tools"}, {".h", ".cpp", ".cu", ".cuh"});
-}
+inline std::vector<SourceFile> code_files() { return source_files({"libngs", "tools"}, {".h", ".cpp", ".cu", ".cuh"}); }
 
 /// `offenders`, one per line; empty where the rule holds.
 inline std::string listed(const std::vector<std::string>& offenders) {

@@ -19,7 +19,9 @@ struct SplatCase {
 /// some outside the Jacobian limits, some behind the camera.
 inline SplatCase splat_case(std::uint64_t seed, int gaussians, int width_px, int height_px, double spread = 1.0) {
   std::uint64_t index = 0;
-  const auto uniform = [&](double lo, double hi) { return lo + (hi - lo) * rng_uniform(seed, RngStream::kTest, index++); };
+  const auto uniform = [&](double lo, double hi) {
+    return lo + (hi - lo) * rng_uniform(seed, RngStream::kTest, index++);
+  };
   SplatCase c;
   c.gaussians = gaussians, c.degree = 3;
   Camera& cam = c.camera;
@@ -72,17 +74,36 @@ struct SplatArrays {
   std::vector<S> position, rotation, log_scale, logit_opacity, sh_dc, sh_rest, label;
   int degree;
   explicit SplatArrays(const SplatCase& c)
-      : position(converted<S>(c.position)), rotation(converted<S>(c.rotation)), log_scale(converted<S>(c.log_scale)),
-        logit_opacity(converted<S>(c.logit_opacity)), sh_dc(converted<S>(c.sh_dc)), sh_rest(converted<S>(c.sh_rest)),
-        label(converted<S>(c.label)), degree(c.degree) {}
+      : position(converted<S>(c.position)),
+        rotation(converted<S>(c.rotation)),
+        log_scale(converted<S>(c.log_scale)),
+        logit_opacity(converted<S>(c.logit_opacity)),
+        sh_dc(converted<S>(c.sh_dc)),
+        sh_rest(converted<S>(c.sh_rest)),
+        label(converted<S>(c.label)),
+        degree(c.degree) {}
   CloudView<S> cloud() const {
-    return {std::int64_t(logit_opacity.size()), position.data(), rotation.data(), log_scale.data(), logit_opacity.data(),
-            sh_dc.data(), sh_rest.data(), degree, 15, nullptr, nullptr};
+    return {std::int64_t(logit_opacity.size()),
+            position.data(),
+            rotation.data(),
+            log_scale.data(),
+            logit_opacity.data(),
+            sh_dc.data(),
+            sh_rest.data(),
+            degree,
+            15,
+            nullptr,
+            nullptr};
   }
   ChannelPlan<S> request(Vec3<double> background) const {
-    return {true, true, {label.data(), std::int64_t(logit_opacity.size()), 2}, {S(background.x), S(background.y), S(background.z)}};
+    return {true,
+            true,
+            {label.data(), std::int64_t(logit_opacity.size()), 2},
+            {S(background.x), S(background.y), S(background.z)}};
   }
-  std::vector<std::vector<S>*> parameters() { return {&position, &rotation, &log_scale, &logit_opacity, &sh_dc, &sh_rest, &label}; }
+  std::vector<std::vector<S>*> parameters() {
+    return {&position, &rotation, &log_scale, &logit_opacity, &sh_dc, &sh_rest, &label};
+  }
 };
 
 }  // namespace ngs::test

@@ -15,7 +15,7 @@ struct ReferencePixel {
   std::array<double, 3> rgb{};
   std::array<double, 2> label{};
   double depth = 0, transmittance = 1;
-  double closest_threshold = 1;  // smallest relative distance of any alpha to 1/255 or of any T to 1e-4
+  double closest_threshold = 1;                // smallest relative distance of any alpha to 1/255 or of any T to 1e-4
   std::vector<std::pair<int, double>> weight;  // (Gaussian, alpha · T) in depth order
   std::vector<double> condition;               // of each weight: its relative error in units of rounding
 };
@@ -87,13 +87,21 @@ inline ReferenceGaussian reference_gaussian(const SplatCase& c, int i, const Spl
   const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
   for (double& v : d) v /= length;
   const double X = d[0], Y = d[1], Z = d[2];
-  const double basis[15] = {-0.4886025119029199 * Y, 0.4886025119029199 * Z, -0.4886025119029199 * X,
-      1.0925484305920792 * X * Y, -1.0925484305920792 * Y * Z, 0.31539156525252005 * (2 * Z * Z - X * X - Y * Y),
-      -1.0925484305920792 * X * Z, 0.5462742152960396 * (X * X - Y * Y),
-      -0.5900435899266435 * Y * (3 * X * X - Y * Y), 2.890611442640554 * X * Y * Z,
-      -0.4570457994644658 * Y * (4 * Z * Z - X * X - Y * Y), 0.3731763325901154 * Z * (2 * Z * Z - 3 * X * X - 3 * Y * Y),
-      -0.4570457994644658 * X * (4 * Z * Z - X * X - Y * Y), 1.445305721320277 * Z * (X * X - Y * Y),
-      -0.5900435899266435 * X * (X * X - 3 * Y * Y)};
+  const double basis[15] = {-0.4886025119029199 * Y,
+                            0.4886025119029199 * Z,
+                            -0.4886025119029199 * X,
+                            1.0925484305920792 * X * Y,
+                            -1.0925484305920792 * Y * Z,
+                            0.31539156525252005 * (2 * Z * Z - X * X - Y * Y),
+                            -1.0925484305920792 * X * Z,
+                            0.5462742152960396 * (X * X - Y * Y),
+                            -0.5900435899266435 * Y * (3 * X * X - Y * Y),
+                            2.890611442640554 * X * Y * Z,
+                            -0.4570457994644658 * Y * (4 * Z * Z - X * X - Y * Y),
+                            0.3731763325901154 * Z * (2 * Z * Z - 3 * X * X - 3 * Y * Y),
+                            -0.4570457994644658 * X * (4 * Z * Z - X * X - Y * Y),
+                            1.445305721320277 * Z * (X * X - Y * Y),
+                            -0.5900435899266435 * X * (X * X - 3 * Y * Y)};
   for (int ch = 0; ch < 3; ++ch) {
     double v = 0.5 + 0.28209479177387814 * c.sh_dc[idx * 3 + std::size_t(ch)];
     for (int k = 0; k < 15; ++k) v += basis[k] * c.sh_rest[idx * 45 + std::size_t(k * 3 + ch)];
@@ -109,7 +117,8 @@ inline std::vector<ReferencePixel> reference_render(const SplatCase& c, const Sp
   for (int i = 0; i < c.gaussians; ++i) g.push_back(reference_gaussian(c, i, o));
   std::vector<int> order(g.size());
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int i, int j) { return float(g[std::size_t(i)].z) < float(g[std::size_t(j)].z); });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int i, int j) { return float(g[std::size_t(i)].z) < float(g[std::size_t(j)].z); });
   std::vector<ReferencePixel> image;
   for (int y = 0; y < c.camera.height_px; ++y)
     for (int x = 0; x < c.camera.width_px; ++x) {
@@ -117,7 +126,8 @@ inline std::vector<ReferencePixel> reference_render(const SplatCase& c, const Sp
       double front = 1;  // condition of the transmittance
       for (const int i : order) {
         const ReferenceGaussian& k = g[std::size_t(i)];
-        if (!k.visible || x / 16 < k.tile_x0 || x / 16 >= k.tile_x1 || y / 16 < k.tile_y0 || y / 16 >= k.tile_y1) continue;
+        if (!k.visible || x / 16 < k.tile_x0 || x / 16 >= k.tile_x1 || y / 16 < k.tile_y0 || y / 16 >= k.tile_y1)
+          continue;
         const double dx = k.x - (x + 0.5), dy = k.y - (y + 0.5);
         const double power = -0.5 * (k.a * dx * dx + k.c * dy * dy) - k.b * dx * dy;
         if (power > 0) continue;

@@ -36,8 +36,8 @@ nlohmann::json json_number(double x) {
 }
 
 void print_table() {
-  std::printf("%-14s %-86s %9s %9s %9s %9s %7s %9s\n", "kernel", "case", "hardest", "worst", "budget",
-              "textbook", "draws", "values");
+  std::printf("%-14s %-86s %9s %9s %9s %9s %7s %9s\n", "kernel", "case", "hardest", "worst", "budget", "textbook",
+              "draws", "values");
   int failed = 0;
   std::int64_t values = 0;
   for (const HardResult& r : results()) {

@@ -71,7 +71,7 @@ struct HardCase {
   std::vector<double> values;  // from easy to hard
   double budget;               // of the ratio: 1.5 to 2 times the measured worst; 0: exact
   Textbook naive = "";
-  int cost = 1;                // draws fall by this factor
+  int cost = 1;  // draws fall by this factor
 };
 
 /// Runs a case and checks it; call it once per TEST_CASE.

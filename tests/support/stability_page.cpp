@@ -34,9 +34,7 @@ std::string number(double x) {
 }
 std::string ratio_text(double r) { return std::isfinite(r) ? number(r) : "wrong"; }
 
-double x_of(std::size_t i, std::size_t n) {
-  return kLeft + (n == 1 ? 0.5 : double(i) / double(n - 1)) * kPlotWidth;
-}
+double x_of(std::size_t i, std::size_t n) { return kLeft + (n == 1 ? 0.5 : double(i) / double(n - 1)) * kPlotWidth; }
 double y_of(double ratio) {
   const double at = ratio > 0 ? std::clamp(std::log10(std::min(ratio, 1e30)), kLowest, kHighest) : kLowest;
   return kTop + (kHighest - at) / (kHighest - kLowest) * kPlotHeight;
@@ -57,8 +55,7 @@ std::string title_lines(const std::string& text) {
   std::size_t cut = text.size() > 46 ? text.rfind(' ', 46) : std::string::npos;
   if (cut == std::string::npos) cut = text.size();
   std::string out = "<text x=\"4\" y=\"12\" class=\"name\">" + escaped(text.substr(0, cut)) + "</text>";
-  if (cut < text.size())
-    out += "<text x=\"4\" y=\"24\" class=\"name\">" + escaped(text.substr(cut + 1)) + "</text>";
+  if (cut < text.size()) out += "<text x=\"4\" y=\"24\" class=\"name\">" + escaped(text.substr(cut + 1)) + "</text>";
   return out;
 }
 
@@ -66,9 +63,8 @@ std::string panel(const HardResult& r) {
   std::string svg = "<title>" + escaped(r.name) + "</title>" + title_lines(r.name);
   for (const int decade : {0, 4, 8}) {
     const std::string y = number(y_of(std::pow(10.0, decade)));
-    svg += "<line x1=\"38\" x2=\"254\" y1=\"" + y + "\" y2=\"" + y +
-           "\" class=\"grid\"/><text x=\"34\" y=\"" + y + "\" class=\"tick end\">1e" +
-           std::to_string(decade) + "</text>";
+    svg += "<line x1=\"38\" x2=\"254\" y1=\"" + y + "\" y2=\"" + y + "\" class=\"grid\"/><text x=\"34\" y=\"" + y +
+           "\" class=\"tick end\">1e" + std::to_string(decade) + "</text>";
   }
   const std::string budget = number(y_of(r.hard.budget));
   svg += "<line x1=\"38\" x2=\"254\" y1=\"" + budget + "\" y2=\"" + budget + "\" class=\"budget\"/>";
@@ -83,8 +79,8 @@ std::string panel(const HardResult& r) {
 
 std::string kernel_section(const std::string& kernel, const std::vector<const HardResult*>& cases) {
   const int rows = (int(cases.size()) + kColumns - 1) / kColumns;
-  std::string html = "<h2>" + escaped(kernel) + "</h2>\n<svg viewBox=\"0 0 " +
-                     std::to_string(kColumns * kPanelWidth) + " " + std::to_string(rows * kPanelHeight) +
+  std::string html = "<h2>" + escaped(kernel) + "</h2>\n<svg viewBox=\"0 0 " + std::to_string(kColumns * kPanelWidth) +
+                     " " + std::to_string(rows * kPanelHeight) +
                      "\" role=\"img\" aria-label=\"ratio against hardness, " + escaped(kernel) + "\">\n";
   for (std::size_t i = 0; i < cases.size(); ++i)
     html += "<g transform=\"translate(" + std::to_string(int(i) % kColumns * kPanelWidth) + " " +

@@ -11,7 +11,9 @@
 
 namespace ngs::test {
 
-inline EffectModes modes_of(const std::vector<std::string>& entries) { return {Pipeline(all_passes()).effects(), entries}; }
+inline EffectModes modes_of(const std::vector<std::string>& entries) {
+  return {Pipeline(all_passes()).effects(), entries};
+}
 
 /// auto is on.
 inline JointSwitches joint_switched(const std::vector<std::string>& entries) {

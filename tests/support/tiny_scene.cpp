@@ -30,8 +30,7 @@ void set_gaussian(TinyScene& scene, std::int64_t i, Point at, double scale, Poin
     cloud.sh_rest[row * 9 + c] = float(0.02 * std::sin(double(row)));  // some view dependence
   }
   const double angle = 0.3 * double(row);
-  cloud.rotation[row * 4] = float(std::cos(angle)),
-                       cloud.rotation[row * 4 + 1 + row % 3] = float(std::sin(angle));
+  cloud.rotation[row * 4] = float(std::cos(angle)), cloud.rotation[row * 4 + 1 + row % 3] = float(std::sin(angle));
   cloud.logit_opacity[row] = float(logit_opacity);
 }
 
@@ -50,14 +49,12 @@ Camera camera_at(int view) {
 }
 
 void write_images(const TinyScene& scene, const std::string& folder) {
-  for (const char* name : {"images", "masks", "labels"})
-    std::filesystem::create_directories(folder + "/" + name);
+  for (const char* name : {"images", "masks", "labels"}) std::filesystem::create_directories(folder + "/" + name);
   for (const Camera& camera : scene.cameras) {
     RenderRequest request;
     request.label = {scene.is_object.data(), scene.cloud.size(), 1};
     const RenderedView view = render(Exec{}, scene.cloud, camera, {}, request);
-    ImageU8 photo(camera.width_px, camera.height_px, 3), mask(camera.width_px, camera.height_px, 1),
-        label = mask;
+    ImageU8 photo(camera.width_px, camera.height_px, 3), mask(camera.width_px, camera.height_px, 1), label = mask;
     for (std::size_t i = 0; i < photo.data.size(); ++i)
       photo.data[i] = std::uint8_t(std::lround(255 * std::min(1.f, std::max(0.f, view.colour.data[i]))));
     for (std::size_t i = 0; i < mask.data.size(); ++i) {
@@ -96,16 +93,15 @@ void write_colmap(const TinyScene& scene, const std::string& folder) {
   put(cameras, std::uint64_t(1)), put(cameras, std::int32_t(1)), put(cameras, std::int32_t(1));  // PINHOLE
   put(cameras, std::uint64_t(first.width_px)), put(cameras, std::uint64_t(first.height_px));
   for (const double value : {first.fx, first.fy, first.cx, first.cy}) put(cameras, value);
-  cameras_txt << "1 PINHOLE " << first.width_px << ' ' << first.height_px << ' ' << first.fx << ' '
-              << first.fy << ' ' << first.cx << ' ' << first.cy << '\n';
+  cameras_txt << "1 PINHOLE " << first.width_px << ' ' << first.height_px << ' ' << first.fx << ' ' << first.fy << ' '
+              << first.cx << ' ' << first.cy << '\n';
   put(images, std::uint64_t(scene.cameras.size()));
   for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
     const Camera& camera = scene.cameras[i];
     const Quaternion q = quaternion(camera.rotation);
     put(images, std::int32_t(i + 1));
     images_txt << i + 1;
-    for (const double value :
-         {q.w, q.x, q.y, q.z, camera.translation.x, camera.translation.y, camera.translation.z})
+    for (const double value : {q.w, q.x, q.y, q.z, camera.translation.x, camera.translation.y, camera.translation.z})
       put(images, value), images_txt << ' ' << value;
     put(images, std::int32_t(1));
     images += camera.name, images.push_back('\0');
@@ -123,9 +119,8 @@ void write_colmap(const TinyScene& scene, const std::string& folder) {
 
 void write_json_poses(const TinyScene& scene, const std::string& folder) {
   const Camera& first = scene.cameras.front();
-  Json transforms = {{"w", first.width_px},    {"h", first.height_px}, {"fl_x", first.fx},
-                     {"fl_y", first.fy},       {"cx", first.cx},       {"cy", first.cy},
-                     {"frames", Json::array()}};
+  Json transforms = {{"w", first.width_px}, {"h", first.height_px}, {"fl_x", first.fx},       {"fl_y", first.fy},
+                     {"cx", first.cx},      {"cy", first.cy},       {"frames", Json::array()}};
   Json inria = Json::array();
   for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
     const Camera& camera = scene.cameras[i];
@@ -164,16 +159,15 @@ TinyScene tiny_scene() {
   }
   for (int i = 0; i < wall; ++i) {
     const double x = (i % kWallColumns - 7.5) * 0.28, y = (i / kWallColumns - 6.5) * 0.26;
-    set_gaussian(scene, kBall + i, {x, y, 0.9}, 0.14,
-                 {0.3 + 0.1 * std::sin(5 * x), 0.5, 0.6 + 0.1 * std::cos(4 * y)}, 2.5);
+    set_gaussian(scene, kBall + i, {x, y, 0.9}, 0.14, {0.3 + 0.1 * std::sin(5 * x), 0.5, 0.6 + 0.1 * std::cos(4 * y)},
+                 2.5);
   }
   for (int view = 0; view < kViews; ++view) scene.cameras.push_back(camera_at(view));
   return scene;
 }
 
 std::string strict_ply_bytes(const GaussianCloud& cloud) {
-  std::string bytes =
-      "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(cloud.size()) + "\n";
+  std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(cloud.size()) + "\n";
   std::vector<std::string> names = {"x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2"};
   for (int i = 0; i < 3 * cloud.rest_count(); ++i) names.push_back("f_rest_" + std::to_string(i));
   for (const char* name : {"opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"})

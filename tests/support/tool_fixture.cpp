@@ -23,8 +23,7 @@ std::string substituted(std::string text, const std::string& from, const std::st
 Json resolved(const Json& json, const std::string& tmp, const std::string& fixture) {
   if (json.is_string()) {
     std::string text = json;
-    for (const auto& [name, value] :
-         {std::pair("{tmp}", tmp), {"{fixture}", fixture}, {"{tools}", NGS_TOOL_DIR}})
+    for (const auto& [name, value] : {std::pair("{tmp}", tmp), {"{fixture}", fixture}, {"{tools}", NGS_TOOL_DIR}})
       text = substituted(text, name, value);
     return text;
   }
@@ -59,8 +58,8 @@ const std::string& fixture_folder() {
   static const bool made = [] {
     const std::string folder = dir.path();
     write_tiny_scene(folder);
-    for (const Json& step : resolved(
-             Json::parse(std::ifstream(NGS_SOURCE_DIR "/tests/contract/fixture.json")), folder, folder)) {
+    for (const Json& step :
+         resolved(Json::parse(std::ifstream(NGS_SOURCE_DIR "/tests/contract/fixture.json")), folder, folder)) {
       const ProcessResult result = run_process(command(step["run"]));
       INFO(step.dump() << "\n" << result.err);
       REQUIRE(result.exit_code == 0);

@@ -7,13 +7,13 @@
 #include <set>
 
 #include "ngs/backend/for_each.h"
+#include "ngs/io/files/match_names.h"
+#include "ngs/io/files/text_lines.h"
 #include "ngs/io/image/exr.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/image/masks.h"
-#include "ngs/io/files/text_lines.h"
 #include "ngs/ops/image/image_metrics.h"
 #include "ngs/scene/view_names.h"
-#include "ngs/io/files/match_names.h"
 
 namespace ngs::cli {
 namespace {
@@ -80,10 +80,8 @@ io::RawMask read_exr_mask(const std::string& path) {
   const io::ExrImage exr = io::read_exr(path);
   const auto mask = exr.channels.find("ngs.mask");
   if (mask == exr.channels.end())
-    throw Error(ErrorCode::kBadInput,
-                path + ": no channel 'ngs.mask', expected the EXR of ngs-render --layers mask");
-  io::RawMask raw{
-      .width_px = exr.width_px, .height_px = exr.height_px, .channels = 1, .bits = 16, .data = {}};
+    throw Error(ErrorCode::kBadInput, path + ": no channel 'ngs.mask', expected the EXR of ngs-render --layers mask");
+  io::RawMask raw{.width_px = exr.width_px, .height_px = exr.height_px, .channels = 1, .bits = 16, .data = {}};
   raw.data.reserve(mask->second.size());
   for (float value : mask->second) {
     if (!std::isfinite(value))
@@ -130,9 +128,8 @@ void require_pairs(const Pairing& pairing, const ImageList& predicted, const Ima
   if (!pairing.pairs.empty()) return;
   const std::string& wanted = pairing.truth_only.empty() ? truth.names.front() : pairing.truth_only.front();
   throw Error(ErrorCode::kInconsistent,
-              predicted.folder + " and " + truth.folder + ": no file matches, found '" +
-                  predicted.names.front() + "' and '" + wanted +
-                  "', expected the same stems or numbers",
+              predicted.folder + " and " + truth.folder + ": no file matches, found '" + predicted.names.front() +
+                  "' and '" + wanted + "', expected the same stems or numbers",
               "name the predictions like the true masks, or check --views " + options.views);
 }
 
@@ -147,8 +144,8 @@ Pairing pair_files(const ImageList& predicted, const ImageList& truth, const Eva
   Pairing pairing = matched_files(predicted, truth, options);
   if (pairing.pairs.empty() && depth(predicted) > depth(truth))
     throw Error(ErrorCode::kInconsistent,
-                predicted.folder + ": masks in folders, " + predicted.names.front() + ", and " + truth.folder + " has none, " +
-                    truth.names.front() + ", expected both alike",
+                predicted.folder + ": masks in folders, " + predicted.names.front() + ", and " + truth.folder +
+                    " has none, " + truth.names.front() + ", expected both alike",
                 "of several objects score one, " + predicted.folder + "/" +
                     predicted.names.front().substr(0, predicted.names.front().rfind('/')) +
                     ", or all against true label maps: --label-map --object-id NAME=ID");
@@ -195,13 +192,11 @@ std::vector<PairScore> score_masks(Run& run, const EvalOptions& options, const s
     const auto i = std::size_t(index);
     const io::RawMask predicted = read_mask(pairs[i].predicted, options.label_map && pairs[i].truth_id == 0),
                       truth = read_mask(pairs[i].truth, options.label_map);
-    const EvalPair pair{pairs[i].view, pairs[i].object, predicted.samples(), truth.samples(),
-                        pairs[i].truth_id};
+    const EvalPair pair{pairs[i].view, pairs[i].object, predicted.samples(), truth.samples(), pairs[i].truth_id};
     found[i] = evaluate_pair(Exec{}, options, ids, pair);
   });
   std::vector<PairScore> scores;
-  for (std::vector<PairScore>& of_pair : found)
-    std::move(of_pair.begin(), of_pair.end(), std::back_inserter(scores));
+  for (std::vector<PairScore>& of_pair : found) std::move(of_pair.begin(), of_pair.end(), std::back_inserter(scores));
   return scores;
 }
 
@@ -211,13 +206,12 @@ std::vector<PhotoScore> score_photos(Run& run, const std::vector<FilePair>& pair
   std::vector<PhotoScore> scores(pairs.size());
   for_each_task(run.exec(), std::int64_t(pairs.size()), [&](std::int64_t index) {
     const auto i = std::size_t(index);
-    const ImageF predicted = io::read_image_rgb(pairs[i].predicted),
-                 truth = io::read_image_rgb(pairs[i].truth);
+    const ImageF predicted = io::read_image_rgb(pairs[i].predicted), truth = io::read_image_rgb(pairs[i].truth);
     if (predicted.width_px != truth.width_px || predicted.height_px != truth.height_px)
       throw Error(ErrorCode::kInconsistent,
                   pairs[i].predicted + ": " + std::to_string(predicted.width_px) + "x" +
-                      std::to_string(predicted.height_px) + ", expected the size of " + pairs[i].truth +
-                      ", " + std::to_string(truth.width_px) + "x" + std::to_string(truth.height_px),
+                      std::to_string(predicted.height_px) + ", expected the size of " + pairs[i].truth + ", " +
+                      std::to_string(truth.width_px) + "x" + std::to_string(truth.height_px),
                   "render at the photo's size: ngs-render --scale S");
     scores[i] = {pairs[i].view, std::min(psnr_db(Exec{}, predicted, truth), kEqualPsnrDb),
                  ssim_index(Exec{}, predicted, truth)};

@@ -18,9 +18,8 @@ struct EvalFileOptions {
   Layout layout = Layout::kViewObject;
   bool image_metrics = false;
 
-  static constexpr NamedValue<Layout> kLayouts[] = {{Layout::kViewObject, "view/object"},
-                                                    {Layout::kObjectView, "object/view"},
-                                                    {Layout::kView, "view"}};
+  static constexpr NamedValue<Layout> kLayouts[] = {
+      {Layout::kViewObject, "view/object"}, {Layout::kObjectView, "object/view"}, {Layout::kView, "view"}};
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -31,8 +30,7 @@ struct EvalFileOptions {
                                       "what the sub-folders of a nested folder are; view: parts of the views' names, "
                                       "as the cameras of a rig",
                                       kLayouts});
-    visit(self.image_metrics,
-          Flag{"image_metrics", "the files are photos: PSNR and SSIM instead of mask scores"});
+    visit(self.image_metrics, Flag{"image_metrics", "the files are photos: PSNR and SSIM instead of mask scores"});
   }
 };
 

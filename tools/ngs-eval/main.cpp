@@ -5,8 +5,7 @@
 
 int main(int argc, char** argv) {
   using namespace ngs;
-  cli::Tool tool("ngs-eval",
-                 "Score predicted masks against true ones: IoU, accuracy, boundary IoU, contour F.",
+  cli::Tool tool("ngs-eval", "Score predicted masks against true ones: IoU, accuracy, boundary IoU, contour F.",
                  {"ngs-eval masks masks_gt -o metrics.json",
                   "ngs-eval masks masks_gt --views every:4:2 --fail-below iou=0.9,biou=0.6 -o metrics.json",
                   "ngs-eval labels labels_gt --label-map --void-id 255 -o metrics.json",
@@ -25,8 +24,8 @@ int main(int argc, char** argv) {
     else if (options.label_map)
       run.warn_unused({"--threshold"}, "with --label-map");
     // A misspelt score is found before the work.
-    check_scores(options.fail_below, files.image_metrics ? cli::mean_scores({cli::PhotoScore{}})
-                                                         : cli::mean_scores(EvalSummary{}));
+    check_scores(options.fail_below,
+                 files.image_metrics ? cli::mean_scores({cli::PhotoScore{}}) : cli::mean_scores(EvalSummary{}));
     const cli::Pairing pairing =
         cli::paired(cli::list_images(predicted.path), cli::list_images(truth.path), options, files);
     run.result()["pairs"] = pairing.pairs.size();

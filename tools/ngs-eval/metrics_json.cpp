@@ -61,16 +61,13 @@ std::string table_head(const std::string& name) {
   char cell[64];
   std::string row = in_columns(name, 20);
   for (std::string_view score : kScoreNames) {
-    std::snprintf(cell, sizeof cell, "  %9.9s",
-                  score == "class_accuracy" ? "class_acc" : std::string(score).c_str());
+    std::snprintf(cell, sizeof cell, "  %9.9s", score == "class_accuracy" ? "class_acc" : std::string(score).c_str());
     row += cell;
   }
   return row + "\n";
 }
 
-std::string label_of(const PairScore& pair) {
-  return pair.object.empty() ? pair.view : pair.view + " " + pair.object;
-}
+std::string label_of(const PairScore& pair) { return pair.object.empty() ? pair.view : pair.view + " " + pair.object; }
 
 }  // namespace
 
@@ -106,10 +103,8 @@ Json pairing_json(const Pairing& pairing) {
 Json checks_json(const std::vector<ScoreCheck>& checks) {
   Json json = Json::array();
   for (const ScoreCheck& check : checks)
-    json.push_back({{"score", check.score},
-                    {"at_least", check.at_least},
-                    {"found", check.found},
-                    {"passed", check.passed()}});
+    json.push_back(
+        {{"score", check.score}, {"at_least", check.at_least}, {"found", check.found}, {"passed", check.passed()}});
   return json;
 }
 

@@ -7,8 +7,10 @@ namespace {
 
 /// Beyond what rounding does to sizes.
 bool is_other_shape(const PairScore& pair) {
-  const double across = double(pair.predicted_width_px) / pair.width_px, down = double(pair.predicted_height_px) / pair.height_px;
-  const double rounding = 1.0 / std::min({pair.width_px, pair.height_px, pair.predicted_width_px, pair.predicted_height_px});
+  const double across = double(pair.predicted_width_px) / pair.width_px,
+               down = double(pair.predicted_height_px) / pair.height_px;
+  const double rounding =
+      1.0 / std::min({pair.width_px, pair.height_px, pair.predicted_width_px, pair.predicted_height_px});
   return std::max(across, down) > std::min(across, down) * (1.02 + 2 * rounding);
 }
 
@@ -28,7 +30,8 @@ void warn_about_conventions(Run& run, const std::vector<PairScore>& scores) {
   warn(both_empty, "have two empty masks: scored 1");
   warn(one_empty, "have exactly one empty mask: overlap and contour scored 0");
   warn(zero_one, "have a mask of zeros and ones: read as 0/255");
-  warn(usual_void, "have a true label map with 255 beside other ids: if it marks pixels without a label, say --void-id 255");
+  warn(usual_void,
+       "have a true label map with 255 beside other ids: if it marks pixels without a label, say --void-id 255");
   warn(other_shape, "have masks of different shapes, turned or cut: the prediction was stretched to the truth's");
 }
 
@@ -44,8 +47,7 @@ void warn_about_leftovers(Run& run, const Pairing& pairing) {
   warn(pairing.listed_only, "listed views without a true mask are not scored");
   for (const auto& [rule, count] : pairing.matched_by)
     if (rule == "number")
-      run.monitor().warn(std::to_string(count) +
-                         " pairs were matched by their last number only, the first is " +
+      run.monitor().warn(std::to_string(count) + " pairs were matched by their last number only, the first is " +
                          pairing.pairs.front().predicted + " = " + pairing.pairs.front().truth);
 }
 
@@ -59,8 +61,7 @@ Pairing paired(const ImageList& predicted, const ImageList& truth, const EvalOpt
 Outcome masks_outcome(Run& run, const EvalOptions& options, const Pairing& pairing) {
   const std::vector<PairScore> scores = score_masks(run, options, pairing.pairs);
   if (scores.empty())
-    throw Error(ErrorCode::kNothingFound,
-                "label maps: no object with one of the ids occurs, expected at least one",
+    throw Error(ErrorCode::kNothingFound, "label maps: no object with one of the ids occurs, expected at least one",
                 "see the ids with ngs-eval --label-map without --object-id");
   warn_about_conventions(run, scores);
   const EvalSummary summary = summarise(scores);
@@ -77,8 +78,8 @@ bool all_passed(Run& run, const std::vector<ScoreCheck>& checks) {
   for (const ScoreCheck& check : checks) {
     if (check.passed()) continue;
     passed = false;
-    run.monitor().warn("check failed: " + check.score + " = " + std::to_string(check.found) +
-                       ", expected at least " + std::to_string(check.at_least));
+    run.monitor().warn("check failed: " + check.score + " = " + std::to_string(check.found) + ", expected at least " +
+                       std::to_string(check.at_least));
   }
   return passed;
 }

@@ -56,7 +56,8 @@ Json counts(const std::string& name, const Extraction& e) {
 
 }  // namespace
 
-Extractor::Extractor(Run& run, io::GaussianPly ply, const ExtractOptions& options, const std::vector<std::string>& select)
+Extractor::Extractor(Run& run, io::GaussianPly ply, const ExtractOptions& options,
+                     const std::vector<std::string>& select)
     : run_(run),
       options_(options),
       ply_(std::move(ply)),
@@ -80,8 +81,7 @@ void Extractor::import(const std::string& path) {
                              {"to_object", imported.to_object},
                              {"to_background", imported.to_background}};
   if (imported.unmatched > 0)
-    run_.monitor().warn(std::to_string(imported.unmatched) +
-                        " Gaussians of the edit are not in the labelled model");
+    run_.monitor().warn(std::to_string(imported.unmatched) + " Gaussians of the edit are not in the labelled model");
   const std::int64_t background = std::count(before.object.begin(), before.object.end(), std::uint8_t(0));
   if (!imported.by_selection && 2 * imported.to_object > background)
     run_.monitor().warn(std::to_string(imported.to_object) + " of the " + std::to_string(background) +
@@ -95,9 +95,8 @@ void Extractor::decide() {
     LabelColumns& columns = objects_[k].columns;
     const bool is_chosen = std::find(chosen_.begin(), chosen_.end(), k) != chosen_.end();
     // Hand-made labels are about one object; of several only the selected one.
-    const auto fixed = objects_.size() == 1 || (is_chosen && chosen_.size() == 1)
-                           ? std::span<const float>(ply_.fixed)
-                           : std::span<const float>();
+    const auto fixed = objects_.size() == 1 || (is_chosen && chosen_.size() == 1) ? std::span<const float>(ply_.fixed)
+                                                                                  : std::span<const float>();
     const Extraction e = extract_object(run_.exec(), options_, {ply_.cloud, columns, fixed});
     for (std::size_t i = 0; i < keep_.size(); ++i) {
       columns.label[i] = e.object[i];
@@ -110,15 +109,16 @@ void Extractor::decide() {
   run_.result()["object"] = kept;
   run_.result()["background"] = ply_.cloud.size() - kept;
   if (kept == 0)
-    run_.nothing_found("no Gaussian is object by rule " + options_.rule +
-                           (options_.min_component > 0 ? " and --min-component " + std::to_string(options_.min_component) : ""),
-                       "lower the threshold, or check the masks: ngs-scene check scene.json");
+    run_.nothing_found(
+        "no Gaussian is object by rule " + options_.rule +
+            (options_.min_component > 0 ? " and --min-component " + std::to_string(options_.min_component) : ""),
+        "lower the threshold, or check the masks: ngs-scene check scene.json");
   if (ply_.health.excluded() > 0)
-    run_.monitor().warn(std::to_string(ply_.health.excluded()) +
-                        " Gaussians have values that are not finite or absurd: they stay in the background as they are, and not "
-                        "every viewer takes them");
-  if (kept == ply_.cloud.size() && kept > 0)
-    run_.monitor().warn("every Gaussian is object: the background is empty");
+    run_.monitor().warn(
+        std::to_string(ply_.health.excluded()) +
+        " Gaussians have values that are not finite or absurd: they stay in the background as they are, and not "
+        "every viewer takes them");
+  if (kept == ply_.cloud.size() && kept > 0) run_.monitor().warn("every Gaussian is object: the background is empty");
 }
 
 void Extractor::write_object(const std::string& path) const { io::write_strict_ply(path, ply_, keep_); }

@@ -6,10 +6,10 @@
 #include <iterator>
 #include <set>
 
+#include "ngs/io/capture/sparse_points.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/image/masks.h"
 #include "ngs/io/scene/scene_json.h"
-#include "ngs/io/capture/sparse_points.h"
 #include "ngs/scene/view_names.h"
 #include "ngs/stages/render/render_options.h"
 #include "shared/scene/scene_model.h"
@@ -18,7 +18,8 @@ namespace ngs::cli {
 namespace {
 
 constexpr const char* kPictures[] = {"images", "holes", "dilated"};
-constexpr const char* kOtherFiles[] = {"background.ply", "sparse/0/cameras.txt", "sparse/0/images.txt", "sparse/0/points3D.txt"};
+constexpr const char* kOtherFiles[] = {"background.ply", "sparse/0/cameras.txt", "sparse/0/images.txt",
+                                       "sparse/0/points3D.txt"};
 
 ImageU8 picture_of(const PixelMask& mask, const Camera& camera) {
   ImageU8 out(camera.width_px, camera.height_px, 1);
@@ -95,8 +96,7 @@ void write_inpainting(Run& run, const Extractor& extractor, const InpaintOptions
     io::write_png(view.image_path, picture_of(found.colour));
     io::write_png(picture_file(folder, "holes", name), picture_of(found.hole, view.camera));
     io::write_png(view.mask_path, picture_of(found.dilated, view.camera));
-    views.push_back(
-        {{"name", view.camera.name}, {"hole_pixels", std::count(found.hole.begin(), found.hole.end(), 1)}});
+    views.push_back({{"name", view.camera.name}, {"hole_pixels", std::count(found.hole.begin(), found.hole.end(), 1)}});
     cameras.push_back(view.camera);
     cameras.back().name = name + ".png";
     run.monitor().progress(std::int64_t(cameras.size()), std::int64_t(handed.views.size()));

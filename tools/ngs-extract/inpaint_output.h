@@ -12,8 +12,8 @@
 
 namespace ngs::cli {
 
-/// kUsage where the folder is that of the scene, or where a file that will be written there is a photo, a mask or the model
-/// of the scene, or one of `inputs`: they would be replaced.
+/// kUsage where the folder is that of the scene, or where a file that will be written there is a photo, a mask or the
+/// model of the scene, or one of `inputs`: they would be replaced.
 void check_inpaint_folder(const Scene& scene, const std::string& scene_path, const std::string& folder,
                           std::vector<std::string> inputs);
 

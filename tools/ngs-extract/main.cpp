@@ -8,12 +8,11 @@
 
 int main(int argc, char** argv) {
   using namespace ngs;
-  cli::Tool tool(
-      "ngs-extract", "Cut the object out: object and background as plain splats, labels decided.",
-      {"ngs-extract labelled.ply --object object.ply --background background.ply",
-       "ngs-extract labelled.ply --supersplat edit_me.ply",
-       "ngs-extract labelled.ply --scene scene.json --inpaint inpaint/",
-       "ngs-extract labelled.ply --import edited.ply --labelled corrected.ply --object object.ply"});
+  cli::Tool tool("ngs-extract", "Cut the object out: object and background as plain splats, labels decided.",
+                 {"ngs-extract labelled.ply --object object.ply --background background.ply",
+                  "ngs-extract labelled.ply --supersplat edit_me.ply",
+                  "ngs-extract labelled.ply --scene scene.json --inpaint inpaint/",
+                  "ngs-extract labelled.ply --import edited.ply --labelled corrected.ply --object object.ply"});
   ExtractOptions options;
   cli::SelectOptions select;
   tool.options(options);
@@ -21,8 +20,8 @@ int main(int argc, char** argv) {
   InpaintOptions inpaint_options;
   tool.options(inpaint_options);
   const cli::Input& labelled = tool.input("labelled", "labelled PLY of ngs-variance or ngs-joint");
-  const cli::Input& edited =
-      tool.optional_input("--import", "hand-edited splat: rows that are left (or selected, where it says so) are the object");
+  const cli::Input& edited = tool.optional_input(
+      "--import", "hand-edited splat: rows that are left (or selected, where it says so) are the object");
   const cli::Input& scene_json = tool.optional_input("--scene", "scene.json, for --inpaint");
   const cli::Output& object = tool.optional_output("--object", "the object, plain 3DGS PLY");
   const cli::Output& background = tool.optional_output("--background", "everything else, plain 3DGS PLY");
@@ -36,16 +35,14 @@ int main(int argc, char** argv) {
   return tool.run(argc, argv, [&](cli::Run& run) {
     parse_extract_rule(options.rule);
     if (!object && !background && !decided && !supersplat && !inpaint)
-      throw Error(
-          ErrorCode::kUsage,
-          "no output was asked for, expected --object, --background, --labelled, --supersplat or --inpaint");
-    if (options.min_component == 0)
-      run.warn_unused({"--component-neighbours"}, "without --min-component");
-    if (options.unseen != UnseenRule::kKnn)
-      run.warn_unused({"--unseen-neighbours"}, "but by --unseen knn");
+      throw Error(ErrorCode::kUsage,
+                  "no output was asked for, expected --object, --background, --labelled, --supersplat or --inpaint");
+    if (options.min_component == 0) run.warn_unused({"--component-neighbours"}, "without --min-component");
+    if (options.unseen != UnseenRule::kKnn) run.warn_unused({"--unseen-neighbours"}, "but by --unseen knn");
     if (inpaint && !scene_json)
       throw Error(ErrorCode::kUsage, "--inpaint needs the cameras", "give --scene scene.json");
-    if (!inpaint) run.warn_unused({"--scene", "--inpaint-opacity", "--inpaint-trace", "--inpaint-dilate-px"}, "without --inpaint");
+    if (!inpaint)
+      run.warn_unused({"--scene", "--inpaint-opacity", "--inpaint-trace", "--inpaint-dilate-px"}, "without --inpaint");
     std::optional<Scene> scene;
     if (inpaint) {
       scene = io::read_scene_json(scene_json.path);

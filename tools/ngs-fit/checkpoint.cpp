@@ -14,13 +14,19 @@ Json pose_of(const Camera& c) {
 
 }  // namespace
 
-std::string fit_identity(const FitOptions& options, std::uint64_t seed, const std::vector<FitView>& views, const FitFiles& files) {
+std::string fit_identity(const FitOptions& options, std::uint64_t seed, const std::vector<FitView>& views,
+                         const FitFiles& files) {
   FitOptions copy = options;
   OptionSet set;
   set.add(copy);
-  Json json = {{"options", set.to_json()}, {"seed", seed}, {"photos", files.photos}, {"points", files.points}, {"views", Json::array()}};
+  Json json = {{"options", set.to_json()},
+               {"seed", seed},
+               {"photos", files.photos},
+               {"points", files.points},
+               {"views", Json::array()}};
   for (const FitView& v : views)
-    json["views"].push_back({v.camera.name, v.camera.width_px, v.camera.height_px, v.split == Split::kTrain, pose_of(v.camera)});
+    json["views"].push_back(
+        {v.camera.name, v.camera.width_px, v.camera.height_px, v.split == Split::kTrain, pose_of(v.camera)});
   return json.dump();
 }
 
@@ -47,13 +53,15 @@ FitState read_checkpoint(const std::string& folder, const std::string& identity,
   const std::string path = checkpoint_path(folder);
   const io::TensorFile file = io::read_safetensors(path);
   if (file.meta("identity") != identity)
-    throw Error(ErrorCode::kInconsistent, path + ": of another run, expected the same options, seed, views, photos and points",
+    throw Error(ErrorCode::kInconsistent,
+                path + ": of another run, expected the same options, seed, views, photos and points",
                 "repeat the options of the interrupted run on the same files, or leave out --resume");
   for (const io::Tensor& tensor : file.tensors)
     if (tensor.type == io::TensorType::kF32)
       for (const float value : file.get<float>(tensor.name))
         if (!std::isfinite(value))
-          throw Error(ErrorCode::kBadInput, path + ": " + tensor.name + " has a value that is not finite, expected numbers",
+          throw Error(ErrorCode::kBadInput,
+                      path + ": " + tensor.name + " has a value that is not finite, expected numbers",
                       "delete the checkpoint");
   FitState state;
   const std::int64_t n = std::int64_t(file.get<float>("logit_opacity").size());
@@ -77,8 +85,9 @@ FitState read_checkpoint(const std::string& folder, const std::string& identity,
   state.gradient_views = file.get<float>("gradient_views", {n});
   state.step = file.get<std::int64_t>("step", {1})[0];
   if (state.step < 0 || state.step > steps || n == 0)
-    throw Error(ErrorCode::kBadInput, path + ": step " + std::to_string(state.step) + " of " + std::to_string(steps) + " with " +
-                                          std::to_string(n) + " Gaussians, expected a state that a fit has written",
+    throw Error(ErrorCode::kBadInput,
+                path + ": step " + std::to_string(state.step) + " of " + std::to_string(steps) + " with " +
+                    std::to_string(n) + " Gaussians, expected a state that a fit has written",
                 "delete the checkpoint");
   return state;
 }

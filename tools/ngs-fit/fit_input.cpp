@@ -1,8 +1,8 @@
 #include "fit_input.h"
 
-#include "ngs/io/ply/gaussian_ply.h"
-#include "ngs/io/image/photo.h"
 #include "ngs/io/capture/sparse_points.h"
+#include "ngs/io/image/photo.h"
+#include "ngs/io/ply/gaussian_ply.h"
 
 namespace ngs::cli {
 
@@ -44,7 +44,10 @@ Json fit_plan(const FitOptions& options, const Scene& scene, bool resumes, int t
     photo_bytes += io::held_photo_bytes(scene, i);
   }
   const FitCost cost = fit_cost(options, cameras, photo_bytes);
-  return {{"steps", options.steps}, {"resumes", resumes}, {"time_s", cost.cpu_s / threads}, {"memory_mib", cost.memory_mib}};
+  return {{"steps", options.steps},
+          {"resumes", resumes},
+          {"time_s", cost.cpu_s / threads},
+          {"memory_mib", cost.memory_mib}};
 }
 
 std::string history(const FitOptions& options) {

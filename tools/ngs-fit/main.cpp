@@ -22,7 +22,8 @@ struct Files {
 Scene scene_of(cli::Run& run, const Files& files, FitOptions& options) {
   Scene scene = io::read_scene_json(files.scene.path);
   if (scene.compat != Compat::kInria)
-    run.monitor().warn("the scene says --compat gsplat, and this fits by the rules of 3DGS: import the new model without it");
+    run.monitor().warn(
+        "the scene says --compat gsplat, and this fits by the rules of 3DGS: import the new model without it");
   choose_background(options.background, run.monitor(), scene);
   options.background = background_text(background_of(scene));
   run.result()["views"] = scene.views.size();
@@ -31,7 +32,8 @@ Scene scene_of(cli::Run& run, const Files& files, FitOptions& options) {
 
 void check_options(cli::Run& run, const cli::CheckpointOptions& keep, const Files& files) {
   if (keep.resume && !keep.is_on())
-    throw Error(ErrorCode::kUsage, "resume without checkpoint, expected --checkpoint DIR", "name the folder of the interrupted run");
+    throw Error(ErrorCode::kUsage, "resume without checkpoint, expected --checkpoint DIR",
+                "name the folder of the interrupted run");
   if (files.points) run.warn_unused({"--random-points"}, "with --points");
   if (!keep.is_on()) run.warn_unused({"--checkpoint-every"}, "without --checkpoint");
 }
@@ -46,7 +48,8 @@ bool resumes(const cli::Run& run, const cli::CheckpointOptions& keep) {
 }
 
 void warn_of_stop(cli::Run& run, std::int64_t step, std::int64_t steps, const cli::CheckpointOptions& keep) {
-  run.monitor().warn("stopped at step " + std::to_string(step) + " of " + std::to_string(steps) + ": no model was written, " +
+  run.monitor().warn("stopped at step " + std::to_string(step) + " of " + std::to_string(steps) +
+                     ": no model was written, " +
                      (!keep.is_on() ? "and nothing to go on from; --checkpoint DIR would keep it"
                                     : "--resume goes on from " + keep.checkpoint));
 }
@@ -62,8 +65,9 @@ int fit(cli::Run& run, FitOptions& options, const cli::CheckpointOptions& keep, 
   const cli::FitFiles read{keep.is_on() ? cli::photos_hash(scene) : "",
                            keep.is_on() && files.points ? io::content_hash(files.points.path).xxh3 : ""};
   const std::string identity = cli::fit_identity(options, run.seed(), views, read);
-  FitState state = goes_on ? cli::read_checkpoint(keep.checkpoint, identity, options.steps)
-                           : initial_fit(run.exec(), options, cli::load_points(run, options, files.points), views, run.seed());
+  FitState state =
+      goes_on ? cli::read_checkpoint(keep.checkpoint, identity, options.steps)
+              : initial_fit(run.exec(), options, cli::load_points(run, options, files.points), views, run.seed());
   const std::int64_t first = state.step;
   Fitter fitter(options, views, std::move(state), run.seed());
   const double start = wall_seconds();
@@ -101,7 +105,8 @@ int main(int argc, char** argv) {
   tool.options(options);
   tool.options(keep);
   const cli::Input& scene_json = tool.input("scene", "scene.json with photos");
-  const cli::Input& points = tool.optional_input("--points", "points3D.txt, points3D.bin or a PLY to start from; default: random");
+  const cli::Input& points =
+      tool.optional_input("--points", "points3D.txt, points3D.bin or a PLY to start from; default: random");
   const cli::Output& out = tool.output("-o,--output", "trained model, plain 3DGS PLY");
   tool.stops_on_request();
 

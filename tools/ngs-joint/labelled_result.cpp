@@ -21,7 +21,8 @@ std::vector<LabelColumns> labels_of(const io::GaussianPly& ply, const Scene& sce
   if (wanted == 1 && has_one_set(ply)) {  // beside the sets of several objects the unsuffixed one is their union
     const std::string& name = scene.objects[0].name;
     if (ply.names_object && ply.object != name)
-      throw Error(ErrorCode::kInconsistent, ply.file.name() + ": labelled for object '" + ply.object + "', expected '" + name + "'",
+      throw Error(ErrorCode::kInconsistent,
+                  ply.file.name() + ": labelled for object '" + ply.object + "', expected '" + name + "'",
                   "label that one: ngs-variance scene.json --object NAME -o boundary.ply");
     return {ply.labels};
   }
@@ -31,8 +32,8 @@ std::vector<LabelColumns> labels_of(const io::GaussianPly& ply, const Scene& sce
       if (named.object == object.name) labels.push_back(named.columns);
   if (labels.size() != wanted)
     throw Error(ErrorCode::kBadInput,
-                "the model has ngs_ columns for " + std::to_string(labels.size()) + " of the scene's " + std::to_string(wanted) +
-                    " objects, expected all of them",
+                "the model has ngs_ columns for " + std::to_string(labels.size()) + " of the scene's " +
+                    std::to_string(wanted) + " objects, expected all of them",
                 ply.names_object ? "it is labelled for one: --objects '" + ply.object + "'"
                                  : "label it first: ngs-variance scene.json -o boundary.ply");
   return labels;
@@ -41,7 +42,8 @@ std::vector<LabelColumns> labels_of(const io::GaussianPly& ply, const Scene& sce
 void write_result(cli::Run& run, const ResultSource& source, const Solution& solution, const std::string& path) {
   const auto timed = run.monitor().scope("write");
   std::vector<io::NamedLabels> named;
-  for (std::size_t k = 0; k < solution.labels.size(); ++k) named.push_back({source.scene.objects[k].name, solution.labels[k]});
+  for (std::size_t k = 0; k < solution.labels.size(); ++k)
+    named.push_back({source.scene.objects[k].name, solution.labels[k]});
   std::vector<float> floater;
   for (std::size_t row = 0; !source.floater.empty() && row < std::size_t(solution.cloud.size()); ++row)
     floater.push_back(source.floater[solution.source_row.empty() ? row : std::size_t(solution.source_row[row])]);

@@ -31,15 +31,18 @@ int main(int argc, char** argv) {
   using namespace ngs;
   const double start_s = process_start_s();
   joint::Options options;
-  cli::Tool tool("ngs-joint",
-                 "Optimise labels, Gaussians and a NeRF on the boundary jointly (Eqs. 1-2, 10-20), or run a method beside it.",
-                 {"ngs-joint scene.json boundary.ply -o labelled.ply", "ngs-joint scene.json boundary.ply --method flash -o labelled.ply"});
+  cli::Tool tool(
+      "ngs-joint",
+      "Optimise labels, Gaussians and a NeRF on the boundary jointly (Eqs. 1-2, 10-20), or run a method beside it.",
+      {"ngs-joint scene.json boundary.ply -o labelled.ply",
+       "ngs-joint scene.json boundary.ply --method flash -o labelled.ply"});
   options.declare(tool);
   tool.help(joint::kQualityTable);
   tool.help(effects_help(options.pipeline));
   const cli::Input& scene = tool.input("scene", "scene.json written by ngs-scene");
   const cli::Input& boundary = tool.input("boundary", "PLY written by ngs-variance");
-  const cli::Input& field = tool.optional_input("--field", "PLY written by ngs-rbf; else sampled and interpolated here");
+  const cli::Input& field =
+      tool.optional_input("--field", "PLY written by ngs-rbf; else sampled and interpolated here");
   const cli::Input& effects_from =
       tool.optional_input("--effects-from", "report of a run whose decisions on effects are taken over");
   const cli::Output& out = tool.output("-o,--output", "labelled PLY with optimised attributes");

@@ -26,9 +26,10 @@ std::string method_name(Method method) { return name_of(kMethodNames, method); }
 void BaselineOptions::declare(cli::Tool& tool, const Method& method) {
   const auto group = [&](Method one, std::string_view cites) {
     const std::string name = method_name(one);
-    return OptionGroup{.title = name + ": " + std::string(cites),
-                       .listens = [&method, one] { return method == one || (one == Method::kCob && method == Method::kReleased); },
-                       .listener = "--method " + name};
+    return OptionGroup{
+        .title = name + ": " + std::string(cites),
+        .listens = [&method, one] { return method == one || (one == Method::kCob && method == Method::kReleased); },
+        .listener = "--method " + name};
   };
   tool.options(flash, group(Method::kFlash, "FlashSplat, closed form"));
   tool.options(sa3d, group(Method::kSa3d, "SA3D-GS, closed form"));
@@ -40,16 +41,11 @@ void BaselineOptions::declare(cli::Tool& tool, const Method& method) {
 
 Solution run_baseline(cli::Run& run, Method method, const BaselineOptions& options, const Problem& problem) {
   switch (method) {
-    case Method::kFlash:
-      return run_flash(run.exec(), run.monitor(), options.flash, problem);
-    case Method::kSa3d:
-      return run_sa3d(run.exec(), run.monitor(), options.sa3d, problem);
-    case Method::kBce:
-      return bce_with_trace(run, options.bce, problem);
-    case Method::kCob:
-      return run_cob(run.exec(), run.monitor(), options.cob, problem);
-    case Method::kSaga:
-      return run_saga(run.exec(), run.monitor(), options.saga, problem);
+    case Method::kFlash: return run_flash(run.exec(), run.monitor(), options.flash, problem);
+    case Method::kSa3d: return run_sa3d(run.exec(), run.monitor(), options.sa3d, problem);
+    case Method::kBce: return bce_with_trace(run, options.bce, problem);
+    case Method::kCob: return run_cob(run.exec(), run.monitor(), options.cob, problem);
+    case Method::kSaga: return run_saga(run.exec(), run.monitor(), options.saga, problem);
     case Method::kReleased: {
       ReleasedOptions released = options.released;
       released.cob = options.cob;  // it is cob with an extra term
@@ -57,8 +53,7 @@ Solution run_baseline(cli::Run& run, Method method, const BaselineOptions& optio
     }
     case Method::kNgs:
     case Method::kNgGs:
-    case Method::kPaper:
-      break;
+    case Method::kPaper: break;
   }
   throw std::logic_error("this method is made of passes");
 }

@@ -12,13 +12,13 @@
 
 namespace ngs::joint {
 
-/// kNgs: our passes, and the NeRF where it gains. kNgGs: the joint stage of the paper with its NeRF and nothing of ours.
+/// kNgs: our passes, and the NeRF where it gains. kNgGs: the joint stage of the paper with its NeRF and nothing of
+/// ours.
 enum class Method : std::uint8_t { kNgs, kNgGs, kBce, kCob, kFlash, kSa3d, kSaga, kReleased, kPaper };
 inline constexpr NamedValue<Method> kMethodNames[] = {
-    {Method::kNgs, "ngs"},     {Method::kNgGs, "ng-gs"}, {Method::kBce, "bce"},
-    {Method::kCob, "cob"},     {Method::kFlash, "flash"}, {Method::kSa3d, "sa3d"},
-    {Method::kSaga, "saga"},   {Method::kReleased, "released"},
-    {Method::kPaper, "paper"}};  // the earlier name of ngs
+    {Method::kNgs, "ngs"},   {Method::kNgGs, "ng-gs"},        {Method::kBce, "bce"},
+    {Method::kCob, "cob"},   {Method::kFlash, "flash"},       {Method::kSa3d, "sa3d"},
+    {Method::kSaga, "saga"}, {Method::kReleased, "released"}, {Method::kPaper, "paper"}};  // the earlier name of ngs
 std::string method_name(Method method);
 
 struct BaselineOptions {

@@ -31,16 +31,18 @@ void refuse_if(bool wrong, const std::string& what, const std::string& remedy) {
 
 void check_options(cli::Run& run, const Options& options, const Paths& paths) {
   const StepOptions& o = options.steps;
-  refuse_if(o.resume && o.checkpoint.empty(), "--resume without --checkpoint, expected the folder to go on from", "--checkpoint DIR");
-  refuse_if(o.checkpoint_every > 0 && o.checkpoint.empty(), "--checkpoint-every without --checkpoint, expected the folder to write to",
+  refuse_if(o.resume && o.checkpoint.empty(), "--resume without --checkpoint, expected the folder to go on from",
             "--checkpoint DIR");
+  refuse_if(o.checkpoint_every > 0 && o.checkpoint.empty(),
+            "--checkpoint-every without --checkpoint, expected the folder to write to", "--checkpoint DIR");
   refuse_if(o.trace_every > 0 && paths.trace.empty() && o.target.empty(),
             "--trace-every without --trace or --target, expected what the scores are for", "--trace FILE");
   const int features = options.training.joint.hash_features;
   refuse_if(!are_hash_features(features), "--hash-features: " + std::to_string(features) + ", expected 1, 2, 4 or 8",
             "2 is the default; --hash-levels adds resolutions");
   if (!options.runs_passes() && run.device_exec().device_ops != nullptr)
-    throw Error(ErrorCode::kEnvironment, "--device cuda: only --method ngs and ng-gs have a CUDA path", "use --device cpu");
+    throw Error(ErrorCode::kEnvironment, "--device cuda: only --method ngs and ng-gs have a CUDA path",
+                "use --device cpu");
   if (o.fast_atomics) run.sum_atomically();
 }
 
@@ -57,7 +59,8 @@ void warn_of_baseline(cli::Run& run, const Options& options, const Paths& paths)
     unused.push_back("--quality");  // it says how thoroughly floaters are searched
   const std::vector<Effect> effects = options.pipeline.effects(PassStage::kMend);
   for (const std::string& entry : options.choice.effect)
-    if (const std::string name = entry.substr(0, entry.find('=')); name != "all" && find_effect(effects, name) == nullptr)
+    if (const std::string name = entry.substr(0, entry.find('='));
+        name != "all" && find_effect(effects, name) == nullptr)
       unused.push_back("--effect " + entry);
   std::string text;
   for (const std::string& flag : unused) text += (text.empty() ? "" : ", ") + flag;
@@ -66,9 +69,10 @@ void warn_of_baseline(cli::Run& run, const Options& options, const Paths& paths)
 
 void check_nerf(const Options& options, const Paths& paths, const EffectModes& modes) {
   if (paths.nerf.empty() || !options.runs_passes()) return;
-  refuse_if(modes.of("nerf") == EffectMode::kOff, "--nerf with nerf off by --effect, expected a field to write", "leave out one of them");
-  refuse_if(modes.of("joint") == EffectMode::kOff, "--nerf with joint off by --effect, expected steps that train the field",
+  refuse_if(modes.of("nerf") == EffectMode::kOff, "--nerf with nerf off by --effect, expected a field to write",
             "leave out one of them");
+  refuse_if(modes.of("joint") == EffectMode::kOff,
+            "--nerf with joint off by --effect, expected steps that train the field", "leave out one of them");
 }
 
 /// Everything that was read, and what refers to it.
@@ -100,7 +104,8 @@ struct Input {
   }
 };
 
-/// Warns where the model explains the photos no better than import asks for: then it is another scene's. Three views are asked.
+/// Warns where the model explains the photos no better than import asks for: then it is another scene's. Three views
+/// are asked.
 void compare_with_photos(cli::Run& run, const Problem& problem) {
   constexpr std::size_t kViews = 3;
   const auto timed = run.monitor().scope("compare with photos");
@@ -108,14 +113,16 @@ void compare_with_photos(cli::Run& run, const Problem& problem) {
   std::vector<double> gains_db;
   for_each_view(&run.monitor(), spread_views(with_photo, kViews), [&](std::size_t, std::size_t v) {
     const Camera& camera = problem.scene.views[v].camera;
-    gains_db.push_back(match_photo(run.exec(), problem.cloud, {camera, problem.load_photo(v)}, problem.splat).gain_db());
+    gains_db.push_back(
+        match_photo(run.exec(), problem.cloud, {camera, problem.load_photo(v)}, problem.splat).gain_db());
   });
   if (gains_db.empty() || run.monitor().stop_requested()) return;
   const double gain_db = upper_median(std::move(gains_db)), least_db = SceneCheckOptions{}.min_fit_db;
   if (gain_db >= least_db) return;
   char text[160];
   std::snprintf(text, sizeof text,
-                "the rendered model matches the photos %.1f dB above a constant colour, expected at least %.1f: is it this scene's?",
+                "the rendered model matches the photos %.1f dB above a constant colour, expected at least %.1f: is it "
+                "this scene's?",
                 gain_db, least_db);
   run.monitor().warn(text);
 }
@@ -174,7 +181,8 @@ class MethodRun {
         store_(run.monitor(), {options.steps.checkpoint, options.steps.resume, options.steps.checkpoint_every}) {
     check_nerf(options, paths, modes_);
     if (!paths.nerf.empty() && options.runs_passes() && decisions_.settled("joint") == false)
-      throw Error(ErrorCode::kInconsistent, paths.effects_from + ": decided joint=off, expected steps that train the field of --nerf",
+      throw Error(ErrorCode::kInconsistent,
+                  paths.effects_from + ": decided joint=off, expected steps that train the field of --nerf",
                   "leave out --nerf, or add --effect joint=on");
     for (const std::string& renamed : modes_.renamed()) run.monitor().warn(renamed);
   }
@@ -183,13 +191,16 @@ class MethodRun {
     Problem from_files = input_.problem(options_, run_.seed(), run_.monitor());
     if (run_.dry_run()) return plan(from_files);
     from_files.splat.prepared = prepare_cloud(run_.exec(), from_files.cloud);
-    if (keeps_steps()) cli::require_checkpoint_folder(options_.steps.checkpoint, StepFile::path_in(options_.steps.checkpoint));
+    if (keeps_steps())
+      cli::require_checkpoint_folder(options_.steps.checkpoint, StepFile::path_in(options_.steps.checkpoint));
     if (from_files.views.empty())
-      throw Error(ErrorCode::kInconsistent, paths_.scene + ": no training view, expected at least one", "hold out fewer views");
+      throw Error(ErrorCode::kInconsistent, paths_.scene + ": no training view, expected at least one",
+                  "hold out fewer views");
     budget_.measure(run_.exec(), from_files, input_.reading_s);
     const CoarseInput full(from_files, 1), coarse(full.get(), decision_shrink(input_.scene));
     PassRun passes = pass_run(full.get(), coarse.get());
-    if (options_.runs_passes() && !load_views(run_, budget_, full, coarse)) options_.pipeline.leave_out(PassStage::kMend, passes);
+    if (options_.runs_passes() && !load_views(run_, budget_, full, coarse))
+      options_.pipeline.leave_out(PassStage::kMend, passes);
     options_.pipeline.decide(PassStage::kMend, passes, coarse.get());
     if (const int stopped = run_.stop_code()) return stopped;  // nothing to go on from, and no checkpoint
     if (options_.choice.explain) return explain(passes, from_files);
@@ -254,7 +265,7 @@ class MethodRun {
   /// The field of --field, where the NeRF is on and it still belongs to the model.
   std::optional<QueryField> read_field(const PassRun& passes) {
     if (paths_.field.empty()) return std::nullopt;
-    const std::string_view unread = !passes.on("nerf")    ? "nerf=off"
+    const std::string_view unread = !passes.on("nerf")   ? "nerf=off"
                                     : !passes.fields_fit ? "it holds points of what was taken out"
                                                          : "";
     if (!unread.empty()) {
@@ -272,7 +283,8 @@ class MethodRun {
     run_.warn_unused([&](std::string_view effect) { return decisions_.on(effect); });
     const bool writes_nerf = !paths_.nerf.empty() && passes.on("nerf");
     if (!paths_.nerf.empty() && !writes_nerf)
-      run_.monitor().warn(paths_.nerf + ": not written, there is no time for the steps that train the field; --time-budget with more");
+      run_.monitor().warn(
+          paths_.nerf + ": not written, there is no time for the steps that train the field; --time-budget with more");
     const std::optional<QueryField> field = read_field(passes);
     passes.field = field ? &*field : nullptr;
     if (keeps_steps()) {
@@ -289,8 +301,9 @@ class MethodRun {
     const Solution& solution = *passes.solution;
     if (budget_.given()) run_.result()["budget"] = budget_.json();
     if (budget_.given() && !solution.converged)
-      run_.monitor().warn("--time-budget " + options_.steps.time_budget +
-                          ": parts were left out or cut short for want of time; result.budget of the report has the times");
+      run_.monitor().warn(
+          "--time-budget " + options_.steps.time_budget +
+          ": parts were left out or cut short for want of time; result.budget of the report has the times");
     if (passes.watching.target && !passes.watch->target_met())
       run_.monitor().warn("--target " + options_.steps.target + ": not reached in the training views");
     write_result(run_, {input_.ply, input_.scene, passes.floater}, solution, paths_.labelled);

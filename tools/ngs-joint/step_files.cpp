@@ -18,7 +18,8 @@ namespace {
 
 /// Of effects a run has decided more than are known: the first ones have to be the same.
 bool begins_with(const Json& effects, const Json& known) {
-  return effects.is_array() && effects.size() >= known.size() && std::equal(known.begin(), known.end(), effects.begin());
+  return effects.is_array() && effects.size() >= known.size() &&
+         std::equal(known.begin(), known.end(), effects.begin());
 }
 
 bool has_all(const Json& run, const Json& known) {
@@ -32,7 +33,8 @@ bool has_all(const Json& run, const Json& known) {
 void check_finite(const std::string& path, const StateBlock& block, const std::vector<float>& values) {
   for (std::size_t i = 0; i < values.size(); ++i)
     if (!std::isfinite(values[i]) && (i >= block.values->size() || std::isfinite((*block.values)[i])))
-      throw Error(ErrorCode::kBadInput, path + ": '" + block.name + "' has a value that is not finite, expected numbers",
+      throw Error(ErrorCode::kBadInput,
+                  path + ": '" + block.name + "' has a value that is not finite, expected numbers",
                   "delete the checkpoint");
 }
 
@@ -40,7 +42,8 @@ std::int64_t step_in(const std::string& path, const std::string& text, std::int6
   std::int64_t step = -1;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), step);
   if (error != std::errc() || stop != text.data() + text.size() || step < 0 || step > planned)
-    throw Error(ErrorCode::kBadInput, path + ": 'step' is '" + text + "', expected a whole number from 0 to " + std::to_string(planned),
+    throw Error(ErrorCode::kBadInput,
+                path + ": 'step' is '" + text + "', expected a whole number from 0 to " + std::to_string(planned),
                 "delete the checkpoint");
   return step;
 }

@@ -7,9 +7,9 @@
 
 namespace ngs::joint {
 
-/// One folder. `identity` names all that the state follows from; a checkpoint with another one is kInconsistent. Its contents are
-/// believed as little as those of any file: kBadInput for arrays of another length, numbers that are not finite where the trainer's
-/// are, and a step that is not planned.
+/// One folder. `identity` names all that the state follows from; a checkpoint with another one is kInconsistent. Its
+/// contents are believed as little as those of any file: kBadInput for arrays of another length, numbers that are not
+/// finite where the trainer's are, and a step that is not planned.
 class StepFile : public StepStore {
  public:
   struct Setup {
@@ -20,8 +20,9 @@ class StepFile : public StepStore {
   StepFile(Monitor& monitor, Setup setup) : setup_(std::move(setup)), on_the_way_(monitor) {}
 
   static std::string path_in(const std::string& folder);
-  /// What the passes of the run that is resumed did where the clock decided it (PassRun::state); empty: there is no such run.
-  /// kInconsistent where it is of other things than what is `known` of this run, before the work for it is done.
+  /// What the passes of the run that is resumed did where the clock decided it (PassRun::state); empty: there is no
+  /// such run. kInconsistent where it is of other things than what is `known` of this run, before the work for it is
+  /// done.
   Json resumed(const Json& known) const;
   /// Once it is known what the run follows from.
   void identify(Json identity) { identity_ = identity.dump(); }

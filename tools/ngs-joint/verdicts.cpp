@@ -22,7 +22,8 @@ Json effects_of(const Json& report) {
 }
 
 std::vector<EffectVerdict> replayed(const std::string& path, const Options& options) {
-  const Json report = parse_strict_json<Json>(cli::read_text_file(path, ErrorCode::kBadInput), path, ErrorCode::kBadInput);
+  const Json report =
+      parse_strict_json<Json>(cli::read_text_file(path, ErrorCode::kBadInput), path, ErrorCode::kBadInput);
   const std::string ran = method_of(report), wanted = method_name(options.choice.method);
   if (!ran.empty() && ran != wanted)  // what a method does not ask for it calls off
     throw Error(ErrorCode::kInconsistent, path + ": decisions of --method " + ran + ", expected those of " + wanted,
@@ -30,7 +31,8 @@ std::vector<EffectVerdict> replayed(const std::string& path, const Options& opti
   const std::vector<Effect> effects = options.pipeline.effects();
   std::vector<EffectVerdict> verdicts;
   for (const Json& entry : effects_of(report)) {
-    const Json name = entry.is_object() ? entry.value("name", Json()) : Json(), on = entry.is_object() ? entry.value("on", Json()) : Json();
+    const Json name = entry.is_object() ? entry.value("name", Json()) : Json(),
+               on = entry.is_object() ? entry.value("on", Json()) : Json();
     if (!name.is_string() || !on.is_boolean()) continue;
     if (const Effect* known = find_effect(effects, name.get<std::string>()))
       verdicts.push_back({known->name, on.get<bool>(), "--effects-from", "replayed"});

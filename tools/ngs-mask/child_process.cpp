@@ -32,16 +32,14 @@ struct Transcript {
   Transcript() {
     std::string name = (std::filesystem::temp_directory_path() / "ngs-child-XXXXXX").string();
     descriptor = mkostemp(name.data(), O_CLOEXEC);
-    if (descriptor < 0)
-      throw Error(ErrorCode::kEnvironment, name + ": cannot be made: " + std::strerror(errno));
+    if (descriptor < 0) throw Error(ErrorCode::kEnvironment, name + ": cannot be made: " + std::strerror(errno));
     unlink(name.c_str());
   }
   ~Transcript() { close(descriptor); }
   Transcript(const Transcript&) = delete;
 
   std::string end() const {
-    const off_t size = lseek(descriptor, 0, SEEK_END),
-                from = size > off_t(kLastWords) ? size - off_t(kLastWords) : 0;
+    const off_t size = lseek(descriptor, 0, SEEK_END), from = size > off_t(kLastWords) ? size - off_t(kLastWords) : 0;
     std::string text(std::size_t(std::max(off_t(0), size - from)), '\0');
     const ssize_t count = pread(descriptor, text.data(), text.size(), from);
     text.resize(count > 0 ? std::size_t(count) : 0);
@@ -68,8 +66,7 @@ pid_t spawn(const std::vector<std::string>& argv, int transcript) {
   for (const int number : {SIGTERM, SIGINT, SIGUSR1, SIGPIPE, SIGXFSZ, SIGCHLD}) sigaddset(&defaults, number);
   posix_spawnattr_setsigmask(&attributes, &none);
   posix_spawnattr_setsigdefault(&attributes, &defaults);
-  posix_spawnattr_setflags(&attributes,
-                           short(POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF));
+  posix_spawnattr_setflags(&attributes, short(POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF));
   pid_t child = 0;
   const int status = posix_spawnp(&child, words[0], &files, &attributes, words.data(), environ);
   posix_spawnattr_destroy(&attributes);
@@ -122,8 +119,7 @@ std::vector<std::string> fill_placeholders(std::vector<std::string> words,
     std::string filled;
     for (std::size_t i = 0; i < word.size();) {
       const std::size_t close = word[i] == '{' ? word.find('}', i) : std::string::npos;
-      const auto value =
-          close == std::string::npos ? values.end() : values.find(word.substr(i + 1, close - i - 1));
+      const auto value = close == std::string::npos ? values.end() : values.find(word.substr(i + 1, close - i - 1));
       if (value == values.end())
         filled += word[i++];
       else
@@ -162,8 +158,9 @@ ChildResult run_child(const std::vector<std::string>& argv, const ChildLimits& l
   }
   if (ending) kill(-child, SIGKILL);  // what the child itself started
   if (ended < 0 && !ending)
-    throw Error(ErrorCode::kEnvironment, argv[0] + ": its exit code is lost: " + std::strerror(errno),
-                "start this process with SIGCHLD at its default: while it is ignored, nobody learns how a program ended");
+    throw Error(
+        ErrorCode::kEnvironment, argv[0] + ": its exit code is lost: " + std::strerror(errno),
+        "start this process with SIGCHLD at its default: while it is ignored, nobody learns how a program ended");
   if (!ending && WIFSIGNALED(status)) result.end = ChildResult::End::kSignalled;
   result.code = WIFEXITED(status) ? WEXITSTATUS(status) : WTERMSIG(status);
   result.last_words = transcript.end();

@@ -55,11 +55,9 @@ PixelMask read_answer(const std::string& path, const ViewPrompt& prompt, const s
   };
   std::error_code status;
   if (!fs::exists(path, status)) refuse("it wrote nothing");
-  if (fs::symlink_status(path, status).type() != fs::file_type::regular)
-    refuse("it did not write a plain file");
+  if (fs::symlink_status(path, status).type() != fs::file_type::regular) refuse("it did not write a plain file");
   const io::ImageSize size = with_context(who, [&] { return io::read_image_size(path); });
-  if (size != io::ImageSize{prompt.width_px, prompt.height_px})
-    refuse("it wrote " + io::to_string(size) + " px");
+  if (size != io::ImageSize{prompt.width_px, prompt.height_px}) refuse("it wrote " + io::to_string(size) + " px");
   const io::RawMask raw = with_context(who, [&] { return io::read_mask_raw(path, io::Palette::kMask); });
   return object_pixels(raw.samples());
 }
@@ -75,8 +73,7 @@ struct CommandSegmenter {
   std::int64_t calls = 0;
 
   PixelMask segment(std::size_t view, const ViewPrompt& prompt) {
-    const std::string name = scene.views[view].camera.name,
-                      base = folder.path + "/" + std::to_string(calls++);
+    const std::string name = scene.views[view].camera.name, base = folder.path + "/" + std::to_string(calls++);
     const std::string image = base + "-image.png", prompts = base + "-prompts.json", out = base + "-out.png";
     const std::string mask = prompt.by_hand ? "" : base + "-mask.png";
     io::write_png(image, load(view));
@@ -85,7 +82,7 @@ struct CommandSegmenter {
     const std::string who = "--segmenter " + words[0] + " on view " + name;
     const ChildResult child =
         run_child(fill_placeholders(words, {{"image", image}, {"prompts", prompts}, {"out", out}}),
-                      {time_s, [this] { return run.monitor().stop_requested(); }});
+                  {time_s, [this] { return run.monitor().stop_requested(); }});
     if (child.end == ChildResult::End::kStopped) return PixelMask(prompt.hint.size());
     check(child, who);
     PixelMask found = read_answer(out, prompt, who);
@@ -101,11 +98,11 @@ struct CommandSegmenter {
     if (child.end == ChildResult::End::kSignalled) found << "ended by signal " << child.code;
     if (child.end == ChildResult::End::kExited) found << "exit code " << child.code;
     const std::string said = child.last_words.substr(child.last_words.rfind('\n') + 1);
-    throw Error(ErrorCode::kEnvironment,
-                who + ": " + found.str() + ", expected exit code 0 and a mask" +
-                    (said.empty() ? "" : "; it said: " + said),
-                child.end == ChildResult::End::kTimedOut ? "give it more time with --segmenter-timeout-s"
-                                                             : "run it by hand on one photo");
+    throw Error(
+        ErrorCode::kEnvironment,
+        who + ": " + found.str() + ", expected exit code 0 and a mask" + (said.empty() ? "" : "; it said: " + said),
+        child.end == ChildResult::End::kTimedOut ? "give it more time with --segmenter-timeout-s"
+                                                 : "run it by hand on one photo");
   }
 };
 
@@ -116,10 +113,10 @@ Segmenter command_segmenter(const SegmenterOptions& options, const Scene& scene,
   for (const char* placeholder : {"{image}", "{prompts}", "{out}"})
     if (std::none_of(words.begin() + 1, words.end(),
                      [&](const std::string& w) { return w.find(placeholder) != w.npos; }))
-      throw Error(ErrorCode::kUsage,
-                  "--segmenter '" + options.segmenter + "': no " + placeholder +
-                      ", expected all of {image} {prompts} {out}",
-                  "for example --segmenter 'python3 sam.py {image} {prompts} {out}'");
+      throw Error(
+          ErrorCode::kUsage,
+          "--segmenter '" + options.segmenter + "': no " + placeholder + ", expected all of {image} {prompts} {out}",
+          "for example --segmenter 'python3 sam.py {image} {prompts} {out}'");
   auto command = std::shared_ptr<CommandSegmenter>(
       new CommandSegmenter{words, options.segmenter_timeout_s, options.points, scene, std::move(load), run});
   return [command](std::size_t view, const ViewPrompt& prompt) { return command->segment(view, prompt); };

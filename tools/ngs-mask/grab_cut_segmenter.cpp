@@ -25,8 +25,7 @@ struct Window {
 ImageU8 cropped(const ImageU8& image, const Window& w) {
   ImageU8 out(w.width, w.height, image.channels);
   for (int y = 0; y < w.height; ++y)
-    std::copy_n(&image.data[image.index(w.left, w.top + y)], w.width * image.channels,
-                &out.data[out.index(0, y)]);
+    std::copy_n(&image.data[image.index(w.left, w.top + y)], w.width * image.channels, &out.data[out.index(0, y)]);
   return out;
 }
 
@@ -66,10 +65,8 @@ PixelMask cut_windows(const ImageU8& photo, const ViewPrompt& prompt, const Pixe
         for (int x = 0; x < w.width; ++x) {
           const auto tent = [&](int i) { return 1 - std::abs(2 * (float(i) + 0.5f) / float(window_px) - 1); };
           const float weight = tent(w.left + x - left) * tent(w.top + y - top);
-          const std::size_t p =
-              std::size_t(w.top + y) * std::size_t(photo.width_px) + std::size_t(w.left + x);
-          votes[p] += weight * float(cut[std::size_t(y) * std::size_t(w.width) + std::size_t(x)]),
-              weights[p] += weight;
+          const std::size_t p = std::size_t(w.top + y) * std::size_t(photo.width_px) + std::size_t(w.left + x);
+          votes[p] += weight * float(cut[std::size_t(y) * std::size_t(w.width) + std::size_t(x)]), weights[p] += weight;
         }
     }
   PixelMask mask = whole;
@@ -90,8 +87,7 @@ Segmenter grab_cut_segmenter(const SegmenterOptions& options, PhotoLoader load, 
     if (options.window > 0) {
       const std::array<int, 4> box = object_box(prompt);
       const double size = std::sqrt(double(box[2] - box[0]) * double(box[3] - box[1]));
-      mask = cut_windows(photo, prompt, mask, std::max(kLeastWindow, int(std::lround(options.window * size))),
-                         cut);
+      mask = cut_windows(photo, prompt, mask, std::max(kLeastWindow, int(std::lround(options.window * size))), cut);
     }
     return keep_seeded_pieces(prompt, std::move(mask), options.speck);
   };

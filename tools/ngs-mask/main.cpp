@@ -50,9 +50,8 @@ int make_masks(cli::Run& run, const Options& options, const Files& files) {
   cli::MaskViews views(scene, options.which.detail);
   refuse_over_photos(views, scene, files);
   const cli::PhotoLoader load = [&](std::size_t view) { return views.photo(view); };
-  const Segmenter segment = options.runs_a_program()
-                                ? cli::command_segmenter(options.segmenter, scene, load, run)
-                                : cli::grab_cut_segmenter(options.segmenter, load, run.seed());
+  const Segmenter segment = options.runs_a_program() ? cli::command_segmenter(options.segmenter, scene, load, run)
+                                                     : cli::grab_cut_segmenter(options.segmenter, load, run.seed());
   run.result()["views"] = scene.views.size();
   run.result()["reference"] = scene.views[reference].camera.name;
   const Camera& camera = views.cameras()[reference];
@@ -92,18 +91,17 @@ int main(int argc, char** argv) {
   const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene");
   const cli::Input& model = tool.optional_input("--model", "3DGS PLY; default: the scene's");
   const cli::PromptInputs marks{
-      tool.optional_input(
-          "--prompts",
-          "strokes and boxes as JSON, or a PNG with green (object) and red (background) strokes"),
+      tool.optional_input("--prompts",
+                          "strokes and boxes as JSON, or a PNG with green (object) and red (background) strokes"),
       tool.optional_input("--object-scribbles", "PNG: all that is not black is the object"),
       tool.optional_input("--background-scribbles", "PNG: all that is not black is not the object")};
   const cli::Output& out = tool.output_dir("-o,--output", "folder for the masks, STEM.png, 0/255");
-  const cli::Output& soft =
-      tool.optional_output_dir("--soft",
-                               "folder for soft masks, 0..255: where the photo and the other "
-                               "views agree, and where not");
+  const cli::Output& soft = tool.optional_output_dir("--soft",
+                                                     "folder for soft masks, 0..255: where the photo and the other "
+                                                     "views agree, and where not");
   tool.stops_on_request();
 
-  return tool.run(argc, argv,
-                  [&](cli::Run& run) { return make_masks(run, options, {scene_json, model, marks, out, soft}); });
+  return tool.run(argc, argv, [&](cli::Run& run) {
+    return make_masks(run, options, {scene_json, model, marks, out, soft});
+  });
 }

@@ -23,16 +23,15 @@ bool is_json(const std::string& path) {
 HandPrompt read_prompts(const PromptInputs& inputs) {
   const bool pictures = inputs.object || inputs.background;
   if (bool(inputs.prompts) == pictures)
-    throw Error(ErrorCode::kUsage,
-                inputs.prompts ? "--prompts and scribble pictures are both given, expected one kind"
-                               : "no prompts are given",
-                "mark the object on one photo: --prompts strokes.json, --prompts scribbles.png, or "
-                "--object-scribbles pos.png "
-                "--background-scribbles neg.png");
+    throw Error(
+        ErrorCode::kUsage,
+        inputs.prompts ? "--prompts and scribble pictures are both given, expected one kind" : "no prompts are given",
+        "mark the object on one photo: --prompts strokes.json, --prompts scribbles.png, or "
+        "--object-scribbles pos.png "
+        "--background-scribbles neg.png");
   if (inputs.prompts)
-    return is_json(inputs.prompts.path)
-               ? io::read_prompts_json(inputs.prompts.path)
-               : io::read_scribbles(inputs.prompts.path);
+    return is_json(inputs.prompts.path) ? io::read_prompts_json(inputs.prompts.path)
+                                        : io::read_scribbles(inputs.prompts.path);
   HandPrompt prompt;
   if (inputs.background) io::add_scribbles(inputs.background.path, false, prompt);
   if (inputs.object) io::add_scribbles(inputs.object.path, true, prompt);
@@ -47,8 +46,9 @@ std::size_t reference_view(const Run& run, const Scene& scene, const std::string
     for (const SceneView& view : scene.views) {
       if (image_stem(bare_name(view.camera.name)) != stem) continue;
       if (!name.empty())
-        throw Error(ErrorCode::kUsage, inputs.prompts.path + ": has the name of several views, " + name + " and " +
-                                           view.camera.name, "say which with --view NAME");
+        throw Error(ErrorCode::kUsage,
+                    inputs.prompts.path + ": has the name of several views, " + name + " and " + view.camera.name,
+                    "say which with --view NAME");
       name = view.camera.name;
     }
   }
@@ -58,8 +58,8 @@ std::size_t reference_view(const Run& run, const Scene& scene, const std::string
   const ViewNames names(scene.views);
   const std::vector<std::size_t> found = names.find(name);
   if (found.size() != 1)
-    throw Error(ErrorCode::kUsage, "view = " + name + ": " + (found.empty() ? "no view" : "several views") +
-                                       " of that name, expected one",
+    throw Error(ErrorCode::kUsage,
+                "view = " + name + ": " + (found.empty() ? "no view" : "several views") + " of that name, expected one",
                 "say which with --view NAME; the first is '" + scene.views.front().camera.name + "'");
   const std::vector<std::size_t> said = names.find(prompt.view);
   if (!prompt.view.empty() && said.size() == 1 && said[0] != found[0])

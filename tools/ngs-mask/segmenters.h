@@ -19,9 +19,8 @@ struct SegmenterOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.segmenter,
-          Text{"segmenter", "CMD {image} {prompts} {out}",
-               "program that segments one view, run without a shell; default: built-in GrabCut"});
+    visit(self.segmenter, Text{"segmenter", "CMD {image} {prompts} {out}",
+                               "program that segments one view, run without a shell; default: built-in GrabCut"});
     visit(self.segmenter_timeout_s,
           Field<double>{"segmenter_timeout_s", "s", "the program is ended after this", 0.01, 1e6});
     visit(self.iterations, Field<int>{"iterations", "", "GrabCut: cuts per view", 1, 100});
@@ -29,8 +28,7 @@ struct SegmenterOptions {
                                      "GrabCut: size of the overlapping windows that have colours of "
                                      "their own; 0: one cut per view",
                                      0.0, 10.0});
-    visit(self.speck,
-          Field<double>{"speck", "of the mask", "GrabCut: holes smaller than this are filled", 0.0, 1.0});
+    visit(self.speck, Field<double>{"speck", "of the mask", "GrabCut: holes smaller than this are filled", 0.0, 1.0});
     visit(self.points, Field<int>{"points", "", "program: points per side in its prompts", 1, 1000});
   }
 };

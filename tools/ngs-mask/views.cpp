@@ -7,9 +7,9 @@
 #include <sstream>
 
 #include "ngs/io/files/atomic_file.h"
+#include "ngs/io/files/regular_file.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/image/photo.h"
-#include "ngs/io/files/regular_file.h"
 #include "ngs/options/name_of.h"
 #include "ngs/scene/view_names.h"
 #include "segmenters.h"
@@ -26,8 +26,7 @@ MaskViews::MaskViews(const Scene& scene, int detail)
     has_photo_.push_back(!view.image_path.empty() && !is_missing);
     if (has_photo_.back()) {
       const io::ImageSize file = io::read_image_size(view.image_path);
-      const bool whole =
-          file.width_px <= detail * camera.width_px + detail;  // the rule of io::load_fine_photo
+      const bool whole = file.width_px <= detail * camera.width_px + detail;  // the rule of io::load_fine_photo
       camera = whole ? resized(camera, file.width_px, file.height_px)
                      : resized(camera, detail * camera.width_px, detail * camera.height_px);
     }
@@ -40,9 +39,7 @@ std::string MaskViews::file_in(const std::string& folder, std::size_t view) cons
   return (std::filesystem::path(folder) / (file_names_[view] + ".png")).string();
 }
 
-ImageU8 MaskViews::photo(std::size_t view) const {
-  return photo_bytes(io::load_fine_photo(scene_, view, detail_));
-}
+ImageU8 MaskViews::photo(std::size_t view) const { return photo_bytes(io::load_fine_photo(scene_, view, detail_)); }
 
 void MaskViews::keep(Run& run, std::size_t view, const SpreadView& result, const std::string& masks,
                      const std::string& soft) {
@@ -54,8 +51,7 @@ void MaskViews::keep(Run& run, std::size_t view, const SpreadView& result, const
   const double covered = double(std::count(result.mask.begin(), result.mask.end(), 1));
   outcome_[view] = {result.source, result.agreement, result.known, covered / double(mask.data.size())};
   if (soft.empty()) return;
-  for (std::size_t p = 0; p < mask.data.size(); ++p)
-    mask.data[p] = std::uint8_t(std::lround(255 * result.soft[p]));
+  for (std::size_t p = 0; p < mask.data.size(); ++p) mask.data[p] = std::uint8_t(std::lround(255 * result.soft[p]));
   pictures_.push_back({file_in(soft, view), io::encode_png(mask)});
 }
 
@@ -100,8 +96,7 @@ void MaskViews::finish(Run& run) {
       table << "-";
     table << std::setw(8) << o.known << o.coverage << "\n";
   }
-  for (const auto& named : kMaskSourceNames)
-    run.result()[std::string(named.name) + "_masks"] = count[named.value];
+  for (const auto& named : kMaskSourceNames) run.result()[std::string(named.name) + "_masks"] = count[named.value];
   run.result()["masks"] = views;
   run.text(table.str());
   if (const int n = count[MaskSource::kRendered]; n > 0)
@@ -113,7 +108,9 @@ void MaskViews::finish(Run& run) {
     run.monitor().warn(std::to_string(unseen) +
                        " views do not show the object as far as the others know: their masks are empty");
   if (unseen > 0 && unseen + count[MaskSource::kReference] == int(outcome_.size()))
-    run.monitor().warn("the object is in the mask of the marked view alone, which is too little to know it by elsewhere: mark more of it");
+    run.monitor().warn(
+        "the object is in the mask of the marked view alone, which is too little to know it by elsewhere: mark more of "
+        "it");
 }
 
 }  // namespace ngs::cli

@@ -16,18 +16,17 @@ struct ViewOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.view, Text{"view", "NAME", "the view that the prompts are of; default: as they say"});
-    visit(self.detail,
-          Field<int>{"detail", "",
-                     "segment and write at up to this many times the scene's working size, as far "
-                     "as the photos have the pixels",
-                     1, 16});
+    visit(self.detail, Field<int>{"detail", "",
+                                  "segment and write at up to this many times the scene's working size, as far "
+                                  "as the photos have the pixels",
+                                  1, 16});
   }
 };
 
 class MaskViews {
  public:
-  /// Reads the headers of the photos, those of held-out views only where they are there: each view is segmented at up to
-  /// `detail` times the camera's size.
+  /// Reads the headers of the photos, those of held-out views only where they are there: each view is segmented at up
+  /// to `detail` times the camera's size.
   MaskViews(const Scene& scene, int detail);
 
   const std::vector<Camera>& cameras() const { return cameras_; }

@@ -27,8 +27,7 @@ int main(int argc, char** argv) {
       run.plan({{"queries", field.size()}, {"output_mib", double(bytes) / 1048576}});
       return 0;
     }
-    const RbfSummary summary =
-        interpolate_features(run.exec(), run.monitor(), options, boundary, field);
+    const RbfSummary summary = interpolate_features(run.exec(), run.monitor(), options, boundary, field);
     run.result()["width"] = summary.width;
     run.result()["far_queries"] = summary.far_queries;
     run.result()["mean_nearest"] = summary.mean_nearest;

@@ -4,8 +4,8 @@
 #include <set>
 #include <sstream>
 
-#include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/image/photo.h"
+#include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/stages/render/render_options.h"
 #include "ngs/stages/render/render_stage.h"
@@ -45,8 +45,7 @@ std::vector<std::size_t> wanted_views(cli::Run& run, const Scene& scene, const s
 }  // namespace
 
 int main(int argc, char** argv) {
-  cli::Tool tool("ngs-render",
-                 "Render colour, masks, alpha, depth and labels of a model at the scene's cameras.",
+  cli::Tool tool("ngs-render", "Render colour, masks, alpha, depth and labels of a model at the scene's cameras.",
                  {"ngs-render scene.json labelled.ply --views held-out --layers mask -o masks/",
                   "ngs-render scene.json labelled.ply --layers color,mask,depth --format exr -o layers/"});
   RenderOptions options;

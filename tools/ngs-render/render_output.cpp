@@ -97,8 +97,7 @@ void write_exr_view(const Destination& to, const RenderedView& view, const Wante
 
 Objects objects_of(const io::GaussianPly& ply, const Scene& scene) {
   Objects objects;
-  for (const io::NamedLabels& o : ply.objects)
-    objects.names.push_back(o.object), objects.columns.push_back(o.columns);
+  for (const io::NamedLabels& o : ply.objects) objects.names.push_back(o.object), objects.columns.push_back(o.columns);
   objects.gaussians = ply.cloud.size();
   if (objects.names.empty() && !ply.labels.label.empty()) objects.names = {ply.object}, objects.columns = {ply.labels};
   for (const std::string& name : objects.names)
@@ -125,13 +124,12 @@ std::set<std::string> parse_layers(const std::vector<std::string>& layers, const
   if (format == Format::kExr && chosen.contains("overlay"))
     throw Error(ErrorCode::kUsage, "--layers: 'overlay' is a picture, expected --format png for it",
                 "leave it out of the EXR");
-  const bool needs_labels =
-      chosen.contains("mask") || chosen.contains("labels") || chosen.contains("overlay");
+  const bool needs_labels = chosen.contains("mask") || chosen.contains("labels") || chosen.contains("overlay");
   if (needs_labels && objects.gaussians == 0)
-    throw Error(ErrorCode::kNothingFound, "the model has no Gaussians, expected some for masks", "ask for --layers color");
+    throw Error(ErrorCode::kNothingFound, "the model has no Gaussians, expected some for masks",
+                "ask for --layers color");
   if (needs_labels && objects.names.empty())
-    throw Error(ErrorCode::kBadInput,
-                "the model has no property ngs_label, expected a labelled PLY for masks",
+    throw Error(ErrorCode::kBadInput, "the model has no property ngs_label, expected a labelled PLY for masks",
                 "label it first: ngs-variance scene.json -o boundary.ply, or ask for --layers color");
   return chosen;
 }

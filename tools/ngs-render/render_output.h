@@ -19,19 +19,17 @@ enum class Format : std::uint8_t { kPng, kExr };
 inline constexpr NamedValue<Format> kFormatNames[] = {{Format::kPng, "png"}, {Format::kExr, "exr"}};
 
 enum class FileNames : std::uint8_t { kStem, kImage };
-inline constexpr NamedValue<FileNames> kFileNames[] = {{FileNames::kStem, "stem"},
-                                                       {FileNames::kImage, "image"}};
+inline constexpr NamedValue<FileNames> kFileNames[] = {{FileNames::kStem, "stem"}, {FileNames::kImage, "image"}};
 
 struct OutputOptions {
   Format format = Format::kPng;
   FileNames names = FileNames::kStem;
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.format, Choice<Format>{"format", "png: 8 bit (16 bit for depth and labels); exr: float layers",
-                                      kFormatNames});
+    visit(self.format,
+          Choice<Format>{"format", "png: 8 bit (16 bit for depth and labels); exr: float layers", kFormatNames});
     visit(self.names,
-          Choice<FileNames>{"names", "stem: a.jpg -> a.png; image: a.jpg.png, as COLMAP names masks",
-                            kFileNames});
+          Choice<FileNames>{"names", "stem: a.jpg -> a.png; image: a.jpg.png, as COLMAP names masks", kFileNames});
   }
 };
 
@@ -41,7 +39,8 @@ struct Objects {
   std::vector<std::uint16_t> ids;  // in label maps
   std::int64_t gaussians = 0;
 };
-/// The label sets of a model; none for a plain one. Ids are those of the scene's label maps; where it has none, 1 2 3 ...
+/// The label sets of a model; none for a plain one. Ids are those of the scene's label maps; where it has none, 1 2 3
+/// ...
 Objects objects_of(const io::GaussianPly& ply, const Scene& scene);
 
 /// Known layer names, default {"mask"}; kUsage for others and for masks of a model without labels.

@@ -6,8 +6,8 @@
 
 #include "html.h"
 #include "ngs/core/error.h"
-#include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/image/image_file.h"
+#include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/stages/eval/error_atlas.h"
 #include "ngs/stages/render/render_options.h"
 #include "planes.h"
@@ -33,9 +33,8 @@ ImageU8 picture_of(const ErrorAtlas& atlas, const ImageF& photo) {
     const float* rgb = &photo.data[3 * p];
     const double grey = 0.6 * 255 * double(0.3f * rgb[0] + 0.6f * rgb[1] + 0.1f * rgb[2]);
     for (std::size_t c = 0; c < 3; ++c)
-      out.data[3 * p + c] = atlas.cause[p] == ErrorCause::kNone
-                                ? std::uint8_t(std::clamp(grey, 0.0, 255.0))
-                                : kErrorCauseNames[std::size_t(atlas.cause[p])].rgb[c];
+      out.data[3 * p + c] = atlas.cause[p] == ErrorCause::kNone ? std::uint8_t(std::clamp(grey, 0.0, 255.0))
+                                                                : kErrorCauseNames[std::size_t(atlas.cause[p])].rgb[c];
   }
   return out;
 }
@@ -49,7 +48,8 @@ Pixel shown_pixel(const ErrorAtlas& atlas, const ImageU8& picture, Pixel first, 
   Pixel shown = first;
   for (int y = first.y; y < std::min(first.y + factor, picture.height_px); ++y)
     for (int x = first.x; x < std::min(first.x + factor, picture.width_px); ++x)
-      if (atlas.cause[std::size_t(y) * std::size_t(picture.width_px) + std::size_t(x)] != ErrorCause::kNone) shown = {x, y};
+      if (atlas.cause[std::size_t(y) * std::size_t(picture.width_px) + std::size_t(x)] != ErrorCause::kNone)
+        shown = {x, y};
   return shown;
 }
 
@@ -69,9 +69,9 @@ std::string legend_html() {
   std::string html = "<p class=note>";
   for (std::size_t c = 1; c < kErrorCauses; ++c) {
     const ErrorCauseName& name = kErrorCauseNames[c];
-    html += "<span style=\"display:inline-block;width:.9em;height:.9em;background:rgb(" +
-            std::to_string(name.rgb[0]) + "," + std::to_string(name.rgb[1]) + "," + std::to_string(name.rgb[2]) +
-            ")\"></span> <b>" + std::string(name.name) + "</b> " + std::string(name.help) + " &nbsp; ";
+    html += "<span style=\"display:inline-block;width:.9em;height:.9em;background:rgb(" + std::to_string(name.rgb[0]) +
+            "," + std::to_string(name.rgb[1]) + "," + std::to_string(name.rgb[2]) + ")\"></span> <b>" +
+            std::string(name.name) + "</b> " + std::string(name.help) + " &nbsp; ";
   }
   return html + "</p>";
 }
@@ -125,10 +125,11 @@ void write_picture(const std::string& folder, const ShownView& view, const Image
 
 std::string figure_of(const std::string& name, const Found& found) {
   const ImageU8 small = reduced(found.atlas, found.picture);
-  return "<figure><div class=stack><img alt=\"View " + escaped(name) + " with its wrong pixels by cause\" width=" +
-         std::to_string(small.width_px) + " height=" + std::to_string(small.height_px) +
-         " src=\"data:image/jpeg;base64," + base64(io::encode_jpeg(small, 90)) + "\"></div><figcaption><b>" +
-         escaped(name) + "</b> " + whole(found.atlas.wrong()) + " wrong pixels</figcaption></figure>\n";
+  return "<figure><div class=stack><img alt=\"View " + escaped(name) +
+         " with its wrong pixels by cause\" width=" + std::to_string(small.width_px) +
+         " height=" + std::to_string(small.height_px) + " src=\"data:image/jpeg;base64," +
+         base64(io::encode_jpeg(small, 90)) + "\"></div><figcaption><b>" + escaped(name) + "</b> " +
+         whole(found.atlas.wrong()) + " wrong pixels</figcaption></figure>\n";
 }
 
 }  // namespace
@@ -136,7 +137,8 @@ std::string figure_of(const std::string& name, const Found& found) {
 std::string errors_section(const Exec& exec, RunFolder& run, Pictures& pictures, const std::string& folder) {
   const std::string model = (fs::path(run.path) / "labelled.ply").string();
   if (!run.scene || !fs::is_regular_file(model)) return {};
-  Table table{.caption = "Wrong pixels of each view by cause, worst views first", .head = {"view", "wrong"}, .rows = {}};
+  Table table{
+      .caption = "Wrong pixels of each view by cause, worst views first", .head = {"view", "wrong"}, .rows = {}};
   bool all_views = true;
   for (std::size_t c = 1; c < kErrorCauses; ++c) table.head.emplace_back(kErrorCauseNames[c].name);
   std::string figures;
@@ -172,8 +174,8 @@ std::string errors_section(const Exec& exec, RunFolder& run, Pictures& pictures,
   }
   if (table.rows.empty()) return {};
   if (!all_views)
-    table.caption = "Wrong pixels of the " + std::to_string(kMostViews) +
-                    " worst views by cause; with --atlas those of every view";
+    table.caption =
+        "Wrong pixels of the " + std::to_string(kMostViews) + " worst views by cause; with --atlas those of every view";
   add_row(all_views ? "all" : "all of these", sum);
   return section("errors", "Where the errors come from",
                  legend_html() + "<div class=sheet>" + figures + "</div>" + table.html());

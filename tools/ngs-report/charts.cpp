@@ -63,7 +63,8 @@ std::vector<double> ticks_of(const Frame& frame) {
       ticks.push_back(frame.x.low + i * frame.x.step);
   if (frame.log_x) {
     const bool powers_alone = frame.x.high - frame.x.low > kDecadesWithAllTicks;
-    for (int k = last_iteration_number(std::pow(10, frame.x.low)); std::log10(iteration_number(k)) <= frame.x.high + 1e-9; ++k)
+    for (int k = last_iteration_number(std::pow(10, frame.x.low));
+         std::log10(iteration_number(k)) <= frame.x.high + 1e-9; ++k)
       if (!powers_alone || k % 3 == 0) ticks.push_back(iteration_number(k));
   }
   return ticks;
@@ -88,9 +89,8 @@ std::string axes_svg(const Plot& plot, const Frame& frame) {
                                 : decimal(value, frame.x.decimals()));
   for (int i = 0; frame.y.low + i * frame.y.step <= frame.y.high + frame.y.step / 2; ++i) {
     const double value = frame.y.low + i * frame.y.step, y = frame.py(value);
-    svg += "<line class=grid x1=" + decimal(kLeft, 0) + " x2=" + decimal(kWidth - kRight, 0) +
-           " y1=" + decimal(y, 1) + " y2=" + decimal(y, 1) + " />" +
-           text_svg(kLeft - 8, y + 4, "end", decimal(value, frame.y.decimals()));
+    svg += "<line class=grid x1=" + decimal(kLeft, 0) + " x2=" + decimal(kWidth - kRight, 0) + " y1=" + decimal(y, 1) +
+           " y2=" + decimal(y, 1) + " />" + text_svg(kLeft - 8, y + 4, "end", decimal(value, frame.y.decimals()));
   }
   svg += text_svg((kLeft + kWidth - kRight) / 2, kHeight - 8, "middle", plot.x_label);
   svg += "<text transform=\"translate(14 " + decimal((kTop + kHeight - kBottom) / 2, 0) +
@@ -100,9 +100,7 @@ std::string axes_svg(const Plot& plot, const Frame& frame) {
 
 struct Box {
   double left, top, right, bottom;
-  bool meets(const Box& b) const {
-    return left < b.right && b.left < right && top < b.bottom && b.top < bottom;
-  }
+  bool meets(const Box& b) const { return left < b.right && b.left < right && top < b.bottom && b.top < bottom; }
 };
 
 /// Writes labels beside their dots, each where neither a dot nor another label is; where there is no such place the
@@ -118,8 +116,8 @@ class Labels {
   std::string beside(double x, double y, const std::string& text) {
     const double half = 0.5 * kGlyphPx * double(text.size()), aside = half + 9;
     const bool left_half = x < kWidth / 2;
-    for (const auto& [dx, dy] : {std::pair(left_half ? aside : -aside, 0.0), {left_half ? -aside : aside, 0.0},
-                                 {0.0, -14.0}, {0.0, 14.0}}) {
+    for (const auto& [dx, dy] :
+         {std::pair(left_half ? aside : -aside, 0.0), {left_half ? -aside : aside, 0.0}, {0.0, -14.0}, {0.0, 14.0}}) {
       const Box box = around(x + dx, y + dy, half, kLinePx / 2);
       if (box.left < kLeft || box.right > kWidth || box.top < 0 || box.bottom > kHeight - kBottom) continue;
       if (std::any_of(taken_.begin(), taken_.end(), [&](const Box& b) { return b.meets(box); })) continue;
@@ -153,8 +151,7 @@ std::string series_svg(const PlotSeries& series, const Frame& frame, std::size_t
   if (series.line) {
     svg += "<polyline points=\"" + points + "\" />";
     const PlotPoint& last = series.points.back();
-    labels =
-        "<circle r=3.5 cx=" + decimal(frame.px(last.x), 1) + " cy=" + decimal(frame.py(last.y), 1) + " />";
+    labels = "<circle r=3.5 cx=" + decimal(frame.px(last.x), 1) + " cy=" + decimal(frame.py(last.y), 1) + " />";
     labels += text_svg(kWidth - kRight - 4, std::max(kTop + 12, frame.py(last.y) - 8), "end", series.name);
   }
   return svg + labels + "</g>";
@@ -195,8 +192,8 @@ std::string plot_svg(const Plot& plot) {
   }
   frame.y.settle();
   std::string svg = "<svg class=plot role=img aria-label=\"" + escaped(plot.title) + "\" viewBox=\"0 0 " +
-                    decimal(kWidth, 0) + " " + decimal(kHeight, 0) + "\"><title>" + escaped(plot.title) +
-                    "</title>" + axes_svg(plot, frame);
+                    decimal(kWidth, 0) + " " + decimal(kHeight, 0) + "\"><title>" + escaped(plot.title) + "</title>" +
+                    axes_svg(plot, frame);
   Labels labels(shown, frame);
   for (std::size_t i = 0; i < shown.size(); ++i) svg += series_svg(shown[i], frame, i, labels);
   return "<figure class=chart>" + svg + "</svg><figcaption>" + escaped(plot.title) + "</figcaption></figure>";

@@ -35,8 +35,7 @@ std::string list_table(const Json& list) {
   }
   std::string html = table.html();
   if (list.size() > kLongestList)
-    html +=
-        "<p class=note>" + whole(std::int64_t(list.size() - kLongestList)) + " more rows are not shown.</p>";
+    html += "<p class=note>" + whole(std::int64_t(list.size() - kLongestList)) + " more rows are not shown.</p>";
   return html;
 }
 
@@ -46,23 +45,12 @@ std::string escaped(std::string_view text) {
   std::string out;
   out.reserve(text.size());
   for (char c : text) switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\'':
-        out += "&#39;";
-        break;
-      default:
-        out += c;
+      case '&': out += "&amp;"; break;
+      case '<': out += "&lt;"; break;
+      case '>': out += "&gt;"; break;
+      case '"': out += "&quot;"; break;
+      case '\'': out += "&#39;"; break;
+      default: out += c;
     }
   return out;
 }
@@ -74,8 +62,7 @@ std::string base64(std::span<const std::uint8_t> bytes) {
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
     std::uint32_t group = 0;
     for (std::size_t k = 0; k < 3; ++k) group = group << 8 | (i + k < bytes.size() ? bytes[i + k] : 0u);
-    for (std::size_t k = 0; k < 4; ++k)
-      out += i + k <= bytes.size() ? kDigits[group >> (18 - 6 * k) & 63] : '=';
+    for (std::size_t k = 0; k < 4; ++k) out += i + k <= bytes.size() ? kDigits[group >> (18 - 6 * k) & 63] : '=';
   }
   return out;
 }
@@ -148,8 +135,7 @@ std::string json_html(const Json& json) {
   if (json.is_array() && all_objects(json)) return list_table(json);
   if (json.is_array()) {
     std::string text;
-    for (std::size_t i = 0; i < std::min(json.size(), kLongestList); ++i)
-      text += (i ? ", " : "") + json_text(json[i]);
+    for (std::size_t i = 0; i < std::min(json.size(), kLongestList); ++i) text += (i ? ", " : "") + json_text(json[i]);
     return escaped(text) + (json.size() > kLongestList ? ", …" : "");
   }
   return escaped(json_text(json));

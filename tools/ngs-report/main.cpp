@@ -16,14 +16,11 @@ struct ReportOptions : ngs::cli::PictureOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     using ngs::Field;
-    visit(self.sheet_width_px,
-          Field<int>{"sheet_width", "px", "width of the pictures of the contact sheet", 64, 2048});
+    visit(self.sheet_width_px, Field<int>{"sheet_width", "px", "width of the pictures of the contact sheet", 64, 2048});
     visit(self.crop_side_px,
           Field<int>{"crop_side", "px", "side of the zoomed crops, in pixels of the truth", 16, 512});
-    visit(self.zoomed_views,
-          Field<int>{"zoomed_views", "", "how many of the worst views are shown zoomed", 0, 100});
-    visit(self.budget_mib,
-          Field<double>{"picture_budget", "MiB", "all pictures of the page together", 0, 1000});
+    visit(self.zoomed_views, Field<int>{"zoomed_views", "", "how many of the worst views are shown zoomed", 0, 100});
+    visit(self.budget_mib, Field<double>{"picture_budget", "MiB", "all pictures of the page together", 0, 1000});
   }
 };
 
@@ -37,8 +34,7 @@ void tell_apart(std::vector<ngs::cli::RunFolder>& runs) {
 
 int runs_command(int argc, char** argv) {
   using namespace ngs;
-  cli::Tool tool("ngs-report",
-                 "Show runs on one self-contained page: scores, contours, decisions, times, inputs.",
+  cli::Tool tool("ngs-report", "Show runs on one self-contained page: scores, contours, decisions, times, inputs.",
                  {"ngs-report out -o report.html", "ngs-report out/fern out/flower -o report.html"});
   ReportOptions options;
   tool.options(options);
@@ -48,7 +44,8 @@ int runs_command(int argc, char** argv) {
       "--atlas", "pictures of the wrong pixels by cause, one PNG per scored view of a single run");
   return tool.run(argc, argv, [&](cli::Run& run) {
     if (atlas && folders.paths.size() > 1)
-      throw Error(ErrorCode::kUsage, "--atlas: " + std::to_string(folders.paths.size()) + " runs, expected a single one",
+      throw Error(ErrorCode::kUsage,
+                  "--atlas: " + std::to_string(folders.paths.size()) + " runs, expected a single one",
                   "make a page of the run alone for it");
     std::vector<cli::RunFolder> runs;
     for (const std::string& path : folders.paths) runs.push_back(cli::read_run_folder(path));

@@ -7,8 +7,8 @@
 
 #include "html.h"
 #include "ngs/core/error.h"
-#include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/image/image_file.h"
+#include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/scene/mask_threshold.h"
 #include "ngs/stages/render/render_options.h"
 #include "planes.h"
@@ -70,8 +70,7 @@ const ShownView* median_view(const RunFolder& run) {
 }
 
 /// background.ply from the camera of the view, over the scene's background, on grey where that is not known.
-ImageF background_picture(const Exec& exec, const RunFolder& run, const ShownView& view, int width_px,
-                          int height_px) {
+ImageF background_picture(const Exec& exec, const RunFolder& run, const ShownView& view, int width_px, int height_px) {
   const fs::path path = fs::path(run.path) / "background.ply";
   if (!view.scene_view || !fs::is_regular_file(path)) return {};
   const Camera& camera = run.scene->views[*view.scene_view].camera;
@@ -95,15 +94,13 @@ std::vector<Flip> flips_of(const Exec& exec, const RunFolder& run, const ShownVi
   const Plane result = plane(view.predicted, view.predicted_id);
   const bool several = !view.object.empty();
   const std::string object = several ? view.object : "the object";
-  std::vector<Flip> flips{
-      {photo, painted(photo, result, false, kPaper, 1), view.view, "the photo", object + " alone"}};
+  std::vector<Flip> flips{{photo, painted(photo, result, false, kPaper, 1), view.view, "the photo", object + " alone"}};
   if (ImageF left = background_picture(exec, run, view, width, height); !left.empty())
     flips.push_back({photo, std::move(left), view.view, "the photo",
                      several ? "the splat without all objects" : "the splat without the object"});
   if (const Plane input = plane(view.input, view.input_id); !input.empty())
-    flips.push_back({painted(photo, input, true, {1, 1, 1}, 0.55),
-                     painted(photo, result, true, kOrange, 0.55), view.view,
-                     several ? "the input mask of " + object : "the input mask", "the result"});
+    flips.push_back({painted(photo, input, true, {1, 1, 1}, 0.55), painted(photo, result, true, kOrange, 0.55),
+                     view.view, several ? "the input mask of " + object : "the input mask", "the result"});
   return flips;
 }
 
@@ -115,8 +112,7 @@ ImageF side_picture(const io::GaussianPly& ply, const LabelColumns& labels, int 
   std::vector<double> object(cells), boundary(cells);
   const auto cell = [&](std::size_t row, int along) {
     const auto& r = range[std::size_t(along)];
-    return std::floor((double(ply.cloud.position[3 * row + std::size_t(along)]) - r[0]) / (r[1] - r[0]) *
-                      kSidePx);
+    return std::floor((double(ply.cloud.position[3 * row + std::size_t(along)]) - r[0]) / (r[1] - r[0]) * kSidePx);
   };
   for (std::size_t i = 0; i < labels.label.size(); ++i) {
     const double x = cell(i, across), y = cell(i, down);
@@ -142,8 +138,8 @@ ImageF side_picture(const io::GaussianPly& ply, const LabelColumns& labels, int 
   return picture;
 }
 
-/// The boundary Gaussians along each axis but for the outermost fiftieth on either side, a third wider, all three of one length. Empty
-/// length: none.
+/// The boundary Gaussians along each axis but for the outermost fiftieth on either side, a third wider, all three of
+/// one length. Empty length: none.
 std::array<std::array<double, 2>, 3> range_of(const io::GaussianPly& ply, const LabelColumns& labels) {
   std::array<std::array<double, 2>, 3> range{};
   double longest = 0;
@@ -196,17 +192,15 @@ std::string boundary_section(RunFolder& run, Pictures& pictures) {
     if (labels.label.empty() || labels.boundary.empty()) return {};
     const auto range = range_of(ply, labels);
     if (!(range[0][1] > range[0][0])) return {};
-    boundary =
-        std::ranges::count_if(labels.boundary, is_set);
+    boundary = std::ranges::count_if(labels.boundary, is_set);
     object = std::ranges::count_if(labels.label, label_says_object);
     for (const int axis : {0, 1, 2}) {
       const std::string name = "along " + std::string(1, char('x' + axis));
-      const std::string figure =
-          "<figure><span class=stack>" +
-          image_html("side", side_picture(ply, labels, axis, range),
-                     "View of the boundary set " + name +
-                         ": boundary Gaussians orange, other Gaussians of the object grey") +
-          "</span><figcaption>" + name + "</figcaption></figure>\n";
+      const std::string figure = "<figure><span class=stack>" +
+                                 image_html("side", side_picture(ply, labels, axis, range),
+                                            "View of the boundary set " + name +
+                                                ": boundary Gaussians orange, other Gaussians of the object grey") +
+                                 "</span><figcaption>" + name + "</figcaption></figure>\n";
       if (pictures.spend(figure.size())) html += figure;
     }
   } catch (const Error& e) {
@@ -216,8 +210,8 @@ std::string boundary_section(RunFolder& run, Pictures& pictures) {
   return section("boundary", "The boundary set from three sides",
                  "<p class=note>Orange: the " + whole(boundary) +
                      " Gaussians whose masks disagree (Eq. 3). Grey: the other of the " + whole(object) +
-                     " Gaussians of the object" + (several ? "s" : "") +
-                     ". World axes.</p><div class=sheet>" + html + "</div>");
+                     " Gaussians of the object" + (several ? "s" : "") + ". World axes.</p><div class=sheet>" + html +
+                     "</div>");
 }
 
 std::string repeat_section(const RunFolder& run) {
@@ -225,9 +219,9 @@ std::string repeat_section(const RunFolder& run) {
   for (const ToolReport& tool : run.reports)
     if (!tool.command.empty()) html += escaped(tool.command) + "\n";
   if (html.empty()) return html;
-  return section("repeat", "To repeat it",
-                 "<p class=note>In the folder of the run; outputs are replaced.</p><pre class=scroll>" +
-                     html + "</pre>");
+  return section(
+      "repeat", "To repeat it",
+      "<p class=note>In the folder of the run; outputs are replaced.</p><pre class=scroll>" + html + "</pre>");
 }
 
 }  // namespace ngs::cli

@@ -23,8 +23,7 @@ std::string comparison(const std::vector<RunFolder>& runs) {
   PlotSeries dots{.name = {}, .points = {}, .line = false};
   for (const RunFolder& run : runs) {
     std::vector<std::string> row{escaped(run.title), escaped(method_of(run)), duration(run_seconds(run))};
-    for (std::string_view name : kScoreNames)
-      row.push_back(decimal(number_at(run.metrics, {"mean", name}), 4));
+    for (std::string_view name : kScoreNames) row.push_back(decimal(number_at(run.metrics, {"mean", name}), 4));
     table.rows.push_back(std::move(row));
     dots.points.push_back({run_seconds(run), number_at(run.metrics, {"mean", "biou"}), run.title});
   }
@@ -41,18 +40,16 @@ std::string comparison(const std::vector<RunFolder>& runs) {
 std::string run_html(const Exec& exec, RunFolder& run, Pictures& pictures, const std::string& atlas) {
   const std::string views = views_section(run, pictures);  // first: it may find problems
   const std::string errors = errors_section(exec, run, pictures, atlas);
-  const std::string overview = overview_section(exec, run, pictures),
-                    boundary = boundary_section(run, pictures);
+  const std::string overview = overview_section(exec, run, pictures), boundary = boundary_section(run, pictures);
   return tiles(run) + overview + oddities_section(run) + accuracy_section(run) + views + errors + boundary +
-         objects_section(run) + decisions_section(run) + times_section(run) + trace_section(run) +
-         inputs_section(run) + repeat_section(run) + tools_section(run);
+         objects_section(run) + decisions_section(run) + times_section(run) + trace_section(run) + inputs_section(run) +
+         repeat_section(run) + tools_section(run);
 }
 
 /// The sections of several runs must not share their ids.
 std::string with_prefix(std::string html, const std::string& prefix) {
   const std::string mark = "<section id=\"";
-  for (std::size_t at = html.find(mark); at != html.npos;
-       at = html.find(mark, at + mark.size() + prefix.size()))
+  for (std::size_t at = html.find(mark); at != html.npos; at = html.find(mark, at + mark.size() + prefix.size()))
     html.insert(at + mark.size(), prefix);
   return html;
 }
@@ -62,18 +59,16 @@ std::string with_prefix(std::string html, const std::string& prefix) {
 std::string means_table(const std::vector<RunFolder>& runs) {
   char line[160];
   const auto row = [&](const std::string& name, const auto& score) {
-    std::snprintf(line, sizeof line, "%-28.28s  %9s  %9s  %9s  %9s\n", name.c_str(),
-                  decimal(score("iou"), 4).c_str(), decimal(score("accuracy"), 4).c_str(),
-                  decimal(score("biou"), 4).c_str(), decimal(score("contour_f"), 4).c_str());
+    std::snprintf(line, sizeof line, "%-28.28s  %9s  %9s  %9s  %9s\n", name.c_str(), decimal(score("iou"), 4).c_str(),
+                  decimal(score("accuracy"), 4).c_str(), decimal(score("biou"), 4).c_str(),
+                  decimal(score("contour_f"), 4).c_str());
     return std::string(line);
   };
-  std::snprintf(line, sizeof line, "%-28s  %9s  %9s  %9s  %9s\n", "run", "iou", "accuracy", "biou",
-                "contour_f");
+  std::snprintf(line, sizeof line, "%-28s  %9s  %9s  %9s  %9s\n", "run", "iou", "accuracy", "biou", "contour_f");
   std::string table = line;
   for (const RunFolder& run : runs)
     table += row(run.title, [&](const char* score) { return number_at(run.metrics, {"mean", score}); });
-  if (runs.size() > 1)
-    table += row("mean over runs", [&](const char* score) { return mean_over_runs(runs, score); });
+  if (runs.size() > 1) table += row("mean over runs", [&](const char* score) { return mean_over_runs(runs, score); });
   return table;
 }
 
@@ -95,8 +90,7 @@ std::string report_page(const Exec& exec, std::vector<RunFolder>& runs, const Pi
   if (runs.size() == 1) body += run_html(exec, runs[0], pictures, atlas);
   for (std::size_t i = 0; runs.size() > 1 && i < runs.size(); ++i)
     body += "<details class=run><summary><b>" + escaped(runs[i].title) + "</b></summary>" +
-            with_prefix(run_html(exec, runs[i], pictures, {}), "run" + std::to_string(i + 1) + "-") +
-            "</details>\n";
+            with_prefix(run_html(exec, runs[i], pictures, {}), "run" + std::to_string(i + 1) + "-") + "</details>\n";
   return "<!doctype html>\n<html lang=en><head><meta charset=utf-8><meta name=viewport "
          "content=\"width=device-width,initial-scale=1\"><title>" +
          escaped(title) + " – ngs report</title><style>" + kStyle + "</style></head>\n<body><header><h1>" +

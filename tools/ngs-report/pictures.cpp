@@ -22,8 +22,7 @@ Plane cropped(const Plane& plane, Window w) {
   for (int y = w.y; y < w.y + w.height_px; ++y)
     for (int x = w.x; x < w.x + w.width_px; ++x) {
       const bool inside = x >= 0 && y >= 0 && x < plane.width_px && y < plane.height_px;
-      out.data.push_back(inside ? plane.data[std::size_t(y) * std::size_t(plane.width_px) + std::size_t(x)]
-                                : 0);
+      out.data.push_back(inside ? plane.data[std::size_t(y) * std::size_t(plane.width_px) + std::size_t(x)] : 0);
     }
   return out;
 }
@@ -54,15 +53,13 @@ struct Layers {
 };
 
 /// A picture with outlines; the outlines' unit is the pixel of `view_box`.
-std::string stack_html(const ImageU8& picture, const Layers& layers, Window view_box,
-                       const std::string& alt) {
+std::string stack_html(const ImageU8& picture, const Layers& layers, Window view_box, const std::string& alt) {
   const std::vector<std::uint8_t> jpeg = io::encode_jpeg(picture, picture.width_px < 200 ? 92 : 82);
-  std::string html = "<div class=stack><img alt=\"" + escaped(alt) +
-                     "\" width=" + std::to_string(picture.width_px) +
-                     " height=" + std::to_string(picture.height_px) + " src=\"data:image/jpeg;base64," +
-                     base64(jpeg) + "\">";
-  html += "<svg aria-hidden=true viewBox=\"" + std::to_string(view_box.x) + " " + std::to_string(view_box.y) +
-          " " + std::to_string(view_box.width_px) + " " + std::to_string(view_box.height_px) + "\">";
+  std::string html = "<div class=stack><img alt=\"" + escaped(alt) + "\" width=" + std::to_string(picture.width_px) +
+                     " height=" + std::to_string(picture.height_px) + " src=\"data:image/jpeg;base64," + base64(jpeg) +
+                     "\">";
+  html += "<svg aria-hidden=true viewBox=\"" + std::to_string(view_box.x) + " " + std::to_string(view_box.y) + " " +
+          std::to_string(view_box.width_px) + " " + std::to_string(view_box.height_px) + "\">";
   html += outline_html("input", layers.input) + outline_html("truth", layers.truth) +
           outline_html("predicted", layers.predicted);
   return html + "</svg></div>";
@@ -86,9 +83,7 @@ ImageF resized(const ImageF& image, int width_px, int height_px) {
                                     : io::resize_nearest(image, width_px, height_px);
 }
 
-std::string name_of(const ShownView& view) {
-  return view.object.empty() ? view.view : view.view + ", " + view.object;
-}
+std::string name_of(const ShownView& view) { return view.object.empty() ? view.view : view.view + ", " + view.object; }
 
 std::string caption_of(const ShownView& view) {
   std::string text = "<b>" + escaped(name_of(view)) + "</b>";
@@ -102,8 +97,7 @@ std::string caption_of(const ShownView& view) {
 }
 
 Layers read_layers(const ShownView& view) {
-  return {read_plane(view.input, view.input_id), read_truth(view),
-          read_plane(view.predicted, view.predicted_id)};
+  return {read_plane(view.input, view.input_id), read_truth(view), read_plane(view.predicted, view.predicted_id)};
 }
 
 Layers fitted(const Layers& layers, int width_px, int height_px) {
@@ -127,8 +121,7 @@ Window worst_window(const Plane& predicted, const Plane& truth, int side_px) {
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x) {
       const std::size_t i = std::size_t(y) * std::size_t(w) + std::size_t(x);
-      at(x + 1, y + 1) =
-          at(x, y + 1) + at(x + 1, y) - at(x, y) + ((predicted.data[i] != 0) != (truth.data[i] != 0));
+      at(x + 1, y + 1) = at(x, y + 1) + at(x + 1, y) - at(x, y) + ((predicted.data[i] != 0) != (truth.data[i] != 0));
     }
   const auto wrong_in = [&](int x, int y) {
     return at(x + side_x, y + side_y) - at(x, y + side_y) - at(x + side_x, y) + at(x, y);
@@ -175,8 +168,7 @@ std::string crop_figure(const ShownView& view, int side_px) {
   const Window window = worst_window(layers.predicted, closest_truth(layers.truth, layers.predicted), side_px);
   // One pixel more on each side, so that no outline runs along the border of the crop.
   const Window wider{window.x - 1, window.y - 1, window.width_px + 2, window.height_px + 2};
-  const Layers parts{cropped(layers.input, wider), cropped(layers.truth, wider),
-                     cropped(layers.predicted, wider)};
+  const Layers parts{cropped(layers.input, wider), cropped(layers.truth, wider), cropped(layers.predicted, wider)};
   const ImageF photo = resized(photo_of(view, layers.truth), w, h);
   const std::string place = std::to_string(window.x) + ", " + std::to_string(window.y);
   const std::string alt =

@@ -9,10 +9,10 @@
 
 #include "html.h"
 #include "ngs/core/error.h"
+#include "ngs/io/files/match_names.h"
 #include "ngs/io/image/masks.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/scene/view_names.h"
-#include "ngs/io/files/match_names.h"
 
 namespace ngs::cli {
 namespace {
@@ -43,9 +43,8 @@ void if_present(RunFolder& run, const fs::path& path, const Read& read) {
 }
 
 int chain_position(std::string_view name) {
-  constexpr std::array kChain = {"ngs-synth",  "ngs-fit",        "ngs-scene", "ngs-variance",
-                                 "ngs-sample", "ngs-rbf",        "ngs-joint", "ngs-extract",
-                                 "ngs-render", "ngs-eval-input", "ngs-eval"};
+  constexpr std::array kChain = {"ngs-synth", "ngs-fit",     "ngs-scene",  "ngs-variance",   "ngs-sample", "ngs-rbf",
+                                 "ngs-joint", "ngs-extract", "ngs-render", "ngs-eval-input", "ngs-eval"};
   return int(std::find(kChain.begin(), kChain.end(), name) - kChain.begin());
 }
 
@@ -57,8 +56,7 @@ void read_reports(RunFolder& run) {
     if (entry.path().extension() != ".json" || name == "ngs-report") continue;
     if_present(run, entry.path(), [&] {
       Json report = parse_json(read_text(entry.path()), entry.path().string());
-      if (!report.is_object())
-        throw Error(ErrorCode::kBadInput, entry.path().string() + ": expected a JSON object");
+      if (!report.is_object()) throw Error(ErrorCode::kBadInput, entry.path().string() + ": expected a JSON object");
       const fs::path command = folder / (name + ".sh");
       run.reports.push_back(
           {name, std::move(report), fs::is_regular_file(command) ? read_text(command) : std::string()});
@@ -152,8 +150,7 @@ void add_rendered_views(RunFolder& run) {
                            .truth = {},
                            .input = {},
                            .scores = {}});
-  std::sort(run.views.begin(), run.views.end(),
-            [](const ShownView& a, const ShownView& b) { return a.view < b.view; });
+  std::sort(run.views.begin(), run.views.end(), [](const ShownView& a, const ShownView& b) { return a.view < b.view; });
 }
 
 void add_scene_files(RunFolder& run) {
@@ -176,12 +173,10 @@ void add_scene_files(RunFolder& run) {
     view.behind = background_of(*run.scene);
     const std::vector<std::string> masks = io::mask_files(*run.scene, found[0]);
     for (std::size_t k = 0; k < masks.size(); ++k)
-      if ((masks.size() == 1 || run.scene->objects[k].name == view.object) &&
-          fs::is_regular_file(masks[k], ignored))
+      if ((masks.size() == 1 || run.scene->objects[k].name == view.object) && fs::is_regular_file(masks[k], ignored))
         view.input = masks[k];
     for (const SceneObject& object : run.scene->objects)
-      if (run.scene->mask_mode == MaskMode::kLabel &&
-          (run.scene->objects.size() == 1 || object.name == view.object))
+      if (run.scene->mask_mode == MaskMode::kLabel && (run.scene->objects.size() == 1 || object.name == view.object))
         view.input_id = object.id;
   }
 }
@@ -203,11 +198,9 @@ RunFolder read_run_folder(const std::string& path) {
   run.title = fs::weakly_canonical(path).filename().string();
   const fs::path folder(path);
   read_reports(run);
-  if_present(run, folder / "scene.json",
-             [&] { run.scene = io::read_scene_json((folder / "scene.json").string()); });
+  if_present(run, folder / "scene.json", [&] { run.scene = io::read_scene_json((folder / "scene.json").string()); });
   const auto metrics = [&](const char* name, Json& json) {
-    if_present(run, folder / name,
-               [&] { json = parse_json(read_text(folder / name), (folder / name).string()); });
+    if_present(run, folder / name, [&] { json = parse_json(read_text(folder / name), (folder / name).string()); });
   };
   metrics("metrics.json", run.metrics);
   metrics("metrics_input.json", run.metrics_input);

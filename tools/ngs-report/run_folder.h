@@ -22,10 +22,10 @@ struct ShownView {
   std::string photo, predicted, truth, input;
   Vec3<float> behind{0, 0, 0};  // what a transparent photo shows: the scene's background
   std::uint32_t predicted_id = 0, truth_id = 0,
-                input_id = 0;  // 0: a mask; else the object's id in a label map
-  std::int64_t void_id = -1;   // of the truth, a label map; -1: none
+                input_id = 0;                  // 0: a mask; else the object's id in a label map
+  std::int64_t void_id = -1;                   // of the truth, a label map; -1: none
   std::optional<std::size_t> scene_view = {};  // its index in the scene; none: not known
-  Json scores;                 // an entry of metrics.json "views", or null
+  Json scores;                                 // an entry of metrics.json "views", or null
 };
 
 struct RunFolder {

@@ -12,10 +12,9 @@
 namespace ngs::cli {
 namespace {
 
-void add_tile(std::string& html, const std::string& name, const std::string& value,
-              const std::string& note = {}) {
-  html += "<div><dt>" + name + "</dt><dd>" + value + (note.empty() ? "" : "<small>" + note + "</small>") +
-          "</dd></div>";
+void add_tile(std::string& html, const std::string& name, const std::string& value, const std::string& note = {}) {
+  html +=
+      "<div><dt>" + name + "</dt><dd>" + value + (note.empty() ? "" : "<small>" + note + "</small>") + "</dd></div>";
 }
 
 std::string beside_input(const RunFolder& run, std::string_view score) {
@@ -54,8 +53,7 @@ std::string rate(double per_second) {
 std::string bar_row(const char* row_class, const std::string& name, const Json& stage, double largest) {
   const Json& items = value_at(stage, {"items"});
   std::string row = std::string("<tr class=") + row_class + "><th scope=row>" + escaped(name) + "</th><td>" +
-                    bar_svg(seconds_of(stage), largest) + "</td><td>" + duration(seconds_of(stage)) +
-                    "</td><td>";
+                    bar_svg(seconds_of(stage), largest) + "</td><td>" + duration(seconds_of(stage)) + "</td><td>";
   if (items.is_number_integer() && items.get<std::int64_t>() > 0)
     row += whole(items.get<std::int64_t>()) + " items, " + rate(number_at(stage, {"items_per_s"})) + "/s";
   return row + "</td><td>" + decimal(number_at(stage, {"max_rss_mib"}), 0) + " MiB</td></tr>";
@@ -79,20 +77,19 @@ std::string learnt_from(const RunFolder& run, const std::string& noun) {
     if (view.scene_view && is_learnt_from(run.scene->views[*view.scene_view])) learnt.insert(view.view);
   }
   if (learnt.empty()) return {};
-  return whole(std::int64_t(learnt.size())) + " of " + whole(std::int64_t(scored.size())) + " " + noun + " were learnt from";
+  return whole(std::int64_t(learnt.size())) + " of " + whole(std::int64_t(scored.size())) + " " + noun +
+         " were learnt from";
 }
 
 }  // namespace
 
 std::string tiles(const RunFolder& run) {
   std::string html = "<dl class=tiles>";
-  for (const auto& [score, name] :
-       {std::pair{"iou", "IoU"}, {"biou", "boundary IoU"}, {"accuracy", "accuracy"}})
+  for (const auto& [score, name] : {std::pair{"iou", "IoU"}, {"biou", "boundary IoU"}, {"accuracy", "accuracy"}})
     if (std::isfinite(number_at(run.metrics, {"mean", score})))
       add_tile(html, name, decimal(number_at(run.metrics, {"mean", score}), 3), beside_input(run, score));
   if (const double psnr = number_at(run.metrics, {"mean", "psnr_db"}); std::isfinite(psnr))
-    add_tile(html, "PSNR", decimal(psnr, 2) + " dB",
-             "SSIM " + decimal(number_at(run.metrics, {"mean", "ssim"}), 3));
+    add_tile(html, "PSNR", decimal(psnr, 2) + " dB", "SSIM " + decimal(number_at(run.metrics, {"mean", "ssim"}), 3));
   if (!run.report("ngs-joint").is_null()) add_tile(html, "method", escaped(method_of(run)));
   if (run_seconds(run) > 0) add_tile(html, "time", duration(run_seconds(run)), "whole chain without scoring");
   if (run.scene) {
@@ -115,31 +112,27 @@ std::string oddities_section(const RunFolder& run) {
       list += "<li><b>" + escaped(tool.name) + "</b> " + escaped(json_text(warning)) + "</li>";
     const double code = number_at(tool.report, {"exit_code"});
     if (code == 1) list += "<li><b>" + escaped(tool.name) + "</b> a requested check failed</li>";
-    if (code == 7)
-      list += "<li><b>" + escaped(tool.name) + "</b> stopped at its budget with a partial result</li>";
+    if (code == 7) list += "<li><b>" + escaped(tool.name) + "</b> stopped at its budget with a partial result</li>";
   }
   return section("oddities", "Oddities",
                  list.empty() ? "<p>No tool had anything to remark.</p>" : "<ul class=odd>" + list + "</ul>");
 }
 
 std::string accuracy_section(const RunFolder& run) {
-  if (value_at(run.metrics, {"mean"}).is_null() || value_at(run.metrics, {"kind"}) == Json("photos"))
-    return {};
-  Table table{
-      .caption = "Mean over the scored views; boundary IoU by band width (share of the diagonal, or px)",
-      .head = score_head("masks"),
-      .rows = {}};
+  if (value_at(run.metrics, {"mean"}).is_null() || value_at(run.metrics, {"kind"}) == Json("photos")) return {};
+  Table table{.caption = "Mean over the scored views; boundary IoU by band width (share of the diagonal, or px)",
+              .head = score_head("masks"),
+              .rows = {}};
   if (!run.metrics_input.is_null())
     table.rows.push_back(score_row("input masks, same views", value_at(run.metrics_input, {"mean"})));
-  table.rows.push_back(score_row(
-      run.report("ngs-joint").is_null() ? "predicted masks" : escaped(method_of(run)) + ", rendered",
-      value_at(run.metrics, {"mean"})));
+  table.rows.push_back(
+      score_row(run.report("ngs-joint").is_null() ? "predicted masks" : escaped(method_of(run)) + ", rendered",
+                value_at(run.metrics, {"mean"})));
   std::string html = table.html();
   Table checks{.caption = "Requested checks", .head = {"score", "at least", "found", "result"}, .rows = {}};
   for (const Json& check : list_at(run.metrics, {"checks"}))
     checks.rows.push_back({score_title(json_text(value_at(check, {"score"}))),
-                           decimal(number_at(check, {"at_least"}), 4),
-                           decimal(number_at(check, {"found"}), 4),
+                           decimal(number_at(check, {"at_least"}), 4), decimal(number_at(check, {"found"}), 4),
                            value_at(check, {"passed"}) == Json(true) ? "passed" : "<b>failed</b>"});
   if (!checks.rows.empty()) html += checks.html();
   return section("accuracy", "Accuracy", html);
@@ -154,15 +147,13 @@ std::string views_section(RunFolder& run, Pictures& pictures) {
   const bool scored = !run.views.front().scores.is_null();
   const std::string crops = pictures.crops(run), sheet = pictures.sheet(run);
   std::string html = legend(any(&ShownView::truth), any(&ShownView::input));
-  if (!crops.empty())
-    html += "<h3>Where the worst views go wrong</h3><div class=\"sheet crops\">" + crops + "</div>";
+  if (!crops.empty()) html += "<h3>Where the worst views go wrong</h3><div class=\"sheet crops\">" + crops + "</div>";
   html += std::string("<h3>") + (scored ? "All views, worst boundary IoU first" : "All views") +
           "</h3><div class=sheet>" + sheet + "</div>";
   Table table{.caption = {}, .head = score_head("view"), .rows = {}};
   for (const ShownView& view : run.views)
     if (!view.scores.is_null())
-      table.rows.push_back(
-          score_row(escaped(view.view + (view.object.empty() ? "" : " " + view.object)), view.scores));
+      table.rows.push_back(score_row(escaped(view.view + (view.object.empty() ? "" : " " + view.object)), view.scores));
   if (!table.rows.empty()) html += details("Scores of every view", table.html());
   return "<div class=views>" + section("views", "Views", html) + "</div>";
 }
@@ -173,14 +164,12 @@ std::string objects_section(const RunFolder& run) {
   Table scores{.caption = "Mean over the views of each object", .head = score_head("object"), .rows = {}};
   Table errors{
       .caption = "Wrong pixels, summed over the views. Far: beyond the 2 % band of the true contour.",
-      .head = {"object", "pairs", "too much", "of these far (leaks)", "missing", "of these far (holes)",
-               "right"},
+      .head = {"object", "pairs", "too much", "of these far (leaks)", "missing", "of these far (holes)", "right"},
       .rows = {}};
   for (const Json& object : objects) {
     const std::string name = json_text(value_at(object, {"object"}));
     scores.rows.push_back(score_row(name.empty() ? "object" : escaped(name), object));
-    std::vector<std::string> row{name.empty() ? "object" : escaped(name),
-                                 decimal(number_at(object, {"pairs"}), 0)};
+    std::vector<std::string> row{name.empty() ? "object" : escaped(name), decimal(number_at(object, {"pairs"}), 0)};
     for (const char* key : {"fp", "far_fp", "fn", "far_fn", "tp"}) {
       const Json& count = value_at(object, {"counts", key});
       row.push_back(count.is_number_integer() ? whole(count.get<std::int64_t>()) : "–");
@@ -210,14 +199,13 @@ std::string decisions_section(const RunFolder& run) {
       return section("decisions", "Decisions",
                      "<p>The parts of the method, and whether they were on.</p>" +
                          (decisions.is_array() && decisions[0].contains("on") ? decisions_table(decisions)
-                                                                               : json_html(decisions)));
+                                                                              : json_html(decisions)));
   return {};
 }
 
 std::string times_section(const RunFolder& run) {
   double largest = 0;
-  for (const ToolReport& tool : run.reports)
-    largest = std::max(largest, seconds_of(value_at(tool.report, {"stages"})));
+  for (const ToolReport& tool : run.reports) largest = std::max(largest, seconds_of(value_at(tool.report, {"stages"})));
   if (!(largest > 0)) return {};
   std::string rows;
   for (const ToolReport& tool : run.reports) {
@@ -239,8 +227,7 @@ std::string times_section(const RunFolder& run) {
 std::string trace_section(const RunFolder& run) {
   const auto series = [&](const char* name, std::initializer_list<std::string_view> keys) {
     PlotSeries line{.name = name, .points = {}, .line = true};
-    for (const Json& step : run.trace)
-      line.points.push_back({number_at(step, {"t"}), number_at(step, keys), {}});
+    for (const Json& step : run.trace) line.points.push_back({number_at(step, {"t"}), number_at(step, keys), {}});
     return line;
   };
   std::string html;
@@ -267,13 +254,12 @@ std::string inputs_section(const RunFolder& run) {
     table.rows.push_back({"views", whole(std::int64_t(scene.views.size()))});
     if (!scene.views.empty()) {
       const Camera& camera = scene.views.front().camera;
-      table.rows.push_back({"working size of the first view", std::to_string(camera.width_px) + " × " +
-                                                                  std::to_string(camera.height_px) + " px"});
+      table.rows.push_back({"working size of the first view",
+                            std::to_string(camera.width_px) + " × " + std::to_string(camera.height_px) + " px"});
     }
     table.rows.push_back({"image scale", decimal(scene.image_scale, 4)});
     std::string objects;
-    for (const SceneObject& object : scene.objects)
-      objects += (objects.empty() ? "" : ", ") + escaped(object.name);
+    for (const SceneObject& object : scene.objects) objects += (objects.empty() ? "" : ", ") + escaped(object.name);
     table.rows.push_back({"objects", objects});
     html += table.html();
   }
@@ -306,8 +292,7 @@ std::string tools_section(const RunFolder& run) {
         options.rows.push_back({"<code>" + escaped(key) + "</code>", json_html(value)});
     body += options.html();
     // The file lists of ngs-eval and the checks of ngs-scene are shown elsewhere.
-    if (!tool.name.starts_with("ngs-eval") && tool.name != "ngs-scene")
-      body += json_html(value_at(report, {"result"}));
+    if (!tool.name.starts_with("ngs-eval") && tool.name != "ngs-scene") body += json_html(value_at(report, {"result"}));
     html += details(escaped(tool.name), body);
   }
   return html.empty() ? html : section("tools", "Tools and options", html);

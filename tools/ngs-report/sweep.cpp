@@ -114,8 +114,7 @@ Sweep read_sweep(const std::string& folder) {
       if (!point.runs.empty()) sweep.points.push_back(std::move(point));
     }
   if (sweep.points.empty())
-    throw Error(ErrorCode::kBadInput,
-                folder + ": no finished points, expected points/KNOB@SETTING/REPEAT/done",
+    throw Error(ErrorCode::kBadInput, folder + ": no finished points, expected points/KNOB@SETTING/REPEAT/done",
                 "make -f pipelines/work-precision.mk SCENE=... OUT=" + folder);
   std::sort(sweep.points.begin(), sweep.points.end(), before);
   sweep.once = read_once(fs::path(folder) / "once");
@@ -126,8 +125,7 @@ Sweep read_sweep(const std::string& folder) {
 void mark_frontier(Sweep& sweep, const std::string& score, bool cpu) {
   std::vector<SweepPoint*> order;
   for (SweepPoint& point : sweep.points)
-    if (std::isfinite(point.score(score).median) && std::isfinite(point.time(cpu).median))
-      order.push_back(&point);
+    if (std::isfinite(point.score(score).median) && std::isfinite(point.time(cpu).median)) order.push_back(&point);
   std::stable_sort(order.begin(), order.end(), [&](const SweepPoint* a, const SweepPoint* b) {
     const double x = a->time(cpu).median, y = b->time(cpu).median;
     return x != y ? x < y : a->score(score).median > b->score(score).median;
@@ -141,8 +139,7 @@ std::array<double, 3> times_to_shares(const std::vector<Json>& trace) {
   std::array<double, 3> times{kNone, kNone, kNone};
   if (trace.size() < 2) return times;
   const auto value = [](const Json& line) { return number_at(line, {"training_biou"}); };
-  const double first = value(trace.front()), last = value(trace.back()),
-               begin = number_at(trace.front(), {"t"});
+  const double first = value(trace.front()), last = value(trace.back()), begin = number_at(trace.front(), {"t"});
   if (!(last > first)) return times;
   constexpr std::array kShares = {0.5, 0.9, 0.99};
   for (std::size_t i = 0; i < kShares.size(); ++i)

@@ -23,15 +23,13 @@ constexpr int kDigits = 4;
 Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
 Json spread_json(const Spread& s) {
-  return {
-      {"min", number_or_null(s.min)}, {"median", number_or_null(s.median)}, {"max", number_or_null(s.max)}};
+  return {{"min", number_or_null(s.min)}, {"median", number_or_null(s.median)}, {"max", number_or_null(s.max)}};
 }
 
 std::string spread_cell(const Spread& s, int digits) {
   if (!std::isfinite(s.median)) return "–";
   std::string cell = decimal(s.median, digits);
-  if (s.min != s.max)
-    cell += " <small>" + decimal(s.min, digits) + " to " + decimal(s.max, digits) + "</small>";
+  if (s.min != s.max) cell += " <small>" + decimal(s.min, digits) + " to " + decimal(s.max, digits) + "</small>";
   return cell;
 }
 
@@ -67,12 +65,11 @@ std::string frontier_section(const Sweep& sweep, const SweepView& view) {
     table.rows.push_back({escaped(point->name()), spread_cell(point->time(view.cpu), 2),
                           spread_cell(point->score(view.score), kDigits)});
   }
-  const std::string plot =
-      plot_svg({.title = "Task accuracy against time: all points, and those that none beats",
-                .x_label = unit_of(view) + " (logarithmic)",
-                .y_label = view.score,
-                .series = {line, best, beaten},
-                .log_x = true});
+  const std::string plot = plot_svg({.title = "Task accuracy against time: all points, and those that none beats",
+                                     .x_label = unit_of(view) + " (logarithmic)",
+                                     .y_label = view.score,
+                                     .series = {line, best, beaten},
+                                     .log_x = true});
   return section("frontier", "Frontier", plot + table.html());
 }
 
@@ -101,15 +98,13 @@ std::string knobs_section(const Sweep& sweep, const SweepView& view) {
 }
 
 std::string points_section(const Sweep& sweep) {
-  Table table{
-      .caption = "All points; median, and min to max where they were repeated. Failures stay in the table.",
-      .head = {"point", "runs", "exit codes", "wall s", "CPU s", "IoU", "B-IoU 0.02", "B-IoU 0.005",
-               "frontier", "50 % s", "90 % s", "99 % s"},
-      .rows = {}};
+  Table table{.caption = "All points; median, and min to max where they were repeated. Failures stay in the table.",
+              .head = {"point", "runs", "exit codes", "wall s", "CPU s", "IoU", "B-IoU 0.02", "B-IoU 0.005", "frontier",
+                       "50 % s", "90 % s", "99 % s"},
+              .rows = {}};
   for (const SweepPoint& point : sweep.points) {
     std::string codes;
-    for (const SweepRun& run : point.runs)
-      codes += (codes.empty() ? "" : " ") + std::to_string(run.exit_code);
+    for (const SweepRun& run : point.runs) codes += (codes.empty() ? "" : " ") + std::to_string(run.exit_code);
     std::vector<std::string> row{escaped(point.name()),
                                  std::to_string(point.runs.size()),
                                  codes,
@@ -122,11 +117,10 @@ std::string points_section(const Sweep& sweep) {
     for (const double t : times_to_shares(point.runs.front().trace)) row.push_back(decimal(t, 2));
     table.rows.push_back(std::move(row));
   }
-  return section(
-      "points", "Points",
-      "<div class=scroll>" + table.html() +
-          "</div><p class=note>50, 90, 99 %: wall time after which that share of what a run gains in "
-          "agreement with its training masks was reached, scoring not counted.</p>");
+  return section("points", "Points",
+                 "<div class=scroll>" + table.html() +
+                     "</div><p class=note>50, 90, 99 %: wall time after which that share of what a run gains in "
+                     "agreement with its training masks was reached, scoring not counted.</p>");
 }
 
 /// Agreement with the training masks over the time of single runs: those with the most evaluations.
@@ -149,9 +143,8 @@ std::string anytime_section(const Sweep& sweep) {
                        .y_label = "B-IoU, training masks",
                        .series = {line}});
   }
-  return plots.empty()
-             ? plots
-             : section("anytime", "Over the time of one run", "<div class=charts>" + plots + "</div>");
+  return plots.empty() ? plots
+                       : section("anytime", "Over the time of one run", "<div class=charts>" + plots + "</div>");
 }
 
 /// What a time buys, and what a quality costs.
@@ -165,18 +158,15 @@ std::string equal_section(const Sweep& sweep, const SweepView& view) {
     for (const SweepPoint* point : frontier)
       if (point->time(view.cpu).median <= t) best = point;
     if (best != nullptr)
-      in_time.rows.push_back(
-          {duration(t), escaped(best->name()), decimal(best->score(view.score).median, kDigits)});
+      in_time.rows.push_back({duration(t), escaped(best->name()), decimal(best->score(view.score).median, kDigits)});
   }
-  Table at_quality{
-      .caption = "At equal quality", .head = {"short of the best by", "least time", "point"}, .rows = {}};
+  Table at_quality{.caption = "At equal quality", .head = {"short of the best by", "least time", "point"}, .rows = {}};
   const double top = frontier.back()->score(view.score).median;
   for (const double loss : {0.0, 0.001, 0.005, 0.01, 0.02, 0.05}) {
     const auto* found = *std::find_if(frontier.begin(), frontier.end(), [&](const SweepPoint* point) {
       return point->score(view.score).median >= top - loss;
     });
-    at_quality.rows.push_back(
-        {decimal(loss, 3), duration(found->time(view.cpu).median), escaped(found->name())});
+    at_quality.rows.push_back({decimal(loss, 3), duration(found->time(view.cpu).median), escaped(found->name())});
   }
   return section("equal", "Equal time, equal quality", in_time.html() + at_quality.html());
 }
@@ -196,15 +186,12 @@ std::string numerical_section(const Sweep& sweep) {
   const Json& points = value_at(sweep.numerical, {"points"});
   if (!points.is_array() || points.empty()) return {};
   std::map<std::string, PlotSeries> knobs;
-  Table table{.caption = "Error against the reference",
-              .head = {"knob", "setting", "CPU s", "largest error"},
-              .rows = {}};
+  Table table{
+      .caption = "Error against the reference", .head = {"knob", "setting", "CPU s", "largest error"}, .rows = {}};
   for (const Json& point : points) {
-    const std::string knob = json_text(value_at(point, {"knob"})),
-                      setting = json_text(value_at(point, {"setting"}));
+    const std::string knob = json_text(value_at(point, {"knob"})), setting = json_text(value_at(point, {"setting"}));
     const double seconds = number_at(point, {"cpu_s"}), error = number_at(point, {"error"});
-    PlotSeries& series =
-        knobs.try_emplace(knob, PlotSeries{.name = {}, .points = {}, .line = false}).first->second;
+    PlotSeries& series = knobs.try_emplace(knob, PlotSeries{.name = {}, .points = {}, .line = false}).first->second;
     char text[32] = "the reference";
     if (error > 0) {
       series.points.push_back({seconds, std::log10(error), knob + " " + setting});
@@ -256,13 +243,12 @@ Json sweep_json(const Sweep& sweep, const SweepView& view) {
     Json runs = Json::array();
     for (const SweepRun& run : point.runs) {
       const auto times = times_to_shares(run.trace);
-      runs.push_back(
-          {{"repeat", run.repeat},
-           {"exit_code", run.exit_code},
-           {"wall_s", number_or_null(run.wall_s)},
-           {"cpu_s", number_or_null(run.cpu_s)},
-           {"scores", run.scores},
-           {"gain_s", {number_or_null(times[0]), number_or_null(times[1]), number_or_null(times[2])}}});
+      runs.push_back({{"repeat", run.repeat},
+                      {"exit_code", run.exit_code},
+                      {"wall_s", number_or_null(run.wall_s)},
+                      {"cpu_s", number_or_null(run.cpu_s)},
+                      {"scores", run.scores},
+                      {"gain_s", {number_or_null(times[0]), number_or_null(times[1]), number_or_null(times[2])}}});
     }
     points.push_back({{"knob", point.knob},
                       {"setting", point.setting},
@@ -299,8 +285,7 @@ std::string sweep_csv(const Sweep& sweep) {
 }
 
 int work_precision_command(int argc, char** argv) {
-  Tool tool("ngs-report work-precision",
-            "Show a sweep: accuracy against time, knob by knob, with its frontier.",
+  Tool tool("ngs-report work-precision", "Show a sweep: accuracy against time, knob by knob, with its frontier.",
             {"ngs-report work-precision out/work-precision -o page.html --points-json points.json"});
   WorkPrecisionOptions options;
   tool.options(options);
@@ -322,8 +307,7 @@ int work_precision_command(int argc, char** argv) {
     io::write_file(out.path, sweep_page(sweep, view, options.title));
     if (json) io::write_file(json.path, sweep_json(sweep, view).dump(1) + "\n");
     if (csv) io::write_file(csv.path, sweep_csv(sweep));
-    for (const SweepPoint* point : frontier_of(sweep, view))
-      run.result()["frontier"].push_back(point->name());
+    for (const SweepPoint* point : frontier_of(sweep, view)) run.result()["frontier"].push_back(point->name());
     return 0;
   });
 }

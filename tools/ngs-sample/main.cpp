@@ -1,9 +1,9 @@
 // ngs-sample: scene.json + boundary PLY -> query PLY with a grid of rays per view. Algorithm 1, steps 2-4.
 #include "ngs/io/ply/query_ply.h"
 #include "ngs/io/scene/scene_json.h"
+#include "ngs/stages/boundary/sample_stage.h"
 #include "ngs/stages/render/render_options.h"
 #include "ngs/stages/render/render_stage.h"
-#include "ngs/stages/boundary/sample_stage.h"
 #include "shared/scene/boundary.h"
 #include "shared/tool.h"
 
@@ -22,12 +22,11 @@ void report_views(ngs::cli::Run& run, const ngs::QueryField& field) {
   std::int64_t empty = 0;
   for (const ngs::QueryView& view : field.views) {
     empty += view.rows == 0;
-    run.result()["views"].push_back(
-        {{"name", view.name},
-         {"box_px", {view.box.min_x, view.box.min_y, view.box.max_x, view.box.max_y}},
-         {"rows", view.rows},
-         {"cols", view.cols},
-         {"mean_depth", view.mean_depth}});
+    run.result()["views"].push_back({{"name", view.name},
+                                     {"box_px", {view.box.min_x, view.box.min_y, view.box.max_x, view.box.max_y}},
+                                     {"rows", view.rows},
+                                     {"cols", view.cols},
+                                     {"mean_depth", view.mean_depth}});
   }
   run.result()["queries"] = field.size();
   run.result()["views_without_boundary"] = empty;
@@ -37,8 +36,7 @@ void report_views(ngs::cli::Run& run, const ngs::QueryField& field) {
 
 int main(int argc, char** argv) {
   using namespace ngs;
-  cli::Tool tool("ngs-sample",
-                 "Lay a grid of rays over the boundary in every view and place query points (Eqs. 4-7).",
+  cli::Tool tool("ngs-sample", "Lay a grid of rays over the boundary in every view and place query points (Eqs. 4-7).",
                  {"ngs-sample scene.json boundary.ply -o queries.ply",
                   "ngs-sample scene.json boundary.ply -o queries.ply --rows 128 --cols 128 --window mean"});
   SampleOptions options;
@@ -64,8 +62,9 @@ int main(int argc, char** argv) {
                 {"output_mib_at_most", double(queries * kBytesPerQuery) / 1048576}});
       return 0;
     }
-    const QueryField field = sample_queries(run.exec(), run.monitor(), options,
-                                            {ply.cloud, boundary, scene, views, splat_options(raster, ply.cloud, scene)});
+    const QueryField field =
+        sample_queries(run.exec(), run.monitor(), options,
+                       {ply.cloud, boundary, scene, views, splat_options(raster, ply.cloud, scene)});
     report_views(run, field);
     if (field.size() == 0 && boundary.size() > 0)
       run.nothing_found("the boundary is visible in none of the chosen views",

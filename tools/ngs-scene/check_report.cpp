@@ -26,8 +26,7 @@ std::string table_row(const SceneView& view, const ViewCheck& check, bool has_mo
   const std::string& name = view.camera.name;
   std::string text = name + std::string(name.size() < 26 ? 26 - name.size() : 1, ' ');
   text += view.split == Split::kTrain ? "train      " : "held-out   ";
-  text += has_model ? format("%-10.3f", check.in_front) + format("%-10.3f", check.inside)
-                    : "-         -         ";
+  text += has_model ? format("%-10.3f", check.in_front) + format("%-10.3f", check.inside) : "-         -         ";
   text += check.match ? format("%-9.2f", check.match->psnr_db) + format("%-9.2f", check.match->gain_db())
                       : "-        -        ";
   if (!check.masks) return text + "-\n";
@@ -42,11 +41,9 @@ Json check_json(const Scene& scene, const SceneCheck& check) {
   const bool has_model = check.sampled_gaussians > 0;
   Json out;
   int compared = 0, masks = 0;
-  for (const ViewCheck& view : check.views)
-    compared += view.match.has_value(), masks += view.masks.has_value();
+  for (const ViewCheck& view : check.views) compared += view.match.has_value(), masks += view.masks.has_value();
   out["views"] = scene.views.size(), out["compared_views"] = compared, out["mask_views"] = masks;
-  if (has_model)
-    out["median_inside"] = check.median_inside, out["sampled_gaussians"] = check.sampled_gaussians;
+  if (has_model) out["median_inside"] = check.median_inside, out["sampled_gaussians"] = check.sampled_gaussians;
   if (compared > 0) out["median_psnr_db"] = check.median_psnr_db, out["median_fit_db"] = check.median_fit_db;
   for (std::size_t k = 0; k < scene.objects.size(); ++k) {
     const ObjectCheck& o = check.objects[k];
@@ -78,8 +75,8 @@ std::string check_table(const Scene& scene, const SceneCheck& check) {
     if (!shortened || check.views[i].match)
       text += table_row(scene.views[i], check.views[i], check.sampled_gaussians > 0);
   if (shortened)
-    text += "(of " + std::to_string(scene.views.size()) +
-            " views those compared with their photos; the report has all)\n";
+    text +=
+        "(of " + std::to_string(scene.views.size()) + " views those compared with their photos; the report has all)\n";
   return text;
 }
 

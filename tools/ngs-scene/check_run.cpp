@@ -3,12 +3,12 @@
 #include <algorithm>
 
 #include "check_report.h"
+#include "ngs/io/files/regular_file.h"
 #include "ngs/io/image/masks.h"
 #include "ngs/io/image/photo.h"
-#include "ngs/io/files/regular_file.h"
+#include "ngs/problem/view_list.h"
 #include "ngs/stages/scene/filter_probe.h"
 #include "ngs/stages/scene/view_align.h"
-#include "ngs/problem/view_list.h"
 
 namespace ngs::capture {
 namespace {
@@ -47,8 +47,12 @@ Model read_model(cli::Run& run, const Scene& scene, std::vector<std::string>& no
 }  // namespace
 
 SceneChecks::SceneChecks(cli::Run& run, const SceneCheckOptions& options, Scene& scene, std::vector<std::string> notes)
-    : run_(run), options_(options), scene_(scene), notes_(std::move(notes)),
-      compared_(some_with_photo(scene, options.check_views)), photos_(scene, compared_),
+    : run_(run),
+      options_(options),
+      scene_(scene),
+      notes_(std::move(notes)),
+      compared_(some_with_photo(scene, options.check_views)),
+      photos_(scene, compared_),
       model_(read_model(run, scene, notes_)) {}
 
 PhotographedModel SceneChecks::photographed() {
@@ -72,8 +76,8 @@ bool SceneChecks::settle_transparent_photos() {
   if (!white) scene_.background = Vec3<double>{0, 0, 0};
   if (!model_) scene_.background.reset();
   notes_.push_back(std::string("photos are transparent: they are laid over ") + (white ? "white" : "black") +
-                  (model_ ? ", over which the model fits them better" : " until a model says otherwise") +
-                  "; --background " + (white ? "black" : "white") + " takes the other");
+                   (model_ ? ", over which the model fits them better" : " until a model says otherwise") +
+                   "; --background " + (white ? "black" : "white") + " takes the other");
   if (model_) run_.result()["background"] = {{"black_psnr_db", psnr[0]}, {"white_psnr_db", psnr[1]}};
   return true;
 }
@@ -122,17 +126,13 @@ void SceneChecks::align_views(bool for_background) {
 void SceneChecks::find_background() {
   if (!model_) return;
   const auto timed = run_.monitor().scope("background");
-  const BackgroundFinding found =
-      witnesses_.empty()
-          ? ngs::find_background(run_.exec(), run_.monitor(), photographed(), background_views(options_, scene_))
-          : ngs::find_background(witnesses_);
+  const BackgroundFinding found = witnesses_.empty() ? ngs::find_background(run_.exec(), run_.monitor(), photographed(),
+                                                                            background_views(options_, scene_))
+                                                     : ngs::find_background(witnesses_);
   scene_.background = found.colour;
-  run_.result()["background"] = {{"found", found.colour.has_value()},
-                                 {"fitted", triple(found.fitted)},
-                                 {"error", triple(found.error)},
-                                 {"shown", found.shown},
-                                 {"gain_db", found.gain_db},
-                                 {"views", found.views}};
+  run_.result()["background"] = {{"found", found.colour.has_value()}, {"fitted", triple(found.fitted)},
+                                 {"error", triple(found.error)},      {"shown", found.shown},
+                                 {"gain_db", found.gain_db},          {"views", found.views}};
   if (found.colour) run_.info("the photos show a background of " + background_text(background_of(scene_)));
 }
 

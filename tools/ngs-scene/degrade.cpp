@@ -38,9 +38,10 @@ void require_unique_stems(const std::string& folder, const std::vector<std::stri
   std::map<std::string, std::string> seen;
   for (const std::string& name : names)
     if (const auto [other, is_first] = seen.emplace(image_stem(name), name); !is_first)
-      throw Error(ErrorCode::kInconsistent,
-                  folder + ": '" + other->second + "' and '" + name + "' have the same stem, expected one file per view",
-                  "move one of them out of the folder");
+      throw Error(
+          ErrorCode::kInconsistent,
+          folder + ": '" + other->second + "' and '" + name + "' have the same stem, expected one file per view",
+          "move one of them out of the folder");
 }
 
 void write_binary(const std::string& path, const ImageU16& mask) {

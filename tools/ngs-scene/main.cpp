@@ -22,12 +22,11 @@ Json import_json(const io::ImportedScene& imported) {
 }
 
 int import_command(int argc, char** argv) {
-  cli::Tool tool(
-      "ngs-scene import",
-      "Import cameras, photos, masks and a model of any origin, and check that they belong together.",
-      {"ngs-scene import captures/garden --ply garden.ply --masks garden/masks -o scene.json",
-       "ngs-scene import transforms.json --ply splat.ply --hold-out every:8:0 --image-scale 0.5 -o "
-       "scene.json"});
+  cli::Tool tool("ngs-scene import",
+                 "Import cameras, photos, masks and a model of any origin, and check that they belong together.",
+                 {"ngs-scene import captures/garden --ply garden.ply --masks garden/masks -o scene.json",
+                  "ngs-scene import transforms.json --ply splat.ply --hold-out every:8:0 --image-scale 0.5 -o "
+                  "scene.json"});
   capture::ImportOptions options;
   SceneCheckOptions checks;
   tool.options(options);
@@ -36,8 +35,7 @@ int import_command(int argc, char** argv) {
       "source", "COLMAP folder, transforms.json, cameras.json, poses_bounds.npy, or a folder holding one");
   const cli::Input& ply =
       tool.optional_input("--ply", "the 3DGS model; else point_cloud.ply or model.ply beside the cameras");
-  const cli::Input& images =
-      tool.optional_input("--images", "folder of photos; else images/ beside the cameras");
+  const cli::Input& images = tool.optional_input("--images", "folder of photos; else images/ beside the cameras");
   const cli::Input& masks = tool.optional_input("--masks", "folder of masks; else masks/ beside the cameras");
   const cli::Input& world = tool.optional_input("--world-transform",
                                                 "JSON {transform, scale}: from the cameras' world to the "
@@ -45,8 +43,7 @@ int import_command(int argc, char** argv) {
   const cli::Output& out = tool.output("-o,--output", "scene.json");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
-    if (options.mask_mode != MaskMode::kBinary)
-      run.warn_unused({"--mask-threshold"}, "but by --mask-mode binary");
+    if (options.mask_mode != MaskMode::kBinary) run.warn_unused({"--mask-threshold"}, "but by --mask-mode binary");
     io::ImportedScene imported = [&] {
       const auto timed = run.monitor().scope("import");
       return io::import_scene(
@@ -79,9 +76,8 @@ int import_command(int argc, char** argv) {
 }
 
 int check_command(int argc, char** argv) {
-  cli::Tool tool(
-      "ngs-scene check", "Check that cameras, model, photos and masks of a scene belong together.",
-      {"ngs-scene check scene.json", "ngs-scene check scene.json --check-views 100000 --report check.json"});
+  cli::Tool tool("ngs-scene check", "Check that cameras, model, photos and masks of a scene belong together.",
+                 {"ngs-scene check scene.json", "ngs-scene check scene.json --check-views 100000 --report check.json"});
   SceneCheckOptions checks;
   tool.options(checks);
   const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene import");
@@ -101,9 +97,8 @@ int check_command(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return ngs::cli::dispatch(
-      argc, argv,
-      {{"import", import_command, "cameras, photos, masks, model -> scene.json"},
-       {"check", check_command, "repeat the checks on a scene.json"},
-       {"degrade", ngs::capture::degrade_command, "good masks -> bad ones, in known amounts"}});
+  return ngs::cli::dispatch(argc, argv,
+                            {{"import", import_command, "cameras, photos, masks, model -> scene.json"},
+                             {"check", check_command, "repeat the checks on a scene.json"},
+                             {"degrade", ngs::capture::degrade_command, "good masks -> bad ones, in known amounts"}});
 }

@@ -7,10 +7,8 @@
 
 namespace ngs::capture {
 
-inline constexpr NamedValue<MaskMode> kMaskModeNames[] = {{MaskMode::kBinary, "binary"},
-                                                          {MaskMode::kLabel, "label"},
-                                                          {MaskMode::kSoft, "soft"},
-                                                          {MaskMode::kBands, "bands"}};
+inline constexpr NamedValue<MaskMode> kMaskModeNames[] = {
+    {MaskMode::kBinary, "binary"}, {MaskMode::kLabel, "label"}, {MaskMode::kSoft, "soft"}, {MaskMode::kBands, "bands"}};
 inline constexpr NamedValue<MissingMask> kMissingNames[] = {
     {MissingMask::kUnknown, "unknown"}, {MissingMask::kEmpty, "empty"}, {MissingMask::kError, "error"}};
 
@@ -35,32 +33,37 @@ struct ImportOptions {
     visit(self.mask_mode,
           Choice<MaskMode>{"mask_mode", "how mask values are read (bands: <128 unknown, <=250 background)",
                            kMaskModeNames});
-    visit(self.object_id,
-          Text{"object_id", "N|NAME=N|NAME",
-               "an object: its id in label maps, or the name of its folder of masks; repeat for more"});
+    visit(self.object_id, Text{"object_id", "N|NAME=N|NAME",
+                               "an object: its id in label maps, or the name of its folder of masks; repeat for more"});
     visit(self.mask_invert, Flag{"mask_invert", "black is the object"});
     visit(self.mask_threshold,
-          Field<double>{"mask_threshold", "", "binary masks: object at and above this (8-bit scale)", 0.0,
-                        255.0});
-    visit(self.void_id,
-          Field<int>{"void_id", "", "label maps: id of the pixels without a label, such as 255 in VOC; -1: there are none", -1, 65535});
-    visit(self.missing_mask,
-          Choice<MissingMask>{"missing_mask", "what a view without a mask says", kMissingNames});
+          Field<double>{"mask_threshold", "", "binary masks: object at and above this (8-bit scale)", 0.0, 255.0});
     visit(
-        self.hold_out,
-        Text{"hold_out", "every:N:K|FILE",
-             "views that never supervise: index i of the sorted names with i % N == K, or a list of names"});
+        self.void_id,
+        Field<int>{"void_id", "",
+                   "label maps: id of the pixels without a label, such as 255 in VOC; -1: there are none", -1, 65535});
+    visit(self.missing_mask, Choice<MissingMask>{"missing_mask", "what a view without a mask says", kMissingNames});
+    visit(self.hold_out,
+          Text{"hold_out", "every:N:K|FILE",
+               "views that never supervise: index i of the sorted names with i % N == K, or a list of names"});
     visit(self.image_scale,
-          Field<double>{"image_scale", "", "working size relative to the photos; 0: 1, 1/2, 1/3 ... so that no side exceeds 800 px",
-                        0, 1.0});
+          Field<double>{"image_scale", "",
+                        "working size relative to the photos; 0: 1, 1/2, 1/3 ... so that no side exceeds 800 px", 0,
+                        1.0});
     visit(self.filter_px2,
-          Field<double>{"filter_px2", "px^2", "low-pass filter the model was fitted with, at the working size; 0: the one that "
-                        "explains the photos best", 0, 1e4});
-    visit(self.compat,
-          Choice<Compat>{"compat", "renderer the model was fitted with, for all tools: its near plane and footprint rule", kCompatNames});
+          Field<double>{"filter_px2", "px^2",
+                        "low-pass filter the model was fitted with, at the working size; 0: the one that "
+                        "explains the photos best",
+                        0, 1e4});
+    visit(
+        self.compat,
+        Choice<Compat>{"compat", "renderer the model was fitted with, for all tools: its near plane and footprint rule",
+                       kCompatNames});
     visit(self.antialias,
-          Choice<Antialias>{"antialias", "opacity compensation the model was fitted with, for all tools; auto: as the PLY's comments say",
-                            kAntialiasNames});
+          Choice<Antialias>{
+              "antialias",
+              "opacity compensation the model was fitted with, for all tools; auto: as the PLY's comments say",
+              kAntialiasNames});
     visit(self.background, Text{"background", "R,G,B|black|white",
                                 "colour behind the model, each in [0, 1]; empty: the one that explains the photos"});
     visit(self.align_views, Flag{"align_views", "turn and move cameras by what lays the rendered model on the photos"});
@@ -72,7 +75,8 @@ struct ImportOptions {
 inline void require_consistent(const ImportOptions& options) {
   const bool label_maps = options.mask_mode == MaskMode::kLabel;
   if (options.void_id >= 0 && !label_maps)
-    throw Error(ErrorCode::kUsage, "--void-id " + std::to_string(options.void_id) + " without label maps, expected with them only",
+    throw Error(ErrorCode::kUsage,
+                "--void-id " + std::to_string(options.void_id) + " without label maps, expected with them only",
                 "add --mask-mode label, or leave --void-id out");
   if (options.mask_invert && label_maps)
     throw Error(ErrorCode::kUsage, "--mask-invert with label maps, expected with binary, soft or bands only",

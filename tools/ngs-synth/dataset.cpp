@@ -5,11 +5,11 @@
 #include <filesystem>
 
 #include "ngs/core/error.h"
+#include "ngs/io/capture/sparse_points.h"
 #include "ngs/io/files/atomic_file.h"
+#include "ngs/io/files/mapped_file.h"
 #include "ngs/io/image/exr.h"
 #include "ngs/io/image/image_file.h"
-#include "ngs/io/files/mapped_file.h"
-#include "ngs/io/capture/sparse_points.h"
 
 namespace ngs::cli {
 namespace {

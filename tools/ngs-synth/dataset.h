@@ -31,7 +31,8 @@ struct MaskErrors {
 };
 
 /// One view's pictures, masks and layers.
-void write_view(const Exec& exec, const std::string& folder, const SynthData& data, std::size_t view, const MaskErrors& errors);
+void write_view(const Exec& exec, const std::string& folder, const SynthData& data, std::size_t view,
+                const MaskErrors& errors);
 /// Poses, points and the two JSON files.
 void write_description(const std::string& folder, const SynthData& data, const MaskErrors& errors);
 

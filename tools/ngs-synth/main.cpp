@@ -11,7 +11,8 @@ using namespace ngs;
 synth::Recipe resolved(synth::Recipe recipe, const cli::SynthOptions& o) {
   if (o.views > 0) recipe.views = o.views;
   const auto side_of = [](int px, int recipe_px) {
-    if (px > 0 && px < 8) throw Error(ErrorCode::kUsage, "a side of " + std::to_string(px) + " px, expected 0 or at least 8");
+    if (px > 0 && px < 8)
+      throw Error(ErrorCode::kUsage, "a side of " + std::to_string(px) + " px, expected 0 or at least 8");
     return px > 0 ? px : recipe_px;
   };
   recipe.width_px = side_of(o.width_px, recipe.width_px), recipe.height_px = side_of(o.height_px, recipe.height_px);
@@ -38,7 +39,8 @@ Json estimate(const cli::SynthData& data, const cli::SynthOptions& options, cons
 
 void fit(cli::Run& run, const cli::SynthData& data, const FitOptions& options, const std::string& path) {
   const std::vector<FitView> views = cli::fit_views(data);
-  Fitter fitter(options, views, initial_fit(run.exec(), options, cli::fit_points(data.points), views, run.seed()), run.seed());
+  Fitter fitter(options, views, initial_fit(run.exec(), options, cli::fit_points(data.points), views, run.seed()),
+                run.seed());
   const double start = wall_seconds();
   run_fit(run.exec(), run.monitor(), fitter, options, {});
   const double seconds = wall_seconds() - start;
@@ -48,16 +50,19 @@ void fit(cli::Run& run, const cli::SynthData& data, const FitOptions& options, c
   const std::string history = io::history_line("ngs-synth", cli::recipe_json(data.recipe).dump());
   io::write_strict_ply(path, cloud, {}, io::trained_comments(history, options.antialiased));
   run.result()["gaussians"] = cloud.size();
-  run.result()["fit"] = {
-      {"steps", options.steps}, {"steps_per_s", options.steps / seconds}, {"psnr_db", score.psnr_db}, {"ssim", score.ssim}};
+  run.result()["fit"] = {{"steps", options.steps},
+                         {"steps_per_s", options.steps / seconds},
+                         {"psnr_db", score.psnr_db},
+                         {"ssim", score.ssim}};
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  cli::Tool tool("ngs-synth", "Make an analytic scene with exact masks and fit a splat to it.",
-                 {"ngs-synth torus-box -o scene/", "ngs-synth leaves -o noisy/ --mask-noise jitter:1.5,drop:0.1 --fit-steps 3000",
-                  "ngs-synth recipe.json -o again/ --no-fit"});
+  cli::Tool tool(
+      "ngs-synth", "Make an analytic scene with exact masks and fit a splat to it.",
+      {"ngs-synth torus-box -o scene/", "ngs-synth leaves -o noisy/ --mask-noise jitter:1.5,drop:0.1 --fit-steps 3000",
+       "ngs-synth recipe.json -o again/ --no-fit"});
   cli::SynthOptions options;
   FitOptions fit_options = small_fit();
   tool.options(options);
@@ -90,7 +95,8 @@ int main(int argc, char** argv) {
       run.monitor().progress(std::int64_t(i) + 1, std::int64_t(data.cameras.size()));
     }
     if (run.stop_code() != 0) return run.stop_code();
-    data.points = synth::sample_points(data.cameras, data.views, data.recipe.points, std::uint64_t(data.recipe.scene_seed));
+    data.points =
+        synth::sample_points(data.cameras, data.views, data.recipe.points, std::uint64_t(data.recipe.scene_seed));
     cli::write_description(out.path, data, errors);
     if (options.fit) fit(run, data, fit_options, out.path + "/point_cloud.ply");
     return run.stop_code();

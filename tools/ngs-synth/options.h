@@ -20,7 +20,8 @@ struct SynthOptions {
     visit(self.views, Field<int>{"views", "", "number of cameras; 0: as the recipe says", 0, 10000});
     visit(self.width_px, Field<int>{"width_px", "px", "image width; 0: as the recipe says", 0, 16384});
     visit(self.height_px, Field<int>{"height_px", "px", "image height; 0: as the recipe says", 0, 16384});
-    visit(self.scene_seed, Field<std::int64_t>{"scene_seed", "", "textures and layout; -1: as the recipe says", -1, 1ll << 53});
+    visit(self.scene_seed,
+          Field<std::int64_t>{"scene_seed", "", "textures and layout; -1: as the recipe says", -1, 1ll << 53});
     visit(self.target, Text{"target", "NAME", "object that masks/ shows; default: as the recipe says"});
     visit(self.mask_noise, Text{"mask_noise", "KIND:AMOUNT",
                                 "errors in masks/ and labels/: erode:PX dilate:PX jitter:PX drop:P swap:P blob:P"});

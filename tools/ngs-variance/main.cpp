@@ -22,10 +22,9 @@ struct ShardOptions {
 };
 
 int label_scene(int argc, char** argv) {
-  cli::Tool tool("ngs-variance",
-                 "Find the boundary Gaussians: evidence of all masks, normalised variance (Eq. 3).",
-                 {"ngs-variance scene.json -o boundary.ply",
-                  "ngs-variance scene.json --views 0/8 --partial part0.evidence"});
+  cli::Tool tool(
+      "ngs-variance", "Find the boundary Gaussians: evidence of all masks, normalised variance (Eq. 3).",
+      {"ngs-variance scene.json -o boundary.ply", "ngs-variance scene.json --views 0/8 --partial part0.evidence"});
   VarianceOptions options;
   RasterOptions raster;
   ShardOptions shard;
@@ -33,8 +32,7 @@ int label_scene(int argc, char** argv) {
   tool.runs_on_device();
   const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene");
   const cli::Output& out = tool.optional_output("-o,--output", "labelled PLY");
-  const cli::Output& partial =
-      tool.optional_output("--partial", "the evidence itself, for `ngs-variance merge`");
+  const cli::Output& partial = tool.optional_output("--partial", "the evidence itself, for `ngs-variance merge`");
   const cli::Output& layers =
       tool.optional_output_dir("--layers", "folder for one EXR per view: mask, prob, variance, boundary");
 
@@ -43,8 +41,7 @@ int label_scene(int argc, char** argv) {
     const Scene scene = with_objects(io::read_scene_json(scene_json.path), shard.object);
     cli::require_model(run, scene, scene_json.path);
     if (!out && !partial)
-      throw Error(ErrorCode::kUsage, "no output is asked for",
-                  "give -o boundary.ply or --partial part.evidence");
+      throw Error(ErrorCode::kUsage, "no output is asked for", "give -o boundary.ply or --partial part.evidence");
     const std::vector<std::size_t> views = variance::shard_of(training_views(scene), shard.views);
     if (out && views.size() != training_views(scene).size())
       throw Error(ErrorCode::kUsage,
@@ -67,7 +64,8 @@ int label_scene(int argc, char** argv) {
       part.made_with = variance::made_with(scene_json.path, splat_options(raster, ply.cloud, scene));
       for (const SceneObject& object : scene.objects) part.objects.push_back(object.name);
       for (const std::size_t view : views) part.views.push_back(scene.views[view].camera.name);
-      io::write_evidence(partial.path, part, run.goes_to_stdout(partial) ? io::StoredPaths::kAbsolute : io::StoredPaths::kRelative);
+      io::write_evidence(partial.path, part,
+                         run.goes_to_stdout(partial) ? io::StoredPaths::kAbsolute : io::StoredPaths::kRelative);
     }
     if (!out) return 0;
     const std::vector<LabelColumns> labels = label_gaussians(options, part.evidence);
@@ -78,13 +76,11 @@ int label_scene(int argc, char** argv) {
 }
 
 int merge_parts(int argc, char** argv) {
-  cli::Tool tool("ngs-variance merge",
-                 "Add up the evidence of parts; the same bytes as one run over all views.",
+  cli::Tool tool("ngs-variance merge", "Add up the evidence of parts; the same bytes as one run over all views.",
                  {"ngs-variance merge part0.evidence part1.evidence -o boundary.ply"});
   VarianceOptions options;
   tool.options(options);
-  const cli::Input& scene_json =
-      tool.optional_input("--scene", "scene.json; default: the one the parts name");
+  const cli::Input& scene_json = tool.optional_input("--scene", "scene.json; default: the one the parts name");
   const cli::Inputs& parts = tool.inputs("parts", "files written with --partial");
   const cli::Output& out = tool.output("-o,--output", "labelled PLY");
 
@@ -104,7 +100,7 @@ int merge_parts(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return ngs::cli::dispatch(argc, argv,
-                            {{"", label_scene, "label the Gaussians of a scene"},
-                             {"merge", merge_parts, "add up partial evidence"}});
+  return ngs::cli::dispatch(
+      argc, argv,
+      {{"", label_scene, "label the Gaussians of a scene"}, {"merge", merge_parts, "add up partial evidence"}});
 }

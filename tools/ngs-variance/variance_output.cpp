@@ -5,8 +5,8 @@
 #include <set>
 
 #include "ngs/io/files/content_hash.h"
-#include "ngs/io/image/exr.h"
 #include "ngs/io/files/regular_file.h"
+#include "ngs/io/image/exr.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/options/name_of.h"
 #include "ngs/scene/view_names.h"
@@ -28,8 +28,10 @@ Scene with_columns(Scene scene, const std::vector<std::string>& columns, const s
   for (const std::string& name : columns) {
     const auto named = [&](const SceneObject& o) { return o.name == name; };
     const auto known = std::find_if(scene.objects.begin(), scene.objects.end(), named);
-    if (known == scene.objects.end()) refuse(path + ": no object '" + name + "', expected it: the parts have evidence of it");
-    if (std::any_of(objects.begin(), objects.end(), named)) refuse("object '" + name + "' is in the parts twice, expected once");
+    if (known == scene.objects.end())
+      refuse(path + ": no object '" + name + "', expected it: the parts have evidence of it");
+    if (std::any_of(objects.begin(), objects.end(), named))
+      refuse("object '" + name + "' is in the parts twice, expected once");
     objects.push_back(*known);
   }
   scene.objects = std::move(objects);
@@ -63,8 +65,8 @@ std::vector<std::size_t> shard_of(const std::vector<std::size_t>& views, const s
 }
 
 std::string made_with(const std::string& scene_path, const SplatOptions& splat) {
-  return scene_identity(scene_path) + ", --compat " + name_of(kCompatNames, splat.compat) +
-         ", --antialias " + (splat.antialiased ? "on" : "off");
+  return scene_identity(scene_path) + ", --compat " + name_of(kCompatNames, splat.compat) + ", --antialias " +
+         (splat.antialiased ? "on" : "off");
 }
 
 Json memory_plan(const GaussianCloud& cloud, const Scene& scene, std::size_t views) {
@@ -73,8 +75,9 @@ Json memory_plan(const GaussianCloud& cloud, const Scene& scene, std::size_t vie
   const double model = 57 + 12.0 * cloud.rest_count();  // position, rotation, scale, opacity, constant band, usable
   const double sums = 28 + 56 * objects;                // Evidence
   const double prepared = 56;                           // what the projection takes from a Gaussian alone
-  // One view at a time, as if every Gaussian were visible and reached three tiles: id, record, depth, rectangle, first span,
-  // first slot and a flag; spans, whose lists grow by doubling; sums of the view; lists, entries and sums of the pairs.
+  // One view at a time, as if every Gaussian were visible and reached three tiles: id, record, depth, rectangle, first
+  // span, first slot and a flag; spans, whose lists grow by doubling; sums of the view; lists, entries and sums of the
+  // pairs.
   const double row = 4 + 56 + 4 + 16 + 8 + 8 + 1, spans = 2 * 3 * 8, view_sums = 4 + 8 * (2 + 2 * objects);
   const double view = row + spans + view_sums + 3 * (8 + 12 + 4 * (2 + 2 * objects));
   const double labels = 20 * (objects + 1);  // written after the last view
@@ -93,15 +96,18 @@ Json memory_plan(const GaussianCloud& cloud, const Scene& scene, std::size_t vie
 Scene scene_of(cli::Run& run, const io::EvidencePart& sum, const std::string& given) {
   const std::string& path = given.empty() ? sum.scene_path : given;
   if (path.empty())
-    throw Error(ErrorCode::kUsage, "the parts name no scene: theirs came through a pipe", "name it with --scene scene.json");
+    throw Error(ErrorCode::kUsage, "the parts name no scene: theirs came through a pipe",
+                "name it with --scene scene.json");
   if (given.empty()) {
     io::require_regular_file(path);
     run.add_input("scene", path);
   }
   Scene scene = with_columns(io::read_scene_json(path), sum.objects, path);
   // Parts of before made_with say nothing of their scene.
-  if (const std::string made_from = scene_identity(path); !sum.made_with.empty() && !sum.made_with.starts_with(made_from + ","))
-    throw Error(ErrorCode::kInconsistent, path + ": is " + made_from + ", expected what the parts were made with: " + sum.made_with,
+  if (const std::string made_from = scene_identity(path);
+      !sum.made_with.empty() && !sum.made_with.starts_with(made_from + ","))
+    throw Error(ErrorCode::kInconsistent,
+                path + ": is " + made_from + ", expected what the parts were made with: " + sum.made_with,
                 "give the scene.json of the parts, or make them again from this one");
   cli::require_model(run, scene, path);
   return scene;
@@ -117,26 +123,29 @@ void check_complete(const io::EvidencePart& sum, const Scene& scene) {
     if (missing.erase(view) == 0)
       throw Error(ErrorCode::kInconsistent, "view '" + view + "' is no training view of the scene");
   if (!missing.empty())
-    throw Error(ErrorCode::kInconsistent,
-                std::to_string(missing.size()) + " training views are in no part, the first is '" +
-                    *missing.begin() + "'",
-                "merge the parts of all shards");
+    throw Error(
+        ErrorCode::kInconsistent,
+        std::to_string(missing.size()) + " training views are in no part, the first is '" + *missing.begin() + "'",
+        "merge the parts of all shards");
 }
 
-void write_labels(cli::Run& run, const LabelledScene& labelled, const VarianceOptions& options, const std::string& path) {
+void write_labels(cli::Run& run, const LabelledScene& labelled, const VarianceOptions& options,
+                  const std::string& path) {
   const auto timed = run.monitor().scope("write");
   const auto& [scene, ply, labels] = labelled;
   if (labels.size() > 1 && options.exclusive && options.label_threshold != VarianceOptions{}.label_threshold)
-    run.monitor().warn("--label-threshold is not used: of several objects the heaviest takes a Gaussian; --no-exclusive asks each by "
-                       "itself");
+    run.monitor().warn(
+        "--label-threshold is not used: of several objects the heaviest takes a Gaussian; --no-exclusive asks each by "
+        "itself");
   const std::int64_t boundary = report_counts(run, labelled);
   const bool any_evidence = std::any_of(labels.begin(), labels.end(), [](const LabelColumns& l) {
     return std::any_of(l.views.begin(), l.views.end(), [](float views) { return views > 0; });
   });
   if (!any_evidence)
-    run.nothing_found("no mask of a training view shows any Gaussian",
-                      "masks of held-out views do not count; see what was found: ngs-scene check scene.json; make masks with "
-                      "ngs-mask, and import the scene again with --masks DIR");
+    run.nothing_found(
+        "no mask of a training view shows any Gaussian",
+        "masks of held-out views do not count; see what was found: ngs-scene check scene.json; make masks with "
+        "ngs-mask, and import the scene again with --masks DIR");
   else if (boundary == 0)
     run.nothing_found("no Gaussian has a normalised mask variance above tau = " + std::to_string(options.tau),
                       "lower --tau, or check the masks: ngs-scene check scene.json");

@@ -3,11 +3,11 @@
 #include <string>
 #include <vector>
 
-#include "ngs/io/scene/evidence_file.h"
 #include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/io/scene/evidence_file.h"
 #include "ngs/stages/boundary/variance_stage.h"
-#include "shared/scene/scene_model.h"
 #include "shared/run/run.h"
+#include "shared/scene/scene_model.h"
 
 namespace ngs::variance {
 
@@ -20,8 +20,9 @@ std::string made_with(const std::string& scene_path, const SplatOptions& splat);
 /// Estimated peak memory for --dry-run.
 Json memory_plan(const GaussianCloud& cloud, const Scene& scene, std::size_t views);
 
-/// The scene `given` or, if that is empty, the one that the parts name, with the objects that the parts have columns of, in
-/// their order; it and its model become inputs of the run. kInconsistent where it is not the scene the parts were made from.
+/// The scene `given` or, if that is empty, the one that the parts name, with the objects that the parts have columns
+/// of, in their order; it and its model become inputs of the run. kInconsistent where it is not the scene the parts
+/// were made from.
 Scene scene_of(cli::Run& run, const io::EvidencePart& sum, const std::string& given);
 
 /// kInconsistent unless the merged parts are of this scene's model and of exactly its training views.
@@ -34,7 +35,8 @@ struct LabelledScene {
 };
 
 /// Writes the labelled PLY and the counts; an empty boundary set is kNothingFound unless allowed.
-void write_labels(cli::Run& run, const LabelledScene& labelled, const VarianceOptions& options, const std::string& path);
+void write_labels(cli::Run& run, const LabelledScene& labelled, const VarianceOptions& options,
+                  const std::string& path);
 
 /// One EXR per training view: the first object's ngs.mask, ngs.prob, ngs.variance and ngs.boundary,
 /// composited.

@@ -1,6 +1,6 @@
 #pragma once
-// The Launcher of backend/launcher.h on a CUDA device. Included by *.cu only. All work of a process goes to one stream, which
-// waits for no other and on which no other waits.
+// The Launcher of backend/launcher.h on a CUDA device. Included by *.cu only. All work of a process goes to one stream,
+// which waits for no other and on which no other waits.
 #include <cuda_runtime.h>
 
 #include <cub/device/device_radix_sort.cuh>
@@ -13,9 +13,9 @@ namespace ngs {
 
 inline void check_cuda(cudaError_t status, const char* what) {
   if (status == cudaSuccess) return;
-  throw Error(ErrorCode::kEnvironment,
-              std::string("CUDA, ") + what + ": " + cudaGetErrorString(status) + ", expected success",
-              status == cudaErrorMemoryAllocation ? "use a smaller image scale, or --device cpu" : "run with --device cpu");
+  throw Error(
+      ErrorCode::kEnvironment, std::string("CUDA, ") + what + ": " + cudaGetErrorString(status) + ", expected success",
+      status == cudaErrorMemoryAllocation ? "use a smaller image scale, or --device cpu" : "run with --device cpu");
 }
 
 /// A block as its threads see it.
@@ -51,7 +51,8 @@ __global__ void each_kernel(std::int64_t n, const __grid_constant__ Kernel kerne
 }
 
 template <class Kernel>
-__global__ __launch_bounds__(Kernel::kThreads, 1) void block_kernel(std::int64_t first, const __grid_constant__ Kernel kernel) {
+__global__ __launch_bounds__(Kernel::kThreads, 1) void block_kernel(std::int64_t first,
+                                                                    const __grid_constant__ Kernel kernel) {
   __shared__ typename Kernel::Shared shared;
   typename Kernel::Thread own;
   CudaBlock<Kernel> block{first + blockIdx.x, shared, own};

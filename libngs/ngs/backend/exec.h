@@ -9,8 +9,8 @@ namespace ngs {
 
 enum class Device : std::uint8_t { kCpu, kCuda };
 
-/// How a device sums what several of its blocks add to one value: in one order, whose bits are always the same, or as the
-/// blocks come.
+/// How a device sums what several of its blocks add to one value: in one order, whose bits are always the same, or as
+/// the blocks come.
 enum class DeviceSums : std::uint8_t { kInOrder, kAtomic };
 
 /// The ops of a device (ops/device/device_ops.h).

@@ -29,8 +29,8 @@ class FirstFailure {
 };
 
 /// kernel(i) for every i in [0, n), in no particular order. A kernel writes only what index i owns (gather,
-/// never scatter), so the result depends neither on the order nor on the thread count. If kernels throw, as where memory
-/// ends, one of the exceptions is thrown on, and not every i has been visited.
+/// never scatter), so the result depends neither on the order nor on the thread count. If kernels throw, as where
+/// memory ends, one of the exceptions is thrown on, and not every i has been visited.
 template <class Kernel>
 void for_each_index(const Exec& exec, std::int64_t n, const Kernel& kernel) {
   FirstFailure failure;
@@ -48,8 +48,8 @@ void for_each_index(const Exec& exec, std::int64_t n, const Kernel& kernel) {
   failure.rethrow();
 }
 
-/// The same for few, unequal pieces of work (tiles, views): handed out one by one. All are visited even if one throws; then
-/// the exception of the smallest i is thrown on, for any number of threads the same.
+/// The same for few, unequal pieces of work (tiles, views): handed out one by one. All are visited even if one throws;
+/// then the exception of the smallest i is thrown on, for any number of threads the same.
 template <class Kernel>
 void for_each_task(const Exec& exec, std::int64_t n, const Kernel& kernel) {
   FirstFailure failure;

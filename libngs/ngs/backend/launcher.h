@@ -12,8 +12,8 @@
 //
 // All pointers in kernels are the device's. Launches run in order; download waits for them. A kernel has a kName.
 //
-// A cooperative kernel has kThreads, a trivially copyable struct Shared (not initialised), a struct Thread (a thread's own
-// variables) and
+// A cooperative kernel has kThreads, a trivially copyable struct Shared (not initialised), a struct Thread (a thread's
+// own variables) and
 //   template <class Block> NGS_HD void operator()(Block& block) const
 // which is a sequence of phases with a barrier after each:
 //   block.phase([&](int thread, Shared&, Thread&) { ... })
@@ -41,7 +41,8 @@ class DeviceBuffer {
   DeviceBuffer(Launcher& launcher, const T* host, std::int64_t size) : DeviceBuffer(launcher, size) {
     if (size > 0) launcher.upload(data_, host, std::size_t(size) * sizeof(T));
   }
-  DeviceBuffer(Launcher& launcher, const std::vector<T>& host) : DeviceBuffer(launcher, host.data(), std::int64_t(host.size())) {}
+  DeviceBuffer(Launcher& launcher, const std::vector<T>& host)
+      : DeviceBuffer(launcher, host.data(), std::int64_t(host.size())) {}
   ~DeviceBuffer() {
     if (data_ != nullptr) launcher_->release(data_);
   }
@@ -79,8 +80,8 @@ NGS_HD constexpr T divided_up(T a, T b) {
   return (a + b - 1) / b;
 }
 
-/// The rows of chunk i where n rows are cut into chunks of `rows`: 32 chunks deal theirs out among them, so that neighbouring
-/// threads read neighbouring rows.
+/// The rows of chunk i where n rows are cut into chunks of `rows`: 32 chunks deal theirs out among them, so that
+/// neighbouring threads read neighbouring rows.
 struct DealtRows {
   std::int64_t first, step, end;
   NGS_HD DealtRows(std::int64_t chunk, std::int64_t n, std::int64_t rows) {

@@ -3,8 +3,7 @@
 #include <stdexcept>
 #include <string>
 
-#define NGS_CHECK(condition, message)                                                                   \
-  do {                                                                                                  \
-    if (!(condition))                                                                                   \
-      throw std::logic_error(std::string(__FILE__ ":") + std::to_string(__LINE__) + ": " + (message)); \
+#define NGS_CHECK(condition, message)                                                                                  \
+  do {                                                                                                                 \
+    if (!(condition)) throw std::logic_error(std::string(__FILE__ ":") + std::to_string(__LINE__) + ": " + (message)); \
   } while (false)

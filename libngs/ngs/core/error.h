@@ -7,13 +7,13 @@
 namespace ngs {
 
 enum class ErrorCode : int {
-  kUsage = 2,          // a flag, an option value, an option file
-  kBadInput = 3,       // an input is unreadable, truncated or invalid
-  kInconsistent = 4,   // inputs contradict each other (poses, PLY, masks)
-  kNothingFound = 5,   // empty boundary or object
-  kNumeric = 6,        // a non-finite value crossed a stage boundary
-  kBudget = 7,         // budget hit; a usable partial result was written
-  kEnvironment = 8,    // cannot write, no memory, no such device
+  kUsage = 2,         // a flag, an option value, an option file
+  kBadInput = 3,      // an input is unreadable, truncated or invalid
+  kInconsistent = 4,  // inputs contradict each other (poses, PLY, masks)
+  kNothingFound = 5,  // empty boundary or object
+  kNumeric = 6,       // a non-finite value crossed a stage boundary
+  kBudget = 7,        // budget hit; a usable partial result was written
+  kEnvironment = 8,   // cannot write, no memory, no such device
 };
 
 /// `what()` reads "<object>: <found>, expected <what>"; `remedy()` is the way out, often a command.

@@ -14,9 +14,9 @@ namespace ngs {
 struct StageNode {
   std::string name;
   double wall_s = 0;
-  double cpu_s = 0;          // all threads of the process
-  std::int64_t items = 0;    // what the stage counts: views, queries, steps
-  double max_rss_mib = 0;    // peak of the process when the stage ended
+  double cpu_s = 0;        // all threads of the process
+  std::int64_t items = 0;  // what the stage counts: views, queries, steps
+  double max_rss_mib = 0;  // peak of the process when the stage ended
   std::deque<StageNode> children;
 };
 

@@ -10,8 +10,18 @@ namespace ngs {
 
 /// Named streams, so that two uses of one seed never see the same numbers.
 enum class RngStream : std::uint32_t {
-  kHashInit, kMlpInit, kFeatureInit, kViewOrder, kSmoothJitter, kSplit, kSynth, kMaskNoise, kFitInit, kTest,
-  kSaga, kReleased
+  kHashInit,
+  kMlpInit,
+  kFeatureInit,
+  kViewOrder,
+  kSmoothJitter,
+  kSplit,
+  kSynth,
+  kMaskNoise,
+  kFitInit,
+  kTest,
+  kSaga,
+  kReleased
 };
 
 /// 64 well-mixed bits (the finaliser of SplitMix64, applied twice).

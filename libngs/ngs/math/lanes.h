@@ -28,7 +28,10 @@ struct PackF {
   friend PackF operator*(PackF a, PackF b) { return a.v * b.v; }
   friend PackF operator/(PackF a, PackF b) { return a.v / b.v; }
   friend PackF operator-(PackF a) { return -a.v; }
-  PackF& operator+=(PackF b) { v += b.v; return *this; }
+  PackF& operator+=(PackF b) {
+    v += b.v;
+    return *this;
+  }
 };
 
 /// A lane-wise truth value: all bits set or none.
@@ -45,7 +48,8 @@ inline PackMask operator>(PackF a, PackF b) { return {a.v > b.v}; }
 inline PackMask and_at_least(PackMask m, PackF a, PackF b) { return m & (a >= b); }
 inline PackMask all_lanes(PackF) { return {PackF::RawMask{-1, -1, -1, -1, -1, -1, -1, -1}}; }
 
-template <> struct LaneTraits<PackF> {
+template <>
+struct LaneTraits<PackF> {
   using Scalar = float;
   using Folded = PackF;
   using Mask = PackMask;
@@ -76,9 +80,7 @@ struct HalfPack {
   PackF wide() const { return PackF::Raw(_mm256_cvtph_ps(v)); }
 };
 /// start, start + 1, ...
-inline void iota_lanes(float start, PackF& x) {
-  x.v = start + PackF::Raw{0, 1, 2, 3, 4, 5, 6, 7};
-}
+inline void iota_lanes(float start, PackF& x) { x.v = start + PackF::Raw{0, 1, 2, 3, 4, 5, 6, 7}; }
 /// Sum of the lanes in the fixed order ((0+4)+(2+6)) + ((1+5)+(3+7)).
 inline float sum_lanes(PackF x) {
   const __m128 four = _mm_add_ps(_mm256_castps256_ps128(x.v), _mm256_extractf128_ps(x.v, 1));
@@ -93,7 +95,8 @@ inline void sum_lanes_each(const PackF* x, int n, float* out) {
     const __m256 ab = _mm256_add_ps(_mm256_permute2f128_ps(a, b, 0x20), _mm256_permute2f128_ps(a, b, 0x31));
     const __m256 cd = _mm256_add_ps(_mm256_permute2f128_ps(c, d, 0x20), _mm256_permute2f128_ps(c, d, 0x31));
     const __m256d p = _mm256_castps_pd(ab), q = _mm256_castps_pd(cd);
-    const __m256 two = _mm256_add_ps(_mm256_castpd_ps(_mm256_unpacklo_pd(p, q)), _mm256_castpd_ps(_mm256_unpackhi_pd(p, q)));
+    const __m256 two =
+        _mm256_add_ps(_mm256_castpd_ps(_mm256_unpacklo_pd(p, q)), _mm256_castpd_ps(_mm256_unpackhi_pd(p, q)));
     const __m256 one = _mm256_add_ps(two, _mm256_movehdup_ps(two));  // a . c . | b . d .
     alignas(32) float lane[8];
     _mm256_store_ps(lane, one);
@@ -108,7 +111,10 @@ inline int count_lanes(PackMask m) {
   return __builtin_popcount(unsigned(_mm256_movemask_ps(_mm256_castsi256_ps(reinterpret_cast<__m256i>(m.v)))));
 }
 
-template <class T> Dual<T> fma_lanes(Dual<T> a, Dual<T> b, Dual<T> c) { return a * b + c; }
+template <class T>
+Dual<T> fma_lanes(Dual<T> a, Dual<T> b, Dual<T> c) {
+  return a * b + c;
+}
 
 /// Four doubles, for sums of many floats.
 struct Pack4D {
@@ -129,6 +135,9 @@ inline PackF exp2_where(PackMask m, PackF x) {
   const __m256i power = _mm256_add_epi32(_mm256_castps_si256(p.v), exponent);
   return PackF::Raw(_mm256_castsi256_ps(_mm256_and_si256(power, reinterpret_cast<__m256i>(m.v))));
 }
-template <class T> Dual<T> exp2_where(bool m, Dual<T> x) { return m ? exp2(x) : Dual<T>(0); }
+template <class T>
+Dual<T> exp2_where(bool m, Dual<T> x) {
+  return m ? exp2(x) : Dual<T>(0);
+}
 
 }  // namespace ngs

@@ -19,7 +19,10 @@ struct Pack16 {
   friend Pack16 operator-(Pack16 a, Pack16 b) { return a.v - b.v; }
   friend Pack16 operator*(Pack16 a, Pack16 b) { return a.v * b.v; }
   friend Pack16 operator-(Pack16 a) { return -a.v; }
-  Pack16& operator+=(Pack16 b) { v += b.v; return *this; }
+  Pack16& operator+=(Pack16 b) {
+    v += b.v;
+    return *this;
+  }
 };
 
 struct Pack16Mask {
@@ -38,7 +41,8 @@ inline Pack16Mask and_at_least(Pack16Mask m, Pack16 a, Pack16 b) {
   return {_mm512_mask_cmp_ps_mask(m.v, a.v, b.v, _CMP_GE_OQ)};
 }
 
-template <> struct LaneTraits<Pack16> {
+template <>
+struct LaneTraits<Pack16> {
   using Scalar = float;
   using Folded = PackF;
   using Mask = Pack16Mask;
@@ -52,7 +56,9 @@ inline Pack16 fma_lanes(Pack16 a, Pack16 b, Pack16 c) { return Pack16::Raw(_mm51
 inline Pack16 min_lanes(Pack16 a, Pack16 b) { return Pack16::Raw(_mm512_min_ps(a.v, b.v)); }
 inline Pack16 max_lanes(Pack16 a, Pack16 b) { return Pack16::Raw(_mm512_max_ps(a.v, b.v)); }
 inline Pack16 sqrt_lanes(Pack16 x) { return Pack16::Raw(_mm512_sqrt_ps(x.v)); }
-inline Pack16 floor_lanes(Pack16 x) { return Pack16::Raw(_mm512_roundscale_ps(x.v, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC)); }
+inline Pack16 floor_lanes(Pack16 x) {
+  return Pack16::Raw(_mm512_roundscale_ps(x.v, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC));
+}
 inline void store_row_bits(std::uint32_t* p, Pack16 begin, Pack16 end) {
   const __m512i one = _mm512_set1_epi32(1), below = _mm512_sllv_epi32(one, _mm512_cvttps_epi32(begin.v)),
                 until = _mm512_sllv_epi32(one, _mm512_cvttps_epi32(end.v));
@@ -71,8 +77,8 @@ inline void masks_of_halves(std::uint32_t lower, std::uint32_t upper, Pack16Mask
   const std::uint32_t bytes = _pdep_u32(lower, 0x55555555u) | _pdep_u32(upper, 0xaaaaaaaau);
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm256_movm_epi8(bytes));
 }
-/// As of a float in every lane. Scaled only where it is asked for: a subnormal result would cost some processors a hundred
-/// cycles.
+/// As of a float in every lane. Scaled only where it is asked for: a subnormal result would cost some processors a
+/// hundred cycles.
 inline Pack16 exp2_where(Pack16Mask m, Pack16 x) {
   const Pack16 n = Pack16::Raw(_mm512_roundscale_ps(x.v, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC));
   return Pack16::Raw(_mm512_maskz_scalef_ps(m.v, exp2_reduced(x - n).v, n.v));

@@ -29,8 +29,8 @@ NGS_HD Vec4<T> normalised(Vec4<T> q, T& inv_norm) {
 template <class T>
 NGS_HD Vec4<T> normalised_backward(Vec4<T> unit, T inv_norm, Vec4<T> g) {
   const T along = g.x * unit.x + g.y * unit.y + g.z * unit.z + g.w * unit.w;
-  return {(g.x - along * unit.x) * inv_norm, (g.y - along * unit.y) * inv_norm,
-          (g.z - along * unit.z) * inv_norm, (g.w - along * unit.w) * inv_norm};
+  return {(g.x - along * unit.x) * inv_norm, (g.y - along * unit.y) * inv_norm, (g.z - along * unit.z) * inv_norm,
+          (g.w - along * unit.w) * inv_norm};
 }
 
 /// Members of Vec4 hold (w, x, y, z) in this order, as the PLY does.
@@ -38,9 +38,9 @@ template <class T>
 NGS_HD Mat3<T> rotation_matrix(Vec4<T> q) {
   const T w = q.x, x = q.y, y = q.z, z = q.w;
   const T two(2);
-  return {{T(1) - two * (y * y + z * z), two * (x * y - w * z), two * (x * z + w * y),
-           two * (x * y + w * z), T(1) - two * (x * x + z * z), two * (y * z - w * x),
-           two * (x * z - w * y), two * (y * z + w * x), T(1) - two * (x * x + y * y)}};
+  return {{T(1) - two * (y * y + z * z), two * (x * y - w * z), two * (x * z + w * y), two * (x * y + w * z),
+           T(1) - two * (x * x + z * z), two * (y * z - w * x), two * (x * z - w * y), two * (y * z + w * x),
+           T(1) - two * (x * x + y * y)}};
 }
 
 /// ∂L/∂(unit quaternion) from ∂L/∂(rotation matrix).
@@ -49,9 +49,12 @@ NGS_HD Vec4<T> rotation_matrix_backward(Vec4<T> q, const Mat3<T>& g) {
   const T w = q.x, x = q.y, y = q.z, z = q.w;
   const T two(2);
   return {two * (x * (g(2, 1) - g(1, 2)) + y * (g(0, 2) - g(2, 0)) + z * (g(1, 0) - g(0, 1))),
-          two * (y * (g(0, 1) + g(1, 0)) + z * (g(0, 2) + g(2, 0)) + w * (g(2, 1) - g(1, 2)) - two * x * (g(1, 1) + g(2, 2))),
-          two * (x * (g(0, 1) + g(1, 0)) + z * (g(1, 2) + g(2, 1)) + w * (g(0, 2) - g(2, 0)) - two * y * (g(0, 0) + g(2, 2))),
-          two * (x * (g(0, 2) + g(2, 0)) + y * (g(1, 2) + g(2, 1)) + w * (g(1, 0) - g(0, 1)) - two * z * (g(0, 0) + g(1, 1)))};
+          two * (y * (g(0, 1) + g(1, 0)) + z * (g(0, 2) + g(2, 0)) + w * (g(2, 1) - g(1, 2)) -
+                 two * x * (g(1, 1) + g(2, 2))),
+          two * (x * (g(0, 1) + g(1, 0)) + z * (g(1, 2) + g(2, 1)) + w * (g(0, 2) - g(2, 0)) -
+                 two * y * (g(0, 0) + g(2, 2))),
+          two * (x * (g(0, 2) + g(2, 0)) + y * (g(1, 2) + g(2, 1)) + w * (g(1, 0) - g(0, 1)) -
+                 two * z * (g(0, 0) + g(1, 1)))};
 }
 
 }  // namespace ngs

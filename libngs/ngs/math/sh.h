@@ -56,8 +56,8 @@ NGS_HD Vec3<T> sh_rest_basis_backward(int degree, Vec3<T> d, const T* g) {
   const T xx = x * x, yy = y * y, zz = z * z;
   r.x += c3[0] * six * (x * y) + c3[1] * (y * z) - c3[2] * two * (x * y) - c3[3] * six * (x * z) +
          c3[4] * (four * zz - three * xx - yy) + c3[5] * two * (x * z) + c3[6] * three * (xx - yy);
-  r.y += c3[0] * three * (xx - yy) + c3[1] * (x * z) + c3[2] * (four * zz - xx - three * yy) -
-         c3[3] * six * (y * z) - c3[4] * two * (x * y) - c3[5] * two * (y * z) - c3[6] * six * (x * y);
+  r.y += c3[0] * three * (xx - yy) + c3[1] * (x * z) + c3[2] * (four * zz - xx - three * yy) - c3[3] * six * (y * z) -
+         c3[4] * two * (x * y) - c3[5] * two * (y * z) - c3[6] * six * (x * y);
   r.z += c3[1] * (x * y) + c3[2] * eight * (y * z) + c3[3] * (six * zz - three * xx - three * yy) +
          c3[4] * eight * (x * z) + c3[5] * (xx - yy);
   return r;

@@ -7,9 +7,18 @@
 
 namespace ngs {
 
-template <class T> NGS_HD T min2(T a, T b) { return b < a ? b : a; }
-template <class T> NGS_HD T max2(T a, T b) { return a < b ? b : a; }
-template <class T> NGS_HD T clamp3(T x, T lo, T hi) { return x < lo ? lo : (hi < x ? hi : x); }
+template <class T>
+NGS_HD T min2(T a, T b) {
+  return b < a ? b : a;
+}
+template <class T>
+NGS_HD T max2(T a, T b) {
+  return a < b ? b : a;
+}
+template <class T>
+NGS_HD T clamp3(T x, T lo, T hi) {
+  return x < lo ? lo : (hi < x ? hi : x);
+}
 
 /// 1 / (1 + e^-x), without overflow at either end.
 template <class T>

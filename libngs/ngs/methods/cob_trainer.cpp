@@ -46,8 +46,7 @@ void CobTrainer::label_step(const Exec& exec, const Evidence& view) {
   for_each_index(exec, cloud_.size(), [&](std::int64_t row) {
     for (int k = 0; k < objects_; ++k) {
       const std::size_t cell = std::size_t(row) * std::size_t(objects_) + std::size_t(k);
-      const double inside = view.object_weight.value(cell),
-                   outside = view.weight.value(std::size_t(row)) - inside;
+      const double inside = view.object_weight.value(cell), outside = view.weight.value(std::size_t(row)) - inside;
       const double m = sigmoid(double(logit_[cell]));
       gradient[cell] = float((options_.lambda * outside - inside) * m * (1 - m));
     }
@@ -103,13 +102,11 @@ void CobTrainer::apply(const Exec& exec, const std::vector<CloudRow>& rows) {
   edit_moments(rows, objects_, label_moments_);
   edit_column(exec, rows, objects_, logit_);
   for (LabelColumns& c : columns_)
-    for (auto* column : {&c.label, &c.prob, &c.variance, &c.views, &c.boundary})
-      edit_column(exec, rows, 1, *column);
+    for (auto* column : {&c.label, &c.prob, &c.variance, &c.views, &c.boundary}) edit_column(exec, rows, 1, *column);
   std::vector<std::int64_t> source(rows.size());
   for (std::size_t r = 0; r < rows.size(); ++r) {
     source[r] = source_row_[std::size_t(rows[r].source)];
-    if (rows[r].origin != RowOrigin::kKept)
-      std::fill_n(logit_.begin() + std::ptrdiff_t(r) * objects_, objects_, 0.f);
+    if (rows[r].origin != RowOrigin::kKept) std::fill_n(logit_.begin() + std::ptrdiff_t(r) * objects_, objects_, 0.f);
   }
   source_row_ = std::move(source);
 }
@@ -128,16 +125,13 @@ void CobTrainer::texture_phase(const Exec& exec, Monitor& monitor, const ColourT
                 "give the photos to ngs-scene import, or train labels only: --cob-rounds 0");
 }
 
-void CobTrainer::texture_step(const Exec& exec, std::size_t view, const ImageF& photo,
-                              const ColourTerm& colour_term) {
+void CobTrainer::texture_step(const Exec& exec, std::size_t view, const ImageF& photo, const ColourTerm& colour_term) {
   RenderRequest request;
   request.background = input_.background;
   const RenderedView& rendered = pass_.forward(exec, cloud_, input_.scene.views[view].camera, request);
   PhotometricOptions photometric;
   photometric.dssim_weight = options_.dssim_weight;
-  last_photometric_ =
-      photometric_.evaluate(exec, photometric, {rendered.colour, photo}, &image_gradient_.colour)
-          .total;
+  last_photometric_ = photometric_.evaluate(exec, photometric, {rendered.colour, photo}, &image_gradient_.colour).total;
   if (texture_steps_ == 0) first_photometric_ = last_photometric_;
   pass_.backward(exec, image_gradient_, gradients_);
   if (colour_term) colour_term(exec, cloud_, logit_, gradients_.sh_dc);
@@ -167,8 +161,7 @@ Solution CobTrainer::result(Monitor& monitor) {
   out.cloud = cloud_, out.source_row = source_row_;
   out.figures["split"] = double(split_), out.figures["pruned"] = double(pruned_);
   out.figures["label_steps"] = double(label_steps_), out.figures["texture_steps"] = double(texture_steps_);
-  out.figures["first_photometric_loss"] = first_photometric_,
-  out.figures["last_photometric_loss"] = last_photometric_;
+  out.figures["first_photometric_loss"] = first_photometric_, out.figures["last_photometric_loss"] = last_photometric_;
   out.converged = !monitor.stop_requested();
   return out;
 }

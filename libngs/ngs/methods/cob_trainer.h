@@ -10,8 +10,8 @@
 namespace ngs {
 
 /// Adds a term to the colours' gradient in a texture step. `logit` [N, K]: label logits.
-using ColourTerm = std::function<void(const Exec& exec, const GaussianCloud& cloud,
-                                      const std::vector<float>& logit, std::vector<float>& grad_sh_dc)>;
+using ColourTerm = std::function<void(const Exec& exec, const GaussianCloud& cloud, const std::vector<float>& logit,
+                                      std::vector<float>& grad_sh_dc)>;
 
 class CobTrainer {
  public:
@@ -58,7 +58,7 @@ class CobTrainer {
 };
 
 /// The whole schedule. `colour_term` may be empty.
-Solution run_cob_schedule(const Exec& exec, Monitor& monitor, const CobOptions& options,
-                              const Problem& input, const ColourTerm& colour_term);
+Solution run_cob_schedule(const Exec& exec, Monitor& monitor, const CobOptions& options, const Problem& input,
+                          const ColourTerm& colour_term);
 
 }  // namespace ngs

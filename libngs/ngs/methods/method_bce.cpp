@@ -104,8 +104,7 @@ BceResult solve_bce(const Exec& exec, Monitor& monitor, const BceOptions& option
   return result;
 }
 
-Solution run_bce(const Exec& exec, Monitor& monitor, const BceOptions& options,
-                     const Problem& input) {
+Solution run_bce(const Exec& exec, Monitor& monitor, const BceOptions& options, const Problem& input) {
   return std::move(solve_bce(exec, monitor, options, input).method);
 }
 

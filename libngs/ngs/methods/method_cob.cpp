@@ -9,11 +9,10 @@ constexpr int kLabelOnlyPhases = 5;  // 10 V iterations, the code's default with
 
 }  // namespace
 
-Solution run_cob_schedule(const Exec& exec, Monitor& monitor, const CobOptions& options,
-                              const Problem& input, const ColourTerm& colour_term) {
+Solution run_cob_schedule(const Exec& exec, Monitor& monitor, const CobOptions& options, const Problem& input,
+                          const ColourTerm& colour_term) {
   CobTrainer trainer(options, input);
-  for (int phase = 0; phase < (options.rounds > 0 ? 1 : kLabelOnlyPhases); ++phase)
-    trainer.mask_phase(exec, monitor);
+  for (int phase = 0; phase < (options.rounds > 0 ? 1 : kLabelOnlyPhases); ++phase) trainer.mask_phase(exec, monitor);
   for (int round = 0; round < options.rounds && !monitor.stop_requested(); ++round) {
     trainer.split(exec);
     trainer.texture_phase(exec, monitor, colour_term);
@@ -24,8 +23,7 @@ Solution run_cob_schedule(const Exec& exec, Monitor& monitor, const CobOptions& 
   return trainer.result(monitor);
 }
 
-Solution run_cob(const Exec& exec, Monitor& monitor, const CobOptions& options,
-                     const Problem& input) {
+Solution run_cob(const Exec& exec, Monitor& monitor, const CobOptions& options, const Problem& input) {
   return run_cob_schedule(exec, monitor, options, input, nullptr);
 }
 

@@ -18,8 +18,8 @@ int heaviest_object(const FlashOptions& options, const std::vector<LabelColumns>
     if (share > best_share) best = int(k), best_share = share;
   }
   const double background = std::max(0.0, 1 - object_sum);  // overlapping objects may claim more than all
-  const double length = options.norm == FlashNorm::kL1 ? background + object_sum
-                                                       : std::sqrt(background * background + square_sum);
+  const double length =
+      options.norm == FlashNorm::kL1 ? background + object_sum : std::sqrt(background * background + square_sum);
   return best_share / length > background / length + options.gamma ? best : -1;
 }
 
@@ -27,13 +27,11 @@ int heaviest_object(const FlashOptions& options, const std::vector<LabelColumns>
 
 double flash_threshold(const FlashOptions& options) {
   if (options.norm == FlashNorm::kL1) return (1 + options.gamma) / 2;
-  const double quarter_turn = std::atan(1.0),
-               angle = quarter_turn + std::asin(options.gamma / std::sqrt(2.0));
+  const double quarter_turn = std::atan(1.0), angle = quarter_turn + std::asin(options.gamma / std::sqrt(2.0));
   return std::sin(angle) / (std::cos(angle) + std::sin(angle));  // t / (1 + t) with t = tan(angle)
 }
 
-Solution run_flash(const Exec& exec, Monitor& monitor, const FlashOptions& options,
-                       const Problem& input) {
+Solution run_flash(const Exec& exec, Monitor& monitor, const FlashOptions& options, const Problem& input) {
   Solution result;
   result.cloud = input.cloud;
   result.labels = closed_form_labels(exec, monitor, input);

@@ -20,20 +20,17 @@ struct FlashOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.gamma, Field<double>{"flash_gamma", "",
-                                    "flash: bias towards the background; < 0 favours the object", -1.0, 1.0});
-    visit(self.norm,
-          Choice<FlashNorm>{"flash_norm", "flash: normalisation of the shares that gamma is added to",
-                            kFlashNormNames});
-    visit(self.exclusive,
-          Flag{"flash_exclusive", "flash: a Gaussian belongs to at most one object (the heaviest)"});
+    visit(self.gamma,
+          Field<double>{"flash_gamma", "", "flash: bias towards the background; < 0 favours the object", -1.0, 1.0});
+    visit(self.norm, Choice<FlashNorm>{"flash_norm", "flash: normalisation of the shares that gamma is added to",
+                                       kFlashNormNames});
+    visit(self.exclusive, Flag{"flash_exclusive", "flash: a Gaussian belongs to at most one object (the heaviest)"});
   }
 };
 
 /// The share f above which a Gaussian belongs to the object (PAPER.md §5.4).
 double flash_threshold(const FlashOptions& options);
 
-Solution run_flash(const Exec& exec, Monitor& monitor, const FlashOptions& options,
-                       const Problem& input);
+Solution run_flash(const Exec& exec, Monitor& monitor, const FlashOptions& options, const Problem& input);
 
 }  // namespace ngs

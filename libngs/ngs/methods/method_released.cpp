@@ -13,8 +13,7 @@ constexpr double kShDc = 0.28209479177387814;  // rgb = 0.5 + kShDc · sh_dc
 
 }  // namespace
 
-std::vector<std::size_t> most_undecided(const GaussianCloud& cloud, const std::vector<float>& logit,
-                                        int count) {
+std::vector<std::size_t> most_undecided(const GaussianCloud& cloud, const std::vector<float>& logit, int count) {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < cloud.usable.size(); ++i)
     if (cloud.usable[i]) order.push_back(i);
@@ -35,16 +34,15 @@ std::vector<std::size_t> most_undecided(const GaussianCloud& cloud, const std::v
   return order;
 }
 
-Solution run_released(const Exec& exec, Monitor& monitor, const ReleasedOptions& options,
-                          const Problem& input) {
+Solution run_released(const Exec& exec, Monitor& monitor, const ReleasedOptions& options, const Problem& input) {
   CobOptions cob = options.cob;
   cob.divisor = CobDivisor::kLiteral;
   const ReleasedWeights weights{options.align, options.continuity, options.smooth, options.density};
   ReleasedField field(input.seed);
   ReleasedLosses last;
   std::uint64_t draw = 0;
-  const ColourTerm regulariser = [&](const Exec& e, const GaussianCloud& cloud,
-                                     const std::vector<float>& logit, std::vector<float>& grad_sh_dc) {
+  const ColourTerm regulariser = [&](const Exec& e, const GaussianCloud& cloud, const std::vector<float>& logit,
+                                     std::vector<float>& grad_sh_dc) {
     const std::vector<std::size_t> rows = most_undecided(cloud, logit, options.count);
     std::vector<float> position;
     std::vector<double> base, grad_base;

@@ -5,8 +5,8 @@
 // comparison only: the regulariser sees no ray, no query point and no mask, it acts on the colours of the
 // 4096 Gaussians with the most undecided labels, and rendering masks does not read colours. What the paper
 // describes is --method paper.
-#include "ngs/options/field.h"
 #include "ngs/methods/method_cob.h"
+#include "ngs/options/field.h"
 
 namespace ngs {
 
@@ -17,28 +17,22 @@ struct ReleasedOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.count,
-          Field<int>{"released_count", "",
-                     "released: Gaussians that the regulariser takes, most undecided first", 0, 1 << 20});
-    visit(self.align,
-          Field<double>{"released_align", "",
-                        "released: weight of the distance to the neighbours' mean colour", 0.0, 1e6});
-    visit(self.continuity, Field<double>{"released_continuity", "",
-                                         "released: weight of colour differences to neighbours", 0.0, 1e6});
-    visit(self.smooth,
-          Field<double>{"released_smooth", "", "released: weight of the change under jitter", 0.0, 1e6});
-    visit(self.density,
-          Field<double>{"released_density", "", "released: weight of the mean density", 0.0, 1e6});
+    visit(self.count, Field<int>{"released_count", "",
+                                 "released: Gaussians that the regulariser takes, most undecided first", 0, 1 << 20});
+    visit(self.align, Field<double>{"released_align", "",
+                                    "released: weight of the distance to the neighbours' mean colour", 0.0, 1e6});
+    visit(self.continuity,
+          Field<double>{"released_continuity", "", "released: weight of colour differences to neighbours", 0.0, 1e6});
+    visit(self.smooth, Field<double>{"released_smooth", "", "released: weight of the change under jitter", 0.0, 1e6});
+    visit(self.density, Field<double>{"released_density", "", "released: weight of the mean density", 0.0, 1e6});
     visit(self.lr, Field<double>{"released_lr", "", "released: Adam rate of network and tables", 0.0, 1.0});
   }
 };
 
 /// Rows of the cloud by 4 m (1 - m), m the sigmoid of the most undecided object's logit [N, K]; ties by row.
 /// At most `count`, ascending; unusable rows are left out.
-std::vector<std::size_t> most_undecided(const GaussianCloud& cloud, const std::vector<float>& logit,
-                                        int count);
+std::vector<std::size_t> most_undecided(const GaussianCloud& cloud, const std::vector<float>& logit, int count);
 
-Solution run_released(const Exec& exec, Monitor& monitor, const ReleasedOptions& options,
-                          const Problem& input);
+Solution run_released(const Exec& exec, Monitor& monitor, const ReleasedOptions& options, const Problem& input);
 
 }  // namespace ngs

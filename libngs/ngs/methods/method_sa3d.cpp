@@ -22,8 +22,8 @@ struct ObjectState {
 };
 
 /// IoU of the rendered label mask and the given one over known pixels; two empty masks agree.
-double mask_agreement(const Exec& exec, const ObjectState& state, const Problem& input,
-                      const Camera& camera, const ViewMasks& masks) {
+double mask_agreement(const Exec& exec, const ObjectState& state, const Problem& input, const Camera& camera,
+                      const ViewMasks& masks) {
   const std::vector<float> label = state.label();
   RenderRequest request;
   request.colour = false;
@@ -46,8 +46,7 @@ ViewMasks masks_of(const Problem& input, std::size_t view, const ObjectState& st
   return masks;
 }
 
-void take_view(const Exec& exec, const Problem& input, std::size_t view, const ViewMasks& masks,
-               ObjectState& state) {
+void take_view(const Exec& exec, const Problem& input, std::size_t view, const ViewMasks& masks, ObjectState& state) {
   add_view_evidence(exec, state.cloud, {input.scene.views[view].camera, masks}, input.splat, state.evidence);
 }
 
@@ -58,8 +57,7 @@ void first_pass(const Exec& exec, Monitor& monitor, const Sa3dOptions& options, 
     const ViewMasks masks = masks_of(input, view, state);
     if (!masks.available) continue;
     const Camera& camera = input.scene.views[view].camera;
-    if (!state.accepted.empty() && mask_agreement(exec, state, input, camera, masks) < options.gate_iou)
-      continue;
+    if (!state.accepted.empty() && mask_agreement(exec, state, input, camera, masks) < options.gate_iou) continue;
     state.accepted.push_back(view);
     take_view(exec, input, view, masks, state);
   }
@@ -76,8 +74,7 @@ void later_pass(const Exec& exec, const Sa3dOptions& options, const Problem& inp
 
 }  // namespace
 
-Solution run_sa3d(const Exec& exec, Monitor& monitor, const Sa3dOptions& options,
-                      const Problem& input) {
+Solution run_sa3d(const Exec& exec, Monitor& monitor, const Sa3dOptions& options, const Problem& input) {
   const auto timed = monitor.scope("sa3d");
   Solution result;
   result.cloud = input.cloud;

@@ -3,11 +3,11 @@
 #include <algorithm>
 
 #include "ngs/core/rng.h"
+#include "ngs/methods/saga_features.h"
 #include "ngs/ops/field/knn.h"
 #include "ngs/problem/cloud_rows.h"
 #include "ngs/scene/mask_threshold.h"
 #include "ngs/stages/boundary/method_labels.h"
-#include "ngs/methods/saga_features.h"
 
 namespace ngs {
 namespace {
@@ -34,8 +34,7 @@ class Saga {
       : options_(options), input_(input), pass_(input.splat) {
     std::vector<CloudRow> rows;
     for (std::int64_t i = 0; i < input.cloud.size(); ++i)
-      if (input.cloud.usable[std::size_t(i)])
-        rows.push_back({i, RowOrigin::kKept}), row_.push_back(std::size_t(i));
+      if (input.cloud.usable[std::size_t(i)]) rows.push_back({i, RowOrigin::kKept}), row_.push_back(std::size_t(i));
     cloud_ = input.cloud;
     edit_rows(exec, rows, 0, cloud_);
     const Rows<const float, 3> points{cloud_.position.data(), cloud_.size()};
@@ -92,8 +91,7 @@ class Saga {
     std::vector<std::uint8_t> used(std::size_t(graph_.neighbours), 0);
     std::vector<std::size_t> order(used.size());
     for (std::size_t s = 0; s < order.size(); ++s) order[s] = s;
-    std::sort(order.begin(), order.end(),
-              [&](std::size_t a, std::size_t b) { return draw(1 + a) < draw(1 + b); });
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return draw(1 + a) < draw(1 + b); });
     for (std::size_t s = 0; s < (used.size() + 1) / 2; ++s) used[order[s]] = 1;
     return used;
   }
@@ -203,14 +201,12 @@ class Saga {
 
 }  // namespace
 
-Solution run_saga(const Exec& exec, Monitor& monitor, const SagaOptions& options,
-                      const Problem& input) {
+Solution run_saga(const Exec& exec, Monitor& monitor, const SagaOptions& options, const Problem& input) {
   Solution result;
   result.cloud = input.cloud;
   result.labels = closed_form_labels(exec, monitor, input);
   if (input.views.empty())
-    throw Error(ErrorCode::kInconsistent, "saga: no training view, expected at least one",
-                "hold out fewer views");
+    throw Error(ErrorCode::kInconsistent, "saga: no training view, expected at least one", "hold out fewer views");
   const auto timed = monitor.scope("saga");
   Saga saga(exec, options, input);
   saga.train(exec, monitor);

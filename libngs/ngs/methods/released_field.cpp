@@ -7,24 +7,23 @@
 #include "ngs/backend/for_each.h"
 #include "ngs/core/rng.h"
 #include "ngs/math/stable.h"
-#include "ngs/ops/optim/adam.h"
 #include "ngs/ops/field/knn.h"
+#include "ngs/ops/optim/adam.h"
 
 namespace ngs {
 namespace {
 
-constexpr int kLevels = 8, kFeatures = 2, kInputs = kLevels * kFeatures + 3, kHidden = 64, kHeads = 4,
-              kNeighbours = 8;
+constexpr int kLevels = 8, kFeatures = 2, kInputs = kLevels * kFeatures + 3, kHidden = 64, kHeads = 4, kNeighbours = 8;
 constexpr std::size_t kTable = 1u << 15;
 constexpr double kTint = 0.1, kBaseShare = 0.25, kJitter = 0.01, kLeastWeight = 1e-6;
 constexpr std::int64_t kChunk = 256;  // rows that one task differentiates
 
 // Parameters: tables, then weight and bias of each layer.
 constexpr std::size_t kTables = kLevels * kTable * kFeatures;
-constexpr std::size_t kW1 = 0, kB1 = kW1 + kHidden * kInputs, kW2 = kB1 + kHidden,
-                      kB2 = kW2 + kHidden * kHidden, kGammaW = kB2 + kHidden, kGammaB = kGammaW + kHidden * 3,
-                      kBetaW = kGammaB + kHidden, kBetaB = kBetaW + kHidden * 3, kHeadW = kBetaB + kHidden,
-                      kHeadB = kHeadW + kHeads * kHidden, kNetwork = kHeadB + kHeads;
+constexpr std::size_t kW1 = 0, kB1 = kW1 + kHidden * kInputs, kW2 = kB1 + kHidden, kB2 = kW2 + kHidden * kHidden,
+                      kGammaW = kB2 + kHidden, kGammaB = kGammaW + kHidden * 3, kBetaW = kGammaB + kHidden,
+                      kBetaB = kBetaW + kHidden * 3, kHeadW = kBetaB + kHidden, kHeadB = kHeadW + kHeads * kHidden,
+                      kNetwork = kHeadB + kHeads;
 
 /// y = W x + b and its adjoint: where a layer lies among the parameters of the network.
 struct Affine {
@@ -55,8 +54,7 @@ constexpr Affine kLayer1{kW1, kB1, kHidden, kInputs}, kLayer2{kW2, kB2, kHidden,
 
 /// What one row's forward pass leaves for its backward pass.
 struct RowState {
-  double in[kInputs], a1[kHidden], a2[kHidden], gamma[kHidden], beta[kHidden], film[kHidden], h3[kHidden],
-      head[kHeads];
+  double in[kInputs], a1[kHidden], a2[kHidden], gamma[kHidden], beta[kHidden], film[kHidden], h3[kHidden], head[kHeads];
 };
 
 struct RowOutput {
@@ -91,11 +89,10 @@ void backward_row(const double* net, const RowState& s, const RowOutput& g, doub
   const double* base = s.in + kLevels * kFeatures;
   std::fill_n(grad_in, kInputs, 0.0);
   double* grad_base = grad_in + kLevels * kFeatures;
-  double g_head[kHeads], g3[kHidden] = {}, g_gamma[kHidden], g_film[kHidden], g2[kHidden] = {},
-                         g1[kHidden] = {}, h1[kHidden];
+  double g_head[kHeads], g3[kHidden] = {}, g_gamma[kHidden], g_film[kHidden], g2[kHidden] = {}, g1[kHidden] = {},
+                         h1[kHidden];
   for (int c = 0; c < 3; ++c) {
-    const double t = std::tanh(s.head[c]), raw = base[c] + kTint * t,
-                 through = raw > 0 && raw < 1 ? g.rgb[c] : 0;
+    const double t = std::tanh(s.head[c]), raw = base[c] + kTint * t, through = raw > 0 && raw < 1 ? g.rgb[c] : 0;
     grad_base[c] += through, g_head[c] = through * kTint * (1 - t * t);
   }
   g_head[3] = g.density * sigmoid(s.head[3]);
@@ -170,14 +167,13 @@ struct Batch {
                      &part[std::size_t(chunk) * kNetwork], &grad_in[std::size_t(r) * kInputs]);
     });
     for (std::size_t i = 0; i < part.size(); ++i) grad[kTables + i % kNetwork] += part[i];
-    for_each_task(
-        exec, kLevels, [&](std::int64_t level) {  // a level owns its table and visits the rows in order
-          for (std::size_t r = 0; r < state.size(); ++r)
-            for (std::size_t f = 0; f < kFeatures; ++f) {
-              const std::size_t l = std::size_t(level);
-              grad[entry[r * kLevels + l] * kFeatures + f] += grad_in[r * kInputs + l * kFeatures + f];
-            }
-        });
+    for_each_task(exec, kLevels, [&](std::int64_t level) {  // a level owns its table and visits the rows in order
+      for (std::size_t r = 0; r < state.size(); ++r)
+        for (std::size_t f = 0; f < kFeatures; ++f) {
+          const std::size_t l = std::size_t(level);
+          grad[entry[r * kLevels + l] * kFeatures + f] += grad_in[r * kInputs + l * kFeatures + f];
+        }
+    });
     for (std::size_t i = 0; i < grad_base.size(); ++i)
       grad_base[i] += grad_in[i / 3 * kInputs + kLevels * kFeatures + i % 3];
   }
@@ -198,8 +194,8 @@ std::vector<double> rbf_weights(const KnnGraph& graph) {
 }
 
 /// Continuity mean_i Σ_j w_ij |base_i - base_j|² / 3 with its gradient; fills the RBF colour of every row.
-double continuity(const KnnGraph& graph, const std::vector<double>& base, double factor,
-                  std::vector<double>& rbf, std::vector<double>& grad_base) {
+double continuity(const KnnGraph& graph, const std::vector<double>& base, double factor, std::vector<double>& rbf,
+                  std::vector<double>& grad_base) {
   const std::vector<double> weight = rbf_weights(graph);
   const double scale = 1 / double(base.size());
   double loss = 0;
@@ -237,16 +233,14 @@ ReleasedField::ReleasedField(std::uint64_t seed) : value_(kTables + kNetwork), s
   };
   for (std::size_t i = 0; i < kTables; ++i) value_[i] = uniform(i, 1e-4);
   const auto layer = [&](std::size_t begin, std::size_t end, int inputs) {
-    for (std::size_t i = begin; i < end; ++i)
-      value_[kTables + i] = uniform(kTables + i, 1 / std::sqrt(double(inputs)));
+    for (std::size_t i = begin; i < end; ++i) value_[kTables + i] = uniform(kTables + i, 1 / std::sqrt(double(inputs)));
   };
-  layer(kW1, kW2, kInputs), layer(kW2, kGammaW, kHidden), layer(kGammaW, kHeadW, 3),
-      layer(kHeadW, kNetwork, kHidden);
+  layer(kW1, kW2, kInputs), layer(kW2, kGammaW, kHidden), layer(kGammaW, kHeadW, 3), layer(kHeadW, kNetwork, kHidden);
   grad_.resize(value_.size()), m_.resize(value_.size()), v_.resize(value_.size());
 }
 
-ReleasedLosses ReleasedField::evaluate(const Exec& exec, const ReleasedWeights& weights,
-                                       const ReleasedRows& in, std::uint64_t draw, std::vector<double>& grad_base) {
+ReleasedLosses ReleasedField::evaluate(const Exec& exec, const ReleasedWeights& weights, const ReleasedRows& in,
+                                       std::uint64_t draw, std::vector<double>& grad_base) {
   const std::vector<float>& position = in.position;
   const std::vector<double>& base = in.base;
   ReleasedLosses loss;
@@ -264,8 +258,7 @@ ReleasedLosses ReleasedField::evaluate(const Exec& exec, const ReleasedWeights& 
   const double mean = 1 / double(base.size());
   for (std::size_t i = 0; i < std::size_t(rows); ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
-      const double refined = here.out[i].rgb[c], target = refined - rbf[i * 3 + c],
-                   step = refined - near.out[i].rgb[c];
+      const double refined = here.out[i].rgb[c], target = refined - rbf[i * 3 + c], step = refined - near.out[i].rgb[c];
       const double from_base = base[i * 3 + c] - refined;
       loss.align += mean * (target * target + kBaseShare * from_base * from_base);
       loss.smooth += mean * step * step;
@@ -277,8 +270,8 @@ ReleasedLosses ReleasedField::evaluate(const Exec& exec, const ReleasedWeights& 
     grad_here[i].density = weights.density / double(rows);
   }
   here.backward(exec, grad_here, grad_, grad_base), near.backward(exec, grad_near, grad_, grad_base);
-  loss.total = weights.align * loss.align + weights.continuity * loss.continuity +
-               weights.smooth * loss.smooth + weights.density * loss.density;
+  loss.total = weights.align * loss.align + weights.continuity * loss.continuity + weights.smooth * loss.smooth +
+               weights.density * loss.density;
   return loss;
 }
 

@@ -31,8 +31,8 @@ class ReleasedField {
  public:
   explicit ReleasedField(std::uint64_t seed);
 
-  /// Losses of M Gaussians and their gradients: `grad_base` [M, 3] and grad() are overwritten. `draw` numbers the step, for
-  /// its jitter. Gradients stop where the code detaches.
+  /// Losses of M Gaussians and their gradients: `grad_base` [M, 3] and grad() are overwritten. `draw` numbers the step,
+  /// for its jitter. Gradients stop where the code detaches.
   ReleasedLosses evaluate(const Exec& exec, const ReleasedWeights& weights, const ReleasedRows& in, std::uint64_t draw,
                           std::vector<double>& grad_base);
   /// One Adam step of the network and its tables against grad().

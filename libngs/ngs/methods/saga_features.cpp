@@ -35,16 +35,14 @@ double contrastive_loss(const Exec& exec, int dims, std::span<const float> featu
   std::vector<double> unit(features.size(), 0.0), length(n), row_loss(n);
   double mean_length = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t c = 0; c < d; ++c)
-      length[i] += double(features[i * d + c]) * double(features[i * d + c]);
+    for (std::size_t c = 0; c < d; ++c) length[i] += double(features[i * d + c]) * double(features[i * d + c]);
     length[i] = std::sqrt(length[i]);
     mean_length += length[i] / double(n);
     if (length[i] > 0)
       for (std::size_t c = 0; c < d; ++c) unit[i * d + c] = double(features[i * d + c]) / length[i];
   }
   const PairCounts pairs = count_pairs(id, length);
-  const double same = pairs.same > 0 ? 1 / pairs.same : 0,
-               different = pairs.different > 0 ? 1 / pairs.different : 0;
+  const double same = pairs.same > 0 ? 1 / pairs.same : 0, different = pairs.different > 0 ? 1 / pairs.different : 0;
   for_each_index(exec, std::int64_t(n), [&](std::int64_t row) {
     const auto i = std::size_t(row);
     std::vector<double> g(d, 0.0);

@@ -24,9 +24,8 @@ class SmoothedFeatures {
                std::vector<T>& u) {
     const auto d = std::size_t(dims_);
     unit_.resize(features.size()), sum_.resize(features.size()), u.resize(features.size());
-    for_each_index(exec, graph_.points, [&](std::int64_t i) {
-      normalise(&features[std::size_t(i) * d], &unit_[std::size_t(i) * d]);
-    });
+    for_each_index(exec, graph_.points,
+                   [&](std::int64_t i) { normalise(&features[std::size_t(i) * d], &unit_[std::size_t(i) * d]); });
     for_each_index(exec, graph_.points, [&](std::int64_t i) {
       T* sum = &sum_[std::size_t(i) * d];
       std::fill_n(sum, dims_, T(0));
@@ -42,8 +41,8 @@ class SmoothedFeatures {
 
   /// Overwrites `grad_features` from ∂L/∂u of the last forward, of which `features` and `u` are in- and
   /// output.
-  void backward(const Exec& exec, const std::vector<T>& features, const std::vector<T>& u,
-                const std::vector<T>& grad_u, std::vector<T>& grad_features) {
+  void backward(const Exec& exec, const std::vector<T>& features, const std::vector<T>& u, const std::vector<T>& grad_u,
+                std::vector<T>& grad_features) {
     const auto d = std::size_t(dims_);
     grad_sum_.resize(u.size()), grad_features.resize(u.size());
     for_each_index(exec, graph_.points, [&](std::int64_t i) {

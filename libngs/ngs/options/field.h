@@ -1,6 +1,6 @@
 #pragma once
-// One option, described once. CLI flag, JSON key, JSON schema, --help line, range check, the provenance record, the warning
-// that nothing listens to it and the name it had before are all read from these. An options struct has
+// One option, described once. CLI flag, JSON key, JSON schema, --help line, range check, the provenance record, the
+// warning that nothing listens to it and the name it had before are all read from these. An options struct has
 //
 //   template <class Self, class Visitor> static void describe(Self& self, Visitor&& visit) {
 //     visit(self.neighbours, Field<int>{"neighbours", "", "boundary Gaussians per query (before Eq. 8)", 1, 32});
@@ -9,10 +9,11 @@
 //     visit(self.levels, Field<int>{"hash_levels", "", "levels of the grid", 1, 32}.of("nerf").was("grid_levels"));
 //   }
 //
-// Names are snake_case; the flag is the same name with '-' (a name of one letter: -h). Every descriptor has, beside what it is
-// given in braces:
+// Names are snake_case; the flag is the same name with '-' (a name of one letter: -h). Every descriptor has, beside
+// what it is given in braces:
 //
-//   .of("nerf")          the effect without which nothing listens to the option; "joint|contours": one of them must be on;
+//   .of("nerf")          the effect without which nothing listens to the option; "joint|contours": one of them must be
+//   on;
 //                        "mask,joint|contours": that, and mask
 //   .was("grid_levels")  an earlier name, still accepted as flag and JSON key, with a warning
 //   .letter('l')         a short flag, -l

@@ -45,8 +45,7 @@ std::string shown(const Json& value) {
   return text.size() <= 80 ? text : text.substr(0, 77) + "...";
 }
 
-[[noreturn]] void fail(std::string_view name, const Json& value, const std::string& expected,
-                       std::string remedy = {}) {
+[[noreturn]] void fail(std::string_view name, const Json& value, const std::string& expected, std::string remedy = {}) {
   throw Error(ErrorCode::kUsage, std::string(name) + " = " + shown(value) + ", expected " + expected,
               std::move(remedy));
 }
@@ -101,14 +100,12 @@ std::vector<std::string> checked_texts(std::string_view name, const Json& value)
   return texts;
 }
 
-std::size_t checked_choice(std::string_view name, const Json& value,
-                           const std::vector<std::string>& choices) {
+std::size_t checked_choice(std::string_view name, const Json& value, const std::vector<std::string>& choices) {
   std::string listed;
   for (const std::string& choice : choices) listed += (listed.empty() ? "" : ", ") + choice;
   if (!value.is_string()) fail(name, value, "one of " + listed);
   const auto found = std::find(choices.begin(), choices.end(), value.get<std::string>());
-  if (found == choices.end())
-    fail(name, value, "one of " + listed, suggestion(value.get<std::string>(), choices));
+  if (found == choices.end()) fail(name, value, "one of " + listed, suggestion(value.get<std::string>(), choices));
   return std::size_t(found - choices.begin());
 }
 
@@ -150,10 +147,9 @@ std::vector<const OptionEntry*> OptionSet::given() const {
 const OptionEntry& OptionSet::at(std::string_view name, std::string_view source) const {
   for (const OptionEntry& entry : entries_)
     if (entry.name == name || (!name.empty() && entry.was == name)) return entry;
-  throw Error(
-      ErrorCode::kUsage,
-      (source.empty() ? "" : std::string(source) + ": ") + "unknown option '" + std::string(name) + "'",
-      suggestion(name, names()));
+  throw Error(ErrorCode::kUsage,
+              (source.empty() ? "" : std::string(source) + ": ") + "unknown option '" + std::string(name) + "'",
+              suggestion(name, names()));
 }
 
 void OptionSet::set_text(std::string_view name, const std::vector<std::string>& texts) const {
@@ -176,8 +172,8 @@ std::vector<const OptionEntry*> OptionSet::set_json(const Json& values, std::str
     if (item.key() == entry.was) {
       by_old_name.push_back(&entry);
       if (values.contains(entry.name))
-        throw Error(ErrorCode::kUsage,
-                    std::string(source) + ": '" + entry.was + "' is now called '" + entry.name + "', found both, expected one");
+        throw Error(ErrorCode::kUsage, std::string(source) + ": '" + entry.was + "' is now called '" + entry.name +
+                                           "', found both, expected one");
     }
     with_context(source, [&] { entry.set(item.value()); });
   }

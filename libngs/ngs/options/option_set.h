@@ -24,13 +24,13 @@ enum class OptionKind { kBool, kInteger, kReal, kText, kTextList, kChoice };
 
 /// What the options of one struct have in common in one tool.
 struct OptionGroup {
-  std::string title = "options";    // of their part of --help; groups with one title share it
-  std::string prefix = {};          // before their names: "fit_" -> --fit-steps
-  std::string effect = {};          // of those that name none themselves, as in Field::of()
+  std::string title = "options";       // of their part of --help; groups with one title share it
+  std::string prefix = {};             // before their names: "fit_" -> --fit-steps
+  std::string effect = {};             // of those that name none themselves, as in Field::of()
   std::function<bool()> listens = {};  // asked once all values are set: false, and nothing uses them. Empty: always
-  std::string listener = {};        // who would: "--method cob"
-  bool basic = false;               // what a first user needs: shown by -h too
-  bool expert = false;              // --help names them, --help -v explains them
+  std::string listener = {};           // who would: "--method cob"
+  bool basic = false;                  // what a first user needs: shown by -h too
+  bool expert = false;                 // --help names them, --help -v explains them
 };
 
 struct OptionEntry {
@@ -41,10 +41,10 @@ struct OptionEntry {
   Json min, max;  // of a number, else null
   std::vector<std::string> choices;
   std::shared_ptr<const OptionGroup> group;
-  std::string effect;   // see Field::of(); empty: nothing turns it off
-  std::string was;      // an earlier name, prefix included; empty: none
-  char letter = '\0';   // of a short flag; 0: none
-  Json default_value;   // at its declaration
+  std::string effect;  // see Field::of(); empty: nothing turns it off
+  std::string was;     // an earlier name, prefix included; empty: none
+  char letter = '\0';  // of a short flag; 0: none
+  Json default_value;  // at its declaration
   std::function<Json()> get;
   std::function<void(const Json&)> set;  // checks, then stores
 };
@@ -77,7 +77,8 @@ class OptionSet {
 
   /// Values as typed on a command line: all of them for a text list, else the last one.
   void set_text(std::string_view name, const std::vector<std::string>& texts) const;
-  /// `source` names the file in messages. Returns the options that it knows by an earlier name; kUsage where it has both.
+  /// `source` names the file in messages. Returns the options that it knows by an earlier name; kUsage where it has
+  /// both.
   std::vector<const OptionEntry*> set_json(const Json& values, std::string_view source) const;
   Json to_json() const;
   /// JSON Schema (draft-07) of to_json(), defaults included.
@@ -135,8 +136,9 @@ struct Binder {
     e.min = field.min;
     e.max = field.max;
     e.get = [&value] { return Json(value); };
-    e.set = [&value, range = Range<Wide>{e.name, e.unit, Wide(field.min), Wide(field.max)}](
-                const Json& json) { value = T(checked(range, json)); };
+    e.set = [&value, range = Range<Wide>{e.name, e.unit, Wide(field.min), Wide(field.max)}](const Json& json) {
+      value = T(checked(range, json));
+    };
     push(std::move(e));
   }
 

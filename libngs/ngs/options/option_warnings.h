@@ -1,6 +1,7 @@
 #pragma once
-// What people should hear about the options they gave: an earlier name, or that nothing listens. A sweep over an option that
-// nothing listens to would otherwise be a flat line without a word. One text per reason, in the order of declaration.
+// What people should hear about the options they gave: an earlier name, or that nothing listens. A sweep over an option
+// that nothing listens to would otherwise be a flat line without a word. One text per reason, in the order of
+// declaration.
 #include <functional>
 #include <string>
 #include <string_view>

@@ -10,8 +10,9 @@
 
 namespace ngs {
 
-/// Arrays and objects within one another. What is read is printed in messages and pages by functions that call themselves for
-/// every level, so that a file could otherwise choose how much stack they take; ours have fewer than ten.
+/// Arrays and objects within one another. What is read is printed in messages and pages by functions that call
+/// themselves for every level, so that a file could otherwise choose how much stack they take; ours have fewer than
+/// ten.
 inline constexpr int kMaxJsonDepth = 64;
 
 /// `text` as JsonType (nlohmann's json or ordered_json). What is not one JSON value, a key that occurs twice in one
@@ -22,14 +23,15 @@ JsonType parse_strict_json(std::string_view text, std::string_view source, Error
   std::vector<std::set<std::string>> open_objects;  // the keys seen so far, outermost object first
   const auto refuse = [&](int depth, Event event, JsonType& parsed) {
     if ((event == Event::object_start || event == Event::array_start) && depth >= kMaxJsonDepth)
-      throw Error(code, std::string(source) + ": more than " + std::to_string(kMaxJsonDepth) +
-                            " levels of arrays and objects, expected at most that many",
+      throw Error(code,
+                  std::string(source) + ": more than " + std::to_string(kMaxJsonDepth) +
+                      " levels of arrays and objects, expected at most that many",
                   "no file of ngs is nested like that: write it again with the tool that made it");
     if (event == Event::object_start) open_objects.emplace_back();
     if (event == Event::object_end) open_objects.pop_back();
     if (event == Event::key && !open_objects.back().insert(parsed.template get<std::string>()).second)
-      throw Error(code, std::string(source) + ": key '" + parsed.template get<std::string>() +
-                            "' occurs twice, expected once");
+      throw Error(
+          code, std::string(source) + ": key '" + parsed.template get<std::string>() + "' occurs twice, expected once");
     return true;
   };
   try {
@@ -37,9 +39,8 @@ JsonType parse_strict_json(std::string_view text, std::string_view source, Error
   } catch (const typename JsonType::exception& e) {
     const std::string_view what = e.what();
     const std::size_t begin = what.find("] ");  // behind "[json.exception.parse_error.101"
-    throw Error(code, std::string(source) +
-                          ": not JSON: " + std::string(what.substr(begin == what.npos ? 0 : begin + 2)) +
-                          ", expected one JSON value");
+    throw Error(code, std::string(source) + ": not JSON: " +
+                          std::string(what.substr(begin == what.npos ? 0 : begin + 2)) + ", expected one JSON value");
   }
 }
 

@@ -14,8 +14,8 @@ const EffectDecision* Decisions::find(std::string_view name) const {
   return found == all_.end() ? nullptr : &*found;
 }
 
-/// An effect it needs that is off, whatever else is said, for it could not run; then an entry of --effect, then the first verdict,
-/// then being always on. Null: its detector is asked.
+/// An effect it needs that is off, whatever else is said, for it could not run; then an entry of --effect, then the
+/// first verdict, then being always on. Null: its detector is asked.
 std::optional<EffectDecision> Decisions::settled_decision(const Effect& e) const {
   if (const EffectDecision* need = find(e.needs); need != nullptr && !need->on)
     return EffectDecision{&e, "auto", false, "needs " + std::string(e.needs)};

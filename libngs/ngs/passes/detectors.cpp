@@ -43,8 +43,7 @@ void for_each_seen(const GaussianCloud& cloud, std::span<const Camera> cameras, 
     const Camera camera = relative_to(world, cloud.origin);
     Seen seen;
     for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i)
-      if (cloud.usable[i] && sees(camera, cloud, i, seen))
-        use(i, seen, double(sigmoid(cloud.logit_opacity[i])));
+      if (cloud.usable[i] && sees(camera, cloud, i, seen)) use(i, seen, double(sigmoid(cloud.logit_opacity[i])));
   }
 }
 
@@ -72,8 +71,7 @@ double view_dependence_levels(const GaussianCloud& cloud, std::span<const Camera
     sh_rest_basis(cloud.sh_degree, (1 / length) * seen.offset, basis);
     for (std::size_t c = 0; c < 3; ++c) {
       double change = 0;
-      for (std::size_t k = 0; k < bands; ++k)
-        change += basis[k] * double(cloud.sh_rest[(i * bands + k) * 3 + c]);
+      for (std::size_t k = 0; k < bands; ++k) change += basis[k] * double(cloud.sh_rest[(i * bands + k) * 3 + c]);
       most = std::max(most, opacity * std::abs(change));
     }
   });
@@ -101,8 +99,7 @@ double straddling_bound_px(const GaussianCloud& cloud, std::span<const Camera> c
   for_each_seen(cloud, cameras, [&](std::size_t i, const Seen& seen, double opacity) {
     float s[3] = {cloud.log_scale[3 * i], cloud.log_scale[3 * i + 1], cloud.log_scale[3 * i + 2]};
     std::sort(s, s + 3);
-    double area =
-        2 * std::numbers::pi;  // of a Gaussian: its integral; at most half of it is on the wrong side
+    double area = 2 * std::numbers::pi;  // of a Gaussian: its integral; at most half of it is on the wrong side
     for (int a = 1; a < 3; ++a) {
       const double px = std::exp(double(s[a])) * seen.px_per_unit;
       area *= std::sqrt(px * px + blur_px2);
@@ -124,8 +121,7 @@ double neighbour_most_levels(const KnnGraph& graph, Rows<const float, 3> colour)
   double most = 0;
   for_each_edge(graph, [&](std::size_t i, std::size_t j) {
     for (int c = 0; c < 3; ++c)
-      most = std::max(
-          most, std::abs(double(colour.row(std::int64_t(i))[c]) - double(colour.row(std::int64_t(j))[c])));
+      most = std::max(most, std::abs(double(colour.row(std::int64_t(i))[c]) - double(colour.row(std::int64_t(j))[c])));
   });
   return kLevels * most;
 }
@@ -144,20 +140,16 @@ double colour_range_levels(Rows<const float, 3> colour) {
 double contour_deviation_levels(const ImageF& photo, MaskPlane mask) {
   constexpr int kRadius = 3;
   const int w = mask.width_px, h = mask.height_px;
-  const auto inside = [&](int x, int y) {
-    return mask.data[std::size_t(y) * std::size_t(w) + std::size_t(x)] != 0;
-  };
+  const auto inside = [&](int x, int y) { return mask.data[std::size_t(y) * std::size_t(w) + std::size_t(x)] != 0; };
   double sum = 0, patches = 0;
   for (int y = kRadius; y + kRadius < h; ++y)
     for (int x = kRadius; x + kRadius < w; ++x) {
-      if (!inside(x, y) || (inside(x - 1, y) && inside(x + 1, y) && inside(x, y - 1) && inside(x, y + 1)))
-        continue;
+      if (!inside(x, y) || (inside(x - 1, y) && inside(x + 1, y) && inside(x, y - 1) && inside(x, y + 1))) continue;
       for (int c = 0; c < photo.channels; ++c) {
         double first = 0, second = 0;
         for (int v = y - kRadius; v <= y + kRadius; ++v)
           for (int u = x - kRadius; u <= x + kRadius; ++u) {
-            const double value =
-                double(photo.at(u, v, c)) - double(photo.at(x, y, c));  // shifted: no cancellation
+            const double value = double(photo.at(u, v, c)) - double(photo.at(x, y, c));  // shifted: no cancellation
             first += value, second += value * value;
           }
         constexpr double kCount = (2 * kRadius + 1) * (2 * kRadius + 1);
@@ -176,7 +168,8 @@ double cells_per_spacing(const std::vector<float>& nearest_distance, double exte
 double outlier_score(const std::vector<double>& disagreement) {
   if (disagreement.size() < 2) return 0;
   double median = 0;
-  return *std::max_element(disagreement.begin(), disagreement.end()) / (0.5 * ignore_threshold({}, disagreement, median));
+  return *std::max_element(disagreement.begin(), disagreement.end()) /
+         (0.5 * ignore_threshold({}, disagreement, median));
 }
 
 double gain_in_errors(const std::vector<double>& gains) {
@@ -194,7 +187,8 @@ NarrowParts narrow_parts(MaskPlane mask) {
   const std::vector<std::int32_t> depth = chessboard_distance(mask, Outside::kUnknown);
   std::vector<std::uint8_t> no_middle(depth.size());  // of such a square
   for (std::size_t p = 0; p < depth.size(); ++p) no_middle[p] = depth[p] <= kReach;
-  const std::vector<std::int32_t> away = chessboard_distance({no_middle.data(), mask.width_px, mask.height_px}, Outside::kUnknown);
+  const std::vector<std::int32_t> away =
+      chessboard_distance({no_middle.data(), mask.width_px, mask.height_px}, Outside::kUnknown);
   NarrowParts parts;
   for (std::size_t p = 0; p < depth.size(); ++p)
     if (depth[p] > 0) ++parts.all_px2, parts.narrow_px2 += away[p] > kReach;

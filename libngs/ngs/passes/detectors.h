@@ -59,8 +59,8 @@ double gain_in_errors(const std::vector<double>& gains);
 /// From here on a gain counts.
 inline constexpr double kSignificant = 2;
 
-/// Pixels of a mask, and those that no square of kNarrow_px in it covers; beyond the picture it may go on. Not the contour's
-/// length by the area, which of a small thing is as large as of a thin one.
+/// Pixels of a mask, and those that no square of kNarrow_px in it covers; beyond the picture it may go on. Not the
+/// contour's length by the area, which of a small thing is as large as of a thin one.
 struct NarrowParts {
   double narrow_px2 = 0, all_px2 = 0;
 };

@@ -37,7 +37,8 @@ bool belongs_to(std::span<const Effect> effects, std::string_view name, std::str
 EffectModes::EffectModes(std::span<const Effect> effects, const std::vector<std::string>& entries) {
   for (const std::string& entry : entries) read(effects, entry);
   for (const Effect& e : effects)
-    if (const Entry* own = find(e.name); own != nullptr && own->by_name && own->mode == EffectMode::kOn) require(effects, e);
+    if (const Entry* own = find(e.name); own != nullptr && own->by_name && own->mode == EffectMode::kOn)
+      require(effects, e);
 }
 
 EffectModes::Entry* EffectModes::find(std::string_view name) {
@@ -56,7 +57,8 @@ void EffectModes::read(std::span<const Effect> effects, const std::string& entry
   const std::size_t equals = std::min(entry.find('='), entry.size());
   const std::string name = entry.substr(0, equals), value = entry.substr(std::min(equals + 1, entry.size()));
   const Effect* known = find_effect(effects, name);
-  if ((known == nullptr && name != "all") || (value != "auto" && value != "on" && value != "off")) refuse_entry(effects, entry);
+  if ((known == nullptr && name != "all") || (value != "auto" && value != "on" && value != "off"))
+    refuse_entry(effects, entry);
   const EffectMode mode = value == "auto" ? EffectMode::kAuto : value == "on" ? EffectMode::kOn : EffectMode::kOff;
   if (known == nullptr) {
     for (const Effect& e : effects) set(e.name, mode, false);
@@ -71,9 +73,10 @@ void EffectModes::require(std::span<const Effect> effects, const Effect& effect)
     const Entry* entry = find(need);
     if (entry == nullptr || entry->mode != EffectMode::kOff) continue;
     if (entry->by_name)
-      throw Error(ErrorCode::kUsage,
-                  "--effect " + std::string(effect.name) + "=on: it needs " + std::string(need) + ", which is off by name",
-                  "--effect " + std::string(need) + "=on, or leave out one of them");
+      throw Error(
+          ErrorCode::kUsage,
+          "--effect " + std::string(effect.name) + "=on: it needs " + std::string(need) + ", which is off by name",
+          "--effect " + std::string(need) + "=on, or leave out one of them");
     set(need, EffectMode::kOn, false);
   }
 }
@@ -84,8 +87,8 @@ EffectMode EffectModes::of(std::string_view name) const {
 }
 
 std::string decision_reason(const Detector& detector, double measured) {
-  return std::string(detector.measured) + ": " + short_number(measured) + (measured > detector.threshold ? " > " : " <= ") +
-         short_number(detector.threshold);
+  return std::string(detector.measured) + ": " + short_number(measured) +
+         (measured > detector.threshold ? " > " : " <= ") + short_number(detector.threshold);
 }
 
 }  // namespace ngs

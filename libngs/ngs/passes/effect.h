@@ -1,8 +1,9 @@
 #pragma once
 // What of the method can be on, off, or decided by what the scene calls for: passes, and parts of passes. PAPER.md §5.7
 //
-// An Effect is all there is to say about one of them; --help, --explain, the report, --effects-from and the decision itself
-// read it. Its detector gives one number, cheap to measure on what is loaded already. Off means that the work is not done.
+// An Effect is all there is to say about one of them; --help, --explain, the report, --effects-from and the decision
+// itself read it. Its detector gives one number, cheap to measure on what is loaded already. Off means that the work is
+// not done.
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -52,8 +53,9 @@ bool belongs_to(std::span<const Effect> effects, std::string_view name, std::str
 class EffectModes {
  public:
   EffectModes() = default;
-  /// "NAME=auto|on|off" entries, of which the last that names an effect counts; NAME may be "all". An effect that is on by its
-  /// own name switches on what it needs. kUsage for anything else, and where what it needs is off by its own name.
+  /// "NAME=auto|on|off" entries, of which the last that names an effect counts; NAME may be "all". An effect that is on
+  /// by its own name switches on what it needs. kUsage for anything else, and where what it needs is off by its own
+  /// name.
   EffectModes(std::span<const Effect> effects, const std::vector<std::string>& entries);
 
   EffectMode of(std::string_view name) const;

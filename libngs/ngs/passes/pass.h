@@ -1,7 +1,7 @@
 #pragma once
-// A pass of --method ngs: one thing that is done to a problem or to its solution, on its own terms. A pass says what it is called,
-// when a scene calls for it, what it costs, and does it; the pipeline (pipeline.h) decides, keeps to the time, and reports.
-// A new pass is a folder with a class like the others, and a line in pass_list.cpp.
+// A pass of --method ngs: one thing that is done to a problem or to its solution, on its own terms. A pass says what it
+// is called, when a scene calls for it, what it costs, and does it; the pipeline (pipeline.h) decides, keeps to the
+// time, and reports. A new pass is a folder with a class like the others, and a line in pass_list.cpp.
 #include <memory>
 #include <optional>
 #include <string>
@@ -39,22 +39,21 @@ struct PassRun {
   Budget& budget;
   Json& report;  // "result" of the run's report: a key per pass
   WatchOptions watching = {};
-  bool allow_empty = false;           // an empty boundary is no error
+  bool allow_empty = false;                           // an empty boundary is no error
   std::function<void(const std::string&)> info = {};  // a line for people; may be empty
 
-  std::optional<Problem> problem = {};   // as the passes so far left it
-  const Problem* coarse = nullptr;       // what was read, at the size of decisions
-  const QueryField* field = nullptr;     // query points of the initial model from a file; null: sampled
-  StepStore* store = nullptr;            // null: nothing is kept
-  Json resumed = Json::object();         // by pass: what the run that is resumed did, where the clock decided it
-  Json state = Json::object();           // the same of this run
+  std::optional<Problem> problem = {};  // as the passes so far left it
+  const Problem* coarse = nullptr;      // what was read, at the size of decisions
+  const QueryField* field = nullptr;    // query points of the initial model from a file; null: sampled
+  StepStore* store = nullptr;           // null: nothing is kept
+  Json resumed = Json::object();        // by pass: what the run that is resumed did, where the clock decided it
+  Json state = Json::object();          // the same of this run
 
-  std::vector<float> floater = {};       // [N] 1: taken out of the model; empty: none
-  bool fields_fit = true;                // query points made for the model that was read still belong to it
+  std::vector<float> floater = {};  // [N] 1: taken out of the model; empty: none
+  bool fields_fit = true;           // query points made for the model that was read still belong to it
   std::unique_ptr<JointTrainer> trainer = {};
   std::optional<Watch> watch = {};
   std::optional<Solution> solution = {};
-
 
   void say(const std::string& line) const {
     if (info) info(line);
@@ -78,8 +77,8 @@ class Pass {
   virtual std::vector<EffectVerdict> rules(const TrainingOptions&) const { return {}; }
   /// What it takes at most before it can be stopped; none: it follows the clock.
   virtual std::optional<PassCost> cost() const { return std::nullopt; }
-  /// Tells the budget and the other passes what is to come. Asked before the decisions, and again after them; from the last pass
-  /// to the first, so that a pass knows what follows.
+  /// Tells the budget and the other passes what is to come. Asked before the decisions, and again after them; from the
+  /// last pass to the first, so that a pass knows what follows.
   virtual void foresee(PassRun&) {}
   /// Before any pass of its stage runs, whether it is on or off.
   virtual void begin(PassRun&) {}

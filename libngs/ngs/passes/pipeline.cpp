@@ -90,8 +90,7 @@ bool Pipeline::run(PassStage stage, PassRun& run) const {
     }
     return !run.monitor.stop_requested();
   };
-  return each([&](Pass& pass) { pass.begin(run); }) &&
-         each([&](Pass& pass) {
+  return each([&](Pass& pass) { pass.begin(run); }) && each([&](Pass& pass) {
            if (run.on(pass.effects().front().name)) pass.run(run);
          }) &&
          each([&](Pass& pass) { pass.finish(run); });

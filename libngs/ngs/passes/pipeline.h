@@ -17,7 +17,8 @@ class Pipeline {
   void declare(OptionSet& options, const OptionGroup& group) const;
   std::vector<EffectVerdict> rules(const TrainingOptions& training) const;
 
-  /// Leaves out what the time does not allow, then decides on `seen`, which may be the problem at a fraction of its size.
+  /// Leaves out what the time does not allow, then decides on `seen`, which may be the problem at a fraction of its
+  /// size.
   void decide(PassStage stage, PassRun& run, const Problem& seen) const;
   /// Leaves out all passes of a stage for want of time.
   void leave_out(PassStage stage, PassRun& run) const;

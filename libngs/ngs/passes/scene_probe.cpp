@@ -3,11 +3,11 @@
 #include <algorithm>
 
 #include "ngs/ops/field/knn.h"
+#include "ngs/ops/image/mask_pair.h"
 #include "ngs/passes/detectors.h"
 #include "ngs/passes/effect.h"
 #include "ngs/problem/pixel_window.h"
 #include "ngs/problem/view_list.h"
-#include "ngs/ops/image/mask_pair.h"
 #include "ngs/stages/render/render_stage.h"
 
 namespace ngs {

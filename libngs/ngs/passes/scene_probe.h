@@ -1,8 +1,8 @@
 #pragma once
 // What detectors measure a scene by. What several of them ask for is computed once, where the first asks. PAPER.md §5.7
 //
-// Masks and photos of training views and photos of others are read, masks of held-out views never. Everything is measured at
-// the size it is given, on at most kDecisionViews views where that is enough.
+// Masks and photos of training views and photos of others are read, masks of held-out views never. Everything is
+// measured at the size it is given, on at most kDecisionViews views where that is enough.
 #include <memory>
 #include <optional>
 #include <vector>
@@ -20,8 +20,8 @@ struct LabelViews {
   std::vector<double> disagreement;  // of the model as it stands with the masks, 1 - IoU, summed over objects; per view
   std::vector<std::uint8_t> shown;   // per view, 1: mask or model shows an object
   double biou = 0;                   // mean over views and objects
-  double outside = 0;                // share of the rendered object beyond a margin about its mask: the largest over the views
-                                     // whose mask is not empty; the others' pixels are all beyond
+  double outside = 0;  // share of the rendered object beyond a margin about its mask: the largest over the views
+                       // whose mask is not empty; the others' pixels are all beyond
 };
 
 /// 1 - IoU; 0 where both masks are empty.

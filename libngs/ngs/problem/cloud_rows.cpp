@@ -24,8 +24,7 @@ void gather_moments(const std::vector<CloudRow>& rows, int width, std::vector<fl
 Mat3<double> axes_of(const GaussianCloud& cloud, std::size_t r) {
   const float* q = &cloud.rotation[r * 4];
   double inv;
-  return rotation_matrix(
-      normalised(Vec4<double>{double(q[0]), double(q[1]), double(q[2]), double(q[3])}, inv));
+  return rotation_matrix(normalised(Vec4<double>{double(q[0]), double(q[1]), double(q[2]), double(q[3])}, inv));
 }
 
 void move_by(GaussianCloud& cloud, std::size_t r, Vec3<double> offset) {
@@ -56,8 +55,7 @@ void place_half(GaussianCloud& cloud, std::size_t r, RowOrigin half) {
   local[axis] = (half == RowOrigin::kHalf0 ? kShift : -kShift) * std::exp(double(s[axis]));
   move_by(cloud, r, axes_of(cloud, r) * Vec3<double>{local[0], local[1], local[2]});
   s[axis] += float(std::log(shrink));
-  const double depth =
-      softplus(double(cloud.logit_opacity[r])) / (2 * shrink);  // -log(1 - opacity) of a half
+  const double depth = softplus(double(cloud.logit_opacity[r])) / (2 * shrink);  // -log(1 - opacity) of a half
   cloud.logit_opacity[r] = float(std::log(std::max(std::expm1(depth), 1e-300)));
 }
 
@@ -72,8 +70,7 @@ void edit_column(const Exec& exec, const std::vector<CloudRow>& rows, int width,
   values = gather_column(exec, values, width, rows);
 }
 
-void edit_rows(const Exec& exec, const std::vector<CloudRow>& rows, std::uint64_t seed,
-               GaussianCloud& cloud) {
+void edit_rows(const Exec& exec, const std::vector<CloudRow>& rows, std::uint64_t seed, GaussianCloud& cloud) {
   edit_column(exec, rows, 3, cloud.position), edit_column(exec, rows, 4, cloud.rotation);
   edit_column(exec, rows, 3, cloud.log_scale), edit_column(exec, rows, 1, cloud.logit_opacity);
   edit_column(exec, rows, 3, cloud.sh_dc), edit_column(exec, rows, cloud.rest_count() * 3, cloud.sh_rest);
@@ -98,7 +95,8 @@ GaussianCloud gather_rows(const Exec& exec, const GaussianCloud& cloud, const st
   return part;
 }
 
-void scatter_rows(const Exec& exec, const GaussianCloud& part, const std::vector<std::int64_t>& rows, GaussianCloud& cloud) {
+void scatter_rows(const Exec& exec, const GaussianCloud& part, const std::vector<std::int64_t>& rows,
+                  GaussianCloud& cloud) {
   scatter_column(exec, part.position, 3, rows, cloud.position);
   scatter_column(exec, part.rotation, 4, rows, cloud.rotation);
   scatter_column(exec, part.log_scale, 3, rows, cloud.log_scale);

@@ -30,7 +30,8 @@ void edit_column(const Exec& exec, const std::vector<CloudRow>& rows, int width,
 
 /// Some rows of a cloud, in the order of `rows` (increasing), and back.
 GaussianCloud gather_rows(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::int64_t>& rows);
-void scatter_rows(const Exec& exec, const GaussianCloud& part, const std::vector<std::int64_t>& rows, GaussianCloud& cloud);
+void scatter_rows(const Exec& exec, const GaussianCloud& part, const std::vector<std::int64_t>& rows,
+                  GaussianCloud& cloud);
 
 inline std::int64_t source_of(std::int64_t row) { return row; }
 inline std::int64_t source_of(const CloudRow& row) { return row.source; }

@@ -4,8 +4,8 @@
 #include <atomic>
 
 #include "ngs/backend/for_each.h"
-#include "ngs/scene/shrink.h"
 #include "ngs/problem/view_list.h"
+#include "ngs/scene/shrink.h"
 
 namespace ngs {
 namespace {
@@ -104,7 +104,8 @@ double CoarseInput::preload(const Exec& exec, const std::function<bool()>& go_on
 
 int decision_shrink(const Scene& scene) {
   int longest_px = 0;
-  for (const SceneView& view : scene.views) longest_px = std::max({longest_px, view.camera.width_px, view.camera.height_px});
+  for (const SceneView& view : scene.views)
+    longest_px = std::max({longest_px, view.camera.width_px, view.camera.height_px});
   return longest_px >= 512 ? 2 : 1;
 }
 

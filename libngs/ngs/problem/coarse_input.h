@@ -6,12 +6,13 @@
 #include <memory>
 #include <mutex>
 
-#include "ngs/scene/rle_masks.h"
 #include "ngs/problem/problem.h"
+#include "ngs/scene/rle_masks.h"
 
 namespace ngs {
 
-/// By how much decisions shrink a scene: whether a mask or a Gaussian is wrong shows at half the size, where that still is a picture.
+/// By how much decisions shrink a scene: whether a mask or a Gaussian is wrong shows at half the size, where that still
+/// is a picture.
 int decision_shrink(const Scene& scene);
 
 /// Cameras and the low-pass filter are those of images of ceil(size / shrink) pixels; photos and masks are

@@ -18,8 +18,8 @@ namespace ngs {
 /// Share of the masks' evidence from which on a Gaussian counts as partly an object's.
 inline constexpr double kLeastForegroundShare = 0.05;
 
-/// Labels, one per object, that nobody changes: the inputs of one run's stages share them. With many objects they take more
-/// memory than the model.
+/// Labels, one per object, that nobody changes: the inputs of one run's stages share them. With many objects they take
+/// more memory than the model.
 class SharedLabels {
  public:
   SharedLabels() : SharedLabels(std::vector<LabelColumns>()) {}
@@ -44,19 +44,19 @@ struct LabelledModel {
 struct Problem {
   const GaussianCloud& cloud;
   const Scene& scene;
-  std::vector<std::size_t> views;                          // indices of scene.views that may supervise
-  std::function<ViewMasks(std::size_t view)> load_masks;   // at the camera's size
-  std::function<ImageF(std::size_t view)> load_photo;      // [H, W, 3] at the camera's size; empty: no photo
+  std::vector<std::size_t> views;                         // indices of scene.views that may supervise
+  std::function<ViewMasks(std::size_t view)> load_masks;  // at the camera's size
+  std::function<ImageF(std::size_t view)> load_photo;     // [H, W, 3] at the camera's size; empty: no photo
   SplatOptions splat;
   Vec3<float> background{0, 0, 0};
   std::uint64_t seed = 0;
-  std::vector<float> fixed;                                // [N] ngs_fixed of a hand edit: 1 keeps its label; may be empty
-  SharedLabels labels;                                     // of ngs-variance, one per object
+  std::vector<float> fixed;  // [N] ngs_fixed of a hand edit: 1 keeps its label; may be empty
+  SharedLabels labels;       // of ngs-variance, one per object
   // As load_photo, finer where the photo has more pixels than the camera; empty function or image: no photo.
   std::function<ImageF(std::size_t view)> load_fine_photo = {};
-  std::vector<std::uint8_t> held = {};                     // [N] 1: shape, opacity and colour stay as they are; empty: none
-  std::vector<std::shared_ptr<const void>> owns = {};      // what the references above refer to, where nobody else keeps it
-  Monitor* monitor = nullptr;                              // asked before every view whether to go on; null: goes on
+  std::vector<std::uint8_t> held = {};                 // [N] 1: shape, opacity and colour stay as they are; empty: none
+  std::vector<std::shared_ptr<const void>> owns = {};  // what the references above refer to, where nobody else keeps it
+  Monitor* monitor = nullptr;                          // asked before every view whether to go on; null: goes on
 };
 
 struct Solution {

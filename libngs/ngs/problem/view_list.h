@@ -39,8 +39,8 @@ inline std::vector<std::size_t> photo_views(const Scene& scene) {
 
 /// How many of these views have a photo.
 inline std::size_t photo_count(const Scene& scene, const std::vector<std::size_t>& views) {
-  return std::size_t(std::count_if(views.begin(), views.end(),
-                                   [&](std::size_t v) { return !scene.views[v].image_path.empty(); }));
+  return std::size_t(
+      std::count_if(views.begin(), views.end(), [&](std::size_t v) { return !scene.views[v].image_path.empty(); }));
 }
 
 /// At most `most` of the views, evenly spread: enough for a decision, or for a figure of the report.
@@ -52,11 +52,8 @@ inline std::vector<std::size_t> spread_views(const std::vector<std::size_t>& vie
 }
 
 /// The views in an order that depends on the seed and the number of passes so far.
-inline std::vector<std::size_t> shuffled(std::vector<std::size_t> views, std::uint64_t seed,
-                                         std::uint64_t pass) {
-  const auto rank = [&](std::size_t view) {
-    return rng_bits(seed, RngStream::kViewOrder, (pass << 32) + view);
-  };
+inline std::vector<std::size_t> shuffled(std::vector<std::size_t> views, std::uint64_t seed, std::uint64_t pass) {
+  const auto rank = [&](std::size_t view) { return rng_bits(seed, RngStream::kViewOrder, (pass << 32) + view); };
   std::sort(views.begin(), views.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
   return views;
 }

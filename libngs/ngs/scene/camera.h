@@ -10,11 +10,11 @@
 namespace ngs {
 
 struct Camera {
-  std::string name;                     // image file name as the source spells it, e.g. "0001.png"
+  std::string name;  // image file name as the source spells it, e.g. "0001.png"
   int width_px = 0, height_px = 0;
   double fx = 0, fy = 0, cx = 0, cy = 0;  // px, with the true principal point
-  Mat3<double> rotation{};              // world -> camera, orthonormal, det +1
-  Vec3<double> translation{};           // world -> camera: x_cam = R x_world + t
+  Mat3<double> rotation{};                // world -> camera, orthonormal, det +1
+  Vec3<double> translation{};             // world -> camera: x_cam = R x_world + t
 
   /// Camera centre in world coordinates: -Rᵀ t.
   Vec3<double> centre() const { return -1.0 * (transpose(rotation) * translation); }

@@ -32,10 +32,10 @@ struct Evidence {
   std::vector<std::uint64_t> object_pixels;  // [N, K] of these, with M >= 0.5
   std::vector<std::uint32_t> views;          // [N]    views with W > 0
   // Per-view signals m = W1 / W of one view, quantised to 2^-32; their sum and the sum of their squares.
-  std::vector<std::uint64_t> signal_sum;     // [N, K] in units of 2^-32
-  ExactSums signal_square_sum;               // [N, K]
+  std::vector<std::uint64_t> signal_sum;  // [N, K] in units of 2^-32
+  ExactSums signal_square_sum;            // [N, K]
   // Per-view r = |n₊ - n₋| / (n₊ + n₋) of the unweighted counts (COB-GS), quantised to 2^-32.
-  std::vector<std::uint64_t> contrast_sum;   // [N, K] in units of 2^-32
+  std::vector<std::uint64_t> contrast_sum;  // [N, K] in units of 2^-32
 
   Evidence() = default;
   Evidence(std::int64_t n, int k);

@@ -29,9 +29,12 @@ CloudHealth classify(GaussianCloud& cloud) {
     const bool finite = all_finite({&cloud.position[i * 3], 3}) && all_finite(rotation) && !scale_is_nan &&
                         !std::isnan(cloud.logit_opacity[i]) && all_finite({&cloud.sh_dc[i * 3], 3}) &&
                         all_finite({cloud.sh_rest.data() + i * rest, rest});
-    if (!finite) ++health.non_finite;
-    else if (scale_is_absurd) ++health.absurd_scale;
-    else if (rotation[0] == 0 && rotation[1] == 0 && rotation[2] == 0 && rotation[3] == 0) ++health.zero_rotation;
+    if (!finite)
+      ++health.non_finite;
+    else if (scale_is_absurd)
+      ++health.absurd_scale;
+    else if (rotation[0] == 0 && rotation[1] == 0 && rotation[2] == 0 && rotation[3] == 0)
+      ++health.zero_rotation;
     cloud.usable[i] = finite && !scale_is_absurd;
   }
   return health;

@@ -10,16 +10,16 @@ namespace ngs {
 inline constexpr int sh_rest_count(int degree) { return (degree + 1) * (degree + 1) - 1; }
 
 struct GaussianCloud {
-  std::array<double, 3> origin{};     // world = origin + position; non-zero only for `double` PLYs far from 0
-  std::vector<float> position;        // [N, 3] world, relative to origin
-  std::vector<float> rotation;        // [N, 4] w x y z as stored; used normalised (a zero quaternion: identity)
-  std::vector<float> log_scale;       // [N, 3] ln world
-  std::vector<float> logit_opacity;   // [N]
-  std::vector<float> sh_dc;           // [N, 3] rgb = 0.5 + 0.28209479 · sh_dc
-  std::vector<float> sh_rest;         // [N, sh_rest_count(sh_degree), 3]; the PLY is channel-major, transposed on load
-  int sh_degree = 0;                  // 0..3
-  bool antialiased = false;           // trained with the Mip-Splatting opacity compensation (PLY comment)
-  std::vector<std::uint8_t> usable;   // [N] 0: non-finite or absurd; left out of the maths, kept in every output
+  std::array<double, 3> origin{};    // world = origin + position; non-zero only for `double` PLYs far from 0
+  std::vector<float> position;       // [N, 3] world, relative to origin
+  std::vector<float> rotation;       // [N, 4] w x y z as stored; used normalised (a zero quaternion: identity)
+  std::vector<float> log_scale;      // [N, 3] ln world
+  std::vector<float> logit_opacity;  // [N]
+  std::vector<float> sh_dc;          // [N, 3] rgb = 0.5 + 0.28209479 · sh_dc
+  std::vector<float> sh_rest;        // [N, sh_rest_count(sh_degree), 3]; the PLY is channel-major, transposed on load
+  int sh_degree = 0;                 // 0..3
+  bool antialiased = false;          // trained with the Mip-Splatting opacity compensation (PLY comment)
+  std::vector<std::uint8_t> usable;  // [N] 0: non-finite or absurd; left out of the maths, kept in every output
 
   std::int64_t size() const { return std::int64_t(logit_opacity.size()); }
   int rest_count() const { return sh_rest_count(sh_degree); }
@@ -35,8 +35,8 @@ struct GaussianCloud {
 /// ∂L/∂(each column of GaussianCloud), same shapes.
 struct CloudGradients {
   std::vector<float> position, rotation, log_scale, logit_opacity, sh_dc, sh_rest;
-  std::vector<float> label;    // [N, K] ∂L/∂(label channel values)
-  std::vector<float> mean_px;  // [N, 2] ∂L/∂(projected mean), px^-1: what densification thresholds
+  std::vector<float> label;           // [N, K] ∂L/∂(label channel values)
+  std::vector<float> mean_px;         // [N, 2] ∂L/∂(projected mean), px^-1: what densification thresholds
   std::vector<std::uint8_t> visible;  // [N] 1: listed for a tile of this view, though perhaps hidden there
 };
 

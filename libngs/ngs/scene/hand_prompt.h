@@ -19,7 +19,7 @@ struct HandPrompt {
   int width_px = 0, height_px = 0;
   std::vector<PromptStroke> strokes;
   std::vector<std::array<double, 4>> boxes;  // left, top, right, bottom; the object lies inside one of them
-  std::vector<PixelHint> painted;  // [H·W] of scribble pictures, certain or likely background; may be empty
+  std::vector<PixelHint> painted;            // [H·W] of scribble pictures, certain or likely background; may be empty
 };
 
 }  // namespace ngs

@@ -1,6 +1,6 @@
 #pragma once
-// A photo that waits for its turn: as the samples of its file, which take a quarter (8 bit) or half (16 bit) of the floats
-// that stages read, or as floats where it was computed.
+// A photo that waits for its turn: as the samples of its file, which take a quarter (8 bit) or half (16 bit) of the
+// floats that stages read, or as floats where it was computed.
 #include <cstddef>
 #include <utility>
 #include <variant>

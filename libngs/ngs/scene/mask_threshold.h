@@ -1,10 +1,10 @@
 #pragma once
 // Where a share in [0, 1] becomes a decision. Three rules, because exactly one half is a value of its own:
 //
-//   a mask that was given        1/2 is the object's: a soft mask says so, and so does the mean of four pixels of which two are
-//   a label, and a mask that     1/2 is not: it is where labels begin, and what is between object and background
-//   was rendered or refined
-//   a flag, a share that is known  1/2 counts: columns of a PLY hold 0 or 1, and half a pixel's evidence is evidence
+//   a mask that was given        1/2 is the object's: a soft mask says so, and so does the mean of four pixels of which
+//   two are a label, and a mask that     1/2 is not: it is where labels begin, and what is between object and
+//   background was rendered or refined a flag, a share that is known  1/2 counts: columns of a PLY hold 0 or 1, and
+//   half a pixel's evidence is evidence
 #include "ngs/core/hd.h"
 
 namespace ngs {

@@ -21,23 +21,22 @@ struct QueryView {
 
 struct QueryField {
   std::array<double, 3> origin{};  // world = origin + position; the model's GaussianCloud::origin
-  double depth_span = 0;         // window ratio: half window of a ray = max(depth_span · t, depth_epsilon),
-  double depth_epsilon = 0;      //   world; t = the ray's own centre depth
-  std::vector<QueryView> views;  // the index in `view` is the index here
+  double depth_span = 0;           // window ratio: half window of a ray = max(depth_span · t, depth_epsilon),
+  double depth_epsilon = 0;        //   world; t = the ray's own centre depth
+  std::vector<QueryView> views;    // the index in `view` is the index here
 
   std::vector<float> position;     // [Q, 3] world, relative to origin
   std::vector<float> uv;           // [Q, 2] px, where the ray meets the image
   std::vector<std::int32_t> view;  // [Q] index into views
-  std::vector<std::int32_t>
-      slot;  // [Q] (row · cols + col) · depth_samples + k: the node of the grid and sample k,
-             //     near to far; slots that were left out are simply absent
-  std::vector<float> depth;  // [Q] world, Euclidean distance from the camera centre along the unit ray
+  std::vector<std::int32_t> slot;  // [Q] (row · cols + col) · depth_samples + k: the node of the grid and sample k,
+                                   //     near to far; slots that were left out are simply absent
+  std::vector<float> depth;        // [Q] world, Euclidean distance from the camera centre along the unit ray
 
   int features = 0;                      // F; 0: not interpolated yet
   std::vector<float> feature;            // [Q, F] f_inter                                             Eq. (9)
   int neighbours = 0;                    // K; 0: not searched yet
   std::vector<std::uint32_t> neighbour;  // [Q, K] row in the boundary PLY (= row of the model), nearest first
-  std::vector<float> weight;  // [Q, K] Σ_k = 1                                             Eq. (8)
+  std::vector<float> weight;             // [Q, K] Σ_k = 1                                             Eq. (8)
 
   std::int64_t size() const { return std::int64_t(position.size() / 3); }
 };

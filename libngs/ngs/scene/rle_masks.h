@@ -5,8 +5,8 @@
 namespace ngs {
 
 /// The masks of one view, run by run. Planes that are 0 or 1 but at contours take as much memory as their contours are
-/// long; those that runs would not make smaller, as soft masks that vary from pixel to pixel, stay as they are. The same
-/// bits come back.
+/// long; those that runs would not make smaller, as soft masks that vary from pixel to pixel, stay as they are. The
+/// same bits come back.
 class RleMasks {
  public:
   RleMasks() = default;

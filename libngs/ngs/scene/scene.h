@@ -22,9 +22,9 @@ struct SceneObject {
 };
 
 struct SceneView {
-  Camera camera;            // at the working size (after image_scale)
-  std::string image_path;   // absolute or relative to the working directory; empty: no photo
-  std::string mask_path;    // empty: no mask for this view
+  Camera camera;           // at the working size (after image_scale)
+  std::string image_path;  // absolute or relative to the working directory; empty: no photo
+  std::string mask_path;   // empty: no mask for this view
   Split split = Split::kTrain;
 };
 
@@ -34,13 +34,13 @@ struct Scene {
   std::vector<SceneObject> objects;  // at least one
   MaskMode mask_mode = MaskMode::kBinary;
   bool mask_invert = false;
-  double mask_threshold = 128;       // 8-bit scale; binary mode: object where value >= threshold
+  double mask_threshold = 128;           // 8-bit scale; binary mode: object where value >= threshold
   std::optional<std::uint32_t> void_id;  // label maps: pixels of this id are unknown; none: every id is known
   MissingMask missing_mask = MissingMask::kUnknown;
   double image_scale = 1.0;
-  double filter_px2 = 0.3;           // variance of the low-pass filter the model was fitted with, px² at the working size
-  Compat compat = Compat::kInria;    // of the renderer that the model was fitted with
-  std::optional<bool> antialiased;   // fitted with Mip-Splatting's opacity compensation; none: as the PLY's comments say
+  double filter_px2 = 0.3;  // variance of the low-pass filter the model was fitted with, px² at the working size
+  Compat compat = Compat::kInria;   // of the renderer that the model was fitted with
+  std::optional<bool> antialiased;  // fitted with Mip-Splatting's opacity compensation; none: as the PLY's comments say
   std::optional<Vec3<double>> background;  // colour behind the model, in [0, 1]; none: not known, black is taken
 };
 

@@ -9,19 +9,10 @@
 namespace ngs {
 
 /// What is known about a pixel before it is segmented. The numbers are those of GrabCut.
-enum class PixelHint : std::uint8_t {
-  kBackground = 0,
-  kObject = 1,
-  kLikelyBackground = 2,
-  kLikelyObject = 3
-};
+enum class PixelHint : std::uint8_t { kBackground = 0, kObject = 1, kLikelyBackground = 2, kLikelyObject = 3 };
 
-inline bool is_certain(PixelHint hint) {
-  return hint == PixelHint::kBackground || hint == PixelHint::kObject;
-}
-inline bool is_object(PixelHint hint) {
-  return hint == PixelHint::kObject || hint == PixelHint::kLikelyObject;
-}
+inline bool is_certain(PixelHint hint) { return hint == PixelHint::kBackground || hint == PixelHint::kObject; }
+inline bool is_object(PixelHint hint) { return hint == PixelHint::kObject || hint == PixelHint::kLikelyObject; }
 
 struct ViewPrompt {
   int width_px = 0, height_px = 0;

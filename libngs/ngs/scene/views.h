@@ -34,7 +34,9 @@ struct Image {
 
   Image() = default;
   Image(int width, int height, int channel_count, T fill = T(0))
-      : width_px(width), height_px(height), channels(channel_count),
+      : width_px(width),
+        height_px(height),
+        channels(channel_count),
         data(std::size_t(width) * std::size_t(height) * std::size_t(channel_count), fill) {}
   bool empty() const { return data.empty(); }
   std::int64_t pixels() const { return std::int64_t(width_px) * height_px; }

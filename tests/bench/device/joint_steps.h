@@ -24,7 +24,8 @@ class JointSteps {
     const auto n = std::size_t(bench_.cloud.size());
     LabelColumns& labels = labels_.emplace_back();
     labels.label.assign(n, 0.f), labels.variance.assign(n, 0.f), labels.views.assign(n, 4.f);
-    for (std::size_t i = 0; i < n; ++i) labels.prob.push_back(i % 2 == 0 ? 0.8f : 0.2f), labels.boundary.push_back(i % 40 == 0);
+    for (std::size_t i = 0; i < n; ++i)
+      labels.prob.push_back(i % 2 == 0 ? 0.8f : 0.2f), labels.boundary.push_back(i % 40 == 0);
     photo_ = ImageF(bench_.camera.width_px, bench_.camera.height_px, 3, 0.4f);
   }
   std::int64_t gaussians() const { return bench_.cloud.size(); }
@@ -33,13 +34,13 @@ class JointSteps {
   template <class Around>
   double seconds(const Exec& exec, int steps, const Around& around) const {
     const Problem input{.cloud = bench_.cloud,
-                            .scene = scene_,
-                            .views = {0, 1, 2, 3},
-                            .load_masks = [&](std::size_t) { return bench_.masks; },
-                            .load_photo = [&](std::size_t) { return photo_; },
-                            .splat = {},
-                            .fixed = {},
-                            .labels = labels_};
+                        .scene = scene_,
+                        .views = {0, 1, 2, 3},
+                        .load_masks = [&](std::size_t) { return bench_.masks; },
+                        .load_photo = [&](std::size_t) { return photo_; },
+                        .splat = {},
+                        .fixed = {},
+                        .labels = labels_};
     JointOptions options;
     options.steps = 2 * kViews + steps;
     const SampleOptions sample;

@@ -1,10 +1,9 @@
 // Times every op on the CPU and on the CUDA device and prints one JSON object: seconds per call with copies to and from
 // the device, and of that the kernels. Exit code 77: no device.
-#include <nlohmann/json.hpp>
-
 #include <chrono>
 #include <functional>
 #include <iostream>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "bench_scene.h"
@@ -12,10 +11,10 @@
 #include "ngs/backend/device_info.h"
 #include "ngs/backend/device_profile.h"
 #include "ngs/ops/device/cuda_ops.h"
-#include "ngs/ops/splat/evidence.h"
 #include "ngs/ops/field/hash_grid.h"
 #include "ngs/ops/field/knn.h"
 #include "ngs/ops/losses/photometric.h"
+#include "ngs/ops/splat/evidence.h"
 
 namespace ngs::bench {
 namespace {
@@ -87,13 +86,16 @@ void splat(Bench& bench, std::int64_t gaussians) {
 void field(Bench& bench) {
   constexpr std::int64_t kQueries = 32768, kBoundary = 20000;
   test::Random random(2);
-  const auto x = random.uniform_vector<float>(kBoundary * 3, -1, 1), q = random.uniform_vector<float>(kQueries * 3, -1, 1),
+  const auto x = random.uniform_vector<float>(kBoundary * 3, -1, 1),
+             q = random.uniform_vector<float>(kQueries * 3, -1, 1),
              colour = random.uniform_vector<float>(kBoundary * 3, 0, 1);
   const Rows<const float, 3> points{x.data(), kBoundary}, queries{q.data(), kQueries};
   bench.run("knn", [&](const Exec& exec) { nearest_points(exec, points, queries, 8); });
   const KnnGraph graph = nearest_points({}, points, queries, 8);
   RbfField rbf;
-  bench.run("rbf", [&](const Exec& exec) { rbf_forward(exec, {queries, points, {colour.data(), kBoundary, 3}, &graph, 0.1}, rbf); });
+  bench.run("rbf", [&](const Exec& exec) {
+    rbf_forward(exec, {queries, points, {colour.data(), kBoundary, 3}, &graph, 0.1}, rbf);
+  });
   ParamStore store;
   const HashGridConfig hash_config;
   const HashGrid hash(hash_config, hash_box(points, 0.1), add_hash_grid(store, "hash", hash_config, 1));

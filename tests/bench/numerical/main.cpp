@@ -2,13 +2,12 @@
 //
 //   ngs_numerical scene.json boundary.ply > numerical.json
 //
-// Nothing here is about task accuracy. Splat: the label image of the first training view, float and double, with the cuts
-// that 3DGS makes (alpha < 1/255, transmittance < 1e-4, the radius of its footprints), against the rendering equation in
-// double without any of them. RBF: the features of query points on the boundary's own box, the K nearest in float
-// against all boundary Gaussians in double.
-#include <ctime>
-
+// Nothing here is about task accuracy. Splat: the label image of the first training view, float and double, with the
+// cuts that 3DGS makes (alpha < 1/255, transmittance < 1e-4, the radius of its footprints), against the rendering
+// equation in double without any of them. RBF: the features of query points on the boundary's own box, the K nearest in
+// float against all boundary Gaussians in double.
 #include <cmath>
+#include <ctime>
 #include <functional>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -17,9 +16,9 @@
 #include "ngs/core/rng.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/scene/scene_json.h"
-#include "ngs/ops/splat/cloud_view.h"
 #include "ngs/ops/field/knn.h"
 #include "ngs/ops/field/rbf.h"
+#include "ngs/ops/splat/cloud_view.h"
 #include "ngs/ops/splat/splat.h"
 #include "ngs/ops/splat/splat_engine.h"
 #include "ngs/ops/splat/tile_kernels_of.h"
@@ -115,7 +114,8 @@ void splat_points(const GaussianCloud& cloud, const std::vector<float>& labels, 
   const ProjectedView<double> seen = project_view({}, wide.view, camera, {});
   std::vector<std::size_t> order(seen.id.size());
   std::iota(order.begin(), order.end(), std::size_t(0));
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return seen.depth[a] < seen.depth[b]; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return seen.depth[a] < seen.depth[b]; });
   std::vector<double> some_fast, some_reference, exact;
   constexpr int kStride = 16;
   const double before = cpu_now_s();
@@ -163,8 +163,8 @@ void rbf_points(const BoundarySet& boundary, Json& points) {
   for (std::size_t q = 0; q < kQueries; ++q)
     for (std::size_t a = 0; a < 3; ++a) {
       const std::size_t near = rng_bits(5, RngStream::kTest, q) % boundary.row.size();
-      queries[q * 3 + a] = boundary.position[near * 3 + a] +
-                           float(2 * width * (2 * rng_uniform(6, RngStream::kTest, q * 3 + a) - 1));
+      queries[q * 3 + a] =
+          boundary.position[near * 3 + a] + float(2 * width * (2 * rng_uniform(6, RngStream::kTest, q * 3 + a) - 1));
     }
   std::vector<double> all;
   const double all_s = seconds([&] { all = all_neighbours(boundary, queries, width); });
@@ -174,8 +174,13 @@ void rbf_points(const BoundarySet& boundary, Json& points) {
     KnnGraph graph;
     const double took = seconds([&] {
       graph = nearest_points({}, boundary.positions(), {queries.data(), std::int64_t(kQueries)}, k);
-      rbf_forward({}, {{queries.data(), std::int64_t(kQueries)}, boundary.positions(),
-                       {boundary.colour.data(), boundary.size(), 3}, &graph, width}, field);
+      rbf_forward({},
+                  {{queries.data(), std::int64_t(kQueries)},
+                   boundary.positions(),
+                   {boundary.colour.data(), boundary.size(), 3},
+                   &graph,
+                   width},
+                  field);
     });
     points.push_back(point("neighbours", std::to_string(k), took,
                            largest_difference({field.feature.begin(), field.feature.end()}, all)));
@@ -189,13 +194,14 @@ int measure(const std::string& scene_path, const std::string& model_path) {
   Json points = Json::array();
   splat_points(model.cloud, model.labels.label, scene.views.at(views.at(0)).camera, points);
   rbf_points(boundary_set(model.cloud, model.labels.boundary), points);
-  std::cout << Json{{"reference",
-                     "Largest error. cuts: of the rendered label, against the rendering equation in double with nothing "
-                     "cut; rounding: against the same picture in double; neighbours: of the interpolated colour, against "
-                     "all boundary Gaussians in double."},
-                    {"points", points}}
-                   .dump(1)
-            << "\n";
+  std::cout
+      << Json{{"reference",
+               "Largest error. cuts: of the rendered label, against the rendering equation in double with nothing "
+               "cut; rounding: against the same picture in double; neighbours: of the interpolated colour, against "
+               "all boundary Gaussians in double."},
+              {"points", points}}
+             .dump(1)
+      << "\n";
   return 0;
 }
 

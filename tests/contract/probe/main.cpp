@@ -14,10 +14,10 @@ namespace {
 using namespace ngs;
 
 enum class Act { kWrite, kSlowWrite, kCheckFails, kEmpty, kNumeric, kNoMemory, kBug, kPoll, kProgress, kEcho };
-constexpr NamedValue<Act> kActs[] = {{Act::kWrite, "write"},      {Act::kSlowWrite, "slow-write"},
-                                     {Act::kCheckFails, "check"}, {Act::kEmpty, "empty"},
-                                     {Act::kNumeric, "numeric"},  {Act::kNoMemory, "no-memory"},
-                                     {Act::kBug, "bug"},          {Act::kPoll, "poll"},
+constexpr NamedValue<Act> kActs[] = {{Act::kWrite, "write"},       {Act::kSlowWrite, "slow-write"},
+                                     {Act::kCheckFails, "check"},  {Act::kEmpty, "empty"},
+                                     {Act::kNumeric, "numeric"},   {Act::kNoMemory, "no-memory"},
+                                     {Act::kBug, "bug"},           {Act::kPoll, "poll"},
                                      {Act::kProgress, "progress"}, {Act::kEcho, "echo"}};
 
 struct ProbeOptions {

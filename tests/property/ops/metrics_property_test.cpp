@@ -40,11 +40,9 @@ TEST_CASE("boundary IoU equals the definition by repeated erosion on 1000 random
       CAPTURE(d);
       const Mask band = test::boundary_band(pair.predicted, d);
       bool same = true;
-      for (std::size_t i = 0; i < p.size(); ++i)
-        same = same && (band.data[i] != 0) == (p[i] > 0 && p[i] <= d);
+      for (std::size_t i = 0; i < p.size(); ++i) same = same && (band.data[i] != 0) == (p[i] > 0 && p[i] <= d);
       REQUIRE(same);
-      REQUIRE(boundary_iou({}, p, t, pair.truth.width_px, d) ==
-              boundary_iou_by_erosion(pair.predicted, pair.truth, d));
+      REQUIRE(boundary_iou({}, p, t, pair.truth.width_px, d) == boundary_iou_by_erosion(pair.predicted, pair.truth, d));
     }
     const MaskScores s = score_mask({}, pair.predicted.plane(), pair.truth.plane());
     const int w = pair.truth.width_px, h = pair.truth.height_px;
@@ -90,8 +88,7 @@ double contour_f_by_all_pairs(const Mask& predicted, const Mask& truth, int tole
         const auto off = [&](int i, int j) {
           return i >= 0 && j >= 0 && i < m.width_px && j < m.height_px && m.at(i, j) == 0;
         };
-        if (m.at(x, y) && (off(x - 1, y) || off(x + 1, y) || off(x, y - 1) || off(x, y + 1)))
-          points.emplace_back(x, y);
+        if (m.at(x, y) && (off(x - 1, y) || off(x + 1, y) || off(x, y - 1) || off(x, y + 1))) points.emplace_back(x, y);
       }
     return points;
   };
@@ -102,8 +99,7 @@ double contour_f_by_all_pairs(const Mask& predicted, const Mask& truth, int tole
       if (!is_void.data.empty() && is_void.at(x, y)) continue;
       bool near = false;
       ++count;
-      for (auto [u, v] : to)
-        near = near || (x - u) * (x - u) + (y - v) * (y - v) <= tolerance_px * tolerance_px;
+      for (auto [u, v] : to) near = near || (x - u) * (x - u) + (y - v) * (y - v) <= tolerance_px * tolerance_px;
       matched += near;
     }
     return count == 0 ? 1.0 : matched / count;
@@ -142,7 +138,8 @@ TEST_CASE("with void pixels every score is that of the truth closest to the pred
     };
     const MaskScores s = score_mask({}, pair.predicted.plane(), pair.truth.plane(), 0.05, is_void.plane());
     REQUIRE(s.iou == iou_of(pair.predicted, pair.truth));
-    for (auto [d, biou] : {std::pair{1, s.biou_1px}, {3, s.biou_3px}, {5, s.biou_5px}, {band_width_px(0.02, w, h), s.biou}})
+    for (auto [d, biou] :
+         {std::pair{1, s.biou_1px}, {3, s.biou_3px}, {5, s.biou_5px}, {band_width_px(0.02, w, h), s.biou}})
       REQUIRE(biou == iou_of(test::boundary_band(pair.predicted, d), test::boundary_band(truth, d)));
     const int tolerance_px = int(std::ceil(0.05 * std::sqrt(double(w) * w + double(h) * h)));
     if (!s.one_empty) REQUIRE(s.contour_f == contour_f_by_all_pairs(pair.predicted, truth, tolerance_px, is_void));

@@ -6,13 +6,13 @@
 #include <filesystem>
 
 #include "ngs/core/monitor.h"
-#include "ngs/io/ply/gaussian_ply.h"
-#include "ngs/io/scene/import_scene.h"
 #include "ngs/io/image/masks.h"
 #include "ngs/io/image/photo.h"
-#include "ngs/ops/optim/adam.h"
+#include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/io/scene/import_scene.h"
 #include "ngs/ops/losses/loss_mask.h"
 #include "ngs/ops/losses/photometric.h"
+#include "ngs/ops/optim/adam.h"
 #include "ngs/ops/splat/splat_view.h"
 #include "ngs/passes/contours/refined_masks.h"
 #include "ngs/stages/boundary/variance_stage.h"
@@ -40,7 +40,8 @@ struct Model {
 
 PixelWindow grown(const PixelWindow& w, int by_px, const Camera& camera, int grid_px = 1) {
   const int x0 = std::max(0, w.x0 - by_px) / grid_px * grid_px, y0 = std::max(0, w.y0 - by_px) / grid_px * grid_px;
-  return {x0, y0, std::min(camera.width_px, w.x0 + w.w + by_px) - x0, std::min(camera.height_px, w.y0 + w.h + by_px) - y0};
+  return {x0, y0, std::min(camera.width_px, w.x0 + w.w + by_px) - x0,
+          std::min(camera.height_px, w.y0 + w.h + by_px) - y0};
 }
 
 /// The pixels that what is trained reaches.
@@ -59,7 +60,7 @@ ImageF crop(const ImageF& image, const PixelWindow& w) {
 
 /// Colour and mask losses of a picture as they are, or of a part of it as shares of the whole.
 struct Step {
-  PixelRegion region;             // of the colour loss; empty: all
+  PixelRegion region;  // of the colour loss; empty: all
   double photo_share = 1, mask_share = 1;
 
   void gradients(const Model& model, const View& view, CloudGradients& out) const {
@@ -69,8 +70,8 @@ struct Step {
     const RenderedView& rendered = pass.forward({}, model.cloud, view.camera, request);
     ViewGradients grad;
     grad.label_moves_geometry = true;
-    PhotometricPass<float>().evaluate({}, {.region = region, .gradient_scale = photo_share}, {rendered.colour, view.photo},
-                                      &grad.colour);
+    PhotometricPass<float>().evaluate({}, {.region = region, .gradient_scale = photo_share},
+                                      {rendered.colour, view.photo}, &grad.colour);
     loss_mask({}, {}, {&rendered.label, &view.masks, nullptr, 1.0}, 0.5 * mask_share, &grad.label);
     pass.backward({}, grad, out);
   }
@@ -80,15 +81,16 @@ struct Cropped {
   View view;
   Step step;
 };
-/// Leaves out what lies beyond the limits within which the projection is linearised, 0.15 sizes beside the picture: they
-/// are those of the crop there, so that such Gaussians look different.
-/// Whether there was anything to leave out; a smaller crop may follow from it.
+/// Leaves out what lies beyond the limits within which the projection is linearised, 0.15 sizes beside the picture:
+/// they are those of the crop there, so that such Gaussians look different. Whether there was anything to leave out; a
+/// smaller crop may follow from it.
 bool keep_within_limits(const Camera& crop, GaussianCloud& cloud) {
   bool changed = false;
   const Camera camera = relative_to(crop, cloud.origin);
   for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
     const float* p = &cloud.position[3 * i];
-    const Vec3<double> at = camera.rotation * Vec3<double>{double(p[0]), double(p[1]), double(p[2])} + camera.translation;
+    const Vec3<double> at =
+        camera.rotation * Vec3<double>{double(p[0]), double(p[1]), double(p[2])} + camera.translation;
     const double u = camera.fx * at.x / at.z + camera.cx, v = camera.fy * at.y / at.z + camera.cy;
     const double beside_x = 0.15 * camera.width_px, beside_y = 0.15 * camera.height_px;
     if (!(u > -beside_x && v > -beside_y && u < camera.width_px + beside_x && v < camera.height_px + beside_y))
@@ -109,7 +111,8 @@ Cropped cropped_to(const Model& model, const View& whole) {
     return m.known.empty() ? double(m.target[0].size())
                            : double(std::count(m.known.begin(), m.known.end(), std::uint8_t(1)));
   };
-  c.step.region = {loss.x0 - window.x0, loss.y0 - window.y0, loss.x0 - window.x0 + loss.w, loss.y0 - window.y0 + loss.h};
+  c.step.region = {loss.x0 - window.x0, loss.y0 - window.y0, loss.x0 - window.x0 + loss.w,
+                   loss.y0 - window.y0 + loss.h};
   c.step.photo_share = double(loss.w) * loss.h / double(whole.photo.pixels());
   c.step.mask_share = known(c.view.masks) / known(whole.masks);
   return c;
@@ -149,7 +152,8 @@ Model trained_for(int steps, Model model, const std::vector<View>& views, const 
         if (!model.trained[i / columns]) gradient[i] = 0;
       adam_step({}, {.lr = 1e-3}, s + 1, {name, value, gradient}, m);
     };
-    move("position", model.cloud.position, g.position, position), move("log_scale", model.cloud.log_scale, g.log_scale, scale);
+    move("position", model.cloud.position, g.position, position),
+        move("log_scale", model.cloud.log_scale, g.log_scale, scale);
     move("sh_dc", model.cloud.sh_dc, g.sh_dc, colour), move("label", model.label, g.label, label);
   }
   return model;
@@ -169,7 +173,8 @@ TEST_CASE("a crop about what is trained gives its gradients and its steps as the
   std::vector<Step> whole_step, part_step;
   for (std::size_t v = 0; v < 4; ++v) {
     whole.push_back({c->scene.views[v].camera, c->photos[v], c->masks[v]}), whole_step.emplace_back();
-    if (v == 1) whole.back().masks.known.assign(whole.back().masks.target[0].size(), 1), whole.back().masks.known[0] = 0;
+    if (v == 1)
+      whole.back().masks.known.assign(whole.back().masks.target[0].size(), 1), whole.back().masks.known[0] = 0;
     const Cropped cropped = cropped_to(model, whole.back());
     part.push_back(cropped.view), part_step.push_back(cropped.step);
     whole_px += whole.back().photo.pixels(), part_px += part.back().photo.pixels();
@@ -185,7 +190,8 @@ TEST_CASE("a crop about what is trained gives its gradients and its steps as the
   const auto moved = [&](const std::vector<float>& from, const std::vector<float>& x, const std::vector<float>& y) {
     double most = 0, apart = 0;
     for (std::size_t i = 0; i < x.size(); ++i)
-      most = std::max(most, std::abs(double(x[i]) - double(from[i]))), apart = std::max(apart, std::abs(double(x[i]) - double(y[i])));
+      most = std::max(most, std::abs(double(x[i]) - double(from[i]))),
+      apart = std::max(apart, std::abs(double(x[i]) - double(y[i])));
     return apart / most;
   };
   MESSAGE("after 8 steps positions differ by " << moved(model.cloud.position, a.cloud.position, b.cloud.position)
@@ -220,9 +226,10 @@ TEST_CASE("on a real capture a crop about the boundary gives its gradients as th
     Step{}.gradients(model, whole, all);
     const double middle = wall_seconds();
     part.step.gradients(model, part.view, some);
-    MESSAGE("crop " << part.view.camera.width_px << "x" << part.view.camera.height_px << " of "
-                    << whole.camera.width_px << "x" << whole.camera.height_px << ", time " << middle - start << " s and "
-                    << wall_seconds() - middle << " s, worst difference " << worst_difference(all, some, model.trained));
+    MESSAGE("crop " << part.view.camera.width_px << "x" << part.view.camera.height_px << " of " << whole.camera.width_px
+                    << "x" << whole.camera.height_px << ", time " << middle - start << " s and "
+                    << wall_seconds() - middle << " s, worst difference "
+                    << worst_difference(all, some, model.trained));
     CHECK(worst_difference(all, some, model.trained) < kGradientBound);
   }
 }

@@ -19,12 +19,9 @@ struct NamedRun {
 };
 
 const NamedRun kRuns[] = {
-    {"flash", [](const Exec& e, Monitor& m, const Problem& in) { return run_flash(e, m, {}, in); }, false,
-     false},
-    {"bce", [](const Exec& e, Monitor& m, const Problem& in) { return run_bce(e, m, {}, in); }, false,
-     false},
-    {"cob", [](const Exec& e, Monitor& m, const Problem& in) { return run_cob(e, m, {}, in); }, true,
-     true},
+    {"flash", [](const Exec& e, Monitor& m, const Problem& in) { return run_flash(e, m, {}, in); }, false, false},
+    {"bce", [](const Exec& e, Monitor& m, const Problem& in) { return run_bce(e, m, {}, in); }, false, false},
+    {"cob", [](const Exec& e, Monitor& m, const Problem& in) { return run_cob(e, m, {}, in); }, true, true},
     {"released",
      [](const Exec& e, Monitor& m, const Problem& in) {
        ReleasedOptions short_run;
@@ -39,8 +36,7 @@ const NamedRun kRuns[] = {
        return run_saga(e, m, few, in);
      },
      true, true},
-    {"sa3d", [](const Exec& e, Monitor& m, const Problem& in) { return run_sa3d(e, m, {}, in); }, true,
-     false},
+    {"sa3d", [](const Exec& e, Monitor& m, const Problem& in) { return run_sa3d(e, m, {}, in); }, true, false},
 };
 
 void check_equal(const Solution& a, const Solution& b) {
@@ -62,8 +58,7 @@ TEST_CASE("a method's result does not depend on the number of threads") {
   for (const NamedRun& method : kRuns) {
     CAPTURE(method.name);
     Monitor monitor;
-    check_equal(method.run({.threads = 1}, monitor, c.input()),
-                method.run({.threads = 3}, monitor, c.input()));
+    check_equal(method.run({.threads = 1}, monitor, c.input()), method.run({.threads = 3}, monitor, c.input()));
   }
 }
 
@@ -92,8 +87,7 @@ TEST_CASE("permuting the Gaussians permutes the labels") {
     Monitor monitor;
     const Solution a = method.run({}, monitor, c.input()), b = method.run({}, monitor, p.input());
     int same = 0;
-    for (std::size_t i = 0; i < order.size(); ++i)
-      same += b.labels[0].label[i] == a.labels[0].label[order[i]];
+    for (std::size_t i = 0; i < order.size(); ++i) same += b.labels[0].label[i] == a.labels[0].label[order[i]];
     CHECK(same == 70);
   }
 }

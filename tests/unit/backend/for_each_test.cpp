@@ -26,9 +26,11 @@ TEST_CASE("every index is visited once, by any number of threads") {
 TEST_CASE("what a kernel throws leaves the loop, and the process goes on") {
   for (const int threads : {1, 3}) {
     CAPTURE(threads);
-    CHECK_THROWS_AS(for_each_index({.threads = threads}, 100, [](std::int64_t i) {
-      if (i == 70) throw std::bad_alloc();
-    }), std::bad_alloc);
+    CHECK_THROWS_AS(for_each_index({.threads = threads}, 100,
+                                   [](std::int64_t i) {
+                                     if (i == 70) throw std::bad_alloc();
+                                   }),
+                    std::bad_alloc);
     std::string first;
     try {
       for_each_task({.threads = threads}, 100, [](std::int64_t i) {

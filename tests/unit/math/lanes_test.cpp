@@ -1,8 +1,8 @@
+#include "ngs/math/lanes.h"
+
 #include <doctest/doctest.h>
 
 #include <cmath>
-
-#include "ngs/math/lanes.h"
 
 namespace ngs {
 

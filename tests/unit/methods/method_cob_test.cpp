@@ -1,9 +1,10 @@
+#include "ngs/methods/method_cob.h"
+
 #include <doctest/doctest.h>
 
 #include <cmath>
 
 #include "ngs/methods/cob_trainer.h"
-#include "ngs/methods/method_cob.h"
 #include "ngs/methods/method_flash.h"
 #include "support/method_case.h"
 
@@ -27,8 +28,7 @@ SignCounts sign_counts(const test::MethodCase& c) {
     for (std::size_t p = 0; p < image.size(); ++p) {
       s.clear &= image[p].closest_threshold > 1e-5;
       if (!c.masks[v].known[p]) continue;
-      for (const auto& [g, w] : image[p].weight)
-        ++(c.masks[v].target[0][p] > 0.5f ? inside : outside)[std::size_t(g)];
+      for (const auto& [g, w] : image[p].weight) ++(c.masks[v].target[0][p] > 0.5f ? inside : outside)[std::size_t(g)];
     }
     for (std::size_t i = 0; i < n; ++i) {
       if (inside[i] + outside[i] == 0) continue;
@@ -66,8 +66,7 @@ TEST_CASE("cob's certainty is the brute-force count of agreeing pixels, over vis
         const int visible = want.visible[i];
         double r = 1;
         if (visible > 0)
-          r = divisor == CobDivisor::kVisible ? want.contrast[i] / visible
-                                              : (want.contrast[i] + 3 - visible) / 3;
+          r = divisor == CobDivisor::kVisible ? want.contrast[i] / visible : (want.contrast[i] + 3 - visible) / 3;
         CHECK(got[i] == doctest::Approx(r).epsilon(1e-8));
         compared += visible > 0, partly_visible += visible > 0 && visible < 3;
       }
@@ -99,19 +98,17 @@ TEST_CASE("cob's split halves ambiguous Gaussians, keeps their source row and re
   REQUIRE(after.size() == 120 + std::int64_t(chosen.size()));
   for (std::size_t r = 120 - chosen.size(); r < want.size(); ++r) {
     const auto parent = std::size_t(want[r]);
-    double scaled =
-        0;  // (child - parent) in units of the parent's axes, squared: chi-square with 3 degrees of freedom
+    double scaled = 0;  // (child - parent) in units of the parent's axes, squared: chi-square with 3 degrees of freedom
     double inv;
     const float* q = &c.cloud.rotation[parent * 4];
-    const Mat3<double> turn = rotation_matrix(
-        normalised(Vec4<double>{double(q[0]), double(q[1]), double(q[2]), double(q[3])}, inv));
+    const Mat3<double> turn =
+        rotation_matrix(normalised(Vec4<double>{double(q[0]), double(q[1]), double(q[2]), double(q[3])}, inv));
     const float *p = &after.position[r * 3], *p0 = &c.cloud.position[parent * 3];
     const Vec3<double> local =
         transpose(turn) * Vec3<double>{double(p[0] - p0[0]), double(p[1] - p0[1]), double(p[2] - p0[2])};
     for (std::size_t k = 0; k < 3; ++k) {
       scaled += std::pow((&local.x)[k] / std::exp(double(c.cloud.log_scale[parent * 3 + k])), 2);
-      CHECK(after.log_scale[r * 3 + k] ==
-            doctest::Approx(double(c.cloud.log_scale[parent * 3 + k]) - std::log(1.6)));
+      CHECK(after.log_scale[r * 3 + k] == doctest::Approx(double(c.cloud.log_scale[parent * 3 + k]) - std::log(1.6)));
     }
     CHECK(scaled > 1e-3);
     CHECK(scaled < 40);
@@ -159,8 +156,7 @@ TEST_CASE("cob's pruning deletes exactly the ambiguous Gaussians and keeps the o
   REQUIRE(r.labels[0].prob.size() == left.size());
   for (std::size_t row = 0; row < left.size(); ++row)
     if (r.labels[0].views[row] > 0)
-      CHECK(r.labels[0].prob[row] ==
-            doctest::Approx(1 / (1 + std::exp(-double(logit[std::size_t(left[row])])))));
+      CHECK(r.labels[0].prob[row] == doctest::Approx(1 / (1 + std::exp(-double(logit[std::size_t(left[row])])))));
 }
 
 TEST_CASE("cob's trained labels agree with the majority where that is clear") {

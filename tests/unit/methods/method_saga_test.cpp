@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "ngs/ops/field/knn.h"
 #include "ngs/methods/saga_features.h"
+#include "ngs/ops/field/knn.h"
 #include "support/method_case.h"
 #include "support/random.h"
 
@@ -76,8 +76,7 @@ TEST_CASE("smoothing affinity features has the gradient of finite differences, d
     lo[i] -= 1e-6, hi[i] += 1e-6;
     CHECK(std::abs((c.value(hi) - c.value(lo)) / 2e-6 - grad[i]) < 1e-8);
   }
-  for (std::size_t i = 0; i < 30; ++i)
-    CHECK(std::hypot(u[i * 3], u[i * 3 + 1], u[i * 3 + 2]) == doctest::Approx(1));
+  for (std::size_t i = 0; i < 30; ++i) CHECK(std::hypot(u[i * 3], u[i * 3 + 1], u[i * 3 + 2]) == doctest::Approx(1));
 }
 
 TEST_CASE("the contrastive loss is what its formula says for three pixels") {
@@ -102,9 +101,8 @@ TEST_CASE("the contrastive loss has the gradient of finite differences, with bac
     if (i / 4 == 4) continue;
     std::vector<float> lo = features, hi = features;
     lo[i] -= 1e-2f, hi[i] += 1e-2f;
-    const double numeric =
-        (contrastive_loss({}, 4, hi, id, ignored) - contrastive_loss({}, 4, lo, id, ignored)) /
-        (double(hi[i]) - double(lo[i]));
+    const double numeric = (contrastive_loss({}, 4, hi, id, ignored) - contrastive_loss({}, 4, lo, id, ignored)) /
+                           (double(hi[i]) - double(lo[i]));
     CHECK(std::abs(numeric - double(grad[i])) < 1e-3);
   }
 }

@@ -92,10 +92,8 @@ TEST_CASE_FIXTURE(Fixture, "a value outside its range is refused with the range,
   CHECK(message_of([&] { set.set_text("neighbours", {"33"}); }) == "neighbours = 33, expected in [1, 32] | ");
   CHECK(message_of([&] { set.set_text("offset", {"11"}); }) ==
         "offset = 11, expected in [-9223372036854775808, 10] px | ");
-  CHECK(message_of([&] { set.set_text("salt", {"-1"}); }) ==
-        "salt = -1, expected in [1, 18446744073709551615] | ");
-  CHECK(message_of([&] { set.set_text("offset", {"18446744073709551615"}); }).find("expected in") !=
-        std::string::npos);
+  CHECK(message_of([&] { set.set_text("salt", {"-1"}); }) == "salt = -1, expected in [1, 18446744073709551615] | ");
+  CHECK(message_of([&] { set.set_text("offset", {"18446744073709551615"}); }).find("expected in") != std::string::npos);
   set.set_text("neighbours", {"1"});
   set.set_text("neighbours", {"32"});
   CHECK(options.neighbours == 32);
@@ -124,8 +122,8 @@ TEST_CASE_FIXTURE(Fixture, "an unknown name is refused with the nearest ones") {
 
 TEST_CASE_FIXTURE(Fixture, "a wrong JSON type is refused") {
   for (const Json& wrong : {Json{{"neighbours", 8.0}}, Json{{"tau", "0.5"}}, Json{{"antialiased", 1}},
-                            Json{{"note", 1}}, Json{{"objects", "a"}}, Json{{"objects", {1}}},
-                            Json{{"window", 0}}, Json{{"tau", nullptr}}, Json::array({1}), Json(3)}) {
+                            Json{{"note", 1}}, Json{{"objects", "a"}}, Json{{"objects", {1}}}, Json{{"window", 0}},
+                            Json{{"tau", nullptr}}, Json::array({1}), Json(3)}) {
     CAPTURE(wrong.dump());
     CHECK(message_of([&] { set.set_json(wrong, "o.json"); }).find("expected") != std::string::npos);
   }
@@ -134,9 +132,8 @@ TEST_CASE_FIXTURE(Fixture, "a wrong JSON type is refused") {
 TEST_CASE("JSON with a key twice is refused, in one object only") {
   CHECK(message_of([] { parse_json(R"({"a": 1, "a": 2})", "o.json"); }) ==
         "o.json: key 'a' occurs twice, expected once | ");
-  CHECK(message_of([] {
-          parse_json(R"({"b": {"a": 1, "c": 2, "a": 3}})", "o.json");
-        }).find("'a' occurs twice") != std::string::npos);
+  CHECK(message_of([] { parse_json(R"({"b": {"a": 1, "c": 2, "a": 3}})", "o.json"); }).find("'a' occurs twice") !=
+        std::string::npos);
   CHECK(parse_json(R"({"a": {"a": 1}, "b": [{"a": 1}, {"a": 2}]})", "o.json").size() == 2);
   for (const char* broken : {"", "{", "{}x", "{'a': 1}", "[1,]"}) {
     CAPTURE(broken);
@@ -149,10 +146,8 @@ TEST_CASE_FIXTURE(Fixture, "the schema says type, range, choices and default of 
   const Json schema = set.schema("sample");
   CHECK(schema["additionalProperties"] == false);
   CHECK(schema["properties"].size() == 8);
-  CHECK(
-      schema["properties"]["neighbours"] ==
-      Json{
-          {"type", "integer"}, {"description", "how many"}, {"minimum", 1}, {"maximum", 32}, {"default", 8}});
+  CHECK(schema["properties"]["neighbours"] ==
+        Json{{"type", "integer"}, {"description", "how many"}, {"minimum", 1}, {"maximum", 32}, {"default", 8}});
   CHECK(schema["properties"]["offset"]["x-unit"] == "px");
   CHECK(schema["properties"]["window"]["enum"] == Json{"mean", "pixel"});
   CHECK(schema["properties"]["objects"]["items"]["type"] == "string");
@@ -242,8 +237,9 @@ TEST_CASE("an earlier name sets the option, in JSON and typed, and is told apart
   set.set_text("aperture", {"mean"});
   CHECK(options.window == Window::kMean);
   CHECK_FALSE(set.to_json().contains("grid_levels"));
-  CHECK(message_of([&] { set.set_json({{"grid_levels", 4}, {"hash_levels", 4}}, "o.json"); }) ==
-        "o.json: 'grid_levels' is now called 'hash_levels', found both, expected one | ");
+  CHECK(message_of([&] {
+          set.set_json({{"grid_levels", 4}, {"hash_levels", 4}}, "o.json");
+        }) == "o.json: 'grid_levels' is now called 'hash_levels', found both, expected one | ");
   CHECK(options.levels == 5);
 }
 
@@ -273,8 +269,8 @@ TEST_CASE("what is given without its effect is warned about effect by effect, wh
   OptionSet set;
   set.add(options);
   const auto warnings = [&](const std::vector<std::string_view>& on) {
-    return without_effect_warnings(
-        set, [&](std::string_view effect) { return std::ranges::find(on, effect) != on.end(); });
+    return without_effect_warnings(set,
+                                   [&](std::string_view effect) { return std::ranges::find(on, effect) != on.end(); });
   };
   using Texts = std::vector<std::string>;
   CHECK(warnings({}).empty());

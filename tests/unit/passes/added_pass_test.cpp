@@ -46,7 +46,8 @@ class OversizedPass : public Pass {
 
 }  // namespace
 
-TEST_CASE("a pass that is added to the list is decided, switched, given its options, run and reported like the others") {
+TEST_CASE(
+    "a pass that is added to the list is decided, switched, given its options, run and reported like the others") {
   const std::unique_ptr<test::JointCase> c = test::joint_case();
   for (std::size_t a = 0; a < 3; ++a) c->model.log_scale[3 * 7 + a] = 0;  // one of a unit
   const TrainingOptions training;

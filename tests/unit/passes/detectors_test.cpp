@@ -54,8 +54,7 @@ TEST_CASE("straddling: pixels may be higher than wide, and what reaches in from 
   CHECK(straddling_bound_px(cloud, std::vector<Camera>{camera}, 0.3) == 0);
 }
 
-TEST_CASE(
-    "view dependence: a large coefficient that nobody sees does not count, many small ones that add up do") {
+TEST_CASE("view dependence: a large coefficient that nobody sees does not count, many small ones that add up do") {
   const std::vector<Camera> cameras{front_camera()};
   GaussianCloud hidden = row_of(3, -2);
   hidden.sh_rest[3] = 2;  // band z of the first, which is as good as transparent
@@ -89,8 +88,7 @@ TEST_CASE("straddling: a speck on the contour is nothing, a sheet with a hundred
   CHECK(straddling_bound_px({}, cameras, 0.3) == 0);
 }
 
-TEST_CASE(
-    "straddling: the bound lies above what the picture can hold of a Gaussian by no more than the picture") {
+TEST_CASE("straddling: the bound lies above what the picture can hold of a Gaussian by no more than the picture") {
   GaussianCloud cloud = row_of(1, 3);  // larger than the picture
   const std::vector<Camera> cameras{front_camera(), front_camera()};
   CHECK(straddling_bound_px(cloud, cameras, 0.3) <= 2 * 0.5 * 64 * 48);
@@ -104,10 +102,9 @@ TEST_CASE(
   std::vector<float> halves(std::size_t(n) * 3, 0.f);
   for (std::size_t i = halves.size() / 2; i < halves.size(); ++i) halves[i] = 0.02f;
   const Rows<const float, 3> colour{halves.data(), n};
-  CHECK(colour_range_levels(colour) > 5);  // the naive measure for L_cont: on
-  CHECK(neighbour_rms_levels(graph, colour) <
-        0.5);                                       // its few edges across the seam are lost in the mean: off
-  CHECK(neighbour_most_levels(graph, colour) > 5);  // but nearest and interpolated feature differ there: on
+  CHECK(colour_range_levels(colour) > 5);            // the naive measure for L_cont: on
+  CHECK(neighbour_rms_levels(graph, colour) < 0.5);  // its few edges across the seam are lost in the mean: off
+  CHECK(neighbour_most_levels(graph, colour) > 5);   // but nearest and interpolated feature differ there: on
 }
 
 TEST_CASE("range: a ramp has no difference between neighbours and yet a range") {
@@ -194,7 +191,8 @@ TEST_CASE("narrow parts: a small solid thing has none, a large one of stripes no
   };
   const auto box = drawn([](int x, int y) { return x >= 50 && x < 59 && y >= 40 && y < 49; });
   // Six stripes of 8 px beside a solid quarter.
-  const auto stripes = drawn([](int x, int y) { return x >= 10 && x < 106 && y >= 20 && y < 60 && (x >= 82 || x % 12 < 8); });
+  const auto stripes =
+      drawn([](int x, int y) { return x >= 10 && x < 106 && y >= 20 && y < 60 && (x >= 82 || x % 12 < 8); });
   CHECK(share(box) == 0);
   CHECK(share(stripes) > 0.5);
   CHECK(contour_by_area(stripes) < contour_by_area(box));  // naive: the box is the thinner one

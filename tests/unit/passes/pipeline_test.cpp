@@ -42,9 +42,10 @@ struct EffectCase {
     Monitor monitor;
     VarianceOptions options;
     options.tau = tau;
-    base->labels =
-        label_gaussians(options, accumulate_evidence({}, monitor, {base->model, base->scene, {0, 1, 2, 3},
-                                                                  base->input().splat, base->input().load_masks}));
+    base->labels = label_gaussians(
+        options,
+        accumulate_evidence({}, monitor,
+                            {base->model, base->scene, {0, 1, 2, 3}, base->input().splat, base->input().load_masks}));
   }
   void render_photos(const SplatOptions& splat = {}) {
     for (std::size_t v = 0; v < 4; ++v)
@@ -97,7 +98,8 @@ double mean_difference(const std::vector<float>& a, const std::vector<float>& b)
 
 /// Steps on, unless it is they that are asked about; what surrounds them off.
 std::vector<std::string> surroundings(std::string_view name) {
-  std::vector<std::string> entries{"exposure=off", "mask-outliers=off", "floaters=off", "components=off", "contours=off", "joint=on"};
+  std::vector<std::string> entries{"exposure=off",   "mask-outliers=off", "floaters=off",
+                                   "components=off", "contours=off",      "joint=on"};
   if (name != "joint" && name != "nerf") entries.push_back("nerf=on");  // which needs what may be off here
   if (name == "split" || name == "full-resolution") entries.push_back("contours=on");
   entries.push_back(std::string(name) + "=auto");
@@ -131,7 +133,7 @@ void focal(EffectCase& c, double focal_px) {
 }
 /// As many steps as by default: that is what the effect saves.
 void all_steps(EffectCase& c) { c.training.joint.steps = 0, c.contour_epochs = 0; }
-void far_ball(EffectCase& c) { all_steps(c), focal(c, 24), c.relabel(); }   // of 7 px
+void far_ball(EffectCase& c) { all_steps(c), focal(c, 24), c.relabel(); }     // of 7 px
 void near_ball(EffectCase& c) { all_steps(c), large_ball(c), focal(c, 80); }  // of 27 px
 void without_photos(EffectCase& c) {
   for (std::size_t v = 0; v < 4; ++v) c.base->scene.views[v].image_path.clear(), c.base->photos[v] = {};
@@ -206,8 +208,7 @@ std::vector<Pair> pairs() {
          for (float& s : c.base->model.log_scale) s -= 1.5f;
        },
        [](EffectCase& c) { c.base->model.antialiased = false; }},
-      {"contours",
-       large_ball,
+      {"contours", large_ball,
        [](EffectCase& c) {
          large_ball(c);
          without_photos(c);
@@ -233,8 +234,7 @@ TEST_CASE(
     const std::vector<std::string> entries = surroundings(pair.name);
     EffectCase needs, does_not;
     pair.needs(needs), pair.does_not(does_not);
-    const EffectDecision yes = decision_on(needs, pair.name, entries),
-                         no = decision_on(does_not, pair.name, entries);
+    const EffectDecision yes = decision_on(needs, pair.name, entries), no = decision_on(does_not, pair.name, entries);
     CAPTURE(yes.reason);
     CAPTURE(no.reason);
     CHECK(yes.on);
@@ -292,7 +292,8 @@ TEST_CASE("without contour iterations the contours are refined once") {
 TEST_CASE("few steps come only before contour iterations at half the size, which do a part of the work") {
   const EffectCase c;
   const auto go_on = [&c](std::vector<std::string> entries) {
-    for (const char* rest : {"nerf=off", "exposure=off", "mask-outliers=off", "floaters=off", "components=off"}) entries.push_back(rest);
+    for (const char* rest : {"nerf=off", "exposure=off", "mask-outliers=off", "floaters=off", "components=off"})
+      entries.push_back(rest);
     const Problem in = c.input();
     test::PipelineCase passes(in, c.training, entries);
     passes.set("contour_epochs", "1");
@@ -311,7 +312,8 @@ TEST_CASE("entries: the last one that names an effect counts, all names every on
   CHECK(modes.of("components") == EffectMode::kOn);
   CHECK(modes.renamed() == std::vector<std::string>{"--effect strays is now called components"});
   CHECK(test::modes_of({}).of("sh") == EffectMode::kAuto);
-  for (const char* wrong : {"nerf", "nerv=on", "nerf=yes", "=on", "", "all"}) CHECK_THROWS_AS(test::modes_of({wrong}), Error);
+  for (const char* wrong : {"nerf", "nerv=on", "nerf=yes", "=on", "", "all"})
+    CHECK_THROWS_AS(test::modes_of({wrong}), Error);
 }
 
 TEST_CASE("entries: an effect that is asked for by name switches on what it needs, unless that is off by name") {
@@ -341,7 +343,8 @@ TEST_CASE("decisions: an entry wins over a verdict, a verdict over the detector,
 
 TEST_CASE("decisions without a detector: what it needs, else an entry, else the first verdict, else always on") {
   const EffectVerdict no_steps{"joint", false, "no time"}, off{"nerf", false, "first"}, on{"nerf", true, "second"};
-  const auto settled = [](std::string_view name, const std::vector<std::string>& entries, std::vector<EffectVerdict> verdicts) {
+  const auto settled = [](std::string_view name, const std::vector<std::string>& entries,
+                          std::vector<EffectVerdict> verdicts) {
     return Decisions(Pipeline(all_passes()).effects(), test::modes_of(entries), std::move(verdicts)).settled(name);
   };
   CHECK(settled("nerf", {"nerf=on"}, {off, on, no_steps}) == false);  // nothing would train it

@@ -70,9 +70,15 @@ const Phase kPhases[] = {
     {"mask outliers", [](const StopCase& c, const Problem& in) { judge_views({}, c.monitor, {}, in); }},
     {"evidence anew", [](const StopCase& c, const Problem& in) { labels_anew({}, c.monitor, in, in.cloud); }},
     {"floaters", [](const StopCase& c, const Problem& in) { find_floaters({}, c.monitor, {}, in); }},
-    {"agreement", [](const StopCase&, const Problem& in) { training_agreement({}, in, {in.cloud, {}, in.labels, {}}); }},
+    {"agreement",
+     [](const StopCase&, const Problem& in) {
+       training_agreement({}, in, {in.cloud, {}, in.labels, {}});
+     }},
     {"straddling", [](const StopCase&, const Problem& in) { straddling({}, in, in.cloud, 0); }},
-    {"refinement", [](const StopCase&, const Problem& in) { refine_views({}, {{}, 6, in, 1}, {in.cloud, in.labels}, in.views, in.views); }},
+    {"refinement",
+     [](const StopCase&, const Problem& in) {
+       refine_views({}, {{}, 6, in, 1}, {in.cloud, in.labels}, in.views, in.views);
+     }},
 };
 
 }  // namespace

@@ -6,7 +6,8 @@ namespace ngs {
 namespace {
 
 constexpr StepsCost kSteps{.epoch_s = 1, .field_epoch_s = 2, .epochs = 10};
-constexpr IterationsCost kRounds{.refine_s = 3, .epoch_s = 1, .early_share = 1, .check_s = 0.5, .iterations = 2, .epochs = 15};
+constexpr IterationsCost kRounds{
+    .refine_s = 3, .epoch_s = 1, .early_share = 1, .check_s = 0.5, .iterations = 2, .epochs = 15};
 
 }  // namespace
 

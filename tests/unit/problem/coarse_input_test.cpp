@@ -47,10 +47,10 @@ TEST_CASE("a cell of a mask is unknown where one of its pixels is, and a view wi
   REQUIRE(half.known.size() == half.target[0].size());
   CHECK(half.known[0] == 0);
   CHECK(half.known[1] == 1);
-  CHECK(half.target[0][1] == doctest::Approx((masks.target[0][2] + masks.target[0][3] +
-                                              masks.target[0][std::size_t(masks.width_px) + 2] +
-                                              masks.target[0][std::size_t(masks.width_px) + 3]) /
-                                             4));
+  CHECK(half.target[0][1] ==
+        doctest::Approx((masks.target[0][2] + masks.target[0][3] + masks.target[0][std::size_t(masks.width_px) + 2] +
+                         masks.target[0][std::size_t(masks.width_px) + 3]) /
+                        4));
   CHECK_FALSE(coarse.get().load_masks(1).available);
 }
 

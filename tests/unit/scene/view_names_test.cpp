@@ -16,9 +16,15 @@ std::vector<SceneView> views_of(const Names& names) {
 TEST_CASE("the extension of an image is dropped, a dot in its name is kept") {
   const struct {
     const char *name, *stem;
-  } cases[] = {{"a.png", "a"},       {"a.b.JPEG", "a.b"},        {"frame.0001", "frame.0001"},
-               {"cam.0/a", "cam.0/a"}, {"cam/IMG_1.5.tif", "cam/IMG_1.5"}, {".png", ".png"},
-               {"cam/.png", "cam/.png"}, {"a.webp", "a"},          {"", ""}};
+  } cases[] = {{"a.png", "a"},
+               {"a.b.JPEG", "a.b"},
+               {"frame.0001", "frame.0001"},
+               {"cam.0/a", "cam.0/a"},
+               {"cam/IMG_1.5.tif", "cam/IMG_1.5"},
+               {".png", ".png"},
+               {"cam/.png", "cam/.png"},
+               {"a.webp", "a"},
+               {"", ""}};
   for (const auto& c : cases) {
     CAPTURE(c.name);
     CHECK(image_stem(c.name) == c.stem);

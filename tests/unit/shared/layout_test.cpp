@@ -64,7 +64,8 @@ TEST_CASE("lines that fit stay as they are; others hang under their second colum
 }
 
 TEST_CASE("no width loses a word or exceeds itself") {
-  const std::string text = "  --method paper|bce|cob|flash   what decides the labels, e\u0301 and \u6f22\u5b57 included [paper]";
+  const std::string text =
+      "  --method paper|bce|cob|flash   what decides the labels, e\u0301 and \u6f22\u5b57 included [paper]";
   for (int width = 8; width <= 100; ++width) {
     CAPTURE(width);
     const std::string lines = wrapped("", text, {4, width});

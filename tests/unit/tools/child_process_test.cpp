@@ -28,8 +28,7 @@ TEST_CASE("a command line is split as a shell would, and nothing in it is run") 
   CHECK(cli::split_command("a b") == Words{"a", "b"});
   CHECK(cli::split_command("  a\t'b c'  \"d e\"f ''") == Words{"a", "b c", "d ef", ""});
   CHECK(cli::split_command("a\\ b \"c\\\"d\" 'e\\f'") == Words{"a b", "c\"d", "e\\f"});
-  CHECK(cli::split_command("a; b | c && $(d) `e` > f") ==
-        Words{"a;", "b", "|", "c", "&&", "$(d)", "`e`", ">", "f"});
+  CHECK(cli::split_command("a; b | c && $(d) `e` > f") == Words{"a;", "b", "|", "c", "&&", "$(d)", "`e`", ">", "f"});
   for (const char* bad : {"", "   ", "a 'b", "a \"b", "a \\"}) {
     CAPTURE(bad);
     CHECK(code_of([&] { cli::split_command(bad); }) == ErrorCode::kUsage);

@@ -5,8 +5,8 @@
 
 namespace ngs::cli {
 
-/// Fills the options (options file first, then flags), inputs and outputs of `spec`. Throws Error(kUsage) for what cannot
-/// be understood; what is missing is check_required()'s matter, so that --help, --version, --print-options and
+/// Fills the options (options file first, then flags), inputs and outputs of `spec`. Throws Error(kUsage) for what
+/// cannot be understood; what is missing is check_required()'s matter, so that --help, --version, --print-options and
 /// --print-schema need no inputs.
 CommonFlags parse_command_line(int argc, char** argv, Spec& spec);
 

@@ -1,6 +1,6 @@
 #pragma once
-// The flags that every tool has. Declared once, as options are: the parser, --help and the schema of the report read this
-// list.
+// The flags that every tool has. Declared once, as options are: the parser, --help and the schema of the report read
+// this list.
 #include <cstdint>
 #include <string>
 #include <vector>

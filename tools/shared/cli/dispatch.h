@@ -7,7 +7,7 @@
 namespace ngs::cli {
 
 struct Command {
-  std::string name;  // empty: runs where argv[1] is none of the others
+  std::string name;                     // empty: runs where argv[1] is none of the others
   std::function<int(int, char**)> run;  // makes its own Tool, named "ngs-scene import"
   std::string summary = {};
 };

@@ -34,28 +34,24 @@ std::string shown_number(const Json& number) {
   const double value = number.get<double>();
   if (number.is_number_integer() && std::abs(value) < 1e5) return number.dump();
   char text[32];
-  const std::to_chars_result end = std::abs(value) < 1e5 ? std::to_chars(text, text + sizeof text, value)
-                                                         : std::to_chars(text, text + sizeof text, value,
-                                                                         std::chars_format::scientific, 0);
+  const std::to_chars_result end =
+      std::abs(value) < 1e5 ? std::to_chars(text, text + sizeof text, value)
+                            : std::to_chars(text, text + sizeof text, value, std::chars_format::scientific, 0);
   std::string shown(text, end.ptr);
-  if (const std::size_t sign = shown.find("e+"); sign != shown.npos) shown.erase(sign + 1, shown[sign + 2] == '0' ? 2 : 1);
+  if (const std::size_t sign = shown.find("e+"); sign != shown.npos)
+    shown.erase(sign + 1, shown[sign + 2] == '0' ? 2 : 1);
   return shown;
 }
 
 /// What is typed for a value: "N", "on|off".
 std::string value_of(const OptionEntry& entry) {
   switch (entry.kind) {
-    case OptionKind::kBool:
-      return {};
-    case OptionKind::kInteger:
-      return " N";
-    case OptionKind::kReal:
-      return " X";
+    case OptionKind::kBool: return {};
+    case OptionKind::kInteger: return " N";
+    case OptionKind::kReal: return " X";
     case OptionKind::kText:
-    case OptionKind::kTextList:
-      return " " + (entry.unit.empty() ? "TEXT" : entry.unit);
-    case OptionKind::kChoice:
-      break;
+    case OptionKind::kTextList: return " " + (entry.unit.empty() ? "TEXT" : entry.unit);
+    case OptionKind::kChoice: break;
   }
   std::string names;
   for (const std::string& choice : entry.choices) names += (names.empty() ? " " : "|") + choice;
@@ -105,7 +101,8 @@ std::vector<Part> parts_of(const OptionSet& options, bool basic_only) {
 }
 
 /// "TITLE: --flag --flag", and further lines indented.
-std::string flag_list(const std::string& title, const std::vector<const OptionEntry*>& entries, const Margins& margins) {
+std::string flag_list(const std::string& title, const std::vector<const OptionEntry*>& entries,
+                      const Margins& margins) {
   std::string flags;
   for (const OptionEntry* entry : entries) flags += " " + option_flag(entry->name);
   return wrapped(title + ":", flags, margins) + "\n";
@@ -184,7 +181,8 @@ std::string example(const std::string& command, int width) {
     if (blank != text.npos && text[blank + 1] != '-') text.replace(blank, 1, kNoBreak);
   }
   std::string lines = wrapped("  ", text, {6, width, " \\"});
-  for (std::size_t at = lines.find(kNoBreak); at != lines.npos; at = lines.find(kNoBreak)) lines.replace(at, kNoBreak.size(), " ");
+  for (std::size_t at = lines.find(kNoBreak); at != lines.npos; at = lines.find(kNoBreak))
+    lines.replace(at, kNoBreak.size(), " ");
   return lines + "\n";
 }
 
@@ -218,8 +216,8 @@ std::string inputs_and_outputs(const Spec& spec, int width) {
 
 std::string short_help_text(const Spec& spec, int width) {
   const std::string head = examples_and_usage(spec, width) + inputs_and_outputs(spec, width);
-  const std::string tail = "\n" + wrapped("more:", "--help has all options, the flags of all tools and the exit codes",
-                                          {2, width}) + "\n";
+  const std::string tail =
+      "\n" + wrapped("more:", "--help has all options, the flags of all tools and the exit codes", {2, width}) + "\n";
   std::vector<Part> parts = parts_of(spec.options, true);
   if (parts.empty()) parts = parts_of(spec.options, false);
   if (parts.empty()) return head + tail;

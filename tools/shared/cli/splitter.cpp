@@ -40,7 +40,8 @@ Texts Splitter::split(Texts words) {
     app_->parse(words);
   } catch (const CLI::ArgumentMismatch& e) {  // its message begins with the flag
     const std::string message = e.what();
-    throw Error(ErrorCode::kUsage, message.substr(0, message.find(':')) + ": no value given, expected one", "see --help");
+    throw Error(ErrorCode::kUsage, message.substr(0, message.find(':')) + ": no value given, expected one",
+                "see --help");
   } catch (const CLI::ParseError& e) {
     throw Error(ErrorCode::kUsage, e.what(), "see --help");
   }

@@ -16,13 +16,14 @@ class Splitter {
   Splitter();
   ~Splitter();
 
-  /// A flag that takes a value. `flags` ("-o,--output") is its key below; `old_flags` mean the same and are not suggested.
+  /// A flag that takes a value. `flags` ("-o,--output") is its key below; `old_flags` mean the same and are not
+  /// suggested.
   void value(const std::string& flags, const std::string& old_flags = {});
   /// One that takes none, or "=false". "--fast,!--no-fast": the second spelling means false.
   void flag(const std::string& flags, const std::string& old_flags = {});
 
-  /// Of the words of a command line, those that belong to no flag. Error(kUsage) for an unknown flag, or one without its
-  /// value.
+  /// Of the words of a command line, those that belong to no flag. Error(kUsage) for an unknown flag, or one without
+  /// its value.
   Texts split(Texts words);
 
   const Texts& operator[](const std::string& flags) const { return texts_.at(flags); }

@@ -16,7 +16,8 @@ void require_checkpoint_folder(const std::string& folder, const std::string& pat
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error)
-    throw Error(ErrorCode::kEnvironment, folder + ": " + error.message() + ", expected a folder to keep a checkpoint in",
+    throw Error(ErrorCode::kEnvironment,
+                folder + ": " + error.message() + ", expected a folder to keep a checkpoint in",
                 "name another folder with --checkpoint");
   const io::AtomicFile unfinished(path);
 }

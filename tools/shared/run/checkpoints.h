@@ -12,8 +12,8 @@ namespace ngs::cli {
 /// Makes the folder and tries to write `path` in it, without leaving anything there. kEnvironment where that fails.
 void require_checkpoint_folder(const std::string& folder, const std::string& path);
 
-/// Hashes of what lies in the photos of all views, and in the masks of the training views. Of the contents, not of times: a
-/// run may go on elsewhere, on a copy, and reading the files once more is little beside decoding them.
+/// Hashes of what lies in the photos of all views, and in the masks of the training views. Of the contents, not of
+/// times: a run may go on elsewhere, on a copy, and reading the files once more is little beside decoding them.
 std::string photos_hash(const Scene& scene);
 std::string masks_hash(const Scene& scene);
 
@@ -21,8 +21,8 @@ class Checkpoints {
  public:
   explicit Checkpoints(Monitor& monitor) : monitor_(monitor) {}
 
-  /// Where `write` cannot (kEnvironment) the run goes on: the first failure of several in a row is a warning, and what was
-  /// written before stays.
+  /// Where `write` cannot (kEnvironment) the run goes on: the first failure of several in a row is a warning, and what
+  /// was written before stays.
   void on_the_way(const std::function<void()>& write);
 
  private:

@@ -14,9 +14,7 @@ namespace {
 /// One write per line, so that lines of several tools in one pipeline do not mix.
 void write_stderr(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stderr); }
 
-std::string json_line(const Json& record) {
-  return record.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
-}
+std::string json_line(const Json& record) { return record.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 }  // namespace
 
@@ -62,8 +60,8 @@ void Console::progress(const std::string& stage, std::int64_t done, std::int64_t
   if (now_s - last_progress_s_ < (terminal_ ? 0.1 : 5.0)) return;
   last_progress_s_ = now_s;
   if (format_ == LogFormat::kJson)
-    return write_stderr(json_line(
-        {{"tool", tool_}, {"event", "progress"}, {"stage", stage}, {"done", done}, {"total", total}}));
+    return write_stderr(
+        json_line({{"tool", tool_}, {"event", "progress"}, {"stage", stage}, {"done", done}, {"total", total}}));
   const std::string text =
       tool_ + ": " + stage + (stage.empty() ? "" : " ") + std::to_string(done) + "/" + std::to_string(total);
   write_stderr(terminal_ ? "\r\033[K" + text : text + "\n");

@@ -1,7 +1,7 @@
 #pragma once
 // stderr: messages and progress for people, or JSON lines. stdout is data and no business of this file.
-// Progress on a terminal is one line that is rewritten; it is gone before anything else is written and once its stage is
-// over, so that nothing of it stays behind.
+// Progress on a terminal is one line that is rewritten; it is gone before anything else is written and once its stage
+// is over, so that nothing of it stays behind.
 #include <cstdint>
 #include <string>
 #include <string_view>

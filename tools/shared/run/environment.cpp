@@ -47,7 +47,8 @@ ChosenDevice choose_device(DeviceChoice choice, const Spec& tool) {
   if (choice == DeviceChoice::kCpu) return {Device::kCpu, "cpu", "--device cpu"};
   const std::string no_path = tool.name + " has no CUDA path";
   if (choice == DeviceChoice::kCuda && !tool.runs_on_device)
-    throw Error(ErrorCode::kEnvironment, "--device cuda: " + no_path + ", expected ngs-variance, ngs-rbf, ngs-joint or ngs-render",
+    throw Error(ErrorCode::kEnvironment,
+                "--device cuda: " + no_path + ", expected ngs-variance, ngs-rbf, ngs-joint or ngs-render",
                 "use --device cpu or auto");
   if (!tool.runs_on_device) return {Device::kCpu, "cpu", "auto: " + no_path};
   const DeviceInfo cuda = cuda_device();

@@ -21,8 +21,8 @@ struct ChosenDevice {
   std::string reason;  // why this one
   DeviceSums sums = DeviceSums::kInOrder;
 };
-/// Throws kEnvironment where CUDA is asked for and cannot be had, by the machine, the build or the tool. auto is the CPU:
-/// the CUDA path has not been run on a device yet.
+/// Throws kEnvironment where CUDA is asked for and cannot be had, by the machine, the build or the tool. auto is the
+/// CPU: the CUDA path has not been run on a device yet.
 ChosenDevice choose_device(DeviceChoice choice, const Spec& tool);
 
 }  // namespace ngs::cli

@@ -50,8 +50,8 @@ void hash_inputs(RunState& state) {
   for (ReadInput& input : state.inputs) input.path = state.streams.given(input.path);
 }
 
-/// The folders of the outputs: made, taken away again where the body fails and leaves them empty, and looked through for
-/// files of before.
+/// The folders of the outputs: made, taken away again where the body fails and leaves them empty, and looked through
+/// for files of before.
 class OutputFolders {
  public:
   explicit OutputFolders(const RunState& state) {

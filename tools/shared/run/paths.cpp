@@ -44,8 +44,8 @@ void check_distinct(const Spec& spec, const std::string& report_path) {
     if (place.empty()) return;
     const auto [other, is_free] = taken.emplace(place, flag);
     if (!is_free)
-      throw Error(ErrorCode::kUsage, path + ": is given for " + other->second + " and for " + flag +
-                                         ", expected a path for each");
+      throw Error(ErrorCode::kUsage,
+                  path + ": is given for " + other->second + " and for " + flag + ", expected a path for each");
   };
   for (const Output& output : spec.outputs) take(output.path, output.flags.substr(output.flags.find("--")));
   take(report_path, "--report");
@@ -54,16 +54,16 @@ void check_distinct(const Spec& spec, const std::string& report_path) {
 void check_output(const Spec& spec, const Output& output, bool overwrite) {
   const fs::path path = output.path;
   std::error_code ignored;
-  for_each_input(spec, [&](const std::string& name, const std::string& input) { refuse_input(output.path, name, input); });
+  for_each_input(spec,
+                 [&](const std::string& name, const std::string& input) { refuse_input(output.path, name, input); });
   const fs::path folder = path.has_parent_path() ? path.parent_path() : ".";
   if (!output.directory && !fs::is_directory(folder, ignored))
-    throw Error(ErrorCode::kEnvironment, output.path + ": no folder " + folder.string(),
-                "mkdir -p " + folder.string());
+    throw Error(ErrorCode::kEnvironment, output.path + ": no folder " + folder.string(), "mkdir -p " + folder.string());
   if (!fs::exists(path, ignored)) return;
   const bool is_folder = fs::is_directory(path, ignored);
   if (is_folder != output.directory && (is_folder || fs::is_regular_file(path, ignored)))
-    throw Error(ErrorCode::kUsage, output.path + ": is a " + (is_folder ? "folder" : "file") +
-                                       ", expected a " + (output.directory ? "folder" : "file"));
+    throw Error(ErrorCode::kUsage, output.path + ": is a " + (is_folder ? "folder" : "file") + ", expected a " +
+                                       (output.directory ? "folder" : "file"));
   const bool occupied = output.directory ? !fs::is_empty(path, ignored) : fs::is_regular_file(path, ignored);
   if (occupied && !overwrite)
     throw Error(ErrorCode::kUsage, output.path + (is_folder ? ": is not empty" : ": exists already"),
@@ -75,8 +75,7 @@ void check_output(const Spec& spec, const Output& output, bool overwrite) {
 void check_inputs(const Spec& spec) {
   for_each_input(spec, [](const std::string& name, const std::string& path) {
     if (access(path.c_str(), R_OK) != 0)
-      throw Error(ErrorCode::kBadInput,
-                  path + ": " + std::strerror(errno) + ", expected the input '" + name + "'");
+      throw Error(ErrorCode::kBadInput, path + ": " + std::strerror(errno) + ", expected the input '" + name + "'");
   });
 }
 

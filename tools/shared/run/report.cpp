@@ -58,14 +58,13 @@ Json make_report(const ReportData& data) {
   }
   for (const Output& output : data.spec.outputs)
     if (output && !data.spec.writes_nothing())
-      outputs.push_back({{"name", output.flags.substr(output.flags.rfind('-') + 1)},
-                         {"path", data.streams.given(output.path)}});
+      outputs.push_back(
+          {{"name", output.flags.substr(output.flags.rfind('-') + 1)}, {"path", data.streams.given(output.path)}});
   StageNode root = data.monitor.root();
   root.name = data.spec.name;
   root.wall_s = data.wall_s;
   root.cpu_s = data.cpu_s;
-  for (const StageNode& child : root.children)
-    root.max_rss_mib = std::max(root.max_rss_mib, child.max_rss_mib);
+  for (const StageNode& child : root.children) root.max_rss_mib = std::max(root.max_rss_mib, child.max_rss_mib);
 
   Json report = {{"tool", data.spec.name},
                  {"version", kVersion},
@@ -99,7 +98,8 @@ Json report_schema(const Spec& spec) {
   std::string file = spec.name + ".schema.json";
   std::ranges::replace(file, ' ', '-');
   // All of them: the schema of an options file allows no other, and lets any of them be absent.
-  const Json options = {{"allOf", {{{"$ref", "../options/" + file}}}}, {"minProperties", spec.options.entries().size()}};
+  const Json options = {{"allOf", {{{"$ref", "../options/" + file}}}},
+                        {"minProperties", spec.options.entries().size()}};
   const Json stage = object_schema({{"name", text},
                                     {"wall_s", seconds},
                                     {"cpu_s", seconds},
@@ -112,8 +112,7 @@ Json report_schema(const Spec& spec) {
        {"version", text},
        {"options", options},
        {"seed", common_flag_schema("seed")},
-       {"inputs",
-        list_of(object_schema({{"name", text}, {"path", text}, {"bytes", count}, {"xxh3", hash}}, {"xxh3"}))},
+       {"inputs", list_of(object_schema({{"name", text}, {"path", text}, {"bytes", count}, {"xxh3", hash}}, {"xxh3"}))},
        {"outputs", list_of(object_schema({{"name", text}, {"path", text}}))},
        {"device", object_schema({{"kind", {{"enum", {"cpu", "cuda"}}}},
                                  {"name", text},

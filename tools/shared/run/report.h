@@ -34,7 +34,8 @@ struct ReportData {
 };
 
 Json make_report(const ReportData& data);
-/// JSON Schema (draft-07) of the report of a tool with these options, which it refers to as ../options/TOOL.schema.json.
+/// JSON Schema (draft-07) of the report of a tool with these options, which it refers to as
+/// ../options/TOOL.schema.json.
 Json report_schema(const Spec& spec);
 
 }  // namespace ngs::cli

@@ -31,7 +31,8 @@ const Exec& Run::device_exec() const { return state_.device_exec; }
 void Run::sum_atomically() {
   ChosenDevice& device = state_.device;
   if (device.device == Device::kCpu)
-    throw Error(ErrorCode::kUsage, "--fast-atomics: the run is on the CPU (" + device.reason + "), expected a CUDA device",
+    throw Error(ErrorCode::kUsage,
+                "--fast-atomics: the run is on the CPU (" + device.reason + "), expected a CUDA device",
                 "use --device cuda, or leave --fast-atomics out: sums on the CPU are not the slower for their order");
   device.sums = DeviceSums::kAtomic;
   state_.device_exec.device_ops = cuda_ops(device.sums);

@@ -21,8 +21,7 @@ void write_all(int descriptor, const char* data, std::size_t bytes, const char* 
     const ssize_t written = ::write(descriptor, data, bytes);
     if (written < 0 && errno == EINTR) continue;
     if (written < 0)
-      throw Error(ErrorCode::kEnvironment,
-                  std::string(name) + ": cannot be written: " + std::strerror(errno));
+      throw Error(ErrorCode::kEnvironment, std::string(name) + ": cannot be written: " + std::strerror(errno));
     data += written;
     bytes -= std::size_t(written);
   }
@@ -62,8 +61,8 @@ Streams::Streams(Spec& spec) {
 
 void Streams::take_over(Output& output) {
   if (output.directory || to_stdout())
-    throw Error(ErrorCode::kUsage, output.flags + ": '-', expected a " +
-                                       (output.directory ? "folder" : "path: one output can be stdout"));
+    throw Error(ErrorCode::kUsage,
+                output.flags + ": '-', expected a " + (output.directory ? "folder" : "path: one output can be stdout"));
   std::string name = (std::filesystem::temp_directory_path() / "ngs-stdout-XXXXXX").string();
   const int descriptor = mkstemp(name.data());
   if (descriptor < 0)

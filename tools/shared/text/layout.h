@@ -10,17 +10,18 @@ namespace ngs::cli {
 int terminal_columns();
 
 struct Margins {
-  int indent;  // of all lines but the first
-  int width;   // of all lines
+  int indent;                        // of all lines but the first
+  int width;                         // of all lines
   std::string_view break_mark = {};  // at the end of every line but the last, such as " \\"
 };
 
-/// `text`, cut between words, behind `start`, the beginning of its first line. A word that fits on no line is cut behind
+/// `text`, cut between words, behind `start`, the beginning of its first line. A word that fits on no line is cut
+/// behind
 /// '|', ',' or '/', else anywhere. No newline at the end.
 std::string wrapped(std::string start, std::string_view text, const Margins& margins);
 
-/// Lines that are there already, each cut where it is too wide; what comes over is indented as its line, or stands under
-/// its second column where it has one, two blanks behind the first.
+/// Lines that are there already, each cut where it is too wide; what comes over is indented as its line, or stands
+/// under its second column where it has one, two blanks behind the first.
 std::string rewrapped(std::string_view lines, int width);
 
 }  // namespace ngs::cli

@@ -15,7 +15,10 @@ struct CodePoint {
 CodePoint first_of(std::string_view text) {
   const auto byte = [&](std::size_t i) { return std::uint8_t(text[i]); };
   const std::uint8_t lead = byte(0);
-  const std::size_t bytes = lead >= 0xf0 && lead < 0xf8 ? 4 : lead >= 0xe0 && lead < 0xf0 ? 3 : lead >= 0xc0 && lead < 0xe0 ? 2 : 1;
+  const std::size_t bytes = lead >= 0xf0 && lead < 0xf8   ? 4
+                            : lead >= 0xe0 && lead < 0xf0 ? 3
+                            : lead >= 0xc0 && lead < 0xe0 ? 2
+                                                          : 1;
   if (bytes > text.size()) return {lead, 1};
   std::uint32_t value = bytes == 1 ? lead : lead & (0x7fu >> bytes);
   for (std::size_t i = 1; i < bytes; ++i) {
@@ -29,8 +32,9 @@ struct Range {
   std::uint32_t first, last;
 };
 constexpr Range kNoColumn[] = {{0x300, 0x36f}, {0x200b, 0x200f}, {0x20d0, 0x20ff}, {0xfe00, 0xfe0f}, {0xfe20, 0xfe2f}};
-constexpr Range kTwoColumns[] = {{0x1100, 0x115f}, {0x2e80, 0xa4cf},   {0xac00, 0xd7a3},   {0xf900, 0xfaff},  {0xfe30, 0xfe6f},
-                                 {0xff00, 0xff60}, {0xffe0, 0xffe6}, {0x1f300, 0x1faff}, {0x20000, 0x3fffd}};
+constexpr Range kTwoColumns[] = {{0x1100, 0x115f}, {0x2e80, 0xa4cf},   {0xac00, 0xd7a3},
+                                 {0xf900, 0xfaff}, {0xfe30, 0xfe6f},   {0xff00, 0xff60},
+                                 {0xffe0, 0xffe6}, {0x1f300, 0x1faff}, {0x20000, 0x3fffd}};
 
 template <std::size_t N>
 bool is_in(const Range (&ranges)[N], std::uint32_t value) {

@@ -10,8 +10,7 @@ std::string read_text_file(const std::string& path, ErrorCode code) {
   std::error_code failed;
   const std::uintmax_t bytes = std::filesystem::file_size(path, failed);
   if (failed) throw Error(code, path + ": " + failed.message() + ", expected a file");
-  if (bytes > kMaxBytes)
-    throw Error(code, path + ": " + std::to_string(bytes) + " bytes, expected at most 64 MiB");
+  if (bytes > kMaxBytes) throw Error(code, path + ": " + std::to_string(bytes) + " bytes, expected at most 64 MiB");
   std::ifstream file(path, std::ios::binary);
   std::string text(bytes, '\0');
   if (!file.read(text.data(), std::streamsize(bytes))) throw Error(code, path + ": cannot be read");

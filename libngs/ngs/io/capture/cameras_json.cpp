@@ -1,8 +1,8 @@
 #include "ngs/io/capture/cameras_json.h"
 
 #include "ngs/core/error.h"
-#include "ngs/io/files/json_file.h"
 #include "ngs/io/capture/pose.h"
+#include "ngs/io/files/json_file.h"
 
 namespace ngs::io {
 
@@ -22,8 +22,7 @@ Capture parse_cameras_json(const nlohmann::json& root, const std::string& object
     is_assumed |= !reader.has("cx") || !reader.has("cy");
     camera.cx = reader.number_or("cx", camera.width_px / 2.0),
     camera.cy = reader.number_or("cy", camera.height_px / 2.0);
-    const std::vector<double> rows = reader.matrix("rotation", 3, 3),
-                              centre = reader.matrix("position", 3, 0);
+    const std::vector<double> rows = reader.matrix("rotation", 3, 3), centre = reader.matrix("position", 3, 0);
     Mat3<double> axes;
     std::copy(rows.begin(), rows.end(), axes.m);
     set_pose(camera, checked_rotation(axes, reader.where() + ".rotation"), vec3(centre.data()));

@@ -6,20 +6,19 @@
 #include "ngs/core/error.h"
 #include "ngs/io/capture/cameras_json.h"
 #include "ngs/io/capture/colmap.h"
-#include "ngs/io/files/folder_index.h"
 #include "ngs/io/capture/llff.h"
 #include "ngs/io/capture/pose.h"
+#include "ngs/io/capture/transforms_json.h"
+#include "ngs/io/files/folder_index.h"
 #include "ngs/io/files/regular_file.h"
 #include "ngs/io/image/size_rule.h"
-#include "ngs/io/capture/transforms_json.h"
 
 namespace ngs::io {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kKnownFiles[] = {"transforms.json", "transforms_train.json", "cameras.json",
-                                       "poses_bounds.npy"};
+constexpr const char* kKnownFiles[] = {"transforms.json", "transforms_train.json", "cameras.json", "poses_bounds.npy"};
 
 /// The scene's folder: the source that the model was found below, or what lies above the "sparse/0", "sparse" or
 /// "colmap/sparse/0" that the source names.
@@ -45,8 +44,7 @@ struct Located {
 Located locate(const std::string& source) {
   if (is_regular_file(source)) {
     const fs::path folder = fs::path(source).parent_path();
-    const std::string stem =
-        fs::path(source).stem().string();  // one file of a COLMAP model stands for its folder
+    const std::string stem = fs::path(source).stem().string();  // one file of a COLMAP model stands for its folder
     if ((stem == "cameras" || stem == "images") && fs::path(source).extension() != ".json")
       if (const std::string model = find_colmap_model(folder.empty() ? "." : folder.string()); !model.empty())
         return {model, base_of_model(model, model), true, {}};
@@ -123,12 +121,10 @@ void attach_photos(const CaptureRequest& request, const std::string& images_dir,
   }
   if (missing == capture.views.size() && !request.images_dir.empty())
     throw Error(ErrorCode::kInconsistent, images_dir + ": no photo of any view (such as " +
-                                              capture.views[0].camera.name +
-                                              "), expected the photos of the cameras");
+                                              capture.views[0].camera.name + "), expected the photos of the cameras");
   if (missing > 0)
-    capture.notes.push_back("no photo for " + std::to_string(missing) + " of " +
-                            std::to_string(capture.views.size()) + " views" +
-                            (images_dir.empty() ? " (name their folder with --images DIR)" : ""));
+    capture.notes.push_back("no photo for " + std::to_string(missing) + " of " + std::to_string(capture.views.size()) +
+                            " views" + (images_dir.empty() ? " (name their folder with --images DIR)" : ""));
 }
 
 /// Cameras follow their photos: a folder images_4 or a calibration at another size is the norm.
@@ -136,8 +132,7 @@ void bring_to_photo_sizes(Capture& capture) {
   std::map<std::string, int> resized_views;
   for (SceneView& view : capture.views) {
     if (view.image_path.empty()) continue;
-    const ImageSize photo = read_image_size(view.image_path),
-                    camera{view.camera.width_px, view.camera.height_px};
+    const ImageSize photo = read_image_size(view.image_path), camera{view.camera.width_px, view.camera.height_px};
     const SizeRelation relation = relate_sizes(photo, camera, 1);
     if (relation.same) continue;
     if (!relation.allowed)

@@ -8,9 +8,9 @@
 namespace ngs::io {
 
 struct CaptureRequest {
-  std::string source;      // COLMAP folder, transforms.json, cameras.json, poses_bounds.npy, or a folder that
-                           //   holds one of them
-  std::string images_dir;  // empty: images/ beside the cameras
+  std::string source;           // COLMAP folder, transforms.json, cameras.json, poses_bounds.npy, or a folder that
+                                //   holds one of them
+  std::string images_dir;       // empty: images/ beside the cameras
   std::string world_transform;  // transforms_json.h read_world_transform(); empty: none
   bool original_world = false;  // transforms.json: undo applied_transform
 };

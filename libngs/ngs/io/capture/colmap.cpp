@@ -3,9 +3,9 @@
 #include <filesystem>
 
 #include "ngs/core/error.h"
-#include "ngs/io/files/byte_reader.h"
 #include "ngs/io/capture/colmap_model.h"
 #include "ngs/io/capture/pose.h"
+#include "ngs/io/files/byte_reader.h"
 #include "ngs/io/files/regular_file.h"
 
 namespace ngs::io {

@@ -48,8 +48,7 @@ const ColmapModel* find_colmap_model_by_name(const std::string& name) {
 }
 
 void refuse_colmap_model(const std::string& model, const std::string& where, const std::string& folder) {
-  throw Error(ErrorCode::kBadInput,
-              where + ": camera model " + model + ", expected a pinhole without distortion",
+  throw Error(ErrorCode::kBadInput, where + ": camera model " + model + ", expected a pinhole without distortion",
               undistort_command(folder));
 }
 
@@ -63,9 +62,8 @@ Camera pinhole_camera(const ColmapCamera& given, const std::string& where, const
     refuse_colmap_model(found.str(), where, folder);
   }
   if (width < 1 || height < 1 || width > std::uint64_t(kMaxSide) || height > std::uint64_t(kMaxSide))
-    throw Error(ErrorCode::kBadInput, where + ": size " + std::to_string(width) + "x" +
-                                          std::to_string(height) + " px, expected 1.." +
-                                          std::to_string(kMaxSide));
+    throw Error(ErrorCode::kBadInput, where + ": size " + std::to_string(width) + "x" + std::to_string(height) +
+                                          " px, expected 1.." + std::to_string(kMaxSide));
   Camera camera;
   camera.width_px = int(width), camera.height_px = int(height);
   const bool one_focal = model.intrinsics == 3;

@@ -34,7 +34,6 @@ struct ColmapCamera {
 Camera pinhole_camera(const ColmapCamera& given, const std::string& where, const std::string& folder);
 
 /// kBadInput for a model that is not in the list.
-[[noreturn]] void refuse_colmap_model(const std::string& model, const std::string& where,
-                                      const std::string& folder);
+[[noreturn]] void refuse_colmap_model(const std::string& model, const std::string& where, const std::string& folder);
 
 }  // namespace ngs::io

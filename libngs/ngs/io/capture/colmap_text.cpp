@@ -87,18 +87,14 @@ ColmapCameras read_cameras(std::string_view text, const std::string& folder) {
     const std::string name(words.next());
     const ColmapModel* model = find_colmap_model_by_name(name);
     if (model == nullptr) refuse_colmap_model(name, lines.where(), folder);
-    const auto width = words.number<std::uint64_t>("a width"),
-               height = words.number<std::uint64_t>("a height");
+    const auto width = words.number<std::uint64_t>("a width"), height = words.number<std::uint64_t>("a height");
     std::vector<double> parameters;
-    for (int p = 0; p < model->parameters; ++p)
-      parameters.push_back(words.number<double>("a camera parameter"));
+    for (int p = 0; p < model->parameters; ++p) parameters.push_back(words.number<double>("a camera parameter"));
     if (!words.done())
-      throw Error(ErrorCode::kBadInput, lines.where() + ": more than the " +
-                                            std::to_string(model->parameters) + " parameters of " + name +
-                                            ", expected no more");
+      throw Error(ErrorCode::kBadInput, lines.where() + ": more than the " + std::to_string(model->parameters) +
+                                            " parameters of " + name + ", expected no more");
     if (!cameras.emplace(id, pinhole_camera({*model, width, height, parameters}, lines.where(), folder)).second)
-      throw Error(ErrorCode::kBadInput,
-                  lines.where() + ": camera " + std::to_string(id) + " twice, expected once");
+      throw Error(ErrorCode::kBadInput, lines.where() + ": camera " + std::to_string(id) + " twice, expected once");
   }
   return cameras;
 }
@@ -110,13 +106,12 @@ void check_points_line(std::string_view line, const std::string& where) {
   for (Words all(line, where); !all.next().empty();) ++count;
   if (count == 0) return;
   if (count % 3 != 0)
-    throw Error(ErrorCode::kBadInput,
-                where + ": " + std::to_string(count) +
-                    " words, expected the image's points as x y id triples or an empty line",
-                "images.txt has two lines per image; the second may be empty but must be there");
+    throw Error(
+        ErrorCode::kBadInput,
+        where + ": " + std::to_string(count) + " words, expected the image's points as x y id triples or an empty line",
+        "images.txt has two lines per image; the second may be empty but must be there");
   Words words(line, where);
-  words.number<double>("a point's x"), words.number<double>("a point's y"),
-      words.number<std::int64_t>("a point's id");
+  words.number<double>("a point's x"), words.number<double>("a point's y"), words.number<std::int64_t>("a point's id");
 }
 
 }  // namespace

@@ -5,8 +5,8 @@
 #include <map>
 
 #include "ngs/core/error.h"
-#include "ngs/io/files/atomic_file.h"
 #include "ngs/io/capture/sparse_points.h"
+#include "ngs/io/files/atomic_file.h"
 
 namespace ngs::io {
 namespace {
@@ -61,7 +61,8 @@ std::vector<std::int64_t> write_cameras(const std::string& path, std::span<const
 
 }  // namespace
 
-void write_colmap_text(const std::string& folder, std::span<const Camera> cameras, std::span<const SparsePoint> points) {
+void write_colmap_text(const std::string& folder, std::span<const Camera> cameras,
+                       std::span<const SparsePoint> points) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw Error(ErrorCode::kEnvironment, folder + ": " + error.message() + ", expected a folder to write to");

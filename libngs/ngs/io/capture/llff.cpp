@@ -12,8 +12,7 @@ Capture llff_capture(const NpyMatrix& poses_bounds, const std::vector<std::strin
                      const std::string& object) {
   constexpr std::size_t kColumns = 17;
   if (poses_bounds.columns != kColumns)
-    throw Error(ErrorCode::kBadInput,
-                object + ": " + std::to_string(poses_bounds.columns) + " columns, expected 17");
+    throw Error(ErrorCode::kBadInput, object + ": " + std::to_string(poses_bounds.columns) + " columns, expected 17");
   if (poses_bounds.rows != image_names.size())
     throw Error(ErrorCode::kInconsistent,
                 object + ": " + std::to_string(poses_bounds.rows) + " poses, expected one for each of the " +
@@ -29,9 +28,8 @@ Capture llff_capture(const NpyMatrix& poses_bounds, const std::vector<std::strin
     camera.name = image_names[i];
     const double height = at(0, 4), width = at(1, 4);
     if (!(height >= 1 && width >= 1 && height <= double(kMaxSide) && width <= double(kMaxSide)))
-      throw Error(ErrorCode::kBadInput, where + ": size " + std::to_string(width) + "x" +
-                                            std::to_string(height) + " px, expected 1.." +
-                                            std::to_string(kMaxSide));
+      throw Error(ErrorCode::kBadInput, where + ": size " + std::to_string(width) + "x" + std::to_string(height) +
+                                            " px, expected 1.." + std::to_string(kMaxSide));
     camera.width_px = int(std::lround(width)), camera.height_px = int(std::lround(height));
     camera.fx = camera.fy = at(2, 4);
     camera.cx = camera.width_px / 2.0, camera.cy = camera.height_px / 2.0;

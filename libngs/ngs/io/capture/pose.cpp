@@ -33,8 +33,7 @@ double orthonormality_error(const Mat3<double>& m) {
 }  // namespace
 
 Mat3<double> rotation_from_quaternion(const double wxyz[4], const std::string& object) {
-  const double norm =
-      std::sqrt(wxyz[0] * wxyz[0] + wxyz[1] * wxyz[1] + wxyz[2] * wxyz[2] + wxyz[3] * wxyz[3]);
+  const double norm = std::sqrt(wxyz[0] * wxyz[0] + wxyz[1] * wxyz[1] + wxyz[2] * wxyz[2] + wxyz[3] * wxyz[3]);
   if (!(std::abs(norm - 1) <= kFileTolerance))
     refuse(object, "quaternion of length " + std::to_string(norm) + ", expected 1");
   const double w = wxyz[0] / norm, x = wxyz[1] / norm, y = wxyz[2] / norm, z = wxyz[3] / norm;
@@ -46,8 +45,7 @@ Mat3<double> rotation_from_quaternion(const double wxyz[4], const std::string& o
 Mat3<double> checked_rotation(const Mat3<double>& matrix, const std::string& object) {
   const double error = orthonormality_error(matrix);
   if (!(error <= kFileTolerance))
-    refuse(object,
-           "3x3 part differs from a rotation by " + std::to_string(error) + ", expected orthonormal axes",
+    refuse(object, "3x3 part differs from a rotation by " + std::to_string(error) + ", expected orthonormal axes",
            "a pose with a scale in it: divide the 3x3 part by its scale, keep the translation");
   if (!(determinant(matrix) > 0)) refuse(object, "3x3 part is a reflection (det -1), expected a rotation");
   constexpr double kExact = 1e-14;  // leave what is exact already as it is in the file
@@ -72,19 +70,18 @@ void validate_camera(const Camera& camera, const std::string& object) {
   if (std::ranges::any_of(camera.name, is_control)) {
     std::string shown = camera.name;
     std::ranges::replace_if(shown, is_control, '?');
-    refuse(object, "view name '" + shown + "' with a line end or another control character, expected a name that a line of text can hold");
+    refuse(object, "view name '" + shown +
+                       "' with a line end or another control character, expected a name that a line of text can hold");
   }
   const std::string where = object + ": view " + camera.name;
   const std::filesystem::path name(camera.name);
   if (name.is_absolute() || std::find(name.begin(), name.end(), "..") != name.end())
     refuse(where, "name that leaves the folder of the images, expected a relative one without \"..\"");
-  if (camera.width_px < 1 || camera.height_px < 1 || camera.width_px > kMaxSide ||
-      camera.height_px > kMaxSide)
+  if (camera.width_px < 1 || camera.height_px < 1 || camera.width_px > kMaxSide || camera.height_px > kMaxSide)
     refuse(where, "size " + std::to_string(camera.width_px) + "x" + std::to_string(camera.height_px) +
                       " px, expected 1.." + std::to_string(kMaxSide));
   if (!(camera.fx > 0 && camera.fy > 0 && std::isfinite(camera.fx) && std::isfinite(camera.fy)))
-    refuse(where, "focal length " + std::to_string(camera.fx) + " " + std::to_string(camera.fy) +
-                      " px, expected > 0");
+    refuse(where, "focal length " + std::to_string(camera.fx) + " " + std::to_string(camera.fy) + " px, expected > 0");
   const Vec3<double> t = camera.translation;
   if (!std::isfinite(camera.cx) || !std::isfinite(camera.cy) || !std::isfinite(t.x) || !std::isfinite(t.y) ||
       !std::isfinite(t.z))

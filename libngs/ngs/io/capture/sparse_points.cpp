@@ -5,8 +5,8 @@
 #include <cstdlib>
 
 #include "ngs/io/files/byte_reader.h"
-#include "ngs/io/ply/ply.h"
 #include "ngs/io/files/text_lines.h"
+#include "ngs/io/ply/ply.h"
 
 namespace ngs::io {
 namespace {

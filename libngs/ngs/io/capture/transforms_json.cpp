@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "ngs/core/error.h"
-#include "ngs/io/files/json_file.h"
 #include "ngs/io/capture/pose.h"
+#include "ngs/io/files/json_file.h"
 #include "ngs/io/files/relative_path.h"
 
 namespace ngs::io {
@@ -44,8 +44,7 @@ void refuse_distortion(const Lookup& lookup, const std::string& where) {
     const double value = lookup.number(key).value_or(0);
     if (std::abs(value) >= kNegligible)
       throw Error(ErrorCode::kBadInput,
-                  where + ": lens distortion " + key + " = " + json(value).dump() + ", expected none",
-                  remedy);
+                  where + ": lens distortion " + key + " = " + json(value).dump() + ", expected none", remedy);
   }
   const JsonReader* fisheye = lookup.holder("is_fisheye");  // instant-ngp's; bends straight lines even with k1..k4 zero
   if (fisheye != nullptr && fisheye->boolean("is_fisheye"))
@@ -53,8 +52,7 @@ void refuse_distortion(const Lookup& lookup, const std::string& where) {
   const JsonReader* reader = lookup.holder("camera_model");
   if (reader == nullptr) return;
   const std::string model = reader->text("camera_model");
-  constexpr std::array kStraight{"PINHOLE",       "SIMPLE_PINHOLE", "OPENCV",
-                                 "SIMPLE_RADIAL", "RADIAL",         "FULL_OPENCV"};
+  constexpr std::array kStraight{"PINHOLE", "SIMPLE_PINHOLE", "OPENCV", "SIMPLE_RADIAL", "RADIAL", "FULL_OPENCV"};
   if (std::find(kStraight.begin(), kStraight.end(), model) == kStraight.end())
     throw Error(ErrorCode::kBadInput, where + ": camera model " + model + ", expected a pinhole", remedy);
 }
@@ -75,8 +73,7 @@ std::string find_image(const TransformsSource& source, const std::string& file_p
   return fs::path(path).has_extension() ? path : path + ".png";
 }
 
-void read_intrinsics(const Lookup& lookup, const TransformsSource& source, const std::string& where,
-                     SceneView& view) {
+void read_intrinsics(const Lookup& lookup, const TransformsSource& source, const std::string& where, SceneView& view) {
   Camera& camera = view.camera;
   if (lookup.holder("w") != nullptr && lookup.holder("h") != nullptr) {
     camera.width_px = int(lookup.holder("w")->integer("w", 1, kMaxSide));
@@ -85,8 +82,7 @@ void read_intrinsics(const Lookup& lookup, const TransformsSource& source, const
     const ImageSize size = source.images.size(view.image_path);
     camera.width_px = size.width_px, camera.height_px = size.height_px;
   } else {
-    throw Error(ErrorCode::kBadInput,
-                where + ": no w and h and no image " + view.image_path + ", expected a size",
+    throw Error(ErrorCode::kBadInput, where + ": no w and h and no image " + view.image_path + ", expected a size",
                 "add \"w\" and \"h\" to the file, or put the images where file_path says");
   }
   const auto focal_of = [&](const char* focal, const char* angle, int size_px) -> std::optional<double> {
@@ -98,8 +94,7 @@ void read_intrinsics(const Lookup& lookup, const TransformsSource& source, const
   };
   const auto fx = focal_of("fl_x", "camera_angle_x", camera.width_px);
   const auto fy = focal_of("fl_y", "camera_angle_y", camera.height_px);
-  if (!fx && !fy)
-    throw Error(ErrorCode::kBadInput, where + ": no focal length, expected fl_x or camera_angle_x");
+  if (!fx && !fy) throw Error(ErrorCode::kBadInput, where + ": no focal length, expected fl_x or camera_angle_x");
   camera.fx = fx.value_or(fy.value_or(0)), camera.fy = fy.value_or(fx.value_or(0));
   camera.cx = lookup.number("cx").value_or(camera.width_px / 2.0);
   camera.cy = lookup.number("cy").value_or(camera.height_px / 2.0);
@@ -171,18 +166,17 @@ Capture parse_transforms_json(const json& root, const TransformsSource& source) 
   if (const auto undo = undo_applied(file)) {
     if (source.original_world)
       for (SceneView& view : capture.views) apply(*undo, view.camera);
-    capture.notes.push_back(source.object +
-                            (source.original_world
-                                 ? ": applied_transform undone"
-                                 : ": poses kept in the file's own world (it has an applied_transform)"));
+    capture.notes.push_back(
+        source.object + (source.original_world ? ": applied_transform undone"
+                                               : ": poses kept in the file's own world (it has an applied_transform)"));
   }
   finish_capture(capture, source.object);
   return capture;
 }
 
 Capture read_transforms_json(const std::string& path, bool original_world) {
-  return parse_transforms_json(
-      read_json_file(path), {fs::path(path).parent_path().string(), path, original_world, images_on_disk()});
+  return parse_transforms_json(read_json_file(path),
+                               {fs::path(path).parent_path().string(), path, original_world, images_on_disk()});
 }
 
 WorldTransform read_world_transform(const std::string& path) {

@@ -21,8 +21,8 @@ int open_new(const std::filesystem::path& target, std::string& temporary) {
   static std::atomic<unsigned> counter{0};
   const std::filesystem::path folder = target.has_parent_path() ? target.parent_path() : ".";
   for (;;) {
-    const std::string name = ".ngs-" + std::to_string(::getpid()) + "-" + std::to_string(counter++) + ".tmp" +
-                             target.extension().string();
+    const std::string name =
+        ".ngs-" + std::to_string(::getpid()) + "-" + std::to_string(counter++) + ".tmp" + target.extension().string();
     temporary = (folder / name).string();
     const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor >= 0 || errno != EEXIST) return descriptor;

@@ -39,9 +39,8 @@ class ByteReader {
     const auto count = read<std::uint64_t>();
     if (count > left() / min_bytes)
       throw Error(ErrorCode::kBadInput,
-                  object_ + ": count of " + std::to_string(count) + " records at byte " +
-                      std::to_string(at_ - 8) + ", expected at most " + std::to_string(left() / min_bytes) +
-                      " for the size of the file",
+                  object_ + ": count of " + std::to_string(count) + " records at byte " + std::to_string(at_ - 8) +
+                      ", expected at most " + std::to_string(left() / min_bytes) + " for the size of the file",
                   "the file is truncated or of another format");
     return count;
   }
@@ -58,10 +57,10 @@ class ByteReader {
     if (bytes > left()) truncated();
   }
   [[noreturn]] void truncated() const {
-    throw Error(ErrorCode::kBadInput,
-                object_ + ": ends at byte " + std::to_string(bytes_.size()) +
-                    " inside a record, expected a complete file",
-                "copy or export it again");
+    throw Error(
+        ErrorCode::kBadInput,
+        object_ + ": ends at byte " + std::to_string(bytes_.size()) + " inside a record, expected a complete file",
+        "copy or export it again");
   }
 
   Bytes bytes_;

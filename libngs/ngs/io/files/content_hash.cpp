@@ -57,8 +57,7 @@ ContentHash file_hash(const fs::path& path) {
 ContentHash folder_hash(const fs::path& folder) {
   std::vector<std::string> names;
   std::error_code failed;
-  for (fs::recursive_directory_iterator entry(folder, failed), end; !failed && entry != end;
-       entry.increment(failed))
+  for (fs::recursive_directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed))
     if (entry->is_regular_file()) names.push_back(entry->path().lexically_relative(folder).generic_string());
   if (failed) throw Error(ErrorCode::kBadInput, folder.string() + ": " + failed.message());
   std::sort(names.begin(), names.end());

@@ -15,7 +15,8 @@ struct ContentHash {
 /// names. Throws kBadInput if something cannot be read.
 ContentHash content_hash(const std::string& path);
 
-/// One for all of these files' bytes in this order, 32 digits; their names do not count, and what is no regular file counts as absent.
+/// One for all of these files' bytes in this order, 32 digits; their names do not count, and what is no regular file
+/// counts as absent.
 std::string files_hash(const std::vector<std::string>& paths);
 
 }  // namespace ngs::io

@@ -74,8 +74,7 @@ std::vector<FoundFile> files_of_views(const std::vector<std::string>& views, con
       throw Error(ErrorCode::kInconsistent,
                   bare.path + ": is called like both views " + other->second + " and " + views[i] +
                       ", expected a file for each",
-                  "keep the folders of the views' names: " +
-                      (file.parent_path() / folder / file.filename()).string());
+                  "keep the folders of the views' names: " + (file.parent_path() / folder / file.filename()).string());
     }
     files[i] = bare;
   }

@@ -31,8 +31,7 @@ JsonReader::JsonReader(const json& value, std::string where) : value_(value), wh
 
 void JsonReader::fail(const std::string& key, const std::string& expected) const {
   const bool present = value_.contains(key);
-  std::string found =
-      present ? value_.at(key).dump(-1, ' ', true, json::error_handler_t::replace) : "missing";
+  std::string found = present ? value_.at(key).dump(-1, ' ', true, json::error_handler_t::replace) : "missing";
   constexpr std::size_t kLongest = 40;
   if (found.size() > kLongest) found = found.substr(0, kLongest) + "...";
   throw Error(ErrorCode::kBadInput, where_ + "." + key + ": " + found + ", expected " + expected);
@@ -78,15 +77,12 @@ const json& JsonReader::array(const std::string& key) const {
   return at(key);
 }
 
-JsonReader JsonReader::object(const std::string& key) const {
-  return JsonReader(at(key), where_ + "." + key);
-}
+JsonReader JsonReader::object(const std::string& key) const { return JsonReader(at(key), where_ + "." + key); }
 
 std::vector<double> JsonReader::matrix(const std::string& key, std::size_t rows, std::size_t columns) const {
   const json& outer = array(key);
-  const std::string expected = columns == 0
-                                   ? std::to_string(rows) + " numbers"
-                                   : std::to_string(rows) + "x" + std::to_string(columns) + " numbers";
+  const std::string expected = columns == 0 ? std::to_string(rows) + " numbers"
+                                            : std::to_string(rows) + "x" + std::to_string(columns) + " numbers";
   if (outer.size() != rows) fail(key, expected);
   std::vector<double> out;
   for (const json& row : outer) {
@@ -103,8 +99,7 @@ std::vector<double> JsonReader::matrix(const std::string& key, std::size_t rows,
 void JsonReader::refuse_unknown_keys() const {
   for (const auto& item : value_.items())
     if (asked_.count(item.key()) == 0)
-      throw Error(ErrorCode::kBadInput,
-                  where_ + ": unknown key \"" + item.key() + "\", expected only known ones");
+      throw Error(ErrorCode::kBadInput, where_ + ": unknown key \"" + item.key() + "\", expected only known ones");
 }
 
 }  // namespace ngs::io

@@ -21,9 +21,7 @@ class JsonReader {
 
   bool has(const std::string& key) const;  // present and not null
   double number(const std::string& key) const;
-  double number_or(const std::string& key, double fallback) const {
-    return has(key) ? number(key) : fallback;
-  }
+  double number_or(const std::string& key, double fallback) const { return has(key) ? number(key) : fallback; }
   std::int64_t integer(const std::string& key, std::int64_t min, std::int64_t max) const;
   std::string text(const std::string& key) const;  // without NUL characters
   std::string text_or(const std::string& key, const std::string& fallback) const;

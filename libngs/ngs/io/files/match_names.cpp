@@ -39,8 +39,7 @@ std::string affix_key(std::string_view name) {
       if (base.size() > prefix.size() + 1 && base.starts_with(prefix) && joins(base[prefix.size()]))
         base.erase(0, prefix.size() + 1), changed = true;
     for (std::string_view suffix : kSuffixes)
-      if (base.size() > suffix.size() + 1 && base.ends_with(suffix) &&
-          joins(base[base.size() - suffix.size() - 1]))
+      if (base.size() > suffix.size() + 1 && base.ends_with(suffix) && joins(base[base.size() - suffix.size() - 1]))
         base.resize(base.size() - suffix.size() - 1), changed = true;
   }
   return folder + base;
@@ -66,8 +65,8 @@ constexpr std::array<Rule, 3> kRules = {{{"stem", image_stem}, {"affix", affix_k
 constexpr std::size_t kAmbiguous = std::size_t(-1);
 
 /// key -> index, kAmbiguous where several of the open names share it; an empty key names nothing.
-std::map<std::string, std::size_t> keys_of(std::span<const std::string> names,
-                                           const std::vector<std::size_t>& open, const Rule& rule) {
+std::map<std::string, std::size_t> keys_of(std::span<const std::string> names, const std::vector<std::size_t>& open,
+                                           const Rule& rule) {
   std::map<std::string, std::size_t> keys;
   for (std::size_t i : open) {
     std::string key = rule.key(names[i]);

@@ -74,8 +74,7 @@ Header parse_header(Bytes bytes, const std::string& object) {
 template <class Float, class UInt>
 double scalar_at(const std::uint8_t* data, bool swap) {
   UInt bits = 0;
-  for (std::size_t i = 0; i < sizeof(UInt); ++i)
-    bits |= UInt(data[swap ? sizeof(UInt) - 1 - i : i]) << (8 * i);
+  for (std::size_t i = 0; i < sizeof(UInt); ++i) bits |= UInt(data[swap ? sizeof(UInt) - 1 - i : i]) << (8 * i);
   return double(std::bit_cast<Float>(bits));
 }
 
@@ -86,8 +85,7 @@ NpyMatrix parse_npy(Bytes bytes, const std::string& object) {
   const std::size_t capacity = (bytes.size() - header.data_at) / header.scalar_bytes;
   if (header.columns != 0 && header.rows > capacity / header.columns)
     refuse(object, "shape of " + std::to_string(header.rows) + "x" + std::to_string(header.columns) +
-                       ", expected at most " + std::to_string(capacity) +
-                       " elements for the size of the file");
+                       ", expected at most " + std::to_string(capacity) + " elements for the size of the file");
   NpyMatrix matrix{header.rows, header.columns, {}};
   if (header.rows == 0 || header.columns == 0) return matrix;
   matrix.data.resize(header.rows * header.columns);

@@ -19,9 +19,8 @@ struct TypeInfo {
   const char* name;
   std::size_t bytes;
 };
-constexpr TypeInfo kTypes[] = {{TensorType::kU8, "U8", 1},   {TensorType::kU32, "U32", 4},
-                               {TensorType::kI32, "I32", 4}, {TensorType::kU64, "U64", 8},
-                               {TensorType::kI64, "I64", 8}, {TensorType::kF32, "F32", 4},
+constexpr TypeInfo kTypes[] = {{TensorType::kU8, "U8", 1},   {TensorType::kU32, "U32", 4}, {TensorType::kI32, "I32", 4},
+                               {TensorType::kU64, "U64", 8}, {TensorType::kI64, "I64", 8}, {TensorType::kF32, "F32", 4},
                                {TensorType::kF64, "F64", 8}};
 const TypeInfo& info(TensorType type) { return kTypes[std::size_t(type)]; }
 
@@ -39,8 +38,7 @@ std::string shape_text(const std::vector<std::int64_t>& shape) {
 }
 
 /// Bytes of a tensor, or more than `limit` if it has more than `limit`.
-std::uint64_t tensor_bytes(const std::vector<std::int64_t>& shape, std::size_t element_bytes,
-                           std::uint64_t limit) {
+std::uint64_t tensor_bytes(const std::vector<std::int64_t>& shape, std::size_t element_bytes, std::uint64_t limit) {
   if (std::find(shape.begin(), shape.end(), 0) != shape.end()) return 0;
   std::uint64_t bytes = element_bytes;
   for (const std::int64_t n : shape) {
@@ -55,8 +53,7 @@ struct Placed {
   std::uint64_t begin, end;
 };
 
-Placed parse_entry(const std::string& where, const std::string& key, const nlohmann::json& value,
-                   std::uint64_t limit) {
+Placed parse_entry(const std::string& where, const std::string& key, const nlohmann::json& value, std::uint64_t limit) {
   const JsonReader reader(value, where + ": tensor '" + key + "'");
   Placed placed{};
   placed.tensor.name = key;
@@ -66,8 +63,7 @@ Placed parse_entry(const std::string& where, const std::string& key, const nlohm
   if (type == std::end(kTypes)) reader.fail("dtype", "U8, U32, I32, U64, I64, F32 or F64");
   placed.tensor.type = type->type;
   for (const auto& n : reader.array("shape")) {
-    if (!n.is_number_unsigned() ||
-        n.get<std::uint64_t>() > std::uint64_t(std::numeric_limits<std::int64_t>::max()))
+    if (!n.is_number_unsigned() || n.get<std::uint64_t>() > std::uint64_t(std::numeric_limits<std::int64_t>::max()))
       reader.fail("shape", "whole numbers >= 0");
     placed.tensor.shape.push_back(n.get<std::int64_t>());
   }
@@ -96,17 +92,14 @@ bool TensorFile::has(std::string_view tensor) const {
   return std::any_of(tensors.begin(), tensors.end(), [&](const Tensor& t) { return t.name == tensor; });
 }
 
-const Tensor& TensorFile::find(std::string_view tensor, TensorType type,
-                               const std::vector<std::int64_t>& shape) const {
+const Tensor& TensorFile::find(std::string_view tensor, TensorType type, const std::vector<std::int64_t>& shape) const {
   for (const Tensor& t : tensors) {
     if (t.name != tensor) continue;
-    if (t.type != type)
-      bad(name, "tensor '" + t.name + "' is " + info(t.type).name + ", expected " + info(type).name);
+    if (t.type != type) bad(name, "tensor '" + t.name + "' is " + info(t.type).name + ", expected " + info(type).name);
     bool fits = shape.empty() || shape.size() == t.shape.size();
     for (std::size_t k = 0; fits && k < shape.size(); ++k) fits = shape[k] < 0 || shape[k] == t.shape[k];
     if (!fits)
-      bad(name,
-          "tensor '" + t.name + "' has shape " + shape_text(t.shape) + ", expected " + shape_text(shape));
+      bad(name, "tensor '" + t.name + "' has shape " + shape_text(t.shape) + ", expected " + shape_text(shape));
     return t;
   }
   bad(name, "no tensor '" + std::string(tensor) + "' (found " + std::to_string(tensors.size()) + " others)");
@@ -118,11 +111,10 @@ const std::string& TensorFile::meta(const std::string& key) const {
   return found->second;
 }
 
-void TensorFile::add_bytes(std::string tensor, TensorType type, std::vector<std::int64_t> shape,
-                           const void* data, std::size_t bytes) {
+void TensorFile::add_bytes(std::string tensor, TensorType type, std::vector<std::int64_t> shape, const void* data,
+                           std::size_t bytes) {
   NGS_CHECK(!has(tensor) && tensor != "__metadata__", "tensor name '" + tensor + "' is taken");
-  NGS_CHECK(tensor_bytes(shape, info(type).bytes, bytes) == bytes,
-            "tensor '" + tensor + "': shape and size differ");
+  NGS_CHECK(tensor_bytes(shape, info(type).bytes, bytes) == bytes, "tensor '" + tensor + "': shape and size differ");
   const auto* from = static_cast<const std::uint8_t*>(data);
   tensors.push_back({std::move(tensor), type, std::move(shape), {from, from + bytes}});
 }
@@ -131,17 +123,15 @@ void TensorFile::copy_bytes(const Tensor& tensor, void* to) {
   if (!tensor.bytes.empty()) std::memcpy(to, tensor.bytes.data(), tensor.bytes.size());
 }
 
-TensorFile read_safetensors(const std::string& path) {
-  return parse_safetensors(path, MappedFile(path).bytes());
-}
+TensorFile read_safetensors(const std::string& path) { return parse_safetensors(path, MappedFile(path).bytes()); }
 
 TensorFile parse_safetensors(std::string name, Bytes bytes) {
   std::uint64_t header_bytes = 0;
   if (bytes.size() < 8) bad(name, std::to_string(bytes.size()) + " bytes, expected a safetensors file");
   std::memcpy(&header_bytes, bytes.data(), 8);
   if (header_bytes > kMaxHeaderBytes || header_bytes > bytes.size() - 8)
-    bad(name, "a header of " + std::to_string(header_bytes) + " bytes in a file of " +
-                  std::to_string(bytes.size()) + ", expected a whole safetensors file");
+    bad(name, "a header of " + std::to_string(header_bytes) + " bytes in a file of " + std::to_string(bytes.size()) +
+                  ", expected a whole safetensors file");
   const std::string_view header(reinterpret_cast<const char*>(bytes.data()) + 8, header_bytes);
   const Bytes data = bytes.subspan(8 + header_bytes);
   const nlohmann::json json = parse_json(header, name);
@@ -178,15 +168,13 @@ TensorFile parse_safetensors(std::string name, Bytes bytes) {
 void write_safetensors(const std::string& path, const TensorFile& file) {
   std::vector<const Tensor*> order;
   for (const Tensor& t : file.tensors) order.push_back(&t);
-  std::stable_sort(order.begin(), order.end(), [](const Tensor* a, const Tensor* b) {
-    return info(a->type).bytes > info(b->type).bytes;
-  });
+  std::stable_sort(order.begin(), order.end(),
+                   [](const Tensor* a, const Tensor* b) { return info(a->type).bytes > info(b->type).bytes; });
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
   if (!file.metadata.empty()) json["__metadata__"] = file.metadata;
   std::uint64_t at = 0;
   for (const Tensor* t : order) {
-    json[t->name] = {
-        {"dtype", info(t->type).name}, {"shape", t->shape}, {"data_offsets", {at, at + t->bytes.size()}}};
+    json[t->name] = {{"dtype", info(t->type).name}, {"shape", t->shape}, {"data_offsets", {at, at + t->bytes.size()}}};
     at += t->bytes.size();
   }
   std::string header = json.dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace);

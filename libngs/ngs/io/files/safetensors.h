@@ -62,8 +62,7 @@ struct TensorFile {
 
   template <class T>
   void add(std::string tensor, std::vector<std::int64_t> shape, std::span<const T> values) {
-    add_bytes(std::move(tensor), TensorTypeOf<T>::value, std::move(shape), values.data(),
-              values.size_bytes());
+    add_bytes(std::move(tensor), TensorTypeOf<T>::value, std::move(shape), values.data(), values.size_bytes());
   }
   template <class T>
   void add(std::string tensor, std::vector<std::int64_t> shape, const std::vector<T>& values) {

@@ -75,14 +75,11 @@ void read_attributes(const Imf::Header& header, ExrImage& image) {
   for (auto it = header.begin(); it != header.end(); ++it) {
     const std::string name = it.name();
     if (name.rfind("ngs:", 0) != 0) continue;
-    if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&it.attribute()))
-      image.text[name] = text->value();
+    if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&it.attribute())) image.text[name] = text->value();
     if (const auto* f = dynamic_cast<const Imf::FloatAttribute*>(&it.attribute()))
       image.numbers[name] = double(f->value());
-    if (const auto* d = dynamic_cast<const Imf::DoubleAttribute*>(&it.attribute()))
-      image.numbers[name] = d->value();
-    if (const auto* i = dynamic_cast<const Imf::IntAttribute*>(&it.attribute()))
-      image.numbers[name] = i->value();
+    if (const auto* d = dynamic_cast<const Imf::DoubleAttribute*>(&it.attribute())) image.numbers[name] = d->value();
+    if (const auto* i = dynamic_cast<const Imf::IntAttribute*>(&it.attribute())) image.numbers[name] = i->value();
   }
 }
 
@@ -111,8 +108,7 @@ Packing packing(Imf::Compression compression) {
 void check_size(std::int64_t width, std::int64_t height, std::int64_t channels, double most_expansion,
                 std::size_t file_bytes) {
   const std::string size = std::to_string(width) + "x" + std::to_string(height) + " px";
-  if (width < 1 || height < 1 || width > kMaxExrPixels || height > kMaxExrPixels ||
-      width * height > kMaxExrPixels)
+  if (width < 1 || height < 1 || width > kMaxExrPixels || height > kMaxExrPixels || width * height > kMaxExrPixels)
     throw std::runtime_error("image of " + size);
   if (double(width) * double(height) * double(channels) * 4.0 > most_expansion * double(file_bytes))
     throw std::runtime_error("header claims " + size + " in " + std::to_string(file_bytes) + " bytes");
@@ -121,11 +117,30 @@ void check_size(std::int64_t width, std::int64_t height, std::int64_t channels, 
 /// Reads a value as the library does: by its type and not by the attribute's size, where the two can differ. Stops soon
 /// after the size.
 void skip_value(ByteReader& in, const std::string& type, std::size_t size) {
-  static const std::map<std::string_view, std::size_t> kFixed = {
-      {"box2i", 16}, {"box2f", 16},  {"chromaticities", 32}, {"compression", 1}, {"deepImageState", 1}, {"double", 8},
-      {"envmap", 1}, {"float", 4},   {"int", 4},             {"keycode", 28},    {"lineOrder", 1},      {"m33f", 36},
-      {"m33d", 72},  {"m44f", 64},   {"m44d", 128},          {"rational", 8},    {"tiledesc", 9},       {"timecode", 8},
-      {"v2i", 8},    {"v2f", 8},     {"v2d", 16},            {"v3i", 12},        {"v3f", 12},           {"v3d", 24}};
+  static const std::map<std::string_view, std::size_t> kFixed = {{"box2i", 16},
+                                                                 {"box2f", 16},
+                                                                 {"chromaticities", 32},
+                                                                 {"compression", 1},
+                                                                 {"deepImageState", 1},
+                                                                 {"double", 8},
+                                                                 {"envmap", 1},
+                                                                 {"float", 4},
+                                                                 {"int", 4},
+                                                                 {"keycode", 28},
+                                                                 {"lineOrder", 1},
+                                                                 {"m33f", 36},
+                                                                 {"m33d", 72},
+                                                                 {"m44f", 64},
+                                                                 {"m44d", 128},
+                                                                 {"rational", 8},
+                                                                 {"tiledesc", 9},
+                                                                 {"timecode", 8},
+                                                                 {"v2i", 8},
+                                                                 {"v2f", 8},
+                                                                 {"v2d", 16},
+                                                                 {"v3i", 12},
+                                                                 {"v3f", 12},
+                                                                 {"v3d", 24}};
   constexpr std::size_t kChannelBytes = 16;
   const std::size_t before = in.left();
   if (const auto fixed = kFixed.find(type); fixed != kFixed.end()) {
@@ -171,8 +186,7 @@ void check_header(Bytes bytes, const std::string& object) {
   header.readFrom(stream, version);
   std::int64_t count = 0;
   for (auto it = header.channels().begin(); it != header.channels().end(); ++it, ++count)
-    if (it.channel().xSampling != 1 || it.channel().ySampling != 1)
-      throw std::runtime_error("subsampled channels");
+    if (it.channel().xSampling != 1 || it.channel().ySampling != 1) throw std::runtime_error("subsampled channels");
   if (count == 0) throw std::runtime_error("file has no channels");
   const Imath::Box2i window = header.dataWindow();
   const std::int64_t height = std::int64_t(window.max.y) - window.min.y + 1;
@@ -222,14 +236,12 @@ void ExrImage::add(const std::vector<std::string>& names, const ImageF& image) {
 }
 
 void write_exr(const std::string& path, const ExrImage& image) {
-  NGS_CHECK(image.width_px > 0 && image.height_px > 0 && !image.channels.empty(),
-            "EXR needs pixels and channels");
+  NGS_CHECK(image.width_px > 0 && image.height_px > 0 && !image.channels.empty(), "EXR needs pixels and channels");
   Imf::Header header(image.width_px, image.height_px);
   header.compression() = Imf::ZIP_COMPRESSION;
   Imf::FrameBuffer source;
   for (const auto& [name, values] : image.channels) {
-    NGS_CHECK(values.size() == std::size_t(image.width_px) * std::size_t(image.height_px),
-              "EXR channel size");
+    NGS_CHECK(values.size() == std::size_t(image.width_px) * std::size_t(image.height_px), "EXR channel size");
     header.channels().insert(name, Imf::Channel(Imf::FLOAT));
     source.insert(name, Imf::Slice(Imf::FLOAT, base_of(values.data()), sizeof(float),
                                    std::size_t(image.width_px) * sizeof(float)));
@@ -244,8 +256,7 @@ void write_exr(const std::string& path, const ExrImage& image) {
     file.setFrameBuffer(source);
     file.writePixels(image.height_px);
   } catch (const std::exception& e) {
-    throw Error(ErrorCode::kEnvironment,
-                path + ": the EXR encoder failed (" + e.what() + "), expected an image");
+    throw Error(ErrorCode::kEnvironment, path + ": the EXR encoder failed (" + e.what() + "), expected an image");
   }
   write_file(path, stream.bytes());
 }

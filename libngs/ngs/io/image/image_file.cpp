@@ -7,9 +7,9 @@
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
+#include "ngs/io/files/regular_file.h"
 #include "ngs/io/image/image_codecs.h"
 #include "ngs/io/image/image_header.h"
-#include "ngs/io/files/regular_file.h"
 
 namespace ngs::io {
 namespace {
@@ -17,8 +17,7 @@ namespace {
 Picture decode(Bytes bytes, const std::string& path) {
   Picture picture = image_codecs().decode(bytes);
   if (picture.width_px == 0)
-    throw Error(ErrorCode::kBadInput,
-                path + ": not a readable image, expected PNG, JPEG or another common format");
+    throw Error(ErrorCode::kBadInput, path + ": not a readable image, expected PNG, JPEG or another common format");
   if (picture.bits == 0 || (picture.channels != 1 && picture.channels != 3 && picture.channels != 4))
     throw Error(ErrorCode::kBadInput,
                 path + ": samples of an unsupported type, expected 8 or 16 bit, 1, 3 or 4 channels",
@@ -45,8 +44,7 @@ PictureView view_of(const Image<T>& image) {
 template <class T>
 std::vector<std::uint8_t> png_of(const Image<T>& image) {
   std::vector<std::uint8_t> bytes = image_codecs().encode_png(view_of(image));
-  if (bytes.empty())
-    throw Error(ErrorCode::kEnvironment, "the PNG encoder failed, expected a compressed image");
+  if (bytes.empty()) throw Error(ErrorCode::kEnvironment, "the PNG encoder failed, expected a compressed image");
   return bytes;
 }
 
@@ -128,15 +126,12 @@ RawMask read_mask_raw(const std::string& path, Palette palette) {
 
 ImageSize read_image_size(const std::string& path) {
   const MappedFile file = map_regular_file(path);
-  if (const auto header = parse_image_header(file.bytes(), path))
-    return {header->width_px, header->height_px};
+  if (const auto header = parse_image_header(file.bytes(), path)) return {header->width_px, header->height_px};
   const Picture picture = decode(file.bytes(), path);
   return {picture.width_px, picture.height_px};
 }
 
-std::string to_string(ImageSize size) {
-  return std::to_string(size.width_px) + "x" + std::to_string(size.height_px);
-}
+std::string to_string(ImageSize size) { return std::to_string(size.width_px) + "x" + std::to_string(size.height_px); }
 
 void write_png(const std::string& path, const ImageU8& image) { write_png_of(path, image); }
 void write_png16(const std::string& path, const ImageU16& image) { write_png_of(path, image); }
@@ -146,8 +141,7 @@ std::vector<std::uint8_t> encode_png(const ImageU8& image) { return png_of(image
 std::vector<std::uint8_t> encode_jpeg(const ImageU8& image, int quality) {
   NGS_CHECK(image.channels == 3, "JPEG needs an RGB image");
   std::vector<std::uint8_t> bytes = image_codecs().encode_jpeg(view_of(image), quality);
-  if (bytes.empty())
-    throw Error(ErrorCode::kEnvironment, "the JPEG encoder failed, expected a compressed image");
+  if (bytes.empty()) throw Error(ErrorCode::kEnvironment, "the JPEG encoder failed, expected a compressed image");
   return bytes;
 }
 

@@ -10,14 +10,12 @@ namespace {
 
 constexpr std::array<unsigned char, 8> kPngSignature{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
 
-[[noreturn]] void refuse(const std::string& object, const std::string& found,
-                         const std::string& remedy = {}) {
+[[noreturn]] void refuse(const std::string& object, const std::string& found, const std::string& remedy = {}) {
   throw Error(ErrorCode::kBadInput, object + ": " + found, remedy);
 }
 
 std::uint32_t big_endian_32(Bytes b, std::size_t at) {
-  return std::uint32_t(b[at]) << 24 | std::uint32_t(b[at + 1]) << 16 | std::uint32_t(b[at + 2]) << 8 |
-         b[at + 3];
+  return std::uint32_t(b[at]) << 24 | std::uint32_t(b[at + 1]) << 16 | std::uint32_t(b[at + 2]) << 8 | b[at + 3];
 }
 std::uint32_t big_endian_16(Bytes b, std::size_t at) { return std::uint32_t(b[at]) << 8 | b[at + 1]; }
 
@@ -57,8 +55,7 @@ ImageHeader parse_png(Bytes bytes, const std::string& object) {
     header.bits = bytes[at + 16], header.palette = bytes[at + 17] == 3;
     has_size = true;
   });
-  if (!complete)
-    refuse(object, "PNG ends before its IEND chunk, expected a complete file", "copy or export it again");
+  if (!complete) refuse(object, "PNG ends before its IEND chunk, expected a complete file", "copy or export it again");
   if (!has_size || !has_pixels) refuse(object, "PNG without IHDR or IDAT chunk, expected an image");
   check_size(header, object);
   return header;
@@ -82,8 +79,7 @@ ImageHeader parse_jpeg(Bytes bytes, const std::string& object) {
     const std::size_t length = big_endian_16(bytes, at + 2);
     if (is_frame_marker(marker) && at + 9 <= bytes.size()) {
       header.bits = bytes[at + 4];
-      header.height_px = int(big_endian_16(bytes, at + 5)),
-      header.width_px = int(big_endian_16(bytes, at + 7));
+      header.height_px = int(big_endian_16(bytes, at + 5)), header.width_px = int(big_endian_16(bytes, at + 7));
     }
     if (marker == 0xDA) {  // start of scan: entropy-coded data until the end-of-image marker
       constexpr std::array<unsigned char, 2> kEnd{0xFF, 0xD9};
@@ -110,11 +106,9 @@ std::uint32_t crc32(Bytes bytes) {
 }  // namespace
 
 std::optional<ImageHeader> parse_image_header(Bytes bytes, const std::string& object) {
-  if (bytes.size() >= kPngSignature.size() &&
-      std::equal(kPngSignature.begin(), kPngSignature.end(), bytes.begin()))
+  if (bytes.size() >= kPngSignature.size() && std::equal(kPngSignature.begin(), kPngSignature.end(), bytes.begin()))
     return parse_png(bytes, object);
-  if (bytes.size() >= 3 && bytes[0] == 0xFF && bytes[1] == 0xD8 && bytes[2] == 0xFF)
-    return parse_jpeg(bytes, object);
+  if (bytes.size() >= 3 && bytes[0] == 0xFF && bytes[1] == 0xD8 && bytes[2] == 0xFF) return parse_jpeg(bytes, object);
   return std::nullopt;
 }
 

@@ -16,8 +16,8 @@ enum class ImageFormat : std::uint8_t { kPng, kJpeg };
 struct ImageHeader {
   ImageFormat format = ImageFormat::kPng;
   int width_px = 0, height_px = 0;
-  int bits = 8;          // per sample
-  bool palette = false;  // PNG colour type 3: samples are indices
+  int bits = 8;               // per sample
+  bool palette = false;       // PNG colour type 3: samples are indices
   bool begins_black = false;  // the palette's first colour is black
 };
 

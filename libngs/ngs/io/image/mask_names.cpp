@@ -30,19 +30,20 @@ FoundFile find_mask(const FolderIndex& index, const std::string& name) {
   return path.empty() ? FoundFile{} : FoundFile{path, "<stem>." + fs::path(path).extension().string().substr(1)};
 }
 
-std::vector<FoundFile> find_masks(const std::string& folder, const std::vector<SceneView*>& views, MaskMatches& matches) {
+std::vector<FoundFile> find_masks(const std::string& folder, const std::vector<SceneView*>& views,
+                                  MaskMatches& matches) {
   const FolderIndex index(folder);
   std::vector<std::string> names;
   for (const SceneView* view : views) names.push_back(view->camera.name);
   std::vector<FoundFile> found = files_of_views(names, [&](const std::string& name) { return find_mask(index, name); });
   for (const FoundFile& file : found)
-    if (!file.beside_it.empty() && matches.several++ == 0) matches.taken = file.path, matches.not_taken = file.beside_it;
+    if (!file.beside_it.empty() && matches.several++ == 0)
+      matches.taken = file.path, matches.not_taken = file.beside_it;
   return found;
 }
 
 /// "<folder>/cup/a/0001.png" with "cup" -> "<folder>/{object}/a/0001.png"
-std::string with_object_field(const std::string& path, const std::string& object_folder,
-                              const std::string& folder) {
+std::string with_object_field(const std::string& path, const std::string& object_folder, const std::string& folder) {
   return (fs::path(folder) / "{object}" / fs::path(path).lexically_relative(object_folder)).string();
 }
 
@@ -69,9 +70,10 @@ void match_per_object(const std::string& folder, const std::vector<std::string>&
       if (kept.empty())
         kept = path, ++matches.views_by_rule["<object>/" + found[v].rule];
       else if (kept != path)
-        throw Error(ErrorCode::kInconsistent,
-                    found[v].path + ": another object has " + kept + ", expected one name in the folders of all objects",
-                    "rename the masks alike");
+        throw Error(
+            ErrorCode::kInconsistent,
+            found[v].path + ": another object has " + kept + ", expected one name in the folders of all objects",
+            "rename the masks alike");
     }
     if (has_any) matches.objects.push_back(object);
   }

@@ -36,9 +36,8 @@ struct Decoded {
 /// The first of these channels that the file has, else its only one, [H, W, 1].
 ImageF read_exr_channel(const std::string& path, const std::vector<std::string>& preferred) {
   ExrImage exr = read_exr(path);
-  const auto name = std::find_if(preferred.begin(), preferred.end(), [&](const std::string& candidate) {
-    return exr.channels.count(candidate) != 0;
-  });
+  const auto name = std::find_if(preferred.begin(), preferred.end(),
+                                 [&](const std::string& candidate) { return exr.channels.count(candidate) != 0; });
   if (name == preferred.end() && exr.channels.size() != 1)
     throw Error(ErrorCode::kBadInput,
                 path + ": EXR without a channel " + preferred[0] + ", Y or R, expected one of them");
@@ -109,11 +108,9 @@ Decoded decode(const Scene& scene, const std::string& path, std::vector<std::str
     case MaskMode::kBinary: {
       take_used_scale(plane, path, notes);
       // a {0,1} file has its own threshold; EXR and 16 bit share the 8-bit scale
-      const double threshold = plane.full_scale == 1.f && !is_exr(path)
-                                   ? 1.0
-                                   : scene.mask_threshold / 255.0 * double(plane.full_scale);
-      out.target.push_back(
-          mapped(plane.value, [&](float v) { return double(v) >= threshold ? object : 1 - object; }));
+      const double threshold =
+          plane.full_scale == 1.f && !is_exr(path) ? 1.0 : scene.mask_threshold / 255.0 * double(plane.full_scale);
+      out.target.push_back(mapped(plane.value, [&](float v) { return double(v) >= threshold ? object : 1 - object; }));
       break;
     }
     case MaskMode::kSoft:
@@ -134,7 +131,8 @@ Decoded decode(const Scene& scene, const std::string& path, std::vector<std::str
     case MaskMode::kLabel:
       for (const SceneObject& o : scene.objects)
         out.target.push_back(mapped(plane.value, [&](float v) { return v == float(o.id) ? 1.f : 0.f; }));
-      if (scene.void_id) out.known = mapped(plane.value, [&](float v) { return v == float(*scene.void_id) ? 0.f : 1.f; });
+      if (scene.void_id)
+        out.known = mapped(plane.value, [&](float v) { return v == float(*scene.void_id) ? 0.f : 1.f; });
       break;
   }
   return out;
@@ -156,8 +154,7 @@ void take_majority(const ImageF& known, std::vector<ImageF>& share) {
   }
 }
 
-void bring_to_size(const Scene& scene, const Camera& camera, const std::string& path, Decoded& mask,
-                   LoadedMasks& out) {
+void bring_to_size(const Scene& scene, const Camera& camera, const std::string& path, Decoded& mask, LoadedMasks& out) {
   const ImageSize file{mask.target[0].width_px, mask.target[0].height_px};
   const ImageSize wanted{camera.width_px, camera.height_px};
   const SizeRelation relation = relate_mask_size(file, wanted, scene.image_scale);
@@ -176,16 +173,15 @@ void bring_to_size(const Scene& scene, const Camera& camera, const std::string& 
   if (scene.mask_mode != MaskMode::kSoft) take_majority(mask.known, mask.target);
   for (float& v : mask.known.data) v = is_set(v) ? 1.f : 0.f;
   out.resized = true;
-  out.notes.push_back(path + ": mask of " + to_string(file) + " px brought to the camera's " +
-                      to_string(wanted) + " px");
+  out.notes.push_back(path + ": mask of " + to_string(file) + " px brought to the camera's " + to_string(wanted) +
+                      " px");
 }
 
 void append(Decoded&& mask, ViewMasks& masks) {
   for (ImageF& target : mask.target) masks.target.push_back(std::move(target.data));
   if (mask.known.empty()) return;
   if (masks.known.empty()) masks.known.assign(mask.known.data.size(), 1);
-  for (std::size_t i = 0; i < masks.known.size(); ++i)
-    masks.known[i] &= std::uint8_t(mask.known.data[i] != 0.f);
+  for (std::size_t i = 0; i < masks.known.size(); ++i) masks.known[i] &= std::uint8_t(mask.known.data[i] != 0.f);
 }
 
 bool is_per_object(const SceneView& view) { return view.mask_path.find(kObjectField) != std::string::npos; }
@@ -193,12 +189,10 @@ bool is_per_object(const SceneView& view) { return view.mask_path.find(kObjectFi
 /// What a view without (all) its files stands for.
 bool is_absent(const Scene& scene, const SceneView& view, const std::vector<std::string>& files) {
   const auto exists = [](const std::string& file) { return std::filesystem::exists(file); };
-  const bool complete =
-      !files.empty() && (!is_per_object(view) || std::all_of(files.begin(), files.end(), exists));
+  const bool complete = !files.empty() && (!is_per_object(view) || std::all_of(files.begin(), files.end(), exists));
   if (complete || scene.missing_mask == MissingMask::kEmpty) return false;
   if (scene.missing_mask == MissingMask::kError)
-    throw Error(ErrorCode::kInconsistent,
-                "view " + view.camera.name + ": no mask, expected one for every view",
+    throw Error(ErrorCode::kInconsistent, "view " + view.camera.name + ": no mask, expected one for every view",
                 "add the mask, or use --missing-mask unknown (no evidence) or empty (object not visible)");
   return true;
 }
@@ -207,8 +201,7 @@ bool is_absent(const Scene& scene, const SceneView& view, const std::vector<std:
 
 bool is_exr(const std::string& path) {
   std::string found = std::filesystem::path(path).extension().string();
-  std::transform(found.begin(), found.end(), found.begin(),
-                 [](unsigned char c) { return char(std::tolower(c)); });
+  std::transform(found.begin(), found.end(), found.begin(), [](unsigned char c) { return char(std::tolower(c)); });
   return found == ".exr";
 }
 
@@ -268,8 +261,6 @@ std::set<std::uint32_t> ids_in_label_map(const std::string& path) {
   return ids;
 }
 
-ViewMasks load_masks(const Scene& scene, std::size_t view) {
-  return load_masks_with_notes(scene, view).masks;
-}
+ViewMasks load_masks(const Scene& scene, std::size_t view) { return load_masks_with_notes(scene, view).masks; }
 
 }  // namespace ngs::io

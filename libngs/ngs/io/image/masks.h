@@ -42,8 +42,8 @@ ViewMasks load_masks(const Scene& scene, std::size_t view);
 
 /// By the ending of its name, in any case.
 bool is_exr(const std::string& path);
-/// The label map of an EXR, [H, W, 1]: channel ngs.id, else Y, else R, else the only one. kBadInput: no such channel, or
-/// values that are no whole numbers in 0..65535.
+/// The label map of an EXR, [H, W, 1]: channel ngs.id, else Y, else R, else the only one. kBadInput: no such channel,
+/// or values that are no whole numbers in 0..65535.
 ImageF read_id_exr(const std::string& path);
 
 /// Every value that occurs in a label map.

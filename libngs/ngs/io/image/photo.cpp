@@ -2,8 +2,8 @@
 
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
-#include "ngs/io/image/image_header.h"
 #include "ngs/io/files/regular_file.h"
+#include "ngs/io/image/image_header.h"
 #include "ngs/io/image/size_rule.h"
 
 namespace ngs::io {
@@ -19,11 +19,10 @@ HeldPhoto checked_photo(const Scene& scene, std::size_t view) {
   const ImageSize camera{v.camera.width_px, v.camera.height_px}, file{photo.width_px(), photo.height_px()};
   const SizeRelation relation = relate_sizes(file, camera, scene.image_scale);
   if (!relation.allowed || (!relation.same && !relation.larger))
-    throw Error(
-        ErrorCode::kInconsistent,
-        v.image_path + ": photo of " + to_string(file) + " px, expected the camera's " + to_string(camera) +
-            " px or an integer multiple of it",
-        "import the scene again with the folder of these photos: ngs-scene import SOURCE --images DIR");
+    throw Error(ErrorCode::kInconsistent,
+                v.image_path + ": photo of " + to_string(file) + " px, expected the camera's " + to_string(camera) +
+                    " px or an integer multiple of it",
+                "import the scene again with the folder of these photos: ngs-scene import SOURCE --images DIR");
   return photo;
 }
 

@@ -11,9 +11,9 @@ namespace ngs::io {
 
 class PhotoCache {
  public:
-  /// Keeps the photos of `views`, in the order in which they are asked for, while all of them take at most `most_bytes`.
-  /// Others are decoded each time: keep what is asked for more than once. `scene` must outlive the cache; its background
-  /// and its working size stay as they are once a photo is kept.
+  /// Keeps the photos of `views`, in the order in which they are asked for, while all of them take at most
+  /// `most_bytes`. Others are decoded each time: keep what is asked for more than once. `scene` must outlive the cache;
+  /// its background and its working size stay as they are once a photo is kept.
   PhotoCache(const Scene& scene, const std::vector<std::size_t>& views, std::size_t most_bytes = std::size_t(256) << 20)
       : scene_(scene), to_keep_(views.begin(), views.end()), most_bytes_(most_bytes) {}
 

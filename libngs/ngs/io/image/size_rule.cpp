@@ -17,11 +17,10 @@ SizeRelation relate_sizes(ImageSize file, ImageSize camera, double image_scale) 
   };
   for (int k = 1; k <= kMaxFactor && !relation.allowed; ++k)
     for (const double scale : {1.0, image_scale})
-      relation.allowed |=
-          matches(scale * k) || matches(scale / k) ||
-          // both rounded on the way: the file to the full size / k, the camera to full · scale
-          (std::abs(camera.width_px / scale / k - file.width_px) < 1 &&
-           std::abs(camera.height_px / scale / k - file.height_px) < 1);
+      relation.allowed |= matches(scale * k) || matches(scale / k) ||
+                          // both rounded on the way: the file to the full size / k, the camera to full · scale
+                          (std::abs(camera.width_px / scale / k - file.width_px) < 1 &&
+                           std::abs(camera.height_px / scale / k - file.height_px) < 1);
   return relation;
 }
 

@@ -26,9 +26,7 @@ struct Range {
 class Decoder {
  public:
   explicit Decoder(const PlyFile& file)
-      : name_(file.name()),
-        chunks_(file.table(*file.find("chunk"))),
-        rows_(file.table(*file.find("vertex"))) {
+      : name_(file.name()), chunks_(file.table(*file.find("chunk"))), rows_(file.table(*file.find("vertex"))) {
     const std::int64_t expected = rows_.rows / kChunkRows + (rows_.rows % kChunkRows != 0);
     if (chunks_.rows < expected)
       bad(std::to_string(chunks_.rows) + " chunks, expected " + std::to_string(expected) + " for " +
@@ -37,8 +35,7 @@ class Decoder {
     scale_ = range("scale_", {"x", "y", "z"});
     has_colour_range_ = chunks_.find("min_r") >= 0;
     if (has_colour_range_) colour_ = range("", {"r", "g", "b"});
-    packed_ = {packed("packed_position"), packed("packed_rotation"), packed("packed_scale"),
-               packed("packed_color")};
+    packed_ = {packed("packed_position"), packed("packed_rotation"), packed("packed_scale"), packed("packed_color")};
     if (file.find("sh") != nullptr) {
       sh_ = file.table(*file.find("sh"));
       if (sh_.rows != rows_.rows)
@@ -46,18 +43,15 @@ class Decoder {
       for (std::size_t k = 0; sh_.column("f_rest_" + std::to_string(k)); ++k)
         rest_.push_back(sh_.column("f_rest_" + std::to_string(k)));
       if (rest_.size() != 0 && rest_.size() != 9 && rest_.size() != 24 && rest_.size() != 45)
-        bad(std::to_string(rest_.size()) +
-            " properties f_rest_*, expected 0, 9, 24 or 45 (SH degree 0 to 3)");
+        bad(std::to_string(rest_.size()) + " properties f_rest_*, expected 0, 9, 24 or 45 (SH degree 0 to 3)");
     }
   }
 
   PlyTable decode() const {
     PlyTable table;
     std::vector<PlyProperty> properties;
-    for (const char* name : {"x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2"})
-      properties.push_back({.name = name});
-    for (std::size_t k = 0; k < rest_.size(); ++k)
-      properties.push_back({.name = "f_rest_" + std::to_string(k)});
+    for (const char* name : {"x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2"}) properties.push_back({.name = name});
+    for (std::size_t k = 0; k < rest_.size(); ++k) properties.push_back({.name = "f_rest_" + std::to_string(k)});
     for (const char* name : {"opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"})
       properties.push_back({.name = name});
     table.set_properties(std::move(properties));
@@ -73,17 +67,14 @@ class Decoder {
   }
 
  private:
-  [[noreturn]] void bad(const std::string& message) const {
-    throw Error(ErrorCode::kBadInput, name_ + ": " + message);
-  }
+  [[noreturn]] void bad(const std::string& message) const { throw Error(ErrorCode::kBadInput, name_ + ": " + message); }
 
   Range range(const std::string& prefix, const std::array<const char*, 3>& axes) const {
     Range r;
     for (std::size_t a = 0; a < 3; ++a) {
       r.low[a] = chunks_.column("min_" + prefix + axes[a]);
       r.high[a] = chunks_.column("max_" + prefix + axes[a]);
-      if (!r.low[a] || !r.high[a])
-        bad("chunk property 'min_" + prefix + axes[a] + "' or its maximum is missing");
+      if (!r.low[a] || !r.high[a]) bad("chunk property 'min_" + prefix + axes[a] + "' or its maximum is missing");
     }
     return r;
   }
@@ -113,8 +104,7 @@ class Decoder {
     const double a[3] = {(unorm(v, 20, 10) - 0.5) * std::sqrt(2.0), (unorm(v, 10, 10) - 0.5) * std::sqrt(2.0),
                          (unorm(v, 0, 10) - 0.5) * std::sqrt(2.0)};
     const double largest = std::sqrt(std::max(0.0, 1 - (a[0] * a[0] + a[1] * a[1] + a[2] * a[2])));
-    for (std::uint32_t k = 0, next = 0; k < 4; ++k)
-      row.push_back(float(k == (v >> 30) ? largest : a[next++]));
+    for (std::uint32_t k = 0, next = 0; k < 4; ++k) row.push_back(float(k == (v >> 30) ? largest : a[next++]));
   }
 
   void decode_row(std::int64_t i, std::vector<float>& row) const {
@@ -130,8 +120,7 @@ class Decoder {
       row.push_back(float(((v <= 0 ? 0 : v >= 255 ? 1 : (v + 0.5) / 256) - 0.5) * 8));
     }
     const double alpha = unorm(packed_colour, 0, 8);
-    row.push_back(
-        float(std::log(alpha) - std::log1p(-alpha)));  // 0 and 1 give -Inf and +Inf, which are legal
+    row.push_back(float(std::log(alpha) - std::log1p(-alpha)));  // 0 and 1 give -Inf and +Inf, which are legal
     push_range(scale_, chunk, word(2, i), row);
     push_rotation(word(1, i), row);
   }

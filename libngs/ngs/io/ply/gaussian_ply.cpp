@@ -69,8 +69,8 @@ class Reader {
     if (found) return found;
     const auto& p = ply_.rows.properties;
     const std::string range = p.empty() ? ""
-                                        : " (found " + std::to_string(p.size()) + " properties, " +
-                                              p.front().name + " ... " + p.back().name + ")";
+                                        : " (found " + std::to_string(p.size()) + " properties, " + p.front().name +
+                                              " ... " + p.back().name + ")";
     bad("vertex property '" + column + "' is missing" + range, remedy_for(column));
   }
 
@@ -94,8 +94,7 @@ class Reader {
       bad(std::to_string(rest) + " properties f_rest_*, expected 0, 9, 24 or 45 (SH degree 0 to 3)");
     for (std::size_t k = 0; k < rest; ++k) columns_.rest.push_back(required("f_rest_" + std::to_string(k)));
     if (!columns_.scale[2])
-      ply_.notes.push_back(
-          "no scale_2 (a 2DGS model): read as flat Gaussians, 1/1000 of the smaller scale thick");
+      ply_.notes.push_back("no scale_2 (a 2DGS model): read as flat Gaussians, 1/1000 of the smaller scale thick");
   }
 
   int degree() const {
@@ -124,8 +123,7 @@ class Reader {
     }
     if (distance <= 8 * half_extent) return;
     for (std::size_t a = 0; a < 3; ++a) ply_.cloud.origin[a] = double(float(0.5 * (low[a] + high[a])));
-    ply_.notes.push_back(
-        "double positions far from 0 are kept relative to their centre; strict outputs round them");
+    ply_.notes.push_back("double positions far from 0 are kept relative to their centre; strict outputs round them");
   }
 
   /// f(row) for all rows; of a mapped file only a part is in memory at a time.
@@ -160,8 +158,7 @@ class Reader {
       cloud.logit_opacity[r] = columns_.opacity.value_float(i);
       float* scale = &cloud.log_scale[r * 3];
       for (std::size_t k = 0; k < 2; ++k) scale[k] = columns_.scale[k].value_float(i);
-      scale[2] =
-          columns_.scale[2] ? columns_.scale[2].value_float(i) : std::min(scale[0], scale[1]) - kLog1000;
+      scale[2] = columns_.scale[2] ? columns_.scale[2].value_float(i) : std::min(scale[0], scale[1]) - kLog1000;
       if (bands_ == HigherBands::kCheckOnly) {
         // A band that is not finite excludes the row; so does a constant band that is not.
         for (const PlyColumn& column : columns_.rest)
@@ -192,7 +189,8 @@ class Reader {
       const std::string name = std::string(f.name) + suffix;
       const std::size_t before = wanted.size();
       want(name, set.*f.column, wanted);
-      if (wanted.size() > before) wanted.back().name = name, wanted.back().most = f.column == &LabelColumns::views ? INFINITY : 1.f;
+      if (wanted.size() > before)
+        wanted.back().name = name, wanted.back().most = f.column == &LabelColumns::views ? INFINITY : 1.f;
     }
   }
 
@@ -228,8 +226,7 @@ class Reader {
 
   /// Masks of several objects lie in folders of their names.
   std::string checked(const std::string& object) const {
-    if (!is_folder_name(object))
-      bad("object name \"" + printable(object) + "\", expected a name that can be a folder");
+    if (!is_folder_name(object)) bad("object name \"" + printable(object) + "\", expected a name that can be a folder");
     return object;
   }
 
@@ -253,15 +250,13 @@ class Reader {
     want(std::string(kFixedColumn), ply_.fixed, wanted);
     want(std::string(kStateColumn), state, wanted);
     read(wanted);
-    for (const float v : state)
-      ply_.state.push_back(v >= 0 && v <= 255 ? std::uint8_t(v) : std::uint8_t(0));
+    for (const float v : state) ply_.state.push_back(v >= 0 && v <= 255 ? std::uint8_t(v) : std::uint8_t(0));
   }
 
   void read_comments() {
     for (const std::string& comment : ply_.comments) {
       if (!is_render_comment(comment)) continue;
-      ply_.cloud.antialiased |= comment.find("mip") != std::string::npos ||
-                                comment.find('1') != std::string::npos ||
+      ply_.cloud.antialiased |= comment.find("mip") != std::string::npos || comment.find('1') != std::string::npos ||
                                 comment.find("true") != std::string::npos;
     }
     if (ply_.cloud.antialiased) ply_.notes.push_back("trained with antialiasing");

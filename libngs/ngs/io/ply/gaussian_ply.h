@@ -33,7 +33,7 @@ struct GaussianPly {
   std::vector<std::string> comments;  // the file's, and how to render it where only a column said so
   GaussianCloud cloud;
   CloudHealth health;
-  LabelColumns labels;  // the unsuffixed ngs_* columns; a vector is empty where its column is absent
+  LabelColumns labels;               // the unsuffixed ngs_* columns; a vector is empty where its column is absent
   std::vector<NamedLabels> objects;  // the suffixed sets of a file with several objects, else empty
   std::string object = "object";     // the object's name, where the file has one
   bool names_object = false;         // it has
@@ -65,29 +65,29 @@ inline std::vector<std::string> trained_comments(const std::string& history, boo
 std::string history_line(const std::string& tool, const std::string& options_json);
 
 /// Rows with keep[i] != 0, in order; an empty `keep` means all. `comments` are written as they are.
-void write_strict_ply(const std::string& path, const GaussianCloud& cloud,
-                      const std::vector<std::uint8_t>& keep, const std::vector<std::string>& comments = {});
+void write_strict_ply(const std::string& path, const GaussianCloud& cloud, const std::vector<std::uint8_t>& keep,
+                      const std::vector<std::string>& comments = {});
 /// The same with the comments of the input that say how to render it.
 void write_strict_ply(const std::string& path, const GaussianPly& ply, const std::vector<std::uint8_t>& keep,
                       const std::vector<std::string>& history = {});
 
 struct LabelledWrite {
-  const GaussianCloud* edited = nullptr;  // optimised attributes; null: the input's. Unusable rows and values
-                                          // equal to the input's keep the input's bits
+  const GaussianCloud* edited = nullptr;     // optimised attributes; null: the input's. Unusable rows and values
+                                             // equal to the input's keep the input's bits
   std::span<const std::int64_t> source_row;  // [edited rows] row of the input that a row descends from (its
                                              // other columns are copied); empty: the same rows as the input
-  std::span<const float> fixed;         // [rows] adds ngs_fixed; empty: the input's column, if any, is kept
-  std::span<const float> floater;       // [rows] adds ngs_floater; empty: the input's column, if any, is kept
-  std::span<const std::uint8_t> state;  // [rows] adds `uchar state` (supersplat)
-  std::vector<std::string> history;     // appended to the input's comments
+  std::span<const float> fixed;              // [rows] adds ngs_fixed; empty: the input's column, if any, is kept
+  std::span<const float> floater;            // [rows] adds ngs_floater; empty: the input's column, if any, is kept
+  std::span<const std::uint8_t> state;       // [rows] adds `uchar state` (supersplat)
+  std::vector<std::string> history;          // appended to the input's comments
 };
 
 /// One object: the unsuffixed columns. Several: the unsuffixed columns describe their union (the largest
 /// value per column), then every object has its own set `ngs_label_<object>` ..., characters other than
 /// [A-Za-z0-9_.-] replaced by '_' (two objects that become one name: kInconsistent). The names themselves
 /// are kept in a comment. Every column of every set must have as many rows as the output.
-void write_labelled_ply(const std::string& path, const GaussianPly& source,
-                        std::span<const NamedLabels> objects, const LabelledWrite& options = {});
+void write_labelled_ply(const std::string& path, const GaussianPly& source, std::span<const NamedLabels> objects,
+                        const LabelledWrite& options = {});
 
 /// The largest value per column and row.
 LabelColumns union_of(std::span<const NamedLabels> objects);

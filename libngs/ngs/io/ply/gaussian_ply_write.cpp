@@ -47,9 +47,9 @@ class RowSource {
     }
     NGS_CHECK(options.edited->sh_degree == source.cloud.sh_degree, "an edit keeps the SH degree");
     NGS_CHECK(options.edited->size() == rows, "labels and edited cloud have one row each");
-    NGS_CHECK(options.source_row.empty() ? rows == source.cloud.size()
-                                         : std::int64_t(options.source_row.size()) == rows,
-              "source_row has one entry per row");
+    NGS_CHECK(
+        options.source_row.empty() ? rows == source.cloud.size() : std::int64_t(options.source_row.size()) == rows,
+        "source_row has one entry per row");
     list_edits();
   }
 
@@ -101,8 +101,8 @@ class RowSource {
     std::size_t offset = 0;
     for (const PlyProperty& p : properties_) {
       if (p.name == column)
-        edits_.push_back({(source_.cloud.*values).data() + at, (options_.edited->*values).data() + at, stride,
-                          origin, offset, p.type});
+        edits_.push_back({(source_.cloud.*values).data() + at, (options_.edited->*values).data() + at, stride, origin,
+                          offset, p.type});
       offset += ply_type_bytes(p.type);
     }
   }
@@ -228,8 +228,8 @@ LabelColumns union_of(std::span<const NamedLabels> objects) {
   return all;
 }
 
-void write_strict_ply(const std::string& path, const GaussianCloud& cloud,
-                      const std::vector<std::uint8_t>& keep, const std::vector<std::string>& comments) {
+void write_strict_ply(const std::string& path, const GaussianCloud& cloud, const std::vector<std::uint8_t>& keep,
+                      const std::vector<std::string>& comments) {
   PlyWriter writer(path, inria_element(count_kept(cloud.size(), keep), cloud.sh_degree), comments);
   for (std::int64_t i = 0; i < cloud.size(); ++i)
     if (keep.empty() || keep[std::size_t(i)]) store_inria_row(cloud, i, writer.row());
@@ -245,8 +245,8 @@ void write_strict_ply(const std::string& path, const GaussianPly& ply, const std
   write_strict_ply(path, ply.cloud, keep, comments);
 }
 
-void write_labelled_ply(const std::string& path, const GaussianPly& source,
-                        std::span<const NamedLabels> objects, const LabelledWrite& options) {
+void write_labelled_ply(const std::string& path, const GaussianPly& source, std::span<const NamedLabels> objects,
+                        const LabelledWrite& options) {
   NGS_CHECK(!objects.empty(), "at least one object");
   const LabelColumns all = union_of(objects);
   const std::int64_t rows = std::int64_t(all.label.size());

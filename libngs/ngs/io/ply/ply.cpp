@@ -11,7 +11,8 @@ namespace ngs::io {
 namespace {
 
 constexpr std::size_t kMaxHeaderBytes = std::size_t(1) << 24;
-// Names are compared with one another, so that the time is the square of these; a model of ours has 5 properties per object.
+// Names are compared with one another, so that the time is the square of these; a model of ours has 5 properties per
+// object.
 constexpr std::size_t kMaxElements = 256, kMaxProperties = 16384;
 
 [[noreturn]] void bad(const std::string& name, const std::string& message, std::string remedy = {}) {
@@ -44,8 +45,7 @@ PlyProperty parse_property(const std::string& name, const std::vector<std::strin
   property.is_list = list;
   if (list) property.count_type = parse_type(name, words[2]);
   if (list && property.count_type >= PlyType::kFloat32)
-    bad(name, "list '" + printable(words[4]) + "' counts in " + std::string(words[2]) +
-                  ", expected an integer type");
+    bad(name, "list '" + printable(words[4]) + "' counts in " + std::string(words[2]) + ", expected an integer type");
   property.type = parse_type(name, words[list ? 3 : 1]);
   property.name = std::string(words[list ? 4 : 2]);
   return property;
@@ -69,8 +69,8 @@ PlyElement parse_element(const std::string& name, const std::vector<std::string_
   const char* end = words[2].data() + words[2].size();
   const auto [stop, status] = std::from_chars(words[2].data(), end, element.count);
   if (status != std::errc() || stop != end || element.count < 0)
-    bad(name, "element '" + printable(words[1]) + "' has count '" + printable(words[2]) +
-                  "', expected a whole number >= 0");
+    bad(name,
+        "element '" + printable(words[1]) + "' has count '" + printable(words[2]) + "', expected a whole number >= 0");
   return element;
 }
 
@@ -122,8 +122,7 @@ void PlyFile::parse_header() {
     if (end == std::string_view::npos)
       bad(name_, "the header stops after " + std::to_string(text.size()) + " bytes, expected 'end_header'");
     if (end > kMaxHeaderBytes)
-      bad(name_, "no 'end_header' in the first " + std::to_string(kMaxHeaderBytes) +
-                     " bytes, expected a PLY header");
+      bad(name_, "no 'end_header' in the first " + std::to_string(kMaxHeaderBytes) + " bytes, expected a PLY header");
     std::string_view line = text.substr(at, end - at);
     if (line.ends_with('\r')) line.remove_suffix(1);
     at = end + 1;
@@ -149,8 +148,7 @@ void PlyFile::parse_header() {
             "write models of many objects in parts: ngs-joint --objects NAME");
       add_property(name_, elements_, parse_property(name_, words));
     } else if (!key.empty()) {
-      bad(name_,
-          "header line starting with '" + printable(key) + "', expected format, comment, element, property");
+      bad(name_, "header line starting with '" + printable(key) + "', expected format, comment, element, property");
     }
   }
   if (!has_format) bad(name_, "the header has no format line, expected 'format binary_little_endian 1.0'");

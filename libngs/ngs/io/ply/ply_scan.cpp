@@ -19,15 +19,14 @@ struct Place {
     throw Error(ErrorCode::kBadInput, file.name + ": " + message, std::move(remedy));
   }
   [[noreturn]] void truncated(std::int64_t row) const {
-    bad("the data stop in row " + std::to_string(row) + " of element '" + printable(element.name) +
-            "', expected " + std::to_string(element.count) + " rows",
+    bad("the data stop in row " + std::to_string(row) + " of element '" + printable(element.name) + "', expected " +
+            std::to_string(element.count) + " rows",
         "the file is cut short: copy or download it again");
   }
 };
 
 bool has_list(const PlyElement& element) {
-  return std::any_of(element.properties.begin(), element.properties.end(),
-                     [](const auto& p) { return p.is_list; });
+  return std::any_of(element.properties.begin(), element.properties.end(), [](const auto& p) { return p.is_list; });
 }
 
 /// The bytes of a row when every list in it is empty: no row is shorter.
@@ -153,9 +152,8 @@ void parse_line(const Place& place, std::string_view line, std::int64_t row, std
                 "' ends before property '" + printable(p.name) + "', expected one row per line");
   };
   const auto refuse = [&](const PlyProperty& p) {
-    place.bad("row " + std::to_string(row) + ": '" + printable(token) + "' for property '" +
-              printable(p.name) + "', expected a " +
-              std::string(ply_type_name(p.is_list ? p.count_type : p.type)));
+    place.bad("row " + std::to_string(row) + ": '" + printable(token) + "' for property '" + printable(p.name) +
+              "', expected a " + std::string(ply_type_name(p.is_list ? p.count_type : p.type)));
   };
   for (const PlyProperty& p : place.element.properties) {
     need_token(p);
@@ -170,8 +168,7 @@ void parse_line(const Place& place, std::string_view line, std::int64_t row, std
   }
   if (tokens.next(token))
     place.bad("row " + std::to_string(row) + " of element '" + printable(place.element.name) +
-              "' has more values than its " + std::to_string(place.element.properties.size()) +
-              " properties");
+              "' has more values than its " + std::to_string(place.element.properties.size()) + " properties");
 }
 
 }  // namespace
@@ -184,9 +181,9 @@ std::size_t element_end(const PlyBytes& file, const PlyElement& element) {
   const std::size_t left = file.bytes.size() - at;  // a value of text takes a digit and a blank at least
   const std::size_t row_bytes = ascii ? 2 * element.properties.size() : least_row_bytes(element);
   if (std::uint64_t(element.count) > left / row_bytes)
-    place.bad("element '" + printable(element.name) + "': " + std::to_string(left) +
-                  " bytes are left, expected " + std::to_string(element.count) + " rows of " +
-                  (ascii || has_list(element) ? "at least " : "") + std::to_string(row_bytes) + " bytes",
+    place.bad("element '" + printable(element.name) + "': " + std::to_string(left) + " bytes are left, expected " +
+                  std::to_string(element.count) + " rows of " + (ascii || has_list(element) ? "at least " : "") +
+                  std::to_string(row_bytes) + " bytes",
               "the file is cut short: copy or download it again");
   if (ascii) {
     for (std::int64_t i = 0; i < element.count; ++i) next_line(place, at, i);

@@ -31,8 +31,7 @@ double load_as(const std::uint8_t* from) {
 
 template <class T>
 void store_integer(double value, std::uint8_t* to) {
-  constexpr double kLow = double(std::numeric_limits<T>::min()),
-                   kHigh = double(std::numeric_limits<T>::max());
+  constexpr double kLow = double(std::numeric_limits<T>::min()), kHigh = double(std::numeric_limits<T>::max());
   const T v = std::isnan(value) ? T(0) : T(std::clamp(std::nearbyint(value), kLow, kHigh));
   std::memcpy(to, &v, sizeof v);
 }
@@ -77,45 +76,28 @@ void PlyTable::set_properties(std::vector<PlyProperty> scalar_properties) {
 double PlyColumn::value(std::int64_t row) const {
   const std::uint8_t* from = first + std::size_t(row) * stride;
   switch (type) {
-    case PlyType::kInt8:
-      return load_as<std::int8_t>(from);
-    case PlyType::kUint8:
-      return load_as<std::uint8_t>(from);
-    case PlyType::kInt16:
-      return load_as<std::int16_t>(from);
-    case PlyType::kUint16:
-      return load_as<std::uint16_t>(from);
-    case PlyType::kInt32:
-      return load_as<std::int32_t>(from);
-    case PlyType::kUint32:
-      return load_as<std::uint32_t>(from);
-    case PlyType::kFloat32:
-      return load_as<float>(from);
-    case PlyType::kFloat64:
-      return load_as<double>(from);
+    case PlyType::kInt8: return load_as<std::int8_t>(from);
+    case PlyType::kUint8: return load_as<std::uint8_t>(from);
+    case PlyType::kInt16: return load_as<std::int16_t>(from);
+    case PlyType::kUint16: return load_as<std::uint16_t>(from);
+    case PlyType::kInt32: return load_as<std::int32_t>(from);
+    case PlyType::kUint32: return load_as<std::uint32_t>(from);
+    case PlyType::kFloat32: return load_as<float>(from);
+    case PlyType::kFloat64: return load_as<double>(from);
   }
   return 0;
 }
 
 void ply_store(PlyType type, double value, std::uint8_t* to) {
   switch (type) {
-    case PlyType::kInt8:
-      return store_integer<std::int8_t>(value, to);
-    case PlyType::kUint8:
-      return store_integer<std::uint8_t>(value, to);
-    case PlyType::kInt16:
-      return store_integer<std::int16_t>(value, to);
-    case PlyType::kUint16:
-      return store_integer<std::uint16_t>(value, to);
-    case PlyType::kInt32:
-      return store_integer<std::int32_t>(value, to);
-    case PlyType::kUint32:
-      return store_integer<std::uint32_t>(value, to);
-    case PlyType::kFloat32:
-      return ply_store_float(float(value), to);
-    case PlyType::kFloat64:
-      std::memcpy(to, &value, sizeof value);
-      return;
+    case PlyType::kInt8: return store_integer<std::int8_t>(value, to);
+    case PlyType::kUint8: return store_integer<std::uint8_t>(value, to);
+    case PlyType::kInt16: return store_integer<std::int16_t>(value, to);
+    case PlyType::kUint16: return store_integer<std::uint16_t>(value, to);
+    case PlyType::kInt32: return store_integer<std::int32_t>(value, to);
+    case PlyType::kUint32: return store_integer<std::uint32_t>(value, to);
+    case PlyType::kFloat32: return ply_store_float(float(value), to);
+    case PlyType::kFloat64: std::memcpy(to, &value, sizeof value); return;
   }
 }
 

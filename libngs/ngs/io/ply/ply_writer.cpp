@@ -11,11 +11,10 @@ constexpr std::size_t kBufferBytes = std::size_t(1) << 20;
 
 }  // namespace
 
-PlyWriter::PlyWriter(const std::string& path, const PlyElement& element,
-                     const std::vector<std::string>& comments)
+PlyWriter::PlyWriter(const std::string& path, const PlyElement& element, const std::vector<std::string>& comments)
     : file_(std::make_unique<AtomicFile>(path)), rows_left_(element.count) {
-  std::string header = "ply\nformat binary_little_endian 1.0\nelement " + element.name + " " +
-                       std::to_string(element.count) + "\n";
+  std::string header =
+      "ply\nformat binary_little_endian 1.0\nelement " + element.name + " " + std::to_string(element.count) + "\n";
   for (const PlyProperty& p : element.properties) {
     header += "property " + std::string(ply_type_name(p.type)) + " " + p.name + "\n";
     row_bytes_ += ply_type_bytes(p.type);

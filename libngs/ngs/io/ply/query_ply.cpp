@@ -67,16 +67,14 @@ std::vector<T> read_matrix(const PlyTable& table, const std::vector<std::string>
       // A float column of indices is accepted; what does not fit becomes the largest index, which no model
       // has.
       const double v = column.value(std::int64_t(i));
-      values[at++] =
-          v >= 0 && v < double(std::numeric_limits<T>::max()) ? T(v) : std::numeric_limits<T>::max();
+      values[at++] = v >= 0 && v < double(std::numeric_limits<T>::max()) ? T(v) : std::numeric_limits<T>::max();
     }
   return values;
 }
 
 std::vector<std::string> numbered_columns(const PlyTable& table, const std::string& stem) {
   std::vector<std::string> names;
-  for (std::size_t k = 0; table.find(stem + std::to_string(k)) >= 0; ++k)
-    names.push_back(stem + std::to_string(k));
+  for (std::size_t k = 0; table.find(stem + std::to_string(k)) >= 0; ++k) names.push_back(stem + std::to_string(k));
   return names;
 }
 
@@ -92,19 +90,16 @@ void check_views(const std::string& name, const QueryField& field) {
 QueryField read(const PlyFile& file) {
   const std::string& name = file.name();
   const PlyElement* vertex = file.find("vertex");
-  if (vertex == nullptr)
-    throw Error(ErrorCode::kBadInput, name + ": no element 'vertex', expected query points");
+  if (vertex == nullptr) throw Error(ErrorCode::kBadInput, name + ": no element 'vertex', expected query points");
   const PlyTable table = file.table(*vertex);
   for (const char* column : {"x", "y", "z"})
     if (!table.column(column))
-      throw Error(ErrorCode::kBadInput,
-                  name + ": property '" + column + "' is missing, expected query points",
+      throw Error(ErrorCode::kBadInput, name + ": property '" + column + "' is missing, expected query points",
                   "ngs-sample scene.json boundary.ply -o queries.ply writes them");
   QueryField field;
   for (const std::string& comment : file.comments()) {
     const std::string where = name + ": comment '" + comment.substr(0, 30) + "...'";
-    if (comment.starts_with(kFieldComment))
-      read_field_comment(comment.substr(kFieldComment.size()), where, field);
+    if (comment.starts_with(kFieldComment)) read_field_comment(comment.substr(kFieldComment.size()), where, field);
     if (comment.starts_with(kViewComment))
       field.views.push_back(read_view_comment(comment.substr(kViewComment.size()), where));
   }
@@ -120,9 +115,8 @@ QueryField read(const PlyFile& file) {
   field.neighbour = read_matrix<std::uint32_t>(table, nearest);
   const auto weights = numbered_columns(table, "w_");
   if (weights.size() != nearest.size())
-    throw Error(ErrorCode::kBadInput, name + ": " + std::to_string(weights.size()) +
-                                          " properties w_*, expected " + std::to_string(nearest.size()) +
-                                          " as there are nn_*");
+    throw Error(ErrorCode::kBadInput, name + ": " + std::to_string(weights.size()) + " properties w_*, expected " +
+                                          std::to_string(nearest.size()) + " as there are nn_*");
   field.weight = read_matrix<float>(table, weights);
   check_views(name, field);
   return field;
@@ -139,8 +133,7 @@ struct Group {
 QueryField read_query_ply(const std::string& path) { return read(PlyFile::open(path)); }
 QueryField parse_query_ply(const std::string& name, Bytes bytes) { return read(PlyFile::parse(name, bytes)); }
 
-void write_query_ply(const std::string& path, const QueryField& field,
-                     const std::vector<std::string>& history) {
+void write_query_ply(const std::string& path, const QueryField& field, const std::vector<std::string>& history) {
   PlyElement element;
   element.name = "vertex";
   element.count = field.size();
@@ -148,8 +141,7 @@ void write_query_ply(const std::string& path, const QueryField& field,
   const auto add = [&](const auto& values, PlyType type, const std::vector<std::string>& names) {
     static_assert(sizeof values[0] == 4);
     if (values.empty() && element.count > 0) return;
-    NGS_CHECK(values.size() == std::size_t(element.count) * names.size(),
-              "a query column of the wrong length");
+    NGS_CHECK(values.size() == std::size_t(element.count) * names.size(), "a query column of the wrong length");
     for (const std::string& name : names) element.properties.push_back({.name = name, .type = type});
     groups.push_back({values.data(), names.size()});
   };
@@ -168,8 +160,7 @@ void write_query_ply(const std::string& path, const QueryField& field,
   add(field.weight, PlyType::kFloat32, numbered("w_", field.neighbours));
 
   constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
-  std::vector<std::string> comments = {std::string(kFieldComment) +
-                                       field_json(field).dump(-1, ' ', true, kReplace)};
+  std::vector<std::string> comments = {std::string(kFieldComment) + field_json(field).dump(-1, ' ', true, kReplace)};
   for (const QueryView& view : field.views)
     comments.push_back(std::string(kViewComment) + view_json(view).dump(-1, ' ', true, kReplace));
   comments.insert(comments.end(), history.begin(), history.end());

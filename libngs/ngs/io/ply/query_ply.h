@@ -20,7 +20,6 @@ QueryField read_query_ply(const std::string& path);
 QueryField parse_query_ply(const std::string& name, Bytes bytes);
 
 /// Vectors that are empty are not written.
-void write_query_ply(const std::string& path, const QueryField& field,
-                     const std::vector<std::string>& history = {});
+void write_query_ply(const std::string& path, const QueryField& field, const std::vector<std::string>& history = {});
 
 }  // namespace ngs::io

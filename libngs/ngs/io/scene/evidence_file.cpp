@@ -43,9 +43,8 @@ std::vector<std::string> names_in(const TensorFile& file, const std::string& key
 
 void write_evidence(const std::string& path, const EvidencePart& part, StoredPaths stored) {
   TensorFile file;
-  for_each_array(part.evidence, [&](const std::string& name, const auto& values, const std::vector<std::int64_t>& shape) {
-    file.add(name, shape, values);
-  });
+  for_each_array(part.evidence, [&](const std::string& name, const auto& values,
+                                    const std::vector<std::int64_t>& shape) { file.add(name, shape, values); });
   file.metadata["ngs:schema"] = "ngs.evidence.1";
   file.metadata["model"] = part.model_hash;
   file.metadata["scene"] = path_to_folder(stored_folder(path, stored), part.scene_path);
@@ -60,14 +59,16 @@ EvidencePart parse_evidence(const std::string& path, Bytes bytes) {
   EvidencePart part;
   part.model_hash = file.meta("model");
   part.scene_path = path_from_folder(folder_of_file(path), file.meta("scene"));
-  if (file.metadata.contains("made_with")) part.made_with = file.meta("made_with");  // parts of version 0.1 before it have none
+  if (file.metadata.contains("made_with"))
+    part.made_with = file.meta("made_with");  // parts of version 0.1 before it have none
   part.objects = names_in(file, "objects");
   part.views = names_in(file, "views");
   part.evidence.gaussians = std::int64_t(file.get<std::uint32_t>("views", {-1}).size());
   part.evidence.objects = int(part.objects.size());
-  for_each_array(part.evidence, [&]<class T>(const std::string& name, std::vector<T>& values, const std::vector<std::int64_t>& shape) {
-    values = file.get<T>(name, shape);
-  });
+  for_each_array(part.evidence,
+                 [&]<class T>(const std::string& name, std::vector<T>& values, const std::vector<std::int64_t>& shape) {
+                   values = file.get<T>(name, shape);
+                 });
   return part;
 }
 
@@ -84,12 +85,14 @@ EvidencePart merge_evidence(const std::vector<std::string>& paths) {
     EvidencePart part = read_evidence(path);
     for (const std::string& view : part.views)
       if (!seen.insert(view).second)
-        throw Error(ErrorCode::kInconsistent, path + ": view '" + view + "' is already in another part", "pass every part once");
+        throw Error(ErrorCode::kInconsistent, path + ": view '" + view + "' is already in another part",
+                    "pass every part once");
     if (i == 0) {
       sum = std::move(part);
       continue;
     }
-    if (part.model_hash != sum.model_hash || part.objects != sum.objects || part.evidence.gaussians != sum.evidence.gaussians)
+    if (part.model_hash != sum.model_hash || part.objects != sum.objects ||
+        part.evidence.gaussians != sum.evidence.gaussians)
       throw Error(ErrorCode::kInconsistent, path + ": evidence of another model or other objects than " + paths.front(),
                   "merge parts that were made from one scene.json");
     if (part.made_with != sum.made_with)

@@ -12,11 +12,11 @@ namespace ngs::io {
 
 struct EvidencePart {
   Evidence evidence;
-  std::string model_hash;             // of the PLY the sums are about
-  std::string scene_path;             // scene.json; in the file relative to the file's own folder; empty: it has no path
-  std::string made_with;              // what else the sums depend on, as text: the scene's content, options of the splat
-  std::vector<std::string> objects;   // names, in the order of the columns
-  std::vector<std::string> views;     // names of the views summed
+  std::string model_hash;            // of the PLY the sums are about
+  std::string scene_path;            // scene.json; in the file relative to the file's own folder; empty: it has no path
+  std::string made_with;             // what else the sums depend on, as text: the scene's content, options of the splat
+  std::vector<std::string> objects;  // names, in the order of the columns
+  std::vector<std::string> views;    // names of the views summed
 };
 
 void write_evidence(const std::string& path, const EvidencePart& part, StoredPaths stored = StoredPaths::kRelative);

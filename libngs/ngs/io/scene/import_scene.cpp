@@ -8,13 +8,13 @@
 #include <set>
 
 #include "ngs/core/error.h"
+#include "ngs/io/capture/pose.h"
 #include "ngs/io/files/folder_index.h"
+#include "ngs/io/files/regular_file.h"
+#include "ngs/io/files/text_lines.h"
 #include "ngs/io/image/mask_names.h"
 #include "ngs/io/image/masks.h"
-#include "ngs/io/capture/pose.h"
-#include "ngs/io/files/regular_file.h"
 #include "ngs/io/scene/scene_json.h"
-#include "ngs/io/files/text_lines.h"
 #include "ngs/scene/view_names.h"
 
 namespace ngs::io {
@@ -34,8 +34,7 @@ std::string newest_iteration(const fs::path& base) {
   for (const std::string& name : list_folders((base / "point_cloud").string())) {
     std::uint32_t iteration = 0;
     const std::string file = (base / "point_cloud" / name / "point_cloud.ply").string();
-    if (name.rfind("iteration_", 0) != 0 || !parse_count(name.substr(10), iteration) ||
-        !is_regular_file(file))
+    if (name.rfind("iteration_", 0) != 0 || !parse_count(name.substr(10), iteration) || !is_regular_file(file))
       continue;
     if (path.empty() || iteration > newest) newest = iteration, path = file;
   }
@@ -59,8 +58,7 @@ std::string find_model(const std::string& base, std::vector<std::string>& notes)
   return {};
 }
 
-std::string find_masks_dir(const ImportRequest& request, const std::string& base,
-                           std::vector<std::string>& notes) {
+std::string find_masks_dir(const ImportRequest& request, const std::string& base, std::vector<std::string>& notes) {
   std::error_code ignored;
   if (!request.masks_dir.empty()) {
     if (!fs::is_directory(request.masks_dir, ignored))
@@ -99,25 +97,22 @@ SceneObject parse_object(const std::string& text, MaskMode mode) {
   std::uint32_t id = 0;
   const bool has_id = parse_count(digits, id);
   if (equals != std::string::npos && (!has_id || name.empty()))
-    throw Error(ErrorCode::kUsage,
-                "--object-id " + text + ": no id after \"=\", expected name=id such as cup=7");
+    throw Error(ErrorCode::kUsage, "--object-id " + text + ": no id after \"=\", expected name=id such as cup=7");
   if (mode != MaskMode::kLabel) return {name, equals == std::string::npos ? 0 : id};
   if (!has_id || id > 65535)
-    throw Error(ErrorCode::kUsage,
-                "--object-id " + text + ": no id in 0..65535, expected 7 or cup=7 for label maps");
+    throw Error(ErrorCode::kUsage, "--object-id " + text + ": no id in 0..65535, expected 7 or cup=7 for label maps");
   return {equals == std::string::npos ? "object-" + digits : name, id};
 }
 
-std::vector<SceneObject> objects_in_label_maps(const std::vector<SceneView>& views, std::optional<std::uint32_t> void_id,
-                                               std::vector<std::string>& notes) {
+std::vector<SceneObject> objects_in_label_maps(const std::vector<SceneView>& views,
+                                               std::optional<std::uint32_t> void_id, std::vector<std::string>& notes) {
   std::set<std::uint32_t> ids;
   for (const SceneView& view : views) {
     if (view.mask_path.empty() || view.split == Split::kHeldOut) continue;
     ids.merge(ids_in_label_map(view.mask_path));
     constexpr std::size_t kMostObjects = 1024;
     if (ids.size() > kMostObjects)
-      throw Error(ErrorCode::kBadInput,
-                  view.mask_path + ": more than 1024 different values, expected a label map",
+      throw Error(ErrorCode::kBadInput, view.mask_path + ": more than 1024 different values, expected a label map",
                   "choose the objects with --object-id, or use --mask-mode soft");
   }
   ids.erase(0);
@@ -143,8 +138,7 @@ void leave_out_masks_of_source(ImportedScene& out) {
 void attach_masks(const ImportRequest& request, ImportedScene& out) {
   Scene& scene = out.scene;
   if (!request.masks_dir.empty()) leave_out_masks_of_source(out);
-  for (const std::string& text : request.object_ids)
-    scene.objects.push_back(parse_object(text, request.mask_mode));
+  for (const std::string& text : request.object_ids) scene.objects.push_back(parse_object(text, request.mask_mode));
   std::vector<std::string> names;
   for (const SceneObject& object : scene.objects) names.push_back(object.name);
   const MaskMatches matches = match_masks(out.masks_dir, names, scene.views);
@@ -161,8 +155,8 @@ void attach_masks(const ImportRequest& request, ImportedScene& out) {
     out.notes.push_back("no mask for " + std::to_string(matches.unmatched.size()) + " of " +
                         std::to_string(scene.views.size()) + " views (first: " + matches.unmatched[0] + ")");
   if (matches.several > 0)
-    out.notes.push_back("two masks of " + std::to_string(matches.several) + " views (first: " + matches.taken + " is taken, " +
-                        matches.not_taken + " is not)");
+    out.notes.push_back("two masks of " + std::to_string(matches.several) + " views (first: " + matches.taken +
+                        " is taken, " + matches.not_taken + " is not)");
   if (!scene.objects.empty()) return;
   for (const std::string& name : matches.objects) scene.objects.push_back({name, 0});
   if (scene.objects.empty() && scene.mask_mode == MaskMode::kLabel)
@@ -212,9 +206,10 @@ void assign_splits(const std::string& hold_out, std::vector<SceneView>& views) {
     throw Error(ErrorCode::kInconsistent,
                 "--hold-out " + hold_out + ": holds out every view, expected some to train on");
   if (held == 0)
-    throw Error(ErrorCode::kInconsistent,
-                "--hold-out " + hold_out + ": holds out none of the " + std::to_string(views.size()) + " views, expected some",
-                "leave it out to train on all");
+    throw Error(
+        ErrorCode::kInconsistent,
+        "--hold-out " + hold_out + ": holds out none of the " + std::to_string(views.size()) + " views, expected some",
+        "leave it out to train on all");
 }
 
 /// The largest 1/k at which no photo's longer side exceeds kWorkingSizePx. One for all views: the small ones of a mixed
@@ -224,13 +219,12 @@ double automatic_scale(const std::vector<SceneView>& views, std::vector<std::str
   int longest = 1;
   for (const SceneView& view : views) longest = std::max(longest, side(view));
   const int k = (longest + kWorkingSizePx - 1) / kWorkingSizePx;
-  const auto small = std::count_if(views.begin(), views.end(), [&](const SceneView& view) {
-    return k > 1 && side(view) <= kWorkingSizePx;
-  });
+  const auto small = std::count_if(views.begin(), views.end(),
+                                   [&](const SceneView& view) { return k > 1 && side(view) <= kWorkingSizePx; });
   if (small > 0)
-    notes.push_back(std::to_string(small) + " views of at most " + std::to_string(kWorkingSizePx) + " px are worked on at 1/" +
-                    std::to_string(k) + " of their size too, as the largest of " + std::to_string(longest) +
-                    " px asks for; --image-scale 1 keeps them");
+    notes.push_back(std::to_string(small) + " views of at most " + std::to_string(kWorkingSizePx) +
+                    " px are worked on at 1/" + std::to_string(k) + " of their size too, as the largest of " +
+                    std::to_string(longest) + " px asks for; --image-scale 1 keeps them");
   return 1.0 / k;
 }
 
@@ -258,9 +252,10 @@ ImportedScene import_scene(const ImportRequest& request) {
   constexpr int kLeastSide_px = 8;  // smaller pictures match any model as badly
   for (const SceneView& view : scene.views)
     if (const Camera& c = view.camera; scene.image_scale < 1 && std::min(c.width_px, c.height_px) < kLeastSide_px)
-      throw Error(ErrorCode::kUsage, "--image-scale " + std::to_string(scene.image_scale) + ": view " + c.name + " becomes " +
-                                         std::to_string(c.width_px) + "x" + std::to_string(c.height_px) +
-                                         " px, expected at least " + std::to_string(kLeastSide_px) + " a side",
+      throw Error(ErrorCode::kUsage,
+                  "--image-scale " + std::to_string(scene.image_scale) + ": view " + c.name + " becomes " +
+                      std::to_string(c.width_px) + "x" + std::to_string(c.height_px) + " px, expected at least " +
+                      std::to_string(kLeastSide_px) + " a side",
                   "--image-scale " + least_scale(kLeastSide_px, shortest_px) + " or more keeps that of every view");
   validate_scene(scene, request.capture.source);
   return out;

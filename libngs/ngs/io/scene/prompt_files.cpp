@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "ngs/core/error.h"
-#include "ngs/io/image/image_file.h"
 #include "ngs/io/files/json_file.h"
+#include "ngs/io/image/image_file.h"
 
 namespace ngs::io {
 namespace {
@@ -16,7 +16,8 @@ constexpr std::size_t kMostPoints = 1 << 20;
 /// Clicks beside the picture, or coordinates of another size of it.
 void require_inside(const JsonReader& reader, const char* key, const HandPrompt& prompt, std::array<double, 4> box) {
   if (box[2] <= 0 || box[3] <= 0 || box[0] >= prompt.width_px || box[1] >= prompt.height_px)
-    reader.fail(key, "coordinates in the " + to_string({prompt.width_px, prompt.height_px}) + " px of \"width\" and \"height\"");
+    reader.fail(key, "coordinates in the " + to_string({prompt.width_px, prompt.height_px}) +
+                         " px of \"width\" and \"height\"");
 }
 
 PromptStroke stroke_of(const nlohmann::json& value, const std::string& where, const HandPrompt& prompt) {
@@ -103,15 +104,12 @@ HandPrompt parse_prompts_json(const nlohmann::json& root, const std::string& obj
   return prompt;
 }
 
-HandPrompt read_prompts_json(const std::string& path) {
-  return parse_prompts_json(read_json_file(path), path);
-}
+HandPrompt read_prompts_json(const std::string& path) { return parse_prompts_json(read_json_file(path), path); }
 
 HandPrompt read_scribbles(const std::string& path) {
   const RawMask picture = read_mask_raw(path, Palette::kColours);
   if (picture.channels < 3)
-    throw Error(ErrorCode::kBadInput,
-                path + ": a grey picture, expected green (object) and red (background) strokes",
+    throw Error(ErrorCode::kBadInput, path + ": a grey picture, expected green (object) and red (background) strokes",
                 "give one picture per side: --object-scribbles PNG --background-scribbles PNG");
   HandPrompt prompt;
   prompt.width_px = picture.width_px, prompt.height_px = picture.height_px;
@@ -127,17 +125,15 @@ void add_scribbles(const std::string& path, bool object, HandPrompt& prompt) {
   const RawMask picture = read_mask_raw(path, Palette::kColours);
   if (prompt.painted.empty()) {
     prompt.width_px = picture.width_px, prompt.height_px = picture.height_px;
-    prompt.painted.assign(std::size_t(picture.width_px) * std::size_t(picture.height_px),
-                          PixelHint::kLikelyBackground);
+    prompt.painted.assign(std::size_t(picture.width_px) * std::size_t(picture.height_px), PixelHint::kLikelyBackground);
   }
   if (picture.width_px != prompt.width_px || picture.height_px != prompt.height_px)
-    throw Error(ErrorCode::kInconsistent,
-                path + ": " + to_string({picture.width_px, picture.height_px}) + " px, expected " +
-                    to_string({prompt.width_px, prompt.height_px}) + " px as the other scribbles");
+    throw Error(ErrorCode::kInconsistent, path + ": " + to_string({picture.width_px, picture.height_px}) +
+                                              " px, expected " + to_string({prompt.width_px, prompt.height_px}) +
+                                              " px as the other scribbles");
   bool any = false;
   for (std::size_t p = 0; p < prompt.painted.size(); ++p)
-    if (is_painted(picture, p))
-      any = true, prompt.painted[p] = object ? PixelHint::kObject : PixelHint::kBackground;
+    if (is_painted(picture, p)) any = true, prompt.painted[p] = object ? PixelHint::kObject : PixelHint::kBackground;
   if (!any) throw Error(ErrorCode::kBadInput, path + ": all black, expected strokes of another colour");
 }
 

@@ -7,9 +7,9 @@
 #include <set>
 
 #include "ngs/core/error.h"
+#include "ngs/io/capture/pose.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/json_file.h"
-#include "ngs/io/capture/pose.h"
 #include "ngs/io/files/relative_path.h"
 #include "ngs/scene/view_names.h"
 
@@ -25,9 +25,8 @@ struct Name {
   E value;
   const char* name;
 };
-constexpr std::array kModes{
-    Name<MaskMode>{MaskMode::kBinary, "binary"}, Name<MaskMode>{MaskMode::kLabel, "label"},
-    Name<MaskMode>{MaskMode::kSoft, "soft"}, Name<MaskMode>{MaskMode::kBands, "bands"}};
+constexpr std::array kModes{Name<MaskMode>{MaskMode::kBinary, "binary"}, Name<MaskMode>{MaskMode::kLabel, "label"},
+                            Name<MaskMode>{MaskMode::kSoft, "soft"}, Name<MaskMode>{MaskMode::kBands, "bands"}};
 constexpr std::array kMissing{Name<MissingMask>{MissingMask::kUnknown, "unknown"},
                               Name<MissingMask>{MissingMask::kEmpty, "empty"},
                               Name<MissingMask>{MissingMask::kError, "error"}};
@@ -110,15 +109,13 @@ void validate_objects(const Scene& scene, const std::string& object) {
   std::set<std::string> names;
   std::set<std::uint32_t> ids;
   for (const SceneObject& o : scene.objects) {
-    if (!is_folder_name(o.name))
-      refuse(object, "object name \"" + o.name + "\", expected a name that can be a folder");
+    if (!is_folder_name(o.name)) refuse(object, "object name \"" + o.name + "\", expected a name that can be a folder");
     if (!names.insert(o.name).second) refuse(object, "object name \"" + o.name + "\" twice, expected once");
     if (scene.mask_mode != MaskMode::kLabel) continue;
     if (scene.void_id == o.id)
       refuse(object, "id " + std::to_string(o.id) + " is void and object \"" + o.name + "\", expected one of them");
     if (o.id > 65535) refuse(object, "object id " + std::to_string(o.id) + ", expected 0..65535");
-    if (!ids.insert(o.id).second)
-      refuse(object, "object id " + std::to_string(o.id) + " twice, expected once");
+    if (!ids.insert(o.id).second) refuse(object, "object id " + std::to_string(o.id) + " twice, expected once");
   }
   if (scene.mask_mode == MaskMode::kLabel && scene.mask_invert)
     refuse(object, "inverted label maps, expected invert only with binary, soft or bands");
@@ -130,11 +127,12 @@ void validate_objects(const Scene& scene, const std::string& object) {
                        " objects in one mask per view, expected label maps or one "
                        "folder per object (\"{object}\" in the mask's path)");
   if (scene.void_id && (scene.mask_mode != MaskMode::kLabel || *scene.void_id > 65535))
-    refuse(object, "void id " + std::to_string(*scene.void_id) + ", expected 0..65535 with label maps, none with other masks");
+    refuse(object,
+           "void id " + std::to_string(*scene.void_id) + ", expected 0..65535 with label maps, none with other masks");
 }
 
-/// Relative paths start from the folder that the file is named in: a link may be there so that other files are taken. Where
-/// they lead nowhere from the link, and somewhere from the file, that is no such case.
+/// Relative paths start from the folder that the file is named in: a link may be there so that other files are taken.
+/// Where they lead nowhere from the link, and somewhere from the file, that is no such case.
 void refuse_lost_link(const json& root, const Scene& scene, const std::string& path) {
   std::error_code ignored;
   if (!fs::is_symlink(path, ignored)) return;
@@ -143,7 +141,8 @@ void refuse_lost_link(const json& root, const Scene& scene, const std::string& p
   const auto check = [&](const std::string& found, const std::string& there) {
     if (found.empty() || fs::exists(found, ignored) || !fs::exists(there, ignored)) return;
     throw Error(ErrorCode::kBadInput,
-                path + ": is a link, and " + found + " is not there; expected the files of the scene, whose paths are relative to it",
+                path + ": is a link, and " + found +
+                    " is not there; expected the files of the scene, whose paths are relative to it",
                 "name the file itself: " + file.string());
   };
   check(scene.model_path, meant.model_path);
@@ -167,8 +166,7 @@ void validate_scene(const Scene& scene, const std::string& object) {
   std::set<std::string> names;
   for (const SceneView& view : scene.views) {
     validate_camera(view.camera, object);
-    if (!names.insert(view.camera.name).second)
-      refuse(object, "view " + view.camera.name + " twice, expected once");
+    if (!names.insert(view.camera.name).second) refuse(object, "view " + view.camera.name + " twice, expected once");
   }
   validate_objects(scene, object);
 }
@@ -177,10 +175,9 @@ Scene parse_scene_json(const json& root, const std::string& folder, const std::s
   const JsonReader reader(root, object);
   const std::int64_t version = reader.integer("ngs_scene", 0, 1000000);
   if (version != kSceneVersion)
-    throw Error(
-        ErrorCode::kBadInput,
-        object + ": scene version " + std::to_string(version) + ", expected " + std::to_string(kSceneVersion),
-        "write it again with this version: ngs-scene import SOURCE -o scene.json");
+    throw Error(ErrorCode::kBadInput,
+                object + ": scene version " + std::to_string(version) + ", expected " + std::to_string(kSceneVersion),
+                "write it again with this version: ngs-scene import SOURCE -o scene.json");
   Scene scene;
   scene.model_path = path_from_folder(folder, reader.text_or("model", ""));
   scene.image_scale = reader.number("image_scale");
@@ -201,8 +198,8 @@ Scene parse_scene_json(const json& root, const std::string& folder, const std::s
     o.refuse_unknown_keys();
   }
   for (const json& entry : reader.array("views"))
-    scene.views.push_back(parse_view(
-        JsonReader(entry, object + ": views[" + std::to_string(scene.views.size()) + "]"), folder));
+    scene.views.push_back(
+        parse_view(JsonReader(entry, object + ": views[" + std::to_string(scene.views.size()) + "]"), folder));
   reader.refuse_unknown_keys();
   std::stable_sort(scene.views.begin(), scene.views.end(),
                    [](const SceneView& a, const SceneView& b) { return a.camera.name < b.camera.name; });
@@ -239,8 +236,7 @@ void write_scene_json(const std::string& path, const Scene& scene, StoredPaths s
   try {
     write_file(path, one_line_per_entry(out));
   } catch (const json::exception&) {
-    throw Error(ErrorCode::kBadInput,
-                path + ": a name or path is not UTF-8, expected names that JSON can hold",
+    throw Error(ErrorCode::kBadInput, path + ": a name or path is not UTF-8, expected names that JSON can hold",
                 "rename the files");
   }
 }

@@ -14,9 +14,9 @@
 //
 // Paths are relative to the folder of the json file, or to the working directory if it comes through a pipe (absolute
 // ones and ".." are accepted: photos often lie beside the scene); in memory they are relative to the working directory.
-// "image" and "mask" may be absent, "model" may be empty (before ngs-fit); "{object}" in "mask" stands for each object's
-// name. Numbers keep all bits. Unknown keys, another version, non-finite numbers, rotations that are no rotations and repeated names
-// are kBadInput. Files that the scene names are not opened here.
+// "image" and "mask" may be absent, "model" may be empty (before ngs-fit); "{object}" in "mask" stands for each
+// object's name. Numbers keep all bits. Unknown keys, another version, non-finite numbers, rotations that are no
+// rotations and repeated names are kBadInput. Files that the scene names are not opened here.
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 

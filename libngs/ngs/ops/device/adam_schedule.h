@@ -1,9 +1,10 @@
 #pragma once
-// Adam on a device: the step of ops/optim/adam_kernels.h element by element, and the search for gradients that it cannot take.
+// Adam on a device: the step of ops/optim/adam_kernels.h element by element, and the search for gradients that it
+// cannot take.
 #include <limits>
 
-#include "ngs/ops/optim/adam_kernels.h"
 #include "ngs/ops/device/sum_schedule.h"
+#include "ngs/ops/optim/adam_kernels.h"
 
 namespace ngs {
 

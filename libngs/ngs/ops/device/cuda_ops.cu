@@ -1,6 +1,5 @@
-#include "ngs/ops/device/cuda_ops.h"
-
 #include "ngs/ops/device/cuda_op_groups.cuh"
+#include "ngs/ops/device/cuda_ops.h"
 
 namespace ngs {
 

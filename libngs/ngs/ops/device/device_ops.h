@@ -1,23 +1,24 @@
 #pragma once
-// The ops that have a device path. Each is the op of the same name with the same meaning; arguments and results are host
-// memory, results have their size already. The ops themselves look at Exec::device_ops, callers do not: so this header
-// sees the types and kernels of the ops, but none of the headers that declare them.
+// The ops that have a device path. Each is the op of the same name with the same meaning; arguments and results are
+// host memory, results have their size already. The ops themselves look at Exec::device_ops, callers do not: so this
+// header sees the types and kernels of the ops, but none of the headers that declare them.
 //
-// Abstract, because there is one implementation per Launcher (backend/launcher.h): that of CUDA, and an emulation for the tests.
+// Abstract, because there is one implementation per Launcher (backend/launcher.h): that of CUDA, and an emulation for
+// the tests.
 #include <memory>
 
 #include "ngs/backend/exec.h"
-#include "ngs/ops/optim/adam_kernels.h"
 #include "ngs/ops/field/film_mlp_layout.h"
 #include "ngs/ops/field/film_mlp_types.h"
 #include "ngs/ops/field/hash_grid_kernels.h"
+#include "ngs/ops/field/rbf_types.h"
+#include "ngs/ops/field/volume_types.h"
 #include "ngs/ops/losses/loss_align_kernels.h"
 #include "ngs/ops/losses/loss_cont_kernels.h"
 #include "ngs/ops/losses/loss_mask_kernels.h"
 #include "ngs/ops/losses/loss_smooth_kernels.h"
 #include "ngs/ops/losses/photometric_kernels.h"
-#include "ngs/ops/field/rbf_types.h"
-#include "ngs/ops/field/volume_types.h"
+#include "ngs/ops/optim/adam_kernels.h"
 #include "ngs/ops/splat/splat_gaussian.h"
 #include "ngs/scene/knn_graph.h"
 #include "ngs/scene/scene.h"

@@ -1,6 +1,7 @@
 #pragma once
-// Mask evidence on a device: what ops/splat/evidence_tile.h sums per (Gaussian, tile) pair, and the sums per Gaussian. A thread
-// is a pixel of the traversal, then eight pixels of one Gaussian, as in ops/device/splat_backward_schedule.h.     before Eq. (3)
+// Mask evidence on a device: what ops/splat/evidence_tile.h sums per (Gaussian, tile) pair, and the sums per Gaussian.
+// A thread is a pixel of the traversal, then eight pixels of one Gaussian, as in ops/device/splat_backward_schedule.h.
+// before Eq. (3)
 #include "ngs/ops/device/tiles_schedule.h"
 #include "ngs/scene/mask_threshold.h"
 
@@ -19,7 +20,7 @@ struct EvidenceTileOnDevice {
   const float* target;        // [objects, H·W]
   std::int64_t pixels;        // H·W
   int first, used;
-  float* pair;                // [pairs, columns]: W, n, then W1, n1 per object; zero where nothing is written
+  float* pair;  // [pairs, columns]: W, n, then W1, n1 per object; zero where nothing is written
   int columns;
 
   struct Shared {
@@ -44,7 +45,8 @@ struct EvidenceTileOnDevice {
         return own.traversal.live;
       });
       if (!more) return;
-      for (int from = 0; from < count; from += kChunk) sum_chunk(block, frame, at + from, from, min2(kChunk, count - from));
+      for (int from = 0; from < count; from += kChunk)
+        sum_chunk(block, frame, at + from, from, min2(kChunk, count - from));
     }
   }
 
@@ -64,7 +66,8 @@ struct EvidenceTileOnDevice {
       const TilePixel pixel(t, frame);
       for (int j = 0; j < count; ++j) {
         float before;
-        const float opaque = own.traversal.pass(shared.gaussian[from + j], float(pixel.column), float(pixel.row), tiles.stop, before);
+        const float opaque =
+            own.traversal.pass(shared.gaussian[from + j], float(pixel.column), float(pixel.row), tiles.stop, before);
         shared.weight[j][t] = opaque * before;
       }
     });
@@ -105,12 +108,13 @@ struct SumPairs {
   const std::int64_t* slot_begin;  // [N + 1]
   const float* pair;               // [pairs, columns]
   int columns;
-  double* sum;                     // [N, columns] out
+  double* sum;  // [N, columns] out
 
   NGS_HD void operator()(std::int64_t i) const {
     for (int c = 0; c < columns; ++c) {
       double total = 0;
-      for (std::int64_t slot = slot_begin[i]; slot < slot_begin[i + 1]; ++slot) total += double(pair[slot * columns + c]);
+      for (std::int64_t slot = slot_begin[i]; slot < slot_begin[i + 1]; ++slot)
+        total += double(pair[slot * columns + c]);
       sum[i * columns + c] = total;
     }
   }
@@ -126,18 +130,20 @@ struct MasksOnDevice {
 
 /// [N, 2 + 2 · objects] sums of the pairs of every Gaussian.
 template <class Launcher>
-DeviceBuffer<Launcher, double> evidence_sums(Launcher& launcher, const TileBins<Launcher>& bins, const MasksOnDevice& masks) {
+DeviceBuffer<Launcher, double> evidence_sums(Launcher& launcher, const TileBins<Launcher>& bins,
+                                             const MasksOnDevice& masks) {
   const auto& [known, target, pixels, objects] = masks;
   const int columns = 2 + 2 * objects;
   DeviceBuffer<Launcher, float> pair(launcher, bins.pairs() * columns);
   pair.zero();
   if (objects == 1) {
-    launcher.blocks(bins.tiles(), EvidenceTileOnDevice<1>{bins.view(), known, target, pixels, 0, 1, pair.data(), columns});
+    launcher.blocks(bins.tiles(),
+                    EvidenceTileOnDevice<1>{bins.view(), known, target, pixels, 0, 1, pair.data(), columns});
   } else {
     constexpr int kGroup = 4;
     for (int first = 0; first < max2(objects, 1); first += kGroup)
       launcher.blocks(bins.tiles(), EvidenceTileOnDevice<kGroup>{bins.view(), known, target, pixels, first,
-                                                           min2(kGroup, objects - first), pair.data(), columns});
+                                                                 min2(kGroup, objects - first), pair.data(), columns});
   }
   DeviceBuffer<Launcher, double> sum(launcher, bins.gaussians() * columns);
   launcher.each(bins.gaussians(), SumPairs{bins.slot_begin(), pair.data(), columns, sum.data()});

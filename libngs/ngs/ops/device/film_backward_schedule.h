@@ -1,6 +1,6 @@
 #pragma once
-// The FiLM network backward on a device. kParts blocks each take a fixed range of tiles and add up their own copy of the
-// parameters' gradient; the copies are summed in order.                            adjoint of Eqs. (12)-(15)
+// The FiLM network backward on a device. kParts blocks each take a fixed range of tiles and add up their own copy of
+// the parameters' gradient; the copies are summed in order.                            adjoint of Eqs. (12)-(15)
 #include "ngs/ops/device/film_tile_schedule.h"
 
 namespace ngs {
@@ -132,8 +132,10 @@ struct FilmBackwardTiles {
         const int k = i / kQueries, q = i % kQueries;
         float gamma = 0.f, beta = 0.f;
         for (int r = 0; r < hidden; ++r) {
-          gamma = fma_lanes(p[layer.gamma_weight + std::size_t(r * conditions + k)], shared.x[r * Tile::kStride + q], gamma);
-          beta = fma_lanes(p[layer.beta_weight + std::size_t(r * conditions + k)], shared.g[r * Tile::kStride + q], beta);
+          gamma = fma_lanes(p[layer.gamma_weight + std::size_t(r * conditions + k)], shared.x[r * Tile::kStride + q],
+                            gamma);
+          beta =
+              fma_lanes(p[layer.beta_weight + std::size_t(r * conditions + k)], shared.g[r * Tile::kStride + q], beta);
         }
         shared.grad_condition[k][q] += gamma, shared.grad_condition[k][q] += beta;
       }
@@ -168,7 +170,8 @@ struct FilmBackwardTiles {
       Tile::product(t, {net.params + layer.weight, inputs, hidden, 1, inputs, nullptr}, shared.g, own.cells);
     });
     block.phase([&](int t, Shared& shared, Thread& own) {
-      Tile::each_cell(t, inputs, own.cells, [&](int r, int q, float value) { shared.g[r * Tile::kStride + q] = value; });
+      Tile::each_cell(t, inputs, own.cells,
+                      [&](int r, int q, float value) { shared.g[r * Tile::kStride + q] = value; });
     });
   }
 
@@ -177,7 +180,8 @@ struct FilmBackwardTiles {
     block.phase([&](int t, Shared& shared, Thread&) {
       const int inputs = net.config.inputs, conditions = net.config.condition;
       for (int i = t; i < inputs * kQueries; i += kThreads)
-        if (first + i / inputs < net.input.n) grad_input[first * inputs + i] = shared.g[i % inputs * Tile::kStride + i / inputs];
+        if (first + i / inputs < net.input.n)
+          grad_input[first * inputs + i] = shared.g[i % inputs * Tile::kStride + i / inputs];
       for (int i = t; i < conditions * kQueries; i += kThreads)
         if (first + i / conditions < net.input.n)
           grad_condition[first * conditions + i] = shared.grad_condition[i % conditions][i / conditions];
@@ -207,13 +211,14 @@ struct FilmGradientsOnDevice {
 /// `net` with the context of the forward pass; adds to `params_accumulate`.
 template <class Launcher>
 void film_backward_on_device(Launcher& launcher, const FilmOnDevice& net, const FilmGradientsOnDevice& gradients,
-                           float* params_accumulate) {
+                             float* params_accumulate) {
   const auto parameters = std::int64_t(net.at.size);
   with_film_tile(net.config, [&](auto width, auto queries) {
     using Kernel = FilmBackwardTiles<width, queries>;
     DeviceBuffer<Launcher, float> part(launcher, Kernel::kParts * parameters);
     part.zero();
-    launcher.blocks(Kernel::kParts, Kernel{net, gradients.density, gradients.rgb, gradients.input, gradients.condition, part.data()});
+    launcher.blocks(Kernel::kParts,
+                    Kernel{net, gradients.density, gradients.rgb, gradients.input, gradients.condition, part.data()});
     launcher.each(parameters, FilmPartSums{part.data(), Kernel::kParts, parameters, params_accumulate});
   });
 }

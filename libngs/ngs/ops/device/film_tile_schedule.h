@@ -1,7 +1,7 @@
 #pragma once
-// Pieces of the FiLM network on a tile of queries in a block's shared memory, for ops/device/film_forward_schedule.h and
-// film_backward_schedule.h. Sums run in the order of ops/field/film_gemm_kernels.h, so that activations are equal to the CPU's but
-// for the exponentials of the two ends.                                               Eqs. (12)-(15)
+// Pieces of the FiLM network on a tile of queries in a block's shared memory, for ops/device/film_forward_schedule.h
+// and film_backward_schedule.h. Sums run in the order of ops/field/film_gemm_kernels.h, so that activations are equal
+// to the CPU's but for the exponentials of the two ends.                                               Eqs. (12)-(15)
 #include "ngs/backend/launcher.h"
 #include "ngs/core/check.h"
 #include "ngs/math/lane_scalar.h"
@@ -43,8 +43,8 @@ struct FilmOnDevice {
 };
 
 /// A block of 256 threads works on kQueries queries and up to kWidth features. Registers hold kCells values of a
-/// [features, queries] array: thread t the features t / 16 + 16 i and the queries t % 16 + 16 j. Rows of shared arrays are
-/// odd in length: neighbours in a row as in a column lie in different banks.
+/// [features, queries] array: thread t the features t / 16 + 16 i and the queries t % 16 + 16 j. Rows of shared arrays
+/// are odd in length: neighbours in a row as in a column lie in different banks.
 template <int kWidth, int kQueries>
 struct FilmTile {
   static constexpr int kThreads = 256, kStride = kQueries + 1;

@@ -1,6 +1,6 @@
 #pragma once
-// The hash encoding on a device. In order, the table's gradient is a sum per entry over contributions sorted by entry, in
-// the order in which the CPU visits them: the sums are the CPU's.                             Eqs. (10)-(11)
+// The hash encoding on a device. In order, the table's gradient is a sum per entry over contributions sorted by entry,
+// in the order in which the CPU visits them: the sums are the CPU's.                             Eqs. (10)-(11)
 #include "ngs/backend/exec.h"
 #include "ngs/backend/launcher.h"
 #include "ngs/core/check.h"
@@ -66,7 +66,8 @@ struct HashAtomicSums {
 
 /// Adds to the kernel's table; its pointers are the device's.
 template <int F, class Launcher>
-void hash_backward_on_device(Launcher& launcher, const HashBackwardTable<float, F>& kernel, std::uint64_t entries, DeviceSums sums) {
+void hash_backward_on_device(Launcher& launcher, const HashBackwardTable<float, F>& kernel, std::uint64_t entries,
+                             DeviceSums sums) {
   const HashGridView<float>& view = kernel.grid;
   const std::int64_t pairs = view.point.n * view.levels, n = pairs * 8;
   if (sums == DeviceSums::kAtomic) return launcher.each(pairs, HashAtomicSums<F, Launcher>{kernel});
@@ -78,8 +79,8 @@ void hash_backward_on_device(Launcher& launcher, const HashBackwardTable<float, 
   while ((std::uint64_t(1) << bits) < entries) ++bits;
   launcher.each(pairs, HashContributions{view, key.data(), which.data(), weight.data()});
   launcher.sort(key.data(), which.data(), n, bits);
-  launcher.each(n, HashEntrySums<F>{key.data(), which.data(), weight.data(), n, view.point.n, view.levels, kernel.grad_out,
-                                kernel.grad_table_accumulate});
+  launcher.each(n, HashEntrySums<F>{key.data(), which.data(), weight.data(), n, view.point.n, view.levels,
+                                    kernel.grad_out, kernel.grad_table_accumulate});
 }
 
 }  // namespace ngs

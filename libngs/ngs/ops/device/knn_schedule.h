@@ -61,7 +61,8 @@ struct NearestPoints {
   NGS_HD void consider(Thread& own, const float* p, std::uint32_t which) const {
     const float fx = p[0] - own.x, fy = p[1] - own.y, fz = p[2] - own.z;
     if (fx * fx + fy * fy + fz * fz > own.reject) return;
-    const double dx = double(p[0]) - double(own.x), dy = double(p[1]) - double(own.y), dz = double(p[2]) - double(own.z);
+    const double dx = double(p[0]) - double(own.x), dy = double(p[1]) - double(own.y),
+                 dz = double(p[2]) - double(own.z);
     double distance = dx * dx + dy * dy + dz * dz;
     bool placed = false;  // all behind it move on, in their order
     for (int s = 0; s < K; ++s) {
@@ -117,7 +118,8 @@ struct GraphOnDevice {
     NGS_CHECK(edges <= 0xffffffff, "edges are counted in 32 bits");
     const DeviceBuffer<Launcher, std::uint64_t> key(launcher, edges);
     const DeviceBuffer<Launcher, std::uint32_t> sorted(launcher, edges);
-    row_begin = DeviceBuffer<Launcher, std::int64_t>(launcher, points + 1), edge = DeviceBuffer<Launcher, std::int64_t>(launcher, edges);
+    row_begin = DeviceBuffer<Launcher, std::int64_t>(launcher, points + 1),
+    edge = DeviceBuffer<Launcher, std::int64_t>(launcher, edges);
     launcher.each(edges, EdgeKeys{index.data(), key.data(), sorted.data()});
     launcher.sort(key.data(), sorted.data(), edges, 32);
     launcher.each(points + 1, TransposedRows{key.data(), edges, row_begin.data()});
@@ -127,8 +129,8 @@ struct GraphOnDevice {
 
 /// `points`, `queries`: the device's.
 template <class Launcher>
-GraphOnDevice<Launcher> nearest_on_device(Launcher& launcher, Rows<const float, 3> points, Rows<const float, 3> queries, int neighbours,
-                                  bool exclude_self) {
+GraphOnDevice<Launcher> nearest_on_device(Launcher& launcher, Rows<const float, 3> points, Rows<const float, 3> queries,
+                                          int neighbours, bool exclude_self) {
   GraphOnDevice<Launcher> graph;
   graph.points = points.n;
   const std::int64_t others = points.n - (exclude_self ? 1 : 0);
@@ -139,9 +141,11 @@ GraphOnDevice<Launcher> nearest_on_device(Launcher& launcher, Rows<const float, 
     graph.dist2 = DeviceBuffer<Launcher, float>(launcher, queries.n * k);
     const std::int64_t blocks = divided_up<std::int64_t>(queries.n, NearestPoints<8>::kThreads);
     if (k <= 8)
-      launcher.blocks(blocks, NearestPoints<8>{points, queries, k, exclude_self, graph.index.data(), graph.dist2.data()});
+      launcher.blocks(blocks,
+                      NearestPoints<8>{points, queries, k, exclude_self, graph.index.data(), graph.dist2.data()});
     else
-      launcher.blocks(blocks, NearestPoints<32>{points, queries, k, exclude_self, graph.index.data(), graph.dist2.data()});
+      launcher.blocks(blocks,
+                      NearestPoints<32>{points, queries, k, exclude_self, graph.index.data(), graph.dist2.data()});
   }
   graph.transpose(launcher);
   return graph;

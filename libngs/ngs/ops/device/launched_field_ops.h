@@ -32,10 +32,15 @@ class LaunchedFieldOps final : public DeviceFieldOps {
   void rbf_forward(const RbfProblem& problem, float inv_2h2, RbfField& out) const override {
     const RbfArrays a(launcher_, problem);
     const KnnGraph& graph = *problem.graph;
-    const Floats weight(launcher_, std::int64_t(out.weight.size())), feature(launcher_, std::int64_t(out.feature.size()));
-    launcher_.each(problem.query.n, RbfForward<float>{a.queries(), a.points(), a.indices(), a.features(), inv_2h2,
-                                                  {weight.data(), problem.query.n, graph.neighbours},
-                                                  {feature.data(), problem.query.n, problem.feature.c}});
+    const Floats weight(launcher_, std::int64_t(out.weight.size())),
+        feature(launcher_, std::int64_t(out.feature.size()));
+    launcher_.each(problem.query.n, RbfForward<float>{a.queries(),
+                                                      a.points(),
+                                                      a.indices(),
+                                                      a.features(),
+                                                      inv_2h2,
+                                                      {weight.data(), problem.query.n, graph.neighbours},
+                                                      {feature.data(), problem.query.n, problem.feature.c}});
     weight.to(out.weight.data()), feature.to(out.feature.data());
   }
 
@@ -46,17 +51,25 @@ class LaunchedFieldOps final : public DeviceFieldOps {
     const std::int64_t queries = problem.query.n, points = problem.boundary.n;
     const Floats weight(launcher_, field.weight), grad(launcher_, grad_feature.data, grad_feature.n * grad_feature.c);
     const DeviceBuffer<Launcher, std::int64_t> row_begin(launcher_, graph.row_begin), edge(launcher_, graph.edge);
-    const Matrix<const float> weights{weight.data(), queries, graph.neighbours}, grads{grad.data(), queries, grad_feature.c};
+    const Matrix<const float> weights{weight.data(), queries, graph.neighbours},
+        grads{grad.data(), queries, grad_feature.c};
     const Floats feature(launcher_, std::int64_t(out.feature.size()));
-    launcher_.each(points, RbfBackwardFeature<float>{row_begin.data(), edge.data(), weights, grads,
-                                                 {feature.data(), points, problem.feature.c}});
+    launcher_.each(points,
+                   RbfBackwardFeature<float>{
+                       row_begin.data(), edge.data(), weights, grads, {feature.data(), points, problem.feature.c}});
     feature.to(out.feature.data());
     if (out.boundary.empty()) return;
     const Floats exponent(launcher_, queries * graph.neighbours), boundary(launcher_, points * 3);
-    launcher_.each(queries, RbfBackwardExponent<float>{a.indices(), a.features(), weights, grads,
-                                                   {exponent.data(), queries, graph.neighbours}});
-    launcher_.each(points, RbfBackwardPosition<float>{row_begin.data(), edge.data(), {exponent.data(), queries, graph.neighbours},
-                                                  a.queries(), a.points(), inv_2h2, {boundary.data(), points}});
+    launcher_.each(queries,
+                   RbfBackwardExponent<float>{
+                       a.indices(), a.features(), weights, grads, {exponent.data(), queries, graph.neighbours}});
+    launcher_.each(points, RbfBackwardPosition<float>{row_begin.data(),
+                                                      edge.data(),
+                                                      {exponent.data(), queries, graph.neighbours},
+                                                      a.queries(),
+                                                      a.points(),
+                                                      inv_2h2,
+                                                      {boundary.data(), points}});
     boundary.to(out.boundary.data());
   }
 
@@ -68,7 +81,8 @@ class LaunchedFieldOps final : public DeviceFieldOps {
     });
     encoding.to(out.data());
   }
-  void hash_backward(const HashCall& call, const std::vector<float>& grad_out, float* grad_table_accumulate) const override {
+  void hash_backward(const HashCall& call, const std::vector<float>& grad_out,
+                     float* grad_table_accumulate) const override {
     const HashArrays a(launcher_, call);
     const Floats grad(launcher_, grad_out),
         table(launcher_, grad_table_accumulate, std::int64_t(call.entries) * call.features);
@@ -82,7 +96,8 @@ class LaunchedFieldOps final : public DeviceFieldOps {
     const HashArrays a(launcher_, call);
     const Floats grad(launcher_, grad_out), points(launcher_, std::int64_t(grad_points.size()));
     with_hash_features(call.features, [&](auto f) {
-      launcher_.each(call.grid.point.n, HashBackwardPosition<float, f>{a.view, grad.data(), {points.data(), call.grid.point.n}});
+      launcher_.each(call.grid.point.n,
+                     HashBackwardPosition<float, f>{a.view, grad.data(), {points.data(), call.grid.point.n}});
     });
     points.to(grad_points.data());
   }
@@ -102,7 +117,8 @@ class LaunchedFieldOps final : public DeviceFieldOps {
     const Floats total(launcher_, grad_params_accumulate, std::int64_t(a.net.at.size));
     FilmOnDevice net = a.net;
     net.context = context.data();
-    film_backward_on_device(launcher_, net, {density.data(), rgb.data(), feature.data(), condition.data()}, total.data());
+    film_backward_on_device(launcher_, net, {density.data(), rgb.data(), feature.data(), condition.data()},
+                            total.data());
     FilmMlpGradients out;
     feature.to(out.feature), condition.to(out.condition), total.to(grad_params_accumulate);
     return out;
@@ -111,9 +127,10 @@ class LaunchedFieldOps final : public DeviceFieldOps {
   void volume_forward(const VolumeInputs& in, VolumeOutput& out) const override {
     const VolumeArrays a(launcher_, in);
     const std::int64_t samples = in.rays * in.samples;
-    const Floats colour(launcher_, in.rays * 3), alpha(launcher_, in.rays), depth(launcher_, in.rays), weight(launcher_, samples),
-        after(launcher_, samples);
-    launcher_.each(in.rays, VolumeForward<float>{a.view, colour.data(), alpha.data(), depth.data(), weight.data(), after.data()});
+    const Floats colour(launcher_, in.rays * 3), alpha(launcher_, in.rays), depth(launcher_, in.rays),
+        weight(launcher_, samples), after(launcher_, samples);
+    launcher_.each(
+        in.rays, VolumeForward<float>{a.view, colour.data(), alpha.data(), depth.data(), weight.data(), after.data()});
     colour.to(out.colour.data()), alpha.to(out.alpha.data()), depth.to(out.optical_depth.data());
     weight.to(out.weight.data()), after.to(out.transmittance_after.data());
   }
@@ -121,10 +138,11 @@ class LaunchedFieldOps final : public DeviceFieldOps {
                        VolumeGradients& out) const override {
     const VolumeArrays a(launcher_, in);
     const std::int64_t samples = in.rays * in.samples;
-    const Floats weight(launcher_, forward.weight), after(launcher_, forward.transmittance_after), colour(launcher_, grad.colour),
-        alpha(launcher_, grad.alpha), depth(launcher_, grad.optical_depth), density(launcher_, samples), rgb(launcher_, samples * 3);
+    const Floats weight(launcher_, forward.weight), after(launcher_, forward.transmittance_after),
+        colour(launcher_, grad.colour), alpha(launcher_, grad.alpha), depth(launcher_, grad.optical_depth),
+        density(launcher_, samples), rgb(launcher_, samples * 3);
     launcher_.each(in.rays, VolumeBackward<float>{a.view, weight.data(), after.data(), colour.data(), alpha.data(),
-                                              depth.data(), density.data(), rgb.data()});
+                                                  depth.data(), density.data(), rgb.data()});
     density.to(out.density.data()), rgb.to(out.rgb.data());
   }
 
@@ -134,8 +152,11 @@ class LaunchedFieldOps final : public DeviceFieldOps {
     Floats query, boundary, feature;
     DeviceBuffer<Launcher, std::uint32_t> index;
     RbfArrays(Launcher& launcher, const RbfProblem& p)
-        : problem(p), query(launcher, p.query.data, p.query.n * 3), boundary(launcher, p.boundary.data, p.boundary.n * 3),
-          feature(launcher, p.feature.data, p.feature.n * p.feature.c), index(launcher, p.graph->index) {}
+        : problem(p),
+          query(launcher, p.query.data, p.query.n * 3),
+          boundary(launcher, p.boundary.data, p.boundary.n * 3),
+          feature(launcher, p.feature.data, p.feature.n * p.feature.c),
+          index(launcher, p.graph->index) {}
     Rows<const float, 3> queries() const { return {query.data(), problem.query.n}; }
     Rows<const float, 3> points() const { return {boundary.data(), problem.boundary.n}; }
     Matrix<const float> features() const { return {feature.data(), problem.feature.n, problem.feature.c}; }
@@ -148,7 +169,8 @@ class LaunchedFieldOps final : public DeviceFieldOps {
     HashArrays(Launcher& launcher, const HashCall& call)
         : level(launcher, call.grid.level, call.grid.levels),
           table(launcher, call.grid.table, std::int64_t(call.entries) * call.features),
-          point(launcher, call.grid.point.data, call.grid.point.n * 3), view(call.grid) {
+          point(launcher, call.grid.point.data, call.grid.point.n * 3),
+          view(call.grid) {
       view.level = level.data(), view.table = table.data(), view.point.data = point.data();
     }
   };
@@ -160,15 +182,23 @@ class LaunchedFieldOps final : public DeviceFieldOps {
           input(launcher, in.feature.data, in.feature.n * in.feature.c),
           condition(launcher, in.condition.data, in.condition.n * in.condition.c),
           direction(launcher, in.direction.data, in.direction.n * 3),
-          net{call.config, film_mlp_layout(call.config), film_direction_inputs(call.config), params.data(),
-              {input.data(), in.feature.n, in.feature.c}, {condition.data(), in.condition.n, in.condition.c},
-              {direction.data(), in.direction.n}, in.queries_per_direction, call.density_scale, nullptr} {}
+          net{call.config,
+              film_mlp_layout(call.config),
+              film_direction_inputs(call.config),
+              params.data(),
+              {input.data(), in.feature.n, in.feature.c},
+              {condition.data(), in.condition.n, in.condition.c},
+              {direction.data(), in.direction.n},
+              in.queries_per_direction,
+              call.density_scale,
+              nullptr} {}
   };
   struct VolumeArrays {
     Floats density, rgb, spacing;
     VolumeRays<float> view;
     VolumeArrays(Launcher& launcher, const VolumeInputs& in)
-        : density(launcher, in.density, in.rays * in.samples), rgb(launcher, in.rgb, in.rays * in.samples * 3),
+        : density(launcher, in.density, in.rays * in.samples),
+          rgb(launcher, in.rgb, in.rays * in.samples * 3),
           spacing(launcher, in.spacing, in.rays),
           view{in.rays, in.samples, density.data(), rgb.data(), spacing.data(), in.background} {}
   };

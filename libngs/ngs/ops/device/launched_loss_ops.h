@@ -33,11 +33,12 @@ class LaunchedLossOps final : public DeviceLossOps {
     const NodeArrays node(launcher_, nodes, image.node);
     const Floats field_colour(launcher_, nodes * 3), field_alpha(launcher_, nodes);
     launcher_.each(nodes, AlignBackwardField<float>{node.view(), field.weight_alpha, field.scale, field_colour.data(),
-                                                field_alpha.data()});
+                                                    field_alpha.data()});
     field_colour.to(field.grad_colour), field_alpha.to(field.grad_alpha);
-    const Floats colour(launcher_, image.grad_colour_accumulate, pixels * 3), alpha(launcher_, image.grad_alpha_accumulate, pixels);
+    const Floats colour(launcher_, image.grad_colour_accumulate, pixels * 3),
+        alpha(launcher_, image.grad_alpha_accumulate, pixels);
     launcher_.each(rect_pixels, AlignBackwardImage<float>{in.view, node.view(), image.scale, image.x0, image.y0,
-                                                      image.rect_width, colour.data(), alpha.data()});
+                                                          image.rect_width, colour.data(), alpha.data()});
     colour.to(image.grad_colour_accumulate), alpha.to(image.grad_alpha_accumulate);
   }
 
@@ -52,7 +53,8 @@ class LaunchedLossOps final : public DeviceLossOps {
   double mask(const MaskLossRow<float, double>& host, int height) const override {
     const std::int64_t pixels = std::int64_t(host.width) * height, values = pixels * host.objects;
     const Floats rendered(launcher_, host.rendered, values), target(launcher_, values),
-        weight(launcher_, host.pixel_weight, host.pixel_weight ? pixels : 0), grad(launcher_, host.grad_rendered ? values : 0);
+        weight(launcher_, host.pixel_weight, host.pixel_weight ? pixels : 0),
+        grad(launcher_, host.grad_rendered ? values : 0);
     const DeviceBuffer<Launcher, std::uint8_t> known(launcher_, host.known, host.known ? pixels : 0);
     std::vector<const float*> planes;
     for (int k = 0; k < host.objects; ++k) {
@@ -74,9 +76,10 @@ class LaunchedLossOps final : public DeviceLossOps {
     const std::int64_t n = g.colour.n, edges = g.index.n * g.index.c;
     const DeviceBuffer<Launcher, std::uint32_t> index(launcher_, g.index.data, edges);
     const DeviceBuffer<Launcher, std::int64_t> row_begin(launcher_, g.row_begin, n + 1), edge(launcher_, g.edge, edges);
-    const Floats weight(launcher_, g.weight, g.weight ? edges : 0), colour(launcher_, g.colour.data, n * 3), term(launcher_, n);
-    const ContinuityGraph<float> graph{{index.data(), g.index.n, g.index.c}, row_begin.data(), edge.data(), weight.data(),
-                                       {colour.data(), n}};
+    const Floats weight(launcher_, g.weight, g.weight ? edges : 0), colour(launcher_, g.colour.data, n * 3),
+        term(launcher_, n);
+    const ContinuityGraph<float> graph{
+        {index.data(), g.index.n, g.index.c}, row_begin.data(), edge.data(), weight.data(), {colour.data(), n}};
     launcher_.each(n, ContinuityForward<float>{graph, term.data()});
     term.to(forward.term);
     if (backward == nullptr) return;
@@ -87,17 +90,19 @@ class LaunchedLossOps final : public DeviceLossOps {
 
   void smoothness(const SmoothnessForwardBackward<float>& host) const override {
     const std::int64_t n = host.colour.n;
-    const Floats colour(launcher_, host.colour.data, n * 3), moved(launcher_, host.moved_colour.data, n * 3), term(launcher_, n),
-        grad(launcher_, n * 3), grad_moved(launcher_, n * 3);
-    launcher_.each(n, SmoothnessForwardBackward<float>{{colour.data(), n}, {moved.data(), n}, host.scale, term.data(),
-                                                   {grad.data(), n}, {grad_moved.data(), n}});
+    const Floats colour(launcher_, host.colour.data, n * 3), moved(launcher_, host.moved_colour.data, n * 3),
+        term(launcher_, n), grad(launcher_, n * 3), grad_moved(launcher_, n * 3);
+    launcher_.each(
+        n,
+        SmoothnessForwardBackward<float>{
+            {colour.data(), n}, {moved.data(), n}, host.scale, term.data(), {grad.data(), n}, {grad_moved.data(), n}});
     term.to(host.term), grad.to(host.grad_colour.data), grad_moved.to(host.grad_moved.data);
   }
 
   PhotometricSums photometric(const ssim::Comparison<float>& host) const override {
     const ssim::Layout& layout = host.layout;
-    const Crops<const float> x(launcher_, host.x, layout.width(), layout.h), y(launcher_, host.y, layout.width(), layout.h),
-        weight(launcher_, host.weights.weight, layout.w, layout.h);
+    const Crops<const float> x(launcher_, host.x, layout.width(), layout.h),
+        y(launcher_, host.y, layout.width(), layout.h), weight(launcher_, host.weights.weight, layout.w, layout.h);
     const Crops<float> gradient(launcher_, host.gradient, layout.width(), layout.h);
     ssim::Comparison<float> comparison = host;
     comparison.x = x.crop, comparison.y = y.crop, comparison.weights.weight = weight.crop;
@@ -135,10 +140,13 @@ class LaunchedLossOps final : public DeviceLossOps {
     DeviceBuffer<Launcher, std::uint8_t> active;
     AlignView<float> view;
     AlignArrays(Launcher& launcher, const AlignView<float>& h)
-        : colour(launcher, h.colour.data, pixels_of(h.colour) * 3), alpha(launcher, h.alpha.data, pixels_of(h.alpha)),
+        : colour(launcher, h.colour.data, pixels_of(h.colour) * 3),
+          alpha(launcher, h.alpha.data, pixels_of(h.alpha)),
           photo(launcher, h.photo.data, h.photo.data ? pixels_of(h.photo) * 3 : 0),
-          field_colour(launcher, h.field_colour, h.grid.nodes() * 3), field_alpha(launcher, h.field_alpha, h.grid.nodes()),
-          active(launcher, h.active, h.active ? h.grid.nodes() : 0), view(h) {
+          field_colour(launcher, h.field_colour, h.grid.nodes() * 3),
+          field_alpha(launcher, h.field_alpha, h.grid.nodes()),
+          active(launcher, h.active, h.active ? h.grid.nodes() : 0),
+          view(h) {
       view.colour.data = colour.data(), view.alpha.data = alpha.data(), view.photo.data = photo.data();
       view.field_colour = field_colour.data(), view.field_alpha = field_alpha.data(), view.active = active.data();
     }
@@ -148,7 +156,9 @@ class LaunchedLossOps final : public DeviceLossOps {
     NodeArrays(Launcher& launcher, std::int64_t n)
         : colour(launcher, n * 3), alpha(launcher, n), mean(launcher, n * 3), share(launcher, n) {}
     NodeArrays(Launcher& launcher, std::int64_t n, const AlignNodes<float>& h)
-        : colour(launcher, h.colour_residual, n * 3), alpha(launcher, h.alpha_residual, n), mean(launcher, h.patch_mean, n * 3),
+        : colour(launcher, h.colour_residual, n * 3),
+          alpha(launcher, h.alpha_residual, n),
+          mean(launcher, h.patch_mean, n * 3),
           share(launcher, h.patch_share, n) {}
     AlignNodes<float> view() const { return {colour.data(), alpha.data(), mean.data(), share.data()}; }
   };

@@ -9,10 +9,14 @@ namespace ngs {
 template <class Launcher>
 class LaunchedSplatView final : public DeviceSplat {
  public:
-  LaunchedSplatView(Launcher& launcher, DeviceSums sums, const ViewProjector<float>& view, const CloudView<float>& cloud,
-                    const ChannelPlan<float>& plan)
-      : launcher_(launcher), sums_(sums), plan_(plan), pixels_(std::int64_t(view.width_px) * view.height_px),
-        cloud_(launcher, cloud), label_(launcher, plan.label.data, plan.label.n * plan.label.c),
+  LaunchedSplatView(Launcher& launcher, DeviceSums sums, const ViewProjector<float>& view,
+                    const CloudView<float>& cloud, const ChannelPlan<float>& plan)
+      : launcher_(launcher),
+        sums_(sums),
+        plan_(plan),
+        pixels_(std::int64_t(view.width_px) * view.height_px),
+        cloud_(launcher, cloud),
+        label_(launcher, plan.label.data, plan.label.n * plan.label.c),
         splat_(launcher, view, cloud_.view(),
                {plan.colour, plan.depth, {label_.data(), plan.label.n, plan.label.c}, plan.background}) {}
 
@@ -67,10 +71,12 @@ class LaunchedSplatView final : public DeviceSplat {
       make(sh_dc, wanted.sh_dc, view.sh_dc, 3), make(sh_rest, wanted.sh_rest, view.sh_rest, cloud.rest_stride * 3);
       make(label, wanted.label, view.label, labels), make(mean_px, wanted.mean_px, view.mean_px, 2);
       make(visible, wanted.visible, view.visible, 1);
-      if (wanted.label_alone) label_alone = {launcher, wanted.label_alone, cloud.size}, view.label_alone = label_alone.data();
+      if (wanted.label_alone)
+        label_alone = {launcher, wanted.label_alone, cloud.size}, view.label_alone = label_alone.data();
     }
     void download(const CloudGradientView<float>& to) const {
-      position.to(to.position), rotation.to(to.rotation), log_scale.to(to.log_scale), logit_opacity.to(to.logit_opacity);
+      position.to(to.position), rotation.to(to.rotation), log_scale.to(to.log_scale),
+          logit_opacity.to(to.logit_opacity);
       sh_dc.to(to.sh_dc), sh_rest.to(to.sh_rest), label.to(to.label), mean_px.to(to.mean_px), visible.to(to.visible);
     }
   };
@@ -103,7 +109,8 @@ class LaunchedSplatOps final : public DeviceSplatOps {
     const DeviceBuffer<Launcher, std::uint8_t> known(launcher_, masks.known);
     const DeviceBuffer<Launcher, float> target(launcher_, objects * pixels);
     for (std::int64_t k = 0; k < objects; ++k)
-      launcher_.upload(target.data() + k * pixels, masks.target[std::size_t(k)].data(), std::size_t(pixels) * sizeof(float));
+      launcher_.upload(target.data() + k * pixels, masks.target[std::size_t(k)].data(),
+                       std::size_t(pixels) * sizeof(float));
     std::vector<double> sums;
     evidence_sums(launcher_, bins, {known.data(), target.data(), pixels, int(objects)}).to(sums);
     return sums;

@@ -3,6 +3,8 @@
 
 namespace ngs {
 
-std::unique_ptr<DeviceLossOps> cuda_loss_ops() { return std::make_unique<LaunchedLossOps<CudaLauncher>>(cuda_launcher()); }
+std::unique_ptr<DeviceLossOps> cuda_loss_ops() {
+  return std::make_unique<LaunchedLossOps<CudaLauncher>>(cuda_launcher());
+}
 
 }  // namespace ngs

@@ -1,7 +1,8 @@
 #pragma once
-// The photometric loss on a device: the kernels of ops/losses/photometric_kernels.h value by value, in the same order of sums.
-#include "ngs/ops/losses/photometric_kernels.h"
+// The photometric loss on a device: the kernels of ops/losses/photometric_kernels.h value by value, in the same order
+// of sums.
 #include "ngs/ops/device/sum_schedule.h"
+#include "ngs/ops/losses/photometric_kernels.h"
 
 namespace ngs::ssim {
 
@@ -28,8 +29,7 @@ struct BlurRowValues {
   float* out;
   NGS_HD void operator()(std::int64_t i) const {
     const std::int64_t line = i / layout.width();
-    const std::int64_t at =
-        line / layout.h * layout.plane() + layout.row(int(line % layout.h)) + i % layout.width();
+    const std::int64_t at = line / layout.h * layout.plane() + layout.row(int(line % layout.h)) + i % layout.width();
     out[at] = blurred<float>(window, [&](int k) { return in[at + k * layout.c]; });
   }
 };
@@ -102,7 +102,8 @@ void photometric_on_device(Launcher& launcher, const Comparison<float>& in, doub
   const std::int64_t values = layout.width() * layout.h, pixels = std::int64_t(layout.w) * layout.h;
   DeviceBuffer<Launcher, float> products(launcher, layout.plane() * kMoments);
   products.zero();  // the padding stays
-  const DeviceBuffer<Launcher, float> rows(launcher, layout.plane() * kMoments), both(launcher, layout.plane() * kMoments);
+  const DeviceBuffer<Launcher, float> rows(launcher, layout.plane() * kMoments),
+      both(launcher, layout.plane() * kMoments);
   const DeviceBuffer<Launcher, double> term(launcher, pixels * 2);
   const Window<float> window;
   const auto blur = [&](int planes) {
@@ -111,7 +112,8 @@ void photometric_on_device(Launcher& launcher, const Comparison<float>& in, doub
   };
   launcher.each(values, ProductValues{layout, in.x, in.y, products.data()});
   blur(kMoments);
-  launcher.each(pixels, PixelLoss{layout, both.data(), products.data(), in.x, in.y, in.weights, float(in.ssim_factor), term.data()});
+  launcher.each(pixels, PixelLoss{layout, both.data(), products.data(), in.x, in.y, in.weights, float(in.ssim_factor),
+                                  term.data()});
   if (in.gradient.first != nullptr) {
     blur(kPartials);
     launcher.each(values, ValueGradient{layout, both.data(), in.x, in.y, in.weights, float(in.l1_factor), in.gradient});

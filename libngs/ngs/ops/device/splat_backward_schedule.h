@@ -2,10 +2,11 @@
 // The backward pass of one tile on a device. In order, every (Gaussian, tile) pair has one row, written by one block;
 // with atomic sums a Gaussian has one, and its tiles add to it.                         adjoint of Eq. (2)
 //
-// As on the CPU (ops/splat/splat_backward.h) a traversal is gone through from its far end, and nothing is divided by 1 - alpha. The
-// traversal is not recorded: transmittances are kept every kBatch entries in memory and every kChunk in the block, and from
-// there the steps are taken again, which gives the same bits. Per chunk the threads then change roles: from a pixel with
-// kChunk Gaussians to a Gaussian with eight pixels of half a row, so that sums over pixels need no exchange within warps.
+// As on the CPU (ops/splat/splat_backward.h) a traversal is gone through from its far end, and nothing is divided by 1
+// - alpha. The traversal is not recorded: transmittances are kept every kBatch entries in memory and every kChunk in
+// the block, and from there the steps are taken again, which gives the same bits. Per chunk the threads then change
+// roles: from a pixel with kChunk Gaussians to a Gaussian with eight pixels of half a row, so that sums over pixels
+// need no exchange within warps.
 #include "ngs/backend/exec.h"
 #include "ngs/ops/device/splat_forward_schedule.h"
 
@@ -58,7 +59,8 @@ struct SplatBackwardTile {
     const TileFrame frame = tiles.frame(block.index);
     const std::int64_t begin = tiles.begin[block.index], end = tiles.begin[block.index + 1];
     if (begin == end) return;
-    const bool any_gradient = block.any([&](int t, Shared& shared, Thread& own) { return start(t, frame, shared, own); });
+    const bool any_gradient =
+        block.any([&](int t, Shared& shared, Thread& own) { return start(t, frame, shared, own); });
     if (!any_gradient) return;  // a loss that does not look at this tile costs nothing here
     float* const kept_here = kept + first_kept_row(begin, block.index) * kTilePixels;
     const int batches = traverse(block, frame, begin, end, kept_here);
@@ -92,7 +94,8 @@ struct SplatBackwardTile {
 
   /// Walks to the end, keeping the transmittances every kBatch entries; returns the number of batches.
   template <class Block>
-  NGS_HD int traverse(Block& block, const TileFrame& frame, std::int64_t begin, std::int64_t end, float* kept_here) const {
+  NGS_HD int traverse(Block& block, const TileFrame& frame, std::int64_t begin, std::int64_t end,
+                      float* kept_here) const {
     int batches = 0;
     for (std::int64_t first = begin; first < end; first += kBatch, ++batches) {
       const int count = int(min2<std::int64_t>(kBatch, end - first));
@@ -114,7 +117,8 @@ struct SplatBackwardTile {
 
   /// Brings a batch in again and finds the transmittances at its chunks.
   template <class Block>
-  NGS_HD void replay(Block& block, const TileFrame& frame, std::int64_t first, int count, const float* kept_batch) const {
+  NGS_HD void replay(Block& block, const TileFrame& frame, std::int64_t first, int count,
+                     const float* kept_batch) const {
     block.phase([&](int t, Shared& shared, Thread&) {
       shared.staged.template load<kThreads>(t, tiles, frame, channels, {first, count});
     });
@@ -130,8 +134,8 @@ struct SplatBackwardTile {
     });
   }
 
-  /// ∂L/∂α = T (v - s), v = Σ_c g_c c_i + g_alpha, s <- α v + (1 - α) s, from the far end of the chunk: leaves ∂L/∂power
-  /// and the weight of every (Gaussian, pixel).
+  /// ∂L/∂α = T (v - s), v = Σ_c g_c c_i + g_alpha, s <- α v + (1 - α) s, from the far end of the chunk: leaves
+  /// ∂L/∂power and the weight of every (Gaussian, pixel).
   template <class Block>
   NGS_HD void gradients_of_pixels(Block& block, const TileFrame& frame, int chunk, int used) const {
     block.phase([&](int t, Shared& shared, Thread& own) {
@@ -141,7 +145,7 @@ struct SplatBackwardTile {
       for (int j = 0; j < used; ++j) {
         float before;
         shared.pair.first[j][t] = own.traversal.pass(shared.staged.gaussian[chunk * kChunk + j], float(pixel.column),
-                                                float(pixel.row), tiles.stop, before);
+                                                     float(pixel.row), tiles.stop, before);
         shared.pair.second[j][t] = before;
       }
       float g[C + 1];
@@ -182,7 +186,8 @@ struct SplatBackwardTile {
       const int j = t / kSums, k = t % kSums;
       const bool of_geometry = k < kPairGeometry;  // which all groups of channels move
       if (k >= kPairGeometry + channels.used) return;
-      const float value = of_geometry ? geometry(shared.staged.gaussian[from + j], shared.total + j * kSums, k) : shared.total[t];
+      const float value =
+          of_geometry ? geometry(shared.staged.gaussian[from + j], shared.total + j * kSums, k) : shared.total[t];
       const std::uint32_t* row_of = sums == DeviceSums::kAtomic ? tiles.gaussian : tiles.slot;
       float* to = row_grad + std::int64_t(row_of[entry + j]) * row_columns + (of_geometry ? k : k + channels.first);
       if (sums == DeviceSums::kAtomic)
@@ -192,8 +197,8 @@ struct SplatBackwardTile {
     });
   }
 
-  /// Moments of ∂L/∂power in the distance from the mean, and weighted channel gradients, over eight pixels of a row. They
-  /// begin at another one in every fourth segment: the threads of a warp then read from 32 banks.
+  /// Moments of ∂L/∂power in the distance from the mean, and weighted channel gradients, over eight pixels of a row.
+  /// They begin at another one in every fourth segment: the threads of a warp then read from 32 banks.
   NGS_HD static void sum_segment(const Shared& shared, const TileGaussian<float>& g, int j, int s, float* part) {
     float p = 0.f, pu = 0.f, puu = 0.f, channel[C];
     for (int c = 0; c < C; ++c) channel[c] = 0.f;

@@ -72,7 +72,8 @@ struct SplatForwardTile {
         const TilePixel pixel(t, frame);
         for (int k = 0; k < count && own.traversal.live; ++k) {
           float before;
-          const float opaque = own.traversal.pass(shared.gaussian[k], float(pixel.column), float(pixel.row), tiles.stop, before);
+          const float opaque =
+              own.traversal.pass(shared.gaussian[k], float(pixel.column), float(pixel.row), tiles.stop, before);
           const float weight = opaque * before;
           for (int c = 0; c < C; ++c) own.sum[c] = fma_lanes(weight, shared.value[k][c], own.sum[c]);
         }
@@ -83,7 +84,8 @@ struct SplatForwardTile {
       if (!pixel.inside) return;
       for (int c = 0; c < C; ++c)
         if (out[c].data != nullptr)
-          out[c].data[pixel.index * out[c].stride] = fma_lanes(own.traversal.transmittance, channels.background[c], own.sum[c]);
+          out[c].data[pixel.index * out[c].stride] =
+              fma_lanes(own.traversal.transmittance, channels.background[c], own.sum[c]);
       if (alpha.data != nullptr) alpha.data[pixel.index * alpha.stride] = 1.f - own.traversal.transmittance;
     });
   }

@@ -11,8 +11,11 @@ template <class Launcher>
 class CloudOnDevice {
  public:
   CloudOnDevice(Launcher& launcher, const CloudView<float>& cloud)
-      : view_(cloud), position_(launcher, cloud.position, cloud.size * 3), rotation_(launcher, cloud.rotation, cloud.size * 4),
-        log_scale_(launcher, cloud.log_scale, cloud.size * 3), logit_opacity_(launcher, cloud.logit_opacity, cloud.size),
+      : view_(cloud),
+        position_(launcher, cloud.position, cloud.size * 3),
+        rotation_(launcher, cloud.rotation, cloud.size * 4),
+        log_scale_(launcher, cloud.log_scale, cloud.size * 3),
+        logit_opacity_(launcher, cloud.logit_opacity, cloud.size),
         sh_dc_(launcher, cloud.sh_dc, cloud.sh_dc ? cloud.size * 3 : 0),
         sh_rest_(launcher, cloud.sh_rest, cloud.sh_rest ? cloud.size * cloud.rest_stride * 3 : 0),
         usable_(launcher, cloud.usable, cloud.usable ? cloud.size : 0),
@@ -63,10 +66,15 @@ class SplatOnDevice {
  public:
   SplatOnDevice(Launcher& launcher, const ViewProjector<float>& view, const CloudView<float>& cloud,
                 const ChannelPlan<float>& plan)
-      : launcher_(launcher), projector_(view), cloud_(cloud), plan_(plan), bins_(launcher, view, cloud),
+      : launcher_(launcher),
+        projector_(view),
+        cloud_(cloud),
+        plan_(plan),
+        bins_(launcher, view, cloud),
         channel_(launcher, cloud.size * plan.count()) {
     if (plan.count() > 0)
-      launcher.each(cloud.size, ChannelRows{plan, projector_, cloud, bins_.depth(), bins_.slot_begin(), channel_.data()});
+      launcher.each(cloud.size,
+                    ChannelRows{plan, projector_, cloud, bins_.depth(), bins_.slot_begin(), channel_.data()});
   }
 
   /// out[c]: channel c; out[count]: 1 - T_final.
@@ -84,13 +92,15 @@ class SplatOnDevice {
   void backward(const std::vector<Plane<const float>>& grad, const std::vector<std::uint8_t>& moves,
                 const CloudGradientView<float>& out, DeviceSums sums) {
     const int columns = kPairGeometry + plan_.count();
-    DeviceBuffer<Launcher, float> rows(launcher_, (sums == DeviceSums::kAtomic ? cloud_.size : bins_.pairs()) * columns);
+    DeviceBuffer<Launcher, float> rows(launcher_,
+                                       (sums == DeviceSums::kAtomic ? cloud_.size : bins_.pairs()) * columns);
     rows.zero();
     const DeviceBuffer<Launcher, float> kept(
         launcher_, SplatBackwardTile<1, Launcher>::kept_rows(bins_.pairs(), bins_.tiles()) * std::int64_t(kTilePixels));
     for (int first = 0; first == 0 || first < plan_.count(); first += kMostChannels)
       with_group(first, [&](auto size) {
-        SplatBackwardTile<size, Launcher> kernel{bins_.view(), group<size>(first), {}, 0, kept.data(), rows.data(), columns, sums};
+        SplatBackwardTile<size, Launcher> kernel{bins_.view(), group<size>(first), {},      0,
+                                                 kept.data(),  rows.data(),        columns, sums};
         for (int c = 0; c < kernel.channels.used; ++c) {
           kernel.grad[c] = grad[std::size_t(first + c)];
           if (moves[std::size_t(first + c)]) kernel.moves |= 1u << c;
@@ -100,7 +110,9 @@ class SplatOnDevice {
       });
     clear(out);
     const Matrix<const float> summands{rows.data(), rows.size() / columns, columns};
-    launcher_.each(cloud_.size, GaussiansBackward{{projector_, cloud_, plan_, summands, out}, bins_.slot_begin(), sums, channel_.data()});
+    launcher_.each(
+        cloud_.size,
+        GaussiansBackward{{projector_, cloud_, plan_, summands, out}, bins_.slot_begin(), sums, channel_.data()});
   }
 
   const TileBins<Launcher>& bins() const { return bins_; }
@@ -131,7 +143,8 @@ class SplatOnDevice {
       if (column) launcher_.fill_zero(column, std::size_t(cloud_.size) * std::size_t(width) * sizeof *column);
     };
     zero(out.position, 3), zero(out.rotation, 4), zero(out.log_scale, 3), zero(out.logit_opacity, 1);
-    zero(out.sh_dc, 3), zero(out.sh_rest, cloud_.rest_stride * 3), zero(out.label, plan_.labels()), zero(out.mean_px, 2);
+    zero(out.sh_dc, 3), zero(out.sh_rest, cloud_.rest_stride * 3), zero(out.label, plan_.labels()),
+        zero(out.mean_px, 2);
     zero(out.visible, 1);
   }
 

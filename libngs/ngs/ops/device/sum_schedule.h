@@ -1,5 +1,6 @@
 #pragma once
-// Sums over rows on a device, in double: fixed chunks, whose sums are summed in fixed chunks, and so on; likewise the least value.
+// Sums over rows on a device, in double: fixed chunks, whose sums are summed in fixed chunks, and so on; likewise the
+// least value.
 #include <vector>
 
 #include "ngs/backend/launcher.h"
@@ -18,7 +19,8 @@ struct SumChunk {
   NGS_HD void operator()(std::int64_t i) const {
     const DealtRows rows(i / columns, n, kRows);
     double total = 0;
-    for (std::int64_t row = rows.first; row < rows.end; row += rows.step) total += double(value[row * columns + i % columns]);
+    for (std::int64_t row = rows.first; row < rows.end; row += rows.step)
+      total += double(value[row * columns + i % columns]);
     sum[i] = total;
   }
 };
@@ -42,7 +44,8 @@ struct LeastOfChunk {
   NGS_HD void operator()(std::int64_t chunk) const {
     const DealtRows rows(chunk, n, kRows);
     std::int64_t found = value[rows.first];
-    for (std::int64_t row = rows.first; row < rows.end; row += rows.step) found = value[row] < found ? value[row] : found;
+    for (std::int64_t row = rows.first; row < rows.end; row += rows.step)
+      found = value[row] < found ? value[row] : found;
     least[chunk] = found;
   }
 };

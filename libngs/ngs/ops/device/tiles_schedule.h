@@ -1,9 +1,10 @@
 #pragma once
-// Projection and tile lists of a view on a device (backend/launcher.h). The lists are those of the CPU (ops/splat/splat_view.h), but
-// that Gaussians keep their rows: nothing is compacted, a Gaussian that reaches no tile has no slots.
+// Projection and tile lists of a view on a device (backend/launcher.h). The lists are those of the CPU
+// (ops/splat/splat_view.h), but that Gaussians keep their rows: nothing is compacted, a Gaussian that reaches no tile
+// has no slots.
 //
-// One radix sort of (tile, depth) keys over pairs that are made Gaussian by Gaussian: it is stable, so that equal depths
-// are ordered by index.
+// One radix sort of (tile, depth) keys over pairs that are made Gaussian by Gaussian: it is stable, so that equal
+// depths are ordered by index.
 #include "ngs/backend/launcher.h"
 #include "ngs/core/check.h"
 #include "ngs/ops/splat/splat_gaussian.h"
@@ -12,9 +13,9 @@ namespace ngs {
 
 /// What the kernels of a tile read; tile t has the entries [begin[t], begin[t + 1]), nearest first.
 struct TilesOnDevice {
-  const SplatRecord<float>* record;              // [N]
-  const std::uint32_t *gaussian, *slot;          // [pairs]
-  const std::int64_t* begin;                     // [tiles + 1]
+  const SplatRecord<float>* record;      // [N]
+  const std::uint32_t *gaussian, *slot;  // [pairs]
+  const std::int64_t* begin;             // [tiles + 1]
   int tiles_x, width_px, height_px;
   float stop;
 
@@ -65,9 +66,9 @@ struct MakePairs {
   const TileRect* rect;
   const std::int64_t* slot_begin;  // [N + 1]
   int tiles_x;
-  std::uint64_t* key;        // [pairs] out: tile, then the bits of the depth, which is positive
-  std::uint32_t* slot;       // [pairs] out: 0, 1, 2, ...
-  std::uint32_t* of_slot;    // [pairs] out: the Gaussian
+  std::uint64_t* key;      // [pairs] out: tile, then the bits of the depth, which is positive
+  std::uint32_t* slot;     // [pairs] out: 0, 1, 2, ...
+  std::uint32_t* of_slot;  // [pairs] out: the Gaussian
 
   NGS_HD void operator()(std::int64_t i) const {
     if (slot_begin[i] == slot_begin[i + 1]) return;
@@ -88,7 +89,9 @@ struct FindTiles {
   const std::uint64_t* key;
   std::int64_t pairs;
   std::int64_t* begin;  // [tiles + 1] out
-  NGS_HD void operator()(std::int64_t tile) const { begin[tile] = lower_bound_of(key, pairs, std::uint64_t(tile) << 32); }
+  NGS_HD void operator()(std::int64_t tile) const {
+    begin[tile] = lower_bound_of(key, pairs, std::uint64_t(tile) << 32);
+  }
 };
 
 struct GaussianOfEntry {
@@ -104,10 +107,15 @@ class TileBins {
  public:
   /// All arrays of `cloud` are the device's. Waits for the number of pairs, which is how much memory they take.
   TileBins(Launcher& launcher, const ViewProjector<float>& view, const CloudView<float>& cloud)
-      : width_px_(view.width_px), height_px_(view.height_px), tiles_x_(view.tiles_x),
-        tile_count_(std::int64_t(view.tiles_x) * view.tiles_y), stop_(float(transmittance_stop(view.compat))),
-        record_(launcher, cloud.size), depth_(launcher, cloud.size),
-        slot_begin_(launcher, cloud.size + 1), begin_(launcher, tile_count_ + 1) {
+      : width_px_(view.width_px),
+        height_px_(view.height_px),
+        tiles_x_(view.tiles_x),
+        tile_count_(std::int64_t(view.tiles_x) * view.tiles_y),
+        stop_(float(transmittance_stop(view.compat))),
+        record_(launcher, cloud.size),
+        depth_(launcher, cloud.size),
+        slot_begin_(launcher, cloud.size + 1),
+        begin_(launcher, tile_count_ + 1) {
     const DeviceBuffer<Launcher, TileRect> rect(launcher, cloud.size);
     const DeviceBuffer<Launcher, std::uint32_t> tiles(launcher, cloud.size);
     launcher.each(cloud.size, ProjectGaussians{view, cloud, record_.data(), depth_.data(), rect.data(), tiles.data()});
@@ -116,9 +124,10 @@ class TileBins {
     NGS_CHECK(pairs_ <= 0xffffffff, "slots are counted in 32 bits");
     const DeviceBuffer<Launcher, std::uint64_t> key(launcher, pairs_);
     const DeviceBuffer<Launcher, std::uint32_t> of_slot(launcher, pairs_);
-    slot_ = DeviceBuffer<Launcher, std::uint32_t>(launcher, pairs_), gaussian_ = DeviceBuffer<Launcher, std::uint32_t>(launcher, pairs_);
-    launcher.each(cloud.size, MakePairs{record_.data(), depth_.data(), rect.data(), slot_begin_.data(), tiles_x_, key.data(),
-                                    slot_.data(), of_slot.data()});
+    slot_ = DeviceBuffer<Launcher, std::uint32_t>(launcher, pairs_),
+    gaussian_ = DeviceBuffer<Launcher, std::uint32_t>(launcher, pairs_);
+    launcher.each(cloud.size, MakePairs{record_.data(), depth_.data(), rect.data(), slot_begin_.data(), tiles_x_,
+                                        key.data(), slot_.data(), of_slot.data()});
     launcher.sort(key.data(), slot_.data(), pairs_, 32 + bits_of(tile_count_));
     launcher.each(tile_count_ + 1, FindTiles{key.data(), pairs_, begin_.data()});
     launcher.each(pairs_, GaussianOfEntry{slot_.data(), of_slot.data(), gaussian_.data()});

@@ -57,8 +57,7 @@ std::size_t add_film_mlp(ParamStore& store, const std::string& prefix, const Fil
                          const FilmMlpInit& init) {
   check_config(c);
   constexpr double kModulation = 0.5;  // γ stays near 1 and β near 0 for conditions of order 1
-  const double from_condition = kModulation / std::sqrt(double(c.condition)),
-               from_hidden = std::sqrt(3.0 / c.hidden);
+  const double from_condition = kModulation / std::sqrt(double(c.condition)), from_hidden = std::sqrt(3.0 / c.hidden);
   Initialiser block{store, prefix, init.seed};
   const std::size_t begin = store.values.size();
   for (int l = 0; l < c.layers; ++l) {
@@ -75,8 +74,7 @@ std::size_t add_film_mlp(ParamStore& store, const std::string& prefix, const Fil
   const std::size_t head_bias = block.add("head_bias", {4}, 0);
   store.values[head_bias] = float(init.density_bias);
   const int direction = film_direction_inputs(c);
-  block.add("direction_weight", {3, direction},
-            direction > 0 ? kModulation / std::sqrt(double(direction)) : 0);
+  block.add("direction_weight", {3, direction}, direction > 0 ? kModulation / std::sqrt(double(direction)) : 0);
   NGS_CHECK(store.values.size() - begin == film_mlp_layout(c).size, "blocks and layout disagree");
   return begin;
 }
@@ -87,12 +85,10 @@ FilmMlp::FilmMlp(const FilmMlpConfig& config, std::size_t offset, double density
   NGS_CHECK(density_length > 0, "density_length must be positive");
 }
 
-void FilmMlp::forward(const Exec& exec, const ParamStore& store, const FilmMlpInputs& in,
-                      FilmMlpOutput& out) const {
+void FilmMlp::forward(const Exec& exec, const ParamStore& store, const FilmMlpInputs& in, FilmMlpOutput& out) const {
   const std::int64_t queries = in.feature.n, blocks = block_count(queries);
-  NGS_CHECK(
-      in.feature.c == config_.inputs && in.condition.c == config_.condition && in.condition.n == queries,
-      "shapes of the network's inputs");
+  NGS_CHECK(in.feature.c == config_.inputs && in.condition.c == config_.condition && in.condition.n == queries,
+            "shapes of the network's inputs");
   out.density.resize(std::size_t(queries)), out.rgb.resize(std::size_t(queries) * 3);
   if (exec.device_ops)
     return exec.device_ops->field.film_forward({config_, store.values.data() + offset_, density_scale_}, in, out);
@@ -114,14 +110,14 @@ FilmMlpGradients FilmMlp::backward(const Exec& exec, ParamStore& store, const Fi
   NGS_CHECK(std::int64_t(grad.density.size()) == queries && std::int64_t(grad.rgb.size()) == 3 * queries,
             "one gradient per output");
   const FilmCall call{config_, store.values.data() + offset_, density_scale_};
-  if (exec.device_ops) return exec.device_ops->field.film_backward(call, in, forward, grad, store.grads.data() + offset_);
+  if (exec.device_ops)
+    return exec.device_ops->field.film_backward(call, in, forward, grad, store.grads.data() + offset_);
   FilmMlpGradients out;
   out.feature.resize(std::size_t(queries * config_.inputs)),
       out.condition.resize(std::size_t(queries * config_.condition));
   const FilmMlpData<float> data = data_of(store.values.data() + offset_, in, density_scale_);
   const std::size_t kept = film_context_size<PackF>(config_);
-  const FilmMlpGrads<float> grads{grad.density.data(), grad.rgb.data(), out.feature.data(),
-                                  out.condition.data()};
+  const FilmMlpGrads<float> grads{grad.density.data(), grad.rgb.data(), out.feature.data(), out.condition.data()};
   const std::size_t params = film_mlp_layout(config_).size;
   std::vector<float> partial(std::size_t(kPartialSums) * params, 0.f);
   for_each_task(exec, kPartialSums, [&](std::int64_t sum) {
@@ -129,8 +125,7 @@ FilmMlpGradients FilmMlp::backward(const Exec& exec, ParamStore& store, const Fi
     if (begin == end) return;
     Block block(config_);
     for (std::int64_t b = begin; b < end; ++b)
-      block.backward(data, grads, b, &forward.context[std::size_t(b) * kept],
-                     &partial[std::size_t(sum) * params]);
+      block.backward(data, grads, b, &forward.context[std::size_t(b) * kept], &partial[std::size_t(sum) * params]);
   });
   for_each_index(exec, std::int64_t(params), [&](std::int64_t i) {
     double total = 0;

@@ -57,8 +57,7 @@ class FilmMlpBlock {
       : c_(config), at_(film_mlp_layout(config)), direction_inputs_(film_direction_inputs(config)) {
     widest_ = c_.hidden > c_.inputs ? c_.hidden : c_.inputs;
     for (std::vector<S>* v : {&x_, &gamma_, &beta_, &grad_x_, &grad_h_}) v->resize(plane(widest_));
-    in_.resize(plane(c_.inputs)), condition_.resize(plane(c_.condition)),
-        grad_condition_.resize(plane(c_.condition));
+    in_.resize(plane(c_.inputs)), condition_.resize(plane(c_.condition)), grad_condition_.resize(plane(c_.condition));
     direction_.resize(plane(direction_inputs_)), raw_.resize(plane(4)), head_.resize(plane(3));
     transposed_.resize(std::size_t(widest_) * std::size_t(c_.hidden));
     partial_.resize(plane(c_.condition));
@@ -72,14 +71,12 @@ class FilmMlpBlock {
     for (int l = 0; l < c_.layers; ++l, h += plane(c_.hidden)) {
       const FilmMlpLayout::Layer& layer = at_.layer[l];
       const S* p = data.params;
-      lanes_product<L>({p + layer.weight, c_.hidden, layer.inputs}, l == 0 ? in_.data() : x_.data(),
-                       p + layer.bias, h);
+      lanes_product<L>({p + layer.weight, c_.hidden, layer.inputs}, l == 0 ? in_.data() : x_.data(), p + layer.bias, h);
       if (l == 0) relu_in_place(h);
       modulate(p, l, h);
     }
     S* raw = h;
-    lanes_product<L>({data.params + at_.head_weight, 4, c_.hidden}, x_.data(), data.params + at_.head_bias,
-                     raw);
+    lanes_product<L>({data.params + at_.head_weight, 4, c_.hidden}, x_.data(), data.params + at_.head_bias, raw);
     if (direction_inputs_ > 0) {
       lanes_product<L>({data.params + at_.direction_weight, 3, direction_inputs_}, direction_.data(),
                        static_cast<const S*>(nullptr), head_.data());
@@ -94,8 +91,8 @@ class FilmMlpBlock {
   }
 
   /// Adjoint of forward. Adds the block's part to `grad_params_accumulate` [FilmMlpLayout::size].
-  void backward(const FilmMlpData<S>& data, const FilmMlpGrads<S>& grads, std::int64_t block,
-                const S* context, S* grad_params_accumulate) {
+  void backward(const FilmMlpData<S>& data, const FilmMlpGrads<S>& grads, std::int64_t block, const S* context,
+                S* grad_params_accumulate) {
     load_block(data, block);
     const S* p = data.params;
     S* g = grad_params_accumulate;
@@ -155,8 +152,7 @@ class FilmMlpBlock {
       for (int i = 0; i < rows.c; ++i) columns[std::size_t(i * kColumns + q)] = row[i];
     }
   }
-  void store_rows(S* rows, const S* columns, int width, const FilmMlpData<S>& data,
-                  std::int64_t block) const {
+  void store_rows(S* rows, const S* columns, int width, const FilmMlpData<S>& data, std::int64_t block) const {
     if (rows == nullptr) return;
     const int count = columns_used(data, block);
     for (int q = 0; q < count; ++q)
@@ -182,8 +178,8 @@ class FilmMlpBlock {
   /// gamma_, beta_ of layer l, and x_ = ReLU(γ h + β).
   void modulate(const S* p, int l, const S* h) {
     const FilmMlpLayout::Layer& layer = at_.layer[l];
-    lanes_product<L>({p + layer.gamma_weight, c_.hidden, c_.condition}, condition_.data(),
-                     p + layer.gamma_bias, gamma_.data());
+    lanes_product<L>({p + layer.gamma_weight, c_.hidden, c_.condition}, condition_.data(), p + layer.gamma_bias,
+                     gamma_.data());
     lanes_product<L>({p + layer.beta_weight, c_.hidden, c_.condition}, condition_.data(), p + layer.beta_bias,
                      beta_.data());
     each_pack([h, gamma = gamma_.data(), beta = beta_.data(), x = x_.data()](std::size_t i) {
@@ -204,11 +200,9 @@ class FilmMlpBlock {
       store_lanes(gamma + i, grad * value);
       store_lanes(beta + i, grad);
     });
-    lanes_outer_accumulate<L>(gamma_.data(), c_.hidden, condition_.data(), c_.condition,
-                              g + layer.gamma_weight);
+    lanes_outer_accumulate<L>(gamma_.data(), c_.hidden, condition_.data(), c_.condition, g + layer.gamma_weight);
     lanes_row_sums_accumulate<L>(gamma_.data(), c_.hidden, g + layer.gamma_bias);
-    lanes_outer_accumulate<L>(beta_.data(), c_.hidden, condition_.data(), c_.condition,
-                              g + layer.beta_weight);
+    lanes_outer_accumulate<L>(beta_.data(), c_.hidden, condition_.data(), c_.condition, g + layer.beta_weight);
     lanes_row_sums_accumulate<L>(beta_.data(), c_.hidden, g + layer.beta_bias);
     for (const auto& [weight, grad] : {std::pair{layer.gamma_weight, &gamma_}, {layer.beta_weight, &beta_}}) {
       product_transposed(p + weight, c_.hidden, c_.condition, grad->data(), partial_.data());
@@ -224,8 +218,7 @@ class FilmMlpBlock {
   }
 
   /// raw_ = ∂L/∂(the four raw outputs).
-  void load_raw_gradient(const FilmMlpData<S>& data, const FilmMlpGrads<S>& grads, std::int64_t block,
-                         const S* raw) {
+  void load_raw_gradient(const FilmMlpData<S>& data, const FilmMlpGrads<S>& grads, std::int64_t block, const S* raw) {
     zero(raw_);
     const int count = columns_used(data, block);
     for (int q = 0; q < count; ++q) {

@@ -9,12 +9,11 @@ inline constexpr int kMaxFilmLayers = 4;
 
 /// Sizes of the network.
 struct FilmMlpConfig {
-  int inputs = 16;    // L·F of the hash encoding
-  int condition = 3;  // F of f_inter
-  int hidden = 64;    // 16..128
-  int layers = 2;     // 1..4 hidden layers, each with its own modulation
-  int direction_degree =
-      2;  // 0..3: SH bands of the view direction that reach the colour head; 0: none (C14)
+  int inputs = 16;           // L·F of the hash encoding
+  int condition = 3;         // F of f_inter
+  int hidden = 64;           // 16..128
+  int layers = 2;            // 1..4 hidden layers, each with its own modulation
+  int direction_degree = 2;  // 0..3: SH bands of the view direction that reach the colour head; 0: none (C14)
 };
 
 /// Inputs that the view direction adds: the SH bands beyond the constant one (the bias is that).

@@ -31,8 +31,7 @@ HashBox<float> hash_box(Rows<const float, 3> points, double pad) {
   for (int a = 0; a < 3; ++a) {
     low[a] = std::numeric_limits<double>::infinity(), high[a] = -low[a];
     for (std::int64_t i = 0; i < points.n; ++i) {
-      low[a] = std::min(low[a], double(points.row(i)[a])),
-      high[a] = std::max(high[a], double(points.row(i)[a]));
+      low[a] = std::min(low[a], double(points.row(i)[a])), high[a] = std::max(high[a], double(points.row(i)[a]));
     }
     if (points.n == 0) low[a] = high[a] = 0;
     side = std::max(side, high[a] - low[a] + 2 * pad);
@@ -44,8 +43,7 @@ HashBox<float> hash_box(Rows<const float, 3> points, double pad) {
 
 std::vector<HashLevel> hash_levels(const HashGridConfig& c) {
   check_config(c);
-  const double growth =
-      c.levels > 1 ? std::log2(double(c.max_resolution) / c.base_resolution) / (c.levels - 1) : 0;
+  const double growth = c.levels > 1 ? std::log2(double(c.max_resolution) / c.base_resolution) / (c.levels - 1) : 0;
   std::vector<HashLevel> levels;
   std::uint64_t offset = 0;
   for (int l = 0; l < c.levels; ++l) {
@@ -85,7 +83,8 @@ HashGridView<float> HashGrid::view(const ParamStore& store, Rows<const float, 3>
 void HashGrid::forward(const Exec& exec, const ParamStore& store, Rows<const float, 3> points,
                        std::vector<float>& out) const {
   out.resize(std::size_t(points.n) * std::size_t(config_.outputs()));
-  if (exec.device_ops) return exec.device_ops->field.hash_forward({view(store, points), config_.features, entries()}, out);
+  if (exec.device_ops)
+    return exec.device_ops->field.hash_forward({view(store, points), config_.features, entries()}, out);
   with_hash_features(config_.features, [&](auto features) {
     const HashForward<float, features> kernel{view(store, points), out.data()};
     for_each_task(exec, (points.n + kQueriesPerTask - 1) / kQueriesPerTask, [&](std::int64_t task) {
@@ -98,30 +97,28 @@ void HashGrid::forward(const Exec& exec, const ParamStore& store, Rows<const flo
 
 void HashGrid::backward(const Exec& exec, ParamStore& store, Rows<const float, 3> points,
                         const std::vector<float>& grad_out) const {
-  NGS_CHECK(grad_out.size() == std::size_t(points.n) * std::size_t(config_.outputs()),
-            "one gradient row per point");
+  NGS_CHECK(grad_out.size() == std::size_t(points.n) * std::size_t(config_.outputs()), "one gradient row per point");
   if (exec.device_ops)
     return exec.device_ops->field.hash_backward({view(store, points), config_.features, entries()}, grad_out,
                                                 store.grads.data() + offset_);
   with_hash_features(config_.features, [&](auto features) {
-    for_each_task(exec, config_.levels,
-                  HashBackwardTable<float, features>{view(store, points), grad_out.data(),
-                                                     store.grads.data() + offset_});
+    for_each_task(
+        exec, config_.levels,
+        HashBackwardTable<float, features>{view(store, points), grad_out.data(), store.grads.data() + offset_});
   });
 }
 
 void HashGrid::backward_points(const Exec& exec, const ParamStore& store, Rows<const float, 3> points,
                                const std::vector<float>& grad_out, std::vector<float>& grad_points) const {
-  NGS_CHECK(grad_out.size() == std::size_t(points.n) * std::size_t(config_.outputs()),
-            "one gradient row per point");
+  NGS_CHECK(grad_out.size() == std::size_t(points.n) * std::size_t(config_.outputs()), "one gradient row per point");
   grad_points.resize(std::size_t(points.n) * 3);
   if (exec.device_ops)
     return exec.device_ops->field.hash_backward_points({view(store, points), config_.features, entries()}, grad_out,
                                                        grad_points);
   with_hash_features(config_.features, [&](auto features) {
-    for_each_index(exec, points.n,
-                   HashBackwardPosition<float, features>{
-                       view(store, points), grad_out.data(), {grad_points.data(), points.n}});
+    for_each_index(
+        exec, points.n,
+        HashBackwardPosition<float, features>{view(store, points), grad_out.data(), {grad_points.data(), points.n}});
   });
 }
 

@@ -16,7 +16,9 @@ namespace ngs {
 inline constexpr int kMaxHashResolution = 65536;
 
 /// Whether rows of so many features are implemented.
-constexpr bool are_hash_features(int features) { return features == 1 || features == 2 || features == 4 || features == 8; }
+constexpr bool are_hash_features(int features) {
+  return features == 1 || features == 2 || features == 4 || features == 8;
+}
 
 struct HashGridConfig {
   int levels = 8;            // L, 1..kMaxHashLevels
@@ -47,8 +49,7 @@ class HashGrid {
   const HashBox<float>& box() const { return box_; }
   const std::vector<HashLevel>& levels() const { return levels_; }
   /// [Q, 3] -> [Q, L·F], level-major rows.
-  void forward(const Exec& exec, const ParamStore& store, Rows<const float, 3> points,
-               std::vector<float>& out) const;
+  void forward(const Exec& exec, const ParamStore& store, Rows<const float, 3> points, std::vector<float>& out) const;
   /// Adds the table's gradient to store.grads. `grad_out` [Q, L·F].
   void backward(const Exec& exec, ParamStore& store, Rows<const float, 3> points,
                 const std::vector<float>& grad_out) const;

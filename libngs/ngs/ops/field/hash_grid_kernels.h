@@ -70,8 +70,8 @@ struct HashAxis {
 
 /// Inlined by force: called per level and query, it costs a third less than through memory (measured).
 template <class T>
-[[gnu::always_inline]] NGS_HD inline HashCell<T> hash_cell(const HashLevel& level, const HashBox<T>& box,
-                                                           Vec3<T> p, bool smoothstep) {
+[[gnu::always_inline]] NGS_HD inline HashCell<T> hash_cell(const HashLevel& level, const HashBox<T>& box, Vec3<T> p,
+                                                           bool smoothstep) {
   const T scale = T(level.scale);
   const detail::HashAxis<T> x(p.x, box.centre.x, box.inv_extent.x, scale, smoothstep);
   const detail::HashAxis<T> y(p.y, box.centre.y, box.inv_extent.y, scale, smoothstep);
@@ -179,8 +179,7 @@ struct HashBackwardPosition {
         for (int f = 0; f < F; ++f)
           value[corner] += g[f] * grid.table[std::size_t(cell.entry[corner]) * F + std::size_t(f)];
       }
-      for (int axis = 0; axis < 3; ++axis)
-        sum[axis] += cell.slope[axis] * edge_difference(value, cell.frac, axis);
+      for (int axis = 0; axis < 3; ++axis) sum[axis] += cell.slope[axis] * edge_difference(value, cell.frac, axis);
     }
     T* row = grad_point.row(q);
     for (int axis = 0; axis < 3; ++axis) row[axis] = sum[axis];
@@ -204,14 +203,10 @@ struct HashBackwardPosition {
 template <class Body>
 void with_hash_features(int features, const Body& body) {
   switch (features) {
-    case 1:
-      return body(std::integral_constant<int, 1>{});
-    case 2:
-      return body(std::integral_constant<int, 2>{});
-    case 4:
-      return body(std::integral_constant<int, 4>{});
-    default:
-      return body(std::integral_constant<int, 8>{});
+    case 1: return body(std::integral_constant<int, 1>{});
+    case 2: return body(std::integral_constant<int, 2>{});
+    case 4: return body(std::integral_constant<int, 4>{});
+    default: return body(std::integral_constant<int, 8>{});
   }
 }
 

@@ -25,9 +25,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 struct Neighbour {
   double dist2;
   std::size_t index;
-  bool operator<(const Neighbour& o) const {
-    return dist2 < o.dist2 || (dist2 == o.dist2 && index < o.index);
-  }
+  bool operator<(const Neighbour& o) const { return dist2 < o.dist2 || (dist2 == o.dist2 && index < o.index); }
 };
 
 /// The K smallest (dist2, index). FLANN's own result sets keep whichever of several equal distances the tree
@@ -145,8 +143,7 @@ KnnGraph search(const Exec& exec, Rows<const float, 3> points, Rows<const float,
 
 }  // namespace
 
-KnnGraph nearest_points(const Exec& exec, Rows<const float, 3> points, Rows<const float, 3> queries,
-                        int neighbours) {
+KnnGraph nearest_points(const Exec& exec, Rows<const float, 3> points, Rows<const float, 3> queries, int neighbours) {
   return search(exec, points, queries, neighbours, false);
 }
 

@@ -11,8 +11,7 @@
 namespace ngs {
 
 /// For every query its `neighbours` nearest points; 1 <= neighbours <= kMaxNeighbours.
-KnnGraph nearest_points(const Exec& exec, Rows<const float, 3> points, Rows<const float, 3> queries,
-                        int neighbours);
+KnnGraph nearest_points(const Exec& exec, Rows<const float, 3> points, Rows<const float, 3> queries, int neighbours);
 
 /// For every point its nearest other points. A coincident point is another point.
 KnnGraph nearest_others(const Exec& exec, Rows<const float, 3> points, int neighbours);

@@ -14,8 +14,8 @@ DepthPlanes planes_of(const DepthMap& map) {
 
 }  // namespace
 
-RayQueries ray_queries(const Exec& exec, const Camera& camera, const PixelGrid& grid,
-                       const RayOptions& options, const DepthMap& map) {
+RayQueries ray_queries(const Exec& exec, const Camera& camera, const PixelGrid& grid, const RayOptions& options,
+                       const DepthMap& map) {
   NGS_CHECK(options.samples >= 1, "a ray has at least one sample");
   RayQueries out;
   out.grid = grid, out.samples = options.samples;
@@ -31,7 +31,8 @@ RayQueries ray_queries(const Exec& exec, const Camera& camera, const PixelGrid& 
 
 std::vector<std::uint8_t> rays_on_surface(const Camera& camera, const RayQueries& rays, const DepthMap& map) {
   std::vector<std::uint8_t> on(std::size_t(rays.rays()), 1);
-  const RayOnSurface kernel{ray_camera(camera), rays.grid, planes_of(map), rays.near.data(), rays.far.data(), on.data()};
+  const RayOnSurface kernel{ray_camera(camera), rays.grid,       planes_of(map),
+                            rays.near.data(),   rays.far.data(), on.data()};
   for (std::int64_t r = 0; r < rays.rays(); ++r) kernel(r);
   return on;
 }

@@ -34,8 +34,8 @@ struct RayQueries {
   Rows<const float, 3> positions() const { return {position.data(), rays() * samples}; }
 };
 
-RayQueries ray_queries(const Exec& exec, const Camera& camera, const PixelGrid& grid,
-                       const RayOptions& options, const DepthMap& map);
+RayQueries ray_queries(const Exec& exec, const Camera& camera, const PixelGrid& grid, const RayOptions& options,
+                       const DepthMap& map);
 
 /// [R] 1 where the view renders nothing at the node (alpha < 1e-3) or its expected depth lies in the ray's
 /// window: where rendered colour and field colour are about the same piece of space (C15).

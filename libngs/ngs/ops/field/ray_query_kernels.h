@@ -59,7 +59,8 @@ struct RayNode {
 NGS_HD inline RayNode ray_node(const RayCamera& camera, const PixelGrid& grid, std::int64_t ray) {
   RayNode node;
   node.u = grid.x(int(ray % grid.cols)), node.v = grid.y(int(ray / grid.cols));
-  node.direction = ray_direction(camera.rotation, (node.u - camera.cx) / camera.fx, (node.v - camera.cy) / camera.fy, node.cosine);
+  node.direction =
+      ray_direction(camera.rotation, (node.u - camera.cx) / camera.fx, (node.v - camera.cy) / camera.fy, node.cosine);
   return node;
 }
 
@@ -85,8 +86,8 @@ struct DepthPlanes {
 
 /// Arrays of RayQueries; null `pixel` and `depth`: not wanted.
 struct RayArrays {
-  float *pixel = nullptr, *direction = nullptr, *near = nullptr, *far = nullptr, *spacing = nullptr, *position = nullptr,
-        *depth = nullptr;
+  float *pixel = nullptr, *direction = nullptr, *near = nullptr, *far = nullptr, *spacing = nullptr,
+        *position = nullptr, *depth = nullptr;
 };
 
 /// Owns ray r.

@@ -29,8 +29,7 @@ void rbf_forward(const Exec& exec, const RbfProblem& problem, RbfField& out) {
   out.feature.assign(std::size_t(problem.query.n) * std::size_t(features), 0.f);
   out.weight.resize(graph.index.size());
   if (graph.neighbours == 0) return;
-  NGS_CHECK(graph.queries() == problem.query.n && graph.points == problem.boundary.n,
-            "the graph is of other points");
+  NGS_CHECK(graph.queries() == problem.query.n && graph.points == problem.boundary.n, "the graph is of other points");
   if (exec.device_ops) return exec.device_ops->field.rbf_forward(problem, inv_2h2(problem.width), out);
   for_each_index(exec, problem.query.n,
                  RbfForward<float>{problem.query,
@@ -56,18 +55,15 @@ RbfGradients rbf_backward(const Exec& exec, const RbfProblem& problem, const Rbf
     return out;
   }
   const Matrix<const float> weight = weights_of(field, graph);
-  for_each_index(exec, points,
-                 RbfBackwardFeature<float>{graph.row_begin.data(),
-                                           graph.edge.data(),
-                                           weight,
-                                           grad_feature,
-                                           {out.feature.data(), points, features}});
+  for_each_index(
+      exec, points,
+      RbfBackwardFeature<float>{
+          graph.row_begin.data(), graph.edge.data(), weight, grad_feature, {out.feature.data(), points, features}});
   if (!with_positions) return out;
   std::vector<float> grad_exponent(graph.index.size());
   const Matrix<float> exponent{grad_exponent.data(), graph.queries(), graph.neighbours};
-  for_each_index(
-      exec, graph.queries(),
-      RbfBackwardExponent<float>{graph.indices(), problem.feature, weight, grad_feature, exponent});
+  for_each_index(exec, graph.queries(),
+                 RbfBackwardExponent<float>{graph.indices(), problem.feature, weight, grad_feature, exponent});
   for_each_index(exec, points,
                  RbfBackwardPosition<float>{graph.row_begin.data(),
                                             graph.edge.data(),

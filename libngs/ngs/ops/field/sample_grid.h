@@ -7,7 +7,7 @@
 namespace ngs {
 
 inline RayCamera ray_camera(const Camera& camera) {
-  return {camera.rotation, camera.translation, camera.centre(),  camera.fx,       camera.fy,
+  return {camera.rotation, camera.translation, camera.centre(), camera.fx,       camera.fy,
           camera.cx,       camera.cy,          camera.width_px, camera.height_px};
 }
 

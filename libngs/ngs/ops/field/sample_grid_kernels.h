@@ -57,7 +57,8 @@ NGS_HD inline BoundaryBox boundary_box(const RayCamera& camera, const BoxSums& s
   const PixelBox& b = sums.box;
   return {{max2(b.min_x - pad_px, 0.0), max2(b.min_y - pad_px, 0.0), min2(b.max_x + pad_px, double(camera.width_px)),
            min2(b.max_y + pad_px, double(camera.height_px))},
-          sums.visible, sums.distance_sum / double(sums.visible)};
+          sums.visible,
+          sums.distance_sum / double(sums.visible)};
 }
 
 /// How many cells there may be, and where their nodes lie.

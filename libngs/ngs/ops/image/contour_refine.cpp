@@ -19,7 +19,7 @@ constexpr double kColourNoise = 3e-4;   // least variance of a colour, (share of
 constexpr double kColourGap_px = 2;     // pixels so near the contour are mixed: nothing is learned from them
 constexpr double kOutliers = 0.1;       // share of colours that neither density explains
 constexpr double kLeastSupport = 1e-4;  // share of a neighbourhood below which its colours are unknown
-constexpr int kCellsOfRadius = 10;      // of a blur: it takes sums over cells of pixels, so fine that it does not show them
+constexpr int kCellsOfRadius = 10;  // of a blur: it takes sums over cells of pixels, so fine that it does not show them
 
 /// The part of the image that the random walks need: the band about the contour and the colours in reach of it.
 struct Window {
@@ -88,7 +88,8 @@ class LocalMeans {
   static_assert(N <= kBlurLanes);
 
  public:
-  LocalMeans(const Window& win, int r) : side_(std::max(1, r / kCellsOfRadius)), r_(r / side_), w_(cells(win.w)), h_(cells(win.h)) {
+  LocalMeans(const Window& win, int r)
+      : side_(std::max(1, r / kCellsOfRadius)), r_(r / side_), w_(cells(win.w)), h_(cells(win.h)) {
     values_.resize(std::size_t(w_) * std::size_t(h_) * N);
   }
 
@@ -134,8 +135,7 @@ class LocalColours {
     const double n = double(moment[0]);
     if (n < kLeastSupport) return false;
     double z[3], mean[3], c[3][3];
-    for (std::size_t i = 0; i < 3; ++i)
-      mean[i] = double(moment[1 + i]) / n, z[i] = double(colour[i]) - mean[i];
+    for (std::size_t i = 0; i < 3; ++i) mean[i] = double(moment[1 + i]) / n, z[i] = double(colour[i]) - mean[i];
     for (std::size_t i = 0, m = 4; i < 3; ++i)
       for (std::size_t j = 0; j <= i; ++j, ++m)
         c[i][j] = double(moment[m]) / n - mean[i] * mean[j] + (i == j ? kColourNoise : 0.0);
@@ -207,7 +207,8 @@ std::array<float, 3> smoothed(const Window& win, const std::vector<std::array<fl
 }
 
 /// The colours where they are asked for, smoothed: single pixels of a photo are noisy.
-std::vector<std::array<float, 3>> smoothed(const Window& win, const std::vector<std::array<float, 3>>& in, const Sides& sides) {
+std::vector<std::array<float, 3>> smoothed(const Window& win, const std::vector<std::array<float, 3>>& in,
+                                           const Sides& sides) {
   std::vector<std::array<float, 3>> out(in.size());
   for (int y = 0; y < win.h; ++y)
     for (int x = 0; x < win.w; ++x)
@@ -255,7 +256,8 @@ ColourEvidence weigh_colours(const Window& win, const ColourModels& models, cons
       const std::size_t p = win.at(x, y);
       double in = 0, ex = 0;
       if (!sides.any(p)) continue;
-      if (!models.object.density(x, y, models.colour[p], in) || !models.rest.density(x, y, models.colour[p], ex)) continue;
+      if (!models.object.density(x, y, models.colour[p], in) || !models.rest.density(x, y, models.colour[p], ex))
+        continue;
       learnt[p] = 1, out.object[p] = float(in / (in + ex));
       if (!sides.inside[p] && !sides.outside[p]) continue;
       said.at(x, y)[0] += (sides.inside[p] ? 1.f : -1.f) * (2 * out.object[p] - 1), said.at(x, y)[1] += 1;
@@ -265,7 +267,8 @@ ColourEvidence weigh_colours(const Window& win, const ColourModels& models, cons
     for (int x = 0; x < win.w; ++x) {
       const std::size_t p = win.at(x, y);
       const float* near = said.at(x, y);
-      if (learnt[p] && sides.free[p] && near[1] > float(kLeastSupport)) out.trust[p] = std::clamp(near[0] / near[1], 0.f, 1.f);
+      if (learnt[p] && sides.free[p] && near[1] > float(kLeastSupport))
+        out.trust[p] = std::clamp(near[0] / near[1], 0.f, 1.f);
     }
   return out;
 }
@@ -355,7 +358,8 @@ std::vector<float> refine_contour(const ContourRefineOptions& options, MaskPlane
       d[p] = distance[full], system.given[p] = out[full];
       const double depth = std::abs(double(d[p]));
       const bool usable = depth > kColourGap_px && depth < options.reach_px;
-      sides.inside[p] = usable && d[p] > 0, sides.outside[p] = usable && d[p] < 0, sides.free[p] = depth <= options.band_px;
+      sides.inside[p] = usable && d[p] > 0, sides.outside[p] = usable && d[p] < 0,
+      sides.free[p] = depth <= options.band_px;
     }
   const auto smooth = smoothed(win, colour, sides);
   const int r = std::max(1, int(std::lround(options.reach_px / 2)));
@@ -369,7 +373,7 @@ std::vector<float> refine_contour(const ContourRefineOptions& options, MaskPlane
                  shape_weight = options.shape_weight + options.ambiguity_weight * doubt * doubt;
     system.diagonal.push_back(shape_weight + colour_weight);
     system.right.push_back(shape_weight * sigmoid(double(d[p]) / kShapeWidth_px) +
-                         colour_weight * double(evidence.object[p]));
+                           colour_weight * double(evidence.object[p]));
   }
   const std::vector<double> x = solve(system, colour);
   for (int wy = 0; wy < win.h; ++wy)

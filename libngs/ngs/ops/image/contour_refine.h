@@ -23,11 +23,11 @@
 namespace ngs {
 
 struct ContourRefineOptions {
-  double band_px = 5;          // half width of the band in which the contour may move
-  double reach_px = 40;        // colours are learned from pixels nearer than this to the contour
-  double colour_weight = 0.1;  // λ_c
-  double shape_weight = 3e-3;  // λ_s
-  double ambiguity_weight = 3;     // λ_d
+  double band_px = 5;           // half width of the band in which the contour may move
+  double reach_px = 40;         // colours are learned from pixels nearer than this to the contour
+  double colour_weight = 0.1;   // λ_c
+  double shape_weight = 3e-3;   // λ_s
+  double ambiguity_weight = 3;  // λ_d
 };
 
 /// Soft mask [H·W] in [0, 1]; > 0.5 is the object. `photo` [H, W, 3] of the mask's size. Serial: views are

@@ -17,16 +17,13 @@ cv::Rect region_of_interest(const ViewPrompt& prompt, int margin_px) {
   int left = prompt.width_px, right = -1, top = prompt.height_px, bottom = -1;
   for (int y = 0; y < prompt.height_px; ++y)
     for (int x = 0; x < prompt.width_px; ++x) {
-      if (prompt.hint[std::size_t(y) * std::size_t(prompt.width_px) + std::size_t(x)] ==
-          PixelHint::kBackground)
+      if (prompt.hint[std::size_t(y) * std::size_t(prompt.width_px) + std::size_t(x)] == PixelHint::kBackground)
         continue;
-      left = std::min(left, x), right = std::max(right, x), top = std::min(top, y),
-      bottom = std::max(bottom, y);
+      left = std::min(left, x), right = std::max(right, x), top = std::min(top, y), bottom = std::max(bottom, y);
     }
   if (right < 0) return {};
   left = std::max(0, left - margin_px), top = std::max(0, top - margin_px);
-  right = std::min(prompt.width_px - 1, right + margin_px),
-  bottom = std::min(prompt.height_px - 1, bottom + margin_px);
+  right = std::min(prompt.width_px - 1, right + margin_px), bottom = std::min(prompt.height_px - 1, bottom + margin_px);
   return {left, top, right - left + 1, bottom - top + 1};
 }
 
@@ -38,8 +35,7 @@ std::vector<cv::Vec3b> samples_of(const cv::Mat& photo, const cv::Mat& hints, bo
     for (int y = 0; y < photo.rows; ++y)
       for (int x = 0; x < photo.cols; ++x) {
         const auto hint = PixelHint(hints.at<std::uint8_t>(y, x));
-        if (is_object(hint) == object && (likely_too || is_certain(hint)))
-          samples.push_back(photo.at<cv::Vec3b>(y, x));
+        if (is_object(hint) == object && (likely_too || is_certain(hint))) samples.push_back(photo.at<cv::Vec3b>(y, x));
       }
     if (samples.size() >= kComponents) break;
   }
@@ -57,8 +53,7 @@ Mixtures learn(const std::vector<cv::Vec3b>& background, const std::vector<cv::V
   cv::Mat row(1, int(background.size() + object.size()), CV_8UC3), sides(row.size(), CV_8UC1);
   for (int i = 0; i < row.cols; ++i) {
     const bool is_object = std::size_t(i) >= background.size();
-    row.at<cv::Vec3b>(0, i) =
-        is_object ? object[std::size_t(i) - background.size()] : background[std::size_t(i)];
+    row.at<cv::Vec3b>(0, i) = is_object ? object[std::size_t(i) - background.size()] : background[std::size_t(i)];
     sides.at<std::uint8_t>(0, i) = is_object ? cv::GC_FGD : cv::GC_BGD;
   }
   Mixtures mixtures;
@@ -86,8 +81,7 @@ PixelMask grab_cut(const ImageU8& photo, const ViewPrompt& prompt, const GrabCut
     return std::size_t(y + region.y) * std::size_t(photo.width_px) + std::size_t(x + region.x);
   };
   for (int y = 0; y < hints.rows; ++y)
-    for (int x = 0; x < hints.cols; ++x)
-      hints.at<std::uint8_t>(y, x) = std::uint8_t(prompt.hint[index(x, y)]);
+    for (int x = 0; x < hints.cols; ++x) hints.at<std::uint8_t>(y, x) = std::uint8_t(prompt.hint[index(x, y)]);
   const std::vector<cv::Vec3b> background = samples_of(colours, hints, false),
                                object = samples_of(colours, hints, true);
   if (background.size() < kComponents || object.size() < kComponents) return mask;
@@ -95,11 +89,9 @@ PixelMask grab_cut(const ImageU8& photo, const ViewPrompt& prompt, const GrabCut
   Mixtures mixtures = learn(background, object);
   cv::grabCut(colours, hints, {}, mixtures.background, mixtures.object, 1, cv::GC_EVAL_FREEZE_MODEL);
   if (options.iterations > 1)
-    cv::grabCut(colours, hints, {}, mixtures.background, mixtures.object, options.iterations - 1,
-                cv::GC_EVAL);
+    cv::grabCut(colours, hints, {}, mixtures.background, mixtures.object, options.iterations - 1, cv::GC_EVAL);
   for (int y = 0; y < hints.rows; ++y)
-    for (int x = 0; x < hints.cols; ++x)
-      mask[index(x, y)] = is_object(PixelHint(hints.at<std::uint8_t>(y, x)));
+    for (int x = 0; x < hints.cols; ++x) mask[index(x, y)] = is_object(PixelHint(hints.at<std::uint8_t>(y, x)));
   return mask;
 }
 

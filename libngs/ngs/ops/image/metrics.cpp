@@ -15,9 +15,8 @@ double ratio_or(std::uint64_t part, std::uint64_t whole, double if_nothing) {
 
 void require_same_size(MaskPlane a, MaskPlane b) {
   NGS_CHECK(a.width_px == b.width_px && a.height_px == b.height_px,
-            "masks of a pair differ in size: " + std::to_string(a.width_px) + "x" +
-                std::to_string(a.height_px) + " and " + std::to_string(b.width_px) + "x" +
-                std::to_string(b.height_px));
+            "masks of a pair differ in size: " + std::to_string(a.width_px) + "x" + std::to_string(a.height_px) +
+                " and " + std::to_string(b.width_px) + "x" + std::to_string(b.height_px));
 }
 
 struct ConfusionRow {
@@ -57,8 +56,8 @@ struct BandRow {
 bool on_contour(MaskPlane mask, int x, int y) {
   const std::uint8_t* at = mask.data + std::int64_t(y) * mask.width_px + x;
   if (*at == 0) return false;
-  return (x > 0 && at[-1] == 0) || (x + 1 < mask.width_px && at[1] == 0) ||
-         (y > 0 && at[-mask.width_px] == 0) || (y + 1 < mask.height_px && at[mask.width_px] == 0);
+  return (x > 0 && at[-1] == 0) || (x + 1 < mask.width_px && at[1] == 0) || (y > 0 && at[-mask.width_px] == 0) ||
+         (y + 1 < mask.height_px && at[mask.width_px] == 0);
 }
 
 std::vector<std::uint8_t> contour_of(MaskPlane mask) {
@@ -91,8 +90,8 @@ struct Matched {
 };
 
 /// How many pixels of `contour` have a pixel of the other contour within the tolerance (Euclidean).
-Matched match(const std::vector<std::uint8_t>& contour,
-              const std::vector<std::int32_t>& other_column_distance, int width_px, int tolerance_px) {
+Matched match(const std::vector<std::uint8_t>& contour, const std::vector<std::int32_t>& other_column_distance,
+              int width_px, int tolerance_px) {
   Matched count;
   const std::int64_t r2 = std::int64_t(tolerance_px) * tolerance_px;
   for (std::size_t i = 0; i < contour.size(); ++i) {
@@ -195,8 +194,7 @@ std::vector<std::int32_t> chessboard_distance(MaskPlane mask, Outside outside) {
     for (std::int64_t x = 0; x < w; ++x) {
       const std::size_t i = std::size_t(y * w + x);
       if (mask.data[i] == 0) continue;
-      distance[i] =
-          step(std::min(std::min(at(x - 1, y - 1), at(x, y - 1)), std::min(at(x + 1, y - 1), at(x - 1, y))));
+      distance[i] = step(std::min(std::min(at(x - 1, y - 1), at(x, y - 1)), std::min(at(x + 1, y - 1), at(x - 1, y))));
     }
   for (std::int64_t y = h - 1; y >= 0; --y)
     for (std::int64_t x = w - 1; x >= 0; --x) {
@@ -220,9 +218,9 @@ double boundary_iou(const Exec& exec, const std::vector<std::int32_t>& predicted
   if (predicted_distance.empty()) return 1.0;
   const std::int64_t rows = std::int64_t(predicted_distance.size()) / width_px;
   std::vector<std::uint64_t> common(std::size_t(rows), 0), any(std::size_t(rows), 0);
-  for_each_index(exec, rows,
-                 BandRow{predicted_distance.data(), truth_distance.data(), width_px, band_px, common.data(),
-                         any.data()});
+  for_each_index(
+      exec, rows,
+      BandRow{predicted_distance.data(), truth_distance.data(), width_px, band_px, common.data(), any.data()});
   std::uint64_t in_both = 0, in_any = 0;
   for (std::size_t y = 0; y < common.size(); ++y) in_both += common[y], in_any += any[y];
   return ratio_or(in_both, in_any, 1.0);
@@ -241,8 +239,7 @@ double contour_f(MaskPlane predicted, MaskPlane truth, int tolerance_px, MaskPla
 }
 
 std::array<double, kScoreNames.size()> score_values(const MaskScores& s) {
-  return {s.iou,      s.accuracy, s.class_accuracy, s.biou,     s.biou_005,
-          s.biou_1px, s.biou_3px, s.biou_5px,       s.contour_f};
+  return {s.iou, s.accuracy, s.class_accuracy, s.biou, s.biou_005, s.biou_1px, s.biou_3px, s.biou_5px, s.contour_f};
 }
 
 MaskScores score_mask(const Exec& exec, MaskPlane predicted, MaskPlane truth, double contour_tolerance,

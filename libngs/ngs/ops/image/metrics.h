@@ -93,14 +93,13 @@ std::array<double, kScoreNames.size()> score_values(const MaskScores& scores);
 
 /// `contour_tolerance` is a share of the diagonal; `is_void` marks the void pixels, no data: there are none. Runs on
 /// exec.threads threads; the result does not depend on them.
-MaskScores score_mask(const Exec& exec, MaskPlane predicted, MaskPlane truth,
-                      double contour_tolerance = 0.008, MaskPlane is_void = {});
+MaskScores score_mask(const Exec& exec, MaskPlane predicted, MaskPlane truth, double contour_tolerance = 0.008,
+                      MaskPlane is_void = {});
 
 /// The nearest-neighbour resize of the official evaluators (Pillow's NEAREST): the destination pixel's centre
 /// is mapped into the source. Integer arithmetic, so every machine takes the same pixel.
 template <class T>
-std::vector<T> resized_nearest(const T* source, int source_width, int source_height, int width_px,
-                               int height_px) {
+std::vector<T> resized_nearest(const T* source, int source_width, int source_height, int width_px, int height_px) {
   std::vector<T> out;
   out.reserve(std::size_t(width_px) * std::size_t(height_px));
   for (std::int64_t y = 0; y < height_px; ++y) {

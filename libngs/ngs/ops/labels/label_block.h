@@ -1,5 +1,6 @@
 #pragma once
-// Compact weights of one tile, what they are made from, and what is evaluated on them. Internal to ops (label_system.cpp).
+// Compact weights of one tile, what they are made from, and what is evaluated on them. Internal to ops
+// (label_system.cpp).
 #include <vector>
 
 #include "ngs/math/lanes.h"
@@ -58,7 +59,8 @@ struct TargetPlanes {
   const float *inside, *outside;
 };
 
-/// A tile's contributions by `record` of packs of `lanes` pixels. Who traverses it overwrites alphas with weights: once.
+/// A tile's contributions by `record` of packs of `lanes` pixels. Who traverses it overwrites alphas with weights:
+/// once.
 struct RecordedTile {
   TileWork<float> work;
   Tape<float>& tape;

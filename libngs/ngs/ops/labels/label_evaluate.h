@@ -13,8 +13,8 @@ struct TileLoss {
   double target_sum = 0;  // Σ a + b
 };
 
-/// The sums of all Gaussians of the tile, which stand at `at` [V]; writes their slots. The same sums as those of a block
-/// whose columns are all Gaussians.
+/// The sums of all Gaussians of the tile, which stand at `at` [V]; writes their slots. The same sums as those of a
+/// block whose columns are all Gaussians.
 TileLoss evaluate_tile(const RecordedTile& tile, ColumnValues at, TargetPlanes targets, SlotSums* slots);
 
 }  // namespace ngs

@@ -65,8 +65,7 @@ struct TileTargets {
     float lane[2][kTilePacks * L::kLanes] = {};
     for (int y = 0; y < frame.rows(); ++y)
       for (int x = 0; x < frame.columns(); ++x) {
-        const auto pixel =
-            std::size_t(frame.y_px + y) * std::size_t(frame.width_px) + std::size_t(frame.x_px + x);
+        const auto pixel = std::size_t(frame.y_px + y) * std::size_t(frame.width_px) + std::size_t(frame.x_px + x);
         const auto at = std::size_t(place_in_packs<L>(x, y));
         const float a = planes.inside[pixel], b = planes.outside[pixel];
         lane[0][at] = a, lane[1][at] = b;

@@ -16,11 +16,11 @@ namespace {
 constexpr int kForeseen = 4;
 constexpr double kBand = 0.02, kOwnShare = 0.1, kLift = 0.02;
 constexpr double kRoundingOfLoss = 1e-7;  // relative: what float predictions leave uncertain
-constexpr double kInnerShare = 0.8;  // of the wanted gap, left to a working set
+constexpr double kInnerShare = 0.8;       // of the wanted gap, left to a working set
 constexpr int kMaxRounds = 50;
 constexpr std::size_t kHistory = 5;  // points that a step is combined from
-// In log-odds. What is combined of a curved path overshoots: labels thrown to a bound that pixels speak against cost more
-// steps than they save.
+// In log-odds. What is combined of a curved path overshoots: labels thrown to a bound that pixels speak against cost
+// more steps than they save.
 constexpr double kLongestStep = 2;
 
 double seconds_now() {

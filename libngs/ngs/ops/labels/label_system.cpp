@@ -94,8 +94,8 @@ struct LabelSystem::State {
   double target_sum() const { return of_cached.target_sum + of_streamed.target_sum; }
   void open_view(const Exec& exec, std::size_t camera, std::int64_t cache_bytes);
   void open_streamed(const Exec& exec);
-  /// Whether blocks of `bytes` are kept. Once a view's were not, all later views are streamed too, so that sums keep the
-  /// order of the views.
+  /// Whether blocks of `bytes` are kept. Once a view's were not, all later views are streamed too, so that sums keep
+  /// the order of the views.
   bool fits(std::int64_t bytes, std::int64_t cache_bytes) const {
     return streamed.empty() && stats.cached_bytes + bytes <= cache_bytes;
   }
@@ -189,7 +189,8 @@ TileLoss LabelSystem::State::stream(const Exec& exec, const OpenView& open, Colu
     const std::int32_t column = column_of[gaussian];
     if (column < 0) return;
     for (std::size_t s = first; s < end; ++s)
-      out.inside[std::size_t(column)] += double(pair[s].inside), out.outside[std::size_t(column)] += double(pair[s].outside);
+      out.inside[std::size_t(column)] += double(pair[s].inside),
+          out.outside[std::size_t(column)] += double(pair[s].outside);
   });
   TileLoss sum;
   for (const TileLoss& t : tile_loss) sum.loss += t.loss, sum.target_sum += t.target_sum;
@@ -213,17 +214,15 @@ LabelSystem::LabelSystem(std::unique_ptr<State> state) : state_(std::move(state)
 LabelSystem::LabelSystem(LabelSystem&&) noexcept = default;
 LabelSystem::~LabelSystem() = default;
 
-LabelSystem::LabelSystem(const Exec& exec, const LabelProblem& problem,
-                         const std::vector<std::int32_t>& column_of, const std::vector<double>& label,
-                         std::int64_t cache_bytes)
+LabelSystem::LabelSystem(const Exec& exec, const LabelProblem& problem, const std::vector<std::int32_t>& column_of,
+                         const std::vector<double>& label, std::int64_t cache_bytes)
     : state_(std::make_unique<State>(problem, column_of, label)) {
   if (cache_bytes == 0) {
     state_->open_streamed(exec);
     state_->number_slots();
     return;
   }
-  for (std::size_t camera = 0; camera < problem.cameras.size(); ++camera)
-    state_->open_view(exec, camera, cache_bytes);
+  for (std::size_t camera = 0; camera < problem.cameras.size(); ++camera) state_->open_view(exec, camera, cache_bytes);
   state_->number_slots();
 }
 
@@ -259,7 +258,8 @@ double LabelSystem::gradient_scale() const {
   return state_->target_sum() > 0 ? (1 - 2 * kMaskEps) / state_->target_sum() : 0.0;
 }
 const LabelSums& LabelSystem::at_start() const {
-  NGS_CHECK(state_->start.inside.size() == std::size_t(state_->columns), "sums at the start, of a system without cache");
+  NGS_CHECK(state_->start.inside.size() == std::size_t(state_->columns),
+            "sums at the start, of a system without cache");
   return state_->start;
 }
 const LabelSystem::Stats& LabelSystem::stats() const { return state_->stats; }

@@ -61,8 +61,8 @@ class LabelSystem {
 
   /// The system of the columns with new_column[c] >= 0, renumbered; the others are folded at m[c]. Its cache
   /// of the views that are cached here is never larger than theirs; `cache_bytes` limits it for the others.
-  LabelSystem reduced(const Exec& exec, const std::vector<std::int32_t>& new_column,
-                      const std::vector<double>& m, std::int64_t cache_bytes) const;
+  LabelSystem reduced(const Exec& exec, const std::vector<std::int32_t>& new_column, const std::vector<double>& m,
+                      std::int64_t cache_bytes) const;
 
   std::int64_t columns() const;
   /// `m` [columns] in [0, 1].

@@ -20,10 +20,8 @@ AlignView<float> view_of(const AlignOptions& options, const AlignInputs& in) {
   const auto nodes = std::size_t(in.grid.nodes());
   NGS_CHECK(in.colour->channels == 3 && in.alpha->channels == 1 && in.colour->pixels() == in.alpha->pixels(),
             "rendered images");
-  NGS_CHECK(in.photo == nullptr || in.photo->data.size() == in.colour->data.size(),
-            "the photo has the render's size");
-  NGS_CHECK(in.field_colour->size() == nodes * 3 && in.field_alpha->size() == nodes,
-            "one field value per node");
+  NGS_CHECK(in.photo == nullptr || in.photo->data.size() == in.colour->data.size(), "the photo has the render's size");
+  NGS_CHECK(in.field_colour->size() == nodes * 3 && in.field_alpha->size() == nodes, "one field value per node");
   NGS_CHECK(in.active == nullptr || in.active->size() == nodes, "one flag per node");
   return {in.grid,
           pixels(in.colour),
@@ -51,8 +49,7 @@ Span pixels_read(double first, double last, int size_px) {
 
 }  // namespace
 
-AlignLoss loss_align(const Exec& exec, const AlignOptions& options, const AlignInputs& in,
-                     AlignContext& context) {
+AlignLoss loss_align(const Exec& exec, const AlignOptions& options, const AlignInputs& in, AlignContext& context) {
   AlignLoss loss;
   const auto nodes = std::size_t(in.grid.nodes());
   context.colour_residual.resize(nodes * 3), context.alpha_residual.resize(nodes);
@@ -66,8 +63,7 @@ AlignLoss loss_align(const Exec& exec, const AlignOptions& options, const AlignI
   else
     for_each_index(exec, std::int64_t(nodes), kernel);
   for (std::size_t r = 0; r < nodes; ++r) {
-    loss.colour += double(term[r * 3]), loss.alpha += double(term[r * 3 + 1]),
-        loss.variance += double(term[r * 3 + 2]);
+    loss.colour += double(term[r * 3]), loss.alpha += double(term[r * 3 + 1]), loss.variance += double(term[r * 3 + 2]);
     loss.nodes += in.active == nullptr || (*in.active)[r] != 0;
   }
   context.nodes = loss.nodes;
@@ -93,8 +89,14 @@ void loss_align_backward(const Exec& exec, const AlignOptions& options, const Al
   const Span y = pixels_read(g.y(0), g.y(g.rows - 1), in.colour->height_px);
   const int width = x.end - x.begin;
   const std::int64_t rect_pixels = std::int64_t(width) * (y.end - y.begin);
-  const AlignBackwardImage<float> to_image{view_of(options, in), nodes_of(context), scale, x.begin, y.begin, width,
-                                           out.colour_accumulate.data.data(), out.alpha_accumulate.data.data()};
+  const AlignBackwardImage<float> to_image{view_of(options, in),
+                                           nodes_of(context),
+                                           scale,
+                                           x.begin,
+                                           y.begin,
+                                           width,
+                                           out.colour_accumulate.data.data(),
+                                           out.alpha_accumulate.data.data()};
   if (exec.device_ops) return exec.device_ops->loss.align_backward(to_field, to_image, rect_pixels);
   for_each_index(exec, nodes, to_field);
   for_each_index(exec, rect_pixels, to_image);

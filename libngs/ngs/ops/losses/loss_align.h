@@ -40,8 +40,7 @@ struct AlignContext {
   std::vector<float> colour_residual, alpha_residual, patch_mean, patch_share;
 };
 
-AlignLoss loss_align(const Exec& exec, const AlignOptions& options, const AlignInputs& in,
-                     AlignContext& context);
+AlignLoss loss_align(const Exec& exec, const AlignOptions& options, const AlignInputs& in, AlignContext& context);
 
 struct AlignFieldGradients {
   std::vector<float> colour, alpha;  // [R, 3], [R]
@@ -50,7 +49,7 @@ struct AlignFieldGradients {
 /// Where `weight` · ∂total goes.
 struct AlignGradients {
   double weight;
-  AlignFieldGradients& field;                // overwritten
+  AlignFieldGradients& field;                    // overwritten
   ImageF &colour_accumulate, &alpha_accumulate;  // of the rendered images, and shaped like them
 };
 

@@ -116,8 +116,7 @@ struct AlignForward {
  private:
   NGS_HD Vec3<T> sample_colour(const BilinearAxis& x, const BilinearAxis& y) const {
     const T x1 = T(x.weight), x0 = T(1) - x1, y1 = T(y.weight), y0 = T(1) - y1;
-    return y0 *
-               (x0 * vec3(in.colour.at(x.lower, y.lower, 3)) + x1 * vec3(in.colour.at(x.upper, y.lower, 3))) +
+    return y0 * (x0 * vec3(in.colour.at(x.lower, y.lower, 3)) + x1 * vec3(in.colour.at(x.upper, y.lower, 3))) +
            y1 * (x0 * vec3(in.colour.at(x.lower, y.upper, 3)) + x1 * vec3(in.colour.at(x.upper, y.upper, 3)));
   }
   NGS_HD T sample_alpha(const BilinearAxis& x, const BilinearAxis& y) const {
@@ -175,8 +174,7 @@ struct AlignBackwardImage {
           alpha += T(reading) * in.weight_alpha * node.alpha_residual[r];
         }
         if (patch_at(u, v, width, height).contains(x, y))
-          colour =
-              colour + (in.weight_variance * node.patch_share[r]) * (here - vec3(node.patch_mean + r * 3));
+          colour = colour + (in.weight_variance * node.patch_share[r]) * (here - vec3(node.patch_mean + r * 3));
       }
     const std::int64_t pixel = static_cast<std::int64_t>(y) * width + x;
     T* g = grad_colour_accumulate + pixel * 3;

@@ -50,8 +50,8 @@ struct ContinuityBackward {
     Vec3<T> sum{T(0), T(0), T(0)};
     const Vec3<T> here = vec3(graph.colour.row(i));
     for (int slot = 0; slot < graph.index.c; ++slot)
-      sum = sum + graph.edge_weight(i * graph.index.c + slot) *
-                      (here - vec3(graph.colour.row(graph.index.row(i)[slot])));
+      sum =
+          sum + graph.edge_weight(i * graph.index.c + slot) * (here - vec3(graph.colour.row(graph.index.row(i)[slot])));
     for (std::int64_t at = graph.row_begin[i]; at < graph.row_begin[i + 1]; ++at) {
       const std::int64_t e = graph.edge[at];
       sum = sum + graph.edge_weight(e) * (here - vec3(graph.colour.row(e / graph.index.c)));

@@ -13,8 +13,8 @@ ImageF density_weights(const Exec& exec, int width_px, int height_px, const Fiel
   const PixelBox& box = field.box;
   NGS_CHECK(std::int64_t(field.optical_depth.size()) == field.grid.nodes(), "one optical depth per node");
   ImageF weight(width_px, height_px, 1);
-  const DensityWeight kernel{field.grid, box.min_x, box.min_y, box.max_x, box.max_y,
-                             width_px,   field.optical_depth.data(), weight.data.data()};
+  const DensityWeight kernel{
+      field.grid, box.min_x, box.min_y, box.max_x, box.max_y, width_px, field.optical_depth.data(), weight.data.data()};
   if (exec.device_ops)
     exec.device_ops->loss.density_weight(kernel, weight.pixels());
   else
@@ -32,8 +32,7 @@ MaskLoss loss_mask(const Exec& exec, const MaskLossOptions& options, const MaskL
   NGS_CHECK(masks.width_px == rendered.width_px && masks.height_px == rendered.height_px,
             "masks have the render's size");
   NGS_CHECK(int(masks.target.size()) == rendered.channels, "one target per label channel");
-  NGS_CHECK(in.pixel_weight == nullptr || in.pixel_weight->pixels() == rendered.pixels(),
-            "one weight per pixel");
+  NGS_CHECK(in.pixel_weight == nullptr || in.pixel_weight->pixels() == rendered.pixels(), "one weight per pixel");
   loss.known = masks.known.empty()
                    ? rendered.pixels()
                    : rendered.pixels() - std::count(masks.known.begin(), masks.known.end(), std::uint8_t(0));

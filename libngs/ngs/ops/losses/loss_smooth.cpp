@@ -32,12 +32,9 @@ double loss_smooth_backward(const Exec& exec, const SmoothnessScale& scale, cons
   const double ratio = scale.unit_length / scale.jitter_length;
   const double factor = 3 * ratio * ratio / double(n);
   std::vector<float> term(colour.size() / 3);
-  const SmoothnessForwardBackward<float> kernel{{colour.data(), n},
-                                                {moved_colour.data(), n},
-                                                float(weight * factor),
-                                                term.data(),
-                                                {out.colour.data(), n},
-                                                {out.moved_colour.data(), n}};
+  const SmoothnessForwardBackward<float> kernel{{colour.data(), n},     {moved_colour.data(), n},
+                                                float(weight * factor), term.data(),
+                                                {out.colour.data(), n}, {out.moved_colour.data(), n}};
   if (exec.device_ops)
     exec.device_ops->loss.smoothness(kernel);
   else

@@ -35,7 +35,9 @@ struct PhotometricLoss {
 template <class T, class Acc = double>
 class PhotometricPass {
  public:
-  struct Value { Acc total, l1, ssim; };
+  struct Value {
+    Acc total, l1, ssim;
+  };
   struct Images {
     const Image<T>&rendered, &target;
     const ImageF* weight = nullptr;  // [H, W, 1], >= 0; null: 1

@@ -55,7 +55,10 @@ auto PhotometricPass<T, Acc>::evaluate(const Exec& exec, const PhotometricOption
                   {rendered.data.data() + rendered.index(x0, y0), stride},
                   {target.data.data() + target.index(x0, y0), stride},
                   {{weight ? weight->data.data() + weight->index(x0, y0) : nullptr, W},
-                   inner.x0 - x0, inner.x1 - x0, inner.y0 - y0, inner.y1 - y0},
+                   inner.x0 - x0,
+                   inner.x1 - x0,
+                   inner.y0 - y0,
+                   inner.y1 - y0},
                   -options.gradient_scale * options.dssim_weight * norm,
                   options.gradient_scale * (1 - options.dssim_weight) * norm,
                   {gradient ? gradient->data.data() + gradient->index(x0, y0) : nullptr, stride}},
@@ -77,16 +80,15 @@ auto PhotometricPass<T, Acc>::compare(const Exec& exec, const ssim::Comparison<T
   const bool wants_gradient = c.gradient.first != nullptr;
   const ssim::StripPlan plan{c.layout};
   const ssim::Window<T> window;
-  if (wants_gradient)
-    partials_.resize(std::max(partials_.size(), std::size_t(c.layout.plane()) * ssim::kPartials));
+  if (wants_gradient) partials_.resize(std::max(partials_.size(), std::size_t(c.layout.plane()) * ssim::kPartials));
   sums_.resize(std::size_t(plan.size()) * 2);
   for_each_task(exec, plan.size(),
                 ssim::BandLoss<T, Acc>{c.layout, window, c.x, c.y, c.weights, T(c.ssim_factor),
                                        wants_gradient ? partials_.data() : nullptr, sums_.data()});
   if (wants_gradient)
-    for_each_task(exec, plan.size(),
-                  ssim::BandGradient<T>{c.layout, window, c.x, c.y, c.weights, T(c.l1_factor), partials_.data(),
-                                        c.gradient});
+    for_each_task(
+        exec, plan.size(),
+        ssim::BandGradient<T>{c.layout, window, c.x, c.y, c.weights, T(c.l1_factor), partials_.data(), c.gradient});
   Acc l1 = Acc(0), similarity = Acc(0);
   for (std::size_t task = 0; task < sums_.size(); task += 2) l1 += sums_[task], similarity += sums_[task + 1];
   return value(l1, similarity);

@@ -1,8 +1,9 @@
 #pragma once
-// Scalar source of ops/losses/photometric.h: SSIM by separable moments and its adjoint, value by value. L: a lane type of
-// math/lane_scalar.h or math/lanes.h.
+// Scalar source of ops/losses/photometric.h: SSIM by separable moments and its adjoint, value by value. L: a lane type
+// of math/lane_scalar.h or math/lanes.h.
 //
-// Images are [h, w, c] interleaved; a row is w·c values. Outside of the image everything is zero, as 3DGS's conv2d pads.
+// Images are [h, w, c] interleaved; a row is w·c values. Outside of the image everything is zero, as 3DGS's conv2d
+// pads.
 #include <cmath>
 #include <cstdint>
 
@@ -12,11 +13,11 @@
 
 namespace ngs::ssim {
 
-inline constexpr int kRadius = 5;        // 11 x 11 window
-inline constexpr double kSigma = 1.5;    // px
-inline constexpr double kC1 = 1e-4, kC2 = 9e-4;  // (0.01)², (0.03)² for values in [0, 1]
-enum Moment { kX, kY, kSquares, kXY, kMoments };      // of x, y, x² + y², xy
-enum Partial { kDx, kDSquares, kDxy, kPartials };     // ∂S/∂(blurred x, x² + y², xy)
+inline constexpr int kRadius = 5;                  // 11 x 11 window
+inline constexpr double kSigma = 1.5;              // px
+inline constexpr double kC1 = 1e-4, kC2 = 9e-4;    // (0.01)², (0.03)² for values in [0, 1]
+enum Moment { kX, kY, kSquares, kXY, kMoments };   // of x, y, x² + y², xy
+enum Partial { kDx, kDSquares, kDxy, kPartials };  // ∂S/∂(blurred x, x² + y², xy)
 
 /// Taps from the middle outwards.
 template <class T>
@@ -88,8 +89,8 @@ NGS_HD void products(L x, L y, L* out) {
 
 /// SSIM of one window from its blurred moments, and its partials.
 ///   S = (2 μx μy + C1)(2 σxy + C2) / ((μx² + μy² + C1)(σx² + σy² + C2)),  σx² + σy² = E[x² + y²] - μx² - μy²
-/// In float σ² carries an absolute error of about eps·E[x²]; C2 keeps that below 1e-3 of the denominator for values in [0, 1].
-/// Colours above it are drawn as they are: there σ² is kept from falling below 0, so that S keeps its sign.
+/// In float σ² carries an absolute error of about eps·E[x²]; C2 keeps that below 1e-3 of the denominator for values in
+/// [0, 1]. Colours above it are drawn as they are: there σ² is kept from falling below 0, so that S keeps its sign.
 template <class L>
 NGS_HD L similarity(const L* moment, L* partial) {
   using T = typename LaneTraits<L>::Scalar;

@@ -1,6 +1,6 @@
 #pragma once
-// How the CPU runs ops/losses/photometric_kernels.h: strips of columns, whose last 11 rows stay in the innermost cache while both
-// passes of the window go down the image. Internal to ops.
+// How the CPU runs ops/losses/photometric_kernels.h: strips of columns, whose last 11 rows stay in the innermost cache
+// while both passes of the window go down the image. Internal to ops.
 #include <algorithm>
 #include <vector>
 
@@ -72,8 +72,8 @@ struct PlaneRows {
   std::int64_t plane;
 };
 
-/// Calls use(y, column) for every row of the band, where column(plane, i) is the pack of values from i of the plane blurred
-/// both ways. load(y) gives the PlaneRows of row y of the image.
+/// Calls use(y, column) for every row of the band, where column(plane, i) is the pack of values from i of the plane
+/// blurred both ways. load(y) gives the PlaneRows of row y of the image.
 template <class T, int kPlanes, class Load, class Use>
 void blur_band(const Layout& layout, const Window<T>& window, const StripBand& band, const Load& load, const Use& use) {
   using L = typename StripLane<T>::Type;
@@ -211,7 +211,8 @@ struct BandLoss {
         T* out = partials + layout.row(row) + band.begin + i;
         for (int d = 0; d < kPartials; ++d) store_lanes(out + d * layout.plane(), partial[d] * factor);
       }
-      for (int d = 0; partials && d < kPartials; ++d) clear_beside(layout, band, partials + d * layout.plane() + layout.row(row));
+      for (int d = 0; partials && d < kPartials; ++d)
+        clear_beside(layout, band, partials + d * layout.plane() + layout.row(row));
     });
     sums[2 * task] = l1.total(), sums[2 * task + 1] = similar.total();
   }

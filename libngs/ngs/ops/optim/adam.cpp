@@ -8,8 +8,8 @@
 #include "ngs/backend/for_each.h"
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
-#include "ngs/ops/optim/adam_kernels.h"
 #include "ngs/ops/device/device_ops.h"
+#include "ngs/ops/optim/adam_kernels.h"
 
 namespace ngs {
 namespace {
@@ -56,8 +56,9 @@ void step_block(const Exec& exec, const AdamOptions& o, std::int64_t step, const
   };
   const double bias1 = adam_bias(o.beta1, step), bias2 = adam_bias(o.beta2, step);
   const std::int64_t n = std::int64_t(value.size());
-  const AdamKernel<T> kernel{value.data(), grad.data(), m.data(), v.data(), n, T(o.lr / bias1),
-                             T(1.0 / std::sqrt(bias2)), T(1.0 - o.beta1), T(1.0 - o.beta2), T(o.eps)};
+  const AdamKernel<T> kernel{
+      value.data(),     grad.data(),      m.data(), v.data(), n, T(o.lr / bias1), T(1.0 / std::sqrt(bias2)),
+      T(1.0 - o.beta1), T(1.0 - o.beta2), T(o.eps)};
   NGS_CHECK(o.sparse_columns <= 0 || n % o.sparse_columns == 0, "adam_step: the block is not a whole number of rows");
   if constexpr (std::is_same_v<T, float>)
     if (exec.device_ops) return require_usable(exec.device_ops->loss.adam(kernel, o.sparse_columns, limit));

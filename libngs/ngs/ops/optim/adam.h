@@ -15,7 +15,7 @@ namespace ngs {
 struct AdamOptions {
   double lr = 1e-3;
   double beta1 = 0.9, beta2 = 0.999;
-  double eps = 1e-15;  // 3DGS's; it only guards 0/0
+  double eps = 1e-15;      // 3DGS's; it only guards 0/0
   int sparse_columns = 0;  // > 0: rows of this many values with an all-zero gradient are skipped entirely
 };
 

@@ -24,8 +24,8 @@ struct AdamKernel {
   T* m;           // [n] first moment, updated
   T* v;           // [n] second moment >= 0, updated
   std::int64_t n;
-  T step;              // lr / (1-β₁ᵗ)
-  T inv_root;          // 1 / √(1-β₂ᵗ)
+  T step;      // lr / (1-β₁ᵗ)
+  T inv_root;  // 1 / √(1-β₂ᵗ)
   T one_minus_beta1, one_minus_beta2;
   T eps;
 

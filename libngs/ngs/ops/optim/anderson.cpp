@@ -49,13 +49,10 @@ std::vector<double> Anderson::next(const std::vector<double>& x, const std::vect
     return out;
   }
   for (Eigen::Index j = 0; j < k; ++j)
-    for (std::size_t i = 0; i < x.size(); ++i)
-      out[i] -= gamma(j) * (dx_[std::size_t(j)][i] + df_[std::size_t(j)][i]);
+    for (std::size_t i = 0; i < x.size(); ++i) out[i] -= gamma(j) * (dx_[std::size_t(j)][i] + df_[std::size_t(j)][i]);
   return out;
 }
 
-void Anderson::reset() {
-  last_x_.clear(), last_f_.clear(), dx_.clear(), df_.clear();
-}
+void Anderson::reset() { last_x_.clear(), last_f_.clear(), dx_.clear(), df_.clear(); }
 
 }  // namespace ngs

@@ -14,7 +14,8 @@ class Anderson {
   explicit Anderson(std::size_t depth) : depth_(depth) {}
 
   /// The point after `x`, whose step is f. `weight` >= 0 per component: how much of the step's length it is.
-  std::vector<double> next(const std::vector<double>& x, const std::vector<double>& f, const std::vector<double>& weight);
+  std::vector<double> next(const std::vector<double>& x, const std::vector<double>& f,
+                           const std::vector<double>& weight);
   /// Forgets the points so far.
   void reset();
 

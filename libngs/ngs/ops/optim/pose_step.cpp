@@ -21,9 +21,7 @@ constexpr double kLeastTexture = 1e-7;  // mean squared gradient, per px²: belo
 using Row = Eigen::Matrix<double, kParameters, 1>;
 using Normal = Eigen::Matrix<double, kParameters, kParameters>;
 
-double cauchy_weight(double residual) {
-  return 1 / (1 + residual * residual / (kPoseResidual * kPoseResidual));
-}
+double cauchy_weight(double residual) { return 1 / (1 + residual * residual / (kPoseResidual * kPoseResidual)); }
 
 /// Lays the colours of `from` on those of `to`, channel by channel, by gain and offset: exposures differ
 /// between photos. Least squares with Cauchy weights, as the alignment itself.
@@ -72,8 +70,7 @@ struct Sums {
   double error = 0, weight = 0, texture = 0;
 };
 
-Sums linearise(const ImageF& from, const ImageF& to, const RenderedView& view, const Camera& camera,
-               double depth) {
+Sums linearise(const ImageF& from, const ImageF& to, const RenderedView& view, const Camera& camera, double depth) {
   Sums s;
   for (int y = kBorder_px; y < to.height_px - kBorder_px; ++y)
     for (int x = kBorder_px; x < to.width_px - kBorder_px; ++x) {
@@ -84,7 +81,7 @@ Sums linearise(const ImageF& from, const ImageF& to, const RenderedView& view, c
       s.flow += alpha * (du * du.transpose() + dv * dv.transpose());
       const double share = alpha / to.channels;
       double xx = 0, xy = 0, yy = 0, xr = 0, yr = 0;  // of the image gradient and the residual, over the channels
-      double over_one = 0;  // Π (1 + r² / s²) - 1: one logarithm for all channels
+      double over_one = 0;                            // Π (1 + r² / s²) - 1: one logarithm for all channels
       for (int c = 0; c < to.channels; ++c) {
         const double gx = 0.5 * double(from.at(x + 1, y, c) - from.at(x - 1, y, c)),
                      gy = 0.5 * double(from.at(x, y + 1, c) - from.at(x, y - 1, c)),
@@ -153,8 +150,7 @@ Camera moved(Camera camera, const CameraMotion& motion) {
   return camera;
 }
 
-PoseStep pose_step(const RenderedView& view, const ImageF& photo, const Camera& camera,
-                   const CameraMotion& so_far) {
+PoseStep pose_step(const RenderedView& view, const ImageF& photo, const Camera& camera, const CameraMotion& so_far) {
   NGS_CHECK(view.colour.width_px == photo.width_px && view.colour.height_px == photo.height_px &&
                 view.colour.channels == photo.channels && !view.depth.empty(),
             "a view with depth and a photo of one size");
@@ -170,16 +166,14 @@ PoseStep pose_step(const RenderedView& view, const ImageF& photo, const Camera& 
   const double turn_px = f_px, move_px = f_px / depth;  // per unit of each parameter
   const auto& [turn, move] = so_far;
   Row total;
-  total << turn_px * turn.x, turn_px * turn.y, turn_px * turn.z, move_px * move.x, move_px * move.y,
-      move_px * move.z;
+  total << turn_px * turn.x, turn_px * turn.y, turn_px * turn.z, move_px * move.x, move_px * move.y, move_px * move.z;
   const double prior = kPrior * sums.normal.diagonal().maxCoeff();
   const Row p = (sums.normal + prior * Normal::Identity()).ldlt().solve(sums.rhs - prior * total);
   if (!p.allFinite()) return step;
   const auto rms_px = [&](const Row& motion) {
     return std::sqrt(std::max(0.0, motion.dot(sums.flow * motion)) / sums.weight);
   };
-  step.motion = {{p[0] / turn_px, p[1] / turn_px, p[2] / turn_px},
-                 {p[3] / move_px, p[4] / move_px, p[5] / move_px}};
+  step.motion = {{p[0] / turn_px, p[1] / turn_px, p[2] / turn_px}, {p[3] / move_px, p[4] / move_px, p[5] / move_px}};
   step.flow_px = rms_px(p), step.total_px = rms_px(total + p);
   step.determined = true;
   return step;

@@ -32,7 +32,6 @@ ImageF smoothed_for_pose(const ImageF& in);
 /// binomial, and the exposure of the view is laid on the photo's, a gain and an offset per channel. `so_far`:
 /// the sum of the motions before this one, which a weak prior keeps small where the photo does not determine
 /// them (a turn and a move across the line of sight look alike). Serial.
-PoseStep pose_step(const RenderedView& view, const ImageF& photo, const Camera& camera,
-                   const CameraMotion& so_far);
+PoseStep pose_step(const RenderedView& view, const ImageF& photo, const Camera& camera, const CameraMotion& so_far);
 
 }  // namespace ngs

@@ -1,10 +1,10 @@
 #include "ngs/ops/splat/evidence.h"
 
 #include "ngs/core/check.h"
+#include "ngs/ops/device/device_ops.h"
 #include "ngs/ops/splat/binned_view.h"
 #include "ngs/ops/splat/cloud_view.h"
 #include "ngs/ops/splat/splat_view.h"
-#include "ngs/ops/device/device_ops.h"
 #include "ngs/ops/splat/tile_isa.h"
 #include "ngs/ops/splat/tile_scratch.h"
 
@@ -92,24 +92,27 @@ ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const MaskedVie
     for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
       const double* sum = &sums[i * columns];
       const bool wanted = of == nullptr || (*of)[i];
-      if (wanted && sum[0] > 0) seen.row.push_back(std::uint32_t(i)), seen.sum.insert(seen.sum.end(), sum, sum + columns);
+      if (wanted && sum[0] > 0)
+        seen.row.push_back(std::uint32_t(i)), seen.sum.insert(seen.sum.end(), sum, sum + columns);
     }
     return seen;
   }
   const ViewPairs pairs(exec, cloud, view, options);
   std::vector<ViewSums> part(std::size_t(pairs.chunks()), ViewSums{seen.objects, {}, {}});
   for_each_task(exec, pairs.chunks(), [&](std::int64_t chunk) {
-    pairs.for_each_seen(chunk, of, [&part = part[std::size_t(chunk)], columns](std::uint32_t gaussian, const double* sum) {
-      part.row.push_back(gaussian), part.sum.insert(part.sum.end(), sum, sum + columns);
-    });
+    pairs.for_each_seen(chunk, of,
+                        [&part = part[std::size_t(chunk)], columns](std::uint32_t gaussian, const double* sum) {
+                          part.row.push_back(gaussian), part.sum.insert(part.sum.end(), sum, sum + columns);
+                        });
   });
   for (const ViewSums& p : part)
-    seen.row.insert(seen.row.end(), p.row.begin(), p.row.end()), seen.sum.insert(seen.sum.end(), p.sum.begin(), p.sum.end());
+    seen.row.insert(seen.row.end(), p.row.begin(), p.row.end()),
+        seen.sum.insert(seen.sum.end(), p.sum.begin(), p.sum.end());
   return seen;
 }
 
-void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view, const SplatOptions& options,
-                       Evidence& evidence) {
+void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,
+                       const SplatOptions& options, Evidence& evidence) {
   const ViewMasks& masks = view.masks;
   if (!masks.available) return;
   require_size(view);
@@ -124,7 +127,8 @@ void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const Maske
   }
   const ViewPairs pairs(exec, cloud, view, options);
   for_each_task(exec, pairs.chunks(), [&](std::int64_t chunk) {
-    pairs.for_each_seen(chunk, nullptr, [&](std::uint32_t gaussian, const double* sum) { evidence.add(gaussian, sum); });
+    pairs.for_each_seen(chunk, nullptr,
+                        [&](std::uint32_t gaussian, const double* sum) { evidence.add(gaussian, sum); });
   });
 }
 

@@ -19,7 +19,7 @@ ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const MaskedVie
                    const std::vector<std::uint8_t>* of = nullptr);
 
 /// Adds that to `evidence`, without keeping it.
-void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view, const SplatOptions& options,
-                       Evidence& evidence);
+void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,
+                       const SplatOptions& options, Evidence& evidence);
 
 }  // namespace ngs

@@ -3,8 +3,8 @@
 #include "ngs/core/check.h"
 #include "ngs/ops/splat/binned_view.h"
 #include "ngs/ops/splat/cloud_view.h"
-#include "ngs/ops/splat/splat_view.h"
 #include "ngs/ops/splat/splat_tiles.h"
+#include "ngs/ops/splat/splat_view.h"
 
 namespace ngs {
 namespace {
@@ -21,8 +21,8 @@ void tile_plane(const TileFrame& frame, const std::vector<T>& image, L* packs) {
   float lane[kTilePixels] = {};
   for (int y = 0; y < frame.rows(); ++y)
     for (int x = 0; x < frame.columns(); ++x)
-      lane[lane_of(x, y)] = float(
-          image[std::size_t(frame.y_px + y) * std::size_t(frame.width_px) + std::size_t(frame.x_px + x)]);
+      lane[lane_of(x, y)] =
+          float(image[std::size_t(frame.y_px + y) * std::size_t(frame.width_px) + std::size_t(frame.x_px + x)]);
   for (int i = 0; i < kPacks; ++i) load_lanes(lane + i * L::kLanes, packs[i]);
 }
 
@@ -104,8 +104,7 @@ void store_tile(const TileFrame& frame, const std::vector<L>& sum, ImageF& out) 
   for (int c = 0; c < out.channels; ++c) {
     for (int i = 0; i < kPacks; ++i) store_lanes(lane + i * L::kLanes, sum[std::size_t(c * kPacks + i)]);
     for (int y = 0; y < frame.rows(); ++y)
-      for (int x = 0; x < frame.columns(); ++x)
-        out.at(frame.x_px + x, frame.y_px + y, c) = lane[lane_of(x, y)];
+      for (int x = 0; x < frame.columns(); ++x) out.at(frame.x_px + x, frame.y_px + y, c) = lane[lane_of(x, y)];
   }
 }
 
@@ -127,9 +126,9 @@ struct FrontView::State {
 };
 
 FrontView::FrontView(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options)
-    : state_(std::make_unique<State>(State{
-          exec, camera, options.compat, cloud.size(),
-          BinnedView<float>(exec, cloud_view(cloud, 0, nullptr), relative_camera(camera, cloud), options)})) {}
+    : state_(std::make_unique<State>(
+          State{exec, camera, options.compat, cloud.size(),
+                BinnedView<float>(exec, cloud_view(cloud, 0, nullptr), relative_camera(camera, cloud), options)})) {}
 FrontView::~FrontView() = default;
 
 ImageF FrontView::layer(const FrontQuery& query, Matrix<const float> value) const {
@@ -173,7 +172,8 @@ FrontSums FrontView::sums(const FrontQuery& query, const std::vector<std::uint8_
   for_each_index(s.exec, std::int64_t(b.view().id.size()), [&](std::int64_t v) {
     const std::size_t i = b.view().id[std::size_t(v)];
     if (!query.candidate[i]) return;
-    for (std::int64_t slot = b.lists().slot_begin[std::size_t(v)]; slot < b.lists().slot_begin[std::size_t(v) + 1]; ++slot)
+    for (std::int64_t slot = b.lists().slot_begin[std::size_t(v)]; slot < b.lists().slot_begin[std::size_t(v) + 1];
+         ++slot)
       sums.front[i] += double(pair.row(slot)[0]), sums.marked[i] += double(pair.row(slot)[1]);
   });
   return sums;

@@ -51,13 +51,13 @@ template <class T>
 struct ProjectionContext {
   Vec4<T> unit_rotation;
   T inv_rotation_norm;
-  Mat3<T> r, m;         // rotation of the Gaussian; r · diag(scale)
+  Mat3<T> r, m;  // rotation of the Gaussian; r · diag(scale)
   Vec3<T> scale;
-  T slope_x, slope_y;   // clamped x/z, y/z
+  T slope_x, slope_y;  // clamped x/z, y/z
   bool x_clamped, y_clamped;
-  Vec3<T> u0, u1;       // rows of J · W
-  Vec3<T> v0, v1;       // rows of J · W · R · S: covariance = [v_i · v_j]
-  Vec3<T> v_cross;      // v0 × v1: its square is the determinant of the unblurred covariance
+  Vec3<T> u0, u1;   // rows of J · W
+  Vec3<T> v0, v1;   // rows of J · W · R · S: covariance = [v_i · v_j]
+  Vec3<T> v_cross;  // v0 × v1: its square is the determinant of the unblurred covariance
   T det_raw, compensation, logit_opacity;
   bool compensation_floored;
 };
@@ -78,8 +78,8 @@ NGS_HD void gaussian_shape(const T* rotation, const T* log_scale, ProjectionCont
 /// The covariance is a Gram matrix V Vᵀ with V = J W R S, so it is never indefinite; its determinant is
 /// |v0 × v1|² (Lagrange), which keeps full accuracy for needles where ac - b² cancels.
 template <class T>
-NGS_HD ProjectedGaussian<T> project_gaussian(const ProjectionCamera<T>& camera, Vec3<T> t, const GaussianShape<T>& shape,
-                                             ProjectionContext<T>& ctx) {
+NGS_HD ProjectedGaussian<T> project_gaussian(const ProjectionCamera<T>& camera, Vec3<T> t,
+                                             const GaussianShape<T>& shape, ProjectionContext<T>& ctx) {
   using std::sqrt;
   gaussian_shape(shape.rotation, shape.log_scale, ctx);
 
@@ -189,7 +189,8 @@ NGS_HD GaussianGradient<T> project_gaussian_backward(const ProjectionCamera<T>& 
   out.t.y = fy_z * g.mean_y - (ctx.y_clamped ? T(0) : fy_z / t.z * grad_j12);
   out.t.z = -fx_z * slope_x * g.mean_x - fy_z * slope_y * g.mean_y +
             (-fx_z * grad_j00 + fx_z * (ctx.slope_x + s_x) * grad_j02 - fy_z * grad_j11 +
-             fy_z * (ctx.slope_y + s_y) * grad_j12) / t.z;
+             fy_z * (ctx.slope_y + s_y) * grad_j12) /
+                t.z;
   out.logit_opacity = g.log_opacity * sigmoid(-ctx.logit_opacity);
   return out;
 }
@@ -223,8 +224,8 @@ struct ShGradient {
   T dc[3], rest[45];
 };
 
-/// Adjoint of sh_colour; channels clamped at 0 (rgb == 0) pass no gradient. Writes out.dc and, of the bands above 0, n rows of
-/// out.rest; returns ∂L/∂offset.
+/// Adjoint of sh_colour; channels clamped at 0 (rgb == 0) pass no gradient. Writes out.dc and, of the bands above 0, n
+/// rows of out.rest; returns ∂L/∂offset.
 template <class T>
 NGS_HD Vec3<T> sh_colour_backward(int degree, Vec3<T> offset, const T* rest, const ColourAndGradient<T>& colour,
                                   ShGradient<T>& out) {

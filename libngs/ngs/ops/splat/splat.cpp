@@ -1,8 +1,8 @@
 #include "ngs/ops/splat/splat.h"
 
 #include "ngs/core/check.h"
-#include "ngs/ops/splat/cloud_view.h"
 #include "ngs/ops/device/device_ops.h"
+#include "ngs/ops/splat/cloud_view.h"
 #include "ngs/ops/splat/splat_engine.h"
 #include "ngs/ops/splat/tile_isa.h"
 
@@ -18,8 +18,7 @@ template <class T, class View>
 std::vector<Plane<T>> planes(const ChannelPlan<float>& plan, View& view) {
   std::vector<Plane<T>> out;
   const auto add = [&](auto& image, int channels) {
-    for (int c = 0; c < channels; ++c)
-      out.push_back({image.empty() ? nullptr : image.data.data() + c, channels});
+    for (int c = 0; c < channels; ++c) out.push_back({image.empty() ? nullptr : image.data.data() + c, channels});
   };
   if (plan.colour) add(view.colour, 3);
   if (plan.label.n > 0) add(view.label, plan.label.c);
@@ -97,10 +96,11 @@ void SplatPass::backward(const Exec& exec, const ViewGradients& gradients, Cloud
   if (s.plan.colour) moves.insert(moves.end(), 3, gradients.colour_moves_geometry);
   if (s.plan.label.n > 0) moves.insert(moves.end(), std::size_t(s.plan.label.c), gradients.label_moves_geometry);
   if (s.plan.depth) moves.push_back(gradients.depth_moves_geometry);
-  const CloudGradientView<float> view{out.position.data(), out.rotation.data(), out.log_scale.data(),
-                                      out.logit_opacity.data(), out.sh_dc.data(), out.sh_rest.data(), out.label.data(),
-                                      out.mean_px.data(), out.visible.data(),
-                                      label_alone.empty() ? nullptr : label_alone.data()};
+  const CloudGradientView<float> view{out.position.data(),  out.rotation.data(),
+                                      out.log_scale.data(), out.logit_opacity.data(),
+                                      out.sh_dc.data(),     out.sh_rest.data(),
+                                      out.label.data(),     out.mean_px.data(),
+                                      out.visible.data(),   label_alone.empty() ? nullptr : label_alone.data()};
   const std::vector<Plane<const float>> image = planes<const float>(s.plan, gradients);
   if (s.on_device)
     s.on_device->backward(image, moves, view);
@@ -115,7 +115,8 @@ RenderedView render(const Exec& exec, const GaussianCloud& cloud, const Camera& 
   allocate(camera, channels, view);
   const CloudView<float> on_view = cloud_view(cloud, options.max_sh_degree, request.include);
   if (exec.device_ops) {
-    device_view(exec, on_view, relative_camera(camera, cloud), options, channels)->forward(planes<float>(channels, view));
+    device_view(exec, on_view, relative_camera(camera, cloud), options, channels)
+        ->forward(planes<float>(channels, view));
     return view;
   }
   SplatEngine<float> engine(float_tile_kernels(exec.isa), options, on_view, relative_camera(camera, cloud), channels);

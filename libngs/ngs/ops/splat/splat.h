@@ -14,9 +14,9 @@
 
 namespace ngs {
 
-/// `cloud` made ready for passes over many views, to be put into SplatOptions: the same results, sooner. Takes 56 bytes per
-/// Gaussian, and per pass that runs at a time about 150 per Gaussian that the view sees. The cloud must neither change nor go
-/// before the last pass with it. Null where passes run on a device, which does without.
+/// `cloud` made ready for passes over many views, to be put into SplatOptions: the same results, sooner. Takes 56 bytes
+/// per Gaussian, and per pass that runs at a time about 150 per Gaussian that the view sees. The cloud must neither
+/// change nor go before the last pass with it. Null where passes run on a device, which does without.
 std::shared_ptr<const PreparedCloud> prepare_cloud(const Exec& exec, const GaussianCloud& cloud);
 
 /// Which images to produce, and from which Gaussians.
@@ -29,8 +29,8 @@ struct RenderRequest {
 };
 
 /// Forward only.
-RenderedView render(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
-                    const SplatOptions& options, const RenderRequest& request);
+RenderedView render(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options,
+                    const RenderRequest& request);
 
 /// One forward pass that can be differentiated. Keeps the projection and the tile lists of the last forward.
 class SplatPass {
@@ -44,8 +44,8 @@ class SplatPass {
   const RenderedView& forward(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
                               const RenderRequest& request);
 
-  /// Overwrites `out` with the gradients of the last forward. Adjoint of forward; ∂α/∂· = 0 where α is capped. Of Gaussians
-  /// with label_alone[i] != 0 (empty: none) only that of the labels is found; their other rows are 0.
+  /// Overwrites `out` with the gradients of the last forward. Adjoint of forward; ∂α/∂· = 0 where α is capped. Of
+  /// Gaussians with label_alone[i] != 0 (empty: none) only that of the labels is found; their other rows are 0.
   void backward(const Exec& exec, const ViewGradients& gradients, CloudGradients& out,
                 const std::vector<std::uint8_t>& label_alone = {});
 

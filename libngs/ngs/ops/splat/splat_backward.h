@@ -19,7 +19,8 @@ struct TapeSink {
 
   void begin(std::uint32_t e) { entry = e; }
   [[gnu::always_inline]] void begin_column(int column) {
-    if ((tape.size + kTilePx) * 2 * kLanes > tape.lane_capacity || tape.spans == tape.span_capacity) tape.grow(tape, kLanes);
+    if ((tape.size + kTilePx) * 2 * kLanes > tape.lane_capacity || tape.spans == tape.span_capacity)
+      tape.grow(tape, kLanes);
     tape.span[tape.spans++] = {entry, std::uint32_t(column), tape.size};
     lanes = tape.lanes + tape.size * 2 * kLanes;
     row = row_begin = tape.row + tape.size;
@@ -51,10 +52,12 @@ bool load_image_gradient(const BackwardTile<typename LaneTraits<L>::Scalar>& in)
     const Plane<const S> plane = in.grad[c];
     if (plane.data == nullptr) continue;
     for (int y = 0; y < rows; ++y) {
-      const S* from = plane.data + (std::size_t(frame.y_px + y) * std::size_t(frame.width_px) + std::size_t(frame.x_px)) *
-                                       std::size_t(plane.stride);
+      const S* from =
+          plane.data + (std::size_t(frame.y_px + y) * std::size_t(frame.width_px) + std::size_t(frame.x_px)) *
+                           std::size_t(plane.stride);
       // Rows are short and far apart: the processor does not foresee them.
-      const std::size_t ahead = y + kRowsAhead < rows ? std::size_t(kRowsAhead * frame.width_px) * std::size_t(plane.stride) : 0;
+      const std::size_t ahead =
+          y + kRowsAhead < rows ? std::size_t(kRowsAhead * frame.width_px) * std::size_t(plane.stride) : 0;
       for (int i = 0; i < columns * plane.stride; i += int(64 / sizeof(S))) __builtin_prefetch(from + ahead + i);
       for (int x = 0; x < columns; x += kLanes) {
         S* to = in.scratch + std::size_t((x / kLanes * kTilePx + y) * (count + 1) + c) * kLanes;
@@ -87,7 +90,9 @@ class TileBackward {
 
  public:
   explicit TileBackward(const BackwardTile<S>& in)
-      : in_(in), first_x_px_(in.work.frame.x_px + 0.5), first_y_px_(in.work.frame.y_px + 0.5),
+      : in_(in),
+        first_x_px_(in.work.frame.x_px + 0.5),
+        first_y_px_(in.work.frame.y_px + 0.5),
         totals_(in.scratch + (in.value.count + 1) * kTilePixels + in.value.count * kTilePx) {
     for (std::uint32_t pack = 0; pack < kPacksPerTile<L>; ++pack) {
       L s = L(S(0));
@@ -194,7 +199,8 @@ void record_tile(const TileWork<typename LaneTraits<L>::Scalar>& work, Tape<type
   L left[kPacksPerTile<L>];
   TapeSink<L> sink{tape};
   composite_tile<L>(work, left, sink);
-  for (int pack = 0; pack < kPacksPerTile<L>; ++pack) store_lanes(transmittance + pack * LaneTraits<L>::kLanes, left[pack]);
+  for (int pack = 0; pack < kPacksPerTile<L>; ++pack)
+    store_lanes(transmittance + pack * LaneTraits<L>::kLanes, left[pack]);
 }
 
 template <class L, int C>

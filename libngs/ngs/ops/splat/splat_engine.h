@@ -17,7 +17,8 @@ class SplatEngine {
               const Camera& camera, const ChannelPlan<S>& plan)
       : kernels_(kernels), options_(options), cloud_(cloud), camera_(camera), plan_(plan) {
     background_.assign(std::size_t(plan.count()), S(0));
-    if (plan.colour) background_[0] = plan.background.x, background_[1] = plan.background.y, background_[2] = plan.background.z;
+    if (plan.colour)
+      background_[0] = plan.background.x, background_[1] = plan.background.y, background_[2] = plan.background.z;
   }
 
   /// Writes channel c to out[c] and 1 - T_final to out[count()].
@@ -48,8 +49,8 @@ class SplatEngine {
     for_each_task(exec, lists().tiles(), [&](std::int64_t tile) {
       TileScratch<S>& memory = thread_scratch();
       S* scratch = memory.values(backward_scratch(plan_.count()));
-      kernels_.backward({work(tile), channels(), background_.data(), grad.data(), moves.data(), pair_grad.get(), scratch,
-                         &memory.tape});
+      kernels_.backward({work(tile), channels(), background_.data(), grad.data(), moves.data(), pair_grad.get(),
+                         scratch, &memory.tape});
     });
     clear(exec, out);
     const GaussianBackward<S> gaussian{view_projector<S>(camera_, options_), cloud_, plan_, pairs, out};
@@ -69,7 +70,8 @@ class SplatEngine {
     const ViewProjector<S> projector = view_projector<S>(camera_, options_);
     channel_.resize(view().id.size() * std::size_t(count));
     for_each_index(exec, std::int64_t(view().id.size()), [&](std::int64_t v) {
-      plan_.fill(projector, cloud_, view().id[std::size_t(v)], view().depth[std::size_t(v)], channel_.data() + v * count);
+      plan_.fill(projector, cloud_, view().id[std::size_t(v)], view().depth[std::size_t(v)],
+                 channel_.data() + v * count);
     });
   }
 

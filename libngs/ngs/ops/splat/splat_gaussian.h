@@ -17,11 +17,13 @@ struct CloudView {
   std::int64_t size = 0;
   const S *position = nullptr, *rotation = nullptr, *log_scale = nullptr, *logit_opacity = nullptr;
   const S *sh_dc = nullptr, *sh_rest = nullptr;
-  int sh_degree = 0;    // bands to evaluate
-  int rest_stride = 0;  // coefficients stored per Gaussian
+  int sh_degree = 0;                                         // bands to evaluate
+  int rest_stride = 0;                                       // coefficients stored per Gaussian
   const std::uint8_t *usable = nullptr, *include = nullptr;  // null: all
 
-  NGS_HD GaussianShape<S> shape(std::int64_t i) const { return {rotation + i * 4, log_scale + i * 3, logit_opacity[i]}; }
+  NGS_HD GaussianShape<S> shape(std::int64_t i) const {
+    return {rotation + i * 4, log_scale + i * 3, logit_opacity[i]};
+  }
 };
 
 /// ∂L/∂(columns of CloudView); any pointer may be null (not wanted). Rows of invisible Gaussians are set to 0.
@@ -30,7 +32,8 @@ struct CloudGradientView {
   S *position = nullptr, *rotation = nullptr, *log_scale = nullptr, *logit_opacity = nullptr;
   S *sh_dc = nullptr, *sh_rest = nullptr, *label = nullptr, *mean_px = nullptr;
   std::uint8_t* visible = nullptr;
-  const std::uint8_t* label_alone = nullptr;  // [N] 1: of this Gaussian only `label` is wanted, its other rows are 0; null: none
+  const std::uint8_t* label_alone =
+      nullptr;  // [N] 1: of this Gaussian only `label` is wanted, its other rows are 0; null: none
 };
 
 struct TileRect {
@@ -42,10 +45,18 @@ struct TileRect {
 template <class S>
 ProjectionCamera<S> projection_camera(const Camera& camera, const SplatOptions& options) {
   const double margin_x = 0.15 * camera.width_px / camera.fx, margin_y = 0.15 * camera.height_px / camera.fy;
-  return {mat3_cast<S>(camera.rotation), S(camera.fx), S(camera.fy), S(camera.cx), S(camera.cy),
-          S(-camera.cx / camera.fx - margin_x), S((camera.width_px - camera.cx) / camera.fx + margin_x),
-          S(-camera.cy / camera.fy - margin_y), S((camera.height_px - camera.cy) / camera.fy + margin_y),
-          S(near_plane(options.compat)), S(options.blur_px2), options.antialiased};
+  return {mat3_cast<S>(camera.rotation),
+          S(camera.fx),
+          S(camera.fy),
+          S(camera.cx),
+          S(camera.cy),
+          S(-camera.cx / camera.fx - margin_x),
+          S((camera.width_px - camera.cx) / camera.fx + margin_x),
+          S(-camera.cy / camera.fy - margin_y),
+          S((camera.height_px - camera.cy) / camera.fy + margin_y),
+          S(near_plane(options.compat)),
+          S(options.blur_px2),
+          options.antialiased};
 }
 
 /// p - centre in the wide scalar: both may be far from the origin and close to each other.
@@ -55,7 +66,9 @@ NGS_HD Vec3<WideOf<S>> offset_from(const Vec3<double>& centre, const S* p) {
   return {W(p[0]) - W(centre.x), W(p[1]) - W(centre.y), W(p[2]) - W(centre.z)};
 }
 template <class S, class W>
-NGS_HD Vec3<S> narrowed(Vec3<W> v) { return {S(v.x), S(v.y), S(v.z)}; }
+NGS_HD Vec3<S> narrowed(Vec3<W> v) {
+  return {S(v.x), S(v.y), S(v.z)};
+}
 
 /// Rounds towards zero after clamping to [lo, hi]; NaN gives lo.
 template <class S>
@@ -107,8 +120,10 @@ NGS_HD SplatRecord<S> record_of(const ProjectedGaussian<S>& p, WideOf<S> mean_x,
   const S two_cut = two_cut_of(p.opacity);
   const S reach2 = max2(two_cut, S(0)), half_width = sqrt(reach2 * p.cov_xx), half_height = sqrt(reach2 * p.cov_yy);
   const S log2_opacity = log2_opacity_of(p.opacity);
-  return {mean_x,     mean_y,      PowerForm<S>::of(p.conic_a, p.conic_b, p.cov_yy), log2_opacity,      two_cut, S(1) / p.det,
-          half_width, half_height, -p.conic_b / p.conic_a * half_height,            S(1) / p.conic_c};
+  return {mean_x,          mean_y,      PowerForm<S>::of(p.conic_a, p.conic_b, p.cov_yy),
+          log2_opacity,    two_cut,     S(1) / p.det,
+          half_width,      half_height, -p.conic_b / p.conic_a * half_height,
+          S(1) / p.conic_c};
 }
 
 /// Columns [x_lo, x_hi] (px, continuous) where the ellipse {quadratic form <= two_cut} meets the pixel-centre
@@ -158,8 +173,7 @@ inline double transmittance_stop(Compat compat) {
 template <class S>
 NGS_HD TileGaussian<S> tile_gaussian(const SplatRecord<S>& g, const TileFrame& frame) {
   using W = WideOf<S>;
-  return {S(g.mean_x - W(frame.x_px + 0.5)), S(g.mean_y - W(frame.y_px + 0.5)), g.log2_opacity,
-          g.form};
+  return {S(g.mean_x - W(frame.x_px + 0.5)), S(g.mean_y - W(frame.y_px + 0.5)), g.log2_opacity, g.form};
 }
 
 template <class S>
@@ -187,17 +201,19 @@ struct ViewProjector {
 
   static constexpr double kRadii = 3.5, kRounding_px = 2;
   /// Whether tile_rect would be empty, found without the covariance; may be false although it is. What is bounded:
-  /// both radii are at most 3.33 (cov_xx + cov_yy + 0.32)^½ + 1 px and cov_xx + cov_yy <= (largest scale · `spread` / z)² +
-  /// 2 blur. All multiplied by z; what the factors exceed 3.33 and 1 by is for rounding. Without branches: a loop over
-  /// Gaussians becomes one of packs.
+  /// both radii are at most 3.33 (cov_xx + cov_yy + 0.32)^½ + 1 px and cov_xx + cov_yy <= (largest scale · `spread` /
+  /// z)² + 2 blur. All multiplied by z; what the factors exceed 3.33 and 1 by is for rounding. Without branches: a loop
+  /// over Gaussians becomes one of packs.
   NGS_HD bool beside(const CloudView<S>& cloud, std::int64_t i) const {
     const Vec3<Wide> t = wide.rotation * offset(cloud, i);
     const S* log_scale = cloud.log_scale + i * 3;
     const double x = double(t.x), y = double(t.y), z = double(t.z);
-    const double column = double(wide.f_x) * x + double(wide.c_x) * z, row = double(wide.f_y) * y + double(wide.c_y) * z;
+    const double column = double(wide.f_x) * x + double(wide.c_x) * z,
+                 row = double(wide.f_y) * y + double(wide.c_y) * z;
     const double right = column - kTilePx * tiles_x * z, below = row - kTilePx * tiles_y * z;
     const double off = max2(max2(-column, right), max2(-row, below));
-    const float largest = max2(max2(float(double(log_scale[0])), float(double(log_scale[1]))), float(double(log_scale[2])));
+    const float largest =
+        max2(max2(float(double(log_scale[0])), float(double(log_scale[1]))), float(double(log_scale[2])));
     return off > kRadii * (double(exp_at_least(largest)) * spread + blur_px * z) + kRounding_px * z;
   }
 
@@ -215,7 +231,8 @@ struct ViewProjector {
       return false;
     out.rect = tile_rect(p, compat, tiles_x, tiles_y);
     if (out.rect.x_begin >= out.rect.x_end || out.rect.y_begin >= out.rect.y_end) return false;
-    out.record = record_of<S>(p, wide.f_x * (t_wide.x / t_wide.z) + wide.c_x, wide.f_y * (t_wide.y / t_wide.z) + wide.c_y);
+    out.record =
+        record_of<S>(p, wide.f_x * (t_wide.x / t_wide.z) + wide.c_x, wide.f_y * (t_wide.y / t_wide.z) + wide.c_y);
     out.depth = t.z;
     return true;
   }
@@ -225,18 +242,24 @@ template <class S>
 ViewProjector<S> view_projector(const Camera& camera, const SplatOptions& options) {
   const ProjectionCamera<double> c = projection_camera<double>(camera, options);
   const auto row_length = [](double f, double lo, double hi) { return f * std::hypot(1.0, std::max(-lo, hi)); };
-  return {projection_camera<S>(camera, options), projection_camera<WideOf<S>>(camera, options), camera.centre(),
+  return {projection_camera<S>(camera, options),
+          projection_camera<WideOf<S>>(camera, options),
+          camera.centre(),
           std::hypot(row_length(c.f_x, c.x_lo, c.x_hi), row_length(c.f_y, c.y_lo, c.y_hi)),
-          std::sqrt(2 * c.blur + 0.32), camera.width_px, camera.height_px, (camera.width_px + kTilePx - 1) / kTilePx,
-          (camera.height_px + kTilePx - 1) / kTilePx, options.compat};
+          std::sqrt(2 * c.blur + 0.32),
+          camera.width_px,
+          camera.height_px,
+          (camera.width_px + kTilePx - 1) / kTilePx,
+          (camera.height_px + kTilePx - 1) / kTilePx,
+          options.compat};
 }
 
 /// Which channels are composited: rgb (if colour), the label columns, camera z (if depth).
 template <class S>
 struct ChannelPlan {
   bool colour = true, depth = false;
-  Matrix<const S> label;                       // [N, K], n = 0: none
-  Vec3<S> background{S(0), S(0), S(0)};        // of the colour
+  Matrix<const S> label;                 // [N, K], n = 0: none
+  Vec3<S> background{S(0), S(0), S(0)};  // of the colour
   NGS_HD int labels() const { return label.n > 0 ? label.c : 0; }
   NGS_HD int count() const { return (colour ? 3 : 0) + labels() + (depth ? 1 : 0); }
 
@@ -293,8 +316,8 @@ struct GaussianBackward {
     ProjectionContext<S> ctx;
     const ProjectedGaussian<S> p = project_gaussian(view.camera, t, cloud.shape(i), ctx);
     const auto [mean_x, mean_y, conic_a, conic_b, conic_c, log_opacity] = sums<kPairGeometry>(0, begin, end).of;
-    GaussianGradient<S> g = project_gaussian_backward(view.camera, t, p, ctx,
-                                                      ProjectedGradient<S>{mean_x, mean_y, conic_a, conic_b, conic_c, log_opacity});
+    GaussianGradient<S> g = project_gaussian_backward(
+        view.camera, t, p, ctx, ProjectedGradient<S>{mean_x, mean_y, conic_a, conic_b, conic_c, log_opacity});
     Vec3<S> grad_offset{S(0), S(0), S(0)};
     if (plan.colour) {
       const auto [red, green, blue] = sums<3>(kPairGeometry, begin, end).of;

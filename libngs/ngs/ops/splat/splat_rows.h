@@ -43,15 +43,17 @@ class RowsAhead {
   [[gnu::always_inline]] void load(std::uint32_t k, const SplatRecord<S>& g, const TileFrame& frame) {
     using W = WideOf<S>;
     x_[k] = S(g.mean_x - W(frame.x_px + 0.5)), y_[k] = S(g.mean_y - W(frame.y_px + 0.5));
-    mean_x_[k] = T(x_[k]), mean_y_[k] = T(y_[k]), b_[k] = T(g.form.b()), inv_c_[k] = T(g.inv_c), inv_det_[k] = T(g.inv_det);
+    mean_x_[k] = T(x_[k]), mean_y_[k] = T(y_[k]), b_[k] = T(g.form.b()), inv_c_[k] = T(g.inv_c),
+    inv_det_[k] = T(g.inv_det);
     cut_c_[k] = T(1 + 8 * kEps) * T(g.two_cut) * T(g.form.c()), bottom_x_[k] = T(g.bottom_x);
   }
 
   /// The ellipse {quadratic form <= two_cut} has its lowest point within the columns at its own lowest point, or on the
-  /// border nearest to that. Rounding adds rows and takes none: the square is widened by what cancels in it, the border by
-  /// what cancels in v. Where the ellipse misses the columns, at most a row too many.
+  /// border nearest to that. Rounding adds rows and takes none: the square is widened by what cancels in it, the border
+  /// by what cancels in v. Where the ellipse misses the columns, at most a row too many.
   [[gnu::always_inline]] void find_rows(std::uint32_t k, int band, int rows) {
-    const G left = G(T(band * kBandPx - kSpanSlackPx)) - lanes(mean_x_, k), right = left + G(T(kBandPx - 1 + 2 * kSpanSlackPx));
+    const G left = G(T(band * kBandPx - kSpanSlackPx)) - lanes(mean_x_, k),
+            right = left + G(T(kBandPx - 1 + 2 * kSpanSlackPx));
     const G b = lanes(b_, k), inv_c = lanes(inv_c_, k), inv_det = lanes(inv_det_, k), cut_c = lanes(cut_c_, k);
     const G bottom_x = lanes(bottom_x_, k), mean_y = lanes(mean_y_, k);
     const auto border = [&](T downwards) {
@@ -59,7 +61,8 @@ class RowsAhead {
       const G root = sqrt_lanes(max_lanes(fma_lanes(-u * inv_det, u, cut_c), G(T(0))));
       const G v = (G(downwards) * root - along) * inv_c;
       const G slack = fma_lanes(max_lanes(along, -along) + root, inv_c * G(T(4 * kEps)), G(T(kSpanSlackPx)));
-      const G row = G(downwards) * floor_lanes(fma_lanes(G(downwards), mean_y + v, slack)) + G(T(downwards > 0 ? 1 : 0));
+      const G row =
+          G(downwards) * floor_lanes(fma_lanes(G(downwards), mean_y + v, slack)) + G(T(downwards > 0 ? 1 : 0));
       return min_lanes(max_lanes(row, G(T(0))), G(T(rows)));
     };
     store_row_bits(rows_[band] + k, border(T(-1)), border(T(1)));
@@ -72,8 +75,8 @@ class RowsAhead {
 
   S x_[kAhead], y_[kAhead];
   // Lanes behind the last Gaussian are computed too: they must hold something.
-  T mean_x_[kAhead] = {}, mean_y_[kAhead] = {}, b_[kAhead] = {}, inv_c_[kAhead] = {}, inv_det_[kAhead] = {}, cut_c_[kAhead] = {},
-    bottom_x_[kAhead] = {};
+  T mean_x_[kAhead] = {}, mean_y_[kAhead] = {}, b_[kAhead] = {}, inv_c_[kAhead] = {}, inv_det_[kAhead] = {},
+    cut_c_[kAhead] = {}, bottom_x_[kAhead] = {};
   std::uint32_t rows_[kBands][kAhead];
 };
 

@@ -11,16 +11,16 @@
 
 namespace ngs {
 
-inline constexpr double kAlphaCap = 0.99;        // alpha = min(0.99, 2^exponent)
-inline constexpr double kAlphaMin = 1.0 / 255;   // contributions below are skipped
+inline constexpr double kAlphaCap = 0.99;                    // alpha = min(0.99, 2^exponent)
+inline constexpr double kAlphaMin = 1.0 / 255;               // contributions below are skipped
 inline constexpr double kLog2AlphaMin = -7.994353436858858;  // log2 of it
-inline constexpr double kSpanSlackPx = 0.02;     // more than the rounding of any span; lanes test alpha anyway
+inline constexpr double kSpanSlackPx = 0.02;        // more than the rounding of any span; lanes test alpha anyway
 inline constexpr double kTransmittanceStop = 1e-4;  // a pixel ends before its transmittance falls below
 
-/// The exponent of Eq. (2) at the offset (u, v) from the mean, as two squares and for base 2, so that it needs no reduction
-/// by ln 2: o e^(-(a u² + 2 b u v + c v²) / 2) = 2^(log2 o - (along_u u + along_v v)² - across v²). Along a needle of σ = 1000 px
-/// the printed form is a difference of terms of 10⁶; here two of 10³ cancel before they are squared, and no rounding can make
-/// the sum of squares negative.
+/// The exponent of Eq. (2) at the offset (u, v) from the mean, as two squares and for base 2, so that it needs no
+/// reduction by ln 2: o e^(-(a u² + 2 b u v + c v²) / 2) = 2^(log2 o - (along_u u + along_v v)² - across v²). Along a
+/// needle of σ = 1000 px the printed form is a difference of terms of 10⁶; here two of 10³ cancel before they are
+/// squared, and no rounding can make the sum of squares negative.
 template <class S>
 struct PowerForm {
   S along_u, along_v, across;
@@ -59,7 +59,8 @@ template <class L>
 }
 /// Where an alpha counts: it is at least 1/255. Known before the alpha is, so that nothing waits for it.
 template <class L>
-[[gnu::always_inline]] NGS_HD inline typename LaneTraits<L>::Mask splat_reaches(typename LaneTraits<L>::Mask visited, L exponent) {
+[[gnu::always_inline]] NGS_HD inline typename LaneTraits<L>::Mask splat_reaches(typename LaneTraits<L>::Mask visited,
+                                                                                L exponent) {
   using S = typename LaneTraits<L>::Scalar;
   return and_at_least(visited, exponent, L(S(kLog2AlphaMin)));
 }
@@ -92,7 +93,8 @@ struct PixelTraversal {
   NGS_HD S pass(const TileGaussian<S>& g, S x, S y, S stop, S& before) {
     before = transmittance;
     const S u = g.x - x, v = g.y - y;
-    const S exponent = splat_exponent(u, g.form.along_u, g.form.along_v * v, splat_row_constant(g.form.across, v, g.log2_opacity));
+    const S exponent =
+        splat_exponent(u, g.form.along_u, g.form.along_v * v, splat_row_constant(g.form.across, v, g.log2_opacity));
     if (!splat_reaches(live, exponent)) return S(0);
     const S alpha = splat_alpha(true, exponent);
     const S after = splat_behind(alpha, before);

@@ -47,8 +47,7 @@ struct RowsToVisit {
 
 /// A pack as wide as the tile: the rows of its two halves, and for every row the lanes of the half that visits it.
 template <class L>
-  requires(LaneTraits<L>::kLanes == kTilePx)
-struct RowsToVisit<L> {
+requires(LaneTraits<L>::kLanes == kTilePx) struct RowsToVisit<L> {
   using Mask = typename LaneTraits<L>::Mask;
   RowsAhead<L> ahead;
   Mask visits[kAhead][kTilePx];
@@ -78,7 +77,8 @@ struct RowTerms {
     constexpr int kLanes = LaneTraits<L>::kLanes;
     for (int row = 0; row < kTilePx; row += kLanes) {
       const L v = offsets_to(L(tile_y), lane, row);
-      store_lanes(linear + row, L(form.along_v) * v), store_lanes(constant + row, splat_row_constant(L(form.across), v, log2_opacity));
+      store_lanes(linear + row, L(form.along_v) * v),
+          store_lanes(constant + row, splat_row_constant(L(form.across), v, log2_opacity));
     }
   }
 };
@@ -123,8 +123,8 @@ template <class L>
 /// The alphas of a column come first, then what they do to the pixels. In one loop each row would be one long chain of
 /// operations, few of which fit into what the processor looks ahead at.
 template <class L, class Sink>
-[[gnu::always_inline]] inline void composite_tile(const TileWork<typename LaneTraits<L>::Scalar>& work, L* transmittance,
-                                                  Sink& sink) {
+[[gnu::always_inline]] inline void composite_tile(const TileWork<typename LaneTraits<L>::Scalar>& work,
+                                                  L* transmittance, Sink& sink) {
   using S = typename LaneTraits<L>::Scalar;
   using Mask = typename LaneTraits<L>::Mask;
   constexpr int kLanes = LaneTraits<L>::kLanes, kColumns = kPackColumns<L>;
@@ -264,8 +264,10 @@ void forward_tile(const ForwardTile<typename LaneTraits<L>::Scalar>& in) {
   const int rows = frame.rows(), columns = frame.columns();
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column * kLanes < columns; ++column) {
-      const int pack = column * kTilePx + row, width = columns - column * kLanes < kLanes ? columns - column * kLanes : kLanes;
-      const std::size_t pixel = std::size_t(frame.y_px + row) * std::size_t(frame.width_px) + std::size_t(frame.x_px + column * kLanes);
+      const int pack = column * kTilePx + row,
+                width = columns - column * kLanes < kLanes ? columns - column * kLanes : kLanes;
+      const std::size_t pixel =
+          std::size_t(frame.y_px + row) * std::size_t(frame.width_px) + std::size_t(frame.x_px + column * kLanes);
       for (int c = 0; c <= count; ++c) {
         const Plane<S> plane = in.out[c];
         if (plane.data == nullptr) continue;

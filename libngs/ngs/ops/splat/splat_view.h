@@ -61,8 +61,11 @@ TileWork<S> tile_work(const ProjectedView<S>& view, const TileLists& lists, std:
                       Compat compat) {
   const auto begin = lists.tile_begin[std::size_t(tile)], end = lists.tile_begin[std::size_t(tile) + 1];
   return {{int(tile % lists.tiles_x) * kTilePx, int(tile / lists.tiles_x) * kTilePx, camera.width_px, camera.height_px},
-          view.record.data(), lists.visible.data() + begin, lists.slot.data() + begin,
-          std::uint32_t(end - begin), S(transmittance_stop(compat))};
+          view.record.data(),
+          lists.visible.data() + begin,
+          lists.slot.data() + begin,
+          std::uint32_t(end - begin),
+          S(transmittance_stop(compat))};
 }
 
 }  // namespace ngs

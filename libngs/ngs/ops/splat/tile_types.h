@@ -19,7 +19,8 @@ using WideOf = std::conditional_t<std::is_same_v<S, float>, double, S>;
 
 /// A visible Gaussian as the loops read it: 56 bytes for float.
 ///   mean_x, mean_y           px; wide, because a float mean at 1000 px is off by 3e-5 px, and alpha by as much
-///   form, log2_opacity       alpha = min(0.99, 2^exponent) by splat_exponent; log2_opacity rounded once, so that an opacity
+///   form, log2_opacity       alpha = min(0.99, 2^exponent) by splat_exponent; log2_opacity rounded once, so that an
+///   opacity
 ///                            of 1/255 reaches its centre
 ///   two_cut                  2 ln(255 · opacity): the quadratic form above which alpha < 1/255
 ///   inv_det                  1 / det(blurred covariance) = a c - b²
@@ -63,16 +64,18 @@ template <class S>
 struct ChannelValues {
   const S* data;
   int count;
-  [[gnu::always_inline]] NGS_HD const S* row(std::uint32_t v) const { return data + std::size_t(v) * std::size_t(count); }
+  [[gnu::always_inline]] NGS_HD const S* row(std::uint32_t v) const {
+    return data + std::size_t(v) * std::size_t(count);
+  }
 };
 
 template <class S>
 struct ForwardTile {
   TileWork<S> work;
   ChannelValues<S> value;
-  const S* background;    // [count]
-  const Plane<S>* out;    // [count + 1], the last one alpha
-  S* scratch;             // [count · kTilePixels]
+  const S* background;  // [count]
+  const Plane<S>* out;  // [count + 1], the last one alpha
+  S* scratch;           // [count · kTilePixels]
 };
 
 /// The traversal of a tile as it was recorded, so that the backward pass can go from the far end without dividing by
@@ -97,17 +100,19 @@ struct Tape {
 /// Gradient of one (Gaussian, tile) pair before it is summed per Gaussian: mean, conic, log opacity, then channels.
 inline constexpr int kPairGeometry = 6;
 
-constexpr std::size_t backward_scratch(int count) { return std::size_t((count + 1) * kTilePixels + 2 * count * kTilePx); }
+constexpr std::size_t backward_scratch(int count) {
+  return std::size_t((count + 1) * kTilePixels + 2 * count * kTilePx);
+}
 
 template <class S>
 struct BackwardTile {
   TileWork<S> work;
   ChannelValues<S> value;
-  const S* background;        // [count]
-  const Plane<const S>* grad; // [count + 1] ∂L/∂(channel), ∂L/∂alpha
-  const std::uint8_t* moves;  // [count] whether channel c's gradient reaches alpha
-  S* pair_grad;               // [pairs, kPairGeometry + count]; row slot[e] is overwritten for every entry that contributes
-  S* scratch;                 // [backward_scratch(count)]
+  const S* background;         // [count]
+  const Plane<const S>* grad;  // [count + 1] ∂L/∂(channel), ∂L/∂alpha
+  const std::uint8_t* moves;   // [count] whether channel c's gradient reaches alpha
+  S* pair_grad;  // [pairs, kPairGeometry + count]; row slot[e] is overwritten for every entry that contributes
+  S* scratch;    // [backward_scratch(count)]
   Tape<S>* tape;
 };
 
@@ -119,11 +124,11 @@ constexpr std::size_t evidence_scratch(int objects) {
 template <class S>
 struct EvidenceTile {
   TileWork<S> work;
-  const std::uint8_t* known;     // [H·W] or null: all
-  const float* const* target;    // [objects][H·W]
+  const std::uint8_t* known;   // [H·W] or null: all
+  const float* const* target;  // [objects][H·W]
   int objects;
-  S* pair;                       // [pairs, 2 + 2 · objects]; the row of every entry is overwritten
-  S* scratch;                    // [evidence_scratch(objects)]
+  S* pair;     // [pairs, 2 + 2 · objects]; the row of every entry is overwritten
+  S* scratch;  // [evidence_scratch(objects)]
 };
 
 /// The kernels of one lane type.

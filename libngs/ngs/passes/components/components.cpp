@@ -42,7 +42,7 @@ class Cells {
 
 /// 1: claimed, and not linked with the core.
 std::vector<std::uint8_t> far_from_core(const Exec& exec, const ComponentOptions& options, const Problem& input,
-                                          const LabelColumns& object) {
+                                        const LabelColumns& object) {
   const GaussianCloud& cloud = input.cloud;
   const auto n = std::size_t(cloud.size());
   std::vector<std::uint8_t> far(n, 0);

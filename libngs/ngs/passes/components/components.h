@@ -12,7 +12,7 @@ namespace ngs {
 
 struct ComponentOptions {
   CoreOptions core{.seen = 0.5, .margin = 0.5};
-  double labelled = 0.5;  // share from which a Gaussian links others to the core
+  double labelled = 0.5;                   // share from which a Gaussian links others to the core
   double claimed = kLeastForegroundShare;  // share from which it may be disconnected
 };
 

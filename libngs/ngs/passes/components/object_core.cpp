@@ -13,7 +13,8 @@ ObjectCore core_of(const CoreOptions& options, const GaussianCloud& cloud, std::
   float most_views = 0;
   for (const LabelColumns& object : objects)
     for (std::size_t i = 0; i < n; ++i)
-      if (cloud.usable[i] && double(object.prob[i]) >= options.share) most_views = std::max(most_views, object.views[i]);
+      if (cloud.usable[i] && double(object.prob[i]) >= options.share)
+        most_views = std::max(most_views, object.views[i]);
   core.least_views = std::ceil(options.seen * double(most_views));
   for (std::size_t i = 0; i < n; ++i) {
     if (!cloud.usable[i]) continue;

@@ -5,17 +5,17 @@
 #include <vector>
 
 #include "ngs/backend/exec.h"
-#include "ngs/scene/gaussian_cloud.h"
 #include "ngs/problem/problem.h"
+#include "ngs/scene/gaussian_cloud.h"
 
 namespace ngs {
 
 struct CoreOptions {
-  double share = 0.9;    // least share of object evidence
-  double seen = 0.25;    // by at least this share of the views that the best seen Gaussian of that share has: what fewer see
-                         // may be a trace; not of all Gaussians, of which some are seen where no view sees the object
-  double margin = 0.1;   // what is apart, in RMS radii of the core
-  double spacings = 3;   // and at least this many times the distance of neighbours in the core
+  double share = 0.9;  // least share of object evidence
+  double seen = 0.25;  // by at least this share of the views that the best seen Gaussian of that share has: what fewer
+                       // see may be a trace; not of all Gaussians, of which some are seen where no view sees the object
+  double margin = 0.1;  // what is apart, in RMS radii of the core
+  double spacings = 3;  // and at least this many times the distance of neighbours in the core
 };
 
 struct ObjectCore {

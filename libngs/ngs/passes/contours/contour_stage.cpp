@@ -6,13 +6,13 @@
 #include <optional>
 
 #include "ngs/ops/splat/evidence.h"
-#include "ngs/problem/coarse_input.h"
+#include "ngs/passes/contours/photoless_views.h"
 #include "ngs/passes/contours/refined_masks.h"
 #include "ngs/passes/contours/straddler_split.h"
-#include "ngs/passes/contours/photoless_views.h"
 #include "ngs/passes/detectors.h"
-#include "ngs/stages/boundary/variance_stage.h"
+#include "ngs/problem/coarse_input.h"
 #include "ngs/problem/view_list.h"
+#include "ngs/stages/boundary/variance_stage.h"
 
 namespace ngs {
 namespace {
@@ -20,25 +20,25 @@ namespace {
 /// As fast as the mask and photo losses still fall on every iteration: positions at 3DGS's first rate, shapes
 /// above its rates, opacities below (they are what the colours of other views rest on).
 constexpr GaussianRates kContourRates{.position = 1.6e-4,
-                                   .rotation = 5e-2,
-                                   .log_scale = 1e-1,
-                                   .logit_opacity = 7.5e-2,
-                                   .sh_dc = 2.5e-2,
-                                   .sh_rest = 1.25e-3};
+                                      .rotation = 5e-2,
+                                      .log_scale = 1e-1,
+                                      .logit_opacity = 7.5e-2,
+                                      .sh_dc = 2.5e-2,
+                                      .sh_rest = 1.25e-3};
 
 // The size, relative to the camera's, that photos with fewer pixels are enlarged to where that serves.
 constexpr int kLargeDetail = 2;
 
-// Iterations before the last, where the object has no parts that would be lost by it: by how much the sides shrink, and the
-// share of the rates, since gradients of a quarter of the pixels are noisier and views that no photo shows drift.
+// Iterations before the last, where the object has no parts that would be lost by it: by how much the sides shrink, and
+// the share of the rates, since gradients of a quarter of the pixels are noisier and views that no photo shows drift.
 constexpr int kEarlyShrink = 2;
 constexpr double kEarlyRate = 0.75;
 
 // Which Gaussians are trained: share of the weight in the windows, weight across contours.
 constexpr double kLeastInside = 0.99, kLeastStraddling_px = 0.5;
 
-constexpr std::vector<float> LabelColumns::*kLabelColumns[] = {&LabelColumns::label, &LabelColumns::prob, &LabelColumns::variance,
-                                                               &LabelColumns::views, &LabelColumns::boundary};
+constexpr std::vector<float> LabelColumns::*kLabelColumns[] = {
+    &LabelColumns::label, &LabelColumns::prob, &LabelColumns::variance, &LabelColumns::views, &LabelColumns::boundary};
 
 /// The model on its way through the iterations.
 struct Model {
@@ -66,18 +66,17 @@ ExactSums weight_in_all(const Exec& exec, const ContourSetup& setup, const std::
 
 /// 1: the Gaussian is held, or shows outside of the windows too, where no photo would hold it.
 std::vector<float> kept_rows(const Exec& exec, const ContourSetup& setup, const std::vector<std::size_t>& views,
-                               const Model& model, const ExactSums& inside) {
+                             const Model& model, const ExactSums& inside) {
   const ExactSums all = weight_in_all(exec, setup, views, model.cloud);
   const std::vector<std::uint8_t>& held = setup.problem.held;
   std::vector<float> out(all.size());
   for (std::size_t i = 0; i < out.size(); ++i)
-    out[i] = inside.value(i) < kLeastInside * all.value(i) ||
-             (!held.empty() && held[std::size_t(model.source_row[i])]);
+    out[i] = inside.value(i) < kLeastInside * all.value(i) || (!held.empty() && held[std::size_t(model.source_row[i])]);
   return out;
 }
 
-/// The rows with the Gaussians that lie across a contour halved. Not what must stay whole: halves look a little different
-/// until they are trained.
+/// The rows with the Gaussians that lie across a contour halved. Not what must stay whole: halves look a little
+/// different until they are trained.
 std::vector<CloudRow> halved_rows(const ContourSetup& setup, std::vector<double> straddling_px,
                                   const std::vector<float>& kept) {
   for (std::size_t i = 0; i < straddling_px.size(); ++i)
@@ -120,7 +119,8 @@ TrainedRows split_model(const Exec& exec, const ContourSetup& setup, const Probl
     const std::vector<CloudRow> rows = halved_rows(setup, across.px, kept);
     edit_model(exec, setup, rows, model);
     edit_column(exec, rows, 1, kept);
-    const auto halves = std::count_if(rows.begin(), rows.end(), [](CloudRow row) { return row.origin != RowOrigin::kKept; });
+    const auto halves =
+        std::count_if(rows.begin(), rows.end(), [](CloudRow row) { return row.origin != RowOrigin::kKept; });
     across = straddling(exec, window, model.cloud, halves);
     label_halves(across.last, model.labels);
   }
@@ -147,7 +147,8 @@ std::vector<LabelColumns> gather_labels(const Exec& exec, const std::vector<Labe
 void put_back(const Exec& exec, const Solution& trained, const std::vector<std::int64_t>& rows, Model& model) {
   scatter_rows(exec, trained.cloud, rows, model.cloud);
   for (std::size_t k = 0; k < model.labels.size(); ++k)
-    for (const auto column : kLabelColumns) scatter_column(exec, trained.labels[k].*column, 1, rows, model.labels[k].*column);
+    for (const auto column : kLabelColumns)
+      scatter_column(exec, trained.labels[k].*column, 1, rows, model.labels[k].*column);
 }
 
 JointOptions window_options(const ContourSetup& setup, std::size_t views, bool early) {
@@ -155,7 +156,7 @@ JointOptions window_options(const ContourSetup& setup, std::size_t views, bool e
   const int epochs = contour_epochs(setup.contour, setup.training.joint.quality, views);
   joint.steps = std::int64_t(early ? early_epochs(epochs) : epochs) * std::int64_t(views);
   joint.rate_scale = setup.contour.rate * (early ? kEarlyRate : 1), joint.rate_literal = false;
-  joint.start_steps = 1;  // from the labels as they have been trained
+  joint.start_steps = 1;                  // from the labels as they have been trained
   joint.on.nerf = joint.on.cont = false;  // rays are those of the whole image
   return joint;
 }
@@ -186,7 +187,8 @@ class ContourRun {
     refined_ = refined_at(detail_, first);
     if (first && could_enlarge(refined_, kLargeDetail)) try_enlarging();
     if (first)
-      std::copy_if(views_.begin(), views_.end(), std::back_inserter(photoless_), [&](std::size_t v) { return refined_[v].detail == 0; });
+      std::copy_if(views_.begin(), views_.end(), std::back_inserter(photoless_),
+                   [&](std::size_t v) { return refined_[v].detail == 0; });
     drop_empty_views();
     if (!first || views_.empty()) return !views_.empty();
     return agrees_with_masks();
@@ -202,24 +204,28 @@ class ContourRun {
     return !judges_.empty();
   }
 
-  /// An iteration as the first one of `iterations`, but without the judges, which is forgotten. False if it ended early: then it counts.
+  /// An iteration as the first one of `iterations`, but without the judges, which is forgotten. False if it ended
+  /// early: then it counts.
   bool try_pictures_first(int iterations) {
     Model start = model_;
     std::erase_if(views_, [&](std::size_t v) { return std::find(judges_.begin(), judges_.end(), v) != judges_.end(); });
     if (!train(0, iterations)) return false;
     const auto timed = monitor_.scope("pictures tried");
-    trial_ = try_pictures(exec_, refine_setup(detail_), {start.cloud, start.labels}, {model_.cloud, model_.labels}, refined_, judges_);
+    trial_ = try_pictures(exec_, refine_setup(detail_), {start.cloud, start.labels}, {model_.cloud, model_.labels},
+                          refined_, judges_);
     model_ = std::move(start), iterations_ = 0;
     add_views(judges_);
     return true;
   }
 
-  /// Views without a photo get the picture of the model as it is, where it serves or was asked for. Before the first iteration.
+  /// Views without a photo get the picture of the model as it is, where it serves or was asked for. Before the first
+  /// iteration.
   void settle_photoless() {
     const bool wanted = setup_.contour.photoless == PhotolessViews::kPicture || (trial_ && trial_->picture_serves);
     if (photoless_.empty() || !wanted) return;
     pictured_.emplace(with_pictures(exec_, setup_.problem, model_.cloud, photoless_));
-    std::vector<RefinedView> more = refine_views(exec_, refine_setup(detail_), {model_.cloud, model_.labels}, photoless_, {});
+    std::vector<RefinedView> more =
+        refine_views(exec_, refine_setup(detail_), {model_.cloud, model_.labels}, photoless_, {});
     for (const std::size_t v : photoless_) refined_[v] = std::move(more[v]);
     add_views(photoless_);
     drop_empty_views();
@@ -228,8 +234,7 @@ class ContourRun {
   /// One of `iterations`; the last is trained at the full size. False if it ended early.
   bool train(int iteration, int iterations) {
     Scene scene = setup_.problem.scene;
-    for (const std::size_t v : views_)
-      scene.views[v].camera = window_camera(scene.views[v].camera, refined_[v].window);
+    for (const std::size_t v : views_) scene.views[v].camera = window_camera(scene.views[v].camera, refined_[v].window);
     const TrainedRows rows = split_model(exec_, setup_, window_input(scene, iteration, model_.cloud), model_);
     if (monitor_.stop_requested()) return false;
     const GaussianCloud part = gather_rows(exec_, model_.cloud, rows.rows);
@@ -241,8 +246,8 @@ class ContourRun {
     std::optional<CoarseInput> coarse;
     if (early) coarse.emplace(input, kEarlyShrink, 0);  // the trainer keeps views
     JointTrainer trainer(exec_, monitor_,
-                         {joint, setup_.training.sample, setup_.training.rbf, coarse ? coarse->get() : input, nullptr, kContourRates,
-                          rows.frozen},
+                         {joint, setup_.training.sample, setup_.training.rbf, coarse ? coarse->get() : input, nullptr,
+                          kContourRates, rows.frozen},
                          true);
     const auto whole = [&] {
       put_back(exec_, trainer.result(), rows.rows, model_);
@@ -265,11 +270,13 @@ class ContourRun {
     result.figures["contour_contrast_given"] = own_contrast_;
     result.figures["contour_contrast_refined"] = refined_contrast_;
     result.figures["contour_detail"] = double(detail_);
-    result.figures["contour_pictures"] = pictured_ ? double(std::count_if(photoless_.begin(), photoless_.end(), [&](std::size_t v) {
-                                          return refined_[v].masks.available();
-                                        }))
-                                                : 0.0;
-    if (trial_) result.figures["contour_biou_pictured"] = trial_->pictured, result.figures["contour_biou_skipped"] = trial_->skipped;
+    result.figures["contour_pictures"] =
+        pictured_ ? double(std::count_if(photoless_.begin(), photoless_.end(),
+                                         [&](std::size_t v) { return refined_[v].masks.available(); }))
+                  : 0.0;
+    if (trial_)
+      result.figures["contour_biou_pictured"] = trial_->pictured,
+      result.figures["contour_biou_skipped"] = trial_->skipped;
     result.figures["contour_gaussians"] = double(model_.cloud.size());
     if (iterations_ == 0) return;
     result.cloud = std::move(model_.cloud), result.labels = std::move(model_.labels);
@@ -279,10 +286,12 @@ class ContourRun {
  private:
   std::vector<RefinedView> refined_at(int detail, bool compare) const {
     return refine_views(exec_, refine_setup(detail), {model_.cloud, model_.labels}, views_,
-                      compare ? setup_.problem.views : std::vector<std::size_t>{});
+                        compare ? setup_.problem.views : std::vector<std::size_t>{});
   }
 
-  RefineSetup refine_setup(int detail) const { return {setup_.contour.refine, setup_.contour.margin_px, input(), detail}; }
+  RefineSetup refine_setup(int detail) const {
+    return {setup_.contour.refine, setup_.contour.margin_px, input(), detail};
+  }
 
   const Problem& input() const { return pictured_ ? *pictured_ : setup_.problem; }
 
@@ -312,8 +321,7 @@ class ContourRun {
       ++count, rendered_ += view.rendered_biou, refined_biou_ += view.refined_biou;
       own_contrast_ += view.own_contrast, refined_contrast_ += view.refined_contrast;
     }
-    if (count > 0)
-      rendered_ /= count, refined_biou_ /= count, own_contrast_ /= count, refined_contrast_ /= count;
+    if (count > 0) rendered_ /= count, refined_biou_ /= count, own_contrast_ /= count, refined_contrast_ /= count;
     return masks_misaligned(refined_) || gain_in_errors(refinement_gains(refined_)) >= -kSignificant;
   }
 
@@ -343,11 +351,11 @@ class ContourRun {
   Monitor& monitor_;
   const ContourSetup& setup_;
   Model model_;
-  std::vector<std::size_t> views_;  // with a photo, and with something of the object in it
-  std::vector<std::size_t> photoless_, judges_;      // without a photo; with one, but not in the first iteration
-  std::vector<RefinedView> refined_;                // [scene views]
-  std::optional<Problem> pictured_;           // the input with pictures of these views, where these serve
-  std::optional<Trial> trial_;                    // where it came to its end
+  std::vector<std::size_t> views_;               // with a photo, and with something of the object in it
+  std::vector<std::size_t> photoless_, judges_;  // without a photo; with one, but not in the first iteration
+  std::vector<RefinedView> refined_;             // [scene views]
+  std::optional<Problem> pictured_;              // the input with pictures of these views, where these serve
+  std::optional<Trial> trial_;                   // where it came to its end
   double rendered_ = 0, refined_biou_ = 0, own_contrast_ = 0, refined_contrast_ = 0;
   int iterations_ = 0, detail_ = 1;
 };
@@ -356,7 +364,8 @@ class ContourRun {
 
 Solution refine_contours(const Exec& exec, Monitor& monitor, const ContourSetup& setup, Solution start) {
   const std::size_t all_views = setup.problem.scene.views.size();
-  if (contour_epochs(setup.contour, setup.training.joint.quality, all_views) == 0 || !setup.problem.load_fine_photo) return start;
+  if (contour_epochs(setup.contour, setup.training.joint.quality, all_views) == 0 || !setup.problem.load_fine_photo)
+    return start;
   const auto timed = monitor.scope("contours");
   ContourRun run(exec, monitor, setup, start);
   const bool more = setup.contour.on.iterations;

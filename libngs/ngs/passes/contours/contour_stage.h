@@ -9,8 +9,8 @@
 //
 // Refinement has to earn its place: where the refined masks of the training views agree significantly less with
 // the views' own masks than the rendered ones did, the photos' edges are not the object's, and the model
-// stays as it was. Unless the own masks are misaligned: the photos show far less contrast across their contours than across the
-// refined ones. Then they are too inaccurate to judge (all of them too small, say).
+// stays as it was. Unless the own masks are misaligned: the photos show far less contrast across their contours than
+// across the refined ones. Then they are too inaccurate to judge (all of them too small, say).
 #include "ngs/passes/contours/contour_options.h"
 #include "ngs/passes/joint/joint_stage.h"
 #include "ngs/passes/joint/training_options.h"
@@ -33,9 +33,10 @@ struct ContourSetup {
 /// --quality draft, or where the refined masks do not agree with the given ones. Figures: contour_iterations (done),
 /// contour_gaussians (rows afterwards), contour_biou_rendered and contour_biou_refined: mean boundary IoU (0.005) with
 /// the training views' own masks before the first iteration; contour_contrast_given and contour_contrast_refined: mean
-/// colour difference of the photos across the contours; contour_detail: 2 where photos with fewer pixels were refined at
-/// twice the camera's size, else 1; contour_pictures: views trained on the model's own picture; where these were tried on other
-/// views, contour_biou_pictured and contour_biou_skipped (passes/contours/photoless_views.h). Not converged if it ran out of time.
+/// colour difference of the photos across the contours; contour_detail: 2 where photos with fewer pixels were refined
+/// at twice the camera's size, else 1; contour_pictures: views trained on the model's own picture; where these were
+/// tried on other views, contour_biou_pictured and contour_biou_skipped (passes/contours/photoless_views.h). Not
+/// converged if it ran out of time.
 Solution refine_contours(const Exec& exec, Monitor& monitor, const ContourSetup& setup, Solution start);
 
 }  // namespace ngs

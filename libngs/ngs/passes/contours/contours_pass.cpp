@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
+#include "ngs/ops/image/mask_pair.h"
 #include "ngs/passes/contours/contour_stage.h"
 #include "ngs/passes/contours/refined_masks.h"
 #include "ngs/passes/detectors.h"
 #include "ngs/problem/view_list.h"
-#include "ngs/ops/image/mask_pair.h"
 
 namespace ngs {
 namespace {
@@ -25,7 +25,8 @@ double straddling(SceneProbe& probe, ContourViews trained) {
 
 double narrow_share(SceneProbe& probe) {
   const Problem& problem = probe.problem();
-  if (photo_views(problem.scene).size() < problem.scene.views.size()) return 1;  // what no photo holds drifts further at half the size
+  if (photo_views(problem.scene).size() < problem.scene.views.size())
+    return 1;  // what no photo holds drifts further at half the size
   std::vector<NarrowParts> sum(problem.labels.size());
   for_each_view(problem.monitor, probe.some_views(), [&](std::size_t, std::size_t v) {
     const ViewMasks masks = problem.load_masks(v);
@@ -42,11 +43,13 @@ double narrow_share(SceneProbe& probe) {
   return most;
 }
 
-/// Under a budget the iterations may have ended too early to earn their place: whether the outcome agrees significantly less with
-/// the views' own masks than what it started from, as the stage asks of its refinement.
+/// Under a budget the iterations may have ended too early to earn their place: whether the outcome agrees significantly
+/// less with the views' own masks than what it started from, as the stage asks of its refinement.
 bool has_lost(const Solution& outcome, const std::vector<Agreement>& before, const std::vector<Agreement>& after) {
-  const auto given = outcome.figures.find("contour_contrast_given"), refined = outcome.figures.find("contour_contrast_refined");
-  if (given == outcome.figures.end() || given->second < kOffEdges * refined->second) return false;  // those masks do not lie on edges
+  const auto given = outcome.figures.find("contour_contrast_given"),
+             refined = outcome.figures.find("contour_contrast_refined");
+  if (given == outcome.figures.end() || given->second < kOffEdges * refined->second)
+    return false;  // those masks do not lie on edges
   std::vector<double> gains;
   for (std::size_t i = 0; i < before.size(); ++i) gains.push_back(after[i].biou - before[i].biou);
   return gain_in_errors(gains) < -kSignificant;
@@ -81,7 +84,8 @@ std::vector<Effect> ContoursPass::effects() const {
        .saves = "half of the other iterations' rows, columns and epochs, 0.7 of the steps before them",
        .needs = "contour-iterations",
        .detector = {"most of an object that lies in parts narrower than 9 px, share (1: some view has no photo)", 0.03,
-                    "between solid things (at most 0.02) and small or thin ones (from 0.04), which half the size leaves few pixels of",
+                    "between solid things (at most 0.02) and small or thin ones (from 0.04), which half the size "
+                    "leaves few pixels of",
                     narrow_share},
        .was = "fine-rounds"}};
 }
@@ -105,10 +109,12 @@ void ContoursPass::foresee(PassRun& run) {
   const Scene& scene = run.problem->scene;
   const Quality quality = run.training.joint.quality;
   const auto on = [&](std::string_view name) { return run.decisions.settled(name).value_or(true); };
-  options_.on = {.split = on("split"), .iterations = on("contour-iterations"), .full_resolution = on("full-resolution")};
+  options_.on = {
+      .split = on("split"), .iterations = on("contour-iterations"), .full_resolution = on("full-resolution")};
   run.training.joint.contours_go_on = on("contours") && options_.on.iterations && !options_.on.full_resolution;
 
-  const std::size_t training = run.problem->views.size(), views = options_.views == ContourViews::kAll ? scene.views.size() : training;
+  const std::size_t training = run.problem->views.size(),
+                    views = options_.views == ContourViews::kAll ? scene.views.size() : training;
   ContourForecast& forecast = run.budget.contours;
   forecast = {.refine_renders = kRefineRenders * double(views),
               .epoch_renders = kStepRenders * double(views),
@@ -117,7 +123,8 @@ void ContoursPass::foresee(PassRun& run) {
   forecast.early_share = early_iteration_share(options_.on, forecast.epochs);
   if (on("contours") && forecast.epochs > 0)
     forecast.iterations = options_.on.iterations ? contour_iterations(options_, quality, true) : 1;
-  if (forecast.iterations > 0 && may_try_pictures(options_, scene.views.size(), photo_views(scene).size())) ++forecast.iterations;
+  if (forecast.iterations > 0 && may_try_pictures(options_, scene.views.size(), photo_views(scene).size()))
+    ++forecast.iterations;
 }
 
 int ContoursPass::allowed_iterations(PassRun& run, int wanted, double first_refine_s) const {
@@ -125,7 +132,8 @@ int ContoursPass::allowed_iterations(PassRun& run, int wanted, double first_refi
   const int planned = std::min(wanted, budget.plan_contours(first_refine_s).contour_iterations);
   const Scene& scene = run.problem->scene;
   const bool no_trial = planned == 1 && may_try_pictures(options_, scene.views.size(), photo_views(scene).size());
-  const bool last_is_another = budget.contours.early_share < 1;  // then it has to be known which it is; else they end when time is up
+  const bool last_is_another =
+      budget.contours.early_share < 1;  // then it has to be known which it is; else they end when time is up
   const int allowed = planned == 0 || no_trial || last_is_another ? planned : wanted;
   if (allowed < wanted) budget.note_cut();  // that later iterations or steps were left out the watch knows
   run.watch->iterations_known(allowed, budget.contours.early_share);
@@ -137,7 +145,8 @@ void ContoursPass::run(PassRun& run) {
   Budget& budget = run.budget;
   if (budget.contours.epochs == 0)
     run.monitor.warn(
-        "--effect contours=on with --quality draft, which has no epochs for them: they are left out; --contour-epochs N gives some");
+        "--effect contours=on with --quality draft, which has no epochs for them: they are left out; --contour-epochs "
+        "N gives some");
   if (run.watch->target_met() || budget.contours.epochs == 0) return;
   // Contours keep no state of their own: what is interrupted from here on begins with them.
   if (run.store != nullptr && run.on("joint")) run.store->save_on_the_way(*run.trainer);
@@ -152,13 +161,14 @@ void ContoursPass::run(PassRun& run) {
   run.say("contours begin");
   const Solution start = budget.given() ? *run.solution : Solution{};
   const double began_s = wall_seconds();
-  run.solution = refine_contours(run.exec, run.monitor,
-                                 {options_, run.training, *run.problem,
-                                  [&](const JointProgress& progress, JointTrainer& trainer, const auto& whole) {
-                                    return run.watch->after_step(progress, trainer, whole);
-                                  },
-                                  [&](int wanted) { return allowed_iterations(run, wanted, wall_seconds() - began_s); }},
-                                 std::move(*run.solution));
+  run.solution =
+      refine_contours(run.exec, run.monitor,
+                      {options_, run.training, *run.problem,
+                       [&](const JointProgress& progress, JointTrainer& trainer, const auto& whole) {
+                         return run.watch->after_step(progress, trainer, whole);
+                       },
+                       [&](int wanted) { return allowed_iterations(run, wanted, wall_seconds() - began_s); }},
+                      std::move(*run.solution));
   if (run.monitor.stop_requested() || !budget.given() || run.solution->source_row.empty()) return;
   const auto lap = budget.lap("check", kCheckRenders * double(views));
   const std::vector<Agreement> after = training_agreement(run.exec, *run.problem, *run.solution);

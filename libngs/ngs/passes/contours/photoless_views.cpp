@@ -34,7 +34,8 @@ class Pictures {
       kept_bytes -= bytes;
       picture = drawn(cloud, v);
     });
-    if (std::any_of(picture_.begin(), picture_.end(), [](const auto& of_view) { return !of_view.second; })) model_ = cloud;
+    if (std::any_of(picture_.begin(), picture_.end(), [](const auto& of_view) { return !of_view.second; }))
+      model_ = cloud;
   }
 
   bool has(std::size_t v) const { return picture_.contains(v); }
@@ -58,8 +59,8 @@ class Pictures {
 
 }  // namespace
 
-Problem with_pictures(const Exec& exec, const Problem& input, const GaussianCloud& cloud, const std::vector<std::size_t>& views,
-                          std::size_t kept_bytes) {
+Problem with_pictures(const Exec& exec, const Problem& input, const GaussianCloud& cloud,
+                      const std::vector<std::size_t>& views, std::size_t kept_bytes) {
   const auto pictures = std::make_shared<const Pictures>(exec, input, cloud, views, kept_bytes);
   Problem out = input;
   const auto instead_of = [&](const auto& load) {
@@ -79,7 +80,7 @@ Trial try_pictures(const Exec& exec, const RefineSetup& setup, const LabelledMod
     return refine_views(exec, {setup.refine, setup.margin_px, input, setup.detail}, model, judges, judges);
   };
   const std::vector<RefinedView> pictured = judged(with_pictures(exec, setup.problem, before.cloud, judges), before),
-                                skipped = judged(setup.problem, after);
+                                 skipped = judged(setup.problem, after);
   Trial trial;
   std::vector<double> gains;
   for (const std::size_t v : judges) {

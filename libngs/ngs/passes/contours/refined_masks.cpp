@@ -58,9 +58,7 @@ std::vector<std::uint8_t> enlarged_mask(const std::vector<float>& coarse, int w,
       const double u = std::clamp((x + 0.5) * w / fw - 0.5, 0.0, w - 1.0),
                    v = std::clamp((y + 0.5) * h / fh - 0.5, 0.0, h - 1.0);
       const int x0 = int(u), y0 = int(v), x1 = std::min(x0 + 1, w - 1), y1 = std::min(y0 + 1, h - 1);
-      const auto at = [&](int a, int b) {
-        return double(coarse[std::size_t(b) * std::size_t(w) + std::size_t(a)]);
-      };
+      const auto at = [&](int a, int b) { return double(coarse[std::size_t(b) * std::size_t(w) + std::size_t(a)]); };
       const double top = at(x0, y0) + (u - x0) * (at(x1, y0) - at(x0, y0)),
                    bottom = at(x0, y1) + (u - x0) * (at(x1, y1) - at(x0, y1));
       out[std::size_t(y) * std::size_t(fw) + std::size_t(x)] = top + (v - y0) * (bottom - top) >= kHalfShare;
@@ -78,8 +76,7 @@ double contrast_of(const std::vector<std::uint8_t>& mask, const ImageF& photo) {
     if (in(x, y) == in(x + dx, y + dy)) return;
     double difference = 0;
     for (int c = 0; c < photo.channels; ++c)
-      difference +=
-          std::abs(double(photo.at(x - dx, y - dy, c)) - double(photo.at(x + 2 * dx, y + 2 * dy, c)));
+      difference += std::abs(double(photo.at(x - dx, y - dy, c)) - double(photo.at(x + 2 * dx, y + 2 * dy, c)));
     sum += difference, ++count;
   };
   for (int y = 1; y < h - 2; ++y)
@@ -102,8 +99,7 @@ RefinedView refine_view(const RefineSetup& setup, const LabelChannels& model, st
     refine.band_px *= setup.detail / out.detail, refine.reach_px *= setup.detail / out.detail;
   }
   const int fw = photo.width_px, fh = photo.height_px;
-  const ImageF label =
-      model.view(serial, resized(camera, fw, fh), filter_at_scale(input.splat, double(fw) / w));
+  const ImageF label = model.view(serial, resized(camera, fw, fh), filter_at_scale(input.splat, double(fw) / w));
   const ViewMasks own = compare ? input.load_masks(v) : ViewMasks{};
   const std::size_t objects = model.objects();
   out.compared = own.available;
@@ -117,8 +113,7 @@ RefinedView refine_view(const RefineSetup& setup, const LabelChannels& model, st
     if (!out.compared) continue;
     out.own_contrast += contrast_of(enlarged_mask(own.target[k], w, h, fw, fh), photo);
     out.refined_contrast += contrast_of({refined.begin(), refined.end()}, photo);
-    out.rendered_biou +=
-        agreement(reduce({mask.begin(), mask.end()}, fw, fh, w, h), own, k) / double(objects);
+    out.rendered_biou += agreement(reduce({mask.begin(), mask.end()}, fw, fh, w, h), own, k) / double(objects);
     out.refined_biou += agreement(targets[k], own, k) / double(objects);
   }
   out.window = window_of(targets, w, h, int(std::lround(setup.margin_px)));
@@ -131,8 +126,7 @@ RefinedView refine_view(const RefineSetup& setup, const LabelChannels& model, st
 }  // namespace
 
 std::vector<RefinedView> refine_views(const Exec& exec, const RefineSetup& setup, const LabelledModel& model,
-                                   const std::vector<std::size_t>& views,
-                                   const std::vector<std::size_t>& compared) {
+                                      const std::vector<std::size_t>& views, const std::vector<std::size_t>& compared) {
   const std::size_t count = setup.problem.scene.views.size();
   std::vector<RefinedView> refined(count);
   std::vector<std::uint8_t> compare(count, 0);
@@ -153,13 +147,15 @@ ViewMasks whole_masks(const RefinedView& refined, int w, int h) {
   for (const std::vector<float>& part : parts.target) {
     std::vector<float>& target = whole.target.emplace_back(std::size_t(w) * std::size_t(h));
     for (int y = 0; y < win.h; ++y)
-      std::copy_n(part.begin() + std::ptrdiff_t(y) * win.w, win.w, target.begin() + (std::ptrdiff_t(win.y0 + y) * w + win.x0));
+      std::copy_n(part.begin() + std::ptrdiff_t(y) * win.w, win.w,
+                  target.begin() + (std::ptrdiff_t(win.y0 + y) * w + win.x0));
   }
   return whole;
 }
 
 bool could_enlarge(const std::vector<RefinedView>& refined, int detail) {
-  return std::any_of(refined.begin(), refined.end(), [&](const RefinedView& view) { return view.compared && view.detail < detail; });
+  return std::any_of(refined.begin(), refined.end(),
+                     [&](const RefinedView& view) { return view.compared && view.detail < detail; });
 }
 
 std::vector<double> gains_over(const std::vector<RefinedView>& refined, const std::vector<RefinedView>& other) {

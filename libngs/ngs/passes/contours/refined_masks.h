@@ -1,9 +1,9 @@
 #pragma once
 // Masks of a labelled model refined to the edges of the photos, view by view.             PAPER.md §5.10
 #include "ngs/ops/image/contour_refine.h"
-#include "ngs/scene/rle_masks.h"
 #include "ngs/problem/pixel_window.h"
 #include "ngs/problem/problem.h"
+#include "ngs/scene/rle_masks.h"
 
 namespace ngs {
 
@@ -11,7 +11,7 @@ namespace ngs {
 struct RefinedView {
   PixelWindow window;
   double detail = 0;  // size of the photo relative to the camera's, before any enlarging
-  RleMasks masks;  // of the window's size
+  RleMasks masks;     // of the window's size
   // Mean boundary IoU with the view's own masks; only where the view supervises and has them.
   bool compared = false;
   double rendered_biou = 0, refined_biou = 0;
@@ -25,12 +25,11 @@ struct RefineSetup {
   int detail = 1;  // photos with fewer pixels than this many times the camera's size are enlarged to it
 };
 
-/// Photos are read at up to twice the camera's size, and enlarged to setup.detail times it. [scene views] the given views
-/// refined, the others empty, as is a view without a photo. The masks of the views in `compared` are loaded and compared with; no other
-/// mask is read.
+/// Photos are read at up to twice the camera's size, and enlarged to setup.detail times it. [scene views] the given
+/// views refined, the others empty, as is a view without a photo. The masks of the views in `compared` are loaded and
+/// compared with; no other mask is read.
 std::vector<RefinedView> refine_views(const Exec& exec, const RefineSetup& setup, const LabelledModel& model,
-                                   const std::vector<std::size_t>& views,
-                                   const std::vector<std::size_t>& compared);
+                                      const std::vector<std::size_t>& views, const std::vector<std::size_t>& compared);
 
 /// Whether some view that was compared was refined in a photo of less than `detail` times the camera's size.
 bool could_enlarge(const std::vector<RefinedView>& refined, int detail);

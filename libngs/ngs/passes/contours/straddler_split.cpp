@@ -31,8 +31,7 @@ Straddling straddling(const Exec& exec, const Problem& input, const GaussianClou
   return all;
 }
 
-std::vector<CloudRow> split_straddlers(const std::vector<double>& straddling_px, double least_px,
-                                       std::int64_t most) {
+std::vector<CloudRow> split_straddlers(const std::vector<double>& straddling_px, double least_px, std::int64_t most) {
   std::vector<std::int64_t> chosen;
   for (std::size_t i = 0; i < straddling_px.size(); ++i)
     if (straddling_px[i] > least_px) chosen.push_back(std::int64_t(i));
@@ -50,8 +49,7 @@ std::vector<CloudRow> split_straddlers(const std::vector<double>& straddling_px,
       ++next;
     else
       rows.push_back({i, RowOrigin::kKept});
-  for (const std::int64_t i : chosen)
-    rows.push_back({i, RowOrigin::kHalf0}), rows.push_back({i, RowOrigin::kHalf1});
+  for (const std::int64_t i : chosen) rows.push_back({i, RowOrigin::kHalf0}), rows.push_back({i, RowOrigin::kHalf1});
   return rows;
 }
 

@@ -10,8 +10,8 @@
 namespace ngs {
 namespace {
 
-constexpr float kSolid = 0.9f;                     // opacity from which the model says what is there
-constexpr float kDark = 0.08f, kClipped = 0.97f;   // of photo and render: below, above, a ratio says nothing
+constexpr float kSolid = 0.9f;                    // opacity from which the model says what is there
+constexpr float kDark = 0.08f, kClipped = 0.97f;  // of photo and render: below, above, a ratio says nothing
 constexpr std::size_t kLeastPixels = 256;
 constexpr double kMostLog = 1.4;  // two stops: beyond it photo and render show different things
 
@@ -63,8 +63,8 @@ double exposure_spread_percent(const std::vector<ViewExposure>& exposures) {
 }
 
 ImageF levelled_photo(const std::vector<ViewExposure>& exposures, std::size_t view, ImageF photo) {
-  const auto known = std::find_if(exposures.begin(), exposures.end(),
-                                  [&](const ViewExposure& e) { return e.view == view; });
+  const auto known =
+      std::find_if(exposures.begin(), exposures.end(), [&](const ViewExposure& e) { return e.view == view; });
   if (known == exposures.end()) return photo;
   for (std::size_t i = 0; i < photo.data.size(); ++i) photo.data[i] /= known->gain[i % 3];
   return photo;

@@ -20,8 +20,7 @@ struct ViewExposure {
 };
 
 /// The views of the list that have a photo; a gain is 1 where fewer than 256 pixels are neither dark nor clipped.
-std::vector<ViewExposure> view_exposures(const Exec& exec, const Problem& input,
-                                         const std::vector<std::size_t>& views);
+std::vector<ViewExposure> view_exposures(const Exec& exec, const Problem& input, const std::vector<std::size_t>& views);
 
 /// How far the worst gain is from 1, in percent (of the larger of gain and 1 / gain).
 double exposure_spread_percent(const std::vector<ViewExposure>& exposures);

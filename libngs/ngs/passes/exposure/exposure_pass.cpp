@@ -19,21 +19,23 @@ std::vector<Effect> ExposurePass::effects() const {
   return {{.name = "exposure",
            .help = "take differences of exposure from the photos",
            .saves = "a gain per view and channel",
-           .detector = {"furthest exposure of a view from the others', percent", 2, "two and a half levels of mid-grey", measured_spread,
-                        has_photos}}};
+           .detector = {"furthest exposure of a view from the others', percent", 2, "two and a half levels of mid-grey",
+                        measured_spread, has_photos}}};
 }
 
 void ExposurePass::run(PassRun& run) {
   const auto timed = run.monitor.scope("exposure");
   const Scene& scene = run.problem->scene;
-  const auto exposures = std::make_shared<const std::vector<ViewExposure>>(view_exposures(run.exec, *run.coarse, photo_views(scene)));
+  const auto exposures =
+      std::make_shared<const std::vector<ViewExposure>>(view_exposures(run.exec, *run.coarse, photo_views(scene)));
   if (run.monitor.stop_requested()) return;
   Json gains = Json::object();
   for (const ViewExposure& e : *exposures) gains[scene.views[e.view].camera.name] = e.gain;
   run.report["exposure"] = {{"gains", gains}};
   if (exposures->empty()) return;
   const auto levelled = [&exposures](std::function<ImageF(std::size_t)> load) {
-    return [exposures, load = std::move(load)](std::size_t view) { return levelled_photo(*exposures, view, load(view)); };
+    return
+        [exposures, load = std::move(load)](std::size_t view) { return levelled_photo(*exposures, view, load(view)); };
   };
   run.problem->load_photo = levelled(run.problem->load_photo);
   if (run.problem->load_fine_photo) run.problem->load_fine_photo = levelled(run.problem->load_fine_photo);

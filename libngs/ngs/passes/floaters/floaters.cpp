@@ -5,13 +5,13 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/math/median.h"
-#include "ngs/ops/splat/front_layer.h"
 #include "ngs/ops/field/knn.h"
+#include "ngs/ops/splat/front_layer.h"
+#include "ngs/passes/components/object_core.h"
+#include "ngs/problem/view_list.h"
 #include "ngs/scene/mask_threshold.h"
 #include "ngs/stages/boundary/leave_one_out.h"
 #include "ngs/stages/boundary/method_labels.h"
-#include "ngs/passes/components/object_core.h"
-#include "ngs/problem/view_list.h"
 
 namespace ngs {
 namespace {
@@ -19,8 +19,7 @@ namespace {
 constexpr std::size_t kScoredViews = 8;  // of which the figures PSNR are means
 
 /// Neither core nor near it, nor fixed by hand.
-std::vector<std::uint8_t> candidates_of(const Exec& exec, const Problem& input, const ObjectCore& core,
-                                        double margin) {
+std::vector<std::uint8_t> candidates_of(const Exec& exec, const Problem& input, const ObjectCore& core, double margin) {
   const auto n = std::size_t(input.cloud.size());
   const std::vector<float> centres = core_centres(input.cloud, core);
   std::vector<float> others;
@@ -47,8 +46,8 @@ struct Surface {
   }
 };
 
-Surface surface_of(const Exec& exec, const FloaterOptions& options, const Problem& input,
-                   const GaussianCloud& cloud, const ObjectCore& core, const Camera& camera, double margin) {
+Surface surface_of(const Exec& exec, const FloaterOptions& options, const Problem& input, const GaussianCloud& cloud,
+                   const ObjectCore& core, const Camera& camera, double margin) {
   RenderRequest request;
   request.depth = true;
   request.include = core.member.data();
@@ -101,8 +100,7 @@ class FloaterSearch {
     margin_ = core_margin(exec_, options_.core, cloud_, core_);
     finding.far = candidate_ = candidates_of(exec_, input_, core_, margin_);
     const auto candidates = std::count(candidate_.begin(), candidate_.end(), std::uint8_t(1));
-    finding.figures = {
-        {"core", double(core_.count)}, {"candidates", double(candidates)}, {"margin", margin_}};
+    finding.figures = {{"core", double(core_.count)}, {"candidates", double(candidates)}, {"margin", margin_}};
     noise_ = core_noise();
     int rounds = 0;
     while (rounds < options_.rounds && !monitor.stop_requested()) {
@@ -257,13 +255,12 @@ double front_opacity(const Exec& exec, const FloaterOptions& options, const Prob
   return FloaterSearch(exec, options, input).front_opacity();
 }
 
-FloaterFinding find_floaters(const Exec& exec, Monitor& monitor, const FloaterOptions& options,
-                             const Problem& input) {
+FloaterFinding find_floaters(const Exec& exec, Monitor& monitor, const FloaterOptions& options, const Problem& input) {
   return FloaterSearch(exec, options, input).run(monitor);
 }
 
-FloaterRemoval remove_floaters(const Exec& exec, Monitor& monitor, const RefitOptions& refit,
-                               const Problem& input, const FloaterFinding& finding) {
+FloaterRemoval remove_floaters(const Exec& exec, Monitor& monitor, const RefitOptions& refit, const Problem& input,
+                               const FloaterFinding& finding) {
   const std::vector<std::uint8_t>& floater = finding.floater;
   FloaterRemoval out{input.cloud, {}};
   const auto timed = monitor.scope("floaters: removal");
@@ -278,8 +275,8 @@ FloaterRemoval remove_floaters(const Exec& exec, Monitor& monitor, const RefitOp
   return out;
 }
 
-std::vector<LabelColumns> labels_without_floaters(const Exec& exec, Monitor& monitor,
-                                                  const Problem& input, const GaussianCloud& cloud,
+std::vector<LabelColumns> labels_without_floaters(const Exec& exec, Monitor& monitor, const Problem& input,
+                                                  const GaussianCloud& cloud,
                                                   const std::vector<std::uint8_t>& floater) {
   std::vector<LabelColumns> labels = labels_anew(exec, monitor, input, cloud);
   for (std::size_t k = 0; k < labels.size(); ++k)

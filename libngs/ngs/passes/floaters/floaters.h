@@ -6,15 +6,15 @@
 // rendered mask has a hole. Nothing here reads a mask of a held-out view; photos of all views are read, as
 // when the model was trained.
 //
-// The object's surface is what its core (passes/components/object_core.h) renders. A Gaussian far from the core and nearer to the
-// camera than that surface is a candidate. At a pixel the photo decides between the two: it shows the surface where it is
-// closer to the core's colour than to the one that the Gaussians in front have in the other views' photos, by
-// more than the noise. A training view's own mask vetoes where it says that something else is seen. A
+// The object's surface is what its core (passes/components/object_core.h) renders. A Gaussian far from the core and
+// nearer to the camera than that surface is a candidate. At a pixel the photo decides between the two: it shows the
+// surface where it is closer to the core's colour than to the one that the Gaussians in front have in the other views'
+// photos, by more than the noise. A training view's own mask vetoes where it says that something else is seen. A
 // candidate is a floater if the photos see through it in at least `seen_through` of its weight before the
 // surface.
 #include "ngs/options/field.h"
-#include "ngs/problem/problem.h"
 #include "ngs/passes/components/object_core.h"
+#include "ngs/problem/problem.h"
 #include "ngs/stages/fit/photo_refit.h"
 
 namespace ngs {
@@ -25,9 +25,8 @@ struct FloaterOptions {
   double seen_through = 0.5;   // of a candidate's weight before the surface
   double least_reach = 0.1;    // share of a candidate's weight before the surface, in its best view
   double noise_factor = 2;     // times the median difference of core and photo: what colours must differ by
-  double least_hidden =
-      1e-3;        // of the surface's pixels that floaters hide, over all views; less is not worth a refit
-  int rounds = 4;  // what stands behind a floater shows in the next round
+  double least_hidden = 1e-3;  // of the surface's pixels that floaters hide, over all views; less is not worth a refit
+  int rounds = 4;              // what stands behind a floater shows in the next round
 };
 
 struct FloaterFinding {
@@ -42,8 +41,7 @@ struct FloaterFinding {
 double front_opacity(const Exec& exec, const FloaterOptions& options, const Problem& input);
 
 /// Empty finding where the input has no core, no photos, or nothing is found. Needs input.labels.
-FloaterFinding find_floaters(const Exec& exec, Monitor& monitor, const FloaterOptions& options,
-                             const Problem& input);
+FloaterFinding find_floaters(const Exec& exec, Monitor& monitor, const FloaterOptions& options, const Problem& input);
 
 /// Logit of the opacity of a Gaussian that was taken out: below what any view draws.
 inline constexpr float kRemovedLogit = -20.f;
@@ -55,13 +53,12 @@ struct FloaterRemoval {
                                           // at most 8 views
 };
 
-FloaterRemoval remove_floaters(const Exec& exec, Monitor& monitor, const RefitOptions& refit,
-                               const Problem& input, const FloaterFinding& finding);
+FloaterRemoval remove_floaters(const Exec& exec, Monitor& monitor, const RefitOptions& refit, const Problem& input,
+                               const FloaterFinding& finding);
 
 /// Labels of `cloud`, from which the floaters were removed: evidence gathered anew; floaters have label and
 /// prob 0 and are no boundary.
-std::vector<LabelColumns> labels_without_floaters(const Exec& exec, Monitor& monitor,
-                                                  const Problem& input, const GaussianCloud& cloud,
-                                                  const std::vector<std::uint8_t>& floater);
+std::vector<LabelColumns> labels_without_floaters(const Exec& exec, Monitor& monitor, const Problem& input,
+                                                  const GaussianCloud& cloud, const std::vector<std::uint8_t>& floater);
 
 }  // namespace ngs

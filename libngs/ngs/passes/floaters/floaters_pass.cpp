@@ -21,11 +21,13 @@ struct FloaterPlan {
 FloaterPlan plan_for(const PassRun& run) {
   FloaterPlan plan;
   const Json kept = run.resumed.value("floaters", Json());
-  if (kept.is_object() && kept.value("draft", Json()).is_boolean() && kept.value("refit_epochs", Json()).is_number_integer()) {
+  if (kept.is_object() && kept.value("draft", Json()).is_boolean() &&
+      kept.value("refit_epochs", Json()).is_number_integer()) {
     const auto epochs = kept["refit_epochs"].get<std::int64_t>();
     if (epochs >= 0 && epochs <= RefitOptions{}.epochs) return {kept["draft"].get<bool>(), int(epochs)};
   }
-  plan.draft = run.training.joint.quality == Quality::kDraft || !run.budget.fits(kWhole, run.problem->scene.views.size());
+  plan.draft =
+      run.training.joint.quality == Quality::kDraft || !run.budget.fits(kWhole, run.problem->scene.views.size());
   return plan;
 }
 
@@ -64,8 +66,10 @@ void remove(PassRun& run, const CoarseInput& coarse, int shrink, const FloaterFi
     return remove_floaters(run.exec, run.monitor, {.epochs = plan.refit_epochs}, coarse.get(), finding);
   }();
   note(removal.figures, report);
-  std::vector<LabelColumns> labels = labels_without_floaters(run.exec, run.monitor, *run.problem, removal.cloud, finding.floater);
-  Problem next = without(*run.problem, std::make_shared<const GaussianCloud>(std::move(removal.cloud)), std::move(labels));
+  std::vector<LabelColumns> labels =
+      labels_without_floaters(run.exec, run.monitor, *run.problem, removal.cloud, finding.floater);
+  Problem next =
+      without(*run.problem, std::make_shared<const GaussianCloud>(std::move(removal.cloud)), std::move(labels));
   run.problem.emplace(std::move(next));
   run.floater.assign(finding.floater.begin(), finding.floater.end());
   run.fields_fit = false;
@@ -94,11 +98,12 @@ void FloatersPass::run(PassRun& run) {
     const auto lap = run.budget.lap("floaters", renders * double(run.problem->scene.views.size()));
     return find_floaters(run.exec, run.monitor, options, coarse.get());
   }();
-  Json& report = run.report["floaters"] = {{"removed", finding.count},
-                                           {"reason", finding.count > 0 ? "the photos show the object behind them"
-                                                                        : "what lies before the object hides too little of it"},
-                                           {"seen_through", options.seen_through},
-                                           {"least_hidden", options.least_hidden}};
+  Json& report =
+      run.report["floaters"] = {{"removed", finding.count},
+                                {"reason", finding.count > 0 ? "the photos show the object behind them"
+                                                             : "what lies before the object hides too little of it"},
+                                {"seen_through", options.seen_through},
+                                {"least_hidden", options.least_hidden}};
   note(finding.figures, report);
   if (run.monitor.stop_requested()) return;
   if (finding.count > 0) remove(run, coarse, shrink, finding, plan);

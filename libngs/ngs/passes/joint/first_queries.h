@@ -8,8 +8,8 @@ namespace ngs {
 /// [N] 1: boundary of any object, or, without the effect, seen by any view.
 std::vector<float> boundary_flags(const Problem& input, bool boundary_effect);
 
-/// kBadInput where `field` is not what ngs-sample writes: the nodes of every grid in order, each with its pixel and depth.
-/// kInconsistent where it is relative to another origin. `name` is the file's.
+/// kBadInput where `field` is not what ngs-sample writes: the nodes of every grid in order, each with its pixel and
+/// depth. kInconsistent where it is relative to another origin. `name` is the file's.
 void require_grids(const QueryField& field, const GaussianCloud& cloud, const std::string& name);
 
 struct FirstQueries {

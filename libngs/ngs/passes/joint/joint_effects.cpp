@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
+#include "ngs/ops/image/mask_pair.h"
 #include "ngs/passes/detectors.h"
 #include "ngs/passes/joint/joint_field.h"
 #include "ngs/passes/scene_probe.h"
 #include "ngs/problem/view_list.h"
-#include "ngs/ops/image/mask_pair.h"
 
 namespace ngs {
 namespace {
@@ -67,13 +67,16 @@ const JointPart kParts[] = {
       .help = "boundary set; off: every seen Gaussian",
       .always = "the set is what all else works on; without it there is more to do, not less"}},
     {&Switch::box,
-     {.name = "box", .help = "box of the boundary; off: the whole image", .always = "without it there is more to do, not less"}},
+     {.name = "box",
+      .help = "box of the boundary; off: the whole image",
+      .always = "without it there is more to do, not less"}},
     {&Switch::rbf,
      {.name = "rbf",
       .help = "RBF interpolation; off: nearest feature",
       .saves = "all neighbours of a query but the nearest",
       .needs = "nerf",
-      .detector = {"largest colour difference between neighbours, levels", 0.5, kHalfLevel, largest_neighbour_difference}}},
+      .detector = {"largest colour difference between neighbours, levels", 0.5, kHalfLevel,
+                   largest_neighbour_difference}}},
     {&Switch::hash,
      {.name = "hash",
       .help = "hash levels; off: one coarse level",
@@ -88,7 +91,10 @@ const JointPart kParts[] = {
       .detector = {"side of the finest cell, in spacings of the boundary", kFinestCell,
                    "two cells to a spacing: no finer detail has support", finest_cell}}},
     {&Switch::film,
-     {.name = "film", .help = "condition on f_inter; off: none", .needs = "nerf", .always = "without it the same network runs"}},
+     {.name = "film",
+      .help = "condition on f_inter; off: none",
+      .needs = "nerf",
+      .always = "without it the same network runs"}},
     {&Switch::align,
      {.name = "align",
       .help = "L_align: colour and opacity",
@@ -100,7 +106,8 @@ const JointPart kParts[] = {
       .help = "L_align: 7x7 variance",
       .saves = "the patch pass",
       .needs = "align",
-      .detector = {"standard deviation of 7x7 patches at the masks' contours, levels", 0.5, kHalfLevel, patch_deviation}}},
+      .detector = {"standard deviation of 7x7 patches at the masks' contours, levels", 0.5, kHalfLevel,
+                   patch_deviation}}},
     {&Switch::density,
      {.name = "density", .help = "density weights of L_mask", .needs = "nerf", .always = "a by-product of the field"}},
     {&Switch::mask, {.name = "mask", .help = "L_mask", .always = "what the labels are trained by"}},
@@ -130,14 +137,17 @@ const JointPart kParts[] = {
       .help = "anchor to all of a photo; off: about the object",
       .saves = "SSIM away from the object",
       .needs = "joint",
-      .detector = {"share of the labels' weight outside of the windows", 1e-3, "a thousandth: nothing there is moved by a mask",
+      .detector = {"share of the labels' weight outside of the windows", 1e-3,
+                   "a thousandth: nothing there is moved by a mask",
                    [](SceneProbe& probe) { return probe.label_views().outside; }}}},
     {&Switch::sh,
      {.name = "sh",
       .help = "view-dependent colour",
       .saves = "SH bands, their gradients and steps",
       .detector = {"strongest view-dependent colour, levels", 0.5, kHalfLevel,
-                   [](SceneProbe& probe) { return view_dependence_levels(probe.problem().cloud, probe.some_cameras()); }}}},
+                   [](SceneProbe& probe) {
+                     return view_dependence_levels(probe.problem().cloud, probe.some_cameras());
+                   }}}},
     {&Switch::antialias,
      {.name = "antialias",
       .help = "the opacity compensation the model was trained with",
@@ -147,7 +157,9 @@ const JointPart kParts[] = {
                      return antialias_levels(probe.problem().cloud, probe.some_cameras(), probe.problem().splat);
                    }}}},
     {&Switch::geometry,
-     {.name = "geometry", .help = "move the Gaussians", .always = "gradients that exist anyway; what they move is the result"}},
+     {.name = "geometry",
+      .help = "move the Gaussians",
+      .always = "gradients that exist anyway; what they move is the result"}},
     {&Switch::mask_geometry,
      {.name = "mask-geometry", .help = "L_mask moves the Gaussians", .always = "gradients that exist anyway"}},
 };

@@ -16,8 +16,7 @@ constexpr double kBoxWidths = 4;  // kernel widths that the encoding's box is la
 HashGridConfig hash_config(const Exec& exec, const JointField::Setup& s, double width) {
   const JointOptions& o = s.options;
   HashGridConfig config{
-      o.hash_levels, o.hash_features, o.hash_log2_table, o.hash_base, std::max(o.hash_base, o.hash_finest),
-      false};
+      o.hash_levels, o.hash_features, o.hash_log2_table, o.hash_base, std::max(o.hash_base, o.hash_finest), false};
   if (!s.effects.hash) config.levels = 1, config.max_resolution = config.base_resolution;
   if (s.effects.fine_hash) return config;
   const std::vector<HashLevel> levels = hash_levels(config);
@@ -46,18 +45,18 @@ PixelGrid lattice(const std::vector<float>& uv, const QueryView& view) {
 
 }  // namespace
 
-double field_reach(const SampleOptions& sample, const GaussianCloud& cloud,
-                   const std::vector<Camera>& cameras, const BoundarySet& boundary) {
+double field_reach(const SampleOptions& sample, const GaussianCloud& cloud, const std::vector<Camera>& cameras,
+                   const BoundarySet& boundary) {
   double reach = 0;
   for (const Camera& camera : cameras)
-    reach = std::max(reach, sample.depth_span * boundary_box(relative_to(camera, cloud.origin),
-                                                             boundary.positions(), sample.bbox_pad_px)
-                                                    .mean_distance);
+    reach = std::max(
+        reach,
+        sample.depth_span *
+            boundary_box(relative_to(camera, cloud.origin), boundary.positions(), sample.bbox_pad_px).mean_distance);
   return reach;
 }
 
-double encoding_cells(const Exec& exec, double reach, double width, Rows<const float, 3> boundary,
-                      int finest) {
+double encoding_cells(const Exec& exec, double reach, double width, Rows<const float, 3> boundary, int finest) {
   std::vector<float> nearest;
   for (const float d2 : nearest_others(exec, boundary, 1).dist2) nearest.push_back(std::sqrt(d2));
   const double inverse = double(hash_box(boundary, reach + kBoxWidths * width).inv_extent.x);
@@ -97,10 +96,10 @@ FieldRays JointField::rays(const Exec& exec, const Camera& camera, const QueryFi
                            const BoundarySet& boundary) const {
   FieldRays out;
   const QueryView& grid = field.views[view];
-  const auto begin = std::size_t(std::lower_bound(field.view.begin(), field.view.end(), std::int32_t(view)) -
-                                 field.view.begin());
-  const auto end = std::size_t(std::upper_bound(field.view.begin(), field.view.end(), std::int32_t(view)) -
-                               field.view.begin());
+  const auto begin =
+      std::size_t(std::lower_bound(field.view.begin(), field.view.end(), std::int32_t(view)) - field.view.begin());
+  const auto end =
+      std::size_t(std::upper_bound(field.view.begin(), field.view.end(), std::int32_t(view)) - field.view.begin());
   const auto samples = std::size_t(grid.depth_samples);
   if (begin == end) return out;
   if (end - begin != std::size_t(grid.rows) * std::size_t(grid.cols) * samples)
@@ -116,15 +115,13 @@ FieldRays JointField::rays(const Exec& exec, const Camera& camera, const QueryFi
   rays.depth.assign(field.depth.begin() + std::ptrdiff_t(begin), field.depth.begin() + std::ptrdiff_t(end));
   for (std::size_t q = begin; q < end; q += samples) {
     const double u = field.uv[q * 2], v = field.uv[q * 2 + 1];
-    const Vec3<double> d = transpose(camera.rotation) *
-                           Vec3<double>{(u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1.0};
+    const Vec3<double> d =
+        transpose(camera.rotation) * Vec3<double>{(u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1.0};
     const double length = std::sqrt(dot(d, d));
     const double first = field.depth[q], last = field.depth[q + samples - 1];
-    const double half =
-        samples > 1 ? (last - first) / 2 : std::max(field.depth_span * first, field.depth_epsilon);
+    const double half = samples > 1 ? (last - first) / 2 : std::max(field.depth_span * first, field.depth_epsilon);
     rays.pixel.insert(rays.pixel.end(), {float(u), float(v)});
-    rays.direction.insert(rays.direction.end(),
-                          {float(d.x / length), float(d.y / length), float(d.z / length)});
+    rays.direction.insert(rays.direction.end(), {float(d.x / length), float(d.y / length), float(d.z / length)});
     rays.near.push_back(float(samples > 1 ? first : first - half)),
         rays.far.push_back(float(samples > 1 ? last : first + half));
     rays.spacing.push_back(float(2 * half / double(std::max<std::size_t>(samples - 1, 1))));
@@ -168,11 +165,8 @@ RbfProblem JointField::rbf_problem(const Points& points) const {
 }
 
 JointField::Points JointField::points_of(const FieldRays& rays, Rows<const float, 3> boundary) const {
-  return {rays.rays.positions(),
-          &rays.graph,
-          {rays.rays.direction.data(), rays.rays.rays()},
-          rays.rays.samples,
-          boundary};
+  return {
+      rays.rays.positions(), &rays.graph, {rays.rays.direction.data(), rays.rays.rays()}, rays.rays.samples, boundary};
 }
 
 void JointField::evaluate(const Exec& exec, const Points& points, Sampled& out) const {
@@ -192,12 +186,11 @@ void JointField::differentiate(const Exec& exec, const Points& points, const Sam
   const auto queries = std::int64_t(inputs.condition.size()) / 3;
   const RbfGradients features =
       rbf_backward(exec, rbf_problem(points), at.rbf, {inputs.condition.data(), queries, 3}, false);
-  for (std::size_t i = 0; i < features.feature.size(); ++i)
-    store_.grads[feature_offset_ + i] += features.feature[i];
+  for (std::size_t i = 0; i < features.feature.size(); ++i) store_.grads[feature_offset_ + i] += features.feature[i];
 }
 
-const VolumeOutput& JointField::forward(const Exec& exec, const FieldRays& rays,
-                                        Rows<const float, 3> boundary, Vec3<float> background) {
+const VolumeOutput& JointField::forward(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary,
+                                        Vec3<float> background) {
   evaluate(exec, points_of(rays, boundary), sampled_);
   volume_forward(exec,
                  {rays.rays.samples, sampled_.network.density.data(), sampled_.network.rgb.data(),
@@ -215,22 +208,19 @@ void JointField::backward(const Exec& exec, const FieldRays& rays, Rows<const fl
   differentiate(exec, points_of(rays, boundary), sampled_, volume_grad_.density, volume_grad_.rgb);
 }
 
-double JointField::smoothness(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary,
-                              double weight, std::int64_t step) {
-  const std::int64_t queries = rays.rays.positions().n,
-                     count = std::min<std::int64_t>(options_.smooth_points, queries);
+double JointField::smoothness(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary, double weight,
+                              std::int64_t step) {
+  const std::int64_t queries = rays.rays.positions().n, count = std::min<std::int64_t>(options_.smooth_points, queries);
   if (count == 0) return 0;
   std::vector<float> position, direction;
   for (std::int64_t i = 0; i < count; ++i) {
     const std::int64_t q = i * queries / count, ray = q / rays.rays.samples;
-    position.insert(position.end(), rays.rays.position.begin() + q * 3,
-                    rays.rays.position.begin() + q * 3 + 3);
-    direction.insert(direction.end(), rays.rays.direction.begin() + ray * 3,
-                     rays.rays.direction.begin() + ray * 3 + 3);
+    position.insert(position.end(), rays.rays.position.begin() + q * 3, rays.rays.position.begin() + q * 3 + 3);
+    direction.insert(direction.end(), rays.rays.direction.begin() + ray * 3, rays.rays.direction.begin() + ray * 3 + 3);
   }
   const SmoothnessScale scale{options_.smooth_step * width_, width_};
-  const std::vector<float> moved = jittered_points(
-      exec, {position.data(), count}, seed_, std::uint64_t(step) * std::uint64_t(count), scale.jitter_length);
+  const std::vector<float> moved = jittered_points(exec, {position.data(), count}, seed_,
+                                                   std::uint64_t(step) * std::uint64_t(count), scale.jitter_length);
   const std::vector<float>* sets[2] = {&position, &moved};
   KnnGraph graph[2];
   Sampled at[2];
@@ -240,8 +230,7 @@ double JointField::smoothness(const Exec& exec, const FieldRays& rays, Rows<cons
     evaluate(exec, {{sets[k]->data(), count}, &graph[k], {direction.data(), count}, 1, boundary}, at[k]);
   }
   SmoothnessGradients gradients;
-  const double loss =
-      loss_smooth_backward(exec, scale, {at[0].network.rgb, at[1].network.rgb}, weight, gradients);
+  const double loss = loss_smooth_backward(exec, scale, {at[0].network.rgb, at[1].network.rgb}, weight, gradients);
   const std::vector<float> no_density(std::size_t(count), 0.f);
   const std::vector<float>* grad[2] = {&gradients.colour, &gradients.moved_colour};
   for (int k = 0; k < 2; ++k)

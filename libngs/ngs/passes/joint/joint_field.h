@@ -4,15 +4,15 @@
 #include <vector>
 
 #include "ngs/core/monitor.h"
-#include "ngs/ops/optim/adam.h"
 #include "ngs/ops/field/film_mlp.h"
 #include "ngs/ops/field/hash_grid.h"
 #include "ngs/ops/field/ray_query.h"
-#include "ngs/ops/losses/loss_align.h"
 #include "ngs/ops/field/volume.h"
+#include "ngs/ops/losses/loss_align.h"
+#include "ngs/ops/optim/adam.h"
+#include "ngs/passes/joint/joint_options.h"
 #include "ngs/scene/boundary_set.h"
 #include "ngs/scene/param_store.h"
-#include "ngs/passes/joint/joint_options.h"
 
 namespace ngs {
 
@@ -25,15 +25,14 @@ struct FieldRays {
 };
 
 /// How far query points may lie from the boundary, world.
-double field_reach(const SampleOptions& sample, const GaussianCloud& cloud,
-                   const std::vector<Camera>& cameras, const BoundarySet& boundary);
+double field_reach(const SampleOptions& sample, const GaussianCloud& cloud, const std::vector<Camera>& cameras,
+                   const BoundarySet& boundary);
 
 /// Finest useful cell of the encoding, in spacings of the boundary: two cells to a spacing.
 inline constexpr double kFinestCell = 0.5;
 
 /// Side of the finest cell of the encoding, in spacings of the boundary (passes/detectors.h).
-double encoding_cells(const Exec& exec, double reach, double width, Rows<const float, 3> boundary,
-                      int finest);
+double encoding_cells(const Exec& exec, double reach, double width, Rows<const float, 3> boundary, int finest);
 
 class JointField {
  public:
@@ -44,16 +43,14 @@ class JointField {
     const RbfOptions& rbf;
     const GaussianCloud& cloud;
     const BoundarySet& boundary;
-    double reach =
-        0;  // world: how far query points may lie from the boundary; the encoding's box is grown by it
+    double reach = 0;  // world: how far query points may lie from the boundary; the encoding's box is grown by it
     std::uint64_t seed = 0;
   };
   JointField(const Exec& exec, const Setup& setup);
 
   /// Rays of `camera` (relative to the model's origin) about the boundary as it is now. `map`: see
   /// sample_view.
-  FieldRays rays(const Exec& exec, const Camera& camera, Rows<const float, 3> boundary,
-                 const DepthMap& map) const;
+  FieldRays rays(const Exec& exec, const Camera& camera, Rows<const float, 3> boundary, const DepthMap& map) const;
   /// The same from one view of the artifact of ngs-sample and ngs-rbf.
   FieldRays rays(const Exec& exec, const Camera& camera, const QueryField& field, std::size_t view,
                  const BoundarySet& boundary) const;
@@ -62,8 +59,8 @@ class JointField {
   const VolumeOutput& forward(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary,
                               Vec3<float> background);
   /// Adds the gradient of what the last forward rendered to the parameters' gradients.
-  void backward(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary,
-                Vec3<float> background, const AlignFieldGradients& gradients);
+  void backward(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary, Vec3<float> background,
+                const AlignFieldGradients& gradients);
 
   /// L_smth (Eq. 18) at an evenly spaced subset of the last forward's query points; adds `weight` times its
   /// gradient.
@@ -83,8 +80,7 @@ class JointField {
     RbfField rbf;
     std::vector<float> encoding;
     FilmMlpOutput network;
-    FilmMlpInputs inputs(Rows<const float, 3> direction, std::int64_t per_direction,
-                         const FilmMlpConfig& config) const;
+    FilmMlpInputs inputs(Rows<const float, 3> direction, std::int64_t per_direction, const FilmMlpConfig& config) const;
   };
   struct Points {  // what is evaluated
     Rows<const float, 3> position;
@@ -95,8 +91,8 @@ class JointField {
   };
   AdamOptions adam_of(const ParamBlock& block) const;
   void evaluate(const Exec& exec, const Points& points, Sampled& out) const;
-  void differentiate(const Exec& exec, const Points& points, const Sampled& at,
-                     const std::vector<float>& grad_density, const std::vector<float>& grad_rgb);
+  void differentiate(const Exec& exec, const Points& points, const Sampled& at, const std::vector<float>& grad_density,
+                     const std::vector<float>& grad_rgb);
   RbfProblem rbf_problem(const Points& points) const;
   Points points_of(const FieldRays& rays, Rows<const float, 3> boundary) const;
 

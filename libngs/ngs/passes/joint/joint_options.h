@@ -38,14 +38,10 @@ inline constexpr NamedValue<MaskLossForm> kMaskLossNames[] = {{MaskLossForm::kBc
 /// Steps per training view of a quality: every view is visited that often.
 inline int epochs_of(Quality quality) {
   switch (quality) {
-    case Quality::kDraft:
-      return 1;
-    case Quality::kStandard:
-      return 10;
-    case Quality::kHigh:
-      return 40;
-    case Quality::kReference:
-      return 160;
+    case Quality::kDraft: return 1;
+    case Quality::kStandard: return 10;
+    case Quality::kHigh: return 40;
+    case Quality::kReference: return 160;
   }
   return 10;
 }
@@ -56,8 +52,8 @@ inline constexpr double kEpochsBeforeContours = 0.3;
 struct JointOptions {
   Quality quality = Quality::kStandard;
   std::int64_t steps = 0;
-  JointSwitches on;               // as the effects are decided
-  bool contours_go_on = false;    // contour iterations at half the size follow and do a part of the work
+  JointSwitches on;             // as the effects are decided
+  bool contours_go_on = false;  // contour iterations at half the size follow and do a part of the work
   double lambda_mask = 0.5, lambda_cont = 0.1, lambda_smooth = 0.05;
   double weight_opacity = 0.5, weight_variance = 0.01;
   bool excess_variance = false;
@@ -75,23 +71,30 @@ struct JointOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.steps, Field<std::int64_t>{"steps", "", "optimiser steps, one view each; 0: as --quality says",
-                                          0, 100'000'000}.of("joint"));
-    visit(self.lambda_mask, Field<double>{"lambda_mask", "", "weight of L_mask (Eq. 20)", 0, 1e6}.of("joint|contours,mask"));
+    visit(self.steps,
+          Field<std::int64_t>{"steps", "", "optimiser steps, one view each; 0: as --quality says", 0, 100'000'000}.of(
+              "joint"));
+    visit(self.lambda_mask,
+          Field<double>{"lambda_mask", "", "weight of L_mask (Eq. 20)", 0, 1e6}.of("joint|contours,mask"));
     visit(self.lambda_cont, Field<double>{"lambda_cont", "", "weight of L_cont (Eq. 20)", 0, 1e6}.of("cont"));
     visit(self.lambda_smooth, Field<double>{"lambda_smooth", "", "weight of L_smth (Eq. 20)", 0, 1e6}.of("smooth"));
     visit(self.weight_opacity, Field<double>{"weight_opacity", "", "w_alpha of L_align (Eq. 16)", 0, 1e6}.of("align"));
-    visit(self.weight_variance, Field<double>{"weight_variance", "", "w_v of L_align (Eq. 16, C17)", 0, 1e6}.of("variance"));
-    visit(self.excess_variance, Flag{"excess_variance", "7x7 term: only variance above the photo's (C17)"}.of("variance"));
+    visit(self.weight_variance,
+          Field<double>{"weight_variance", "", "w_v of L_align (Eq. 16, C17)", 0, 1e6}.of("variance"));
+    visit(self.excess_variance,
+          Flag{"excess_variance", "7x7 term: only variance above the photo's (C17)"}.of("variance"));
     visit(self.mask_loss,
-          Choice<MaskLossForm>{"mask_loss", "L_mask: cross-entropy, or COB-GS's linear form (C18)",
-                               kMaskLossNames}.of("joint|contours,mask"));
+          Choice<MaskLossForm>{"mask_loss", "L_mask: cross-entropy, or COB-GS's linear form (C18)", kMaskLossNames}.of(
+              "joint|contours,mask"));
     visit(self.photometric_weight,
-          Field<double>{"photometric_weight", "", "weight of 0.8 L1 + 0.2 DSSIM (C16)", 0, 1e6}.of("joint|contours,photometric"));
+          Field<double>{"photometric_weight", "", "weight of 0.8 L1 + 0.2 DSSIM (C16)", 0, 1e6}.of(
+              "joint|contours,photometric"));
     visit(self.start_steps,
-          Field<int>{"start_steps", "", "labels start this many EM steps from 1/2 (PAPER.md 5.4); 1: at their share of evidence", 1, 100}
+          Field<int>{"start_steps", "",
+                     "labels start this many EM steps from 1/2 (PAPER.md 5.4); 1: at their share of evidence", 1, 100}
               .of("joint"));
-    visit(self.rate_label, Field<double>{"rate_label", "", "Adam rate of the label logits", 0, 100}.of("joint|contours"));
+    visit(self.rate_label,
+          Field<double>{"rate_label", "", "Adam rate of the label logits", 0, 100}.of("joint|contours"));
     visit(self.rate_scale,
           Field<double>{"rate_scale", "", "factor on 3DGS's rates of the Gaussians (C20)", 0, 1e3}.of("joint"));
     visit(self.rate_literal,
@@ -104,15 +107,18 @@ struct JointOptions {
           Field<double>{"rate_decay", "", "all rates fall exponentially to this factor", 1e-6, 1}.of("joint|contours"));
     visit(self.smooth_points,
           Field<int>{"smooth_points", "", "query points per step for L_smth", 1, 1 << 24}.of("smooth"));
-    visit(self.smooth_step,
-          Field<double>{"smooth_step", "", "finite-difference step of L_smth, in kernel widths", 1e-6, 10}.of("smooth"));
+    visit(
+        self.smooth_step,
+        Field<double>{"smooth_step", "", "finite-difference step of L_smth, in kernel widths", 1e-6, 10}.of("smooth"));
     visit(self.hash_levels,
           Field<int>{"hash_levels", "", "resolutions L of the hash encoding (Eq. 11)", 1, kMaxHashLevels}.of("nerf"));
     visit(self.hash_features, Field<int>{"hash_features", "", "features per level: 1, 2, 4 or 8", 1, 8}.of("nerf"));
     visit(self.hash_log2_table,
           Field<int>{"hash_log2_table", "", "log2 of the entries of a hashed level", 3, 24}.of("nerf"));
-    visit(self.hash_base, Field<int>{"hash_base", "vertices", "coarsest resolution, along an axis", 2, 4096}.of("nerf"));
-    visit(self.hash_finest, Field<int>{"hash_finest", "vertices", "finest resolution, along an axis", 2, kMaxHashResolution}.of("nerf"));
+    visit(self.hash_base,
+          Field<int>{"hash_base", "vertices", "coarsest resolution, along an axis", 2, 4096}.of("nerf"));
+    visit(self.hash_finest,
+          Field<int>{"hash_finest", "vertices", "finest resolution, along an axis", 2, kMaxHashResolution}.of("nerf"));
     visit(self.mlp_hidden, Field<int>{"mlp_hidden", "", "width of the network", 16, 128}.of("nerf"));
     visit(self.mlp_layers,
           Field<int>{"mlp_layers", "", "hidden layers, each modulated (Eq. 14)", 1, kMaxFilmLayers}.of("nerf"));
@@ -130,8 +136,8 @@ inline std::int64_t steps_of(const JointOptions& options, std::size_t views) {
   return options.steps > 0 ? options.steps : epochs_of(options) * std::int64_t(views);
 }
 
-/// The samples of a run: the whole image without its box (Sp), and for a draft half of the nodes and depths along each axis,
-/// because one epoch learns little from the field.
+/// The samples of a run: the whole image without its box (Sp), and for a draft half of the nodes and depths along each
+/// axis, because one epoch learns little from the field.
 inline SampleOptions sample_of(SampleOptions sample, const JointOptions& options) {
   sample.whole_image = !options.on.box;
   if (options.quality != Quality::kDraft) return sample;

@@ -53,8 +53,8 @@ void JointPass::begin(PassRun& run) {
   Problem& problem = *run.problem;
   problem.splat.antialiased = problem.splat.antialiased && run.on("antialias");
   const TrainingOptions& o = run.training;
-  run.trainer = std::make_unique<JointTrainer>(run.device_exec, run.monitor, JointSetup{o.joint, o.sample, o.rbf, problem, run.field},
-                                               run.allow_empty);
+  run.trainer = std::make_unique<JointTrainer>(
+      run.device_exec, run.monitor, JointSetup{o.joint, o.sample, o.rbf, problem, run.field}, run.allow_empty);
   run.watch.emplace(run.exec, run.watching, problem, run.budget);
   run.watch->begin(*run.trainer);
   run.solution = run.trainer->result();
@@ -85,8 +85,9 @@ void JointPass::finish(PassRun& run) {
   }
   run.solution->converged = run.watch->target_met() || (!run.watch->cut() && !run.budget.cut());
   const LossTerms& l = run.watch->last_loss();
-  run.report["last_loss"] = {{"total", l.total}, {"photometric", l.photometric}, {"align", l.align},
-                             {"mask", l.mask},   {"cont", l.cont},               {"smooth", l.smooth}};
+  run.report["last_loss"] = {{"total", l.total}, {"photometric", l.photometric},
+                             {"align", l.align}, {"mask", l.mask},
+                             {"cont", l.cont},   {"smooth", l.smooth}};
 }
 
 }  // namespace ngs

@@ -9,12 +9,12 @@
 #include "ngs/ops/field/knn.h"
 #include "ngs/ops/losses/loss_cont.h"
 #include "ngs/ops/losses/photometric.h"
-#include "ngs/problem/cloud_rows.h"
 #include "ngs/passes/joint/first_queries.h"
-#include "ngs/stages/fit/fit_stage.h"
 #include "ngs/passes/joint/label_start.h"
 #include "ngs/passes/joint/view_cache.h"
+#include "ngs/problem/cloud_rows.h"
 #include "ngs/problem/view_list.h"
+#include "ngs/stages/fit/fit_stage.h"
 
 namespace ngs {
 namespace {
@@ -155,24 +155,22 @@ struct JointTrainer::Impl {
     if (done < std::int64_t(input.views.size())) {
       rays = first_queries().rays(v);
     } else {
-      rays = field->rays(exec, camera, boundary.positions(),
-                         sample.window == WindowCentre::kPixel ? map : DepthMap{});
+      rays = field->rays(exec, camera, boundary.positions(), sample.window == WindowCentre::kPixel ? map : DepthMap{});
     }
     if (rays.rays.rays() > 0) rays.on_surface = rays_on_surface(camera, rays.rays, map);
     return rays;
   }
 
   LossTerms step_view(std::size_t n);
-  void field_terms(const FieldRays& rays, const RenderedView& rendered, const ViewCache::View& view,
-                   LossTerms& loss, ViewGradients& grad, ImageF& weights);
+  void field_terms(const FieldRays& rays, const RenderedView& rendered, const ViewCache::View& view, LossTerms& loss,
+                   ViewGradients& grad, ImageF& weights);
   void cont_term(LossTerms& loss);
   void update(double decay);
   void sum_up(LossTerms& loss) const;
 };
 
-void JointTrainer::Impl::field_terms(const FieldRays& rays, const RenderedView& rendered,
-                                     const ViewCache::View& view, LossTerms& loss, ViewGradients& grad,
-                                     ImageF& weights) {
+void JointTrainer::Impl::field_terms(const FieldRays& rays, const RenderedView& rendered, const ViewCache::View& view,
+                                     LossTerms& loss, ViewGradients& grad, ImageF& weights) {
   if (rays.rays.rays() == 0) return;
   const auto timed = monitor.scope("field");
   const VolumeOutput& volume = field->forward(exec, rays, boundary.positions(), input.background);
@@ -196,8 +194,7 @@ void JointTrainer::Impl::field_terms(const FieldRays& rays, const RenderedView& 
     field->backward(exec, rays, boundary.positions(), input.background, to_field);
     loss.align = value.total;
   }
-  if (effects.smooth)
-    loss.smooth = field->smoothness(exec, rays, boundary.positions(), options.lambda_smooth, done);
+  if (effects.smooth) loss.smooth = field->smoothness(exec, rays, boundary.positions(), options.lambda_smooth, done);
 }
 
 void JointTrainer::Impl::cont_term(LossTerms& loss) {
@@ -236,8 +233,7 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
     const PixelRegion& r = view.region;
     const double share = r.empty() ? 1 : double(r.x1 - r.x0) * (r.y1 - r.y0) / double(view.photo.pixels());
     const PhotometricOptions anchor{.region = r, .gradient_scale = share * options.photometric_weight};
-    loss.photometric =
-        share * photometric.evaluate(exec, anchor, {rendered.colour, view.photo}, &grad.colour).total;
+    loss.photometric = share * photometric.evaluate(exec, anchor, {rendered.colour, view.photo}, &grad.colour).total;
   } else if (colour) {
     grad.colour = ImageF(camera.width_px, camera.height_px, 3);
   }
@@ -279,8 +275,7 @@ void JointTrainer::Impl::update(double decay) {
   if (field) field->step(exec, t, decay);
 }
 
-JointTrainer::JointTrainer(const Exec& exec, Monitor& monitor, const JointSetup& setup,
-                           bool empty_boundary_is_fine)
+JointTrainer::JointTrainer(const Exec& exec, Monitor& monitor, const JointSetup& setup, bool empty_boundary_is_fine)
     : impl_(std::make_unique<Impl>(exec, monitor, setup)) {
   impl_->start(empty_boundary_is_fine);
 }
@@ -316,8 +311,7 @@ Solution JointTrainer::result() const {
   const std::size_t k_count = s.objects();
   for (std::size_t k = 0; k < k_count; ++k)
     for (std::size_t i = 0; i < std::size_t(s.cloud.size()); ++i)
-      if (s.trainable[i * k_count + k])
-        result.labels[k].label[i] = result.labels[k].prob[i] = label[i * k_count + k];
+      if (s.trainable[i * k_count + k]) result.labels[k].label[i] = result.labels[k].prob[i] = label[i * k_count + k];
   result.figures["steps"] = double(s.done);
   result.figures["boundary"] = double(s.boundary.size());
   return result;

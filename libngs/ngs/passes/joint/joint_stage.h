@@ -27,7 +27,7 @@ struct JointProgress {
 struct StateBlock {
   std::string name;
   std::vector<float>* values;
-  std::size_t size;  // that the values have to have
+  std::size_t size;           // that the values have to have
   bool may_be_empty = false;  // moments before their first step
   bool fits(std::size_t count) const { return count == size || (may_be_empty && count == 0); }
 };

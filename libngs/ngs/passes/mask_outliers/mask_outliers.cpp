@@ -4,11 +4,11 @@
 #include <cmath>
 
 #include "ngs/math/median.h"
+#include "ngs/ops/image/mask_pair.h"
 #include "ngs/ops/splat/evidence.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/scene/mask_threshold.h"
 #include "ngs/stages/boundary/leave_one_out.h"
-#include "ngs/ops/image/mask_pair.h"
 
 namespace ngs {
 namespace {
@@ -44,7 +44,11 @@ double disagreement(const Planes& mask, const Planes& consensus) {
 class Judge {
  public:
   Judge(const Exec& exec, const MaskOutlierOptions& options, const Problem& input)
-      : exec_(exec), options_(options), input_(input), trusted_(input.views.size(), 1), gathered_(input.views.size(), 0) {}
+      : exec_(exec),
+        options_(options),
+        input_(input),
+        trusted_(input.views.size(), 1),
+        gathered_(input.views.size(), 0) {}
 
   MaskOutliers run(Monitor& monitor) {
     const auto timed = monitor.scope("view trust");
@@ -67,7 +71,8 @@ class Judge {
  private:
   const Camera& camera(std::size_t n) const { return input_.scene.views[input_.views[n]].camera; }
 
-  /// Evidence of the trusted views, from that of those that were trusted before; false where too few have masks, or it was asked to stop.
+  /// Evidence of the trusted views, from that of those that were trusted before; false where too few have masks, or it
+  /// was asked to stop.
   bool gather(LeaveOneOut& others) {
     int with_masks = 0;
     const bool all = for_each_view(input_.monitor, input_.views, [&](std::size_t n, std::size_t view) {
@@ -79,8 +84,8 @@ class Judge {
     return all && with_masks >= options_.least_views;
   }
 
-  /// Disagreement of a mask with the better consensus. Where mask and object alone show nothing, nothing is less, and the
-  /// model as it stands is not rendered.
+  /// Disagreement of a mask with the better consensus. Where mask and object alone show nothing, nothing is less, and
+  /// the model as it stands is not rendered.
   double disagreement_with(const LeaveOneOut::Rest& rest, std::size_t n, const Planes& mask) const {
     const std::size_t rows = rest.seen.size(), objects = input_.scene.objects.size();
     std::vector<float> label(rows * (objects + 1), 0.f);  // last: the others have seen it
@@ -94,10 +99,12 @@ class Judge {
     request.colour = false;
     request.label = {label.data(), input_.cloud.size(), int(objects) + 1};
     request.include = object.data();
-    const double alone = disagreement(mask, thresholded(render(exec_, input_.cloud, camera(n), input_.splat, request), false));
+    const double alone =
+        disagreement(mask, thresholded(render(exec_, input_.cloud, camera(n), input_.splat, request), false));
     if (alone == kNothingThere) return alone;
     request.include = nullptr;
-    return std::min(alone, disagreement(mask, thresholded(render(exec_, input_.cloud, camera(n), input_.splat, request), true)));
+    return std::min(
+        alone, disagreement(mask, thresholded(render(exec_, input_.cloud, camera(n), input_.splat, request), true)));
   }
   /// `seen_only`: compared only where most of the pixel was seen by the others.
   static Planes thresholded(const RenderedView& view, bool seen_only) {
@@ -112,8 +119,8 @@ class Judge {
     return p;
   }
 
-  /// True where another view is ignored now, or one no longer is. Views that agree on showing nothing are trusted, and no
-  /// measure of how well contours agree: where most views do not see the object, their zeros would be the median.
+  /// True where another view is ignored now, or one no longer is. Views that agree on showing nothing are trusted, and
+  /// no measure of how well contours agree: where most views do not see the object, their zeros would be the median.
   bool judge(const LeaveOneOut& others, MaskOutliers& trust) {
     trust.disagreement.assign(trusted_.size(), -1.0);
     std::vector<double> all;

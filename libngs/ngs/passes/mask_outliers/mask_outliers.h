@@ -10,20 +10,20 @@
 namespace ngs {
 
 struct MaskOutlierOptions {
-  int least_views = 4;   // with fewer masks, or fewer that show an object, there is no consensus
-  double factor = 3;     // ignored: 1 - IoU above this many medians,
-  double spreads = 6;    // above the median by this many standard deviations (1.4826 MAD),
-  double least = 0.2;    // and above this;
-  double most = 0.9;     // above this at any rate, where most views share more than half with the others
-  int rounds = 3;        // the consensus without the ignored views judges again
+  int least_views = 4;  // with fewer masks, or fewer that show an object, there is no consensus
+  double factor = 3;    // ignored: 1 - IoU above this many medians,
+  double spreads = 6;   // above the median by this many standard deviations (1.4826 MAD),
+  double least = 0.2;   // and above this;
+  double most = 0.9;    // above this at any rate, where most views share more than half with the others
+  int rounds = 3;       // the consensus without the ignored views judges again
 };
 
 /// The disagreement above which a view is ignored, from those of all views (at least one). `median`: of them.
 double ignore_threshold(const MaskOutlierOptions& options, const std::vector<double>& disagreement, double& median);
 
 struct MaskOutliers {
-  std::vector<std::size_t> ignored;   // indices of scene.views, ascending
-  std::vector<double> disagreement;   // per entry of input.views: 1 - IoU with the others; negative: no mask
+  std::vector<std::size_t> ignored;       // indices of scene.views, ascending
+  std::vector<double> disagreement;       // per entry of input.views: 1 - IoU with the others; negative: no mask
   std::map<std::string, double> figures;  // median, threshold, rounds
 };
 

@@ -2,23 +2,25 @@
 
 #include <algorithm>
 
+#include "ngs/ops/image/mask_pair.h"
 #include "ngs/passes/detectors.h"
 #include "ngs/passes/mask_outliers/mask_outliers.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/boundary/method_labels.h"
-#include "ngs/ops/image/mask_pair.h"
 #include "ngs/stages/render/render_stage.h"
 
 namespace ngs {
 namespace {
 
-/// Disagreement of one view's masks with the objects rendered alone, summed over objects: what hides them may be floaters.
+/// Disagreement of one view's masks with the objects rendered alone, summed over objects: what hides them may be
+/// floaters.
 double disagreement_alone(const Exec& exec, const Problem& problem, const Camera& camera, const ViewMasks& masks) {
   RenderedView view;
   view.label = ImageF(camera.width_px, camera.height_px, int(problem.labels.size()));
   show_objects_alone(exec, {problem.cloud, problem.labels}, camera, problem.splat, view);
   double sum = 0;
-  for (std::size_t k = 0; k < masks.target.size(); ++k) sum += disagreement(MaskPair(view.label, masks, k).counts(exec));
+  for (std::size_t k = 0; k < masks.target.size(); ++k)
+    sum += disagreement(MaskPair(view.label, masks, k).counts(exec));
   return sum;
 }
 
@@ -45,8 +47,8 @@ std::vector<Effect> MaskOutliersPass::effects() const {
   return {{.name = "mask-outliers",
            .help = "ignore masks that the others contradict",
            .saves = "the consensus of the others, view by view",
-           .detector = {"worst view's disagreement, in halves of what would ignore it", 1, "half the distance at which a view is ignored",
-                        worst_outlier},
+           .detector = {"worst view's disagreement, in halves of what would ignore it", 1,
+                        "half the distance at which a view is ignored", worst_outlier},
            .was = "view-trust"}};
 }
 

@@ -74,7 +74,11 @@ TimePlan Budget::plan_contours(std::optional<double> first_refine_s) const {
 }
 
 Json Budget::json() const {
-  return {{"seconds", seconds_.value_or(0)}, {"render_s", render_s_}, {"pace", pace_.factor()}, {"cut", cut_}, {"stages", laps_}};
+  return {{"seconds", seconds_.value_or(0)},
+          {"render_s", render_s_},
+          {"pace", pace_.factor()},
+          {"cut", cut_},
+          {"stages", laps_}};
 }
 
 std::optional<double> parse_seconds(const std::string& text) {

@@ -1,7 +1,7 @@
 #pragma once
-// What --time-budget leaves time for. Every pass has a cost in renders of a view; one render is timed when the run begins, and
-// what the passes then take corrects the rest. What cannot stop midway is begun only where it is foreseen to end in time; steps
-// follow the clock itself (watch.h).
+// What --time-budget leaves time for. Every pass has a cost in renders of a view; one render is timed when the run
+// begins, and what the passes then take corrects the rest. What cannot stop midway is begun only where it is foreseen
+// to end in time; steps follow the clock itself (watch.h).
 #include <optional>
 #include <string_view>
 
@@ -25,7 +25,7 @@ struct StepsForecast {
 /// Renders of contour refinement.
 struct ContourForecast {
   double refine_renders = 0, epoch_renders = 0, check_renders = 0;  // check: once, after the last iteration
-  double early_share = 1;                                           // of the last iteration's steps, what those of another take
+  double early_share = 1;  // of the last iteration's steps, what those of another take
   int iterations = 0, epochs = 0;
 };
 
@@ -40,7 +40,8 @@ class Budget {
   /// Whether what takes `next_s` may still be begun.
   bool allows(double next_s) const { return !given() || next_s <= left_s(); }
 
-  /// Times a render of the first training view, and keeps the time for writing that reading took. Only where a budget is given.
+  /// Times a render of the first training view, and keeps the time for writing that reading took. Only where a budget
+  /// is given.
   void measure(const Exec& exec, const Problem& problem, double reading_s);
   double foreseen_s(double renders) const { return renders * render_s_ * pace_.factor(); }
   bool fits(const PassCost& cost, std::size_t views) const;

@@ -12,19 +12,19 @@ struct StepsCost {
   int epochs = 0;            // as many as asked for
 };
 
-/// A further iteration is begun where this share of its steps fits. Half of a third one costs the capture of BENCHMARKS.md 0.001 of
-/// boundary IoU; where things are thin, half of a second gains up to 0.05.
+/// A further iteration is begun where this share of its steps fits. Half of a third one costs the capture of
+/// BENCHMARKS.md 0.001 of boundary IoU; where things are thin, half of a second gains up to 0.05.
 inline constexpr double kLeastIteration = 0.5;
-/// The same of the last iteration where those before it are cheaper ones: it is the one that sees all pixels. A third one that was cut
-/// short left the capture 0.001 below two whole ones.
+/// The same of the last iteration where those before it are cheaper ones: it is the one that sees all pixels. A third
+/// one that was cut short left the capture 0.001 below two whole ones.
 inline constexpr double kLeastAfterCheap = 0.9;
 
 /// Seconds of the edges stage; no iterations: it is off.
 struct IterationsCost {
-  double refine_s = 0;         // of an iteration, before its first step
-  double epoch_s = 0;        // one step for every view in the last iteration
-  double early_share = 1;    // of the time of the last iteration's steps, what those of another take
-  double check_s = 0;        // once, after the last iteration
+  double refine_s = 0;     // of an iteration, before its first step
+  double epoch_s = 0;      // one step for every view in the last iteration
+  double early_share = 1;  // of the time of the last iteration's steps, what those of another take
+  double check_s = 0;      // once, after the last iteration
   int iterations = 0, epochs = 0;
 
   /// Of n iterations before the first step of the last.
@@ -37,9 +37,9 @@ struct IterationsCost {
 
 struct TimePlan {
   bool steps = true, field = true;
-  double steps_s = 0;   // that the steps may take
+  double steps_s = 0;          // that the steps may take
   int contour_iterations = 0;  // 0: none
-  bool cut = false;     // less than asked for
+  bool cut = false;            // less than asked for
 };
 
 /// Fewer epochs than this leave an iteration of edges worse than none: it begins with halved Gaussians.
@@ -47,8 +47,8 @@ inline constexpr int kLeastContourEpochs = 3;
 /// Where less than this share of a visit by the steps fits, they are left out.
 inline constexpr double kLeastEpoch = 0.1;
 
-/// The field is kept where all fits. `contour_iterations`: all but the last with all of their epochs, the last with at least
-/// least_last() of its own, or kLeastContourEpochs where it is the only one. What these leave is the steps'.
+/// The field is kept where all fits. `contour_iterations`: all but the last with all of their epochs, the last with at
+/// least least_last() of its own, or kLeastContourEpochs where it is the only one. What these leave is the steps'.
 TimePlan plan_time(double left_s, const StepsCost& steps, const IterationsCost& edges);
 
 /// Visits of every view that are begun at all.

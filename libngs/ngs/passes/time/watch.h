@@ -26,13 +26,17 @@ class Watch {
   void begin(const JointTrainer& trainer);
   /// The steps to come, from where the trainer is, go on until only `keep_s` of the budget are left.
   void begin_steps(double keep_s, const JointTrainer& trainer);
-  /// The same for contour iterations. Another is begun where what is left has time for its refinement and half of its steps.
+  /// The same for contour iterations. Another is begun where what is left has time for its refinement and half of its
+  /// steps.
   void begin_iterations(double keep_s);
-  /// How many there may be, known after the first refinement; a step of those before the last takes `early_share` of one of it.
-  void iterations_known(int iterations, double early_share) { iterations_left_ = iterations + 1, early_share_ = early_share; }
+  /// How many there may be, known after the first refinement; a step of those before the last takes `early_share` of
+  /// one of it.
+  void iterations_known(int iterations, double early_share) {
+    iterations_left_ = iterations + 1, early_share_ = early_share;
+  }
 
-  /// True: no further step, because the target is met or the time is up. `whole` gives the model as it is, for scoring. Under a
-  /// budget the trainer's plan follows the time that its steps turn out to take.
+  /// True: no further step, because the target is met or the time is up. `whole` gives the model as it is, for scoring.
+  /// Under a budget the trainer's plan follows the time that its steps turn out to take.
   bool after_step(const JointProgress& progress, JointTrainer& trainer, const std::function<Solution()>& whole);
 
   bool target_met() const { return target_met_; }
@@ -60,8 +64,8 @@ class Watch {
   bool target_met_ = false, cut_ = false;
   std::int64_t every_, step_ = 0;
   double scoring_s_ = 0, longest_score_s_ = 0, last_s_ = 0;
-  // Of the steps or iteration that runs: its steps before time ran short; when it began, at which step; what it leaves of the
-  // budget.
+  // Of the steps or iteration that runs: its steps before time ran short; when it began, at which step; what it leaves
+  // of the budget.
   std::int64_t planned_ = 0, began_step_ = 0;
   double began_s_ = 0, longest_step_s_ = 0, keep_s_ = 0;
   int iterations_left_ = 0;  // of contours, this one included; 0: these are joint steps

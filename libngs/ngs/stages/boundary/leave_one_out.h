@@ -8,12 +8,14 @@
 
 namespace ngs {
 
-/// Keeps the weights of single views up to `kept_bytes`; those of further views are gathered anew when they are asked for.
+/// Keeps the weights of single views up to `kept_bytes`; those of further views are gathered anew when they are asked
+/// for.
 class LeaveOneOut {
  public:
   /// What view n says.
   using Gather = std::function<ViewSums(std::size_t n)>;
-  LeaveOneOut(const Exec& exec, std::int64_t gaussians, int objects, Gather gather, std::size_t kept_bytes = 256u << 20);
+  LeaveOneOut(const Exec& exec, std::int64_t gaussians, int objects, Gather gather,
+              std::size_t kept_bytes = 256u << 20);
 
   void add(std::size_t n);
   /// A view that was added: nothing of it is left.

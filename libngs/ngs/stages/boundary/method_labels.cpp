@@ -14,7 +14,8 @@ std::vector<LabelColumns> closed_form_labels(const Exec& exec, Monitor& monitor,
     return input.labels;
   }
   const auto timed = monitor.scope("evidence");
-  return label_gaussians({}, accumulate_evidence(exec, monitor, {input.cloud, input.scene, input.views, input.splat, input.load_masks}));
+  return label_gaussians(
+      {}, accumulate_evidence(exec, monitor, {input.cloud, input.scene, input.views, input.splat, input.load_masks}));
 }
 
 namespace {
@@ -75,8 +76,7 @@ void restore_fixed(const Problem& input, const std::vector<std::int64_t>& source
 }
 
 double labelled_count(const LabelColumns& labels) {
-  return double(
-      std::ranges::count_if(labels.label, label_says_object));
+  return double(std::ranges::count_if(labels.label, label_says_object));
 }
 
 }  // namespace ngs

@@ -9,8 +9,8 @@ namespace ngs {
 std::vector<LabelColumns> closed_form_labels(const Exec& exec, Monitor& monitor, const Problem& input);
 
 /// Labels from evidence gathered anew, with the boundary rule that the input's own labels follow: the criterion is the
-/// one that gives variances like theirs, tau the largest variance that is not boundary there. Hand-fixed labels stay. For
-/// stages that change the model or the masks. The input's own where `monitor` was asked to stop.
+/// one that gives variances like theirs, tau the largest variance that is not boundary there. Hand-fixed labels stay.
+/// For stages that change the model or the masks. The input's own where `monitor` was asked to stop.
 std::vector<LabelColumns> labels_anew(const Exec& exec, Monitor& monitor, const Problem& input,
                                       const GaussianCloud& cloud);
 
@@ -19,9 +19,7 @@ std::vector<LabelColumns> labels_anew(const Exec& exec, Monitor& monitor, const 
 void restore_fixed(const Problem& input, const std::vector<std::int64_t>& source_row,
                    std::vector<LabelColumns>& labels);
 
-inline bool is_fixed(const Problem& input, std::size_t row) {
-  return !input.fixed.empty() && input.fixed[row] == 1.f;
-}
+inline bool is_fixed(const Problem& input, std::size_t row) { return !input.fixed.empty() && input.fixed[row] == 1.f; }
 
 /// Number of Gaussians labelled as the object, for Solution::figures.
 double labelled_count(const LabelColumns& labels);

@@ -32,8 +32,7 @@ void require_same_origin(const QueryField& field, const std::array<double, 3>& o
 }
 
 double rbf_width(const Exec& exec, const RbfOptions& options, Rows<const float, 3> boundary) {
-  if (options.width == "auto")
-    return auto_rbf_width(exec, boundary, options.neighbours, options.width_factor);
+  if (options.width == "auto") return auto_rbf_width(exec, boundary, options.neighbours, options.width_factor);
   double width = 0;
   const char* end = options.width.data() + options.width.size();
   const auto [stop, error] = std::from_chars(options.width.data(), end, width);

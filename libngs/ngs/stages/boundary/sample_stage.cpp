@@ -14,8 +14,8 @@ RenderedView render_depth(const Exec& exec, const GaussianCloud& cloud, const Ca
 void append(const ViewSample& sample, const Camera& camera, QueryField& field) {
   const RayQueries& rays = sample.rays;
   const auto view = std::int32_t(field.views.size());
-  field.views.push_back({camera.name, sample.boundary.box, rays.grid.rows, rays.grid.cols, rays.samples,
-                         sample.boundary.mean_distance});
+  field.views.push_back(
+      {camera.name, sample.boundary.box, rays.grid.rows, rays.grid.cols, rays.samples, sample.boundary.mean_distance});
   const std::size_t queries = rays.depth.size();
   field.position.insert(field.position.end(), rays.position.begin(), rays.position.end());
   field.depth.insert(field.depth.end(), rays.depth.begin(), rays.depth.end());

@@ -28,29 +28,24 @@ struct SampleOptions {
   double depth_epsilon = 1e-4;
   WindowCentre window = WindowCentre::kPixel;
   GridNodes nodes = GridNodes::kCentres;
-  bool whole_image = false;  // the grid covers every view that sees the boundary: --effect box=off, no option of its own
+  bool whole_image =
+      false;  // the grid covers every view that sees the boundary: --effect box=off, no option of its own
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.rows,
-          Field<int>{"rows", "", "grid rows, fewer where they would be under 1 px (Eq. 5)", 1, 4096});
+    visit(self.rows, Field<int>{"rows", "", "grid rows, fewer where they would be under 1 px (Eq. 5)", 1, 4096});
     visit(self.cols, Field<int>{"cols", "", "grid columns (Eq. 5)", 1, 4096});
-    visit(self.depth_samples,
-          Field<int>{"depth_samples", "", "query points per ray, the paper's K (Eq. 7)", 1, 256});
-    visit(self.bbox_pad_px,
-          Field<double>{"bbox_pad_px", "px",
-                        "margin of the box about the boundary, the paper's delta (Eq. 4)", 0, 1e4});
+    visit(self.depth_samples, Field<int>{"depth_samples", "", "query points per ray, the paper's K (Eq. 7)", 1, 256});
+    visit(self.bbox_pad_px, Field<double>{"bbox_pad_px", "px",
+                                          "margin of the box about the boundary, the paper's delta (Eq. 4)", 0, 1e4});
     visit(self.depth_span,
-          Field<double>{"depth_span", "",
-                        "half depth window relative to the depth, the paper's alpha (Eq. 7)", 0, 1});
-    visit(self.depth_epsilon,
-          Field<double>{"depth_epsilon", "world", "least half depth window (Eq. 7)", 0, 1e6});
+          Field<double>{"depth_span", "", "half depth window relative to the depth, the paper's alpha (Eq. 7)", 0, 1});
+    visit(self.depth_epsilon, Field<double>{"depth_epsilon", "world", "least half depth window (Eq. 7)", 0, 1e6});
     visit(self.window,
           Choice<WindowCentre>{
-              "window", "depth windows about the view's mean, or the rendered depth of the pixel (C12)",
-              kWindowNames});
-    visit(self.nodes, Choice<GridNodes>{"nodes", "grid nodes: cell centres, or the paper's corners 0..N (C7)",
-                                        kNodesNames});
+              "window", "depth windows about the view's mean, or the rendered depth of the pixel (C12)", kWindowNames});
+    visit(self.nodes,
+          Choice<GridNodes>{"nodes", "grid nodes: cell centres, or the paper's corners 0..N (C7)", kNodesNames});
   }
 };
 
@@ -58,7 +53,8 @@ struct SampleOptions {
 std::int64_t most_queries(const SampleOptions& options, std::size_t views);
 
 struct ViewSample {
-  BoundaryBox boundary;  // visible == 0: no rays; its box is what the grid covers, the whole image if that was asked for
+  BoundaryBox
+      boundary;  // visible == 0: no rays; its box is what the grid covers, the whole image if that was asked for
   RayQueries rays;
 };
 

@@ -15,8 +15,7 @@ double normalised_variance(Criterion criterion, const Evidence& e, std::size_t g
       const double p = e.object_weight.value(cell) / e.weight.value(gaussian);
       return 4.0 * p * (1.0 - p);
     }
-    case Criterion::kBetweenViews:
-      return between_views_variance(e, cell, e.views[gaussian]);
+    case Criterion::kBetweenViews: return between_views_variance(e, cell, e.views[gaussian]);
     case Criterion::kRelativeDiff: {  // 1 - r²: for binary evidence equal to 4 p (1 - p)
       const double r = double(e.contrast_sum[cell]) * 0x1p-32 / e.views[gaussian];
       return 1.0 - r * r;
@@ -42,14 +41,12 @@ int heaviest_object(const Evidence& e, std::size_t gaussian) {
 Scene with_objects(Scene scene, const std::vector<std::string>& names) {
   if (names.empty()) return scene;
   for (const std::string& name : names)
-    if (std::none_of(scene.objects.begin(), scene.objects.end(),
-                     [&](const SceneObject& o) { return o.name == name; }))
+    if (std::none_of(scene.objects.begin(), scene.objects.end(), [&](const SceneObject& o) { return o.name == name; }))
       throw Error(ErrorCode::kUsage, "the scene has no object '" + name + "'",
                   "it has " + std::to_string(scene.objects.size()) + " objects, the first is '" +
                       scene.objects.front().name + "'");
-  std::erase_if(scene.objects, [&](const SceneObject& o) {
-    return std::find(names.begin(), names.end(), o.name) == names.end();
-  });
+  std::erase_if(scene.objects,
+                [&](const SceneObject& o) { return std::find(names.begin(), names.end(), o.name) == names.end(); });
   return scene;
 }
 
@@ -78,8 +75,7 @@ Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const EvidenceI
 void check_tau(const VarianceOptions& options) {
   if (options.tau >= 0 && options.tau < 1) return;
   std::ostringstream found;
-  found << "tau = " << options.tau
-        << ", expected a value in [0, 1): the normalised variance 4 Var never exceeds 1";
+  found << "tau = " << options.tau << ", expected a value in [0, 1): the normalised variance 4 Var never exceeds 1";
   throw Error(ErrorCode::kUsage, found.str(),
               "a raw variance threshold v (at most 0.25) is --tau 4v; the default is 0.6");
 }

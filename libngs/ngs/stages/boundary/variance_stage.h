@@ -26,12 +26,10 @@ struct VarianceOptions {
   static void describe(Self& self, Visitor&& visit) {
     visit(self.tau,
           Field<double>{"tau", "", "boundary: normalised mask variance above this (Eq. 3, C1)", 0.0, 0.999999});
-    visit(self.criterion,
-          Choice<Criterion>{"criterion", "what the variance is taken over (C2)", kCriterionNames});
+    visit(self.criterion, Choice<Criterion>{"criterion", "what the variance is taken over (C2)", kCriterionNames});
     visit(self.label_threshold,
           Field<double>{"label_threshold", "", "closed-form label: 1 where prob exceeds this", 0.0, 1.0});
-    visit(self.exclusive,
-          Flag{"exclusive", "several objects: a Gaussian belongs to at most one (the heaviest)"});
+    visit(self.exclusive, Flag{"exclusive", "several objects: a Gaussian belongs to at most one (the heaviest)"});
   }
 };
 

@@ -39,8 +39,8 @@ inline constexpr std::array<ErrorCauseName, kErrorCauses> kErrorCauseNames = {
 struct AtlasInput {
   const GaussianCloud& cloud;
   const LabelColumns& labels;
-  Camera camera;  // of the truth's size
-  SplatOptions splat;  // its filter for that size
+  Camera camera;                      // of the truth's size
+  SplatOptions splat;                 // its filter for that size
   MaskPlane predicted, truth, input;  // one size; input.data may be null
 };
 

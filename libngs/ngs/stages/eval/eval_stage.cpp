@@ -66,8 +66,9 @@ PairScore score_planes(const Exec& exec, const EvalOptions& options, const EvalP
   score.height_px = h;
   score.predicted_width_px = pair.predicted.width_px;
   score.predicted_height_px = pair.predicted.height_px;
-  score.scores = score_mask(exec, {planes.predicted.data(), w, h}, {planes.truth.data(), w, h}, options.contour_tolerance,
-                            planes.is_void.empty() ? MaskPlane{} : MaskPlane{planes.is_void.data(), w, h});
+  score.scores =
+      score_mask(exec, {planes.predicted.data(), w, h}, {planes.truth.data(), w, h}, options.contour_tolerance,
+                 planes.is_void.empty() ? MaskPlane{} : MaskPlane{planes.is_void.data(), w, h});
   return score;
 }
 
@@ -133,7 +134,8 @@ void require_consistent(const EvalOptions& options) {
   need_label_map(options.void_id >= 0, "void_id", "--void-id");
   for (const auto& [id, name] : parse_object_ids(options.object_id))
     if (std::int64_t(id) == options.void_id)
-      throw Error(ErrorCode::kUsage, "id " + std::to_string(id) + " is void and object '" + name + "', expected one of the two",
+      throw Error(ErrorCode::kUsage,
+                  "id " + std::to_string(id) + " is void and object '" + name + "', expected one of the two",
                   "leave --void-id or --object-id " + name + " out");
 }
 
@@ -146,14 +148,14 @@ std::vector<PairScore> evaluate_pair(const Exec& exec, const EvalOptions& option
     return resized_nearest(plane.data(), pair.predicted.width_px, pair.predicted.height_px, w, h);
   };
   if (!options.label_map) {
-    PairScore score = score_planes(exec, options, pair, {fitted(binarised(pair.predicted, options.threshold)),
-                                                           binarised(pair.truth, options.threshold)});
+    PairScore score =
+        score_planes(exec, options, pair,
+                     {fitted(binarised(pair.predicted, options.threshold)), binarised(pair.truth, options.threshold)});
     score.predicted_zero_one = is_zero_one(pair.predicted);
     score.truth_zero_one = is_zero_one(pair.truth);
     return {score};
   }
-  if (pair.truth_id == 0 && ids.size() == 1 && ids.begin()->first != 255 &&
-      is_black_and_white(pair.predicted)) {
+  if (pair.truth_id == 0 && ids.size() == 1 && ids.begin()->first != 255 && is_black_and_white(pair.predicted)) {
     EvalPair one = pair;
     one.truth_id = ids.begin()->first;
     one.object = ids.begin()->second;
@@ -163,8 +165,9 @@ std::vector<PairScore> evaluate_pair(const Exec& exec, const EvalOptions& option
   const std::vector<std::uint8_t> is_void = void_pixels(options, truth);
   const bool usual_void = has_usual_void(options, ids, truth);
   if (pair.truth_id > 0) {
-    PairScore score = score_planes(exec, options, pair, {fitted(binarised(pair.predicted, options.threshold)),
-                                                           equal_to(truth, pair.truth_id), is_void});
+    PairScore score =
+        score_planes(exec, options, pair,
+                     {fitted(binarised(pair.predicted, options.threshold)), equal_to(truth, pair.truth_id), is_void});
     score.predicted_zero_one = is_zero_one(pair.predicted);
     score.truth_has_usual_void = usual_void;
     if (score.scores.both_empty) return {};
@@ -225,14 +228,12 @@ std::vector<ScoreCheck> check_scores(const std::string& rule, const std::map<std
     if (check.score == "boundary_iou") check.score = "biou";
     if (check.score == "psnr") check.score = "psnr_db";
     if (equals == std::string_view::npos || !parse_number(part.substr(equals + 1), check.at_least))
-      throw Error(ErrorCode::kUsage,
-                  "fail_below = '" + rule + "', expected SCORE=MIN,... as in iou=0.9,biou=0.6");
+      throw Error(ErrorCode::kUsage, "fail_below = '" + rule + "', expected SCORE=MIN,... as in iou=0.9,biou=0.6");
     const auto value = found.find(check.score);
     if (value == found.end()) {
       std::string known;
       for (const auto& [name, unused] : found) known += (known.empty() ? "" : ", ") + name;
-      throw Error(ErrorCode::kUsage,
-                  "fail_below: unknown score '" + check.score + "', expected one of " + known);
+      throw Error(ErrorCode::kUsage, "fail_below: unknown score '" + check.score + "', expected one of " + known);
     }
     check.found = value->second;
     checks.push_back(check);

@@ -6,10 +6,10 @@
 // are made binary by `> threshold` on the 8-bit scale. A file whose largest sample is 1 counts as
 // {0,1}-valued. Of several channels the largest of R, G, B decides, or alpha where it is not constant
 // (scene/mask_samples.h). In label maps an object is `value == id`; maps of three equal channels are grey, as they are
-// when a scene is made (io/image/masks.h), other colours have id = R + 256 G + 65536 B, and a pair of maps in which neither has
-// the object is no pair. Where one id is asked for, a prediction of nothing but 0 and 255 is the mask of that object. True
-// pixels of the id `void_id` are no label and are not scored (ops/image/metrics.h); a prediction of that id says that there is
-// no object.
+// when a scene is made (io/image/masks.h), other colours have id = R + 256 G + 65536 B, and a pair of maps in which
+// neither has the object is no pair. Where one id is asked for, a prediction of nothing but 0 and 255 is the mask of
+// that object. True pixels of the id `void_id` are no label and are not scored (ops/image/metrics.h); a prediction of
+// that id says that there is no object.
 #include <cstdint>
 #include <map>
 #include <span>
@@ -33,13 +33,14 @@ struct EvalOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.threshold, Field<double>{"threshold", "of 255", "object where the sample is greater", 0, 254});
-    visit(self.contour_tolerance, Field<double>{"contour_tolerance", "of the diagonal",
-                                                "match distance of the contour F-score", 0, 0.1});
+    visit(self.contour_tolerance,
+          Field<double>{"contour_tolerance", "of the diagonal", "match distance of the contour F-score", 0, 0.1});
     visit(self.label_map, Flag{"label_map", "files are label maps: score every object id by itself"});
-    visit(self.void_id, Field<int>{"void_id", "", "label maps: id of the true pixels that are not scored, such as 255 in VOC; "
-                                   "-1: all are", -1, 0xffffff});
-    visit(self.object_id,
-          Text{"object_id", "ID|NAME=ID", "score only this id of the label maps (repeatable)"});
+    visit(self.void_id, Field<int>{"void_id", "",
+                                   "label maps: id of the true pixels that are not scored, such as 255 in VOC; "
+                                   "-1: all are",
+                                   -1, 0xffffff});
+    visit(self.object_id, Text{"object_id", "ID|NAME=ID", "score only this id of the label maps (repeatable)"});
     visit(self.fail_below,
           Text{"fail_below", "SCORE=MIN,...", "exit 1 where a mean score is lower, e.g. iou=0.9,biou=0.6"});
   }

@@ -54,7 +54,8 @@ struct Sighted {
 };
 
 /// Unseen Gaussians take the side of more than half of their nearest seen ones.
-void vote(const Exec& exec, const ExtractOptions& options, const GaussianCloud& cloud, const Sighted& rows, Extraction& out) {
+void vote(const Exec& exec, const ExtractOptions& options, const GaussianCloud& cloud, const Sighted& rows,
+          Extraction& out) {
   const auto& [seen, unseen] = rows;
   if (unseen.empty() || seen.empty()) return;
   const std::vector<float> points = positions_of(cloud, seen), queries = positions_of(cloud, unseen);
@@ -67,10 +68,8 @@ void vote(const Exec& exec, const ExtractOptions& options, const GaussianCloud& 
   }
 }
 
-void remove_small_pieces(const Exec& exec, const ExtractOptions& options, const ExtractInput& input,
-                         Extraction& out) {
-  const std::vector<std::int32_t> piece =
-      connected_pieces(exec, input.cloud, out.object, options.component_neighbours);
+void remove_small_pieces(const Exec& exec, const ExtractOptions& options, const ExtractInput& input, Extraction& out) {
+  const std::vector<std::int32_t> piece = connected_pieces(exec, input.cloud, out.object, options.component_neighbours);
   std::vector<std::int64_t> size;
   std::vector<std::uint8_t> is_fixed;
   for (std::size_t i = 0; i < piece.size(); ++i) {
@@ -107,8 +106,7 @@ ExtractRule parse_extract_rule(const std::string& rule) {
   const std::string kind = rule.substr(0, colon);
   if (rule == "sa3d") return {.cut = 0.3 / 1.3, .inclusive = false, .on_prob = true};
   const bool known = kind == "threshold" || kind == "flash" || kind == "flash-l2" || kind == "cob";
-  if (!known || colon == std::string::npos)
-    bad_rule(rule, "threshold:T, flash:GAMMA, flash-l2:GAMMA, sa3d or cob:T");
+  if (!known || colon == std::string::npos) bad_rule(rule, "threshold:T, flash:GAMMA, flash-l2:GAMMA, sa3d or cob:T");
   if (kind == "threshold") return {.cut = rule_value(rule, colon, 0, 1), .inclusive = true, .on_prob = false};
   if (kind == "cob") return {.cut = rule_value(rule, colon, 0, 1), .inclusive = false, .on_prob = false};
   const double gamma = rule_value(rule, colon, -1, 1);
@@ -122,8 +120,7 @@ std::vector<std::int32_t> connected_pieces(const Exec& exec, const GaussianCloud
                                            const std::vector<std::uint8_t>& member, int neighbours) {
   const std::size_t n = std::size_t(cloud.size());
   NGS_CHECK(member.size() == n, "one entry per Gaussian");
-  const std::vector<std::uint32_t> rows =
-      rows_where(n, [&](std::size_t i) { return member[i] && cloud.usable[i]; });
+  const std::vector<std::uint32_t> rows = rows_where(n, [&](std::size_t i) { return member[i] && cloud.usable[i]; });
   const std::vector<float> points = positions_of(cloud, rows);
   const KnnGraph graph = nearest_others(exec, as_rows(points), neighbours);
   const std::size_t k_count = std::size_t(graph.neighbours);
@@ -158,24 +155,19 @@ std::vector<std::int32_t> connected_pieces(const Exec& exec, const GaussianCloud
 
 Extraction extract_object(const Exec& exec, const ExtractOptions& options, const ExtractInput& input) {
   const ExtractRule rule = parse_extract_rule(options.rule);
-  const bool wants_prob =
-      options.score == ScoreColumn::kAuto ? rule.on_prob : options.score == ScoreColumn::kProb;
+  const bool wants_prob = options.score == ScoreColumn::kAuto ? rule.on_prob : options.score == ScoreColumn::kProb;
   const LabelColumns& labels = input.labels;
   const std::vector<float>& score =
       (wants_prob && !labels.prob.empty()) || labels.label.empty() ? labels.prob : labels.label;
   const std::size_t n = std::size_t(input.cloud.size());
   if (score.size() != n)
-    throw Error(ErrorCode::kBadInput,
-                "the model has neither ngs_label nor ngs_prob, expected a labelled model",
+    throw Error(ErrorCode::kBadInput, "the model has neither ngs_label nor ngs_prob, expected a labelled model",
                 "label it first: ngs-variance scene.json -o boundary.ply");
   NGS_CHECK(labels.views.empty() || labels.views.size() == n, "ngs_views has one entry per Gaussian");
-  NGS_CHECK(input.fixed.empty() || (input.fixed.size() == n && labels.label.size() == n),
-            "ngs_fixed needs ngs_label");
+  NGS_CHECK(input.fixed.empty() || (input.fixed.size() == n && labels.label.size() == n), "ngs_fixed needs ngs_label");
 
   const auto is_fixed = [&](std::size_t i) { return !input.fixed.empty() && input.fixed[i] == 1; };
-  const auto is_unseen = [&](std::size_t i) {
-    return !labels.views.empty() && labels.views[i] == 0 && !is_fixed(i);
-  };
+  const auto is_unseen = [&](std::size_t i) { return !labels.views.empty() && labels.views[i] == 0 && !is_fixed(i); };
   Extraction out;
   out.object.assign(n, 0);
   for (std::size_t i = 0; i < n; ++i) {

@@ -28,10 +28,9 @@ struct ExtractOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.rule,
-          Text{"rule", "RULE",
-               "threshold:T (score >= T), flash:GAMMA (f > (1+GAMMA)/2), flash-l2:GAMMA (as its code "
-               "normalises), sa3d (f > 0.3/1.3), cob:T (score > T)"});
+    visit(self.rule, Text{"rule", "RULE",
+                          "threshold:T (score >= T), flash:GAMMA (f > (1+GAMMA)/2), flash-l2:GAMMA (as its code "
+                          "normalises), sa3d (f > 0.3/1.3), cob:T (score > T)"});
     visit(self.score, Choice<ScoreColumn>{"score",
                                           "what the rule compares; auto: ngs_prob for flash and sa3d, else "
                                           "ngs_label",

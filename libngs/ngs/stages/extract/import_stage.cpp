@@ -49,8 +49,7 @@ void pair_group(std::span<const Keyed> model, std::span<const Keyed> edit, std::
     else
       edit_left.push_back(edit[e++].row);
   }
-  for (std::size_t k = 0; k < std::min(model_left.size(), edit_left.size()); ++k)
-    found[edit_left[k]] = model_left[k];
+  for (std::size_t k = 0; k < std::min(model_left.size(), edit_left.size()); ++k) found[edit_left[k]] = model_left[k];
 }
 
 /// [edit rows] row of the model, -1 where there is none.
@@ -63,8 +62,8 @@ std::vector<std::int64_t> match_rows(const GaussianCloud& cloud, const GaussianC
     return end;
   };
   for (std::size_t m = 0, e = 0; m < model.size() && e < edited.size();) {
-    const auto order = std::lexicographical_compare_three_way(
-        model[m].key.begin(), model[m].key.begin() + 3, edited[e].key.begin(), edited[e].key.begin() + 3);
+    const auto order = std::lexicographical_compare_three_way(model[m].key.begin(), model[m].key.begin() + 3,
+                                                              edited[e].key.begin(), edited[e].key.begin() + 3);
     const std::size_t m_end = group_end(model, m), e_end = group_end(edited, e);
     if (order == 0) pair_group({&model[m], m_end - m}, {&edited[e], e_end - e}, found);
     if (order <= 0) m = m_end;

@@ -18,8 +18,8 @@ std::vector<std::uint8_t> seen_gaussians(const Exec& exec, Monitor& monitor, con
   return seen;
 }
 
-ViewHole find_hole(const Exec& exec, const InpaintOptions& options, const InpaintModel& model,
-                   const Camera& camera, const SplatOptions& splat) {
+ViewHole find_hole(const Exec& exec, const InpaintOptions& options, const InpaintModel& model, const Camera& camera,
+                   const SplatOptions& splat) {
   const auto n = std::size_t(model.cloud.size());
   NGS_CHECK(model.object.size() == n && model.seen.size() == n, "one entry per Gaussian");
   std::vector<float> is_object(n), is_seen(n);
@@ -38,8 +38,7 @@ ViewHole find_hole(const Exec& exec, const InpaintOptions& options, const Inpain
   ViewHole out;
   out.hole.resize(before.label.data.size());
   for (std::size_t p = 0; p < out.hole.size(); ++p)
-    out.hole[p] =
-        before.label.data[p] >= options.inpaint_trace && after.label.data[p] < options.inpaint_opacity;
+    out.hole[p] = before.label.data[p] >= options.inpaint_trace && after.label.data[p] < options.inpaint_opacity;
   out.dilated = dilated(out.hole, camera.width_px, camera.height_px, options.inpaint_dilate_px);
   out.colour = std::move(after.colour);
   return out;

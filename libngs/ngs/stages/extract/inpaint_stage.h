@@ -16,13 +16,12 @@ struct InpaintOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.inpaint_opacity,
-          Field<double>{"inpaint_opacity", "",
-                        "a pixel is a hole where what is left and was seen is less opaque", 0.0, 1.0});
+          Field<double>{"inpaint_opacity", "", "a pixel is a hole where what is left and was seen is less opaque", 0.0,
+                        1.0});
     visit(self.inpaint_trace,
-          Field<double>{"inpaint_trace", "",
-                        "share of a pixel that the object must have had for it to become a hole", 0.0, 1.0});
-    visit(self.inpaint_dilate_px,
-          Field<int>{"inpaint_dilate_px", "px", "margin of the dilated hole masks", 0, 4096});
+          Field<double>{"inpaint_trace", "", "share of a pixel that the object must have had for it to become a hole",
+                        0.0, 1.0});
+    visit(self.inpaint_dilate_px, Field<int>{"inpaint_dilate_px", "px", "margin of the dilated hole masks", 0, 4096});
   }
 };
 
@@ -45,8 +44,8 @@ struct ViewHole {
 
 /// Holes of one view: the object's share of the pixel was at least `inpaint_trace`, and the seen Gaussians of
 /// what is left reach less than `inpaint_opacity` there.
-ViewHole find_hole(const Exec& exec, const InpaintOptions& options, const InpaintModel& model,
-                   const Camera& camera, const SplatOptions& splat);
+ViewHole find_hole(const Exec& exec, const InpaintOptions& options, const InpaintModel& model, const Camera& camera,
+                   const SplatOptions& splat);
 
 /// Pixels within `margin_px` (chessboard distance) of the mask.
 PixelMask dilated(const PixelMask& mask, int width_px, int height_px, int margin_px);

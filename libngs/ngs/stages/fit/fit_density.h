@@ -9,7 +9,7 @@ struct DensityRule {
   double gradient = 2e-4;     // mean view-space gradient, per NDC
   double dense_scale = 0.01;  // world: larger Gaussians are split in two, smaller ones cloned
   double min_opacity = 0.005;
-  double max_scale = 0;       // world: larger ones are pruned; 0: no limit
+  double max_scale = 0;                  // world: larger ones are pruned; 0: no limit
   std::int64_t max_gaussians = 1000000;  // the candidates with the largest gradients come first
 };
 

@@ -96,7 +96,8 @@ FitState initial_fit(const Exec& exec, const FitOptions& options, std::span<cons
   for (std::size_t i = 0; i < start.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k) {
       if (!std::isfinite(start[i].position[k]) || !std::isfinite(start[i].rgb[k]))
-        throw Error(ErrorCode::kBadInput, "point " + std::to_string(i) + " is not finite, expected a position and a colour");
+        throw Error(ErrorCode::kBadInput,
+                    "point " + std::to_string(i) + " is not finite, expected a position and a colour");
       cloud.position[3 * i + k] = start[i].position[k];
       cloud.sh_dc[3 * i + k] = (start[i].rgb[k] - 0.5f) / kSh0;
     }

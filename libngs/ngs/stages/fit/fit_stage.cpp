@@ -31,7 +31,8 @@ double position_lr(const FitOptions& options, std::int64_t step, double extent) 
 FitSchedule resolved_schedule(const FitOptions& o) {
   const auto pick = [](int given, int derived) { return given > 0 ? given : std::max(1, derived); };
   return {pick(o.sh_every, std::min(1000, o.steps / 8)), pick(o.densify_from, std::min(500, o.steps / 10)),
-          pick(o.densify_until, std::min(15000, o.steps / 2)), pick(o.densify_every, std::clamp(o.steps / 15, 10, 100))};
+          pick(o.densify_until, std::min(15000, o.steps / 2)),
+          pick(o.densify_every, std::clamp(o.steps / 15, 10, 100))};
 }
 
 FitCost fit_cost(const FitOptions& options, std::span<const Camera> cameras, double photo_bytes) {
@@ -39,15 +40,20 @@ FitCost fit_cost(const FitOptions& options, std::span<const Camera> cameras, dou
   for (const Camera& c : cameras) pixels += double(c.width_px) * c.height_px;
   const double per_view = cameras.empty() ? 0 : pixels / double(cameras.size()), gaussians = options.max_gaussians;
   constexpr double kSecondsPerPixel = 2.5e-7, kSecondsPerGaussian = 5e-7;  // of one step, forward and backward
-  constexpr double kBytesPerPixel = 250, kFloatsPerParameter = 4;  // value, gradient, m, v
+  constexpr double kBytesPerPixel = 250, kFloatsPerParameter = 4;          // value, gradient, m, v
   const double parameters = 14 + 3 * sh_rest_count(options.sh_degree);
   return {options.steps * (kSecondsPerPixel * per_view + kSecondsPerGaussian * gaussians),
           (photo_bytes + kBytesPerPixel * per_view + 4 * kFloatsPerParameter * parameters * gaussians) / 1048576};
 }
 
 Fitter::Fitter(const FitOptions& options, std::span<const FitView> views, FitState state, std::uint64_t seed)
-    : options_(options), schedule_(resolved_schedule(options)), views_(views), state_(std::move(state)), seed_(seed),
-      extent_(scene_extent(views)), pass_(SplatOptions{}) {
+    : options_(options),
+      schedule_(resolved_schedule(options)),
+      views_(views),
+      state_(std::move(state)),
+      seed_(seed),
+      extent_(scene_extent(views)),
+      pass_(SplatOptions{}) {
   for (std::size_t i = 0; i < views.size(); ++i)
     if (views[i].split == Split::kTrain) training_.push_back(i);
   if (training_.empty())
@@ -77,8 +83,8 @@ void Fitter::step(const Exec& exec) {
     pass_degree_ = degree;
   }
   const RenderedView& rendered = pass_.forward(exec, state_.cloud, view.camera, fit_request(options_));
-  const auto loss = photometric_.evaluate(exec, {.dssim_weight = options_.dssim_weight}, {rendered.colour, view.photo.rgb()},
-                                          &colour_gradient_);
+  const auto loss = photometric_.evaluate(exec, {.dssim_weight = options_.dssim_weight},
+                                          {rendered.colour, view.photo.rgb()}, &colour_gradient_);
   last_loss_ = {loss.total, loss.l1, loss.ssim};
   ViewGradients back;
   back.colour = std::move(colour_gradient_);

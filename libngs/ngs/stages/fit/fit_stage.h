@@ -15,8 +15,8 @@
 #include "ngs/options/field.h"
 #include "ngs/scene/held_photo.h"
 #include "ngs/scene/scene.h"
-#include "ngs/stages/render/background.h"
 #include "ngs/stages/fit/fit_state.h"
+#include "ngs/stages/render/background.h"
 
 namespace ngs {
 
@@ -42,15 +42,18 @@ struct FitOptions {
     visit(self.dssim_weight, Field<double>{"dssim_weight", "", "weight of 1 - SSIM; L1 has the rest", 0, 1});
     visit(self.background, background_option());
     visit(self.antialiased, Flag{"antialiased", "fit with the Mip-Splatting opacity compensation"});
-    visit(self.random_points, Field<int>{"random_points", "", "Gaussians to start from without a point cloud", 1, 1 << 24});
+    visit(self.random_points,
+          Field<int>{"random_points", "", "Gaussians to start from without a point cloud", 1, 1 << 24});
     visit(self.sh_every, Field<int>{"sh_every", "steps", "one more SH band each; 0: min(1000, steps/8)", 0, 10000000});
     visit(self.densify_from, Field<int>{"densify_from", "step", "0: min(500, steps/10)", 0, 10000000});
     visit(self.densify_until, Field<int>{"densify_until", "step", "0: min(15000, steps/2)", 0, 10000000});
     visit(self.densify_every, Field<int>{"densify_every", "steps", "0: steps/15, 10 to 100", 0, 10000000});
     visit(self.opacity_reset_every, Field<int>{"opacity_reset_every", "steps", "while densifying", 1, 10000000});
-    visit(self.densify_gradient, Field<double>{"densify_gradient", "per NDC",
-                                               "mean view-space gradient above which a Gaussian is cloned or split", 0, 1});
-    visit(self.dense_fraction, Field<double>{"dense_fraction", "of the extent", "larger ones are split, others cloned", 0, 10});
+    visit(self.densify_gradient,
+          Field<double>{"densify_gradient", "per NDC",
+                        "mean view-space gradient above which a Gaussian is cloned or split", 0, 1});
+    visit(self.dense_fraction,
+          Field<double>{"dense_fraction", "of the extent", "larger ones are split, others cloned", 0, 10});
     visit(self.min_opacity, Field<double>{"min_opacity", "", "fainter Gaussians are pruned", 0, 0.5});
     visit(self.max_scale_fraction, Field<double>{"max_scale_fraction", "of the extent",
                                                  "larger ones are pruned after the first opacity reset", 0, 1e6});

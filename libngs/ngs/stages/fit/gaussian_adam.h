@@ -8,7 +8,15 @@
 
 namespace ngs {
 
-enum GaussianGroup { kGroupPosition, kGroupRotation, kGroupScale, kGroupOpacity, kGroupDc, kGroupRest, kGaussianGroups };
+enum GaussianGroup {
+  kGroupPosition,
+  kGroupRotation,
+  kGroupScale,
+  kGroupOpacity,
+  kGroupDc,
+  kGroupRest,
+  kGaussianGroups
+};
 
 struct GroupColumns {
   const char* name;

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ngs/ops/optim/adam.h"
 #include "ngs/ops/image/image_metrics.h"
 #include "ngs/ops/losses/photometric.h"
+#include "ngs/ops/optim/adam.h"
 #include "ngs/problem/cloud_rows.h"
-#include "ngs/stages/fit/fit_stage.h"
 #include "ngs/problem/view_list.h"
+#include "ngs/stages/fit/fit_stage.h"
 
 namespace ngs {
 

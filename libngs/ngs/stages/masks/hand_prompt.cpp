@@ -63,8 +63,7 @@ ViewPrompt rasterise(const HandPrompt& hand, int width_px, int height_px) {
     const PixelHint hint = stroke.object ? PixelHint::kObject : PixelHint::kBackground;
     for (std::size_t i = 0; i < stroke.points.size(); ++i) {
       const Point a = stroke.points[i > 0 ? i - 1 : 0], b = stroke.points[i];
-      painter.segment({a[0] * sx, a[1] * sy}, {b[0] * sx, b[1] * sy}, std::max(0.75, stroke.radius_px * sx),
-                      hint);
+      painter.segment({a[0] * sx, a[1] * sy}, {b[0] * sx, b[1] * sy}, std::max(0.75, stroke.radius_px * sx), hint);
     }
   }
   return out;

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ngs/ops/splat/evidence.h"
 #include "ngs/ops/field/knn.h"
-#include "ngs/ops/image/metrics.h"
 #include "ngs/ops/image/connected_components.h"
+#include "ngs/ops/image/metrics.h"
+#include "ngs/ops/splat/evidence.h"
 #include "ngs/scene/mask_threshold.h"
 
 namespace ngs {
@@ -34,7 +34,9 @@ constexpr float kClear = 0.8f;
 /// The middle of a thin part is as far from its edges as this share of the deepest place nearby.
 constexpr double kMiddle = 0.6;
 
-bool hides_object(const Consensus& c, std::size_t p) { return !label_says_object(c.object[p]) && label_says_object(c.alone[p]); }
+bool hides_object(const Consensus& c, std::size_t p) {
+  return !label_says_object(c.object[p]) && label_says_object(c.alone[p]);
+}
 
 /// Unseen Gaussians take the side of their nearest seen ones where those agree.
 void ask_neighbours(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::size_t>& unseen,
@@ -54,7 +56,8 @@ void ask_neighbours(const Exec& exec, const GaussianCloud& cloud, const std::vec
   std::vector<float> side(unseen.size());
   for (std::size_t q = 0; q < unseen.size(); ++q) {
     std::size_t votes = 0;
-    for (std::size_t k = 0; k < voters; ++k) votes += label_says_object(channels[2 * seen[graph.index[q * voters + k]]]);
+    for (std::size_t k = 0; k < voters; ++k)
+      votes += label_says_object(channels[2 * seen[graph.index[q * voters + k]]]);
     side[q] = votes == voters ? 1.f : votes == 0 ? 0.f : -1.f;
   }
   for (std::size_t q = 0; q < unseen.size(); ++q)
@@ -83,8 +86,7 @@ std::vector<float> shares(const Exec& exec, const GaussianCloud& cloud, const Li
 }
 
 /// The largest value within `reach` (chessboard distance), one axis after the other.
-std::vector<std::int32_t> largest_nearby(std::vector<std::int32_t> value, int width_px, int height_px,
-                                         int reach) {
+std::vector<std::int32_t> largest_nearby(std::vector<std::int32_t> value, int width_px, int height_px, int reach) {
   std::vector<std::int32_t> out(value.size());
   for (const bool rows : {true, false}) {
     const int length = rows ? width_px : height_px, lines = rows ? height_px : width_px;
@@ -158,7 +160,8 @@ void LiftedSum::add(const Lifted& view) {
 }
 
 void LiftedSum::remove(const Lifted& view) {
-  for (std::size_t i = 0; i < view.weight.size(); ++i) weight_.subtract(i, view.weight[i]), object_.subtract(i, view.object[i]);
+  for (std::size_t i = 0; i < view.weight.size(); ++i)
+    weight_.subtract(i, view.weight[i]), object_.subtract(i, view.object[i]);
 }
 
 Lifted LiftedSum::value() const {
@@ -167,8 +170,8 @@ Lifted LiftedSum::value() const {
   return sum;
 }
 
-Lifted lift_mask(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
-                 const SplatOptions& splat, const PixelMask& mask) {
+Lifted lift_mask(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& splat,
+                 const PixelMask& mask) {
   ViewMasks masks;
   masks.width_px = camera.width_px, masks.height_px = camera.height_px, masks.available = true;
   masks.target.emplace_back(mask.begin(), mask.end());
@@ -200,7 +203,8 @@ ObjectPlace object_place(const GaussianCloud& cloud, const Lifted& lifted) {
   return place;
 }
 
-Consensus render_consensus(const Exec& exec, const LiftedModel& model, const Camera& camera, const SplatOptions& splat) {
+Consensus render_consensus(const Exec& exec, const LiftedModel& model, const Camera& camera,
+                           const SplatOptions& splat) {
   const GaussianCloud& cloud = model.cloud;
   const auto n = std::size_t(cloud.size());
   const std::vector<float> channels = shares(exec, cloud, model.lifted, model.place);
@@ -213,12 +217,10 @@ Consensus render_consensus(const Exec& exec, const LiftedModel& model, const Cam
   RenderRequest alone;
   alone.colour = false;
   alone.include = is_object.data();
-  Consensus out{
-      camera.width_px, camera.height_px, {}, {}, render(exec, cloud, camera, splat, alone).alpha.data};
+  Consensus out{camera.width_px, camera.height_px, {}, {}, render(exec, cloud, camera, splat, alone).alpha.data};
   out.object.resize(view.alpha.data.size()), out.known.resize(view.alpha.data.size());
   for (std::size_t p = 0; p < out.object.size(); ++p) {
-    const float object = view.label.data[2 * p], seen = view.label.data[2 * p + 1],
-                empty = 1 - view.alpha.data[p];
+    const float object = view.label.data[2 * p], seen = view.label.data[2 * p + 1], empty = 1 - view.alpha.data[p];
     out.known[p] = std::clamp(seen + empty, 0.f, 1.f);
     out.object[p] = seen + empty > 0 ? std::clamp(object / (seen + empty), 0.f, 1.f) : 0.f;
   }
@@ -235,8 +237,8 @@ ViewPrompt prompt_from(const Consensus& c, int band_px, const PixelMask& before)
       certain(inside, c, band_px, [&](std::size_t p) { return c.object[p] > kClear; });
   const std::vector<std::uint8_t> sure_out =
       certain(outside, c, band_px, [&](std::size_t p) { return c.object[p] < 1 - kClear; });
-  ViewPrompt prompt{c.width_px, c.height_px,
-                    std::vector<PixelHint>(inside.size(), PixelHint::kLikelyBackground), false};
+  ViewPrompt prompt{c.width_px, c.height_px, std::vector<PixelHint>(inside.size(), PixelHint::kLikelyBackground),
+                    false};
   for (std::size_t p = 0; p < inside.size(); ++p) {
     const bool known = inside[p] || outside[p], was_object = !before.empty() && before[p] != 0;
     if (sure_in[p])
@@ -292,8 +294,8 @@ std::vector<PromptPoint> prompt_points(const ViewPrompt& prompt, int most) {
   for (const bool object : {true, false}) {
     const PixelHint side = object ? PixelHint::kObject : PixelHint::kBackground;
     SideDepth side_depth{chessboard_distance(plane_of(marked(prompt.hint, [&](PixelHint h) { return h == side; }),
-                                                           prompt.width_px, prompt.height_px)),
-                              prompt.width_px, prompt.height_px};
+                                                      prompt.width_px, prompt.height_px)),
+                         prompt.width_px, prompt.height_px};
     const PixelRange near_object{box[0] - reach, box[1] - reach, box[2] + reach, box[3] + reach};
     const PixelRange everywhere{0, 0, prompt.width_px, prompt.height_px};
     for (int found = 0; found < most; ++found) {

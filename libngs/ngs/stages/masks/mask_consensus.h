@@ -17,8 +17,8 @@ struct Lifted {
   explicit Lifted(std::int64_t gaussians) : weight(std::size_t(gaussians)), object(std::size_t(gaussians)) {}
 };
 
-/// The masks of several views together. Exact: of a view that is taken out again nothing is left, not even a rounding, of
-/// which the share of the object would be anything.
+/// The masks of several views together. Exact: of a view that is taken out again nothing is left, not even a rounding,
+/// of which the share of the object would be anything.
 class LiftedSum {
  public:
   explicit LiftedSum(std::int64_t gaussians) {
@@ -41,8 +41,8 @@ struct ObjectPlace {
 ObjectPlace object_place(const GaussianCloud& cloud, const Lifted& lifted);
 
 /// What one mask says, [H·W] at the camera's size. Gaussians that the view hardly sees have zeros.
-Lifted lift_mask(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
-                 const SplatOptions& splat, const PixelMask& mask);
+Lifted lift_mask(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& splat,
+                 const PixelMask& mask);
 
 /// The consensus seen from one camera. Per pixel: the share of the object among what is known, and how much
 /// is known; what no mask has reached is background beyond the object's reach, else takes the side of its

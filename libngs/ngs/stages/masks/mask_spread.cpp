@@ -46,8 +46,7 @@ class Spreader {
       place_ = object_place(in_.cloud, all_.value());
       for (const std::size_t view : order) {
         if (!last && !supervises(view)) continue;
-        const SpreadView result =
-            view == in_.reference && pass == 0 ? std::move(first_) : segment(view, pass);
+        const SpreadView result = view == in_.reference && pass == 0 ? std::move(first_) : segment(view, pass);
         if (monitor_.stop_requested()) return;
         if (last) in_.done(view, result);
         monitor_.progress(++count, std::int64_t(order.size()));
@@ -103,13 +102,12 @@ class Spreader {
       if (in_.has_photo[view]) try_segmenter(view, is_reference, prompt, consensus, out);
     }
     out.soft.resize(out.mask.size());
-    for (std::size_t p = 0; p < out.mask.size(); ++p)
-      out.soft[p] = 0.5f * (float(out.mask[p]) + consensus.object[p]);
+    for (std::size_t p = 0; p < out.mask.size(); ++p) out.soft[p] = 0.5f * (float(out.mask[p]) + consensus.object[p]);
     return out;
   }
 
-  void try_segmenter(std::size_t view, bool is_reference, const ViewPrompt& prompt,
-                     const Consensus& consensus, SpreadView& out) {
+  void try_segmenter(std::size_t view, bool is_reference, const ViewPrompt& prompt, const Consensus& consensus,
+                     SpreadView& out) {
     PixelMask found = in_.segment(view, prompt);
     out.agreement = agreement(consensus, found);
     if (!is_reference && (out.agreement < options_.gate_iou || is_empty(found))) return;
@@ -130,8 +128,7 @@ class Spreader {
 
 }  // namespace
 
-std::vector<std::size_t> view_order(const std::vector<Camera>& cameras, std::size_t reference,
-                                    Vec3<double> focus) {
+std::vector<std::size_t> view_order(const std::vector<Camera>& cameras, std::size_t reference, Vec3<double> focus) {
   std::vector<std::size_t> order;
   std::vector<double> nearest(cameras.size(), std::numeric_limits<double>::infinity());
   std::vector<std::uint8_t> done(cameras.size());
@@ -150,10 +147,9 @@ std::vector<std::size_t> view_order(const std::vector<Camera>& cameras, std::siz
   return order;
 }
 
-void spread_masks(const Exec& exec, Monitor& monitor, const SpreadOptions& options,
-                  const SpreadInput& input) {
-  NGS_CHECK(input.camera.size() == input.scene.views.size() &&
-                input.has_photo.size() == input.camera.size() && input.reference < input.camera.size(),
+void spread_masks(const Exec& exec, Monitor& monitor, const SpreadOptions& options, const SpreadInput& input) {
+  NGS_CHECK(input.camera.size() == input.scene.views.size() && input.has_photo.size() == input.camera.size() &&
+                input.reference < input.camera.size(),
             "one camera per view");
   Spreader(exec, monitor, options, input).run();
 }

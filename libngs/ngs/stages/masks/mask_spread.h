@@ -31,10 +31,8 @@ struct SpreadOptions {
     visit(self.passes, Field<int>{"passes", "", "times that every view is segmented", 1, 20});
     visit(self.band,
           Field<double>{"band", "of the diagonal",
-                        "free band around the rendered contour in the first pass; halved in each later one",
-                        0.0, 1.0});
-    visit(self.least_band_px,
-          Field<double>{"least_band_px", "px", "the band is never narrower", 1.0, 1000.0});
+                        "free band around the rendered contour in the first pass; halved in each later one", 0.0, 1.0});
+    visit(self.least_band_px, Field<double>{"least_band_px", "px", "the band is never narrower", 1.0, 1000.0});
   }
 };
 
@@ -72,7 +70,6 @@ void spread_masks(const Exec& exec, Monitor& monitor, const SpreadOptions& optio
 
 /// The other views in the order in which they are done: next is the one whose direction from `focus` is
 /// closest to one before it; ties go to the first.
-std::vector<std::size_t> view_order(const std::vector<Camera>& cameras, std::size_t reference,
-                                    Vec3<double> focus);
+std::vector<std::size_t> view_order(const std::vector<Camera>& cameras, std::size_t reference, Vec3<double> focus);
 
 }  // namespace ngs

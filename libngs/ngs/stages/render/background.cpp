@@ -17,7 +17,7 @@ namespace ngs {
 namespace {
 
 using Rgb = std::array<double, 3>;
-constexpr double kLeastOpen = 1.0 / 255;  // less shows less than one level of any background
+constexpr double kLeastOpen = 1.0 / 255;                    // less shows less than one level of any background
 constexpr std::size_t kMostSamples = std::size_t(1) << 16;  // per view; their median is exact to 1 % of their spread
 constexpr double kMuchApart = 0.1;
 
@@ -153,8 +153,8 @@ BackgroundFinding find_background(const Exec& exec, Monitor& monitor, const Phot
   ProgressCount progress(monitor, std::int64_t(views.size()));
   for_each_task(exec, std::int64_t(views.size()), [&](std::int64_t i) {
     const std::size_t v = views[std::size_t(i)];
-    witnesses[std::size_t(i)] = question_background(render({}, model.cloud, model.scene.views[v].camera, splat, {}),
-                                                    model.load_photo(v));
+    witnesses[std::size_t(i)] =
+        question_background(render({}, model.cloud, model.scene.views[v].camera, splat, {}), model.load_photo(v));
     progress.add_one();
   });
   return find_background(witnesses);

@@ -37,9 +37,9 @@ RenderedView over_background(RenderedView view, Vec3<float> background);
 
 /// What one photo says about it. T: the share of a pixel that the model leaves open; r: photo less view over black.
 struct BackgroundWitness {
-  bool open = false;                  // some pixel shows the background
-  std::array<double, 3> colour{};     // that which fits the open pixels best, not clamped
-  double open2 = 0, shown = 0;        // Σ T², and its mean over all pixels
+  bool open = false;                              // some pixel shows the background
+  std::array<double, 3> colour{};                 // that which fits the open pixels best, not clamped
+  double open2 = 0, shown = 0;                    // Σ T², and its mean over all pixels
   std::array<double, 3> residual{}, residual2{};  // Σ T r and Σ r²
 };
 

@@ -34,8 +34,7 @@ std::vector<std::size_t> select_views(const Scene& scene, const std::string& sel
   std::vector<std::size_t> views;
   if (selection == "all" || selection == "train" || selection == "held-out") {
     for (std::size_t i = 0; i < scene.views.size(); ++i)
-      if (selection == "all" || (scene.views[i].split == Split::kTrain) == (selection == "train"))
-        views.push_back(i);
+      if (selection == "all" || (scene.views[i].split == Split::kTrain) == (selection == "train")) views.push_back(i);
     return views;
   }
   const ViewNames names(scene.views);
@@ -101,8 +100,7 @@ void show_objects_alone(const Exec& exec, const LabelledModel& model, const Came
     alone.colour = false;
     alone.include = mine.data();
     const RenderedView object = render(exec, cloud, camera, splat, alone);
-    for (std::size_t p = 0; p < object.alpha.data.size(); ++p)
-      view.label.data[p * k_count + k] = object.alpha.data[p];
+    for (std::size_t p = 0; p < object.alpha.data.size(); ++p) view.label.data[p * k_count + k] = object.alpha.data[p];
   }
 }
 
@@ -126,13 +124,10 @@ ImageU8 overlay_picture(const RenderedView& view, double threshold) {
       const std::uint16_t id = map.at(x, y);
       const bool edge = (x > 0 && map.at(x - 1, y) != id) || (y > 0 && map.at(x, y - 1) != id);
       const std::uint16_t owner =
-          id != 0
-              ? id
-              : (edge ? (x > 0 && map.at(x - 1, y) != 0 ? map.at(x - 1, y) : map.at(x, std::max(0, y - 1)))
-                      : 0);
+          id != 0 ? id
+                  : (edge ? (x > 0 && map.at(x - 1, y) != 0 ? map.at(x - 1, y) : map.at(x, std::max(0, y - 1))) : 0);
       const float mix = edge ? 1.f : (id != 0 ? 0.3f : 0.f);
-      const std::array<float, 3> tint =
-          owner != 0 ? hue(std::size_t(owner - 1)) : std::array<float, 3>{0, 0, 0};
+      const std::array<float, 3> tint = owner != 0 ? hue(std::size_t(owner - 1)) : std::array<float, 3>{0, 0, 0};
       for (int c = 0; c < 3; ++c) {
         const float value = (1 - mix) * view.colour.at(x, y, c) + mix * tint[std::size_t(c)];
         picture.at(x, y, c) = std::uint8_t(std::lround(255 * std::clamp(value, 0.f, 1.f)));

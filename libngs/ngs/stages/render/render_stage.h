@@ -24,14 +24,11 @@ struct RenderOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.views, Text{"views", "train|held-out|all|NAME,...", "which cameras"});
-    visit(self.layers,
-          Text{"layers", "color,mask,alpha,depth,labels,overlay", "what to render; default mask"});
+    visit(self.layers, Text{"layers", "color,mask,alpha,depth,labels,overlay", "what to render; default mask"});
     visit(self.scale,
-          Field<double>{"scale", "", "image size relative to the scene's working size; 0: the photos' size",
-                        0, 64.0});
-    visit(
-        self.native_filter,
-        Flag{"native_filter", "0.3 px² low-pass at the rendered size, not that of the working size scaled"});
+          Field<double>{"scale", "", "image size relative to the scene's working size; 0: the photos' size", 0, 64.0});
+    visit(self.native_filter,
+          Flag{"native_filter", "0.3 px² low-pass at the rendered size, not that of the working size scaled"});
     visit(self.amodal, Flag{"amodal", "mask of the object alone, as if nothing stood before it"});
     visit(self.threshold,
           Field<double>{"threshold", "", "PNG masks: 255 where the rendered mask exceeds this", 0.0, 1.0});
@@ -42,8 +39,8 @@ struct RenderOptions {
 /// Indices of the views that `selection` names. kUsage for a name that the scene does not have.
 std::vector<std::size_t> select_views(const Scene& scene, const std::string& selection);
 
-/// How a labelled model is rendered. Modal: label channels composited through the whole model. Amodal: per object the alpha of
-/// its own Gaussians (label > 0.5) alone.
+/// How a labelled model is rendered. Modal: label channels composited through the whole model. Amodal: per object the
+/// alpha of its own Gaussians (label > 0.5) alone.
 struct LabelledRequest {
   SplatOptions splat = {};
   Vec3<float> background{0, 0, 0};
@@ -71,7 +68,8 @@ class LabelChannels {
 void show_objects_alone(const Exec& exec, const LabelledModel& model, const Camera& camera, const SplatOptions& splat,
                         RenderedView& view);
 
-/// Label map: 0 background, else the id of the object whose mask is largest and exceeds `threshold`; no ids: its index + 1.
+/// Label map: 0 background, else the id of the object whose mask is largest and exceeds `threshold`; no ids: its index
+/// + 1.
 ImageU16 label_map(const RenderedView& view, double threshold, const std::vector<std::uint16_t>& ids = {});
 
 /// The picture with every mask's contour drawn (1 px) and its inside tinted, one hue per object.

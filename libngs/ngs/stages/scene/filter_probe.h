@@ -15,7 +15,7 @@ struct FilterCandidate {
 };
 
 struct FilterProbe {
-  double filter_px2 = 0.3;  // the best; 0.3 unless another is better by kFilterMarginDb
+  double filter_px2 = 0.3;                  // the best; 0.3 unless another is better by kFilterMarginDb
   std::vector<FilterCandidate> candidates;  // those tried, in this order
 };
 inline constexpr double kFilterMarginDb = 0.02;

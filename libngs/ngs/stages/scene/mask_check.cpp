@@ -54,8 +54,8 @@ class Notes {
   void write_to(std::vector<std::string>& warnings) const {
     for (const auto& [text, entry] : by_text_)
       warnings.push_back(entry.count == 1 ? entry.first
-                                          : std::to_string(entry.count) + " masks: " + text + " (first: " +
-                                                entry.first.substr(0, entry.first.find(": ")) + ")");
+                                          : std::to_string(entry.count) + " masks: " + text +
+                                                " (first: " + entry.first.substr(0, entry.first.find(": ")) + ")");
   }
 
  private:
@@ -77,15 +77,13 @@ void judge(const std::string& name, bool inverted, const ObjectCheck& object, st
     throw Error(ErrorCode::kInconsistent, who + all + "full, expected background in some",
                 "wrong --mask-threshold or polarity (--mask-invert)?");
   if (object.full > 0)
-    warnings.push_back(who + std::to_string(object.full) + " of " + std::to_string(object.views) +
-                       " masks are full");
+    warnings.push_back(who + std::to_string(object.full) + " of " + std::to_string(object.views) + " masks are full");
   constexpr double kMostBorder = 0.5,
                    kMostCoverage = 0.5;  // an object fills less of both than its background does
   if (object.border > kMostBorder && object.mean_coverage > kMostCoverage)
-    warnings.push_back(
-        who +
-        "its masks cover most of the images and of their borders; " +
-        (inverted ? "if white means the object, leave --mask-invert out" : "if white means background, use --mask-invert"));
+    warnings.push_back(who + "its masks cover most of the images and of their borders; " +
+                       (inverted ? "if white means the object, leave --mask-invert out"
+                                 : "if white means background, use --mask-invert"));
 }
 
 }  // namespace
@@ -98,8 +96,7 @@ void check_masks(Monitor& monitor, const Scene& scene, const SceneLoaders& loade
     if (scene.views[i].split == Split::kHeldOut) continue;
     const MaskSample sample = loaders.masks(i);
     for (const std::string& note : sample.notes) notes.add(note);
-    if (sample.lossy)
-      notes.add(scene.views[i].mask_path + ": JPEG, compression moves the contours (use PNG)");
+    if (sample.lossy) notes.add(scene.views[i].mask_path + ": JPEG, compression moves the contours (use PNG)");
     if (!sample.masks.available || scene.views[i].mask_path.empty()) continue;
     NGS_CHECK(sample.masks.target.size() == scene.objects.size(), "one mask plane per object");
     add_view(sample.masks, result.views[i], result.objects);

@@ -34,8 +34,7 @@ PhotoMatch match_rendered(const RenderedView& view, const ImageF& photo) {
     ChannelSums sums;
     for (std::int64_t i = 0; i < photo.pixels(); ++i) {
       const std::size_t at = std::size_t(i) * 3 + std::size_t(channel);
-      const double p = photo.data[at], r = p - view.colour.data[at],
-                   t = 1.0 - view.alpha.data[std::size_t(i)];
+      const double p = photo.data[at], r = p - view.colour.data[at], t = 1.0 - view.alpha.data[std::size_t(i)];
       sums.p += p, sums.pp += p * p, sums.t_residual += t * r, sums.tt += t * t, sums.residual2 += r * r;
     }
     double background = 0;
@@ -52,8 +51,8 @@ PhotoMatch match_photo(const Exec& exec, const GaussianCloud& cloud, const Photo
   return match_rendered(render(exec, cloud, view.camera, splat, {}), view.photo);
 }
 
-double recoloured_gain_db(const Exec& exec, const GaussianCloud& cloud, const PhotoView& view, const SplatOptions& splat,
-                          const PhotoMatch& match) {
+double recoloured_gain_db(const Exec& exec, const GaussianCloud& cloud, const PhotoView& view,
+                          const SplatOptions& splat, const PhotoMatch& match) {
   const ImageF& photo = view.photo;
   const Vec3<double>& background = match.background;
   RenderRequest request;
@@ -80,7 +79,8 @@ double share_too_near(const GaussianCloud& cloud, std::span<const Camera> camera
     double in_front = 0, near = 0;
     for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
       const float* p = &cloud.position[3 * i];
-      const Vec3<double> world{cloud.origin[0] + double(p[0]), cloud.origin[1] + double(p[1]), cloud.origin[2] + double(p[2])};
+      const Vec3<double> world{cloud.origin[0] + double(p[0]), cloud.origin[1] + double(p[1]),
+                               cloud.origin[2] + double(p[2])};
       const double z = (camera.rotation * world + camera.translation).z;
       in_front += cloud.usable[i] && z > 0, near += cloud.usable[i] && z > 0 && z <= near_plane(compat);
     }
@@ -102,17 +102,12 @@ Quaternion quaternion_of(const Mat3<double>& r) {
   const auto largest = std::max_element(four, four + 4) - four;
   const double s = 2 * std::sqrt(four[largest]);
   const double a = (r(2, 1) - r(1, 2)) / s, b = (r(0, 2) - r(2, 0)) / s, c = (r(1, 0) - r(0, 1)) / s;
-  const double d = (r(0, 1) + r(1, 0)) / s, e = (r(0, 2) + r(2, 0)) / s, f = (r(1, 2) + r(2, 1)) / s,
-               q = s / 4;
+  const double d = (r(0, 1) + r(1, 0)) / s, e = (r(0, 2) + r(2, 0)) / s, f = (r(1, 2) + r(2, 1)) / s, q = s / 4;
   switch (largest) {
-    case 0:
-      return {q, a, b, c};
-    case 1:
-      return {a, q, d, e};
-    case 2:
-      return {b, d, q, f};
-    default:
-      return {c, e, f, q};
+    case 0: return {q, a, b, c};
+    case 1: return {a, q, d, e};
+    case 2: return {b, d, q, f};
+    default: return {c, e, f, q};
   }
 }
 
@@ -165,10 +160,9 @@ const std::vector<PoseRepair>& pose_repairs() {
       {"camera axes are OpenGL's (y up, z backward)", "negate the camera's y and z axes", flipped_axes},
       {"poses are camera-to-world with OpenGL axes", "invert them and negate the camera's y and z axes",
        [](Camera c) { return flipped_axes(inverted(c)); }},
-      {"poses are camera-to-world with OpenGL axes that were flipped after inverting",
-       "flip the axes before inverting", [](Camera c) { return inverted(flipped_axes(c)); }},
-      {"quaternions are stored as x y z w and poses are camera-to-world",
-       "write them as w x y z and invert the poses",
+      {"poses are camera-to-world with OpenGL axes that were flipped after inverting", "flip the axes before inverting",
+       [](Camera c) { return inverted(flipped_axes(c)); }},
+      {"quaternions are stored as x y z w and poses are camera-to-world", "write them as w x y z and invert the poses",
        [](Camera c) { return inverted(reordered_quaternion(c)); }},
       {"the translation holds the camera's centre", "store t = -R centre", centre_as_translation},
       {"rotations are transposed", "transpose them, keep the translations", transposed_rotation},
@@ -180,13 +174,12 @@ const std::vector<PoseRepair>& pose_repairs() {
        [](Camera c) {
          return in_world(c, {{-1, 0, 0, 0, -1, 0, 0, 0, 1}});
        }},
-      {"the model is in nerfstudio's world (x y z -> y x -z)",
-       "import transforms.json, or use --world-transform",
+      {"the model is in nerfstudio's world (x y z -> y x -z)", "import transforms.json, or use --world-transform",
        [](Camera c) {
          return in_world(c, {{0, 1, 0, 1, 0, 0, 0, 0, -1}});
        }},
-      {"the model's z points up where the cameras' y points down",
-       "rotate it back, or import with --world-transform", [](Camera c) {
+      {"the model's z points up where the cameras' y points down", "rotate it back, or import with --world-transform",
+       [](Camera c) {
          return in_world(c, {{1, 0, 0, 0, 0, -1, 0, 1, 0}});
        }}};
   return repairs;

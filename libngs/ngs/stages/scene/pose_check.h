@@ -31,10 +31,10 @@ struct PhotoView {
 /// The same of the model rendered here.
 PhotoMatch match_photo(const Exec& exec, const GaussianCloud& cloud, const PhotoView& view, const SplatOptions& splat);
 
-/// What a gain (not negative) and an offset per channel would make of the model's picture over the background of `match`: the
-/// PSNR of min over g, o of Σ (p - g q - o)², above its `constant_db`.
-double recoloured_gain_db(const Exec& exec, const GaussianCloud& cloud, const PhotoView& view, const SplatOptions& splat,
-                          const PhotoMatch& match);
+/// What a gain (not negative) and an offset per channel would make of the model's picture over the background of
+/// `match`: the PSNR of min over g, o of Σ (p - g q - o)², above its `constant_db`.
+double recoloured_gain_db(const Exec& exec, const GaussianCloud& cloud, const PhotoView& view,
+                          const SplatOptions& splat, const PhotoMatch& match);
 
 /// Median over the cameras of the share of what is in front of one that is nearer than the near plane, and so never
 /// drawn: near 1 in a world that is too small. 0: nothing is in front of any.
@@ -43,7 +43,8 @@ double share_too_near(const GaussianCloud& cloud, std::span<const Camera> camera
 inline constexpr double kTooNear = 0.5;
 /// The way out of it.
 inline constexpr const char* kTooNearRemedy =
-    "most of it lies nearer to the cameras than the near plane, before which nothing is drawn: scale the world of cameras, points "
+    "most of it lies nearer to the cameras than the near plane, before which nothing is drawn: scale the world of "
+    "cameras, points "
     "and model up";
 
 /// A mistake that pose files have, as the change that undoes it.

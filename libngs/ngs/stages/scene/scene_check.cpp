@@ -6,17 +6,16 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/error.h"
-#include "ngs/scene/shrink.h"
-#include "ngs/stages/scene/mask_check.h"
-#include "ngs/stages/render/render_options.h"
 #include "ngs/problem/view_list.h"
+#include "ngs/scene/shrink.h"
+#include "ngs/stages/render/render_options.h"
+#include "ngs/stages/scene/mask_check.h"
 
 namespace ngs {
 namespace {
 
 constexpr double kLowestInside = 0.01;
-constexpr std::int64_t kMostSampled =
-    1 << 18;  // Gaussians for the shares: exact to 0.1 % and fast for any model
+constexpr std::int64_t kMostSampled = 1 << 18;  // Gaussians for the shares: exact to 0.1 % and fast for any model
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0;
@@ -50,8 +49,7 @@ std::vector<std::int64_t> sample_usable(const GaussianCloud& cloud, const std::s
   for (std::int64_t i = 0; i < cloud.size(); i += stride)
     if (cloud.usable[std::size_t(i)] != 0) sample.push_back(i);
   if (sample.empty())
-    throw Error(ErrorCode::kNothingFound,
-                name + ": no usable Gaussian, expected at least one finite row");
+    throw Error(ErrorCode::kNothingFound, name + ": no usable Gaussian, expected at least one finite row");
   return sample;
 }
 
@@ -109,7 +107,11 @@ class PhotoCheck {
  public:
   PhotoCheck(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options, const GaussianCloud& cloud,
              const Scene& scene)
-      : exec_(exec), monitor_(monitor), options_(options), cloud_(cloud), scene_(scene),
+      : exec_(exec),
+        monitor_(monitor),
+        options_(options),
+        cloud_(cloud),
+        scene_(scene),
         splat_(splat_options({}, cloud, scene)) {}
 
   /// Notes how well each photo is matched, and warns; throws where they are not.
@@ -203,12 +205,13 @@ class PhotoCheck {
   std::string remedy(const std::vector<Shot>& shots, double too_near, const std::vector<ViewCheck>& views) {
     if (too_near > kTooNear)
       return gain_by_gsplat(shots) >= options_.min_fit_db ? std::string("it fits ") + kGsplatRemedy : kTooNearRemedy;
-    if (const PoseRepair* repair = find_repair(shots))
-      return "it fits if " + repair->mistake + ": " + repair->remedy;
+    if (const PoseRepair* repair = find_repair(shots)) return "it fits if " + repair->mistake + ": " + repair->remedy;
     if (const double recoloured_db = median_recoloured_gain(shots, views); recoloured_db >= options_.min_fit_db)
-      return "the poses fit, the colours do not: with a gain and an offset per channel it is " + decibels(recoloured_db) +
+      return "the poses fit, the colours do not: with a gain and an offset per channel it is " +
+             decibels(recoloured_db) +
              " above it; give the photos that the model was trained on, or import these with --min-fit-db -100";
-    return "the model was trained on other poses, or in a world that was moved or scaled since; import the cameras it was "
+    return "the model was trained on other poses, or in a world that was moved or scaled since; import the cameras it "
+           "was "
            "trained with (a splat exported by nerfstudio: with --world-transform dataparser_transforms.json, and "
            "--original-world where transforms.json has an applied_transform)";
   }
@@ -231,12 +234,11 @@ class PhotoCheck {
 
 void check_inside_only(const SceneCheck& result) {
   if (result.median_inside >= kLowestInside) return;
-  throw Error(
-      ErrorCode::kInconsistent,
-      "cameras and model: " + percent(result.median_inside) +
-          " of the Gaussians lie inside the median view, expected at least 1 %",
-      "poses are world-to-camera with x right, y down, z forward; with photos (--images DIR) the likely "
-      "mistake is found by itself");
+  throw Error(ErrorCode::kInconsistent,
+              "cameras and model: " + percent(result.median_inside) +
+                  " of the Gaussians lie inside the median view, expected at least 1 %",
+              "poses are world-to-camera with x right, y down, z forward; with photos (--images DIR) the likely "
+              "mistake is found by itself");
 }
 
 void check_cloud(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options, const SceneCheckInputs& in,
@@ -249,8 +251,7 @@ void check_cloud(const Exec& exec, Monitor& monitor, const SceneCheckOptions& op
     const auto timed = monitor.scope("project");
     for_each_task(exec, std::int64_t(scene.views.size()), [&](std::int64_t i) {
       const Shares shares = shares_of(cloud, scene.views[std::size_t(i)].camera, sample);
-      result.views[std::size_t(i)].in_front = shares.in_front,
-      result.views[std::size_t(i)].inside = shares.inside;
+      result.views[std::size_t(i)].in_front = shares.in_front, result.views[std::size_t(i)].inside = shares.inside;
     });
   }
   std::vector<double> inside;

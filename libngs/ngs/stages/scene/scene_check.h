@@ -22,15 +22,13 @@ struct SceneCheckOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.check_views,
-          Field<int>{"check_views", "", "photos to compare the rendered model with, evenly spaced; 0: none",
-                     0, 100000});
-    visit(self.check_size_px,
-          Field<int>{"check_size_px", "px", "longest side of these comparisons", 16, 65536});
-    visit(self.min_fit_db,
-          Field<double>{"min_fit_db", "dB",
-                        "refuse where the model's PSNR exceeds that of the photo's mean colour by less",
-                        -100.0, 100.0});
+    visit(self.check_views, Field<int>{"check_views", "",
+                                       "photos to compare the rendered model with, evenly spaced; 0: none", 0, 100000});
+    visit(self.check_size_px, Field<int>{"check_size_px", "px", "longest side of these comparisons", 16, 65536});
+    visit(
+        self.min_fit_db,
+        Field<double>{"min_fit_db", "dB",
+                      "refuse where the model's PSNR exceeds that of the photo's mean colour by less", -100.0, 100.0});
   }
 };
 
@@ -40,7 +38,8 @@ struct SceneCheckInputs {
   const SceneLoaders& loaders;
 };
 
-SceneCheck check_scene(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options, const SceneCheckInputs& in);
+SceneCheck check_scene(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options,
+                       const SceneCheckInputs& in);
 
 /// `count` evenly spaced indices below n, the middle of each of `count` equal parts.
 std::vector<std::size_t> evenly_spaced(std::size_t count, std::size_t n);

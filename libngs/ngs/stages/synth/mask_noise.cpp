@@ -155,7 +155,8 @@ void add_blobs(ImageU16& labels, double probability, int view, std::uint64_t see
 [[noreturn]] void refuse(const std::string& spec, NoiseOf of) {
   const std::string swap = of == NoiseOf::kLabelMaps ? "swap:P " : "";
   throw Error(ErrorCode::kUsage,
-              "mask noise: \"" + spec + "\", expected erode:PX, dilate:PX, jitter:PX (0..200), drop:P, " + swap + "or blob:P (0..1)",
+              "mask noise: \"" + spec + "\", expected erode:PX, dilate:PX, jitter:PX (0..200), drop:P, " + swap +
+                  "or blob:P (0..1)",
               "several are joined by commas: --mask-noise jitter:1,drop:0.1");
 }
 
@@ -170,13 +171,20 @@ void parse_one(const std::string& spec, NoiseOf of, MaskNoise& noise) {
     if (value > most) refuse(spec, of);
     field = value;
   };
-  if (kind == "erode") set(noise.erode_px, 200);
-  else if (kind == "dilate") set(noise.dilate_px, 200);
-  else if (kind == "jitter") set(noise.jitter_px, 200);
-  else if (kind == "drop") set(noise.drop, 1);
-  else if (kind == "swap" && of == NoiseOf::kLabelMaps) set(noise.swap, 1);
-  else if (kind == "blob") set(noise.blob, 1);
-  else refuse(spec, of);
+  if (kind == "erode")
+    set(noise.erode_px, 200);
+  else if (kind == "dilate")
+    set(noise.dilate_px, 200);
+  else if (kind == "jitter")
+    set(noise.jitter_px, 200);
+  else if (kind == "drop")
+    set(noise.drop, 1);
+  else if (kind == "swap" && of == NoiseOf::kLabelMaps)
+    set(noise.swap, 1);
+  else if (kind == "blob")
+    set(noise.blob, 1);
+  else
+    refuse(spec, of);
 }
 
 }  // namespace
@@ -202,7 +210,8 @@ ImageU16 disturb_labels(const Exec& exec, const ImageU16& labels, const MaskNois
   if (noise.dilate_px > 0)
     morph(exec, result, noise.dilate_px, [](std::uint16_t own, std::uint16_t other) { return own == 0 && other != 0; });
   if (noise.erode_px > 0)
-    morph(exec, result, noise.erode_px, [](std::uint16_t own, std::uint16_t other) { return own != 0 && other != own; });
+    morph(exec, result, noise.erode_px,
+          [](std::uint16_t own, std::uint16_t other) { return own != 0 && other != own; });
   if (noise.blob > 0) add_blobs(result, noise.blob, view, seed);
   return result;
 }

@@ -28,8 +28,8 @@ enum class NoiseOf : std::uint8_t { kLabelMaps, kOneObject };
 /// where there is one object only.
 MaskNoise parse_mask_noise(std::span<const std::string> specs, NoiseOf of = NoiseOf::kLabelMaps);
 
-/// Which mask is drawn. With `only_id` > 0 it is binary: 1 where the disturbed mask of that object is, and growing or blobs
-/// then also run over other objects, as separately made masks do.
+/// Which mask is drawn. With `only_id` > 0 it is binary: 1 where the disturbed mask of that object is, and growing or
+/// blobs then also run over other objects, as separately made masks do.
 struct MaskDraw {
   std::uint32_t only_id;
   int view;

@@ -44,7 +44,8 @@ void collect(const AnalyticScene& scene, V o, V d, double spread, std::vector<Ca
     for (std::size_t k = 0; k < scene.objects[i].solids.size(); ++k) {
       const Solid& s = scene.objects[i].solids[k];
       const V to = s.centre - o;
-      const double along = dot(to, d), distance = length(to), reach = s.bound_radius + spread * (distance + s.bound_radius);
+      const double along = dot(to, d), distance = length(to),
+                   reach = s.bound_radius + spread * (distance + s.bound_radius);
       if (along > -reach && distance * distance - along * along <= reach * reach) out.push_back({int(i), int(k)});
     }
 }

@@ -34,15 +34,17 @@ void two_spheres(AnalyticScene& scene) {
   const double a = 0.55, b = 0.42;  // in contact: the centres are a + b apart
   const double level = std::sqrt((a + b) * (a + b) - (a - b) * (a - b)), angle = 0.45;
   const V first{-0.45, 0, a}, second{first.x + level * std::cos(angle), level * std::sin(angle), b};
-  scene.objects = {{"large", {sphere(first, a)}, {Pattern::kMarble, {0.85, 0.35, 0.2}, {0.95, 0.8, 0.45}, 1.6, 0.12, 1}},
-                   {"small", {sphere(second, b)}, {Pattern::kStripes, {0.15, 0.35, 0.6}, {0.75, 0.85, 0.9}, 2.2, 0.1, 2}}};
+  scene.objects = {
+      {"large", {sphere(first, a)}, {Pattern::kMarble, {0.85, 0.35, 0.2}, {0.95, 0.8, 0.45}, 1.6, 0.12, 1}},
+      {"small", {sphere(second, b)}, {Pattern::kStripes, {0.15, 0.35, 0.6}, {0.75, 0.85, 0.9}, 2.2, 0.1, 2}}};
   scene.focus = {0, 0.1, 0.42}, scene.rig_radius = 2.6;
 }
 
 void torus_box(AnalyticScene& scene) {
   const Solid ring = torus({0.28, 0, 0.66}, frame_with_z({0.25, 1, 0.15}), 0.46, 0.12);
   scene.objects = {{"torus", {ring}, {Pattern::kStripes, {0.8, 0.25, 0.3}, {0.95, 0.75, 0.3}, 2.5, 0.1, 3}},
-                   {"box", {box({-0.2, 0, 0.42}, turned_about_z(0.5), {0.4, 0.3, 0.42}, 0.03)},
+                   {"box",
+                    {box({-0.2, 0, 0.42}, turned_about_z(0.5), {0.4, 0.3, 0.42}, 0.03)},
                     {Pattern::kChecker, {0.2, 0.45, 0.4}, {0.75, 0.8, 0.65}, 4, 0.1, 4}}};
   scene.focus = {0.05, 0, 0.5}, scene.rig_radius = 2.6;
 }
@@ -72,7 +74,8 @@ void leaves(AnalyticScene& scene, Dice& dice) {
     const double azimuth = 2 * kPi * i / 7 + dice.uniform(-0.2, 0.2), reach = dice.uniform(0.7, 0.95);
     add_frond(fern, {0, 0, 0.34}, azimuth, reach, 8);
   }
-  Object pot{"pot", {cylinder({0, 0, 0.17}, kUpright, 0.24, 0.17)},
+  Object pot{"pot",
+             {cylinder({0, 0, 0.17}, kUpright, 0.24, 0.17)},
              {Pattern::kSpots, {0.7, 0.35, 0.22}, {0.85, 0.55, 0.4}, 4, 0.1, 6}};
   scene.objects = {fern, pot};
   scene.focus = {0, 0, 0.42}, scene.rig_radius = 2.5;
@@ -80,7 +83,9 @@ void leaves(AnalyticScene& scene, Dice& dice) {
 
 void bones(AnalyticScene& scene) {
   Object skeleton{"skeleton", {}, {Pattern::kSpots, {0.9, 0.85, 0.7}, {0.7, 0.6, 0.42}, 6, 0.12, 7}};
-  const auto spine = [](double t) { return V{1.3 * (t - 0.5), 0.1 * std::sin(3 * t), 0.62 + 0.12 * std::sin(kPi * t)}; };
+  const auto spine = [](double t) {
+    return V{1.3 * (t - 0.5), 0.1 * std::sin(3 * t), 0.62 + 0.12 * std::sin(kPi * t)};
+  };
   for (int i = 0; i < 10; ++i) skeleton.solids.push_back(capsule(spine(i / 10.0), spine((i + 1) / 10.0), 0.035));
   for (int i = 1; i < 10; ++i)
     for (const double side : {-1.0, 1.0}) {
@@ -202,7 +207,8 @@ AnalyticScene build_scene(const Recipe& recipe) {
   const auto seed = std::uint32_t(recipe.scene_seed);
   for (Object& object : scene.objects) object.texture.seed += 101 * seed;
   const double half = 1.6 * scene.rig_radius;  // the farthest camera stands at 1.25 radii
-  scene.room = {{-half, -half, floor}, {half, half, scene.focus.z + 1.5 * scene.rig_radius},
+  scene.room = {{-half, -half, floor},
+                {half, half, scene.focus.z + 1.5 * scene.rig_radius},
                 {Pattern::kChecker, {0.42, 0.4, 0.38}, {0.66, 0.63, 0.58}, 1.6, 0.1, 91 + seed},
                 {Pattern::kSpots, {0.36, 0.42, 0.5}, {0.6, 0.58, 0.5}, 0.7, 0.1, 92 + seed}};
   scene.light = normalized(scene.light);

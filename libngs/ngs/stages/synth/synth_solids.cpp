@@ -28,8 +28,7 @@ double lens_distance(double x, double y, double half_length, double half_width) 
   const double radius = (half_length * half_length + half_width * half_width) / (2 * half_width);
   const double depth = radius - half_width;  // the arc's centre lies at (0, -depth)
   // Beyond the line from that centre through the tip the tip is nearest, else the arc.
-  if ((x - half_length) * depth > y * half_length)
-    return std::sqrt((x - half_length) * (x - half_length) + y * y);
+  if ((x - half_length) * depth > y * half_length) return std::sqrt((x - half_length) * (x - half_length) + y * y);
   return std::sqrt(x * x + (y + depth) * (y + depth)) - radius;
 }
 
@@ -141,7 +140,9 @@ double value_noise(Vec3<double> p, std::uint32_t seed) {
   const double fx = std::floor(p.x), fy = std::floor(p.y), fz = std::floor(p.z);
   const auto x = std::int64_t(fx), y = std::int64_t(fy), z = std::int64_t(fz);
   const double u = smooth_step(p.x - fx), v = smooth_step(p.y - fy), w = smooth_step(p.z - fz);
-  const auto corner = [&](int i, int j, int k) { return double(lattice_hash(x + i, y + j, z + k, seed)) * 0x1p-31 - 1; };
+  const auto corner = [&](int i, int j, int k) {
+    return double(lattice_hash(x + i, y + j, z + k, seed)) * 0x1p-31 - 1;
+  };
   const auto edge = [&](int j, int k) { return mix(corner(0, j, k), corner(1, j, k), u); };
   return mix(mix(edge(0, 0), edge(1, 0), v), mix(edge(0, 1), edge(1, 1), v), w);
 }

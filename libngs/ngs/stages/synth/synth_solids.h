@@ -40,8 +40,8 @@ enum class Pattern : std::uint8_t { kMarble, kStripes, kChecker, kSpots };
 struct Texture {
   Pattern pattern = Pattern::kMarble;
   Vec3<double> colour_a{0.8, 0.8, 0.8}, colour_b{0.2, 0.2, 0.2};  // [0, 1]
-  double frequency = 2;  // cycles per world unit of the pattern
-  double detail = 0.12;  // amplitude of the fine noise, at 3.5x the frequency
+  double frequency = 2;                                           // cycles per world unit of the pattern
+  double detail = 0.12;                                           // amplitude of the fine noise, at 3.5x the frequency
   std::uint32_t seed = 0;
 };
 

@@ -17,9 +17,7 @@ namespace {
 using test::PosedCamera;
 constexpr double kTolerance = 1e-12;
 
-Bytes bytes_of(const std::string& text) {
-  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
-}
+Bytes bytes_of(const std::string& text) { return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}; }
 
 TransformsSource no_images(bool original_world = false) {
   return {"/data",
@@ -35,8 +33,7 @@ std::vector<std::string> names_of(const std::vector<PosedCamera>& views) {
 }
 
 double difference(const Camera& a, const Camera& b) {
-  double worst =
-      std::max({std::abs(a.fx - b.fx), std::abs(a.fy - b.fy), std::abs(a.cx - b.cx), std::abs(a.cy - b.cy)});
+  double worst = std::max({std::abs(a.fx - b.fx), std::abs(a.fy - b.fy), std::abs(a.cx - b.cx), std::abs(a.cy - b.cy)});
   for (int i = 0; i < 9; ++i) worst = std::max(worst, std::abs(a.rotation.m[i] - b.rotation.m[i]));
   const Vec3<double> t = a.translation - b.translation;
   return std::max({worst, std::abs(t.x), std::abs(t.y), std::abs(t.z)});
@@ -71,8 +68,7 @@ TEST_CASE("cameras.json and LLFF give the same cameras where the principal point
   const auto views = test::random_cameras(5, true);
   const Capture inria = parse_cameras_json(test::cameras_json(views), "cameras.json");
   const std::string npy = test::llff_npy(views);
-  const Capture llff =
-      llff_capture(parse_npy(bytes_of(npy), "poses_bounds.npy"), names_of(views), "poses_bounds.npy");
+  const Capture llff = llff_capture(parse_npy(bytes_of(npy), "poses_bounds.npy"), names_of(views), "poses_bounds.npy");
   check_same(inria, views);
   check_same(llff, views);
   CHECK(inria.notes.size() == 1);  // the principal point is an assumption and is said to be one
@@ -99,8 +95,7 @@ TEST_CASE("every pixel's ray projects back onto that pixel") {
 }
 
 TEST_CASE("a camera that looks along world z sees x right and y down in every format") {
-  PosedCamera p{{"a.png", 640, 480, 500, 500, 320, 240, {{1, 0, 0, 0, 1, 0, 0, 0, 1}}, {0, 0, 0}},
-                {1, 0, 0, 0}};
+  PosedCamera p{{"a.png", 640, 480, 500, 500, 320, 240, {{1, 0, 0, 0, 1, 0, 0, 0, 1}}, {0, 0, 0}}, {1, 0, 0, 0}};
   const auto check = [](const Capture& capture) {
     const Camera& c = capture.views.at(0).camera;
     const Vec3<double> p = c.rotation * Vec3<double>{1, 2, 10} + c.translation;
@@ -117,7 +112,8 @@ TEST_CASE("a camera that looks along world z sees x right and y down in every fo
 
 TEST_CASE("COLMAP text: comments, CRLF, a byte order mark, an empty second line and a missing last one are fine") {
   const std::string cameras = "\xEF\xBB\xBF# c\r\n\r\n1 SIMPLE_PINHOLE 640 480 500 320 240\r\n";
-  const std::string images = "\xEF\xBB\xBF# i\r\n1 1 0 0 0 0 0 1 1 b c.png \r\n\r\n# between\r\n2 1 0 0 0 0 0 2 1 a.png";
+  const std::string images =
+      "\xEF\xBB\xBF# i\r\n1 1 0 0 0 0 0 1 1 b c.png \r\n\r\n# between\r\n2 1 0 0 0 0 0 2 1 a.png";
   const Capture capture = text_capture(cameras, images);
   REQUIRE(capture.views.size() == 2);
   CHECK(capture.views[0].camera.name == "a.png");
@@ -131,8 +127,7 @@ TEST_CASE("COLMAP text whose second lines were stripped is refused, not read by 
   CHECK_THROWS_WITH_AS(text_capture(camera, image), doctest::Contains("line 2"), Error);
 }
 
-TEST_CASE(
-    "camera models: distortion of zero is accepted, any other refused with the command that undoes it") {
+TEST_CASE("camera models: distortion of zero is accepted, any other refused with the command that undoes it") {
   const std::string image = "1 1 0 0 0 0 0 0 1 a.png\n\n";
   const Capture radial = text_capture("1 SIMPLE_RADIAL 640 480 500 320 240 5e-10\n", image);
   CHECK(radial.views[0].camera.fy == 500);
@@ -150,8 +145,7 @@ TEST_CASE(
       FAIL("was accepted");
     } catch (const Error& e) {
       CHECK(e.code() == ErrorCode::kBadInput);
-      CHECK(e.remedy().find(
-                "colmap image_undistorter --image_path IMAGES --input_path sparse --output_path") == 0);
+      CHECK(e.remedy().find("colmap image_undistorter --image_path IMAGES --input_path sparse --output_path") == 0);
     }
   }
 }
@@ -182,20 +176,17 @@ TEST_CASE("broken COLMAP text is refused with its line") {
 }
 
 TEST_CASE("quaternions within 1e-3 of unit length are normalised") {
-  const Capture capture =
-      text_capture("1 SIMPLE_PINHOLE 9 9 5 4 4\n", "1 0.7075 0.7075 0 0 0 0 0 1 a.png\n\n");
-  CHECK(difference(capture.views[0].camera,
-                   {"", 9, 9, 5, 5, 4, 4, {{1, 0, 0, 0, 0, -1, 0, 1, 0}}, {0, 0, 0}}) < kTolerance);
+  const Capture capture = text_capture("1 SIMPLE_PINHOLE 9 9 5 4 4\n", "1 0.7075 0.7075 0 0 0 0 0 1 a.png\n\n");
+  CHECK(difference(capture.views[0].camera, {"", 9, 9, 5, 5, 4, 4, {{1, 0, 0, 0, 0, -1, 0, 1, 0}}, {0, 0, 0}}) <
+        kTolerance);
 }
 
 TEST_CASE("every prefix of a COLMAP binary model is refused") {
   const test::ColmapFiles files = test::colmap_binary(test::random_cameras(2, false));
   for (std::size_t n = 0; n < files.cameras.size(); ++n)
-    CHECK_THROWS_AS(parse_colmap_binary(bytes_of(files.cameras).first(n), bytes_of(files.images), "s"),
-                    Error);
+    CHECK_THROWS_AS(parse_colmap_binary(bytes_of(files.cameras).first(n), bytes_of(files.images), "s"), Error);
   for (std::size_t n = 0; n < files.images.size(); ++n)
-    CHECK_THROWS_AS(parse_colmap_binary(bytes_of(files.cameras), bytes_of(files.images).first(n), "s"),
-                    Error);
+    CHECK_THROWS_AS(parse_colmap_binary(bytes_of(files.cameras), bytes_of(files.images).first(n), "s"), Error);
 }
 
 TEST_CASE("huge counts in COLMAP binary are refused before anything is allocated") {
@@ -217,12 +208,14 @@ TEST_CASE("huge counts in COLMAP binary are refused before anything is allocated
 
 TEST_CASE("transforms.json: focal length from the angle, size from the image, extension from the disk") {
   nlohmann::json root{{"camera_angle_x", 0.9272952180016122}};  // 2 atan(1/2): f = width
-  root["frames"] = {{{"file_path", "./train/r_0"},
-                     {"transform_matrix", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 4}, {0, 0, 0, 1}}}}};
+  root["frames"] = {
+      {{"file_path", "./train/r_0"}, {"transform_matrix", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 4}, {0, 0, 0, 1}}}}};
   TransformsSource source = no_images();
   CHECK_THROWS_WITH_AS(parse_transforms_json(root, source), doctest::Contains("no w and h and no image"), Error);
   source.images = {[](const std::string& path) { return path == "/data/train/r_0.jpg"; },
-                   [](const std::string&) { return ImageSize{800, 600}; }};
+                   [](const std::string&) {
+                     return ImageSize{800, 600};
+                   }};
   const Capture capture = parse_transforms_json(root, source);
   const Camera& c = capture.views[0].camera;
   CHECK(c.name == "r_0.jpg");
@@ -270,8 +263,7 @@ TEST_CASE("a world transform moves cameras as it moves points") {
   Camera after = before;
   apply(world, after);
   const Vec3<double> x{0.3, -0.7, 1.1}, moved = world.scale * (world.rotation * x + world.translation);
-  const Vec3<double> p = before.rotation * x + before.translation,
-                     q = after.rotation * moved + after.translation;
+  const Vec3<double> p = before.rotation * x + before.translation, q = after.rotation * moved + after.translation;
   CHECK(q.x == doctest::Approx(0.25 * p.x).epsilon(kTolerance));
   CHECK(q.y == doctest::Approx(0.25 * p.y).epsilon(kTolerance));
   CHECK(q.z == doctest::Approx(0.25 * p.z).epsilon(kTolerance));
@@ -322,8 +314,7 @@ TEST_CASE("broken cameras.json files are refused with their place") {
   refused("/1/rotation", {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, "differs from a rotation");
   refused("/1/position", {1, 2}, "[1].position");
   refused("/0/fx", -3, "focal length");
-  CHECK_THROWS_WITH_AS(parse_cameras_json(nlohmann::json::object(), "c"),
-                       doctest::Contains("expected a list"), Error);
+  CHECK_THROWS_WITH_AS(parse_cameras_json(nlohmann::json::object(), "c"), doctest::Contains("expected a list"), Error);
 }
 
 TEST_CASE("npy: both scalars, both byte orders and both element orders give the same matrix") {
@@ -354,8 +345,7 @@ TEST_CASE("npy: both scalars, both byte orders and both element orders give the 
 
 TEST_CASE("npy: every prefix, other types and shapes that the file cannot hold are refused") {
   const std::string good = test::llff_npy(test::random_cameras(1, true));
-  for (std::size_t n = 0; n < good.size(); ++n)
-    CHECK_THROWS_AS(parse_npy(bytes_of(good).first(n), "a.npy"), Error);
+  for (std::size_t n = 0; n < good.size(); ++n) CHECK_THROWS_AS(parse_npy(bytes_of(good).first(n), "a.npy"), Error);
   for (const auto& c : {std::pair<const char*, const char*>{"<i8", "(1, 1)"},
                         {"|O", "(1, 1)"},
                         {"<f8", "(1,)"},

@@ -1,12 +1,13 @@
+#include "ngs/io/capture/sparse_points.h"
+
 #include <doctest/doctest.h>
 
 #include <cstring>
 #include <limits>
 
 #include "ngs/core/error.h"
-#include "ngs/io/files/atomic_file.h"
 #include "ngs/io/capture/colmap.h"
-#include "ngs/io/capture/sparse_points.h"
+#include "ngs/io/files/atomic_file.h"
 #include "support/cameras.h"
 #include "support/temp_dir.h"
 
@@ -49,7 +50,8 @@ void check_same(const std::vector<SparsePoint>& got, const std::vector<SparsePoi
 TEST_CASE("a COLMAP text model that we write is read back with every bit") {
   const test::TempDir dir;
   test::Random random(3);
-  std::vector<Camera> cameras{test::camera_around(random, 3), test::camera_around(random, 4), test::camera_around(random, 5, 60, 50)};
+  std::vector<Camera> cameras{test::camera_around(random, 3), test::camera_around(random, 4),
+                              test::camera_around(random, 5, 60, 50)};
   cameras[0].name = "a b.png", cameras[1].name = "c.png", cameras[2].name = "d.png";
   write_colmap_text(dir.path() + "/sparse/0", cameras, some_points());
   check_same(read_points(dir.path() + "/sparse/0/points3D.txt"), some_points());
@@ -73,8 +75,9 @@ TEST_CASE("read_points tells binary, text and PLY apart by content") {
   check_same(read_points(path), some_points());
   write_file(path, "\xEF\xBB\xBF# comment\n\n1 1 2 3 4 5 6 0.1 1 2\r\n");
   check_same(read_points(path), {SparsePoint{{1, 2, 3}, {4, 5, 6}, {}}});
-  write_file(path, "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty double y\nproperty float z\n"
-                   "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n1 2 3 4 5 6\n");
+  write_file(path,
+             "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty double y\nproperty float z\n"
+             "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n1 2 3 4 5 6\n");
   check_same(read_points(path), {SparsePoint{{1, 2, 3}, {4, 5, 6}, {}}});
   write_file(path, "");
   CHECK(read_points(path).empty());
@@ -93,9 +96,10 @@ TEST_CASE("read_points refuses files that are cut, count too many or hold no num
   absurd[5] = 1;  // 2^40 points
   std::vector<SparsePoint> infinite = some_points();
   infinite[1].position.y = std::numeric_limits<double>::infinity();
-  for (const std::string& bad : {absurd, binary(infinite), std::string("1 1 2 x 4 5 6 0.1\n"), std::string("1 1 2 3 4 5 6\n"),
-                                 std::string("1 1 2 3 4 5 256 0.1\n"), std::string("1 nan 2 3 4 5 6 0.1\n"),
-                                 std::string("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n")}) {
+  for (const std::string& bad :
+       {absurd, binary(infinite), std::string("1 1 2 x 4 5 6 0.1\n"), std::string("1 1 2 3 4 5 6\n"),
+        std::string("1 1 2 3 4 5 256 0.1\n"), std::string("1 nan 2 3 4 5 6 0.1\n"),
+        std::string("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n")}) {
     write_file(path, bad);
     CHECK_THROWS_AS(read_points(path), Error);
   }

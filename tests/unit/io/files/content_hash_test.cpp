@@ -12,8 +12,7 @@ namespace ngs::io {
 
 TEST_CASE("a content hash is XXH3-128 of the bytes, whatever the name") {
   const test::TempDir dir;
-  CHECK(content_hash(dir.write("empty", "")).xxh3 ==
-        "99aa06d3014798d86001c324468d497f");  // xxhsum -H2 /dev/null
+  CHECK(content_hash(dir.write("empty", "")).xxh3 == "99aa06d3014798d86001c324468d497f");  // xxhsum -H2 /dev/null
   CHECK(content_hash(dir.write("empty", "")).bytes == 0);
   const std::string large(3 << 20, 'x');  // more than one chunk
   const ContentHash a = content_hash(dir.write("a", large)), b = content_hash(dir.write("b", large));
@@ -37,8 +36,7 @@ TEST_CASE("the hash of a folder changes with contents, names and structure, not 
 }
 
 TEST_CASE("what is not there has no hash") {
-  CHECK_THROWS_WITH_AS(content_hash("/nowhere/x"), "/nowhere/x: cannot be read: No such file or directory",
-                       Error);
+  CHECK_THROWS_WITH_AS(content_hash("/nowhere/x"), "/nowhere/x: cannot be read: No such file or directory", Error);
 }
 
 TEST_CASE("unfinished files are removed together, released ones and those beyond the slots are not") {

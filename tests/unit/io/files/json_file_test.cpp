@@ -46,8 +46,9 @@ TEST_CASE("the header of a tensor file is not nested without end") {
   const std::string header = "{\"w\":" + nested(100000, "[", "]") + "}";
   std::string file(8, '\0');
   for (std::size_t i = 0; i < 8; ++i) file[i] = char(header.size() >> (8 * i));
-  CHECK(message_of([&] { parse_safetensors("t.safetensors", test::as_bytes(file + header)); }).find("more than 64 levels") !=
-        std::string::npos);
+  CHECK(message_of([&] {
+          parse_safetensors("t.safetensors", test::as_bytes(file + header));
+        }).find("more than 64 levels") != std::string::npos);
 }
 
 }  // namespace ngs::io

@@ -20,15 +20,13 @@ std::string described(const Names& predicted, const Names& truth) {
 }
 
 TEST_CASE("names are paired by stem, whatever the extension and order") {
-  CHECK(described({"b.png", "a.jpg", "c.png"}, {"a.png", "b.png"}) ==
-        "a.jpg=a.png(stem) b.png=b.png(stem) -c.png ");
+  CHECK(described({"b.png", "a.jpg", "c.png"}, {"a.png", "b.png"}) == "a.jpg=a.png(stem) b.png=b.png(stem) -c.png ");
   CHECK(described({}, {"a.png"}) == "+a.png ");
   CHECK(described({}, {}).empty());
 }
 
 TEST_CASE("double extensions and the usual affixes are understood") {
-  CHECK(described({"IMG_4027.JPG.png"}, {"IMG_4027_mask.png"}) ==
-        "IMG_4027.JPG.png=IMG_4027_mask.png(affix) ");
+  CHECK(described({"IMG_4027.JPG.png"}, {"IMG_4027_mask.png"}) == "IMG_4027.JPG.png=IMG_4027_mask.png(affix) ");
   CHECK(described({"0003_label.png"}, {"frame_0003.png"}) == "0003_label.png=frame_0003.png(affix) ");
   CHECK(described({"mask_a.png"}, {"A.png"}) == "mask_a.png=A.png(affix) ");
 }
@@ -55,8 +53,7 @@ TEST_CASE("every:N:K selects by index and refuses anything else") {
   CHECK(io::select_every("every:4:2", 11) == std::vector<std::size_t>{2, 6, 10});
   CHECK(io::select_every("all", 3) == std::vector<std::size_t>{0, 1, 2});
   CHECK(io::select_every("every:4:2", 0).empty());
-  for (const char* rule :
-       {"every:4:4", "every:0:0", "every:4", "every::", "every:a:1", "every:4:-1", "some", ""}) {
+  for (const char* rule : {"every:4:4", "every:0:0", "every:4", "every::", "every:a:1", "every:4:-1", "some", ""}) {
     CAPTURE(rule);
     CHECK_THROWS_AS(io::select_every(rule, 5), Error);
   }

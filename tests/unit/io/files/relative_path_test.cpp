@@ -52,7 +52,8 @@ TEST_CASE("a linked folder below the file's own keeps its name, so that both can
   const std::string photo = dir.write("disk/images/a.png", "photo");
   fs::create_directories(dir.path() + "/scene");
   fs::create_directory_symlink(dir.path() + "/disk/images", dir.path() + "/scene/images");
-  const std::string stored = path_to_folder(FileFolder(dir.path() + "/scene/s.json"), dir.path() + "/scene/images/a.png");
+  const std::string stored =
+      path_to_folder(FileFolder(dir.path() + "/scene/s.json"), dir.path() + "/scene/images/a.png");
   CHECK(stored == "images/a.png");
   fs::create_directories(dir.path() + "/far/away");
   fs::rename(dir.path() + "/scene", dir.path() + "/far/away/scene");

@@ -52,8 +52,8 @@ TEST_CASE("tensors of every type and their metadata come back bit for bit") {
   REQUIRE(back.tensors.size() == file.tensors.size());
   for (const io::Tensor& t : file.tensors) {
     CAPTURE(t.name);
-    const auto found = std::find_if(back.tensors.begin(), back.tensors.end(),
-                                    [&](const io::Tensor& b) { return b.name == t.name; });
+    const auto found =
+        std::find_if(back.tensors.begin(), back.tensors.end(), [&](const io::Tensor& b) { return b.name == t.name; });
     REQUIRE(found != back.tensors.end());
     CHECK(found->type == t.type);
     CHECK(found->shape == t.shape);
@@ -88,8 +88,7 @@ TEST_CASE("a tensor file cut short at any byte, or with a byte too many, is refu
   for (std::size_t n = 0; n < good.size(); ++n) {
     const std::vector<char> exact(good.begin(), good.begin() + std::ptrdiff_t(n));
     CAPTURE(n);
-    CHECK_THROWS_AS(io::parse_safetensors("t", {reinterpret_cast<const std::uint8_t*>(exact.data()), n}),
-                    Error);
+    CHECK_THROWS_AS(io::parse_safetensors("t", {reinterpret_cast<const std::uint8_t*>(exact.data()), n}), Error);
   }
   CHECK(error_of(good + "x").find("bytes behind the header") != std::string::npos);
 }
@@ -107,8 +106,7 @@ TEST_CASE("hostile tensor headers are refused") {
   CHECK(error_of(file_of(entry("F32", "[1]", "[0,8]"), four)).find("data_offsets") != std::string::npos);
   CHECK(error_of(file_of(entry("F32", "[1]", "[0]"), four)).find("data_offsets") != std::string::npos);
   // 2^63 elements of 4 bytes wrap to 0 in 64 bits.
-  CHECK(error_of(file_of(entry("F32", "[4294967296,2147483648]", "[0,0]"), "")).find("shape") !=
-        std::string::npos);
+  CHECK(error_of(file_of(entry("F32", "[4294967296,2147483648]", "[0,0]"), "")).find("shape") != std::string::npos);
   CHECK(error_of(file_of(entry("F32", "[0,4294967296,4294967296]", "[0,0]"), "")) == "");
   CHECK(error_of(file_of("{\"a\":{\"dtype\":\"U8\",\"shape\":[2],\"data_offsets\":[0,2]},"
                          "\"b\":{\"dtype\":\"U8\",\"shape\":[3],\"data_offsets\":[1,4]}}",

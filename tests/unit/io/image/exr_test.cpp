@@ -20,10 +20,8 @@ namespace {
 ExrImage sample(int width, int height) {
   ExrImage image;
   ImageF colour(width, height, 3), mask(width, height, 1);
-  for (std::size_t i = 0; i < colour.data.size(); ++i)
-    colour.data[i] = float(rng_normal(1, RngStream::kTest, i));
-  for (std::size_t i = 0; i < mask.data.size(); ++i)
-    mask.data[i] = float(rng_uniform(2, RngStream::kTest, i));
+  for (std::size_t i = 0; i < colour.data.size(); ++i) colour.data[i] = float(rng_normal(1, RngStream::kTest, i));
+  for (std::size_t i = 0; i < mask.data.size(); ++i) mask.data[i] = float(rng_uniform(2, RngStream::kTest, i));
   image.add({"R", "G", "B"}, colour);
   image.add({"ngs.mask"}, mask);
   image.text["ngs:schema"] = "layers-1";

@@ -17,9 +17,7 @@ std::string crc_chunk(const std::string& type, const std::string& data) {
     crc ^= static_cast<unsigned char>(c);
     for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ ((crc & 1) ? 0xEDB88320u : 0u);
   }
-  const auto be = [](std::uint32_t v) {
-    return std::string{char(v >> 24), char(v >> 16), char(v >> 8), char(v)};
-  };
+  const auto be = [](std::uint32_t v) { return std::string{char(v >> 24), char(v >> 16), char(v >> 8), char(v)}; };
   return be(std::uint32_t(data.size())) + type + data + be(~crc);
 }
 
@@ -31,18 +29,17 @@ std::string raw_png(int width, int height, int bits, int colour_type, const std:
   const auto n = std::uint16_t(rows.size());
   const auto inverse = std::uint16_t(~n);
   const std::string zlib =
-      std::string{0x78, 0x01, 0x01, char(n & 255), char(n >> 8), char(inverse & 255), char(inverse >> 8)} +
-      rows + std::string{char(b >> 8), char(b), char(a >> 8), char(a)};
-  const std::string header{0, 0, 0, char(width), 0, 0, 0, char(height), char(bits), char(colour_type),
-                           0, 0, 0};
-  return "\x89PNG\r\n\x1a\n" + crc_chunk("IHDR", header) +
-         (palette.empty() ? "" : crc_chunk("PLTE", palette)) + crc_chunk("IDAT", zlib) +
-         crc_chunk("IEND", "");
+      std::string{0x78, 0x01, 0x01, char(n & 255), char(n >> 8), char(inverse & 255), char(inverse >> 8)} + rows +
+      std::string{char(b >> 8), char(b), char(a >> 8), char(a)};
+  const std::string header{0, 0, 0, char(width), 0, 0, 0, char(height), char(bits), char(colour_type), 0, 0, 0};
+  return "\x89PNG\r\n\x1a\n" + crc_chunk("IHDR", header) + (palette.empty() ? "" : crc_chunk("PLTE", palette)) +
+         crc_chunk("IDAT", zlib) + crc_chunk("IEND", "");
 }
 
 }  // namespace
 
-TEST_CASE("a photo of the camera's size is held as the samples of its file, any other as floats, with the same colours") {
+TEST_CASE(
+    "a photo of the camera's size is held as the samples of its file, any other as floats, with the same colours") {
   const TempDir dir;
   Scene scene;
   scene.background = Vec3<double>{0.25, 0.5, 1};
@@ -52,7 +49,8 @@ TEST_CASE("a photo of the camera's size is held as the samples of its file, any 
     std::size_t bytes_per_pixel;
   };
   for (const auto [channels, bits, width_px, bytes_per_pixel] :
-       {Case{3, 8, 6, 3}, Case{1, 8, 6, 1}, Case{4, 8, 6, 4}, Case{3, 16, 6, 6}, Case{3, 8, 12, 12}, Case{4, 16, 12, 12}}) {
+       {Case{3, 8, 6, 3}, Case{1, 8, 6, 1}, Case{4, 8, 6, 4}, Case{3, 16, 6, 6}, Case{3, 8, 12, 12},
+        Case{4, 16, 12, 12}}) {
     CAPTURE(channels);
     CAPTURE(bits);
     CAPTURE(width_px);
@@ -194,8 +192,7 @@ TEST_CASE("a header that claims an absurd size is refused before decoding") {
   const std::string header{0x7f, 0, 0, 0, 0x7f, 0, 0, 0, 8, 0, 0, 0, 0};
   dir.write("huge.png",
             "\x89PNG\r\n\x1a\n" + crc_chunk("IHDR", header) + crc_chunk("IDAT", "x") + crc_chunk("IEND", ""));
-  CHECK_THROWS_WITH_AS(read_image_rgb(dir.file("huge.png")), doctest::Contains("expected between 1 px"),
-                       Error);
+  CHECK_THROWS_WITH_AS(read_image_rgb(dir.file("huge.png")), doctest::Contains("expected between 1 px"), Error);
 }
 
 TEST_CASE("a truncated JPEG is refused instead of padded with grey") {

@@ -113,7 +113,8 @@ TEST_CASE("masks of one view that are named otherwise for another object are ref
   const TempDir dir;
   for (const char* file : {"cup/a.png", "cup/b.png", "spoon/a.png", "spoon/b_mask.png"}) dir.write(file, "x");
   std::vector<SceneView> views = views_named({"a.jpg", "b.jpg"});
-  CHECK_THROWS_WITH_AS(match_masks(dir.path(), {}, views), doctest::Contains("spoon/b_mask.png: another object has "), Error);
+  CHECK_THROWS_WITH_AS(match_masks(dir.path(), {}, views), doctest::Contains("spoon/b_mask.png: another object has "),
+                       Error);
   views = views_named({"a.jpg", "b.jpg"});
   CHECK(match_masks(dir.path(), {"spoon"}, views).unmatched.empty());
 }

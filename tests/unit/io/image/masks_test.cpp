@@ -54,8 +54,7 @@ TEST_CASE("a binary mask of 16 bit is cut at the same share of its range") {
 
 TEST_CASE("a mask of zeros and ones is recognised and noted") {
   const TempDir dir;
-  const LoadedMasks got =
-      load_masks_with_notes(one_view(MaskMode::kBinary, 2, 1, grey(dir, "m.png", 2, {0, 1})), 0);
+  const LoadedMasks got = load_masks_with_notes(one_view(MaskMode::kBinary, 2, 1, grey(dir, "m.png", 2, {0, 1})), 0);
   CHECK(got.masks.target[0] == Values{0, 1});
   REQUIRE(got.notes.size() == 1);
   CHECK(got.notes[0].find("values are 0 and 1 only") != std::string::npos);
@@ -79,8 +78,7 @@ TEST_CASE("a mask of 8 bit that was saved as 16 bit is recognised and noted, oth
 
 TEST_CASE("an all-zero mask stays empty, with no note") {
   const TempDir dir;
-  const LoadedMasks got =
-      load_masks_with_notes(one_view(MaskMode::kBinary, 2, 1, grey(dir, "m.png", 2, {0, 0})), 0);
+  const LoadedMasks got = load_masks_with_notes(one_view(MaskMode::kBinary, 2, 1, grey(dir, "m.png", 2, {0, 0})), 0);
   CHECK(got.masks.target[0] == Values{0, 0});
   CHECK(got.notes.empty());
 }
@@ -206,7 +204,8 @@ TEST_CASE("what a label map or a band calls unknown is no evidence, and no backg
   CHECK(masks.target[0] == Values{0, 1, 0, 1});
   CHECK(masks.known == std::vector<std::uint8_t>{1, 1, 0, 1});
   // 4 of 9 object, 2 background, 3 unknown; then 4 of 9 object and 5 unknown
-  scene = one_view(MaskMode::kLabel, 2, 1, grey(dir, "n.png", 6, {7, 7, 0, 7, 7, 255, 7, 7, 0, 255, 255, 255, 255, 255, 255, 7, 7, 255}));
+  scene = one_view(MaskMode::kLabel, 2, 1,
+                   grey(dir, "n.png", 6, {7, 7, 0, 7, 7, 255, 7, 7, 0, 255, 255, 255, 255, 255, 255, 7, 7, 255}));
   scene.objects = {{"cup", 7}}, scene.void_id = 255;
   const ViewMasks reduced = load_masks(scene, 0);
   CHECK(reduced.target[0] == Values{1, 1});
@@ -234,8 +233,7 @@ TEST_CASE("masks of the full-size photos suit cameras at image_scale") {
 TEST_CASE("a mask of another shape is refused and both sizes are named") {
   const TempDir dir;
   const Scene scene = one_view(MaskMode::kBinary, 4, 3, grey(dir, "m.png", 5, {0, 0, 0, 0, 0}));
-  CHECK_THROWS_WITH_AS(load_masks(scene, 0), doctest::Contains("mask of 5x1 px for view a.png of 4x3 px"),
-                       Error);
+  CHECK_THROWS_WITH_AS(load_masks(scene, 0), doctest::Contains("mask of 5x1 px for view a.png of 4x3 px"), Error);
 }
 
 TEST_CASE("a mask that lies turned is told from one of another shape") {

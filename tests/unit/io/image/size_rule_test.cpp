@@ -5,9 +5,9 @@
 
 #include <algorithm>
 
-#include "ngs/io/scene/import_scene.h"
 #include "ngs/io/image/masks.h"
 #include "ngs/io/image/photo.h"
+#include "ngs/io/scene/import_scene.h"
 #include "ngs/io/scene/scene_json.h"
 #include "support/camera_files.h"
 #include "support/temp_dir.h"
@@ -68,7 +68,7 @@ TEST_CASE("a mask may be a pixel off the photo's size or the camera's, at any wo
 TEST_CASE("the working size is the photos' over the smallest whole number that brings them to 800 px") {
   const struct {
     int photo_px, working_px;
-  } cases[] = {{800, 800}, {801, 401},   {1024, 512}, {1600, 800}, {1601, 534},
+  } cases[] = {{800, 800},  {801, 401},  {1024, 512}, {1600, 800}, {1601, 534},
                {1604, 535}, {4032, 672}, {3200, 800}, {6400, 800}, {12000, 800}};
   for (const auto& c : cases) {
     CAPTURE(c.photo_px);

@@ -18,9 +18,7 @@ using test::PlyColumns;
 
 constexpr PlyFormat kFormats[] = {PlyFormat::kAscii, PlyFormat::kBinaryLittle, PlyFormat::kBinaryBig};
 
-io::GaussianPly parse(const std::string& file) {
-  return io::parse_gaussian_ply("model.ply", test::as_bytes(file));
-}
+io::GaussianPly parse(const std::string& file) { return io::parse_gaussian_ply("model.ply", test::as_bytes(file)); }
 
 std::string error_of(const std::string& file) {
   try {
@@ -43,10 +41,8 @@ void check_cloud(const GaussianCloud& cloud, const PlyColumns& table) {
     CHECK(cloud.position[i * 3] == at(i, "x"));
     CHECK(cloud.position[i * 3 + 2] == at(i, "z"));
     CHECK(cloud.logit_opacity[i] == at(i, "opacity"));
-    for (int k = 0; k < 3; ++k)
-      CHECK(cloud.sh_dc[i * 3 + std::size_t(k)] == at(i, "f_dc_" + std::to_string(k)));
-    for (int k = 0; k < 4; ++k)
-      CHECK(cloud.rotation[i * 4 + std::size_t(k)] == at(i, "rot_" + std::to_string(k)));
+    for (int k = 0; k < 3; ++k) CHECK(cloud.sh_dc[i * 3 + std::size_t(k)] == at(i, "f_dc_" + std::to_string(k)));
+    for (int k = 0; k < 4; ++k) CHECK(cloud.rotation[i * 4 + std::size_t(k)] == at(i, "rot_" + std::to_string(k)));
     CHECK(cloud.log_scale[i * 3 + 1] == at(i, "scale_1"));
     for (int c = 0; c < 3; ++c)
       for (int k = 0; k < rest; ++k)
@@ -99,8 +95,7 @@ TEST_CASE("columns in reverse order are found by name") {
 
 TEST_CASE("elements before and after the Gaussians are skipped by their size") {
   const PlyColumns table = test::inria_columns(2, 0);
-  const PlyColumns camera{
-      "camera", {{"f", PlyType::kFloat64}, {"id", PlyType::kUint8}}, {{1.5, 3}, {2.5, 4}, {3, 5}}};
+  const PlyColumns camera{"camera", {{"f", PlyType::kFloat64}, {"id", PlyType::kUint8}}, {{1.5, 3}, {2.5, 4}, {3, 5}}};
   const PlyColumns empty{"nothing", {}, {}};
   for (const PlyFormat format : kFormats) {
     const std::string file = test::ply_bytes({camera, empty, table, camera}, format);
@@ -239,8 +234,7 @@ TEST_CASE("missing and contradictory columns are named in the error") {
     PlyColumns table = test::inria_columns(2, 1);
     test::remove_column(table, name);
     if (name == "f_rest_4") test::add_column(table, 0, "f_rest_99", PlyType::kFloat32, 0);
-    CHECK(error_of(test::ply_bytes({table}, PlyFormat::kBinaryLittle)).find("'" + name + "'") !=
-          std::string::npos);
+    CHECK(error_of(test::ply_bytes({table}, PlyFormat::kBinaryLittle)).find("'" + name + "'") != std::string::npos);
   }
   PlyColumns rest = test::inria_columns(2, 1);
   test::remove_column(rest, "f_rest_8");
@@ -291,7 +285,8 @@ TEST_CASE("a model cut short at any byte is refused, in every format") {
 TEST_CASE("labels that are none are refused with column and row") {
   const auto with = [](const std::string& column, double value) {
     PlyColumns table = test::inria_columns(3, 0);
-    for (const char* name : {"ngs_label", "ngs_prob", "ngs_variance", "ngs_views", "ngs_boundary", "ngs_label_cup", "ngs_prob_cup"})
+    for (const char* name :
+         {"ngs_label", "ngs_prob", "ngs_variance", "ngs_views", "ngs_boundary", "ngs_label_cup", "ngs_prob_cup"})
       test::add_column(table, table.properties.size(), name, PlyType::kFloat32, 1);
     table.rows[1][test::column_of(table, column)] = value;
     return error_of(test::ply_bytes({table}, PlyFormat::kBinaryLittle));
@@ -302,7 +297,8 @@ TEST_CASE("labels that are none are refused with column and row") {
   CHECK(with("ngs_prob", 7).find("ngs_prob of row 1: 7.000000, expected 0 to 1") != std::string::npos);
   CHECK(with("ngs_views", -5).find("ngs_views of row 1: -5.000000, expected a number of views") != std::string::npos);
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
-  for (const char* column : {"ngs_label", "ngs_prob", "ngs_variance", "ngs_views", "ngs_boundary", "ngs_label_cup", "ngs_prob_cup"})
+  for (const char* column :
+       {"ngs_label", "ngs_prob", "ngs_variance", "ngs_views", "ngs_boundary", "ngs_label_cup", "ngs_prob_cup"})
     for (const double value : {kNan, kInfinity, -1.0}) {
       CAPTURE(column);
       CHECK(with(column, value).find(std::string(column) + " of row 1") != std::string::npos);
@@ -324,8 +320,7 @@ TEST_CASE("a header of more names than any model has is refused before they are 
 TEST_CASE("counts that the file cannot hold are refused before anything is allocated") {
   const PlyColumns table = test::inria_columns(2, 0, false);
   for (const PlyFormat format : kFormats)
-    for (const std::string count :
-         {"3", "4000000000", "9223372036854775807", "-1", "1e3", "99999999999999999999"}) {
+    for (const std::string count : {"3", "4000000000", "9223372036854775807", "-1", "1e3", "99999999999999999999"}) {
       std::string file = test::ply_bytes({table}, format);
       file.replace(file.find("vertex 2"), 8, "vertex " + count);
       CAPTURE(count);

@@ -1,5 +1,4 @@
 #include <doctest/doctest.h>
-
 #include <sys/mman.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -33,9 +32,7 @@ using test::PlyColumns;
 
 constexpr PlyFormat kFormats[] = {PlyFormat::kAscii, PlyFormat::kBinaryLittle, PlyFormat::kBinaryBig};
 
-io::GaussianPly parse(const std::string& file) {
-  return io::parse_gaussian_ply("model.ply", test::as_bytes(file));
-}
+io::GaussianPly parse(const std::string& file) { return io::parse_gaussian_ply("model.ply", test::as_bytes(file)); }
 
 TEST_CASE("rows that cannot be used are counted and pass through every writer bit for bit") {
   PlyColumns table = test::inria_columns(4, 3);
@@ -235,8 +232,7 @@ TEST_CASE("an edited cloud overwrites usable rows only, and rows may be split an
           (usable ? 9 : table.rows[std::size_t(i)][test::column_of(table, "scale_0")]));
     CHECK(back.rows.column("f_rest_3").value(i) ==
           (usable ? 8 : table.rows[std::size_t(i)][test::column_of(table, "f_rest_3")]));
-    CHECK(back.rows.column("f_rest_1").value(i) ==
-          table.rows[std::size_t(i)][test::column_of(table, "f_rest_1")]);
+    CHECK(back.rows.column("f_rest_1").value(i) == table.rows[std::size_t(i)][test::column_of(table, "f_rest_1")]);
   }
   CHECK(back.rows.column("y").value(0) == 0.1);
 

@@ -90,9 +90,7 @@ TEST_CASE("sampled and interpolated queries come back as they were written") {
 
 TEST_CASE("a bare list of points is a query field without views") {
   const test::PlyColumns points{
-      "vertex",
-      {{"x", io::PlyType::kFloat64}, {"y", io::PlyType::kFloat32}, {"z", io::PlyType::kInt8}},
-      {{1.5, 2, 3}}};
+      "vertex", {{"x", io::PlyType::kFloat64}, {"y", io::PlyType::kFloat32}, {"z", io::PlyType::kInt8}}, {{1.5, 2, 3}}};
   const std::string file = test::ply_bytes({points}, io::PlyFormat::kAscii);
   const QueryField field = io::parse_query_ply("q.ply", test::as_bytes(file));
   CHECK(field.position == std::vector<float>{1.5f, 2, 3});
@@ -112,8 +110,7 @@ TEST_CASE("damaged query files are refused with what is wrong") {
   };
   CHECK(error_of(good) == "");
   CHECK(with("property float x", "property float a").find("'x' is missing") != std::string::npos);
-  CHECK(with("property float w_1", "property float v_1").find("1 properties w_*, expected 2") !=
-        std::string::npos);
+  CHECK(with("property float w_1", "property float v_1").find("1 properties w_*, expected 2") != std::string::npos);
   CHECK(with("\"rows\":2", "\"rows\":-").find("not JSON") != std::string::npos);
   CHECK(with("\"rows\":2", "\"raws\":2").find("rows: missing") != std::string::npos);
   CHECK(with("[1.5,2.0,", "[1.5,").find("box_px") != std::string::npos);

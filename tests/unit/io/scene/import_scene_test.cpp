@@ -134,9 +134,12 @@ TEST_CASE("the photos lie beside the cameras' folder, from whatever folder insid
   std::filesystem::create_directories(dir.path() + "/colmap");
   std::filesystem::rename(dir.path() + "/sparse", dir.path() + "/colmap/sparse");
   const std::filesystem::path before = std::filesystem::current_path();
-  for (const auto& [folder, source] :
-       {std::pair{"colmap/sparse/0", "."}, {"colmap/sparse", "0"}, {"colmap/sparse", "."},
-        {"colmap", "sparse/0"}, {"", "colmap/sparse"}, {"", "."}}) {
+  for (const auto& [folder, source] : {std::pair{"colmap/sparse/0", "."},
+                                       {"colmap/sparse", "0"},
+                                       {"colmap/sparse", "."},
+                                       {"colmap", "sparse/0"},
+                                       {"", "colmap/sparse"},
+                                       {"", "."}}) {
     CAPTURE(folder);
     CAPTURE(source);
     std::filesystem::current_path(dir.path() + "/" + folder);
@@ -339,10 +342,12 @@ TEST_CASE("every:N:K holds out the views with index K modulo N, a file those it 
   CHECK(views[1].split == Split::kHeldOut);
   CHECK(views[2].split == Split::kHeldOut);
   views = views_named({"a.png", "b.png", "c.png"});
-  assign_splits(dir.write("mark.txt", "\xEF\xBB\xBF" "a.png\r\n"), views);  // as editors on Windows begin a file
+  assign_splits(dir.write("mark.txt",
+                          "\xEF\xBB\xBF"
+                          "a.png\r\n"),
+                views);  // as editors on Windows begin a file
   CHECK(views[0].split == Split::kHeldOut);
-  CHECK(code_of([&] { assign_splits(dir.write("t.txt", "nobody.png\n"), views); }) ==
-        ErrorCode::kInconsistent);
+  CHECK(code_of([&] { assign_splits(dir.write("t.txt", "nobody.png\n"), views); }) == ErrorCode::kInconsistent);
   CHECK(code_of([&] { assign_splits(dir.write("empty.txt", "# none\n"), views); }) == ErrorCode::kBadInput);
   CHECK(code_of([&] { assign_splits("every:1:0", views); }) == ErrorCode::kInconsistent);
   for (const char* wrong : {"every:", "every:0:0", "every:4:4", "every:4", "every:4:2:1", "every:4:-2"})

@@ -5,16 +5,14 @@
 #include <nlohmann/json.hpp>
 
 #include "ngs/core/error.h"
-#include "ngs/io/image/image_file.h"
 #include "ngs/io/files/json_file.h"
+#include "ngs/io/image/image_file.h"
 #include "support/temp_dir.h"
 
 namespace ngs {
 namespace {
 
-HandPrompt parsed(const std::string& text) {
-  return io::parse_prompts_json(io::parse_json(text, "p.json"), "p.json");
-}
+HandPrompt parsed(const std::string& text) { return io::parse_prompts_json(io::parse_json(text, "p.json"), "p.json"); }
 
 std::string refusal(const auto& body) {
   try {

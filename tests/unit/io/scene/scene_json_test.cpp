@@ -22,8 +22,7 @@ Scene two_views(const TempDir& dir) {
   scene.background = Vec3<double>{1.0 / 3, 0, 1}, scene.antialiased = false, scene.compat = Compat::kGsplat;
   for (const char* name : {"a b.png", "c.jpg"}) {
     SceneView view;
-    view.camera = {name,           640, 480, 500.1, 1.0 / 3.0, 320.5, 1e-17, {{0, -1, 0, 1, 0, 0, 0, 0, 1}},
-                   {0.1, -2e30, 3}};
+    view.camera = {name, 640, 480, 500.1, 1.0 / 3.0, 320.5, 1e-17, {{0, -1, 0, 1, 0, 0, 0, 0, 1}}, {0.1, -2e30, 3}};
     view.image_path = dir.path() + "/images/" + name;
     view.mask_path = dir.path() + "/../masks/" + name;
     scene.views.push_back(view);
@@ -84,7 +83,8 @@ TEST_CASE("a scene that does not know its background, or how its model was fitte
   CHECK(back.compat == Compat::kInria);
   CHECK(background_of(back).x == 0.f);
   write_scene_json(dir.file("again.json"), back);
-  for (const char* key : {"background", "antialiased"}) CHECK_FALSE(read_json_file(dir.file("again.json")).contains(key));
+  for (const char* key : {"background", "antialiased"})
+    CHECK_FALSE(read_json_file(dir.file("again.json")).contains(key));
 }
 
 TEST_CASE("paths are stored relative to the json file and found from any working directory") {
@@ -204,8 +204,8 @@ TEST_CASE("every prefix of a scene.json is refused as bad input") {
 }
 
 TEST_CASE("duplicate keys and numbers beyond double are refused") {
-  CHECK_THROWS_WITH_AS(parse_json(R"({"a": 1, "b": {"a": 2}, "a": 3})", "s"),
-                       doctest::Contains("key 'a' occurs twice"), Error);
+  CHECK_THROWS_WITH_AS(parse_json(R"({"a": 1, "b": {"a": 2}, "a": 3})", "s"), doctest::Contains("key 'a' occurs twice"),
+                       Error);
   CHECK_NOTHROW(parse_json(R"({"a": 1, "b": {"a": 2}})", "s"));
   CHECK_THROWS_AS(parse_json(R"({"a": 1e999})", "s"), Error);
   CHECK_THROWS_AS(parse_json(R"({"a": NaN})", "s"), Error);

@@ -77,8 +77,7 @@ TEST_CASE("film mlp: the packed network agrees with the same source in double") 
 
     const auto wide = [](const std::vector<float>& v) { return std::vector<double>(v.begin(), v.end()); };
     const auto params = wide({net.store.values.begin() + std::ptrdiff_t(net.offset), net.store.values.end()});
-    const auto x = wide(net.feature), c = wide(net.condition), d = wide(net.direction), ugd = wide(gd),
-               ugc = wide(gc);
+    const auto x = wide(net.feature), c = wide(net.condition), d = wide(net.direction), ugd = wide(gd), ugc = wide(gc);
     std::vector<double> density(std::size_t(n), 0.0), rgb(std::size_t(n) * 3),
         context(film_context_size<double>(net.config));
     std::vector<double> gp(params.size()), gx(x.size()), gcond(c.size());

@@ -32,8 +32,7 @@ TEST_CASE("hash levels grow geometrically and turn from dense to hashed when the
   CHECK(levels[7].scale == doctest::Approx(511));
   CHECK(levels[7].size == 32768);
   for (std::size_t l = 1; l < 8; ++l) {
-    CHECK((levels[l].scale + 1) / (levels[l - 1].scale + 1) ==
-          doctest::Approx(std::pow(32.0, 1.0 / 7)).epsilon(1e-5));
+    CHECK((levels[l].scale + 1) / (levels[l - 1].scale + 1) == doctest::Approx(std::pow(32.0, 1.0 / 7)).epsilon(1e-5));
     CHECK(levels[l].offset == levels[l - 1].offset + levels[l - 1].size);
     CHECK(levels[l].dense == (std::pow(double(levels[l].resolution), 3) <= levels[l].size));
   }
@@ -47,8 +46,7 @@ TEST_CASE("the spatial hash uses the primes of the published encoding") {
 }
 
 TEST_CASE("a hash grid reproduces the table's value at a vertex") {
-  HashGridConfig config{
-      .levels = 1, .features = 4, .log2_table = 12, .base_resolution = 9, .max_resolution = 9};
+  HashGridConfig config{.levels = 1, .features = 4, .log2_table = 12, .base_resolution = 9, .max_resolution = 9};
   ParamStore store;
   add_hash_grid(store, "hash", config, 1);
   // scale 8: vertex i lies at (i - 0.5) / 8
@@ -58,8 +56,7 @@ TEST_CASE("a hash grid reproduces the table's value at a vertex") {
 }
 
 TEST_CASE("a hash grid reproduces a constant table everywhere, also outside the box") {
-  const HashGridConfig config{
-      .levels = 6, .features = 2, .log2_table = 8, .base_resolution = 4, .max_resolution = 100};
+  const HashGridConfig config{.levels = 6, .features = 2, .log2_table = 8, .base_resolution = 4, .max_resolution = 100};
   ParamStore store;
   add_hash_grid(store, "hash", config, 1);
   for (float& x : store.values) x = 0.75f;
@@ -69,8 +66,7 @@ TEST_CASE("a hash grid reproduces a constant table everywhere, also outside the 
 }
 
 TEST_CASE("a hash grid clamps points outside its box and stays defined on a degenerate box") {
-  const HashGridConfig config{
-      .levels = 3, .features = 1, .log2_table = 8, .base_resolution = 4, .max_resolution = 30};
+  const HashGridConfig config{.levels = 3, .features = 1, .log2_table = 8, .base_resolution = 4, .max_resolution = 30};
   ParamStore store;
   add_hash_grid(store, "hash", config, 1);
   CHECK(encode(config, kUnitBox, store, {7, 0.3f, -5}) == encode(config, kUnitBox, store, {1, 0.3f, 0}));
@@ -90,8 +86,7 @@ TEST_CASE("the hash box is a cube about the points with the padding on every sid
 }
 
 TEST_CASE("a hash grid is continuous across cell faces") {
-  const HashGridConfig config{
-      .levels = 5, .features = 2, .log2_table = 7, .base_resolution = 3, .max_resolution = 33};
+  const HashGridConfig config{.levels = 5, .features = 2, .log2_table = 7, .base_resolution = 3, .max_resolution = 33};
   ParamStore store;
   add_hash_grid(store, "hash", config, 4);
   for (std::size_t l = 0; l < 5; ++l) {
@@ -99,8 +94,7 @@ TEST_CASE("a hash grid is continuous across cell faces") {
     const float face = float((std::floor(scale / 2) + 0.5) / scale);
     const auto below = encode(config, kUnitBox, store, {std::nextafter(face, 0.f), 0.4f, 0.7f});
     const auto above = encode(config, kUnitBox, store, {std::nextafter(face, 1.f), 0.4f, 0.7f});
-    for (std::size_t i = 0; i < below.size(); ++i)
-      CHECK(std::abs(below[i] - above[i]) < 1e-8f);  // values are 1e-4
+    for (std::size_t i = 0; i < below.size(); ++i) CHECK(std::abs(below[i] - above[i]) < 1e-8f);  // values are 1e-4
   }
 }
 

@@ -19,8 +19,7 @@ double dist2(const float* a, const float* b) {
 }
 
 /// By sorting everything: what nearest_points must return.
-KnnGraph brute_force(const std::vector<float>& points, const std::vector<float>& queries, int k,
-                     bool exclude_self) {
+KnnGraph brute_force(const std::vector<float>& points, const std::vector<float>& queries, int k, bool exclude_self) {
   KnnGraph graph;
   const std::size_t n = points.size() / 3;
   graph.neighbours = int(std::min<std::size_t>(std::size_t(k), n - (exclude_self ? 1 : 0)));
@@ -57,7 +56,8 @@ TEST_CASE("knn answers no points and no queries with empty tables") {
 TEST_CASE("any_within says what the nearest distance says, a tie included") {
   test::Random random(3);
   std::vector<float> points, queries;
-  for (int i = 0; i < 3 * 500; ++i) points.push_back(float(std::round(random.uniform(-8, 8)) / 4));  // many equal distances
+  for (int i = 0; i < 3 * 500; ++i)
+    points.push_back(float(std::round(random.uniform(-8, 8)) / 4));  // many equal distances
   for (int i = 0; i < 3 * 300; ++i) queries.push_back(float(std::round(random.uniform(-16, 16)) / 4));
   const KnnGraph nearest = nearest_points({}, rows(points), rows(queries), 1);
   for (const double radius : {0.0, 0.25, 0.5, 1.0, 3.0, 100.0}) {
@@ -115,8 +115,7 @@ TEST_CASE("knn stays exact for far queries, offset scenes and points that differ
   for (const float offset : {0.f, 1e4f}) {
     std::vector<float> points = random.uniform_vector<float>(3 * 300, -1, 1);
     for (float& x : points) x += offset;
-    for (std::size_t i = 0; i < 60; ++i)
-      points.push_back(std::nextafter(points[i], 2e4f));  // nearly coincident
+    for (std::size_t i = 0; i < 60; ++i) points.push_back(std::nextafter(points[i], 2e4f));  // nearly coincident
     std::vector<float> queries = random.uniform_vector<float>(3 * 50, -1e3, 1e3);
     queries.insert(queries.end(), points.begin(), points.begin() + 90);
     check_equal(nearest_points({}, rows(points), rows(queries), 8), brute_force(points, queries, 8, false));

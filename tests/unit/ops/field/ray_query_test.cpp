@@ -118,8 +118,7 @@ TEST_CASE("ray queries are the same bytes for any number of threads") {
   Exec seven;
   seven.threads = 7;
   const RayOptions options{.mean_distance = 4};
-  CHECK(ray_queries({}, camera, grid, options, {}).position ==
-        ray_queries(seven, camera, grid, options, {}).position);
+  CHECK(ray_queries({}, camera, grid, options, {}).position == ray_queries(seven, camera, grid, options, {}).position);
 }
 
 }  // namespace ngs

@@ -50,8 +50,7 @@ TEST_CASE("Gaussians behind the camera or far off-screen do not stretch the box"
 }
 
 TEST_CASE("the boundary box is clipped to the image") {
-  const BoundaryBox b =
-      box_about({-1.04f, 0, 1, 1.04f, 0.78f, 1});  // x at -2 and 102, y at 79: inside the padding
+  const BoundaryBox b = box_about({-1.04f, 0, 1, 1.04f, 0.78f, 1});  // x at -2 and 102, y at 79: inside the padding
   CHECK(b.visible == 2);
   CHECK(b.box.min_x == 0);
   CHECK(b.box.max_x == 100);

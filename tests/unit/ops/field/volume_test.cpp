@@ -14,9 +14,8 @@ VolumeOutput run(int samples, const std::vector<float>& density, const std::vect
   VolumeOutput out;
   Exec exec;
   exec.threads = threads;
-  volume_forward(
-      exec, {samples, density.data(), rgb.data(), spacing.data(), std::int64_t(spacing.size()), background},
-      out);
+  volume_forward(exec, {samples, density.data(), rgb.data(), spacing.data(), std::int64_t(spacing.size()), background},
+                 out);
   return out;
 }
 
@@ -24,8 +23,7 @@ VolumeOutput run(int samples, const std::vector<float>& density, const std::vect
 
 TEST_CASE("volume: a homogeneous medium has the closed form of Beer and Lambert") {
   const double sigma = 1.7, spacing = 0.3;
-  const VolumeOutput o =
-      run(8, std::vector<float>(8, 1.7f), std::vector<float>(24, 0.5f), {0.3f}, {1, 0, 0.5f});
+  const VolumeOutput o = run(8, std::vector<float>(8, 1.7f), std::vector<float>(24, 0.5f), {0.3f}, {1, 0, 0.5f});
   const double alpha = 1 - std::exp(-8 * sigma * spacing);
   CHECK(double(o.alpha[0]) == doctest::Approx(alpha).epsilon(1e-6));
   CHECK(double(o.optical_depth[0]) == doctest::Approx(8 * sigma * spacing).epsilon(1e-6));
@@ -64,11 +62,9 @@ TEST_CASE("volume: no rays and no samples are defined") {
 
 TEST_CASE("volume: weights sum to alpha and bytes do not depend on the thread count") {
   test::Random random(1);
-  const auto density = random.uniform_vector<float>(8000, 0, 20),
-             rgb = random.uniform_vector<float>(24000, 0, 1);
+  const auto density = random.uniform_vector<float>(8000, 0, 20), rgb = random.uniform_vector<float>(24000, 0, 1);
   const auto spacing = random.uniform_vector<float>(1000, 0.01, 0.2);
-  const VolumeOutput a = run(8, density, rgb, spacing, {1, 1, 1}),
-                     b = run(8, density, rgb, spacing, {1, 1, 1}, 7);
+  const VolumeOutput a = run(8, density, rgb, spacing, {1, 1, 1}), b = run(8, density, rgb, spacing, {1, 1, 1}, 7);
   CHECK(a.colour == b.colour);
   for (std::size_t r = 0; r < 1000; ++r) {
     double sum = 0;

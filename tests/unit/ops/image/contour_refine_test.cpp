@@ -19,8 +19,8 @@ ImageF two_colours(double edge, double contrast, double noise) {
     for (int x = 0; x < kWidth; ++x)
       for (int c = 0; c < 3; ++c) {
         const auto i = std::uint64_t(photo.index(x, y, c));
-        photo.at(x, y, c) = float(0.4 + (x < edge ? contrast : 0.0) * (c == 0 ? 1 : 0.3) +
-                                  noise * rng_normal(5, RngStream::kTest, i));
+        photo.at(x, y, c) =
+            float(0.4 + (x < edge ? contrast : 0.0) * (c == 0 ? 1 : 0.3) + noise * rng_normal(5, RngStream::kTest, i));
       }
   return photo;
 }
@@ -37,8 +37,7 @@ double contour(const std::vector<float>& soft) {
   return double(std::count_if(soft.begin(), soft.end(), [](float x) { return x > 0.5f; })) / kHeight;
 }
 
-std::vector<float> walk(const std::vector<std::uint8_t>& mask, const ImageF& photo,
-                        ContourRefineOptions options = {}) {
+std::vector<float> walk(const std::vector<std::uint8_t>& mask, const ImageF& photo, ContourRefineOptions options = {}) {
   return refine_contour(options, {mask.data(), kWidth, kHeight}, photo);
 }
 
@@ -113,8 +112,7 @@ TEST_CASE("masks without a contour come back as they are, and values stay in [0,
   for (const double start : {0., double(kWidth)}) {
     const std::vector<std::uint8_t> mask = left_of(start);
     const std::vector<float> soft = walk(mask, photo);
-    CHECK(std::equal(soft.begin(), soft.end(), mask.begin(),
-                     [](float a, std::uint8_t b) { return a == float(b); }));
+    CHECK(std::equal(soft.begin(), soft.end(), mask.begin(), [](float a, std::uint8_t b) { return a == float(b); }));
   }
   std::vector<std::uint8_t> speck(std::size_t(kWidth) * kHeight, 0);
   speck[std::size_t(kWidth) * 30 + 36] = 1;

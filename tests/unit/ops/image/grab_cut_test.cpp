@@ -65,12 +65,12 @@ TEST_CASE("without pixels of a side, or without freedom, the hints come back") {
     const PixelMask mask = grab_cut(photo, prompt_of([&](int, int) { return all; }), {});
     CHECK(mask == PixelMask(std::size_t(kWidth * kHeight), is_object(all)));
   }
-  const PixelMask four = grab_cut(
-      photo, prompt_of([](int x, int y) {
-        return y == 0 && x < 4 ? PixelHint::kObject
-                               : PixelHint::kLikelyBackground;  // one fewer than a mixture has parts
-      }),
-      {});
+  const PixelMask four = grab_cut(photo, prompt_of([](int x, int y) {
+                                    return y == 0 && x < 4
+                                               ? PixelHint::kObject
+                                               : PixelHint::kLikelyBackground;  // one fewer than a mixture has parts
+                                  }),
+                                  {});
   CHECK(std::count(four.begin(), four.end(), 1) == 4);
 }
 

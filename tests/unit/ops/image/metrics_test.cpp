@@ -143,7 +143,9 @@ struct VoidBand {
       for (int x = 17; x < 33; ++x) is_void.at(x, y) = x < 19 || x >= 31 || y < 14 || y >= 26;
     for (std::size_t i = 0; i < truth.data.size(); ++i) truth.data[i] = truth.data[i] && !is_void.data[i];
   }
-  MaskScores score(const Mask& predicted) const { return score_mask({}, predicted.plane(), truth.plane(), 0.008, is_void.plane()); }
+  MaskScores score(const Mask& predicted) const {
+    return score_mask({}, predicted.plane(), truth.plane(), 0.008, is_void.plane());
+  }
 };
 
 TEST_CASE("what the prediction says of void pixels changes no score") {
@@ -173,7 +175,8 @@ TEST_CASE("errors beside a void count as ever, and its edge is no edge of either
 }
 
 TEST_CASE("no void and a void without pixels are the same, and all void is two empty masks") {
-  const Mask predicted = box(20, 16, 3, 3, 12, 10), truth = box(20, 16, 5, 2, 13, 9), none(20, 16), all = box(20, 16, 0, 0, 20, 16);
+  const Mask predicted = box(20, 16, 3, 3, 12, 10), truth = box(20, 16, 5, 2, 13, 9), none(20, 16),
+             all = box(20, 16, 0, 0, 20, 16);
   const MaskScores with = score_mask({}, predicted.plane(), truth.plane(), 0.008, none.plane());
   CHECK(score_values(with) == score_values(score_mask({}, predicted.plane(), truth.plane())));
   CHECK(with.void_px == 0);

@@ -1,10 +1,10 @@
 #include "ngs/ops/labels/label_solve.h"
-#include "ngs/ops/losses/loss_mask_kernels.h"
 
 #include <doctest/doctest.h>
 
 #include <cmath>
 
+#include "ngs/ops/losses/loss_mask_kernels.h"
 #include "support/method_case.h"
 #include "support/random.h"
 
@@ -224,8 +224,7 @@ TEST_CASE("a reduced label system is the full one with the other labels held") {
     LabelSums want, got;
     full.evaluate({}, moved, want), reduced.evaluate({}, at, got);
     CHECK(got.loss == doctest::Approx(want.loss).epsilon(1e-6));
-    for (std::size_t i = 0; i < 120; i += 4)
-      CHECK(got.inside[i / 4] == doctest::Approx(want.inside[i]).epsilon(1e-5));
+    for (std::size_t i = 0; i < 120; i += 4) CHECK(got.inside[i / 4] == doctest::Approx(want.inside[i]).epsilon(1e-5));
   }
 }
 
@@ -241,8 +240,7 @@ TEST_CASE("the label solve finds the optimum of a problem of two Gaussians that 
   CHECK(a.converged);
   CHECK(a.label[0] == doctest::Approx(0.8).epsilon(3e-3));
   CHECK(a.label[1] == doctest::Approx(0.4).epsilon(3e-3));
-  const double entropy =
-      -(0.5 * std::log(0.5) + 0.5 * std::log(0.5) + 0.4 * std::log(0.4) + 0.6 * std::log(0.6)) / 2;
+  const double entropy = -(0.5 * std::log(0.5) + 0.5 * std::log(0.5) + 0.4 * std::log(0.4) + 0.6 * std::log(0.6)) / 2;
   CHECK(a.loss == doctest::Approx(entropy).epsilon(1e-5));
 
   // share0 = 0.6, share1 = 0: the second Gaussian is held at 0 and the first balances 0.5 m against 0.25 m:
@@ -331,8 +329,7 @@ TEST_CASE(
     for (const ViewMasks& mask : c.masks) targets.push_back(pixel_targets(mask, 0));
     const BookSums book = by_the_book(c, usual.label, targets);
     if (book.near_threshold) continue;
-    const double gap =
-        frank_wolfe_gap(usual.label, {book.loss, book.inside, book.outside}, system.gradient_scale());
+    const double gap = frank_wolfe_gap(usual.label, {book.loss, book.inside, book.outside}, system.gradient_scale());
     CHECK(gap == doctest::Approx(usual.gap).epsilon(0.02));
   }
 }

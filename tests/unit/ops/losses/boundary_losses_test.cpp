@@ -3,11 +3,11 @@
 #include <cmath>
 
 #include "ngs/ops/field/knn.h"
+#include "ngs/ops/field/sample_grid.h"
 #include "ngs/ops/losses/loss_align.h"
 #include "ngs/ops/losses/loss_cont.h"
 #include "ngs/ops/losses/loss_mask.h"
 #include "ngs/ops/losses/loss_smooth.h"
-#include "ngs/ops/field/sample_grid.h"
 #include "support/random.h"
 
 namespace ngs {
@@ -33,12 +33,9 @@ struct AlignScene {
   explicit AlignScene(std::uint64_t seed) {
     test::Random random(seed);
     colour = random_image(random, 40, 30, 3), alpha = random_image(random, 40, 30, 1);
-    field_colour = random.uniform_vector<float>(144, 0, 1),
-    field_alpha = random.uniform_vector<float>(48, 0, 1);
+    field_colour = random.uniform_vector<float>(144, 0, 1), field_alpha = random.uniform_vector<float>(48, 0, 1);
   }
-  AlignInputs inputs() const {
-    return {grid, &colour, &alpha, nullptr, &field_colour, &field_alpha, nullptr};
-  }
+  AlignInputs inputs() const { return {grid, &colour, &alpha, nullptr, &field_colour, &field_alpha, nullptr}; }
 };
 
 ViewMasks masks_of(int width, int height, std::vector<std::vector<float>> target) {
@@ -64,8 +61,7 @@ TEST_CASE("loss_align: its parts have the values of the formula") {
   AlignScene s(1);
   s.colour = ImageF(40, 30, 3, 0.25f), s.alpha = ImageF(40, 30, 1, 0.5f);
   for (int y = 0; y < 30; ++y)
-    for (int x = 0; x < 40; ++x)
-      s.colour.at(x, y, 0) = x % 2 == 0 ? 0.2f : 0.4f;  // patches of 7: 3 or 4 of each
+    for (int x = 0; x < 40; ++x) s.colour.at(x, y, 0) = x % 2 == 0 ? 0.2f : 0.4f;  // patches of 7: 3 or 4 of each
   s.field_colour.assign(144, 0.25f), s.field_alpha.assign(48, 0.1f);
   AlignContext context;
   const AlignLoss loss = loss_align({}, {.weight_alpha = 0.5, .weight_variance = 2}, s.inputs(), context);
@@ -148,7 +144,7 @@ TEST_CASE("density weights are sigmoids of the interpolated optical depth inside
   const ImageF w = density_weights({}, 8, 6, {grid, box, {0, 4, 0, 4}});
   CHECK(w.at(0, 0) == 0.5f);
   CHECK(w.at(7, 3) == 0.5f);
-  CHECK(w.at(2, 2) == 0.5f);  // x 2.5: left of the first node, D = 0
+  CHECK(w.at(2, 2) == 0.5f);                                               // x 2.5: left of the first node, D = 0
   CHECK(double(w.at(3, 2)) == doctest::Approx(1 / (1 + std::exp(-1.0))));  // x 3.5: a quarter of the way
   CHECK(double(w.at(5, 3)) == doctest::Approx(1 / (1 + std::exp(-4.0))));
   CHECK(density_weights({}, 3, 2, {{}, {}, {}}).data == std::vector<float>(6, 0.5f));
@@ -213,9 +209,8 @@ TEST_CASE("loss_mask: the literal reading of the paper is the linear loss times 
 TEST_CASE("loss_mask gives the same bytes for 1 and 7 threads") {
   test::Random random(9);
   const ImageF p = random_image(random, 50, 40, 3);
-  const ViewMasks masks = masks_of(50, 40,
-                                   {std::vector<float>(2000, 1.f), std::vector<float>(2000, 0.f),
-                                    random.uniform_vector<float>(2000, 0, 1)});
+  const ViewMasks masks = masks_of(
+      50, 40, {std::vector<float>(2000, 1.f), std::vector<float>(2000, 0.f), random.uniform_vector<float>(2000, 0, 1)});
   const ImageF weight = random_image(random, 50, 40, 1);
   ImageF a, b;
   CHECK(loss_mask(threads(1), {}, {&p, &masks, &weight, 1}, 1, &a).total ==
@@ -239,8 +234,7 @@ TEST_CASE("loss_cont: constant colours cost nothing, one step costs its square")
 
 TEST_CASE("loss_cont gives the same bytes for 1 and 7 threads") {
   test::Random random(10);
-  const auto points = random.uniform_vector<float>(3000, -1, 1),
-             colour = random.uniform_vector<float>(3000, 0, 1);
+  const auto points = random.uniform_vector<float>(3000, -1, 1), colour = random.uniform_vector<float>(3000, 0, 1);
   const KnnGraph graph = nearest_others({}, {points.data(), 1000}, 8);
   std::vector<float> a, b;
   CHECK(loss_cont(threads(1), {graph, {colour.data(), 1000}}, 1, &a) ==
@@ -251,8 +245,7 @@ TEST_CASE("loss_cont gives the same bytes for 1 and 7 threads") {
 TEST_CASE("loss_smooth: jittered points lie on spheres, differ between steps and repeat with the seed") {
   const std::vector<float> points(3000, 0.5f);
   const Rows<const float, 3> rows{points.data(), 1000};
-  const auto a = jittered_points(threads(1), rows, 1, 0, 0.25),
-             b = jittered_points(threads(7), rows, 1, 0, 0.25);
+  const auto a = jittered_points(threads(1), rows, 1, 0, 0.25), b = jittered_points(threads(7), rows, 1, 0, 0.25);
   CHECK(a == b);
   CHECK(jittered_points({}, rows, 1, 1000, 0.25) != a);
   double mean[3] = {0, 0, 0};
@@ -274,8 +267,7 @@ TEST_CASE("loss_smooth estimates the squared gradient of a linear field without 
     for (std::size_t c = 0; c < 3; ++c)
       moved_colour[i * 3 + c] = moved[i * 3] + 2 * moved[i * 3 + 1] - 2 * moved[i * 3 + 2];
   SmoothnessGradients g;
-  const double loss =
-      loss_smooth_backward({}, {.jitter_length = 0.1, .unit_length = 2}, {colour, moved_colour}, 1, g);
+  const double loss = loss_smooth_backward({}, {.jitter_length = 0.1, .unit_length = 2}, {colour, moved_colour}, 1, g);
   CHECK(loss == doctest::Approx(108).epsilon(0.03));  // relative standard deviation 0.9 / sqrt(20000) = 0.6 %
   CHECK(loss_smooth_backward({}, {}, {{}, {}}, 1, g) == 0);
 }

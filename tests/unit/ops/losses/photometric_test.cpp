@@ -1,3 +1,5 @@
+#include "ngs/ops/losses/photometric.h"
+
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -6,7 +8,6 @@
 
 #include "ngs/core/rng.h"
 #include "ngs/ops/image/image_metrics.h"
-#include "ngs/ops/losses/photometric.h"
 
 namespace ngs {
 namespace {

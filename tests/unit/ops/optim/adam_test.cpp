@@ -1,3 +1,5 @@
+#include "ngs/ops/optim/adam.h"
+
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -6,7 +8,6 @@
 
 #include "ngs/core/error.h"
 #include "ngs/core/rng.h"
-#include "ngs/ops/optim/adam.h"
 
 namespace ngs {
 namespace {

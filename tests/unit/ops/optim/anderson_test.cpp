@@ -23,8 +23,7 @@ TEST_CASE("Anderson acceleration leaves out components of weight 0 and survives 
   Anderson history(2);
   const std::vector<double> weight{1, 0};
   std::vector<double> x{0, 0};
-  for (int step = 0; step < 3; ++step)
-    x = history.next(x, {0.5 * (1 - x[0]), step % 2 == 0 ? 1e300 : -1e300}, weight);
+  for (int step = 0; step < 3; ++step) x = history.next(x, {0.5 * (1 - x[0]), step % 2 == 0 ? 1e300 : -1e300}, weight);
   CHECK(x[0] == doctest::Approx(1).epsilon(1e-12));
   Anderson still(2);
   for (int step = 0; step < 4; ++step) CHECK(still.next({3, 4}, {0, 0}, {1, 1}) == std::vector<double>{3, 4});

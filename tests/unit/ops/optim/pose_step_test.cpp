@@ -32,8 +32,8 @@ RenderedView picture(const CameraMotion& motion, double gain = 1) {
       const Vec3<double> ray = back * Vec3<double>{(x + 0.5 - c.cx) / c.fx, (y + 0.5 - c.cy) / c.fy, 1};
       const double s = (5 - eye.z) / ray.z, u = 20 * (eye.x + s * ray.x), v = 20 * (eye.y + s * ray.y);
       for (int k = 0; k < 3; ++k)
-        view.colour.at(x, y, k) = float(
-            gain * (0.5 + 0.2 * std::sin(0.31 * u + 0.17 * v + k) + 0.2 * std::cos(0.13 * u - 0.37 * v)));
+        view.colour.at(x, y, k) =
+            float(gain * (0.5 + 0.2 * std::sin(0.31 * u + 0.17 * v + k) + 0.2 * std::cos(0.13 * u - 0.37 * v)));
     }
   return view;
 }
@@ -63,8 +63,8 @@ TEST_CASE("the picture is smoothed by a binomial, as if its outermost pixels wen
 }
 
 TEST_CASE("a step of a small motion points at the camera that took the photo") {
-  for (const CameraMotion motion : {CameraMotion{{0, 0, 0.01}, {}}, CameraMotion{{}, {0, 0, 0.05}},
-                                    CameraMotion{{0.002, -0.003, 0.004}, {}}}) {
+  for (const CameraMotion motion :
+       {CameraMotion{{0, 0, 0.01}, {}}, CameraMotion{{}, {0, 0, 0.05}}, CameraMotion{{0.002, -0.003, 0.004}, {}}}) {
     const PoseStep step = pose_step(picture({}), smoothed_for_pose(picture(motion).colour), camera(), {});
     REQUIRE(step.determined);
     CAPTURE(step.motion.turn.z);
@@ -110,8 +110,7 @@ TEST_CASE("a pose step is not taken without texture, without a model in view or 
   CHECK(!pose_step(nothing, nothing.colour, camera(), {}).determined);
   RenderedView small;
   small.width_px = small.height_px = 6;
-  small.colour = ImageF(6, 6, 3, 0.2f), small.alpha = ImageF(6, 6, 1, 1.f),
-  small.depth = ImageF(6, 6, 1, 2.f);
+  small.colour = ImageF(6, 6, 3, 0.2f), small.alpha = ImageF(6, 6, 1, 1.f), small.depth = ImageF(6, 6, 1, 2.f);
   CHECK(!pose_step(small, small.colour, camera(), {}).determined);
 }
 

@@ -55,7 +55,8 @@ TEST_CASE("cull: the fast bound of the exponential is never below it, and close"
   CHECK(least >= 1);
   CHECK(most < 1.063);
   constexpr float kInf = std::numeric_limits<float>::infinity();
-  for (const float x : {-1e30f, -kInf, std::numeric_limits<float>::quiet_NaN()}) CHECK(exp_at_least(x) == exp_at_least(-87.f));
+  for (const float x : {-1e30f, -kInf, std::numeric_limits<float>::quiet_NaN()})
+    CHECK(exp_at_least(x) == exp_at_least(-87.f));
   for (const float x : {1e30f, kInf}) CHECK(exp_at_least(x) == exp_at_least(88.f));
 }
 

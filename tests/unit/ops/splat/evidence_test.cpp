@@ -1,8 +1,9 @@
+#include "ngs/ops/splat/evidence.h"
+
 #include <doctest/doctest.h>
 
 #include <cmath>
 
-#include "ngs/ops/splat/evidence.h"
 #include "ngs/stages/boundary/variance_stage.h"
 #include "support/splat_reference.h"
 
@@ -38,7 +39,8 @@ void add_brute_force(const test::SplatCase& c, const ViewMasks& masks, BruteForc
       const auto row = std::size_t(g);
       sums.weight[row] += w, sums.pixels[row] += 1;
       for (std::size_t k = 0; k < 2; ++k)
-        sums.object_weight[row * 2 + k] += w * masks.target[k][i], sums.object_pixels[row * 2 + k] += masks.target[k][i] > 0;
+        sums.object_weight[row * 2 + k] += w * masks.target[k][i],
+            sums.object_pixels[row * 2 + k] += masks.target[k][i] > 0;
     }
   }
 }
@@ -53,7 +55,8 @@ TEST_CASE("evidence equals a brute-force evaluation in double: counts exactly, w
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     CAPTURE(seed);
     const test::SplatCase base = test::splat_case(seed, 80, 61, 47);
-    BruteForce want{std::vector<double>(80), std::vector<double>(160), std::vector<std::uint64_t>(80), std::vector<std::uint64_t>(160)};
+    BruteForce want{std::vector<double>(80), std::vector<double>(160), std::vector<std::uint64_t>(80),
+                    std::vector<std::uint64_t>(160)};
     Evidence got(80, 2);
     const GaussianCloud cloud = test::float_cloud(base);
     for (int view = 0; view < 3; ++view) {

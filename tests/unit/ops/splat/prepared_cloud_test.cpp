@@ -35,23 +35,12 @@ void make_hostile(GaussianCloud& cloud) {
   for (std::size_t i = 0; i < std::size_t(cloud.size()); i += 10) {
     const float value = hostile[i / 10 % kinds];
     switch (i / 10 / kinds % 6) {
-      case 0:
-        cloud.position[3 * i + i % 3] = value;
-        break;
-      case 1:
-        cloud.rotation[4 * i + i % 4] = value;
-        break;
-      case 2:
-        cloud.log_scale[3 * i + i % 3] = value;
-        break;
-      case 3:
-        cloud.logit_opacity[i] = value;
-        break;
-      case 4:
-        std::fill_n(&cloud.log_scale[3 * i], 3, value);
-        break;
-      default:
-        std::fill_n(&cloud.rotation[4 * i], 4, value);
+      case 0: cloud.position[3 * i + i % 3] = value; break;
+      case 1: cloud.rotation[4 * i + i % 4] = value; break;
+      case 2: cloud.log_scale[3 * i + i % 3] = value; break;
+      case 3: cloud.logit_opacity[i] = value; break;
+      case 4: std::fill_n(&cloud.log_scale[3 * i], 3, value); break;
+      default: std::fill_n(&cloud.rotation[4 * i], 4, value);
     }
   }
 }

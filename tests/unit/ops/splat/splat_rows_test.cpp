@@ -10,7 +10,8 @@
 namespace ngs {
 namespace {
 
-/// A tile's list of `kAhead` ellipses of any size, up to a hundred times as long as wide, whose border passes near the tile.
+/// A tile's list of `kAhead` ellipses of any size, up to a hundred times as long as wide, whose border passes near the
+/// tile.
 struct List {
   std::vector<SplatRecord<float>> record;
   std::vector<std::uint32_t> index;
@@ -21,8 +22,8 @@ struct List {
                    major = std::pow(10.0, random.uniform(-0.3, 5.5)),
                    minor = std::max(0.5, major * std::pow(10.0, random.uniform(-2, 0)));
       const double c = std::cos(angle), s = std::sin(angle);
-      const double xx = c * c * major * major + s * s * minor * minor, yy = s * s * major * major + c * c * minor * minor,
-                   xy = c * s * (major * major - minor * minor);
+      const double xx = c * c * major * major + s * s * minor * minor,
+                   yy = s * s * major * major + c * c * minor * minor, xy = c * s * (major * major - minor * minor);
       const auto opacity = float(random.uniform(0.005, 1));
       const double radius = std::sqrt(2 * std::log(255 * opacity));
       // A point of the border, which a pixel near the tile's middle sees.
@@ -42,8 +43,16 @@ struct List {
 std::vector<SplatRecord<double>> wide(const std::vector<SplatRecord<float>>& record) {
   std::vector<SplatRecord<double>> out;
   for (const SplatRecord<float>& g : record)
-    out.push_back({g.mean_x, g.mean_y, {g.form.along_u, g.form.along_v, g.form.across}, g.log2_opacity, g.two_cut, g.inv_det,
-                   g.half_width, g.half_height, g.bottom_x, g.inv_c});
+    out.push_back({g.mean_x,
+                   g.mean_y,
+                   {g.form.along_u, g.form.along_v, g.form.across},
+                   g.log2_opacity,
+                   g.two_cut,
+                   g.inv_det,
+                   g.half_width,
+                   g.half_height,
+                   g.bottom_x,
+                   g.inv_c});
   return out;
 }
 

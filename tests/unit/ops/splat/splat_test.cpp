@@ -1,8 +1,9 @@
+#include "ngs/ops/splat/splat.h"
+
 #include <doctest/doctest.h>
 
 #include <cmath>
 
-#include "ngs/ops/splat/splat.h"
 #include "support/skip.h"
 #include "support/splat_reference.h"
 
@@ -12,7 +13,7 @@ namespace {
 /// Renders rgb, two labels, depth and alpha with lane type L; [7][pixels].
 template <class L>
 std::vector<std::vector<typename LaneTraits<L>::Scalar>> rendered(const test::SplatCase& c, const SplatOptions& options,
-                                                                   int threads = 1) {
+                                                                  int threads = 1) {
   using S = typename LaneTraits<L>::Scalar;
   test::SplatArrays<S> arrays(c);
   SplatEngine<S> engine(tile_kernels_of<L>(), options, arrays.cloud(), c.camera, arrays.request({0, 0, 0}));
@@ -81,7 +82,8 @@ WholeView whole_view(const test::SplatCase& c, Isa isa, int threads, int labels,
   const GaussianCloud cloud = test::float_cloud(c);
   std::vector<float> label(std::size_t(c.gaussians * labels));
   for (std::size_t i = 0; i < label.size(); ++i) label[i] = float(c.label[i % c.label.size()]);
-  RenderRequest request{.depth = depth, .label = {label.data(), labels > 0 ? cloud.size() : 0, labels}, .background = {0.2f, 0.4f, 0.1f}};
+  RenderRequest request{
+      .depth = depth, .label = {label.data(), labels > 0 ? cloud.size() : 0, labels}, .background = {0.2f, 0.4f, 0.1f}};
   const Exec exec{.threads = threads, .isa = isa};
   SplatPass pass(SplatOptions{});
   WholeView out;
@@ -102,8 +104,10 @@ TEST_CASE("splat: x86-64-v4 gives the bytes of x86-64-v3, forward and backward")
       CAPTURE(seed);
       CAPTURE(labels);
       // needles and large Gaussians; a width that ends inside a pack; many in one tile, so that the tape must grow
-      const test::SplatCase c = test::splat_case(seed, 40 + int(seed) * 150, seed % 2 ? 75 : 18, 50, seed % 3 ? 1.0 : 0.1);
-      const WholeView a = whole_view(c, Isa::kV3, 1, labels, labels == 1), b = whole_view(c, Isa::kV4, 2, labels, labels == 1);
+      const test::SplatCase c =
+          test::splat_case(seed, 40 + int(seed) * 150, seed % 2 ? 75 : 18, 50, seed % 3 ? 1.0 : 0.1);
+      const WholeView a = whole_view(c, Isa::kV3, 1, labels, labels == 1),
+                      b = whole_view(c, Isa::kV4, 2, labels, labels == 1);
       CHECK(a.image.colour.data == b.image.colour.data);
       CHECK(a.image.label.data == b.image.label.data);
       CHECK(a.image.alpha.data == b.image.alpha.data);
@@ -126,9 +130,9 @@ TEST_CASE("splat: where the gradient of labels alone is wanted the others are ze
                          some = whole_view(c, best_isa(), 2, labels, true, alone).gradient;
     CHECK(some.label == all.label);
     CHECK(some.visible == all.visible);
-    for (const auto column : {&CloudGradients::position, &CloudGradients::rotation, &CloudGradients::log_scale,
-                              &CloudGradients::logit_opacity, &CloudGradients::sh_dc, &CloudGradients::sh_rest,
-                              &CloudGradients::mean_px}) {
+    for (const auto column :
+         {&CloudGradients::position, &CloudGradients::rotation, &CloudGradients::log_scale,
+          &CloudGradients::logit_opacity, &CloudGradients::sh_dc, &CloudGradients::sh_rest, &CloudGradients::mean_px}) {
       std::vector<float> want = all.*column;
       const std::size_t width = want.size() / alone.size();
       REQUIRE(std::any_of(want.begin(), want.end(), [](float g) { return g != 0; }));

@@ -6,9 +6,9 @@
 #include <numeric>
 #include <set>
 
+#include "ngs/methods/method_flash.h"
 #include "ngs/ops/image/metrics.h"
 #include "ngs/passes/contours/refined_masks.h"
-#include "ngs/methods/method_flash.h"
 #include "ngs/stages/render/render_stage.h"
 #include "support/joint_case.h"
 #include "support/switches.h"
@@ -48,8 +48,7 @@ struct ContourCase {
   double mean_biou(const Solution& result) const {
     double sum = 0;
     for (std::size_t v = 0; v < 4; ++v) {
-      const RenderedView r =
-          render_labelled({}, {result.cloud, result.labels}, base->scene.views[v].camera, {});
+      const RenderedView r = render_labelled({}, {result.cloud, result.labels}, base->scene.views[v].camera, {});
       std::vector<std::uint8_t> a, b;
       for (std::size_t p = 0; p < r.label.data.size(); ++p)
         a.push_back(r.label.data[p] > 0.5f), b.push_back(base->masks[v].target[0][p] > 0.5f);
@@ -82,7 +81,8 @@ TEST_CASE("contours: small photos are enlarged only where their contours then ag
   const Problem in = c.input();
   const Solution start = c.start(in), after = c.run(in);
   const auto refined = [&](int detail) {
-    return refine_views({}, {c.contour.refine, c.contour.margin_px, in, detail}, {start.cloud, start.labels}, in.views, in.views);
+    return refine_views({}, {c.contour.refine, c.contour.margin_px, in, detail}, {start.cloud, start.labels}, in.views,
+                        in.views);
   };
   const std::vector<RefinedView> small = refined(1), large = refined(2);
   CHECK(could_enlarge(small, 2));
@@ -206,15 +206,18 @@ TEST_CASE("contours: what is called after a step sees the whole model, not only 
   Monitor monitor;
   std::int64_t calls = 0, whole_rows = 0;
   const Solution result =
-      refine_contours({}, monitor, {c.contour, {c.joint, c.sample, c.rbf}, in,
-                                 [&](const JointProgress&, JointTrainer& trainer, const std::function<Solution()>& whole) {
-                                   const Solution now = whole();
-                                   ++calls, whole_rows = now.cloud.size();
-                                   CHECK(now.labels[0].prob.size() == std::size_t(now.cloud.size()));
-                                   CHECK(trainer.result().cloud.size() <= now.cloud.size());
-                                   return calls == 3;
-                                 }},
-                   c.start(in));
+      refine_contours({}, monitor,
+                      {c.contour,
+                       {c.joint, c.sample, c.rbf},
+                       in,
+                       [&](const JointProgress&, JointTrainer& trainer, const std::function<Solution()>& whole) {
+                         const Solution now = whole();
+                         ++calls, whole_rows = now.cloud.size();
+                         CHECK(now.labels[0].prob.size() == std::size_t(now.cloud.size()));
+                         CHECK(trainer.result().cloud.size() <= now.cloud.size());
+                         return calls == 3;
+                       }},
+                      c.start(in));
   CHECK(calls == 3);
   CHECK(whole_rows == result.cloud.size());
   CHECK_FALSE(result.converged);
@@ -234,7 +237,8 @@ TEST_CASE("contours: before the first step the caller may limit the iterations t
       return false;
     };
     const auto allow = [&](int iterations) { return wanted.push_back(iterations), before = !stepped, allowed; };
-    const Solution result = refine_contours({}, monitor, {c.contour, {c.joint, c.sample, c.rbf}, in, step, allow}, c.start(in));
+    const Solution result =
+        refine_contours({}, monitor, {c.contour, {c.joint, c.sample, c.rbf}, in, step, allow}, c.start(in));
     CHECK(wanted == std::vector{2});
     CHECK(before);
     CHECK(stepped == (allowed > 0));
@@ -255,7 +259,8 @@ TEST_CASE("contours: all iterations but the last may train at half the size") {
   const Solution fine = iterations(2, "full-resolution=on"), early_coarse = iterations(2, "full-resolution=off");
   CHECK(early_coarse.cloud.position != fine.cloud.position);
   const double before = c.mean_biou(c.start(in));
-  MESSAGE("boundary IoU of 1 px: " << before << ", fine " << c.mean_biou(fine) << ", early iteration coarse " << c.mean_biou(early_coarse));
+  MESSAGE("boundary IoU of 1 px: " << before << ", fine " << c.mean_biou(fine) << ", early iteration coarse "
+                                   << c.mean_biou(early_coarse));
   CHECK(c.mean_biou(early_coarse) > before + 0.1);
   CHECK(c.mean_biou(early_coarse) > c.mean_biou(fine) - 0.05);
 }
@@ -329,8 +334,9 @@ TEST_CASE("contours: masks that are all too small do not outvote the photos") {
   const Problem in = c.input();
   const Solution after = c.run(in);
   CHECK(after.figures.at("contour_biou_refined") < after.figures.at("contour_biou_rendered"));
-  MESSAGE("agreement " << after.figures.at("contour_biou_rendered") << " -> " << after.figures.at("contour_biou_refined")
-                       << ", contrast " << after.figures.at("contour_contrast_given") << " of "
+  MESSAGE("agreement " << after.figures.at("contour_biou_rendered") << " -> "
+                       << after.figures.at("contour_biou_refined") << ", contrast "
+                       << after.figures.at("contour_contrast_given") << " of "
                        << after.figures.at("contour_contrast_refined"));
   CHECK(after.figures.at("contour_contrast_given") < 0.75 * after.figures.at("contour_contrast_refined"));
   CHECK(after.figures.at("contour_iterations") == 3);  // of two for masks on the edges
@@ -343,9 +349,7 @@ TEST_CASE(
   ContourCase c;
   Problem in = c.input();
   const Solution before = c.start(in);
-  const auto unchanged = [&](const Problem& input) {
-    CHECK(c.run(input).cloud.position == before.cloud.position);
-  };
+  const auto unchanged = [&](const Problem& input) { CHECK(c.run(input).cloud.position == before.cloud.position); };
   Problem no_photo = in;
   no_photo.load_fine_photo = [](std::size_t) { return ImageF(); };
   unchanged(no_photo);
@@ -357,9 +361,7 @@ TEST_CASE(
   no_label.labels = none;
   unchanged(no_label);
   Problem broken = in;
-  broken.load_fine_photo = [](std::size_t) -> ImageF {
-    throw Error(ErrorCode::kBadInput, "photo: broken", "");
-  };
+  broken.load_fine_photo = [](std::size_t) -> ImageF { throw Error(ErrorCode::kBadInput, "photo: broken", ""); };
   CHECK_THROWS_AS(c.run(broken, 2), Error);
   c.contour.epochs = 0, c.joint.quality = Quality::kDraft;
   unchanged(in);
@@ -375,7 +377,8 @@ TEST_CASE("the joint stage is short before contour iterations at half the size, 
 }
 
 TEST_CASE("contours: more views mean fewer epochs, higher qualities more iterations, and given options win") {
-  CHECK((contour_iterations({}, Quality::kStandard, false) == 2 && contour_iterations({}, Quality::kStandard, true) == 3));
+  CHECK((contour_iterations({}, Quality::kStandard, false) == 2 &&
+         contour_iterations({}, Quality::kStandard, true) == 3));
   CHECK((contour_iterations({}, Quality::kHigh, true) == 5 && contour_iterations({}, Quality::kReference, false) == 7));
   CHECK(contour_epochs({}, Quality::kStandard, 1) == 15);
   CHECK(contour_epochs({}, Quality::kStandard, 21) == 15);

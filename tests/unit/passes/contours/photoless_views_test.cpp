@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include "ngs/backend/for_each.h"
-#include "ngs/passes/contours/contour_stage.h"
 #include "ngs/methods/method_flash.h"
+#include "ngs/passes/contours/contour_stage.h"
 #include "ngs/stages/render/render_stage.h"
 #include "support/joint_case.h"
 #include "support/switches.h"
@@ -14,7 +14,8 @@
 namespace ngs {
 namespace {
 
-/// Seven cameras about the ball of support/joint_case.h, whose model is too large; the last `unseen` have neither photo nor mask.
+/// Seven cameras about the ball of support/joint_case.h, whose model is too large; the last `unseen` have neither photo
+/// nor mask.
 struct SevenViews {
   static constexpr int kViews = 7;
   std::unique_ptr<test::JointCase> base = test::joint_case();
@@ -37,7 +38,8 @@ struct SevenViews {
       const RenderedView truth = render({}, base->truth, camera, {}, request);
       base->photos.push_back(truth.colour);
       ViewMasks masks = base->masks[0];
-      for (std::size_t p = 0; p < truth.label.data.size(); ++p) masks.target[0][p] = truth.label.data[p] > 0.5f ? 1.f : 0.f;
+      for (std::size_t p = 0; p < truth.label.data.size(); ++p)
+        masks.target[0][p] = truth.label.data[p] > 0.5f ? 1.f : 0.f;
       base->masks.push_back(masks);
     }
     for (std::size_t i = 0; i < base->is_ball.size(); ++i)
@@ -67,8 +69,8 @@ struct SevenViews {
 };
 
 bool same(const Solution& a, const Solution& b) {
-  return a.cloud.position == b.cloud.position && a.cloud.log_scale == b.cloud.log_scale && a.cloud.sh_dc == b.cloud.sh_dc &&
-         a.labels[0].label == b.labels[0].label && a.source_row == b.source_row;
+  return a.cloud.position == b.cloud.position && a.cloud.log_scale == b.cloud.log_scale &&
+         a.cloud.sh_dc == b.cloud.sh_dc && a.labels[0].label == b.labels[0].label && a.source_row == b.source_row;
 }
 
 TEST_CASE("photoless views: every third photo judges, and at least two of at least five") {
@@ -102,7 +104,8 @@ TEST_CASE("photoless views: pictures that do not fit into memory are rendered ag
   {
     const GaussianCloud passing = c.base->model;
     const std::size_t one = 3 * sizeof(float) * 48 * 40;
-    for (const std::size_t room : {10 * one, one, std::size_t(0)}) out.push_back(with_pictures({}, in, passing, {1, 5, 6}, room));
+    for (const std::size_t room : {10 * one, one, std::size_t(0)})
+      out.push_back(with_pictures({}, in, passing, {1, 5, 6}, room));
   }
   for (const std::size_t v : {1u, 5u, 6u})
     for (const Problem& pictured : {out[1], out[2]}) CHECK(pictured.load_photo(v).data == out[0].load_photo(v).data);
@@ -126,8 +129,8 @@ TEST_CASE("photoless views: a picture is used where its contours are nearer to t
   const Trial good = try_pictures({}, walk, truth, swollen, in_photos, judges);
   const Trial bad = try_pictures({}, walk, swollen, truth, in_photos, judges);
   const Trial even = try_pictures({}, walk, truth, truth, in_photos, judges);
-  MESSAGE("pictured, unseen: " << good.pictured << " " << good.skipped << "; " << bad.pictured << " " << bad.skipped << "; "
-                               << even.pictured << " " << even.skipped);
+  MESSAGE("pictured, unseen: " << good.pictured << " " << good.skipped << "; " << bad.pictured << " " << bad.skipped
+                               << "; " << even.pictured << " " << even.skipped);
   CHECK(good.picture_serves);
   CHECK(good.pictured > good.skipped + 0.1);
   CHECK_FALSE(bad.picture_serves);
@@ -139,7 +142,7 @@ TEST_CASE("photoless views: the trial decides whether pictures are used, and lea
   SevenViews c(2);
   std::vector<int> told_leave, told_auto;
   const Solution leave = c.run(PhotolessViews::kLeave, 1, &told_leave), picture = c.run(PhotolessViews::kPicture),
-                     decided = c.run(PhotolessViews::kAuto, 1, &told_auto);
+                 decided = c.run(PhotolessViews::kAuto, 1, &told_auto);
   CHECK(leave.figures.at("contour_pictures") == 0);
   CHECK(leave.figures.count("contour_biou_skipped") == 0);
   CHECK(picture.figures.at("contour_pictures") == 2);
@@ -160,7 +163,8 @@ TEST_CASE("photoless views: a trial that is cut short counts as an iteration and
   const Problem in = c.input();
   int steps = 0;
   const auto cut = [&](const JointProgress&, JointTrainer&, const std::function<Solution()>&) { return ++steps == 2; };
-  const Solution result = refine_contours({}, monitor, {c.contour, {c.joint, {}, {}}, in, cut}, run_flash({}, monitor, {}, in));
+  const Solution result =
+      refine_contours({}, monitor, {c.contour, {c.joint, {}, {}}, in, cut}, run_flash({}, monitor, {}, in));
   CHECK(steps == 2);
   CHECK_FALSE(result.converged);
   CHECK(result.figures.at("contour_iterations") == 1);

@@ -15,8 +15,7 @@ namespace {
 TEST_CASE("two halves keep the centre, the covariance and the optical depth of their parent") {
   GaussianCloud cloud;
   cloud.resize(2, 0);
-  const float rotation[4] = {0.6f, -0.3f, 0.7f, 0.2f}, log_scale[3] = {-1.f, 0.4f, -3.f},
-              position[3] = {1, -2, 3};
+  const float rotation[4] = {0.6f, -0.3f, 0.7f, 0.2f}, log_scale[3] = {-1.f, 0.4f, -3.f}, position[3] = {1, -2, 3};
   for (std::size_t i = 0; i < 2; ++i) {
     std::copy_n(rotation, 4, &cloud.rotation[i * 4]);
     std::copy_n(log_scale, 3, &cloud.log_scale[i * 3]);
@@ -47,8 +46,7 @@ TEST_CASE("halves of invisible and of opaque Gaussians stay finite") {
   for (std::size_t i = 0; i < 3; ++i) cloud.rotation[i * 4] = 1;
   cloud.logit_opacity = {-800.f, 90.f, 0.f};
   std::vector<CloudRow> rows;
-  for (std::int64_t i = 0; i < 3; ++i)
-    rows.push_back({i, RowOrigin::kHalf0}), rows.push_back({i, RowOrigin::kHalf1});
+  for (std::int64_t i = 0; i < 3; ++i) rows.push_back({i, RowOrigin::kHalf0}), rows.push_back({i, RowOrigin::kHalf1});
   edit_rows({}, rows, 0, cloud);
   for (const float x : cloud.logit_opacity) CHECK(std::isfinite(x));
 }

@@ -38,7 +38,8 @@ TEST_CASE("the gains of views and channels are found against the median view's")
   CHECK(exposure_spread_percent(found) == doctest::Approx(25).epsilon(1e-3));
   const ImageF level = levelled_photo(found, 1, c.base->photos[1]);
   const ImageF want = render({}, c.base->model, c.base->scene.views[1].camera, {}, {}).colour;
-  for (std::size_t i = 0; i < want.data.size(); ++i) CHECK(level.data[i] == doctest::Approx(want.data[i]).epsilon(1e-4));
+  for (std::size_t i = 0; i < want.data.size(); ++i)
+    CHECK(level.data[i] == doctest::Approx(want.data[i]).epsilon(1e-4));
 }
 
 TEST_CASE("an exposure that all photos share is the model's own: nothing is taken from them") {
@@ -61,7 +62,7 @@ TEST_CASE("a shadow over a third of a photo is no exposure, though its mean dark
 
 TEST_CASE("what is clipped, dark, too little or not there has no say, and no photo keeps its gain of 1") {
   Exposed c({kSame, kSame, kSame, kSame});
-  std::fill(c.base->photos[0].data.begin(), c.base->photos[0].data.end(), 1.f);   // clipped
+  std::fill(c.base->photos[0].data.begin(), c.base->photos[0].data.end(), 1.f);    // clipped
   std::fill(c.base->photos[1].data.begin(), c.base->photos[1].data.end(), 0.05f);  // dark
   c.base->photos[2] = {};
   const auto found = c.found();

@@ -114,8 +114,7 @@ TEST_CASE("a mask without the object outvotes the photo: what covers the object 
   CHECK(find_floaters({}, monitor, {}, in).count < kAdded / 2);
 }
 
-TEST_CASE(
-    "floaters that hide less of the object than is asked for stay, and the report says how much they hide") {
+TEST_CASE("floaters that hide less of the object than is asked for stay, and the report says how much they hide") {
   FloaterCase c(false);
   Monitor monitor;
   const FloaterFinding all = c.find();
@@ -156,8 +155,7 @@ TEST_CASE("removal uncovers the object, keeps every row and reports the photos' 
   Monitor monitor;
   const FloaterFinding finding = c.find();
   const FloaterRemoval out = remove_floaters({}, monitor, {.epochs = 2}, c.input(), finding);
-  const std::vector<LabelColumns> labels =
-      labels_without_floaters({}, monitor, c.input(), out.cloud, finding.floater);
+  const std::vector<LabelColumns> labels = labels_without_floaters({}, monitor, c.input(), out.cloud, finding.floater);
   REQUIRE(out.cloud.size() == c.base->model.size());
   for (std::size_t i = 0; i < finding.floater.size(); ++i) {
     if (!finding.floater[i]) continue;

@@ -44,7 +44,8 @@ void refused(const std::function<void(QueryField&)>& spoil, ErrorCode code, cons
 
 }  // namespace
 
-TEST_CASE("a given field is taken as ngs-sample writes it, and refused where a column, the order or the origin is another") {
+TEST_CASE(
+    "a given field is taken as ngs-sample writes it, and refused where a column, the order or the origin is another") {
   CHECK_NOTHROW(require_grids(sampled(), cloud(), "f.ply"));
   refused([](QueryField& f) { f.uv.clear(); }, ErrorCode::kBadInput, "f.ply: no columns u v");
   refused([](QueryField& f) { f.depth.clear(); }, ErrorCode::kBadInput, "f.ply: no columns depth");
@@ -52,8 +53,8 @@ TEST_CASE("a given field is taken as ngs-sample writes it, and refused where a c
   refused([](QueryField& f) { f.slot.clear(); }, ErrorCode::kBadInput, "f.ply: no columns slot");
   refused([](QueryField& f) { f.origin[1] = 0; }, ErrorCode::kInconsistent, "another origin");
   refused([](QueryField& f) { std::swap(f.slot[4], f.slot[5]); }, ErrorCode::kBadInput, "row 4 is slot 1 of view 2");
-  refused([](QueryField& f) { std::swap_ranges(f.view.begin(), f.view.begin() + 4, f.view.begin() + 4); }, ErrorCode::kBadInput,
-          "row 4 is slot 0 of view 0");
+  refused([](QueryField& f) { std::swap_ranges(f.view.begin(), f.view.begin() + 4, f.view.begin() + 4); },
+          ErrorCode::kBadInput, "row 4 is slot 0 of view 0");
   refused([](QueryField& f) { f.depth[3] = NAN; }, ErrorCode::kBadInput, "row 3 has no pixel or no depth");
   refused([](QueryField& f) { f.uv[9] = INFINITY; }, ErrorCode::kBadInput, "row 4 has no pixel or no depth");
 }

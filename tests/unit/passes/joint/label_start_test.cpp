@@ -1,9 +1,10 @@
+#include "ngs/passes/joint/label_start.h"
+
 #include <doctest/doctest.h>
 
 #include <cmath>
 
 #include "ngs/passes/joint/joint_stage.h"
-#include "ngs/passes/joint/label_start.h"
 #include "ngs/stages/boundary/variance_stage.h"
 
 namespace ngs {
@@ -22,8 +23,8 @@ void add_plane(GaussianCloud& cloud, int first, int columns, int rows, float dep
   }
 }
 
-/// An upright bar of 6 px, not quite opaque, before a wall, seen from seven places in a row. A view's mask lies beside the
-/// bar by errors_px[view].
+/// An upright bar of 6 px, not quite opaque, before a wall, seen from seven places in a row. A view's mask lies beside
+/// the bar by errors_px[view].
 struct Bar {
   GaussianCloud cloud;
   Scene scene;
@@ -35,8 +36,16 @@ struct Bar {
   Problem input() const {
     std::vector<std::size_t> views;
     for (std::size_t v = 0; v < scene.views.size(); ++v) views.push_back(v);
-    return {.cloud = cloud, .scene = scene, .views = views, .load_masks = [this](std::size_t v) { return masks[v]; },
-            .load_photo = {}, .splat = {}, .background = {0, 0, 0}, .seed = 1, .fixed = {}, .labels = labels};
+    return {.cloud = cloud,
+            .scene = scene,
+            .views = views,
+            .load_masks = [this](std::size_t v) { return masks[v]; },
+            .load_photo = {},
+            .splat = {},
+            .background = {0, 0, 0},
+            .seed = 1,
+            .fixed = {},
+            .labels = labels};
   }
 };
 
@@ -64,7 +73,8 @@ Bar bar(const std::vector<int>& errors_px) {
   }
   Monitor monitor;
   const Problem input = b.input();
-  b.labels = label_gaussians({}, accumulate_evidence({}, monitor, {b.cloud, b.scene, input.views, {}, input.load_masks}));
+  b.labels =
+      label_gaussians({}, accumulate_evidence({}, monitor, {b.cloud, b.scene, input.views, {}, input.load_masks}));
   return b;
 }
 
@@ -101,7 +111,8 @@ TEST_CASE("label start: a thin object keeps its width under misaligned masks") {
 TEST_CASE("label start: where the masks agree it changes hardly a contour") {
   const Bar b = bar({0, 0, 0, 0, 0, 0, 0});
   CHECK(iou_at_start(b, 1) == 1);
-  CHECK(iou_at_start(b, JointOptions{}.start_steps) > 0.98);  // what is no error, an edge within a Gaussian, gets steeper too
+  CHECK(iou_at_start(b, JointOptions{}.start_steps) >
+        0.98);  // what is no error, an edge within a Gaussian, gets steeper too
 }
 
 TEST_CASE("label start: steps add log-odds up to a bound, and a half stays a half") {

@@ -16,8 +16,8 @@ struct Anew {
 
   explicit Anew(const VarianceOptions& rule) : input(base->input()) {
     Monitor monitor;
-    input.labels = label_gaussians(rule, accumulate_evidence({}, monitor, {base->model, base->scene, input.views, input.splat,
-                                                                          input.load_masks}));
+    input.labels = label_gaussians(
+        rule, accumulate_evidence({}, monitor, {base->model, base->scene, input.views, input.splat, input.load_masks}));
   }
   LabelColumns labels() const {
     Monitor monitor;
@@ -49,7 +49,8 @@ TEST_CASE("labels anew keep the criterion where a mask is gone") {
     c.base->masks[3].available = false;
     const LabelColumns found = c.labels();
     Monitor monitor;
-    const Evidence rest = accumulate_evidence({}, monitor, {c.base->model, c.base->scene, {0, 1, 2}, c.input.splat, c.input.load_masks});
+    const Evidence rest =
+        accumulate_evidence({}, monitor, {c.base->model, c.base->scene, {0, 1, 2}, c.input.splat, c.input.load_masks});
     CHECK(found.variance == label_gaussians({.criterion = criterion.value}, rest)[0].variance);
   }
 }

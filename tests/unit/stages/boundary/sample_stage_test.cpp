@@ -101,8 +101,8 @@ TEST_CASE("interpolation names neighbours by their rows in the model") {
   // One query again, by hand.
   double want = 0;
   for (std::size_t k = 0; k < 8; ++k)
-    want += double(field.weight[k]) *
-            (0.5 + 0.28209479177387814 * double(c.tiny.cloud.sh_dc[field.neighbour[k] * 3 + 1]));
+    want +=
+        double(field.weight[k]) * (0.5 + 0.28209479177387814 * double(c.tiny.cloud.sh_dc[field.neighbour[k] * 3 + 1]));
   CHECK(double(field.feature[1]) == doctest::Approx(want).epsilon(1e-6));
 }
 

@@ -13,8 +13,8 @@ struct Samples {
   MaskSamples view() const { return {width_px, height_px, channels, bits, data}; }
 };
 
-std::vector<PairScore> evaluate(const Samples& predicted, const Samples& truth,
-                                const EvalOptions& options = {}, const ObjectIds& ids = {}) {
+std::vector<PairScore> evaluate(const Samples& predicted, const Samples& truth, const EvalOptions& options = {},
+                                const ObjectIds& ids = {}) {
   return evaluate_pair({}, options, ids, {"view", "", predicted.view(), truth.view()});
 }
 
@@ -116,7 +116,8 @@ TEST_CASE("a black and white prediction is the mask of the one object that is as
 TEST_CASE("void pixels of the true label map are scored for no object") {
   EvalOptions options;
   options.label_map = true;
-  const Samples truth{{3, 3, 255, 255, 0, 7}, 6, 1}, predicted{{3, 0, 3, 9, 0, 255}, 6, 1}, mask{{255, 0, 255, 0, 0, 0}, 6, 1};
+  const Samples truth{{3, 3, 255, 255, 0, 7}, 6, 1}, predicted{{3, 0, 3, 9, 0, 255}, 6, 1},
+      mask{{255, 0, 255, 0, 0, 0}, 6, 1};
   CHECK(evaluate(predicted, truth, options).size() == 4);  // 3, 7, 9 and 255
   options.void_id = 255;
   const auto scores = evaluate(predicted, truth, options);
@@ -161,8 +162,7 @@ TEST_CASE("options of label maps are refused where masks are scored, and an obje
 }
 
 TEST_CASE("colour-coded label maps give one id per colour") {
-  CHECK(label_ids(Samples{{1, 2, 3, 0, 0, 0}, 2, 1, 3}.view()) ==
-        std::vector<std::uint32_t>{1 + 512 + 196608, 0});
+  CHECK(label_ids(Samples{{1, 2, 3, 0, 0, 0}, 2, 1, 3}.view()) == std::vector<std::uint32_t>{1 + 512 + 196608, 0});
 }
 
 TEST_CASE("object ids are numbers from 1 on, with or without a name") {

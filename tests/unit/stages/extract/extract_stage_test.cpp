@@ -192,8 +192,7 @@ TEST_CASE("a selection in the edit decides what is object, and a deletion what i
   const ImportedEdit selected = import_edit(cloud, {1, 1, 0, 0}, label, edit, {1, 0, 5, 3});
   CHECK(selected.label == std::vector<float>{1, 0, 0, 1});
   CHECK(selected.fixed == std::vector<float>{1, 1, 1, 1});
-  const ImportedEdit deleted =
-      import_edit(cloud, {1, 1, 0, 0}, label, edit, {4, 4, 4, 0});  // nothing selected
+  const ImportedEdit deleted = import_edit(cloud, {1, 1, 0, 0}, label, edit, {4, 4, 4, 0});  // nothing selected
   CHECK(deleted.label == std::vector<float>{1, 0, 0, 0});
 }
 
@@ -223,8 +222,7 @@ TEST_CASE("Gaussians at one position are told apart by opacity and colour, else 
     for (std::size_t a = 0; a < 3; ++a) cloud.position[i * 3 + a] = cloud.position[a];
   const Flags object(5, 1);
   const std::vector<float> label(5, 1.f);
-  CHECK(import_edit(cloud, object, label, rows_of(cloud, {2, 0, 4}), {}).label ==
-        std::vector<float>{1, 0, 1, 0, 1});
+  CHECK(import_edit(cloud, object, label, rows_of(cloud, {2, 0, 4}), {}).label == std::vector<float>{1, 0, 1, 0, 1});
   GaussianCloud repainted = rows_of(cloud, {2, 0, 4});
   repainted.sh_dc[0] = 7;  // matches nothing exactly: takes the first of the position that is left
   const ImportedEdit e = import_edit(cloud, object, label, repainted, {});

@@ -29,8 +29,7 @@ struct HoleCase {
   explicit HoleCase(double stride) {
     for (int k = 0; k < 1500; ++k) {  // Fibonacci sphere
       const double z = 2 * (k + 0.5) / 1500 - 1, phi = 2.399963 * k, r = std::sqrt(1 - z * z);
-      add({kBallRadius * r * std::cos(phi), kBallRadius * r * std::sin(phi), kBallDepth + kBallRadius * z},
-          0.03, true);
+      add({kBallRadius * r * std::cos(phi), kBallRadius * r * std::sin(phi), kBallDepth + kBallRadius * z}, 0.03, true);
     }
     for (int y = -45; y <= 45; ++y)
       for (int x = -60; x <= 60; ++x) add({x * 0.05, y * 0.05, kWallDepth}, 0.025, false);
@@ -55,8 +54,7 @@ struct HoleCase {
   bool is_hole(std::size_t view, int x, int y) const {
     const Camera& c = scene.views[view].camera;
     const Vec3<double> eye = c.centre();
-    const Vec3<double> wall =
-        eye + kWallDepth * Vec3<double>{(x + 0.5 - c.cx) / c.fx, (y + 0.5 - c.cy) / c.fy, 1};
+    const Vec3<double> wall = eye + kWallDepth * Vec3<double>{(x + 0.5 - c.cx) / c.fx, (y + 0.5 - c.cy) / c.fy, 1};
     return std::all_of(scene.views.begin(), scene.views.end(),
                        [&](const SceneView& v) { return ball_hides(v.camera.centre(), wall); });
   }

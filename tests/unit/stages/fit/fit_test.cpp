@@ -192,7 +192,8 @@ TEST_CASE("the gradient threshold is on the mean over the views that saw the Gau
 TEST_CASE("densification under a limit takes the largest gradients first") {
   FitState state = three();
   state.gradient_sum = {1.f, 3.f, 2.f};
-  const DensityChange change = densify_and_prune({}, state, {.gradient = 0.5, .dense_scale = 10, .max_gaussians = 5}, 3);
+  const DensityChange change =
+      densify_and_prune({}, state, {.gradient = 0.5, .dense_scale = 10, .max_gaussians = 5}, 3);
   CHECK(change.cloned == 2);
   REQUIRE(state.cloud.size() == 5);
   CHECK(state.cloud.position[9] == 1.f);
@@ -220,7 +221,8 @@ TEST_CASE("split children are drawn from their parent's distribution") {
   densify_and_prune({}, state, {.gradient = 0.5, .dense_scale = 0.001}, 7);
   REQUIRE(state.cloud.size() == 2 * count);
   for (std::size_t i = 0; i < 2 * count; ++i)
-    for (std::size_t k = 0; k < 3; ++k) sum[k] += double(state.cloud.position[3 * i + k]) * double(state.cloud.position[3 * i + k]);
+    for (std::size_t k = 0; k < 3; ++k)
+      sum[k] += double(state.cloud.position[3 * i + k]) * double(state.cloud.position[3 * i + k]);
   const double want[3] = {0.1, 1, 0.01};
   for (std::size_t k = 0; k < 3; ++k)  // relative spread of a variance of n draws: sqrt(2/n) = 1.6 %
     CHECK(std::sqrt(sum[k] / (2 * count)) == doctest::Approx(want[k]).epsilon(4 * 0.008));

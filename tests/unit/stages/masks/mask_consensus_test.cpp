@@ -22,8 +22,7 @@ Consensus drawn(const std::vector<std::string>& rows) {
 
 std::string row_of(const ViewPrompt& prompt, int y) {
   std::string row;
-  for (int x = 0; x < prompt.width_px; ++x)
-    row += "-+bo"[int(prompt.hint[std::size_t(y * prompt.width_px + x)])];
+  for (int x = 0; x < prompt.width_px; ++x) row += "-+bo"[int(prompt.hint[std::size_t(y * prompt.width_px + x)])];
   return row;  // - background, + object, b and o likely
 }
 
@@ -86,8 +85,7 @@ TEST_CASE("pieces without a certain pixel go, small holes are filled, large ones
   ViewPrompt prompt{12, 5, std::vector<PixelHint>(60, PixelHint::kLikelyBackground), false};
   prompt.hint[2 * 12 + 1] = PixelHint::kObject;
   prompt.hint[0] = PixelHint::kBackground;
-  const PixelMask mask =
-      mask_of({"............", ".#######..#.", ".#.##..#..#.", ".#######....", "............"});
+  const PixelMask mask = mask_of({"............", ".#######..#.", ".#.##..#..#.", ".#######....", "............"});
   CHECK(keep_seeded_pieces(prompt, mask, 0.09) ==
         mask_of({"............", ".#######....", ".####..#....", ".#######....", "............"}));
   prompt.hint[2 * 12 + 2] = PixelHint::kBackground;
@@ -100,8 +98,7 @@ TEST_CASE("prompt points lie deep inside either side and apart from each other")
   ViewPrompt prompt{40, 30, {}, false};
   for (int y = 0; y < 30; ++y)
     for (int x = 0; x < 40; ++x)
-      prompt.hint.push_back(x >= 8 && x < 32 && y >= 8 && y < 20 ? PixelHint::kObject
-                                                                 : PixelHint::kBackground);
+      prompt.hint.push_back(x >= 8 && x < 32 && y >= 8 && y < 20 ? PixelHint::kObject : PixelHint::kBackground);
   const std::array<int, 4> box = object_box(prompt);
   CHECK(box == std::array<int, 4>{8, 8, 32, 20});
   const std::vector<PromptPoint> points = prompt_points(prompt, 3);

@@ -176,7 +176,8 @@ TEST_CASE("a model between the near planes of 3DGS and gsplat is sent to gsplat'
   CHECK(small.check().median_fit_db > 60);  // 73: the photos were drawn with 3DGS's footprints
 }
 
-TEST_CASE("a model of which a part lies between the near planes is warned about where gsplat's explains the photos better") {
+TEST_CASE(
+    "a model of which a part lies between the near planes is warned about where gsplat's explains the photos better") {
   Capture part = shrunk(0.04);
   const SceneCheckOptions anything{.min_fit_db = -100};
   const SceneCheck as_inria = part.check(anything);
@@ -272,8 +273,7 @@ TEST_CASE("masks that are all empty or all full are refused, some are not") {
   set(0, 1);
   CHECK(capture.check().warnings.at(0) == "object ball: 1 of 6 masks are full");
   for (std::size_t i = 0; i < 6; ++i) set(i, 0);
-  CHECK(std::string(thrown_by([&] { capture.check(); }).what()).find("all its 6 masks are empty") !=
-        std::string::npos);
+  CHECK(std::string(thrown_by([&] { capture.check(); }).what()).find("all its 6 masks are empty") != std::string::npos);
   for (std::size_t i = 0; i < 6; ++i) set(i, 1);
   const Error full = thrown_by([&] { capture.check(); });
   CHECK(full.code() == ErrorCode::kInconsistent);

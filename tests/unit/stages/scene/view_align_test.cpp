@@ -82,8 +82,7 @@ TEST_CASE("a darker photo moves no camera, and hides no motion") {
   CHECK(m.error_px(m.c->scene.views[1].camera) < 0.19);  // measured 0.12
 }
 
-TEST_CASE(
-    "views are aligned in the same way by any number of threads, and exact or photoless ones not at all") {
+TEST_CASE("views are aligned in the same way by any number of threads, and exact or photoless ones not at all") {
   for (const ViewAlignment& a : Measured({}).views) CHECK(!a.applied);
   const CameraMotion motion{{0.02, 0.01, 0}, {0.01, 0, 0}};
   const Measured one(motion, 1), three(motion, 3);
@@ -95,11 +94,11 @@ TEST_CASE(
   Monitor monitor;
   CHECK(measure_alignment({}, monitor, {c->truth, c->scene, [](std::size_t) { return ImageF(); }}).empty());
   for (SceneView& view : c->scene.views) view.image_path = "photo";
-  CHECK_THROWS_AS(measure_alignment(
-                      {}, monitor, {c->truth, c->scene, [](std::size_t) -> ImageF {
-                                     throw Error(ErrorCode::kBadInput, "photo: broken", "");
-                                   }}),
-                  Error);
+  CHECK_THROWS_AS(
+      measure_alignment(
+          {}, monitor,
+          {c->truth, c->scene, [](std::size_t) -> ImageF { throw Error(ErrorCode::kBadInput, "photo: broken", ""); }}),
+      Error);
 }
 
 }  // namespace

@@ -1,9 +1,10 @@
+#include "ngs/stages/synth/mask_noise.h"
+
 #include <doctest/doctest.h>
 
 #include <cmath>
 
 #include "ngs/core/error.h"
-#include "ngs/stages/synth/mask_noise.h"
 
 namespace ngs::synth {
 namespace {
@@ -45,7 +46,8 @@ TEST_CASE("parse_mask_noise reads lists and refuses what it does not know") {
 TEST_CASE("masks of one object have no ids to swap") {
   const std::vector<std::string> swap = {"swap:1"}, unknown = {"smear:1"};
   CHECK(parse_mask_noise(swap).swap == 1);
-  CHECK_THROWS_WITH_AS(parse_mask_noise(swap, NoiseOf::kOneObject), doctest::Contains("\"swap:1\", expected erode:PX"), Error);
+  CHECK_THROWS_WITH_AS(parse_mask_noise(swap, NoiseOf::kOneObject), doctest::Contains("\"swap:1\", expected erode:PX"),
+                       Error);
   CHECK_THROWS_WITH_AS(parse_mask_noise(unknown), doctest::Contains("swap:P or blob:P"), Error);
   CHECK_THROWS_WITH_AS(parse_mask_noise(unknown, NoiseOf::kOneObject), doctest::Contains("drop:P, or blob:P"), Error);
 }

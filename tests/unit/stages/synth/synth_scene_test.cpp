@@ -79,10 +79,11 @@ TEST_CASE("a sphere's rendered silhouette has the area of the projected cone") {
   CHECK(wrong == 0);
   // Ellipse area: semi-axes from the cone's extent; π a b with a = f·sinθ'cosθ'/(cos²α - sin²θ'), b accordingly.
   const double sin2 = radius * radius / dot(to, to), forward = dot(to, {0, 1, 0}) / length(to), c2 = forward * forward;
-  const double a = camera.fx * std::sqrt(sin2 * (1 - sin2)) / (c2 - sin2), b = camera.fx * std::sqrt(sin2 / (c2 - sin2));
+  const double a = camera.fx * std::sqrt(sin2 * (1 - sin2)) / (c2 - sin2),
+               b = camera.fx * std::sqrt(sin2 / (c2 - sin2));
   const double exact = 3.141592653589793 * a * b;
   CHECK(std::abs(fine / 256 - exact) < 0.5);  // the formula and the cone agree
-  CHECK(std::abs(covered - exact) < 1.0);      // below a pixel of about 1300
+  CHECK(std::abs(covered - exact) < 1.0);     // below a pixel of about 1300
 }
 
 TEST_CASE("depth at a pixel centre is the camera z of the analytic intersection") {

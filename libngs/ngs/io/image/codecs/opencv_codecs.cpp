@@ -35,8 +35,7 @@ Picture decode(Bytes bytes) {
   return picture;
 }
 
-std::vector<std::uint8_t> encode(const PictureView& picture, const char* extension,
-                                 const std::vector<int>& settings) {
+std::vector<std::uint8_t> encode(const PictureView& picture, const char* extension, const std::vector<int>& settings) {
   const int depth = picture.bits == 8 ? CV_8U : CV_16U;
   const cv::Mat image(picture.height_px, picture.width_px, CV_MAKETYPE(depth, picture.channels),
                       const_cast<void*>(picture.samples));
