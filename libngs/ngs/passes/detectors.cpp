@@ -137,24 +137,33 @@ double colour_range_levels(Rows<const float, 3> colour) {
   return kLevels * range;
 }
 
+namespace {
+
+constexpr int kDeviationRadius_px = 3;
+
+/// Of one channel about (x, y).
+double window_variance(const ImageF& photo, int x, int y, int channel) {
+  double first = 0, second = 0;
+  for (int v = y - kDeviationRadius_px; v <= y + kDeviationRadius_px; ++v)
+    for (int u = x - kDeviationRadius_px; u <= x + kDeviationRadius_px; ++u) {
+      const double value = double(photo.at(u, v, channel)) - double(photo.at(x, y, channel));  // no cancellation
+      first += value, second += value * value;
+    }
+  constexpr double kCount = (2 * kDeviationRadius_px + 1) * (2 * kDeviationRadius_px + 1);
+  return std::max(0.0, second / kCount - first / kCount * first / kCount);
+}
+
+}  // namespace
+
 double contour_deviation_levels(const ImageF& photo, MaskPlane mask) {
-  constexpr int kRadius = 3;
+  constexpr int kRadius = kDeviationRadius_px;
   const int w = mask.width_px, h = mask.height_px;
   const auto inside = [&](int x, int y) { return mask.data[std::size_t(y) * std::size_t(w) + std::size_t(x)] != 0; };
   double sum = 0, patches = 0;
   for (int y = kRadius; y + kRadius < h; ++y)
     for (int x = kRadius; x + kRadius < w; ++x) {
       if (!inside(x, y) || (inside(x - 1, y) && inside(x + 1, y) && inside(x, y - 1) && inside(x, y + 1))) continue;
-      for (int c = 0; c < photo.channels; ++c) {
-        double first = 0, second = 0;
-        for (int v = y - kRadius; v <= y + kRadius; ++v)
-          for (int u = x - kRadius; u <= x + kRadius; ++u) {
-            const double value = double(photo.at(u, v, c)) - double(photo.at(x, y, c));  // shifted: no cancellation
-            first += value, second += value * value;
-          }
-        constexpr double kCount = (2 * kRadius + 1) * (2 * kRadius + 1);
-        sum += std::max(0.0, second / kCount - first / kCount * first / kCount), ++patches;
-      }
+      for (int c = 0; c < photo.channels; ++c) sum += window_variance(photo, x, y, c), ++patches;
     }
   return patches > 0 ? kLevels * std::sqrt(sum / patches) : 0;
 }

@@ -1,7 +1,6 @@
 #pragma once
 // What is done once per Gaussian of a view, on any device: projection, tiles, channel values, and the way back from the
 // sums over its pixels to the cloud's columns. Internal to ops; templated on the storage scalar S.  PAPER.md §5.1
-#include "ngs/ops/splat/near_plane.h"
 #include "ngs/ops/splat/project_kernels.h"
 #include "ngs/ops/splat/splat_options.h"
 #include "ngs/ops/splat/splat_step_kernels.h"

@@ -9,6 +9,9 @@ namespace ngs {
 /// What the projection takes from the Gaussians of a model alone, worked out once for many views.
 class PreparedCloud;
 
+/// How near to a camera something is still drawn, in world units along the camera's axis.       PAPER.md §5.1
+constexpr double near_plane(Compat compat) { return compat == Compat::kInria ? 0.2 : 0.01; }
+
 struct SplatOptions {
   Compat compat = Compat::kInria;
   bool antialiased = false;  // multiply opacity by sqrt(det / det_blurred)

@@ -211,7 +211,7 @@ class ContourRun {
     std::erase_if(views_, [&](std::size_t v) { return std::find(judges_.begin(), judges_.end(), v) != judges_.end(); });
     if (!train(0, iterations)) return false;
     const auto timed = monitor_.scope("pictures tried");
-    trial_ = try_pictures(exec_, refine_setup(detail_), {start.cloud, start.labels}, {model_.cloud, model_.labels},
+    trial_ = try_pictures(exec_, refine_setup(detail_), {{start.cloud, start.labels}, {model_.cloud, model_.labels}},
                           refined_, judges_);
     model_ = std::move(start), iterations_ = 0;
     add_views(judges_);

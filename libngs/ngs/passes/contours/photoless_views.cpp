@@ -70,7 +70,7 @@ Problem with_pictures(const Exec& exec, const Problem& input, const GaussianClou
   return out;
 }
 
-Trial try_pictures(const Exec& exec, const RefineSetup& setup, const LabelledModel& before, const LabelledModel& after,
+Trial try_pictures(const Exec& exec, const RefineSetup& setup, const TriedIteration& tried,
                    const std::vector<RefinedView>& in_photos, const std::vector<std::size_t>& judges) {
   const auto judged = [&](Problem input, const LabelledModel& model) {
     input.load_masks = [&](std::size_t v) {
@@ -79,8 +79,9 @@ Trial try_pictures(const Exec& exec, const RefineSetup& setup, const LabelledMod
     };
     return refine_views(exec, {setup.refine, setup.margin_px, input, setup.detail}, model, judges, judges);
   };
-  const std::vector<RefinedView> pictured = judged(with_pictures(exec, setup.problem, before.cloud, judges), before),
-                                 skipped = judged(setup.problem, after);
+  const std::vector<RefinedView> pictured = judged(with_pictures(exec, setup.problem, tried.before.cloud, judges),
+                                                   tried.before),
+                                 skipped = judged(setup.problem, tried.after);
   Trial trial;
   std::vector<double> gains;
   for (const std::size_t v : judges) {

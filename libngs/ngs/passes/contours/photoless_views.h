@@ -27,9 +27,14 @@ struct Trial {
   bool picture_serves = false;       // pictured is higher by more than twice the standard error
 };
 
-/// `in_photos`: the judges as refined in their photos before the first iteration, from the labels of `before`; `after`:
-/// what the iteration has made of it. [scene views]
-Trial try_pictures(const Exec& exec, const RefineSetup& setup, const LabelledModel& before, const LabelledModel& after,
+/// An iteration that is forgotten after: the model before it, and what it made of it.
+struct TriedIteration {
+  LabelledModel before, after;
+};
+
+/// `in_photos`: the judges as refined in their photos before the first iteration, from the labels before it. [scene
+/// views]
+Trial try_pictures(const Exec& exec, const RefineSetup& setup, const TriedIteration& tried,
                    const std::vector<RefinedView>& in_photos, const std::vector<std::size_t>& judges);
 
 }  // namespace ngs

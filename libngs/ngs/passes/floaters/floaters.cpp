@@ -46,16 +46,12 @@ struct Surface {
   }
 };
 
-Surface surface_of(const Exec& exec, const FloaterOptions& options, const Problem& input, const GaussianCloud& cloud,
-                   const ObjectCore& core, const Camera& camera, double margin) {
-  RenderRequest request;
-  request.depth = true;
-  request.include = core.member.data();
-  RenderedView alone = render(exec, cloud, camera, input.splat, request);
-  Surface s{std::move(alone.colour), ImageF(camera.width_px, camera.height_px, 1)};
+/// Of what `alone` shows, from `surface_alpha` on.
+Surface surface_of(RenderedView alone, double surface_alpha, double margin) {
+  Surface s{std::move(alone.colour), ImageF(alone.width_px, alone.height_px, 1)};
   for (std::size_t p = 0; p < alone.alpha.data.size(); ++p) {
     const double alpha = double(alone.alpha.data[p]);
-    if (alpha < options.surface_alpha) continue;
+    if (alpha < surface_alpha) continue;
     s.limit.data[p] = float(double(alone.depth.data[p]) / alpha - margin);
     for (std::size_t c = 0; c < 3; ++c) s.colour.data[3 * p + c] /= float(alpha);
   }
@@ -68,16 +64,14 @@ double difference(const float* a, const float* b) {
   return sum / 3;
 }
 
-/// The photo's colours as three soft masks: their evidence is the mean colour of what a Gaussian covers. Of those that
-/// may be floaters: what the others show is not asked.
-ViewSums colour_sums(const Exec& exec, const Problem& input, const GaussianCloud& cloud, const Camera& camera,
-                     const ImageF& photo, const std::vector<std::uint8_t>& candidate) {
+/// The photo's colours as three soft masks: their evidence is the mean colour of what a Gaussian covers.
+ViewMasks colours_as_masks(const ImageF& photo) {
   ViewMasks channels;
-  channels.width_px = camera.width_px, channels.height_px = camera.height_px, channels.available = true;
+  channels.width_px = photo.width_px, channels.height_px = photo.height_px, channels.available = true;
   channels.target.assign(3, std::vector<float>(std::size_t(photo.pixels())));
   for (std::size_t p = 0; p < std::size_t(photo.pixels()); ++p)
     for (std::size_t c = 0; c < 3; ++c) channels.target[c][p] = photo.data[3 * p + c];
-  return view_sums(exec, cloud, {camera, channels}, input.splat, &candidate);
+  return channels;
 }
 
 class FloaterSearch {
@@ -142,7 +136,9 @@ class FloaterSearch {
     const auto known = surfaces_.find(v);
     if (known != surfaces_.end()) return known->second;
     constexpr std::size_t kKeptBytes = 256u << 20;
-    Surface s = surface_of(exec_, options_, input_, cloud_, core_, camera(v), margin_);
+    RenderRequest request;
+    request.depth = true, request.include = core_.member.data();
+    Surface s = surface_of(render(exec_, cloud_, camera(v), input_.splat, request), options_.surface_alpha, margin_);
     const std::size_t bytes = std::size_t(s.limit.pixels()) * 4 * sizeof(float);
     if ((surfaces_.size() + 1) * bytes <= kKeptBytes) surfaces_[v] = s;
     return s;
@@ -202,8 +198,10 @@ class FloaterSearch {
   /// Rows of the floaters of this round, and hidden_.
   std::vector<std::size_t> round() {
     const auto n = std::size_t(cloud_.size());
+    // Of those that may be floaters: what the others show is not asked.
     LeaveOneOut colours(exec_, cloud_.size(), 3, [this](std::size_t v) {
-      return colour_sums(exec_, input_, cloud_, camera(v), input_.load_photo(v), candidate_);
+      const ViewMasks channels = colours_as_masks(input_.load_photo(v));
+      return view_sums(exec_, cloud_, {camera(v), channels}, input_.splat, &candidate_);
     });
     if (!for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) { colours.add(v); })) return {};
     std::vector<double> front(n), through(n), reach(n);

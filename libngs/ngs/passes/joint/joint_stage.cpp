@@ -161,17 +161,24 @@ struct JointTrainer::Impl {
     return rays;
   }
 
+  /// What a view of a step shows: the model's image of it, and what was given.
+  struct StepImages {
+    const RenderedView& rendered;
+    const ViewCache::View& view;
+  };
   LossTerms step_view(std::size_t n);
-  void field_terms(const FieldRays& rays, const RenderedView& rendered, const ViewCache::View& view, LossTerms& loss,
-                   ViewGradients& grad, ImageF& weights);
+  ImageF field_terms(const FieldRays& rays, const StepImages& images, LossTerms& loss, ViewGradients& grad);
   void cont_term(LossTerms& loss);
   void update(double decay);
   void sum_up(LossTerms& loss) const;
 };
 
-void JointTrainer::Impl::field_terms(const FieldRays& rays, const RenderedView& rendered, const ViewCache::View& view,
-                                     LossTerms& loss, ViewGradients& grad, ImageF& weights) {
-  if (rays.rays.rays() == 0) return;
+/// The field's weights of the mask loss; empty: all 1.
+ImageF JointTrainer::Impl::field_terms(const FieldRays& rays, const StepImages& images, LossTerms& loss,
+                                       ViewGradients& grad) {
+  ImageF weights;
+  if (rays.rays.rays() == 0) return weights;
+  const auto& [rendered, view] = images;
   const auto timed = monitor.scope("field");
   const VolumeOutput& volume = field->forward(exec, rays, boundary.positions(), input.background);
   if (effects.density) {
@@ -195,6 +202,7 @@ void JointTrainer::Impl::field_terms(const FieldRays& rays, const RenderedView& 
     loss.align = value.total;
   }
   if (effects.smooth) loss.smooth = field->smoothness(exec, rays, boundary.positions(), options.lambda_smooth, done);
+  return weights;
 }
 
 void JointTrainer::Impl::cont_term(LossTerms& loss) {
@@ -238,7 +246,7 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
     grad.colour = ImageF(camera.width_px, camera.height_px, 3);
   }
   ImageF weights;
-  if (effects.nerf) field_terms(rays_of(n, rendered), rendered, view, loss, grad, weights);
+  if (effects.nerf) weights = field_terms(rays_of(n, rendered), {rendered, view}, loss, grad);
   if (effects.mask && view.masks.available) {
     const auto timed = monitor.scope("mask loss");
     loss.mask = loss_mask(exec, {options.mask_loss, 1.0},

@@ -5,7 +5,7 @@
 
 #include "ngs/core/check.h"
 #include "ngs/math/median.h"
-#include "ngs/ops/splat/near_plane.h"
+#include "ngs/ops/splat/splat_options.h"
 
 namespace ngs {
 namespace {

@@ -126,9 +126,9 @@ TEST_CASE("photoless views: a picture is used where its contours are nearer to t
   const LabelledModel truth{c.base->truth, labels}, swollen{c.base->model, labels};
   const RefineSetup walk{c.contour.refine, c.contour.margin_px, in};
   const std::vector<RefinedView> in_photos = refine_views({}, walk, truth, in.views, {});
-  const Trial good = try_pictures({}, walk, truth, swollen, in_photos, judges);
-  const Trial bad = try_pictures({}, walk, swollen, truth, in_photos, judges);
-  const Trial even = try_pictures({}, walk, truth, truth, in_photos, judges);
+  const Trial good = try_pictures({}, walk, {truth, swollen}, in_photos, judges);
+  const Trial bad = try_pictures({}, walk, {swollen, truth}, in_photos, judges);
+  const Trial even = try_pictures({}, walk, {truth, truth}, in_photos, judges);
   MESSAGE("pictured, unseen: " << good.pictured << " " << good.skipped << "; " << bad.pictured << " " << bad.skipped
                                << "; " << even.pictured << " " << even.skipped);
   CHECK(good.picture_serves);
