@@ -74,7 +74,7 @@ TEST_CASE("no help is wider than the terminal, and a short one has at most 30 li
   const std::vector<Words> all = commands();
   REQUIRE(all.size() > 12);
   for (const Words& command : all) {
-    CAPTURE(command.front() << " " << command.back());
+    INFO(command.front() << " " << command.back());
     for (const char* columns : {"60", "100"}) {
       check_width(said(command, "-h", columns), std::stoi(columns));
       check_width(said(command, "--help", columns), std::stoi(columns));
@@ -117,7 +117,7 @@ TEST_CASE("--help -v explains every option of a tool whose groups all listen") {
     verbose.emplace_back("-v");
     const std::string help = said(verbose, "--help");
     if (help.find("not shown: options of") != help.npos) continue;
-    CAPTURE(command.front() << " " << command.back());
+    INFO(command.front() << " " << command.back());
     const std::string text = unwrapped(help);
     const nlohmann::json schema = nlohmann::json::parse(said(command, "--print-schema"));
     for (const auto& [name, property] : schema["properties"].items()) {

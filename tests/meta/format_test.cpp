@@ -18,7 +18,8 @@ TEST_CASE("every source file is laid out by .clang-format") {
   if (version.exit_code != 0) return test::skip("clang-format is not installed");
   if (version.out.find(kVersion) == std::string::npos)
     return test::skip("expected clang-format " + std::string(kVersion) + "x, found " + version.out);
-  test::ProcessSpec check{.argv = {"/usr/bin/env", "clang-format", "--dry-run", "--Werror"}, .folder = NGS_SOURCE_DIR};
+  test::ProcessSpec check;
+  check.argv = {"/usr/bin/env", "clang-format", "--dry-run", "--Werror"}, check.folder = NGS_SOURCE_DIR;
   const std::vector<test::SourceFile> files =
       test::source_files({"libngs", "tools", "tests"}, {".h", ".cpp", ".cu", ".cuh"});
   for (const test::SourceFile& file : files) check.argv.push_back(file.path);
