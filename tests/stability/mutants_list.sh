@@ -252,7 +252,7 @@ mutant ops/device/film_backward_schedule.h "$t" "" "device: parts lose the last 
 mutant ops/device/film_backward_schedule.h "$t" "" "device: conditions not loaded again" 's/Tile::load_condition\(t, net, first, shared\.condition\);//'
 mutant ops/device/film_forward_schedule.h "$t" "" "device: activations written while they are read" 's/(Tile::product\(t, .*, shared\.x, own\.cells\);)/\1 shared.x[t] = own.cells[0][0];/'
 t="parity/emulated_main.cpp parity/backends.cpp parity/loss_parity.cpp"
-mutant ops/device/sum_schedule.h "$t" "" "device: a chunk one short" 's/row < rows\.end; row \+= rows\.step\) total/row + rows.step < rows.end; row += rows.step) total/'
+mutant ops/device/sum_schedule.h "$t" "" "device: a chunk one short" 's/row < rows\.end; row \+= rows\.step\)$/row + rows.step < rows.end; row += rows.step)/'
 mutant ops/device/photometric_schedule.h "$t" "" "device: padding not cleared" 's/products\.zero\(\);//'
 mutant ops/device/adam_schedule.h "$t" "" "device: negative overflow passes" 's/if \(!\(value\[i\] <= limit \&\& -value\[i\] <= limit\)\)/if (!(value[i] <= limit))/'
 mutant ops/device/adam_schedule.h "$t" "" "device: the last unusable gradient found" 's/found = i < found \? i : found;/found = i;/'

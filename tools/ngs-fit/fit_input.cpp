@@ -3,6 +3,7 @@
 #include "ngs/io/capture/sparse_points.h"
 #include "ngs/io/image/photo.h"
 #include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/io/scene/scene_json.h"
 
 namespace ngs::cli {
 
@@ -59,6 +60,16 @@ std::string history(const FitOptions& options) {
 
 Json score_json(const FitScore& score) {
   return {{"views", score.views}, {"psnr_db", score.psnr_db}, {"ssim", score.ssim}};
+}
+
+Scene read_fit_scene(Run& run, const std::string& path, FitOptions& options) {
+  Scene scene = io::read_scene_json(path);
+  if (scene.compat != Compat::kInria)
+    run.monitor().warn("the scene says --compat gsplat, and this fits by the rules of 3DGS: import the model anew");
+  choose_background(options.background, run.monitor(), scene);
+  options.background = background_text(background_of(scene));
+  run.result()["views"] = scene.views.size();
+  return scene;
 }
 
 }  // namespace ngs::cli

@@ -19,4 +19,7 @@ Json fit_plan(const FitOptions& options, const Scene& scene, bool resumes, int t
 std::string history(const FitOptions& options);
 Json score_json(const FitScore& score);
 
+/// With the background that the options ask for; they then name it, for the report.
+Scene read_fit_scene(Run& run, const std::string& path, FitOptions& options);
+
 }  // namespace ngs::cli

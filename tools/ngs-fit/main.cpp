@@ -5,7 +5,6 @@
 #include "fit_input.h"
 #include "ngs/io/files/content_hash.h"
 #include "ngs/io/ply/gaussian_ply.h"
-#include "ngs/io/scene/scene_json.h"
 #include "shared/run/checkpoints.h"
 #include "shared/tool.h"
 
@@ -17,18 +16,6 @@ struct Files {
   const cli::Input &scene, &points;
   const cli::Output& out;
 };
-
-/// The scene that is fitted, with the background that the options ask for; they then name it, for the report.
-Scene scene_of(cli::Run& run, const Files& files, FitOptions& options) {
-  Scene scene = io::read_scene_json(files.scene.path);
-  if (scene.compat != Compat::kInria)
-    run.monitor().warn(
-        "the scene says --compat gsplat, and this fits by the rules of 3DGS: import the new model without it");
-  choose_background(options.background, run.monitor(), scene);
-  options.background = background_text(background_of(scene));
-  run.result()["views"] = scene.views.size();
-  return scene;
-}
 
 void check_options(cli::Run& run, const cli::CheckpointOptions& keep, const Files& files) {
   if (keep.resume && !keep.is_on())
@@ -48,15 +35,15 @@ bool resumes(const cli::Run& run, const cli::CheckpointOptions& keep) {
 }
 
 void warn_of_stop(cli::Run& run, std::int64_t step, std::int64_t steps, const cli::CheckpointOptions& keep) {
+  const std::string rest = keep.is_on() ? "--resume goes on from " + keep.checkpoint
+                                        : "and nothing to go on from; --checkpoint DIR would keep it";
   run.monitor().warn("stopped at step " + std::to_string(step) + " of " + std::to_string(steps) +
-                     ": no model was written, " +
-                     (!keep.is_on() ? "and nothing to go on from; --checkpoint DIR would keep it"
-                                    : "--resume goes on from " + keep.checkpoint));
+                     ": no model was written, " + rest);
 }
 
 int fit(cli::Run& run, FitOptions& options, const cli::CheckpointOptions& keep, const Files& files) {
   check_options(run, keep, files);
-  const Scene scene = scene_of(run, files, options);
+  const Scene scene = cli::read_fit_scene(run, files.scene.path, options);
   const bool goes_on = resumes(run, keep);
   if (run.dry_run()) return run.plan(cli::fit_plan(options, scene, goes_on, run.exec().threads)), cli::kDone;
 
@@ -64,19 +51,19 @@ int fit(cli::Run& run, FitOptions& options, const cli::CheckpointOptions& keep, 
   const std::vector<FitView> views = cli::load_views(run, scene);
   const cli::FitFiles read{keep.is_on() ? cli::photos_hash(scene) : "",
                            keep.is_on() && files.points ? io::content_hash(files.points.path).xxh3 : ""};
-  const std::string identity = cli::fit_identity(options, run.seed(), views, read);
+  const auto identity = cli::fit_identity(options, run.seed(), views, read);
   FitState state =
       goes_on ? cli::read_checkpoint(keep.checkpoint, identity, options.steps)
               : initial_fit(run.exec(), options, cli::load_points(run, options, files.points), views, run.seed());
   const std::int64_t first = state.step;
   Fitter fitter(options, views, std::move(state), run.seed());
-  const double start = wall_seconds();
+  const double began_s = wall_seconds();
   const auto save = [&] { cli::write_checkpoint(keep.checkpoint, fitter.state(), identity); };
   cli::Checkpoints checkpoints(run.monitor());
   run_fit(run.exec(), run.monitor(), fitter, options, [&](const Fitter& f) {
     if (keep.is_on() && f.state().step % keep.checkpoint_every == 0) checkpoints.on_the_way(save);
   });
-  const double seconds = wall_seconds() - start;
+  const double taken_s = std::max(wall_seconds() - began_s, 1e-9);
   run.result()["step"] = fitter.state().step;
   if (fitter.state().step < options.steps) {
     if (keep.is_on()) save();  // all that is left of the run
@@ -86,11 +73,11 @@ int fit(cli::Run& run, FitOptions& options, const cli::CheckpointOptions& keep, 
   if (keep.is_on() && options.steps % keep.checkpoint_every != 0) checkpoints.on_the_way(save);
 
   const GaussianCloud& cloud = fitter.state().cloud;
+  const auto score = [&](Split split) { return cli::score_json(score_fit(run.exec(), options, cloud, views, split)); };
   io::write_strict_ply(files.out.path, cloud, {}, io::trained_comments(cli::history(options), options.antialiased));
   run.result()["gaussians"] = cloud.size();
-  run.result()["steps_per_s"] = double(fitter.state().step - first) / std::max(seconds, 1e-9);
-  run.result()["train"] = cli::score_json(score_fit(run.exec(), options, cloud, views, Split::kTrain));
-  run.result()["held_out"] = cli::score_json(score_fit(run.exec(), options, cloud, views, Split::kHeldOut));
+  run.result()["steps_per_s"] = double(fitter.state().step - first) / taken_s;
+  run.result()["train"] = score(Split::kTrain), run.result()["held_out"] = score(Split::kHeldOut);
   return cli::kDone;
 }
 
