@@ -60,7 +60,7 @@ make_scene() {  # NAME RECIPE FLAGS...: once, by the old build
 # spelled BIN NEW OLD: NEW where the help of ngs-joint has a line on it, else OLD.
 spelled() {
   local help
-  help=$("$1/ngs-joint" --help)
+  help=$("$1/ngs-joint" --help all)
   if grep -qE "^ *$2( |\$)" <<< "$help"; then printf '%s' "$2"; else printf '%s' "$3"; fi
 }
 

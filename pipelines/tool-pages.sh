@@ -6,10 +6,9 @@
 #
 # What stands between two marks of a page is written by this script, 100 columns wide:
 #
-#   <!-- help -->                   --help -v of the tool and of each of its commands
-#   <!-- help: --method cob -->     what --method cob --help -v says more than --help -v
-#   <!-- help: common -->           in DIR/README.md: what all tools have in common, which the pages leave out
-#   <!-- /help -->                  the end of each
+#   <!-- help -->            --help all of the tool and of each of its commands
+#   <!-- help: common -->    in DIR/README.md: what all tools have in common, which the pages leave out
+#   <!-- /help -->           the end of each
 #
 # DIR is the folder of the pages (default: tools). The tools come from $NGS_BIN, else from the build folder, else from PATH.
 set -euo pipefail
@@ -27,38 +26,23 @@ bin=$(find_bin)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# help_of TOOL ARGUMENTS...: wherever it is called, the same.
-help_of() { COLUMNS=100 LC_ALL=C "${bin:+$bin/}$1" "${@:2}" --help -v < /dev/null; }
+# help_of TOOL [COMMAND]: wherever it is called, the same.
+help_of() { COLUMNS=100 LC_ALL=C "${bin:+$bin/}$1" "${@:2}" --help all < /dev/null; }
 # The paragraphs of a help text that say the same of every tool.
 common_part() { awk 'BEGIN { RS = ""; ORS = "\n\n" } tolower($0) ~ /^(common|flags of all tools|exit codes)/'; }
-# beyond FILE...: the paragraphs that, letter by letter, none of the files has.
-beyond() { awk 'BEGIN { RS = ""; ORS = "\n\n" } FILENAME != "-" { known[$0]; next } !($0 in known)' "$@" -; }
-# A page that shows them needs no word on whose options are not shown.
-without_pointers() { awk 'BEGIN { RS = ""; ORS = "\n\n" } !/^not shown/'; }
+# The others.
+beyond_common() { awk 'BEGIN { RS = ""; ORS = "\n\n" } FILENAME != "-" { known[$0]; next } !($0 in known)' "$work/common" -; }
 # shellcheck disable=SC2016  # the backticks are those of the page
 fenced() { printf '```text\n%s\n```\n' "$(cat)"; }  # $(...) takes the empty lines off the end
 
 synopsis_of() {  # TOOL
   local command commands
   commands=$("${bin:+$bin/}$1" --print-commands)
-  help_of "$1" | beyond "$work/common" | fenced
+  help_of "$1" | beyond_common | fenced
   for command in $commands; do
     printf '\n'
-    help_of "$1" "$command" | beyond "$work/common" | fenced
+    help_of "$1" "$command" | beyond_common | fenced
   done
-}
-
-text_of() {  # TOOL MARK: what comes behind it
-  local words
-  case $2 in
-    '<!-- help: common -->') fenced < "$work/common" ;;
-    '<!-- help -->') synopsis_of "$1" ;;
-    *)
-      words=${2#'<!-- help: '}
-      read -ra words <<< "${words%' -->'}"
-      help_of "$1" > "$work/plain"
-      help_of "$1" "${words[@]}" | beyond "$work/common" "$work/plain" | without_pointers | fenced ;;
-  esac
 }
 
 # fill TOOL PAGE: writes it anew, or shows what would change.
@@ -67,9 +51,9 @@ fill() {
   while IFS= read -r line; do
     if [ "$line" = '<!-- /help -->' ]; then inside=; fi
     if [ -z "$inside" ]; then printf '%s\n' "$line"; fi
-    case $line in '<!-- help -->' | '<!-- help: '*' -->')
-      inside=1
-      text_of "$1" "$line" ;;
+    case $line in
+      '<!-- help -->') inside=1; synopsis_of "$1" ;;
+      '<!-- help: common -->') inside=1; fenced < "$work/common" ;;
     esac
   done < "$2" > "$work/new"
   [ -z "$inside" ] || fail 3 "$2: expected '<!-- /help -->' behind the last mark"

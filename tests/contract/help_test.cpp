@@ -62,24 +62,20 @@ void check_width(const std::string& text, int columns) {
   }
 }
 
-/// Without the breaks of lines, which may lie within a flag's value.
-std::string unwrapped(std::string text) {
-  std::erase_if(text, [](char c) { return c == '\n' || c == ' '; });
-  return text;
-}
-
 }  // namespace
 
-TEST_CASE("no help is wider than the terminal, and a short one has at most 30 lines of 100 columns") {
+TEST_CASE("no help is wider than the terminal; -h has at most 30 lines of 100 columns, --help 80") {
   const std::vector<Words> all = commands();
   REQUIRE(all.size() > 12);
   for (const Words& command : all) {
-    INFO(command.front() << " " << command.back());
+    INFO(command.front(), " ", command.back());
     for (const char* columns : {"60", "100"}) {
       check_width(said(command, "-h", columns), std::stoi(columns));
       check_width(said(command, "--help", columns), std::stoi(columns));
+      check_width(said(command, "--help=all", columns), std::stoi(columns));
     }
     CHECK(lines_of(said(command, "-h")).size() <= 30);
+    CHECK(lines_of(said(command, "--help")).size() <= 80);
   }
   for (const std::string& tool : tools()) check_width(said({tool, "--help"}, "60"), 60);
 }
@@ -101,30 +97,68 @@ TEST_CASE("-h and --help begin with what the tool is and examples, and --help ha
   }
 }
 
-TEST_CASE("--help of ngs-joint has at most 80 lines, with another method its options and not those of the passes") {
-  CHECK(lines_of(said({"ngs-joint", "--help"})).size() <= 80);
-  const std::string cob = said({"ngs-joint", "--method", "cob", "--help"}), usual = said({"ngs-joint", "--help"});
-  CHECK(cob.find("--cob-rounds") != cob.npos);
+TEST_CASE("--help of ngs-joint shows what the method listens to, and ends with the groups it does not explain") {
+  const std::string usual = said({"ngs-joint", "--help"}), cob = said({"ngs-joint", "--method", "cob", "--help"});
+  for (const char* method : {"ng-gs", "bce", "cob", "flash", "sa3d", "saga", "released"})
+    CHECK(lines_of(said({"ngs-joint", "--method", method, "--help"})).size() <= 80);
   CHECK(usual.find("--cob-rounds") == usual.npos);
-  CHECK(usual.find("--contour-iterations") != usual.npos);
-  CHECK(cob.find("--contour-iterations") == cob.npos);
-  CHECK(usual.find("not shown: options of") != usual.npos);
+  CHECK(cob.find("--cob-rounds") != cob.npos);
+  CHECK(usual.find("--time-budget") != usual.npos);
+  CHECK(cob.find("--time-budget") == cob.npos);
+  const std::string last = lines_of(usual).back(), last_of_cob = lines_of(cob).back();
+  CHECK(last.starts_with("more: --help joint|"));
+  for (const char* group : {"contours", "sampling", "rbf", "field", "effects", "cob"})
+    CHECK(last.find("|" + std::string(group) + "|") != last.npos);
+  CHECK(last_of_cob.find("|cob|") == last_of_cob.npos);
 }
 
-TEST_CASE("--help -v explains every option of a tool whose groups all listen") {
+TEST_CASE("the modes in the help are those of the method") {
+  const auto has_row = [](const std::string& help, const std::string& name, const std::string& mode) {
+    return std::ranges::any_of(lines_of(help), [&](const std::string& line) {
+      std::istringstream words(line);
+      std::string first, second;
+      return words >> first >> second && first == name && second == mode;
+    });
+  };
+  const std::string ngs = said({"ngs-joint", "--help"}), all = said({"ngs-joint", "--help", "effects"});
+  const std::string ng_gs = said({"ngs-joint", "--method", "ng-gs", "--help", "effects"});
+  CHECK(has_row(ngs, "contours", "auto"));
+  CHECK(has_row(ngs, "joint", "on"));
+  CHECK_FALSE(has_row(ngs, "nerf", "auto"));  // a part: in full only
+  CHECK(has_row(all, "nerf", "auto"));
+  CHECK(has_row(ng_gs, "nerf", "on"));
+  CHECK(has_row(ng_gs, "contours", "off"));
+  CHECK_FALSE(has_row(said({"ngs-joint", "--method", "cob", "--help", "effects"}), "joint", "on"));
+}
+
+TEST_CASE("--help GROUP shows one group, whoever listens to it, and refuses a group that there is none of") {
+  const std::string rbf = said({"ngs-joint", "--help", "rbf"});
+  CHECK(rbf.starts_with("rbf: "));
+  CHECK(rbf.find("\n  --neighbours N ") != rbf.npos);
+  CHECK(rbf.find("\n\n") == rbf.npos);
+  CHECK(said({"ngs-joint", "--help=cob"}).find("only with --method cob [default; range]:\n") != std::string::npos);
+  CHECK(said({"ngs-joint", "--help", "quality"}).find("\n  standard ") != std::string::npos);
+  test::ProcessSpec spec;
+  spec.argv = {NGS_TOOL_DIR "/ngs-joint", "--help", "contour"};
+  const test::ProcessResult result = test::run_process(spec);
+  CHECK(result.exit_code == 2);
+  CHECK(result.out == "");
+  CHECK(result.err.find("no group 'contour', expected method, steps, joint, ") != std::string::npos);
+  CHECK(result.err.find(", effects, all\n") != std::string::npos);
+  CHECK(result.err.find("did you mean 'contours'?") != std::string::npos);
+}
+
+TEST_CASE("--help all has every option of every tool once, in the group that --help GROUP shows") {
   for (const Words& command : commands()) {
-    Words verbose = command;
-    verbose.emplace_back("-v");
-    const std::string help = said(verbose, "--help");
-    if (help.find("not shown: options of") != help.npos) continue;
-    INFO(command.front() << " " << command.back());
-    const std::string text = unwrapped(help);
+    INFO(command.front(), " ", command.back());
+    const Words lines = lines_of(said(command, "--help=all"));
     const nlohmann::json schema = nlohmann::json::parse(said(command, "--print-schema"));
     for (const auto& [name, property] : schema["properties"].items()) {
       std::string flag = name;
       std::ranges::replace(flag, '_', '-');
       CAPTURE(flag);
-      CHECK(text.find((property["type"] == "boolean" ? "--[no-]" : "--") + flag) != text.npos);
+      const std::string start = (property["type"] == "boolean" ? "  --[no-]" : "  --") + flag + " ";
+      CHECK(std::ranges::count_if(lines, [&](const std::string& line) { return line.starts_with(start); }) == 1);
     }
   }
 }

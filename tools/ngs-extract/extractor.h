@@ -14,8 +14,7 @@ struct SelectOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.select, Text{"select", "NAME",
-                            "an object to extract from a model with several, repeat for more; default: all of them"});
+    visit(self.select, Text{"select", "NAME", "an object to extract from a model with several; default: all of them"});
   }
 };
 

@@ -2,7 +2,6 @@
 // step 6.
 #include <ctime>
 
-#include "quality_table.h"
 #include "run.h"
 
 namespace {
@@ -12,17 +11,6 @@ double process_start_s() {
   timespec used{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
   return ngs::wall_seconds() - double(used.tv_sec) - 1e-9 * double(used.tv_nsec);
-}
-
-/// For --help: every effect and what it does.
-std::string effects_help(const ngs::Pipeline& pipeline) {
-  std::string text = "effects (--effect NAME=auto|on|off, all=...; --explain decides them for a scene):\n";
-  for (const ngs::Effect& e : pipeline.effects()) {
-    std::string name = "  " + std::string(e.name);
-    name.resize(22, ' ');
-    text += name + std::string(e.help) + (e.always.empty() ? "; auto" : "") + "\n";
-  }
-  return text;
 }
 
 }  // namespace
@@ -37,8 +25,6 @@ int main(int argc, char** argv) {
       {"ngs-joint scene.json boundary.ply -o labelled.ply",
        "ngs-joint scene.json boundary.ply --method flash -o labelled.ply"});
   options.declare(tool);
-  tool.help(joint::kQualityTable);
-  tool.help(effects_help(options.pipeline));
   const cli::Input& scene = tool.input("scene", "scene.json written by ngs-scene");
   const cli::Input& boundary = tool.input("boundary", "PLY written by ngs-variance");
   const cli::Input& field =
@@ -48,7 +34,7 @@ int main(int argc, char** argv) {
   const cli::Output& out = tool.output("-o,--output", "labelled PLY with optimised attributes");
   const cli::Output& nerf = tool.optional_output("--nerf", "parameters of the field (safetensors)");
   const cli::Output& trace =
-      tool.optional_output("--trace", "one JSON line per step of this run: time, loss terms; per epoch: agreement");
+      tool.optional_output("--trace", "one JSON line per step: time, loss terms; per epoch: agreement");
   tool.writes_nothing_if(options.choice.explain);
   tool.stops_on_request();
   tool.runs_partly_on_device();  // the joint steps

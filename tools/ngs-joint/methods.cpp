@@ -27,7 +27,8 @@ void BaselineOptions::declare(cli::Tool& tool, const Method& method) {
   const auto group = [&](Method one, std::string_view cites) {
     const std::string name = method_name(one);
     return OptionGroup{
-        .title = name + ": " + std::string(cites),
+        .name = name,
+        .about = std::string(cites),
         .listens = [&method, one] { return method == one || (one == Method::kCob && method == Method::kReleased); },
         .listener = "--method " + name};
   };

@@ -1,27 +1,32 @@
 #include "options.h"
 
+#include "effects_help.h"
 #include "ngs/options/name_of.h"
+#include "quality_table.h"
 
 namespace ngs::joint {
 
 void Options::declare(cli::Tool& tool) {
-  const auto group = [this](std::string title, std::string effect = {}) {
-    return OptionGroup{.title = std::move(title),
+  const auto group = [this](std::string name, std::string about, std::string effect = {},
+                            Shown shown = Shown::kByName) {
+    return OptionGroup{.name = std::move(name),
+                       .about = std::move(about),
                        .effect = std::move(effect),
                        .listens = [this] { return runs_passes(); },
                        .listener = "--method ngs",
-                       .expert = true};
+                       .shown = shown};
   };
-  OptionGroup of_steps = group("steps: time, target, checkpoints");
-  of_steps.expert = false;
-  tool.options(choice, {.title = "method", .basic = true});
-  tool.options(steps, of_steps);
-  tool.options(training.joint, group("joint: losses and rates of Eq. 20"));
-  pipeline.declare(tool.option_set(), group(""));
-  tool.options(training.sample, group("nerf: query points", "nerf"));
-  tool.options(training.rbf, group("nerf: query points"));
-  tool.options(raster, {.title = "rendering"});
+  tool.options(choice, {.name = "method", .shown = Shown::kInShortHelp});
+  tool.options(steps, group("steps", "time, target, checkpoints", {}, Shown::kInHelp));
+  tool.options(training.joint, group("joint", "losses and rates of Eq. 20"));
+  tool.options<FieldOptions>(training.joint, group("field", "hash grid and network of the NeRF", "nerf"));
+  pipeline.declare(tool.option_set(), group("", ""));
+  tool.options(training.sample, group("sampling", "query points of the NeRF", "nerf"));
+  tool.options(training.rbf, group("rbf", "features at the query points"));
+  tool.options(raster, {.name = "rendering"});
   baselines.declare(tool, choice.method);
+  tool.help("quality", [this](bool in_full) { return std::string(in_full || runs_passes() ? kQualityTable : ""); });
+  tool.help("effects", [this](bool in_full) { return effects_help(*this, in_full); });
 }
 
 void Options::settle(Monitor& monitor) {
@@ -34,6 +39,7 @@ void Options::settle(Monitor& monitor) {
 std::string options_text(Options& options) {
   OptionSet set;
   set.add(options.training.joint);
+  set.add<FieldOptions>(options.training.joint);
   options.pipeline.declare(set, {});
   set.add(options.training.sample);
   set.add(options.training.rbf);

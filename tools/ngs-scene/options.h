@@ -33,8 +33,8 @@ struct ImportOptions {
     visit(self.mask_mode,
           Choice<MaskMode>{"mask_mode", "how mask values are read (bands: <128 unknown, <=250 background)",
                            kMaskModeNames});
-    visit(self.object_id, Text{"object_id", "N|NAME=N|NAME",
-                               "an object: its id in label maps, or the name of its folder of masks; repeat for more"});
+    visit(self.object_id,
+          Text{"object_id", "N|NAME=N|NAME", "an object: its id in label maps, or the name of its folder of masks"});
     visit(self.mask_invert, Flag{"mask_invert", "black is the object"});
     visit(self.mask_threshold,
           Field<double>{"mask_threshold", "", "binary masks: object at and above this (8-bit scale)", 0.0, 255.0});
@@ -64,8 +64,8 @@ struct ImportOptions {
               "antialias",
               "opacity compensation the model was fitted with, for all tools; auto: as the PLY's comments say",
               kAntialiasNames});
-    visit(self.background, Text{"background", "R,G,B|black|white",
-                                "colour behind the model, each in [0, 1]; empty: the one that explains the photos"});
+    visit(self.background, Text{"background", "COLOUR",
+                                "behind the model: black, white or R,G,B in [0, 1]; empty: what explains the photos"});
     visit(self.align_views, Flag{"align_views", "turn and move cameras by what lays the rendered model on the photos"});
     visit(self.original_world, Flag{"original_world", "transforms.json: undo its applied_transform"});
   }

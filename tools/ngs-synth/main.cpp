@@ -66,7 +66,8 @@ int main(int argc, char** argv) {
   cli::SynthOptions options;
   FitOptions fit_options = small_fit();
   tool.options(options);
-  tool.options(fit_options, {.title = "fit to the photos",
+  tool.options(fit_options, {.name = "fit",
+                             .about = "to the photos",
                              .prefix = "fit_",
                              .listens = [&options] { return options.fit; },
                              .listener = "--fit"});

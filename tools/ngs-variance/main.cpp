@@ -17,7 +17,7 @@ struct ShardOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.views, Text{"views", "i/N", "only shard i of N (from 0) of the training views; for --partial"});
-    visit(self.object, Text{"object", "NAME", "only this object of the scene; repeat for more"});
+    visit(self.object, Text{"object", "NAME", "only this object of the scene"});
   }
 };
 

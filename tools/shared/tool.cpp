@@ -68,7 +68,9 @@ const Output& Tool::optional_output_dir(std::string flags, std::string help) {
   return impl_->add_output(std::move(flags), std::move(help), false, true);
 }
 void Tool::writes_nothing_if(const bool& option) { impl_->spec.writes_nothing_if.push_back(&option); }
-void Tool::help(std::string text) { impl_->spec.help_texts.push_back(std::move(text)); }
+void Tool::help(std::string name, std::function<std::string(bool in_full)> text) {
+  impl_->spec.help_topics.push_back({std::move(name), std::move(text)});
+}
 void Tool::stops_on_request() { impl_->spec.stops_on_request = true; }
 void Tool::runs_on_device() { impl_->spec.runs_on_device = true; }
 void Tool::runs_partly_on_device() { impl_->spec.runs_on_device = impl_->spec.partly_on_device = true; }
@@ -77,8 +79,8 @@ namespace {
 
 /// True if the command line asked for a text instead of a run.
 bool print_text(const Spec& spec, const CommonFlags& flags) {
-  if (flags.help)
-    print(help_text(spec, terminal_columns(), flags.verbose));
+  if (!flags.help.empty())
+    print(help_text(spec, flags.help, terminal_columns()));
   else if (flags.short_help)
     print(short_help_text(spec, terminal_columns()));
   else if (flags.version)

@@ -59,8 +59,9 @@ class Tool {
   const Output& optional_output_dir(std::string flags, std::string help);
   /// Where this option is set the tool writes nothing, and asks for no output, as in a dry run.
   void writes_nothing_if(const bool& option);
-  /// A paragraph of --help -v, behind the options.
-  void help(std::string text);
+  /// A part of --help, behind the options, and what --help NAME says; asked once the command line is read. Empty: not
+  /// shown.
+  void help(std::string name, std::function<std::string(bool in_full)> text);
   /// The body polls monitor().stop_requested(). Otherwise a signal ends the tool at once, without output.
   void stops_on_request();
   /// Every stage of the body runs through ops that have a device path. Otherwise --device cuda is refused.

@@ -20,29 +20,26 @@ struct CobOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.rounds,
-          Field<int>{"cob_rounds", "", "cob: mask and texture phase pairs before the last mask phase; 0: labels only",
-                     0, 1000});
-    visit(self.lambda, Field<double>{"cob_lambda", "", "cob: weight of pixels outside the mask", 1e-6, 1e6});
-    visit(self.label_lr, Field<double>{"cob_label_lr", "", "cob: Adam rate of the label logits", 1e-6, 100.0});
-    visit(self.extract, Field<double>{"cob_extract", "", "cob: label 1 where the sigmoid exceeds this", 0.0, 1.0});
+    visit(self.rounds, Field<int>{"cob_rounds", "",
+                                  "mask and texture phase pairs before the last mask phase; 0: labels only", 0, 1000});
+    visit(self.lambda, Field<double>{"cob_lambda", "", "weight of pixels outside the mask", 1e-6, 1e6});
+    visit(self.label_lr, Field<double>{"cob_label_lr", "", "Adam rate of the label logits", 1e-6, 100.0});
+    visit(self.extract, Field<double>{"cob_extract", "", "label 1 where the sigmoid exceeds this", 0.0, 1.0});
     visit(self.ambiguity,
           Field<double>{"cob_ambiguity", "",
-                        "cob: mean r below which a Gaussian is split, at last pruned (0.8 for object-centric scenes)",
-                        0.0, 1.0});
+                        "mean r below which a Gaussian is split, at last pruned (0.8 for object-centric scenes)", 0.0,
+                        1.0});
     visit(self.split_scale,
-          Field<double>{"cob_split_scale", "of the extent", "cob: only larger Gaussians are split", 0.0, 10.0});
-    visit(self.divisor,
-          Choice<CobDivisor>{"cob_divisor", "cob: views that the mean of r is taken over", kCobDivisorNames});
-    visit(self.prune, Flag{"cob_prune", "cob: delete what is still ambiguous at the end"});
-    visit(self.position_lr, Field<double>{"cob_position_lr", "of the extent", "cob: texture phases", 0.0, 1.0});
-    visit(self.dc_lr, Field<double>{"cob_dc_lr", "", "cob: constant colour", 0.0, 1.0});
-    visit(self.rest_lr, Field<double>{"cob_rest_lr", "", "cob: other SH coefficients", 0.0, 1.0});
-    visit(self.opacity_lr, Field<double>{"cob_opacity_lr", "", "cob: logit of the opacity", 0.0, 1.0});
-    visit(self.scale_lr, Field<double>{"cob_scale_lr", "", "cob: logarithm of the scale", 0.0, 1.0});
-    visit(self.rotation_lr, Field<double>{"cob_rotation_lr", "", "cob: quaternion", 0.0, 1.0});
-    visit(self.dssim_weight,
-          Field<double>{"cob_dssim_weight", "", "cob: weight of 1 - SSIM; L1 has the rest", 0.0, 1.0});
+          Field<double>{"cob_split_scale", "of the extent", "only larger Gaussians are split", 0.0, 10.0});
+    visit(self.divisor, Choice<CobDivisor>{"cob_divisor", "views that the mean of r is taken over", kCobDivisorNames});
+    visit(self.prune, Flag{"cob_prune", "delete what is still ambiguous at the end"});
+    visit(self.position_lr, Field<double>{"cob_position_lr", "of the extent", "texture phases", 0.0, 1.0});
+    visit(self.dc_lr, Field<double>{"cob_dc_lr", "", "constant colour", 0.0, 1.0});
+    visit(self.rest_lr, Field<double>{"cob_rest_lr", "", "other SH coefficients", 0.0, 1.0});
+    visit(self.opacity_lr, Field<double>{"cob_opacity_lr", "", "logit of the opacity", 0.0, 1.0});
+    visit(self.scale_lr, Field<double>{"cob_scale_lr", "", "logarithm of the scale", 0.0, 1.0});
+    visit(self.rotation_lr, Field<double>{"cob_rotation_lr", "", "quaternion", 0.0, 1.0});
+    visit(self.dssim_weight, Field<double>{"cob_dssim_weight", "", "weight of 1 - SSIM; L1 has the rest", 0.0, 1.0});
   }
 };
 

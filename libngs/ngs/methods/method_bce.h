@@ -19,16 +19,15 @@ struct BceOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.relative_gap, Field<double>{"bce_gap", "of the loss",
-                                           "bce: stop at this duality gap (bound on loss - optimum)", 1e-6, 1.0});
+    visit(self.relative_gap,
+          Field<double>{"bce_gap", "of the loss", "stop at this duality gap (bound on loss - optimum)", 1e-6, 1.0});
     visit(self.relaxation,
-          Field<double>{"bce_relaxation", "", "bce: over-relaxation of the EM steps; 1 is plain EM", 1.0, 1.99});
+          Field<double>{"bce_relaxation", "", "over-relaxation of the EM steps; 1 is plain EM", 1.0, 1.99});
     visit(self.max_evaluations,
-          Field<int>{"bce_evaluations", "", "bce: at most this many evaluations of the loss", 1, 1000000});
-    visit(self.cache_mib, Field<int>{"bce_cache_mib", "MiB",
-                                     "bce: memory for weights; views beyond it are composited anew", 0, 1 << 24});
-    visit(self.exclusive,
-          Flag{"bce_exclusive", "bce: a Gaussian belongs to at most one object (the largest soft label)"});
+          Field<int>{"bce_evaluations", "", "at most this many evaluations of the loss", 1, 1000000});
+    visit(self.cache_mib,
+          Field<int>{"bce_cache_mib", "MiB", "memory for weights; views beyond it are composited anew", 0, 1 << 24});
+    visit(self.exclusive, Flag{"bce_exclusive", "a Gaussian belongs to at most one object (the largest soft label)"});
   }
 };
 

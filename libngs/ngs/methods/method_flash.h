@@ -21,10 +21,10 @@ struct FlashOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.gamma,
-          Field<double>{"flash_gamma", "", "flash: bias towards the background; < 0 favours the object", -1.0, 1.0});
-    visit(self.norm, Choice<FlashNorm>{"flash_norm", "flash: normalisation of the shares that gamma is added to",
-                                       kFlashNormNames});
-    visit(self.exclusive, Flag{"flash_exclusive", "flash: a Gaussian belongs to at most one object (the heaviest)"});
+          Field<double>{"flash_gamma", "", "bias towards the background; < 0 favours the object", -1.0, 1.0});
+    visit(self.norm,
+          Choice<FlashNorm>{"flash_norm", "normalisation of the shares that gamma is added to", kFlashNormNames});
+    visit(self.exclusive, Flag{"flash_exclusive", "a Gaussian belongs to at most one object (the heaviest)"});
   }
 };
 

@@ -17,15 +17,15 @@ struct ReleasedOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.count, Field<int>{"released_count", "",
-                                 "released: Gaussians that the regulariser takes, most undecided first", 0, 1 << 20});
-    visit(self.align, Field<double>{"released_align", "",
-                                    "released: weight of the distance to the neighbours' mean colour", 0.0, 1e6});
+    visit(self.count,
+          Field<int>{"released_count", "", "Gaussians that are regularised, most undecided first", 0, 1 << 20});
+    visit(self.align,
+          Field<double>{"released_align", "", "weight of the distance to the neighbours' mean colour", 0.0, 1e6});
     visit(self.continuity,
-          Field<double>{"released_continuity", "", "released: weight of colour differences to neighbours", 0.0, 1e6});
-    visit(self.smooth, Field<double>{"released_smooth", "", "released: weight of the change under jitter", 0.0, 1e6});
-    visit(self.density, Field<double>{"released_density", "", "released: weight of the mean density", 0.0, 1e6});
-    visit(self.lr, Field<double>{"released_lr", "", "released: Adam rate of network and tables", 0.0, 1.0});
+          Field<double>{"released_continuity", "", "weight of colour differences to neighbours", 0.0, 1e6});
+    visit(self.smooth, Field<double>{"released_smooth", "", "weight of the change under jitter", 0.0, 1e6});
+    visit(self.density, Field<double>{"released_density", "", "weight of the mean density", 0.0, 1e6});
+    visit(self.lr, Field<double>{"released_lr", "", "Adam rate of network and tables", 0.0, 1.0});
   }
 };
 

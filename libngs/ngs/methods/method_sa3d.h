@@ -18,11 +18,11 @@ struct Sa3dOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.lambda, Field<double>{"sa3d_lambda", "", "sa3d: weight of pixels outside the mask", 1e-6, 1e6});
-    visit(self.gate_iou, Field<double>{"sa3d_gate_iou", "",
-                                       "sa3d: views that agree less with the labels so far are left out", 0.0, 1.0});
-    visit(self.passes, Field<int>{"sa3d_passes", "", "sa3d: passes over the views", 1, 100});
-    visit(self.remove_ambiguous, Flag{"sa3d_remove_ambiguous", "sa3d: between passes, drop what is not the object"});
+    visit(self.lambda, Field<double>{"sa3d_lambda", "", "weight of pixels outside the mask", 1e-6, 1e6});
+    visit(self.gate_iou,
+          Field<double>{"sa3d_gate_iou", "", "views that agree less with the labels so far are left out", 0.0, 1.0});
+    visit(self.passes, Field<int>{"sa3d_passes", "", "passes over the views", 1, 100});
+    visit(self.remove_ambiguous, Flag{"sa3d_remove_ambiguous", "between passes, drop what is not the object"});
   }
 };
 

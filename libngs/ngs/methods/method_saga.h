@@ -20,17 +20,16 @@ struct SagaOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.dims, Field<int>{"saga_dims", "", "saga: length of a Gaussian's feature", 2, 64});
-    visit(self.steps, Field<int>{"saga_steps", "", "saga: optimisation steps, one view each", 1, 1000000});
-    visit(self.pixels, Field<int>{"saga_pixels", "", "saga: pixels that a step compares", 2, 8192});
-    visit(self.neighbours, Field<int>{"saga_neighbours", "", "saga: Gaussians that a feature is averaged over", 1, 32});
-    visit(self.lr,
-          Field<double>{"saga_lr", "", "saga: Adam rate (0.0025 in the code, which takes 10000 steps)", 1e-6, 10.0});
-    visit(self.image_scale, Field<double>{"saga_image_scale", "", "saga: size of the feature images", 1e-2, 4.0});
-    visit(self.threshold, Field<double>{"saga_threshold", "",
-                                        "saga: label 1 where the cosine to the prototype exceeds this", -1.0, 1.0});
+    visit(self.dims, Field<int>{"saga_dims", "", "length of a Gaussian's feature", 2, 64});
+    visit(self.steps, Field<int>{"saga_steps", "", "optimisation steps, one view each", 1, 1000000});
+    visit(self.pixels, Field<int>{"saga_pixels", "", "pixels that a step compares", 2, 8192});
+    visit(self.neighbours, Field<int>{"saga_neighbours", "", "Gaussians that a feature is averaged over", 1, 32});
+    visit(self.lr, Field<double>{"saga_lr", "", "Adam rate (0.0025 in the code, which takes 10000 steps)", 1e-6, 10.0});
+    visit(self.image_scale, Field<double>{"saga_image_scale", "", "size of the feature images", 1e-2, 4.0});
+    visit(self.threshold,
+          Field<double>{"saga_threshold", "", "label 1 where the cosine to the prototype exceeds this", -1.0, 1.0});
     visit(self.reference,
-          Text{"saga_reference", "VIEW", "saga: view of the prototypes; default: where the object is largest"});
+          Text{"saga_reference", "VIEW", "view of the prototypes; default: where the object is largest"});
   }
 };
 

@@ -22,15 +22,18 @@ using Json = nlohmann::ordered_json;
 
 enum class OptionKind { kBool, kInteger, kReal, kText, kTextList, kChoice };
 
+/// The shortest help that shows a group of options: -h, --help, or --help NAME (and --help all).
+enum class Shown { kInShortHelp, kInHelp, kByName };
+
 /// What the options of one struct have in common in one tool.
 struct OptionGroup {
-  std::string title = "options";       // of their part of --help; groups with one title share it
+  std::string name = "options";        // a word for --help NAME; groups of one name share a part of the help
+  std::string about = {};              // what stands behind it
   std::string prefix = {};             // before their names: "fit_" -> --fit-steps
   std::string effect = {};             // of those that name none themselves, as in Field::of()
   std::function<bool()> listens = {};  // asked once all values are set: false, and nothing uses them. Empty: always
   std::string listener = {};           // who would: "--method cob"
-  bool basic = false;                  // what a first user needs: shown by -h too
-  bool expert = false;                 // --help names them, --help -v explains them
+  Shown shown = Shown::kInHelp;
 };
 
 struct OptionEntry {

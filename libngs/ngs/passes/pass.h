@@ -71,7 +71,7 @@ class Pass {
   virtual PassStage stage() const = 0;
   /// The pass itself first, then its parts that can be switched.
   virtual std::vector<Effect> effects() const = 0;
-  /// Adds its options, as `group` under a title of its own.
+  /// Adds its options, as `group` under a name of its own.
   virtual void declare(OptionSet&, OptionGroup /*group*/) {}
   /// What its options decide without naming an effect.
   virtual std::vector<EffectVerdict> rules(const TrainingOptions&) const { return {}; }

@@ -14,6 +14,7 @@ class Pipeline {
   /// Of all passes, in order.
   std::vector<Effect> effects() const;
   std::vector<Effect> effects(PassStage stage) const;
+  const std::vector<std::unique_ptr<Pass>>& passes() const { return passes_; }
   void declare(OptionSet& options, const OptionGroup& group) const;
   std::vector<EffectVerdict> rules(const TrainingOptions& training) const;
 

@@ -156,8 +156,7 @@ std::string help_header_of(const Result& result) {
       ".json; do not edit.\n\n"
       "namespace ngs::joint {\n\n"
       "inline constexpr const char* kQualityTable =\n"
-      "    \"quality, as measured:\\n\"\n"
-      "    \"  " +
+      "    \"quality, as measured: " +
       result.title + "\\n\"\n";
   for (std::size_t i = 0; i < table.size(); ++i) {
     std::string line = " ";

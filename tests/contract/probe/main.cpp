@@ -87,7 +87,7 @@ int main(int argc, char** argv) {
   ProbeOptions options;
   EchoOptions echo;
   tool.options(options);
-  tool.options(echo, {.title = "echo",
+  tool.options(echo, {.name = "echo",
                       .prefix = "echo_",
                       .listens = [&options] { return options.act == Act::kEcho; },
                       .listener = "--act echo"});

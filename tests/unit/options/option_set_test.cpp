@@ -211,7 +211,7 @@ struct Twice {
 TEST_CASE("an option carries its effect, its group's where it names none, and its earlier name with the prefix") {
   FieldOptions options;
   OptionSet set;
-  set.add(options, OptionGroup{.title = "field", .prefix = "near_", .effect = "start"});
+  set.add(options, OptionGroup{.name = "field", .prefix = "near_", .effect = "start"});
   CHECK(set.at("near_hash_levels").effect == "nerf");
   CHECK(set.at("near_hash_levels").was == "near_grid_levels");
   CHECK(set.at("near_mlp_layers").effect == "nerf");

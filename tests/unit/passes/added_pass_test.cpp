@@ -24,7 +24,7 @@ class OversizedPass : public Pass {
                           }}}};
   }
   void declare(OptionSet& options, OptionGroup group) override {
-    group.title = "oversized", group.effect = "oversized";
+    group.name = group.effect = "oversized";
     options.add(*this, std::move(group));
   }
   template <class Self, class Visitor>

@@ -55,10 +55,11 @@ TEST_CASE("columns are those of the terminal: an accent takes none, a wide chara
   CHECK(wrapped("", "\u6f22\u6f22\u6f22", {0, 5}) == "\u6f22\u6f22\n\u6f22");
 }
 
-TEST_CASE("lines that fit stay as they are; others hang under their second column, or as they were indented") {
+TEST_CASE("lines that fit stay as they are; others hang under their last column, or as they were indented") {
   const std::string fits = "a title:\n  name    what it is\n\n";
   CHECK(rewrapped(fits, 20) == fits);
   CHECK(rewrapped("  name    what it is\n", 16) == "  name    what\n          it is\n");
+  CHECK(rewrapped("  name  on  what it is\n", 18) == "  name  on  what\n            it is\n");
   CHECK(rewrapped("  one two three\n", 9) == "  one two\n  three\n");
   CHECK(rewrapped("no newline", 20) == "no newline\n");
 }

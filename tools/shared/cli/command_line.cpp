@@ -35,12 +35,17 @@ void declare(const OptionSet& common, const Spec& spec, Splitter& splitter) {
   for (const Output& output : spec.outputs) splitter.value(output.flags);
 }
 
-/// The words behind the tool's name. --print-schema takes the word behind it, or stands alone and means the options.
+/// Flags that take the word behind them, or stand alone and mean one.
+const std::pair<std::string, std::string> kWordIfAlone[] = {{kPrintSchema, "options"}, {"--help", kUsualHelp}};
+
+/// The words behind the tool's name.
 Texts words_of(int argc, char** argv) {
   Texts words(argv + std::min(argc, 1), argv + argc);
   const auto end = std::find(words.begin(), words.end(), "--");
-  const auto flag = std::find(words.begin(), end, kPrintSchema);
-  if (flag != end && (flag + 1 == end || (flag + 1)->starts_with("-"))) *flag += "=options";
+  for (const auto& [name, word] : kWordIfAlone) {
+    const auto flag = std::find(words.begin(), end, name);
+    if (flag != end && (flag + 1 == end || (flag + 1)->starts_with("-"))) *flag += "=" + word;
+  }
   return words;
 }
 

@@ -19,11 +19,13 @@ inline constexpr NamedValue<LogFormat> kLogFormats[] = {{LogFormat::kText, "text
 inline constexpr NamedValue<DeviceChoice> kDevices[] = {
     {DeviceChoice::kCpu, "cpu"}, {DeviceChoice::kCuda, "cuda"}, {DeviceChoice::kAuto, "auto"}};
 
+inline constexpr const char* kUsualHelp = "usual";         // the group that --help alone means
 inline constexpr const char* kForScripts = "for scripts";  // not shown by --help
 
 struct CommonFlags {
-  bool short_help = false, help = false, version = false, json = false;
-  int threads = 0;  // 0: not given
+  bool short_help = false, version = false, json = false;
+  std::string help;  // empty, kUsualHelp, "all" or the name of a group
+  int threads = 0;   // 0: not given
   DeviceChoice device = DeviceChoice::kAuto;
   std::uint64_t seed = 0;
   bool dry_run = false, overwrite = false, allow_empty = false;
@@ -42,7 +44,7 @@ struct CommonFlags {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.short_help, Flag{"h", "short help"});
-    visit(self.help, Flag{"help", "this text"});
+    visit(self.help, Text{"help", "[GROUP]", "this, or one group"});
     visit(self.version, Flag{"version", "version and build"});
     visit(self.json, Flag{"json", "with --version: as JSON"});
     visit(self.threads, Field<int>{"threads", "", "else NGS_THREADS or all", 1, 4096}.letter('j'));
@@ -56,7 +58,7 @@ struct CommonFlags {
     visit(self.print_schema, Text{"print_schema", "[report]", "of options or report"});
     visit(self.report_path, Text{"report", "FILE", "else it is on stdout"});
     visit(self.quiet, Flag{"quiet", "errors only"}.letter('q'));
-    visit(self.verbose, Flag{"verbose", "more, also in --help"}.letter('v'));
+    visit(self.verbose, Flag{"verbose", "more on stderr"}.letter('v'));
     visit(self.log_level, Choice<LogLevel>{"log_level", "", kLogLevels});
     visit(self.log_format, Choice<LogFormat>{"log_format", "of stderr", kLogFormats});
     visit(self.print_commands, Flag{"print_commands", kForScripts});

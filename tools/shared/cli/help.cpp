@@ -4,8 +4,10 @@
 #include <charconv>
 #include <cmath>
 
+#include "ngs/core/error.h"
 #include "ngs/core/version.h"
 #include "ngs/ops/device/cuda_ops.h"
+#include "ngs/options/near_matches.h"
 #include "shared/cli/common_flags.h"
 #include "shared/cli/exit_code.h"
 #include "shared/text/layout.h"
@@ -14,14 +16,21 @@
 namespace ngs::cli {
 namespace {
 
-constexpr int kHelpColumn = 28;
+constexpr int kHelpColumn = 30;
 constexpr std::ptrdiff_t kShortHelpLines = 30;
+constexpr const char* kAllGroups = "all";
 
 std::string row(const std::string& left, const std::string& help, int width) {
   const int column = std::min(kHelpColumn, width / 2);
   std::string start = "  " + left + "  ";
   start.append(std::size_t(std::max(0, column - columns_of(start))), ' ');
   return wrapped(std::move(start), help, {column, width}) + "\n";
+}
+
+std::string joined(const std::vector<std::string>& words, const char* separator) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : separator) + word;
+  return text;
 }
 
 std::string upper(std::string text) {
@@ -53,9 +62,7 @@ std::string value_of(const OptionEntry& entry) {
     case OptionKind::kTextList: return " " + (entry.unit.empty() ? "TEXT" : entry.unit);
     case OptionKind::kChoice: break;
   }
-  std::string names;
-  for (const std::string& choice : entry.choices) names += (names.empty() ? " " : "|") + choice;
-  return names;
+  return " " + joined(entry.choices, "|");
 }
 
 /// "--[no-]resume", "--steps N".
@@ -72,7 +79,9 @@ std::string default_of(const OptionEntry& entry) {
 }
 
 std::string option_row(const OptionEntry& entry, int width) {
-  std::string help = entry.help;
+  std::string left = flag_and_value(entry), help = entry.help;
+  if (entry.kind == OptionKind::kChoice && columns_of(left) > kHelpColumn - 4)  // too wide for the first column
+    left = option_flag(entry.name) + " NAME", help += ": " + joined(entry.choices, ", ");
   if (entry.kind == OptionKind::kTextList && help.find("(repeatable)") == help.npos) help += " (repeatable)";
   std::string values = default_of(entry);
   if (!entry.min.is_null()) {
@@ -80,66 +89,51 @@ std::string option_row(const OptionEntry& entry, int width) {
     values += "; " + shown_number(entry.min) + ".." + shown_number(entry.max);
   }
   if (!values.empty()) help += " [" + values + "]";
-  return row(flag_and_value(entry), help, width);
+  return row(left, help, width);
 }
 
 struct Part {
-  std::string title;
+  std::shared_ptr<const OptionGroup> group;
   std::vector<const OptionEntry*> entries;
 };
 
-/// The options by the titles of their groups, in the order in which these come first, without what nothing listens to.
-std::vector<Part> parts_of(const OptionSet& options, bool basic_only) {
+/// The options by the names of their groups, in the order in which these come first.
+std::vector<Part> parts_of(const OptionSet& options, const std::function<bool(const OptionEntry&)>& is_wanted) {
   std::vector<Part> parts;
   for (const OptionEntry& entry : options.entries()) {
-    if (!is_heard(entry) || (basic_only && !entry.group->basic)) continue;
-    auto part = std::ranges::find(parts, entry.group->title, &Part::title);
-    if (part == parts.end()) part = parts.insert(part, {entry.group->title, {}});
+    if (!is_wanted(entry)) continue;
+    auto part = std::ranges::find_if(parts, [&](const Part& p) { return p.group->name == entry.group->name; });
+    if (part == parts.end()) part = parts.insert(part, {entry.group, {}});
     part->entries.push_back(&entry);
   }
   return parts;
 }
 
-/// "TITLE: --flag --flag", and further lines indented.
-std::string flag_list(const std::string& title, const std::vector<const OptionEntry*>& entries,
-                      const Margins& margins) {
-  std::string flags;
-  for (const OptionEntry* entry : entries) flags += " " + option_flag(entry->name);
-  return wrapped(title + ":", flags, margins) + "\n";
+/// Those that somebody listens to, in a help as short as `least`.
+std::vector<Part> heard_parts(const OptionSet& options, Shown least) {
+  return parts_of(options, [&](const OptionEntry& e) { return is_heard(e) && e.group->shown <= least; });
+}
+std::vector<Part> all_parts(const OptionSet& options) {
+  return parts_of(options, [](const OptionEntry&) { return true; });
 }
 
-/// The flags alone, for a tool that has many and says of none that it is basic.
+/// The flags alone, for a tool that has many and says of none that a first user needs it.
 std::string option_list(const std::vector<Part>& parts, int width) {
-  std::vector<const OptionEntry*> all;
-  for (const Part& part : parts) all.insert(all.end(), part.entries.begin(), part.entries.end());
-  return "\n" + flag_list("options", all, {2, width});
+  std::string flags;
+  for (const Part& part : parts)
+    for (const OptionEntry* entry : part.entries) flags += " " + option_flag(entry->name);
+  return "\n" + wrapped("options:", flags, {2, width}) + "\n";
 }
 
-std::string option_rows(const std::vector<Part>& parts, int width, bool verbose) {
-  std::string text, named;
+std::string option_rows(const std::vector<Part>& parts, int width) {
+  std::string text;
   for (const Part& part : parts) {
-    if (!verbose && part.entries.front()->group->expert) {
-      named += flag_list("  " + part.title, part.entries, {4, width});
-      continue;
-    }
-    text += "\n" + part.title + (text.empty() ? " [default; range]:\n" : ":\n");
+    std::string title = part.group->name + (part.group->about.empty() ? "" : ": " + part.group->about);
+    if (!is_heard(*part.entries.front())) title += ", only with " + part.group->listener;
+    text += "\n" + wrapped("", title + (text.empty() ? " [default; range]:" : ":"), {2, width}) + "\n";
     for (const OptionEntry* entry : part.entries) text += option_row(*entry, width);
   }
-  return text + (named.empty() ? "" : "\nfor experts, explained by --help -v:\n" + named);
-}
-
-/// Who would listen to the options that are not shown.
-std::string other_listeners(const OptionSet& options, int width) {
-  std::vector<std::string> listeners;
-  for (const OptionEntry& entry : options.entries()) {
-    const std::string& listener = entry.group->listener;
-    if (!is_heard(entry) && !listener.empty() && std::ranges::find(listeners, listener) == listeners.end())
-      listeners.push_back(listener);
-  }
-  if (listeners.empty()) return {};
-  std::string text;
-  for (const std::string& listener : listeners) text += (text.empty() ? "" : ", ") + listener;
-  return "\n" + wrapped("not shown: options of", text + "; --help beside it shows them", {2, width}) + "\n";
+  return text;
 }
 
 /// Two in a line where both have room.
@@ -212,27 +206,58 @@ std::string inputs_and_outputs(const Spec& spec, int width) {
   return text;
 }
 
+std::vector<std::string> group_names(const Spec& spec) {
+  std::vector<std::string> names;
+  for (const Part& part : all_parts(spec.options)) names.push_back(part.group->name);
+  for (const HelpTopic& topic : spec.help_topics) names.push_back(topic.name);
+  names.push_back(kAllGroups);
+  return names;
+}
+
+std::string group_text(const Spec& spec, const std::string& group, int width) {
+  for (const HelpTopic& topic : spec.help_topics)
+    if (topic.name == group) return rewrapped(topic.text(true), width);
+  const auto parts = parts_of(spec.options, [&](const OptionEntry& entry) { return entry.group->name == group; });
+  if (!parts.empty()) return option_rows(parts, width).substr(1);
+  const std::vector<std::string> names = group_names(spec);
+  throw Error(ErrorCode::kUsage, "--help: no group '" + group + "', expected " + joined(names, ", "),
+              near_matches(group, names).empty() ? "" : suggestion(group, names));
+}
+
+/// The groups that --help alone leaves out or cuts short.
+std::string further_groups(const Spec& spec, int width) {
+  std::vector<std::string> names = group_names(spec);
+  for (const Part& part : heard_parts(spec.options, Shown::kInHelp)) std::erase(names, part.group->name);
+  for (const HelpTopic& topic : spec.help_topics)
+    if (topic.text(true) == topic.text(false)) std::erase(names, topic.name);
+  return names.size() < 2 ? "" : "\n" + wrapped("more: --help", joined(names, "|"), {2, width}) + "\n";
+}
+
 }  // namespace
 
 std::string short_help_text(const Spec& spec, int width) {
   const std::string head = examples_and_usage(spec, width) + inputs_and_outputs(spec, width);
   const std::string tail =
-      "\n" + wrapped("more:", "--help has all options, the flags of all tools and the exit codes", {2, width}) + "\n";
-  std::vector<Part> parts = parts_of(spec.options, true);
-  if (parts.empty()) parts = parts_of(spec.options, false);
+      "\n" + wrapped("more:", "--help has further options, the flags of all tools and the exit codes", {2, width}) +
+      "\n";
+  std::vector<Part> parts = heard_parts(spec.options, Shown::kInShortHelp);
+  if (parts.empty()) parts = heard_parts(spec.options, Shown::kInHelp);
   if (parts.empty()) return head + tail;
-  std::string text = head + option_rows(parts, width, true) + tail;
+  std::string text = head + option_rows(parts, width) + tail;
   if (std::ranges::count(text, '\n') > kShortHelpLines) text = head + option_list(parts, width) + tail;
   return text;
 }
 
-std::string help_text(const Spec& spec, int width, bool verbose) {
+std::string help_text(const Spec& spec, const std::string& group, int width) {
+  if (group != kUsualHelp && group != kAllGroups) return group_text(spec, group, width);
+  const bool all = group == kAllGroups;
   std::string text = examples_and_usage(spec, width) + inputs_and_outputs(spec, width);
-  text += option_rows(parts_of(spec.options, false), width, verbose) + other_listeners(spec.options, width);
-  for (const std::string& paragraph : spec.help_texts)
-    if (verbose) text += "\n" + rewrapped(paragraph, width);
+  text += option_rows(all ? all_parts(spec.options) : heard_parts(spec.options, Shown::kInHelp), width);
+  for (const HelpTopic& topic : spec.help_topics)
+    if (const std::string table = topic.text(all); !table.empty()) text += "\n" + rewrapped(table, width);
   text += "\nflags of all tools:\n" + common_rows(width);
-  return text + "\n" + wrapped("exit codes:", kExitCodeHelp, {2, width}) + "\n";
+  text += "\n" + wrapped("exit codes:", kExitCodeHelp, {2, width}) + "\n";
+  return all ? text : text + further_groups(spec, width);
 }
 
 std::string version_text(const std::string& tool, bool json) {

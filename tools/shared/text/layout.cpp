@@ -61,12 +61,10 @@ class Lines {
   Margins margins_;
 };
 
-/// Where the second column of a line begins, else its first word.
+/// Where the last column of a line begins, else its first word.
 std::size_t hanging_indent(std::string_view line) {
-  const std::size_t first = std::min(line.find_first_not_of(' '), line.size());
-  const std::size_t gap = line.find("  ", first);
-  const std::size_t second = gap == line.npos ? gap : line.find_first_not_of(' ', gap);
-  return second == line.npos || second > std::size_t(kFewestColumns) ? first : second;
+  const std::size_t gap = line.rfind("  ", kFewestColumns - 2);
+  return std::min(line.find_first_not_of(' ', gap == line.npos ? 0 : gap), line.size());
 }
 
 }  // namespace

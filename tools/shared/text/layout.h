@@ -21,7 +21,7 @@ struct Margins {
 std::string wrapped(std::string start, std::string_view text, const Margins& margins);
 
 /// Lines that are there already, each cut where it is too wide; what comes over is indented as its line, or stands
-/// under its second column where it has one, two blanks behind the first.
+/// under its last column where it has several, two blanks apart; the last that begins in the first 40.
 std::string rewrapped(std::string_view lines, int width);
 
 }  // namespace ngs::cli

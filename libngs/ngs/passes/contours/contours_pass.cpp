@@ -80,7 +80,7 @@ std::vector<Effect> ContoursPass::effects() const {
        .always = "what replaced it cost up to 2 points of boundary IoU on scenes with inaccurate masks",
        .was = "second-round"},
       {.name = "full-resolution",
-       .help = "all iterations at the full size, after all steps; off: coarse to fine, after few",
+       .help = "all iterations at full size, after all steps; off: coarse to fine",
        .saves = "half of the other iterations' rows, columns and epochs, 0.7 of the steps before them",
        .needs = "contour-iterations",
        .detector = {"most of an object that lies in parts narrower than 9 px, share (1: some view has no photo)", 0.03,
@@ -91,7 +91,7 @@ std::vector<Effect> ContoursPass::effects() const {
 }
 
 void ContoursPass::declare(OptionSet& options, OptionGroup group) {
-  group.title = "contours: follow the photos' edges", group.effect = "contours";
+  group.name = group.effect = "contours", group.about = "follow the photos' edges";
   options.add(options_, std::move(group));
 }
 

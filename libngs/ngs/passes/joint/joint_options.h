@@ -49,7 +49,33 @@ inline int epochs_of(Quality quality) {
 /// Share of the epochs that is taken before contour iterations at half the size, which do the rest of their work.
 inline constexpr double kEpochsBeforeContours = 0.3;
 
-struct JointOptions {
+/// The NeRF: its encoding, its network, its rates.
+struct FieldOptions {
+  double rate_hash = 1e-2, rate_mlp = 1e-3, rate_feature = 2.5e-3;
+  int hash_levels = 8, hash_features = 2, hash_log2_table = 15, hash_base = 16, hash_finest = 512;
+  int mlp_hidden = 64, mlp_layers = 2, direction_degree = 2;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.rate_hash, Field<double>{"rate_hash", "", "Adam rate of the hash tables", 0, 10});
+    visit(self.rate_mlp, Field<double>{"rate_mlp", "", "Adam rate of the network", 0, 10});
+    visit(self.rate_feature, Field<double>{"rate_feature", "", "Adam rate of the boundary features f_j", 0, 10});
+    visit(self.hash_levels,
+          Field<int>{"hash_levels", "", "resolutions L of the hash encoding (Eq. 11)", 1, kMaxHashLevels});
+    visit(self.hash_features, Field<int>{"hash_features", "", "features per level: 1, 2, 4 or 8", 1, 8});
+    visit(self.hash_log2_table, Field<int>{"hash_log2_table", "", "log2 of the entries of a hashed level", 3, 24});
+    visit(self.hash_base, Field<int>{"hash_base", "vertices", "coarsest resolution, along an axis", 2, 4096});
+    visit(self.hash_finest,
+          Field<int>{"hash_finest", "vertices", "finest resolution, along an axis", 2, kMaxHashResolution});
+    visit(self.mlp_hidden, Field<int>{"mlp_hidden", "", "width of the network", 16, 128});
+    visit(self.mlp_layers, Field<int>{"mlp_layers", "", "hidden layers, each modulated (Eq. 14)", 1, kMaxFilmLayers});
+    visit(self.direction_degree,
+          Field<int>{"direction_degree", "", "SH bands of the view direction (C14); 0: none", 0, 3});
+  }
+};
+
+/// The steps of Eq. 20. describe() leaves the field to that of FieldOptions.
+struct JointOptions : FieldOptions {
   Quality quality = Quality::kStandard;
   std::int64_t steps = 0;
   JointSwitches on;             // as the effects are decided
@@ -62,12 +88,9 @@ struct JointOptions {
   int start_steps = 3;
   double rate_label = 0.1, rate_scale = 0.1;
   bool rate_literal = false;
-  double rate_hash = 1e-2, rate_mlp = 1e-3, rate_feature = 2.5e-3;
   double rate_decay = 0.1;
   int smooth_points = 2048;
   double smooth_step = 0.01;
-  int hash_levels = 8, hash_features = 2, hash_log2_table = 15, hash_base = 16, hash_finest = 512;
-  int mlp_hidden = 64, mlp_layers = 2, direction_degree = 2;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -99,10 +122,6 @@ struct JointOptions {
           Field<double>{"rate_scale", "", "factor on 3DGS's rates of the Gaussians (C20)", 0, 1e3}.of("joint"));
     visit(self.rate_literal,
           Flag{"rate_literal", "the paper's single rate 1.6e-4 for Gaussians and NeRF (C20)"}.of("joint"));
-    visit(self.rate_hash, Field<double>{"rate_hash", "", "Adam rate of the hash tables", 0, 10}.of("nerf"));
-    visit(self.rate_mlp, Field<double>{"rate_mlp", "", "Adam rate of the network", 0, 10}.of("nerf"));
-    visit(self.rate_feature,
-          Field<double>{"rate_feature", "", "Adam rate of the boundary features f_j", 0, 10}.of("nerf"));
     visit(self.rate_decay,
           Field<double>{"rate_decay", "", "all rates fall exponentially to this factor", 1e-6, 1}.of("joint|contours"));
     visit(self.smooth_points,
@@ -110,20 +129,6 @@ struct JointOptions {
     visit(
         self.smooth_step,
         Field<double>{"smooth_step", "", "finite-difference step of L_smth, in kernel widths", 1e-6, 10}.of("smooth"));
-    visit(self.hash_levels,
-          Field<int>{"hash_levels", "", "resolutions L of the hash encoding (Eq. 11)", 1, kMaxHashLevels}.of("nerf"));
-    visit(self.hash_features, Field<int>{"hash_features", "", "features per level: 1, 2, 4 or 8", 1, 8}.of("nerf"));
-    visit(self.hash_log2_table,
-          Field<int>{"hash_log2_table", "", "log2 of the entries of a hashed level", 3, 24}.of("nerf"));
-    visit(self.hash_base,
-          Field<int>{"hash_base", "vertices", "coarsest resolution, along an axis", 2, 4096}.of("nerf"));
-    visit(self.hash_finest,
-          Field<int>{"hash_finest", "vertices", "finest resolution, along an axis", 2, kMaxHashResolution}.of("nerf"));
-    visit(self.mlp_hidden, Field<int>{"mlp_hidden", "", "width of the network", 16, 128}.of("nerf"));
-    visit(self.mlp_layers,
-          Field<int>{"mlp_layers", "", "hidden layers, each modulated (Eq. 14)", 1, kMaxFilmLayers}.of("nerf"));
-    visit(self.direction_degree,
-          Field<int>{"direction_degree", "", "SH bands of the view direction (C14); 0: none", 0, 3}.of("nerf"));
   }
 };
 

@@ -19,7 +19,7 @@ namespace ngs {
 
 /// The option of every tool that draws colours.
 inline constexpr Text background_option() {
-  return {"background", "R,G,B|black|white", "colour behind the model, each in [0, 1]; empty: the scene's"};
+  return {"background", "COLOUR", "behind the model: black, white or R,G,B in [0, 1]; empty: the scene's"};
 }
 
 /// "R,G,B" with three numbers in [0, 1], "black" or "white"; kUsage otherwise.

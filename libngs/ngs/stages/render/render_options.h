@@ -21,10 +21,9 @@ struct RasterOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.compat,
-          Choice<CompatChoice>{"compat", "whose near plane and footprint rule to follow; auto: as scene.json says",
-                               kCompatChoices});
+          Choice<CompatChoice>{"compat", "near plane and footprint rule; auto: as scene.json says", kCompatChoices});
     visit(self.antialias,
-          Choice<Antialias>{"antialias", "opacity compensation; auto: as scene.json says, else the PLY's comments",
+          Choice<Antialias>{"antialias", "opacity compensation; auto: as scene.json, else the PLY, says",
                             kAntialiasNames});
   }
 };
