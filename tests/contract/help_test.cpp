@@ -77,7 +77,7 @@ TEST_CASE("no help is wider than the terminal; -h has at most 30 lines of 100 co
     CHECK(lines_of(said(command, "-h")).size() <= 30);
     CHECK(lines_of(said(command, "--help")).size() <= 80);
   }
-  for (const std::string& tool : tools()) check_width(said({tool, "--help"}, "60"), 60);
+  for (const std::string& tool : tools()) check_width(said({tool}, "--help", "60"), 60);
 }
 
 TEST_CASE("-h and --help begin with what the tool is and examples, and --help has more") {

@@ -221,7 +221,7 @@ TEST_CASE("an option carries its effect, its group's where it names none, and it
   CHECK(set.at("near_literal").was == "near_exact");
   CHECK(set.at("near_note").effect == "nerf");
   CHECK(set.at("near_window").was == "near_aperture");
-  CHECK(set.at("near_window").group->title == "field");
+  CHECK(set.at("near_window").group->name == "field");
 }
 
 TEST_CASE("an earlier name sets the option, in JSON and typed, and is told apart from the present one") {

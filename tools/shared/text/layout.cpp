@@ -61,10 +61,12 @@ class Lines {
   Margins margins_;
 };
 
-/// Where the last column of a line begins, else its first word.
-std::size_t hanging_indent(std::string_view line) {
-  const std::size_t gap = line.rfind("  ", kFewestColumns - 2);
-  return std::min(line.find_first_not_of(' ', gap == line.npos ? 0 : gap), line.size());
+/// Where the last column begins that leaves a third of the width, else the first word.
+std::size_t hanging_indent(std::string_view line, std::size_t width) {
+  const std::size_t most = 2 * width / 3, gap = line.rfind("  ", most);
+  const std::size_t first = std::min(line.find_first_not_of(' '), line.size());
+  const std::size_t last = gap == line.npos ? first : line.find_first_not_of(' ', gap);
+  return last > most ? first : last;
 }
 
 }  // namespace
@@ -96,7 +98,7 @@ std::string rewrapped(std::string_view lines, int width) {
     if (columns_of(line) <= width) {
       text += line;
     } else {
-      const std::size_t indent = hanging_indent(line);
+      const std::size_t indent = hanging_indent(line, std::size_t(width));
       text += wrapped(std::string(line.substr(0, indent)), line.substr(indent), {int(indent), width});
     }
     text += '\n';

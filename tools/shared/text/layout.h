@@ -21,7 +21,7 @@ struct Margins {
 std::string wrapped(std::string start, std::string_view text, const Margins& margins);
 
 /// Lines that are there already, each cut where it is too wide; what comes over is indented as its line, or stands
-/// under its last column where it has several, two blanks apart; the last that begins in the first 40.
+/// under the last of its columns, two blanks apart, that leaves a third of the width.
 std::string rewrapped(std::string_view lines, int width);
 
 }  // namespace ngs::cli
