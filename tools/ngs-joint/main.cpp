@@ -2,6 +2,8 @@
 // step 6.
 #include <ctime>
 
+#include "effects_help.h"
+#include "quality_table.h"
 #include "run.h"
 
 namespace {
@@ -25,6 +27,9 @@ int main(int argc, char** argv) {
       {"ngs-joint scene.json boundary.ply -o labelled.ply",
        "ngs-joint scene.json boundary.ply --method flash -o labelled.ply"});
   options.declare(tool);
+  tool.help("quality",
+            [&](bool in_full) -> std::string { return in_full || options.runs_passes() ? joint::kQualityTable : ""; });
+  tool.help("effects", [&](bool in_full) { return joint::effects_help(options, in_full); });
   const cli::Input& scene = tool.input("scene", "scene.json written by ngs-scene");
   const cli::Input& boundary = tool.input("boundary", "PLY written by ngs-variance");
   const cli::Input& field =

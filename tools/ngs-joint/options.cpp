@@ -1,8 +1,6 @@
 #include "options.h"
 
-#include "effects_help.h"
 #include "ngs/options/name_of.h"
-#include "quality_table.h"
 
 namespace ngs::joint {
 
@@ -25,8 +23,6 @@ void Options::declare(cli::Tool& tool) {
   tool.options(training.rbf, group("rbf", "features at the query points"));
   tool.options(raster, {.name = "rendering"});
   baselines.declare(tool, choice.method);
-  tool.help("quality", [this](bool in_full) { return std::string(in_full || runs_passes() ? kQualityTable : ""); });
-  tool.help("effects", [this](bool in_full) { return effects_help(*this, in_full); });
 }
 
 void Options::settle(Monitor& monitor) {

@@ -30,7 +30,7 @@ std::string words(const std::string& text) {
 TEST_CASE("a text is cut between words, later lines are indented, and a line may be exactly as wide as allowed") {
   CHECK(wrapped("", "", {2, 10}) == "");
   CHECK(wrapped("", "one two three", {2, 7}) == "one two\n  three");
-  CHECK(wrapped("", "one two three", {2, 6}) == "one\n  two\n  three");
+  CHECK(wrapped("", "one two six", {2, 6}) == "one\n  two\n  six");
   CHECK(wrapped("a: ", "one  two ", {0, 10}) == "a: one two");
   CHECK(wrapped("a:", "one two", {1, 9}) == "a: one\n two");
 }
@@ -41,13 +41,15 @@ TEST_CASE("what follows a first column that is too wide begins behind it, or on 
 }
 
 TEST_CASE("a word that fits on no line is cut behind a bar, a comma or a slash, else where the line ends") {
-  CHECK(wrapped("", "one|two|three", {2, 8}) == "one|\n  two|\n  three");
+  CHECK(wrapped("", "one|two|three", {2, 7}) == "one|\n  two|\n  three");
+  CHECK(wrapped("", "one|two|three", {2, 8}) == "one|two|\n  three");
   CHECK(wrapped("", "on|two|three", {2, 8}) == "on|two|\n  three");
   CHECK(wrapped("", "abcdefghij", {2, 6}) == "abcd\n  efgh\n  ij");
 }
 
 TEST_CASE("a mark ends every line but the last") {
-  CHECK(wrapped("  ", "tool --flag value -o out", {6, 16, " \\"}) == "  tool --flag \\\n      value \\\n      -o out");
+  CHECK(wrapped("  ", "tool --flag value -o out", {6, 15, " \\"}) == "  tool --flag \\\n      value \\\n      -o out");
+  CHECK(wrapped("  ", "tool --flag value -o out", {6, 16, " \\"}) == "  tool --flag \\\n      value -o \\\n      out");
 }
 
 TEST_CASE("columns are those of the terminal: an accent takes none, a wide character two") {

@@ -238,7 +238,8 @@ std::string further_groups(const Spec& spec, int width) {
 std::string short_help_text(const Spec& spec, int width) {
   const std::string head = examples_and_usage(spec, width) + inputs_and_outputs(spec, width);
   const std::string tail =
-      "\n" + wrapped("more:", "--help has further options, the flags of all tools and the exit codes", {2, width}) +
+      "\n" +
+      wrapped("more:", "--help has further options and the flags of all tools, --help all everything", {2, width}) +
       "\n";
   std::vector<Part> parts = heard_parts(spec.options, Shown::kInShortHelp);
   if (parts.empty()) parts = heard_parts(spec.options, Shown::kInHelp);

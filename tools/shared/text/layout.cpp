@@ -33,6 +33,7 @@ class Lines {
     while (columns_of(word) > room && room > 0) {
       const std::size_t cut = cut_of(word, room);
       put(word.substr(0, cut));
+      is_open_ = true;
       word.remove_prefix(cut);
     }
     put(word);
