@@ -22,5 +22,13 @@ add_library(ngs_flann INTERFACE)
 target_include_directories(ngs_flann SYSTEM INTERFACE ${NGS_FLANN_INCLUDE})
 target_link_libraries(ngs_flann INTERFACE ${NGS_LZ4})
 
+# What the compressed formats of splats are made of.
+find_package(ZLIB REQUIRED)
+find_path(NGS_ZSTD_INCLUDE zstd.h REQUIRED)
+find_library(NGS_ZSTD zstd REQUIRED)
+add_library(ngs_compression INTERFACE)
+target_include_directories(ngs_compression SYSTEM INTERFACE ${NGS_ZSTD_INCLUDE})
+target_link_libraries(ngs_compression INTERFACE ZLIB::ZLIB ${NGS_ZSTD})
+
 find_path(NGS_XXHASH_INCLUDE xxhash.h REQUIRED)
 find_library(NGS_XXHASH xxhash REQUIRED)

@@ -19,6 +19,8 @@
 #include "ngs/io/capture/transforms_json.h"
 #include "ngs/io/files/json_file.h"
 #include "ngs/io/files/safetensors.h"
+#include "ngs/io/formats/dot_splat.h"
+#include "ngs/io/formats/spz.h"
 #include "ngs/io/image/exr.h"
 #include "ngs/io/image/image_header.h"
 #include "ngs/io/ply/gaussian_ply.h"
@@ -52,6 +54,14 @@ inline int fuzz_ply(const std::uint8_t* data, std::size_t size) {
 
 inline int fuzz_gaussian_ply(const std::uint8_t* data, std::size_t size) {
   return refuses_or_reads([&] { (void)io::parse_gaussian_ply("fuzz.ply", {data, size}); });
+}
+
+inline int fuzz_spz(const std::uint8_t* data, std::size_t size) {
+  return refuses_or_reads([&] { (void)io::decode_spz("fuzz.spz", {data, size}); });
+}
+
+inline int fuzz_dot_splat(const std::uint8_t* data, std::size_t size) {
+  return refuses_or_reads([&] { (void)io::decode_dot_splat("fuzz.splat", {data, size}); });
 }
 
 inline int fuzz_query_ply(const std::uint8_t* data, std::size_t size) {
@@ -146,6 +156,8 @@ struct Target {
 inline constexpr Target kTargets[] = {
     {"ply", fuzz_ply},
     {"gaussian_ply", fuzz_gaussian_ply},
+    {"spz", fuzz_spz},
+    {"dot_splat", fuzz_dot_splat},
     {"query_ply", fuzz_query_ply},
     {"safetensors", fuzz_safetensors},
     {"evidence", fuzz_evidence},

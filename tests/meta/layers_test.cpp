@@ -48,6 +48,8 @@ const std::vector<Confinement>& confinements() {
          "nlohmann belongs to options/, io/, passes/ (reports) and tools/");
     only("Eigen/.*", ".*\\.cpp", "Eigen belongs to .cpp files");
     only("xxhash\\.h", "libngs/ngs/io/files/content_hash\\.cpp", "xxHash belongs to io/files/content_hash.cpp");
+    only("zlib\\.h", "libngs/ngs/io/formats/gzip\\.cpp", "zlib belongs to io/formats/gzip.cpp");
+    only("zstd\\.h", "libngs/ngs/io/formats/zstd_frame\\.cpp", "zstd belongs to io/formats/zstd_frame.cpp");
     only("omp\\.h", "libngs/ngs/backend/.*", "OpenMP belongs to backend/");
     only("immintrin\\.h", "libngs/ngs/math/.*", "vector intrinsics belong to math/");
     only("(cuda|cub/|thrust/|cooperative_groups).*", "libngs/ngs/(backend/.*|.*\\.cuh?)",

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <span>
 
+#include "ngs/io/formats/write_splat.h"
 #include "ngs/stages/extract/import_stage.h"
 
 namespace ngs::cli {
@@ -121,12 +122,16 @@ void Extractor::decide() {
   if (kept == ply_.cloud.size() && kept > 0) run_.monitor().warn("every Gaussian is object: the background is empty");
 }
 
-void Extractor::write_object(const std::string& path) const { io::write_strict_ply(path, ply_, keep_); }
+void Extractor::write(const std::string& path, const std::vector<std::uint8_t>& keep) const {
+  for (const std::string& note : io::write_splat(path, ply_, keep)) run_.monitor().warn(note);
+}
+
+void Extractor::write_object(const std::string& path) const { write(path, keep_); }
 
 void Extractor::write_background(const std::string& path) const {
   std::vector<std::uint8_t> rest(keep_.size());
   for (std::size_t i = 0; i < rest.size(); ++i) rest[i] = !keep_[i];
-  io::write_strict_ply(path, ply_, rest);
+  write(path, rest);
 }
 
 void Extractor::write_labelled(const std::string& path, bool with_state) const {

@@ -31,11 +31,14 @@ class Extractor {
   const GaussianCloud& cloud() const { return ply_.cloud; }
   const std::vector<std::uint8_t>& object() const { return keep_; }  // [N], after decide()
 
+  /// In the format that the path's extension names.
   void write_object(const std::string& path) const;
   void write_background(const std::string& path) const;
   void write_labelled(const std::string& path, bool with_state) const;
 
  private:
+  void write(const std::string& path, const std::vector<std::uint8_t>& keep) const;
+
   Run& run_;
   const ExtractOptions& options_;
   io::GaussianPly ply_;

@@ -3,6 +3,7 @@
 
 #include "extractor.h"
 #include "inpaint_output.h"
+#include "ngs/io/formats/splat_format.h"
 #include "ngs/io/scene/scene_json.h"
 #include "shared/tool.h"
 
@@ -23,8 +24,8 @@ int main(int argc, char** argv) {
   const cli::Input& edited = tool.optional_input(
       "--import", "hand-edited splat: rows that are left (or selected, where it says so) are the object");
   const cli::Input& scene_json = tool.optional_input("--scene", "scene.json, for --inpaint");
-  const cli::Output& object = tool.optional_output("--object", "the object, plain 3DGS PLY");
-  const cli::Output& background = tool.optional_output("--background", "everything else, plain 3DGS PLY");
+  const cli::Output& object = tool.optional_output("--object", "the object, as plain 3DGS .ply, .spz or .splat");
+  const cli::Output& background = tool.optional_output("--background", "everything else, in the same formats");
   const cli::Output& decided =
       tool.optional_output("--labelled", "the labelled model with ngs_label decided to 0 or 1");
   const cli::Output& supersplat =
@@ -43,6 +44,7 @@ int main(int argc, char** argv) {
       throw Error(ErrorCode::kUsage, "--inpaint needs the cameras", "give --scene scene.json");
     if (!inpaint)
       run.warn_unused({"--scene", "--inpaint-opacity", "--inpaint-trace", "--inpaint-dilate-px"}, "without --inpaint");
+    for (const std::string& labelled_output : {decided.path, supersplat.path}) io::require_ply_output(labelled_output);
     std::optional<Scene> scene;
     if (inpaint) {
       scene = io::read_scene_json(scene_json.path);

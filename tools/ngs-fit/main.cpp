@@ -4,7 +4,7 @@
 #include "checkpoint.h"
 #include "fit_input.h"
 #include "ngs/io/files/content_hash.h"
-#include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/io/formats/write_splat.h"
 #include "shared/run/checkpoints.h"
 #include "shared/tool.h"
 
@@ -74,7 +74,8 @@ int fit(cli::Run& run, FitOptions& options, const cli::CheckpointOptions& keep, 
 
   const GaussianCloud& cloud = fitter.state().cloud;
   const auto score = [&](Split split) { return cli::score_json(score_fit(run.exec(), options, cloud, views, split)); };
-  io::write_strict_ply(files.out.path, cloud, {}, io::trained_comments(cli::history(options), options.antialiased));
+  const std::vector<std::string> comments = io::trained_comments(cli::history(options), options.antialiased);
+  for (const std::string& note : io::write_splat(files.out.path, cloud, {}, comments)) run.monitor().warn(note);
   run.result()["gaussians"] = cloud.size();
   run.result()["steps_per_s"] = double(fitter.state().step - first) / taken_s;
   run.result()["train"] = score(Split::kTrain), run.result()["held_out"] = score(Split::kHeldOut);
@@ -94,7 +95,7 @@ int main(int argc, char** argv) {
   const cli::Input& scene_json = tool.input("scene", "scene.json with photos");
   const cli::Input& points =
       tool.optional_input("--points", "points3D.txt, points3D.bin or a PLY to start from; default: random");
-  const cli::Output& out = tool.output("-o,--output", "trained model, plain 3DGS PLY");
+  const cli::Output& out = tool.output("-o,--output", "trained model, as plain 3DGS .ply, .spz or .splat");
   tool.stops_on_request();
 
   return tool.run(argc, argv, [&](cli::Run& run) { return fit(run, options, keep, {scene_json, points, out}); });

@@ -6,6 +6,7 @@
 #include "labelled_result.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/content_hash.h"
+#include "ngs/io/formats/splat_format.h"
 #include "ngs/io/image/masks.h"
 #include "ngs/io/image/photo.h"
 #include "ngs/io/ply/query_ply.h"
@@ -326,6 +327,7 @@ class MethodRun {
 
 int run_method(cli::Run& run, Options& options, const Paths& paths, double start_s) {
   options.settle(run.monitor());
+  io::require_ply_output(paths.labelled);
   check_options(run, options, paths);
   warn_of_baseline(run, options, paths);
   return MethodRun(run, options, paths, start_s)();

@@ -1,6 +1,7 @@
 // ngs-variance: scene.json -> labelled PLY with evidence, variance and the boundary set. Algorithm 1, step 1.
 // Sharded: `--views i/N --partial part.evidence` for each i, then `ngs-variance merge *.evidence -o out.ply`.
 #include "ngs/io/files/content_hash.h"
+#include "ngs/io/formats/splat_format.h"
 #include "ngs/io/image/masks.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/stages/render/render_options.h"
@@ -42,6 +43,7 @@ int label_scene(int argc, char** argv) {
     cli::require_model(run, scene, scene_json.path);
     if (!out && !partial)
       throw Error(ErrorCode::kUsage, "no output is asked for", "give -o boundary.ply or --partial part.evidence");
+    io::require_ply_output(out.path);
     const std::vector<std::size_t> views = variance::shard_of(training_views(scene), shard.views);
     if (out && views.size() != training_views(scene).size())
       throw Error(ErrorCode::kUsage,
@@ -86,6 +88,7 @@ int merge_parts(int argc, char** argv) {
 
   return tool.run(argc, argv, [&](cli::Run& run) {
     check_tau(options);
+    io::require_ply_output(out.path);
     const io::EvidencePart sum = io::merge_evidence(parts.paths);
     const Scene scene = variance::scene_of(run, sum, scene_json.path);
     variance::check_complete(sum, scene);

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ngs/core/error.h"
+#include "ngs/io/formats/decode_splat.h"
 #include "ngs/io/ply/gaussian_columns.h"
 #include "ngs/io/ply/ply_scan.h"
 #include "ngs/scene/view_names.h"
@@ -25,6 +26,11 @@ class Reader {
 
   void read() {
     load_rows();
+    interpret_rows();
+  }
+
+  /// For rows that are there: those of a format other than PLY.
+  void interpret_rows() {
     find_columns();
     ply_.cloud.resize(ply_.rows.rows, bands_ == HigherBands::kRead ? degree() : 0);
     choose_origin();
@@ -294,9 +300,25 @@ GaussianPly read(PlyFile file, HigherBands bands = HigherBands::kRead) {
   return ply;
 }
 
+GaussianPly read(const std::string& name, DecodedSplat decoded, HigherBands bands) {
+  GaussianPly ply;
+  ply.file = PlyFile::named(name);
+  ply.rows = std::move(decoded.rows);
+  ply.notes = std::move(decoded.notes);
+  if (decoded.antialiased) ply.comments.push_back(kAntialiasedComment);
+  Reader(ply, bands).interpret_rows();
+  return ply;
+}
+
 }  // namespace
 
-GaussianPly read_gaussian_ply(const std::string& path, HigherBands bands) { return read(PlyFile::open(path), bands); }
+GaussianPly read_gaussian_ply(const std::string& path, HigherBands bands) {
+  MappedFile mapped(path);
+  const SplatFormat format = input_format(path, mapped.bytes());
+  if (format == SplatFormat::kPly) return read(PlyFile::parse(path, std::move(mapped)), bands);
+  return read(path, decode_splat(format, path, mapped.bytes()), bands);
+}
+
 GaussianPly parse_gaussian_ply(std::string name, Bytes bytes) { return read(PlyFile::parse(std::move(name), bytes)); }
 
 }  // namespace ngs::io

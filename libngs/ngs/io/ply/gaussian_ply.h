@@ -42,9 +42,12 @@ struct GaussianPly {
   std::vector<std::string> notes;    // what a reader of the file should know, one sentence each
 };
 
-/// Memory-mapped; costs the SoA cloud and nothing else for a plain little-endian file without filter_3D. `health` and
-/// `cloud.usable` are filled (classify()). A 2DGS model gets log_scale[2] = min(log_scale[0..1]) - ln 1000.
-/// Positions stored as double far from 0 (bounding box centre > 8 half extents away) are kept relative to
+/// Reads .spz and .splat too, told by their content or name (io/formats/splat_format.h): `rows` are then decoded into
+/// the Inria columns, and `file` has a name only.
+///
+/// A PLY is memory-mapped; costs the SoA cloud and nothing else for a plain little-endian file without filter_3D.
+/// `health` and `cloud.usable` are filled (classify()). A 2DGS model gets log_scale[2] = min(log_scale[0..1]) - ln
+/// 1000. Positions stored as double far from 0 (bounding box centre > 8 half extents away) are kept relative to
 /// `cloud.origin`, so that float does not round the detail away.
 ///
 /// kCheckOnly: `cloud` has degree 0, but rows whose higher bands are not finite are excluded all the same; the file is

@@ -85,10 +85,12 @@ PlyFormat parse_format(const std::string& name, const std::vector<std::string_vi
 
 }  // namespace
 
-PlyFile PlyFile::open(const std::string& path) {
+PlyFile PlyFile::open(const std::string& path) { return parse(path, MappedFile(path)); }
+
+PlyFile PlyFile::parse(std::string name, MappedFile mapped) {
   PlyFile file;
-  file.name_ = path;
-  file.mapped_ = MappedFile(path);
+  file.name_ = std::move(name);
+  file.mapped_ = std::move(mapped);
   file.bytes_ = file.mapped_.bytes();
   file.parse_header();
   file.locate_elements();
@@ -104,6 +106,12 @@ PlyFile PlyFile::parse(std::string name, Bytes bytes) {
   return file;
 }
 
+PlyFile PlyFile::named(std::string name) {
+  PlyFile file;
+  file.name_ = std::move(name);
+  return file;
+}
+
 const PlyElement* PlyFile::find(std::string_view element) const {
   for (const PlyElement& e : elements_)
     if (e.name == element) return &e;
@@ -114,7 +122,7 @@ void PlyFile::parse_header() {
   const std::string_view text(reinterpret_cast<const char*>(bytes_.data()), bytes_.size());
   if (!text.starts_with("ply\n") && !text.starts_with("ply\r\n"))
     bad(name_, std::to_string(text.size()) + " bytes that do not start with 'ply', expected a PLY file",
-        "other splat formats: npx @playcanvas/splat-transform " + name_ + " model.ply");
+        "other formats that are read: .spz, .splat; else npx @playcanvas/splat-transform " + name_ + " model.ply");
   bool has_format = false;
   std::size_t properties = 0;
   for (std::size_t at = text.find('\n') + 1;;) {

@@ -21,8 +21,11 @@ class AtomicFile;
 class PlyFile {
  public:
   static PlyFile open(const std::string& path);
+  static PlyFile parse(std::string name, MappedFile mapped);
   /// The same on a buffer that outlives the result. `name` is for messages.
   static PlyFile parse(std::string name, Bytes bytes);
+  /// A file of another format, whose rows are decoded elsewhere: its name and nothing in it.
+  static PlyFile named(std::string name);
 
   const std::string& name() const { return name_; }
   PlyFormat format() const { return format_; }

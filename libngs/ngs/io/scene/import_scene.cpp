@@ -12,6 +12,7 @@
 #include "ngs/io/files/folder_index.h"
 #include "ngs/io/files/regular_file.h"
 #include "ngs/io/files/text_lines.h"
+#include "ngs/io/formats/splat_format.h"
 #include "ngs/io/image/mask_names.h"
 #include "ngs/io/image/masks.h"
 #include "ngs/io/scene/scene_json.h"
@@ -45,16 +46,19 @@ std::string find_model(const std::string& base, std::vector<std::string>& notes)
   for (const char* name : {"point_cloud.ply", "model.ply"})
     if (const std::string file = (fs::path(base) / name).string(); is_regular_file(file)) return file;
   if (const std::string file = newest_iteration(base); !file.empty()) return file;
-  std::vector<std::string> found;
+  std::vector<std::string> found, other_formats;
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(base, ignored)) {
     const fs::path name = entry.path().filename();
     if (name.extension() == ".ply" && name != "input.ply" && name != "points3D.ply")
       found.push_back(entry.path().string());
+    else if (is_model_name(name.string()))
+      other_formats.push_back(entry.path().string());
   }
+  if (found.empty()) found = other_formats;
   if (found.size() == 1) return found[0];
   notes.push_back(base + (found.empty() ? ": no model found" : ": several models found, none chosen") +
-                  " (name it with --ply MODEL.ply)");
+                  " (name it with --ply MODEL)");
   return {};
 }
 

@@ -1,0 +1,19 @@
+#include "ngs/io/formats/decode_splat.h"
+
+#include "ngs/core/check.h"
+#include "ngs/io/formats/dot_splat.h"
+#include "ngs/io/formats/spz.h"
+
+namespace ngs::io {
+
+DecodedSplat decode_splat(SplatFormat format, const std::string& name, Bytes bytes) {
+  switch (format) {
+    case SplatFormat::kSpz: return decode_spz(name, bytes);
+    case SplatFormat::kSplat: return decode_dot_splat(name, bytes);
+    case SplatFormat::kPly: break;
+  }
+  NGS_CHECK(false, "PLY has a reader of its own");
+  return {};
+}
+
+}  // namespace ngs::io

@@ -1,0 +1,113 @@
+#include "ngs/io/formats/gzip.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+
+#include "ngs/core/check.h"
+#include "ngs/core/error.h"
+
+namespace ngs::io {
+namespace {
+
+constexpr int kGzipWindow = 15 + 16;  // of zlib: the largest window, in a gzip wrapper
+
+uInt at_most_uint(std::size_t n) { return uInt(std::min(n, std::size_t(std::numeric_limits<uInt>::max()))); }
+
+}  // namespace
+
+struct GunzipReader::State {
+  z_stream stream{};
+  std::size_t left = 0;  // of the input, not yet handed to zlib
+  bool ended = false;    // and its checksum was right
+};
+
+GunzipReader::GunzipReader(const std::string& name, Bytes stream) : name_(name), state_(nullptr) {
+  auto state = std::make_unique<State>();
+  state->stream.next_in = const_cast<Bytef*>(stream.data());
+  state->left = stream.size();
+  if (inflateInit2(&state->stream, kGzipWindow) != Z_OK) throw std::bad_alloc();
+  state_ = state.release();
+}
+
+GunzipReader::~GunzipReader() {
+  inflateEnd(&state_->stream);
+  delete state_;
+}
+
+/// One call of zlib; `done` grows by what it wrote to the end of `to`.
+int GunzipReader::inflate_some(std::span<std::uint8_t> to, std::size_t& done) {
+  z_stream& stream = state_->stream;
+  if (stream.avail_in == 0) {
+    stream.avail_in = at_most_uint(state_->left);
+    state_->left -= stream.avail_in;
+  }
+  const uInt room = at_most_uint(to.size() - done);
+  stream.next_out = to.data() + done;
+  stream.avail_out = room;
+  const int status = inflate(&stream, Z_NO_FLUSH);
+  done += room - stream.avail_out;
+  const bool stuck = status == Z_OK && stream.avail_out == room && state_->left == 0;
+  return stuck ? Z_BUF_ERROR : status;
+}
+
+void GunzipReader::refuse(int status, std::size_t missing) const {
+  if (status == Z_MEM_ERROR) throw std::bad_alloc();
+  const bool ended = status == Z_STREAM_END || status == Z_BUF_ERROR;
+  throw Error(ErrorCode::kBadInput,
+              name_ + (ended ? ": the gzip stream ends " + std::to_string(missing) +
+                                   " bytes early, expected what its header announces"
+                             : std::string(": a damaged gzip stream, expected one that can be inflated")),
+              "copy or export it again");
+}
+
+void GunzipReader::read(std::span<std::uint8_t> bytes) {
+  for (std::size_t done = 0; done < bytes.size();) {
+    const int status = inflate_some(bytes, done);
+    if (status == Z_STREAM_END) state_->ended = true;
+    if (done < bytes.size() && status != Z_OK) refuse(status, bytes.size() - done);
+  }
+}
+
+void GunzipReader::finish() {
+  std::vector<std::uint8_t> ignored(std::size_t(1) << 20);
+  std::size_t done = 0;
+  while (!state_->ended) {
+    const int status = inflate_some(ignored, done);
+    if (status == Z_STREAM_END) return;
+    if (status != Z_OK) refuse(status, 1);
+    if (done == ignored.size())
+      throw Error(ErrorCode::kBadInput,
+                  name_ +
+                      ": more than 1 MiB behind the data that the header announces, expected "
+                      "the end of the file",
+                  "copy or export it again");
+  }
+}
+
+std::vector<std::uint8_t> gzip(Bytes bytes) {
+  z_stream stream{};
+  if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, kGzipWindow, 9, Z_DEFAULT_STRATEGY) != Z_OK)
+    throw std::bad_alloc();
+  const std::unique_ptr<z_stream, int (*)(z_stream*)> ended(&stream, deflateEnd);
+  std::vector<std::uint8_t> out, piece(std::size_t(1) << 18);
+  stream.next_in = const_cast<Bytef*>(bytes.data());
+  std::size_t left = bytes.size();
+  int status = Z_OK;
+  while (status != Z_STREAM_END) {
+    if (stream.avail_in == 0) {
+      stream.avail_in = at_most_uint(left);
+      left -= stream.avail_in;
+    }
+    stream.next_out = piece.data();
+    stream.avail_out = uInt(piece.size());
+    status = deflate(&stream, left == 0 ? Z_FINISH : Z_NO_FLUSH);
+    NGS_CHECK(status == Z_OK || status == Z_STREAM_END, "deflate has input and room");
+    out.insert(out.end(), piece.begin(), piece.end() - std::ptrdiff_t(stream.avail_out));
+  }
+  return out;
+}
+
+}  // namespace ngs::io

@@ -1,0 +1,47 @@
+#include "ngs/io/formats/splat_format.h"
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+
+#include "ngs/core/error.h"
+
+namespace ngs::io {
+namespace {
+
+bool begins_with(Bytes bytes, std::string_view signature) {
+  return bytes.size() >= signature.size() && std::memcmp(bytes.data(), signature.data(), signature.size()) == 0;
+}
+
+bool ends_with(std::string_view name, std::string_view extension) {
+  if (name.size() < extension.size()) return false;
+  return std::equal(extension.begin(), extension.end(), name.end() - std::ptrdiff_t(extension.size()),
+                    [](char wanted, char c) { return wanted == (c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c); });
+}
+
+}  // namespace
+
+SplatFormat input_format(std::string_view name, Bytes bytes) {
+  if (begins_with(bytes, "ply\n") || begins_with(bytes, "ply\r")) return SplatFormat::kPly;
+  if (begins_with(bytes, "NGSP")) return SplatFormat::kSpz;
+  // A record of .splat may begin with any bytes, also with the two that begin a gzip stream.
+  if (ends_with(name, ".splat")) return SplatFormat::kSplat;
+  if (begins_with(bytes, "\x1f\x8b") || ends_with(name, ".spz")) return SplatFormat::kSpz;
+  return SplatFormat::kPly;
+}
+
+SplatFormat output_format(std::string_view path) {
+  if (ends_with(path, ".spz")) return SplatFormat::kSpz;
+  if (ends_with(path, ".splat")) return SplatFormat::kSplat;
+  return SplatFormat::kPly;
+}
+
+bool is_model_name(std::string_view name) { return ends_with(name, ".spz") || ends_with(name, ".splat"); }
+
+void require_ply_output(const std::string& path) {
+  if (output_format(path) == SplatFormat::kPly) return;
+  throw Error(ErrorCode::kUsage, path + ": a format without labels, expected a name that ends in .ply",
+              "write the labelled model as PLY; ngs-extract writes object and background in other formats");
+}
+
+}  // namespace ngs::io

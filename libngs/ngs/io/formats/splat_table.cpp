@@ -1,0 +1,64 @@
+#include "ngs/io/formats/splat_table.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ngs/core/check.h"
+
+namespace ngs::io {
+
+PlyTable splat_table(std::int64_t count, int sh_degree) {
+  std::vector<PlyProperty> properties;
+  const auto add = [&](std::string name) { properties.push_back({.name = std::move(name)}); };
+  for (const char* name : {"x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2"}) add(name);
+  for (int k = 0; k < 3 * sh_rest_count(sh_degree); ++k) add("f_rest_" + std::to_string(k));
+  for (const char* name : {"opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"}) add(name);
+  PlyTable table;
+  table.set_properties(std::move(properties));
+  table.rows = count;
+  table.owned.resize(std::size_t(count) * table.row_bytes);
+  return table;
+}
+
+void store_row(PlyTable& table, std::int64_t i, const SplatRow& row) {
+  const std::size_t coefficients = (table.properties.size() - 14) / 3;
+  float values[59];
+  float* at = std::copy(row.position.begin(), row.position.end(), values);
+  at = std::copy(row.sh_dc.begin(), row.sh_dc.end(), at);
+  for (std::size_t channel = 0; channel < 3; ++channel)
+    for (std::size_t k = 0; k < coefficients; ++k) *at++ = row.sh_rest[k * 3 + channel];
+  *at++ = row.logit_opacity;
+  at = std::copy(row.log_scale.begin(), row.log_scale.end(), at);
+  std::copy(row.rotation.begin(), row.rotation.end(), at);
+  std::memcpy(table.owned.data() + std::size_t(i) * table.row_bytes, values, table.row_bytes);
+}
+
+SplatSelection select_rows(const GaussianCloud& cloud, const std::vector<std::uint8_t>& keep) {
+  NGS_CHECK(keep.empty() || std::int64_t(keep.size()) == cloud.size(), "keep has one entry per Gaussian");
+  SplatSelection selection{cloud, {}, 0};
+  for (std::int64_t i = 0; i < cloud.size(); ++i) {
+    if (!keep.empty() && !keep[std::size_t(i)]) continue;
+    if (cloud.usable[std::size_t(i)])
+      selection.rows.push_back(i);
+    else
+      ++selection.left_out;
+  }
+  return selection;
+}
+
+SplatRow load_row(const GaussianCloud& cloud, std::int64_t i) {
+  const std::size_t r = std::size_t(i), rest = std::size_t(cloud.rest_count()) * 3;
+  SplatRow row;
+  for (std::size_t a = 0; a < 3; ++a) row.position[a] = float(cloud.origin[a] + double(cloud.position[r * 3 + a]));
+  std::copy_n(&cloud.sh_dc[r * 3], 3, row.sh_dc.begin());
+  std::copy_n(cloud.sh_rest.data() + r * rest, rest, row.sh_rest.begin());
+  row.logit_opacity = cloud.logit_opacity[r];
+  std::copy_n(&cloud.log_scale[r * 3], 3, row.log_scale.begin());
+  double length = 0;
+  for (std::size_t k = 0; k < 4; ++k) length = std::hypot(length, double(cloud.rotation[r * 4 + k]));
+  for (std::size_t k = 0; k < 4; ++k)
+    row.rotation[k] = length > 0 ? float(double(cloud.rotation[r * 4 + k]) / length) : k == 0 ? 1.f : 0.f;
+  return row;
+}
+
+}  // namespace ngs::io

@@ -1,0 +1,204 @@
+#include <bit>
+#include <optional>
+
+#include "ngs/io/files/byte_reader.h"
+#include "ngs/io/formats/axes.h"
+#include "ngs/io/formats/gzip.h"
+#include "ngs/io/formats/quantise.h"
+#include "ngs/io/formats/spz.h"
+#include "ngs/io/formats/spz_layout.h"
+#include "ngs/io/formats/zstd_frame.h"
+
+namespace ngs::io {
+namespace {
+
+using namespace spz;
+
+struct Header {
+  std::uint32_t magic, version, count;
+  std::uint8_t degree, fractional_bits, flags, streams;
+};
+static_assert(sizeof(Header) == kHeaderBytes);
+
+struct SpzData {
+  Header header{};
+  AxisSigns axes = kRightUpBack;
+  std::array<std::vector<std::uint8_t>, kAttributes> attributes;
+};
+
+[[noreturn]] void bad(const std::string& name, const std::string& message) {
+  throw Error(ErrorCode::kBadInput, name + ": " + message, "copy or export it again");
+}
+
+void check_header(const std::string& name, const Header& header, std::size_t file_bytes) {
+  if (header.magic != kMagic) bad(name, "compressed data without the signature NGSP, expected an .spz file");
+  if (header.version < 1 || header.version > kLastVersion)
+    bad(name, "version " + std::to_string(header.version) + " of .spz, expected 1 to 4");
+  if (header.degree > kMostDegree) bad(name, "SH degree " + std::to_string(header.degree) + ", expected 0 to 4");
+  if (header.fractional_bits > 24)
+    bad(name, std::to_string(header.fractional_bits) + " fractional bits of positions, expected at most 24");
+  std::uint64_t row_bytes = 0;
+  for (const std::size_t bytes : attribute_bytes(header.version, header.degree)) row_bytes += bytes;
+  check_expansion(name, header.count * row_bytes, file_bytes);
+}
+
+SpzData read_gzip(const std::string& name, Bytes bytes) {
+  SpzData data;
+  GunzipReader reader(name, bytes);
+  std::array<std::uint8_t, kHeaderBytes> head;
+  reader.read(head);
+  data.header = std::bit_cast<Header>(head);
+  check_header(name, data.header, bytes.size());
+  if (data.header.version == kLastVersion)
+    bad(name, "version 4 of .spz in a gzip stream, expected it to begin with NGSP");
+  const auto sizes = attribute_bytes(data.header.version, data.header.degree);
+  for (std::size_t a = 0; a < kAttributes; ++a) {
+    data.attributes[a].resize(data.header.count * sizes[a]);
+    reader.read(data.attributes[a]);
+  }
+  reader.finish();
+  return data;
+}
+
+/// The frame that extension 0xADBE0003 names: 1 to 8 for the eight choices of left or right, down or up, back or front.
+AxisSigns named_axes(const std::string& name, Bytes zone) {
+  constexpr std::uint32_t kCoordinateSystem = 0xADBE0003;
+  ByteReader reader(zone, name + ": extensions");
+  AxisSigns axes = kRightUpBack;
+  while (reader.left() > 0) {
+    const auto type = reader.read<std::uint32_t>();
+    const auto size = reader.read<std::uint32_t>();
+    if (type != kCoordinateSystem || size != 4) {
+      reader.skip(size);
+      continue;
+    }
+    const auto system = reader.read<std::uint32_t>();
+    if (system > 8)
+      bad(name, "coordinate system " + std::to_string(system) +
+                    ", expected 1 to 8 (x left or right, y down or up, z "
+                    "back or front)");
+    if (system == 0) continue;
+    const std::uint32_t choice = system - 1;
+    axes = {(choice & 1) != 0 ? 1.f : -1.f, (choice & 2) != 0 ? -1.f : 1.f, (choice & 4) != 0 ? 1.f : -1.f};
+  }
+  return axes;
+}
+
+SpzData read_zstd(const std::string& name, Bytes bytes) {
+  SpzData data;
+  ByteReader reader(bytes, name);
+  data.header = reader.read<Header>();
+  check_header(name, data.header, bytes.size());
+  if (data.header.version != kLastVersion)
+    bad(name, "version " + std::to_string(data.header.version) + " of .spz without gzip, expected version 4");
+  const auto table_at = reader.read<std::uint32_t>();
+  const std::size_t streams = data.header.degree == 0 ? kAttributes - 1 : kAttributes;
+  if (data.header.streams != streams)
+    bad(name, std::to_string(data.header.streams) + " streams, expected " + std::to_string(streams));
+  if (table_at < kHeaderBytesV4 || table_at > bytes.size())
+    bad(name, "table of streams at byte " + std::to_string(table_at) + ", expected it within the file");
+  if ((data.header.flags & kHasExtensions) != 0)
+    data.axes = named_axes(name, bytes.subspan(kHeaderBytesV4, table_at - kHeaderBytesV4));
+  ByteReader table(bytes.subspan(table_at), name);
+  std::size_t at = table_at + streams * kTableEntryBytes;
+  const auto sizes = attribute_bytes(kLastVersion, data.header.degree);
+  for (std::size_t a = 0; a < streams; ++a) {
+    const auto packed = table.read<std::uint64_t>(), size = table.read<std::uint64_t>();
+    if (size != data.header.count * sizes[a])
+      bad(name, "stream " + std::to_string(a) + " of " + std::to_string(size) + " bytes, expected " +
+                    std::to_string(data.header.count * sizes[a]) + " for " + std::to_string(data.header.count) +
+                    " Gaussians");
+    if (at > bytes.size() || packed > bytes.size() - at)
+      bad(name, "stream " + std::to_string(a) + " goes beyond the end of the file, expected a whole file");
+    data.attributes[a].resize(size);
+    unzstd(name + ": stream " + std::to_string(a), bytes.subspan(at, packed), data.attributes[a]);
+    at += packed;
+  }
+  return data;
+}
+
+float half_to_float(std::uint16_t half) {
+  const int exponent = (half >> 10) & 31, mantissa = half & 1023;
+  const float sign = (half & 0x8000) != 0 ? -1.f : 1.f;
+  if (exponent == 31) return mantissa != 0 ? NAN : sign * INFINITY;
+  return sign * (exponent == 0 ? std::ldexp(float(mantissa), -24) : std::ldexp(float(1024 + mantissa), exponent - 25));
+}
+
+class Decoder {
+ public:
+  explicit Decoder(const SpzData& data)
+      : data_(data), bytes_(attribute_bytes(data.header.version, data.header.degree)) {}
+
+  SplatRow row(std::size_t i) const {
+    SplatRow row;
+    for (std::size_t a = 0; a < 3; ++a) {
+      row.position[a] = position(i, a);
+      row.sh_dc[a] = float((at(kColour, i)[a] - kColourOffset) / kColourSteps);
+      row.log_scale[a] = float((at(kScale, i)[a] - kScaleOffset) / kScaleSteps);
+    }
+    row.logit_opacity = logit_of_alpha_byte(*at(kAlpha, i));
+    const std::size_t coefficients = std::min<std::size_t>(bytes_[kSh], row.sh_rest.size());
+    for (std::size_t k = 0; k < coefficients; ++k) row.sh_rest[k] = float((at(kSh, i)[k] - kShOffset) / kShSteps);
+    row.rotation = data_.header.version < 3 ? three_bytes(at(kRotation, i)) : smallest_three(at(kRotation, i));
+    reverse_axes(row, data_.axes);
+    return row;
+  }
+
+ private:
+  const std::uint8_t* at(Attribute a, std::size_t i) const { return data_.attributes[a].data() + i * bytes_[a]; }
+
+  float position(std::size_t i, std::size_t axis) const {
+    if (data_.header.version == 1) {
+      std::uint16_t half;
+      std::memcpy(&half, at(kPosition, i) + axis * 2, sizeof half);
+      return half_to_float(half);
+    }
+    const std::uint8_t* b = at(kPosition, i) + axis * 3;
+    const std::int32_t fixed =
+        std::int32_t(std::uint32_t(b[0]) << 8 | std::uint32_t(b[1]) << 16 | std::uint32_t(b[2]) << 24) /
+        256;  // keeps the sign
+    return float(std::ldexp(double(fixed), -int(data_.header.fractional_bits)));
+  }
+
+  static std::array<float, 4> three_bytes(const std::uint8_t* b) {
+    double v[3];
+    for (std::size_t k = 0; k < 3; ++k) v[k] = (b[k] - kQuaternionOffset) / kQuaternionSteps;
+    return {float(left_out_component(v[0], v[1], v[2])), float(v[0]), float(v[1]), float(v[2])};
+  }
+
+  /// The two highest bits name the largest of (x, y, z, w); the others follow in order, each a sign and a magnitude.
+  static std::array<float, 4> smallest_three(const std::uint8_t* from) {
+    std::uint32_t bits;
+    std::memcpy(&bits, from, sizeof bits);
+    const std::size_t largest = bits >> 30;
+    double v[4] = {0, 0, 0, 0};
+    for (std::size_t k = 4; k-- > 0;) {
+      if (k == largest) continue;
+      v[k] = kLargestOfSmallest * double(bits & kMostMagnitude) / double(kMostMagnitude);
+      if ((bits >> kMagnitudeBits & 1) != 0) v[k] = -v[k];
+      bits >>= kMagnitudeBits + 1;
+    }
+    v[largest] = std::sqrt(clamp3(1 - (v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + v[3] * v[3]), 0.0, 1.0));
+    return {float(v[3]), float(v[0]), float(v[1]), float(v[2])};
+  }
+
+  const SpzData& data_;
+  std::array<std::size_t, kAttributes> bytes_;
+};
+
+}  // namespace
+
+DecodedSplat decode_spz(const std::string& name, Bytes bytes) {
+  const bool is_gzip = bytes.size() >= 2 && bytes[0] == 0x1f && bytes[1] == 0x8b;
+  const SpzData data = is_gzip ? read_gzip(name, bytes) : read_zstd(name, bytes);
+  DecodedSplat decoded;
+  decoded.rows = splat_table(data.header.count, std::min<int>(data.header.degree, 3));
+  decoded.antialiased = (data.header.flags & kAntialiased) != 0;
+  const Decoder decoder(data);
+  for (std::int64_t i = 0; i < decoded.rows.rows; ++i) store_row(decoded.rows, i, decoder.row(std::size_t(i)));
+  decoded.notes.push_back(".spz: attributes are quantised");
+  if (data.header.degree > 3) decoded.notes.push_back(".spz: SH of degree 4 are left out, 0 to 3 are read");
+  return decoded;
+}
+
+}  // namespace ngs::io

@@ -1,0 +1,59 @@
+#pragma once
+// Compressed streams written by hand, and models to write in the formats of splats.
+#include <cstdint>
+#include <string>
+
+#include "ngs/scene/gaussian_cloud.h"
+#include "support/random.h"
+
+namespace ngs::test {
+
+template <class T>
+std::string little_endian(T value) {
+  return {reinterpret_cast<const char*>(&value), sizeof value};
+}
+
+inline std::uint32_t crc32(const std::string& bytes) {
+  std::uint32_t crc = ~0u;
+  for (const char c : bytes) {
+    crc ^= std::uint8_t(c);
+    for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ ((crc & 1) != 0 ? 0xedb88320u : 0u);
+  }
+  return ~crc;
+}
+
+/// RFC 1952 with one stored block of RFC 1951: at most 65535 bytes.
+inline std::string stored_gzip(const std::string& bytes) {
+  const auto size = std::uint16_t(bytes.size());
+  return std::string("\x1f\x8b\x08\0\0\0\0\0\0\xff\x01", 11) + little_endian(size) +
+         little_endian(std::uint16_t(~size)) + bytes + little_endian(crc32(bytes)) +
+         little_endian(std::uint32_t(bytes.size()));
+}
+
+/// RFC 8878 with one raw block: at most 255 bytes.
+inline std::string raw_zstd(const std::string& bytes) {
+  const std::uint32_t block = std::uint32_t(bytes.size()) << 3 | 1;
+  return std::string("\x28\xb5\x2f\xfd\x20", 5) + char(bytes.size()) + little_endian(block).substr(0, 3) + bytes;
+}
+
+/// Values that every format can hold up to its quantisation: within ±3, opacities and colours away from the ends.
+inline GaussianCloud plain_cloud(std::int64_t n, int degree, std::uint64_t seed) {
+  Random random(seed);
+  GaussianCloud cloud;
+  cloud.resize(n, degree);
+  const auto fill = [&](std::vector<float>& values, double low, double high) {
+    for (float& v : values) v = float(random.uniform(low, high));
+  };
+  fill(cloud.position, -3, 3), fill(cloud.rotation, -1, 1), fill(cloud.log_scale, -9, 1);
+  fill(cloud.logit_opacity, -4, 4), fill(cloud.sh_dc, -1.7, 1.7), fill(cloud.sh_rest, -0.9, 0.9);
+  return cloud;
+}
+
+/// Each attribute's largest difference over the rows of `a` and `b`: position and colours absolute, opacity as a
+/// probability, quaternions of unit length up to their sign.
+struct SplatError {
+  double position = 0, sh_dc = 0, sh_rest = 0, opacity = 0, log_scale = 0, rotation = 0;
+};
+SplatError splat_error(const GaussianCloud& a, const GaussianCloud& b);
+
+}  // namespace ngs::test

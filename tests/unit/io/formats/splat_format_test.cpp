@@ -1,0 +1,97 @@
+#include "ngs/io/formats/splat_format.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "ngs/core/error.h"
+#include "ngs/io/formats/axes.h"
+#include "ngs/math/sh.h"
+#include "support/ply_text.h"
+#include "support/random.h"
+
+namespace ngs {
+namespace {
+
+using io::SplatFormat;
+
+TEST_CASE("the content of a file says what it is, and its name where the content does not") {
+  const auto format = [](const char* name, const std::string& bytes) {
+    return io::input_format(name, test::as_bytes(bytes));
+  };
+  CHECK(format("a.spz", "ply\nformat") == SplatFormat::kPly);
+  CHECK(format("a.ply", "NGSP\x04") == SplatFormat::kSpz);
+  CHECK(format("a.bin", "\x1f\x8b\x08") == SplatFormat::kSpz);
+  CHECK(format("a.splat", "\x1f\x8b\x08") == SplatFormat::kSplat);
+  CHECK(format("A.SPLAT", "") == SplatFormat::kSplat);
+  CHECK(format("a.spz", "") == SplatFormat::kSpz);
+  CHECK(format("a.obj", "v 1 2 3") == SplatFormat::kPly);
+}
+
+TEST_CASE("the name of an output says its format, and labels go into PLY only") {
+  CHECK(io::output_format("x/object.spz") == SplatFormat::kSpz);
+  CHECK(io::output_format("object.SPLAT") == SplatFormat::kSplat);
+  CHECK(io::output_format("object.ply") == SplatFormat::kPly);
+  CHECK(io::output_format("spz") == SplatFormat::kPly);
+  CHECK_NOTHROW(io::require_ply_output("labelled.ply"));
+  try {
+    io::require_ply_output("labelled.spz");
+    FAIL("was taken");
+  } catch (const Error& e) {
+    CHECK(e.code() == ErrorCode::kUsage);
+    CHECK(std::string(e.what()).find("labelled.spz: a format without labels") == 0);
+  }
+}
+
+using Matrix = std::array<std::array<double, 3>, 3>;
+
+/// R diag(scale²) Rᵀ of a row.
+Matrix covariance(const io::SplatRow& row) {
+  const double w = row.rotation[0], x = row.rotation[1], y = row.rotation[2], z = row.rotation[3];
+  const Matrix r = {{{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
+                     {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
+                     {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}}};
+  Matrix c{};
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j)
+      for (std::size_t k = 0; k < 3; ++k) c[i][j] += r[i][k] * std::exp(2.0 * row.log_scale[k]) * r[j][k];
+  return c;
+}
+
+TEST_CASE("a row in another frame has the mirrored ellipsoid and the same colours from the mirrored side") {
+  test::Random random(4);
+  io::SplatRow row;
+  double length = 0;
+  for (float& v : row.position) v = float(random.uniform(-1, 1));
+  for (float& v : row.log_scale) v = float(random.uniform(-1, 1));
+  for (float& v : row.sh_rest) v = float(random.uniform(-1, 1));
+  for (float& v : row.rotation) v = float(random.uniform(-1, 1)), length += double(v) * v;
+  for (float& v : row.rotation) v /= float(std::sqrt(length));
+  const double direction[3] = {0.48, -0.6, 0.64};
+  for (int choice = 0; choice < 8; ++choice) {
+    CAPTURE(choice);
+    const io::AxisSigns signs = {choice & 1 ? -1.f : 1.f, choice & 2 ? -1.f : 1.f, choice & 4 ? -1.f : 1.f};
+    io::SplatRow other = row;
+    io::reverse_axes(other, signs);
+    const Matrix before = covariance(row), after = covariance(other);
+    for (std::size_t i = 0; i < 3; ++i) {
+      CHECK(other.position[i] == signs[i] * row.position[i]);
+      for (std::size_t j = 0; j < 3; ++j)
+        CHECK(after[i][j] == doctest::Approx(double(signs[i]) * double(signs[j]) * before[i][j]).epsilon(1e-5));
+    }
+    double basis[15], mirrored[15], seen = 0, seen_mirrored = 0;
+    sh_rest_basis(3, Vec3<double>{direction[0], direction[1], direction[2]}, basis);
+    sh_rest_basis(3, Vec3<double>{signs[0] * direction[0], signs[1] * direction[1], signs[2] * direction[2]}, mirrored);
+    for (std::size_t k = 0; k < 15; ++k) {
+      seen += basis[k] * row.sh_rest[3 * k];
+      seen_mirrored += mirrored[k] * other.sh_rest[3 * k];
+    }
+    CHECK(seen_mirrored == doctest::Approx(seen).epsilon(1e-9));
+    io::reverse_axes(other, signs);
+    CHECK(other.rotation == row.rotation);
+    CHECK(other.sh_rest == row.sh_rest);
+  }
+}
+
+}  // namespace
+}  // namespace ngs
