@@ -20,6 +20,7 @@
 #include "ngs/io/files/json_file.h"
 #include "ngs/io/files/safetensors.h"
 #include "ngs/io/formats/dot_splat.h"
+#include "ngs/io/formats/sog.h"
 #include "ngs/io/formats/spz.h"
 #include "ngs/io/image/exr.h"
 #include "ngs/io/image/image_header.h"
@@ -62,6 +63,10 @@ inline int fuzz_spz(const std::uint8_t* data, std::size_t size) {
 
 inline int fuzz_dot_splat(const std::uint8_t* data, std::size_t size) {
   return refuses_or_reads([&] { (void)io::decode_dot_splat("fuzz.splat", {data, size}); });
+}
+
+inline int fuzz_sog(const std::uint8_t* data, std::size_t size) {
+  return refuses_or_reads([&] { (void)io::decode_sog("fuzz.sog", {data, size}); });
 }
 
 inline int fuzz_query_ply(const std::uint8_t* data, std::size_t size) {
@@ -157,6 +162,7 @@ inline constexpr Target kTargets[] = {
     {"ply", fuzz_ply},
     {"gaussian_ply", fuzz_gaussian_ply},
     {"spz", fuzz_spz},
+    {"sog", fuzz_sog},
     {"dot_splat", fuzz_dot_splat},
     {"query_ply", fuzz_query_ply},
     {"safetensors", fuzz_safetensors},

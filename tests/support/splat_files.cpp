@@ -27,6 +27,30 @@ double quaternion_distance(const float* a, const float* b) {
 
 }  // namespace
 
+GaussianCloud in_order_of(const GaussianCloud& reference, const GaussianCloud& cloud) {
+  NGS_CHECK(reference.size() == cloud.size(), "models of one size");
+  GaussianCloud ordered;
+  ordered.resize(cloud.size(), cloud.sh_degree);
+  const std::size_t rest = std::size_t(cloud.rest_count()) * 3;
+  for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
+    double least = INFINITY;
+    std::size_t from = 0;
+    for (std::size_t j = 0; j < std::size_t(cloud.size()); ++j) {
+      double distance = 0;
+      for (std::size_t a = 0; a < 3; ++a)
+        distance += std::pow(double(reference.position[i * 3 + a]) - double(cloud.position[j * 3 + a]), 2);
+      if (distance < least) least = distance, from = j;
+    }
+    const auto copy = [&](const std::vector<float>& source, std::vector<float>& to, std::size_t width) {
+      std::copy_n(source.begin() + std::ptrdiff_t(from * width), width, to.begin() + std::ptrdiff_t(i * width));
+    };
+    copy(cloud.position, ordered.position, 3), copy(cloud.rotation, ordered.rotation, 4);
+    copy(cloud.log_scale, ordered.log_scale, 3), copy(cloud.logit_opacity, ordered.logit_opacity, 1);
+    copy(cloud.sh_dc, ordered.sh_dc, 3), copy(cloud.sh_rest, ordered.sh_rest, rest);
+  }
+  return ordered;
+}
+
 SplatError splat_error(const GaussianCloud& a, const GaussianCloud& b) {
   SplatError error;
   error.position = most_apart(a.position, b.position);

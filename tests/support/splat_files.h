@@ -49,6 +49,9 @@ inline GaussianCloud plain_cloud(std::int64_t n, int degree, std::uint64_t seed)
   return cloud;
 }
 
+/// `cloud` with its rows in the order in which `reference` has the nearest positions.
+GaussianCloud in_order_of(const GaussianCloud& reference, const GaussianCloud& cloud);
+
 /// Each attribute's largest difference over the rows of `a` and `b`: position and colours absolute, opacity as a
 /// probability, quaternions of unit length up to their sign.
 struct SplatError {

@@ -2,6 +2,7 @@
 
 #include "ngs/core/check.h"
 #include "ngs/io/formats/dot_splat.h"
+#include "ngs/io/formats/sog.h"
 #include "ngs/io/formats/spz.h"
 
 namespace ngs::io {
@@ -9,6 +10,7 @@ namespace ngs::io {
 DecodedSplat decode_splat(SplatFormat format, const std::string& name, Bytes bytes) {
   switch (format) {
     case SplatFormat::kSpz: return decode_spz(name, bytes);
+    case SplatFormat::kSog: return decode_sog(name, bytes);
     case SplatFormat::kSplat: return decode_dot_splat(name, bytes);
     case SplatFormat::kPly: break;
   }

@@ -24,19 +24,24 @@ bool ends_with(std::string_view name, std::string_view extension) {
 SplatFormat input_format(std::string_view name, Bytes bytes) {
   if (begins_with(bytes, "ply\n") || begins_with(bytes, "ply\r")) return SplatFormat::kPly;
   if (begins_with(bytes, "NGSP")) return SplatFormat::kSpz;
+  if (begins_with(bytes, "PK\x03\x04")) return SplatFormat::kSog;
   // A record of .splat may begin with any bytes, also with the two that begin a gzip stream.
   if (ends_with(name, ".splat")) return SplatFormat::kSplat;
   if (begins_with(bytes, "\x1f\x8b") || ends_with(name, ".spz")) return SplatFormat::kSpz;
+  if (ends_with(name, ".sog")) return SplatFormat::kSog;
   return SplatFormat::kPly;
 }
 
 SplatFormat output_format(std::string_view path) {
   if (ends_with(path, ".spz")) return SplatFormat::kSpz;
+  if (ends_with(path, ".sog")) return SplatFormat::kSog;
   if (ends_with(path, ".splat")) return SplatFormat::kSplat;
   return SplatFormat::kPly;
 }
 
-bool is_model_name(std::string_view name) { return ends_with(name, ".spz") || ends_with(name, ".splat"); }
+bool is_model_name(std::string_view name) {
+  return ends_with(name, ".spz") || ends_with(name, ".sog") || ends_with(name, ".splat");
+}
 
 void require_ply_output(const std::string& path) {
   if (output_format(path) == SplatFormat::kPly) return;

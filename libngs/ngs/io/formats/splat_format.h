@@ -9,7 +9,7 @@
 
 namespace ngs::io {
 
-enum class SplatFormat : std::uint8_t { kPly, kSpz, kSplat };
+enum class SplatFormat : std::uint8_t { kPly, kSpz, kSog, kSplat };
 
 /// Of an input: by its first bytes where the format has a signature, else by the extension of `name`; kPly where
 /// neither says anything, so that the PLY reader explains what it expected.

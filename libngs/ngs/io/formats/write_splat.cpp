@@ -1,8 +1,10 @@
 #include "ngs/io/formats/write_splat.h"
 
+#include "ngs/core/check.h"
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/formats/dot_splat.h"
+#include "ngs/io/formats/sog.h"
 #include "ngs/io/formats/splat_format.h"
 #include "ngs/io/formats/spz.h"
 
@@ -10,7 +12,14 @@ namespace ngs::io {
 namespace {
 
 std::vector<std::uint8_t> encode(SplatFormat format, const SplatSelection& model) {
-  return format == SplatFormat::kSpz ? encode_spz(model) : encode_dot_splat(model);
+  switch (format) {
+    case SplatFormat::kSpz: return encode_spz(model);
+    case SplatFormat::kSog: return encode_sog(model);
+    case SplatFormat::kSplat: return encode_dot_splat(model);
+    case SplatFormat::kPly: break;
+  }
+  NGS_CHECK(false, "PLY has a writer of its own");
+  return {};
 }
 
 std::vector<std::string> write_encoded(const std::string& path, const SplatSelection& model) {

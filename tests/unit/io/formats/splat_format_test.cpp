@@ -25,12 +25,15 @@ TEST_CASE("the content of a file says what it is, and its name where the content
   CHECK(format("a.splat", "\x1f\x8b\x08") == SplatFormat::kSplat);
   CHECK(format("A.SPLAT", "") == SplatFormat::kSplat);
   CHECK(format("a.spz", "") == SplatFormat::kSpz);
+  CHECK(format("a.zip", "PK\x03\x04") == SplatFormat::kSog);
+  CHECK(format("a.sog", "") == SplatFormat::kSog);
   CHECK(format("a.obj", "v 1 2 3") == SplatFormat::kPly);
 }
 
 TEST_CASE("the name of an output says its format, and labels go into PLY only") {
   CHECK(io::output_format("x/object.spz") == SplatFormat::kSpz);
   CHECK(io::output_format("object.SPLAT") == SplatFormat::kSplat);
+  CHECK(io::output_format("object.sog") == SplatFormat::kSog);
   CHECK(io::output_format("object.ply") == SplatFormat::kPly);
   CHECK(io::output_format("spz") == SplatFormat::kPly);
   CHECK_NOTHROW(io::require_ply_output("labelled.ply"));

@@ -1,0 +1,138 @@
+#include "ngs/io/formats/zip_archive.h"
+
+#include <minizip/unzip.h>
+#include <minizip/zip.h>
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+
+#include "ngs/core/check.h"
+#include "ngs/core/error.h"
+
+namespace ngs::io {
+namespace {
+
+/// What minizip takes for a file.
+struct MemoryFile {
+  Bytes input;                       // read
+  std::vector<std::uint8_t> output;  // written
+  std::size_t at = 0;
+
+  std::size_t size() const { return std::max(input.size(), output.size()); }
+};
+
+MemoryFile& file_of(voidpf stream) { return *static_cast<MemoryFile*>(stream); }
+
+voidpf open_file(voidpf opaque, const void*, int) { return opaque; }
+int close_file(voidpf, voidpf) { return 0; }
+int error_of_file(voidpf, voidpf) { return 0; }
+ZPOS64_T tell_file(voidpf, voidpf stream) { return file_of(stream).at; }
+
+uLong read_file(voidpf, voidpf stream, void* to, uLong size) {
+  MemoryFile& file = file_of(stream);
+  const std::size_t n = std::min<std::size_t>(size, file.input.size() - std::min(file.at, file.input.size()));
+  if (n > 0) std::memcpy(to, file.input.data() + file.at, n);
+  file.at += n;
+  return uLong(n);
+}
+
+uLong write_file(voidpf, voidpf stream, const void* from, uLong size) {
+  MemoryFile& file = file_of(stream);
+  if (file.output.size() < file.at + size) file.output.resize(file.at + size);
+  if (size > 0) std::memcpy(file.output.data() + file.at, from, size);
+  file.at += size;
+  return size;
+}
+
+long seek_file(voidpf, voidpf stream, ZPOS64_T offset, int origin) {
+  MemoryFile& file = file_of(stream);
+  const std::size_t base = origin == ZLIB_FILEFUNC_SEEK_CUR   ? file.at
+                           : origin == ZLIB_FILEFUNC_SEEK_END ? file.size()
+                                                              : 0;
+  const std::size_t to = base + std::size_t(offset);
+  if (to > file.size()) return -1;
+  file.at = to;
+  return 0;
+}
+
+zlib_filefunc64_def functions_of(MemoryFile& file) {
+  return {open_file, read_file, write_file, tell_file, seek_file, close_file, error_of_file, &file};
+}
+
+}  // namespace
+
+struct ZipReader::Memory {
+  MemoryFile file;
+  unzFile archive = nullptr;
+};
+
+ZipReader::ZipReader(const std::string& name, Bytes bytes) : name_(name), memory_(nullptr) {
+  auto memory = std::make_unique<Memory>();
+  memory->file.input = bytes;
+  zlib_filefunc64_def functions = functions_of(memory->file);
+  memory->archive = unzOpen2_64("", &functions);
+  if (memory->archive == nullptr) bad("no zip archive, or one that is cut short, expected a .sog");
+  memory_ = memory.release();
+}
+
+ZipReader::~ZipReader() {
+  unzClose(memory_->archive);
+  delete memory_;
+}
+
+void ZipReader::bad(const std::string& message) const {
+  throw Error(ErrorCode::kBadInput, name_ + ": " + message, "copy or export it again");
+}
+
+std::vector<std::uint8_t> ZipReader::read(const std::string& entry, std::size_t most_bytes) const {
+  constexpr std::size_t kLongestName = 256;
+  const unzFile archive = memory_->archive;
+  for (int status = unzGoToFirstFile(archive); status == UNZ_OK; status = unzGoToNextFile(archive)) {
+    unz_file_info64 info;
+    char found[kLongestName] = {};
+    if (unzGetCurrentFileInfo64(archive, &info, found, kLongestName - 1, nullptr, 0, nullptr, 0) != UNZ_OK) break;
+    const std::string path = found;
+    if (path != entry && !path.ends_with("/" + entry)) continue;
+    if (info.uncompressed_size > most_bytes)
+      bad("'" + entry + "' of " + std::to_string(info.uncompressed_size) + " bytes, expected at most " +
+          std::to_string(most_bytes));
+    std::vector<std::uint8_t> bytes(info.uncompressed_size);
+    bool whole = unzOpenCurrentFile(archive) == UNZ_OK;
+    for (std::size_t done = 0; whole && done < bytes.size();) {
+      const int n = unzReadCurrentFile(archive, bytes.data() + done,
+                                       unsigned(std::min(bytes.size() - done, std::size_t(1) << 30)));
+      whole = n > 0;
+      done += whole ? std::size_t(n) : 0;
+    }
+    if (!whole || unzCloseCurrentFile(archive) != UNZ_OK) bad("'" + entry + "' is damaged, expected a whole entry");
+    return bytes;
+  }
+  bad("no entry '" + entry + "', expected a .sog");
+}
+
+std::vector<std::uint8_t> zip(const std::vector<ZipEntry>& entries) {
+  MemoryFile file;
+  zlib_filefunc64_def functions = functions_of(file);
+  const zipFile archive = zipOpen2_64("", APPEND_STATUS_CREATE, nullptr, &functions);
+  NGS_CHECK(archive != nullptr, "an archive in memory opens");
+  zip_fileinfo info{};
+  info.dosDate = 1u << 21 | 1u << 16;  // 1 January 1980
+  bool fine = true;
+  for (const ZipEntry& entry : entries) {
+    const bool is_large = entry.bytes.size() > 0xfffffffeu;
+    fine &= zipOpenNewFileInZip64(archive, entry.name.c_str(), &info, nullptr, 0, nullptr, 0, nullptr, 0, 0,
+                                  is_large ? 1 : 0) == ZIP_OK;
+    for (std::size_t done = 0; done < entry.bytes.size();) {
+      const std::size_t n = std::min(entry.bytes.size() - done, std::size_t(1) << 30);
+      fine &= zipWriteInFileInZip(archive, entry.bytes.data() + done, unsigned(n)) == ZIP_OK;
+      done += n;
+    }
+    fine &= zipCloseFileInZip(archive) == ZIP_OK;
+  }
+  fine &= zipClose(archive, nullptr) == ZIP_OK;
+  NGS_CHECK(fine, "an archive in memory takes its entries");
+  return std::move(file.output);
+}
+
+}  // namespace ngs::io
