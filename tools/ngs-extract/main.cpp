@@ -24,7 +24,8 @@ int main(int argc, char** argv) {
   const cli::Input& edited = tool.optional_input(
       "--import", "hand-edited splat: rows that are left (or selected, where it says so) are the object");
   const cli::Input& scene_json = tool.optional_input("--scene", "scene.json, for --inpaint");
-  const cli::Output& object = tool.optional_output("--object", "the object, as plain 3DGS .ply, .spz, .sog or .splat");
+  const cli::Output& object =
+      tool.optional_output("--object", "the object, as plain 3DGS .ply, .compressed.ply, .spz, .sog, .splat or .glb");
   const cli::Output& background = tool.optional_output("--background", "everything else, in the same formats");
   const cli::Output& decided =
       tool.optional_output("--labelled", "the labelled model with ngs_label decided to 0 or 1");

@@ -95,7 +95,8 @@ int main(int argc, char** argv) {
   const cli::Input& scene_json = tool.input("scene", "scene.json with photos");
   const cli::Input& points =
       tool.optional_input("--points", "points3D.txt, points3D.bin or a PLY to start from; default: random");
-  const cli::Output& out = tool.output("-o,--output", "trained model, as plain 3DGS .ply, .spz, .sog or .splat");
+  const cli::Output& out =
+      tool.output("-o,--output", "trained model, as plain 3DGS .ply, .compressed.ply, .spz, .sog, .splat or .glb");
   tool.stops_on_request();
 
   return tool.run(argc, argv, [&](cli::Run& run) { return fit(run, options, keep, {scene_json, points, out}); });

@@ -11,7 +11,8 @@ namespace ngs::io {
 using AxisSigns = std::array<float, 3>;
 
 inline constexpr AxisSigns kRightDownForward = {1, 1, 1};
-inline constexpr AxisSigns kRightUpBack = {1, -1, -1};  // OpenGL, three.js, SPZ
+inline constexpr AxisSigns kRightUpBack = {1, -1, -1};    // OpenGL, three.js, SPZ
+inline constexpr AxisSigns kLeftUpForward = {-1, -1, 1};  // glTF
 
 /// Position, rotation and spherical harmonics of `row` in the other frame. An odd number of reversed axes mirrors; the
 /// mirrored ellipsoid has the rotation R M R, where R reverses the axes and M is the matrix of the rotation.

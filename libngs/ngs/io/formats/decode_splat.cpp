@@ -1,6 +1,7 @@
 #include "ngs/io/formats/decode_splat.h"
 
 #include "ngs/core/check.h"
+#include "ngs/core/error.h"
 #include "ngs/io/formats/dot_splat.h"
 #include "ngs/io/formats/sog.h"
 #include "ngs/io/formats/spz.h"
@@ -12,7 +13,12 @@ DecodedSplat decode_splat(SplatFormat format, const std::string& name, Bytes byt
     case SplatFormat::kSpz: return decode_spz(name, bytes);
     case SplatFormat::kSog: return decode_sog(name, bytes);
     case SplatFormat::kSplat: return decode_dot_splat(name, bytes);
-    case SplatFormat::kPly: break;
+    case SplatFormat::kGlb:
+      throw Error(ErrorCode::kBadInput,
+                  name + ": a .glb, which is written but not read, expected .ply, .spz, .sog or .splat",
+                  "export the model in one of these formats");
+    case SplatFormat::kPly:
+    case SplatFormat::kCompressedPly: break;
   }
   NGS_CHECK(false, "PLY has a reader of its own");
   return {};

@@ -7,7 +7,7 @@
 
 namespace ngs::io {
 
-/// `format` is not kPly. Throws kBadInput.
+/// `format` is no PLY. Throws kBadInput.
 DecodedSplat decode_splat(SplatFormat format, const std::string& name, Bytes bytes);
 
 }  // namespace ngs::io

@@ -25,6 +25,7 @@ SplatFormat input_format(std::string_view name, Bytes bytes) {
   if (begins_with(bytes, "ply\n") || begins_with(bytes, "ply\r")) return SplatFormat::kPly;
   if (begins_with(bytes, "NGSP")) return SplatFormat::kSpz;
   if (begins_with(bytes, "PK\x03\x04")) return SplatFormat::kSog;
+  if (begins_with(bytes, "glTF")) return SplatFormat::kGlb;
   // A record of .splat may begin with any bytes, also with the two that begin a gzip stream.
   if (ends_with(name, ".splat")) return SplatFormat::kSplat;
   if (begins_with(bytes, "\x1f\x8b") || ends_with(name, ".spz")) return SplatFormat::kSpz;
@@ -33,6 +34,8 @@ SplatFormat input_format(std::string_view name, Bytes bytes) {
 }
 
 SplatFormat output_format(std::string_view path) {
+  if (ends_with(path, ".compressed.ply")) return SplatFormat::kCompressedPly;
+  if (ends_with(path, ".glb")) return SplatFormat::kGlb;
   if (ends_with(path, ".spz")) return SplatFormat::kSpz;
   if (ends_with(path, ".sog")) return SplatFormat::kSog;
   if (ends_with(path, ".splat")) return SplatFormat::kSplat;
@@ -45,7 +48,8 @@ bool is_model_name(std::string_view name) {
 
 void require_ply_output(const std::string& path) {
   if (output_format(path) == SplatFormat::kPly) return;
-  throw Error(ErrorCode::kUsage, path + ": a format without labels, expected a name that ends in .ply",
+  throw Error(ErrorCode::kUsage,
+              path + ": a format without labels, expected a name that ends in .ply (and not in .compressed.ply)",
               "write the labelled model as PLY; ngs-extract writes object and background in other formats");
 }
 

@@ -9,9 +9,10 @@
 
 namespace ngs::io {
 
-enum class SplatFormat : std::uint8_t { kPly, kSpz, kSog, kSplat };
+enum class SplatFormat : std::uint8_t { kPly, kCompressedPly, kSpz, kSog, kSplat, kGlb };
 
-/// Of an input: by its first bytes where the format has a signature, else by the extension of `name`; kPly where
+/// Of an input: kPly (also for a compressed.ply, which the PLY reader tells), kSpz, kSog, kSplat or kGlb, which is
+/// written only. By its first bytes where the format has a signature, else by the extension of `name`; kPly where
 /// neither says anything, so that the PLY reader explains what it expected.
 SplatFormat input_format(std::string_view name, Bytes bytes);
 
@@ -21,7 +22,7 @@ SplatFormat output_format(std::string_view path);
 /// Whether a file of this name is a model in a format that is read, other than PLY, by its extension.
 bool is_model_name(std::string_view name);
 
-/// Labels are columns of PLY; the other formats have no place for them. kUsage if `path` names one of those.
+/// Labels are columns of a plain PLY; the other formats have no place for them. kUsage if `path` names one of those.
 void require_ply_output(const std::string& path);
 
 }  // namespace ngs::io

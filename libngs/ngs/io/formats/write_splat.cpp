@@ -3,7 +3,9 @@
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
+#include "ngs/io/formats/compressed_ply_write.h"
 #include "ngs/io/formats/dot_splat.h"
+#include "ngs/io/formats/glb_write.h"
 #include "ngs/io/formats/sog.h"
 #include "ngs/io/formats/splat_format.h"
 #include "ngs/io/formats/spz.h"
@@ -16,6 +18,8 @@ std::vector<std::uint8_t> encode(SplatFormat format, const SplatSelection& model
     case SplatFormat::kSpz: return encode_spz(model);
     case SplatFormat::kSog: return encode_sog(model);
     case SplatFormat::kSplat: return encode_dot_splat(model);
+    case SplatFormat::kCompressedPly: return encode_compressed_ply(model);
+    case SplatFormat::kGlb: return encode_glb(model);
     case SplatFormat::kPly: break;
   }
   NGS_CHECK(false, "PLY has a writer of its own");

@@ -1,6 +1,6 @@
 #pragma once
 // Writes a model without labels in the format that the name of the file asks for (output_format()): PLY by
-// write_strict_ply, and .spz, .sog, .splat.
+// write_strict_ply, and .compressed.ply, .spz, .sog, .splat, .glb.
 #include <string>
 #include <vector>
 

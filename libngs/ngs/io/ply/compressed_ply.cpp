@@ -2,12 +2,12 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/ply/gaussian_columns.h"
+#include "ngs/math/sh.h"
 
 namespace ngs::io {
 namespace {
 
 constexpr std::int64_t kChunkRows = 256;
-constexpr double kShC0 = 0.28209479177387814;
 
 double unorm(std::uint32_t value, int shift, int bits) {
   const std::uint32_t top = (1u << bits) - 1;

@@ -26,6 +26,8 @@ TEST_CASE("the content of a file says what it is, and its name where the content
   CHECK(format("A.SPLAT", "") == SplatFormat::kSplat);
   CHECK(format("a.spz", "") == SplatFormat::kSpz);
   CHECK(format("a.zip", "PK\x03\x04") == SplatFormat::kSog);
+  CHECK(format("a.splat", "glTF\x02") == SplatFormat::kGlb);
+  CHECK(format("a.compressed.ply", "ply\r\n") == SplatFormat::kPly);
   CHECK(format("a.sog", "") == SplatFormat::kSog);
   CHECK(format("a.obj", "v 1 2 3") == SplatFormat::kPly);
 }
@@ -34,6 +36,8 @@ TEST_CASE("the name of an output says its format, and labels go into PLY only") 
   CHECK(io::output_format("x/object.spz") == SplatFormat::kSpz);
   CHECK(io::output_format("object.SPLAT") == SplatFormat::kSplat);
   CHECK(io::output_format("object.sog") == SplatFormat::kSog);
+  CHECK(io::output_format("object.glb") == SplatFormat::kGlb);
+  CHECK(io::output_format("a/object.compressed.ply") == SplatFormat::kCompressedPly);
   CHECK(io::output_format("object.ply") == SplatFormat::kPly);
   CHECK(io::output_format("spz") == SplatFormat::kPly);
   CHECK_NOTHROW(io::require_ply_output("labelled.ply"));
