@@ -87,6 +87,53 @@ check_supersplat() {
   done
 }
 
+# within WHAT A B LIMITS...: how far two models lie apart, and that it is no more than the format's steps account for.
+within() {
+  local said
+  if said=$(node "$here/formats.mjs" "${@:2}" 2>&1); then ok "$1: $said"; else bad "$1: $said; at most ${*:4}"; fi
+}
+
+# Other formats of splats, ours read by splat-transform and its own read by us. Limits: position, ln scale, opacity, f_dc,
+# f_rest, axes. It does not turn an .spz to y up, so it is told to.
+check_formats() {
+  npm_install || return
+  local folder=$out/formats format turn
+  rm -rf "$folder"
+  mkdir -p "$folder"
+  for format in spz sog splat compressed.ply glb; do
+    local model=$folder/ours.$format
+    tool ngs-extract "$out/run/labelled.ply" --object "$model"
+    if [ $format = glb ]; then
+      "$transform" -q -w "$out/run/object.ply" "$folder/theirs.glb" 2> /dev/null
+      within 'our .glb against that of splat-transform' "$folder/theirs.glb" "$model" 0 1e-6 1e-6 0 0 1e-5
+      continue
+    fi
+    turn=()
+    [ $format = spz ] && turn=(-r 180,0,0)
+    "$transform" -q -w "$model" "${turn[@]}" "$folder/ours-$format.ply" 2> /dev/null
+    within "our .$format as splat-transform reads it, against the PLY" "$out/run/object.ply" "$folder/ours-$format.ply" \
+      $(limits_of $format)
+    "$transform" -q -w -g cpu "$out/run/object.ply" "${turn[@]}" "$folder/theirs.$format" 2> /dev/null
+    "$transform" -q -w "$folder/theirs.$format" "${turn[@]}" "$folder/theirs-$format.ply" 2> /dev/null
+    tool ngs-scene import "$out/scene" --ply "$folder/theirs.$format" --images "$out/scene/images" --masks "$out/scene/masks" \
+      --no-align-views -o "$folder/scene.json" &&
+      tool ngs-variance "$folder/scene.json" -o "$folder/theirs-$format-labelled.ply"
+    within "its .$format as we read it, against how it reads it" "$folder/theirs-$format.ply" \
+      "$folder/theirs-$format-labelled.ply" 1e-6 1e-5 2e-6 1e-5 1e-6 "$([ $format = splat ] && echo 0.02 || echo 1e-5)"
+  done
+}
+
+# Half a step of every attribute, as data-schema/formats.md has them; of codebooks a step of 1/255 of the range. The axes of
+# an ellipsoid turn by at most twice the error of its quaternion, with up to three components of it.
+limits_of() {
+  case $1 in
+    spz) echo 7.7e-6 0.0313 0.00197 0.0131 0.0040 0.01 ;;
+    sog) echo 1e-4 0.05 0.00197 0.03 0.02 0.03 ;;
+    splat) echo 0 1e-6 0.00197 0.00696 0 0.03 ;;
+    compressed.ply) echo 0.01 0.01 0.00197 0.01 0.0157 0.01 ;;
+  esac
+}
+
 check_render() {
   npm_install || return
   require dwebp webp && require oiiotool openimageio-tools || return
@@ -247,7 +294,7 @@ check_cloudcompare() {
 }
 
 make_run || { echo "FAIL: the scene for the checks was not made"; exit 1; }
-checks="transform supersplat colmap_text colmap_masks exr cloudcompare"
+checks="transform formats supersplat colmap_text colmap_masks exr cloudcompare"
 [ -n "$quick" ] || checks+=" render viewers colmap_loop"
 for check in $checks; do
   if [[ $check =~ $only ]]; then "check_$check"; fi

@@ -45,6 +45,7 @@ int main(int argc, char** argv) {
       throw Error(ErrorCode::kUsage, "--inpaint needs the cameras", "give --scene scene.json");
     if (!inpaint)
       run.warn_unused({"--scene", "--inpaint-opacity", "--inpaint-trace", "--inpaint-dilate-px"}, "without --inpaint");
+    for (const std::string& splat_output : {object.path, background.path}) (void)io::output_format(splat_output);
     for (const std::string& labelled_output : {decided.path, supersplat.path}) io::require_ply_output(labelled_output);
     std::optional<Scene> scene;
     if (inpaint) {

@@ -3,6 +3,7 @@
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
 #include "ngs/io/formats/dot_splat.h"
+#include "ngs/io/formats/ksplat.h"
 #include "ngs/io/formats/sog.h"
 #include "ngs/io/formats/spz.h"
 
@@ -13,9 +14,10 @@ DecodedSplat decode_splat(SplatFormat format, const std::string& name, Bytes byt
     case SplatFormat::kSpz: return decode_spz(name, bytes);
     case SplatFormat::kSog: return decode_sog(name, bytes);
     case SplatFormat::kSplat: return decode_dot_splat(name, bytes);
+    case SplatFormat::kKsplat: return decode_ksplat(name, bytes);
     case SplatFormat::kGlb:
       throw Error(ErrorCode::kBadInput,
-                  name + ": a .glb, which is written but not read, expected .ply, .spz, .sog or .splat",
+                  name + ": a .glb, which is written but not read, expected .ply, .spz, .sog, .splat or .ksplat",
                   "export the model in one of these formats");
     case SplatFormat::kPly:
     case SplatFormat::kCompressedPly: break;

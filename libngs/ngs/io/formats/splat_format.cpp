@@ -28,12 +28,19 @@ SplatFormat input_format(std::string_view name, Bytes bytes) {
   if (begins_with(bytes, "glTF")) return SplatFormat::kGlb;
   // A record of .splat may begin with any bytes, also with the two that begin a gzip stream.
   if (ends_with(name, ".splat")) return SplatFormat::kSplat;
+  if (ends_with(name, ".ksplat")) return SplatFormat::kKsplat;
   if (begins_with(bytes, "\x1f\x8b") || ends_with(name, ".spz")) return SplatFormat::kSpz;
   if (ends_with(name, ".sog")) return SplatFormat::kSog;
   return SplatFormat::kPly;
 }
 
 SplatFormat output_format(std::string_view path) {
+  if (ends_with(path, ".ksplat"))
+    throw Error(ErrorCode::kUsage,
+                std::string(path) +
+                    ": a .ksplat, which is read but not written, expected .ply, .compressed.ply, .spz, .sog, "
+                    ".splat or .glb",
+                "choose another name for the output");
   if (ends_with(path, ".compressed.ply")) return SplatFormat::kCompressedPly;
   if (ends_with(path, ".glb")) return SplatFormat::kGlb;
   if (ends_with(path, ".spz")) return SplatFormat::kSpz;
@@ -43,7 +50,7 @@ SplatFormat output_format(std::string_view path) {
 }
 
 bool is_model_name(std::string_view name) {
-  return ends_with(name, ".spz") || ends_with(name, ".sog") || ends_with(name, ".splat");
+  return ends_with(name, ".spz") || ends_with(name, ".sog") || ends_with(name, ".splat") || ends_with(name, ".ksplat");
 }
 
 void require_ply_output(const std::string& path) {

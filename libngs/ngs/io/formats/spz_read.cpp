@@ -4,6 +4,7 @@
 #include "ngs/io/files/byte_reader.h"
 #include "ngs/io/formats/axes.h"
 #include "ngs/io/formats/gzip.h"
+#include "ngs/io/formats/half.h"
 #include "ngs/io/formats/quantise.h"
 #include "ngs/io/formats/spz.h"
 #include "ngs/io/formats/spz_layout.h"
@@ -115,13 +116,6 @@ SpzData read_zstd(const std::string& name, Bytes bytes) {
     at += packed;
   }
   return data;
-}
-
-float half_to_float(std::uint16_t half) {
-  const int exponent = (half >> 10) & 31, mantissa = half & 1023;
-  const float sign = (half & 0x8000) != 0 ? -1.f : 1.f;
-  if (exponent == 31) return mantissa != 0 ? NAN : sign * INFINITY;
-  return sign * (exponent == 0 ? std::ldexp(float(mantissa), -24) : std::ldexp(float(1024 + mantissa), exponent - 25));
 }
 
 class Decoder {

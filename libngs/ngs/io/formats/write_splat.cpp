@@ -20,9 +20,10 @@ std::vector<std::uint8_t> encode(SplatFormat format, const SplatSelection& model
     case SplatFormat::kSplat: return encode_dot_splat(model);
     case SplatFormat::kCompressedPly: return encode_compressed_ply(model);
     case SplatFormat::kGlb: return encode_glb(model);
+    case SplatFormat::kKsplat:
     case SplatFormat::kPly: break;
   }
-  NGS_CHECK(false, "PLY has a writer of its own");
+  NGS_CHECK(false, "a format that is written here");
   return {};
 }
 

@@ -26,6 +26,7 @@ TEST_CASE("the content of a file says what it is, and its name where the content
   CHECK(format("A.SPLAT", "") == SplatFormat::kSplat);
   CHECK(format("a.spz", "") == SplatFormat::kSpz);
   CHECK(format("a.zip", "PK\x03\x04") == SplatFormat::kSog);
+  CHECK(format("a.ksplat", "\x01\x02") == SplatFormat::kKsplat);
   CHECK(format("a.splat", "glTF\x02") == SplatFormat::kGlb);
   CHECK(format("a.compressed.ply", "ply\r\n") == SplatFormat::kPly);
   CHECK(format("a.sog", "") == SplatFormat::kSog);
@@ -39,6 +40,7 @@ TEST_CASE("the name of an output says its format, and labels go into PLY only") 
   CHECK(io::output_format("object.glb") == SplatFormat::kGlb);
   CHECK(io::output_format("a/object.compressed.ply") == SplatFormat::kCompressedPly);
   CHECK(io::output_format("object.ply") == SplatFormat::kPly);
+  CHECK_THROWS_AS(io::output_format("object.ksplat"), Error);
   CHECK(io::output_format("spz") == SplatFormat::kPly);
   CHECK_NOTHROW(io::require_ply_output("labelled.ply"));
   try {

@@ -1,0 +1,81 @@
+// How far two models lie apart, read here independently of the tools (binary PLY of floats, and .glb turned to a PLY's axes):
+//
+//   formats.mjs A B POSITION SCALE OPACITY COLOUR SH AXES
+//
+// Rows are matched by the nearest position. Prints the largest difference of each attribute: position, ln scale, opacity as
+// a probability, f_dc, f_rest (of the degree that both have), axes of the ellipsoids (columns of their rotation matrices up
+// to the sign); exit code 1 where one is larger than its limit.
+import fs from 'node:fs';
+
+function readPly(path) {
+  const data = fs.readFileSync(path), end = data.indexOf('end_header\n') + 11;
+  const lines = data.subarray(0, end).toString('latin1').split('\n');
+  const rows = Number(lines.find((line) => line.startsWith('element vertex')).split(' ')[2]);
+  const names = lines.filter((line) => line.startsWith('property float ')).map((line) => line.split(' ')[2]);
+  const at = Object.fromEntries(names.map((name, k) => [name, k]));
+  const value = (row, name) => data.readFloatLE(end + (row * names.length + at[name]) * 4);
+  const rest = names.filter((name) => name.startsWith('f_rest_')).length / 3;
+  return Array.from({ length: rows }, (_, i) => ({
+    position: ['x', 'y', 'z'].map((name) => value(i, name)),
+    scale: [0, 1, 2].map((k) => value(i, `scale_${k}`)),
+    opacity: 1 / (1 + Math.exp(-value(i, 'opacity'))),
+    colour: [0, 1, 2].map((k) => value(i, `f_dc_${k}`)),
+    sh: Array.from({ length: rest }, (_, k) => [0, 1, 2].map((c) => value(i, `f_rest_${c * rest + k}`))),
+    rotation: [0, 1, 2, 3].map((k) => value(i, `rot_${k}`)),
+  }));
+}
+
+function readGlb(path) {
+  const data = fs.readFileSync(path), length = data.readUInt32LE(12), binary = 28 + length;
+  const gltf = JSON.parse(data.subarray(20, 20 + length)), attributes = gltf.meshes[0].primitives[0].attributes;
+  const read = (name, i, width) => {
+    const accessor = gltf.accessors[attributes[name]], view = gltf.bufferViews[accessor.bufferView];
+    return Array.from({ length: width }, (_, k) => data.readFloatLE(binary + view.byteOffset + (i * width + k) * 4));
+  };
+  const splat = 'KHR_gaussian_splatting:';
+  // x left, y up: x and y change their sign, and with them the coefficients that are odd in one of them
+  const signs = [-1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1];
+  const names = [1, 2, 3].flatMap((d) => Array.from({ length: 2 * d + 1 }, (_, n) => `${splat}SH_DEGREE_${d}_COEF_${n}`));
+  return Array.from({ length: gltf.accessors[0].count }, (_, i) => {
+    const [x, y, z] = read('POSITION', i, 3), q = read(`${splat}ROTATION`, i, 4);
+    return {
+      position: [-x, -y, z],
+      scale: read(`${splat}SCALE`, i, 3).map(Math.log),
+      opacity: read(`${splat}OPACITY`, i, 1)[0],
+      colour: read(`${splat}SH_DEGREE_0_COEF_0`, i, 3),
+      sh: names.filter((name) => name in attributes).map((name, k) => read(name, i, 3).map((v) => v * signs[k])),
+      rotation: [q[3], -q[0], -q[1], q[2]],
+    };
+  });
+}
+
+function axes(rotation) {
+  const length = Math.hypot(...rotation), [w, x, y, z] = rotation.map((v) => v / length);
+  return [[1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)],
+    [2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)],
+    [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)]];
+}
+
+const most = (a, b) => Math.max(0, ...a.map((v, k) => Math.abs(v - b[k])));
+function apart(a, b) {
+  const first = axes(a.rotation), second = axes(b.rotation), degree = Math.min(a.sh.length, b.sh.length);
+  return [most(a.position, b.position), most(a.scale, b.scale), Math.abs(a.opacity - b.opacity), most(a.colour, b.colour),
+    Math.max(0, ...a.sh.slice(0, degree).map((v, k) => most(v, b.sh[k]))),
+    Math.max(...first.map((v, k) => Math.min(most(v, second[k]), most(v, second[k].map((x) => -x)))))];
+}
+
+const read = (path) => (path.endsWith('.glb') ? readGlb(path) : readPly(path));
+const [pathA, pathB, ...limits] = process.argv.slice(2);
+const a = read(pathA), b = read(pathB);
+if (a.length !== b.length) { console.log(`${a.length} rows against ${b.length}`); process.exit(1); }
+const found = [0, 0, 0, 0, 0, 0];
+for (const row of a) {
+  const nearest = b.reduce((best, other) => {
+    const distance = Math.hypot(...row.position.map((v, k) => v - other.position[k]));
+    return distance < best.distance ? { distance, other } : best;
+  }, { distance: Infinity });
+  apart(row, nearest.other).forEach((v, k) => { found[k] = Math.max(found[k], v); });
+}
+const names = ['position', 'ln scale', 'opacity', 'f_dc', 'f_rest', 'axes'];
+console.log(names.map((name, k) => `${name} ${found[k].toPrecision(2)}`).join(', '));
+process.exit(found.every((v, k) => v <= Number(limits[k])) ? 0 : 1);
