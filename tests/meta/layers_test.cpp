@@ -48,10 +48,13 @@ const std::vector<Confinement>& confinements() {
          "nlohmann belongs to options/, io/, passes/ (reports) and tools/");
     only("Eigen/.*", ".*\\.cpp", "Eigen belongs to .cpp files");
     only("xxhash\\.h", "libngs/ngs/io/files/content_hash\\.cpp", "xxHash belongs to io/files/content_hash.cpp");
-    only("zlib\\.h", "libngs/ngs/io/formats/gzip\\.cpp", "zlib belongs to io/formats/gzip.cpp");
-    only("zstd\\.h", "libngs/ngs/io/formats/zstd_frame\\.cpp", "zstd belongs to io/formats/zstd_frame.cpp");
-    only("webp/.*", "libngs/ngs/io/formats/webp_image\\.cpp", "libwebp belongs to io/formats/webp_image.cpp");
-    only("minizip/.*", "libngs/ngs/io/formats/zip_archive\\.cpp", "minizip belongs to io/formats/zip_archive.cpp");
+    only("zlib\\.h", "libngs/ngs/io/formats/compression/gzip\\.cpp", "zlib belongs to io/formats/compression/gzip.cpp");
+    only("zstd\\.h", "libngs/ngs/io/formats/compression/zstd_frame\\.cpp",
+         "zstd belongs to io/formats/compression/zstd_frame.cpp");
+    only("webp/.*", "libngs/ngs/io/formats/compression/webp_image\\.cpp",
+         "libwebp belongs to io/formats/compression/webp_image.cpp");
+    only("minizip/.*", "libngs/ngs/io/formats/compression/zip_archive\\.cpp",
+         "minizip belongs to io/formats/compression/zip_archive.cpp");
     only("omp\\.h", "libngs/ngs/backend/.*", "OpenMP belongs to backend/");
     only("immintrin\\.h", "libngs/ngs/math/.*", "vector intrinsics belong to math/");
     only("(cuda|cub/|thrust/|cooperative_groups).*", "libngs/ngs/(backend/.*|.*\\.cuh?)",

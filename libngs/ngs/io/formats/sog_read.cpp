@@ -2,11 +2,11 @@
 #include <optional>
 
 #include "ngs/io/files/json_file.h"
+#include "ngs/io/formats/compression/webp_image.h"
+#include "ngs/io/formats/compression/zip_archive.h"
 #include "ngs/io/formats/quantise.h"
 #include "ngs/io/formats/sog.h"
 #include "ngs/io/formats/sog_layout.h"
-#include "ngs/io/formats/webp_image.h"
-#include "ngs/io/formats/zip_archive.h"
 
 namespace ngs::io {
 namespace {

@@ -3,13 +3,13 @@
 
 #include "ngs/core/error.h"
 #include "ngs/core/version.h"
-#include "ngs/io/formats/codebook.h"
+#include "ngs/io/formats/compression/codebook.h"
+#include "ngs/io/formats/compression/webp_image.h"
+#include "ngs/io/formats/compression/zip_archive.h"
 #include "ngs/io/formats/morton.h"
 #include "ngs/io/formats/quantise.h"
 #include "ngs/io/formats/sog.h"
 #include "ngs/io/formats/sog_layout.h"
-#include "ngs/io/formats/webp_image.h"
-#include "ngs/io/formats/zip_archive.h"
 
 namespace ngs::io {
 namespace {

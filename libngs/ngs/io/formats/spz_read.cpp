@@ -3,12 +3,12 @@
 
 #include "ngs/io/files/byte_reader.h"
 #include "ngs/io/formats/axes.h"
-#include "ngs/io/formats/gzip.h"
+#include "ngs/io/formats/compression/gzip.h"
+#include "ngs/io/formats/compression/zstd_frame.h"
 #include "ngs/io/formats/half.h"
 #include "ngs/io/formats/quantise.h"
 #include "ngs/io/formats/spz.h"
 #include "ngs/io/formats/spz_layout.h"
-#include "ngs/io/formats/zstd_frame.h"
 
 namespace ngs::io {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/formats/axes.h"
-#include "ngs/io/formats/gzip.h"
+#include "ngs/io/formats/compression/gzip.h"
 #include "ngs/io/formats/quantise.h"
 #include "ngs/io/formats/spz.h"
 #include "ngs/io/formats/spz_layout.h"

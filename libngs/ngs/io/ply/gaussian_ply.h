@@ -42,8 +42,8 @@ struct GaussianPly {
   std::vector<std::string> notes;    // what a reader of the file should know, one sentence each
 };
 
-/// Reads .spz, .sog, .splat and .ksplat too, told by their content or name (io/formats/splat_format.h): `rows` are then decoded into
-/// the Inria columns, and `file` has a name only.
+/// Reads .spz, .sog, .splat and .ksplat too, told by their content or name (io/formats/splat_format.h): `rows` are then
+/// decoded into the Inria columns, and `file` has a name only.
 ///
 /// A PLY is memory-mapped; costs the SoA cloud and nothing else for a plain little-endian file without filter_3D.
 /// `health` and `cloud.usable` are filled (classify()). A 2DGS model gets log_scale[2] = min(log_scale[0..1]) - ln

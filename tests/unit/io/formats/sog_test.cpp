@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "ngs/core/error.h"
-#include "ngs/io/formats/webp_image.h"
+#include "ngs/io/formats/compression/webp_image.h"
+#include "ngs/io/formats/compression/zip_archive.h"
 #include "ngs/io/formats/write_splat.h"
-#include "ngs/io/formats/zip_archive.h"
 #include "support/ply_text.h"
 #include "support/splat_files.h"
 #include "support/temp_dir.h"

@@ -1,4 +1,4 @@
-#include "ngs/io/formats/gzip.h"
+#include "ngs/io/formats/compression/gzip.h"
 
 #include <zlib.h>
 

@@ -1,4 +1,4 @@
-#include "ngs/io/formats/codebook.h"
+#include "ngs/io/formats/compression/codebook.h"
 
 #include <algorithm>
 #include <cmath>

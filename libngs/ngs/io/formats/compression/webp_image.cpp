@@ -1,4 +1,4 @@
-#include "ngs/io/formats/webp_image.h"
+#include "ngs/io/formats/compression/webp_image.h"
 
 #include <webp/decode.h>
 #include <webp/encode.h>

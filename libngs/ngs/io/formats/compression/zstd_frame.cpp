@@ -1,4 +1,4 @@
-#include "ngs/io/formats/zstd_frame.h"
+#include "ngs/io/formats/compression/zstd_frame.h"
 
 #include <zstd.h>
 

@@ -1,4 +1,4 @@
-#include "ngs/io/formats/zip_archive.h"
+#include "ngs/io/formats/compression/zip_archive.h"
 
 #include <minizip/unzip.h>
 #include <minizip/zip.h>
