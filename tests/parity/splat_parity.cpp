@@ -30,7 +30,7 @@ View run_view(const Exec& exec, const SplatCase& c, const SplatOptions& options,
   SplatPass pass(options);
   View view;
   view.image = pass.forward(exec, cloud, c.camera, request);
-  pass.backward(exec, upstream, view.gradient, label_alone);
+  pass.backward(exec, upstream, view.gradient, {.label_alone = label_alone});
   return view;
 }
 

@@ -160,7 +160,7 @@ mutant $f $t $f "what is left as 1 - rest" 's/\? object \/ \(object \+ rest\)/? 
 mutant $f $t $f "gap of one bound only" 's/gap \+= std::max\(g \* m\[i\], .*;/gap += g * m[i];/'
 
 t=grad/joint_grad_test.cpp f=passes/joint/joint_stage.cpp
-mutant $f $t $f "colour continuity without its gradient" 's/(gradients\.sh_dc\[row \* 3 \+ c\] \+= float\()kShC0 \* /\10 * /'
+mutant $f $t $f "colour continuity without its gradient" 's/(gradients\.sh_dc\[\*to \* 3 \+ c\] \+= float\()kShC0 \* /\10 * /'
 mutant $f $t $f "mask loss without its weight" 's/(loss_mask\(.*)/\1/; s/options\.lambda_mask, \&grad\.label\)/1.0, \&grad.label)/'
 mutant $f $t $f "label gradient without the sigmoid" 's/gradients\.label\[i\] \* sigmoid_slope\(logit\[i\]\)/gradients.label[i]/'
 mutant $f $t $f "smoothness gradient doubled" 's/field->smoothness\(exec, rays, boundary\.positions\(\), options\.lambda_smooth/field->smoothness(exec, rays, boundary.positions(), 2 * options.lambda_smooth/'
@@ -274,3 +274,13 @@ mutant $f $t $f "background: a mean, which the holes decide" 's/if \(\(below \+=
 mutant $f $t $f "background: pixels that show none of it have a say" 's/t >= kLeastOpen/t > 0/'
 mutant $f $t $f "background: both backgrounds under transparent photos are black" 's/  request\.background = background_of\(scene\);//'
 mutant $f $t $f "background: taken where it only shines through" 's/found\.shown >= kLeastShown && //'
+
+t=unit/problem/window_input_test.cpp
+mutant problem/pixel_window.cpp $t problem/pixel_window.cpp "windows beside the tiles" 's/ \/ kGrain_px \* kGrain_px; \};/ + 1; };/'
+mutant problem/window_input.cpp $t problem/window_input.cpp "windows of the masks of another view" 's/windows_->masks\[view\]\.unpacked/windows_->masks[(view + 1) % windows_->masks.size()].unpacked/'
+mutant problem/window_input.cpp $t problem/window_input.cpp "losses as if the window were the view" 's/share\[v\] = double\(windows\[v\]\.w\)/share[v] = 0.5 * double(windows[v].w)/'
+mutant stages/boundary/method_labels.cpp $t stages/boundary/method_labels.cpp "views that stay in the evidence" 's/weight\[c\] - less\.of\(i\)\[c\]/weight[c]/'
+mutant passes/mask_outliers/mask_outliers.cpp $t passes/mask_outliers/mask_outliers.cpp "nothing beside the windows" 's/std::max\(0\.0, own \/ share - inside\.weight\(i\)\)/0.0/'
+mutant passes/joint/trained_rows.h $t passes/joint/joint_stage.cpp "gradients in the rows of others" 's/wanted_\.place\[i\] = std::int32_t\(rows_\.size\(\)\)/wanted_.place[i] = 0/'
+mutant problem/region.cpp $t problem/region.cpp "a region of everything" 's/object\.prob\[i\] >= kLeastRegionShare/true/'
+mutant problem/region.cpp $t problem/region.cpp "changed rows that do not count" 's/changed \+= !same;//'

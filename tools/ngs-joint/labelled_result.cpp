@@ -1,6 +1,7 @@
 #include "labelled_result.h"
 
 #include "ngs/core/error.h"
+#include "ngs/problem/region.h"
 
 namespace ngs::joint {
 namespace {
@@ -51,6 +52,7 @@ void write_result(cli::Run& run, const ResultSource& source, const Solution& sol
   write.edited = &solution.cloud, write.source_row = solution.source_row, write.floater = floater;
   io::write_labelled_ply(path, source.ply, named, write);
   for (const auto& [name, value] : solution.figures) run.result()[name] = value;
+  run.result()["rows_changed"] = rows_changed(source.ply.cloud, labels_of(source.ply, source.scene), solution);
   run.result()["converged"] = solution.converged;
 }
 

@@ -136,7 +136,7 @@ bool load_views(cli::Run& run, Budget& budget, const CoarseInput& full, const Co
   // A disk may be slower than any foresight: what is left to load then costs what the rest is foreseen to.
   const double began_s = budget.elapsed_s(), until_s = began_s + kLoadCost.share * budget.left_s();
   const double loaded = full.preload(run.exec(), [&] { return budget.elapsed_s() < until_s; });
-  if (loaded >= 1) coarse.preload(run.exec()), compare_with_photos(run, coarse.get());
+  if (loaded >= 1) coarse.preload(run.exec());
   budget.took("load views", loaded * kLoadCost.renders * double(views), budget.elapsed_s() - began_s);
   return loaded >= 1;
 }
@@ -197,11 +197,17 @@ class MethodRun {
     if (from_files.views.empty())
       throw Error(ErrorCode::kInconsistent, paths_.scene + ": no training view, expected at least one",
                   "hold out fewer views");
-    budget_.measure(run_.exec(), from_files, input_.reading_s);
-    const CoarseInput full(from_files, 1), coarse(full.get(), decision_shrink(input_.scene));
-    PassRun passes = pass_run(full.get(), coarse.get());
-    if (options_.runs_passes() && !load_views(run_, budget_, full, coarse))
-      options_.pipeline.leave_out(PassStage::kMend, passes);
+    PassRun passes = pass_run(from_files);
+    options_.pipeline.decide(PassStage::kFocus, passes, from_files);
+    if (!options_.pipeline.run(PassStage::kFocus, passes)) return run_.stop_code();
+    const Problem focused = *passes.problem;
+    budget_.measure(run_.exec(), focused, input_.reading_s);
+    const CoarseInput full(focused, 1), coarse(full.get(), decision_shrink(input_.scene));
+    passes.problem.emplace(full.get()), passes.coarse = &coarse.get();
+    if (options_.runs_passes()) {
+      if (!load_views(run_, budget_, full, coarse)) options_.pipeline.leave_out(PassStage::kMend, passes);
+      compare_with_photos(run_, CoarseInput(from_files, decision_shrink(input_.scene), 0).get());
+    }
     options_.pipeline.decide(PassStage::kMend, passes, coarse.get());
     if (const int stopped = run_.stop_code()) return stopped;  // nothing to go on from, and no checkpoint
     if (options_.choice.explain) return explain(passes, from_files);
@@ -228,7 +234,7 @@ class MethodRun {
     return cli::kDone;
   }
 
-  PassRun pass_run(const Problem& full, const Problem& coarse) {
+  PassRun pass_run(const Problem& problem) {
     PassRun passes{.exec = run_.exec(),
                    .device_exec = run_.device_exec(),
                    .monitor = run_.monitor(),
@@ -239,8 +245,7 @@ class MethodRun {
                    .watching = {parse_target(options_.steps.target), !paths_.trace.empty(), options_.steps.trace_every},
                    .allow_empty = run_.allow_empty(),
                    .info = [this](const std::string& line) { run_.info(line); }};
-    passes.problem.emplace(full);
-    passes.coarse = &coarse;
+    passes.problem.emplace(problem);
     return passes;
   }
 

@@ -49,7 +49,8 @@ std::vector<EffectVerdict> verdicts_of(const Options& options, bool writes_nerf,
   std::vector<EffectVerdict> verdicts;
   const auto rule_out = [&](std::string_view effect) { verdicts.push_back({effect, false, "part of --method ngs"}); };
   if (options.choice.method != Method::kNgs)  // the other methods are as their papers say
-    for (const Effect& effect : options.pipeline.effects(PassStage::kMend)) rule_out(effect.name);
+    for (const PassStage stage : {PassStage::kFocus, PassStage::kMend})
+      for (const Effect& effect : options.pipeline.effects(stage)) rule_out(effect.name);
   if (options.choice.method == Method::kNgGs) {
     rule_out("contours");
     verdicts.push_back({"nerf", true, "--method ng-gs"});

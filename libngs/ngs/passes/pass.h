@@ -61,9 +61,9 @@ struct PassRun {
   bool on(std::string_view effect) const { return decisions.on(effect); }
 };
 
-/// Passes of a stage are decided together, on what the stages before left: kMend mends masks and model, for any method;
-/// kOptimise makes the solution.
-enum class PassStage : std::uint8_t { kMend, kOptimise };
+/// Passes of a stage are decided together, on what the stages before left: kFocus says what of the views the others
+/// work on; kMend mends masks and model; kOptimise makes the solution.
+enum class PassStage : std::uint8_t { kFocus, kMend, kOptimise };
 
 class Pass {
  public:

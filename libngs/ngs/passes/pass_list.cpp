@@ -6,11 +6,13 @@
 #include "ngs/passes/floaters/floaters_pass.h"
 #include "ngs/passes/joint/joint_pass.h"
 #include "ngs/passes/mask_outliers/mask_outliers_pass.h"
+#include "ngs/passes/windows/windows_pass.h"
 
 namespace ngs {
 
 std::vector<std::unique_ptr<Pass>> all_passes() {
   std::vector<std::unique_ptr<Pass>> passes;
+  passes.push_back(std::make_unique<WindowsPass>());
   passes.push_back(std::make_unique<ExposurePass>());
   passes.push_back(std::make_unique<MaskOutliersPass>());
   passes.push_back(std::make_unique<FloatersPass>());

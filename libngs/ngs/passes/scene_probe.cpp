@@ -40,18 +40,28 @@ double SceneProbe::photos() const { return double(photo_count(problem_.scene, pr
 bool SceneProbe::stopped() const { return stop_requested(problem_.monitor); }
 
 const LabelViews& SceneProbe::label_views() {
-  if (views_) return *views_;
-  views_.emplace();
+  if (!views_) views_ = label_views_of(problem_.views);
+  return *views_;
+}
+
+const LabelViews& SceneProbe::label_sample() {
+  constexpr std::size_t kSampleViews = 24;
+  if (!sample_) sample_ = label_views_of(spread_views(problem_.views, kSampleViews));
+  return *sample_;
+}
+
+LabelViews SceneProbe::label_views_of(const std::vector<std::size_t>& some) {
+  LabelViews views;
   const LabelChannels label(problem_.cloud, problem_.labels);
   std::size_t count = 0;
-  for_each_view(problem_.monitor, problem_.views, [&](std::size_t, std::size_t v) {
+  for_each_view(problem_.monitor, some, [&](std::size_t, std::size_t v) {
     const ViewMasks masks = problem_.load_masks(v);
     if (!masks.available) return;
     const ImageF rendered = label.view(exec_, problem_.scene.views[v].camera, problem_.splat);
-    count += add_view(exec_, rendered, masks, *views_);
+    count += add_view(exec_, rendered, masks, views);
   });
-  if (count > 0) views_->biou /= double(count);
-  return *views_;
+  if (count > 0) views.biou /= double(count);
+  return views;
 }
 
 const BoundarySet& SceneProbe::boundary() {

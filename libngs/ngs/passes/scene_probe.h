@@ -47,7 +47,9 @@ class SceneProbe {
   /// Whether to stop: then what is measured means nothing.
   bool stopped() const;
 
+  /// Of all training views; the sample: of at most 24, evenly spread.
   const LabelViews& label_views();
+  const LabelViews& label_sample();
   const BoundarySet& boundary();
   Rows<const float, 3> boundary_colours();
   const KnnGraph& boundary_neighbours();
@@ -56,7 +58,9 @@ class SceneProbe {
   const Exec exec_;
   const TrainingOptions& training_;
   const Problem& problem_;
-  std::optional<LabelViews> views_;
+  LabelViews label_views_of(const std::vector<std::size_t>& views);
+
+  std::optional<LabelViews> views_, sample_;
   std::optional<BoundarySet> boundary_;
   std::optional<KnnGraph> neighbours_;
 };

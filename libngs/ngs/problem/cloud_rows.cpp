@@ -120,4 +120,18 @@ double largest_scale(const GaussianCloud& cloud, std::int64_t row) {
   return std::exp(double(std::max({s[0], s[1], s[2]})));
 }
 
+std::vector<LabelColumns> gather_labels(const Exec& exec, const std::vector<LabelColumns>& labels,
+                                        const std::vector<std::int64_t>& rows) {
+  std::vector<LabelColumns> part(labels.size());
+  for (std::size_t k = 0; k < labels.size(); ++k)
+    for (const auto column : kLabelColumns) part[k].*column = gather_column(exec, labels[k].*column, 1, rows);
+  return part;
+}
+
+void scatter_labels(const Exec& exec, const std::vector<LabelColumns>& part, const std::vector<std::int64_t>& rows,
+                    std::vector<LabelColumns>& labels) {
+  for (std::size_t k = 0; k < labels.size(); ++k)
+    for (const auto column : kLabelColumns) scatter_column(exec, part[k].*column, 1, rows, labels[k].*column);
+}
+
 }  // namespace ngs

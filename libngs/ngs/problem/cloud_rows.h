@@ -53,6 +53,12 @@ void scatter_column(const Exec& exec, const std::vector<T>& part, int width, con
   });
 }
 
+/// The same for the columns of every object.
+std::vector<LabelColumns> gather_labels(const Exec& exec, const std::vector<LabelColumns>& labels,
+                                        const std::vector<std::int64_t>& rows);
+void scatter_labels(const Exec& exec, const std::vector<LabelColumns>& part, const std::vector<std::int64_t>& rows,
+                    std::vector<LabelColumns>& labels);
+
 /// Moments follow their Gaussian; new Gaussians start with zeros.
 void edit_moments(const std::vector<CloudRow>& rows, int width, AdamMoments& moments);
 

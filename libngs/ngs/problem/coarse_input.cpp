@@ -43,6 +43,9 @@ CoarseInput::CoarseInput(const Problem& fine, int shrink, std::size_t kept_bytes
               .labels = fine.labels,
               .load_fine_photo = fine.load_fine_photo,
               .held = fine.held,
+              .region = fine.region,
+              .window_share = fine.window_share,
+              .whole = fine.whole,
               .monitor = fine.monitor},
       kept_bytes_(kept_bytes) {}
 

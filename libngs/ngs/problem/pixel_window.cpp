@@ -16,6 +16,17 @@ PixelWindow window_of(const std::vector<std::vector<float>>& targets, int w, int
   return {x0, y0, std::min(w, x1 + 1 + margin) - x0, std::min(h, y1 + 1 + margin) - y0};
 }
 
+PixelWindow widened(const PixelWindow& win, int margin_px, int width_px, int height_px) {
+  constexpr int kGrain_px = 16;
+  if (win.w == 0) return {};
+  const auto down = [&](int v) { return std::max(0, v - margin_px) / kGrain_px * kGrain_px; };
+  const auto up = [&](int v, int most) {
+    return std::min(most, (v + margin_px + kGrain_px - 1) / kGrain_px * kGrain_px);
+  };
+  const int x0 = down(win.x0), y0 = down(win.y0);
+  return {x0, y0, up(win.x0 + win.w, width_px) - x0, up(win.y0 + win.h, height_px) - y0};
+}
+
 Camera window_camera(Camera camera, const PixelWindow& win) {
   camera.cx -= win.x0, camera.cy -= win.y0;
   camera.width_px = win.w, camera.height_px = win.h;

@@ -13,6 +13,10 @@ struct PixelWindow {
 /// The pixels where any of the [h, w] targets exceeds 0, and a margin; empty where there are none.
 PixelWindow window_of(const std::vector<std::vector<float>>& targets, int w, int h, int margin);
 
+/// With a margin, on to multiples of 16 px where the picture has them: whole tiles of the picture are whole tiles of
+/// the window, and what is drawn there has the same rounding. Empty stays empty.
+PixelWindow widened(const PixelWindow& win, int margin_px, int width_px, int height_px);
+
 /// The camera whose whole image is the window.
 Camera window_camera(Camera camera, const PixelWindow& win);
 

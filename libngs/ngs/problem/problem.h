@@ -54,10 +54,18 @@ struct Problem {
   SharedLabels labels;       // of ngs-variance, one per object
   // As load_photo, finer where the photo has more pixels than the camera; empty function or image: no photo.
   std::function<ImageF(std::size_t view)> load_fine_photo = {};
-  std::vector<std::uint8_t> held = {};                 // [N] 1: shape, opacity and colour stay as they are; empty: none
+  std::vector<std::uint8_t> held = {};    // [N] 1: shape, opacity and colour stay as they are; empty: none
+  std::vector<std::uint8_t> region = {};  // [N] 0: nothing of the row may change; empty: all may
+  std::vector<double> window_share = {};  // [views of the scene] of its pixels that the camera shows; empty: all
+  std::shared_ptr<const Problem> whole = nullptr;      // the same in whole views; null: this one is
   std::vector<std::shared_ptr<const void>> owns = {};  // what the references above refer to, where nobody else keeps it
   Monitor* monitor = nullptr;                          // asked before every view whether to go on; null: goes on
 };
+
+/// Share of a view's pixels that the camera of the problem shows.
+inline double window_share(const Problem& problem, std::size_t view) {
+  return problem.window_share.empty() ? 1.0 : problem.window_share[view];
+}
 
 struct Solution {
   GaussianCloud cloud;                    // the input's, with optimised attributes; rows may be added or removed

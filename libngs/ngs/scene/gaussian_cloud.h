@@ -61,4 +61,7 @@ struct LabelColumns {
   std::vector<float> boundary;  // [N] 1 = member of the boundary set
 };
 
+inline constexpr std::vector<float> LabelColumns::*kLabelColumns[] = {
+    &LabelColumns::label, &LabelColumns::prob, &LabelColumns::variance, &LabelColumns::views, &LabelColumns::boundary};
+
 }  // namespace ngs

@@ -125,10 +125,11 @@ struct FrontView::State {
   }
 };
 
-FrontView::FrontView(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options)
+FrontView::FrontView(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options,
+                     const std::uint8_t* include)
     : state_(std::make_unique<State>(
           State{exec, camera, options.compat, cloud.size(),
-                BinnedView<float>(exec, cloud_view(cloud, 0, nullptr), relative_camera(camera, cloud), options)})) {}
+                BinnedView<float>(exec, cloud_view(cloud, 0, include), relative_camera(camera, cloud), options)})) {}
 FrontView::~FrontView() = default;
 
 ImageF FrontView::layer(const FrontQuery& query, Matrix<const float> value) const {
@@ -167,15 +168,14 @@ FrontSums FrontView::sums(const FrontQuery& query, const std::vector<std::uint8_
     L transmittance[kPacks];
     composite_tile<L>(work, transmittance, sink);
   });
-  const auto n = std::size_t(s.gaussians);
-  FrontSums sums{std::vector<double>(n), std::vector<double>(n)};
-  for_each_index(s.exec, std::int64_t(b.view().id.size()), [&](std::int64_t v) {
-    const std::size_t i = b.view().id[std::size_t(v)];
-    if (!query.candidate[i]) return;
-    for (std::int64_t slot = b.lists().slot_begin[std::size_t(v)]; slot < b.lists().slot_begin[std::size_t(v) + 1];
-         ++slot)
-      sums.front[i] += double(pair.row(slot)[0]), sums.marked[i] += double(pair.row(slot)[1]);
-  });
+  FrontSums sums;
+  for (std::size_t v = 0; v < b.view().id.size(); ++v) {
+    if (!query.candidate[b.view().id[v]]) continue;
+    double front = 0, of_marked = 0;
+    for (std::int64_t slot = b.lists().slot_begin[v]; slot < b.lists().slot_begin[v + 1]; ++slot)
+      front += double(pair.row(slot)[0]), of_marked += double(pair.row(slot)[1]);
+    if (front > 0) sums.row.push_back(b.view().id[v]), sums.front.push_back(front), sums.marked.push_back(of_marked);
+  }
   return sums;
 }
 

@@ -14,22 +14,25 @@ struct FrontQuery {
   const std::vector<std::uint8_t>& candidate;  // [N]
 };
 
-/// [N] each: Σ w over the view's pixels where the Gaussian is in front, and over the marked of these.
+/// Σ w over the view's pixels where a Gaussian is in front, and over the marked of these, of those where it is not 0.
 struct FrontSums {
-  std::vector<double> front, marked;
+  std::vector<std::uint32_t> row;     // index into the cloud, each once
+  std::vector<double> front, marked;  // [rows]
 };
 
 /// One view of a model, projected once for several looks at it.
 class FrontView {
  public:
-  FrontView(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options);
+  /// `include` [N] 1: drawn; null: all are.
+  FrontView(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options,
+            const std::uint8_t* include = nullptr);
   ~FrontView();
   FrontView(const FrontView&) = delete;
   FrontView& operator=(const FrontView&) = delete;
 
   /// [H, W, C + 1]: Σ w value and, last, Σ w, over the contributions in front. `value` [N, C].
   ImageF layer(const FrontQuery& query, Matrix<const float> value) const;
-  /// `marked` [H·W]. Gaussians that the view does not reach have zeros.
+  /// `marked` [H·W].
   FrontSums sums(const FrontQuery& query, const std::vector<std::uint8_t>& marked) const;
 
  private:

@@ -24,6 +24,19 @@ bool PreparedCloud::serves(const CloudView<float>& cloud) const {
          cloud.usable == source_.usable;
 }
 
+void PreparedCloud::update(const Exec& exec, const std::vector<std::int64_t>& rows) {
+  std::vector<std::size_t> first;  // of each block's rows in `rows`
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    if (r == 0 || rows[r] / kBlockRows != rows[r - 1] / kBlockRows) first.push_back(r);
+  first.push_back(rows.size());
+  for_each_task(exec, std::int64_t(first.size()) - 1, [&](std::int64_t b) {
+    const std::size_t begin = first[std::size_t(b)], end = first[std::size_t(b) + 1];
+    for (std::size_t r = begin; r < end; ++r) prepare_row(source_, rows[r]);
+    const std::int64_t block = rows[begin] / kBlockRows;
+    bounds[std::size_t(block)] = bounds_of(block);
+  });
+}
+
 void PreparedCloud::prepare_row(const CloudView<float>& cloud, std::int64_t i) {
   const auto row = std::size_t(i);
   const float* log_scale = cloud.log_scale + i * 3;
@@ -48,9 +61,19 @@ BlockBounds PreparedCloud::bounds_of(std::int64_t block) const {
   return b;
 }
 
-std::shared_ptr<const PreparedCloud> prepare_cloud(const Exec& exec, const GaussianCloud& cloud) {
+std::shared_ptr<PreparedCloud> prepare_cloud(const Exec& exec, const GaussianCloud& cloud) {
   if (exec.device_ops) return nullptr;  // the device prepares rows itself
-  return std::make_shared<const PreparedCloud>(exec, cloud_view(cloud, 0, nullptr));
+  return std::make_shared<PreparedCloud>(exec, cloud_view(cloud, 0, nullptr));
+}
+
+void update_prepared(const Exec& exec, const std::vector<std::int64_t>& rows, PreparedCloud& prepared) {
+  prepared.update(exec, rows);
+}
+
+SplatOptions prepared_for(const Exec& exec, SplatOptions options, const GaussianCloud& cloud) {
+  if (!options.prepared || !options.prepared->serves(cloud_view(cloud, 0, nullptr)))
+    options.prepared = prepare_cloud(exec, cloud);
+  return options;
 }
 
 }  // namespace ngs

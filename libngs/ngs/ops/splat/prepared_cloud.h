@@ -23,7 +23,8 @@ struct BlockBounds {
 
 /// Columns of N rows, filled up with rows that are never drawn to a multiple of kBlockRows.
 ///
-/// Holds what it was made from by address: it serves that cloud as long as none of its columns changes or moves.
+/// Holds what it was made from by address: it serves that cloud as long as none of its columns moves, and rows that
+/// change are told.
 class PreparedCloud {
  public:
   PreparedCloud(const Exec& exec, const CloudView<float>& cloud);
@@ -32,6 +33,8 @@ class PreparedCloud {
 
   /// Whether it was made from these columns.
   bool serves(const CloudView<float>& cloud) const;
+  /// After these rows, increasing, have changed.
+  void update(const Exec& exec, const std::vector<std::int64_t>& rows);
   std::int64_t blocks() const { return std::int64_t(bounds.size()); }
 
   std::array<std::vector<float>, 3> position;  // world, relative to the cloud's origin

@@ -57,7 +57,7 @@ struct SplatPass::State {
   std::unique_ptr<DeviceSplat> on_device;  // instead of the engine
   RenderedView rendered;
   std::int64_t gaussians = 0;
-  std::size_t rest_values = 0;
+  std::size_t rest_values = 0;  // of a Gaussian
 };
 
 SplatPass::SplatPass(SplatOptions options) : state_(std::make_unique<State>()) { state_->options = options; }
@@ -70,7 +70,7 @@ const RenderedView& SplatPass::forward(const Exec& exec, const GaussianCloud& cl
   State& s = *state_;
   s.plan = channel_plan(request);
   allocate(camera, s.plan, s.rendered);
-  s.gaussians = cloud.size(), s.rest_values = cloud.sh_rest.size();
+  s.gaussians = cloud.size(), s.rest_values = std::size_t(cloud.rest_count()) * 3;
   const CloudView<float> view = cloud_view(cloud, s.options.max_sh_degree, request.include);
   s.on_device.reset();
   if (exec.device_ops) {
@@ -85,22 +85,32 @@ const RenderedView& SplatPass::forward(const Exec& exec, const GaussianCloud& cl
 }
 
 void SplatPass::backward(const Exec& exec, const ViewGradients& gradients, CloudGradients& out,
-                         const std::vector<std::uint8_t>& label_alone) {
+                         const GradientRows& wanted) {
   const State& s = *state_;
-  const auto n = std::size_t(s.gaussians);
-  NGS_CHECK(label_alone.empty() || label_alone.size() == n, "one flag per Gaussian");
+  const auto all = std::size_t(s.gaussians);
+  const bool some = !wanted.place.empty();
+  NGS_CHECK(wanted.label_alone.empty() || wanted.label_alone.size() == all, "one flag per Gaussian");
+  NGS_CHECK(!some || (wanted.place.size() == all && !s.on_device), "one place per Gaussian, on the CPU");
+  const std::size_t n = some ? std::size_t(wanted.rows) : all;
   out.position.resize(n * 3), out.rotation.resize(n * 4), out.log_scale.resize(n * 3), out.logit_opacity.resize(n);
-  out.sh_dc.resize(n * 3), out.sh_rest.resize(s.rest_values), out.mean_px.resize(n * 2), out.visible.resize(n);
+  out.sh_dc.resize(n * 3), out.sh_rest.resize(s.rest_values * n), out.mean_px.resize(n * 2), out.visible.resize(n);
   out.label.resize(n * std::size_t(s.plan.labels()));
   std::vector<std::uint8_t> moves;
   if (s.plan.colour) moves.insert(moves.end(), 3, gradients.colour_moves_geometry);
   if (s.plan.label.n > 0) moves.insert(moves.end(), std::size_t(s.plan.label.c), gradients.label_moves_geometry);
   if (s.plan.depth) moves.push_back(gradients.depth_moves_geometry);
-  const CloudGradientView<float> view{out.position.data(),  out.rotation.data(),
-                                      out.log_scale.data(), out.logit_opacity.data(),
-                                      out.sh_dc.data(),     out.sh_rest.data(),
-                                      out.label.data(),     out.mean_px.data(),
-                                      out.visible.data(),   label_alone.empty() ? nullptr : label_alone.data()};
+  const CloudGradientView<float> view{out.position.data(),
+                                      out.rotation.data(),
+                                      out.log_scale.data(),
+                                      out.logit_opacity.data(),
+                                      out.sh_dc.data(),
+                                      out.sh_rest.data(),
+                                      out.label.data(),
+                                      out.mean_px.data(),
+                                      out.visible.data(),
+                                      wanted.label_alone.empty() ? nullptr : wanted.label_alone.data(),
+                                      some ? wanted.place.data() : nullptr,
+                                      wanted.rows};
   const std::vector<Plane<const float>> image = planes<const float>(s.plan, gradients);
   if (s.on_device)
     s.on_device->backward(image, moves, view);

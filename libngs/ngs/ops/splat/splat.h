@@ -15,9 +15,16 @@
 namespace ngs {
 
 /// `cloud` made ready for passes over many views, to be put into SplatOptions: the same results, sooner. Takes 56 bytes
-/// per Gaussian, and per pass that runs at a time about 150 per Gaussian that the view sees. The cloud must neither
-/// change nor go before the last pass with it. Null where passes run on a device, which does without.
-std::shared_ptr<const PreparedCloud> prepare_cloud(const Exec& exec, const GaussianCloud& cloud);
+/// per Gaussian, and per pass that runs at a time about 150 per Gaussian that the view sees. The cloud must
+/// not go before the last pass with it, nor change but by update_prepared(). Null where passes run on a device, which
+/// does without.
+std::shared_ptr<PreparedCloud> prepare_cloud(const Exec& exec, const GaussianCloud& cloud);
+
+/// Follows a change of these rows (increasing) of the cloud that `prepared` was made from.
+void update_prepared(const Exec& exec, const std::vector<std::int64_t>& rows, PreparedCloud& prepared);
+
+/// The options with what serves `cloud`: what they have, or what is made for it now.
+SplatOptions prepared_for(const Exec& exec, SplatOptions options, const GaussianCloud& cloud);
 
 /// Which images to produce, and from which Gaussians.
 struct RenderRequest {
@@ -32,6 +39,13 @@ struct RenderRequest {
 RenderedView render(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options,
                     const RenderRequest& request);
 
+/// Which Gaussians' gradients are wanted, and where they go.
+struct GradientRows {
+  std::vector<std::uint8_t> label_alone = {};  // [N] 1: that of the labels alone, the rest of the row is 0; empty: none
+  std::vector<std::int32_t> place = {};        // [N] row of CloudGradients, -1: none; empty: row i. Not on a device
+  std::int64_t rows = 0;                       // of CloudGradients, where there is `place`
+};
+
 /// One forward pass that can be differentiated. Keeps the projection and the tile lists of the last forward.
 class SplatPass {
  public:
@@ -44,10 +58,8 @@ class SplatPass {
   const RenderedView& forward(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
                               const RenderRequest& request);
 
-  /// Overwrites `out` with the gradients of the last forward. Adjoint of forward; ∂α/∂· = 0 where α is capped. Of
-  /// Gaussians with label_alone[i] != 0 (empty: none) only that of the labels is found; their other rows are 0.
-  void backward(const Exec& exec, const ViewGradients& gradients, CloudGradients& out,
-                const std::vector<std::uint8_t>& label_alone = {});
+  /// Overwrites `out` with the gradients of the last forward. Adjoint of forward; ∂α/∂· = 0 where α is capped.
+  void backward(const Exec& exec, const ViewGradients& gradients, CloudGradients& out, const GradientRows& wanted = {});
 
  private:
   struct State;

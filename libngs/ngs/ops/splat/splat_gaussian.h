@@ -31,8 +31,9 @@ struct CloudGradientView {
   S *position = nullptr, *rotation = nullptr, *log_scale = nullptr, *logit_opacity = nullptr;
   S *sh_dc = nullptr, *sh_rest = nullptr, *label = nullptr, *mean_px = nullptr;
   std::uint8_t* visible = nullptr;
-  const std::uint8_t* label_alone =
-      nullptr;  // [N] 1: of this Gaussian only `label` is wanted, its other rows are 0; null: none
+  const std::uint8_t* label_alone = nullptr;  // [N] 1: only `label` is wanted, the other rows are 0; null: none
+  const std::int32_t* place = nullptr;        // [N] row of the columns that a Gaussian has, -1: none; null: its own
+  std::int64_t rows = 0;                      // of the columns, where there is `place`
 };
 
 struct TileRect {
@@ -301,15 +302,22 @@ struct GaussianBackward {
   }
 
   NGS_HD void gather(std::int64_t i, const S* value, std::int64_t begin, std::int64_t end) const {
+    const std::int64_t to = out.place ? out.place[i] : i;
+    if (to < 0) return;
     int channel = kPairGeometry + (plan.colour ? 3 : 0);
     for (int k = 0; k < plan.labels(); ++k, ++channel)
-      if (out.label) out.label[i * plan.labels() + k] = sums<1>(channel, begin, end).of[0];
-    if (out.visible) out.visible[i] = 1;
-    if (!out.label_alone || !out.label_alone[i]) gather_shape_and_colour(i, value, begin, end);
+      if (out.label) out.label[to * plan.labels() + k] = sums<1>(channel, begin, end).of[0];
+    if (out.visible) out.visible[to] = 1;
+    if (!out.label_alone || !out.label_alone[i]) gather_shape_and_colour({i, to}, value, begin, end);
   }
 
  private:
-  NGS_HD void gather_shape_and_colour(std::int64_t i, const S* value, std::int64_t begin, std::int64_t end) const {
+  /// A Gaussian, and the row of its gradient.
+  struct Row {
+    std::int64_t i, to;
+  };
+  NGS_HD void gather_shape_and_colour(Row row, const S* value, std::int64_t begin, std::int64_t end) const {
+    const auto [i, to] = row;
     const Vec3<Wide> wide_offset = view.offset(cloud, i);
     const Vec3<S> offset = narrowed<S>(wide_offset), t = narrowed<S>(view.wide.rotation * wide_offset);
     ProjectionContext<S> ctx;
@@ -320,29 +328,29 @@ struct GaussianBackward {
     Vec3<S> grad_offset{S(0), S(0), S(0)};
     if (plan.colour) {
       const auto [red, green, blue] = sums<3>(kPairGeometry, begin, end).of;
-      grad_offset = colour(i, offset, Vec3<S>{value[0], value[1], value[2]}, Vec3<S>{red, green, blue});
+      grad_offset = colour(row, offset, Vec3<S>{value[0], value[1], value[2]}, Vec3<S>{red, green, blue});
     }
     if (plan.depth) g.t.z += sums<1>(kPairGeometry + plan.count() - 1, begin, end).of[0];
-    store(out.position, i, transpose(view.camera.rotation) * g.t + grad_offset);
+    store(out.position, to, transpose(view.camera.rotation) * g.t + grad_offset);
     if (out.rotation) {
-      S* o = out.rotation + i * 4;
+      S* o = out.rotation + to * 4;
       o[0] = g.rotation.x, o[1] = g.rotation.y, o[2] = g.rotation.z, o[3] = g.rotation.w;
     }
-    store(out.log_scale, i, g.log_scale);
-    if (out.logit_opacity) out.logit_opacity[i] = g.logit_opacity;
-    if (out.mean_px) out.mean_px[i * 2] = mean_x, out.mean_px[i * 2 + 1] = mean_y;
+    store(out.log_scale, to, g.log_scale);
+    if (out.logit_opacity) out.logit_opacity[to] = g.logit_opacity;
+    if (out.mean_px) out.mean_px[to * 2] = mean_x, out.mean_px[to * 2 + 1] = mean_y;
   }
   NGS_HD static void store(S* column, std::int64_t i, Vec3<S> v) {
     if (column) column[i * 3] = v.x, column[i * 3 + 1] = v.y, column[i * 3 + 2] = v.z;
   }
-  NGS_HD Vec3<S> colour(std::int64_t i, Vec3<S> offset, Vec3<S> rgb, Vec3<S> grad_rgb) const {
-    const S* rest = cloud.sh_rest + i * cloud.rest_stride * 3;
+  NGS_HD Vec3<S> colour(Row row, Vec3<S> offset, Vec3<S> rgb, Vec3<S> grad_rgb) const {
+    const S* rest = cloud.sh_rest + row.i * cloud.rest_stride * 3;
     ShGradient<S> grad;
     const Vec3<S> grad_offset = sh_colour_backward(cloud.sh_degree, offset, rest, {rgb, grad_rgb}, grad);
-    store(out.sh_dc, i, {grad.dc[0], grad.dc[1], grad.dc[2]});
+    store(out.sh_dc, row.to, {grad.dc[0], grad.dc[1], grad.dc[2]});
     const int bands = (cloud.sh_degree + 1) * (cloud.sh_degree + 1) - 1;
     if (out.sh_rest)
-      for (int k = 0; k < bands * 3; ++k) out.sh_rest[i * cloud.rest_stride * 3 + k] = grad.rest[k];
+      for (int k = 0; k < bands * 3; ++k) out.sh_rest[row.to * cloud.rest_stride * 3 + k] = grad.rest[k];
     return grad_offset;
   }
 };

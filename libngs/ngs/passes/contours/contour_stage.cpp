@@ -11,6 +11,7 @@
 #include "ngs/passes/contours/straddler_split.h"
 #include "ngs/passes/detectors.h"
 #include "ngs/problem/coarse_input.h"
+#include "ngs/problem/region.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/boundary/variance_stage.h"
 
@@ -37,15 +38,14 @@ constexpr double kEarlyRate = 0.75;
 // Which Gaussians are trained: share of the weight in the windows, weight across contours.
 constexpr double kLeastInside = 0.99, kLeastStraddling_px = 0.5;
 
-constexpr std::vector<float> LabelColumns::*kLabelColumns[] = {
-    &LabelColumns::label, &LabelColumns::prob, &LabelColumns::variance, &LabelColumns::views, &LabelColumns::boundary};
-
 /// The model on its way through the iterations.
 struct Model {
   GaussianCloud cloud;
   std::vector<LabelColumns> labels;
   std::vector<std::int64_t> source_row;
   std::vector<float> fixed;
+  std::vector<std::uint8_t> shows_outside =
+      {};  // [source rows] as the first iteration found it, of a problem in windows
 };
 
 /// Weight of every Gaussian in the views' whole pictures, [N].
@@ -53,25 +53,37 @@ ExactSums weight_in_all(const Exec& exec, const ContourSetup& setup, const std::
                         const GaussianCloud& cloud) {
   ExactSums weight;
   weight.resize(std::size_t(cloud.size()));
+  const Problem& whole = setup.problem.whole ? *setup.problem.whole : setup.problem;
+  const SplatOptions splat = prepared_for(exec, setup.problem.splat, cloud);
   for_each_view(setup.problem.monitor, views, [&](std::size_t, std::size_t v) {
-    const Camera& camera = setup.problem.scene.views[v].camera;
+    const Camera& camera = whole.scene.views[v].camera;
     ViewMasks all;
     all.width_px = camera.width_px, all.height_px = camera.height_px, all.available = true;
     all.target.emplace_back(std::size_t(camera.width_px) * std::size_t(camera.height_px), 1.f);
-    const ViewSums seen = view_sums(exec, cloud, {camera, all}, setup.problem.splat);
+    const ViewSums seen = view_sums(exec, cloud, {camera, all}, splat);
     for (std::size_t r = 0; r < seen.size(); ++r) weight.add(seen.row[r], seen.weight(r));
   });
   return weight;
 }
 
-/// 1: the Gaussian is held, or shows outside of the windows too, where no photo would hold it.
+/// 1: the Gaussian is held, or shows outside of the windows too, where no photo would hold it. Looking at whole views
+/// costs more than an iteration does in windows: there it is done once, and halves are as what they were halved from.
 std::vector<float> kept_rows(const Exec& exec, const ContourSetup& setup, const std::vector<std::size_t>& views,
-                             const Model& model, const ExactSums& inside) {
-  const ExactSums all = weight_in_all(exec, setup, views, model.cloud);
+                             const ExactSums& inside, Model& model) {
   const std::vector<std::uint8_t>& held = setup.problem.held;
-  std::vector<float> out(all.size());
+  std::vector<float> out(std::size_t(model.cloud.size()), 0.f);
+  if (model.shows_outside.empty()) {
+    const ExactSums all = weight_in_all(exec, setup, views, model.cloud);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = inside.value(i) < kLeastInside * all.value(i);
+    if (setup.problem.whole) {
+      model.shows_outside.resize(std::size_t(setup.problem.cloud.size()), 0);
+      for (std::size_t i = 0; i < out.size(); ++i) model.shows_outside[std::size_t(model.source_row[i])] |= out[i] > 0;
+    }
+  } else {
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = model.shows_outside[std::size_t(model.source_row[i])];
+  }
   for (std::size_t i = 0; i < out.size(); ++i)
-    out[i] = inside.value(i) < kLeastInside * all.value(i) || (!held.empty() && held[std::size_t(model.source_row[i])]);
+    if (!held.empty() && held[std::size_t(model.source_row[i])]) out[i] = 1;
   return out;
 }
 
@@ -114,7 +126,7 @@ struct TrainedRows {
 /// Halves what lies across a contour.
 TrainedRows split_model(const Exec& exec, const ContourSetup& setup, const Problem& window, Model& model) {
   Straddling across = straddling(exec, window, model.cloud, 0);
-  std::vector<float> kept = kept_rows(exec, setup, window.views, model, across.weight);
+  std::vector<float> kept = kept_rows(exec, setup, window.views, across.weight, model);
   if (setup.contour.on.split) {
     const std::vector<CloudRow> rows = halved_rows(setup, across.px, kept);
     edit_model(exec, setup, rows, model);
@@ -135,20 +147,10 @@ TrainedRows split_model(const Exec& exec, const ContourSetup& setup, const Probl
   return part;
 }
 
-std::vector<LabelColumns> gather_labels(const Exec& exec, const std::vector<LabelColumns>& labels,
-                                        const std::vector<std::int64_t>& rows) {
-  std::vector<LabelColumns> part(labels.size());
-  for (std::size_t k = 0; k < labels.size(); ++k)
-    for (const auto column : kLabelColumns) part[k].*column = gather_column(exec, labels[k].*column, 1, rows);
-  return part;
-}
-
 /// What was trained, back in its place.
 void put_back(const Exec& exec, const Solution& trained, const std::vector<std::int64_t>& rows, Model& model) {
   scatter_rows(exec, trained.cloud, rows, model.cloud);
-  for (std::size_t k = 0; k < model.labels.size(); ++k)
-    for (const auto column : kLabelColumns)
-      scatter_column(exec, trained.labels[k].*column, 1, rows, model.labels[k].*column);
+  scatter_labels(exec, trained.labels, rows, model.labels);
 }
 
 JointOptions window_options(const ContourSetup& setup, std::size_t views, bool early) {
@@ -240,6 +242,8 @@ class ContourRun {
     const GaussianCloud part = gather_rows(exec_, model_.cloud, rows.rows);
     Problem input = window_input(scene, iteration, part);
     input.labels = gather_labels(exec_, model_.labels, rows.rows);
+    input.region = claimed_rows(input.labels);
+    for (std::size_t r = 0; r < rows.frozen.size(); ++r) input.region[r] |= !rows.frozen[r];
     if (!model_.fixed.empty()) input.fixed = gather_column(exec_, model_.fixed, 1, rows.rows);
     const bool early = iteration + 1 < iterations && !setup_.contour.on.full_resolution;
     const JointOptions joint = window_options(setup_, views_.size(), early);

@@ -84,7 +84,9 @@ double contrast_of(const std::vector<std::uint8_t>& mask, const ImageF& photo) {
   return count > 0 ? sum / count : 0;
 }
 
-RefinedView refine_view(const RefineSetup& setup, const LabelChannels& model, std::size_t v, bool compare) {
+/// `splat` serves the model.
+RefinedView refine_view(const RefineSetup& setup, const SplatOptions& splat, const LabelChannels& model, std::size_t v,
+                        bool compare) {
   const Exec serial;
   const Problem& input = setup.problem;
   const Camera& camera = input.scene.views[v].camera;
@@ -99,7 +101,7 @@ RefinedView refine_view(const RefineSetup& setup, const LabelChannels& model, st
     refine.band_px *= setup.detail / out.detail, refine.reach_px *= setup.detail / out.detail;
   }
   const int fw = photo.width_px, fh = photo.height_px;
-  const ImageF label = model.view(serial, resized(camera, fw, fh), filter_at_scale(input.splat, double(fw) / w));
+  const ImageF label = model.view(serial, resized(camera, fw, fh), filter_at_scale(splat, double(fw) / w));
   const ViewMasks own = compare ? input.load_masks(v) : ViewMasks{};
   const std::size_t objects = model.objects();
   out.compared = own.available;
@@ -132,10 +134,11 @@ std::vector<RefinedView> refine_views(const Exec& exec, const RefineSetup& setup
   std::vector<std::uint8_t> compare(count, 0);
   for (const std::size_t v : compared) compare[v] = 1;
   const LabelChannels label(model.cloud, model.labels);
+  const SplatOptions splat = prepared_for(exec, setup.problem.splat, model.cloud);
   for_each_task(exec, std::int64_t(views.size()), [&](std::int64_t i) {
     if (stop_requested(setup.problem.monitor)) return;
     const std::size_t v = views[std::size_t(i)];
-    refined[v] = refine_view(setup, label, v, compare[v] != 0);
+    refined[v] = refine_view(setup, splat, label, v, compare[v] != 0);
   });
   return refined;
 }

@@ -12,10 +12,11 @@ Straddling straddling(const Exec& exec, const Problem& input, const GaussianClou
   const auto n = std::size_t(cloud.size()), objects = input.scene.objects.size(), first = n - std::size_t(last_rows);
   Straddling all{std::vector<double>(n), {}, Evidence(last_rows, int(objects))};
   all.weight.resize(n);
+  const SplatOptions splat = prepared_for(exec, input.splat, cloud);
   for_each_view(input.monitor, input.views, [&](std::size_t, std::size_t view) {
     const ViewMasks masks = input.load_masks(view);
     if (!masks.available) return;
-    const ViewSums seen = view_sums(exec, cloud, {input.scene.views[view].camera, masks}, input.splat);
+    const ViewSums seen = view_sums(exec, cloud, {input.scene.views[view].camera, masks}, splat);
     for (std::size_t v = 0; v < seen.size(); ++v) {
       double most = 0;
       for (std::size_t k = 0; k < objects; ++k) {

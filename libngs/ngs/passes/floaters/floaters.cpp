@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ngs/backend/for_each.h"
 #include "ngs/math/median.h"
 #include "ngs/ops/field/knn.h"
 #include "ngs/ops/splat/front_layer.h"
@@ -17,6 +16,7 @@ namespace ngs {
 namespace {
 
 constexpr std::size_t kScoredViews = 8;  // of which the figures PSNR are means
+constexpr std::size_t kFrontViews = 32;  // of which front_opacity() is one
 
 /// Neither core nor near it, nor fixed by hand.
 std::vector<std::uint8_t> candidates_of(const Exec& exec, const Problem& input, const ObjectCore& core, double margin) {
@@ -81,10 +81,12 @@ class FloaterSearch {
         options_(options),
         input_(input),
         cloud_(input.cloud),
+        splat_(input.splat),
         core_(core_of(options.core, input.cloud, input.labels)),
         views_(photo_views(input.scene)),
         trained_(input.scene.views.size(), 0) {
     for (const std::size_t v : input.views) trained_[v] = 1;
+    splat_ = prepared_for(exec, splat_, cloud_);
   }
 
   FloaterFinding run(Monitor& monitor) {
@@ -105,6 +107,7 @@ class FloaterSearch {
       if (found.empty() || (rounds == 1 && hidden_ < options_.least_hidden)) break;
       for (const std::size_t i : found)
         finding.floater[i] = 1, candidate_[i] = 0, cloud_.logit_opacity[i] = kRemovedLogit;
+      splat_.prepared = prepare_cloud(exec_, cloud_);  // its opacities have changed
       finding.count += std::int64_t(found.size());
     }
     finding.figures["rounds"] = rounds, finding.figures["noise"] = noise_;
@@ -117,11 +120,11 @@ class FloaterSearch {
     candidate_ = candidates_of(exec_, input_, core_, margin_);
     const std::vector<float> none(std::size_t(cloud_.size()), 0.f);
     double sum = 0, pixels = 0;
-    for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) {
+    for_each_view(input_.monitor, spread_views(views_, kFrontViews), [&](std::size_t, std::size_t v) {
       const Surface s = surface(v);
       if (s.pixels() == 0) return;
-      const ImageF layer = FrontView(exec_, cloud_, camera(v), input_.splat)
-                               .layer({s.limit, candidate_}, {none.data(), cloud_.size(), 1});
+      const ImageF layer =
+          FrontView(exec_, cloud_, camera(v), splat_).layer({s.limit, candidate_}, {none.data(), cloud_.size(), 1});
       for (std::size_t p = 0; p < s.limit.data.size(); ++p)
         if (s.limit.data[p] > 0) sum += double(layer.data[2 * p + 1]), ++pixels;
     });
@@ -138,7 +141,7 @@ class FloaterSearch {
     constexpr std::size_t kKeptBytes = 256u << 20;
     RenderRequest request;
     request.depth = true, request.include = core_.member.data();
-    Surface s = surface_of(render(exec_, cloud_, camera(v), input_.splat, request), options_.surface_alpha, margin_);
+    Surface s = surface_of(render(exec_, cloud_, camera(v), splat_, request), options_.surface_alpha, margin_);
     const std::size_t bytes = std::size_t(s.limit.pixels()) * 4 * sizeof(float);
     if ((surfaces_.size() + 1) * bytes <= kKeptBytes) surfaces_[v] = s;
     return s;
@@ -158,15 +161,15 @@ class FloaterSearch {
     return medians.empty() ? 1.0 : upper_median(medians);
   }
 
-  /// Mean photo colour of every Gaussian in the views other than this one, and 1; zeros where there are none.
-  std::vector<float> colour_elsewhere(const LeaveOneOut::Rest& others) const {
-    std::vector<float> value(others.seen.size() * 4);
-    for_each_index(exec_, std::int64_t(others.seen.size()), [&](std::int64_t i) {
-      std::copy_n(&others.share[std::size_t(3 * i)], 3, &value[std::size_t(4 * i)]);
-      value[std::size_t(4 * i + 3)] = others.seen[std::size_t(i)];
-    });
-    return value;
-  }
+  /// Mean photo colour of every Gaussian in some views, and 1; zeros where they do not show it.
+  struct MeanColours {
+    std::vector<float> value;  // [N, 4]
+
+    void set(std::size_t gaussian, const LeaveOneOut::Shares& shares, std::size_t row) {
+      std::copy_n(&shares.share[3 * row], 3, &value[4 * gaussian]);
+      value[4 * gaussian + 3] = shares.seen[row];
+    }
+  };
 
   /// Pixels at which the photo shows the surface although something is drawn in front of it.
   std::vector<std::uint8_t> seen_through(std::size_t v, const Surface& s, const ImageF& photo,
@@ -201,26 +204,34 @@ class FloaterSearch {
     // Of those that may be floaters: what the others show is not asked.
     LeaveOneOut colours(exec_, cloud_.size(), 3, [this](std::size_t v) {
       const ViewMasks channels = colours_as_masks(input_.load_photo(v));
-      return view_sums(exec_, cloud_, {camera(v), channels}, input_.splat, &candidate_);
+      return view_sums(exec_, cloud_, {camera(v), channels}, splat_, &candidate_);
     });
     if (!for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) { colours.add(v); })) return {};
-    std::vector<double> front(n), through(n), reach(n);
+    const LeaveOneOut::Shares everywhere = colours.all();
+    MeanColours elsewhere{std::vector<float>(4 * n)};
+    for (std::size_t i = 0; i < n; ++i) elsewhere.set(i, everywhere, i);
+    std::vector<double> front(n), through(n), reach(n), own(n);
+    std::vector<std::uint8_t> drawn(n);  // what shows in a view, and all that is no candidate
+    for (std::size_t i = 0; i < n; ++i) drawn[i] = !candidate_[i];
     double surface_px = 0;
     for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) {
       const Surface s = surface(v);
       if (s.pixels() == 0) return;  // nothing is before it
       surface_px += s.pixels();
       const ImageF photo = input_.load_photo(v);
-      const LeaveOneOut::Rest others = colours.without(v);
-      const std::vector<float> elsewhere = colour_elsewhere(others);
+      const LeaveOneOut::Rest rest = colours.without(v);
+      for (std::size_t k = 0; k < rest.row.size(); ++k)
+        elsewhere.set(rest.row[k], rest.others, k), own[rest.row[k]] = rest.own[k], drawn[rest.row[k]] = 1;
       const FrontQuery query{s.limit, candidate_};
-      const FrontView view(exec_, cloud_, camera(v), input_.splat);
-      const ImageF layer = view.layer(query, {elsewhere.data(), cloud_.size(), 4});
+      const FrontView view(exec_, cloud_, camera(v), splat_, drawn.data());
+      const ImageF layer = view.layer(query, {elsewhere.value.data(), cloud_.size(), 4});
       const FrontSums sums = view.sums(query, seen_through(v, s, photo, layer));
-      for (std::size_t i = 0; i < n; ++i) {
-        front[i] += sums.front[i], through[i] += sums.marked[i];
-        if (others.own[i] > 0) reach[i] = std::max(reach[i], sums.front[i] / others.own[i]);
+      for (std::size_t k = 0; k < sums.row.size(); ++k) {
+        const std::size_t i = sums.row[k];
+        front[i] += sums.front[k], through[i] += sums.marked[k];
+        if (own[i] > 0) reach[i] = std::max(reach[i], sums.front[k] / own[i]);
       }
+      for (const std::uint32_t i : rest.row) elsewhere.set(i, everywhere, i), own[i] = 0, drawn[i] = 0;
     });
     if (stop_requested(input_.monitor)) return {};
     std::vector<std::size_t> found;
@@ -239,6 +250,7 @@ class FloaterSearch {
   const FloaterOptions& options_;
   const Problem& input_;
   GaussianCloud cloud_;  // without the floaters of the rounds before
+  SplatOptions splat_;   // prepared for it
   ObjectCore core_;
   std::vector<std::size_t> views_;
   std::vector<std::uint8_t> trained_;  // [views of the scene]

@@ -49,6 +49,9 @@ Problem without(const Problem& problem, std::shared_ptr<const GaussianCloud> clo
                .labels = std::move(labels),
                .load_fine_photo = problem.load_fine_photo,
                .held = problem.held,
+               .region = problem.region,
+               .window_share = problem.window_share,
+               .whole = problem.whole,
                .owns = problem.owns,
                .monitor = problem.monitor};
   next.owns.push_back(std::move(cloud));

@@ -14,7 +14,7 @@ namespace {
 constexpr std::string_view kHalfLevel = "half a level of an 8-bit photo, which none can show";
 
 double gap_without_photos(SceneProbe& probe) {
-  return probe.photos() > 0 || probe.boundary().size() == 0 ? 0 : 1 - probe.label_views().biou;
+  return probe.photos() > 0 || probe.boundary().size() == 0 ? 0 : 1 - probe.label_sample().biou;
 }
 
 bool has_no_photo(const Problem& problem) { return photo_count(problem.scene, problem.views) == 0; }
@@ -139,7 +139,7 @@ const JointPart kParts[] = {
       .needs = "joint",
       .detector = {"share of the labels' weight outside of the windows", 1e-3,
                    "a thousandth: nothing there is moved by a mask",
-                   [](SceneProbe& probe) { return probe.label_views().outside; }}}},
+                   [](SceneProbe& probe) { return probe.label_sample().outside; }}}},
     {&Switch::sh,
      {.name = "sh",
       .help = "view-dependent colour",

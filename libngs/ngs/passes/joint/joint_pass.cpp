@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "ngs/passes/joint/joint_effects.h"
+#include "ngs/problem/region.h"
 
 namespace ngs {
 namespace {
@@ -52,6 +53,8 @@ void JointPass::foresee(PassRun& run) {
 void JointPass::begin(PassRun& run) {
   Problem& problem = *run.problem;
   problem.splat.antialiased = problem.splat.antialiased && run.on("antialias");
+  // The field of the paper is trained against all that is rendered, and moves it.
+  if (!run.on("nerf") && run.on("boundary")) problem.region = region_of(problem.labels);
   const TrainingOptions& o = run.training;
   run.trainer = std::make_unique<JointTrainer>(
       run.device_exec, run.monitor, JointSetup{o.joint, o.sample, o.rbf, problem, run.field}, run.allow_empty);

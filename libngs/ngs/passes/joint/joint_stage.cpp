@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
+#include "ngs/backend/for_each.h"
 #include "ngs/core/rng.h"
 #include "ngs/math/sh.h"
 #include "ngs/ops/field/knn.h"
@@ -11,8 +13,8 @@
 #include "ngs/ops/losses/photometric.h"
 #include "ngs/passes/joint/first_queries.h"
 #include "ngs/passes/joint/label_start.h"
+#include "ngs/passes/joint/trained_rows.h"
 #include "ngs/passes/joint/view_cache.h"
-#include "ngs/problem/cloud_rows.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/fit/fit_stage.h"
 
@@ -51,12 +53,13 @@ struct JointTrainer::Impl {
   const Problem& input;
   const QueryField* given_field;
   GroupRates rates;  // of a step, before they fall
-  std::vector<std::uint8_t> frozen;
 
   GaussianCloud cloud;
+  std::vector<float> label;  // [N, K] as it is rendered
+  TrainedRows trained;
   BoundarySet boundary;
-  std::vector<float> logit;             // [N, K]
-  std::vector<std::uint8_t> trainable;  // [N, K] seen and not fixed by hand
+  std::vector<float> logit;             // [rows, K]
+  std::vector<std::uint8_t> trainable;  // [rows, K] seen and not fixed by hand
   std::unique_ptr<JointField> field;
   std::int64_t steps = 0, done = 0;
 
@@ -79,9 +82,9 @@ struct JointTrainer::Impl {
         input(s.input),
         given_field(s.field),
         rates(group_rates(s, effects)),
-        frozen(s.frozen.empty() ? s.input.held : s.frozen),
         cloud(s.input.cloud),
-        splat_options(splat_of(s.input.splat, effects)),
+        trained(e, s.input, s.frozen.empty() ? s.input.held : s.frozen, cloud),
+        splat_options(trained.prepared(splat_of(s.input.splat, effects))),
         splat(splat_options),
         cache(input, effects) {}
 
@@ -111,21 +114,32 @@ struct JointTrainer::Impl {
 
   void start_labels() {
     const auto n = std::size_t(cloud.size()), k_count = objects();
-    logit.resize(n * k_count), trainable.resize(n * k_count);
+    label.resize(n * k_count), logit.resize(trained.size() * k_count), trainable.resize(logit.size());
+    const auto start = [&](std::size_t i, std::size_t k) {
+      const bool fixed = !input.fixed.empty() && input.fixed[i] == 1.f;
+      const double prob = double(fixed ? input.labels[k].label[i] : input.labels[k].prob[i]);
+      return float(start_log_odds(prob, options.start_steps));
+    };
     for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t k = 0; k < k_count; ++k) label[i * k_count + k] = sigmoid(start(i, k));
+    for (std::size_t r = 0; r < trained.size(); ++r)
       for (std::size_t k = 0; k < k_count; ++k) {
-        const LabelColumns& object = input.labels[k];
+        const std::size_t i = trained.row(r);
         const bool fixed = !input.fixed.empty() && input.fixed[i] == 1.f;
-        trainable[i * k_count + k] = object.views[i] > 0.f && !fixed;
-        const double prob = fixed ? double(object.label[i]) : double(object.prob[i]);
-        logit[i * k_count + k] = float(start_log_odds(prob, options.start_steps));
+        trainable[r * k_count + k] = input.labels[k].views[i] > 0.f && !fixed;
+        logit[r * k_count + k] = start(i, k);
       }
   }
 
-  std::vector<float> label_values() const {
-    std::vector<float> values(logit.size());
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] = sigmoid(logit[i]);
-    return values;
+  /// To what is rendered, from what is trained.
+  void put_back() {
+    const std::size_t k_count = objects();
+    for_each_index(exec, std::int64_t(trained.size()), [&](std::int64_t row) {
+      const auto r = std::size_t(row);
+      for (std::size_t k = 0; k < k_count; ++k) label[trained.row(r) * k_count + k] = sigmoid(logit[r * k_count + k]);
+    });
+    trained.put_back();
+    refresh_positions(cloud, boundary);
   }
 
   std::string step_name(std::int64_t s) const {
@@ -214,8 +228,9 @@ void JointTrainer::Impl::cont_term(LossTerms& loss) {
   loss.cont = loss_cont(exec, {cont_graph, {colour.data(), boundary.size()}}, options.lambda_cont, &grad);
   for (std::size_t b = 0; b < boundary.row.size(); ++b) {
     const std::size_t row = boundary.row[b];
-    if (!frozen.empty() && frozen[row]) continue;
-    for (std::size_t c = 0; c < 3; ++c) gradients.sh_dc[row * 3 + c] += float(kShC0 * double(grad[b * 3 + c]));
+    const std::optional<std::size_t> to = trained.place(row);
+    if (!to) continue;
+    for (std::size_t c = 0; c < 3; ++c) gradients.sh_dc[*to * 3 + c] += float(kShC0 * double(grad[b * 3 + c]));
   }
 }
 
@@ -223,7 +238,6 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
   ViewCache::View scratch;
   const ViewCache::View& view = cache.load(monitor, n, scratch);
   const Camera& camera = input.scene.views[input.views[n]].camera;
-  const std::vector<float> label = label_values();
   const bool colour = effects.photometric || effects.align;
   RenderRequest request;
   request.colour = colour, request.depth = effects.nerf, request.background = input.background;
@@ -232,6 +246,7 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
     const auto timed = monitor.scope("splat forward");
     return splat.forward(exec, cloud, camera, request);
   }();
+  const double shown = window_share(input, input.views[n]);  // losses are means over whole views
   LossTerms loss;
   ViewGradients grad;
   grad.label_moves_geometry = effects.mask_geometry;
@@ -239,7 +254,7 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
   if (effects.photometric && !view.photo.empty()) {
     const auto timed = monitor.scope("photometric");
     const PixelRegion& r = view.region;
-    const double share = r.empty() ? 1 : double(r.x1 - r.x0) * (r.y1 - r.y0) / double(view.photo.pixels());
+    const double share = shown * (r.empty() ? 1 : double(r.x1 - r.x0) * (r.y1 - r.y0) / double(view.photo.pixels()));
     const PhotometricOptions anchor{.region = r, .gradient_scale = share * options.photometric_weight};
     loss.photometric = share * photometric.evaluate(exec, anchor, {rendered.colour, view.photo}, &grad.colour).total;
   } else if (colour) {
@@ -250,15 +265,15 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
   if (effects.mask && view.masks.available) {
     const auto timed = monitor.scope("mask loss");
     loss.mask = loss_mask(exec, {options.mask_loss, 1.0},
-                          {&rendered.label, &view.masks, weights.empty() ? nullptr : &weights, 1.0},
+                          {&rendered.label, &view.masks, weights.empty() ? nullptr : &weights, shown},
                           options.lambda_mask, &grad.label)
                     .total;
   }
   {
     const auto timed = monitor.scope("splat backward");
-    splat.backward(exec, grad, gradients, frozen);  // whose moments stay zero, and so do the steps
+    splat.backward(exec, grad, gradients, trained.wanted());  // where nothing is wanted, moments and steps stay zero
   }
-  for (std::size_t i = 0; i < label.size(); ++i)
+  for (std::size_t i = 0; i < logit.size(); ++i)
     gradients.label[i] = trainable[i] ? gradients.label[i] * sigmoid_slope(logit[i]) : 0.f;
   cont_term(loss);
   sum_up(loss);
@@ -277,9 +292,9 @@ void JointTrainer::Impl::update(double decay) {
   if (effects.geometry) {
     GroupRates fallen = rates;
     for (double& rate : fallen) rate *= decay;
-    step_gaussians(exec, {t, fallen}, gradients, cloud, moments);
-    refresh_positions(cloud, boundary);
+    step_gaussians(exec, {t, fallen}, gradients, trained.cloud(), moments);
   }
+  put_back();
   if (field) field->step(exec, t, decay);
 }
 
@@ -315,11 +330,12 @@ Solution JointTrainer::result() const {
   result.cloud = s.cloud;
   result.labels = s.input.labels;
   result.converged = finished();
-  const std::vector<float> label = s.label_values();
   const std::size_t k_count = s.objects();
-  for (std::size_t k = 0; k < k_count; ++k)
-    for (std::size_t i = 0; i < std::size_t(s.cloud.size()); ++i)
-      if (s.trainable[i * k_count + k]) result.labels[k].label[i] = result.labels[k].prob[i] = label[i * k_count + k];
+  for (std::size_t r = 0; r < s.trained.size(); ++r)
+    for (std::size_t k = 0; k < k_count; ++k) {
+      const std::size_t i = s.trained.row(r);
+      if (s.trainable[r * k_count + k]) result.labels[k].label[i] = result.labels[k].prob[i] = s.label[i * k_count + k];
+    }
   result.figures["steps"] = double(s.done);
   result.figures["boundary"] = double(s.boundary.size());
   return result;
@@ -337,7 +353,7 @@ std::vector<StateBlock> JointTrainer::state() {
     moments(name, m, values.size());
   };
   for (std::size_t g = 0; g < kGaussianGroups; ++g)
-    stepped(kGroupColumns[g].name, s.cloud.*kGroupColumns[g].value, s.moments[g]);
+    stepped(kGroupColumns[g].name, s.trained.cloud().*kGroupColumns[g].value, s.moments[g]);
   stepped("label", s.logit, s.label_moments);
   if (s.field) {
     ParamStore& store = s.field->parameters();
@@ -350,7 +366,7 @@ std::vector<StateBlock> JointTrainer::state() {
 
 void JointTrainer::resume_at(std::int64_t step) {
   impl_->done = step;
-  refresh_positions(impl_->cloud, impl_->boundary);
+  impl_->put_back();
 }
 
 }  // namespace ngs

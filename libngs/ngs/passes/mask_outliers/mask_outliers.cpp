@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ngs/backend/for_each.h"
 #include "ngs/math/median.h"
 #include "ngs/ops/image/mask_pair.h"
 #include "ngs/ops/splat/evidence.h"
@@ -81,28 +82,57 @@ class Judge {
       gathered_[n] = trusted_[n];
       if (trusted_[n]) with_masks += input_.load_masks(view).available;
     });
+    if (all && !input_.window_share.empty() && !elsewhere_) elsewhere_ = true, others.add_elsewhere(elsewhere(others));
     return all && with_masks >= options_.least_views;
   }
 
+  /// What the Gaussians weigh beside the windows: masks say there that nothing is the objects', so that the labels,
+  /// which all pixels have made, share the same object weight with more.
+  std::vector<double> elsewhere(const LeaveOneOut& inside) const {
+    std::vector<double> weight(std::size_t(input_.cloud.size()), 0.0);
+    for_each_index(exec_, input_.cloud.size(), [&](std::int64_t row) {
+      const auto i = std::size_t(row);
+      std::size_t best = 0;
+      for (std::size_t k = 1; k < input_.labels.size(); ++k)
+        if (input_.labels[k].prob[i] > input_.labels[best].prob[i]) best = k;
+      const double share = double(input_.labels[best].prob[i]), own = inside.object_weight(i, best);
+      if (share > 0 && own > 0) weight[i] = std::max(0.0, own / share - inside.weight(i));
+    });
+    return weight;
+  }
+
+  /// What the views say of every Gaussian, as label channels; last: they have seen it.
+  struct Consensus {
+    std::size_t objects;
+    std::vector<float> label;          // [N, K + 1]
+    std::vector<std::uint8_t> object;  // [N] one of the labels is 1
+
+    Consensus(std::size_t gaussians, std::size_t k)
+        : objects(k), label(gaussians * (k + 1), 0.f), object(gaussians, 0) {}
+    void set(std::size_t gaussian, const LeaveOneOut::Shares& shares, std::size_t row) {
+      float* to = &label[gaussian * (objects + 1)];
+      object[gaussian] = 0;
+      for (std::size_t k = 0; k < objects; ++k) {
+        to[k] = label_says_object(shares.share[row * objects + k]) ? 1.f : 0.f;
+        object[gaussian] |= to[k] > 0;
+      }
+      to[objects] = shares.seen[row];
+    }
+  };
+
   /// Disagreement of a mask with the better consensus. Where mask and object alone show nothing, nothing is less, and
   /// the model as it stands is not rendered.
-  double disagreement_with(const LeaveOneOut::Rest& rest, std::size_t n, const Planes& mask) const {
-    const std::size_t rows = rest.seen.size(), objects = input_.scene.objects.size();
-    std::vector<float> label(rows * (objects + 1), 0.f);  // last: the others have seen it
-    std::vector<std::uint8_t> object(rows, 0);
-    for (std::size_t i = 0; i < rows; ++i) {
-      label[i * (objects + 1) + objects] = rest.seen[i];
-      for (std::size_t k = 0; k < objects; ++k)
-        if (label_says_object(rest.share[i * objects + k])) label[i * (objects + 1) + k] = 1.f, object[i] = 1;
-    }
+  /// `shown` [N]: 1 for all that the view shows.
+  double disagreement_with(const Consensus& consensus, const std::vector<std::uint8_t>& shown, std::size_t n,
+                           const Planes& mask) const {
     RenderRequest request;
     request.colour = false;
-    request.label = {label.data(), input_.cloud.size(), int(objects) + 1};
-    request.include = object.data();
+    request.label = {consensus.label.data(), input_.cloud.size(), int(consensus.objects) + 1};
+    request.include = consensus.object.data();
     const double alone =
         disagreement(mask, thresholded(render(exec_, input_.cloud, camera(n), input_.splat, request), false));
     if (alone == kNothingThere) return alone;
-    request.include = nullptr;
+    request.include = shown.data();
     return std::min(
         alone, disagreement(mask, thresholded(render(exec_, input_.cloud, camera(n), input_.splat, request), true)));
   }
@@ -124,11 +154,21 @@ class Judge {
   bool judge(const LeaveOneOut& others, MaskOutliers& trust) {
     trust.disagreement.assign(trusted_.size(), -1.0);
     std::vector<double> all;
+    const LeaveOneOut::Shares everybody = others.all();
+    Consensus consensus(everybody.seen.size(), input_.scene.objects.size());
+    const std::vector<std::uint8_t> everything(everybody.seen.size(), 1);
+    std::vector<std::uint8_t> shown(everybody.seen.size(), 0);
+    for (std::size_t i = 0; i < everybody.seen.size(); ++i) consensus.set(i, everybody, i);
     const bool every = for_each_view(input_.monitor, input_.views, [&](std::size_t n, std::size_t view) {
       const ViewMasks masks = input_.load_masks(view);
       if (!masks.available) return;
       const Planes mask = planes_of(masks);
-      const double found = disagreement_with(others.without(n), n, mask);
+      const LeaveOneOut::Rest rest = others.without(n);
+      const bool known = !rest.row.empty();  // what a view shows; else all is drawn
+      for (std::size_t v = 0; v < rest.row.size(); ++v)
+        consensus.set(rest.row[v], rest.others, v), shown[rest.row[v]] = 1;
+      const double found = disagreement_with(consensus, known ? shown : everything, n, mask);
+      for (const std::uint32_t i : rest.row) consensus.set(i, everybody, i), shown[i] = 0;
       trust.disagreement[n] = std::max(found, 0.0);
       if (found != kNothingThere) all.push_back(found);
     });
@@ -147,6 +187,7 @@ class Judge {
   const MaskOutlierOptions& options_;
   const Problem& input_;
   std::vector<std::uint8_t> trusted_, gathered_;  // per entry of input.views
+  bool elsewhere_ = false;                        // what lies beside the windows was added
 };
 
 }  // namespace

@@ -69,7 +69,8 @@ void MaskOutliersPass::run(PassRun& run) {
   problem.load_masks = [load = problem.load_masks, outliers](std::size_t view) {
     return consistent_masks(*outliers, view, load(view));
   };
-  problem.labels = labels_anew(run.exec, run.monitor, problem, problem.cloud);
+  problem.labels = problem.whole ? labels_without_views(run.exec, run.monitor, problem, outliers->ignored)
+                                 : labels_anew(run.exec, run.monitor, problem, problem.cloud);
 }
 
 }  // namespace ngs

@@ -8,7 +8,6 @@ namespace ngs {
 namespace {
 
 constexpr double kLeastRest = 1e-3;  // of a Gaussian's weight
-constexpr std::int64_t kRowsPerTask = 4096;
 
 }  // namespace
 
@@ -72,27 +71,43 @@ void LeaveOneOut::remove(std::size_t n) {
   }
 }
 
-LeaveOneOut::Rest LeaveOneOut::without(std::size_t n) const {
+void LeaveOneOut::add_elsewhere(const std::vector<double>& weight) {
+  for_each_index(exec_, gaussians_, [&](std::int64_t i) {
+    if (weight[std::size_t(i)] > 0) weight_.add(std::size_t(i), weight[std::size_t(i)]);
+  });
+}
+
+LeaveOneOut::Shares LeaveOneOut::all() const {
   const auto rows = std::size_t(gaussians_);
-  Own again;
+  Shares shares{std::vector<std::uint8_t>(rows), std::vector<float>(rows * objects_)};
+  for_each_index(exec_, gaussians_, [&](std::int64_t row) {
+    const auto i = std::size_t(row);
+    const double weight = weight_.value(i);
+    if (!(weight > 0)) return;
+    shares.seen[i] = 1;
+    for (std::size_t k = 0; k < objects_; ++k) shares.share[i * objects_ + k] = float(object_weight(i, k) / weight);
+  });
+  return shares;
+}
+
+LeaveOneOut::Rest LeaveOneOut::without(std::size_t n) const {
   const auto kept = kept_.find(n);
-  if (kept == kept_.end() && is_not_kept(n)) again = own_of(gather_(n));
+  if (kept == kept_.end() && !is_not_kept(n)) return {};
+  Own again;
+  if (kept == kept_.end()) again = own_of(gather_(n));
   const Own& own = kept == kept_.end() ? again : kept->second;
-  Rest rest{std::vector<std::uint8_t>(rows), std::vector<float>(rows * objects_), std::vector<double>(rows)};
-  const std::vector<double> none(1 + objects_, 0.0);
-  for_each_task(exec_, (gaussians_ + kRowsPerTask - 1) / kRowsPerTask, [&](std::int64_t task) {
-    const auto begin = std::size_t(task * kRowsPerTask), end = std::min(rows, begin + std::size_t(kRowsPerTask));
-    auto v = std::size_t(std::lower_bound(own.row.begin(), own.row.end(), begin) - own.row.begin());
-    for (std::size_t i = begin; i < end; ++i) {
-      const bool here = v < own.row.size() && own.row[v] == i;
-      const double* mine = here ? &own.weight[v++ * (1 + objects_)] : none.data();
-      rest.own[i] = mine[0];
-      const double all = weight_.value(i), weight = all - mine[0];
-      if (!(weight > kLeastRest * all)) continue;
-      rest.seen[i] = 1;
-      for (std::size_t k = 0; k < objects_; ++k)
-        rest.share[i * objects_ + k] = float((object_weight_.value(i * objects_ + k) - mine[1 + k]) / weight);
-    }
+  const std::size_t rows = own.row.size();
+  Rest rest{own.row, {std::vector<std::uint8_t>(rows), std::vector<float>(rows * objects_)}, std::vector<double>(rows)};
+  for_each_index(exec_, std::int64_t(rows), [&](std::int64_t row) {
+    const auto v = std::size_t(row);
+    const std::size_t i = own.row[v];
+    const double* mine = &own.weight[v * (1 + objects_)];
+    rest.own[v] = mine[0];
+    const double all = weight_.value(i), weight = all - mine[0];
+    if (!(weight > kLeastRest * all)) return;
+    rest.others.seen[v] = 1;
+    for (std::size_t k = 0; k < objects_; ++k)
+      rest.others.share[v * objects_ + k] = float((object_weight(i, k) - mine[1 + k]) / weight);
   });
   return rest;
 }

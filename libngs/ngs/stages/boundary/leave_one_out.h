@@ -21,12 +21,27 @@ class LeaveOneOut {
   /// A view that was added: nothing of it is left.
   void remove(std::size_t n);
 
-  struct Rest {
-    std::vector<std::uint8_t> seen;  // [N] the others have at least a thousandth of the weight
-    std::vector<float> share;        // [N, K] of objects in the weight of the others; 0 where not seen
-    std::vector<double> own;         // [N] weight in the view that is left out
+  /// Weight that Gaussians have where no view looked, all of it beside the objects: `weight` [N], 0 or more.
+  void add_elsewhere(const std::vector<double>& weight);
+  /// [N], [N, K] of all views that were added and not removed.
+  double weight(std::size_t gaussian) const { return weight_.value(gaussian); }
+  double object_weight(std::size_t gaussian, std::size_t k) const {
+    return object_weight_.value(gaussian * objects_ + k);
+  }
+
+  /// What views say of Gaussians.
+  struct Shares {
+    std::vector<std::uint8_t> seen;  // [rows] they have weight: of all views any, of the others at least a thousandth
+    std::vector<float> share;        // [rows, K] of objects in their weight; 0 where not seen
   };
-  /// A view that was not added takes nothing away.
+  /// All views, of all Gaussians.
+  Shares all() const;
+  struct Rest {
+    std::vector<std::uint32_t> row;  // increasing: those that view n shows; of all else the others say what all say
+    Shares others;                   // [rows]
+    std::vector<double> own;         // [rows] weight in view n
+  };
+  /// A view that was not added takes nothing away: no rows.
   Rest without(std::size_t n) const;
 
  private:

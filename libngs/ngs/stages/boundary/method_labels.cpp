@@ -4,6 +4,9 @@
 #include <cmath>
 
 #include "ngs/core/check.h"
+#include "ngs/problem/pixel_window.h"
+#include "ngs/problem/region.h"
+#include "ngs/problem/view_list.h"
 #include "ngs/scene/mask_threshold.h"
 
 namespace ngs {
@@ -44,21 +47,129 @@ std::vector<LabelColumns> labels_like(const std::vector<LabelColumns>& given, Va
   return best;
 }
 
+/// Just above the largest variance that is not boundary: the column is rounded, and what it was rounded from must not
+/// be boundary either.
+VarianceOptions rule_of(const std::vector<LabelColumns>& labels) {
+  VarianceOptions rule;
+  float largest = -1;
+  for (const LabelColumns& c : labels)
+    for (std::size_t i = 0; i < c.views.size(); ++i)
+      if (c.views[i] > 0 && !is_set(c.boundary[i])) largest = std::max(largest, c.variance[i]);
+  if (largest >= 0) rule.tau = std::min(double(std::nextafter(largest, 2.f)), std::nextafter(1.0, 0.0));
+  return rule;
+}
+
+double pooled_variance(double share) { return 4 * share * (1 - share); }
+
+bool is_pooled(const std::vector<LabelColumns>& labels) {
+  constexpr double kRounding = 1e-5;
+  for (const LabelColumns& c : labels)
+    for (std::size_t i = 0; i < c.views.size(); ++i)
+      if (c.views[i] > 0 && std::abs(double(c.variance[i]) - pooled_variance(double(c.prob[i]))) > kRounding)
+        return false;
+  return true;
+}
+
+/// Weights of the Gaussians that masks show in part, [N, 1 + K]: W, then W1 of each object.
+class PartWeights {
+ public:
+  PartWeights(const Problem& input, std::size_t objects)
+      : weight(std::size_t(input.cloud.size()) * (1 + objects), 0.0), wanted(std::size_t(input.cloud.size()), 0) {
+    for (const LabelColumns& c : input.labels)
+      for (std::size_t i = 0; i < wanted.size(); ++i) wanted[i] |= c.prob[i] > 0;
+  }
+  double* of(std::size_t gaussian) { return &weight[gaussian * (weight.size() / wanted.size())]; }
+  void add(const ViewSums& sums) {
+    for (std::size_t v = 0; v < sums.size(); ++v) {
+      double* to = of(sums.row[v]);
+      to[0] += sums.weight(v);
+      for (std::size_t k = 0; k < std::size_t(sums.objects); ++k) to[1 + k] += sums.object_weight(v, k);
+    }
+  }
+
+  std::vector<double> weight;
+  std::vector<std::uint8_t> wanted;  // [N] 1: some object's
+};
+
+/// What a view says where its masks show something.
+ViewSums sums_in_masks(const Exec& exec, const Problem& whole, std::size_t view, const std::vector<std::uint8_t>& of) {
+  ViewMasks masks = whole.load_masks(view);
+  const int width_px = masks.width_px;
+  const PixelWindow shown = window_of(masks.target, width_px, masks.height_px, 0);
+  const PixelWindow window = widened(shown, 0, width_px, masks.height_px);
+  if (!masks.available || window.w == 0) return {};
+  for (std::vector<float>& target : masks.target) target = cropped(target, width_px, 1, window);
+  if (!masks.known.empty()) masks.known = cropped(masks.known, width_px, 1, window);
+  masks.width_px = window.w, masks.height_px = window.h;
+  const Camera camera = window_camera(whole.scene.views[view].camera, window);
+  return view_sums(exec, whole.cloud, {camera, masks}, whole.splat, &of);
+}
+
+/// Sets the columns of a Gaussian from its weights that are left.
+void set_labels(const VarianceOptions& rule, const double* weight, std::size_t i, std::vector<LabelColumns>& labels) {
+  double most = 0, all = 0;
+  std::size_t heaviest = 0;
+  for (std::size_t k = 0; k < labels.size(); ++k) {
+    all += weight[1 + k];
+    if (weight[1 + k] > most) most = weight[1 + k], heaviest = k;
+  }
+  for (std::size_t k = 0; k < labels.size(); ++k) {
+    LabelColumns& c = labels[k];
+    const double share = weight[0] > 0 ? std::min(1.0, weight[1 + k] / weight[0]) : 0;
+    const bool owner = labels.size() == 1 ? share > rule.label_threshold : k == heaviest && most > weight[0] - all;
+    c.prob[i] = float(share), c.variance[i] = float(pooled_variance(share)), c.label[i] = float(owner);
+    c.boundary[i] = float(pooled_variance(share) > rule.tau);
+    if (!(weight[0] > 0)) c.views[i] = 0;
+  }
+}
+
 }  // namespace
 
 std::vector<LabelColumns> labels_anew(const Exec& exec, Monitor& monitor, const Problem& input,
                                       const GaussianCloud& cloud) {
-  VarianceOptions rule;
-  float largest = -1;
-  for (const LabelColumns& c : input.labels)
-    for (std::size_t i = 0; i < c.views.size(); ++i)
-      if (c.views[i] > 0 && !is_set(c.boundary[i])) largest = std::max(largest, c.variance[i]);
-  // Just above it: the column is rounded, and what it was rounded from must not be boundary either.
-  if (largest >= 0) rule.tau = std::min(double(std::nextafter(largest, 2.f)), std::nextafter(1.0, 0.0));
-  const Evidence evidence =
-      accumulate_evidence(exec, monitor, {cloud, input.scene, input.views, input.splat, input.load_masks});
+  const Problem& whole = input.whole ? *input.whole : input;
+  const auto masks = [&](std::size_t view) {
+    ViewMasks all = whole.load_masks(view);
+    if (input.whole) all.available = all.available && input.load_masks(view).available;
+    return all;
+  };
+  const Evidence evidence = accumulate_evidence(exec, monitor, {cloud, whole.scene, whole.views, input.splat, masks});
   if (monitor.stop_requested()) return input.labels;
-  std::vector<LabelColumns> labels = labels_like(input.labels, rule, evidence);
+  std::vector<LabelColumns> labels = labels_like(input.labels, rule_of(input.labels), evidence);
+  keep_outside(input.labels, labels);
+  restore_fixed(input, {}, labels);
+  return labels;
+}
+
+std::vector<LabelColumns> labels_without_views(const Exec& exec, Monitor& monitor, const Problem& input,
+                                               const std::vector<std::size_t>& views) {
+  if (!input.whole || !is_pooled(input.labels)) return labels_anew(exec, monitor, input, input.cloud);
+  const auto timed = monitor.scope("evidence");
+  const Problem& whole = *input.whole;
+  const std::size_t objects = input.labels.size();
+  PartWeights all(input, objects), less(input, objects);
+  std::vector<float> seen_less(all.wanted.size(), 0.f);
+  bool every = for_each_view(&monitor, whole.views,
+                             [&](std::size_t, std::size_t v) { all.add(sums_in_masks(exec, whole, v, all.wanted)); });
+  every = every && for_each_view(&monitor, views, [&](std::size_t, std::size_t v) {
+            const ViewSums sums =
+                view_sums(exec, whole.cloud, {whole.scene.views[v].camera, whole.load_masks(v)}, whole.splat);
+            less.add(sums);
+            for (const std::uint32_t i : sums.row) ++seen_less[i];
+          });
+  if (!every) return input.labels;
+  std::vector<LabelColumns> labels = input.labels;
+  const VarianceOptions rule = rule_of(labels);
+  for (std::size_t i = 0; i < seen_less.size(); ++i) {
+    if (!all.wanted[i] || seen_less[i] == 0) continue;
+    double *weight = all.of(i), share = 0;
+    for (std::size_t k = 0; k < objects; ++k)
+      if (double(labels[k].prob[i]) > share) share = double(labels[k].prob[i]), weight[0] = weight[1 + k] / share;
+    for (std::size_t c = 0; c <= objects; ++c) weight[c] = std::max(0.0, weight[c] - less.of(i)[c]);
+    for (LabelColumns& c : labels) c.views[i] -= std::min(c.views[i], seen_less[i]);
+    set_labels(rule, weight, i, labels);
+  }
+  keep_outside(input.labels, labels);
   restore_fixed(input, {}, labels);
   return labels;
 }

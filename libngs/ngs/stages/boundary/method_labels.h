@@ -14,6 +14,12 @@ std::vector<LabelColumns> closed_form_labels(const Exec& exec, Monitor& monitor,
 std::vector<LabelColumns> labels_anew(const Exec& exec, Monitor& monitor, const Problem& input,
                                       const GaussianCloud& cloud);
 
+/// The labels of a problem in windows without what some of its views say, of whole views: the evidence of the others is
+/// that of all less theirs, and the labels have the share of it. As labels_anew() but for the rounding of the prob
+/// column (2^-24); that is what is called where the labels' variances are not those of the pooled criterion.
+std::vector<LabelColumns> labels_without_views(const Exec& exec, Monitor& monitor, const Problem& input,
+                                               const std::vector<std::size_t>& views);
+
 /// Hand-fixed Gaussians get their input label (and prob) back. Rows of `labels` are the input's unless
 /// `source_row` says from which input row each descends.
 void restore_fixed(const Problem& input, const std::vector<std::int64_t>& source_row,

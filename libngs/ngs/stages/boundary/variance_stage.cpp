@@ -59,8 +59,7 @@ std::vector<std::size_t> training_views(const Scene& scene) {
 
 Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const EvidenceInputs& in) {
   Evidence evidence(in.cloud.size(), int(in.scene.objects.size()));
-  SplatOptions prepared = in.splat;
-  if (!prepared.prepared) prepared.prepared = prepare_cloud(exec, in.cloud);
+  const SplatOptions prepared = prepared_for(exec, in.splat, in.cloud);
   for_each_view(&monitor, in.views, [&](std::size_t, std::size_t view) {
     const ViewMasks masks = [&] {
       const auto timed = monitor.scope("load masks");

@@ -91,7 +91,7 @@ WholeView whole_view(const test::SplatCase& c, Isa isa, int threads, int labels,
   ViewGradients gradients;
   gradients.colour = out.image.colour, gradients.label = out.image.label, gradients.depth = out.image.depth;
   gradients.alpha = out.image.alpha;
-  pass.backward(exec, gradients, out.gradient, label_alone);
+  pass.backward(exec, gradients, out.gradient, {.label_alone = label_alone});
   return out;
 }
 

@@ -1,0 +1,67 @@
+#include "ngs/problem/region.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "ngs/core/check.h"
+
+namespace ngs {
+namespace {
+
+void mark(const std::vector<LabelColumns>& labels, std::vector<std::uint8_t>& region) {
+  for (const LabelColumns& object : labels)
+    for (std::size_t i = 0; i < region.size(); ++i)
+      region[i] |= object.prob[i] >= kLeastRegionShare || object.label[i] > 0.5f || object.boundary[i] > 0.5f;
+}
+
+bool same_row(const std::vector<float>& a, std::size_t i, const std::vector<float>& b, std::size_t j,
+              std::size_t width) {
+  return width == 0 || std::memcmp(&a[i * width], &b[j * width], width * sizeof(float)) == 0;
+}
+
+bool same_row(const GaussianCloud& a, std::size_t i, const GaussianCloud& b, std::size_t j) {
+  return same_row(a.position, i, b.position, j, 3) && same_row(a.rotation, i, b.rotation, j, 4) &&
+         same_row(a.log_scale, i, b.log_scale, j, 3) && same_row(a.logit_opacity, i, b.logit_opacity, j, 1) &&
+         same_row(a.sh_dc, i, b.sh_dc, j, 3) && same_row(a.sh_rest, i, b.sh_rest, j, std::size_t(a.rest_count()) * 3);
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> region_of(const std::vector<LabelColumns>& labels) {
+  std::vector<std::uint8_t> region(labels.empty() ? 0 : labels.front().prob.size(), 0);
+  mark(labels, region);
+  return region;
+}
+
+std::vector<std::uint8_t> claimed_rows(const std::vector<LabelColumns>& labels) {
+  std::vector<std::uint8_t> claimed(labels.empty() ? 0 : labels.front().prob.size(), 0);
+  for (const LabelColumns& object : labels)
+    for (std::size_t i = 0; i < claimed.size(); ++i) claimed[i] |= object.prob[i] > 0;
+  return claimed;
+}
+
+void keep_outside(const std::vector<LabelColumns>& given, std::vector<LabelColumns>& labels) {
+  NGS_CHECK(given.size() == labels.size(), "labels of the same objects");
+  std::vector<std::uint8_t> region = region_of(given);
+  mark(labels, region);
+  for (std::size_t k = 0; k < labels.size(); ++k)
+    for (const auto column : kLabelColumns)
+      for (std::size_t i = 0; i < region.size(); ++i)
+        if (!region[i]) (labels[k].*column)[i] = (given[k].*column)[i];
+}
+
+std::int64_t rows_changed(const GaussianCloud& cloud, const std::vector<LabelColumns>& labels,
+                          const Solution& solution) {
+  std::int64_t changed = 0;
+  for (std::size_t row = 0; row < std::size_t(solution.cloud.size()); ++row) {
+    const std::size_t source = solution.source_row.empty() ? row : std::size_t(solution.source_row[row]);
+    bool same = same_row(solution.cloud, row, cloud, source);
+    for (std::size_t k = 0; same && k < labels.size(); ++k)
+      for (const auto column : kLabelColumns)
+        same &= same_row(solution.labels[k].*column, row, labels[k].*column, source, 1);
+    changed += !same;
+  }
+  return changed;
+}
+
+}  // namespace ngs

@@ -1,0 +1,164 @@
+#include "ngs/problem/window_input.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ngs/problem/view_list.h"
+#include "ngs/scene/mask_threshold.h"
+#include "ngs/scene/shrink.h"
+
+namespace ngs {
+namespace {
+
+constexpr int kLeastMargin_px = 48, kMostMargin_px = 64;
+constexpr int kShrink = 4;      // of the pictures of the objects alone
+constexpr float kShows = 0.1f;  // opacity from which on they show
+
+PixelWindow merged(const PixelWindow& a, const PixelWindow& b) {
+  if (a.w == 0) return b;
+  if (b.w == 0) return a;
+  const int x0 = std::min(a.x0, b.x0), y0 = std::min(a.y0, b.y0);
+  return {x0, y0, std::max(a.x0 + a.w, b.x0 + b.w) - x0, std::max(a.y0 + a.h, b.y0 + b.h) - y0};
+}
+
+/// The range of indices that holds `count` but for kStrayShare of it a side, half open.
+std::pair<int, int> core_range(const std::vector<double>& count) {
+  double all = 0;
+  for (const double c : count) all += c;
+  int begin = 0, end = int(count.size());
+  for (double left = kStrayShare * all; begin < end && (left -= count[std::size_t(begin)]) >= 0;) ++begin;
+  for (double left = kStrayShare * all; begin < end && (left -= count[std::size_t(end - 1)]) >= 0;) --end;
+  return {begin, end};
+}
+
+/// Where an opacity image shows something, in pixels of `shrink` times its size.
+PixelWindow shown_window(const ImageF& alpha, int shrink) {
+  std::vector<double> columns(std::size_t(alpha.width_px)), rows(std::size_t(alpha.height_px));
+  double all = 0;
+  for (int y = 0; y < alpha.height_px; ++y)
+    for (int x = 0; x < alpha.width_px; ++x)
+      if (alpha.at(x, y, 0) > kShows) ++columns[std::size_t(x)], ++rows[std::size_t(y)], ++all;
+  if (all == 0) return {};
+  const auto [x0, x1] = core_range(columns);
+  const auto [y0, y1] = core_range(rows);
+  return {x0 * shrink, y0 * shrink, (x1 - x0) * shrink, (y1 - y0) * shrink};
+}
+
+PixelWindow settled(const PixelWindow& w, const Camera& camera) {
+  const int margin_px = std::clamp(std::max(w.w, w.h) / 5, kLeastMargin_px, kMostMargin_px);
+  return widened(w, margin_px, camera.width_px, camera.height_px);
+}
+
+std::vector<std::uint8_t> labelled_rows(const Problem& problem) {
+  std::vector<std::uint8_t> rows(std::size_t(problem.cloud.size()), 0);
+  for (const LabelColumns& object : problem.labels)
+    for (std::size_t i = 0; i < rows.size(); ++i) rows[i] |= label_says_object(object.label[i]);
+  return rows;
+}
+
+Scene with_windows(Scene scene, const std::vector<PixelWindow>& windows) {
+  for (std::size_t v = 0; v < windows.size(); ++v)
+    if (windows[v].w > 0)
+      scene.views[v].camera = window_camera(scene.views[v].camera, windows[v]);
+    else
+      scene.views[v].image_path.clear();
+  return scene;
+}
+
+/// Share of a view that its window holds; 1 where it has none.
+std::vector<double> shares(const Scene& whole, const std::vector<PixelWindow>& windows) {
+  std::vector<double> share(windows.size(), 1.0);
+  for (std::size_t v = 0; v < windows.size(); ++v) {
+    const Camera& camera = whole.views[v].camera;
+    if (windows[v].w > 0) share[v] = double(windows[v].w) * windows[v].h / (double(camera.width_px) * camera.height_px);
+  }
+  return share;
+}
+
+}  // namespace
+
+ObjectWindows object_windows(const Exec& exec, const Problem& problem) {
+  const Scene& scene = problem.scene;
+  ObjectWindows out;
+  out.window.resize(scene.views.size()), out.masks.resize(scene.views.size());
+  const std::vector<std::uint8_t> rows = labelled_rows(problem);
+  RenderRequest alone;
+  alone.colour = false, alone.include = rows.data();
+  const SplatOptions splat = filter_at_scale(problem.splat, 1.0 / kShrink);
+  const auto of_object = [&](std::size_t v) {
+    const Camera small = shrunk(scene.views[v].camera, kShrink);
+    return shown_window(render(exec, problem.cloud, small, splat, alone).alpha, kShrink);
+  };
+  bool all = for_each_view(problem.monitor, problem.views, [&](std::size_t, std::size_t v) {
+    ViewMasks masks = problem.load_masks(v);
+    if (masks.available) out.window[v] = window_of(masks.target, masks.width_px, masks.height_px, 0);
+    out.masks[v] = RleMasks(std::move(masks));
+  });
+  std::vector<std::size_t> seen = photo_views(scene);
+  seen.insert(seen.end(), problem.views.begin(), problem.views.end());
+  std::ranges::sort(seen);
+  seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
+  double inside_px = 0, all_px = 0;
+  all = all && for_each_view(problem.monitor, seen, [&](std::size_t, std::size_t v) {
+          const Camera& camera = scene.views[v].camera;
+          PixelWindow& window = out.window[v];
+          window = settled(merged(window, of_object(v)), camera);
+          inside_px += double(window.w) * window.h, all_px += double(camera.width_px) * camera.height_px;
+        });
+  if (!all) return {};
+  out.outside = all_px > 0 ? 1 - inside_px / all_px : 0;
+  return out;
+}
+
+WindowInput::WindowInput(const Problem& whole, std::shared_ptr<const ObjectWindows> windows)
+    : whole_(whole),
+      windows_(std::move(windows)),
+      scene_(with_windows(whole.scene, windows_->window)),
+      in_windows_{.cloud = whole.cloud,
+                  .scene = scene_,
+                  .views = {},
+                  .load_masks = [this](std::size_t view) { return masks(view); },
+                  .load_photo = [this](std::size_t view) { return cropped_photo(whole_.load_photo(view), view); },
+                  .splat = whole.splat,
+                  .background = whole.background,
+                  .seed = whole.seed,
+                  .fixed = whole.fixed,
+                  .labels = whole.labels,
+                  .held = whole.held,
+                  .window_share = shares(whole.scene, windows_->window),
+                  .owns = whole.owns,
+                  .monitor = whole.monitor} {
+  for (const std::size_t v : whole.views)
+    if (windows_->window[v].w > 0) in_windows_.views.push_back(v);
+  if (whole.load_fine_photo)
+    in_windows_.load_fine_photo = [this](std::size_t view) {
+      return cropped_photo(whole_.load_fine_photo(view), view);
+    };
+}
+
+ViewMasks WindowInput::masks(std::size_t view) const {
+  const PixelWindow& window = windows_->window[view];
+  ViewMasks whole = windows_->masks[view].unpacked();
+  if (!whole.available) return whole;
+  for (std::vector<float>& target : whole.target) target = cropped(target, whole.width_px, 1, window);
+  if (!whole.known.empty()) whole.known = cropped(whole.known, whole.width_px, 1, window);
+  whole.width_px = window.w, whole.height_px = window.h;
+  return whole;
+}
+
+/// Of a photo of any size: the edges of the window on the nearest pixel.
+ImageF WindowInput::cropped_photo(const ImageF& whole, std::size_t view) const {
+  const PixelWindow& window = windows_->window[view];
+  if (whole.empty()) return {};
+  const Camera& camera = whole_.scene.views[view].camera;
+  const auto at = [](int v, int from, int to) { return int(std::lround(double(v) * to / from)); };
+  const int x0 = at(window.x0, camera.width_px, whole.width_px), y0 = at(window.y0, camera.height_px, whole.height_px);
+  const PixelWindow fine{x0, y0, at(window.x0 + window.w, camera.width_px, whole.width_px) - x0,
+                         at(window.y0 + window.h, camera.height_px, whole.height_px) - y0};
+  ImageF part;
+  part.width_px = fine.w, part.height_px = fine.h, part.channels = whole.channels;
+  part.data = cropped(whole.data, whole.width_px, whole.channels, fine);
+  return part;
+}
+
+}  // namespace ngs

@@ -1,0 +1,184 @@
+// A problem in windows: what is cropped is what the whole views hold there, and passes find in it what they find there.
+#include "ngs/problem/window_input.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "ngs/passes/joint/joint_stage.h"
+#include "ngs/passes/mask_outliers/mask_outliers.h"
+#include "ngs/problem/region.h"
+#include "ngs/stages/boundary/method_labels.h"
+#include "support/joint_case.h"
+
+namespace ngs {
+namespace {
+
+/// `plane` of `channels` in a picture `by_px` larger on each side.
+template <class T>
+std::vector<T> larger(const std::vector<T>& plane, int w, int h, int channels, int by_px) {
+  const int width_px = w + 2 * by_px, height_px = h + 2 * by_px;
+  std::vector<T> out(std::size_t(width_px) * std::size_t(height_px) * std::size_t(channels));
+  for (int y = 0; y < h; ++y)
+    std::copy_n(plane.begin() + std::ptrdiff_t(y) * w * channels, w * channels,
+                out.begin() + (std::ptrdiff_t(y + by_px) * width_px + by_px) * channels);
+  return out;
+}
+
+/// The ball in pictures that are mostly something else; labels by all of their pixels.
+std::unique_ptr<test::JointCase> wide_case() {
+  constexpr int kBy_px = 64;
+  std::unique_ptr<test::JointCase> c = test::joint_case();
+  for (std::size_t v = 0; v < c->scene.views.size(); ++v) {
+    Camera& camera = c->scene.views[v].camera;
+    ViewMasks& masks = c->masks[v];
+    ImageF& photo = c->photos[v];
+    for (std::vector<float>& target : masks.target)
+      target = larger(target, camera.width_px, camera.height_px, 1, kBy_px);
+    photo.data = larger(photo.data, camera.width_px, camera.height_px, 3, kBy_px);
+    camera.width_px += 2 * kBy_px, camera.height_px += 2 * kBy_px, camera.cx += kBy_px, camera.cy += kBy_px;
+    masks.width_px = photo.width_px = camera.width_px, masks.height_px = photo.height_px = camera.height_px;
+  }
+  Monitor monitor;
+  const auto load = [&](std::size_t v) { return c->masks[v]; };
+  c->labels =
+      label_gaussians({.tau = 0.2}, accumulate_evidence({}, monitor, {c->model, c->scene, {0, 1, 2, 3}, {}, load}));
+  return c;
+}
+
+struct WindowCase {
+  std::unique_ptr<test::JointCase> base = wide_case();
+  Problem whole = base->input();
+  std::shared_ptr<const ObjectWindows> windows;
+  std::optional<Problem> problem;  // in the windows
+
+  WindowCase() { enter(); }
+  /// `tight`: no margin about the masks.
+  void enter(bool tight = false) {
+    ObjectWindows found = object_windows({}, whole);
+    for (std::size_t v = 0; tight && v < found.window.size(); ++v) {
+      const ViewMasks masks = base->masks[v];
+      found.window[v] = window_of(masks.target, masks.width_px, masks.height_px, 0);
+    }
+    windows = std::make_shared<const ObjectWindows>(std::move(found));
+    const auto input = std::make_shared<const WindowInput>(whole, windows);
+    problem.emplace(input->get());
+    problem->whole = std::shared_ptr<const Problem>(input, &input->whole());
+  }
+};
+
+}  // namespace
+
+TEST_CASE("windows hold every pixel of the masks, on whole tiles, and the photo and mask that lie there") {
+  const WindowCase c;
+  CHECK(c.windows->outside > 0.3);
+  for (const std::size_t v : c.whole.views) {
+    CAPTURE(v);
+    const PixelWindow& w = c.windows->window[v];
+    const Camera &whole = c.whole.scene.views[v].camera, &camera = c.problem->scene.views[v].camera;
+    REQUIRE(w.w > 0);
+    CHECK(w.x0 % 16 == 0);
+    CHECK(w.y0 % 16 == 0);
+    CHECK((camera.width_px == w.w && camera.height_px == w.h));
+    CHECK((camera.cx == whole.cx - w.x0 && camera.cy == whole.cy - w.y0));
+    const ViewMasks all = c.whole.load_masks(v), part = c.problem->load_masks(v);
+    const auto sum = [](const std::vector<float>& plane) {
+      double total = 0;
+      for (const float x : plane) total += double(x);
+      return total;
+    };
+    CHECK(sum(all.target[0]) > 0);
+    CHECK(sum(part.target[0]) == sum(all.target[0]));
+    const ImageF photo = c.whole.load_photo(v), crop = c.problem->load_photo(v);
+    CHECK(crop.at(3, 5, 1) == photo.at(w.x0 + 3, w.y0 + 5, 1));
+    CHECK(window_share(*c.problem, v) ==
+          doctest::Approx(double(w.w) * w.h / (double(whole.width_px) * whole.height_px)));
+  }
+}
+
+TEST_CASE("a view that shows nothing has no window, supervises nothing and has no photo") {
+  WindowCase c;
+  const std::size_t away = c.base->look_away();
+  c.whole.views.push_back(away);
+  c.enter();
+  CHECK(c.windows->window[away].w == 0);
+  CHECK(std::count(c.problem->views.begin(), c.problem->views.end(), away) == 0);
+  CHECK(c.problem->views.size() == 4);
+  CHECK(c.problem->scene.views[away].image_path.empty());
+}
+
+TEST_CASE("labels without a view are those of the other views' evidence") {
+  WindowCase c;
+  Monitor monitor;
+  const std::vector<LabelColumns> got = labels_without_views({}, monitor, *c.problem, {2});
+  const std::vector<LabelColumns> want = label_gaussians(
+      {},
+      accumulate_evidence({}, monitor, {c.whole.cloud, c.whole.scene, {0, 1, 3}, c.whole.splat, c.whole.load_masks}));
+  const std::vector<std::uint8_t> region = region_of(c.problem->labels);
+  int compared = 0, moved = 0;
+  for (std::size_t i = 0; i < region.size(); ++i) {
+    if (!region[i]) continue;
+    CHECK(std::abs(got[0].prob[i] - want[0].prob[i]) < 1e-5f);
+    CHECK(got[0].label[i] == want[0].label[i]);
+    ++compared, moved += want[0].prob[i] != c.problem->labels[0].prob[i];
+  }
+  CHECK(compared > 100);
+  CHECK(moved > 10);  // else nothing was subtracted
+}
+
+TEST_CASE("mask outliers are judged in windows as in whole views, however much lies beside the windows") {
+  for (const bool tight : {false, true}) {
+    CAPTURE(tight);
+    WindowCase c;
+    c.enter(tight);
+    Monitor monitor;
+    const MaskOutliers whole = judge_views({}, monitor, {}, c.whole),
+                       windows = judge_views({}, monitor, {}, *c.problem);
+    CHECK(windows.ignored == whole.ignored);
+    REQUIRE(windows.disagreement.size() == whole.disagreement.size());
+    for (std::size_t n = 0; n < whole.disagreement.size(); ++n)
+      CHECK(std::abs(windows.disagreement[n] - whole.disagreement[n]) < 0.01);
+  }
+}
+
+TEST_CASE("a step in windows is the step of the whole view, and rows that are not of the region keep their bytes") {
+  WindowCase c;
+  const std::vector<std::uint8_t> region = region_of(c.problem->labels);
+  CHECK(std::count(region.begin(), region.end(), std::uint8_t(0)) > 20);
+  const auto trained = [&](Problem problem, std::vector<std::uint8_t> rows) {
+    problem.region = std::move(rows);
+    Monitor monitor;
+    JointOptions options;
+    options.steps = 4;
+    options.on.nerf = options.on.photometric = false;
+    const SampleOptions sample;
+    const RbfOptions rbf;
+    JointTrainer trainer({}, monitor, {options, sample, rbf, problem}, true);
+    while (!trainer.finished()) trainer.step();
+    return trainer.result();
+  };
+  const Solution whole = trained(c.whole, region), windows = trained(*c.problem, region),
+                 everything = trained(c.whole, {});
+  const Solution every_row = trained(c.whole, std::vector<std::uint8_t>(region.size(), 1));
+  CHECK(every_row.cloud.position == everything.cloud.position);
+  CHECK(every_row.labels[0].prob == everything.labels[0].prob);
+  std::int64_t outside = 0;
+  for (std::size_t i = 0; i < region.size(); ++i) {
+    const auto moved = [&](const Solution& s) {
+      return std::abs(s.cloud.position[3 * i] - c.whole.cloud.position[3 * i]) +
+             std::abs(s.cloud.logit_opacity[i] - c.whole.cloud.logit_opacity[i]);
+    };
+    if (!region[i]) {
+      CHECK(moved(windows) == 0);
+      CHECK(windows.labels[0].prob[i] == c.whole.labels[0].prob[i]);
+      outside += moved(everything) > 0;
+    }
+    CHECK(std::abs(windows.labels[0].prob[i] - whole.labels[0].prob[i]) < 2e-3f);
+  }
+  CHECK(outside > 0);  // what the region is for
+  CHECK(rows_changed(c.whole.cloud, c.whole.labels, windows) <= std::count(region.begin(), region.end(), 1));
+  CHECK(rows_changed(c.whole.cloud, c.whole.labels, windows) > 50);
+}
+
+}  // namespace ngs
