@@ -326,7 +326,8 @@ class ContourRun {
       own_contrast_ += view.own_contrast, refined_contrast_ += view.refined_contrast;
     }
     if (count > 0) rendered_ /= count, refined_biou_ /= count, own_contrast_ /= count, refined_contrast_ /= count;
-    return masks_misaligned(refined_) || gain_in_errors(refinement_gains(refined_)) >= -kSignificant;
+    const bool masks_judge = !masks_misaligned(refined_) || labels_on_edges(refined_);
+    return !masks_judge || gain_in_errors(refinement_gains(refined_)) >= -kSignificant;
   }
 
   /// Without labels. `scene` with the windows' cameras.

@@ -115,6 +115,7 @@ RefinedView refine_view(const RefineSetup& setup, const SplatOptions& splat, con
     if (!out.compared) continue;
     out.own_contrast += contrast_of(enlarged_mask(own.target[k], w, h, fw, fh), photo);
     out.refined_contrast += contrast_of({refined.begin(), refined.end()}, photo);
+    out.rendered_contrast += contrast_of(mask, photo);
     out.rendered_biou += agreement(reduce({mask.begin(), mask.end()}, fw, fh, w, h), own, k) / double(objects);
     out.refined_biou += agreement(targets[k], own, k) / double(objects);
   }
@@ -173,6 +174,12 @@ std::vector<double> refinement_gains(const std::vector<RefinedView>& refined) {
   for (const RefinedView& view : refined)
     if (view.compared) gains.push_back(view.refined_biou - view.rendered_biou);
   return gains;
+}
+
+bool labels_on_edges(const std::vector<RefinedView>& refined) {
+  double rendered = 0, all = 0;
+  for (const RefinedView& view : refined) rendered += view.rendered_contrast, all += view.refined_contrast;
+  return rendered >= kOnEdges * all;
 }
 
 bool masks_misaligned(const std::vector<RefinedView>& refined) {
