@@ -33,4 +33,11 @@ Camera window_camera(Camera camera, const PixelWindow& win) {
   return camera;
 }
 
+ViewMasks cropped(ViewMasks masks, const PixelWindow& win) {
+  for (std::vector<float>& target : masks.target) target = cropped(target, masks.width_px, 1, win);
+  if (!masks.known.empty()) masks.known = cropped(masks.known, masks.width_px, 1, win);
+  masks.width_px = win.w, masks.height_px = win.h;
+  return masks;
+}
+
 }  // namespace ngs

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "ngs/scene/camera.h"
+#include "ngs/scene/scene.h"
 
 namespace ngs {
 
@@ -31,5 +32,8 @@ std::vector<T> cropped(const std::vector<T>& plane, int width_px, int channels, 
   }
   return out;
 }
+
+/// Masks that are available, of the window alone.
+ViewMasks cropped(ViewMasks masks, const PixelWindow& win);
 
 }  // namespace ngs

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "ngs/core/check.h"
+#include "ngs/scene/mask_threshold.h"
 
 namespace ngs {
 namespace {
@@ -11,7 +12,8 @@ namespace {
 void mark(const std::vector<LabelColumns>& labels, std::vector<std::uint8_t>& region) {
   for (const LabelColumns& object : labels)
     for (std::size_t i = 0; i < region.size(); ++i)
-      region[i] |= object.prob[i] >= kLeastRegionShare || object.label[i] > 0.5f || object.boundary[i] > 0.5f;
+      region[i] |=
+          object.prob[i] >= kLeastRegionShare || label_says_object(object.label[i]) || is_set(object.boundary[i]);
 }
 
 bool same_row(const std::vector<float>& a, std::size_t i, const std::vector<float>& b, std::size_t j,

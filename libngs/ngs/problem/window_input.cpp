@@ -137,13 +137,8 @@ WindowInput::WindowInput(const Problem& whole, std::shared_ptr<const ObjectWindo
 }
 
 ViewMasks WindowInput::masks(std::size_t view) const {
-  const PixelWindow& window = windows_->window[view];
   ViewMasks whole = windows_->masks[view].unpacked();
-  if (!whole.available) return whole;
-  for (std::vector<float>& target : whole.target) target = cropped(target, whole.width_px, 1, window);
-  if (!whole.known.empty()) whole.known = cropped(whole.known, whole.width_px, 1, window);
-  whole.width_px = window.w, whole.height_px = window.h;
-  return whole;
+  return whole.available ? cropped(std::move(whole), windows_->window[view]) : whole;
 }
 
 /// Of a photo of any size: the edges of the window on the nearest pixel.

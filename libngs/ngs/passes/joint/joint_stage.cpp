@@ -16,6 +16,7 @@
 #include "ngs/passes/joint/trained_rows.h"
 #include "ngs/passes/joint/view_cache.h"
 #include "ngs/problem/view_list.h"
+#include "ngs/stages/boundary/method_labels.h"
 #include "ngs/stages/fit/fit_stage.h"
 
 namespace ngs {
@@ -116,8 +117,7 @@ struct JointTrainer::Impl {
     const auto n = std::size_t(cloud.size()), k_count = objects();
     label.resize(n * k_count), logit.resize(trained.size() * k_count), trainable.resize(logit.size());
     const auto start = [&](std::size_t i, std::size_t k) {
-      const bool fixed = !input.fixed.empty() && input.fixed[i] == 1.f;
-      const double prob = double(fixed ? input.labels[k].label[i] : input.labels[k].prob[i]);
+      const double prob = double(is_fixed(input, i) ? input.labels[k].label[i] : input.labels[k].prob[i]);
       return float(start_log_odds(prob, options.start_steps));
     };
     for (std::size_t i = 0; i < n; ++i)
@@ -125,8 +125,7 @@ struct JointTrainer::Impl {
     for (std::size_t r = 0; r < trained.size(); ++r)
       for (std::size_t k = 0; k < k_count; ++k) {
         const std::size_t i = trained.row(r);
-        const bool fixed = !input.fixed.empty() && input.fixed[i] == 1.f;
-        trainable[r * k_count + k] = input.labels[k].views[i] > 0.f && !fixed;
+        trainable[r * k_count + k] = input.labels[k].views[i] > 0.f && !is_fixed(input, i);
         logit[r * k_count + k] = start(i, k);
       }
   }

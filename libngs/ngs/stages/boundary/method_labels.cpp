@@ -73,12 +73,8 @@ bool is_pooled(const std::vector<LabelColumns>& labels) {
 /// Weights of the Gaussians that masks show in part, [N, 1 + K]: W, then W1 of each object.
 class PartWeights {
  public:
-  PartWeights(const Problem& input, std::size_t objects)
-      : weight(std::size_t(input.cloud.size()) * (1 + objects), 0.0), wanted(std::size_t(input.cloud.size()), 0) {
-    for (const LabelColumns& c : input.labels)
-      for (std::size_t i = 0; i < wanted.size(); ++i) wanted[i] |= c.prob[i] > 0;
-  }
-  double* of(std::size_t gaussian) { return &weight[gaussian * (weight.size() / wanted.size())]; }
+  PartWeights(std::size_t gaussians, std::size_t objects) : columns_(1 + objects), weight_(gaussians * columns_, 0.0) {}
+  double* of(std::size_t gaussian) { return &weight_[gaussian * columns_]; }
   void add(const ViewSums& sums) {
     for (std::size_t v = 0; v < sums.size(); ++v) {
       double* to = of(sums.row[v]);
@@ -87,20 +83,18 @@ class PartWeights {
     }
   }
 
-  std::vector<double> weight;
-  std::vector<std::uint8_t> wanted;  // [N] 1: some object's
+ private:
+  std::size_t columns_;
+  std::vector<double> weight_;
 };
 
 /// What a view says where its masks show something.
 ViewSums sums_in_masks(const Exec& exec, const Problem& whole, std::size_t view, const std::vector<std::uint8_t>& of) {
   ViewMasks masks = whole.load_masks(view);
-  const int width_px = masks.width_px;
-  const PixelWindow shown = window_of(masks.target, width_px, masks.height_px, 0);
-  const PixelWindow window = widened(shown, 0, width_px, masks.height_px);
+  const PixelWindow shown = window_of(masks.target, masks.width_px, masks.height_px, 0);
+  const PixelWindow window = widened(shown, 0, masks.width_px, masks.height_px);
   if (!masks.available || window.w == 0) return {};
-  for (std::vector<float>& target : masks.target) target = cropped(target, width_px, 1, window);
-  if (!masks.known.empty()) masks.known = cropped(masks.known, width_px, 1, window);
-  masks.width_px = window.w, masks.height_px = window.h;
+  masks = cropped(std::move(masks), window);
   const Camera camera = window_camera(whole.scene.views[view].camera, window);
   return view_sums(exec, whole.cloud, {camera, masks}, whole.splat, &of);
 }
@@ -147,10 +141,11 @@ std::vector<LabelColumns> labels_without_views(const Exec& exec, Monitor& monito
   const auto timed = monitor.scope("evidence");
   const Problem& whole = *input.whole;
   const std::size_t objects = input.labels.size();
-  PartWeights all(input, objects), less(input, objects);
-  std::vector<float> seen_less(all.wanted.size(), 0.f);
+  const std::vector<std::uint8_t> claimed = claimed_rows(input.labels);
+  PartWeights all(claimed.size(), objects), less(claimed.size(), objects);
+  std::vector<float> seen_less(claimed.size(), 0.f);
   bool every = for_each_view(&monitor, whole.views,
-                             [&](std::size_t, std::size_t v) { all.add(sums_in_masks(exec, whole, v, all.wanted)); });
+                             [&](std::size_t, std::size_t v) { all.add(sums_in_masks(exec, whole, v, claimed)); });
   every = every && for_each_view(&monitor, views, [&](std::size_t, std::size_t v) {
             const ViewSums sums =
                 view_sums(exec, whole.cloud, {whole.scene.views[v].camera, whole.load_masks(v)}, whole.splat);
@@ -161,7 +156,7 @@ std::vector<LabelColumns> labels_without_views(const Exec& exec, Monitor& monito
   std::vector<LabelColumns> labels = input.labels;
   const VarianceOptions rule = rule_of(labels);
   for (std::size_t i = 0; i < seen_less.size(); ++i) {
-    if (!all.wanted[i] || seen_less[i] == 0) continue;
+    if (!claimed[i] || seen_less[i] == 0) continue;
     double *weight = all.of(i), share = 0;
     for (std::size_t k = 0; k < objects; ++k)
       if (double(labels[k].prob[i]) > share) share = double(labels[k].prob[i]), weight[0] = weight[1 + k] / share;
