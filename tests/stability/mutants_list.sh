@@ -284,4 +284,8 @@ mutant passes/mask_outliers/mask_outliers.cpp $t passes/mask_outliers/mask_outli
 mutant passes/joint/trained_rows.h $t passes/joint/joint_stage.cpp "gradients in the rows of others" 's/wanted_\.place\[i\] = std::int32_t\(rows_\.size\(\)\)/wanted_.place[i] = 0/'
 mutant problem/region.cpp $t problem/region.cpp "a region of everything" 's/object\.prob\[i\] >= kLeastRegionShare/true/'
 mutant problem/region.cpp $t problem/region.cpp "changed rows that do not count" 's/changed \+= !same;//'
-mutant passes/contours/refined_masks.cpp unit/passes/contours/refined_masks_test.cpp passes/contours/refined_masks.cpp "edges: labels are never on them" 's/rendered >= kOnEdges \* all/false/'
+t=unit/passes/contours/refined_masks_test.cpp
+f=passes/contours/refined_masks.cpp
+mutant $f $t $f "masks: one-sided ones have a say" 's/masks_misaligned\(refined\) && masks_err_to_one_side\(refined\)/false/'
+mutant $f $t $f "masks: misaligned ones have no say" 's/masks_misaligned\(refined\) && masks_err_to_one_side\(refined\)/masks_misaligned(refined)/'
+mutant $f $t $f "masks: too large by much is no error to one side" 's/std::abs\(beyond - lacking\)/lacking - beyond/'
