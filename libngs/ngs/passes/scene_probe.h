@@ -26,7 +26,7 @@ struct LabelViews {
 
 /// From here on the mean of masks, each wrong by a few pixels, may lie closer to an edge than refinement finds it.
 inline constexpr std::size_t kManyMasks = 32;
-inline constexpr std::size_t kVotingViews = 48;
+inline constexpr std::size_t kVotingViews = 32;
 
 /// 1 - IoU; 0 where both masks are empty.
 double disagreement(const Confusion& counts);
