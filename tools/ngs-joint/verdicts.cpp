@@ -53,13 +53,14 @@ std::vector<EffectVerdict> verdicts_of(const Options& options, bool writes_nerf,
       for (const Effect& effect : options.pipeline.effects(stage)) rule_out(effect.name);
   if (options.choice.method == Method::kNgGs) {
     rule_out("contours");
-    for (const std::string_view effect : {"joint", "nerf"}) verdicts.push_back({effect, true, "--method ng-gs"});
+    verdicts.push_back({"nerf", true, "--method ng-gs"});
   }
-  if (writes_nerf)
-    for (const std::string_view effect : {"joint", "nerf"}) verdicts.push_back({effect, true, "--nerf"});
+  if (writes_nerf) verdicts.push_back({"nerf", true, "--nerf"});
   for (EffectVerdict& rule : options.pipeline.rules(options.training)) verdicts.push_back(std::move(rule));
   if (!effects_from.empty())
     for (EffectVerdict& verdict : replayed(effects_from, options)) verdicts.push_back(std::move(verdict));
+  if (writes_nerf || options.choice.method == Method::kNgGs)  // what trains it
+    verdicts.push_back({"joint", true, writes_nerf ? "--nerf" : "--method ng-gs"});
   return verdicts;
 }
 
