@@ -66,7 +66,7 @@ mutant $f $t $f "components: only the core's own cells are linked" 's/if \(label
 mutant $f $t $f "components: rows fixed by hand change" 's/ \|\| is_fixed\(input, i\)//'
 mutant $f $t $f "components: another object's Gaussian is held" 's/finding\.disconnected\[i\] = 0;/(void)0;/'
 mutant passes/components/object_core.cpp $t passes/components/object_core.cpp "core: the best seen of the whole model" 's/cloud\.usable\[i\] && double\(object\.prob\[i\]\) >= options\.share/cloud.usable[i]/'
-mutant passes/mask_outliers/mask_outliers.cpp unit/passes/mask_outliers/mask_outliers_test.cpp passes/mask_outliers/mask_outliers.cpp "trust: views that see nothing agree" 's/if \(found != kNothingThere\) all\.push_back\(found\)/all.push_back(trust.disagreement[n])/'
+mutant passes/mask_outliers/mask_outliers.cpp unit/passes/mask_outliers/mask_outliers_test.cpp passes/mask_outliers/mask_outliers.cpp "trust: views that see nothing agree" 's/if \(found_\[n\] >= 0\) all\.push_back\(found_\[n\]\)/all.push_back(trust.disagreement[n])/'
 t=stability/geometry_stability_test.cpp
 mutant ops/field/sample_grid_kernels.h $t ops/field/sample_grid.cpp "Gaussians behind the camera count" 's/if \(!\(t\.z > kNearZ\)\) return;//'
 mutant ops/field/sample_grid_kernels.h $t ops/field/sample_grid.cpp "boxes thinner than a pixel divided" 's/if \(length < 1\) return .*;//'
