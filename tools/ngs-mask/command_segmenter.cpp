@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <sstream>
 
-#include "child_process.h"
+#include "shared/run/child_process.h"
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/image/image_file.h"

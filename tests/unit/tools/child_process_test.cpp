@@ -1,4 +1,4 @@
-#include "ngs-mask/child_process.h"
+#include "shared/run/child_process.h"
 
 #include <doctest/doctest.h>
 
