@@ -9,7 +9,7 @@
 #include "ngs/io/files/json_file.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/options/name_of.h"
-#include "ngs/stages/render/render_stage.h"
+#include "ngs/scene/view_names.h"
 
 namespace ngs::front {
 namespace {
