@@ -44,7 +44,7 @@ std::int64_t count_of(const CutChain& chain, const char* key) {
 std::string score_line(const Scores& scores) {
   std::ostringstream text;
   text << std::fixed << std::setprecision(3) << "IoU " << scores.mean.value("iou", 0.0) << ", boundary IoU "
-       << scores.mean.value("biou", 0.0) << " (wide) " << scores.mean.value("biou_narrow", 0.0) << " (narrow), "
+       << scores.mean.value("biou", 0.0) << " (wide) " << scores.mean.value("biou_005", 0.0) << " (narrow), "
        << scores.views << " views, "
        << (scores.kind == "scores" ? "against the true masks" : "with the masks from your strokes, which are no truth");
   return text.str();
