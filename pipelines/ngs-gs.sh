@@ -17,7 +17,7 @@
 #   -h, --help
 #
 # SCENE_DIR holds images/ and the poses: sparse/0 or colmap/sparse/0 (COLMAP), transforms.json, transforms_train.json,
-# cameras.json or poses_bounds.npy.
+# cameras.json or poses_bounds.npy; or images/ and scene.json of ngs-scene orbit, for a splat without photos.
 # OUT_DIR then holds scene.json boundary.ply queries.ply field.ply labelled.ply object.ply background.ply,
 # masks/STEM.png of the held-out views (of all views without --hold-out), metrics.json, report.html and each
 # tool's report in reports/. OUT_DIR is none of the input folders, it holds no input model, its masks/ no masks of yours.

@@ -26,7 +26,8 @@ first_existing() {  # the first path that exists, else nothing
 
 source_of_scene() {  # in the order in which ngs-scene looks
   first_existing "$SCENE/cameras.bin" "$SCENE/cameras.txt" "$SCENE/sparse" "$SCENE/colmap/sparse/0" \
-    "$SCENE/transforms.json" "$SCENE/transforms_train.json" "$SCENE/cameras.json" "$SCENE/poses_bounds.npy"
+    "$SCENE/transforms.json" "$SCENE/transforms_train.json" "$SCENE/cameras.json" "$SCENE/poses_bounds.npy" \
+    "$SCENE/scene.json"
 }
 
 photo_folders() {  # a line each: images/, and those that the frames of a transforms file name
@@ -46,6 +47,10 @@ model_of_scene() {
   # A folder of the Inria trainer: the last iteration, as ngs-scene takes it; what else lies there is somebody's copy.
   if [ -z "$trained" ] && [ -d "$SCENE/point_cloud" ]; then
     trained=$(find -L "$SCENE/point_cloud" -mindepth 2 -maxdepth 2 -regex '.*/iteration_[0-9]+/point_cloud\.ply' | sort -V | tail -n 1)
+  fi
+  if [ -z "$trained" ] && [ "$(source_of_scene)" = "$SCENE/scene.json" ]; then  # of ngs-scene orbit, which names it
+    trained=$(sed -n 's/^ *"model": "\(.*\)",$/\1/p' "$SCENE/scene.json")
+    case $trained in '' | /*) ;; *) trained=$SCENE/$trained ;; esac
   fi
   printf '%s' "$trained"
 }
@@ -132,7 +137,7 @@ flags() {  # words of a *_FLAGS variable, which is quoted for the shell, into th
 stage_scene() {
   local source model masks optional=()
   source=$(source_of_scene) model=$(model_of_scene) masks=$(masks_of_scene)
-  [ -n "$source" ] || fail 3 "$SCENE: no poses found (sparse/, colmap/sparse/0, transforms.json, cameras.json or poses_bounds.npy)"
+  [ -n "$source" ] || fail 3 "$SCENE: no poses found (sparse/, colmap/sparse/0, transforms.json, cameras.json, poses_bounds.npy, or the scene.json of ngs-scene orbit)"
   [ -n "$model" ] || fail 3 "$SCENE: no point_cloud.ply found" "give one with --model, or fit one: ngs-fit"
   [ -n "$masks" ] || [ -n "${NO_MASKS:-}" ] || fail 3 "$SCENE: no folder 'masks' found" "give one with --masks DIR"
   case $source in */sparse | */sparse/0 | */cameras.bin | */cameras.txt) source=$SCENE ;; esac

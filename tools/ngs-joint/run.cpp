@@ -10,7 +10,6 @@
 #include "ngs/io/image/masks.h"
 #include "ngs/io/image/photo.h"
 #include "ngs/io/ply/query_ply.h"
-#include "ngs/io/scene/scene_json.h"
 #include "ngs/math/median.h"
 #include "ngs/passes/joint/first_queries.h"
 #include "ngs/problem/coarse_input.h"
@@ -18,6 +17,7 @@
 #include "ngs/stages/boundary/variance_stage.h"
 #include "ngs/stages/scene/scene_check.h"
 #include "shared/run/checkpoints.h"
+#include "shared/scene/scene_model.h"
 #include "step_files.h"
 #include "verdicts.h"
 
@@ -83,7 +83,7 @@ struct Input {
   double reading_s = 0;
 
   Input(cli::Run& run, const Options& options, const Paths& paths)
-      : scene(with_objects(io::read_scene_json(paths.scene), options.choice.objects)) {
+      : scene(with_objects(cli::read_scene(run, paths.scene), options.choice.objects)) {
     choose_background(options.choice.background, run.monitor(), scene);
     const double began_s = wall_seconds();
     ply = io::read_gaussian_ply(paths.boundary);

@@ -1,6 +1,5 @@
 // ngs-mask: strokes or boxes on some photos -> masks of all views, through the splat.
 #include "ngs/io/ply/gaussian_ply.h"
-#include "ngs/io/scene/scene_json.h"
 #include "ngs/stages/render/render_options.h"
 #include "prompt_input.h"
 #include "segmenters.h"
@@ -36,7 +35,7 @@ void refuse_over_photos(const cli::MaskViews& views, const Scene& scene, const F
 }
 
 int make_masks(cli::Run& run, const Options& options, const Files& files) {
-  const Scene scene = io::read_scene_json(files.scene.path);
+  const Scene scene = cli::read_scene(run, files.scene.path);
   if (options.runs_a_program())
     run.warn_unused({"--iterations", "--window", "--speck"}, "with --segmenter");
   else

@@ -6,7 +6,6 @@
 
 #include "ngs/io/image/photo.h"
 #include "ngs/io/ply/gaussian_ply.h"
-#include "ngs/io/scene/scene_json.h"
 #include "ngs/stages/render/render_options.h"
 #include "ngs/stages/render/render_stage.h"
 #include "render_output.h"
@@ -61,7 +60,7 @@ int main(int argc, char** argv) {
   const cli::Output& out = tool.output_dir("-o,--output", "folder for the pictures");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
-    Scene scene = io::read_scene_json(scene_json.path);
+    Scene scene = cli::read_scene(run, scene_json.path);
     const io::GaussianPly ply = io::read_gaussian_ply(model.path);
     const picture::Objects objects = picture::objects_of(ply, scene);
     const std::set<std::string> layers = picture::parse_layers(options.layers, objects, format.format);

@@ -106,6 +106,7 @@ std::string oddities_section(const RunFolder& run) {
   std::string list;
   if (const std::string learnt = learnt_from(run, "scored views"); !learnt.empty())
     list += "<li><b>scores</b> " + learnt + ", they say little of views that were not</li>";
+  if (run.scene && run.scene->renders) list += std::string("<li><b>photos</b> ") + kRenderedPhotosNote + "</li>";
   for (const std::string& problem : run.problems) list += "<li><b>report</b> " + escaped(problem) + "</li>";
   for (const ToolReport& tool : run.reports) {
     for (const Json& warning : list_at(tool.report, {"warnings"}))
@@ -257,6 +258,10 @@ std::string inputs_section(const RunFolder& run) {
       table.rows.push_back({"working size of the first view",
                             std::to_string(camera.width_px) + " × " + std::to_string(camera.height_px) + " px"});
     }
+    if (scene.renders)
+      table.rows.push_back({"photos", std::string(kRenderedPhotosNote) + "; " +
+                                          decimal(100 * scene.renders->coverage, 1) +
+                                          " % of its surface in three views or more"});
     table.rows.push_back({"image scale", decimal(scene.image_scale, 4)});
     std::string objects;
     for (const SceneObject& object : scene.objects) objects += (objects.empty() ? "" : ", ") + escaped(object.name);

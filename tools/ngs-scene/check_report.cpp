@@ -37,6 +37,16 @@ std::string table_row(const SceneView& view, const ViewCheck& check, bool has_mo
 
 }  // namespace
 
+Json import_json(const io::ImportedScene& imported) {
+  return {{"format", imported.format},
+          {"cameras", imported.cameras_file},
+          {"images", imported.images_dir},
+          {"masks", imported.masks_dir},
+          {"model_path", imported.scene.model_path},
+          {"mask_rules", imported.views_by_mask_rule},
+          {"views", imported.scene.views.size()}};
+}
+
 Json check_json(const Scene& scene, const SceneCheck& check) {
   const bool has_model = check.sampled_gaussians > 0;
   Json out;

@@ -1,10 +1,14 @@
 #pragma once
 // scene_check.h as JSON for the report and as a table for people.
+#include "ngs/io/scene/import_scene.h"
 #include "ngs/options/option_set.h"
 #include "ngs/scene/gaussian_cloud.h"
 #include "ngs/stages/scene/scene_check.h"
 
 namespace ngs::capture {
+
+/// What import has found where.
+Json import_json(const io::ImportedScene& imported);
 
 Json check_json(const Scene& scene, const SceneCheck& check);
 Json health_json(const CloudHealth& health);

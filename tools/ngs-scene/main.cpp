@@ -1,24 +1,24 @@
 // ngs-scene: cameras, photos, masks and a model of any origin -> the canonical scene.json, checked.
+#include "check_report.h"
 #include "check_run.h"
 #include "degrade.h"
+#include "import_renders.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/stages/render/background.h"
 #include "options.h"
+#include "orbit.h"
 #include "shared/cli/dispatch.h"
+#include "shared/scene/scene_model.h"
 #include "shared/tool.h"
 
 namespace {
 
 using namespace ngs;
 
-Json import_json(const io::ImportedScene& imported) {
-  return {{"format", imported.format},
-          {"cameras", imported.cameras_file},
-          {"images", imported.images_dir},
-          {"masks", imported.masks_dir},
-          {"model_path", imported.scene.model_path},
-          {"mask_rules", imported.views_by_mask_rule},
-          {"views", imported.scene.views.size()}};
+int write_scene(const cli::Run& run, const cli::Output& out, const Scene& scene) {
+  io::write_scene_json(out.path, scene,
+                       run.goes_to_stdout(out) ? io::StoredPaths::kAbsolute : io::StoredPaths::kRelative);
+  return cli::kDone;
 }
 
 int import_command(int argc, char** argv) {
@@ -53,10 +53,14 @@ int import_command(int argc, char** argv) {
     if (imported.format != "transforms.json") run.warn_unused({"--original-world"}, "but by transforms.json");
     run.add_input("cameras", imported.cameras_file);
     if (!masks && !imported.masks_dir.empty()) run.add_input("masks", imported.masks_dir);
-    run.result() = import_json(imported);
+    run.result() = capture::import_json(imported);
     if (run.dry_run()) {
       run.plan({{"views", imported.scene.views.size()}, {"compared_views", checks.check_views}});
       return cli::kDone;
+    }
+    if (imported.scene.renders) {
+      capture::check_renders(run, checks, imported);
+      return write_scene(run, out, imported.scene);
     }
     capture::SceneChecks scene(run, checks, imported.scene, std::move(imported.notes));
     imported.scene.compat = options.compat;
@@ -70,9 +74,7 @@ int import_command(int argc, char** argv) {
       scene.find_filter();
     if (options.align_views) scene.align_views(!settled);
     if (!settled) scene.find_background();
-    io::write_scene_json(out.path, imported.scene,
-                         run.goes_to_stdout(out) ? io::StoredPaths::kAbsolute : io::StoredPaths::kRelative);
-    return cli::kDone;
+    return write_scene(run, out, imported.scene);
   });
 }
 
@@ -84,7 +86,7 @@ int check_command(int argc, char** argv) {
   const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene import");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
-    Scene scene = io::read_scene_json(scene_json.path);
+    Scene scene = cli::read_scene(run, scene_json.path);
     run.result()["views"] = scene.views.size();
     if (run.dry_run()) {
       run.plan({{"views", scene.views.size()}, {"compared_views", checks.check_views}});
@@ -98,8 +100,10 @@ int check_command(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return ngs::cli::dispatch(argc, argv,
-                            {{"import", import_command, "cameras, photos, masks, model -> scene.json"},
-                             {"check", check_command, "repeat the checks on a scene.json"},
-                             {"degrade", ngs::capture::degrade_command, "good masks -> bad ones, in known amounts"}});
+  return ngs::cli::dispatch(
+      argc, argv,
+      {{"import", import_command, "cameras, photos, masks, model -> scene.json"},
+       {"orbit", ngs::capture::orbit_command, "a model without photos -> cameras, renders, scene.json"},
+       {"check", check_command, "repeat the checks on a scene.json"},
+       {"degrade", ngs::capture::degrade_command, "good masks -> bad ones, in known amounts"}});
 }

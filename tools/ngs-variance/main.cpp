@@ -3,9 +3,9 @@
 #include "ngs/io/files/content_hash.h"
 #include "ngs/io/formats/splat_format.h"
 #include "ngs/io/image/masks.h"
-#include "ngs/io/scene/scene_json.h"
 #include "ngs/stages/render/render_options.h"
 #include "shared/cli/dispatch.h"
+#include "shared/scene/scene_model.h"
 #include "shared/tool.h"
 #include "variance_output.h"
 
@@ -39,7 +39,7 @@ int label_scene(int argc, char** argv) {
 
   return tool.run(argc, argv, [&](cli::Run& run) {
     check_tau(options);
-    const Scene scene = with_objects(io::read_scene_json(scene_json.path), shard.object);
+    const Scene scene = with_objects(cli::read_scene(run, scene_json.path), shard.object);
     cli::require_model(run, scene, scene_json.path);
     if (!out && !partial)
       throw Error(ErrorCode::kUsage, "no output is asked for", "give -o boundary.ply or --partial part.evidence");

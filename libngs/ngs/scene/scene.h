@@ -28,6 +28,14 @@ struct SceneView {
   Split split = Split::kTrain;
 };
 
+/// Pictures that stand for photos: the model drawn at cameras that were chosen for it. They tell nothing about it that
+/// it does not hold itself.
+struct RenderedPhotos {
+  double coverage = 0;  // share of the model's visible surface that at least three of the views show, in [0, 1]
+};
+/// How scene.json and reports say so.
+inline constexpr const char* kRenderedPhotosNote = "renders of the model, no photos";
+
 struct Scene {
   std::string model_path;
   std::vector<SceneView> views;      // sorted by name
@@ -42,6 +50,7 @@ struct Scene {
   Compat compat = Compat::kInria;   // of the renderer that the model was fitted with
   std::optional<bool> antialiased;  // fitted with Mip-Splatting's opacity compensation; none: as the PLY's comments say
   std::optional<Vec3<double>> background;  // colour behind the model, in [0, 1]; none: not known, black is taken
+  std::optional<RenderedPhotos> renders;   // what the photos are; none: photos
 };
 
 /// What every stage puts behind the model and behind transparent photos.

@@ -5,8 +5,15 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/files/regular_file.h"
+#include "ngs/io/scene/scene_json.h"
 
 namespace ngs::cli {
+
+Scene read_scene(Run& run, const std::string& path) {
+  Scene scene = io::read_scene_json(path);
+  if (scene.renders) run.result()["photos"] = kRenderedPhotosNote;
+  return scene;
+}
 
 void require_model(Run& run, const Scene& scene, const std::string& scene_path) {
   if (scene.model_path.empty())

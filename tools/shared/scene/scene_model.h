@@ -8,6 +8,9 @@
 
 namespace ngs::cli {
 
+/// A scene.json. Where its photos are renders of the model, "result" of the report says so.
+Scene read_scene(Run& run, const std::string& path);
+
 /// The scene's model becomes an input of the run. kBadInput where the scene names none, or no regular file.
 void require_model(Run& run, const Scene& scene, const std::string& scene_path);
 

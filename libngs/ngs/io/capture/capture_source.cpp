@@ -10,8 +10,11 @@
 #include "ngs/io/capture/pose.h"
 #include "ngs/io/capture/transforms_json.h"
 #include "ngs/io/files/folder_index.h"
+#include "ngs/io/files/json_file.h"
 #include "ngs/io/files/regular_file.h"
+#include "ngs/io/formats/splat_format.h"
 #include "ngs/io/image/size_rule.h"
+#include "ngs/io/scene/scene_json.h"
 
 namespace ngs::io {
 namespace {
@@ -64,12 +67,16 @@ Located locate(const std::string& source) {
     else
       found.also.push_back(name);
   }
+  if (const std::string scene = (fs::path(source) / "scene.json").string();
+      found.file.empty() && is_regular_file(scene))
+    return {scene, source, false, {}};
   if (found.file.empty())
     throw Error(ErrorCode::kBadInput,
                 source +
                     ": no cameras found, expected sparse/0 (COLMAP), transforms.json, cameras.json or "
                     "poses_bounds.npy",
-                "name the file or the folder of the COLMAP model itself");
+                "name the file or the folder of the COLMAP model itself; for a splat without photos: ngs-scene orbit "
+                "MODEL -o DIR/scene.json");
   return found;
 }
 
@@ -84,6 +91,22 @@ std::string find_images_dir(const CaptureRequest& request, const std::string& ba
   return fs::is_directory(images, ignored) ? images : std::string();
 }
 
+bool is_scene(const std::string& file) {
+  return fs::path(file).filename() == "scene.json" ||
+         (fs::path(file).extension() == ".json" && is_regular_file(file) && read_json_file(file).contains("ngs_scene"));
+}
+
+/// The cameras and renders of ngs-scene orbit. A scene of photos is one already.
+void read_rendered_scene(CaptureSource& source) {
+  Scene scene = read_scene_json(source.file);
+  if (!scene.renders)
+    throw Error(ErrorCode::kBadInput, source.file + ": is an imported scene, expected cameras",
+                "give it to the other tools as it is, or import what it was imported from");
+  source.capture = {"scene.json", std::move(scene.views), {}};
+  scene.views.clear();
+  source.rendered = std::move(scene);
+}
+
 Capture read_cameras(const CaptureRequest& request, const Located& located, const std::string& images_dir) {
   if (located.colmap) return read_colmap(located.file);
   const fs::path file(located.file);
@@ -96,6 +119,10 @@ Capture read_cameras(const CaptureRequest& request, const Located& located, cons
   }
   if (file.filename().string().rfind("cameras", 0) == 0) return read_cameras_json(located.file);
   if (file.extension() == ".json") return read_transforms_json(located.file, request.original_world);
+  if (file.extension() == ".ply" || is_model_name(located.file))
+    throw Error(ErrorCode::kBadInput, located.file + ": is a splat, expected cameras",
+                "with photos: name their cameras, and --ply " + located.file + "; without: ngs-scene orbit " +
+                    located.file + " -o DIR/scene.json");
   throw Error(ErrorCode::kBadInput, located.file +
                                         ": unknown kind of file, expected transforms.json, cameras.json, "
                                         "poses_bounds.npy or a COLMAP folder");
@@ -158,7 +185,10 @@ CaptureSource read_capture(const CaptureRequest& request) {
   CaptureSource source;
   source.file = located.file, source.base = located.base;
   source.images_dir = find_images_dir(request, located.base);
-  source.capture = read_cameras(request, located, source.images_dir);
+  if (!located.colmap && is_scene(located.file))
+    read_rendered_scene(source);
+  else
+    source.capture = read_cameras(request, located, source.images_dir);
   for (const std::string& other : located.also)
     source.capture.notes.push_back(request.source + ": also holds " + other + ", cameras are read from " +
                                    located.file);

@@ -1,5 +1,6 @@
 #pragma once
 // A folder or file in any of the known conventions -> cameras with their photos.
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,8 +9,8 @@
 namespace ngs::io {
 
 struct CaptureRequest {
-  std::string source;           // COLMAP folder, transforms.json, cameras.json, poses_bounds.npy, or a folder that
-                                //   holds one of them
+  std::string source;           // COLMAP folder, transforms.json, cameras.json, poses_bounds.npy, the scene.json of
+                                //   ngs-scene orbit, or a folder that holds one of them
   std::string images_dir;       // empty: images/ beside the cameras
   std::string world_transform;  // transforms_json.h read_world_transform(); empty: none
   bool original_world = false;  // transforms.json: undo applied_transform
@@ -20,6 +21,8 @@ struct CaptureSource {
   std::string file;        // what was read: a file, or the folder of a COLMAP model
   std::string base;        // the folder where images, masks and models are looked for
   std::string images_dir;  // empty: no folder of photos
+  // Of a scene.json, whose pictures are renders: how they were rendered, and of which model. Without views.
+  std::optional<Scene> rendered = {};
 };
 
 /// Missing photos are a note; no photo at all with an explicit images_dir, or a photo whose size is no

@@ -238,12 +238,21 @@ ImportedScene import_scene(const ImportRequest& request) {
   out.format = source.capture.format, out.notes = source.capture.notes;
   out.cameras_file = source.file, out.images_dir = source.images_dir;
   Scene& scene = out.scene;
+  if (source.rendered) scene = *source.rendered, scene.objects.clear();
+  const double rendered_scale = scene.image_scale;
   scene.views = std::move(source.capture.views);
-  scene.model_path = request.model_path.empty() ? find_model(source.base, out.notes) : request.model_path;
+  if (!request.model_path.empty())
+    scene.model_path = request.model_path;
+  else if (!source.rendered)
+    scene.model_path = find_model(source.base, out.notes);
   scene.mask_mode = request.mask_mode, scene.mask_invert = request.mask_invert;
   scene.mask_threshold = request.mask_threshold, scene.missing_mask = request.missing_mask;
   scene.void_id = request.void_id;
   scene.image_scale = request.image_scale > 0 ? request.image_scale : automatic_scale(scene.views, out.notes);
+  if (source.rendered) {  // the same filter in the scene
+    const double finer = scene.image_scale / rendered_scale;
+    scene.filter_px2 *= finer * finer;
+  }
   out.masks_dir = find_masks_dir(request, source.base, out.notes);
   assign_splits(request.hold_out, scene.views);
   attach_masks(request, out);

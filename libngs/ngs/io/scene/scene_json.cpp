@@ -84,6 +84,14 @@ ordered_json view_to_json(const SceneView& view, const FileFolder& folder) {
   return out;
 }
 
+RenderedPhotos parse_renders(const JsonReader& reader) {
+  if (reader.text("note") != kRenderedPhotosNote) reader.fail("note", std::string("\"") + kRenderedPhotosNote + "\"");
+  const RenderedPhotos renders{reader.number("coverage")};
+  if (!(renders.coverage >= 0 && renders.coverage <= 1)) reader.fail("coverage", "a share in [0, 1]");
+  reader.refuse_unknown_keys();
+  return renders;
+}
+
 /// Readable and easy to compare: one line per top-level key, per object and per view.
 std::string one_line_per_entry(const ordered_json& root) {
   std::string text = "{";
@@ -185,6 +193,7 @@ Scene parse_scene_json(const json& root, const std::string& folder, const std::s
   if (reader.has("compat")) scene.compat = value_of(kCompats, reader, "compat");
   if (reader.has("antialiased")) scene.antialiased = reader.boolean("antialiased");
   if (reader.has("background")) scene.background = vec3(reader.matrix("background", 3, 0).data());
+  if (reader.has("renders")) scene.renders = parse_renders(reader.object("renders"));
   const JsonReader masks = reader.object("masks");
   scene.mask_mode = value_of(kModes, masks, "mode");
   scene.mask_invert = masks.boolean("invert");
@@ -224,6 +233,7 @@ void write_scene_json(const std::string& path, const Scene& scene, StoredPaths s
                    {"compat", name_of(kCompats, scene.compat)}};
   if (scene.antialiased) out["antialiased"] = *scene.antialiased;
   if (const auto& b = scene.background) out["background"] = {b->x, b->y, b->z};
+  if (scene.renders) out["renders"] = {{"note", kRenderedPhotosNote}, {"coverage", scene.renders->coverage}};
   out["masks"] = {{"mode", name_of(kModes, scene.mask_mode)},
                   {"invert", scene.mask_invert},
                   {"threshold", scene.mask_threshold},

@@ -5,6 +5,7 @@
 //   {"ngs_scene": 1, "model": PATH, "image_scale": S, "filter_px2": V (optional, default 0.3),
 //    "compat": "inria"|"gsplat" (optional, default inria), "antialiased": BOOL (optional: as the PLY's comments say),
 //    "background": [R, G, B] (optional: none where photos do not tell it), each in [0, 1],
+//    "renders": {"note": "renders of the model, no photos", "coverage": SHARE} (optional: the photos are photos),
 //    "masks": {"mode": "binary"|"label"|"soft"|"bands", "invert": BOOL, "threshold": 0..255,
 //              "missing": "unknown"|"empty"|"error"},
 //    "objects": [{"name": TEXT, "id": INT}],

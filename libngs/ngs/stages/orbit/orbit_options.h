@@ -1,0 +1,49 @@
+#pragma once
+// What ngs-scene orbit asks for: where cameras stand, how many, and what they see.
+#include <string>
+
+#include "ngs/options/field.h"
+
+namespace ngs {
+
+/// Whether cameras look at a model from outside or stand in it.
+enum class Place : std::uint8_t { kAuto, kOutside, kInside };
+inline constexpr NamedValue<Place> kPlaceNames[] = {
+    {Place::kAuto, "auto"}, {Place::kOutside, "outside"}, {Place::kInside, "inside"}};
+
+enum class UpAxis : std::uint8_t { kAuto, kX, kY, kZ, kMinusX, kMinusY, kMinusZ };
+inline constexpr NamedValue<UpAxis> kUpNames[] = {
+    {UpAxis::kAuto, "auto"}, {UpAxis::kX, "x"},       {UpAxis::kY, "y"},      {UpAxis::kZ, "z"},
+    {UpAxis::kMinusX, "-x"}, {UpAxis::kMinusY, "-y"}, {UpAxis::kMinusZ, "-z"}};
+
+struct OrbitOptions {
+  UpAxis up = UpAxis::kAuto;
+  Place place = Place::kAuto;
+  std::string around;
+  int views = 24;
+  int max_views = 48;
+  double coverage = 0.95;
+  double fov_deg = 0;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.around, Text{"around", "X,Y,Z,R",
+                            "cameras about this ball, in the model's own coordinates; else about the bulk of the "
+                            "model"});
+    visit(self.up,
+          Choice<UpAxis>{"up", "axis of the model that points upwards; auto: away from a floor, else -y", kUpNames});
+    visit(self.place, Choice<Place>{"place",
+                                    "where cameras stand; auto: inside where that shows more of the surface than "
+                                    "outside, as in a room",
+                                    kPlaceNames});
+    visit(self.views, Field<int>{"views", "", "cameras to start with", 3, 1000});
+    visit(self.max_views, Field<int>{"max_views", "", "cameras at most, where coverage asks for more", 3, 1000});
+    visit(self.coverage,
+          Field<double>{"coverage", "", "add cameras until this share of the visible surface is seen by three of them",
+                        0.0, 1.0});
+    visit(self.fov_deg,
+          Field<double>{"fov", "deg", "field of view over the longer side; 0: 40 from outside, 80 inside", 0.0, 120.0});
+  }
+};
+
+}  // namespace ngs

@@ -1,0 +1,250 @@
+#include "ngs/stages/orbit/orbit_stage.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <numeric>
+#include <optional>
+#include <sstream>
+
+#include "ngs/core/error.h"
+#include "ngs/stages/orbit/coverage.h"
+#include "ngs/stages/orbit/rigs.h"
+
+namespace ngs::orbit {
+namespace {
+
+constexpr int kSightSide_px = 200;                   // of the pictures that say what a place sees, the shorter side
+constexpr double kMostBlocked = 0.3;                 // of the picture's light, before the ball
+constexpr double kOutsideFov = 40, kInsideFov = 80;  // deg
+constexpr double kRoomReach = 1.5;                   // of the bulk's radius: what belongs to a room
+
+Vec axis_of(UpAxis up) {
+  switch (up) {
+    case UpAxis::kX: return {1, 0, 0};
+    case UpAxis::kY: return {0, 1, 0};
+    case UpAxis::kZ: return {0, 0, 1};
+    case UpAxis::kMinusX: return {-1, 0, 0};
+    case UpAxis::kMinusZ: return {0, 0, -1};
+    case UpAxis::kMinusY:
+    case UpAxis::kAuto: break;
+  }
+  return {0, -1, 0};
+}
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+/// Rows of the model within reach of what is looked at, without the higher bands of their colours.
+GaussianCloud rows_of(const GaussianCloud& cloud, const std::vector<std::uint32_t>& rows) {
+  GaussianCloud part;
+  part.origin = cloud.origin;
+  part.resize(std::int64_t(rows.size()), 0);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::size_t from = rows[i];
+    std::copy_n(&cloud.position[3 * from], 3, &part.position[3 * i]);
+    std::copy_n(&cloud.rotation[4 * from], 4, &part.rotation[4 * i]);
+    std::copy_n(&cloud.log_scale[3 * from], 3, &part.log_scale[3 * i]);
+    part.logit_opacity[i] = cloud.logit_opacity[from];
+  }
+  return part;
+}
+
+/// The choice of cameras, step by step.
+class Chooser {
+ public:
+  Chooser(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud, const OrbitOptions& options)
+      : exec_(exec), monitor_(monitor), cloud_(cloud), options_(options), points_(surface_points(cloud)) {
+    if (points_.count() == 0)
+      throw Error(ErrorCode::kNothingFound,
+                  "the model: none of its " + std::to_string(cloud.size()) +
+                      " Gaussians is usable and has an opacity above 1/255, expected some that can be seen");
+  }
+
+  OrbitCameras run(PictureSize size) {
+    find_ball();
+    find_up();
+    frame_ = frame_about(points_, ball_, found_.up);
+    const std::optional<RoomFinding> room = look_for_room();
+    found_.inside = room && (options_.place == Place::kInside || room->is_room());
+    const double fov = options_.fov_deg > 0 ? options_.fov_deg : found_.inside ? kInsideFov : kOutsideFov;
+    lens_ = {size.width_px, size.height_px, fov};
+    rig_ = found_.inside ? cameras_within(room->stands, ball_.radius) : rings();
+    check_near_plane();
+    look();
+    pick();
+    return std::move(found_);
+  }
+
+ private:
+  void find_ball() {
+    ball_ = bulk_of(points_);
+    if (!options_.around.empty()) {
+      ball_ = parse_ball(options_.around);
+      ball_.centre = ball_.centre - origin();
+    }
+    found_.centre = ball_.centre + origin(), found_.radius = ball_.radius;
+  }
+
+  void find_up() {
+    if (options_.up != UpAxis::kAuto) {
+      found_.up = axis_of(options_.up);
+      return;
+    }
+    const UpGuess guess = guess_up(points_, bulk_of(points_));
+    found_.up = guess.up, found_.up_is_guessed = guess.found;
+  }
+
+  std::optional<RoomFinding> look_for_room() {
+    if (options_.place == Place::kOutside || (options_.place == Place::kAuto && !options_.around.empty())) return {};
+    const auto timed = monitor_.scope("inside or outside");
+    const FreeSpace space(cloud_, points_, frame_, {1.1 * ball_.radius, 64});
+    RoomFinding room = find_room(exec_, space, ball_.radius);
+    if (options_.place == Place::kInside && room.stands.empty())
+      throw Error(ErrorCode::kNothingFound,
+                  "--place inside: no free place that the model surrounds, expected one for a camera",
+                  "leave it out, or name a ball that holds the room: --around X,Y,Z,R");
+    return room;
+  }
+
+  Rig rings() {
+    const auto timed = monitor_.scope("free space");
+    const double reach = 1.1 * ball_.radius / lens_.least_half_sine() + ball_.radius;
+    const FreeSpace space(cloud_, points_, frame_, {reach, 128});
+    Rig rig = rings_about(ball_.radius, lens_, space, options_.views);
+    if (rig.poses.empty())
+      throw Error(ErrorCode::kNothingFound,
+                  "no place for a camera about the ball of radius " + number(ball_.radius) +
+                      ": something stands in every line of sight, expected free space",
+                  "name a smaller ball: --around X,Y,Z,R, or place cameras within: --place inside");
+    return rig;
+  }
+
+  /// Renderers draw nothing nearer than their near plane, an absolute length.
+  void check_near_plane() {
+    double nearest = 0.1 * ball_.radius;
+    if (!found_.inside) {
+      nearest = length(rig_.poses.front().centre);
+      for (const Pose& pose : rig_.poses) nearest = std::min(nearest, length(pose.centre));
+      nearest -= ball_.radius;
+    }
+    found_.compat = nearest >= near_plane(Compat::kInria) ? Compat::kInria : Compat::kGsplat;
+    if (nearest < near_plane(Compat::kGsplat))
+      throw Error(ErrorCode::kBadInput,
+                  "the model: a radius of " + number(ball_.radius) + ", expected at least " +
+                      number(ball_.radius * near_plane(Compat::kGsplat) / nearest) +
+                      " here: renderers draw nothing nearer to a camera than " + number(near_plane(Compat::kGsplat)),
+                  "make it larger first, e.g. splat-transform MODEL.ply -s " +
+                      number(std::pow(10, std::ceil(-std::log10(ball_.radius)))) + " LARGER.ply");
+  }
+
+  /// Renders every place small, with all that stands near, and keeps those with a free view.
+  void look() {
+    const auto timed = monitor_.scope("look from " + std::to_string(rig_.poses.size()) + " places");
+    double reach = kRoomReach * ball_.radius;
+    if (!found_.inside)
+      for (const Pose& pose : rig_.poses) reach = std::max(reach, length(pose.centre) + ball_.radius);
+    const double interest = found_.inside ? kRoomReach * ball_.radius : ball_.radius;
+    std::vector<std::uint32_t> rows;
+    std::vector<std::int32_t> point_of_row;
+    const double most_worth = 0.0314 * ball_.radius * ball_.radius;  // a disc of a tenth of the radius
+    for (std::size_t i = 0; i < points_.count(); ++i) {
+      const double distance = length(points_.position[i] - ball_.centre);
+      if (distance > reach + 2 * points_.size[i]) continue;
+      rows.push_back(points_.row[i]);
+      point_of_row.push_back(distance <= interest ? std::int32_t(worth_.size()) : -1);
+      if (distance <= interest) worth_.push_back(std::min(points_.area[i], most_worth * points_.opacity[i]));
+    }
+    if (worth_.empty())
+      throw Error(ErrorCode::kNothingFound,
+                  "--around " + options_.around + ": no Gaussian that can be seen in this ball, expected some",
+                  "its numbers are those of the model's file: centre and radius in its own coordinates");
+    const GaussianCloud part = rows_of(cloud_, rows);
+    const Sights sights(exec_, part, point_of_row);
+    std::vector<Pose> kept;
+    std::size_t first = 0;
+    for (std::size_t p = 0; p < rig_.poses.size(); ++p) {
+      const Pose& pose = rig_.poses[p];
+      const double before = found_.inside ? 0 : length(pose.centre) - ball_.radius;
+      Sight sight = sights.of(exec_, small(camera_at(pose, lens_, frame_, cloud_.origin)), before);
+      monitor_.progress(std::int64_t(p) + 1, std::int64_t(rig_.poses.size()));
+      if (sight.blocked > kMostBlocked) continue;
+      first += p < rig_.first;
+      kept.push_back(pose), sights_.push_back(std::move(sight));
+    }
+    found_.candidates = rig_.poses.size();
+    rig_ = {std::move(kept), first};
+  }
+
+  static Camera small(const Camera& camera) {
+    const double scale = std::min(1.0, double(kSightSide_px) / std::min(camera.width_px, camera.height_px));
+    return resized(camera, scaled_size_px(camera.width_px, scale), scaled_size_px(camera.height_px, scale));
+  }
+
+  void pick() {
+    Coverage coverage(worth_, sights_);
+    std::vector<std::uint8_t> chosen(rig_.poses.size(), 0);
+    const auto choose = [&](std::size_t p) {
+      chosen[p] = 1, coverage.add(sights_[p]);
+      Camera camera = camera_at(rig_.poses[p], lens_, frame_, cloud_.origin);
+      char name[24];
+      std::snprintf(name, sizeof name, "%04d.png", int(found_.cameras.size()));
+      camera.name = name;
+      found_.cameras.push_back(std::move(camera));
+    };
+    for (std::size_t p = 0; p < rig_.first; ++p) choose(p);
+    const auto views = [&] { return std::ssize(found_.cameras); };
+    while (views() < options_.views || (coverage.share() < options_.coverage && views() < options_.max_views)) {
+      double most = 0;
+      std::size_t best = 0;
+      for (std::size_t p = 0; p < rig_.poses.size(); ++p)
+        if (const double gain = chosen[p] ? 0 : coverage.gain(sights_[p]); gain > most) most = gain, best = p;
+      if (!(most > 0)) break;
+      choose(best);
+    }
+    found_.coverage = coverage.share(), found_.surface = coverage.gaussians();
+  }
+
+  Vec origin() const { return {cloud_.origin[0], cloud_.origin[1], cloud_.origin[2]}; }
+
+  const Exec& exec_;
+  Monitor& monitor_;
+  const GaussianCloud& cloud_;
+  const OrbitOptions& options_;
+  SurfacePoints points_;
+  Ball ball_;
+  Frame frame_;
+  Lens lens_;
+  Rig rig_;
+  std::vector<double> worth_;  // [points of interest]
+  std::vector<Sight> sights_;  // [poses]
+  OrbitCameras found_;
+};
+
+}  // namespace
+
+Ball parse_ball(const std::string& text) {
+  double value[4] = {};
+  std::size_t at = 0;
+  int count = 0;
+  std::istringstream in(text);
+  for (std::string part; count < 4 && std::getline(in, part, ','); ++count) {
+    char* end = nullptr;
+    value[count] = std::strtod(part.c_str(), &end);
+    if (part.empty() || *end != '\0' || !std::isfinite(value[count])) break;
+    at += part.size() + 1;
+  }
+  if (count != 4 || at != text.size() + 1 || !(value[3] > 0))
+    throw Error(ErrorCode::kUsage, "--around " + text + ": no ball, expected X,Y,Z,R with a radius R above 0",
+                "such as --around 0.5,-1,2,0.3");
+  return {{value[0], value[1], value[2]}, value[3]};
+}
+
+OrbitCameras choose_cameras(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud, const OrbitOptions& options,
+                            PictureSize size) {
+  return Chooser(exec, monitor, cloud, options).run(size);
+}
+
+}  // namespace ngs::orbit

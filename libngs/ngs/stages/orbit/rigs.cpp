@@ -1,0 +1,85 @@
+#include "ngs/stages/orbit/rigs.h"
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+
+namespace ngs::orbit {
+namespace {
+
+constexpr double kRadian = std::numbers::pi / 180;
+constexpr double kStops = 0.35;        // optical depth at which a line of sight counts as blocked
+constexpr double kNearestShare = 0.6;  // of the wanted distance
+constexpr double kMargin = 1.04;       // about the ball in the picture
+
+Vec direction(double azimuth, double elevation) {
+  return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)};
+}
+
+/// How far from the ball's centre lines of sight along `out` stay free: the second shortest of seven.
+double free_distance(const FreeSpace& space, double radius, Vec out, double most) {
+  const Vec a = perpendicular(out), b = cross(out, a);
+  std::array<double, 7> reach{};
+  for (int k = 0; k < 7; ++k) {
+    const double turn = std::numbers::pi / 3 * k, off = k == 6 ? 0 : 0.6 * radius;
+    const double start = std::sqrt(radius * radius - off * off);
+    const Vec from = start * out + (off * std::cos(turn)) * a + (off * std::sin(turn)) * b;
+    reach[std::size_t(k)] = start + space.free_length(from, out, {kStops, most - start});
+  }
+  std::sort(reach.begin(), reach.end());
+  return reach[1];
+}
+
+/// `count` poses at one elevation, those that have room.
+struct Ring {
+  double elevation, phase;  // rad, share of a step
+  int count;
+};
+
+}  // namespace
+
+double Lens::focal_px() const { return 0.5 * std::max(width_px, height_px) / std::tan(0.5 * fov_deg * kRadian); }
+
+double Lens::least_half_sine() const { return std::sin(std::atan(0.5 * std::min(width_px, height_px) / focal_px())); }
+
+Camera camera_at(const Pose& pose, const Lens& lens, const Frame& frame, const std::array<double, 3>& origin) {
+  const Vec forward = unit(pose.target - pose.centre);
+  const bool along_z = std::abs(forward.z) > 0.999;
+  const Vec right = unit(cross(forward, along_z ? Vec{1, 0, 0} : Vec{0, 0, 1})), down = cross(forward, right);
+  const Mat3<double> in_frame{{right.x, right.y, right.z, down.x, down.y, down.z, forward.x, forward.y, forward.z}};
+  Camera camera;
+  camera.width_px = lens.width_px, camera.height_px = lens.height_px;
+  camera.fx = camera.fy = lens.focal_px();
+  camera.cx = 0.5 * lens.width_px, camera.cy = 0.5 * lens.height_px;
+  camera.rotation = in_frame * frame.axes;
+  const Vec world = frame.to_world(pose.centre) + Vec{origin[0], origin[1], origin[2]};
+  camera.translation = -1.0 * (camera.rotation * world);
+  return camera;
+}
+
+Rig rings_about(double radius, const Lens& lens, const FreeSpace& space, int views) {
+  const double wanted = kMargin * radius / lens.least_half_sine();
+  Rig rig;
+  const auto add = [&](const Ring& ring) {
+    for (int k = 0; k < ring.count; ++k) {
+      const Vec out = direction(2 * std::numbers::pi * (k + ring.phase) / ring.count, ring.elevation);
+      const double free = free_distance(space, radius, out, wanted + 0.1 * radius) - 0.1 * radius;
+      if (free >= kNearestShare * wanted) rig.poses.push_back({std::min(free, wanted) * out, {0, 0, 0}});
+    }
+  };
+  const int low = std::max(1, int(std::lround(0.46 * views))), middle = std::max(1, int(std::lround(0.34 * views)));
+  add({10 * kRadian, 0, low});
+  add({36 * kRadian, 0.5, middle});
+  add({62 * kRadian, 0.25, std::max(1, views - low - middle)});
+  rig.first = rig.poses.size();
+  add({85 * kRadian, 0, 1});
+  add({50 * kRadian, 0, 12});
+  add({22 * kRadian, 0.5, 16});
+  add({-5 * kRadian, 0.5, 16});
+  add({-25 * kRadian, 0, 12});
+  add({-50 * kRadian, 0.5, 8});
+  add({-85 * kRadian, 0, 1});
+  return rig;
+}
+
+}  // namespace ngs::orbit

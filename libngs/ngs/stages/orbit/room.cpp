@@ -1,0 +1,127 @@
+#include <algorithm>
+#include <numbers>
+
+#include "ngs/backend/for_each.h"
+#include "ngs/stages/orbit/rigs.h"
+
+namespace ngs::orbit {
+namespace {
+
+constexpr double kOpaque = 1;        // optical depth that ends a ray
+constexpr double kSurrounded = 0.6;  // share of all directions in which mass must lie
+constexpr double kClearance = 0.1;   // of the radius, about a stand
+constexpr double kFarthest = 2.5;    // of the radius, that rays are followed
+constexpr std::size_t kMostStands = 16;
+
+struct Stand {
+  Vec at;
+  double clearance;  // world: only one direction in twenty meets mass sooner
+};
+
+/// Whether a place is free and surrounded, and how free.
+bool stand_at(const FreeSpace& space, double radius, Vec at, Stand& stand) {
+  static const std::vector<Vec> directions = even_directions(160);
+  if (space.depth_at(at) > 0.05) return false;
+  const double most = kFarthest * radius;
+  std::vector<double> reach;
+  for (const Vec& d : directions) reach.push_back(space.free_length(at, d, {kOpaque, most}));
+  std::sort(reach.begin(), reach.end());
+  const auto surrounded = std::size_t(kSurrounded * double(reach.size()));
+  stand = {at, reach[reach.size() / 20]};
+  return reach[surrounded] < most && stand.clearance >= kClearance * radius;
+}
+
+/// The most open stand, then ever those farthest from the chosen.
+std::vector<Vec> far_apart(const std::vector<Stand>& stands, double radius) {
+  std::vector<Vec> chosen;
+  std::vector<double> distance(stands.size(), 0);
+  for (std::size_t i = 0; i < stands.size(); ++i) distance[i] = kFarthest * radius + stands[i].clearance;
+  while (chosen.size() < kMostStands && !stands.empty()) {
+    const auto next = std::size_t(std::max_element(distance.begin(), distance.end()) - distance.begin());
+    if (distance[next] < kClearance * radius) break;
+    chosen.push_back(stands[next].at);
+    for (std::size_t i = 0; i < stands.size(); ++i)
+      distance[i] = std::min(distance[i], length(stands[i].at - chosen.back()));
+  }
+  return chosen;
+}
+
+/// A ray, in the frame.
+struct Ray {
+  Vec from, direction;
+};
+
+/// How many cells end one of the rays that `rays_of(i)` makes for i below `count`.
+template <class RaysOf>
+double stopping_cells(const Exec& exec, const FreeSpace& space, std::size_t count, const RaysOf& rays_of) {
+  const double most = 4 * space.half();
+  std::vector<std::vector<std::uint8_t>> stops(count);
+  for_each_task(exec, std::int64_t(count), [&](std::int64_t i) {
+    std::vector<std::uint8_t>& mine = stops[std::size_t(i)];
+    mine.assign(space.cells(), 0);
+    for (const Ray& ray : rays_of(std::size_t(i))) {
+      const double reach = space.free_length(ray.from, ray.direction, {kOpaque, most});
+      const Vec end = ray.from + (reach + 0.25 * space.cell_size()) * ray.direction;
+      if (const std::int64_t cell = reach < most ? space.cell_at(end) : -1; cell >= 0) mine[std::size_t(cell)] = 1;
+    }
+  });
+  double cells = 0;
+  for (std::size_t cell = 0; cell < space.cells(); ++cell)
+    cells += std::ranges::any_of(stops, [&](const auto& mine) { return mine[cell] != 0; });
+  return cells;
+}
+
+/// Parallel rays from far outside, a cell apart.
+std::vector<Ray> rays_from(const FreeSpace& space, Vec out) {
+  const double half = space.half() * std::numbers::sqrt3, step = space.cell_size();
+  const Vec a = perpendicular(out), b = cross(out, a);
+  std::vector<Ray> rays;
+  for (double x = -half; x < half; x += step)
+    for (double y = -half; y < half; y += step) rays.push_back({half * out + x * a + y * b, -1.0 * out});
+  return rays;
+}
+
+}  // namespace
+
+RoomFinding find_room(const Exec& exec, const FreeSpace& space, double radius) {
+  constexpr int kSide = 13;  // of the lattice of places that are tried
+  std::vector<Stand> tried(kSide * kSide * kSide);
+  std::vector<std::uint8_t> is_stand(tried.size(), 0);
+  for_each_task(exec, kSide * kSide * kSide, [&](std::int64_t i) {
+    const auto coordinate = [&](std::int64_t k) { return 0.9 * radius * (2.0 * double(k % kSide) / (kSide - 1) - 1); };
+    const Vec at{coordinate(i), coordinate(i / kSide), coordinate(i / kSide / kSide)};
+    is_stand[std::size_t(i)] = stand_at(space, radius, at, tried[std::size_t(i)]);
+  });
+  std::vector<Stand> stands;
+  for (std::size_t i = 0; i < tried.size(); ++i)
+    if (is_stand[i]) stands.push_back(tried[i]);
+  RoomFinding room;
+  if (stands.empty()) return room;
+  room.stands = far_apart(stands, radius);
+  const std::vector<Vec> all_round = even_directions(12000), sides = even_directions(24);
+  room.seen_inside = stopping_cells(exec, space, room.stands.size(), [&](std::size_t i) {
+    std::vector<Ray> rays;
+    for (const Vec& d : all_round) rays.push_back({room.stands[i], d});
+    return rays;
+  });
+  room.seen_outside =
+      stopping_cells(exec, space, sides.size(), [&](std::size_t i) { return rays_from(space, sides[i]); });
+  return room;
+}
+
+Rig cameras_within(const std::vector<Vec>& stands, double radius) {
+  Rig rig;
+  const auto look = [&](Vec at, double azimuth, double elevation) {
+    const Vec d{std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)};
+    rig.poses.push_back({at, at + radius * d});
+  };
+  for (std::size_t s = 0; s < stands.size(); ++s) {
+    const double phase = 2.4 * double(s);  // the golden angle: no two stands look the same way
+    for (int k = 0; k < 8; ++k) look(stands[s], phase + k * std::numbers::pi / 4, -0.1);
+    for (int k = 0; k < 4; ++k) look(stands[s], phase + k * std::numbers::pi / 2, -0.8);
+    for (int k = 0; k < 3; ++k) look(stands[s], phase + k * std::numbers::pi / 1.5, 0.7);
+  }
+  return rig;
+}
+
+}  // namespace ngs::orbit

@@ -1,0 +1,30 @@
+#pragma once
+// The little vector algebra that placing cameras takes.
+#include <cmath>
+#include <vector>
+
+#include "ngs/math/vec.h"
+
+namespace ngs::orbit {
+
+using Vec = Vec3<double>;
+
+inline double length(Vec v) { return std::sqrt(dot(v, v)); }
+
+/// v / |v|; +z for the zero vector.
+inline Vec unit(Vec v) {
+  const double n = length(v);
+  return n > 0 ? (1 / n) * v : Vec{0, 0, 1};
+}
+
+/// A unit vector at right angles to the unit vector `v`.
+inline Vec perpendicular(Vec v) {
+  const bool x_is_least = std::abs(v.x) <= std::abs(v.y) && std::abs(v.x) <= std::abs(v.z);
+  const Vec other = x_is_least ? Vec{1, 0, 0} : std::abs(v.y) <= std::abs(v.z) ? Vec{0, 1, 0} : Vec{0, 0, 1};
+  return unit(cross(v, other));
+}
+
+/// `count` directions that are spread evenly over the unit sphere (a Fibonacci spiral about +z), from +z down.
+std::vector<Vec> even_directions(int count);
+
+}  // namespace ngs::orbit

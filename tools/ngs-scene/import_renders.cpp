@@ -1,0 +1,14 @@
+#include "import_renders.h"
+
+#include "check_run.h"
+
+namespace ngs::capture {
+
+void check_renders(cli::Run& run, const SceneCheckOptions& checks, io::ImportedScene& imported) {
+  run.warn_unused({"--align-views", "--background", "--compat", "--antialias", "--filter-px2"},
+                  "with renders of the model: it is drawn as they were");
+  run.result()["photos"] = kRenderedPhotosNote;
+  SceneChecks(run, checks, imported.scene, std::move(imported.notes)).check();
+}
+
+}  // namespace ngs::capture

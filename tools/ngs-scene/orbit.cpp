@@ -1,0 +1,221 @@
+#include "orbit.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include "check_report.h"
+#include "ngs/backend/for_each.h"
+#include "ngs/io/files/folder_index.h"
+#include "ngs/io/image/image_file.h"
+#include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/io/scene/import_scene.h"
+#include "ngs/io/scene/scene_json.h"
+#include "ngs/math/stable.h"
+#include "ngs/stages/orbit/coverage.h"
+#include "ngs/stages/orbit/orbit_stage.h"
+#include "ngs/stages/render/background.h"
+#include "ngs/stages/render/render_options.h"
+#include "shared/tool.h"
+
+namespace ngs::capture {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct PictureOptions {
+  std::string size = "800x800";
+  std::string background;
+  std::string hold_out;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.size, Text{"size", "WxH", "pixels of the pictures"});
+    visit(self.background, Text{"background", "COLOUR",
+                                "behind the model: black, white or R,G,B in [0, 1]; empty: black or white, whichever "
+                                "is farther from the model's colours"});
+    visit(self.hold_out, Text{"hold_out", "every:N:K|FILE", "views that never supervise, as for ngs-scene import"});
+  }
+};
+
+orbit::PictureSize parse_size(const std::string& text) {
+  const char* const end = text.data() + text.size();
+  orbit::PictureSize size;
+  const auto [cross, bad_width] = std::from_chars(text.data(), end, size.width_px);
+  const bool has_cross = bad_width == std::errc() && cross != end && *cross == 'x';
+  const auto [rest, bad_height] = std::from_chars(has_cross ? cross + 1 : end, end, size.height_px);
+  constexpr int kLeast_px = 16, kMost_px = 16384;
+  if (!has_cross || bad_height != std::errc() || rest != end || std::min(size.width_px, size.height_px) < kLeast_px ||
+      std::max(size.width_px, size.height_px) > kMost_px)
+    throw Error(ErrorCode::kUsage, "--size " + text + ": no size, expected WxH of 16 to 16384 px a side",
+                "such as --size 1280x960");
+  return size;
+}
+
+/// Black or white, whichever is farther from the mean colour of the model's Gaussians by their opacity.
+Vec3<double> contrasting_background(const GaussianCloud& cloud) {
+  double sum = 0, total = 0;
+  for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
+    if (!cloud.usable[i]) continue;
+    const double opacity = sigmoid(double(cloud.logit_opacity[i]));
+    const float* dc = &cloud.sh_dc[3 * i];
+    const double grey = 0.5 + 0.28209479 * (double(dc[0]) + double(dc[1]) + double(dc[2])) / 3;
+    sum += opacity * std::clamp(grey, 0.0, 1.0), total += opacity;
+  }
+  return sum < 0.5 * total ? Vec3<double>{1, 1, 1} : Vec3<double>{0, 0, 0};
+}
+
+/// The folder beside scene.json. What lies in it must be renders of an earlier run: photos of that name would be lost.
+std::string images_folder(const std::string& scene_path, bool overwrite) {
+  const fs::path folder = fs::path(scene_path).parent_path() / "images";
+  std::error_code ignored;
+  if (!fs::exists(folder, ignored)) return folder.string();
+  if (!fs::is_directory(folder, ignored))
+    throw Error(ErrorCode::kUsage, folder.string() + ": is no folder, expected one for the renders",
+                "choose another folder for scene.json");
+  if (fs::is_empty(folder, ignored)) return folder.string();
+  const bool ours = fs::is_regular_file(scene_path, ignored) && io::read_scene_json(scene_path).renders;
+  if (!ours)
+    throw Error(ErrorCode::kUsage,
+                folder.string() +
+                    ": holds files that no earlier run of this command wrote, which this run would mix "
+                    "with its renders",
+                "choose another folder for scene.json");
+  if (!overwrite) throw Error(ErrorCode::kUsage, folder.string() + ": is not empty", "replace it with -w");
+  return folder.string();
+}
+
+Scene scene_of(const orbit::OrbitCameras& chosen, const std::string& model, const std::string& folder) {
+  Scene scene;
+  scene.model_path = model;
+  scene.objects.push_back({});
+  scene.compat = chosen.compat;
+  scene.renders = RenderedPhotos{chosen.coverage};
+  const auto [width, height] = std::pair(chosen.cameras[0].width_px, chosen.cameras[0].height_px);
+  const int shrink = (std::max(width, height) + io::kWorkingSizePx - 1) / io::kWorkingSizePx;
+  scene.image_scale = 1.0 / shrink;
+  for (const Camera& camera : chosen.cameras)
+    scene.views.push_back(
+        {resized(camera, scaled_size_px(width, scene.image_scale), scaled_size_px(height, scene.image_scale)),
+         (fs::path(folder) / camera.name).string(),
+         {},
+         Split::kTrain});
+  return scene;
+}
+
+ImageU8 to_bytes(const ImageF& image) {
+  ImageU8 bytes(image.width_px, image.height_px, image.channels);
+  for (std::size_t i = 0; i < bytes.data.size(); ++i)
+    bytes.data[i] = std::uint8_t(std::lround(255 * std::clamp(image.data[i], 0.f, 1.f)));
+  return bytes;
+}
+
+/// Renders the scene's views at the size of `cameras` to where their photos are expected.
+void write_renders(cli::Run& run, const GaussianCloud& cloud, const Scene& scene, const std::vector<Camera>& cameras) {
+  const auto timed = run.monitor().scope("render");
+  const SplatOptions splat =
+      prepared_for(run.exec(), filter_at_scale(splat_options({}, cloud, scene), 1 / scene.image_scale), cloud);
+  RenderRequest request;
+  request.background = background_of(scene);
+  const std::size_t batch = 4 * std::size_t(run.exec().threads);
+  for (std::size_t begin = 0; begin < cameras.size(); begin += batch) {
+    std::vector<ImageU8> pictures;
+    for (std::size_t v = begin; v < std::min(cameras.size(), begin + batch); ++v)
+      pictures.push_back(to_bytes(render(run.exec(), cloud, cameras[v], splat, request).colour));
+    for_each_task(run.exec(), std::int64_t(pictures.size()), [&](std::int64_t k) {
+      io::write_png(scene.views[begin + std::size_t(k)].image_path, pictures[std::size_t(k)]);
+    });
+    run.monitor().progress(std::int64_t(begin + pictures.size()), std::int64_t(cameras.size()));
+  }
+}
+
+std::string with_digits(const char* pattern, double value) {
+  char text[48];
+  std::snprintf(text, sizeof text, pattern, value);
+  return text;
+}
+
+std::string numbers(Vec3<double> v) {
+  return with_digits("%.4g,", v.x) + with_digits("%.4g,", v.y) + with_digits("%.4g", v.z);
+}
+
+Json chosen_json(const orbit::OrbitCameras& chosen) {
+  return {{"photos", kRenderedPhotosNote},
+          {"views", chosen.cameras.size()},
+          {"place", chosen.inside ? "inside" : "outside"},
+          {"centre", {chosen.centre.x, chosen.centre.y, chosen.centre.z}},
+          {"radius", chosen.radius},
+          {"up", {chosen.up.x, chosen.up.y, chosen.up.z}},
+          {"up_is_guessed", chosen.up_is_guessed},
+          {"coverage", chosen.coverage},
+          {"coverage_views", orbit::kWantedViews},
+          {"surface_gaussians", chosen.surface},
+          {"candidates", chosen.candidates}};
+}
+
+/// What was chosen, and whether it is enough.
+void tell(cli::Run& run, const OrbitOptions& options, const orbit::OrbitCameras& chosen) {
+  const std::string share = with_digits("%.1f %%", 100 * chosen.coverage);
+  run.text(std::to_string(chosen.cameras.size()) + " cameras " + (chosen.inside ? "inside" : "about") + " the ball " +
+           numbers(chosen.centre) + with_digits(",%.4g", chosen.radius) + ", up " + numbers(chosen.up) +
+           (options.up != UpAxis::kAuto ? ""
+            : chosen.up_is_guessed      ? " (from a floor)"
+                                        : " (no floor found)") +
+           "\n" + share + " of the visible surface is seen by " + std::to_string(orbit::kWantedViews) +
+           " views or more\n" + "photos: " + kRenderedPhotosNote + "\n");
+  if (chosen.coverage >= options.coverage) return;
+  const bool at_limit = std::ssize(chosen.cameras) >= options.max_views;
+  run.monitor().warn("coverage " + share + " of the visible surface, expected " +
+                     with_digits("%.1f %%", 100 * options.coverage) +
+                     (at_limit ? ": --max-views " + std::to_string(options.max_views) + " is reached"
+                               : ": no further place shows more of it"));
+}
+
+}  // namespace
+
+int orbit_command(int argc, char** argv) {
+  cli::Tool tool("ngs-scene orbit", "Choose cameras for a model that has no photos, and render it in their place.",
+                 {"ngs-scene orbit statue.ply -o statue/scene.json",
+                  "ngs-scene orbit hall.compressed.ply --around 1.2,-0.4,3,0.5 --up -y -o guitar/scene.json"});
+  OrbitOptions options;
+  PictureOptions pictures;
+  tool.options(options);
+  tool.options(pictures);
+  const cli::Input& model = tool.input("model", "3DGS model (.ply, .spz, .sog, .splat, .ksplat)");
+  const cli::Output& out = tool.output("-o,--output", "scene.json; the renders go to images/ beside it");
+
+  return tool.run(argc, argv, [&](cli::Run& run) {
+    if (run.comes_from_stream(model) || (out && run.goes_to_stdout(out)))
+      throw Error(ErrorCode::kUsage,
+                  "a stream for MODEL or --output, expected files: scene.json names the model and "
+                  "its renders by their paths");
+    const orbit::PictureSize size = parse_size(pictures.size);
+    const std::string folder = out ? images_folder(out.path, run.overwrite()) : "images";
+    const io::GaussianPly ply = [&] {
+      const auto timed = run.monitor().scope("read");
+      return io::read_gaussian_ply(model.path);
+    }();
+    for (const std::string& note : ply.notes) run.monitor().warn(note);
+    const orbit::OrbitCameras chosen = with_context(
+        model.path, [&] { return orbit::choose_cameras(run.exec(), run.monitor(), ply.cloud, options, size); });
+    Scene scene = scene_of(chosen, model.path, folder);
+    choose_background(pictures.background, run.monitor(), scene);
+    if (!scene.background) scene.background = contrasting_background(ply.cloud);
+    io::assign_splits(pictures.hold_out, scene.views);
+    run.result() = chosen_json(chosen);
+    run.result()["model"] = health_json(ply.health);
+    tell(run, options, chosen);
+    if (run.dry_run()) {
+      run.plan({{"views", scene.views.size()}});
+      return cli::kDone;
+    }
+    fs::create_directories(folder);
+    write_renders(run, ply.cloud, scene, chosen.cameras);
+    io::write_scene_json(out.path, scene);
+    return cli::kDone;
+  });
+}
+
+}  // namespace ngs::capture
