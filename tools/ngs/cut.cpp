@@ -32,14 +32,36 @@ void require_own_folder(const std::string& folder, bool overwrite) {
                 "choose another folder with -o, or write into it with -w");
 }
 
+/// Made by this run, and gone again where its first stage fails: nothing in it is of any use.
+class NewFolder {
+ public:
+  NewFolder(std::string path, bool is_new) : path_(std::move(path)), is_new_(is_new) {}
+  void remove_after_failure(const CutChain& chain) const {
+    std::error_code ignored;
+    if (is_new_ && chain.stages().results().empty()) fs::remove_all(path_, ignored);
+  }
+
+ private:
+  std::string path_;
+  bool is_new_;
+};
+
 int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
+  const NewFolder folder(inputs.out, !run.dry_run() && !fs::exists(inputs.out));
   if (!run.dry_run()) {
     require_own_folder(inputs.out, run.overwrite());
     fs::create_directories(inputs.out);
     io::write_file(inputs.out + "/" + kMarker, "a folder of ngs cut\n");
   }
   CutChain chain(run, options, std::move(inputs));
-  const CutEnd end = chain.run();
+  const CutEnd end = [&] {
+    try {
+      return chain.run();
+    } catch (...) {
+      folder.remove_after_failure(chain);
+      throw;
+    }
+  }();
   if (run.dry_run()) return run.plan({{"commands", chain.stages().commands()}}), cli::kDone;
   if (end == CutEnd::kStopped) return run.stop_code();
   run.result()["out"] = chain.inputs().out;

@@ -95,7 +95,8 @@ bool CutChain::import() {
 }
 
 bool CutChain::masks_from_strokes() {
-  Words words{"ngs-mask", plain_scene_, "-o", at("strokes")};
+  Words words{"ngs-mask", plain_scene_, "-o", at("strokes"), "--surround", "0.5"};
+  if (options_.quality == CutQuality::kDraft) append(words, "--passes", "1");
   if (inputs_.kind == SourceKind::kScene) append(words, "--model", inputs_.model);
   append(words, "--view", options_.view);
   for (const std::string& strokes : inputs_.strokes) append(words, "--prompts", strokes);
