@@ -46,11 +46,17 @@ bool is_worth_it(const ViewPrompt& prompt) {
   return std::min(count[0], count[1]) >= kLeastCertain && count[2] + count[3] > 0;
 }
 
+struct WindowCut {
+  int side_px;
+  const GrabCutOptions& cut;
+};
+
 /// Cuts overlapping windows, each with the colours around it: a dark foot is object although the room is
 /// dark. Every pixel takes the mean of its windows, weighted by how central it is; `whole` votes where a
 /// window has no say.
-PixelMask cut_windows(const Exec& exec, const ImageU8& photo, const ViewPrompt& prompt, const PixelMask& whole,
-                      int window_px, const GrabCutOptions& options) {
+PixelMask cut_windows(const Exec& exec, const ImageU8& photo, const ViewPrompt& prompt, const WindowCut& how,
+                      const PixelMask& whole) {
+  const int window_px = how.side_px;
   struct Piece {
     Window window;
     int left, top;  // of its tent, which may begin outside of the photo
@@ -69,7 +75,7 @@ PixelMask cut_windows(const Exec& exec, const ImageU8& photo, const ViewPrompt& 
   for_each_task(exec, std::int64_t(pieces.size()), [&](std::int64_t i) {
     Piece& piece = pieces[std::size_t(i)];
     const ViewPrompt mine = cropped(prompt, piece.window);
-    if (is_worth_it(mine)) piece.cut = grab_cut(cropped(photo, piece.window), mine, options);
+    if (is_worth_it(mine)) piece.cut = grab_cut(cropped(photo, piece.window), mine, how.cut);
   });
   std::vector<float> votes(std::size_t(photo.pixels())), weights(votes.size());
   for (const auto& [w, left, top, cut] : pieces) {
@@ -112,7 +118,8 @@ PixelMask cut_view(const Exec& exec, const SegmenterOptions& options, const Imag
   if (options.window > 0) {
     const std::array<int, 4> box = object_box(prompt);
     const double size = std::sqrt(double(box[2] - box[0]) * double(box[3] - box[1]));
-    mask = cut_windows(exec, photo, prompt, mask, std::max(kLeastWindow, int(std::lround(options.window * size))), cut);
+    mask =
+        cut_windows(exec, photo, prompt, {std::max(kLeastWindow, int(std::lround(options.window * size))), cut}, mask);
   }
   return keep_seeded_pieces(prompt, std::move(mask), options.speck);
 }
