@@ -37,7 +37,7 @@ void refuse_over_photos(const cli::MaskViews& views, const Scene& scene, const F
 int make_masks(cli::Run& run, const Options& options, const Files& files) {
   const Scene scene = cli::read_scene(run, files.scene.path);
   if (options.runs_a_program())
-    run.warn_unused({"--iterations", "--window", "--surround", "--speck"}, "with --segmenter");
+    run.warn_unused({"--iterations", "--window", "--speck"}, "with --segmenter");
   else
     run.warn_unused({"--points", "--segmenter-timeout-s"}, "without --segmenter");
   if (!files.model) cli::require_model(run, scene, files.scene.path);
@@ -47,9 +47,8 @@ int make_masks(cli::Run& run, const Options& options, const Files& files) {
   cli::MaskViews views(scene, options.which.detail);
   refuse_over_photos(views, scene, files);
   const cli::PhotoLoader load = [&](std::size_t view) { return views.photo(view); };
-  const Segmenter segment = options.runs_a_program()
-                                ? cli::command_segmenter(options.segmenter, scene, load, run)
-                                : cli::grab_cut_segmenter(options.segmenter, load, run.exec(), run.seed());
+  const Segmenter segment = options.runs_a_program() ? cli::command_segmenter(options.segmenter, scene, load, run)
+                                                     : cli::grab_cut_segmenter(options.segmenter, load, run.seed());
   run.result()["views"] = scene.views.size();
   const SpreadInput input{ply.cloud,
                           scene,

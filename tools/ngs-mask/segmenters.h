@@ -14,7 +14,6 @@ struct SegmenterOptions {
   double segmenter_timeout_s = 600;
   int iterations = 3;
   double window = 0.35;
-  double surround = 0;
   double speck = 0.01;
   int points = 3;
 
@@ -29,10 +28,6 @@ struct SegmenterOptions {
                                      "GrabCut: size of the overlapping windows that have colours of "
                                      "their own; 0: one cut per view",
                                      0.0, 10.0});
-    visit(self.surround, Field<double>{"surround", "of the object",
-                                       "GrabCut: the picture is cut that far about the place where the object is "
-                                       "expected, which is faster; 0: all of it",
-                                       0.0, 100.0});
     visit(self.speck, Field<double>{"speck", "of the mask", "GrabCut: holes smaller than this are filled", 0.0, 1.0});
     visit(self.points, Field<int>{"points", "", "program: points per side in its prompts", 1, 1000});
   }
@@ -41,7 +36,7 @@ struct SegmenterOptions {
 /// The photo of view `view` of `scene` at the prompt's size.
 using PhotoLoader = std::function<ImageU8(std::size_t view)>;
 
-Segmenter grab_cut_segmenter(const SegmenterOptions& options, PhotoLoader load, const Exec& exec, std::uint64_t seed);
+Segmenter grab_cut_segmenter(const SegmenterOptions& options, PhotoLoader load, std::uint64_t seed);
 
 /// Runs the command for each view; files are passed in a folder that is removed with the last copy of the
 /// segmenter. kUsage for a command without its three placeholders, kEnvironment where it fails or takes too

@@ -95,7 +95,7 @@ bool CutChain::import() {
 }
 
 bool CutChain::masks_from_strokes() {
-  Words words{"ngs-mask", plain_scene_, "-o", at("strokes"), "--surround", "0.5"};
+  Words words{"ngs-mask", plain_scene_, "-o", at("strokes")};
   if (options_.quality == CutQuality::kDraft) append(words, "--passes", "1");
   if (inputs_.kind == SourceKind::kScene) append(words, "--model", inputs_.model);
   append(words, "--view", options_.view);
