@@ -73,8 +73,14 @@ Outcome photos_outcome(Run& run, const Pairing& pairing) {
   return {photo_metrics_json(scores), mean_scores(scores), photo_table(scores)};
 }
 
-bool all_passed(Run& run, const std::vector<ScoreCheck>& checks) {
+bool all_passed(Run& run, const std::vector<ScoreCheck>& checks, const Pairing& pairing, bool allow_missing) {
   bool passed = true;
+  if (const auto missing = pairing.truth_only.size(); !checks.empty() && missing > 0 && !allow_missing) {
+    passed = false;
+    run.monitor().warn("check failed: " + std::to_string(missing) + " of " +
+                       std::to_string(missing + pairing.pairs.size()) +
+                       " true masks have no prediction, expected all (--allow-missing scores those that have)");
+  }
   for (const ScoreCheck& check : checks) {
     if (check.passed()) continue;
     passed = false;
