@@ -24,7 +24,7 @@ namespace ngs::cli {
 namespace {
 
 constexpr std::size_t kLastWords = 2000;
-constexpr double kPatienceS = 2;
+constexpr double kPatienceS = 2, kPatienceOnStopS = 0.2;  // the latter within what a signal leaves (run/signals.h)
 
 /// An unnamed file that takes what the child says; a pipe would have to be read while it runs.
 struct Transcript {
@@ -151,7 +151,7 @@ ChildResult run_child(const std::vector<std::string>& argv, const ChildLimits& l
       ending = true, asked = Clock::now();
       result.end = stopped ? ChildResult::End::kStopped : ChildResult::End::kTimedOut;
       kill(-child, SIGTERM);
-    } else if (ending && since(asked) > kPatienceS) {
+    } else if (ending && since(asked) > (result.end == ChildResult::End::kStopped ? kPatienceOnStopS : kPatienceS)) {
       kill(-child, SIGKILL);
     }
     std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(pause_ms));

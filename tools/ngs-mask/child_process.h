@@ -29,7 +29,7 @@ struct ChildLimits {
 };
 
 /// stdin is empty; stdout and stderr are kept. The child has a process group of its own, which is ended as a
-/// whole (SIGTERM, after 2 s SIGKILL) at the time limit and on `stop`. kEnvironment where it cannot be
+/// whole (SIGTERM, after 2 s SIGKILL) at the time limit, and (after 0.2 s) on `stop`. kEnvironment where it cannot be
 /// started.
 ChildResult run_child(const std::vector<std::string>& argv, const ChildLimits& limits);
 

@@ -127,6 +127,7 @@ int execute(Spec& spec, const CommonFlags& flags, Console& console, const std::f
   hash_inputs(state);
   const int exit_code = run_body(state, body);
 
+  let_finish();
   console.clear_progress();
   const Json report = report_of(state, wall_seconds() - start_s, exit_code);
   streams.copy_output();
