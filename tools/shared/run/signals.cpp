@@ -14,7 +14,7 @@ std::atomic<bool> stop{false};
 std::atomic<int> exit_code{0};
 std::atomic<bool> ends_on_request{false}, keeps_state{false};
 timer_t grace{};  // ends the process; made before a handler can run
-constexpr long kGraceNs = 500'000'000;
+constexpr long kGraceNs = 300'000'000;
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
               "a signal handler may touch nothing else");
 

@@ -5,7 +5,7 @@
 
 namespace ngs::cli {
 
-/// With `on_request` the first signal sets stop_flag() and gives the body half a second to end in its own way. After
+/// With `on_request` the first signal sets stop_flag() and gives the body 0.3 s to end in its own way. After
 /// that, at a second signal, at SIGQUIT, and at any signal without `on_request`, unfinished output files are removed
 /// and the process ends with 130 or 143. SIGCHLD gets its default back.
 void install_signal_handlers(bool on_request);
