@@ -87,7 +87,7 @@ Outcome masks_outcome(Run& run, const EvalOptions& options, const Pairing& pairi
   warn_about_conventions(run, scores);
   warn_about_enlarged(run, scores);
   const EvalSummary summary = summarise(scores);
-  return {metrics_json(scores, summary), mean_scores(summary), score_table(scores, summary)};
+  return {metrics_json(scores, summary), mean_scores(summary), score_table(scores, summary, run.columns())};
 }
 
 Outcome photos_outcome(Run& run, const Pairing& pairing) {
