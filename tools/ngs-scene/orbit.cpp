@@ -67,24 +67,39 @@ Vec3<double> contrasting_background(const GaussianCloud& cloud) {
   return sum < 0.5 * total ? Vec3<double>{1, 1, 1} : Vec3<double>{0, 0, 0};
 }
 
+/// Where the renders go, and those of an earlier run.
+struct ImagesFolder {
+  std::string path;
+  std::vector<std::string> earlier;
+};
+
 /// The folder beside scene.json. What lies in it must be renders of an earlier run: photos of that name would be lost.
-std::string images_folder(const std::string& scene_path, bool overwrite) {
+ImagesFolder images_folder(const std::string& scene_path, bool overwrite) {
   const fs::path folder = fs::path(scene_path).parent_path() / "images";
+  ImagesFolder images{folder.string(), {}};
   std::error_code ignored;
-  if (!fs::exists(folder, ignored)) return folder.string();
+  if (!fs::exists(folder, ignored)) return images;
   if (!fs::is_directory(folder, ignored))
-    throw Error(ErrorCode::kUsage, folder.string() + ": is no folder, expected one for the renders",
+    throw Error(ErrorCode::kUsage, images.path + ": is no folder, expected one for the renders",
                 "choose another folder for scene.json");
-  if (fs::is_empty(folder, ignored)) return folder.string();
-  const bool ours = fs::is_regular_file(scene_path, ignored) && io::read_scene_json(scene_path).renders;
-  if (!ours)
+  if (fs::is_empty(folder, ignored)) return images;
+  Scene earlier;
+  if (fs::is_regular_file(scene_path, ignored)) earlier = io::read_scene_json(scene_path);
+  if (!earlier.renders)
     throw Error(ErrorCode::kUsage,
-                folder.string() +
-                    ": holds files that no earlier run of this command wrote, which this run would mix "
-                    "with its renders",
+                images.path + ": holds files that no earlier run of this command wrote, expected none",
                 "choose another folder for scene.json");
-  if (!overwrite) throw Error(ErrorCode::kUsage, folder.string() + ": is not empty", "replace it with -w");
-  return folder.string();
+  if (!overwrite) throw Error(ErrorCode::kUsage, images.path + ": is not empty", "replace it with -w");
+  for (const SceneView& view : earlier.views)
+    if (fs::path(view.image_path).parent_path() == folder) images.earlier.push_back(view.image_path);
+  return images;
+}
+
+/// Renders of an earlier run that this one did not replace would look like its own.
+void remove_stale(const ImagesFolder& images, const Scene& scene) {
+  std::error_code ignored;
+  for (const std::string& path : images.earlier)
+    if (std::ranges::find(scene.views, path, &SceneView::image_path) == scene.views.end()) fs::remove(path, ignored);
 }
 
 Scene scene_of(const orbit::OrbitCameras& chosen, const std::string& model, const std::string& folder) {
@@ -192,7 +207,7 @@ int orbit_command(int argc, char** argv) {
                   "a stream for MODEL or --output, expected files: scene.json names the model and "
                   "its renders by their paths");
     const orbit::PictureSize size = parse_size(pictures.size);
-    const std::string folder = out ? images_folder(out.path, run.overwrite()) : "images";
+    const ImagesFolder images = out ? images_folder(out.path, run.overwrite()) : ImagesFolder{"images", {}};
     const io::GaussianPly ply = [&] {
       const auto timed = run.monitor().scope("read");
       return io::read_gaussian_ply(model.path);
@@ -200,7 +215,7 @@ int orbit_command(int argc, char** argv) {
     for (const std::string& note : ply.notes) run.monitor().warn(note);
     const orbit::OrbitCameras chosen = with_context(
         model.path, [&] { return orbit::choose_cameras(run.exec(), run.monitor(), ply.cloud, options, size); });
-    Scene scene = scene_of(chosen, model.path, folder);
+    Scene scene = scene_of(chosen, model.path, images.path);
     choose_background(pictures.background, run.monitor(), scene);
     if (!scene.background) scene.background = contrasting_background(ply.cloud);
     io::assign_splits(pictures.hold_out, scene.views);
@@ -211,8 +226,9 @@ int orbit_command(int argc, char** argv) {
       run.plan({{"views", scene.views.size()}});
       return cli::kDone;
     }
-    fs::create_directories(folder);
+    fs::create_directories(images.path);
     write_renders(run, ply.cloud, scene, chosen.cameras);
+    remove_stale(images, scene);
     io::write_scene_json(out.path, scene);
     return cli::kDone;
   });

@@ -31,47 +31,64 @@ Samples samples_of(const SurfacePoints& points, const Ball& bulk) {
   return samples;
 }
 
-/// How much more of the samples lies in one slab of two bins than twice what lies below it, for the best slab.
-double support(const Samples& samples, Vec up) {
+/// A slab of two bins of heights.
+struct Slab {
+  double height = 0;   // its middle, in radii
+  double support = 0;  // how much more of the samples lies in it than twice what lies below it; no more than five times
+                       // what lies above it
+};
+
+Slab best_slab(const Samples& samples, Vec up) {
   std::array<double, kBins> mass{};
   for (std::size_t i = 0; i < samples.position.size(); ++i) {
     const double height = (dot(up, samples.position[i]) + 1.5) / 3;
     mass[std::size_t(std::clamp(int(height * kBins), 0, kBins - 1))] += samples.weight[i];
   }
-  double best = 0, below = 0;
-  for (std::size_t b = 0; b + 1 < kBins; below += mass[b++])
-    best = std::max(best, std::min(mass[b] + mass[b + 1] - 2 * below, 2 * (1 - below - mass[b] - mass[b + 1])));
+  Slab best;
+  double below = 0;
+  for (std::size_t b = 0; b + 1 < kBins; below += mass[b++]) {
+    const double in = mass[b] + mass[b + 1], support = std::min(in - 2 * below, 5 * (1 - below - in));
+    if (support > best.support) best = {3 * double(b + 1) / kBins - 1.5, support};
+  }
   return best;
 }
 
-/// The best of `up` and directions about it, ever closer ones.
-Vec refined(const Samples& samples, Vec up) {
-  double best = support(samples, up);
-  for (const double angle : {0.1, 0.05, 0.025, 0.0125}) {
-    const Vec a = perpendicular(up), b = cross(up, a), from = up;
-    for (int k = 0; k < 12; ++k) {
-      const double turn = 6.283185307179586 * k / 12;
-      const Vec tried = unit(from + angle * (std::cos(turn) * a + std::sin(turn) * b));
-      const double score = support(samples, tried);
-      if (score > best) best = score, up = tried;
-    }
+/// The direction in which the samples of the best slab spread least, towards `up`.
+Vec normal_of_slab(const Samples& samples, Vec up) {
+  const Slab slab = best_slab(samples, up);
+  Vec mean{0, 0, 0};
+  double total = 0;
+  const auto in_slab = [&](std::size_t i) {
+    return std::abs(dot(up, samples.position[i]) - slab.height) < 1.5 / kBins * 3;
+  };
+  for (std::size_t i = 0; i < samples.position.size(); ++i)
+    if (in_slab(i)) mean = mean + samples.weight[i] * samples.position[i], total += samples.weight[i];
+  if (!(total > 0)) return up;
+  mean = (1 / total) * mean;
+  const Vec a = perpendicular(up), b = cross(up, a);
+  double aa = 0, ab = 0, bb = 0, ah = 0, bh = 0;  // the plane h = p a + q b through them
+  for (std::size_t i = 0; i < samples.position.size(); ++i) {
+    if (!in_slab(i)) continue;
+    const Vec d = samples.position[i] - mean;
+    const double w = samples.weight[i], x = dot(a, d), y = dot(b, d), h = dot(up, d);
+    aa += w * x * x, ab += w * x * y, bb += w * y * y, ah += w * x * h, bh += w * y * h;
   }
-  return up;
+  const double det = aa * bb - ab * ab;
+  if (!(det > 1e-9 * (aa + bb) * (aa + bb))) return up;
+  return unit(up - ((bb * ah - ab * bh) / det) * a - ((aa * bh - ab * ah) / det) * b);
 }
 
 }  // namespace
 
 UpGuess guess_up(const SurfacePoints& points, const Ball& bulk) {
   const Samples samples = samples_of(points, bulk);
-  std::vector<Vec> tried = {{0, -1, 0}, {0, 0, 1}, {0, 1, 0}, {0, 0, -1}, {1, 0, 0}, {-1, 0, 0}};
-  const std::vector<Vec> sphere = even_directions(600);
-  tried.insert(tried.end(), sphere.begin(), sphere.end());
   UpGuess guess;
   double best = 0;
-  for (const Vec& direction : tried)
-    if (const double score = support(samples, direction); score > best) best = score, guess.up = direction;
-  if (best > 0) guess.up = refined(samples, guess.up);
-  guess.found = support(samples, guess.up) >= kLeastSupport;
+  for (const Vec& direction : even_directions(600))
+    if (const double support = best_slab(samples, direction).support; support > best)
+      best = support, guess.up = direction;
+  for (int k = 0; k < 4; ++k) guess.up = normal_of_slab(samples, guess.up);
+  guess.found = best_slab(samples, guess.up).support >= kLeastSupport;
   return guess.found ? guess : UpGuess{};
 }
 

@@ -30,6 +30,7 @@ class FreeSpace {
 
   double cell_size() const { return size_; }
   double half() const { return cube_.half; }
+  int side() const { return cube_.cells; }  // cells along an axis
   std::size_t cells() const { return extinction_.size(); }
 
  private:

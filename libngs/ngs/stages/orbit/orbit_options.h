@@ -21,7 +21,7 @@ struct OrbitOptions {
   Place place = Place::kAuto;
   std::string around;
   int views = 24;
-  int max_views = 48;
+  int max_views = 96;
   double coverage = 0.95;
   double fov_deg = 0;
 

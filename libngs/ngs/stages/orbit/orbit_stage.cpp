@@ -14,8 +14,9 @@ namespace ngs::orbit {
 namespace {
 
 constexpr int kSightSide_px = 200;                   // of the pictures that say what a place sees, the shorter side
-constexpr double kMostBlocked = 0.3;                 // of the picture's light, before the ball
+constexpr double kMostBlocked = 0.15;                // of the picture's light, before the ball
 constexpr double kOutsideFov = 40, kInsideFov = 80;  // deg
+constexpr double kRoomCoverage = 0.7;                // what cameras in a room show at least, else it is none
 constexpr double kRoomReach = 1.5;                   // of the bulk's radius: what belongs to a room
 
 Vec axis_of(UpAxis up) {
@@ -68,14 +69,12 @@ class Chooser {
     find_up();
     frame_ = frame_about(points_, ball_, found_.up);
     const std::optional<RoomFinding> room = look_for_room();
-    found_.inside = room && (options_.place == Place::kInside || room->is_room());
-    const double fov = options_.fov_deg > 0 ? options_.fov_deg : found_.inside ? kInsideFov : kOutsideFov;
-    lens_ = {size.width_px, size.height_px, fov};
-    rig_ = found_.inside ? cameras_within(room->stands, ball_.radius) : rings();
-    check_near_plane();
-    look();
-    pick();
-    return std::move(found_);
+    if (!room || (options_.place == Place::kAuto && !room->is_room())) return placed(size, nullptr);
+    OrbitCameras inside = placed(size, &*room);
+    if (options_.place == Place::kInside || inside.coverage >= std::min(kRoomCoverage, options_.coverage))
+      return inside;
+    OrbitCameras outside = placed(size, nullptr);  // a thicket has gaps that are no room
+    return outside.coverage > inside.coverage ? outside : inside;
   }
 
  private:
@@ -114,12 +113,15 @@ class Chooser {
     const double reach = 1.1 * ball_.radius / lens_.least_half_sine() + ball_.radius;
     const FreeSpace space(cloud_, points_, frame_, {reach, 128});
     Rig rig = rings_about(ball_.radius, lens_, space, options_.views);
-    if (rig.poses.empty())
-      throw Error(ErrorCode::kNothingFound,
-                  "no place for a camera about the ball of radius " + number(ball_.radius) +
-                      ": something stands in every line of sight, expected free space",
-                  "name a smaller ball: --around X,Y,Z,R, or place cameras within: --place inside");
+    if (rig.poses.empty()) refuse_blocked();
     return rig;
+  }
+
+  [[noreturn]] void refuse_blocked() const {
+    throw Error(ErrorCode::kNothingFound,
+                "no place for a camera about the ball of radius " + number(ball_.radius) +
+                    ": something stands in every line of sight, expected free space",
+                "name a smaller ball: --around X,Y,Z,R, or place cameras within: --place inside");
   }
 
   /// Renderers draw nothing nearer than their near plane, an absolute length.
@@ -140,42 +142,64 @@ class Chooser {
                       number(std::pow(10, std::ceil(-std::log10(ball_.radius)))) + " LARGER.ply");
   }
 
-  /// Renders every place small, with all that stands near, and keeps those with a free view.
-  void look() {
-    const auto timed = monitor_.scope("look from " + std::to_string(rig_.poses.size()) + " places");
+  /// The cameras in the room, or about the ball.
+  OrbitCameras placed(PictureSize size, const RoomFinding* room) {
+    found_.inside = room != nullptr;
+    found_.cameras.clear(), sights_.clear();
+    const double fov = options_.fov_deg > 0 ? options_.fov_deg : found_.inside ? kInsideFov : kOutsideFov;
+    lens_ = {size.width_px, size.height_px, fov};
+    rig_ = found_.inside ? cameras_within(room->stands, ball_.radius) : rings();
+    check_near_plane();
+    look();
+    pick();
+    return found_;
+  }
+
+  /// Rows of the model that a camera can have before it or see, and which of them are of interest.
+  struct Rows {
+    std::vector<std::uint32_t> row;
+    std::vector<std::int32_t> point;  // index of the point of interest, or -1
+  };
+  Rows rows_in_reach() {
     double reach = kRoomReach * ball_.radius;
-    if (!found_.inside)
-      for (const Pose& pose : rig_.poses) reach = std::max(reach, length(pose.centre) + ball_.radius);
+    for (const Pose& pose : rig_.poses) reach = std::max(reach, length(pose.centre) + ball_.radius);
     const double interest = found_.inside ? kRoomReach * ball_.radius : ball_.radius;
-    std::vector<std::uint32_t> rows;
-    std::vector<std::int32_t> point_of_row;
     const double most_worth = 0.0314 * ball_.radius * ball_.radius;  // a disc of a tenth of the radius
+    Rows rows;
+    worth_.clear();
     for (std::size_t i = 0; i < points_.count(); ++i) {
       const double distance = length(points_.position[i] - ball_.centre);
       if (distance > reach + 2 * points_.size[i]) continue;
-      rows.push_back(points_.row[i]);
-      point_of_row.push_back(distance <= interest ? std::int32_t(worth_.size()) : -1);
+      rows.row.push_back(points_.row[i]);
+      rows.point.push_back(distance <= interest ? std::int32_t(worth_.size()) : -1);
       if (distance <= interest) worth_.push_back(std::min(points_.area[i], most_worth * points_.opacity[i]));
     }
     if (worth_.empty())
       throw Error(ErrorCode::kNothingFound,
                   "--around " + options_.around + ": no Gaussian that can be seen in this ball, expected some",
                   "its numbers are those of the model's file: centre and radius in its own coordinates");
-    const GaussianCloud part = rows_of(cloud_, rows);
-    const Sights sights(exec_, part, point_of_row);
-    std::vector<Pose> kept;
-    std::size_t first = 0;
+    return rows;
+  }
+
+  /// Renders what every place sees, small, and keeps the places with a free view.
+  void look() {
+    const auto timed = monitor_.scope("look from " + std::to_string(rig_.poses.size()) + " places");
+    const Rows rows = rows_in_reach();
+    const GaussianCloud part = rows_of(cloud_, rows.row);
+    const Sights sights(exec_, part, rows.point);
+    Rig kept;
     for (std::size_t p = 0; p < rig_.poses.size(); ++p) {
       const Pose& pose = rig_.poses[p];
       const double before = found_.inside ? 0 : length(pose.centre) - ball_.radius;
       Sight sight = sights.of(exec_, small(camera_at(pose, lens_, frame_, cloud_.origin)), before);
       monitor_.progress(std::int64_t(p) + 1, std::int64_t(rig_.poses.size()));
       if (sight.blocked > kMostBlocked) continue;
-      first += p < rig_.first;
-      kept.push_back(pose), sights_.push_back(std::move(sight));
+      kept.first += p < rig_.first;
+      kept.poses.push_back(pose), sights_.push_back(std::move(sight));
     }
     found_.candidates = rig_.poses.size();
-    rig_ = {std::move(kept), first};
+    rig_ = std::move(kept);
+    if (rig_.poses.empty()) refuse_blocked();
   }
 
   static Camera small(const Camera& camera) {

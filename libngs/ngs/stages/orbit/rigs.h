@@ -38,12 +38,15 @@ struct Rig {
 };
 Rig rings_about(double radius, const Lens& lens, const FreeSpace& space, int views);
 
-/// How much of its surroundings a model shows from within and from without.
+/// How much a model shows from within, and how much to those who walk about it. Openings above do not make an object of
+/// a room: who looks in through them is not counted.
 struct RoomFinding {
   std::vector<Vec> stands;  // free places that the model surrounds, far from one another and from all mass
-  double seen_inside = 0, seen_outside = 0;  // cells that stop rays from the stands, and rays from far outside
-  /// Places surround, and show more of the model than is seen from outside.
-  bool is_room() const { return !stands.empty() && seen_inside > 1.05 * seen_outside; }
+  double seen_inside = 0;   // cells that stop rays from the stands
+  double only_inside = 0;   // of these, those that are no side of what stops level rays from outside
+  double only_outside = 0;  // cells that stop such rays and are no side of what is seen from the stands
+  /// Places surround, and show what is not seen from outside: more than is seen only there, by 2 % of all.
+  bool is_room() const { return !stands.empty() && only_inside > only_outside + 0.02 * seen_inside; }
 };
 RoomFinding find_room(const Exec& exec, const FreeSpace& space, double radius);
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kOpaque = 1;        // optical depth that ends a ray
 constexpr double kSurrounded = 0.6;  // share of all directions in which mass must lie
-constexpr double kClearance = 0.1;   // of the radius, about a stand
+constexpr double kClearance = 0.18;  // of the radius, about a stand
 constexpr double kFarthest = 2.5;    // of the radius, that rays are followed
 constexpr std::size_t kMostStands = 16;
 
@@ -51,13 +51,15 @@ struct Ray {
   Vec from, direction;
 };
 
-/// How many cells end one of the rays that `rays_of(i)` makes for i below `count`.
+using Cells = std::vector<std::uint8_t>;  // [cells] 1: ends a ray
+
+/// The cells that end one of the rays that `rays_of(i)` makes for i below `count`.
 template <class RaysOf>
-double stopping_cells(const Exec& exec, const FreeSpace& space, std::size_t count, const RaysOf& rays_of) {
+Cells stopping_cells(const Exec& exec, const FreeSpace& space, std::size_t count, const RaysOf& rays_of) {
   const double most = 4 * space.half();
-  std::vector<std::vector<std::uint8_t>> stops(count);
+  std::vector<Cells> stops(count);
   for_each_task(exec, std::int64_t(count), [&](std::int64_t i) {
-    std::vector<std::uint8_t>& mine = stops[std::size_t(i)];
+    Cells& mine = stops[std::size_t(i)];
     mine.assign(space.cells(), 0);
     for (const Ray& ray : rays_of(std::size_t(i))) {
       const double reach = space.free_length(ray.from, ray.direction, {kOpaque, most});
@@ -65,19 +67,52 @@ double stopping_cells(const Exec& exec, const FreeSpace& space, std::size_t coun
       if (const std::int64_t cell = reach < most ? space.cell_at(end) : -1; cell >= 0) mine[std::size_t(cell)] = 1;
     }
   });
-  double cells = 0;
-  for (std::size_t cell = 0; cell < space.cells(); ++cell)
-    cells += std::ranges::any_of(stops, [&](const auto& mine) { return mine[cell] != 0; });
+  Cells any(space.cells(), 0);
+  for (const Cells& mine : stops)
+    for (std::size_t cell = 0; cell < any.size(); ++cell) any[cell] |= mine[cell];
+  return any;
+}
+
+/// With all that lie within two of them along each axis: a wall seen from its other side is the same wall.
+Cells widened(Cells cells, int side) {
+  const auto n = std::int64_t(side);
+  for (const std::int64_t stride : {std::int64_t(1), n, n * n}) {
+    const Cells before = cells;
+    for (std::int64_t cell = 0; cell < std::ssize(cells); ++cell)
+      for (std::int64_t step = -2; step <= 2; ++step) {
+        const std::int64_t at = cell / stride % n + step;
+        if (at >= 0 && at < n) cells[std::size_t(cell)] |= before[std::size_t(cell + step * stride)];
+      }
+  }
   return cells;
 }
 
-/// Parallel rays from far outside, a cell apart.
+/// How many of `cells` are not in `others`.
+double count_beyond(const Cells& cells, const Cells& others) {
+  double count = 0;
+  for (std::size_t cell = 0; cell < cells.size(); ++cell) count += cells[cell] && !others[cell];
+  return count;
+}
+
+/// Where people stand to look at an object: all around it, little above or below.
+std::vector<Vec> sides_of_an_object() {
+  std::vector<Vec> sides;
+  for (const double elevation : {-0.3, 0.0, 0.3})
+    for (int k = 0; k < 6; ++k) {
+      const double azimuth = std::numbers::pi / 3 * (k + elevation);
+      sides.push_back(
+          {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)});
+    }
+  return sides;
+}
+
+/// Parallel rays from far outside, near enough to one another for every cell of a level plane that they graze.
 std::vector<Ray> rays_from(const FreeSpace& space, Vec out) {
-  const double half = space.half() * std::numbers::sqrt3, step = space.cell_size();
-  const Vec a = perpendicular(out), b = cross(out, a);
+  const double half = space.half() * std::numbers::sqrt3, across = space.cell_size(), upwards = 0.3 * across;
+  const Vec a = unit(cross({0, 0, 1}, out)), b = cross(out, a);
   std::vector<Ray> rays;
-  for (double x = -half; x < half; x += step)
-    for (double y = -half; y < half; y += step) rays.push_back({half * out + x * a + y * b, -1.0 * out});
+  for (double x = -half; x < half; x += across)
+    for (double y = -half; y < half; y += upwards) rays.push_back({half * out + x * a + y * b, -1.0 * out});
   return rays;
 }
 
@@ -98,14 +133,17 @@ RoomFinding find_room(const Exec& exec, const FreeSpace& space, double radius) {
   RoomFinding room;
   if (stands.empty()) return room;
   room.stands = far_apart(stands, radius);
-  const std::vector<Vec> all_round = even_directions(12000), sides = even_directions(24);
-  room.seen_inside = stopping_cells(exec, space, room.stands.size(), [&](std::size_t i) {
+  const std::vector<Vec> all_round = even_directions(12000), sides = sides_of_an_object();
+  const Cells inside = stopping_cells(exec, space, room.stands.size(), [&](std::size_t i) {
     std::vector<Ray> rays;
     for (const Vec& d : all_round) rays.push_back({room.stands[i], d});
     return rays;
   });
-  room.seen_outside =
+  const Cells outside =
       stopping_cells(exec, space, sides.size(), [&](std::size_t i) { return rays_from(space, sides[i]); });
+  room.seen_inside = double(std::ranges::count(inside, 1));
+  room.only_inside = count_beyond(inside, widened(outside, space.side()));
+  room.only_outside = count_beyond(outside, widened(inside, space.side()));
   return room;
 }
 

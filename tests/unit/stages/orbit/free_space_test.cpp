@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "ngs/stages/orbit/rigs.h"
 #include "support/splat_shapes.h"
 
