@@ -2,6 +2,7 @@
 // Models made of shells, for tests of where cameras stand: discs on surfaces, all opaque.
 #include <cmath>
 
+#include "ngs/math/vec.h"
 #include "ngs/scene/gaussian_cloud.h"
 #include "support/random.h"
 

@@ -87,8 +87,8 @@ ImagesFolder images_folder(const std::string& scene_path, bool overwrite) {
   if (fs::is_regular_file(scene_path, ignored)) earlier = io::read_scene_json(scene_path);
   if (!earlier.renders)
     throw Error(ErrorCode::kUsage,
-                images.path + ": holds files that no earlier run of this command wrote, expected none",
-                "choose another folder for scene.json");
+                images.path + ": holds files that are not the renders of " + scene_path + ", expected none",
+                "choose another folder for scene.json, or remove what an interrupted run has left there");
   if (!overwrite) throw Error(ErrorCode::kUsage, images.path + ": is not empty", "replace it with -w");
   for (const SceneView& view : earlier.views)
     if (fs::path(view.image_path).parent_path() == folder) images.earlier.push_back(view.image_path);

@@ -112,7 +112,7 @@ class Chooser {
     const auto timed = monitor_.scope("free space");
     const double reach = 1.1 * ball_.radius / lens_.least_half_sine() + ball_.radius;
     const FreeSpace space(cloud_, points_, frame_, {reach, 128});
-    Rig rig = rings_about(ball_.radius, lens_, space, options_.views);
+    Rig rig = rings_about(ball_.radius, lens_, space, first_views());
     if (rig.poses.empty()) refuse_blocked();
     return rig;
   }
@@ -220,7 +220,7 @@ class Chooser {
     };
     for (std::size_t p = 0; p < rig_.first; ++p) choose(p);
     const auto views = [&] { return std::ssize(found_.cameras); };
-    while (views() < options_.views || (coverage.share() < options_.coverage && views() < options_.max_views)) {
+    while (views() < first_views() || (coverage.share() < options_.coverage && views() < options_.max_views)) {
       double most = 0;
       std::size_t best = 0;
       for (std::size_t p = 0; p < rig_.poses.size(); ++p)
@@ -231,6 +231,7 @@ class Chooser {
     found_.coverage = coverage.share(), found_.surface = coverage.gaussians();
   }
 
+  int first_views() const { return std::min(options_.views, options_.max_views); }
   Vec origin() const { return {cloud_.origin[0], cloud_.origin[1], cloud_.origin[2]}; }
 
   const Exec& exec_;

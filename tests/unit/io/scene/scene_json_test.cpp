@@ -20,6 +20,7 @@ Scene two_views(const TempDir& dir) {
   scene.mask_mode = MaskMode::kLabel, scene.missing_mask = MissingMask::kError;
   scene.void_id = 255, scene.mask_threshold = 99.5, scene.image_scale = 0.3;
   scene.background = Vec3<double>{1.0 / 3, 0, 1}, scene.antialiased = false, scene.compat = Compat::kGsplat;
+  scene.renders = RenderedPhotos{0.9625};
   for (const char* name : {"a b.png", "c.jpg"}) {
     SceneView view;
     view.camera = {name, 640, 480, 500.1, 1.0 / 3.0, 320.5, 1e-17, {{0, -1, 0, 1, 0, 0, 0, 0, 1}}, {0.1, -2e30, 3}};
@@ -68,6 +69,8 @@ TEST_CASE("a scene comes back with every bit of its cameras and rules") {
   CHECK(back.compat == Compat::kGsplat);
   REQUIRE(back.background.has_value());
   CHECK((back.background->x == 1.0 / 3 && back.background->y == 0 && back.background->z == 1));
+  REQUIRE(back.renders.has_value());
+  CHECK(back.renders->coverage == 0.9625);
   CHECK(back.objects[1].name == "spoon");
   CHECK(back.objects[1].id == 9);
   CHECK(back.views[1].image_path.empty());
@@ -76,14 +79,15 @@ TEST_CASE("a scene comes back with every bit of its cameras and rules") {
 TEST_CASE("a scene that does not know its background, or how its model was fitted, says nothing of it") {
   const TempDir dir;
   nlohmann::json json = written(dir);
-  json.erase("background"), json.erase("antialiased"), json.erase("compat");
+  json.erase("background"), json.erase("antialiased"), json.erase("compat"), json.erase("renders");
   const Scene back = parse_scene_json(json, "", "scene.json");
   CHECK_FALSE(back.background.has_value());
   CHECK_FALSE(back.antialiased.has_value());
+  CHECK_FALSE(back.renders.has_value());  // photos
   CHECK(back.compat == Compat::kInria);
   CHECK(background_of(back).x == 0.f);
   write_scene_json(dir.file("again.json"), back);
-  for (const char* key : {"background", "antialiased"})
+  for (const char* key : {"background", "antialiased", "renders"})
     CHECK_FALSE(read_json_file(dir.file("again.json")).contains(key));
 }
 
@@ -186,6 +190,10 @@ TEST_CASE("every broken field of a scene is refused with its place") {
   refused(with("/image_scale", 0), "image_scale");
   refused(with("/background", {0, 0.5, 1.5}), "background 1.5");
   refused(with("/background", {0, 0}), "background");
+  refused(with("/renders", true), "renders");
+  refused(with("/renders/coverage", 1.5), "renders.coverage: 1.5, expected a share in [0, 1]");
+  refused(with("/renders/note", "photos"), "renders.note: \"photos\", expected \"renders of the model, no photos\"");
+  refused(with("/renders/of", "a"), "of");
   refused(with("/antialiased", 1), "antialiased");
   refused(with("/compat", "nerfstudio"), "one of inria gsplat");
   refused(with("/background", "white"), "background");
