@@ -123,12 +123,12 @@ TEST_CASE("the modes in the help are those of the method") {
   const std::string ngs = said({"ngs-joint", "--help"}), all = said({"ngs-joint", "--help", "effects"});
   const std::string ng_gs = said({"ngs-joint", "--method", "ng-gs", "--help", "effects"});
   CHECK(has_row(ngs, "contours", "auto"));
-  CHECK(has_row(ngs, "joint", "on"));
+  CHECK(has_row(ngs, "joint", "auto"));
   CHECK_FALSE(has_row(ngs, "nerf", "auto"));  // a part: in full only
   CHECK(has_row(all, "nerf", "auto"));
   CHECK(has_row(ng_gs, "nerf", "on"));
   CHECK(has_row(ng_gs, "contours", "off"));
-  CHECK_FALSE(has_row(said({"ngs-joint", "--method", "cob", "--help", "effects"}), "joint", "on"));
+  CHECK_FALSE(has_row(said({"ngs-joint", "--method", "cob", "--help", "effects"}), "joint", "auto"));
 }
 
 TEST_CASE("--help GROUP shows one group, whoever listens to it, and refuses a group that there is none of") {

@@ -66,7 +66,7 @@ mutant $f $t $f "components: only the core's own cells are linked" 's/if \(label
 mutant $f $t $f "components: rows fixed by hand change" 's/ \|\| is_fixed\(input, i\)//'
 mutant $f $t $f "components: another object's Gaussian is held" 's/finding\.disconnected\[i\] = 0;/(void)0;/'
 mutant passes/components/object_core.cpp $t passes/components/object_core.cpp "core: the best seen of the whole model" 's/cloud\.usable\[i\] && double\(object\.prob\[i\]\) >= options\.share/cloud.usable[i]/'
-mutant passes/mask_outliers/mask_outliers.cpp unit/passes/mask_outliers/mask_outliers_test.cpp passes/mask_outliers/mask_outliers.cpp "trust: views that see nothing agree" 's/if \(found != kNothingThere\) all\.push_back\(found\)/all.push_back(trust.disagreement[n])/'
+mutant passes/mask_outliers/mask_outliers.cpp unit/passes/mask_outliers/mask_outliers_test.cpp passes/mask_outliers/mask_outliers.cpp "trust: views that see nothing agree" 's/if \(found_\[n\] >= 0\) all\.push_back\(found_\[n\]\)/all.push_back(trust.disagreement[n])/'
 t=stability/geometry_stability_test.cpp
 mutant ops/field/sample_grid_kernels.h $t ops/field/sample_grid.cpp "Gaussians behind the camera count" 's/if \(!\(t\.z > kNearZ\)\) return;//'
 mutant ops/field/sample_grid_kernels.h $t ops/field/sample_grid.cpp "boxes thinner than a pixel divided" 's/if \(length < 1\) return .*;//'
@@ -284,4 +284,8 @@ mutant passes/mask_outliers/mask_outliers.cpp $t passes/mask_outliers/mask_outli
 mutant passes/joint/trained_rows.h $t passes/joint/joint_stage.cpp "gradients in the rows of others" 's/wanted_\.place\[i\] = std::int32_t\(rows_\.size\(\)\)/wanted_.place[i] = 0/'
 mutant problem/region.cpp $t problem/region.cpp "a region of everything" 's/object\.prob\[i\] >= kLeastRegionShare/true/'
 mutant problem/region.cpp $t problem/region.cpp "changed rows that do not count" 's/changed \+= !same;//'
-mutant passes/contours/refined_masks.cpp unit/passes/contours/refined_masks_test.cpp passes/contours/refined_masks.cpp "edges: labels are never on them" 's/rendered >= kOnEdges \* all/false/'
+t=unit/passes/contours/refined_masks_test.cpp
+f=passes/contours/refined_masks.cpp
+mutant $f $t $f "masks: one-sided ones have a say" 's/masks_misaligned\(refined\) && masks_err_to_one_side\(refined\)/false/'
+mutant $f $t $f "masks: misaligned ones have no say" 's/masks_misaligned\(refined\) && masks_err_to_one_side\(refined\)/masks_misaligned(refined)/'
+mutant $f $t $f "masks: too large by much is no error to one side" 's/std::abs\(beyond - lacking\)/lacking - beyond/'

@@ -59,6 +59,8 @@ std::vector<EffectVerdict> verdicts_of(const Options& options, bool writes_nerf,
   for (EffectVerdict& rule : options.pipeline.rules(options.training)) verdicts.push_back(std::move(rule));
   if (!effects_from.empty())
     for (EffectVerdict& verdict : replayed(effects_from, options)) verdicts.push_back(std::move(verdict));
+  if (writes_nerf || options.choice.method == Method::kNgGs)  // what trains it
+    verdicts.push_back({"joint", true, writes_nerf ? "--nerf" : "--method ng-gs"});
   return verdicts;
 }
 

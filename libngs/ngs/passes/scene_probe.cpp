@@ -4,6 +4,7 @@
 
 #include "ngs/ops/field/knn.h"
 #include "ngs/ops/image/mask_pair.h"
+#include "ngs/passes/contours/refined_masks.h"
 #include "ngs/passes/detectors.h"
 #include "ngs/passes/effect.h"
 #include "ngs/problem/pixel_window.h"
@@ -62,6 +63,21 @@ LabelViews SceneProbe::label_views_of(const std::vector<std::size_t>& some) {
   });
   if (count > 0) views.biou /= double(count);
   return views;
+}
+
+double SceneProbe::edge_gain() {
+  if (!edge_gain_) edge_gain_ = edge_gain_of_views();
+  return *edge_gain_;
+}
+
+double SceneProbe::edge_gain_of_views() const {
+  if (problem_.views.size() < kManyMasks || !problem_.load_fine_photo) return 0;
+  const std::vector<std::size_t> views = spread_views(problem_.views, kVotingViews);
+  const ContourRefineOptions refine;
+  const std::vector<RefinedView> refined =
+      refine_views(exec_, {refine, 0, problem_}, {problem_.cloud, problem_.labels}, views, views);
+  if (stopped() || (masks_misaligned(refined) && masks_err_to_one_side(refined))) return 0;
+  return gain_in_errors(refinement_gains(refined));
 }
 
 const BoundarySet& SceneProbe::boundary() {

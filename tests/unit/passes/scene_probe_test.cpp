@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ngs/passes/detectors.h"
 #include "ngs/passes/pass_list.h"
 #include "ngs/passes/pipeline.h"
 #include "support/joint_case.h"
@@ -168,6 +169,39 @@ TEST_CASE("region: a view that does not show the object is no reason to train on
   c.base->labels[0].label[last] = 1;
   c.views.push_back(c.base->look_away());  // naive: what it shows is all outside of its empty mask's window
   CHECK(c.measure("region") <= threshold_of("region"));
+}
+
+namespace {
+
+/// What the joint case's masks say of their edges where every view is asked `times` times over.
+double edge_gain(test::JointCase& c, std::size_t times) {
+  Problem in = c.input();
+  in.load_fine_photo = in.load_photo;
+  in.views.clear();
+  for (std::size_t i = 0; i < 4 * times; ++i) in.views.push_back(i % 4);
+  const TrainingOptions training;
+  return SceneProbe({}, training, in).edge_gain();
+}
+
+}  // namespace
+
+TEST_CASE("masks are asked about the photos' edges where there are many, and they err to both sides") {
+  const auto c = test::joint_case();
+  for (SceneView& v : c->scene.views) v.image_path = "photo";
+  c->labels[0].prob = c->labels[0].label = c->is_ball;
+  // A darker core of the ball: an edge beside the true contour, to which refinement goes.
+  for (std::size_t v = 0; v < 4; ++v) {
+    ImageF& photo = c->photos[v];
+    const std::vector<float>& mask = c->masks[v].target[0];
+    for (int y = 1; y + 1 < photo.height_px; ++y)
+      for (int x = 1; x + 1 < photo.width_px; ++x) {
+        const auto in = [&](int dx, int dy) { return mask[std::size_t((y + dy) * photo.width_px + x + dx)] > 0.5f; };
+        const bool core = in(0, 0) && in(1, 0) && in(-1, 0) && in(0, 1) && in(0, -1);
+        for (int k = 0; k < 3; ++k) photo.at(x, y, k) = core ? 0.f : 1.f;
+      }
+  }
+  CHECK(edge_gain(*c, 7) == 0);
+  CHECK(edge_gain(*c, 8) < -kSignificant);
 }
 
 }  // namespace ngs

@@ -273,6 +273,7 @@ class ContourRun {
     result.figures["contour_biou_rendered"] = rendered_, result.figures["contour_biou_refined"] = refined_biou_;
     result.figures["contour_contrast_given"] = own_contrast_;
     result.figures["contour_contrast_refined"] = refined_contrast_;
+    result.figures["contour_contrast_rendered"] = rendered_contrast_;
     result.figures["contour_detail"] = double(detail_);
     result.figures["contour_pictures"] =
         pictured_ ? double(std::count_if(photoless_.begin(), photoless_.end(),
@@ -315,19 +316,19 @@ class ContourRun {
     detail_ = kLargeDetail, refined_ = std::move(large);
   }
 
-  /// Whether the refined masks agree with the given ones at least as well as the rendered masks did, within
-  /// twice the standard error of the mean difference over the views; or whether the given masks are too far
-  /// from the photos' edges to judge them.
+  /// Whether the given masks have nothing against the refined ones; and what the figures say of both.
   bool agrees_with_masks() {
     double count = 0;
     for (const RefinedView& view : refined_) {
       if (!view.compared) continue;
       ++count, rendered_ += view.rendered_biou, refined_biou_ += view.refined_biou;
       own_contrast_ += view.own_contrast, refined_contrast_ += view.refined_contrast;
+      rendered_contrast_ += view.rendered_contrast;
     }
-    if (count > 0) rendered_ /= count, refined_biou_ /= count, own_contrast_ /= count, refined_contrast_ /= count;
-    const bool masks_judge = !masks_misaligned(refined_) || labels_on_edges(refined_);
-    return !masks_judge || gain_in_errors(refinement_gains(refined_)) >= -kSignificant;
+    if (count == 0) count = 1;
+    for (double* sum : {&rendered_, &refined_biou_, &own_contrast_, &refined_contrast_, &rendered_contrast_})
+      *sum /= count;
+    return !masks_refuse(refined_);
   }
 
   /// Without labels. `scene` with the windows' cameras.
@@ -361,7 +362,7 @@ class ContourRun {
   std::vector<RefinedView> refined_;             // [scene views]
   std::optional<Problem> pictured_;              // the input with pictures of these views, where these serve
   std::optional<Trial> trial_;                   // where it came to its end
-  double rendered_ = 0, refined_biou_ = 0, own_contrast_ = 0, refined_contrast_ = 0;
+  double rendered_ = 0, refined_biou_ = 0, own_contrast_ = 0, refined_contrast_ = 0, rendered_contrast_ = 0;
   int iterations_ = 0, detail_ = 1;
 };
 

@@ -5,6 +5,7 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/ops/image/metrics.h"
+#include "ngs/passes/detectors.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/scene/enlarge.h"
 #include "ngs/scene/mask_threshold.h"
@@ -66,6 +67,13 @@ std::vector<std::uint8_t> enlarged_mask(const std::vector<float>& coarse, int w,
   return out;
 }
 
+void add_differences(const std::vector<float>& own, const std::vector<float>& refined, RefinedView& out) {
+  for (std::size_t p = 0; p < own.size(); ++p) {
+    const bool mine = mask_says_object(own[p]), its = mask_says_object(refined[p]);
+    out.beyond_px2 += mine && !its, out.short_px2 += its && !mine;
+  }
+}
+
 /// Mean colour difference across the contour, between pixels three apart: 0 where the photo shows no edge
 /// there.
 double contrast_of(const std::vector<std::uint8_t>& mask, const ImageF& photo) {
@@ -118,6 +126,7 @@ RefinedView refine_view(const RefineSetup& setup, const SplatOptions& splat, con
     out.rendered_contrast += contrast_of(mask, photo);
     out.rendered_biou += agreement(reduce({mask.begin(), mask.end()}, fw, fh, w, h), own, k) / double(objects);
     out.refined_biou += agreement(targets[k], own, k) / double(objects);
+    add_differences(own.target[k], targets[k], out);
   }
   out.window = window_of(targets, w, h, int(std::lround(setup.margin_px)));
   ViewMasks masks{out.window.w, out.window.h, {}, {}, out.window.w > 0};
@@ -176,16 +185,21 @@ std::vector<double> refinement_gains(const std::vector<RefinedView>& refined) {
   return gains;
 }
 
-bool labels_on_edges(const std::vector<RefinedView>& refined) {
-  double rendered = 0, all = 0;
-  for (const RefinedView& view : refined) rendered += view.rendered_contrast, all += view.refined_contrast;
-  return rendered >= kOnEdges * all;
-}
-
 bool masks_misaligned(const std::vector<RefinedView>& refined) {
   double own = 0, all = 0;
   for (const RefinedView& view : refined) own += view.own_contrast, all += view.refined_contrast;
   return own < kOffEdges * all;
+}
+
+bool masks_err_to_one_side(const std::vector<RefinedView>& refined) {
+  double beyond = 0, lacking = 0;
+  for (const RefinedView& view : refined) beyond += view.beyond_px2, lacking += view.short_px2;
+  return std::abs(beyond - lacking) > kOneSided * (beyond + lacking);
+}
+
+bool masks_refuse(const std::vector<RefinedView>& refined) {
+  if (masks_misaligned(refined) && masks_err_to_one_side(refined)) return false;
+  return gain_in_errors(refinement_gains(refined)) < -kSignificant;
 }
 
 }  // namespace ngs

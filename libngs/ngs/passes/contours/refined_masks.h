@@ -15,6 +15,7 @@ struct RefinedView {
   // Mean boundary IoU with the view's own masks; only where the view supervises and has them.
   bool compared = false;
   double rendered_biou = 0, refined_biou = 0;
+  double beyond_px2 = 0, short_px2 = 0;  // what the own masks have that the refined ones have not, and the other way
   double own_contrast = 0, refined_contrast = 0, rendered_contrast = 0;  // of the photo across the contours
 };
 
@@ -44,11 +45,15 @@ std::vector<double> refinement_gains(const std::vector<RefinedView>& refined);
 inline constexpr double kOffEdges = 0.75;
 /// Whether the given masks' contours do not, on the mean of the views that were compared.
 bool masks_misaligned(const std::vector<RefinedView>& refined);
-/// Contours that the labels draw with at least this of the refined ones' contrast lie on edges as they are: the photos
-/// have nothing to add, and masks that are misaligned one by one may be right together. 0.99 where many views' masks
-/// have made such labels; where refinement gains, 0.81 to 0.98.
-inline constexpr double kOnEdges = 0.985;
-bool labels_on_edges(const std::vector<RefinedView>& refined);
+/// Masks that err to one side have more than this share of what sets them apart from the refined ones on that side.
+/// All too large or small by some pixels: 0.9 to 1; of a segmenter that rounds off: 0.4 to 0.5; displaced by chance: 0
+/// to 0.25.
+inline constexpr double kOneSided = 0.3;
+bool masks_err_to_one_side(const std::vector<RefinedView>& refined);
+/// Whether the given masks contradict what refinement makes: it agrees with them less than the rendered masks did, by
+/// more than twice the standard error of the mean over the views. Misaligned masks have a say only where they err to
+/// both sides alike: what is wrong one by one is right on the mean.
+bool masks_refuse(const std::vector<RefinedView>& refined);
 
 /// The refined masks of a view of the scene's size `w` x `h`, whole: nothing is there outside of the window.
 ViewMasks whole_masks(const RefinedView& refined, int w, int h);

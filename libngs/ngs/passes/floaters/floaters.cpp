@@ -83,7 +83,7 @@ class FloaterSearch {
         cloud_(input.cloud),
         splat_(input.splat),
         core_(core_of(options.core, input.cloud, input.labels)),
-        views_(photo_views(input.scene)),
+        views_(spread_views(photo_views(input.scene), options.most_views)),
         trained_(input.scene.views.size(), 0) {
     for (const std::size_t v : input.views) trained_[v] = 1;
     splat_ = prepared_for(exec, splat_, cloud_);

@@ -26,7 +26,8 @@ struct FloaterOptions {
   double least_reach = 0.1;    // share of a candidate's weight before the surface, in its best view
   double noise_factor = 2;     // times the median difference of core and photo: what colours must differ by
   double least_hidden = 1e-3;  // of the surface's pixels that floaters hide, over all views; less is not worth a refit
-  int rounds = 4;              // what stands behind a floater shows in the next round
+  std::size_t most_views = std::size_t(-1);  // with photos that the search looks at, evenly spread
+  int rounds = 4;                            // what stands behind a floater shows in the next round
 };
 
 struct FloaterFinding {

@@ -9,10 +9,11 @@ namespace {
 constexpr PassCost kWhole{8, 0.2}, kRefitEpoch{4.5, 0.12};
 constexpr double kSearchRenders = 5.5, kDraftSearchRenders = 4;
 constexpr int kDraftShrink = 2, kDraftRefitEpochs = 3;
+constexpr std::size_t kDraftViews = 48;
 
 /// How floaters are taken out. Under a budget the clock decides it, and a run that is resumed has to do the same again.
 struct FloaterPlan {
-  bool draft = false;    // searched and refitted at half the size of decisions
+  bool draft = false;    // searched in kDraftViews, and refitted, at half the size of decisions
   int refit_epochs = 0;  // 0: as many as fit
 
   Json json() const { return {{"draft", draft}, {"refit_epochs", refit_epochs}}; }
@@ -91,8 +92,9 @@ std::vector<Effect> FloatersPass::effects() const {
 }
 
 void FloatersPass::run(PassRun& run) {
-  const FloaterOptions options;
+  FloaterOptions options;
   FloaterPlan plan = plan_for(run);
+  if (plan.draft) options.most_views = kDraftViews;
   const int shrink = decision_shrink(run.problem->scene) * (plan.draft ? kDraftShrink : 1);
   const CoarseInput coarse(*run.problem, shrink);
   coarse.preload(run.exec);

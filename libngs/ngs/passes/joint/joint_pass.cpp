@@ -39,6 +39,11 @@ void take_steps(PassRun& run, double keep_s, StepStore* store) {
 
 std::vector<Effect> JointPass::effects() const { return joint_effects(); }
 
+std::vector<EffectVerdict> JointPass::rules(const TrainingOptions& training) const {
+  if (training.joint.steps > 0) return {{"joint", true, "--steps"}};
+  return {};
+}
+
 void JointPass::foresee(PassRun& run) {
   JointOptions& joint = run.training.joint;
   joint.on = joint_switches([&](std::string_view name) { return run.decisions.settled(name).value_or(true); });
@@ -86,6 +91,7 @@ void JointPass::finish(PassRun& run) {
     longer.figures.merge(run.solution->figures);
     run.solution = std::move(longer);
   }
+  if (!run.on("joint") && !run.on("contours")) run.solution->labels = run.problem->labels;
   run.solution->converged = run.watch->target_met() || (!run.watch->cut() && !run.budget.cut());
   const LossTerms& l = run.watch->last_loss();
   run.report["last_loss"] = {{"total", l.total}, {"photometric", l.photometric},

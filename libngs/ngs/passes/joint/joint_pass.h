@@ -8,6 +8,7 @@ class JointPass : public Pass {
  public:
   PassStage stage() const override { return PassStage::kOptimise; }
   std::vector<Effect> effects() const override;
+  std::vector<EffectVerdict> rules(const TrainingOptions&) const override;
   void foresee(PassRun& run) override;
   /// Makes the trainer, whose labels as they come are the solution where the steps are off.
   void begin(PassRun& run) override;

@@ -28,7 +28,8 @@ Planes planes_of(const ViewMasks& masks) {
   return p;
 }
 
-constexpr double kNothingThere = -1;
+constexpr double kNothingThere = -1, kNoMask = -2;
+constexpr double kSettled = 0.5;  // of the threshold: views below it are not asked again
 
 /// 1 - IoU over all objects, where both can be compared; kNothingThere where neither shows any of them.
 double disagreement(const Planes& mask, const Planes& consensus) {
@@ -49,7 +50,8 @@ class Judge {
         options_(options),
         input_(input),
         trusted_(input.views.size(), 1),
-        gathered_(input.views.size(), 0) {}
+        gathered_(input.views.size(), 0),
+        found_(input.views.size(), INFINITY) {}
 
   MaskOutliers run(Monitor& monitor) {
     const auto timed = monitor.scope("view trust");
@@ -153,31 +155,37 @@ class Judge {
   /// no measure of how well contours agree: where most views do not see the object, their zeros would be the median.
   bool judge(const LeaveOneOut& others, MaskOutliers& trust) {
     trust.disagreement.assign(trusted_.size(), -1.0);
-    std::vector<double> all;
     const LeaveOneOut::Shares everybody = others.all();
     Consensus consensus(everybody.seen.size(), input_.scene.objects.size());
     const std::vector<std::uint8_t> everything(everybody.seen.size(), 1);
     std::vector<std::uint8_t> shown(everybody.seen.size(), 0);
     for (std::size_t i = 0; i < everybody.seen.size(); ++i) consensus.set(i, everybody, i);
     const bool every = for_each_view(input_.monitor, input_.views, [&](std::size_t n, std::size_t view) {
+      if (found_[n] < kSettled * threshold_) return;
       const ViewMasks masks = input_.load_masks(view);
-      if (!masks.available) return;
+      if (!masks.available) {
+        found_[n] = kNoMask;
+        return;
+      }
       const Planes mask = planes_of(masks);
       const LeaveOneOut::Rest rest = others.without(n);
       const bool known = !rest.row.empty();  // what a view shows; else all is drawn
       for (std::size_t v = 0; v < rest.row.size(); ++v)
         consensus.set(rest.row[v], rest.others, v), shown[rest.row[v]] = 1;
-      const double found = disagreement_with(consensus, known ? shown : everything, n, mask);
+      found_[n] = disagreement_with(consensus, known ? shown : everything, n, mask);
       for (const std::uint32_t i : rest.row) consensus.set(i, everybody, i), shown[i] = 0;
-      trust.disagreement[n] = std::max(found, 0.0);
-      if (found != kNothingThere) all.push_back(found);
     });
+    std::vector<double> all;
+    for (std::size_t n = 0; n < found_.size(); ++n) {
+      trust.disagreement[n] = found_[n] == kNoMask ? -1.0 : std::max(found_[n], 0.0);
+      if (found_[n] >= 0) all.push_back(found_[n]);
+    }
     if (!every || std::ssize(all) < options_.least_views) return false;
-    const double threshold = ignore_threshold(options_, all, trust.figures["median_disagreement"]);
-    trust.figures["threshold"] = threshold;
+    threshold_ = ignore_threshold(options_, all, trust.figures["median_disagreement"]);
+    trust.figures["threshold"] = threshold_;
     bool changed = false;
     for (std::size_t n = 0; n < trusted_.size(); ++n) {
-      const std::uint8_t now = trust.disagreement[n] <= threshold;
+      const std::uint8_t now = trust.disagreement[n] <= threshold_;
       changed |= now != trusted_[n], trusted_[n] = now;
     }
     return changed;
@@ -187,6 +195,8 @@ class Judge {
   const MaskOutlierOptions& options_;
   const Problem& input_;
   std::vector<std::uint8_t> trusted_, gathered_;  // per entry of input.views
+  std::vector<double> found_;                     // disagreement of each, or kNothingThere or kNoMask
+  double threshold_ = 0;                          // of the round before
   bool elsewhere_ = false;                        // what lies beside the windows was added
 };
 

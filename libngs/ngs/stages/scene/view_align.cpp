@@ -1,6 +1,7 @@
 #include "ngs/stages/scene/view_align.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/progress_count.h"
@@ -13,7 +14,6 @@ namespace ngs {
 namespace {
 
 constexpr int kMostSteps = 15, kPatience = 2;  // steps in all, and in a row that do not lower the error
-constexpr double kSettled_px = 0.03;
 
 Vec3<float> fitted_background(const RenderedView& view, const ImageF& photo) {
   const Vec3<double> b = match_rendered(view, photo).background;
@@ -41,6 +41,7 @@ ViewAlignment align(const PhotographedModel& model, const SplatOptions& splat, s
     if (step == 0 && found.determined) best.error_before = best.error_after = found.error;
     if (better) best.motion = total, best.flow_px = total_px, best.error_after = found.error, best.camera = camera;
     if (step == 0 || better) (better ? at_best : at_start) = std::move(view);
+    if (step == 0) best.at_rest = found.determined && found.flow_px < kSettled_px;
     in_vain = step > 0 && !better ? in_vain + 1 : 0;
     if (!found.determined || found.flow_px < kSettled_px) break;
     camera = moved(camera, found.motion);
@@ -60,14 +61,26 @@ std::vector<ViewAlignment> measure_alignment(const Exec& exec, Monitor& monitor,
   SplatOptions splat = splat_options({}, model.cloud, model.scene);
   splat.prepared = prepare_cloud(exec, model.cloud);
   const std::vector<std::size_t> views = photo_views(model.scene);
-  std::vector<ViewAlignment> alignment(views.size());
-  ProgressCount progress(monitor, std::int64_t(views.size()));
-  for_each_task(exec, std::int64_t(views.size()), [&](std::int64_t i) {
-    const std::size_t v = views[std::size_t(i)];
-    const bool question = std::find(questioned.begin(), questioned.end(), v) != questioned.end();
-    alignment[std::size_t(i)] = align(model, splat, v, question);
-    progress.add_one();
-  });
+  std::vector<std::size_t> first = spread_views(views, kAlignedFirst), others;
+  first.insert(first.end(), questioned.begin(), questioned.end());
+  std::ranges::sort(first);
+  first.erase(std::unique(first.begin(), first.end()), first.end());
+  std::ranges::set_difference(views, first, std::back_inserter(others));
+  std::vector<ViewAlignment> alignment;
+  const auto measure = [&](const std::vector<std::size_t>& some) {
+    const std::size_t begin = alignment.size();
+    alignment.resize(begin + some.size());
+    ProgressCount progress(monitor, std::int64_t(some.size()));
+    for_each_task(exec, std::int64_t(some.size()), [&](std::int64_t i) {
+      const std::size_t v = some[std::size_t(i)];
+      const bool question = std::ranges::find(questioned, v) != questioned.end();
+      alignment[begin + std::size_t(i)] = align(model, splat, v, question);
+      progress.add_one();
+    });
+  };
+  measure(first);
+  if (!std::ranges::all_of(alignment, &ViewAlignment::at_rest)) measure(others);
+  std::ranges::sort(alignment, {}, &ViewAlignment::view);
   return alignment;
 }
 

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "support/joint_case.h"
@@ -99,6 +100,27 @@ TEST_CASE("views are aligned in the same way by any number of threads, and exact
           {}, monitor,
           {c->truth, c->scene, [](std::size_t) -> ImageF { throw Error(ErrorCode::kBadInput, "photo: broken", ""); }}),
       Error);
+}
+
+TEST_CASE("of many views the others are aligned where one of those that come first moves") {
+  const auto aligned = [](std::size_t turned) {
+    auto c = test::joint_case();
+    std::vector<SceneView>& views = c->scene.views;
+    for (SceneView& view : views) view.image_path = "photo";
+    while (views.size() < 30) views.push_back(views[views.size() % 4]);
+    views[turned].camera = moved(views[turned].camera, {{0.01, -0.015, 0.03}, {0.02, 0.01, -0.05}});
+    Monitor monitor;
+    return measure_alignment({}, monitor, {c->truth, c->scene, [&](std::size_t v) { return c->photos[v % 4]; }}, {4});
+  };
+  const auto has = [](const std::vector<ViewAlignment>& some, std::size_t view) {
+    return std::ranges::find(some, view, &ViewAlignment::view) != some.end();
+  };
+  const std::vector<ViewAlignment> all = aligned(5), few = aligned(9);
+  CHECK(all.size() == 30);
+  CHECK(std::ranges::count_if(all, &ViewAlignment::applied) == 1);
+  CHECK(has(few, 4));  // was questioned, and is none of the first
+  CHECK_FALSE(has(few, 9));
+  CHECK(few.size() == kAlignedFirst + 1);
 }
 
 }  // namespace
