@@ -1,52 +1,46 @@
 #include "ngs/stages/select/canonical_points.h"
 
 #include <algorithm>
-#include <bit>
-#include <numeric>
+#include <tuple>
 
 #include "ngs/core/check.h"
 
 namespace ngs {
 namespace {
 
-/// The finaliser of SplitMix64 over the bits of a position.
-std::uint64_t hash_of(const float* position) {
-  std::uint64_t hash = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    hash += std::bit_cast<std::uint32_t>(position[axis] + 0.f) + 0x9E3779B97F4A7C15ull;  // -0 is 0
-    hash = (hash ^ (hash >> 30)) * 0xBF58476D1CE4E5B9ull;
-    hash = (hash ^ (hash >> 27)) * 0x94D049BB133111EBull;
-    hash ^= hash >> 31;
-  }
-  return hash;
-}
-
-template <class T>
-std::vector<T> permuted(const std::vector<T>& values, const std::vector<std::uint32_t>& order) {
-  std::vector<T> out;
-  out.reserve(order.size());
-  for (const std::uint32_t i : order) out.push_back(values[i]);
-  return out;
+/// What orders Gaussians of one file among themselves. Finite in usable ones but for the opacity, which may be
+/// infinite.
+auto key_of(const GaussianCloud& cloud, std::size_t i) {
+  const float *p = &cloud.position[3 * i], *s = &cloud.log_scale[3 * i];
+  return std::tuple(p[2], p[1], p[0], cloud.logit_opacity[i], s[0], s[1], s[2]);
 }
 
 }  // namespace
 
+std::vector<std::uint32_t> canonical_rows(const GaussianCloud& cloud) {
+  std::vector<std::uint32_t> rows;
+  for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i)
+    if (cloud.usable[i]) rows.push_back(std::uint32_t(i));
+  std::sort(rows.begin(), rows.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return key_of(cloud, a) < key_of(cloud, b); });
+  return rows;
+}
+
 orbit::SurfacePoints canonical_points(const GaussianCloud& cloud, const std::vector<std::uint8_t>& member) {
   NGS_CHECK(member.empty() || std::int64_t(member.size()) == cloud.size(), "one entry per Gaussian");
   const orbit::SurfacePoints all = orbit::surface_points(cloud);
-  std::vector<std::uint64_t> hash(all.count());
-  std::vector<std::uint32_t> order;
-  for (std::size_t i = 0; i < all.count(); ++i) {
-    hash[i] = hash_of(&cloud.position[3 * std::size_t(all.row[i])]);
-    if (member.empty() || member[all.row[i]]) order.push_back(std::uint32_t(i));
+  constexpr std::uint32_t kNone = std::uint32_t(-1);
+  std::vector<std::uint32_t> point_of(std::size_t(cloud.size()), kNone);
+  for (std::size_t k = 0; k < all.count(); ++k)
+    if (member.empty() || member[all.row[k]]) point_of[all.row[k]] = std::uint32_t(k);
+  orbit::SurfacePoints out;
+  for (const std::uint32_t row : canonical_rows(cloud)) {
+    const std::uint32_t k = point_of[row];
+    if (k == kNone) continue;
+    out.row.push_back(row), out.position.push_back(all.position[k]), out.opacity.push_back(all.opacity[k]);
+    out.size.push_back(all.size[k]), out.area.push_back(all.area[k]);
   }
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    if (hash[a] != hash[b]) return hash[a] < hash[b];
-    if (all.opacity[a] != all.opacity[b]) return all.opacity[a] < all.opacity[b];
-    return all.area[a] < all.area[b];
-  });
-  return {permuted(all.row, order), permuted(all.position, order), permuted(all.opacity, order),
-          permuted(all.size, order), permuted(all.area, order)};
+  return out;
 }
 
 }  // namespace ngs

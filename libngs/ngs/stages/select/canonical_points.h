@@ -5,8 +5,12 @@
 
 namespace ngs {
 
-/// surface_points() of the Gaussians with member[i] != 0 (empty: of all), ordered by a hash of their positions: any
-/// stretch of it is a fair sample. Those of one position are ordered by opacity and area.
+/// Usable Gaussians in the order of their positions: by z, then y, then x. Those of one position are ordered by opacity
+/// and sizes, and where these are equal too, one is as good as the other.
+std::vector<std::uint32_t> canonical_rows(const GaussianCloud& cloud);
+
+/// surface_points() of the Gaussians with member[i] != 0 (empty: of all) in this order. Every k-th of them is a fair
+/// sample.
 orbit::SurfacePoints canonical_points(const GaussianCloud& cloud, const std::vector<std::uint8_t>& member = {});
 
 }  // namespace ngs

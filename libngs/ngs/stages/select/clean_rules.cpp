@@ -33,7 +33,7 @@ class Cleaner {
 
   CleanFinding run() {
     mark_single();
-    if (options_.isolation > 0) {
+    if (options_.isolation > 0 && look_around()) {
       mark_isolated();
       if (options_.floater_size > 0) mark_floaters();
     }
@@ -71,12 +71,10 @@ class Cleaner {
 
   /// What is left, with its neighbours. False where that is too little.
   bool look_around() {
-    rows_.clear(), position_.clear(), usual_.clear();
-    for (std::size_t i = 0; i < finding_.debris.size(); ++i) {
-      if (finding_.debris[i] != Debris::kNone || !cloud_.usable[i]) continue;
-      rows_.push_back(std::uint32_t(i));
+    rows_ = canonical_rows(cloud_);
+    std::erase_if(rows_, [&](std::uint32_t i) { return finding_.debris[i] != Debris::kNone; });
+    for (const std::size_t i : rows_)
       position_.insert(position_.end(), &cloud_.position[3 * i], &cloud_.position[3 * i] + 3);
-    }
     if (rows_.size() < kLeastRows) return false;
     graph_ = nearest_others(exec_, {position_.data(), std::int64_t(rows_.size())}, kNeighbours);
     for (std::size_t q = 0; q < rows_.size(); ++q)
@@ -84,10 +82,10 @@ class Cleaner {
     return true;
   }
 
+  bool is_left(std::size_t q) const { return finding_.debris[rows_[q]] == Debris::kNone; }
   double reach(std::size_t q) const { return kReach * std::exp(log_sizes(cloud_, rows_[q])[2]); }
 
   void mark_isolated() {
-    if (!look_around()) return;
     for (std::size_t q = 0; q < rows_.size(); ++q) {
       std::vector<double> near;
       for (std::size_t k = q * kNeighbours; k < (q + 1) * kNeighbours; ++k) near.push_back(usual_[graph_.index[k]]);
@@ -102,6 +100,7 @@ class Cleaner {
     for (std::size_t q = 0; q < rows_.size(); ++q)
       for (std::size_t k = q * kNeighbours; k < (q + 1) * kNeighbours; ++k) {
         const std::size_t other = graph_.index[k];
+        if (!is_left(q) || !is_left(other)) continue;
         const double usual = 3 * std::min(usual_[q], usual_[other]);
         if (std::sqrt(double(graph_.dist2[k])) <= std::max(usual, reach(q) + reach(other)))
           sets.join(std::uint32_t(q), std::uint32_t(other));
@@ -110,13 +109,14 @@ class Cleaner {
   }
 
   void mark_floaters() {
-    if (!look_around()) return;
     UnionFind sets = pieces();
     std::vector<std::int64_t> size(rows_.size(), 0);
     for (std::size_t q = 0; q < rows_.size(); ++q) ++size[sets.root(std::uint32_t(q))];
     std::vector<std::uint32_t> large, small;
-    for (std::size_t q = 0; q < rows_.size(); ++q)
+    for (std::size_t q = 0; q < rows_.size(); ++q) {
+      if (!is_left(q)) continue;
       (size[sets.root(std::uint32_t(q))] > options_.floater_size ? large : small).push_back(std::uint32_t(q));
+    }
     if (large.empty() || small.empty()) return;
     const KnnGraph nearest = [&] {
       const std::vector<float> points = positions_of(large), queries = positions_of(small);
