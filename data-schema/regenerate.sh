@@ -7,7 +7,7 @@ bin=${1:-$here/../build/bin}
 
 rm -rf "$here/options" "$here/report"
 mkdir -p "$here/options" "$here/report"
-for folder in "$here"/../tools/ngs-*/; do
+for folder in "$here"/../tools/ngs/ "$here"/../tools/ngs-*/; do
   tool=$(basename "$folder")
   "$bin/$tool" --print-commands | while read -r command; do
     file=$tool${command:+-$command}.schema.json

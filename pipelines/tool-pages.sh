@@ -67,7 +67,7 @@ fill() {
 differs=0
 help_of ngs-variance | common_part > "$work/common"
 fill ngs-variance "$pages/README.md"
-for folder in "$pages"/ngs-*/; do
+for folder in "$pages"/ngs/ "$pages"/ngs-*/; do
   tool=$(basename "$folder")
   grep -qsx '<!-- help -->' "$folder$tool.md" || fail 3 "$folder$tool.md: expected the page of $tool, with a line '<!-- help -->'"
   fill "$tool" "$folder$tool.md"

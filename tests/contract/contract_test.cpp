@@ -34,7 +34,7 @@ const fs::path kCases = fs::path(NGS_SOURCE_DIR) / "tests/contract/cases";
 
 /// The line that names the error, else the first line.
 std::string said(const std::string& err) {
-  static const std::regex error("(^|\n)(ngs-[a-z]+( [a-z]+)?: error: [^\n]+)");
+  static const std::regex error("(^|\n)(ngs(-[a-z]+)?( [a-z]+)?: error: [^\n]+)");
   std::smatch match;
   return std::regex_search(err, match, error) ? match[2].str() : err.substr(0, err.find('\n'));
 }

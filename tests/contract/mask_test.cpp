@@ -51,6 +51,9 @@ const test::TempDir& stroke_scene() {
 TEST_CASE("strokes on one view bring masks of all views of a synthetic scene") {
   const test::TempDir& dir = stroke_scene();
   CHECK(test::schema_violations(schema(), Json::parse(kStrokes)) == "");
+  CHECK(test::schema_violations(schema(), Json::parse(R"({"ngs_prompts":2,"views":[{"width":8,"height":6,
+      "polygons":[{"object":true,"points":[[1,1],[2,2],[3,1]]}],"points":[{"object":false,"x":7,"y":5}]}]})")) == "");
+  CHECK(test::schema_violations(schema(), Json::parse(R"({"ngs_prompts":2,"width":8,"height":6,"boxes":[]})")) != "");
   run_tool(dir, {"ngs-mask", "scene.json", "--prompts", "strokes.json", "-o", "masks", "-q", "--report", "mask.json"});
   run_tool(dir, {"ngs-eval", "masks", "scene/masks_gt", "-o", "metrics.json", "-q", "--report", "eval.json"});
   const Json metrics = Json::parse(test::read_bytes(dir.path() + "/metrics.json"));

@@ -20,7 +20,8 @@ const fs::path kSchemas = fs::path(NGS_SOURCE_DIR) / "data-schema";
 Words tools() {
   Words names;
   for (const fs::directory_entry& entry : fs::directory_iterator(fs::path(NGS_SOURCE_DIR) / "tools"))
-    if (entry.path().filename().string().rfind("ngs-", 0) == 0) names.push_back(entry.path().filename().string());
+    if (const std::string name = entry.path().filename().string(); name == "ngs" || name.starts_with("ngs-"))
+      names.push_back(name);
   return names;
 }
 

@@ -56,14 +56,27 @@ TEST_CASE("every tool has a page, and the README links to it") {
   int tools = 0;
   for (const fs::directory_entry& entry : fs::directory_iterator(kTree / "tools")) {
     const std::string name = entry.path().filename().string();
-    if (!name.starts_with("ngs-")) continue;
+    if (name != "ngs" && !name.starts_with("ngs-")) continue;
     const std::string page = "tools/" + name + "/" + name + ".md";
     CAPTURE(page);
     CHECK(fs::exists(kTree / page));
     CHECK(readme.find("(" + page + ")") != std::string::npos);
     ++tools;
   }
-  CHECK(tools == 12);
+  CHECK(tools == 13);
+}
+
+TEST_CASE("ngs knows every tool") {
+  test::ProcessSpec spec;
+  spec.argv = {NGS_TOOL_DIR "/ngs"};
+  const test::ProcessResult list = test::run_process(spec);
+  CHECK(list.exit_code == 0);
+  for (const fs::directory_entry& entry : fs::directory_iterator(kTree / "tools")) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with("ngs-")) continue;
+    CAPTURE(name);
+    CHECK(list.out.find("\n  " + name.substr(4) + " ") != std::string::npos);
+  }
 }
 
 TEST_CASE("the README is two screens") {

@@ -57,7 +57,7 @@ mutant $f $t $f "views not merged" 's/views\[i\] \+= other\.views\[i\];//'
 mutant stages/boundary/variance_stage.cpp $t stages/boundary/variance_stage.cpp "W1 \/ W of what no view sees" 's/if \(e\.views\[i\] == 0\) continue;//'
 mutant stages/boundary/variance_stage.cpp $t stages/boundary/variance_stage.cpp "pooled variance in float" 's/const double p = e\.object/const float p = (float)e.object/'
 mutant stages/boundary/variance_stage.cpp $t stages/boundary/variance_stage.cpp "unweighted ratio doubled" 's/return 1\.0 - r \* r;/return 1.0 - 2 * r * r;/'
-mutant ops/splat/evidence.cpp $t ops/splat/evidence.cpp "unknown pixels counted" 's/masks\.known\.empty\(\) \? nullptr : masks\.known\.data\(\)/nullptr/'
+mutant ops/splat/evidence.cpp $t ops/splat/evidence.cpp "unknown pixels counted" 's/of\.masks\.known\.empty\(\) \? nullptr : of\.masks\.known\.data\(\)/nullptr/'
 
 t=unit/passes/components/components_test.cpp f=passes/components/components.cpp
 mutant $f $t $f "components: what many views agree on may be one" 's/if \(double\(object\.views\[i\]\) >= core\.least_views\) continue;//'

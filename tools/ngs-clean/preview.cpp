@@ -17,21 +17,32 @@ constexpr int kSide_px = 480, kGap_px = 4;
 constexpr double kElevation = 0.35;                   // sine of the angle above the horizontal
 constexpr Vec3<float> kBackground{0.5f, 0.5f, 0.5f};  // what is removed is dark or bright
 
-std::array<Camera, 2> cameras_about(const GaussianCloud& cloud) {
+/// About the bulk from two sides; of a room from within, to two sides.
+std::array<orbit::Pose, 2> poses_for(const orbit::RoomFinding& room, double radius, const orbit::Lens& lens) {
+  if (room.is_room()) {
+    const orbit::Vec stand = room.stands.front(), level{-stand.x, -stand.y, 0};
+    const orbit::Vec ahead = orbit::length(level) > 0.1 * radius ? orbit::unit(level) : orbit::Vec{1, 0, 0};
+    return {{{stand, stand + radius * ahead}, {stand, stand - radius * ahead}}};
+  }
+  const double distance = radius / lens.least_half_sine(), level = std::sqrt(1 - kElevation * kElevation);
+  return {{{distance * orbit::Vec{0, level, kElevation}, {0, 0, 0}},
+           {distance * orbit::Vec{0, -level, kElevation}, {0, 0, 0}}}};
+}
+
+std::array<Camera, 2> cameras_of(const Exec& exec, const GaussianCloud& cloud) {
   const orbit::SurfacePoints points = canonical_points(cloud);
   if (points.count() == 0)
     throw Error(ErrorCode::kNothingFound, "--preview: no Gaussian can be seen, expected some", "leave it out");
   const orbit::Ball bulk = orbit::bulk_of(points);
   const orbit::Frame frame = orbit::frame_about(points, bulk, orbit::guess_up(points, bulk).up);
-  const orbit::Lens lens{kSide_px, kSide_px, 40};
-  const double distance = bulk.radius / lens.least_half_sine(), level = std::sqrt(1 - kElevation * kElevation);
-  const auto camera_from = [&](double side) {
-    return orbit::camera_at({distance * orbit::Vec{0, side * level, kElevation}, {0, 0, 0}}, lens, frame, cloud.origin);
-  };
-  return {camera_from(1), camera_from(-1)};
+  const orbit::FreeSpace space(cloud, points, frame, {1.1 * bulk.radius, 64});
+  const orbit::RoomFinding room = orbit::find_room(exec, space, bulk.radius);
+  const orbit::Lens lens{kSide_px, kSide_px, room.is_room() ? 80.0 : 40.0};
+  const auto poses = poses_for(room, bulk.radius, lens);
+  return {orbit::camera_at(poses[0], lens, frame, cloud.origin), orbit::camera_at(poses[1], lens, frame, cloud.origin)};
 }
 
-/// The model with what is not shown made transparent.
+/// The model with what is not shown left out.
 GaussianCloud shown(GaussianCloud cloud, const std::vector<std::uint8_t>& keep, bool kept) {
   for (std::size_t i = 0; i < keep.size(); ++i)
     if ((keep[i] != 0) != kept) cloud.usable[i] = 0;
@@ -53,7 +64,7 @@ void paste(const ImageF& colour, ImageU8& sheet, int left, int top) {
 
 void write_preview(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::uint8_t>& keep,
                    const std::string& path) {
-  const std::array<Camera, 2> cameras = cameras_about(cloud);
+  const std::array<Camera, 2> cameras = cameras_of(exec, cloud);
   ImageU8 sheet(3 * kSide_px + 2 * kGap_px, 2 * kSide_px + kGap_px, 3);
   std::ranges::fill(sheet.data, std::uint8_t(255));
   RenderRequest request;

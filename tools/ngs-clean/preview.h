@@ -1,5 +1,5 @@
 #pragma once
-// A picture of what a cleaning does: the scene before, after, and what was removed, from the front and from behind.
+// A picture of what a cleaning does: the scene before, after, and what was removed, from two sides.
 #include <string>
 
 #include "ngs/backend/exec.h"
@@ -7,8 +7,8 @@
 
 namespace ngs::clean {
 
-/// Two rows (front, behind) of three pictures (before, after, removed). The cameras look at the bulk of the model as it
-/// was, a little from above. Needs a Gaussian that can be seen: kNothingFound otherwise.
+/// Two rows (sides) of three pictures (before, after, removed). The cameras look at the bulk of the model as it was, a
+/// little from above; of a room they stand in it. Needs a Gaussian that can be seen: kNothingFound otherwise.
 void write_preview(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::uint8_t>& keep,
                    const std::string& path);
 

@@ -3,11 +3,11 @@
 #include <filesystem>
 #include <sstream>
 
-#include "child_process.h"
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/image/image_file.h"
 #include "segmenters.h"
+#include "shared/run/child_process.h"
 
 namespace ngs::cli {
 namespace {

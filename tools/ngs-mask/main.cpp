@@ -1,6 +1,5 @@
-// ngs-mask: strokes or boxes on one photo -> masks of all views, through the splat.
+// ngs-mask: strokes or boxes on some photos -> masks of all views, through the splat.
 #include "ngs/io/ply/gaussian_ply.h"
-#include "ngs/stages/masks/hand_prompt.h"
 #include "ngs/stages/render/render_options.h"
 #include "prompt_input.h"
 #include "segmenters.h"
@@ -43,8 +42,7 @@ int make_masks(cli::Run& run, const Options& options, const Files& files) {
     run.warn_unused({"--points", "--segmenter-timeout-s"}, "without --segmenter");
   if (!files.model) cli::require_model(run, scene, files.scene.path);
   const std::string model_path = files.model ? files.model.path : scene.model_path;
-  const HandPrompt hand = cli::read_prompts(files.marks);
-  const std::size_t reference = cli::reference_view(run, scene, options.which.view, hand, files.marks);
+  const auto marks = cli::read_marks(run, scene, options.which.view, files.marks);
   const io::GaussianPly ply = io::read_gaussian_ply(model_path, io::HigherBands::kCheckOnly);
   cli::MaskViews views(scene, options.which.detail);
   refuse_over_photos(views, scene, files);
@@ -52,21 +50,16 @@ int make_masks(cli::Run& run, const Options& options, const Files& files) {
   const Segmenter segment = options.runs_a_program() ? cli::command_segmenter(options.segmenter, scene, load, run)
                                                      : cli::grab_cut_segmenter(options.segmenter, load, run.seed());
   run.result()["views"] = scene.views.size();
-  run.result()["reference"] = scene.views[reference].camera.name;
-  const Camera& camera = views.cameras()[reference];
   const SpreadInput input{ply.cloud,
                           scene,
                           views.cameras(),
                           views.has_photo(),
                           filter_at_scale(splat_options(options.raster, ply.cloud, scene), views.scale()),
-                          reference,
-                          rasterise(hand, camera.width_px, camera.height_px),
+                          views.rasterised(run, marks),
                           segment,
                           [&](std::size_t view, const SpreadView& result) {
                             views.keep(run, view, result, files.out.path, files.soft.path);
                           }};
-  if (!input.has_photo[reference])
-    throw Error(ErrorCode::kInconsistent, "view " + camera.name + ": it has no photo, expected one under the strokes");
   if (run.dry_run()) return run.plan(views.plan(ply.cloud, options.spread.passes)), cli::kDone;
   spread_masks(run.exec(), run.monitor(), options.spread, input);
   if (run.stop_code() == 0) views.finish(run);
@@ -76,8 +69,9 @@ int make_masks(cli::Run& run, const Options& options, const Files& files) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  cli::Tool tool("ngs-mask", "Make masks of all views from strokes or boxes on one photo.",
+  cli::Tool tool("ngs-mask", "Make masks of all views from strokes, polygons or boxes on some photos.",
                  {"ngs-mask scene.json --prompts strokes.json -o masks/",
+                  "ngs-mask scene.json --prompts 0003.png --prompts 0017.png -o masks/",
                   "ngs-mask scene.json --view IMG_4038 --object-scribbles pos.png --background-scribbles "
                   "neg.png -o masks/",
                   "ngs-mask scene.json --prompts 0003.png -o masks/ --segmenter 'python3 sam.py {image} "
@@ -90,8 +84,10 @@ int main(int argc, char** argv) {
   const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene");
   const cli::Input& model = tool.optional_input("--model", "3DGS PLY; default: the scene's");
   const cli::PromptInputs marks{
-      tool.optional_input("--prompts",
-                          "strokes and boxes as JSON, or a PNG with green (object) and red (background) strokes"),
+      tool.inputs(
+          "--prompts",
+          "strokes, polygons and boxes as JSON, or a photo with green (object) and red (background) paint on it, "
+          "or a PNG of such paint alone (repeatable, or PATH,PATH)"),
       tool.optional_input("--object-scribbles", "PNG: all that is not black is the object"),
       tool.optional_input("--background-scribbles", "PNG: all that is not black is not the object")};
   const cli::Output& out = tool.output_dir("-o,--output", "folder for the masks, STEM.png, 0/255");

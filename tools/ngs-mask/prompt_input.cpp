@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "ngs/core/error.h"
+#include "ngs/io/scene/painted_picture.h"
 #include "ngs/io/scene/prompt_files.h"
 #include "ngs/scene/view_names.h"
 #include "ngs/stages/render/render_stage.h"
@@ -18,54 +19,79 @@ bool is_json(const std::string& path) {
   return (std::ifstream(path) >> first) && first == '{';  // no picture begins with a brace
 }
 
+/// Finds views of a scene for marks.
+struct ViewFinder {
+  const Run& run;
+  const Scene& scene;
+  const std::string& wanted;  // --view
+  ViewNames names{scene.views};
+
+  /// Of marks that name the view `said` (may be empty) in the file `path` (empty: the file name says nothing).
+  std::size_t view_of(const std::string& said, const std::string& path) const {
+    std::string name = !wanted.empty() ? wanted : said;
+    if (name.empty() && !path.empty() && !run.comes_from_stream(path)) name = named_like(path);
+    if (name.empty())
+      throw Error(ErrorCode::kUsage,
+                  (path.empty() ? "" : path + ": ") + "the prompts do not say which view they are of",
+                  "give --view NAME, or name the file after the photo");
+    const std::size_t view = only(name);
+    const std::vector<std::size_t> other = names.find(said);
+    if (!said.empty() && other.size() == 1 && other[0] != view)
+      throw Error(ErrorCode::kUsage, "view = " + name + ": the prompts are of " + said + ", expected one view",
+                  "leave --view out, or give the prompts of that view");
+    return view;
+  }
+
+ private:
+  std::size_t only(const std::string& name) const {
+    const std::vector<std::size_t> found = names.find(name);
+    if (found.size() == 1) return found[0];
+    throw Error(ErrorCode::kUsage,
+                "view = " + name + ": " + (found.empty() ? "no view" : "several views") + " of that name, expected one",
+                "say which with --view NAME; the first is '" + scene.views.front().camera.name + "'");
+  }
+  std::string named_like(const std::string& path) const {
+    const std::string stem = std::filesystem::path(path).stem().string();
+    std::string name;
+    for (const SceneView& view : scene.views) {
+      if (image_stem(bare_name(view.camera.name)) != stem) continue;
+      if (!name.empty())
+        throw Error(ErrorCode::kUsage, path + ": has the name of several views, " + name + " and " + view.camera.name,
+                    "say which with --view NAME");
+      name = view.camera.name;
+    }
+    return name;
+  }
+};
+
 }  // namespace
 
-HandPrompt read_prompts(const PromptInputs& inputs) {
+std::map<std::size_t, std::vector<HandPrompt>> read_marks(const Run& run, const Scene& scene, const std::string& wanted,
+                                                          const PromptInputs& inputs) {
   const bool pictures = inputs.object || inputs.background;
   if (bool(inputs.prompts) == pictures)
     throw Error(
         ErrorCode::kUsage,
         inputs.prompts ? "--prompts and scribble pictures are both given, expected one kind" : "no prompts are given",
-        "mark the object on one photo: --prompts strokes.json, --prompts scribbles.png, or "
-        "--object-scribbles pos.png "
+        "mark the object on photos: --prompts strokes.json, --prompts scribbles.png, or --object-scribbles pos.png "
         "--background-scribbles neg.png");
-  if (inputs.prompts)
-    return is_json(inputs.prompts.path) ? io::read_prompts_json(inputs.prompts.path)
-                                        : io::read_scribbles(inputs.prompts.path);
+  const ViewFinder finder{run, scene, wanted};
+  std::map<std::size_t, std::vector<HandPrompt>> marks;
+  for (const std::string& path : inputs.prompts.paths) {
+    if (is_json(path)) {
+      for (HandPrompt& prompt : io::read_prompts_json(path))
+        marks[finder.view_of(prompt.view, path)].push_back(std::move(prompt));
+    } else {
+      const std::size_t view = finder.view_of("", path);
+      marks[view].push_back(io::read_painted_picture(path, scene.views[view].image_path));
+    }
+  }
+  if (!pictures) return marks;
   HandPrompt prompt;
   if (inputs.background) io::add_scribbles(inputs.background.path, false, prompt);
   if (inputs.object) io::add_scribbles(inputs.object.path, true, prompt);
-  return prompt;
-}
-
-std::size_t reference_view(const Run& run, const Scene& scene, const std::string& wanted, const HandPrompt& prompt,
-                           const PromptInputs& inputs) {
-  std::string name = !wanted.empty() ? wanted : prompt.view;
-  if (name.empty() && inputs.prompts && !run.comes_from_stream(inputs.prompts)) {
-    const std::string stem = std::filesystem::path(inputs.prompts.path).stem().string();
-    for (const SceneView& view : scene.views) {
-      if (image_stem(bare_name(view.camera.name)) != stem) continue;
-      if (!name.empty())
-        throw Error(ErrorCode::kUsage,
-                    inputs.prompts.path + ": has the name of several views, " + name + " and " + view.camera.name,
-                    "say which with --view NAME");
-      name = view.camera.name;
-    }
-  }
-  if (name.empty())
-    throw Error(ErrorCode::kUsage, "the prompts do not say which view they are of",
-                "give --view NAME, or name the file after the photo");
-  const ViewNames names(scene.views);
-  const std::vector<std::size_t> found = names.find(name);
-  if (found.size() != 1)
-    throw Error(ErrorCode::kUsage,
-                "view = " + name + ": " + (found.empty() ? "no view" : "several views") + " of that name, expected one",
-                "say which with --view NAME; the first is '" + scene.views.front().camera.name + "'");
-  const std::vector<std::size_t> said = names.find(prompt.view);
-  if (!prompt.view.empty() && said.size() == 1 && said[0] != found[0])
-    throw Error(ErrorCode::kUsage, "view = " + name + ": the prompts are of " + prompt.view + ", expected one view",
-                "leave --view out, or give the prompts of that view");
-  return found[0];
+  marks[finder.view_of("", "")].push_back(std::move(prompt));
+  return marks;
 }
 
 }  // namespace ngs::cli

@@ -7,19 +7,16 @@
 namespace ngs::cli {
 
 struct PromptInputs {
-  const Input& prompts;  // JSON or a picture in green and red
-  const Input& object;   // pictures, one per side
+  const Inputs& prompts;  // JSON, or pictures painted in green and red
+  const Input& object;    // pictures, one per side
   const Input& background;
 };
 
-/// kUsage where there are none, or both kinds; kNothingFound is not thrown here: background alone is a prompt
-/// too. Prompts are JSON if their file is called so or begins with a brace, else a picture.
-HandPrompt read_prompts(const PromptInputs& inputs);
-
-/// Index of the view that the marks are of: `wanted`, else the one that the prompts name, else the one whose
-/// stem the file name has. kUsage where there is none, or where the prompts name another view of the scene than
-/// `wanted`.
-std::size_t reference_view(const Run& run, const Scene& scene, const std::string& wanted, const HandPrompt& prompt,
-                           const PromptInputs& inputs);
+/// All marks by the view that they are of. kUsage where there are none, or both kinds; background alone is a prompt
+/// too. A file of prompts is JSON if it is called so or begins with a brace, else a picture. The view of marks is the
+/// one that they name, else `wanted`, else the one whose stem the file name has. kUsage where there is no such view, or
+/// where the marks name another view than `wanted`.
+std::map<std::size_t, std::vector<HandPrompt>> read_marks(const Run& run, const Scene& scene, const std::string& wanted,
+                                                          const PromptInputs& inputs);
 
 }  // namespace ngs::cli

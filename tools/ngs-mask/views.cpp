@@ -6,12 +6,14 @@
 #include <iomanip>
 #include <sstream>
 
+#include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/regular_file.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/image/photo.h"
 #include "ngs/options/name_of.h"
 #include "ngs/scene/view_names.h"
+#include "ngs/stages/masks/hand_prompt.h"
 #include "segmenters.h"
 #include "shared/text/text_columns.h"
 
@@ -40,6 +42,35 @@ std::string MaskViews::file_in(const std::string& folder, std::size_t view) cons
 }
 
 ImageU8 MaskViews::photo(std::size_t view) const { return photo_bytes(io::load_fine_photo(scene_, view, detail_)); }
+
+std::map<std::size_t, ViewPrompt> MaskViews::rasterised(
+    Run& run, const std::map<std::size_t, std::vector<HandPrompt>>& marks) const {
+  std::map<std::size_t, ViewPrompt> prompts;
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(2);
+  Json said = Json::array();
+  for (const auto& [view, hands] : marks) {
+    const Camera& camera = cameras_[view];
+    if (!has_photo_[view])
+      throw Error(ErrorCode::kInconsistent,
+                  "view " + camera.name + ": it has no photo, expected one under the strokes");
+    const ViewPrompt& prompt = prompts.emplace(view, rasterise(hands, camera.width_px, camera.height_px)).first->second;
+    const auto share = [&](const auto& is_counted) {
+      return double(std::count_if(prompt.hint.begin(), prompt.hint.end(), is_counted)) / double(prompt.hint.size());
+    };
+    const double object = share([](PixelHint hint) { return hint == PixelHint::kObject; }),
+                 box = share([](PixelHint hint) { return hint == PixelHint::kLikelyObject; }),
+                 background = share([](PixelHint hint) { return hint == PixelHint::kBackground; });
+    said.push_back({{"view", camera.name}, {"object", object}, {"box", box}, {"background", background}});
+    text << "marked on " << camera.name << ": object " << 100 * object << " %, ";
+    if (box > 0) text << "in boxes " << 100 * box << " %, ";
+    text << "background " << 100 * background << " %\n";
+  }
+  run.text(text.str());
+  run.result()["reference"] = cameras_[marks.begin()->first].name;
+  run.result()["marked"] = said;
+  return prompts;
+}
 
 void MaskViews::keep(Run& run, std::size_t view, const SpreadView& result, const std::string& masks,
                      const std::string& soft) {
@@ -109,7 +140,8 @@ void MaskViews::finish(Run& run) {
                        " views do not show the object as far as the others know: their masks are empty");
   if (unseen > 0 && unseen + count[MaskSource::kReference] == int(outcome_.size()))
     run.monitor().warn(
-        "the object is in the mask of the marked view alone, which is too little to know it by elsewhere: mark more of "
+        "the object is in the masks of the marked views alone, which is too little to know it by elsewhere: mark more "
+        "of "
         "it");
 }
 

@@ -4,6 +4,7 @@
 
 #include "ngs/options/field.h"
 #include "ngs/scene/gaussian_cloud.h"
+#include "ngs/scene/hand_prompt.h"
 #include "ngs/stages/masks/mask_spread.h"
 #include "shared/run/run.h"
 
@@ -15,7 +16,7 @@ struct ViewOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.view, Text{"view", "NAME", "the view that the prompts are of; default: as they say"});
+    visit(self.view, Text{"view", "NAME", "the view that the prompts are of; default: as each says"});
     visit(self.detail, Field<int>{"detail", "",
                                   "segment and write at up to this many times the scene's working size, as far "
                                   "as the photos have the pixels",
@@ -34,6 +35,11 @@ class MaskViews {
   /// Largest size of a view over the scene's working size.
   double scale() const { return scale_; }
   ImageU8 photo(std::size_t view) const;
+
+  /// The marks at the sizes that are segmented. Says in the report and for people how much of each view they cover.
+  /// kInconsistent for a marked view without a photo.
+  std::map<std::size_t, ViewPrompt> rasterised(Run& run,
+                                               const std::map<std::size_t, std::vector<HandPrompt>>& marks) const;
 
   /// The file of a view's mask in a folder.
   std::string file_in(const std::string& folder, std::size_t view) const;

@@ -8,6 +8,7 @@
 
 #include "check_report.h"
 #include "ngs/backend/for_each.h"
+#include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/folder_index.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/ply/gaussian_ply.h"
@@ -67,6 +68,9 @@ Vec3<double> contrasting_background(const GaussianCloud& cloud) {
   return sum < 0.5 * total ? Vec3<double>{1, 1, 1} : Vec3<double>{0, 0, 0};
 }
 
+/// Marks a folder of renders: what an earlier run has left there is no photo.
+constexpr const char* kOfRenders = ".ngs-renders";
+
 /// Where the renders go, and those of an earlier run.
 struct ImagesFolder {
   std::string path;
@@ -74,7 +78,7 @@ struct ImagesFolder {
 };
 
 /// The folder beside scene.json. What lies in it must be renders of an earlier run: photos of that name would be lost.
-ImagesFolder images_folder(const std::string& scene_path, bool overwrite) {
+ImagesFolder images_folder(const std::string& scene_path) {
   const fs::path folder = fs::path(scene_path).parent_path() / "images";
   ImagesFolder images{folder.string(), {}};
   std::error_code ignored;
@@ -83,15 +87,11 @@ ImagesFolder images_folder(const std::string& scene_path, bool overwrite) {
     throw Error(ErrorCode::kUsage, images.path + ": is no folder, expected one for the renders",
                 "choose another folder for scene.json");
   if (fs::is_empty(folder, ignored)) return images;
-  Scene earlier;
-  if (fs::is_regular_file(scene_path, ignored)) earlier = io::read_scene_json(scene_path);
-  if (!earlier.renders)
+  if (!fs::exists(folder / kOfRenders, ignored))
     throw Error(ErrorCode::kUsage,
                 images.path + ": holds files that are not the renders of " + scene_path + ", expected none",
-                "choose another folder for scene.json, or remove what an interrupted run has left there");
-  if (!overwrite) throw Error(ErrorCode::kUsage, images.path + ": is not empty", "replace it with -w");
-  for (const SceneView& view : earlier.views)
-    if (fs::path(view.image_path).parent_path() == folder) images.earlier.push_back(view.image_path);
+                "choose another folder for scene.json");
+  for (const std::string& name : io::list_images(images.path)) images.earlier.push_back((folder / name).string());
   return images;
 }
 
@@ -207,7 +207,7 @@ int orbit_command(int argc, char** argv) {
                   "a stream for MODEL or --output, expected files: scene.json names the model and "
                   "its renders by their paths");
     const orbit::PictureSize size = parse_size(pictures.size);
-    const ImagesFolder images = out ? images_folder(out.path, run.overwrite()) : ImagesFolder{"images", {}};
+    const ImagesFolder images = out ? images_folder(out.path) : ImagesFolder{"images", {}};
     const io::GaussianPly ply = [&] {
       const auto timed = run.monitor().scope("read");
       return io::read_gaussian_ply(model.path);
@@ -227,6 +227,7 @@ int orbit_command(int argc, char** argv) {
       return cli::kDone;
     }
     fs::create_directories(images.path);
+    io::write_file((fs::path(images.path) / kOfRenders).string(), "");
     write_renders(run, ply.cloud, scene, chosen.cameras);
     remove_stale(images, scene);
     io::write_scene_json(out.path, scene);

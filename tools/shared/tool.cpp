@@ -28,7 +28,8 @@ struct Tool::Impl {
     spec.positional_names.push_back(name);
   }
   Output& add_output(std::string flags, std::string help, bool required, bool directory) {
-    return spec.outputs.emplace_back(Output{std::move(flags), std::move(help), required, directory, {}});
+    return spec.outputs.emplace_back(
+        Output{.flags = std::move(flags), .help = std::move(help), .required = required, .directory = directory});
   }
 };
 
@@ -66,6 +67,11 @@ const Output& Tool::output_dir(std::string flags, std::string help) {
 }
 const Output& Tool::optional_output_dir(std::string flags, std::string help) {
   return impl_->add_output(std::move(flags), std::move(help), false, true);
+}
+const Output& Tool::resumed_output_dir(std::string flags, std::string help) {
+  Output& output = impl_->add_output(std::move(flags), std::move(help), false, true);
+  output.resumes = true;
+  return output;
 }
 void Tool::writes_nothing_if(const bool& option) { impl_->spec.writes_nothing_if.push_back(&option); }
 void Tool::help(std::string name, std::function<std::string(bool in_full)> text) {

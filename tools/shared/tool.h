@@ -51,12 +51,15 @@ class Tool {
   OptionSet& option_set();
   const Input& input(std::string name, std::string help);
   const Input& optional_input(std::string name, std::string help);
+  /// A word: at least one path behind the other positionals. A flag: any number, repeated or as a list with commas.
   const Inputs& inputs(std::string name, std::string help);
   const Argument& argument(std::string name, std::string help);
   const Output& output(std::string flags, std::string help);
   const Output& optional_output(std::string flags, std::string help);
   const Output& output_dir(std::string flags, std::string help);
   const Output& optional_output_dir(std::string flags, std::string help);
+  /// Optional; may hold what an earlier run left, with and without -w. The tool makes it, and looks what is in it.
+  const Output& resumed_output_dir(std::string flags, std::string help);
   /// Where this option is set the tool writes nothing, and asks for no output, as in a dry run.
   void writes_nothing_if(const bool& option);
   /// A part of --help, behind the options, and what --help NAME says; asked once the command line is read. Empty: not

@@ -41,6 +41,10 @@ void Evidence::add(std::size_t gaussian, const double* sum) {
   for (std::size_t k = 0; k < std::size_t(objects); ++k) {
     const std::size_t cell = gaussian * std::size_t(objects) + k;
     const double object_w = sum[2 + 2 * k], object_count = sum[3 + 2 * k];
+    if (object_w == 0 && object_count == 0) {  // all the pixels say that it is none of its
+      contrast_sum[cell] += quantised(1);
+      continue;
+    }
     object_weight.add(cell, object_w);
     object_pixels[cell] += std::uint64_t(object_count);
     add_signal(cell, object_w / w);

@@ -1,5 +1,5 @@
 #pragma once
-// What a person marked on one view: strokes and boxes in the pixels of an image of the given size.
+// What a person marked on one view: strokes, polygons and boxes in the pixels of an image of the given size.
 #include <array>
 #include <string>
 #include <vector>
@@ -14,10 +14,16 @@ struct PromptStroke {
   std::vector<std::array<double, 2>> points;  // at least one
 };
 
+struct PromptPolygon {
+  bool object = true;                         // else background
+  std::vector<std::array<double, 2>> points;  // at least three; closed by itself, inside by the even-odd rule
+};
+
 struct HandPrompt {
   std::string view;  // empty: not said
   int width_px = 0, height_px = 0;
   std::vector<PromptStroke> strokes;
+  std::vector<PromptPolygon> polygons;
   std::vector<std::array<double, 4>> boxes;  // left, top, right, bottom; the object lies inside one of them
   std::vector<PixelHint> painted;            // [H·W] of scribble pictures, certain or likely background; may be empty
 };

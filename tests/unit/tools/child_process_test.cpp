@@ -1,10 +1,11 @@
-#include "ngs-mask/child_process.h"
+#include "shared/run/child_process.h"
 
 #include <doctest/doctest.h>
 
 #include <csignal>
 
 #include "ngs/core/error.h"
+#include "ngs/core/monitor.h"
 
 namespace ngs {
 namespace {
@@ -38,6 +39,30 @@ TEST_CASE("a command line is split as a shell would, and nothing in it is run") 
 TEST_CASE("placeholders are filled within words and once only") {
   CHECK(cli::fill_placeholders({"--i={a}", "{a}{b}", "{c}", "{", "}"}, {{"a", "{b} x"}, {"b", "y"}}) ==
         Words{"--i={b} x", "{b} xy", "{c}", "{", "}"});
+}
+
+TEST_CASE("a child is heard line by line while it runs") {
+  Words heard;
+  bool stop = false;
+  const cli::ChildResult child =
+      cli::run_child({"sh", "-c", "echo one; echo two >&2; printf half; sleep 50"}, {.stop = [&] { return stop; },
+                                                                                     .on_line =
+                                                                                         [&](const std::string& line) {
+                                                                                           heard.push_back(line);
+                                                                                           stop = heard.size() == 2;
+                                                                                         }});
+  CHECK(child.end == End::kStopped);
+  CHECK(heard == Words{"one", "two"});
+}
+
+TEST_CASE("a child that ignores the request to end is ended when patience is over") {
+  const double start_s = wall_seconds();
+  bool stop = false;
+  const cli::ChildResult child = cli::run_child(
+      {"sh", "-c", "trap '' TERM; echo ready; while true; do sleep 0.05; done"},
+      {.stop = [&] { return stop; }, .patience_s = 0.2, .on_line = [&](const std::string&) { stop = true; }});
+  CHECK(child.end == End::kStopped);
+  CHECK(wall_seconds() - start_s < 10);  // a loaded machine; the default patience alone is two seconds
 }
 
 TEST_CASE("a child's end and last words come back") {

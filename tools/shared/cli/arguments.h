@@ -12,16 +12,19 @@ struct Input {
   explicit operator bool() const { return !path.empty(); }
 };
 
-struct Inputs {  // one or more positional paths, behind the other positionals
+struct Inputs {  // a word: one or more positional paths, behind the other positionals; a flag: any number of paths
   std::string name, help;
   std::vector<std::string> paths;
+  bool is_flag() const { return name[0] == '-'; }
+  explicit operator bool() const { return !paths.empty(); }
 };
 
 struct Output {
   std::string flags, help;  // "-o,--output"
   bool required = true;
   bool directory = false;  // made by the tool; must be absent or empty unless -w, which says what stays of before
-  std::string path;        // empty: not given
+  bool resumes = false;    // a folder: what an earlier run left there is gone on with, the tool looks what that is
+  std::string path = {};   // empty: not given
   explicit operator bool() const { return !path.empty(); }
   std::string long_flag() const { return flags.substr(flags.find("--")); }
 };

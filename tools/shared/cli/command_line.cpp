@@ -1,6 +1,7 @@
 #include "shared/cli/command_line.h"
 
 #include <algorithm>
+#include <filesystem>
 
 #include "ngs/core/error.h"
 #include "ngs/options/option_warnings.h"
@@ -32,6 +33,8 @@ void declare(const OptionSet& common, const Spec& spec, Splitter& splitter) {
                                     : splitter.value(option_flags(entry), old_flags(entry));
   for (const Input& input : spec.inputs)
     if (input.name[0] == '-') splitter.value(input.name);
+  for (const Inputs& list : spec.input_lists)
+    if (list.is_flag()) splitter.value(list.name);
   for (const Output& output : spec.outputs) splitter.value(output.flags);
 }
 
@@ -61,7 +64,7 @@ void assign_positionals(const Texts& words, Spec& spec) {
   for (std::string* target : spec.positionals)
     if (next < words.size()) *target = words[next++];
   for (Inputs& list : spec.input_lists)
-    for (; next < words.size(); ++next) list.paths.push_back(words[next]);
+    for (; next < words.size() && !list.is_flag(); ++next) list.paths.push_back(words[next]);
   if (next < words.size())
     throw Error(ErrorCode::kUsage, "unexpected argument '" + words[next] + "'",
                 "see --help for the order of the arguments");
@@ -84,9 +87,23 @@ void set_options(const Splitter& splitter, const OptionSet& options, CommonFlags
   }
 }
 
+/// "a.json,b.json" is two paths, unless a file is called so. kUsage where one of several is empty.
+void add_paths(const std::string& word, Inputs& list) {
+  std::error_code unreadable;
+  if (std::filesystem::exists(word, unreadable)) return list.paths.push_back(word);
+  for (std::size_t begin = 0, end = 0; begin <= word.size(); begin = end + 1) {
+    end = std::min(word.find(',', begin), word.size());
+    if (end == begin) throw Error(ErrorCode::kUsage, list.name + ": '" + word + "', expected PATH or PATH,PATH,...");
+    list.paths.push_back(word.substr(begin, end - begin));
+  }
+}
+
 void set_paths(const Splitter& splitter, Spec& spec) {
   for (Input& input : spec.inputs)
     if (input.name[0] == '-' && splitter.has(input.name)) input.path = splitter[input.name].back();
+  for (Inputs& list : spec.input_lists)
+    if (list.is_flag() && splitter.has(list.name))
+      for (const std::string& word : splitter[list.name]) add_paths(word, list);
   for (Output& output : spec.outputs)
     if (splitter.has(output.flags)) output.path = splitter[output.flags].back();
 }
@@ -125,7 +142,7 @@ void check_required(const Spec& spec, bool dry_run) {
   };
   for (const Input& input : spec.inputs) require(!input.required || input, input.name, input.help);
   for (const Argument& argument : spec.arguments) require(!argument.value.empty(), argument.name, argument.help);
-  for (const Inputs& list : spec.input_lists) require(!list.paths.empty(), list.name, list.help);
+  for (const Inputs& list : spec.input_lists) require(list.is_flag() || list, list.name, list.help);
   if (dry_run || spec.writes_nothing()) return;
   for (const Output& output : spec.outputs) require(!output.required || output, output.long_flag(), output.help);
 }

@@ -185,7 +185,8 @@ std::string examples_and_usage(const Spec& spec, int width) {
   for (const std::string& line : spec.examples) text += example(line, width);
   std::string words = "[options]";
   for (const std::string& name : spec.positional_names) words += " " + upper(name);
-  for (const Inputs& list : spec.input_lists) words += " " + upper(list.name) + "...";
+  for (const Inputs& list : spec.input_lists)
+    if (!list.is_flag()) words += " " + upper(list.name) + "...";
   for (const Output& output : spec.outputs)
     if (output.required)
       words += " " + output.flags.substr(0, output.flags.find(',')) + (output.directory ? " DIR" : " FILE");
@@ -197,7 +198,8 @@ std::string inputs_and_outputs(const Spec& spec, int width) {
   for (const Argument& argument : spec.arguments) text += row(upper(argument.name), argument.help, width);
   for (const Input& input : spec.inputs)
     text += row(input.name[0] == '-' ? input.name + " PATH" : upper(input.name), input.help, width);
-  for (const Inputs& list : spec.input_lists) text += row(upper(list.name) + "...", list.help, width);
+  for (const Inputs& list : spec.input_lists)
+    text += row(list.is_flag() ? list.name + " PATH" : upper(list.name) + "...", list.help, width);
   for (const Output& output : spec.outputs) {
     std::string flags = output.flags;
     if (const std::size_t comma = flags.find(','); comma != flags.npos) flags.insert(comma + 1, " ");

@@ -56,7 +56,7 @@ class OutputFolders {
  public:
   explicit OutputFolders(const RunState& state) {
     for (const Output& output : state.spec.outputs)
-      if (output && output.directory && !state.flags.dry_run) {
+      if (output && output.directory && !output.resumes && !state.flags.dry_run) {
         if (std::filesystem::create_directories(output.path)) made_.push_back(output.path);
         folders_.emplace_back(output.path);
       }

@@ -20,7 +20,7 @@ void for_each_input(const Spec& spec,
   for (const Input& input : spec.inputs)
     if (input) visit(input.name.substr(input.name.find_first_not_of('-')), input.path);
   for (const Inputs& list : spec.input_lists)
-    for (const std::string& path : list.paths) visit(list.name, path);
+    for (const std::string& path : list.paths) visit(list.name.substr(list.name.find_first_not_of('-')), path);
 }
 
 void refuse_input(const std::string& output, const std::string& name, const std::string& input) {
@@ -65,7 +65,7 @@ void check_output(const Spec& spec, const Output& output, bool overwrite) {
     throw Error(ErrorCode::kUsage, output.path + ": is a " + (is_folder ? "folder" : "file") + ", expected a " +
                                        (output.directory ? "folder" : "file"));
   const bool occupied = output.directory ? !fs::is_empty(path, ignored) : fs::is_regular_file(path, ignored);
-  if (occupied && !overwrite)
+  if (occupied && !overwrite && !output.resumes)
     throw Error(ErrorCode::kUsage, output.path + (is_folder ? ": is not empty" : ": exists already"),
                 "replace it with -w");
 }

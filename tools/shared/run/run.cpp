@@ -16,6 +16,8 @@ namespace {
 bool is_given(const Spec& spec, const std::string& flag) {
   for (const Input& input : spec.inputs)
     if (input.name == flag) return bool(input);
+  for (const Inputs& list : spec.input_lists)
+    if (list.name == flag) return bool(list);
   for (const Output& output : spec.outputs)
     if (output.long_flag() == flag) return bool(output);
   for (const OptionEntry& entry : spec.options.entries())
@@ -43,7 +45,7 @@ bool Run::dry_run() const { return state_.flags.dry_run; }
 bool Run::allow_empty() const { return state_.flags.allow_empty; }
 bool Run::overwrite() const { return state_.flags.overwrite; }
 bool Run::goes_to_stdout(const Output& output) const { return state_.streams.given(output.path) == "-"; }
-bool Run::comes_from_stream(const Input& input) const { return state_.streams.given(input.path) != input.path; }
+bool Run::comes_from_stream(const std::string& path) const { return state_.streams.given(path) != path; }
 Json& Run::result() { return state_.result; }
 void Run::plan(Json plan) { state_.plan = std::move(plan); }
 void Run::info(const std::string& message) { state_.console.info(message); }

@@ -28,7 +28,8 @@ class Run {
   bool allow_empty() const;
   bool overwrite() const;
   bool goes_to_stdout(const Output& output) const;
-  bool comes_from_stream(const Input& input) const;  // stdin or a pipe: its path names nothing
+  bool comes_from_stream(const std::string& path) const;  // of an input: stdin or a pipe, its path names nothing
+  bool comes_from_stream(const Input& input) const { return comes_from_stream(input.path); }
 
   /// "result" of the report. Whole numbers at its top level are also its "counts".
   Json& result();

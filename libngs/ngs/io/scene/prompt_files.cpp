@@ -6,51 +6,126 @@
 #include "ngs/core/error.h"
 #include "ngs/io/files/json_file.h"
 #include "ngs/io/image/image_file.h"
+#include "ngs/io/scene/picture_samples.h"
 
 namespace ngs::io {
 namespace {
 
 constexpr std::int64_t kMostSide = 1 << 16;
-constexpr std::size_t kMostPoints = 1 << 20;
+constexpr std::size_t kMostPoints = 1 << 20, kMostCorners = 1 << 16;
+constexpr double kRadiusPx = 3;
+/// Share of the larger side by which a stroke may leave the picture.
+constexpr double kSlip = 0.1;
+/// Scribbles and masks, compressed or not, are within this of their one colour.
+constexpr int kScribbleDistance = 64;
 
 /// Clicks beside the picture, or coordinates of another size of it.
+[[noreturn]] void refuse_place(const JsonReader& reader, const char* key, const HandPrompt& prompt) {
+  reader.fail(
+      key, "coordinates in the " + to_string({prompt.width_px, prompt.height_px}) + " px of \"width\" and \"height\"");
+}
+
 void require_inside(const JsonReader& reader, const char* key, const HandPrompt& prompt, std::array<double, 4> box) {
   if (box[2] <= 0 || box[3] <= 0 || box[0] >= prompt.width_px || box[1] >= prompt.height_px)
-    reader.fail(key, "coordinates in the " + to_string({prompt.width_px, prompt.height_px}) +
-                         " px of \"width\" and \"height\"");
+    refuse_place(reader, key, prompt);
+}
+
+/// The points of a stroke or polygon, of which some part is inside and none is farther out than a hand slips.
+std::vector<std::array<double, 2>> points_of(const JsonReader& reader, const HandPrompt& prompt, double radius_px) {
+  const std::size_t count = reader.array("points").size();
+  const std::vector<double> flat = reader.matrix("points", count, 2);
+  const double slip = radius_px + kSlip * std::max(prompt.width_px, prompt.height_px);
+  std::vector<std::array<double, 2>> points;
+  std::array<double, 4> box{flat[0], flat[1], flat[0], flat[1]};
+  for (std::size_t i = 0; i < count; ++i) {
+    const double x = flat[2 * i], y = flat[2 * i + 1];
+    if (!(x >= -slip && y >= -slip && x <= prompt.width_px + slip && y <= prompt.height_px + slip))
+      refuse_place(reader, "points", prompt);
+    points.push_back({x, y});
+    box = {std::min(box[0], x), std::min(box[1], y), std::max(box[2], x), std::max(box[3], y)};
+  }
+  const double r = radius_px;
+  require_inside(reader, "points", prompt, {box[0] - r, box[1] - r, box[2] + r, box[3] + r});
+  return points;
 }
 
 PromptStroke stroke_of(const nlohmann::json& value, const std::string& where, const HandPrompt& prompt) {
   const JsonReader reader(value, where);
   PromptStroke stroke;
   stroke.object = reader.boolean("object");
-  stroke.radius_px = reader.number_or("radius", 3);
+  stroke.radius_px = reader.number_or("radius", kRadiusPx);
   if (!(stroke.radius_px > 0 && stroke.radius_px <= double(kMostSide)))
     reader.fail("radius", "a positive number of pixels");
-  const nlohmann::json& points = reader.array("points");
-  if (points.empty() || points.size() > kMostPoints) reader.fail("points", "1 to 1048576 points");
-  const std::vector<double> flat = reader.matrix("points", points.size(), 2);
-  std::array<double, 4> box{flat[0], flat[1], flat[0], flat[1]};
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const double x = flat[2 * i], y = flat[2 * i + 1];
-    stroke.points.push_back({x, y});
-    box = {std::min(box[0], x), std::min(box[1], y), std::max(box[2], x), std::max(box[3], y)};
-  }
-  const double r = stroke.radius_px;
-  require_inside(reader, "points", prompt, {box[0] - r, box[1] - r, box[2] + r, box[3] + r});
+  const std::size_t count = reader.array("points").size();
+  if (count == 0 || count > kMostPoints) reader.fail("points", "1 to 1048576 points");
+  stroke.points = points_of(reader, prompt, stroke.radius_px);
   reader.refuse_unknown_keys();
   return stroke;
 }
 
-/// 0..255
-int sample_of(const RawMask& picture, std::size_t pixel, std::size_t channel) {
-  const int value = picture.data[pixel * std::size_t(picture.channels) + channel];
-  return picture.bits == 16 ? value / 257 : value;
+PromptPolygon polygon_of(const nlohmann::json& value, const std::string& where, const HandPrompt& prompt) {
+  const JsonReader reader(value, where);
+  const std::size_t count = reader.array("points").size();
+  if (count < 3 || count > kMostCorners) reader.fail("points", "3 to 65536 points");
+  const PromptPolygon polygon{reader.boolean("object"), points_of(reader, prompt, 0)};
+  reader.refuse_unknown_keys();
+  return polygon;
 }
 
-/// Where a picture can be seen through it is not painted, whatever the colour that its file keeps there.
-bool is_see_through(const RawMask& picture, std::size_t pixel) {
-  return picture.channels == 4 && sample_of(picture, pixel, 3) < 128;
+/// A click is a stroke of one point.
+PromptStroke click_of(const nlohmann::json& value, const std::string& where, const HandPrompt& prompt) {
+  const JsonReader reader(value, where);
+  const double x = reader.number("x"), y = reader.number("y");
+  const PromptStroke click{reader.boolean("object"), kRadiusPx, {{x, y}}};
+  if (!(x >= 0 && y >= 0 && x <= prompt.width_px && y <= prompt.height_px)) refuse_place(reader, "x", prompt);
+  reader.refuse_unknown_keys();
+  return click;
+}
+
+void read_boxes(const JsonReader& reader, HandPrompt& prompt) {
+  const std::size_t count = reader.array("boxes").size();
+  const std::vector<double> flat = count > 0 ? reader.matrix("boxes", count, 4) : std::vector<double>{};
+  for (std::size_t i = 0; i < count; ++i) {
+    const double* b = &flat[4 * i];
+    if (!(b[0] < b[2] && b[1] < b[3])) reader.fail("boxes", "left < right and top < bottom");
+    require_inside(reader, "boxes", prompt, {b[0], b[1], b[2], b[3]});
+    prompt.boxes.push_back({b[0], b[1], b[2], b[3]});
+  }
+}
+
+/// "ngs_prompts": 1 is one view, and what a segmenter is told beside its marks is ignored; 2 is an entry of "views".
+enum class Form : std::uint8_t { kOneView, kViews };
+
+HandPrompt marks_of(const JsonReader& reader, const std::string& object, Form form) {
+  HandPrompt prompt;
+  prompt.view = reader.text_or("view", "");
+  prompt.width_px = int(reader.integer("width", 1, kMostSide));
+  prompt.height_px = int(reader.integer("height", 1, kMostSide));
+  const auto each = [&](const char* key, const auto& read) {
+    std::size_t count = 0;
+    if (reader.has(key))
+      for (const nlohmann::json& value : reader.array(key))
+        read(value, object + ": " + key + "[" + std::to_string(count++) + "]");
+  };
+  each("strokes",
+       [&](const auto& value, const std::string& where) { prompt.strokes.push_back(stroke_of(value, where, prompt)); });
+  if (reader.has("boxes")) read_boxes(reader, prompt);
+  if (form == Form::kViews) {
+    each("polygons", [&](const auto& value, const std::string& where) {
+      prompt.polygons.push_back(polygon_of(value, where, prompt));
+    });
+    each("points", [&](const auto& value, const std::string& where) {
+      prompt.strokes.push_back(click_of(value, where, prompt));
+    });
+  } else {
+    for (const char* ignored : {"points", "mask"}) static_cast<void>(reader.has(ignored));
+  }
+  reader.refuse_unknown_keys();
+  if (prompt.strokes.empty() && prompt.boxes.empty() && prompt.polygons.empty())
+    throw Error(ErrorCode::kBadInput,
+                object + (form == Form::kViews ? ": no strokes, points, polygons or boxes, expected at least one"
+                                               : ": neither strokes nor boxes, expected at least one"));
+  return prompt;
 }
 
 /// Not black.
@@ -61,68 +136,46 @@ bool is_painted(const RawMask& picture, std::size_t pixel) {
   return false;
 }
 
-/// The mark of one sample of a colour picture.
-PixelHint mark_of(const RawMask& picture, std::size_t pixel) {
-  if (is_see_through(picture, pixel)) return PixelHint::kLikelyBackground;
-  const bool red = sample_of(picture, pixel, 0) >= 128, green = sample_of(picture, pixel, 1) >= 128;
-  return red == green ? PixelHint::kLikelyBackground : green ? PixelHint::kObject : PixelHint::kBackground;
-}
-
-bool is_marked(const HandPrompt& prompt) {
-  for (const PixelHint hint : prompt.painted)
-    if (is_certain(hint)) return true;
-  return false;
+/// A mask or scribbles have one colour, whatever the share that they cover.
+void refuse_photo(const std::string& path, const RawMask& picture) {
+  const auto pixels = std::size_t(picture.width_px) * std::size_t(picture.height_px);
+  ColourCounts colours;
+  std::size_t marked = 0, other = 0;
+  for (std::size_t p = 0; p < pixels; ++p)
+    if (is_painted(picture, p)) ++marked, colours.add(colour_of(picture, p));
+  const Colour8 usual = colours.most_frequent();
+  for (std::size_t p = 0; p < pixels; ++p)
+    other += is_painted(picture, p) && distance_of(colour_of(picture, p), usual) > kScribbleDistance;
+  if (2 * marked > pixels && 2 * other > marked)
+    throw Error(
+        ErrorCode::kBadInput,
+        path + ": " + std::to_string(100 * marked / pixels) +
+            " % of it is not black and in many colours, expected strokes of one colour on black or transparency",
+        "export the strokes without the photo below them");
 }
 
 }  // namespace
 
-HandPrompt parse_prompts_json(const nlohmann::json& root, const std::string& object) {
+std::vector<HandPrompt> parse_prompts_json(const nlohmann::json& root, const std::string& object) {
   const JsonReader reader(root, object);
-  if (reader.integer("ngs_prompts", 1, 1) != 1) reader.fail("ngs_prompts", "1");
-  HandPrompt prompt;
-  prompt.view = reader.text_or("view", "");
-  prompt.width_px = int(reader.integer("width", 1, kMostSide));
-  prompt.height_px = int(reader.integer("height", 1, kMostSide));
-  if (reader.has("strokes"))
-    for (const nlohmann::json& value : reader.array("strokes"))
-      prompt.strokes.push_back(
-          stroke_of(value, object + ": strokes[" + std::to_string(prompt.strokes.size()) + "]", prompt));
-  if (reader.has("boxes")) {
-    const std::size_t count = reader.array("boxes").size();
-    const std::vector<double> flat = count > 0 ? reader.matrix("boxes", count, 4) : std::vector<double>{};
-    for (std::size_t i = 0; i < count; ++i) {
-      const double* b = &flat[4 * i];
-      if (!(b[0] < b[2] && b[1] < b[3])) reader.fail("boxes", "left < right and top < bottom");
-      require_inside(reader, "boxes", prompt, {b[0], b[1], b[2], b[3]});
-      prompt.boxes.push_back({b[0], b[1], b[2], b[3]});
-    }
+  std::vector<HandPrompt> prompts;
+  if (reader.integer("ngs_prompts", 1, 2) == 1) return {marks_of(reader, object, Form::kOneView)};
+  for (const nlohmann::json& view : reader.array("views")) {
+    const std::string where = object + ": views[" + std::to_string(prompts.size()) + "]";
+    prompts.push_back(marks_of(JsonReader(view, where), where, Form::kViews));
   }
-  for (const char* ignored : {"points", "mask"}) static_cast<void>(reader.has(ignored));
+  if (prompts.empty()) reader.fail("views", "at least one view");
   reader.refuse_unknown_keys();
-  if (prompt.strokes.empty() && prompt.boxes.empty())
-    throw Error(ErrorCode::kBadInput, object + ": neither strokes nor boxes, expected at least one");
-  return prompt;
+  return prompts;
 }
 
-HandPrompt read_prompts_json(const std::string& path) { return parse_prompts_json(read_json_file(path), path); }
-
-HandPrompt read_scribbles(const std::string& path) {
-  const RawMask picture = read_mask_raw(path, Palette::kColours);
-  if (picture.channels < 3)
-    throw Error(ErrorCode::kBadInput, path + ": a grey picture, expected green (object) and red (background) strokes",
-                "give one picture per side: --object-scribbles PNG --background-scribbles PNG");
-  HandPrompt prompt;
-  prompt.width_px = picture.width_px, prompt.height_px = picture.height_px;
-  prompt.painted.resize(std::size_t(picture.width_px) * std::size_t(picture.height_px));
-  for (std::size_t p = 0; p < prompt.painted.size(); ++p) prompt.painted[p] = mark_of(picture, p);
-  if (!is_marked(prompt))
-    throw Error(ErrorCode::kBadInput,
-                path + ": nothing is marked, expected green (object) or red (background) strokes");
-  return prompt;
+std::vector<HandPrompt> read_prompts_json(const std::string& path) {
+  return parse_prompts_json(read_json_file(path), path);
 }
 
 void add_scribbles(const std::string& path, bool object, HandPrompt& prompt) {
   const RawMask picture = read_mask_raw(path, Palette::kColours);
+  refuse_photo(path, picture);
   if (prompt.painted.empty()) {
     prompt.width_px = picture.width_px, prompt.height_px = picture.height_px;
     prompt.painted.assign(std::size_t(picture.width_px) * std::size_t(picture.height_px), PixelHint::kLikelyBackground);

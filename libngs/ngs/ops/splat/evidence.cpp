@@ -1,5 +1,8 @@
 #include "ngs/ops/splat/evidence.h"
 
+#include <algorithm>
+#include <span>
+
 #include "ngs/core/check.h"
 #include "ngs/ops/device/device_ops.h"
 #include "ngs/ops/splat/binned_view.h"
@@ -11,24 +14,61 @@
 namespace ngs {
 namespace {
 
-/// The pairs of one view with what each draws, [pairs, 2 + 2K].
+/// The objects that have sums in each tile: of few all, of many those that the masks show there. All else is nobody's,
+/// and takes no work per object.
+class TileObjects {
+ public:
+  static constexpr std::size_t kFew = 3;
+
+  TileObjects(const Exec& exec, const ViewMasks& masks, const TileLists& lists)
+      : begin_(std::size_t(lists.tiles()) + 1) {
+    const std::size_t count = masks.target.size(), tiles = std::size_t(lists.tiles());
+    std::vector<std::uint8_t> shows(tiles * count, 1);
+    for_each_task(exec, count > kFew ? std::int64_t(tiles) : 0, [&](std::int64_t t) {
+      const int x0 = int(t % lists.tiles_x) * kTilePx, y0 = int(t / lists.tiles_x) * kTilePx;
+      for (std::size_t k = 0; k < count; ++k)
+        shows[std::size_t(t) * count + k] = any_in_tile(masks.target[k], masks.width_px, masks.height_px, x0, y0);
+    });
+    for (std::size_t t = 0; t < tiles; ++t) {
+      for (std::size_t k = 0; k < count; ++k)
+        if (shows[t * count + k]) object_.push_back(std::uint32_t(k));
+      begin_[t + 1] = std::uint32_t(object_.size());
+    }
+  }
+  std::span<const std::uint32_t> of(std::size_t tile) const {
+    return std::span(object_).subspan(begin_[tile], begin_[tile + 1] - begin_[tile]);
+  }
+
+ private:
+  static bool any_in_tile(const std::vector<float>& plane, int w, int h, int x0, int y0) {
+    for (int y = y0; y < std::min(y0 + kTilePx, h); ++y) {
+      const float* row = plane.data() + std::size_t(y) * std::size_t(w);
+      if (std::any_of(row + x0, row + std::min(x0 + kTilePx, w), [](float m) { return m != 0; })) return true;
+    }
+    return false;
+  }
+
+  std::vector<std::uint32_t> object_, begin_;  // tile by tile; [tiles + 1]
+};
+
+/// The pairs of one view with what each draws: [pairs, 2 + 2K] by slot, or where there are more than a few objects tile
+/// by tile, [entries of the tile, 2 + 2 objects of the tile].
 class ViewPairs {
  public:
   ViewPairs(const Exec& exec, const GaussianCloud& cloud, const MaskedView& of, const SplatOptions& options)
       : binned_(exec, cloud_view(cloud, 0, nullptr), relative_camera(of.camera, cloud), options),
-        columns_(2 + 2 * of.masks.target.size()) {
-    const ViewMasks& masks = of.masks;
-    const int objects = int(masks.target.size());
-    std::vector<float>& sums = binned_.sums(std::size_t(binned_.lists().pairs()) * columns_);
+        columns_(2 + 2 * of.masks.target.size()),
+        objects_(exec, of.masks, binned_.lists()) {
+    const TileLists& lists = binned_.lists();
+    const auto tiles = std::size_t(lists.tiles());
+    first_.resize(tiles + 1);
+    if (by_tile()) place_.resize(std::size_t(lists.pairs()));
+    for (std::size_t t = 0; t < tiles; ++t)
+      first_[t + 1] = first_[t] + std::size_t(lists.tile_begin[t + 1] - lists.tile_begin[t]) * columns_of(t);
+    std::vector<float>& sums = binned_.sums(first_.back());
     const TileKernels<float> kernels = float_tile_kernels(exec.isa);
-    std::vector<const float*> target;
-    for (const std::vector<float>& t : masks.target) target.push_back(t.data());
-    for_each_task(exec, binned_.lists().tiles(), [&](std::int64_t tile) {
-      static thread_local TileScratch<float> scratch;
-      kernels.evidence({tile_work(binned_.view(), binned_.lists(), tile, of.camera, options.compat),
-                        masks.known.empty() ? nullptr : masks.known.data(), target.data(), objects, sums.data(),
-                        scratch.values(evidence_scratch(objects))});
-    });
+    for_each_task(exec, lists.tiles(),
+                  [&](std::int64_t tile) { fill(kernels, of, options.compat, tile, sums.data()); });
     sums_ = sums.data();
   }
 
@@ -48,18 +88,58 @@ class ViewPairs {
 
  private:
   static constexpr std::int64_t kChunk = 1 << 12;
+  struct Place {
+    std::uint32_t tile, entry;
+  };
+
+  bool by_tile() const { return columns_ > 2 + 2 * TileObjects::kFew; }
+  std::size_t columns_of(std::size_t tile) const { return 2 + 2 * objects_.of(tile).size(); }
+
+  void fill(const TileKernels<float>& kernels, const MaskedView& of, Compat compat, std::int64_t tile, float* sums) {
+    static thread_local TileScratch<float> scratch;
+    static thread_local std::vector<std::uint32_t> in_order;
+    static thread_local std::vector<const float*> target;
+    const auto t = std::size_t(tile);
+    target.clear();
+    for (const std::uint32_t k : objects_.of(t)) target.push_back(of.masks.target[k].data());
+    TileWork<float> work = tile_work(binned_.view(), binned_.lists(), tile, of.camera, compat);
+    if (by_tile()) {
+      for (std::uint32_t e = 0; e < work.entries; ++e) place_[work.slot[e]] = {std::uint32_t(t), e};
+      while (in_order.size() < work.entries) in_order.push_back(std::uint32_t(in_order.size()));
+      work.slot = in_order.data(), sums += first_[t];
+    }
+    kernels.evidence({work, of.masks.known.empty() ? nullptr : of.masks.known.data(), target.data(), int(target.size()),
+                      sums, scratch.values(evidence_scratch(int(target.size())))});
+  }
 
   /// The sums of visible Gaussian v over its tiles.
   void sum_up(std::size_t v, double* sum) const {
     const TileLists& lists = binned_.lists();
     std::fill_n(sum, columns_, 0.0);
-    for (std::int64_t slot = lists.slot_begin[v]; slot < lists.slot_begin[v + 1]; ++slot)
+    for (std::int64_t slot = lists.slot_begin[v]; slot < lists.slot_begin[v + 1]; ++slot) {
+      if (by_tile()) {
+        add_in_tile(place_[std::size_t(slot)], sum);
+        continue;
+      }
       for (std::size_t c = 0; c < columns_; ++c) sum[c] += double(sums_[std::size_t(slot) * columns_ + c]);
+    }
     for (std::size_t c = 2; c < columns_; c += 2) sum[c] = std::min(sum[c], sum[0]);
+  }
+
+  void add_in_tile(const Place& at, double* sum) const {
+    const float* pair = sums_ + first_[at.tile] + at.entry * columns_of(at.tile);
+    sum[0] += double(pair[0]), sum[1] += double(pair[1]);
+    for (const std::uint32_t k : objects_.of(at.tile)) {
+      pair += 2;
+      sum[2 + 2 * k] += double(pair[0]), sum[3 + 2 * k] += double(pair[1]);
+    }
   }
 
   BinnedView<float> binned_;
   std::size_t columns_;
+  TileObjects objects_;
+  std::vector<std::size_t> first_;  // [tiles + 1] of a tile's sums
+  std::vector<Place> place_;        // [pairs] by slot; none where the sums are by slot
   const float* sums_ = nullptr;
 };
 

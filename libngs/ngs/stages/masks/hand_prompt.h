@@ -1,12 +1,16 @@
 #pragma once
-// Strokes and boxes of a person as hints at the size that is segmented.
+// Strokes, polygons and boxes of a person as hints at the size that is segmented.
+#include <span>
+
 #include "ngs/scene/hand_prompt.h"
 
 namespace ngs {
 
-/// Outside of all boxes is certain background, inside likely object; without boxes everything is likely
-/// background. Strokes are certain; a later one covers an earlier one, all cover painted pixels. Another size
-/// is scaled; the shapes must agree within 1 % (kInconsistent).
+/// All marks of one view together. Outside of all boxes is certain background, inside likely object; without boxes
+/// everything is likely background. All else is certain: strokes cover polygons, these cover painted pixels, and of a
+/// kind the later covers the earlier. Marks made on another size are scaled; the shapes must agree within 1 %
+/// (kInconsistent).
+ViewPrompt rasterise(std::span<const HandPrompt> marks, int width_px, int height_px);
 ViewPrompt rasterise(const HandPrompt& prompt, int width_px, int height_px);
 
 }  // namespace ngs

@@ -38,7 +38,7 @@ class Spreader {
     start();
     if (monitor_.stop_requested()) return;
     const std::vector<std::size_t> order =
-        view_order(in_.camera, in_.reference, object_place(in_.cloud, all_.value()).centre);
+        view_order(in_.camera, starts_, object_place(in_.cloud, all_.value()).centre);
     for (int pass = 0; pass < options_.passes; ++pass) {
       const auto timed = monitor_.scope("pass " + std::to_string(pass + 1));
       const bool last = pass + 1 == options_.passes;
@@ -46,7 +46,8 @@ class Spreader {
       place_ = object_place(in_.cloud, all_.value());
       for (const std::size_t view : order) {
         if (!last && !supervises(view)) continue;
-        const SpreadView result = view == in_.reference && pass == 0 ? std::move(first_) : segment(view, pass);
+        const bool is_started = pass == 0 && first_.contains(view);
+        const SpreadView result = is_started ? std::move(first_[view]) : segment(view, pass);
         if (monitor_.stop_requested()) return;
         if (last) in_.done(view, result);
         monitor_.progress(++count, std::int64_t(order.size()));
@@ -55,20 +56,33 @@ class Spreader {
   }
 
  private:
-  bool supervises(std::size_t view) const {
-    return view == in_.reference || in_.scene.views[view].split == Split::kTrain;
-  }
+  bool is_marked(std::size_t view) const { return in_.marked.contains(view); }
+  bool supervises(std::size_t view) const { return is_marked(view) || in_.scene.views[view].split == Split::kTrain; }
 
   void start() {
     const auto timed = monitor_.scope("reference");
-    first_.mask = in_.segment(in_.reference, in_.prompt);
+    for (const auto& [view, prompt] : in_.marked) {
+      if (in_.marked.size() > 1 && std::none_of(prompt.hint.begin(), prompt.hint.end(), is_object)) continue;
+      start_with(view, prompt);
+      if (monitor_.stop_requested()) return;
+    }
+    if (starts_.empty())
+      throw Error(ErrorCode::kNothingFound, "the marked views: background alone is marked, expected the object too",
+                  "draw strokes on the object in one of them, or a box around it");
+  }
+
+  void start_with(std::size_t view, const ViewPrompt& prompt) {
+    SpreadView& first = first_[view];
+    first.mask = in_.segment(view, prompt);
     if (monitor_.stop_requested()) return;
-    if (is_empty(first_.mask))
-      throw Error(ErrorCode::kNothingFound, "the reference view: no pixel was segmented, expected the object",
+    if (is_empty(first.mask))
+      throw Error(ErrorCode::kNothingFound,
+                  "the marked view " + in_.camera[view].name + ": no pixel was segmented, expected the object",
                   "draw more strokes on the object, or a box around it");
-    first_.source = MaskSource::kReference;
-    first_.soft.assign(first_.mask.begin(), first_.mask.end());
-    keep(in_.reference, first_.mask);
+    first.source = MaskSource::kReference;
+    first.soft.assign(first.mask.begin(), first.mask.end());
+    starts_.push_back(view);
+    keep(view, first.mask);
   }
 
   Lifted lift(std::size_t view) const {
@@ -85,34 +99,32 @@ class Spreader {
   }
 
   SpreadView segment(std::size_t view, int pass) {
-    const bool is_reference = view == in_.reference;
     if (!lifted_mask_[view].empty()) all_.remove(lift(view));
     const PixelMask before = std::exchange(lifted_mask_[view], {});
     const Consensus consensus = render_consensus(exec_, {in_.cloud, all_.value(), place_}, in_.camera[view], in_.splat);
     ViewPrompt prompt = prompt_from(consensus, band_px(in_.camera[view], pass), before);
-    if (is_reference) keep_strokes(in_.prompt, prompt);
+    if (is_marked(view)) keep_strokes(in_.marked.at(view), prompt);
 
     SpreadView out;
     for (const float known : consensus.known) out.known += double(known) / double(consensus.known.size());
     out.mask.resize(consensus.object.size());
     for (std::size_t p = 0; p < out.mask.size(); ++p)
       out.mask[p] = label_says_object(consensus.object[p]) && is_set(consensus.known[p]);
-    if (!is_empty(out.mask) || is_reference) {
+    if (!is_empty(out.mask) || is_marked(view)) {
       out.source = MaskSource::kRendered;
-      if (in_.has_photo[view]) try_segmenter(view, is_reference, prompt, consensus, out);
+      if (in_.has_photo[view]) try_segmenter(view, prompt, consensus, out);
     }
     out.soft.resize(out.mask.size());
     for (std::size_t p = 0; p < out.mask.size(); ++p) out.soft[p] = 0.5f * (float(out.mask[p]) + consensus.object[p]);
     return out;
   }
 
-  void try_segmenter(std::size_t view, bool is_reference, const ViewPrompt& prompt, const Consensus& consensus,
-                     SpreadView& out) {
+  void try_segmenter(std::size_t view, const ViewPrompt& prompt, const Consensus& consensus, SpreadView& out) {
     PixelMask found = in_.segment(view, prompt);
     out.agreement = agreement(consensus, found);
-    if (!is_reference && (out.agreement < options_.gate_iou || is_empty(found))) return;
+    if (!is_marked(view) && (out.agreement < options_.gate_iou || is_empty(found))) return;
     out.mask = std::move(found);
-    out.source = is_reference ? MaskSource::kReference : MaskSource::kSegmented;
+    out.source = is_marked(view) ? MaskSource::kReference : MaskSource::kSegmented;
     if (supervises(view)) keep(view, out.mask);
   }
 
@@ -120,37 +132,41 @@ class Spreader {
   Monitor& monitor_;
   const SpreadOptions& options_;
   const SpreadInput& in_;
-  ObjectPlace place_;                   // at the start of the pass
-  LiftedSum all_;                       // of all masks that were kept
-  std::vector<PixelMask> lifted_mask_;  // per view; empty: none was kept
-  SpreadView first_;
+  ObjectPlace place_;                        // at the start of the pass
+  LiftedSum all_;                            // of all masks that were kept
+  std::vector<PixelMask> lifted_mask_;       // per view; empty: none was kept
+  std::map<std::size_t, SpreadView> first_;  // of the views that the object is marked on
+  std::vector<std::size_t> starts_;          // the same views
 };
 
 }  // namespace
 
-std::vector<std::size_t> view_order(const std::vector<Camera>& cameras, std::size_t reference, Vec3<double> focus) {
+std::vector<std::size_t> view_order(const std::vector<Camera>& cameras, const std::vector<std::size_t>& first,
+                                    Vec3<double> focus) {
   std::vector<std::size_t> order;
   std::vector<double> nearest(cameras.size(), std::numeric_limits<double>::infinity());
   std::vector<std::uint8_t> done(cameras.size());
-  for (std::size_t next = reference; order.size() < cameras.size();) {
+  while (order.size() < cameras.size()) {
+    std::size_t next = cameras.size();
+    if (order.size() < first.size()) {
+      next = first[order.size()];
+    } else {
+      for (std::size_t v = 0; v < cameras.size(); ++v)
+        if (!done[v] && (next == cameras.size() || nearest[v] < nearest[next])) next = v;
+    }
     order.push_back(next);
     done[next] = 1;
     const Vec3<double> direction = cameras[next].centre() - focus;
-    std::size_t best = cameras.size();
-    for (std::size_t v = 0; v < cameras.size(); ++v) {
-      if (done[v]) continue;
-      nearest[v] = std::min(nearest[v], angle_between(cameras[v].centre() - focus, direction));
-      if (best == cameras.size() || nearest[v] < nearest[best]) best = v;
-    }
-    next = best;
+    for (std::size_t v = 0; v < cameras.size(); ++v)
+      if (!done[v]) nearest[v] = std::min(nearest[v], angle_between(cameras[v].centre() - focus, direction));
   }
   return order;
 }
 
 void spread_masks(const Exec& exec, Monitor& monitor, const SpreadOptions& options, const SpreadInput& input) {
   NGS_CHECK(input.camera.size() == input.scene.views.size() && input.has_photo.size() == input.camera.size() &&
-                input.reference < input.camera.size(),
-            "one camera per view");
+                !input.marked.empty() && input.marked.rbegin()->first < input.camera.size(),
+            "one camera per view, and marks on one of them");
   Spreader(exec, monitor, options, input).run();
 }
 

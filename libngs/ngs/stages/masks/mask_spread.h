@@ -1,16 +1,18 @@
 #pragma once
-// From strokes on one view to masks of all: lift, render into the next view, segment there, repeat. PAPER.md
+// From strokes on some views to masks of all: lift, render into the next view, segment there, repeat. PAPER.md
 // §6.7
 //
-// The reference view's prompt is segmented and its mask lifted to the splat (evidence). The other views
-// follow, the one next whose direction to the object is closest to a view that is done. The consensus
+// The prompts of the marked views are segmented, each by itself, and their masks lifted to the splat (evidence). The
+// other views follow, the one next whose direction to the object is closest to a view that is done. The consensus
 // rendered there becomes the prompt; a mask that agrees too little with it (SA3D's gate) is rejected and
 // lifted nowhere. Later passes do all views again, each against the consensus of the others, in a band that
-// halves.
+// halves. What a person marked holds in every pass, and the mask of a marked view is never rejected. A view on which
+// only background is marked says nothing of the object by itself: it follows as the others do, with its marks.
 //
 // The photo of a held-out view decides nothing but the mask of that view: it is segmented in the last pass and lifted
-// nowhere, unless it is the reference.
+// nowhere, unless it is marked.
 #include <functional>
+#include <map>
 
 #include "ngs/core/monitor.h"
 #include "ngs/options/field.h"
@@ -56,20 +58,21 @@ struct SpreadView {
 struct SpreadInput {
   const GaussianCloud& cloud;
   const Scene& scene;
-  std::vector<Camera> camera;   // per view of the scene, at the size that is segmented
-  std::vector<bool> has_photo;  // per view; without one the consensus is the mask
-  SplatOptions splat;           // at the size of `camera`
-  std::size_t reference = 0;
-  ViewPrompt prompt;  // of the reference view
+  std::vector<Camera> camera;                // per view of the scene, at the size that is segmented
+  std::vector<bool> has_photo;               // per view; without one the consensus is the mask
+  SplatOptions splat;                        // at the size of `camera`
+  std::map<std::size_t, ViewPrompt> marked;  // by view, at least one
   Segmenter segment;
   std::function<void(std::size_t view, const SpreadView&)> done;  // once per view, in the last pass
 };
 
-/// Calls `done` for every view of the scene. kNothingFound where the reference mask is empty.
+/// Calls `done` for every view of the scene. kNothingFound where no object is marked, and where the mask of a view with
+/// a marked object is empty.
 void spread_masks(const Exec& exec, Monitor& monitor, const SpreadOptions& options, const SpreadInput& input);
 
-/// The other views in the order in which they are done: next is the one whose direction from `focus` is
+/// All views in the order in which they are done: `first` as they come, then the one whose direction from `focus` is
 /// closest to one before it; ties go to the first.
-std::vector<std::size_t> view_order(const std::vector<Camera>& cameras, std::size_t reference, Vec3<double> focus);
+std::vector<std::size_t> view_order(const std::vector<Camera>& cameras, const std::vector<std::size_t>& first,
+                                    Vec3<double> focus);
 
 }  // namespace ngs

@@ -7,12 +7,17 @@
 #include "ngs/core/error.h"
 #include "ngs/io/files/json_file.h"
 #include "ngs/io/image/image_file.h"
+#include "ngs/io/scene/painted_picture.h"
 #include "support/temp_dir.h"
 
 namespace ngs {
 namespace {
 
-HandPrompt parsed(const std::string& text) { return io::parse_prompts_json(io::parse_json(text, "p.json"), "p.json"); }
+HandPrompt parsed(const std::string& text) {
+  const std::vector<HandPrompt> views = io::parse_prompts_json(io::parse_json(text, "p.json"), "p.json");
+  REQUIRE(views.size() == 1);
+  return views.front();
+}
 
 std::string refusal(const auto& body) {
   try {
@@ -74,23 +79,68 @@ TEST_CASE("prompts that make no sense are refused with the key") {
   CHECK(refusal([] { parsed("[]"); }) != "");
 }
 
+TEST_CASE("a file describes several views, with clicks and polygons, and leaves the first form as it is") {
+  const std::vector<HandPrompt> views = io::parse_prompts_json(io::parse_json(R"({"ngs_prompts":2,"views":[
+      {"view":"a.png","width":8,"height":6,"points":[{"object":true,"x":1,"y":2}],
+       "polygons":[{"object":false,"points":[[4,1],[7,1],[7,5]]}]},
+      {"view":"b.png","width":80,"height":60,"strokes":[{"object":true,"points":[[70,50]]}]}]})",
+                                                                              "p.json"),
+                                                               "p.json");
+  REQUIRE(views.size() == 2);
+  REQUIRE(views[0].strokes.size() == 1);
+  CHECK(views[0].strokes[0].object);
+  CHECK(views[0].strokes[0].points == std::vector<std::array<double, 2>>{{1, 2}});
+  REQUIRE(views[0].polygons.size() == 1);
+  CHECK_FALSE(views[0].polygons[0].object);
+  CHECK(views[0].polygons[0].points.size() == 3);
+  CHECK(views[1].view == "b.png");
+  CHECK(views[1].width_px == 80);
+
+  const std::pair<const char*, const char*> cases[] = {
+      {R"([])", "at least one view"},
+      {R"([{"width":8,"height":6}])", "views[0]: no strokes, points, polygons or boxes"},
+      {R"([{"width":8,"height":6,"points":[{"object":true,"x":9,"y":2}]}])", "8x6 px"},
+      {R"([{"width":8,"height":6,"polygons":[{"object":true,"points":[[1,1],[2,2]]}]}])", "3 to 65536"},
+      {R"([{"width":8,"height":6,"polygons":[{"object":true,"points":[[1,1],[2,2],[900,3]]}]}])", "8x6 px"},
+      {R"([{"width":8,"height":6,"boxes":[[1,1,2,2]],"mask":"m.png"}])", "mask"},
+      {R"([{"width":8,"height":6,"boxes":[[1,1,2,2]]},7])", "views[1]"},
+      {R"({"a":1})", "views"},
+  };
+  for (const auto& c : cases) {
+    CAPTURE(c.first);
+    const std::string text = std::string(R"({"ngs_prompts":2,"views":)") + c.first + "}";
+    const std::string said = refusal([&] { io::parse_prompts_json(io::parse_json(text, "p.json"), "p.json"); });
+    CAPTURE(said);
+    CHECK(said.find(c.second) != std::string::npos);
+  }
+}
+
+TEST_CASE("a point far beside the picture is refused also where another is inside") {
+  const std::string head = R"({"ngs_prompts":1,"width":80,"height":60,"strokes":[{"object":true,"points":)";
+  CHECK(parsed(head + "[[40,30],[90,30]]}]}").strokes.size() == 1);  // a hand that slips over the rim
+  for (const char* points : {"[[40,30],[400,300]]", "[[40,30],[40,-12]]", "[[-20,5],[40,30]]"}) {
+    CAPTURE(points);
+    CHECK(refusal([&] { parsed(head + points + "}]}"); }).find("80x60 px") != std::string::npos);
+  }
+}
+
 TEST_CASE("green marks the object and red the background; grey pictures mark one side each") {
   const test::TempDir dir;
   const std::string file = dir.path() + "/s.png";
   const std::size_t marked = 2 * 4 + 1;
   io::write_png(file, picture(3, {20, 200, 20}));
-  CHECK(io::read_scribbles(file).painted[marked] == PixelHint::kObject);
-  CHECK(io::read_scribbles(file).painted[0] == PixelHint::kLikelyBackground);
+  CHECK(io::read_painted_picture(file, "").painted[marked] == PixelHint::kObject);
+  CHECK(io::read_painted_picture(file, "").painted[0] == PixelHint::kLikelyBackground);
   io::write_png(file, picture(3, {200, 20, 200}));
-  CHECK(io::read_scribbles(file).painted[marked] == PixelHint::kBackground);
+  CHECK(io::read_painted_picture(file, "").painted[marked] == PixelHint::kBackground);
   io::write_png(file, picture(3, {200, 200, 200}));
-  CHECK(refusal([&] { io::read_scribbles(file); }).find("nothing is marked") != std::string::npos);
+  CHECK(refusal([&] { io::read_painted_picture(file, ""); }).find("nothing is marked") != std::string::npos);
   io::write_png(file, picture(1, {1}));
-  CHECK(refusal([&] { io::read_scribbles(file); }).find("grey") != std::string::npos);
+  CHECK(refusal([&] { io::read_painted_picture(file, ""); }).find("grey") != std::string::npos);
 
   io::write_png(file, picture(4, {20, 200, 20, 255}, {20, 200, 20, 0}));  // green under transparency
-  CHECK(io::read_scribbles(file).painted[marked] == PixelHint::kObject);
-  CHECK(io::read_scribbles(file).painted[0] == PixelHint::kLikelyBackground);
+  CHECK(io::read_painted_picture(file, "").painted[marked] == PixelHint::kObject);
+  CHECK(io::read_painted_picture(file, "").painted[0] == PixelHint::kLikelyBackground);
   HandPrompt see_through;
   io::add_scribbles(file, true, see_through);
   CHECK(see_through.painted[marked] == PixelHint::kObject);

@@ -47,6 +47,34 @@ TEST_CASE("outside of all boxes is background, inside is likely the object, stro
   CHECK(at(p, 9, 5) == PixelHint::kObject);
 }
 
+TEST_CASE("polygons are filled by the even-odd rule, below strokes and above painted pixels") {
+  HandPrompt hand = of_size(20, 10);
+  hand.painted.assign(200, PixelHint::kBackground);
+  hand.polygons = {{true, {{2, 2}, {18, 2}, {18, 8}, {2, 8}, {2, 2}, {6, 4}, {6, 6}, {10, 6}, {10, 4}, {6, 4}}}};
+  hand.strokes = {{false, 0.75, {{15.5, 5.5}}}};
+  for (const int factor : {1, 3}) {
+    const ViewPrompt p = rasterise(hand, 20 * factor, 10 * factor);
+    CHECK(std::count(p.hint.begin(), p.hint.end(), PixelHint::kBackground) > 0);
+    CHECK(at(p, 2 * factor, 2 * factor) == PixelHint::kObject);
+    CHECK(at(p, 18 * factor - 1, 8 * factor - 1) == PixelHint::kObject);
+    CHECK(at(p, 18 * factor, 5 * factor) == PixelHint::kBackground);
+    CHECK(at(p, 7 * factor, 5 * factor) == PixelHint::kBackground);  // the hole
+    CHECK(at(p, 15 * factor + factor / 2, 5 * factor + factor / 2) == PixelHint::kBackground);
+  }
+}
+
+TEST_CASE("marks of several files on one view act together") {
+  std::vector<HandPrompt> marks = {of_size(20, 10), of_size(40, 20), of_size(20, 10)};
+  marks[0].strokes = {{true, 1, {{5, 5}}}, {true, 1, {{12, 5}}}};
+  marks[1].strokes = {{false, 2, {{24, 10}}}};  // the same place as the second of the first
+  marks[2].boxes = {{2, 2, 18, 8}};
+  const ViewPrompt p = rasterise(marks, 20, 10);
+  CHECK(at(p, 5, 5) == PixelHint::kObject);
+  CHECK(at(p, 12, 5) == PixelHint::kBackground);
+  CHECK(at(p, 8, 3) == PixelHint::kLikelyObject);
+  CHECK(at(p, 0, 0) == PixelHint::kBackground);
+}
+
 TEST_CASE("painted pixels are scaled and strokes beyond the picture are cut") {
   HandPrompt hand = of_size(4, 2);
   hand.painted.assign(8, PixelHint::kLikelyBackground);

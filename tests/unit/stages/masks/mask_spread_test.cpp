@@ -16,6 +16,7 @@ struct SpreadCase {
   std::vector<bool> has_photo;
   std::vector<std::vector<ViewPrompt>> asked;
   std::vector<SpreadView> result;
+  std::map<std::size_t, ViewPrompt> marked;
 
   SpreadCase() : has_photo(4, true), asked(4), result(4) {
     for (const ViewMasks& m : base->masks) {
@@ -23,19 +24,22 @@ struct SpreadCase {
       for (const float target : m.target[0]) answer.back().push_back(target > 0.5f);
     }
   }
+  void mark(std::size_t view, PixelHint hint) {
+    ViewPrompt hand{48, 40, std::vector<PixelHint>(48 * 40, PixelHint::kLikelyBackground), true};
+    hand.hint[20 * 48 + 24] = hint;
+    marked[view] = hand;
+  }
   std::vector<SpreadView> spread(const SpreadOptions& options, int threads = 1) {
     std::vector<Camera> cameras;
     for (const SceneView& view : base->scene.views) cameras.push_back(view.camera);
-    ViewPrompt hand{48, 40, std::vector<PixelHint>(48 * 40, PixelHint::kLikelyBackground), true};
-    hand.hint[20 * 48 + 24] = PixelHint::kObject;
+    if (marked.empty()) mark(0, PixelHint::kObject);
     Monitor monitor;
     const SpreadInput input{base->truth,
                             base->scene,
                             cameras,
                             has_photo,
                             {},
-                            0,
-                            hand,
+                            marked,
                             [&](std::size_t view, const ViewPrompt& prompt) {
                               asked[view].push_back(prompt);
                               return answer[view];
@@ -135,12 +139,53 @@ TEST_CASE("an empty reference mask is nothing found") {
   }
 }
 
+TEST_CASE("every view with a marked object is segmented from its marks first, and its mask is never rejected") {
+  SpreadCase c;
+  c.mark(0, PixelHint::kObject), c.mark(2, PixelHint::kObject);
+  std::fill(c.answer[2].begin() + 48 * 24, c.answer[2].end(), std::uint8_t(0));  // the upper half, say the marks
+  const auto result = c.spread({.gate_iou = 0.9, .passes = 2});
+  for (const std::size_t v : {0u, 2u}) {
+    CAPTURE(v);
+    REQUIRE(c.asked[v].size() == 2);
+    CHECK(c.asked[v][0].by_hand);
+    CHECK(c.asked[v][1].hint[20 * 48 + 24] == PixelHint::kObject);
+    CHECK(result[v].source == MaskSource::kReference);
+    CHECK(result[v].mask == c.answer[v]);
+  }
+  CHECK(result[2].agreement < 0.9);
+}
+
+TEST_CASE("a second marked view is evidence for the others") {
+  SpreadCase one, two;
+  two.mark(0, PixelHint::kObject), two.mark(2, PixelHint::kObject);
+  one.has_photo[1] = two.has_photo[1] = one.has_photo[3] = two.has_photo[3] = false;
+  one.answer[2] = two.answer[2] = PixelMask(48 * 40, 1);  // all of view 2: one rejects it, two was told so
+  const auto a = one.spread({.passes = 1}), b = two.spread({.passes = 1});
+  CHECK(a[2].source == MaskSource::kRendered);
+  CHECK(std::count(b[3].mask.begin(), b[3].mask.end(), 1) > std::count(a[3].mask.begin(), a[3].mask.end(), 1));
+}
+
+TEST_CASE("background alone marked on a further view starts nothing there, and holds in every pass") {
+  SpreadCase c;
+  c.mark(0, PixelHint::kObject), c.mark(2, PixelHint::kBackground);
+  c.spread({.passes = 2});
+  REQUIRE(c.asked[2].size() == 2);
+  for (const ViewPrompt& prompt : c.asked[2]) {
+    CHECK_FALSE(prompt.by_hand);
+    CHECK(prompt.hint[20 * 48 + 24] == PixelHint::kBackground);
+  }
+  SpreadCase none;
+  none.mark(0, PixelHint::kBackground), none.mark(2, PixelHint::kBackground);
+  CHECK_THROWS_WITH_AS(none.spread({}), "the marked views: background alone is marked, expected the object too", Error);
+}
+
 TEST_CASE("views follow from near to far, each from its nearest done view") {
   const std::vector<Camera> ring = {camera_at(1, 0, 0), camera_at(-1, 0.01, 0), camera_at(0.7, 0.7, 0),
                                     camera_at(0, 1, 0)};
-  CHECK(view_order(ring, 0, {0, 0, 0}) == std::vector<std::size_t>{0, 2, 3, 1});
-  CHECK(view_order(ring, 3, {0, 0, 0}) == std::vector<std::size_t>{3, 2, 0, 1});
-  CHECK(view_order({camera_at(1, 0, 0)}, 0, {0, 0, 0}) == std::vector<std::size_t>{0});
+  CHECK(view_order(ring, {0}, {0, 0, 0}) == std::vector<std::size_t>{0, 2, 3, 1});
+  CHECK(view_order(ring, {3}, {0, 0, 0}) == std::vector<std::size_t>{3, 2, 0, 1});
+  CHECK(view_order(ring, {1, 3}, {0, 0, 0}) == std::vector<std::size_t>{1, 3, 2, 0});
+  CHECK(view_order({camera_at(1, 0, 0)}, {0}, {0, 0, 0}) == std::vector<std::size_t>{0});
 }
 
 }  // namespace ngs

@@ -1,6 +1,6 @@
 #pragma once
-// Runs a program of the user without a shell: a command line is split into words once, placeholders are
-// filled in within words, so that no file name can become a command.
+// Runs a program, of the user or a sibling of this one, without a shell: a command line is split into words once,
+// placeholders are filled in within words, so that no file name can become a command.
 #include <functional>
 #include <map>
 #include <string>
@@ -25,11 +25,13 @@ struct ChildResult {
 
 struct ChildLimits {
   double time_s = 600;
-  std::function<bool()> stop = {};  // polled; true: the child is ended
+  std::function<bool()> stop = {};                            // polled; true: the child is ended
+  double patience_s = 2;                                      // from asking it to end (SIGTERM) to ending it (SIGKILL)
+  std::function<void(const std::string& line)> on_line = {};  // what it writes, line by line, while it runs
 };
 
 /// stdin is empty; stdout and stderr are kept. The child has a process group of its own, which is ended as a
-/// whole (SIGTERM, after 2 s SIGKILL) at the time limit and on `stop`. kEnvironment where it cannot be
+/// whole (SIGTERM, then SIGKILL) at the time limit and on `stop`. kEnvironment where it cannot be
 /// started.
 ChildResult run_child(const std::vector<std::string>& argv, const ChildLimits& limits);
 

@@ -1,4 +1,4 @@
-#include "child_process.h"
+#include "shared/run/child_process.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -13,7 +13,9 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <string_view>
 #include <thread>
+#include <utility>
 
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
@@ -24,11 +26,12 @@ namespace ngs::cli {
 namespace {
 
 constexpr std::size_t kLastWords = 2000;
-constexpr double kPatienceS = 2;
 
 /// An unnamed file that takes what the child says; a pipe would have to be read while it runs.
 struct Transcript {
   int descriptor = -1;
+  off_t position = 0;  // read so far
+  std::string line;    // the last, as far as it was read
   Transcript() {
     std::string name = (std::filesystem::temp_directory_path() / "ngs-child-XXXXXX").string();
     descriptor = mkostemp(name.data(), O_CLOEXEC);
@@ -37,6 +40,21 @@ struct Transcript {
   }
   ~Transcript() { close(descriptor); }
   Transcript(const Transcript&) = delete;
+
+  /// Calls `on_line` for what was completed since the last call.
+  void read_on(const std::function<void(const std::string&)>& on_line) {
+    char block[4096];
+    for (ssize_t count; (count = pread(descriptor, block, sizeof block, position)) > 0;) {
+      position += count;
+      for (const char c : std::string_view(block, std::size_t(count))) {
+        if (c != '\n') {
+          line += c;
+          continue;
+        }
+        on_line(std::exchange(line, {}));
+      }
+    }
+  }
 
   std::string end() const {
     const off_t size = lseek(descriptor, 0, SEEK_END), from = size > off_t(kLastWords) ? size - off_t(kLastWords) : 0;
@@ -132,7 +150,7 @@ std::vector<std::string> fill_placeholders(std::vector<std::string> words,
 
 ChildResult run_child(const std::vector<std::string>& argv, const ChildLimits& limits) {
   NGS_CHECK(!argv.empty(), "a program to run");
-  const Transcript transcript;
+  Transcript transcript;
   const pid_t child = spawn(argv, transcript.descriptor);
   using Clock = std::chrono::steady_clock;
   const auto since = [](Clock::time_point start) {
@@ -151,11 +169,13 @@ ChildResult run_child(const std::vector<std::string>& argv, const ChildLimits& l
       ending = true, asked = Clock::now();
       result.end = stopped ? ChildResult::End::kStopped : ChildResult::End::kTimedOut;
       kill(-child, SIGTERM);
-    } else if (ending && since(asked) > kPatienceS) {
+    } else if (ending && since(asked) > limits.patience_s) {
       kill(-child, SIGKILL);
     }
+    if (limits.on_line) transcript.read_on(limits.on_line);
     std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(pause_ms));
   }
+  if (limits.on_line) transcript.read_on(limits.on_line);
   if (ending) kill(-child, SIGKILL);  // what the child itself started
   if (ended < 0 && !ending)
     throw Error(

@@ -1,0 +1,169 @@
+#include "ngs/io/scene/painted_picture.h"
+
+#include <cmath>
+#include <sstream>
+
+#include "ngs/core/error.h"
+#include "ngs/io/scene/picture_samples.h"
+
+namespace ngs::io {
+namespace {
+
+/// A pixel that is farther from the photo's was painted; what JPEG does to an unpainted one is less.
+constexpr int kPaintDistance = 32;
+/// A marker's pixels are within this of its usual colour.
+constexpr int kMarkerDistance = 64;
+/// Channels of grey differ by no more.
+constexpr int kGreySpread = 16;
+/// Where a stroke ends its pixels are mixed with what is below, so many pixels wide.
+constexpr int kFringePx = 2;
+/// A picture in which more is neither paint nor ground is none of ours: this share of it, beside the marks' own.
+constexpr double kUnclearShare = 0.005, kUnclearOfMarks = 0.25;
+/// Painting on the photo leaves at least this share of it.
+constexpr double kLeastKept = 0.5;
+
+/// The mark that a colour is, were it paint.
+PixelHint mark_of(const Colour8& colour) {
+  const bool red = colour[0] >= 128, green = colour[1] >= 128;
+  return red == green ? PixelHint::kLikelyBackground : green ? PixelHint::kObject : PixelHint::kBackground;
+}
+
+bool is_grey(const Colour8& colour) {
+  const auto [low, high] = std::minmax({colour[0], colour[1], colour[2]});
+  return high - low <= kGreySpread;
+}
+
+/// What each pixel was taken for, and how much is neither mark nor ground.
+struct Reading {
+  std::vector<PixelHint> mark;        // [H·W] certain, or likely background: unmarked
+  std::vector<std::uint8_t> unclear;  // [H·W]
+  explicit Reading(std::size_t pixels) : mark(pixels, PixelHint::kLikelyBackground), unclear(pixels) {}
+
+  double share(PixelHint hint) const {
+    return double(std::count(mark.begin(), mark.end(), hint)) / double(mark.size());
+  }
+  double marked() const { return share(PixelHint::kObject) + share(PixelHint::kBackground); }
+  double unclear_share() const {
+    return double(std::count(unclear.begin(), unclear.end(), 1)) / double(unclear.size());
+  }
+  bool is_clear() const { return marked() > 0 && unclear_share() <= kUnclearShare + kUnclearOfMarks * marked(); }
+
+  /// The rims of strokes are no longer unclear.
+  void forgive_fringes(int width_px, int height_px) {
+    for (int y = 0; y < height_px; ++y)
+      for (int x = 0; x < width_px; ++x) {
+        std::uint8_t& at = unclear[index(x, y, width_px)];
+        if (at && is_certain(mark[index(x, y, width_px)])) continue;  // of a colour that is no marker's
+        if (at && has_mark_near(x, y, width_px, height_px)) at = 0;
+      }
+  }
+
+ private:
+  static std::size_t index(int x, int y, int width_px) {
+    return std::size_t(y) * std::size_t(width_px) + std::size_t(x);
+  }
+  bool has_mark_near(int x, int y, int width_px, int height_px) const {
+    for (int v = std::max(0, y - kFringePx); v <= std::min(height_px - 1, y + kFringePx); ++v)
+      for (int u = std::max(0, x - kFringePx); u <= std::min(width_px - 1, x + kFringePx); ++u)
+        if (is_certain(mark[index(u, v, width_px)])) return true;
+    return false;
+  }
+};
+
+std::size_t pixels_of(const RawMask& picture) { return std::size_t(picture.width_px) * std::size_t(picture.height_px); }
+
+Reading read_markers(const RawMask& picture) {
+  Reading reading(pixels_of(picture));
+  ColourCounts of_object, of_background, of_ground;
+  for (std::size_t p = 0; p < reading.mark.size(); ++p) {
+    if (is_see_through(picture, p)) continue;
+    const Colour8 colour = colour_of(picture, p);
+    reading.mark[p] = mark_of(colour);
+    (reading.mark[p] == PixelHint::kObject       ? of_object
+     : reading.mark[p] == PixelHint::kBackground ? of_background
+                                                 : of_ground)
+        .add(colour);
+  }
+  const Colour8 object = of_object.most_frequent(), background = of_background.most_frequent(),
+                ground = of_ground.most_frequent();
+  for (std::size_t p = 0; p < reading.mark.size(); ++p) {
+    if (is_see_through(picture, p)) continue;
+    const Colour8 colour = colour_of(picture, p);
+    const bool unmarked = !is_certain(reading.mark[p]);
+    const Colour8& usual = unmarked ? ground : reading.mark[p] == PixelHint::kObject ? object : background;
+    reading.unclear[p] =
+        distance_of(colour, usual) > (unmarked ? kGreySpread : kMarkerDistance) && !(unmarked && is_grey(colour));
+  }
+  reading.forgive_fringes(picture.width_px, picture.height_px);
+  return reading;
+}
+
+struct PhotoReading {
+  Reading marks;
+  double kept;  // share of the photo's pixels that are still there
+};
+
+/// Of two pictures of one size.
+PhotoReading read_difference(const RawMask& picture, const RawMask& photo) {
+  PhotoReading out{Reading(pixels_of(picture)), 0};
+  std::size_t opaque = 0, kept = 0;
+  for (std::size_t p = 0; p < out.marks.mark.size(); ++p) {
+    if (is_see_through(picture, p)) continue;
+    const Colour8 colour = colour_of(picture, p);
+    ++opaque;
+    if (distance_of(colour, colour_of(photo, p)) <= kPaintDistance) {
+      ++kept;
+      continue;
+    }
+    out.marks.mark[p] = mark_of(colour);
+    out.marks.unclear[p] = !is_certain(out.marks.mark[p]);
+  }
+  out.kept = opaque > 0 ? double(kept) / double(opaque) : 0;
+  out.marks.forgive_fringes(picture.width_px, picture.height_px);
+  return out;
+}
+
+std::string percent(double share) {
+  std::ostringstream text;
+  text << std::round(1000 * share) / 10 << " %";
+  return text.str();
+}
+
+std::string shares_of(const Reading& r) {
+  return percent(r.share(PixelHint::kObject)) + " is green, " + percent(r.share(PixelHint::kBackground)) + " red, " +
+         percent(r.unclear_share()) + " neither these nor unpainted";
+}
+
+[[noreturn]] void refuse(const std::string& path, const std::string& found) {
+  throw Error(ErrorCode::kBadInput,
+              path + ": " + found +
+                  ", expected green (object) and red (background) paint on the view's photo, or such markers alone",
+              "paint with pure green (0, 255, 0) and red (255, 0, 0) on a copy of the photo at its full size, or on a "
+              "transparent layer that is saved alone");
+}
+
+}  // namespace
+
+HandPrompt read_painted_picture(const std::string& path, const std::string& photo) {
+  const RawMask picture = read_mask_raw(path, Palette::kColours);
+  if (picture.channels < 3)
+    throw Error(ErrorCode::kBadInput, path + ": a grey picture, expected green (object) and red (background) strokes",
+                "give one picture per side: --object-scribbles PNG --background-scribbles PNG");
+  HandPrompt prompt;
+  prompt.width_px = picture.width_px, prompt.height_px = picture.height_px;
+  if (!photo.empty() && read_image_size(photo) == ImageSize{picture.width_px, picture.height_px}) {
+    PhotoReading over = read_difference(picture, read_mask_raw(photo, Palette::kColours));
+    if (over.kept >= kLeastKept && over.marks.is_clear()) {
+      prompt.painted = std::move(over.marks.mark);
+      return prompt;
+    }
+    if (over.kept > 1 - kUnclearShare && over.marks.marked() == 0) refuse(path, "nothing is painted on the photo");
+  }
+  Reading alone = read_markers(picture);
+  if (alone.marked() == 0) refuse(path, "nothing is marked");
+  if (!alone.is_clear()) refuse(path, shares_of(alone));
+  prompt.painted = std::move(alone.mark);
+  return prompt;
+}
+
+}  // namespace ngs::io

@@ -1,0 +1,136 @@
+#include "ngs/io/scene/painted_picture.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "ngs/core/error.h"
+#include "ngs/io/image/image_file.h"
+#include "ngs/io/scene/prompt_files.h"
+#include "support/random.h"
+#include "support/temp_dir.h"
+
+namespace ngs {
+namespace {
+
+constexpr int kWidth = 40, kHeight = 30;
+using Colour = std::array<std::uint8_t, 4>;
+
+/// Leaves, petals and shade in all colours: a third of the pixels are green or red enough to be taken for marks.
+ImageU8 garden() {
+  ImageU8 photo(kWidth, kHeight, 4);
+  test::Random random(7);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      for (int c = 0; c < 3; ++c) photo.at(x, y, c) = std::uint8_t(random.uniform(20, 230));
+      photo.at(x, y, 3) = 255;
+    }
+  return photo;
+}
+
+void paint_row(ImageU8& picture, int y, Colour colour) {
+  for (int x = 5; x < 25; ++x)
+    for (int c = 0; c < 4; ++c) picture.at(x, y, c) = colour[std::size_t(c)];
+}
+
+struct Files {
+  test::TempDir dir;
+  std::string photo = dir.path() + "/photo.png", picture = dir.path() + "/picture.png";
+  Files() { io::write_png(photo, garden()); }
+
+  HandPrompt read(const ImageU8& image) const {
+    io::write_png(picture, image);
+    return io::read_painted_picture(picture, photo);
+  }
+  std::string refusal(const ImageU8& image) const {
+    try {
+      read(image);
+    } catch (const Error& e) {
+      CHECK(e.code() == ErrorCode::kBadInput);
+      CHECK(e.remedy().find("paint with pure green") != std::string::npos);
+      return e.what();
+    }
+    return {};
+  }
+};
+
+std::ptrdiff_t count(const HandPrompt& prompt, PixelHint hint) {
+  return std::count(prompt.painted.begin(), prompt.painted.end(), hint);
+}
+
+const Colour kGreen{0, 255, 0, 255}, kRed{255, 0, 0, 255};
+
+}  // namespace
+
+TEST_CASE("paint on a photo is what differs from it, not what is green or red in it") {
+  const Files files;
+  ImageU8 painted = garden();
+  paint_row(painted, 10, kGreen), paint_row(painted, 20, kRed);
+  const HandPrompt prompt = files.read(painted);
+  CHECK(count(prompt, PixelHint::kObject) == 20);
+  CHECK(count(prompt, PixelHint::kBackground) == 20);
+  CHECK(prompt.painted[10 * kWidth + 5] == PixelHint::kObject);
+  CHECK(prompt.painted[20 * kWidth + 24] == PixelHint::kBackground);
+
+  for (std::uint8_t& sample : painted.data) sample = std::uint8_t(std::clamp(int(sample) + 9, 0, 255));  // compressed
+  CHECK(count(files.read(painted), PixelHint::kObject) == 20);
+}
+
+TEST_CASE("a photo without paint, another photo and paint of another colour are refused with what was found") {
+  const Files files;
+  CHECK(files.refusal(garden()).find("nothing is painted on the photo") != std::string::npos);
+  ImageU8 turned = garden();
+  std::reverse(turned.data.begin(), turned.data.end());
+  for (std::size_t p = 3; p < turned.data.size(); p += 4) turned.data[p] = 255;
+  CHECK(files.refusal(turned).find(" % is green, ") != std::string::npos);
+  ImageU8 blue = garden();
+  paint_row(blue, 10, {0, 0, 255, 255});
+  CHECK(files.refusal(blue).find("neither these nor unpainted") != std::string::npos);
+}
+
+TEST_CASE("markers stand alone on transparency, on grey and on one colour, at any size") {
+  const Files files;
+  for (const Colour ground :
+       {Colour{0, 200, 0, 0}, Colour{0, 0, 0, 255}, Colour{255, 255, 255, 255}, Colour{40, 60, 120, 255}}) {
+    CAPTURE(int(ground[0]));
+    ImageU8 markers(2 * kWidth, 2 * kHeight, 4);
+    for (std::size_t i = 0; i < markers.data.size(); ++i) markers.data[i] = ground[i % 4];
+    paint_row(markers, 10, kGreen), paint_row(markers, 20, kRed);
+    for (int x = 5; x < 25; ++x) markers.at(x, 11, 1) = 100, markers.at(x, 11, 0) = 20;  // a soft rim
+    const HandPrompt prompt = files.read(markers);
+    CHECK(prompt.width_px == 2 * kWidth);
+    CHECK(count(prompt, PixelHint::kObject) == 20);
+    CHECK(count(prompt, PixelHint::kBackground) == 20);
+  }
+}
+
+TEST_CASE("a painted photo of another size than the view's is refused") {
+  const Files files;
+  ImageU8 large(2 * kWidth, 2 * kHeight, 4);
+  const ImageU8 small = garden();
+  for (int y = 0; y < large.height_px; ++y)
+    for (int x = 0; x < large.width_px; ++x)
+      for (int c = 0; c < 4; ++c) large.at(x, y, c) = small.at(x / 2, y / 2, c);
+  paint_row(large, 10, kGreen);
+  CHECK(files.refusal(large).find("neither these nor unpainted") != std::string::npos);
+}
+
+TEST_CASE("a photo is no scribble of one side; a mask is, compressed or not") {
+  const Files files;
+  HandPrompt prompt;
+  try {
+    io::add_scribbles(files.photo, true, prompt);
+    FAIL("nothing was thrown");
+  } catch (const Error& e) {
+    CHECK(e.code() == ErrorCode::kBadInput);
+    CHECK(std::string(e.what()).find("100 % of it is not black and in many colours") != std::string::npos);
+  }
+  ImageU8 mask(kWidth, kHeight, 1, 250);
+  for (std::size_t p = 0; p < mask.data.size(); p += 3) mask.data[p] = 255;
+  mask.data[0] = 0;
+  io::write_png(files.picture, mask);
+  io::add_scribbles(files.picture, true, prompt);
+  CHECK(count(prompt, PixelHint::kObject) == kWidth * kHeight - 1);
+}
+
+}  // namespace ngs

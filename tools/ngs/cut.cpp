@@ -1,0 +1,114 @@
+#include "cut.h"
+
+#include <filesystem>
+
+#include "cut_chain.h"
+#include "cut_summary.h"
+#include "ngs/core/error.h"
+#include "ngs/io/files/atomic_file.h"
+#include "shared/tool.h"
+
+namespace ngs::front {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kMarker = ".ngs-cut";  // in a folder that is ours
+
+/// "statue.ply" -> "statue-cut", "garden/" -> "garden-cut".
+std::string default_folder(const std::string& source) {
+  fs::path name = fs::path(source).lexically_normal();
+  if (!name.has_filename()) name = name.parent_path();
+  return name.stem().stem().string() + "-cut";
+}
+
+/// A folder that holds something else than an earlier run's would be mixed with it.
+void require_own_folder(const std::string& folder, bool overwrite) {
+  std::error_code absent;
+  if (!fs::exists(folder, absent) || fs::is_empty(folder, absent) || fs::exists(fs::path(folder) / kMarker, absent))
+    return;
+  if (!overwrite)
+    throw Error(ErrorCode::kUsage, folder + ": holds files that no earlier run of this command made",
+                "choose another folder with -o, or write into it with -w");
+}
+
+/// Made by this run, and gone again where its first stage fails: nothing in it is of any use.
+class NewFolder {
+ public:
+  NewFolder(std::string path, bool is_new) : path_(std::move(path)), is_new_(is_new) {}
+  void remove_after_failure(const CutChain& chain) const {
+    std::error_code ignored;
+    if (is_new_ && chain.stages().results().empty()) fs::remove_all(path_, ignored);
+  }
+
+ private:
+  std::string path_;
+  bool is_new_;
+};
+
+int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
+  const NewFolder folder(inputs.out, !run.dry_run() && !fs::exists(inputs.out));
+  if (!run.dry_run()) {
+    require_own_folder(inputs.out, run.overwrite());
+    fs::create_directories(inputs.out);
+    io::write_file(inputs.out + "/" + kMarker, "a folder of ngs cut\n");
+  }
+  CutChain chain(run, options, std::move(inputs));
+  const CutEnd end = [&] {
+    try {
+      return chain.run();
+    } catch (...) {
+      folder.remove_after_failure(chain);
+      throw;
+    }
+  }();
+  if (run.dry_run()) return run.plan({{"commands", chain.stages().commands()}}), cli::kDone;
+  if (end == CutEnd::kStopped) return run.stop_code();
+  run.result()["out"] = chain.inputs().out;
+  if (end == CutEnd::kNeedsStrokes) {
+    run.result()["needs_strokes"] = true;
+    run.text(stroke_help(chain));
+    return cli::kDone;
+  }
+  run.result().update(summary_json(chain));
+  run.text(summary_of(chain));
+  return cli::kDone;
+}
+
+}  // namespace
+
+int cut_command(int argc, char** argv) {
+  cli::Tool tool(
+      "ngs cut", "Cut an object out of a splat, a capture or a scene: the whole chain in one command.",
+      {"ngs cut statue.ply                      # makes pictures of it, says how to mark the object",
+       "ngs cut statue.ply --strokes strokes.json", "ngs cut captures/garden --hold-out every:8:0 -o garden"});
+  CutOptions options;
+  tool.options(options);
+  const cli::Argument& source =
+      tool.argument("source",
+                    "a splat (.ply, .spz, .sog, .splat, .ksplat), a folder of photos, poses, a splat and masks, "
+                    "or a scene.json");
+  const cli::Inputs& strokes = tool.inputs(
+      "--strokes", "marks on one or more views, as ngs-mask --prompts takes them (repeatable, or PATH,PATH)");
+  const cli::Input& model = tool.optional_input("--model", "the splat, where a capture or scene names none or another");
+  const cli::Input& masks =
+      tool.optional_input("--masks", "folder of masks by the pictures' names, in place of strokes");
+  const cli::Input& truth = tool.optional_input("--gt", "folder of true masks, to score the result");
+  const cli::Output& out = tool.resumed_output_dir("-o,--output", "folder for all that is made; default: SOURCE-cut");
+  tool.stops_on_request();
+
+  return tool.run(argc, argv, [&](cli::Run& run) {
+    if (strokes && masks) throw Error(ErrorCode::kUsage, "--strokes and --masks are both given, expected one of them");
+    const SourceKind kind = kind_of(source.value);
+    if (kind != SourceKind::kSplat) run.warn_unused({"--around", "--up", "--size", "--views"}, "but for a splat alone");
+    if (kind != SourceKind::kCapture) run.warn_unused({"--image-scale"}, "but for a capture");
+    if (kind == SourceKind::kSplat) run.warn_unused({"--model"}, "with a splat");
+    if (kind == SourceKind::kScene) run.warn_unused({"--hold-out"}, "with a scene.json, which says it itself");
+    if (fs::is_regular_file(source.value)) run.add_input("source", source.value);
+    return cut(run, options,
+               {source.value, kind, strokes.paths, model.path, masks.path, truth.path,
+                out ? out.path : default_folder(source.value)});
+  });
+}
+
+}  // namespace ngs::front

@@ -1,0 +1,160 @@
+#include "cut_chain.h"
+
+#include <filesystem>
+
+#include "ngs/core/error.h"
+#include "ngs/core/version.h"
+#include "ngs/io/files/atomic_file.h"
+#include "ngs/io/files/content_hash.h"
+#include "ngs/io/files/json_file.h"
+#include "ngs/io/scene/scene_json.h"
+#include "ngs/options/name_of.h"
+#include "ngs/scene/view_names.h"
+
+namespace ngs::front {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool exists(const std::string& path) {
+  std::error_code unreadable;
+  return !path.empty() && fs::exists(path, unreadable);
+}
+
+void append(Words& words, const std::string& flag, const std::string& value) {
+  if (!value.empty()) words.push_back(flag), words.push_back(value);
+}
+
+bool has_masks(const Scene& scene) {
+  for (const SceneView& view : scene.views)
+    if (!view.mask_path.empty()) return true;
+  return false;
+}
+
+}  // namespace
+
+CutChain::CutChain(cli::Run& run, const CutOptions& options, CutInputs inputs)
+    : run_(run), options_(options), inputs_(std::move(inputs)), stages_(run, inputs_.out, run.exec().threads) {}
+
+CutEnd CutChain::run() {
+  if (!make_scene()) return CutEnd::kStopped;
+  const bool marked = !inputs_.strokes.empty();
+  if (marked && !masks_from_strokes()) return CutEnd::kStopped;
+  if (run_.dry_run()) return cut(), score(), CutEnd::kDone;
+  if (!marked && inputs_.masks.empty() && !has_masks(io::read_scene_json(plain_scene_))) return CutEnd::kNeedsStrokes;
+  write_scene_with(marked ? at("strokes") : inputs_.masks);
+  return cut() && score() ? CutEnd::kDone : CutEnd::kStopped;
+}
+
+bool CutChain::make_scene() {
+  switch (inputs_.kind) {
+    case SourceKind::kSplat: return orbit();
+    case SourceKind::kCapture: return import();
+    case SourceKind::kScene: break;
+  }
+  plain_scene_ = inputs_.source;
+  return true;
+}
+
+/// The pictures of an earlier run are taken where model, options and version are the same: strokes were made on them.
+bool CutChain::orbit() {
+  plain_scene_ = at("orbit/scene.json");
+  Words words{"ngs-scene", "orbit", inputs_.source, "-o", plain_scene_};
+  append(words, "--around", options_.around);
+  append(words, "--up", options_.up == "auto" ? "" : options_.up);
+  append(words, "--size", options_.size);
+  append(words, "--views", options_.views > 0 ? std::to_string(options_.views) : "");
+  append(words, "--hold-out", options_.hold_out);
+  Json key{{"version", kVersion}, {"options", Words(words.begin() + 5, words.end())}};
+  const std::string key_file = at("orbit/made_from.json");
+  if (!run_.dry_run()) {
+    key["model"] = io::content_hash(inputs_.source).xxh3;
+    if (exists(plain_scene_) && exists(key_file) && io::read_json_file(key_file) == nlohmann::json(key))
+      return reused_orbit_ = true;
+    fs::create_directories(at("orbit"));
+    std::error_code ignored;
+    fs::remove(key_file, ignored);
+  }
+  if (!stages_.run("ngs-scene", words)) return false;
+  if (!run_.dry_run()) io::write_file(key_file, key.dump(1) + "\n");
+  return true;
+}
+
+bool CutChain::import() {
+  plain_scene_ = at("capture.json");
+  const std::string model = inputs_.model.empty() ? model_in(inputs_.source) : inputs_.model;
+  if (inputs_.strokes.empty() && inputs_.masks.empty()) inputs_.masks = masks_in(inputs_.source);
+  if (inputs_.truth.empty()) inputs_.truth = truth_in(inputs_.source);
+  Words words{
+      "ngs-scene", "import", inputs_.source, "-o", plain_scene_, "--image-scale", std::to_string(options_.image_scale)};
+  append(words, "--ply", model);
+  append(words, "--hold-out", options_.hold_out);
+  append(words, "--masks", inputs_.strokes.empty() ? inputs_.masks : "");
+  inputs_.masks.clear();  // the scene names them
+  return stages_.run("ngs-scene", words);
+}
+
+bool CutChain::masks_from_strokes() {
+  Words words{"ngs-mask", plain_scene_, "-o", at("strokes")};
+  if (options_.quality == CutQuality::kDraft) append(words, "--passes", "1");
+  if (inputs_.kind == SourceKind::kScene) append(words, "--model", inputs_.model);
+  append(words, "--view", options_.view);
+  for (const std::string& strokes : inputs_.strokes) append(words, "--prompts", strokes);
+  return stages_.run("ngs-mask", words);
+}
+
+/// `masks` is a folder with STEM.png of some views; empty: the masks of the scene stay.
+void CutChain::write_scene_with(const std::string& masks) const {
+  Scene scene = io::read_scene_json(plain_scene_);
+  if (!inputs_.model.empty()) scene.model_path = inputs_.model;
+  if (!masks.empty()) {
+    const std::vector<std::string> names = output_names(scene.views);
+    std::size_t found = 0;
+    for (std::size_t v = 0; v < names.size(); ++v) {
+      const std::string path = masks + "/" + names[v] + ".png";
+      scene.views[v].mask_path = exists(path) ? path : "";
+      found += exists(path);
+    }
+    if (found == 0)
+      throw Error(ErrorCode::kInconsistent, masks + ": no mask of any view, expected for example " + names[0] + ".png",
+                  "masks are named after the pictures");
+    scene.mask_mode = MaskMode::kBinary, scene.mask_invert = false, scene.mask_threshold = 128;
+    scene.objects = {SceneObject{}};
+  }
+  io::write_scene_json(at("scene.json"), scene);
+}
+
+bool CutChain::cut() {
+  const std::string scene = at("scene.json"), labelled = at("labelled.ply");
+  if (!stages_.run("ngs-variance", {"ngs-variance", scene, "-o", at("boundary.ply")}) ||
+      !stages_.run("ngs-joint", {"ngs-joint", scene, at("boundary.ply"), "--quality",
+                                 std::string(name_of(kCutQualities, options_.quality)), "--trace", at("trace.jsonl"),
+                                 "-o", labelled}) ||
+      !stages_.run("ngs-extract",
+                   {"ngs-extract", labelled, "--object", at("object.ply"), "--background", at("background.ply")}))
+    return false;
+  if (run_.dry_run() || options_.keep) return true;
+  for (const char* made_on_the_way : {"boundary.ply", "trace.jsonl"}) fs::remove(at(made_on_the_way));
+  return true;
+}
+
+/// The masks of the result against the truth where there is one, else against the masks that went in.
+bool CutChain::score() {
+  const bool held_out = !options_.hold_out.empty();
+  std::error_code ignored;
+  if (!run_.dry_run()) fs::remove_all(at("masks"), ignored);
+  if (!stages_.run("ngs-render", {"ngs-render", at("scene.json"), at("labelled.ply"), "--layers", "mask", "--scale",
+                                  "0", "--format", "png", "--views", held_out ? "held-out" : "all", "-o", at("masks")}))
+    return false;
+  if (!run_.dry_run())
+    for (const char* scores : {"metrics.json", "agreement.json"}) fs::remove(at(scores), ignored);
+  if (!inputs_.truth.empty()) {
+    if (!stages_.run("ngs-eval", {"ngs-eval", at("masks"), inputs_.truth, "-o", at("metrics.json")})) return false;
+  } else if (!inputs_.strokes.empty()) {
+    if (!stages_.run("ngs-eval-agreement", {"ngs-eval", at("masks"), at("strokes"), "-o", at("agreement.json")}))
+      return false;
+  }
+  return stages_.run("ngs-report", {"ngs-report", inputs_.out, "-o", at("report.html")});
+}
+
+}  // namespace ngs::front

@@ -1,0 +1,58 @@
+#pragma once
+// The stages of ngs cut, from what it is given to the object's own splat.
+//
+//   OUT/orbit/       a splat: scene.json and images/, the pictures that strokes are made on
+//   OUT/capture.json a capture: its cameras, photos and model
+//   OUT/strokes/     masks from strokes, STEM.png
+//   OUT/scene.json   the one that is cut: cameras, pictures and masks
+//   OUT/labelled.ply object.ply background.ply masks/STEM.png agreement.json or metrics.json, report.html
+#include <string>
+#include <vector>
+
+#include "cut_options.h"
+#include "cut_source.h"
+#include "stage_runner.h"
+
+namespace ngs::front {
+
+struct CutInputs {
+  std::string source;  // as it was given
+  SourceKind kind = SourceKind::kSplat;
+  std::vector<std::string> strokes;  // files for ngs-mask --prompts
+  std::string model, masks, truth;   // empty: what the capture has
+  std::string out;                   // the folder
+};
+
+enum class CutEnd { kDone, kNeedsStrokes, kStopped };
+
+class CutChain {
+ public:
+  CutChain(cli::Run& run, const CutOptions& options, CutInputs inputs);
+
+  /// kNeedsStrokes: the pictures are made, and there is neither a stroke nor a mask yet.
+  CutEnd run();
+  const StageRunner& stages() const { return stages_; }
+  const CutInputs& inputs() const { return inputs_; }
+  /// The pictures were those of an earlier run.
+  bool reused_orbit() const { return reused_orbit_; }
+  std::string at(const std::string& name) const { return inputs_.out + "/" + name; }
+  std::string pictures() const { return at("orbit/images"); }
+
+ private:
+  bool make_scene();
+  bool orbit();
+  bool import();
+  bool masks_from_strokes();
+  void write_scene_with(const std::string& masks) const;
+  bool cut();
+  bool score();
+
+  cli::Run& run_;
+  const CutOptions& options_;
+  CutInputs inputs_;
+  StageRunner stages_;
+  std::string plain_scene_;  // cameras and pictures, before masks of ours are laid to it
+  bool reused_orbit_ = false;
+};
+
+}  // namespace ngs::front

@@ -1,0 +1,18 @@
+#pragma once
+// What ngs cut is given: a splat alone, a capture, or a scene.json.
+#include <string>
+
+namespace ngs::front {
+
+enum class SourceKind { kSplat, kCapture, kScene };
+
+/// By what is at the path: a folder, transforms.json, cameras.json or poses_bounds.npy is a capture, a JSON file with
+/// "ngs_scene" a scene, everything else a splat, whose reader says what is wrong with it. kBadInput for nothing there.
+SourceKind kind_of(const std::string& path);
+
+/// What lies in a capture's folder under a usual name; empty: nothing. Where `path` is a file, beside it.
+std::string model_in(const std::string& path);
+std::string masks_in(const std::string& path);
+std::string truth_in(const std::string& path);
+
+}  // namespace ngs::front

@@ -1,0 +1,129 @@
+#include "cut_summary.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <iomanip>
+#include <sstream>
+
+#include "ngs/io/files/json_file.h"
+#include "ngs/io/scene/scene_json.h"
+
+namespace ngs::front {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kShownWarnings = 3;
+
+bool exists(const std::string& path) {
+  std::error_code unreadable;
+  return fs::exists(path, unreadable);
+}
+
+/// "scores", or "agreement" where there was no truth; empty: neither.
+struct Scores {
+  std::string kind;
+  nlohmann::json mean;
+  std::size_t views = 0;
+};
+
+Scores scores_of(const CutChain& chain) {
+  for (const auto& [kind, file] : {std::pair("scores", "metrics.json"), {"agreement", "agreement.json"}}) {
+    if (!exists(chain.at(file))) continue;
+    const nlohmann::json metrics = io::read_json_file(chain.at(file));
+    return {kind, metrics.at("mean"), metrics.at("views").size()};
+  }
+  return {};
+}
+
+std::int64_t count_of(const CutChain& chain, const char* key) {
+  const nlohmann::json& report = chain.stages().report("ngs-extract");
+  return report.is_object() ? report.at("result").value(key, std::int64_t(-1)) : -1;
+}
+
+std::string score_line(const Scores& scores) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(3) << "IoU " << scores.mean.value("iou", 0.0) << ", boundary IoU "
+       << scores.mean.value("biou", 0.0) << " (wide) " << scores.mean.value("biou_005", 0.0) << " (narrow), "
+       << scores.views << " views, "
+       << (scores.kind == "scores" ? "against the true masks" : "with the masks from your strokes, which are no truth");
+  return text.str();
+}
+
+std::string time_line(const CutChain& chain) {
+  double total = 0;
+  std::ostringstream parts;
+  parts << std::fixed << std::setprecision(1);
+  for (const StageResult& stage : chain.stages().results()) {
+    total += stage.wall_s;
+    parts << (parts.tellp() > 0 ? ", " : "") << stage.tool.substr(4) << " " << stage.wall_s;
+  }
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(1) << total << " s (" << parts.str() << ")"
+       << (chain.reused_orbit() ? "; the pictures are those of before" : "");
+  return text.str();
+}
+
+void row(std::string& text, const std::string& name, const std::string& what) {
+  text += name + std::string(name.size() < 12 ? 12 - name.size() : 1, ' ') + what + "\n";
+}
+
+std::string with_count(const std::string& path, std::int64_t count) {
+  return path + (count < 0 ? "" : "  " + std::to_string(count) + " Gaussians");
+}
+
+}  // namespace
+
+std::string summary_of(const CutChain& chain) {
+  std::string text;
+  row(text, "object", with_count(chain.at("object.ply"), count_of(chain, "object")));
+  row(text, "background", with_count(chain.at("background.ply"), count_of(chain, "background")));
+  row(text, "masks", chain.at("masks") + "/");
+  row(text, "page", chain.at("report.html"));
+  if (const Scores scores = scores_of(chain); !scores.kind.empty()) row(text, scores.kind, score_line(scores));
+  row(text, "time", time_line(chain));
+  const std::vector<std::string>& warnings = chain.stages().warnings();
+  for (std::size_t i = 0; i < std::min(kShownWarnings, warnings.size()); ++i) row(text, "odd", warnings[i]);
+  if (warnings.size() > kShownWarnings)
+    row(text, "odd",
+        std::to_string(warnings.size() - kShownWarnings) + " more warnings, in " + chain.at("reports") + "/");
+  if (!chain.inputs().strokes.empty())
+    row(text, "next", "where the page shows a wrong edge, mark that view too: add --strokes FILE and run this again");
+  return text;
+}
+
+std::string stroke_help(const CutChain& chain) {
+  const Scene scene = io::read_scene_json(chain.inputs().kind == SourceKind::kSplat     ? chain.at("orbit/scene.json")
+                                          : chain.inputs().kind == SourceKind::kCapture ? chain.at("capture.json")
+                                                                                        : chain.inputs().source);
+  const SceneView& first = scene.views.front();
+  std::string text;
+  row(text, "pictures",
+      std::to_string(scene.views.size()) + " in " + fs::path(first.image_path).parent_path().string() + "/");
+  row(text, "mark", "paint the object green (0,255,0) and something beside it red (255,0,0) on a copy of one or more");
+  row(text, "", "of them, under the same name and as PNG, in a folder of your own; or write strokes as JSON:");
+  row(text, "",
+      R"({"ngs_prompts": 1, "view": ")" + first.camera.name + R"(", "width": )" +
+          std::to_string(first.camera.width_px) + R"(, "height": )" + std::to_string(first.camera.height_px) +
+          R"(, "strokes": [)");
+  row(text, "", R"(  {"object": true, "points": [[X, Y], [X, Y]]}, {"object": false, "points": [[X, Y], [X, Y]]}]})");
+  row(text, "next", "ngs cut " + chain.inputs().source + " -o " + chain.inputs().out + " --strokes FILE");
+  return text;
+}
+
+Json summary_json(const CutChain& chain) {
+  const std::int64_t object = count_of(chain, "object"), background = count_of(chain, "background");
+  Json json{{"object", chain.at("object.ply")},
+            {"background", chain.at("background.ply")},
+            {"masks", chain.at("masks")},
+            {"page", chain.at("report.html")},
+            {"object_gaussians", object},
+            {"background_gaussians", background},
+            {"reused_pictures", chain.reused_orbit()},
+            {"stage_warnings", chain.stages().warnings()}};
+  if (const Scores scores = scores_of(chain); !scores.kind.empty()) json[scores.kind] = Json(scores.mean);
+  for (const StageResult& stage : chain.stages().results()) json["stage_wall_s"][stage.tool] = stage.wall_s;
+  return json;
+}
+
+}  // namespace ngs::front

@@ -1,0 +1,61 @@
+// ngs: lists the tools and runs them ("ngs mask" is ngs-mask), and cuts an object out in one command ("ngs cut").
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "cut.h"
+#include "ngs/core/error.h"
+#include "shared/cli/dispatch.h"
+#include "shared/cli/exit_code.h"
+#include "siblings.h"
+
+namespace {
+
+using namespace ngs;
+
+int run_sibling(const std::string& program, const std::vector<std::string>& words) {
+  try {
+    front::become(program, words);
+  } catch (const Error& e) {
+    std::fprintf(stderr, "ngs: error: %s\nngs: hint: %s\n", e.what(), e.remedy().c_str());
+    return int(e.code());
+  }
+}
+
+std::vector<cli::Command> commands() {
+  std::vector<cli::Command> all = {
+      {"cut", front::cut_command, "an object out of a splat, a capture or a scene: the whole chain in one command"}};
+  for (const front::Sibling& tool : front::siblings())
+    all.push_back({tool.command,
+                   [program = std::string(tool.program)](int argc, char** argv) {
+                     return run_sibling(program, {argv + 1, argv + argc});
+                   },
+                   tool.summary});
+  return all;
+}
+
+/// "ngs help mask" is "ngs mask --help", "ngs ngs-mask" is "ngs mask".
+std::vector<std::string> usual_spelling(std::vector<std::string> words) {
+  if (words.empty()) return {"--help"};
+  if (words[0] == "help" && words.size() < 3) {
+    words.erase(words.begin());
+    words.push_back("--help");
+  }
+  if (words[0].starts_with("ngs-")) words[0].erase(0, 4);
+  return words;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::vector<std::string> words = usual_spelling({argv + std::min(argc, 1), argv + argc});
+  if (words[0] == "--print-commands") {  // for scripts that go through all tools: those of this program alone
+    std::fputs("cut\n", stdout);
+    return cli::kDone;
+  }
+  if (words[0] == "--help" && words.size() == 2) words.pop_back();  // --help all
+  words.insert(words.begin(), "ngs");
+  std::vector<char*> spelt;
+  for (std::string& word : words) spelt.push_back(word.data());
+  return cli::dispatch(int(spelt.size()), spelt.data(), commands());
+}

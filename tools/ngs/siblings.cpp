@@ -1,0 +1,53 @@
+#include "siblings.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+#include "ngs/core/error.h"
+
+namespace ngs::front {
+
+namespace fs = std::filesystem;
+
+const std::vector<Sibling>& siblings() {
+  static const std::vector<Sibling> all = {
+      {"scene", "ngs-scene", "cameras, photos, masks, a splat -> scene.json, checked; cameras for a splat alone"},
+      {"mask", "ngs-mask", "strokes on some photos -> masks of all views"},
+      {"variance", "ngs-variance", "masks -> the Gaussians at the object's boundary"},
+      {"sample", "ngs-sample", "query points on rays over the boundary"},
+      {"rbf", "ngs-rbf", "boundary features interpolated at the query points"},
+      {"joint", "ngs-joint", "labels and Gaussians optimised together"},
+      {"extract", "ngs-extract", "labels -> object.ply and background.ply"},
+      {"render", "ngs-render", "colour, masks, depth and labels at the scene's cameras"},
+      {"eval", "ngs-eval", "scores of masks against the truth"},
+      {"report", "ngs-report", "one page of one run, or many compared"},
+      {"fit", "ngs-fit", "photos -> a splat"},
+      {"synth", "ngs-synth", "analytic scenes with exact masks"}};
+  return all;
+}
+
+std::string sibling_path(const std::string& program) {
+  std::error_code unknown;
+  const fs::path self = fs::read_symlink("/proc/self/exe", unknown);
+  const std::string path = (self.parent_path() / program).string();
+  if (unknown || access(path.c_str(), X_OK) != 0)
+    throw Error(ErrorCode::kEnvironment,
+                path + ": " + (unknown ? unknown.message() : std::strerror(errno)) + ", expected the program " +
+                    program + " beside ngs",
+                "install all tools into one folder");
+  return path;
+}
+
+void become(const std::string& program, const std::vector<std::string>& words) {
+  const std::string path = sibling_path(program);
+  std::vector<char*> argv{const_cast<char*>(path.c_str())};
+  for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
+  argv.push_back(nullptr);
+  execv(path.c_str(), argv.data());
+  throw Error(ErrorCode::kEnvironment, path + ": cannot be started: " + std::strerror(errno));
+}
+
+}  // namespace ngs::front

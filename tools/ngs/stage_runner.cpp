@@ -1,0 +1,104 @@
+#include "stage_runner.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+
+#include "ngs/core/error.h"
+#include "ngs/io/files/atomic_file.h"
+#include "ngs/io/files/json_file.h"
+#include "shared/cli/exit_code.h"
+#include "shared/run/child_process.h"
+#include "siblings.h"
+
+namespace ngs::front {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A tool that does not end by itself within this is ended; the whole takes less than a second.
+constexpr double kPatienceS = 0.7;
+
+std::string quoted(const std::string& word) {
+  const bool plain = !word.empty() && word.find_first_not_of(
+                                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                          "0123456789_./:=,+@%-") == word.npos;
+  if (plain) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
+  return text + "'";
+}
+
+std::string command_line(const Words& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : " ") + quoted(word);
+  return text;
+}
+
+/// What a tool that had to be killed had in work.
+void remove_unfinished(const std::string& folder) {
+  std::error_code failed;
+  std::vector<fs::path> found;
+  for (fs::recursive_directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
+    const std::string name = entry->path().filename().string();
+    if (name.starts_with(".ngs-") && name.find(".tmp") != name.npos) found.push_back(entry->path());
+  }
+  for (const fs::path& path : found) fs::remove(path, failed);
+}
+
+}  // namespace
+
+StageRunner::StageRunner(cli::Run& run, std::string folder, int threads)
+    : run_(run), folder_(std::move(folder)), threads_(threads) {}
+
+const nlohmann::json& StageRunner::report(const std::string& name) const {
+  static const nlohmann::json none;
+  const auto found = std::find(names_.rbegin(), names_.rend(), name);
+  return found == names_.rend() ? none : results_[std::size_t(names_.rend() - found - 1)].report;
+}
+
+void StageRunner::listen(const std::string& line) {
+  const nlohmann::json record = nlohmann::json::parse(line, nullptr, false);
+  if (!record.is_object() || !record.contains("event")) return;
+  const std::string event = record.value("event", ""), message = record.value("message", "");
+  if (event == "progress") run_.monitor().progress(record.value("done", 0), record.value("total", 0));
+  if (event == "error") error_ = message;
+  if (event == "hint") hint_ = message;
+  if (event == "warning") warnings_.push_back(record.value("tool", "") + ": " + message);
+}
+
+bool StageRunner::run(const std::string& name, const Words& words) {
+  Words argv = words;
+  const std::string report = folder_ + "/reports/" + name + ".json";
+  for (const std::string& word : {std::string("-w"), std::string("-j"), std::to_string(threads_), std::string("--seed"),
+                                  std::to_string(run_.seed()), std::string("--report"), report})
+    argv.push_back(word);
+  commands_.push_back(command_line(argv));
+  if (run_.dry_run()) return true;
+  if (run_.monitor().stop_requested()) return false;
+  fs::create_directories(folder_ + "/reports");
+  io::write_file(folder_ + "/reports/" + name + ".sh", commands_.back() + "\n");
+  argv[0] = sibling_path(argv[0]);
+  for (const char* word : {"--log-format", "json"}) argv.emplace_back(word);
+
+  const auto timed = run_.monitor().scope(name);
+  const double start_s = wall_seconds();
+  error_.clear(), hint_.clear();
+  const cli::ChildResult child = cli::run_child(argv, {.time_s = std::numeric_limits<double>::infinity(),
+                                                       .stop = [this] { return run_.monitor().stop_requested(); },
+                                                       .patience_s = kPatienceS,
+                                                       .on_line = [this](const std::string& line) { listen(line); }});
+  if (child.end == cli::ChildResult::End::kStopped) return remove_unfinished(folder_), false;
+  if (child.end == cli::ChildResult::End::kSignalled) {
+    remove_unfinished(folder_);
+    throw Error(ErrorCode::kEnvironment, words[0] + ": ended by signal " + std::to_string(child.code),
+                child.code == 9 ? "was there enough memory? --dry-run of the tool estimates it" : "");
+  }
+  if (child.code != cli::kDone && child.code != cli::kCheckFailed && child.code != cli::kBudgetHit)
+    throw Error(ErrorCode(child.code), words[0] + ": " + (error_.empty() ? child.last_words : error_), hint_);
+  names_.push_back(name);
+  results_.push_back({words[0], wall_seconds() - start_s, io::read_json_file(report)});
+  return true;
+}
+
+}  // namespace ngs::front
