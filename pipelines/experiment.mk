@@ -20,6 +20,7 @@ GT ?=
 HOLD_OUT ?=
 IMAGE_SCALE ?= 0
 METHOD ?=
+ARTIFACTS ?= needed
 QUALITY ?=
 DEVICE ?=
 SCENE_FLAGS ?=
@@ -33,13 +34,15 @@ EVAL_FLAGS ?=
 # Of every tool: those that may change a result, and those that cannot (-j 4 -q), which rerun nothing.
 COMMON_FLAGS ?=
 UNKEYED_FLAGS ?=
-export OUT SCENE MODEL MASKS GT HOLD_OUT IMAGE_SCALE METHOD QUALITY DEVICE
+export ARTIFACTS OUT SCENE MODEL MASKS GT HOLD_OUT IMAGE_SCALE METHOD QUALITY DEVICE
 export SCENE_FLAGS VARIANCE_FLAGS SAMPLE_FLAGS RBF_FLAGS JOINT_FLAGS EXTRACT_FLAGS RENDER_FLAGS EVAL_FLAGS
 export COMMON_FLAGS UNKEYED_FLAGS
 
 NGS_STAGE ?= $(dir $(lastword $(MAKEFILE_LIST)))stage.sh
 export NGS_STAGE
 STAGE := bash "$$NGS_STAGE"
+# field.ply where a stage reads it, or where ARTIFACTS is all. A shell of make knows only what came by the environment.
+FIELD := $(shell ARTIFACTS=$(ARTIFACTS) METHOD='$(METHOD)' JOINT_FLAGS="$$JOINT_FLAGS $(if $(findstring command,$(origin JOINT_FLAGS)),$(JOINT_FLAGS))" OUT=. bash "$(NGS_STAGE)" field)
 
 .PHONY: all FORCE
 all: $(OUT)/report.html
@@ -59,7 +62,7 @@ $(OUT)/queries.ply: $(OUT)/boundary.ply $(OUT)/.state/sample.key
 	$(STAGE) sample
 $(OUT)/field.ply: $(OUT)/queries.ply $(OUT)/.state/rbf.key
 	$(STAGE) rbf
-$(OUT)/labelled.ply: $(OUT)/field.ply $(OUT)/.state/joint.key
+$(OUT)/labelled.ply: $(OUT)/boundary.ply $(addprefix $(OUT)/,$(FIELD)) $(OUT)/.state/joint.key
 	$(STAGE) joint
 $(OUT)/object.ply $(OUT)/background.ply &: $(OUT)/labelled.ply $(OUT)/.state/extract.key
 	$(STAGE) extract

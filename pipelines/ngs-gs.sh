@@ -10,6 +10,7 @@
 #   --image-scale S      working size             (default: 1, 1/2, 1/3 ... so that no side exceeds 800 px)
 #   --quality Q          draft|standard|high|reference
 #   --method M           paper|bce|cob|flash|sa3d|saga|released
+#   --artifacts all      make queries.ply and field.ply too where no stage reads them (default: needed)
 #   --until FILE         stop at this artifact of OUT_DIR, e.g. --until boundary.ply
 #   -j N, --threads N    threads of every tool; as are --seed N, --log-format F, --allow-empty, -q, -v
 #   --device D           of the tools that have a CUDA path; the others stay on the CPU
@@ -18,7 +19,8 @@
 #
 # SCENE_DIR holds images/ and the poses: sparse/0 or colmap/sparse/0 (COLMAP), transforms.json, transforms_train.json,
 # cameras.json or poses_bounds.npy; or images/ and scene.json of ngs-scene orbit, for a splat without photos.
-# OUT_DIR then holds scene.json boundary.ply queries.ply field.ply labelled.ply object.ply background.ply,
+# OUT_DIR then holds scene.json boundary.ply labelled.ply object.ply background.ply, queries.ply and field.ply where the
+# field is asked for (--method ng-gs, --effect nerf=on, --nerf) or --artifacts all is given,
 # masks/STEM.png of the held-out views (of all views without --hold-out), metrics.json, report.html and each
 # tool's report in reports/. OUT_DIR is none of the input folders, it holds no input model, its masks/ no masks of yours.
 # A second call does only what changed. Exit codes are those of the tools; 1 where --fail-below in EVAL_FLAGS
@@ -37,7 +39,7 @@ set -euo pipefail
 absolute() { case $1 in '' | /*) printf '%s' "$1" ;; *) printf '%s/%s' "$PWD" "$1" ;; esac; }
 existing() { [ -e "$2" ] || fail 3 "$1 $2: no such file or folder"; absolute "$2"; }
 
-export SCENE='' MODEL='' MASKS='' GT='' HOLD_OUT='' IMAGE_SCALE=0 METHOD='' QUALITY='' DEVICE='' COMMON_FLAGS='' UNKEYED_FLAGS=''
+export ARTIFACTS=needed SCENE='' MODEL='' MASKS='' GT='' HOLD_OUT='' IMAGE_SCALE=0 METHOD='' QUALITY='' DEVICE='' COMMON_FLAGS='' UNKEYED_FLAGS=''
 out='' until=report.html dry_run='' joint=()
 while [ $# -gt 0 ]; do
   option=$1 value=
@@ -47,12 +49,12 @@ while [ $# -gt 0 ]; do
     -q | -v) UNKEYED_FLAGS+=" $option"; shift; continue ;;
     --allow-empty) COMMON_FLAGS+=" $option"; shift; continue ;;
     -j?*) UNKEYED_FLAGS+=" $option"; shift; continue ;;
-    --model | --masks | --gt | --hold-out | --image-scale | --quality | --method | --until | \
+    --model | --masks | --gt | --hold-out | --image-scale | --quality | --method | --until | --artifacts | \
       --seed | --device | --log-format | -j | --threads)
       [ $# -ge 2 ] || fail 2 "$option: no value given" "see $0 --help"
       value=$2
       shift 2 ;;
-    --model=* | --masks=* | --gt=* | --hold-out=* | --image-scale=* | --quality=* | --method=* | --until=* | \
+    --model=* | --masks=* | --gt=* | --hold-out=* | --image-scale=* | --quality=* | --method=* | --until=* | --artifacts=* | \
       --seed=* | --device=* | --log-format=* | --threads=*)
       value=${option#*=} option=${option%%=*}
       shift ;;
@@ -83,6 +85,8 @@ while [ $# -gt 0 ]; do
     --quality) QUALITY=$value ;;
     --method) METHOD=$value ;;
     --until) until=$value ;;
+    --artifacts)
+      case $value in all | needed) ARTIFACTS=$value ;; *) fail 2 "--artifacts $value: expected all or needed" ;; esac ;;
     -j | --threads) UNKEYED_FLAGS+=$(printf ' %q' -j "$value") ;;
     --log-format) UNKEYED_FLAGS+=$(printf ' %q' "$option" "$value") ;;
     --device) DEVICE=$value ;;
@@ -112,7 +116,8 @@ bash "$NGS_STAGE" check
 bash "$NGS_STAGE" options
 if [ -n "$dry_run" ]; then
   printf 'cd %q && mkdir -p .state reports\n' "$PWD"
-  for stage in scene variance sample rbf joint extract render eval report; do
+  field=$(bash "$NGS_STAGE" field)
+  for stage in scene variance ${field:+sample rbf} joint extract render eval report; do
     NGS_DRY_RUN=1 bash "$NGS_STAGE" "$stage"
   done
   exit 0
@@ -128,7 +133,9 @@ done
 rm -f .state/exit_code
 unset MAKEFLAGS MFLAGS MAKEOVERRIDES  # of a make that called this
 made=0
-make --no-print-directory --silent -f "$pipelines/experiment.mk" "./$until" || made=$?
+exec 7>&2  # of the tools; what make itself says of a failure is shown only where no tool has said why
+NGS_STDERR=7 make --no-print-directory --silent -f "$pipelines/experiment.mk" "./$until" 2> .state/make.log || made=$?
+if [ "$made" -ne 0 ] && [ ! -s .state/exit_code ]; then cat .state/make.log >&2; fi
 if [ "$made" -gt 128 ]; then exit "$made"; fi
 if [ "$made" -ne 0 ]; then
   code=$(cat .state/exit_code 2> /dev/null || true)

@@ -3,13 +3,14 @@
 # the artifacts before it to OUT/.state/STAGE.key where that differs; with NGS_DRY_RUN set the commands are printed only.
 # `stage.sh check` only refuses an OUT where a stage would replace what is not its own, as every other call does first;
 # `stage.sh options` refuses options that a tool would refuse when its turn comes;
-# `stage.sh scored` fails where nothing was scored.
+# `stage.sh scored` fails where nothing was scored; `stage.sh field` says field.ply where a stage reads it or it is asked for.
 # All values come through the environment, so that paths may hold any character. Not called by hand.
 set -euo pipefail
+if [ -n "${NGS_STDERR:-}" ]; then exec 2>&"$NGS_STDERR"; fi
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"
 
-for name in SCENE MODEL MASKS GT HOLD_OUT METHOD QUALITY DEVICE {SCENE,VARIANCE,SAMPLE,RBF,JOINT,EXTRACT,RENDER,EVAL,COMMON,UNKEYED}_FLAGS; do
+for name in ARTIFACTS SCENE MODEL MASKS GT HOLD_OUT METHOD QUALITY DEVICE {SCENE,VARIANCE,SAMPLE,RBF,JOINT,EXTRACT,RENDER,EVAL,COMMON,UNKEYED}_FLAGS; do
   declare "$name=${!name:-}"
 done
 
@@ -164,11 +165,29 @@ stage_rbf() {
   run ngs-rbf "$OUT/boundary.ply" "$OUT/queries.ply" "${words[@]}" -o "$OUT/field.ply"
 }
 
-stage_joint() {
+say_unless_quiet() { case " $UNKEYED_FLAGS " in *" -q "*) ;; *) say "$1" ;; esac; }
+
+# Elsewhere ngs-joint has the field off, or samples and interpolates by itself, with the same result.
+field() {
+  local i
   flags "$JOINT_FLAGS"
   if [ -n "$METHOD" ]; then words+=(--method "$METHOD"); fi
+  if [ "$ARTIFACTS" = all ]; then echo field.ply; return; fi
+  for i in "${!words[@]}"; do
+    case ${words[i]}${words[i + 1]:+ ${words[i + 1]}} in
+      "--method ng-gs" | "--method ng-gs "* | --method=ng-gs* | *nerf=on* | *all=on* | --nerf*) echo field.ply; return ;;
+    esac
+  done
+}
+
+stage_joint() {
+  local field
+  flags "$JOINT_FLAGS"
+  field=$(field)
+  if [ -n "$METHOD" ]; then words+=(--method "$METHOD"); fi
   if [ -n "$QUALITY" ]; then words+=(--quality "$QUALITY"); fi
-  run ngs-joint "$OUT/scene.json" "$OUT/boundary.ply" --field "$OUT/field.ply" --trace "$OUT/trace.jsonl" \
+  if [ -z "$field" ]; then say_unless_quiet "queries.ply and field.ply are not needed: ngs-joint reads none (--artifacts all makes them)"; fi
+  run ngs-joint "$OUT/scene.json" "$OUT/boundary.ply" ${field:+--field "$OUT/field.ply"} --trace "$OUT/trace.jsonl" \
     "${words[@]}" -o "$OUT/labelled.ply"
 }
 
@@ -299,7 +318,7 @@ key() {
     variance) printf '%s\n' "$VARIANCE_FLAGS" ;;
     sample) printf '%s\n' "$SAMPLE_FLAGS" ;;
     rbf) printf '%s\n' "$RBF_FLAGS" ;;
-    joint) printf '%s\n' "$METHOD" "$QUALITY" "$JOINT_FLAGS" ;;
+    joint) printf '%s\n' "$METHOD" "$QUALITY" "$JOINT_FLAGS" "$(field)" ;;
     extract) printf '%s\n' "$EXTRACT_FLAGS" ;;
     render) printf '%s\n' "$RENDER_FLAGS" ;;
     eval)
@@ -360,6 +379,7 @@ write_key() {  # a key that is new makes the stage run
   if cmp -s "$file.new" "$file" && is_whole "$1"; then rm "$file.new"; else mv "$file.new" "$file"; fi
 }
 
+if [ "$1" = field ]; then field; exit; fi
 [ -n "$SCENE" ] || fail 2 "SCENE is not set, expected a folder with photos, poses and masks"
 [ -d "$SCENE" ] || fail 3 "$SCENE: no such folder"
 refuse_foreign_masks

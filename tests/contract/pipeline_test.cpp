@@ -62,8 +62,8 @@ TEST_CASE("ngs-gs.sh makes every promised file, then runs only what changed") {
   const test::ProcessResult first = capture.run({"--method", "flash"});
   INFO(first.err);
   REQUIRE(first.exit_code == 0);
-  for (const char* name : {"scene.json", "boundary.ply", "queries.ply", "field.ply", "labelled.ply", "object.ply",
-                           "background.ply", "masks/v2.png", "metrics.json", "report.html", "reports/ngs-joint.json"}) {
+  for (const char* name : {"scene.json", "boundary.ply", "labelled.ply", "object.ply", "background.ply", "masks/v2.png",
+                           "metrics.json", "report.html", "reports/ngs-joint.json"}) {
     CAPTURE(name);
     CHECK(fs::exists(capture.out + "/" + name));
   }
@@ -79,7 +79,7 @@ TEST_CASE("ngs-gs.sh makes every promised file, then runs only what changed") {
     const test::ProcessResult second = capture.run({"--method", "sa3d"});
     CHECK(second.exit_code == 0);
     auto after = times_of(capture.out);
-    CHECK(after["field.ply"] == before.at("field.ply"));
+    CHECK(after["boundary.ply"] == before.at("boundary.ply"));
     CHECK(after["labelled.ply"] != before.at("labelled.ply"));
     CHECK(after["report.html"] != before.at("report.html"));
   }
@@ -125,7 +125,7 @@ TEST_CASE("ngs-gs.sh prints the commands in a dry run and writes nothing") {
 TEST_CASE("ngs-gs.sh gives --device to the tools that have a CUDA path, and to no other") {
   const Capture capture;
   const auto given = [&](std::vector<std::string> further) {  // tool -> whether its command has the option
-    further.insert(further.end(), {"-n", "--device", "cuda"});
+    further.insert(further.end(), {"-n", "--artifacts", "all", "--device", "cuda"});
     const test::ProcessResult result = capture.run(further);
     REQUIRE(result.exit_code == 0);
     std::map<std::string, bool> tools;
@@ -181,17 +181,58 @@ TEST_CASE("ngs-gs.sh stops at the artifact that --until names, and names those t
   CHECK(unscored.err.find("nothing was scored") != std::string::npos);
 }
 
+TEST_CASE("ngs-gs.sh makes the field where a stage reads it or it is asked for, and else says that it is not needed") {
+  const Capture capture;
+  const auto has_field = [&] {
+    return fs::exists(capture.out + "/queries.ply") && fs::exists(capture.out + "/field.ply");
+  };
+  const test::ProcessResult without = capture.run({"--method", "flash", "--until", "labelled.ply"});
+  REQUIRE(without.exit_code == 0);
+  CHECK_FALSE(has_field());
+  CHECK(without.err.find("queries.ply and field.ply are not needed") != std::string::npos);
+  const auto bytes = [&] { return test::read_bytes(capture.out + "/labelled.ply"); };
+  const std::string labelled = bytes();
+  SUBCASE("asked for") {
+    CHECK(capture.run({"--method", "flash", "--until", "labelled.ply", "--artifacts", "all"}).exit_code == 0);
+    CHECK(has_field());
+    CHECK(bytes() == labelled);
+  }
+  SUBCASE("as a target") {
+    CHECK(capture.run({"--method", "flash", "--until", "field.ply"}).exit_code == 0);
+    CHECK(has_field());
+  }
+  SUBCASE("read") {
+    const test::ProcessResult plan = capture.run({"--effect", "nerf=on", "-n"});
+    CHECK(plan.out.find("--field") != std::string::npos);
+    CHECK(plan.out.find("ngs-rbf") != std::string::npos);
+    CHECK(capture.run({"--method", "ng-gs", "-n"}).out.find("ngs-rbf") != std::string::npos);
+    CHECK(capture.run({"--method", "flash", "-n"}).out.find("ngs-rbf") == std::string::npos);
+  }
+  CHECK(capture.run({"--artifacts", "some"}).exit_code == 2);
+}
+
+TEST_CASE("ngs-gs.sh says a failure once: what the tool says, nothing of make") {
+  const Capture capture;
+  fs::remove_all(capture.dir.path() + "/my scene/masks");
+  fs::create_directories(capture.dir.path() + "/my scene/masks");
+  const test::ProcessResult failed = run_script(capture.dir.path(), {"my scene", "other", "--method", "flash"});
+  CHECK(failed.exit_code >= 3);
+  CHECK(failed.err.find("error: ") != std::string::npos);
+  CHECK(failed.err.find("make") == std::string::npos);
+}
+
 TEST_CASE("ngs-gs.sh makes again what was taken out of the output folder") {
   const Capture capture;
-  REQUIRE(capture.run({"--method", "flash"}).exit_code == 0);
+  const std::vector<std::string> all{"--method", "flash", "--artifacts", "all"};
+  REQUIRE(capture.run(all).exit_code == 0);
   for (const char* name : {"background.ply", "masks", "masks/v2.png", "metrics.json", "field.ply"}) {
     CAPTURE(name);
     fs::remove_all(capture.out + "/" + name);
-    CHECK(capture.run({"--method", "flash"}).exit_code == 0);
+    CHECK(capture.run(all).exit_code == 0);
     CHECK(fs::exists(capture.out + "/" + name));
   }
   const auto before = times_of(capture.out);
-  CHECK(capture.run({"--method", "flash"}).exit_code == 0);
+  CHECK(capture.run(all).exit_code == 0);
   CHECK(times_of(capture.out) == before);
 }
 

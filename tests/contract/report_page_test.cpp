@@ -34,13 +34,13 @@ std::string made_run(const test::TempDir& dir) {
   fs::create_directories(out + "/reports");
   fs::create_directories(out + "/masks");
   fs::copy_file(scene + "/masks/v5.png", out + "/masks/v5.png");
+  fs::copy(scene + "/masks", scene + "/gt");
   dir.write("scene/scene.json", std::regex_replace(test::read_bytes(scene + "/scene.json"),
                                                    std::regex("\"(model.ply|images/|masks/)"), "\"../scene/$1"));
   fs::copy_file(scene + "/scene.json", out + "/scene.json");
   run_tool(out, {"ngs-eval", scene + "/masks", scene + "/masks", "--views", "every:6:4", "-q", "-o",
                  "metrics_input.json", "--report", "reports/ngs-eval-input.json"});
-  run_tool(out,
-           {"ngs-eval", "masks", scene + "/masks", "-q", "-o", "metrics.json", "--report", "reports/ngs-eval.json"});
+  run_tool(out, {"ngs-eval", "masks", scene + "/gt", "-q", "-o", "metrics.json", "--report", "reports/ngs-eval.json"});
   dir.write(
       "a <run> & more/reports/ngs-joint.json",
       R"({"tool":"ngs-joint","version":"0.1.0","options":{"method":"bce","steps":5},"inputs":[],"device":{"name":"cpu","reason":"r"},
@@ -101,6 +101,28 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
     const std::string trained = test::read_bytes(out + "/trained.html");
     CHECK(trained.find("1 held out, 1 of 2 scored were learnt from") != trained.npos);
     CHECK(trained.find("1 of 2 scored views were learnt from") != trained.npos);
+  }
+  SUBCASE("input masks that stand in for the truth are never called the truth") {
+    CHECK(page.find("no ground truth") == page.npos);
+    CHECK(page.find("</svg>truth</label>") != page.npos);
+    run_tool(out, {"ngs-eval", "masks", dir.path() + "/scene/masks", "-q", "-w", "-o", "metrics.json", "--report",
+                   "reports/ngs-eval.json"});
+    run_tool(out, {"ngs-report", ".", "-o", "stand-in.html"});
+    const std::string stand_in = test::read_bytes(out + "/stand-in.html");
+    CHECK(stand_in.find("<dt>IoU</dt><dd>1.000<small>against input masks, no ground truth") != stand_in.npos);
+    CHECK(stand_in.find("</svg>input mask, in place of the truth</label>") != stand_in.npos);
+    CHECK(stand_in.find("</svg>truth</label>") == stand_in.npos);
+    CHECK(stand_in.find("</svg>input mask</label>") == stand_in.npos);
+    CHECK(stand_in.find("the true mask") == stand_in.npos);
+    CHECK(stand_in.find("<li><b>scores</b> are against input masks") != stand_in.npos);
+  }
+  SUBCASE("a page without scores speaks of none") {
+    CHECK(page.find("The view with the median boundary IoU.") != page.npos);
+    for (const char* file : {"/metrics.json", "/metrics_input.json", "/reports/ngs-eval.json"}) fs::remove(out + file);
+    run_tool(out, {"ngs-report", ".", "-o", "unscored.html"});
+    const std::string unscored = test::read_bytes(out + "/unscored.html");
+    CHECK(unscored.find("A view from the middle of the list.") != unscored.npos);
+    CHECK(unscored.find("median boundary IoU") == unscored.npos);
   }
   SUBCASE("each picture has a text and the outlines of prediction, truth and input") {
     CHECK(occurrences(page, "<img ") >= 2);  // the sheet and a crop

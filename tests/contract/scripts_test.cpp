@@ -313,11 +313,15 @@ TEST_CASE(
       "#ifndef __AVX2__\n#error not compiled for x86-64-v3\n#endif\n"
       "const char* version() { return ngs::kVersion; }\n"
       "long rows(const char* path) { return ngs::io::read_gaussian_ply(path).cloud.size(); }\n");
+  // A compiler for devices that is found by chance is not so much as asked what it can.
+  f.dir.write("cuda/bin/nvcc", "#!/bin/sh\ntouch " + f.path("nvcc-was-called") + "\nexit 1\n");
+  fs::permissions(f.path("cuda/bin/nvcc"), fs::perms::owner_all);
   const test::ProcessResult configured =
-      f.run({"cmake", "-S", ".", "-B", "build", "-G", "Ninja", "-DNGS_WITH_CUDA=OFF"});
+      f.run({"cmake", "-S", ".", "-B", "build", "-G", "Ninja"}, {{"CUDA_HOME", f.path("cuda")}});
   if (configured.exit_code == 127) return test::skip("no cmake");
   INFO(configured.out << configured.err);
   REQUIRE(configured.exit_code == 0);
+  CHECK_FALSE(f.has("nvcc-was-called"));
   const test::ProcessResult compiled = f.run({"cmake", "--build", "build", "--target", "user", "--verbose"});
   INFO(compiled.out << compiled.err);
   CHECK(compiled.exit_code == 0);

@@ -50,6 +50,6 @@ int main(int argc, char** argv) {
                                        {"truth", pair.truth},
                                        {"truth_id", pair.truth_id}});
     run.text(outcome.table);
-    return cli::all_passed(run, checks) ? cli::kDone : cli::kCheckFailed;
+    return cli::all_passed(run, checks, pairing, files.allow_missing) ? cli::kDone : cli::kCheckFailed;
   });
 }

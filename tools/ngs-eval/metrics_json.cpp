@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <span>
 
 #include "shared/text/text_columns.h"
 
@@ -47,20 +48,28 @@ Json object_json(const ObjectMean& object) {
   return json;
 }
 
-std::string table_row(const std::string& name, const ScoreValues& values) {
+constexpr int kNameColumns = 20, kCellColumns = 11;
+
+/// How many of the scores stand beside a name in so many columns; 0: no terminal, all of them.
+std::size_t shown_scores(int columns) {
+  const std::size_t fit = std::size_t(std::max(1, (columns - kNameColumns) / kCellColumns));
+  return columns == 0 ? kScoreNames.size() : std::min(kScoreNames.size(), fit);
+}
+
+std::string table_row(const std::string& name, const ScoreValues& values, std::size_t scores) {
   char cell[64];
-  std::string row = in_columns(name, 20);
-  for (double value : values) {
-    std::snprintf(cell, sizeof cell, "  %9.4f", value);
+  std::string row = in_columns(name, kNameColumns);
+  for (std::size_t k = 0; k < scores; ++k) {
+    std::snprintf(cell, sizeof cell, "  %9.4f", values[k]);
     row += cell;
   }
   return row + "\n";
 }
 
-std::string table_head(const std::string& name) {
+std::string table_head(const std::string& name, std::size_t scores) {
   char cell[64];
-  std::string row = in_columns(name, 20);
-  for (std::string_view score : kScoreNames) {
+  std::string row = in_columns(name, kNameColumns);
+  for (const std::string_view score : std::span(kScoreNames).first(scores)) {
     std::snprintf(cell, sizeof cell, "  %9.9s", score == "class_accuracy" ? "class_acc" : std::string(score).c_str());
     row += cell;
   }
@@ -120,19 +129,20 @@ std::map<std::string, double> mean_scores(const std::vector<PhotoScore>& scores)
   return {{"psnr_db", psnr_db / double(scores.size())}, {"ssim", ssim / double(scores.size())}};
 }
 
-std::string score_table(const std::vector<PairScore>& scores, const EvalSummary& summary) {
-  std::string table = table_head("object");
+std::string score_table(const std::vector<PairScore>& scores, const EvalSummary& summary, int columns) {
+  const std::size_t shown = shown_scores(columns);
+  std::string table = table_head("object", shown);
   for (const ObjectMean& object : summary.objects)
-    table += table_row(object.object.empty() ? "object" : object.object, object.mean);
-  if (summary.objects.size() > 1) table += table_row("mean over objects", summary.mean);
+    table += table_row(object.object.empty() ? "object" : object.object, object.mean, shown);
+  if (summary.objects.size() > 1) table += table_row("mean over objects", summary.mean, shown);
   std::vector<const PairScore*> worst;
   for (const PairScore& pair : scores) worst.push_back(&pair);
   std::stable_sort(worst.begin(), worst.end(),
                    [](const PairScore* a, const PairScore* b) { return a->scores.biou < b->scores.biou; });
-  constexpr std::size_t kShown = 5;
-  if (worst.size() > 1) table += table_head(worst.size() > kShown ? "worst views" : "views, worst first");
-  for (std::size_t i = 0; worst.size() > 1 && i < std::min(kShown, worst.size()); ++i)
-    table += table_row(label_of(*worst[i]), score_values(worst[i]->scores));
+  const std::size_t views = columns == 0 ? 5 : 3;
+  if (worst.size() > 1) table += table_head(worst.size() > views ? "worst views" : "views, worst first", shown);
+  for (std::size_t i = 0; worst.size() > 1 && i < std::min(views, worst.size()); ++i)
+    table += table_row(label_of(*worst[i]), score_values(worst[i]->scores), shown);
   return table;
 }
 

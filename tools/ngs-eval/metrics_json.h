@@ -18,8 +18,8 @@ Json checks_json(const std::vector<ScoreCheck>& checks);
 std::map<std::string, double> mean_scores(const EvalSummary& summary);
 std::map<std::string, double> mean_scores(const std::vector<PhotoScore>& scores);
 
-/// Objects and their means, then the worst views by boundary IoU.
-std::string score_table(const std::vector<PairScore>& scores, const EvalSummary& summary);
+/// Objects and their means, then the worst views by boundary IoU. `columns`: of the terminal; 0: it is none.
+std::string score_table(const std::vector<PairScore>& scores, const EvalSummary& summary, int columns);
 std::string photo_table(const std::vector<PhotoScore>& scores);
 
 }  // namespace ngs::cli

@@ -14,6 +14,27 @@ bool is_other_shape(const PairScore& pair) {
   return std::max(across, down) > std::min(across, down) * (1.02 + 2 * rounding);
 }
 
+/// Predicted at a lower resolution, beyond what rounding does to sizes.
+bool is_enlarged(const PairScore& pair) {
+  return pair.predicted_width_px + 1 < pair.width_px || pair.predicted_height_px + 1 < pair.height_px;
+}
+
+/// What an enlarged mask reaches at most is what its larger pixels can follow: its contour scores are no fault of the
+/// contour.
+void warn_about_enlarged(Run& run, const std::vector<PairScore>& scores) {
+  const auto count = std::ranges::count_if(scores, is_enlarged);
+  if (count == 0) return;
+  const PairScore& first = *std::ranges::find_if(scores, is_enlarged);
+  const auto size = [](int width_px, int height_px) {
+    return std::to_string(width_px) + "x" + std::to_string(height_px);
+  };
+  run.monitor().warn(std::to_string(count) + " of " + std::to_string(scores.size()) +
+                     " predictions are smaller than the truth and were enlarged, the first is " + first.view + ", " +
+                     size(first.predicted_width_px, first.predicted_height_px) + " to " +
+                     size(first.width_px, first.height_px) +
+                     ": scores of contours suffer (ngs-render --scale 0 renders masks at the photos' size)");
+}
+
 void warn_about_conventions(Run& run, const std::vector<PairScore>& scores) {
   int both_empty = 0, one_empty = 0, zero_one = 0, other_shape = 0, usual_void = 0;
   for (const PairScore& pair : scores) {
@@ -64,8 +85,9 @@ Outcome masks_outcome(Run& run, const EvalOptions& options, const Pairing& pairi
     throw Error(ErrorCode::kNothingFound, "label maps: no object with one of the ids occurs, expected at least one",
                 "see the ids with ngs-eval --label-map without --object-id");
   warn_about_conventions(run, scores);
+  warn_about_enlarged(run, scores);
   const EvalSummary summary = summarise(scores);
-  return {metrics_json(scores, summary), mean_scores(summary), score_table(scores, summary)};
+  return {metrics_json(scores, summary), mean_scores(summary), score_table(scores, summary, run.columns())};
 }
 
 Outcome photos_outcome(Run& run, const Pairing& pairing) {
@@ -73,8 +95,14 @@ Outcome photos_outcome(Run& run, const Pairing& pairing) {
   return {photo_metrics_json(scores), mean_scores(scores), photo_table(scores)};
 }
 
-bool all_passed(Run& run, const std::vector<ScoreCheck>& checks) {
+bool all_passed(Run& run, const std::vector<ScoreCheck>& checks, const Pairing& pairing, bool allow_missing) {
   bool passed = true;
+  if (const auto missing = pairing.truth_only.size(); !checks.empty() && missing > 0 && !allow_missing) {
+    passed = false;
+    run.monitor().warn("check failed: " + std::to_string(missing) + " of " +
+                       std::to_string(missing + pairing.pairs.size()) +
+                       " true masks have no prediction, expected all (--allow-missing scores those that have)");
+  }
   for (const ScoreCheck& check : checks) {
     if (check.passed()) continue;
     passed = false;

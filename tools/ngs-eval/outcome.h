@@ -20,7 +20,8 @@ Outcome masks_outcome(Run& run, const EvalOptions& options, const Pairing& pairi
 Outcome photos_outcome(Run& run, const Pairing& pairing);
 
 void warn_about_leftovers(Run& run, const Pairing& pairing);
-/// True if all passed; says the others.
-bool all_passed(Run& run, const std::vector<ScoreCheck>& checks);
+/// True if all passed; says the others. What has no prediction has no score: where scores are asked for, it fails
+/// unless `allow_missing`.
+bool all_passed(Run& run, const std::vector<ScoreCheck>& checks, const Pairing& pairing, bool allow_missing);
 
 }  // namespace ngs::cli

@@ -1,11 +1,13 @@
 // ngs-fit: scene.json with photos -> a trained splat.
 #include <filesystem>
+#include <optional>
 
 #include "checkpoint.h"
 #include "fit_input.h"
 #include "ngs/io/files/content_hash.h"
 #include "ngs/io/formats/write_splat.h"
 #include "shared/run/checkpoints.h"
+#include "shared/run/signals.h"
 #include "shared/tool.h"
 
 namespace {
@@ -60,6 +62,8 @@ int fit(cli::Run& run, FitOptions& options, const cli::CheckpointOptions& keep, 
   const double began_s = wall_seconds();
   const auto save = [&] { cli::write_checkpoint(keep.checkpoint, fitter.state(), identity); };
   cli::Checkpoints checkpoints(run.monitor());
+  std::optional<cli::KeepsState> keeps;
+  if (keep.is_on()) keeps.emplace();
   run_fit(run.exec(), run.monitor(), fitter, options, [&](const Fitter& f) {
     if (keep.is_on() && f.state().step % keep.checkpoint_every == 0) checkpoints.on_the_way(save);
   });
@@ -71,6 +75,7 @@ int fit(cli::Run& run, FitOptions& options, const cli::CheckpointOptions& keep, 
     return run.stop_code();
   }
   if (keep.is_on() && options.steps % keep.checkpoint_every != 0) checkpoints.on_the_way(save);
+  keeps.reset();
 
   const GaussianCloud& cloud = fitter.state().cloud;
   const auto score = [&](Split split) { return cli::score_json(score_fit(run.exec(), options, cloud, views, split)); };

@@ -1,7 +1,6 @@
 #include "run.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "labelled_result.h"
 #include "ngs/io/files/atomic_file.h"
@@ -10,12 +9,11 @@
 #include "ngs/io/image/masks.h"
 #include "ngs/io/image/photo.h"
 #include "ngs/io/ply/query_ply.h"
-#include "ngs/math/median.h"
 #include "ngs/passes/joint/first_queries.h"
 #include "ngs/problem/coarse_input.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/boundary/variance_stage.h"
-#include "ngs/stages/scene/scene_check.h"
+#include "photo_match.h"
 #include "shared/run/checkpoints.h"
 #include "shared/scene/scene_model.h"
 #include "step_files.h"
@@ -105,29 +103,6 @@ struct Input {
   }
 };
 
-/// Warns where the model explains the photos no better than import asks for: then it is another scene's. Three views
-/// are asked.
-void compare_with_photos(cli::Run& run, const Problem& problem) {
-  constexpr std::size_t kViews = 3;
-  const auto timed = run.monitor().scope("compare with photos");
-  const std::vector<std::size_t> with_photo = photo_views(problem.scene);
-  std::vector<double> gains_db;
-  for_each_view(&run.monitor(), spread_views(with_photo, kViews), [&](std::size_t, std::size_t v) {
-    const Camera& camera = problem.scene.views[v].camera;
-    gains_db.push_back(
-        match_photo(run.exec(), problem.cloud, {camera, problem.load_photo(v)}, problem.splat).gain_db());
-  });
-  if (gains_db.empty() || run.monitor().stop_requested()) return;
-  const double gain_db = upper_median(std::move(gains_db)), least_db = SceneCheckOptions{}.min_fit_db;
-  if (gain_db >= least_db) return;
-  char text[160];
-  std::snprintf(text, sizeof text,
-                "the rendered model matches the photos %.1f dB above a constant colour, expected at least %.1f: is it "
-                "this scene's?",
-                gain_db, least_db);
-  run.monitor().warn(text);
-}
-
 /// Decodes photos and masks once, at both sizes that passes ask for. False: the time did not allow it.
 bool load_views(cli::Run& run, Budget& budget, const CoarseInput& full, const CoarseInput& coarse) {
   const std::size_t views = full.get().scene.views.size();
@@ -206,7 +181,7 @@ class MethodRun {
     passes.problem.emplace(full.get()), passes.coarse = &coarse.get();
     if (options_.runs_passes()) {
       if (!load_views(run_, budget_, full, coarse)) options_.pipeline.leave_out(PassStage::kMend, passes);
-      compare_with_photos(run_, CoarseInput(from_files, decision_shrink(input_.scene), 0).get());
+      compare_with_photos(run_, CoarseInput(from_files, decision_shrink(input_.scene), 0).get(), paths_.boundary);
     }
     options_.pipeline.decide(PassStage::kMend, passes, coarse.get());
     if (const int stopped = run_.stop_code()) return stopped;  // nothing to go on from, and no checkpoint

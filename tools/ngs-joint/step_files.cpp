@@ -76,6 +76,13 @@ void StepFile::save_on_the_way(JointTrainer& trainer) {
   on_the_way_.on_the_way([&] { save(trainer); });
 }
 
+void StepFile::taking_steps(bool begins) {
+  if (begins)
+    keeps_.emplace();
+  else
+    keeps_.reset();
+}
+
 bool StepFile::load(JointTrainer& trainer) {
   if (!setup_.resume || !std::filesystem::exists(path())) return false;
   const io::TensorFile file = io::read_safetensors(path());

@@ -1,9 +1,11 @@
 #pragma once
 // The state of the joint steps in a file (--checkpoint, --resume), and their field (--nerf).
+#include <optional>
 #include <string>
 
 #include "ngs/passes/pass.h"
 #include "shared/run/checkpoints.h"
+#include "shared/run/signals.h"
 
 namespace ngs::joint {
 
@@ -30,6 +32,7 @@ class StepFile : public StepStore {
   bool load(JointTrainer& trainer) override;
   void save(JointTrainer& trainer) override;
   void save_on_the_way(JointTrainer& trainer) override;
+  void taking_steps(bool begins) override;
   std::int64_t every() const override { return setup_.every; }
 
  private:
@@ -37,6 +40,7 @@ class StepFile : public StepStore {
 
   Setup setup_;
   cli::Checkpoints on_the_way_;
+  std::optional<cli::KeepsState> keeps_;
   std::string identity_;
 };
 

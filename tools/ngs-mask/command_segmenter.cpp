@@ -5,6 +5,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
+#include "ngs/io/files/unfinished_files.h"
 #include "ngs/io/image/image_file.h"
 #include "segmenters.h"
 #include "shared/run/child_process.h"
@@ -14,13 +15,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder of our own that goes with its owner.
+/// A folder of our own that goes with its owner, or with the process.
 struct ScratchFolder {
   std::string path;
+  io::UnfinishedFile noted;
   ScratchFolder() : path((fs::temp_directory_path() / "ngs-mask-XXXXXX").string()) {
     if (mkdtemp(path.data()) == nullptr)
       throw Error(ErrorCode::kEnvironment, path + ": cannot be made: " + std::strerror(errno),
                   "set TMPDIR to a folder that can be written");
+    noted.note(path.c_str());
   }
   ~ScratchFolder() {
     std::error_code ignored;
@@ -76,6 +79,8 @@ struct CommandSegmenter {
     const std::string name = scene.views[view].camera.name, base = folder.path + "/" + std::to_string(calls++);
     const std::string image = base + "-image.png", prompts = base + "-prompts.json", out = base + "-out.png";
     const std::string mask = prompt.by_hand ? "" : base + "-mask.png";
+    io::UnfinishedFile noted[4];
+    for (int i = 0; const std::string& file : {image, prompts, out, mask}) noted[i++].note(file.c_str());
     io::write_png(image, load(view));
     if (!mask.empty()) io::write_png(mask, likely_object(prompt));
     io::write_file(prompts, prompts_json(name, prompt, points, mask).dump(1) + "\n");

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ngs/backend/for_each.h"
 #include "ngs/ops/image/grab_cut.h"
 #include "segmenters.h"
 
@@ -45,50 +46,79 @@ bool is_worth_it(const ViewPrompt& prompt) {
   return std::min(count[0], count[1]) >= kLeastCertain && count[2] + count[3] > 0;
 }
 
-/// Cuts overlapping windows, each with the colours around it: a dark foot is object although the room is
-/// dark. Every pixel takes the mean of its windows, weighted by how central it is; `whole` votes where a
-/// window has no say.
-PixelMask cut_windows(const ImageU8& photo, const ViewPrompt& prompt, const PixelMask& whole, int window_px,
-                      const GrabCutOptions& options) {
-  const auto pixels = std::size_t(photo.pixels());
-  std::vector<float> votes(pixels), weights(pixels);
+/// A window that the photo may cut off, and what was cut out of its part of the photo.
+struct WindowCut {
+  int left, top;
+  Window part;
+  PixelMask mask = {};  // empty: has no say
+};
+
+std::vector<WindowCut> windows_over(const ImageU8& photo, int window_px) {
+  std::vector<WindowCut> cuts;
   const int step = std::max(1, window_px / 2);
   for (int top = -step; top < photo.height_px; top += step)
-    for (int left = -step; left < photo.width_px; left += step) {
-      const Window w{std::max(0, left), std::max(0, top),
-                     std::min(photo.width_px, left + window_px) - std::max(0, left),
-                     std::min(photo.height_px, top + window_px) - std::max(0, top)};
-      const ViewPrompt mine = cropped(prompt, w);
-      if (!is_worth_it(mine)) continue;
-      const PixelMask cut = grab_cut(cropped(photo, w), mine, options);
-      for (int y = 0; y < w.height; ++y)
-        for (int x = 0; x < w.width; ++x) {
-          const auto tent = [&](int i) { return 1 - std::abs(2 * (float(i) + 0.5f) / float(window_px) - 1); };
-          const float weight = tent(w.left + x - left) * tent(w.top + y - top);
-          const std::size_t p = std::size_t(w.top + y) * std::size_t(photo.width_px) + std::size_t(w.left + x);
-          votes[p] += weight * float(cut[std::size_t(y) * std::size_t(w.width) + std::size_t(x)]), weights[p] += weight;
-        }
+    for (int left = -step; left < photo.width_px; left += step)
+      cuts.push_back(
+          {left,
+           top,
+           {std::max(0, left), std::max(0, top), std::min(photo.width_px, left + window_px) - std::max(0, left),
+            std::min(photo.height_px, top + window_px) - std::max(0, top)}});
+  return cuts;
+}
+
+/// Every pixel takes the mean of its windows, weighted by how central it is; `whole` votes where a window has no say.
+PixelMask mean_of(const std::vector<WindowCut>& cuts, int window_px, int width_px, PixelMask whole) {
+  std::vector<float> votes(whole.size()), weights(whole.size());
+  const auto tent = [&](int i) { return 1 - std::abs(2 * (float(i) + 0.5f) / float(window_px) - 1); };
+  for (const WindowCut& cut : cuts) {
+    const Window& w = cut.part;
+    for (int y = 0; y < w.height && !cut.mask.empty(); ++y)
+      for (int x = 0; x < w.width; ++x) {
+        const float weight = tent(w.left + x - cut.left) * tent(w.top + y - cut.top);
+        const std::size_t p = std::size_t(w.top + y) * std::size_t(width_px) + std::size_t(w.left + x);
+        votes[p] += weight * float(cut.mask[std::size_t(y) * std::size_t(w.width) + std::size_t(x)]);
+        weights[p] += weight;
+      }
+  }
+  for (std::size_t p = 0; p < whole.size(); ++p)
+    if (weights[p] > 0) whole[p] = votes[p] > 0.5f * weights[p];
+  return whole;
+}
+
+/// Cuts the whole and, side by side with it, overlapping windows (none where window_px is 0), each with the colours
+/// around it: a dark foot is object although the room is dark.
+PixelMask cut_windows(const Exec& exec, const ImageU8& photo, const ViewPrompt& prompt, int window_px,
+                      const GrabCutOptions& options) {
+  std::vector<WindowCut> cuts;
+  if (window_px > 0) cuts = windows_over(photo, window_px);
+  PixelMask whole;
+  for_each_task(exec, std::int64_t(cuts.size()) + 1, [&](std::int64_t i) {
+    if (i == 0) {
+      whole = grab_cut(photo, prompt, options);
+      return;
     }
-  PixelMask mask = whole;
-  for (std::size_t p = 0; p < pixels; ++p)
-    if (weights[p] > 0) mask[p] = votes[p] > 0.5f * weights[p];
-  return mask;
+    WindowCut& cut = cuts[std::size_t(i - 1)];
+    const ViewPrompt mine = cropped(prompt, cut.part);
+    if (is_worth_it(mine)) cut.mask = grab_cut(cropped(photo, cut.part), mine, options);
+  });
+  return mean_of(cuts, window_px, photo.width_px, std::move(whole));
 }
 
 }  // namespace
 
-Segmenter grab_cut_segmenter(const SegmenterOptions& options, PhotoLoader load, std::uint64_t seed) {
+Segmenter grab_cut_segmenter(const Exec& exec, const SegmenterOptions& options, PhotoLoader load, std::uint64_t seed) {
   return [=](std::size_t view, const ViewPrompt& prompt) {
     GrabCutOptions cut;
     cut.seed = seed;
     cut.iterations = prompt.by_hand ? std::max(5, options.iterations) : options.iterations;
     const ImageU8 photo = load(view);
-    PixelMask mask = grab_cut(photo, prompt, cut);
+    int window_px = 0;
     if (options.window > 0) {
       const std::array<int, 4> box = object_box(prompt);
       const double size = std::sqrt(double(box[2] - box[0]) * double(box[3] - box[1]));
-      mask = cut_windows(photo, prompt, mask, std::max(kLeastWindow, int(std::lround(options.window * size))), cut);
+      window_px = std::max(kLeastWindow, int(std::lround(options.window * size)));
     }
+    PixelMask mask = cut_windows(exec, photo, prompt, window_px, cut);
     return keep_seeded_pieces(prompt, std::move(mask), options.speck);
   };
 }

@@ -47,8 +47,9 @@ int make_masks(cli::Run& run, const Options& options, const Files& files) {
   cli::MaskViews views(scene, options.which.detail);
   refuse_over_photos(views, scene, files);
   const cli::PhotoLoader load = [&](std::size_t view) { return views.photo(view); };
-  const Segmenter segment = options.runs_a_program() ? cli::command_segmenter(options.segmenter, scene, load, run)
-                                                     : cli::grab_cut_segmenter(options.segmenter, load, run.seed());
+  const Segmenter segment = options.runs_a_program()
+                                ? cli::command_segmenter(options.segmenter, scene, load, run)
+                                : cli::grab_cut_segmenter(run.exec(), options.segmenter, load, run.seed());
   run.result()["views"] = scene.views.size();
   const SpreadInput input{ply.cloud,
                           scene,

@@ -36,7 +36,7 @@ struct SegmenterOptions {
 /// The photo of view `view` of `scene` at the prompt's size.
 using PhotoLoader = std::function<ImageU8(std::size_t view)>;
 
-Segmenter grab_cut_segmenter(const SegmenterOptions& options, PhotoLoader load, std::uint64_t seed);
+Segmenter grab_cut_segmenter(const Exec& exec, const SegmenterOptions& options, PhotoLoader load, std::uint64_t seed);
 
 /// Runs the command for each view; files are passed in a folder that is removed with the last copy of the
 /// segmenter. kUsage for a command without its three placeholders, kEnvironment where it fails or takes too

@@ -173,10 +173,11 @@ std::string overview_section(const Exec& exec, RunFolder& run, Pictures& picture
     run.problems.push_back(e.what());
   }
   if (html.empty()) return html;
+  const char* which =
+      view->scores.is_null() ? "A view from the middle of the list." : "The view with the median boundary IoU.";
   return section("overview", "Before and after",
-                 "<p class=note>Click or tap a picture to flip it. The view with the median boundary "
-                 "IoU.</p><div class=\"sheet wide\">" +
-                     html + "</div>");
+                 std::string("<p class=note>Click or tap a picture to flip it. ") + which +
+                     "</p><div class=\"sheet wide\">" + html + "</div>");
 }
 
 std::string boundary_section(RunFolder& run, Pictures& pictures) {

@@ -97,7 +97,9 @@ std::string caption_of(const ShownView& view) {
 }
 
 Layers read_layers(const ShownView& view) {
-  return {read_plane(view.input, view.input_id), read_truth(view), read_plane(view.predicted, view.predicted_id)};
+  // What stands in for the truth is drawn once.
+  return {view.truth_is_input ? Plane{} : read_plane(view.input, view.input_id), read_truth(view),
+          read_plane(view.predicted, view.predicted_id)};
 }
 
 Layers fitted(const Layers& layers, int width_px, int height_px) {
@@ -154,7 +156,7 @@ std::string sheet_figure(const ShownView& view, int width_px) {
   const int w = std::min(width_px, photo.width_px);
   const int h = std::max(1, int(std::lround(double(photo.height_px) * w / photo.width_px)));
   const std::string alt = "View " + name_of(view) + " with the outline of the predicted mask" +
-                          (view.truth.empty() ? "" : ", of the true mask") +
+                          (view.truth.empty() || view.truth_is_input ? "" : ", of the true mask") +
                           (view.input.empty() ? "" : ", of the input mask");
   return "<figure>" + stack_html(to_bytes(resized(photo, w, h)), fitted(layers, w, h), {0, 0, w, h}, alt) +
          "<figcaption>" + caption_of(view) + "</figcaption></figure>\n";
@@ -171,8 +173,8 @@ std::string crop_figure(const ShownView& view, int side_px) {
   const Layers parts{cropped(layers.input, wider), cropped(layers.truth, wider), cropped(layers.predicted, wider)};
   const ImageF photo = resized(photo_of(view, layers.truth), w, h);
   const std::string place = std::to_string(window.x) + ", " + std::to_string(window.y);
-  const std::string alt =
-      "Crop of view " + name_of(view) + " at pixel " + place + " where prediction and truth differ most";
+  const std::string alt = "Crop of view " + name_of(view) + " at pixel " + place + " where prediction and " +
+                          (view.truth_is_input ? "input mask" : "truth") + " differ most";
   return "<figure class=crop>" +
          stack_html(to_bytes(crop_of(photo, window)), parts, {1, 1, window.width_px, window.height_px}, alt) +
          "<figcaption><b>" + escaped(name_of(view)) + "</b> " + std::to_string(window.width_px) + "×" +

@@ -175,6 +175,7 @@ void add_scene_files(RunFolder& run) {
     for (std::size_t k = 0; k < masks.size(); ++k)
       if ((masks.size() == 1 || run.scene->objects[k].name == view.object) && fs::is_regular_file(masks[k], ignored))
         view.input = masks[k];
+    view.truth_is_input = !view.truth.empty() && !view.input.empty() && fs::equivalent(view.truth, view.input, ignored);
     for (const SceneObject& object : run.scene->objects)
       if (run.scene->mask_mode == MaskMode::kLabel && (run.scene->objects.size() == 1 || object.name == view.object))
         view.input_id = object.id;
@@ -188,6 +189,10 @@ const Json& RunFolder::report(std::string_view name) const {
   for (const ToolReport& tool : reports)
     if (tool.name == name) return tool.report;
   return kNothing;
+}
+
+bool RunFolder::has_stand_ins() const {
+  return std::ranges::any_of(views, [](const ShownView& view) { return view.truth_is_input; });
 }
 
 RunFolder read_run_folder(const std::string& path) {

@@ -20,6 +20,7 @@ struct ToolReport {
 struct ShownView {
   std::string view, object;
   std::string photo, predicted, truth, input;
+  bool truth_is_input = false;  // no ground truth: the input mask, which no stage has read, stands in for it
   Vec3<float> behind{0, 0, 0};  // what a transparent photo shows: the scene's background
   std::uint32_t predicted_id = 0, truth_id = 0,
                 input_id = 0;                  // 0: a mask; else the object's id in a label map
@@ -38,6 +39,7 @@ struct RunFolder {
   std::vector<std::string> problems;
 
   const Json& report(std::string_view name) const;  // null where there is none
+  bool has_stand_ins() const;                       // of some view, ShownView::truth_is_input
 };
 
 /// Throws kBadInput where the folder holds nothing of a run.

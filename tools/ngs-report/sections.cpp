@@ -17,7 +17,11 @@ void add_tile(std::string& html, const std::string& name, const std::string& val
       "<div><dt>" + name + "</dt><dd>" + value + (note.empty() ? "" : "<small>" + note + "</small>") + "</dd></div>";
 }
 
+/// What the scores are against, where that is no ground truth.
+constexpr const char* kStandIns = "input masks, no ground truth";
+
 std::string beside_input(const RunFolder& run, std::string_view score) {
+  if (run.has_stand_ins()) return std::string("against ") + kStandIns;
   const double input = number_at(run.metrics_input, {"mean", score});
   return std::isfinite(input) ? "input masks " + decimal(input, 3) : std::string();
 }
@@ -34,13 +38,13 @@ std::vector<std::string> score_head(const std::string& first) {
   return head;
 }
 
-std::string legend(bool truth, bool input) {
+std::string legend(const char* truth, bool input) {
   const auto entry = [](const char* kind, const char* name) {
     return std::string("<label><input type=checkbox checked class=t-") + kind +
            "><svg aria-hidden=true viewBox=\"0 0 38 16\"><g class=" + kind +
            "><path class=casing d=\"M3 8h32\"/><path d=\"M3 8h32\"/></g></svg>" + name + "</label>";
   };
-  return "<div class=legend>" + entry("predicted", "prediction") + (truth ? entry("truth", "truth") : "") +
+  return "<div class=legend>" + entry("predicted", "prediction") + (truth[0] != 0 ? entry("truth", truth) : "") +
          (input ? entry("input", "input mask") : "") + "</div>";
 }
 
@@ -107,6 +111,9 @@ std::string oddities_section(const RunFolder& run) {
   if (const std::string learnt = learnt_from(run, "scored views"); !learnt.empty())
     list += "<li><b>scores</b> " + learnt + ", they say little of views that were not</li>";
   if (run.scene && run.scene->renders) list += std::string("<li><b>photos</b> ") + kRenderedPhotosNote + "</li>";
+  if (run.has_stand_ins())
+    list += std::string("<li><b>scores</b> are against ") + kStandIns +
+            ": they say how well the result agrees with those masks, wrong as they may be</li>";
   for (const std::string& problem : run.problems) list += "<li><b>report</b> " + escaped(problem) + "</li>";
   for (const ToolReport& tool : run.reports) {
     for (const Json& warning : list_at(tool.report, {"warnings"}))
@@ -121,7 +128,9 @@ std::string oddities_section(const RunFolder& run) {
 
 std::string accuracy_section(const RunFolder& run) {
   if (value_at(run.metrics, {"mean"}).is_null() || value_at(run.metrics, {"kind"}) == Json("photos")) return {};
-  Table table{.caption = "Mean over the scored views; boundary IoU by band width (share of the diagonal, or px)",
+  Table table{.caption = std::string("Mean over the scored views") +
+                         (run.has_stand_ins() ? std::string(", against ") + kStandIns : "") +
+                         "; boundary IoU by band width (share of the diagonal, or px)",
               .head = score_head("masks"),
               .rows = {}};
   if (!run.metrics_input.is_null())
@@ -147,7 +156,9 @@ std::string views_section(RunFolder& run, Pictures& pictures) {
   };
   const bool scored = !run.views.front().scores.is_null();
   const std::string crops = pictures.crops(run), sheet = pictures.sheet(run);
-  std::string html = legend(any(&ShownView::truth), any(&ShownView::input));
+  const bool stand_ins = run.has_stand_ins();
+  const char* truth = !any(&ShownView::truth) ? "" : stand_ins ? "input mask, in place of the truth" : "truth";
+  std::string html = legend(truth, any(&ShownView::input) && !stand_ins);
   if (!crops.empty()) html += "<h3>Where the worst views go wrong</h3><div class=\"sheet crops\">" + crops + "</div>";
   html += std::string("<h3>") + (scored ? "All views, worst boundary IoU first" : "All views") +
           "</h3><div class=sheet>" + sheet + "</div>";

@@ -9,6 +9,7 @@
 #include "ngs/io/files/json_file.h"
 #include "shared/cli/exit_code.h"
 #include "shared/run/child_process.h"
+#include "shared/run/signals.h"
 #include "siblings.h"
 
 namespace ngs::front {
@@ -84,9 +85,10 @@ bool StageRunner::run(const std::string& name, const Words& words) {
   const auto timed = run_.monitor().scope(name);
   const double start_s = wall_seconds();
   error_.clear(), hint_.clear();
+  const cli::KeepsState waits;  // for the tool to end, which takes its unfinished files away
   const cli::ChildResult child = cli::run_child(argv, {.time_s = std::numeric_limits<double>::infinity(),
                                                        .stop = [this] { return run_.monitor().stop_requested(); },
-                                                       .patience_s = kPatienceS,
+                                                       .patience_on_stop_s = kPatienceS,
                                                        .on_line = [this](const std::string& line) { listen(line); }});
   if (child.end == cli::ChildResult::End::kStopped) return remove_unfinished(folder_), false;
   if (child.end == cli::ChildResult::End::kSignalled) {

@@ -65,7 +65,8 @@ class Tool {
   /// A part of --help, behind the options, and what --help NAME says; asked once the command line is read. Empty: not
   /// shown.
   void help(std::string name, std::function<std::string(bool in_full)> text);
-  /// The body polls monitor().stop_requested(). Otherwise a signal ends the tool at once, without output.
+  /// The body polls monitor().stop_requested(), and has 0.3 s to end after a signal, or as long as it takes
+  /// while it keeps a state (run/signals.h). Otherwise a signal ends the tool at once, without output.
   void stops_on_request();
   /// Every stage of the body runs through ops that have a device path. Otherwise --device cuda is refused.
   void runs_on_device();

@@ -37,6 +37,10 @@ bool Decisions::decide(const std::vector<Effect>& some, SceneProbe& probe) {
       all_.push_back(std::move(*settled));
       continue;
     }
+    if (e.detector.possible != nullptr && !e.detector.possible(probe.problem())) {
+      all_.push_back({&e, "auto", false, std::string(e.detector.impossible), std::nan("")});
+      continue;
+    }
     asked = true;
     const double measured = e.detector.measure(probe);
     if (probe.stopped()) break;

@@ -1,6 +1,7 @@
 #include "ngs/passes/effect.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "ngs/core/error.h"
@@ -8,9 +9,10 @@
 namespace ngs {
 namespace {
 
+/// Three digits, and no exponent of large ones.
 std::string short_number(double value) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
+  std::snprintf(text, sizeof text, std::abs(value) < 1000 || std::abs(value) >= 1e15 ? "%.3g" : "%.0f", value);
   return text;
 }
 

@@ -24,6 +24,7 @@ struct Detector {
   std::function<double(SceneProbe&)> measure;
   /// Whether it can lie above the threshold, known without a look at pictures; empty: it may.
   bool (*possible)(const Problem&) = nullptr;
+  std::string_view impossible = {};  // why it is off where it cannot; nothing is measured then
 };
 
 struct Effect {

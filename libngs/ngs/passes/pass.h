@@ -25,6 +25,8 @@ class StepStore {
   virtual void save(JointTrainer& trainer) = 0;
   /// The same on the way: where it cannot be written, the run goes on with a warning.
   virtual void save_on_the_way(JointTrainer& trainer) = 0;
+  /// While steps are taken: what would be lost is to be saved once a signal comes.
+  virtual void taking_steps(bool begins) = 0;
   /// Steps between saves on the way; 0: none.
   virtual std::int64_t every() const = 0;
 };

@@ -1,5 +1,6 @@
 // ngs-probe: a tool that does nothing but what the contract tests ask of it, so that the rules which hold for
 // every tool are tested without the work of any.
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <stdexcept>
@@ -7,17 +8,32 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
+#include "shared/run/signals.h"
 #include "shared/tool.h"
 
 namespace {
 
 using namespace ngs;
 
-enum class Act { kWrite, kSlowWrite, kCheckFails, kEmpty, kNumeric, kNoMemory, kBug, kPoll, kProgress, kEcho };
+enum class Act {
+  kWrite,
+  kSlowWrite,
+  kCheckFails,
+  kEmpty,
+  kNumeric,
+  kNoMemory,
+  kBug,
+  kPoll,
+  kDeaf,
+  kKeep,
+  kProgress,
+  kEcho
+};
 constexpr NamedValue<Act> kActs[] = {{Act::kWrite, "write"},       {Act::kSlowWrite, "slow-write"},
                                      {Act::kCheckFails, "check"},  {Act::kEmpty, "empty"},
                                      {Act::kNumeric, "numeric"},   {Act::kNoMemory, "no-memory"},
                                      {Act::kBug, "bug"},           {Act::kPoll, "poll"},
+                                     {Act::kDeaf, "deaf"},         {Act::kKeep, "keep"},
                                      {Act::kProgress, "progress"}, {Act::kEcho, "echo"}};
 
 struct ProbeOptions {
@@ -59,6 +75,24 @@ void show_progress(cli::Run& run, int count) {
   }
 }
 
+/// Works on for longer than a signal lets it.
+void work_deaf() {
+  std::fprintf(stderr, "hears nothing\n");
+  std::this_thread::sleep_for(std::chrono::seconds(20));
+}
+
+/// Takes longer to keep its state than a signal lets others work on, and is then deaf.
+void keep_state(cli::Run& run, const std::string& path) {
+  {
+    const cli::KeepsState keeps;
+    std::fprintf(stderr, "keeps a state\n");
+    while (!run.monitor().stop_requested()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    std::this_thread::sleep_for(std::chrono::milliseconds(900));
+    io::write_file(path, "state\n");
+  }
+  work_deaf();
+}
+
 int act(cli::Run& run, const ProbeOptions& options, const std::string& path) {
   const auto nap = [] { std::this_thread::sleep_for(std::chrono::milliseconds(20)); };
   if (options.act == Act::kEmpty) run.nothing_found("probe: nothing there", "look elsewhere");
@@ -68,6 +102,8 @@ int act(cli::Run& run, const ProbeOptions& options, const std::string& path) {
   if (options.act == Act::kProgress) show_progress(run, options.count);
   while (options.act == Act::kPoll && !run.monitor().stop_requested()) nap();
   if (options.act == Act::kPoll) return run.stop_code();
+  if (options.act == Act::kDeaf) work_deaf();
+  if (options.act == Act::kKeep) keep_state(run, path + ".kept");
   io::AtomicFile file(path);
   for (int i = 0; i < options.count; ++i) {
     file.write("line\n");
@@ -94,7 +130,9 @@ int main(int argc, char** argv) {
   const cli::Input& in = tool.input("text", "any file");
   const cli::Input& more = tool.optional_input("--more", "any file or folder");
   const cli::Output& out = tool.output("-o,--output", "lines");
-  if (argc > 1 && std::string(argv[argc - 1]) == "--act=poll") tool.stops_on_request();
+  if (const std::string last = argv[std::max(argc, 1) - 1];
+      last == "--act=poll" || last == "--act=deaf" || last == "--act=keep")
+    tool.stops_on_request();
   return tool.run(argc, argv, [&](cli::Run& run) {
     run.warn_unused([](std::string_view effect) { return effect == "far"; });
     run.result()["input"] = in.path;

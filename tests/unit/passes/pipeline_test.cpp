@@ -370,7 +370,14 @@ TEST_CASE("every effect says what it is, what off saves, and why it is always on
     CHECK_FALSE(e.saves.empty());
     CHECK_FALSE(e.detector.measured.empty());
     CHECK(bool(e.detector.measure));
+    CHECK((e.detector.possible == nullptr) == e.detector.impossible.empty());
   }
+}
+
+TEST_CASE("reasons have three digits of a number, and no exponent of a large one") {
+  const Detector widths{"width, px", 3, "", {}};
+  CHECK(decision_reason(widths, 3128431.2) == "width, px: 3128431 > 3");
+  CHECK(decision_reason(widths, 0.12345) == "width, px: 0.123 <= 3");
 }
 
 }  // namespace ngs

@@ -60,7 +60,7 @@ TEST_CASE("a child that ignores the request to end is ended when patience is ove
   bool stop = false;
   const cli::ChildResult child = cli::run_child(
       {"sh", "-c", "trap '' TERM; echo ready; while true; do sleep 0.05; done"},
-      {.stop = [&] { return stop; }, .patience_s = 0.2, .on_line = [&](const std::string&) { stop = true; }});
+      {.stop = [&] { return stop; }, .patience_on_stop_s = 0.2, .on_line = [&](const std::string&) { stop = true; }});
   CHECK(child.end == End::kStopped);
   CHECK(wall_seconds() - start_s < 10);  // a loaded machine; the default patience alone is two seconds
 }

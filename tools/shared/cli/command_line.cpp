@@ -53,7 +53,6 @@ Texts words_of(int argc, char** argv) {
 }
 
 void check_common_flags(const CommonFlags& flags) {
-  if (flags.json && !flags.version) throw Error(ErrorCode::kUsage, "unknown flag '--json'", "it goes with --version");
   if (!flags.print_schema.empty() && flags.print_schema != "options" && flags.print_schema != "report")
     throw Error(ErrorCode::kUsage, kPrintSchema + (": '" + flags.print_schema) + "', expected options or report",
                 std::string(kPrintSchema) + " alone means the options");
@@ -110,11 +109,12 @@ void set_paths(const Splitter& splitter, Spec& spec) {
 
 /// "-" is where the report goes anyway, unless an output does.
 void settle_report(const Spec& spec, CommonFlags& flags) {
-  if (flags.report_path != "-") return;
+  const bool to_stdout = flags.report_path == "-";
   for (const Output& output : spec.outputs)
-    if (output.path == "-")
-      throw Error(ErrorCode::kUsage, "--report: '-', expected a file: an output goes to stdout already");
-  flags.report_path.clear();
+    if (output.path == "-" && (to_stdout || flags.json))
+      throw Error(ErrorCode::kUsage, std::string(to_stdout ? "--report: '-'" : "--json") +
+                                         ", expected --report FILE: an output goes to stdout already");
+  if (to_stdout) flags.report_path.clear(), flags.json = true;
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ struct CommonFlags {
     visit(self.short_help, Flag{"h", "short help"});
     visit(self.help, Text{"help", "[GROUP]", "this, or one group"});
     visit(self.version, Flag{"version", "version and build"});
-    visit(self.json, Flag{"json", "with --version: as JSON"});
+    visit(self.json, Flag{"json", "report to terminals too"});
     visit(self.threads, Field<int>{"threads", "", "else NGS_THREADS or all", 1, 4096}.letter('j'));
     visit(self.device, Choice<DeviceChoice>{"device", "where to compute", kDevices});
     visit(self.seed, Field<std::uint64_t>{"seed", "", "of every random choice", 0, UINT64_MAX});

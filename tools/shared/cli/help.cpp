@@ -10,6 +10,7 @@
 #include "ngs/options/near_matches.h"
 #include "shared/cli/common_flags.h"
 #include "shared/cli/exit_code.h"
+#include "shared/cli/version.h"
 #include "shared/text/layout.h"
 #include "shared/text/text_columns.h"
 
@@ -266,12 +267,12 @@ std::string help_text(const Spec& spec, const std::string& group, int width) {
 std::string version_text(const std::string& tool, bool json) {
   const bool with_cuda = cuda_ops() != nullptr;
   const Json record = {{"tool", tool},
-                       {"version", kVersion},
+                       {"version", version_with_commit()},
                        {"build_type", kBuildType},
                        {"compiler", __VERSION__},
                        {"cuda", with_cuda}};
   if (json) return record.dump(2) + "\n";
-  return tool + " " + kVersion + " (" + kBuildType + ", compiler " + __VERSION__ + ", CUDA " +
+  return tool + " " + version_with_commit() + " (" + kBuildType + ", compiler " + __VERSION__ + ", CUDA " +
          (with_cuda ? "on" : "off") + ")\n";
 }
 

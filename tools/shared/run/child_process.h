@@ -27,6 +27,7 @@ struct ChildLimits {
   double time_s = 600;
   std::function<bool()> stop = {};                            // polled; true: the child is ended
   double patience_s = 2;                                      // from asking it to end (SIGTERM) to ending it (SIGKILL)
+  double patience_on_stop_s = 0.2;                            // the same on `stop`: within what a signal leaves
   std::function<void(const std::string& line)> on_line = {};  // what it writes, line by line, while it runs
 };
 

@@ -2,11 +2,15 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 
 #include "ngs/core/monitor.h"
 #include "ngs/options/option_set.h"
+#include "shared/run/summary.h"
+#include "shared/text/layout.h"
+#include "shared/text/text_columns.h"
 
 namespace ngs::cli {
 namespace {
@@ -57,21 +61,44 @@ void Console::line(std::string_view level, std::string_view colour, const std::s
 void Console::progress(const std::string& stage, std::int64_t done, std::int64_t total) {
   if (level_ < LogLevel::kWarning) return;
   const double now_s = wall_seconds();
-  if (now_s - last_progress_s_ < (terminal_ ? 0.1 : 5.0)) return;
+  if (stage_began_s_ < 0 || stage != stage_ || done < first_done_)
+    stage_ = stage, stage_began_s_ = now_s, first_done_ = done;
+  if (now_s - last_progress_s_ < (terminal_ ? 0.1 : 10.0)) return;
   last_progress_s_ = now_s;
   if (format_ == LogFormat::kJson)
     return write_stderr(
         json_line({{"tool", tool_}, {"event", "progress"}, {"stage", stage}, {"done", done}, {"total", total}}));
-  const std::string text =
-      tool_ + ": " + stage + (stage.empty() ? "" : " ") + std::to_string(done) + "/" + std::to_string(total);
+  const std::string text = progress_line(stage, done, total, now_s - stage_began_s_);
   write_stderr(terminal_ ? "\r\033[K" + text : text + "\n");
   std::fflush(stderr);
   shows_progress_ = terminal_;
-  stage_ = stage;
+}
+
+/// A bar and times once there is something to say of them. Never as wide as the terminal: a line that wraps could not
+/// be taken back.
+std::string Console::progress_line(const std::string& stage, std::int64_t done, std::int64_t total,
+                                   double taken_s) const {
+  constexpr int kBar = 20;
+  const std::string chain = stage_of_chain();
+  std::string text = (chain.empty() ? "" : "[" + chain + "] ") + tool_ + ": " + stage + (stage.empty() ? "" : " ") +
+                     std::to_string(done) + "/" + std::to_string(total);
+  if (taken_s >= 1 && total > 0 && done > first_done_) {
+    const auto filled = std::size_t(kBar * std::clamp(double(done) / double(total), 0.0, 1.0));
+    const double left_s = taken_s * double(total - done) / double(done - first_done_);
+    if (terminal_) text += " [" + std::string(filled, '#') + std::string(kBar - filled, '.') + "]";
+    text += " " + duration_text(taken_s) + ", " + duration_text(left_s) + " left";
+  }
+  return terminal_ ? std::string(first_columns(text, terminal_columns(STDERR_FILENO) - 1)) : text;
+}
+
+void Console::summary(const std::string& lines) {
+  if (terminal_) text(lines);
 }
 
 void Console::stage_ended(const std::string& stage) {
-  if (stage == stage_) clear_progress();
+  if (stage != stage_) return;
+  clear_progress();
+  stage_began_s_ = -1;
 }
 
 void Console::clear_progress() {

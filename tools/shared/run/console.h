@@ -22,13 +22,17 @@ class Console {
   void info(const std::string& message);
   /// A table or another text of several lines for people, as it is; silent with -q.
   void text(const std::string& lines);
-  /// On a terminal one line that is rewritten, else a line every five seconds at most.
+  /// The end of a run, on a terminal; silent with -q.
+  void summary(const std::string& lines);
+  /// On a terminal one line that is rewritten, with a bar and the time that the stage takes, else a line every ten
+  /// seconds at most.
   void progress(const std::string& stage, std::int64_t done, std::int64_t total);
   void stage_ended(const std::string& stage);
   /// For those who write to the terminal themselves.
   void clear_progress();
 
  private:
+  std::string progress_line(const std::string& stage, std::int64_t done, std::int64_t total, double taken_s) const;
   void line(std::string_view level, std::string_view colour, const std::string& message);
 
   std::string tool_;
@@ -38,6 +42,8 @@ class Console {
   bool shows_progress_ = false;
   std::string stage_;  // whose progress is shown
   double last_progress_s_;
+  double stage_began_s_ = -1;  // as far as is known from its progress; -1: none has
+  std::int64_t first_done_ = 0;
 };
 
 }  // namespace ngs::cli

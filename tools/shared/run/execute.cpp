@@ -1,6 +1,7 @@
 #include "shared/run/execute.h"
 
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <filesystem>
 
@@ -9,10 +10,12 @@
 #include "ngs/ops/device/cuda_ops.h"
 #include "ngs/options/option_warnings.h"
 #include "shared/cli/command_line.h"
+#include "shared/cli/exit_code.h"
 #include "shared/run/leftovers.h"
 #include "shared/run/paths.h"
 #include "shared/run/run_state.h"
 #include "shared/run/signals.h"
+#include "shared/run/summary.h"
 
 namespace ngs::cli {
 namespace {
@@ -127,13 +130,14 @@ int execute(Spec& spec, const CommonFlags& flags, Console& console, const std::f
   hash_inputs(state);
   const int exit_code = run_body(state, body);
 
+  let_finish();
   console.clear_progress();
   const Json report = report_of(state, wall_seconds() - start_s, exit_code);
   streams.copy_output();
-  if (!flags.report_path.empty())
-    io::write_file(flags.report_path, json_document(report));
-  else if (!streams.to_stdout())
+  if (!flags.report_path.empty()) io::write_file(flags.report_path, json_document(report));
+  if (flags.json || (flags.report_path.empty() && !streams.to_stdout() && isatty(STDOUT_FILENO) == 0))
     print_json(report);
+  if (exit_code < kInterrupted) console.summary(summary_text(spec, report));
   return exit_code;
 }
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "ngs/core/version.h"
+#include "shared/cli/version.h"
 
 namespace ngs::cli {
 namespace {
@@ -67,7 +67,7 @@ Json make_report(const ReportData& data) {
   for (const StageNode& child : root.children) root.max_rss_mib = std::max(root.max_rss_mib, child.max_rss_mib);
 
   Json report = {{"tool", data.spec.name},
-                 {"version", kVersion},
+                 {"version", version_with_commit()},
                  {"options", data.spec.options.to_json()},
                  {"seed", data.flags.seed},
                  {"inputs", std::move(inputs)},

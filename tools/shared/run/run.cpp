@@ -1,5 +1,7 @@
 #include "shared/run/run.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 
 #include "ngs/core/check.h"
@@ -9,6 +11,7 @@
 #include "shared/run/paths.h"
 #include "shared/run/run_state.h"
 #include "shared/run/signals.h"
+#include "shared/text/layout.h"
 
 namespace ngs::cli {
 namespace {
@@ -50,6 +53,7 @@ Json& Run::result() { return state_.result; }
 void Run::plan(Json plan) { state_.plan = std::move(plan); }
 void Run::info(const std::string& message) { state_.console.info(message); }
 void Run::text(const std::string& lines) { state_.console.text(lines); }
+int Run::columns() const { return isatty(STDERR_FILENO) == 0 ? 0 : terminal_columns(STDERR_FILENO); }
 int Run::stop_code() const { return signal_exit_code(); }
 
 void Run::add_input(const std::string& name, const std::string& path) {

@@ -37,6 +37,8 @@ class Run {
   void plan(Json plan);
   /// A line on stderr with -v.
   void info(const std::string& message);
+  /// Of the terminal that people read on; 0: it is none.
+  int columns() const;
   /// A table for people, on stderr unless -q.
   void text(const std::string& lines);
   /// A further file that is read (found through an input), for the report. To be called before anything is written:

@@ -1,6 +1,7 @@
 #include "shared/run/signals.h"
 
 #include <signal.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "ngs/io/files/unfinished_files.h"
@@ -11,22 +12,49 @@ namespace {
 
 std::atomic<bool> stop{false};
 std::atomic<int> exit_code{0};
-std::atomic<bool> ends_on_request{false};
+std::atomic<bool> ends_on_request{false}, keeps_state{false};
+timer_t grace{};  // ends the process; made before a handler can run
+constexpr long kGraceNs = 300'000'000;
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
               "a signal handler may touch nothing else");
+
+void end_process(int code) {
+  io::remove_unfinished_files();
+  _exit(code);
+}
+
+/// 0: never.
+void end_in(long ns) {
+  const itimerspec when{.it_interval = {}, .it_value = {.tv_sec = 0, .tv_nsec = ns}};
+  timer_settime(grace, 0, &when, nullptr);
+}
 
 void on_signal(int number) {
   const int code = number == SIGINT || number == SIGQUIT ? kInterrupted : kTerminated;
   exit_code = code;
-  if (number != SIGQUIT && !stop.exchange(true) && ends_on_request) return;
-  io::remove_unfinished_files();
-  _exit(code);
+  if (number == SIGQUIT || stop.exchange(true) || !ends_on_request) end_process(code);
+  if (!keeps_state) end_in(kGraceNs);
+}
+
+void on_grace_over(int) { end_process(exit_code); }
+
+void make_grace_timer() {
+  struct sigaction action = {};
+  action.sa_handler = on_grace_over;
+  action.sa_flags = SA_RESTART;
+  sigaction(SIGALRM, &action, nullptr);
+  sigset_t alarm;  // a caller that blocks it passes that on
+  sigemptyset(&alarm), sigaddset(&alarm, SIGALRM);
+  pthread_sigmask(SIG_UNBLOCK, &alarm, nullptr);
+  sigevent event = {};
+  event.sigev_notify = SIGEV_SIGNAL, event.sigev_signo = SIGALRM;
+  ends_on_request = timer_create(CLOCK_MONOTONIC, &event, &grace) == 0;  // without one nobody would end a late body
 }
 
 }  // namespace
 
 void install_signal_handlers(bool on_request) {
-  ends_on_request = on_request;
+  if (on_request) make_grace_timer();
   struct sigaction action = {};
   action.sa_handler = on_signal;
   sigemptyset(&action.sa_mask);
@@ -41,5 +69,15 @@ void install_signal_handlers(bool on_request) {
 
 const std::atomic<bool>& stop_flag() { return stop; }
 int signal_exit_code() { return exit_code; }
+
+void let_finish() {
+  if (ends_on_request) end_in(0);
+}
+
+KeepsState::KeepsState() { keeps_state = true; }
+KeepsState::~KeepsState() {
+  keeps_state = false;
+  if (stop && ends_on_request) end_in(kGraceNs);
+}
 
 }  // namespace ngs::cli

@@ -72,11 +72,11 @@ std::size_t hanging_indent(std::string_view line, std::size_t width) {
 
 }  // namespace
 
-int terminal_columns() {
+int terminal_columns(int descriptor) {
   int columns = 0;
   winsize size{};
   if (const char* text = std::getenv("COLUMNS")) std::from_chars(text, text + std::strlen(text), columns);
-  if (columns <= 0 && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0) columns = size.ws_col;
+  if (columns <= 0 && ioctl(descriptor, TIOCGWINSZ, &size) == 0) columns = size.ws_col;
   return columns <= 0 ? kColumnsOfNoTerminal : std::clamp(columns, kFewestColumns, kMostColumns);
 }
 

@@ -6,8 +6,8 @@
 
 namespace ngs::cli {
 
-/// COLUMNS, else the columns of the terminal that stdout is, else 100; in [40, 120].
-int terminal_columns();
+/// COLUMNS, else the columns of the terminal that this descriptor is, else 100; in [40, 120].
+int terminal_columns(int descriptor = 1);
 
 struct Margins {
   int indent;                        // of all lines but the first

@@ -39,6 +39,8 @@ void UnfinishedFile::release() {
 void remove_unfinished_files() noexcept {
   for (Slot& slot : slots)
     if (slot.state == 2) ::unlink(slot.path);
+  for (Slot& slot : slots)
+    if (slot.state == 2) ::rmdir(slot.path);
 }
 
 }  // namespace ngs::io

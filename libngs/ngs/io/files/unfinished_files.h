@@ -4,8 +4,8 @@
 
 namespace ngs::io {
 
-/// Notes a path for as long as it lives. Paths beyond 4095 bytes and more than 64 at a time are not noted:
-/// their temporaries would survive a signal, never the targets.
+/// Notes a path, of a file or of a folder that holds noted files only, for as long as it lives. Paths beyond 4095 bytes
+/// and more than 64 at a time are not noted: their temporaries would survive a signal, never the targets.
 class UnfinishedFile {
  public:
   UnfinishedFile() = default;
@@ -19,7 +19,7 @@ class UnfinishedFile {
   int slot_ = -1;
 };
 
-/// Unlinks what is noted. Async-signal-safe.
+/// Removes what is noted. Async-signal-safe.
 void remove_unfinished_files() noexcept;
 
 }  // namespace ngs::io

@@ -45,6 +45,12 @@ std::vector<cv::Vec3b> samples_of(const cv::Mat& photo, const cv::Mat& hints, bo
   return fewer;
 }
 
+/// Cuts run side by side, each on one thread; the setting is the process's, and must not be made while another runs.
+void one_thread() {
+  static const bool set = (cv::setNumThreads(1), true);
+  (void)set;
+}
+
 struct Mixtures {
   cv::Mat background, object;
 };
@@ -72,7 +78,7 @@ PixelMask grab_cut(const ImageU8& photo, const ViewPrompt& prompt, const GrabCut
   const cv::Rect region = region_of_interest(prompt, options.margin_px);
   if (region.empty()) return mask;
 
-  cv::setNumThreads(1);
+  one_thread();
   cv::theRNG().state = 0x9e3779b97f4a7c15ull ^ options.seed;
   const cv::Mat whole(photo.height_px, photo.width_px, CV_8UC3, const_cast<std::uint8_t*>(photo.data.data()));
   const cv::Mat colours = whole(region).clone();

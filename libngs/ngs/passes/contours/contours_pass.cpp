@@ -66,7 +66,7 @@ std::vector<Effect> ContoursPass::effects() const {
        .detector = {"views that have a photo; 0: many masks are better than their edges", 0,
                     "one is enough; the refinement then has its own test",
                     [](SceneProbe& probe) { return probe.edge_gain() < -kSignificant ? 0 : probe.photos(); },
-                    has_photos},
+                    has_photos, "no view has a photo"},
        .was = "edges"},
       {.name = "split",
        .help = "halve what lies across contours",

@@ -20,7 +20,7 @@ std::vector<Effect> ExposurePass::effects() const {
            .help = "take differences of exposure from the photos",
            .saves = "a gain per view and channel",
            .detector = {"furthest exposure of a view from the others', percent", 2, "two and a half levels of mid-grey",
-                        measured_spread, has_photos}}};
+                        measured_spread, has_photos, "no view has a photo"}}};
 }
 
 void ExposurePass::run(PassRun& run) {

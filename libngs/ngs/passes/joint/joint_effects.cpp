@@ -14,7 +14,7 @@ namespace {
 constexpr std::string_view kHalfLevel = "half a level of an 8-bit photo, which none can show";
 
 double gap_without_photos(SceneProbe& probe) {
-  return probe.photos() > 0 || probe.boundary().size() == 0 ? 0 : 1 - probe.label_sample().biou;
+  return probe.boundary().size() == 0 ? 0 : 1 - probe.label_sample().biou;
 }
 
 bool has_no_photo(const Problem& problem) { return photo_count(problem.scene, problem.views) == 0; }
@@ -60,8 +60,8 @@ const JointPart kParts[] = {
       .saves = "rays, field, network, L_align, L_smth",
       .needs = "joint",
       .detector = {"without photos: 1 - boundary IoU of the labels as they come with the masks", 0.02,
-                   "two points, what masks of one object differ by from tool to tool; beside photos it gained nothing",
-                   gap_without_photos, has_no_photo}}},
+                   "two points, what masks of one object differ by from tool to tool", gap_without_photos, has_no_photo,
+                   "there are photos, beside which it gained nothing"}}},
     {&Switch::boundary,
      {.name = "boundary",
       .help = "boundary set; off: every seen Gaussian",

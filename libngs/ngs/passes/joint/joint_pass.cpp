@@ -13,8 +13,25 @@ constexpr double kStepRenders = 3, kFieldStepRenders = 7;
 
 double step_renders(bool field) { return kStepRenders + (field ? kFieldStepRenders : 0); }
 
+/// Tells the store when steps begin and end.
+class TakingSteps {
+ public:
+  explicit TakingSteps(StepStore* store) : store_(store) {
+    if (store_ != nullptr) store_->taking_steps(true);
+  }
+  ~TakingSteps() {
+    if (store_ != nullptr) store_->taking_steps(false);
+  }
+  TakingSteps(const TakingSteps&) = delete;
+  TakingSteps& operator=(const TakingSteps&) = delete;
+
+ private:
+  StepStore* store_;
+};
+
 /// Steps until `keep_s` of the budget are left, the plan, the target or a signal. `store`: null, nothing is kept.
 void take_steps(PassRun& run, double keep_s, StepStore* store) {
+  const TakingSteps taking(store);
   JointTrainer& trainer = *run.trainer;
   run.watch->begin_steps(keep_s, trainer);
   const double began_s = wall_seconds();

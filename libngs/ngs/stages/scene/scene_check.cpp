@@ -101,6 +101,7 @@ std::string percent(double share) {
 constexpr const char* kGsplatRemedy = "by the rules of gsplat, whose near plane is nearer: --compat gsplat";
 constexpr double kSomeTooNear = 0.01;  // share of the Gaussians from which on it is worth asking
 constexpr double kGsplatGain_db = 0.5;
+constexpr double kScaleUp = 4096;  // a power of two: positions keep their bits
 
 /// A model against photos of its scene.
 class PhotoCheck {
@@ -173,6 +174,17 @@ class PhotoCheck {
     return other.median_gain(shots, nullptr);
   }
 
+  /// What it would explain of them in a world so large that the near plane hides next to nothing.
+  double gain_scaled_up(const std::vector<Shot>& shots) const {
+    GaussianCloud cloud = cloud_;
+    for (double& x : cloud.origin) x *= kScaleUp;
+    for (float& x : cloud.position) x *= float(kScaleUp);
+    for (float& s : cloud.log_scale) s += float(std::log(kScaleUp));
+    std::vector<Shot> moved = shots;
+    for (Shot& shot : moved) shot.camera.translation = kScaleUp * shot.camera.translation;
+    return PhotoCheck(exec_, monitor_, options_, cloud, scene_).median_gain(moved, nullptr);
+  }
+
   /// The repair that makes the model fit a few of the shots; null: none does.
   const PoseRepair* find_repair(const std::vector<Shot>& shots) {
     const auto timed = monitor_.scope("pose repairs");
@@ -203,16 +215,17 @@ class PhotoCheck {
 
   /// What to do where the model does not fit the photos.
   std::string remedy(const std::vector<Shot>& shots, double too_near, const std::vector<ViewCheck>& views) {
-    if (too_near > kTooNear)
-      return gain_by_gsplat(shots) >= options_.min_fit_db ? std::string("it fits ") + kGsplatRemedy : kTooNearRemedy;
+    if (too_near > kTooNear && gain_by_gsplat(shots) >= options_.min_fit_db)
+      return std::string("it fits ") + kGsplatRemedy;
+    if (too_near > kTooNear && gain_scaled_up(shots) >= options_.min_fit_db) return kTooNearRemedy;
     if (const PoseRepair* repair = find_repair(shots)) return "it fits if " + repair->mistake + ": " + repair->remedy;
     if (const double recoloured_db = median_recoloured_gain(shots, views); recoloured_db >= options_.min_fit_db)
       return "the poses fit, the colours do not: with a gain and an offset per channel it is " +
              decibels(recoloured_db) +
              " above it; give the photos that the model was trained on, or import these with --min-fit-db -100";
-    return "the model was trained on other poses, or in a world that was moved or scaled since; import the cameras it "
-           "was "
-           "trained with (a splat exported by nerfstudio: with --world-transform dataparser_transforms.json, and "
+    return "it is another scene's model, or was trained on other poses, or in a world that was moved or scaled since; "
+           "import the cameras it was trained with (a splat exported by nerfstudio: with --world-transform "
+           "dataparser_transforms.json, and "
            "--original-world where transforms.json has an applied_transform)";
   }
 

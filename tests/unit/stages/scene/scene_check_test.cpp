@@ -167,6 +167,18 @@ TEST_CASE("a world so small that nothing is drawn is refused with the way out, a
   CHECK(error.remedy().find("scale the world") != std::string::npos);
 }
 
+TEST_CASE("another scene's model is not said to need a larger world where none would make it fit") {
+  Capture other = shrunk(1e-3);
+  for (ImageF& photo : other.photos)
+    for (int y = 0; y < photo.height_px; ++y)
+      for (int x = 0; x < photo.width_px; ++x)
+        for (int c = 0; c < 3; ++c) photo.at(x, y, c) = (x / 3 + y / 3) % 2 == 0 ? 1.f : 0.f;
+  const Error error = thrown_by([&] { other.check(); });
+  CHECK(error.code() == ErrorCode::kInconsistent);
+  CHECK(error.remedy().find("scale the world") == std::string::npos);
+  CHECK(error.remedy().find("it is another scene's model") != std::string::npos);
+}
+
 TEST_CASE("a model between the near planes of 3DGS and gsplat is sent to gsplat's, where it passes") {
   Capture small = shrunk(0.02);
   const Error error = thrown_by([&] { small.check(); });

@@ -1,0 +1,72 @@
+# What `cmake --install` copies, and `cpack` packs: tools, library with headers, CMake and pkg-config files, pipelines,
+# schemas, pages for man and completions, which are written from the tools' option tables as they are installed.
+set(NGS_SHARE ${CMAKE_INSTALL_DATADIR}/ngs)
+set(NGS_PLUGINS ${CMAKE_INSTALL_LIBDIR}/ngs)
+
+# The library. Layers in the order of linking.
+set(layers methods passes stages problem io ops options backend scene core)
+list(TRANSFORM layers PREPEND ngs_ OUTPUT_VARIABLE layer_targets)
+install(TARGETS ngs ${layer_targets} ngs_flags ngs_opencv ngs_flann ngs_compression EXPORT ngsTargets
+  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS ngs_codecs LIBRARY DESTINATION ${NGS_PLUGINS})
+# Whoever links the library loads the codecs' plug-in from where it was installed.
+target_link_options(ngs INTERFACE
+  $<INSTALL_INTERFACE:-Wl,-rpath,$<INSTALL_PREFIX>/${NGS_PLUGINS}>)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/libngs/ngs DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+  FILES_MATCHING PATTERN "*.h")
+install(FILES ${PROJECT_BINARY_DIR}/libngs/ngs/core/version.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ngs/core)
+
+include(CMakePackageConfigHelpers)
+set(package ${CMAKE_INSTALL_LIBDIR}/cmake/ngs)
+install(EXPORT ngsTargets NAMESPACE ngs:: DESTINATION ${package})
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/ngsConfig.cmake.in ${PROJECT_BINARY_DIR}/ngsConfig.cmake
+  INSTALL_DESTINATION ${package})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/ngsConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/ngsConfig.cmake ${PROJECT_BINARY_DIR}/ngsConfigVersion.cmake DESTINATION ${package})
+
+file(RELATIVE_PATH NGS_PC_UP /${CMAKE_INSTALL_LIBDIR}/pkgconfig /.)  # wherever --prefix puts it
+set(NGS_PC_LIBS "")
+foreach(layer ${layers})
+  string(APPEND NGS_PC_LIBS " -lngs_${layer}")
+endforeach()
+get_target_property(definitions ngs_backend INTERFACE_COMPILE_DEFINITIONS)
+if(definitions)
+  list(TRANSFORM definitions PREPEND -D)
+  list(JOIN definitions " " NGS_PC_DEFINITIONS)
+endif()
+configure_file(${CMAKE_CURRENT_LIST_DIR}/ngs.pc.in ${PROJECT_BINARY_DIR}/ngs.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/ngs.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md
+  DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/data-schema DESTINATION ${NGS_SHARE} FILES_MATCHING PATTERN "*.json")
+
+if(NGS_BUILD_TOOLS)
+  install(TARGETS ${NGS_TOOLS} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  # The chain and the loops over data sets; not what builds and tests a checkout.
+  set(scripts common.sh stage.sh ngs-gs.sh sweep.sh nvos.sh lerf-mask.sh scannet.sh)
+  list(APPEND scripts experiment.mk sharded.mk variants.mk ablation.mk robustness.mk work-precision.mk)
+  list(TRANSFORM scripts PREPEND ${PROJECT_SOURCE_DIR}/pipelines/)
+  install(PROGRAMS ${scripts} DESTINATION ${NGS_SHARE}/pipelines)
+  configure_file(${CMAKE_CURRENT_LIST_DIR}/ngs-gs.in ${PROJECT_BINARY_DIR}/ngs-gs @ONLY)
+  install(PROGRAMS ${PROJECT_BINARY_DIR}/ngs-gs DESTINATION ${CMAKE_INSTALL_BINDIR})
+
+  set(written ${PROJECT_BINARY_DIR}/share)
+  install(CODE "execute_process(COMMAND bash \"${PROJECT_SOURCE_DIR}/tools/installed-texts.sh\"
+    \"${CMAKE_RUNTIME_OUTPUT_DIRECTORY}\" \"${written}\" COMMAND_ERROR_IS_FATAL ANY)")
+  install(DIRECTORY ${written}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR})
+  install(DIRECTORY ${written}/bash/ DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+  install(DIRECTORY ${written}/zsh/ DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions)
+endif()
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_CONTACT "the authors of ngs <ngs@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY ${PROJECT_DESCRIPTION})
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "make")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libeigen3-dev, libopenexr-dev, nlohmann-json3-dev, zlib1g-dev")
+include(CPack)

@@ -1,0 +1,172 @@
+// What `cmake --install` copies serves those who know nothing of the checkout: other projects, man, shells, packages.
+#include <doctest/doctest.h>
+
+#include <filesystem>
+
+#include "support/process.h"
+#include "support/skip.h"
+#include "support/temp_dir.h"
+#include "support/tiny_scene.h"
+
+namespace ngs {
+namespace {
+
+namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
+
+struct Installed {
+  test::TempDir dir;
+  std::string prefix = dir.path() + "/prefix";
+  bool there = false;
+
+  Installed() {
+    const test::ProcessResult result = run({"cmake", "--install", NGS_TOOL_DIR "/..", "--prefix", prefix});
+    there = result.exit_code != 127;
+    INFO(result.err);
+    REQUIRE((result.exit_code == 0 || !there));
+  }
+  bool has(const std::string& name) const { return fs::exists(prefix + "/" + name); }
+  test::ProcessResult run(Words argv, std::vector<std::pair<std::string, std::string>> environment = {}) const {
+    return test::run_process({.argv = std::move(argv),
+                              .environment = std::move(environment),
+                              .folder = dir.path(),
+                              .input = {},
+                              .signal_after = {}});
+  }
+  /// Must succeed; what it says.
+  std::string output(const Words& argv) const {
+    const test::ProcessResult result = run(argv);
+    INFO(argv[0] << " " << argv.back() << ": " << result.out << result.err);
+    REQUIRE(result.exit_code == 0);
+    return result.out;
+  }
+  /// Somewhere under the prefix; the folder's name depends on the system.
+  std::string found(const std::string& name) const {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(prefix))
+      if (entry.path().filename() == name) return entry.path().string();
+    FAIL("nothing of this name was installed: " << name);
+    return {};
+  }
+  /// A program that reads a model and a photo of the tiny scene.
+  void write_user() const {
+    fs::create_directories(dir.path() + "/scene");
+    test::write_tiny_scene(dir.path() + "/scene");
+    dir.write("user.cpp",
+              "#include <cstdio>\n#include \"ngs/core/version.h\"\n#include \"ngs/io/image/image_file.h\"\n"
+              "#include \"ngs/io/ply/gaussian_ply.h\"\n#include \"ngs/ops/splat/splat.h\"\n"
+              "int main() {\n"
+              "  const ngs::GaussianCloud cloud = ngs::io::read_gaussian_ply(\"scene/model.ply\").cloud;\n"
+              "  const ngs::ImageF photo = ngs::io::read_image_rgb(\"scene/images/v0.png\", {});\n"
+              "  std::printf(\"%s %d %d\\n\", ngs::kVersion, int(cloud.size() > 0), photo.width_px);\n}\n");
+  }
+};
+
+const char* const kSaid = " 1 48\n";  // of that program, behind the version
+
+}  // namespace
+
+TEST_CASE("another project finds an installed ngs with find_package, links ngs::ngs and runs where it likes") {
+  const Installed installed;
+  if (!installed.there) return test::skip("no cmake");
+  installed.write_user();
+  installed.dir.write("CMakeLists.txt",
+                      "cmake_minimum_required(VERSION 3.25)\nproject(user CXX)\nfind_package(ngs 0.1 REQUIRED)\n"
+                      "add_executable(user user.cpp)\ntarget_link_libraries(user PRIVATE ngs::ngs)\n");
+  installed.output({"cmake", "-S", ".", "-B", "build", "-DCMAKE_PREFIX_PATH=" + installed.prefix});
+  const std::string said = installed.output({"cmake", "--build", "build", "--verbose"});
+  CHECK(said.find("-ffp-contract=off") != said.npos);
+  CHECK(said.find(NGS_SOURCE_DIR) == said.npos);  // nothing of the checkout
+  CHECK(installed.output({"build/user"}).ends_with(kSaid));
+}
+
+TEST_CASE("pkg-config says how to compile and link against an installed ngs") {
+  const Installed installed;
+  if (!installed.there || installed.run({"pkg-config", "--version"}).exit_code == 127)
+    return test::skip("no cmake or no pkg-config");
+  installed.write_user();
+  const std::string folder = fs::path(installed.found("ngs.pc")).parent_path().string();
+  installed.output({"bash", "-c",
+                    "export PKG_CONFIG_PATH=" + folder +
+                        "; c++ $(pkg-config --cflags ngs) user.cpp $(pkg-config --libs ngs) -o user"});
+  CHECK(installed.output({"./user"}).ends_with(kSaid));
+}
+
+TEST_CASE("every tool has a page for man, which renders without a warning and names its options") {
+  const Installed installed;
+  if (!installed.there || installed.run({"man", "--version"}).exit_code == 127) return test::skip("no cmake or no man");
+  int pages = 0;
+  for (const fs::directory_entry& tool : fs::directory_iterator(installed.prefix + "/bin")) {
+    const std::string name = tool.path().filename().string();
+    if (name == "ngs-gs") continue;  // a script; its --help
+    CAPTURE(name);
+    const std::string page = installed.prefix + "/share/man/man1/" + name + ".1";
+    REQUIRE(fs::exists(page));
+    const test::ProcessResult rendered =
+        installed.run({"man", "--warnings", "-l", page}, {{"MANWIDTH", "100"}, {"LC_ALL", "C.UTF-8"}});
+    CHECK(rendered.exit_code == 0);
+    CHECK(rendered.err == "");
+    CHECK(rendered.out.find("--log-format") != std::string::npos);
+    ++pages;
+  }
+  CHECK(pages >= 12);
+}
+
+TEST_CASE("bash completes options, their values and commands") {
+  const Installed installed;
+  if (!installed.there) return test::skip("no cmake");
+  const auto completed = [&](const std::string& words) {
+    return installed.output(
+        {"bash", "-c",
+         "for f in prefix/share/bash-completion/completions/*; do . $f; done\n"
+         "COMP_WORDS=(" +
+             words +
+             "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1))\n"
+             "$(complete -p ${COMP_WORDS[0]} | sed 's/.*-F \\([^ ]*\\).*/\\1/'); echo ${COMPREPLY[*]}"});
+  };
+  CHECK(completed("ngs-joint s.json b.ply --qual") == "--quality\n");
+  CHECK(completed("ngs-joint s.json b.ply --quality d") == "draft\n");
+  CHECK(completed("ngs-scene ''") == "import orbit check degrade\n");
+  CHECK(completed("ngs-scene check --check-") == "--check-size-px --check-views\n");
+  CHECK(completed("ngs-variance merge --ex") == "--exclusive\n");
+  CHECK(completed("ngs-eval --allow-m") == "--allow-missing\n");
+  CHECK(completed("ngs-joint --field f") == "\n");  // a path, which bash completes
+}
+
+TEST_CASE("zsh completes options, their values and commands") {
+  const Installed installed;
+  if (!installed.there || installed.run({"zsh", "--version"}).exit_code == 127) return test::skip("no cmake or no zsh");
+  const auto offered = [&](const std::string& words) {
+    return installed.output({"zsh", "-fc",
+                             "compadd() { shift; print -r -- $@ }; _files() { print paths }\n"
+                             "complete_it() { words=(" +
+                                 words +
+                                 "); CURRENT=$#words; service=$words[1]\n"
+                                 "source prefix/share/zsh/vendor-completions/_ngs }; complete_it"});
+  };
+  CHECK(offered("ngs-joint s.json --quality ''") == "draft standard high reference\n");
+  CHECK(offered("ngs-scene ''") == "import orbit check degrade\n");
+  CHECK((" " + offered("ngs-scene check --")).find(" --check-views ") != std::string::npos);
+  CHECK(offered("ngs-joint --field ''") == "paths\n");
+}
+
+TEST_CASE("the installed chain runs, with the tools beside it") {
+  const Installed installed;
+  if (!installed.there) return test::skip("no cmake");
+  for (const char* name :
+       {"bin/ngs-joint", "share/ngs/pipelines/experiment.mk", "share/ngs/data-schema/scene.schema.json",
+        "share/doc/ngs/LICENSE", "share/doc/ngs/CHANGELOG.md"}) {
+    CAPTURE(name);
+    CHECK(installed.has(name));
+  }
+  installed.write_user();
+  fs::remove(installed.dir.path() + "/scene/scene.json");
+  fs::create_directory_symlink(installed.prefix + "/bin/ngs-gs", installed.dir.path() + "/linked");
+  const test::ProcessResult run =
+      installed.run({"./linked", "scene", "out", "--hold-out", "every:4:2", "--method", "flash", "-q"},
+                    {{"NGS_THREADS", "1"}, {"SAMPLE_FLAGS", "--rows 8 --cols 8"}});
+  INFO(run.err);
+  CHECK(run.exit_code == 0);
+  CHECK(fs::exists(installed.dir.path() + "/out/masks/v2.png"));
+}
+
+}  // namespace ngs

@@ -1,0 +1,106 @@
+#!/usr/bin/env bash
+# Writes pages for man, and completions for bash and zsh, from what the tools say of their options:
+#   tools/installed-texts.sh BIN_DIR OUT_DIR        OUT_DIR/man/man1/TOOL.1, OUT_DIR/bash/TOOL, OUT_DIR/zsh/_ngs
+# shellcheck disable=SC2016  # what is written is for other shells to expand
+set -euo pipefail
+unset CDPATH
+bin=$1 out=$2
+export COLUMNS=78 LC_ALL=C.UTF-8
+
+rm -rf "$out"
+mkdir -p "$out/man/man1" "$out/bash" "$out/zsh"
+tools=()
+for file in "$bin"/ngs-*; do
+  name=${file##*/}
+  case $name in ngs-probe | *.*) ;; *) tools+=("$name") ;; esac
+done
+
+# commands TOOL: a line each; an empty one for what runs without a command.
+commands() { "$bin/$1" --print-commands; }
+# about TOOL COMMAND: "what it is", from the first line of the help.
+about() { "$bin/$1" ${2:+"$2"} -h | sed '/^$/,$d' | tr -s '\n ' '  ' | sed 's/^[^:]*: *//; s/\.* *$//'; }
+
+roff() { sed -e 's/\\/\\e/g' -e 's/-/\\-/g' -e "s/^[.']/\\\\\&&/"; }
+page() {  # page TOOL
+  local tool=$1 command version summary
+  version=$("$bin/$tool" --version --json | sed -n 's/.*"version": "\(.*\)".*/\1/p')
+  summary=$(about "$tool" "$(commands "$tool" | head -n 1)")
+  printf '.TH %s 1 "" "ngs %s" "ngs"\n.SH NAME\n%s \\- %s\n' "${tool^^}" "$version" \
+    "$(roff <<< "$tool")" "$(roff <<< "$summary")"
+  commands "$tool" | while read -r command; do
+    printf '.SH %s\n.nf\n' "$(title="${command:-description}"; echo "${title^^}")"
+    "$bin/$tool" ${command:+"$command"} --help all | roff
+    printf '.fi\n'
+  done
+  printf '.SH SEE ALSO\n'
+  printf '%s\n' "${tools[@]}" | grep -vx "$tool" | roff | sed 's/.*/.BR & (1),/; $s/,$//'
+}
+
+# flags TOOL COMMAND: all of them; values TOOL COMMAND: "--flag) words".
+flags() {
+  {
+    "$bin/$1" ${2:+"$2"} --help all | sed -n '/^inputs and outputs/,/^$/p' | grep -oE '^ +(-[a-z], )?--[a-z0-9-]+' | grep -oE -- '--[a-z0-9-]+' || true
+    "$bin/$1" ${2:+"$2"} --help all | sed -n '/^flags of all tools/,/^$/p' | grep -oE -- '--[a-z0-9-]+'
+    "$bin/$1" ${2:+"$2"} --print-schema | awk '
+      /^    "[a-z0-9_]+": \{/ { name = $1; gsub(/[":]/, "", name); gsub(/_/, "-", name); print "--" name }
+      /^      "type": "boolean"/ { print "--no-" name }'
+  } | sort -u | tr '\n' ' '
+}
+values() {
+  "$bin/$1" ${2:+"$2"} --print-schema | awk '
+    /^    "[a-z0-9_]+": \{/ { name = $1; gsub(/[":]/, "", name); gsub(/_/, "-", name) }
+    /^      "enum": \[/ { inside = 1; words = ""; next }
+    inside && /\]/ { inside = 0; printf "--%s) ngs_words=\"%s\" ;; ", name, substr(words, 2); next }
+    inside { gsub(/[" ,]/, ""); words = words " " $0 }'
+  echo '--device) ngs_words="auto cpu cuda" ;; --log-level) ngs_words="error warning info" ;; --log-format) ngs_words="text json" ;;'
+}
+
+# table NAME TOOL...: what both shells ask. NAME TOOL COMMAND BEFORE CURRENT PLACE sets ngs_words; empty: a path is expected.
+table() {
+  local name=$1 tool command named
+  shift
+  echo "$name() {"
+  echo '  ngs_words='
+  for tool in "$@"; do
+    echo "  if [ \"\$1\" = $tool ]; then"
+    named=$(commands "$tool" | tr '\n' ' ' | sed 's/^ *//; s/ *$//')
+    echo '    case $2 in'
+    commands "$tool" | while read -r command; do
+      # without a command it takes what any other word in its place may be
+      printf '      %s)\n        case $3 in %s *) case $4 in -*) ngs_words="%s" ;; esac ;; esac ;;\n' "${command:-*}" \
+        "$(values "$tool" "$command")" "$(flags "$tool" "$command")"
+    done | { first=; while IFS= read -r line; do  # the pattern that takes all goes last
+        if [ "$line" = '      *)' ]; then IFS= read -r next; first=$line$'\n'$next; else printf '%s\n' "$line"; fi
+      done; if [ -n "$first" ]; then printf '%s\n' "$first"; fi; }
+    echo '    esac'
+    if [ -n "$named" ]; then echo "    if [ \"\$5\" = 1 ] && [ -z \"\$ngs_words\" ]; then ngs_words=\"$named\"; fi"; fi
+    echo '  fi'
+  done
+  echo '}'
+}
+
+for tool in "${tools[@]}"; do
+  function=_${tool//-/_}
+  page "$tool" > "$out/man/man1/$tool.1"
+  {
+    echo "# Completion of $tool, written from its options."
+    table "${function}_words" "$tool"
+    cat << END
+$function() {
+  local ngs_words current=\${COMP_WORDS[COMP_CWORD]} before=\${COMP_WORDS[COMP_CWORD-1]}
+  ${function}_words $tool "\${COMP_WORDS[1]:-}" "\$before" "\$current" "\$COMP_CWORD"
+  mapfile -t COMPREPLY < <(compgen -W "\$ngs_words" -- "\$current")
+}
+complete -o default -F $function $tool
+END
+  } > "$out/bash/$tool"
+done
+{
+  echo "#compdef ${tools[*]}"
+  table _ngs_words "${tools[@]}"
+  cat << 'END'
+local ngs_words
+_ngs_words "$service" "${words[2]}" "${words[CURRENT-1]}" "${words[CURRENT]}" "$((CURRENT - 1))"
+if [ -n "$ngs_words" ]; then compadd -- ${=ngs_words}; else _files; fi
+END
+} > "$out/zsh/_ngs"

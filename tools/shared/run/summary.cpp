@@ -1,0 +1,169 @@
+#include "shared/run/summary.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+
+#include "shared/cli/exit_code.h"
+
+namespace ngs::cli {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::size_t kMostOutputs = 4, kMostFigures = 5;
+
+/// What usually follows; {-o} is the output of that flag, {scene} the input of that name.
+const std::map<std::string, std::string>& next_commands() {
+  static const std::map<std::string, std::string> next = {
+      {"ngs-synth", "ngs-scene import {-o} -o scene.json"},
+      {"ngs-scene import", "ngs-variance {-o} -o boundary.ply"},
+      {"ngs-variance", "ngs-joint {scene} {-o} -o labelled.ply"},
+      {"ngs-sample", "ngs-rbf {boundary} {-o} -o field.ply"},
+      {"ngs-joint", "ngs-extract {-o} --object object.ply --background background.ply"},
+      {"ngs-extract", "open {--object} in a viewer of splats"},
+      {"ngs-report", "open {-o} in a browser"}};
+  return next;
+}
+
+std::string quoted(const std::string& path) {
+  if (path.find_first_of(" '\"\\$&();<>|*?`") == path.npos) return path;
+  std::string out = "'";
+  for (const char c : path) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
+/// Empty: not given.
+std::string path_of(const Spec& spec, const std::string& name) {
+  for (const Input& input : spec.inputs)
+    if (input.name == name) return input.path;
+  for (const Output& output : spec.outputs)
+    if (output.flags == name || output.flags.starts_with(name + ",")) return output.path;
+  return {};
+}
+
+/// Empty where the tool has none, or a path of it was not given.
+std::string next_command(const Spec& spec) {
+  const auto found = next_commands().find(spec.name);
+  if (found == next_commands().end()) return {};
+  std::string command = found->second;
+  for (std::size_t open = 0; (open = command.find('{', open)) != command.npos;) {
+    const std::size_t close = command.find('}', open);
+    const std::string path = path_of(spec, command.substr(open + 1, close - open - 1));
+    if (path.empty()) return {};
+    command.replace(open, close - open + 1, quoted(path));
+  }
+  return command;
+}
+
+std::string size_text(double bytes) {
+  char text[32];
+  const double mib = bytes / (1 << 20);
+  if (mib >= 1024)
+    std::snprintf(text, sizeof text, "%.1f GiB", mib / 1024);
+  else if (mib >= 1)
+    std::snprintf(text, sizeof text, "%.0f MiB", mib);
+  else
+    std::snprintf(text, sizeof text, "%.0f KiB", std::max(1.0, bytes / 1024));
+  return text;
+}
+
+/// "a.ply, 149 MiB" or "masks, 34 files".
+std::string output_text(const std::string& path) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) {
+    const auto files = std::count_if(fs::recursive_directory_iterator(path, error), fs::recursive_directory_iterator(),
+                                     [&](const fs::directory_entry& entry) { return entry.is_regular_file(error); });
+    return path + ", " + std::to_string(files) + " files";
+  }
+  const auto bytes = fs::file_size(path, error);
+  return error ? path : path + ", " + size_text(double(bytes));
+}
+
+std::string number_text(const Json& value) {
+  if (value.is_number_integer()) return value.dump();
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value.get<double>());
+  return text;
+}
+
+/// "views 30, gaussians 12000": the first numbers of an object.
+std::string figures(const Json& object) {
+  std::string text;
+  std::size_t count = 0;
+  for (const auto& [name, value] : object.items())
+    if (value.is_number() && count < kMostFigures) {
+      std::string words = name;
+      std::ranges::replace(words, '_', ' ');
+      text += (count++ > 0 ? ", " : "") + words + " " + number_text(value);
+    }
+  return text;
+}
+
+/// The scores, where a run has any; of a dry run what it foresees; else its other figures.
+std::string outcome_text(const Json& report) {
+  if (report["dry_run"] == true && report.contains("plan")) return figures(report["plan"]);
+  if (const Json& result = report["result"]; result.contains("mean") && result["mean"].is_object()) {
+    Json scores = Json::object();
+    for (const char* name : {"iou", "biou", "accuracy", "psnr_db", "ssim"})
+      if (result["mean"].contains(name)) scores[name] = result["mean"][name];
+    return figures(scores);
+  }
+  return figures(report["result"]);
+}
+
+std::string how_it_ended(const Json& report) {
+  const std::string duration = duration_text(report["stages"]["wall_s"].get<double>());
+  if (report["dry_run"] == true) return "nothing was done, as --dry-run asks";
+  if (report["exit_code"] == kCheckFailed) return "done in " + duration + ", a requested check failed";
+  if (report["exit_code"] == kBudgetHit) return "stopped at its budget with a partial result, in " + duration;
+  return "done in " + duration;
+}
+
+std::string line_of_chain(const Spec& spec, const Json& report) {
+  std::string line = "[" + stage_of_chain() + "] " + spec.name + ": " + how_it_ended(report);
+  for (const Json& output : report["outputs"]) {
+    line += ", " + fs::path(output["path"].get<std::string>()).filename().string();
+    if (report["outputs"].size() > 2) return line + " and others\n";
+  }
+  return line + "\n";
+}
+
+}  // namespace
+
+std::string stage_of_chain() {
+  const char* stage = std::getenv("NGS_STAGE_OF");
+  return stage == nullptr ? "" : stage;
+}
+
+std::string duration_text(double seconds) {
+  char text[48];
+  const auto whole = static_cast<long>(seconds + 0.5);
+  if (whole < 60)
+    std::snprintf(text, sizeof text, seconds < 10 ? "%.1f s" : "%.0f s", seconds);
+  else if (whole < 3600)
+    std::snprintf(text, sizeof text, "%ld min %ld s", whole / 60, whole % 60);
+  else
+    std::snprintf(text, sizeof text, "%ld h %ld min", whole / 3600, whole % 3600 / 60);
+  return text;
+}
+
+std::string summary_text(const Spec& spec, const Json& report) {
+  if (!stage_of_chain().empty()) return line_of_chain(spec, report);
+  std::string text = spec.name + ": " + how_it_ended(report) + "\n";
+  const Json& outputs = report["outputs"];
+  const bool made = report["dry_run"] == false;
+  for (std::size_t i = 0; made && i < std::min(kMostOutputs, outputs.size()); ++i)
+    text += "  " + output_text(outputs[i]["path"]) + "\n";
+  if (made && outputs.size() > kMostOutputs)
+    text += "  and " + std::to_string(outputs.size() - kMostOutputs) + " more\n";
+  if (const std::string outcome = outcome_text(report); !outcome.empty()) text += "  " + outcome + "\n";
+  if (const std::size_t odd = report["warnings"].size(); odd > 0)
+    text += "  odd: " + std::to_string(odd) + (odd == 1 ? " warning, above\n" : " warnings, above\n");
+  if (const std::string next = next_command(spec); made && report["exit_code"] == kDone && !next.empty())
+    text += "  next: " + next + "\n";
+  return text;
+}
+
+}  // namespace ngs::cli
