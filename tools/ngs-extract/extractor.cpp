@@ -1,24 +1,29 @@
 #include "extractor.h"
 
 #include <algorithm>
+#include <array>
 #include <span>
 
 #include "ngs/io/formats/write_splat.h"
 #include "ngs/stages/extract/import_stage.h"
+#include "ngs/stages/select/region.h"
 
 namespace ngs::cli {
 namespace {
 
-/// The objects of the model, every column filled: a column that the file lacks cannot say "unseen".
-std::vector<io::NamedLabels> labels_of(const io::GaussianPly& ply) {
+/// The objects of the model, every column filled: a column that the file lacks cannot say "unseen". Of a model without
+/// labels all is object, where a region will say what of it.
+std::vector<io::NamedLabels> labels_of(const io::GaussianPly& ply, bool has_region) {
   std::vector<io::NamedLabels> objects = ply.objects;
   if (objects.empty()) objects = {{ply.object, ply.labels}};
   const std::size_t n = std::size_t(ply.cloud.size());
   for (io::NamedLabels& object : objects) {
     LabelColumns& c = object.columns;
+    if (c.label.empty() && c.prob.empty() && has_region) c.label.assign(n, 1.f);
     if (c.label.empty() && c.prob.empty() && n > 0)
       throw Error(ErrorCode::kBadInput, ply.file.name() + ": vertex property 'ngs_label' is missing",
-                  "label the model first: ngs-variance scene.json -o boundary.ply");
+                  "label the model first: ngs-variance scene.json -o boundary.ply, or say where the object is: "
+                  "--keep-box, --keep-sphere, --drop-below-plane, --cluster-at, --largest");
     if (c.label.empty()) c.label = c.prob;
     if (c.prob.empty()) c.prob = c.label;
     if (c.views.empty()) c.views.assign(n, 1.f);
@@ -57,12 +62,13 @@ Json counts(const std::string& name, const Extraction& e) {
 
 }  // namespace
 
-Extractor::Extractor(Run& run, io::GaussianPly ply, const ExtractOptions& options,
+Extractor::Extractor(Run& run, io::GaussianPly ply, const ExtractOptions& options, const RegionOptions& region,
                      const std::vector<std::string>& select)
     : run_(run),
       options_(options),
+      region_(region),
       ply_(std::move(ply)),
-      objects_(labels_of(ply_)),
+      objects_(labels_of(ply_, region.any())),
       chosen_(selected(objects_, select)) {
   for (const std::string& note : ply_.notes) run_.info(note);
 }
@@ -105,15 +111,42 @@ void Extractor::decide() {
     }
     run_.result()["objects"].push_back(counts(objects_[k].object, e));
   }
+  if (region_.any()) restrict_to_region();
   const std::int64_t kept = std::count(keep_.begin(), keep_.end(), std::uint8_t(1));
   run_.result()["gaussians"] = ply_.cloud.size();
   run_.result()["object"] = kept;
   run_.result()["background"] = ply_.cloud.size() - kept;
+  tell_what_is_odd(kept);
+}
+
+void Extractor::restrict_to_region() {
+  const auto timed = run_.monitor().scope("region");
+  const RegionSelection found =
+      with_context(ply_.file.name(), [&] { return select_region(run_.exec(), region_, ply_.cloud, keep_); });
+  Json& said = run_.result()["region"];
+  said = {{"in_shapes", found.in_shapes},
+          {"above_plane", found.above_plane},
+          {"clusters", found.clusters},
+          {"cluster_side", found.cluster_side}};
+  if (found.plane.found) {
+    const Vec3<double> n = found.plane.normal;
+    const std::array<double, 3>& o = ply_.cloud.origin;
+    const double offset = found.plane.offset + found.plane.thickness + n.x * o[0] + n.y * o[1] + n.z * o[2];
+    said["plane"] = {n.x, n.y, n.z, -offset};
+  }
+  keep_ = found.object;
+  for (const std::size_t k : chosen_)
+    for (std::size_t i = 0; i < keep_.size(); ++i) objects_[k].columns.label[i] *= float(keep_[i]);
+}
+
+void Extractor::tell_what_is_odd(std::int64_t kept) {
   if (kept == 0)
     run_.nothing_found(
         "no Gaussian is object by rule " + options_.rule +
-            (options_.min_component > 0 ? " and --min-component " + std::to_string(options_.min_component) : ""),
-        "lower the threshold, or check the masks: ngs-scene check scene.json");
+            (options_.min_component > 0 ? " and --min-component " + std::to_string(options_.min_component) : "") +
+            (region_.any() ? " within the region that is asked for" : ""),
+        region_.any() ? "widen the region: the result in the report says how many are left after each part of it"
+                      : "lower the threshold, or check the masks: ngs-scene check scene.json");
   if (ply_.health.excluded() > 0)
     run_.monitor().warn(
         std::to_string(ply_.health.excluded()) +

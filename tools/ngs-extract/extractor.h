@@ -5,6 +5,7 @@
 
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/stages/extract/extract_stage.h"
+#include "ngs/stages/select/region_options.h"
 #include "shared/run/run.h"
 
 namespace ngs::cli {
@@ -20,12 +21,15 @@ struct SelectOptions {
 
 class Extractor {
  public:
-  /// kBadInput if the model has no labels, kUsage if one of `select` names no object. None: all objects.
-  Extractor(Run& run, io::GaussianPly ply, const ExtractOptions& options, const std::vector<std::string>& select);
+  /// kBadInput if the model has no labels and `region` asks for nothing, kUsage if one of `select` names no object.
+  /// None: all objects.
+  Extractor(Run& run, io::GaussianPly ply, const ExtractOptions& options, const RegionOptions& region,
+            const std::vector<std::string>& select);
 
   /// Labels and ngs_fixed of the selected object from a hand-edited splat.
   void import(const std::string& path);
-  /// Every object's label becomes 0 or 1; counts go into the result. kNothingFound if the object is empty.
+  /// Every object's label becomes 0 or 1, those of the selected objects 0 outside the region; counts go into the
+  /// result. kNothingFound if the object is empty.
   void decide();
 
   const GaussianCloud& cloud() const { return ply_.cloud; }
@@ -37,10 +41,13 @@ class Extractor {
   void write_labelled(const std::string& path, bool with_state) const;
 
  private:
+  void restrict_to_region();
+  void tell_what_is_odd(std::int64_t kept);
   void write(const std::string& path, const std::vector<std::uint8_t>& keep) const;
 
   Run& run_;
   const ExtractOptions& options_;
+  const RegionOptions& region_;
   io::GaussianPly ply_;
   std::vector<io::NamedLabels> objects_;
   std::vector<std::size_t> chosen_;

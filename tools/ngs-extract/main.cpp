@@ -1,16 +1,19 @@
-// ngs-extract: labelled PLY -> object and background as plain splats, decided labels, hand edits taken back.
+// ngs-extract: labelled PLY, or any splat and where the object is in it -> object and background as plain splats,
+// decided labels, hand edits taken back.
 #include <optional>
 
 #include "extractor.h"
 #include "inpaint_output.h"
 #include "ngs/io/formats/splat_format.h"
 #include "ngs/io/scene/scene_json.h"
+#include "ngs/stages/select/region.h"
 #include "shared/tool.h"
 
 int main(int argc, char** argv) {
   using namespace ngs;
   cli::Tool tool("ngs-extract", "Cut the object out: object and background as plain splats, labels decided.",
                  {"ngs-extract labelled.ply --object object.ply --background background.ply",
+                  "ngs-extract statue.spz --drop-below-plane auto --largest 1 --object object.ply",
                   "ngs-extract labelled.ply --supersplat edit_me.ply",
                   "ngs-extract labelled.ply --scene scene.json --inpaint inpaint/",
                   "ngs-extract labelled.ply --import edited.ply --labelled corrected.ply --object object.ply"});
@@ -18,9 +21,12 @@ int main(int argc, char** argv) {
   cli::SelectOptions select;
   tool.options(options);
   tool.options(select);
+  RegionOptions region;
+  tool.options(region);
   InpaintOptions inpaint_options;
   tool.options(inpaint_options);
-  const cli::Input& labelled = tool.input("labelled", "labelled PLY of ngs-variance or ngs-joint");
+  const cli::Input& labelled =
+      tool.input("labelled", "labelled PLY of ngs-variance or ngs-joint; any splat where a region is asked for");
   const cli::Input& edited = tool.optional_input(
       "--import", "hand-edited splat: rows that are left (or selected, where it says so) are the object");
   const cli::Input& scene_json = tool.optional_input("--scene", "scene.json, for --inpaint");
@@ -36,6 +42,10 @@ int main(int argc, char** argv) {
 
   return tool.run(argc, argv, [&](cli::Run& run) {
     parse_extract_rule(options.rule);
+    (void)parse_region(region);
+    if (region.drop_below_plane != "auto") run.warn_unused({"--up"}, "without --drop-below-plane auto");
+    if (region.cluster_at.empty() && region.largest == 0)
+      run.warn_unused({"--cluster-side"}, "without --cluster-at or --largest");
     if (!object && !background && !decided && !supersplat && !inpaint)
       throw Error(ErrorCode::kUsage,
                   "no output was asked for, expected --object, --background, --labelled, --supersplat or --inpaint");
@@ -52,7 +62,7 @@ int main(int argc, char** argv) {
       scene = io::read_scene_json(scene_json.path);
       cli::check_inpaint_folder(*scene, scene_json.path, inpaint.path, {labelled.path, edited.path});
     }
-    cli::Extractor extractor(run, io::read_gaussian_ply(labelled.path), options, select.select);
+    cli::Extractor extractor(run, io::read_gaussian_ply(labelled.path), options, region, select.select);
     if (run.dry_run()) return cli::kDone;
     if (edited) extractor.import(edited.path);
     extractor.decide();

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <numeric>
 
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
+#include "ngs/math/union_find.h"
 #include "ngs/ops/field/knn.h"
 #include "ngs/scene/mask_threshold.h"
 
@@ -85,19 +85,6 @@ void remove_small_pieces(const Exec& exec, const ExtractOptions& options, const 
   for (std::size_t i = 0; i < piece.size(); ++i)
     if (piece[i] >= 0 && is_small(std::size_t(piece[i]))) out.object[i] = 0, ++out.removed;
 }
-
-struct UnionFind {
-  std::vector<std::uint32_t> parent;
-  explicit UnionFind(std::size_t n) : parent(n) { std::iota(parent.begin(), parent.end(), 0u); }
-  std::uint32_t root(std::uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = root(a), b = root(b);
-    if (a != b) parent[std::max(a, b)] = std::min(a, b);  // the root is the first row, whatever the order
-  }
-};
 
 }  // namespace
 

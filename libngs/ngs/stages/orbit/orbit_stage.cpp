@@ -19,19 +19,6 @@ constexpr double kOutsideFov = 40, kInsideFov = 80;  // deg
 constexpr double kRoomCoverage = 0.7;                // what cameras in a room show at least, else it is none
 constexpr double kRoomReach = 1.5;                   // of the bulk's radius: what belongs to a room
 
-Vec axis_of(UpAxis up) {
-  switch (up) {
-    case UpAxis::kX: return {1, 0, 0};
-    case UpAxis::kY: return {0, 1, 0};
-    case UpAxis::kZ: return {0, 0, 1};
-    case UpAxis::kMinusX: return {-1, 0, 0};
-    case UpAxis::kMinusZ: return {0, 0, -1};
-    case UpAxis::kMinusY:
-    case UpAxis::kAuto: break;
-  }
-  return {0, -1, 0};
-}
-
 std::string number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.4g", value);
@@ -265,6 +252,19 @@ Ball parse_ball(const std::string& text) {
     throw Error(ErrorCode::kUsage, "--around " + text + ": no ball, expected X,Y,Z,R with a radius R above 0",
                 "such as --around 0.5,-1,2,0.3");
   return {{value[0], value[1], value[2]}, value[3]};
+}
+
+Vec axis_of(UpAxis up) {
+  switch (up) {
+    case UpAxis::kX: return {1, 0, 0};
+    case UpAxis::kY: return {0, 1, 0};
+    case UpAxis::kZ: return {0, 0, 1};
+    case UpAxis::kMinusX: return {-1, 0, 0};
+    case UpAxis::kMinusZ: return {0, 0, -1};
+    case UpAxis::kMinusY:
+    case UpAxis::kAuto: break;
+  }
+  return {0, -1, 0};
 }
 
 OrbitCameras choose_cameras(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud, const OrbitOptions& options,

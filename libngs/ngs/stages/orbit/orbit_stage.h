@@ -39,6 +39,9 @@ struct PictureSize {
 /// "X,Y,Z,R" with finite numbers and R > 0; kUsage otherwise.
 Ball parse_ball(const std::string& text);
 
+/// The axis as a unit vector; -y for kAuto.
+Vec axis_of(UpAxis up);
+
 /// The cameras for pictures of `size`.
 ///
 /// Errors: kNothingFound where no Gaussian can be seen, none lies in the ball, or no place about it has a free line of

@@ -1,0 +1,159 @@
+#include "ngs/stages/select/clean_rules.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "ngs/math/median.h"
+#include "ngs/math/stable.h"
+#include "ngs/math/union_find.h"
+#include "ngs/ops/field/knn.h"
+#include "ngs/stages/select/canonical_points.h"
+
+namespace ngs {
+namespace {
+
+constexpr int kNeighbours = 8;
+constexpr std::size_t kLeastRows = kNeighbours + 2;
+constexpr double kReach = 3;  // standard deviations
+
+/// The standard deviations of a Gaussian, ln world, ascending.
+std::array<double, 3> log_sizes(const GaussianCloud& cloud, std::size_t i) {
+  std::array<double, 3> s{cloud.log_scale[3 * i], cloud.log_scale[3 * i + 1], cloud.log_scale[3 * i + 2]};
+  std::sort(s.begin(), s.end());
+  return s;
+}
+
+class Cleaner {
+ public:
+  Cleaner(const Exec& exec, const CleanOptions& options, const GaussianCloud& cloud)
+      : exec_(exec), options_(options), cloud_(cloud) {
+    finding_.debris.assign(std::size_t(cloud.size()), Debris::kNone);
+  }
+
+  CleanFinding run() {
+    mark_single();
+    if (options_.isolation > 0 && look_around()) {
+      mark_isolated();
+      if (options_.floater_size > 0) mark_floaters();
+    }
+    for (const Debris d : finding_.debris) ++finding_.counts[std::size_t(d)];
+    return std::move(finding_);
+  }
+
+ private:
+  /// The rules that look at one Gaussian alone.
+  void mark_single() {
+    const orbit::SurfacePoints points = canonical_points(cloud_);
+    const orbit::Ball bulk = points.count() > 0 ? orbit::bulk_of(points) : orbit::Ball{};
+    const double log_needle = std::log(options_.max_needle);  // -inf for 0
+    for (std::size_t i = 0; i < finding_.debris.size(); ++i) {
+      Debris& debris = finding_.debris[i];
+      if (!cloud_.usable[i]) {
+        if (!options_.keep_unusable) debris = Debris::kUnusable;
+        continue;
+      }
+      const auto size = log_sizes(cloud_, i);
+      if (sigmoid(double(cloud_.logit_opacity[i])) < options_.min_opacity)
+        debris = Debris::kTransparent;
+      else if (options_.max_size > 0 && std::exp(size[2]) > options_.max_size * scale_at(i, bulk))
+        debris = Debris::kOversized;
+      else if (options_.max_needle > 0 && size[2] - size[1] > log_needle)
+        debris = Debris::kNeedle;
+    }
+  }
+
+  /// The distance from the middle of the bulk, and within the bulk its radius.
+  double scale_at(std::size_t i, const orbit::Ball& bulk) const {
+    const float* p = &cloud_.position[3 * i];
+    return std::max(bulk.radius, orbit::length(orbit::Vec{p[0], p[1], p[2]} - bulk.centre));
+  }
+
+  /// What is left, with its neighbours. False where that is too little.
+  bool look_around() {
+    rows_ = canonical_rows(cloud_);
+    std::erase_if(rows_, [&](std::uint32_t i) { return finding_.debris[i] != Debris::kNone; });
+    for (const std::size_t i : rows_)
+      position_.insert(position_.end(), &cloud_.position[3 * i], &cloud_.position[3 * i] + 3);
+    if (rows_.size() < kLeastRows) return false;
+    graph_ = nearest_others(exec_, {position_.data(), std::int64_t(rows_.size())}, kNeighbours);
+    for (std::size_t q = 0; q < rows_.size(); ++q)
+      usual_.push_back(std::sqrt(double(graph_.dist2[(q + 1) * kNeighbours - 1])));
+    return true;
+  }
+
+  bool is_left(std::size_t q) const { return finding_.debris[rows_[q]] == Debris::kNone; }
+  double reach(std::size_t q) const { return kReach * std::exp(log_sizes(cloud_, rows_[q])[2]); }
+
+  void mark_isolated() {
+    for (std::size_t q = 0; q < rows_.size(); ++q) {
+      std::vector<double> near;
+      for (std::size_t k = q * kNeighbours; k < (q + 1) * kNeighbours; ++k) near.push_back(usual_[graph_.index[k]]);
+      if (usual_[q] > options_.isolation * upper_median(std::move(near)) && usual_[q] > reach(q))
+        finding_.debris[rows_[q]] = Debris::kIsolated;
+    }
+  }
+
+  /// Neighbours of whom one reaches the other, or no farther apart than three times what is usual at both.
+  UnionFind pieces() const {
+    UnionFind sets(rows_.size());
+    for (std::size_t q = 0; q < rows_.size(); ++q)
+      for (std::size_t k = q * kNeighbours; k < (q + 1) * kNeighbours; ++k) {
+        const std::size_t other = graph_.index[k];
+        if (!is_left(q) || !is_left(other)) continue;
+        const double usual = 3 * std::min(usual_[q], usual_[other]);
+        if (std::sqrt(double(graph_.dist2[k])) <= std::max(usual, reach(q) + reach(other)))
+          sets.join(std::uint32_t(q), std::uint32_t(other));
+      }
+    return sets;
+  }
+
+  void mark_floaters() {
+    UnionFind sets = pieces();
+    std::vector<std::int64_t> size(rows_.size(), 0);
+    for (std::size_t q = 0; q < rows_.size(); ++q) ++size[sets.root(std::uint32_t(q))];
+    std::vector<std::uint32_t> large, small;
+    for (std::size_t q = 0; q < rows_.size(); ++q) {
+      if (!is_left(q)) continue;
+      (size[sets.root(std::uint32_t(q))] > options_.floater_size ? large : small).push_back(std::uint32_t(q));
+    }
+    if (large.empty() || small.empty()) return;
+    const KnnGraph nearest = [&] {
+      const std::vector<float> points = positions_of(large), queries = positions_of(small);
+      return nearest_points(exec_, {points.data(), std::int64_t(large.size())},
+                            {queries.data(), std::int64_t(small.size())}, 1);
+    }();
+    std::vector<std::uint8_t> attached(rows_.size(), 0);  // by root: something of the piece is near a large one
+    for (std::size_t k = 0; k < small.size(); ++k) {
+      const std::size_t q = small[k], other = large[nearest.index[k]];
+      const double far = std::max(options_.isolation * usual_[other], reach(q) + reach(other));
+      if (std::sqrt(double(nearest.dist2[k])) <= far) attached[sets.root(small[k])] = 1;
+    }
+    for (const std::uint32_t q : small)
+      if (!attached[sets.root(q)]) finding_.debris[rows_[q]] = Debris::kFloater;
+  }
+
+  std::vector<float> positions_of(const std::vector<std::uint32_t>& queries) const {
+    std::vector<float> out;
+    for (const std::uint32_t q : queries)
+      out.insert(out.end(), &position_[3 * std::size_t(q)], &position_[3 * std::size_t(q)] + 3);
+    return out;
+  }
+
+  const Exec& exec_;
+  const CleanOptions& options_;
+  const GaussianCloud& cloud_;
+  CleanFinding finding_;
+  std::vector<std::uint32_t> rows_;  // of the model, that are looked at
+  std::vector<float> position_;      // [rows, 3]
+  KnnGraph graph_;
+  std::vector<double> usual_;  // [rows] distance to the kNeighbours-th, world
+};
+
+}  // namespace
+
+CleanFinding find_debris(const Exec& exec, const CleanOptions& options, const GaussianCloud& cloud) {
+  return Cleaner(exec, options, cloud).run();
+}
+
+}  // namespace ngs

@@ -1,0 +1,159 @@
+#include "ngs/stages/select/support_plane.h"
+
+#include <algorithm>
+#include <array>
+
+#include "ngs/math/quat.h"
+
+namespace ngs {
+namespace {
+
+using orbit::Vec;
+
+constexpr std::size_t kMostSamples = 40000;
+constexpr int kDirections = 2000;     // over the sphere: 2.6 degrees apart
+constexpr double kMostTilt = 0.9063;  // cosine of 25 degrees
+constexpr int kBins = 120;            // of heights, over three radii of the bulk
+constexpr double kLeastShare = 0.05;  // of what lies flat, in the plane and above it
+constexpr int kFits = 12;
+constexpr double kDeviations = 3 * 1.4826;  // of a normal distribution, from the median of absolute values
+
+/// In radii of the bulk, about its centre.
+struct Sample {
+  Vec position;
+  Vec normal;       // of its disc
+  double area = 0;  // that it shows; no more than a disc of a tenth of the radius
+  double flat = 0;  // of a disc 1, of a ball 0
+};
+
+/// The axis of the smallest standard deviation.
+Vec normal_of(const GaussianCloud& cloud, std::size_t row) {
+  const float* q = &cloud.rotation[4 * row];
+  double inv_norm = 0;
+  const Mat3<double> axes = rotation_matrix(normalised(Vec4<double>{q[0], q[1], q[2], q[3]}, inv_norm));
+  const float* s = &cloud.log_scale[3 * row];
+  const int least = int(std::min_element(s, s + 3) - s);
+  return {axes(0, least), axes(1, least), axes(2, least)};
+}
+
+std::vector<Sample> samples_of(const GaussianCloud& cloud, const orbit::SurfacePoints& points,
+                               const orbit::Ball& bulk) {
+  std::vector<Sample> samples;
+  for (const std::size_t i : orbit::thinned(points.count(), kMostSamples)) {
+    const Vec p = (1 / bulk.radius) * (points.position[i] - bulk.centre);
+    if (orbit::length(p) > 1.5) continue;
+    std::array<float, 3> s;
+    std::copy_n(&cloud.log_scale[3 * std::size_t(points.row[i])], 3, s.begin());
+    std::sort(s.begin(), s.end());
+    samples.push_back({p, normal_of(cloud, points.row[i]),
+                       std::min(points.area[i] / (bulk.radius * bulk.radius), 0.01 * points.opacity[i]),
+                       1 - std::exp(double(s[0]) - double(s[1]))});
+  }
+  return samples;
+}
+
+/// What a sample says for a plane of this normal. A ball says a little for all of them, so that models made of balls
+/// have planes too.
+double weight_for(const Sample& sample, Vec normal) {
+  const double facing = dot(normal, sample.normal);
+  const double aligned = facing * facing;
+  return sample.area * (sample.flat * aligned * aligned + (1 - sample.flat) * 0.2);
+}
+
+struct Slab {
+  Vec normal{0, 0, 1};
+  double height = 0, weight = 0, share = 0;
+};
+
+/// The heaviest two bins of heights with enough above them.
+Slab best_slab(const std::vector<Sample>& samples, Vec normal) {
+  std::array<double, kBins + 1> mass{}, all{};
+  double total = 0, area = 0;
+  for (const Sample& sample : samples) {
+    const double height = (dot(normal, sample.position) + 1.5) / 3;
+    const auto bin = std::size_t(std::clamp(int(height * kBins), 0, kBins - 1));
+    const double weight = weight_for(sample, normal);
+    mass[bin] += weight, all[bin] += sample.area, total += weight, area += sample.area;
+  }
+  Slab best{.normal = normal};
+  double above = area - all[0];
+  for (std::size_t b = 0; b < kBins; ++b, above -= all[b]) {
+    const double in = mass[b] + mass[b + 1];
+    if (above - all[b + 1] < kLeastShare * area || in <= best.weight) continue;
+    best.height = 3 * double(b + 1) / kBins - 1.5, best.weight = in, best.share = in / total;
+  }
+  return best;
+}
+
+Slab best_slab_about(const std::vector<Sample>& samples, Vec up) {
+  Slab best = best_slab(samples, up);
+  for (const Vec& direction : orbit::even_directions(kDirections)) {
+    if (dot(direction, up) < kMostTilt) continue;
+    const Slab slab = best_slab(samples, direction);
+    if (slab.weight > 1.05 * best.weight) best = slab;
+  }
+  return best;
+}
+
+/// The plane through the samples nearer than `tolerance` to `slab`, by least squares of their heights.
+Slab fitted(const std::vector<Sample>& samples, const Slab& slab, double tolerance) {
+  const auto weight_of = [&](const Sample& sample) {
+    return std::abs(dot(slab.normal, sample.position) - slab.height) <= tolerance ? weight_for(sample, slab.normal) : 0;
+  };
+  Vec mean{0, 0, 0};
+  double total = 0;
+  for (const Sample& sample : samples) {
+    const double w = weight_of(sample);
+    mean = mean + w * sample.position, total += w;
+  }
+  if (!(total > 0)) return slab;
+  mean = (1 / total) * mean;
+  const Vec a = orbit::perpendicular(slab.normal), b = cross(slab.normal, a);
+  double aa = 0, ab = 0, bb = 0, ah = 0, bh = 0;  // the plane h = p a + q b through them
+  for (const Sample& sample : samples) {
+    const double w = weight_of(sample);
+    const Vec d = sample.position - mean;
+    const double x = dot(a, d), y = dot(b, d), h = dot(slab.normal, d);
+    aa += w * x * x, ab += w * x * y, bb += w * y * y, ah += w * x * h, bh += w * y * h;
+  }
+  Slab out = slab;
+  const double det = aa * bb - ab * ab;
+  if (det > 1e-9 * (aa + bb) * (aa + bb))
+    out.normal = orbit::unit(slab.normal - ((bb * ah - ab * bh) / det) * a - ((aa * bh - ab * ah) / det) * b);
+  out.height = dot(out.normal, mean);
+  return out;
+}
+
+/// Three standard deviations of the samples nearer than `tolerance`, at least a thousandth of the radius.
+double spread_of(const std::vector<Sample>& samples, const Slab& slab, double tolerance) {
+  std::vector<double> distance, weight;
+  for (const Sample& sample : samples) {
+    const double d = std::abs(dot(slab.normal, sample.position) - slab.height);
+    if (d <= tolerance) distance.push_back(d), weight.push_back(weight_for(sample, slab.normal));
+  }
+  if (distance.empty()) return tolerance;
+  return std::clamp(kDeviations * orbit::weighted_quantile(distance, weight, 0.5), 1e-3, tolerance);
+}
+
+}  // namespace
+
+SupportPlane find_support_plane(const GaussianCloud& cloud, const orbit::SurfacePoints& points, Vec up) {
+  SupportPlane plane{.normal = up};
+  if (points.count() == 0) return plane;
+  const orbit::Ball bulk = orbit::bulk_of(points);
+  const std::vector<Sample> samples = samples_of(cloud, points, bulk);
+  Slab slab = best_slab_about(samples, up);
+  if (slab.share < kLeastShare) return plane;
+  double tolerance = 2 * 3.0 / kBins;
+  for (int fit = 0; fit < kFits; ++fit) {
+    slab = fitted(samples, slab, tolerance);
+    tolerance = spread_of(samples, slab, tolerance);
+  }
+  plane.found = dot(slab.normal, up) >= kMostTilt;
+  plane.normal = slab.normal, plane.support = slab.share;
+  plane.offset = bulk.radius * slab.height + dot(slab.normal, bulk.centre);
+  plane.thickness = bulk.radius * tolerance;
+  return plane;
+}
+
+}  // namespace ngs

@@ -1,0 +1,25 @@
+#pragma once
+// The plane that an object stands on: a floor, a table top, the top of a pedestal.
+//
+// Directions about that of up are tried one by one. In each the heights of the Gaussians are counted, every one with
+// the area that it shows, and those that lie flat in the plane count most: the sides of a pedestal are as large as its
+// top, but their Gaussians stand upright. The best slab is then fitted by least squares, again and again, with a
+// tolerance that shrinks to three standard deviations of what lies in it.
+#include "ngs/stages/orbit/frame.h"
+
+namespace ngs {
+
+struct SupportPlane {
+  bool found = false;
+  orbit::Vec normal{0, 0, 1};  // world, unit length, towards the object
+  double offset = 0;           // world, relative to the model's origin: normal · p = offset on the plane
+  double thickness = 0;        // world: Gaussians no higher than this above it are of what lies in the plane
+  double support = 0;          // share of what lies flat that lies in it, in [0, 1]
+};
+
+/// `points` in an order of their own (canonical_points.h), rows of `cloud`; `up` of unit length, right within 25
+/// degrees. found = false where there are no points, all are at one place, or no slab holds a twentieth of what lies
+/// flat and has as much above it.
+SupportPlane find_support_plane(const GaussianCloud& cloud, const orbit::SurfacePoints& points, orbit::Vec up);
+
+}  // namespace ngs
