@@ -9,6 +9,21 @@
 #include "ngs/stages/select/region.h"
 #include "shared/tool.h"
 
+namespace {
+
+/// Rules that cannot be read are refused, options that nothing listens to warned about.
+void check_options(ngs::cli::Run& run, const ngs::ExtractOptions& options, const ngs::RegionOptions& region) {
+  ngs::parse_extract_rule(options.rule);
+  (void)ngs::parse_region(region);
+  if (region.drop_below_plane != "auto") run.warn_unused({"--up"}, "without --drop-below-plane auto");
+  if (region.cluster_at.empty() && region.largest == 0)
+    run.warn_unused({"--cluster-side"}, "without --cluster-at or --largest");
+  if (options.min_component == 0) run.warn_unused({"--component-neighbours"}, "without --min-component");
+  if (options.unseen != ngs::UnseenRule::kKnn) run.warn_unused({"--unseen-neighbours"}, "but by --unseen knn");
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
   using namespace ngs;
   cli::Tool tool("ngs-extract", "Cut the object out: object and background as plain splats, labels decided.",
@@ -41,16 +56,10 @@ int main(int argc, char** argv) {
       "--inpaint", "folder for an inpainting tool: background, cameras, hole masks of every view");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
-    parse_extract_rule(options.rule);
-    (void)parse_region(region);
-    if (region.drop_below_plane != "auto") run.warn_unused({"--up"}, "without --drop-below-plane auto");
-    if (region.cluster_at.empty() && region.largest == 0)
-      run.warn_unused({"--cluster-side"}, "without --cluster-at or --largest");
+    check_options(run, options, region);
     if (!object && !background && !decided && !supersplat && !inpaint)
       throw Error(ErrorCode::kUsage,
                   "no output was asked for, expected --object, --background, --labelled, --supersplat or --inpaint");
-    if (options.min_component == 0) run.warn_unused({"--component-neighbours"}, "without --min-component");
-    if (options.unseen != UnseenRule::kKnn) run.warn_unused({"--unseen-neighbours"}, "but by --unseen knn");
     if (inpaint && !scene_json)
       throw Error(ErrorCode::kUsage, "--inpaint needs the cameras", "give --scene scene.json");
     if (!inpaint)
