@@ -9,11 +9,11 @@
 namespace ngs {
 
 struct RegionOptions {
-  std::vector<std::string> keep_box;
-  std::vector<std::string> keep_sphere;
-  std::string drop_below_plane;
+  std::vector<std::string> keep_box = {};
+  std::vector<std::string> keep_sphere = {};
+  std::string drop_below_plane = {};
   UpAxis up = UpAxis::kAuto;
-  std::vector<std::string> cluster_at;
+  std::vector<std::string> cluster_at = {};
   int largest = 0;
   double cluster_side = 0;
 
