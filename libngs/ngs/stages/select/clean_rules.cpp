@@ -79,17 +79,21 @@ class Cleaner {
     graph_ = nearest_others(exec_, {position_.data(), std::int64_t(rows_.size())}, kNeighbours);
     for (std::size_t q = 0; q < rows_.size(); ++q)
       usual_.push_back(std::sqrt(double(graph_.dist2[(q + 1) * kNeighbours - 1])));
+    usual_anywhere_ = upper_median(usual_);
     return true;
   }
 
   bool is_left(std::size_t q) const { return finding_.debris[rows_[q]] == Debris::kNone; }
   double reach(std::size_t q) const { return kReach * std::exp(log_sizes(cloud_, rows_[q])[2]); }
 
+  /// Beside a clump that is denser than the scene its surroundings are not debris.
+  double far_from(double usual_there) const { return options_.isolation * std::max(usual_there, usual_anywhere_); }
+
   void mark_isolated() {
     for (std::size_t q = 0; q < rows_.size(); ++q) {
       std::vector<double> near;
       for (std::size_t k = q * kNeighbours; k < (q + 1) * kNeighbours; ++k) near.push_back(usual_[graph_.index[k]]);
-      if (usual_[q] > options_.isolation * upper_median(std::move(near)) && usual_[q] > reach(q))
+      if (usual_[q] > far_from(upper_median(std::move(near))) && usual_[q] > reach(q))
         finding_.debris[rows_[q]] = Debris::kIsolated;
     }
   }
@@ -126,7 +130,7 @@ class Cleaner {
     std::vector<std::uint8_t> attached(rows_.size(), 0);  // by root: something of the piece is near a large one
     for (std::size_t k = 0; k < small.size(); ++k) {
       const std::size_t q = small[k], other = large[nearest.index[k]];
-      const double far = std::max(options_.isolation * usual_[other], reach(q) + reach(other));
+      const double far = std::max(far_from(usual_[other]), reach(q) + reach(other));
       if (std::sqrt(double(nearest.dist2[k])) <= far) attached[sets.root(small[k])] = 1;
     }
     for (const std::uint32_t q : small)
@@ -148,6 +152,7 @@ class Cleaner {
   std::vector<float> position_;      // [rows, 3]
   KnnGraph graph_;
   std::vector<double> usual_;  // [rows] distance to the kNeighbours-th, world
+  double usual_anywhere_ = 0;  // their median
 };
 
 }  // namespace
