@@ -10,7 +10,7 @@ export COLUMNS=78 LC_ALL=C.UTF-8
 rm -rf "$out"
 mkdir -p "$out/man/man1" "$out/bash" "$out/zsh"
 tools=()
-for file in "$bin"/ngs-*; do
+for file in "$bin"/ngs "$bin"/ngs-*; do
   name=${file##*/}
   case $name in ngs-probe | *.*) ;; *) tools+=("$name") ;; esac
 done

@@ -29,7 +29,8 @@ struct ProbeCase {
     const TrainingOptions training;
     SceneProbe probe({}, training, in);
     const std::vector<Effect> effects = Pipeline(all_passes()).effects();
-    return find_effect(effects, effect)->detector.measure(probe);
+    const Detector& detector = find_effect(effects, effect)->detector;
+    return detector.possible && !detector.possible(in) ? 0 : detector.measure(probe);  // as Decisions::decide() asks
   }
 };
 
