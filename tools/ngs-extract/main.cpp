@@ -9,8 +9,21 @@
 #include "ngs/stages/select/region.h"
 #include "shared/tool.h"
 
+namespace {
+
+using namespace ngs;
+
+void warn_unused(cli::Run& run, const ExtractOptions& options, const RegionOptions& region) {
+  if (options.min_component == 0) run.warn_unused({"--component-neighbours"}, "without --min-component");
+  if (options.unseen != UnseenRule::kKnn) run.warn_unused({"--unseen-neighbours"}, "but by --unseen knn");
+  if (region.drop_below_plane != "auto") run.warn_unused({"--up"}, "without --drop-below-plane auto");
+  if (region.cluster_at.empty() && region.largest == 0)
+    run.warn_unused({"--cluster-side"}, "without --cluster-at or --largest");
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  using namespace ngs;
   cli::Tool tool("ngs-extract", "Cut the object out: object and background as plain splats, labels decided.",
                  {"ngs-extract labelled.ply --object object.ply --background background.ply",
                   "ngs-extract statue.spz --drop-below-plane auto --largest 1 --object object.ply",
@@ -43,14 +56,10 @@ int main(int argc, char** argv) {
   return tool.run(argc, argv, [&](cli::Run& run) {
     parse_extract_rule(options.rule);
     (void)parse_region(region);
-    if (region.drop_below_plane != "auto") run.warn_unused({"--up"}, "without --drop-below-plane auto");
-    if (region.cluster_at.empty() && region.largest == 0)
-      run.warn_unused({"--cluster-side"}, "without --cluster-at or --largest");
     if (!object && !background && !decided && !supersplat && !inpaint)
       throw Error(ErrorCode::kUsage,
                   "no output was asked for, expected --object, --background, --labelled, --supersplat or --inpaint");
-    if (options.min_component == 0) run.warn_unused({"--component-neighbours"}, "without --min-component");
-    if (options.unseen != UnseenRule::kKnn) run.warn_unused({"--unseen-neighbours"}, "but by --unseen knn");
+    warn_unused(run, options, region);
     if (inpaint && !scene_json)
       throw Error(ErrorCode::kUsage, "--inpaint needs the cameras", "give --scene scene.json");
     if (!inpaint)
