@@ -13,7 +13,10 @@ namespace {
 
 using namespace ngs;
 
-void warn_unused(cli::Run& run, const ExtractOptions& options, const RegionOptions& region) {
+/// kUsage for values that say nothing, a warning for those that nothing listens to.
+void check(cli::Run& run, const ExtractOptions& options, const RegionOptions& region) {
+  parse_extract_rule(options.rule);
+  (void)parse_region(region);
   if (options.min_component == 0) run.warn_unused({"--component-neighbours"}, "without --min-component");
   if (options.unseen != UnseenRule::kKnn) run.warn_unused({"--unseen-neighbours"}, "but by --unseen knn");
   if (region.drop_below_plane != "auto") run.warn_unused({"--up"}, "without --drop-below-plane auto");
@@ -54,12 +57,10 @@ int main(int argc, char** argv) {
       "--inpaint", "folder for an inpainting tool: background, cameras, hole masks of every view");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
-    parse_extract_rule(options.rule);
-    (void)parse_region(region);
+    check(run, options, region);
     if (!object && !background && !decided && !supersplat && !inpaint)
       throw Error(ErrorCode::kUsage,
                   "no output was asked for, expected --object, --background, --labelled, --supersplat or --inpaint");
-    warn_unused(run, options, region);
     if (inpaint && !scene_json)
       throw Error(ErrorCode::kUsage, "--inpaint needs the cameras", "give --scene scene.json");
     if (!inpaint)
