@@ -52,7 +52,7 @@ TEST_CASE("what is selected and what is debris is the same for any order of rows
   const GaussianCloud shuffled = reordered(cloud, from);
   const std::vector<std::uint8_t> all(from.size(), 1);
 
-  const RegionOptions region{.drop_below_plane = "auto", .largest = 1};
+  const RegionOptions region{.drop_below_plane = "auto", .up = UpAxis::kZ, .largest = 1};
   const RegionSelection a = select_region(with_threads(1), region, cloud, all);
   const RegionSelection b = select_region(with_threads(3), region, shuffled, all);
   const CleanFinding c = find_debris(with_threads(1), {}, cloud), d = find_debris(with_threads(3), {}, shuffled);

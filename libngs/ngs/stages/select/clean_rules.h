@@ -4,7 +4,8 @@
 //
 // Distances are compared with what is usual nearby, not with one length: a scene is dense where it was photographed
 // from near and sparse behind, and neither is debris. "Usual" at a Gaussian is the distance to its 8th nearest
-// neighbour.
+// neighbour, and never less than the median of that over the model: what lies beside a clump denser than the scene is
+// no debris either.
 #include <array>
 #include <string_view>
 

@@ -14,7 +14,8 @@ constexpr std::size_t kMostSamples = 40000;
 constexpr int kDirections = 2000;     // over the sphere: 2.6 degrees apart
 constexpr double kMostTilt = 0.9063;  // cosine of 25 degrees
 constexpr int kBins = 120;            // of heights, over three radii of the bulk
-constexpr double kLeastShare = 0.05;  // of what lies flat, in the plane and above it
+constexpr double kLeastAbove = 0.01;  // of all area, above the plane: on a ceiling nothing stands
+constexpr double kLeastShare = 0.05;  // of what lies flat, in the plane
 constexpr int kFits = 12;
 constexpr double kDeviations = 3 * 1.4826;  // of a normal distribution, from the median of absolute values
 
@@ -79,7 +80,7 @@ Slab best_slab(const std::vector<Sample>& samples, Vec normal) {
   double above = area - all[0];
   for (std::size_t b = 0; b < kBins; ++b, above -= all[b]) {
     const double in = mass[b] + mass[b + 1];
-    if (above - all[b + 1] < kLeastShare * area || in <= best.weight) continue;
+    if (above - all[b + 1] < kLeastAbove * area || in <= best.weight) continue;
     best.height = 3 * double(b + 1) / kBins - 1.5, best.weight = in, best.share = in / total;
   }
   return best;

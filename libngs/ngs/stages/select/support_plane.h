@@ -18,8 +18,8 @@ struct SupportPlane {
 };
 
 /// `points` in an order of their own (canonical_points.h), rows of `cloud`; `up` of unit length, right within 25
-/// degrees. found = false where there are no points, all are at one place, or no slab holds a twentieth of what lies
-/// flat and has as much above it.
+/// degrees. found = false where there are no points, all are at one place, or no slab that has a hundredth of all
+/// above it holds a twentieth of what lies flat.
 SupportPlane find_support_plane(const GaussianCloud& cloud, const orbit::SurfacePoints& points, orbit::Vec up);
 
 }  // namespace ngs

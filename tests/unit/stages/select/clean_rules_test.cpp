@@ -66,7 +66,7 @@ TEST_CASE("isolated is what is far for its place: a sparse background is not") {
   GaussianCloud cloud = sphere();
   const std::size_t dense = std::size_t(cloud.size());
   test::add_floor(cloud, 20, -5, 2);  // twenty times as sparse: any one length would take it or leave the next
-  test::add_gaussian(cloud, {0, 0, 2.5}, 0.02);
+  test::add_gaussian(cloud, {0, 0, 4.8}, 0.02);
   const CleanFinding found = find_debris({}, {.floater_size = 0}, cloud);
   CHECK(found.debris.back() == Debris::kIsolated);
   CHECK(found.counts[std::size_t(Debris::kIsolated)] == 1);
