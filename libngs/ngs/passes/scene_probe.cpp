@@ -76,8 +76,7 @@ double SceneProbe::edge_gain_of_views() const {
   const ContourRefineOptions refine;
   const std::vector<RefinedView> refined =
       refine_views(exec_, {refine, 0, problem_}, {problem_.cloud, problem_.labels}, views, views);
-  if (stopped() || (masks_misaligned(refined) && masks_err_to_one_side(refined))) return 0;
-  return gain_in_errors(refinement_gains(refined));
+  return stopped() ? 0 : gain_by_masks(refined);
 }
 
 const BoundarySet& SceneProbe::boundary() {

@@ -197,9 +197,11 @@ bool masks_err_to_one_side(const std::vector<RefinedView>& refined) {
   return std::abs(beyond - lacking) > kOneSided * (beyond + lacking);
 }
 
-bool masks_refuse(const std::vector<RefinedView>& refined) {
-  if (masks_misaligned(refined) && masks_err_to_one_side(refined)) return false;
-  return gain_in_errors(refinement_gains(refined)) < -kSignificant;
+double gain_by_masks(const std::vector<RefinedView>& refined) {
+  if (masks_misaligned(refined) && masks_err_to_one_side(refined)) return 0;
+  return gain_in_errors(refinement_gains(refined));
 }
+
+bool masks_refuse(const std::vector<RefinedView>& refined) { return gain_by_masks(refined) < -kSignificant; }
 
 }  // namespace ngs

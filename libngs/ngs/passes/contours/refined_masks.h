@@ -50,9 +50,11 @@ bool masks_misaligned(const std::vector<RefinedView>& refined);
 /// to 0.25.
 inline constexpr double kOneSided = 0.3;
 bool masks_err_to_one_side(const std::vector<RefinedView>& refined);
-/// Whether the given masks contradict what refinement makes: it agrees with them less than the rendered masks did, by
-/// more than twice the standard error of the mean over the views. Misaligned masks have a say only where they err to
-/// both sides alike: what is wrong one by one is right on the mean.
+/// How much better refined masks agree with the given ones than the rendered ones did, in standard errors of the mean
+/// over the views; 0 where the given masks have no say. Misaligned ones have it only where they err to both sides
+/// alike: what is wrong one by one is right on the mean.
+double gain_by_masks(const std::vector<RefinedView>& refined);
+/// Whether that is a significant loss.
 bool masks_refuse(const std::vector<RefinedView>& refined);
 
 /// The refined masks of a view of the scene's size `w` x `h`, whole: nothing is there outside of the window.
