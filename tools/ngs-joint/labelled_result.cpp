@@ -14,7 +14,7 @@ bool has_one_set(const io::GaussianPly& ply) {
 
 }  // namespace
 
-std::vector<LabelColumns> labels_of(const io::GaussianPly& ply, const Scene& scene) {
+std::vector<LabelColumns> take_labels(io::GaussianPly& ply, const Scene& scene) {
   const std::size_t wanted = scene.objects.size();
   if (ply.cloud.size() == 0)
     throw Error(ErrorCode::kNothingFound, ply.file.name() + ": the model has no Gaussians, expected some",
@@ -25,24 +25,27 @@ std::vector<LabelColumns> labels_of(const io::GaussianPly& ply, const Scene& sce
       throw Error(ErrorCode::kInconsistent,
                   ply.file.name() + ": labelled for object '" + ply.object + "', expected '" + name + "'",
                   "label that one: ngs-variance scene.json --object NAME -o boundary.ply");
-    return {ply.labels};
+    std::vector<LabelColumns> one;
+    one.push_back(std::move(ply.labels));
+    return one;
   }
   std::vector<LabelColumns> labels;
   for (const SceneObject& object : scene.objects)
-    for (const io::NamedLabels& named : ply.objects)
-      if (named.object == object.name) labels.push_back(named.columns);
+    for (io::NamedLabels& named : ply.objects)
+      if (named.object == object.name) labels.push_back(std::move(named.columns));
   if (labels.size() != wanted)
     throw Error(ErrorCode::kBadInput,
                 "the model has ngs_ columns for " + std::to_string(labels.size()) + " of the scene's " +
                     std::to_string(wanted) + " objects, expected all of them",
                 ply.names_object ? "it is labelled for one: --objects '" + ply.object + "'"
                                  : "label it first: ngs-variance scene.json -o boundary.ply");
+  ply.objects.clear(), ply.labels = {};
   return labels;
 }
 
 void write_result(cli::Run& run, const ResultSource& source, const Solution& solution, const std::string& path) {
   const auto timed = run.monitor().scope("write");
-  std::vector<io::NamedLabels> named;
+  std::vector<io::LabelSet> named;
   for (std::size_t k = 0; k < solution.labels.size(); ++k)
     named.push_back({source.scene.objects[k].name, solution.labels[k]});
   std::vector<float> floater;
@@ -52,7 +55,7 @@ void write_result(cli::Run& run, const ResultSource& source, const Solution& sol
   write.edited = &solution.cloud, write.source_row = solution.source_row, write.floater = floater;
   io::write_labelled_ply(path, source.ply, named, write);
   for (const auto& [name, value] : solution.figures) run.result()[name] = value;
-  run.result()["rows_changed"] = rows_changed(source.ply.cloud, labels_of(source.ply, source.scene), solution);
+  run.result()["rows_changed"] = rows_changed(source.ply.cloud, source.labels, solution);
   run.result()["converged"] = solution.converged;
 }
 

@@ -9,13 +9,15 @@
 
 namespace ngs::joint {
 
-/// The model's label columns, one per object of the scene; kBadInput where they are missing.
-std::vector<LabelColumns> labels_of(const io::GaussianPly& ply, const Scene& scene);
+/// The model's label columns, one per object of the scene, which `ply` then has no more; kBadInput where they are
+/// missing.
+std::vector<LabelColumns> take_labels(io::GaussianPly& ply, const Scene& scene);
 
 /// What a result is written on top of.
 struct ResultSource {
   const io::GaussianPly& ply;
   const Scene& scene;
+  const SharedLabels& labels;         // as they were read
   const std::vector<float>& floater;  // [N] 1: taken out; empty: none was
 };
 

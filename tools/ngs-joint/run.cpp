@@ -78,6 +78,7 @@ void check_nerf(const Options& options, const Paths& paths, const EffectModes& m
 struct Input {
   Scene scene;
   io::GaussianPly ply;
+  SharedLabels labels;
   double reading_s = 0;
 
   Input(cli::Run& run, const Options& options, const Paths& paths)
@@ -85,6 +86,7 @@ struct Input {
     choose_background(options.choice.background, run.monitor(), scene);
     const double began_s = wall_seconds();
     ply = io::read_gaussian_ply(paths.boundary);
+    labels = take_labels(ply, scene);
     reading_s = wall_seconds() - began_s;
   }
   Problem problem(const Options& options, std::uint64_t seed, Monitor& monitor) const {
@@ -97,7 +99,7 @@ struct Input {
             .background = background_of(scene),
             .seed = seed,
             .fixed = ply.fixed,
-            .labels = labels_of(ply, scene),
+            .labels = labels,
             .load_fine_photo = [this](std::size_t view) { return io::load_fine_photo(scene, view); },
             .monitor = &monitor};
   }
@@ -239,7 +241,7 @@ class MethodRun {
     run_.info("method " + method_name(options_.choice.method) + " begins");
     const Solution solution = run_baseline(run_, options_.choice.method, options_.baselines, *passes.problem);
     if (const int stopped = run_.stop_code()) return stopped;
-    write_result(run_, {input_.ply, input_.scene, passes.floater}, solution, paths_.labelled);
+    write_result(run_, {input_.ply, input_.scene, input_.labels, passes.floater}, solution, paths_.labelled);
     return solution.converged ? cli::kDone : cli::kBudgetHit;
   }
 
@@ -278,8 +280,9 @@ class MethodRun {
     return write(passes, writes_nerf);
   }
 
-  int write(const PassRun& passes, bool writes_nerf) {
+  int write(PassRun& passes, bool writes_nerf) {
     const Solution& solution = *passes.solution;
+    if (!writes_nerf) passes.trainer.reset();  // of no more use, and as large as the model
     if (budget_.given()) run_.result()["budget"] = budget_.json();
     if (budget_.given() && !solution.converged)
       run_.monitor().warn(
@@ -287,7 +290,7 @@ class MethodRun {
           ": parts were left out or cut short for want of time; result.budget of the report has the times");
     if (passes.watching.target && !passes.watch->target_met())
       run_.monitor().warn("--target " + options_.steps.target + ": not reached in the training views");
-    write_result(run_, {input_.ply, input_.scene, passes.floater}, solution, paths_.labelled);
+    write_result(run_, {input_.ply, input_.scene, input_.labels, passes.floater}, solution, paths_.labelled);
     if (writes_nerf) write_nerf(paths_.nerf, *passes.trainer);
     if (!paths_.trace.empty()) io::write_file(paths_.trace, passes.watch->trace());
     return solution.converged ? cli::kDone : cli::kBudgetHit;

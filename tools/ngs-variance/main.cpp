@@ -71,6 +71,7 @@ int label_scene(int argc, char** argv) {
     }
     if (!out) return 0;
     const std::vector<LabelColumns> labels = label_gaussians(options, part.evidence);
+    part.evidence = {};  // the most that there is in memory
     variance::write_labels(run, {scene, ply, labels}, options, out.path);
     if (layers) variance::write_layers(run, {scene, ply, labels}, splat_options(raster, ply.cloud, scene), layers.path);
     return 0;

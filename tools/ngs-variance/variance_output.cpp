@@ -149,7 +149,7 @@ void write_labels(cli::Run& run, const LabelledScene& labelled, const VarianceOp
   else if (boundary == 0)
     run.nothing_found("no Gaussian has a normalised mask variance above tau = " + std::to_string(options.tau),
                       "lower --tau, or check the masks: ngs-scene check scene.json");
-  std::vector<io::NamedLabels> named;
+  std::vector<io::LabelSet> named;
   for (std::size_t k = 0; k < labels.size(); ++k) named.push_back({scene.objects[k].name, labels[k]});
   io::write_labelled_ply(path, ply, named);
 }

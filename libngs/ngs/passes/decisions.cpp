@@ -5,6 +5,16 @@
 #include <stdexcept>
 
 namespace ngs {
+namespace {
+
+/// What a detector measures; its time has a stage of its own.
+double measured_by(const Effect& effect, SceneProbe& probe) {
+  if (probe.problem().monitor == nullptr) return effect.detector.measure(probe);
+  const auto timed = probe.problem().monitor->scope(std::string(effect.name));
+  return effect.detector.measure(probe);
+}
+
+}  // namespace
 
 Decisions::Decisions(std::vector<Effect> effects, EffectModes modes, std::vector<EffectVerdict> verdicts)
     : effects_(std::move(effects)), modes_(std::move(modes)), verdicts_(std::move(verdicts)) {}
@@ -42,7 +52,7 @@ bool Decisions::decide(const std::vector<Effect>& some, SceneProbe& probe) {
       continue;
     }
     asked = true;
-    const double measured = e.detector.measure(probe);
+    const double measured = measured_by(e, probe);
     if (probe.stopped()) break;
     all_.push_back({&e, "auto", measured > e.detector.threshold, decision_reason(e.detector, measured), measured});
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ngs/backend/for_each.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/scene/mask_threshold.h"
 #include "ngs/scene/shrink.h"
@@ -89,7 +90,9 @@ ObjectWindows object_windows(const Exec& exec, const Problem& problem) {
     const Camera small = shrunk(scene.views[v].camera, kShrink);
     return shown_window(render(exec, problem.cloud, small, splat, alone).alpha, kShrink);
   };
-  bool all = for_each_view(problem.monitor, problem.views, [&](std::size_t, std::size_t v) {
+  for_each_task(exec, std::int64_t(problem.views.size()), [&](std::int64_t n) {
+    if (stop_requested(problem.monitor)) return;
+    const std::size_t v = problem.views[std::size_t(n)];
     ViewMasks masks = problem.load_masks(v);
     if (masks.available) out.window[v] = window_of(masks.target, masks.width_px, masks.height_px, 0);
     out.masks[v] = RleMasks(std::move(masks));
@@ -99,12 +102,12 @@ ObjectWindows object_windows(const Exec& exec, const Problem& problem) {
   std::ranges::sort(seen);
   seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
   double inside_px = 0, all_px = 0;
-  all = all && for_each_view(problem.monitor, seen, [&](std::size_t, std::size_t v) {
-          const Camera& camera = scene.views[v].camera;
-          PixelWindow& window = out.window[v];
-          window = settled(merged(window, of_object(v)), camera);
-          inside_px += double(window.w) * window.h, all_px += double(camera.width_px) * camera.height_px;
-        });
+  const bool all = for_each_view(problem.monitor, seen, [&](std::size_t, std::size_t v) {
+    const Camera& camera = scene.views[v].camera;
+    PixelWindow& window = out.window[v];
+    window = settled(merged(window, of_object(v)), camera);
+    inside_px += double(window.w) * window.h, all_px += double(camera.width_px) * camera.height_px;
+  });
   if (!all) return {};
   out.outside = all_px > 0 ? 1 - inside_px / all_px : 0;
   return out;

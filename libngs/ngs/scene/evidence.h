@@ -22,6 +22,44 @@ struct ViewSums {
   double object_weight(std::size_t v, std::size_t k) const { return at(v)[2 + 2 * k]; }
 };
 
+/// The weights of a single view, packed, so that those of all views can be kept: about 8 bytes a Gaussian, however many
+/// objects there are. Parts are written and read independently of each other, and hold different Gaussians.
+class ViewWeights {
+ public:
+  ViewWeights(int objects, std::size_t parts) : objects_(std::size_t(objects)), part_(parts) {}
+
+  /// A Gaussian with W > 0, after those of the part so far, which it exceeds; `sum` [2 + 2 K] as in ViewSums: W, any
+  /// number, then of each object W1 <= W and any number.
+  void add(std::size_t part, std::uint32_t gaussian, const double* sum);
+  /// After the last add() to a part.
+  void shrink_to_fit(std::size_t part) { part_[part].bytes.shrink_to_fit(); }
+
+  std::size_t parts() const { return part_.size(); }
+  std::size_t bytes() const;
+  bool empty() const { return bytes() == 0; }
+  /// f(gaussian, weight) in the order of their addition; weight [1 + K]: W, then W1 of each object, to the bit.
+  template <class F>
+  void for_each(std::size_t part, const F& f) const {
+    std::vector<double> weight(1 + objects_);
+    std::uint32_t gaussian = 0;
+    const std::uint8_t *at = part_[part].bytes.data(), *end = at + part_[part].bytes.size();
+    while (at < end) {
+      at = next(at, gaussian, weight.data());
+      f(gaussian, static_cast<const double*>(weight.data()));
+    }
+  }
+
+ private:
+  struct Part {
+    std::vector<std::uint8_t> bytes;
+    std::uint32_t last = 0;  // Gaussian
+  };
+  const std::uint8_t* next(const std::uint8_t* at, std::uint32_t& gaussian, double* weight) const;
+
+  std::size_t objects_;
+  std::vector<Part> part_;
+};
+
 /// N Gaussians, K objects; [N, K] row-major. w = α T is a Gaussian's weight at a pixel, M the mask there.
 struct Evidence {
   std::int64_t gaussians = 0;

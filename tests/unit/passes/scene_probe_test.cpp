@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ngs/ops/image/mask_pair.h"
 #include "ngs/passes/detectors.h"
 #include "ngs/passes/pass_list.h"
 #include "ngs/passes/pipeline.h"
+#include "ngs/stages/render/render_stage.h"
 #include "support/joint_case.h"
 
 namespace ngs {
@@ -65,6 +67,45 @@ TEST_CASE("view trust: views that do not see the object do not make the others' 
   CHECK(few <= threshold_of("mask-outliers"));
   for (int more = 0; more < 20; ++more) c.views.push_back(c.base->look_away());  // naive: the median is zero
   CHECK(c.measure("mask-outliers") == few);
+}
+
+TEST_CASE("mask outliers: of several objects, the better of modal and alone is that of all drawn in every view") {
+  ProbeCase c;
+  constexpr std::size_t kObjects = 3;
+  hang(c.base->model, 160, 0, 0.1f, 2.6f);  // before the ball
+  for (std::size_t a = 0; a < 3; ++a) c.base->model.log_scale[3 * 160 + a] = -1.8f;
+  c.base->scene.objects = {{"top", 0}, {"middle", 1}, {"bottom", 2}};
+  c.base->labels.assign(kObjects, c.base->labels[0]);
+  for (std::size_t k = 0; k < kObjects; ++k)
+    for (std::size_t i = 0; i < c.base->is_ball.size(); ++i)
+      c.base->labels[k].label[i] = c.base->is_ball[i] != 0 && i * kObjects / 160 == k ? 1.f : 0.f;
+  const Problem in = c.base->input();
+  std::vector<double> better;
+  int modal_is_better = 0, alone_is_better = 0;
+  for (std::size_t v = 0; v < 4; ++v) {
+    const Camera& camera = c.base->scene.views[v].camera;
+    RenderedView view = render_labelled({}, {in.cloud, in.labels}, camera, {});
+    ViewMasks& masks = c.base->masks[v];
+    masks.target.assign(kObjects, std::vector<float>(std::size_t(view.label.pixels())));
+    const ImageF modal_label = view.label;
+    if (v % 2 == 1) show_objects_alone({}, {in.cloud, in.labels}, camera, {}, view);
+    for (std::size_t k = 0; k < kObjects; ++k) {
+      for (std::size_t p = 0; p < masks.target[k].size(); ++p)
+        masks.target[k][p] = view.label.data[p * kObjects + k] > 0.5f ? 1.f : 0.f;
+      const auto shift = std::ptrdiff_t(v + k);
+      std::rotate(masks.target[k].begin(), masks.target[k].begin() + shift, masks.target[k].end());
+    }
+    show_objects_alone({}, {in.cloud, in.labels}, camera, {}, view);
+    double modal = 0, alone = 0;
+    for (std::size_t k = 0; k < kObjects; ++k)
+      modal += disagreement(MaskPair(modal_label, masks, k).counts({})),
+          alone += disagreement(MaskPair(view.label, masks, k).counts({}));
+    modal_is_better += modal < alone, alone_is_better += alone < modal;
+    better.push_back(std::min(modal, alone) / double(kObjects));
+  }
+  CHECK(modal_is_better > 0);
+  CHECK(alone_is_better > 0);
+  CHECK(c.measure("mask-outliers") == doctest::Approx(outlier_score(better)).epsilon(1e-12));
 }
 
 TEST_CASE("exposure: a camera that turns to the dark wall measures no other light, one that stops down does") {

@@ -28,7 +28,8 @@ struct Plane {
 
 /// One file interpreted at its own size.
 struct Decoded {
-  std::vector<ImageF> target;  // one per object the file speaks of, [H, W, 1]
+  std::vector<ImageF> target;  // one per object the file speaks of, [H, W, 1]; none yet where there are ids
+  ImageF ids;                  // of a label map, [H, W, 1]
   ImageF known;                // [H, W, 1]; empty: all
   bool lossy = false;
 };
@@ -129,10 +130,9 @@ Decoded decode(const Scene& scene, const std::string& path, std::vector<std::str
       break;
     }
     case MaskMode::kLabel:
-      for (const SceneObject& o : scene.objects)
-        out.target.push_back(mapped(plane.value, [&](float v) { return v == float(o.id) ? 1.f : 0.f; }));
       if (scene.void_id)
         out.known = mapped(plane.value, [&](float v) { return v == float(*scene.void_id) ? 0.f : 1.f; });
+      out.ids = std::move(plane.value);
       break;
   }
   return out;
@@ -154,10 +154,72 @@ void take_majority(const ImageF& known, std::vector<ImageF>& share) {
   }
 }
 
+/// The plane of every object of a label map.
+void split_ids(const Scene& scene, Decoded& mask) {
+  for (const SceneObject& o : scene.objects)
+    mask.target.push_back(mapped(mask.ids, [&](float v) { return v == float(o.id) ? 1.f : 0.f; }));
+}
+
+/// The object of every id up to the largest in the scene, -1: none; empty where two objects have the same, or one that
+/// no label map can hold.
+std::vector<int> objects_by_id(const Scene& scene) {
+  std::uint32_t largest = 0;
+  for (const SceneObject& o : scene.objects) largest = std::max(largest, std::uint32_t(o.id));
+  constexpr std::uint32_t kLargestId = 65535;
+  if (largest > kLargestId) return {};
+  std::vector<int> object(std::size_t(largest) + 1, -1);
+  for (std::size_t k = 0; k < scene.objects.size(); ++k) {
+    int& of_id = object[std::size_t(scene.objects[k].id)];
+    if (of_id >= 0) return {};
+    of_id = int(k);
+  }
+  return object;
+}
+
+/// The object that take_majority() gives a cell of `scale` x `scale` pixels of a label map; -1: none.
+int majority_of(const float* ids, int row_px, int scale, const std::vector<int>& object, std::vector<int>& count) {
+  const auto object_of = [&](float id) { return id < float(object.size()) ? object[std::size_t(id)] : -1; };
+  const int first = object_of(ids[0]);
+  bool even = true;
+  for (int y = 0; y < scale; ++y)
+    for (int x = 0; x < scale; ++x) even &= ids[std::ptrdiff_t(y) * row_px + x] == ids[0];
+  if (even) return first;
+  std::ranges::fill(count, 0);
+  int none = 0;
+  for (int y = 0; y < scale; ++y)
+    for (int x = 0; x < scale; ++x) {
+      const int k = object_of(ids[std::ptrdiff_t(y) * row_px + x]);
+      ++(k < 0 ? none : count[std::size_t(k)]);
+    }
+  const auto most = std::ranges::max_element(count);
+  return *most >= none ? int(most - count.begin()) : -1;
+}
+
+/// A label map 2 or 4 times as large as wanted, where shares are exact: what split_ids(), resize_area() and
+/// take_majority() make of it, without a plane of the file's size per object. False: it is another.
+bool reduce_ids(const Scene& scene, const ImageSize& wanted, Decoded& mask) {
+  const int scale = mask.ids.width_px / wanted.width_px;
+  const std::vector<int> object = objects_by_id(scene);
+  if ((scale != 2 && scale != 4) || mask.ids.width_px != scale * wanted.width_px ||
+      mask.ids.height_px != scale * wanted.height_px || !mask.known.empty() || object.empty())
+    return false;
+  mask.target.assign(scene.objects.size(), ImageF(wanted.width_px, wanted.height_px, 1));
+  std::vector<int> count(scene.objects.size());
+  for (int y = 0; y < wanted.height_px; ++y)
+    for (int x = 0; x < wanted.width_px; ++x) {
+      const float* cell = &mask.ids.data[mask.ids.index(x * scale, y * scale)];
+      const int k = majority_of(cell, mask.ids.width_px, scale, object, count);
+      if (k >= 0) mask.target[std::size_t(k)].at(x, y) = 1.f;
+    }
+  return true;
+}
+
 void bring_to_size(const Scene& scene, const Camera& camera, const std::string& path, Decoded& mask, LoadedMasks& out) {
-  const ImageSize file{mask.target[0].width_px, mask.target[0].height_px};
+  const ImageF& as_read = mask.ids.empty() ? mask.target[0] : mask.ids;
+  const ImageSize file{as_read.width_px, as_read.height_px};
   const ImageSize wanted{camera.width_px, camera.height_px};
   const SizeRelation relation = relate_mask_size(file, wanted, scene.image_scale);
+  if (relation.same && !mask.ids.empty()) split_ids(scene, mask);
   if (relation.same) return;
   if (!relation.allowed)
     throw Error(
@@ -167,14 +229,16 @@ void bring_to_size(const Scene& scene, const Camera& camera, const std::string& 
         is_turned(file, wanted, scene.image_scale)
             ? "turn it as the pixels of the photo's file lie: what made it followed the photo's EXIF orientation"
             : "make the masks from the photos that the scene names, or import with their folder as --images");
+  out.resized = true;
+  out.notes.push_back(path + ": mask of " + to_string(file) + " px brought to the camera's " + to_string(wanted) +
+                      " px");
+  if (!mask.ids.empty() && relation.larger && reduce_ids(scene, wanted, mask)) return;
+  if (!mask.ids.empty()) split_ids(scene, mask);
   const auto resize = relation.larger ? resize_area : resize_nearest;
   for (ImageF& target : mask.target) target = resize(target, wanted.width_px, wanted.height_px);
   if (!mask.known.empty()) mask.known = resize(mask.known, wanted.width_px, wanted.height_px);
   if (scene.mask_mode != MaskMode::kSoft) take_majority(mask.known, mask.target);
   for (float& v : mask.known.data) v = is_set(v) ? 1.f : 0.f;
-  out.resized = true;
-  out.notes.push_back(path + ": mask of " + to_string(file) + " px brought to the camera's " + to_string(wanted) +
-                      " px");
 }
 
 void append(Decoded&& mask, ViewMasks& masks) {

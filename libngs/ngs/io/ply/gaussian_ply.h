@@ -85,10 +85,18 @@ struct LabelledWrite {
   std::vector<std::string> history;          // appended to the input's comments
 };
 
+/// Labels that others keep.
+struct LabelSet {
+  std::string object;
+  const LabelColumns& columns;
+};
+
 /// One object: the unsuffixed columns. Several: the unsuffixed columns describe their union (the largest
 /// value per column), then every object has its own set `ngs_label_<object>` ..., characters other than
 /// [A-Za-z0-9_.-] replaced by '_' (two objects that become one name: kInconsistent). The names themselves
 /// are kept in a comment. Every column of every set must have as many rows as the output.
+void write_labelled_ply(const std::string& path, const GaussianPly& source, std::span<const LabelSet> objects,
+                        const LabelledWrite& options = {});
 void write_labelled_ply(const std::string& path, const GaussianPly& source, std::span<const NamedLabels> objects,
                         const LabelledWrite& options = {});
 

@@ -140,11 +140,11 @@ void add_label_set(std::vector<Added>& added, const LabelColumns& set, const std
   for (const LabelField& f : kLabelFields) added.push_back({std::string(f.name) + suffix, set.*f.column});
 }
 
-std::vector<Added> added_columns(std::span<const NamedLabels> objects, const LabelColumns& all) {
+std::vector<Added> added_columns(std::span<const LabelSet> objects, const LabelColumns& all) {
   std::vector<Added> added;
   add_label_set(added, all, "");
   if (objects.size() < 2) return added;
-  for (const NamedLabels& object : objects) {
+  for (const LabelSet& object : objects) {
     const std::string suffix = std::string(1, '_').append(column_suffix(object.object));
     for (const Added& a : added)
       if (a.name == std::string(kLabelFields[0].name) + suffix)
@@ -157,13 +157,13 @@ std::vector<Added> added_columns(std::span<const NamedLabels> objects, const Lab
   return added;
 }
 
-std::vector<std::string> labelled_comments(const GaussianPly& source, std::span<const NamedLabels> objects,
+std::vector<std::string> labelled_comments(const GaussianPly& source, std::span<const LabelSet> objects,
                                            const LabelledWrite& options) {
   std::vector<std::string> comments;
   for (const std::string& c : source.comments)
     if (!c.starts_with(kObjectsComment)) comments.push_back(c);
   nlohmann::json names = nlohmann::json::array();
-  for (const NamedLabels& object : objects) names.push_back(object.object);
+  for (const LabelSet& object : objects) names.push_back(object.object);
   comments.push_back(std::string(kObjectsComment) +
                      names.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
   comments.insert(comments.end(), options.history.begin(), options.history.end());
@@ -215,10 +215,18 @@ std::string history_line(const std::string& tool, const std::string& options_jso
   return "ngs " + tool + " " + kVersion + " " + options_json;
 }
 
-LabelColumns union_of(std::span<const NamedLabels> objects) {
+namespace {
+
+std::vector<LabelSet> sets_of(std::span<const NamedLabels> objects) {
+  std::vector<LabelSet> sets;
+  for (const NamedLabels& object : objects) sets.push_back({object.object, object.columns});
+  return sets;
+}
+
+LabelColumns union_of(std::span<const LabelSet> objects) {
   if (objects.empty()) return {};
   LabelColumns all = objects[0].columns;
-  for (const NamedLabels& object : objects.subspan(1))
+  for (const LabelSet& object : objects.subspan(1))
     for (const LabelField& f : kLabelFields) {
       std::vector<float>& to = all.*f.column;
       const std::vector<float>& from = object.columns.*f.column;
@@ -226,6 +234,13 @@ LabelColumns union_of(std::span<const NamedLabels> objects) {
       for (std::size_t i = 0; i < to.size(); ++i) to[i] = std::max(to[i], from[i]);
     }
   return all;
+}
+
+}  // namespace
+
+LabelColumns union_of(std::span<const NamedLabels> objects) {
+  const std::vector<LabelSet> sets = sets_of(objects);
+  return union_of(std::span<const LabelSet>(sets));
 }
 
 void write_strict_ply(const std::string& path, const GaussianCloud& cloud, const std::vector<std::uint8_t>& keep,
@@ -246,6 +261,12 @@ void write_strict_ply(const std::string& path, const GaussianPly& ply, const std
 }
 
 void write_labelled_ply(const std::string& path, const GaussianPly& source, std::span<const NamedLabels> objects,
+                        const LabelledWrite& options) {
+  const std::vector<LabelSet> sets = sets_of(objects);
+  write_labelled_ply(path, source, std::span<const LabelSet>(sets), options);
+}
+
+void write_labelled_ply(const std::string& path, const GaussianPly& source, std::span<const LabelSet> objects,
                         const LabelledWrite& options) {
   NGS_CHECK(!objects.empty(), "at least one object");
   const LabelColumns all = union_of(objects);

@@ -191,6 +191,29 @@ ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const MaskedVie
   return seen;
 }
 
+ViewWeights view_weights(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,
+                         const SplatOptions& options, const std::vector<std::uint8_t>* of) {
+  const int objects = int(view.masks.target.size());
+  if (!view.masks.available) return {objects, 0};
+  if (exec.device_ops) {
+    const ViewSums sums = view_sums(exec, cloud, view, options, of);
+    ViewWeights seen(objects, 1);
+    for (std::size_t v = 0; v < sums.size(); ++v) seen.add(0, sums.row[v], sums.at(v));
+    seen.shrink_to_fit(0);
+    return seen;
+  }
+  require_size(view);
+  NGS_CHECK(of == nullptr || std::int64_t(of->size()) == cloud.size(), "one flag per Gaussian");
+  const ViewPairs pairs(exec, cloud, view, options);
+  ViewWeights seen(objects, std::size_t(pairs.chunks()));
+  for_each_task(exec, pairs.chunks(), [&](std::int64_t chunk) {
+    const auto part = std::size_t(chunk);
+    pairs.for_each_seen(chunk, of, [&](std::uint32_t gaussian, const double* sum) { seen.add(part, gaussian, sum); });
+    seen.shrink_to_fit(part);
+  });
+  return seen;
+}
+
 void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,
                        const SplatOptions& options, Evidence& evidence) {
   const ViewMasks& masks = view.masks;

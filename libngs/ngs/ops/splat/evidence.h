@@ -18,6 +18,10 @@ struct MaskedView {
 ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view, const SplatOptions& options,
                    const std::vector<std::uint8_t>* of = nullptr);
 
+/// The weights of that, packed.
+ViewWeights view_weights(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,
+                         const SplatOptions& options, const std::vector<std::uint8_t>* of = nullptr);
+
 /// Adds that to `evidence`, without keeping it.
 void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,
                        const SplatOptions& options, Evidence& evidence);

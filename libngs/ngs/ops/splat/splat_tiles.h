@@ -5,6 +5,7 @@
 // is refined in columns of packs, pack = column · 16 + row; per Gaussian only rows where alpha can reach 1/255 within
 // 8 px of columns are visited. Pack16 visits what two PackF visit, so results do not depend on the width.
 #include <cmath>
+#include <type_traits>
 
 #include "ngs/math/lanes.h"
 #include "ngs/ops/splat/splat_rows.h"
@@ -224,28 +225,59 @@ struct ChannelSums {
   }
 };
 
+/// The channels of a Gaussian that are not 0, where there are few: of many objects' labels one or two. The others would
+/// add nothing to sums that begin at 0.
+template <class S>
+struct FewChannels {
+  static constexpr int kFew = 4;
+  int channel[kFew];
+  int count = 0;  // kFew + 1: more, or not known
+  [[gnu::always_inline]] void find(const S* row, int channels) {
+    count = kFew + 1;
+    if constexpr (std::is_floating_point_v<S>) {  // a Dual that is 0 may have a derivative
+      count = 0;
+      for (int c = 0; c < channels && count <= kFew; ++c)
+        if (row[c] != S(0)) {
+          if (count < kFew) channel[count] = c;
+          ++count;
+        }
+    }
+  }
+  bool known() const { return count <= kFew; }
+};
+
 /// Sink that sums the channels: sum[pack][c] += alpha · transmittance · value[c].
 template <class L, int C>
 struct ChannelSink {
   using S = typename LaneTraits<L>::Scalar;
   static constexpr bool kTakesEmpty = true;
+  static constexpr int kLanes = LaneTraits<L>::kLanes;
   const TileWork<S>& work;
   ChannelValues<S> value;
   S* sum;  // [packs][count][lanes]
   ChannelRow<L, C> row = {};
+  FewChannels<S> few = {};
 
-  void begin(std::uint32_t e) { row.load(value.row(work.visible[e])); }
+  void begin(std::uint32_t e) {
+    const S* values = value.row(work.visible[e]);
+    row.load(values);
+    if constexpr (C == 0) few.find(values, value.count);
+  }
   void begin_column(int) {}
   [[gnu::always_inline]] void add(std::uint32_t, const Contribution<L>& k) {
-    constexpr int kLanes = LaneTraits<L>::kLanes;
     const int count = C > 0 ? C : value.count;
     const L weight = k.alpha * k.transmittance;
     S* at = sum + std::size_t(k.pack) * std::size_t(count * kLanes);
-    for (int c = 0; c < count; ++c) {
-      L s;
-      load_lanes(at + c * kLanes, s);
-      store_lanes(at + c * kLanes, fma_lanes(weight, row[c], s));
+    if (C == 0 && few.known()) {
+      for (int i = 0; i < few.count; ++i) add_to(at, few.channel[i], weight);
+      return;
     }
+    for (int c = 0; c < count; ++c) add_to(at, c, weight);
+  }
+  [[gnu::always_inline]] void add_to(S* at, int c, L weight) const {
+    L s;
+    load_lanes(at + c * kLanes, s);
+    store_lanes(at + c * kLanes, fma_lanes(weight, row[c], s));
   }
   void end_column(int) {}
   void end() {}

@@ -38,17 +38,16 @@ std::vector<float> reduce(const std::vector<float>& fine, int fw, int fh, int w,
   return out;
 }
 
-/// Agreement of a mask at the camera's size with the view's own, over the pixels that are known.
-double agreement(const std::vector<float>& mask, const ViewMasks& own, std::size_t k) {
+/// Agreement of a mask at the camera's size with the view's own of one object, over the pixels that are known.
+double agreement(const std::vector<float>& mask, const ViewMasks& own, int band_px) {
   std::vector<std::uint8_t> a(mask.size()), b(mask.size());
   for (std::size_t p = 0; p < mask.size(); ++p) {
     const bool known = own.known.empty() || own.known[p];
-    a[p] = known && mask_says_object(mask[p]), b[p] = known && mask_says_object(own.target[k][p]);
+    a[p] = known && mask_says_object(mask[p]), b[p] = known && mask_says_object(own.target[0][p]);
   }
   Exec serial;
   const int w = own.width_px, h = own.height_px;
-  return boundary_iou(serial, chessboard_distance({a.data(), w, h}), chessboard_distance({b.data(), w, h}), w,
-                      band_width_px(0.005, w, h));
+  return boundary_iou(serial, chessboard_distance({a.data(), w, h}), chessboard_distance({b.data(), w, h}), w, band_px);
 }
 
 /// The mask at another size, thresholded after bilinear interpolation.
@@ -92,6 +91,86 @@ double contrast_of(const std::vector<std::uint8_t>& mask, const ImageF& photo) {
   return count > 0 ? sum / count : 0;
 }
 
+/// The part of a picture that has to do with one object, at the camera's size and at the photo's.
+struct ObjectPart {
+  PixelWindow coarse, fine;
+};
+
+/// About what the rendered mask [fine] and the view's own [coarse; may be empty] show, with what refinement looks at
+/// and a few pixels more: all that is left out shows no object in either, and adds nothing to any sum. The whole
+/// picture where the sizes are not 1, 2 or 4 times each other: positions in the part would be rounded otherwise.
+ObjectPart part_of(const std::vector<std::uint8_t>& rendered, const std::vector<float>& own, const Camera& camera,
+                   const ImageF& photo, double reach_px) {
+  constexpr double kMore_px = 8;
+  const int w = camera.width_px, h = camera.height_px, scale = photo.width_px / w;
+  const PixelWindow all{0, 0, w, h}, all_fine{0, 0, photo.width_px, photo.height_px};
+  if ((scale != 1 && scale != 2 && scale != 4) || photo.width_px != scale * w || photo.height_px != scale * h)
+    return {all, all_fine};
+  std::vector<float> shown = own.empty() ? std::vector<float>(std::size_t(w) * std::size_t(h)) : own;
+  for (std::size_t p = 0; p < rendered.size(); ++p) {
+    const std::size_t x = p % std::size_t(all_fine.w), y = p / std::size_t(all_fine.w);
+    if (rendered[p]) shown[y / std::size_t(scale) * std::size_t(w) + x / std::size_t(scale)] = 1;
+  }
+  const double margin_px = std::min(reach_px / scale + kMore_px, double(w + h));
+  const PixelWindow at = window_of({std::move(shown)}, w, h, int(std::ceil(margin_px)));
+  return {at, {at.x0 * scale, at.y0 * scale, at.w * scale, at.h * scale}};
+}
+
+/// One object of a view on the way to RefinedView.
+class ObjectRefinement {
+ public:
+  ObjectRefinement(const ContourRefineOptions& refine, const ImageF& photo, const Camera& camera, RefinedView& out)
+      : refine_(refine), photo_(photo), camera_(camera), out_(out) {}
+
+  /// The refined mask at the camera's size, and its agreement with the view's own of the same object [coarse; not
+  /// available: no such mask], which counts as 1 / `objects` of the view's.
+  std::vector<float> refined(const std::vector<std::uint8_t>& rendered, const ViewMasks& own, std::size_t objects) {
+    const auto [at, fine] = part_of(rendered, own.available ? own.target[0] : std::vector<float>(), camera_, photo_,
+                                    std::max(refine_.reach_px, refine_.band_px));
+    std::vector<float> whole(std::size_t(camera_.width_px) * std::size_t(camera_.height_px));
+    if (fine.w == 0) {
+      if (own.available) out_.rendered_biou += 1 / double(objects), out_.refined_biou += 1 / double(objects);
+      return whole;
+    }
+    const std::vector<std::uint8_t> mask = cropped(rendered, photo_.width_px, 1, fine);
+    ImageF photo(fine.w, fine.h, 0);
+    photo.data = cropped(photo_.data, photo_.width_px, photo_.channels, fine), photo.channels = photo_.channels;
+    std::vector<float> soft = refine_contour(refine_, {mask.data(), fine.w, fine.h}, photo);
+    for (float& x : soft) x = label_says_object(x) ? 1.f : 0.f;
+    const std::vector<float> target = reduce(soft, fine.w, fine.h, at.w, at.h);
+    if (own.available) compare(mask, soft, target, {cropped(own, at), photo, double(objects)});
+    for (int y = 0; y < at.h; ++y)
+      std::copy_n(target.begin() + std::ptrdiff_t(y) * at.w, at.w,
+                  whole.begin() + std::ptrdiff_t(at.y0 + y) * camera_.width_px + at.x0);
+    return whole;
+  }
+
+ private:
+  struct Own {
+    ViewMasks masks;
+    const ImageF& photo;
+    double objects;
+  };
+
+  void compare(const std::vector<std::uint8_t>& rendered, const std::vector<float>& refined,
+               const std::vector<float>& target, const Own& own) {
+    const int w = own.masks.width_px, h = own.masks.height_px, fw = own.photo.width_px, fh = own.photo.height_px;
+    const int band_px = band_width_px(0.005, camera_.width_px, camera_.height_px);
+    out_.own_contrast += contrast_of(enlarged_mask(own.masks.target[0], w, h, fw, fh), own.photo);
+    out_.refined_contrast += contrast_of({refined.begin(), refined.end()}, own.photo);
+    out_.rendered_contrast += contrast_of(rendered, own.photo);
+    out_.rendered_biou +=
+        agreement(reduce({rendered.begin(), rendered.end()}, fw, fh, w, h), own.masks, band_px) / own.objects;
+    out_.refined_biou += agreement(target, own.masks, band_px) / own.objects;
+    add_differences(own.masks.target[0], target, out_);
+  }
+
+  const ContourRefineOptions& refine_;
+  const ImageF& photo_;
+  const Camera& camera_;
+  RefinedView& out_;
+};
+
 /// `splat` serves the model.
 RefinedView refine_view(const RefineSetup& setup, const SplatOptions& splat, const LabelChannels& model, std::size_t v,
                         bool compare) {
@@ -110,23 +189,17 @@ RefinedView refine_view(const RefineSetup& setup, const SplatOptions& splat, con
   }
   const int fw = photo.width_px, fh = photo.height_px;
   const ImageF label = model.view(serial, resized(camera, fw, fh), filter_at_scale(splat, double(fw) / w));
-  const ViewMasks own = compare ? input.load_masks(v) : ViewMasks{};
+  ViewMasks own = compare ? input.load_masks(v) : ViewMasks{};
   const std::size_t objects = model.objects();
   out.compared = own.available;
+  ObjectRefinement refinement(refine, photo, camera, out);
   std::vector<std::vector<float>> targets(objects);
+  std::vector<std::uint8_t> mask(std::size_t(photo.pixels()));
   for (std::size_t k = 0; k < objects; ++k) {
-    std::vector<std::uint8_t> mask(std::size_t(photo.pixels()));
     for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = label_says_object(label.data[p * objects + k]);
-    std::vector<float> refined = refine_contour(refine, {mask.data(), fw, fh}, photo);
-    for (float& x : refined) x = label_says_object(x) ? 1.f : 0.f;
-    targets[k] = reduce(refined, fw, fh, w, h);
-    if (!out.compared) continue;
-    out.own_contrast += contrast_of(enlarged_mask(own.target[k], w, h, fw, fh), photo);
-    out.refined_contrast += contrast_of({refined.begin(), refined.end()}, photo);
-    out.rendered_contrast += contrast_of(mask, photo);
-    out.rendered_biou += agreement(reduce({mask.begin(), mask.end()}, fw, fh, w, h), own, k) / double(objects);
-    out.refined_biou += agreement(targets[k], own, k) / double(objects);
-    add_differences(own.target[k], targets[k], out);
+    ViewMasks one{own.width_px, own.height_px, {}, own.known, own.available};
+    if (own.available) one.target.push_back(std::move(own.target[k]));
+    targets[k] = refinement.refined(mask, one, objects);
   }
   out.window = window_of(targets, w, h, int(std::lround(setup.margin_px)));
   ViewMasks masks{out.window.w, out.window.h, {}, {}, out.window.w > 0};

@@ -165,9 +165,9 @@ class FloaterSearch {
   struct MeanColours {
     std::vector<float> value;  // [N, 4]
 
-    void set(std::size_t gaussian, const LeaveOneOut::Shares& shares, std::size_t row) {
-      std::copy_n(&shares.share[3 * row], 3, &value[4 * gaussian]);
-      value[4 * gaussian + 3] = shares.seen[row];
+    void set(std::size_t gaussian, const LeaveOneOut::Shares& shares) {
+      std::copy_n(shares.share, 3, &value[4 * gaussian]);
+      value[4 * gaussian + 3] = float(shares.seen);
     }
   };
 
@@ -204,12 +204,11 @@ class FloaterSearch {
     // Of those that may be floaters: what the others show is not asked.
     LeaveOneOut colours(exec_, cloud_.size(), 3, [this](std::size_t v) {
       const ViewMasks channels = colours_as_masks(input_.load_photo(v));
-      return view_sums(exec_, cloud_, {camera(v), channels}, splat_, &candidate_);
+      return view_weights(exec_, cloud_, {camera(v), channels}, splat_, &candidate_);
     });
     if (!for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) { colours.add(v); })) return {};
-    const LeaveOneOut::Shares everywhere = colours.all();
     MeanColours elsewhere{std::vector<float>(4 * n)};
-    for (std::size_t i = 0; i < n; ++i) elsewhere.set(i, everywhere, i);
+    colours.for_all([&](std::size_t i, const LeaveOneOut::Shares& all) { elsewhere.set(i, all); });
     std::vector<double> front(n), through(n), reach(n), own(n);
     std::vector<std::uint8_t> drawn(n);  // what shows in a view, and all that is no candidate
     for (std::size_t i = 0; i < n; ++i) drawn[i] = !candidate_[i];
@@ -219,9 +218,10 @@ class FloaterSearch {
       if (s.pixels() == 0) return;  // nothing is before it
       surface_px += s.pixels();
       const ImageF photo = input_.load_photo(v);
-      const LeaveOneOut::Rest rest = colours.without(v);
-      for (std::size_t k = 0; k < rest.row.size(); ++k)
-        elsewhere.set(rest.row[k], rest.others, k), own[rest.row[k]] = rest.own[k], drawn[rest.row[k]] = 1;
+      const std::shared_ptr<const ViewWeights> shown = colours.weights_of(v);
+      colours.for_others_in(*shown, [&](std::size_t i, const LeaveOneOut::Shares& others, double weight) {
+        elsewhere.set(i, others), own[i] = weight, drawn[i] = 1;
+      });
       const FrontQuery query{s.limit, candidate_};
       const FrontView view(exec_, cloud_, camera(v), splat_, drawn.data());
       const ImageF layer = view.layer(query, {elsewhere.value.data(), cloud_.size(), 4});
@@ -231,7 +231,9 @@ class FloaterSearch {
         front[i] += sums.front[k], through[i] += sums.marked[k];
         if (own[i] > 0) reach[i] = std::max(reach[i], sums.front[k] / own[i]);
       }
-      for (const std::uint32_t i : rest.row) elsewhere.set(i, everywhere, i), own[i] = 0, drawn[i] = 0;
+      colours.for_all_in(*shown, [&](std::size_t i, const LeaveOneOut::Shares& all) {
+        elsewhere.set(i, all), own[i] = 0, drawn[i] = 0;
+      });
     });
     if (stop_requested(input_.monitor)) return {};
     std::vector<std::size_t> found;

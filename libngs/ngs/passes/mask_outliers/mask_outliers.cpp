@@ -58,11 +58,15 @@ class Judge {
     MaskOutliers trust;
     int rounds = 0;
     LeaveOneOut others(exec_, input_.cloud.size(), int(input_.scene.objects.size()), [this](std::size_t n) {
-      return view_sums(exec_, input_.cloud, {camera(n), input_.load_masks(input_.views[n])}, input_.splat);
+      return view_weights(exec_, input_.cloud, {camera(n), input_.load_masks(input_.views[n])}, input_.splat);
     });
     while (rounds < options_.rounds && !monitor.stop_requested()) {
-      if (!gather(others)) break;
+      {
+        const auto gathering = monitor.scope("evidence");
+        if (!gather(others)) break;
+      }
       ++rounds;
+      const auto judging = monitor.scope("consensus");
       if (!judge(others, trust)) break;
     }
     for (std::size_t n = 0; n < trusted_.size(); ++n)
@@ -111,14 +115,14 @@ class Judge {
 
     Consensus(std::size_t gaussians, std::size_t k)
         : objects(k), label(gaussians * (k + 1), 0.f), object(gaussians, 0) {}
-    void set(std::size_t gaussian, const LeaveOneOut::Shares& shares, std::size_t row) {
+    void set(std::size_t gaussian, const LeaveOneOut::Shares& shares) {
       float* to = &label[gaussian * (objects + 1)];
       object[gaussian] = 0;
       for (std::size_t k = 0; k < objects; ++k) {
-        to[k] = label_says_object(shares.share[row * objects + k]) ? 1.f : 0.f;
+        to[k] = label_says_object(shares.share[k]) ? 1.f : 0.f;
         object[gaussian] |= to[k] > 0;
       }
-      to[objects] = shares.seen[row];
+      to[objects] = float(shares.seen);
     }
   };
 
@@ -155,11 +159,11 @@ class Judge {
   /// no measure of how well contours agree: where most views do not see the object, their zeros would be the median.
   bool judge(const LeaveOneOut& others, MaskOutliers& trust) {
     trust.disagreement.assign(trusted_.size(), -1.0);
-    const LeaveOneOut::Shares everybody = others.all();
-    Consensus consensus(everybody.seen.size(), input_.scene.objects.size());
-    const std::vector<std::uint8_t> everything(everybody.seen.size(), 1);
-    std::vector<std::uint8_t> shown(everybody.seen.size(), 0);
-    for (std::size_t i = 0; i < everybody.seen.size(); ++i) consensus.set(i, everybody, i);
+    const auto gaussians = std::size_t(input_.cloud.size());
+    Consensus consensus(gaussians, input_.scene.objects.size());
+    const std::vector<std::uint8_t> everything(gaussians, 1);
+    std::vector<std::uint8_t> shown(gaussians, 0);
+    others.for_all([&](std::size_t i, const LeaveOneOut::Shares& all) { consensus.set(i, all); });
     const bool every = for_each_view(input_.monitor, input_.views, [&](std::size_t n, std::size_t view) {
       if (found_[n] < kSettled * threshold_) return;
       const ViewMasks masks = input_.load_masks(view);
@@ -167,13 +171,16 @@ class Judge {
         found_[n] = kNoMask;
         return;
       }
-      const Planes mask = planes_of(masks);
-      const LeaveOneOut::Rest rest = others.without(n);
-      const bool known = !rest.row.empty();  // what a view shows; else all is drawn
-      for (std::size_t v = 0; v < rest.row.size(); ++v)
-        consensus.set(rest.row[v], rest.others, v), shown[rest.row[v]] = 1;
-      found_[n] = disagreement_with(consensus, known ? shown : everything, n, mask);
-      for (const std::uint32_t i : rest.row) consensus.set(i, everybody, i), shown[i] = 0;
+      const std::shared_ptr<const ViewWeights> own = others.weights_of(n);
+      const bool known = own && !own->empty();  // what a view shows; else all is drawn
+      if (known)
+        others.for_others_in(*own, [&](std::size_t i, const LeaveOneOut::Shares& shares, double) {
+          consensus.set(i, shares), shown[i] = 1;
+        });
+      found_[n] = disagreement_with(consensus, known ? shown : everything, n, planes_of(masks));
+      if (known)
+        others.for_all_in(*own,
+                          [&](std::size_t i, const LeaveOneOut::Shares& all) { consensus.set(i, all), shown[i] = 0; });
     });
     std::vector<double> all;
     for (std::size_t n = 0; n < found_.size(); ++n) {

@@ -1,6 +1,8 @@
 #include "ngs/passes/mask_outliers/mask_outliers_pass.h"
 
 #include <algorithm>
+#include <functional>
+#include <numeric>
 
 #include "ngs/ops/image/mask_pair.h"
 #include "ngs/passes/detectors.h"
@@ -12,31 +14,52 @@
 namespace ngs {
 namespace {
 
-/// Disagreement of one view's masks with the objects rendered alone, summed over objects: what hides them may be
-/// floaters.
-double disagreement_alone(const Exec& exec, const Problem& problem, const Camera& camera, const ViewMasks& masks) {
-  RenderedView view;
-  view.label = ImageF(camera.width_px, camera.height_px, int(problem.labels.size()));
-  show_objects_alone(exec, {problem.cloud, problem.labels}, camera, problem.splat, view);
-  double sum = 0;
-  for (std::size_t k = 0; k < masks.target.size(); ++k)
-    sum += disagreement(MaskPair(view.label, masks, k).counts(exec));
-  return sum;
-}
+/// Disagreement of a view's masks with the objects drawn alone: what hides them may be floaters.
+class DisagreementAlone {
+ public:
+  explicit DisagreementAlone(const Problem& problem)
+      : problem_(problem), objects_(problem.cloud, problem.labels), last_(objects_.size(), 0.0) {}
+
+  /// Summed over objects, or any number of at least `enough` where the sum is no less. First come the objects that
+  /// disagreed most in the view before: then a few are enough to know that.
+  double at_most(const Exec& exec, double enough, const Camera& camera, const ViewMasks& masks) {
+    if (enough <= 0) return 0;
+    std::vector<std::size_t> order(objects_.size());
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    std::ranges::stable_sort(order, std::greater(), [&](std::size_t k) { return last_[k]; });
+    double so_far = 0;
+    for (const std::size_t k : order) {
+      const ImageF alone = objects_.view(exec, k, camera, problem_.splat);
+      const ViewMasks own{masks.width_px, masks.height_px, {masks.target[k]}, masks.known, true};
+      last_[k] = disagreement(MaskPair(alone, own, 0).counts(exec));
+      if ((so_far += last_[k]) > kCertain * enough) return std::max(so_far, enough);
+    }
+    return std::accumulate(last_.begin(), last_.end(), 0.0);
+  }
+
+ private:
+  static constexpr double kCertain = 1 + 1e-9;  // sums of another order differ by rounding
+
+  const Problem& problem_;
+  ObjectsAlone objects_;
+  std::vector<double> last_;  // [K]
+};
 
 double worst_outlier(SceneProbe& probe) {
   const Problem& problem = probe.problem();
   std::vector<double> better;  // of the model as it stands and the objects alone
   const LabelViews& views = probe.label_views();
   if (probe.stopped()) return 0;
+  DisagreementAlone alone(problem);
   std::size_t next = 0;  // of `views`
   for_each_view(problem.monitor, problem.views, [&](std::size_t, std::size_t v) {
     const ViewMasks masks = problem.load_masks(v);
     if (!masks.available) return;
     const std::size_t at = next++;
     if (!views.shown[at]) return;  // as judge_views() leaves it out
-    const double alone = disagreement_alone(probe.exec(), problem, problem.scene.views[v].camera, masks);
-    better.push_back(std::min(views.disagreement[at], alone) / double(masks.target.size()));
+    const double modal = views.disagreement[at];
+    const double drawn_alone = alone.at_most(probe.exec(), modal, problem.scene.views[v].camera, masks);
+    better.push_back(std::min(modal, drawn_alone) / double(masks.target.size()));
   });
   return outlier_score(better);
 }

@@ -2,8 +2,10 @@
 // Evidence of several views, and what the others say without one of them.
 #include <functional>
 #include <map>
+#include <memory>
+#include <set>
 
-#include "ngs/backend/exec.h"
+#include "ngs/backend/for_each.h"
 #include "ngs/scene/evidence.h"
 
 namespace ngs {
@@ -13,9 +15,9 @@ namespace ngs {
 class LeaveOneOut {
  public:
   /// What view n says.
-  using Gather = std::function<ViewSums(std::size_t n)>;
+  using Gather = std::function<ViewWeights(std::size_t n)>;
   LeaveOneOut(const Exec& exec, std::int64_t gaussians, int objects, Gather gather,
-              std::size_t kept_bytes = 256u << 20);
+              std::size_t kept_bytes = 512u << 20);
 
   void add(std::size_t n);
   /// A view that was added: nothing of it is left.
@@ -29,38 +31,56 @@ class LeaveOneOut {
     return object_weight_.value(gaussian * objects_ + k);
   }
 
-  /// What views say of Gaussians.
+  /// What views say of a Gaussian.
   struct Shares {
-    std::vector<std::uint8_t> seen;  // [rows] they have weight: of all views any, of the others at least a thousandth
-    std::vector<float> share;        // [rows, K] of objects in their weight; 0 where not seen
+    bool seen;           // it has weight: of all views any, of the others at least a thousandth
+    const float* share;  // [K] of objects in its weight; 0 where not seen
   };
-  /// All views, of all Gaussians.
-  Shares all() const;
-  struct Rest {
-    std::vector<std::uint32_t> row;  // increasing: those that view n shows; of all else the others say what all say
-    Shares others;                   // [rows]
-    std::vector<double> own;         // [rows] weight in view n
-  };
-  /// A view that was not added takes nothing away: no rows.
-  Rest without(std::size_t n) const;
+  /// f(gaussian, shares) with what all views say, of all Gaussians, from several threads.
+  template <class F>
+  void for_all(const F& f) const {
+    constexpr std::int64_t kChunk = 1 << 14;
+    for_each_task(exec_, (gaussians_ + kChunk - 1) / kChunk, [&](std::int64_t chunk) {
+      std::vector<float> share(objects_);
+      const auto end = std::size_t(std::min(gaussians_, (chunk + 1) * kChunk));
+      for (auto i = std::size_t(chunk * kChunk); i < end; ++i) f(i, shares_of(i, share.data()));
+    });
+  }
+  /// The same of what view n, with these weights, shows.
+  template <class F>
+  void for_all_in(const ViewWeights& own, const F& f) const {
+    for_each_in(own, [&](std::size_t i, const double*, float* share) { f(i, shares_of(i, share)); });
+  }
+  /// f(gaussian, shares, weight in view n) with what the views other than n, whose weights these are, say of what it
+  /// shows; of all else they say what all say.
+  template <class F>
+  void for_others_in(const ViewWeights& own, const F& f) const {
+    for_each_in(
+        own, [&](std::size_t i, const double* mine, float* share) { f(i, shares_without(i, mine, share), mine[0]); });
+  }
+  /// The weights of a view; null where it was not added, and takes nothing away.
+  std::shared_ptr<const ViewWeights> weights_of(std::size_t n) const;
 
  private:
-  struct Own {
-    std::vector<std::uint32_t> row;  // [V] of the Gaussians that the view sees
-    std::vector<double> weight;      // [V, 1 + K] W, then W1 of each object
-  };
-  Own own_of(const ViewSums& one) const;
-  static std::size_t bytes_of(const Own& own);
-  bool is_not_kept(std::size_t n) const;
+  template <class F>
+  void for_each_in(const ViewWeights& own, const F& f) const {
+    for_each_task(exec_, std::int64_t(own.parts()), [&](std::int64_t part) {
+      std::vector<float> share(objects_);
+      own.for_each(std::size_t(part),
+                   [&](std::uint32_t gaussian, const double* mine) { f(std::size_t(gaussian), mine, share.data()); });
+    });
+  }
+  Shares shares_of(std::size_t gaussian, float* share) const;
+  Shares shares_without(std::size_t gaussian, const double* mine, float* share) const;
 
   const Exec exec_;
   std::int64_t gaussians_;
   std::size_t objects_;
   Gather gather_;
   std::size_t left_bytes_;
-  ExactSums weight_, object_weight_;   // [N], [N, K] of all views
-  std::map<std::size_t, Own> kept_;    // by view
-  std::vector<std::size_t> not_kept_;  // views that were added too
+  ExactSums weight_, object_weight_;                                // [N], [N, K] of all views
+  std::map<std::size_t, std::shared_ptr<const ViewWeights>> kept_;  // by view
+  std::set<std::size_t> not_kept_;                                  // views that were added too
 };
 
 }  // namespace ngs

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "ngs/backend/for_each.h"
 #include "ngs/problem/view_list.h"
 
 namespace ngs {
@@ -36,6 +37,13 @@ int heaviest_object(const Evidence& e, std::size_t gaussian) {
   return best_weight > background ? best : -1;
 }
 
+/// Decoding one picture takes one thread: those of the next views together take more, and memory for each.
+std::size_t views_ahead(const Exec& exec, std::size_t objects) {
+  constexpr std::size_t kMostPlanes = 36;
+  return std::clamp<std::size_t>(kMostPlanes / std::max<std::size_t>(objects, 1), 1,
+                                 std::size_t(std::clamp(exec.threads, 1, 8)));
+}
+
 }  // namespace
 
 Scene with_objects(Scene scene, const std::vector<std::string>& names) {
@@ -60,11 +68,16 @@ std::vector<std::size_t> training_views(const Scene& scene) {
 Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const EvidenceInputs& in) {
   Evidence evidence(in.cloud.size(), int(in.scene.objects.size()));
   const SplatOptions prepared = prepared_for(exec, in.splat, in.cloud);
-  for_each_view(&monitor, in.views, [&](std::size_t, std::size_t view) {
-    const ViewMasks masks = [&] {
+  const std::size_t ahead = views_ahead(exec, in.scene.objects.size());
+  std::vector<ViewMasks> loaded;
+  for_each_view(&monitor, in.views, [&](std::size_t n, std::size_t view) {
+    if (n % ahead == 0) {
       const auto timed = monitor.scope("load masks");
-      return in.load_masks(view);
-    }();
+      loaded.assign(std::min(ahead, in.views.size() - n), {});
+      for_each_task(exec, std::int64_t(loaded.size()),
+                    [&](std::int64_t i) { loaded[std::size_t(i)] = in.load_masks(in.views[n + std::size_t(i)]); });
+    }
+    const ViewMasks masks = std::move(loaded[n % ahead]);
     const auto timed = monitor.scope("evidence");
     add_view_evidence(exec, in.cloud, {in.scene.views[view].camera, masks}, prepared, evidence);
   });

@@ -88,19 +88,27 @@ RenderedView render_labelled(const Exec& exec, const LabelledModel& model, const
   return view;
 }
 
+ObjectsAlone::ObjectsAlone(const GaussianCloud& cloud, const std::vector<LabelColumns>& objects) : cloud_(cloud) {
+  for (const LabelColumns& object : objects) {
+    std::vector<std::uint8_t>& mine = mine_.emplace_back(object.label.size());
+    for (std::size_t i = 0; i < mine.size(); ++i) mine[i] = label_says_object(object.label[i]);
+  }
+}
+
+ImageF ObjectsAlone::view(const Exec& exec, std::size_t k, const Camera& camera, const SplatOptions& splat) const {
+  RenderRequest alone;
+  alone.colour = false;
+  alone.include = mine_[k].data();
+  return std::move(render(exec, cloud_, camera, splat, alone).alpha);
+}
+
 void show_objects_alone(const Exec& exec, const LabelledModel& model, const Camera& camera, const SplatOptions& splat,
                         RenderedView& view) {
-  const auto& [cloud, objects] = model;
-  const auto n = std::size_t(cloud.size());
-  const std::size_t k_count = objects.size();
+  const ObjectsAlone objects(model.cloud, model.labels);
+  const std::size_t k_count = model.labels.size();
   for (std::size_t k = 0; k < k_count; ++k) {
-    std::vector<std::uint8_t> mine(n);
-    for (std::size_t i = 0; i < n; ++i) mine[i] = label_says_object(objects[k].label[i]);
-    RenderRequest alone;
-    alone.colour = false;
-    alone.include = mine.data();
-    const RenderedView object = render(exec, cloud, camera, splat, alone);
-    for (std::size_t p = 0; p < object.alpha.data.size(); ++p) view.label.data[p * k_count + k] = object.alpha.data[p];
+    const ImageF alpha = objects.view(exec, k, camera, splat);
+    for (std::size_t p = 0; p < alpha.data.size(); ++p) view.label.data[p * k_count + k] = alpha.data[p];
   }
 }
 

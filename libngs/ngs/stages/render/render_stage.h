@@ -64,6 +64,19 @@ class LabelChannels {
   std::vector<float> label_;  // [N, K]
 };
 
+/// The objects of a model, each as if nothing else were there. `cloud` must outlive it.
+class ObjectsAlone {
+ public:
+  ObjectsAlone(const GaussianCloud& cloud, const std::vector<LabelColumns>& objects);
+  /// Opacity of object k, [H, W, 1]
+  ImageF view(const Exec& exec, std::size_t k, const Camera& camera, const SplatOptions& splat) const;
+  std::size_t size() const { return mine_.size(); }
+
+ private:
+  const GaussianCloud& cloud_;
+  std::vector<std::vector<std::uint8_t>> mine_;  // [K][N] 1: of the object
+};
+
 /// Makes a modal view amodal: only its label channels change.
 void show_objects_alone(const Exec& exec, const LabelledModel& model, const Camera& camera, const SplatOptions& splat,
                         RenderedView& view);

@@ -2,7 +2,10 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "ngs/core/error.h"
+#include "ngs/core/rng.h"
 #include "ngs/io/image/exr.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/image/photo.h"
@@ -192,6 +195,35 @@ TEST_CASE("a label map is reduced to the label with the largest share") {
   const ViewMasks masks = load_masks(scene, 0);
   CHECK(masks.target[0] == Values{0});
   CHECK(masks.target[1] == Values{1});
+}
+
+TEST_CASE("a label map reduced at once is what its objects' planes are reduced to, ties and other ids included") {
+  const TempDir dir;
+  for (const int scale : {2, 4})
+    for (int seed = 0; seed < 3; ++seed) {
+      CAPTURE(scale);
+      const int w = 24, h = 18;
+      std::vector<std::uint8_t> ids;
+      for (int y = 0; y < h * scale; ++y)
+        for (int x = 0; x < w * scale; ++x) {
+          const double noise = rng_uniform(std::uint64_t(seed), RngStream::kTest, ids.size());
+          ids.push_back(noise < 0.4 ? std::uint8_t(x / 9 % 5) : std::uint8_t(noise * 10));
+        }
+      Scene scene = one_view(MaskMode::kLabel, w, h, grey(dir, "m.png", w * scale, ids));
+      scene.objects = {{"c", 7}, {"a", 0}, {"b", 3}, {"nowhere", 65535}};
+      const LoadedMasks at_once = load_masks_with_notes(scene, 0);
+      scene.void_id = 200;  // which no pixel has, but might
+      const LoadedMasks by_plane = load_masks_with_notes(scene, 0);
+      CHECK(at_once.masks.target == by_plane.masks.target);
+      CHECK(at_once.resized);
+      CHECK(at_once.notes == by_plane.notes);
+      for (const std::size_t k : {0, 1, 2}) {
+        const Values& target = at_once.masks.target[k];
+        const auto pixels = std::ranges::count(target, 1.f);
+        CHECK(pixels > 20);
+        CHECK(pixels < std::ssize(target) / 2);
+      }
+    }
 }
 
 TEST_CASE("what a label map or a band calls unknown is no evidence, and no background where a mask is reduced") {

@@ -191,4 +191,31 @@ TEST_CASE("evidence: x86-64-v4 gives the bytes of x86-64-v3") {
   }
 }
 
+TEST_CASE("evidence: packed weights are those of the sums, to the bit") {
+  const test::SplatCase c = test::splat_case(5, 120, 61, 47);
+  const GaussianCloud cloud = test::float_cloud(c);
+  const ViewMasks two = two_discs(c.camera, 1);
+  std::vector<std::uint8_t> some(120);
+  for (std::size_t i = 0; i < some.size(); ++i) some[i] = i % 3 != 0;
+  for (const std::size_t objects : {1, 2, 6})
+    for (const auto* of : {static_cast<const std::vector<std::uint8_t>*>(nullptr), &std::as_const(some)}) {
+      ViewMasks masks = two;
+      for (std::size_t k = 0; k < objects; ++k) masks.target.push_back(two.target[k % 2]);
+      masks.target.erase(masks.target.begin(), masks.target.begin() + 2);
+      const ViewSums sums = view_sums({}, cloud, {c.camera, masks}, {}, of);
+      const ViewWeights packed = view_weights({.threads = 3}, cloud, {c.camera, masks}, {}, of);
+      std::size_t v = 0;
+      for (std::size_t part = 0; part < packed.parts(); ++part)
+        packed.for_each(part, [&](std::uint32_t gaussian, const double* weight) {
+          REQUIRE(v < sums.size());
+          CHECK(gaussian == sums.row[v]);
+          CHECK(weight[0] == sums.weight(v));
+          for (std::size_t k = 0; k < objects; ++k) CHECK(weight[1 + k] == sums.object_weight(v, k));
+          ++v;
+        });
+      CHECK(v == sums.size());
+      CHECK(v > 20);
+    }
+}
+
 }  // namespace ngs

@@ -157,4 +157,29 @@ TEST_CASE("splat: Gaussians at equal depth are composited in index order") {
   CHECK(worst_difference(rendered<double>(c, {}), reference) < 1e-12);
 }
 
+TEST_CASE("splat: labels of many objects, few of a Gaussian, have the bits of each drawn by itself") {
+  const test::SplatCase c = test::splat_case(4, 200, 71, 50);
+  const GaussianCloud cloud = test::float_cloud(c);
+  constexpr std::size_t kObjects = 9;
+  const auto n = std::size_t(c.gaussians);
+  std::vector<float> all(n * kObjects, 0.f);
+  for (std::size_t i = 0; i < n; ++i)  // of none, one, four or more objects
+    for (std::size_t k = 0; k < i % 7; ++k) all[i * kObjects + (i + 2 * k) % kObjects] = 0.25f + 0.125f * float(k);
+  for (const Isa isa : {Isa::kV3, best_isa()}) {
+    const Exec exec{.threads = 2, .isa = isa};
+    RenderRequest together{.colour = false, .label = {all.data(), cloud.size(), int(kObjects)}};
+    const ImageF image = render(exec, cloud, c.camera, {}, together).label;
+    for (std::size_t k = 0; k < kObjects; ++k) {
+      std::vector<float> one(n);
+      for (std::size_t i = 0; i < n; ++i) one[i] = all[i * kObjects + k];
+      RenderRequest alone{.colour = false, .label = {one.data(), cloud.size(), 1}};
+      const ImageF want = render(exec, cloud, c.camera, {}, alone).label;
+      std::vector<float> got(want.data.size());
+      for (std::size_t p = 0; p < got.size(); ++p) got[p] = image.data[p * kObjects + k];
+      CHECK(got == want.data);
+      CHECK(std::any_of(got.begin(), got.end(), [](float x) { return x > 0.01f; }));
+    }
+  }
+}
+
 }  // namespace ngs

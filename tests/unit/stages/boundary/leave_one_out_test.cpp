@@ -25,7 +25,40 @@ ViewSums gather(std::size_t view) {
   return sums;
 }
 
+ViewWeights gather_packed(std::size_t view) {
+  const ViewSums sums = gather(view);
+  ViewWeights packed(kObjects, 2);
+  for (std::size_t row = 0; row < sums.size(); ++row) packed.add(row < 2 ? 0 : 1, sums.row[row], sums.at(row));
+  return packed;
+}
+
 constexpr std::size_t kViews[] = {0, 1, 3};
+
+/// [5], [5, 2], [5] what the others and what all say; weight in the view that was left out, of what it shows.
+struct Said {
+  std::vector<int> seen = std::vector<int>(5, -1);
+  std::vector<float> share = std::vector<float>(10, -1.f);
+  std::vector<double> own = std::vector<double>(5, 0.0);
+
+  void set(std::size_t i, const LeaveOneOut::Shares& shares) {
+    seen[i] = shares.seen;
+    std::copy_n(shares.share, 2, &share[2 * i]);
+  }
+  static Said by_all(const LeaveOneOut& views) {
+    Said said;
+    views.for_all([&](std::size_t i, const LeaveOneOut::Shares& all) { said.set(i, all); });
+    return said;
+  }
+  static Said by_others(const LeaveOneOut& views, std::size_t left_out) {
+    Said said = by_all(views);
+    if (const auto own = views.weights_of(left_out))
+      views.for_others_in(*own, [&](std::size_t i, const LeaveOneOut::Shares& others, double weight) {
+        said.set(i, others), said.own[i] = weight;
+      });
+    return said;
+  }
+  bool operator==(const Said&) const = default;
+};
 
 }  // namespace
 
@@ -33,7 +66,7 @@ TEST_CASE("leaving a view out gives the evidence of the others, whether it is ke
   for (const std::size_t kept : {std::size_t(0), std::size_t(200), std::size_t(1) << 20}) {
     CAPTURE(kept);
     const Exec exec;
-    LeaveOneOut views(exec, kGaussians, kObjects, gather, kept);
+    LeaveOneOut views(exec, kGaussians, kObjects, gather_packed, kept);
     for (const std::size_t v : kViews) views.add(v);
     for (std::size_t left_out = 0; left_out < 4; ++left_out) {
       Evidence others(kGaussians, kObjects);
@@ -42,21 +75,14 @@ TEST_CASE("leaving a view out gives the evidence of the others, whether it is ke
           const ViewSums sums = gather(v);
           for (std::size_t row = 0; row < sums.size(); ++row) others.add(sums.row[row], sums.at(row));
         }
-      const LeaveOneOut::Rest rest = views.without(left_out);
-      LeaveOneOut::Shares shares = views.all();
-      std::vector<double> own(5, 0.0);
-      for (std::size_t v = 0; v < rest.row.size(); ++v) {
-        const std::size_t i = rest.row[v];
-        own[i] = rest.own[v], shares.seen[i] = rest.others.seen[v];
-        std::copy_n(&rest.others.share[2 * v], 2, &shares.share[2 * i]);
-      }
+      const Said said = Said::by_others(views, left_out);
       for (std::size_t i = 0; i < 5; ++i) {
-        CHECK(int(shares.seen[i]) == (i == 4 && left_out == 1 ? 0 : 1));
+        CHECK(said.seen[i] == (i == 4 && left_out == 1 ? 0 : 1));
         const bool sees = left_out != 2 && (i < 4 || left_out == 1);
-        CHECK(own[i] == (sees ? gather(left_out).weight(i) : 0));
+        CHECK(said.own[i] == (sees ? gather(left_out).weight(i) : 0));
         for (std::size_t k = 2 * i; k < 2 * i + 2; ++k)
-          CHECK(double(shares.share[k]) ==
-                doctest::Approx(shares.seen[i] ? others.object_weight.value(k) / others.weight.value(i) : 0));
+          CHECK(double(said.share[k]) ==
+                doctest::Approx(said.seen[i] ? others.object_weight.value(k) / others.weight.value(i) : 0));
       }
     }
   }
@@ -65,24 +91,54 @@ TEST_CASE("leaving a view out gives the evidence of the others, whether it is ke
 TEST_CASE("a view that was removed leaves the bits of the others, and may be added again") {
   for (const std::size_t kept : {std::size_t(0), std::size_t(200), std::size_t(1) << 20}) {
     CAPTURE(kept);
-    LeaveOneOut removed({}, kGaussians, kObjects, gather, kept), never({}, kGaussians, kObjects, gather, kept);
+    LeaveOneOut removed({}, kGaussians, kObjects, gather_packed, kept),
+        never({}, kGaussians, kObjects, gather_packed, kept);
     for (const std::size_t v : kViews) removed.add(v);
     removed.remove(1), removed.remove(2);  // the second was not there
     never.add(0), never.add(3);
     const auto same = [&] {
-      for (std::size_t left_out = 0; left_out < 4; ++left_out) {
-        const LeaveOneOut::Rest a = removed.without(left_out), b = never.without(left_out);
-        CHECK(a.row == b.row);
-        CHECK(a.others.seen == b.others.seen);
-        CHECK(a.others.share == b.others.share);
-        CHECK(a.own == b.own);
-      }
+      for (std::size_t left_out = 0; left_out < 4; ++left_out)
+        CHECK(Said::by_others(removed, left_out) == Said::by_others(never, left_out));
     };
     same();
-    CHECK(removed.all().share == never.all().share);
+    CHECK(Said::by_all(removed) == Said::by_all(never));
     removed.add(1), never.add(1);
     same();
   }
+}
+
+TEST_CASE("packed weights come back to the bit: of no object, of one alone, of several, floats or not") {
+  constexpr std::size_t kMany = 300;  // objects: their numbers take more than a byte
+  const double third = 1.0 / 3, large = 0x1p40 + 1;
+  const std::vector<std::pair<std::uint32_t, std::vector<std::pair<std::size_t, double>>>> rows{
+      {0, {}},
+      {1, {{299, third}}},
+      {130, {{0, 0.25}}},
+      {70000, {{2, third / 2}, {3, 0.5}, {200, 1e-30}}},
+      {4000000000u, {}}};
+  const double weight[] = {0.5, third, 0.25, large, 1e-42};
+  ViewWeights packed(kMany, 3);
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    std::vector<double> sum(2 + 2 * kMany, 0.0);
+    sum[0] = weight[r];
+    for (const auto& [k, w] : rows[r].second) sum[2 + 2 * k] = w;
+    packed.add(1, rows[r].first, sum.data());
+  }
+  std::size_t row = 0;
+  packed.for_each(1, [&](std::uint32_t gaussian, const double* got) {
+    CAPTURE(row);
+    REQUIRE(row < rows.size());
+    std::vector<double> want(1 + kMany, 0.0);
+    want[0] = weight[row];
+    for (const auto& [k, w] : rows[row].second) want[1 + k] = w;
+    CHECK(gaussian == rows[row].first);
+    CHECK(std::vector<double>(got, got + 1 + kMany) == want);
+    ++row;
+  });
+  CHECK(row == rows.size());
+  for (const std::size_t part : {std::size_t(0), std::size_t(2)})
+    packed.for_each(part, [](std::uint32_t, const double*) { FAIL("nothing was added"); });
+  CHECK(packed.bytes() < 90);
 }
 
 }  // namespace ngs
