@@ -207,10 +207,10 @@ TEST_CASE("a label map reduced at once is what its objects' planes are reduced t
       for (int y = 0; y < h * scale; ++y)
         for (int x = 0; x < w * scale; ++x) {
           const double noise = rng_uniform(std::uint64_t(seed), RngStream::kTest, ids.size());
-          ids.push_back(noise < 0.4 ? std::uint8_t(x / 9 % 5) : std::uint8_t(noise * 10));
+          ids.push_back(noise < 0.7 ? std::uint8_t(x / 9 % 5) : std::uint8_t(noise * 10));
         }
       Scene scene = one_view(MaskMode::kLabel, w, h, grey(dir, "m.png", w * scale, ids));
-      scene.objects = {{"c", 7}, {"a", 0}, {"b", 3}, {"nowhere", 65535}};
+      scene.objects = {{"c", 2}, {"a", 0}, {"b", 3}, {"nowhere", 65535}};
       const LoadedMasks at_once = load_masks_with_notes(scene, 0);
       scene.void_id = 200;  // which no pixel has, but might
       const LoadedMasks by_plane = load_masks_with_notes(scene, 0);
