@@ -335,8 +335,11 @@ std::vector<double> solve(WalkSystem& system, const std::vector<std::array<float
   return {x.data(), x.data() + n};
 }
 
-/// refine_contour on all that it is given.
-std::vector<float> refine_whole(const ContourRefineOptions& options, MaskPlane mask, const ImageF& photo) {
+}  // namespace
+
+std::vector<float> refine_contour(const ContourRefineOptions& options, MaskPlane mask, const ImageF& photo) {
+  NGS_CHECK(photo.width_px == mask.width_px && photo.height_px == mask.height_px && photo.channels == 3,
+            "the photo has the mask's size");
   std::vector<float> out(std::size_t(mask.pixels()));
   for (std::size_t p = 0; p < out.size(); ++p) out[p] = mask.data[p] ? 1.f : 0.f;
   const std::vector<float> distance = signed_distance(mask);
@@ -380,42 +383,6 @@ std::vector<float> refine_whole(const ContourRefineOptions& options, MaskPlane m
       out[std::size_t(win.y0 + wy) * std::size_t(mask.width_px) + std::size_t(win.x0 + wx)] =
           float(std::clamp(x[std::size_t(row)], 0.0, 1.0));
     }
-  return out;
-}
-
-/// The object with what is in reach of its contour: beyond it no pixel has a part in the result, and distances within
-/// are the same, for background lies all around the object but where the picture ends.
-Window surroundings(MaskPlane mask, double reach_px) {
-  int x0 = mask.width_px, x1 = -1, y0 = mask.height_px, y1 = -1;
-  for (int y = 0; y < mask.height_px; ++y)
-    for (int x = 0; x < mask.width_px; ++x)
-      if (mask.data[std::size_t(y) * std::size_t(mask.width_px) + std::size_t(x)])
-        x0 = std::min(x0, x), x1 = std::max(x1, x), y0 = std::min(y0, y), y1 = std::max(y1, y);
-  if (x1 < 0) return {0, 0, 0, 0};
-  const int margin = int(std::ceil(std::clamp(reach_px, 0.0, double(mask.width_px + mask.height_px)))) + 2;
-  x0 = std::max(0, x0 - margin), y0 = std::max(0, y0 - margin);
-  return {x0, y0, std::min(mask.width_px, x1 + 1 + margin) - x0, std::min(mask.height_px, y1 + 1 + margin) - y0};
-}
-
-}  // namespace
-
-std::vector<float> refine_contour(const ContourRefineOptions& options, MaskPlane mask, const ImageF& photo) {
-  NGS_CHECK(photo.width_px == mask.width_px && photo.height_px == mask.height_px && photo.channels == 3,
-            "the photo has the mask's size");
-  const Window about = surroundings(mask, std::max(options.reach_px, options.band_px));
-  std::vector<std::uint8_t> part(about.pixels());
-  ImageF seen(about.w, about.h, 3);
-  const auto row = [&](int y) {
-    return std::size_t(about.y0 + y) * std::size_t(mask.width_px) + std::size_t(about.x0);
-  };
-  for (int y = 0; y < about.h; ++y) {
-    std::copy_n(mask.data + row(y), about.w, &part[about.at(0, y)]);
-    std::copy_n(&photo.data[3 * row(y)], 3 * about.w, &seen.data[3 * about.at(0, y)]);
-  }
-  const std::vector<float> refined = refine_whole(options, {part.data(), about.w, about.h}, seen);
-  std::vector<float> out(std::size_t(mask.pixels()));
-  for (int y = 0; y < about.h; ++y)
-    std::copy_n(&refined[about.at(0, y)], about.w, out.begin() + std::ptrdiff_t(row(y)));
   return out;
 }
 

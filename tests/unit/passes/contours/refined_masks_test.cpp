@@ -3,6 +3,12 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
+#include "ngs/scene/mask_threshold.h"
+#include "ngs/stages/render/render_stage.h"
+#include "support/joint_case.h"
+
 namespace ngs {
 namespace {
 
@@ -40,6 +46,48 @@ TEST_CASE("the side is that of all views together") {
   for (const RefinedView& other : views(-0.01, 0.5, 1, 10)) both.push_back(other);
   CHECK_FALSE(masks_err_to_one_side(both));
   CHECK(masks_err_to_one_side(views(-0.01, 0.5, 10, 1)));
+}
+
+TEST_CASE("what is refined and compared about an object has the bits of the whole picture") {
+  const auto c = test::joint_case();
+  Camera& camera = c->scene.views[0].camera;
+  camera.width_px = 120, camera.height_px = 100;
+  for (const double cx : {70.5, 9.0}) {  // in the picture, and cut by its edge
+    CAPTURE(cx);
+    camera.cx = cx, camera.cy = 41;
+    const Camera fine = resized(camera, 240, 200);
+    const SplatOptions splat = filter_at_scale({}, 2);
+    const ImageF photo = render({}, c->truth, fine, splat, {}).colour;
+    const LabelChannels label(c->model, c->labels);
+    const ImageF own = label.view({}, camera, {});
+    ViewMasks& masks = c->masks[0] = {120, 100, {own.data}, {}, true};
+    std::rotate(masks.target[0].begin(), masks.target[0].begin() + 2, masks.target[0].end());
+    for (float& m : masks.target[0]) m = label_says_object(m) ? 1.f : 0.f;
+    Problem in = c->input();
+    in.load_fine_photo = [&](std::size_t) { return photo; };
+    const ContourRefineOptions refine{.band_px = 3, .reach_px = 4};
+    const RefinedView got = refine_views({}, {refine, 5, in}, {c->model, c->labels}, {0}, {0})[0];
+
+    std::vector<std::uint8_t> mask;
+    for (const float x : label.view({}, fine, splat).data) mask.push_back(label_says_object(x));
+    const std::vector<float> soft = refine_contour(refine, {mask.data(), 240, 200}, photo);
+    std::vector<float> target(120 * 100);
+    for (std::size_t p = 0; p < soft.size(); ++p)
+      target[p / 240 / 2 * 120 + p % 240 / 2] += label_says_object(soft[p]) ? 0.25f : 0.f;
+    CHECK(whole_masks(got, 120, 100).target[0] == target);
+    std::vector<std::uint8_t> a, b;
+    double beyond = 0;
+    for (std::size_t p = 0; p < target.size(); ++p) {
+      a.push_back(mask_says_object(target[p])), b.push_back(mask_says_object(masks.target[0][p]));
+      beyond += b[p] && !a[p];
+    }
+    CHECK(got.refined_biou == boundary_iou({}, chessboard_distance({a.data(), 120, 100}),
+                                           chessboard_distance({b.data(), 120, 100}), 120, 1));
+    CHECK(got.refined_biou < 1);
+    CHECK(got.beyond_px2 == beyond);
+    CHECK(beyond > 0);
+    CHECK(std::count(a.begin(), a.end(), 1) < 120 * 100 / 8);
+  }
 }
 
 }  // namespace ngs
