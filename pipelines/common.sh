@@ -97,3 +97,31 @@ mean_of_summaries() {
 
 # usage_of SCRIPT: its leading comment.
 usage_of() { sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "$1"; }
+
+# held_out SCENE_DIR every:N:K: the names of these photos.
+held_out() {
+  local rule=${2#every:}
+  find -L "$1/images" -type f -printf '%f\n' | LC_ALL=C sort |
+    awk -v n="${rule%:*}" -v k="${rule#*:}" '(NR - 1) % n == k'
+}
+
+# without_views SCENE_DIR MASKS SPLIT TO: the capture as if the views of SPLIT had never been taken (COLMAP text).
+without_views() {
+  local kept
+  rm -rf "$4"
+  mkdir -p "$4/images" "$4/masks" "$4/sparse/0"
+  ln -s "$(realpath "$1/point_cloud.ply")" "$4/point_cloud.ply"
+  held_out "$1" "$3" > "$4/taken"
+  find -L "$1/images" -type f -printf '%f\n' | grep -vxFf "$4/taken" | while read -r kept; do
+    ln -s "$(realpath "$1/images/$kept")" "$4/images/"
+    ln -s "$(realpath "$2/${kept%.*}.png")" "$4/masks/"
+  done
+  cp "$1/sparse/0/cameras.txt" "$1/sparse/0/points3D.txt" "$4/sparse/0/"
+  # An image is two lines, the first of which ends with its name; the second may be empty.
+  awk '
+    FNR == NR { taken[$1]; next }
+    /^#/ { print; next }
+    !second { drop = $NF in taken }
+    !drop { print }
+    { second = !second }' "$4/taken" "$1/sparse/0/images.txt" > "$4/sparse/0/images.txt"
+}

@@ -22,7 +22,7 @@ capture_bird() {
   bird=$(capture bird)
   prepare "$1" "$bird" --masks "$bird/masks_sam" --hold-out "$1"
   all_methods "$1" "$bird" set=bird run="$1"
-  without_views "$bird" "$1" "$work/$1-less-scene"
+  without_views "$bird" "$bird/masks_sam" "$1" "$work/$1-less-scene"
   prepare "$1-less" "$work/$1-less-scene" --masks "$work/$1-less-scene/masks"
   seen_in=$1 described_methods "$1-less" "$bird/masks_gt" set=taken-away run="$1"
 }
@@ -56,25 +56,4 @@ what_is() {
     ng-gs) echo 'NG-GS as the paper has it, NeRF on' ;;
     ngs) echo 'the default' ;;
   esac
-}
-
-# without_views SCENE_DIR SPLIT TO: the capture as if the views of SPLIT had never been taken (COLMAP text).
-without_views() {
-  local kept
-  rm -rf "$3"
-  mkdir -p "$3/images" "$3/masks" "$3/sparse/0"
-  ln -s "$(realpath "$1/point_cloud.ply")" "$3/point_cloud.ply"
-  held_out "$1" "$2" > "$3/taken"
-  find -L "$1/images" -type f -printf '%f\n' | grep -vxFf "$3/taken" | while read -r kept; do
-    ln -s "$(realpath "$1/images/$kept")" "$3/images/"
-    ln -s "$(realpath "$1/masks_sam/${kept%.*}.png")" "$3/masks/"
-  done
-  cp "$1/sparse/0/cameras.txt" "$1/sparse/0/points3D.txt" "$3/sparse/0/"
-  # An image is two lines, the first of which ends with its name; the second may be empty.
-  awk '
-    FNR == NR { taken[$1]; next }
-    /^#/ { print; next }
-    !second { drop = $NF in taken }
-    !drop { print }
-    { second = !second }' "$3/taken" "$1/sparse/0/images.txt" > "$3/sparse/0/images.txt"
 }

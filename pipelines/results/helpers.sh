@@ -111,10 +111,3 @@ methods() {
     row_of "$2-$method" method="$method" "${@:4}"
   done
 }
-
-# held_out SCENE_DIR every:N:K: the names of these photos.
-held_out() {
-  local rule=${2#every:}
-  find -L "$1/images" -type f -printf '%f\n' | LC_ALL=C sort |
-    awk -v n="${rule%:*}" -v k="${rule#*:}" '(NR - 1) % n == k'
-}

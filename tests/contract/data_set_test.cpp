@@ -214,6 +214,44 @@ void check_budgets(const DataSet& data, const nlohmann::json& schema) {
   CHECK(failed.out.find("0.0000") == std::string::npos);
 }
 
+TEST_CASE("removed-views.sh scores views that are there beside views that are not") {
+  const DataSet data;
+  test::ProcessSpec spec;
+  spec.argv = {NGS_SOURCE_DIR "/pipelines/removed-views.sh",
+               "-o",
+               "out",
+               "--run",
+               "flash=--method flash",
+               "--run",
+               "short=--steps 2",
+               "--seeds",
+               "2",
+               "--fit-steps",
+               "200",
+               "tiny"};
+  spec.folder = data.path("recipes");  // without a folder `tiny`: then it is the recipe
+  fs::create_directories(spec.folder);
+  spec.environment = {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}};
+  const test::ProcessResult result = test::run_process(spec);
+  INFO(result.err);
+  REQUIRE(result.exit_code == 0);
+  const auto lines = std::count(result.out.begin(), result.out.end(), '\n');
+  CHECK(lines == 2 * 2 * 2 + 2 * 2);  // runs, seeds and scores; then means of runs and scores
+  for (const char* score : {"transductive", "inductive"}) {
+    CHECK(result.out.find("tiny\tevery:4:2\tshort\t1\t" + std::string(score)) != std::string::npos);
+    CHECK(result.out.find("tiny\tmean\tflash\t-\t" + std::string(score)) != std::string::npos);
+  }
+  const auto views_of = [&](const char* score) {
+    return data.json("recipes/out/tiny/every:4:2/" + std::string(score) + "/scene.json")["views"].size();
+  };
+  CHECK(views_of("inductive") < views_of("transductive"));
+  // Nothing of a removed view is left for a tool to find.
+  for (const auto& view : data.json("recipes/out/tiny/every:4:2/inductive/scene.json")["views"])
+    CHECK(view["split"] == "train");
+  spec.argv = {NGS_SOURCE_DIR "/pipelines/removed-views.sh", "--split", "every:4", "tiny"};
+  CHECK(test::run_process(spec).exit_code == 2);
+}
+
 TEST_CASE("work-precision.mk draws its points with their frontier, and keeps those that fail") {
   const DataSet data;
   const test::ProcessResult result =

@@ -16,7 +16,7 @@ enum class Layout : std::uint8_t { kViewObject, kObjectView, kView };
 struct EvalFileOptions {
   std::string views = "all";
   Layout layout = Layout::kViewObject;
-  bool image_metrics = false, allow_missing = false;
+  bool image_metrics = false, opacity = false, allow_missing = false;
 
   static constexpr NamedValue<Layout> kLayouts[] = {
       {Layout::kViewObject, "view/object"}, {Layout::kObjectView, "object/view"}, {Layout::kView, "view"}};
@@ -31,6 +31,9 @@ struct EvalFileOptions {
                                       "as the cameras of a rig",
                                       kLayouts});
     visit(self.image_metrics, Flag{"image_metrics", "the files are photos: PSNR and SSIM instead of mask scores"});
+    visit(self.opacity, Flag{"opacity",
+                             "the files are opacities of an object rendered alone: its halo and its holes instead of "
+                             "mask scores"});
     visit(self.allow_missing, Flag{"allow_missing", "with --fail-below: true masks without a prediction fail nothing"});
   }
 };

@@ -1,7 +1,20 @@
 // ngs-eval: predicted and true masks -> scores (ops/image/metrics.h).
 #include "ngs/io/files/atomic_file.h"
+#include "opacity_scores.h"
 #include "outcome.h"
 #include "shared/tool.h"
+
+namespace {
+
+/// The scores that --fail-below may name.
+std::map<std::string, double> scores_of(const ngs::cli::EvalFileOptions& files) {
+  using namespace ngs::cli;
+  if (files.image_metrics) return mean_scores({PhotoScore{}});
+  if (files.opacity) return mean_scores({OpacityScore{}});
+  return mean_scores(ngs::EvalSummary{});
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   using namespace ngs;
@@ -9,7 +22,8 @@ int main(int argc, char** argv) {
                  {"ngs-eval masks masks_gt -o metrics.json",
                   "ngs-eval masks masks_gt --views every:4:2 --fail-below iou=0.9,biou=0.6 -o metrics.json",
                   "ngs-eval labels labels_gt --label-map --void-id 255 -o metrics.json",
-                  "ngs-eval renders photos --image-metrics -o photos.json"});
+                  "ngs-eval renders photos --image-metrics -o photos.json",
+                  "ngs-eval object_alpha masks_gt --opacity -o halo.json"});
   EvalOptions options;
   cli::EvalFileOptions files;
   tool.options(options);
@@ -19,21 +33,24 @@ int main(int argc, char** argv) {
   const cli::Output& out = tool.output("-o,--output", "metrics.json");
   return tool.run(argc, argv, [&](cli::Run& run) {
     require_consistent(options);
+    if (files.image_metrics && files.opacity)
+      throw Error(ErrorCode::kUsage, "--image-metrics and --opacity, expected one of them");
+    if (files.opacity) cli::require_one_object(options);
     if (files.image_metrics)
       run.warn_unused({"--threshold", "--contour-tolerance"}, "with --image-metrics");
     else if (options.label_map)
       run.warn_unused({"--threshold"}, "with --label-map");
     // A misspelt score is found before the work.
-    check_scores(options.fail_below,
-                 files.image_metrics ? cli::mean_scores({cli::PhotoScore{}}) : cli::mean_scores(EvalSummary{}));
+    check_scores(options.fail_below, scores_of(files));
     const cli::Pairing pairing =
         cli::paired(cli::list_images(predicted.path), cli::list_images(truth.path), options, files);
     run.result()["pairs"] = pairing.pairs.size();
     run.result()["pairing"] = cli::pairing_json(pairing);
     if (run.dry_run()) return cli::kDone;
 
-    cli::Outcome outcome =
-        files.image_metrics ? cli::photos_outcome(run, pairing) : cli::masks_outcome(run, options, pairing);
+    cli::Outcome outcome = files.image_metrics ? cli::photos_outcome(run, pairing)
+                           : files.opacity     ? cli::opacities_outcome(run, options, pairing)
+                                               : cli::masks_outcome(run, options, pairing);
     const std::vector<ScoreCheck> checks = check_scores(options.fail_below, outcome.mean);
     outcome.metrics["pairing"] = cli::pairing_json(pairing);
     outcome.metrics["checks"] = cli::checks_json(checks);

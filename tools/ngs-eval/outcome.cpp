@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "opacity_scores.h"
+
 namespace ngs::cli {
 namespace {
 
@@ -93,6 +95,11 @@ Outcome masks_outcome(Run& run, const EvalOptions& options, const Pairing& pairi
 Outcome photos_outcome(Run& run, const Pairing& pairing) {
   const std::vector<PhotoScore> scores = score_photos(run, pairing.pairs);
   return {photo_metrics_json(scores), mean_scores(scores), photo_table(scores)};
+}
+
+Outcome opacities_outcome(Run& run, const EvalOptions& options, const Pairing& pairing) {
+  const std::vector<OpacityScore> scores = score_opacities(run, options, pairing.pairs);
+  return {opacity_metrics_json(scores), mean_scores(scores), opacity_table(scores)};
 }
 
 bool all_passed(Run& run, const std::vector<ScoreCheck>& checks, const Pairing& pairing, bool allow_missing) {

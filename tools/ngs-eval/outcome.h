@@ -18,6 +18,7 @@ Pairing paired(const ImageList& predicted, const ImageList& truth, const EvalOpt
 /// Throws kNothingFound where no label map has one of the wanted objects.
 Outcome masks_outcome(Run& run, const EvalOptions& options, const Pairing& pairing);
 Outcome photos_outcome(Run& run, const Pairing& pairing);
+Outcome opacities_outcome(Run& run, const EvalOptions& options, const Pairing& pairing);
 
 void warn_about_leftovers(Run& run, const Pairing& pairing);
 /// True if all passed; says the others. What has no prediction has no score: where scores are asked for, it fails
