@@ -1,5 +1,6 @@
 #include "ngs/passes/components/components.h"
 
+#include <optional>
 #include <span>
 #include <unordered_set>
 
@@ -9,38 +10,64 @@
 namespace ngs {
 namespace {
 
+/// The cells that hang together with an object's core.
+class LinkedCells {
+ public:
+  /// None without a core that has a size.
+  static std::optional<LinkedCells> of(const Exec& exec, const ComponentOptions& options, const GaussianCloud& cloud,
+                                       const LabelColumns& object) {
+    const ObjectCore core = core_of(options.core, cloud, std::span(&object, 1));
+    const double margin = core.count > 1 ? core_margin(exec, options.core, cloud, core) : 0;
+    if (!(margin > 0)) return std::nullopt;
+    LinkedCells cells({{core.centre[0], core.centre[1], core.centre[2]}, margin}, core.least_views);
+    cells.link(options, cloud, object, core);
+    return cells;
+  }
+
+  /// Of the core's Gaussians.
+  double least_views() const { return least_views_; }
+  bool has_near(const float* position) const {
+    bool near = false;
+    CellGrid::for_neighbours(grid_.of(position), [&](std::uint64_t cell) { near |= linked_.contains(cell); });
+    return near;
+  }
+
+ private:
+  LinkedCells(CellGrid grid, double least_views) : grid_(grid), least_views_(least_views) {}
+
+  void link(const ComponentOptions& options, const GaussianCloud& cloud, const LabelColumns& object,
+            const ObjectCore& core) {
+    std::unordered_set<std::uint64_t> labelled;
+    std::vector<std::uint64_t> open;
+    for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
+      if (!cloud.usable[i] || !(double(object.prob[i]) > options.labelled)) continue;
+      const std::uint64_t cell = grid_.of(&cloud.position[3 * i]);
+      labelled.insert(cell);
+      if (core.member[i] && linked_.insert(cell).second) open.push_back(cell);
+    }
+    while (!open.empty()) {
+      const std::uint64_t cell = open.back();
+      open.pop_back();
+      CellGrid::for_neighbours(cell, [&](std::uint64_t next) {
+        if (labelled.contains(next) && linked_.insert(next).second) open.push_back(next);
+      });
+    }
+  }
+
+  CellGrid grid_;
+  double least_views_;
+  std::unordered_set<std::uint64_t> linked_;
+};
+
 /// 1: claimed, and not linked with the core.
 std::vector<std::uint8_t> far_from_core(const Exec& exec, const ComponentOptions& options, const Problem& input,
                                         const LabelColumns& object) {
   const GaussianCloud& cloud = input.cloud;
-  const auto n = std::size_t(cloud.size());
-  std::vector<std::uint8_t> far(n, 0);
-  const ObjectCore core = core_of(options.core, cloud, std::span(&object, 1));
-  const double margin = core.count > 1 ? core_margin(exec, options.core, cloud, core) : 0;
-  if (!(margin > 0)) return far;
-  const CellGrid cells({core.centre[0], core.centre[1], core.centre[2]}, margin);
-  std::unordered_set<std::uint64_t> labelled, linked;
-  std::vector<std::uint64_t> open;
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!cloud.usable[i] || !(double(object.prob[i]) > options.labelled)) continue;
-    const std::uint64_t cell = cells.of(&cloud.position[3 * i]);
-    labelled.insert(cell);
-    if (core.member[i] && linked.insert(cell).second) open.push_back(cell);
-  }
-  while (!open.empty()) {
-    const std::uint64_t cell = open.back();
-    open.pop_back();
-    CellGrid::for_neighbours(cell, [&](std::uint64_t next) {
-      if (labelled.contains(next) && linked.insert(next).second) open.push_back(next);
-    });
-  }
-  for (std::size_t i = 0; i < n; ++i) {
+  std::vector<std::uint8_t> far(std::size_t(cloud.size()), 0);
+  const std::optional<LinkedCells> cells = LinkedCells::of(exec, options, cloud, object);
+  for (std::size_t i = 0; cells && i < far.size(); ++i) {
     if (!cloud.usable[i] || !(double(object.prob[i]) > options.claimed) || is_fixed(input, i)) continue;
-    if (double(object.views[i]) >= core.least_views) continue;
-    bool near = false;
-    CellGrid::for_neighbours(cells.of(&cloud.position[3 * i]),
-                             [&](std::uint64_t cell) { near |= linked.contains(cell); });
-    far[i] = !near;
+    far[i] = double(object.views[i]) < cells->least_views() && !cells->has_near(&cloud.position[3 * i]);
   }
   return far;
 }
@@ -61,6 +88,27 @@ ComponentFinding find_disconnected(const Exec& exec, const ComponentOptions& opt
     for (std::size_t i = 0; i < finding.disconnected.size(); ++i)
       if (double(object.prob[i]) > options.claimed) finding.disconnected[i] = 0;
   return finding;
+}
+
+std::int64_t withdraw_apart(const Exec& exec, const ComponentOptions& options, const Problem& input,
+                            Solution& solution) {
+  const GaussianCloud& cloud = solution.cloud;
+  std::int64_t count = 0;
+  for (std::size_t k = 0; k < solution.labels.size(); ++k) {
+    LabelColumns& object = solution.labels[k];
+    const LabelColumns& given = input.labels[k];
+    std::optional<LinkedCells> cells;  // only where something is claimed anew
+    bool looked = false;
+    for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
+      const std::size_t source = solution.source_row.empty() ? i : std::size_t(solution.source_row[i]);
+      const bool anew = double(object.prob[i]) > options.labelled && !(double(given.prob[source]) > options.labelled);
+      if (!anew || !cloud.usable[i] || is_fixed(input, source)) continue;
+      if (!looked) cells = LinkedCells::of(exec, options, cloud, object), looked = true;
+      if (!cells || cells->has_near(&cloud.position[3 * i])) continue;
+      object.label[i] = given.label[source], object.prob[i] = given.prob[source], ++count;
+    }
+  }
+  return count;
 }
 
 }  // namespace ngs

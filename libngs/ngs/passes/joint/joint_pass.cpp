@@ -1,7 +1,9 @@
 #include "ngs/passes/joint/joint_pass.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include "ngs/passes/components/components.h"
 #include "ngs/passes/joint/joint_effects.h"
 #include "ngs/problem/region.h"
 
@@ -12,6 +14,13 @@ namespace {
 constexpr double kStepRenders = 3, kFieldStepRenders = 7;
 
 double step_renders(bool field) { return kStepRenders + (field ? kFieldStepRenders : 0); }
+
+/// Not where the effect was switched off; that no mask claims anything apart does not say that training will not.
+bool may_withdraw(const Decisions& decisions) {
+  return std::ranges::any_of(decisions.all(), [](const EffectDecision& decision) {
+    return decision.effect->name == "components" && (decision.on || decision.measured);
+  });
+}
 
 /// Tells the store when steps begin and end.
 class TakingSteps {
@@ -108,7 +117,10 @@ void JointPass::finish(PassRun& run) {
     longer.figures.merge(run.solution->figures);
     run.solution = std::move(longer);
   }
-  if (!run.on("joint") && !run.on("contours")) run.solution->labels = run.problem->labels;
+  if (!run.on("joint") && !run.on("contours"))
+    run.solution->labels = run.problem->labels;
+  else if (may_withdraw(run.decisions))
+    run.report["components"]["withdrawn"] = withdraw_apart(run.exec, {}, *run.problem, *run.solution);
   run.solution->converged = run.watch->target_met() || (!run.watch->cut() && !run.budget.cut());
   const LossTerms& l = run.watch->last_loss();
   run.report["last_loss"] = {{"total", l.total}, {"photometric", l.photometric},
