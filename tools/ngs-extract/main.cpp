@@ -35,6 +35,13 @@ void require_one_of(std::initializer_list<const ngs::cli::Output*> outputs) {
   throw ngs::Error(ngs::ErrorCode::kUsage, "no output was asked for, expected one of " + flags);
 }
 
+void check_inpaint(ngs::cli::Run& run, const ngs::cli::Output& inpaint, const ngs::cli::Input& scene) {
+  if (inpaint && !scene)
+    throw ngs::Error(ngs::ErrorCode::kUsage, "--inpaint needs the cameras", "give --scene scene.json");
+  if (!inpaint)
+    run.warn_unused({"--scene", "--inpaint-opacity", "--inpaint-trace", "--inpaint-dilate-px"}, "without --inpaint");
+}
+
 /// Outputs that are not asked for are empty.
 void check_formats(const std::vector<std::string>& splats, const std::vector<std::string>& labelled) {
   for (const std::string& path : splats) (void)ngs::io::output_format(path);
@@ -78,10 +85,7 @@ int main(int argc, char** argv) {
   return tool.run(argc, argv, [&](cli::Run& run) {
     check_options(run, options, region);
     require_one_of({&object, &background, &decided, &supersplat, &npz, &inpaint});
-    if (inpaint && !scene_json)
-      throw Error(ErrorCode::kUsage, "--inpaint needs the cameras", "give --scene scene.json");
-    if (!inpaint)
-      run.warn_unused({"--scene", "--inpaint-opacity", "--inpaint-trace", "--inpaint-dilate-px"}, "without --inpaint");
+    check_inpaint(run, inpaint, scene_json);
     check_formats({object.path, background.path}, {decided.path, supersplat.path});
     std::optional<Scene> scene;
     if (inpaint) {
