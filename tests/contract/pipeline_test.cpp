@@ -211,35 +211,6 @@ TEST_CASE("ngs-gs.sh makes the field where a stage reads it or it is asked for, 
   CHECK(capture.run({"--artifacts", "some"}).exit_code == 2);
 }
 
-TEST_CASE("ngs-gs.sh on a terminal says which of all stages each tool is, and at the end what was made") {
-  const Capture capture;
-  const std::string options = " 'my scene' out --hold-out every:4:2 --gt 'my scene/masks' --method flash";
-  const auto on_terminal = [&](const std::string& further) {
-    return test::run_process({.argv = {"script", "-qec", kScript + options + further, "/dev/null"},
-                              .environment = {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}},
-                              .folder = capture.dir.path(),
-                              .input = {},
-                              .signal_after = {}});
-  };
-  const auto has = [](const test::ProcessResult& result, const std::string& text) {
-    CAPTURE(text);
-    CHECK(result.out.find(text) != std::string::npos);
-  };
-  const test::ProcessResult part = on_terminal(" --until masks");
-  CAPTURE(part.out);
-  CHECK(part.exit_code == 0);
-  for (const char* text : {"[1/4] ngs-scene import: done", "[2/4] ngs-variance: done", "[3/4] ngs-joint: done",
-                           "[4/4] ngs-render: done", "  masks/: 1 mask(s) of the result"})
-    has(part, text);
-  const test::ProcessResult whole = on_terminal("");
-  CAPTURE(whole.out);
-  CHECK(whole.out.find("ngs-joint: done") == std::string::npos);  // nothing of it changed
-  for (const char* text : {"[4/7] ngs-extract: done", "[7/7] ngs-report: done", "ngs-gs.sh: done in 0 min",
-                           "  object.ply, background.ply: ", "  scores: iou 1.0000, biou 1", "/out/report.html in a browser"})
-    has(whole, text);
-  CHECK(on_terminal(" -q").out == "");
-}
-
 TEST_CASE("ngs-gs.sh says a failure once: what the tool says, nothing of make") {
   const Capture capture;
   fs::remove_all(capture.dir.path() + "/my scene/masks");
