@@ -105,6 +105,42 @@ case ${until#./} in
   *) fail 2 "--until $until: expected scene.json, boundary.ply, queries.ply, field.ply, labelled.ply, object.ply, background.ply, masks, metrics.json or report.html" ;;
 esac
 
+# stages_until FILE [field.ply]: the stages that make FILE, in the order in which they run.
+stages_until() {
+  local to_labels="scene variance ${2:+sample rbf} joint"
+  case $1 in
+    scene.json) echo scene ;;
+    boundary.ply) echo scene variance ;;
+    queries.ply) echo scene variance sample ;;
+    field.ply) echo scene variance sample rbf ;;
+    labelled.ply) echo "$to_labels" ;;
+    object.ply | background.ply) echo "$to_labels extract" ;;
+    .state/render.done) echo "$to_labels render" ;;
+    metrics.json) echo "$to_labels render eval" ;;
+    *) echo "$to_labels extract render eval report" ;;
+  esac
+}
+
+# The end of the chain, for people: what was made, where, the scores, how much was odd, what comes next.
+summary() {
+  local odd masks scores
+  odd=$(awk '/^  "warnings": \[$/ { inside = 1; next } /^  \]/ { inside = 0 } inside { ++n } END { print n + 0 }' reports/*.json)
+  say "ngs-gs.sh: done in $((SECONDS / 60)) min $((SECONDS % 60)) s, in $PWD"
+  if [ -f object.ply ]; then say "  object.ply, background.ply: plain splats for every viewer"; fi
+  if [ -d masks ]; then
+    masks=$(find masks -name '*.png' | wc -l)
+    say "  masks/: $masks mask(s) of the result"
+  fi
+  if [ -f metrics.json ]; then
+    scores=$(awk -F'[:,]' '/^  "mean": / { inside = 1; next } /^  \}/ { inside = 0 }
+      inside && /"(iou|biou|biou_005)"/ { gsub(/[ "]/, "", $1); text = text sprintf("%s%s %.4f", text == "" ? "" : ", ", $1, $2) }
+      END { print text }' metrics.json)
+    say "  scores: ${scores//_/ }"
+  fi
+  if [ "$odd" -gt 0 ]; then say "  odd: $odd warning(s), in reports/"; fi
+  if [ -f report.html ]; then say "  next: open $PWD/report.html in a browser"; fi
+}
+
 command -v make > /dev/null || fail 8 "make: not found" "$pipelines/setup.sh installs it"
 mkdir -p -- "$out" || fail 8 "$out: cannot be made"
 BIN=$(find_bin)
@@ -112,12 +148,13 @@ export BIN NGS_STAGE=$pipelines/stage.sh
 # In its own folder every target is a plain name, so OUT_DIR may hold spaces although make cannot.
 cd -- "$out"
 export OUT=.
+NGS_STAGES=$(stages_until "${until#./}" "$(bash "$NGS_STAGE" field)")
+export NGS_STAGES
 bash "$NGS_STAGE" check
 bash "$NGS_STAGE" options
 if [ -n "$dry_run" ]; then
   printf 'cd %q && mkdir -p .state reports\n' "$PWD"
-  field=$(bash "$NGS_STAGE" field)
-  for stage in scene variance ${field:+sample rbf} joint extract render eval report; do
+  for stage in $(stages_until report.html "$(bash "$NGS_STAGE" field)"); do
     NGS_DRY_RUN=1 bash "$NGS_STAGE" "$stage"
   done
   exit 0
@@ -143,4 +180,5 @@ if [ "$made" -ne 0 ]; then
   printf 0 2> /dev/null > .state/writable || fail 8 "$out: cannot be written"
   exit 70
 fi
+case " $UNKEYED_FLAGS " in *" -q "*) ;; *) if [ -t 2 ]; then summary; fi ;; esac
 if [ -f .state/check_failed ]; then exit 1; fi

@@ -4,6 +4,7 @@
 # `stage.sh check` only refuses an OUT where a stage would replace what is not its own, as every other call does first;
 # `stage.sh options` refuses options that a tool would refuse when its turn comes;
 # `stage.sh scored` fails where nothing was scored; `stage.sh field` says field.ply where a stage reads it or it is asked for.
+# NGS_STAGES, where set, names the stages of the whole run: the tools then say which of them they are (NGS_STAGE_OF).
 # All values come through the environment, so that paths may hold any character. Not called by hand.
 set -euo pipefail
 if [ -n "${NGS_STDERR:-}" ]; then exec 2>&"$NGS_STDERR"; fi
@@ -392,4 +393,17 @@ if [ -z "${NGS_DRY_RUN:-}" ]; then
   exec 8> "$OUT/.state/stage.lock"
   flock 8
 fi
-if [ "$1" = key ]; then write_key "$2"; else "stage_$1"; fi
+# place_of STAGE: "3/9" among NGS_STAGES; nothing where it is none of them.
+place_of() {
+  local name names index=0
+  read -ra names <<< "${NGS_STAGES:-}"
+  for name in "${names[@]}"; do
+    index=$((index + 1))
+    if [ "$name" = "$1" ]; then printf "%d/%d" "$index" "${#names[@]}"; fi
+  done
+}
+
+if [ "$1" = key ]; then write_key "$2"; exit; fi
+NGS_STAGE_OF=$(place_of "$1")
+if [ -n "$NGS_STAGE_OF" ]; then export NGS_STAGE_OF; else unset NGS_STAGE_OF; fi
+"stage_$1"

@@ -39,7 +39,7 @@ page() {  # page TOOL
 # flags TOOL COMMAND: all of them; values TOOL COMMAND: "--flag) words".
 flags() {
   {
-    "$bin/$1" ${2:+"$2"} --help all | sed -n '/^inputs and outputs/,/^$/p' | grep -oE '^ +(-[a-z], )?--[a-z0-9-]+' | grep -oE -- '--[a-z0-9-]+' || true
+    "$bin/$1" ${2:+"$2"} --help all | sed -n '/^inputs and outputs/,/^$/p' | grep -oE '^ +(-[a-z], )?--[a-z0-9-]+(, --[a-z0-9-]+)*' | grep -oE -- '--[a-z0-9-]+' || true
     "$bin/$1" ${2:+"$2"} --help all | sed -n '/^flags of all tools/,/^$/p' | grep -oE -- '--[a-z0-9-]+'
     "$bin/$1" ${2:+"$2"} --print-schema | awk '
       /^    "[a-z0-9_]+": \{/ { name = $1; gsub(/[":]/, "", name); gsub(/_/, "-", name); print "--" name }

@@ -48,6 +48,9 @@ if(NGS_BUILD_TOOLS)
   list(APPEND scripts experiment.mk sharded.mk variants.mk ablation.mk robustness.mk work-precision.mk)
   list(TRANSFORM scripts PREPEND ${PROJECT_SOURCE_DIR}/pipelines/)
   install(PROGRAMS ${scripts} DESTINATION ${NGS_SHARE}/pipelines)
+  # Programs for ngs-mask --segmenter; what they need npm installs.
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/pipelines/segmenters DESTINATION ${NGS_SHARE}/pipelines
+    PATTERN node_modules EXCLUDE PATTERN .gitignore EXCLUDE)
   configure_file(${CMAKE_CURRENT_LIST_DIR}/ngs-gs.in ${PROJECT_BINARY_DIR}/ngs-gs @ONLY)
   install(PROGRAMS ${PROJECT_BINARY_DIR}/ngs-gs DESTINATION ${CMAKE_INSTALL_BINDIR})
 

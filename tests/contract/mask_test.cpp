@@ -82,6 +82,7 @@ TEST_CASE("a program is given prompts that satisfy the schema: points and a box,
     CHECK(prompts["points"].size() > 1);
     CHECK(prompts["boxes"].size() == 1);
     CHECK(prompts.contains("mask") == (call > 0));
+    CHECK(prompts.contains("box_of_marks") == (call == 0));  // marked by strokes
   }
 }
 

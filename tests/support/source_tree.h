@@ -18,7 +18,8 @@ struct SourceFile {
   bool in(const std::string& folder) const { return path.rfind(folder + "/", 0) == 0; }
 };
 
-/// Files under the named folders whose names end with one of `suffixes`, in the order of their paths.
+/// Files under the named folders whose names end with one of `suffixes`, in the order of their paths; without those
+/// that npm has installed.
 inline std::vector<SourceFile> source_files(const std::vector<std::string>& folders,
                                             const std::vector<std::string>& suffixes) {
   namespace fs = std::filesystem;
@@ -28,7 +29,7 @@ inline std::vector<SourceFile> source_files(const std::vector<std::string>& fold
       SourceFile file{entry.path().lexically_relative(NGS_SOURCE_DIR).generic_string(), {}};
       const bool wanted =
           std::any_of(suffixes.begin(), suffixes.end(), [&](const std::string& s) { return file.ends_with(s); });
-      if (!wanted || !entry.is_regular_file()) continue;
+      if (!wanted || !entry.is_regular_file() || file.path.find("/node_modules/") != std::string::npos) continue;
       file.text = read_bytes(entry.path().string());
       files.push_back(std::move(file));
     }

@@ -155,6 +155,12 @@ void Extractor::tell_what_is_odd(std::int64_t kept) {
   if (kept == ply_.cloud.size() && kept > 0) run_.monitor().warn("every Gaussian is object: the background is empty");
 }
 
+std::vector<const io::NamedLabels*> Extractor::chosen() const {
+  std::vector<const io::NamedLabels*> labels;
+  for (const std::size_t k : chosen_) labels.push_back(&objects_[k]);
+  return labels;
+}
+
 void Extractor::write(const std::string& path, const std::vector<std::uint8_t>& keep) const {
   for (const std::string& note : io::write_splat(path, ply_, keep)) run_.monitor().warn(note);
 }

@@ -34,6 +34,8 @@ class Extractor {
 
   const GaussianCloud& cloud() const { return ply_.cloud; }
   const std::vector<std::uint8_t>& object() const { return keep_; }  // [N], after decide()
+  /// Labels of the objects that are extracted, in the order of the model; every column filled.
+  std::vector<const io::NamedLabels*> chosen() const;
 
   /// In the format that the path's extension names.
   void write_object(const std::string& path) const;

@@ -1,12 +1,16 @@
 // ngs-extract: labelled PLY, or any splat and where the object is in it -> object and background as plain splats,
 // decided labels, hand edits taken back.
+#include <initializer_list>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "extractor.h"
 #include "inpaint_output.h"
 #include "ngs/io/formats/splat_format.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/stages/select/region.h"
+#include "numpy_output.h"
 #include "shared/tool.h"
 
 namespace {
@@ -20,6 +24,28 @@ void check_options(ngs::cli::Run& run, const ngs::ExtractOptions& options, const
     run.warn_unused({"--cluster-side"}, "without --cluster-at or --largest");
   if (options.min_component == 0) run.warn_unused({"--component-neighbours"}, "without --min-component");
   if (options.unseen != ngs::UnseenRule::kKnn) run.warn_unused({"--unseen-neighbours"}, "but by --unseen knn");
+}
+
+void require_one_of(std::initializer_list<const ngs::cli::Output*> outputs) {
+  std::string flags;
+  for (const ngs::cli::Output* output : outputs) {
+    if (*output) return;
+    flags += (flags.empty() ? "" : ", ") + output->flags;
+  }
+  throw ngs::Error(ngs::ErrorCode::kUsage, "no output was asked for, expected one of " + flags);
+}
+
+void check_inpaint(ngs::cli::Run& run, const ngs::cli::Output& inpaint, const ngs::cli::Input& scene) {
+  if (inpaint && !scene)
+    throw ngs::Error(ngs::ErrorCode::kUsage, "--inpaint needs the cameras", "give --scene scene.json");
+  if (!inpaint)
+    run.warn_unused({"--scene", "--inpaint-opacity", "--inpaint-trace", "--inpaint-dilate-px"}, "without --inpaint");
+}
+
+/// Outputs that are not asked for are empty.
+void check_formats(const std::vector<std::string>& splats, const std::vector<std::string>& labelled) {
+  for (const std::string& path : splats) (void)ngs::io::output_format(path);
+  for (const std::string& path : labelled) ngs::io::require_ply_output(path);
 }
 
 }  // namespace
@@ -52,20 +78,15 @@ int main(int argc, char** argv) {
       tool.optional_output("--labelled", "the labelled model with ngs_label decided to 0 or 1");
   const cli::Output& supersplat =
       tool.optional_output("--supersplat", "the same with the object selected in SuperSplat");
+  const cli::Output& npz = tool.optional_output("--npz", "labels and row numbers of the object, for numpy");
   const cli::Output& inpaint = tool.optional_output_dir(
       "--inpaint", "folder for an inpainting tool: background, cameras, hole masks of every view");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
     check_options(run, options, region);
-    if (!object && !background && !decided && !supersplat && !inpaint)
-      throw Error(ErrorCode::kUsage,
-                  "no output was asked for, expected --object, --background, --labelled, --supersplat or --inpaint");
-    if (inpaint && !scene_json)
-      throw Error(ErrorCode::kUsage, "--inpaint needs the cameras", "give --scene scene.json");
-    if (!inpaint)
-      run.warn_unused({"--scene", "--inpaint-opacity", "--inpaint-trace", "--inpaint-dilate-px"}, "without --inpaint");
-    for (const std::string& splat_output : {object.path, background.path}) (void)io::output_format(splat_output);
-    for (const std::string& labelled_output : {decided.path, supersplat.path}) io::require_ply_output(labelled_output);
+    require_one_of({&object, &background, &decided, &supersplat, &npz, &inpaint});
+    check_inpaint(run, inpaint, scene_json);
+    check_formats({object.path, background.path}, {decided.path, supersplat.path});
     std::optional<Scene> scene;
     if (inpaint) {
       scene = io::read_scene_json(scene_json.path);
@@ -74,11 +95,14 @@ int main(int argc, char** argv) {
     cli::Extractor extractor(run, io::read_gaussian_ply(labelled.path), options, region, select.select);
     if (run.dry_run()) return cli::kDone;
     if (edited) extractor.import(edited.path);
+    std::optional<cli::NumpyLabels> labels;
+    if (npz) labels.emplace(extractor);
     extractor.decide();
     const auto timed = run.monitor().scope("write");
     if (object) extractor.write_object(object.path);
     if (background) extractor.write_background(background.path);
     if (decided) extractor.write_labelled(decided.path, false);
+    if (labels) labels->write(npz.path, extractor);
     if (inpaint) cli::write_inpainting(run, extractor, inpaint_options, *scene, inpaint.path);
     if (supersplat) extractor.write_labelled(supersplat.path, true);
     return cli::kDone;

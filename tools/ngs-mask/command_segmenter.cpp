@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 #include <sstream>
 
 #include "ngs/core/error.h"
@@ -9,6 +11,7 @@
 #include "ngs/io/image/image_file.h"
 #include "segmenters.h"
 #include "shared/run/child_process.h"
+#include "shared/run/line_program.h"
 
 namespace ngs::cli {
 namespace {
@@ -40,6 +43,7 @@ Json prompts_json(const std::string& view, const ViewPrompt& prompt, int points,
     json["points"].push_back({{"object", p.object}, {"x", p.x + 0.5}, {"y", p.y + 0.5}});
   const std::array<int, 4> box = object_box(prompt);
   if (!prompt.by_hand || box[2] > 0) json["boxes"] = Json::array({box});
+  if (prompt.by_hand && !std::ranges::count(prompt.hint, PixelHint::kLikelyObject)) json["box_of_marks"] = true;
   if (!mask.empty()) json["mask"] = mask;
   return json;
 }
@@ -65,8 +69,14 @@ PixelMask read_answer(const std::string& path, const ViewPrompt& prompt, const s
   return object_pixels(raw.samples());
 }
 
+/// The files of one call.
+struct CallFiles {
+  std::string image, prompts, out, mask;  // mask: empty where the prompts are by hand
+};
+
 struct CommandSegmenter {
   std::vector<std::string> words;
+  bool kept_running;  // one program for all calls, which reads a line of JSON for each
   double time_s;
   int points;
   const Scene& scene;
@@ -74,40 +84,65 @@ struct CommandSegmenter {
   Run& run;
   ScratchFolder folder{};
   std::int64_t calls = 0;
+  std::optional<LineProgram> program{};
 
   PixelMask segment(std::size_t view, const ViewPrompt& prompt) {
     const std::string name = scene.views[view].camera.name, base = folder.path + "/" + std::to_string(calls++);
-    const std::string image = base + "-image.png", prompts = base + "-prompts.json", out = base + "-out.png";
-    const std::string mask = prompt.by_hand ? "" : base + "-mask.png";
+    const CallFiles files{base + "-image.png", base + "-prompts.json", base + "-out.png",
+                          prompt.by_hand ? "" : base + "-mask.png"};
+    const auto& [image, prompts, out, mask] = files;
     io::UnfinishedFile noted[4];
     for (int i = 0; const std::string& file : {image, prompts, out, mask}) noted[i++].note(file.c_str());
     io::write_png(image, load(view));
     if (!mask.empty()) io::write_png(mask, likely_object(prompt));
     io::write_file(prompts, prompts_json(name, prompt, points, mask).dump(1) + "\n");
     const std::string who = "--segmenter " + words[0] + " on view " + name;
-    const ChildResult child =
-        run_child(fill_placeholders(words, {{"image", image}, {"prompts", prompts}, {"out", out}}),
-                  {time_s, [this] { return run.monitor().stop_requested(); }});
-    if (child.end == ChildResult::End::kStopped) return PixelMask(prompt.hint.size());
-    check(child, who);
+    const std::optional<ChildResult> ended = kept_running ? ask(name, files, who) : run_once(files);
+    if (ended && ended->end == ChildResult::End::kStopped) return PixelMask(prompt.hint.size());
+    if (ended) check(*ended, who);
     PixelMask found = read_answer(out, prompt, who);
     for (const std::string& file : {image, prompts, out, mask})
       if (!file.empty()) fs::remove(file);
     return found;
   }
 
+  ChildLimits limits() const {
+    return {.time_s = time_s, .stop = [this] { return run.monitor().stop_requested(); }};
+  }
+
+  ChildResult run_once(const CallFiles& files) const {
+    return run_child(fill_placeholders(words, {{"image", files.image}, {"prompts", files.prompts}, {"out", files.out}}),
+                     limits());
+  }
+
+  /// Nothing where it answered that the mask is there.
+  std::optional<ChildResult> ask(const std::string& view, const CallFiles& files, const std::string& who) {
+    if (!program) program.emplace(words);
+    const Json request{{"view", view}, {"image", files.image}, {"prompts", files.prompts}, {"out", files.out}};
+    const LineProgram::Answer answer =
+        program->ask(request.dump(-1, ' ', false, Json::error_handler_t::replace), limits());
+    if (answer.ended) return answer.ended;
+    const Json said = Json::parse(answer.line, nullptr, false);
+    if (said.is_object() && said.contains("ok") && said["ok"] == true) return std::nullopt;
+    const bool explained = said.is_object() && said.contains("error") && said["error"].is_string();
+    throw Error(explained ? ErrorCode::kEnvironment : ErrorCode::kBadInput,
+                who + ": it answered " + (explained ? said["error"].get<std::string>() : answer.line.substr(0, 200)) +
+                    ", expected {\"ok\":true}",
+                "run it by hand on one photo");
+  }
+
   void check(const ChildResult& child, const std::string& who) const {
-    if (child.end == ChildResult::End::kExited && child.code == 0) return;
+    if (child.end == ChildResult::End::kExited && child.code == 0 && !kept_running) return;
     std::ostringstream found;
     if (child.end == ChildResult::End::kTimedOut) found << "not done after " << time_s << " s";
     if (child.end == ChildResult::End::kSignalled) found << "ended by signal " << child.code;
     if (child.end == ChildResult::End::kExited) found << "exit code " << child.code;
     const std::string said = child.last_words.substr(child.last_words.rfind('\n') + 1);
-    throw Error(
-        ErrorCode::kEnvironment,
-        who + ": " + found.str() + ", expected exit code 0 and a mask" + (said.empty() ? "" : "; it said: " + said),
-        child.end == ChildResult::End::kTimedOut ? "give it more time with --segmenter-timeout-s"
-                                                 : "run it by hand on one photo");
+    throw Error(ErrorCode::kEnvironment,
+                who + ": " + found.str() + (kept_running ? ", expected a line" : ", expected exit code 0 and a mask") +
+                    (said.empty() ? "" : "; it said: " + said),
+                child.end == ChildResult::End::kTimedOut ? "give it more time with --segmenter-timeout-s"
+                                                         : "run it by hand on one photo");
   }
 };
 
@@ -115,15 +150,19 @@ struct CommandSegmenter {
 
 Segmenter command_segmenter(const SegmenterOptions& options, const Scene& scene, PhotoLoader load, Run& run) {
   const std::vector<std::string> words = split_command(options.segmenter);
+  const auto has = [&](const std::string& placeholder) {
+    return std::any_of(words.begin() + 1, words.end(),
+                       [&](const std::string& w) { return w.find(placeholder) != w.npos; });
+  };
+  const bool kept_running = !has("{image}") && !has("{prompts}") && !has("{out}");
   for (const char* placeholder : {"{image}", "{prompts}", "{out}"})
-    if (std::none_of(words.begin() + 1, words.end(),
-                     [&](const std::string& w) { return w.find(placeholder) != w.npos; }))
-      throw Error(
-          ErrorCode::kUsage,
-          "--segmenter '" + options.segmenter + "': no " + placeholder + ", expected all of {image} {prompts} {out}",
-          "for example --segmenter 'python3 sam.py {image} {prompts} {out}'");
-  auto command = std::shared_ptr<CommandSegmenter>(
-      new CommandSegmenter{words, options.segmenter_timeout_s, options.points, scene, std::move(load), run});
+    if (!kept_running && !has(placeholder))
+      throw Error(ErrorCode::kUsage,
+                  "--segmenter '" + options.segmenter + "': no " + placeholder +
+                      ", expected all of {image} {prompts} {out}, or none",
+                  "for example --segmenter 'python3 sam.py {image} {prompts} {out}'");
+  auto command = std::shared_ptr<CommandSegmenter>(new CommandSegmenter{
+      words, kept_running, options.segmenter_timeout_s, options.points, scene, std::move(load), run});
   return [command](std::size_t view, const ViewPrompt& prompt) { return command->segment(view, prompt); };
 }
 

@@ -20,7 +20,8 @@ struct SegmenterOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.segmenter, Text{"segmenter", "CMD {image} {prompts} {out}",
-                               "program that segments one view, run without a shell; default: built-in GrabCut"});
+                               "program that segments one view, run without a shell; without the placeholders one "
+                               "that is kept running and reads a line for each view; default: built-in GrabCut"});
     visit(self.segmenter_timeout_s,
           Field<double>{"segmenter_timeout_s", "s", "the program is ended after this", 0.01, 1e6});
     visit(self.iterations, Field<int>{"iterations", "", "GrabCut: cuts per view", 1, 100});
@@ -38,9 +39,10 @@ using PhotoLoader = std::function<ImageU8(std::size_t view)>;
 
 Segmenter grab_cut_segmenter(const Exec& exec, const SegmenterOptions& options, PhotoLoader load, std::uint64_t seed);
 
-/// Runs the command for each view; files are passed in a folder that is removed with the last copy of the
-/// segmenter. kUsage for a command without its three placeholders, kEnvironment where it fails or takes too
-/// long, kBadInput where what it wrote is no mask of the image's size.
+/// Runs the command for each view, or, where it has no placeholder, starts it at the first and asks it by lines of JSON
+/// (pipelines/segmenters/README.md). Files are passed in a folder that is removed with the last copy of the segmenter.
+/// kUsage for a command with some of its three placeholders, kEnvironment where it fails or takes too long, kBadInput
+/// where it answers otherwise, or what it wrote is no mask of the image's size.
 Segmenter command_segmenter(const SegmenterOptions& options, const Scene& scene, PhotoLoader load, Run& run);
 
 /// The photo as bytes at the size that is segmented.

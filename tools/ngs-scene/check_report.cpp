@@ -24,7 +24,7 @@ Json view_json(const SceneView& view, const ViewCheck& check, bool has_model) {
 
 std::string table_row(const SceneView& view, const ViewCheck& check, bool has_model) {
   const std::string& name = view.camera.name;
-  std::string text = name + std::string(name.size() < 26 ? 26 - name.size() : 1, ' ');
+  std::string text = name + std::string(name.size() < 22 ? 22 - name.size() : 1, ' ');
   text += view.split == Split::kTrain ? "train      " : "held-out   ";
   text += has_model ? format("%-10.3f", check.in_front) + format("%-10.3f", check.inside) : "-         -         ";
   text += check.match ? format("%-9.2f", check.match->psnr_db) + format("%-9.2f", check.match->gain_db())
@@ -80,7 +80,7 @@ Json health_json(const CloudHealth& health) {
 std::string check_table(const Scene& scene, const SceneCheck& check) {
   constexpr std::size_t kMostRows = 60;
   const bool shortened = scene.views.size() > kMostRows;
-  std::string text = "view                      split      in front  inside    PSNR dB  fit dB   coverage\n";
+  std::string text = "view                  split      in front  inside    PSNR dB  fit dB   coverage\n";
   for (std::size_t i = 0; i < scene.views.size(); ++i)
     if (!shortened || check.views[i].match)
       text += table_row(scene.views[i], check.views[i], check.sampled_gaussians > 0);

@@ -35,7 +35,8 @@ int import_command(int argc, char** argv) {
       "source", "COLMAP folder, transforms.json, cameras.json, poses_bounds.npy, or a folder holding one");
   const cli::Input& ply = tool.optional_input(
       "--ply",
-      "the 3DGS model (.ply, .spz, .sog, .splat, .ksplat); else point_cloud.ply or model.ply beside the cameras");
+      "the 3DGS model (.ply, .spz, .sog, .splat, .ksplat); else point_cloud.ply or model.ply beside the cameras",
+      "--model");
   const cli::Input& images = tool.optional_input("--images", "folder of photos; else images/ beside the cameras");
   const cli::Input& masks = tool.optional_input("--masks", "folder of masks; else masks/ beside the cameras");
   const cli::Input& world = tool.optional_input("--world-transform",

@@ -46,6 +46,16 @@ CutEnd CutChain::run() {
   return cut() && score() ? CutEnd::kDone : CutEnd::kStopped;
 }
 
+bool CutChain::stage(const std::string& name, const Words& words) {
+  const bool marked = !inputs_.strokes.empty();
+  const bool makes_scene = inputs_.kind != SourceKind::kScene && !reused_orbit_;
+  const bool only_pictures = inputs_.kind == SourceKind::kSplat && !marked && inputs_.masks.empty();
+  const bool scored = marked || !inputs_.truth.empty();
+  constexpr std::size_t kAlways = 5;  // variance, joint, extract, render, report
+  stages_.expect(only_pictures ? 1 : std::size_t(makes_scene) + std::size_t(marked) + kAlways + std::size_t(scored));
+  return stages_.run(name, words);
+}
+
 bool CutChain::make_scene() {
   switch (inputs_.kind) {
     case SourceKind::kSplat: return orbit();
@@ -75,7 +85,7 @@ bool CutChain::orbit() {
     std::error_code ignored;
     fs::remove(key_file, ignored);
   }
-  if (!stages_.run("ngs-scene", words)) return false;
+  if (!stage("ngs-scene", words)) return false;
   if (!run_.dry_run()) io::write_file(key_file, key.dump(1) + "\n");
   return true;
 }
@@ -91,7 +101,7 @@ bool CutChain::import() {
   append(words, "--hold-out", options_.hold_out);
   append(words, "--masks", inputs_.strokes.empty() ? inputs_.masks : "");
   inputs_.masks.clear();  // the scene names them
-  return stages_.run("ngs-scene", words);
+  return stage("ngs-scene", words);
 }
 
 bool CutChain::masks_from_strokes() {
@@ -100,7 +110,7 @@ bool CutChain::masks_from_strokes() {
   if (inputs_.kind == SourceKind::kScene) append(words, "--model", inputs_.model);
   append(words, "--view", options_.view);
   for (const std::string& strokes : inputs_.strokes) append(words, "--prompts", strokes);
-  return stages_.run("ngs-mask", words);
+  return stage("ngs-mask", words);
 }
 
 /// `masks` is a folder with STEM.png of some views; empty: the masks of the scene stay.
@@ -126,12 +136,12 @@ void CutChain::write_scene_with(const std::string& masks) const {
 
 bool CutChain::cut() {
   const std::string scene = at("scene.json"), labelled = at("labelled.ply");
-  if (!stages_.run("ngs-variance", {"ngs-variance", scene, "-o", at("boundary.ply")}) ||
-      !stages_.run("ngs-joint", {"ngs-joint", scene, at("boundary.ply"), "--quality",
-                                 std::string(name_of(kCutQualities, options_.quality)), "--trace", at("trace.jsonl"),
-                                 "-o", labelled}) ||
-      !stages_.run("ngs-extract",
-                   {"ngs-extract", labelled, "--object", at("object.ply"), "--background", at("background.ply")}))
+  if (!stage("ngs-variance", {"ngs-variance", scene, "-o", at("boundary.ply")}) ||
+      !stage("ngs-joint",
+             {"ngs-joint", scene, at("boundary.ply"), "--quality",
+              std::string(name_of(kCutQualities, options_.quality)), "--trace", at("trace.jsonl"), "-o", labelled}) ||
+      !stage("ngs-extract",
+             {"ngs-extract", labelled, "--object", at("object.ply"), "--background", at("background.ply")}))
     return false;
   if (run_.dry_run() || options_.keep) return true;
   for (const char* made_on_the_way : {"boundary.ply", "trace.jsonl"}) fs::remove(at(made_on_the_way));
@@ -143,18 +153,18 @@ bool CutChain::score() {
   const bool held_out = !options_.hold_out.empty();
   std::error_code ignored;
   if (!run_.dry_run()) fs::remove_all(at("masks"), ignored);
-  if (!stages_.run("ngs-render", {"ngs-render", at("scene.json"), at("labelled.ply"), "--layers", "mask", "--scale",
-                                  "0", "--format", "png", "--views", held_out ? "held-out" : "all", "-o", at("masks")}))
+  if (!stage("ngs-render", {"ngs-render", at("scene.json"), at("labelled.ply"), "--layers", "mask", "--scale", "0",
+                            "--format", "png", "--views", held_out ? "held-out" : "all", "-o", at("masks")}))
     return false;
   if (!run_.dry_run())
     for (const char* scores : {"metrics.json", "agreement.json"}) fs::remove(at(scores), ignored);
   if (!inputs_.truth.empty()) {
-    if (!stages_.run("ngs-eval", {"ngs-eval", at("masks"), inputs_.truth, "-o", at("metrics.json")})) return false;
+    if (!stage("ngs-eval", {"ngs-eval", at("masks"), inputs_.truth, "-o", at("metrics.json")})) return false;
   } else if (!inputs_.strokes.empty()) {
-    if (!stages_.run("ngs-eval-agreement", {"ngs-eval", at("masks"), at("strokes"), "-o", at("agreement.json")}))
+    if (!stage("ngs-eval-agreement", {"ngs-eval", at("masks"), at("strokes"), "-o", at("agreement.json")}))
       return false;
   }
-  return stages_.run("ngs-report", {"ngs-report", inputs_.out, "-o", at("report.html")});
+  return stage("ngs-report", {"ngs-report", inputs_.out, "-o", at("report.html")});
 }
 
 }  // namespace ngs::front

@@ -39,6 +39,8 @@ class CutChain {
   std::string pictures() const { return at("orbit/images"); }
 
  private:
+  /// StageRunner::run(), which is told how many there will be.
+  bool stage(const std::string& name, const Words& words);
   bool make_scene();
   bool orbit();
   bool import();

@@ -1,6 +1,7 @@
 #include "stage_runner.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <limits>
 
@@ -82,7 +83,10 @@ bool StageRunner::run(const std::string& name, const Words& words) {
   argv[0] = sibling_path(argv[0]);
   for (const char* word : {"--log-format", "json"}) argv.emplace_back(word);
 
+  run_.stage_of_chain(results_.size() + 1, std::max(expected_, results_.size() + 1));
   const auto timed = run_.monitor().scope(name);
+  run_.monitor().progress(0, 0);
+  setenv("NGS_PROGRESS_S", "0.3", 1);  // often enough for those who look at this tool's own progress
   const double start_s = wall_seconds();
   error_.clear(), hint_.clear();
   const cli::KeepsState waits;  // for the tool to end, which takes its unfinished files away

@@ -26,6 +26,8 @@ class StageRunner {
   /// False: a signal asked to stop, nothing further is to be done. An Error with the tool's own code and message where
   /// it failed; a hit budget and a failed check are results.
   bool run(const std::string& name, const Words& words);
+  /// For the progress: how many stages there will be, those that are done among them.
+  void expect(std::size_t stages) { expected_ = stages; }
 
   const std::vector<StageResult>& results() const { return results_; }
   /// Of the latest stage of this name; null where there is none.
@@ -40,6 +42,7 @@ class StageRunner {
   cli::Run& run_;
   std::string folder_;
   int threads_;
+  std::size_t expected_ = 1;
   std::vector<StageResult> results_;
   std::vector<std::string> names_, warnings_, commands_;
   std::string error_, hint_;  // of the tool that runs

@@ -18,8 +18,9 @@ namespace ngs::cli {
 struct Tool::Impl {
   Spec spec;
 
-  Input& add_input(std::string name, std::string help, bool required) {
-    Input& input = spec.inputs.emplace_back(Input{std::move(name), std::move(help), required, {}});
+  Input& add_input(std::string name, std::string help, bool required, std::string also = {}) {
+    Input& input = spec.inputs.emplace_back(
+        Input{.name = std::move(name), .help = std::move(help), .required = required, .also = std::move(also)});
     if (input.name[0] != '-') add_positional(input.name, input.path);
     return input;
   }
@@ -45,8 +46,8 @@ OptionSet& Tool::option_set() { return impl_->spec.options; }
 const Input& Tool::input(std::string name, std::string help) {
   return impl_->add_input(std::move(name), std::move(help), true);
 }
-const Input& Tool::optional_input(std::string name, std::string help) {
-  return impl_->add_input(std::move(name), std::move(help), false);
+const Input& Tool::optional_input(std::string name, std::string help, std::string also) {
+  return impl_->add_input(std::move(name), std::move(help), false, std::move(also));
 }
 const Inputs& Tool::inputs(std::string name, std::string help) {
   return impl_->spec.input_lists.emplace_back(Inputs{std::move(name), std::move(help), {}});

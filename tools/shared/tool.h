@@ -50,7 +50,8 @@ class Tool {
   /// For what adds groups of its own.
   OptionSet& option_set();
   const Input& input(std::string name, std::string help);
-  const Input& optional_input(std::string name, std::string help);
+  /// `also`: another flag that means the same.
+  const Input& optional_input(std::string name, std::string help, std::string also = {});
   /// A word: at least one path behind the other positionals. A flag: any number, repeated or as a list with commas.
   const Inputs& inputs(std::string name, std::string help);
   const Argument& argument(std::string name, std::string help);

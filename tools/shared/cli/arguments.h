@@ -8,7 +8,8 @@ namespace ngs::cli {
 struct Input {
   std::string name, help;  // name: a word (positional) or a flag such as "--field"
   bool required = true;
-  std::string path;  // empty: not given
+  std::string also = {};  // another flag of the same meaning, such as "--model"; empty: none
+  std::string path = {};  // empty: not given
   explicit operator bool() const { return !path.empty(); }
 };
 

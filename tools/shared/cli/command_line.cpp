@@ -32,7 +32,7 @@ void declare(const OptionSet& common, const Spec& spec, Splitter& splitter) {
     entry.kind == OptionKind::kBool ? splitter.flag(option_flags(entry), old_flags(entry))
                                     : splitter.value(option_flags(entry), old_flags(entry));
   for (const Input& input : spec.inputs)
-    if (input.name[0] == '-') splitter.value(input.name);
+    if (input.name[0] == '-') splitter.value(input.name, input.also.empty() ? "" : "," + input.also);
   for (const Inputs& list : spec.input_lists)
     if (list.is_flag()) splitter.value(list.name);
   for (const Output& output : spec.outputs) splitter.value(output.flags);

@@ -198,7 +198,9 @@ std::string inputs_and_outputs(const Spec& spec, int width) {
   std::string text = "\ninputs and outputs (- is stdin or stdout):\n";
   for (const Argument& argument : spec.arguments) text += row(upper(argument.name), argument.help, width);
   for (const Input& input : spec.inputs)
-    text += row(input.name[0] == '-' ? input.name + " PATH" : upper(input.name), input.help, width);
+    text += row(
+        input.name[0] == '-' ? input.name + (input.also.empty() ? "" : ", " + input.also) + " PATH" : upper(input.name),
+        input.help, width);
   for (const Inputs& list : spec.input_lists)
     text += row(list.is_flag() ? list.name + " PATH" : upper(list.name) + "...", list.help, width);
   for (const Output& output : spec.outputs) {

@@ -32,12 +32,7 @@ struct Transcript {
   int descriptor = -1;
   off_t position = 0;  // read so far
   std::string line;    // the last, as far as it was read
-  Transcript() {
-    std::string name = (std::filesystem::temp_directory_path() / "ngs-child-XXXXXX").string();
-    descriptor = mkostemp(name.data(), O_CLOEXEC);
-    if (descriptor < 0) throw Error(ErrorCode::kEnvironment, name + ": cannot be made: " + std::strerror(errno));
-    unlink(name.c_str());
-  }
+  Transcript() { descriptor = unnamed_file(); }
   ~Transcript() { close(descriptor); }
   Transcript(const Transcript&) = delete;
 
@@ -55,28 +50,41 @@ struct Transcript {
       }
     }
   }
-
-  std::string end() const {
-    const off_t size = lseek(descriptor, 0, SEEK_END), from = size > off_t(kLastWords) ? size - off_t(kLastWords) : 0;
-    std::string text(std::size_t(std::max(off_t(0), size - from)), '\0');
-    const ssize_t count = pread(descriptor, text.data(), text.size(), from);
-    text.resize(count > 0 ? std::size_t(count) : 0);
-    while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.pop_back();
-    for (char& c : text)
-      if (c != '\n' && (static_cast<unsigned char>(c) < 32 || c == 127)) c = '?';
-    return text;
-  }
 };
 
-pid_t spawn(const std::vector<std::string>& argv, int transcript) {
+}  // namespace
+
+int unnamed_file() {
+  std::string name = (std::filesystem::temp_directory_path() / "ngs-child-XXXXXX").string();
+  const int descriptor = mkostemp(name.data(), O_CLOEXEC);
+  if (descriptor < 0) throw Error(ErrorCode::kEnvironment, name + ": cannot be made: " + std::strerror(errno));
+  unlink(name.c_str());
+  return descriptor;
+}
+
+std::string last_words_in(int descriptor) {
+  const off_t size = lseek(descriptor, 0, SEEK_END), from = size > off_t(kLastWords) ? size - off_t(kLastWords) : 0;
+  std::string text(std::size_t(std::max(off_t(0), size - from)), '\0');
+  const ssize_t count = pread(descriptor, text.data(), text.size(), from);
+  text.resize(count > 0 ? std::size_t(count) : 0);
+  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.pop_back();
+  for (char& c : text)
+    if (c != '\n' && (static_cast<unsigned char>(c) < 32 || c == 127)) c = '?';
+  return text;
+}
+
+int spawn_program(const std::vector<std::string>& argv, const Descriptors& given) {
   std::vector<char*> words;
   for (const std::string& word : argv) words.push_back(const_cast<char*>(word.c_str()));
   words.push_back(nullptr);
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_adddup2(&files, transcript, STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&files, transcript, STDERR_FILENO);
+  if (given.in < 0)
+    posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  else
+    posix_spawn_file_actions_adddup2(&files, given.in, STDIN_FILENO);
+  posix_spawn_file_actions_adddup2(&files, given.out, STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&files, given.err, STDERR_FILENO);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   sigset_t none, defaults;
@@ -94,8 +102,6 @@ pid_t spawn(const std::vector<std::string>& argv, int transcript) {
                 "name a program that is in PATH, or give its full path");
   return child;
 }
-
-}  // namespace
 
 std::vector<std::string> split_command(const std::string& line) {
   std::vector<std::string> words;
@@ -151,7 +157,7 @@ std::vector<std::string> fill_placeholders(std::vector<std::string> words,
 ChildResult run_child(const std::vector<std::string>& argv, const ChildLimits& limits) {
   NGS_CHECK(!argv.empty(), "a program to run");
   Transcript transcript;
-  const pid_t child = spawn(argv, transcript.descriptor);
+  const pid_t child = spawn_program(argv, {.out = transcript.descriptor, .err = transcript.descriptor});
   using Clock = std::chrono::steady_clock;
   const auto since = [](Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
@@ -183,7 +189,7 @@ ChildResult run_child(const std::vector<std::string>& argv, const ChildLimits& l
         "start this process with SIGCHLD at its default: while it is ignored, nobody learns how a program ended");
   if (!ending && WIFSIGNALED(status)) result.end = ChildResult::End::kSignalled;
   result.code = WIFEXITED(status) ? WEXITSTATUS(status) : WTERMSIG(status);
-  result.last_words = transcript.end();
+  result.last_words = last_words_in(transcript.descriptor);
   return result;
 }
 

@@ -31,6 +31,19 @@ struct ChildLimits {
   std::function<void(const std::string& line)> on_line = {};  // what it writes, line by line, while it runs
 };
 
+/// What a program is started with; -1: /dev/null.
+struct Descriptors {
+  int in = -1, out = -1, err = -1;
+};
+/// Its process id, which is that of its process group too. Signals have their defaults there. kEnvironment where it
+/// cannot be started.
+int spawn_program(const std::vector<std::string>& argv, const Descriptors& descriptors);
+
+/// A new file without a name, which goes with its descriptor.
+int unnamed_file();
+/// The end of such a file, as ChildResult::last_words has it.
+std::string last_words_in(int descriptor);
+
 /// stdin is empty; stdout and stderr are kept. The child has a process group of its own, which is ended as a
 /// whole (SIGTERM, then SIGKILL) at the time limit and on `stop`. kEnvironment where it cannot be
 /// started.

@@ -23,9 +23,15 @@ std::string json_line(const Json& record) { return record.dump(-1, ' ', false, J
 }  // namespace
 
 Console::Console(std::string tool, LogLevel level, LogFormat format)
-    : tool_(std::move(tool)), level_(level), format_(format), last_progress_s_(wall_seconds()) {
+    : tool_(std::move(tool)),
+      chain_(stage_of_chain()),
+      level_(level),
+      format_(format),
+      last_progress_s_(wall_seconds()) {
   const char* no_colour = std::getenv("NO_COLOR");
   terminal_ = format == LogFormat::kText && isatty(STDERR_FILENO) != 0;
+  const char* every_s = std::getenv("NGS_PROGRESS_S");
+  progress_every_s_ = every_s != nullptr ? std::max(0.05, std::atof(every_s)) : terminal_ ? 0.1 : 10.0;
   colour_ = terminal_ && (no_colour == nullptr || *no_colour == '\0');
 }
 
@@ -63,7 +69,7 @@ void Console::progress(const std::string& stage, std::int64_t done, std::int64_t
   const double now_s = wall_seconds();
   if (stage_began_s_ < 0 || stage != stage_ || done < first_done_)
     stage_ = stage, stage_began_s_ = now_s, first_done_ = done;
-  if (now_s - last_progress_s_ < (terminal_ ? 0.1 : 10.0)) return;
+  if (now_s - last_progress_s_ < progress_every_s_) return;
   last_progress_s_ = now_s;
   if (format_ == LogFormat::kJson)
     return write_stderr(
@@ -79,9 +85,8 @@ void Console::progress(const std::string& stage, std::int64_t done, std::int64_t
 std::string Console::progress_line(const std::string& stage, std::int64_t done, std::int64_t total,
                                    double taken_s) const {
   constexpr int kBar = 20;
-  const std::string chain = stage_of_chain();
-  std::string text = (chain.empty() ? "" : "[" + chain + "] ") + tool_ + ": " + stage + (stage.empty() ? "" : " ") +
-                     std::to_string(done) + "/" + std::to_string(total);
+  std::string text = (chain_.empty() ? "" : "[" + chain_ + "] ") + tool_ + ": " + stage;
+  if (total > 0) text += (stage.empty() ? "" : " ") + std::to_string(done) + "/" + std::to_string(total);
   if (taken_s >= 1 && total > 0 && done > first_done_) {
     const auto filled = std::size_t(kBar * std::clamp(double(done) / double(total), 0.0, 1.0));
     const double left_s = taken_s * double(total - done) / double(done - first_done_);

@@ -25,9 +25,12 @@ class Console {
   /// The end of a run, on a terminal; silent with -q.
   void summary(const std::string& lines);
   /// On a terminal one line that is rewritten, with a bar and the time that the stage takes, else a line every ten
-  /// seconds at most.
+  /// seconds at most, or every NGS_PROGRESS_S of the environment, for a tool that another shows. `total` 0: not known.
   void progress(const std::string& stage, std::int64_t done, std::int64_t total);
   void stage_ended(const std::string& stage);
+  /// "3/9": progress is that of the third of nine stages, of which other tools do the rest. At first what the
+  /// environment says (summary.h); empty: there is one stage only.
+  void set_stage_of_chain(std::string stage_of) { chain_ = std::move(stage_of), last_progress_s_ = 0; }
   /// For those who write to the terminal themselves.
   void clear_progress();
 
@@ -35,13 +38,13 @@ class Console {
   std::string progress_line(const std::string& stage, std::int64_t done, std::int64_t total, double taken_s) const;
   void line(std::string_view level, std::string_view colour, const std::string& message);
 
-  std::string tool_;
+  std::string tool_, chain_;
   LogLevel level_;
   LogFormat format_;
   bool terminal_, colour_;
   bool shows_progress_ = false;
   std::string stage_;  // whose progress is shown
-  double last_progress_s_;
+  double last_progress_s_, progress_every_s_;
   double stage_began_s_ = -1;  // as far as is known from its progress; -1: none has
   std::int64_t first_done_ = 0;
 };

@@ -35,6 +35,8 @@ class Run {
   Json& result();
   /// "plan" of the report: what a dry run has to say (estimated memory and time, sizes).
   void plan(Json plan);
+  /// For a tool that runs others: the progress that follows is that of stage `index` (from 1) of `count`.
+  void stage_of_chain(std::size_t index, std::size_t count);
   /// A line on stderr with -v.
   void info(const std::string& message);
   /// Of the terminal that people read on; 0: it is none.

@@ -11,6 +11,10 @@
 namespace ngs::io {
 namespace {
 
+static_assert(std::endian::native == std::endian::little, "arrays are written as they lie in memory");
+
+constexpr std::array<std::uint8_t, 6> kMagic{0x93, 'N', 'U', 'M', 'P', 'Y'};
+
 [[noreturn]] void refuse(const std::string& object, const std::string& text) {
   throw Error(ErrorCode::kBadInput, object + ": " + text);
 }
@@ -49,7 +53,6 @@ void read_shape(std::string_view text, const std::string& object, Header& header
 }
 
 Header parse_header(Bytes bytes, const std::string& object) {
-  constexpr std::array<std::uint8_t, 6> kMagic{0x93, 'N', 'U', 'M', 'P', 'Y'};
   if (bytes.size() < 12 || !std::equal(kMagic.begin(), kMagic.end(), bytes.begin()))
     refuse(object, "not a .npy file, expected one");
   const bool long_header = bytes[6] >= 2;
@@ -78,7 +81,40 @@ double scalar_at(const std::uint8_t* data, bool swap) {
   return double(std::bit_cast<Float>(bits));
 }
 
+/// The header ends at a multiple of 64 bytes, as numpy aligns it, and with a line feed.
+std::vector<std::uint8_t> encode(const char* descr, std::size_t count, std::span<const std::uint8_t> data) {
+  constexpr std::size_t kAlignment = 64, kPrefix = kMagic.size() + 4;  // magic, version 1.0, length of the text
+  const std::string text =
+      std::string("{'descr': '") + descr + "', 'fortran_order': False, 'shape': (" + std::to_string(count) + ",), }";
+  const std::size_t header = (kPrefix + text.size() + kAlignment) / kAlignment * kAlignment;
+  std::vector<std::uint8_t> bytes(header, ' ');
+  std::ranges::copy(kMagic, bytes.begin());
+  bytes[6] = 1, bytes[7] = 0;
+  bytes[8] = std::uint8_t((header - kPrefix) & 255), bytes[9] = std::uint8_t((header - kPrefix) >> 8);
+  std::ranges::copy(text, bytes.begin() + kPrefix);
+  bytes.back() = '\n';
+  bytes.insert(bytes.end(), data.begin(), data.end());
+  return bytes;
+}
+
+template <class T>
+std::span<const std::uint8_t> bytes_of(std::span<const T> values) {
+  return {reinterpret_cast<const std::uint8_t*>(values.data()), values.size_bytes()};
+}
+
 }  // namespace
+
+std::vector<std::uint8_t> npy_of(std::span<const float> values) {
+  return encode("<f4", values.size(), bytes_of(values));
+}
+
+std::vector<std::uint8_t> npy_of(std::span<const std::int64_t> values) {
+  return encode("<i8", values.size(), bytes_of(values));
+}
+
+std::vector<std::uint8_t> npy_of_flags(std::span<const std::uint8_t> flags) {
+  return encode("|b1", flags.size(), flags);
+}
 
 NpyMatrix parse_npy(Bytes bytes, const std::string& object) {
   const Header header = parse_header(bytes, object);

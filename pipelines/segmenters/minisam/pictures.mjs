@@ -1,0 +1,46 @@
+// Scaling of one plane of numbers, row by row.
+
+/** Weights of a triangle filter, which is as wide as an output pixel where it shrinks: [first source, weights] each. */
+function taps(from, to) {
+  const step = from / to;
+  const reach = Math.max(1, step);
+  return Array.from({ length: to }, (_, i) => {
+    const centre = (i + 0.5) * step;
+    const first = Math.max(0, Math.floor(centre - reach));
+    const last = Math.min(from - 1, Math.ceil(centre + reach));
+    const weights = [];
+    for (let s = first; s <= last; ++s) weights.push(Math.max(0, 1 - Math.abs(s + 0.5 - centre) / reach));
+    const sum = weights.reduce((a, b) => a + b, 0);
+    return [first, weights.map((w) => w / sum)];
+  });
+}
+
+export function resize(plane, width, height, toWidth, toHeight) {
+  const across = new Float32Array(height * toWidth);
+  taps(width, toWidth).forEach(([first, weights], x) => {
+    for (let y = 0; y < height; ++y) {
+      let sum = 0;
+      for (let k = 0; k < weights.length; ++k) sum += weights[k] * plane[y * width + first + k];
+      across[y * toWidth + x] = sum;
+    }
+  });
+  const out = new Float32Array(toHeight * toWidth);
+  taps(height, toHeight).forEach(([first, weights], y) => {
+    for (let x = 0; x < toWidth; ++x) {
+      let sum = 0;
+      for (let k = 0; k < weights.length; ++k) sum += weights[k] * across[(first + k) * toWidth + x];
+      out[y * toWidth + x] = sum;
+    }
+  });
+  return out;
+}
+
+/** The picture of `width` x `height` px that lies in the corner of a square of `side`, its longer side filling it. */
+export function enlarge(square, side, width, height) {
+  const scale = side / Math.max(width, height);
+  const lowWidth = Math.round(width * scale);
+  const lowHeight = Math.round(height * scale);
+  const cut = new Float32Array(lowWidth * lowHeight);
+  for (let y = 0; y < lowHeight; ++y) cut.set(square.subarray(y * side, y * side + lowWidth), y * lowWidth);
+  return resize(cut, lowWidth, lowHeight, width, height);
+}

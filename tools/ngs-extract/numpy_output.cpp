@@ -1,0 +1,60 @@
+#include "numpy_output.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include "ngs/io/files/atomic_file.h"
+#include "ngs/io/files/npy.h"
+#include "ngs/io/formats/compression/zip_archive.h"
+
+namespace ngs::cli {
+namespace {
+
+std::vector<std::uint8_t> seen_of(const std::vector<float>& views) {
+  std::vector<std::uint8_t> seen(views.size());
+  std::ranges::transform(views, seen.begin(), [](float v) { return std::uint8_t(v != 0); });
+  return seen;
+}
+
+/// Numbers of the rows that are not 0.
+template <class T>
+std::vector<std::int64_t> rows_of(const std::vector<T>& member) {
+  std::vector<std::int64_t> rows;
+  for (std::size_t i = 0; i < member.size(); ++i)
+    if (member[i] != T(0)) rows.push_back(std::int64_t(i));
+  return rows;
+}
+
+}  // namespace
+
+NumpyLabels::NumpyLabels(const Extractor& extractor) {
+  for (const io::NamedLabels* object : extractor.chosen()) labels_.push_back(object->columns.label);
+}
+
+void NumpyLabels::write(const std::string& path, const Extractor& extractor) const {
+  const std::vector<const io::NamedLabels*> objects = extractor.chosen();
+  std::vector<float> labels(extractor.object().size());
+  std::vector<std::uint8_t> seen(labels.size());
+  std::vector<io::ZipEntry> single;
+  for (std::size_t k = 0; k < objects.size(); ++k) {
+    const LabelColumns& columns = objects[k]->columns;
+    const std::vector<std::uint8_t> seen_here = seen_of(columns.views);
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+      labels[i] = std::max(labels[i], labels_[k][i]);
+      seen[i] |= seen_here[i];
+    }
+    if (objects.size() == 1) continue;
+    const std::string ending = "_" + objects[k]->object + ".npy";
+    single.push_back({"labels" + ending, io::npy_of(labels_[k])});
+    single.push_back({"seen" + ending, io::npy_of_flags(seen_here)});
+    single.push_back({"object" + ending, io::npy_of(rows_of(columns.label))});
+  }
+  std::vector<io::ZipEntry> entries{{"labels.npy", io::npy_of(labels)},
+                                    {"seen.npy", io::npy_of_flags(seen)},
+                                    {"object.npy", io::npy_of(rows_of(extractor.object()))}};
+  std::ranges::move(single, std::back_inserter(entries));
+  const std::vector<std::uint8_t> bytes = io::zip(entries);
+  io::write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
+
+}  // namespace ngs::cli
