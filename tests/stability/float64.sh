@@ -20,7 +20,7 @@ cp -r "$root"/tests/{support,grad} "$wide/fresh/tests/"
   : >libngs/ngs/ops/splat/tile_isa_v4.cpp
   printf '#pragma once\n#include "ngs/math/lanes.h"\nnamespace ngs { using PortablePack = PackF; }\n' \
     >libngs/ngs/math/lanes_portable.h
-  kept='libngs/ngs/io/[a-z]*/(ply|ply_scan|ply_types|ply_writer|npy|exr|safetensors)\.(h|cpp)|ngs/math/(lanes|lanes16|lanes_[a-z0-9]+|lane_scalar)\.h|tests/support/ply_text\.h'
+  kept='libngs/ngs/io/[a-z]*/(ply|ply_scan|ply_types|ply_writer|npy|exr|safetensors)\.(h|cpp)|ngs/math/(lanes|lanes16|lanes_[a-z0-9]+|lane_scalar|elementary)\.h|tests/support/ply_text\.h'
   find libngs tools tests \( -name '*.h' -o -name '*.cpp' \) | grep -v -E "$kept" | xargs sed -E -i \
     -e '/bit_cast<std::uint32_t>/!s/\bfloat\b/double/g' \
     -e '/bit_cast<std::uint32_t>/!s/(^|[^A-Za-z0-9_.])([0-9]+\.[0-9]*([eE][-+]?[0-9]+)?|[0-9]+[eE][-+]?[0-9]+)f\b/\1\2/g'

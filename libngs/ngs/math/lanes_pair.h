@@ -168,12 +168,20 @@ PackPair<Q> folded(PackPair<Q> x) {
   return x;
 }
 
-/// Four doubles, for sums of many floats.
+/// Four doubles, for sums of many floats. Converted as whole vectors: lane by lane, g++ 12 gives wrong values after
+/// inlining for a processor without AVX (tests/unit/math/lanes_test.cpp sees it).
 struct DoublePair {
   typedef double Two __attribute__((vector_size(16)));
   Two low, high;
   DoublePair(double x) : low(Two{x, x}), high(low) {}
-  explicit DoublePair(QuadF x) : low(Two{double(x[0]), double(x[1])}), high(Two{double(x[2]), double(x[3])}) {}
+  DoublePair(Two l, Two h) : low(l), high(h) {}
+  explicit DoublePair(QuadF x)
+      : low(__builtin_convertvector(__builtin_shufflevector(x, x, 0, 1), Two)),
+        high(__builtin_convertvector(__builtin_shufflevector(x, x, 2, 3), Two)) {}
+  QuadF narrow() const {
+    typedef float TwoF __attribute__((vector_size(8)));
+    return __builtin_shufflevector(__builtin_convertvector(low, TwoF), __builtin_convertvector(high, TwoF), 0, 1, 2, 3);
+  }
   friend DoublePair operator+(DoublePair a, DoublePair b) { return a.low += b.low, a.high += b.high, a; }
   double lane(int i) const { return i < 2 ? low[i] : high[i - 2]; }
 };

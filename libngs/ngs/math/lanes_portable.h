@@ -20,8 +20,7 @@ inline DoublePair::Two add_to_odd(DoublePair::Two product, DoublePair::Two added
 /// to spare, so that rounding it to float is as good as rounding the exact sum (Boldo and Melquiond 2008).
 inline QuadF fma_by_double(QuadF a, QuadF b, QuadF c) {
   const DoublePair x(a), y(b), z(c);
-  const DoublePair::Two low = add_to_odd(x.low * y.low, z.low), high = add_to_odd(x.high * y.high, z.high);
-  return QuadF{float(low[0]), float(low[1]), float(high[0]), float(high[1])};
+  return DoublePair(add_to_odd(x.low * y.low, z.low), add_to_odd(x.high * y.high, z.high)).narrow();
 }
 
 /// Half precision by whole numbers. A value below 2^-14 has a fixed step of 2^-24: that of the floats above 1/2.
