@@ -34,6 +34,8 @@ for package in "$apt"/cache/archives/*.deb; do dpkg-deb -x "$package" "$root"; d
 find "$root" -type l -lname '/*' -printf '%p\t%l\n' | while IFS=$'\t' read -r link to; do
   ln -sfn "$(realpath -m --relative-to="$(dirname "$link")" "$root$to")" "$link"
 done
+# What the packages' scripts would have chosen of alternatives, for OpenCV.
+for library in blas/libblas.so.3 lapack/liblapack.so.3; do ln -sfn "$library" "$root/usr/lib/aarch64-linux-gnu/"; done
 printf '%s\n' "$wanted" > "$root/.ngs-packages"
 rm -rf "$apt"
 say "aarch64: $root: $(du -sh "$root" | cut -f1)"

@@ -17,7 +17,7 @@ cp -r "$root"/tests/{support,grad} "$wide/fresh/tests/"
 (
   cd "$wide/fresh"
   find . \( -name '*.cu' -o -name '*.cuh' \) -delete
-  : >libngs/ngs/ops/splat/tile_isa_v4.cpp
+  : >libngs/ngs/ops/splat/isa/tile_isa_v4.cpp
   printf '#pragma once\n#include "ngs/math/lanes.h"\nnamespace ngs { using PortablePack = PackF; }\n' \
     >libngs/ngs/math/lanes_portable.h
   kept='libngs/ngs/io/[a-z]*/(ply|ply_scan|ply_types|ply_writer|npy|exr|safetensors)\.(h|cpp)|ngs/math/(lanes|lanes16|lanes_[a-z0-9]+|lane_scalar|elementary)\.h|tests/support/ply_text\.h'

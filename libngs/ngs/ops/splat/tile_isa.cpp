@@ -4,12 +4,12 @@
 
 namespace ngs {
 
-TileKernels<float> float_tile_kernels_portable();  // tile_isa_portable.cpp
+TileKernels<float> float_tile_kernels_portable();  // isa/tile_isa_portable.cpp
 #ifdef NGS_WITH_V3
-TileKernels<float> float_tile_kernels_v3();  // tile_isa_v3.cpp
+TileKernels<float> float_tile_kernels_v3();  // isa/tile_isa_v3.cpp
 #endif
 #ifdef NGS_WITH_V4
-TileKernels<float> float_tile_kernels_v4();  // tile_isa_v4.cpp
+TileKernels<float> float_tile_kernels_v4();  // isa/tile_isa_v4.cpp
 #endif
 
 TileKernels<float> float_tile_kernels(Isa isa) {

@@ -1,5 +1,5 @@
-// A program for x86-64-v3 would die of an illegal instruction on an older processor. This unit is compiled for any x86-64
-// (tools/CMakeLists.txt) and looks before anything else runs.
+// A program for x86-64-v3 would die of an illegal instruction on an older processor. This unit is compiled for any
+// x86-64 (tools/CMakeLists.txt) and looks before anything else runs.
 #ifdef __x86_64__
 #include <unistd.h>
 
