@@ -33,7 +33,7 @@ if(NOT NGS_WITH_CUDA STREQUAL "OFF")
       # same bits but for exp, log and their kin, and the emulation of the tests says what a device will compute.
       target_compile_options(ngs_flags INTERFACE
         $<$<COMPILE_LANGUAGE:CUDA>:--fmad=$<IF:$<BOOL:${NGS_CUDA_FMAD}>,true,false>
-        -Xcompiler=-Wall,-Wextra,-ffp-contract=off,-fno-math-errno,-march=x86-64-v3>
+        -Xcompiler=-Wall,-Wextra,-ffp-contract=off,-fno-math-errno,${NGS_TARGET_FLAGS}>
         $<$<AND:$<COMPILE_LANGUAGE:CUDA>,$<BOOL:${NGS_WERROR}>>:-Werror=all-warnings -Xcompiler=-Werror>
         $<$<AND:$<COMPILE_LANGUAGE:CUDA>,$<BOOL:${NGS_CUDA_REPORT}>>:-Xptxas=-v>)
       set(CMAKE_CUDA_FLAGS_RELEASE "-O3 -DNDEBUG")

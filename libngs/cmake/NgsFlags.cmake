@@ -1,8 +1,26 @@
 # One place for compiler flags. No fast-math and no contraction: a fused product is written fma() where it
 # is wanted, so that every build of one source gives the same numbers.
 add_library(ngs_flags INTERFACE)
+# What every translation unit may take for granted: on x86-64 AVX2 and FMA, or nothing (portable: the program starts on
+# every x86-64); elsewhere what the compiler does, which on aarch64 has NEON. The compositing kernels also exist for what
+# the processor may have beyond that (libngs/CMakeLists.txt). Results are the same for all.
+set(NGS_ISA "" CACHE STRING "instruction set on x86-64: x86-64-v3 (default) or portable")
+if(NGS_ISA AND NOT NGS_ISA MATCHES "^(x86-64-v3|portable)$")
+  message(FATAL_ERROR "NGS_ISA=${NGS_ISA}: expected x86-64-v3 or portable")
+endif()
+set(NGS_X86_64 OFF)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
+  set(NGS_X86_64 ON)
+  if(NGS_ISA STREQUAL "portable")
+    set(NGS_TARGET_FLAGS -march=x86-64)
+  else()
+    set(NGS_TARGET_FLAGS -march=x86-64-v3)
+  endif()
+else()
+  set(NGS_TARGET_FLAGS -fsigned-char)  # as on x86-64
+endif()
 target_compile_options(ngs_flags INTERFACE
-  $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wpedantic -Wconversion -ffp-contract=off -fno-math-errno -march=x86-64-v3>)
+  $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wpedantic -Wconversion -ffp-contract=off -fno-math-errno ${NGS_TARGET_FLAGS}>)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   # g++ 12 warns about its own std::string operator+ (GCC bug 105651)
   target_compile_options(ngs_flags INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict>)

@@ -329,6 +329,16 @@ TEST_CASE(
   CHECK_FALSE(f.has("build/bin/ngs-joint"));  // nothing but what was asked for
 }
 
+TEST_CASE("a build for AVX2 says so on a processor without it, before it does anything else") {
+  const Folder f;
+  const test::ProcessResult old = f.run({"qemu-x86_64", "-cpu", "Nehalem", NGS_TOOL_DIR "/ngs-joint", "--version"});
+  if (old.exit_code == 127) return test::skip("no qemu-x86_64 (package qemu-user)");
+  if (old.exit_code == 0) return test::skip("this build is for any processor");
+  CHECK(old.exit_code == 8);
+  CHECK(old.err.find("this processor has no AVX2") != std::string::npos);
+  CHECK(old.err.find("NGS_PRESET=portable") != std::string::npos);
+}
+
 TEST_CASE("what cmake --install copies runs by itself, pictures included") {
   const Folder f;
   const test::ProcessResult installed = f.run({"cmake", "--install", NGS_TOOL_DIR "/..", "--prefix", f.path("prefix")});

@@ -1,5 +1,6 @@
-// The translation unit for x86-64-v4 must not lend its code to the rest of the program: an inline function that it
-// emits under a shared name could be the copy that the linker keeps, and the program would die on older processors.
+// A translation unit for processors beyond those of the program must not lend its code to the rest of it: an inline
+// function that it emits under a shared name could be the copy that the linker keeps, and the program would die on
+// older processors.
 #include <doctest/doctest.h>
 
 #include <regex>
@@ -12,31 +13,45 @@
 namespace ngs {
 namespace {
 
-/// Symbols of `nm -C` output that another translation unit could define too, beside those named after Pack16.
-std::vector<std::string> shared_symbols(const std::string& listing) {
+/// Symbols of `nm -C` output that another translation unit could define too, beside those named after `pack`.
+std::vector<std::string> shared_symbols(const std::string& listing, const std::string& pack) {
   static const std::regex shared("[0-9a-f]* +[WVBDRu] (.*)");
   std::vector<std::string> found;
   std::istringstream lines(listing);
   std::smatch match;
   for (std::string line; std::getline(lines, line);)
-    if (std::regex_match(line, match, shared) && match[1].str().find("Pack16") == std::string::npos)
+    if (std::regex_match(line, match, shared) && match[1].str().find(pack) == std::string::npos)
       found.push_back(match[1]);
   return found;
+}
+
+void check_object(const char* object, const std::string& pack) {
+  test::ProcessSpec spec;
+  spec.argv = {"/usr/bin/nm", "-C", object};
+  const test::ProcessResult nm = test::run_process(spec);
+  if (nm.exit_code != 0) return test::skip("no nm");
+  CHECK(nm.out.find(pack) != std::string::npos);
+  CHECK(test::listed(shared_symbols(nm.out, pack)) == "");
 }
 
 }  // namespace
 
 TEST_CASE("the code for x86-64-v4 shares no symbol with other translation units") {
-  CHECK(shared_symbols("0000 W ngs::clamped(double)\n0000 W void ngs::f<ngs::Pack16>()\n0000 T g()\n").size() == 1);
+  CHECK(
+      shared_symbols("0000 W ngs::clamped(double)\n0000 W void ngs::f<ngs::Pack16>()\n0000 T g()\n", "Pack16").size() ==
+      1);
 #ifdef NGS_V4_OBJECT
-  test::ProcessSpec spec;
-  spec.argv = {"/usr/bin/nm", "-C", NGS_V4_OBJECT};
-  const test::ProcessResult nm = test::run_process(spec);
-  if (nm.exit_code != 0) return test::skip("no nm");
-  CHECK(nm.out.find("Pack16") != std::string::npos);
-  CHECK(test::listed(shared_symbols(nm.out)) == "");
+  check_object(NGS_V4_OBJECT, "Pack16");
 #else
   test::skip("this build has no code for x86-64-v4");
+#endif
+}
+
+TEST_CASE("the code for x86-64-v3 of a build for any x86-64 shares no symbol with other translation units") {
+#ifdef NGS_V3_OBJECT
+  check_object(NGS_V3_OBJECT, "ngs::PackF");
+#else
+  test::skip("this build is for x86-64-v3 as a whole, or for another processor");
 #endif
 }
 

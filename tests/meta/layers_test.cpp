@@ -56,7 +56,10 @@ const std::vector<Confinement>& confinements() {
     only("minizip/.*", "libngs/ngs/io/formats/compression/zip_archive\\.cpp",
          "minizip belongs to io/formats/compression/zip_archive.cpp");
     only("omp\\.h", "libngs/ngs/backend/.*", "OpenMP belongs to backend/");
-    only("immintrin\\.h", "libngs/ngs/math/.*", "vector intrinsics belong to math/");
+    only("(immintrin|arm_neon)\\.h", "libngs/ngs/math/.*", "vector intrinsics belong to math/");
+    only("(sys/.*|unistd|fcntl|dlfcn|spawn|sched|signal|poll|termios|pthread)(\\.h)?",
+         "libngs/ngs/(io/files/.*|io/image/image_codecs\\.cpp|core/monitor\\.cpp)|(tools|tests)/.*",
+         "the operating system belongs to io/files, image_codecs.cpp, monitor.cpp and the tools");
     only("(cuda|cub/|thrust/|cooperative_groups).*", "libngs/ngs/(backend/.*|.*\\.cuh?)",
          "CUDA belongs to backend/ and *.cu");
     return list;

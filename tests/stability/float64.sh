@@ -17,8 +17,10 @@ cp -r "$root"/tests/{support,grad} "$wide/fresh/tests/"
 (
   cd "$wide/fresh"
   find . \( -name '*.cu' -o -name '*.cuh' \) -delete
-  : >libngs/ngs/ops/splat/tile_isa_v4.cpp
-  kept='libngs/ngs/io/[a-z]*/(ply|ply_scan|ply_types|ply_writer|npy|exr|safetensors)\.(h|cpp)|ngs/math/(lanes|lanes16|lane_scalar)\.h|tests/support/ply_text\.h'
+  : >libngs/ngs/ops/splat/isa/tile_isa_v4.cpp
+  printf '#pragma once\n#include "ngs/math/lanes.h"\nnamespace ngs { using PortablePack = PackF; }\n' \
+    >libngs/ngs/math/lanes_portable.h
+  kept='libngs/ngs/io/[a-z]*/(ply|ply_scan|ply_types|ply_writer|npy|exr|safetensors)\.(h|cpp)|ngs/math/(lanes|lanes16|lanes_[a-z0-9]+|lane_scalar|elementary)\.h|tests/support/ply_text\.h'
   find libngs tools tests \( -name '*.h' -o -name '*.cpp' \) | grep -v -E "$kept" | xargs sed -E -i \
     -e '/bit_cast<std::uint32_t>/!s/\bfloat\b/double/g' \
     -e '/bit_cast<std::uint32_t>/!s/(^|[^A-Za-z0-9_.])([0-9]+\.[0-9]*([eE][-+]?[0-9]+)?|[0-9]+[eE][-+]?[0-9]+)f\b/\1\2/g'
@@ -40,7 +42,7 @@ cp -r "$root"/tests/{support,grad} "$wide/fresh/tests/"
   {
     cat "$root/tests/stability/float64_lanes.h"
     printf 'namespace ngs {\n'
-    sed -n '/^struct Pack4D/,/^};/p' "$root/libngs/ngs/math/lanes.h"
+    sed -n '/^struct Pack4D/,/^};/p' "$root/libngs/ngs/math/lanes_avx2.h"
     printf 'inline Pack4D low_half(PackF x) { return Pack4D::Raw{x.v[0], x.v[1], x.v[2], x.v[3]}; }\n'
     printf 'inline Pack4D high_half(PackF x) { return Pack4D::Raw{x.v[4], x.v[5], x.v[6], x.v[7]}; }\n}\n'
   } >libngs/ngs/math/lanes.h

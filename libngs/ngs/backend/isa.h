@@ -5,13 +5,25 @@
 namespace ngs {
 
 enum class Isa : std::uint8_t {
-  kV3,  // x86-64-v3 (AVX2, FMA): what the whole program is compiled for
-  kV4   // x86-64-v4 (AVX-512 F, BW, CD, DQ, VL)
+  kPortable,  // whatever the compiler makes of plain C++ for the processors that the whole program is compiled for
+  kNeon,      // aarch64, all of which has it
+  kV3,        // x86-64-v3 (AVX2, FMA, F16C)
+  kV4         // x86-64-v4 (AVX-512 F, BW, CD, DQ, VL)
 };
 
-/// Whether the processor can run `isa`.
-bool cpu_has(Isa isa);
-/// The best set that the processor can run and this build has code for.
+/// What the whole program is compiled for.
+constexpr Isa base_isa() {
+#if defined(__AVX2__) && defined(__FMA__) && defined(__F16C__)
+  return Isa::kV3;
+#elif defined(__aarch64__)
+  return Isa::kNeon;
+#else
+  return Isa::kPortable;
+#endif
+}
+/// Whether this build has code for `isa` and the processor can run it.
+bool can_run(Isa isa);
+/// The best set that can run.
 Isa best_isa();
 
 }  // namespace ngs

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "ngs/core/hd.h"
+#include "ngs/math/elementary.h"
 
 namespace ngs {
 
@@ -50,23 +51,20 @@ NGS_HD inline float exp_at_least(float x) {
 template <class T>
 NGS_HD T softplus(T x) {
   using std::exp;
-  using std::log1p;
-  return x > T(0) ? x + log1p(exp(-x)) : log1p(exp(x));
+  return x > T(0) ? x + log1p_of(exp(-x)) : log1p_of(exp(x));
 }
 
 /// 1 - e^-x, accurate for small x.
 template <class T>
 NGS_HD T one_minus_exp(T x) {
-  using std::expm1;
-  return -expm1(-x);
+  return -expm1_of(-x);
 }
 
 /// ln(p / (1 - p)).
 template <class T>
 NGS_HD T logit(T p) {
   using std::log;
-  using std::log1p;
-  return log(p) - log1p(-p);
+  return log(p) - log1p_of(-p);
 }
 
 }  // namespace ngs

@@ -30,17 +30,28 @@ int choose_threads(int flag) {
   return std::max(1, CPU_COUNT(&cpus));
 }
 
-const char* isa_name(Isa isa) { return isa == Isa::kV4 ? "x86-64-v4" : "x86-64-v3"; }
+const char* isa_name(Isa isa) {
+  switch (isa) {
+    case Isa::kPortable: return "portable";
+    case Isa::kNeon: return "neon";
+    case Isa::kV3: return "x86-64-v3";
+    default: return "x86-64-v4";
+  }
+}
 
 Isa choose_isa() {
   const char* text = std::getenv("NGS_ISA");
   if (text == nullptr || *text == '\0') return best_isa();
-  if (std::strcmp(text, "v3") == 0) return Isa::kV3;
-  if (std::strcmp(text, "v4") != 0)
-    throw Error(ErrorCode::kUsage, std::string("NGS_ISA = '") + text + "', expected v3 or v4", "unset it");
-  if (best_isa() != Isa::kV4)
-    throw Error(ErrorCode::kEnvironment, "NGS_ISA = v4: this processor or this build has no x86-64-v4", "unset it");
-  return Isa::kV4;
+  const std::string name = text;
+  for (const Isa isa : {Isa::kPortable, Isa::kNeon, Isa::kV3, Isa::kV4}) {
+    const std::string full = isa_name(isa), brief = full.substr(full.find("v") == 7 ? 7 : 0);
+    if (name != full && name != brief) continue;
+    if (!can_run(isa))
+      throw Error(ErrorCode::kEnvironment, "NGS_ISA = " + name + ": this processor or this build has no " + full,
+                  "unset it");
+    return isa;
+  }
+  throw Error(ErrorCode::kUsage, "NGS_ISA = '" + name + "', expected portable, neon, v3 or v4", "unset it");
 }
 
 ChosenDevice choose_device(DeviceChoice choice, const Spec& tool) {

@@ -11,7 +11,8 @@ namespace ngs::cli {
 /// -j unless 0, else NGS_THREADS, else SLURM_CPUS_PER_TASK, else the CPUs that this process may run on.
 int choose_threads(int flag);
 
-/// NGS_ISA = v3 or v4, else the best that processor and build have. Throws where the one asked for cannot be had.
+/// NGS_ISA = portable, neon, v3 or v4, else the best that processor and build have. Throws where the one asked for
+/// cannot be had.
 Isa choose_isa();
 const char* isa_name(Isa isa);
 

@@ -119,7 +119,7 @@ Json report_schema(const Spec& spec) {
                                  {"reason", text},
                                  {"fast_atomics", {{"type", "boolean"}}}})},
        {"threads", common_flag_schema("threads")},
-       {"isa", {{"enum", {"x86-64-v3", "x86-64-v4"}}}},
+       {"isa", {{"enum", {"portable", "neon", "x86-64-v3", "x86-64-v4"}}}},
        {"dry_run", common_flag_schema("dry_run")},
        {"exit_code", {{"enum", {0, 1, 7, 130, 143}}}},
        {"stages", {{"$ref", "#/definitions/stage"}}},

@@ -4,6 +4,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/formats/quantise.h"
+#include "ngs/math/elementary.h"
 
 namespace ngs::io {
 namespace {
@@ -21,7 +22,7 @@ SplatRow row_of(const Record& record) {
   double q[4], length = 0;
   for (std::size_t k = 0; k < 4; ++k) {
     q[k] = (record.rotation[k] - kRotationOffset) / kRotationSteps;
-    length = std::hypot(length, q[k]);
+    length = portable_hypot(length, q[k]);
   }
   for (std::size_t k = 0; k < 4; ++k) row.rotation[k] = length > 0 ? float(q[k] / length) : 0.f;
   for (std::size_t a = 0; a < 3; ++a) {

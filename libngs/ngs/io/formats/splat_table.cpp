@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ngs/core/check.h"
+#include "ngs/math/elementary.h"
 
 namespace ngs::io {
 
@@ -55,7 +56,7 @@ SplatRow load_row(const GaussianCloud& cloud, std::int64_t i) {
   row.logit_opacity = cloud.logit_opacity[r];
   std::copy_n(&cloud.log_scale[r * 3], 3, row.log_scale.begin());
   double length = 0;
-  for (std::size_t k = 0; k < 4; ++k) length = std::hypot(length, double(cloud.rotation[r * 4 + k]));
+  for (std::size_t k = 0; k < 4; ++k) length = portable_hypot(length, double(cloud.rotation[r * 4 + k]));
   for (std::size_t k = 0; k < 4; ++k)
     row.rotation[k] = length > 0 ? float(double(cloud.rotation[r * 4 + k]) / length) : k == 0 ? 1.f : 0.f;
   return row;

@@ -9,8 +9,6 @@ using namespace label;
 
 constexpr std::size_t kAhead = 64;  // contributions: what a sum asks memory for before it needs it
 
-L quotient(L a, L b) { return L(a.v / b.v); }
-
 /// Both factors of the pixels of a pack, q and c, then a / q and b / c.
 struct WeightedFactors {
   L q, c;
@@ -19,7 +17,7 @@ struct WeightedFactors {
   void divide(const PixelPack& p, LossSum& loss) {
     const L fore = squeezed(q), back = squeezed(c);
     loss.add_weighted(p, fore, back);
-    q = quotient(p.inside, fore), c = quotient(p.outside, back);
+    q = p.inside / fore, c = p.outside / back;
   }
 };
 
@@ -34,7 +32,7 @@ struct BinaryFactors {
   void divide(const PixelPack& p, LossSum& loss) {
     const L factor = squeezed(q);
     loss.add_binary(p, factor);
-    const L inverse = quotient(L(1.f), factor);
+    const L inverse = L(1.f) / factor;
     q = p.inside * inverse, c = p.outside * inverse;
   }
 };

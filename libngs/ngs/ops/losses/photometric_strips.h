@@ -29,13 +29,14 @@ struct WideSum {
   void add(L x) { sum += Acc(x); }
   Acc total() const { return sum; }
 };
-template <>
-struct WideSum<PackF, double> {
-  Pack4D low = 0.0, high = 0.0;
-  void add(PackF x) { low = low + low_half(x), high = high + high_half(x); }
+template <class L>
+requires(LaneTraits<L>::kLanes == 8) struct WideSum<L, double> {
+  using Four = decltype(low_half(L()));
+  Four low = 0.0, high = 0.0;
+  void add(L x) { low = low + low_half(x), high = high + high_half(x); }
   double total() const {
-    const Pack4D four = low + high;
-    return (four.v[0] + four.v[1]) + (four.v[2] + four.v[3]);
+    const Four four = low + high;
+    return (four.lane(0) + four.lane(1)) + (four.lane(2) + four.lane(3));
   }
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 // What is done once per Gaussian of a view, on any device: projection, tiles, channel values, and the way back from the
 // sums over its pixels to the cloud's columns. Internal to ops; templated on the storage scalar S.  PAPER.md §5.1
+#include "ngs/math/elementary.h"
 #include "ngs/ops/splat/project_kernels.h"
 #include "ngs/ops/splat/splat_options.h"
 #include "ngs/ops/splat/splat_step_kernels.h"
@@ -241,11 +242,11 @@ struct ViewProjector {
 template <class S>
 ViewProjector<S> view_projector(const Camera& camera, const SplatOptions& options) {
   const ProjectionCamera<double> c = projection_camera<double>(camera, options);
-  const auto row_length = [](double f, double lo, double hi) { return f * std::hypot(1.0, std::max(-lo, hi)); };
+  const auto row_length = [](double f, double lo, double hi) { return f * portable_hypot(1.0, std::max(-lo, hi)); };
   return {projection_camera<S>(camera, options),
           projection_camera<WideOf<S>>(camera, options),
           camera.centre(),
-          std::hypot(row_length(c.f_x, c.x_lo, c.x_hi), row_length(c.f_y, c.y_lo, c.y_hi)),
+          portable_hypot(row_length(c.f_x, c.x_lo, c.x_hi), row_length(c.f_y, c.y_lo, c.y_hi)),
           std::sqrt(2 * c.blur + 0.32),
           camera.width_px,
           camera.height_px,

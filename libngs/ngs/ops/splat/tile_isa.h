@@ -5,7 +5,7 @@
 
 namespace ngs {
 
-/// Kernels for `isa`, or for x86-64-v3 where this build has none for it. Same bytes from all.
+/// Kernels for `isa`, which can_run. Same bytes from all.
 TileKernels<float> float_tile_kernels(Isa isa);
 
 }  // namespace ngs

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "ngs/core/error.h"
+#include "ngs/math/elementary.h"
 #include "ngs/ops/image/metrics.h"
 
 namespace ngs {
@@ -15,7 +16,7 @@ using Point = std::array<double, 2>;
 double distance_to_segment(double x, double y, Point a, Point b) {
   const double ux = b[0] - a[0], uy = b[1] - a[1], length2 = ux * ux + uy * uy;
   const double t = length2 > 0 ? std::clamp(((x - a[0]) * ux + (y - a[1]) * uy) / length2, 0.0, 1.0) : 0;
-  return std::hypot(x - a[0] - t * ux, y - a[1] - t * uy);
+  return portable_hypot(x - a[0] - t * ux, y - a[1] - t * uy);
 }
 
 struct Painter {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "ngs/core/check.h"
+#include "ngs/math/elementary.h"
 #include "ngs/scene/mask_threshold.h"
 
 namespace ngs {
@@ -94,7 +95,7 @@ class Spreader {
   }
 
   int band_px(const Camera& camera, int pass) const {
-    const double diagonal = std::hypot(double(camera.width_px), double(camera.height_px));
+    const double diagonal = portable_hypot(double(camera.width_px), double(camera.height_px));
     return int(std::lround(std::max(options_.least_band_px, std::ldexp(options_.band * diagonal, -pass))));
   }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ngs/core/check.h"
+#include "ngs/math/elementary.h"
 
 namespace ngs::synth {
 namespace {
@@ -101,7 +102,8 @@ Solid capsule(Vec3<double> from, Vec3<double> to, double radius) {
   return bounded({SolidKind::kCapsule, 0.5 * (from + to), frame_with_z(to - from), {radius, half, 0}}, half + radius);
 }
 Solid cylinder(Vec3<double> centre, const Mat3<double>& to_local, double radius, double half_length) {
-  return bounded({SolidKind::kCylinder, centre, to_local, {radius, half_length, 0}}, std::hypot(radius, half_length));
+  return bounded({SolidKind::kCylinder, centre, to_local, {radius, half_length, 0}},
+                 portable_hypot(radius, half_length));
 }
 Solid blade(Vec3<double> centre, const Mat3<double>& to_local, Vec3<double> half_size) {
   return bounded({SolidKind::kBlade, centre, to_local, half_size}, length(half_size));

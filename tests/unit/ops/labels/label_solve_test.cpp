@@ -184,7 +184,7 @@ TEST_CASE("a label system without cache knows its sums at the labels it was made
   std::vector<double> at;
   for (std::size_t i = 0; i < 90; i += 3) at.push_back(m[i]);
   LabelSums want;
-  system.evaluate({.threads = 1, .isa = Isa::kV3}, at, want);
+  system.evaluate({.threads = 1, .isa = base_isa()}, at, want);
   CHECK(system.at_start().loss == want.loss);
   CHECK(system.at_start().inside == want.inside);
   CHECK(system.at_start().outside == want.outside);

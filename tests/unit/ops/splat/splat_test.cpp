@@ -97,8 +97,11 @@ WholeView whole_view(const test::SplatCase& c, Isa isa, int threads, int labels,
 
 }  // namespace
 
-TEST_CASE("splat: x86-64-v4 gives the bytes of x86-64-v3, forward and backward") {
-  if (best_isa() != Isa::kV4) return test::skip("this processor, or this build, has no x86-64-v4");
+TEST_CASE("splat: every instruction set gives the bytes of plain C++, forward and backward") {
+  std::vector<Isa> sets;
+  for (const Isa isa : {Isa::kNeon, Isa::kV3, Isa::kV4})
+    if (can_run(isa)) sets.push_back(isa);
+  if (sets.empty()) return test::skip("this build has the portable kernels only");
   for (std::uint64_t seed = 0; seed < 6; ++seed)
     for (const int labels : {0, 1, 2, 4}) {
       CAPTURE(seed);
@@ -106,17 +109,20 @@ TEST_CASE("splat: x86-64-v4 gives the bytes of x86-64-v3, forward and backward")
       // needles and large Gaussians; a width that ends inside a pack; many in one tile, so that the tape must grow
       const test::SplatCase c =
           test::splat_case(seed, 40 + int(seed) * 150, seed % 2 ? 75 : 18, 50, seed % 3 ? 1.0 : 0.1);
-      const WholeView a = whole_view(c, Isa::kV3, 1, labels, labels == 1),
-                      b = whole_view(c, Isa::kV4, 2, labels, labels == 1);
-      CHECK(a.image.colour.data == b.image.colour.data);
-      CHECK(a.image.label.data == b.image.label.data);
-      CHECK(a.image.alpha.data == b.image.alpha.data);
-      CHECK(a.gradient.position == b.gradient.position);
-      CHECK(a.gradient.rotation == b.gradient.rotation);
-      CHECK(a.gradient.log_scale == b.gradient.log_scale);
-      CHECK(a.gradient.logit_opacity == b.gradient.logit_opacity);
-      CHECK(a.gradient.sh_rest == b.gradient.sh_rest);
-      CHECK(a.gradient.label == b.gradient.label);
+      const WholeView a = whole_view(c, Isa::kPortable, 1, labels, labels == 1);
+      for (const Isa isa : sets) {
+        CAPTURE(isa);
+        const WholeView b = whole_view(c, isa, 2, labels, labels == 1);
+        CHECK(a.image.colour.data == b.image.colour.data);
+        CHECK(a.image.label.data == b.image.label.data);
+        CHECK(a.image.alpha.data == b.image.alpha.data);
+        CHECK(a.gradient.position == b.gradient.position);
+        CHECK(a.gradient.rotation == b.gradient.rotation);
+        CHECK(a.gradient.log_scale == b.gradient.log_scale);
+        CHECK(a.gradient.logit_opacity == b.gradient.logit_opacity);
+        CHECK(a.gradient.sh_rest == b.gradient.sh_rest);
+        CHECK(a.gradient.label == b.gradient.label);
+      }
       CHECK(std::any_of(a.gradient.position.begin(), a.gradient.position.end(), [](float g) { return g != 0; }));
     }
 }

@@ -1,0 +1,78 @@
+#pragma once
+// PortablePack: 8 floats without a single intrinsic, for any processor that the compiler knows.
+#include <cmath>
+
+#include "ngs/math/lanes_pair.h"
+
+namespace ngs {
+
+/// product + added for two doubles, rounded to odd: to the neighbour that ends in 1 where it is no double.
+inline DoublePair::Two add_to_odd(DoublePair::Two product, DoublePair::Two added) {
+  typedef std::int64_t Bits __attribute__((vector_size(16)));
+  const DoublePair::Two zero = {0, 0}, sum = product + added;
+  const DoublePair::Two part = sum - product, error = (product - (sum - part)) + (added - part);
+  const Bits below = error < zero, inexact = below | (error > zero);  // neither for NaN, which is infinity's error
+  const Bits even = (Bits(sum) & 1) - 1;                              // all bits, or none
+  const Bits towards_error = (below ^ (sum < zero)) | 1;              // 1 away from zero, -1 towards it
+  return DoublePair::Two(Bits(sum) + (inexact & even & towards_error));
+}
+/// a b + c, rounded once. The product of two floats is exact in double; the sum is rounded to odd there, with 29 bits
+/// to spare, so that rounding it to float is as good as rounding the exact sum (Boldo and Melquiond 2008).
+inline QuadF fma_by_double(QuadF a, QuadF b, QuadF c) {
+  const DoublePair x(a), y(b), z(c);
+  return DoublePair(add_to_odd(x.low * y.low, z.low), add_to_odd(x.high * y.high, z.high)).narrow();
+}
+
+/// Half precision by whole numbers. A value below 2^-14 has a fixed step of 2^-24: that of the floats above 1/2.
+inline std::uint16_t half_bits(float x) {
+  const std::uint32_t bits = __builtin_bit_cast(std::uint32_t, x), size = bits & 0x7fffffffu;
+  const std::uint32_t fixed = __builtin_bit_cast(std::uint32_t, __builtin_bit_cast(float, size) + 0.5f) - 0x3f000000u;
+  const std::uint32_t rounded = (size + 0xfffu + ((size >> 13) & 1u) - (112u << 23)) >> 13;
+  const std::uint32_t special = size > 0x7f800000u ? 0x7e00u | ((size >> 13) & 0x3ffu) : 0x7c00u;
+  const std::uint32_t half = size < 0x38800000u ? fixed : size < 0x477ff000u ? rounded : special;
+  return std::uint16_t(half | (bits >> 16 & 0x8000u));
+}
+inline float float_of_half(std::uint16_t half) {
+  const std::uint32_t sign = std::uint32_t(half & 0x8000u) << 16, size = std::uint32_t(half & 0x7fffu) << 13;
+  const std::uint32_t special = size | 0x7f800000u | (size > (0x7c00u << 13) ? 0x00400000u : 0u);
+  const float scaled = __builtin_bit_cast(float, size) * 0x1p112f;
+  return __builtin_bit_cast(float,
+                            sign | (size < (0x7c00u << 13) ? __builtin_bit_cast(std::uint32_t, scaled) : special));
+}
+
+struct PortableQuad {
+  static QuadF fma(QuadF a, QuadF b, QuadF c) {
+#ifdef FP_FAST_FMAF
+    QuadF out;
+    for (int i = 0; i < 4; ++i) out[i] = std::fma(a[i], b[i], c[i]);
+    return out;
+#else
+    return fma_by_double(a, b, c);
+#endif
+  }
+  static QuadF sqrt(QuadF x) {
+    QuadF out;
+    for (int i = 0; i < 4; ++i) out[i] = std::sqrt(x[i]);
+    return out;
+  }
+  /// By the whole number next to zero; what has no places behind the point stays, and a zero keeps its sign.
+  static QuadF floor(QuadF x) {
+    const QuadF most = {0x1p23f, 0x1p23f, 0x1p23f, 0x1p23f}, zero = {0, 0, 0, 0}, one = {1, 1, 1, 1};
+    const QuadI small = (x < most) & (x > -most), sign = QuadI(x) & QuadI(-zero);
+    const QuadF whole = __builtin_convertvector(__builtin_convertvector(small ? x : zero, QuadI), QuadF);
+    const QuadF below = whole - (whole > x ? one : zero);
+    return small ? QuadF(QuadI(below) | sign) : x;
+  }
+  static void to_half(QuadF x, std::uint16_t* to) {
+    for (int i = 0; i < 4; ++i) to[i] = half_bits(x[i]);
+  }
+  static QuadF from_half(const std::uint16_t* from) {
+    QuadF out;
+    for (int i = 0; i < 4; ++i) out[i] = float_of_half(from[i]);
+    return out;
+  }
+};
+
+using PortablePack = PackPair<PortableQuad>;
+
+}  // namespace ngs

@@ -1,0 +1,48 @@
+#!/usr/bin/env bash
+# Builds ngs for aarch64 on Debian, and runs the test suites under qemu-user: into build-aarch64/.
+#   pipelines/aarch64.sh [SUITE...]            SUITE of unit grad property stability golden contract; all of these where none
+#                                              is named. What is missing on this machine is said and skipped.
+#   NGS_AARCH64_ROOT=DIR                       where the arm64 packages are, or are to be, unpacked: build-aarch64.root
+#   NGS_SUITE_MINUTES=15                       what one suite may take; emulation is 10 to 30 times slower than a processor
+set -euo pipefail
+# shellcheck source=pipelines/common.sh
+. "$(dirname "$0")/common.sh"
+
+case ${1:-} in -h | --help) usage_of "$0"; exit 0 ;; esac
+if [ $# -gt 0 ]; then suites=("$@"); else suites=(unit grad property stability golden contract); fi
+cd "$pipelines/.."
+if ! command -v aarch64-linux-gnu-g++ > /dev/null; then
+  say "skipped: no aarch64-linux-gnu-g++ (Debian: apt-get install g++-aarch64-linux-gnu)"
+  exit 77
+fi
+export NGS_AARCH64_ROOT=${NGS_AARCH64_ROOT:-$PWD/build-aarch64.root}
+"$pipelines/aarch64-root.sh" "$NGS_AARCH64_ROOT"
+cmake --preset aarch64
+cmake --build --preset aarch64 --target tools "${suites[@]/#/test_}"
+
+if ! command -v qemu-aarch64 > /dev/null; then
+  say "skipped: the suites, no qemu-aarch64 (Debian: apt-get install qemu-user)"
+  exit 77
+fi
+# Suites that start tools need a kernel that hands aarch64 programs to qemu.
+export QEMU_LD_PREFIX=$NGS_AARCH64_ROOT GOMP_SPINCOUNT=0
+starts=1
+build-aarch64/bin/ngs-scene --version > /dev/null 2>&1 || starts=
+failed=0
+for suite in "${suites[@]}"; do
+  case $suite in
+    golden | contract)
+      if [ -z "$starts" ]; then
+        say "skipped: $suite, this kernel does not start aarch64 programs (Debian: apt-get install qemu-user-binfmt)"
+        continue
+      fi ;;
+  esac
+  code=0
+  timeout "$((60 * ${NGS_SUITE_MINUTES:-15}))" qemu-aarch64 "build-aarch64/bin/test_$suite" --no-intro=true || code=$?
+  case $code in
+    0) say "passed: $suite" ;;
+    124) say "cut: $suite, after ${NGS_SUITE_MINUTES:-15} minutes" ;;
+    *) failed=1; say "failed: $suite, exit code $code" ;;
+  esac
+done
+exit "$failed"
