@@ -1,0 +1,163 @@
+#include "server.h"
+
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <thread>
+
+#include "ngs/core/error.h"
+#include "page_files.h"
+#include "timed_stream.h"
+
+namespace ngs::studio {
+namespace {
+
+constexpr std::size_t kMostBody = 1 << 20;
+constexpr std::size_t kThreads = 24;  // a browser holds six connections
+constexpr std::chrono::milliseconds kIdle(3000), kRequest(8000);
+constexpr std::size_t kMostRequests = 100'000;  // of a connection
+
+const char* type_of(std::string_view path) {
+  return path.ends_with(".js")    ? "text/javascript; charset=utf-8"
+         : path.ends_with(".css") ? "text/css; charset=utf-8"
+                                  : "text/html; charset=utf-8";
+}
+
+Caller caller_of(const httplib::Request& request) {
+  return {request.get_header_value("Host"), request.get_header_value("Origin"), request.get_header_value("Cookie"),
+          request.get_header_value("X-Ngs-Token")};
+}
+
+/// Of the connection that this thread serves: it ends with the answer that is under way, its request was not read.
+thread_local bool ends_here = false;
+
+/// httplib's server, but that requests end in time.
+class TimedServer : public httplib::Server {
+ private:
+  bool process_and_close_socket(socket_t socket) override {
+    TimedStream stream(socket);
+    bool goes_on = true;
+    ends_here = false;
+    for (std::size_t n = 1; goes_on && svr_sock_ != INVALID_SOCKET && stream.wait_for_request(kIdle, kRequest); ++n) {
+      bool closed = false;
+      goes_on = process_request(stream, n == kMostRequests, closed, nullptr) && !closed && !ends_here;
+    }
+    shutdown(socket, SHUT_RDWR);
+    close(socket);
+    return goes_on;
+  }
+};
+
+}  // namespace
+
+struct Server::Impl {
+  TimedServer http;
+  Answer answer;
+  int port = 0;
+  std::unique_ptr<Access> access;
+  std::thread thread;
+
+  void set_up() {
+    http.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
+    http.set_payload_max_length(kMostBody);
+    http.set_tcp_nodelay(true);
+    http.set_keep_alive_max_count(kMostRequests), http.set_keep_alive_timeout(kIdle.count() / 1000);
+    http.set_default_headers({{"Cache-Control", "no-store"},
+                              {"X-Content-Type-Options", "nosniff"},
+                              {"Referrer-Policy", "no-referrer"},
+                              {"Content-Security-Policy",
+                               "default-src 'self'; img-src 'self' blob: data:; object-src 'none'; base-uri 'none'; "
+                               "form-action 'none'; frame-ancestors 'none'"}});
+    http.set_pre_routing_handler(
+        [this](const httplib::Request& request, httplib::Response& response) { return admit(request, response); });
+    for (const PageFile& file : page_files()) {
+      const auto serve = [&file](const httplib::Request&, httplib::Response& response) {
+        response.set_content(std::string(file.bytes), type_of(file.path));
+      };
+      http.Get(std::string(file.path == "/index.html" ? "/" : file.path), serve);
+    }
+    const auto pass_on = [this](const httplib::Request& request, httplib::Response& response) {
+      const Reply reply = answer(request.method, request.path, request.body);
+      response.status = reply.status;
+      response.set_content(reply.body, reply.type);
+      for (const auto& [name, value] : reply.headers) response.set_header(name, value);
+    };
+    http.Get("/api/[a-z]+", pass_on);
+    http.Post("/api/[a-z]+", pass_on);
+    http.set_error_handler([](const httplib::Request& request, httplib::Response& response) {
+      if (response.status == 403 || !response.body.empty()) return;
+      const Reply reply = reply_of({response.status, request.method + " " + request.path,
+                                    httplib_reason(response.status), "a request of protocol.md"});
+      response.set_content(reply.body, reply.type);
+    });
+  }
+
+  static std::string httplib_reason(int status) {
+    switch (status) {
+      case 404: return "no such thing here";
+      case 413: return "a body of more than 1 MiB";
+      default: return "a request that is not understood";
+    }
+  }
+
+  httplib::Server::HandlerResponse admit(const httplib::Request& request, httplib::Response& response) {
+    const Caller caller = caller_of(request);
+    if (request.method == "GET" && request.path == "/" && access->is_here(caller) && request.has_param("token") &&
+        access->is_token(request.get_param_value("token"))) {
+      response.set_header("Set-Cookie", access->cookie());
+      response.set_redirect("/", 303);
+      return httplib::Server::HandlerResponse::Handled;
+    }
+    if (!access->allows(caller)) return refuse(response, {403, "", "", ""});
+    if (request.method != "POST") return httplib::Server::HandlerResponse::Unhandled;
+    // A body that does not say its size, or swells when it is unpacked, is not bounded by what was read of it.
+    if (request.has_header("Transfer-Encoding") || !request.has_header("Content-Length"))
+      return refuse(response, {411, "request", "a body without Content-Length", "one that says its size"});
+    if (request.has_header("Content-Encoding"))
+      return refuse(response, {415, "request", "a packed body", "plain JSON"});
+    if (!request.get_header_value("Content-Type").starts_with("application/json"))
+      return refuse(response,
+                    {415, "request", "Content-Type " + request.get_header_value("Content-Type"), "application/json"});
+    return httplib::Server::HandlerResponse::Unhandled;
+  }
+
+  static httplib::Server::HandlerResponse refuse(httplib::Response& response, const Refusal& refusal) {
+    response.status = refusal.status;
+    if (refusal.status != 403) response.set_content(reply_of(refusal).body, "application/json");
+    response.set_header("Connection", "close");
+    ends_here = true;
+    return httplib::Server::HandlerResponse::Handled;
+  }
+};
+
+Server::Server(int port, Answer answer) : impl_(std::make_unique<Impl>()) {
+  impl_->answer = std::move(answer);
+  impl_->port = port;
+  if (port == 0)
+    impl_->port = impl_->http.bind_to_any_port("127.0.0.1");
+  else if (!impl_->http.bind_to_port("127.0.0.1", port))
+    impl_->port = -1;
+  if (impl_->port <= 0)
+    throw Error(ErrorCode::kEnvironment,
+                "port " + std::to_string(port) + ": in use or not allowed, expected a free one",
+                "leave --port out, and any free port is taken");
+  impl_->access = std::make_unique<Access>(random_token(), impl_->port);
+  impl_->set_up();
+}
+
+Server::~Server() {
+  impl_->http.stop();
+  if (impl_->thread.joinable()) impl_->thread.join();
+}
+
+int Server::port() const { return impl_->port; }
+
+std::string Server::url() const {
+  return "http://127.0.0.1:" + std::to_string(impl_->port) + "/?token=" + impl_->access->token();
+}
+
+void Server::start() {
+  impl_->thread = std::thread([this] { impl_->http.listen_after_bind(); });
+}
+
+}  // namespace ngs::studio
