@@ -1,103 +1,89 @@
 #include "studio.h"
 
-#include <algorithm>
 #include <atomic>
-#include <cmath>
-#include <filesystem>
+#include <mutex>
 
+#include "desk.h"
 #include "fields.h"
 #include "ngs/core/error.h"
-#include "ngs/core/monitor.h"
-#include "ngs/io/image/image_file.h"
-#include "ngs/io/ply/gaussian_ply.h"
-#include "ngs/ops/splat/splat.h"
 
 namespace ngs::studio {
 namespace {
 
-ImageU8 to_bytes(const ImageF& image) {
-  ImageU8 bytes(image.width_px, image.height_px, image.channels);
-  for (std::size_t i = 0; i < bytes.data.size(); ++i)
-    bytes.data[i] = std::uint8_t(std::lround(255 * std::clamp(image.data[i], 0.f, 1.f)));
-  return bytes;
+Refusal refusal_of(const Error& e) {
+  const std::string what = e.what();
+  const std::size_t colon = what.find(": "), expected = what.find(", expected ");
+  const std::string found = colon == what.npos ? what : what.substr(colon + 2, expected - colon - 2);
+  return {e.code() == ErrorCode::kUsage ? 409 : 500, colon == what.npos ? "request" : what.substr(0, colon), found,
+          expected == what.npos ? "" : what.substr(expected + 11), e.remedy()};
 }
+
+/// A member of the desk that changes something.
+using Change = Json (Desk::*)(Fields);
+struct Route {
+  const char* path;
+  Change change;
+};
+constexpr Route kChanges[] = {{"/api/strokes", &Desk::strokes}, {"/api/undo", &Desk::undo},
+                              {"/api/redo", &Desk::redo},       {"/api/objects", &Desk::objects},
+                              {"/api/refine", &Desk::refine},   {"/api/export", &Desk::export_files},
+                              {"/api/forget", &Desk::forget}};
 
 }  // namespace
 
 struct Studio::Impl {
-  Exec exec;
-  StudioPlace place;
-  io::GaussianPly ply;
-  live::FirstLook first;
-  SplatOptions splat;
+  Impl(const Exec& exec, StudioPlace place) : desk(exec, std::move(place)) {}
+
+  Desk desk;
+  std::mutex writing;  // one change at a time; frames do not wait for it
   std::atomic<bool> quit = false;
 
-  Reply state() const {
-    const auto list = [](Vec3<double> v) { return Json{v.x, v.y, v.z}; };
-    return {200, Json{{"version", 1},
-                      {"title", std::filesystem::path(place.source).filename().string()},
-                      {"gaussians", ply.cloud.size()},
-                      {"bounds", {{"centre", list(first.centre)}, {"radius", first.radius}, {"up", list(first.up)}}},
-                      {"start", json_of(first.look)},
-                      {"views", Json::array()},
-                      {"objects", Json::array()},
-                      {"active", 0},
-                      {"undo", 0},
-                      {"redo", 0},
-                      {"job", nullptr},
-                      {"folder", place.folder},
-                      {"commands", Json::array()}}
-                     .dump()};
+  Reply change(Change what, const std::string& path, const nlohmann::json& body) {
+    const std::lock_guard lock(writing);
+    const Json answer = (desk.*what)({body, ""});
+    desk.note(path, body);
+    const bool is_job = path == "/api/refine" || path == "/api/export";
+    return {is_job ? 202 : 200, answer.dump()};
   }
 
-  Reply frame(const std::string& body) {
-    const double start = wall_seconds();
+  Reply get(const std::string& path) {
+    if (path == "/api/state") return {200, desk.state().dump()};
+    if (path == "/api/job") return {200, desk.job_json().dump()};
+    if (path == "/api/log") return {200, desk.log().dump()};
+    throw Refusal(404, "GET " + path, "no such thing here", "a request of protocol.md");
+  }
+
+  Reply post(const std::string& path, const std::string& body) {
     const nlohmann::json parsed = parse_body(body);
     Fields fields(parsed, "");
-    live::Look look = look_of(fields.object("camera"));
-    if (fields.has("layer")) fields.text("layer", 20);
-    if (fields.has("fade")) fields.number("fade", 0, 1);
-    if (fields.has("object")) fields.whole("object", 0, 1000);
-    if (fields.has("highlight")) fields.truth("highlight");
-    if (fields.has("moving") && fields.truth("moving")) look.width_px /= 2, look.height_px /= 2;
-    fields.end();
-    const RenderedView view = render(exec, ply.cloud, live::camera_of(look), splat, {});
-    const std::vector<std::uint8_t> jpeg = io::encode_jpeg(to_bytes(view.colour), 85);
-    return {200,
-            {jpeg.begin(), jpeg.end()},
-            "image/jpeg",
-            {{"X-Ngs-Ms", std::to_string(std::lround(1000 * (wall_seconds() - start)))}, {"X-Ngs-Version", "1"}}};
-  }
-
-  Reply route(const std::string& method, const std::string& path, const std::string& body) {
-    if (method == "GET" && path == "/api/state") return state();
-    if (method == "POST" && path == "/api/frame") return frame(body);
-    if (method == "POST" && path == "/api/quit") return quit = true, Reply{};
-    throw Refusal(404, method + " " + path, "no such thing here", "a request of protocol.md");
+    for (const Route& route : kChanges)
+      if (path == route.path) return change(route.change, path, parsed);
+    if (path == "/api/frame") return desk.frame(std::move(fields));
+    if (path == "/api/before") return {200, desk.before(std::move(fields)).dump()};
+    if (path == "/api/cancel") return fields.end(), Reply{200, desk.cancel().dump()};
+    if (path == "/api/quit") return fields.end(), quit = true, Reply{};
+    throw Refusal(404, "POST " + path, "no such thing here", "a request of protocol.md");
   }
 };
 
-Studio::Studio(const Exec& exec, StudioPlace place) : impl_(std::make_unique<Impl>()) {
-  impl_->exec = exec, impl_->place = std::move(place);
-  impl_->ply = io::read_gaussian_ply(impl_->place.source);
-  impl_->first = live::first_look(exec, impl_->ply.cloud);
-  impl_->splat.compat = impl_->first.compat, impl_->splat.antialiased = impl_->ply.cloud.antialiased;
-  impl_->splat = prepared_for(exec, impl_->splat, impl_->ply.cloud);
-}
+Studio::Studio(const Exec& exec, StudioPlace place) : impl_(std::make_unique<Impl>(exec, std::move(place))) {}
 Studio::~Studio() = default;
 
 Reply Studio::answer(const std::string& method, const std::string& path, const std::string& body) {
   try {
-    return impl_->route(method, path, body);
+    return method == "GET" ? impl_->get(path) : impl_->post(path, body);
   } catch (const Refusal& refusal) {
     return reply_of(refusal);
   } catch (const Error& e) {
-    return reply_of({400, "request", e.what(), "another", e.remedy()});
+    return reply_of(refusal_of(e));
   } catch (const std::bad_alloc&) {
     return reply_of({507, "request", "more memory than there is", "a smaller picture"});
+  } catch (const std::exception& e) {
+    return reply_of({500, "request", e.what(), "no fault of ngs-studio", "report it"});
   }
 }
 
 bool Studio::has_quit() const { return impl_->quit; }
+nlohmann::ordered_json Studio::log() const { return impl_->desk.log(); }
 
 }  // namespace ngs::studio

@@ -1,6 +1,7 @@
 #pragma once
 // The studio over one model: requests in, answers out (protocol.md). Knows files and JSON, but nothing of HTTP.
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "ngs/backend/exec.h"
@@ -25,6 +26,8 @@ class Studio {
   Reply answer(const std::string& method, const std::string& path, const std::string& body);
   /// POST /api/quit came.
   bool has_quit() const;
+  /// Times of the answers, as GET /api/log.
+  nlohmann::ordered_json log() const;
 
  private:
   struct Impl;
