@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <regex>
@@ -24,6 +25,7 @@ StudioServer::StudioServer(const std::string& folder, std::vector<std::string> w
   argv.push_back(nullptr);
   int err[2];
   if (pipe(err) != 0) throw std::runtime_error("no pipe");
+  fflush(nullptr);  // what is not written yet would be written twice
   process_ = fork();
   if (process_ == 0) {
     dup2(err[1], STDERR_FILENO), close(err[0]), close(err[1]);

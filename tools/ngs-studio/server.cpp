@@ -3,6 +3,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <thread>
 
 #include "ngs/core/error.h"
@@ -113,6 +114,9 @@ struct Server::Impl {
     // A body that does not say its size, or swells when it is unpacked, is not bounded by what was read of it.
     if (request.has_header("Transfer-Encoding") || !request.has_header("Content-Length"))
       return refuse(response, {411, "request", "a body without Content-Length", "one that says its size"});
+    const std::string length = request.get_header_value("Content-Length");
+    if (length.size() > 7 || std::strtoull(length.c_str(), nullptr, 10) > kMostBody)
+      return refuse(response, {413, "request", "a body of " + length.substr(0, 20) + " bytes", "at most 1 MiB"});
     if (request.has_header("Content-Encoding"))
       return refuse(response, {415, "request", "a packed body", "plain JSON"});
     if (!request.get_header_value("Content-Type").starts_with("application/json"))

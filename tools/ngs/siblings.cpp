@@ -23,6 +23,7 @@ const std::vector<Sibling>& siblings() {
       {"render", "ngs-render", "colour, masks, depth and labels at the scene's cameras"},
       {"eval", "ngs-eval", "scores of masks against the truth"},
       {"report", "ngs-report", "one page of one run, or many compared"},
+      {"studio", "ngs-studio", "a page to mark an object on a splat, see it found, correct and cut it"},
       {"fit", "ngs-fit", "photos -> a splat"},
       {"synth", "ngs-synth", "analytic scenes with exact masks"}};
   return all;
