@@ -4,7 +4,6 @@
 #include <cmath>
 #include <filesystem>
 
-#include "ngs/core/monitor.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/options/name_of.h"
 #include "shared/run/sibling_program.h"
@@ -66,14 +65,14 @@ void Desk::refuse_while_busy() const {
 
 Json Desk::strokes(Fields request) {
   refuse_while_busy();
-  const double start_s = wall_seconds();
+  const Stopwatch watch;
   const int object = request.whole("object", 1, 1 << 20);
   const live::Look look = look_of(request.object("camera"));
   const std::vector<PromptStroke> drawn = strokes_of(request);
   request.end();
   const live::StrokeAnswer answer = session_.mark(object, look, drawn);
   Json out = changed();
-  const double all_s = wall_seconds() - start_s;
+  const double all_s = watch.wall_s();
   std::int64_t count = 0;
   for (const live::ShownObject& shown : *session_.shown())
     if (shown.id == object && shown.labels) count = shown.labels->count;
@@ -83,7 +82,7 @@ Json Desk::strokes(Fields request) {
                    {"gaussians", count},
                    {"coverage", answer.coverage}};
   const std::lock_guard lock(mutex_);
-  stroke_ms_.ms.push_back(1000 * all_s);
+  stroke_ms_.add(watch);
   return out;
 }
 
@@ -151,7 +150,7 @@ live::FrameRequest Desk::frame_request(Fields& request, bool& moving) const {
 }
 
 Reply Desk::frame(Fields request) {
-  const double start_s = wall_seconds();
+  const Stopwatch watch;
   bool moving = false;
   const live::FrameRequest wanted = frame_request(request, moving);
   const int version = version_;
@@ -171,15 +170,15 @@ Reply Desk::frame(Fields request) {
     return live::draw_frame(exec_, {refined->ply.cloud, refined->splat, model.background}, objects, wanted);
   }();
   const std::vector<std::uint8_t> jpeg = io::encode_jpeg(picture, moving ? kMovingQuality : kJpegQuality);
-  const double took_ms = 1000 * (wall_seconds() - start_s);
   {
     const std::lock_guard lock(mutex_);
-    (moving ? moving_ms_ : still_ms_).ms.push_back(took_ms);
+    (moving ? moving_ms_ : still_ms_).add(watch);
   }
-  return {200,
-          {jpeg.begin(), jpeg.end()},
-          "image/jpeg",
-          {{"X-Ngs-Ms", std::to_string(std::lround(took_ms))}, {"X-Ngs-Version", std::to_string(version)}}};
+  return {
+      200,
+      {jpeg.begin(), jpeg.end()},
+      "image/jpeg",
+      {{"X-Ngs-Ms", std::to_string(std::lround(1000 * watch.wall_s()))}, {"X-Ngs-Version", std::to_string(version)}}};
 }
 
 Json Desk::before(Fields request) {

@@ -56,7 +56,8 @@ std::string table_of(const Json& log) {
   const auto line = [&](const char* name, const Json& times) {
     if (times.at("n") == 0) return;
     text << name << times.at("n") << " answers, median " << times.at("median_ms") << " ms, 95 % within "
-         << times.at("p95_ms") << " ms\n";
+         << times.at("p95_ms") << " ms; of processor time " << times.at("median_cpu_ms") << " and "
+         << times.at("p95_cpu_ms") << " ms\n";
   };
   line("strokes        ", log.at("strokes"));
   line("frames, moving ", log.at("frames").at("moving"));

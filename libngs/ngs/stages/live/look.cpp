@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "ngs/core/error.h"
-#include "ngs/ops/splat/splat_options.h"
+#include "ngs/ops/splat/splat.h"
 #include "ngs/stages/orbit/rigs.h"
 
 namespace ngs::live {
@@ -28,22 +28,42 @@ orbit::SurfacePoints fewer(const orbit::SurfacePoints& all) {
   return some;
 }
 
-/// From a place within, level, to where one sees farthest.
-orbit::Pose within(const orbit::FreeSpace& space, Vec stand, double radius) {
-  Vec best{1, 0, 0};
-  double farthest = -1;
-  for (int k = 0; k < 24; ++k) {
-    const double turn = 2 * std::numbers::pi * k / 24;
-    const Vec level{std::cos(turn), std::sin(turn), 0};
-    const double reach = space.free_length(stand, level, {1, 4 * radius});
-    if (reach > farthest) farthest = reach, best = level;
-  }
-  return {stand, stand + std::max(0.1 * radius, farthest) * best};
+/// Level or a little downwards, from places within.
+std::vector<orbit::Pose> within(const orbit::RoomFinding& room, double radius) {
+  constexpr std::size_t kStands = 4;
+  constexpr int kDirections = 8;
+  constexpr double kDown = 0.2;  // tangent
+  std::vector<orbit::Pose> poses;
+  for (std::size_t s = 0; s < std::min(kStands, room.stands.size()); ++s)
+    for (int k = 0; k < kDirections; ++k) {
+      const double turn = 2 * std::numbers::pi * k / kDirections;
+      poses.push_back({room.stands[s], room.stands[s] + radius * Vec{std::cos(turn), std::sin(turn), -kDown}});
+    }
+  return poses;
 }
 
-orbit::Pose outside(double radius) {
+/// All around, from outside.
+std::vector<orbit::Pose> outside(double radius) {
+  constexpr int kDirections = 12;
   const double half = std::sin(0.5 * kFov_deg * std::numbers::pi / 180), raised = kRaised_deg * std::numbers::pi / 180;
-  return {(1.05 * radius / half) * Vec{std::cos(raised), 0, std::sin(raised)}, {0, 0, 0}};
+  std::vector<orbit::Pose> poses;
+  for (int k = 0; k < kDirections; ++k) {
+    const double turn = 2 * std::numbers::pi * k / kDirections;
+    const Vec out{std::cos(raised) * std::cos(turn), std::cos(raised) * std::sin(turn), std::sin(raised)};
+    poses.push_back({(1.05 * radius / half) * out, {0, 0, 0}});
+  }
+  return poses;
+}
+
+/// How much there is to see: the mean step of colour from a pixel to its neighbours.
+double detail_of(const ImageF& image) {
+  double sum = 0;
+  for (int y = 1; y < image.height_px; ++y)
+    for (int x = 1; x < image.width_px; ++x)
+      for (int c = 0; c < 3; ++c)
+        sum += std::abs(double(image.at(x, y, c) - image.at(x - 1, y, c))) +
+               std::abs(double(image.at(x, y, c) - image.at(x, y - 1, c)));
+  return sum / double(image.pixels());
 }
 
 }  // namespace
@@ -77,12 +97,17 @@ FirstLook first_look(const Exec& exec, const GaussianCloud& cloud) {
   const orbit::Frame frame = orbit::frame_about(some, ball, up);
   const orbit::FreeSpace space(cloud, points, frame, {1.1 * ball.radius, kCells});
   const orbit::RoomFinding room = orbit::find_room(exec, space, ball.radius);
-  const orbit::Pose pose = room.is_room() ? within(space, room.stands.front(), ball.radius) : outside(ball.radius);
   FirstLook first{ball.centre + origin, ball.radius, up, {}, Compat::kInria};
-  first.look.position = frame.to_world(pose.centre) + origin, first.look.look_at = frame.to_world(pose.target) + origin;
-  first.look.up = up, first.look.fov_y_deg = kFov_deg;
-  const double nearest = room.is_room() ? 0.1 * ball.radius : orbit::length(pose.centre) - ball.radius;
-  if (nearest < near_plane(Compat::kInria)) first.compat = Compat::kGsplat;
+  if (!room.is_room() && 1.2 * ball.radius < near_plane(Compat::kInria)) first.compat = Compat::kGsplat;
+  SplatOptions splat{.compat = first.compat, .antialiased = cloud.antialiased, .max_sh_degree = 0};
+  splat = prepared_for(exec, splat, cloud);
+  double most = -1;
+  for (const orbit::Pose& pose : room.is_room() ? within(room, ball.radius) : outside(ball.radius)) {
+    Look look{frame.to_world(pose.centre) + origin, frame.to_world(pose.target) + origin, up, kFov_deg, 160, 120};
+    const double detail = detail_of(render(exec, cloud, camera_of(look), splat, {}).colour);
+    if (detail > most) most = detail, first.look = look;
+  }
+  first.look.width_px = Look().width_px, first.look.height_px = Look().height_px;
   return first;
 }
 

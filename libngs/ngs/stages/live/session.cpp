@@ -4,7 +4,9 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <utility>
 
+#include "ngs/backend/for_each.h"
 #include "ngs/core/error.h"
 #include "ngs/core/monitor.h"
 #include "ngs/ops/image/metrics.h"
@@ -80,6 +82,20 @@ void lay_strokes(const ViewPrompt& strokes, int contested_px, ViewPrompt& prompt
   }
 }
 
+/// Of a render of known_channels(); what is empty is known.
+Consensus consensus_of(const RenderedView& rendered) {
+  Consensus consensus{rendered.width_px, rendered.height_px, {}, {}, {}};
+  const std::size_t pixels = rendered.alpha.data.size();
+  consensus.object.resize(pixels), consensus.known.resize(pixels);
+  for (std::size_t p = 0; p < pixels; ++p) {
+    const float known = rendered.label.data[2 * p + 1] + 1 - rendered.alpha.data[p];
+    consensus.known[p] = std::clamp(known, 0.f, 1.f);
+    consensus.object[p] = known > 0 ? std::clamp(rendered.label.data[2 * p] / known, 0.f, 1.f) : 0.f;
+  }
+  consensus.alone = consensus.object;
+  return consensus;
+}
+
 }  // namespace
 
 Camera segmented_camera(const Look& look) {
@@ -125,32 +141,32 @@ Session::Kept& Session::kept(int id) {
   return kept_.emplace_back(Kept{id, ObjectEvidence(model_.cloud.size()), {}, nullptr});
 }
 
-/// Of a view of which other views know nothing, the strokes alone.
-ViewPrompt Session::prompt_for(const MarkedView& view, const ObjectEvidence& others, bool others_know) const {
+/// What the object's other views know of every Gaussian, [N, 2]: its share in the object, and 1 where it is known.
+std::vector<float> Session::known_channels(const ObjectEvidence& others) const {
+  std::vector<float> channel(2 * others.gaussians());
+  for_each_index(exec_, std::int64_t(others.gaussians()), [&](std::int64_t i) {
+    const auto row = std::size_t(i);
+    if (others.is_seen(row)) channel[2 * row] = float(others.share(row)), channel[2 * row + 1] = 1;
+  });
+  return channel;
+}
+
+/// Finds the mask of a view from its strokes, and from what the object's other views say there; null: there are none.
+void Session::segment(MarkedView& view, const ObjectEvidence* others) const {
   const Camera& camera = view.camera;
-  const ViewPrompt strokes = rasterise(view.strokes, camera.width_px, camera.height_px);
-  if (!others_know) return strokes;
-  const auto n = std::size_t(model_.cloud.size());
-  std::vector<float> channel(2 * n);  // share of the object, and 1 where it is known
-  for (std::size_t i = 0; i < n; ++i)
-    if (others.is_seen(i)) channel[2 * i] = float(others.share(i)), channel[2 * i + 1] = 1;
+  const std::vector<float> channel = others ? known_channels(*others) : std::vector<float>();
   RenderRequest request;
-  request.colour = false;
-  request.label = {channel.data(), std::int64_t(n), 2};
+  request.background = model_.background;
+  if (others) request.label = {channel.data(), model_.cloud.size(), 2};
   const RenderedView rendered = render(exec_, model_.cloud, camera, model_.splat, request);
-  Consensus consensus{camera.width_px, camera.height_px, {}, {}, {}};
-  const std::size_t pixels = rendered.alpha.data.size();
-  consensus.object.resize(pixels), consensus.known.resize(pixels), consensus.alone.resize(pixels);
-  for (std::size_t p = 0; p < pixels; ++p) {
-    const float known = rendered.label.data[2 * p + 1] + 1 - rendered.alpha.data[p];
-    consensus.known[p] = std::clamp(known, 0.f, 1.f);
-    consensus.object[p] = known > 0 ? std::clamp(rendered.label.data[2 * p] / known, 0.f, 1.f) : 0.f;
-    consensus.alone[p] = consensus.object[p];
+  ViewPrompt prompt = rasterise(view.strokes, camera.width_px, camera.height_px);
+  if (others) {
+    const ViewPrompt strokes = std::exchange(
+        prompt, prompt_from(consensus_of(rendered), std::max(3, diagonal_share(camera, kBand)), view.mask));
+    prompt.by_hand = true;
+    lay_strokes(strokes, diagonal_share(camera, kContested), prompt);
   }
-  ViewPrompt prompt = prompt_from(consensus, std::max(3, diagonal_share(camera, kBand)), view.mask);
-  prompt.by_hand = true;
-  lay_strokes(strokes, diagonal_share(camera, kContested), prompt);
-  return prompt;
+  view.mask = live_mask(to_bytes(rendered.colour), prompt, 0);
 }
 
 /// Sets what the view says of the Gaussians.
@@ -186,11 +202,11 @@ StrokeAnswer Session::mark(int id, const Look& look, const std::vector<PromptStr
   view.strokes.strokes.insert(view.strokes.strokes.end(), strokes.begin(), strokes.end());
 
   const bool is_new = place == marked.views.end();
-  const ViewPrompt prompt = [&] {
+  {
+    const bool others_know = marked.views.size() > (is_new ? 0u : 1u);
     const WithoutView others(kept(id).evidence, is_new ? nullptr : place->get());
-    return prompt_for(view, kept(id).evidence, marked.views.size() > std::size_t(!is_new));
-  }();
-  view.mask = live_mask(picture(view.camera), prompt, 0);
+    segment(view, others_know ? &kept(id).evidence : nullptr);
+  }
   const double masked_s = wall_seconds();
   weigh(view);
   StrokeAnswer answer;

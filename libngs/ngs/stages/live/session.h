@@ -60,7 +60,8 @@ class Session {
     std::shared_ptr<const ObjectLabels> labels;
   };
 
-  ViewPrompt prompt_for(const MarkedView& view, const ObjectEvidence& others, bool others_know) const;
+  std::vector<float> known_channels(const ObjectEvidence& others) const;
+  void segment(MarkedView& view, const ObjectEvidence* others) const;
   void weigh(MarkedView& view) const;
   Kept& kept(int id);
   bool bring_up_to_date(Kept& kept, const ObjectMarks& object);
