@@ -7,7 +7,7 @@
 #include "fields.h"
 #include "latency.h"
 #include "loaded_model.h"
-#include "studio.h"
+#include "reply.h"
 
 namespace ngs::studio {
 

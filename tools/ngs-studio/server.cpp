@@ -1,17 +1,88 @@
 #include "server.h"
 
+#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstdlib>
+#include <cstring>
 #include <thread>
 
+#include "httplib.h"
 #include "ngs/core/error.h"
 #include "page_files.h"
-#include "timed_stream.h"
 
 namespace ngs::studio {
 namespace {
+
+using std::chrono::milliseconds;
+
+/// A connection of which every request must be over in time: one that comes a byte at a time is cut off, however
+/// steadily the bytes come.
+class TimedStream : public httplib::Stream {
+ public:
+  explicit TimedStream(int socket) : socket_(socket) {}
+
+  /// Waits for the first byte of the next request; false: none came. From it on the request has its time.
+  bool wait_for_request(milliseconds patience, milliseconds request_time);
+
+  bool is_readable() const override;
+  bool is_writable() const override;
+  ssize_t read(char* to, std::size_t size) override;
+  ssize_t write(const char* from, std::size_t size) override;
+  void get_remote_ip_and_port(std::string& ip, int& port) const override { ip = "127.0.0.1", port = 0; }
+  void get_local_ip_and_port(std::string& ip, int& port) const override { ip = "127.0.0.1", port = 0; }
+  socket_t socket() const override { return socket_; }
+
+ private:
+  bool ready(short event, milliseconds patience) const;
+  milliseconds left() const;
+
+  int socket_;
+  std::chrono::steady_clock::time_point deadline_{};
+  char buffer_[4096] = {};
+  std::size_t begin_ = 0, end_ = 0;
+};
+
+bool TimedStream::wait_for_request(milliseconds patience, milliseconds request_time) {
+  if (begin_ == end_ && !ready(POLLIN, patience)) return false;
+  deadline_ = std::chrono::steady_clock::now() + request_time;
+  return true;
+}
+
+milliseconds TimedStream::left() const {
+  return std::chrono::ceil<milliseconds>(
+      std::max(std::chrono::steady_clock::duration::zero(), deadline_ - std::chrono::steady_clock::now()));
+}
+
+bool TimedStream::ready(short event, milliseconds patience) const {
+  pollfd wanted{socket_, event, 0};
+  return poll(&wanted, 1, int(patience.count())) > 0 && (wanted.revents & event) != 0;
+}
+
+bool TimedStream::is_readable() const { return begin_ < end_ || ready(POLLIN, left()); }
+bool TimedStream::is_writable() const { return ready(POLLOUT, milliseconds(0)); }
+
+ssize_t TimedStream::read(char* to, std::size_t size) {
+  if (begin_ == end_) {
+    if (left().count() == 0 || !ready(POLLIN, left())) return -1;
+    const ssize_t got = recv(socket_, buffer_, sizeof buffer_, 0);
+    if (got <= 0) return got;
+    begin_ = 0, end_ = std::size_t(got);
+  }
+  const std::size_t some = std::min(size, end_ - begin_);
+  std::memcpy(to, buffer_ + begin_, some);
+  begin_ += some;
+  return ssize_t(some);
+}
+
+/// The answer has its own time: working it out may have taken all of the request's.
+ssize_t TimedStream::write(const char* from, std::size_t size) {
+  constexpr milliseconds kPatience(5000);
+  return ready(POLLOUT, kPatience) ? send(socket_, from, size, MSG_NOSIGNAL | MSG_DONTWAIT) : -1;
+}
 
 constexpr std::size_t kMostBody = 1 << 20;
 constexpr std::size_t kThreads = 24;  // a browser holds six connections

@@ -19,6 +19,11 @@
 
 namespace ngs::studio {
 
+struct StudioPlace {
+  std::string source;  // a splat, or a scene.json that names one
+  std::string folder;  // where all that lasts is kept
+};
+
 class StateFolder {
  public:
   /// Makes the folder, or takes one that is ours. kUsage for a folder that holds something else.

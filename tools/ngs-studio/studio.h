@@ -6,13 +6,9 @@
 
 #include "ngs/backend/exec.h"
 #include "reply.h"
+#include "state_folder.h"
 
 namespace ngs::studio {
-
-struct StudioPlace {
-  std::string source;  // a splat, or a scene.json that names one
-  std::string folder;  // where all that lasts is kept
-};
 
 class Studio {
  public:
