@@ -1,0 +1,102 @@
+// Refine and Export: long work of the server with its progress, and what comes of it.
+import { get, inTurn, post } from './server.js';
+
+const kPollMs = 400;
+
+export class Jobs {
+  // `find(id)` gives an element; `on` has state(state) and failed(error).
+  constructor(find, on) {
+    Object.assign(this, { find, on, running: false });
+    find('refine').addEventListener('click', () => this.start('/api/refine', { quality: this.quality }));
+    find('export').addEventListener('click', () => this.start('/api/export', {}));
+    find('job-cancel').addEventListener('click', () => post('/api/cancel').catch(on.failed));
+    find('copy').addEventListener('click', () => this.copy());
+    this.holdToCompare(find('before'));
+  }
+
+  get quality() { return document.querySelector('[name=quality]:checked').value; }
+
+  async start(path, body) {
+    try {
+      this.on.state(await inTurn(() => post(path, body)));
+    } catch (error) {
+      this.on.failed(error);
+    }
+  }
+
+  // Called with every state: shows what runs, and watches it to its end.
+  show(state) {
+    const { job } = state, running = job?.state === 'running';
+    const refined = job?.kind === 'refine' && job.state === 'done';
+    this.find('job').hidden = !running;
+    this.find('refine').disabled = running || state.undo + state.redo + state.objects.reduce((sum, o) => sum + o.strokes, 0) === 0;
+    this.find('export').disabled = running || state.objects.every((object) => !object.gaussians);
+    this.find('before').hidden = !refined;
+    this.showExport(state);
+    if (running) this.showProgress(job);
+    if (running && !this.running) this.watch();
+  }
+
+  showProgress({ kind, stage, done, remaining_s: remaining }) {
+    const left = remaining === null || remaining === undefined ? '' : `, ${spoken(remaining)} left`;
+    this.find('job-bar').value = done;
+    this.find('job-text').textContent = `${kind === 'export' ? 'Writing' : stage || 'Refining'}: ${Math.round(100 * done)} %${left}`;
+  }
+
+  async watch() {
+    this.running = true;
+    for (;;) {
+      await new Promise((resolve) => setTimeout(resolve, kPollMs));
+      try {
+        const job = await get('/api/job');
+        if (job?.state === 'running') { this.showProgress(job); continue; }
+        this.running = false;
+        this.on.state(await get('/api/state'), job);
+        if (job?.error) this.on.failed(job.error);
+      } catch (error) {
+        this.running = false;
+        this.on.failed(error);
+      }
+      return;
+    }
+  }
+
+  showExport({ export: written, commands }) {
+    this.find('exported').hidden = !written;
+    this.find('commands').textContent = (commands ?? []).join('\n');
+    this.find('commands-box').hidden = !commands?.length;
+    if (!written) return;
+    this.find('folder').textContent = written.folder;
+    this.find('files').replaceChildren(...written.files.map((file) =>
+      Object.assign(document.createElement('li'), { textContent: file })));
+  }
+
+  async copy() {
+    const text = this.find('commands').textContent, button = this.find('copy');
+    try {
+      await navigator.clipboard.writeText(text);
+    } catch {  // no permission: what is selected can be copied by hand
+      getSelection().selectAllChildren(this.find('commands'));
+    }
+    button.textContent = getSelection().toString() === text ? 'Selected: copy it' : 'Copied';
+    setTimeout(() => { button.textContent = 'Copy'; }, 1500);
+  }
+
+  // As long as the button is held, by pointer or key, frames show the labels before Refine.
+  holdToCompare(button) {
+    const show = async (before) => {
+      if ((button.getAttribute('aria-pressed') === 'true') === before) return;
+      button.setAttribute('aria-pressed', before);
+      await this.start('/api/before', { show: before });
+    };
+    for (const name of ['pointerdown', 'keydown']) button.addEventListener(name, ({ key = ' ' }) => (key === ' ' || key === 'Enter') && show(true));
+    for (const name of ['pointerup', 'pointercancel', 'pointerleave', 'keyup', 'blur']) button.addEventListener(name, () => show(false));
+    button.addEventListener('contextmenu', (event) => event.preventDefault());  // a long touch
+  }
+}
+
+// Seconds as people say them.
+function spoken(seconds) {
+  if (seconds < 55) return `${Math.max(1, Math.round(seconds))} s`;
+  return seconds < 3300 ? `${Math.round(seconds / 60)} min` : `${(seconds / 3600).toFixed(1)} h`;
+}
