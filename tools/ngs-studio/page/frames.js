@@ -7,10 +7,12 @@ const kStillSizes = [640, 960, 1280, 1920];
 const kPatience = 12;                               // fast frames before a slow size is tried again
 const kSettleMs = 160;                            // without a change, the picture counts as still
 
-// Longer side of frames: the largest of `sizes` that stays within `budgetMs`. A size that was too slow is tried again only
-// after many fast frames, so that pictures do not change their sharpness to and fro.
+// Longer side of frames: the largest of `sizes` that stays within `budgetMs`. A size that was too slow is tried again
+// only after many fast frames, so that pictures do not change their sharpness to and fro.
 class Size {
-  constructor(sizes, budgetMs, step) { Object.assign(this, { sizes, budgetMs, step, ceiling: sizes.length - 1, fast: 0 }); }
+  constructor(sizes, budgetMs, step) {
+    Object.assign(this, { sizes, budgetMs, step, ceiling: sizes.length - 1, fast: 0 });
+  }
   get pixels() { return this.sizes[this.step]; }
   learn(ms) {
     this.fast = ms < 0.35 * this.budgetMs ? this.fast + 1 : 0;
@@ -35,7 +37,7 @@ export class Frames {
 
   // The camera has moved; once it rests, a large frame follows.
   move() {
-    if (this.shown?.kind === 'still') this.still.learn(this.shown.ms);  // while still, the size stays: strokes are on its pixels
+    this.learnFromStill();
     clearTimeout(this.settling);
     this.settling = setTimeout(() => this.refresh(), kSettleMs);
     if (this.running?.kind === 'still') this.running.abort.abort();
@@ -48,6 +50,13 @@ export class Frames {
     if (this.running?.kind === 'still') this.running.abort.abort();
     this.wanted = 'still';
     this.next();
+  }
+
+  // As long as the camera rests, the size stays: strokes are in its pixels.
+  learnFromStill() {
+    if (this.shown?.kind !== 'still' || this.shown.learnt) return;
+    this.shown.learnt = true;
+    this.still.learn(this.shown.ms);
   }
 
   freeze(frozen) {

@@ -29,8 +29,8 @@ export class Jobs {
     const { job } = state, running = job?.state === 'running';
     const refined = job?.kind === 'refine' && job.state === 'done';
     this.find('job').hidden = !running;
-    this.find('refine').disabled = running || state.undo + state.redo + state.objects.reduce((sum, o) => sum + o.strokes, 0) === 0;
-    this.find('export').disabled = running || state.objects.every((object) => !object.gaussians);
+    const marked = state.objects.some(({ gaussians }) => gaussians > 0);
+    this.find('refine').disabled = this.find('export').disabled = running || !marked;
     this.find('before').hidden = !refined;
     this.showExport(state);
     if (running) this.showProgress(job);
@@ -40,7 +40,8 @@ export class Jobs {
   showProgress({ kind, stage, done, remaining_s: remaining }) {
     const left = remaining === null || remaining === undefined ? '' : `, ${spoken(remaining)} left`;
     this.find('job-bar').value = done;
-    this.find('job-text').textContent = `${kind === 'export' ? 'Writing' : stage || 'Refining'}: ${Math.round(100 * done)} %${left}`;
+    const work = kind === 'export' ? 'Writing' : stage || 'Refining';
+    this.find('job-text').textContent = `${work}: ${Math.round(100 * done)} %${left}`;
   }
 
   async watch() {
@@ -89,8 +90,10 @@ export class Jobs {
       button.setAttribute('aria-pressed', before);
       await this.start('/api/before', { show: before });
     };
-    for (const name of ['pointerdown', 'keydown']) button.addEventListener(name, ({ key = ' ' }) => (key === ' ' || key === 'Enter') && show(true));
-    for (const name of ['pointerup', 'pointercancel', 'pointerleave', 'keyup', 'blur']) button.addEventListener(name, () => show(false));
+    for (const name of ['pointerdown', 'keydown'])
+      button.addEventListener(name, ({ key = ' ' }) => (key === ' ' || key === 'Enter') && show(true));
+    for (const name of ['pointerup', 'pointercancel', 'pointerleave', 'keyup', 'blur'])
+      button.addEventListener(name, () => show(false));
     button.addEventListener('contextmenu', (event) => event.preventDefault());  // a long touch
   }
 }

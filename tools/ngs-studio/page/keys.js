@@ -6,7 +6,7 @@ const kFlight = 0.9;   // distances to the target a second
 
 // `does` has the functions that are called by name here.
 export function keyTable(does) {
-  const turn = (across, along) => (event) => does.arrow(across * kTurn, along * kTurn, across * kNudge, -along * kNudge, event);
+  const turn = (across, along) => () => does.arrow([across * kTurn, along * kTurn], [across * kNudge, -along * kNudge]);
   return [
     { group: 'Tools' },
     { keys: ['Escape'], shown: 'Esc', says: 'look around', run: () => does.tool('look') },
@@ -46,7 +46,7 @@ export function keyTable(does) {
   ];
 }
 
-const takesText = (element) => element.matches?.('input:not([type=range], [type=checkbox], [type=radio]), select, textarea');
+const takesText = (element) => element.matches?.('input:not([type=range], [type=checkbox], [type=radio]), select');
 const needsKey = (element, key) => element.matches?.('input, button, select, summary, [role=radio]') &&
   (key === ' ' || key === 'Enter' || key.startsWith('Arrow'));
 

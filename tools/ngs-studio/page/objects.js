@@ -2,7 +2,7 @@
 const counted = new Intl.NumberFormat('en');
 export const number = (value) => counted.format(value);
 
-// Lays the server's objects into the list and keeps the rows that stay, so that focus and half-typed names are not lost.
+// Lays the server's objects into the list. Rows that stay are kept, so that focus and half-typed names are not lost.
 export function showObjects(list, { objects, active }, change) {
   const rows = new Map([...list.children].map((row) => [Number(row.dataset.id), row]));
   for (const object of objects) {
@@ -16,12 +16,16 @@ export function showObjects(list, { objects, active }, change) {
 function newRow(id, change) {
   const row = document.createElement('li');
   row.dataset.id = id;
-  row.innerHTML = `<input type="radio" name="active"><input type="color"><input type="text" maxlength="60" spellcheck="false">
+  row.innerHTML = `<input type="radio" name="active"><input type="color">
+    <input type="text" maxlength="60" spellcheck="false">
     <span class="count"></span><button class="quiet"><svg><use href="#icon-bin"/></svg></button>`;
   const [active, colour, name] = row.children, remove = row.lastElementChild;
   active.addEventListener('change', () => change({ active: id }));
   colour.addEventListener('change', () => change({ id, colour: colour.value }));
-  name.addEventListener('change', () => (name.value.trim() ? change({ id, name: name.value.trim() }) : (name.value = name.defaultValue)));
+  name.addEventListener('change', () => {
+    name.value = name.value.trim() || name.defaultValue;
+    if (name.value !== name.defaultValue) change({ id, name: name.value });
+  });
   name.addEventListener('keydown', ({ key }) => key === 'Enter' && name.blur());
   name.addEventListener('focus', () => active.checked || change({ active: id }));
   remove.addEventListener('click', () => change({ remove: id }));

@@ -1,6 +1,6 @@
-// Mouse, pen and fingers over the picture. With the hand: left turns, right pans, middle turns. With a brush: left paints,
-// the others are as with the hand, and Alt makes left turn. Two fingers pan and zoom; a second finger ends no stroke but
-// takes it back, since it was the beginning of a gesture.
+// Mouse, pen and fingers over the picture. With the hand: left turns, right pans, middle turns. With a brush: left
+// paints, the others are as with the hand, and Alt makes left turn. Two fingers pan and zoom; a second finger takes a
+// stroke back, since it was the beginning of a gesture.
 const kTurn = 0.005;        // radians a CSS pixel
 const kWheelZoom = 0.0012;  // ln of the distance a wheel unit
 const kPinchZoom = 0.01;    // the same for a trackpad's pinch, which comes in small units
@@ -9,11 +9,12 @@ const kLine = 20;           // wheel units of a line
 const middleOf = ([a, b]) => ({ x: (a.x + b.x) / 2, y: (a.y + b.y) / 2, spread: Math.hypot(a.x - b.x, a.y - b.y) });
 
 export class Pointer {
-  // `on`: turn, pan, zoom, hover(point or null), paint, paintMore, paintEnd, paintCancel, pick; `labelFor(event)`: 'object',
-  // 'background', or null where the hand is the tool.
+  // `on`: turn, pan, zoom, hover(point or null), paint, paintMore, paintEnd, paintCancel, pick; `labelFor(event)`:
+  // 'object', 'background', or null where the hand is the tool.
   constructor(element, labelFor, on) {
     Object.assign(this, { element, labelFor, on, fingers: new Map(), task: null });
-    const listen = (name, work) => element.addEventListener(name, (event) => work.call(this, event), { passive: false });
+    const listen = (name, work) =>
+      element.addEventListener(name, (event) => work.call(this, event), { passive: false });
     listen('pointerdown', this.down);
     listen('pointermove', this.move);
     listen('pointerup', this.up);
@@ -65,8 +66,14 @@ export class Pointer {
     if (this.task === 'turn') this.on.turn(dx * kTurn, dy * kTurn);
     else if (this.task === 'pan') this.on.pan(dx, dy);
     else if (this.task === 'zoom') this.on.zoom(Math.exp(-dy * kTurn));
-    else if (this.task === 'paint') for (const part of event.getCoalescedEvents?.() ?? [event]) this.on.paintMore(this.at(part));
+    else if (this.task === 'paint') this.paint(event);
     else if (this.task === 'gesture' && this.fingers.size > 1) this.gesture();
+  }
+
+  // Every place between two frames of the browser, so that quick strokes have no corners.
+  paint(event) {
+    for (const part of event.getCoalescedEvents?.() ?? []) this.on.paintMore(this.at(part));
+    this.on.paintMore(this.at(event));
   }
 
   gesture() {

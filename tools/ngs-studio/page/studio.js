@@ -1,5 +1,5 @@
-// The page of ngs-studio. What is marked, cut and written lies with the server; the page holds the camera, the tool and what
-// of the scene is seen, shows the server's state and sends it strokes.
+// The page of ngs-studio. What is marked, cut and written lies with the server; the page holds the camera, the tool and
+// what of the scene is seen, shows the server's state and sends it strokes.
 import { Brush, strokeFor } from './brush.js';
 import { Camera } from './camera.js';
 import { Frames } from './frames.js';
@@ -7,11 +7,14 @@ import { Jobs } from './jobs.js';
 import { keyTable, listKeys, listenToKeys } from './keys.js';
 import { number, showObjects } from './objects.js';
 import { Pointer } from './pointer.js';
-import { StudioError, get, inTurn, post } from './server.js';
+import { get, inTurn, post } from './server.js';
 
 const kRetryMs = 2000;
 const kRadius = { least: 2, most: 80 };
-const kAxes = { 'as found': null, '+x': [1, 0, 0], '−x': [-1, 0, 0], '+y': [0, 1, 0], '−y': [0, -1, 0], '+z': [0, 0, 1], '−z': [0, 0, -1] };
+const kAxes = {
+  'as found': null, '+x': [1, 0, 0], '−x': [-1, 0, 0], '+y': [0, 1, 0], '−y': [0, -1, 0],
+  '+z': [0, 0, 1], '−z': [0, 0, -1],
+};
 const find = (id) => document.getElementById(id);
 
 const seen = { fade: 0.5, boundary: false, highlight: true, all: true };  // what of the scene is shown
@@ -62,7 +65,8 @@ function request() {
 
 function frameShown({ version, kind, ms }) {
   brush.forget(version);
-  find('trouble').dataset.gone && hideTrouble();
+  if (find('trouble').dataset.gone) hideTrouble();
+  if (version > state.version) inTurn(() => get('/api/state')).then(showState, failed);  // another page has written
   find('paint').dataset.frames = Number(find('paint').dataset.frames ?? 0) + 1;
   find('paint').dataset.shown = `${kind} ${version}`;
   find('status').title = `${Math.round(ms)} ms`;
@@ -73,7 +77,8 @@ function begin() {
   frames = new Frames(find('picture'), camera, request, {
     shown: frameShown, failed, busy: (busy) => find('working').classList.toggle('busy', busy),
   });
-  find('views').replaceChildren(...['the start', ...state.views.map(({ name }) => name)].map((name, k) => new Option(name, k)));
+  const views = ['the start', ...state.views.map(({ name }) => name)];
+  find('views').replaceChildren(...views.map((name, k) => new Option(name, k)));
   find('upwards').replaceChildren(...Object.keys(kAxes).map((name) => new Option(name)));
   new ResizeObserver(() => { brush.draw(); frames.refresh(); }).observe(find('stage'));
   new Pointer(find('paint'), labelFor, pointerTasks());
@@ -98,7 +103,8 @@ function jumpBy(step) {
 }
 
 function fit() {
-  const ball = state.objects.find(({ id }) => id === state.active)?.bounds ?? state.bounds, { clientWidth, clientHeight } = find('paint');
+  const ball = state.objects.find(({ id }) => id === state.active)?.bounds ?? state.bounds;
+  const { clientWidth, clientHeight } = find('paint');
   moved(() => camera.fit(ball, clientWidth / clientHeight));
 }
 
@@ -133,21 +139,31 @@ function pointerTasks() {
     paint: beginStroke,
     paintMore: (point) => frames.frozen && brush.extend(point),
     paintEnd: endStroke,
-    paintCancel: () => {
-      brush.drop(brush.current);
-      frames.freeze(false);
-    },
+    paintCancel: cancelStroke,
   };
 }
 
 // What is painted holds for the picture that is seen, which may lag behind the camera: the camera goes back to it.
 function beginStroke(label, point) {
+  if (!frames.shown) return;
   if (isBusy()) return say('Wait for the end of Refine, or cancel it, before you paint.');
   const { position, look_at, up } = frames.shown.camera;
   camera.place({ position, look_at, up, fov_y_deg: camera.fovDegrees });
   frames.freeze(true);
   brush.begin(label, point);
   hideHint();
+}
+
+function cancelStroke() {
+  const stroke = brush.current;
+  brush.current = null;
+  brush.drop(stroke);
+  frames.freeze(false);
+}
+
+function addObject() {
+  const last = Math.max(0, ...state.objects.map(({ id }) => id));
+  return write('/api/objects', { add: { name: `object ${last + 1}` } });
 }
 
 async function endStroke() {
@@ -157,6 +173,7 @@ async function endStroke() {
   frames.freeze(false);
   const of = kind === 'still' ? shownBy : frames.cameraFor('still');
   say('Looking for what belongs to it …');
+  if (state.objects.length === 0) await addObject();
   const body = { object: state.active, camera: of, strokes: [strokeFor(stroke, find('paint'), of)] };
   const answered = await write('/api/strokes', body);
   if (!answered) return brush.drop(stroke);
@@ -172,8 +189,8 @@ function keyCursor() {
   return (brush.cursor ??= { x: clientWidth / 2, y: clientHeight / 2, label: tool });
 }
 
-function arrow(across, along, dx, dy) {
-  if (tool === 'look') return moved(() => camera.orbit(across, along));
+function arrow(turn, [dx, dy]) {
+  if (tool === 'look') return moved(() => camera.orbit(...turn));
   const cursor = keyCursor();
   Object.assign(cursor, { x: cursor.x + dx, y: cursor.y + dy, label: tool });
   brush.draw();
@@ -189,6 +206,7 @@ function mark() {
 // ---- tools and what is seen
 
 function take(next) {
+  if (frames?.frozen) return cancelStroke();  // Esc while painting takes the stroke back
   tool = next;
   for (const name of ['look', 'object', 'background']) find(`tool-${name}`).setAttribute('aria-pressed', name === tool);
   find('paint').dataset.tool = tool;
@@ -210,7 +228,8 @@ function setSeen(change) {
   for (const name of ['highlight', 'boundary', 'all']) find(name).checked = seen[name];
   find('fade').value = seen.fade;
   find('fade').disabled = seen.boundary;
-  for (const end of document.querySelectorAll('.end')) end.setAttribute('aria-pressed', Number(end.dataset.fade) === seen.fade);
+  for (const end of document.querySelectorAll('.end'))
+    end.setAttribute('aria-pressed', Number(end.dataset.fade) === seen.fade);
   frames?.refresh();
 }
 
@@ -231,11 +250,12 @@ function hideHint() {
 
 function say(text) { find('status').textContent = text; }
 
+// Shows a StudioError, or an error as the server sends it of a job, or what else may be thrown.
 function failed(error) {
-  if (!(error instanceof StudioError)) error = new StudioError({ object: 'ngs-studio', found: error.message ?? error.found, remedy: error.remedy, ...error });
   const [object, found] = find('trouble').firstElementChild.children;
-  object.textContent = error.object ?? '';
-  found.textContent = [error.found, error.expected && `expected ${error.expected}`].filter(Boolean).join(', ');
+  object.textContent = error.object ?? 'ngs-studio';
+  const expected = error.expected && `expected ${error.expected}`;
+  found.textContent = [error.found ?? error.message ?? String(error), expected].filter(Boolean).join(', ');
   find('trouble').querySelector('.remedy').textContent = error.remedy ?? '';
   find('trouble').hidden = false;
   say('');
@@ -293,9 +313,11 @@ function listen() {
   clicked('trouble-close', hideTrouble);
   clicked('view-back', () => jumpBy(-1));
   clicked('view-next', () => jumpBy(1));
-  clicked('object-add', () => write('/api/objects', { add: { name: `object ${Math.max(0, ...state.objects.map(({ id }) => id)) + 1}` } }));
-  for (const end of document.querySelectorAll('.end')) end.addEventListener('click', () => setSeen({ fade: Number(end.dataset.fade), boundary: false }));
-  for (const name of ['highlight', 'boundary', 'all']) find(name).addEventListener('change', ({ target }) => setSeen({ [name]: target.checked }));
+  clicked('object-add', addObject);
+  for (const end of document.querySelectorAll('.end'))
+    end.addEventListener('click', () => setSeen({ fade: Number(end.dataset.fade), boundary: false }));
+  for (const name of ['highlight', 'boundary', 'all'])
+    find(name).addEventListener('change', ({ target }) => setSeen({ [name]: target.checked }));
   find('fade').addEventListener('input', ({ target }) => setSeen({ fade: Number(target.value) }));
   find('radius').addEventListener('input', ({ target }) => setRadius(Number(target.value)));
   find('views').addEventListener('change', ({ target }) => jump(Number(target.value)));
