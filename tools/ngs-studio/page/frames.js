@@ -23,8 +23,8 @@ class Size {
 }
 
 export class Frames {
-  // `describe(moving)` gives what belongs to a request beside camera and size; `camera` is the page's; `on` has
-  // shown(frame), failed(error) and busy(boolean).
+  // `describe()` gives what belongs to a request beside camera and size; `camera` is the page's; `on` has shown(frame),
+  // failed(error) and busy(), which is called when drawing begins or ends.
   constructor(canvas, camera, describe, on) {
     Object.assign(this, { canvas, camera, describe, on });
     this.moving = new Size(kMovingSizes, kMovingMs, 2);
@@ -34,6 +34,9 @@ export class Frames {
     this.shown = null;     // the last frame: its camera, of which size, which version of the labels
     this.frozen = false;   // while a stroke is painted, the picture stays as it is
   }
+
+  // 'moving' or 'still': what the server draws, or soon will.
+  get drawing() { return this.running?.kind ?? this.wanted; }
 
   // The camera has moved; once it rests, a large frame follows.
   move() {
@@ -78,7 +81,7 @@ export class Frames {
     const kind = this.wanted, moving = kind === 'moving';
     this.wanted = null;
     this.running = { kind, abort: new AbortController() };
-    this.on.busy(!moving);
+    this.on.busy();
     const body = { camera: this.cameraFor(kind), ...this.describe(), moving };
     try {
       const picture = await frame(body, this.running.abort.signal);
@@ -89,7 +92,7 @@ export class Frames {
       if (error instanceof StudioError && error.gone) this.wanted = null;
     }
     this.running = null;
-    this.on.busy(false);
+    this.on.busy();
     this.next();
   }
 

@@ -8,7 +8,7 @@ export class StudioError extends Error {
 
 const kGone = {
   object: 'ngs-studio', found: 'no answer', expected: 'the server on this machine',
-  remedy: 'start it again with the command that you started it with; nothing is lost, the page goes on by itself',
+  remedy: 'start it again with the same command and open the address that it prints; nothing is lost',
 };
 
 async function request(path, options) {

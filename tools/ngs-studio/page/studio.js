@@ -18,6 +18,7 @@ const kAxes = {
 const find = (id) => document.getElementById(id);
 
 const seen = { fade: 0.5, boundary: false, highlight: true, all: true };  // what of the scene is shown
+let writes = 0;             // that the server has not answered yet
 let tool = 'look';          // 'look', 'object' or 'background'
 let state, camera, frames;  // the server's state, the page's camera and picture
 const brush = new Brush(find('paint'));
@@ -44,6 +45,8 @@ function showState(next, finished) {
 const isBusy = () => state.job?.state === 'running';
 
 async function write(path, body) {
+  writes += 1;
+  showBusy();
   try {
     const answer = await inTurn(() => post(path, body));
     showState(answer);
@@ -51,7 +54,16 @@ async function write(path, body) {
   } catch (error) {
     failed(error);
     return null;
+  } finally {
+    writes -= 1;
+    showBusy();
   }
+}
+
+// The bar over the picture, and what a screen reader is told.
+function showBusy() {
+  find('working').classList.toggle('busy', writes > 0 || frames?.drawing === 'still');
+  find('paint').setAttribute('aria-busy', writes > 0 || Boolean(frames?.drawing));
 }
 
 // ---- the picture
@@ -67,15 +79,14 @@ function frameShown({ version, kind, ms }) {
   brush.forget(version);
   if (find('trouble').dataset.gone) hideTrouble();
   if (version > state.version) inTurn(() => get('/api/state')).then(showState, failed);  // another page has written
-  find('paint').dataset.frames = Number(find('paint').dataset.frames ?? 0) + 1;
-  find('paint').dataset.shown = `${kind} ${version}`;
+  find('paint').dataset.shown = kind;
   find('status').title = `${Math.round(ms)} ms`;
 }
 
 function begin() {
   camera = new Camera(state.start, state.bounds);
   frames = new Frames(find('picture'), camera, request, {
-    shown: frameShown, failed, busy: (busy) => find('working').classList.toggle('busy', busy),
+    shown: frameShown, failed, busy: showBusy,
   });
   const views = ['the start', ...state.views.map(({ name }) => name)];
   find('views').replaceChildren(...views.map((name, k) => new Option(name, k)));
