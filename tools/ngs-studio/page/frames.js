@@ -1,24 +1,35 @@
 // The picture: frames are asked for one at a time, small while something moves, large when all is still.
 import { StudioError, frame } from './server.js';
 
-const kMovingMs = 60, kStillMs = 900;             // what a frame may take the server
-const kMovingSizes = [240, 320, 480, 640, 960];   // longer side of a frame, pixels
+const kMovingMs = 60, kStillMs = 900;       // what a frame may take the server
+const kMovingSizes = [320, 480, 640, 960];  // longer side of a frame, pixels
 const kStillSizes = [640, 960, 1280, 1920];
-const kPatience = 12;                               // fast frames before a slow size is tried again
-const kSettleMs = 160;                            // without a change, the picture counts as still
+const kNews = 0.4;      // weight of the last time of a size against its earlier ones
+const kSurprise = 2;    // a frame counts as at most this much slower than those before it
+const kRoom = 0.4;      // of the budget: below, the next size is tried
+const kNoGain = 1.3;    // sizes that cost at most this much more than the cheapest are as good as it
+const kSettleMs = 160;  // without a change, the picture counts as still
 
-// Longer side of frames: the largest of `sizes` that stays within `budgetMs`. A size that was too slow is tried again
-// only after many fast frames, so that pictures do not change their sharpness to and fro.
+// Longer side of frames: the largest of `sizes` that stays within `budgetMs`. Where none does, the largest that costs
+// hardly more than the cheapest: of a large splat most of the time goes into sorting it, whatever the size.
 class Size {
-  constructor(sizes, budgetMs, step) {
-    Object.assign(this, { sizes, budgetMs, step, ceiling: sizes.length - 1, fast: 0 });
-  }
+  constructor(sizes, budgetMs, step) { Object.assign(this, { sizes, budgetMs, step, costs: sizes.map(() => null) }); }
   get pixels() { return this.sizes[this.step]; }
+
   learn(ms) {
-    this.fast = ms < 0.35 * this.budgetMs ? this.fast + 1 : 0;
-    if (ms > this.budgetMs) this.ceiling = this.step = Math.max(0, this.step - 1);
-    if (this.fast > kPatience) this.ceiling = this.sizes.length - 1;
-    if (this.fast > 0 && this.step < this.ceiling) this.step += 1;
+    const before = this.costs[this.step] ?? ms, now = before + kNews * (Math.min(ms, kSurprise * before) - before);
+    // What has become slower or faster has for all sizes: another part of the splat is seen, or the machine is busy.
+    this.costs = this.costs.map((cost) => cost && (cost * now) / before);
+    this.costs[this.step] = now;
+    this.step = this.choose();
+  }
+
+  choose() {
+    const { costs, budgetMs } = this;
+    const largest = (limit) => costs.findLastIndex((cost) => cost !== null && cost <= limit);
+    const fits = largest(budgetMs), least = costs.findIndex((cost) => cost !== null);
+    if (fits < 0) return least > 0 ? least - 1 : largest(kNoGain * Math.min(...costs.filter((cost) => cost !== null)));
+    return costs[fits + 1] === null && costs[fits] < kRoom * budgetMs ? fits + 1 : fits;
   }
 }
 
@@ -27,7 +38,7 @@ export class Frames {
   // failed(error) and busy(), which is called when drawing begins or ends.
   constructor(canvas, camera, describe, on) {
     Object.assign(this, { canvas, camera, describe, on });
-    this.moving = new Size(kMovingSizes, kMovingMs, 2);
+    this.moving = new Size(kMovingSizes, kMovingMs, 1);
     this.still = new Size(kStillSizes, kStillMs, 1);
     this.wanted = null;    // 'moving' or 'still'
     this.running = null;   // the request under way

@@ -32,7 +32,6 @@ export class Pointer {
 
   down(event) {
     if (event.pointerType === 'mouse' && this.task) return;
-    this.element.focus({ preventScroll: true });
     this.element.setPointerCapture(event.pointerId);
     const [x, y] = this.at(event);
     this.fingers.set(event.pointerId, { x, y });

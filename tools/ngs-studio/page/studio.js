@@ -30,7 +30,7 @@ function showState(next, finished) {
   const first = !state;
   state = next;
   document.title = `${state.title} – ngs-studio`;
-  find('title').textContent = state.title;
+  find('title').textContent = state.title.replace(/[._-]/g, '$&\u200b');  // may break there
   find('gaussians').textContent = `${number(state.gaussians)} Gaussians`;
   find('undo').disabled = !state.undo || isBusy();
   find('redo').disabled = !state.redo || isBusy();
