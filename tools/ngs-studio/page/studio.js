@@ -34,6 +34,7 @@ function showState(next, finished) {
   find('gaussians').textContent = `${number(state.gaussians)} Gaussians`;
   find('undo').disabled = !state.undo || isBusy();
   find('redo').disabled = !state.redo || isBusy();
+  find('no-objects').hidden = state.objects.length > 0;
   find('all-row').hidden = state.objects.length < 2;
   showObjects(find('objects'), state, (change) => write('/api/objects', change));
   jobs.show(state);
@@ -91,9 +92,15 @@ function begin() {
   const views = ['the start', ...state.views.map(({ name }) => name)];
   find('views').replaceChildren(...views.map((name, k) => new Option(name, k)));
   find('upwards').replaceChildren(...Object.keys(kAxes).map((name) => new Option(name)));
-  new ResizeObserver(() => { brush.draw(); frames.refresh(); }).observe(find('stage'));
+  new ResizeObserver(resized).observe(find('stage'));
   new Pointer(find('paint'), labelFor, pointerTasks());
   find('hint').hidden = Boolean(localStorage.getItem('ngs-studio-hint')) || state.undo > 0;
+}
+
+// The first call only tells the size.
+function resized() {
+  brush.draw();
+  if (frames.shown) frames.refresh();
 }
 
 function moved(change) {
