@@ -18,9 +18,10 @@ const work = path.join(values.folder, 'visit'), pictures = path.join(values.fold
 const errors = [];
 const open = (look) => openBrowser({ ...values, folder: work, errors }, look);
 
-let failures = 0;
+let passed = 0, failed = 0;
 function check(good, what) {
-  failures += good ? 0 : 1;
+  passed += good ? 1 : 0;
+  failed += good ? 0 : 1;
   console.log(`${good ? 'ok  ' : 'FAIL'} ${what}`);
 }
 
@@ -276,4 +277,5 @@ await looks(studio.url);
 check(errors.length === 0, `no error on the page's console${errors.map((error) => `\n       ${error}`).join('')}`);
 await withoutServer(page, studio);
 await close();
-process.exit(failures ? 1 : 0);
+console.log(`${passed} checks passed, ${failed} failed, 0 skipped`);
+process.exit(failed ? 1 : 0);
