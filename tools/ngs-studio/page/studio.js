@@ -9,7 +9,8 @@ import { number, showObjects } from './objects.js';
 import { Pointer } from './pointer.js';
 import { get, inTurn, post } from './server.js';
 
-const kRetryMs = 2000;
+const kRetryMs = 2000, kReadMs = 6000;
+const kDone = { refine: 'Refined', export: 'Written' };
 const kRadius = { least: 2, most: 80 };
 const kAxes = {
   'as found': null, '+x': [1, 0, 0], '−x': [-1, 0, 0], '+y': [0, 1, 0], '−y': [0, -1, 0],
@@ -38,7 +39,7 @@ function showState(next, finished) {
   find('all-row').hidden = state.objects.length < 2;
   showObjects(find('objects'), state, (change) => write('/api/objects', change));
   jobs.show(state);
-  if (finished) say({ done: 'Done', failed: 'Failed', cancelled: 'Cancelled' }[finished.state] ?? '');
+  if (finished) say({ done: kDone[finished.kind], failed: 'Failed', cancelled: 'Cancelled' }[finished.state] ?? '');
   if (first) begin();
   frames.refresh();
 }
@@ -266,7 +267,12 @@ function hideHint() {
 
 // ---- messages
 
-function say(text) { find('status').textContent = text; }
+let forgetting;
+function say(text) {
+  find('status').textContent = text;
+  clearTimeout(forgetting);
+  forgetting = setTimeout(() => { find('status').textContent = ''; }, kReadMs);
+}
 
 // Shows a StudioError, or an error as the server sends it of a job, or what else may be thrown.
 function failed(error) {
