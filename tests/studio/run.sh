@@ -21,7 +21,7 @@ require() { command -v "$1" > /dev/null || skip "$1 is absent, Debian package $2
 require node nodejs
 require npm npm
 require "$chromium" chromium
-for tool in ngs-studio ngs-synth ngs-scene; do
+for tool in ngs ngs-studio ngs-synth ngs-scene ngs-variance ngs-joint ngs-extract; do
   [ -x "$bin/$tool" ] || skip "$bin/$tool is not built"
 done
 mkdir -p "$out"

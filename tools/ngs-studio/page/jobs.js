@@ -71,7 +71,7 @@ export class Jobs {
     this.find('commands-box').hidden = !commands?.length;
     if (!written) return;
     this.find('folder').textContent = written.folder;
-    this.find('files').replaceChildren(...written.files.map((file) =>
+    this.find('files').replaceChildren(...inShort(written.files).map((file) =>
       Object.assign(document.createElement('li'), { textContent: file })));
   }
 
@@ -99,6 +99,18 @@ export class Jobs {
       button.addEventListener(name, () => show(false));
     button.addEventListener('contextmenu', (event) => event.preventDefault());  // a long touch
   }
+}
+
+// Files by their names, but many pictures of a folder as one line.
+function inShort(files) {
+  const folders = new Map();
+  for (const file of files.filter((name) => name.endsWith('.png'))) {
+    const folder = file.slice(0, file.lastIndexOf('/') + 1);
+    folders.set(folder, [...(folders.get(folder) ?? []), file]);
+  }
+  const many = new Map([...folders].filter(([, names]) => names.length > 2));
+  const short = files.filter((file) => !many.has(file.slice(0, file.lastIndexOf('/') + 1)));
+  return [...short, ...[...many].map(([folder, names]) => `${folder} (${names.length} pictures)`)];
 }
 
 // Seconds as people say them.
