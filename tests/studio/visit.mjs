@@ -29,7 +29,8 @@ function check(good, what) {
 const pixels = (...points) => points.map(([x, y]) => [(x - 160) / 240, y / 240]);
 const kView = '0011.png';
 const kRing = pixels([165, 30], [205, 95], [200, 160], [186, 165]);
-const kBesideRing = [pixels([110, 120], [165, 165]), pixels([60, 50], [50, 170], [180, 200]), pixels([260, 170], [250, 60])];
+const kBesideRing = [
+  pixels([110, 120], [165, 165]), pixels([60, 50], [50, 170], [180, 200]), pixels([260, 170], [250, 60])];
 const kBox = pixels([110, 120], [120, 140], [150, 160]);
 const kWall = pixels([250, 40])[0];
 const kBlue = '#2040ff';
@@ -101,7 +102,7 @@ async function paintAndCorrect(page) {
     await settled(page);
   }
   const corrected = await countOf(page, 1);
-  check(corrected !== ring && corrected > 0, `correct: background strokes change the selection, ${corrected} Gaussians`);
+  check(corrected !== ring && corrected > 0, `correct: background strokes change it, ${corrected} Gaussians`);
   check(difference(plain[1], await colourAt(page, kWall)) < kSame, 'correct: the wall does not light up');
   for (const key of ['Control+z', 'Control+z', 'Control+z']) await pressAndSettle(page, key);
   check((await countOf(page, 1)) === ring, 'undo: as before the corrections');
@@ -177,7 +178,7 @@ async function exportAndRepeat(page) {
   await page.locator('#commands-box').scrollIntoViewIfNeeded();
   await snap(page, '1600-light-exported');
   const written = filesOf(folder);
-  check(kExported.every((name) => files.includes(name)), `export: a list of ${files.length} files, all that were wanted`);
+  check(kExported.every((name) => files.includes(name)), `export: ${files.length} files, all that are wanted among them`);
   check(files.every((name) => written.has(name)), 'export: what is in the list is there');
 
   // What the commands write is taken away, what a visit leaves is not: the first command makes that again, elsewhere.

@@ -48,7 +48,7 @@ export class Camera {
     this.position = add(this.target, rotate(arm, side, turned - steep));
   }
 
-  // Looks about from where it stands.
+  // Looks about from where it stands: to the right by `across`, upwards by `along`.
   look(across, along) {
     this.straighten();
     const sight = rotate(subtract(this.target, this.position), this.vertical, -across);

@@ -1,7 +1,7 @@
 // The page of ngs-studio. What is marked, cut and written lies with the server; the page holds the camera, the tool and
 // what of the scene is seen, shows the server's state and sends it strokes.
 import { Brush, strokeFor } from './brush.js';
-import { Camera } from './camera.js';
+import { Camera, length, subtract } from './camera.js';
 import { Frames } from './frames.js';
 import { Jobs } from './jobs.js';
 import { keyTable, listKeys, listenToKeys } from './keys.js';
@@ -9,6 +9,7 @@ import { number, showObjects } from './objects.js';
 import { Pointer } from './pointer.js';
 import { get, inTurn, post } from './server.js';
 
+const kLook = 0.5;  // of the angle by which dragging turns about a target
 const kRetryMs = 2000, kReadMs = 6000;
 const kDone = { refine: 'Refined', export: 'Written' };
 const kRadius = { least: 2, most: 80 };
@@ -20,6 +21,7 @@ const find = (id) => document.getElementById(id);
 
 const seen = { fade: 0.5, boundary: false, highlight: true, all: true };  // what of the scene is shown
 let writes = 0;             // that the server has not answered yet
+let flying = false;         // dragging looks about instead of turning about the target
 let tool = 'look';          // 'look', 'object' or 'background'
 let state, camera, frames;  // the server's state, the page's camera and picture
 const brush = new Brush(find('paint'));
@@ -95,6 +97,8 @@ function begin() {
   find('upwards').replaceChildren(...Object.keys(kAxes).map((name) => new Option(name)));
   new ResizeObserver(resized).observe(find('stage'));
   new Pointer(find('paint'), labelFor, pointerTasks());
+  const { centre, radius } = state.bounds;
+  flying = length(subtract(state.start.position, centre)) < radius;  // a room, seen from within
   find('hint').hidden = Boolean(localStorage.getItem('ngs-studio-hint')) || state.undo > 0;
 }
 
@@ -121,9 +125,16 @@ function jumpBy(step) {
   jump((Number(find('views').value) + step + count) % count);
 }
 
+function fly(on) {
+  const said = on ? 'Flying: dragging looks about. V turns about the object again.' : 'Turning about the object';
+  if (flying !== on) say(said);
+  flying = on;
+}
+
 function fit() {
   const ball = state.objects.find(({ id }) => id === state.active)?.bounds ?? state.bounds;
   const { clientWidth, clientHeight } = find('paint');
+  fly(false);
   moved(() => camera.fit(ball, clientWidth / clientHeight));
 }
 
@@ -132,7 +143,9 @@ async function pick(point) {
   const seenBy = frames.cameraFor('still'), factor = seenBy.width / find('paint').clientWidth;
   try {
     const { point: found } = await post('/api/pick', { camera: seenBy, point: point.map((x) => x * factor) });
-    if (found) moved(() => camera.turnAbout(found));
+    if (!found) return;
+    fly(false);
+    moved(() => camera.turnAbout(found));
   } catch (error) {
     failed(error);
   }
@@ -147,7 +160,7 @@ function labelFor({ shiftKey, ctrlKey, metaKey }) {
 
 function pointerTasks() {
   return {
-    turn: (dx, dy) => moved(() => camera.orbit(dx, dy)),
+    turn: (dx, dy) => moved(() => (flying ? camera.look(-dx * kLook, dy * kLook) : camera.orbit(dx, dy))),
     pan: (dx, dy) => moved(() => camera.pan(dx / find('paint').clientHeight, dy / find('paint').clientHeight)),
     zoom: (factor) => moved(() => camera.zoom(factor)),
     pick,
@@ -209,7 +222,7 @@ function keyCursor() {
 }
 
 function arrow(turn, [dx, dy]) {
-  if (tool === 'look') return moved(() => camera.orbit(...turn));
+  if (tool === 'look') return moved(() => (flying ? camera.look(...turn) : camera.orbit(...turn)));
   const cursor = keyCursor();
   Object.assign(cursor, { x: cursor.x + dx, y: cursor.y + dy, label: tool });
   brush.draw();
@@ -318,6 +331,7 @@ const keys = keyTable({
   redo: () => find('redo').click(),
   zoom: (factor) => moved(() => camera.zoom(factor)),
   start: () => jump(0),
+  fly: () => fly(!flying),
   highlight: () => setSeen({ highlight: !seen.highlight }),
   fade: (fade) => setSeen({ fade, boundary: false }),
   boundary: () => setSeen({ boundary: !seen.boundary }),
@@ -357,6 +371,7 @@ setSeen({});
 get('/api/state').then((first) => {
   showState(first);
   listenToKeys(keys, (ahead, rightwards, upwards) => moved(() => {
+    fly(true);
     const { distance } = camera;
     camera.move(ahead * distance, rightwards * distance, upwards * distance);
   }));
