@@ -178,7 +178,7 @@ async function exportAndRepeat(page) {
   await page.locator('#commands-box').scrollIntoViewIfNeeded();
   await snap(page, '1600-light-exported');
   const written = filesOf(folder);
-  check(kExported.every((name) => files.includes(name)), `export: ${files.length} files, all that are wanted among them`);
+  check(kExported.every((name) => files.includes(name)), `export: ${files.length} files, with all that are wanted`);
   check(files.every((name) => written.has(name)), 'export: what is in the list is there');
 
   // What the commands write is taken away, what a visit leaves is not: the first command makes that again, elsewhere.

@@ -2,7 +2,7 @@
 const kTurn = 0.06;    // radians an arrow's step
 const kZoom = 0.88;    // of the distance, a step
 const kNudge = 10;     // CSS pixels that an arrow moves the brush
-const kFlight = 0.9;   // distances to the target a second
+const kFlight = 0.3;   // distances to the target a second
 
 // `does` has the functions that are called by name here.
 export function keyTable(does) {
