@@ -83,12 +83,6 @@ export class Camera {
     this.target = add(this.target, step);
   }
 
-  // Turns about another point from now on, and looks at it.
-  turnAbout(point) {
-    this.target = [...point];
-    if (this.distance === 0) this.position = subtract(point, scale(this.forward, this.bounds.radius));
-  }
-
   // Fits a ball into the picture, seen from the same side.
   fit({ centre, radius }, aspect) {
     const half = Math.atan(Math.tan((this.fovDegrees * Math.PI) / 360) * Math.min(1, aspect));

@@ -9,7 +9,7 @@ const kLine = 20;           // wheel units of a line
 const middleOf = ([a, b]) => ({ x: (a.x + b.x) / 2, y: (a.y + b.y) / 2, spread: Math.hypot(a.x - b.x, a.y - b.y) });
 
 export class Pointer {
-  // `on`: turn, pan, zoom, hover(point or null), paint, paintMore, paintEnd, paintCancel, pick; `labelFor(event)`:
+  // `on`: turn, pan, zoom, hover(point or null), paint, paintMore, paintEnd, paintCancel; `labelFor(event)`:
   // 'object', 'background', or null where the hand is the tool.
   constructor(element, labelFor, on) {
     Object.assign(this, { element, labelFor, on, fingers: new Map(), task: null });
@@ -21,7 +21,6 @@ export class Pointer {
     listen('pointercancel', this.cancel);
     listen('pointerleave', () => this.on.hover(null));
     listen('wheel', this.wheel);
-    listen('dblclick', (event) => this.on.pick(this.at(event)));
     listen('contextmenu', (event) => event.preventDefault());
   }
 

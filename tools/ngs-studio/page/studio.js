@@ -132,23 +132,9 @@ function fly(on) {
 }
 
 function fit() {
-  const ball = state.objects.find(({ id }) => id === state.active)?.bounds ?? state.bounds;
   const { clientWidth, clientHeight } = find('paint');
   fly(false);
-  moved(() => camera.fit(ball, clientWidth / clientHeight));
-}
-
-async function pick(point) {
-  if (tool !== 'look' || !frames.shown) return;
-  const seenBy = frames.cameraFor('still'), factor = seenBy.width / find('paint').clientWidth;
-  try {
-    const { point: found } = await post('/api/pick', { camera: seenBy, point: point.map((x) => x * factor) });
-    if (!found) return;
-    fly(false);
-    moved(() => camera.turnAbout(found));
-  } catch (error) {
-    failed(error);
-  }
+  moved(() => camera.fit(state.bounds, clientWidth / clientHeight));
 }
 
 // ---- strokes
@@ -163,7 +149,6 @@ function pointerTasks() {
     turn: (dx, dy) => moved(() => (flying ? camera.look(-dx * kLook, dy * kLook) : camera.orbit(dx, dy))),
     pan: (dx, dy) => moved(() => camera.pan(dx / find('paint').clientHeight, dy / find('paint').clientHeight)),
     zoom: (factor) => moved(() => camera.zoom(factor)),
-    pick,
     hover: (point, label) => {
       brush.cursor = point && label ? { x: point[0], y: point[1], label } : null;
       brush.draw();
