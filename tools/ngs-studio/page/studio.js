@@ -97,8 +97,7 @@ function begin() {
   find('upwards').replaceChildren(...Object.keys(kAxes).map((name) => new Option(name)));
   new ResizeObserver(resized).observe(find('stage'));
   new Pointer(find('paint'), labelFor, pointerTasks());
-  const { centre, radius } = state.bounds;
-  flying = length(subtract(state.start.position, centre)) < radius;  // a room, seen from within
+  flying = startsInside();
   find('hint').hidden = Boolean(localStorage.getItem('ngs-studio-hint')) || state.undo > 0;
 }
 
@@ -131,7 +130,13 @@ function fly(on) {
   flying = on;
 }
 
+// A room, seen from within; from outside there is little to see of it.
+function startsInside() {
+  return length(subtract(state.start.position, state.bounds.centre)) < state.bounds.radius;
+}
+
 function fit() {
+  if (startsInside()) return jump(0);
   const { clientWidth, clientHeight } = find('paint');
   fly(false);
   moved(() => camera.fit(state.bounds, clientWidth / clientHeight));
