@@ -31,7 +31,7 @@ export async function settled(page) {
 }
 
 // A place of the picture in CSS pixels of the window: `across` in heights from the middle, `down` in heights from the
-// top. So it is the same place of a view for any shape of the window.
+// top. So it is the same place of a view for any window that is wider than high.
 export async function placeOf(page, [across, down]) {
   const box = await page.locator('#paint').boundingBox();
   return [box.x + box.width / 2 + across * box.height, box.y + down * box.height];

@@ -61,9 +61,13 @@ export class Camera {
     this.up = normalise(add(scale(this.up, 1 - kUprighting), scale(this.vertical, kUprighting)));
   }
 
+  // Half the height of the picture, at distance 1. The field of view is over the shorter side: held upright, a window
+  // shows more above and below, and no less to the sides.
+  halfHeight(aspect) { return Math.tan((this.fovDegrees * Math.PI) / 360) / Math.min(1, aspect); }
+
   // Moves what is at the target's depth by shares of the picture's height.
-  pan(across, along) {
-    const height = 2 * this.distance * Math.tan((this.fovDegrees * Math.PI) / 360);
+  pan(across, along, aspect) {
+    const height = 2 * this.distance * this.halfHeight(aspect);
     this.move(0, -across * height, along * height);
   }
 
@@ -84,17 +88,17 @@ export class Camera {
   }
 
   // Fits a ball into the picture, seen from the same side.
-  fit({ centre, radius }, aspect) {
-    const half = Math.atan(Math.tan((this.fovDegrees * Math.PI) / 360) * Math.min(1, aspect));
+  fit({ centre, radius }) {
     const forward = this.forward;
     this.target = [...centre];
-    this.position = subtract(centre, scale(forward, (1.1 * radius) / Math.sin(half)));
+    this.position = subtract(centre, scale(forward, (1.1 * radius) / Math.sin((this.fovDegrees * Math.PI) / 360)));
   }
 
   // As the server wants it, for a picture of this size.
   toJson(width, height) {
+    const fovY = (360 / Math.PI) * Math.atan(this.halfHeight(width / height));
     return {
-      position: this.position, look_at: this.target, up: this.up, fov_y_deg: this.fovDegrees,
+      position: this.position, look_at: this.target, up: this.up, fov_y_deg: fovY,
       width: Math.round(width), height: Math.round(height),
     };
   }

@@ -6,7 +6,7 @@ const kPollMs = 400;
 export class Jobs {
   // `find(id)` gives an element; `on` has state(state) and failed(error).
   constructor(find, on) {
-    Object.assign(this, { find, on, running: false, refined: false });
+    Object.assign(this, { find, on, running: false });
     find('refine').addEventListener('click', () => this.start('/api/refine', { quality: this.quality }));
     find('export').addEventListener('click', () => this.start('/api/export', {}));
     find('job-cancel').addEventListener('click', () => post('/api/cancel').catch(on.failed));
@@ -27,13 +27,12 @@ export class Jobs {
   // Called with every state: shows what runs, and watches it to its end.
   show(state) {
     const { job } = state, running = job?.state === 'running';
-    if (job?.kind === 'refine') this.refined = job.state === 'done';
     this.find('job').hidden = !running;
     for (const kind of ['refine', 'export']) this.find(kind).hidden = running && job.kind === kind;
     if (running) this.find(job.kind).after(this.find('job'));  // in the button's place: nothing moves
     const marked = state.objects.some(({ gaussians }) => gaussians > 0);
     this.find('refine').disabled = this.find('export').disabled = running || !marked;
-    this.find('before').hidden = !this.refined;
+    this.find('before').hidden = !state.objects.some(({ id, refined }) => refined && id === state.active);
     this.showExport(state);
     if (running) this.showProgress(job);
     if (running && !this.running) this.watch();

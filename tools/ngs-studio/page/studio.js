@@ -137,9 +137,8 @@ function startsInside() {
 
 function fit() {
   if (startsInside()) return jump(0);
-  const { clientWidth, clientHeight } = find('paint');
   fly(false);
-  moved(() => camera.fit(state.bounds, clientWidth / clientHeight));
+  moved(() => camera.fit(state.bounds));
 }
 
 // ---- strokes
@@ -152,7 +151,10 @@ function labelFor({ shiftKey, ctrlKey, metaKey }) {
 function pointerTasks() {
   return {
     turn: (dx, dy) => moved(() => (flying ? camera.look(-dx * kLook, dy * kLook) : camera.orbit(dx, dy))),
-    pan: (dx, dy) => moved(() => camera.pan(dx / find('paint').clientHeight, dy / find('paint').clientHeight)),
+    pan: (dx, dy) => moved(() => {
+      const { clientWidth: width, clientHeight: height } = find('paint');
+      camera.pan(dx / height, dy / height, width / height);
+    }),
     zoom: (factor) => moved(() => camera.zoom(factor)),
     hover: (point, label) => {
       brush.cursor = point && label ? { x: point[0], y: point[1], label } : null;
