@@ -1,9 +1,9 @@
 // The picture: frames are asked for one at a time, small while something moves, large when all is still.
 import { StudioError, frame } from './server.js';
 
-const kMovingMs = 60, kStillMs = 900;       // what a frame may take the server
+const kMovingMs = 60, kStillMs = 1200;      // what a frame may take the server
 const kMovingSizes = [320, 480, 640, 960];  // longer side of a frame, pixels
-const kStillSizes = [640, 960, 1280, 1920];
+const kStillSizes = [960, 1280, 1920];
 const kNews = 0.4;      // weight of the last time of a size against its earlier ones
 const kSurprise = 2;    // a frame counts as at most this much slower than those before it
 const kRoom = 0.4;      // of the budget: below, the next size is tried
@@ -39,7 +39,7 @@ export class Frames {
   constructor(canvas, camera, describe, on) {
     Object.assign(this, { canvas, camera, describe, on });
     this.moving = new Size(kMovingSizes, kMovingMs, 1);
-    this.still = new Size(kStillSizes, kStillMs, 1);
+    this.still = new Size(kStillSizes, kStillMs, 0);
     this.wanted = null;    // 'moving' or 'still'
     this.running = null;   // the request under way
     this.shown = null;     // the last frame: its camera, of which size, which version of the labels
