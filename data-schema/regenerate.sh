@@ -9,6 +9,7 @@ rm -rf "$here/options" "$here/report"
 mkdir -p "$here/options" "$here/report"
 for folder in "$here"/../tools/ngs/ "$here"/../tools/ngs-*/; do
   tool=$(basename "$folder")
+  [ "$tool" != ngs-studio ] || [ -x "$bin/$tool" ] || continue  # left out where cpp-httplib is not installed
   "$bin/$tool" --print-commands | while read -r command; do
     file=$tool${command:+-$command}.schema.json
     "$bin/$tool" ${command:+"$command"} --print-schema >"$here/options/$file"

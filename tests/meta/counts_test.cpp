@@ -36,16 +36,18 @@ TEST_CASE("a case whose needs are absent counts as skipped and says why; one tha
   CHECK(text.find("no processor") == std::string::npos);
 }
 
-TEST_CASE("the counts of several suites add up, with the cases of a filter and the programs of clients") {
+TEST_CASE("the counts of several suites add up, with the cases of a filter and the checks of scripts") {
   const std::string text = counted(
       {{"unit", "skipped: one: no photo\nskipped cases: 1\n" + doctest_line("  9 |  9 passed | 0 failed | 0 skipped")},
        {"grad", doctest_line(" 4 | \033[32m3 passed\033[0m | 1 failed | 5 skipped")},
-       {"clients", "12 checks passed, 1 failed, 2 skipped\n"}});
+       {"clients", "12 checks passed, 1 failed, 2 skipped\n"},
+       {"studio_page", "7 checks passed, 0 failed, 0 skipped\n"}});
   CHECK(text ==
         "unit              9 cases      8 passed      0 failed      1 skipped\n"
         "grad              4 cases      3 passed      1 failed      5 skipped\n"
         "clients          15 cases     12 passed      1 failed      2 skipped\n"
-        "total            28 cases     23 passed      2 failed      8 skipped\n"
+        "studio_page       7 cases      7 passed      0 failed      0 skipped\n"
+        "total            35 cases     30 passed      2 failed      8 skipped\n"
         "skipped: one: no photo\n");
 }
 

@@ -55,6 +55,7 @@ const std::vector<Confinement>& confinements() {
          "libwebp belongs to io/formats/compression/webp_image.cpp");
     only("minizip/.*", "libngs/ngs/io/formats/compression/zip_archive\\.cpp",
          "minizip belongs to io/formats/compression/zip_archive.cpp");
+    only("httplib\\.h", "tools/ngs-studio/.*", "cpp-httplib belongs to tools/ngs-studio/");
     only("omp\\.h", "libngs/ngs/backend/.*", "OpenMP belongs to backend/");
     only("(immintrin|arm_neon)\\.h", "libngs/ngs/math/.*", "vector intrinsics belong to math/");
     only("(sys/.*|unistd|fcntl|dlfcn|spawn|sched|signal|poll|termios|pthread)(\\.h)?",

@@ -4,13 +4,11 @@
 
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
 
 #include "ngs/core/error.h"
+#include "shared/run/sibling_program.h"
 
 namespace ngs::front {
-
-namespace fs = std::filesystem;
 
 const std::vector<Sibling>& siblings() {
   static const std::vector<Sibling> all = {
@@ -25,25 +23,14 @@ const std::vector<Sibling>& siblings() {
       {"render", "ngs-render", "colour, masks, depth and labels at the scene's cameras"},
       {"eval", "ngs-eval", "scores of masks against the truth"},
       {"report", "ngs-report", "one page of one run, or many compared"},
+      {"studio", "ngs-studio", "a page to mark an object on a splat, see it found, correct and cut it"},
       {"fit", "ngs-fit", "photos -> a splat"},
       {"synth", "ngs-synth", "analytic scenes with exact masks"}};
   return all;
 }
 
-std::string sibling_path(const std::string& program) {
-  std::error_code unknown;
-  const fs::path self = fs::read_symlink("/proc/self/exe", unknown);
-  const std::string path = (self.parent_path() / program).string();
-  if (unknown || access(path.c_str(), X_OK) != 0)
-    throw Error(ErrorCode::kEnvironment,
-                path + ": " + (unknown ? unknown.message() : std::strerror(errno)) + ", expected the program " +
-                    program + " beside ngs",
-                "install all tools into one folder");
-  return path;
-}
-
 void become(const std::string& program, const std::vector<std::string>& words) {
-  const std::string path = sibling_path(program);
+  const std::string path = cli::sibling_path(program);
   std::vector<char*> argv{const_cast<char*>(path.c_str())};
   for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);

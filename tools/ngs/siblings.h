@@ -13,9 +13,6 @@ struct Sibling {
 /// In the order in which a run calls them.
 const std::vector<Sibling>& siblings();
 
-/// The path of a program beside this one. kEnvironment where it is not there or cannot be run.
-std::string sibling_path(const std::string& program);
-
 /// Becomes the program with these words behind its name: same process, so that signals, streams and the exit code are
 /// its own. Comes back only by an Error (kEnvironment).
 [[noreturn]] void become(const std::string& program, const std::vector<std::string>& words);

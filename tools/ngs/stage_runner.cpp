@@ -10,8 +10,8 @@
 #include "ngs/io/files/json_file.h"
 #include "shared/cli/exit_code.h"
 #include "shared/run/child_process.h"
+#include "shared/run/sibling_program.h"
 #include "shared/run/signals.h"
-#include "siblings.h"
 
 namespace ngs::front {
 namespace {
@@ -20,22 +20,6 @@ namespace fs = std::filesystem;
 
 /// A tool that does not end by itself within this is ended; the whole takes less than a second.
 constexpr double kPatienceS = 0.7;
-
-std::string quoted(const std::string& word) {
-  const bool plain = !word.empty() && word.find_first_not_of(
-                                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                                          "0123456789_./:=,+@%-") == word.npos;
-  if (plain) return word;
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
-  return text + "'";
-}
-
-std::string command_line(const Words& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : " ") + quoted(word);
-  return text;
-}
 
 /// What a tool that had to be killed had in work.
 void remove_unfinished(const std::string& folder) {
@@ -75,12 +59,12 @@ bool StageRunner::run(const std::string& name, const Words& words) {
   for (const std::string& word : {std::string("-w"), std::string("-j"), std::to_string(threads_), std::string("--seed"),
                                   std::to_string(run_.seed()), std::string("--report"), report})
     argv.push_back(word);
-  commands_.push_back(command_line(argv));
+  commands_.push_back(cli::quoted_line(argv));
   if (run_.dry_run()) return true;
   if (run_.monitor().stop_requested()) return false;
   fs::create_directories(folder_ + "/reports");
   io::write_file(folder_ + "/reports/" + name + ".sh", commands_.back() + "\n");
-  argv[0] = sibling_path(argv[0]);
+  argv[0] = cli::sibling_path(argv[0]);
   for (const char* word : {"--log-format", "json"}) argv.emplace_back(word);
 
   run_.stage_of_chain(results_.size() + 1, std::max(expected_, results_.size() + 1));

@@ -9,8 +9,10 @@
 namespace ngs {
 namespace {
 
-constexpr std::size_t kComponents = 5;         // of the mixture of each side, fixed in OpenCV
-constexpr std::size_t kMostSamples = 1 << 15;  // per side; more do not change a mixture of five
+constexpr std::size_t kComponents = 5;  // of the mixture of each side, fixed in OpenCV
+constexpr int kMostSamples = 1 << 15;   // per side; more do not change a mixture of five
+
+using Colours = std::vector<std::array<std::uint8_t, 3>>;
 
 /// The part of the image that may change, with a margin.
 cv::Rect region_of_interest(const ViewPrompt& prompt, int margin_px) {
@@ -27,21 +29,28 @@ cv::Rect region_of_interest(const ViewPrompt& prompt, int margin_px) {
   return {left, top, right - left + 1, bottom - top + 1};
 }
 
+struct Source {
+  const ImageU8& photo;
+  const ViewPrompt& prompt;
+  cv::Rect region;
+};
+
 /// Pixels of one side for its mixture: the certain ones, and where they are too few the likely ones too.
-std::vector<cv::Vec3b> samples_of(const cv::Mat& photo, const cv::Mat& hints, bool object) {
-  std::vector<cv::Vec3b> samples;
+Colours samples_of(const Source& from, bool object, std::size_t most) {
+  Colours samples;
   for (const bool likely_too : {false, true}) {
     samples.clear();
-    for (int y = 0; y < photo.rows; ++y)
-      for (int x = 0; x < photo.cols; ++x) {
-        const auto hint = PixelHint(hints.at<std::uint8_t>(y, x));
-        if (is_object(hint) == object && (likely_too || is_certain(hint))) samples.push_back(photo.at<cv::Vec3b>(y, x));
+    for (int y = from.region.y; y < from.region.y + from.region.height; ++y)
+      for (int x = from.region.x; x < from.region.x + from.region.width; ++x) {
+        const PixelHint hint = from.prompt.hint[std::size_t(y) * std::size_t(from.prompt.width_px) + std::size_t(x)];
+        if (is_object(hint) == object && (likely_too || is_certain(hint)))
+          samples.push_back({from.photo.at(x, y, 0), from.photo.at(x, y, 1), from.photo.at(x, y, 2)});
       }
     if (samples.size() >= kComponents) break;
   }
-  if (samples.size() <= kMostSamples) return samples;
-  std::vector<cv::Vec3b> fewer(kMostSamples);
-  for (std::size_t i = 0; i < kMostSamples; ++i) fewer[i] = samples[i * samples.size() / kMostSamples];
+  if (samples.size() <= most) return samples;
+  Colours fewer(most);
+  for (std::size_t i = 0; i < most; ++i) fewer[i] = samples[i * samples.size() / most];
   return fewer;
 }
 
@@ -55,11 +64,12 @@ struct Mixtures {
   cv::Mat background, object;
 };
 
-Mixtures learn(const std::vector<cv::Vec3b>& background, const std::vector<cv::Vec3b>& object) {
+Mixtures learn(const Colours& background, const Colours& object) {
   cv::Mat row(1, int(background.size() + object.size()), CV_8UC3), sides(row.size(), CV_8UC1);
   for (int i = 0; i < row.cols; ++i) {
     const bool is_object = std::size_t(i) >= background.size();
-    row.at<cv::Vec3b>(0, i) = is_object ? object[std::size_t(i) - background.size()] : background[std::size_t(i)];
+    const auto& colour = is_object ? object[std::size_t(i) - background.size()] : background[std::size_t(i)];
+    row.at<cv::Vec3b>(0, i) = cv::Vec3b(colour[0], colour[1], colour[2]);
     sides.at<std::uint8_t>(0, i) = is_object ? cv::GC_FGD : cv::GC_BGD;
   }
   Mixtures mixtures;
@@ -67,16 +77,21 @@ Mixtures learn(const std::vector<cv::Vec3b>& background, const std::vector<cv::V
   return mixtures;
 }
 
-}  // namespace
+SideColours colours_in(const Source& from, int most) {
+  return {samples_of(from, true, std::size_t(most)), samples_of(from, false, std::size_t(most))};
+}
 
-PixelMask grab_cut(const ImageU8& photo, const ViewPrompt& prompt, const GrabCutOptions& options) {
+void check(const ImageU8& photo, const ViewPrompt& prompt) {
   NGS_CHECK(photo.channels == 3 && photo.width_px == prompt.width_px && photo.height_px == prompt.height_px &&
                 prompt.hint.size() == std::size_t(photo.pixels()),
             "GrabCut needs an RGB photo of the prompt's size");
+}
+
+PixelMask cut_in(const Source& from, const GrabCutOptions& options, const SideColours& known) {
+  const auto& [photo, prompt, region] = from;
   PixelMask mask(prompt.hint.size());
   for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = is_object(prompt.hint[p]);
-  const cv::Rect region = region_of_interest(prompt, options.margin_px);
-  if (region.empty()) return mask;
+  if (region.empty() || known.background.size() < kComponents || known.object.size() < kComponents) return mask;
 
   one_thread();
   cv::theRNG().state = 0x9e3779b97f4a7c15ull ^ options.seed;
@@ -88,17 +103,32 @@ PixelMask grab_cut(const ImageU8& photo, const ViewPrompt& prompt, const GrabCut
   };
   for (int y = 0; y < hints.rows; ++y)
     for (int x = 0; x < hints.cols; ++x) hints.at<std::uint8_t>(y, x) = std::uint8_t(prompt.hint[index(x, y)]);
-  const std::vector<cv::Vec3b> background = samples_of(colours, hints, false),
-                               object = samples_of(colours, hints, true);
-  if (background.size() < kComponents || object.size() < kComponents) return mask;
-
-  Mixtures mixtures = learn(background, object);
+  Mixtures mixtures = learn(known.background, known.object);
   cv::grabCut(colours, hints, {}, mixtures.background, mixtures.object, 1, cv::GC_EVAL_FREEZE_MODEL);
   if (options.iterations > 1)
     cv::grabCut(colours, hints, {}, mixtures.background, mixtures.object, options.iterations - 1, cv::GC_EVAL);
   for (int y = 0; y < hints.rows; ++y)
     for (int x = 0; x < hints.cols; ++x) mask[index(x, y)] = is_object(PixelHint(hints.at<std::uint8_t>(y, x)));
   return mask;
+}
+
+}  // namespace
+
+PixelMask grab_cut(const ImageU8& photo, const ViewPrompt& prompt, const GrabCutOptions& options) {
+  check(photo, prompt);
+  const Source from{photo, prompt, region_of_interest(prompt, options.margin_px)};
+  return cut_in(from, options, colours_in(from, kMostSamples));
+}
+
+SideColours side_colours(const ImageU8& photo, const ViewPrompt& prompt, int most) {
+  check(photo, prompt);
+  return colours_in({photo, prompt, {0, 0, photo.width_px, photo.height_px}}, most);
+}
+
+PixelMask grab_cut(const ImageU8& photo, const ViewPrompt& prompt, const GrabCutOptions& options,
+                   const SideColours& colours) {
+  check(photo, prompt);
+  return cut_in({photo, prompt, region_of_interest(prompt, options.margin_px)}, options, colours);
 }
 
 }  // namespace ngs

@@ -1,0 +1,148 @@
+#include "ngs/stages/live/frame.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ngs/backend/for_each.h"
+#include "ngs/scene/mask_threshold.h"
+
+namespace ngs::live {
+namespace {
+
+constexpr float kTint = 0.35f;  // of the object's colour over its pixels
+constexpr float kDim = 0.3f;    // of the model under its boundary
+
+using Shown = std::vector<const ShownObject*>;
+
+Shown chosen(const std::vector<ShownObject>& objects, int id) {
+  Shown shown;
+  for (const ShownObject& object : objects)
+    if (object.labels && (id == 0 || object.id == id)) shown.push_back(&object);
+  return shown;
+}
+
+/// [N] 1: of one of the objects, or of none.
+std::vector<std::uint8_t> rows_of(const Exec& exec, const Shown& objects, std::int64_t gaussians, bool of_one) {
+  std::vector<std::uint8_t> rows(std::size_t(gaussians), std::uint8_t(!of_one));
+  for (const ShownObject* object : objects)
+    for_each_index(exec, gaussians, [&](std::int64_t i) {
+      if (object->labels->label[std::size_t(i)] > 0) rows[std::size_t(i)] = of_one;
+    });
+  return rows;
+}
+
+/// [N, K]
+std::vector<float> channels_of(const Exec& exec, const Shown& objects, std::int64_t gaussians, bool boundary) {
+  const std::size_t k_count = objects.size();
+  std::vector<float> channel(std::size_t(gaussians) * k_count);
+  for_each_index(exec, gaussians, [&](std::int64_t i) {
+    const auto row = std::size_t(i);
+    for (std::size_t k = 0; k < k_count; ++k) {
+      const ObjectLabels& labels = *objects[k]->labels;
+      channel[row * k_count + k] = boundary ? float(labels.boundary[row]) : labels.label[row];
+    }
+  });
+  return channel;
+}
+
+ImageF colour_of(const Exec& exec, const Model& model, const Camera& camera, const std::vector<std::uint8_t>& rows) {
+  RenderRequest request;
+  request.background = model.background;
+  request.include = rows.data();
+  return std::move(render(exec, model.cloud, camera, model.splat, request).colour);
+}
+
+RenderedView with_labels(const Exec& exec, const Model& model, const Camera& camera,
+                         const std::vector<float>& channel) {
+  RenderRequest request;
+  request.background = model.background;
+  const std::int64_t n = model.cloud.size();
+  if (!channel.empty()) request.label = {channel.data(), n, int(std::int64_t(channel.size()) / n)};
+  return render(exec, model.cloud, camera, model.splat, request);
+}
+
+void mix(const ImageF& other, float share, ImageF& image) {
+  for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] += share * (other.data[i] - image.data[i]);
+}
+
+/// Which object a pixel shows; -1: none.
+std::vector<int> owners(const ImageF& label) {
+  std::vector<int> owner(std::size_t(label.pixels()), -1);
+  const auto k_count = std::size_t(label.channels);
+  for (std::size_t p = 0; p < owner.size(); ++p) {
+    float most = 0.5f;
+    for (std::size_t k = 0; k < k_count; ++k)
+      if (label.data[p * k_count + k] > most) most = label.data[p * k_count + k], owner[p] = int(k);
+  }
+  return owner;
+}
+
+/// Tints what is selected and draws its outline, a pixel of its own colour and one of white outside of it.
+void highlight(const Exec& exec, const Shown& objects, const RenderedView& view, ImageF& image) {
+  const std::vector<int> owner = owners(view.label);
+  const int w = view.width_px, h = view.height_px;
+  const auto owner_at = [&](int x, int y) {
+    return owner[std::size_t(std::clamp(y, 0, h - 1)) * std::size_t(w) + std::size_t(std::clamp(x, 0, w - 1))];
+  };
+  for_each_index(exec, h, [&](std::int64_t row) {
+    const int y = int(row);
+    for (int x = 0; x < w; ++x) {
+      const int mine = owner_at(x, y);
+      int beside = -1;
+      for (const int other : {owner_at(x - 1, y), owner_at(x + 1, y), owner_at(x, y - 1), owner_at(x, y + 1)})
+        if (other != mine) beside = std::max(beside, other);
+      const bool inner_edge = mine >= 0 && (owner_at(x - 1, y) != mine || owner_at(x + 1, y) != mine ||
+                                            owner_at(x, y - 1) != mine || owner_at(x, y + 1) != mine);
+      const bool outer_edge = mine < 0 && beside >= 0;
+      const float share = inner_edge ? 1.f : mine >= 0 ? kTint : outer_edge ? 0.8f : 0.f;
+      for (int c = 0; c < 3 && share > 0; ++c) {
+        const float tint = outer_edge ? 1.f : objects[std::size_t(mine)]->colour[std::size_t(c)];
+        float& value = image.at(x, y, c);
+        value += share * (tint - value);
+      }
+    }
+  });
+}
+
+ImageF boundary_picture(const Exec& exec, const Model& model, const Shown& objects, const Camera& camera) {
+  RenderedView view = with_labels(exec, model, camera, channels_of(exec, objects, model.cloud.size(), true));
+  const auto k_count = std::size_t(view.label.channels);
+  for (std::size_t p = 0; p < std::size_t(view.colour.pixels()); ++p)
+    for (std::size_t c = 0; c < 3; ++c) {
+      float& value = view.colour.data[3 * p + c];
+      value *= kDim;
+      for (std::size_t k = 0; k < k_count; ++k)
+        value += view.label.data[p * k_count + k] * (objects[k]->colour[c] - value);
+    }
+  return std::move(view.colour);
+}
+
+}  // namespace
+
+ImageU8 to_bytes(const ImageF& image) {
+  ImageU8 bytes(image.width_px, image.height_px, image.channels);
+  for (std::size_t i = 0; i < bytes.data.size(); ++i)
+    bytes.data[i] = std::uint8_t(std::lround(255 * std::clamp(image.data[i], 0.f, 1.f)));
+  return bytes;
+}
+
+ImageU8 draw_frame(const Exec& exec, const Model& model, const std::vector<ShownObject>& objects,
+                   const FrameRequest& request) {
+  const std::int64_t n = model.cloud.size();
+  const Shown shown = chosen(objects, request.object);
+  if (request.layer == Layer::kBoundary && !shown.empty())
+    return to_bytes(boundary_picture(exec, model, shown, request.camera));
+  const double fade = request.layer == Layer::kObject ? 0 : request.layer == Layer::kBackground ? 1 : request.fade;
+  if (fade == 0) return to_bytes(colour_of(exec, model, request.camera, rows_of(exec, shown, n, true)));
+  if (fade == 1) return to_bytes(colour_of(exec, model, request.camera, rows_of(exec, shown, n, false)));
+  const bool marks = request.highlight && !shown.empty();
+  RenderedView view =
+      with_labels(exec, model, request.camera, marks ? channels_of(exec, shown, n, false) : std::vector<float>());
+  if (fade != 0.5)
+    mix(colour_of(exec, model, request.camera, rows_of(exec, shown, n, fade < 0.5)), float(2 * std::abs(fade - 0.5)),
+        view.colour);
+  if (marks) highlight(exec, shown, view, view.colour);
+  return to_bytes(view.colour);
+}
+
+}  // namespace ngs::live

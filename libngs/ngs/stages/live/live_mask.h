@@ -1,0 +1,13 @@
+#pragma once
+// The mask of one picture while a person waits: the cut is found small, and followed to the full size in a band about
+// its contour. GrabCut of the whole picture takes seconds.
+#include "ngs/ops/image/grab_cut.h"
+#include "ngs/scene/view_prompt.h"
+
+namespace ngs::live {
+
+/// `picture` RGB of the prompt's size. Certain pixels keep their side; pieces without a certain pixel of the object are
+/// removed. Where nothing is certainly the object the mask is empty.
+PixelMask live_mask(const ImageU8& picture, const ViewPrompt& prompt, std::uint64_t seed);
+
+}  // namespace ngs::live

@@ -1,0 +1,114 @@
+#include "ngs/stages/live/look.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "ngs/core/error.h"
+#include "ngs/ops/splat/splat.h"
+#include "ngs/stages/orbit/rigs.h"
+
+namespace ngs::live {
+namespace {
+
+using orbit::Vec;
+
+constexpr double kFov_deg = 50;
+constexpr double kRaised_deg = 15;            // above the horizontal, from outside
+constexpr std::size_t kMostPoints = 200'000;  // that the bulk is told from
+constexpr int kCells = 64;
+
+/// Every k-th point: where the bulk of a large model lies does not hang on single Gaussians.
+orbit::SurfacePoints fewer(const orbit::SurfacePoints& all) {
+  orbit::SurfacePoints some;
+  for (const std::size_t i : orbit::thinned(all.count(), kMostPoints)) {
+    some.row.push_back(all.row[i]), some.position.push_back(all.position[i]);
+    some.opacity.push_back(all.opacity[i]), some.size.push_back(all.size[i]), some.area.push_back(all.area[i]);
+  }
+  return some;
+}
+
+/// Level or a little downwards, from places within.
+std::vector<orbit::Pose> within(const orbit::RoomFinding& room, double radius) {
+  constexpr std::size_t kStands = 4;
+  constexpr int kDirections = 8;
+  constexpr double kDown = 0.2;  // tangent
+  std::vector<orbit::Pose> poses;
+  for (std::size_t s = 0; s < std::min(kStands, room.stands.size()); ++s)
+    for (int k = 0; k < kDirections; ++k) {
+      const double turn = 2 * std::numbers::pi * k / kDirections;
+      poses.push_back({room.stands[s], room.stands[s] + radius * Vec{std::cos(turn), std::sin(turn), -kDown}});
+    }
+  return poses;
+}
+
+/// All around, from outside.
+std::vector<orbit::Pose> outside(double radius) {
+  constexpr int kDirections = 12;
+  const double half = std::sin(0.5 * kFov_deg * std::numbers::pi / 180), raised = kRaised_deg * std::numbers::pi / 180;
+  std::vector<orbit::Pose> poses;
+  for (int k = 0; k < kDirections; ++k) {
+    const double turn = 2 * std::numbers::pi * k / kDirections;
+    const Vec out{std::cos(raised) * std::cos(turn), std::cos(raised) * std::sin(turn), std::sin(raised)};
+    poses.push_back({(1.05 * radius / half) * out, {0, 0, 0}});
+  }
+  return poses;
+}
+
+/// How much there is to see: the mean step of colour from a pixel to its neighbours.
+double detail_of(const ImageF& image) {
+  double sum = 0;
+  for (int y = 1; y < image.height_px; ++y)
+    for (int x = 1; x < image.width_px; ++x)
+      for (int c = 0; c < 3; ++c)
+        sum += std::abs(double(image.at(x, y, c) - image.at(x - 1, y, c))) +
+               std::abs(double(image.at(x, y, c) - image.at(x, y - 1, c)));
+  return sum / double(image.pixels());
+}
+
+}  // namespace
+
+Camera camera_of(const Look& look) {
+  const Vec line = look.look_at - look.position;
+  if (!(orbit::length(line) > 0))
+    throw Error(ErrorCode::kUsage, "camera: position and look_at are one point, expected two");
+  const Vec forward = orbit::unit(line);
+  Vec right = cross(forward, orbit::unit(look.up));
+  right = orbit::length(right) > 1e-6 ? orbit::unit(right) : orbit::perpendicular(forward);
+  const Vec down = cross(forward, right);
+  Camera camera;
+  camera.width_px = look.width_px, camera.height_px = look.height_px;
+  camera.fx = camera.fy = 0.5 * look.height_px / std::tan(0.5 * look.fov_y_deg * std::numbers::pi / 180);
+  camera.cx = 0.5 * look.width_px, camera.cy = 0.5 * look.height_px;
+  camera.rotation = {{right.x, right.y, right.z, down.x, down.y, down.z, forward.x, forward.y, forward.z}};
+  camera.translation = -1.0 * (camera.rotation * look.position);
+  return camera;
+}
+
+FirstLook first_look(const Exec& exec, const GaussianCloud& cloud) {
+  const orbit::SurfacePoints points = orbit::surface_points(cloud);
+  if (points.count() == 0)
+    throw Error(ErrorCode::kNothingFound,
+                "the model: none of its " + std::to_string(cloud.size()) +
+                    " Gaussians is usable and has an opacity above 1/255, expected some that can be seen");
+  const orbit::SurfacePoints some = fewer(points);
+  const orbit::Ball ball = orbit::bulk_of(some);
+  const Vec up = orbit::guess_up(some, ball).up, origin{cloud.origin[0], cloud.origin[1], cloud.origin[2]};
+  const orbit::Frame frame = orbit::frame_about(some, ball, up);
+  const orbit::FreeSpace space(cloud, points, frame, {1.1 * ball.radius, kCells});
+  const orbit::RoomFinding room = orbit::find_room(exec, space, ball.radius);
+  FirstLook first{ball.centre + origin, ball.radius, up, {}, Compat::kInria};
+  if (!room.is_room() && 1.2 * ball.radius < near_plane(Compat::kInria)) first.compat = Compat::kGsplat;
+  SplatOptions splat{.compat = first.compat, .antialiased = cloud.antialiased, .max_sh_degree = 0};
+  splat = prepared_for(exec, splat, cloud);
+  double most = -1;
+  for (const orbit::Pose& pose : room.is_room() ? within(room, ball.radius) : outside(ball.radius)) {
+    Look look{frame.to_world(pose.centre) + origin, frame.to_world(pose.target) + origin, up, kFov_deg, 160, 120};
+    const double detail = detail_of(render(exec, cloud, camera_of(look), splat, {}).colour);
+    if (detail > most) most = detail, first.look = look;
+  }
+  first.look.width_px = Look().width_px, first.look.height_px = Look().height_px;
+  return first;
+}
+
+}  // namespace ngs::live

@@ -1,0 +1,34 @@
+#pragma once
+// What the marked views of one object say of every Gaussian, kept so that one view can be put in or taken out by
+// itself. The labels are those of ngs-variance and of `ngs-joint --method flash` over the same views, to the bit.
+#include "ngs/backend/exec.h"
+#include "ngs/math/exact_sum.h"
+#include "ngs/stages/live/marks.h"
+
+namespace ngs::live {
+
+class ObjectEvidence {
+ public:
+  explicit ObjectEvidence(std::int64_t gaussians);
+
+  void add(const MarkedView& view);
+  void remove(const MarkedView& view);
+
+  /// Share of the object in a Gaussian's weight, in [0, 1]; 0 where no view sees it.
+  double share(std::size_t gaussian) const;
+  bool is_seen(std::size_t gaussian) const { return weight_.whole[gaussian] != 0 || weight_.fraction[gaussian] != 0; }
+  std::size_t gaussians() const { return weight_.size(); }
+
+ private:
+  ExactSums weight_, inside_;  // [N]
+};
+
+/// Of one object, [N].
+struct ObjectLabels {
+  std::vector<float> label;            // 1 object, 0 not
+  std::vector<std::uint8_t> boundary;  // 1: views disagree (ngs-variance --tau at its default)
+  std::int64_t count = 0;              // of label 1
+};
+ObjectLabels labels_of(const Exec& exec, const ObjectEvidence& evidence);
+
+}  // namespace ngs::live

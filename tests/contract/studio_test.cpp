@@ -1,0 +1,187 @@
+// ngs-studio as a browser meets it: what it answers, whom it refuses, and that its files are those of the command line.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "support/process.h"
+#include "support/skip.h"
+#include "support/studio_server.h"
+#include "support/temp_dir.h"
+#include "support/tiny_scene.h"
+
+namespace ngs {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+using test::StudioServer;
+
+/// A folder with the tiny scene in it.
+struct Place {
+  Place() { test::write_tiny_scene(dir.path() + "/scene"); }
+  test::TempDir dir;
+};
+
+std::string camera_of(const Json& state, std::size_t view) {
+  Json camera = state["views"][view]["camera"];
+  camera["width"] = 192, camera["height"] = 144;
+  return camera.dump();
+}
+
+/// A dab on the middle, which is the ball, and a stroke along the top, which is the wall.
+std::string strokes(const std::string& camera, int object = 1) {
+  return R"({"object":)" + std::to_string(object) + R"(,"camera":)" + camera +
+         R"(,"strokes":[{"label":"object","radius_px":6,"points":[[96,72]]},)"
+         R"({"label":"background","radius_px":5,"points":[[8,8],[184,8]]}]})";
+}
+
+Json json_of(const StudioServer::Answer& answer) {
+  INFO(answer.body);
+  REQUIRE(answer.status >= 200);
+  REQUIRE(answer.status < 300);
+  return Json::parse(answer.body);
+}
+
+Json finished_job(const StudioServer& server) {
+  Json job;
+  do {
+    job = json_of(server.get("/api/job"));
+  } while (job["state"] == "running");
+  return job;
+}
+
+std::vector<std::string> words_of(const std::string& line) {
+  std::vector<std::string> words(1);
+  for (const char c : line) {
+    if (c == ' ')
+      words.emplace_back();
+    else
+      words.back() += c;
+  }
+  return words;
+}
+
+void run_tool(const std::string& folder, std::vector<std::string> argv) {
+  argv[0] = std::string(NGS_TOOL_DIR "/") + argv[0];
+  const test::ProcessResult result =
+      test::run_process({.argv = argv, .environment = {}, .folder = folder, .input = {}, .signal_after = {}});
+  INFO(argv[0] << ": " << result.err);
+  REQUIRE(result.exit_code == 0);
+}
+
+constexpr const char* kModel = "scene/scene.json";
+
+}  // namespace
+
+TEST_CASE("a visit in the page selects, corrects and steps back, and can be closed and opened again") {
+  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
+  const Place place;
+  Json left;
+  {
+    StudioServer server(place.dir.path(), {kModel, "-o", "visit"});
+    const Json state = json_of(server.get("/api/state"));
+    CHECK(state["gaussians"] == 374);
+    CHECK(state["views"].size() == 6);
+    CHECK(state["objects"][0]["gaussians"] == 0);
+    const Json marked = json_of(server.post("/api/strokes", strokes(camera_of(state, 0))));
+    CHECK(marked["version"] > state["version"]);
+    CHECK(marked["objects"][0]["gaussians"] == marked["answer"]["gaussians"]);
+    CHECK(marked["answer"]["gaussians"] > 40);
+    CHECK(marked["answer"]["coverage"] > 0.01);
+    CHECK(marked["undo"] == 1);
+    const Json undone = json_of(server.post("/api/undo", "{}"));
+    CHECK(undone["objects"][0]["gaussians"] == 0);
+    CHECK(undone["redo"] == 1);
+    CHECK(json_of(server.post("/api/redo", ""))["objects"] == marked["objects"]);
+    CHECK(server.post("/api/redo", "{}").status == 409);
+    json_of(server.post("/api/objects", R"({"add":{"name":"wall \u00e9"}})"));
+    CHECK(json_of(server.post("/api/objects", R"({"active":1})"))["active"] == 1);
+    const auto frame = server.post("/api/frame", R"({"camera":)" + camera_of(state, 0) + R"(,"moving":true})");
+    CHECK(frame.status == 200);
+    CHECK(frame.headers.find("Content-Type: image/jpeg") != std::string::npos);
+    CHECK(frame.headers.find("X-Ngs-Ms: ") != std::string::npos);
+    CHECK(frame.body.starts_with("\xff\xd8\xff"));
+    const Json log = json_of(server.get("/api/log"));
+    CHECK(log["strokes"]["n"] == 1);
+    CHECK(log["frames"]["moving"]["n"] == 1);
+    CHECK(log["frames"]["still"]["n"] == 0);
+    left = json_of(server.get("/api/state"));
+    CHECK(server.quit() == 0);
+  }
+  StudioServer again(place.dir.path(), {kModel, "-o", "visit"});
+  const Json state = json_of(again.get("/api/state"));
+  CHECK(state["objects"] == left["objects"]);
+  CHECK(state["undo"] == 0);
+}
+
+TEST_CASE("exported files are those that the commands make when they are typed, and that a replay makes") {
+  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
+  const Place place;
+  StudioServer server(place.dir.path(), {kModel, "-o", "visit"});
+  const Json state = json_of(server.get("/api/state"));
+  CHECK(server.post("/api/export", "{}").status == 409);
+  for (const std::size_t view : {0u, 3u}) json_of(server.post("/api/strokes", strokes(camera_of(state, view))));
+  CHECK(server.post("/api/export", "{}").status == 202);
+  CHECK(finished_job(server)["state"] == "done");
+  const Json done = json_of(server.get("/api/state"));
+  const std::string top = place.dir.path() + "/visit/";
+  std::map<std::string, std::string> exported;
+  for (const Json& file : done["export"]["files"]) exported[file] = test::read_bytes(top + file.get<std::string>());
+  CHECK(exported.size() == 6);  // three splats, strokes.json, two masks
+  for (const auto& [file, bytes] : exported) CHECK_FALSE(bytes.empty());
+
+  for (const char* name : {"labelled.ply", "object.ply", "background.ply", "boundary.ply"})
+    fs::remove(top + "object-1/" + name);
+  for (std::size_t line = 1; line < done["commands"].size(); ++line)
+    run_tool(place.dir.path(), words_of(done["commands"][line]));
+  for (const auto& [file, bytes] : exported) {
+    CAPTURE(file);
+    CHECK(test::read_bytes(top + file) == bytes);
+  }
+  run_tool(place.dir.path(), words_of(done["commands"][0]));
+  for (const auto& [file, bytes] : exported) {
+    CAPTURE(file);
+    CHECK(test::read_bytes(place.dir.path() + "/visit-again/" + file) == bytes);
+  }
+}
+
+TEST_CASE("Refine runs ngs cut over the scene's views and the marked ones, and Export hands its files over") {
+  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
+  const Place place;
+  StudioServer server(place.dir.path(), {kModel, "-o", "visit"});
+  const Json state = json_of(server.get("/api/state"));
+  json_of(server.post("/api/strokes", strokes(camera_of(state, 0))));
+  CHECK(server.post("/api/refine", R"({"quality":"perfect"})").status == 400);
+  CHECK(server.post("/api/refine", R"({"quality":"draft"})").status == 202);
+  const Json job = finished_job(server);
+  INFO(job.dump());
+  REQUIRE(job["state"] == "done");
+  const Json refined = json_of(server.get("/api/state"));
+  CHECK(refined["objects"][0]["refined"] == true);
+  CHECK(json_of(server.post("/api/before", R"({"show":true})"))["before"] == true);
+  CHECK(server.post("/api/export", "{}").status == 202);
+  CHECK(finished_job(server)["state"] == "done");
+  const Json files = json_of(server.get("/api/state"))["export"]["files"];
+  CHECK(std::find(files.begin(), files.end(), "object-1/cut/object.ply") != files.end());
+  CHECK(fs::exists(place.dir.path() + "/visit/object-1/cut/object.ply"));
+  const Json after = json_of(server.post("/api/undo", "{}"));
+  CHECK(after["objects"][0]["refined"] == false);
+}
+
+TEST_CASE("a job that is cancelled ends, and leaves the studio as it was") {
+  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
+  const Place place;
+  StudioServer server(place.dir.path(), {kModel, "-o", "visit"});
+  CHECK(server.post("/api/cancel", "{}").status == 409);
+  const Json state = json_of(server.get("/api/state"));
+  json_of(server.post("/api/strokes", strokes(camera_of(state, 0))));
+  CHECK(server.post("/api/refine", R"({"quality":"high"})").status == 202);
+  json_of(server.post("/api/cancel", "{}"));
+  CHECK(finished_job(server)["state"] == "cancelled");
+  CHECK(json_of(server.get("/api/state"))["objects"][0]["refined"] == false);
+}
+
+}  // namespace ngs

@@ -1,0 +1,302 @@
+// A visit to the page of ngs-studio: what a person does with mouse, fingers and keys, and what must then be seen.
+//
+//   node visit.mjs --modules NODE_MODULES --chromium PROGRAM --folder DIR
+//
+// DIR/scene.json is the scene; pictures go to DIR/pictures. Ring and box are where tutorial.md draws strokes on view
+// 0011. One line per check; exit code 1 if one failed.
+import fs from 'node:fs';
+import path from 'node:path';
+import { parseArgs } from 'node:util';
+
+import { colourAt, difference, drag, openBrowser, placeOf, settled, touch } from './browser.mjs';
+import { looksOf } from './looks.mjs';
+import { filesOf, runCommands, startStudio } from './server.mjs';
+
+const text = { type: 'string' };
+const { values } = parseArgs({ options: { modules: text, chromium: text, folder: text } });
+const work = path.join(values.folder, 'visit'), pictures = path.join(values.folder, 'pictures');
+const errors = [];
+const open = (look) => openBrowser({ ...values, folder: work, errors }, look);
+
+let passed = 0, failed = 0;
+function check(good, what) {
+  passed += good ? 1 : 0;
+  failed += good ? 0 : 1;
+  console.log(`${good ? 'ok  ' : 'FAIL'} ${what}`);
+}
+
+// Pixels of a photo of 320 x 240, as places of the picture: heights from its middle, heights from its top.
+const pixels = (...points) => points.map(([x, y]) => [(x - 160) / 240, y / 240]);
+const kView = '0011.png';
+const kRing = pixels([165, 30], [205, 95], [200, 160], [186, 165]);
+const kBesideRing = [
+  pixels([110, 120], [165, 165]), pixels([60, 50], [50, 170], [180, 200]), pixels([260, 170], [250, 60])];
+const kBox = pixels([110, 120], [120, 140], [150, 160]);
+const kWall = pixels([250, 40])[0];
+const kBlue = '#2040ff';
+const kTinted = 25, kSame = 12;  // of 255; JPEG moves a colour by less than the latter
+
+async function countOf(page, row) {
+  const text = await page.locator(`#objects li:nth-child(${row}) .count`).textContent();
+  return text === 'unmarked' ? 0 : Number(text.replaceAll(',', ''));
+}
+
+const stateOf = (page) => page.evaluate(async () => (await fetch('/api/state')).json());
+const snap = (page, name) => page.screenshot({ path: path.join(pictures, `${name}.png`) });
+const pressed = (page, id) => page.locator(`#${id}`).getAttribute('aria-pressed');
+
+async function pressAndSettle(page, key) {
+  await page.keyboard.press(key);
+  await settled(page);
+}
+
+async function visit(url, look) {
+  const { page, close } = await open(look);
+  await page.goto(url);
+  await settled(page);
+  return { page, close };
+}
+
+async function openAndTurn(page) {
+  check(/\d Gaussians$/.test(await page.locator('#gaussians').textContent()), 'open: the splat is named and counted');
+  check(page.url().includes('token') === false, 'open: the token is not left in the address');
+  check(await page.locator('#hint').isVisible(), 'open: the first visit says what to do');
+  await snap(page, '1600-light-first');
+  const before = await colourAt(page, kWall), samples = pixels([60, 60], [160, 120], [250, 200], [200, 90]);
+  const at = async () => Promise.all(samples.map((place) => colourAt(page, place)));
+  const start = await at();
+  await drag(page, pixels([160, 120], [60, 160]));
+  await settled(page);
+  const turned = await at();
+  check(start.some((colour, k) => difference(colour, turned[k]) > kTinted), 'turn: the picture follows the mouse');
+  await pressAndSettle(page, 'c');
+  check(difference(before, await colourAt(page, kWall)) < kSame, 'turn: C goes back to the start');
+  check((await page.locator('#views option').count()) === 13, 'views: twelve and the start');
+  await page.locator('#views').selectOption({ label: kView });
+  await settled(page);
+}
+
+async function paintAndCorrect(page) {
+  const plain = [await colourAt(page, kRing[1]), await colourAt(page, kWall)];
+  await page.locator('#paint').focus();
+  await page.keyboard.press('b');
+  check((await pressed(page, 'tool-object')) === 'true', 'paint: B takes the brush');
+  await drag(page, kRing);
+  await settled(page);
+  const ring = await countOf(page, 1);
+  check(ring > 0, `paint: a stroke selects, ${ring} Gaussians`);
+  check(!(await page.locator('#hint').isVisible()), 'paint: the hint goes');
+  await page.locator('#objects input[type=color]').fill(kBlue);
+  await settled(page);
+  check(difference(plain[0], await colourAt(page, kRing[1])) > kTinted, 'paint: the selection lights up in any colour');
+  await page.locator('#paint').focus();
+  await pressAndSettle(page, ' ');
+  check(difference(plain[0], await colourAt(page, kRing[1])) < kSame, 'paint: Space shows the splat without it');
+  await pressAndSettle(page, ' ');
+  check(difference(plain[1], await colourAt(page, kWall)) < kSame, 'paint: the wall does not');
+  await snap(page, '1600-light-marked');
+
+  await page.keyboard.press('x');
+  for (const stroke of kBesideRing) {
+    await drag(page, stroke);
+    await settled(page);
+  }
+  const corrected = await countOf(page, 1);
+  check(corrected !== ring && corrected > 0, `correct: background strokes change it, ${corrected} Gaussians`);
+  check(difference(plain[1], await colourAt(page, kWall)) < kSame, 'correct: the wall does not light up');
+  for (const key of ['Control+z', 'Control+z', 'Control+z']) await pressAndSettle(page, key);
+  check((await countOf(page, 1)) === ring, 'undo: as before the corrections');
+  for (const key of ['Control+Shift+z', 'Control+y', 'Control+Shift+z']) await pressAndSettle(page, key);
+  check((await countOf(page, 1)) === corrected, 'redo: as after them');
+}
+
+async function secondObject(page) {
+  await page.locator('#object-add').click();
+  await page.locator('#objects li').nth(1).waitFor();
+  await page.locator('#objects li:nth-child(2) input[type=text]').fill('box');
+  await page.locator('#objects li:nth-child(2) input[type=text]').press('Enter');
+  await settled(page);
+  await page.locator('#paint').focus();
+  await page.keyboard.press('b');
+  await drag(page, kBox);
+  await settled(page);
+  const counts = [await countOf(page, 1), await countOf(page, 2)];
+  check(counts.every((count) => count > 0), `second object: ${counts.join(' and ')} Gaussians`);
+  const swatches = page.locator('#objects input[type=color]');
+  const colours = await swatches.evaluateAll((inputs) => inputs.map(({ value }) => value));
+  check(new Set(colours).size === 2, `second object: a colour of its own, ${colours.join(' and ')}`);
+  await snap(page, '1600-light-two-objects');
+}
+
+async function slider(page) {
+  await page.locator('#objects li:nth-child(1) input[type=radio]').check();
+  await settled(page);
+  const both = [await colourAt(page, kWall), await colourAt(page, kRing[1])];
+  await page.locator('#paint').focus();
+  await pressAndSettle(page, '1');
+  const alone = [await colourAt(page, kWall), await colourAt(page, kRing[1])];
+  check(difference(both[0], alone[0]) > kTinted, 'slider: the object alone has no wall');
+  await snap(page, '1600-light-object');
+  await pressAndSettle(page, '3');
+  check(difference(alone[1], await colourAt(page, kRing[1])) > kTinted, 'slider: the background alone has no ring');
+  check(difference(both[0], await colourAt(page, kWall)) < kSame, 'slider: the background alone has the wall');
+  await snap(page, '1600-light-background');
+  await pressAndSettle(page, 'g');
+  await snap(page, '1600-light-boundary');
+  await pressAndSettle(page, '2');
+  check(difference(both[0], await colourAt(page, kWall)) < kSame, 'slider: both, as before');
+}
+
+async function refine(page) {
+  await page.getByText('Draft', { exact: true }).click();
+  await page.locator('#refine').click();
+  await page.locator('#before, #trouble').filter({ visible: true }).first().waitFor();
+  check(await page.locator('#trouble').isHidden(), 'refine: goes through');
+  await settled(page);
+  const box = await page.locator('#before').boundingBox();
+  await page.mouse.move(box.x + 20, box.y + 10);
+  await page.mouse.down();
+  await settled(page);
+  check((await pressed(page, 'before')) === 'true', 'refine: held, the picture is that before');
+  await page.mouse.up();
+  await settled(page);
+  check((await pressed(page, 'before')) === 'false', 'refine: let go, that after');
+}
+
+const kExported = ['object-1/cut/object.ply', 'object-1/cut/background.ply', 'object-1/cut/labelled.ply',
+  'object-2/object.ply', 'object-2/background.ply', 'object-2/labelled.ply', 'object-2/strokes.json'];
+const hasClock = (name) => name.includes('/report');
+const isMadeByCommands = (name) => name.endsWith('.ply') || name.includes('/cut/');
+
+async function exportAndRepeat(page) {
+  await page.locator('#export').click();
+  await page.locator('#exported').waitFor();
+  const { files } = (await stateOf(page)).export;
+  const folder = path.resolve(work, await page.locator('#folder').textContent());
+  await page.locator('#commands-box summary').click();
+  const commands = await page.locator('#commands').textContent();
+  await page.locator('#commands-box').scrollIntoViewIfNeeded();
+  await snap(page, '1600-light-exported');
+  const written = filesOf(folder);
+  check(kExported.every((name) => files.includes(name)), `export: ${files.length} files, with all that are wanted`);
+  check(files.every((name) => written.has(name)), 'export: what is in the list is there');
+
+  // What the commands write is taken away, what a visit leaves is not: the first command makes that again, elsewhere.
+  for (const name of files) if (isMadeByCommands(name)) fs.rmSync(path.join(folder, name));
+  runCommands(commands, work);
+  const repeated = filesOf(folder), again = filesOf(`${folder}-again`);
+  const differs = (name, found) => !found?.equals(written.get(name));
+  const differing = files.filter((name) => differs(name, repeated.get(name)));
+  check(differing.length === 0, ["export: the page's commands give the same bytes", ...differing].join(' '));
+  const replayed = [...again.keys()].filter((name) => written.has(name) && !hasClock(name));
+  const other = replayed.filter((name) => differs(name, again.get(name)));
+  check(replayed.some((name) => name.includes('/masks/')) && other.length === 0,
+    ['export: the visit, replayed, leaves the same bytes', ...other].join(' '));
+}
+
+// The same view by the page's own list, which narrow windows hide.
+async function goToView(page) {
+  await page.locator('#views').evaluate((select, view) => {
+    select.selectedIndex = [...select.options].findIndex(({ text }) => text === view);
+    select.dispatchEvent(new Event('change'));
+  }, kView);
+  await settled(page);
+}
+
+const undosOf = async (page) => (await stateOf(page)).undo;
+
+async function byFinger(url) {
+  const { page, close } = await visit(url, { width: 390, height: 844, touch: true });
+  await goToView(page);
+  await snap(page, '390-light-first');
+  await page.locator('#tool-object').tap();
+  const before = await undosOf(page), wall = await colourAt(page, [0.15, 0.16]);
+  await touch(page, [pixels([140, 100], [130, 90], [110, 70]), pixels([180, 140], [190, 150], [210, 170])]);
+  await settled(page);
+  check((await undosOf(page)) === before, 'fingers: two do not paint');
+  check(difference(wall, await colourAt(page, [0.15, 0.16])) > 1, 'fingers: two zoom');
+  await touch(page, [pixels([150, 110], [152, 115], [156, 120])]);
+  await settled(page);
+  check((await undosOf(page)) === before + 1, 'fingers: one paints');
+  await page.locator('#undo').tap();
+  await settled(page);
+  check((await undosOf(page)) === before, 'fingers: undo');
+  await page.locator('#panel-toggle').tap();
+  check(await page.locator('#panel').isVisible(), 'fingers: the panel comes');
+  await snap(page, '390-light-panel');
+  await close();
+}
+
+async function byKey(url) {
+  const { page, close } = await visit(url, { width: 800, height: 600, scheme: 'dark' });
+  await page.keyboard.press('Tab');
+  const focused = await page.evaluate(() => document.activeElement.id);
+  check(focused === 'paint', 'keys: the picture is the first that Tab reaches');
+  const at = await colourAt(page, [0, 0.5]);
+  for (let k = 0; k < 8; ++k) await page.keyboard.press('ArrowLeft');
+  await settled(page);
+  check(difference(at, await colourAt(page, [0, 0.5])) > 1, 'keys: arrows turn');
+  await page.keyboard.press('b');
+  await page.keyboard.press('ArrowUp');
+  const before = await undosOf(page);
+  await pressAndSettle(page, 'Enter');
+  check((await undosOf(page)) === before + 1, 'keys: Enter marks where the brush is');
+  await pressAndSettle(page, 'Control+z');
+  check((await undosOf(page)) === before, 'keys: Ctrl Z');
+  await page.keyboard.press('?');
+  check(await page.locator('#keys').isVisible(), 'keys: ? lists them');
+  await snap(page, '800-dark-keys');
+  await page.keyboard.press('Escape');
+  await close();
+}
+
+async function looks(url) {
+  for (const [width, height] of [[390, 844], [800, 600], [1600, 900]])
+    for (const scheme of ['light', 'dark']) {
+      const { page, close } = await visit(url, { width, height, scheme, touch: width < 700 });
+      await goToView(page);
+      await page.locator('#tool-background').click();
+      await settled(page);
+      await snap(page, `${width}-${scheme}`);
+      let faults = await looksOf(page);
+      if (width < 700) {
+        await page.locator('#panel-toggle').click();
+        faults = faults.concat(await looksOf(page));
+        await snap(page, `${width}-${scheme}-panel`);
+      }
+      check(faults.length === 0, `looks: ${width} px, ${scheme}${faults.map((fault) => `\n       ${fault}`).join('')}`);
+      await close();
+    }
+}
+
+async function withoutServer(page, studio) {
+  const code = await studio.stop();
+  check(code === 143 || code === 0 || code === 'SIGTERM', `end: ngs-studio ends when asked, ${code}`);
+  errors.length = 0;
+  await page.locator('#fit').click();
+  await page.locator('#trouble .remedy:not(:empty)').waitFor();
+  check((await page.locator('#trouble').textContent()).includes('start it again'), 'end: the page says what to do');
+  await snap(page, '1600-light-gone');
+}
+
+process.on('uncaughtException', (error) => {
+  console.log(`FAIL ${error.stack}`);
+  process.exit(1);
+});
+
+const studio = await startStudio(path.relative(work, path.join(values.folder, 'scene.json')), work, 'ring-studio');
+const { page, close } = await visit(studio.url, { width: 1600, height: 900 });
+await openAndTurn(page);
+await paintAndCorrect(page);
+await secondObject(page);
+await slider(page);
+await refine(page);
+await exportAndRepeat(page);
+await byFinger(studio.url);
+await byKey(studio.url);
+await looks(studio.url);
+check(errors.length === 0, `no error on the page's console${errors.map((error) => `\n       ${error}`).join('')}`);
+await withoutServer(page, studio);
+await close();
+console.log(`${passed} checks passed, ${failed} failed, 0 skipped`);
+process.exit(failed ? 1 : 0);

@@ -1,0 +1,258 @@
+#include "ngs/stages/live/session.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "ngs/core/error.h"
+#include "ngs/methods/method_flash.h"
+#include "ngs/stages/boundary/variance_stage.h"
+#include "support/tiny_scene.h"
+
+namespace ngs {
+namespace {
+
+/// What a person would steer to see what a camera of the tiny scene sees.
+live::Look look_of(const Camera& camera, int width_px) {
+  const Mat3<double>& r = camera.rotation;
+  live::Look look;
+  look.position = camera.centre();
+  look.look_at = look.position + Vec3<double>{r(2, 0), r(2, 1), r(2, 2)};
+  look.up = -1.0 * Vec3<double>{r(1, 0), r(1, 1), r(1, 2)};
+  look.fov_y_deg = 360 / std::numbers::pi * std::atan(0.5 * camera.height_px / camera.fy);
+  look.width_px = width_px, look.height_px = width_px * 3 / 4;
+  return look;
+}
+
+/// The tiny scene, where its ball is in each picture, and a visit to it.
+struct Visit {
+  explicit Visit(int threads = 2) {
+    exec.threads = threads;
+    splat = prepared_for(exec, splat, scene.cloud);
+  }
+  live::Model model() const { return {scene.cloud, splat, {0, 0, 0}}; }
+  live::Look look(std::size_t view) const { return look_of(scene.cameras[view], 192); }
+
+  /// The pixel of the ball's middle.
+  std::array<double, 2> ball(const live::Look& look) const {
+    Vec3<double> sum{0, 0, 0};
+    double count = 0;
+    for (std::size_t i = 0; i < scene.is_object.size(); ++i)
+      if (scene.is_object[i] > 0) {
+        const float* p = &scene.cloud.position[3 * i];
+        sum = sum + Vec3<double>{double(p[0]), double(p[1]), double(p[2])}, ++count;
+      }
+    const Camera camera = live::camera_of(look);
+    const Vec3<double> at = camera.rotation * ((1 / count) * sum) + camera.translation;
+    return {camera.fx * at.x / at.z + camera.cx, camera.fy * at.y / at.z + camera.cy};
+  }
+  PromptStroke on_ball(const live::Look& look) const { return {true, 6, {ball(look)}}; }
+  static PromptStroke on_wall(const live::Look& look) { return {false, 5, {{8, 8}, {double(look.width_px) - 8, 8}}}; }
+  /// Gaussians of the ball, or of the wall, that are selected.
+  std::int64_t selected(const live::ObjectLabels& labels, bool of_ball) const {
+    std::int64_t count = 0;
+    for (std::size_t i = 0; i < labels.label.size(); ++i)
+      count += labels.label[i] > 0 && (scene.is_object[i] > 0) == of_ball;
+    return count;
+  }
+
+  Exec exec;
+  test::TinyScene scene = test::tiny_scene();
+  SplatOptions splat;
+};
+
+const live::ObjectLabels& labels_of(const live::Session& session, std::size_t object = 0) {
+  const auto shown = session.shown();
+  REQUIRE(shown->size() > object);
+  REQUIRE((*shown)[object].labels);
+  return *(*shown)[object].labels;
+}
+
+void mark_two_views(const Visit& visit, live::Session& session) {
+  for (const std::size_t view : {0u, 3u}) {
+    const live::Look look = visit.look(view);
+    session.mark(1, look, {visit.on_ball(look), Visit::on_wall(look)});
+  }
+}
+
+}  // namespace
+
+TEST_CASE("strokes on two views select the ball and leave the wall") {
+  const Visit visit;
+  live::Session session(visit.exec, visit.model());
+  const live::Look look = visit.look(0);
+  const live::StrokeAnswer answer = session.mark(1, look, {visit.on_ball(look), Visit::on_wall(look)});
+  CHECK(answer.coverage > 0.01);
+  CHECK(answer.coverage < 0.5);
+  const live::Look other = visit.look(3);
+  session.mark(1, other, {visit.on_ball(other), Visit::on_wall(other)});
+  CHECK(visit.selected(labels_of(session), true) > 70);  // of 150: the far side was not seen
+  CHECK(visit.selected(labels_of(session), false) < 8);
+  CHECK(session.marks()->objects[0].views.size() == 2);
+  CHECK(session.marks()->objects[0].strokes() == 4);
+}
+
+TEST_CASE("the labels are those of ngs-variance and flash over the same masks, to the bit") {
+  const Visit visit;
+  live::Session session(visit.exec, visit.model());
+  mark_two_views(visit, session);
+  const live::Look again = visit.look(0);
+  session.mark(1, again, {{true, 3, {visit.ball(again)}}});  // a correction takes the view's first mask out of the sums
+  Scene scene;
+  scene.objects = {SceneObject{}};
+  std::vector<ViewMasks> masks;
+  for (const auto& view : session.marks()->objects[0].views) {
+    scene.views.push_back({view->camera, "", "", Split::kTrain});
+    masks.push_back({view->camera.width_px, view->camera.height_px, {}, {}, true});
+    masks.back().target.emplace_back(view->mask.begin(), view->mask.end());
+  }
+  REQUIRE(masks.size() == 2);
+  Monitor monitor;
+  const MaskLoader load = [&](std::size_t view) { return masks[view]; };
+  const Evidence evidence =
+      accumulate_evidence(visit.exec, monitor, {visit.scene.cloud, scene, {0, 1}, visit.splat, load});
+  const Problem problem{.cloud = visit.scene.cloud,
+                        .scene = scene,
+                        .views = {0, 1},
+                        .load_masks = load,
+                        .load_photo = {},
+                        .splat = visit.splat,
+                        .fixed = {},
+                        .labels = SharedLabels(label_gaussians({}, evidence))};
+  const Solution flash = run_flash(visit.exec, monitor, {}, problem);
+  const live::ObjectLabels& live = labels_of(session);
+  CHECK(live.label == flash.labels[0].label);
+  CHECK(live.count > 0);
+  const std::vector<float>& boundary = problem.labels[0].boundary;
+  CHECK(std::equal(boundary.begin(), boundary.end(), live.boundary.begin(), live.boundary.end(),
+                   [](float a, std::uint8_t b) { return (a > 0) == (b > 0); }));
+}
+
+TEST_CASE("the same strokes give the same masks and labels for any number of threads") {
+  std::vector<PixelMask> masks;
+  std::vector<std::vector<float>> labels;
+  for (const int threads : {1, 3}) {
+    const Visit visit(threads);
+    live::Session session(visit.exec, visit.model());
+    mark_two_views(visit, session);
+    masks.push_back(session.marks()->objects[0].views[1]->mask);
+    labels.push_back(labels_of(session).label);
+  }
+  CHECK(masks[0] == masks[1]);
+  CHECK(labels[0] == labels[1]);
+}
+
+TEST_CASE("a step back and again gives what was there, and nothing is left of what was taken back") {
+  const Visit visit;
+  live::Session session(visit.exec, visit.model());
+  CHECK_FALSE(session.undo());
+  const live::Look look = visit.look(0);
+  session.mark(1, look, {visit.on_ball(look), Visit::on_wall(look)});
+  const std::vector<float> first = labels_of(session).label;
+  const live::Look other = visit.look(3);
+  session.mark(1, other, {visit.on_ball(other), Visit::on_wall(other)});
+  const std::vector<float> second = labels_of(session).label;
+  REQUIRE(first != second);
+  CHECK(session.undo());
+  CHECK(labels_of(session).label == first);
+  CHECK(session.redo());
+  CHECK(labels_of(session).label == second);
+  CHECK_FALSE(session.redo());
+  CHECK(session.undo());
+  CHECK(session.undo());
+  CHECK(session.marks()->objects[0].views.empty());
+  CHECK_FALSE((*session.shown())[0].labels);
+  session.forget_steps();
+  CHECK_FALSE(session.redo());
+}
+
+TEST_CASE("background painted on a new view takes from what the other views said") {
+  const Visit visit;
+  live::Session session(visit.exec, visit.model());
+  const live::Look look = visit.look(0);
+  session.mark(1, look, {visit.on_ball(look), Visit::on_wall(look)});
+  const std::int64_t before = labels_of(session).count;
+  const live::Look other = visit.look(3);
+  const std::array<double, 2> middle = visit.ball(other);
+  session.mark(1, other, {{false, 60, {middle}}});
+  CHECK(labels_of(session).count < before / 2);
+}
+
+TEST_CASE("objects are apart: each has its strokes, its labels and its name") {
+  const Visit visit;
+  live::Session session(visit.exec, visit.model());
+  const live::Look look = visit.look(0);
+  session.mark(1, look, {visit.on_ball(look), Visit::on_wall(look)});
+  const std::vector<float> ball = labels_of(session).label;
+  const int wall = session.add_object("wall");
+  CHECK(session.marks()->active == wall);
+  PromptStroke wall_stroke = Visit::on_wall(look), ball_stroke = visit.on_ball(look);
+  wall_stroke.object = true, ball_stroke.object = false;
+  session.mark(wall, look, {wall_stroke, ball_stroke});
+  CHECK(labels_of(session, 0).label == ball);
+  CHECK(labels_of(session, 1).label != ball);
+  session.edit_object(wall, "the wall", "#00ff00");
+  CHECK(session.marks()->find(wall)->name == "the wall");
+  CHECK((*session.shown())[1].colour == std::array<float, 3>{0, 1, 0});
+  session.remove_object(1);
+  CHECK(session.marks()->objects.size() == 1);
+  CHECK_THROWS_AS(session.mark(1, look, {ball_stroke}), Error);
+  CHECK(session.undo());
+  CHECK(labels_of(session, 0).label == ball);
+  while (session.marks()->objects.size() < live::kMostObjects) session.add_object("");
+  CHECK_THROWS_AS(session.add_object("one too many"), Error);
+}
+
+TEST_CASE("a visit that was kept goes on as if it had not ended") {
+  const Visit visit;
+  live::Session session(visit.exec, visit.model()), opened(visit.exec, visit.model());
+  mark_two_views(visit, session);
+  live::Marks kept;
+  kept.active = 1, kept.next_id = 2;
+  for (const live::ObjectMarks& object : session.marks()->objects) {
+    kept.objects.push_back({object.id, object.name, object.colour, object.next_view, {}});
+    for (const auto& view : object.views) {
+      live::MarkedView plain;
+      plain.name = view->name, plain.look = view->look, plain.strokes = view->strokes, plain.mask = view->mask;
+      kept.objects.back().views.push_back(std::make_shared<const live::MarkedView>(plain));
+    }
+  }
+  opened.restore(kept);
+  CHECK(labels_of(opened).label == labels_of(session).label);
+  CHECK_FALSE(opened.undo());
+  const live::Look look = visit.look(1);
+  session.mark(1, look, {visit.on_ball(look)}), opened.mark(1, look, {visit.on_ball(look)});
+  CHECK(opened.marks()->objects[0].views[2]->mask == session.marks()->objects[0].views[2]->mask);
+  CHECK(labels_of(opened).label == labels_of(session).label);
+}
+
+TEST_CASE("a frame shows the selection, the object alone and the background alone") {
+  const Visit visit;
+  live::Session session(visit.exec, visit.model());
+  mark_two_views(visit, session);
+  live::FrameRequest request{live::camera_of(visit.look(0)), live::Layer::kBoth, 0.5, 0, false};
+  const auto draw = [&] { return live::draw_frame(visit.exec, visit.model(), *session.shown(), request); };
+  const ImageU8 plain = draw();
+  CHECK(plain.data == session.picture(request.camera).data);
+  request.highlight = true;
+  const ImageU8 marked = draw();
+  const std::array<double, 2> middle = visit.ball(visit.look(0));
+  const int x = int(middle[0]), y = int(middle[1]);
+  CHECK(std::abs(int(marked.at(x, y, 1)) - int(plain.at(x, y, 1))) > 10);
+  CHECK(marked.at(4, 4, 0) == plain.at(4, 4, 0));
+  request.layer = live::Layer::kObject;
+  const ImageU8 object = draw();
+  CHECK(int(object.at(4, 4, 0)) + object.at(4, 4, 1) + object.at(4, 4, 2) == 0);
+  CHECK(object.at(x, y, 0) > 60);
+  request.layer = live::Layer::kBackground;
+  CHECK(draw().at(x, y, 0) < plain.at(x, y, 0));
+  request.layer = live::Layer::kBoth, request.fade = 0.25, request.highlight = false;
+  const ImageU8 half = draw();
+  CHECK(std::abs(2 * int(half.at(4, 4, 2)) - int(plain.at(4, 4, 2))) <= 2);
+  request.layer = live::Layer::kBoundary;
+  CHECK(draw().data != plain.data);
+}
+
+}  // namespace ngs

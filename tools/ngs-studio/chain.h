@@ -1,0 +1,22 @@
+#pragma once
+// Which programs make the files of an object, with the words that a person would type.
+#include "job.h"
+#include "state_folder.h"
+
+namespace ngs::studio {
+
+/// The labels as they are shown: ngs-variance, ngs-joint --method flash, ngs-extract.
+std::vector<std::vector<std::string>> export_words(const StateFolder& folder, int object);
+
+struct RefineChoice {
+  std::string source;  // a splat to make pictures of; empty: the scene has its own
+  std::string around;  // X,Y,Z,R for ngs-scene orbit
+  std::string quality = "standard";
+};
+/// The full method: ngs-scene orbit where there is a splat alone, then ngs cut over its views and the marked ones.
+std::vector<std::vector<std::string>> refine_words(const StateFolder& folder, int object, const RefineChoice& choice);
+
+/// "X,Y,Z,R": a ball about what is selected, empty where nothing is.
+std::string ball_around(const GaussianCloud& cloud, const live::ObjectLabels& labels);
+
+}  // namespace ngs::studio

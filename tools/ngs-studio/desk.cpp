@@ -1,0 +1,266 @@
+#include "desk.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "ngs/io/image/image_file.h"
+#include "ngs/options/name_of.h"
+#include "shared/run/sibling_program.h"
+#include "state_json.h"
+
+namespace ngs::studio {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr NamedValue<live::Layer> kLayers[] = {{live::Layer::kBoth, "both"},
+                                               {live::Layer::kObject, "object"},
+                                               {live::Layer::kBackground, "background"},
+                                               {live::Layer::kBoundary, "boundary"}};
+constexpr int kJpegQuality = 85, kMovingQuality = 70;
+constexpr std::size_t kMostViews = 400;  // of a scene that are listed
+
+Json list(Vec3<double> v) { return Json{v.x, v.y, v.z}; }
+double ms(double seconds) { return std::round(1e4 * seconds) / 10; }
+
+std::string name_of_object(Fields& fields) {
+  const std::string name = fields.text("name", 60);
+  if (name.empty()) fields.refuse("name", "a name");
+  for (const char c : name)
+    if (std::uint8_t(c) < 32 || c == 127) fields.refuse("name", "a name without control characters");
+  return name;
+}
+
+}  // namespace
+
+Desk::Desk(const Exec& exec, StudioPlace place)
+    : exec_(exec),
+      place_(std::move(place)),
+      folder_(place_.folder),
+      loaded_(exec, place_.source),
+      session_(exec, loaded_.model()) {
+  if (std::optional<live::Marks> earlier = folder_.load(place_.source)) {
+    session_.restore(std::move(*earlier));
+    note("/api/forget", nlohmann::json::object());
+  }
+  folder_.save(*session_.marks(), place_.source);
+}
+
+void Desk::note(const std::string& path, const nlohmann::json& body) const {
+  folder_.note(Json{{"path", path}, {"body", body}}.dump());
+}
+
+Json Desk::changed() {
+  folder_.save(*session_.marks(), place_.source);
+  ++version_;
+  return state();
+}
+
+void Desk::refuse_while_busy() const {
+  const std::lock_guard lock(mutex_);
+  if (job_ && job_->is_running() && job_->kind() == "export")
+    throw Refusal(409, "export", "still running", "its end first", "wait, or cancel it");
+}
+
+Json Desk::strokes(Fields request) {
+  refuse_while_busy();
+  const Stopwatch watch;
+  const int object = request.whole("object", 1, 1 << 20);
+  const live::Look look = look_of(request.object("camera"));
+  const std::vector<PromptStroke> drawn = strokes_of(request);
+  request.end();
+  const live::StrokeAnswer answer = session_.mark(object, look, drawn);
+  Json out = changed();
+  const double all_s = watch.wall_s();
+  std::int64_t count = 0;
+  for (const live::ShownObject& shown : *session_.shown())
+    if (shown.id == object && shown.labels) count = shown.labels->count;
+  out["answer"] = {{"mask_ms", ms(answer.mask_s)},
+                   {"lift_ms", ms(answer.lift_s)},
+                   {"ms", ms(all_s)},
+                   {"gaussians", count},
+                   {"coverage", answer.coverage}};
+  const std::lock_guard lock(mutex_);
+  stroke_ms_.add(watch);
+  return out;
+}
+
+Json Desk::undo(Fields request) {
+  request.end(), refuse_while_busy();
+  if (!session_.undo()) throw Refusal(409, "undo", "no step", "a step to take back");
+  return changed();
+}
+
+Json Desk::redo(Fields request) {
+  request.end(), refuse_while_busy();
+  if (!session_.redo()) throw Refusal(409, "redo", "no step", "a step that was taken back");
+  return changed();
+}
+
+Json Desk::forget(Fields request) {
+  request.end();
+  session_.forget_steps();
+  return changed();
+}
+
+Json Desk::objects(Fields request) {
+  refuse_while_busy();
+  if (request.has("add")) {
+    Fields added = request.object("add");
+    const std::string name = added.has("name") ? name_of_object(added) : "";
+    added.end(), request.end();
+    session_.add_object(name);
+  } else if (request.has("remove")) {
+    const int id = request.whole("remove", 1, 1 << 20);
+    request.end();
+    session_.remove_object(id);
+  } else if (request.has("active")) {
+    const int id = request.whole("active", 1, 1 << 20);
+    request.end();
+    session_.activate(id);
+  } else {
+    const int id = request.whole("id", 1, 1 << 20);
+    const std::string name = request.has("name") ? name_of_object(request) : "",
+                      colour = request.has("colour") ? colour_of(request, "colour") : "";
+    if (name.empty() && colour.empty()) request.refuse("name", "a name or a colour");
+    request.end();
+    session_.edit_object(id, name, colour);
+  }
+  return changed();
+}
+
+live::FrameRequest Desk::frame_request(Fields& request, bool& moving) const {
+  live::FrameRequest frame;
+  live::Look look = look_of(request.object("camera"));
+  if (request.has("layer")) {
+    const std::string layer = request.text("layer", 20);
+    const auto* named = std::ranges::find(kLayers, layer, &NamedValue<live::Layer>::name);
+    if (named == std::end(kLayers)) request.refuse("layer", "both, object, background or boundary");
+    frame.layer = named->value;
+  }
+  if (request.has("fade")) frame.fade = request.number("fade", 0, 1);
+  if (request.has("object")) frame.object = request.whole("object", 0, 1 << 20);
+  if (request.has("highlight")) frame.highlight = request.truth("highlight");
+  moving = request.has("moving") && request.truth("moving");
+  request.end();
+  if (moving) look.width_px = (look.width_px + 1) / 2, look.height_px = (look.height_px + 1) / 2;
+  frame.camera = live::camera_of(look);
+  return frame;
+}
+
+Reply Desk::frame(Fields request) {
+  const Stopwatch watch;
+  bool moving = false;
+  const live::FrameRequest wanted = frame_request(request, moving);
+  const int version = version_;
+  const std::shared_ptr<const live::Marks> marks = session_.marks();
+  const std::shared_ptr<const std::vector<live::ShownObject>> shown = session_.shown();
+  const int object = wanted.object == 0 ? marks->active : wanted.object;
+  const std::shared_ptr<const RefinedModel> refined = shows_before_ ? nullptr : refined_of(*marks, object);
+  std::vector<live::ShownObject> objects = *shown;
+  if (refined) {
+    std::erase_if(objects, [&](const live::ShownObject& o) { return o.id != object; });
+    for (live::ShownObject& o : objects) o.labels = refined->labels;
+  }
+  const ImageU8 picture = [&] {
+    const std::lock_guard one(drawing_);
+    const live::Model model = loaded_.model();
+    if (!refined) return live::draw_frame(exec_, model, objects, wanted);
+    return live::draw_frame(exec_, {refined->ply.cloud, refined->splat, model.background}, objects, wanted);
+  }();
+  const std::vector<std::uint8_t> jpeg = io::encode_jpeg(picture, moving ? kMovingQuality : kJpegQuality);
+  {
+    const std::lock_guard lock(mutex_);
+    (moving ? moving_ms_ : still_ms_).add(watch);
+  }
+  return {
+      200,
+      {jpeg.begin(), jpeg.end()},
+      "image/jpeg",
+      {{"X-Ngs-Ms", std::to_string(std::lround(1000 * watch.wall_s()))}, {"X-Ngs-Version", std::to_string(version)}}};
+}
+
+Json Desk::before(Fields request) {
+  shows_before_ = request.truth("show");
+  request.end();
+  ++version_;
+  return state();
+}
+
+Json Desk::log() const {
+  const std::lock_guard lock(mutex_);
+  return {{"strokes", stroke_ms_.json()}, {"frames", {{"moving", moving_ms_.json()}, {"still", still_ms_.json()}}}};
+}
+
+Json Desk::objects_json(const live::Marks& marks) const {
+  Json out = Json::array();
+  const auto shown = session_.shown();
+  for (const live::ObjectMarks& object : marks.objects) {
+    std::int64_t count = 0;
+    for (const live::ShownObject& s : *shown)
+      if (s.id == object.id && s.labels) count = s.labels->count;
+    out.push_back({{"id", object.id},
+                   {"name", object.name},
+                   {"colour", object.colour},
+                   {"gaussians", count},
+                   {"strokes", object.strokes()},
+                   {"refined", is_refined(object)}});
+  }
+  return out;
+}
+
+Json Desk::views_json() const {
+  Json out = Json::array();
+  for (const SceneView& view : loaded_.scene.views) {
+    if (out.size() == kMostViews) break;
+    const Vec3<double> line = loaded_.first.centre - view.camera.centre();
+    out.push_back({{"name", view.camera.name},
+                   {"camera", json_of(look_of_view(view.camera, std::max(1e-6, std::sqrt(dot(line, line)))))}});
+  }
+  return out;
+}
+
+/// What makes the same files again, when it is typed.
+Json Desk::commands_json(const live::Marks& marks) const {
+  Json lines = Json::array();
+  const auto add = [&](const std::vector<std::string>& words) { lines.push_back(cli::quoted_line(words)); };
+  add({"ngs-studio", place_.source, "--replay", folder_.at("visit.jsonl"), "-o", place_.folder + "-again"});
+  for (const live::ObjectMarks& object : marks.objects) {
+    if (object.views.empty()) continue;
+    const bool refined = is_refined(object);
+    std::string quality = "standard";
+    {
+      const std::lock_guard lock(mutex_);
+      if (const auto found = quality_.find(object.id); found != quality_.end()) quality = found->second;
+    }
+    for (const auto& words :
+         refined ? refine_words(folder_, object.id, choice_for(object.id, quality)) : export_words(folder_, object.id))
+      add(words);
+  }
+  return lines;
+}
+
+Json Desk::state() const {
+  const std::shared_ptr<const live::Marks> marks = session_.marks();
+  const live::FirstLook& first = loaded_.first;
+  Json out{{"version", version_.load()},
+           {"title", fs::path(place_.source).filename().string()},
+           {"gaussians", loaded_.ply.cloud.size()},
+           {"bounds", {{"centre", list(first.centre)}, {"radius", first.radius}, {"up", list(first.up)}}},
+           {"start", json_of(first.look)},
+           {"views", views_json()},
+           {"objects", objects_json(*marks)},
+           {"active", marks->active},
+           {"undo", session_.steps_back()},
+           {"redo", session_.steps_again()},
+           {"job", job_json()},
+           {"folder", fs::path(place_.folder).filename().string()},
+           {"commands", commands_json(*marks)},
+           {"before", shows_before_.load()}};
+  const std::lock_guard lock(mutex_);
+  if (!exported_.is_null()) out["export"] = exported_;
+  return out;
+}
+
+}  // namespace ngs::studio

@@ -1,0 +1,158 @@
+// The requests of Desk that start programs.
+#include <algorithm>
+#include <filesystem>
+
+#include "desk.h"
+#include "ngs/io/scene/scene_json.h"
+
+namespace ngs::studio {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Shares of an object's Export: pictures, then the programs.
+constexpr double kExportShares[] = {1, 1, 1};
+
+std::string stage_of(const std::vector<std::string>& words) {
+  return words[0] == "ngs" ? words[1] : words[0] == "ngs-scene" ? "pictures" : words[0].substr(4);
+}
+
+Json files_in(const std::string& folder, const std::string& shown) {
+  Json files = Json::array();
+  std::error_code absent;
+  for (const char* name : {"object.ply", "background.ply", "labelled.ply", "strokes.json", "masks"}) {
+    const fs::path path = fs::path(folder) / name;
+    if (!fs::is_directory(path, absent)) {
+      if (fs::exists(path, absent)) files.push_back(shown + "/" + name);
+      continue;
+    }
+    std::vector<std::string> masks;
+    for (const fs::directory_entry& entry : fs::directory_iterator(path, absent))
+      masks.push_back(shown + "/masks/" + entry.path().filename().string());
+    std::sort(masks.begin(), masks.end());
+    for (const std::string& mask : masks) files.push_back(mask);
+  }
+  return files;
+}
+
+}  // namespace
+
+void Desk::start(std::string kind, std::vector<JobStep> steps, std::function<void()> finished) {
+  std::shared_ptr<Job> earlier;  // its thread ends outside of the lock, which its end may wait for
+  {
+    const std::lock_guard lock(mutex_);
+    if (job_ && job_->is_running())
+      throw Refusal(409, job_->kind(), "still running", "its end first", "wait, or cancel it");
+    earlier = std::move(job_);
+  }
+  earlier.reset();
+  auto job = std::make_shared<Job>(std::move(kind), std::move(steps), std::move(finished));
+  const std::lock_guard lock(mutex_);
+  job_ = std::move(job);
+}
+
+Json Desk::job_json() const {
+  std::shared_ptr<Job> job;
+  {
+    const std::lock_guard lock(mutex_);
+    job = job_;
+  }
+  return job ? job->json() : Json();
+}
+
+Json Desk::cancel() const {
+  std::shared_ptr<Job> job;
+  {
+    const std::lock_guard lock(mutex_);
+    job = job_;
+  }
+  if (!job) throw Refusal(409, "cancel", "nothing that runs", "a Refine or Export");
+  job->cancel();
+  return job->json();
+}
+
+bool Desk::is_refined(const live::ObjectMarks& object) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = refined_.find(object.id);
+  return found != refined_.end() && found->second.views == object.views;
+}
+
+std::shared_ptr<const RefinedModel> Desk::refined_of(const live::Marks& marks, int object) const {
+  const live::ObjectMarks* marked = marks.find(object);
+  if (marked == nullptr || !is_refined(*marked)) return nullptr;
+  const std::lock_guard lock(mutex_);
+  return refined_.at(object).model;
+}
+
+RefineChoice Desk::choice_for(int object, const std::string& quality) const {
+  RefineChoice choice{loaded_.is_scene && !loaded_.scene.views.empty() ? "" : loaded_.scene.model_path, "", quality};
+  for (const live::ShownObject& shown : *session_.shown())
+    if (shown.id == object && shown.labels) choice.around = ball_around(loaded_.ply.cloud, *shown.labels);
+  return choice;
+}
+
+Json Desk::refine(Fields request) {
+  const std::string quality = request.text("quality", 20);
+  if (quality != "draft" && quality != "standard" && quality != "high")
+    request.refuse("quality", "draft, standard or high");
+  request.end();
+  const std::shared_ptr<const live::Marks> marks = session_.marks();
+  const live::ObjectMarks* found = marks->find(marks->active);
+  if (found == nullptr || found->views.empty())
+    throw Refusal(409, "refine", "an object without strokes", "strokes on one view at least", "draw on the object");
+  const live::ObjectMarks object = *found;
+  const RefineChoice choice = choice_for(object.id, quality);
+  std::vector<JobStep> steps;
+  steps.push_back({"write", 0.2, {}, [this, object] {
+                     folder_.write_scene(session_, object, loaded_.scene);
+                     fs::create_directories(folder_.of(object.id, "orbit"));
+                   }});
+  const auto words = refine_words(folder_, object.id, choice);
+  for (std::size_t w = 0; w < words.size(); ++w) {
+    const bool last = w + 1 == words.size();
+    if (last)
+      steps.push_back({"write", 0.1, {}, [this, object, made = !choice.source.empty()] {
+                         const std::string orbit = folder_.of(object.id, "orbit/scene.json");
+                         folder_.write_cut(object, made ? io::read_scene_json(orbit) : loaded_.scene);
+                       }});
+    steps.push_back({stage_of(words[w]), last ? 8.0 : 1.5, words[w]});
+  }
+  start("refine", std::move(steps), [this, object, quality] {
+    auto model = std::make_shared<const RefinedModel>(exec_, folder_.of(object.id, "cut/labelled.ply"), loaded_.splat);
+    const std::lock_guard lock(mutex_);
+    refined_[object.id] = {std::move(model), object.views}, quality_[object.id] = quality;
+    ++version_;
+  });
+  return state();
+}
+
+Json Desk::export_files(Fields request) {
+  request.end();
+  const std::shared_ptr<const live::Marks> marks = session_.marks();
+  std::vector<JobStep> steps;
+  std::vector<std::pair<std::string, std::string>> folders;
+  for (const live::ObjectMarks& object : marks->objects) {
+    if (object.views.empty()) continue;
+    const std::string shown = "object-" + std::to_string(object.id);
+    const bool refined = is_refined(object);
+    folders.emplace_back(folder_.of(object.id, refined ? "cut" : ""), shown + (refined ? "/cut" : ""));
+    if (refined) continue;
+    steps.push_back({"write", 0.3, {}, [this, object] { folder_.write_scene(session_, object, loaded_.scene); }});
+    const auto words = export_words(folder_, object.id);
+    for (std::size_t w = 0; w < words.size(); ++w) steps.push_back({stage_of(words[w]), kExportShares[w], words[w]});
+  }
+  if (folders.empty())
+    throw Refusal(409, "export", "no object with strokes", "strokes on one view at least", "draw on the object");
+  if (steps.empty()) steps.push_back({"write", 1, {}, [] {}});
+  start("export", std::move(steps), [this, folders] {
+    Json files = Json::array();
+    for (const auto& [folder, shown] : folders)
+      for (const Json& file : files_in(folder, shown)) files.push_back(file);
+    const std::lock_guard lock(mutex_);
+    exported_ = {{"files", std::move(files)}, {"folder", fs::path(place_.folder).filename().string()}};
+    ++version_;
+  });
+  return state();
+}
+
+}  // namespace ngs::studio

@@ -1,0 +1,110 @@
+#include "fields.h"
+
+#include <cmath>
+
+#include "ngs/options/strict_json.h"
+
+namespace ngs::studio {
+namespace {
+
+constexpr double kFarthest = 1e9;  // world, of a coordinate
+constexpr int kLeastSide_px = 16, kMostSide_px = 4096;
+constexpr double kMostPixels = 4096.0 * 2304.0;
+
+std::string shown(const nlohmann::json& value) {
+  std::string text = value.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+  if (text.size() > 60) text = text.substr(0, 57) + "...";
+  return text;
+}
+
+std::string span_of(double least, double most) {
+  return shown(nlohmann::json(least)) + " to " + shown(nlohmann::json(most));
+}
+
+}  // namespace
+
+Fields::Fields(const nlohmann::json& object, std::string path) : object_(object), path_(std::move(path)) {
+  if (!object.is_object()) throw Refusal(400, path_.empty() ? "request" : path_, shown(object), "a JSON object");
+}
+
+void Fields::refuse(const std::string& name, const std::string& expected) const {
+  throw Refusal(400, path_of(name), has(name) ? shown(object_.at(name)) : "nothing", expected);
+}
+
+const nlohmann::json& Fields::member(const std::string& name) {
+  asked_.insert(name);
+  if (!has(name)) refuse(name, "a value");
+  return object_.at(name);
+}
+
+double Fields::number(const std::string& name, double least, double most) {
+  const nlohmann::json& value = member(name);
+  const double number = value.is_number() ? value.get<double>() : NAN;
+  if (!(number >= least && number <= most)) refuse(name, "a number of " + span_of(least, most));
+  return number;
+}
+
+int Fields::whole(const std::string& name, int least, int most) {
+  const double value = number(name, least, most);
+  if (value != std::floor(value)) refuse(name, "a whole number");
+  return int(value);
+}
+
+bool Fields::truth(const std::string& name) {
+  const nlohmann::json& value = member(name);
+  if (!value.is_boolean()) refuse(name, "true or false");
+  return value.get<bool>();
+}
+
+std::string Fields::text(const std::string& name, std::size_t longest) {
+  const nlohmann::json& value = member(name);
+  if (!value.is_string() || value.get_ref<const std::string&>().size() > longest)
+    refuse(name, "a text of at most " + std::to_string(longest) + " bytes");
+  return value.get<std::string>();
+}
+
+Vec3<double> Fields::vector(const std::string& name) {
+  const nlohmann::json& value = member(name);
+  double v[3] = {};
+  bool good = value.is_array() && value.size() == 3;
+  for (std::size_t k = 0; good && k < 3; ++k) {
+    good = value[k].is_number() && std::abs(v[k] = value[k].get<double>()) <= kFarthest;
+  }
+  if (!good) refuse(name, "three numbers of at most 1e9");
+  return {v[0], v[1], v[2]};
+}
+
+void Fields::end() const {
+  for (const auto& [name, value] : object_.items())
+    if (!asked_.contains(name)) throw Refusal(400, path_of(name), shown(value), "no member of this name");
+}
+
+nlohmann::json parse_body(const std::string& body) {
+  if (body.empty()) return nlohmann::json::object();
+  try {
+    return parse_strict_json<nlohmann::json>(body, "request", ErrorCode::kUsage);
+  } catch (const Error& e) {
+    throw Refusal(400, "request", e.what(), "one JSON object");
+  }
+}
+
+live::Look look_of(Fields camera) {
+  live::Look look;
+  look.position = camera.vector("position"), look.look_at = camera.vector("look_at"), look.up = camera.vector("up");
+  look.fov_y_deg = camera.number("fov_y_deg", 1, 150);
+  look.width_px = camera.whole("width", kLeastSide_px, kMostSide_px);
+  look.height_px = camera.whole("height", kLeastSide_px, kMostSide_px);
+  if (double(look.width_px) * look.height_px > kMostPixels) camera.refuse("height", "at most 4096x2304 px in all");
+  camera.end();
+  const Vec3<double> line = look.look_at - look.position;
+  if (!(dot(line, line) > 0)) camera.refuse("look_at", "another point than position");
+  return look;
+}
+
+Json json_of(const live::Look& look) {
+  const auto list = [](Vec3<double> v) { return Json{v.x, v.y, v.z}; };
+  return {{"position", list(look.position)}, {"look_at", list(look.look_at)}, {"up", list(look.up)},
+          {"fov_y_deg", look.fov_y_deg},     {"width", look.width_px},        {"height", look.height_px}};
+}
+
+}  // namespace ngs::studio

@@ -1,0 +1,45 @@
+#pragma once
+// Requests as JSON, read strictly: every member is asked for by name, and what nobody asked for is refused.
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+
+#include "ngs/stages/live/look.h"
+#include "reply.h"
+
+namespace ngs::studio {
+
+using Json = nlohmann::ordered_json;
+
+/// One JSON object of a request. Errors are Refusals (400) that name the member by its path, "camera.width".
+class Fields {
+ public:
+  Fields(const nlohmann::json& object, std::string path);
+
+  bool has(const std::string& name) const { return object_.contains(name); }
+  double number(const std::string& name, double least, double most);
+  int whole(const std::string& name, int least, int most);
+  bool truth(const std::string& name);
+  std::string text(const std::string& name, std::size_t longest);
+  Vec3<double> vector(const std::string& name);
+  const nlohmann::json& member(const std::string& name);
+  Fields object(const std::string& name) { return {member(name), path_of(name)}; }
+  std::string path_of(const std::string& name) const { return path_.empty() ? name : path_ + "." + name; }
+  /// To be called when all were asked for.
+  void end() const;
+
+  [[noreturn]] void refuse(const std::string& name, const std::string& expected) const;
+
+ private:
+  const nlohmann::json& object_;
+  std::string path_;
+  std::set<std::string> asked_;
+};
+
+/// The body of a request; an empty one is {}.
+nlohmann::json parse_body(const std::string& body);
+
+live::Look look_of(Fields camera);
+Json json_of(const live::Look& look);
+
+}  // namespace ngs::studio

@@ -1,0 +1,61 @@
+#include "loaded_model.h"
+
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "ngs/core/error.h"
+#include "ngs/io/scene/scene_json.h"
+#include "ngs/stages/orbit/vectors.h"
+#include "ngs/stages/render/render_options.h"
+
+namespace ngs::studio {
+
+live::Look look_of_view(const Camera& camera, double distance) {
+  const Mat3<double>& r = camera.rotation;
+  live::Look look;
+  look.position = camera.centre();
+  look.look_at = look.position + distance * Vec3<double>{r(2, 0), r(2, 1), r(2, 2)};
+  look.up = -1.0 * Vec3<double>{r(1, 0), r(1, 1), r(1, 2)};
+  look.fov_y_deg = 360 / std::numbers::pi * std::atan(0.5 * camera.height_px / camera.fy);
+  look.width_px = camera.width_px, look.height_px = camera.height_px;
+  return look;
+}
+
+LoadedModel::LoadedModel(const Exec& exec, const std::string& source) {
+  is_scene = std::filesystem::path(source).extension() == ".json";
+  if (is_scene) {
+    scene = io::read_scene_json(source);
+    if (scene.model_path.empty())
+      throw Error(ErrorCode::kBadInput, source + ": names no model, expected a 3DGS model",
+                  "import the scene again with --ply MODEL.ply");
+  } else {
+    scene.model_path = source, scene.objects = {SceneObject{}};
+  }
+  ply = io::read_gaussian_ply(scene.model_path);
+  first = with_context(scene.model_path, [&] { return live::first_look(exec, ply.cloud); });
+  if (!is_scene) scene.compat = first.compat;
+  splat = prepared_for(exec, splat_options({}, ply.cloud, scene), ply.cloud);
+  if (is_scene && !scene.views.empty()) {
+    const Camera& camera = scene.views.front().camera;
+    const Vec3<double> line = first.centre - camera.centre();
+    first.look = look_of_view(camera, std::max(0.1 * first.radius, orbit::length(line)));
+    first.up = first.look.up;
+  }
+}
+
+RefinedModel::RefinedModel(const Exec& exec, const std::string& labelled, const SplatOptions& like)
+    : ply(io::read_gaussian_ply(labelled)), splat(like) {
+  splat.prepared = nullptr;
+  splat = prepared_for(exec, splat, ply.cloud);
+  live::ObjectLabels found;
+  found.label = ply.labels.label;
+  found.boundary.resize(found.label.size());
+  for (std::size_t i = 0; i < found.label.size(); ++i) {
+    found.label[i] = float(found.label[i] >= 0.5f), found.count += found.label[i] > 0;
+    found.boundary[i] = i < ply.labels.boundary.size() && ply.labels.boundary[i] > 0;
+  }
+  labels = std::make_shared<const live::ObjectLabels>(std::move(found));
+}
+
+}  // namespace ngs::studio

@@ -1,0 +1,40 @@
+#pragma once
+// What the studio shows: a splat with the cameras of a scene, where there is one.
+#include <string>
+
+#include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/scene/scene.h"
+#include "ngs/stages/live/frame.h"
+
+namespace ngs::studio {
+
+struct LoadedModel {
+  /// A splat, or a scene.json that names one. Errors as the readers'.
+  LoadedModel(const Exec& exec, const std::string& source);
+  LoadedModel(const LoadedModel&) = delete;
+  LoadedModel& operator=(const LoadedModel&) = delete;
+
+  bool is_scene = false;
+  Scene scene;  // of a splat alone: its compat and the model's path, no views
+  io::GaussianPly ply;
+  SplatOptions splat;
+  live::FirstLook first;
+
+  live::Model model() const { return {ply.cloud, splat, background_of(scene)}; }
+};
+
+/// The looks of a scene's views: principal points are moved to the middle.
+live::Look look_of_view(const Camera& camera, double distance);
+
+/// A labelled result of Refine.
+struct RefinedModel {
+  RefinedModel(const Exec& exec, const std::string& labelled, const SplatOptions& like);
+  RefinedModel(const RefinedModel&) = delete;
+  RefinedModel& operator=(const RefinedModel&) = delete;
+
+  io::GaussianPly ply;
+  SplatOptions splat;
+  std::shared_ptr<const live::ObjectLabels> labels;
+};
+
+}  // namespace ngs::studio

@@ -1,0 +1,102 @@
+// ngs-studio: a page on this machine in which a person marks an object on a splat, sees it found, corrects and cuts it.
+#include <chrono>
+#include <filesystem>
+#include <sstream>
+#include <thread>
+
+#include "ngs/core/error.h"
+#include "ngs/io/files/atomic_file.h"
+#include "server.h"
+#include "shared/run/child_process.h"
+#include "shared/tool.h"
+#include "studio.h"
+#include "visit.h"
+
+namespace {
+
+using namespace ngs;
+
+struct PageOptions {
+  int port = 0;
+  bool browser = true;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.port, Field<int>{"port", "", "of 127.0.0.1; 0: any that is free", 0, 65535});
+    visit(self.browser, Flag{"browser", "open the page in the browser; else only its address is printed"});
+  }
+};
+
+std::string default_folder(const std::string& source) {
+  return std::filesystem::path(source).stem().stem().string() + "-studio";
+}
+
+void open_browser(cli::Run& run, const std::string& url) {
+  try {
+    if (cli::run_child({"xdg-open", url}, {.time_s = 10}).code == 0) return;
+  } catch (const Error&) {
+  }
+  run.info("no browser could be opened");
+}
+
+void serve(cli::Run& run, const PageOptions& options, studio::Studio& studio, studio::Recorder& recorder) {
+  studio::Server server(options.port, [&](const std::string& method, const std::string& path, const std::string& body) {
+    return recorder.answer(method, path, body);
+  });
+  server.start();
+  run.text("open " + server.url() + "\n(answers this machine alone; ends with Ctrl-C, or in the page)\n");
+  if (options.browser) open_browser(run, server.url());
+  while (!run.monitor().stop_requested() && !studio.has_quit())
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));  // for the answer that is under way
+}
+
+std::string table_of(const Json& log) {
+  std::ostringstream text;
+  const auto line = [&](const char* name, const Json& times) {
+    if (times.at("n") == 0) return;
+    text << name << times.at("n") << " answers, median " << times.at("median_ms") << " ms, 95 % within "
+         << times.at("p95_ms") << " ms; of processor time " << times.at("median_cpu_ms") << " and "
+         << times.at("p95_cpu_ms") << " ms\n";
+  };
+  line("strokes        ", log.at("strokes"));
+  line("frames, moving ", log.at("frames").at("moving"));
+  line("frames, still  ", log.at("frames").at("still"));
+  return text.str();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  cli::Tool tool("ngs-studio", "Mark, see, correct and cut objects of a splat in a page on this machine.",
+                 {"ngs-studio statue.ply", "ngs-studio scene.json -o statue-studio --no-browser --port 8080",
+                  "ngs-studio statue.ply --replay statue-studio/visit.jsonl -o again"});
+  PageOptions options;
+  tool.options(options);
+  const cli::Input& source = tool.input("source", "a splat (.ply, .spz, .sog, .splat, .ksplat), or a scene.json");
+  const cli::Output& out = tool.resumed_output_dir("-o,--output", "folder for all that lasts; default: SOURCE-studio");
+  const cli::Output& record = tool.optional_output("--record", "JSON lines: every request of the visit");
+  const cli::Input& visit = tool.optional_input("--replay", "makes the requests of such a file, without a browser");
+  tool.stops_on_request();
+
+  return tool.run(argc, argv, [&](cli::Run& run) {
+    if (visit) run.warn_unused({"--port", "--browser", "--record"}, "with --replay");
+    if (run.dry_run()) return int(cli::kDone);
+    studio::Studio studio(run.exec(), {source.path, out ? out.path : default_folder(source.path)});
+    if (visit) {
+      const std::size_t requests =
+          studio::replay(studio, visit.path,
+                         {[&] { return run.monitor().stop_requested(); },
+                          [&](std::int64_t done, std::int64_t total) { run.monitor().progress(done, total); }});
+      run.result()["requests"] = requests;
+    } else {
+      studio::Recorder recorder(studio);
+      serve(run, options, studio, recorder);
+      if (record) io::write_file(record.path, recorder.lines());
+    }
+    run.result()["latency"] = studio.log();
+    run.text(table_of(studio.log()));
+    const bool quit = studio.has_quit();
+    return quit ? int(cli::kDone) : run.stop_code();
+  });
+}

@@ -1,0 +1,370 @@
+// The page of ngs-studio. What is marked, cut and written lies with the server; the page holds the camera, the tool and
+// what of the scene is seen, shows the server's state and sends it strokes.
+import { Brush, strokeFor } from './brush.js';
+import { Camera, length, subtract } from './camera.js';
+import { Frames } from './frames.js';
+import { Jobs } from './jobs.js';
+import { keyTable, listKeys, listenToKeys } from './keys.js';
+import { number, showObjects } from './objects.js';
+import { Pointer } from './pointer.js';
+import { get, inTurn, post } from './server.js';
+
+const kLook = 0.5;  // of the angle by which dragging turns about a target
+const kRetryMs = 2000, kReadMs = 6000;
+const kDone = { refine: 'Refined', export: 'Written' };
+const kRadius = { least: 2, most: 80 };
+const kAxes = {
+  'as found': null, '+x': [1, 0, 0], '−x': [-1, 0, 0], '+y': [0, 1, 0], '−y': [0, -1, 0],
+  '+z': [0, 0, 1], '−z': [0, 0, -1],
+};
+const find = (id) => document.getElementById(id);
+
+const seen = { fade: 0.5, boundary: false, highlight: true, all: true };  // what of the scene is shown
+let writes = 0;             // that the server has not answered yet
+let flying = false;         // dragging looks about instead of turning about the target
+let tool = 'look';          // 'look', 'object' or 'background'
+let state, camera, frames;  // the server's state, the page's camera and picture
+const brush = new Brush(find('paint'));
+const jobs = new Jobs(find, { state: showState, failed });
+
+// ---- the server's state
+
+function showState(next, finished) {
+  const first = !state;
+  state = next;
+  document.title = `${state.title} – ngs-studio`;
+  find('title').textContent = state.title.replace(/[._-]/g, '$&\u200b');  // may break there
+  find('gaussians').textContent = `${number(state.gaussians)} Gaussians`;
+  find('undo').disabled = !state.undo || isBusy();
+  find('redo').disabled = !state.redo || isBusy();
+  find('no-objects').hidden = state.objects.length > 0;
+  find('all-row').hidden = state.objects.length < 2;
+  showObjects(find('objects'), state, (change) => write('/api/objects', change));
+  jobs.show(state);
+  if (finished) say({ done: kDone[finished.kind], failed: 'Failed', cancelled: 'Cancelled' }[finished.state] ?? '');
+  if (first) begin();
+  frames.refresh();
+}
+
+const isBusy = () => state.job?.state === 'running';
+
+async function write(path, body) {
+  writes += 1;
+  showBusy();
+  try {
+    const answer = await inTurn(() => post(path, body));
+    showState(answer);
+    return answer;
+  } catch (error) {
+    failed(error);
+    return null;
+  } finally {
+    writes -= 1;
+    showBusy();
+  }
+}
+
+// The bar over the picture, and what a screen reader is told.
+function showBusy() {
+  find('working').classList.toggle('busy', writes > 0 || frames?.drawing === 'still');
+  find('paint').setAttribute('aria-busy', writes > 0 || Boolean(frames?.drawing));
+}
+
+// ---- the picture
+
+function request() {
+  const { fade, boundary, highlight } = seen;
+  const layer = boundary ? 'boundary' : fade <= 0 ? 'object' : fade >= 1 ? 'background' : 'both';
+  const everyObject = seen.all || state.objects.length < 2;
+  return { layer, fade, object: everyObject && fade > 0 ? 0 : state.active, highlight: highlight && layer === 'both' };
+}
+
+function frameShown({ version, kind, ms }) {
+  brush.forget(version);
+  if (find('trouble').dataset.gone) hideTrouble();
+  if (version > state.version) inTurn(() => get('/api/state')).then(showState, failed);  // another page has written
+  find('paint').dataset.shown = kind;
+  find('status').title = `${Math.round(ms)} ms`;
+}
+
+function begin() {
+  camera = new Camera(state.start, state.bounds);
+  frames = new Frames(find('picture'), camera, request, {
+    shown: frameShown, failed, busy: showBusy,
+  });
+  const views = ['the start', ...state.views.map(({ name }) => name)];
+  find('views').replaceChildren(...views.map((name, k) => new Option(name, k)));
+  find('upwards').replaceChildren(...Object.keys(kAxes).map((name) => new Option(name)));
+  new ResizeObserver(resized).observe(find('stage'));
+  new Pointer(find('paint'), labelFor, pointerTasks());
+  flying = startsInside();
+  find('hint').hidden = Boolean(localStorage.getItem('ngs-studio-hint')) || state.undo > 0;
+}
+
+// The first call only tells the size.
+function resized() {
+  brush.draw();
+  if (frames.shown) frames.refresh();
+}
+
+function moved(change) {
+  if (frames.frozen) return;
+  change();
+  frames.move();
+}
+
+// Jumps to a view of the scene, or with 0 to where everything started.
+function jump(index) {
+  find('views').value = index;
+  moved(() => camera.place(index > 0 ? state.views[index - 1].camera : state.start));
+}
+
+function jumpBy(step) {
+  const count = state.views.length + 1;
+  jump((Number(find('views').value) + step + count) % count);
+}
+
+function fly(on) {
+  const said = on ? 'Flying: dragging looks about. V turns about the object again.' : 'Turning about the object';
+  if (flying !== on) say(said);
+  flying = on;
+}
+
+// A room, seen from within; from outside there is little to see of it.
+function startsInside() {
+  return length(subtract(state.start.position, state.bounds.centre)) < state.bounds.radius;
+}
+
+function fit() {
+  if (startsInside()) return jump(0);
+  fly(false);
+  moved(() => camera.fit(state.bounds));
+}
+
+// ---- strokes
+
+function labelFor({ shiftKey, ctrlKey, metaKey }) {
+  if (tool === 'look') return null;
+  return ctrlKey || metaKey ? 'background' : shiftKey ? 'object' : tool;
+}
+
+function pointerTasks() {
+  return {
+    turn: (dx, dy) => moved(() => (flying ? camera.look(-dx * kLook, dy * kLook) : camera.orbit(dx, dy))),
+    pan: (dx, dy) => moved(() => {
+      const { clientWidth: width, clientHeight: height } = find('paint');
+      camera.pan(dx / height, dy / height, width / height);
+    }),
+    zoom: (factor) => moved(() => camera.zoom(factor)),
+    hover: (point, label) => {
+      brush.cursor = point && label ? { x: point[0], y: point[1], label } : null;
+      brush.draw();
+    },
+    paint: beginStroke,
+    paintMore: (point) => frames.frozen && brush.extend(point),
+    paintEnd: endStroke,
+    paintCancel: cancelStroke,
+  };
+}
+
+// What is painted holds for the picture that is seen, which may lag behind the camera: the camera goes back to it.
+function beginStroke(label, point) {
+  if (!frames.shown) return;
+  if (isBusy()) return say('Wait for the end of Refine, or cancel it, before you paint.');
+  const { position, look_at, up } = frames.shown.camera;
+  camera.place({ position, look_at, up, fov_y_deg: camera.fovDegrees });
+  frames.freeze(true);
+  brush.begin(label, point);
+  hideHint();
+}
+
+function cancelStroke() {
+  const stroke = brush.current;
+  brush.current = null;
+  brush.drop(stroke);
+  frames.freeze(false);
+}
+
+function addObject() {
+  const last = Math.max(0, ...state.objects.map(({ id }) => id));
+  return write('/api/objects', { add: { name: `object ${last + 1}` } });
+}
+
+async function endStroke() {
+  if (!frames.frozen) return;
+  const stroke = brush.current, { kind, camera: shownBy } = frames.shown;
+  brush.current = null;
+  frames.freeze(false);
+  const of = kind === 'still' ? shownBy : frames.cameraFor('still');
+  say('Looking for what belongs to it …');
+  if (state.objects.length === 0) await addObject();
+  const body = { object: state.active, camera: of, strokes: [strokeFor(stroke, find('paint'), of)] };
+  const answered = await write('/api/strokes', body);
+  if (!answered) return brush.drop(stroke);
+  stroke.version = answered.version;
+  const { gaussians, ms } = answered.answer;
+  say(`${number(gaussians)} Gaussians in ${(ms / 1000).toFixed(2)} s`);
+  frames.refresh();
+}
+
+// By key: the brush stands in the middle until arrows move it.
+function keyCursor() {
+  const { clientWidth, clientHeight } = find('paint');
+  return (brush.cursor ??= { x: clientWidth / 2, y: clientHeight / 2, label: tool });
+}
+
+function arrow(turn, [dx, dy]) {
+  if (tool === 'look') return moved(() => (flying ? camera.look(...turn) : camera.orbit(...turn)));
+  const cursor = keyCursor();
+  Object.assign(cursor, { x: cursor.x + dx, y: cursor.y + dy, label: tool });
+  brush.draw();
+}
+
+function mark() {
+  if (tool === 'look') return;
+  const { x, y } = keyCursor();
+  beginStroke(tool, [x, y]);
+  endStroke();
+}
+
+// ---- tools and what is seen
+
+function take(next) {
+  if (frames?.frozen) return cancelStroke();  // Esc while painting takes the stroke back
+  tool = next;
+  for (const name of ['look', 'object', 'background']) find(`tool-${name}`).setAttribute('aria-pressed', name === tool);
+  find('paint').dataset.tool = tool;
+  find('brush-size').hidden = tool === 'look';
+  if (tool === 'look') brush.cursor = null;
+  else if (brush.cursor) brush.cursor.label = tool;
+  brush.draw();
+}
+
+function setRadius(value) {
+  brush.radius = Math.round(Math.min(kRadius.most, Math.max(kRadius.least, value)));
+  find('radius').value = brush.radius;
+  find('radius').nextElementSibling.value = `${brush.radius} px`;
+  brush.draw();
+}
+
+function setSeen(change) {
+  Object.assign(seen, change);
+  for (const name of ['highlight', 'boundary', 'all']) find(name).checked = seen[name];
+  find('fade').value = seen.fade;
+  find('fade').disabled = seen.boundary;
+  for (const end of document.querySelectorAll('.end'))
+    end.setAttribute('aria-pressed', Number(end.dataset.fade) === seen.fade);
+  frames?.refresh();
+}
+
+function togglePanel() {
+  const open = document.body.classList.toggle('no-panel') === false;
+  find('panel-toggle').setAttribute('aria-expanded', open);
+}
+
+// In a narrow window the panel would cover the picture.
+if (matchMedia('(max-width: 699px)').matches) togglePanel();
+
+function hideHint() {
+  find('hint').hidden = true;
+  localStorage.setItem('ngs-studio-hint', 'seen');
+}
+
+// ---- messages
+
+let forgetting;
+function say(text) {
+  find('status').textContent = text;
+  clearTimeout(forgetting);
+  forgetting = setTimeout(() => { find('status').textContent = ''; }, kReadMs);
+}
+
+// Shows a StudioError, or an error as the server sends it of a job, or what else may be thrown.
+function failed(error) {
+  const [object, found] = find('trouble').firstElementChild.children;
+  object.textContent = error.object ?? 'ngs-studio';
+  const expected = error.expected && `expected ${error.expected}`;
+  found.textContent = [error.found ?? error.message ?? String(error), expected].filter(Boolean).join(', ');
+  find('trouble').querySelector('.remedy').textContent = error.remedy ?? '';
+  find('trouble').hidden = false;
+  say('');
+  if (error.gone) awaitServer();
+}
+
+function hideTrouble() {
+  find('trouble').hidden = true;
+  delete find('trouble').dataset.gone;
+}
+
+let waiting = false;
+async function awaitServer() {
+  find('trouble').dataset.gone = 'yes';
+  if (waiting) return;
+  waiting = true;
+  for (;;) {
+    await new Promise((resolve) => setTimeout(resolve, kRetryMs));
+    try {
+      showState(await get('/api/state'));
+      break;
+    } catch (error) {
+      if (!error.gone) { failed(error); break; }
+    }
+  }
+  waiting = false;
+}
+
+// ---- everything together
+
+const keys = keyTable({
+  tool: take, mark, arrow, fit, view: jumpBy,
+  swap: () => take(tool === 'background' ? 'object' : 'background'),
+  radius: (factor) => setRadius(factor > 1 ? Math.max(brush.radius + 1, brush.radius * factor) : brush.radius * factor),
+  undo: () => find('undo').click(),
+  redo: () => find('redo').click(),
+  zoom: (factor) => moved(() => camera.zoom(factor)),
+  start: () => jump(0),
+  fly: () => fly(!flying),
+  highlight: () => setSeen({ highlight: !seen.highlight }),
+  fade: (fade) => setSeen({ fade, boundary: false }),
+  boundary: () => setSeen({ boundary: !seen.boundary }),
+  panel: togglePanel,
+  help: () => find('keys').showModal(),
+});
+
+function listen() {
+  const clicked = (id, work) => find(id).addEventListener('click', work);
+  for (const name of ['look', 'object', 'background']) clicked(`tool-${name}`, () => take(name));
+  clicked('undo', () => write('/api/undo', {}));
+  clicked('redo', () => write('/api/redo', {}));
+  clicked('fit', fit);
+  clicked('help', () => find('keys').showModal());
+  clicked('panel-toggle', togglePanel);
+  clicked('hint-close', hideHint);
+  clicked('trouble-close', hideTrouble);
+  clicked('view-back', () => jumpBy(-1));
+  clicked('view-next', () => jumpBy(1));
+  clicked('object-add', addObject);
+  for (const end of document.querySelectorAll('.end'))
+    end.addEventListener('click', () => setSeen({ fade: Number(end.dataset.fade), boundary: false }));
+  for (const name of ['highlight', 'boundary', 'all'])
+    find(name).addEventListener('change', ({ target }) => setSeen({ [name]: target.checked }));
+  find('fade').addEventListener('input', ({ target }) => setSeen({ fade: Number(target.value) }));
+  find('radius').addEventListener('input', ({ target }) => setRadius(Number(target.value)));
+  find('views').addEventListener('change', ({ target }) => jump(Number(target.value)));
+  find('upwards').addEventListener('change', ({ target }) => moved(() => {
+    camera.vertical = kAxes[target.value] ?? state.bounds.up;
+    camera.orbit(0, 0);
+  }));
+}
+
+listen();
+listKeys(keys, find('keys-list'));
+setSeen({});
+get('/api/state').then((first) => {
+  showState(first);
+  listenToKeys(keys, (ahead, rightwards, upwards) => moved(() => {
+    fly(true);
+    const { distance } = camera;
+    camera.move(ahead * distance, rightwards * distance, upwards * distance);
+  }));
+}).catch(failed);

@@ -1,0 +1,238 @@
+#include "server.h"
+
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <thread>
+
+#include "httplib.h"
+#include "ngs/core/error.h"
+#include "page_files.h"
+
+namespace ngs::studio {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// A connection of which every request must be over in time: one that comes a byte at a time is cut off, however
+/// steadily the bytes come.
+class TimedStream : public httplib::Stream {
+ public:
+  explicit TimedStream(int socket) : socket_(socket) {}
+
+  /// Waits for the first byte of the next request; false: none came. From it on the request has its time.
+  bool wait_for_request(milliseconds patience, milliseconds request_time);
+
+  bool is_readable() const override;
+  bool is_writable() const override;
+  ssize_t read(char* to, std::size_t size) override;
+  ssize_t write(const char* from, std::size_t size) override;
+  void get_remote_ip_and_port(std::string& ip, int& port) const override { ip = "127.0.0.1", port = 0; }
+  void get_local_ip_and_port(std::string& ip, int& port) const override { ip = "127.0.0.1", port = 0; }
+  socket_t socket() const override { return socket_; }
+
+ private:
+  bool ready(short event, milliseconds patience) const;
+  milliseconds left() const;
+
+  int socket_;
+  std::chrono::steady_clock::time_point deadline_{};
+  char buffer_[4096] = {};
+  std::size_t begin_ = 0, end_ = 0;
+};
+
+bool TimedStream::wait_for_request(milliseconds patience, milliseconds request_time) {
+  if (begin_ == end_ && !ready(POLLIN, patience)) return false;
+  deadline_ = std::chrono::steady_clock::now() + request_time;
+  return true;
+}
+
+milliseconds TimedStream::left() const {
+  return std::chrono::ceil<milliseconds>(
+      std::max(std::chrono::steady_clock::duration::zero(), deadline_ - std::chrono::steady_clock::now()));
+}
+
+bool TimedStream::ready(short event, milliseconds patience) const {
+  pollfd wanted{socket_, event, 0};
+  return poll(&wanted, 1, int(patience.count())) > 0 && (wanted.revents & event) != 0;
+}
+
+bool TimedStream::is_readable() const { return begin_ < end_ || ready(POLLIN, left()); }
+bool TimedStream::is_writable() const { return ready(POLLOUT, milliseconds(0)); }
+
+ssize_t TimedStream::read(char* to, std::size_t size) {
+  if (begin_ == end_) {
+    if (left().count() == 0 || !ready(POLLIN, left())) return -1;
+    const ssize_t got = recv(socket_, buffer_, sizeof buffer_, 0);
+    if (got <= 0) return got;
+    begin_ = 0, end_ = std::size_t(got);
+  }
+  const std::size_t some = std::min(size, end_ - begin_);
+  std::memcpy(to, buffer_ + begin_, some);
+  begin_ += some;
+  return ssize_t(some);
+}
+
+/// The answer has its own time: working it out may have taken all of the request's.
+ssize_t TimedStream::write(const char* from, std::size_t size) {
+  constexpr milliseconds kPatience(5000);
+  return ready(POLLOUT, kPatience) ? send(socket_, from, size, MSG_NOSIGNAL | MSG_DONTWAIT) : -1;
+}
+
+constexpr std::size_t kMostBody = 1 << 20;
+constexpr std::size_t kThreads = 24;  // a browser holds six connections
+constexpr std::chrono::milliseconds kIdle(3000), kRequest(8000);
+constexpr std::size_t kMostRequests = 100'000;  // of a connection
+
+const char* type_of(std::string_view path) {
+  return path.ends_with(".js")    ? "text/javascript; charset=utf-8"
+         : path.ends_with(".css") ? "text/css; charset=utf-8"
+                                  : "text/html; charset=utf-8";
+}
+
+Caller caller_of(const httplib::Request& request) {
+  return {request.get_header_value("Host"), request.get_header_value("Origin"), request.get_header_value("Cookie"),
+          request.get_header_value("X-Ngs-Token")};
+}
+
+/// Of the connection that this thread serves: it ends with the answer that is under way, its request was not read.
+thread_local bool ends_here = false;
+
+/// httplib's server, but that requests end in time.
+class TimedServer : public httplib::Server {
+ private:
+  bool process_and_close_socket(socket_t socket) override {
+    TimedStream stream(socket);
+    bool goes_on = true;
+    ends_here = false;
+    for (std::size_t n = 1; goes_on && svr_sock_ != INVALID_SOCKET && stream.wait_for_request(kIdle, kRequest); ++n) {
+      bool closed = false;
+      goes_on = process_request(stream, n == kMostRequests, closed, nullptr) && !closed && !ends_here;
+    }
+    shutdown(socket, SHUT_RDWR);
+    close(socket);
+    return goes_on;
+  }
+};
+
+}  // namespace
+
+struct Server::Impl {
+  TimedServer http;
+  Answer answer;
+  int port = 0;
+  std::unique_ptr<Access> access;
+  std::thread thread;
+
+  void set_up() {
+    http.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
+    http.set_payload_max_length(kMostBody);
+    http.set_tcp_nodelay(true);
+    http.set_keep_alive_max_count(kMostRequests), http.set_keep_alive_timeout(kIdle.count() / 1000);
+    http.set_default_headers({{"Cache-Control", "no-store"},
+                              {"X-Content-Type-Options", "nosniff"},
+                              {"Referrer-Policy", "no-referrer"},
+                              {"Content-Security-Policy",
+                               "default-src 'self'; img-src 'self' blob: data:; object-src 'none'; base-uri 'none'; "
+                               "form-action 'none'; frame-ancestors 'none'"}});
+    http.set_pre_routing_handler(
+        [this](const httplib::Request& request, httplib::Response& response) { return admit(request, response); });
+    for (const PageFile& file : page_files()) {
+      const auto serve = [&file](const httplib::Request&, httplib::Response& response) {
+        response.set_content(std::string(file.bytes), type_of(file.path));
+      };
+      http.Get(std::string(file.path == "/index.html" ? "/" : file.path), serve);
+    }
+    const auto pass_on = [this](const httplib::Request& request, httplib::Response& response) {
+      const Reply reply = answer(request.method, request.path, request.body);
+      response.status = reply.status;
+      response.set_content(reply.body, reply.type);
+      for (const auto& [name, value] : reply.headers) response.set_header(name, value);
+    };
+    http.Get("/api/[a-z]+", pass_on);
+    http.Post("/api/[a-z]+", pass_on);
+    http.set_error_handler([](const httplib::Request& request, httplib::Response& response) {
+      if (response.status == 403 || !response.body.empty()) return;
+      const Reply reply = reply_of({response.status, request.method + " " + request.path,
+                                    httplib_reason(response.status), "a request of protocol.md"});
+      response.set_content(reply.body, reply.type);
+    });
+  }
+
+  static std::string httplib_reason(int status) {
+    switch (status) {
+      case 404: return "no such thing here";
+      case 413: return "a body of more than 1 MiB";
+      default: return "a request that is not understood";
+    }
+  }
+
+  httplib::Server::HandlerResponse admit(const httplib::Request& request, httplib::Response& response) {
+    const Caller caller = caller_of(request);
+    if (request.method == "GET" && request.path == "/" && access->is_here(caller) && request.has_param("token") &&
+        access->is_token(request.get_param_value("token"))) {
+      response.set_header("Set-Cookie", access->cookie());
+      response.set_redirect("/", 303);
+      return httplib::Server::HandlerResponse::Handled;
+    }
+    if (!access->allows(caller)) return refuse(response, {403, "", "", ""});
+    if (request.method != "POST") return httplib::Server::HandlerResponse::Unhandled;
+    // A body that does not say its size, or swells when it is unpacked, is not bounded by what was read of it.
+    if (request.has_header("Transfer-Encoding") || !request.has_header("Content-Length"))
+      return refuse(response, {411, "request", "a body without Content-Length", "one that says its size"});
+    const std::string length = request.get_header_value("Content-Length");
+    if (length.size() > 7 || std::strtoull(length.c_str(), nullptr, 10) > kMostBody)
+      return refuse(response, {413, "request", "a body of " + length.substr(0, 20) + " bytes", "at most 1 MiB"});
+    if (request.has_header("Content-Encoding"))
+      return refuse(response, {415, "request", "a packed body", "plain JSON"});
+    if (!request.get_header_value("Content-Type").starts_with("application/json"))
+      return refuse(response,
+                    {415, "request", "Content-Type " + request.get_header_value("Content-Type"), "application/json"});
+    return httplib::Server::HandlerResponse::Unhandled;
+  }
+
+  static httplib::Server::HandlerResponse refuse(httplib::Response& response, const Refusal& refusal) {
+    response.status = refusal.status;
+    if (refusal.status != 403) response.set_content(reply_of(refusal).body, "application/json");
+    response.set_header("Connection", "close");
+    ends_here = true;
+    return httplib::Server::HandlerResponse::Handled;
+  }
+};
+
+Server::Server(int port, Answer answer) : impl_(std::make_unique<Impl>()) {
+  impl_->answer = std::move(answer);
+  impl_->port = port;
+  if (port == 0)
+    impl_->port = impl_->http.bind_to_any_port("127.0.0.1");
+  else if (!impl_->http.bind_to_port("127.0.0.1", port))
+    impl_->port = -1;
+  if (impl_->port <= 0)
+    throw Error(ErrorCode::kEnvironment,
+                "port " + std::to_string(port) + ": in use or not allowed, expected a free one",
+                "leave --port out, and any free port is taken");
+  impl_->access = std::make_unique<Access>(random_token(), impl_->port);
+  impl_->set_up();
+}
+
+Server::~Server() {
+  impl_->http.stop();
+  if (impl_->thread.joinable()) impl_->thread.join();
+}
+
+int Server::port() const { return impl_->port; }
+
+std::string Server::url() const {
+  return "http://127.0.0.1:" + std::to_string(impl_->port) + "/?token=" + impl_->access->token();
+}
+
+void Server::start() {
+  impl_->thread = std::thread([this] { impl_->http.listen_after_bind(); });
+}
+
+}  // namespace ngs::studio

@@ -1,0 +1,172 @@
+#include "state_json.h"
+
+#include <cmath>
+#include <set>
+
+#include "ngs/core/error.h"
+#include "ngs/ops/image/metrics.h"
+
+namespace ngs::studio {
+namespace {
+
+constexpr double kMostRadius_px = 500;
+constexpr std::size_t kMostPoints = 20'000, kMostStrokes = 20'000;
+constexpr int kFreeBand_px = 3;  // on both sides of a mask's contour
+
+PromptStroke stroke_of(Fields stroke) {
+  PromptStroke out;
+  const std::string label = stroke.text("label", 20);
+  if (label != "object" && label != "background") stroke.refuse("label", "object or background");
+  out.object = label == "object";
+  out.radius_px = stroke.number("radius_px", 0.5, kMostRadius_px);
+  const nlohmann::json& points = stroke.member("points");
+  if (!points.is_array() || points.empty() || points.size() > kMostPoints)
+    stroke.refuse("points", "1 to " + std::to_string(kMostPoints) + " points");
+  for (const nlohmann::json& point : points) {
+    const bool pair = point.is_array() && point.size() == 2 && point[0].is_number() && point[1].is_number();
+    const std::array<double, 2> at =
+        pair ? std::array{point[0].get<double>(), point[1].get<double>()} : std::array{std::nan(""), std::nan("")};
+    if (!(std::abs(at[0]) <= 1e5 && std::abs(at[1]) <= 1e5)) stroke.refuse("points", "pairs of numbers, in pixels");
+    out.points.push_back(at);
+  }
+  stroke.end();
+  return out;
+}
+
+Json prompt_strokes(const std::vector<PromptStroke>& strokes) {
+  Json list = Json::array();
+  for (const PromptStroke& s : strokes)
+    list.push_back({{"object", s.object}, {"radius", s.radius_px}, {"points", s.points}});
+  return list;
+}
+
+/// Runs of the pixels of a side, a stroke each.
+void add_rows(const PixelMask& side, int width_px, int height_px, bool object, Json& strokes) {
+  for (int y = 0; y < height_px; ++y)
+    for (int x = 0, end = 0; x < width_px; x = end + 1) {
+      const auto at = [&](int column) { return side[std::size_t(y) * std::size_t(width_px) + std::size_t(column)]; };
+      for (end = x; end < width_px && at(end); ++end) {
+      }
+      if (end == x) continue;
+      strokes.push_back({{"object", object}, {"radius", 0.5}, {"points", {{x + 0.5, y + 0.5}, {end - 0.5, y + 0.5}}}});
+    }
+}
+
+/// The pixels farther than the band from the other side.
+PixelMask sure(const PixelMask& mask, bool object, int width_px, int height_px) {
+  PixelMask side(mask.size());
+  for (std::size_t p = 0; p < side.size(); ++p) side[p] = (mask[p] != 0) == object;
+  const auto depth = chessboard_distance({side.data(), width_px, height_px}, Outside::kUnknown);
+  for (std::size_t p = 0; p < side.size(); ++p) side[p] = depth[p] > kFreeBand_px;
+  return side;
+}
+
+live::MarkedView view_of(Fields view) {
+  live::MarkedView out;
+  out.name = view.text("name", 40);
+  if (out.name.size() != 8 || out.name.find_first_not_of("0123456789") != 4 || !out.name.ends_with(".png"))
+    view.refuse("name", "a name such as 0001.png");
+  out.look = look_of(view.object("look"));
+  out.strokes = {out.name, out.look.width_px, out.look.height_px, strokes_of(view), {}, {}, {}};
+  view.end();
+  return out;
+}
+
+live::ObjectMarks object_of(Fields object) {
+  live::ObjectMarks out;
+  out.id = object.whole("id", 1, 1 << 20);
+  out.name = object.text("name", 60), out.colour = colour_of(object, "colour");
+  out.next_view = object.whole("next_view", 1, 1 << 20);
+  for (const nlohmann::json& view : object.member("views"))
+    out.views.push_back(std::make_shared<const live::MarkedView>(view_of({view, "view"})));
+  object.end();
+  return out;
+}
+
+}  // namespace
+
+std::string colour_of(Fields& fields, const std::string& name) {
+  const std::string colour = fields.text(name, 7);
+  if (colour.size() != 7 || colour[0] != '#' || colour.find_first_not_of("0123456789abcdefABCDEF", 1) != colour.npos)
+    fields.refuse(name, "a colour such as #ff8c1a");
+  return colour;
+}
+
+std::vector<PromptStroke> strokes_of(Fields& request) {
+  const nlohmann::json& list = request.member("strokes");
+  if (!list.is_array() || list.empty() || list.size() > kMostStrokes)
+    request.refuse("strokes", "a list of strokes, at least one");
+  std::vector<PromptStroke> strokes;
+  for (std::size_t i = 0; i < list.size(); ++i)
+    strokes.push_back(stroke_of({list[i], "strokes[" + std::to_string(i) + "]"}));
+  return strokes;
+}
+
+Json json_of(const std::vector<PromptStroke>& strokes) {
+  Json list = Json::array();
+  for (const PromptStroke& s : strokes)
+    list.push_back({{"label", s.object ? "object" : "background"}, {"radius_px", s.radius_px}, {"points", s.points}});
+  return list;
+}
+
+Json json_of(const live::Marks& marks, const std::string& source) {
+  Json objects = Json::array();
+  for (const live::ObjectMarks& object : marks.objects) {
+    Json views = Json::array();
+    for (const auto& view : object.views)
+      views.push_back(
+          {{"name", view->name}, {"look", json_of(view->look)}, {"strokes", json_of(view->strokes.strokes)}});
+    objects.push_back({{"id", object.id},
+                       {"name", object.name},
+                       {"colour", object.colour},
+                       {"next_view", object.next_view},
+                       {"views", std::move(views)}});
+  }
+  return {{"ngs_studio", 1},
+          {"source", source},
+          {"active", marks.active},
+          {"next_id", marks.next_id},
+          {"objects", std::move(objects)}};
+}
+
+live::Marks marks_of(const nlohmann::json& root, const std::string& source) {
+  try {
+    Fields fields(root, "");
+    live::Marks marks;
+    fields.whole("ngs_studio", 1, 1);
+    if (fields.text("source", 4096) != source)
+      fields.refuse("source", source + ": a folder belongs to one model; choose another with -o");
+    marks.active = fields.whole("active", 0, 1 << 20), marks.next_id = fields.whole("next_id", 1, 1 << 20);
+    for (const nlohmann::json& object : fields.member("objects"))
+      marks.objects.push_back(object_of({object, "object"}));
+    fields.end();
+    return marks;
+  } catch (const Refusal& refusal) {
+    throw Error(ErrorCode::kBadInput, refusal.what(), "begin another visit in a new folder: -o FOLDER");
+  }
+}
+
+Json strokes_json(const live::ObjectMarks& object) {
+  Json views = Json::array();
+  for (const auto& view : object.views)
+    views.push_back({{"view", view->name},
+                     {"width", view->look.width_px},
+                     {"height", view->look.height_px},
+                     {"strokes", prompt_strokes(view->strokes.strokes)}});
+  return {{"ngs_prompts", 2}, {"views", std::move(views)}};
+}
+
+Json marks_json(const live::ObjectMarks& object) {
+  Json views = Json::array();
+  for (const auto& view : object.views) {
+    const int w = view->camera.width_px, h = view->camera.height_px;
+    Json strokes = Json::array();
+    for (const bool side : {false, true}) add_rows(sure(view->mask, side, w, h), w, h, side, strokes);
+    views.push_back({{"view", marked_name(*view)}, {"width", w}, {"height", h}, {"strokes", std::move(strokes)}});
+  }
+  return {{"ngs_prompts", 2}, {"views", std::move(views)}};
+}
+
+std::string marked_name(const live::MarkedView& view) { return "marked-" + view.name; }
+
+}  // namespace ngs::studio

@@ -1,0 +1,89 @@
+#include "studio.h"
+
+#include <atomic>
+#include <mutex>
+
+#include "desk.h"
+#include "fields.h"
+#include "ngs/core/error.h"
+
+namespace ngs::studio {
+namespace {
+
+Refusal refusal_of(const Error& e) {
+  const std::string what = e.what();
+  const std::size_t colon = what.find(": "), expected = what.find(", expected ");
+  const std::string found = colon == what.npos ? what : what.substr(colon + 2, expected - colon - 2);
+  return {e.code() == ErrorCode::kUsage ? 409 : 500, colon == what.npos ? "request" : what.substr(0, colon), found,
+          expected == what.npos ? "" : what.substr(expected + 11), e.remedy()};
+}
+
+/// A member of the desk that changes something.
+using Change = Json (Desk::*)(Fields);
+struct Route {
+  const char* path;
+  Change change;
+};
+constexpr Route kChanges[] = {{"/api/strokes", &Desk::strokes}, {"/api/undo", &Desk::undo},
+                              {"/api/redo", &Desk::redo},       {"/api/objects", &Desk::objects},
+                              {"/api/refine", &Desk::refine},   {"/api/export", &Desk::export_files},
+                              {"/api/forget", &Desk::forget}};
+
+}  // namespace
+
+struct Studio::Impl {
+  Impl(const Exec& exec, StudioPlace place) : desk(exec, std::move(place)) {}
+
+  Desk desk;
+  std::mutex writing;  // one change at a time; frames do not wait for it
+  std::atomic<bool> quit = false;
+
+  Reply change(Change what, const std::string& path, const nlohmann::json& body) {
+    const std::lock_guard lock(writing);
+    const Json answer = (desk.*what)({body, ""});
+    desk.note(path, body);
+    const bool is_job = path == "/api/refine" || path == "/api/export";
+    return {is_job ? 202 : 200, answer.dump()};
+  }
+
+  Reply get(const std::string& path) {
+    if (path == "/api/state") return {200, desk.state().dump()};
+    if (path == "/api/job") return {200, desk.job_json().dump()};
+    if (path == "/api/log") return {200, desk.log().dump()};
+    throw Refusal(404, "GET " + path, "no such thing here", "a request of protocol.md");
+  }
+
+  Reply post(const std::string& path, const std::string& body) {
+    const nlohmann::json parsed = parse_body(body);
+    Fields fields(parsed, "");
+    for (const Route& route : kChanges)
+      if (path == route.path) return change(route.change, path, parsed);
+    if (path == "/api/frame") return desk.frame(std::move(fields));
+    if (path == "/api/before") return {200, desk.before(std::move(fields)).dump()};
+    if (path == "/api/cancel") return fields.end(), Reply{200, desk.cancel().dump()};
+    if (path == "/api/quit") return fields.end(), quit = true, Reply{};
+    throw Refusal(404, "POST " + path, "no such thing here", "a request of protocol.md");
+  }
+};
+
+Studio::Studio(const Exec& exec, StudioPlace place) : impl_(std::make_unique<Impl>(exec, std::move(place))) {}
+Studio::~Studio() = default;
+
+Reply Studio::answer(const std::string& method, const std::string& path, const std::string& body) {
+  try {
+    return method == "GET" ? impl_->get(path) : impl_->post(path, body);
+  } catch (const Refusal& refusal) {
+    return reply_of(refusal);
+  } catch (const Error& e) {
+    return reply_of(refusal_of(e));
+  } catch (const std::bad_alloc&) {
+    return reply_of({507, "request", "more memory than there is", "a smaller picture"});
+  } catch (const std::exception& e) {
+    return reply_of({500, "request", e.what(), "no fault of ngs-studio", "report it"});
+  }
+}
+
+bool Studio::has_quit() const { return impl_->quit; }
+nlohmann::ordered_json Studio::log() const { return impl_->desk.log(); }
+
+}  // namespace ngs::studio
