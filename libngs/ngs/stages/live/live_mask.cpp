@@ -89,19 +89,6 @@ void narrow(const PixelMask& found, int found_width_px, int found_height_px, Vie
   }
 }
 
-/// Nobody marks all of an object, or all that is around it. Beside the colours of what is marked, those of the rest of
-/// each side count: else a stroke on the floor would leave the walls to the object, and one in a shadow its lit parts
-/// to the background.
-SideColours learnt_colours(const ImageU8& picture, const ViewPrompt& prompt) {
-  ViewPrompt unsure = prompt;  // nothing is certain: all of a side is sampled
-  for (PixelHint& hint : unsure.hint) hint = is_object(hint) ? PixelHint::kLikelyObject : PixelHint::kLikelyBackground;
-  SideColours colours = side_colours(picture, prompt, kSamples);
-  const SideColours all = side_colours(picture, unsure, kSamples);
-  colours.object.insert(colours.object.end(), all.object.begin(), all.object.end());
-  colours.background.insert(colours.background.end(), all.background.begin(), all.background.end());
-  return colours;
-}
-
 }  // namespace
 
 PixelMask live_mask(const ImageU8& picture, const ViewPrompt& prompt, std::uint64_t seed) {
@@ -110,7 +97,7 @@ PixelMask live_mask(const ImageU8& picture, const ViewPrompt& prompt, std::uint6
   const int full = std::max(prompt.width_px, prompt.height_px);
   if (std::find(prompt.hint.begin(), prompt.hint.end(), PixelHint::kObject) == prompt.hint.end())
     return PixelMask(prompt.hint.size());
-  const SideColours colours = learnt_colours(picture, prompt);
+  const SideColours colours = side_colours(picture, prompt, kSamples);
   for (const int side : longer_sides(full)) {
     const int w = std::max(1, prompt.width_px * side / full), h = std::max(1, prompt.height_px * side / full);
     ViewPrompt here = side == full ? prompt : smaller(prompt, w, h);
