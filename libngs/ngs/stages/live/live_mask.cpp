@@ -29,17 +29,21 @@ struct Span {
   Span(int i, int small, int large) : begin(i * large / small), end(std::max(begin + 1, (i + 1) * large / small)) {}
 };
 
+/// Mean over a part of the picture, rounded.
+std::uint8_t mean_value(const ImageU8& picture, const Span& rows, const Span& columns, int channel) {
+  int sum = 0;
+  for (int v = rows.begin; v < rows.end; ++v)
+    for (int u = columns.begin; u < columns.end; ++u) sum += picture.at(u, v, channel);
+  const int count = (rows.end - rows.begin) * (columns.end - columns.begin);
+  return std::uint8_t((sum + count / 2) / count);
+}
+
 ImageU8 smaller(const ImageU8& picture, int width_px, int height_px) {
   ImageU8 out(width_px, height_px, 3);
   for (int y = 0; y < height_px; ++y)
-    for (int x = 0; x < width_px; ++x) {
-      const Span rows(y, height_px, picture.height_px), columns(x, width_px, picture.width_px);
-      int sum[3] = {}, count = 0;
-      for (int v = rows.begin; v < rows.end; ++v)
-        for (int u = columns.begin; u < columns.end; ++u, ++count)
-          for (int c = 0; c < 3; ++c) sum[c] += picture.at(u, v, c);
-      for (int c = 0; c < 3; ++c) out.at(x, y, c) = std::uint8_t((sum[c] + count / 2) / count);
-    }
+    for (int x = 0; x < width_px; ++x)
+      for (int c = 0; c < 3; ++c)
+        out.at(x, y, c) = mean_value(picture, {y, height_px, picture.height_px}, {x, width_px, picture.width_px}, c);
   return out;
 }
 
