@@ -9,7 +9,6 @@
 //   notice is preserved.
 #include <cmath>
 #include <cstdint>
-#include <limits>
 
 #include "ngs/core/hd.h"
 
@@ -76,8 +75,8 @@ NGS_HD inline double hypot_in_range(double x, double y) {
 NGS_HD inline float portable_log1p(float x) {
   using detail::kLn2High;
   using detail::kLn2Low;
-  constexpr float kInf = std::numeric_limits<float>::infinity();
-  if (!(x > -1.f)) return x == -1.f ? -kInf : std::numeric_limits<float>::quiet_NaN();
+  constexpr float kInf = INFINITY;
+  if (!(x > -1.f)) return x == -1.f ? -kInf : NAN;
   const float size = x < 0 ? -x : x;
   if (size < 0x1p-29f) return size < 0x1p-54f ? x : x - x * x * 0.5f;
   if (x == kInf) return x;
@@ -105,7 +104,7 @@ NGS_HD inline float portable_expm1(float x) {
   using detail::float_bits;
   const float size = x < 0 ? -x : x;
   if (x != x || size < 0x1p-25f) return x;
-  if (x >= 0x1.62e43p6f) return std::numeric_limits<float>::infinity();
+  if (x >= 0x1.62e43p6f) return INFINITY;
   if (x <= -18.714973449707031f) return -1.f;  // 27 ln 2
   if (size <= 0.34657359f) {
     const detail::Expm1Terms e = detail::expm1_terms(x);
@@ -141,7 +140,7 @@ NGS_HD inline float expm1_of(float x) { return portable_expm1(x); }
 /// √(x² + y²), without overflow or underflow on the way.
 NGS_HD inline double portable_hypot(double x, double y) {
   x = std::fabs(x), y = std::fabs(y);
-  constexpr double kInf = std::numeric_limits<double>::infinity(), kScale = 0x1p-600;
+  constexpr double kInf = double(INFINITY), kScale = 0x1p-600;
   if (x == kInf || y == kInf) return kInf;
   const double longer = x < y ? y : x, shorter = x < y ? x : y;
   if (!(shorter > longer * 0x1p-54)) return longer + shorter;
