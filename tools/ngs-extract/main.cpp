@@ -67,7 +67,7 @@ int main(int argc, char** argv) {
   InpaintOptions inpaint_options;
   tool.options(inpaint_options);
   const cli::Input& labelled =
-      tool.input("labelled", "labelled PLY of ngs-variance or ngs-joint; any splat where a region is asked for");
+      tool.input("labelled", "labelled PLY of ngs-variance or ngs-joint; with a region any splat");
   const cli::Input& edited = tool.optional_input(
       "--import", "hand-edited splat: rows that are left (or selected, where it says so) are the object");
   const cli::Input& scene_json = tool.optional_input("--scene", "scene.json, for --inpaint");

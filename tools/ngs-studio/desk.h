@@ -1,5 +1,5 @@
 #pragma once
-// What the studio works with, and the answer to each request (protocol.md).
+// What the studio works with, and the answer to each request (data-schema/studio-protocol.md).
 #include <atomic>
 #include <map>
 

@@ -159,7 +159,7 @@ struct Server::Impl {
     http.set_error_handler([](const httplib::Request& request, httplib::Response& response) {
       if (response.status == 403 || !response.body.empty()) return;
       const Reply reply = reply_of({response.status, request.method + " " + request.path,
-                                    httplib_reason(response.status), "a request of protocol.md"});
+                                    httplib_reason(response.status), "a request of data-schema/studio-protocol.md"});
       response.set_content(reply.body, reply.type);
     });
   }

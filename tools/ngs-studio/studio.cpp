@@ -50,7 +50,7 @@ struct Studio::Impl {
     if (path == "/api/state") return {200, desk.state().dump()};
     if (path == "/api/job") return {200, desk.job_json().dump()};
     if (path == "/api/log") return {200, desk.log().dump()};
-    throw Refusal(404, "GET " + path, "no such thing here", "a request of protocol.md");
+    throw Refusal(404, "GET " + path, "no such thing here", "a request of data-schema/studio-protocol.md");
   }
 
   Reply post(const std::string& path, const std::string& body) {
@@ -62,7 +62,7 @@ struct Studio::Impl {
     if (path == "/api/before") return {200, desk.before(std::move(fields)).dump()};
     if (path == "/api/cancel") return fields.end(), Reply{200, desk.cancel().dump()};
     if (path == "/api/quit") return fields.end(), quit = true, Reply{};
-    throw Refusal(404, "POST " + path, "no such thing here", "a request of protocol.md");
+    throw Refusal(404, "POST " + path, "no such thing here", "a request of data-schema/studio-protocol.md");
   }
 };
 

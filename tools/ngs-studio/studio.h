@@ -1,5 +1,6 @@
 #pragma once
-// The studio over one model: requests in, answers out (protocol.md). Knows files and JSON, but nothing of HTTP.
+// The studio over one model: requests in, answers out (data-schema/studio-protocol.md). Knows files and JSON, but
+// nothing of HTTP.
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
