@@ -3,16 +3,10 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/ops/image/grab_cut.h"
+#include "ngs/ops/image/image_bytes.h"
 #include "segmenters.h"
 
 namespace ngs::cli {
-
-ImageU8 photo_bytes(const ImageF& photo) {
-  ImageU8 out(photo.width_px, photo.height_px, photo.channels);
-  for (std::size_t i = 0; i < out.data.size(); ++i)
-    out.data[i] = std::uint8_t(std::lround(255 * std::clamp(photo.data[i], 0.f, 1.f)));
-  return out;
-}
 
 namespace {
 

@@ -45,7 +45,4 @@ Segmenter grab_cut_segmenter(const Exec& exec, const SegmenterOptions& options, 
 /// where it answers otherwise, or what it wrote is no mask of the image's size.
 Segmenter command_segmenter(const SegmenterOptions& options, const Scene& scene, PhotoLoader load, Run& run);
 
-/// The photo as bytes at the size that is segmented.
-ImageU8 photo_bytes(const ImageF& photo);
-
 }  // namespace ngs::cli

@@ -11,6 +11,7 @@
 #include "ngs/io/files/regular_file.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/image/photo.h"
+#include "ngs/ops/image/image_bytes.h"
 #include "ngs/options/name_of.h"
 #include "ngs/scene/view_names.h"
 #include "ngs/stages/masks/hand_prompt.h"
@@ -41,7 +42,7 @@ std::string MaskViews::file_in(const std::string& folder, std::size_t view) cons
   return (std::filesystem::path(folder) / (file_names_[view] + ".png")).string();
 }
 
-ImageU8 MaskViews::photo(std::size_t view) const { return photo_bytes(io::load_fine_photo(scene_, view, detail_)); }
+ImageU8 MaskViews::photo(std::size_t view) const { return to_bytes(io::load_fine_photo(scene_, view, detail_)); }
 
 std::map<std::size_t, ViewPrompt> MaskViews::rasterised(
     Run& run, const std::map<std::size_t, std::vector<HandPrompt>>& marks) const {

@@ -8,19 +8,13 @@
 
 #include "ngs/io/image/exr.h"
 #include "ngs/io/image/image_file.h"
+#include "ngs/ops/image/image_bytes.h"
 #include "ngs/scene/view_names.h"
 
 namespace ngs::picture {
 namespace {
 
 constexpr const char* kLayers[] = {"color", "mask", "alpha", "depth", "labels", "overlay"};
-
-ImageU8 to_8bit(const ImageF& image) {
-  ImageU8 out(image.width_px, image.height_px, image.channels);
-  for (std::size_t i = 0; i < out.data.size(); ++i)
-    out.data[i] = std::uint8_t(std::lround(255 * std::clamp(image.data[i], 0.f, 1.f)));
-  return out;
-}
 
 /// Expected depth of the covered pixels scaled so that 65535 is the view's largest.
 ImageU16 depth_to_16bit(const RenderedView& view) {
@@ -161,9 +155,9 @@ void write_view(const Destination& to, const RenderedView& view, const Wanted& w
     if (layer == "mask")
       write_masks(folder, to.stem, view, wanted.objects, wanted.threshold);
     else if (layer == "color")
-      io::write_png(prepared(folder, file), to_8bit(view.colour));
+      io::write_png(prepared(folder, file), to_bytes(view.colour));
     else if (layer == "alpha")
-      io::write_png(prepared(folder, file), to_8bit(view.alpha));
+      io::write_png(prepared(folder, file), to_bytes(view.alpha));
     else if (layer == "depth")
       io::write_png16(prepared(folder, file), depth_to_16bit(view));
     else if (layer == "labels")

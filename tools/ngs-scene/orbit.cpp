@@ -15,6 +15,7 @@
 #include "ngs/io/scene/import_scene.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/math/stable.h"
+#include "ngs/ops/image/image_bytes.h"
 #include "ngs/stages/orbit/coverage.h"
 #include "ngs/stages/orbit/orbit_stage.h"
 #include "ngs/stages/render/background.h"
@@ -118,13 +119,6 @@ Scene scene_of(const orbit::OrbitCameras& chosen, const std::string& model, cons
          {},
          Split::kTrain});
   return scene;
-}
-
-ImageU8 to_bytes(const ImageF& image) {
-  ImageU8 bytes(image.width_px, image.height_px, image.channels);
-  for (std::size_t i = 0; i < bytes.data.size(); ++i)
-    bytes.data[i] = std::uint8_t(std::lround(255 * std::clamp(image.data[i], 0.f, 1.f)));
-  return bytes;
 }
 
 /// Renders the scene's views at the size of `cameras` to where their photos are expected.

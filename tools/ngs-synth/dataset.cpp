@@ -10,6 +10,7 @@
 #include "ngs/io/files/mapped_file.h"
 #include "ngs/io/image/exr.h"
 #include "ngs/io/image/image_file.h"
+#include "ngs/ops/image/image_bytes.h"
 
 namespace ngs::cli {
 namespace {
@@ -40,13 +41,6 @@ io::ExrImage layers_of(const synth::SynthView& view) {
 }
 
 }  // namespace
-
-ImageU8 to_bytes(const ImageF& image) {
-  ImageU8 bytes(image.width_px, image.height_px, image.channels);
-  for (std::size_t i = 0; i < bytes.data.size(); ++i)
-    bytes.data[i] = std::uint8_t(std::lround(255 * std::clamp(image.data[i], 0.f, 1.f)));
-  return bytes;
-}
 
 void write_view(const Exec& exec, const std::string& folder, const SynthData& data, std::size_t view,
                 const MaskErrors& errors) {

@@ -44,6 +44,4 @@ Json recipe_json(const synth::Recipe& recipe);
 std::vector<FitView> fit_views(const SynthData& data);
 std::vector<FitPoint> fit_points(const std::vector<SparsePoint>& points);
 
-ImageU8 to_bytes(const ImageF& image);
-
 }  // namespace ngs::cli

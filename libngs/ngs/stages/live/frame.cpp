@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ngs/backend/for_each.h"
+#include "ngs/ops/image/image_bytes.h"
 #include "ngs/scene/mask_threshold.h"
 
 namespace ngs::live {
@@ -118,13 +119,6 @@ ImageF boundary_picture(const Exec& exec, const Model& model, const Shown& objec
 }
 
 }  // namespace
-
-ImageU8 to_bytes(const ImageF& image) {
-  ImageU8 bytes(image.width_px, image.height_px, image.channels);
-  for (std::size_t i = 0; i < bytes.data.size(); ++i)
-    bytes.data[i] = std::uint8_t(std::lround(255 * std::clamp(image.data[i], 0.f, 1.f)));
-  return bytes;
-}
 
 ImageU8 draw_frame(const Exec& exec, const Model& model, const std::vector<ShownObject>& objects,
                    const FrameRequest& request) {

@@ -35,7 +35,4 @@ struct FrameRequest {
 ImageU8 draw_frame(const Exec& exec, const Model& model, const std::vector<ShownObject>& objects,
                    const FrameRequest& request);
 
-/// [H, W, 3] in [0, 1] as bytes.
-ImageU8 to_bytes(const ImageF& image);
-
 }  // namespace ngs::live

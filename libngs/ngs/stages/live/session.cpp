@@ -9,6 +9,7 @@
 #include "ngs/backend/for_each.h"
 #include "ngs/core/error.h"
 #include "ngs/core/monitor.h"
+#include "ngs/ops/image/image_bytes.h"
 #include "ngs/ops/image/metrics.h"
 #include "ngs/ops/splat/evidence.h"
 #include "ngs/scene/mask_threshold.h"
