@@ -99,8 +99,8 @@ tool_path() {
 
 # device_of TOOL: its --device. A tool, or a method, without a CUDA path refuses one that it cannot have.
 device_of() {
-  case $1:${METHOD:-paper} in
-    ngs-variance:* | ngs-rbf:* | ngs-render:* | ngs-joint:paper) if [ -n "$DEVICE" ]; then printf -- '--device %q' "$DEVICE"; fi ;;
+  case $1:${METHOD:-ngs} in
+    ngs-variance:* | ngs-rbf:* | ngs-render:* | ngs-joint:ngs | ngs-joint:ng-gs | ngs-joint:paper) if [ -n "$DEVICE" ]; then printf -- '--device %q' "$DEVICE"; fi ;;
   esac
 }
 
