@@ -6,6 +6,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/image/image_file.h"
+#include "ngs/ops/image/image_bytes.h"
 #include "ngs/ops/splat/splat.h"
 #include "ngs/stages/orbit/rigs.h"
 #include "ngs/stages/select/canonical_points.h"
@@ -49,14 +50,14 @@ GaussianCloud shown(GaussianCloud cloud, const std::vector<std::uint8_t>& keep, 
   return cloud;
 }
 
-void paste(const ImageF& colour, ImageU8& sheet, int left, int top) {
+void paste(const ImageU8& colour, ImageU8& sheet, int left, int top) {
   for (int y = 0; y < colour.height_px; ++y)
     for (int x = 0; x < colour.width_px; ++x)
       for (int c = 0; c < 3; ++c) {
         const std::size_t from = (std::size_t(y) * std::size_t(colour.width_px) + std::size_t(x)) * 3 + std::size_t(c);
         const std::size_t to =
             (std::size_t(top + y) * std::size_t(sheet.width_px) + std::size_t(left + x)) * 3 + std::size_t(c);
-        sheet.data[to] = std::uint8_t(std::lround(255 * std::clamp(colour.data[from], 0.f, 1.f)));
+        sheet.data[to] = colour.data[from];
       }
 }
 
@@ -73,8 +74,8 @@ void write_preview(const Exec& exec, const GaussianCloud& cloud, const std::vect
   for (int column = 0; column < 3; ++column) {
     const GaussianCloud part = column == 0 ? cloud : shown(cloud, keep, column == 1);
     for (int row = 0; row < 2; ++row)
-      paste(render(exec, part, cameras[std::size_t(row)], splat, request).colour, sheet, column * (kSide_px + kGap_px),
-            row * (kSide_px + kGap_px));
+      paste(to_bytes(render(exec, part, cameras[std::size_t(row)], splat, request).colour), sheet,
+            column * (kSide_px + kGap_px), row * (kSide_px + kGap_px));
   }
   io::write_png(path, sheet);
 }

@@ -1,7 +1,6 @@
 #include "inpaint_output.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <iterator>
 #include <set>
@@ -10,6 +9,7 @@
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/image/masks.h"
 #include "ngs/io/scene/scene_json.h"
+#include "ngs/ops/image/image_bytes.h"
 #include "ngs/scene/view_names.h"
 #include "ngs/stages/render/render_options.h"
 #include "shared/scene/scene_model.h"
@@ -24,13 +24,6 @@ constexpr const char* kOtherFiles[] = {"background.ply", "sparse/0/cameras.txt",
 ImageU8 picture_of(const PixelMask& mask, const Camera& camera) {
   ImageU8 out(camera.width_px, camera.height_px, 1);
   for (std::size_t p = 0; p < mask.size(); ++p) out.data[p] = mask[p] ? 255 : 0;
-  return out;
-}
-
-ImageU8 picture_of(const ImageF& colour) {
-  ImageU8 out(colour.width_px, colour.height_px, colour.channels);
-  for (std::size_t i = 0; i < out.data.size(); ++i)
-    out.data[i] = std::uint8_t(std::lround(255 * std::clamp(colour.data[i], 0.f, 1.f)));
   return out;
 }
 
@@ -93,7 +86,7 @@ void write_inpainting(Run& run, const Extractor& extractor, const InpaintOptions
     for (const char* kind : kPictures)
       std::filesystem::create_directories(std::filesystem::path(picture_file(folder, kind, name)).parent_path());
     view.image_path = picture_file(folder, "images", name), view.mask_path = picture_file(folder, "dilated", name);
-    io::write_png(view.image_path, picture_of(found.colour));
+    io::write_png(view.image_path, to_bytes(found.colour));
     io::write_png(picture_file(folder, "holes", name), picture_of(found.hole, view.camera));
     io::write_png(view.mask_path, picture_of(found.dilated, view.camera));
     views.push_back({{"name", view.camera.name}, {"hole_pixels", std::count(found.hole.begin(), found.hole.end(), 1)}});
