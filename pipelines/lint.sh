@@ -1,26 +1,30 @@
 #!/usr/bin/env bash
 # Holds changed source files against .clang-format and .clang-tidy:
-#   pipelines/lint.sh [--base COMMIT] [FILE...]
+#   pipelines/lint.sh [--base COMMIT] [--most N] [FILE...]
 # Without FILE: what has changed since COMMIT (default: where this branch left origin/main, else HEAD~1), committed or not.
-# clang-tidy needs compile_commands.json in build/ (pipelines/build.sh makes it). Exit code 1: something was found; 77:
-# nothing was, but a part was skipped because a program or that file is absent.
+# clang-tidy needs compile_commands.json in build/ (pipelines/build.sh makes it), and takes some seconds a file: --most
+# looks at N of them, evenly chosen, and says so. Exit code 1: something was found; 77: nothing was, but a part was
+# skipped because a program, that file or the commit is absent.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"
 
-base="" files=()
+base="" most=0 files=()
 while [ $# -gt 0 ]; do
   case $1 in
     -h | --help) usage_of "$0"; exit 0 ;;
     --base) base=${2:?--base: a commit is missing}; shift 2 ;;
+    --most) most=${2:?--most: a number is missing}; shift 2 ;;
     -*) fail 2 "$1: no such option" "$0 --help" ;;
     *) files+=("$(realpath "$1")"); shift ;;
   esac
 done
+[[ $most =~ ^[0-9]+$ ]] || fail 2 "--most $most: expected a number"
 cd "$pipelines/.."
 if [ ${#files[@]} -eq 0 ]; then
-  base=${base:-$(git merge-base origin/main HEAD 2> /dev/null || git rev-parse --quiet --verify HEAD~1)} ||
-    fail 2 "no commit to compare with" "--base COMMIT"
+  base=${base:-$(git merge-base origin/main HEAD 2> /dev/null || echo HEAD~1)}
+  git rev-parse --quiet --verify "$base^{commit}" > /dev/null ||
+    { say "skipped: $base is not a commit of this checkout, there is nothing to compare with"; exit 77; }
   mapfile -t files < <(
     git diff --name-only --diff-filter=d "$base" -- '*.h' '*.cpp' '*.cu' '*.cuh'
     git ls-files --others --exclude-standard -- '*.h' '*.cpp' '*.cu' '*.cuh'
@@ -41,6 +45,11 @@ compiled=()  # device code needs nvcc
 for file in "${files[@]}"; do
   case $file in *.h | *.cpp) compiled+=("$file") ;; esac
 done
+if [ "$most" -gt 0 ] && [ ${#compiled[@]} -gt "$most" ]; then
+  say "clang-tidy looks at $most of ${#compiled[@]} files"
+  for ((i = 0; i < most; ++i)); do compiled[i]=${compiled[i * ${#compiled[@]} / most]}; done
+  compiled=("${compiled[@]:0:most}")
+fi
 if ! command -v clang-tidy > /dev/null; then
   skip "clang-tidy is not installed"
 elif [ ! -e build/compile_commands.json ]; then
