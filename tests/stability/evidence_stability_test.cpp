@@ -48,7 +48,7 @@ bool same(const Evidence& a, const Evidence& b) {
   };
   return sums(a.weight, b.weight) && sums(a.object_weight, b.object_weight) &&
          sums(a.signal_square_sum, b.signal_square_sum) && a.pixels == b.pixels && a.object_pixels == b.object_pixels &&
-         a.views == b.views && a.signal_sum == b.signal_sum && a.contrast_sum == b.contrast_sum;
+         a.views == b.views && a.signal_sum == b.signal_sum && a.contrast_lack == b.contrast_lack;
 }
 
 LabelColumns labels(const Evidence& e, Criterion criterion = Criterion::kPooled) {

@@ -60,8 +60,8 @@ std::vector<double> CobTrainer::certainty() const {
   for (std::size_t i = 0; i < mean.size(); ++i) {
     const double visible = double(evidence_.views[i]);
     if (visible == 0) continue;
-    for (std::size_t cell = i * std::size_t(objects_); cell < (i + 1) * std::size_t(objects_); ++cell) {
-      const double sum = double(evidence_.contrast_sum[cell]) * 0x1p-32;
+    for (std::size_t k = 0; k < std::size_t(objects_); ++k) {
+      const double sum = double(evidence_.contrast_sum(i, k)) * 0x1p-32;
       const double r = options_.divisor == CobDivisor::kVisible ? sum / visible : (sum + all - visible) / all;
       mean[i] = std::min(mean[i], r);
     }

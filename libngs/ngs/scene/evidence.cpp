@@ -65,7 +65,7 @@ double take_value(const std::uint8_t*& at, bool as_double) {
 Evidence::Evidence(std::int64_t n, int k) : gaussians(n), objects(k) {
   const auto rows = std::size_t(n), cells = rows * std::size_t(k);
   weight.resize(rows), object_weight.resize(cells), pixels.resize(rows), object_pixels.resize(cells);
-  views.resize(rows), signal_sum.resize(cells), signal_square_sum.resize(cells), contrast_sum.resize(cells);
+  views.resize(rows), signal_sum.resize(cells), signal_square_sum.resize(cells), contrast_lack.resize(cells);
 }
 
 void Evidence::add(const Evidence& other) {
@@ -80,26 +80,21 @@ void Evidence::add(const Evidence& other) {
     signal_square_sum.add(i, other.signal_square_sum);
     object_pixels[i] += other.object_pixels[i];
     signal_sum[i] += other.signal_sum[i];
-    contrast_sum[i] += other.contrast_sum[i];
+    contrast_lack[i] += other.contrast_lack[i];
   }
 }
 
 void Evidence::add(std::size_t gaussian, const double* sum) {
   const double w = sum[0], count = sum[1];
-  weight.add(gaussian, w);
-  pixels[gaussian] += std::uint64_t(count);
-  views[gaussian] += 1;
+  add_nobodys(gaussian, w, count);
   for (std::size_t k = 0; k < std::size_t(objects); ++k) {
     const std::size_t cell = gaussian * std::size_t(objects) + k;
     const double object_w = sum[2 + 2 * k], object_count = sum[3 + 2 * k];
-    if (object_w == 0 && object_count == 0) {  // all the pixels say that it is none of its
-      contrast_sum[cell] += quantised(1);
-      continue;
-    }
+    if (object_w == 0 && object_count == 0) continue;  // all the pixels say that it is none of its: r = 1
     object_weight.add(cell, object_w);
     object_pixels[cell] += std::uint64_t(object_count);
     add_signal(cell, object_w / w);
-    contrast_sum[cell] += quantised(std::abs(2 * object_count - count) / count);
+    contrast_lack[cell] += quantised(1) - quantised(std::abs(2 * object_count - count) / count);
   }
 }
 

@@ -72,14 +72,25 @@ struct Evidence {
   // Per-view signals m = W1 / W of one view, quantised to 2^-32; their sum and the sum of their squares.
   std::vector<std::uint64_t> signal_sum;  // [N, K] in units of 2^-32
   ExactSums signal_square_sum;            // [N, K]
-  // Per-view r = |n₊ - n₋| / (n₊ + n₋) of the unweighted counts (COB-GS), quantised to 2^-32.
-  std::vector<std::uint64_t> contrast_sum;  // [N, K] in units of 2^-32
+  // Per-view r = |n₊ - n₋| / (n₊ + n₋) of the unweighted counts (COB-GS), quantised to 2^-32. Kept is what the views
+  // lack to r = 1: most Gaussians are none of most objects', and their cells are never touched.
+  std::vector<std::uint64_t> contrast_lack;  // [N, K] Σ (1 - r) in units of 2^-32
 
   Evidence() = default;
   Evidence(std::int64_t n, int k);
   void add(const Evidence& other);
   /// What one view says of a Gaussian: a row of ViewSums.
   void add(std::size_t gaussian, const double* sum);
+  /// The same of a Gaussian of which no object has anything.
+  void add_nobodys(std::size_t gaussian, double w, double count) {
+    weight.add(gaussian, w);
+    pixels[gaussian] += std::uint64_t(count);
+    views[gaussian] += 1;
+  }
+  /// Σ r of a cell over views, in units of 2^-32.
+  std::uint64_t contrast_sum(std::size_t gaussian, std::size_t object) const {
+    return (std::uint64_t(views[gaussian]) << 32) - contrast_lack[gaussian * std::size_t(objects) + object];
+  }
   /// The signal m in [0, 1] of one view, [N, K] cell. m² is kept as the exact square of the quantised m: as a double
   /// it could fall short of it, and the variance of equal signals below zero.
   void add_signal(std::size_t cell, double m);

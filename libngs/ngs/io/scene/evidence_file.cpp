@@ -9,7 +9,7 @@
 namespace ngs::io {
 namespace {
 
-/// Visits every array of the evidence with its name and shape; E is Evidence or const Evidence.
+/// Visits every array of the evidence but the contrasts with its name and shape; E is Evidence or const Evidence.
 template <class E, class F>
 void for_each_array(E& e, F&& f) {
   const std::vector<std::int64_t> rows{e.gaussians}, cells{e.gaussians, e.objects};
@@ -24,7 +24,25 @@ void for_each_array(E& e, F&& f) {
   f(std::string("views"), e.views, rows);
   f(std::string("signal_sum"), e.signal_sum, cells);
   sums("signal_square_sum", e.signal_square_sum, cells);
-  f(std::string("contrast_sum"), e.contrast_sum, cells);
+}
+
+// The file has the sums of the contrasts, [N, K], memory what they lack.
+constexpr const char* kContrast = "contrast_sum";
+
+std::vector<std::uint64_t> contrasts(const Evidence& e) {
+  std::vector<std::uint64_t> sum;
+  sum.reserve(e.contrast_lack.size());
+  for (std::size_t i = 0; i < std::size_t(e.gaussians); ++i)
+    for (std::size_t k = 0; k < std::size_t(e.objects); ++k) sum.push_back(e.contrast_sum(i, k));
+  return sum;
+}
+
+/// Its inverse: lack = views - sum, as sum = views - lack.
+void set_contrasts(std::vector<std::uint64_t> sum, Evidence& e) {
+  e.contrast_lack = std::move(sum);
+  for (std::size_t i = 0; i < std::size_t(e.gaussians); ++i)
+    for (std::size_t k = 0; k < std::size_t(e.objects); ++k)
+      e.contrast_lack[i * std::size_t(e.objects) + k] = e.contrast_sum(i, k);
 }
 
 std::vector<std::string> names_in(const TensorFile& file, const std::string& key) {
@@ -45,6 +63,7 @@ void write_evidence(const std::string& path, const EvidencePart& part, StoredPat
   TensorFile file;
   for_each_array(part.evidence, [&](const std::string& name, const auto& values,
                                     const std::vector<std::int64_t>& shape) { file.add(name, shape, values); });
+  file.add(kContrast, {part.evidence.gaussians, part.evidence.objects}, contrasts(part.evidence));
   file.metadata["ngs:schema"] = "ngs.evidence.1";
   file.metadata["model"] = part.model_hash;
   file.metadata["scene"] = path_to_folder(stored_folder(path, stored), part.scene_path);
@@ -69,6 +88,7 @@ EvidencePart parse_evidence(const std::string& path, Bytes bytes) {
                  [&]<class T>(const std::string& name, std::vector<T>& values, const std::vector<std::int64_t>& shape) {
                    values = file.get<T>(name, shape);
                  });
+  set_contrasts(file.get<std::uint64_t>(kContrast, {part.evidence.gaussians, part.evidence.objects}), part.evidence);
   return part;
 }
 

@@ -73,16 +73,22 @@ class ViewPairs {
   }
 
   std::int64_t chunks() const { return (std::int64_t(binned_.view().id.size()) + kChunk - 1) / kChunk; }
-  /// f(Gaussian, its sums) for the Gaussians of a chunk with W > 0, of those `of` them (null: all), in their order.
+  /// f(Gaussian, its sums, whether an object has any of it) for the Gaussians of a chunk with W > 0, of those `of` them
+  /// (null: all), in their order.
   template <class F>
   void for_each_seen(std::int64_t chunk, const std::vector<std::uint8_t>* of, const F& f) const {
     const std::vector<std::uint32_t>& id = binned_.view().id;
     std::vector<double> sum(columns_);
+    bool some = false;
     const auto end = std::min(id.size(), std::size_t((chunk + 1) * kChunk));
     for (auto v = std::size_t(chunk * kChunk); v < end; ++v) {
       if (of != nullptr && !(*of)[id[v]]) continue;
-      sum_up(v, sum.data());
-      if (sum[0] > 0) f(id[v], sum.data());
+      sum[0] = sum[1] = 0;
+      if (some) std::fill(sum.begin() + 2, sum.end(), 0.0);
+      some = by_tile()       ? sum_by_tile(v, sum.data())
+             : columns_ == 4 ? sum_up<4>(v, sum.data())
+                             : sum_up<0>(v, sum.data());
+      if (sum[0] > 0) f(id[v], sum.data(), some);
     }
   }
 
@@ -112,28 +118,43 @@ class ViewPairs {
                       sums, scratch.values(evidence_scratch(int(target.size())))});
   }
 
-  /// The sums of visible Gaussian v over its tiles.
-  void sum_up(std::size_t v, double* sum) const {
+  /// Adds what visible Gaussian v has in its tiles to sums that are 0; whether an object has any of it. C: columns, or
+  /// any number where C = 0.
+  template <std::size_t C>
+  bool sum_up(std::size_t v, double* sum) const {
+    const std::size_t columns = C > 0 ? C : columns_;
     const TileLists& lists = binned_.lists();
-    std::fill_n(sum, columns_, 0.0);
-    for (std::int64_t slot = lists.slot_begin[v]; slot < lists.slot_begin[v + 1]; ++slot) {
-      if (by_tile()) {
-        add_in_tile(place_[std::size_t(slot)], sum);
-        continue;
+    for (std::int64_t slot = lists.slot_begin[v]; slot < lists.slot_begin[v + 1]; ++slot)
+      for (std::size_t c = 0; c < columns; ++c) sum[c] += double(sums_[std::size_t(slot) * columns + c]);
+    return cap_objects(columns, sum);
+  }
+  bool sum_by_tile(std::size_t v, double* sum) const {
+    // A Gaussian's tiles lie anywhere in the sums: memory is asked for a later Gaussian's before they are needed.
+    constexpr std::size_t kAheadSlots = 16;
+    const TileLists& lists = binned_.lists();
+    const auto begin = std::size_t(lists.slot_begin[v]), end = std::size_t(lists.slot_begin[v + 1]);
+    bool some = false;
+    for (std::size_t slot = begin; slot < end; ++slot) {
+      if (slot + kAheadSlots < place_.size()) __builtin_prefetch(pair_at(place_[slot + kAheadSlots]));
+      const float* pair = pair_at(place_[slot]);
+      sum[0] += double(pair[0]), sum[1] += double(pair[1]);
+      for (const std::uint32_t k : objects_.of(place_[slot].tile)) {
+        pair += 2, some = true;
+        sum[2 + 2 * k] += double(pair[0]), sum[3 + 2 * k] += double(pair[1]);
       }
-      for (std::size_t c = 0; c < columns_; ++c) sum[c] += double(sums_[std::size_t(slot) * columns_ + c]);
     }
-    for (std::size_t c = 2; c < columns_; c += 2) sum[c] = std::min(sum[c], sum[0]);
+    return some && cap_objects(columns_, sum);
   }
-
-  void add_in_tile(const Place& at, double* sum) const {
-    const float* pair = sums_ + first_[at.tile] + at.entry * columns_of(at.tile);
-    sum[0] += double(pair[0]), sum[1] += double(pair[1]);
-    for (const std::uint32_t k : objects_.of(at.tile)) {
-      pair += 2;
-      sum[2 + 2 * k] += double(pair[0]), sum[3 + 2 * k] += double(pair[1]);
+  /// No object has more than all; false if none has any.
+  static bool cap_objects(std::size_t columns, double* sum) {
+    bool some = false;
+    for (std::size_t c = 2; c < columns; c += 2) {
+      some |= (sum[c] != 0) | (sum[c + 1] != 0);
+      sum[c] = std::min(sum[c], sum[0]);
     }
+    return some;
   }
+  const float* pair_at(const Place& at) const { return sums_ + first_[at.tile] + at.entry * columns_of(at.tile); }
 
   BinnedView<float> binned_;
   std::size_t columns_;
@@ -181,7 +202,7 @@ ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const MaskedVie
   std::vector<ViewSums> part(std::size_t(pairs.chunks()), ViewSums{seen.objects, {}, {}});
   for_each_task(exec, pairs.chunks(), [&](std::int64_t chunk) {
     pairs.for_each_seen(chunk, of,
-                        [&part = part[std::size_t(chunk)], columns](std::uint32_t gaussian, const double* sum) {
+                        [&part = part[std::size_t(chunk)], columns](std::uint32_t gaussian, const double* sum, bool) {
                           part.row.push_back(gaussian), part.sum.insert(part.sum.end(), sum, sum + columns);
                         });
   });
@@ -208,7 +229,8 @@ ViewWeights view_weights(const Exec& exec, const GaussianCloud& cloud, const Mas
   ViewWeights seen(objects, std::size_t(pairs.chunks()));
   for_each_task(exec, pairs.chunks(), [&](std::int64_t chunk) {
     const auto part = std::size_t(chunk);
-    pairs.for_each_seen(chunk, of, [&](std::uint32_t gaussian, const double* sum) { seen.add(part, gaussian, sum); });
+    pairs.for_each_seen(chunk, of,
+                        [&](std::uint32_t gaussian, const double* sum, bool) { seen.add(part, gaussian, sum); });
     seen.shrink_to_fit(part);
   });
   return seen;
@@ -230,8 +252,9 @@ void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const Maske
   }
   const ViewPairs pairs(exec, cloud, view, options);
   for_each_task(exec, pairs.chunks(), [&](std::int64_t chunk) {
-    pairs.for_each_seen(chunk, nullptr,
-                        [&](std::uint32_t gaussian, const double* sum) { evidence.add(gaussian, sum); });
+    pairs.for_each_seen(chunk, nullptr, [&](std::uint32_t gaussian, const double* sum, bool some) {
+      some ? evidence.add(gaussian, sum) : evidence.add_nobodys(gaussian, sum[0], sum[1]);
+    });
   });
 }
 

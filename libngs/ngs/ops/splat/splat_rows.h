@@ -28,7 +28,8 @@ class RowsAhead {
  public:
   /// Gaussians [first, first + kAhead) of the tile's list, or as many as there are.
   [[gnu::always_inline]] void find(const TileWork<S>& work, std::uint32_t first) {
-    const std::uint32_t count = work.entries - first < kAhead ? work.entries - first : kAhead;
+    const std::uint32_t left = work.entries - first, count = left < kAhead ? left : kAhead;
+    for (std::uint32_t k = kAhead; k < left && k < 2 * kAhead; ++k) prefetch(work.record[work.visible[first + k]]);
     for (std::uint32_t k = 0; k < count; ++k) load(k, work.record[work.visible[first + k]], work.frame);
     for (std::uint32_t k = 0; k < count; k += LaneTraits<G>::kLanes)
       for (int band = 0; band < kBands; ++band) find_rows(k, band, work.frame.rows());
@@ -40,6 +41,10 @@ class RowsAhead {
   std::uint32_t rows(std::uint32_t k, int band) const { return rows_[band][k]; }
 
  private:
+  /// A tile's records lie anywhere in the view's: memory is asked for those of the next find() before it.
+  [[gnu::always_inline]] static void prefetch(const SplatRecord<S>& g) {
+    __builtin_prefetch(&g), __builtin_prefetch(&g + 1);
+  }
   [[gnu::always_inline]] void load(std::uint32_t k, const SplatRecord<S>& g, const TileFrame& frame) {
     using W = WideOf<S>;
     x_[k] = S(g.mean_x - W(frame.x_px + 0.5)), y_[k] = S(g.mean_y - W(frame.y_px + 0.5));

@@ -10,7 +10,8 @@ namespace ngs {
 namespace {
 
 /// Normalised mask variance in [0, 1].
-double normalised_variance(Criterion criterion, const Evidence& e, std::size_t gaussian, std::size_t cell) {
+double normalised_variance(Criterion criterion, const Evidence& e, std::size_t gaussian, std::size_t object) {
+  const std::size_t cell = gaussian * std::size_t(e.objects) + object;
   switch (criterion) {
     case Criterion::kPooled: {  // law of total variance over views and pixels: 4 p (1 - p)
       const double p = e.object_weight.value(cell) / e.weight.value(gaussian);
@@ -18,7 +19,7 @@ double normalised_variance(Criterion criterion, const Evidence& e, std::size_t g
     }
     case Criterion::kBetweenViews: return between_views_variance(e, cell, e.views[gaussian]);
     case Criterion::kRelativeDiff: {  // 1 - r²: for binary evidence equal to 4 p (1 - p)
-      const double r = double(e.contrast_sum[cell]) * 0x1p-32 / e.views[gaussian];
+      const double r = double(e.contrast_sum(gaussian, object)) * 0x1p-32 / e.views[gaussian];
       return 1.0 - r * r;
     }
   }
@@ -106,7 +107,7 @@ std::vector<LabelColumns> label_gaussians(const VarianceOptions& options, const 
       LabelColumns& c = columns[std::size_t(k)];
       const std::size_t cell = i * std::size_t(e.objects) + std::size_t(k);
       const double prob = e.object_weight.value(cell) / e.weight.value(i);
-      const double variance = normalised_variance(options.criterion, e, i, cell);
+      const double variance = normalised_variance(options.criterion, e, i, std::size_t(k));
       c.prob[i] = float(prob), c.variance[i] = float(variance), c.views[i] = float(e.views[i]);
       c.label[i] = one_of_several ? float(owner == k) : float(prob > options.label_threshold);
       c.boundary[i] = float(variance > options.tau);

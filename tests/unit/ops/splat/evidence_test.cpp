@@ -113,7 +113,7 @@ TEST_CASE("evidence of parts adds up to the evidence of the whole, bit for bit, 
   CHECK(merged.object_weight.fraction == whole.object_weight.fraction);
   CHECK(merged.signal_square_sum.fraction == whole.signal_square_sum.fraction);
   CHECK(merged.signal_sum == whole.signal_sum);
-  CHECK(merged.contrast_sum == whole.contrast_sum);
+  CHECK(merged.contrast_lack == whole.contrast_lack);
   CHECK(merged.views == whole.views);
 }
 
