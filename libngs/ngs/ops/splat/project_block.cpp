@@ -37,7 +37,8 @@ struct BlockRows {
   Column<float> opacity, two_cut, log2_opacity;
   Column<float> along_u, along_v, across, inv_det, half_width, half_height, bottom_x, inv_c;
   Column<double> wide_x, wide_y, radius_x, radius_y;
-  Column<int> x_begin, x_end, y_begin, y_end, span_first, span_end;
+  Column<int> x_begin, x_end, y_begin, y_end;
+  std::array<Column<int>, std::tuple_size_v<FirstSpans>> span_first, span_end;
   Column<int> reaches;
 };
 
@@ -64,7 +65,7 @@ class BlockProjector {
   void radius(const std::uint8_t* reaches, BlockRows& rows) const;
   void rectangle(BlockRows& rows) const;
   void record(BlockRows& rows) const;
-  void first_span(BlockRows& rows) const;
+  void span_of(int row, BlockRows& rows) const;
 
   const PreparedCloud& cloud_;
   const CloudView<float>& columns_;
@@ -224,14 +225,16 @@ void BlockProjector::record(BlockRows& rows) const {
   });
 }
 
-/// tile_span of the first row of tiles.
-void BlockProjector::first_span(BlockRows& rows) const {
-  each_row([&rows](int i) {
+/// tile_span of a row of tiles, counted from the rectangle's first; of any value below the rectangle.
+void BlockProjector::span_of(int row, BlockRows& rows) const {
+  Column<int>&first_tile = rows.span_first[std::size_t(row)], &end_tile = rows.span_end[std::size_t(row)];
+  each_row([&rows, &first_tile, &end_tile, row](int i) {
     const PowerForm<float> form{rows.along_u[i], rows.along_v[i], rows.across[i]};
     const double a = double(form.a()), b = double(form.b()), inv_det = double(rows.inv_det[i]), inv_a = 1 / a;
     const double cut = double(rows.two_cut[i]) * a, mean_x = rows.wide_x[i], mean_y = rows.wide_y[i];
     const double half_height = double(rows.half_height[i]) + kSpanSlackPx;
-    const double y_lo = rows.y_begin[i] * kTilePx + 0.5, y_hi = rows.y_begin[i] * kTilePx + kTilePx - 0.5;
+    const int y_px = (rows.y_begin[i] + row) * kTilePx;
+    const double y_lo = y_px + 0.5, y_hi = y_px + kTilePx - 0.5;
     const double v_lo = max2(y_lo - mean_y, -half_height), v_hi = min2(y_hi - mean_y, half_height);
     const double v_right = -b * double(rows.inv_c[i]) * double(rows.half_width[i]);
     const double v_most = clamp3(v_right, v_lo, v_hi), v_least = clamp3(-v_right, v_lo, v_hi);
@@ -245,7 +248,7 @@ void BlockProjector::first_span(BlockRows& rows) const {
     const int span_first = from_tile < rows.x_begin[i] ? rows.x_begin[i] : from_tile;
     const int span_last = to_tile < rows.x_end[i] - 1 ? to_tile : rows.x_end[i] - 1;
     const bool misses = (v_lo > v_hi) | (x_hi < 0.5) | (span_last < span_first);
-    rows.span_first[i] = misses ? 0 : span_first, rows.span_end[i] = misses ? 0 : span_last + 1;
+    first_tile[i] = misses ? 0 : span_first, end_tile[i] = misses ? 0 : span_last + 1;
   });
 }
 
@@ -258,7 +261,7 @@ void BlockProjector::project(std::int64_t block, const std::uint8_t* reaches, st
   radius(reaches, rows);
   rectangle(rows);
   record(rows);
-  first_span(rows);
+  for (int row = 0; row < int(rows.span_first.size()); ++row) span_of(row, rows);
   const auto half = [](int tiles) { return std::uint16_t(tiles); };
   for (int i = 0; i < kBlockRows; ++i) {
     if (!reaches[i]) continue;
@@ -266,7 +269,8 @@ void BlockProjector::project(std::int64_t block, const std::uint8_t* reaches, st
     out.rect[at] = rows.reaches[i] ? TileRect{half(rows.x_begin[i]), half(rows.x_end[i]), half(rows.y_begin[i]),
                                               half(rows.y_end[i])}
                                    : TileRect{0, 0, 0, 0};
-    out.first[at] = {half(rows.span_first[i]), half(rows.span_end[i])};
+    for (std::size_t row = 0; row < rows.span_first.size(); ++row)
+      out.first[at][row] = {half(rows.span_first[row][i]), half(rows.span_end[row][i])};
     out.record[at] = {rows.wide_x[i],       rows.wide_y[i],      {rows.along_u[i], rows.along_v[i], rows.across[i]},
                       rows.log2_opacity[i], rows.two_cut[i],     rows.inv_det[i],
                       rows.half_width[i],   rows.half_height[i], rows.bottom_x[i],
@@ -283,7 +287,10 @@ void BlockProjector::project_few(std::int64_t block, const std::uint8_t* reaches
     if (!view_.project(columns_, block * kBlockRows + i, g)) g = {};
     out.id[at] = std::uint32_t(block * kBlockRows + i);
     out.record[at] = g.record, out.depth[at] = g.depth, out.rect[at] = g.rect;
-    out.first[at] = g.rect.y_begin < g.rect.y_end ? tile_span(g.record, g.rect, g.rect.y_begin) : TileSpan{0, 0};
+    for (std::size_t row = 0; row < out.first[at].size(); ++row) {
+      const int ty = g.rect.y_begin + int(row);
+      out.first[at][row] = ty < g.rect.y_end ? tile_span(g.record, g.rect, ty) : TileSpan{0, 0};
+    }
     ++at;
   }
 }

@@ -12,13 +12,16 @@
 
 namespace ngs {
 
+/// The tiles that a Gaussian reaches in the first rows of its rectangle; of most there are no more rows.
+using FirstSpans = std::array<TileSpan, 2>;
+
 template <class S>
 struct ProjectedView {
   std::vector<std::uint32_t> id;       // [V] ascending index into the cloud
   std::vector<SplatRecord<S>> record;  // [V]
   std::vector<S> depth;                // [V] camera z
   std::vector<TileRect> rect;          // [V] tiles the compat mode's radius reaches; may be none
-  std::vector<TileSpan> first;         // [V] tiles of rect's first row that it reaches; empty: not known yet
+  std::vector<FirstSpans> first;       // [V] tiles of rect's first rows that it reaches; empty: not known yet
 };
 
 /// Per tile the visible Gaussians that reach alpha >= 1/255 in it, nearest first.
@@ -54,7 +57,8 @@ struct BinScratch {
 /// The tiles of row `ty` that visible Gaussian v reaches.
 template <class S>
 TileSpan tile_span(const ProjectedView<S>& view, std::size_t v, int ty) {
-  if (!view.first.empty() && ty == view.rect[v].y_begin) return view.first[v];
+  const auto row = std::size_t(ty - view.rect[v].y_begin);
+  if (!view.first.empty() && row < view.first[v].size()) return view.first[v][row];
   return tile_span(view.record[v], view.rect[v], ty);
 }
 
