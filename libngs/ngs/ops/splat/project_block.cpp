@@ -38,7 +38,7 @@ struct BlockRows {
   Column<float> along_u, along_v, across, inv_det, half_width, half_height, bottom_x, inv_c;
   Column<double> wide_x, wide_y, radius_x, radius_y;
   Column<int> x_begin, x_end, y_begin, y_end;
-  std::array<Column<int>, std::tuple_size_v<FirstSpans>> span_first, span_end;
+  std::array<Column<int>, kFirstRows> span_first, span_end;
   Column<int> reaches;
 };
 
@@ -225,7 +225,7 @@ void BlockProjector::record(BlockRows& rows) const {
   });
 }
 
-/// tile_span of a row of tiles, counted from the rectangle's first; of any value below the rectangle.
+/// As first_spans: the tiles of one row, counted from the rectangle's first.
 void BlockProjector::span_of(int row, BlockRows& rows) const {
   Column<int>&first_tile = rows.span_first[std::size_t(row)], &end_tile = rows.span_end[std::size_t(row)];
   each_row([&rows, &first_tile, &end_tile, row](int i) {
@@ -247,7 +247,8 @@ void BlockProjector::span_of(int row, BlockRows& rows) const {
               to_tile = int(last > -1 ? (last < to ? last : to) : -1);
     const int span_first = from_tile < rows.x_begin[i] ? rows.x_begin[i] : from_tile;
     const int span_last = to_tile < rows.x_end[i] - 1 ? to_tile : rows.x_end[i] - 1;
-    const bool misses = (v_lo > v_hi) | (x_hi < 0.5) | (span_last < span_first);
+    const bool misses = (v_lo > v_hi) | (x_hi < 0.5) | (span_last < span_first) | !rows.reaches[i] |
+                        (rows.y_begin[i] + row >= rows.y_end[i]);
     first_tile[i] = misses ? 0 : span_first, end_tile[i] = misses ? 0 : span_last + 1;
   });
 }
@@ -261,7 +262,7 @@ void BlockProjector::project(std::int64_t block, const std::uint8_t* reaches, st
   radius(reaches, rows);
   rectangle(rows);
   record(rows);
-  for (int row = 0; row < int(rows.span_first.size()); ++row) span_of(row, rows);
+  for (int row = 0; row < kFirstRows; ++row) span_of(row, rows);
   const auto half = [](int tiles) { return std::uint16_t(tiles); };
   for (int i = 0; i < kBlockRows; ++i) {
     if (!reaches[i]) continue;
@@ -287,10 +288,7 @@ void BlockProjector::project_few(std::int64_t block, const std::uint8_t* reaches
     if (!view_.project(columns_, block * kBlockRows + i, g)) g = {};
     out.id[at] = std::uint32_t(block * kBlockRows + i);
     out.record[at] = g.record, out.depth[at] = g.depth, out.rect[at] = g.rect;
-    for (std::size_t row = 0; row < out.first[at].size(); ++row) {
-      const int ty = g.rect.y_begin + int(row);
-      out.first[at][row] = ty < g.rect.y_end ? tile_span(g.record, g.rect, ty) : TileSpan{0, 0};
-    }
+    out.first[at] = first_spans(g.record, g.rect);
     ++at;
   }
 }

@@ -29,17 +29,20 @@ ProjectedView<S> project_view(const Exec& exec, const CloudView<S>& cloud, const
       if (beside[i - begin] || !projector.project(cloud, i, g)) continue;
       out.id.push_back(std::uint32_t(i));
       out.record.push_back(g.record), out.depth.push_back(g.depth), out.rect.push_back(g.rect);
+      out.first.push_back(first_spans(g.record, g.rect));
     }
   });
   ProjectedView<S> all;
   std::size_t visible = 0;
   for (const ProjectedView<S>& p : part) visible += p.id.size();
   all.id.reserve(visible), all.record.reserve(visible), all.depth.reserve(visible), all.rect.reserve(visible);
+  all.first.reserve(visible);
   for (ProjectedView<S>& p : part) {
     all.id.insert(all.id.end(), p.id.begin(), p.id.end());
     all.record.insert(all.record.end(), p.record.begin(), p.record.end());
     all.depth.insert(all.depth.end(), p.depth.begin(), p.depth.end());
     all.rect.insert(all.rect.end(), p.rect.begin(), p.rect.end());
+    all.first.insert(all.first.end(), p.first.begin(), p.first.end());
     p = {};  // the whole is never held twice
   }
   return all;

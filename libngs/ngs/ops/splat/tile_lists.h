@@ -12,8 +12,17 @@
 
 namespace ngs {
 
-/// The tiles that a Gaussian reaches in the first rows of its rectangle; of most there are no more rows.
+/// The tiles that a Gaussian reaches in the first rows of its rectangle, {0, 0} below it; of most there are no more.
 using FirstSpans = std::array<TileSpan, 2>;
+inline constexpr int kFirstRows = int(std::tuple_size_v<FirstSpans>);
+
+template <class S>
+FirstSpans first_spans(const SplatRecord<S>& record, const TileRect& rect) {
+  FirstSpans spans{};
+  for (int row = 0; row < std::min(kFirstRows, rect.y_end - rect.y_begin); ++row)
+    spans[std::size_t(row)] = tile_span(record, rect, rect.y_begin + row);
+  return spans;
+}
 
 template <class S>
 struct ProjectedView {
@@ -21,7 +30,7 @@ struct ProjectedView {
   std::vector<SplatRecord<S>> record;  // [V]
   std::vector<S> depth;                // [V] camera z
   std::vector<TileRect> rect;          // [V] tiles the compat mode's radius reaches; may be none
-  std::vector<FirstSpans> first;       // [V] tiles of rect's first rows that it reaches; empty: not known yet
+  std::vector<FirstSpans> first;       // [V]
 };
 
 /// Per tile the visible Gaussians that reach alpha >= 1/255 in it, nearest first.
@@ -45,22 +54,15 @@ struct TileEntry {
 
 /// What bin_tiles works in; kept from view to view.
 struct BinScratch {
-  struct Chunk {                      // of the visible Gaussians, in their order
-    std::vector<TileSpan> span;       // per Gaussian and row of its tiles
-    std::vector<std::uint32_t> next;  // [tiles] how many pairs; then where the next one goes
-    std::uint32_t slots = 0;          // pairs; then its first slot
+  static constexpr std::size_t kBeyond = 2;  // tiles behind the last that are read, and of which nothing is kept
+  struct Chunk {                             // of the visible Gaussians, in their order
+    std::vector<TileSpan> span;              // per Gaussian and row of its tiles after the first rows
+    std::vector<std::uint32_t> next;         // [tiles + kBeyond] how many pairs; then where the next one goes
+    std::uint32_t slots = 0;                 // pairs; then its first slot
   };
   std::vector<Chunk> chunk;
   std::vector<TileEntry> entry;  // [pairs] by tile, in order of the Gaussians
 };
-
-/// The tiles of row `ty` that visible Gaussian v reaches.
-template <class S>
-TileSpan tile_span(const ProjectedView<S>& view, std::size_t v, int ty) {
-  const auto row = std::size_t(ty - view.rect[v].y_begin);
-  if (!view.first.empty() && row < view.first[v].size()) return view.first[v][row];
-  return tile_span(view.record[v], view.rect[v], ty);
-}
 
 /// Sorts the entries of one tile by (depth, index) into its part of the lists. On entry they are in order of the index.
 inline void sort_tile(const TileEntry* entry, std::uint32_t count, std::uint32_t* visible, std::uint32_t* slot) {
@@ -121,21 +123,28 @@ class TileBinner {
   void count_pairs(std::int64_t c) {
     BinScratch::Chunk& chunk = scratch_.chunk[std::size_t(c)];
     chunk.span.clear();
-    chunk.next.assign(std::size_t(lists_.tiles()), 0);
+    chunk.next.assign(std::size_t(lists_.tiles()) + BinScratch::kBeyond, 0);
     std::uint64_t slots = 0;
     for (std::size_t v = first(c); v < first(c + 1); ++v) {
       lists_.slot_begin[v] = std::int64_t(slots);
       const TileRect& r = view_.rect[v];
-      for (int ty = r.y_begin; ty < r.y_end; ++ty) {
-        const TileSpan span = tile_span(view_, v, ty);
-        chunk.span.push_back(span);
-        std::uint32_t* next = chunk.next.data() + std::ptrdiff_t(ty) * lists_.tiles_x;
-        for (int tx = span.first; tx < span.end; ++tx) ++next[tx];
-        slots += std::uint64_t(span.end - span.first);
+      std::uint32_t* next = chunk.next.data() + std::ptrdiff_t(r.y_begin) * lists_.tiles_x;
+      for (const TileSpan span : view_.first[v]) slots += count(span, next), next += lists_.tiles_x;
+      for (int ty = r.y_begin + kFirstRows; ty < r.y_end; ++ty, next += lists_.tiles_x) {
+        chunk.span.push_back(tile_span(view_.record[v], r, ty));
+        slots += count(chunk.span.back(), next);
       }
     }
     NGS_CHECK(slots <= 0xffffffff, "slots are counted in 32 bits");
     chunk.slots = std::uint32_t(slots);
+  }
+
+  /// Counts the tiles of a span. Most have one or two, which no branch can foresee: these take none.
+  static std::uint64_t count(TileSpan span, std::uint32_t* next) {
+    const int tiles = span.end - span.first;
+    next[span.first] += tiles > 0, next[span.first + 1] += tiles > 1;
+    for (int tx = span.first + 2; tx < span.end; ++tx) ++next[tx];
+    return std::uint64_t(tiles);
   }
 
   void place_tiles() {
@@ -155,16 +164,30 @@ class TileBinner {
   void scatter(std::int64_t c) {
     BinScratch::Chunk& chunk = scratch_.chunk[std::size_t(c)];
     std::uint32_t slot = chunk.slots;
-    const TileSpan* span = chunk.span.data();
+    const TileSpan* later = chunk.span.data();
     for (std::size_t v = first(c); v < first(c + 1); ++v) {
       lists_.slot_begin[v] += chunk.slots;
       const TileRect& r = view_.rect[v];
       const auto depth = std::bit_cast<std::uint32_t>(float(double(view_.depth[v])));
-      for (int ty = r.y_begin; ty < r.y_end; ++ty, ++span) {
-        std::uint32_t* next = chunk.next.data() + std::ptrdiff_t(ty) * lists_.tiles_x;
-        for (int tx = span->first; tx < span->end; ++tx) scratch_.entry[next[tx]++] = {depth, std::uint32_t(v), slot++};
-      }
+      TileEntry entry{depth, std::uint32_t(v), slot};
+      std::uint32_t* next = chunk.next.data() + std::ptrdiff_t(r.y_begin) * lists_.tiles_x;
+      for (const TileSpan span : view_.first[v]) put(span, next, entry), next += lists_.tiles_x;
+      for (int ty = r.y_begin + kFirstRows; ty < r.y_end; ++ty, next += lists_.tiles_x) put(*later++, next, entry);
+      slot = entry.slot;
     }
+  }
+
+  /// Writes the entries of a span, from entry.slot on; as count(), without branches for its first two tiles.
+  void put(TileSpan span, std::uint32_t* next, TileEntry& entry) {
+    TileEntry nowhere, *const to = scratch_.entry.data();
+    const int tiles = span.end - span.first;
+    const std::uint32_t at[2] = {next[span.first], next[span.first + 1]}, slot = entry.slot;
+    *(tiles > 0 ? to + at[0] : &nowhere) = entry;
+    next[span.first] = at[0] + (tiles > 0), entry.slot = slot + 1;
+    *(tiles > 1 ? to + at[1] : &nowhere) = entry;
+    next[span.first + 1] = at[1] + (tiles > 1);
+    for (int tx = span.first + 2; tx < span.end; ++tx) ++entry.slot, to[next[tx]++] = entry;
+    entry.slot = slot + std::uint32_t(tiles);
   }
 
   const Exec& exec_;

@@ -88,11 +88,9 @@ bool same_bytes(const T& a, const T& b) {
 
 /// Whether row `at` of the blocks' view is row v of the scalar one's.
 bool same_row(const ProjectedView<float>& blocks, std::size_t at, const ProjectedView<float>& want, std::size_t v) {
-  bool same_spans = true;
-  for (int ty = want.rect[v].y_begin; ty < want.rect[v].y_end; ++ty)
-    same_spans &= same_bytes(tile_span(blocks, at, ty), tile_span(want.record[v], want.rect[v], ty));
   return blocks.id[at] == want.id[v] && same_bytes(blocks.record[at], want.record[v]) &&
-         blocks.depth[at] == want.depth[v] && same_bytes(blocks.rect[at], want.rect[v]) && same_spans;
+         blocks.depth[at] == want.depth[v] && same_bytes(blocks.rect[at], want.rect[v]) &&
+         same_bytes(blocks.first[at], want.first[v]);
 }
 
 }  // namespace
