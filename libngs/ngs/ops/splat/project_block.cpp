@@ -1,6 +1,5 @@
 #include "ngs/ops/splat/project_block.h"
 
-#include <cstring>
 #include <limits>
 
 #include "ngs/backend/for_each.h"
@@ -8,20 +7,29 @@
 namespace ngs {
 namespace {
 
-/// f(row) for the rows of a block, which f treats independently of each other.
+/// Rows of a block that go through projection together: what is known of them stays in the nearest cache.
+constexpr int kPassRows = 64;
+
+/// f(row) for the rows of a pass, which f treats independently of each other.
 template <class F>
 [[gnu::always_inline]] inline void each_row(const F& f) {
 #pragma GCC ivdep
-  for (int i = 0; i < kBlockRows; ++i) f(i);
+  for (int i = 0; i < kPassRows; ++i) f(i);
 }
 
-/// One column of a block.
+/// One column of a pass.
 template <class T>
 struct alignas(64) Column {
-  T of[kBlockRows];
+  T of[kPassRows];
   [[gnu::always_inline]] T& operator[](int i) { return of[i]; }
   [[gnu::always_inline]] const T& operator[](int i) const { return of[i]; }
 };
+
+int count_of(const std::uint8_t* flag, int rows) {
+  int count = 0;
+  for (int i = 0; i < rows; ++i) count += flag[i];
+  return count;
+}
 
 /// As tile_rect's rounding: v in tiles of 16 px, clamped to [0, hi]; NaN gives 0.
 [[gnu::always_inline]] inline int clamped_tile(double v, int hi) {
@@ -29,9 +37,9 @@ struct alignas(64) Column {
   return int(above < hi ? above : double(hi));
 }
 
-/// The rows of a block on their way to ProjectedView; the members are those of ProjectedGaussian, SplatRecord and
+/// The rows of a pass on their way to ProjectedView; the members are those of ProjectedGaussian, SplatRecord and
 /// TileRect.
-struct BlockRows {
+struct PassRows {
   Column<double> x, y, z;  // the centre in camera coordinates
   Column<float> depth, mean_x, mean_y, variance_x, variance_y, det_raw, det, conic_a, conic_b, conic_c;
   Column<float> opacity, two_cut, log2_opacity;
@@ -53,19 +61,22 @@ class BlockProjector {
   int flag(std::int64_t block, std::uint8_t* reaches) const;
   /// Writes the flagged rows from row `at` on.
   void project(std::int64_t block, const std::uint8_t* reaches, std::size_t at, ProjectedView<float>& out) const;
-  /// The same row by row: faster where few are flagged.
-  void project_few(std::int64_t block, const std::uint8_t* reaches, std::size_t at, ProjectedView<float>& out) const;
 
  private:
   bool may_reach(const BlockBounds& bounds) const;
+  void flag_rows(std::size_t base, std::uint8_t* reaches) const;
+  /// project() of a pass that begins with row `base`.
+  void project_all(std::size_t base, const std::uint8_t* reaches, std::size_t at, ProjectedView<float>& out) const;
+  /// The same row by row: faster where few are flagged.
+  void project_few(std::size_t base, const std::uint8_t* reaches, std::size_t at, ProjectedView<float>& out) const;
   bool any_included(std::int64_t block) const;
-  void to_camera(std::int64_t block, BlockRows& rows) const;
-  void covariance(std::int64_t block, BlockRows& rows) const;
-  void opacity(std::int64_t block, const std::uint8_t* reaches, BlockRows& rows) const;
-  void radius(const std::uint8_t* reaches, BlockRows& rows) const;
-  void rectangle(BlockRows& rows) const;
-  void record(BlockRows& rows) const;
-  void span_of(int row, BlockRows& rows) const;
+  void to_camera(std::size_t base, PassRows& rows) const;
+  void covariance(std::size_t base, PassRows& rows) const;
+  void opacity(std::size_t base, const std::uint8_t* reaches, PassRows& rows) const;
+  void radius(const std::uint8_t* reaches, PassRows& rows) const;
+  void rectangle(PassRows& rows) const;
+  void record(PassRows& rows) const;
+  void span_of(int row, PassRows& rows) const;
 
   const PreparedCloud& cloud_;
   const CloudView<float>& columns_;
@@ -104,9 +115,17 @@ bool BlockProjector::any_included(std::int64_t block) const {
 
 int BlockProjector::flag(std::int64_t block, std::uint8_t* reaches) const {
   if (!may_reach(cloud_.bounds[std::size_t(block)]) || !any_included(block)) return 0;
-  BlockRows rows;
-  to_camera(block, rows);
-  const auto base = std::size_t(block) * kBlockRows;
+  const std::int64_t base = block * kBlockRows;
+  for (int pass = 0; pass < kBlockRows; pass += kPassRows) flag_rows(std::size_t(base + pass), reaches + pass);
+  if (columns_.include != nullptr)
+    for (int i = 0; i < kBlockRows && base + i < columns_.size; ++i)
+      reaches[i] &= std::uint8_t(columns_.include[base + i] != 0);
+  return count_of(reaches, kBlockRows);
+}
+
+void BlockProjector::flag_rows(std::size_t base, std::uint8_t* reaches) const {
+  PassRows rows;
+  to_camera(base, rows);
   const float *scale = &cloud_.scale_bound[base], *opacity = &cloud_.opacity[base];
   const auto w = view_.wide;
   const double spread = view_.spread, blur_px = view_.blur_px, width = kTilePx * view_.tiles_x,
@@ -118,17 +137,10 @@ int BlockProjector::flag(std::int64_t block, std::uint8_t* reaches) const {
     const double reach = View::kRadii * (double(scale[i]) * spread + blur_px * z) + View::kRounding_px * z;
     rows.reaches[i] = !(off > reach) & (float(z) > near_z) & (opacity[i] >= float(kAlphaMin));
   });
-  int count = 0;
-  for (int i = 0; i < kBlockRows; ++i) reaches[i] = std::uint8_t(rows.reaches[i]);
-  if (columns_.include != nullptr)
-    for (int i = 0; i < kBlockRows && std::int64_t(base) + i < columns_.size; ++i)
-      reaches[i] &= std::uint8_t(columns_.include[base + std::size_t(i)] != 0);
-  for (int i = 0; i < kBlockRows; ++i) count += reaches[i];
-  return count;
+  for (int i = 0; i < kPassRows; ++i) reaches[i] = std::uint8_t(rows.reaches[i]);
 }
 
-void BlockProjector::to_camera(std::int64_t block, BlockRows& rows) const {
-  const auto base = std::size_t(block) * kBlockRows;
+void BlockProjector::to_camera(std::size_t base, PassRows& rows) const {
   const float *x = &cloud_.position[0][base], *y = &cloud_.position[1][base], *z = &cloud_.position[2][base];
   const Vec3<double> centre = view_.centre;
   const Mat3<double> r = view_.wide.rotation;
@@ -139,8 +151,7 @@ void BlockProjector::to_camera(std::int64_t block, BlockRows& rows) const {
 }
 
 /// project_gaussian without the opacity.
-void BlockProjector::covariance(std::int64_t block, BlockRows& rows) const {
-  const auto base = std::size_t(block) * kBlockRows;
+void BlockProjector::covariance(std::size_t base, PassRows& rows) const {
   const float* m[9];
   for (std::size_t k = 0; k < 9; ++k) m[k] = &cloud_.shape[k][base];
   const float *m0 = m[0], *m1 = m[1], *m2 = m[2], *m3 = m[3], *m4 = m[4], *m5 = m[5], *m6 = m[6], *m7 = m[7],
@@ -165,13 +176,13 @@ void BlockProjector::covariance(std::int64_t block, BlockRows& rows) const {
   });
 }
 
-void BlockProjector::opacity(std::int64_t block, const std::uint8_t* reaches, BlockRows& rows) const {
-  const auto base = std::size_t(block) * kBlockRows;
-  std::memcpy(rows.opacity.of, &cloud_.opacity[base], sizeof rows.opacity.of);
-  std::memcpy(rows.two_cut.of, &cloud_.two_cut[base], sizeof rows.two_cut.of);
-  std::memcpy(rows.log2_opacity.of, &cloud_.log2_opacity[base], sizeof rows.log2_opacity.of);
+void BlockProjector::opacity(std::size_t base, const std::uint8_t* reaches, PassRows& rows) const {
+  const float *opacity = &cloud_.opacity[base], *two_cut = &cloud_.two_cut[base], *log2 = &cloud_.log2_opacity[base];
+  each_row([&rows, opacity, two_cut, log2](int i) {
+    rows.opacity[i] = opacity[i], rows.two_cut[i] = two_cut[i], rows.log2_opacity[i] = log2[i];
+  });
   if (!view_.camera.antialiased) return;
-  for (int i = 0; i < kBlockRows; ++i) {
+  for (int i = 0; i < kPassRows; ++i) {
     if (!reaches[i]) continue;
     rows.opacity[i] *= std::sqrt(max2(rows.det_raw[i] / rows.det[i], float(kCompensationFloor2)));
     rows.two_cut[i] = two_cut_of(rows.opacity[i]), rows.log2_opacity[i] = log2_opacity_of(rows.opacity[i]);
@@ -179,21 +190,21 @@ void BlockProjector::opacity(std::int64_t block, const std::uint8_t* reaches, Bl
 }
 
 /// The radii of tile_rect.
-void BlockProjector::radius(const std::uint8_t* reaches, BlockRows& rows) const {
+void BlockProjector::radius(const std::uint8_t* reaches, PassRows& rows) const {
   if (view_.compat == Compat::kInria)
     return each_row([&rows](int i) {
       const double xx = rows.variance_x[i], yy = rows.variance_y[i], det = rows.det[i], mid = 0.5 * (xx + yy);
       rows.radius_x[i] = std::ceil(3.0 * std::sqrt(mid + std::sqrt(max2(0.1, mid * mid - det))));
       rows.radius_y[i] = rows.radius_x[i];
     });
-  for (int i = 0; i < kBlockRows; ++i) {
+  for (int i = 0; i < kPassRows; ++i) {
     const double extent = reaches[i] ? tile_extent(double(rows.opacity[i])) : 0.0;
     rows.radius_x[i] = std::ceil(extent * std::sqrt(double(rows.variance_x[i])));
     rows.radius_y[i] = std::ceil(extent * std::sqrt(double(rows.variance_y[i])));
   }
 }
 
-void BlockProjector::rectangle(BlockRows& rows) const {
+void BlockProjector::rectangle(PassRows& rows) const {
   const double shift = view_.compat == Compat::kInria ? 0.5 : 0.0;
   const int tiles_x = view_.tiles_x, tiles_y = view_.tiles_y;
   const auto w = view_.wide;
@@ -210,7 +221,7 @@ void BlockProjector::rectangle(BlockRows& rows) const {
 }
 
 /// As record_of; and whether the row reaches a pixel.
-void BlockProjector::record(BlockRows& rows) const {
+void BlockProjector::record(PassRows& rows) const {
   each_row([&rows](int i) {
     constexpr float kMost = std::numeric_limits<float>::max();
     const auto form = PowerForm<float>::of(rows.conic_a[i], rows.conic_b[i], rows.variance_y[i]);
@@ -226,7 +237,7 @@ void BlockProjector::record(BlockRows& rows) const {
 }
 
 /// As first_spans: the tiles of one row, counted from the rectangle's first.
-void BlockProjector::span_of(int row, BlockRows& rows) const {
+void BlockProjector::span_of(int row, PassRows& rows) const {
   Column<int>&first_tile = rows.span_first[std::size_t(row)], &end_tile = rows.span_end[std::size_t(row)];
   each_row([&rows, &first_tile, &end_tile, row](int i) {
     const PowerForm<float> form{rows.along_u[i], rows.along_v[i], rows.across[i]};
@@ -253,20 +264,20 @@ void BlockProjector::span_of(int row, BlockRows& rows) const {
   });
 }
 
-void BlockProjector::project(std::int64_t block, const std::uint8_t* reaches, std::size_t at,
-                             ProjectedView<float>& out) const {
-  BlockRows rows;
-  to_camera(block, rows);
-  covariance(block, rows);
-  opacity(block, reaches, rows);
+void BlockProjector::project_all(std::size_t base, const std::uint8_t* reaches, std::size_t at,
+                                 ProjectedView<float>& out) const {
+  PassRows rows;
+  to_camera(base, rows);
+  covariance(base, rows);
+  opacity(base, reaches, rows);
   radius(reaches, rows);
   rectangle(rows);
   record(rows);
   for (int row = 0; row < kFirstRows; ++row) span_of(row, rows);
   const auto half = [](int tiles) { return std::uint16_t(tiles); };
-  for (int i = 0; i < kBlockRows; ++i) {
+  for (int i = 0; i < kPassRows; ++i) {
     if (!reaches[i]) continue;
-    out.id[at] = std::uint32_t(block * kBlockRows + i), out.depth[at] = rows.depth[i];
+    out.id[at] = std::uint32_t(base + std::size_t(i)), out.depth[at] = rows.depth[i];
     out.rect[at] = rows.reaches[i] ? TileRect{half(rows.x_begin[i]), half(rows.x_end[i]), half(rows.y_begin[i]),
                                               half(rows.y_end[i])}
                                    : TileRect{0, 0, 0, 0};
@@ -280,16 +291,30 @@ void BlockProjector::project(std::int64_t block, const std::uint8_t* reaches, st
   }
 }
 
-void BlockProjector::project_few(std::int64_t block, const std::uint8_t* reaches, std::size_t at,
+void BlockProjector::project_few(std::size_t base, const std::uint8_t* reaches, std::size_t at,
                                  ProjectedView<float>& out) const {
-  for (int i = 0; i < kBlockRows; ++i) {
+  for (int i = 0; i < kPassRows; ++i) {
     if (!reaches[i]) continue;
     VisibleGaussian<float> g{};
-    if (!view_.project(columns_, block * kBlockRows + i, g)) g = {};
-    out.id[at] = std::uint32_t(block * kBlockRows + i);
+    if (!view_.project(columns_, std::int64_t(base) + i, g)) g = {};
+    out.id[at] = std::uint32_t(base + std::size_t(i));
     out.record[at] = g.record, out.depth[at] = g.depth, out.rect[at] = g.rect;
     out.first[at] = first_spans(g.record, g.rect);
     ++at;
+  }
+}
+
+void BlockProjector::project(std::int64_t block, const std::uint8_t* reaches, std::size_t at,
+                             ProjectedView<float>& out) const {
+  constexpr int kFew = 12;  // flagged rows below which those of a pass are projected one by one
+  for (int pass = 0; pass < kBlockRows; pass += kPassRows, reaches += kPassRows) {
+    const std::size_t base = std::size_t(block) * kBlockRows + std::size_t(pass);
+    const int count = count_of(reaches, kPassRows);
+    if (count >= kFew)
+      project_all(base, reaches, at, out);
+    else if (count > 0)
+      project_few(base, reaches, at, out);
+    at += std::size_t(count);
   }
 }
 
@@ -298,7 +323,6 @@ void BlockProjector::project_few(std::int64_t block, const std::uint8_t* reaches
 void project_blocks(const Exec& exec, const PreparedCloud& cloud, const CloudView<float>& columns,
                     const ViewProjector<float>& projector, PassMemory<float>& memory) {
   constexpr std::int64_t kBlocks = 8;  // of a task
-  constexpr std::int64_t kFew = 48;    // flagged rows below which a block is projected row by row
   const BlockProjector blocks(cloud, columns, projector);
   const std::int64_t tasks = (cloud.blocks() + kBlocks - 1) / kBlocks;
   const auto in_tasks = [&](const auto& f) {
@@ -317,10 +341,8 @@ void project_blocks(const Exec& exec, const PreparedCloud& cloud, const CloudVie
   out.id.resize(visible), out.record.resize(visible), out.depth.resize(visible), out.rect.resize(visible);
   out.first.resize(visible);
   in_tasks([&](std::int64_t b, const std::uint8_t* reaches) {
-    const std::int64_t at = memory.first[std::size_t(b)], count = memory.first[std::size_t(b) + 1] - at;
-    if (count == 0) return;
-    if (count < kFew) return blocks.project_few(b, reaches, std::size_t(at), out);
-    blocks.project(b, reaches, std::size_t(at), out);
+    const auto at = std::size_t(memory.first[std::size_t(b)]), end = std::size_t(memory.first[std::size_t(b) + 1]);
+    if (at < end) blocks.project(b, reaches, at, out);
   });
 }
 
