@@ -5,12 +5,14 @@
 
 namespace ngs {
 
-/// Objects: K, or any number where K = 0.
+inline constexpr int kAnyObjects = -1;
+
+/// K objects, or any number.
 template <class L, int K>
 struct EvidenceSink {
   using S = typename LaneTraits<L>::Scalar;
   using F = typename LaneTraits<L>::Folded;
-  static constexpr int kLanes = LaneTraits<L>::kLanes, kSums = K > 0 ? 2 + 2 * K : 0;
+  static constexpr int kLanes = LaneTraits<L>::kLanes, kSums = K == kAnyObjects ? 0 : 2 + 2 * K;
   static constexpr bool kTakesEmpty = true;
   const EvidenceTile<S>& in;
   const S* mask;  // [packs][1 + objects][lanes]: known, targets
@@ -21,7 +23,7 @@ struct EvidenceSink {
 
   EvidenceSink(const EvidenceTile<S>& tile, const S* masks, S* memory)
       : in(tile), mask(masks), sum(memory), total(memory + (2 + 2 * tile.objects) * kTilePx) {}
-  [[gnu::always_inline]] int objects() const { return K > 0 ? K : in.objects; }
+  [[gnu::always_inline]] int objects() const { return K == kAnyObjects ? in.objects : K; }
   [[gnu::always_inline]] int sums() const { return 2 + 2 * objects(); }
 
   void begin(std::uint32_t e) {

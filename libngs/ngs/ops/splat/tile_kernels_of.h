@@ -29,9 +29,10 @@ void backward_any(const BackwardTile<typename LaneTraits<L>::Scalar>& in) {
 
 template <class L>
 void evidence_any(const EvidenceTile<typename LaneTraits<L>::Scalar>& in) {
+  if (in.objects == 0) return evidence_tile<L, 0>(in);
   if (in.objects == 1) return evidence_tile<L, 1>(in);
   if (in.objects == 3) return evidence_tile<L, 3>(in);  // the colours of a photo
-  evidence_tile<L, 0>(in);
+  evidence_tile<L, kAnyObjects>(in);
 }
 
 template <class L>

@@ -117,6 +117,33 @@ TEST_CASE("evidence of parts adds up to the evidence of the whole, bit for bit, 
   CHECK(merged.views == whole.views);
 }
 
+TEST_CASE("evidence: what views lack to full contrast gives the sum of their contrasts, for few and many objects") {
+  const test::SplatCase c = test::splat_case(4, 80, 61, 47);
+  const GaussianCloud cloud = test::float_cloud(c);
+  for (const std::size_t objects : {1, 2, 7}) {
+    CAPTURE(objects);
+    Evidence evidence(80, int(objects));
+    std::vector<std::uint64_t> want(80 * objects);
+    std::size_t nobodys = 0, somebodys = 0;
+    for (int view = 0; view < 4; ++view) {
+      ViewMasks masks = two_discs(c.camera, view);
+      masks.target.resize(objects, std::vector<float>(masks.target[0].size()));
+      add_view_evidence({}, cloud, {c.camera, masks}, {}, evidence);
+      const ViewSums sums = view_sums({}, cloud, {c.camera, masks}, {});
+      for (std::size_t v = 0; v < sums.size(); ++v)
+        for (std::size_t k = 0; k < objects; ++k) {
+          const double all = sums.at(v)[1], inside = sums.at(v)[3 + 2 * k];
+          want[sums.row[v] * objects + k] += std::uint64_t(std::llround(std::abs(2 * inside - all) / all * 0x1p32));
+          ++(inside > 0 ? somebodys : nobodys);
+        }
+    }
+    CHECK(nobodys > 10);
+    CHECK(somebodys > 10);
+    for (std::size_t i = 0; i < 80; ++i)
+      for (std::size_t k = 0; k < objects; ++k) CHECK(evidence.contrast_sum(i, k) == want[i * objects + k]);
+  }
+}
+
 TEST_CASE("between-views variance is exact where the textbook difference of floats is not") {
   Evidence e(1, 1);  // 1000 views that all say 0.3, then one that says 0.3 + 2^-20
   const std::uint64_t m = std::uint64_t(0.3 * 0x1p32), m2 = m + (1u << 12);

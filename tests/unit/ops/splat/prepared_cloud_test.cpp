@@ -163,4 +163,34 @@ TEST_CASE("tile lists: nearest first, equal depths by index, for few and for man
   }
 }
 
+TEST_CASE("tile lists: every pair of a Gaussian and a tile that it reaches is listed once, its slots in order") {
+  for (const float log_scale : {-5.f, -1.f, 0.5f})  // one or two tiles; several; rows beyond the first ones
+    for (const auto& [width_px, height_px] : {std::pair(150, 90), std::pair(11, 200), std::pair(200, 13)}) {
+      CAPTURE(log_scale);
+      CAPTURE(width_px);
+      GaussianCloud cloud = random_cloud(2000, 5);
+      for (float& s : cloud.log_scale) s += log_scale;
+      Camera camera = camera_at(6);
+      camera.width_px = width_px, camera.height_px = height_px;
+      camera.cx = width_px / 2.0, camera.cy = height_px / 2.0;
+      const ProjectedView<float> view = project_view({}, cloud_view(cloud, 0, nullptr), camera, {});
+      std::vector<std::pair<std::int64_t, std::uint32_t>> want, got;  // tile, v; by slot
+      for (std::uint32_t v = 0; v < view.id.size(); ++v)
+        for (int ty = view.rect[v].y_begin; ty < view.rect[v].y_end; ++ty) {
+          const TileSpan span = tile_span(view.record[v], view.rect[v], ty);
+          for (int tx = span.first; tx < span.end; ++tx) want.emplace_back(ty * ((width_px + 15) / 16) + tx, v);
+        }
+      for (const int threads : {1, 3}) {
+        const TileLists lists = bin_tiles({.threads = threads}, view, width_px, height_px);
+        got.assign(std::size_t(lists.pairs()), {-1, 0});
+        for (std::int64_t tile = 0; tile < lists.tiles(); ++tile)
+          for (auto e = std::size_t(lists.tile_begin[std::size_t(tile)]);
+               e < std::size_t(lists.tile_begin[std::size_t(tile) + 1]); ++e)
+            got[lists.slot[e]] = {tile, lists.visible[e]};
+        CHECK(want.size() > 200);
+        CHECK(got == want);
+      }
+    }
+}
+
 }  // namespace ngs
