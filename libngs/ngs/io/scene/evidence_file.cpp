@@ -1,5 +1,6 @@
 #include "ngs/io/scene/evidence_file.h"
 
+#include <cstring>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -29,12 +30,15 @@ void for_each_array(E& e, F&& f) {
 // The file has the sums of the contrasts, [N, K], memory what they lack.
 constexpr const char* kContrast = "contrast_sum";
 
-std::vector<std::uint64_t> contrasts(const Evidence& e) {
-  std::vector<std::uint64_t> sum;
-  sum.reserve(e.contrast_lack.size());
+void add_contrasts(const Evidence& e, TensorFile& file) {
+  file.add(kContrast, {e.gaussians, e.objects}, e.contrast_lack);
+  std::uint8_t* at = file.tensors.back().bytes.data();
   for (std::size_t i = 0; i < std::size_t(e.gaussians); ++i)
-    for (std::size_t k = 0; k < std::size_t(e.objects); ++k) sum.push_back(e.contrast_sum(i, k));
-  return sum;
+    for (std::size_t k = 0; k < std::size_t(e.objects); ++k) {
+      const std::uint64_t sum = e.contrast_sum(i, k);
+      std::memcpy(at, &sum, sizeof sum);
+      at += sizeof sum;
+    }
 }
 
 /// Its inverse: lack = views - sum, as sum = views - lack.
@@ -63,7 +67,7 @@ void write_evidence(const std::string& path, const EvidencePart& part, StoredPat
   TensorFile file;
   for_each_array(part.evidence, [&](const std::string& name, const auto& values,
                                     const std::vector<std::int64_t>& shape) { file.add(name, shape, values); });
-  file.add(kContrast, {part.evidence.gaussians, part.evidence.objects}, contrasts(part.evidence));
+  add_contrasts(part.evidence, file);
   file.metadata["ngs:schema"] = "ngs.evidence.1";
   file.metadata["model"] = part.model_hash;
   file.metadata["scene"] = path_to_folder(stored_folder(path, stored), part.scene_path);
