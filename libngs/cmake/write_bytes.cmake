@@ -1,6 +1,7 @@
-# Writes files as a C++ source: -DOUT=x.cpp -DFOLDER=... -DNAMES=a,b -DHEADER=h (declares what is defined).
+# Writes files as a C++ source: -DOUT=x.cpp -DFOLDER=... -DNAMES=a,b -DHEADER=h (declares what is defined)
+# -DNAMESPACE=a::b.
 string(REPLACE "," ";" names "${NAMES}")
-set(text "#include \"${HEADER}\"\n\nnamespace ngs::studio {\nnamespace {\n")
+set(text "#include \"${HEADER}\"\n\nnamespace ${NAMESPACE} {\nnamespace {\n")
 set(entries "")
 set(index 0)
 foreach(name ${names})
@@ -11,5 +12,5 @@ foreach(name ${names})
   math(EXPR index "${index} + 1")
 endforeach()
 string(APPEND text "}  // namespace\n\nconst std::vector<PageFile>& page_files() {\n")
-string(APPEND text "  static const std::vector<PageFile> files = {\n${entries}  };\n  return files;\n}\n}  // namespace ngs::studio\n")
+string(APPEND text "  static const std::vector<PageFile> files = {\n${entries}  };\n  return files;\n}\n}  // namespace ${NAMESPACE}\n")
 file(WRITE ${OUT} "${text}")

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <filesystem>
 
-#include "html.h"
 #include "ngs/core/error.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/stages/eval/error_atlas.h"
 #include "ngs/stages/render/render_options.h"
 #include "planes.h"
+#include "shared/page/html.h"
 
 namespace ngs::cli {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "html.h"
+#include "shared/page/html.h"
 
 namespace ngs::cli {
 namespace {

@@ -1,13 +1,14 @@
 // ngs-report: the folders of runs, or of a sweep -> one self-contained HTML page.
 #include <map>
 
-#include "html.h"
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
 #include "page.h"
 #include "run_figures.h"
 #include "shared/cli/dispatch.h"
+#include "shared/page/html.h"
 #include "shared/tool.h"
+#include "viewer.h"
 #include "work_precision.h"
 
 namespace {
@@ -37,22 +38,34 @@ int runs_command(int argc, char** argv) {
   cli::Tool tool("ngs-report", "Show runs on one self-contained page: scores, contours, decisions, times, inputs.",
                  {"ngs-report out -o report.html", "ngs-report out/fern out/flower -o report.html"});
   ReportOptions options;
+  cli::ViewerOptions viewer_options;
   tool.options(options);
+  tool.options(viewer_options);
   const cli::Inputs& folders = tool.inputs("runs", "output folders of pipelines/ngs-gs.sh");
   const cli::Output& out = tool.output("-o,--output", "HTML page");
   const cli::Output& atlas = tool.optional_output_dir(
       "--atlas", "pictures of the wrong pixels by cause, one PNG per scored view of a single run");
+  const cli::Output& viewer = tool.optional_output(
+      "--viewer", "HTML page on which the object of a single run can be turned, linked from the page");
   return tool.run(argc, argv, [&](cli::Run& run) {
-    if (atlas && folders.paths.size() > 1)
-      throw Error(ErrorCode::kUsage,
-                  "--atlas: " + std::to_string(folders.paths.size()) + " runs, expected a single one",
-                  "make a page of the run alone for it");
+    for (const cli::Output* output : {&atlas, &viewer})
+      if (*output && folders.paths.size() > 1)
+        throw Error(ErrorCode::kUsage,
+                    output->flags + ": " + std::to_string(folders.paths.size()) + " runs, expected a single one",
+                    "make a page of the run alone for it");
+    if (!viewer) run.warn_unused({"--viewer-gaussians"}, "but by --viewer");
     std::vector<cli::RunFolder> runs;
     for (const std::string& path : folders.paths) runs.push_back(cli::read_run_folder(path));
     tell_apart(runs);
     run.result()["runs"] = runs.size();
     if (run.dry_run()) return 0;
-    const std::string page = cli::report_page(run.exec(), runs, options, atlas.path);
+    if (viewer) {
+      const cli::ViewerPage object = cli::viewer_page(runs.front(), viewer_options);
+      io::write_file(viewer.path, object.html);
+      run.result()["viewer"] = {{"gaussians", object.shown}, {"left_out", object.left_out}};
+    }
+    const cli::BesidePage beside{atlas.path, viewer ? cli::address_from(out.path, viewer.path) : std::string()};
+    const std::string page = cli::report_page(run.exec(), runs, options, beside);
     io::write_file(out.path, page);
     for (const cli::RunFolder& folder : runs) {
       for (const std::string& problem : folder.problems) run.monitor().warn(problem);

@@ -5,44 +5,42 @@
 #include <cmath>
 #include <filesystem>
 
-#include "html.h"
 #include "ngs/core/error.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/ops/image/image_bytes.h"
 #include "ngs/scene/mask_threshold.h"
 #include "ngs/stages/render/render_options.h"
 #include "planes.h"
+#include "shared/page/html.h"
+#include "shared/page/outlined_picture.h"
 
 namespace ngs::cli {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr int kFlipWidthPx = 560, kSidePx = 360;
+constexpr int kFlipWidthPx = 800, kSidePx = 360;
 using Colour = std::array<double, 3>;
-constexpr Colour kPaper{0.93, 0.92, 0.9}, kOrange{1, 0.42, 0.17}, kGrey{0.55, 0.58, 0.62};
-
-ImageU8 bytes_of(const ImageF& image) {
-  ImageU8 out(image.width_px, image.height_px, 3);
-  for (std::size_t i = 0; i < out.data.size(); ++i)
-    out.data[i] = std::uint8_t(std::lround(255 * std::clamp(double(image.data[i]), 0.0, 1.0)));
-  return out;
-}
+constexpr Vec3<float> kPaperBehind{0.93f, 0.92f, 0.9f};
+constexpr Colour kPaper{kPaperBehind.x, kPaperBehind.y, kPaperBehind.z}, kOrange{1, 0.42, 0.17},
+    kGrey{0.55, 0.58, 0.62};
 
 std::string image_html(const char* state, const ImageF& image, const std::string& alt) {
   return "<img alt=\"" + escaped(alt) + "\" class=" + state + " width=" + std::to_string(image.width_px) +
-         " height=" + std::to_string(image.height_px) + " src=\"data:image/jpeg;base64," +
-         base64(io::encode_jpeg(bytes_of(image), 85)) + "\">";
+         " height=" + std::to_string(image.height_px) + " src=\"" + jpeg_source(to_bytes(image), 85) + "\">";
 }
 
 struct Flip {
   ImageF before, after;
   std::string view, before_name, after_name;
+  bool opens_after = false;  // the page opens on `after`
 };
 
 std::string flip_html(const Flip& flip) {
   const std::string start = "View " + flip.view + ": ";
-  return "<figure class=flip><label><input type=checkbox aria-label=\"Show " + escaped(flip.after_name) +
-         "\"><span class=stack>" + image_html("before", flip.before, start + flip.before_name) +
+  return std::string("<figure class=flip><label><input type=checkbox") + (flip.opens_after ? " checked" : "") +
+         " aria-label=\"Show " + escaped(flip.after_name) + "\"><span class=stack>" +
+         image_html("before", flip.before, start + flip.before_name) +
          image_html("after", flip.after, start + flip.after_name) + "</span></label><figcaption><b>" +
          escaped(flip.view) + "</b> " + escaped(flip.before_name) + " ⇄ " + escaped(flip.after_name) +
          "</figcaption></figure>\n";
@@ -61,24 +59,22 @@ ImageF painted(ImageF photo, const Plane& mask, bool paint_object, const Colour&
   return photo;
 }
 
-/// The view in the middle of the scored ones that can be shown; null if none can.
-const ShownView* median_view(const RunFolder& run) {
-  std::vector<const ShownView*> able;
-  for (const ShownView& view : run.views)
-    if (!view.photo.empty() && !view.predicted.empty()) able.push_back(&view);
-  return able.empty() ? nullptr : able[able.size() / 2];
-}
+struct SplatPicture {
+  const char* file;
+  Vec3<float> behind;
+  int width_px, height_px;
+};
 
-/// background.ply from the camera of the view, over the scene's background, on grey where that is not known.
-ImageF background_picture(const Exec& exec, const RunFolder& run, const ShownView& view, int width_px, int height_px) {
-  const fs::path path = fs::path(run.path) / "background.ply";
+/// A splat of the run's folder from the camera of the view, over a colour; empty where there is none.
+ImageF splat_picture(const Exec& exec, const RunFolder& run, const ShownView& view, const SplatPicture& wanted) {
+  const fs::path path = fs::path(run.path) / wanted.file;
   if (!view.scene_view || !fs::is_regular_file(path)) return {};
   const Camera& camera = run.scene->views[*view.scene_view].camera;
   const io::GaussianPly ply = io::read_gaussian_ply(path.string());
   RenderRequest request;
-  request.background = run.scene->background ? background_of(*run.scene) : Vec3<float>{0.5f, 0.5f, 0.5f};
-  const double scale = double(width_px) / camera.width_px;
-  return render(exec, ply.cloud, ngs::resized(camera, width_px, height_px),
+  request.background = wanted.behind;
+  const double scale = double(wanted.width_px) / camera.width_px;
+  return render(exec, ply.cloud, ngs::resized(camera, wanted.width_px, wanted.height_px),
                 filter_at_scale(splat_options({}, ply.cloud, *run.scene), scale), request)
       .colour;
 }
@@ -94,13 +90,19 @@ std::vector<Flip> flips_of(const Exec& exec, const RunFolder& run, const ShownVi
   const Plane result = plane(view.predicted, view.predicted_id);
   const bool several = !view.object.empty();
   const std::string object = several ? view.object : "the object";
-  std::vector<Flip> flips{{photo, painted(photo, result, false, kPaper, 1), view.view, "the photo", object + " alone"}};
-  if (ImageF left = background_picture(exec, run, view, width, height); !left.empty())
+  std::vector<Flip> flips;
+  ImageF cut = splat_picture(exec, run, view, {"object.ply", kPaperBehind, width, height});
+  const bool is_splat = !cut.empty();
+  if (!is_splat) cut = painted(photo, result, false, kPaper, 1);
+  const std::string name = !is_splat ? object + " alone" : several ? "the objects, cut out" : "the object, cut out";
+  flips.push_back({photo, std::move(cut), view.view, "the photo", name, true});
+  const auto behind = run.scene && run.scene->background ? background_of(*run.scene) : Vec3<float>{0.5f, 0.5f, 0.5f};
+  if (ImageF left = splat_picture(exec, run, view, {"background.ply", behind, width, height}); !left.empty())
     flips.push_back({photo, std::move(left), view.view, "the photo",
-                     several ? "the splat without all objects" : "the splat without the object"});
+                     several ? "the splat without all objects" : "the splat without the object", false});
   if (const Plane input = plane(view.input, view.input_id); !input.empty())
     flips.push_back({painted(photo, input, true, {1, 1, 1}, 0.55), painted(photo, result, true, kOrange, 0.55),
-                     view.view, several ? "the input mask of " + object : "the input mask", "the result"});
+                     view.view, several ? "the input mask of " + object : "the input mask", "the result", false});
   return flips;
 }
 
@@ -160,7 +162,14 @@ std::array<std::array<double, 2>, 3> range_of(const io::GaussianPly& ply, const 
 
 }  // namespace
 
-std::string overview_section(const Exec& exec, RunFolder& run, Pictures& pictures) {
+const ShownView* median_view(const RunFolder& run) {
+  std::vector<const ShownView*> able;
+  for (const ShownView& view : run.views)
+    if (!view.photo.empty() && !view.predicted.empty()) able.push_back(&view);
+  return able.empty() ? nullptr : able[able.size() / 2];
+}
+
+std::string overview_section(const Exec& exec, RunFolder& run, Pictures& pictures, const std::string& viewer) {
   const ShownView* view = median_view(run);
   if (view == nullptr) return {};
   std::string html;
@@ -175,9 +184,9 @@ std::string overview_section(const Exec& exec, RunFolder& run, Pictures& picture
   if (html.empty()) return html;
   const char* which =
       view->scores.is_null() ? "A view from the middle of the list." : "The view with the median boundary IoU.";
-  return section("overview", "Before and after",
-                 std::string("<p class=note>Click or tap a picture to flip it. ") + which +
-                     "</p><div class=\"sheet wide\">" + html + "</div>");
+  return "<section id=\"overview\"><div class=\"sheet opening\">" + html +
+         "</div><p class=note><span class=screen>Click or tap a picture to flip it. </span>" + which +
+         (viewer.empty() ? "" : " <a href=\"" + viewer + "\">Turn the object in 3D</a>") + "</p></section>\n";
 }
 
 std::string boundary_section(RunFolder& run, Pictures& pictures) {

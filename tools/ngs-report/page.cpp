@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 
 #include "atlas.h"
 #include "charts.h"
-#include "html.h"
-#include "ngs/core/version.h"
 #include "ngs/ops/image/metrics.h"
 #include "overview.h"
 #include "run_figures.h"
 #include "sections.h"
-#include "style.h"
+#include "shared/page/html.h"
+#include "shared/page/mask_sheet.h"
 
 namespace ngs::cli {
 namespace {
@@ -22,7 +22,7 @@ std::string comparison(const std::vector<RunFolder>& runs) {
   for (std::string_view name : kScoreNames) table.head.emplace_back(score_title(name));
   PlotSeries dots{.name = {}, .points = {}, .line = false};
   for (const RunFolder& run : runs) {
-    std::vector<std::string> row{escaped(run.title), escaped(method_of(run)), duration(run_seconds(run))};
+    std::vector<std::string> row{escaped(run.title), escaped(method_title(run)), duration(run_seconds(run))};
     for (std::string_view name : kScoreNames) row.push_back(decimal(number_at(run.metrics, {"mean", name}), 4));
     table.rows.push_back(std::move(row));
     dots.points.push_back({run_seconds(run), number_at(run.metrics, {"mean", "biou"}), run.title});
@@ -37,13 +37,23 @@ std::string comparison(const std::vector<RunFolder>& runs) {
   return section("comparison", "Comparison", table.html() + plot);
 }
 
-std::string run_html(const Exec& exec, RunFolder& run, Pictures& pictures, const std::string& atlas) {
+std::string run_html(const Exec& exec, RunFolder& run, Pictures& pictures, const BesidePage& beside) {
   const std::string views = views_section(run, pictures);  // first: it may find problems
-  const std::string errors = errors_section(exec, run, pictures, atlas);
-  const std::string overview = overview_section(exec, run, pictures), boundary = boundary_section(run, pictures);
-  return tiles(run) + overview + oddities_section(run) + accuracy_section(run) + views + errors + boundary +
+  const std::string errors = errors_section(exec, run, pictures, beside.atlas);
+  const std::string overview = overview_section(exec, run, pictures, beside.viewer);
+  const std::string boundary = boundary_section(run, pictures);
+  const std::string given = given_section(run, pictures);  // with what room is left
+  return overview + tiles(run) + oddities_section(run) + accuracy_section(run) + views + errors + boundary + given +
          objects_section(run) + decisions_section(run) + times_section(run) + trace_section(run) + inputs_section(run) +
          repeat_section(run) + tools_section(run);
+}
+
+/// "2 objects cut out of a 3D Gaussian splat by METHOD.": HTML.
+std::string what_was_made(const RunFolder& run) {
+  const std::size_t objects = run.scene ? run.scene->objects.size() : 1;
+  const std::string method = method_title(run);
+  return (objects > 1 ? whole(std::int64_t(objects)) + " objects" : std::string("Object")) +
+         " cut out of a 3D Gaussian splat" + (method == "–" ? "" : " by " + escaped(method)) + ".";
 }
 
 /// The sections of several runs must not share their ids.
@@ -55,6 +65,20 @@ std::string with_prefix(std::string html, const std::string& prefix) {
 }
 
 }  // namespace
+
+std::string address_from(const std::string& page, const std::string& to) {
+  namespace fs = std::filesystem;
+  const std::string path = fs::absolute(to).lexically_relative(fs::absolute(page).parent_path()).generic_string();
+  std::string address = "./";  // else a name could be read as a scheme
+  for (const char c : path) {
+    char code[8];
+    std::snprintf(code, sizeof code, "%%%02X", unsigned(static_cast<unsigned char>(c)));
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                       std::string_view("/._~-").find(c) != std::string_view::npos;
+    address += plain ? std::string(1, c) : std::string(code);
+  }
+  return address;
+}
 
 std::string means_table(const std::vector<RunFolder>& runs) {
   char line[160];
@@ -82,22 +106,23 @@ Json means_json(const std::vector<RunFolder>& runs) {
 }
 
 std::string report_page(const Exec& exec, std::vector<RunFolder>& runs, const PictureOptions& options,
-                        const std::string& atlas) {
+                        const BesidePage& beside) {
   Pictures pictures(options);
   std::string title = runs.size() == 1 ? runs[0].title : std::to_string(runs.size()) + " runs";
   std::string body;
   if (runs.size() > 1) body += comparison(runs);
-  if (runs.size() == 1) body += run_html(exec, runs[0], pictures, atlas);
+  if (runs.size() == 1) body += run_html(exec, runs[0], pictures, beside);
   for (std::size_t i = 0; runs.size() > 1 && i < runs.size(); ++i)
     body += "<details class=run><summary><b>" + escaped(runs[i].title) + "</b></summary>" +
             with_prefix(run_html(exec, runs[i], pictures, {}), "run" + std::to_string(i + 1) + "-") + "</details>\n";
-  return "<!doctype html>\n<html lang=en><head><meta charset=utf-8><meta name=viewport "
-         "content=\"width=device-width,initial-scale=1\"><title>" +
-         escaped(title) + " – ngs report</title><style>" + kStyle + "</style></head>\n<body><header><h1>" +
-         escaped(title) +
-         "</h1><p class=note>Object cut out of a 3D Gaussian splat. This page needs neither network nor "
-         "scripts.</p></header>\n<main>" +
-         body + "</main>\n<footer>ngs " + kVersion + "</footer></body></html>\n";
+  const std::string scene = runs.size() == 1 && runs[0].scene ? scene_title(*runs[0].scene) : "";
+  const bool named = !scene.empty() && scene != title;
+  const std::string note =
+      runs.size() > 1 ? "Objects cut out of 3D Gaussian splats."
+                      : (named ? "Run <b>" + escaped(title) + "</b>. " : std::string()) + what_was_made(runs[0]);
+  return page_start(title + (named ? " – " + scene : "") + " – ngs report", named ? scene : title,
+                    note + " This page needs neither network nor scripts.") +
+         body + page_end();
 }
 
 }  // namespace ngs::cli

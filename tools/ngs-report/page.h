@@ -9,10 +9,18 @@
 
 namespace ngs::cli {
 
-/// One section per run; several runs are compared first. Problems found on the way are added to the runs. `atlas`:
-/// folder for the error pictures of a single run, or empty.
+/// What a single run has beside its page.
+struct BesidePage {
+  std::string atlas;   // folder for its error pictures, or empty
+  std::string viewer;  // where its object can be turned, as an address relative to the page, or empty
+};
+
+/// `to` as an address on a page at `page`, for HTML.
+std::string address_from(const std::string& page, const std::string& to);
+
+/// One section per run; several runs are compared first. Problems found on the way are added to the runs.
 std::string report_page(const Exec& exec, std::vector<RunFolder>& runs, const PictureOptions& options,
-                        const std::string& atlas);
+                        const BesidePage& beside);
 
 /// The comparison of the runs for people and for scripts.
 std::string means_table(const std::vector<RunFolder>& runs);

@@ -3,18 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
-#include "html.h"
 #include "ngs/core/error.h"
 #include "ngs/io/image/image_file.h"
-#include "ngs/ops/image/outline.h"
+#include "ngs/ops/image/image_bytes.h"
 #include "planes.h"
+#include "shared/page/html.h"
+#include "shared/page/mask_sheet.h"
+#include "shared/page/outlined_picture.h"
 
 namespace ngs::cli {
 namespace {
 
-struct Window {
-  int x = 0, y = 0, width_px = 0, height_px = 0;
-};
+constexpr int kGivenWidthPx = 180;  // of the given masks, which are many
 
 Plane cropped(const Plane& plane, Window w) {
   Plane out{w.width_px, w.height_px, {}, {}};
@@ -27,49 +27,18 @@ Plane cropped(const Plane& plane, Window w) {
   return out;
 }
 
-std::string path_data(const Plane& plane) {
-  std::string d;
-  for (const Loop& loop : outlines(plane.view())) {
-    GridPoint at = loop.back();
-    d += "M" + std::to_string(at.x) + " " + std::to_string(at.y);
-    for (std::size_t i = 0; i + 1 < loop.size(); ++i) {
-      const GridPoint next = loop[i];
-      d += next.y == at.y ? "h" + std::to_string(next.x - at.x) : "v" + std::to_string(next.y - at.y);
-      at = next;
-    }
-    d += "z";
-  }
-  return d;
-}
-
-std::string outline_html(const char* kind, const Plane& plane) {
-  if (plane.empty()) return {};
-  const std::string d = path_data(plane);
-  return std::string("<g class=") + kind + "><path class=casing d=\"" + d + "\"/><path d=\"" + d + "\"/></g>";
-}
-
 struct Layers {
   Plane input, truth, predicted;
 };
 
-/// A picture with outlines; the outlines' unit is the pixel of `view_box`.
-std::string stack_html(const ImageU8& picture, const Layers& layers, Window view_box, const std::string& alt) {
-  const std::vector<std::uint8_t> jpeg = io::encode_jpeg(picture, picture.width_px < 200 ? 92 : 82);
-  std::string html = "<div class=stack><img alt=\"" + escaped(alt) + "\" width=" + std::to_string(picture.width_px) +
-                     " height=" + std::to_string(picture.height_px) + " src=\"data:image/jpeg;base64," + base64(jpeg) +
-                     "\">";
-  html += "<svg aria-hidden=true viewBox=\"" + std::to_string(view_box.x) + " " + std::to_string(view_box.y) + " " +
-          std::to_string(view_box.width_px) + " " + std::to_string(view_box.height_px) + "\">";
-  html += outline_html("input", layers.input) + outline_html("truth", layers.truth) +
-          outline_html("predicted", layers.predicted);
-  return html + "</svg></div>";
-}
-
-ImageU8 to_bytes(const ImageF& image) {
-  ImageU8 out(image.width_px, image.height_px, image.channels);
-  for (std::size_t i = 0; i < out.data.size(); ++i)
-    out.data[i] = std::uint8_t(std::lround(255.0 * std::clamp(double(image.data[i]), 0.0, 1.0)));
-  return out;
+std::string picture_html(const ImageF& picture, const Layers& layers, Window view_box, const std::string& alt) {
+  const auto outline = [](const char* kind, const Plane& plane) {
+    return Outline{kind, plane.empty() ? MaskPlane{} : plane.view()};
+  };
+  return outlined_picture(
+      to_bytes(picture),
+      {outline("input", layers.input), outline("truth", layers.truth), outline("predicted", layers.predicted)},
+      view_box, alt);
 }
 
 /// The photo, or grey of the masks' size.
@@ -158,8 +127,8 @@ std::string sheet_figure(const ShownView& view, int width_px) {
   const std::string alt = "View " + name_of(view) + " with the outline of the predicted mask" +
                           (view.truth.empty() || view.truth_is_input ? "" : ", of the true mask") +
                           (view.input.empty() ? "" : ", of the input mask");
-  return "<figure>" + stack_html(to_bytes(resized(photo, w, h)), fitted(layers, w, h), {0, 0, w, h}, alt) +
-         "<figcaption>" + caption_of(view) + "</figcaption></figure>\n";
+  return "<figure>" + picture_html(resized(photo, w, h), fitted(layers, w, h), {0, 0, w, h}, alt) + "<figcaption>" +
+         caption_of(view) + "</figcaption></figure>\n";
 }
 
 std::string crop_figure(const ShownView& view, int side_px) {
@@ -176,7 +145,7 @@ std::string crop_figure(const ShownView& view, int side_px) {
   const std::string alt = "Crop of view " + name_of(view) + " at pixel " + place + " where prediction and " +
                           (view.truth_is_input ? "input mask" : "truth") + " differ most";
   return "<figure class=crop>" +
-         stack_html(to_bytes(crop_of(photo, window)), parts, {1, 1, window.width_px, window.height_px}, alt) +
+         picture_html(crop_of(photo, window), parts, {1, 1, window.width_px, window.height_px}, alt) +
          "<figcaption><b>" + escaped(name_of(view)) + "</b> " + std::to_string(window.width_px) + "×" +
          std::to_string(window.height_px) + " px at (" + place + ")</figcaption></figure>\n";
 }
@@ -207,6 +176,15 @@ std::string Pictures::sheet(RunFolder& run) {
     html += "<p class=note>" + whole(std::int64_t(run.views.size() - shown)) +
             " better views are not shown, to keep the page small.</p>";
   return html;
+}
+
+std::string Pictures::given_masks(RunFolder& run) {
+  if (!run.scene) return {};
+  const double left_mib = options_.budget_mib - double(spent_bytes_) / 1048576.0;
+  const MaskSheet sheet = mask_sheet(*run.scene, {kGivenWidthPx, std::max(0.0, left_mib)});
+  run.problems.insert(run.problems.end(), sheet.problems.begin(), sheet.problems.end());
+  spent_bytes_ += sheet.html.size();
+  return sheet.html;
 }
 
 std::string Pictures::crops(RunFolder& run) {

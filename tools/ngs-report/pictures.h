@@ -8,7 +8,6 @@ namespace ngs::cli {
 
 struct PictureOptions {
   int sheet_width_px = 360, crop_side_px = 96;
-  int jpeg_quality = 82;
   double budget_mib = 4.2;  // of picture bytes for the whole page
   int zoomed_views = 4;
 };
@@ -22,6 +21,8 @@ class Pictures {
   /// added to `run.problems`.
   std::string sheet(RunFolder& run);
   std::string crops(RunFolder& run);
+  /// What was given: the mask of each view over its photo, as far as there is room left.
+  std::string given_masks(RunFolder& run);
 
   /// False where the page has no room for so many bytes.
   bool spend(std::size_t bytes);

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "html.h"
+#include "shared/page/html.h"
 
 namespace ngs::cli {
 
@@ -21,6 +21,23 @@ double run_seconds(const RunFolder& run) {
 std::string method_of(const RunFolder& run) {
   const Json& method = value_at(run.report("ngs-joint"), {"options", "method"});
   return method.is_string() && !method.get<std::string>().empty() ? method.get<std::string>() : "–";
+}
+
+std::string method_title(const RunFolder& run) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kTitles = {
+      {{"ngs", "NGS"},
+       {"paper", "NGS"},
+       {"ng-gs", "NG-GS"},
+       {"flash", "FlashSplat"},
+       {"cob", "COB-GS"},
+       {"sa3d", "SA3D-GS"},
+       {"saga", "SAGA"},
+       {"released", "published NG-GS code"},
+       {"bce", "cross-entropy of masks"}}};
+  const std::string name = method_of(run);
+  for (const auto& [key, title] : kTitles)
+    if (key == name) return std::string(title);
+  return name;
 }
 
 std::string score_title(std::string_view name) {

@@ -12,6 +12,8 @@ namespace ngs::cli {
 double run_seconds(const RunFolder& run);
 /// As the report of ngs-joint says; an en dash where there is none.
 std::string method_of(const RunFolder& run);
+/// What people call it: "COB-GS".
+std::string method_title(const RunFolder& run);
 
 std::string score_title(std::string_view name);  // "biou" -> "B-IoU 2&nbsp;%", HTML
 /// Over the runs that have the score; NaN if none has.

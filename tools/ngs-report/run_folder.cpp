@@ -7,12 +7,12 @@
 #include <map>
 #include <sstream>
 
-#include "html.h"
 #include "ngs/core/error.h"
 #include "ngs/io/files/match_names.h"
 #include "ngs/io/image/masks.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/scene/view_names.h"
+#include "shared/page/html.h"
 
 namespace ngs::cli {
 namespace {

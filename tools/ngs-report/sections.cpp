@@ -5,9 +5,9 @@
 #include <set>
 
 #include "charts.h"
-#include "html.h"
 #include "ngs/ops/image/metrics.h"
 #include "run_figures.h"
+#include "shared/page/html.h"
 
 namespace ngs::cli {
 namespace {
@@ -94,7 +94,12 @@ std::string tiles(const RunFolder& run) {
       add_tile(html, name, decimal(number_at(run.metrics, {"mean", score}), 3), beside_input(run, score));
   if (const double psnr = number_at(run.metrics, {"mean", "psnr_db"}); std::isfinite(psnr))
     add_tile(html, "PSNR", decimal(psnr, 2) + " dB", "SSIM " + decimal(number_at(run.metrics, {"mean", "ssim"}), 3));
-  if (!run.report("ngs-joint").is_null()) add_tile(html, "method", escaped(method_of(run)));
+  if (!run.report("ngs-joint").is_null()) {
+    const Json& quality = value_at(run.report("ngs-joint"), {"options", "quality"});
+    const std::string name = "--method " + escaped(method_of(run));
+    add_tile(html, "method", escaped(method_title(run)),
+             quality.is_string() ? name + ", --quality " + escaped(quality.get<std::string>()) : name);
+  }
   if (run_seconds(run) > 0) add_tile(html, "time", duration(run_seconds(run)), "whole chain without scoring");
   if (run.scene) {
     const auto held_out = std::count_if(run.scene->views.begin(), run.scene->views.end(),
@@ -136,7 +141,7 @@ std::string accuracy_section(const RunFolder& run) {
   if (!run.metrics_input.is_null())
     table.rows.push_back(score_row("input masks, same views", value_at(run.metrics_input, {"mean"})));
   table.rows.push_back(
-      score_row(run.report("ngs-joint").is_null() ? "predicted masks" : escaped(method_of(run)) + ", rendered",
+      score_row(run.report("ngs-joint").is_null() ? "predicted masks" : escaped(method_title(run)) + ", rendered",
                 value_at(run.metrics, {"mean"})));
   std::string html = table.html();
   Table checks{.caption = "Requested checks", .head = {"score", "at least", "found", "result"}, .rows = {}};
@@ -256,6 +261,16 @@ std::string trace_section(const RunFolder& run) {
                     .y_label = "gap",
                     .series = {series("gap", {"gap"})}});
   return html.empty() ? html : section("trace", "Optimisation", "<div class=charts>" + html + "</div>");
+}
+
+std::string given_section(RunFolder& run, Pictures& pictures) {
+  const std::string sheet = pictures.given_masks(run);
+  if (sheet.empty()) return {};
+  return section(
+      "given", "Given masks",
+      "<p class=note>What the tools were given: outside of the masks the photos are dark, what is unknown is "
+      "grey.</p>" +
+          sheet);
 }
 
 std::string inputs_section(const RunFolder& run) {

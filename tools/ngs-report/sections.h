@@ -17,6 +17,8 @@ std::string objects_section(const RunFolder& run);
 std::string decisions_section(const RunFolder& run);
 std::string times_section(const RunFolder& run);
 std::string trace_section(const RunFolder& run);
+/// Contact sheet of the given masks over their photos. Empty where no view has any.
+std::string given_section(RunFolder& run, Pictures& pictures);
 std::string inputs_section(const RunFolder& run);
 std::string tools_section(const RunFolder& run);
 

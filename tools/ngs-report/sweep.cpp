@@ -7,8 +7,8 @@
 #include <limits>
 #include <sstream>
 
-#include "html.h"
 #include "ngs/core/error.h"
+#include "shared/page/html.h"
 #include "shared/text/text_file.h"
 
 namespace ngs::cli {

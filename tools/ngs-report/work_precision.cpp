@@ -6,14 +6,12 @@
 #include <map>
 
 #include "charts.h"
-#include "html.h"
 #include "ngs/core/error.h"
-#include "ngs/core/version.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/ops/image/metrics.h"
 #include "ngs/options/near_matches.h"
+#include "shared/page/html.h"
 #include "shared/tool.h"
-#include "style.h"
 
 namespace ngs::cli {
 namespace {
@@ -225,16 +223,10 @@ struct WorkPrecisionOptions {
 }  // namespace
 
 std::string sweep_page(const Sweep& sweep, const SweepView& view, const std::string& title) {
-  return "<!doctype html>\n<html lang=en><head><meta charset=utf-8><meta name=viewport "
-         "content=\"width=device-width,initial-scale=1\"><title>" +
-         escaped(title) + " – ngs report</title><style>" + kStyle + "</style></head>\n<body><header><h1>" +
-         escaped(title) +
-         "</h1><p class=note>Accuracy: views whose masks no stage has seen. This page needs neither network "
-         "nor "
-         "scripts.</p></header>\n<main>" +
+  return page_start(title + " – ngs report", title,
+                    "Accuracy: views whose masks no stage has seen. This page needs neither network nor scripts.") +
          frontier_section(sweep, view) + knobs_section(sweep, view) + equal_section(sweep, view) +
-         anytime_section(sweep) + numerical_section(sweep) + once_section(sweep) + points_section(sweep) +
-         "</main>\n<footer>ngs " + kVersion + "</footer></body></html>\n";
+         anytime_section(sweep) + numerical_section(sweep) + once_section(sweep) + points_section(sweep) + page_end();
 }
 
 Json sweep_json(const Sweep& sweep, const SweepView& view) {

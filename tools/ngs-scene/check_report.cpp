@@ -78,7 +78,7 @@ Json health_json(const CloudHealth& health) {
 }
 
 std::string check_table(const Scene& scene, const SceneCheck& check) {
-  constexpr std::size_t kMostRows = 60;
+  constexpr std::size_t kMostRows = 12;
   const bool shortened = scene.views.size() > kMostRows;
   std::string text = "view                  split      in front  inside    PSNR dB  fit dB   coverage\n";
   for (std::size_t i = 0; i < scene.views.size(); ++i)

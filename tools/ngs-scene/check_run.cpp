@@ -3,12 +3,16 @@
 #include <algorithm>
 
 #include "check_report.h"
+#include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/regular_file.h"
 #include "ngs/io/image/masks.h"
 #include "ngs/io/image/photo.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/scene/filter_probe.h"
 #include "ngs/stages/scene/view_align.h"
+#include "shared/page/mask_sheet.h"
+#include "shared/scene/scene_model.h"
+#include "shared/tool.h"
 
 namespace ngs::capture {
 namespace {
@@ -42,6 +46,16 @@ Model read_model(cli::Run& run, const Scene& scene, std::vector<std::string>& no
                     " Gaussians are not finite or absurdly large and take no part");
   run.result()["model"] = health_json(model.health);
   return model;
+}
+
+/// The given masks over their photos as a page. Its pictures that cannot be read are warned of.
+void write_sheet(cli::Run& run, const Scene& scene, const std::string& path) {
+  const auto timed = run.monitor().scope("sheet");
+  const cli::MaskSheet sheet = cli::mask_sheet(scene, {});
+  for (const std::string& problem : sheet.problems) run.monitor().warn(problem);
+  io::write_file(path, cli::mask_sheet_page(scene, sheet));
+  run.result()["sheet"] = {
+      {"shown", sheet.shown}, {"left_out", sheet.left_out}, {"without_mask", sheet.without.size()}};
 }
 
 }  // namespace
@@ -134,6 +148,29 @@ void SceneChecks::find_background() {
                                  {"error", triple(found.error)},      {"shown", found.shown},
                                  {"gain_db", found.gain_db},          {"views", found.views}};
   if (found.colour) run_.info("the photos show a background of " + background_text(background_of(scene_)));
+}
+
+int check_command(int argc, char** argv) {
+  cli::Tool tool("ngs-scene check", "Check that cameras, model, photos and masks of a scene belong together.",
+                 {"ngs-scene check scene.json --sheet masks.html",
+                  "ngs-scene check scene.json --check-views 100000 --report check.json"});
+  SceneCheckOptions checks;
+  tool.options(checks);
+  const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene import");
+  const cli::Output& sheet =
+      tool.optional_output("--sheet", "HTML page with every given mask over its photo, to look at before a run");
+
+  return tool.run(argc, argv, [&](cli::Run& run) {
+    Scene scene = cli::read_scene(run, scene_json.path);
+    run.result()["views"] = scene.views.size();
+    if (run.dry_run()) {
+      run.plan({{"views", scene.views.size()}, {"compared_views", checks.check_views}});
+      return cli::kDone;
+    }
+    SceneChecks(run, checks, scene, {}).check();
+    if (sheet) write_sheet(run, scene, sheet.path);
+    return cli::kDone;
+  });
 }
 
 }  // namespace ngs::capture

@@ -51,4 +51,6 @@ class SceneChecks {
   std::vector<BackgroundWitness> witnesses_;
 };
 
+int check_command(int argc, char** argv);
+
 }  // namespace ngs::capture

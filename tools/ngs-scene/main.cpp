@@ -79,25 +79,6 @@ int import_command(int argc, char** argv) {
   });
 }
 
-int check_command(int argc, char** argv) {
-  cli::Tool tool("ngs-scene check", "Check that cameras, model, photos and masks of a scene belong together.",
-                 {"ngs-scene check scene.json", "ngs-scene check scene.json --check-views 100000 --report check.json"});
-  SceneCheckOptions checks;
-  tool.options(checks);
-  const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene import");
-
-  return tool.run(argc, argv, [&](cli::Run& run) {
-    Scene scene = cli::read_scene(run, scene_json.path);
-    run.result()["views"] = scene.views.size();
-    if (run.dry_run()) {
-      run.plan({{"views", scene.views.size()}, {"compared_views", checks.check_views}});
-      return cli::kDone;
-    }
-    capture::SceneChecks(run, checks, scene, {}).check();
-    return cli::kDone;
-  });
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -105,6 +86,6 @@ int main(int argc, char** argv) {
       argc, argv,
       {{"import", import_command, "cameras, photos, masks, model -> scene.json"},
        {"orbit", ngs::capture::orbit_command, "a model without photos -> cameras, renders, scene.json"},
-       {"check", check_command, "repeat the checks on a scene.json"},
+       {"check", ngs::capture::check_command, "repeat the checks on a scene.json"},
        {"degrade", ngs::capture::degrade_command, "good masks -> bad ones, in known amounts"}});
 }

@@ -39,4 +39,9 @@ const Json& value_at(const Json& json, std::initializer_list<std::string_view> k
 std::string section(const std::string& id, const std::string& title, const std::string& body);
 std::string details(const std::string& summary, const std::string& body);
 
+/// A whole page is page_start(), its body, page_end(): of the house's look, and nothing in it may be loaded or run.
+/// `title`, `heading`: no HTML yet; `note`: HTML.
+std::string page_start(const std::string& title, const std::string& heading, const std::string& note);
+std::string page_end();
+
 }  // namespace ngs::cli

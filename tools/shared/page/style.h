@@ -40,12 +40,19 @@ ul.odd li{margin:.25rem 0;overflow-wrap:anywhere}
 ul.odd b{color:var(--warn)}
 details{margin:.5rem 0}
 summary{cursor:pointer;color:var(--accent)}
+a{color:var(--accent)}
 details th,details td{overflow-wrap:anywhere}
 code{font:.88em ui-monospace,SFMono-Regular,Menlo,Consolas,monospace}
 .legend{display:flex;flex-wrap:wrap;gap:.3rem 1.4rem;margin:.2rem 0 1rem}
-.legend label{display:flex;align-items:center;gap:.4rem;cursor:pointer}
+.legend label,.legend span{display:flex;align-items:center;gap:.4rem}
+.legend label{cursor:pointer}
 .legend svg{width:2.4rem;height:1rem;background:#6b6f73;border-radius:2px}
 .sheet{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,17rem),1fr));gap:1.1rem}
+.small{grid-template-columns:repeat(auto-fill,minmax(min(45%,11rem),1fr))}
+.opening{grid-template-columns:repeat(3,1fr)}
+.opening figure:first-child{grid-column:1/3;grid-row:1/3}
+.sheet.opening{margin-top:1.4rem}
+@media (max-width:40rem){.opening{grid-template-columns:1fr}.opening figure:first-child{grid-column:auto;grid-row:auto}}
 .crops{grid-template-columns:repeat(auto-fill,minmax(min(45%,17rem),1fr))}
 .sheet .note{grid-column:1/-1}
 figure{margin:0}
@@ -68,6 +75,7 @@ pre{font:.85rem/1.6 ui-monospace,SFMono-Regular,Menlo,Consolas,monospace;white-s
 path.casing{stroke:#000!important;stroke-opacity:.45;stroke-width:3.6px!important;stroke-dasharray:none!important}
 .predicted path{stroke:#ff6a2b}
 .truth path{stroke:#22d3ff}
+.given path{stroke:#ff6a2b}
 .input path{stroke:#fff;stroke-dasharray:4 3}
 .views:has(.t-predicted:not(:checked)) .stack .predicted,.views:has(.t-truth:not(:checked)) .stack .truth,.views:has(.t-input:not(:checked)) .stack .input{display:none}
 .charts{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,22rem),1fr));gap:1.2rem}
@@ -83,7 +91,23 @@ svg.plot .series2 polyline{stroke:var(--soft)}
 svg.plot .series2 circle{fill:var(--soft);fill-opacity:.55}
 svg.plot .whisker{stroke:var(--soft);stroke-width:1.5}
 svg.plot g text{fill:var(--ink);paint-order:stroke;stroke:var(--ground);stroke-width:4px;stroke-linejoin:round}
-@media print{details{display:block}.legend input{display:none}}
+@media print{
+:root{color-scheme:light;--ground:#fff;--ink:#111;--soft:#444;--line:#bbb;--panel:#fff;--accent:#8a3414;--bar:#2d6290;--warn:#6d4700}
+body{font-size:10.5pt;print-color-adjust:exact;-webkit-print-color-adjust:exact}
+main,header,footer{max-width:none;padding:0}
+h2,h3,thead{break-after:avoid}
+figcaption{break-before:avoid}
+figure,tr,.tiles div{break-inside:avoid}
+.legend input,.screen,details:not([open]),section[id$=tools]{display:none}
+.opening figure{margin-bottom:.5rem}
+.scroll{overflow:visible}
+.sheet{grid-template-columns:repeat(3,1fr)}
+.sheet.small{grid-template-columns:repeat(5,1fr)}
+.sheet.opening{display:block}
+.opening figure:first-child{grid-column:auto;grid-row:auto}
+.flip .stack{display:grid;grid-template-columns:1fr 1fr;gap:.3rem;background:none}
+.flip .after{position:static;opacity:1}
+}
 )css";
 
 }  // namespace ngs::cli

@@ -1,8 +1,11 @@
-#include "html.h"
+#include "shared/page/html.h"
 
 #include <cmath>
 #include <cstdio>
 #include <limits>
+
+#include "ngs/core/version.h"
+#include "shared/page/style.h"
 
 namespace ngs::cli {
 namespace {
@@ -165,5 +168,15 @@ std::string section(const std::string& id, const std::string& title, const std::
 std::string details(const std::string& summary, const std::string& body) {
   return "<details><summary>" + summary + "</summary>" + body + "</details>\n";
 }
+
+std::string page_start(const std::string& title, const std::string& heading, const std::string& note) {
+  return "<!doctype html>\n<html lang=en><head><meta charset=utf-8><meta name=viewport "
+         "content=\"width=device-width,initial-scale=1\"><meta http-equiv=Content-Security-Policy "
+         "content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'\"><title>" +
+         escaped(title) + "</title><style>" + kStyle + "</style></head>\n<body><header><h1>" + escaped(heading) +
+         "</h1><p class=note>" + note + "</p></header>\n<main>";
+}
+
+std::string page_end() { return std::string("</main>\n<footer>ngs ") + kVersion + "</footer></body></html>\n"; }
 
 }  // namespace ngs::cli

@@ -1,0 +1,145 @@
+// The page of ngs-report --viewer: safe, complete, and the same picture as ngs-render's.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "ngs/io/image/image_file.h"
+#include "support/process.h"
+#include "support/skip.h"
+#include "support/temp_dir.h"
+#include "support/tiny_scene.h"
+
+namespace ngs {
+namespace {
+
+namespace fs = std::filesystem;
+
+test::ProcessResult run_in(const std::string& folder, std::vector<std::string> argv) {
+  if (argv[0].starts_with("ngs-")) argv[0] = std::string(NGS_TOOL_DIR "/") + argv[0];
+  return test::run_process({.argv = argv, .environment = {}, .folder = folder, .input = {}, .signal_after = {}});
+}
+
+void make(const std::string& folder, std::vector<std::string> argv) {
+  const test::ProcessResult result = run_in(folder, std::move(argv));
+  INFO(result.err);
+  REQUIRE(result.exit_code == 0);
+}
+
+/// A capture of the name `name` with its labelled model cut into object and background.
+std::string made_run(const test::TempDir& dir, const std::string& name) {
+  const std::string out = dir.path() + "/" + name;
+  fs::create_directories(out);
+  test::write_tiny_scene(out);
+  make(out, {"ngs-variance", "scene.json", "-o", "boundary.ply", "-q"});
+  make(out, {"ngs-joint", "scene.json", "boundary.ply", "--method", "flash", "-o", "labelled.ply", "-q"});
+  make(out, {"ngs-extract", "labelled.ply", "--object", "object.ply", "--background", "background.ply", "-q"});
+  return out;
+}
+
+TEST_CASE("the viewer is one file, escapes names, and nothing in it asks for another file") {
+  const test::TempDir dir;
+  const std::string out = made_run(dir, "a <script>alert(1)</script> & ' b");
+  make(out, {"ngs-report", ".", "-o", "report.html", "--viewer", "sub #1.html", "-q"});
+  const std::string viewer = test::read_bytes(out + "/sub #1.html"), page = test::read_bytes(out + "/report.html");
+  for (const char* outside : {"http:", "https:", "src=", "<link", "url(", "@import", "import(", "fetch("}) {
+    CAPTURE(outside);
+    CHECK(viewer.find(outside) == viewer.npos);
+  }
+  CHECK(viewer.find("default-src 'none'") != viewer.npos);
+  CHECK(viewer.find("<script>alert") == viewer.npos);
+  CHECK(viewer.find("script&gt;") != viewer.npos);
+  CHECK(page.find("<script") == page.npos);
+  CHECK(page.find("href=\"./sub%20%231.html\"") != page.npos);
+  make(out, {"ngs-report", ".", "-o", "again.html", "--viewer", "again-3d.html", "-q", "-j", "1"});
+  CHECK(test::read_bytes(out + "/again-3d.html") == viewer);
+
+  SUBCASE("it holds as many Gaussians as it is allowed, and says how many it leaves out") {
+    make(out, {"ngs-report", ".", "-o", "few.html", "--viewer", "few-3d.html", "--viewer-gaussians", "3", "-q"});
+    const std::string few = test::read_bytes(out + "/few-3d.html");
+    const std::size_t from = few.find("id=splats>") + 10;
+    CHECK(few.find("</script>", from) - from == 128);  // 96 bytes
+    CHECK(few.find("3 Gaussians, ") != few.npos);
+    CHECK(viewer.find("left out") == viewer.npos);
+  }
+  SUBCASE("a run without an object is told what makes one") {
+    fs::remove(out + "/object.ply");
+    const test::ProcessResult result = run_in(out, {"ngs-report", ".", "-o", "r.html", "--viewer", "v.html", "-q"});
+    CHECK(result.exit_code == 3);
+    CHECK(result.err.find("expected the object for --viewer") != result.err.npos);
+    CHECK(!fs::exists(out + "/v.html"));
+  }
+}
+
+std::size_t occurrences(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != text.npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+TEST_CASE("the sheet of ngs-scene check shows every given mask, and says which is empty or absent") {
+  const test::TempDir dir;
+  const std::string out = dir.path() + "/a <b> capture";
+  fs::create_directories(out);
+  test::write_tiny_scene(out);
+  const std::size_t masks = occurrences(test::read_bytes(out + "/scene.json"), "\"mask\":");
+  REQUIRE(masks >= 2);
+  const io::RawMask size = io::read_mask_raw(out + "/masks/v1.png", io::Palette::kMask);
+  io::write_png(out + "/masks/v1.png", ImageU8(size.width_px, size.height_px, 1));
+  make(out, {"ngs-scene", "check", "scene.json", "--sheet", "masks.html", "-q"});
+  const std::string page = test::read_bytes(out + "/masks.html");
+  CHECK(occurrences(page, "<figure>") == masks);
+  CHECK(occurrences(page, "the mask is empty") == 1);
+  CHECK(occurrences(page, "<g class=given><path class=casing d=\"M") == masks - 1);
+  CHECK(page.find("<h1>a &lt;b&gt; capture</h1>") != page.npos);
+  CHECK(page.find("<script") == page.npos);
+  CHECK(occurrences(page, "src=") == occurrences(page, "src=\"data:image/jpeg;base64,"));
+}
+
+/// The pixels that differ from the ground, the colour of the corner.
+std::vector<bool> drawn(const ImageF& image) {
+  std::vector<bool> is_drawn;
+  for (std::size_t p = 0; p < std::size_t(image.pixels()); ++p) {
+    float apart = 0;
+    for (std::size_t c = 0; c < 3; ++c) apart = std::max(apart, std::abs(image.data[3 * p + c] - image.data[c]));
+    is_drawn.push_back(apart > 0.25f);
+  }
+  return is_drawn;
+}
+
+TEST_CASE("the viewer opens on what ngs-render draws from the same camera") {
+  if (!fs::exists("/usr/bin/chromium")) return test::skip("no /usr/bin/chromium");
+  const test::TempDir dir;
+  const std::string out = made_run(dir, "run");
+  make(out,
+       {"ngs-render", "scene.json", "labelled.ply", "--views", "all", "--layers", "mask", "-o", "masks", "-w", "-q"});
+  make(out, {"ngs-report", ".", "-o", "report.html", "--viewer", "object.html", "-q"});
+  // The window is twelve times as wide and high as the photo, so that it holds no fewer pixels than a browser's least.
+  const std::string frame =
+      "<body style=\"margin:0\"><iframe style=\"border:0\" width=576 height=432 src=\"object.html#bare\"></iframe>";
+  dir.write("run/frame.html", frame);
+  const test::ProcessResult result =
+      run_in(out, {"chromium", "--headless", "--no-sandbox", "--enable-unsafe-swiftshader", "--hide-scrollbars",
+                   "--user-data-dir=" + dir.path() + "/profile", "--virtual-time-budget=3000", "--window-size=576,432",
+                   "--screenshot=" + out + "/seen.png", "file://" + out + "/frame.html"});
+  INFO(result.err);
+  REQUIRE(fs::exists(out + "/seen.png"));
+  const ImageF seen = io::read_image_rgb(out + "/seen.png");
+  REQUIRE(seen.width_px == 576);
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(out + "/masks")) names.push_back(entry.path().stem().string());
+  std::ranges::sort(names);
+  const std::string name = names[names.size() / 2] + ".png";  // of a page without scores
+  make(out, {"ngs-render", "scene.json", "object.ply", "--views", "all", "--layers", "color", "--scale", "12",
+             "--background", "0.93,0.92,0.9", "-o", "colour", "-w", "-q"});
+  const ImageF rendered = io::read_image_rgb(out + "/colour/" + name);
+  const std::vector<bool> a = drawn(seen), b = drawn(rendered);
+  REQUIRE(a.size() == b.size());
+  double both = 0, either = 0;
+  for (std::size_t p = 0; p < a.size(); ++p) both += a[p] && b[p], either += a[p] || b[p];
+  REQUIRE(either > 1000);
+  CHECK(both / either > 0.95);
+}
+
+}  // namespace
+}  // namespace ngs

@@ -1,0 +1,249 @@
+'use strict';
+// Draws the records of a .splat file: back to front, each as the ellipse that its covariance is in the picture.
+const told = JSON.parse(document.getElementById('told').textContent);
+const kRowTexels = 1024;      // Gaussians in a row of the texture, three texels each
+const kNearShare = 1e-3;      // of the camera's distance: nothing nearer is drawn
+const kSteepest = 1.4;        // radians from the horizon
+const canvas = document.getElementById('canvas'), said = document.getElementById('said');
+if (location.hash === '#bare') document.documentElement.classList.add('bare');
+
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const plus = (a, b, by = 1) => [a[0] + by * b[0], a[1] + by * b[1], a[2] + by * b[2]];
+const unit = (a) => { const n = Math.hypot(...a) || 1; return [a[0] / n, a[1] / n, a[2] / n]; };
+// `v` turned by `angle` about the unit vector `axis`.
+function turned(v, axis, angle) {
+  const c = Math.cos(angle), s = Math.sin(angle), along = dot(axis, v) * (1 - c), side = cross(axis, v);
+  return [0, 1, 2].map((k) => c * v[k] + s * side[k] + along * axis[k]);
+}
+
+// ---- records -> texture
+
+function bytesOf(id) {
+  const text = atob(document.getElementById(id).textContent.trim()), bytes = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
+  return bytes;
+}
+
+// Of record i at texels[12 i]: position, opacity; covariance xx xy xz yy; yz zz, colour in one number, 0.
+function decoded(bytes) {
+  const count = Math.floor(bytes.length / 32), view = new DataView(bytes.buffer);
+  const rows = Math.max(1, Math.ceil(count / kRowTexels));
+  const texels = new Float32Array(rows * kRowTexels * 12), places = new Float32Array(3 * count);
+  for (let i = 0; i < count; ++i) {
+    const at = 32 * i, to = 12 * i;
+    for (let k = 0; k < 3; ++k) places[3 * i + k] = texels[to + k] = view.getFloat32(at + 4 * k, true);
+    const s = [12, 16, 20].map((k) => view.getFloat32(at + k, true));
+    let [w, x, y, z] = [28, 29, 30, 31].map((k) => bytes[at + k] - 128);
+    const n = Math.hypot(w, x, y, z) || 1;
+    w /= n; x /= n; y /= n; z /= n;
+    const r = [[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+               [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+               [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]];
+    const about = (a, b) => s[0] * s[0] * r[a][0] * r[b][0] + s[1] * s[1] * r[a][1] * r[b][1] + s[2] * s[2] * r[a][2] * r[b][2];
+    texels[to + 3] = bytes[at + 27] / 255;
+    texels.set([about(0, 0), about(0, 1), about(0, 2), about(1, 1), about(1, 2), about(2, 2),
+                bytes[at + 24] * 65536 + bytes[at + 25] * 256 + bytes[at + 26]], to + 4);
+  }
+  return { count, rows, texels, places };
+}
+
+// ---- the camera: on a ball about `centre`
+
+const home = () => ({ right: told.right, down: told.down, forward: told.forward, eye: told.eye, centre: told.centre });
+let pose = home();
+
+function turn(dx, dy) {
+  const tilt = Math.asin(Math.max(-1, Math.min(1, dot(pose.forward, told.up))));
+  const tilted = Math.max(-kSteepest, Math.min(kSteepest, tilt - dy));  // never over the poles
+  for (const [axis, angle] of [[pose.right, tilted - tilt], [told.up, -dx]]) {
+    for (const k of ['right', 'down', 'forward']) pose[k] = unit(turned(pose[k], axis, angle));
+    pose.eye = plus(pose.centre, turned(plus(pose.eye, pose.centre, -1), axis, angle));
+  }
+}
+function shift(dx, dy) {
+  const far = Math.hypot(...plus(pose.eye, pose.centre, -1)) / focal();
+  const by = plus(plus([0, 0, 0], pose.right, -dx * far), pose.down, -dy * far);
+  pose.eye = plus(pose.eye, by);
+  pose.centre = plus(pose.centre, by);
+}
+function near(factor) { pose.eye = plus(pose.centre, plus(pose.eye, pose.centre, -1), factor); }
+// Pixels of the canvas in CSS units; all of the first view is shown whatever the window's shape.
+const focal = () => Math.min(canvas.clientWidth / told.width_px, canvas.clientHeight / told.height_px) * told.fx;
+
+// ---- drawing
+
+const kVertex = `#version 300 es
+precision highp float; precision highp int; precision highp sampler2D;
+uniform sampler2D splats; uniform mat3 turn; uniform vec3 eye; uniform vec2 size; uniform vec2 middle;
+uniform float focal, filterPx2, nearest;
+in vec2 corner; in uint which;
+out vec2 at; out vec4 colour;
+void main() {
+  ivec2 texel = ivec2(3 * int(which % ${kRowTexels}u), int(which / ${kRowTexels}u));
+  vec4 a = texelFetch(splats, texel, 0), b = texelFetch(splats, texel + ivec2(1, 0), 0), c = texelFetch(splats, texel + ivec2(2, 0), 0);
+  vec3 p = turn * (a.xyz - eye);
+  gl_Position = vec4(2., 2., 2., 1.);
+  at = vec2(0.); colour = vec4(0.);
+  if (p.z < nearest || a.w < 1. / 255.) return;
+  mat3 s = turn * mat3(b.x, b.y, b.z, b.y, b.w, c.x, b.z, c.x, c.y) * transpose(turn);
+  vec2 limit = .65 * size / focal, t = clamp(p.xy / p.z, -limit, limit);
+  vec3 jx = focal / p.z * vec3(1., 0., -t.x), jy = focal / p.z * vec3(0., 1., -t.y);
+  float xx = dot(jx, s * jx) + filterPx2, xy = dot(jx, s * jy), yy = dot(jy, s * jy) + filterPx2;
+  float mid = .5 * (xx + yy), apart = length(vec2(.5 * (xx - yy), xy));
+  float longer = mid + apart, shorter = max(mid - apart, .5 * filterPx2);
+  vec2 axis = abs(xy) > 1e-6 * longer ? normalize(vec2(xy, longer - xx)) : xx >= yy ? vec2(1., 0.) : vec2(0., 1.);
+  float reach = sqrt(2. * log(255. * a.w));
+  at = reach * corner;
+  vec2 px = focal * p.xy / p.z + middle + at.x * sqrt(longer) * axis + at.y * sqrt(shorter) * vec2(-axis.y, axis.x);
+  gl_Position = vec4((2. * px / size - 1.) * vec2(1., -1.), 0., 1.);
+  int rgb = int(c.z);
+  colour = vec4(vec3(rgb >> 16, rgb >> 8 & 255, rgb & 255) / 255., a.w);
+}`;
+const kFragment = `#version 300 es
+precision highp float;
+in vec2 at; in vec4 colour; out vec4 painted;
+void main() {
+  float alpha = min(.99, colour.a * exp(-.5 * dot(at, at)));
+  if (alpha < 1. / 255.) discard;
+  painted = vec4(colour.rgb * alpha, alpha);
+}`;
+
+function program(gl) {
+  const made = gl.createProgram();
+  for (const [kind, source] of [[gl.VERTEX_SHADER, kVertex], [gl.FRAGMENT_SHADER, kFragment]]) {
+    const shader = gl.createShader(kind);
+    gl.shaderSource(shader, source);
+    gl.compileShader(shader);
+    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
+    gl.attachShader(made, shader);
+  }
+  gl.linkProgram(made);
+  if (!gl.getProgramParameter(made, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(made));
+  return made;
+}
+
+// Farthest first, by counting; Gaussians of one 65536th of the depth's range stay in their order.
+function sorter(model) {
+  const kBins = 65536, depth = new Float32Array(model.count), bin = new Uint16Array(model.count);
+  const order = new Uint32Array(model.count), start = new Uint32Array(kBins + 1);
+  return (forward) => {
+    let least = Infinity, most = -Infinity;
+    for (let i = 0; i < model.count; ++i) {
+      const d = depth[i] = forward[0] * model.places[3 * i] + forward[1] * model.places[3 * i + 1] + forward[2] * model.places[3 * i + 2];
+      if (d < least) least = d;
+      if (d > most) most = d;
+    }
+    const scale = most > least ? (kBins - 1) / (most - least) : 0;
+    start.fill(0);
+    for (let i = 0; i < model.count; ++i) ++start[(bin[i] = kBins - 1 - Math.floor((depth[i] - least) * scale)) + 1];
+    for (let k = 0; k < kBins; ++k) start[k + 1] += start[k];
+    for (let i = 0; i < model.count; ++i) order[start[bin[i]]++] = i;
+    return order;
+  };
+}
+
+function start() {
+  const gl = canvas.getContext('webgl2', { antialias: false, premultipliedAlpha: true, preserveDrawingBuffer: true });
+  if (!gl) throw new Error('This browser has no WebGL 2. object.ply beside this file opens in any viewer of Gaussian splats.');
+  const model = decoded(bytesOf('splats')), sorted = sorter(model), paint = program(gl);
+  gl.useProgram(paint);
+  gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
+  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
+  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+  gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, 3 * kRowTexels, model.rows, 0, gl.RGBA, gl.FLOAT, model.texels);
+  const attribute = (name, data) => {
+    const at = gl.getAttribLocation(paint, name);
+    gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+    gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
+    gl.enableVertexAttribArray(at);
+    return at;
+  };
+  gl.vertexAttribPointer(attribute('corner', new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1])), 2, gl.FLOAT, false, 0, 0);
+  const which = attribute('which', new Uint32Array(model.count));
+  gl.vertexAttribIPointer(which, 1, gl.UNSIGNED_INT, 0, 0);
+  gl.vertexAttribDivisor(which, 1);
+  gl.enable(gl.BLEND);
+  gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+
+  const place = (name) => gl.getUniformLocation(paint, name);
+  let sortedFor = [0, 0, 0];
+  const draw = () => {
+    const sharp = Math.min(2, devicePixelRatio || 1), f = focal() * sharp;
+    canvas.width = Math.max(1, Math.round(canvas.clientWidth * sharp));
+    canvas.height = Math.max(1, Math.round(canvas.clientHeight * sharp));
+    if (dot(sortedFor, pose.forward) < 0.9999) {
+      gl.bufferData(gl.ARRAY_BUFFER, sorted(pose.forward), gl.DYNAMIC_DRAW);
+      sortedFor = pose.forward;
+    }
+    const { right: r, down: d, forward: w, eye } = pose;
+    gl.viewport(0, 0, canvas.width, canvas.height);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    gl.uniformMatrix3fv(place('turn'), false, [r[0], d[0], w[0], r[1], d[1], w[1], r[2], d[2], w[2]]);
+    gl.uniform3f(place('eye'), ...eye);
+    gl.uniform2f(place('size'), canvas.width, canvas.height);
+    gl.uniform2f(place('middle'), canvas.width / 2 + f * (told.cx - told.width_px / 2) / told.fx,
+                 canvas.height / 2 + f * (told.cy - told.height_px / 2) / told.fx);
+    gl.uniform1f(place('focal'), f);
+    gl.uniform1f(place('filterPx2'), Math.max(0.05, told.filter_px2 * (f / told.fx) ** 2));
+    gl.uniform1f(place('nearest'), kNearShare * Math.hypot(...plus(eye, pose.centre, -1)));
+    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, model.count);
+    document.body.dataset.drawn = model.count;
+  };
+  let waiting = false;
+  return () => {
+    if (waiting) return;
+    waiting = true;
+    requestAnimationFrame(() => { waiting = false; draw(); });
+  };
+}
+
+// ---- hands
+
+function listen(redraw) {
+  const held = new Map();
+  canvas.addEventListener('pointerdown', (e) => { canvas.setPointerCapture(e.pointerId); held.set(e.pointerId, e); });
+  for (const end of ['pointerup', 'pointercancel']) canvas.addEventListener(end, (e) => held.delete(e.pointerId));
+  canvas.addEventListener('pointermove', (e) => {
+    const before = held.get(e.pointerId);
+    if (!before) return;
+    const dx = e.clientX - before.clientX, dy = e.clientY - before.clientY;
+    if (held.size === 2) {
+      const other = [...held.values()].find((p) => p.pointerId !== e.pointerId);
+      const gap = (p) => Math.max(1, Math.hypot(p.clientX - other.clientX, p.clientY - other.clientY));
+      shift(dx / 2, dy / 2);
+      near(gap(before) / gap(e));
+    } else if (e.shiftKey || e.buttons & 2) shift(dx, dy);
+    else turn(dx / 150, dy / 150);
+    held.set(e.pointerId, e);
+    redraw();
+  });
+  canvas.addEventListener('contextmenu', (e) => e.preventDefault());
+  canvas.addEventListener('wheel', (e) => { e.preventDefault(); near(Math.exp(Math.max(-1, Math.min(1, e.deltaY / 500)))); redraw(); }, { passive: false });
+  const keys = { ArrowLeft: () => turn(-0.1, 0), ArrowRight: () => turn(0.1, 0), ArrowUp: () => turn(0, -0.1), ArrowDown: () => turn(0, 0.1),
+    '+': () => near(0.9), '=': () => near(0.9), '-': () => near(1 / 0.9), 0: () => { pose = home(); } };
+  addEventListener('keydown', (e) => {
+    if (!keys[e.key] || e.ctrlKey || e.metaKey || e.altKey) return;
+    e.preventDefault();
+    keys[e.key]();
+    redraw();
+  });
+  addEventListener('resize', redraw);
+  document.getElementById('home').addEventListener('click', () => { pose = home(); redraw(); });
+  document.getElementById('ground').addEventListener('click', () => {
+    const root = document.documentElement.classList, dark = root.contains('dark') ||
+      (!root.contains('light') && matchMedia('(prefers-color-scheme: dark)').matches);
+    root.remove('light', 'dark');
+    root.add(dark ? 'light' : 'dark');
+  });
+}
+
+try {
+  const redraw = start();
+  listen(redraw);
+  redraw();
+} catch (error) {
+  said.textContent = error.message;
+  document.body.dataset.failed = error.message;
+}
