@@ -29,14 +29,15 @@ if [ ! -f "$out/scene/point_cloud.ply" ]; then
     --mask-noise jitter:1.5 --report "$out/ngs-synth.json"
 fi
 say "== cutting out the object"
-"$pipelines/ngs-gs.sh" "$out/scene" "$out/torus-box" --gt "$out/scene/masks_gt" --hold-out every:4:2 --quality draft "$@"
+REPORT_FLAGS="--viewer object.html ${REPORT_FLAGS:-}" "$pipelines/ngs-gs.sh" "$out/scene" "$out/torus-box" --gt "$out/scene/masks_gt" --hold-out every:4:2 --quality draft "$@"
 if [ "$out/torus-box/labelled.ply" -nt "$out/pictures" ]; then
   "${bin:+$bin/}ngs-render" "$out/torus-box/scene.json" "$out/torus-box/labelled.ply" --views held-out --layers overlay,color,mask \
     -o "$out/pictures" -w -q > /dev/null
 fi
 
 say "
-scores   $out/torus-box/metrics.json   (input masks: metrics_input.json)
-page     $out/torus-box/report.html
-pictures $out/pictures
-object   $out/torus-box/object.ply   (open it in SuperSplat or any 3DGS viewer)"
+in $out/torus-box:
+  report.html    the page; object.html beside it turns the object in 3D
+  object.ply     the object, for SuperSplat or any viewer of splats
+  metrics.json   the scores; those of the input masks: metrics_input.json
+held-out views as pictures: $out/pictures"

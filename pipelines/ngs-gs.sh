@@ -27,7 +27,7 @@
 # was not met.
 #
 # Options for the other tools go in SCENE_FLAGS, VARIANCE_FLAGS, SAMPLE_FLAGS, RBF_FLAGS, EXTRACT_FLAGS,
-# RENDER_FLAGS and EVAL_FLAGS, quoted as for the shell: SCENE_FLAGS='--mask-mode label --object-id 7' ...
+# RENDER_FLAGS, EVAL_FLAGS and REPORT_FLAGS, quoted as for the shell: SCENE_FLAGS='--mask-mode label --object-id 7' ...
 # (JOINT_FLAGS too; options of ngs-joint given here come behind them). Paths in these variables are absolute or relative
 # to OUT_DIR, paths among the options here to the folder of the call.
 #
@@ -123,9 +123,10 @@ stages_until() {
 
 # The end of the chain, for people: what was made, where, the scores, how much was odd, what comes next.
 summary() {
-  local odd masks scores
+  local odd masks scores took="$((SECONDS % 60)) s"
+  if [ "$SECONDS" -ge 60 ]; then took="$((SECONDS / 60)) min $took"; fi
   odd=$(awk '/^  "warnings": \[$/ { inside = 1; next } /^  \]/ { inside = 0 } inside { ++n } END { print n + 0 }' reports/*.json)
-  say "ngs-gs.sh: done in $((SECONDS / 60)) min $((SECONDS % 60)) s, in $PWD"
+  say "ngs-gs.sh: done in $took, in $PWD"
   if [ -f object.ply ]; then say "  object.ply, background.ply: plain splats for every viewer"; fi
   if [ -d masks ]; then
     masks=$(find masks -name '*.png' | wc -l)
@@ -133,9 +134,10 @@ summary() {
   fi
   if [ -f metrics.json ]; then
     scores=$(awk -F'[:,]' '/^  "mean": / { inside = 1; next } /^  \}/ { inside = 0 }
-      inside && /"(iou|biou|biou_005)"/ { gsub(/[ "]/, "", $1); text = text sprintf("%s%s %.4f", text == "" ? "" : ", ", $1, $2) }
+      BEGIN { called["iou"] = "IoU"; called["biou"] = "boundary IoU"; called["biou_005"] = "in its 0.5 % band" }
+      inside && /"(iou|biou|biou_005)"/ { gsub(/[ "]/, "", $1); text = text sprintf("%s%s %.4f", text == "" ? "" : ", ", called[$1], $2) }
       END { print text }' metrics.json)
-    say "  scores: ${scores//_/ }"
+    say "  scores: $scores"
   fi
   if [ "$odd" -gt 0 ]; then say "  odd: $odd warning(s), in reports/"; fi
   if [ -f report.html ]; then say "  next: open $PWD/report.html in a browser"; fi

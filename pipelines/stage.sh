@@ -11,7 +11,7 @@ if [ -n "${NGS_STDERR:-}" ]; then exec 2>&"$NGS_STDERR"; fi
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"
 
-for name in ARTIFACTS SCENE MODEL MASKS GT HOLD_OUT METHOD QUALITY DEVICE {SCENE,VARIANCE,SAMPLE,RBF,JOINT,EXTRACT,RENDER,EVAL,COMMON,UNKEYED}_FLAGS; do
+for name in ARTIFACTS SCENE MODEL MASKS GT HOLD_OUT METHOD QUALITY DEVICE {SCENE,VARIANCE,SAMPLE,RBF,JOINT,EXTRACT,RENDER,EVAL,REPORT,COMMON,UNKEYED}_FLAGS; do
   declare "$name=${!name:-}"
 done
 
@@ -187,7 +187,7 @@ stage_joint() {
   field=$(field)
   if [ -n "$METHOD" ]; then words+=(--method "$METHOD"); fi
   if [ -n "$QUALITY" ]; then words+=(--quality "$QUALITY"); fi
-  if [ -z "$field" ]; then say_unless_quiet "queries.ply and field.ply are not needed: ngs-joint reads none (--artifacts all makes them)"; fi
+  if [ -z "$field" ]; then say_unless_quiet "queries.ply and field.ply are not needed (--artifacts all makes them)"; fi
   run ngs-joint "$OUT/scene.json" "$OUT/boundary.ply" ${field:+--field "$OUT/field.ply"} --trace "$OUT/trace.jsonl" \
     "${words[@]}" -o "$OUT/labelled.ply"
 }
@@ -303,7 +303,8 @@ stage_scored() {
 }
 
 stage_report() {
-  run ngs-report --report-name ngs-report "$OUT" -o "$OUT/report.html"
+  flags "$REPORT_FLAGS"
+  run ngs-report --report-name ngs-report "$OUT" -o "$OUT/report.html" "${words[@]}"
 }
 
 key() {
@@ -325,7 +326,7 @@ key() {
     eval)
       printf '%s\n' "$EVAL_FLAGS"
       fingerprint "$(truth_of_scene)" ;;
-    report) ;;
+    report) printf '%s\n' "$REPORT_FLAGS" ;;
   esac
   own=${stage^^}_FLAGS
   named_files "$COMMON_FLAGS ${!own:-}"
@@ -358,6 +359,7 @@ stage_options() {
   accepted "$EXTRACT_FLAGS" ngs-extract
   accepted "$RENDER_FLAGS" ngs-render
   accepted "$EVAL_FLAGS" ngs-eval
+  accepted "$REPORT_FLAGS" ngs-report
 }
 chosen() { if [ -n "$2" ]; then printf ' %q' "$1" "$2"; fi; }
 # accepted FLAGS TOOL [COMMAND]: the tool reads the options and does nothing with them.

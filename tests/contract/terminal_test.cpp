@@ -37,8 +37,8 @@ TEST_CASE("ngs-gs.sh on a terminal says which of all stages each tool is, and at
   CAPTURE(whole.out);
   CHECK(whole.out.find("ngs-joint: done") == std::string::npos);  // nothing of it changed
   for (const char* text :
-       {"[4/7] ngs-extract: done", "[7/7] ngs-report: done", "ngs-gs.sh: done in ",
-        "  object.ply, background.ply: ", "  scores: iou 1.0000, biou 1", "/out/report.html in a browser"})
+       {"[4/7] ngs-extract: done", "[7/7] ngs-report: done", "ngs-gs.sh: done in ", "  object.ply, background.ply: ",
+        "  scores: IoU 1.0000, boundary IoU 1.0000, in its 0.5 % band 1.0000", "/out/report.html in a browser"})
     has(whole, text);
   CHECK(on_terminal(" -q").out == "");
 }

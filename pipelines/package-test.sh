@@ -1,0 +1,63 @@
+#!/usr/bin/env bash
+# Packs ngs as a .deb, installs it with its dependencies on a bare Debian 12, runs the chain there, and removes it:
+#   pipelines/package-test.sh [ROOT]           ROOT: a folder for the bare system, made by debootstrap where it is empty;
+#                                              default: build/package-root. It keeps the system for the next call.
+#   NGS_DEBIAN_MIRROR=http://... for another mirror than deb.debian.org; NGS_BUILD=DIR for another build than build/
+# A line per check: ok or FAIL. Exit code 1 if one failed, 77 where debootstrap, the rights for chroot or the mirror is missing.
+set -euo pipefail
+# shellcheck source=pipelines/common.sh
+. "$(dirname "$0")/common.sh"
+
+case ${1:-} in -h | --help) usage_of "$0"; exit 0 ;; esac
+skip() { say "SKIP $*"; exit 77; }
+build=$(cd "${NGS_BUILD:-$pipelines/../build}" && pwd)
+root=${1:-$build/package-root}
+mirror=${NGS_DEBIAN_MIRROR:-http://deb.debian.org/debian}
+command -v cpack > /dev/null || skip "no cpack (Debian: cmake)"
+command -v dpkg-shlibdeps > /dev/null || skip "no dpkg-shlibdeps (Debian: dpkg-dev)"
+command -v debootstrap > /dev/null || skip "no debootstrap (Debian: debootstrap)"
+[ "$(id -u)" -eq 0 ] || skip "not root: debootstrap and chroot need it"
+
+mkdir -p "$root"
+root=$(cd "$root" && pwd)
+if [ ! -f "$root/.ngs-whole" ]; then
+  rm -rf "${root:?}"/*
+  debootstrap --variant=minbase bookworm "$root" "$mirror" > "$build/debootstrap.log" 2>&1 ||
+    skip "debootstrap failed, see $build/debootstrap.log"
+  touch "$root/.ngs-whole"
+fi
+
+rm -f "$build"/ngs_*.deb
+(cd "$build" && cpack -G DEB > cpack.log 2>&1) || fail 1 "cpack failed" "see $build/cpack.log"
+package=$(find "$build" -maxdepth 1 -name 'ngs_*.deb')
+failed=0
+# check NAME COMMAND...: the command's output is shown where it fails
+check() {
+  local name=$1
+  shift
+  if "$@" > "$build/package-test.log" 2>&1; then say "ok   $name"; else failed=1; say "FAIL $name"; tail -n 20 "$build/package-test.log" >&2; fi
+}
+inside() { chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive HOME=/root "$@"; }
+lists() { inside sh -c 'find /usr /etc /var/lib/dpkg/info -name "*ngs-*" -o -path "*/ngs/*" | grep -v "/perl" | LC_ALL=C sort'; }
+
+inside dpkg --purge ngs > /dev/null 2>&1 || true
+before=$(lists)
+mount -t proc proc "$root/proc" || skip "no right to mount /proc, from which programs learn where they lie"
+trap 'umount "$root/proc"' EXIT
+cp /etc/resolv.conf "$root/etc/resolv.conf"
+cp "$package" "$root/ngs.deb"
+check "apt finds the lists" inside apt-get update
+check "apt install ./$(basename "$package") with its dependencies" inside apt-get install -y --no-install-recommends ./ngs.deb make
+check "ngs-joint --version" inside ngs-joint --version
+check "no library is missing" inside sh -c '! ldd /usr/bin/ngs-joint /usr/bin/ngs-scene $(find /usr/lib -name libngs_codecs.so) | grep "not found"'
+check "ngs-synth makes a capture" inside ngs-synth torus-box -o /tmp/scene -w --views 8 --width-px 96 --height-px 72 --fit-steps 60 -q
+check "ngs-gs runs the whole chain" inside ngs-gs /tmp/scene /tmp/out --gt /tmp/scene/masks_gt --hold-out every:4:2 --quality draft -q
+for made in object.ply background.ply metrics.json report.html masks/0002.png; do
+  check "$made was made" test -s "$root/tmp/out/$made"
+done
+check "there are pages for man and completions for bash" \
+  sh -c "test -s '$root'/usr/share/man/man1/ngs-joint.1* -a -s '$root'/usr/share/bash-completion/completions/ngs-joint"
+check "it is removed" inside apt-get purge -y ngs
+check "nothing of it is left" test "$before" = "$(lists)"
+rm -rf "$root/tmp/scene" "$root/tmp/out" "$root/ngs.deb"
+exit "$failed"
