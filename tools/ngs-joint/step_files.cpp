@@ -73,7 +73,7 @@ void StepFile::save(JointTrainer& trainer) {
 }
 
 void StepFile::save_on_the_way(JointTrainer& trainer) {
-  on_the_way_.on_the_way([&] { save(trainer); });
+  on_the_way_.on_the_way(trainer.steps_done(), [&] { save(trainer); });
 }
 
 void StepFile::taking_steps(bool begins) {

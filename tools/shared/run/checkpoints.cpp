@@ -36,15 +36,22 @@ std::string masks_hash(const Scene& scene) {
   return io::files_hash(files);
 }
 
-void Checkpoints::on_the_way(const std::function<void()>& write) {
+void Checkpoints::on_the_way(std::int64_t step, const std::function<void()>& write) {
   try {
     write();
     failed_ = false;
+    kept_step_ = step;
   } catch (const Error& e) {
     if (e.code() != ErrorCode::kEnvironment) throw;
     if (!failed_) monitor_.warn("the checkpoint was not written, the run goes on without it: " + std::string(e.what()));
     failed_ = true;
   }
+}
+
+void Checkpoints::at_the_stop(std::int64_t step, const std::function<void()>& write) {
+  if (step == kept_step_) return;
+  write();
+  kept_step_ = step;
 }
 
 }  // namespace ngs::cli

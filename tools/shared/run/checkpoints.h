@@ -1,6 +1,7 @@
 #pragma once
 // Checkpoints cost no run its result: a folder that can never hold one is found before the work, and a full disk on the
 // way is a warning. And they give none that it would not have had: what a run reads is part of what they are of.
+#include <cstdint>
 #include <functional>
 #include <string>
 
@@ -23,11 +24,15 @@ class Checkpoints {
 
   /// Where `write` cannot (kEnvironment) the run goes on: the first failure of several in a row is a warning, and what
   /// was written before stays.
-  void on_the_way(const std::function<void()>& write);
+  void on_the_way(std::int64_t step, const std::function<void()>& write);
+  /// Of a run that was asked to stop: writes unless the state after `step` is kept already. A signal that comes while a
+  /// large state is written need not wait for a second writing of it.
+  void at_the_stop(std::int64_t step, const std::function<void()>& write);
 
  private:
   Monitor& monitor_;
   bool failed_ = false;
+  std::int64_t kept_step_ = -1;  // -1: none
 };
 
 }  // namespace ngs::cli
