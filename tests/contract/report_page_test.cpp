@@ -85,7 +85,8 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
   CHECK(occurrences(page, "<figure class=flip>") == 2);  // the object alone; input mask and result
 
   // The page opens on the object, before any figure of it, and has the given masks of all views.
-  CHECK(page.find("<input type=checkbox checked aria-label=\"Show the object alone\">") < page.find("<dl class=tiles>"));
+  CHECK(page.find("<input type=checkbox checked aria-label=\"Show the object alone\">") <
+        page.find("<dl class=tiles>"));
   CHECK(page.find("<dt>method</dt><dd>cross-entropy of masks<small>--method bce</small>") != page.npos);
   CHECK(page.find("<section id=\"given\">") != page.npos);
   CHECK(occurrences(page, "under its given mask") == 6);
