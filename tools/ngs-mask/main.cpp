@@ -1,8 +1,8 @@
 // ngs-mask: strokes or boxes on some photos -> masks of all views, through the splat.
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/stages/render/render_options.h"
-#include "prompt_input.h"
 #include "segmenters.h"
+#include "shared/scene/prompt_input.h"
 #include "shared/scene/scene_model.h"
 #include "shared/tool.h"
 #include "views.h"

@@ -46,6 +46,14 @@ class NewFolder {
   bool is_new_;
 };
 
+void check_flash(SourceKind kind, bool has_masks) {
+  if (kind == SourceKind::kSplat && !has_masks) return;
+  throw Error(ErrorCode::kUsage,
+              std::string("--quality flash with ") + (has_masks ? "masks" : "photos") +
+                  ": it looks at the splat's own pictures alone, expected a splat and strokes",
+              "choose --quality draft");
+}
+
 int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
   const NewFolder folder(inputs.out, !run.dry_run() && !fs::exists(inputs.out));
   if (!run.dry_run()) {
@@ -100,6 +108,7 @@ int cut_command(int argc, char** argv) {
   return tool.run(argc, argv, [&](cli::Run& run) {
     if (strokes && masks) throw Error(ErrorCode::kUsage, "--strokes and --masks are both given, expected one of them");
     const SourceKind kind = kind_of(source.value);
+    if (options.quality == CutQuality::kFlash) check_flash(kind, masks || truth);
     if (kind != SourceKind::kSplat) run.warn_unused({"--around", "--up", "--size", "--views"}, "but for a splat alone");
     if (kind != SourceKind::kCapture) run.warn_unused({"--image-scale"}, "but for a capture");
     if (kind == SourceKind::kSplat) run.warn_unused({"--model"}, "with a splat");

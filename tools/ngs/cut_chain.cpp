@@ -39,6 +39,10 @@ CutChain::CutChain(cli::Run& run, const CutOptions& options, CutInputs inputs)
 CutEnd CutChain::run() {
   if (!make_scene()) return CutEnd::kStopped;
   const bool marked = !inputs_.strokes.empty();
+  if (options_.quality == CutQuality::kFlash) {
+    if (!marked) return CutEnd::kNeedsStrokes;
+    return cut_flash() ? CutEnd::kDone : CutEnd::kStopped;
+  }
   if (marked && !masks_from_strokes()) return CutEnd::kStopped;
   if (run_.dry_run()) return cut(), score(), CutEnd::kDone;
   if (!marked && inputs_.masks.empty() && !has_masks(io::read_scene_json(plain_scene_))) return CutEnd::kNeedsStrokes;
@@ -75,6 +79,7 @@ bool CutChain::orbit() {
   append(words, "--size", options_.size);
   append(words, "--views", options_.views > 0 ? std::to_string(options_.views) : "");
   append(words, "--hold-out", options_.hold_out);
+  append(words, "--max-views", options_.quality == CutQuality::kFlash ? most_flash_views(options_.views) : "");
   Json key{{"version", kVersion}, {"options", Words(words.begin() + 5, words.end())}};
   const std::string key_file = at("orbit/made_from.json");
   if (!run_.dry_run()) {
@@ -102,6 +107,13 @@ bool CutChain::import() {
   append(words, "--masks", inputs_.strokes.empty() ? inputs_.masks : "");
   inputs_.masks.clear();  // the scene names them
   return stage("ngs-scene", words);
+}
+
+bool CutChain::cut_flash() {
+  if (run_.dry_run()) return true;
+  flash_ =
+      flash_cut(run_, {inputs_.source, plain_scene_, options_.around, options_.view, inputs_.strokes, inputs_.out});
+  return flash_.has_value();
 }
 
 bool CutChain::masks_from_strokes() {

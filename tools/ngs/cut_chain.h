@@ -6,11 +6,15 @@
 //   OUT/strokes/     masks from strokes, STEM.png
 //   OUT/scene.json   the one that is cut: cameras, pictures and masks
 //   OUT/labelled.ply object.ply background.ply masks/STEM.png agreement.json or metrics.json, report.html
+//
+// With --quality flash only orbit/, the models and masks/ (flash_cut.h).
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "cut_options.h"
 #include "cut_source.h"
+#include "flash_cut.h"
 #include "stage_runner.h"
 
 namespace ngs::front {
@@ -33,6 +37,8 @@ class CutChain {
   CutEnd run();
   const StageRunner& stages() const { return stages_; }
   const CutInputs& inputs() const { return inputs_; }
+  /// Of --quality flash, after it.
+  const std::optional<FlashFigures>& flash() const { return flash_; }
   /// The pictures were those of an earlier run.
   bool reused_orbit() const { return reused_orbit_; }
   std::string at(const std::string& name) const { return inputs_.out + "/" + name; }
@@ -46,6 +52,7 @@ class CutChain {
   bool import();
   bool masks_from_strokes();
   void write_scene_with(const std::string& masks) const;
+  bool cut_flash();
   bool cut();
   bool score();
 
@@ -55,6 +62,7 @@ class CutChain {
   StageRunner stages_;
   std::string plain_scene_;  // cameras and pictures, before masks of ours are laid to it
   bool reused_orbit_ = false;
+  std::optional<FlashFigures> flash_;
 };
 
 }  // namespace ngs::front

@@ -6,8 +6,9 @@
 
 namespace ngs::front {
 
-enum class CutQuality { kDraft, kStandard, kHigh, kReference };
-inline constexpr NamedValue<CutQuality> kCutQualities[] = {{CutQuality::kDraft, "draft"},
+enum class CutQuality { kFlash, kDraft, kStandard, kHigh, kReference };
+inline constexpr NamedValue<CutQuality> kCutQualities[] = {{CutQuality::kFlash, "flash"},
+                                                           {CutQuality::kDraft, "draft"},
                                                            {CutQuality::kStandard, "standard"},
                                                            {CutQuality::kHigh, "high"},
                                                            {CutQuality::kReference, "reference"}};
@@ -23,7 +24,12 @@ struct CutOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.quality, Choice<CutQuality>{"quality", "of ngs-joint: how long to train", kCutQualities});
+    visit(self.quality,
+          Choice<CutQuality>{
+              "quality",
+              "of ngs-joint: how long to train; flash: not at all, labels of a splat alone from small pictures "
+              "of the ball",
+              kCutQualities});
     visit(self.keep, Flag{"keep", "leave what is made on the way: boundary.ply and the trace of the training"});
     visit(self.hold_out, Text{"hold_out", "every:N:K|FILE", "views whose masks no stage sees; they are scored"});
     visit(self.view, Text{"view", "NAME", "the view that the strokes are of; default: as each says"});

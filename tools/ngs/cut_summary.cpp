@@ -28,6 +28,7 @@ struct Scores {
 };
 
 Scores scores_of(const CutChain& chain) {
+  if (chain.flash()) return {};
   for (const auto& [kind, file] : {std::pair("scores", "metrics.json"), {"agreement", "agreement.json"}}) {
     if (!exists(chain.at(file))) continue;
     const nlohmann::json metrics = io::read_json_file(chain.at(file));
@@ -36,7 +37,8 @@ Scores scores_of(const CutChain& chain) {
   return {};
 }
 
-std::int64_t count_of(const CutChain& chain, const char* key) {
+std::int64_t count_of(const CutChain& chain, const std::string& key) {
+  if (chain.flash()) return key == "object" ? chain.flash()->object : chain.flash()->background;
   const nlohmann::json& report = chain.stages().report("ngs-extract");
   return report.is_object() ? report.at("result").value(key, std::int64_t(-1)) : -1;
 }
@@ -57,6 +59,10 @@ std::string time_line(const CutChain& chain) {
   for (const StageResult& stage : chain.stages().results()) {
     total += stage.wall_s;
     parts << (parts.tellp() > 0 ? ", " : "") << stage.tool.substr(4) << " " << stage.wall_s;
+  }
+  if (chain.flash()) {
+    total += chain.flash()->wall_s;
+    parts << (parts.tellp() > 0 ? ", " : "") << "cut " << chain.flash()->wall_s;
   }
   std::ostringstream text;
   text << std::fixed << std::setprecision(1) << total << " s (" << parts.str() << ")"
@@ -79,7 +85,12 @@ std::string summary_of(const CutChain& chain) {
   row(text, "object", with_count(chain.at("object.ply"), count_of(chain, "object")));
   row(text, "background", with_count(chain.at("background.ply"), count_of(chain, "background")));
   row(text, "masks", chain.at("masks") + "/");
-  row(text, "page", chain.at("report.html"));
+  if (chain.flash())
+    row(text, "seen",
+        std::to_string(chain.flash()->segmented) + " of " + std::to_string(chain.flash()->views) +
+            " views have a mask of their own; " + std::to_string(chain.flash()->in_ball) + " Gaussians in the ball");
+  else
+    row(text, "page", chain.at("report.html"));
   if (const Scores scores = scores_of(chain); !scores.kind.empty()) row(text, scores.kind, score_line(scores));
   row(text, "time", time_line(chain));
   const std::vector<std::string>& warnings = chain.stages().warnings();
@@ -88,7 +99,9 @@ std::string summary_of(const CutChain& chain) {
     row(text, "odd",
         std::to_string(warnings.size() - kShownWarnings) + " more warnings, in " + chain.at("reports") + "/");
   if (!chain.inputs().strokes.empty())
-    row(text, "next", "where the page shows a wrong edge, mark that view too: add --strokes FILE and run this again");
+    row(text, "next",
+        "where " + std::string(chain.flash() ? "a mask" : "the page") +
+            " shows a wrong edge, mark that view too: add --strokes FILE and run this again");
   return text;
 }
 
@@ -116,11 +129,16 @@ Json summary_json(const CutChain& chain) {
   Json json{{"object", chain.at("object.ply")},
             {"background", chain.at("background.ply")},
             {"masks", chain.at("masks")},
-            {"page", chain.at("report.html")},
             {"object_gaussians", object},
             {"background_gaussians", background},
             {"reused_pictures", chain.reused_orbit()},
             {"stage_warnings", chain.stages().warnings()}};
+  if (!chain.flash()) json["page"] = chain.at("report.html");
+  if (chain.flash())
+    json.update({{"in_ball", chain.flash()->in_ball},
+                 {"views", chain.flash()->views},
+                 {"segmented", chain.flash()->segmented},
+                 {"cut_wall_s", chain.flash()->wall_s}});
   if (const Scores scores = scores_of(chain); !scores.kind.empty()) json[scores.kind] = Json(scores.mean);
   for (const StageResult& stage : chain.stages().results()) json["stage_wall_s"][stage.tool] = stage.wall_s;
   return json;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "ngs/ops/image/connected_components.h"
 #include "ngs/ops/image/metrics.h"
 #include "ngs/stages/masks/mask_consensus.h"
 
@@ -94,6 +95,33 @@ void narrow(const PixelMask& found, int found_width_px, int found_height_px, Vie
 }
 
 }  // namespace
+
+bool fill_surrounded(ViewPrompt& prompt) {
+  const int w = prompt.width_px, h = prompt.height_px;
+  PixelMask free(prompt.hint.size());
+  for (std::size_t p = 0; p < free.size(); ++p) free[p] = prompt.hint[p] != PixelHint::kBackground;
+  const ConnectedComponents pieces = connected_components({free.data(), w, h});
+  std::vector<std::uint8_t> open(pieces.size.size()), has_object(pieces.size.size());
+  for (std::size_t p = 0; p < free.size(); ++p) {
+    if (!free[p]) continue;
+    const int x = int(p % std::size_t(w)), y = int(p / std::size_t(w));
+    const auto piece = std::size_t(pieces.component[p]);
+    open[piece] |= x == 0 || y == 0 || x == w - 1 || y == h - 1;
+    has_object[piece] |= prompt.hint[p] == PixelHint::kObject;
+  }
+  PixelMask surrounded(free.size());
+  bool any = false, elsewhere = false;
+  for (std::size_t p = 0; p < free.size(); ++p) {
+    if (!free[p]) continue;
+    const auto piece = std::size_t(pieces.component[p]);
+    surrounded[p] = !open[piece] && has_object[piece], any |= surrounded[p] != 0;
+    elsewhere |= has_object[piece] && open[piece];
+  }
+  if (!any || elsewhere) return false;
+  for (std::size_t p = 0; p < free.size(); ++p)
+    if (!is_certain(prompt.hint[p])) prompt.hint[p] = surrounded[p] ? PixelHint::kLikelyObject : PixelHint::kBackground;
+  return true;
+}
 
 PixelMask live_mask(const ImageU8& picture, const ViewPrompt& prompt, std::uint64_t seed) {
   PixelMask mask;

@@ -10,4 +10,9 @@ namespace ngs::live {
 /// removed. Where nothing is certainly the object the mask is empty.
 PixelMask live_mask(const ImageU8& picture, const ViewPrompt& prompt, std::uint64_t seed);
 
+/// A person who draws a line of background all around a thing says that it lies within: what the line surrounds becomes
+/// likely object, everything else background. False, and nothing changes, where no such line surrounds all pixels that
+/// are certainly the object.
+bool fill_surrounded(ViewPrompt& prompt);
+
 }  // namespace ngs::live

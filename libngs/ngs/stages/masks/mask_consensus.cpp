@@ -12,10 +12,6 @@
 namespace ngs {
 namespace {
 
-/// A view has seen a Gaussian where its mean weight over the pixels it reaches is at least this. What shines
-/// through a surface that is not quite opaque must not be taken for a part of it.
-constexpr double kLeastMeanWeight = 0.03;
-
 Vec3<double> position_of(const GaussianCloud& cloud, std::size_t i) {
   const float* p = &cloud.position[3 * i];
   return Vec3<double>{cloud.origin[0], cloud.origin[1], cloud.origin[2]} + Vec3<double>{p[0], p[1], p[2]};
@@ -65,8 +61,8 @@ void ask_neighbours(const Exec& exec, const GaussianCloud& cloud, const std::vec
 }
 
 /// [N, 2]: share of the object, and 1 where something is known.
-std::vector<float> shares(const Exec& exec, const GaussianCloud& cloud, const Lifted& lifted,
-                          const ObjectPlace& place) {
+std::vector<float> shares(const Exec& exec, const LiftedModel& model) {
+  const auto& [cloud, lifted, place, asks_neighbours] = model;
   const auto n = std::size_t(cloud.size());
   std::vector<float> channels(2 * n);
   std::vector<std::size_t> unseen;
@@ -81,7 +77,7 @@ std::vector<float> shares(const Exec& exec, const GaussianCloud& cloud, const Li
         unseen.push_back(i);
     }
   }
-  ask_neighbours(exec, cloud, unseen, channels);
+  if (asks_neighbours) ask_neighbours(exec, cloud, unseen, channels);
   return channels;
 }
 
@@ -207,7 +203,7 @@ Consensus render_consensus(const Exec& exec, const LiftedModel& model, const Cam
                            const SplatOptions& splat) {
   const GaussianCloud& cloud = model.cloud;
   const auto n = std::size_t(cloud.size());
-  const std::vector<float> channels = shares(exec, cloud, model.lifted, model.place);
+  const std::vector<float> channels = shares(exec, model);
   RenderRequest request;
   request.colour = false;
   request.label = {channels.data(), cloud.size(), 2};

@@ -10,6 +10,10 @@
 
 namespace ngs {
 
+/// A view has seen a Gaussian where its mean weight over the pixels it reaches is at least this. What shines
+/// through a surface that is not quite opaque must not be taken for a part of it.
+inline constexpr double kLeastMeanWeight = 0.03;
+
 /// Rendering weights of every Gaussian over the masks so far: A0 + A1, and A1 inside the object (PAPER.md
 /// §5.2).
 struct Lifted {
@@ -59,6 +63,7 @@ struct LiftedModel {
   const GaussianCloud& cloud;
   const Lifted& lifted;
   const ObjectPlace& place;
+  bool asks_neighbours = true;  // for what no mask has reached; else it is unknown
 };
 
 Consensus render_consensus(const Exec& exec, const LiftedModel& model, const Camera& camera, const SplatOptions& splat);

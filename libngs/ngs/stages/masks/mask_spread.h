@@ -64,6 +64,7 @@ struct SpreadInput {
   std::map<std::size_t, ViewPrompt> marked;  // by view, at least one
   Segmenter segment;
   std::function<void(std::size_t view, const SpreadView&)> done;  // once per view, in the last pass
+  bool asks_neighbours = true;                                    // LiftedModel
 };
 
 /// Calls `done` for every view of the scene. kNothingFound where no object is marked, and where the mask of a view with

@@ -58,4 +58,31 @@ TEST_CASE("strokes hold whatever the colours say, and without one on the object 
   CHECK(live::live_mask(pixel, {1, 1, {PixelHint::kObject}, true}, 0) == PixelMask{1});
 }
 
+TEST_CASE("a line of background all around the object says that all else is background") {
+  constexpr int kSide = 40;
+  const auto prompt_with = [](int gap) {
+    ViewPrompt prompt{kSide, kSide, std::vector<PixelHint>(kSide * kSide, PixelHint::kLikelyBackground), true};
+    for (int k = 10; k <= 30; ++k)
+      for (const int p : {10 * kSide + k, 30 * kSide + k, k * kSide + 10, k * kSide + 30})
+        prompt.hint[std::size_t(p)] = PixelHint::kBackground;
+    prompt.hint[20 * kSide + 20] = PixelHint::kObject;
+    if (gap > 0) prompt.hint[10 * kSide + 20] = PixelHint::kLikelyBackground;
+    return prompt;
+  };
+  ViewPrompt closed = prompt_with(0);
+  CHECK(live::fill_surrounded(closed));
+  CHECK(closed.hint[15 * kSide + 15] == PixelHint::kLikelyObject);
+  CHECK(closed.hint[5 * kSide + 5] == PixelHint::kBackground);
+  CHECK(closed.hint[20 * kSide + 20] == PixelHint::kObject);
+
+  ViewPrompt open = prompt_with(1);
+  const std::vector<PixelHint> before = open.hint;
+  CHECK_FALSE(live::fill_surrounded(open));
+  CHECK(open.hint == before);
+
+  ViewPrompt outside = prompt_with(0);  // the object is marked beside the line too
+  outside.hint[5 * kSide + 5] = PixelHint::kObject;
+  CHECK_FALSE(live::fill_surrounded(outside));
+}
+
 }  // namespace ngs

@@ -1,4 +1,4 @@
-#include "prompt_input.h"
+#include "shared/scene/prompt_input.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -66,18 +66,11 @@ struct ViewFinder {
 
 }  // namespace
 
-std::map<std::size_t, std::vector<HandPrompt>> read_marks(const Run& run, const Scene& scene, const std::string& wanted,
-                                                          const PromptInputs& inputs) {
-  const bool pictures = inputs.object || inputs.background;
-  if (bool(inputs.prompts) == pictures)
-    throw Error(
-        ErrorCode::kUsage,
-        inputs.prompts ? "--prompts and scribble pictures are both given, expected one kind" : "no prompts are given",
-        "mark the object on photos: --prompts strokes.json, --prompts scribbles.png, or --object-scribbles pos.png "
-        "--background-scribbles neg.png");
+Marks read_prompts(const Run& run, const Scene& scene, const std::string& wanted,
+                   const std::vector<std::string>& paths) {
   const ViewFinder finder{run, scene, wanted};
-  std::map<std::size_t, std::vector<HandPrompt>> marks;
-  for (const std::string& path : inputs.prompts.paths) {
+  Marks marks;
+  for (const std::string& path : paths) {
     if (is_json(path)) {
       for (HandPrompt& prompt : io::read_prompts_json(path))
         marks[finder.view_of(prompt.view, path)].push_back(std::move(prompt));
@@ -86,11 +79,23 @@ std::map<std::size_t, std::vector<HandPrompt>> read_marks(const Run& run, const 
       marks[view].push_back(io::read_painted_picture(path, scene.views[view].image_path));
     }
   }
-  if (!pictures) return marks;
+  return marks;
+}
+
+Marks read_marks(const Run& run, const Scene& scene, const std::string& wanted, const PromptInputs& inputs) {
+  const bool pictures = inputs.object || inputs.background;
+  if (bool(inputs.prompts) == pictures)
+    throw Error(
+        ErrorCode::kUsage,
+        inputs.prompts ? "--prompts and scribble pictures are both given, expected one kind" : "no prompts are given",
+        "mark the object on photos: --prompts strokes.json, --prompts scribbles.png, or --object-scribbles pos.png "
+        "--background-scribbles neg.png");
+  if (!pictures) return read_prompts(run, scene, wanted, inputs.prompts.paths);
+  Marks marks;
   HandPrompt prompt;
   if (inputs.background) io::add_scribbles(inputs.background.path, false, prompt);
   if (inputs.object) io::add_scribbles(inputs.object.path, true, prompt);
-  marks[finder.view_of("", "")].push_back(std::move(prompt));
+  marks[ViewFinder{run, scene, wanted}.view_of("", "")].push_back(std::move(prompt));
   return marks;
 }
 

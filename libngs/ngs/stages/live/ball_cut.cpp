@@ -1,0 +1,279 @@
+#include "ngs/stages/live/ball_cut.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "ngs/backend/for_each.h"
+#include "ngs/core/error.h"
+#include "ngs/math/stable.h"
+#include "ngs/ops/image/image_bytes.h"
+#include "ngs/problem/cloud_rows.h"
+#include "ngs/stages/boundary/variance_stage.h"
+#include "ngs/stages/extract/extract_stage.h"
+#include "ngs/stages/live/live_mask.h"
+#include "ngs/stages/live/session.h"
+#include "ngs/stages/masks/hand_prompt.h"
+#include "ngs/stages/orbit/vectors.h"
+#include "ngs/stages/select/canonical_points.h"
+#include "ngs/stages/select/support_plane.h"
+
+namespace ngs::live {
+namespace {
+
+constexpr std::size_t kLeastSurrounded = 2;  // views with a line around the object that tell where it is
+constexpr double kBand = 0.02;               // of the diagonal: free on both sides of the contour that is expected
+constexpr float kEmpty = 0.1f;               // a pixel that shows less than this shows nothing
+constexpr double kColourRoom = 0.5;          // a colour nearer than this, of the cube's edge, is like another
+
+std::vector<std::int64_t> rows_in(const GaussianCloud& cloud, const orbit::Ball& ball) {
+  const Vec3<double> origin{cloud.origin[0], cloud.origin[1], cloud.origin[2]};
+  std::vector<std::int64_t> rows;
+  for (std::int64_t i = 0; i < cloud.size(); ++i) {
+    const float* p = &cloud.position[3 * std::size_t(i)];
+    const Vec3<double> d = Vec3<double>{double(p[0]), double(p[1]), double(p[2])} + origin - ball.centre;
+    if (cloud.usable[std::size_t(i)] && dot(d, d) <= ball.radius * ball.radius) rows.push_back(i);
+  }
+  return rows;
+}
+
+/// The corner of the colour cube that the fewest Gaussians are like, by their opacity.
+Vec3<float> foreign_colour(const GaussianCloud& cloud) {
+  std::array<double, 8> like{};
+  for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i)
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+      double distance2 = 0;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double value = std::clamp(0.5 + 0.28209479 * double(cloud.sh_dc[3 * i + c]), 0.0, 1.0);
+        const double step = value - double(corner >> c & 1);
+        distance2 += step * step;
+      }
+      if (distance2 < kColourRoom * kColourRoom) like[corner] += sigmoid(double(cloud.logit_opacity[i]));
+    }
+  const auto best = std::size_t(std::min_element(like.begin(), like.end()) - like.begin());
+  return {float(best & 1), float(best >> 1 & 1), float(best >> 2 & 1)};
+}
+
+Camera at_segmented_size(const Camera& camera) {
+  const double scale = std::min(1.0, double(kSegmentedSide_px) / std::max(camera.width_px, camera.height_px));
+  Camera small = resized(camera, scaled_size_px(camera.width_px, scale), scaled_size_px(camera.height_px, scale));
+  small.name = camera.name;
+  return small;
+}
+
+/// What `expected`, the share of the object in every pixel, says of a view.
+ViewPrompt prompt_of(const ImageF& expected) {
+  const std::size_t pixels = expected.data.size();
+  Consensus consensus{expected.width_px, expected.height_px, expected.data, std::vector<float>(pixels, 1.f), {}};
+  consensus.alone = consensus.object;
+  const double diagonal = std::hypot(double(expected.width_px), double(expected.height_px));
+  return prompt_from(consensus, int(std::lround(kBand * diagonal)), {});
+}
+
+void keep_certain(const ViewPrompt& marks, ViewPrompt& prompt) {
+  for (std::size_t p = 0; p < prompt.hint.size(); ++p)
+    if (is_certain(marks.hint[p])) prompt.hint[p] = marks.hint[p];
+}
+
+struct PromptedView {
+  ImageU8 picture;
+  ViewPrompt prompt;
+
+  PixelMask mask() const { return live_mask(picture, prompt, 0); }
+};
+
+/// The ball's Gaussians as a model of their own.
+class BallModel {
+ public:
+  BallModel(const Exec& exec, const BallCutInput& in)
+      : exec_(exec), rows_(rows_in(in.cloud, in.ball)), splat_(in.splat) {
+    if (rows_.empty())
+      throw Error(ErrorCode::kNothingFound,
+                  "the ball of radius " + std::to_string(in.ball.radius) + ": no Gaussian lies in it, expected some",
+                  "its numbers are those of the model's file: centre and radius in its own coordinates");
+    cloud_ = gather_rows(exec, in.cloud, rows_);
+    splat_.prepared = nullptr;
+    splat_ = prepared_for(exec, splat_, cloud_);
+    request_.background = foreign_colour(cloud_);
+  }
+
+  const GaussianCloud& cloud() const { return cloud_; }
+  const SplatOptions& splat() const { return splat_; }
+  const std::vector<std::int64_t>& rows() const { return rows_; }
+
+  /// [rows] 1: within the lines that surround the object in each of these views, and no part of the plane that runs on
+  /// outside of them, nor below it.
+  std::vector<float> expected(const std::vector<Camera>& cameras, const std::map<std::size_t, ViewPrompt>& surrounded,
+                              orbit::Vec up) const {
+    std::vector<std::uint8_t> within(rows_.size(), 1);
+    for (const auto& [view, prompt] : surrounded)
+      for_each_index(exec_, std::int64_t(rows_.size()), [&](std::int64_t i) {
+        within[std::size_t(i)] &= std::uint8_t(is_within(cameras[view], prompt, std::size_t(i)));
+      });
+    const SupportPlane plane = plane_outside(within, up);
+    std::vector<float> share(within.begin(), within.end());
+    for (std::size_t i = 0; i < share.size() && plane.found; ++i)
+      if (dot(plane.normal, position(i)) - plane.offset <= plane.thickness) share[i] = 0;
+    return share;
+  }
+
+  /// A view with what expected() and marks say of it. What is empty is background, unless a stroke says otherwise.
+  PromptedView prompted(const Camera& camera, const ViewPrompt* marks, const std::vector<float>& expected) const {
+    const RenderedView view = looked_at(camera, expected);
+    ViewPrompt prompt = prompt_of(view.label);
+    if (marks != nullptr) keep_certain(*marks, prompt);
+    return with_empty(view, std::move(prompt));
+  }
+  PixelMask segment(const Camera& camera, ViewPrompt prompt) const {
+    return with_empty(looked_at(camera, {}), std::move(prompt)).mask();
+  }
+
+ private:
+  RenderedView looked_at(const Camera& camera, const std::vector<float>& channel) const {
+    RenderRequest request = request_;
+    if (!channel.empty()) request.label = {channel.data(), cloud_.size(), 1};
+    return render(exec_, cloud_, camera, splat_, request);
+  }
+
+  static PromptedView with_empty(const RenderedView& view, ViewPrompt prompt) {
+    for (std::size_t p = 0; p < prompt.hint.size(); ++p)
+      if (view.alpha.data[p] < kEmpty && prompt.hint[p] != PixelHint::kObject) prompt.hint[p] = PixelHint::kBackground;
+    return {to_bytes(view.colour), std::move(prompt)};
+  }
+
+  orbit::Vec position(std::size_t i) const {
+    const float* p = &cloud_.position[3 * i];
+    return {double(p[0]), double(p[1]), double(p[2])};
+  }
+
+  bool is_within(const Camera& camera, const ViewPrompt& prompt, std::size_t i) const {
+    const Vec3<double> origin{cloud_.origin[0], cloud_.origin[1], cloud_.origin[2]};
+    const Vec3<double> at = camera.rotation * (position(i) + origin) + camera.translation;
+    if (!(at.z > 0)) return false;
+    const double x = camera.fx * at.x / at.z + camera.cx, y = camera.fy * at.y / at.z + camera.cy;
+    if (!(x >= 0 && y >= 0 && x < camera.width_px && y < camera.height_px)) return false;
+    return prompt.hint[std::size_t(y) * std::size_t(prompt.width_px) + std::size_t(x)] != PixelHint::kBackground;
+  }
+
+  SupportPlane plane_outside(const std::vector<std::uint8_t>& within, orbit::Vec up) const {
+    const orbit::SurfacePoints all = canonical_points(cloud_);
+    orbit::SurfacePoints outside;
+    for (std::size_t i = 0; i < all.count(); ++i)
+      if (!within[all.row[i]]) {
+        outside.row.push_back(all.row[i]), outside.position.push_back(all.position[i]);
+        outside.opacity.push_back(all.opacity[i]), outside.size.push_back(all.size[i]);
+        outside.area.push_back(all.area[i]);
+      }
+    return find_support_plane(cloud_, outside, up);
+  }
+
+  const Exec& exec_;
+  std::vector<std::int64_t> rows_;
+  GaussianCloud cloud_;
+  SplatOptions splat_;
+  RenderRequest request_;
+};
+
+/// Cameras that look from all around, level: their mean axis of up.
+orbit::Vec up_of(const std::vector<Camera>& cameras) {
+  orbit::Vec sum{0, 0, 0};
+  for (const Camera& c : cameras) sum = sum - orbit::Vec{c.rotation(1, 0), c.rotation(1, 1), c.rotation(1, 2)};
+  return orbit::length(sum) > 0 ? orbit::unit(sum) : orbit::Vec{0, -1, 0};
+}
+
+struct Told {
+  const std::map<std::size_t, ViewPrompt>& marked;  // by view
+  std::vector<float> expected;                      // BallModel::expected()
+};
+
+/// Every view by itself, from what is expected there: a few are drawn one by one, then segmented side by side.
+void segment_all(const Exec& exec, Monitor& monitor, const BallModel& model, const Told& told, BallCut& cut) {
+  const auto timed = monitor.scope("masks");
+  const std::size_t batch = 4 * std::size_t(exec.threads);
+  for (std::size_t begin = 0; begin < cut.cameras.size() && !monitor.stop_requested(); begin += batch) {
+    std::vector<PromptedView> views;
+    for (std::size_t v = begin; v < std::min(cut.cameras.size(), begin + batch); ++v) {
+      const auto marks = told.marked.find(v);
+      const bool is_marked = marks != told.marked.end();
+      views.push_back(model.prompted(cut.cameras[v], is_marked ? &marks->second : nullptr, told.expected));
+      cut.views[v].source = !is_marked ? MaskSource::kSegmented : MaskSource::kReference;
+    }
+    for_each_task(exec, std::int64_t(views.size()),
+                  [&](std::int64_t k) { cut.views[begin + std::size_t(k)].mask = views[std::size_t(k)].mask(); });
+    monitor.progress(std::int64_t(begin + views.size()), std::int64_t(cut.cameras.size()));
+  }
+}
+
+ViewMasks masks_of(const Camera& camera, const PixelMask& mask) {
+  ViewMasks masks{camera.width_px, camera.height_px, {}, {}, true};
+  masks.target.emplace_back(mask.begin(), mask.end());
+  return masks;
+}
+
+bool has_say(const SpreadView& view) {
+  return view.source == MaskSource::kReference || view.source == MaskSource::kSegmented;
+}
+
+/// Labels of the ball's Gaussians by all masks of views that supervise, those that no view sees by their neighbours.
+LabelColumns labels_in_ball(const Exec& exec, const BallModel& model, const BallCutInput& in, const BallCut& cut) {
+  Evidence evidence(model.cloud().size(), 1);
+  for (std::size_t v = 0; v < cut.views.size(); ++v)
+    if (has_say(cut.views[v]) && (in.scene.views[v].split == Split::kTrain || in.marks.contains(v)))
+      add_view_evidence(exec, model.cloud(), {cut.cameras[v], masks_of(cut.cameras[v], cut.views[v].mask)},
+                        model.splat(), evidence);
+  LabelColumns labels = std::move(label_gaussians({}, evidence)[0]);
+  for (std::size_t i = 0; i < labels.views.size(); ++i)  // what shines through a surface is no part of it
+    if (evidence.weight.value(i) < kLeastMeanWeight * double(evidence.pixels[i]))
+      for (const auto column : kLabelColumns) (labels.*column)[i] = 0;
+  const Extraction decided = extract_object(exec, {}, {model.cloud(), labels});
+  labels.label.assign(decided.object.begin(), decided.object.end());
+  return labels;
+}
+
+/// The columns of the whole model.
+LabelColumns spread_out(const LabelColumns& part, const std::vector<std::int64_t>& rows, std::int64_t gaussians) {
+  LabelColumns whole;
+  for (const auto column : kLabelColumns) {
+    (whole.*column).assign(std::size_t(gaussians), float(column == &LabelColumns::views));
+    for (std::size_t i = 0; i < rows.size(); ++i) (whole.*column)[std::size_t(rows[i])] = (part.*column)[i];
+  }
+  return whole;
+}
+
+}  // namespace
+
+BallCut cut_in_ball(const Exec& exec, Monitor& monitor, const BallCutInput& in) {
+  BallCut cut;
+  for (const SceneView& view : in.scene.views) cut.cameras.push_back(at_segmented_size(view.camera));
+  cut.views.resize(cut.cameras.size());
+  std::map<std::size_t, ViewPrompt> marked, surrounded;
+  for (const auto& [view, hand] : in.marks) {
+    marked[view] = rasterise(hand, cut.cameras[view].width_px, cut.cameras[view].height_px);
+    if (fill_surrounded(marked[view])) surrounded[view] = marked[view];
+  }
+  const BallModel model(exec, in);
+  cut.in_ball = model.cloud().size();
+  Told told{marked, {}};
+  if (surrounded.size() >= kLeastSurrounded) {
+    told.expected = model.expected(cut.cameras, surrounded, up_of(cut.cameras));
+    segment_all(exec, monitor, model, told, cut);
+  } else {
+    spread_masks(
+        exec, monitor, {.passes = 1},
+        {model.cloud(), in.scene, cut.cameras, std::vector<bool>(cut.cameras.size(), true), model.splat(), marked,
+         [&](std::size_t view, const ViewPrompt& prompt) { return model.segment(cut.cameras[view], prompt); },
+         [&](std::size_t view, const SpreadView& result) { cut.views[view] = result; }, false});
+  }
+  if (monitor.stop_requested()) return cut;
+  LabelColumns labels = [&] {
+    const auto timed = monitor.scope("labels");
+    return labels_in_ball(exec, model, in, cut);
+  }();
+  for (std::size_t i = 0; i < told.expected.size(); ++i)  // what stands on a plane hides some of it
+    if (labels.views[i] == 0 && told.expected[i] == 0) labels.label[i] = 0;
+  cut.object = std::count(labels.label.begin(), labels.label.end(), 1.f);
+  cut.labels = spread_out(labels, model.rows(), in.cloud.size());
+  return cut;
+}
+
+}  // namespace ngs::live

@@ -1,0 +1,50 @@
+#!/usr/bin/env bash
+# ngs cut --around --quality flash on every object of a splat whose truth is known, from strokes made by a rule:
+#
+#   pipelines/around.sh [-o OUT] [--scene SCENE_JSON] MODEL IDS ID...
+#
+#   MODEL                a splat
+#   IDS                  a file of one byte a Gaussian: the number of its object
+#   ID                   an object to cut out
+#   -o OUT               folder that keeps all that is made                                       (default: around)
+#   --scene SCENE_JSON   cameras to score at, the held-out ones where there are some              (default: the cut's own)
+#
+# Two cameras of ngs-scene orbit a quarter of a turn apart are marked: a line along the object and one around it
+# (tests/bench/strokes/stroke_rule.h). Needs ngs_strokes, a target of the build.
+#
+# stdout: a line per object: ID WALL_S CPU_S SCORES, the times of the cut alone, with reading and writing, as the scores
+# are: of masks rendered from the labels against those of the ids.
+set -euo pipefail
+shopt -s inherit_errexit
+# shellcheck source=pipelines/common.sh
+. "$(dirname "$0")/common.sh"
+
+out=around scene=""
+while [ $# -gt 0 ]; do
+  case $1 in
+    -h | --help) usage_of "$0"; exit 0 ;;
+    -o | --scene)
+      [ $# -ge 2 ] || fail 2 "$1: no value given" "see $0 --help"
+      if [ "$1" = -o ]; then out=$2; else scene=$2; fi
+      shift 2 ;;
+    -*) fail 2 "unknown option $1" "see $0 --help" ;;
+    *) break ;;
+  esac
+done
+[ $# -ge 3 ] || fail 2 "expected MODEL IDS ID..." "see $0 --help"
+model=$1 ids=$2
+shift 2
+bin=$(find_bin)
+mkdir -p "$out" || fail 8 "$out: cannot be made"
+
+for id in "$@"; do
+  folder=$out/object-$id
+  ball=$(tool ngs_strokes ball "$model" "$ids" "$id")
+  cut=(cut "$model" "--around=$ball" --quality flash -o "$folder" -w -q)
+  [ -f "$folder/orbit/scene.json" ] || tool ngs "${cut[@]}" > /dev/null
+  tool ngs_strokes strokes "$model" "$ids" "$id" "$folder/orbit/scene.json" > "$out/strokes-$id.json"
+  tool ngs "${cut[@]}" --strokes "$out/strokes-$id.json" --report "$out/report-$id.json" > /dev/null
+  times=$(grep -m 2 -oE '"(wall|cpu)_s": [0-9.]+' "$out/report-$id.json" | grep -oE '[0-9]+[.]?[0-9]*' | paste -sd ' ')
+  scores=$(tool ngs_strokes score "$model" "$ids" "$id" "${scene:-$folder/orbit/scene.json}" "$folder/labelled.ply")
+  printf '%s %s %s\n' "$id" "$times" "$scores"
+done

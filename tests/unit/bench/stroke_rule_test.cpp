@@ -1,0 +1,56 @@
+#include "strokes/stroke_rule.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "ngs/stages/masks/hand_prompt.h"
+
+namespace ngs {
+namespace {
+
+constexpr int kWidth = 200, kHeight = 150;
+
+/// A bar of 20 px across the picture's middle, with a knob at its left end.
+PixelMask bar(int left) {
+  PixelMask mask(std::size_t(kWidth * kHeight));
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      mask[std::size_t(y * kWidth + x)] =
+          (x >= left && x < 160 && std::abs(y - 75) < 10) || std::hypot(x - left - 15.0, y - 75.0) < 15;
+  return mask;
+}
+
+TEST_CASE("the rule draws one line within the object and one around it, at its distance") {
+  const PixelMask truth = bar(40);
+  const HandPrompt prompt = bench::strokes_of_truth(truth, kWidth, kHeight, "0000.png");
+  REQUIRE(prompt.strokes.size() == 2);
+  CHECK(prompt.view == "0000.png");
+  CHECK(prompt.strokes[0].object);
+  CHECK_FALSE(prompt.strokes[1].object);
+  const auto& line = prompt.strokes[0].points;
+  CHECK(std::hypot(line[1][0] - line[0][0], line[1][1] - line[0][1]) > 90);  // along the bar, not across it
+  const ViewPrompt hints = rasterise(prompt, kWidth, kHeight);
+  int wrong = 0, marked[2] = {};
+  for (std::size_t p = 0; p < truth.size(); ++p) {
+    if (!is_certain(hints.hint[p])) continue;
+    ++marked[is_object(hints.hint[p])], wrong += is_object(hints.hint[p]) != (truth[p] != 0);
+  }
+  CHECK(wrong == 0);
+  CHECK(marked[0] > 500);
+  CHECK(marked[1] > 300);
+}
+
+TEST_CASE("the line around an object that the frame cuts says nothing along the frame") {
+  const HandPrompt prompt = bench::strokes_of_truth(bar(-20), kWidth, kHeight, "0000.png");
+  for (const PromptStroke& stroke : prompt.strokes)
+    if (!stroke.object)
+      for (const auto& point : stroke.points) CHECK(point[0] > 0);
+}
+
+TEST_CASE("nothing to mark gives no stroke") {
+  CHECK(bench::strokes_of_truth(PixelMask(std::size_t(kWidth * kHeight)), kWidth, kHeight, "v").strokes.empty());
+}
+
+}  // namespace
+}  // namespace ngs
