@@ -9,6 +9,7 @@
 #include "ngs/backend/for_each.h"
 #include "ngs/core/error.h"
 #include "ngs/core/monitor.h"
+#include "ngs/ops/image/connected_components.h"
 #include "ngs/ops/image/image_bytes.h"
 #include "ngs/ops/image/metrics.h"
 #include "ngs/ops/splat/evidence.h"
@@ -69,18 +70,46 @@ class WithoutView {
   const MarkedView* view_;
 };
 
-/// Strokes hold. About those that contradict what the other views say, that is no longer certain: the colours decide.
-void lay_strokes(const ViewPrompt& strokes, int contested_px, ViewPrompt& prompt) {
-  const int w = prompt.width_px, h = prompt.height_px;
+/// Distance of every pixel from the strokes of one side that contradict what the other views say.
+std::vector<std::int32_t> distance_of_contest(const ViewPrompt& strokes, const ViewPrompt& prompt, bool object) {
   PixelMask calm(prompt.hint.size(), 1);
   for (std::size_t p = 0; p < calm.size(); ++p)
-    if (is_certain(strokes.hint[p]) && is_object(strokes.hint[p]) != is_object(prompt.hint[p])) calm[p] = 0;
-  const auto distance = chessboard_distance({calm.data(), w, h}, Outside::kUnknown);
-  for (std::size_t p = 0; p < calm.size(); ++p) {
-    if (distance[p] <= contested_px)
-      prompt.hint[p] = is_object(prompt.hint[p]) ? PixelHint::kLikelyObject : PixelHint::kLikelyBackground;
+    if (is_certain(strokes.hint[p]) && is_object(strokes.hint[p]) == object && is_object(prompt.hint[p]) != object)
+      calm[p] = 0;
+  return chessboard_distance({calm.data(), prompt.width_px, prompt.height_px}, Outside::kUnknown);
+}
+
+/// Strokes hold. About those that contradict what the other views say, that is no longer certain: the colours decide.
+/// But a stroke on the object takes nothing away, and one beside it adds nothing.
+void lay_strokes(const ViewPrompt& strokes, int contested_px, ViewPrompt& prompt) {
+  const auto to_object = distance_of_contest(strokes, prompt, true),
+             to_background = distance_of_contest(strokes, prompt, false);
+  for (std::size_t p = 0; p < prompt.hint.size(); ++p) {
+    if (is_object(prompt.hint[p]) && to_background[p] <= contested_px) prompt.hint[p] = PixelHint::kLikelyObject;
+    if (!is_object(prompt.hint[p]) && to_object[p] <= contested_px) prompt.hint[p] = PixelHint::kLikelyBackground;
     if (is_certain(strokes.hint[p])) prompt.hint[p] = strokes.hint[p];
   }
+}
+
+/// Which pixels of `changed` are connected, through others of it, to a stroke of that side.
+PixelMask reached(const PixelMask& changed, const ViewPrompt& strokes, PixelHint side) {
+  const ConnectedComponents pieces = connected_components({changed.data(), strokes.width_px, strokes.height_px});
+  std::vector<std::uint8_t> is_reached(pieces.size.size());
+  for (std::size_t p = 0; p < changed.size(); ++p)
+    if (changed[p] && strokes.hint[p] == side) is_reached[std::size_t(pieces.component[p])] = 1;
+  PixelMask out(changed.size());
+  for (std::size_t p = 0; p < changed.size(); ++p) out[p] = changed[p] && is_reached[std::size_t(pieces.component[p])];
+  return out;
+}
+
+/// A correction is local: of the mask before it changes what is connected to the new strokes, and to their side.
+PixelMask corrected(const PixelMask& before, const PixelMask& found, const ViewPrompt& strokes) {
+  PixelMask more(before.size()), less(before.size()), out = before;
+  for (std::size_t p = 0; p < before.size(); ++p) more[p] = found[p] && !before[p], less[p] = before[p] && !found[p];
+  more = reached(more, strokes, PixelHint::kObject), less = reached(less, strokes, PixelHint::kBackground);
+  for (std::size_t p = 0; p < out.size(); ++p)
+    if (more[p] || less[p]) out[p] = more[p];
+  return out;
 }
 
 /// Of a render of known_channels(); what is empty is known.
@@ -207,6 +236,11 @@ StrokeAnswer Session::mark(int id, const Look& look, const std::vector<PromptStr
     const bool others_know = marked.views.size() > (is_new ? 0u : 1u);
     const WithoutView others(kept(id).evidence, is_new ? nullptr : place->get());
     segment(view, others_know ? &kept(id).evidence : nullptr);
+  }
+  if (!is_new && std::ranges::count((*place)->mask, 1) > 0) {
+    HandPrompt drawn = view.strokes;
+    drawn.strokes = strokes;
+    view.mask = corrected((*place)->mask, view.mask, rasterise(drawn, view.camera.width_px, view.camera.height_px));
   }
   const double masked_s = wall_seconds();
   weigh(view);

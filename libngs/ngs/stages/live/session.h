@@ -2,7 +2,8 @@
 // A visit to one model: a person marks objects on views of it and sees at once which Gaussians are theirs.
 //
 // Strokes on a view -> its mask (live_mask.h), begun from what the object's other views say there -> evidence of that
-// view alone -> labels, by the sums of the other views that were kept. No files, no clock in any result: the same
+// view alone -> labels, by the sums of the other views that were kept. A further stroke on the same view changes of its
+// mask only what is connected to the stroke, and only to the stroke's side. No files, no clock in any result: the same
 // strokes give the same masks and labels for any number of threads.
 #include <mutex>
 

@@ -255,4 +255,27 @@ TEST_CASE("a frame shows the selection, the object alone and the background alon
   CHECK(draw().data != plain.data);
 }
 
+TEST_CASE("a correction changes what its strokes reach, to their side, and nothing else") {
+  const Visit visit;
+  live::Session session(visit.exec, visit.model());
+  const live::Look look = visit.look(0);
+  const auto mask = [&] { return session.marks()->objects[0].views[0]->mask; };
+  session.mark(1, look, {visit.on_ball(look)});
+  const PixelMask first = mask();
+  // Colours alone would say otherwise: those of this stroke are the object's own.
+  const std::array<double, 2> middle = visit.ball(look);
+  session.mark(1, look, {{false, 1.5, {{middle[0] + 9, middle[1]}}}});
+  const PixelMask less = mask();
+  std::int64_t added = 0, removed = 0;
+  for (std::size_t p = 0; p < first.size(); ++p) added += less[p] && !first[p], removed += first[p] && !less[p];
+  CHECK(added == 0);
+  CHECK(removed > 0);
+  session.mark(1, look, {{true, 4, {{10, 10}}}});
+  const PixelMask more = mask();
+  removed = 0, added = 0;
+  for (std::size_t p = 0; p < first.size(); ++p) added += more[p] && !less[p], removed += less[p] && !more[p];
+  CHECK(added > 0);
+  CHECK(removed == 0);
+}
+
 }  // namespace ngs
