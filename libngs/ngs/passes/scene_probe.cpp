@@ -66,13 +66,15 @@ LabelViews SceneProbe::label_views_of(const std::vector<std::size_t>& some) {
 }
 
 double SceneProbe::edge_gain() {
-  if (!edge_gain_) edge_gain_ = edge_gain_of_views();
+  if (edge_gain_) return *edge_gain_;
+  if (problem_.views.size() < kManyMasks || !problem_.load_fine_photo) return edge_gain_.emplace(0);
+  edge_gain_ = edge_gain_of(kFirstVotes);
+  if (!(*edge_gain_ < -kClearVote)) edge_gain_ = edge_gain_of(kVotingViews);
   return *edge_gain_;
 }
 
-double SceneProbe::edge_gain_of_views() const {
-  if (problem_.views.size() < kManyMasks || !problem_.load_fine_photo) return 0;
-  const std::vector<std::size_t> views = spread_views(problem_.views, kVotingViews);
+double SceneProbe::edge_gain_of(std::size_t most_views) const {
+  const std::vector<std::size_t> views = spread_views(problem_.views, most_views);
   const ContourRefineOptions refine;
   const std::vector<RefinedView> refined =
       refine_views(exec_, {refine, 0, problem_}, {problem_.cloud, problem_.labels}, views, views);

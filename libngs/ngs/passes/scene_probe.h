@@ -27,6 +27,8 @@ struct LabelViews {
 /// From here on the mean of masks, each wrong by a few pixels, may lie closer to an edge than refinement finds it.
 inline constexpr std::size_t kManyMasks = 32;
 inline constexpr std::size_t kVotingViews = 32;
+inline constexpr std::size_t kFirstVotes = 8;
+inline constexpr double kClearVote = 3;  // half as much again as what counts as significant
 
 /// 1 - IoU; 0 where both masks are empty.
 double disagreement(const Confusion& counts);
@@ -55,8 +57,9 @@ class SceneProbe {
   const LabelViews& label_views();
   const LabelViews& label_sample();
   /// How much better contours that follow the photos' edges agree with the masks than the labels as they come do, in
-  /// standard errors of the mean over at most kVotingViews views. 0 where masks have no say: fewer than kManyMasks, no
-  /// photos, or all wrong to one side.
+  /// standard errors of the mean over at most kVotingViews views; over kFirstVotes of them where these say already, by
+  /// more than kClearVote errors, that they agree worse. 0 where masks have no say: fewer than kManyMasks, no photos,
+  /// or all wrong to one side.
   double edge_gain();
   const BoundarySet& boundary();
   Rows<const float, 3> boundary_colours();
@@ -66,7 +69,7 @@ class SceneProbe {
   const Exec exec_;
   const TrainingOptions& training_;
   const Problem& problem_;
-  double edge_gain_of_views() const;
+  double edge_gain_of(std::size_t most_views) const;
   LabelViews label_views_of(const std::vector<std::size_t>& views);
 
   std::optional<LabelViews> views_, sample_;

@@ -78,10 +78,47 @@ std::vector<double> shares(const Scene& whole, const std::vector<PixelWindow>& w
 
 }  // namespace
 
-ObjectWindows object_windows(const Exec& exec, const Problem& problem) {
-  const Scene& scene = problem.scene;
+namespace {
+
+/// What masks alone say: their boxes, without a margin.
+ObjectWindows mask_windows(const Exec& exec, const Problem& problem) {
   ObjectWindows out;
-  out.window.resize(scene.views.size()), out.masks.resize(scene.views.size());
+  out.window.resize(problem.scene.views.size()), out.masks.resize(problem.scene.views.size());
+  for_each_task(exec, std::int64_t(problem.views.size()), [&](std::int64_t n) {
+    if (stop_requested(problem.monitor)) return;
+    const std::size_t v = problem.views[std::size_t(n)];
+    ViewMasks masks = problem.load_masks(v);
+    if (masks.available) out.window[v] = window_of(masks.target, masks.width_px, masks.height_px, 0);
+    out.masks[v] = RleMasks(std::move(masks));
+  });
+  return out;
+}
+
+/// Views that supervise or have a photo.
+std::vector<std::size_t> views_in_use(const Problem& problem) {
+  std::vector<std::size_t> seen = photo_views(problem.scene);
+  seen.insert(seen.end(), problem.views.begin(), problem.views.end());
+  std::ranges::sort(seen);
+  seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
+  return seen;
+}
+
+/// Share of the pixels of these views that lie in no window.
+double share_outside(const Scene& scene, const std::vector<std::size_t>& views, const ObjectWindows& windows) {
+  double inside_px = 0, all_px = 0;
+  for (const std::size_t v : views) {
+    const Camera& camera = scene.views[v].camera;
+    inside_px += double(windows.window[v].w) * windows.window[v].h;
+    all_px += double(camera.width_px) * camera.height_px;
+  }
+  return all_px > 0 ? 1 - inside_px / all_px : 0;
+}
+
+}  // namespace
+
+ObjectWindows object_windows(const Exec& exec, const Problem& problem, ObjectWindows of_masks) {
+  const Scene& scene = problem.scene;
+  ObjectWindows out = of_masks.window.empty() ? mask_windows(exec, problem) : std::move(of_masks);
   const std::vector<std::uint8_t> rows = labelled_rows(problem);
   RenderRequest alone;
   alone.colour = false, alone.include = rows.data();
@@ -90,26 +127,22 @@ ObjectWindows object_windows(const Exec& exec, const Problem& problem) {
     const Camera small = shrunk(scene.views[v].camera, kShrink);
     return shown_window(render(exec, problem.cloud, small, splat, alone).alpha, kShrink);
   };
-  for_each_task(exec, std::int64_t(problem.views.size()), [&](std::int64_t n) {
-    if (stop_requested(problem.monitor)) return;
-    const std::size_t v = problem.views[std::size_t(n)];
-    ViewMasks masks = problem.load_masks(v);
-    if (masks.available) out.window[v] = window_of(masks.target, masks.width_px, masks.height_px, 0);
-    out.masks[v] = RleMasks(std::move(masks));
-  });
-  std::vector<std::size_t> seen = photo_views(scene);
-  seen.insert(seen.end(), problem.views.begin(), problem.views.end());
-  std::ranges::sort(seen);
-  seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
-  double inside_px = 0, all_px = 0;
+  const std::vector<std::size_t> seen = views_in_use(problem);
   const bool all = for_each_view(problem.monitor, seen, [&](std::size_t, std::size_t v) {
-    const Camera& camera = scene.views[v].camera;
     PixelWindow& window = out.window[v];
-    window = settled(merged(window, of_object(v)), camera);
-    inside_px += double(window.w) * window.h, all_px += double(camera.width_px) * camera.height_px;
+    window = settled(merged(window, of_object(v)), scene.views[v].camera);
   });
   if (!all) return {};
-  out.outside = all_px > 0 ? 1 - inside_px / all_px : 0;
+  out.outside = share_outside(scene, seen, out);
+  return out;
+}
+
+ObjectWindows windows_of_masks(const Exec& exec, const Problem& problem) {
+  ObjectWindows out = mask_windows(exec, problem);
+  std::vector<PixelWindow> boxes = out.window;
+  for (const std::size_t v : problem.views) out.window[v] = settled(out.window[v], problem.scene.views[v].camera);
+  out.outside = share_outside(problem.scene, views_in_use(problem), out);
+  out.window = std::move(boxes);
   return out;
 }
 

@@ -19,8 +19,13 @@ struct ObjectWindows {
 /// About the masks of the training views, and about the labelled Gaussians drawn alone in all views that have masks or
 /// a photo: a fifth of the longer side more on each side, 24 to 64 px, then on to multiples of a tile. Of what lies
 /// apart at the edges of an object's picture up to kStrayShare a side is left out. Empty where it was asked to stop.
-ObjectWindows object_windows(const Exec& exec, const Problem& problem);
+/// `of_masks`: of windows_of_masks(); empty: worked out here.
+ObjectWindows object_windows(const Exec& exec, const Problem& problem, ObjectWindows of_masks = {});
 inline constexpr double kStrayShare = 0.002;
+
+/// The boxes of the masks alone, without margin. `outside` is a bound: what labelled Gaussians show beside them only
+/// lowers it.
+ObjectWindows windows_of_masks(const Exec& exec, const Problem& problem);
 
 class WindowInput {
  public:

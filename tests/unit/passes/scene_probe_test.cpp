@@ -215,12 +215,16 @@ TEST_CASE("region: a view that does not show the object is no reason to train on
 
 namespace {
 
-/// What the joint case's masks say of their edges where every view is asked `times` times over.
-double edge_gain(test::JointCase& c, std::size_t times) {
+/// What the masks of the first `views` of the joint case say of their edges where there are 4 `times` of them; `loads`:
+/// photos that were looked at.
+double edge_gain(test::JointCase& c, std::size_t times, std::size_t views = 4, std::size_t* loads = nullptr) {
   Problem in = c.input();
-  in.load_fine_photo = in.load_photo;
+  in.load_fine_photo = [load = in.load_photo, loads](std::size_t v) {
+    if (loads != nullptr) ++*loads;
+    return load(v);
+  };
   in.views.clear();
-  for (std::size_t i = 0; i < 4 * times; ++i) in.views.push_back(i % 4);
+  for (std::size_t i = 0; i < 4 * times; ++i) in.views.push_back(i / times % views);
   const TrainingOptions training;
   return SceneProbe({}, training, in).edge_gain();
 }
@@ -243,7 +247,11 @@ TEST_CASE("masks are asked about the photos' edges where there are many, and the
       }
   }
   CHECK(edge_gain(*c, 7) == 0);
-  CHECK(edge_gain(*c, 8) < -kSignificant);
+  std::size_t clear = 0, doubtful = 0;
+  CHECK(edge_gain(*c, 8, 4, &clear) < -kClearVote);
+  CHECK(clear == kFirstVotes);                 // these leave no doubt
+  CHECK(edge_gain(*c, 8, 1, &doubtful) == 0);  // the first view's errs to one side
+  CHECK(doubtful == kFirstVotes + kVotingViews);
 }
 
 }  // namespace ngs

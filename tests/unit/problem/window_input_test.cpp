@@ -97,6 +97,25 @@ TEST_CASE("windows hold every pixel of the masks, on whole tiles, and the photo 
   }
 }
 
+TEST_CASE("boxes of the masks bound what lies beside the windows, and windows begin with them") {
+  WindowCase c;
+  const ObjectWindows masks = windows_of_masks({}, c.whole);
+  CHECK(masks.outside >= c.windows->outside);
+  CHECK(masks.outside < c.windows->outside + 0.2);  // margins count
+  const ObjectWindows again = object_windows({}, c.whole, windows_of_masks({}, c.whole));
+  CHECK(again.outside == c.windows->outside);
+  for (const std::size_t v : c.whole.views) {
+    CAPTURE(v);
+    const PixelWindow &box = masks.window[v], &w = again.window[v], &want = c.windows->window[v];
+    CHECK((w.x0 == want.x0 && w.y0 == want.y0 && w.w == want.w && w.h == want.h));
+    CHECK((box.x0 > w.x0 && box.y0 > w.y0 && box.x0 + box.w < w.x0 + w.w && box.y0 + box.h < w.y0 + w.h));
+  }
+  c.base->labels[0].label.assign(c.base->labels[0].label.size(), 1.f);  // and the wall is the object's too
+  Problem wall = c.base->input();
+  CHECK(windows_of_masks({}, wall).outside == masks.outside);
+  CHECK(object_windows({}, wall).outside < c.windows->outside);
+}
+
 TEST_CASE("a view that shows nothing has no window, supervises nothing and has no photo") {
   WindowCase c;
   const std::size_t away = c.base->look_away();

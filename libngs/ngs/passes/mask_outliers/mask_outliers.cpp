@@ -43,20 +43,83 @@ double disagreement(const Planes& mask, const Planes& consensus) {
   return either > 0 ? 1 - both / either : kNothingThere;
 }
 
+/// What views say of every Gaussian, as label channels; last, where it is asked, that they have seen it.
+struct Consensus {
+  std::size_t objects, channels;
+  std::vector<float> label;          // [N, channels]
+  std::vector<std::uint8_t> object;  // [N] one of the labels is 1
+
+  Consensus(std::size_t gaussians, std::size_t k, bool seen)
+      : objects(k), channels(k + std::size_t(seen)), label(gaussians * channels, 0.f), object(gaussians, 0) {}
+  void set(std::size_t gaussian, const LeaveOneOut::Shares& shares) {
+    float* to = &label[gaussian * channels];
+    object[gaussian] = 0;
+    for (std::size_t k = 0; k < objects; ++k) {
+      to[k] = label_says_object(shares.share[k]) ? 1.f : 0.f;
+      object[gaussian] |= to[k] > 0;
+    }
+    if (channels > objects) to[objects] = float(shares.seen);
+  }
+};
+
+/// A consensus drawn into views of a problem, and compared with their masks.
+class ConsensusViews {
+ public:
+  ConsensusViews(const Exec& exec, const Problem& input, const Consensus& consensus)
+      : exec_(exec), input_(input), consensus_(consensus) {
+    request_.colour = false;
+    request_.label = {consensus.label.data(), input.cloud.size(), int(consensus.channels)};
+  }
+
+  /// Disagreement of a mask with the better consensus. Where mask and object alone show nothing, nothing is less, and
+  /// the model as it stands is not rendered; nor where they disagree by no more than `enough`.
+  /// `shown` [N]: 1 for all that the view shows; null: for all.
+  double disagreement_of(const Camera& camera, const Planes& mask, const std::uint8_t* shown, double enough) {
+    request_.include = consensus_.object.data();
+    const double alone = disagreement(mask, drawn(camera, false));
+    if (alone == kNothingThere || alone <= enough) return alone;
+    request_.include = shown;
+    return std::min(alone, disagreement(mask, drawn(camera, consensus_.channels > consensus_.objects)));
+  }
+
+ private:
+  /// `seen_only`: compared only where most of the pixel was seen by the others.
+  Planes drawn(const Camera& camera, bool seen_only) const {
+    const RenderedView view = render(exec_, input_.cloud, camera, input_.splat, request_);
+    const std::size_t pixels = std::size_t(view.label.pixels());
+    Planes p{{}, std::vector<std::uint8_t>(pixels, 1)};
+    p.object.assign(consensus_.objects, std::vector<std::uint8_t>(pixels));
+    for (std::size_t i = 0; i < pixels; ++i) {
+      const float* at = &view.label.data[i * consensus_.channels];
+      for (std::size_t k = 0; k < consensus_.objects; ++k) p.object[k][i] = label_says_object(at[k]);
+      if (seen_only) p.compared[i] = at[consensus_.objects] > 0.5f;
+    }
+    return p;
+  }
+
+  const Exec& exec_;
+  const Problem& input_;
+  const Consensus& consensus_;
+  RenderRequest request_;
+};
+
 class Judge {
  public:
-  Judge(const Exec& exec, const MaskOutlierOptions& options, const Problem& input)
+  Judge(const Exec& exec, const MaskOutlierOptions& options, const Problem& input, const std::vector<double>& first)
       : exec_(exec),
         options_(options),
         input_(input),
         trusted_(input.views.size(), 1),
         gathered_(input.views.size(), 0),
-        found_(input.views.size(), INFINITY) {}
+        found_(first.empty() ? std::vector<double>(input.views.size(), INFINITY) : first) {}
 
   MaskOutliers run(Monitor& monitor) {
     const auto timed = monitor.scope("view trust");
     MaskOutliers trust;
     int rounds = 0;
+    if (std::ranges::none_of(found_, [](double d) { return d == INFINITY; })) note(trust);
+    trust.figures["rounds"] = 0;
+    if (!asks()) return trust;
     LeaveOneOut others(exec_, input_.cloud.size(), int(input_.scene.objects.size()), [this](std::size_t n) {
       return view_weights(exec_, input_.cloud, {camera(n), input_.load_masks(input_.views[n])}, input_.splat);
     });
@@ -107,65 +170,16 @@ class Judge {
     return weight;
   }
 
-  /// What the views say of every Gaussian, as label channels; last: they have seen it.
-  struct Consensus {
-    std::size_t objects;
-    std::vector<float> label;          // [N, K + 1]
-    std::vector<std::uint8_t> object;  // [N] one of the labels is 1
-
-    Consensus(std::size_t gaussians, std::size_t k)
-        : objects(k), label(gaussians * (k + 1), 0.f), object(gaussians, 0) {}
-    void set(std::size_t gaussian, const LeaveOneOut::Shares& shares) {
-      float* to = &label[gaussian * (objects + 1)];
-      object[gaussian] = 0;
-      for (std::size_t k = 0; k < objects; ++k) {
-        to[k] = label_says_object(shares.share[k]) ? 1.f : 0.f;
-        object[gaussian] |= to[k] > 0;
-      }
-      to[objects] = float(shares.seen);
-    }
-  };
-
-  /// Disagreement of a mask with the better consensus. Where mask and object alone show nothing, nothing is less, and
-  /// the model as it stands is not rendered.
-  /// `shown` [N]: 1 for all that the view shows.
-  double disagreement_with(const Consensus& consensus, const std::vector<std::uint8_t>& shown, std::size_t n,
-                           const Planes& mask) const {
-    RenderRequest request;
-    request.colour = false;
-    request.label = {consensus.label.data(), input_.cloud.size(), int(consensus.objects) + 1};
-    request.include = consensus.object.data();
-    const double alone =
-        disagreement(mask, thresholded(render(exec_, input_.cloud, camera(n), input_.splat, request), false));
-    if (alone == kNothingThere) return alone;
-    request.include = shown.data();
-    return std::min(
-        alone, disagreement(mask, thresholded(render(exec_, input_.cloud, camera(n), input_.splat, request), true)));
-  }
-  /// `seen_only`: compared only where most of the pixel was seen by the others.
-  static Planes thresholded(const RenderedView& view, bool seen_only) {
-    const std::size_t channels = std::size_t(view.label.channels), pixels = std::size_t(view.label.pixels());
-    Planes p{{}, std::vector<std::uint8_t>(pixels, 1)};
-    p.object.assign(channels - 1, std::vector<std::uint8_t>(pixels));
-    for (std::size_t i = 0; i < pixels; ++i) {
-      const float* at = &view.label.data[i * channels];
-      for (std::size_t k = 0; k + 1 < channels; ++k) p.object[k][i] = label_says_object(at[k]);
-      if (seen_only) p.compared[i] = at[channels - 1] > 0.5f;
-    }
-    return p;
-  }
-
   /// True where another view is ignored now, or one no longer is. Views that agree on showing nothing are trusted, and
   /// no measure of how well contours agree: where most views do not see the object, their zeros would be the median.
   bool judge(const LeaveOneOut& others, MaskOutliers& trust) {
-    trust.disagreement.assign(trusted_.size(), -1.0);
     const auto gaussians = std::size_t(input_.cloud.size());
-    Consensus consensus(gaussians, input_.scene.objects.size());
-    const std::vector<std::uint8_t> everything(gaussians, 1);
+    Consensus consensus(gaussians, input_.scene.objects.size(), true);
+    ConsensusViews views(exec_, input_, consensus);
     std::vector<std::uint8_t> shown(gaussians, 0);
     others.for_all([&](std::size_t i, const LeaveOneOut::Shares& all) { consensus.set(i, all); });
     const bool every = for_each_view(input_.monitor, input_.views, [&](std::size_t n, std::size_t view) {
-      if (found_[n] < kSettled * threshold_) return;
+      if (settled(n)) return;
       const ViewMasks masks = input_.load_masks(view);
       if (!masks.available) {
         found_[n] = kNoMask;
@@ -177,25 +191,40 @@ class Judge {
         others.for_others_in(*own, [&](std::size_t i, const LeaveOneOut::Shares& shares, double) {
           consensus.set(i, shares), shown[i] = 1;
         });
-      found_[n] = disagreement_with(consensus, known ? shown : everything, n, planes_of(masks));
+      found_[n] = views.disagreement_of(camera(n), planes_of(masks), known ? shown.data() : nullptr, kNothingThere);
       if (known)
         others.for_all_in(*own,
                           [&](std::size_t i, const LeaveOneOut::Shares& all) { consensus.set(i, all), shown[i] = 0; });
     });
-    std::vector<double> all;
-    for (std::size_t n = 0; n < found_.size(); ++n) {
-      trust.disagreement[n] = found_[n] == kNoMask ? -1.0 : std::max(found_[n], 0.0);
-      if (found_[n] >= 0) all.push_back(found_[n]);
-    }
-    if (!every || std::ssize(all) < options_.least_views) return false;
-    threshold_ = ignore_threshold(options_, all, trust.figures["median_disagreement"]);
-    trust.figures["threshold"] = threshold_;
+    if (!note(trust) || !every) return false;
     bool changed = false;
     for (std::size_t n = 0; n < trusted_.size(); ++n) {
       const std::uint8_t now = trust.disagreement[n] <= threshold_;
       changed |= now != trusted_[n], trusted_[n] = now;
     }
     return changed;
+  }
+
+  bool settled(std::size_t n) const { return found_[n] < kSettled * threshold_; }
+  /// Whether there is a view to ask.
+  bool asks() const {
+    bool any = false;
+    for (std::size_t n = 0; n < found_.size(); ++n) any |= !settled(n);
+    return any;
+  }
+
+  /// What was found, and the threshold that follows from it; false: of too few views.
+  bool note(MaskOutliers& trust) {
+    std::vector<double> all;
+    trust.disagreement.assign(found_.size(), -1.0);
+    for (std::size_t n = 0; n < found_.size(); ++n) {
+      trust.disagreement[n] = found_[n] == kNoMask ? -1.0 : std::max(found_[n], 0.0);
+      if (found_[n] >= 0) all.push_back(found_[n]);
+    }
+    if (std::ssize(all) < options_.least_views) return false;
+    threshold_ = ignore_threshold(options_, all, trust.figures["median_disagreement"]);
+    trust.figures["threshold"] = threshold_;
+    return true;
   }
 
   const Exec& exec_;
@@ -221,8 +250,31 @@ double ignore_threshold(const MaskOutlierOptions& options, const std::vector<dou
   return strangers && median < 0.5 ? std::min(threshold, options.most) : threshold;
 }
 
-MaskOutliers judge_views(const Exec& exec, Monitor& monitor, const MaskOutlierOptions& options, const Problem& input) {
-  return Judge(exec, options, input).run(monitor);
+std::vector<double> first_look(const Exec& exec, const MaskOutlierOptions& options, const Problem& input) {
+  const std::size_t objects = input.labels.size();
+  if (input.views.size() < kManyVotes || objects == 0) return {};
+  Consensus consensus(std::size_t(input.cloud.size()), objects, false);
+  for_each_index(exec, input.cloud.size(), [&](std::int64_t i) {
+    float* to = &consensus.label[std::size_t(i) * objects];
+    for (std::size_t k = 0; k < objects; ++k) {
+      to[k] = label_says_object(input.labels[k].label[std::size_t(i)]) ? 1.f : 0.f;
+      consensus.object[std::size_t(i)] |= to[k] > 0;
+    }
+  });
+  ConsensusViews views(exec, input, consensus);
+  std::vector<double> found(input.views.size(), kNoMask);
+  const bool every = for_each_view(input.monitor, input.views, [&](std::size_t n, std::size_t view) {
+    const ViewMasks masks = input.load_masks(view);
+    if (masks.available)
+      found[n] =
+          views.disagreement_of(input.scene.views[view].camera, planes_of(masks), nullptr, kSettled * options.least);
+  });
+  return every ? found : std::vector<double>();
+}
+
+MaskOutliers judge_views(const Exec& exec, Monitor& monitor, const MaskOutlierOptions& options, const Problem& input,
+                         const std::vector<double>& first) {
+  return Judge(exec, options, input, first).run(monitor);
 }
 
 ViewMasks consistent_masks(const MaskOutliers& trust, std::size_t view, ViewMasks masks) {

@@ -5,6 +5,9 @@
 // this one, rendered into it, once as the model stands (modal) and once with the object alone (amodal; what hides the
 // object may be a floater). The better of the two counts. A view that disagrees far more than the median view is
 // ignored; the median is that of the views where mask or consensus shows an object.
+//
+// Of many masks one vote changes little: there a first look compares each with the labels as they come, its own vote
+// among them, and only views that come to half of the threshold are asked what the others say.
 #include "ngs/problem/problem.h"
 
 namespace ngs {
@@ -27,7 +30,18 @@ struct MaskOutliers {
   std::map<std::string, double> figures;  // median, threshold, rounds
 };
 
-MaskOutliers judge_views(const Exec& exec, Monitor& monitor, const MaskOutlierOptions& options, const Problem& input);
+/// From as many views on there is a first look.
+inline constexpr std::size_t kManyVotes = 32;
+
+/// Per entry of input.views: 1 - IoU of its mask with the labels of the input, of all objects drawn alone, or of the
+/// model as it stands where that is better and the first does not show already that the mask agrees (half of
+/// MaskOutlierOptions::least); negative: there is no mask, or neither shows any object. Empty with fewer than
+/// kManyVotes views, without labels, or where it was asked to stop.
+std::vector<double> first_look(const Exec& exec, const MaskOutlierOptions& options, const Problem& input);
+
+/// `first`: of first_look(); empty: every view is asked.
+MaskOutliers judge_views(const Exec& exec, Monitor& monitor, const MaskOutlierOptions& options, const Problem& input,
+                         const std::vector<double>& first = {});
 
 /// The masks of a view; not available where it is ignored.
 ViewMasks consistent_masks(const MaskOutliers& trust, std::size_t view, ViewMasks masks);

@@ -45,7 +45,8 @@ class DisagreementAlone {
   std::vector<double> last_;  // [K]
 };
 
-double worst_outlier(SceneProbe& probe) {
+/// Of few masks, each of which is seen in full.
+double worst_of_few(SceneProbe& probe) {
   const Problem& problem = probe.problem();
   std::vector<double> better;  // of the model as it stands and the objects alone
   const LabelViews& views = probe.label_views();
@@ -64,6 +65,19 @@ double worst_outlier(SceneProbe& probe) {
   return outlier_score(better);
 }
 
+double worst_of_many(const std::vector<double>& first) {
+  std::vector<double> shown;
+  for (const double d : first)
+    if (d >= 0) shown.push_back(d);
+  return outlier_score(shown);
+}
+
+/// first_look() at a problem, once.
+const std::vector<double>& looked(std::vector<double>& first, const Exec& exec, const Problem& problem) {
+  if (first.size() != problem.views.size()) first = first_look(exec, {}, problem);
+  return first;
+}
+
 }  // namespace
 
 std::vector<Effect> MaskOutliersPass::effects() const {
@@ -71,12 +85,17 @@ std::vector<Effect> MaskOutliersPass::effects() const {
            .help = "ignore masks that the others contradict",
            .saves = "the consensus of the others, view by view",
            .detector = {"worst view's disagreement, in halves of what would ignore it", 1,
-                        "half the distance at which a view is ignored", worst_outlier},
+                        "half the distance at which a view is ignored",
+                        [first = first_](SceneProbe& probe) {
+                          const std::vector<double>& many = looked(*first, probe.exec(), probe.problem());
+                          return many.empty() ? worst_of_few(probe) : worst_of_many(many);
+                        }},
            .was = "view-trust"}};
 }
 
 void MaskOutliersPass::run(PassRun& run) {
-  const auto outliers = std::make_shared<const MaskOutliers>(judge_views(run.exec, run.monitor, {}, *run.coarse));
+  const auto outliers = std::make_shared<const MaskOutliers>(
+      judge_views(run.exec, run.monitor, {}, *run.coarse, looked(*first_, run.exec, *run.coarse)));
   if (run.monitor.stop_requested()) return;
   Json names = Json::array();
   for (const std::size_t v : outliers->ignored) {

@@ -1,5 +1,8 @@
 #pragma once
 // Ignores masks that the other views' masks contradict.                                         PAPER.md §5.9
+#include <memory>
+#include <vector>
+
 #include "ngs/passes/pass.h"
 
 namespace ngs {
@@ -10,6 +13,10 @@ class MaskOutliersPass : public Pass {
   std::vector<Effect> effects() const override;
   std::optional<PassCost> cost() const override { return PassCost{1.5, 0.15}; }
   void run(PassRun& run) override;
+
+ private:
+  /// first_look() at the problem: the detector's is the pass's.
+  std::shared_ptr<std::vector<double>> first_ = std::make_shared<std::vector<double>>();
 };
 
 }  // namespace ngs

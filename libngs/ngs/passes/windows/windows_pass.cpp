@@ -3,9 +3,19 @@
 #include "ngs/passes/scene_probe.h"
 
 namespace ngs {
+namespace {
+
+constexpr double kWorthIt = 0.5;  // share of pixels beside the windows
+
+}  // namespace
+
+double WindowsPass::outside(const Exec& exec, const Problem& problem) const {
+  of_masks_ = windows_of_masks(exec, problem);
+  return of_masks_.outside <= kWorthIt ? of_masks_.outside : windows(exec, problem).outside;
+}
 
 const ObjectWindows& WindowsPass::windows(const Exec& exec, const Problem& problem) const {
-  if (!windows_) windows_ = std::make_shared<const ObjectWindows>(object_windows(exec, problem));
+  if (!windows_) windows_ = std::make_shared<const ObjectWindows>(object_windows(exec, problem, std::move(of_masks_)));
   return *windows_;
 }
 
@@ -13,9 +23,9 @@ std::vector<Effect> WindowsPass::effects() const {
   return {{.name = "windows",
            .help = "work on the parts of the views that show the objects",
            .saves = "nothing: whole views are worked on",
-           .detector = {"share of the views' pixels beside the objects' windows", 0.5,
+           .detector = {"share of the views' pixels beside the objects' windows", kWorthIt,
                         "below it windows save less than half of the work",
-                        [this](SceneProbe& probe) { return windows(probe.exec(), probe.problem()).outside; }}}};
+                        [this](SceneProbe& probe) { return outside(probe.exec(), probe.problem()); }}}};
 }
 
 void WindowsPass::run(PassRun& run) {

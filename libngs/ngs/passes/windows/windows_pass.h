@@ -12,7 +12,12 @@ class WindowsPass final : public Pass {
   void run(PassRun& run) override;
 
  private:
+  /// Share of the pixels beside the windows; where masks alone leave too little for windows to be worth it, what they
+  /// leave, and nothing is drawn.
+  double outside(const Exec& exec, const Problem& problem) const;
   const ObjectWindows& windows(const Exec& exec, const Problem& problem) const;
+
+  mutable ObjectWindows of_masks_;  // until windows_ are there
   mutable std::shared_ptr<const ObjectWindows> windows_;
 };
 

@@ -126,6 +126,35 @@ TEST_CASE("with fewer than four masks none is an outlier") {
   CHECK(c.judge().ignored.empty());
 }
 
+TEST_CASE("of many masks only those are asked about that a first look doubts, and the same ones are ignored") {
+  MaskOutlierCase c;
+  Problem in = c.input();
+  CHECK(first_look({}, {}, in).empty());  // six views are few
+  in.views.clear();
+  for (std::size_t n = 0; n < 36; ++n) in.views.push_back(n % 6);
+  Monitor monitor;
+  const MaskOutliers agreed = judge_views({}, monitor, {}, in, first_look({}, {}, in));
+  CHECK(agreed.ignored.empty());
+  CHECK(agreed.figures.at("rounds") == 0);  // nobody was asked
+  CHECK(agreed.figures.at("threshold") == judge_views({}, monitor, {}, in).figures.at("threshold"));
+
+  c.mirror(4);
+  const std::vector<double> first = first_look({}, {}, in);
+  REQUIRE(first.size() == 36);
+  const MaskOutliers all = judge_views({}, monitor, {}, in), some = judge_views({}, monitor, {}, in, first);
+  CHECK(all.ignored == std::vector<std::size_t>(6, 4));
+  CHECK(some.ignored == all.ignored);
+  int kept = 0;
+  for (std::size_t n = 0; n < 36; ++n) {
+    if (n % 6 == 4)
+      CHECK(some.disagreement[n] == all.disagreement[n]);  // the others' word, without its own
+    else
+      kept += some.disagreement[n] == std::max(first[n], 0.0);
+  }
+  CHECK(kept == 30);
+  CHECK(first_look({.threads = 3}, {}, in) == first);
+}
+
 TEST_CASE("what floaters hide does not make a good mask a bad one") {
   MaskOutlierCase c;  // a dark sheet before the ball in view 3, beside it in the others
   GaussianCloud& cloud = c.base->model;
