@@ -1,5 +1,7 @@
 #include "run.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 
 #include "labelled_result.h"
@@ -179,7 +181,7 @@ class MethodRun {
     if (!options_.pipeline.run(PassStage::kFocus, passes)) return run_.stop_code();
     const Problem focused = *passes.problem;
     budget_.measure(run_.exec(), focused, input_.reading_s);
-    const CoarseInput full(focused, 1), coarse(full.get(), decision_shrink(input_.scene));
+    CoarseInput full(focused, 1), coarse(full.get(), decision_shrink(input_.scene));
     passes.problem.emplace(full.get()), passes.coarse = &coarse.get();
     if (options_.runs_passes()) {
       if (!load_views(run_, budget_, full, coarse)) options_.pipeline.leave_out(PassStage::kMend, passes);
@@ -194,7 +196,9 @@ class MethodRun {
       passes.resumed = store_.resumed(identity);
     }
     if (!options_.pipeline.run(PassStage::kMend, passes)) return run_.stop_code();
-    return options_.runs_passes() ? optimise(passes, std::move(identity)) : baseline(passes);
+    coarse.forget();  // decisions that look at it are taken
+    malloc_trim(0);
+    return options_.runs_passes() ? optimise(passes, std::move(identity), full) : baseline(passes);
   }
 
  private:
@@ -260,7 +264,7 @@ class MethodRun {
     return field;
   }
 
-  int optimise(PassRun& passes, Json identity) {
+  int optimise(PassRun& passes, Json identity, CoarseInput& views) {
     options_.pipeline.decide(PassStage::kOptimise, passes, *passes.problem);
     if (const int stopped = run_.stop_code()) return stopped;
     run_.warn_unused([&](std::string_view effect) { return decisions_.on(effect); });
@@ -277,12 +281,14 @@ class MethodRun {
       passes.store = &store_;
     }
     if (!options_.pipeline.run(PassStage::kOptimise, passes)) return run_.stop_code();
+    views.forget();
+    if (!writes_nerf) passes.trainer.reset();  // of no more use, and as large as the model
+    malloc_trim(0);
     return write(passes, writes_nerf);
   }
 
   int write(PassRun& passes, bool writes_nerf) {
     const Solution& solution = *passes.solution;
-    if (!writes_nerf) passes.trainer.reset();  // of no more use, and as large as the model
     if (budget_.given()) run_.result()["budget"] = budget_.json();
     if (budget_.given() && !solution.converged)
       run_.monitor().warn(

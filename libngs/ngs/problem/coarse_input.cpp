@@ -105,6 +105,12 @@ double CoarseInput::preload(const Exec& exec, const std::function<bool()>& go_on
   return all > 0 ? 1 - double(refused) / double(all) : 1;
 }
 
+void CoarseInput::forget() {
+  const std::lock_guard lock(mutex_);
+  photos_.clear(), masks_.clear();
+  kept_bytes_ = bytes_ = 0;
+}
+
 int decision_shrink(const Scene& scene) {
   int longest_px = 0;
   for (const SceneView& view : scene.views)

@@ -30,6 +30,8 @@ class CoarseInput {
   /// nobody asks to stop and `go_on` says so, which every thread asks before each of them. Returns the share that was
   /// not refused.
   double preload(const Exec& exec, const std::function<bool()>& go_on = {}) const;
+  /// Lets go of what was kept, and keeps nothing from here on: all is loaded where it is asked for.
+  void forget();
 
  private:
   template <class T>

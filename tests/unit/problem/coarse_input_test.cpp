@@ -59,10 +59,13 @@ TEST_CASE("an input at its own size is the same, and is loaded once") {
   Problem fine = c->input();
   int loads = 0;
   fine.load_photo = [&, load = fine.load_photo](std::size_t v) { return ++loads, load(v); };
-  const CoarseInput same(fine, 1);
+  CoarseInput same(fine, 1);
   CHECK(same.get().load_photo(2).data == c->input().load_photo(2).data);
   CHECK(same.get().load_photo(2).width_px == c->input().load_photo(2).width_px);
   CHECK(loads == 1);
+  same.forget();
+  for (int again = 0; again < 2; ++again) CHECK(same.get().load_photo(2).data == c->input().load_photo(2).data);
+  CHECK(loads == 3);  // nothing is kept any more
 }
 
 TEST_CASE("what is preloaded by several threads is loaded once and is the same") {

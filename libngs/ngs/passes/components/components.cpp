@@ -1,5 +1,6 @@
 #include "ngs/passes/components/components.h"
 
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <unordered_set>
@@ -73,6 +74,15 @@ std::vector<std::uint8_t> far_from_core(const Exec& exec, const ComponentOptions
 }
 
 }  // namespace
+
+std::int64_t count_disconnected(const Exec& exec, const ComponentOptions& options, const Problem& input) {
+  std::int64_t count = 0;
+  for (const LabelColumns& object : input.labels) {
+    const std::vector<std::uint8_t> far = far_from_core(exec, options, input, object);
+    count += std::count(far.begin(), far.end(), std::uint8_t(1));
+  }
+  return count;
+}
 
 ComponentFinding find_disconnected(const Exec& exec, const ComponentOptions& options, const Problem& input) {
   ComponentFinding finding{input.labels, std::vector<std::uint8_t>(std::size_t(input.cloud.size()), 0)};

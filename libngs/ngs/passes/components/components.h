@@ -24,6 +24,8 @@ struct ComponentFinding {
 
 /// Without a core, as with masks of so few views that every trace is one, nothing is found. Rows fixed by hand stay.
 ComponentFinding find_disconnected(const Exec& exec, const ComponentOptions& options, const Problem& input);
+/// Its count alone: no labels are copied.
+std::int64_t count_disconnected(const Exec& exec, const ComponentOptions& options, const Problem& input);
 
 /// What a method came to label as object although the evidence does not, and what does not hang together with the
 /// object, has the input's label again: a trained label may follow a trace that shows through. Returns how many, over

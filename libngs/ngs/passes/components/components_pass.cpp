@@ -5,14 +5,13 @@
 namespace ngs {
 
 std::vector<Effect> ComponentsPass::effects() const {
-  return {{.name = "components",
-           .help = "claim nothing that does not hang together with the object",
-           .saves = "linking what is labelled",
-           .detector = {"Gaussians that masks claim apart from the object", 0, "one is enough: it may be large",
-                        [](SceneProbe& probe) {
-                          return double(find_disconnected(probe.exec(), {}, probe.problem()).count);
-                        }},
-           .was = "strays"}};
+  return {
+      {.name = "components",
+       .help = "claim nothing that does not hang together with the object",
+       .saves = "linking what is labelled",
+       .detector = {"Gaussians that masks claim apart from the object", 0, "one is enough: it may be large",
+                    [](SceneProbe& probe) { return double(count_disconnected(probe.exec(), {}, probe.problem())); }},
+       .was = "strays"}};
 }
 
 void ComponentsPass::run(PassRun& run) {

@@ -61,6 +61,9 @@ void take_steps(PassRun& run, double keep_s, StepStore* store) {
   run.budget.took("steps", renders, wall_seconds() - began_s);
 }
 
+/// Nothing optimises: the labels as they come are the solution's.
+bool is_labels_alone(const PassRun& run) { return !run.on("joint") && !run.on("contours"); }
+
 }  // namespace
 
 std::vector<Effect> JointPass::effects() const { return joint_effects(); }
@@ -91,6 +94,12 @@ void JointPass::begin(PassRun& run) {
       run.device_exec, run.monitor, JointSetup{o.joint, o.sample, o.rbf, problem, run.field}, run.allow_empty);
   run.watch.emplace(run.exec, run.watching, problem, run.budget);
   run.watch->begin(*run.trainer);
+  if (is_labels_alone(run)) {
+    run.solution.emplace().figures = run.trainer->figures();
+    run.trainer.reset();  // as large as the model
+    run.solution->cloud = problem.cloud;
+    return;
+  }
   run.solution = run.trainer->result();
   run.solution->converged = true;
 }
@@ -117,7 +126,7 @@ void JointPass::finish(PassRun& run) {
     longer.figures.merge(run.solution->figures);
     run.solution = std::move(longer);
   }
-  if (!run.on("joint") && !run.on("contours"))
+  if (is_labels_alone(run))
     run.solution->labels = run.problem->labels;
   else if (may_withdraw(run.decisions))
     run.report["components"]["withdrawn"] = withdraw_apart(run.exec, {}, *run.problem, *run.solution);

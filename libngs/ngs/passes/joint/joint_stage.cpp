@@ -335,9 +335,12 @@ Solution JointTrainer::result() const {
       const std::size_t i = s.trained.row(r);
       if (s.trainable[r * k_count + k]) result.labels[k].label[i] = result.labels[k].prob[i] = s.label[i * k_count + k];
     }
-  result.figures["steps"] = double(s.done);
-  result.figures["boundary"] = double(s.boundary.size());
+  result.figures = figures();
   return result;
+}
+
+std::map<std::string, double> JointTrainer::figures() const {
+  return {{"steps", double(impl_->done)}, {"boundary", double(impl_->boundary.size())}};
 }
 
 std::vector<StateBlock> JointTrainer::state() {

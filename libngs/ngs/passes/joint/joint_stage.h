@@ -56,6 +56,8 @@ class JointTrainer {
   std::int64_t steps_done() const;
   std::int64_t steps_planned() const;
   Solution result() const;
+  /// Of the result.
+  std::map<std::string, double> figures() const;
 
   /// Everything that changes from step to step, by name; a copy of it and the step number resume byte for
   /// byte.

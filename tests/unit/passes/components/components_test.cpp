@@ -29,7 +29,9 @@ struct ComponentCase {
   ComponentFinding find() const {
     Problem in = base->input();
     in.fixed = fixed;
-    return find_disconnected({}, {}, in);
+    ComponentFinding found = find_disconnected({}, {}, in);
+    CHECK(count_disconnected({}, {}, in) == found.count);
+    return found;
   }
 };
 
