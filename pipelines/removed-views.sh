@@ -9,12 +9,17 @@
 #   --split RULE       the views that are held out or taken away                                  (default: every:4:2)
 #   --run NAME=FLAGS   a row: flags of ngs-joint, e.g. 'ours=--quality high'       (default: flash, cob, bce, ng-gs, ngs)
 #   --seeds N          seeds 0..N-1 of ngs-joint                                                  (default: 1)
-#   --only SCORE       transductive or inductive                                                  (default: both)
-#   --fit-steps N      of a recipe's splat                                                        (default: 1500)
+#   --only SCORE       transductive, inductive or novel                       (default: transductive and inductive)
+#   --novel            the novel score too
+#   --fit-steps N      of a recipe's splat, and of the splat of the novel score                   (default: 1500)
+#   --fit-flags FLAGS  of ngs-fit for the novel score         (default: --sh-degree 1 --max-gaussians 8000, as ngs-synth)
 #
 # transductive: the views' masks are held out, their photos and poses are used, as in NVOS.
 # inductive: photo, mask and pose are deleted before the import; the result is rendered at the cameras of the whole
-# capture. Both are scored on the true masks, at the photos' size.
+# capture. The splat was fitted to the deleted photos all the same: what is left as it was is better there than between
+# the photos, and what moves looks worse than it is.
+# novel: inductive, with a splat fitted anew to the photos that are left; the cameras of the whole capture are aligned
+# with that splat. All are scored on the true masks, at the photos' size.
 #
 # stdout: a line per run: SCENE SPLIT NAME SEED SCORE IoU B-IoU_0.02 B-IoU_0.005, with tabs; then the means over all splits
 # and seeds of a scene, and the gain over flash in B-IoU 0.005 if flash is among the runs.
@@ -23,11 +28,13 @@ shopt -s inherit_errexit
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"
 
-out=removed-views splits=() runs=() seeds=1 fit_steps=1500 scores=(transductive inductive) scenes=()
+out=removed-views splits=() runs=() seeds=1 fit_steps=1500 scores=(transductive inductive) novel='' scenes=()
+fit_flags=(--sh-degree 1 --max-gaussians 8000)
 while [ $# -gt 0 ]; do
   case $1 in
     -h | --help) usage_of "$0"; exit 0 ;;
-    -o | --split | --run | --seeds | --only | --fit-steps)
+    --novel) novel=novel; shift ;;
+    -o | --split | --run | --seeds | --only | --fit-steps | --fit-flags)
       [ $# -ge 2 ] || fail 2 "$1: no value given" "see $0 --help"
       case $1 in
         -o) out=$2 ;;
@@ -36,6 +43,7 @@ while [ $# -gt 0 ]; do
         --seeds) seeds=$2 ;;
         --only) scores=("$2") ;;
         --fit-steps) fit_steps=$2 ;;
+        --fit-flags) read -ra fit_flags <<< "$2" ;;
       esac
       shift 2 ;;
     -*) fail 2 "unknown option $1" "see $0 --help" ;;
@@ -44,7 +52,9 @@ while [ $# -gt 0 ]; do
 done
 [ ${#scenes[@]} -gt 0 ] || fail 2 "expected SCENE..." "see $0 --help"
 [[ $seeds =~ ^[1-9][0-9]*$ ]] || fail 2 "--seeds $seeds: expected a number from 1 on"
-[[ ${scores[0]} =~ ^(transductive|inductive)$ ]] || fail 2 "--only ${scores[0]}: expected transductive or inductive"
+[[ ${scores[0]} =~ ^(transductive|inductive|novel)$ ]] ||
+  fail 2 "--only ${scores[0]}: expected transductive, inductive or novel"
+if [ -n "$novel" ] && [ "${scores[0]}" != novel ]; then scores+=(novel); fi
 if [ ${#splits[@]} -eq 0 ]; then splits=(every:4:2); fi
 if [ ${#runs[@]} -eq 0 ]; then
   for method in flash cob bce ng-gs ngs; do runs+=("$method=--method $method"); done
@@ -74,11 +84,19 @@ folder_of() {
 
 masks_of() { if [ -d "$1/masks_sam" ]; then printf '%s\n' "$1/masks_sam"; else printf '%s\n' "$1/masks"; fi; }
 
-# prepared WORK CAPTURE MASKS SPLIT-OR-NOTHING: WORK/scene.json and WORK/boundary.ply.
+# prepared WORK CAPTURE MASKS SPLIT-OR-NOTHING [MODEL]: WORK/scene.json and WORK/boundary.ply.
 prepared() {
   if [ ! -f "$1/boundary.ply" ]; then
-    "$pipelines/ngs-gs.sh" "$2" "$1" --masks "$3" ${4:+--hold-out "$4"} --until boundary.ply -q >&2
+    "$pipelines/ngs-gs.sh" "$2" "$1" --masks "$3" ${4:+--hold-out "$4"} ${5:+--model "$5"} --until boundary.ply -q >&2
   fi
+}
+
+# fitted WORK: WORK/novel.ply, a splat of the photos that are left in WORK/capture, and nothing else.
+fitted() {
+  if [ -f "$1/novel.ply" ]; then return; fi
+  say "$1: fitting a splat to the photos that are left"
+  tool ngs-fit "$1/inductive/scene.json" --points "$1/capture/sparse/0/points3D.txt" -o "$1/novel.ply" -w -q \
+    --steps "$fit_steps" "${fit_flags[@]}" > /dev/null
 }
 
 # scored WORK WHOLE TRUTH NAME SEED FLAGS...: a run on WORK, its masks at the held-out cameras of WHOLE.
@@ -97,14 +115,20 @@ mean_of() { sed -n '/"mean"/,/}/s/.*"'"$2"'": \([0-9.]*\).*/\1/p' "$1" | head -1
 
 # score_scene NAME FOLDER SPLIT: the lines of one scene and split.
 score_scene() {
-  local work=$out/$1/$3 whole score scene run flags seed metrics
-  whole=$work/transductive
-  prepared "$whole" "$2" "$(masks_of "$2")" "$3"
+  local work=$out/$1/$3 masks whole score scene run flags seed metrics
+  masks=$(masks_of "$2")
   for score in "${scores[@]}"; do
-    scene=$work/$score
-    if [ "$score" = inductive ] && [ ! -f "$scene/boundary.ply" ]; then
-      without_views "$2" "$(masks_of "$2")" "$3" "$work/capture"
-      prepared "$scene" "$work/capture" "$work/capture/masks" ''
+    scene=$work/$score whole=$work/transductive
+    prepared "$whole" "$2" "$masks" "$3"
+    if [ "$score" != transductive ] && [ ! -f "$work/inductive/boundary.ply" ]; then
+      without_views "$2" "$masks" "$3" "$work/capture"
+      prepared "$work/inductive" "$work/capture" "$work/capture/masks" ''
+    fi
+    if [ "$score" = novel ]; then
+      fitted "$work"
+      prepared "$scene" "$work/capture" "$work/capture/masks" '' "$work/novel.ply"
+      whole=$work/novel-whole
+      prepared "$whole" "$2" "$masks" "$3" "$work/novel.ply"
     fi
     for run in "${runs[@]}"; do
       read -ra flags <<< "${run#*=}"

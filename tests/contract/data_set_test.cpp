@@ -226,6 +226,7 @@ TEST_CASE("removed-views.sh scores views that are there beside views that are no
                "short=--steps 2",
                "--seeds",
                "2",
+               "--novel",
                "--fit-steps",
                "200",
                "tiny"};
@@ -236,8 +237,8 @@ TEST_CASE("removed-views.sh scores views that are there beside views that are no
   INFO(result.err);
   REQUIRE(result.exit_code == 0);
   const auto lines = std::count(result.out.begin(), result.out.end(), '\n');
-  CHECK(lines == 2 * 2 * 2 + 2 * 2);  // runs, seeds and scores; then means of runs and scores
-  for (const char* score : {"transductive", "inductive"}) {
+  CHECK(lines == 2 * 2 * 3 + 2 * 3);  // runs, seeds and scores; then means of runs and scores
+  for (const char* score : {"transductive", "inductive", "novel"}) {
     CHECK(result.out.find("tiny\tevery:4:2\tshort\t1\t" + std::string(score)) != std::string::npos);
     CHECK(result.out.find("tiny\tmean\tflash\t-\t" + std::string(score)) != std::string::npos);
   }
@@ -246,8 +247,18 @@ TEST_CASE("removed-views.sh scores views that are there beside views that are no
   };
   CHECK(views_of("inductive") < views_of("transductive"));
   // Nothing of a removed view is left for a tool to find.
-  for (const auto& view : data.json("recipes/out/tiny/every:4:2/inductive/scene.json")["views"])
-    CHECK(view["split"] == "train");
+  for (const char* score : {"inductive", "novel"}) {
+    CHECK(views_of(score) == views_of("inductive"));
+    for (const auto& view : data.json("recipes/out/tiny/every:4:2/" + std::string(score) + "/scene.json")["views"])
+      CHECK(view["split"] == "train");
+  }
+  // The splat of the novel score has not seen them either, in training and at the cameras where it is scored.
+  for (const auto& [score, splat] :
+       {std::pair{"inductive", "capture/point_cloud.ply"}, {"novel", "novel.ply"}, {"novel-whole", "novel.ply"}})
+    CHECK(data.json("recipes/out/tiny/every:4:2/" + std::string(score) + "/scene.json")["model"] ==
+          "../" + std::string(splat));
+  CHECK(test::read_bytes(data.path("recipes/out/tiny/every:4:2/novel.ply")) !=
+        test::read_bytes(data.path("recipes/out/tiny/capture/point_cloud.ply")));
   spec.argv = {NGS_SOURCE_DIR "/pipelines/removed-views.sh", "--split", "every:4", "tiny"};
   CHECK(test::run_process(spec).exit_code == 2);
 }
