@@ -37,7 +37,7 @@ int main(int argc, char** argv) {
   const cli::Input& effects_from =
       tool.optional_input("--effects-from", "report of a run whose decisions on effects are taken over");
   const cli::Output& out = tool.output("-o,--output", "labelled PLY with optimised attributes");
-  const cli::Output& nerf = tool.optional_output("--nerf", "parameters of the field (safetensors)");
+  const cli::Output& nerf = tool.optional_output("--nerf", "the field (safetensors), for ngs-render --boundary field");
   const cli::Output& trace =
       tool.optional_output("--trace", "one JSON line per step: time, loss terms; per epoch: agreement");
   tool.writes_nothing_if(options.choice.explain);

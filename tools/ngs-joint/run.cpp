@@ -17,6 +17,7 @@
 #include "ngs/stages/boundary/variance_stage.h"
 #include "photo_match.h"
 #include "shared/run/checkpoints.h"
+#include "shared/scene/field_file.h"
 #include "shared/scene/scene_model.h"
 #include "step_files.h"
 #include "verdicts.h"
@@ -297,7 +298,9 @@ class MethodRun {
     if (passes.watching.target && !passes.watch->target_met())
       run_.monitor().warn("--target " + options_.steps.target + ": not reached in the training views");
     write_result(run_, {input_.ply, input_.scene, input_.labels, passes.floater}, solution, paths_.labelled);
-    if (writes_nerf) write_nerf(paths_.nerf, *passes.trainer);
+    if (writes_nerf)
+      cli::write_field(paths_.nerf, passes.trainer->field(), passes.trainer->boundary(),
+                       sample_of(options_.training.sample, options_.training.joint));
     if (!paths_.trace.empty()) io::write_file(paths_.trace, passes.watch->trace());
     return solution.converged ? cli::kDone : cli::kBudgetHit;
   }

@@ -102,17 +102,4 @@ bool StepFile::load(JointTrainer& trainer) {
   return true;
 }
 
-void write_nerf(const std::string& path, const JointTrainer& trainer) {
-  io::TensorFile file;
-  file.metadata["ngs:schema"] = "ngs.nerf.1";
-  if (const JointField* field = trainer.field()) {
-    const ParamStore& store = field->parameters();
-    for (const ParamBlock& block : store.blocks) file.add(block.name, block.shape, store.value_of(block));
-    file.add("boundary_row", {trainer.boundary().size()}, trainer.boundary().row);
-    char width[32];  // the shortest text that is this number: a fixed point would lose a small world's width
-    file.metadata["width"] = std::string(width, std::to_chars(width, std::end(width), field->width()).ptr);
-  }
-  io::write_safetensors(path, file);
-}
-
 }  // namespace ngs::joint

@@ -1,5 +1,5 @@
 #pragma once
-// The state of the joint steps in a file (--checkpoint, --resume), and their field (--nerf).
+// The state of the joint steps in a file (--checkpoint, --resume).
 #include <optional>
 #include <string>
 
@@ -43,8 +43,5 @@ class StepFile : public StepStore {
   std::optional<cli::KeepsState> keeps_;
   std::string identity_;
 };
-
-/// The parameters of the field; empty tensors where the boundary was empty.
-void write_nerf(const std::string& path, const JointTrainer& trainer);
 
 }  // namespace ngs::joint

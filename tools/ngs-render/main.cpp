@@ -4,6 +4,7 @@
 #include <set>
 #include <sstream>
 
+#include "boundary_field.h"
 #include "ngs/io/image/photo.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/stages/render/render_options.h"
@@ -57,6 +58,7 @@ int main(int argc, char** argv) {
   const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene");
   const cli::Input& model =
       tool.input("model", "any 3DGS model (.ply, .spz, .sog, .splat, .ksplat); masks need a labelled PLY");
+  const cli::Input& nerf = tool.optional_input("--nerf", "field written by ngs-joint --nerf, for --boundary field");
   const cli::Output& out = tool.output_dir("-o,--output", "folder for the pictures");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
@@ -76,6 +78,7 @@ int main(int argc, char** argv) {
       std::ranges::move(picture::files_of({out.path, names[views[n]]}, objects, layers, format.format),
                         std::back_inserter(files));
     cli::refuse_over_photos(scene, files);
+    std::optional<FieldModel> field = picture::boundary_field(run, options, nerf.path, objects);
     run.result()["views"] = views.size();
     for (std::size_t k = 0; layers.contains("labels") && k < objects.names.size(); ++k)
       run.result()["labels"][objects.names[k]] = objects.ids[k];
@@ -83,16 +86,24 @@ int main(int argc, char** argv) {
       run.plan({{"views", views.size()}, {"layers", layers}});
       return 0;
     }
+    std::int64_t field_pixels = 0;
     for (std::size_t n = 0; n < views.size(); ++n) {
-      const RenderedView view = [&] {
+      const Camera camera = camera_of(scene, views[n], options);
+      RenderedView view = [&] {
         const auto timed = run.monitor().scope("render");
-        return render_labelled(run.exec(), {ply.cloud, objects.columns}, camera_of(scene, views[n], options),
+        return render_labelled(run.exec(), {ply.cloud, objects.columns}, camera,
                                {splat, background_of(scene), options.amodal});
       }();
+      if (field) {
+        const auto timed = run.monitor().scope("field");
+        const double band_px = options.boundary_band * camera.width_px / scene.views[views[n]].camera.width_px;
+        field_pixels += blend_field(run.exec(), *field, camera, ply.cloud.origin, band_px, view);
+      }
       const auto timed = run.monitor().scope("write");
       picture::write_view({out.path, names[views[n]]}, view, {objects, layers, format.format, options.threshold});
       run.monitor().progress(std::int64_t(n) + 1, std::int64_t(views.size()));
     }
+    if (field) run.result()["field_pixels"] = field_pixels;
     return 0;
   });
 }

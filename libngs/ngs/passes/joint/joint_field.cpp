@@ -28,33 +28,28 @@ HashGridConfig hash_config(const Exec& exec, const JointField::Setup& s, double 
   return config;
 }
 
-FilmMlpConfig mlp_config(const JointOptions& o, const HashGridConfig& hash) {
-  return {hash.outputs(), 3, o.mlp_hidden, o.mlp_layers, o.direction_degree};
+FieldShape shape_of(const Exec& exec, const JointField::Setup& s) {
+  const JointOptions& o = s.options;
+  FieldShape shape;
+  shape.width = rbf_width(exec, s.rbf, s.boundary.positions());
+  shape.hash = hash_config(exec, s, shape.width);
+  shape.box = hash_box(s.boundary.positions(), s.reach + kBoxWidths * shape.width);
+  shape.hidden = o.mlp_hidden, shape.layers = o.mlp_layers, shape.direction_degree = o.direction_degree;
+  shape.features = o.feature_values, shape.film = s.effects.film, shape.concatenate = o.concatenate;
+  shape.objects = o.field_masks ? s.objects : 0;
+  shape.neighbours = s.effects.rbf ? s.rbf.neighbours : 1;
+  shape.boundary = s.boundary.size();
+  return shape;
 }
 
-/// The lattice that `uv` [R, 2] samples row by row.
-PixelGrid lattice(const std::vector<float>& uv, const QueryView& view) {
-  PixelGrid grid;
-  grid.rows = view.rows, grid.cols = view.cols;
-  grid.first_x = uv[0], grid.first_y = uv[1];
-  if (view.cols > 1) grid.step_x = (double(uv[std::size_t(view.cols - 1) * 2]) - grid.first_x) / (view.cols - 1);
-  if (view.rows > 1) grid.step_y = (double(uv.back()) - grid.first_y) / (view.rows - 1);
-  grid.beyond_x = grid.first_x - view.box.min_x, grid.beyond_y = grid.first_y - view.box.min_y;
-  return grid;
+FilmMlpConfig mlp_config(const FieldShape& s, int direction_degree) {
+  return {s.hash.outputs() + (s.concatenate ? s.features : 0), s.features, s.hidden, s.layers, direction_degree};
 }
+
+// A head is a network with three outputs in (0, 1), of which an object takes one.
+constexpr int kHeadObjects = 3;
 
 }  // namespace
-
-double field_reach(const SampleOptions& sample, const GaussianCloud& cloud, const std::vector<Camera>& cameras,
-                   const BoundarySet& boundary) {
-  double reach = 0;
-  for (const Camera& camera : cameras)
-    reach = std::max(
-        reach,
-        sample.depth_span *
-            boundary_box(relative_to(camera, cloud.origin), boundary.positions(), sample.bbox_pad_px).mean_distance);
-  return reach;
-}
 
 double encoding_cells(const Exec& exec, double reach, double width, Rows<const float, 3> boundary, int finest) {
   std::vector<float> nearest;
@@ -63,88 +58,34 @@ double encoding_cells(const Exec& exec, double reach, double width, Rows<const f
   return inverse > 0 ? cells_per_spacing(nearest, 1 / inverse, finest) : 0;
 }
 
-JointField::JointField(const Exec& exec, const Setup& s)
-    : options_(s.options),
-      effects_(s.effects),
-      sample_(s.sample),
-      neighbours_(s.effects.rbf ? s.rbf.neighbours : 1),
-      width_(rbf_width(exec, s.rbf, s.boundary.positions())),
-      boundary_count_(s.boundary.size()),
-      seed_(s.seed),
-      hash_config_(hash_config(exec, s, width_)),
-      hash_(hash_config_, hash_box(s.boundary.positions(), s.reach + kBoxWidths * width_),
-            add_hash_grid(store_, "hash", hash_config_, s.seed)),
-      mlp_(mlp_config(options_, hash_.config()),
-           add_film_mlp(store_, "film", mlp_config(options_, hash_.config()), {.seed = s.seed}), width_) {
-  feature_offset_ = store_.add("feature", {boundary_count_, 3});
-  for (std::size_t i = 0; i < s.boundary.colour.size(); ++i)
-    store_.values[feature_offset_ + i] = std::clamp(s.boundary.colour[i], 0.f, 1.f);
+JointField::JointField(const FieldShape& shape, const FieldOptions& rates, std::uint64_t seed)
+    : rates_(rates),
+      shape_(shape),
+      seed_(seed),
+      hash_(shape.hash, shape.box, add_hash_grid(store_, "hash", shape.hash, seed)),
+      mlp_(mlp_config(shape, shape.direction_degree),
+           add_film_mlp(store_, "film", mlp_config(shape, shape.direction_degree), {.seed = seed}), shape.width) {
+  feature_offset_ = store_.add("feature", {shape.boundary, shape.features});
+  const FilmMlpConfig head = mlp_config(shape, 0);
+  for (int first = 0; first < shape.objects; first += kHeadObjects) {
+    const std::string name = "object." + std::to_string(first / kHeadObjects);
+    const std::size_t at = add_film_mlp(store_, name, head, {.seed = seed + 1 + std::uint64_t(first)});
+    heads_.emplace_back(head, at, shape.width);
+  }
+  head_volume_.resize(heads_.size());
   moments_.resize(store_.blocks.size());
 }
 
-FieldRays JointField::rays(const Exec& exec, const Camera& camera, Rows<const float, 3> boundary,
-                           const DepthMap& map) const {
-  FieldRays out;
-  out.rays = sample_view(exec, sample_, camera, boundary, map).rays;
-  if (out.rays.rays() == 0) return out;
-  out.graph = nearest_points(exec, boundary, out.rays.positions(), neighbours_);
-  build_transpose(out.graph);
-  return out;
-}
-
-FieldRays JointField::rays(const Exec& exec, const Camera& camera, const QueryField& field, std::size_t view,
-                           const BoundarySet& boundary) const {
-  FieldRays out;
-  const QueryView& grid = field.views[view];
-  const auto begin =
-      std::size_t(std::lower_bound(field.view.begin(), field.view.end(), std::int32_t(view)) - field.view.begin());
-  const auto end =
-      std::size_t(std::upper_bound(field.view.begin(), field.view.end(), std::int32_t(view)) - field.view.begin());
-  const auto samples = std::size_t(grid.depth_samples);
-  if (begin == end) return out;
-  if (end - begin != std::size_t(grid.rows) * std::size_t(grid.cols) * samples)
-    throw Error(ErrorCode::kBadInput,
-                "view '" + grid.name + "' of the field: " + std::to_string(end - begin) +
-                    " queries, expected the whole grid of " +
-                    std::to_string(std::size_t(grid.rows) * std::size_t(grid.cols) * samples),
-                "sample again: ngs-sample scene.json boundary.ply -o queries.ply");
-  RayQueries& rays = out.rays;
-  rays.samples = grid.depth_samples;
-  rays.position.assign(field.position.begin() + std::ptrdiff_t(begin * 3),
-                       field.position.begin() + std::ptrdiff_t(end * 3));
-  rays.depth.assign(field.depth.begin() + std::ptrdiff_t(begin), field.depth.begin() + std::ptrdiff_t(end));
-  for (std::size_t q = begin; q < end; q += samples) {
-    const double u = field.uv[q * 2], v = field.uv[q * 2 + 1];
-    const Vec3<double> d =
-        transpose(camera.rotation) * Vec3<double>{(u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1.0};
-    const double length = std::sqrt(dot(d, d));
-    const double first = field.depth[q], last = field.depth[q + samples - 1];
-    const double half = samples > 1 ? (last - first) / 2 : std::max(field.depth_span * first, field.depth_epsilon);
-    rays.pixel.insert(rays.pixel.end(), {float(u), float(v)});
-    rays.direction.insert(rays.direction.end(), {float(d.x / length), float(d.y / length), float(d.z / length)});
-    rays.near.push_back(float(samples > 1 ? first : first - half)),
-        rays.far.push_back(float(samples > 1 ? last : first + half));
-    rays.spacing.push_back(float(2 * half / double(std::max<std::size_t>(samples - 1, 1))));
-  }
-  rays.grid = lattice(rays.pixel, grid);
-  if (!effects_.rbf || field.neighbours == 0) {
-    out.graph = nearest_points(exec, boundary.positions(), rays.positions(), neighbours_);
-  } else {
-    out.graph.neighbours = field.neighbours;
-    out.graph.points = boundary.size();
-    const auto k = std::size_t(field.neighbours);
-    for (std::size_t i = begin * k; i < end * k; ++i) {
-      const auto row = std::lower_bound(boundary.row.begin(), boundary.row.end(), field.neighbour[i]);
-      if (row == boundary.row.end() || *row != field.neighbour[i])
-        throw Error(ErrorCode::kInconsistent,
-                    "the field names Gaussian " + std::to_string(field.neighbour[i]) +
-                        " as a neighbour, which is not in the boundary set",
-                    "interpolate again: ngs-rbf boundary.ply queries.ply -o field.ply");
-      out.graph.index.push_back(std::uint32_t(row - boundary.row.begin()));
-    }
-  }
-  build_transpose(out.graph);
-  return out;
+JointField::JointField(const Exec& exec, const Setup& s) : JointField(shape_of(exec, s), s.options, s.seed) {
+  smooth_points_ = s.options.smooth_points, smooth_step_ = s.options.smooth_step,
+  rate_literal_ = s.options.rate_literal;
+  sample_ = s.sample;
+  own_neighbours_ = !s.effects.rbf;
+  if (s.options.field_positions) want_position_gradient();
+  const auto features = std::size_t(shape_.features);
+  for (std::size_t b = 0; b < std::size_t(shape_.boundary); ++b)  // beyond the colour: zero, moved by the gradient
+    for (std::size_t f = 0; f < 3; ++f)
+      store_.values[feature_offset_ + b * features + f] = std::clamp(s.boundary.colour[b * 3 + f], 0.f, 1.f);
 }
 
 FilmMlpInputs JointField::Sampled::inputs(Rows<const float, 3> direction, std::int64_t per_direction,
@@ -159,9 +100,9 @@ FilmMlpInputs JointField::Sampled::inputs(Rows<const float, 3> direction, std::i
 RbfProblem JointField::rbf_problem(const Points& points) const {
   return {points.position,
           points.boundary,
-          {store_.values.data() + feature_offset_, boundary_count_, 3},
+          {store_.values.data() + feature_offset_, shape_.boundary, shape_.features},
           points.graph,
-          width_};
+          shape_.width};
 }
 
 JointField::Points JointField::points_of(const FieldRays& rays, Rows<const float, 3> boundary) const {
@@ -169,48 +110,113 @@ JointField::Points JointField::points_of(const FieldRays& rays, Rows<const float
       rays.rays.positions(), &rays.graph, {rays.rays.direction.data(), rays.rays.rays()}, rays.rays.samples, boundary};
 }
 
-void JointField::evaluate(const Exec& exec, const Points& points, Sampled& out) const {
-  rbf_forward(exec, rbf_problem(points), out.rbf);
-  if (!effects_.film) std::fill(out.rbf.feature.begin(), out.rbf.feature.end(), 0.f);
-  hash_.forward(exec, store_, points.position, out.encoding);
-  mlp_.forward(exec, store_, out.inputs(points.direction, points.per_direction, mlp_.config()), out.network);
+/// f_inter behind every row of f_hash.
+void JointField::concatenate(Sampled& out) const {
+  const auto hash = std::size_t(shape_.hash.outputs()), features = std::size_t(shape_.features);
+  const std::size_t queries = out.encoding.size() / hash;
+  std::vector<float> rows(queries * (hash + features));
+  for (std::size_t q = 0; q < queries; ++q) {
+    float* row = &rows[q * (hash + features)];
+    std::copy_n(&out.encoding[q * hash], hash, row);
+    std::copy_n(&out.rbf.feature[q * features], features, row + hash);
+  }
+  out.encoding = std::move(rows);
 }
 
-void JointField::differentiate(const Exec& exec, const Points& points, const Sampled& at,
-                               const std::vector<float>& grad_density, const std::vector<float>& grad_rgb) {
-  const FilmMlpGradients inputs =
+void JointField::evaluate(const Exec& exec, const Points& points, Sampled& out) const {
+  rbf_forward(exec, rbf_problem(points), out.rbf);
+  if (!shape_.film) std::fill(out.rbf.feature.begin(), out.rbf.feature.end(), 0.f);
+  hash_.forward(exec, store_, points.position, out.encoding);
+  if (shape_.concatenate && points.position.n > 0) concatenate(out);
+  mlp_.forward(exec, store_, out.inputs(points.direction, points.per_direction, mlp_.config()), out.network);
+  out.heads.resize(heads_.size());
+  for (std::size_t h = 0; h < heads_.size(); ++h)
+    heads_[h].forward(exec, store_, out.inputs({}, 1, heads_[h].config()), out.heads[h]);
+}
+
+void JointField::differentiate(const Exec& exec, const Points& points, const Sampled& at, const OutputGradients& grad) {
+  FilmMlpGradients inputs =
       mlp_.backward(exec, store_, at.inputs(points.direction, points.per_direction, mlp_.config()), at.network,
-                    {grad_density, grad_rgb});
+                    {grad.density, grad.rgb});
+  const std::vector<float> no_density(grad.object.empty() ? 0 : grad.density.size(), 0.f);
+  for (std::size_t h = 0; h < grad.object.size(); ++h) {
+    const FilmMlpGradients more = heads_[h].backward(exec, store_, at.inputs({}, 1, heads_[h].config()), at.heads[h],
+                                                     {no_density, grad.object[h]});
+    for (std::size_t i = 0; i < more.feature.size(); ++i) inputs.feature[i] += more.feature[i];
+    for (std::size_t i = 0; i < more.condition.size(); ++i) inputs.condition[i] += more.condition[i];
+  }
+  differentiate_inputs(exec, points, at, std::move(inputs));
+}
+
+/// From the network's inputs to the tables, the features and the boundary's positions.
+void JointField::differentiate_inputs(const Exec& exec, const Points& points, const Sampled& at,
+                                      FilmMlpGradients inputs) {
+  const auto hash = std::size_t(shape_.hash.outputs()), features = std::size_t(shape_.features);
+  const auto queries = std::size_t(points.position.n);
+  if (shape_.concatenate) {
+    std::vector<float> encoding(queries * hash);
+    for (std::size_t q = 0; q < queries; ++q) {
+      const float* row = &inputs.feature[q * (hash + features)];
+      std::copy_n(row, hash, &encoding[q * hash]);
+      for (std::size_t f = 0; f < features; ++f) inputs.condition[q * features + f] += row[hash + f];
+    }
+    inputs.feature = std::move(encoding);
+  }
   hash_.backward(exec, store_, points.position, inputs.feature);
-  if (!effects_.film) return;
-  const auto queries = std::int64_t(inputs.condition.size()) / 3;
-  const RbfGradients features =
-      rbf_backward(exec, rbf_problem(points), at.rbf, {inputs.condition.data(), queries, 3}, false);
-  for (std::size_t i = 0; i < features.feature.size(); ++i) store_.grads[feature_offset_ + i] += features.feature[i];
+  if (!shape_.film) return;
+  const RbfGradients out =
+      rbf_backward(exec, rbf_problem(points), at.rbf, {inputs.condition.data(), points.position.n, shape_.features},
+                   !position_grad_.empty());
+  for (std::size_t i = 0; i < out.feature.size(); ++i) store_.grads[feature_offset_ + i] += out.feature[i];
+  for (std::size_t i = 0; i < out.boundary.size(); ++i) position_grad_[i] += out.boundary[i];
+}
+
+VolumeInputs JointField::volume_inputs(const FieldRays& rays, const std::vector<float>& rgb,
+                                       Vec3<float> background) const {
+  return {rays.rays.samples, sampled_.network.density.data(), rgb.data(), rays.rays.spacing.data(), rays.rays.rays(),
+          background};
 }
 
 const VolumeOutput& JointField::forward(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary,
                                         Vec3<float> background) {
   evaluate(exec, points_of(rays, boundary), sampled_);
-  volume_forward(exec,
-                 {rays.rays.samples, sampled_.network.density.data(), sampled_.network.rgb.data(),
-                  rays.rays.spacing.data(), rays.rays.rays(), background},
-                 volume_);
+  volume_forward(exec, volume_inputs(rays, sampled_.network.rgb, background), volume_);
+  const auto objects = std::size_t(shape_.objects);
+  mask_.resize(std::size_t(rays.rays.rays()) * objects);
+  for (std::size_t h = 0; h < heads_.size(); ++h) {
+    volume_forward(exec, volume_inputs(rays, sampled_.heads[h].rgb, {0, 0, 0}), head_volume_[h]);
+    for (std::size_t k = h * kHeadObjects; k < std::min(objects, (h + 1) * kHeadObjects); ++k)
+      for (std::size_t r = 0; r < mask_.size() / objects; ++r)
+        mask_[r * objects + k] = head_volume_[h].colour[r * 3 + k % kHeadObjects];
+  }
   return volume_;
 }
 
 void JointField::backward(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary,
-                          Vec3<float> background, const AlignFieldGradients& gradients) {
-  volume_backward(exec,
-                  {rays.rays.samples, sampled_.network.density.data(), sampled_.network.rgb.data(),
-                   rays.rays.spacing.data(), rays.rays.rays(), background},
-                  volume_, {gradients.colour, gradients.alpha, {}}, volume_grad_);
-  differentiate(exec, points_of(rays, boundary), sampled_, volume_grad_.density, volume_grad_.rgb);
+                          Vec3<float> background, const FieldGradients& gradients) {
+  VolumeGradients sum;
+  volume_backward(exec, volume_inputs(rays, sampled_.network.rgb, background), volume_,
+                  {gradients.align.colour, gradients.align.alpha, {}}, sum);
+  std::vector<std::vector<float>> object;
+  const auto objects = std::size_t(shape_.objects);
+  const std::size_t count = gradients.mask.empty() ? 0 : std::size_t(rays.rays.rays());
+  const std::vector<float> no_alpha(count, 0.f);
+  for (std::size_t h = 0; count > 0 && h < heads_.size(); ++h) {
+    std::vector<float> colour(count * 3, 0.f);
+    for (std::size_t k = h * kHeadObjects; k < std::min(objects, (h + 1) * kHeadObjects); ++k)
+      for (std::size_t r = 0; r < count; ++r) colour[r * 3 + k % kHeadObjects] = gradients.mask[r * objects + k];
+    VolumeGradients of_head;
+    volume_backward(exec, volume_inputs(rays, sampled_.heads[h].rgb, {0, 0, 0}), head_volume_[h],
+                    {colour, no_alpha, {}}, of_head);
+    for (std::size_t i = 0; i < sum.density.size(); ++i) sum.density[i] += of_head.density[i];
+    object.push_back(std::move(of_head.rgb));
+  }
+  differentiate(exec, points_of(rays, boundary), sampled_, {sum.density, sum.rgb, object});
 }
 
 double JointField::smoothness(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary, double weight,
                               std::int64_t step) {
-  const std::int64_t queries = rays.rays.positions().n, count = std::min<std::int64_t>(options_.smooth_points, queries);
+  const std::int64_t queries = rays.rays.positions().n, count = std::min<std::int64_t>(smooth_points_, queries);
   if (count == 0) return 0;
   std::vector<float> position, direction;
   for (std::int64_t i = 0; i < count; ++i) {
@@ -218,14 +224,14 @@ double JointField::smoothness(const Exec& exec, const FieldRays& rays, Rows<cons
     position.insert(position.end(), rays.rays.position.begin() + q * 3, rays.rays.position.begin() + q * 3 + 3);
     direction.insert(direction.end(), rays.rays.direction.begin() + ray * 3, rays.rays.direction.begin() + ray * 3 + 3);
   }
-  const SmoothnessScale scale{options_.smooth_step * width_, width_};
+  const SmoothnessScale scale{smooth_step_ * shape_.width, shape_.width};
   const std::vector<float> moved = jittered_points(exec, {position.data(), count}, seed_,
                                                    std::uint64_t(step) * std::uint64_t(count), scale.jitter_length);
   const std::vector<float>* sets[2] = {&position, &moved};
   KnnGraph graph[2];
   Sampled at[2];
   for (int k = 0; k < 2; ++k) {
-    graph[k] = nearest_points(exec, boundary, {sets[k]->data(), count}, neighbours_);
+    graph[k] = nearest_points(exec, boundary, {sets[k]->data(), count}, shape_.neighbours);
     build_transpose(graph[k]);
     evaluate(exec, {{sets[k]->data(), count}, &graph[k], {direction.data(), count}, 1, boundary}, at[k]);
   }
@@ -235,17 +241,14 @@ double JointField::smoothness(const Exec& exec, const FieldRays& rays, Rows<cons
   const std::vector<float>* grad[2] = {&gradients.colour, &gradients.moved_colour};
   for (int k = 0; k < 2; ++k)
     differentiate(exec, {{sets[k]->data(), count}, &graph[k], {direction.data(), count}, 1, boundary}, at[k],
-                  no_density, *grad[k]);
+                  {no_density, *grad[k], {}});
   return loss;
 }
 
 AdamOptions JointField::adam_of(const ParamBlock& block) const {
   AdamOptions adam;
   const bool table = block.name.starts_with("hash"), feature = block.name == "feature";
-  adam.lr = options_.rate_literal ? kLiteralRate
-            : table               ? options_.rate_hash
-            : feature             ? options_.rate_feature
-                                  : options_.rate_mlp;
+  adam.lr = rate_literal_ ? kLiteralRate : table ? rates_.rate_hash : feature ? rates_.rate_feature : rates_.rate_mlp;
   if (table) adam.sparse_columns = hash_.config().features, adam.beta2 = 0.99;
   return adam;
 }
@@ -259,6 +262,7 @@ void JointField::step(const Exec& exec, std::int64_t step, double decay) {
     if (!grad.empty()) adam_step(exec, adam, step, {block.name, store_.value_of(block), grad}, moments_[b]);
   }
   store_.zero_grads();
+  std::fill(position_grad_.begin(), position_grad_.end(), 0.f);
 }
 
 }  // namespace ngs

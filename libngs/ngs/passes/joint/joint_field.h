@@ -34,6 +34,26 @@ inline constexpr double kFinestCell = 0.5;
 /// Side of the finest cell of the encoding, in spacings of the boundary (passes/detectors.h).
 double encoding_cells(const Exec& exec, double reach, double width, Rows<const float, 3> boundary, int finest);
 
+/// What a field is, beside its numbers.
+struct FieldShape {
+  HashGridConfig hash;
+  HashBox<float> box{};  // of the encoding, world, relative to the model's origin
+  int hidden = 64, layers = 2, direction_degree = 2;
+  int features = 3;          // of f_j and f_inter
+  bool film = true;          // off: the condition is zero
+  bool concatenate = false;  // f_inter beside f_hash as the network's input, as well as its condition
+  int objects = 0;           // that have a probability (the mask head)
+  double width = 1;          // kernel width, world
+  int neighbours = 8;
+  std::int64_t boundary = 0;  // Gaussians
+};
+
+/// What the rendered field is told it should have been.
+struct FieldGradients {
+  const AlignFieldGradients& align;  // [R, 3], [R]
+  const std::vector<float>& mask;    // [R, objects]; empty: zero
+};
+
 class JointField {
  public:
   struct Setup {
@@ -45,8 +65,11 @@ class JointField {
     const BoundarySet& boundary;
     double reach = 0;  // world: how far query points may lie from the boundary; the encoding's box is grown by it
     std::uint64_t seed = 0;
+    int objects = 0;  // with a mask head
   };
   JointField(const Exec& exec, const Setup& setup);
+  /// The same field with the numbers that its blocks start from, features zero.
+  JointField(const FieldShape& shape, const FieldOptions& rates, std::uint64_t seed);
 
   /// Rays of `camera` (relative to the model's origin) about the boundary as it is now. `map`: see
   /// sample_view.
@@ -58,9 +81,15 @@ class JointField {
   /// Renders the field along the rays. `boundary` positions as they are now.
   const VolumeOutput& forward(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary,
                               Vec3<float> background);
+  /// [R, objects] what the last forward shows of every object: Σ w_k p_k, nothing where the field is transparent.
+  const std::vector<float>& mask() const { return mask_; }
   /// Adds the gradient of what the last forward rendered to the parameters' gradients.
   void backward(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary, Vec3<float> background,
-                const AlignFieldGradients& gradients);
+                const FieldGradients& gradients);
+  /// From now on backward adds up what the losses ask of the boundary's positions, through Eqs. 8-9 (C25).
+  void want_position_gradient() { position_grad_.assign(std::size_t(shape_.boundary) * 3, 0.f); }
+  /// [B, 3] of the steps since step(); empty unless it is wanted.
+  const std::vector<float>& position_gradient() const { return position_grad_; }
 
   /// L_smth (Eq. 18) at an evenly spaced subset of the last forward's query points; adds `weight` times its
   /// gradient.
@@ -73,14 +102,19 @@ class JointField {
   ParamStore& parameters() { return store_; }
   const ParamStore& parameters() const { return store_; }
   std::vector<AdamMoments>& moments() { return moments_; }
-  double width() const { return width_; }
+  const FieldShape& shape() const { return shape_; }
 
  private:
   struct Sampled {  // one evaluation of the network
     RbfField rbf;
-    std::vector<float> encoding;
+    std::vector<float> encoding;  // [Q, inputs] f_hash, and f_inter where it is concatenated
     FilmMlpOutput network;
+    std::vector<FilmMlpOutput> heads;  // of the objects, kHeadObjects each
     FilmMlpInputs inputs(Rows<const float, 3> direction, std::int64_t per_direction, const FilmMlpConfig& config) const;
+  };
+  struct OutputGradients {
+    const std::vector<float>&density, &rgb;         // [Q], [Q, 3]
+    const std::vector<std::vector<float>>& object;  // [heads][Q, 3]; empty: zero
   };
   struct Points {  // what is evaluated
     Rows<const float, 3> position;
@@ -91,27 +125,30 @@ class JointField {
   };
   AdamOptions adam_of(const ParamBlock& block) const;
   void evaluate(const Exec& exec, const Points& points, Sampled& out) const;
-  void differentiate(const Exec& exec, const Points& points, const Sampled& at, const std::vector<float>& grad_density,
-                     const std::vector<float>& grad_rgb);
+  void concatenate(Sampled& out) const;
+  void differentiate(const Exec& exec, const Points& points, const Sampled& at, const OutputGradients& grad);
+  void differentiate_inputs(const Exec& exec, const Points& points, const Sampled& at, FilmMlpGradients inputs);
+  VolumeInputs volume_inputs(const FieldRays& rays, const std::vector<float>& rgb, Vec3<float> background) const;
   RbfProblem rbf_problem(const Points& points) const;
   Points points_of(const FieldRays& rays, Rows<const float, 3> boundary) const;
 
-  JointOptions options_;
-  JointSwitches effects_;
+  FieldOptions rates_;
+  bool rate_literal_ = false, own_neighbours_ = false;  // the latter: not those of the artifact
+  int smooth_points_ = 0;
+  double smooth_step_ = 0;
   SampleOptions sample_;
-  int neighbours_ = 8;
-  double width_ = 1;
+  FieldShape shape_;
   ParamStore store_;
   std::size_t feature_offset_ = 0;
-  std::int64_t boundary_count_ = 0;
   std::uint64_t seed_ = 0;
   std::vector<AdamMoments> moments_;
-  HashGridConfig hash_config_;
   HashGrid hash_;
   FilmMlp mlp_;
+  std::vector<FilmMlp> heads_;  // their three outputs are probabilities of as many objects
   Sampled sampled_;
   VolumeOutput volume_;
-  VolumeGradients volume_grad_;
+  std::vector<VolumeOutput> head_volume_;
+  std::vector<float> mask_, position_grad_;
 };
 
 }  // namespace ngs

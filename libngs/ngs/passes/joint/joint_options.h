@@ -49,11 +49,15 @@ inline int epochs_of(Quality quality) {
 /// Share of the epochs that is taken before contour iterations at half the size, which do the rest of their work.
 inline constexpr double kEpochsBeforeContours = 0.3;
 
+inline constexpr int kMaxFeatureValues = 32;
+
 /// The NeRF: its encoding, its network, its rates.
 struct FieldOptions {
   double rate_hash = 1e-2, rate_mlp = 1e-3, rate_feature = 2.5e-3;
   int hash_levels = 8, hash_features = 2, hash_log2_table = 15, hash_base = 16, hash_finest = 512;
   int mlp_hidden = 64, mlp_layers = 2, direction_degree = 2;
+  int feature_values = 3;
+  bool concatenate = false, field_positions = false, field_masks = false;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -71,6 +75,14 @@ struct FieldOptions {
     visit(self.mlp_layers, Field<int>{"mlp_layers", "", "hidden layers, each modulated (Eq. 14)", 1, kMaxFilmLayers});
     visit(self.direction_degree,
           Field<int>{"direction_degree", "", "SH bands of the view direction (C14); 0: none", 0, 3});
+    visit(self.feature_values,
+          Field<int>{"feature_values", "", "values of a boundary feature f_j; the first three start as its colour", 3,
+                     kMaxFeatureValues});
+    visit(self.concatenate, Flag{"concatenate", "f_inter is an input of the network too, beside f_hash"});
+    visit(self.field_positions,
+          Flag{"field_positions", "the NeRF's losses move the boundary Gaussians, through Eqs. 8-9 (C25)"});
+    visit(self.field_masks,
+          Flag{"field_masks", "the NeRF learns the objects' masks too: a probability at every query point"});
   }
 };
 

@@ -11,6 +11,7 @@
 #include "ngs/ops/field/knn.h"
 #include "ngs/ops/losses/loss_cont.h"
 #include "ngs/ops/losses/photometric.h"
+#include "ngs/passes/joint/field_mask_loss.h"
 #include "ngs/passes/joint/first_queries.h"
 #include "ngs/passes/joint/label_start.h"
 #include "ngs/passes/joint/trained_rows.h"
@@ -109,7 +110,7 @@ struct JointTrainer::Impl {
     if (effects.nerf) {
       const double reach = field_reach(sample, cloud, cameras_of(input.scene, input.views), boundary);
       field = std::make_unique<JointField>(
-          exec, JointField::Setup{options, effects, sample, rbf, cloud, boundary, reach, input.seed});
+          exec, JointField::Setup{options, effects, sample, rbf, cloud, boundary, reach, input.seed, int(objects())});
     }
   }
 
@@ -181,6 +182,7 @@ struct JointTrainer::Impl {
   };
   LossTerms step_view(std::size_t n);
   ImageF field_terms(const FieldRays& rays, const StepImages& images, LossTerms& loss, ViewGradients& grad);
+  void move_boundary();
   void cont_term(LossTerms& loss);
   void update(double decay);
   void sum_up(LossTerms& loss) const;
@@ -198,6 +200,7 @@ ImageF JointTrainer::Impl::field_terms(const FieldRays& rays, const StepImages& 
     const PixelGrid& g = rays.rays.grid;
     weights = density_weights(exec, rendered.width_px, rendered.height_px, {g, box_of(g), volume.optical_depth});
   }
+  AlignFieldGradients to_field{std::vector<float>(volume.colour.size()), std::vector<float>(volume.alpha.size())};
   if (effects.align) {
     const AlignOptions align{options.weight_opacity, effects.variance ? options.weight_variance : 0.0};
     const AlignInputs in{.grid = rays.rays.grid,
@@ -209,13 +212,25 @@ ImageF JointTrainer::Impl::field_terms(const FieldRays& rays, const StepImages& 
                          .active = &rays.on_surface};
     AlignContext context;
     const AlignLoss value = loss_align(exec, align, in, context);
-    AlignFieldGradients to_field;
     loss_align_backward(exec, align, in, context, {1.0, to_field, grad.colour, grad.alpha});
-    field->backward(exec, rays, boundary.positions(), input.background, to_field);
     loss.align = value.total;
   }
+  std::vector<float> to_mask;
+  if (options.field_masks && view.masks.available)
+    loss.field_mask =
+        field_mask_loss(exec, {*field, rays, view.masks}, {options.mask_loss, options.lambda_mask}, to_mask);
+  if (effects.align || !to_mask.empty())
+    field->backward(exec, rays, boundary.positions(), input.background, {to_field, to_mask});
   if (effects.smooth) loss.smooth = field->smoothness(exec, rays, boundary.positions(), options.lambda_smooth, done);
   return weights;
+}
+
+/// C25: what the NeRF's losses ask of the boundary's positions.
+void JointTrainer::Impl::move_boundary() {
+  const std::vector<float>& grad = field->position_gradient();
+  for (std::size_t b = 0; b < grad.size() / 3; ++b)
+    if (const std::optional<std::size_t> to = trained.place(boundary.row[b]))
+      for (std::size_t a = 0; a < 3; ++a) gradients.position[*to * 3 + a] += grad[b * 3 + a];
 }
 
 void JointTrainer::Impl::cont_term(LossTerms& loss) {
@@ -274,14 +289,16 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
   }
   for (std::size_t i = 0; i < logit.size(); ++i)
     gradients.label[i] = trainable[i] ? gradients.label[i] * sigmoid_slope(logit[i]) : 0.f;
+  if (field) move_boundary();
   cont_term(loss);
   sum_up(loss);
   return loss;
 }
 
 void JointTrainer::Impl::sum_up(LossTerms& loss) const {
-  loss.total = options.photometric_weight * loss.photometric + loss.align + options.lambda_mask * loss.mask +
-               options.lambda_cont * loss.cont + options.lambda_smooth * loss.smooth;
+  loss.total = options.photometric_weight * loss.photometric + loss.align +
+               options.lambda_mask * (loss.mask + loss.field_mask) + options.lambda_cont * loss.cont +
+               options.lambda_smooth * loss.smooth;
 }
 
 void JointTrainer::Impl::update(double decay) {

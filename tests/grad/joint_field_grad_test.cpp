@@ -1,0 +1,119 @@
+// The whole field, as the joint steps differentiate it: network, heads of the objects, tables, features, and the
+// boundary's positions through Eqs. 8-9 (C25). Mutants this kills: f_inter's part of a concatenated input that is not
+// handed back, a head whose density gradient is left out, the second head's objects in the first's outputs, positions
+// of the wrong set.
+#include <doctest/doctest.h>
+
+#include "ngs/ops/field/knn.h"
+#include "ngs/passes/joint/joint_field.h"
+#include "support/adjoint.h"
+#include "support/random.h"
+
+namespace ngs {
+namespace {
+
+constexpr int kRays = 12, kSamples = 5, kBoundary = 9;
+const Vec3<float> kBehind{0.2f, 0.4f, 0.1f};
+
+struct Variant {
+  int features;
+  bool concatenate;
+  int objects;
+};
+constexpr Variant kVariants[] = {{3, false, 0}, {3, false, 1}, {5, true, 2}, {8, false, 4}, {4, true, 5}};
+
+/// A field about the unit cube with rays through it, and numbers that its outputs are weighted by.
+struct FieldCase {
+  std::vector<float> boundary;
+  FieldRays rays;
+  JointField field;
+  AlignFieldGradients align;
+  std::vector<float> mask;
+
+  FieldCase(const Variant& v, test::Random& random) : field(shape_of(v), FieldOptions{}, 3) {
+    const auto floats = [&](std::size_t count, double low, double high) {
+      const std::vector<double> x = random.uniform_vector(count, low, high);
+      return std::vector<float>(x.begin(), x.end());
+    };
+    boundary = floats(kBoundary * 3, -0.5, 0.5);
+    rays.rays.samples = kSamples;
+    rays.rays.position = floats(kRays * kSamples * 3, -0.6, 0.6);
+    rays.rays.spacing.assign(kRays, 0.3f);
+    for (int r = 0; r < kRays; ++r) rays.rays.direction.insert(rays.rays.direction.end(), {0.6f, 0.f, 0.8f});
+    rays.graph = nearest_points({}, {boundary.data(), kBoundary}, rays.rays.positions(), 4);
+    build_transpose(rays.graph);
+    std::vector<float>& values = field.parameters().values;
+    const std::vector<float> moved = floats(values.size(), -0.1, 0.1);  // zeros would hide a gradient
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] += moved[i];
+    for (const ParamBlock& block : field.parameters().blocks)
+      if (block.name.ends_with("beta_bias") || block.name.ends_with("0.bias"))  // all neurons fire: no kinks
+        for (float& value : field.parameters().value_of(block)) value += 2;
+    align = {floats(kRays * 3, -1, 1), floats(kRays, -1, 1)};
+    mask = floats(std::size_t(kRays * v.objects), -1, 1);
+  }
+  static FieldShape shape_of(const Variant& v) {
+    FieldShape shape;
+    shape.hash = {2, 2, 6, 4, 8, false};
+    shape.box = {{0, 0, 0}, {0.7f, 0.7f, 0.7f}};
+    shape.hidden = 16, shape.layers = 2, shape.direction_degree = 1, shape.width = 0.25, shape.neighbours = 4;
+    shape.features = v.features, shape.concatenate = v.concatenate, shape.objects = v.objects;
+    shape.boundary = kBoundary;
+    return shape;
+  }
+  Rows<const float, 3> positions() const { return {boundary.data(), kBoundary}; }
+  double loss() {
+    const VolumeOutput& out = field.forward({}, rays, positions(), kBehind);
+    double sum = 0;
+    for (std::size_t i = 0; i < out.colour.size(); ++i) sum += double(out.colour[i]) * double(align.colour[i]);
+    for (std::size_t i = 0; i < out.alpha.size(); ++i) sum += double(out.alpha[i]) * double(align.alpha[i]);
+    for (std::size_t i = 0; i < mask.size(); ++i) sum += double(field.mask()[i]) * double(mask[i]);
+    return sum;
+  }
+  /// (L(x + h v) - L(x - h v)) / 2h of the values at x.
+  double difference(std::vector<float>& x, const std::vector<double>& v, double h) {
+    const std::vector<float> at = x;
+    double sides[2];
+    for (int side = 0; side < 2; ++side) {
+      for (std::size_t i = 0; i < x.size(); ++i) x[i] = float(double(at[i]) + (side == 0 ? h : -h) * v[i]);
+      sides[side] = loss();
+    }
+    x = at;
+    return (sides[0] - sides[1]) / (2 * h);
+  }
+};
+
+double product(const std::vector<float>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += double(a[i]) * b[i];
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("joint field: backward is the slope of what the field renders, in every block and in the positions") {
+  test::Random random(21);
+  for (const Variant& v : kVariants) {
+    CAPTURE(v.features);
+    CAPTURE(v.concatenate);
+    CAPTURE(v.objects);
+    FieldCase c(v, random);
+    c.field.want_position_gradient();
+    c.loss();
+    c.field.backward({}, c.rays, c.positions(), kBehind, {c.align, c.mask});
+    const std::vector<float> grads = c.field.parameters().grads, at_boundary = c.field.position_gradient();
+    for (const ParamBlock& block : c.field.parameters().blocks) {
+      CAPTURE(block.name);
+      std::vector<double> direction(grads.size(), 0.0);
+      const std::vector<double> part = random.uniform_vector(block.size, -1, 1);
+      std::copy(part.begin(), part.end(), direction.begin() + std::ptrdiff_t(block.offset));
+      const double slope = c.difference(c.field.parameters().values, direction, 2e-3);
+      CHECK(product(grads, direction) == doctest::Approx(slope).epsilon(0.02).scale(0.1));
+    }
+    const std::vector<double> direction = random.uniform_vector(c.boundary.size(), -1, 1);
+    const double slope = c.difference(c.boundary, direction, 4e-3);
+    CHECK(std::abs(slope) > 4e-4);
+    CHECK(product(at_boundary, direction) == doctest::Approx(slope).epsilon(0.02).scale(0.02));
+  }
+}
+
+}  // namespace ngs
