@@ -97,7 +97,7 @@ int main(int argc, char** argv) {
       if (field) {
         const auto timed = run.monitor().scope("field");
         const double band_px = options.boundary_band * camera.width_px / scene.views[views[n]].camera.width_px;
-        field_pixels += blend_field(run.exec(), *field, camera, ply.cloud.origin, band_px, view);
+        field_pixels += blend_field(run.exec(), *field, {camera, ply.cloud.origin, band_px}, view);
       }
       const auto timed = run.monitor().scope("write");
       picture::write_view({out.path, names[views[n]]}, view, {objects, layers, format.format, options.threshold});

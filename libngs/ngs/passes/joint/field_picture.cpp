@@ -81,13 +81,12 @@ std::vector<std::uint8_t> contour_band(const ImageF& masks, double band_px) {
   return band;
 }
 
-std::int64_t blend_field(const Exec& exec, FieldModel& model, const Camera& world, const std::array<double, 3>& origin,
-                         double band_px, RenderedView& view) {
-  if (model.boundary.origin != origin)
+std::int64_t blend_field(const Exec& exec, FieldModel& model, const FieldBand& where, RenderedView& view) {
+  if (model.boundary.origin != where.origin)
     throw Error(ErrorCode::kInconsistent, "the field is relative to another origin than the model",
                 "take the field and the model of one run of ngs-joint");
-  const Camera camera = relative_to(world, origin);
-  BandRays band = band_rays(exec, model, camera, view, contour_band(view.label, band_px));
+  const Camera camera = relative_to(where.camera, where.origin);
+  BandRays band = band_rays(exec, model, camera, view, contour_band(view.label, where.band_px));
   if (band.pixel.empty() || model.boundary.size() == 0) return 0;
   const Rows<const float, 3> boundary = model.boundary.positions();
   band.rays.graph = nearest_points(exec, boundary, band.rays.rays.positions(), model.field.shape().neighbours);

@@ -20,11 +20,17 @@ struct FieldModel {
   SampleOptions sample;  // samples and window of a ray
 };
 
+/// Where the field is drawn.
+struct FieldBand {
+  const Camera& camera;                 // world
+  const std::array<double, 3>& origin;  // the model's
+  double band_px;
+};
+
 /// Blends the field into `view`, which has colour, alpha, depth and masks; masks of a field without a head stay as they
 /// are, so do those of more objects than it knows. Returns how many pixels the field has drawn. kInconsistent where the
-/// field is relative to another origin than `origin`, the model's.
-std::int64_t blend_field(const Exec& exec, FieldModel& model, const Camera& world, const std::array<double, 3>& origin,
-                         double band_px, RenderedView& view);
+/// field is relative to another origin than the model.
+std::int64_t blend_field(const Exec& exec, FieldModel& model, const FieldBand& where, RenderedView& view);
 
 /// [H·W] 1 within `band_px` (chessboard) of where a mask crosses 1/2.
 std::vector<std::uint8_t> contour_band(const ImageF& masks, double band_px);

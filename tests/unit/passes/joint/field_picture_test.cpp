@@ -53,7 +53,7 @@ TEST_CASE("field picture: an opaque field is what its pixels of the band show, t
   const RenderedView before = ball_view(*c);
   RenderedView view = before;
   const std::vector<std::uint8_t> band = contour_band(before.label, 2);
-  const std::int64_t drawn = blend_field({}, model, c->scene.views[1].camera, c->truth.origin, 2, view);
+  const std::int64_t drawn = blend_field({}, model, {c->scene.views[1].camera, c->truth.origin, 2}, view);
   std::int64_t changed = 0;
   for (std::size_t p = 0; p < band.size(); ++p) {
     const bool grey = view.colour.data[p * 3] == 0.5f && view.colour.data[p * 3 + 2] == 0.5f;
@@ -76,7 +76,7 @@ TEST_CASE("field picture: a transparent field changes nothing") {
   FieldModel model = even_field(c->truth, -200.f, 30.f);
   const RenderedView before = ball_view(*c);
   RenderedView view = before;
-  CHECK(blend_field({}, model, c->scene.views[1].camera, c->truth.origin, 2, view) > 50);
+  CHECK(blend_field({}, model, {c->scene.views[1].camera, c->truth.origin, 2}, view) > 50);
   CHECK(view.colour.data == before.colour.data);
   CHECK(view.label.data == before.label.data);
 }
@@ -88,7 +88,7 @@ TEST_CASE("field picture: a field without a head for the objects leaves their ma
   ImageF two(view.width_px, view.height_px, 2);
   for (std::size_t p = 0; p < view.label.data.size(); ++p) two.data[p * 2] = view.label.data[p];
   view.label = two;
-  CHECK(blend_field({}, model, c->scene.views[1].camera, c->truth.origin, 2, view) > 50);
+  CHECK(blend_field({}, model, {c->scene.views[1].camera, c->truth.origin, 2}, view) > 50);
   CHECK(view.label.data == two.data);
 }
 
@@ -96,7 +96,8 @@ TEST_CASE("field picture: a field of a model with another origin is refused") {
   const auto c = test::joint_case();
   FieldModel model = even_field(c->truth, 0, 0);
   RenderedView view = ball_view(*c);
-  CHECK_THROWS_AS(blend_field({}, model, c->scene.views[1].camera, {1, 0, 0}, 2, view), Error);
+  const std::array<double, 3> elsewhere{1, 0, 0};
+  CHECK_THROWS_AS(blend_field({}, model, {c->scene.views[1].camera, elsewhere, 2}, view), Error);
 }
 
 TEST_CASE("field: a head for the objects learns the masks, and its view is nearer to them than an untrained one's") {
