@@ -24,4 +24,10 @@ std::optional<FieldModel> boundary_field(cli::Run& run, const RenderOptions& opt
   return field;
 }
 
+void draw_boundary(cli::Run& run, FieldModel& field, const FieldBand& where, RenderedView& view) {
+  const auto timed = run.monitor().scope("field");
+  const std::int64_t drawn = blend_field(run.exec(), field, where, view);
+  run.result()["field_pixels"] = run.result().value("field_pixels", std::int64_t(0)) + drawn;
+}
+
 }  // namespace ngs::picture

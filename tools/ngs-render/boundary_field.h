@@ -15,4 +15,7 @@ namespace ngs::picture {
 std::optional<FieldModel> boundary_field(cli::Run& run, const RenderOptions& options, const std::string& path,
                                          const Objects& objects);
 
+/// Blends it into the view; the report counts the pixels that it draws (field_pixels).
+void draw_boundary(cli::Run& run, FieldModel& field, const FieldBand& where, RenderedView& view);
+
 }  // namespace ngs::picture

@@ -86,7 +86,6 @@ int main(int argc, char** argv) {
       run.plan({{"views", views.size()}, {"layers", layers}});
       return 0;
     }
-    std::int64_t field_pixels = 0;
     for (std::size_t n = 0; n < views.size(); ++n) {
       const Camera camera = camera_of(scene, views[n], options);
       RenderedView view = [&] {
@@ -94,16 +93,11 @@ int main(int argc, char** argv) {
         return render_labelled(run.exec(), {ply.cloud, objects.columns}, camera,
                                {splat, background_of(scene), options.amodal});
       }();
-      if (field) {
-        const auto timed = run.monitor().scope("field");
-        const double band_px = options.boundary_band * camera.width_px / scene.views[views[n]].camera.width_px;
-        field_pixels += blend_field(run.exec(), *field, {camera, ply.cloud.origin, band_px}, view);
-      }
+      if (field) picture::draw_boundary(run, *field, {camera, ply.cloud.origin, options.boundary_band * scale}, view);
       const auto timed = run.monitor().scope("write");
       picture::write_view({out.path, names[views[n]]}, view, {objects, layers, format.format, options.threshold});
       run.monitor().progress(std::int64_t(n) + 1, std::int64_t(views.size()));
     }
-    if (field) run.result()["field_pixels"] = field_pixels;
     return 0;
   });
 }
