@@ -24,7 +24,7 @@ shopt -s inherit_errexit
 
 top=$(cd "$pipelines/.." && pwd)
 results=$top/tests/bench/results
-questions=(captures floaters masks recipes qualities effects ablation times kernels stability goals)
+questions=(captures removed museum masks recipes qualities effects ablation times kernels stability goals)
 for question in "${questions[@]}"; do
   # shellcheck disable=SC1090
   . "$pipelines/results/$question.sh"

@@ -1,7 +1,7 @@
-# captures: what every method makes of two real captures, and of views that were taken away
+# captures: what every method makes of real captures, of views that were taken away, of a splat with floaters
 # shellcheck shell=bash disable=SC2154
 question_captures() {
-  title "Held out are ${splits// /, } (means) of bird, every:4:2 of skull; CPU time on bird"
+  title "Held out are ${splits// /, } (means) of bird, every:4:2 of skull and of bird's splat with floaters; CPU time on bird"
   label method method
   label 'what it is' what
   column IoU '' iou mean 4 set=bird
@@ -9,11 +9,21 @@ question_captures() {
   column 'B-IoU 0.005' '' biou_005 mean 4 set=bird
   column 'views taken away: B-IoU 0.005' '' biou_005 mean 4 set=taken-away
   column 'skull: B-IoU 0.005' '' biou_005 mean 4 set=skull
+  column 'floaters: B-IoU 0.005' '' biou_005 mean 4 set=floaters
   column CPU s cpu_s mean 2 set=bird
   local split
   for split in $splits; do capture_bird "$split"; done
   prepare skull "$(capture skull)" --masks "$(capture skull)/masks_sam" --hold-out every:4:2
   all_methods skull "$(capture skull)" set=skull run=every:4:2
+  capture_floaters
+}
+
+# capture_floaters: the splat of bird that has floaters before the object.
+capture_floaters() {
+  local bird
+  bird=$(capture bird)
+  prepare floaters "$bird" --model "$bird/point_cloud_floaters.ply" --masks "$bird/masks_sam" --hold-out every:4:2
+  described_methods floaters "$bird/masks_gt" set=floaters run=every:4:2
 }
 
 # capture_bird SPLIT: with the photos of the held-out views, and with nothing of them.

@@ -13,13 +13,24 @@ question_goals() {
     "$(difference captures biou_005 $'set=bird\tmethod=ngs' $'set=bird\tmethod=flash')"
   goal 'B-IoU 0.02 of ngs on bird, every:4:2: half-way from flash to 1' '>=' 0.965 \
     "$(number captures biou mean method=ngs set=bird run=every:4:2)"
-  goal 'B-IoU 0.005 of ngs with floaters' '>=' 0.65 "$(number floaters biou_005 mean method=ngs)"
+  goal 'B-IoU 0.005 of ngs with floaters' '>=' 0.65 "$(number captures biou_005 mean method=ngs set=floaters)"
   goal 'B-IoU 0.02 of ngs above cob, mean of the recipes' '>=' 0.056 "$(difference recipes biou method=ngs method=cob)"
   goal 'B-IoU 0.005 that standard loses to reference' '<=' 0.003 \
     "$(difference qualities biou_005 method=reference method=standard)"
   goal 'standard on bird, wall s' '<=' 60 "$(number qualities wall_s mean method=standard)"
   goal 'everything on against auto, bird, wall' '>=' 3 \
     "$(quotient effects wall_s $'scene=bird\tmethod=everything on' $'scene=bird\tmethod=auto')"
+  goal 'B-IoU 0.005 of ngs above flash in novel views, mean of the recipes and bird' '>=' 0.06 \
+    "$(difference removed biou_005 $'score=novel\tmethod=ngs' $'score=novel\tmethod=flash')"
+  goal 'the same in removed views, whose photos the splat has seen' '>=' 0.06 \
+    "$(difference removed biou_005 $'score=inductive\tmethod=ngs' $'score=inductive\tmethod=flash')"
+  goal 'ngs-scene import on museum, wall s' '<=' 15 \
+    "$(number museum wall_s median 'tool=ngs-scene import' objects=1)"
+  goal 'ngs-variance on museum, wall s' '<=' 5 "$(number museum wall_s median tool=ngs-variance objects=1)"
+  goal 'draft on museum, wall s' '<=' 12 "$(number museum wall_s median 'tool=ngs-joint --quality draft' objects=1)"
+  goal 'standard on museum, wall s' '<=' 75 "$(number museum wall_s median tool=ngs-joint objects=1)"
+  goal 'draft of nine objects of museum, wall s' '<=' 36 \
+    "$(number museum wall_s median 'tool=ngs-joint --quality draft' objects=9)"
   goal 'ngs-variance on bird, wall s' '<=' 1 "$(number times wall_s median tool=ngs-variance)"
   goal 'label solve (bce) on bird, wall s' '<=' 1 "$(number times wall_s median 'tool=ngs-joint --method bce')"
   goal 'forward compositing, x86-64-v4, 10⁶ pairs/s' '>=' 500 \

@@ -1,0 +1,19 @@
+# removed: views that were taken away, that the splat has not seen either, and whose mask alone was held out
+# shellcheck shell=bash disable=SC2154
+question_removed() {
+  title 'B-IoU 0.005 of every:4:2, in views that were taken away (removed) and that the splat has not seen either (novel)'
+  label method method
+  local recipe method runs=()
+  for recipe in $recipes bird; do column "novel: $recipe" '' biou_005 mean 4 views="novel, $recipe"; done
+  column 'mean novel' '' biou_005 mean 4 score=novel
+  column 'mean removed' '' biou_005 mean 4 score=inductive
+  column 'mean with photos' '' biou_005 mean 4 score=transductive
+  for method in flash cob bce ngs; do
+    if wanted "$method"; then runs+=(--run "$method=--method $method"); fi
+  done
+  # shellcheck disable=SC2086
+  NGS_BIN=$bin "$pipelines/removed-views.sh" -o "$work/scenes" --novel "${runs[@]}" $recipes "$(capture bird)" > "$work/lines"
+  awk -F '\t' -v OFS='\t' '$2 != "mean" {
+    print "row", "method=" $3, "views=" $5 ", " $1, "score=" $5, "run=" $2 " " $4, "iou=" $6, "biou=" $7, "biou_005=" $8
+  }' "$work/lines"
+}
