@@ -298,7 +298,7 @@ TEST_CASE("work-precision.mk draws its points with their frontier, and keeps tho
   const std::string page = test::read_bytes(data.path("out/report.html")),
                     csv = test::read_bytes(data.path("out/points.csv"));
   CHECK(page.find("method@nonsense") != std::string::npos);
-  CHECK(page.find("http") == std::string::npos);
+  CHECK(page.find("://") == std::string::npos);
   CHECK(page.find("<script") == std::string::npos);
   CHECK(std::count(csv.begin(), csv.end(), '\n') == 1 + 10);
   check_budgets(data, schema("budgets.schema.json"));
