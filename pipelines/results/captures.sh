@@ -1,13 +1,13 @@
 # captures: what every method makes of real captures, of views that were taken away, of a splat with floaters
 # shellcheck shell=bash disable=SC2154
 question_captures() {
-  title "Held out are ${splits// /, } (means) of bird, every:4:2 of skull and of bird's splat with floaters; CPU time on bird"
+  title "Held out: $(splits_text) (means) of bird, else every:4:2; floaters are in another splat of bird; CPU time on bird"
   label method method
   label 'what it is' what
   column IoU '' iou mean 4 set=bird
   column 'B-IoU 0.02' '' biou mean 4 set=bird
   column 'B-IoU 0.005' '' biou_005 mean 4 set=bird
-  column 'views taken away: B-IoU 0.005' '' biou_005 mean 4 set=taken-away
+  column 'removed: B-IoU 0.005' '' biou_005 mean 4 set=taken-away
   column 'skull: B-IoU 0.005' '' biou_005 mean 4 set=skull
   column 'floaters: B-IoU 0.005' '' biou_005 mean 4 set=floaters
   column CPU s cpu_s mean 2 set=bird

@@ -1,7 +1,7 @@
 # effects: auto against everything switched on: scores and time
 # shellcheck shell=bash disable=SC2154
 question_effects() {
-  title "--effect all=auto (the default) and all=on, every:4:2 held out; times are medians of $repeats"
+  title "every:4:2 held out; times are medians of $repeats"
   label scene scene
   label effects method
   score_columns

@@ -31,16 +31,6 @@ question_goals() {
   goal 'standard on museum, wall s' '<=' 75 "$(number museum wall_s median tool=ngs-joint objects=1)"
   goal 'draft of nine objects of museum, wall s' '<=' 36 \
     "$(number museum wall_s median 'tool=ngs-joint --quality draft' objects=9)"
-  goal 'ngs-variance on bird, wall s' '<=' 1 "$(number times wall_s median tool=ngs-variance)"
-  goal 'label solve (bce) on bird, wall s' '<=' 1 "$(number times wall_s median 'tool=ngs-joint --method bce')"
-  goal 'forward compositing, x86-64-v4, 10⁶ pairs/s' '>=' 500 \
-    "$(number kernels mega_pairs_s mean kernel=forward isa=v4)"
-  goal 'backward compositing, x86-64-v4, 10⁶ pairs/s' '>=' 200 \
-    "$(number kernels mega_pairs_s mean kernel=backward isa=v4)"
-  goal 'forward, x86-64-v4 against one lane of double' '>=' 12 \
-    "$(quotient kernels cpu_ms $'kernel=forward\tisa=double' $'kernel=forward\tisa=v4')"
-  goal 'backward, x86-64-v4 against one lane of double' '>=' 8 \
-    "$(quotient kernels cpu_ms $'kernel=backward\tisa=double' $'kernel=backward\tisa=v4')"
   goal 'cases of stability beyond their budgets' '<=' 0 "$(number stability failed most)"
 }
 

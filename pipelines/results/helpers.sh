@@ -50,6 +50,11 @@ restrictions() {
   done
 }
 
+# The splits, for a title.
+splits_text() {
+  if [ -z "${SPLITS:-}" ]; then echo 'every:4:0 to every:4:3'; else printf '%s\n' "${splits// /, }"; fi
+}
+
 # A hash of the default options of the tools that a scene goes through.
 hash_of_defaults() {
   { for command in import variance joint render eval; do

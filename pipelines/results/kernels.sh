@@ -1,7 +1,7 @@
 # kernels: what the inner loops cost, and what they gain by vector instructions
 # shellcheck shell=bash disable=SC2154
 question_kernels() {
-  title 'CPU time, one thread, medians of nine, the first view of bird'
+  title 'CPU time, one thread, medians of nine, first view of bird; pairs of a pixel and a Gaussian that contributes to it'
   without_options
   label kernel kernel
   column 'one lane of double' ms cpu_ms mean 3g isa=double

@@ -1,7 +1,7 @@
 # masks: what wrong masks cost each method
 # shellcheck shell=bash disable=SC2154
 question_masks() {
-  title 'B-IoU 0.005 on bird, every:4:2 held out, from true masks made wrong'
+  title 'B-IoU 0.005 on bird, every:4:2, true masks made wrong'
   label method method
   local bird damage masks
   bird=$(capture bird)

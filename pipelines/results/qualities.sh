@@ -1,7 +1,7 @@
 # qualities: what --quality buys, and what it costs
 # shellcheck shell=bash disable=SC2154
 question_qualities() {
-  title "Means over ${splits// /, } of bird; times of ngs-joint on two threads"
+  title "Bird, means over $(splits_text); two threads"
   label quality method
   score_columns
   column wall s wall_s mean 1

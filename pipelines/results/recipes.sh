@@ -1,7 +1,7 @@
 # recipes: the methods on five synthetic scenes, with masks that are wrong by 2 px
 # shellcheck shell=bash disable=SC2154
 question_recipes() {
-  title 'B-IoU 0.005 on recipes, 16 views of 320x240, masks wrong by 2 px, every:4:2 held out; means over the recipes'
+  title 'B-IoU 0.005, 16 views of 320x240, masks wrong by 2 px, every:4:2'
   label method method
   local recipe scene
   for recipe in $recipes; do column "$recipe" '' biou_005 mean 4 recipe="$recipe"; done

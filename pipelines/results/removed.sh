@@ -1,7 +1,7 @@
 # removed: views that were taken away, that the splat has not seen either, and whose mask alone was held out
 # shellcheck shell=bash disable=SC2154
 question_removed() {
-  title 'B-IoU 0.005 of every:4:2, in views that were taken away (removed) and that the splat has not seen either (novel)'
+  title 'B-IoU 0.005, every:4:2, the recipes below and bird'
   label method method
   local recipe method runs=()
   for recipe in $recipes bird; do column "novel: $recipe" '' biou_005 mean 4 views="novel, $recipe"; done
@@ -14,6 +14,6 @@ question_removed() {
   # shellcheck disable=SC2086
   NGS_BIN=$bin "$pipelines/removed-views.sh" -o "$work/scenes" --novel "${runs[@]}" $recipes "$(capture bird)" > "$work/lines"
   awk -F '\t' -v OFS='\t' '$2 != "mean" {
-    print "row", "method=" $3, "views=" $5 ", " $1, "score=" $5, "run=" $2 " " $4, "iou=" $6, "biou=" $7, "biou_005=" $8
+    print "row", "method=" $3, "views=" $5 ", " $1, "score=" $5, "run=" $2 " " $4, "biou_005=" $8
   }' "$work/lines"
 }

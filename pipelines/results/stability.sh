@@ -1,7 +1,7 @@
 # stability: the worst rounding errors of every kernel over hard inputs
 # shellcheck shell=bash disable=SC2154
 question_stability() {
-  title 'Errors against long double in units of (eps · condition · |value|), the worst of all hard inputs'
+  title 'Errors against long double in units of eps · condition · |value|'
   without_options
   label kernel kernel
   column cases '' cases mean 0

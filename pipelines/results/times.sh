@@ -1,7 +1,7 @@
 # times: how long each tool takes on bird, and how much memory
 # shellcheck shell=bash disable=SC2154
 question_times() {
-  title "Whole tools on bird, every:4:2 held out, two threads, medians of $repeats runs"
+  title "Bird, every:4:2 held out, two threads, medians of $repeats runs"
   label tool tool
   column wall s wall_s median 2
   column CPU s cpu_s median 2

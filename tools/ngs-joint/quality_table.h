@@ -4,11 +4,11 @@
 namespace ngs::joint {
 
 inline constexpr const char* kQualityTable =
-    "quality, as measured: The capture bird, every:4:2 held out; times of ngs-joint on two threads\n"
+    "quality, as measured: Bird, means over every:4:0 to every:4:3; two threads\n"
     "  quality       IoU  B-IoU 0.02  B-IoU 0.005  wall s  CPU s\n"
-    "  draft      0.9670      0.9346       0.7470     9.3    3.4\n"
-    "  standard   0.9698      0.9434       0.7709    84.7   29.2\n"
-    "  high       0.9694      0.9422       0.7679   156.5   46.0\n"
-    "  reference  0.9692      0.9424       0.7671   184.7   77.7\n";
+    "  draft      0.9594      0.9211       0.7188     1.1    2.0\n"
+    "  standard   0.9630      0.9297       0.7476     9.3   18.1\n"
+    "  high       0.9634      0.9302       0.7497    14.2   27.6\n"
+    "  reference  0.9633      0.9301       0.7492    26.0   50.8\n";
 
 }  // namespace ngs::joint

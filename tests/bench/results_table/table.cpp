@@ -140,8 +140,12 @@ std::string markdown_of(const Result& result, const std::string& defaults) {
     for (const Column& column : result.columns) text += column.show == Show::kLabel ? "---|" : "---:|";
     text += "\n";
   }
-  text += "\n" + result.title + ".\nCommit `" + result.commit + "`, " + result.machine +
-          (result.seconds > 0 ? ", " + duration_text(result.seconds) : "") + ": `" + result.command + "`.";
+  constexpr std::size_t kWidth = 140;  // of a line of a page
+  const std::string title = result.title + ".",
+                    source = "Commit `" + result.commit + "`, " + result.machine +
+                             (result.seconds > 0 ? ", " + duration_text(result.seconds) : "") + ": `" + result.command +
+                             "`.";
+  text += "\n" + title + (title.size() + source.size() < kWidth ? " " : "\n") + source;
   if (!result.defaults.empty() && result.defaults != defaults)
     text += "\n**The tools' default options have changed since.**";
   return text + "\n";
