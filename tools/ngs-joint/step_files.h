@@ -27,7 +27,7 @@ class StepFile : public StepStore {
   /// done.
   Json resumed(const Json& known) const;
   /// Once it is known what the run follows from.
-  void identify(Json identity) { identity_ = identity.dump(); }
+  void identify(const Json& identity) { identity_ = identity.dump(); }
 
   bool load(JointTrainer& trainer) override;
   void save(JointTrainer& trainer) override;

@@ -34,7 +34,7 @@ std::string method_title(const RunFolder& run) {
        {"saga", "SAGA"},
        {"released", "published NG-GS code"},
        {"bce", "cross-entropy of masks"}}};
-  const std::string name = method_of(run);
+  std::string name = method_of(run);
   for (const auto& [key, title] : kTitles)
     if (key == name) return std::string(title);
   return name;

@@ -56,7 +56,7 @@ std::shared_ptr<const T> CoarseInput::remembered(Kept<T>& kept, std::size_t view
     const auto known = kept.find(view);
     if (known != kept.end()) return known->second;
   }
-  const auto loaded = std::make_shared<const T>(load());
+  auto loaded = std::make_shared<const T>(load());
   const std::lock_guard lock(mutex_);
   const std::size_t bytes = bytes_of(*loaded);
   if (bytes_ + bytes <= kept_bytes_ && kept.emplace(view, loaded).second) bytes_ += bytes;

@@ -45,7 +45,7 @@ double number_in(const io::TensorFile& file, const std::string& key, double low,
   return value;
 }
 
-std::vector<float> finite(const io::TensorFile& file, const std::string& name, std::vector<std::int64_t> shape) {
+std::vector<float> finite(const io::TensorFile& file, const std::string& name, const std::vector<std::int64_t>& shape) {
   std::vector<float> values = file.get<float>(name, shape);
   for (const float value : values)
     if (!std::isfinite(value)) bad(file.name + ": '" + name + "' has a value that is not finite");

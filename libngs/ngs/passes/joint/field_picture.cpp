@@ -30,7 +30,8 @@ struct BandRays {
   std::vector<std::size_t> pixel;  // [R]
 };
 
-void append_row(const Camera& camera, const PixelGrid& row, const DepthMap& map, RayQueries part, BandRays& out) {
+void append_row(const Camera& camera, const PixelGrid& row, const DepthMap& map, const RayQueries& part,
+                BandRays& out) {
   const std::vector<std::uint8_t> on = rays_on_surface(camera, part, map);
   for (int c = 0; c < row.cols; ++c)
     out.pixel.push_back(std::size_t(row.first_y) * std::size_t(camera.width_px) + std::size_t(row.x(c)));

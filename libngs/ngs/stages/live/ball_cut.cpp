@@ -107,9 +107,10 @@ class BallModel {
                               orbit::Vec up) const {
     std::vector<std::uint8_t> within(rows_.size(), 1);
     for (const auto& [view, prompt] : surrounded)
-      for_each_index(exec_, std::int64_t(rows_.size()), [&](std::int64_t i) {
-        within[std::size_t(i)] &= std::uint8_t(is_within(cameras[view], prompt, std::size_t(i)));
-      });
+      for_each_index(exec_, std::int64_t(rows_.size()),
+                     [this, &within, &camera = cameras[view], &prompt = prompt](std::int64_t i) {
+                       within[std::size_t(i)] &= std::uint8_t(is_within(camera, prompt, std::size_t(i)));
+                     });
     const SupportPlane plane = plane_outside(within, up);
     std::vector<float> share(within.begin(), within.end());
     for (std::size_t i = 0; i < share.size() && plane.found; ++i)

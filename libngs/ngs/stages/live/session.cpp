@@ -129,7 +129,7 @@ Consensus consensus_of(const RenderedView& rendered) {
 }  // namespace
 
 Camera segmented_camera(const Look& look) {
-  const Camera camera = camera_of(look);
+  Camera camera = camera_of(look);
   const int longer = std::max(camera.width_px, camera.height_px);
   if (longer <= kSegmentedSide_px) return camera;
   const double scale = double(kSegmentedSide_px) / longer;
