@@ -166,7 +166,7 @@ Reply Desk::frame(Fields request) {
   const ImageU8 picture = [&] {
     const std::lock_guard one(drawing_);
     const live::Model model = loaded_.model();
-    if (!refined) return live::draw_frame(exec_, model, objects, wanted);
+    if (!refined) return live::draw_frame(exec_, model, objects, wanted, moving ? nullptr : &last_still_);
     return live::draw_frame(exec_, {refined->ply.cloud, refined->splat, model.background}, objects, wanted);
   }();
   const std::vector<std::uint8_t> jpeg = io::encode_jpeg(picture, moving ? kMovingQuality : kJpegQuality);

@@ -62,6 +62,7 @@ class Desk {
   std::atomic<int> version_ = 1;
   std::atomic<bool> shows_before_ = false;
   std::mutex drawing_;              // one frame at a time: each takes all threads
+  live::LastFrame last_still_;      // while drawing
   mutable std::mutex mutex_;        // of what follows
   std::map<int, Refined> refined_;  // by object
   std::map<int, std::string> quality_;

@@ -123,9 +123,7 @@ class ViewPairs {
   template <std::size_t C>
   bool sum_up(std::size_t v, double* sum) const {
     const std::size_t columns = C > 0 ? C : columns_;
-    const TileLists& lists = binned_.lists();
-    for (std::int64_t slot = lists.slot_begin[v]; slot < lists.slot_begin[v + 1]; ++slot)
-      for (std::size_t c = 0; c < columns; ++c) sum[c] += double(sums_[std::size_t(slot) * columns + c]);
+    add_slots(binned_.lists(), v, sums_, columns, sum);
     return cap_objects(columns, sum);
   }
   bool sum_by_tile(std::size_t v, double* sum) const {

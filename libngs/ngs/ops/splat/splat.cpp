@@ -3,45 +3,11 @@
 #include "ngs/core/check.h"
 #include "ngs/ops/device/device_ops.h"
 #include "ngs/ops/splat/cloud_view.h"
-#include "ngs/ops/splat/splat_engine.h"
 #include "ngs/ops/splat/tile_isa.h"
+#include "ngs/ops/splat/view_planes.h"
 
 namespace ngs {
 namespace {
-
-ChannelPlan<float> channel_plan(const RenderRequest& request) {
-  return {request.colour, request.depth, request.label, request.background};
-}
-
-/// Planes of the images of a view in channel order; `alpha` last. F maps an image to its data pointer (or null).
-template <class T, class View>
-std::vector<Plane<T>> planes(const ChannelPlan<float>& plan, View& view) {
-  std::vector<Plane<T>> out;
-  const auto add = [&](auto& image, int channels) {
-    for (int c = 0; c < channels; ++c) out.push_back({image.empty() ? nullptr : image.data.data() + c, channels});
-  };
-  if (plan.colour) add(view.colour, 3);
-  if (plan.label.n > 0) add(view.label, plan.label.c);
-  if (plan.depth) add(view.depth, 1);
-  add(view.alpha, 1);
-  return out;
-}
-
-/// Images of the right shapes; every pixel is written later, so that those of an earlier view serve as they are.
-void allocate(const Camera& camera, const ChannelPlan<float>& plan, RenderedView& view) {
-  const int w = camera.width_px, h = camera.height_px;
-  view.width_px = w, view.height_px = h;
-  const auto shape = [&](ImageF& image, int channels) {
-    if (channels == 0)
-      image = {};
-    else if (image.width_px != w || image.height_px != h || image.channels != channels)
-      image = ImageF(w, h, channels);
-  };
-  shape(view.colour, plan.colour ? 3 : 0);
-  shape(view.label, plan.labels());
-  shape(view.depth, plan.depth ? 1 : 0);
-  shape(view.alpha, 1);
-}
 
 std::unique_ptr<DeviceSplat> device_view(const Exec& exec, const CloudView<float>& cloud, const Camera& relative,
                                          const SplatOptions& options, const ChannelPlan<float>& plan) {

@@ -15,11 +15,7 @@ class SplatEngine {
  public:
   SplatEngine(const TileKernels<S>& kernels, const SplatOptions& options, const CloudView<S>& cloud,
               const Camera& camera, const ChannelPlan<S>& plan)
-      : kernels_(kernels), options_(options), cloud_(cloud), camera_(camera), plan_(plan) {
-    background_.assign(std::size_t(plan.count()), S(0));
-    if (plan.colour)
-      background_[0] = plan.background.x, background_[1] = plan.background.y, background_[2] = plan.background.z;
-  }
+      : kernels_(kernels), options_(options), cloud_(cloud), camera_(camera), plan_(plan) {}
 
   /// Writes channel c to out[c] and 1 - T_final to out[count()].
   void forward(const Exec& exec, const std::vector<Plane<S>>& out) {
@@ -30,6 +26,11 @@ class SplatEngine {
   void prepare(const Exec& exec) {
     binned_.reset();
     binned_.emplace(exec, cloud_, camera_, options_);
+    gather_channels(exec);
+  }
+  /// Other channels of the view that is prepared.
+  void take_channels(const Exec& exec, const ChannelPlan<S>& plan) {
+    plan_ = plan;
     gather_channels(exec);
   }
   void composite(const Exec& exec, const std::vector<Plane<S>>& out) const {
@@ -63,10 +64,15 @@ class SplatEngine {
 
   const ProjectedView<S>& view() const { return binned_->view(); }
   const TileLists& lists() const { return binned_->lists(); }
+  BinnedView<S>& binned() { return *binned_; }
+  TileWork<S> work(std::int64_t tile) const { return tile_work(view(), lists(), tile, camera_, options_.compat); }
 
  private:
   void gather_channels(const Exec& exec) {
     const int count = plan_.count();
+    background_.assign(std::size_t(count), S(0));
+    if (plan_.colour)
+      background_[0] = plan_.background.x, background_[1] = plan_.background.y, background_[2] = plan_.background.z;
     const ViewProjector<S> projector = view_projector<S>(camera_, options_);
     channel_.resize(view().id.size() * std::size_t(count));
     for_each_index(exec, std::int64_t(view().id.size()), [&](std::int64_t v) {
@@ -75,7 +81,6 @@ class SplatEngine {
     });
   }
 
-  TileWork<S> work(std::int64_t tile) const { return tile_work(view(), lists(), tile, camera_, options_.compat); }
   ChannelValues<S> channels() const { return {channel_.data(), plan_.count()}; }
   /// Written, and so first touched, by all threads.
   static std::unique_ptr<S[]> zeros(const Exec& exec, std::int64_t n) {

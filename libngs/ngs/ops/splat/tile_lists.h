@@ -46,6 +46,14 @@ struct TileLists {
   std::int64_t tiles() const { return std::int64_t(tiles_x) * tiles_y; }
 };
 
+/// Adds the rows of `pairs` [pairs, columns] that visible Gaussian v has, by slot, to sum [columns].
+template <class S>
+[[gnu::always_inline]] inline void add_slots(const TileLists& lists, std::size_t v, const S* pairs, std::size_t columns,
+                                             double* sum) {
+  for (std::int64_t slot = lists.slot_begin[v]; slot < lists.slot_begin[v + 1]; ++slot)
+    for (std::size_t c = 0; c < columns; ++c) sum[c] += double(pairs[std::size_t(slot) * columns + c]);
+}
+
 /// One (Gaussian, tile) pair on its way into the lists.
 struct TileEntry {
   std::uint32_t depth;  // the bits of the depth: positive floats sort like them

@@ -53,13 +53,39 @@ ImageF colour_of(const Exec& exec, const Model& model, const Camera& camera, con
   return std::move(render(exec, model.cloud, camera, model.splat, request).colour);
 }
 
-RenderedView with_labels(const Exec& exec, const Model& model, const Camera& camera,
-                         const std::vector<float>& channel) {
+bool same_view(const Camera& a, const Camera& b) {
+  const Vec3<double>&s = a.translation, &t = b.translation;
+  return a.width_px == b.width_px && a.height_px == b.height_px && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx &&
+         a.cy == b.cy && std::ranges::equal(a.rotation.m, b.rotation.m) && s.x == t.x && s.y == t.y && s.z == t.z;
+}
+
+struct Canvas {
+  const Exec& exec;
+  const Model& model;
+  const Camera& camera;
+  LastFrame* last;
+};
+
+/// Of all Gaussians, with these labels [N, K] (empty: none).
+RenderedView with_labels(const Canvas& on, const std::vector<float>& channel) {
   RenderRequest request;
-  request.background = model.background;
-  const std::int64_t n = model.cloud.size();
+  request.background = on.model.background;
+  const std::int64_t n = on.model.cloud.size();
   if (!channel.empty()) request.label = {channel.data(), n, int(std::int64_t(channel.size()) / n)};
-  return render(exec, model.cloud, camera, model.splat, request);
+  if (on.last == nullptr) return render(on.exec, on.model.cloud, on.camera, on.model.splat, request);
+  auto& [view, colour] = *on.last;
+  if (!view || !same_view(view->camera(), on.camera)) {
+    view.reset(), colour = {};  // its memory serves the next one
+    view = std::make_unique<KeptView>(on.exec, on.model.cloud, on.camera, on.model.splat);
+  }
+  request.colour = colour.empty();
+  RenderedView rendered;
+  if (request.colour || !channel.empty()) rendered = view->render(on.exec, request);
+  if (request.colour)
+    colour = rendered.colour;
+  else
+    rendered.colour = colour;
+  return rendered;
 }
 
 void mix(const ImageF& other, float share, ImageF& image) {
@@ -81,7 +107,7 @@ std::vector<int> owners(const ImageF& label) {
 /// Tints what is selected and draws its outline, a pixel of its own colour and one of white outside of it.
 void highlight(const Exec& exec, const Shown& objects, const RenderedView& view, ImageF& image) {
   const std::vector<int> owner = owners(view.label);
-  const int w = view.width_px, h = view.height_px;
+  const int w = image.width_px, h = image.height_px;
   const auto owner_at = [&](int x, int y) {
     return owner[std::size_t(std::clamp(y, 0, h - 1)) * std::size_t(w) + std::size_t(std::clamp(x, 0, w - 1))];
   };
@@ -105,8 +131,8 @@ void highlight(const Exec& exec, const Shown& objects, const RenderedView& view,
   });
 }
 
-ImageF boundary_picture(const Exec& exec, const Model& model, const Shown& objects, const Camera& camera) {
-  RenderedView view = with_labels(exec, model, camera, channels_of(exec, objects, model.cloud.size(), true));
+ImageF boundary_picture(const Canvas& on, const Shown& objects) {
+  RenderedView view = with_labels(on, channels_of(on.exec, objects, on.model.cloud.size(), true));
   const auto k_count = std::size_t(view.label.channels);
   for (std::size_t p = 0; p < std::size_t(view.colour.pixels()); ++p)
     for (std::size_t c = 0; c < 3; ++c) {
@@ -121,17 +147,16 @@ ImageF boundary_picture(const Exec& exec, const Model& model, const Shown& objec
 }  // namespace
 
 ImageU8 draw_frame(const Exec& exec, const Model& model, const std::vector<ShownObject>& objects,
-                   const FrameRequest& request) {
+                   const FrameRequest& request, LastFrame* last) {
+  const Canvas canvas{exec, model, request.camera, last};
   const std::int64_t n = model.cloud.size();
   const Shown shown = chosen(objects, request.object);
-  if (request.layer == Layer::kBoundary && !shown.empty())
-    return to_bytes(boundary_picture(exec, model, shown, request.camera));
+  if (request.layer == Layer::kBoundary && !shown.empty()) return to_bytes(boundary_picture(canvas, shown));
   const double fade = request.layer == Layer::kObject ? 0 : request.layer == Layer::kBackground ? 1 : request.fade;
   if (fade == 0) return to_bytes(colour_of(exec, model, request.camera, rows_of(exec, shown, n, true)));
   if (fade == 1) return to_bytes(colour_of(exec, model, request.camera, rows_of(exec, shown, n, false)));
   const bool marks = request.highlight && !shown.empty();
-  RenderedView view =
-      with_labels(exec, model, request.camera, marks ? channels_of(exec, shown, n, false) : std::vector<float>());
+  RenderedView view = with_labels(canvas, marks ? channels_of(exec, shown, n, false) : std::vector<float>());
   if (fade != 0.5)
     mix(colour_of(exec, model, request.camera, rows_of(exec, shown, n, fade < 0.5)), float(2 * std::abs(fade - 0.5)),
         view.colour);

@@ -3,7 +3,7 @@
 #include <array>
 #include <memory>
 
-#include "ngs/ops/splat/splat.h"
+#include "ngs/ops/splat/kept/kept_view.h"
 #include "ngs/stages/live/object_evidence.h"
 
 namespace ngs::live {
@@ -31,8 +31,14 @@ struct FrameRequest {
   bool highlight = true;  // tint the selection and draw its outline
 };
 
-/// RGB. Objects without labels are not shown as selected.
+/// What the last frame of the whole model was made of, for the next one from the same camera: of one model alone.
+struct LastFrame {
+  std::unique_ptr<KeptView> view;
+  ImageF colour;  // without the selection
+};
+
+/// RGB. Objects without labels are not shown as selected. `last` (null: none) saves work and changes no pixel.
 ImageU8 draw_frame(const Exec& exec, const Model& model, const std::vector<ShownObject>& objects,
-                   const FrameRequest& request);
+                   const FrameRequest& request, LastFrame* last = nullptr);
 
 }  // namespace ngs::live

@@ -68,6 +68,12 @@ double detail_of(const ImageF& image) {
 
 }  // namespace
 
+bool operator==(const Look& a, const Look& b) {
+  const auto equal = [](Vec u, Vec v) { return u.x == v.x && u.y == v.y && u.z == v.z; };
+  return equal(a.position, b.position) && equal(a.look_at, b.look_at) && equal(a.up, b.up) &&
+         a.fov_y_deg == b.fov_y_deg && a.width_px == b.width_px && a.height_px == b.height_px;
+}
+
 Camera camera_of(const Look& look) {
   const Vec line = look.look_at - look.position;
   if (!(orbit::length(line) > 0))

@@ -14,6 +14,9 @@ struct Look {
   int width_px = 640, height_px = 480;
 };
 
+/// To the last digit.
+bool operator==(const Look& a, const Look& b);
+
 /// kUsage where `position` and `look_at` are one point. Where `up` lies along the line of sight, any other is taken.
 Camera camera_of(const Look& look);
 

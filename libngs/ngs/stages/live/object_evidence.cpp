@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "ngs/backend/for_each.h"
+#include "ngs/core/check.h"
 #include "ngs/stages/boundary/variance_stage.h"
 
 namespace ngs::live {
@@ -21,27 +22,44 @@ void ObjectEvidence::remove(const MarkedView& view) {
   for (std::size_t v = 0; v < view.inside.row.size(); ++v) inside_.subtract(view.inside.row[v], view.inside.weight[v]);
 }
 
+std::vector<std::uint32_t> ObjectEvidence::replace(const MarkedView& before, const MarkedView& now) {
+  NGS_CHECK(before.seen == now.seen, "two masks of one view");
+  std::vector<std::uint32_t> changed;
+  const MaskWeights &old = before.inside, &next = now.inside;
+  for (std::size_t a = 0, b = 0; a < old.row.size() || b < next.row.size();) {
+    const bool has_old = a < old.row.size() && (b == next.row.size() || old.row[a] <= next.row[b]);
+    const bool has_next = b < next.row.size() && (a == old.row.size() || next.row[b] <= old.row[a]);
+    const std::uint32_t row = has_old ? old.row[a] : next.row[b];
+    if (!(has_old && has_next && old.weight[a] == next.weight[b])) {
+      if (has_old) inside_.subtract(row, old.weight[a]);
+      if (has_next) inside_.add(row, next.weight[b]);
+      changed.push_back(row);
+    }
+    a += has_old, b += has_next;
+  }
+  return changed;
+}
+
 double ObjectEvidence::share(std::size_t gaussian) const {
   return is_seen(gaussian) ? inside_.value(gaussian) / weight_.value(gaussian) : 0.0;
 }
 
-ObjectLabels labels_of(const Exec& exec, const ObjectEvidence& evidence) {
+void label_rows(const Exec& exec, const ObjectEvidence& evidence, const std::vector<std::uint32_t>& rows,
+                ObjectLabels& labels) {
   const VarianceOptions rule;
-  constexpr std::int64_t kChunk = 1 << 14;
-  const auto n = std::int64_t(evidence.gaussians());
-  ObjectLabels out{std::vector<float>(std::size_t(n)), std::vector<std::uint8_t>(std::size_t(n)), 0};
-  std::vector<std::int64_t> count(std::size_t((n + kChunk - 1) / kChunk));
-  for_each_task(exec, std::ssize(count), [&](std::int64_t chunk) {
-    for (std::int64_t i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i) {
-      const auto row = std::size_t(i);
+  constexpr std::int64_t kChunk = 1 << 12;
+  std::vector<std::int64_t> more(std::size_t((std::ssize(rows) + kChunk - 1) / kChunk));
+  for_each_task(exec, std::ssize(more), [&](std::int64_t chunk) {
+    const std::int64_t end = std::min(std::ssize(rows), (chunk + 1) * kChunk);
+    for (std::int64_t r = chunk * kChunk; r < end; ++r) {
+      const std::size_t row = rows[std::size_t(r)];
       const double share = evidence.share(row);
       const bool object = double(float(share)) > rule.label_threshold;  // the columns of files are float
-      out.label[row] = float(object), out.boundary[row] = 4 * share * (1 - share) > rule.tau;
-      count[std::size_t(chunk)] += object;
+      more[std::size_t(chunk)] += std::int64_t(object) - std::int64_t(labels.label[row] > 0);
+      labels.label[row] = float(object), labels.boundary[row] = 4 * share * (1 - share) > rule.tau;
     }
   });
-  for (const std::int64_t c : count) out.count += c;
-  return out;
+  for (const std::int64_t m : more) labels.count += m;
 }
 
 }  // namespace ngs::live

@@ -13,6 +13,8 @@ class ObjectEvidence {
 
   void add(const MarkedView& view);
   void remove(const MarkedView& view);
+  /// Puts a view in the place of another that sees the same Gaussians. Those whose sums change, increasing.
+  std::vector<std::uint32_t> replace(const MarkedView& before, const MarkedView& now);
 
   /// Share of the object in a Gaussian's weight, in [0, 1]; 0 where no view sees it.
   double share(std::size_t gaussian) const;
@@ -28,7 +30,14 @@ struct ObjectLabels {
   std::vector<float> label;            // 1 object, 0 not
   std::vector<std::uint8_t> boundary;  // 1: views disagree (ngs-variance --tau at its default)
   std::int64_t count = 0;              // of label 1
+
+  /// Of an object that no view has shown.
+  static ObjectLabels none(std::size_t gaussians) {
+    return {std::vector<float>(gaussians), std::vector<std::uint8_t>(gaussians), 0};
+  }
 };
-ObjectLabels labels_of(const Exec& exec, const ObjectEvidence& evidence);
+/// After the sums of these Gaussians, of which none is there twice, have changed.
+void label_rows(const Exec& exec, const ObjectEvidence& evidence, const std::vector<std::uint32_t>& rows,
+                ObjectLabels& labels);
 
 }  // namespace ngs::live

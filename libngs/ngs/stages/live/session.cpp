@@ -6,14 +6,10 @@
 #include <cstdlib>
 #include <utility>
 
-#include "ngs/backend/for_each.h"
 #include "ngs/core/error.h"
 #include "ngs/core/monitor.h"
-#include "ngs/ops/image/connected_components.h"
 #include "ngs/ops/image/image_bytes.h"
-#include "ngs/ops/image/metrics.h"
-#include "ngs/ops/splat/evidence.h"
-#include "ngs/scene/mask_threshold.h"
+#include "ngs/stages/live/correction.h"
 #include "ngs/stages/live/live_mask.h"
 #include "ngs/stages/masks/hand_prompt.h"
 #include "ngs/stages/masks/mask_consensus.h"
@@ -26,12 +22,6 @@ constexpr double kContested = 0.12;  // of the diagonal, about a stroke that say
 constexpr const char* kColours[] = {"#ff8c1a", "#2aa5ff", "#7bd13b", "#e0529c",
                                     "#f2d024", "#8f6be8", "#28c7b7", "#f25f4c"};
 
-bool same(const Look& a, const Look& b) {
-  const auto equal = [](Vec3<double> u, Vec3<double> v) { return u.x == v.x && u.y == v.y && u.z == v.z; };
-  return equal(a.position, b.position) && equal(a.look_at, b.look_at) && equal(a.up, b.up) &&
-         a.fov_y_deg == b.fov_y_deg && a.width_px == b.width_px && a.height_px == b.height_px;
-}
-
 std::string picture_name(int number) {
   char name[24];
   std::snprintf(name, sizeof name, "%04d.png", number);
@@ -41,12 +31,6 @@ std::string picture_name(int number) {
 std::array<float, 3> rgb(const std::string& colour) {
   const unsigned long value = std::strtoul(colour.c_str() + 1, nullptr, 16);
   return {float(value >> 16 & 255) / 255, float(value >> 8 & 255) / 255, float(value & 255) / 255};
-}
-
-ViewMasks masks_of(const MarkedView& view) {
-  ViewMasks masks{view.camera.width_px, view.camera.height_px, {}, {}, true};
-  masks.target.emplace_back(view.mask.begin(), view.mask.end());
-  return masks;
 }
 
 int diagonal_share(const Camera& camera, double share) {
@@ -70,62 +54,6 @@ class WithoutView {
   const MarkedView* view_;
 };
 
-/// Distance of every pixel from the strokes of one side that contradict what the other views say.
-std::vector<std::int32_t> distance_of_contest(const ViewPrompt& strokes, const ViewPrompt& prompt, bool object) {
-  PixelMask calm(prompt.hint.size(), 1);
-  for (std::size_t p = 0; p < calm.size(); ++p)
-    if (is_certain(strokes.hint[p]) && is_object(strokes.hint[p]) == object && is_object(prompt.hint[p]) != object)
-      calm[p] = 0;
-  return chessboard_distance({calm.data(), prompt.width_px, prompt.height_px}, Outside::kUnknown);
-}
-
-/// Strokes hold. About those that contradict what the other views say, that is no longer certain: the colours decide.
-/// But a stroke on the object takes nothing away, and one beside it adds nothing.
-void lay_strokes(const ViewPrompt& strokes, int contested_px, ViewPrompt& prompt) {
-  const auto to_object = distance_of_contest(strokes, prompt, true),
-             to_background = distance_of_contest(strokes, prompt, false);
-  for (std::size_t p = 0; p < prompt.hint.size(); ++p) {
-    if (is_object(prompt.hint[p]) && to_background[p] <= contested_px) prompt.hint[p] = PixelHint::kLikelyObject;
-    if (!is_object(prompt.hint[p]) && to_object[p] <= contested_px) prompt.hint[p] = PixelHint::kLikelyBackground;
-    if (is_certain(strokes.hint[p])) prompt.hint[p] = strokes.hint[p];
-  }
-}
-
-/// Which pixels of `changed` are connected, through others of it, to a stroke of that side.
-PixelMask reached(const PixelMask& changed, const ViewPrompt& strokes, PixelHint side) {
-  const ConnectedComponents pieces = connected_components({changed.data(), strokes.width_px, strokes.height_px});
-  std::vector<std::uint8_t> is_reached(pieces.size.size());
-  for (std::size_t p = 0; p < changed.size(); ++p)
-    if (changed[p] && strokes.hint[p] == side) is_reached[std::size_t(pieces.component[p])] = 1;
-  PixelMask out(changed.size());
-  for (std::size_t p = 0; p < changed.size(); ++p) out[p] = changed[p] && is_reached[std::size_t(pieces.component[p])];
-  return out;
-}
-
-/// A correction is local: of the mask before it changes what is connected to the new strokes, and to their side.
-PixelMask corrected(const PixelMask& before, const PixelMask& found, const ViewPrompt& strokes) {
-  PixelMask more(before.size()), less(before.size()), out = before;
-  for (std::size_t p = 0; p < before.size(); ++p) more[p] = found[p] && !before[p], less[p] = before[p] && !found[p];
-  more = reached(more, strokes, PixelHint::kObject), less = reached(less, strokes, PixelHint::kBackground);
-  for (std::size_t p = 0; p < out.size(); ++p)
-    if (more[p] || less[p]) out[p] = more[p];
-  return out;
-}
-
-/// Of a render of known_channels(); what is empty is known.
-Consensus consensus_of(const RenderedView& rendered) {
-  Consensus consensus{rendered.width_px, rendered.height_px, {}, {}, {}};
-  const std::size_t pixels = rendered.alpha.data.size();
-  consensus.object.resize(pixels), consensus.known.resize(pixels);
-  for (std::size_t p = 0; p < pixels; ++p) {
-    const float known = rendered.label.data[2 * p + 1] + 1 - rendered.alpha.data[p];
-    consensus.known[p] = std::clamp(known, 0.f, 1.f);
-    consensus.object[p] = known > 0 ? std::clamp(rendered.label.data[2 * p] / known, 0.f, 1.f) : 0.f;
-  }
-  consensus.alone = consensus.object;
-  return consensus;
-}
-
 }  // namespace
 
 Camera segmented_camera(const Look& look) {
@@ -136,7 +64,7 @@ Camera segmented_camera(const Look& look) {
   return resized(camera, scaled_size_px(camera.width_px, scale), scaled_size_px(camera.height_px, scale));
 }
 
-Session::Session(const Exec& exec, const Model& model) : exec_(exec), model_(model) {
+Session::Session(const Exec& exec, const Model& model) : exec_(exec), model_(model), recent_(exec_, model_) {
   Marks marks;
   marks.objects.push_back({1, "object 1", kColours[0], 1, {}});
   marks.active = 1, marks.next_id = 2;
@@ -171,47 +99,21 @@ Session::Kept& Session::kept(int id) {
   return kept_.emplace_back(Kept{id, ObjectEvidence(model_.cloud.size()), {}, nullptr});
 }
 
-/// What the object's other views know of every Gaussian, [N, 2]: its share in the object, and 1 where it is known.
-std::vector<float> Session::known_channels(const ObjectEvidence& others) const {
-  std::vector<float> channel(2 * others.gaussians());
-  for_each_index(exec_, std::int64_t(others.gaussians()), [&](std::int64_t i) {
-    const auto row = std::size_t(i);
-    if (others.is_seen(row)) channel[2 * row] = float(others.share(row)), channel[2 * row + 1] = 1;
-  });
-  return channel;
-}
-
-/// Finds the mask of a view from its strokes, and from what the object's other views say there; null: there are none.
-void Session::segment(MarkedView& view, const ObjectEvidence* others) const {
+/// Finds the mask of a view from its strokes, and from what the object's other views say there, where there are any.
+/// `sums` are of the others and `before`, the view as it was so far.
+void Session::segment(MarkedView& view, const MarkedView* before, const MarkedViews& others, ObjectEvidence& sums) {
   const Camera& camera = view.camera;
-  const std::vector<float> channel = others ? known_channels(*others) : std::vector<float>();
-  RenderRequest request;
-  request.background = model_.background;
-  if (others) request.label = {channel.data(), model_.cloud.size(), 2};
-  const RenderedView rendered = render(exec_, model_.cloud, camera, model_.splat, request);
+  RecentView& here = recent_.of(view.look, camera);
   ViewPrompt prompt = rasterise(view.strokes, camera.width_px, camera.height_px);
-  if (others) {
-    const ViewPrompt strokes = std::exchange(
-        prompt, prompt_from(consensus_of(rendered), std::max(3, diagonal_share(camera, kBand)), view.mask));
+  if (!others.empty()) {
+    const WithoutView alone(sums, here.has_consensus(others) ? nullptr : before);
+    const Consensus& consensus = here.consensus(sums, others);
+    const ViewPrompt strokes =
+        std::exchange(prompt, prompt_from(consensus, std::max(3, diagonal_share(camera, kBand)), view.mask));
     prompt.by_hand = true;
     lay_strokes(strokes, diagonal_share(camera, kContested), prompt);
   }
-  view.mask = live_mask(to_bytes(rendered.colour), prompt, 0);
-}
-
-/// Sets what the view says of the Gaussians.
-void Session::weigh(MarkedView& view) const {
-  const ViewSums sums = view_sums(exec_, model_.cloud, {view.camera, masks_of(view)}, model_.splat);
-  if (!view.seen) {
-    ViewWeights seen;
-    seen.row = sums.row;
-    for (std::size_t v = 0; v < sums.size(); ++v) seen.weight.push_back(sums.weight(v));
-    view.seen = std::make_shared<const ViewWeights>(std::move(seen));
-  }
-  view.inside = {};
-  for (std::size_t v = 0; v < sums.size(); ++v)
-    if (sums.object_weight(v, 0) > 0)
-      view.inside.row.push_back(sums.row[v]), view.inside.weight.push_back(sums.object_weight(v, 0));
+  view.mask = live_mask(here.picture(), prompt, 0);
 }
 
 StrokeAnswer Session::mark(int id, const Look& look, const std::vector<PromptStroke>& strokes) {
@@ -220,7 +122,7 @@ StrokeAnswer Session::mark(int id, const Look& look, const std::vector<PromptStr
   (void)object(id);
   ObjectMarks& marked = *marks.find(id);
   const auto place =
-      std::find_if(marked.views.begin(), marked.views.end(), [&](const auto& view) { return same(view->look, look); });
+      std::find_if(marked.views.begin(), marked.views.end(), [&](const auto& view) { return view->look == look; });
   MarkedView view;
   if (place != marked.views.end()) {
     view = **place;
@@ -233,9 +135,9 @@ StrokeAnswer Session::mark(int id, const Look& look, const std::vector<PromptStr
 
   const bool is_new = place == marked.views.end();
   {
-    const bool others_know = marked.views.size() > (is_new ? 0u : 1u);
-    const WithoutView others(kept(id).evidence, is_new ? nullptr : place->get());
-    segment(view, others_know ? &kept(id).evidence : nullptr);
+    MarkedViews others = marked.views;
+    if (!is_new) others.erase(others.begin() + (place - marked.views.begin()));
+    segment(view, is_new ? nullptr : place->get(), others, kept(id).evidence);
   }
   if (!is_new && std::ranges::count((*place)->mask, 1) > 0) {
     HandPrompt drawn = view.strokes;
@@ -243,7 +145,7 @@ StrokeAnswer Session::mark(int id, const Look& look, const std::vector<PromptStr
     view.mask = corrected((*place)->mask, view.mask, rasterise(drawn, view.camera.width_px, view.camera.height_px));
   }
   const double masked_s = wall_seconds();
-  weigh(view);
+  recent_.of(look, view.camera).weigh(view);
   StrokeAnswer answer;
   answer.coverage = double(std::count(view.mask.begin(), view.mask.end(), 1)) / double(view.mask.size());
   const auto made = std::make_shared<const MarkedView>(std::move(view));
@@ -326,25 +228,39 @@ void Session::restore(Marks marks) {
     for (std::shared_ptr<const MarkedView>& view : object.views) {
       MarkedView whole = *view;
       whole.camera = segmented_camera(whole.look), whole.camera.name = whole.name;
-      weigh(whole);
+      RecentView(exec_, model_, whole.look, whole.camera).weigh(whole);
       view = std::make_shared<const MarkedView>(std::move(whole));
     }
   forget_steps();
   publish(std::move(marks));
 }
 
-/// Takes out the views that are gone or have changed and puts in those that are new. False: none.
-bool Session::bring_up_to_date(Kept& kept, const ObjectMarks& object) {
-  const auto in = [](const auto& views, const auto& view) {
+/// Takes out the views that are gone or have changed, puts in those that are new, and labels whom they see.
+void Session::bring_up_to_date(Kept& kept, const ObjectMarks& object) {
+  const auto in = [](const MarkedViews& views, const auto& view) {
     return std::find(views.begin(), views.end(), view) != views.end();
   };
-  bool changed = false;
+  MarkedViews gone, come;
   for (const auto& view : kept.views)
-    if (!in(object.views, view)) kept.evidence.remove(*view), changed = true;
+    if (!in(object.views, view)) gone.push_back(view);
   for (const auto& view : object.views)
-    if (!in(kept.views, view)) kept.evidence.add(*view), changed = true;
+    if (!in(kept.views, view)) come.push_back(view);
   kept.views = object.views;
-  return changed;
+  if (kept.labels && gone.empty() && come.empty()) return;
+  std::vector<std::vector<std::uint32_t>> changed;
+  for (const auto& view : gone) {
+    const auto now = std::ranges::find(come, view->seen, [](const auto& v) { return v->seen; });
+    if (now != come.end()) {
+      changed.push_back(kept.evidence.replace(*view, **now));
+      come.erase(now);
+    } else {
+      kept.evidence.remove(*view), changed.push_back(view->seen->row);
+    }
+  }
+  for (const auto& view : come) kept.evidence.add(*view), changed.push_back(view->seen->row);
+  ObjectLabels labels = kept.labels ? *kept.labels : ObjectLabels::none(kept.evidence.gaussians());
+  for (const std::vector<std::uint32_t>& rows : changed) label_rows(exec_, kept.evidence, rows, labels);
+  kept.labels = std::make_shared<const ObjectLabels>(std::move(labels));
 }
 
 void Session::publish(Marks marks) {
@@ -354,8 +270,7 @@ void Session::publish(Marks marks) {
     ShownObject one{object.id, rgb(object.colour), nullptr};
     if (!object.views.empty()) {
       Kept& sums = kept(object.id);
-      if (bring_up_to_date(sums, object) || !sums.labels)
-        sums.labels = std::make_shared<const ObjectLabels>(labels_of(exec_, sums.evidence));
+      bring_up_to_date(sums, object);
       one.labels = sums.labels;
     } else {
       std::erase_if(kept_, [&](const Kept& k) { return k.id == object.id; });

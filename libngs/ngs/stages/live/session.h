@@ -3,11 +3,12 @@
 //
 // Strokes on a view -> its mask (live_mask.h), begun from what the object's other views say there -> evidence of that
 // view alone -> labels, by the sums of the other views that were kept. A further stroke on the same view changes of its
-// mask only what is connected to the stroke, and only to the stroke's side. No files, no clock in any result: the same
+// mask only what is connected to the stroke, and only to the stroke's side; what it leaves as it was is not worked out
+// again. No files, no clock in any result: the same
 // strokes give the same masks and labels for any number of threads.
 #include <mutex>
 
-#include "ngs/stages/live/frame.h"
+#include "ngs/stages/live/recent_views.h"
 
 namespace ngs::live {
 
@@ -29,6 +30,8 @@ class Session {
  public:
   /// The model must outlive it. Begins with one object without strokes.
   Session(const Exec& exec, const Model& model);
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
 
   /// kUsage for an object that is not there. A view is the same where the look is, to the last digit.
   StrokeAnswer mark(int object, const Look& look, const std::vector<PromptStroke>& strokes);
@@ -57,21 +60,20 @@ class Session {
   struct Kept {
     int id;
     ObjectEvidence evidence;
-    std::vector<std::shared_ptr<const MarkedView>> views;
+    MarkedViews views;
     std::shared_ptr<const ObjectLabels> labels;
   };
 
-  std::vector<float> known_channels(const ObjectEvidence& others) const;
-  void segment(MarkedView& view, const ObjectEvidence* others) const;
-  void weigh(MarkedView& view) const;
+  void segment(MarkedView& view, const MarkedView* before, const MarkedViews& others, ObjectEvidence& sums);
   Kept& kept(int id);
-  bool bring_up_to_date(Kept& kept, const ObjectMarks& object);
+  void bring_up_to_date(Kept& kept, const ObjectMarks& object);
   void publish(Marks marks);
   void step(Marks marks);
   const ObjectMarks& object(int id) const;
 
   const Exec exec_;
   const Model model_;
+  RecentViews recent_;
   std::vector<Kept> kept_;
   std::vector<std::shared_ptr<const Marks>> before_, after_;
   mutable std::mutex mutex_;  // of what is published

@@ -70,6 +70,21 @@ const live::ObjectLabels& labels_of(const live::Session& session, std::size_t ob
   return *(*shown)[object].labels;
 }
 
+/// The marks as a file holds them.
+live::Marks plain_marks(const live::Session& session) {
+  live::Marks kept;
+  kept.active = 1, kept.next_id = 2;
+  for (const live::ObjectMarks& object : session.marks()->objects) {
+    kept.objects.push_back({object.id, object.name, object.colour, object.next_view, {}});
+    for (const auto& view : object.views) {
+      live::MarkedView plain;
+      plain.name = view->name, plain.look = view->look, plain.strokes = view->strokes, plain.mask = view->mask;
+      kept.objects.back().views.push_back(std::make_shared<const live::MarkedView>(plain));
+    }
+  }
+  return kept;
+}
+
 void mark_two_views(const Visit& visit, live::Session& session) {
   for (const std::size_t view : {0u, 3u}) {
     const live::Look look = visit.look(view);
@@ -209,23 +224,73 @@ TEST_CASE("a visit that was kept goes on as if it had not ended") {
   const Visit visit;
   live::Session session(visit.exec, visit.model()), opened(visit.exec, visit.model());
   mark_two_views(visit, session);
-  live::Marks kept;
-  kept.active = 1, kept.next_id = 2;
-  for (const live::ObjectMarks& object : session.marks()->objects) {
-    kept.objects.push_back({object.id, object.name, object.colour, object.next_view, {}});
-    for (const auto& view : object.views) {
-      live::MarkedView plain;
-      plain.name = view->name, plain.look = view->look, plain.strokes = view->strokes, plain.mask = view->mask;
-      kept.objects.back().views.push_back(std::make_shared<const live::MarkedView>(plain));
-    }
-  }
-  opened.restore(kept);
+  opened.restore(plain_marks(session));
   CHECK(labels_of(opened).label == labels_of(session).label);
   CHECK_FALSE(opened.undo());
   const live::Look look = visit.look(1);
   session.mark(1, look, {visit.on_ball(look)}), opened.mark(1, look, {visit.on_ball(look)});
   CHECK(opened.marks()->objects[0].views[2]->mask == session.marks()->objects[0].views[2]->mask);
   CHECK(labels_of(opened).label == labels_of(session).label);
+}
+
+TEST_CASE("what is kept of views between strokes changes nothing: each stroke does what it does in a new session") {
+  const Visit visit;
+  live::Session session(visit.exec, visit.model());
+  const auto beside = [&](const live::Look& look, double dx) {
+    const std::array<double, 2> middle = visit.ball(look);
+    return std::array<double, 2>{middle[0] + dx, middle[1]};
+  };
+  struct Step {
+    std::size_t view;
+    double dx_px;
+    bool object, undo;
+  };
+  // More views than are kept, come back to; steps back between strokes on one view and on another.
+  const std::vector<Step> steps{{0, 0, true, false},   {0, 30, false, false}, {3, 0, true, false}, {3, 9, false, false},
+                                {3, -6, true, true},   {1, 0, true, false},   {0, 8, false, true}, {3, 5, false, false},
+                                {1, 40, false, false}, {1, 10, true, false},  {0, -9, true, false}};
+  for (const Step& step : steps) {
+    CAPTURE(step.view);
+    CAPTURE(step.dx_px);
+    live::Session fresh(visit.exec, visit.model());
+    fresh.restore(plain_marks(session));
+    const live::Look look = visit.look(step.view);
+    const PromptStroke stroke{step.object, 3, {beside(look, step.dx_px)}};
+    session.mark(1, look, {stroke}), fresh.mark(1, look, {stroke});
+    const auto &views = session.marks()->objects[0].views, &wanted = fresh.marks()->objects[0].views;
+    REQUIRE(views.size() == wanted.size());
+    for (std::size_t v = 0; v < views.size(); ++v) CHECK(views[v]->mask == wanted[v]->mask);
+    const live::ObjectLabels &labels = labels_of(session), &all = labels_of(fresh);
+    CHECK(labels.label == all.label);
+    CHECK(labels.boundary == all.boundary);
+    CHECK(labels.count == all.count);
+    CHECK(labels.count == std::count(labels.label.begin(), labels.label.end(), 1.f));
+    if (step.undo) CHECK(session.undo());
+  }
+}
+
+TEST_CASE("a frame that is like the last one but for its labels, layer or camera is drawn as without it") {
+  const Visit visit;
+  live::Session session(visit.exec, visit.model());
+  live::LastFrame last;
+  const auto check = [&](const live::FrameRequest& request) {
+    CHECK(live::draw_frame(visit.exec, visit.model(), *session.shown(), request, &last).data ==
+          live::draw_frame(visit.exec, visit.model(), *session.shown(), request).data);
+  };
+  live::FrameRequest request{live::camera_of(visit.look(0)), live::Layer::kBoth, 0.5, 0, true};
+  check(request), check(request);
+  mark_two_views(visit, session);
+  check(request);
+  for (const live::Layer layer : {live::Layer::kBoundary, live::Layer::kObject, live::Layer::kBoth}) {
+    request.layer = layer;
+    check(request);
+  }
+  request.fade = 0.3;
+  check(request);
+  request.camera = live::camera_of(visit.look(3));
+  check(request);
+  request.highlight = false;
+  check(request);
 }
 
 TEST_CASE("a frame shows the selection, the object alone and the background alone") {

@@ -1,0 +1,46 @@
+#pragma once
+// The images of a view as the planes that the compositing kernels write. Internal to ops.
+#include <vector>
+
+#include "ngs/ops/splat/splat_engine.h"
+#include "ngs/scene/rendered_view.h"
+
+namespace ngs {
+
+/// Of a RenderRequest, by any name: splat.h, which has it, is a unit with splat.cpp, which includes this header.
+template <class Request>
+ChannelPlan<float> channel_plan(const Request& request) {
+  return {request.colour, request.depth, request.label, request.background};
+}
+
+/// Planes of the images of a view in channel order; `alpha` last.
+template <class T, class View>
+std::vector<Plane<T>> planes(const ChannelPlan<float>& plan, View& view) {
+  std::vector<Plane<T>> out;
+  const auto add = [&](auto& image, int channels) {
+    for (int c = 0; c < channels; ++c) out.push_back({image.empty() ? nullptr : image.data.data() + c, channels});
+  };
+  if (plan.colour) add(view.colour, 3);
+  if (plan.label.n > 0) add(view.label, plan.label.c);
+  if (plan.depth) add(view.depth, 1);
+  add(view.alpha, 1);
+  return out;
+}
+
+/// Images of the right shapes; every pixel is written later, so that those of an earlier view serve as they are.
+inline void allocate(const Camera& camera, const ChannelPlan<float>& plan, RenderedView& view) {
+  const int w = camera.width_px, h = camera.height_px;
+  view.width_px = w, view.height_px = h;
+  const auto shape = [&](ImageF& image, int channels) {
+    if (channels == 0)
+      image = {};
+    else if (image.width_px != w || image.height_px != h || image.channels != channels)
+      image = ImageF(w, h, channels);
+  };
+  shape(view.colour, plan.colour ? 3 : 0);
+  shape(view.label, plan.labels());
+  shape(view.depth, plan.depth ? 1 : 0);
+  shape(view.alpha, 1);
+}
+
+}  // namespace ngs

@@ -1,0 +1,88 @@
+#include "ngs/stages/live/recent_views.h"
+
+#include <algorithm>
+
+#include "ngs/backend/for_each.h"
+#include "ngs/ops/image/image_bytes.h"
+
+namespace ngs::live {
+namespace {
+
+/// What `evidence` knows of the Gaussians `rows`, [N, 2]: the share of the object, and 1 where it is known.
+std::vector<float> known_channels(const Exec& exec, const ObjectEvidence& evidence,
+                                  const std::vector<std::uint32_t>& rows) {
+  std::vector<float> channel(2 * evidence.gaussians());
+  for_each_index(exec, std::ssize(rows), [&](std::int64_t v) {
+    const std::size_t row = rows[std::size_t(v)];
+    if (evidence.is_seen(row)) channel[2 * row] = float(evidence.share(row)), channel[2 * row + 1] = 1;
+  });
+  return channel;
+}
+
+/// Of a render of known_channels(); what is empty is known.
+Consensus consensus_of(const RenderedView& rendered) {
+  Consensus consensus{rendered.width_px, rendered.height_px, {}, {}, {}};
+  const std::size_t pixels = rendered.alpha.data.size();
+  consensus.object.resize(pixels), consensus.known.resize(pixels);
+  for (std::size_t p = 0; p < pixels; ++p) {
+    const float known = rendered.label.data[2 * p + 1] + 1 - rendered.alpha.data[p];
+    consensus.known[p] = std::clamp(known, 0.f, 1.f);
+    consensus.object[p] = known > 0 ? std::clamp(rendered.label.data[2 * p] / known, 0.f, 1.f) : 0.f;
+  }
+  consensus.alone = consensus.object;
+  return consensus;
+}
+
+}  // namespace
+
+RecentView::RecentView(const Exec& exec, const Model& model, const Look& look, const Camera& camera)
+    : exec_(exec), model_(model), look_(look), kept_(exec, model.cloud, camera, model.splat) {}
+
+/// The picture unless there is one, and the consensus by `channel` unless that is empty.
+void RecentView::draw(const std::vector<float>& channel) {
+  RenderRequest request;
+  request.colour = picture_.empty(), request.background = model_.background;
+  if (!channel.empty()) request.label = {channel.data(), model_.cloud.size(), 2};
+  const RenderedView rendered = kept_.render(exec_, request);
+  if (request.colour) picture_ = to_bytes(rendered.colour);
+  if (!channel.empty()) consensus_ = consensus_of(rendered);
+}
+
+const ImageU8& RecentView::picture() {
+  if (picture_.empty()) draw({});
+  return picture_;
+}
+
+const Consensus& RecentView::consensus(const ObjectEvidence& evidence, const MarkedViews& others) {
+  if (!has_consensus(others)) draw(known_channels(exec_, evidence, kept_.rows()));
+  others_ = others;
+  return consensus_;
+}
+
+void RecentView::weigh(MarkedView& view) {
+  const MaskSums& sums = kept_.weigh(exec_, view.mask);
+  const std::vector<std::uint32_t>& rows = kept_.rows();
+  if (!view.seen) {
+    ViewWeights seen;
+    for (std::size_t v = 0; v < rows.size(); ++v)
+      if (sums.weight[v] > 0) seen.row.push_back(rows[v]), seen.weight.push_back(sums.weight[v]);
+    view.seen = std::make_shared<const ViewWeights>(std::move(seen));
+  }
+  view.inside = {};
+  for (std::size_t v = 0; v < rows.size(); ++v)
+    if (sums.object_weight[v] > 0)
+      view.inside.row.push_back(rows[v]), view.inside.weight.push_back(sums.object_weight[v]);
+}
+
+RecentView& RecentViews::of(const Look& look, const Camera& camera) {
+  const auto found = std::find_if(views_.begin(), views_.end(), [&](const auto& view) { return view->look() == look; });
+  if (found != views_.end()) {
+    std::rotate(views_.begin(), found, found + 1);
+  } else {
+    if (views_.size() == kMost) views_.pop_back();  // its memory serves the next one
+    views_.insert(views_.begin(), std::make_unique<RecentView>(exec_, model_, look, camera));
+  }
+  return *views_.front();
+}
+
+}  // namespace ngs::live

@@ -1,0 +1,55 @@
+#pragma once
+// The views that were drawn on last, kept so that the next stroke on them costs what it changes: projected and sorted
+// into tiles, their pictures, what the object's other views say of them. All of it can be made again from the marks.
+#include <memory>
+#include <vector>
+
+#include "ngs/ops/splat/kept/kept_view.h"
+#include "ngs/stages/live/frame.h"
+#include "ngs/stages/masks/mask_consensus.h"
+
+namespace ngs::live {
+
+using MarkedViews = std::vector<std::shared_ptr<const MarkedView>>;
+
+class RecentView {
+ public:
+  /// `look`, `camera`: what is seen and at which size. The model must outlive it.
+  RecentView(const Exec& exec, const Model& model, const Look& look, const Camera& camera);
+
+  const Look& look() const { return look_; }
+  /// As Session::picture(); drawn once.
+  const ImageU8& picture();
+  /// What `others`, whose sums are `evidence`, say of every pixel; drawn when they are not those of the call before.
+  const Consensus& consensus(const ObjectEvidence& evidence, const MarkedViews& others);
+  bool has_consensus(const MarkedViews& others) const { return !others.empty() && others == others_; }
+  /// Sets what the view says of the Gaussians.
+  void weigh(MarkedView& view);
+
+ private:
+  void draw(const std::vector<float>& channel);
+
+  const Exec& exec_;
+  const Model& model_;
+  Look look_;
+  KeptView kept_;
+  ImageU8 picture_;
+  MarkedViews others_;
+  Consensus consensus_;
+};
+
+/// The last few, of a model that must outlive them.
+class RecentViews {
+ public:
+  static constexpr std::size_t kMost = 2;
+
+  RecentViews(const Exec& exec, const Model& model) : exec_(exec), model_(model) {}
+  RecentView& of(const Look& look, const Camera& camera);
+
+ private:
+  const Exec& exec_;
+  const Model& model_;
+  std::vector<std::unique_ptr<RecentView>> views_;  // the last one first
+};
+
+}  // namespace ngs::live
