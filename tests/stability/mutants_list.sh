@@ -291,3 +291,7 @@ f=passes/contours/refined_masks.cpp
 mutant $f $t $f "masks: one-sided ones have a say" 's/masks_misaligned\(refined\) && masks_err_to_one_side\(refined\)/false/'
 mutant $f $t $f "masks: misaligned ones have no say" 's/masks_misaligned\(refined\) && masks_err_to_one_side\(refined\)/masks_misaligned(refined)/'
 mutant $f $t $f "masks: too large by much is no error to one side" 's/std::abs\(beyond - lacking\)/lacking - beyond/'
+
+t=unit/ops/splat/kept_view_test.cpp f=ops/splat/kept/kept_view.cpp
+mutant $f $t "$f" "kept view: pixels that leave the mask do not count" 's/target\[p\] == float\(mask\[p\]\)/target[p] >= float(mask[p])/'
+mutant $f $t "$f" "kept view: what was summed once stays" 's/if \(!changed\[v\]\) continue;/if (changed[v] \&\& s.sums.weight[v] > 0) continue;/'
