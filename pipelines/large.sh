@@ -1,0 +1,59 @@
+#!/usr/bin/env bash
+# One object of a large scene from beginning to end: import, evidence, draft; wall and CPU seconds and peak memory of each.
+#
+#   pipelines/large.sh six CAPTURE [OUT]    three rooms of CAPTURE: 6.2e6 Gaussians of museum, 300 photos of 2.1 Mpx
+#   pipelines/large.sh ten CAPTURE [OUT]    five rooms: 1.03e7 Gaussians of museum, 1000 photos of 0.3 Mpx
+#   pipelines/large.sh balls [OUT]          100 objects at once: 1e6 Gaussians, 60 photos of 0.3 Mpx
+#
+#   CAPTURE   a folder with sparse/, images/, masks_label/ and point_cloud.compressed.ply, such as the scene museum
+#   OUT       folder that keeps all that is made      (default: large/WHAT)
+#
+# Rooms are the capture's model side by side, their photos the capture's, enlarged: no camera sees another room but
+# through its own, and a room has more views than the capture by taking cameras again. Object 2 of the first room is
+# cut out; the photos of the other rooms show nothing of it. What is made is made by ngs_large, a target of the build.
+#
+# stdout: a line per tool: TOOL WALL_S CPU_S PEAK_MIB EXIT_CODE. NGS_THREADS as ever.
+set -euo pipefail
+shopt -s inherit_errexit
+# shellcheck source=pipelines/common.sh
+. "$(dirname "$0")/common.sh"
+
+case ${1:-} in
+  six | ten)
+    [ $# -ge 2 ] || fail 2 "expected a CAPTURE" "see $0 --help"
+    what=$1 capture=$2 out=${3:-large/$1} ;;
+  balls) what=$1 capture='' out=${2:-large/$1} ;;
+  -h | --help) usage_of "$0"; exit 0 ;;
+  *) fail 2 "expected six, ten or balls" "see $0 --help" ;;
+esac
+bin=$(find_bin)
+scene=$out/scene
+
+make_scene() {
+  local model=$capture/point_cloud.compressed.ply
+  rm -rf "$scene.part"
+  case $what in
+    six) tool ngs_large rooms "$scene.part" "$capture" "$model" 3 300 1792x1161 ;;
+    ten) tool ngs_large rooms "$scene.part" "$capture" "$model" 5 1000 680x441 ;;
+    balls) tool ngs_large balls "$scene.part" 100 1e6 60 ;;
+  esac
+  mv "$scene.part" "$scene"
+}
+
+# The run of a tool, its line, and its exit code where that is no success.
+timed() {
+  local code=0
+  /usr/bin/time -f '%e %U %S %M' -o "$out/$1.time" "${bin:+$bin/}$1" "${@:2}" -w -q --report "$out/$1.json" > /dev/null || code=$?
+  tail -n 1 "$out/$1.time" |
+    awk -v tool="$1" -v code="$code" '{ printf "%-14s %8.1f %8.1f %7d %d\n", tool, $1, $2 + $3, $4 / 1024, code }'
+  if [ "$code" -ne 0 ]; then exit "$code"; fi
+}
+
+mkdir -p "$out" || fail 8 "$out: cannot be made"
+[ -d "$scene" ] || make_scene
+objects=()
+[ "$what" = balls ] || objects=(--object-id angel=2)
+timed ngs-scene import "$scene" --model "$scene/point_cloud.ply" --masks "$scene/masks_label" --mask-mode label \
+  --hold-out every:10:5 "${objects[@]}" -o "$out/scene.json"
+timed ngs-variance "$out/scene.json" -o "$out/boundary.ply"
+timed ngs-joint "$out/scene.json" "$out/boundary.ply" --quality draft -o "$out/labelled.ply"
