@@ -94,8 +94,7 @@ GaussianCloud cloud_of(const Yard& yard, double gaussians) {
 Camera camera_at(const Yard& yard, const BallsOptions& options, int view) {
   const double turn = 2 * std::numbers::pi * view / options.views, reach = 0.8 * yard.width();
   const V from{reach * std::cos(turn), (0.45 + 0.2 * (view % 3)) * yard.width(), reach * std::sin(turn)};
-  const V forward = unit(V{0, 0, 0} - from), right = unit(cross(forward, V{0, 1, 0})),
-          down = cross(forward, right);
+  const V forward = unit(V{0, 0, 0} - from), right = unit(cross(forward, V{0, 1, 0})), down = cross(forward, right);
   Camera camera;
   camera.name = view_name(std::size_t(view));
   camera.width_px = options.width_px, camera.height_px = options.height_px;
