@@ -1,5 +1,7 @@
 #include "ngs/stages/live/correction.h"
 
+#include <algorithm>
+
 #include "ngs/ops/image/connected_components.h"
 #include "ngs/ops/image/metrics.h"
 
@@ -36,6 +38,37 @@ void lay_strokes(const ViewPrompt& strokes, int contested_px, ViewPrompt& prompt
     if (!is_object(prompt.hint[p]) && to_object[p] <= contested_px) prompt.hint[p] = PixelHint::kLikelyBackground;
     if (is_certain(strokes.hint[p])) prompt.hint[p] = strokes.hint[p];
   }
+}
+
+ViewPrompt Correction::prompt(int reach_px) const {
+  PixelMask calm(before.size());
+  for (std::size_t p = 0; p < calm.size(); ++p) calm[p] = !is_certain(added.hint[p]);
+  const auto distance = chessboard_distance({calm.data(), strokes.width_px, strokes.height_px}, Outside::kUnknown);
+  ViewPrompt prompt = strokes;
+  for (std::size_t p = 0; p < calm.size(); ++p) {
+    if (is_certain(strokes.hint[p])) continue;
+    const bool near = distance[p] <= reach_px;
+    prompt.hint[p] = before[p] ? (near ? PixelHint::kLikelyObject : PixelHint::kObject)
+                               : (near ? PixelHint::kLikelyBackground : PixelHint::kBackground);
+  }
+  return prompt;
+}
+
+SideColours Correction::colours(const ImageU8& picture, int most) const {
+  SideColours marked = side_colours(picture, strokes, most);
+  ViewPrompt rest = strokes;
+  std::size_t free = 0;
+  for (std::size_t p = 0; p < before.size(); ++p) {
+    rest.hint[p] = before[p] || is_certain(strokes.hint[p]) ? PixelHint::kLikelyObject : PixelHint::kBackground;
+    free += rest.hint[p] == PixelHint::kBackground;
+  }
+  if (free == 0) return marked;
+  const auto drawn = std::ranges::count(strokes.hint, PixelHint::kBackground);
+  if (drawn == 0) marked.background.clear();
+  const int share = drawn == 0 ? most : int(marked.background.size());
+  const SideColours others = side_colours(picture, rest, share);
+  marked.background.insert(marked.background.end(), others.background.begin(), others.background.end());
+  return marked;
 }
 
 PixelMask corrected(const PixelMask& before, const PixelMask& found, const ViewPrompt& strokes) {

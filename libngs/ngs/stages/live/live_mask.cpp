@@ -11,8 +11,7 @@ namespace {
 
 constexpr int kSmallSide_px = 112;  // the longer side of the picture that the cut is found in
 constexpr int kSmallCuts = 4;
-constexpr int kSamples = 2048;  // per side, for a mixture of five colours
-constexpr int kBand_px = 3;     // about the contour found at half the size
+constexpr int kBand_px = 3;  // about the contour found at half the size
 constexpr int kMargin_px = 6;
 constexpr double kSpeck = 0.01;
 
@@ -124,12 +123,15 @@ bool fill_surrounded(ViewPrompt& prompt) {
 }
 
 PixelMask live_mask(const ImageU8& picture, const ViewPrompt& prompt, std::uint64_t seed) {
+  return live_mask(picture, prompt, side_colours(picture, prompt, kColourSamples), seed);
+}
+
+PixelMask live_mask(const ImageU8& picture, const ViewPrompt& prompt, const SideColours& colours, std::uint64_t seed) {
   PixelMask mask;
   int width_px = 0, height_px = 0;
   const int full = std::max(prompt.width_px, prompt.height_px);
   if (std::find(prompt.hint.begin(), prompt.hint.end(), PixelHint::kObject) == prompt.hint.end())
     return PixelMask(prompt.hint.size());
-  const SideColours colours = side_colours(picture, prompt, kSamples);
   for (const int side : longer_sides(full)) {
     const int w = std::max(1, prompt.width_px * side / full), h = std::max(1, prompt.height_px * side / full);
     ViewPrompt here = side == full ? prompt : smaller(prompt, w, h);

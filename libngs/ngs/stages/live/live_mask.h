@@ -10,6 +10,11 @@ namespace ngs::live {
 /// removed. Where nothing is certainly the object the mask is empty.
 PixelMask live_mask(const ImageU8& picture, const ViewPrompt& prompt, std::uint64_t seed);
 
+/// The same by colours that are known.
+PixelMask live_mask(const ImageU8& picture, const ViewPrompt& prompt, const SideColours& colours, std::uint64_t seed);
+
+inline constexpr int kColourSamples = 2048;  // per side, for a mixture of five colours
+
 /// A person who draws a line of background all around a thing says that it lies within: what the line surrounds becomes
 /// likely object, everything else background. False, and nothing changes, where no such line surrounds all pixels that
 /// are certainly the object.

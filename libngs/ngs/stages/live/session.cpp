@@ -19,6 +19,7 @@ namespace {
 
 constexpr double kBand = 0.02;       // of the diagonal: free on both sides of the contour that other views tell
 constexpr double kContested = 0.12;  // of the diagonal, about a stroke that says otherwise than the other views
+constexpr double kReach = 0.25;      // of the diagonal, about a stroke on a view that has a mask
 constexpr const char* kColours[] = {"#ff8c1a", "#2aa5ff", "#7bd13b", "#e0529c",
                                     "#f2d024", "#8f6be8", "#28c7b7", "#f25f4c"};
 
@@ -116,6 +117,17 @@ void Session::segment(MarkedView& view, const MarkedView* before, const MarkedVi
   view.mask = live_mask(here.picture(), prompt, 0);
 }
 
+/// Finds the mask of a view that has had one, with strokes added.
+void Session::correct(MarkedView& view, const MarkedView& before, const HandPrompt& added) {
+  const int w = view.camera.width_px, h = view.camera.height_px;
+  const ViewPrompt all = rasterise(view.strokes, w, h), drawn = rasterise(added, w, h);
+  const ImageU8& picture = recent_.of(view.look, view.camera).picture();
+  const Correction correction{before.mask, all, drawn};
+  const PixelMask found = live_mask(picture, correction.prompt(diagonal_share(view.camera, kReach)),
+                                    correction.colours(picture, kColourSamples), 0);
+  view.mask = corrected(before.mask, found, drawn);
+}
+
 StrokeAnswer Session::mark(int id, const Look& look, const std::vector<PromptStroke>& strokes) {
   const double start_s = wall_seconds();
   Marks marks = *marks_;
@@ -134,15 +146,14 @@ StrokeAnswer Session::mark(int id, const Look& look, const std::vector<PromptStr
   view.strokes.strokes.insert(view.strokes.strokes.end(), strokes.begin(), strokes.end());
 
   const bool is_new = place == marked.views.end();
-  {
-    MarkedViews others = marked.views;
-    if (!is_new) others.erase(others.begin() + (place - marked.views.begin()));
-    segment(view, is_new ? nullptr : place->get(), others, kept(id).evidence);
-  }
   if (!is_new && std::ranges::count((*place)->mask, 1) > 0) {
     HandPrompt drawn = view.strokes;
     drawn.strokes = strokes;
-    view.mask = corrected((*place)->mask, view.mask, rasterise(drawn, view.camera.width_px, view.camera.height_px));
+    correct(view, **place, drawn);
+  } else {
+    MarkedViews others = marked.views;
+    if (!is_new) others.erase(others.begin() + (place - marked.views.begin()));
+    segment(view, is_new ? nullptr : place->get(), others, kept(id).evidence);
   }
   const double masked_s = wall_seconds();
   recent_.of(look, view.camera).weigh(view);

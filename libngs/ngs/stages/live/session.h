@@ -65,6 +65,7 @@ class Session {
   };
 
   void segment(MarkedView& view, const MarkedView* before, const MarkedViews& others, ObjectEvidence& sums);
+  void correct(MarkedView& view, const MarkedView& before, const HandPrompt& added);
   Kept& kept(int id);
   void bring_up_to_date(Kept& kept, const ObjectMarks& object);
   void publish(Marks marks);
