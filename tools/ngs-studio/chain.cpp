@@ -26,28 +26,64 @@ std::vector<std::vector<std::string>> refine_words(const StateFolder& folder, in
   return words;
 }
 
-std::string ball_around(const GaussianCloud& cloud, const live::ObjectLabels& labels) {
+namespace {
+
+/// Relative to the cloud's origin.
+std::vector<Vec3<double>> selected(const GaussianCloud& cloud, const live::ObjectLabels& labels) {
   std::vector<Vec3<double>> members;
-  Vec3<double> sum{0, 0, 0};
+  members.reserve(std::size_t(labels.count));
   for (std::size_t i = 0; i < labels.label.size(); ++i)
     if (labels.label[i] > 0) {
       const float* p = &cloud.position[3 * i];
       members.push_back({double(p[0]), double(p[1]), double(p[2])});
-      sum = sum + members.back();
     }
-  if (members.empty()) return {};
-  const Vec3<double> centre = (1.0 / double(members.size())) * sum;
+  return members;
+}
+
+double quantile(std::vector<double> values, double share) {
+  const auto at = std::ptrdiff_t(share * double(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return values[std::size_t(at)];
+}
+
+/// Distance from `centre` within which a share of them lies.
+double reach(const std::vector<Vec3<double>>& members, Vec3<double> centre, double share) {
   std::vector<double> distance;
+  distance.reserve(members.size());
   for (const Vec3<double>& m : members) distance.push_back(std::sqrt(dot(m - centre, m - centre)));
+  return quantile(std::move(distance), share);
+}
+
+Vec3<double> origin_of(const GaussianCloud& cloud) { return {cloud.origin[0], cloud.origin[1], cloud.origin[2]}; }
+
+}  // namespace
+
+std::string ball_around(const GaussianCloud& cloud, const live::ObjectLabels& labels) {
+  const std::vector<Vec3<double>> members = selected(cloud, labels);
+  if (members.empty()) return {};
+  Vec3<double> sum{0, 0, 0};
+  for (const Vec3<double>& m : members) sum = sum + m;
+  const Vec3<double> centre = (1.0 / double(members.size())) * sum, world = centre + origin_of(cloud);
   constexpr double kShare = 0.97, kRoom = 1.3;  // stray Gaussians far away do not count; some of what is about it does
-  const auto at = std::ptrdiff_t(kShare * double(distance.size() - 1));
-  std::nth_element(distance.begin(), distance.begin() + at, distance.end());
-  const double radius = kRoom * distance[std::size_t(at)];
+  const double radius = kRoom * reach(members, centre, kShare);
   if (!(radius > 0)) return {};
   char text[160];
-  std::snprintf(text, sizeof text, "%.6g,%.6g,%.6g,%.6g", centre.x + cloud.origin[0], centre.y + cloud.origin[1],
-                centre.z + cloud.origin[2], radius);
+  std::snprintf(text, sizeof text, "%.6g,%.6g,%.6g,%.6g", world.x, world.y, world.z, radius);
   return text;
+}
+
+Focus focus_of(const GaussianCloud& cloud, const live::ObjectLabels& labels) {
+  const std::vector<Vec3<double>> members = selected(cloud, labels);
+  if (members.empty()) return {};
+  const auto median = [&](double Vec3<double>::*axis) {
+    std::vector<double> values;
+    values.reserve(members.size());
+    for (const Vec3<double>& m : members) values.push_back(m.*axis);
+    return quantile(std::move(values), 0.5);
+  };
+  const Vec3<double> centre{median(&Vec3<double>::x), median(&Vec3<double>::y), median(&Vec3<double>::z)};
+  constexpr double kMost = 0.8, kRest = 1.5;  // behind an object a first stroke selects pieces of the wall, too
+  return {centre + origin_of(cloud), kRest * reach(members, centre, kMost)};
 }
 
 }  // namespace ngs::studio

@@ -16,7 +16,16 @@ struct RefineChoice {
 /// The full method: ngs-scene orbit where there is a splat alone, then ngs cut over its views and the marked ones.
 std::vector<std::vector<std::string>> refine_words(const StateFolder& folder, int object, const RefineChoice& choice);
 
+/// A ball.
+struct Focus {
+  Vec3<double> centre{0, 0, 0};
+  double radius = 0;
+};
+
 /// "X,Y,Z,R": a ball about what is selected, empty where nothing is.
 std::string ball_around(const GaussianCloud& cloud, const live::ObjectLabels& labels);
+
+/// Where most of what is selected lies, in the world; radius 0 where nothing is. Strays far away do not count.
+Focus focus_of(const GaussianCloud& cloud, const live::ObjectLabels& labels);
 
 }  // namespace ngs::studio

@@ -198,14 +198,19 @@ Json Desk::objects_json(const live::Marks& marks) const {
   const auto shown = session_.shown();
   for (const live::ObjectMarks& object : marks.objects) {
     std::int64_t count = 0;
+    Focus focus;
     for (const live::ShownObject& s : *shown)
-      if (s.id == object.id && s.labels) count = s.labels->count;
+      if (s.id == object.id && s.labels) {
+        count = s.labels->count;
+        if (s.id == marks.active) focus = focus_of(loaded_.ply.cloud, *s.labels);
+      }
     out.push_back({{"id", object.id},
                    {"name", object.name},
                    {"colour", object.colour},
                    {"gaussians", count},
                    {"strokes", object.strokes()},
                    {"refined", is_refined(object)}});
+    if (focus.radius > 0) out.back()["focus"] = {{"centre", list(focus.centre)}, {"radius", focus.radius}};
   }
   return out;
 }

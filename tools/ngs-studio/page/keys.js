@@ -31,7 +31,7 @@ export function keyTable(does) {
     { keys: ['v'], shown: 'V', says: 'fly, or turn about the object', run: () => does.fly() },
     { keys: ['+', '='], shown: '+ −', says: 'zoom', run: () => does.zoom(kZoom) },
     { keys: ['-'], run: () => does.zoom(1 / kZoom) },
-    { keys: ['f'], shown: 'F', says: 'show all', run: () => does.fit() },
+    { keys: ['f'], shown: 'F', says: 'go to the selection; without one, show all', run: () => does.fit() },
     { keys: ['c'], shown: 'C', says: 'back to the start', run: () => does.start() },
     { keys: [','], shown: ', .', says: 'view before, view after', run: () => does.view(-1) },
     { keys: ['.'], run: () => does.view(1) },

@@ -135,10 +135,12 @@ function startsInside() {
   return length(subtract(state.start.position, state.bounds.centre)) < state.bounds.radius;
 }
 
+// What is selected, or where nothing is, all.
 function fit() {
-  if (startsInside()) return jump(0);
+  const focus = state.objects.find(({ id }) => id === state.active)?.focus;
+  if (!focus && startsInside()) return jump(0);
   fly(false);
-  moved(() => camera.fit(state.bounds));
+  moved(() => camera.fit(focus ?? state.bounds));
 }
 
 // ---- strokes
