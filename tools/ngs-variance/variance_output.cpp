@@ -74,7 +74,7 @@ Json memory_plan(const GaussianCloud& cloud, const Scene& scene, std::size_t vie
   const auto objects = double(scene.objects.size()), n = double(cloud.size());
   const double model = 57 + 12.0 * cloud.rest_count();  // position, rotation, scale, opacity, constant band, usable
   const double sums = 28 + 56 * objects;                // Evidence
-  const double prepared = 56;                           // what the projection takes from a Gaussian alone
+  const double prepared = 60;                           // what the projection takes from a Gaussian alone
   // One view at a time, as if every Gaussian were visible and reached three tiles: id, record, depth, rectangle, first
   // span, first slot and a flag; spans, whose lists grow by doubling; sums of the view; lists, entries and sums of the
   // pairs.

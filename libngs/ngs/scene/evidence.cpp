@@ -39,6 +39,10 @@ void put_bits(Bytes& to, T value) {
   std::memcpy(to.data() + size, &value, sizeof value);
 }
 
+/// Small numbers of either sign as small counts: 0, -1, 1, -2, 2 ... as 0, 1, 2, 3, 4 ...
+std::uint64_t folded_sign(std::int64_t value) { return std::uint64_t(value) << 1 ^ std::uint64_t(value < 0 ? -1 : 0); }
+std::int64_t unfolded_sign(std::uint64_t count) { return std::int64_t(count >> 1) ^ -std::int64_t(count & 1); }
+
 bool is_float(double value) { return double(float(value)) == value; }
 
 void put_value(Bytes& to, double value, bool as_double) {
@@ -122,7 +126,7 @@ void ViewWeights::add(std::size_t part, std::uint32_t gaussian, const double* su
     if (sum[2 + 2 * k] != 0) ++some, one = k;
   const bool has_all = some == 1 && sum[2 + 2 * one] == sum[0], wide = !is_float(sum[0]);
   bytes.push_back(std::uint8_t((wide ? kDouble : 0) | (has_all ? kOneHasAll : some > 0 ? kSome : 0)));
-  put_count(bytes, gaussian - last);
+  put_count(bytes, folded_sign(std::int64_t(gaussian) - std::int64_t(last)));
   put_value(bytes, sum[0], wide);
   last = gaussian;
   if (has_all) return put_count(bytes, one);
@@ -138,7 +142,7 @@ void ViewWeights::add(std::size_t part, std::uint32_t gaussian, const double* su
 
 const std::uint8_t* ViewWeights::next(const std::uint8_t* at, std::uint32_t& gaussian, double* weight) const {
   const std::uint8_t flags = *at++;
-  gaussian += std::uint32_t(take_count(at));
+  gaussian += std::uint32_t(unfolded_sign(take_count(at)));
   weight[0] = take_value(at, (flags & kDouble) != 0);
   std::fill_n(weight + 1, objects_, 0.0);
   if ((flags & kOneHasAll) != 0) weight[1 + take_count(at)] = weight[0];

@@ -28,7 +28,7 @@ class ViewWeights {
  public:
   ViewWeights(int objects, std::size_t parts) : objects_(std::size_t(objects)), part_(parts) {}
 
-  /// A Gaussian with W > 0, after those of the part so far, which it exceeds; `sum` [2 + 2 K] as in ViewSums: W, any
+  /// A Gaussian with W > 0 that no part has yet; `sum` [2 + 2 K] as in ViewSums: W, any
   /// number, then of each object W1 <= W and any number.
   void add(std::size_t part, std::uint32_t gaussian, const double* sum);
   /// After the last add() to a part.

@@ -1,6 +1,7 @@
 #include "ngs/ops/splat/evidence.h"
 
 #include <algorithm>
+#include <bit>
 #include <span>
 
 #include "ngs/core/check.h"
@@ -162,6 +163,46 @@ class ViewPairs {
   const float* sums_ = nullptr;
 };
 
+/// How many of some rows of the cloud come before each, without sorting them.
+class RowRanks {
+ public:
+  RowRanks(std::int64_t cloud_rows, const std::vector<ViewSums>& parts)
+      : bits_(std::size_t(cloud_rows + 63) / 64), before_(bits_.size()) {
+    for (const ViewSums& part : parts)
+      for (const std::uint32_t row : part.row) bits_[row / 64] |= std::uint64_t(1) << row % 64;
+    std::uint32_t count = 0;
+    for (std::size_t word = 0; word < bits_.size(); ++word)
+      before_[word] = count, count += std::uint32_t(std::popcount(bits_[word]));
+  }
+  std::size_t operator()(std::uint32_t row) const {
+    const std::uint64_t lower = bits_[row / 64] & ((std::uint64_t(1) << row % 64) - 1);
+    return before_[row / 64] + std::size_t(std::popcount(lower));
+  }
+
+ private:
+  std::vector<std::uint64_t> bits_;
+  std::vector<std::uint32_t> before_;  // rows before a word
+};
+
+/// The parts as one, by row.
+ViewSums merged(const Exec& exec, std::int64_t cloud_rows, int objects, const std::vector<ViewSums>& parts) {
+  ViewSums all{objects, {}, {}};
+  const auto columns = std::size_t(all.columns());
+  const RowRanks rank(cloud_rows, parts);
+  std::size_t size = 0;
+  for (const ViewSums& part : parts) size += part.size();
+  all.row.resize(size), all.sum.resize(size * columns);
+  for_each_task(exec, std::ssize(parts), [&](std::int64_t p) {
+    const ViewSums& part = parts[std::size_t(p)];
+    for (std::size_t v = 0; v < part.size(); ++v) {
+      const std::size_t at = rank(part.row[v]);
+      all.row[at] = part.row[v];
+      std::copy_n(part.at(v), columns, &all.sum[at * columns]);
+    }
+  });
+  return all;
+}
+
 /// [N, 2 + 2K] from the device, the same.
 std::vector<double> sums_on_device(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,
                                    const SplatOptions& options) {
@@ -204,10 +245,7 @@ ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const MaskedVie
                           part.row.push_back(gaussian), part.sum.insert(part.sum.end(), sum, sum + columns);
                         });
   });
-  for (const ViewSums& p : part)
-    seen.row.insert(seen.row.end(), p.row.begin(), p.row.end()),
-        seen.sum.insert(seen.sum.end(), p.sum.begin(), p.sum.end());
-  return seen;
+  return merged(exec, cloud.size(), seen.objects, part);
 }
 
 ViewWeights view_weights(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,

@@ -1,19 +1,23 @@
 #include "ngs/ops/splat/prepared_cloud.h"
 
+#include <algorithm>
+
 #include "ngs/backend/for_each.h"
+#include "ngs/math/curve_order.h"
 #include "ngs/ops/splat/cloud_view.h"
 
 namespace ngs {
 
-PreparedCloud::PreparedCloud(const Exec& exec, const CloudView<float>& cloud) : source_(cloud) {
-  bounds.resize(std::size_t((cloud.size + kBlockRows - 1) / kBlockRows));
-  const std::size_t rows = bounds.size() * kBlockRows;
-  for (auto& column : position) column.resize(rows);
-  for (auto& column : shape) column.resize(rows);
-  for (auto* column : {&opacity, &two_cut, &log2_opacity, &scale_bound}) column->resize(rows);
+PreparedCloud::PreparedCloud(const Exec& exec, const CloudView<float>& cloud)
+    : row(curve_order({cloud.position, std::size_t(3 * cloud.size)})), source_(cloud) {
+  bounds.resize((row.size() + kBlockRows - 1) / kBlockRows);
+  const std::size_t places = bounds.size() * kBlockRows;
+  for (auto& column : position) column.resize(places);
+  for (auto& column : shape) column.resize(places);
+  for (auto* column : {&opacity, &two_cut, &log2_opacity, &scale_bound}) column->resize(places);
   for_each_task(exec, blocks(), [&](std::int64_t block) {
-    const std::int64_t end = std::min(cloud.size, (block + 1) * kBlockRows);
-    for (std::int64_t i = block * kBlockRows; i < end; ++i) prepare_row(cloud, i);
+    const auto begin = std::size_t(block) * kBlockRows, end = std::min(row.size(), begin + kBlockRows);
+    for (std::size_t place = begin; place < end; ++place) prepare_place(place);
     bounds[std::size_t(block)] = bounds_of(block);
   });
 }
@@ -25,29 +29,30 @@ bool PreparedCloud::serves(const CloudView<float>& cloud) const {
 }
 
 void PreparedCloud::update(const Exec& exec, const std::vector<std::int64_t>& rows) {
-  std::vector<std::size_t> first;  // of each block's rows in `rows`
-  for (std::size_t r = 0; r < rows.size(); ++r)
-    if (r == 0 || rows[r] / kBlockRows != rows[r - 1] / kBlockRows) first.push_back(r);
-  first.push_back(rows.size());
-  for_each_task(exec, std::int64_t(first.size()) - 1, [&](std::int64_t b) {
-    const std::size_t begin = first[std::size_t(b)], end = first[std::size_t(b) + 1];
-    for (std::size_t r = begin; r < end; ++r) prepare_row(source_, rows[r]);
-    const std::int64_t block = rows[begin] / kBlockRows;
-    bounds[std::size_t(block)] = bounds_of(block);
+  if (place_of_.empty()) {
+    place_of_.resize(row.size());
+    for (std::size_t place = 0; place < row.size(); ++place) place_of_[row[place]] = std::uint32_t(place);
+  }
+  std::vector<std::uint8_t> changed(bounds.size(), 0);
+  for (const std::int64_t i : rows) changed[place_of_[std::size_t(i)] / kBlockRows] = 1;
+  for_each_index(exec, std::int64_t(rows.size()),
+                 [&](std::int64_t r) { prepare_place(place_of_[std::size_t(rows[std::size_t(r)])]); });
+  for_each_index(exec, blocks(), [&](std::int64_t block) {
+    if (changed[std::size_t(block)]) bounds[std::size_t(block)] = bounds_of(block);
   });
 }
 
-void PreparedCloud::prepare_row(const CloudView<float>& cloud, std::int64_t i) {
-  const auto row = std::size_t(i);
-  const float* log_scale = cloud.log_scale + i * 3;
+void PreparedCloud::prepare_place(std::size_t place) {
+  const auto i = std::size_t(row[place]);
+  const float* log_scale = source_.log_scale + i * 3;
   ProjectionContext<float> ctx;
-  gaussian_shape(cloud.rotation + i * 4, log_scale, ctx);
-  for (std::size_t k = 0; k < 3; ++k) position[k][row] = cloud.position[row * 3 + k];
-  for (std::size_t k = 0; k < 9; ++k) shape[k][row] = ctx.m.m[k];
-  const float o = sigmoid(cloud.logit_opacity[i]);
-  opacity[row] = cloud.usable && !cloud.usable[i] ? 0.f : o;
-  two_cut[row] = two_cut_of(o), log2_opacity[row] = log2_opacity_of(o);
-  scale_bound[row] = exp_at_least(max2(max2(log_scale[0], log_scale[1]), log_scale[2]));
+  gaussian_shape(source_.rotation + i * 4, log_scale, ctx);
+  for (std::size_t k = 0; k < 3; ++k) position[k][place] = source_.position[i * 3 + k];
+  for (std::size_t k = 0; k < 9; ++k) shape[k][place] = ctx.m.m[k];
+  const float o = sigmoid(source_.logit_opacity[i]);
+  opacity[place] = source_.usable && !source_.usable[i] ? 0.f : o;
+  two_cut[place] = two_cut_of(o), log2_opacity[place] = log2_opacity_of(o);
+  scale_bound[place] = exp_at_least(max2(max2(log_scale[0], log_scale[1]), log_scale[2]));
 }
 
 BlockBounds PreparedCloud::bounds_of(std::int64_t block) const {

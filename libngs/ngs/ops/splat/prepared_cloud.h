@@ -21,7 +21,8 @@ struct BlockBounds {
   bool empty() const { return lo[0] > hi[0]; }
 };
 
-/// Columns of N rows, filled up with rows that are never drawn to a multiple of kBlockRows.
+/// Columns of N rows along a space-filling curve, so that each block lies in a small box, filled up with rows that are
+/// never drawn to a multiple of kBlockRows.
 ///
 /// Holds what it was made from by address: it serves that cloud as long as none of its columns moves, and rows that
 /// change are told.
@@ -33,10 +34,11 @@ class PreparedCloud {
 
   /// Whether it was made from these columns.
   bool serves(const CloudView<float>& cloud) const;
-  /// After these rows, increasing, have changed.
+  /// After these rows of the cloud have changed, each named once.
   void update(const Exec& exec, const std::vector<std::int64_t>& rows);
   std::int64_t blocks() const { return std::int64_t(bounds.size()); }
 
+  std::vector<std::uint32_t> row;              // [N] of the cloud
   std::array<std::vector<float>, 3> position;  // world, relative to the cloud's origin
   std::array<std::vector<float>, 9> shape;     // rotation · diag(scale), row-major            world
   std::vector<float> opacity;                  // sigmoid of the logit; 0 where the row is not usable
@@ -46,10 +48,12 @@ class PreparedCloud {
   mutable PassMemoryPool memory;               // what passes over this cloud keep from view to view
 
  private:
-  void prepare_row(const CloudView<float>& cloud, std::int64_t i);
+  /// From row[place] of the cloud.
+  void prepare_place(std::size_t place);
   BlockBounds bounds_of(std::int64_t block) const;
 
   CloudView<float> source_;
+  std::vector<std::uint32_t> place_of_;  // [N] a row's place; none before the first update
 };
 
 }  // namespace ngs

@@ -107,19 +107,19 @@ bool BlockProjector::may_reach(const BlockBounds& bounds) const {
 
 bool BlockProjector::any_included(std::int64_t block) const {
   if (columns_.include == nullptr) return true;
-  const std::int64_t begin = block * kBlockRows, count = std::min<std::int64_t>(kBlockRows, columns_.size - begin);
+  const auto begin = std::size_t(block) * kBlockRows, end = std::min(cloud_.row.size(), begin + kBlockRows);
   std::uint8_t any = 0;
-  for (std::int64_t i = begin; i < begin + count; ++i) any |= columns_.include[i];
+  for (std::size_t place = begin; place < end; ++place) any |= columns_.include[cloud_.row[place]];
   return any != 0;
 }
 
 int BlockProjector::flag(std::int64_t block, std::uint8_t* reaches) const {
   if (!may_reach(cloud_.bounds[std::size_t(block)]) || !any_included(block)) return 0;
-  const std::int64_t base = block * kBlockRows;
-  for (int pass = 0; pass < kBlockRows; pass += kPassRows) flag_rows(std::size_t(base + pass), reaches + pass);
+  const std::size_t base = std::size_t(block) * kBlockRows;
+  for (std::size_t pass = 0; pass < kBlockRows; pass += kPassRows) flag_rows(base + pass, reaches + pass);
   if (columns_.include != nullptr)
-    for (int i = 0; i < kBlockRows && base + i < columns_.size; ++i)
-      reaches[i] &= std::uint8_t(columns_.include[base + i] != 0);
+    for (std::size_t i = 0; i < std::min<std::size_t>(kBlockRows, cloud_.row.size() - base); ++i)
+      reaches[i] &= std::uint8_t(columns_.include[cloud_.row[base + i]] != 0);
   return count_of(reaches, kBlockRows);
 }
 
@@ -277,7 +277,7 @@ void BlockProjector::project_all(std::size_t base, const std::uint8_t* reaches, 
   const auto half = [](int tiles) { return std::uint16_t(tiles); };
   for (int i = 0; i < kPassRows; ++i) {
     if (!reaches[i]) continue;
-    out.id[at] = std::uint32_t(base + std::size_t(i)), out.depth[at] = rows.depth[i];
+    out.id[at] = cloud_.row[base + std::size_t(i)], out.depth[at] = rows.depth[i];
     out.rect[at] = rows.reaches[i] ? TileRect{half(rows.x_begin[i]), half(rows.x_end[i]), half(rows.y_begin[i]),
                                               half(rows.y_end[i])}
                                    : TileRect{0, 0, 0, 0};
@@ -296,8 +296,8 @@ void BlockProjector::project_few(std::size_t base, const std::uint8_t* reaches, 
   for (int i = 0; i < kPassRows; ++i) {
     if (!reaches[i]) continue;
     VisibleGaussian<float> g{};
-    if (!view_.project(columns_, std::int64_t(base) + i, g)) g = {};
-    out.id[at] = std::uint32_t(base + std::size_t(i));
+    out.id[at] = cloud_.row[base + std::size_t(i)];
+    if (!view_.project(columns_, std::int64_t(out.id[at]), g)) g = {};
     out.record[at] = g.record, out.depth[at] = g.depth, out.rect[at] = g.rect;
     out.first[at] = first_spans(g.record, g.rect);
     ++at;

@@ -6,7 +6,7 @@
 namespace ngs {
 
 /// Projects the Gaussians of `cloud` that may reach a pixel and are in `include` [N] (null: all) into memory.view, in
-/// order of their index. A row with an empty rectangle reaches none after all, and its other members mean nothing.
+/// the order of `cloud`. A row with an empty rectangle reaches none after all, and its other members mean nothing.
 void project_blocks(const Exec& exec, const PreparedCloud& cloud, const CloudView<float>& columns,
                     const ViewProjector<float>& projector, PassMemory<float>& memory);
 

@@ -26,7 +26,7 @@ FirstSpans first_spans(const SplatRecord<S>& record, const TileRect& rect) {
 
 template <class S>
 struct ProjectedView {
-  std::vector<std::uint32_t> id;       // [V] ascending index into the cloud
+  std::vector<std::uint32_t> id;       // [V] index into the cloud, each once
   std::vector<SplatRecord<S>> record;  // [V]
   std::vector<S> depth;                // [V] camera z
   std::vector<TileRect> rect;          // [V] tiles the compat mode's radius reaches; may be none
@@ -72,8 +72,21 @@ struct BinScratch {
   std::vector<TileEntry> entry;  // [pairs] by tile, in order of the Gaussians
 };
 
-/// Sorts the entries of one tile by (depth, index) into its part of the lists. On entry they are in order of the index.
-inline void sort_tile(const TileEntry* entry, std::uint32_t count, std::uint32_t* visible, std::uint32_t* slot) {
+/// Puts entries of equal depth in order of their index into the cloud, whatever order the view has. `at` [count]
+/// (depth, place in `entry`), by depth.
+inline void order_equals(const TileEntry* entry, const std::vector<std::uint32_t>& id, std::uint64_t* at,
+                         std::uint32_t count) {
+  const auto depth = [at](std::uint32_t i) { return at[i] >> 32; };
+  const auto index = [&](std::uint64_t a) { return id[entry[std::uint32_t(a)].visible]; };
+  for (std::uint32_t i = 0, end = 0; i < count; i = end) {
+    for (end = i + 1; end < count && depth(end) == depth(i);) ++end;
+    if (end - i > 1) std::sort(at + i, at + end, [&](std::uint64_t a, std::uint64_t b) { return index(a) < index(b); });
+  }
+}
+
+/// Sorts the entries of one tile by (depth, index into the cloud) into its part of the lists.
+inline void sort_tile(const TileEntry* entry, std::uint32_t count, const std::vector<std::uint32_t>& id,
+                      std::uint32_t* visible, std::uint32_t* slot) {
   static thread_local std::vector<std::uint64_t> memory;  // depth, place
   if (memory.size() < 2 * std::size_t(count)) memory.resize(2 * std::size_t(count));
   std::uint64_t *from = memory.data(), *to = from + count;
@@ -93,6 +106,7 @@ inline void sort_tile(const TileEntry* entry, std::uint32_t count, std::uint32_t
       std::swap(from, to);
     }
   }
+  order_equals(entry, id, from, count);
   for (std::uint32_t i = 0; i < count; ++i) {
     const TileEntry& e = entry[std::uint32_t(from[i])];
     visible[i] = e.visible, slot[i] = e.slot;
@@ -117,7 +131,7 @@ class TileBinner {
     for_each_task(exec_, lists_.tiles(), [&](std::int64_t tile) {
       const auto begin = std::size_t(lists_.tile_begin[std::size_t(tile)]);
       const auto end = std::size_t(lists_.tile_begin[std::size_t(tile) + 1]);
-      sort_tile(scratch_.entry.data() + begin, std::uint32_t(end - begin), lists_.visible.data() + begin,
+      sort_tile(scratch_.entry.data() + begin, std::uint32_t(end - begin), view_.id, lists_.visible.data() + begin,
                 lists_.slot.data() + begin);
     });
   }
@@ -205,7 +219,7 @@ class TileBinner {
   std::int64_t chunks_ = 1, per_chunk_ = 0;
 };
 
-/// Lists per tile, ordered by (depth, index); lists.tiles_x and tiles_y are given.
+/// Lists per tile, ordered by (depth, index into the cloud); lists.tiles_x and tiles_y are given.
 template <class S>
 void bin_tiles(const Exec& exec, const ProjectedView<S>& view, TileLists& lists, BinScratch& scratch) {
   TileBinner<S>(exec, view, lists, scratch).bin();

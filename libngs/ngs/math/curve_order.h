@@ -1,0 +1,95 @@
+#pragma once
+// Neighbours in space as neighbours in memory or in a file: points along a Z-order curve.    PAPER.md §5.1
+//   Morton, "A computer oriented geodetic data base and a new technique in file sequencing", 1966
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace ngs {
+
+/// Bit k of `v` at 3 k, of its lowest 21 bits.
+constexpr std::uint64_t spread_by_three(std::uint64_t v) {
+  v &= 0x1fffff;
+  v = (v | v << 32) & 0x001f00000000ffff;
+  v = (v | v << 16) & 0x001f0000ff0000ff;
+  v = (v | v << 8) & 0x100f00f00f00f00f;
+  v = (v | v << 4) & 0x10c30c30c30c30c3;
+  return (v | v << 2) & 0x1249249249249249;
+}
+
+/// The box of some points, 2^21 cells a side.
+class MortonGrid {
+ public:
+  static constexpr std::uint64_t kCells = std::uint64_t(1) << 63;
+
+  /// A point of finite coordinates.
+  void include(const float* point) {
+    for (std::size_t a = 0; a < 3; ++a) low_[a] = std::min(low_[a], point[a]), high_[a] = std::max(high_[a], point[a]);
+  }
+  /// The cell of a point that was included, below kCells.
+  std::uint64_t cell_of(const float* point) const {
+    constexpr double kMost = (1 << 21) - 1;
+    std::uint64_t cell = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double span = double(high_[a]) - double(low_[a]);
+      const double share = span > 0 ? (double(point[a]) - double(low_[a])) / span : 0;
+      cell |= spread_by_three(std::uint64_t(share * kMost)) << a;
+    }
+    return cell;
+  }
+
+ private:
+  static constexpr float kFar = std::numeric_limits<float>::infinity();
+  std::array<float, 3> low_{kFar, kFar, kFar}, high_{-kFar, -kFar, -kFar};
+};
+
+struct CurvePoint {
+  std::uint64_t cell;
+  std::uint32_t row;
+};
+
+inline bool is_finite(const float* point) {
+  return std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
+}
+
+/// By cell, rows of one cell in the order that they have. Digits in which all cells agree take no pass.
+inline void sort_by_cell(std::vector<CurvePoint>& rows) {
+  constexpr std::size_t kBits = 8, kDigits = 8, kValues = std::size_t(1) << kBits;
+  const auto digit = [](const CurvePoint& r, std::size_t d) { return std::size_t(r.cell >> (kBits * d)) % kValues; };
+  std::array<std::array<std::size_t, kValues>, kDigits> count{};
+  for (const CurvePoint& r : rows)
+    for (std::size_t d = 0; d < kDigits; ++d) ++count[d][digit(r, d)];
+  std::vector<CurvePoint> sorted(rows.size());
+  for (std::size_t d = 0; d < kDigits; ++d) {
+    if (rows.empty() || count[d][digit(rows.front(), d)] == rows.size()) continue;
+    std::size_t at = 0;
+    for (std::size_t& next : count[d]) at += std::exchange(next, at);
+    for (const CurvePoint& r : rows) sorted[count[d][digit(r, d)]++] = r;
+    rows.swap(sorted);
+  }
+}
+
+/// The points [N, 3] along a Z-order curve through the box of the finite ones, 2^21 cells a side: the index of each.
+/// Points of one cell keep their order, and those without a finite coordinate of each axis come last.
+inline std::vector<std::uint32_t> curve_order(std::span<const float> points) {
+  MortonGrid grid;
+  std::vector<CurvePoint> rows(points.size() / 3);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (is_finite(&points[3 * i])) grid.include(&points[3 * i]);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const float* point = &points[3 * i];
+    rows[i] = {is_finite(point) ? grid.cell_of(point) : MortonGrid::kCells, std::uint32_t(i)};
+  }
+  sort_by_cell(rows);
+  std::vector<std::uint32_t> order(rows.size());
+  for (std::size_t place = 0; place < rows.size(); ++place) order[place] = rows[place].row;
+  return order;
+}
+
+}  // namespace ngs
