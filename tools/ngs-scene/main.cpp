@@ -10,6 +10,7 @@
 #include "shared/cli/dispatch.h"
 #include "shared/scene/scene_model.h"
 #include "shared/tool.h"
+#include "undistort.h"
 
 namespace {
 
@@ -87,5 +88,6 @@ int main(int argc, char** argv) {
       {{"import", import_command, "cameras, photos, masks, model -> scene.json"},
        {"orbit", ngs::capture::orbit_command, "a model without photos -> cameras, renders, scene.json"},
        {"check", ngs::capture::check_command, "repeat the checks on a scene.json"},
+       {"undistort", ngs::capture::undistort_command, "photos of a lens -> photos of a pinhole, masks too"},
        {"degrade", ngs::capture::degrade_command, "good masks -> bad ones, in known amounts"}});
 }

@@ -102,13 +102,13 @@ void read_rendered_scene(CaptureSource& source) {
   if (!scene.renders)
     throw Error(ErrorCode::kBadInput, source.file + ": is an imported scene, expected cameras",
                 "give it to the other tools as it is, or import what it was imported from");
-  source.capture = {"scene.json", std::move(scene.views), {}};
+  source.capture = {"scene.json", std::move(scene.views), {}, {}};
   scene.views.clear();
   source.rendered = std::move(scene);
 }
 
 Capture read_cameras(const CaptureRequest& request, const Located& located, const std::string& images_dir) {
-  if (located.colmap) return read_colmap(located.file);
+  if (located.colmap) return read_colmap(located.file, request.distortion);
   const fs::path file(located.file);
   if (file.extension() == ".npy") {
     if (images_dir.empty())
@@ -118,7 +118,8 @@ Capture read_cameras(const CaptureRequest& request, const Located& located, cons
     return read_llff(located.file, list_images(images_dir));
   }
   if (file.filename().string().rfind("cameras", 0) == 0) return read_cameras_json(located.file);
-  if (file.extension() == ".json") return read_transforms_json(located.file, request.original_world);
+  if (file.extension() == ".json")
+    return read_transforms_json(located.file, request.original_world, request.distortion);
   if (file.extension() == ".ply" || is_model_name(located.file))
     throw Error(ErrorCode::kBadInput, located.file + ": is a splat, expected cameras",
                 "with photos: name their cameras, and --ply " + located.file + "; without: ngs-scene orbit " +

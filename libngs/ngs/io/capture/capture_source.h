@@ -14,6 +14,7 @@ struct CaptureRequest {
   std::string images_dir;       // empty: images/ beside the cameras
   std::string world_transform;  // transforms_json.h read_world_transform(); empty: none
   bool original_world = false;  // transforms.json: undo applied_transform
+  Distortion distortion = Distortion::kRefused;
 };
 
 struct CaptureSource {

@@ -18,7 +18,7 @@ bool has_model(const fs::path& folder, const char* extension) {
          is_regular_file((folder / "images").string() + extension);
 }
 
-ColmapCameras read_cameras(ByteReader reader, const std::string& folder) {
+ColmapCameras read_cameras(ByteReader reader, const ColmapReading& reading) {
   constexpr std::size_t kSmallestCamera = 24 + 3 * 8;
   ColmapCameras cameras;
   const std::uint64_t count = reader.read_count(kSmallestCamera);
@@ -28,10 +28,10 @@ ColmapCameras read_cameras(ByteReader reader, const std::string& folder) {
     const auto width = reader.read<std::uint64_t>(), height = reader.read<std::uint64_t>();
     const std::string where = reader.object() + ": camera " + std::to_string(id);
     const ColmapModel* model = find_colmap_model_by_id(model_id);
-    if (model == nullptr) refuse_colmap_model("number " + std::to_string(model_id), where, folder);
+    if (model == nullptr) refuse_colmap_model("number " + std::to_string(model_id), where, reading.folder);
     std::vector<double> parameters;
     for (int p = 0; p < model->parameters; ++p) parameters.push_back(reader.read<double>());
-    if (!cameras.emplace(id, pinhole_camera({*model, width, height, parameters}, where, folder)).second)
+    if (!cameras.emplace(id, intrinsics_of({*model, width, height, parameters}, where, reading)).second)
       throw Error(ErrorCode::kBadInput, where + ": defined twice, expected once");
   }
   return cameras;
@@ -47,8 +47,8 @@ std::string find_colmap_model(const std::string& folder) {
   return {};
 }
 
-Capture parse_colmap_binary(Bytes cameras, Bytes images, const std::string& object) {
-  const ColmapCameras intrinsics = read_cameras(ByteReader(cameras, object + "/cameras.bin"), object);
+Capture parse_colmap_binary(Bytes cameras, Bytes images, const std::string& object, Distortion distortion) {
+  const ColmapCameras intrinsics = read_cameras(ByteReader(cameras, object + "/cameras.bin"), {object, distortion});
   constexpr std::size_t kSmallestImage = 4 + 7 * 8 + 4 + 1 + 8, kPointBytes = 24;
   ByteReader reader(images, object + "/images.bin");
   Capture capture;
@@ -67,7 +67,7 @@ Capture parse_colmap_binary(Bytes cameras, Bytes images, const std::string& obje
       throw Error(ErrorCode::kBadInput,
                   where + ": camera " + std::to_string(camera_id) + ", expected one of cameras.bin");
     SceneView& view = capture.views.emplace_back();
-    view.camera = found->second, view.camera.name = name;
+    set_intrinsics(found->second, name, capture, view);
     view.camera.rotation = rotation_from_quaternion(pose, where);
     view.camera.translation = vec3(pose + 4);
   }
@@ -75,13 +75,13 @@ Capture parse_colmap_binary(Bytes cameras, Bytes images, const std::string& obje
   return capture;
 }
 
-Capture read_colmap(const std::string& model_folder) {
+Capture read_colmap(const std::string& model_folder, Distortion distortion) {
   const bool binary = has_model(model_folder, ".bin");
   const std::string extension = binary ? ".bin" : ".txt";
   const MappedFile cameras = map_regular_file(model_folder + "/cameras" + extension);
   const MappedFile images = map_regular_file(model_folder + "/images" + extension);
-  if (!binary) return parse_colmap_text(cameras.text(), images.text(), model_folder);
-  Capture capture = parse_colmap_binary(cameras.bytes(), images.bytes(), model_folder);
+  if (!binary) return parse_colmap_text(cameras.text(), images.text(), model_folder, distortion);
+  Capture capture = parse_colmap_binary(cameras.bytes(), images.bytes(), model_folder, distortion);
   if (has_model(model_folder, ".txt"))
     capture.notes.push_back(model_folder + ": holds a binary and a text model, the binary one is used");
   return capture;

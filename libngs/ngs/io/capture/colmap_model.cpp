@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <sstream>
 
 #include "ngs/core/error.h"
@@ -10,7 +11,6 @@
 namespace ngs::io {
 namespace {
 
-constexpr double kNegligible = 1e-9;  // moves no pixel of a 64k image by more than 1e-4 px
 constexpr std::array kModels{ColmapModel{0, "SIMPLE_PINHOLE", 3, 3},
                              ColmapModel{1, "PINHOLE", 4, 4},
                              ColmapModel{2, "SIMPLE_RADIAL", 4, 3},
@@ -30,7 +30,50 @@ bool is_pinhole_without_distortion(const ColmapModel& model) {
 
 std::string undistort_command(const std::string& folder) {
   return "colmap image_undistorter --image_path IMAGES --input_path " + folder +
-         " --output_path undistorted --output_type COLMAP, then import the folder undistorted";
+         " --output_path undistorted --output_type COLMAP, or ngs-scene undistort " + folder +
+         " --images IMAGES -o undistorted; then import the folder undistorted";
+}
+
+/// The parameters after the intrinsics, in COLMAP's order.
+Lens lens_of(const ColmapModel& model, const double* p) {
+  const std::string name = model.name;
+  Lens lens;
+  if (!is_pinhole_without_distortion(model)) lens.kind = name == "FOV" ? Lens::Kind::kFov : Lens::Kind::kFisheye;
+  auto& k = lens.radial;
+  if (name == "FOV") lens.fov_rad = p[0];
+  if (name == "SIMPLE_RADIAL" || name == "SIMPLE_RADIAL_FISHEYE") k[0] = p[0];
+  if (name == "RADIAL" || name == "RADIAL_FISHEYE") k[0] = p[0], k[1] = p[1];
+  if (name == "OPENCV_FISHEYE") k = {p[0], p[1], p[2], p[3]};
+  if (name == "OPENCV" || name == "FULL_OPENCV" || name == "THIN_PRISM_FISHEYE")
+    k[0] = p[0], k[1] = p[1], lens.tangential = {p[2], p[3]};
+  if (name == "FULL_OPENCV") k[2] = p[4], lens.divisor = {p[5], p[6], p[7]};
+  if (name == "THIN_PRISM_FISHEYE") k[2] = p[4], k[3] = p[5], lens.prism = {p[6], p[7]};
+  return lens;
+}
+
+/// The first parameter that distorts; null: none does.
+const double* distorting(const ColmapCamera& given) {
+  for (auto i = std::size_t(given.model.intrinsics); i < given.parameters.size(); ++i)
+    if (!(std::abs(given.parameters[i]) < kNegligibleDistortion)) return &given.parameters[i];
+  return nullptr;
+}
+
+void refuse_distortion(const ColmapCamera& given, const std::string& where, const std::string& folder) {
+  if (!is_pinhole_without_distortion(given.model)) refuse_colmap_model(given.model.name, where, folder);
+  const double* parameter = distorting(given);
+  if (parameter == nullptr) return;
+  std::ostringstream found;
+  found << given.model.name << " with distortion " << *parameter;
+  refuse_colmap_model(found.str(), where, folder);
+}
+
+void require_finite(const ColmapCamera& given, const std::string& where) {
+  for (const double parameter : given.parameters)
+    if (!std::isfinite(parameter))
+      throw Error(ErrorCode::kBadInput, where + ": a parameter that is not finite, expected numbers");
+  const bool is_fov = std::string(given.model.name) == "FOV";
+  if (is_fov && !(given.parameters[4] > 0 && given.parameters[4] < std::numbers::pi))
+    throw Error(ErrorCode::kBadInput, where + ": FOV with an angle that is not between 0 and pi");
 }
 
 }  // namespace
@@ -52,24 +95,28 @@ void refuse_colmap_model(const std::string& model, const std::string& where, con
               undistort_command(folder));
 }
 
-Camera pinhole_camera(const ColmapCamera& given, const std::string& where, const std::string& folder) {
+ColmapIntrinsics intrinsics_of(const ColmapCamera& given, const std::string& where, const ColmapReading& reading) {
   const auto& [model, width, height, parameters] = given;
-  if (!is_pinhole_without_distortion(model)) refuse_colmap_model(model.name, where, folder);
-  for (std::size_t i = std::size_t(model.intrinsics); i < parameters.size(); ++i) {
-    if (std::abs(parameters[i]) < kNegligible) continue;
-    std::ostringstream found;
-    found << model.name << " with distortion " << parameters[i];
-    refuse_colmap_model(found.str(), where, folder);
-  }
+  if (reading.distortion == Distortion::kRefused)
+    refuse_distortion(given, where, reading.folder);
+  else
+    require_finite(given, where);
   if (width < 1 || height < 1 || width > std::uint64_t(kMaxSide) || height > std::uint64_t(kMaxSide))
     throw Error(ErrorCode::kBadInput, where + ": size " + std::to_string(width) + "x" + std::to_string(height) +
                                           " px, expected 1.." + std::to_string(kMaxSide));
-  Camera camera;
+  ColmapIntrinsics found;
+  Camera& camera = found.camera;
   camera.width_px = int(width), camera.height_px = int(height);
   const bool one_focal = model.intrinsics == 3;
   camera.fx = parameters[0], camera.fy = parameters[one_focal ? 0 : 1];
   camera.cx = parameters[one_focal ? 1 : 2], camera.cy = parameters[one_focal ? 2 : 3];
-  return camera;
+  found.lens = lens_of(model, parameters.data() + model.intrinsics);
+  return found;
+}
+
+void set_intrinsics(const ColmapIntrinsics& from, const std::string& name, Capture& capture, SceneView& view) {
+  view.camera = from.camera, view.camera.name = name;
+  if (is_bent(from.lens)) capture.lenses[name] = from.lens;
 }
 
 }  // namespace ngs::io

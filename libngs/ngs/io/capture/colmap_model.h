@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "ngs/scene/camera.h"
+#include "ngs/io/capture/capture.h"
 
 namespace ngs::io {
 
@@ -20,8 +20,13 @@ struct ColmapModel {
 const ColmapModel* find_colmap_model_by_id(int id);
 const ColmapModel* find_colmap_model_by_name(const std::string& name);
 
-/// COLMAP camera id -> size and intrinsics.
-using ColmapCameras = std::map<std::int64_t, Camera>;
+/// A camera and its lens.
+struct ColmapIntrinsics {
+  Camera camera;
+  Lens lens;
+};
+/// By COLMAP's camera id.
+using ColmapCameras = std::map<std::int64_t, ColmapIntrinsics>;
 
 /// A camera as the file has it.
 struct ColmapCamera {
@@ -30,8 +35,16 @@ struct ColmapCamera {
   std::vector<double> parameters;
 };
 
-/// Size and intrinsics; distortion >= 1e-9 is kBadInput. `folder` is what the remedy's command reads.
-Camera pinhole_camera(const ColmapCamera& given, const std::string& where, const std::string& folder);
+/// How the cameras of a model are read; `folder` is what the remedy's command reads.
+struct ColmapReading {
+  std::string folder;
+  Distortion distortion = Distortion::kRefused;
+};
+
+/// Size, intrinsics and, where it is kept, distortion.
+ColmapIntrinsics intrinsics_of(const ColmapCamera& given, const std::string& where, const ColmapReading& reading);
+/// Gives the view of this name its camera, without a pose, and the capture its lens.
+void set_intrinsics(const ColmapIntrinsics& from, const std::string& name, Capture& capture, SceneView& view);
 
 /// kBadInput for a model that is not in the list.
 [[noreturn]] void refuse_colmap_model(const std::string& model, const std::string& where, const std::string& folder);

@@ -77,8 +77,8 @@ class Words {
   std::string where_;
 };
 
-ColmapCameras read_cameras(std::string_view text, const std::string& folder) {
-  Lines lines(text, folder + "/cameras.txt");
+ColmapCameras read_cameras(std::string_view text, const ColmapReading& reading) {
+  Lines lines(text, reading.folder + "/cameras.txt");
   ColmapCameras cameras;
   std::string_view line;
   while (lines.next_record(line)) {
@@ -86,14 +86,14 @@ ColmapCameras read_cameras(std::string_view text, const std::string& folder) {
     const auto id = words.number<std::int64_t>("a camera id");
     const std::string name(words.next());
     const ColmapModel* model = find_colmap_model_by_name(name);
-    if (model == nullptr) refuse_colmap_model(name, lines.where(), folder);
+    if (model == nullptr) refuse_colmap_model(name, lines.where(), reading.folder);
     const auto width = words.number<std::uint64_t>("a width"), height = words.number<std::uint64_t>("a height");
     std::vector<double> parameters;
     for (int p = 0; p < model->parameters; ++p) parameters.push_back(words.number<double>("a camera parameter"));
     if (!words.done())
       throw Error(ErrorCode::kBadInput, lines.where() + ": more than the " + std::to_string(model->parameters) +
                                             " parameters of " + name + ", expected no more");
-    if (!cameras.emplace(id, pinhole_camera({*model, width, height, parameters}, lines.where(), folder)).second)
+    if (!cameras.emplace(id, intrinsics_of({*model, width, height, parameters}, lines.where(), reading)).second)
       throw Error(ErrorCode::kBadInput, lines.where() + ": camera " + std::to_string(id) + " twice, expected once");
   }
   return cameras;
@@ -116,8 +116,9 @@ void check_points_line(std::string_view line, const std::string& where) {
 
 }  // namespace
 
-Capture parse_colmap_text(std::string_view cameras, std::string_view images, const std::string& object) {
-  const ColmapCameras intrinsics = read_cameras(cameras, object);
+Capture parse_colmap_text(std::string_view cameras, std::string_view images, const std::string& object,
+                          Distortion distortion) {
+  const ColmapCameras intrinsics = read_cameras(cameras, {object, distortion});
   Lines lines(images, object + "/images.txt");
   Capture capture;
   capture.format = "COLMAP text";
@@ -135,7 +136,7 @@ Capture parse_colmap_text(std::string_view cameras, std::string_view images, con
       throw Error(ErrorCode::kBadInput,
                   where + ": camera " + std::to_string(camera_id) + ", expected one of cameras.txt");
     SceneView& view = capture.views.emplace_back();
-    view.camera = found->second, view.camera.name = name;
+    set_intrinsics(found->second, name, capture, view);
     view.camera.rotation = rotation_from_quaternion(pose, where);
     view.camera.translation = vec3(pose + 4);
     if (lines.next(line)) check_points_line(line, lines.where());

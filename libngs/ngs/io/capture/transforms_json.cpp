@@ -34,27 +34,55 @@ class Lookup {
   const JsonReader &frame_, &file_;
 };
 
+const std::string kUndistort =
+    "undistort the photos, e.g. with colmap image_undistorter --image_path images --input_path colmap/sparse/0 "
+    "--output_path undistorted --output_type COLMAP, or ngs-scene undistort FILE -o undistorted; then import the "
+    "folder "
+    "undistorted";
+
 void refuse_distortion(const Lookup& lookup, const std::string& where) {
-  const std::string remedy =
-      "undistort the photos, e.g. with colmap image_undistorter --image_path images --input_path "
-      "colmap/sparse/0 "
-      "--output_path undistorted --output_type COLMAP, then import the folder undistorted";
-  constexpr double kNegligible = 1e-9;
   for (const char* key : {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"}) {
     const double value = lookup.number(key).value_or(0);
-    if (std::abs(value) >= kNegligible)
+    if (std::abs(value) >= kNegligibleDistortion)
       throw Error(ErrorCode::kBadInput,
-                  where + ": lens distortion " + key + " = " + json(value).dump() + ", expected none", remedy);
+                  where + ": lens distortion " + key + " = " + json(value).dump() + ", expected none", kUndistort);
   }
-  const JsonReader* fisheye = lookup.holder("is_fisheye");  // instant-ngp's; bends straight lines even with k1..k4 zero
-  if (fisheye != nullptr && fisheye->boolean("is_fisheye"))
-    throw Error(ErrorCode::kBadInput, where + ": is_fisheye, expected a pinhole", remedy);
+}
+
+std::string camera_model(const Lookup& lookup) {
   const JsonReader* reader = lookup.holder("camera_model");
-  if (reader == nullptr) return;
-  const std::string model = reader->text("camera_model");
+  return reader == nullptr ? "OPENCV" : reader->text("camera_model");
+}
+
+bool is_fisheye(const Lookup& lookup) {
+  const JsonReader* flag = lookup.holder("is_fisheye");  // instant-ngp's; bends straight lines even with k1..k4 zero
+  return camera_model(lookup) == "OPENCV_FISHEYE" || (flag != nullptr && flag->boolean("is_fisheye"));
+}
+
+/// kBadInput for models that are neither.
+void require_known_model(const Lookup& lookup, const std::string& where, Distortion distortion) {
+  const bool may_bend = distortion == Distortion::kKept;
+  const JsonReader* flag = lookup.holder("is_fisheye");
+  if (!may_bend && flag != nullptr && flag->boolean("is_fisheye"))
+    throw Error(ErrorCode::kBadInput, where + ": is_fisheye, expected a pinhole", kUndistort);
+  const std::string model = camera_model(lookup);
   constexpr std::array kStraight{"PINHOLE", "SIMPLE_PINHOLE", "OPENCV", "SIMPLE_RADIAL", "RADIAL", "FULL_OPENCV"};
+  if (may_bend && model == "OPENCV_FISHEYE") return;
   if (std::find(kStraight.begin(), kStraight.end(), model) == kStraight.end())
-    throw Error(ErrorCode::kBadInput, where + ": camera model " + model + ", expected a pinhole", remedy);
+    throw Error(ErrorCode::kBadInput, where + ": camera model " + model + ", expected a pinhole", kUndistort);
+}
+
+Lens lens_of(const Lookup& lookup, const std::string& where) {
+  const auto of = [&](const char* key) { return lookup.number(key).value_or(0); };
+  Lens lens;
+  if (is_fisheye(lookup)) lens.kind = Lens::Kind::kFisheye;
+  lens.radial = {of("k1"), of("k2"), of("k3"), of("k4")}, lens.tangential = {of("p1"), of("p2")};
+  if (camera_model(lookup) == "FULL_OPENCV")
+    lens.radial[3] = 0, lens.divisor = {of("k4"), of("k5"), of("k6")};
+  else if (of("k5") != 0 || of("k6") != 0)
+    throw Error(ErrorCode::kBadInput,
+                where + ": k5 or k6 with camera_model " + camera_model(lookup) + ", expected FULL_OPENCV with them");
+  return lens;
 }
 
 /// A path of the file. Written on Windows it has backslashes between its folders; a file that is really called so wins.
@@ -148,10 +176,12 @@ Capture parse_transforms_json(const json& root, const TransformsSource& source) 
   const JsonReader file(root, source.object);
   Capture capture;
   capture.format = "transforms.json";
+  std::vector<Lens> lenses;  // of the views
   for (const json& entry : file.array("frames")) {
     const JsonReader frame(entry, source.object + ": frames[" + std::to_string(capture.views.size()) + "]");
     const Lookup lookup(frame, file);
-    refuse_distortion(lookup, frame.where());
+    require_known_model(lookup, frame.where(), source.distortion);
+    if (source.distortion == Distortion::kRefused) refuse_distortion(lookup, frame.where());
     SceneView view;
     view.image_path = find_image(source, frame.text("file_path"));
     if (frame.has("mask_path")) view.mask_path = path_in(source, frame.text("mask_path"));
@@ -161,8 +191,11 @@ Capture parse_transforms_json(const json& root, const TransformsSource& source) 
     for (int r = 0; r < 3; ++r) axes(r, 1) = -axes(r, 1), axes(r, 2) = -axes(r, 2);
     set_pose(view.camera, axes, pose.translation);
     capture.views.push_back(std::move(view));
+    lenses.push_back(lens_of(lookup, frame.where()));
   }
   if (!capture.views.empty()) name_views(capture);
+  for (std::size_t v = 0; v < lenses.size(); ++v)
+    if (is_bent(lenses[v])) capture.lenses[capture.views[v].camera.name] = lenses[v];
   if (const auto undo = undo_applied(file)) {
     if (source.original_world)
       for (SceneView& view : capture.views) apply(*undo, view.camera);
@@ -174,9 +207,9 @@ Capture parse_transforms_json(const json& root, const TransformsSource& source) 
   return capture;
 }
 
-Capture read_transforms_json(const std::string& path, bool original_world) {
-  return parse_transforms_json(read_json_file(path),
-                               {fs::path(path).parent_path().string(), path, original_world, images_on_disk()});
+Capture read_transforms_json(const std::string& path, bool original_world, Distortion distortion) {
+  return parse_transforms_json(read_json_file(path), {fs::path(path).parent_path().string(), path, original_world,
+                                                      images_on_disk(), distortion});
 }
 
 WorldTransform read_world_transform(const std::string& path) {

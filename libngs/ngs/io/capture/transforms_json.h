@@ -8,7 +8,10 @@
 //   images      file_path, relative to the json file or absolute, with slashes or backslashes; without extension .png
 //               .jpg .jpeg are tried. A frame's name is its path without the folders that all frames share.
 //   masks       mask_path per frame
-//   distortion  any k1..k6 p1 p2 of 1e-9 or more, fisheye and panorama models: kBadInput
+//   distortion  any k1..k6 p1 p2 of 1e-9 or more and fisheye models where distortion is asked for, else kBadInput:
+//   k1..k4
+//               of r^2, r^4, r^6, r^8, of the angle where the camera_model or is_fisheye says so; with FULL_OPENCV
+//               k4..k6 divide. Panorama models: kBadInput
 //   applied_transform [3x4], applied_scale: the world of the file = scale · (transform of the original
 //               world). Kept by default, because that is the world the file's poses are in; `original_world`
 //               undoes it, for a model trained on the COLMAP poses that the file was made from.
@@ -19,13 +22,15 @@
 
 namespace ngs::io {
 
-Capture read_transforms_json(const std::string& path, bool original_world = false);
+Capture read_transforms_json(const std::string& path, bool original_world = false,
+                             Distortion distortion = Distortion::kRefused);
 
 struct TransformsSource {
   std::string folder;  // of the json file
   std::string object;  // names it in messages
   bool original_world = false;
   ImageFinder images;
+  Distortion distortion = Distortion::kRefused;
 };
 Capture parse_transforms_json(const nlohmann::json& root, const TransformsSource& source);
 
