@@ -12,6 +12,7 @@
 #include "ngs/stages/select/region.h"
 #include "numpy_output.h"
 #include "shared/tool.h"
+#include "unseen_output.h"
 
 namespace {
 
@@ -38,8 +39,7 @@ void require_one_of(std::initializer_list<const ngs::cli::Output*> outputs) {
 void check_inpaint(ngs::cli::Run& run, const ngs::cli::Output& inpaint, const ngs::cli::Input& scene) {
   if (inpaint && !scene)
     throw ngs::Error(ngs::ErrorCode::kUsage, "--inpaint needs the cameras", "give --scene scene.json");
-  if (!inpaint)
-    run.warn_unused({"--scene", "--inpaint-opacity", "--inpaint-trace", "--inpaint-dilate-px"}, "without --inpaint");
+  if (!inpaint) run.warn_unused({"--inpaint-opacity", "--inpaint-trace", "--inpaint-dilate-px"}, "without --inpaint");
 }
 
 /// Outputs that are not asked for are empty.
@@ -70,7 +70,7 @@ int main(int argc, char** argv) {
       tool.input("labelled", "labelled PLY of ngs-variance or ngs-joint; with a region any splat");
   const cli::Input& edited = tool.optional_input(
       "--import", "hand-edited splat: rows that are left (or selected, where it says so) are the object");
-  const cli::Input& scene_json = tool.optional_input("--scene", "scene.json, for --inpaint");
+  const cli::Input& scene_json = tool.optional_input("--scene", "scene.json, for --inpaint and for what no view saw");
   const cli::Output& object =
       tool.optional_output("--object", "the object, as plain 3DGS .ply, .compressed.ply, .spz, .sog, .splat or .glb");
   const cli::Output& background = tool.optional_output("--background", "everything else, in the same formats");
@@ -88,16 +88,15 @@ int main(int argc, char** argv) {
     check_inpaint(run, inpaint, scene_json);
     check_formats({object.path, background.path}, {decided.path, supersplat.path});
     std::optional<Scene> scene;
-    if (inpaint) {
-      scene = io::read_scene_json(scene_json.path);
-      cli::check_inpaint_folder(*scene, scene_json.path, inpaint.path, {labelled.path, edited.path});
-    }
+    if (scene_json) scene = io::read_scene_json(scene_json.path);
+    if (inpaint) cli::check_inpaint_folder(*scene, scene_json.path, inpaint.path, {labelled.path, edited.path});
     cli::Extractor extractor(run, io::read_gaussian_ply(labelled.path), options, region, select.select);
     if (run.dry_run()) return cli::kDone;
     if (edited) extractor.import(edited.path);
     std::optional<cli::NumpyLabels> labels;
     if (npz) labels.emplace(extractor);
     extractor.decide();
+    if (scene) cli::tell_unseen_surface(run, extractor, *scene);
     const auto timed = run.monitor().scope("write");
     if (object) extractor.write_object(object.path);
     if (background) extractor.write_background(background.path);

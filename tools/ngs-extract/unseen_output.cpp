@@ -1,0 +1,34 @@
+#include "unseen_output.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "ngs/stages/extract/unseen_surface.h"
+
+namespace ngs::cli {
+namespace {
+
+// Below it the sides that nobody saw are slits between what was seen.
+constexpr double kWorthTelling = 0.02;
+
+}  // namespace
+
+void tell_unseen_surface(Run& run, const Extractor& extractor, const Scene& scene) {
+  const std::vector<std::uint8_t>& object = extractor.object();
+  if (std::ranges::find(object, 1) == object.end()) return;
+  std::vector<Camera> cameras;
+  for (const SceneView& view : scene.views) cameras.push_back(view.camera);
+  const UnseenSurface found = unseen_surface(run.exec(), run.monitor(), {extractor.cloud(), object, cameras});
+  const orbit::Vec d = found.direction;
+  run.result()["unseen_surface"] = {{"share", found.share}, {"worst", found.worst}, {"worst_from", {d.x, d.y, d.z}}};
+  if (found.share < kWorthTelling) return;
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "the object: %.0f %% of what shows of it from all around was seen by no view; from the direction "
+                "(%.2f, %.2f, %.2f) %.0f %%\n",
+                100 * found.share, d.x, d.y, d.z, 100 * found.worst);
+  run.text(text);
+}
+
+}  // namespace ngs::cli
