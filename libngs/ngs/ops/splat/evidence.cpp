@@ -1,10 +1,10 @@
 #include "ngs/ops/splat/evidence.h"
 
 #include <algorithm>
-#include <bit>
 #include <span>
 
 #include "ngs/core/check.h"
+#include "ngs/math/row_ranks.h"
 #include "ngs/ops/device/device_ops.h"
 #include "ngs/ops/splat/binned_view.h"
 #include "ngs/ops/splat/cloud_view.h"
@@ -163,39 +163,19 @@ class ViewPairs {
   const float* sums_ = nullptr;
 };
 
-/// How many of some rows of the cloud come before each, without sorting them.
-class RowRanks {
- public:
-  RowRanks(std::int64_t cloud_rows, const std::vector<ViewSums>& parts)
-      : bits_(std::size_t(cloud_rows + 63) / 64), before_(bits_.size()) {
-    for (const ViewSums& part : parts)
-      for (const std::uint32_t row : part.row) bits_[row / 64] |= std::uint64_t(1) << row % 64;
-    std::uint32_t count = 0;
-    for (std::size_t word = 0; word < bits_.size(); ++word)
-      before_[word] = count, count += std::uint32_t(std::popcount(bits_[word]));
-  }
-  std::size_t operator()(std::uint32_t row) const {
-    const std::uint64_t lower = bits_[row / 64] & ((std::uint64_t(1) << row % 64) - 1);
-    return before_[row / 64] + std::size_t(std::popcount(lower));
-  }
-
- private:
-  std::vector<std::uint64_t> bits_;
-  std::vector<std::uint32_t> before_;  // rows before a word
-};
-
 /// The parts as one, by row.
 ViewSums merged(const Exec& exec, std::int64_t cloud_rows, int objects, const std::vector<ViewSums>& parts) {
   ViewSums all{objects, {}, {}};
   const auto columns = std::size_t(all.columns());
-  const RowRanks rank(cloud_rows, parts);
+  RowRanks ranks(cloud_rows);
   std::size_t size = 0;
-  for (const ViewSums& part : parts) size += part.size();
+  for (const ViewSums& part : parts) ranks.add(part.row), size += part.size();
+  ranks.count();
   all.row.resize(size), all.sum.resize(size * columns);
   for_each_task(exec, std::ssize(parts), [&](std::int64_t p) {
     const ViewSums& part = parts[std::size_t(p)];
     for (std::size_t v = 0; v < part.size(); ++v) {
-      const std::size_t at = rank(part.row[v]);
+      const std::size_t at = ranks.of(part.row[v]);
       all.row[at] = part.row[v];
       std::copy_n(part.at(v), columns, &all.sum[at * columns]);
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "ngs/core/check.h"
+#include "ngs/math/row_ranks.h"
 #include "ngs/ops/splat/cloud_view.h"
 #include "ngs/ops/splat/tile_isa.h"
 #include "ngs/ops/splat/view_planes.h"
@@ -17,7 +18,9 @@ constexpr std::int64_t kChunk = 1 << 12;  // visible Gaussians
 
 struct KeptView::State {
   SplatEngine<float> engine;
-  std::vector<float> target;  // [H·W] the mask; empty before the first
+  std::vector<std::uint32_t> row;    // [V] as rows()
+  std::vector<std::uint32_t> place;  // [V] in `row`, of each Gaussian in the order of the engine's view
+  std::vector<float> target;         // [H·W] the mask; empty before the first
   MaskSums sums;
 };
 
@@ -28,13 +31,24 @@ KeptView::KeptView(const Exec& exec, const GaussianCloud& cloud, const Camera& c
       State{{float_tile_kernels(exec.isa), options, cloud_view(cloud, options.max_sh_degree, nullptr),
              relative_camera(camera, cloud), channel_plan(RenderRequest{.colour = false, .label = {}})},
             {},
+            {},
+            {},
             {}});
-  state_->engine.prepare(exec);
+  State& s = *state_;
+  s.engine.prepare(exec);
+  const std::vector<std::uint32_t>& id = s.engine.view().id;
+  RowRanks ranks(cloud.size());
+  ranks.add(id), ranks.count();
+  s.row.resize(id.size()), s.place.resize(id.size());
+  for (std::size_t v = 0; v < id.size(); ++v) {
+    s.place[v] = std::uint32_t(ranks.of(id[v]));
+    s.row[s.place[v]] = id[v];
+  }
 }
 
 KeptView::~KeptView() = default;
 
-const std::vector<std::uint32_t>& KeptView::rows() const { return state_->engine.view().id; }
+const std::vector<std::uint32_t>& KeptView::rows() const { return state_->row; }
 
 RenderedView KeptView::render(const Exec& exec, const RenderRequest& request) {
   NGS_CHECK(request.include == nullptr, "a kept view shows all Gaussians");
@@ -93,7 +107,7 @@ const MaskSums& KeptView::weigh(const Exec& exec, const PixelMask& mask) {
       if (!changed[v]) continue;
       double sum[kColumns] = {};
       add_slots(lists, v, pairs.data(), kColumns, sum);
-      s.sums.weight[v] = sum[0], s.sums.object_weight[v] = std::min(sum[2], sum[0]);
+      s.sums.weight[s.place[v]] = sum[0], s.sums.object_weight[s.place[v]] = std::min(sum[2], sum[0]);
     }
   });
   return s.sums;

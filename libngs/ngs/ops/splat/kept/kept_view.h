@@ -39,7 +39,7 @@ class KeptView {
   struct State;
   /// [tiles] 1: to be gone through. Takes the mask.
   std::vector<std::uint8_t> take(const PixelMask& mask);
-  /// [V] 1: in one of the tiles.
+  /// [V] 1: in one of the tiles, in the order of the projected view.
   std::vector<std::uint8_t> in_tiles(const std::vector<std::uint8_t>& tiles) const;
 
   Camera camera_;
