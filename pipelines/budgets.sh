@@ -3,6 +3,7 @@
 #
 #   pipelines/budgets.sh scene.json boundary.ply MASKS_GT OUT [SECONDS...]
 #   pipelines/budgets.sh scene.json boundary.ply MASKS_GT OUT 2 8 30 -- --quality high       further options of ngs-joint
+#   pipelines/budgets.sh --object-id NAME=ID scene.json boundary.ply LABELS_GT OUT [...]     the truth is label maps
 #
 # Without SECONDS: 20 budgets from 1 to 60 s. OUT/budgets.json (data-schema/budgets.schema.json) and OUT/budgets.md hold
 # budget, wall time, exit code and scores; the exit code is 1 where a run was late by more than 5 % and 0.5 s, or scored
@@ -14,6 +15,8 @@ shopt -s inherit_errexit
 . "$(dirname "$0")/common.sh"
 
 case ${1:-} in -h | --help) usage_of "$0"; exit 0 ;; esac
+object=
+if [ "${1:-}" = --object-id ] && [ $# -ge 2 ]; then object=$2; shift 2; fi
 [ $# -ge 4 ] || fail 2 "expected scene.json boundary.ply MASKS_GT OUT" "see $0 --help"
 bin=$(find_bin)
 
@@ -27,13 +30,25 @@ mkdir -p "$out"
 
 score() { sed -n '/"mean"/,/}/s/.*"'"$1"'": \([0-9.]*\).*/\1/p' "$out/$2.metrics.json" | head -1; }
 
+# score_labels LABELLED METRICS: the object of the label maps that it renders to, in the held-out views.
+score_labels() {
+  rm -rf "$2.labels"
+  tool ngs-render "$scene" "$1" --views held-out --layers labels --scale 0 -o "$2.labels" -w -q > /dev/null
+  tool ngs-eval "$2.labels" "$truth" --label-map --object-id "$object" -o "$2" -w -q > /dev/null
+  rm -r "$2.labels"
+}
+
 run() {  # BUDGET FLAGS...: a line of JSON
   local budget=$1 began ended rc=0
   began=$(date +%s.%N)
   tool ngs-joint "$scene" "$boundary" -o "$out/$budget.ply" -w -q --report "$out/$budget.json" --time-budget "${budget}s" "${@:2}" || rc=$?
   if [ "$rc" -ne 0 ] && [ "$rc" -ne 7 ]; then exit "$rc"; fi  # it has no result to score
   ended=$(date +%s.%N)
-  score_masks "$scene" "$out/$budget.ply" "$truth" "$out/$budget.metrics.json"
+  if [ -n "$object" ]; then
+    score_labels "$out/$budget.ply" "$out/$budget.metrics.json"
+  else
+    score_masks "$scene" "$out/$budget.ply" "$truth" "$out/$budget.metrics.json"
+  fi
   rm "$out/$budget.ply"
   awk -v b="$budget" -v t="$began $ended" -v rc="$rc" -v iou="$(score iou "$budget")" -v biou="$(score biou "$budget")" \
     -v fine="$(score biou_005 "$budget")" 'BEGIN { split(t, at, " ");
