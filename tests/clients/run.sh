@@ -115,11 +115,24 @@ check_formats() {
       $(limits_of $format)
     "$transform" -q -w -g cpu "$out/run/object.ply" "${turn[@]}" "$folder/theirs.$format" 2> /dev/null
     "$transform" -q -w "$folder/theirs.$format" "${turn[@]}" "$folder/theirs-$format.ply" 2> /dev/null
-    tool ngs-scene import "$out/scene" --ply "$folder/theirs.$format" --images "$out/scene/images" --masks "$out/scene/masks" \
-      --no-align-views -o "$folder/scene.json" &&
-      tool ngs-variance "$folder/scene.json" -o "$folder/theirs-$format-labelled.ply"
+    tool ngs-extract "$folder/theirs.$format" --keep-sphere 0,0,0,1e9 --object "$folder/theirs-$format-ours.ply"
     within "its .$format as we read it, against how it reads it" "$folder/theirs-$format.ply" \
-      "$folder/theirs-$format-labelled.ply" 1e-6 1e-5 2e-6 1e-5 1e-6 "$([ $format = splat ] && echo 0.02 || echo 1e-5)"
+      "$folder/theirs-$format-ours.ply" 1e-6 1e-5 2e-6 1e-5 1e-6 "$([ $format = splat ] && echo 0.02 || echo 1e-5)"
+  done
+  check_ksplat "$folder"
+}
+
+# .ksplat, which splat-transform reads only: written by the viewer whose format it is, read by both, at each compression.
+check_ksplat() {
+  local level
+  for level in 0 1 2; do
+    local model=$1/level-$level.ksplat
+    node "$here/ksplat.mjs" "$out/run/object.ply" "$model" "$level" "$modules" > /dev/null 2>&1
+    "$transform" -q -w "$model" "$1/level-$level-theirs.ply" 2> /dev/null
+    tool ngs-extract "$model" --keep-sphere 0,0,0,1e9 --object "$1/level-$level-ours.ply"
+    within "mkkellogg's .ksplat of compression $level as we read it, against how splat-transform does" \
+      "$1/level-$level-theirs.ply" "$1/level-$level-ours.ply" 1e-6 1e-5 2e-6 1e-5 1e-6 1e-5
+    within "the same, against the PLY" "$out/run/object.ply" "$1/level-$level-ours.ply" 1e-4 1e-3 0.00394 4 0.0157 0.001
   done
 }
 

@@ -1,12 +1,15 @@
 // ngs-mask from one stroke on a synthetic scene to masks of all views, against the exact truth.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "support/process.h"
+#include "support/python.h"
 #include "support/schema_check.h"
+#include "support/skip.h"
 #include "support/temp_dir.h"
 
 namespace ngs {
@@ -16,13 +19,28 @@ using Json = nlohmann::json;
 
 Json schema() { return Json::parse(std::ifstream(NGS_SOURCE_DIR "/data-schema/prompts.schema.json")); }
 
-void run_tool(const test::TempDir& dir, std::vector<std::string> argv) {
+using Environment = std::vector<std::pair<std::string, std::string>>;
+
+test::ProcessResult run(const test::TempDir& dir, std::vector<std::string> argv, const Environment& more = {}) {
   argv[0] = std::string(NGS_TOOL_DIR "/") + argv[0];
-  const test::ProcessResult result = test::run_process(
-      {.argv = argv, .environment = {{"NGS_THREADS", "2"}}, .folder = dir.path(), .input = {}, .signal_after = {}});
+  test::ProcessSpec spec;
+  spec.argv = std::move(argv), spec.folder = dir.path(), spec.environment = {{"NGS_THREADS", "2"}};
+  spec.environment.insert(spec.environment.end(), more.begin(), more.end());
+  return test::run_process(spec);
+}
+
+void run_tool(const test::TempDir& dir, const std::vector<std::string>& argv, const Environment& more = {}) {
+  const test::ProcessResult result = run(dir, argv, more);
   INFO(argv[0] << ": " << result.err);
   REQUIRE(result.exit_code == 0);
 }
+
+/// As python3 sees the modules in tests/contract/stand_ins, which leave nothing behind there.
+Environment stand_ins(const std::string& folders) {
+  return {{"PYTHONPATH", folders}, {"PYTHONDONTWRITEBYTECODE", "1"}};
+}
+const std::string kStandIns = NGS_SOURCE_DIR "/tests/contract/stand_ins/";
+const std::string kAdapters = NGS_SOURCE_DIR "/pipelines/segmenters/";
 
 /// What a person would draw on view 0002 of two-spheres, 112 x 84 px: a stroke on the orange ball, one on the
 /// blue ball, one around both.
@@ -83,6 +101,55 @@ TEST_CASE("a program is given prompts that satisfy the schema: points and a box,
     CHECK(prompts["boxes"].size() == 1);
     CHECK(prompts.contains("mask") == (call > 0));
     CHECK(prompts.contains("box_of_marks") == (call == 0));  // marked by strokes
+  }
+}
+
+TEST_CASE("the adapters of SAM 2 and SAM 3 ask their network in its words and write its masks, in both forms") {
+  const std::string python = test::python_with("numpy, PIL");
+  if (python.empty()) return test::skip("python3 with numpy and PIL is absent");
+  const test::TempDir& dir = stroke_scene();
+  for (const std::string adapter : {"sam2", "sam3"}) {
+    CAPTURE(adapter);
+    const std::string command = python + " " + kAdapters + adapter + "_segmenter.py";
+    for (const std::string form : {"", " {image} {prompts} {out}"}) {
+      CAPTURE(form);
+      run_tool(dir,
+               {"ngs-mask", "scene.json", "--prompts", "strokes.json", "-o", adapter, "-q", "-w", "--passes", "1",
+                "--segmenter", command + form, "--report", adapter + ".json"},
+               stand_ins(kStandIns + "networks"));
+      CHECK(Json::parse(test::read_bytes(dir.path() + "/" + adapter + ".json"))["result"]["segmented_masks"] == 7);
+      run_tool(dir, {"ngs-eval", adapter, "scene/masks_gt", "-o", adapter + "-metrics.json", "-q", "-w"});
+      const Json metrics = Json::parse(test::read_bytes(dir.path() + "/" + adapter + "-metrics.json"));
+      CHECK(metrics["mean"]["iou"].get<double>() > 0.9);
+    }
+  }
+}
+
+TEST_CASE("an adapter says which package is absent, and goes on after a request that it cannot answer") {
+  const std::string python = test::python_with("numpy, PIL");
+  if (python.empty()) return test::skip("python3 with numpy and PIL is absent");
+  const test::TempDir& dir = stroke_scene();
+  for (const std::string adapter : {"sam2", "sam3"}) {
+    CAPTURE(adapter);
+    const std::string program = kAdapters + adapter + "_segmenter.py";
+    const test::ProcessResult refused = run(
+        dir,
+        {"ngs-mask", "scene.json", "--prompts", "strokes.json", "-o", "none", "--segmenter", python + " " + program},
+        stand_ins(kStandIns + "without_torch:" + kStandIns + "networks"));
+    CAPTURE(refused.err);
+    CHECK(refused.exit_code == 8);
+    CHECK(refused.err.find("torch cannot be imported") != std::string::npos);
+    CHECK(refused.err.find("pip install torch") != std::string::npos);
+
+    test::ProcessSpec spec;
+    spec.argv = {python, program}, spec.folder = dir.path(), spec.environment = stand_ins(kStandIns + "networks");
+    spec.input = "{\"image\":\"absent.png\",\"prompts\":\"p\",\"out\":\"o\"}\nno request\n";
+    const test::ProcessResult answered = test::run_process(spec);
+    CAPTURE(answered.err);
+    CAPTURE(answered.out);
+    CHECK(answered.exit_code == 0);
+    CHECK(answered.out.starts_with("{\"error\": \"FileNotFoundError"));
+    CHECK(std::count(answered.out.begin(), answered.out.end(), '\n') == 2);
   }
 }
 

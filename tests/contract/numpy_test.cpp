@@ -9,6 +9,7 @@
 #include "ngs/io/formats/compression/zip_archive.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "support/process.h"
+#include "support/python.h"
 #include "support/skip.h"
 #include "support/temp_dir.h"
 #include "support/tool_fixture.h"
@@ -40,13 +41,6 @@ void extract(const nlohmann::json& arguments) {
   const test::ProcessResult result = test::run_process(test::command(arguments));
   CAPTURE(result.err);
   REQUIRE(result.exit_code == 0);
-}
-
-/// A Python with numpy, the first in PATH or the system's; empty: there is none.
-std::string python() {
-  for (const char* program : {"python3", "/usr/bin/python3"})
-    if (test::run_command({program, "-c", "import numpy"}).exit_code == 0) return program;
-  return {};
 }
 
 /// The first block of Python after <!-- numpy --> in the FAQ.
@@ -85,7 +79,7 @@ TEST_CASE("ngs-extract --npz holds the labels before they are decided, and the r
 }
 
 TEST_CASE("numpy reads what ngs-extract --npz writes by the lines of the FAQ") {
-  const std::string program = python();
+  const std::string program = test::python_with("numpy");
   if (program.empty()) return test::skip("python3 with numpy is absent");
   const test::TempDir tmp;
   const std::string labelled = test::fixture_folder() + "/labelled.ply";

@@ -113,6 +113,8 @@ std::string stroke_help(const CutChain& chain) {
   std::string text;
   row(text, "pictures",
       std::to_string(scene.views.size()) + " in " + fs::path(first.image_path).parent_path().string() + "/");
+  if (chain.inputs().kind == SourceKind::kSplat)
+    row(text, "", "where they lie on their side, say which way is up, e.g. --up=-y, and run it again");
   row(text, "mark", "paint the object green (0,255,0) and something beside it red (255,0,0) on a copy of one or more");
   row(text, "", "of them, under the same name and as PNG, in a folder of your own; or write strokes as JSON:");
   row(text, "",

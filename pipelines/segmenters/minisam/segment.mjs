@@ -13,7 +13,9 @@ const kEncoderPx = 1024; // the longer side of what the encoder sees; the rest o
 const kLowPx = 256; // the same of the masks that go into the decoder and come out of it
 const kMean = [123.675, 116.28, 103.53]; // of ImageNet, as Segment Anything has them
 const kDeviation = [58.395, 57.12, 57.375];
-const kPriorLogit = 8; // how sure an expected mask is said to be
+const kSureLogit = 16; // beyond it a coarse mask says nothing more
+const kWindowMargin = 0.125; // of the sides of what is looked at once more, all around
+const kWorthwhile = 0.6; // of the picture: a larger window would show nothing new
 const kLabel = { background: 0, object: 1, boxTopLeft: 2, boxBottomRight: 3, padding: -1 };
 const kMostEmbeddings = 400; // 4 MiB each
 
@@ -38,60 +40,109 @@ async function encode(picture) {
   return (await encoder.run({ input: new ort.Tensor('float32', input, [1, 3, kEncoderPx, kEncoderPx]) })).output;
 }
 
-/** An expected mask as the logits that the decoder takes: its longer side 256, in the corner of a square. */
-function priorOf(mask, width, height) {
+/** A picture's square of low-resolution logits as the decoder takes it, from logits of the picture's size. */
+function priorOf(logits, width, height) {
   const scale = kLowPx / Math.max(width, height);
   const lowWidth = Math.round(width * scale);
-  const lowHeight = Math.round(height * scale);
-  const scaled = resize(mask, width, height, lowWidth, lowHeight);
-  const logits = new Float32Array(kLowPx * kLowPx).fill(-kPriorLogit);
-  for (let y = 0; y < lowHeight; ++y)
-    for (let x = 0; x < lowWidth; ++x)
-      logits[y * kLowPx + x] = kPriorLogit * (2 * Math.min(1, Math.max(0, scaled[y * lowWidth + x])) - 1);
-  return logits;
+  const scaled = resize(logits, width, height, lowWidth, Math.round(height * scale));
+  const square = new Float32Array(kLowPx * kLowPx).fill(-kSureLogit);
+  for (let p = 0; p < scaled.length; ++p)
+    square[Math.floor(p / lowWidth) * kLowPx + (p % lowWidth)] = Math.min(kSureLogit, Math.max(-kSureLogit, scaled[p]));
+  return square;
 }
 
-/** Low-resolution logits of the object that points, boxes and an expected mask (0..1 per pixel, or null) mean. */
-async function decode(embedding, prompts, mask) {
-  const scale = kEncoderPx / Math.max(prompts.width, prompts.height);
-  const points = (prompts.points ?? []).map((p) => [p.x, p.y, p.object ? kLabel.object : kLabel.background]);
-  const boxes = prompts.box_of_marks ? [] : (prompts.boxes ?? []);
+/** Logits [height x width] of the object that points and boxes mean; `prior`: what is known of it, or null. */
+async function decode(embedding, { width, height, points, boxes }, prior) {
+  const scale = kEncoderPx / Math.max(width, height);
+  const marks = points.map((p) => [p.x * scale, p.y * scale, p.object ? kLabel.object : kLabel.background]);
   for (const [left, top, right, bottom] of boxes)
-    points.push([left, top, kLabel.boxTopLeft], [right, bottom, kLabel.boxBottomRight]);
-  if (boxes.length === 0) points.push([0, 0, kLabel.padding]);
-  const coordinates = Float32Array.from(points.flatMap(([x, y, label]) => (label < 0 ? [0, 0] : [x * scale, y * scale])));
+    marks.push([left * scale, top * scale, kLabel.boxTopLeft], [right * scale, bottom * scale, kLabel.boxBottomRight]);
+  if (boxes.length === 0) marks.push([0, 0, kLabel.padding]);
   const { low_res_masks: low } = await decoder.run({
     image_embeddings: embedding,
-    point_coords: new ort.Tensor('float32', coordinates, [1, points.length, 2]),
-    point_labels: new ort.Tensor('float32', Float32Array.from(points, (p) => p[2]), [1, points.length]),
-    mask_input: new ort.Tensor(
-      'float32', mask ? priorOf(mask, prompts.width, prompts.height) : new Float32Array(kLowPx * kLowPx), [1, 1, kLowPx, kLowPx]),
-    has_mask_input: new ort.Tensor('float32', [mask ? 1 : 0], [1]),
-    orig_im_size: new ort.Tensor('float32', [prompts.height, prompts.width], [2]),
+    point_coords: new ort.Tensor('float32', Float32Array.from(marks.flatMap(([x, y]) => [x, y])), [1, marks.length, 2]),
+    point_labels: new ort.Tensor('float32', Float32Array.from(marks, (m) => m[2]), [1, marks.length]),
+    mask_input: new ort.Tensor('float32', prior ?? new Float32Array(kLowPx * kLowPx), [1, 1, kLowPx, kLowPx]),
+    has_mask_input: new ort.Tensor('float32', [prior ? 1 : 0], [1]),
+    orig_im_size: new ort.Tensor('float32', [height, width], [2]),
   });
-  return low.data;
+  return enlarge(low.data, kLowPx, width, height);
 }
 
-const embeddings = new Map(); // by view and size: every view is segmented several times
-async function embeddingOf(request, prompts) {
-  const key = `${request.view}|${prompts.width}x${prompts.height}`;
-  if (request.view !== undefined && embeddings.has(key)) return embeddings.get(key);
-  const picture = PNG.sync.read(fs.readFileSync(request.image));
-  const embedding = await encode(picture);
+const embeddings = new Map(); // by view, size and window: every view is segmented several times
+async function embeddingOf(view, picture, [left, top, right, bottom]) {
+  const key = JSON.stringify([view, picture.width, picture.height, left, top, right, bottom]);
+  if (view !== undefined && embeddings.has(key)) return embeddings.get(key);
+  const [width, height] = [right - left, bottom - top];
+  const part = { width, height, data: new Uint8Array(4 * width * height) };
+  for (let y = 0; y < height; ++y) {
+    const from = 4 * ((top + y) * picture.width + left);
+    part.data.set(picture.data.subarray(from, from + 4 * width), 4 * y * width);
+  }
+  const embedding = await encode(part);
   if (embeddings.size >= kMostEmbeddings) embeddings.delete(embeddings.keys().next().value);
-  if (request.view !== undefined) embeddings.set(key, embedding);
+  if (view !== undefined) embeddings.set(key, embedding);
   return embedding;
 }
 
-async function segment(request) {
-  const prompts = JSON.parse(fs.readFileSync(request.prompts, 'utf8'));
+/** Where to look closer: the box around what was found and what is marked, and an eighth of its sides about it. */
+function windowOf(logits, { width, height, points, boxes }) {
+  let [left, top, right, bottom] = [width, height, 0, 0];
+  const reach = (l, t, r, b) => {
+    [left, top, right, bottom] = [Math.min(left, l), Math.min(top, t), Math.max(right, r), Math.max(bottom, b)];
+  };
+  for (let p = 0; p < logits.length; ++p)
+    if (logits[p] > 0) reach(p % width, Math.floor(p / width), (p % width) + 1, Math.floor(p / width) + 1);
+  for (const [l, t, r, b] of boxes) reach(l, t, r, b);
+  for (const p of points) if (p.object) reach(p.x, p.y, p.x, p.y);
+  const [x, y] = [(right - left) * kWindowMargin, (bottom - top) * kWindowMargin];
+  return [Math.max(0, Math.floor(left - x)), Math.max(0, Math.floor(top - y)), Math.min(width, Math.ceil(right + x)),
+    Math.min(height, Math.ceil(bottom + y))];
+}
+
+/** The same prompts in the pixels of a window. */
+function within([left, top, right, bottom], { points, boxes }) {
+  return {
+    width: right - left,
+    height: bottom - top,
+    points: points.map((p) => ({ ...p, x: p.x - left, y: p.y - top }))
+      .filter((p) => p.x >= 0 && p.y >= 0 && p.x < right - left && p.y < bottom - top),
+    boxes: boxes.map(([l, t, r, b]) => [l - left, t - top, r - left, b - top]),
+  };
+}
+
+function cut(plane, width, [left, top, right, bottom]) {
+  const out = new Float32Array((right - left) * (bottom - top));
+  for (let y = top; y < bottom; ++y)
+    out.set(plane.subarray(y * width + left, y * width + right), (y - top) * (right - left));
+  return out;
+}
+
+/** What is found in the whole picture, then closer, in its window. Outside of that is background. */
+async function logitsOf(view, picture, prompts) {
   const { width, height } = prompts;
-  let expected = null;
-  if (prompts.mask) {
-    const png = PNG.sync.read(fs.readFileSync(prompts.mask));
-    expected = Float32Array.from({ length: width * height }, (_, p) => png.data[4 * p] / 255);
-  }
-  const logits = enlarge(await decode(await embeddingOf(request, prompts), prompts, expected), kLowPx, width, height);
+  const all = [0, 0, width, height];
+  const coarse = await decode(await embeddingOf(view, picture, all), prompts, null);
+  const window = windowOf(coarse, prompts);
+  const inner = within(window, prompts);
+  if (inner.width <= 0 || inner.height <= 0 || inner.width * inner.height > kWorthwhile * width * height) return coarse;
+  const prior = priorOf(cut(coarse, width, window), inner.width, inner.height);
+  const fine = await decode(await embeddingOf(view, picture, window), inner, prior);
+  const out = new Float32Array(width * height).fill(-kSureLogit);
+  for (let y = 0; y < inner.height; ++y)
+    out.set(fine.subarray(y * inner.width, (y + 1) * inner.width), (window[1] + y) * width + window[0]);
+  return out;
+}
+
+async function segment(request) {
+  const said = JSON.parse(fs.readFileSync(request.prompts, 'utf8'));
+  const { width, height } = said;
+  // The expected mask is not given to the network, which would keep to its gaps; nor are the places beside it, which may
+  // lie in them. Where nothing is expected the marks are a person's.
+  const points = (said.points ?? []).filter((p) => p.object || !said.mask);
+  const boxes = said.box_of_marks ? [] : (said.boxes ?? []);
+  const picture = PNG.sync.read(fs.readFileSync(request.image));
+  const logits = await logitsOf(request.view, picture, { width, height, points, boxes });
   const out = new PNG({ width, height, colorType: 0 });
   for (let p = 0; p < width * height; ++p) {
     const value = logits[p] > 0 ? 255 : 0;

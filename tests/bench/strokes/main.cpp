@@ -1,8 +1,14 @@
-// Strokes by a rule from the truth, and what a cut made of them is worth: for pipelines/around.sh.
+// Strokes by a rule from the truth, and what a cut made of them is worth: for pipelines/around.sh, two-points.sh and
+// no-photos.sh.
 //
 //   ngs_strokes ball    MODEL IDS ID               X,Y,Z,R of the Gaussians with this id
 //   ngs_strokes strokes MODEL IDS ID SCENE         prompts for two views about 90 degrees apart
-//   ngs_strokes score   MODEL IDS ID SCENE LABELLED  {"iou", "worst_view", "views", "gaussian_iou"}
+//   ngs_strokes score   MODEL IDS ID SCENE LABELLED  {"iou", "worst_view", "views"}, "gaussian_iou" of the same rows
+//   ngs_strokes ids     LABELLED IDS               writes IDS: 1 where the label says object
+//   ngs_strokes above   MODEL A,B,C,D IDS          writes IDS: 1 where Ax + By + Cz + D of the centre is not negative
+//   ngs_strokes alone   MODEL IDS ID OUT           writes the Gaussians with this id as a PLY of their own
+//   ngs_strokes lines   MASK VIEW                  prompts for one view, from its mask
+//   ngs_strokes points  MASK VIEW                  the two ends of the line on the object alone
 //
 // IDS has one byte a Gaussian, in the order of MODEL. The truth of a view is what of the id shows there: its share of
 // the pixel, at least one half. Scores are of the views that show any of it.
@@ -12,9 +18,12 @@
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "ngs/core/error.h"
+#include "ngs/io/files/atomic_file.h"
+#include "ngs/io/image/image_file.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/scene/mask_threshold.h"
@@ -71,10 +80,9 @@ void print_ball(const Truth& truth) {
               centre[2] + cloud.origin[2], kRoom * quantile(distance, kShown));
 }
 
-PixelMask mask_of(const ImageF& label, std::size_t channel) {
+PixelMask mask_of(const ImageF& label) {
   PixelMask mask(std::size_t(label.pixels()));
-  for (std::size_t p = 0; p < mask.size(); ++p)
-    mask[p] = label_says_object(label.data[p * std::size_t(label.channels) + channel]);
+  for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = label_says_object(label.data[p]);
   return mask;
 }
 
@@ -86,10 +94,10 @@ struct Views {
   Views(const char* path, const GaussianCloud& cloud) : scene(io::read_scene_json(path)) {
     splat = prepared_for(exec, splat_options({}, cloud, scene), cloud);
   }
-  ImageF labels(const GaussianCloud& cloud, const Camera& camera, const std::vector<float>& channel, int count) const {
+  ImageF labels(const GaussianCloud& cloud, const Camera& camera, const std::vector<float>& channel) const {
     RenderRequest request;
     request.colour = false;
-    request.label = {channel.data(), cloud.size(), count};
+    request.label = {channel.data(), cloud.size(), 1};
     return std::move(render(exec, cloud, camera, splat, request).label);
   }
 };
@@ -105,15 +113,9 @@ double off_square(const Camera& a, const Camera& b) {
   return turned > 0.1 ? std::abs(dot(axis(a, 0), axis(b, 0))) + std::abs(dot(rise, up)) / turned : 2;
 }
 
-void print_strokes(const Truth& truth, const Views& views) {
-  const Camera& first = views.scene.views.front().camera;
-  const Camera* second = &first;
-  for (const SceneView& view : views.scene.views)
-    if (off_square(first, view.camera) < off_square(first, *second)) second = &view.camera;
+void print(const std::vector<HandPrompt>& prompts) {
   Json out{{"ngs_prompts", 2}, {"views", Json::array()}};
-  for (const Camera* camera : {&first, second}) {
-    const PixelMask mask = mask_of(views.labels(truth.ply.cloud, *camera, truth.share, 1), 0);
-    const HandPrompt prompt = strokes_of_truth(mask, camera->width_px, camera->height_px, camera->name);
+  for (const HandPrompt& prompt : prompts) {
     Json strokes = Json::array();
     for (const PromptStroke& stroke : prompt.strokes)
       strokes.push_back({{"object", stroke.object}, {"radius", stroke.radius_px}, {"points", stroke.points}});
@@ -123,50 +125,116 @@ void print_strokes(const Truth& truth, const Views& views) {
   std::cout << out.dump() << "\n";
 }
 
+void print_strokes(const Truth& truth, const Views& views) {
+  const Camera& first = views.scene.views.front().camera;
+  const Camera* second = &first;
+  for (const SceneView& view : views.scene.views)
+    if (off_square(first, view.camera) < off_square(first, *second)) second = &view.camera;
+  std::vector<HandPrompt> prompts;
+  for (const Camera* camera : {&first, second}) {
+    const PixelMask mask = mask_of(views.labels(truth.ply.cloud, *camera, truth.share));
+    prompts.push_back(strokes_of_truth(mask, camera->width_px, camera->height_px, camera->name));
+  }
+  print(prompts);
+}
+
+void print_marks(const std::string& mask_path, const std::string& view, bool only_points) {
+  const io::RawMask raw = io::read_mask_raw(mask_path, io::Palette::kMask);
+  HandPrompt prompt = strokes_of_truth(object_pixels(raw.samples()), raw.width_px, raw.height_px, view);
+  if (only_points) {
+    std::erase_if(prompt.strokes, [](const PromptStroke& stroke) { return !stroke.object; });
+    if (prompt.strokes.empty()) throw Error(ErrorCode::kNothingFound, mask_path + ": no place on an object");
+    PromptStroke end = prompt.strokes[0];
+    end.points.erase(end.points.begin());
+    prompt.strokes[0].points.resize(1);
+    prompt.strokes.push_back(end);
+  }
+  print({prompt});
+}
+
 double ratio(std::int64_t both, std::int64_t either) { return either > 0 ? double(both) / double(either) : 1; }
 
-void print_score(const Truth& truth, const Views& views, const char* labelled) {
-  const std::vector<float> label = io::read_gaussian_ply(labelled).labels.label;
-  if (label.size() != truth.share.size()) throw Error(ErrorCode::kBadInput, std::string(labelled) + ": other rows");
-  std::vector<float> channel;
+double gaussian_iou(const std::vector<float>& label, const std::vector<float>& share) {
   std::int64_t both = 0, either = 0;
   for (std::size_t i = 0; i < label.size(); ++i) {
-    channel.push_back(label[i]), channel.push_back(truth.share[i]);
-    both += label_says_object(label[i]) && truth.share[i] > 0;
-    either += label_says_object(label[i]) || truth.share[i] > 0;
+    both += label_says_object(label[i]) && share[i] > 0;
+    either += label_says_object(label[i]) || share[i] > 0;
   }
+  return ratio(both, either);
+}
+
+/// The labelled model may have been trained: then it is another model than that of the truth.
+void print_score(const Truth& truth, const Views& views, const char* scene, const char* labelled) {
+  const io::GaussianPly found = io::read_gaussian_ply(labelled);
+  const Views found_views(scene, found.cloud);
   double sum = 0, worst = 1;
   int count = 0;
+  const bool all = std::ranges::none_of(views.scene.views, [](const auto& v) { return v.split == Split::kHeldOut; });
   for (const SceneView& view : views.scene.views) {
-    const bool all = std::ranges::none_of(views.scene.views, [](const auto& v) { return v.split == Split::kHeldOut; });
     if (!all && view.split != Split::kHeldOut) continue;
-    const ImageF image = views.labels(truth.ply.cloud, view.camera, channel, 2);
-    const PixelMask found = mask_of(image, 0), expected = mask_of(image, 1);
+    const PixelMask expected = mask_of(views.labels(truth.ply.cloud, view.camera, truth.share));
     if (std::ranges::count(expected, 1) == 0) continue;
+    const PixelMask mask = mask_of(found_views.labels(found.cloud, view.camera, found.labels.label));
     std::int64_t shared = 0, any = 0;
-    for (std::size_t p = 0; p < found.size(); ++p) shared += found[p] && expected[p], any += found[p] || expected[p];
+    for (std::size_t p = 0; p < mask.size(); ++p) shared += mask[p] && expected[p], any += mask[p] || expected[p];
     sum += ratio(shared, any), worst = std::min(worst, ratio(shared, any)), ++count;
   }
-  std::cout << Json{{"iou", sum / std::max(1, count)},
-                    {"worst_view", worst},
-                    {"views", count},
-                    {"gaussian_iou", ratio(both, either)}}
-                   .dump()
-            << "\n";
+  Json out{{"iou", sum / std::max(1, count)}, {"worst_view", worst}, {"views", count}};
+  if (found.labels.label.size() == truth.share.size())
+    out["gaussian_iou"] = gaussian_iou(found.labels.label, truth.share);
+  std::cout << out.dump() << "\n";
+}
+
+void write_ids(const std::string& path, const std::vector<std::uint8_t>& ids) {
+  io::write_file(path, std::string(ids.begin(), ids.end()));
+}
+
+void write_labelled_ids(const char* labelled, const char* out) {
+  std::vector<std::uint8_t> ids;
+  for (const float label : io::read_gaussian_ply(labelled).labels.label) ids.push_back(label_says_object(label));
+  write_ids(out, ids);
+}
+
+void write_above(const char* model, const char* plane, const char* out) {
+  double a = 0, b = 0, c = 0, d = 0;
+  if (std::sscanf(plane, "%lf,%lf,%lf,%lf", &a, &b, &c, &d) != 4)
+    throw Error(ErrorCode::kUsage, std::string(plane) + ": expected A,B,C,D");
+  const GaussianCloud cloud = io::read_gaussian_ply(model).cloud;
+  std::vector<std::uint8_t> ids;
+  for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
+    const float* p = &cloud.position[3 * i];
+    ids.push_back(a * (double(p[0]) + cloud.origin[0]) + b * (double(p[1]) + cloud.origin[1]) +
+                      c * (double(p[2]) + cloud.origin[2]) + d >=
+                  0);
+  }
+  write_ids(out, ids);
+}
+
+void write_alone(const Truth& truth, const char* out) {
+  io::write_strict_ply(out, truth.ply, {truth.share.begin(), truth.share.end()});
 }
 
 int run(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "";
-  const int wanted = what == "ball" ? 5 : what == "strokes" ? 6 : what == "score" ? 7 : 0;
-  if (argc != wanted) {
-    std::fputs("usage: ngs_strokes ball|strokes|score MODEL IDS ID [SCENE [LABELLED]]\n", stderr);
+  const std::map<std::string, int> words{{"ball", 5},  {"strokes", 6}, {"score", 7}, {"ids", 4},
+                                         {"above", 5}, {"alone", 6},   {"lines", 4}, {"points", 4}};
+  if (!words.contains(what) || argc != words.at(what)) {
+    std::fputs(
+        "usage: ngs_strokes ball|strokes|score MODEL IDS ID [SCENE [LABELLED]]\n"
+        "       ngs_strokes ids LABELLED IDS | above MODEL A,B,C,D IDS | alone MODEL IDS ID OUT\n"
+        "       ngs_strokes lines|points MASK VIEW\n",
+        stderr);
     return 2;
   }
+  if (what == "lines" || what == "points") return print_marks(argv[2], argv[3], what == "points"), 0;
+  if (what == "ids") return write_labelled_ids(argv[2], argv[3]), 0;
+  if (what == "above") return write_above(argv[2], argv[3], argv[4]), 0;
   const Truth truth(argv[2], argv[3], argv[4]);
   if (what == "ball") return print_ball(truth), 0;
+  if (what == "alone") return write_alone(truth, argv[5]), 0;
   const Views views(argv[5], truth.ply.cloud);
   if (what == "strokes") return print_strokes(truth, views), 0;
-  return print_score(truth, views, argv[6]), 0;
+  return print_score(truth, views, argv[5], argv[6]), 0;
 }
 
 }  // namespace

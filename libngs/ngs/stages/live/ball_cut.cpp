@@ -165,7 +165,7 @@ class BallModel {
         outside.opacity.push_back(all.opacity[i]), outside.size.push_back(all.size[i]);
         outside.area.push_back(all.area[i]);
       }
-    return find_support_plane(cloud_, outside, up);
+    return refined_by(cloud_, all, find_support_plane(cloud_, outside, up));
   }
 
   const Exec& exec_;

