@@ -294,7 +294,7 @@ mutant $f $t $f "masks: too large by much is no error to one side" 's/std::abs\(
 
 t=unit/ops/splat/kept_view_test.cpp f=ops/splat/kept/kept_view.cpp
 mutant $f $t "$f" "kept view: pixels that leave the mask do not count" 's/target\[p\] == float\(mask\[p\]\)/target[p] >= float(mask[p])/'
-mutant $f $t "$f" "kept view: what was summed once stays" 's/if \(!changed\[v\]\) continue;/if (changed[v] \&\& s.sums.weight[v] > 0) continue;/'
+mutant $f $t "$f" "kept view: what was summed once stays" 's/if \(!changed\[v\]\) continue;/if (changed[v] \&\& s.sums.weight[s.place[v]] > 0) continue;/'
 t=unit/stages/live/correction_test.cpp f=stages/live/correction.cpp
-mutant $f $t "$f" "correction: colours of the strokes alone" 's/if \(free == 0\) return marked;/return marked;/'
-mutant $f $t "$f" "correction: reaches everywhere" 's/distance\[p\] <= reach_px/true/'
+mutant $f $t "$f" "correction: colours of the strokes alone" 's/if \(std::ranges::count\(rest\.hint, side\) == 0\) all\.clear\(\);/all.clear();/'
+mutant $f $t "$f" "correction: reaches everywhere" 's/from_stroke\[p\] <= reach_px/true/'

@@ -8,15 +8,6 @@
 namespace ngs::live {
 namespace {
 
-/// Distance of every pixel from the strokes of one side that contradict what the other views say.
-std::vector<std::int32_t> distance_of_contest(const ViewPrompt& strokes, const ViewPrompt& prompt, bool object) {
-  PixelMask calm(prompt.hint.size(), 1);
-  for (std::size_t p = 0; p < calm.size(); ++p)
-    if (is_certain(strokes.hint[p]) && is_object(strokes.hint[p]) == object && is_object(prompt.hint[p]) != object)
-      calm[p] = 0;
-  return chessboard_distance({calm.data(), prompt.width_px, prompt.height_px}, Outside::kUnknown);
-}
-
 /// Which pixels of `changed` are connected, through others of it, to a stroke of that side.
 PixelMask reached(const PixelMask& changed, const ViewPrompt& strokes, PixelHint side) {
   const ConnectedComponents pieces = connected_components({changed.data(), strokes.width_px, strokes.height_px});
@@ -30,45 +21,39 @@ PixelMask reached(const PixelMask& changed, const ViewPrompt& strokes, PixelHint
 
 }  // namespace
 
-void lay_strokes(const ViewPrompt& strokes, int contested_px, ViewPrompt& prompt) {
-  const auto to_object = distance_of_contest(strokes, prompt, true),
-             to_background = distance_of_contest(strokes, prompt, false);
-  for (std::size_t p = 0; p < prompt.hint.size(); ++p) {
-    if (is_object(prompt.hint[p]) && to_background[p] <= contested_px) prompt.hint[p] = PixelHint::kLikelyObject;
-    if (!is_object(prompt.hint[p]) && to_object[p] <= contested_px) prompt.hint[p] = PixelHint::kLikelyBackground;
-    if (is_certain(strokes.hint[p])) prompt.hint[p] = strokes.hint[p];
-  }
-}
-
-ViewPrompt Correction::prompt(int reach_px) const {
-  PixelMask calm(before.size());
-  for (std::size_t p = 0; p < calm.size(); ++p) calm[p] = !is_certain(added.hint[p]);
-  const auto distance = chessboard_distance({calm.data(), strokes.width_px, strokes.height_px}, Outside::kUnknown);
+ViewPrompt Correction::prompt(int reach_px, int band_px) const {
+  const int w = strokes.width_px, h = strokes.height_px;
+  PixelMask calm(before.size()), other(before.size());
+  for (std::size_t p = 0; p < calm.size(); ++p) calm[p] = !is_certain(added.hint[p]), other[p] = !before[p];
+  const auto from_stroke = chessboard_distance({calm.data(), w, h}, Outside::kUnknown),
+             inside = chessboard_distance({before.data(), w, h}, Outside::kUnknown),
+             outside = chessboard_distance({other.data(), w, h}, Outside::kUnknown);
   ViewPrompt prompt = strokes;
   for (std::size_t p = 0; p < calm.size(); ++p) {
     if (is_certain(strokes.hint[p])) continue;
-    const bool near = distance[p] <= reach_px;
-    prompt.hint[p] = before[p] ? (near ? PixelHint::kLikelyObject : PixelHint::kObject)
-                               : (near ? PixelHint::kLikelyBackground : PixelHint::kBackground);
+    const bool free = from_stroke[p] <= reach_px || std::max(inside[p], outside[p]) <= band_px;
+    prompt.hint[p] = before[p] ? (free ? PixelHint::kLikelyObject : PixelHint::kObject)
+                               : (free ? PixelHint::kLikelyBackground : PixelHint::kBackground);
   }
   return prompt;
 }
 
 SideColours Correction::colours(const ImageU8& picture, int most) const {
-  SideColours marked = side_colours(picture, strokes, most);
   ViewPrompt rest = strokes;
-  std::size_t free = 0;
-  for (std::size_t p = 0; p < before.size(); ++p) {
-    rest.hint[p] = before[p] || is_certain(strokes.hint[p]) ? PixelHint::kLikelyObject : PixelHint::kBackground;
-    free += rest.hint[p] == PixelHint::kBackground;
-  }
-  if (free == 0) return marked;
-  const auto drawn = std::ranges::count(strokes.hint, PixelHint::kBackground);
-  if (drawn == 0) marked.background.clear();
-  const int share = drawn == 0 ? most : int(marked.background.size());
-  const SideColours others = side_colours(picture, rest, share);
-  marked.background.insert(marked.background.end(), others.background.begin(), others.background.end());
-  return marked;
+  for (std::size_t p = 0; p < before.size(); ++p)
+    rest.hint[p] = is_certain(strokes.hint[p]) ? PixelHint::kLikelyObject
+                   : before[p]                 ? PixelHint::kObject
+                                               : PixelHint::kBackground;
+  SideColours colours = side_colours(picture, rest, most);
+  const SideColours drawn = side_colours(picture, strokes, most);
+  const auto balance = [&](PixelHint side, auto& all, const auto& marked) {
+    if (std::ranges::count(strokes.hint, side) == 0) return;
+    if (std::ranges::count(rest.hint, side) == 0) all.clear();
+    all.insert(all.end(), marked.begin(), marked.end());
+  };
+  balance(PixelHint::kObject, colours.object, drawn.object);
+  balance(PixelHint::kBackground, colours.background, drawn.background);
+  return colours;
 }
 
 PixelMask corrected(const PixelMask& before, const PixelMask& found, const ViewPrompt& strokes) {

@@ -1,23 +1,20 @@
 #pragma once
-// What strokes change of a mask: they hold, what they contradict is asked again, and nothing else is touched.
+// What strokes change of a mask: they hold, what is about them is asked again, and nothing else is touched.
 #include "ngs/ops/image/grab_cut.h"
 #include "ngs/scene/view_prompt.h"
 
 namespace ngs::live {
 
-/// Strokes hold. Within `contested_px` of those that contradict what the other views say (`prompt`), that is no longer
-/// certain: the colours decide. But a stroke on the object takes nothing away, and one beside it adds nothing.
-void lay_strokes(const ViewPrompt& strokes, int contested_px, ViewPrompt& prompt);
-
-/// What a view with a mask is segmented by when strokes are added to those that it has.
+/// What a view is segmented by when strokes are added to a selection that the person sees.
 struct Correction {
-  const PixelMask& before;
+  const PixelMask& before;            // the selection
   const ViewPrompt &strokes, &added;  // all of the view, and the new ones of them
 
-  /// Strokes hold, and what lies farther than `reach_px` from the new ones stays as it is.
-  ViewPrompt prompt(int reach_px) const;
-  /// Of the object those of its strokes; of the background those of its strokes and, as many, of all that was not
-  /// selected: nobody marks every kind of thing that a picture shows. At most `most` per side.
+  /// Strokes hold. What lies farther than `reach_px` from the new ones, and than `band_px` from the selection's contour
+  /// (0: no matter how near), stays as it is.
+  ViewPrompt prompt(int reach_px, int band_px) const;
+  /// Of each side half those of its strokes and half those of all that is on it: nobody marks every kind of thing that
+  /// a picture shows. At most `most` of each half.
   SideColours colours(const ImageU8& picture, int most) const;
 };
 

@@ -4,6 +4,7 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/ops/image/image_bytes.h"
+#include "ngs/scene/mask_threshold.h"
 
 namespace ngs::live {
 namespace {
@@ -19,18 +20,14 @@ std::vector<float> known_channels(const Exec& exec, const ObjectEvidence& eviden
   return channel;
 }
 
-/// Of a render of known_channels(); what is empty is known.
-Consensus consensus_of(const RenderedView& rendered) {
-  Consensus consensus{rendered.width_px, rendered.height_px, {}, {}, {}};
-  const std::size_t pixels = rendered.alpha.data.size();
-  consensus.object.resize(pixels), consensus.known.resize(pixels);
-  for (std::size_t p = 0; p < pixels; ++p) {
+/// Of a render of known_channels(): where at least half is known, what is empty too, and most of that is the object.
+PixelMask selection_of(const RenderedView& rendered) {
+  PixelMask selection(rendered.alpha.data.size());
+  for (std::size_t p = 0; p < selection.size(); ++p) {
     const float known = rendered.label.data[2 * p + 1] + 1 - rendered.alpha.data[p];
-    consensus.known[p] = std::clamp(known, 0.f, 1.f);
-    consensus.object[p] = known > 0 ? std::clamp(rendered.label.data[2 * p] / known, 0.f, 1.f) : 0.f;
+    selection[p] = known >= 0.5f && label_says_object(rendered.label.data[2 * p] / known);
   }
-  consensus.alone = consensus.object;
-  return consensus;
+  return selection;
 }
 
 }  // namespace
@@ -38,14 +35,14 @@ Consensus consensus_of(const RenderedView& rendered) {
 RecentView::RecentView(const Exec& exec, const Model& model, const Look& look, const Camera& camera)
     : exec_(exec), model_(model), look_(look), kept_(exec, model.cloud, camera, model.splat) {}
 
-/// The picture unless there is one, and the consensus by `channel` unless that is empty.
+/// The picture unless there is one, and the selection by `channel` unless that is empty.
 void RecentView::draw(const std::vector<float>& channel) {
   RenderRequest request;
   request.colour = picture_.empty(), request.background = model_.background;
   if (!channel.empty()) request.label = {channel.data(), model_.cloud.size(), 2};
   const RenderedView rendered = kept_.render(exec_, request);
   if (request.colour) picture_ = to_bytes(rendered.colour);
-  if (!channel.empty()) consensus_ = consensus_of(rendered);
+  if (!channel.empty()) selection_ = selection_of(rendered);
 }
 
 const ImageU8& RecentView::picture() {
@@ -53,10 +50,10 @@ const ImageU8& RecentView::picture() {
   return picture_;
 }
 
-const Consensus& RecentView::consensus(const ObjectEvidence& evidence, const MarkedViews& others) {
-  if (!has_consensus(others)) draw(known_channels(exec_, evidence, kept_.rows()));
+const PixelMask& RecentView::selection(const ObjectEvidence& evidence, const MarkedViews& others) {
+  if (!has_selection(others)) draw(known_channels(exec_, evidence, kept_.rows()));
   others_ = others;
-  return consensus_;
+  return selection_;
 }
 
 void RecentView::weigh(MarkedView& view) {

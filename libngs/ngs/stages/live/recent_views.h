@@ -6,7 +6,6 @@
 
 #include "ngs/ops/splat/kept/kept_view.h"
 #include "ngs/stages/live/frame.h"
-#include "ngs/stages/masks/mask_consensus.h"
 
 namespace ngs::live {
 
@@ -20,9 +19,10 @@ class RecentView {
   const Look& look() const { return look_; }
   /// As Session::picture(); drawn once.
   const ImageU8& picture();
-  /// What `others`, whose sums are `evidence`, say of every pixel; drawn when they are not those of the call before.
-  const Consensus& consensus(const ObjectEvidence& evidence, const MarkedViews& others);
-  bool has_consensus(const MarkedViews& others) const { return !others.empty() && others == others_; }
+  /// What `others`, whose sums are `evidence`, select in it, as far as they know; drawn when they are not those of the
+  /// call before.
+  const PixelMask& selection(const ObjectEvidence& evidence, const MarkedViews& others);
+  bool has_selection(const MarkedViews& others) const { return !others.empty() && others == others_; }
   /// Sets what the view says of the Gaussians.
   void weigh(MarkedView& view);
 
@@ -35,7 +35,7 @@ class RecentView {
   KeptView kept_;
   ImageU8 picture_;
   MarkedViews others_;
-  Consensus consensus_;
+  PixelMask selection_;
 };
 
 /// The last few, of a model that must outlive them.

@@ -12,14 +12,12 @@
 #include "ngs/stages/live/correction.h"
 #include "ngs/stages/live/live_mask.h"
 #include "ngs/stages/masks/hand_prompt.h"
-#include "ngs/stages/masks/mask_consensus.h"
 
 namespace ngs::live {
 namespace {
 
-constexpr double kBand = 0.02;       // of the diagonal: free on both sides of the contour that other views tell
-constexpr double kContested = 0.12;  // of the diagonal, about a stroke that says otherwise than the other views
-constexpr double kReach = 0.25;      // of the diagonal, about a stroke on a view that has a mask
+constexpr double kBand = 0.02;   // of the diagonal: free on both sides of the contour that other views tell
+constexpr double kReach = 0.25;  // of the diagonal, about a new stroke
 constexpr const char* kColours[] = {"#ff8c1a", "#2aa5ff", "#7bd13b", "#e0529c",
                                     "#f2d024", "#8f6be8", "#28c7b7", "#f25f4c"};
 
@@ -36,6 +34,12 @@ std::array<float, 3> rgb(const std::string& colour) {
 
 int diagonal_share(const Camera& camera, double share) {
   return int(std::lround(share * std::hypot(double(camera.width_px), double(camera.height_px))));
+}
+
+PixelMask segmented(const ImageU8& picture, const Correction& correction, int band_px) {
+  const double diagonal_px = std::hypot(double(picture.width_px), double(picture.height_px));
+  const ViewPrompt prompt = correction.prompt(int(std::lround(kReach * diagonal_px)), band_px);
+  return live_mask(picture, prompt, correction.colours(picture, kColourSamples), 0);
 }
 
 /// While it lives a view is not in the sums.
@@ -100,21 +104,19 @@ Session::Kept& Session::kept(int id) {
   return kept_.emplace_back(Kept{id, ObjectEvidence(model_.cloud.size()), {}, nullptr});
 }
 
-/// Finds the mask of a view from its strokes, and from what the object's other views say there, where there are any.
+/// Finds the mask of a view without one: from its strokes, and where there are others from what they select in it.
 /// `sums` are of the others and `before`, the view as it was so far.
 void Session::segment(MarkedView& view, const MarkedView* before, const MarkedViews& others, ObjectEvidence& sums) {
   const Camera& camera = view.camera;
   RecentView& here = recent_.of(view.look, camera);
-  ViewPrompt prompt = rasterise(view.strokes, camera.width_px, camera.height_px);
-  if (!others.empty()) {
-    const WithoutView alone(sums, here.has_consensus(others) ? nullptr : before);
-    const Consensus& consensus = here.consensus(sums, others);
-    const ViewPrompt strokes =
-        std::exchange(prompt, prompt_from(consensus, std::max(3, diagonal_share(camera, kBand)), view.mask));
-    prompt.by_hand = true;
-    lay_strokes(strokes, diagonal_share(camera, kContested), prompt);
+  const ViewPrompt strokes = rasterise(view.strokes, camera.width_px, camera.height_px);
+  if (others.empty()) {
+    view.mask = live_mask(here.picture(), strokes, 0);
+    return;
   }
-  view.mask = live_mask(here.picture(), prompt, 0);
+  const WithoutView alone(sums, here.has_selection(others) ? nullptr : before);
+  const Correction correction{here.selection(sums, others), strokes, strokes};
+  view.mask = segmented(here.picture(), correction, std::max(3, diagonal_share(camera, kBand)));
 }
 
 /// Finds the mask of a view that has had one, with strokes added.
@@ -122,10 +124,7 @@ void Session::correct(MarkedView& view, const MarkedView& before, const HandProm
   const int w = view.camera.width_px, h = view.camera.height_px;
   const ViewPrompt all = rasterise(view.strokes, w, h), drawn = rasterise(added, w, h);
   const ImageU8& picture = recent_.of(view.look, view.camera).picture();
-  const Correction correction{before.mask, all, drawn};
-  const PixelMask found = live_mask(picture, correction.prompt(diagonal_share(view.camera, kReach)),
-                                    correction.colours(picture, kColourSamples), 0);
-  view.mask = corrected(before.mask, found, drawn);
+  view.mask = corrected(before.mask, segmented(picture, {before.mask, all, drawn}, 0), drawn);
 }
 
 StrokeAnswer Session::mark(int id, const Look& look, const std::vector<PromptStroke>& strokes) {

@@ -65,7 +65,7 @@ TEST_CASE("a stroke on the plinth adds the plinth, although nobody has said what
   strokes.draw(45, 75, 70, PixelHint::kObject), strokes.draw(100, 230, 165, PixelHint::kBackground);
   strokes.draw(45, 75, 125, PixelHint::kObject);
   const live::Correction correction{statue, strokes.all, strokes.added};
-  const PixelMask found = live::live_mask(image, correction.prompt(kReach_px), correction.colours(image, 512), 0);
+  const PixelMask found = live::live_mask(image, correction.prompt(kReach_px, 0), correction.colours(image, 512), 0);
   CHECK(differing(live::corrected(statue, found, strokes.added), both) < 700);
   // By the colours of the strokes alone, and without a bound, it takes the wall.
   const PixelMask naive = live::corrected(statue, live::live_mask(image, strokes.all, 0), strokes.added);
@@ -78,7 +78,7 @@ TEST_CASE("a stroke of background on the plinth takes the plinth, and leaves the
   Strokes strokes;
   strokes.draw(45, 75, 70, PixelHint::kObject), strokes.draw(45, 75, 125, PixelHint::kBackground);
   const live::Correction correction{both, strokes.all, strokes.added};
-  const PixelMask found = live::live_mask(image, correction.prompt(kReach_px), correction.colours(image, 512), 0);
+  const PixelMask found = live::live_mask(image, correction.prompt(kReach_px, 0), correction.colours(image, 512), 0);
   CHECK(differing(live::corrected(both, found, strokes.added), statue) < 400);
 }
 
@@ -86,7 +86,7 @@ TEST_CASE("beyond the reach of new strokes a correction keeps what was there, an
   Strokes strokes;
   strokes.draw(20, 30, 20, PixelHint::kBackground), strokes.draw(100, 140, 90, PixelHint::kObject);
   const PixelMask before = mask_of({Kind::kFloor});
-  const ViewPrompt prompt = live::Correction{before, strokes.all, strokes.added}.prompt(20);
+  const ViewPrompt prompt = live::Correction{before, strokes.all, strokes.added}.prompt(20, 0);
   const auto at = [&](int x, int y) { return prompt.hint[std::size_t(y * kWidth + x)]; };
   CHECK(at(25, 20) == PixelHint::kBackground);
   CHECK(at(120, 90) == PixelHint::kObject);
@@ -104,7 +104,7 @@ TEST_CASE("colours of a correction: strokes count as much as all that was not se
   strokes.draw(45, 75, 70, PixelHint::kObject), strokes.draw(45, 75, 125, PixelHint::kBackground);
   const PixelMask before = mask_of({Kind::kStatue, Kind::kPlinth});
   const SideColours colours = live::Correction{before, strokes.all, strokes.added}.colours(image, 64);
-  CHECK(colours.object.size() == 64);
+  CHECK(colours.object.size() == 128);
   REQUIRE(colours.background.size() == 128);
   const auto dark = [](const auto& colour) { return colour[0] < 90 && colour[2] < 90; };
   CHECK(std::ranges::count_if(colours.background, dark) == 64);
