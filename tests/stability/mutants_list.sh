@@ -298,3 +298,6 @@ mutant $f $t "$f" "kept view: what was summed once stays" 's/if \(!changed\[v\]\
 t=unit/stages/live/correction_test.cpp f=stages/live/correction.cpp
 mutant $f $t "$f" "correction: colours of the strokes alone" 's/if \(std::ranges::count\(rest\.hint, side\) == 0\) all\.clear\(\);/all.clear();/'
 mutant $f $t "$f" "correction: reaches everywhere" 's/from_stroke\[p\] <= reach_px/true/'
+
+t=unit/stages/select/region_test.cpp f=stages/select/support_plane.cpp
+mutant $f $t "$f" "plane: stays as some of its points have tilted it" 's/>= kMostTilt \? refined : plane/>= kMostTilt ? plane : plane/'
