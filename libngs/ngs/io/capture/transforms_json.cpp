@@ -94,7 +94,7 @@ std::string path_in(const TransformsSource& source, std::string text) {
 }
 
 std::string find_image(const TransformsSource& source, const std::string& file_path) {
-  const std::string path = path_in(source, file_path);
+  std::string path = path_in(source, file_path);
   if (source.images.exists(path)) return path;
   for (const char* extension : {".png", ".jpg", ".jpeg", ".JPG", ".PNG"})
     if (source.images.exists(path + extension)) return path + extension;

@@ -81,18 +81,18 @@ std::vector<std::uint16_t> straightened(const Exec& exec, const MaskSamples& pho
                                         const Camera& to, Resampling resampling) {
   const Camera from = resized(bent.camera, photo.width_px, photo.height_px);
   const auto channels = std::size_t(photo.channels), row = std::size_t(to.width_px) * channels;
+  const auto sample = [&](Vec2<double> at, std::size_t channel) {
+    return read_bilinear(at.x, at.y, photo.width_px, photo.height_px, [&](int i, int j) {
+      return photo.data[(std::size_t(j) * std::size_t(photo.width_px) + std::size_t(i)) * channels + channel];
+    });
+  };
   std::vector<std::uint16_t> out(row * std::size_t(to.height_px));
   for_each_index(exec, to.height_px, [&](std::int64_t y) {
     for (int x = 0; x < to.width_px; ++x) {
-      const Vec2<double> p{(x + 0.5 - to.cx) / to.fx, (double(y) + 0.5 - to.cy) / to.fy};
-      Vec2<double> at = photo_px(from, bent.lens, p);
+      Vec2<double> at = photo_px(from, bent.lens, {(x + 0.5 - to.cx) / to.fx, (double(y) + 0.5 - to.cy) / to.fy});
       if (resampling == Resampling::kNearest) at = {std::floor(at.x) + 0.5, std::floor(at.y) + 0.5};
-      for (std::size_t c = 0; c < channels; ++c) {
-        const double value = read_bilinear(at.x, at.y, photo.width_px, photo.height_px, [&](int i, int j) {
-          return photo.data[(std::size_t(j) * std::size_t(photo.width_px) + std::size_t(i)) * channels + c];
-        });
-        out[std::size_t(y) * row + std::size_t(x) * channels + c] = std::uint16_t(value + 0.5);
-      }
+      for (std::size_t c = 0; c < channels; ++c)
+        out[std::size_t(y) * row + std::size_t(x) * channels + c] = std::uint16_t(std::lround(sample(at, c)));
     }
   });
   return out;

@@ -57,11 +57,11 @@ TEST_CASE("lenses of COLMAP's camera models bend a direction as their formulas s
        0.4419258474347068, -0.2220022618780544},
       {"PINHOLE 640 480 500 501 320 240", 0.5, -0.25},
       {"SIMPLE_RADIAL 640 480 500 320 240 5e-10", 0.5, -0.25}};
-  for (const auto& [camera, x, y] : known) {
-    CAPTURE(camera);
-    const Vec2<double> at = bent(colmap_lens(camera), {0.5, -0.25});
-    CHECK(std::abs(at.x - x) < kRounding);
-    CHECK(std::abs(at.y - y) < kRounding);
+  for (const auto& want : known) {
+    CAPTURE(want.camera);
+    const Vec2<double> at = bent(colmap_lens(want.camera), {0.5, -0.25});
+    CHECK(std::abs(at.x - want.x) < kRounding);
+    CHECK(std::abs(at.y - want.y) < kRounding);
   }
 }
 
@@ -102,13 +102,13 @@ TEST_CASE("transforms.json: the same parameters mean the same lens as in COLMAP"
                 {"p1", 0.003},
                 {"p2", -0.004}},
                "FULL_OPENCV 640 480 500 501 320 240 -0.1 0.02 0.003 -0.004 0.005 0.01 -0.02 0.003"}};
-  for (const auto& [keys, colmap] : same) {
-    CAPTURE(colmap);
-    const Capture capture = transforms_capture(transforms(keys));
+  for (const auto& pair : same) {
+    CAPTURE(pair.colmap);
+    const Capture capture = transforms_capture(transforms(pair.keys));
     REQUIRE(capture.lenses.size() == 1);
     CHECK(capture.lenses.begin()->first == capture.views[0].camera.name);
     const Vec2<double> got = bent(capture.lenses.begin()->second, {0.4, 0.3}),
-                       want = bent(colmap_lens(colmap), {0.4, 0.3});
+                       want = bent(colmap_lens(pair.colmap), {0.4, 0.3});
     CHECK(got.x == want.x);
     CHECK(got.y == want.y);
   }
