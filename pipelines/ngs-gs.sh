@@ -171,9 +171,28 @@ for folder in . reports .state; do  # not below: what a run of its own there has
 done
 rm -f .state/exit_code
 unset MAKEFLAGS MFLAGS MAKEOVERRIDES  # of a make that called this
+# make and all that it starts are a group of their own: a signal that reaches this script alone, as a scheduler sends it,
+# goes to every one of them, and the script ends when they have ended: make waits for its stage, that for its tool.
+stopped=''
+start_make() {
+  set -m
+  NGS_STDERR=7 make --no-print-directory --silent -f "$pipelines/experiment.mk" "./$until" 2> .state/make.log &
+  group=$!
+  set +m
+  trap 'stopped=143; kill -TERM -- "-$group" 2> /dev/null || true' TERM HUP
+  trap 'stopped=130; kill -TERM -- "-$group" 2> /dev/null || true' INT
+}
+wait_for_make() {
+  wait "$group" || made=$?
+  if [ -n "$stopped" ]; then  # which the signal broke off
+    wait "$group" || true
+    exit "$stopped"
+  fi
+}
 made=0
 exec 7>&2  # of the tools; what make itself says of a failure is shown only where no tool has said why
-NGS_STDERR=7 make --no-print-directory --silent -f "$pipelines/experiment.mk" "./$until" 2> .state/make.log || made=$?
+start_make
+wait_for_make
 if [ "$made" -ne 0 ] && [ ! -s .state/exit_code ]; then cat .state/make.log >&2; fi
 if [ "$made" -gt 128 ]; then exit "$made"; fi
 if [ "$made" -ne 0 ]; then

@@ -55,8 +55,10 @@ check "ngs-gs runs the whole chain" inside ngs-gs /tmp/scene /tmp/out --gt /tmp/
 for made in object.ply background.ply metrics.json report.html masks/0002.png; do
   check "$made was made" test -s "$root/tmp/out/$made"
 done
-check "there are pages for man and completions for bash" \
-  sh -c "test -s '$root'/usr/share/man/man1/ngs-joint.1* -a -s '$root'/usr/share/bash-completion/completions/ngs-joint"
+check "there are pages for man" sh -c "test -s '$root'/usr/share/man/man1/ngs-joint.1*"
+for made in bash-completion/completions/ngs-joint zsh/vendor-completions/_ngs fish/vendor_completions.d/ngs-joint.fish; do
+  check "/usr/share/$made is there" test -s "$root/usr/share/$made"
+done
 check "it is removed" inside apt-get purge -y ngs
 check "nothing of it is left" test "$before" = "$(lists)"
 rm -rf "$root/tmp/scene" "$root/tmp/out" "$root/ngs.deb"

@@ -11,6 +11,10 @@ if [ -n "${NGS_STDERR:-}" ]; then exec 2>&"$NGS_STDERR"; fi
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"
 
+# The tool is sent the same signal, and has files to take away.
+trap 'exit 143' TERM HUP
+trap 'exit 130' INT
+
 for name in ARTIFACTS SCENE MODEL MASKS GT HOLD_OUT METHOD QUALITY DEVICE {SCENE,VARIANCE,SAMPLE,RBF,JOINT,EXTRACT,RENDER,EVAL,REPORT,COMMON,UNKEYED}_FLAGS; do
   declare "$name=${!name:-}"
 done

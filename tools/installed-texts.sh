@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Writes pages for man, and completions for bash and zsh, from what the tools say of their options:
-#   tools/installed-texts.sh BIN_DIR OUT_DIR        OUT_DIR/man/man1/TOOL.1, OUT_DIR/bash/TOOL, OUT_DIR/zsh/_ngs
+# Writes pages for man, and completions for bash, zsh and fish, from what the tools say of their options:
+#   tools/installed-texts.sh BIN_DIR OUT_DIR        OUT_DIR/man/man1/TOOL.1, OUT_DIR/bash/TOOL, OUT_DIR/zsh/_ngs,
+#                                                   OUT_DIR/fish/TOOL.fish
 # shellcheck disable=SC2016  # what is written is for other shells to expand
 set -euo pipefail
 unset CDPATH
@@ -8,7 +9,7 @@ bin=$1 out=$2
 export COLUMNS=78 LC_ALL=C.UTF-8
 
 rm -rf "$out"
-mkdir -p "$out/man/man1" "$out/bash" "$out/zsh"
+mkdir -p "$out/man/man1" "$out/bash" "$out/zsh" "$out/fish"
 tools=()
 for file in "$bin"/ngs "$bin"/ngs-*; do
   name=${file##*/}
@@ -55,7 +56,30 @@ values() {
   echo '--device) ngs_words="auto cpu cuda" ;; --log-level) ngs_words="error warning info" ;; --log-format) ngs_words="text json" ;;'
 }
 
-# table NAME TOOL...: what both shells ask. NAME TOOL COMMAND BEFORE CURRENT PLACE sets ngs_words; empty: a path is expected.
+# fish TOOL: a line per option. Where no words are named fish completes paths.
+fish() {
+  local tool=$1 command named named_words when flag
+  declare -A words
+  named=$(commands "$tool" | tr '\n' ' ' | sed 's/^ *//; s/ *$//')
+  echo "# Completion of $tool, written from its options."
+  if [ -n "$named" ]; then
+    printf "complete -c %s -n 'not __fish_seen_subcommand_from %s'%s -a '%s'\n" "$tool" "$named" \
+      "$(commands "$tool" | grep -q '^$' || echo ' -f')" "$named"
+  fi
+  while read -r command; do
+    if [ -n "$command" ]; then when=" -n '__fish_seen_subcommand_from $command'"
+    elif [ -n "$named" ]; then when=" -n 'not __fish_seen_subcommand_from $named'"
+    else when=''; fi
+    words=()
+    while IFS='|' read -r flag named_words; do words[$flag]=$named_words; done < <(
+      values "$tool" "$command" | sed 's/ ;; */\n/g' | sed -n 's/^\(--[^)]*\)) ngs_words="\(.*\)"$/\1|\2/p')
+    for flag in $(flags "$tool" "$command"); do
+      printf 'complete -c %s%s -l %s%s\n' "$tool" "$when" "${flag#--}" "${words[$flag]:+ -x -a '${words[$flag]}'}"
+    done
+  done < <(commands "$tool")
+}
+
+# table NAME TOOL...: what bash and zsh ask. NAME TOOL COMMAND BEFORE CURRENT PLACE sets ngs_words; empty: a path is expected.
 table() {
   local name=$1 tool command named
   shift
@@ -94,6 +118,7 @@ $function() {
 complete -o default -F $function $tool
 END
   } > "$out/bash/$tool"
+  fish "$tool" > "$out/fish/$tool.fish"
 done
 {
   echo "#compdef ${tools[*]}"

@@ -1,76 +1,199 @@
 #!/usr/bin/env bash
-# How long the tools go on after SIGTERM, in several phases of each:
-#   tests/bench/signals.sh SCENE_DIR OUT_DIR [CASE...]
-# SCENE_DIR: a capture as pipelines/ngs-gs.sh takes it, with label maps (option SCENE_FLAGS) or masks. CASE: a name of the
-# table below; default: all. OUT_DIR keeps the artifacts that the cases start from. The tools come from $NGS_BIN, else from
-# the build folder.
-# A line each: case, seconds before the signal, the tool's progress then, milliseconds until it has ended, its exit code, its
-# memory in MiB, and the unfinished files that it left. Exit code 1 where one took more than a second or left a file.
+# How long every tool goes on after SIGTERM and SIGINT, in every phase of its work:
+#   tests/bench/signals.sh SCENE_DIR MASKS_DIR OUT_DIR [CASE...]
+# SCENE_DIR: a capture as pipelines/ngs-gs.sh takes it; SCENE_FLAGS: as for that script. CASE: a name of the list below;
+# default: all. Held out is every:4:2.
+# Each case first runs as a whole, into OUT_DIR/CASE, where later cases find it and the next call too; its report says
+# which phases there are. Then it runs once for each phase that is a thirtieth of its work or more, and for the first and
+# the last tenth of the whole, and is sent a signal in the middle of it: at the CPU time at which the whole run was there,
+# so that other load on the machine does not matter. SIGTERM goes to the process, as a scheduler sends it, and SIGINT to
+# its group, as a terminal does.
+# A line each, divided by tabs, on stdout and in OUT_DIR/samples: case, phase, signal, CPU s before it, ms until every
+# process of the run has ended, exit code, MiB, unfinished files that it left. Then a table on stderr.
+# Exit code 1 where one took more than a second, ended with another code than the signal's or left a file.
+#   NGS_SIGNALS_CAP_S=12   CPU s after which the cases orbit, mask and fit, more of the same, are not followed further
+# The tools come from $NGS_BIN, else from the build folder.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 # shellcheck source=pipelines/common.sh
 . "$here/../../pipelines/common.sh"
-if [ $# -lt 2 ]; then usage_of "$0"; exit 2; fi
+case ${1:-} in -h | --help) usage_of "$0"; exit 0 ;; esac
+if [ $# -lt 3 ]; then usage_of "$0"; exit 2; fi
 scene=$(cd "$1" && pwd)
-mkdir -p "$2"
-cd "$2"
-shift 2
-bin=$(find_bin)
+masks=$(cd "$2" && pwd)
+mkdir -p "$3"
+cd "$3"
+shift 3
+only=$* bin=$(find_bin) cap=${NGS_SIGNALS_CAP_S:-12} failed=0 turn=0
 model=$(find "$scene" -maxdepth 1 -name 'point_cloud*.ply' | sort | head -n 1)
+scene_flags=()
 eval "scene_flags=(${SCENE_FLAGS:-})"
-import=(ngs-scene import "$scene" --model "$model" "${scene_flags[@]}")
-[ -f scene.json ] || tool "${import[@]}" -o scene.json -q > /dev/null
-[ -f boundary.ply ] || tool ngs-variance scene.json -o boundary.ply -q > /dev/null
-[ -d masks ] || tool ngs-render scene.json boundary.ply --views all --layers mask --scale 0 -o masks -q > /dev/null
+ticks=$(getconf CLK_TCK)
+[ -f samples ] || : > samples
 
-only=$*
-# A box in the middle of the first view, for ngs-mask.
-sed -n '/"views"/{n;s/.*"name":\("[^"]*"\),"width":\([0-9]*\),"height":\([0-9]*\).*/\1 \2 \3/p;q}' scene.json > view
-read -r name width height < view
-printf '{"ngs_prompts": 1, "view": %s, "width": %d, "height": %d, "boxes": [[%d, %d, %d, %d]]}\n' "$name" "$width" "$height" \
-  $((width / 3)) $((height / 3)) $((width * 2 / 3)) $((height * 2 / 3)) > box.json
+# CPU time of process $1, of its children and of those that they have waited for is added to `used`, in ticks.
+add_ticks() {
+  local rest fields child children=''
+  { read -r rest < "/proc/$1/stat"; } 2> /dev/null || return 0
+  read -ra fields <<< "${rest##*) }"  # from the state on
+  used=$((used + fields[11] + fields[12] + fields[13] + fields[14]))
+  { read -r children < "/proc/$1/task/$1/children"; } 2> /dev/null || true
+  for child in $children; do add_ticks "$child"; done
+}
 
-# NAME SECONDS,SECONDS... COMMAND...; outputs go to work/
-failed=0
+# Whether a process of session $1 is left.
+any_left() {
+  local stat rest fields
+  for stat in /proc/[0-9]*/stat; do
+    { read -r rest < "$stat"; } 2> /dev/null || continue
+    read -ra fields <<< "${rest##*) }"
+    if [ "${fields[3]}" = "$1" ] && [ "${fields[0]}" != Z ]; then return 0; fi
+  done
+  return 1
+}
+
+now_ms() { printf '%s' $((${EPOCHREALTIME/./} / 1000)); }
+
+# start FOLDER COMMAND...: in a session of its own, with the folder for {}; its process is `pid`.
+start() {
+  local folder=$1 word words=()
+  shift
+  for word in "$@"; do words+=("${word//\{\}/$folder}"); done
+  case ${words[0]} in */*) ;; *) words[0]=${bin:+$bin/}${words[0]} ;; esac
+  rm -rf "$folder" && mkdir "$folder"
+  setsid env --default-signal=INT,QUIT "${words[@]}" > "$folder.out" 2> "$folder.err" &
+  pid=$!
+}
+
+# phases REPORT: a line for each part of the work: CPU s at its middle, its share of the whole, its name.
+phases() {
+  awk '
+    /^  "stages": / { inside = 1 }
+    /^  },?$/ { inside = 0 }
+    inside && match($0, /^ *"name": "/) { depth = RLENGTH; name[depth] = $0; gsub(/^[^:]*: "|",$/, "", name[depth]) }
+    inside && /"cpu_s":/ {
+      gsub(/[^0-9.e-]*/, "", $2)
+      ++n; at[n] = depth; called[n] = name[depth]; cpu[n] = $2
+    }
+    END {
+      # A part is a child of the whole, or of such a child; what lies between counts as before it.
+      top = at[1]; begin[1] = 0
+      for (i = 2; i <= n; ++i) {
+        step = at[2] - top
+        label = called[i]; leaf = 1
+        if (at[i] == top + step) {
+          start = inner = next_top; next_top += cpu[i]; parent = called[i]
+          leaf = !(i < n && at[i + 1] > at[i])
+        } else if (at[i] == top + 2 * step) {
+          start = inner; inner += cpu[i]; label = parent ": " called[i]
+        } else continue
+        if (leaf) printf "%.3f\t%.4f\t%s\n", start + cpu[i] / 2, cpu[i] / cpu[1], label
+      }
+      printf "%.3f\t1\tfirst tenth\n%.3f\t1\tlast tenth\n", cpu[1] * 0.05, cpu[1] * 0.95
+    }' "$1"
+}
+
+# sample NAME PHASE AT_S COMMAND...: one run, ended at that CPU time.
+sample() {
+  local name=$1 phase=$2 target signal=TERM to code=0 used=0 began took memory left
+  target=$(awk -v s="$3" -v t="$ticks" 'BEGIN { print int(s * t) }')
+  if [ $((turn++ % 2)) -eq 1 ]; then signal=INT; fi
+  start work "${@:4}"
+  while [ "$used" -lt "$target" ] && [ -d "/proc/$pid" ]; do
+    sleep 0.02
+    used=0
+    add_ticks "$pid"
+    if [ "$used" -eq 0 ] && ! kill -0 "$pid" 2> /dev/null; then break; fi
+  done
+  memory=$(awk '/^VmRSS/ { print int($2 / 1024) }' "/proc/$pid/status" 2> /dev/null || true)
+  if [ $signal = INT ]; then to=-$pid; else to=$pid; fi
+  began=$(now_ms)
+  kill "-$signal" -- "$to" 2> /dev/null || true
+  wait "$pid" || code=$?
+  took=$(($(now_ms) - began))
+  if [ "$code" -eq 0 ]; then return; fi  # it had ended
+  while any_left "$pid"; do took=$(($(now_ms) - began)); done
+  left=$(find work -name '.ngs-*.tmp*' | wc -l)
+  printf '%s\t%s\t%s\t%s\t%d\t%d\t%s\t%d\n' \
+    "$name" "$phase" "$signal" "$3" "$took" "$code" "${memory:-0}" "$left" | tee -a samples
+  case $signal$code in TERM143 | INT130) ;; *) failed=1 ;; esac
+  if [ "$took" -gt 1000 ] || [ "$left" -gt 0 ]; then failed=1; fi
+}
+
+# measure NAME COMMAND...: {} is the folder of its outputs.
 measure() {
-  local name=$1 at=$2 delay pid start_ms took_ms code memory left said
-  shift 2
-  if [ -n "${only:-}" ] && [[ " $only " != *" $name "* ]]; then return; fi
-  for delay in ${at//,/ }; do
-    rm -rf work && mkdir work
-    "${bin:+$bin/}$1" "${@:2}" -v --log-format json > work.out 2> work.err &
-    pid=$!
-    sleep "$delay"
-    if ! kill -0 "$pid" 2> /dev/null; then wait "$pid" || true; printf '%-16s %6s  had ended\n' "$name" "$delay"; return; fi
-    memory=$(awk '/^VmRSS/ { print int($2 / 1024) }' "/proc/$pid/status")
-    start_ms=$(date +%s%3N)
-    kill -TERM "$pid" 2> /dev/null
-    code=0
-    wait "$pid" || code=$?
-    took_ms=$(($(date +%s%3N) - start_ms))
-    left=$(find work -name '.ngs-*.tmp*' | wc -l)
-    said=$(tail -n 1 work.err | cut -c 1-60)
-    printf '%-16s %6s %6d ms  exit %3d %6d MiB  left %d  %s\n' "$name" "$delay" "$took_ms" "$code" "$memory" "$left" "$said"
-    if [ "$took_ms" -gt 1000 ] || [ "$left" -gt 0 ]; then failed=1; fi
+  local name=$1 middle share phase
+  shift
+  if [ ! -f "$name.json" ]; then
+    start "$name" "$@"
+    wait "$pid" || fail 1 "$name: failed" "see $PWD/$name.err"
+    if [ -d "$name/out/reports" ]; then chain_report "$name/out/reports"; else cat "$name.out"; fi > "$name.json"
+  fi
+  if [ -n "$only" ] && [[ " $only " != *" $name "* ]]; then return; fi
+  sed -i "/^$name\t/d" samples
+  while IFS=$'\t' read -r middle share phase <&3; do
+    if awk -v s="$share" 'BEGIN { exit !(s >= 1 / 30) }'; then sample "$name" "$phase" "$middle" "$@"; fi
+  done 3< <(phases "$name.json")
+}
+
+# follow NAME COMMAND...: as measure, for what takes long and is more of the same; from the cap on nothing is asked.
+follow() {
+  local name=$1 share
+  shift
+  if [ -n "$only" ] && [[ " $only " != *" $name "* ]]; then return; fi
+  sed -i "/^$name\t/d" samples
+  for share in 0.02 0.1 0.3 0.6 1; do
+    sample "$name" "" "$(awk -v c="$cap" -v s="$share" 'BEGIN { print c * s }')" "$@"
   done
 }
 
+# chain_report FOLDER: its tools, as a report of one tool has its stages.
+chain_report() {
+  local report cpu
+  cpu_of() { sed -n 's/^    "cpu_s": \(.*\),$/\1/p' "$@"; }
+  cpu=$(cpu_of "$1"/*.json | awk '{ s += $1 } END { print s }')
+  printf '  "stages": {\n    "name": "chain",\n    "cpu_s": %s,\n' "$cpu"
+  find "$1" -name '*.json' -printf '%T@ %p\n' | sort -n | while read -r _ report; do
+    printf '        "name": "%s",\n        "cpu_s": %s,\n' "$(basename "$report" .json)" "$(cpu_of "$report")"
+  done
+}
 
-measure import 1,4,15 "${import[@]}" -o work/scene.json
-measure check 2,8 ngs-scene check scene.json
-measure variance 0.5,3,8,20 ngs-variance scene.json -o work/b.ply
-measure sample 1,3,6 ngs-sample scene.json boundary.ply -o work/q.ply
-measure flash 1,3,6 ngs-joint scene.json boundary.ply --method flash -o work/l.ply
-measure draft 1,4,10,25 ngs-joint scene.json boundary.ply --quality draft -o work/l.ply
-measure standard 2,6,15,40,90 ngs-joint scene.json boundary.ply -o work/l.ply
-measure checkpoint 15,40 ngs-joint scene.json boundary.ply --checkpoint work/state --checkpoint-every 1 -o work/l.ply
-measure render 1,4,10 ngs-render scene.json boundary.ply --views all --layers color,mask -o work/r
-measure mask 1,4,12,30 ngs-mask scene.json --prompts box.json -o work/m
-measure eval 0.3,1,2 ngs-eval masks masks -o work/metrics.json
-measure fit 2,6,20 ngs-fit scene.json -o work/m.ply --steps 1000
-measure fit-checkpoint 15,30 ngs-fit scene.json -o work/m.ply --steps 1000 --checkpoint work/state --checkpoint-every 5
-measure extract 0.3,1,2 ngs-extract boundary.ply --object work/o.ply --background work/b.ply --min-component 50
-measure extract-sog 1.5,3,6 ngs-extract boundary.ply --object work/o.sog --background work/b.sog
-measure clean 1,3 ngs-clean boundary.ply -o work/cleaned
-measure orbit 1,4,10 ngs-scene orbit "$model" -o work/scene.json
+measure import ngs-scene import "$scene" --model "$model" --masks "$masks" --hold-out every:4:2 \
+  "${scene_flags[@]}" -o '{}/scene.json'
+measure check ngs-scene check import/scene.json
+measure variance ngs-variance import/scene.json -o '{}/boundary.ply'
+measure sample ngs-sample import/scene.json variance/boundary.ply -o '{}/queries.ply'
+measure rbf ngs-rbf variance/boundary.ply sample/queries.ply -o '{}/field.ply'
+measure flash ngs-joint import/scene.json variance/boundary.ply --method flash -o '{}/labelled.ply'
+measure draft ngs-joint import/scene.json variance/boundary.ply --quality draft -o '{}/labelled.ply'
+measure standard ngs-joint import/scene.json variance/boundary.ply -o '{}/labelled.ply'
+measure render ngs-render import/scene.json flash/labelled.ply --views all --layers mask --scale 0 -o '{}/masks'
+measure eval ngs-eval render/masks render/masks -o '{}/metrics.json'
+measure extract ngs-extract flash/labelled.ply --object '{}/o.ply' --background '{}/b.ply' --min-component 50
+measure extract-sog ngs-extract flash/labelled.ply --object '{}/o.sog' --background '{}/b.sog'
+measure clean ngs-clean "$model" -o '{}/cleaned'
+measure chain "$pipelines/ngs-gs.sh" "$scene" '{}/out' --masks "$masks" --hold-out every:4:2 --quality draft
+measure report ngs-report chain/out -o '{}/report.html'
+measure cut ngs cut import/scene.json --quality draft -o '{}/out'
+follow orbit ngs-scene orbit "$model" -o '{}/scene.json'
+# A box in the middle of the first view.
+sed -n '/"views"/{n;s/.*"name":\("[^"]*"\),"width":\([0-9]*\),"height":\([0-9]*\).*/\1 \2 \3/p;q}' \
+  import/scene.json > view
+read -r name width height < view
+printf '{"ngs_prompts": 1, "view": %s, "width": %d, "height": %d, "boxes": [[%d, %d, %d, %d]]}\n' \
+  "$name" "$width" "$height" $((width / 3)) $((height / 3)) $((width * 2 / 3)) $((height * 2 / 3)) > box.json
+follow mask ngs-mask import/scene.json --prompts box.json -o '{}/masks'
+follow fit ngs-fit import/scene.json -o '{}/m.ply' --steps 1000
+
+{
+  printf '%-12s %7s %7s %10s %9s %7s %5s\n' case phases signals 'median ms' 'worst ms' MiB left
+  sort -t "$(printf '\t')" -k 1,1 -k 5,5n samples | awk -F '\t' '
+    function end_case() {
+      if (n) printf "%-12s %7d %7d %10d %9d %7d %5d\n", name, phases, n, ms[int((n + 1) / 2)], ms[n], mib, left
+      n = phases = mib = left = 0
+    }
+    $1 != name { end_case(); name = $1 }
+    { ms[++n] = $5; left += $8; if ($7 > mib) mib = $7; if (!(($1, $2) in seen)) { seen[$1, $2]; ++phases } }
+    END { end_case() }'
+} >&2
 exit "$failed"

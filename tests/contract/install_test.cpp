@@ -149,6 +149,27 @@ TEST_CASE("zsh completes options, their values and commands") {
   CHECK(offered("ngs-joint --field ''") == "paths\n");
 }
 
+TEST_CASE("fish completes options, their values and commands") {
+  const Installed installed;
+  if (!installed.there || installed.run({"fish", "--version"}).exit_code == 127)
+    return test::skip("no cmake or no fish");
+  const auto offered = [&](const std::string& line) {
+    return installed
+        .run({"fish", "--no-config", "-c",
+              "for f in prefix/share/fish/vendor_completions.d/*.fish; source $f; end; complete -C '" + line + "'"},
+             {{"HOME", installed.dir.path()}})
+        .out;
+  };
+  CHECK(offered("ngs-joint s.json b.ply --qual") == "--quality\n");
+  CHECK(offered("ngs-joint s.json b.ply --quality d") == "draft\n");
+  CHECK(offered("ngs-scene ") == "check\ndegrade\nimport\norbit\n");
+  CHECK(offered("ngs-scene check --check-") == "--check-size-px\n--check-views\n");
+  CHECK(offered("ngs-scene import --check-v") == "--check-views\n");
+  CHECK(offered("ngs-variance merge --ex") == "--exclusive\n");
+  CHECK(offered("ngs-variance --ex") == "");  // an option of merge alone
+  CHECK(offered("ngs-joint --field pre") == "prefix/\n");
+}
+
 TEST_CASE("the installed chain runs, with the tools beside it") {
   const Installed installed;
   if (!installed.there) return test::skip("no cmake");

@@ -1,6 +1,8 @@
-// The chain as a person at a terminal sees it.
+// The chain as a person at a terminal, and a scheduler, sees it.
 #include <doctest/doctest.h>
+#include <signal.h>
 
+#include <cstdlib>
 #include <filesystem>
 
 #include "support/process.h"
@@ -41,6 +43,36 @@ TEST_CASE("ngs-gs.sh on a terminal says which of all stages each tool is, and at
         "  scores: IoU 1.0000, boundary IoU 1.0000, in its 0.5 % band 1.0000", "/out/report.html in a browser"})
     has(whole, text);
   CHECK(on_terminal(" -q").out == "");
+}
+
+TEST_CASE("ngs-gs.sh ends the tool that is at work when a signal reaches the script alone") {
+  const test::TempDir dir;
+  test::write_tiny_scene(dir.path());
+  std::filesystem::remove(dir.path() + "/scene.json");
+  // Tools of which the first never ends by itself, nor at the end of the shell that has started it.
+  std::filesystem::create_directory(dir.path() + "/bin");
+  for (const auto& tool : std::filesystem::directory_iterator(NGS_TOOL_DIR))
+    std::filesystem::create_symlink(tool.path(), dir.path() + "/bin/" + tool.path().filename().string());
+  std::filesystem::remove(dir.path() + "/bin/ngs-scene");
+  dir.write("bin/ngs-scene", "#!/bin/bash\ncase \" $* \" in *' --report '*) ;; *) exec " NGS_TOOL_DIR
+                             "/ngs-scene \"$@\" ;; esac\necho $$ > " +
+                                 dir.path() + "/at_work\necho at work >&2\nexec sleep 50\n");
+  std::filesystem::permissions(dir.path() + "/bin/ngs-scene", std::filesystem::perms::owner_all);
+  for (const auto& [number, code] : {std::pair{SIGTERM, 143}, {SIGINT, 130}, {SIGHUP, 143}}) {
+    CAPTURE(number);
+    const test::ProcessResult ended = test::run_process(
+        {.argv = {"env", "--default-signal=INT,HUP", NGS_SOURCE_DIR "/pipelines/ngs-gs.sh", ".", "out"},
+         .environment = {{"NGS_BIN", dir.path() + "/bin"}},
+         .folder = dir.path(),
+         .input = {},
+         .signal = number,
+         .signal_after = "at work"});
+    CAPTURE(ended.err);
+    CHECK(ended.exit_code == code);
+    const int tool = std::atoi(test::read_bytes(dir.path() + "/at_work").c_str());
+    REQUIRE(tool > 0);
+    CHECK(kill(tool, 0) != 0);
+  }
 }
 
 }  // namespace ngs
