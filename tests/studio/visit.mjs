@@ -98,6 +98,8 @@ async function paintAndCorrect(page) {
   await snap(page, '1600-light-marked');
 
   await page.keyboard.press('x');
+  await page.keyboard.press('x');
+  check((await pressed(page, 'tool-background')) === 'true', 'correct: X takes the brush for background, pressed again too');
   for (const stroke of kBesideRing) {
     await drag(page, stroke);
     await settled(page);
@@ -113,6 +115,10 @@ async function paintAndCorrect(page) {
   for (const key of ['Control+Shift+z', 'Control+z', 'Control+y']) await pressAndSettle(page, key);
   check((await countOf(page, 1)) === corrected, 'redo: as after it');
   await pressAndSettle(page, 'Control+z');
+  const whole = await colourAt(page, kWall);
+  await pressAndSettle(page, 'f');
+  check(difference(whole, await colourAt(page, kWall)) > 1, 'focus: F goes to the selection');
+  await goToView(page);
 }
 
 async function secondObject(page) {
@@ -152,6 +158,15 @@ async function slider(page) {
   check(difference(both[0], await colourAt(page, kWall)) < kSame, 'slider: both, as before');
 }
 
+async function cancel(page) {
+  await page.locator('#refine').click();
+  await page.locator('#job-cancel').click();
+  await page.locator('#job').waitFor({ state: 'hidden' });
+  const { job, objects } = await stateOf(page);
+  check(job.state === 'cancelled' && objects.every(({ refined }) => !refined), 'refine: Cancel ends it, and nothing is refined');
+  check(await page.locator('#refine').isEnabled(), 'refine: after Cancel it can be asked for again');
+}
+
 async function refine(page) {
   await page.getByText('Draft', { exact: true }).click();
   await page.locator('#refine').click();
@@ -180,6 +195,10 @@ async function exportAndRepeat(page) {
   const folder = path.resolve(work, await page.locator('#folder').textContent());
   await page.locator('#commands-box summary').click();
   const commands = await page.locator('#commands').textContent();
+  await page.context().grantPermissions(['clipboard-read', 'clipboard-write']);
+  await page.locator('#copy').click();
+  await page.locator('#copy').filter({ hasText: 'Copied' }).waitFor();
+  check((await page.evaluate(() => navigator.clipboard.readText())) === commands, 'export: Copy copies the commands');
   await page.locator('#commands-box').scrollIntoViewIfNeeded();
   await snap(page, '1600-light-exported');
   const written = filesOf(folder);
@@ -295,6 +314,7 @@ await openAndTurn(page);
 await paintAndCorrect(page);
 await secondObject(page);
 await slider(page);
+await cancel(page);
 await refine(page);
 await exportAndRepeat(page);
 await byFinger(studio.url);

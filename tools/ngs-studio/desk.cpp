@@ -83,6 +83,7 @@ Json Desk::strokes(Fields request) {
                    {"coverage", answer.coverage}};
   const std::lock_guard lock(mutex_);
   stroke_ms_.add(watch);
+  (answer.is_first ? first_ms_ : correction_ms_).add(watch);
   return out;
 }
 
@@ -190,7 +191,10 @@ Json Desk::before(Fields request) {
 
 Json Desk::log() const {
   const std::lock_guard lock(mutex_);
-  return {{"strokes", stroke_ms_.json()}, {"frames", {{"moving", moving_ms_.json()}, {"still", still_ms_.json()}}}};
+  return {{"strokes", stroke_ms_.json()},
+          {"first", first_ms_.json()},
+          {"corrections", correction_ms_.json()},
+          {"frames", {{"moving", moving_ms_.json()}, {"still", still_ms_.json()}}}};
 }
 
 Json Desk::objects_json(const live::Marks& marks) const {

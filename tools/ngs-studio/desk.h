@@ -67,7 +67,7 @@ class Desk {
   std::map<int, Refined> refined_;  // by object
   std::map<int, std::string> quality_;
   Json exported_;
-  Latencies stroke_ms_, moving_ms_, still_ms_;
+  Latencies stroke_ms_, first_ms_, correction_ms_, moving_ms_, still_ms_;
   std::shared_ptr<Job> job_;  // the last: it ends before what it works with goes
 };
 

@@ -60,6 +60,8 @@ std::string table_of(const Json& log) {
          << times.at("p95_cpu_ms") << " ms\n";
   };
   line("strokes        ", log.at("strokes"));
+  line("  on a new view ", log.at("first"));
+  line("  corrections   ", log.at("corrections"));
   line("frames, moving ", log.at("frames").at("moving"));
   line("frames, still  ", log.at("frames").at("still"));
   return text.str();

@@ -10,8 +10,8 @@ export function keyTable(does) {
   return [
     { group: 'Tools' },
     { keys: ['Escape'], shown: 'Esc', says: 'look around', run: () => does.tool('look') },
-    { keys: ['b'], shown: 'B', says: 'brush', run: () => does.tool('object') },
-    { keys: ['x'], shown: 'X', says: 'object or background', run: () => does.swap() },
+    { keys: ['b'], shown: 'B', says: 'paint the object', run: () => does.tool('object') },
+    { keys: ['x'], shown: 'X', says: 'paint background', run: () => does.tool('background') },
     { shown: 'Shift / Ctrl', says: 'while painting: object / background' },
     { keys: ['['], shown: '[ ]', says: 'size of the brush', run: () => does.radius(1 / 1.2) },
     { keys: [']'], run: () => does.radius(1.2) },

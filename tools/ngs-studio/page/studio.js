@@ -319,7 +319,6 @@ async function awaitServer() {
 
 const keys = keyTable({
   tool: take, mark, arrow, fit, view: jumpBy,
-  swap: () => take(tool === 'background' ? 'object' : 'background'),
   radius: (factor) => setRadius(factor > 1 ? Math.max(brush.radius + 1, brush.radius * factor) : brush.radius * factor),
   undo: () => find('undo').click(),
   redo: () => find('redo').click(),

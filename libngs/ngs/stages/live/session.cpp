@@ -157,6 +157,7 @@ StrokeAnswer Session::mark(int id, const Look& look, const std::vector<PromptStr
   const double masked_s = wall_seconds();
   recent_.of(look, view.camera).weigh(view);
   StrokeAnswer answer;
+  answer.is_first = is_new;
   answer.coverage = double(std::count(view.mask.begin(), view.mask.end(), 1)) / double(view.mask.size());
   const auto made = std::make_shared<const MarkedView>(std::move(view));
   if (is_new)

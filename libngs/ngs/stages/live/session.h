@@ -22,7 +22,8 @@ Camera segmented_camera(const Look& look);
 /// What a stroke did.
 struct StrokeAnswer {
   double mask_s = 0, lift_s = 0;
-  double coverage = 0;  // of the view by its mask
+  double coverage = 0;   // of the view by its mask
+  bool is_first = true;  // on its view; else a correction
 };
 
 /// Functions that change something are called by one thread at a time; marks() and shown() by any.
