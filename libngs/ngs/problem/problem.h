@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ngs/core/monitor.h"
@@ -24,16 +25,22 @@ class SharedLabels {
  public:
   SharedLabels() : SharedLabels(std::vector<LabelColumns>()) {}
   SharedLabels(std::vector<LabelColumns> labels)
-      : labels_(std::make_shared<const std::vector<LabelColumns>>(std::move(labels))) {}
+      : labels_(std::make_shared<std::vector<LabelColumns>>(std::move(labels))) {}
   operator const std::vector<LabelColumns>&() const { return *labels_; }
   bool empty() const { return labels_->empty(); }
   std::size_t size() const { return labels_->size(); }
   const LabelColumns& operator[](std::size_t object) const { return (*labels_)[object]; }
-  auto begin() const { return labels_->begin(); }
-  auto end() const { return labels_->end(); }
+  auto begin() const { return labels_->cbegin(); }
+  auto end() const { return labels_->cend(); }
+
+  /// To be changed, without a second copy where nobody else has them; there are none here then.
+  std::vector<LabelColumns> taken() {
+    const std::shared_ptr<std::vector<LabelColumns>> mine = std::exchange(labels_, SharedLabels().labels_);
+    return mine.use_count() == 1 ? std::move(*mine) : *mine;
+  }
 
  private:
-  std::shared_ptr<const std::vector<LabelColumns>> labels_;
+  std::shared_ptr<std::vector<LabelColumns>> labels_;
 };
 
 struct LabelledModel {

@@ -84,8 +84,9 @@ std::int64_t count_disconnected(const Exec& exec, const ComponentOptions& option
   return count;
 }
 
-ComponentFinding find_disconnected(const Exec& exec, const ComponentOptions& options, const Problem& input) {
-  ComponentFinding finding{input.labels, std::vector<std::uint8_t>(std::size_t(input.cloud.size()), 0)};
+ComponentFinding find_disconnected(const Exec& exec, const ComponentOptions& options, const Problem& input,
+                                   std::vector<LabelColumns> labels) {
+  ComponentFinding finding{std::move(labels), std::vector<std::uint8_t>(std::size_t(input.cloud.size()), 0)};
   for (LabelColumns& object : finding.labels) {
     const std::vector<std::uint8_t> far = far_from_core(exec, options, input, object);
     for (std::size_t i = 0; i < far.size(); ++i) {

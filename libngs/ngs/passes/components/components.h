@@ -23,7 +23,9 @@ struct ComponentFinding {
 };
 
 /// Without a core, as with masks of so few views that every trace is one, nothing is found. Rows fixed by hand stay.
-ComponentFinding find_disconnected(const Exec& exec, const ComponentOptions& options, const Problem& input);
+/// `labels`: the input's, which become those of the finding.
+ComponentFinding find_disconnected(const Exec& exec, const ComponentOptions& options, const Problem& input,
+                                   std::vector<LabelColumns> labels);
 /// Its count alone: no labels are copied.
 std::int64_t count_disconnected(const Exec& exec, const ComponentOptions& options, const Problem& input);
 

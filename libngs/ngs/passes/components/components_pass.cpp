@@ -16,12 +16,12 @@ std::vector<Effect> ComponentsPass::effects() const {
 
 void ComponentsPass::run(PassRun& run) {
   Problem& problem = *run.problem;
-  ComponentFinding finding = find_disconnected(run.exec, {}, problem);
+  ComponentFinding finding = find_disconnected(run.exec, {}, problem, problem.labels.taken());
+  problem.labels = std::move(finding.labels);
   run.report["components"] = {{"found", finding.count}};
   if (finding.count == 0) return;
   problem.held.resize(finding.disconnected.size());
   for (std::size_t i = 0; i < finding.disconnected.size(); ++i) problem.held[i] |= finding.disconnected[i];
-  problem.labels = std::move(finding.labels);
   run.fields_fit = false;
   run.say(std::to_string(finding.count) + " Gaussians that masks claim lie apart from the object: taken for unseen");
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "ngs/math/median.h"
 #include "ngs/ops/field/knn.h"
@@ -80,20 +81,19 @@ class FloaterSearch {
       : exec_(exec),
         options_(options),
         input_(input),
-        cloud_(input.cloud),
         splat_(input.splat),
         core_(core_of(options.core, input.cloud, input.labels)),
         views_(spread_views(photo_views(input.scene), options.most_views)),
         trained_(input.scene.views.size(), 0) {
     for (const std::size_t v : input.views) trained_[v] = 1;
-    splat_ = prepared_for(exec, splat_, cloud_);
+    splat_ = prepared_for(exec, splat_, cloud());
   }
 
   FloaterFinding run(Monitor& monitor) {
     FloaterFinding finding;
-    finding.floater.assign(std::size_t(cloud_.size()), 0);
+    finding.floater.assign(std::size_t(cloud().size()), 0);
     if (core_.count == 0 || views_.empty()) return finding;
-    margin_ = core_margin(exec_, options_.core, cloud_, core_);
+    margin_ = core_margin(exec_, options_.core, cloud(), core_);
     finding.far = candidate_ = candidates_of(exec_, input_, core_, margin_);
     const auto candidates = std::count(candidate_.begin(), candidate_.end(), std::uint8_t(1));
     finding.figures = {{"core", double(core_.count)}, {"candidates", double(candidates)}, {"margin", margin_}};
@@ -105,9 +105,8 @@ class FloaterSearch {
       const std::vector<std::size_t> found = round();
       if (rounds == 1) finding.figures["hidden"] = hidden_;
       if (found.empty() || (rounds == 1 && hidden_ < options_.least_hidden)) break;
-      for (const std::size_t i : found)
-        finding.floater[i] = 1, candidate_[i] = 0, cloud_.logit_opacity[i] = kRemovedLogit;
-      splat_.prepared = prepare_cloud(exec_, cloud_);  // its opacities have changed
+      for (const std::size_t i : found) finding.floater[i] = 1, candidate_[i] = 0;
+      take_out(found);
       finding.count += std::int64_t(found.size());
     }
     finding.figures["rounds"] = rounds, finding.figures["noise"] = noise_;
@@ -116,15 +115,15 @@ class FloaterSearch {
 
   double front_opacity() {
     if (core_.count == 0) return 0;
-    margin_ = core_margin(exec_, options_.core, cloud_, core_);
+    margin_ = core_margin(exec_, options_.core, cloud(), core_);
     candidate_ = candidates_of(exec_, input_, core_, margin_);
-    const std::vector<float> none(std::size_t(cloud_.size()), 0.f);
+    const std::vector<float> none(std::size_t(cloud().size()), 0.f);
     double sum = 0, pixels = 0;
     for_each_view(input_.monitor, spread_views(views_, kFrontViews), [&](std::size_t, std::size_t v) {
       const Surface s = surface(v);
       if (s.pixels() == 0) return;
       const ImageF layer =
-          FrontView(exec_, cloud_, camera(v), splat_).layer({s.limit, candidate_}, {none.data(), cloud_.size(), 1});
+          FrontView(exec_, cloud(), camera(v), splat_).layer({s.limit, candidate_}, {none.data(), cloud().size(), 1});
       for (std::size_t p = 0; p < s.limit.data.size(); ++p)
         if (s.limit.data[p] > 0) sum += double(layer.data[2 * p + 1]), ++pixels;
     });
@@ -133,6 +132,22 @@ class FloaterSearch {
 
  private:
   const Camera& camera(std::size_t v) const { return input_.scene.views[v].camera; }
+  /// Without the floaters of the rounds before.
+  const GaussianCloud& cloud() const { return without_ ? *without_ : input_.cloud; }
+
+  void take_out(const std::vector<std::size_t>& rows) {
+    if (!without_) without_.emplace(input_.cloud);
+    for (const std::size_t i : rows) without_->logit_opacity[i] = kRemovedLogit;
+    splat_.prepared = prepare_cloud(exec_, *without_);  // its opacities have changed
+  }
+
+  /// What single views weigh is kept in the room that labels leave: those of many objects take as much.
+  std::size_t kept_bytes() const {
+    constexpr std::size_t kRoom = std::size_t(512) << 20, kLeast = std::size_t(128) << 20;
+    const std::size_t labels =
+        input_.labels.size() * std::size_t(input_.cloud.size()) * sizeof(float) * std::size(kLabelColumns);
+    return std::max(kLeast, kRoom - std::min(kRoom, labels));
+  }
 
   /// The core is the same in all rounds; its surfaces are kept up to 256 MiB.
   Surface surface(std::size_t v) {
@@ -141,7 +156,7 @@ class FloaterSearch {
     constexpr std::size_t kKeptBytes = 256u << 20;
     RenderRequest request;
     request.depth = true, request.include = core_.member.data();
-    Surface s = surface_of(render(exec_, cloud_, camera(v), splat_, request), options_.surface_alpha, margin_);
+    Surface s = surface_of(render(exec_, cloud(), camera(v), splat_, request), options_.surface_alpha, margin_);
     const std::size_t bytes = std::size_t(s.limit.pixels()) * 4 * sizeof(float);
     if ((surfaces_.size() + 1) * bytes <= kKeptBytes) surfaces_[v] = s;
     return s;
@@ -200,12 +215,13 @@ class FloaterSearch {
 
   /// Rows of the floaters of this round, and hidden_.
   std::vector<std::size_t> round() {
-    const auto n = std::size_t(cloud_.size());
+    const auto n = std::size_t(cloud().size());
     // Of those that may be floaters: what the others show is not asked.
-    LeaveOneOut colours(exec_, cloud_.size(), 3, [this](std::size_t v) {
+    const auto weights = [this](std::size_t v) {
       const ViewMasks channels = colours_as_masks(input_.load_photo(v));
-      return view_weights(exec_, cloud_, {camera(v), channels}, splat_, &candidate_);
-    });
+      return view_weights(exec_, cloud(), {camera(v), channels}, splat_, &candidate_);
+    };
+    LeaveOneOut colours(exec_, cloud().size(), 3, weights, kept_bytes());
     if (!for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) { colours.add(v); })) return {};
     MeanColours elsewhere{std::vector<float>(4 * n)};
     colours.for_all([&](std::size_t i, const LeaveOneOut::Shares& all) { elsewhere.set(i, all); });
@@ -223,8 +239,8 @@ class FloaterSearch {
         elsewhere.set(i, others), own[i] = weight, drawn[i] = 1;
       });
       const FrontQuery query{s.limit, candidate_};
-      const FrontView view(exec_, cloud_, camera(v), splat_, drawn.data());
-      const ImageF layer = view.layer(query, {elsewhere.value.data(), cloud_.size(), 4});
+      const FrontView view(exec_, cloud(), camera(v), splat_, drawn.data());
+      const ImageF layer = view.layer(query, {elsewhere.value.data(), cloud().size(), 4});
       const FrontSums sums = view.sums(query, seen_through(v, s, photo, layer));
       for (std::size_t k = 0; k < sums.row.size(); ++k) {
         const std::size_t i = sums.row[k];
@@ -251,8 +267,8 @@ class FloaterSearch {
   const Exec& exec_;
   const FloaterOptions& options_;
   const Problem& input_;
-  GaussianCloud cloud_;  // without the floaters of the rounds before
-  SplatOptions splat_;   // prepared for it
+  std::optional<GaussianCloud> without_;  // floaters of the rounds before; none: there were none
+  SplatOptions splat_;                    // prepared for cloud()
   ObjectCore core_;
   std::vector<std::size_t> views_;
   std::vector<std::uint8_t> trained_;  // [views of the scene]

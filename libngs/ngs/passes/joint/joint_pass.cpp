@@ -127,7 +127,7 @@ void JointPass::finish(PassRun& run) {
     run.solution = std::move(longer);
   }
   if (is_labels_alone(run))
-    run.solution->labels = run.problem->labels;
+    run.solution->labels = run.problem->labels.taken();  // the last that asks for them
   else if (may_withdraw(run.decisions))
     run.report["components"]["withdrawn"] = withdraw_apart(run.exec, {}, *run.problem, *run.solution);
   run.solution->converged = run.watch->target_met() || (!run.watch->cut() && !run.budget.cut());

@@ -29,7 +29,7 @@ struct ComponentCase {
   ComponentFinding find() const {
     Problem in = base->input();
     in.fixed = fixed;
-    ComponentFinding found = find_disconnected({}, {}, in);
+    ComponentFinding found = find_disconnected({}, {}, in, in.labels);
     CHECK(count_disconnected({}, {}, in) == found.count);
     return found;
   }
