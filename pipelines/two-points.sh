@@ -57,23 +57,25 @@ labels() {
 
 # row MARKS SEGMENTER [FLAGS...]: a mask that cannot be made is said, with the exit code.
 row() {
-  local folder=$out/$1-$2 code=0 cpu
+  local folder=$out/$1-$2 code=0 TIMEFORMAT=%U
   mkdir -p "$folder"
-  tool ngs-mask "$out/scene.json" --prompts "$out/$1.json" -o "$folder/masks" -w -q --report "$folder/report.json" "${@:3}" \
-    > /dev/null 2> "$folder/said" || code=$?
+  { time tool ngs-mask "$out/scene.json" --prompts "$out/$1.json" -o "$folder/masks" -w -q "${@:3}" \
+    > /dev/null 2> "$folder/said"; } 2> "$folder/cpu_s" || code=$?
   if [ "$code" -ne 0 ]; then
     printf '%s %s - exit code %s: %s\n' "$1" "$2" "$code" "$(head -1 "$folder/said")"
     return
   fi
-  cpu=$(grep -m 1 -oE '"cpu_s": [0-9.]+' "$folder/report.json" | grep -oE '[0-9.]+')
   tool ngs-eval "$folder/masks" "$capture/$truth" --views every:4:2 -o "$folder/masks.json" -w -q > /dev/null
-  tool ngs-scene import "$capture" --ply "$capture/point_cloud.ply" --images "$capture/images" --masks "$folder/masks" \
-    --hold-out every:4:2 -o "$folder/scene.json" -w -q > /dev/null
-  tool ngs-variance "$folder/scene.json" -o "$folder/boundary.ply" -w -q > /dev/null
-  labels "$folder" draft
-  labels "$folder" standard
-  printf '%s %s %s  %s  %s  %s\n' "$1" "$2" "$cpu" "$(scores "$folder/masks.json")" "$(scores "$folder/draft.json")" \
-    "$(scores "$folder/standard.json")"
+  printf '%s %s %s  %s' "$1" "$2" "$(cat "$folder/cpu_s")" "$(scores "$folder/masks.json")"
+  if tool ngs-scene import "$capture" --ply "$capture/point_cloud.ply" --images "$capture/images" --masks "$folder/masks" \
+    --hold-out every:4:2 -o "$folder/scene.json" -w -q > /dev/null 2> "$folder/said" &&
+    tool ngs-variance "$folder/scene.json" -o "$folder/boundary.ply" -w -q > /dev/null 2> "$folder/said"; then
+    labels "$folder" draft
+    labels "$folder" standard
+    printf '  %s  %s\n' "$(scores "$folder/draft.json")" "$(scores "$folder/standard.json")"
+  else
+    printf '  - no labels: %s\n' "$(head -1 "$folder/said")"
+  fi
 }
 
 tool ngs-scene import "$capture" --ply "$capture/point_cloud.ply" --images "$capture/images" --hold-out every:4:2 \
