@@ -59,8 +59,10 @@ TEST_CASE(
   const std::vector<std::string> entries{"all=off", "oversized=auto"};
   const Problem in = c->input();
   test::PipelineCase found(in, training, entries, passes());
-  CHECK(found.run().report["oversized"]["count"] == 1);
-  CHECK(found.problem().labels[0].prob[7] == 0);
+  const PassRun& run = found.run();
+  CHECK(run.report["oversized"]["count"] == 1);
+  REQUIRE(run.solution);
+  CHECK(run.solution->labels[0].prob[7] == 0);
   CHECK(found.decisions().on("oversized"));
   test::PipelineCase switched_off(in, training, {"all=off"}, passes());
   CHECK_FALSE(switched_off.run().report.contains("oversized"));
