@@ -103,8 +103,13 @@ void copy_bytes(const std::string& from, const std::string& to) {
   io::write_file(to, file.text());
 }
 
-/// Where a picture goes that is not copied: JPEGs stay such where they may lose.
+/// The name of a picture that must lose nothing.
 std::string as_png(const std::string& path) { return image_stem(path) + ".png"; }
+
+/// The name of a folder, whether or not its path ends with a slash.
+std::string last_folder(const std::string& path) {
+  return fs::path(fs::path(path) / "").parent_path().filename().string();
+}
 
 class Undistortion {
  public:
@@ -152,8 +157,7 @@ class Undistortion {
       for (const std::string& object : io::match_masks(masks_dir, {}, scene.views).objects)
         scene.objects.push_back({.name = object});
     }
-    const std::string name =
-        masks_dir.empty() ? "masks" : fs::path(fs::path(masks_dir) / "").parent_path().filename().string();
+    const std::string name = masks_dir.empty() ? "masks" : last_folder(masks_dir);
     return write_each([&](std::size_t v) { return io::mask_files(scene, v); },
                       [&](std::size_t v, const std::string& path) {
                         const std::string below = masks_dir.empty()
@@ -208,7 +212,7 @@ class Undistortion {
 void require_distinct_names(const std::vector<std::string>& folders) {
   std::set<std::string> seen{"images", "sparse"};
   for (const std::string& folder : folders)
-    if (!seen.insert(fs::path(fs::path(folder) / "").parent_path().filename().string()).second)
+    if (!seen.insert(last_folder(folder)).second)
       throw Error(ErrorCode::kUsage, folder + ": a second folder of that name, expected names that differ",
                   "rename one of the folders, or call twice");
 }
