@@ -1,5 +1,5 @@
-# CUDA is an addition, never a requirement, and compiles for minutes per architecture: it is asked for. AUTO compiles it where a working nvcc of version 12 or later (C++20)
-# is found; ON demands it.
+# CUDA is an addition, never a requirement, and compiles for minutes per architecture: it is asked for. AUTO compiles it
+# where a working nvcc of version 12 or later (C++20) is found; ON demands it.
 option(NGS_CUDA_FMAD "let nvcc contract products and sums" OFF)
 option(NGS_CUDA_REPORT "print registers, spills and shared memory of every kernel" OFF)
 set(NGS_CUDA_ENABLED OFF)

@@ -26,8 +26,10 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
   target_compile_options(ngs_flags INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict>)
 endif()
 if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
-  # masks of lanes are combined by & and |; for the pack of one lane, whose mask is a bool, clang asks for && and ||
-  target_compile_options(ngs_flags INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-bitwise-instead-of-logical>)
+  # Masks of lanes are combined by & and |; for the pack of one lane, whose mask is a bool, clang asks for && and ||.
+  # Signs are no part of what g++ calls -Wconversion.
+  target_compile_options(ngs_flags INTERFACE
+    $<$<COMPILE_LANGUAGE:CXX>:-Wno-bitwise-instead-of-logical -Wno-sign-conversion>)
 endif()
 if(NGS_WERROR)
   target_compile_options(ngs_flags INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Werror>)

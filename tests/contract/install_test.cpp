@@ -1,6 +1,8 @@
-// What `cmake --install` copies serves those who know nothing of the checkout: other projects, man, shells, packages.
+// The build compiles what was asked for, and what `cmake --install` copies serves those who know nothing of the
+// checkout: other projects, man, shells, packages.
 #include <doctest/doctest.h>
 
+#include <cstdlib>
 #include <filesystem>
 
 #include "support/process.h"
@@ -64,6 +66,38 @@ struct Installed {
 const char* const kSaid = " 1 48\n";  // of that program, behind the version
 
 }  // namespace
+
+TEST_CASE("the build compiles no CUDA unless it is asked to, though there is an nvcc") {
+  if (test::run_command({"cmake", "--version"}).exit_code == 127) return test::skip("no cmake");
+  const test::TempDir dir;
+  fs::create_directory(dir.path() + "/bin");
+  // The real cmake configures into this folder and builds nothing; an nvcc says that it was called.
+  dir.write("bin/cmake",
+            "#!/bin/bash\ncase $1 in\n  --build) echo \"cmake $*\" ;;\n  *) PATH=${PATH#*:}; exec cmake -B " +
+                dir.path() + "/$NGS_PRESET \"$@\" ;;\nesac\n");
+  dir.write("bin/nvcc", "#!/bin/bash\ntouch " + dir.path() + "/nvcc-called\nexit 1\n");
+  for (const char* program : {"/bin/cmake", "/bin/nvcc"}) fs::permissions(dir.path() + program, fs::perms::owner_all);
+  const auto build = [&](const Words& argv, const std::string& preset) {
+    const test::ProcessResult result =
+        test::run_process({.argv = argv,
+                           .environment = {{"PATH", dir.path() + "/bin:" + std::getenv("PATH")},
+                                           {"CUDA_HOME", dir.path()},
+                                           {"NGS_PRESET", preset}},
+                           .folder = dir.path(),
+                           .input = {},
+                           .signal_after = {}});
+    INFO(result.out << result.err);
+    REQUIRE(result.exit_code == 0);
+    CHECK(result.out.find("ngs: CUDA backend OFF\n") != result.out.npos);  // this nvcc compiles nothing
+    return result.out;
+  };
+  const std::string script = NGS_SOURCE_DIR "/pipelines/build.sh";
+  CHECK(build({script, "--target", "tools"}, "").ends_with("cmake --build --preset cpu --target tools\n"));
+  build({dir.path() + "/bin/cmake", "-S", NGS_SOURCE_DIR}, "plain");
+  CHECK(!fs::exists(dir.path() + "/nvcc-called"));
+  build({script}, "ci");
+  CHECK(fs::exists(dir.path() + "/nvcc-called"));
+}
 
 TEST_CASE("another project finds an installed ngs with find_package, links ngs::ngs and runs where it likes") {
   const Installed installed;

@@ -45,6 +45,30 @@ TEST_CASE("ngs-gs.sh on a terminal says which of all stages each tool is, and at
   CHECK(on_terminal(" -q").out == "");
 }
 
+TEST_CASE("--explain prints its list alone on a terminal, and the report too where stdout is none") {
+  const test::TempDir dir;
+  test::write_tiny_scene(dir.path());
+  const std::string tools = NGS_TOOL_DIR "/";
+  const auto run = [&](const std::vector<std::string>& argv) {
+    const test::ProcessResult result =
+        test::run_process({.argv = argv, .environment = {}, .folder = dir.path(), .input = {}, .signal_after = {}});
+    INFO(result.out << result.err);
+    REQUIRE(result.exit_code == 0);
+    return result;
+  };
+  run({tools + "ngs-variance", "scene.json", "-o", "boundary.ply"});
+  const test::ProcessResult piped = run({tools + "ngs-joint", "scene.json", "boundary.ply", "--explain"});
+  const test::ProcessResult shown =
+      run({"script", "-qec", tools + "ngs-joint scene.json boundary.ply --explain", "/dev/null"});
+  CHECK(piped.out.starts_with("{"));
+  for (const char* name : {"mask-outliers ", "contours ", "full-resolution "}) {
+    CAPTURE(name);
+    CHECK(piped.err.find(name) != piped.err.npos);
+    CHECK(shown.out.find(name) != shown.out.npos);
+  }
+  CHECK(shown.out.find('{') == shown.out.npos);
+}
+
 TEST_CASE("ngs-gs.sh ends the tool that is at work when a signal reaches the script alone") {
   const test::TempDir dir;
   test::write_tiny_scene(dir.path());

@@ -301,3 +301,8 @@ mutant $f $t "$f" "correction: reaches everywhere" 's/from_stroke\[p\] <= reach_
 
 t=unit/stages/select/region_test.cpp f=stages/select/support_plane.cpp
 mutant $f $t "$f" "plane: stays as some of its points have tilted it" 's/>= kMostTilt \? refined : plane/>= kMostTilt ? plane : plane/'
+
+t=unit/core/parse_number_test.cpp f=core/parse_number.cpp
+mutant $f $t "$f" "numbers: hexadecimal ones" 's/prefix == "0x" \|\| prefix == "0X"/false/'
+mutant $f $t "$f" "numbers: what is too large is infinity" 's/std::isinf\(number\) \|\| //'
+mutant $f $t "$f" "numbers: blanks before them" 's/!begins_number\(\{begin, end\}\)/begin == end/'

@@ -1,12 +1,12 @@
 #include "evaluation.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <set>
 
 #include "ngs/backend/for_each.h"
+#include "ngs/core/parse_number.h"
 #include "ngs/io/files/match_names.h"
 #include "ngs/io/files/text_lines.h"
 #include "ngs/io/image/exr.h"
@@ -33,8 +33,7 @@ std::uint32_t id_of(const std::string& object, const ObjectIds& ids) {
   for (const auto& [id, name] : ids)
     if (name == object) return id;
   std::uint32_t id = 0;
-  const auto [end, error] = std::from_chars(object.data(), object.data() + object.size(), id);
-  if (error == std::errc() && end == object.data() + object.size() && id > 0) return id;
+  if (parse_number(object, id) && id > 0) return id;
   throw Error(ErrorCode::kUsage, "the id of object '" + object + "' in the true label maps is not known",
               "say it: --object-id " + object + "=ID");
 }

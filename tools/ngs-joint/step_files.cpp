@@ -1,11 +1,11 @@
 #include "step_files.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 
 #include "ngs/core/error.h"
+#include "ngs/core/parse_number.h"
 #include "ngs/io/files/safetensors.h"
 
 namespace ngs::joint {
@@ -40,8 +40,7 @@ void check_finite(const std::string& path, const StateBlock& block, const std::v
 
 std::int64_t step_in(const std::string& path, const std::string& text, std::int64_t planned) {
   std::int64_t step = -1;
-  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), step);
-  if (error != std::errc() || stop != text.data() + text.size() || step < 0 || step > planned)
+  if (!parse_number(text, step) || step < 0 || step > planned)
     throw Error(ErrorCode::kBadInput,
                 path + ": 'step' is '" + text + "', expected a whole number from 0 to " + std::to_string(planned),
                 "delete the checkpoint");

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "ngs/core/error.h"
+#include "ngs/core/parse_number.h"
 #include "shared/page/html.h"
 #include "shared/text/text_file.h"
 
@@ -51,7 +52,7 @@ bool before(const SweepPoint& a, const SweepPoint& b) {
   if (a.knob != b.knob) return a.knob < b.knob;
   const auto number = [](const std::string& text) {
     double value = std::numeric_limits<double>::infinity();
-    std::from_chars(text.data(), text.data() + text.size(), value);
+    scan_number(text.data(), text.data() + text.size(), value);
     return value;
   };
   const double x = number(a.setting), y = number(b.setting);

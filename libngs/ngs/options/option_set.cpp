@@ -1,21 +1,21 @@
 #include "ngs/options/option_set.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "ngs/core/error.h"
+#include "ngs/core/parse_number.h"
 #include "ngs/options/near_matches.h"
 #include "ngs/options/strict_json.h"
 
 namespace ngs {
 namespace {
 
+/// The whole text, which may begin with '+'.
 template <class T>
-bool parses_whole(std::string_view text, T* value) {
-  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
-  const std::from_chars_result r = std::from_chars(text.data(), text.data() + text.size(), *value);
-  return r.ec == std::errc() && r.ptr == text.data() + text.size();
+bool parse_signed(std::string_view text, T& value) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  return parse_number(text, value);
 }
 
 /// What was typed as the JSON value that it stands for. Text that is no number stays text, so that the
@@ -24,9 +24,9 @@ Json typed_number(std::string_view text, OptionKind kind) {
   std::int64_t integer = 0;
   std::uint64_t large = 0;
   double real = 0;
-  if (parses_whole(text, &integer)) return integer;
-  if (parses_whole(text, &large)) return large;
-  if (kind == OptionKind::kReal && parses_whole(text, &real)) return real;
+  if (parse_signed(text, integer)) return integer;
+  if (parse_signed(text, large)) return large;
+  if (kind == OptionKind::kReal && parse_signed(text, real)) return real;
   return std::string(text);
 }
 

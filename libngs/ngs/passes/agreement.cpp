@@ -1,9 +1,9 @@
 #include "ngs/passes/agreement.h"
 
 #include <algorithm>
-#include <charconv>
 
 #include "ngs/core/error.h"
+#include "ngs/core/parse_number.h"
 #include "ngs/ops/image/mask_pair.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/render/render_stage.h"
@@ -39,12 +39,8 @@ std::optional<AgreementTarget> parse_target(const std::string& text) {
   if (text.empty()) return std::nullopt;
   const bool boundary = text.starts_with("biou=");
   double value = -1;
-  if (boundary || text.starts_with("iou=")) {
-    const char* end = text.data() + text.size();
-    const auto [stop, error] = std::from_chars(text.data() + text.find('=') + 1, end, value);
-    if (error != std::errc() || stop != end) value = -1;
-  }
-  if (!(value >= 0 && value <= 1))
+  const bool known = boundary || text.starts_with("iou=");
+  if (!known || !parse_number(std::string_view(text).substr(text.find('=') + 1), value) || !(value >= 0 && value <= 1))
     throw Error(ErrorCode::kUsage, "--target: '" + text + "', expected biou=X or iou=X with X in [0, 1]");
   return AgreementTarget{boundary, value};
 }

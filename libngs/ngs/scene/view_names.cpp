@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
 #include <set>
+
+#include "ngs/core/parse_number.h"
 
 namespace ngs {
 namespace {
@@ -37,11 +38,6 @@ auto indices_of(const std::vector<std::string>& names) {
   std::map<std::string, std::vector<std::size_t>, std::less<>> indices;
   for (std::size_t i = 0; i < names.size(); ++i) indices[names[i]].push_back(i);
   return indices;
-}
-
-bool parse_number(std::string_view text, std::size_t& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size();
 }
 
 }  // namespace

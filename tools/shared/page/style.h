@@ -101,6 +101,8 @@ figure,tr,.tiles div{break-inside:avoid}
 .legend input,.screen,details:not([open]),section[id$=tools]{display:none}
 .opening figure{margin-bottom:.5rem}
 .scroll{overflow:visible}
+table{font-size:8.5pt}
+thead th{white-space:normal}
 .sheet{grid-template-columns:repeat(3,1fr)}
 .sheet.small{grid-template-columns:repeat(5,1fr)}
 .sheet.opening{display:block}

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "ngs/core/parse_number.h"
 #include "ngs/io/files/safetensors.h"
 
 namespace ngs::cli {
@@ -39,8 +40,7 @@ void visit_numbers(Shape& s, Sample& sample, const Visit& visit) {
 double number_in(const io::TensorFile& file, const std::string& key, double low, double high) {
   const std::string& text = file.meta(key);
   double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value) || value < low || value > high)
+  if (!parse_number(text, value) || !std::isfinite(value) || value < low || value > high)
     bad(file.name + ": " + key + " is '" + text + "', expected a number from " + text_of(low) + " to " + text_of(high));
   return value;
 }

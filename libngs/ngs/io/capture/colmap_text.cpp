@@ -1,6 +1,6 @@
-#include <charconv>
 
 #include "ngs/core/error.h"
+#include "ngs/core/parse_number.h"
 #include "ngs/io/capture/colmap.h"
 #include "ngs/io/capture/colmap_model.h"
 #include "ngs/io/capture/pose.h"
@@ -60,8 +60,7 @@ class Words {
   T number(const char* what) {
     const std::string_view word = next();
     T value{};
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc() || end != word.data() + word.size())
+    if (!parse_number(word, value))
       throw Error(ErrorCode::kBadInput, where_ + ": \"" + std::string(word) + "\", expected " + what);
     return value;
   }

@@ -1,9 +1,9 @@
 #include "ngs/io/capture/sparse_points.h"
 
-#include <charconv>
 #include <cmath>
 #include <cstdlib>
 
+#include "ngs/core/parse_number.h"
 #include "ngs/io/files/byte_reader.h"
 #include "ngs/io/files/text_lines.h"
 #include "ngs/io/ply/ply.h"
@@ -41,7 +41,7 @@ bool parse_record(std::string_view line, SparsePoint& point) {
   const char *at = line.data(), *end = at + line.size();
   for (double& value : values) {
     while (at < end && (*at == ' ' || *at == '\t')) ++at;
-    const auto [stop, error] = std::from_chars(at, end, value);
+    const auto [stop, error] = scan_number(at, end, value);
     if (error != std::errc() || (stop < end && *stop != ' ' && *stop != '\t' && *stop != '\r')) return false;
     at = stop;
   }

@@ -1,11 +1,11 @@
 #include "ngs/io/ply/ply_scan.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdlib>
 #include <type_traits>
 
 #include "ngs/core/error.h"
+#include "ngs/core/parse_number.h"
 
 namespace ngs::io {
 namespace {
@@ -115,12 +115,12 @@ struct Tokens {
 };
 
 template <class T>
-bool parse_number(std::string_view token, T& value) {
+bool parse_token(std::string_view token, T& value) {
   if (token.starts_with('+')) token.remove_prefix(1);
-  const auto [stop, status] = std::from_chars(token.data(), token.data() + token.size(), value);
+  const auto [stop, status] = scan_number(token.data(), token.data() + token.size(), value);
   if (stop != token.data() + token.size()) return false;
   if constexpr (std::is_floating_point_v<T>) {
-    // A finite decimal beyond the range of T rounds to 0 or infinity; from_chars leaves `value` alone there.
+    // A finite decimal beyond the range of T rounds to 0 or infinity; scan_number leaves `value` alone there.
     if (status == std::errc::result_out_of_range) {
       value = T(std::strtod(std::string(token).c_str(), nullptr));
       return true;
@@ -132,12 +132,12 @@ bool parse_number(std::string_view token, T& value) {
 bool store_token(PlyType type, std::string_view token, std::uint8_t* to) {
   if (type == PlyType::kFloat32) {
     float v = 0;
-    const bool ok = parse_number(token, v);
+    const bool ok = parse_token(token, v);
     ply_store_float(v, to);
     return ok;
   }
   double v = 0;
-  if (!parse_number(token, v)) return false;
+  if (!parse_token(token, v)) return false;
   ply_store(type, v, to);
   return type == PlyType::kFloat64 || PlyColumn{to, 8, type}.value(0) == v;  // integers must fit exactly
 }
@@ -163,7 +163,7 @@ void parse_line(const Place& place, std::string_view line, std::int64_t row, std
       continue;
     }
     std::int64_t count = 0;
-    if (!parse_number(token, count) || count < 0) refuse(p);
+    if (!parse_token(token, count) || count < 0) refuse(p);
     for (std::int64_t k = 0; k < count; ++k) need_token(p);
   }
   if (tokens.next(token))

@@ -1,13 +1,13 @@
 #include "ngs/io/scene/import_scene.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <set>
 
 #include "ngs/core/error.h"
+#include "ngs/core/parse_number.h"
 #include "ngs/io/capture/pose.h"
 #include "ngs/io/files/folder_index.h"
 #include "ngs/io/files/regular_file.h"
@@ -23,11 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool parse_count(std::string_view text, std::uint32_t& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size() && !text.empty();
-}
-
 /// The newest point_cloud/iteration_N/point_cloud.ply of a trainer's output folder.
 std::string newest_iteration(const fs::path& base) {
   std::uint32_t newest = 0;
@@ -35,7 +30,7 @@ std::string newest_iteration(const fs::path& base) {
   for (const std::string& name : list_folders((base / "point_cloud").string())) {
     std::uint32_t iteration = 0;
     const std::string file = (base / "point_cloud" / name / "point_cloud.ply").string();
-    if (name.rfind("iteration_", 0) != 0 || !parse_count(name.substr(10), iteration) || !is_regular_file(file))
+    if (name.rfind("iteration_", 0) != 0 || !parse_number(name.substr(10), iteration) || !is_regular_file(file))
       continue;
     if (path.empty() || iteration > newest) newest = iteration, path = file;
   }
@@ -99,7 +94,7 @@ SceneObject parse_object(const std::string& text, MaskMode mode) {
   const std::string name = text.substr(0, equals);
   const std::string digits = equals == std::string::npos ? text : text.substr(equals + 1);
   std::uint32_t id = 0;
-  const bool has_id = parse_count(digits, id);
+  const bool has_id = parse_number(digits, id);
   if (equals != std::string::npos && (!has_id || name.empty()))
     throw Error(ErrorCode::kUsage, "--object-id " + text + ": no id after \"=\", expected name=id such as cup=7");
   if (mode != MaskMode::kLabel) return {name, equals == std::string::npos ? 0 : id};

@@ -88,7 +88,9 @@ void check(const ImageU8& photo, const ViewPrompt& prompt) {
 }
 
 PixelMask cut_in(const Source& from, const GrabCutOptions& options, const SideColours& known) {
-  const auto& [photo, prompt, region] = from;
+  const ImageU8& photo = from.photo;
+  const ViewPrompt& prompt = from.prompt;
+  const cv::Rect& region = from.region;
   PixelMask mask(prompt.hint.size());
   for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = is_object(prompt.hint[p]);
   if (region.empty() || known.background.size() < kComponents || known.object.size() < kComponents) return mask;

@@ -13,7 +13,11 @@ constexpr int kPassRows = 64;
 /// f(row) for the rows of a pass, which f treats independently of each other.
 template <class F>
 [[gnu::always_inline]] inline void each_row(const F& f) {
+#ifdef __clang__
+#pragma clang loop vectorize(assume_safety)
+#else
 #pragma GCC ivdep
+#endif
   for (int i = 0; i < kPassRows; ++i) f(i);
 }
 

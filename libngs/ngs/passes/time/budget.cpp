@@ -1,11 +1,11 @@
 #include "ngs/passes/time/budget.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 
 #include "ngs/core/error.h"
+#include "ngs/core/parse_number.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/render/render_stage.h"
 
@@ -93,7 +93,7 @@ Json Budget::json() const {
 std::optional<double> parse_seconds(const std::string& text) {
   if (text.empty()) return std::nullopt;
   double value = 0;
-  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const auto [stop, error] = scan_number(text.data(), text.data() + text.size(), value);
   const std::string unit(stop, text.data() + text.size());
   const double seconds = unit == "m" ? 60 : unit == "h" ? 3600 : 1;
   const bool known = unit.empty() || unit == "s" || unit == "m" || unit == "h";

@@ -1,10 +1,10 @@
 #include "ngs/stages/boundary/rbf_stage.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "ngs/core/error.h"
+#include "ngs/core/parse_number.h"
 #include "ngs/ops/field/knn.h"
 
 namespace ngs {
@@ -34,9 +34,7 @@ void require_same_origin(const QueryField& field, const std::array<double, 3>& o
 double rbf_width(const Exec& exec, const RbfOptions& options, Rows<const float, 3> boundary) {
   if (options.width == "auto") return auto_rbf_width(exec, boundary, options.neighbours, options.width_factor);
   double width = 0;
-  const char* end = options.width.data() + options.width.size();
-  const auto [stop, error] = std::from_chars(options.width.data(), end, width);
-  if (error != std::errc() || stop != end || !(width > 0) || !std::isfinite(width))
+  if (!parse_number(options.width, width) || !(width > 0) || !std::isfinite(width))
     throw Error(ErrorCode::kUsage, "--width: '" + options.width + "', expected auto or a positive length",
                 "--width auto, or for example --width 0.35");
   return width;

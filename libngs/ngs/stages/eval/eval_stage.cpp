@@ -1,17 +1,12 @@
 #include "ngs/stages/eval/eval_stage.h"
 
 #include <algorithm>
-#include <charconv>
 #include <set>
+
+#include "ngs/core/parse_number.h"
 
 namespace ngs {
 namespace {
-
-template <class T>
-bool parse_number(std::string_view text, T& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size() && !text.empty();
-}
 
 std::vector<std::string_view> split(std::string_view text, char separator) {
   std::vector<std::string_view> parts;

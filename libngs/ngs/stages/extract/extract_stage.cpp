@@ -1,11 +1,11 @@
 #include "ngs/stages/extract/extract_stage.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
+#include "ngs/core/parse_number.h"
 #include "ngs/math/union_find.h"
 #include "ngs/ops/field/knn.h"
 #include "ngs/scene/mask_threshold.h"
@@ -19,9 +19,7 @@ namespace {
 
 double rule_value(const std::string& rule, std::size_t colon, double low, double high) {
   double value = 0;
-  const char* end = rule.data() + rule.size();
-  const auto [stop, status] = std::from_chars(rule.data() + colon + 1, end, value);
-  if (status != std::errc() || stop != end || !(value >= low && value <= high)) {
+  if (!parse_number(std::string_view(rule).substr(colon + 1), value) || !(value >= low && value <= high)) {
     char range[64];
     std::snprintf(range, sizeof range, "a number in [%g, %g] after the colon", low, high);
     bad_rule(rule, range);

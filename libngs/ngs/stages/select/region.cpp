@@ -1,12 +1,12 @@
 #include "ngs/stages/select/region.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
+#include "ngs/core/parse_number.h"
 #include "ngs/stages/orbit/orbit_stage.h"
 #include "ngs/stages/select/canonical_points.h"
 
@@ -30,7 +30,7 @@ struct NumberList {
     std::array<double, kCount> values{};
     const char *at = text.data(), *const end = at + text.size();
     for (std::size_t k = 0; k < kCount; ++k) {
-      const auto [stop, status] = std::from_chars(at, end, values[k]);
+      const auto [stop, status] = scan_number(at, end, values[k]);
       const bool last = k + 1 == kCount;
       if (status != std::errc() || !std::isfinite(values[k]) || (last ? stop != end : stop == end || *stop != ','))
         refuse(std::string(form) + ": " + std::to_string(kCount) + " finite numbers with commas between them");

@@ -1,13 +1,13 @@
 #include "ngs/stages/synth/mask_noise.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numeric>
 #include <vector>
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/error.h"
+#include "ngs/core/parse_number.h"
 #include "ngs/core/rng.h"
 
 namespace ngs::synth {
@@ -165,8 +165,7 @@ void parse_one(const std::string& spec, NoiseOf of, MaskNoise& noise) {
   if (colon == std::string::npos) refuse(spec, of);
   const std::string kind = spec.substr(0, colon), number = spec.substr(colon + 1);
   double value = 0;
-  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
-  if (error != std::errc() || end != number.data() + number.size() || !(value >= 0)) refuse(spec, of);
+  if (!parse_number(number, value) || !(value >= 0)) refuse(spec, of);
   const auto set = [&](double& field, double most) {
     if (value > most) refuse(spec, of);
     field = value;

@@ -1,0 +1,33 @@
+#pragma once
+// Numbers in texts, in the form that std::from_chars reads: no blanks or '+' before them, no hexadecimals, '.' in every
+// locale. The C++ library of LLVM has std::from_chars of floating-point numbers from version 20 on only.
+#include <charconv>
+#include <string_view>
+#include <system_error>
+#include <type_traits>
+
+namespace ngs {
+
+/// As std::from_chars(begin, end, value), by the C library: same values, ends and errors.
+std::from_chars_result scan_by_strtod(const char* begin, const char* end, float& value);
+std::from_chars_result scan_by_strtod(const char* begin, const char* end, double& value);
+
+/// std::from_chars with any C++ library.
+template <class T>
+std::from_chars_result scan_number(const char* begin, const char* end, T& value) {
+#if defined(_LIBCPP_VERSION) && _LIBCPP_VERSION < 200000
+  if constexpr (std::is_floating_point_v<T>)
+    return scan_by_strtod(begin, end, value);
+  else
+#endif
+    return std::from_chars(begin, end, value);
+}
+
+/// Whether the whole text is a number that T can hold, which is then in `value`.
+template <class T>
+bool parse_number(std::string_view text, T& value) {
+  const auto [stop, error] = scan_number(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && stop == text.data() + text.size();
+}
+
+}  // namespace ngs
