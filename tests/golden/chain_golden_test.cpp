@@ -38,10 +38,10 @@ TEST_CASE("the chain on the tiny scene keeps its boundary set, labels, masks and
   std::getline(trace_file, line);
   const nlohmann::json first_step = nlohmann::json::parse(line);
   const double got[] = {double(boundary.cloud.size()),
-                        sum(boundary.labels.boundary),
-                        sum(boundary.labels.label),
-                        sum(boundary.labels.prob),
-                        sum(joint.labels.prob),
+                        sum(boundary.labels.boundary.values()),
+                        sum(boundary.labels.label.values()),
+                        sum(boundary.labels.prob.values()),
+                        sum(joint.labels.prob.values()),
                         metrics.at("mean").at("iou").get<double>(),
                         metrics.at("mean").at("biou").get<double>(),
                         first_step.at("loss").at("photometric").get<double>(),

@@ -75,7 +75,7 @@ TEST_CASE("joint: the artifact of ngs-sample and ngs-rbf gives the same result a
   Monitor monitor;
   const Problem input = c->input();
   const SampleOptions sample = small_grid();
-  const BoundarySet boundary = boundary_set(c->model, c->labels[0].boundary);
+  const BoundarySet boundary = boundary_set(c->model, c->labels[0].boundary.values());
   REQUIRE(boundary.size() > 8);
   QueryField field = sample_queries({}, monitor, sample, {c->model, boundary, c->scene, input.views});
   interpolate_features({}, monitor, {}, boundary, field);
@@ -156,7 +156,7 @@ TEST_CASE("joint: the excess variance asks no photo of a view that has none") {
 
 TEST_CASE("joint: an empty boundary set is nothing found, or labels alone if allowed") {
   auto c = test::joint_case();
-  std::fill(c->labels[0].boundary.begin(), c->labels[0].boundary.end(), 0.f);
+  c->labels[0].boundary.assign(c->labels[0].boundary.size(), 0.f);
   Monitor monitor;
   const Problem input = c->input();
   const SampleOptions sample = small_grid();

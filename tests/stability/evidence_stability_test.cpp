@@ -6,6 +6,7 @@
 
 #include "ngs/ops/splat/evidence.h"
 #include "ngs/stages/boundary/variance_stage.h"
+#include "support/same_evidence.h"
 #include "support/stability.h"
 
 namespace ngs {
@@ -42,15 +43,6 @@ struct Capture {
   }
 };
 
-bool same(const Evidence& a, const Evidence& b) {
-  const auto sums = [](const ExactSums& x, const ExactSums& y) {
-    return x.whole == y.whole && x.fraction == y.fraction;
-  };
-  return sums(a.weight, b.weight) && sums(a.object_weight, b.object_weight) &&
-         sums(a.signal_square_sum, b.signal_square_sum) && a.pixels == b.pixels && a.object_pixels == b.object_pixels &&
-         a.views == b.views && a.signal_sum == b.signal_sum && a.contrast_lack == b.contrast_lack;
-}
-
 LabelColumns labels(const Evidence& e, Criterion criterion = Criterion::kPooled) {
   VarianceOptions options;
   options.criterion = criterion;
@@ -61,8 +53,9 @@ LabelColumns labels(const Evidence& e, Criterion criterion = Criterion::kPooled)
 Evidence of_signals(const std::vector<double>& signals) {
   Evidence e(1, 1);
   for (const double m : signals) {
-    e.add_signal(0, m);
-    e.weight.add(0, 1), e.object_weight.add(0, m), ++e.views[0];
+    ObjectShare& of = e.share.touch(0, 0);
+    of.add_signal(m), of.weight.add(m);
+    e.weight.add(0, 1), ++e.views[0];
   }
   return e;
 }
@@ -76,7 +69,7 @@ TEST_CASE("evidence: a mask that is empty everywhere gives probability exactly 0
     const Evidence e = c.evidence();
     const LabelColumns l = labels(e);
     for (std::size_t i = 0; i < l.prob.size(); ++i)
-      worst.ours_is(e.object_weight.value(i) == 0 && l.prob[i] == 0 && l.variance[i] == 0 && l.label[i] == 0);
+      worst.ours_is(e.object_weight(i, 0) == 0 && l.prob[i] == 0 && l.variance[i] == 0 && l.label[i] == 0);
   });
 }
 
@@ -98,11 +91,11 @@ TEST_CASE("evidence: a mask that is full everywhere gives probability exactly 1,
                     for (std::size_t i = 0; i < l.prob.size(); ++i) {
                       if (sum.views[i] == 0) continue;
                       worst.ours_is(l.prob[i] == 1 && l.variance[i] == 0 && l.label[i] == 1 &&
-                                    sum.pixels[i] == sum.object_pixels[i]);
+                                    sum.pixels[i] == sum.object_pixels(i, 0));
                       float weight = 0, object_weight = 0;
                       for (std::size_t k = 0; k < part.size(); ++k)
                         weight += float(part[k].weight.value(i)),
-                            object_weight += float(part[part.size() - 1 - k].object_weight.value(i));
+                            object_weight += float(part[part.size() - 1 - k].object_weight(i, 0));
                       worst.naive(object_weight / weight, 1);
                     }
                   });
@@ -134,7 +127,7 @@ TEST_CASE("evidence: a Gaussian whose pixels agree has their answer and no varia
                     const LabelColumns l = labels(e), r = labels(e, Criterion::kRelativeDiff);
                     worst.ours_is((e.pixels[0] == 1) == (h == 1) && e.views[0] == 1 &&
                                   l.prob[0] == (inside ? 1.f : 0.f) && r.variance[0] == 0);
-                    const float in = float(e.object_pixels[0]), out = float(e.pixels[0]) - in;
+                    const float in = float(e.object_pixels(0, 0)), out = float(e.pixels[0]) - in;
                     const float contrast = std::abs(in - out) / (in + out + 1e-6f);
                     worst.naive_is(1 - contrast * contrast == 0);
                   });
@@ -150,7 +143,7 @@ TEST_CASE("evidence: a Gaussian that no pixel sees is unseen, neither object nor
           const LabelColumns l = labels(e, criterion);
           worst.ours_is((l.views[0] == 0) == (h == 0) && l.prob[0] == 0 && l.label[0] == 0 && l.variance[0] == 0);
         }
-        worst.naive_is(float(e.object_weight.value(0)) / float(e.weight.value(0)) == 0);
+        worst.naive_is(float(e.object_weight(0, 0)) / float(e.weight.value(0)) == 0);
       });
 }
 
@@ -168,7 +161,7 @@ TEST_CASE("evidence: merged parts equal one run, in any order and any sharding")
         for (const Evidence& e : parts) once.add(e);
         for (std::size_t k = parts.size(); k-- > 0;) shard[random.below(2)].add(parts[k]);
         merged.add(shard[1]), merged.add(shard[0]);
-        worst.ours_is(same(once, merged));
+        worst.ours_is(test::same_evidence(once, merged));
         float forwards = 0, backwards = 0;
         for (std::size_t k = 0; k < parts.size(); ++k)
           forwards += float(parts[k].weight.value(0)), backwards += float(parts[parts.size() - 1 - k].weight.value(0));
@@ -195,7 +188,7 @@ TEST_CASE("evidence: weights over thirty decades give one probability, in any or
       naive += float(w), naive_object += terms.back().inside ? float(w) : 0.f;
     }
     const auto add = [](Evidence& to, const Term& t) {
-      to.weight.add(0, t.weight), to.object_weight.add(0, t.inside ? t.weight : 0.0);
+      to.weight.add(0, t.weight), to.share.touch(0, 0).weight.add(t.inside ? t.weight : 0.0);
     };
     for (const Term& t : terms) add(e, t);
     std::reverse(terms.begin(), terms.end());
@@ -203,7 +196,7 @@ TEST_CASE("evidence: weights over thirty decades give one probability, in any or
     e.views[0] = backwards.views[0] = 1;
     const float prob = labels(e).prob[0];
     worst.ours(prob, object / (object + rest));
-    worst.ours_is(same(e, backwards) && labels(backwards).prob[0] == prob);
+    worst.ours_is(test::same_evidence(e, backwards) && labels(backwards).prob[0] == prob);
     worst.naive(naive_object / naive, object / (object + rest));
   });
 }
@@ -222,15 +215,16 @@ TEST_CASE("evidence: a hundred thousand views add up without loss") {
 }
 
 TEST_CASE("evidence: pixel counts pass 2^32") {
-  test::hard_case({"pixels", {1e3, 4e9, 1e12, 9e15}, 0, {"counts in 32 bits", test::kWrong}}, [](double h,
-                                                                                                 Random& random,
-                                                                                                 Worst& worst) {
-    Evidence part(1, 1), sum(1, 1);
-    part.pixels[0] = std::uint64_t(h) + std::uint64_t(random.below(1000)), part.object_pixels[0] = part.pixels[0] / 2;
-    for (int k = 0; k < 7; ++k) sum.add(part);
-    worst.ours_is(sum.pixels[0] == 7 * part.pixels[0] && sum.object_pixels[0] == 7 * part.object_pixels[0]);
-    worst.naive_is(std::uint32_t(7 * part.pixels[0]) == 7 * part.pixels[0]);
-  });
+  test::hard_case(
+      {"pixels", {1e3, 4e9, 1e12, 9e15}, 0, {"counts in 32 bits", test::kWrong}},
+      [](double h, Random& random, Worst& worst) {
+        Evidence part(1, 1), sum(1, 1);
+        part.pixels[0] = std::uint64_t(h) + std::uint64_t(random.below(1000));
+        part.share.touch(0, 0).pixels = part.pixels[0] / 2;
+        for (int k = 0; k < 7; ++k) sum.add(part);
+        worst.ours_is(sum.pixels[0] == 7 * part.pixels[0] && sum.object_pixels(0, 0) == 7 * part.object_pixels(0, 0));
+        worst.naive_is(std::uint32_t(7 * part.pixels[0]) == 7 * part.pixels[0]);
+      });
 }
 
 TEST_CASE("evidence: equal signals have variance exactly 0") {
@@ -238,7 +232,7 @@ TEST_CASE("evidence: equal signals have variance exactly 0") {
                   [](double h, Random& random, Worst& worst) {
                     const double m = random.uniform(0, 1);
                     const Evidence e = of_signals(std::vector<double>(std::size_t(h), m));
-                    worst.ours_is(between_views_variance(e, 0, e.views[0]) == 0 &&
+                    worst.ours_is(between_views_variance(*e.share.find(0, 0), e.views[0]) == 0 &&
                                   labels(e, Criterion::kBetweenViews).variance[0] == 0);
                     float sum = 0, squares = 0;
                     for (int v = 0; v < int(h); ++v) sum += float(m), squares += float(m) * float(m);
@@ -257,7 +251,7 @@ TEST_CASE("evidence: nearly equal signals keep their variance") {
                     Real mean = 0, want = 0;
                     for (const double m : signals) mean += m / 100.0L;
                     for (const double m : signals) want += 4 * (m - mean) * (m - mean) / 100;
-                    worst.ours(float(between_views_variance(e, 0, 100)), want);
+                    worst.ours(float(between_views_variance(*e.share.find(0, 0), 100)), want);
                     float sum = 0, squares = 0;
                     for (const double m : signals) sum += float(m), squares += float(m) * float(m);
                     worst.naive(4 * (squares / 100 - sum / 100 * (sum / 100)), want);
@@ -269,10 +263,10 @@ TEST_CASE("evidence: the pooled variance of an almost certain Gaussian keeps its
                   [](double h, Random& random, Worst& worst) {
                     Evidence e(1, 1);
                     const double total = random.uniform(10, 1000), outside = total * h * random.uniform(0.5, 1);
-                    e.weight.add(0, total), e.object_weight.add(0, total - outside), e.views[0] = 1;
-                    const Real p = Real(e.object_weight.value(0)) / e.weight.value(0), want = 4 * p * (1 - p);
-                    worst.ours(labels(e).variance[0], want);
-                    const float q = float(e.object_weight.value(0)) / float(e.weight.value(0));
+                    e.weight.add(0, total), e.share.touch(0, 0).weight.add(total - outside), e.views[0] = 1;
+                    const Real p = Real(e.object_weight(0, 0)) / e.weight.value(0), want = 4 * p * (1 - p);
+                    worst.ours(float(labels(e).variance[0]), want);
+                    const float q = float(e.object_weight(0, 0)) / float(e.weight.value(0));
                     worst.naive(4 * q * (1 - q), want);
                   });
 }

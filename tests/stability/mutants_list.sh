@@ -28,9 +28,9 @@ mutant $f $t "" "slope of the sigmoid one-sided" 's/exp\(x < T\(0\) \? x : -x\)/
 mutant math/lane_scalar.h $t "" "a polynomial one degree lower" 's/L p\(1\.5326471e-4f\)/L p(0.f)/'
 mutant math/lanes_avx2.h $t "" "lanes that are not asked for" 's/_mm256_and_si256\(power, .*\)\)\);/power));/'
 mutant math/lane_scalar.h $t "" "a wrong coefficient" 's/9\.618506e-3f/9.62e-3f/'
-mutant math/exact_sum.h $t "" "carry lost" 's/\(fraction\[i\] < f \? 1 : 0\)/0/'
-mutant math/exact_sum.h $t "" "32 bits of fraction" 's/return std::uint64_t\(\(x - std::floor\(x\)\) \* 0x1p64\)/return std::uint64_t((x - std::floor(x)) * 0x1p32) << 32/'
-mutant math/exact_sum.h $t "" "value in float" 's/return double\(whole\[i\]\) \+/return double(float(whole[i])) +/'
+mutant math/exact_sum.h $t "" "carry lost" 's/\(fraction < other\.fraction \? 1 : 0\)/0/'
+mutant math/exact_sum.h $t "" "32 bits of fraction" 's/std::uint64_t\(\(x - floor\) \* 0x1p64\)/std::uint64_t((x - floor) * 0x1p32) << 32/'
+mutant math/exact_sum.h $t "" "value in float" 's/return double\(whole\) \+/return double(float(whole)) +/'
 
 t=stability/compositing_stability_test.cpp f=ops/splat/splat_tiles.h
 mutant ops/splat/splat_step_kernels.h $t "ops/splat/tile_isa.cpp" "alpha not capped" 's/min_lanes\(L\(.*\)\), (exp2_where\(reached, exponent\))\)/\1/'
@@ -55,7 +55,7 @@ mutant $f $t $f "variance as a difference in double" 's/const Wide numerator = .
 mutant $f $t $f "pixel counts in 32 bits" 's/pixels\[i\] \+= other\.pixels\[i\];/pixels[i] = std::uint32_t(pixels[i] + other.pixels[i]);/'
 mutant $f $t $f "views not merged" 's/views\[i\] \+= other\.views\[i\];//'
 mutant stages/boundary/variance_stage.cpp $t stages/boundary/variance_stage.cpp "W1 \/ W of what no view sees" 's/if \(e\.views\[i\] == 0\) continue;//'
-mutant stages/boundary/variance_stage.cpp $t stages/boundary/variance_stage.cpp "pooled variance in float" 's/const double p = e\.object/const float p = (float)e.object/'
+mutant stages/boundary/variance_stage.cpp $t stages/boundary/variance_stage.cpp "pooled variance in float" 's/return 4\.0 \* prob \* \(1\.0 - prob\)/return 4.0 * float(prob) * (1.0 - float(prob))/'
 mutant stages/boundary/variance_stage.cpp $t stages/boundary/variance_stage.cpp "unweighted ratio doubled" 's/return 1\.0 - r \* r;/return 1.0 - 2 * r * r;/'
 mutant ops/splat/evidence.cpp $t ops/splat/evidence.cpp "unknown pixels counted" 's/of\.masks\.known\.empty\(\) \? nullptr : of\.masks\.known\.data\(\)/nullptr/'
 
@@ -281,7 +281,7 @@ t=unit/problem/window_input_test.cpp
 mutant problem/pixel_window.cpp $t problem/pixel_window.cpp "windows beside the tiles" 's/ \/ kGrain_px \* kGrain_px; \};/ + 1; };/'
 mutant problem/window_input.cpp $t problem/window_input.cpp "windows of the masks of another view" 's/windows_->masks\[view\]\.unpacked/windows_->masks[(view + 1) % windows_->masks.size()].unpacked/'
 mutant problem/window_input.cpp $t problem/window_input.cpp "losses as if the window were the view" 's/share\[v\] = double\(windows\[v\]\.w\)/share[v] = 0.5 * double(windows[v].w)/'
-mutant stages/boundary/method_labels.cpp $t stages/boundary/method_labels.cpp "views that stay in the evidence" 's/weight\[c\] - less\.of\(i\)\[c\]/weight[c]/'
+mutant stages/boundary/method_labels.cpp $t stages/boundary/method_labels.cpp "views that stay in the evidence" 's/weight\[c\] - taken\[c\]/weight[c]/'
 mutant passes/mask_outliers/mask_outliers.cpp $t passes/mask_outliers/mask_outliers.cpp "nothing beside the windows" 's/std::max\(0\.0, own \/ share - inside\.weight\(i\)\)/0.0/'
 mutant passes/joint/trained_rows.h $t passes/joint/joint_stage.cpp "gradients in the rows of others" 's/wanted_\.place\[i\] = std::int32_t\(rows_\.size\(\)\)/wanted_.place[i] = 0/'
 mutant problem/region.cpp $t problem/region.cpp "a region of everything" 's/object\.prob\[i\] >= kLeastRegionShare/true/'
@@ -306,3 +306,14 @@ t=unit/core/parse_number_test.cpp f=core/parse_number.cpp
 mutant $f $t "$f" "numbers: hexadecimal ones" 's/prefix == "0x" \|\| prefix == "0X"/false/'
 mutant $f $t "$f" "numbers: what is too large is infinity" 's/std::isinf\(number\) \|\| //'
 mutant $f $t "$f" "numbers: blanks before them" 's/!begins_number\(\{begin, end\}\)/begin == end/'
+
+t=unit/math/sparse_table_test.cpp f=math/sparse_table.h
+mutant $f $t "" "sparse table: cells of a row as they came" 's/while \(\*at != kNone && node_\[\*at\]\.column < column\) at = .*;//'
+mutant $f $t "" "sparse table: a cell made again" 's/if \(\*at == kNone \|\| node_\[\*at\]\.column != column\)/if (true)/'
+mutant $f $t "" "sparse table: the next cell for the one that is missing" 's/at != kNone && node_\[at\]\.column == column \?/at != kNone ?/'
+t=unit/scene/labels/label_column_test.cpp f=scene/labels/label_column.cpp
+mutant $f $t $f "label column: written where others read" 's/if \(page\.use_count\(\) > 1\) page = .*$//'
+mutant $f $t $f "label column: later values not counted on" 's/\+\+before\[later\]/before[later]/'
+mutant $f $t $f "label column: pages shared that hold other values" 's/return a\.has == b\.has && .*;/return a.has == b.has;/'
+mutant $f $t $f "label column: rows come back that were cut off" 's/if \(rows < rows_ && rows % kPageRows != 0\)/if (false)/'
+mutant scene/evidence.cpp unit/ops/splat/evidence_test.cpp scene/evidence.cpp "what an object has for the first time is lost" 's/share\.touch\(first\.gaussian, first\.object\)\.add\(first\.share\)/share.touch(first.gaussian, first.object)/'

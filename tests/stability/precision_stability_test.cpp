@@ -124,7 +124,7 @@ TEST_CASE("float labels of a real capture differ from double ones only within ro
     const ViewMasks given = io::load_masks(truth, index);
     for (const float m : given.target[0]) target.push_back(m >= 0.5f);
     const std::vector<std::uint8_t> mask[2] = {
-        float_mask(model.cloud, view.camera, options, single.label),
+        float_mask(model.cloud, view.camera, options, single.label.values()),
         double_mask(cloud, relative_camera(view.camera, model.cloud), options, label)};
     const int w = view.camera.width_px, h = view.camera.height_px;
     for (int k = 0; k < 2; ++k) biou[k] += score_mask({}, {mask[k].data(), w, h}, {target.data(), w, h}).biou_005;

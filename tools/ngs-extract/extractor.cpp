@@ -80,7 +80,7 @@ void Extractor::import(const std::string& path) {
   const io::GaussianPly edit = io::read_gaussian_ply(path);
   LabelColumns& columns = objects_[chosen_[0]].columns;
   const Extraction before = extract_object(run_.exec(), options_, {ply_.cloud, columns, ply_.fixed});
-  const ImportedEdit imported = import_edit(ply_.cloud, before.object, columns.label, edit.cloud, edit.state);
+  const ImportedEdit imported = import_edit(ply_.cloud, before.object, columns.label.values(), edit.cloud, edit.state);
   columns.label = imported.label;
   ply_.fixed = imported.fixed;
   run_.result()["import"] = {{"matched", imported.matched},
@@ -136,7 +136,8 @@ void Extractor::restrict_to_region() {
   }
   keep_ = found.object;
   for (const std::size_t k : chosen_)
-    for (std::size_t i = 0; i < keep_.size(); ++i) objects_[k].columns.label[i] *= float(keep_[i]);
+    for (std::size_t i = 0; i < keep_.size(); ++i)
+      if (!keep_[i]) objects_[k].columns.label[i] = 0;
 }
 
 void Extractor::tell_what_is_odd(std::int64_t kept) {

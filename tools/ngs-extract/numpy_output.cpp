@@ -10,7 +10,7 @@
 namespace ngs::cli {
 namespace {
 
-std::vector<std::uint8_t> seen_of(const std::vector<float>& views) {
+std::vector<std::uint8_t> seen_of(const LabelColumn& views) {
   std::vector<std::uint8_t> seen(views.size());
   std::ranges::transform(views, seen.begin(), [](float v) { return std::uint8_t(v != 0); });
   return seen;
@@ -28,7 +28,7 @@ std::vector<std::int64_t> rows_of(const std::vector<T>& member) {
 }  // namespace
 
 NumpyLabels::NumpyLabels(const Extractor& extractor) {
-  for (const io::NamedLabels* object : extractor.chosen()) labels_.push_back(object->columns.label);
+  for (const io::NamedLabels* object : extractor.chosen()) labels_.push_back(object->columns.label.values());
 }
 
 void NumpyLabels::write(const std::string& path, const Extractor& extractor) const {
@@ -47,7 +47,7 @@ void NumpyLabels::write(const std::string& path, const Extractor& extractor) con
     const std::string ending = "_" + objects[k]->object + ".npy";
     single.push_back({"labels" + ending, io::npy_of(labels_[k])});
     single.push_back({"seen" + ending, io::npy_of_flags(seen_here)});
-    single.push_back({"object" + ending, io::npy_of(rows_of(columns.label))});
+    single.push_back({"object" + ending, io::npy_of(rows_of(columns.label.values()))});
   }
   std::vector<io::ZipEntry> entries{{"labels.npy", io::npy_of(labels)},
                                     {"seen.npy", io::npy_of_flags(seen)},

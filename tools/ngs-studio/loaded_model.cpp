@@ -49,7 +49,7 @@ RefinedModel::RefinedModel(const Exec& exec, const std::string& labelled, const 
   splat.prepared = nullptr;
   splat = prepared_for(exec, splat, ply.cloud);
   live::ObjectLabels found;
-  found.label = ply.labels.label;
+  found.label = ply.labels.label.values();
   found.boundary.resize(found.label.size());
   for (std::size_t i = 0; i < found.label.size(); ++i) {
     found.label[i] = float(found.label[i] >= 0.5f), found.count += found.label[i] > 0;

@@ -41,7 +41,7 @@ Scene with_columns(Scene scene, const std::vector<std::string>& columns, const s
 /// Into the report; returns the boundary Gaussians of all objects.
 std::int64_t report_counts(cli::Run& run, const LabelledScene& labelled) {
   const auto& [scene, ply, labels] = labelled;
-  const auto count = [](const std::vector<float>& column) { return std::count(column.begin(), column.end(), 1.f); };
+  const auto count = [](const LabelColumn& column) { return std::count(column.begin(), column.end(), 1.f); };
   std::int64_t boundary_total = 0;
   for (std::size_t k = 0; k < labels.size(); ++k) {
     const std::int64_t boundary = count(labels[k].boundary);
@@ -72,15 +72,17 @@ std::string made_with(const std::string& scene_path, const SplatOptions& splat) 
 Json memory_plan(const GaussianCloud& cloud, const Scene& scene, std::size_t views) {
   constexpr double kMib = 1024.0 * 1024.0, kProgramMib = 48;
   const auto objects = double(scene.objects.size()), n = double(cloud.size());
+  const double owners = std::min(objects, 2.0);         // objects that a Gaussian is part of, at most in the mean
+  const double few = std::min(objects, 3.0);            // of more, sums are kept for those alone that a tile shows
   const double model = 57 + 12.0 * cloud.rest_count();  // position, rotation, scale, opacity, constant band, usable
-  const double sums = 28 + 56 * objects;                // Evidence
+  const double sums = 32 + 64 * owners;                 // Evidence
   const double prepared = 60;                           // what the projection takes from a Gaussian alone
   // One view at a time, as if every Gaussian were visible and reached three tiles: id, record, depth, rectangle, first
   // span, first slot and a flag; spans, whose lists grow by doubling; sums of the view; lists, entries and sums of the
   // pairs.
-  const double row = 4 + 56 + 4 + 16 + 8 + 8 + 1, spans = 2 * 3 * 8, view_sums = 4 + 8 * (2 + 2 * objects);
-  const double view = row + spans + view_sums + 3 * (8 + 12 + 4 * (2 + 2 * objects));
-  const double labels = 20 * (objects + 1);  // written after the last view
+  const double row = 4 + 56 + 4 + 16 + 8 + 8 + 1, spans = 2 * 3 * 8, view_sums = 4 + 8 * (2 + 2 * few);
+  const double view = row + spans + view_sums + 3 * (8 + 12 + 4 * (2 + 2 * few));
+  const double labels = 20 * (owners + 1);  // written after the last view
   const double per_gaussian = model + sums + std::max(prepared + view, labels);
   const double per_pixel = 1 + 4 * objects + 8;  // masks, and the image they are read from
   double largest_view_px = 0;

@@ -7,30 +7,50 @@
 
 namespace ngs {
 
+/// value = whole + fraction · 2^-64.
+struct ExactSum {
+  std::uint64_t whole = 0, fraction = 0;
+
+  /// x in [0, 2^63).
+  static ExactSum of(double x) {
+    const double floor = std::floor(x);
+    return {std::uint64_t(floor), std::uint64_t((x - floor) * 0x1p64)};
+  }
+  void add(double x) { add(of(x)); }
+  void add(const ExactSum& other) {
+    fraction += other.fraction;
+    whole += other.whole + (fraction < other.fraction ? 1 : 0);
+  }
+  /// What was added: nothing of it is left.
+  void subtract(const ExactSum& other) {
+    whole -= other.whole + (fraction < other.fraction ? 1 : 0);
+    fraction -= other.fraction;
+  }
+  double value() const { return double(whole) + double(fraction) * 0x1p-64; }
+  bool operator==(const ExactSum&) const = default;
+};
+
 struct ExactSums {
-  std::vector<std::uint64_t> whole, fraction;  // value = whole + fraction · 2^-64
+  std::vector<std::uint64_t> whole, fraction;
 
   void resize(std::size_t n) { whole.resize(n, 0), fraction.resize(n, 0); }
   std::size_t size() const { return whole.size(); }
-  /// x in [0, 2^63).
-  void add(std::size_t i, double x) { add_fixed(i, whole_of(x), fraction_of(x)); }
-  /// An x that was added: nothing of it is left.
+  ExactSum at(std::size_t i) const { return {whole[i], fraction[i]}; }
+  void add(std::size_t i, double x) { add(i, ExactSum::of(x)); }
+  void add(std::size_t i, const ExactSum& other) {
+    ExactSum sum = at(i);
+    sum.add(other);
+    set(i, sum);
+  }
   void subtract(std::size_t i, double x) {
-    const std::uint64_t f = fraction_of(x);
-    whole[i] -= whole_of(x) + (fraction[i] < f ? 1 : 0);
-    fraction[i] -= f;
+    ExactSum sum = at(i);
+    sum.subtract(ExactSum::of(x));
+    set(i, sum);
   }
-  void add(std::size_t i, const ExactSums& other) { add_fixed(i, other.whole[i], other.fraction[i]); }
-  /// w + f · 2^-64.
-  void add_fixed(std::size_t i, std::uint64_t w, std::uint64_t f) {
-    fraction[i] += f;
-    whole[i] += w + (fraction[i] < f ? 1 : 0);
-  }
-  double value(std::size_t i) const { return double(whole[i]) + double(fraction[i]) * 0x1p-64; }
+  double value(std::size_t i) const { return at(i).value(); }
 
  private:
-  static std::uint64_t whole_of(double x) { return std::uint64_t(std::floor(x)); }
-  static std::uint64_t fraction_of(double x) { return std::uint64_t((x - std::floor(x)) * 0x1p64); }
+  void set(std::size_t i, const ExactSum& sum) { whole[i] = sum.whole, fraction[i] = sum.fraction; }
 };
 
 }  // namespace ngs

@@ -46,7 +46,8 @@ void CobTrainer::label_step(const Exec& exec, const Evidence& view) {
   for_each_index(exec, cloud_.size(), [&](std::int64_t row) {
     for (int k = 0; k < objects_; ++k) {
       const std::size_t cell = std::size_t(row) * std::size_t(objects_) + std::size_t(k);
-      const double inside = view.object_weight.value(cell), outside = view.weight.value(std::size_t(row)) - inside;
+      const double inside = view.object_weight(std::size_t(row), std::size_t(k));
+      const double outside = view.weight.value(std::size_t(row)) - inside;
       const double m = sigmoid(double(logit_[cell]));
       gradient[cell] = float((options_.lambda * outside - inside) * m * (1 - m));
     }
@@ -101,8 +102,7 @@ void CobTrainer::apply(const Exec& exec, const std::vector<CloudRow>& rows) {
   for (std::size_t g = 0; g < kGaussianGroups; ++g) edit_moments(rows, group_width(cloud_, g), moments_[g]);
   edit_moments(rows, objects_, label_moments_);
   edit_column(exec, rows, objects_, logit_);
-  for (LabelColumns& c : columns_)
-    for (auto* column : {&c.label, &c.prob, &c.variance, &c.views, &c.boundary}) edit_column(exec, rows, 1, *column);
+  edit_labels(exec, rows, columns_);
   std::vector<std::int64_t> source(rows.size());
   for (std::size_t r = 0; r < rows.size(); ++r) {
     source[r] = source_row_[std::size_t(rows[r].source)];

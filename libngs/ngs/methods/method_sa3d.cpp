@@ -16,7 +16,7 @@ struct ObjectState {
   std::vector<float> label() const {
     std::vector<float> out(std::size_t(evidence.gaussians), 0.f);
     for (std::size_t i = 0; i < out.size(); ++i)
-      out[i] = float(evidence.object_weight.value(i) > threshold * evidence.weight.value(i));
+      out[i] = float(evidence.object_weight(i, 0) > threshold * evidence.weight.value(i));
     return out;
   }
 };
@@ -91,7 +91,7 @@ Solution run_sa3d(const Exec& exec, Monitor& monitor, const Sa3dOptions& options
       for (std::size_t i = 0; i < kept.size(); ++i) {
         columns.label[i] = kept[i];
         if (state.evidence.views[i] > 0)
-          columns.prob[i] = float(state.evidence.object_weight.value(i) / state.evidence.weight.value(i));
+          columns.prob[i] = float(state.evidence.object_weight(i, 0) / state.evidence.weight.value(i));
       }
     }
     result.figures["views_accepted"] += double(state.accepted.size());

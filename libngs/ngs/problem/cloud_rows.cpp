@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/rng.h"
@@ -57,6 +58,22 @@ void place_half(GaussianCloud& cloud, std::size_t r, RowOrigin half) {
   s[axis] += float(std::log(shrink));
   const double depth = softplus(double(cloud.logit_opacity[r])) / (2 * shrink);  // -log(1 - opacity) of a half
   cloud.logit_opacity[r] = float(std::log(std::max(std::expm1(depth), 1e-300)));
+}
+
+/// f(object, column) of every column: different ones may be written at the same time.
+template <class F>
+void for_each_label_column(const Exec& exec, std::size_t objects, const F& f) {
+  constexpr std::size_t kColumns = std::size(kLabelColumns);
+  for_each_task(exec, std::int64_t(objects * kColumns), [&](std::int64_t task) {
+    f(std::size_t(task) / kColumns, kLabelColumns[std::size_t(task) % kColumns]);
+  });
+}
+
+template <class Row>
+LabelColumn gather_label_column(const LabelColumn& column, const std::vector<Row>& rows) {
+  LabelColumn part(rows.size(), 0.f);
+  for (std::size_t r = 0; r < rows.size(); ++r) part[r] = column[std::size_t(source_of(rows[r]))];
+  return part;
 }
 
 void clear(const std::vector<std::uint8_t>& chosen, std::size_t width, std::vector<float>& values) {
@@ -123,15 +140,24 @@ double largest_scale(const GaussianCloud& cloud, std::int64_t row) {
 std::vector<LabelColumns> gather_labels(const Exec& exec, const std::vector<LabelColumns>& labels,
                                         const std::vector<std::int64_t>& rows) {
   std::vector<LabelColumns> part(labels.size());
-  for (std::size_t k = 0; k < labels.size(); ++k)
-    for (const auto column : kLabelColumns) part[k].*column = gather_column(exec, labels[k].*column, 1, rows);
+  for_each_label_column(exec, labels.size(), [&](std::size_t k, LabelColumn LabelColumns::*column) {
+    part[k].*column = gather_label_column(labels[k].*column, rows);
+  });
   return part;
 }
 
 void scatter_labels(const Exec& exec, const std::vector<LabelColumns>& part, const std::vector<std::int64_t>& rows,
                     std::vector<LabelColumns>& labels) {
-  for (std::size_t k = 0; k < labels.size(); ++k)
-    for (const auto column : kLabelColumns) scatter_column(exec, part[k].*column, 1, rows, labels[k].*column);
+  for_each_label_column(exec, labels.size(), [&](std::size_t k, LabelColumn LabelColumns::*column) {
+    for (std::size_t r = 0; r < rows.size(); ++r)
+      (labels[k].*column)[std::size_t(rows[r])] = (std::as_const(part[k]).*column)[r];
+  });
+}
+
+void edit_labels(const Exec& exec, const std::vector<CloudRow>& rows, std::vector<LabelColumns>& labels) {
+  for_each_label_column(exec, labels.size(), [&](std::size_t k, LabelColumn LabelColumns::*column) {
+    labels[k].*column = gather_label_column(labels[k].*column, rows);
+  });
 }
 
 }  // namespace ngs

@@ -7,6 +7,7 @@
 #include "ngs/backend/for_each.h"
 #include "ngs/ops/optim/adam.h"
 #include "ngs/scene/gaussian_cloud.h"
+#include "ngs/scene/labels/label_columns.h"
 
 namespace ngs {
 
@@ -58,6 +59,7 @@ std::vector<LabelColumns> gather_labels(const Exec& exec, const std::vector<Labe
                                         const std::vector<std::int64_t>& rows);
 void scatter_labels(const Exec& exec, const std::vector<LabelColumns>& part, const std::vector<std::int64_t>& rows,
                     std::vector<LabelColumns>& labels);
+void edit_labels(const Exec& exec, const std::vector<CloudRow>& rows, std::vector<LabelColumns>& labels);
 
 /// Moments follow their Gaussian; new Gaussians start with zeros.
 void edit_moments(const std::vector<CloudRow>& rows, int width, AdamMoments& moments);

@@ -12,6 +12,7 @@
 #include "ngs/core/monitor.h"
 #include "ngs/ops/splat/splat.h"
 #include "ngs/scene/evidence.h"
+#include "ngs/scene/labels/label_columns.h"
 #include "ngs/scene/scene.h"
 
 namespace ngs {

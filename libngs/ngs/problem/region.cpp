@@ -21,6 +21,8 @@ bool same_row(const std::vector<float>& a, std::size_t i, const std::vector<floa
   return width == 0 || std::memcmp(&a[i * width], &b[j * width], width * sizeof(float)) == 0;
 }
 
+bool same_value(float a, float b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
 bool same_row(const GaussianCloud& a, std::size_t i, const GaussianCloud& b, std::size_t j) {
   return same_row(a.position, i, b.position, j, 3) && same_row(a.rotation, i, b.rotation, j, 4) &&
          same_row(a.log_scale, i, b.log_scale, j, 3) && same_row(a.logit_opacity, i, b.logit_opacity, j, 1) &&
@@ -60,7 +62,7 @@ std::int64_t rows_changed(const GaussianCloud& cloud, const std::vector<LabelCol
     bool same = same_row(solution.cloud, row, cloud, source);
     for (std::size_t k = 0; same && k < labels.size(); ++k)
       for (const auto column : kLabelColumns)
-        same &= same_row(solution.labels[k].*column, row, labels[k].*column, source, 1);
+        same &= same_value((solution.labels[k].*column)[row], (labels[k].*column)[source]);
     changed += !same;
   }
   return changed;

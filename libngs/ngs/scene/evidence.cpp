@@ -11,6 +11,20 @@ namespace {
 
 std::uint64_t quantised(double unit) { return std::uint64_t(std::llround(unit * 0x1p32)); }
 
+/// Where an object has neither weight nor a pixel, all pixels say that the Gaussian is none of its: r = 1.
+bool says_something(const double* sum, std::size_t k) { return sum[2 + 2 * k] != 0 || sum[3 + 2 * k] != 0; }
+
+/// What one view says of object k.
+ObjectShare share_of(const double* sum, std::size_t k) {
+  const double w = sum[0], count = sum[1], object_w = sum[2 + 2 * k], object_count = sum[3 + 2 * k];
+  ObjectShare of;
+  of.weight = ExactSum::of(object_w);
+  of.pixels = std::uint64_t(object_count);
+  of.add_signal(object_w / w);
+  of.contrast_lack = quantised(1) - quantised(std::abs(2 * object_count - count) / count);
+  return of;
+}
+
 // A Gaussian is a byte of flags, how far it lies from the one before, W, and what objects have of it.
 constexpr std::uint8_t kDouble = 1;                // W is no float; of a view that shows a Gaussian in one tile it is
 constexpr std::uint8_t kOneHasAll = 2, kSome = 4;  // one object has W1 = W, or some have any of it; else none has
@@ -66,55 +80,63 @@ double take_value(const std::uint8_t*& at, bool as_double) {
 
 }  // namespace
 
-Evidence::Evidence(std::int64_t n, int k) : gaussians(n), objects(k) {
-  const auto rows = std::size_t(n), cells = rows * std::size_t(k);
-  weight.resize(rows), object_weight.resize(cells), pixels.resize(rows), object_pixels.resize(cells);
-  views.resize(rows), signal_sum.resize(cells), signal_square_sum.resize(cells), contrast_lack.resize(cells);
+void ObjectShare::add(const ObjectShare& other) {
+  weight.add(other.weight);
+  pixels += other.pixels;
+  signal_sum += other.signal_sum;
+  signal_square_sum.add(other.signal_square_sum);
+  contrast_lack += other.contrast_lack;
+}
+
+void ObjectShare::add_signal(double m) {
+  const std::uint64_t units = quantised(m);
+  __extension__ using Wide = unsigned __int128;
+  const Wide square = Wide(units) * units;
+  signal_sum += units;
+  signal_square_sum.add({std::uint64_t(square >> 64), std::uint64_t(square)});
+}
+
+Evidence::Evidence(std::int64_t n, int k)
+    : gaussians(n), objects(k), pixels(std::size_t(n)), views(std::size_t(n)), share(std::size_t(n), std::size_t(k)) {
+  weight.resize(std::size_t(n));
 }
 
 void Evidence::add(const Evidence& other) {
   NGS_CHECK(gaussians == other.gaussians && objects == other.objects, "evidence of different models");
   for (std::size_t i = 0; i < std::size_t(gaussians); ++i) {
-    weight.add(i, other.weight);
+    weight.add(i, other.weight.at(i));
     pixels[i] += other.pixels[i];
     views[i] += other.views[i];
+    other.share.for_each_in(i, [&](std::size_t k, const ObjectShare& of) { share.touch(i, k).add(of); });
   }
-  for (std::size_t i = 0; i < signal_sum.size(); ++i) {
-    object_weight.add(i, other.object_weight);
-    signal_square_sum.add(i, other.signal_square_sum);
-    object_pixels[i] += other.object_pixels[i];
-    signal_sum[i] += other.signal_sum[i];
-    contrast_lack[i] += other.contrast_lack[i];
+}
+
+void Evidence::add(std::size_t gaussian, const double* sum, std::vector<FirstShare>& put_off) {
+  add_nobodys(gaussian, sum[0], sum[1]);
+  for (std::size_t k = 0; k < std::size_t(objects); ++k) {
+    if (!says_something(sum, k)) continue;
+    if (ObjectShare* const known = share.find(gaussian, k))
+      known->add(share_of(sum, k));
+    else
+      put_off.push_back({std::uint32_t(gaussian), std::uint32_t(k), share_of(sum, k)});
   }
+}
+
+void Evidence::add(const std::vector<FirstShare>& put_off) {
+  for (const FirstShare& first : put_off) share.touch(first.gaussian, first.object).add(first.share);
 }
 
 void Evidence::add(std::size_t gaussian, const double* sum) {
-  const double w = sum[0], count = sum[1];
-  add_nobodys(gaussian, w, count);
-  for (std::size_t k = 0; k < std::size_t(objects); ++k) {
-    const std::size_t cell = gaussian * std::size_t(objects) + k;
-    const double object_w = sum[2 + 2 * k], object_count = sum[3 + 2 * k];
-    if (object_w == 0 && object_count == 0) continue;  // all the pixels say that it is none of its: r = 1
-    object_weight.add(cell, object_w);
-    object_pixels[cell] += std::uint64_t(object_count);
-    add_signal(cell, object_w / w);
-    contrast_lack[cell] += quantised(1) - quantised(std::abs(2 * object_count - count) / count);
-  }
+  std::vector<FirstShare> put_off;
+  add(gaussian, sum, put_off);
+  add(put_off);
 }
 
-void Evidence::add_signal(std::size_t cell, double m) {
-  const std::uint64_t units = quantised(m);
-  __extension__ using Wide = unsigned __int128;
-  const Wide square = Wide(units) * units;
-  signal_sum[cell] += units;
-  signal_square_sum.add_fixed(cell, std::uint64_t(square >> 64), std::uint64_t(square));
-}
-
-double between_views_variance(const Evidence& evidence, std::size_t row, std::uint32_t views) {
+double between_views_variance(const ObjectShare& of, std::uint32_t views) {
   if (views < 2) return 0.0;
   __extension__ using Wide = unsigned __int128;  // V Σm² < 2^32 · 2^32 · 2^64 / V: fits for V < 2^32
-  const Wide squares = (Wide(evidence.signal_square_sum.whole[row]) << 64) | evidence.signal_square_sum.fraction[row];
-  const Wide sum = evidence.signal_sum[row];
+  const Wide squares = (Wide(of.signal_square_sum.whole) << 64) | of.signal_square_sum.fraction;
+  const Wide sum = of.signal_sum;
   const Wide numerator = squares * views - sum * sum;
   return 4.0 * (double(numerator) * 0x1p-64) / (double(views) * double(views));
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ngs/math/exact_sum.h"
+#include "ngs/math/sparse_table.h"
 
 namespace ngs {
 
@@ -60,44 +61,72 @@ class ViewWeights {
   std::vector<Part> part_;
 };
 
-/// N Gaussians, K objects; [N, K] row-major. w = α T is a Gaussian's weight at a pixel, M the mask there.
+/// What the masks of one object say about a Gaussian.
+struct ObjectShare {
+  ExactSum weight;           // W1 = Σ_views Σ_pixels w M, at most W
+  std::uint64_t pixels = 0;  // of those reached, with M >= 0.5
+  // Per-view signals m = W1 / W of one view, quantised to 2^-32: their sum in these units, and that of their squares.
+  std::uint64_t signal_sum = 0;
+  ExactSum signal_square_sum;
+  // Per-view r = |n₊ - n₋| / (n₊ + n₋) of the unweighted counts (COB-GS), quantised to 2^-32. Kept is what the views
+  // lack to r = 1, Σ (1 - r) in these units: 0 of a Gaussian that no mask of the object shows.
+  std::uint64_t contrast_lack = 0;
+
+  void add(const ObjectShare& other);
+  /// The signal m in [0, 1] of one view. m² is kept as the exact square of the quantised m: as a double it could fall
+  /// short of it, and the variance of equal signals below zero.
+  void add_signal(double m);
+  bool operator==(const ObjectShare&) const = default;
+};
+
+struct FirstShare {
+  std::uint32_t gaussian, object;
+  ObjectShare share;
+};
+
+/// N Gaussians, K objects. w = α T is a Gaussian's weight at a pixel, M the mask there.
 struct Evidence {
   std::int64_t gaussians = 0;
   int objects = 0;
-  ExactSums weight;                          // [N]    W  = Σ_views Σ_pixels w          over known pixels
-  ExactSums object_weight;                   // [N, K] W1 = Σ_views Σ_pixels w M
-  std::vector<std::uint64_t> pixels;         // [N]    known pixels reached (unweighted)
-  std::vector<std::uint64_t> object_pixels;  // [N, K] of these, with M >= 0.5
-  std::vector<std::uint32_t> views;          // [N]    views with W > 0
-  // Per-view signals m = W1 / W of one view, quantised to 2^-32; their sum and the sum of their squares.
-  std::vector<std::uint64_t> signal_sum;  // [N, K] in units of 2^-32
-  ExactSums signal_square_sum;            // [N, K]
-  // Per-view r = |n₊ - n₋| / (n₊ + n₋) of the unweighted counts (COB-GS), quantised to 2^-32. Kept is what the views
-  // lack to r = 1: most Gaussians are none of most objects', and their cells are never touched.
-  std::vector<std::uint64_t> contrast_lack;  // [N, K] Σ (1 - r) in units of 2^-32
+  ExactSums weight;                   // [N] W = Σ_views Σ_pixels w over known pixels
+  std::vector<std::uint64_t> pixels;  // [N] known pixels reached (unweighted)
+  std::vector<std::uint32_t> views;   // [N] views with W > 0
+  SparseTable<ObjectShare> share;     // [N, K] most Gaussians are none of most objects'
 
   Evidence() = default;
   Evidence(std::int64_t n, int k);
   void add(const Evidence& other);
-  /// What one view says of a Gaussian: a row of ViewSums.
+  /// What one view says of a Gaussian: a row of ViewSums. Not from several threads.
   void add(std::size_t gaussian, const double* sum);
-  /// The same of a Gaussian of which no object has anything.
+  /// The same of different Gaussians from several threads. What an object has of one for the first time is put off.
+  void add(std::size_t gaussian, const double* sum, std::vector<FirstShare>& put_off);
+  void add(const std::vector<FirstShare>& put_off);
+  /// Of a Gaussian of which no object has anything.
   void add_nobodys(std::size_t gaussian, double w, double count) {
     weight.add(gaussian, w);
     pixels[gaussian] += std::uint64_t(count);
     views[gaussian] += 1;
   }
-  /// Σ r of a cell over views, in units of 2^-32.
-  std::uint64_t contrast_sum(std::size_t gaussian, std::size_t object) const {
-    return (std::uint64_t(views[gaussian]) << 32) - contrast_lack[gaussian * std::size_t(objects) + object];
+  double object_weight(std::size_t gaussian, std::size_t object) const {
+    const ObjectShare* known = share.find(gaussian, object);
+    return known == nullptr ? 0.0 : known->weight.value();
   }
-  /// The signal m in [0, 1] of one view, [N, K] cell. m² is kept as the exact square of the quantised m: as a double
-  /// it could fall short of it, and the variance of equal signals below zero.
-  void add_signal(std::size_t cell, double m);
+  std::uint64_t object_pixels(std::size_t gaussian, std::size_t object) const {
+    const ObjectShare* known = share.find(gaussian, object);
+    return known == nullptr ? 0 : known->pixels;
+  }
+  /// Σ r over views, in units of 2^-32.
+  std::uint64_t contrast_sum(std::size_t gaussian, std::size_t object) const {
+    const ObjectShare* known = share.find(gaussian, object);
+    return contrast_sum(gaussian, known == nullptr ? ObjectShare() : *known);
+  }
+  std::uint64_t contrast_sum(std::size_t gaussian, const ObjectShare& of) const {
+    return (std::uint64_t(views[gaussian]) << 32) - of.contrast_lack;
+  }
 };
 
-/// 4 · variance over views of the signal, in [0, 1], from the exact sums: V Σ m² - (Σ m)² is evaluated in integers,
+/// 4 · variance over `views` of the signal, in [0, 1], from the exact sums: V Σ m² - (Σ m)² is evaluated in integers,
 /// where the textbook difference cannot cancel.
-double between_views_variance(const Evidence& evidence, std::size_t row, std::uint32_t views);
+double between_views_variance(const ObjectShare& of, std::uint32_t views);
 
 }  // namespace ngs

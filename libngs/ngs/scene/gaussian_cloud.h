@@ -52,16 +52,4 @@ struct CloudHealth {
 CloudHealth classify(GaussianCloud& cloud);
 inline constexpr float kMaxLogScale = 40.f;  // e^40 world units: beyond it the covariance overflows float
 
-/// What every `labelled` PLY adds to a Gaussian. For several objects there is one LabelColumns per object.
-struct LabelColumns {
-  std::vector<float> label;     // [N] decided label in [0, 1]; 1 = object
-  std::vector<float> prob;      // [N] f = Σ αTM / Σ αT (closed form) or the optimised sigmoid
-  std::vector<float> variance;  // [N] normalised mask variance in [0, 1]                         Eq. (3)
-  std::vector<float> views;     // [N] number of views with evidence; 0 = never seen
-  std::vector<float> boundary;  // [N] 1 = member of the boundary set
-};
-
-inline constexpr std::vector<float> LabelColumns::*kLabelColumns[] = {
-    &LabelColumns::label, &LabelColumns::prob, &LabelColumns::variance, &LabelColumns::views, &LabelColumns::boundary};
-
 }  // namespace ngs

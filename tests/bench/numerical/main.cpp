@@ -192,8 +192,8 @@ int measure(const std::string& scene_path, const std::string& model_path) {
   const io::GaussianPly model = io::read_gaussian_ply(model_path);
   const std::vector<std::size_t> views = training_views(scene);
   Json points = Json::array();
-  splat_points(model.cloud, model.labels.label, scene.views.at(views.at(0)).camera, points);
-  rbf_points(boundary_set(model.cloud, model.labels.boundary), points);
+  splat_points(model.cloud, model.labels.label.values(), scene.views.at(views.at(0)).camera, points);
+  rbf_points(boundary_set(model.cloud, model.labels.boundary.values()), points);
   std::cout
       << Json{{"reference",
                "Largest error. cuts: of the rendered label, against the rendering equation in double with nothing "

@@ -167,6 +167,7 @@ double gaussian_iou(const std::vector<float>& label, const std::vector<float>& s
 void print_score(const Truth& truth, const Views& views, const char* scene, const char* labelled) {
   const io::GaussianPly found = io::read_gaussian_ply(labelled);
   const Views found_views(scene, found.cloud);
+  const std::vector<float> label = found.labels.label.values();
   double sum = 0, worst = 1;
   int count = 0;
   const bool all = std::ranges::none_of(views.scene.views, [](const auto& v) { return v.split == Split::kHeldOut; });
@@ -174,14 +175,13 @@ void print_score(const Truth& truth, const Views& views, const char* scene, cons
     if (!all && view.split != Split::kHeldOut) continue;
     const PixelMask expected = mask_of(views.labels(truth.ply.cloud, view.camera, truth.share));
     if (std::ranges::count(expected, 1) == 0) continue;
-    const PixelMask mask = mask_of(found_views.labels(found.cloud, view.camera, found.labels.label));
+    const PixelMask mask = mask_of(found_views.labels(found.cloud, view.camera, label));
     std::int64_t shared = 0, any = 0;
     for (std::size_t p = 0; p < mask.size(); ++p) shared += mask[p] && expected[p], any += mask[p] || expected[p];
     sum += ratio(shared, any), worst = std::min(worst, ratio(shared, any)), ++count;
   }
   Json out{{"iou", sum / std::max(1, count)}, {"worst_view", worst}, {"views", count}};
-  if (found.labels.label.size() == truth.share.size())
-    out["gaussian_iou"] = gaussian_iou(found.labels.label, truth.share);
+  if (label.size() == truth.share.size()) out["gaussian_iou"] = gaussian_iou(label, truth.share);
   std::cout << out.dump() << "\n";
 }
 

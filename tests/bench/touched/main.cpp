@@ -11,6 +11,7 @@
 // OWN, OTHERS, NOBODYS: Gaussians with this id, another, none, that LABELLED says are the object's. Then rows that do
 // not have this id but another: REMOVED as floaters; CHANGED, byte for byte, in the object's columns or the model's;
 // of these BEYOND_GIVEN outside of the region of BOUNDARY, BEYOND of either's. Nobody's rows are among the last two.
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -78,10 +79,10 @@ struct Run {
         made_labels(labels_of(made)) {}
 
   bool same_labels(std::size_t object, std::size_t row) const {
-    for (const auto column : kLabelColumns)
-      if (std::memcmp(&(given_labels[object].*column)[row], &(made_labels[object].*column)[row], sizeof(float)) != 0)
-        return false;
-    return true;
+    return std::ranges::all_of(kLabelColumns, [&](const auto column) {
+      const float given = (given_labels[object].*column)[row], made = (made_labels[object].*column)[row];
+      return std::memcmp(&given, &made, sizeof given) == 0;
+    });
   }
 };
 

@@ -215,7 +215,7 @@ TEST_CASE("on a real capture a crop about the boundary gives its gradients as th
   const auto load = [&](std::size_t v) { return io::load_masks(scene, v); };
   const LabelColumns labels =
       label_gaussians({}, accumulate_evidence({}, monitor, {model.cloud, scene, views, {}, load}))[0];
-  model.label = labels.prob;
+  model.label = labels.prob.values();
   for (const float b : labels.boundary) model.trained.push_back(b > 0);
   for (const std::size_t v : {views[0], views[2]}) {
     const View whole{scene.views[v].camera, io::load_photo(scene, v), io::load_masks(scene, v)};

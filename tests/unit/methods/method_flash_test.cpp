@@ -149,7 +149,7 @@ TEST_CASE("sa3d's second pass sees the scene without what the first pass rejecte
     add_view_evidence({}, left, {c.scene.views[v].camera, c.masks[v]}, {}, evidence);
   int changed = 0;
   for (std::size_t i = 0; i < left.usable.size(); ++i) {
-    const bool object = evidence.object_weight.value(i) > 0.3 / 1.3 * evidence.weight.value(i);
+    const bool object = evidence.object_weight(i, 0) > 0.3 / 1.3 * evidence.weight.value(i);
     CHECK(second.labels[0].label[i] == float(object));
     changed += second.labels[0].label[i] != first.labels[0].label[i];
   }

@@ -11,6 +11,7 @@
 #include "ngs/core/error.h"
 #include "ngs/stages/boundary/variance_stage.h"
 #include "ngs/stages/render/render_stage.h"
+#include "support/changed_labels.h"
 #include "support/joint_case.h"
 #include "support/pipeline_case.h"
 #include "support/switches.h"
@@ -180,7 +181,7 @@ std::vector<Pair> pairs() {
        as_it_is},
       {"components",
        [](EffectCase& c) {  // a piece of the wall that one of sixteen views claims
-         for (float& v : c.base->labels[0].views) v *= 4;
+         test::change(c.base->labels[0].views, [](float v) { return 4 * v; });
          c.base->labels[0].prob[200] = c.base->labels[0].label[200] = c.base->labels[0].views[200] = 1;
        },
        as_it_is},

@@ -188,7 +188,7 @@ TEST_CASE("gap without photos: contours that are wrong at a few pixels leave the
   c.views = {0, 2, 3};
   CHECK(c.measure("nerf") > threshold_of("nerf"));
   // Without a boundary the field has nothing to work on.
-  std::fill(c.base->labels[0].boundary.begin(), c.base->labels[0].boundary.end(), 0.f);
+  c.base->labels[0].boundary.assign(c.base->labels[0].boundary.size(), 0.f);
   CHECK(c.measure("nerf") == 0);
 }
 

@@ -12,7 +12,7 @@ BoundarySet boundary_of(Run& run, const io::GaussianPly& ply, const std::string&
     throw Error(ErrorCode::kBadInput,
                 path + ": vertex property 'ngs_boundary' is missing, expected a PLY written by ngs-variance",
                 "find the boundary first: ngs-variance scene.json -o boundary.ply");
-  BoundarySet set = boundary_set(ply.cloud, ply.labels.boundary);
+  BoundarySet set = boundary_set(ply.cloud, ply.labels.boundary.values());
   run.result()["boundary"] = set.size();
   if (set.size() == 0)
     run.nothing_found(path + ": no boundary Gaussians, expected at least one",

@@ -6,13 +6,14 @@
 
 #include "ngs/io/ply/ply.h"
 #include "ngs/scene/gaussian_cloud.h"
+#include "ngs/scene/labels/label_columns.h"
 
 namespace ngs::io {
 
 /// The columns that a writer adds per object, in file order.
 struct LabelField {
   std::string_view name;
-  std::vector<float> LabelColumns::*column;
+  LabelColumn LabelColumns::*column;
 };
 inline constexpr std::array<LabelField, 5> kLabelFields{{{"ngs_label", &LabelColumns::label},
                                                          {"ngs_prob", &LabelColumns::prob},

@@ -177,42 +177,61 @@ class Reader {
     });
   }
 
-  struct Wanted {
+  struct WantedLabel {
     PlyColumn from;
-    std::vector<float>* to;
-    std::string name = {};  // of a column whose range is checked
-    float most = INFINITY;
+    LabelColumn* to;
+    std::string name;
+    float most;
+  };
+  struct Wanted {
+    std::vector<WantedLabel> labels;
+    std::vector<std::pair<PlyColumn, std::vector<float>*>> others;
   };
 
   /// `to` stays empty where the column is absent.
-  void want(const std::string& column, std::vector<float>& to, std::vector<Wanted>& wanted) const {
+  void want(const std::string& column, std::vector<float>& to, Wanted& wanted) const {
     const PlyColumn from = ply_.rows.column(column);
-    if (from) wanted.push_back({.from = from, .to = &to}), to.resize(std::size_t(ply_.rows.rows));
+    if (from) wanted.others.push_back({from, &to}), to.resize(std::size_t(ply_.rows.rows));
   }
 
-  void want_labels(const std::string& suffix, LabelColumns& set, std::vector<Wanted>& wanted) const {
+  void want_labels(const std::string& suffix, LabelColumns& set, Wanted& wanted) const {
     for (const LabelField& f : kLabelFields) {
       const std::string name = std::string(f.name) + suffix;
-      const std::size_t before = wanted.size();
-      want(name, set.*f.column, wanted);
-      if (wanted.size() > before)
-        wanted.back().name = name, wanted.back().most = f.column == &LabelColumns::views ? INFINITY : 1.f;
+      const PlyColumn from = ply_.rows.column(name);
+      if (!from) continue;
+      (set.*f.column).resize(std::size_t(ply_.rows.rows));
+      wanted.labels.push_back({from, &(set.*f.column), name, f.column == &LabelColumns::views ? INFINITY : 1.f});
     }
   }
 
-  void check_range(const Wanted& w, std::int64_t i) const {
+  void check_range(const WantedLabel& w, float value, std::int64_t i) const {
     constexpr float kRounding = 1e-4f;  // of programs that computed in their own way
-    const float value = (*w.to)[std::size_t(i)];
-    if (w.name.empty() || (std::isfinite(value) && value >= -kRounding && value <= w.most + kRounding)) return;
+    if (std::isfinite(value) && value >= -kRounding && value <= w.most + kRounding) return;
     bad(w.name + " of row " + std::to_string(i) + ": " + std::to_string(value) + ", expected " +
             (std::isinf(w.most) ? "a number of views" : "0 to 1"),
         "label the model again: ngs-variance scene.json -o boundary.ply");
   }
 
+  /// Most Gaussians have been seen by the same views whatever the object.
+  void share_views(std::size_t row) {
+    for (std::size_t k = 1; k < ply_.objects.size(); ++k) {
+      LabelColumn& views = ply_.objects[k].columns.views;
+      const LabelColumn& first = ply_.objects[0].columns.views;
+      if (views.size() == first.size() && !views.empty()) views.share(first, row);
+    }
+  }
+
   /// All in one pass: a file of many objects has hundreds of columns, and its rows do not stay in memory.
-  void read(const std::vector<Wanted>& wanted) const {
+  void read(const Wanted& wanted) {
     for_each_row([&](std::int64_t i) {
-      for (const Wanted& w : wanted) (*w.to)[std::size_t(i)] = w.from.value_float(i), check_range(w, i);
+      const auto row = std::size_t(i);
+      for (const auto& [from, to] : wanted.others) (*to)[row] = from.value_float(i);
+      for (const WantedLabel& w : wanted.labels) {
+        const float value = w.from.value_float(i);
+        check_range(w, value, i);
+        (*w.to)[row] = value;
+      }
+      if ((row + 1) % LabelColumn::kPageRows == 0 || i + 1 == ply_.rows.rows) share_views(row);
     });
   }
 
@@ -249,7 +268,7 @@ class Reader {
       ply_.objects.push_back({checked(named != names.end() ? *named : suffix), {}});
       suffixes.push_back("_" + suffix);
     }
-    std::vector<Wanted> wanted;
+    Wanted wanted;
     std::vector<float> state;
     want_labels("", ply_.labels, wanted);
     for (std::size_t k = 0; k < suffixes.size(); ++k) want_labels(suffixes[k], ply_.objects[k].columns, wanted);

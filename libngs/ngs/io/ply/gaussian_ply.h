@@ -19,6 +19,7 @@
 
 #include "ngs/io/ply/ply.h"
 #include "ngs/scene/gaussian_cloud.h"
+#include "ngs/scene/labels/label_columns.h"
 
 namespace ngs::io {
 

@@ -133,11 +133,15 @@ class RowSource {
 /// The float columns that are added, in file order.
 struct Added {
   std::string name;
-  std::span<const float> values;
+  const LabelColumn* labels;  // or, where it is null,
+  std::span<const float> values = {};
+
+  std::size_t size() const { return labels == nullptr ? values.size() : labels->size(); }
+  float operator[](std::size_t row) const { return labels == nullptr ? values[row] : (*labels)[row]; }
 };
 
 void add_label_set(std::vector<Added>& added, const LabelColumns& set, const std::string& suffix) {
-  for (const LabelField& f : kLabelFields) added.push_back({std::string(f.name) + suffix, set.*f.column});
+  for (const LabelField& f : kLabelFields) added.push_back({std::string(f.name) + suffix, &(set.*f.column)});
 }
 
 std::vector<Added> added_columns(std::span<const LabelSet> objects, const LabelColumns& all) {
@@ -228,10 +232,10 @@ LabelColumns union_of(std::span<const LabelSet> objects) {
   LabelColumns all = objects[0].columns;
   for (const LabelSet& object : objects.subspan(1))
     for (const LabelField& f : kLabelFields) {
-      std::vector<float>& to = all.*f.column;
-      const std::vector<float>& from = object.columns.*f.column;
+      LabelColumn& to = all.*f.column;
+      const LabelColumn& from = object.columns.*f.column;
       NGS_CHECK(to.size() == from.size(), "every object has one value per row and column");
-      for (std::size_t i = 0; i < to.size(); ++i) to[i] = std::max(to[i], from[i]);
+      for (std::size_t i = 0; i < to.size(); ++i) to[i] = std::max(float(to[i]), from[i]);
     }
   return all;
 }
@@ -273,15 +277,15 @@ void write_labelled_ply(const std::string& path, const GaussianPly& source, std:
   const std::int64_t rows = std::int64_t(all.label.size());
   const RowSource passthrough(source, options, rows);
   std::vector<Added> added = added_columns(objects, all);
-  if (!options.fixed.empty()) added.push_back({std::string(kFixedColumn), options.fixed});
-  if (!options.floater.empty()) added.push_back({std::string(kFloaterColumn), options.floater});
+  if (!options.fixed.empty()) added.push_back({std::string(kFixedColumn), nullptr, options.fixed});
+  if (!options.floater.empty()) added.push_back({std::string(kFloaterColumn), nullptr, options.floater});
 
   PlyElement element;
   element.name = "vertex";
   element.count = rows;
   element.properties = passthrough.properties();
   for (const Added& a : added) {
-    NGS_CHECK(std::int64_t(a.values.size()) == rows, "column " + a.name + " has one value per row");
+    NGS_CHECK(std::int64_t(a.size()) == rows, "column " + a.name + " has one value per row");
     element.properties.push_back({.name = a.name});
   }
   const bool has_state = !options.state.empty();
@@ -296,7 +300,7 @@ void write_labelled_ply(const std::string& path, const GaussianPly& source, std:
     passthrough.fill(i, to);
     to += passthrough.row_bytes();
     for (const Added& a : added) {
-      ply_store_float(a.values[std::size_t(i)], to);
+      ply_store_float(a[std::size_t(i)], to);
       to += sizeof(float);
     }
     if (has_state) *to = options.state[std::size_t(i)];

@@ -1,6 +1,5 @@
 #include "ngs/io/scene/evidence_file.h"
 
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -10,43 +9,55 @@
 namespace ngs::io {
 namespace {
 
-/// Visits every array of the evidence but the contrasts with its name and shape; E is Evidence or const Evidence.
-template <class E, class F>
-void for_each_array(E& e, F&& f) {
-  const std::vector<std::int64_t> rows{e.gaussians}, cells{e.gaussians, e.objects};
-  const auto sums = [&](const std::string& name, auto& s, const std::vector<std::int64_t>& shape) {
-    f(name + ".whole", s.whole, shape);
-    f(name + ".fraction", s.fraction, shape);
-  };
-  sums("weight", e.weight, rows);
-  sums("object_weight", e.object_weight, cells);
-  f(std::string("pixels"), e.pixels, rows);
-  f(std::string("object_pixels"), e.object_pixels, cells);
-  f(std::string("views"), e.views, rows);
-  f(std::string("signal_sum"), e.signal_sum, cells);
-  sums("signal_square_sum", e.signal_square_sum, cells);
+using ShareField = std::uint64_t& (*)(ObjectShare&);
+
+/// Visits every array of the file but the contrasts: rows(name, array) of what is kept of a Gaussian, cells(name,
+/// field) of what is kept of a Gaussian and an object, [N, K]. E is Evidence or const Evidence.
+template <class E, class Rows, class Cells>
+void for_each_array(E& e, const Rows& rows, const Cells& cells) {
+  const auto field = [&](const char* name, ShareField of) { cells(name, of); };
+  rows("weight.whole", e.weight.whole);
+  rows("weight.fraction", e.weight.fraction);
+  field("object_weight.whole", [](ObjectShare& s) -> std::uint64_t& { return s.weight.whole; });
+  field("object_weight.fraction", [](ObjectShare& s) -> std::uint64_t& { return s.weight.fraction; });
+  rows("pixels", e.pixels);
+  field("object_pixels", [](ObjectShare& s) -> std::uint64_t& { return s.pixels; });
+  rows("views", e.views);
+  field("signal_sum", [](ObjectShare& s) -> std::uint64_t& { return s.signal_sum; });
+  field("signal_square_sum.whole", [](ObjectShare& s) -> std::uint64_t& { return s.signal_square_sum.whole; });
+  field("signal_square_sum.fraction", [](ObjectShare& s) -> std::uint64_t& { return s.signal_square_sum.fraction; });
 }
+constexpr const char* kContrast = "contrast_sum";  // where memory has what they lack
 
-// The file has the sums of the contrasts, [N, K], memory what they lack.
-constexpr const char* kContrast = "contrast_sum";
-
-void add_contrasts(const Evidence& e, TensorFile& file) {
-  file.add(kContrast, {e.gaussians, e.objects}, e.contrast_lack);
-  std::uint8_t* at = file.tensors.back().bytes.data();
+std::vector<std::uint64_t> dense(const Evidence& e, ShareField field) {
+  const auto objects = std::size_t(e.objects);
+  std::vector<std::uint64_t> cells(std::size_t(e.gaussians) * objects);
   for (std::size_t i = 0; i < std::size_t(e.gaussians); ++i)
-    for (std::size_t k = 0; k < std::size_t(e.objects); ++k) {
-      const std::uint64_t sum = e.contrast_sum(i, k);
-      std::memcpy(at, &sum, sizeof sum);
-      at += sizeof sum;
-    }
+    e.share.for_each_in(i, [&](std::size_t k, ObjectShare of) { cells[i * objects + k] = field(of); });
+  return cells;
 }
 
-/// Its inverse: lack = views - sum, as sum = views - lack.
+std::vector<std::uint64_t> contrasts(const Evidence& e) {
+  const auto objects = std::size_t(e.objects);
+  std::vector<std::uint64_t> cells(std::size_t(e.gaussians) * objects);
+  for (std::size_t i = 0; i < std::size_t(e.gaussians); ++i)
+    for (std::size_t k = 0; k < objects; ++k) cells[i * objects + k] = e.contrast_sum(i, k);
+  return cells;
+}
+
+void set_shares(const std::vector<std::uint64_t>& cells, ShareField field, Evidence& e) {
+  const auto objects = std::size_t(e.objects);
+  for (std::size_t i = 0; i < std::size_t(e.gaussians); ++i)
+    for (std::size_t k = 0; k < objects; ++k)
+      if (cells[i * objects + k] != 0) field(e.share.touch(i, k)) = cells[i * objects + k];
+}
+
+/// The inverse of contrasts(): lack = views - sum, as sum = views - lack.
 void set_contrasts(std::vector<std::uint64_t> sum, Evidence& e) {
-  e.contrast_lack = std::move(sum);
-  for (std::size_t i = 0; i < std::size_t(e.gaussians); ++i)
-    for (std::size_t k = 0; k < std::size_t(e.objects); ++k)
-      e.contrast_lack[i * std::size_t(e.objects) + k] = e.contrast_sum(i, k);
+  for (std::size_t cell = 0; cell < sum.size(); ++cell)
+    sum[cell] = (std::uint64_t(e.views[cell / std::size_t(e.objects)]) << 32) - sum[cell];
+  set_shares(
+      sum, [](ObjectShare& s) -> std::uint64_t& { return s.contrast_lack; }, e);
 }
 
 std::vector<std::string> names_in(const TensorFile& file, const std::string& key) {
@@ -65,9 +76,13 @@ std::vector<std::string> names_in(const TensorFile& file, const std::string& key
 
 void write_evidence(const std::string& path, const EvidencePart& part, StoredPaths stored) {
   TensorFile file;
-  for_each_array(part.evidence, [&](const std::string& name, const auto& values,
-                                    const std::vector<std::int64_t>& shape) { file.add(name, shape, values); });
-  add_contrasts(part.evidence, file);
+  const Evidence& e = part.evidence;
+  for_each_array(
+      e, [&](const char* name, const auto& values) { file.add(name, {e.gaussians}, values); },
+      [&](const char* name, ShareField field) {
+        file.add(name, {e.gaussians, e.objects}, dense(e, field));
+      });
+  file.add(kContrast, {e.gaussians, e.objects}, contrasts(e));
   file.metadata["ngs:schema"] = "ngs.evidence.1";
   file.metadata["model"] = part.model_hash;
   file.metadata["scene"] = path_to_folder(stored_folder(path, stored), part.scene_path);
@@ -86,13 +101,15 @@ EvidencePart parse_evidence(const std::string& path, Bytes bytes) {
     part.made_with = file.meta("made_with");  // parts of version 0.1 before it have none
   part.objects = names_in(file, "objects");
   part.views = names_in(file, "views");
-  part.evidence.gaussians = std::int64_t(file.get<std::uint32_t>("views", {-1}).size());
-  part.evidence.objects = int(part.objects.size());
-  for_each_array(part.evidence,
-                 [&]<class T>(const std::string& name, std::vector<T>& values, const std::vector<std::int64_t>& shape) {
-                   values = file.get<T>(name, shape);
-                 });
-  set_contrasts(file.get<std::uint64_t>(kContrast, {part.evidence.gaussians, part.evidence.objects}), part.evidence);
+  Evidence& e = part.evidence;
+  const auto gaussians = std::int64_t(file.get<std::uint32_t>("views", {-1}).size());
+  const int objects = int(part.objects.size());
+  const std::vector<std::int64_t> rows{gaussians}, cells{gaussians, objects};
+  e = Evidence(gaussians, objects);
+  for_each_array(
+      e, [&]<class T>(const char* name, std::vector<T>& values) { values = file.get<T>(name, rows); },
+      [&](const char* name, ShareField field) { set_shares(file.get<std::uint64_t>(name, cells), field, e); });
+  set_contrasts(file.get<std::uint64_t>(kContrast, cells), e);
   return part;
 }
 

@@ -261,17 +261,18 @@ void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const Maske
   const std::size_t columns = 2 + 2 * masks.target.size();
   if (exec.device_ops) {
     const std::vector<double> sums = sums_on_device(exec, cloud, view, options);
-    return for_each_index(exec, cloud.size(), [&](std::int64_t i) {
-      const double* sum = &sums[std::size_t(i) * columns];
-      if (sum[0] > 0) evidence.add(std::size_t(i), sum);
-    });
+    for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i)
+      if (sums[i * columns] > 0) evidence.add(i, &sums[i * columns]);
+    return;
   }
   const ViewPairs pairs(exec, cloud, view, options);
+  std::vector<std::vector<FirstShare>> put_off(std::size_t(pairs.chunks()));
   for_each_task(exec, pairs.chunks(), [&](std::int64_t chunk) {
     pairs.for_each_seen(chunk, nullptr, [&](std::uint32_t gaussian, const double* sum, bool some) {
-      some ? evidence.add(gaussian, sum) : evidence.add_nobodys(gaussian, sum[0], sum[1]);
+      some ? evidence.add(gaussian, sum, put_off[std::size_t(chunk)]) : evidence.add_nobodys(gaussian, sum[0], sum[1]);
     });
   });
+  for (const std::vector<FirstShare>& of : put_off) evidence.add(of);
 }
 
 }  // namespace ngs

@@ -100,8 +100,7 @@ std::vector<CloudRow> halved_rows(const ContourSetup& setup, std::vector<double>
 void edit_model(const Exec& exec, const ContourSetup& setup, const std::vector<CloudRow>& rows, Model& model) {
   edit_rows(exec, rows, setup.problem.seed, model.cloud);
   if (!model.fixed.empty()) edit_column(exec, rows, 1, model.fixed);
-  for (LabelColumns& c : model.labels)
-    for (const auto column : kLabelColumns) edit_column(exec, rows, 1, c.*column);
+  edit_labels(exec, rows, model.labels);
   std::vector<std::int64_t> source;
   for (const CloudRow& row : rows) source.push_back(model.source_row[std::size_t(row.source)]);
   model.source_row = std::move(source);

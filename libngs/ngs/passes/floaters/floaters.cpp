@@ -141,14 +141,6 @@ class FloaterSearch {
     splat_.prepared = prepare_cloud(exec_, *without_);  // its opacities have changed
   }
 
-  /// What single views weigh is kept in the room that labels leave: those of many objects take as much.
-  std::size_t kept_bytes() const {
-    constexpr std::size_t kRoom = std::size_t(512) << 20, kLeast = std::size_t(128) << 20;
-    const std::size_t labels =
-        input_.labels.size() * std::size_t(input_.cloud.size()) * sizeof(float) * std::size(kLabelColumns);
-    return std::max(kLeast, kRoom - std::min(kRoom, labels));
-  }
-
   /// The core is the same in all rounds; its surfaces are kept up to 256 MiB.
   Surface surface(std::size_t v) {
     const auto known = surfaces_.find(v);
@@ -221,7 +213,7 @@ class FloaterSearch {
       const ViewMasks channels = colours_as_masks(input_.load_photo(v));
       return view_weights(exec_, cloud(), {camera(v), channels}, splat_, &candidate_);
     };
-    LeaveOneOut colours(exec_, cloud().size(), 3, weights, kept_bytes());
+    LeaveOneOut colours(exec_, cloud().size(), 3, weights);
     if (!for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) { colours.add(v); })) return {};
     MeanColours elsewhere{std::vector<float>(4 * n)};
     colours.for_all([&](std::size_t i, const LeaveOneOut::Shares& all) { elsewhere.set(i, all); });

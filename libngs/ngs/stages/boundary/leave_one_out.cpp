@@ -14,8 +14,9 @@ LeaveOneOut::LeaveOneOut(const Exec& exec, std::int64_t gaussians, int objects, 
       gaussians_(gaussians),
       objects_(std::size_t(objects)),
       gather_(std::move(gather)),
-      left_bytes_(kept_bytes) {
-  weight_.resize(std::size_t(gaussians)), object_weight_.resize(std::size_t(gaussians) * objects_);
+      left_bytes_(kept_bytes),
+      object_weight_(std::size_t(gaussians), objects_) {
+  weight_.resize(std::size_t(gaussians));
 }
 
 std::shared_ptr<const ViewWeights> LeaveOneOut::weights_of(std::size_t n) const {
@@ -23,13 +24,28 @@ std::shared_ptr<const ViewWeights> LeaveOneOut::weights_of(std::size_t n) const 
   return not_kept_.contains(n) ? std::make_shared<const ViewWeights>(gather_(n)) : nullptr;
 }
 
+/// What an object has of a Gaussian for the first time is put off: other threads look for theirs meanwhile.
+void LeaveOneOut::add_shares(std::uint32_t gaussian, const double* mine, std::vector<First>& put_off) {
+  for (std::size_t k = 0; k < objects_; ++k) {
+    if (mine[1 + k] == 0) continue;
+    if (ExactSum* const known = object_weight_.find(gaussian, k))
+      known->add(mine[1 + k]);
+    else
+      put_off.push_back({gaussian, std::uint32_t(k), mine[1 + k]});
+  }
+}
+
 void LeaveOneOut::add(std::size_t n) {
   const auto own = std::make_shared<const ViewWeights>(gather_(n));
-  for_each_in(*own, [&](std::size_t i, const double* mine, float*) {
-    weight_.add(i, mine[0]);
-    for (std::size_t k = 0; k < objects_; ++k)
-      if (mine[1 + k] != 0) object_weight_.add(i * objects_ + k, mine[1 + k]);
+  std::vector<std::vector<First>> put_off(own->parts());
+  for_each_task(exec_, std::int64_t(own->parts()), [&](std::int64_t part) {
+    own->for_each(std::size_t(part), [&](std::uint32_t gaussian, const double* mine) {
+      weight_.add(gaussian, mine[0]);
+      add_shares(gaussian, mine, put_off[std::size_t(part)]);
+    });
   });
+  for (const std::vector<First>& of : put_off)
+    for (const auto& [gaussian, object, weight] : of) object_weight_.touch(gaussian, object).add(weight);
   if (own->bytes() > left_bytes_) {
     not_kept_.insert(n);
     return;
@@ -44,7 +60,7 @@ void LeaveOneOut::remove(std::size_t n) {
   for_each_in(*own, [&](std::size_t i, const double* mine, float*) {
     weight_.subtract(i, mine[0]);
     for (std::size_t k = 0; k < objects_; ++k)
-      if (mine[1 + k] != 0) object_weight_.subtract(i * objects_ + k, mine[1 + k]);
+      if (mine[1 + k] != 0) object_weight_.find(i, k)->subtract(ExactSum::of(mine[1 + k]));
   });
   if (not_kept_.erase(n) == 0) left_bytes_ += own->bytes(), kept_.erase(n);
 }
@@ -57,15 +73,21 @@ void LeaveOneOut::add_elsewhere(const std::vector<double>& weight) {
 
 LeaveOneOut::Shares LeaveOneOut::shares_of(std::size_t gaussian, float* share) const {
   const double all = weight_.value(gaussian);
-  for (std::size_t k = 0; k < objects_; ++k) share[k] = all > 0 ? float(object_weight(gaussian, k) / all) : 0.f;
+  std::fill_n(share, objects_, 0.f);
+  if (all > 0)
+    object_weight_.for_each_in(gaussian,
+                               [&](std::size_t k, const ExactSum& weight) { share[k] = float(weight.value() / all); });
   return {all > 0, share};
 }
 
 LeaveOneOut::Shares LeaveOneOut::shares_without(std::size_t gaussian, const double* mine, float* share) const {
   const double all = weight_.value(gaussian), others = all - mine[0];
   const bool seen = others > kLeastRest * all;
-  for (std::size_t k = 0; k < objects_; ++k)
-    share[k] = seen ? float((object_weight(gaussian, k) - mine[1 + k]) / others) : 0.f;
+  std::fill_n(share, objects_, 0.f);
+  if (seen)
+    object_weight_.for_each_in(gaussian, [&](std::size_t k, const ExactSum& weight) {
+      share[k] = float((weight.value() - mine[1 + k]) / others);
+    });
   return {seen, share};
 }
 

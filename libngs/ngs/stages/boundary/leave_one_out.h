@@ -28,7 +28,8 @@ class LeaveOneOut {
   /// [N], [N, K] of all views that were added and not removed.
   double weight(std::size_t gaussian) const { return weight_.value(gaussian); }
   double object_weight(std::size_t gaussian, std::size_t k) const {
-    return object_weight_.value(gaussian * objects_ + k);
+    const ExactSum* sum = object_weight_.find(gaussian, k);
+    return sum == nullptr ? 0.0 : sum->value();
   }
 
   /// What views say of a Gaussian.
@@ -70,6 +71,11 @@ class LeaveOneOut {
                    [&](std::uint32_t gaussian, const double* mine) { f(std::size_t(gaussian), mine, share.data()); });
     });
   }
+  struct First {
+    std::uint32_t gaussian, object;
+    double weight;
+  };
+  void add_shares(std::uint32_t gaussian, const double* mine, std::vector<First>& put_off);
   Shares shares_of(std::size_t gaussian, float* share) const;
   Shares shares_without(std::size_t gaussian, const double* mine, float* share) const;
 
@@ -78,7 +84,8 @@ class LeaveOneOut {
   std::size_t objects_;
   Gather gather_;
   std::size_t left_bytes_;
-  ExactSums weight_, object_weight_;                                // [N], [N, K] of all views
+  ExactSums weight_;                                                // [N] of all views
+  SparseTable<ExactSum> object_weight_;                             // [N, K]
   std::map<std::size_t, std::shared_ptr<const ViewWeights>> kept_;  // by view
   std::set<std::size_t> not_kept_;                                  // views that were added too
 };

@@ -70,22 +70,29 @@ bool is_pooled(const std::vector<LabelColumns>& labels) {
   return true;
 }
 
-/// Weights of the Gaussians that masks show in part, [N, 1 + K]: W, then W1 of each object.
+/// Weights of the Gaussians that masks show in part.
 class PartWeights {
  public:
-  PartWeights(std::size_t gaussians, std::size_t objects) : columns_(1 + objects), weight_(gaussians * columns_, 0.0) {}
-  double* of(std::size_t gaussian) { return &weight_[gaussian * columns_]; }
+  PartWeights(std::size_t gaussians, std::size_t objects)
+      : weight_(gaussians, 0.0), object_weight_(gaussians, objects) {}
+  /// [1 + K]: W, then W1 of each object.
+  std::vector<double> of(std::size_t gaussian) const {
+    std::vector<double> all(1 + object_weight_.columns(), 0.0);
+    all[0] = weight_[gaussian];
+    object_weight_.for_each_in(gaussian, [&](std::size_t k, double weight) { all[1 + k] = weight; });
+    return all;
+  }
   void add(const ViewSums& sums) {
     for (std::size_t v = 0; v < sums.size(); ++v) {
-      double* to = of(sums.row[v]);
-      to[0] += sums.weight(v);
-      for (std::size_t k = 0; k < std::size_t(sums.objects); ++k) to[1 + k] += sums.object_weight(v, k);
+      weight_[sums.row[v]] += sums.weight(v);
+      for (std::size_t k = 0; k < std::size_t(sums.objects); ++k)
+        if (const double weight = sums.object_weight(v, k); weight != 0) object_weight_.touch(sums.row[v], k) += weight;
     }
   }
 
  private:
-  std::size_t columns_;
   std::vector<double> weight_;
+  SparseTable<double> object_weight_;
 };
 
 /// What a view says where its masks show something.
@@ -157,12 +164,14 @@ std::vector<LabelColumns> labels_without_views(const Exec& exec, Monitor& monito
   const VarianceOptions rule = rule_of(labels);
   for (std::size_t i = 0; i < seen_less.size(); ++i) {
     if (!claimed[i] || seen_less[i] == 0) continue;
-    double *weight = all.of(i), share = 0;
+    std::vector<double> weight = all.of(i);
+    const std::vector<double> taken = less.of(i);
+    double share = 0;
     for (std::size_t k = 0; k < objects; ++k)
       if (double(labels[k].prob[i]) > share) share = double(labels[k].prob[i]), weight[0] = weight[1 + k] / share;
-    for (std::size_t c = 0; c <= objects; ++c) weight[c] = std::max(0.0, weight[c] - less.of(i)[c]);
-    for (LabelColumns& c : labels) c.views[i] -= std::min(c.views[i], seen_less[i]);
-    set_labels(rule, weight, i, labels);
+    for (std::size_t c = 0; c <= objects; ++c) weight[c] = std::max(0.0, weight[c] - taken[c]);
+    for (LabelColumns& c : labels) c.views[i] -= std::min(float(c.views[i]), seen_less[i]);
+    set_labels(rule, weight.data(), i, labels);
   }
   keep_outside(input.labels, labels);
   restore_fixed(input, {}, labels);

@@ -9,17 +9,15 @@
 namespace ngs {
 namespace {
 
-/// Normalised mask variance in [0, 1].
-double normalised_variance(Criterion criterion, const Evidence& e, std::size_t gaussian, std::size_t object) {
-  const std::size_t cell = gaussian * std::size_t(e.objects) + object;
+/// Normalised mask variance in [0, 1] of a Gaussian of which an object has `of`, a share `prob` in [0, 1] of its
+/// weight.
+double normalised_variance(Criterion criterion, const Evidence& e, std::size_t gaussian, const ObjectShare& of,
+                           double prob) {
   switch (criterion) {
-    case Criterion::kPooled: {  // law of total variance over views and pixels: 4 p (1 - p)
-      const double p = e.object_weight.value(cell) / e.weight.value(gaussian);
-      return 4.0 * p * (1.0 - p);
-    }
-    case Criterion::kBetweenViews: return between_views_variance(e, cell, e.views[gaussian]);
+    case Criterion::kPooled: return 4.0 * prob * (1.0 - prob);  // law of total variance over views and pixels
+    case Criterion::kBetweenViews: return between_views_variance(of, e.views[gaussian]);
     case Criterion::kRelativeDiff: {  // 1 - r²: for binary evidence equal to 4 p (1 - p)
-      const double r = double(e.contrast_sum(gaussian, object)) * 0x1p-32 / e.views[gaussian];
+      const double r = double(e.contrast_sum(gaussian, of)) * 0x1p-32 / e.views[gaussian];
       return 1.0 - r * r;
     }
   }
@@ -30,11 +28,11 @@ double normalised_variance(Criterion criterion, const Evidence& e, std::size_t g
 int heaviest_object(const Evidence& e, std::size_t gaussian) {
   double background = e.weight.value(gaussian), best_weight = 0;
   int best = -1;
-  for (int k = 0; k < e.objects; ++k) {
-    const double w = e.object_weight.value(gaussian * std::size_t(e.objects) + std::size_t(k));
+  e.share.for_each_in(gaussian, [&](std::size_t k, const ObjectShare& of) {
+    const double w = of.weight.value();
     background -= w;
-    if (w > best_weight) best = k, best_weight = w;
-  }
+    if (w > best_weight) best = int(k), best_weight = w;
+  });
   return best_weight > background ? best : -1;
 }
 
@@ -98,21 +96,23 @@ std::vector<LabelColumns> label_gaussians(const VarianceOptions& options, const 
   const auto n = std::size_t(e.gaussians);
   std::vector<LabelColumns> columns(std::size_t(e.objects));
   for (LabelColumns& c : columns)
-    for (auto* column : {&c.label, &c.prob, &c.variance, &c.views, &c.boundary}) column->assign(n, 0.f);
+    for (const auto column : kLabelColumns) (c.*column).assign(n, 0.f);
+  LabelColumn views(n, 0.f);  // the same of all objects
   for (std::size_t i = 0; i < n; ++i) {
     if (e.views[i] == 0) continue;
     const bool one_of_several = options.exclusive && e.objects > 1;
     const int owner = one_of_several ? heaviest_object(e, i) : -1;
-    for (int k = 0; k < e.objects; ++k) {
-      LabelColumns& c = columns[std::size_t(k)];
-      const std::size_t cell = i * std::size_t(e.objects) + std::size_t(k);
-      const double prob = e.object_weight.value(cell) / e.weight.value(i);
-      const double variance = normalised_variance(options.criterion, e, i, std::size_t(k));
-      c.prob[i] = float(prob), c.variance[i] = float(variance), c.views[i] = float(e.views[i]);
-      c.label[i] = one_of_several ? float(owner == k) : float(prob > options.label_threshold);
+    views[i] = float(e.views[i]);
+    e.share.for_each_in(i, [&](std::size_t k, const ObjectShare& of) {  // of others all is 0
+      LabelColumns& c = columns[k];
+      const double prob = of.weight.value() / e.weight.value(i);
+      const double variance = normalised_variance(options.criterion, e, i, of, prob);
+      c.prob[i] = float(prob), c.variance[i] = float(variance);
+      c.label[i] = one_of_several ? float(owner == int(k)) : float(prob > options.label_threshold);
       c.boundary[i] = float(variance > options.tau);
-    }
+    });
   }
+  for (LabelColumns& c : columns) c.views = views;
   return columns;
 }
 

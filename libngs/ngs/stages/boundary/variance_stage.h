@@ -8,6 +8,7 @@
 #include "ngs/core/monitor.h"
 #include "ngs/ops/splat/evidence.h"
 #include "ngs/options/field.h"
+#include "ngs/scene/labels/label_columns.h"
 
 namespace ngs {
 

@@ -17,6 +17,7 @@
 
 #include "ngs/ops/image/metrics.h"
 #include "ngs/ops/splat/splat.h"
+#include "ngs/scene/labels/label_columns.h"
 
 namespace ngs {
 

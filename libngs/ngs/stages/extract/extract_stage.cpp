@@ -142,8 +142,7 @@ Extraction extract_object(const Exec& exec, const ExtractOptions& options, const
   const ExtractRule rule = parse_extract_rule(options.rule);
   const bool wants_prob = options.score == ScoreColumn::kAuto ? rule.on_prob : options.score == ScoreColumn::kProb;
   const LabelColumns& labels = input.labels;
-  const std::vector<float>& score =
-      (wants_prob && !labels.prob.empty()) || labels.label.empty() ? labels.prob : labels.label;
+  const LabelColumn& score = (wants_prob && !labels.prob.empty()) || labels.label.empty() ? labels.prob : labels.label;
   const std::size_t n = std::size_t(input.cloud.size());
   if (score.size() != n)
     throw Error(ErrorCode::kBadInput, "the model has neither ngs_label nor ngs_prob, expected a labelled model",

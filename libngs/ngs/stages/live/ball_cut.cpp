@@ -227,7 +227,7 @@ LabelColumns labels_in_ball(const Exec& exec, const BallModel& model, const Ball
     if (evidence.weight.value(i) < kLeastMeanWeight * double(evidence.pixels[i]))
       for (const auto column : kLabelColumns) (labels.*column)[i] = 0;
   const Extraction decided = extract_object(exec, {}, {model.cloud(), labels});
-  labels.label.assign(decided.object.begin(), decided.object.end());
+  labels.label = std::vector<float>(decided.object.begin(), decided.object.end());
   return labels;
 }
 

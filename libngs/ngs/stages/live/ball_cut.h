@@ -17,6 +17,7 @@
 #include "ngs/core/monitor.h"
 #include "ngs/ops/splat/splat.h"
 #include "ngs/scene/hand_prompt.h"
+#include "ngs/scene/labels/label_columns.h"
 #include "ngs/scene/scene.h"
 #include "ngs/stages/masks/mask_spread.h"
 #include "ngs/stages/orbit/surface_points.h"

@@ -176,7 +176,7 @@ Lifted lift_mask(const Exec& exec, const GaussianCloud& cloud, const Camera& cam
   Lifted lifted(cloud.size());
   for (std::size_t i = 0; i < lifted.weight.size(); ++i)
     if (evidence.weight.value(i) >= kLeastMeanWeight * double(evidence.pixels[i]))
-      lifted.weight[i] = evidence.weight.value(i), lifted.object[i] = evidence.object_weight.value(i);
+      lifted.weight[i] = evidence.weight.value(i), lifted.object[i] = evidence.object_weight(i, 0);
   return lifted;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "ngs/stages/boundary/variance_stage.h"
+#include "support/same_evidence.h"
 #include "support/splat_reference.h"
 
 namespace ngs {
@@ -74,9 +75,9 @@ TEST_CASE("evidence equals a brute-force evaluation in double: counts exactly, w
       const double tolerance = 1e-6 * double(want.pixels[i]);
       CHECK(got.pixels[i] == want.pixels[i]);
       CHECK(std::abs(got.weight.value(i) - want.weight[i]) <= tolerance);
-      for (std::size_t cell = i * 2; cell < i * 2 + 2; ++cell) {
-        CHECK(got.object_pixels[cell] == want.object_pixels[cell]);
-        CHECK(std::abs(got.object_weight.value(cell) - want.object_weight[cell]) <= tolerance);
+      for (std::size_t k = 0; k < 2; ++k) {
+        CHECK(got.object_pixels(i, k) == want.object_pixels[i * 2 + k]);
+        CHECK(std::abs(got.object_weight(i, k) - want.object_weight[i * 2 + k]) <= tolerance);
       }
       compared += want.pixels[i] > 0;
     }
@@ -108,13 +109,10 @@ TEST_CASE("evidence of parts adds up to the evidence of the whole, bit for bit, 
   }
   Evidence merged(60, 2);
   for (const int i : {3, 0, 4, 1, 2}) merged.add(part[std::size_t(i)]);
-  CHECK(merged.weight.whole == whole.weight.whole);
-  CHECK(merged.weight.fraction == whole.weight.fraction);
-  CHECK(merged.object_weight.fraction == whole.object_weight.fraction);
-  CHECK(merged.signal_square_sum.fraction == whole.signal_square_sum.fraction);
-  CHECK(merged.signal_sum == whole.signal_sum);
-  CHECK(merged.contrast_lack == whole.contrast_lack);
-  CHECK(merged.views == whole.views);
+  CHECK(test::same_evidence(merged, whole));
+  Evidence less(60, 2);
+  for (const int i : {3, 0, 4, 1}) less.add(part[std::size_t(i)]);
+  CHECK_FALSE(test::same_evidence(less, whole));
 }
 
 TEST_CASE("evidence: what views lack to full contrast gives the sum of their contrasts, for few and many objects") {
@@ -145,15 +143,15 @@ TEST_CASE("evidence: what views lack to full contrast gives the sum of their con
 }
 
 TEST_CASE("between-views variance is exact where the textbook difference of floats is not") {
-  Evidence e(1, 1);  // 1000 views that all say 0.3, then one that says 0.3 + 2^-20
+  ObjectShare e;  // 1000 views that all say 0.3, then one that says 0.3 + 2^-20
   const std::uint64_t m = std::uint64_t(0.3 * 0x1p32), m2 = m + (1u << 12);
   for (int view = 0; view < 1001; ++view) {
     const std::uint64_t q = view < 1000 ? m : m2;
-    e.signal_sum[0] += q;
-    e.signal_square_sum.add(0, double(q) * 0x1p-32 * (double(q) * 0x1p-32));
+    e.signal_sum += q;
+    e.signal_square_sum.add(double(q) * 0x1p-32 * (double(q) * 0x1p-32));
   }
   const double delta = 0x1p-20, want = 4 * delta * delta * 1000 / (1001.0 * 1001.0);
-  CHECK(between_views_variance(e, 0, 1001) == doctest::Approx(want).epsilon(1e-4));
+  CHECK(between_views_variance(e, 1001) == doctest::Approx(want).epsilon(1e-4));
   float sum = 0, square = 0;
   for (int view = 0; view < 1001; ++view) {
     const float x = float(double(view < 1000 ? m : m2) * 0x1p-32);
@@ -180,7 +178,7 @@ TEST_CASE("label_gaussians gives a Gaussian to the heaviest object when labels a
   const double weight[3] = {10, 10, 10}, object[3][2] = {{4, 5}, {3, 3}, {6, 6}};  // backgrounds 1, 4, -2 (overlap)
   for (std::size_t i = 0; i < 3; ++i) {
     e.weight.add(i, weight[i]), e.views[i] = 1;
-    for (std::size_t k = 0; k < 2; ++k) e.object_weight.add(i * 2 + k, object[i][k]);
+    for (std::size_t k = 0; k < 2; ++k) e.share.touch(i, k).weight.add(object[i][k]);
   }
   const auto exclusive = label_gaussians({}, e);
   CHECK(exclusive[0].label == std::vector<float>{0, 0, 1});  // a tie goes to the first object
@@ -213,11 +211,7 @@ TEST_CASE("evidence: every instruction set gives the bytes of plain C++") {
       if (!can_run(isa)) continue;
       Evidence b(cloud.size(), objects);
       add_view_evidence({.isa = isa}, cloud, {c.camera, masks}, {}, b);
-      CHECK(a.weight.whole == b.weight.whole);
-      CHECK(a.weight.fraction == b.weight.fraction);
-      CHECK(a.object_weight.fraction == b.object_weight.fraction);
-      CHECK(a.object_pixels == b.object_pixels);
-      CHECK(a.pixels == b.pixels);
+      CHECK(test::same_evidence(a, b));
     }
   }
 }

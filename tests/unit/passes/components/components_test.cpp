@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "support/changed_labels.h"
 #include "support/joint_case.h"
 
 namespace ngs {
@@ -58,9 +59,8 @@ TEST_CASE("a disconnected piece that few views label as object is treated as uns
   CHECK(found.count == 1);
   CHECK(std::count(found.disconnected.begin(), found.disconnected.end(), 1) == 1);
   CHECK(found.disconnected[200] == 1);
-  for (const auto column : {&LabelColumns::label, &LabelColumns::prob, &LabelColumns::variance, &LabelColumns::views,
-                            &LabelColumns::boundary}) {
-    std::vector<float> want = c.base->labels[0].*column;
+  for (const auto column : kLabelColumns) {
+    LabelColumn want = c.base->labels[0].*column;
     want[200] = 0;
     CHECK(found.labels[0].*column == want);
   }
@@ -105,12 +105,12 @@ TEST_CASE("without a core, or with so few views that one is half of them, no pie
   ComponentCase c;
   c.claim(200, 0, 9, 1, 1);
   ComponentCase few = std::move(c), none;
-  for (float& v : few.base->labels[0].views) v = std::min(v, 2.f);
+  test::change(few.base->labels[0].views, [](float v) { return std::min(v, 2.f); });
   CHECK(few.find().count == 0);
-  for (float& v : few.base->labels[0].views) v *= 2;
+  test::change(few.base->labels[0].views, [](float v) { return 2 * v; });
   few.base->labels[0].views[200] = 1;
   CHECK(few.find().count == 1);
-  for (float& p : none.base->labels[0].prob) p *= 0.8f;
+  test::change(none.base->labels[0].prob, [](float p) { return 0.8f * p; });
   none.claim(200, 0, 9, 0.8f, 1);
   CHECK(none.find().count == 0);
 }

@@ -70,8 +70,9 @@ TEST_CASE("a model whose contours are misaligned with the photos' edges is moved
   REQUIRE(std::int64_t(after.source_row.size()) == after.cloud.size());
   CHECK(after.cloud.size() > before.cloud.size());
   for (const std::int64_t row : after.source_row) CHECK((row >= 0 && row < before.cloud.size()));
-  for (const auto* values : {&after.cloud.position, &after.cloud.log_scale, &after.labels[0].label})
+  for (const auto* values : {&after.cloud.position, &after.cloud.log_scale})
     for (const float x : *values) REQUIRE(std::isfinite(x));
+  for (const float x : after.labels[0].label) REQUIRE(std::isfinite(x));
 }
 
 TEST_CASE("contours: small photos are enlarged only where their contours then agree better with the masks") {
@@ -120,7 +121,7 @@ TEST_CASE("contours: every iteration starts from the labels trained so far") {
   c.joint.rate_label = 0, c.contour.on = test::contours_switched({"split=off"});
   const Problem in = c.input();
   Solution start = c.start(in);
-  std::vector<float>& trained = start.labels[0].prob;
+  LabelColumn& trained = start.labels[0].prob;
   for (std::size_t i = 0; i < trained.size(); ++i) trained[i] = c.base->is_ball[i] > 0 ? 0.7f : 0.2f;
   Monitor monitor;
   const Solution after = refine_contours({}, monitor, {c.contour, {c.joint, c.sample, c.rbf}, in}, start);
@@ -176,9 +177,7 @@ TEST_CASE("contours: Gaussians that show in no trained window have no influence 
     cloud.position[std::size_t(i) * 3 + 2] = i % 2 == 0 ? -3 : 5;
     cloud.rotation[std::size_t(i) * 4] = 1, cloud.logit_opacity[std::size_t(i)] = 2;
   }
-  for (auto* column : {&crowded.base->labels[0].label, &crowded.base->labels[0].prob, &crowded.base->labels[0].variance,
-                       &crowded.base->labels[0].views, &crowded.base->labels[0].boundary})
-    column->resize(std::size_t(n + more), 0.f);
+  for (const auto column : kLabelColumns) (crowded.base->labels[0].*column).resize(std::size_t(n + more));
   const Solution want = plain.run(plain.input()), got = crowded.run(crowded.input());
   CHECK(want.figures.at("contour_iterations") == 2);
   REQUIRE(got.cloud.size() == want.cloud.size() + more);
@@ -357,7 +356,7 @@ TEST_CASE(
   unchanged(no_photo);
   Problem no_label = in;
   std::vector<LabelColumns> none = in.labels;
-  for (float& x : none[0].prob) x = 0;
+  none[0].prob.assign(none[0].prob.size(), 0.f);
   no_label.labels = none;
   unchanged(no_label);
   Problem broken = in;

@@ -64,7 +64,7 @@ TEST_CASE("only Gaussians that a contour crosses count as straddling") {
   const std::size_t first = px.size() - 50;
   for (std::size_t i = 0; i < 50; ++i) {
     CHECK(across.last.views[i] == anew.views[first + i]);
-    CHECK(across.last.object_weight.value(i) == anew.object_weight.value(first + i));
+    CHECK(across.last.object_weight(i, 0) == anew.object_weight(first + i, 0));
   }
   double inside = 0, worst_wall = 0, most = 0;
   for (std::size_t i = 0; i < px.size(); ++i) {

@@ -4,7 +4,9 @@
 
 #include <cmath>
 
+#include "ngs/problem/cloud_rows.h"
 #include "ngs/problem/view_list.h"
+#include "support/changed_labels.h"
 #include "support/joint_case.h"
 
 namespace ngs {
@@ -67,7 +69,8 @@ struct FloaterCase {
 double recall_of_view_0(const FloaterCase& c, const GaussianCloud& cloud, const LabelColumns& labels) {
   RenderRequest request;
   request.colour = false;
-  request.label = {labels.label.data(), cloud.size(), 1};
+  const std::vector<float> label = labels.label.values();
+  request.label = {label.data(), cloud.size(), 1};
   const RenderedView view = render({}, cloud, c.base->scene.views[0].camera, {}, request);
   double hit = 0, all = 0;
   for (std::size_t p = 0; p < view.label.data.size(); ++p) {
@@ -139,7 +142,7 @@ TEST_CASE("a hand-fixed Gaussian is never a floater") {
 
 TEST_CASE("without a core, without photos or without Gaussians nothing is found") {
   FloaterCase c(false);
-  for (float& p : c.base->labels[0].prob) p = std::min(p, 0.5f);
+  test::change(c.base->labels[0].prob, [](float p) { return std::min(p, 0.5f); });
   CHECK(c.find().count == 0);
   FloaterCase blind(false);
   for (SceneView& v : blind.base->scene.views) v.image_path.clear();
@@ -170,6 +173,41 @@ TEST_CASE("removal uncovers the object, keeps every row and reports the photos' 
   CHECK(after > 0.97);
   CHECK(out.figures.at("psnr_removed_db") > out.figures.at("psnr_before_db"));
   CHECK(out.figures.at("psnr_after_db") > out.figures.at("psnr_before_db"));
+}
+
+TEST_CASE("a refit is the same to the bit whatever lies where no view looks, and leaves that as it is") {
+  const auto c = test::joint_case();
+  for (SceneView& v : c->scene.views) v.image_path = "photo";
+  const Problem in = c->input();
+  const std::vector<std::size_t> views = photo_views(c->scene);
+  const auto n = std::size_t(c->model.size());
+  Monitor monitor;
+  GaussianCloud alone = c->model;
+  refit_to_photos({}, monitor, {.epochs = 2}, {in, views, std::vector<std::uint8_t>(n, 1)}, alone);
+  CHECK(alone.sh_dc != c->model.sh_dc);
+  // Every other row is a copy that lies far behind all cameras.
+  std::vector<std::int64_t> twice;
+  for (std::size_t i = 0; i < n; ++i) twice.insert(twice.end(), 2, std::int64_t(i));
+  GaussianCloud model = gather_rows({}, c->model, twice);
+  for (std::size_t i = 0; i < n; ++i) model.position[3 * (2 * i + 1) + 1] += 1e4f;
+  const Problem more{.cloud = model,
+                     .scene = in.scene,
+                     .views = in.views,
+                     .load_masks = in.load_masks,
+                     .load_photo = in.load_photo,
+                     .background = in.background,
+                     .seed = in.seed};
+  GaussianCloud both = model;
+  refit_to_photos({}, monitor, {.epochs = 2}, {more, views, std::vector<std::uint8_t>(2 * n, 1)}, both);
+  std::vector<std::int64_t> seen, unseen;
+  for (std::size_t i = 0; i < n; ++i) seen.push_back(std::int64_t(2 * i)), unseen.push_back(std::int64_t(2 * i + 1));
+  const GaussianCloud got = gather_rows({}, both, seen), left = gather_rows({}, both, unseen),
+                      given = gather_rows({}, model, unseen);
+  CHECK(got.sh_dc == alone.sh_dc);
+  CHECK(got.position == alone.position);
+  CHECK(got.logit_opacity == alone.logit_opacity);
+  CHECK(left.sh_dc == given.sh_dc);
+  CHECK(left.position == given.position);
 }
 
 TEST_CASE("a refit moves only what may move and brings back a shifted colour") {

@@ -85,7 +85,7 @@ double iou_at_start(const Bar& b, int start_steps) {
   JointOptions options;
   options.start_steps = start_steps;
   const JointTrainer trainer({}, monitor, {options, {}, {}, input}, true);
-  const std::vector<float> label = trainer.result().labels[0].label;
+  const std::vector<float> label = trainer.result().labels[0].label.values();
   RenderRequest request;
   request.label = {label.data(), b.cloud.size(), 1};
   const ImageF mask = render({}, b.cloud, b.scene.views[b.scene.views.size() / 2].camera, {}, request).label;

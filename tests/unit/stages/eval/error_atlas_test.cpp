@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "support/changed_labels.h"
 #include "support/joint_case.h"
 
 namespace ngs {
@@ -56,11 +57,11 @@ TEST_CASE("each cause is told from the others") {
   AtlasCase c;
   CHECK(c.at_ball() == ErrorCause::kLabel);  // labels and render say ball, the prediction does not
   SUBCASE("an edge that is undecided") {
-    for (float& l : c.labels.label) l = l > 0.5f ? 0.6f : 0.f;
+    test::change(c.labels.label, [](float l) { return l > 0.5f ? 0.6f : 0.f; });
     CHECK(c.at_ball() == ErrorCause::kSoftEdge);
   }
   SUBCASE("straddlers") {
-    for (float& b : c.labels.boundary) b = 1.f;
+    c.labels.boundary.assign(c.labels.boundary.size(), 1.f);
     CHECK(c.at_ball() == ErrorCause::kStraddler);
   }
   SUBCASE("the input mask errs alike, or does not") {
@@ -70,7 +71,7 @@ TEST_CASE("each cause is told from the others") {
     CHECK(c.at_ball() == ErrorCause::kLabel);
   }
   SUBCASE("Gaussians that two views saw") {
-    for (float& v : c.labels.views) v = 2.f;
+    c.labels.views.assign(c.labels.views.size(), 2.f);
     CHECK(c.at_ball() == ErrorCause::kUnseen);
   }
   SUBCASE("a transparent splat") {

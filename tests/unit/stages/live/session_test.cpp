@@ -140,7 +140,7 @@ TEST_CASE("the labels are those of ngs-variance and flash over the same masks, t
   const live::ObjectLabels& live = labels_of(session);
   CHECK(live.label == flash.labels[0].label);
   CHECK(live.count > 0);
-  const std::vector<float>& boundary = problem.labels[0].boundary;
+  const LabelColumn& boundary = problem.labels[0].boundary;
   CHECK(std::equal(boundary.begin(), boundary.end(), live.boundary.begin(), live.boundary.end(),
                    [](float a, std::uint8_t b) { return (a > 0) == (b > 0); }));
 }

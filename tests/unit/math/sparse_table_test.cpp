@@ -1,0 +1,50 @@
+#include "ngs/math/sparse_table.h"
+
+#include <doctest/doctest.h>
+
+#include <map>
+
+#include "support/random.h"
+
+namespace ngs {
+namespace {
+
+TEST_CASE("a sparse table is the dense one, cell by cell, in whatever order cells are touched") {
+  constexpr std::size_t kRows = 50, kColumns = 13;
+  test::Random random(3);
+  SparseTable<int> table(kRows, kColumns);
+  std::map<std::pair<std::size_t, std::size_t>, int> dense;
+  for (int n = 0; n < 300; ++n) {
+    const auto row = std::size_t(random.below(kRows)), column = std::size_t(random.below(kColumns));
+    table.touch(row, column) += n, dense[{row, column}] += n;
+  }
+  CHECK(table.touched() == dense.size());
+  for (std::size_t row = 0; row < kRows; ++row) {
+    std::size_t next = 0, cells = 0;
+    table.for_each_in(row, [&](std::size_t column, int cell) {
+      CHECK(column >= next);  // in the order of columns
+      CHECK(dense.at({row, column}) == cell);
+      next = column + 1, ++cells;
+    });
+    for (std::size_t column = 0; column < kColumns; ++column) {
+      const auto wanted = dense.find({row, column});
+      const int* found = table.find(row, column);
+      REQUIRE((found != nullptr) == (wanted != dense.end()));
+      if (found) CHECK(*found == wanted->second), --cells;
+    }
+    CHECK(cells == 0);
+  }
+}
+
+TEST_CASE("a copy of a sparse table goes its own way") {
+  SparseTable<int> table(2, 2);
+  table.touch(0, 1) = 5;
+  SparseTable<int> copy = table;
+  copy.touch(0, 0) = 7, copy.touch(0, 1) = 6;
+  CHECK(table.find(0, 0) == nullptr);
+  CHECK(*table.find(0, 1) == 5);
+  CHECK(*copy.find(0, 1) == 6);
+}
+
+}  // namespace
+}  // namespace ngs
