@@ -15,22 +15,38 @@ namespace ngs {
 double mean_psnr_db(const Exec& exec, const Problem& input, const GaussianCloud& cloud,
                     const std::vector<std::size_t>& views) {
   double sum = 0;
+  const SplatOptions splat = prepared_for(exec, input.splat, cloud);
   for_each_view(input.monitor, views, [&](std::size_t, std::size_t v) {
     RenderRequest request;
     request.background = input.background;
-    ImageF colour = std::move(render(exec, cloud, input.scene.views[v].camera, input.splat, request).colour);
+    ImageF colour = std::move(render(exec, cloud, input.scene.views[v].camera, splat, request).colour);
     for (float& c : colour.data) c = std::clamp(c, 0.f, 1.f);
     sum += psnr_db(exec, colour, input.load_photo(v));
   });
   return views.empty() ? 0 : sum / double(views.size());
 }
 
-void refit_to_photos(const Exec& exec, Monitor& monitor, const RefitOptions& options, const RefitInputs& in,
-                     GaussianCloud& cloud) {
+namespace {
+
+/// The rows that any of the views draws, increasing.
+std::vector<std::int64_t> drawn_rows(const Exec& exec, const RefitInputs& in, const GaussianCloud& cloud) {
+  std::vector<std::uint8_t> drawn(std::size_t(cloud.size()), 0);
+  const SplatOptions splat = prepared_for(exec, in.problem.splat, cloud);
+  for_each_view(in.problem.monitor, in.views, [&](std::size_t, std::size_t v) {
+    mark_rows_in_view(exec, cloud, in.problem.scene.views[v].camera, splat, drawn);
+  });
+  std::vector<std::int64_t> rows;
+  for (std::size_t i = 0; i < drawn.size(); ++i)
+    if (drawn[i]) rows.push_back(std::int64_t(i));
+  return rows;
+}
+
+/// The steps, on a cloud of which every row counts.
+void train(const Exec& exec, Monitor& monitor, const RefitOptions& options, const RefitInputs& in,
+           GaussianCloud& cloud) {
   const Problem& input = in.problem;
-  const std::vector<std::size_t>& views = in.views;
-  const double extent = scene_extent(cameras_of(input.scene, views));
-  const std::int64_t steps = std::int64_t(options.epochs) * std::int64_t(views.size());
+  const double extent = scene_extent(cameras_of(input.scene, in.views));
+  const std::int64_t steps = std::int64_t(options.epochs) * std::int64_t(in.views.size());
   std::vector<std::uint8_t> still(in.moves.size());
   for (std::size_t i = 0; i < still.size(); ++i) still[i] = !in.moves[i];
   SplatPass pass(input.splat);
@@ -40,7 +56,7 @@ void refit_to_photos(const Exec& exec, Monitor& monitor, const RefitOptions& opt
   GaussianMoments moments;
   std::int64_t step = 0;
   for (int iteration = 0; iteration < options.epochs; ++iteration)
-    for (const std::size_t v : shuffled(views, input.seed, std::uint64_t(iteration))) {
+    for (const std::size_t v : shuffled(in.views, input.seed, std::uint64_t(iteration))) {
       if (monitor.stop_requested()) return;
       RenderRequest request;
       request.background = input.background;
@@ -56,6 +72,18 @@ void refit_to_photos(const Exec& exec, Monitor& monitor, const RefitOptions& opt
       step_gaussians(exec, {step, rates}, gradients, cloud, moments);
       monitor.progress(step, steps);
     }
+}
+
+}  // namespace
+
+void refit_to_photos(const Exec& exec, Monitor& monitor, const RefitOptions& options, const RefitInputs& in,
+                     GaussianCloud& cloud) {
+  const std::vector<std::int64_t> rows = drawn_rows(exec, in, cloud);
+  std::vector<std::uint8_t> moves;
+  if (!in.moves.empty()) moves = gather_column(exec, in.moves, 1, rows);
+  GaussianCloud part = gather_rows(exec, cloud, rows);
+  train(exec, monitor, options, {in.problem, in.views, moves}, part);
+  scatter_rows(exec, part, rows, cloud);
 }
 
 }  // namespace ngs

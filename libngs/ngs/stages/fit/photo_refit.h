@@ -22,8 +22,8 @@ struct RefitInputs {
   const std::vector<std::uint8_t>& moves;  // [N] 1: geometry and opacity are trained as well
 };
 
-/// Steps over the views in an order that depends on the problem's seed. Colours of all rows are trained. Rows whose
-/// opacity is too small to be drawn stay as they are.
+/// Steps over the views in an order that depends on the problem's seed. Colours of all rows are trained. Rows that no
+/// view draws, and those whose opacity is too small to be drawn, stay as they are and cost nothing.
 void refit_to_photos(const Exec& exec, Monitor& monitor, const RefitOptions& options, const RefitInputs& in,
                      GaussianCloud& cloud);
 
