@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "labelled_result.h"
-#include "memory_plan.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/content_hash.h"
 #include "ngs/io/formats/splat_format.h"
@@ -213,9 +212,7 @@ class MethodRun {
   }
 
   int plan(const Problem& problem) {
-    Json plan = plan_json(problem);
-    plan.update(memory_plan(options_, problem));
-    run_.plan(std::move(plan));
+    run_.plan(plan_json(problem));
     return cli::kDone;
   }
 
