@@ -317,3 +317,4 @@ mutant $f $t $f "label column: later values not counted on" 's/\+\+before\[later
 mutant $f $t $f "label column: pages shared that hold other values" 's/return a\.has == b\.has && .*;/return a.has == b.has;/'
 mutant $f $t $f "label column: rows come back that were cut off" 's/if \(rows < rows_ && rows % kPageRows != 0\)/if (false)/'
 mutant scene/evidence.cpp unit/ops/splat/evidence_test.cpp scene/evidence.cpp "what an object has for the first time is lost" 's/share\.touch\(first\.gaussian, first\.object\)\.add\(first\.share\)/share.touch(first.gaussian, first.object)/'
+mutant stages/fit/photo_refit.cpp unit/passes/floaters/floaters_test.cpp stages/fit/photo_refit.cpp "refit: rows that are not to be trained" 's/kept\[i\] = !in\.trained\[i\]/kept[i] = 0/'

@@ -132,6 +132,11 @@ void clear_shapes(const std::vector<std::uint8_t>& chosen, CloudGradients& gradi
   clear(chosen, 3, gradients.log_scale), clear(chosen, 1, gradients.logit_opacity);
 }
 
+void clear_colours(const std::vector<std::uint8_t>& chosen, CloudGradients& gradients) {
+  if (chosen.empty()) return;
+  clear(chosen, 3, gradients.sh_dc), clear(chosen, gradients.sh_rest.size() / chosen.size(), gradients.sh_rest);
+}
+
 double largest_scale(const GaussianCloud& cloud, std::int64_t row) {
   const float* s = &cloud.log_scale[std::size_t(row) * 3];
   return std::exp(double(std::max({s[0], s[1], s[2]})));

@@ -67,6 +67,9 @@ void edit_moments(const std::vector<CloudRow>& rows, int width, AdamMoments& mom
 /// Zeroes the gradients of position, shape and opacity of the rows with chosen[row] != 0; empty: of none.
 void clear_shapes(const std::vector<std::uint8_t>& chosen, CloudGradients& gradients);
 
+/// The same of the colours.
+void clear_colours(const std::vector<std::uint8_t>& chosen, CloudGradients& gradients);
+
 /// The largest of the three scales, world.
 double largest_scale(const GaussianCloud& cloud, std::int64_t row);
 

@@ -1,10 +1,7 @@
 #include "ngs/ops/splat/splat.h"
 
-#include <algorithm>
-
 #include "ngs/core/check.h"
 #include "ngs/ops/device/device_ops.h"
-#include "ngs/ops/splat/binned_view.h"
 #include "ngs/ops/splat/cloud_view.h"
 #include "ngs/ops/splat/tile_isa.h"
 #include "ngs/ops/splat/view_planes.h"
@@ -101,14 +98,6 @@ RenderedView render(const Exec& exec, const GaussianCloud& cloud, const Camera& 
   SplatEngine<float> engine(float_tile_kernels(exec.isa), options, on_view, relative_camera(camera, cloud), channels);
   engine.forward(exec, planes<float>(channels, view));
   return view;
-}
-
-void mark_rows_in_view(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options,
-                       std::vector<std::uint8_t>& rows) {
-  NGS_CHECK(std::int64_t(rows.size()) == cloud.size(), "one flag per Gaussian");
-  if (exec.device_ops) return void(std::fill(rows.begin(), rows.end(), std::uint8_t(1)));
-  const BinnedView<float> seen(exec, cloud_view(cloud, 0, nullptr), relative_camera(camera, cloud), options);
-  for (const auto row : seen.view().id) rows[std::size_t(row)] = 1;
 }
 
 }  // namespace ngs

@@ -39,11 +39,6 @@ struct RenderRequest {
 RenderedView render(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options,
                     const RenderRequest& request);
 
-/// Sets rows[i] [N] to 1 of every Gaussian that a pass over the view can draw, also where others hide it; the rest
-/// stays. What no view draws gets no gradient from any. On a device: of all.
-void mark_rows_in_view(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options,
-                       std::vector<std::uint8_t>& rows);
-
 /// Which Gaussians' gradients are wanted, and where they go.
 struct GradientRows {
   std::vector<std::uint8_t> label_alone = {};  // [N] 1: that of the labels alone, the rest of the row is 0; empty: none

@@ -279,6 +279,31 @@ FloaterFinding find_floaters(const Exec& exec, Monitor& monitor, const FloaterOp
   return FloaterSearch(exec, options, input).run(monitor);
 }
 
+namespace {
+
+/// What is drawn, once the floaters are out, where a view drew some of them.
+std::vector<std::uint8_t> uncovered_rows(const Exec& exec, const Problem& input, const std::vector<std::size_t>& views,
+                                         const std::vector<std::uint8_t>& floater, const GaussianCloud& without) {
+  constexpr float kDrawn = 1.f / 255;
+  const std::vector<float> label(floater.begin(), floater.end());
+  const SplatOptions with = prepared_for(exec, input.splat, input.cloud),
+                     splat = prepared_for(exec, input.splat, without);
+  std::vector<std::uint8_t> uncovered(floater.size(), 0);
+  for_each_view(input.monitor, views, [&](std::size_t, std::size_t v) {
+    const Camera& camera = input.scene.views[v].camera;
+    RenderRequest request;
+    request.colour = false, request.label = {label.data(), std::int64_t(label.size()), 1};
+    ViewMasks covered{camera.width_px, camera.height_px, {}, {}, true};
+    covered.target.push_back(std::move(render(exec, input.cloud, camera, with, request).label.data));
+    for (float& pixel : covered.target[0]) pixel = float(pixel >= kDrawn);
+    const ViewSums sums = view_sums(exec, without, {camera, covered}, splat);
+    for (std::size_t i = 0; i < sums.size(); ++i) uncovered[sums.row[i]] |= sums.object_weight(i, 0) > 0;
+  });
+  return uncovered;
+}
+
+}  // namespace
+
 FloaterRemoval remove_floaters(const Exec& exec, Monitor& monitor, const RefitOptions& refit, const Problem& input,
                                const FloaterFinding& finding) {
   const std::vector<std::uint8_t>& floater = finding.floater;
@@ -290,7 +315,9 @@ FloaterRemoval remove_floaters(const Exec& exec, Monitor& monitor, const RefitOp
   const std::vector<std::size_t> scored = spread_views(views, kScoredViews);
   out.figures["psnr_before_db"] = mean_psnr_db(exec, input, input.cloud, scored);
   out.figures["psnr_removed_db"] = mean_psnr_db(exec, input, out.cloud, scored);
-  refit_to_photos(exec, monitor, refit, {input, views, finding.far}, out.cloud);
+  const std::vector<std::uint8_t> uncovered = uncovered_rows(exec, input, views, floater, out.cloud);
+  out.figures["uncovered"] = double(std::ranges::count(uncovered, std::uint8_t(1)));
+  refit_to_photos(exec, monitor, refit, {input, views, finding.far, uncovered}, out.cloud);
   out.figures["psnr_after_db"] = mean_psnr_db(exec, input, out.cloud, scored);
   return out;
 }

@@ -48,7 +48,7 @@ FloaterFinding find_floaters(const Exec& exec, Monitor& monitor, const FloaterOp
 inline constexpr float kRemovedLogit = -20.f;
 
 struct FloaterRemoval {
-  GaussianCloud cloud;  // floaters at kRemovedLogit, what is left refitted to the photos: colours of all,
+  GaussianCloud cloud;  // floaters at kRemovedLogit, what they covered refitted to the photos: colours of all of it,
                         // geometry of what is far from the core
   std::map<std::string, double> figures;  // PSNR before, without, after the refit, at the size of the input, of
                                           // at most 8 views

@@ -6,6 +6,7 @@
 #include "ngs/ops/image/image_metrics.h"
 #include "ngs/ops/losses/photometric.h"
 #include "ngs/ops/optim/adam.h"
+#include "ngs/ops/splat/evidence.h"
 #include "ngs/problem/cloud_rows.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/fit/fit_stage.h"
@@ -28,16 +29,19 @@ double mean_psnr_db(const Exec& exec, const Problem& input, const GaussianCloud&
 
 namespace {
 
-/// The rows that any of the views draws, increasing.
-std::vector<std::int64_t> drawn_rows(const Exec& exec, const RefitInputs& in, const GaussianCloud& cloud) {
-  std::vector<std::uint8_t> drawn(std::size_t(cloud.size()), 0);
+/// The rows that some pixel of a view shows, increasing: what others hide everywhere has no gradient.
+std::vector<std::int64_t> shown_rows(const Exec& exec, const RefitInputs& in, const GaussianCloud& cloud) {
+  std::vector<std::uint8_t> shown(std::size_t(cloud.size()), 0);
   const SplatOptions splat = prepared_for(exec, in.problem.splat, cloud);
   for_each_view(in.problem.monitor, in.views, [&](std::size_t, std::size_t v) {
-    mark_rows_in_view(exec, cloud, in.problem.scene.views[v].camera, splat, drawn);
+    const Camera& camera = in.problem.scene.views[v].camera;
+    const std::vector<float> nothing(std::size_t(camera.width_px) * std::size_t(camera.height_px));
+    const ViewMasks everywhere{camera.width_px, camera.height_px, {nothing}, {}, true};
+    for (const std::uint32_t row : view_sums(exec, cloud, {camera, everywhere}, splat).row) shown[row] = 1;
   });
   std::vector<std::int64_t> rows;
-  for (std::size_t i = 0; i < drawn.size(); ++i)
-    if (drawn[i]) rows.push_back(std::int64_t(i));
+  for (std::size_t i = 0; i < shown.size(); ++i)
+    if (shown[i]) rows.push_back(std::int64_t(i));
   return rows;
 }
 
@@ -47,8 +51,8 @@ void train(const Exec& exec, Monitor& monitor, const RefitOptions& options, cons
   const Problem& input = in.problem;
   const double extent = scene_extent(cameras_of(input.scene, in.views));
   const std::int64_t steps = std::int64_t(options.epochs) * std::int64_t(in.views.size());
-  std::vector<std::uint8_t> still(in.moves.size());
-  for (std::size_t i = 0; i < still.size(); ++i) still[i] = !in.moves[i];
+  std::vector<std::uint8_t> still(in.moves.size()), kept(still.size());
+  for (std::size_t i = 0; i < still.size(); ++i) kept[i] = !in.trained[i], still[i] = kept[i] || !in.moves[i];
   SplatPass pass(input.splat);
   PhotometricPass<float> photometric;
   CloudGradients gradients;
@@ -63,7 +67,7 @@ void train(const Exec& exec, Monitor& monitor, const RefitOptions& options, cons
       const RenderedView& rendered = pass.forward(exec, cloud, input.scene.views[v].camera, request);
       photometric.evaluate(exec, {}, {rendered.colour, input.load_photo(v)}, &image.colour);
       pass.backward(exec, image, gradients);
-      clear_shapes(still, gradients);
+      clear_shapes(still, gradients), clear_colours(kept, gradients);
       const double decay = std::pow(options.decay, double(step) / double(steps));
       ++step;
       GroupRates rates{options.position_lr * extent, options.rotation_lr, options.scale_lr,
@@ -78,11 +82,11 @@ void train(const Exec& exec, Monitor& monitor, const RefitOptions& options, cons
 
 void refit_to_photos(const Exec& exec, Monitor& monitor, const RefitOptions& options, const RefitInputs& in,
                      GaussianCloud& cloud) {
-  const std::vector<std::int64_t> rows = drawn_rows(exec, in, cloud);
-  std::vector<std::uint8_t> moves;
-  if (!in.moves.empty()) moves = gather_column(exec, in.moves, 1, rows);
+  const std::vector<std::int64_t> rows = shown_rows(exec, in, cloud);
+  const std::vector<std::uint8_t> moves = gather_column(exec, in.moves, 1, rows),
+                                  trained = gather_column(exec, in.trained, 1, rows);
   GaussianCloud part = gather_rows(exec, cloud, rows);
-  train(exec, monitor, options, {in.problem, in.views, moves}, part);
+  train(exec, monitor, options, {in.problem, in.views, moves, trained}, part);
   scatter_rows(exec, part, rows, cloud);
 }
 

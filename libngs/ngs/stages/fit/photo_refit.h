@@ -18,12 +18,13 @@ double mean_psnr_db(const Exec& exec, const Problem& input, const GaussianCloud&
 
 struct RefitInputs {
   const Problem& problem;
-  const std::vector<std::size_t>& views;   // of its scene, each with a photo
-  const std::vector<std::uint8_t>& moves;  // [N] 1: geometry and opacity are trained as well
+  const std::vector<std::size_t>& views;     // of its scene, each with a photo
+  const std::vector<std::uint8_t>& moves;    // [N] 1: geometry and opacity are trained as well
+  const std::vector<std::uint8_t>& trained;  // [N] 0: the row stays as it is
 };
 
-/// Steps over the views in an order that depends on the problem's seed. Colours of all rows are trained. Rows that no
-/// view draws, and those whose opacity is too small to be drawn, stay as they are and cost nothing.
+/// Steps over the views in an order that depends on the problem's seed. Rows that no pixel of a view shows stay as they
+/// are, and cost nothing.
 void refit_to_photos(const Exec& exec, Monitor& monitor, const RefitOptions& options, const RefitInputs& in,
                      GaussianCloud& cloud);
 

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "ngs/problem/cloud_rows.h"
@@ -183,7 +184,8 @@ TEST_CASE("a refit is the same to the bit whatever lies where no view looks, and
   const auto n = std::size_t(c->model.size());
   Monitor monitor;
   GaussianCloud alone = c->model;
-  refit_to_photos({}, monitor, {.epochs = 2}, {in, views, std::vector<std::uint8_t>(n, 1)}, alone);
+  refit_to_photos({}, monitor, {.epochs = 2},
+                  {in, views, std::vector<std::uint8_t>(n, 1), std::vector<std::uint8_t>(n, 1)}, alone);
   CHECK(alone.sh_dc != c->model.sh_dc);
   // Every other row is a copy that lies far behind all cameras.
   std::vector<std::int64_t> twice;
@@ -198,7 +200,8 @@ TEST_CASE("a refit is the same to the bit whatever lies where no view looks, and
                      .background = in.background,
                      .seed = in.seed};
   GaussianCloud both = model;
-  refit_to_photos({}, monitor, {.epochs = 2}, {more, views, std::vector<std::uint8_t>(2 * n, 1)}, both);
+  const std::vector<std::uint8_t> all(2 * n, 1);
+  refit_to_photos({}, monitor, {.epochs = 2}, {more, views, all, all}, both);
   std::vector<std::int64_t> seen, unseen;
   for (std::size_t i = 0; i < n; ++i) seen.push_back(std::int64_t(2 * i)), unseen.push_back(std::int64_t(2 * i + 1));
   const GaussianCloud got = gather_rows({}, both, seen), left = gather_rows({}, both, unseen),
@@ -220,7 +223,7 @@ TEST_CASE("a refit moves only what may move and brings back a shifted colour") {
   GaussianCloud cloud = c->model;
   const std::vector<std::size_t> views = photo_views(c->scene);
   REQUIRE(views.size() == 4);
-  refit_to_photos({}, monitor, {.epochs = 8}, {in, views, moves}, cloud);
+  refit_to_photos({}, monitor, {.epochs = 8}, {in, views, moves, std::vector<std::uint8_t>(moves.size(), 1)}, cloud);
   CHECK(mean_psnr_db({}, in, cloud, views) > mean_psnr_db({}, in, c->model, views) + 1);
   double moved = 0;
   for (std::size_t i = 0; i < moves.size(); ++i)
@@ -232,6 +235,27 @@ TEST_CASE("a refit moves only what may move and brings back a shifted colour") {
         CHECK(d == 0);
     }
   CHECK(moved > 0);
+}
+
+TEST_CASE("a refit leaves the rows that are not to be trained, bit by bit") {
+  const auto c = test::joint_case();
+  for (SceneView& v : c->scene.views) v.image_path = "photo";
+  const Problem in = c->input();
+  const auto n = std::size_t(c->model.size());
+  std::vector<std::uint8_t> trained(n, 0);
+  for (std::size_t i = 0; i < n; i += 3) trained[i] = 1;
+  Monitor monitor;
+  GaussianCloud cloud = c->model;
+  refit_to_photos({}, monitor, {.epochs = 2}, {in, photo_views(c->scene), std::vector<std::uint8_t>(n, 1), trained},
+                  cloud);
+  std::size_t changed = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const bool same = std::equal(&cloud.sh_dc[3 * i], &cloud.sh_dc[3 * i] + 3, &c->model.sh_dc[3 * i]) &&
+                      std::equal(&cloud.position[3 * i], &cloud.position[3 * i] + 3, &c->model.position[3 * i]);
+    if (!trained[i]) CHECK(same);
+    changed += !same;
+  }
+  CHECK(changed > n / 6);
 }
 
 }  // namespace ngs
