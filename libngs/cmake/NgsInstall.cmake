@@ -6,7 +6,7 @@ set(NGS_PLUGINS ${CMAKE_INSTALL_LIBDIR}/ngs)
 # The library. Layers in the order of linking.
 set(layers methods passes stages problem io ops options backend scene core)
 list(TRANSFORM layers PREPEND ngs_ OUTPUT_VARIABLE layer_targets)
-install(TARGETS ngs ${layer_targets} ngs_flags ngs_opencv ngs_flann ngs_compression EXPORT ngsTargets
+install(TARGETS ngs ${layer_targets} ngs_flags ngs_eigen ngs_opencv ngs_flann ngs_compression EXPORT ngsTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS ngs_codecs LIBRARY DESTINATION ${NGS_PLUGINS})
 # Whoever links the library loads the codecs' plug-in from where it was installed.

@@ -1,6 +1,10 @@
 # Third-party libraries. Each is linked by exactly the layer that may include it (libngs/CMakeLists.txt).
 find_package(OpenMP REQUIRED COMPONENTS CXX)
 find_package(Eigen3 REQUIRED NO_MODULE)
+# -j alone says how many threads there are; vectorised, sums would have the order of the processor's vectors.
+add_library(ngs_eigen INTERFACE)
+target_link_libraries(ngs_eigen INTERFACE Eigen3::Eigen)
+target_compile_definitions(ngs_eigen INTERFACE EIGEN_DONT_PARALLELIZE EIGEN_DONT_VECTORIZE)
 find_package(nlohmann_json REQUIRED)
 find_package(OpenEXR REQUIRED)
 find_package(CLI11 REQUIRED)

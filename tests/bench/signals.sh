@@ -11,6 +11,7 @@
 # A line each, divided by tabs, on stdout and in OUT_DIR/samples: case, phase, signal, CPU s before it, ms until every
 # process of the run has ended, exit code, MiB, unfinished files that it left. Then a table on stderr.
 # Exit code 1 where one took more than a second, ended with another code than the signal's or left a file.
+#   NGS_SIGNALS_MOST=N     at most N signals a case: first and last tenth, then the phases that take longest; default: all
 #   NGS_SIGNALS_CAP_S=12   CPU s after which the cases orbit, mask and fit, more of the same, are not followed further
 # The tools come from $NGS_BIN, else from the build folder.
 set -euo pipefail
@@ -24,7 +25,7 @@ masks=$(cd "$2" && pwd)
 mkdir -p "$3"
 cd "$3"
 shift 3
-only=$* bin=$(find_bin) cap=${NGS_SIGNALS_CAP_S:-12} failed=0 turn=0
+only=$* bin=$(find_bin) cap=${NGS_SIGNALS_CAP_S:-12} most=${NGS_SIGNALS_MOST:-1000} failed=0 turn=0
 model=$(find "$scene" -maxdepth 1 -name 'point_cloud*.ply' | sort | head -n 1)
 scene_flags=()
 eval "scene_flags=(${SCENE_FLAGS:-})"
@@ -133,7 +134,7 @@ measure() {
   sed -i "/^$name\t/d" samples
   while IFS=$'\t' read -r middle share phase <&3; do
     if awk -v s="$share" 'BEGIN { exit !(s >= 1 / 30) }'; then sample "$name" "$phase" "$middle" "$@"; fi
-  done 3< <(phases "$name.json")
+  done 3< <(phases "$name.json" | sort -s -t "$(printf '\t')" -k 2,2gr | sed -n "1,${most}p")
 }
 
 # follow NAME COMMAND...: as measure, for what takes long and is more of the same; from the cap on nothing is asked.

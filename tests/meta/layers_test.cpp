@@ -128,9 +128,16 @@ Offenders word_offences(const SourceFile& file) {
 Offenders flag_offences(const SourceFile& file) {
   static const std::regex fast(
       "-ffast-math|-Ofast|use_fast_math|-funsafe-math|-ffp-contract=(fast|on)|-fassociative-math");
+  Offenders offences;
   std::smatch match;
-  if (!std::regex_search(file.text, match, fast)) return {};
-  return {file.path + ": has " + match[0].str() + ", but results may not depend on the optimiser"};
+  if (std::regex_search(file.text, match, fast))
+    offences.push_back(file.path + ": has " + match[0].str() + ", but results may not depend on the optimiser");
+  // Its vectorised sums have the order of the processor's vectors; ngs_eigen has neither these nor threads.
+  const bool wraps =
+      file.text.find("ngs_eigen INTERFACE EIGEN_DONT_PARALLELIZE EIGEN_DONT_VECTORIZE") != file.text.npos;
+  if (!wraps && file.text.find("Eigen3::Eigen") != file.text.npos)
+    offences.push_back(file.path + ": links Eigen3::Eigen, expected ngs_eigen");
+  return offences;
 }
 
 template <class Rule>
@@ -175,11 +182,14 @@ TEST_CASE("CUDA and OpenMP words stand in the backend only, and nothing scatters
   CHECK(word_offences({"libngs/ngs/ops/x.h", "NGS_HD void f() { Grid::add_to(p, 1); }\n"}).size() == 1);
 }
 
-TEST_CASE("no build file asks for fast-math or contraction") {
+TEST_CASE("no build file asks for fast-math or contraction, or for Eigen as it comes") {
   const std::vector<SourceFile> files = test::source_files({"libngs", "tools", "tests"}, {"CMakeLists.txt", ".cmake"});
   CHECK(files.size() >= 6);
   CHECK(over(files, flag_offences) == "");
   CHECK(flag_offences({"x.cmake", "add_compile_options(-O3 -ffast-math)"}).size() == 1);
+  CHECK(flag_offences({"x/CMakeLists.txt", "target_link_libraries(x PRIVATE Eigen3::Eigen)"}).size() == 1);
+  CHECK(flag_offences({"x/NgsLibraries.cmake", "target_link_libraries(ngs_eigen INTERFACE Eigen3::Eigen)"}).size() ==
+        1);
 }
 
 }  // namespace ngs
