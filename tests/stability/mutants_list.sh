@@ -283,7 +283,7 @@ mutant problem/window_input.cpp $t problem/window_input.cpp "windows of the mask
 mutant problem/window_input.cpp $t problem/window_input.cpp "losses as if the window were the view" 's/share\[v\] = double\(windows\[v\]\.w\)/share[v] = 0.5 * double(windows[v].w)/'
 mutant stages/boundary/method_labels.cpp $t stages/boundary/method_labels.cpp "views that stay in the evidence" 's/weight\[c\] - taken\[c\]/weight[c]/'
 mutant passes/mask_outliers/mask_outliers.cpp $t passes/mask_outliers/mask_outliers.cpp "nothing beside the windows" 's/std::max\(0\.0, own \/ share - inside\.weight\(i\)\)/0.0/'
-mutant passes/joint/trained_rows.h $t passes/joint/joint_stage.cpp "gradients in the rows of others" 's/wanted_\.place\[i\] = std::int32_t\(rows_\.size\(\)\)/wanted_.place[i] = 0/'
+mutant problem/trained_rows.h $t passes/joint/joint_stage.cpp "gradients in the rows of others" 's/wanted_\.place\[i\] = std::int32_t\(rows_\.size\(\)\)/wanted_.place[i] = 0/'
 mutant problem/region.cpp $t problem/region.cpp "a region of everything" 's/object\.prob\[i\] >= kLeastRegionShare/true/'
 mutant problem/region.cpp $t problem/region.cpp "changed rows that do not count" 's/changed \+= !same;//'
 t=unit/passes/contours/refined_masks_test.cpp
@@ -317,4 +317,4 @@ mutant $f $t $f "label column: later values not counted on" 's/\+\+before\[later
 mutant $f $t $f "label column: pages shared that hold other values" 's/return a\.has == b\.has && .*;/return a.has == b.has;/'
 mutant $f $t $f "label column: rows come back that were cut off" 's/if \(rows < rows_ && rows % kPageRows != 0\)/if (false)/'
 mutant scene/evidence.cpp unit/ops/splat/evidence_test.cpp scene/evidence.cpp "what an object has for the first time is lost" 's/share\.touch\(first\.gaussian, first\.object\)\.add\(first\.share\)/share.touch(first.gaussian, first.object)/'
-mutant stages/fit/photo_refit.cpp unit/passes/floaters/floaters_test.cpp stages/fit/photo_refit.cpp "refit: rows that are not to be trained" 's/kept\[i\] = !in\.trained\[i\]/kept[i] = 0/'
+mutant stages/fit/photo_refit.cpp unit/passes/floaters/floaters_test.cpp stages/fit/photo_refit.cpp "refit: rows that are not to be trained" 's/trained\(exec, in\.trained, /trained(exec, {}, /; s/kept\[r\] = !in\.trained\[row\]/kept[r] = 0/'

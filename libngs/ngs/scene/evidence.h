@@ -79,6 +79,7 @@ struct ObjectShare {
   bool operator==(const ObjectShare&) const = default;
 };
 
+/// What an object has of a Gaussian for the first time: a cell that is to be made.
 struct FirstShare {
   std::uint32_t gaussian, object;
   ObjectShare share;

@@ -14,8 +14,8 @@
 #include "ngs/passes/joint/field_mask_loss.h"
 #include "ngs/passes/joint/first_queries.h"
 #include "ngs/passes/joint/label_start.h"
-#include "ngs/passes/joint/trained_rows.h"
 #include "ngs/passes/joint/view_cache.h"
+#include "ngs/problem/trained_rows.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/boundary/method_labels.h"
 #include "ngs/stages/fit/fit_stage.h"
@@ -85,7 +85,7 @@ struct JointTrainer::Impl {
         given_field(s.field),
         rates(group_rates(s, effects)),
         cloud(s.input.cloud),
-        trained(e, s.input, s.frozen.empty() ? s.input.held : s.frozen, cloud),
+        trained(e, s.input.region, s.frozen.empty() ? s.input.held : s.frozen, cloud),
         splat_options(trained.prepared(splat_of(s.input.splat, effects))),
         splat(splat_options),
         cache(input, effects) {}

@@ -8,6 +8,7 @@
 #include "ngs/ops/optim/adam.h"
 #include "ngs/ops/splat/evidence.h"
 #include "ngs/problem/cloud_rows.h"
+#include "ngs/problem/trained_rows.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/fit/fit_stage.h"
 
@@ -29,31 +30,42 @@ double mean_psnr_db(const Exec& exec, const Problem& input, const GaussianCloud&
 
 namespace {
 
-/// The rows that some pixel of a view shows, increasing: what others hide everywhere has no gradient.
-std::vector<std::int64_t> shown_rows(const Exec& exec, const RefitInputs& in, const GaussianCloud& cloud) {
-  std::vector<std::uint8_t> shown(std::size_t(cloud.size()), 0);
+struct Shown {
+  std::vector<std::int64_t> rows;  // that some pixel of a view shows, increasing: what others hide has no gradient
+  std::vector<std::size_t> views;  // that show a row which is trained
+};
+
+Shown shown_in(const Exec& exec, const RefitInputs& in, const GaussianCloud& cloud) {
+  Shown shown;
+  std::vector<std::uint8_t> seen(std::size_t(cloud.size()), 0);
   const SplatOptions splat = prepared_for(exec, in.problem.splat, cloud);
   for_each_view(in.problem.monitor, in.views, [&](std::size_t, std::size_t v) {
     const Camera& camera = in.problem.scene.views[v].camera;
     const std::vector<float> nothing(std::size_t(camera.width_px) * std::size_t(camera.height_px));
     const ViewMasks everywhere{camera.width_px, camera.height_px, {nothing}, {}, true};
-    for (const std::uint32_t row : view_sums(exec, cloud, {camera, everywhere}, splat).row) shown[row] = 1;
+    bool trained = false;
+    for (const std::uint32_t row : view_sums(exec, cloud, {camera, everywhere}, splat).row)
+      seen[row] = 1, trained |= in.trained[row] != 0;
+    if (trained) shown.views.push_back(v);
   });
-  std::vector<std::int64_t> rows;
-  for (std::size_t i = 0; i < shown.size(); ++i)
-    if (shown[i]) rows.push_back(std::int64_t(i));
-  return rows;
+  for (std::size_t i = 0; i < seen.size(); ++i)
+    if (seen[i]) shown.rows.push_back(std::int64_t(i));
+  return shown;
 }
 
-/// The steps, on a cloud of which every row counts.
+/// The steps, on a cloud of which every row is drawn.
 void train(const Exec& exec, Monitor& monitor, const RefitOptions& options, const RefitInputs& in,
            GaussianCloud& cloud) {
   const Problem& input = in.problem;
-  const double extent = scene_extent(cameras_of(input.scene, in.views));
+  const double extent = scene_extent(cameras_of(input.scene, photo_views(input.scene)));
   const std::int64_t steps = std::int64_t(options.epochs) * std::int64_t(in.views.size());
-  std::vector<std::uint8_t> still(in.moves.size()), kept(still.size());
-  for (std::size_t i = 0; i < still.size(); ++i) kept[i] = !in.trained[i], still[i] = kept[i] || !in.moves[i];
-  SplatPass pass(input.splat);
+  TrainedRows trained(exec, in.trained, {}, cloud);
+  std::vector<std::uint8_t> still(trained.size()), kept(trained.size());
+  for (std::size_t r = 0; r < still.size(); ++r) {
+    const std::size_t row = trained.row(r);
+    kept[r] = !in.trained[row], still[r] = kept[r] || !in.moves[row];
+  }
+  SplatPass pass(trained.prepared(input.splat));
   PhotometricPass<float> photometric;
   CloudGradients gradients;
   ViewGradients image;
@@ -66,14 +78,15 @@ void train(const Exec& exec, Monitor& monitor, const RefitOptions& options, cons
       request.background = input.background;
       const RenderedView& rendered = pass.forward(exec, cloud, input.scene.views[v].camera, request);
       photometric.evaluate(exec, {}, {rendered.colour, input.load_photo(v)}, &image.colour);
-      pass.backward(exec, image, gradients);
+      pass.backward(exec, image, gradients, trained.wanted());
       clear_shapes(still, gradients), clear_colours(kept, gradients);
       const double decay = std::pow(options.decay, double(step) / double(steps));
       ++step;
       GroupRates rates{options.position_lr * extent, options.rotation_lr, options.scale_lr,
                        options.opacity_lr,           options.dc_lr,       options.rest_lr};
       for (double& rate : rates) rate *= decay;
-      step_gaussians(exec, {step, rates}, gradients, cloud, moments);
+      step_gaussians(exec, {step, rates}, gradients, trained.cloud(), moments);
+      trained.put_back();
       monitor.progress(step, steps);
     }
 }
@@ -82,12 +95,12 @@ void train(const Exec& exec, Monitor& monitor, const RefitOptions& options, cons
 
 void refit_to_photos(const Exec& exec, Monitor& monitor, const RefitOptions& options, const RefitInputs& in,
                      GaussianCloud& cloud) {
-  const std::vector<std::int64_t> rows = shown_rows(exec, in, cloud);
-  const std::vector<std::uint8_t> moves = gather_column(exec, in.moves, 1, rows),
-                                  trained = gather_column(exec, in.trained, 1, rows);
-  GaussianCloud part = gather_rows(exec, cloud, rows);
-  train(exec, monitor, options, {in.problem, in.views, moves, trained}, part);
-  scatter_rows(exec, part, rows, cloud);
+  const Shown shown = shown_in(exec, in, cloud);
+  const std::vector<std::uint8_t> moves = gather_column(exec, in.moves, 1, shown.rows),
+                                  trained = gather_column(exec, in.trained, 1, shown.rows);
+  GaussianCloud part = gather_rows(exec, cloud, shown.rows);
+  train(exec, monitor, options, {in.problem, shown.views, moves, trained}, part);
+  scatter_rows(exec, part, shown.rows, cloud);
 }
 
 }  // namespace ngs

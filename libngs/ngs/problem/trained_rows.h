@@ -1,23 +1,23 @@
 #pragma once
-// The Gaussians that a trainer changes: those of the problem's region, whose rows alone have gradients and moments, or
-// all, and then without a copy. A device has all.                                                 PAPER.md §5.16
+// The Gaussians that a trainer changes: those of a region, whose rows alone have gradients and moments, or all, and
+// then without a copy. A device has all.                                                               PAPER.md §5.16
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "ngs/ops/splat/splat.h"
 #include "ngs/problem/cloud_rows.h"
-#include "ngs/problem/problem.h"
 
 namespace ngs {
 
 class TrainedRows {
  public:
-  /// `frozen` [N] 1: shape, opacity and colour stay; may be empty. `all` must outlive it.
-  TrainedRows(const Exec& exec, const Problem& input, const std::vector<std::uint8_t>& frozen, GaussianCloud& all)
+  /// `region` [N] 1: is trained; empty: all are. `frozen` [N] 1: shape, opacity and colour stay; may be empty. `all`
+  /// must outlive it.
+  TrainedRows(const Exec& exec, const std::vector<std::uint8_t>& region, const std::vector<std::uint8_t>& frozen,
+              GaussianCloud& all)
       : exec_(exec), all_(all) {
     wanted_.label_alone = frozen;
-    const std::vector<std::uint8_t>& region = input.region;
     if (region.empty() || exec.device_ops) return;
     wanted_.place.assign(region.size(), -1);
     for (std::size_t i = 0; i < region.size(); ++i)
