@@ -3,8 +3,8 @@
 // the outside tells it: whether to stop. The library itself never prints.
 #include <atomic>
 #include <cstdint>
-#include <deque>
 #include <functional>
+#include <list>
 #include <string>
 #include <vector>
 
@@ -14,10 +14,10 @@ namespace ngs {
 struct StageNode {
   std::string name;
   double wall_s = 0;
-  double cpu_s = 0;        // all threads of the process
-  std::int64_t items = 0;  // what the stage counts: views, queries, steps
-  double max_rss_mib = 0;  // peak of the process when the stage ended
-  std::deque<StageNode> children;
+  double cpu_s = 0;               // all threads of the process
+  std::int64_t items = 0;         // what the stage counts: views, queries, steps
+  double max_rss_mib = 0;         // peak of the process when the stage ended
+  std::list<StageNode> children;  // Scopes point to them
 };
 
 class Monitor {

@@ -4,6 +4,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <initializer_list>
+
 #include "ngs/io/files/unfinished_files.h"
 #include "shared/cli/exit_code.h"
 

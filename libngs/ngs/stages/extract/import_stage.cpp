@@ -56,18 +56,20 @@ void pair_group(std::span<const Keyed> model, std::span<const Keyed> edit, std::
 std::vector<std::int64_t> match_rows(const GaussianCloud& cloud, const GaussianCloud& edit) {
   const std::vector<Keyed> model = sorted_keys(cloud), edited = sorted_keys(edit);
   std::vector<std::int64_t> found(edited.size(), -1);
+  const auto lies_before = [](const Keyed& a, const Keyed& b) {
+    return std::lexicographical_compare(a.key.begin(), a.key.begin() + 3, b.key.begin(), b.key.begin() + 3);
+  };
   const auto group_end = [](const std::vector<Keyed>& keys, std::size_t begin) {
     std::size_t end = begin + 1;
     while (end < keys.size() && keys[end].at(keys[begin])) ++end;
     return end;
   };
   for (std::size_t m = 0, e = 0; m < model.size() && e < edited.size();) {
-    const auto order = std::lexicographical_compare_three_way(model[m].key.begin(), model[m].key.begin() + 3,
-                                                              edited[e].key.begin(), edited[e].key.begin() + 3);
+    const bool first = lies_before(model[m], edited[e]), last = lies_before(edited[e], model[m]);
     const std::size_t m_end = group_end(model, m), e_end = group_end(edited, e);
-    if (order == 0) pair_group({&model[m], m_end - m}, {&edited[e], e_end - e}, found);
-    if (order <= 0) m = m_end;
-    if (order >= 0) e = e_end;
+    if (!first && !last) pair_group({&model[m], m_end - m}, {&edited[e], e_end - e}, found);
+    if (!last) m = m_end;
+    if (!first) e = e_end;
   }
   return found;
 }
