@@ -5,6 +5,7 @@
 
 #include "ngs/ops/image/metrics.h"
 #include "ngs/ops/image/outline.h"
+#include "ngs/problem/pixel_window.h"
 
 namespace ngs::bench {
 namespace {
@@ -62,17 +63,19 @@ PromptStroke through_the_middle(const PixelMask& truth, int width_px, int height
   return stroke;
 }
 
-/// What of the loop lies within the picture: along its frame nothing is known of the other side.
-void add_parts(const Loop& loop, int width_px, int height_px, std::vector<PromptStroke>& strokes) {
+/// What of the loop, which keeps a distance from the object, lies within the picture: along its frame nothing is known
+/// of the other side.
+void add_parts(const Loop& loop, double distance_px, const PixelWindow& picture, std::vector<PromptStroke>& strokes) {
   PromptStroke part;
   part.object = false;
+  part.radius_px = std::clamp(distance_px - 1, 0.75, part.radius_px);  // it stays off the object
   const auto end_part = [&] {
     if (part.points.size() > 1) strokes.push_back(part);
     part.points.clear();
   };
   for (std::size_t i = 0; i <= loop.size(); ++i) {
     const GridPoint p = loop[i % loop.size()];
-    if (p.x <= 0 || p.y <= 0 || p.x >= width_px || p.y >= height_px)
+    if (p.x <= 0 || p.y <= 0 || p.x >= picture.w || p.y >= picture.h)
       end_part();
     else
       part.points.push_back({double(p.x), double(p.y)});
@@ -94,7 +97,7 @@ HandPrompt strokes_of_truth(const PixelMask& truth, int width_px, int height_px,
   PixelMask wide(truth.size());
   for (std::size_t p = 0; p < wide.size(); ++p) wide[p] = double(away[p]) <= distance;
   for (const Loop& loop : outlines({wide.data(), width_px, height_px}))
-    if (loop.size() >= kLeastCorners) add_parts(loop, width_px, height_px, prompt.strokes);
+    if (loop.size() >= kLeastCorners) add_parts(loop, distance, {0, 0, width_px, height_px}, prompt.strokes);
   return prompt;
 }
 

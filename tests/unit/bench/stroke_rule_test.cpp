@@ -41,6 +41,20 @@ TEST_CASE("the rule draws one line within the object and one around it, at its d
   CHECK(marked[1] > 300);
 }
 
+TEST_CASE("in a small picture the line around an object stays off it") {
+  constexpr int kSmallWidth = 112, kSmallHeight = 84;
+  PixelMask truth(std::size_t(kSmallWidth * kSmallHeight));
+  for (int y = 0; y < kSmallHeight; ++y)
+    for (int x = 0; x < kSmallWidth; ++x) truth[std::size_t(y * kSmallWidth + x)] = std::hypot(x - 56.0, y - 42.0) < 20;
+  const HandPrompt prompt = bench::strokes_of_truth(truth, kSmallWidth, kSmallHeight, "0000.png");
+  const ViewPrompt hints = rasterise(prompt, kSmallWidth, kSmallHeight);
+  int wrong = 0, marked = 0;
+  for (std::size_t p = 0; p < truth.size(); ++p)
+    if (is_certain(hints.hint[p])) ++marked, wrong += is_object(hints.hint[p]) != (truth[p] != 0);
+  CHECK(marked > 200);
+  CHECK(wrong == 0);
+}
+
 TEST_CASE("the line around an object that the frame cuts says nothing along the frame") {
   const HandPrompt prompt = bench::strokes_of_truth(bar(-20), kWidth, kHeight, "0000.png");
   for (const PromptStroke& stroke : prompt.strokes)
