@@ -188,20 +188,15 @@ TEST_CASE("a refit is the same to the bit whatever lies where no view looks, and
                   {in, views, std::vector<std::uint8_t>(n, 1), std::vector<std::uint8_t>(n, 1)}, alone);
   CHECK(alone.sh_dc != c->model.sh_dc);
   // Every other row is a copy that lies far behind all cameras.
+  const auto more = test::joint_case();
+  more->scene = c->scene;
   std::vector<std::int64_t> twice;
   for (std::size_t i = 0; i < n; ++i) twice.insert(twice.end(), 2, std::int64_t(i));
-  GaussianCloud model = gather_rows({}, c->model, twice);
+  GaussianCloud& model = more->model = gather_rows({}, c->model, twice);
   for (std::size_t i = 0; i < n; ++i) model.position[3 * (2 * i + 1) + 1] += 1e4f;
-  const Problem more{.cloud = model,
-                     .scene = in.scene,
-                     .views = in.views,
-                     .load_masks = in.load_masks,
-                     .load_photo = in.load_photo,
-                     .background = in.background,
-                     .seed = in.seed};
   GaussianCloud both = model;
   const std::vector<std::uint8_t> all(2 * n, 1);
-  refit_to_photos({}, monitor, {.epochs = 2}, {more, views, all, all}, both);
+  refit_to_photos({}, monitor, {.epochs = 2}, {more->input(), views, all, all}, both);
   std::vector<std::int64_t> seen, unseen;
   for (std::size_t i = 0; i < n; ++i) seen.push_back(std::int64_t(2 * i)), unseen.push_back(std::int64_t(2 * i + 1));
   const GaussianCloud got = gather_rows({}, both, seen), left = gather_rows({}, both, unseen),
