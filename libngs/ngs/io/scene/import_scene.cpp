@@ -39,8 +39,8 @@ std::string newest_iteration(const fs::path& base) {
 
 std::string find_model(const std::string& base, std::vector<std::string>& notes) {
   for (const char* name : {"point_cloud.ply", "model.ply"})
-    if (const std::string file = (fs::path(base) / name).string(); is_regular_file(file)) return file;
-  if (const std::string file = newest_iteration(base); !file.empty()) return file;
+    if (std::string file = (fs::path(base) / name).string(); is_regular_file(file)) return file;
+  if (std::string file = newest_iteration(base); !file.empty()) return file;
   std::vector<std::string> found, other_formats;
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(base, ignored)) {
@@ -72,7 +72,7 @@ std::string find_masks_dir(const ImportRequest& request, const std::string& base
     (is_truth ? of_truth : candidates).push_back(name);
   }
   if (candidates.size() == 1) {
-    const std::string chosen = (fs::path(base) / candidates[0]).string();
+    std::string chosen = (fs::path(base) / candidates[0]).string();
     notes.push_back(chosen + ": taken as the masks, by its name (name another with --masks DIR)");
     return chosen;
   }

@@ -23,7 +23,8 @@ void add_before_ball(const Camera& camera, GaussianCloud& cloud) {
   more.resize(first + kAdded, cloud.sh_degree);
   for (std::int64_t k = 0; k < kAdded; ++k) {
     const auto i = std::size_t(first + k);
-    const double x = 0.07 * (double(k % 4) - 1.5), y = 0.07 * (double(k / 4) - 1);
+    const std::int64_t column = k % 4, row = k / 4;
+    const double x = 0.07 * (double(column) - 1.5), y = 0.07 * (double(row) - 1);
     const Vec3<double> p = from + 0.4 * (ball - from);
     more.position[3 * i] = float(p.x + x), more.position[3 * i + 1] = float(p.y + y),
                       more.position[3 * i + 2] = float(p.z);
