@@ -50,7 +50,7 @@ TEST_CASE("--explain prints its list alone on a terminal, and the report too whe
   test::write_tiny_scene(dir.path());
   const std::string tools = NGS_TOOL_DIR "/";
   const auto run = [&](const std::vector<std::string>& argv) {
-    const test::ProcessResult result =
+    test::ProcessResult result =
         test::run_process({.argv = argv, .environment = {}, .folder = dir.path(), .input = {}, .signal_after = {}});
     INFO(result.out << result.err);
     REQUIRE(result.exit_code == 0);
@@ -82,7 +82,8 @@ TEST_CASE("ngs-gs.sh ends the tool that is at work when a signal reaches the scr
                              "/ngs-scene \"$@\" ;; esac\necho $$ > " +
                                  dir.path() + "/at_work\necho at work >&2\nexec sleep 50\n");
   std::filesystem::permissions(dir.path() + "/bin/ngs-scene", std::filesystem::perms::owner_all);
-  for (const auto& [number, code] : {std::pair{SIGTERM, 143}, {SIGINT, 130}, {SIGHUP, 143}}) {
+  for (const auto& signal : {std::pair{SIGTERM, 143}, {SIGINT, 130}, {SIGHUP, 143}}) {
+    const int number = signal.first, code = signal.second;
     CAPTURE(number);
     const test::ProcessResult ended = test::run_process(
         {.argv = {"env", "--default-signal=INT,HUP", NGS_SOURCE_DIR "/pipelines/ngs-gs.sh", ".", "out"},
