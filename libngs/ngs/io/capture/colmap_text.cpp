@@ -1,4 +1,3 @@
-
 #include "ngs/core/error.h"
 #include "ngs/core/parse_number.h"
 #include "ngs/io/capture/colmap.h"
