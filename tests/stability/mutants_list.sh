@@ -281,6 +281,8 @@ t=unit/problem/window_input_test.cpp
 mutant problem/pixel_window.cpp $t problem/pixel_window.cpp "windows beside the tiles" 's/ \/ kGrain_px \* kGrain_px; \};/ + 1; };/'
 mutant problem/window_input.cpp $t problem/window_input.cpp "windows of the masks of another view" 's/windows_->masks\[view\]\.unpacked/windows_->masks[(view + 1) % windows_->masks.size()].unpacked/'
 mutant problem/window_input.cpp $t problem/window_input.cpp "losses as if the window were the view" 's/share\[v\] = double\(windows\[v\]\.w\)/share[v] = 0.5 * double(windows[v].w)/'
+mutant problem/window_input.cpp $t problem/window_input.cpp "windows where others hide the object" 's/pictures\.hidden\(v, alone\)/false/'
+mutant problem/window_input.cpp $t problem/window_input.cpp "no window where a mask shows what others hide" 's/if \(window\.w == 0 && alone/if (alone/'
 mutant stages/boundary/method_labels.cpp $t stages/boundary/method_labels.cpp "views that stay in the evidence" 's/weight\[c\] - taken\[c\]/weight[c]/'
 mutant passes/mask_outliers/mask_outliers.cpp $t passes/mask_outliers/mask_outliers.cpp "nothing beside the windows" 's/std::max\(0\.0, own \/ share - inside\.weight\(i\)\)/0.0/'
 mutant problem/trained_rows.h $t passes/joint/joint_stage.cpp "gradients in the rows of others" 's/wanted_\.place\[i\] = std::int32_t\(rows_\.size\(\)\)/wanted_.place[i] = 0/'
@@ -308,6 +310,7 @@ mutant $f $t "$f" "numbers: what is too large is infinity" 's/std::isinf\(number
 mutant $f $t "$f" "numbers: blanks before them" 's/!begins_number\(\{begin, end\}\)/begin == end/'
 
 t=unit/math/sparse_table_test.cpp f=math/sparse_table.h
+mutant $f $t $f "sparse table: what was put off is lost" 's/touch\(first\.row, first\.column\)\.add\(first\.cell\)/touch(first.row, first.column)/'
 mutant $f $t "" "sparse table: cells of a row as they came" 's/while \(\*at != kNone && node_\[\*at\]\.column < column\) at = .*;//'
 mutant $f $t "" "sparse table: a cell made again" 's/if \(\*at == kNone \|\| node_\[\*at\]\.column != column\)/if (true)/'
 mutant $f $t "" "sparse table: the next cell for the one that is missing" 's/at != kNone && node_\[at\]\.column == column \?/at != kNone ?/'
@@ -316,5 +319,4 @@ mutant $f $t $f "label column: written where others read" 's/if \(page\.use_coun
 mutant $f $t $f "label column: later values not counted on" 's/\+\+before\[later\]/before[later]/'
 mutant $f $t $f "label column: pages shared that hold other values" 's/return a\.has == b\.has && .*;/return a.has == b.has;/'
 mutant $f $t $f "label column: rows come back that were cut off" 's/if \(rows < rows_ && rows % kPageRows != 0\)/if (false)/'
-mutant scene/evidence.cpp unit/ops/splat/evidence_test.cpp scene/evidence.cpp "what an object has for the first time is lost" 's/share\.touch\(first\.gaussian, first\.object\)\.add\(first\.share\)/share.touch(first.gaussian, first.object)/'
 mutant stages/fit/photo_refit.cpp unit/passes/floaters/floaters_test.cpp stages/fit/photo_refit.cpp "refit: rows that are not to be trained" 's/trained\(exec, in\.trained, /trained(exec, {}, /; s/kept\[r\] = !in\.trained\[row\]/kept[r] = 0/'

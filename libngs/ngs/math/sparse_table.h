@@ -15,7 +15,6 @@ class SparseTable {
   SparseTable() = default;
   SparseTable(std::size_t rows, std::size_t columns) : columns_(columns), first_(rows, kNone) {}
 
-  std::size_t rows() const { return first_.size(); }
   std::size_t columns() const { return columns_; }
   std::size_t touched() const { return node_.size(); }
 
@@ -38,6 +37,21 @@ class SparseTable {
       *at = made;
     }
     return node_[*at].cell;
+  }
+  /// What a cell that was never touched is to have added.
+  struct First {
+    std::uint32_t row, column;
+    Cell cell;
+  };
+  /// Adds to a cell; different ones from several threads at a time. One that was never touched is put off.
+  void add(std::size_t row, std::size_t column, const Cell& cell, std::vector<First>& put_off) {
+    if (Cell* const known = find(row, column))
+      known->add(cell);
+    else
+      put_off.push_back({std::uint32_t(row), std::uint32_t(column), cell});
+  }
+  void add(const std::vector<First>& put_off) {
+    for (const First& first : put_off) touch(first.row, first.column).add(first.cell);
   }
   /// f(column, cell) of the cells of a row that were touched.
   template <class F>

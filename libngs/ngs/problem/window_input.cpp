@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "ngs/backend/for_each.h"
+#include "ngs/problem/cloud_rows.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/scene/mask_threshold.h"
 #include "ngs/scene/shrink.h"
@@ -32,8 +34,8 @@ std::pair<int, int> core_range(const std::vector<double>& count) {
   return {begin, end};
 }
 
-/// Where an opacity image shows something, in pixels of `shrink` times its size.
-PixelWindow shown_window(const ImageF& alpha, int shrink) {
+/// Where an opacity image shows something.
+PixelWindow shown_window(const ImageF& alpha) {
   std::vector<double> columns(std::size_t(alpha.width_px)), rows(std::size_t(alpha.height_px));
   double all = 0;
   for (int y = 0; y < alpha.height_px; ++y)
@@ -42,19 +44,12 @@ PixelWindow shown_window(const ImageF& alpha, int shrink) {
   if (all == 0) return {};
   const auto [x0, x1] = core_range(columns);
   const auto [y0, y1] = core_range(rows);
-  return {x0 * shrink, y0 * shrink, (x1 - x0) * shrink, (y1 - y0) * shrink};
+  return {x0, y0, x1 - x0, y1 - y0};
 }
 
 PixelWindow settled(const PixelWindow& w, const Camera& camera) {
   const int margin_px = std::clamp(std::max(w.w, w.h) / 5, kLeastMargin_px, kMostMargin_px);
   return widened(w, margin_px, camera.width_px, camera.height_px);
-}
-
-std::vector<std::uint8_t> labelled_rows(const Problem& problem) {
-  std::vector<std::uint8_t> rows(std::size_t(problem.cloud.size()), 0);
-  for (const LabelColumns& object : problem.labels)
-    for (std::size_t i = 0; i < rows.size(); ++i) rows[i] |= label_says_object(object.label[i]);
-  return rows;
 }
 
 Scene with_windows(Scene scene, const std::vector<PixelWindow>& windows) {
@@ -94,6 +89,48 @@ ObjectWindows mask_windows(const Exec& exec, const Problem& problem) {
   return out;
 }
 
+PixelWindow enlarged(const PixelWindow& w) { return {w.x0 * kShrink, w.y0 * kShrink, w.w * kShrink, w.h * kShrink}; }
+
+/// Where the labelled Gaussians show, in pictures of a kShrink-th of the views' size.
+class SmallPictures {
+ public:
+  SmallPictures(const Exec& exec, const Problem& problem)
+      : exec_(exec), problem_(problem), label_(std::size_t(problem.cloud.size())) {
+    std::vector<std::int64_t> rows;
+    for (const LabelColumns& object : problem.labels)
+      for (std::size_t i = 0; i < label_.size(); ++i)
+        if (label_says_object(object.label[i])) label_[i] = 1;
+    for (std::size_t i = 0; i < label_.size(); ++i)
+      if (label_[i] > 0) rows.push_back(std::int64_t(i));
+    objects_ = gather_rows(exec, problem.cloud, rows);
+    alone_ = prepared_for(exec, filter_at_scale(problem.splat, 1.0 / kShrink), objects_);
+  }
+
+  PixelWindow of_objects_alone(std::size_t view) const {
+    RenderRequest request;
+    request.colour = false;
+    return shown_window(render(exec_, objects_, camera(view), alone_, request).alpha);
+  }
+  /// Whether what is before the objects hides all that they alone would show, in `alone`.
+  bool hidden(std::size_t view, const PixelWindow& alone) {
+    if (!among_all_) among_all_ = prepared_for(exec_, filter_at_scale(problem_.splat, 1.0 / kShrink), problem_.cloud);
+    RenderRequest request;
+    request.colour = false, request.label = {label_.data(), problem_.cloud.size(), 1};
+    const Camera there = window_camera(camera(view), alone);
+    return shown_window(render(exec_, problem_.cloud, there, *among_all_, request).label).w == 0;
+  }
+
+ private:
+  Camera camera(std::size_t view) const { return shrunk(problem_.scene.views[view].camera, kShrink); }
+
+  const Exec& exec_;
+  const Problem& problem_;
+  std::vector<float> label_;  // [N] 1: an object's
+  GaussianCloud objects_;     // those alone
+  SplatOptions alone_;
+  std::optional<SplatOptions> among_all_;  // once a view asks for it
+};
+
 /// Views that supervise or have a photo.
 std::vector<std::size_t> views_in_use(const Problem& problem) {
   std::vector<std::size_t> seen = photo_views(problem.scene);
@@ -119,18 +156,13 @@ double share_outside(const Scene& scene, const std::vector<std::size_t>& views, 
 ObjectWindows object_windows(const Exec& exec, const Problem& problem, ObjectWindows of_masks) {
   const Scene& scene = problem.scene;
   ObjectWindows out = of_masks.window.empty() ? mask_windows(exec, problem) : std::move(of_masks);
-  const std::vector<std::uint8_t> rows = labelled_rows(problem);
-  RenderRequest alone;
-  alone.colour = false, alone.include = rows.data();
-  const SplatOptions splat = filter_at_scale(problem.splat, 1.0 / kShrink);
-  const auto of_object = [&](std::size_t v) {
-    const Camera small = shrunk(scene.views[v].camera, kShrink);
-    return shown_window(render(exec, problem.cloud, small, splat, alone).alpha, kShrink);
-  };
+  SmallPictures pictures(exec, problem);
   const std::vector<std::size_t> seen = views_in_use(problem);
   const bool all = for_each_view(problem.monitor, seen, [&](std::size_t, std::size_t v) {
     PixelWindow& window = out.window[v];
-    window = settled(merged(window, of_object(v)), scene.views[v].camera);
+    const PixelWindow alone = pictures.of_objects_alone(v);
+    if (window.w == 0 && alone.w > 0 && pictures.hidden(v, alone)) return;
+    window = settled(merged(window, enlarged(alone)), scene.views[v].camera);
   });
   if (!all) return {};
   out.outside = share_outside(scene, seen, out);

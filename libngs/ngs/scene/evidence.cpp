@@ -111,25 +111,16 @@ void Evidence::add(const Evidence& other) {
   }
 }
 
-void Evidence::add(std::size_t gaussian, const double* sum, std::vector<FirstShare>& put_off) {
+void Evidence::add(std::size_t gaussian, const double* sum, FirstShares& put_off) {
   add_nobodys(gaussian, sum[0], sum[1]);
-  for (std::size_t k = 0; k < std::size_t(objects); ++k) {
-    if (!says_something(sum, k)) continue;
-    if (ObjectShare* const known = share.find(gaussian, k))
-      known->add(share_of(sum, k));
-    else
-      put_off.push_back({std::uint32_t(gaussian), std::uint32_t(k), share_of(sum, k)});
-  }
-}
-
-void Evidence::add(const std::vector<FirstShare>& put_off) {
-  for (const FirstShare& first : put_off) share.touch(first.gaussian, first.object).add(first.share);
+  for (std::size_t k = 0; k < std::size_t(objects); ++k)
+    if (says_something(sum, k)) share.add(gaussian, k, share_of(sum, k), put_off);
 }
 
 void Evidence::add(std::size_t gaussian, const double* sum) {
-  std::vector<FirstShare> put_off;
+  FirstShares put_off;
   add(gaussian, sum, put_off);
-  add(put_off);
+  share.add(put_off);
 }
 
 double between_views_variance(const ObjectShare& of, std::uint32_t views) {

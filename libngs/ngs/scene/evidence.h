@@ -79,12 +79,6 @@ struct ObjectShare {
   bool operator==(const ObjectShare&) const = default;
 };
 
-/// What an object has of a Gaussian for the first time: a cell that is to be made.
-struct FirstShare {
-  std::uint32_t gaussian, object;
-  ObjectShare share;
-};
-
 /// N Gaussians, K objects. w = α T is a Gaussian's weight at a pixel, M the mask there.
 struct Evidence {
   std::int64_t gaussians = 0;
@@ -99,9 +93,9 @@ struct Evidence {
   void add(const Evidence& other);
   /// What one view says of a Gaussian: a row of ViewSums. Not from several threads.
   void add(std::size_t gaussian, const double* sum);
-  /// The same of different Gaussians from several threads. What an object has of one for the first time is put off.
-  void add(std::size_t gaussian, const double* sum, std::vector<FirstShare>& put_off);
-  void add(const std::vector<FirstShare>& put_off);
+  using FirstShares = std::vector<SparseTable<ObjectShare>::First>;
+  /// The same of different Gaussians from several threads. What is put off is for share.add().
+  void add(std::size_t gaussian, const double* sum, FirstShares& put_off);
   /// Of a Gaussian of which no object has anything.
   void add_nobodys(std::size_t gaussian, double w, double count) {
     weight.add(gaussian, w);

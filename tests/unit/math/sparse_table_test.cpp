@@ -36,6 +36,24 @@ TEST_CASE("a sparse table is the dense one, cell by cell, in whatever order cell
   }
 }
 
+TEST_CASE("what is put off arrives, once for each time it was") {
+  struct Count {
+    int of = 0;
+    void add(const Count& other) { of += other.of; }
+  };
+  SparseTable<Count> table(2, 3);
+  std::vector<SparseTable<Count>::First> put_off;
+  table.add(1, 2, {4}, put_off), table.add(1, 2, {5}, put_off);
+  CHECK(table.find(1, 2) == nullptr);  // others may look for theirs
+  CHECK(put_off.size() == 2);
+  table.add(put_off);
+  REQUIRE(table.find(1, 2) != nullptr);
+  CHECK(table.find(1, 2)->of == 9);
+  put_off.clear(), table.add(1, 2, {1}, put_off);
+  CHECK(put_off.empty());
+  CHECK(table.find(1, 2)->of == 10);
+}
+
 TEST_CASE("a copy of a sparse table goes its own way") {
   SparseTable<int> table(2, 2);
   table.touch(0, 1) = 5;

@@ -15,6 +15,8 @@
 namespace ngs {
 namespace {
 
+constexpr int kBall = 160;  // Gaussians; the others are the wall's
+
 /// `plane` of `channels` in a picture `by_px` larger on each side.
 template <class T>
 std::vector<T> larger(const std::vector<T>& plane, int w, int h, int channels, int by_px) {
@@ -27,9 +29,9 @@ std::vector<T> larger(const std::vector<T>& plane, int w, int h, int channels, i
 }
 
 /// The ball in pictures that are mostly something else; labels by all of their pixels.
-std::unique_ptr<test::JointCase> wide_case() {
+std::unique_ptr<test::JointCase> wide_case(int wall = 120) {
   constexpr int kBy_px = 64;
-  std::unique_ptr<test::JointCase> c = test::joint_case();
+  std::unique_ptr<test::JointCase> c = test::joint_case(kBall, wall);
   for (std::size_t v = 0; v < c->scene.views.size(); ++v) {
     Camera& camera = c->scene.views[v].camera;
     ViewMasks& masks = c->masks[v];
@@ -125,6 +127,28 @@ TEST_CASE("a view that shows nothing has no window, supervises nothing and has n
   CHECK(std::count(c.problem->views.begin(), c.problem->views.end(), away) == 0);
   CHECK(c.problem->views.size() == 4);
   CHECK(c.problem->scene.views[away].image_path.empty());
+}
+
+TEST_CASE("a view in which others hide all of the object has no window, unless its mask shows some of it") {
+  const std::unique_ptr<test::JointCase> c = wide_case(1200);
+  const std::size_t behind = c->look_away();
+  c->scene.views[behind].camera.translation.z += 13;  // the wall lies between it and the ball
+  for (std::size_t i = kBall; i < c->is_ball.size(); ++i) c->labels[0].label[i] = 0;  // and is none of it
+  const auto window = [&] {
+    Problem whole = c->input();
+    whole.views.push_back(behind);
+    return object_windows({}, whole).window;
+  };
+  CHECK(window()[behind].w == 0);
+  CHECK(window()[0].w > 0);
+
+  const std::size_t middle = std::size_t(c->scene.views[behind].camera.height_px / 2) *
+                             std::size_t(c->scene.views[behind].camera.width_px + 1);
+  c->masks[behind].target[0][middle] = 1;
+  CHECK(window()[behind].w > 0);
+  c->masks[behind].target[0][middle] = 0;
+  for (std::size_t i = kBall; i < c->is_ball.size(); ++i) c->model.logit_opacity[i] = -6;  // as if of glass
+  CHECK(window()[behind].w > 0);
 }
 
 TEST_CASE("labels without a view are those of the other views' evidence") {

@@ -266,13 +266,13 @@ void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const Maske
     return;
   }
   const ViewPairs pairs(exec, cloud, view, options);
-  std::vector<std::vector<FirstShare>> put_off(std::size_t(pairs.chunks()));
+  std::vector<Evidence::FirstShares> put_off(std::size_t(pairs.chunks()));
   for_each_task(exec, pairs.chunks(), [&](std::int64_t chunk) {
     pairs.for_each_seen(chunk, nullptr, [&](std::uint32_t gaussian, const double* sum, bool some) {
       some ? evidence.add(gaussian, sum, put_off[std::size_t(chunk)]) : evidence.add_nobodys(gaussian, sum[0], sum[1]);
     });
   });
-  for (const std::vector<FirstShare>& of : put_off) evidence.add(of);
+  for (const Evidence::FirstShares& of : put_off) evidence.share.add(of);
 }
 
 }  // namespace ngs

@@ -24,28 +24,17 @@ std::shared_ptr<const ViewWeights> LeaveOneOut::weights_of(std::size_t n) const 
   return not_kept_.contains(n) ? std::make_shared<const ViewWeights>(gather_(n)) : nullptr;
 }
 
-/// What an object has of a Gaussian for the first time is put off: other threads look for theirs meanwhile.
-void LeaveOneOut::add_shares(std::uint32_t gaussian, const double* mine, std::vector<First>& put_off) {
-  for (std::size_t k = 0; k < objects_; ++k) {
-    if (mine[1 + k] == 0) continue;
-    if (ExactSum* const known = object_weight_.find(gaussian, k))
-      known->add(mine[1 + k]);
-    else
-      put_off.push_back({gaussian, std::uint32_t(k), mine[1 + k]});
-  }
-}
-
 void LeaveOneOut::add(std::size_t n) {
   const auto own = std::make_shared<const ViewWeights>(gather_(n));
-  std::vector<std::vector<First>> put_off(own->parts());
+  std::vector<std::vector<SparseTable<ExactSum>::First>> put_off(own->parts());
   for_each_task(exec_, std::int64_t(own->parts()), [&](std::int64_t part) {
     own->for_each(std::size_t(part), [&](std::uint32_t gaussian, const double* mine) {
       weight_.add(gaussian, mine[0]);
-      add_shares(gaussian, mine, put_off[std::size_t(part)]);
+      for (std::size_t k = 0; k < objects_; ++k)
+        if (mine[1 + k] != 0) object_weight_.add(gaussian, k, ExactSum::of(mine[1 + k]), put_off[std::size_t(part)]);
     });
   });
-  for (const std::vector<First>& of : put_off)
-    for (const auto& [gaussian, object, weight] : of) object_weight_.touch(gaussian, object).add(weight);
+  for (const auto& of : put_off) object_weight_.add(of);
   if (own->bytes() > left_bytes_) {
     not_kept_.insert(n);
     return;

@@ -71,11 +71,6 @@ class LeaveOneOut {
                    [&](std::uint32_t gaussian, const double* mine) { f(std::size_t(gaussian), mine, share.data()); });
     });
   }
-  struct First {
-    std::uint32_t gaussian, object;
-    double weight;
-  };
-  void add_shares(std::uint32_t gaussian, const double* mine, std::vector<First>& put_off);
   Shares shares_of(std::size_t gaussian, float* share) const;
   Shares shares_without(std::size_t gaussian, const double* mine, float* share) const;
 
