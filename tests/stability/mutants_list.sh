@@ -283,8 +283,8 @@ mutant problem/window_input.cpp $t problem/window_input.cpp "windows of the mask
 mutant problem/window_input.cpp $t problem/window_input.cpp "losses as if the window were the view" 's/share\[v\] = double\(windows\[v\]\.w\)/share[v] = 0.5 * double(windows[v].w)/'
 mutant problem/window_input.cpp $t problem/window_input.cpp "windows where others hide the object" 's/pictures\.hidden\(v, alone\)/false/'
 mutant problem/window_input.cpp $t problem/window_input.cpp "no window where a mask shows what others hide" 's/if \(window\.w == 0 && alone/if (alone/'
-mutant stages/boundary/method_labels.cpp $t stages/boundary/method_labels.cpp "views that stay in the evidence" 's/weight\[c\] - taken\[c\]/weight[c]/'
-mutant passes/mask_outliers/mask_outliers.cpp $t passes/mask_outliers/mask_outliers.cpp "nothing beside the windows" 's/std::max\(0\.0, own \/ share - inside\.weight\(i\)\)/0.0/'
+mutant stages/boundary/method_labels.cpp $t stages/boundary/method_labels.cpp "views that stay in the evidence" 's/    rest\.remove\(v\);//'
+mutant stages/boundary/method_labels.cpp $t stages/boundary/method_labels.cpp "rounding taken for evidence" 's/const bool unseen = .*;/const bool unseen = false;/'
 mutant problem/trained_rows.h $t passes/joint/joint_stage.cpp "gradients in the rows of others" 's/wanted_\.place\[i\] = std::int32_t\(rows_\.size\(\)\)/wanted_.place[i] = 0/'
 mutant problem/region.cpp $t problem/region.cpp "a region of everything" 's/object\.prob\[i\] >= kLeastRegionShare/true/'
 mutant problem/region.cpp $t problem/region.cpp "changed rows that do not count" 's/changed \+= !same;//'
@@ -308,6 +308,11 @@ t=unit/core/parse_number_test.cpp f=core/parse_number.cpp
 mutant $f $t "$f" "numbers: hexadecimal ones" 's/prefix == "0x" \|\| prefix == "0X"/false/'
 mutant $f $t "$f" "numbers: what is too large is infinity" 's/std::isinf\(number\) \|\| //'
 mutant $f $t "$f" "numbers: blanks before them" 's/!begins_number\(\{begin, end\}\)/begin == end/'
+
+t=unit/stages/boundary/leave_one_out_test.cpp f=stages/boundary/leave_one_out.cpp
+mutant $f $t $f "leave one out: begun with shares for weights" 's/\.add\(prob \* double\(weight\[i\]\)\)/.add(prob)/'
+mutant math/exact_sum.h $t $f "exact sum: less than nothing is left" 's/    if \(whole < other\.whole .*return void\(\*this = \{\}\);//'
+mutant io/ply/gaussian_ply_write.cpp unit/io/ply/gaussian_ply_write_test.cpp io/ply/gaussian_ply_write.cpp "a weight stays beside other labels" 's/if \(name == kWeightColumn\) return true;.*//'
 
 t=unit/math/sparse_table_test.cpp f=math/sparse_table.h
 mutant $f $t $f "sparse table: what was put off is lost" 's/touch\(first\.row, first\.column\)\.add\(first\.cell\)/touch(first.row, first.column)/'

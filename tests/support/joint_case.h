@@ -17,6 +17,7 @@ struct JointCase {
   std::vector<ImageF> photos;
   std::vector<ViewMasks> masks;
   std::vector<LabelColumns> labels;
+  std::shared_ptr<const std::vector<float>> weight = nullptr;  // of the labels' evidence
 
   Problem input() const {
     return {.cloud = model,
@@ -28,7 +29,8 @@ struct JointCase {
             .background = {0, 0, 0},
             .seed = 7,
             .fixed = {},
-            .labels = labels};
+            .labels = labels,
+            .weight = weight};
   }
   /// A camera that looks the other way, with an empty mask; its index.
   std::size_t look_away() {

@@ -82,6 +82,7 @@ struct Input {
   Scene scene;
   io::GaussianPly ply;
   SharedLabels labels;
+  std::shared_ptr<const std::vector<float>> weight;
   double reading_s = 0;
 
   Input(cli::Run& run, const Options& options, const Paths& paths)
@@ -90,6 +91,7 @@ struct Input {
     const double began_s = wall_seconds();
     ply = io::read_gaussian_ply(paths.boundary);
     labels = take_labels(ply, scene);
+    if (!ply.weight.empty()) weight = std::make_shared<const std::vector<float>>(std::move(ply.weight));
     reading_s = wall_seconds() - began_s;
   }
   Problem problem(const Options& options, std::uint64_t seed, Monitor& monitor) const {
@@ -103,6 +105,7 @@ struct Input {
             .seed = seed,
             .fixed = ply.fixed,
             .labels = labels,
+            .weight = weight,
             .load_fine_photo = [this](std::size_t view) { return io::load_fine_photo(scene, view); },
             .monitor = &monitor};
   }
@@ -278,7 +281,7 @@ class MethodRun {
     if (keeps_steps()) {
       identity["effects"] = decided(decisions_), identity["passes"] = passes.state;
       identity["field"] = field ? io::content_hash(paths_.field).xxh3 : "";
-      store_.identify(std::move(identity));
+      store_.identify(identity);
       passes.store = &store_;
     }
     if (!options_.pipeline.run(PassStage::kOptimise, passes)) return run_.stop_code();

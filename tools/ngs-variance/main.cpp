@@ -70,10 +70,9 @@ int label_scene(int argc, char** argv) {
                          run.goes_to_stdout(partial) ? io::StoredPaths::kAbsolute : io::StoredPaths::kRelative);
     }
     if (!out) return 0;
-    const std::vector<LabelColumns> labels = label_gaussians(options, part.evidence);
-    part.evidence = {};  // the most that there is in memory
-    variance::write_labels(run, {scene, ply, labels}, options, out.path);
-    if (layers) variance::write_layers(run, {scene, ply, labels}, splat_options(raster, ply.cloud, scene), layers.path);
+    const auto labelled = variance::label(options, scene, ply, std::move(part.evidence));
+    variance::write_labels(run, labelled, options, out.path);
+    if (layers) variance::write_layers(run, labelled, splat_options(raster, ply.cloud, scene), layers.path);
     return 0;
   });
 }
@@ -90,13 +89,12 @@ int merge_parts(int argc, char** argv) {
   return tool.run(argc, argv, [&](cli::Run& run) {
     check_tau(options);
     io::require_ply_output(out.path);
-    const io::EvidencePart sum = io::merge_evidence(parts.paths);
+    io::EvidencePart sum = io::merge_evidence(parts.paths);
     const Scene scene = variance::scene_of(run, sum, scene_json.path);
     variance::check_complete(sum, scene);
     const io::GaussianPly ply = io::read_gaussian_ply(scene.model_path, io::HigherBands::kCheckOnly);
     if (run.dry_run()) return 0;
-    const std::vector<LabelColumns> labels = label_gaussians(options, sum.evidence);
-    variance::write_labels(run, {scene, ply, labels}, options, out.path);
+    variance::write_labels(run, variance::label(options, scene, ply, std::move(sum.evidence)), options, out.path);
     return 0;
   });
 }

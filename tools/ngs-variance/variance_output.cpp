@@ -40,7 +40,7 @@ Scene with_columns(Scene scene, const std::vector<std::string>& columns, const s
 
 /// Into the report; returns the boundary Gaussians of all objects.
 std::int64_t report_counts(cli::Run& run, const LabelledScene& labelled) {
-  const auto& [scene, ply, labels] = labelled;
+  const auto& [scene, ply, labels, weight] = labelled;
   const auto count = [](const LabelColumn& column) { return std::count(column.begin(), column.end(), 1.f); };
   std::int64_t boundary_total = 0;
   for (std::size_t k = 0; k < labels.size(); ++k) {
@@ -131,10 +131,16 @@ void check_complete(const io::EvidencePart& sum, const Scene& scene) {
         "merge the parts of all shards");
 }
 
+LabelledScene label(const VarianceOptions& options, const Scene& scene, const io::GaussianPly& ply,
+                    Evidence&& evidence) {
+  const Evidence from = std::move(evidence);
+  return {scene, ply, label_gaussians(options, from), from.weights()};
+}
+
 void write_labels(cli::Run& run, const LabelledScene& labelled, const VarianceOptions& options,
                   const std::string& path) {
   const auto timed = run.monitor().scope("write");
-  const auto& [scene, ply, labels] = labelled;
+  const auto& [scene, ply, labels, weight] = labelled;
   if (labels.size() > 1 && options.exclusive && options.label_threshold != VarianceOptions{}.label_threshold)
     run.monitor().warn(
         "--label-threshold is not used: of several objects the heaviest takes a Gaussian; --no-exclusive asks each by "
@@ -153,7 +159,9 @@ void write_labels(cli::Run& run, const LabelledScene& labelled, const VarianceOp
                       "lower --tau, or check the masks: ngs-scene check scene.json");
   std::vector<io::LabelSet> named;
   for (std::size_t k = 0; k < labels.size(); ++k) named.push_back({scene.objects[k].name, labels[k]});
-  io::write_labelled_ply(path, ply, named);
+  io::LabelledWrite columns;
+  columns.weight = weight;
+  io::write_labelled_ply(path, ply, named, columns);
 }
 
 void write_layers(cli::Run& run, const LabelledScene& labelled, const SplatOptions& splat, const std::string& folder) {

@@ -31,8 +31,13 @@ void check_complete(const io::EvidencePart& sum, const Scene& scene);
 struct LabelledScene {
   const Scene& scene;
   const io::GaussianPly& ply;
-  const std::vector<LabelColumns>& labels;  // [objects of the scene]
+  std::vector<LabelColumns> labels;  // [objects of the scene]
+  std::vector<float> weight;         // [N] of their evidence
 };
+
+/// The evidence, the most that there is in memory, is gone then.
+LabelledScene label(const VarianceOptions& options, const Scene& scene, const io::GaussianPly& ply,
+                    Evidence&& evidence);
 
 /// Writes the labelled PLY and the counts; an empty boundary set is kNothingFound unless allowed.
 void write_labels(cli::Run& run, const LabelledScene& labelled, const VarianceOptions& options,

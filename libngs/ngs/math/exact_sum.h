@@ -21,8 +21,9 @@ struct ExactSum {
     fraction += other.fraction;
     whole += other.whole + (fraction < other.fraction ? 1 : 0);
   }
-  /// What was added: nothing of it is left.
+  /// What was added: nothing of it is left. Of more than there is nothing is left either.
   void subtract(const ExactSum& other) {
+    if (whole < other.whole || (whole == other.whole && fraction < other.fraction)) return void(*this = {});
     whole -= other.whole + (fraction < other.fraction ? 1 : 0);
     fraction -= other.fraction;
   }

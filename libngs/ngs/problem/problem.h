@@ -60,6 +60,8 @@ struct Problem {
   std::uint64_t seed = 0;
   std::vector<float> fixed;  // [N] ngs_fixed of a hand edit: 1 keeps its label; may be empty
   SharedLabels labels;       // of ngs-variance, one per object
+  std::shared_ptr<const std::vector<float>> weight = nullptr;  // [N] W of the evidence that they follow from; null: not
+                                                               // known, nor in a window
   // As load_photo, finer where the photo has more pixels than the camera; empty function or image: no photo.
   std::function<ImageF(std::size_t view)> load_fine_photo = {};
   std::vector<std::uint8_t> held = {};    // [N] 1: shape, opacity and colour stay as they are; empty: none

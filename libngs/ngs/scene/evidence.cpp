@@ -123,6 +123,12 @@ void Evidence::add(std::size_t gaussian, const double* sum) {
   share.add(put_off);
 }
 
+std::vector<float> Evidence::weights() const {
+  std::vector<float> all(weight.size());
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = float(weight.value(i));
+  return all;
+}
+
 double between_views_variance(const ObjectShare& of, std::uint32_t views) {
   if (views < 2) return 0.0;
   __extension__ using Wide = unsigned __int128;  // V Σm² < 2^32 · 2^32 · 2^64 / V: fits for V < 2^32

@@ -115,6 +115,8 @@ struct Evidence {
     const ObjectShare* known = share.find(gaussian, object);
     return contrast_sum(gaussian, known == nullptr ? ObjectShare() : *known);
   }
+  /// W, as it is kept beside the labels.
+  std::vector<float> weights() const;
   std::uint64_t contrast_sum(std::size_t gaussian, const ObjectShare& of) const {
     return (std::uint64_t(views[gaussian]) << 32) - of.contrast_lack;
   }

@@ -44,8 +44,9 @@ std::unique_ptr<test::JointCase> wide_case(int wall = 120) {
   }
   Monitor monitor;
   const auto load = [&](std::size_t v) { return c->masks[v]; };
-  c->labels =
-      label_gaussians({.tau = 0.2}, accumulate_evidence({}, monitor, {c->model, c->scene, {0, 1, 2, 3}, {}, load}));
+  const Evidence evidence = accumulate_evidence({}, monitor, {c->model, c->scene, {0, 1, 2, 3}, {}, load});
+  c->labels = label_gaussians({.tau = 0.2}, evidence);
+  c->weight = std::make_shared<const std::vector<float>>(evidence.weights());
   return c;
 }
 
@@ -154,6 +155,7 @@ TEST_CASE("a view in which others hide all of the object has no window, unless i
 TEST_CASE("labels without a view are those of the other views' evidence") {
   WindowCase c;
   Monitor monitor;
+  REQUIRE(c.problem->whole->weight != nullptr);
   const std::vector<LabelColumns> got = labels_without_views({}, monitor, *c.problem, {2});
   const std::vector<LabelColumns> want = label_gaussians(
       {},
@@ -168,20 +170,44 @@ TEST_CASE("labels without a view are those of the other views' evidence") {
   }
   CHECK(compared > 100);
   CHECK(moved > 10);  // else nothing was subtracted
+
+  c.whole.weight = nullptr;  // as of a file of another program
+  c.enter();
+  CHECK(labels_without_views({}, monitor, *c.problem, {})[0].prob ==
+        labels_anew({}, monitor, *c.problem, c.whole.cloud)[0].prob);
+}
+
+TEST_CASE("of a Gaussian that only views without a say have seen, no rounding is left") {
+  WindowCase c;
+  Monitor monitor;
+  const std::vector<LabelColumns> got = labels_without_views({}, monitor, *c.problem, {0, 1, 2, 3});
+  int claimed = 0;
+  for (std::size_t i = 0; i < got[0].prob.size(); ++i) {
+    if (!(c.problem->labels[0].prob[i] > 0.01f)) continue;
+    ++claimed;
+    CHECK(got[0].views[i] == 0);
+    CHECK(got[0].prob[i] == 0);
+    CHECK(got[0].label[i] == 0);
+  }
+  CHECK(claimed > 100);
 }
 
 TEST_CASE("mask outliers are judged in windows as in whole views, however much lies beside the windows") {
   for (const bool tight : {false, true}) {
     CAPTURE(tight);
     WindowCase c;
-    c.enter(tight);
     Monitor monitor;
-    const MaskOutliers whole = judge_views({}, monitor, {}, c.whole),
-                       windows = judge_views({}, monitor, {}, *c.problem);
-    CHECK(windows.ignored == whole.ignored);
-    REQUIRE(windows.disagreement.size() == whole.disagreement.size());
-    for (std::size_t n = 0; n < whole.disagreement.size(); ++n)
-      CHECK(std::abs(windows.disagreement[n] - whole.disagreement[n]) < 0.01);
+    const MaskOutliers whole = judge_views({}, monitor, {}, c.whole);
+    for (const bool known : {true, false}) {
+      CAPTURE(known);
+      if (!known) c.whole.weight = nullptr;
+      c.enter(tight);
+      const MaskOutliers windows = judge_views({}, monitor, {}, *c.problem);
+      CHECK(windows.ignored == whole.ignored);
+      REQUIRE(windows.disagreement.size() == whole.disagreement.size());
+      for (std::size_t n = 0; n < whole.disagreement.size(); ++n)
+        CHECK(std::abs(windows.disagreement[n] - whole.disagreement[n]) < 0.01);
+    }
   }
 }
 

@@ -22,6 +22,7 @@ inline constexpr std::array<LabelField, 5> kLabelFields{{{"ngs_label", &LabelCol
                                                          {"ngs_boundary", &LabelColumns::boundary}}};
 inline constexpr std::string_view kFixedColumn = "ngs_fixed";
 inline constexpr std::string_view kFloaterColumn = "ngs_floater";
+inline constexpr std::string_view kWeightColumn = "ngs_weight";
 inline constexpr std::string_view kStateColumn = "state";
 inline constexpr std::string_view kFilter3dColumn = "filter_3D";     // Mip-Splatting: a width per Gaussian, world
 inline constexpr std::string_view kObjectsComment = "ngs-objects ";  // then a JSON array of names

@@ -212,6 +212,15 @@ class Reader {
         "label the model again: ngs-variance scene.json -o boundary.ply");
   }
 
+  void check_weight() const {
+    const auto wrong =
+        std::ranges::find_if(ply_.weight, [](float w) { return !(w >= 0 && w <= std::numeric_limits<float>::max()); });
+    if (wrong == ply_.weight.end()) return;
+    bad(std::string(kWeightColumn) + " of row " + std::to_string(wrong - ply_.weight.begin()) + ": " +
+            std::to_string(*wrong) + ", expected a number of pixels",
+        "label the model again: ngs-variance scene.json -o boundary.ply");
+  }
+
   /// Most Gaussians have been seen by the same views whatever the object.
   void share_views(std::size_t row) {
     for (std::size_t k = 1; k < ply_.objects.size(); ++k) {
@@ -273,8 +282,10 @@ class Reader {
     want_labels("", ply_.labels, wanted);
     for (std::size_t k = 0; k < suffixes.size(); ++k) want_labels(suffixes[k], ply_.objects[k].columns, wanted);
     want(std::string(kFixedColumn), ply_.fixed, wanted);
+    want(std::string(kWeightColumn), ply_.weight, wanted);
     want(std::string(kStateColumn), state, wanted);
     read(wanted);
+    check_weight();
     for (const float v : state) ply_.state.push_back(v >= 0 && v <= 255 ? std::uint8_t(v) : std::uint8_t(0));
   }
 

@@ -39,6 +39,7 @@ struct GaussianPly {
   std::string object = "object";     // the object's name, where the file has one
   bool names_object = false;         // it has
   std::vector<float> fixed;          // ngs_fixed: 1 = labelled by hand (ngs-extract --import); empty: absent
+  std::vector<float> weight;         // ngs_weight: what the labels' views draw of it, W of Evidence; empty: absent
   std::vector<std::uint8_t> state;   // SuperSplat: bit 1 selected, 2 locked, 4 deleted; empty: absent
   std::vector<std::string> notes;    // what a reader of the file should know, one sentence each
 };
@@ -82,6 +83,7 @@ struct LabelledWrite {
                                              // other columns are copied); empty: the same rows as the input
   std::span<const float> fixed;              // [rows] adds ngs_fixed; empty: the input's column, if any, is kept
   std::span<const float> floater;            // [rows] adds ngs_floater; empty: the input's column, if any, is kept
+  std::span<const float> weight;             // [rows] adds ngs_weight; empty: none, whatever the input has
   std::span<const std::uint8_t> state;       // [rows] adds `uchar state` (supersplat)
   std::vector<std::string> history;          // appended to the input's comments
 };

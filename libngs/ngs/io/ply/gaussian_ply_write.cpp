@@ -83,6 +83,7 @@ class RowSource {
     if (name == kFixedColumn) return !options_.fixed.empty();
     if (name == kFloaterColumn) return !options_.floater.empty();
     if (name == kStateColumn) return !options_.state.empty();
+    if (name == kWeightColumn) return true;  // that of other labels
     return std::any_of(kLabelFields.begin(), kLabelFields.end(), [&](const LabelField& f) {
       return name == f.name || name.starts_with(std::string(f.name) + "_");
     });
@@ -279,6 +280,8 @@ void write_labelled_ply(const std::string& path, const GaussianPly& source, std:
   std::vector<Added> added = added_columns(objects, all);
   if (!options.fixed.empty()) added.push_back({std::string(kFixedColumn), nullptr, options.fixed});
   if (!options.floater.empty()) added.push_back({std::string(kFloaterColumn), nullptr, options.floater});
+
+  if (!options.weight.empty()) added.push_back({std::string(kWeightColumn), nullptr, options.weight});
 
   PlyElement element;
   element.name = "vertex";

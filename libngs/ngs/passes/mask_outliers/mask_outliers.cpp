@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "ngs/backend/for_each.h"
 #include "ngs/math/median.h"
@@ -109,6 +110,7 @@ class Judge {
       : exec_(exec),
         options_(options),
         input_(input),
+        whole_(input.whole ? *input.whole : input),
         trusted_(input.views.size(), 1),
         gathered_(input.views.size(), 0),
         found_(first.empty() ? std::vector<double>(input.views.size(), INFINITY) : first) {}
@@ -121,8 +123,16 @@ class Judge {
     trust.figures["rounds"] = 0;
     if (!asks()) return trust;
     LeaveOneOut others(exec_, input_.cloud.size(), int(input_.scene.objects.size()), [this](std::size_t n) {
-      return view_weights(exec_, input_.cloud, {camera(n), input_.load_masks(input_.views[n])}, input_.splat);
+      const std::size_t view = input_.views[n];
+      return view_weights(exec_, whole_.cloud, {whole_.scene.views[view].camera, whole_.load_masks(view)},
+                          whole_.splat);
     });
+    if (input_.whole && whole_.weight) {
+      std::vector<std::size_t> all(input_.views.size());
+      std::iota(all.begin(), all.end(), std::size_t(0));
+      others.start(input_.labels, *whole_.weight, all);
+      gathered_.assign(all.size(), 1);
+    }
     while (rounds < options_.rounds && !monitor.stop_requested()) {
       {
         const auto gathering = monitor.scope("evidence");
@@ -151,28 +161,12 @@ class Judge {
       gathered_[n] = trusted_[n];
       if (trusted_[n]) with_masks += input_.load_masks(view).available;
     });
-    if (all && !input_.window_share.empty() && !elsewhere_) elsewhere_ = true, others.add_elsewhere(elsewhere(others));
     return all && with_masks >= options_.least_views;
-  }
-
-  /// What the Gaussians weigh beside the windows: masks say there that nothing is the objects', so that the labels,
-  /// which all pixels have made, share the same object weight with more.
-  std::vector<double> elsewhere(const LeaveOneOut& inside) const {
-    std::vector<double> weight(std::size_t(input_.cloud.size()), 0.0);
-    for_each_index(exec_, input_.cloud.size(), [&](std::int64_t row) {
-      const auto i = std::size_t(row);
-      std::size_t best = 0;
-      for (std::size_t k = 1; k < input_.labels.size(); ++k)
-        if (input_.labels[k].prob[i] > input_.labels[best].prob[i]) best = k;
-      const double share = double(input_.labels[best].prob[i]), own = inside.object_weight(i, best);
-      if (share > 0 && own > 0) weight[i] = std::max(0.0, own / share - inside.weight(i));
-    });
-    return weight;
   }
 
   /// True where another view is ignored now, or one no longer is. Views that agree on showing nothing are trusted, and
   /// no measure of how well contours agree: where most views do not see the object, their zeros would be the median.
-  bool judge(const LeaveOneOut& others, MaskOutliers& trust) {
+  bool judge(LeaveOneOut& others, MaskOutliers& trust) {
     const auto gaussians = std::size_t(input_.cloud.size());
     Consensus consensus(gaussians, input_.scene.objects.size(), true);
     ConsensusViews views(exec_, input_, consensus);
@@ -230,10 +224,10 @@ class Judge {
   const Exec& exec_;
   const MaskOutlierOptions& options_;
   const Problem& input_;
+  const Problem& whole_;                          // the same in whole views, whose evidence is asked
   std::vector<std::uint8_t> trusted_, gathered_;  // per entry of input.views
   std::vector<double> found_;                     // disagreement of each, or kNothingThere or kNoMask
   double threshold_ = 0;                          // of the round before
-  bool elsewhere_ = false;                        // what lies beside the windows was added
 };
 
 }  // namespace

@@ -19,9 +19,31 @@ LeaveOneOut::LeaveOneOut(const Exec& exec, std::int64_t gaussians, int objects, 
   weight_.resize(std::size_t(gaussians));
 }
 
-std::shared_ptr<const ViewWeights> LeaveOneOut::weights_of(std::size_t n) const {
+void LeaveOneOut::start(const std::vector<LabelColumns>& labels, const std::vector<float>& weight,
+                        const std::vector<std::size_t>& views) {
+  for (std::size_t i = 0; i < weight.size(); ++i) weight_.add(i, double(weight[i]));
+  for (std::size_t k = 0; k < objects_; ++k)
+    for (std::size_t i = 0; i < weight.size(); ++i)
+      if (const double prob = double(labels[k].prob[i]); prob > 0)
+        object_weight_.touch(i, k).add(prob * double(weight[i]));
+  not_kept_.insert(views.begin(), views.end());
+}
+
+std::shared_ptr<const ViewWeights> LeaveOneOut::weights_of(std::size_t n) {
   if (const auto kept = kept_.find(n); kept != kept_.end()) return kept->second;
-  return not_kept_.contains(n) ? std::make_shared<const ViewWeights>(gather_(n)) : nullptr;
+  if (!not_kept_.contains(n)) return nullptr;
+  auto own = std::make_shared<const ViewWeights>(gather_(n));
+  keep(n, own);
+  return own;
+}
+
+void LeaveOneOut::keep(std::size_t n, const std::shared_ptr<const ViewWeights>& own) {
+  if (own->bytes() > left_bytes_) {
+    not_kept_.insert(n);
+    return;
+  }
+  left_bytes_ -= own->bytes();
+  kept_[n] = own, not_kept_.erase(n);
 }
 
 void LeaveOneOut::add(std::size_t n) {
@@ -35,12 +57,7 @@ void LeaveOneOut::add(std::size_t n) {
     });
   });
   for (const auto& of : put_off) object_weight_.add(of);
-  if (own->bytes() > left_bytes_) {
-    not_kept_.insert(n);
-    return;
-  }
-  left_bytes_ -= own->bytes();
-  kept_[n] = own;
+  keep(n, own);
 }
 
 void LeaveOneOut::remove(std::size_t n) {
@@ -49,15 +66,9 @@ void LeaveOneOut::remove(std::size_t n) {
   for_each_in(*own, [&](std::size_t i, const double* mine, float*) {
     weight_.subtract(i, mine[0]);
     for (std::size_t k = 0; k < objects_; ++k)
-      if (mine[1 + k] != 0) object_weight_.find(i, k)->subtract(ExactSum::of(mine[1 + k]));
+      if (ExactSum* const known = object_weight_.find(i, k)) known->subtract(ExactSum::of(mine[1 + k]));
   });
   if (not_kept_.erase(n) == 0) left_bytes_ += own->bytes(), kept_.erase(n);
-}
-
-void LeaveOneOut::add_elsewhere(const std::vector<double>& weight) {
-  for_each_index(exec_, gaussians_, [&](std::int64_t i) {
-    if (weight[std::size_t(i)] > 0) weight_.add(std::size_t(i), weight[std::size_t(i)]);
-  });
 }
 
 LeaveOneOut::Shares LeaveOneOut::shares_of(std::size_t gaussian, float* share) const {
@@ -75,7 +86,7 @@ LeaveOneOut::Shares LeaveOneOut::shares_without(std::size_t gaussian, const doub
   std::fill_n(share, objects_, 0.f);
   if (seen)
     object_weight_.for_each_in(gaussian, [&](std::size_t k, const ExactSum& weight) {
-      share[k] = float((weight.value() - mine[1 + k]) / others);
+      share[k] = float(std::max(0.0, weight.value() - mine[1 + k]) / others);
     });
   return {seen, share};
 }

@@ -7,6 +7,7 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/scene/evidence.h"
+#include "ngs/scene/labels/label_columns.h"
 
 namespace ngs {
 
@@ -19,12 +20,14 @@ class LeaveOneOut {
   LeaveOneOut(const Exec& exec, std::int64_t gaussians, int objects, Gather gather,
               std::size_t kept_bytes = 512u << 20);
 
+  /// Begins with what these views say, as labels and weight [N] hold it: with a float's rounding. A view's weights are
+  /// gathered where they are asked for.
+  void start(const std::vector<LabelColumns>& labels, const std::vector<float>& weight,
+             const std::vector<std::size_t>& views);
   void add(std::size_t n);
   /// A view that was added: nothing of it is left.
   void remove(std::size_t n);
 
-  /// Weight that Gaussians have where no view looked, all of it beside the objects: `weight` [N], 0 or more.
-  void add_elsewhere(const std::vector<double>& weight);
   /// [N], [N, K] of all views that were added and not removed.
   double weight(std::size_t gaussian) const { return weight_.value(gaussian); }
   double object_weight(std::size_t gaussian, std::size_t k) const {
@@ -60,7 +63,7 @@ class LeaveOneOut {
         own, [&](std::size_t i, const double* mine, float* share) { f(i, shares_without(i, mine, share), mine[0]); });
   }
   /// The weights of a view; null where it was not added, and takes nothing away.
-  std::shared_ptr<const ViewWeights> weights_of(std::size_t n) const;
+  std::shared_ptr<const ViewWeights> weights_of(std::size_t n);
 
  private:
   template <class F>
@@ -71,6 +74,8 @@ class LeaveOneOut {
                    [&](std::uint32_t gaussian, const double* mine) { f(std::size_t(gaussian), mine, share.data()); });
     });
   }
+  /// Keeps them where there is room.
+  void keep(std::size_t n, const std::shared_ptr<const ViewWeights>& own);
   Shares shares_of(std::size_t gaussian, float* share) const;
   Shares shares_without(std::size_t gaussian, const double* mine, float* share) const;
 

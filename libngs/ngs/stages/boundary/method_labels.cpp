@@ -4,10 +4,11 @@
 #include <cmath>
 
 #include "ngs/core/check.h"
-#include "ngs/problem/pixel_window.h"
+#include "ngs/ops/splat/evidence.h"
 #include "ngs/problem/region.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/scene/mask_threshold.h"
+#include "ngs/stages/boundary/leave_one_out.h"
 
 namespace ngs {
 
@@ -70,42 +71,6 @@ bool is_pooled(const std::vector<LabelColumns>& labels) {
   return true;
 }
 
-/// Weights of the Gaussians that masks show in part.
-class PartWeights {
- public:
-  PartWeights(std::size_t gaussians, std::size_t objects)
-      : weight_(gaussians, 0.0), object_weight_(gaussians, objects) {}
-  /// [1 + K]: W, then W1 of each object.
-  std::vector<double> of(std::size_t gaussian) const {
-    std::vector<double> all(1 + object_weight_.columns(), 0.0);
-    all[0] = weight_[gaussian];
-    object_weight_.for_each_in(gaussian, [&](std::size_t k, double weight) { all[1 + k] = weight; });
-    return all;
-  }
-  void add(const ViewSums& sums) {
-    for (std::size_t v = 0; v < sums.size(); ++v) {
-      weight_[sums.row[v]] += sums.weight(v);
-      for (std::size_t k = 0; k < std::size_t(sums.objects); ++k)
-        if (const double weight = sums.object_weight(v, k); weight != 0) object_weight_.touch(sums.row[v], k) += weight;
-    }
-  }
-
- private:
-  std::vector<double> weight_;
-  SparseTable<double> object_weight_;
-};
-
-/// What a view says where its masks show something.
-ViewSums sums_in_masks(const Exec& exec, const Problem& whole, std::size_t view, const std::vector<std::uint8_t>& of) {
-  ViewMasks masks = whole.load_masks(view);
-  const PixelWindow shown = window_of(masks.target, masks.width_px, masks.height_px, 0);
-  const PixelWindow window = widened(shown, 0, masks.width_px, masks.height_px);
-  if (!masks.available || window.w == 0) return {};
-  masks = cropped(std::move(masks), window);
-  const Camera camera = window_camera(whole.scene.views[view].camera, window);
-  return view_sums(exec, whole.cloud, {camera, masks}, whole.splat, &of);
-}
-
 /// Sets the columns of a Gaussian from its weights that are left.
 void set_labels(const VarianceOptions& rule, const double* weight, std::size_t i, std::vector<LabelColumns>& labels) {
   double most = 0, all = 0;
@@ -144,33 +109,33 @@ std::vector<LabelColumns> labels_anew(const Exec& exec, Monitor& monitor, const 
 
 std::vector<LabelColumns> labels_without_views(const Exec& exec, Monitor& monitor, const Problem& input,
                                                const std::vector<std::size_t>& views) {
-  if (!input.whole || !is_pooled(input.labels)) return labels_anew(exec, monitor, input, input.cloud);
+  if (!input.whole || !input.whole->weight || !is_pooled(input.labels))
+    return labels_anew(exec, monitor, input, input.cloud);
   const auto timed = monitor.scope("evidence");
   const Problem& whole = *input.whole;
   const std::size_t objects = input.labels.size();
   const std::vector<std::uint8_t> claimed = claimed_rows(input.labels);
-  PartWeights all(claimed.size(), objects), less(claimed.size(), objects);
   std::vector<float> seen_less(claimed.size(), 0.f);
-  bool every = for_each_view(&monitor, whole.views,
-                             [&](std::size_t, std::size_t v) { all.add(sums_in_masks(exec, whole, v, claimed)); });
-  every = every && for_each_view(&monitor, views, [&](std::size_t, std::size_t v) {
-            const ViewSums sums =
-                view_sums(exec, whole.cloud, {whole.scene.views[v].camera, whole.load_masks(v)}, whole.splat);
-            less.add(sums);
-            for (const std::uint32_t i : sums.row) ++seen_less[i];
-          });
+  LeaveOneOut rest(exec, whole.cloud.size(), int(objects), [&](std::size_t v) {
+    return view_weights(exec, whole.cloud, {whole.scene.views[v].camera, whole.load_masks(v)}, whole.splat, &claimed);
+  });
+  rest.start(input.labels, *whole.weight, views);
+  const bool every = for_each_view(&monitor, views, [&](std::size_t, std::size_t v) {
+    const std::shared_ptr<const ViewWeights> own = rest.weights_of(v);
+    for (std::size_t part = 0; part < own->parts(); ++part)
+      own->for_each(part, [&](std::uint32_t i, const double*) { ++seen_less[i]; });
+    rest.remove(v);
+  });
   if (!every) return input.labels;
   std::vector<LabelColumns> labels = input.labels;
   const VarianceOptions rule = rule_of(labels);
+  std::vector<double> weight(1 + objects);
   for (std::size_t i = 0; i < seen_less.size(); ++i) {
-    if (!claimed[i] || seen_less[i] == 0) continue;
-    std::vector<double> weight = all.of(i);
-    const std::vector<double> taken = less.of(i);
-    double share = 0;
-    for (std::size_t k = 0; k < objects; ++k)
-      if (double(labels[k].prob[i]) > share) share = double(labels[k].prob[i]), weight[0] = weight[1 + k] / share;
-    for (std::size_t c = 0; c <= objects; ++c) weight[c] = std::max(0.0, weight[c] - taken[c]);
+    if (seen_less[i] == 0) continue;
+    const bool unseen = labels[0].views[i] <= seen_less[i];  // but for rounding, nothing of it is left
     for (LabelColumns& c : labels) c.views[i] -= std::min(float(c.views[i]), seen_less[i]);
+    weight[0] = unseen ? 0 : rest.weight(i);
+    for (std::size_t k = 0; k < objects; ++k) weight[1 + k] = unseen ? 0 : rest.object_weight(i, k);
     set_labels(rule, weight.data(), i, labels);
   }
   keep_outside(input.labels, labels);

@@ -15,8 +15,9 @@ std::vector<LabelColumns> labels_anew(const Exec& exec, Monitor& monitor, const 
                                       const GaussianCloud& cloud);
 
 /// The labels of a problem in windows without what some of its views say, of whole views: the evidence of the others is
-/// that of all less theirs, and the labels have the share of it. As labels_anew() but for the rounding of the prob
-/// column (2^-24); that is what is called where the labels' variances are not those of the pooled criterion.
+/// that of all less theirs, and the labels and their weight have that of all. As labels_anew() but for the rounding of
+/// these columns (2^-24); that is what is called where the weight is not known, or the labels' variances are not those
+/// of the pooled criterion.
 std::vector<LabelColumns> labels_without_views(const Exec& exec, Monitor& monitor, const Problem& input,
                                                const std::vector<std::size_t>& views);
 

@@ -285,14 +285,17 @@ TEST_CASE("a model cut short at any byte is refused, in every format") {
 TEST_CASE("labels that are none are refused with column and row") {
   const auto with = [](const std::string& column, double value) {
     PlyColumns table = test::inria_columns(3, 0);
-    for (const char* name :
-         {"ngs_label", "ngs_prob", "ngs_variance", "ngs_views", "ngs_boundary", "ngs_label_cup", "ngs_prob_cup"})
+    for (const char* name : {"ngs_label", "ngs_prob", "ngs_variance", "ngs_views", "ngs_boundary", "ngs_label_cup",
+                             "ngs_prob_cup", "ngs_weight"})
       test::add_column(table, table.properties.size(), name, PlyType::kFloat32, 1);
     table.rows[1][test::column_of(table, column)] = value;
     return error_of(test::ply_bytes({table}, PlyFormat::kBinaryLittle));
   };
   CHECK(with("ngs_views", 700) == "");
   CHECK(with("ngs_prob", 0.25) == "");
+  CHECK(with("ngs_weight", 1e6) == "");
+  CHECK(with("ngs_weight", -1).find("ngs_weight of row 1: -1.000000, expected a number of pixels") !=
+        std::string::npos);
   CHECK(with("ngs_prob", 1.00001) == "");  // rounding
   CHECK(with("ngs_prob", 7).find("ngs_prob of row 1: 7.000000, expected 0 to 1") != std::string::npos);
   CHECK(with("ngs_views", -5).find("ngs_views of row 1: -5.000000, expected a number of views") != std::string::npos);

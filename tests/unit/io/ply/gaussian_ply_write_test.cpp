@@ -119,6 +119,22 @@ TEST_CASE("a labelled model keeps the input's columns bit for bit and returns it
   }
 }
 
+TEST_CASE("the weight of labels is written with them alone, and does not stay beside others") {
+  const io::GaussianPly ply = parse(test::ply_bytes({test::inria_columns(3, 1)}, PlyFormat::kBinaryLittle));
+  const test::TempDir dir;
+  const std::vector<io::NamedLabels> objects = {{"the bird", labels_of(3, 0.495f)}};
+  const std::vector<float> weight = {0, 12.5f, 1e6f};
+  io::LabelledWrite options;
+  options.weight = weight;
+  io::write_labelled_ply(dir.file("with.ply"), ply, objects, options);
+  const io::GaussianPly with = io::read_gaussian_ply(dir.file("with.ply"));
+  CHECK(with.weight == weight);
+  io::write_labelled_ply(dir.file("other.ply"), with, objects);
+  const io::GaussianPly other = io::read_gaussian_ply(dir.file("other.ply"));
+  CHECK(other.weight.empty());
+  CHECK(other.rows.properties.size() + 1 == with.rows.properties.size());
+}
+
 TEST_CASE("a 3D filter is laid into what is written once, and both outputs say how to render it") {
   PlyColumns table = test::inria_columns(3, 1);
   test::add_column(table, 4, "filter_3D", PlyType::kFloat32, 0.5);
