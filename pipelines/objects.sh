@@ -33,7 +33,7 @@ if [ ! -f "$out/boundary.ply" ]; then
     --mask-mode label --hold-out every:4:2 -o "$out/scene.json"
   quiet ngs-variance "$out/scene.json" -o "$out/boundary.ply"
 fi
-ids=$(sed -n 's/^ *"id": \([0-9]*\).*/\1/p' "$out/scene.json" | tr '\n' ' ')
+ids=$(grep -o '"id": *[0-9]*' "$out/scene.json" | grep -o '[0-9]*$' | tr '\n' ' ' || true)
 [ -n "$ids" ] || fail 4 "$out/scene.json: no object has an id" "the masks are no label maps"
 
 # OUT/METHOD: the metrics of each object, and of draft and standard whose Gaussians were touched.
