@@ -312,7 +312,6 @@ mutant $f $t "$f" "numbers: blanks before them" 's/!begins_number\(\{begin, end\
 t=unit/stages/boundary/leave_one_out_test.cpp f=stages/boundary/leave_one_out.cpp
 mutant $f $t $f "leave one out: begun with shares for weights" 's/\.add\(prob \* double\(weight\[i\]\)\)/.add(prob)/'
 mutant math/exact_sum.h $t $f "exact sum: less than nothing is left" 's/    if \(whole < other\.whole .*return void\(\*this = \{\}\);//'
-mutant io/ply/gaussian_ply_write.cpp unit/io/ply/gaussian_ply_write_test.cpp io/ply/gaussian_ply_write.cpp "a weight stays beside other labels" 's/if \(name == kWeightColumn\) return true;.*//'
 
 t=unit/math/sparse_table_test.cpp f=math/sparse_table.h
 mutant $f $t $f "sparse table: what was put off is lost" 's/touch\(first\.row, first\.column\)\.add\(first\.cell\)/touch(first.row, first.column)/'

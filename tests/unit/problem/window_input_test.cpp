@@ -146,7 +146,7 @@ TEST_CASE("a view in which others hide all of the object has no window, unless i
   const std::size_t middle = std::size_t(c->scene.views[behind].camera.height_px / 2) *
                              std::size_t(c->scene.views[behind].camera.width_px + 1);
   c->masks[behind].target[0][middle] = 1;
-  CHECK(window()[behind].w > 0);
+  CHECK(window()[behind].w > 48);  // that of the pixel and of the object
   c->masks[behind].target[0][middle] = 0;
   for (std::size_t i = kBall; i < c->is_ball.size(); ++i) c->model.logit_opacity[i] = -6;  // as if of glass
   CHECK(window()[behind].w > 0);
