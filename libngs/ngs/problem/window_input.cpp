@@ -161,7 +161,8 @@ ObjectWindows object_windows(const Exec& exec, const Problem& problem, ObjectWin
   const bool all = for_each_view(problem.monitor, seen, [&](std::size_t, std::size_t v) {
     PixelWindow& window = out.window[v];
     const PixelWindow alone = pictures.of_objects_alone(v);
-    if (window.w == 0 && alone.w > 0 && pictures.hidden(v, alone)) return;
+    const bool mask_shows_none = out.masks[v].available() && window.w == 0;
+    if (mask_shows_none && alone.w > 0 && pictures.hidden(v, alone)) return;
     window = settled(merged(window, enlarged(alone)), scene.views[v].camera);
   });
   if (!all) return {};

@@ -18,8 +18,8 @@ struct ObjectWindows {
 
 /// About the masks of the training views, and about the labelled Gaussians drawn alone in all views that have masks or
 /// a photo: a fifth of the longer side more on each side, 24 to 64 px, then on to multiples of a tile. Of what lies
-/// apart at the edges of an object's picture up to kStrayShare a side is left out. A view without a mask of them has no
-/// window where other Gaussians hide them all. Empty where it was asked to stop.
+/// apart at the edges of an object's picture up to kStrayShare a side is left out. A view whose mask shows none
+/// of them has no window where other Gaussians hide them all. Empty where it was asked to stop.
 /// `of_masks`: of windows_of_masks(); empty: worked out here.
 ObjectWindows object_windows(const Exec& exec, const Problem& problem, ObjectWindows of_masks = {});
 inline constexpr double kStrayShare = 0.002;

@@ -130,7 +130,7 @@ TEST_CASE("a view that shows nothing has no window, supervises nothing and has n
   CHECK(c.problem->scene.views[away].image_path.empty());
 }
 
-TEST_CASE("a view in which others hide all of the object has no window, unless its mask shows some of it") {
+TEST_CASE("a view in which others hide all of the object has no window, if its mask agrees") {
   const std::unique_ptr<test::JointCase> c = wide_case(1200);
   const std::size_t behind = c->look_away();
   c->scene.views[behind].camera.translation.z += 13;  // the wall lies between it and the ball
@@ -148,6 +148,9 @@ TEST_CASE("a view in which others hide all of the object has no window, unless i
   c->masks[behind].target[0][middle] = 1;
   CHECK(window()[behind].w > 48);  // that of the pixel and of the object
   c->masks[behind].target[0][middle] = 0;
+  c->masks[behind].available = false;  // what hides it may be floaters
+  CHECK(window()[behind].w > 0);
+  c->masks[behind].available = true;
   for (std::size_t i = kBall; i < c->is_ball.size(); ++i) c->model.logit_opacity[i] = -6;  // as if of glass
   CHECK(window()[behind].w > 0);
 }
