@@ -213,8 +213,8 @@ class Reader {
   }
 
   void check_weight() const {
-    const auto wrong =
-        std::ranges::find_if(ply_.weight, [](float w) { return !(w >= 0 && w <= std::numeric_limits<float>::max()); });
+    constexpr float kMost = 0x1p60f;  // pixels of any views; exact sums hold more
+    const auto wrong = std::ranges::find_if(ply_.weight, [](float w) { return !(w >= 0 && w <= kMost); });
     if (wrong == ply_.weight.end()) return;
     bad(std::string(kWeightColumn) + " of row " + std::to_string(wrong - ply_.weight.begin()) + ": " +
             std::to_string(*wrong) + ", expected a number of pixels",
