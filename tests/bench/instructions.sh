@@ -1,45 +1,80 @@
 #!/usr/bin/env bash
-# How many instructions the compositing kernels take on aarch64, with NEON and without, counted by qemu-user:
-#   tests/bench/instructions.sh [OUT_DIR]      OUT_DIR: build-aarch64/instructions
+# How many instructions the compositing kernels take with vectors and without: on aarch64 NEON, counted by qemu-user, on
+# x86-64 AVX2, counted by callgrind:
+#   tests/bench/instructions.sh [OUT_DIR]      OUT_DIR: build/instructions
 # Times under emulation say nothing of a processor; numbers of instructions are exact and the same for every run. Of a small
 # scene, made by this machine's tools ($NGS_BIN, else those of the build folder), the evidence is gathered and eight joint
-# steps are run, once by each set of kernels: same work, same bytes (compared). One thread, since counters are not shared.
-# A table on stdout. Exit code 1 where bytes differ, 77 where a program is missing.
-# Needs the tools of pipelines/aarch64.sh; NGS_AARCH64_ROOT as there.
+# steps are run, once by each set of kernels: same work, same bytes (compared, of both processors where both are counted).
+# One thread, since counters are not shared. A table on stdout. Exit code 1 where bytes differ, 77 where no processor could
+# be counted. aarch64 needs the tools of pipelines/aarch64.sh; NGS_AARCH64_ROOT as there.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 # shellcheck source=pipelines/common.sh
 . "$here/../../pipelines/common.sh"
 case ${1:-} in -h | --help) usage_of "$0"; exit 0 ;; esac
-tools=$(find_bin) bin=$(cd "$here/../.." && pwd)/build-aarch64/bin
-for program in qemu-aarch64 c++ c++filt; do
-  command -v "$program" > /dev/null || { say "skipped: no $program"; exit 77; }
-done
-[ -x "$bin/ngs-joint" ] || { say "skipped: no tools in build-aarch64, pipelines/aarch64.sh builds them"; exit 77; }
-mkdir -p "${1:-$bin/../instructions}"
-cd "${1:-$bin/../instructions}"
-export QEMU_LD_PREFIX=${NGS_AARCH64_ROOT:-$bin/../../build-aarch64.root} NGS_THREADS=1 GOMP_SPINCOUNT=0
+bin=$(find_bin) top=$(cd "$here/../.." && pwd)
+emulated=$top/build-aarch64/bin
+mkdir -p "${1:-$top/build/instructions}"
+cd "${1:-$top/build/instructions}"
+export QEMU_LD_PREFIX=${NGS_AARCH64_ROOT:-$top/build-aarch64.root} NGS_THREADS=1 GOMP_SPINCOUNT=0
 
-c++ -std=c++20 -O2 -shared -fPIC -o count.so "$here/instructions/count.cpp"
-run() { qemu-aarch64 "$bin/$@" -w -q > /dev/null; }
-"${tools:+$tools/}ngs-synth" torus-box -o scene --views 4 --width-px 96 --height-px 72 --fit-steps 60 -w -q > /dev/null
-"${tools:+$tools/}ngs-scene" import scene --masks scene/masks_gt --check-views 0 -o scene.json -w -q > /dev/null
-for isa in neon portable; do
-  export NGS_ISA=$isa
-  QEMU_PLUGIN="file=$PWD/count.so,out=$PWD/variance-$isa" run ngs-variance scene.json -o "boundary-$isa.ply"
-  QEMU_PLUGIN="file=$PWD/count.so,out=$PWD/draft-$isa" run ngs-joint scene.json boundary-neon.ply --quality draft --steps 8 \
-    -o "labelled-$isa.ply"
-done
-unset NGS_ISA
+# counted_on PROCESSOR TO TOOL ARGUMENTS...: a line of TO for each function: instructions, its name.
+counted_on() {
+  local processor=$1 to=$2 name=$3
+  shift 3
+  case $processor in
+    aarch64)
+      QEMU_PLUGIN="file=$PWD/count.so,out=$PWD/$to.mangled" qemu-aarch64 "$emulated/$name" "$@" -w -q > /dev/null
+      c++filt < "$to.mangled" > "$to" ;;
+    x86-64)
+      valgrind -q --tool=callgrind --callgrind-out-file="$to.callgrind" "${bin:+$bin/}$name" "$@" -w -q > /dev/null
+      callgrind_annotate --threshold=100 "$to.callgrind" | sed -n 's/^ *\([0-9,]*\) ([^)]*) *[^:]*:\(.*\)$/\1 \2/p' |
+        awk '{ gsub(",", "", $1); print }' > "$to" ;;
+  esac
+}
 
-printf '%-10s %14s %14s %6s\n' kernel neon portable ratio
-for kernel in 'forward forward_tile|forward_any' 'backward TileBackward|backward_tile|backward_any' \
-  'tape record_tile' 'evidence evidence_tile|evidence_any'; do
-  of() { cat "variance-$1" "draft-$1" | c++filt | grep -E "::(${kernel#* })<" | awk '{ s += $1 } END { printf "%d", s }'; }
-  neon=$(of neon) portable=$(of portable)
-  awk -v k="${kernel%% *}" -v n="$neon" -v p="$portable" \
-    'BEGIN { printf "%-10s %14d %14d %6s\n", k, n, p, n ? sprintf("%.2f", p / n) : "-" }'
+# count PROCESSOR ISA
+count() {
+  export NGS_ISA=$2
+  counted_on "$1" "variance-$1-$2" ngs-variance scene.json -o "boundary-$1-$2.ply"
+  counted_on "$1" "draft-$1-$2" ngs-joint scene.json "boundary-$1-$2.ply" --quality draft --steps 8 -o "labelled-$1-$2.ply"
+  unset NGS_ISA
+}
+
+# table PROCESSOR ISA: against portable. The exponential has a row where the compiler left it a function of its own.
+table() {
+  local kernel vectors portable
+  for kernel in 'forward forward_tile|forward_any' 'backward TileBackward|backward_tile|backward_any' \
+    'evidence evidence_tile|evidence_any' 'exp exp2_reduced' \
+    'all forward_tile|forward_any|TileBackward|backward_tile|backward_any|evidence_tile|evidence_any|exp2_reduced'; do
+    of() { awk -v k="::(${kernel#* })<" '$0 ~ k { s += $1 } END { printf "%d", s }' "variance-$1" "draft-$1"; }
+    vectors=$(of "$1-$2") portable=$(of "$1-portable")
+    awk -v p="$1" -v i="$2" -v k="${kernel%% *}" -v n="$vectors" -v m="$portable" \
+      'BEGIN { printf "%-10s %-10s %-5s %14d %14d %6s\n", p, k, i, n, m, n ? sprintf("%.2f", m / n) : "-" }'
+  done
+}
+
+counted=()
+if ! command -v valgrind > /dev/null; then say "left out: x86-64, no valgrind"; else counted+=("x86-64 v3"); fi
+if ! command -v qemu-aarch64 > /dev/null || ! command -v c++ > /dev/null; then
+  say "left out: aarch64, no qemu-aarch64 or no c++"
+elif [ ! -x "$emulated/ngs-joint" ]; then
+  say "left out: aarch64, no tools in build-aarch64, pipelines/aarch64.sh builds them"
+else
+  c++ -std=c++20 -O2 -shared -fPIC -o count.so "$here/instructions/count.cpp"
+  counted+=("aarch64 neon")
+fi
+[ ${#counted[@]} -gt 0 ] || exit 77
+"${bin:+$bin/}ngs-synth" torus-box -o scene --views 4 --width-px 96 --height-px 72 --fit-steps 60 -w -q > /dev/null
+"${bin:+$bin/}ngs-scene" import scene --masks scene/masks_gt --check-views 0 -o scene.json -w -q > /dev/null
+code=0 first=''
+printf '%-10s %-10s %-5s %14s %14s %6s\n' processor kernel by instructions portable ratio
+for one in "${counted[@]}"; do
+  for isa in "${one#* }" portable; do
+    count "${one% *}" "$isa"
+    first=${first:-${one% *}-$isa}
+    for file in boundary labelled; do cmp "$file-$first.ply" "$file-${one% *}-$isa.ply" || code=1; done
+  done
+  table "${one% *}" "${one#* }"
 done
-code=0
-for file in boundary labelled; do cmp "$file-neon.ply" "$file-portable.ply" || code=1; done
 exit "$code"

@@ -26,7 +26,10 @@ mkdir -p "$3"
 cd "$3"
 shift 3
 only=$* bin=$(find_bin) cap=${NGS_SIGNALS_CAP_S:-12} most=${NGS_SIGNALS_MOST:-1000} failed=0 turn=0
-model=$(find "$scene" -maxdepth 1 -name 'point_cloud*.ply' | sort | head -n 1)
+# Whatever its name; of several the trainers' own.
+model=$(find "$scene" -maxdepth 1 -regextype egrep -regex '.*\.(ply|spz|sog|splat|ksplat)' |
+  awk '{ print ($0 ~ /\/point_cloud[^\/]*$/ ? 0 : 1) "\t" $0 }' | LC_ALL=C sort | head -n 1 | cut -f 2)
+[ -n "$model" ] || fail 3 "$scene: no model" "a splat that ngs-scene import reads"
 scene_flags=()
 eval "scene_flags=(${SCENE_FLAGS:-})"
 ticks=$(getconf CLK_TCK)
@@ -173,7 +176,7 @@ measure eval ngs-eval render/masks render/masks -o '{}/metrics.json'
 measure extract ngs-extract flash/labelled.ply --object '{}/o.ply' --background '{}/b.ply' --min-component 50
 measure extract-sog ngs-extract flash/labelled.ply --object '{}/o.sog' --background '{}/b.sog'
 measure clean ngs-clean "$model" -o '{}/cleaned'
-measure chain "$pipelines/ngs-gs.sh" "$scene" '{}/out' --masks "$masks" --hold-out every:4:2 --quality draft
+measure chain "$pipelines/ngs-gs.sh" "$scene" '{}/out' --model "$model" --masks "$masks" --hold-out every:4:2 --quality draft
 measure report ngs-report chain/out -o '{}/report.html'
 measure cut ngs cut import/scene.json --quality draft -o '{}/out'
 follow orbit ngs-scene orbit "$model" -o '{}/scene.json'
