@@ -187,14 +187,20 @@ field() {
 }
 
 stage_joint() {
-  local field
+  local field trace=(--trace "$OUT/trace.jsonl")
   flags "$JOINT_FLAGS"
   field=$(field)
   if [ -n "$METHOD" ]; then words+=(--method "$METHOD"); fi
   if [ -n "$QUALITY" ]; then words+=(--quality "$QUALITY"); fi
   if [ -z "$field" ]; then say_unless_quiet "queries.ply and field.ply are not needed (--artifacts all makes them)"; fi
-  run ngs-joint "$OUT/scene.json" "$OUT/boundary.ply" ${field:+--field "$OUT/field.ply"} --trace "$OUT/trace.jsonl" \
-    "${words[@]}" -o "$OUT/labelled.ply"
+  case " ${words[*]/#--method=/--method } " in
+    *" --method ngs "* | *" --method ng-gs "* | *" --method paper "*) ;;
+    *" --method "*)  # a baseline, which has no steps to trace
+      trace=()
+      step "rm -f $(at trace.jsonl)" ;;
+  esac
+  run ngs-joint "$OUT/scene.json" "$OUT/boundary.ply" ${field:+--field "$OUT/field.ply"} "${trace[@]}" "${words[@]}" \
+    -o "$OUT/labelled.ply"
 }
 
 stage_extract() {
