@@ -4,7 +4,12 @@
 unset CDPATH  # with it `cd NAME` may go to another folder of that name, and prints where
 pipelines=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 
-say() { printf '%s\n' "$*" >&2; }
+# say TEXT: on stderr; on a terminal no word is cut at its edge.
+say() {
+  local columns=0
+  if [ -t 2 ]; then columns=$(stty size <&2 2> /dev/null | cut -d ' ' -f 2) || true; fi
+  if [ "${columns:-0}" -gt 20 ]; then printf '%s\n' "$*" | fold -s -w "$columns" >&2; else printf '%s\n' "$*" >&2; fi
+}
 
 # fail CODE MESSAGE [HINT]
 fail() {

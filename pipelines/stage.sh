@@ -143,7 +143,8 @@ flags() {  # words of a *_FLAGS variable, which is quoted for the shell, into th
 stage_scene() {
   local source model masks optional=()
   source=$(source_of_scene) model=$(model_of_scene) masks=$(masks_of_scene)
-  [ -n "$source" ] || fail 3 "$SCENE: no poses found (sparse/, colmap/sparse/0, transforms.json, cameras.json, poses_bounds.npy, or the scene.json of ngs-scene orbit)"
+  [ -n "$source" ] || fail 3 "$SCENE: no poses found (sparse/, colmap/sparse/0, transforms.json, cameras.json, poses_bounds.npy, or the scene.json of ngs-scene orbit)" \
+    "colmap automatic_reconstructor makes poses of photos; a splat alone needs none: ngs cut MODEL.ply"
   [ -n "$model" ] || fail 3 "$SCENE: no point_cloud.ply found" "give one with --model, or fit one: ngs-fit"
   [ -n "$masks" ] || [ -n "${NO_MASKS:-}" ] || fail 3 "$SCENE: no folder 'masks' found" "give one with --masks DIR"
   case $source in */sparse | */sparse/0 | */cameras.bin | */cameras.txt) source=$SCENE ;; esac
@@ -186,14 +187,20 @@ field() {
 }
 
 stage_joint() {
-  local field
+  local field trace=(--trace "$OUT/trace.jsonl")
   flags "$JOINT_FLAGS"
   field=$(field)
   if [ -n "$METHOD" ]; then words+=(--method "$METHOD"); fi
   if [ -n "$QUALITY" ]; then words+=(--quality "$QUALITY"); fi
   if [ -z "$field" ]; then say_unless_quiet "queries.ply and field.ply are not needed (--artifacts all makes them)"; fi
-  run ngs-joint "$OUT/scene.json" "$OUT/boundary.ply" ${field:+--field "$OUT/field.ply"} --trace "$OUT/trace.jsonl" \
-    "${words[@]}" -o "$OUT/labelled.ply"
+  case " ${words[*]/#--method=/--method } " in
+    *" --method ngs "* | *" --method ng-gs "* | *" --method paper "*) ;;
+    *" --method "*)  # a baseline, which has no steps to trace
+      trace=()
+      step "rm -f $(at trace.jsonl)" ;;
+  esac
+  run ngs-joint "$OUT/scene.json" "$OUT/boundary.ply" ${field:+--field "$OUT/field.ply"} "${trace[@]}" "${words[@]}" \
+    -o "$OUT/labelled.ply"
 }
 
 stage_extract() {
@@ -246,13 +253,13 @@ refuse_own_model() {
 stage_render() {
   local views=all
   if [ -n "$HOLD_OUT" ]; then views=held-out; fi
-  step "rm -rf $(at masks) $(at .state/masks_rendered) $(at .state/render)"
+  step "rm -rf $(at masks) $(at .state/masks_rendered) $(at .state/masks)"
   flags "$RENDER_FLAGS"
   run ngs-render "$OUT/scene.json" "$OUT/labelled.ply" --views "$views" --layers mask --scale 0 --format png \
-    "${words[@]}" -o "$OUT/.state/render"
+    "${words[@]}" -o "$OUT/.state/masks"
   # The list first: a run that ends between the two leaves no masks that nobody owns.
-  step "(cd $(at .state/render) && find . ! -type d | LC_ALL=C sort) > $(at .state/masks_rendered)"
-  step "mv $(at .state/render) $(at masks)"
+  step "(cd $(at .state/masks) && find . ! -type d | LC_ALL=C sort) > $(at .state/masks_rendered)"
+  step "mv $(at .state/masks) $(at masks)"
 }
 
 # eval_words DIR TRUTH: the options of ngs-eval for the masks in DIR, into `words`. Masks of several objects lie in a folder

@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <sstream>
 
 #include "support/process.h"
 #include "support/temp_dir.h"
@@ -33,8 +34,9 @@ TEST_CASE("ngs-gs.sh on a terminal says which of all stages each tool is, and at
   CAPTURE(part.out);
   CHECK(part.exit_code == 0);
   for (const char* text : {"[1/4] ngs-scene import: done", "[2/4] ngs-variance: done", "[3/4] ngs-joint: done",
-                           "[4/4] ngs-render: done", "  masks/: 1 mask(s) of the result"})
+                           "[4/4] ngs-render: done", ", masks\r\n", "  masks/: 1 mask(s) of the result"})
     has(part, text);
+  CHECK(part.out.find("warning") == std::string::npos);  // of an option that nobody has given
   const test::ProcessResult whole = on_terminal("");
   CAPTURE(whole.out);
   CHECK(whole.out.find("ngs-joint: done") == std::string::npos);  // nothing of it changed
@@ -42,7 +44,27 @@ TEST_CASE("ngs-gs.sh on a terminal says which of all stages each tool is, and at
        {"[4/7] ngs-extract: done", "[7/7] ngs-report: done", "ngs-gs.sh: done in ", "  object.ply, background.ply: ",
         "  scores: IoU 1.0000, boundary IoU 1.0000, in its 0.5 % band 1.0000", "/out/report.html in a browser"})
     has(whole, text);
+  CHECK(whole.out.find("\nrun ") == std::string::npos);  // the scores of the only run, which ngs-eval has shown
   CHECK(on_terminal(" -q").out == "");
+}
+
+TEST_CASE("what ngs-gs.sh says itself is cut between words at the edge of the terminal") {
+  const test::TempDir dir;
+  std::filesystem::create_directories(dir.path() + "/empty");
+  const test::ProcessResult refused = test::run_process(
+      {.argv = {"script", "-qec", "stty cols 60; " NGS_SOURCE_DIR "/pipelines/ngs-gs.sh empty out", "/dev/null"},
+       .environment = {{"NGS_BIN", NGS_TOOL_DIR}},
+       .folder = dir.path(),
+       .input = {},
+       .signal_after = {}});
+  CAPTURE(refused.out);
+  CHECK(refused.exit_code == 3);
+  for (const char* word : {"transforms.json,", "cameras.json,", "poses_bounds.npy,", "automatic_reconstructor"})
+    CHECK(refused.out.find(word) != refused.out.npos);
+  std::istringstream lines(refused.out);
+  int count = 0;
+  for (std::string line; std::getline(lines, line); ++count) CHECK(line.size() <= 61);  // and the carriage return
+  CHECK(count >= 4);
 }
 
 TEST_CASE("--explain prints its list alone on a terminal, and the report too where stdout is none") {
@@ -67,6 +89,26 @@ TEST_CASE("--explain prints its list alone on a terminal, and the report too whe
     CHECK(shown.out.find(name) != shown.out.npos);
   }
   CHECK(shown.out.find('{') == shown.out.npos);
+}
+
+TEST_CASE("ngs-joint on a terminal ends with figures by the names that people know, and the next command") {
+  const test::TempDir dir;
+  test::write_tiny_scene(dir.path());
+  const std::string tools = NGS_TOOL_DIR "/";
+  const test::ProcessResult shown =
+      test::run_process({.argv = {"script", "-qec",
+                                  tools + "ngs-variance scene.json -o boundary.ply && " + tools +
+                                      "ngs-joint scene.json boundary.ply --quality draft -o labelled.ply",
+                                  "/dev/null"},
+                         .environment = {{"NGS_THREADS", "2"}},
+                         .folder = dir.path(),
+                         .input = {},
+                         .signal_after = {}});
+  CAPTURE(shown.out);
+  CHECK(shown.exit_code == 0);
+  for (const char* text : {"boundary Gaussians ", "changed Gaussians ", "next: ngs-extract labelled.ply"})
+    CHECK(shown.out.find(text) != shown.out.npos);
+  CHECK(shown.out.find("biou") == shown.out.npos);
 }
 
 TEST_CASE("ngs-gs.sh ends the tool that is at work when a signal reaches the script alone") {

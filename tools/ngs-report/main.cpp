@@ -7,6 +7,7 @@
 #include "run_figures.h"
 #include "shared/cli/dispatch.h"
 #include "shared/page/html.h"
+#include "shared/run/summary.h"
 #include "shared/tool.h"
 #include "viewer.h"
 #include "work_precision.h"
@@ -76,7 +77,8 @@ int runs_command(int argc, char** argv) {
     }
     run.result()["mean_over_runs"] = cli::means_json(runs);
     run.result()["bytes"] = page.size();
-    run.text(cli::means_table(runs));
+    if (runs.size() > 1 || cli::stage_of_chain().empty())
+      run.text(cli::means_table(runs));  // a chain has said it before
     return 0;
   });
 }

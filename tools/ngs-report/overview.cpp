@@ -186,7 +186,8 @@ std::string overview_section(const Exec& exec, RunFolder& run, Pictures& picture
       view->scores.is_null() ? "A view from the middle of the list." : "The view with the median boundary IoU.";
   return "<section id=\"overview\"><div class=\"sheet opening\">" + html +
          "</div><p class=note><span class=screen>Click or tap a picture to flip it. </span>" + which +
-         (viewer.empty() ? "" : " <a href=\"" + viewer + "\">Turn the object in 3D</a>") + "</p></section>\n";
+         (viewer.empty() ? "" : " <a class=\"screen\" href=\"" + viewer + "\">Turn the object in 3D</a>") +
+         "</p></section>\n";
 }
 
 std::string boundary_section(RunFolder& run, Pictures& pictures) {

@@ -20,7 +20,7 @@ footer{padding-top:2rem;padding-bottom:3rem}
 .tiles dt{color:var(--soft);font-size:.88rem}
 .tiles dd{margin:0;font-size:1.55rem;font-weight:600;font-variant-numeric:tabular-nums}
 .tiles small{font-size:.8rem;font-weight:400;color:var(--soft);display:block}
-.scroll{overflow-x:auto}
+.scroll{overflow-x:auto;background:linear-gradient(90deg,var(--ground) 30%,transparent) local 0/3rem 100% no-repeat,linear-gradient(270deg,var(--ground) 30%,transparent) local 100%/3rem 100% no-repeat,linear-gradient(90deg,var(--line),transparent) 0/.8rem 100% no-repeat,linear-gradient(270deg,var(--line),transparent) 100%/.8rem 100% no-repeat}
 table{border-collapse:collapse;font-size:.92rem;margin:.4rem 0 1rem}
 p.note{margin:.4rem 0}
 th,td{padding:.28rem .8rem .28rem 0;text-align:left;vertical-align:top;border-bottom:1px solid var(--line)}
@@ -95,17 +95,17 @@ svg.plot g text{fill:var(--ink);paint-order:stroke;stroke:var(--ground);stroke-w
 :root{color-scheme:light;--ground:#fff;--ink:#111;--soft:#444;--line:#bbb;--panel:#fff;--accent:#8a3414;--bar:#2d6290;--warn:#6d4700}
 body{font-size:10.5pt;print-color-adjust:exact;-webkit-print-color-adjust:exact}
 main,header,footer{max-width:none;padding:0}
-h2,h3,thead{break-after:avoid}
+h2,h3,thead,p.note{break-after:avoid}
 figcaption{break-before:avoid}
 figure,tr,.tiles div{break-inside:avoid}
 .legend input,.screen,details:not([open]),section[id$=tools]{display:none}
 .opening figure{margin-bottom:.5rem}
-.scroll{overflow:visible}
+.scroll{overflow:visible;background:none}
 table{font-size:8.5pt}
 thead th{white-space:normal}
-.sheet{grid-template-columns:repeat(3,1fr)}
+.sheet{grid-template-columns:repeat(4,1fr)}
 .sheet.small{grid-template-columns:repeat(5,1fr)}
-.sheet.opening{display:block}
+.sheet.opening{display:block;max-width:88%}
 .opening figure:first-child{grid-column:auto;grid-row:auto}
 .flip .stack{display:grid;grid-template-columns:1fr 1fr;gap:.3rem;background:none}
 .flip .after{position:static;opacity:1}

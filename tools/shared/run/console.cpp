@@ -72,14 +72,13 @@ void Console::line(std::string_view level, std::string_view colour, const std::s
 void Console::progress(const std::string& stage, std::int64_t done, std::int64_t total) {
   if (level_ < LogLevel::kWarning) return;
   const double now_s = wall_seconds();
-  if (stage_began_s_ < 0 || stage != stage_ || done < first_done_)
-    stage_ = stage, stage_began_s_ = now_s, first_done_ = done;
+  clock_.told(stage, done, now_s);
   if (now_s - last_progress_s_ < progress_every_s_) return;
   last_progress_s_ = now_s;
   if (format_ == LogFormat::kJson)
     return write_stderr(
         json_line({{"tool", tool_}, {"event", "progress"}, {"stage", stage}, {"done", done}, {"total", total}}));
-  const std::string text = progress_line(stage, done, total, now_s - stage_began_s_);
+  const std::string text = progress_line(stage, done, total, now_s);
   write_stderr(terminal_ ? "\r\033[K" + text : text + "\n");
   std::fflush(stderr);
   shows_progress_ = terminal_;
@@ -88,13 +87,13 @@ void Console::progress(const std::string& stage, std::int64_t done, std::int64_t
 /// A bar and times once there is something to say of them. Never as wide as the terminal: a line that wraps could not
 /// be taken back.
 std::string Console::progress_line(const std::string& stage, std::int64_t done, std::int64_t total,
-                                   double taken_s) const {
+                                   double now_s) const {
   constexpr int kBar = 20;
+  const double taken_s = clock_.taken_s(now_s), left_s = clock_.left_s(total, now_s);
   std::string text = (chain_.empty() ? "" : "[" + chain_ + "] ") + tool_ + ": " + stage;
   if (total > 0) text += (stage.empty() ? "" : " ") + std::to_string(done) + "/" + std::to_string(total);
-  if (taken_s >= 1 && total > 0 && done > first_done_) {
+  if (taken_s >= 1 && total > 0 && left_s >= 0) {
     const auto filled = std::size_t(kBar * std::clamp(double(done) / double(total), 0.0, 1.0));
-    const double left_s = taken_s * double(total - done) / double(done - first_done_);
     if (terminal_) text += " [" + std::string(filled, '#') + std::string(kBar - filled, '.') + "]";
     text += " " + duration_text(taken_s) + ", " + duration_text(left_s) + " left";
   }
@@ -106,9 +105,9 @@ void Console::summary(const std::string& lines) {
 }
 
 void Console::stage_ended(const std::string& stage) {
-  if (stage != stage_) return;
+  if (stage != clock_.stage()) return;
   clear_progress();
-  stage_began_s_ = -1;
+  clock_.stage_ended();
 }
 
 void Console::clear_progress() {

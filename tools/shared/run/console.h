@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "shared/cli/common_flags.h"
+#include "shared/run/progress_clock.h"
 
 namespace ngs::cli {
 
@@ -35,7 +36,7 @@ class Console {
   void clear_progress();
 
  private:
-  std::string progress_line(const std::string& stage, std::int64_t done, std::int64_t total, double taken_s) const;
+  std::string progress_line(const std::string& stage, std::int64_t done, std::int64_t total, double now_s) const;
   void line(std::string_view level, std::string_view colour, const std::string& message);
 
   std::string tool_, chain_;
@@ -43,10 +44,8 @@ class Console {
   LogFormat format_;
   bool terminal_, colour_;
   bool shows_progress_ = false;
-  std::string stage_;  // whose progress is shown
+  ProgressClock clock_;
   double last_progress_s_, progress_every_s_;
-  double stage_began_s_ = -1;  // as far as is known from its progress; -1: none has
-  std::int64_t first_done_ = 0;
 };
 
 }  // namespace ngs::cli

@@ -3,10 +3,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
+#include <utility>
+#include <vector>
 
 #include "shared/cli/exit_code.h"
 #include "shared/text/layout.h"
@@ -104,8 +107,20 @@ std::string figures(const Json& object) {
   return text;
 }
 
+/// Of the figures of some tools those that say most, and what people call them.
+Json telling_figures(const std::string& tool, const Json& result) {
+  static const std::map<std::string, std::vector<std::pair<std::string, std::string>>> telling = {
+      {"ngs-joint", {{"boundary", "boundary Gaussians"}, {"rows_changed", "changed Gaussians"}, {"steps", "steps"}}}};
+  const auto found = telling.find(tool);
+  if (found == telling.end()) return result;
+  Json figures = Json::object();
+  for (const auto& [key, name] : found->second)
+    if (result.contains(key)) figures[name] = result[key];
+  return figures;
+}
+
 /// The scores, where a run has any; of a dry run what it foresees; else its other figures.
-std::string outcome_text(const Json& report) {
+std::string outcome_text(const std::string& tool, const Json& report) {
   if (report["dry_run"] == true && report.contains("plan")) return figures(report["plan"]);
   if (const Json& result = report["result"]; result.contains("mean") && result["mean"].is_object()) {
     Json scores = Json::object();
@@ -113,7 +128,7 @@ std::string outcome_text(const Json& report) {
       if (result["mean"].contains(name)) scores[name] = result["mean"][name];
     return figures(scores);
   }
-  return figures(report["result"]);
+  return figures(telling_figures(tool, report["result"]));
 }
 
 std::string how_it_ended(const Json& report) {
@@ -142,7 +157,7 @@ std::string stage_of_chain() {
 
 std::string duration_text(double seconds) {
   char text[48];
-  const auto whole = static_cast<long>(seconds + 0.5);
+  const long whole = std::lround(seconds);
   if (whole < 60)
     std::snprintf(text, sizeof text, seconds < 10 ? "%.1f s" : "%.0f s", seconds);
   else if (whole < 3600)
@@ -161,7 +176,7 @@ std::string summary_text(const Spec& spec, const Json& report) {
     text += "  " + output_text(outputs[i]["path"]) + "\n";
   if (made && outputs.size() > kMostOutputs)
     text += "  and " + std::to_string(outputs.size() - kMostOutputs) + " more\n";
-  if (const std::string outcome = outcome_text(report); !outcome.empty()) text += "  " + outcome + "\n";
+  if (const std::string outcome = outcome_text(spec.name, report); !outcome.empty()) text += "  " + outcome + "\n";
   if (const std::size_t odd = report["warnings"].size(); odd > 0)
     text += "  odd: " + std::to_string(odd) + (odd == 1 ? " warning, above\n" : " warnings, above\n");
   if (const std::string next = next_command(spec); made && report["exit_code"] == kDone && !next.empty())
