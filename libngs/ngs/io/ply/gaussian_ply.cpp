@@ -204,12 +204,14 @@ class Reader {
     }
   }
 
+  static constexpr const char* kLabelAgain = "label the model again: ngs-variance scene.json -o boundary.ply";
+
   void check_range(const WantedLabel& w, float value, std::int64_t i) const {
     constexpr float kRounding = 1e-4f;  // of programs that computed in their own way
     if (std::isfinite(value) && value >= -kRounding && value <= w.most + kRounding) return;
     bad(w.name + " of row " + std::to_string(i) + ": " + std::to_string(value) + ", expected " +
             (std::isinf(w.most) ? "a number of views" : "0 to 1"),
-        "label the model again: ngs-variance scene.json -o boundary.ply");
+        kLabelAgain);
   }
 
   void check_weight() const {
@@ -218,7 +220,7 @@ class Reader {
     if (wrong == ply_.weight.end()) return;
     bad(std::string(kWeightColumn) + " of row " + std::to_string(wrong - ply_.weight.begin()) + ": " +
             std::to_string(*wrong) + ", expected a number of pixels",
-        "label the model again: ngs-variance scene.json -o boundary.ply");
+        kLabelAgain);
   }
 
   /// Most Gaussians have been seen by the same views whatever the object.

@@ -280,7 +280,6 @@ void write_labelled_ply(const std::string& path, const GaussianPly& source, std:
   std::vector<Added> added = added_columns(objects, all);
   if (!options.fixed.empty()) added.push_back({std::string(kFixedColumn), nullptr, options.fixed});
   if (!options.floater.empty()) added.push_back({std::string(kFloaterColumn), nullptr, options.floater});
-
   if (!options.weight.empty()) added.push_back({std::string(kWeightColumn), nullptr, options.weight});
 
   PlyElement element;

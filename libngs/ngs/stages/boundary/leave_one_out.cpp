@@ -66,7 +66,8 @@ void LeaveOneOut::remove(std::size_t n) {
   for_each_in(*own, [&](std::size_t i, const double* mine, float*) {
     weight_.subtract(i, mine[0]);
     for (std::size_t k = 0; k < objects_; ++k)
-      if (ExactSum* const known = object_weight_.find(i, k)) known->subtract(ExactSum::of(mine[1 + k]));
+      if (ExactSum* const known = mine[1 + k] != 0 ? object_weight_.find(i, k) : nullptr)
+        known->subtract(ExactSum::of(mine[1 + k]));
   });
   if (not_kept_.erase(n) == 0) left_bytes_ += own->bytes(), kept_.erase(n);
 }
