@@ -88,7 +88,9 @@ mutant ops/field/knn.cpp $t ops/field/knn.cpp "ties in any order" 's/dist2 < o\.
 mutant ops/field/knn.cpp $t ops/field/knn.cpp "ties not admitted" 's/std::nextafter\((best_\[count_ - 1\]\.dist2), .*\);/\1;/'
 mutant ops/field/knn.cpp $t ops/field/knn.cpp "a point is its own neighbour" 's/index == excluded_ \|\| //'
 mutant ops/field/knn.cpp unit/ops/field/knn_test.cpp ops/field/knn.cpp "within: a tie is outside" 's/admitted_\(std::nextafter\(most_dist2, kInfinity\)\)/admitted_(most_dist2)/'
-mutant ops/field/knn.cpp $t ops/field/knn.cpp "search in float" 's/std::vector<double> out\(rows\.data, rows\.data \+ rows\.n \* 3\);/std::vector<double> out; for (std::int64_t i = 0; i < rows.n * 3; ++i) out.push_back(double(_Float16(rows.data[i])));/'
+mutant ops/field/knn.cpp unit/ops/field/knn_test.cpp ops/field/knn.cpp "within: a tie with the box is outside" 's/box\.dist2\(query\) > radius/box.dist2(query) >= radius/'
+mutant ops/field/knn.cpp unit/ops/field/knn_test.cpp ops/field/knn.cpp "within: all are asked" 's/if \(!asked\.empty\(\) .* continue;//'
+mutant ops/field/knn.cpp $t ops/field/knn.cpp "search in float" 's/return \{rows\.data, rows\.data \+ rows\.n \* 3\};/std::vector<double> out; for (std::int64_t i = 0; i < rows.n * 3; ++i) out.push_back(double(_Float16(rows.data[i]))); return out;/'
 f=ops/field/rbf_kernels.h
 mutant $f $t "" "the farther of two neighbours first" 's/max2\((dot\(x0 - xj, .*\)), T\(0\)\)/\1/'
 mutant $f $t ops/field/rbf.cpp "nearest distance not subtracted" 's/dot\(x0 - xj, \(q - x0\) \+ \(q - xj\)\)/dot(q - xj, q - xj)/'

@@ -20,6 +20,8 @@ inline constexpr NamedValue<Method> kMethodNames[] = {
     {Method::kCob, "cob"},   {Method::kFlash, "flash"},       {Method::kSa3d, "sa3d"},
     {Method::kSaga, "saga"}, {Method::kReleased, "released"}, {Method::kPaper, "paper"}};  // the earlier name of ngs
 std::string method_name(Method method);
+/// Whether it looks at views; flash follows from the evidence.
+constexpr bool draws(Method method) { return method != Method::kFlash; }
 
 struct BaselineOptions {
   FlashOptions flash;

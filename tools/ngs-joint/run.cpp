@@ -174,7 +174,7 @@ class MethodRun {
   int operator()() {
     Problem from_files = input_.problem(options_, run_.seed(), run_.monitor());
     if (run_.dry_run()) return plan(from_files);
-    from_files.splat.prepared = prepare_cloud(run_.exec(), from_files.cloud);
+    if (draws(options_.choice.method)) from_files.splat.prepared = prepare_cloud(run_.exec(), from_files.cloud);
     if (keeps_steps())
       cli::require_checkpoint_folder(options_.steps.checkpoint, StepFile::path_in(options_.steps.checkpoint));
     if (from_files.views.empty())

@@ -1,7 +1,8 @@
 #include "ngs/problem/region.h"
 
 #include <algorithm>
-#include <cstring>
+#include <bit>
+#include <cstdint>
 
 #include "ngs/core/check.h"
 #include "ngs/scene/mask_threshold.h"
@@ -16,12 +17,19 @@ void mark(const std::vector<LabelColumns>& labels, std::vector<std::uint8_t>& re
           object.prob[i] >= kLeastRegionShare || label_says_object(object.label[i]) || is_set(object.boundary[i]);
 }
 
-bool same_row(const std::vector<float>& a, std::size_t i, const std::vector<float>& b, std::size_t j,
-              std::size_t width) {
-  return width == 0 || std::memcmp(&a[i * width], &b[j * width], width * sizeof(float)) == 0;
+std::uint32_t different_bits(float a, float b) {
+  return std::bit_cast<std::uint32_t>(a) ^ std::bit_cast<std::uint32_t>(b);
 }
 
-bool same_value(float a, float b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+bool same_value(float a, float b) { return different_bits(a, b) == 0; }
+
+/// Rows of one column, bit for bit.
+bool same_row(const std::vector<float>& a, std::size_t i, const std::vector<float>& b, std::size_t j,
+              std::size_t width) {
+  std::uint32_t different = 0;
+  for (std::size_t k = 0; k < width; ++k) different |= different_bits(a[i * width + k], b[j * width + k]);
+  return different == 0;
+}
 
 bool same_row(const GaussianCloud& a, std::size_t i, const GaussianCloud& b, std::size_t j) {
   return same_row(a.position, i, b.position, j, 3) && same_row(a.rotation, i, b.rotation, j, 4) &&

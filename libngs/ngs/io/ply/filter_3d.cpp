@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "ngs/io/ply/gaussian_columns.h"
+#include "ngs/io/ply/kept_columns.h"
 #include "ngs/math/stable.h"
 
 namespace ngs::io {
@@ -17,19 +18,12 @@ double filtered_log_scale(double log_scale, double log_filter) {
 double fainter_logit(double x, double loss) { return -loss - std::log(std::exp(-x) + one_minus_exp(loss)); }
 
 PlyTable without(const PlyTable& from, std::string_view name) {
+  const KeptColumns kept(from, [&](const std::string& column) { return column != name; });
   PlyTable to;
-  std::vector<PlyProperty> properties = from.properties;
-  std::erase_if(properties, [&](const PlyProperty& p) { return p.name == name; });
-  to.set_properties(std::move(properties));
+  to.set_properties(kept.properties());
   to.rows = from.rows;
   to.owned.resize(std::size_t(to.rows) * to.row_bytes);
-  const auto left_out = std::size_t(from.find(name));
-  const std::size_t before = from.offset[left_out], width = ply_type_bytes(from.properties[left_out].type);
-  for (std::int64_t i = 0; i < from.rows; ++i) {
-    std::uint8_t* row = to.owned.data() + std::size_t(i) * to.row_bytes;
-    std::copy_n(from.row(i), before, row);
-    std::copy_n(from.row(i) + before + width, to.row_bytes - before, row + before);
-  }
+  for (std::int64_t i = 0; i < from.rows; ++i) kept.copy(from.row(i), to.owned.data() + std::size_t(i) * to.row_bytes);
   return to;
 }
 

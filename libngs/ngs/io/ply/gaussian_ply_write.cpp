@@ -7,6 +7,7 @@
 #include "ngs/core/version.h"
 #include "ngs/io/ply/gaussian_columns.h"
 #include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/io/ply/kept_columns.h"
 
 namespace ngs::io {
 namespace {
@@ -33,14 +34,9 @@ struct Edited {
 class RowSource {
  public:
   RowSource(const GaussianPly& source, const LabelledWrite& options, std::int64_t rows)
-      : source_(source), options_(options) {
-    for (std::size_t p = 0; p < source.rows.properties.size(); ++p) {
-      if (is_replaced(source.rows.properties[p].name)) continue;
-      properties_.push_back(source.rows.properties[p]);
-      from_.push_back(source.rows.offset[p]);
-    }
-    for (const PlyProperty& p : properties_) row_bytes_ += ply_type_bytes(p.type);
-    plain_ = properties_.size() == source.rows.properties.size();
+      : source_(source),
+        options_(options),
+        kept_(source.rows, [this](const std::string& name) { return !is_replaced(name); }) {
     if (options.edited == nullptr) {
       NGS_CHECK(rows == source.cloud.size(), "as many rows as the input unless it is edited");
       return;
@@ -53,8 +49,8 @@ class RowSource {
     list_edits();
   }
 
-  const std::vector<PlyProperty>& properties() const { return properties_; }
-  std::size_t row_bytes() const { return row_bytes_; }
+  const std::vector<PlyProperty>& properties() const { return kept_.properties(); }
+  std::size_t row_bytes() const { return kept_.row_bytes(); }
 
   std::int64_t source_of(std::int64_t i) const {
     return options_.source_row.empty() ? i : options_.source_row[std::size_t(i)];
@@ -62,11 +58,7 @@ class RowSource {
 
   void fill(std::int64_t i, std::uint8_t* to) const {
     const std::int64_t from = source_of(i);
-    const std::uint8_t* row = source_.rows.row(from);
-    if (plain_)
-      std::memcpy(to, row, row_bytes_);
-    else
-      copy_columns(row, to);
+    kept_.copy(source_.rows.row(from), to);
     if (options_.edited == nullptr || !options_.edited->usable[std::size_t(i)]) return;
     for (const Edited& e : edits_) {
       const float value = e.edited[std::size_t(i) * e.stride];
@@ -89,18 +81,10 @@ class RowSource {
     });
   }
 
-  void copy_columns(const std::uint8_t* row, std::uint8_t* to) const {
-    for (std::size_t p = 0; p < properties_.size(); ++p) {
-      const std::size_t bytes = ply_type_bytes(properties_[p].type);
-      std::memcpy(to, row + from_[p], bytes);
-      to += bytes;
-    }
-  }
-
   void add_edit(const std::string& column, std::vector<float> GaussianCloud::*values, std::size_t at,
                 std::size_t stride, double origin = 0) {
     std::size_t offset = 0;
-    for (const PlyProperty& p : properties_) {
+    for (const PlyProperty& p : properties()) {
       if (p.name == column)
         edits_.push_back({(source_.cloud.*values).data() + at, (options_.edited->*values).data() + at, stride, origin,
                           offset, p.type});
@@ -124,10 +108,7 @@ class RowSource {
 
   const GaussianPly& source_;
   const LabelledWrite& options_;
-  std::vector<PlyProperty> properties_;
-  std::vector<std::size_t> from_;
-  std::size_t row_bytes_ = 0;
-  bool plain_ = false;
+  KeptColumns kept_;
   std::vector<Edited> edits_;
 };
 

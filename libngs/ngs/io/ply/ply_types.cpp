@@ -38,11 +38,6 @@ void store_integer(double value, std::uint8_t* to) {
 
 }  // namespace
 
-std::size_t ply_type_bytes(PlyType type) {
-  constexpr std::size_t kBytes[] = {1, 1, 2, 2, 4, 4, 4, 8};
-  return kBytes[std::size_t(type)];
-}
-
 std::string_view ply_type_name(PlyType type) { return kTypeNames[std::size_t(type)].name; }
 
 std::optional<PlyType> ply_type_of(std::string_view name) {

@@ -12,7 +12,10 @@ namespace ngs::io {
 enum class PlyFormat : std::uint8_t { kAscii, kBinaryLittle, kBinaryBig };
 enum class PlyType : std::uint8_t { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
 
-std::size_t ply_type_bytes(PlyType type);
+constexpr std::size_t ply_type_bytes(PlyType type) {
+  constexpr std::size_t kBytes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+  return kBytes[std::size_t(type)];
+}
 std::string_view ply_type_name(PlyType type);               // "char" ... "double"
 std::optional<PlyType> ply_type_of(std::string_view name);  // either spelling, "float" or "float32"
 

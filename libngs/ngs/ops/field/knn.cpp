@@ -80,26 +80,50 @@ double bound_beside(const double* query, const double* other, double dist2_of_ot
   return reach * reach * (1 + double(kPruningSlack)) + std::numeric_limits<double>::min();
 }
 
+void require_finite(const float* row, const char* what) {
+  NGS_CHECK(std::isfinite(row[0]) && std::isfinite(row[1]) && std::isfinite(row[2]),
+            std::string(what) + " must be finite");
+}
+
 std::vector<double> to_double(Rows<const float, 3> rows, const char* what) {
-  std::vector<double> out(rows.data, rows.data + rows.n * 3);
-  for (const double x : out) NGS_CHECK(std::isfinite(x), std::string(what) + " must be finite");
-  return out;
+  for (std::int64_t i = 0; i < rows.n; ++i) require_finite(rows.row(i), what);
+  return {rows.data, rows.data + rows.n * 3};
 }
 
 void require_countable(Rows<const float, 3> points) {
   NGS_CHECK(points.n <= std::numeric_limits<std::int32_t>::max(), "the search tree counts points in 32 bits");
 }
 
-/// search(tree, [queries, 3], begin, end) for chunks of the queries, with FLANN's tree over the points (at least one).
+/// search(tree, begin, end) for chunks of the queries, with FLANN's tree over the points (at least one).
 template <class Search>
-void for_each_chunk(const Exec& exec, std::vector<double> point, std::vector<double> query, const Search& search) {
+void for_each_chunk(const Exec& exec, std::vector<double>& point, std::int64_t queries, const Search& search) {
   Tree tree(flann::Matrix<double>(point.data(), point.size() / 3, 3), flann::KDTreeSingleIndexParams());
   tree.buildIndex();
-  const auto queries = std::int64_t(query.size() / 3);
   for_each_task(exec, (queries + kQueriesPerTask - 1) / kQueriesPerTask, [&](std::int64_t task) {
-    search(tree, query.data(), task * kQueriesPerTask, std::min(queries, (task + 1) * kQueriesPerTask));
+    search(tree, task * kQueriesPerTask, std::min(queries, (task + 1) * kQueriesPerTask));
   });
 }
+
+/// The box of some points.
+class PointBox {
+ public:
+  explicit PointBox(const std::vector<double>& point) {
+    for (std::size_t i = 0; i < point.size(); ++i)
+      lo_[i % 3] = std::min(lo_[i % 3], point[i]), hi_[i % 3] = std::max(hi_[i % 3], point[i]);
+  }
+  /// At most that of any of the points, as FLANN rounds it: differences, squares and sums keep their order.
+  double dist2(const double* query) const {
+    double sum = 0;
+    for (int a = 0; a < 3; ++a) {
+      const double beside = std::max({lo_[a] - query[a], query[a] - hi_[a], 0.0});
+      sum += beside * beside;
+    }
+    return sum;
+  }
+
+ private:
+  double lo_[3] = {kInfinity, kInfinity, kInfinity}, hi_[3] = {-kInfinity, -kInfinity, -kInfinity};
+};
 
 flann::SearchParams exact_search() { return {flann::FLANN_CHECKS_UNLIMITED, -kPruningSlack}; }
 
@@ -115,16 +139,17 @@ KnnGraph search(const Exec& exec, Rows<const float, 3> points, Rows<const float,
     build_transpose(graph);
     return graph;
   }
-  std::vector<double> point = to_double(points, "points"), query = to_double(queries, "queries");
+  std::vector<double> point = to_double(points, "points");
+  const std::vector<double> query = to_double(queries, "queries");
   if (exec.device_ops) return exec.device_ops->field.nearest(points, queries, neighbours, exclude_self);
 
   const int k = graph.neighbours;
   graph.index.resize(std::size_t(queries.n) * std::size_t(k));
   graph.dist2.resize(graph.index.size());
-  const auto chunk = [&](const Tree& tree, const double* all, std::int64_t begin, std::int64_t end) {
+  const auto chunk = [&](const Tree& tree, std::int64_t begin, std::int64_t end) {
     double last_dist2 = kInfinity;  // the K-th of the query before, which is often close
     for (std::int64_t i = begin; i < end; ++i) {
-      const double* at_query = all + 3 * i;
+      const double* at_query = query.data() + 3 * i;
       const double bound = std::isfinite(last_dist2) ? bound_beside(at_query, at_query - 3, last_dist2) : kInfinity;
       OrderedResult result(k, exclude_self ? std::size_t(i) : kNoExclusion, bound);
       tree.findNeighbors(result, at_query, exact_search());
@@ -136,7 +161,7 @@ KnnGraph search(const Exec& exec, Rows<const float, 3> points, Rows<const float,
       }
     }
   };
-  for_each_chunk(exec, std::move(point), std::move(query), chunk);
+  for_each_chunk(exec, point, queries.n, chunk);
   build_transpose(graph);
   return graph;
 }
@@ -152,19 +177,26 @@ KnnGraph nearest_others(const Exec& exec, Rows<const float, 3> points, int neigh
 }
 
 std::vector<std::uint8_t> any_within(const Exec& exec, Rows<const float, 3> points, Rows<const float, 3> queries,
-                                     double radius) {
+                                     double radius, const std::vector<std::uint8_t>& asked) {
   NGS_CHECK(radius >= 0, "radius must not be negative");
+  NGS_CHECK(asked.empty() || std::int64_t(asked.size()) == queries.n, "one flag per query");
   require_countable(points);
   std::vector<std::uint8_t> found(std::size_t(queries.n), 0);
   if (points.n == 0 || queries.n == 0) return found;
-  const auto search = [&](const Tree& tree, const double* all, std::int64_t begin, std::int64_t end) {
+  std::vector<double> point = to_double(points, "points");
+  const PointBox box(point);
+  for_each_chunk(exec, point, queries.n, [&](const Tree& tree, std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) {
+      if (!asked.empty() && !asked[std::size_t(i)]) continue;
+      const float* row = queries.row(i);
+      require_finite(row, "queries");
+      const double query[3] = {double(row[0]), double(row[1]), double(row[2])};
+      if (box.dist2(query) > radius * radius) continue;
       AnyResult result(radius * radius);
-      tree.findNeighbors(result, all + 3 * i, exact_search());
+      tree.findNeighbors(result, query, exact_search());
       found[std::size_t(i)] = result.found();
     }
-  };
-  for_each_chunk(exec, to_double(points, "points"), to_double(queries, "queries"), search);
+  });
   return found;
 }
 

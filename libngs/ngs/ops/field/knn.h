@@ -16,9 +16,11 @@ KnnGraph nearest_points(const Exec& exec, Rows<const float, 3> points, Rows<cons
 /// For every point its nearest other points. A coincident point is another point.
 KnnGraph nearest_others(const Exec& exec, Rows<const float, 3> points, int neighbours);
 
-/// 1 where some point lies within `radius` of the query, [queries]. Much cheaper than the distance to the nearest.
+/// 1 where some point lies within `radius` of the query, [queries]. Much cheaper than the distance to the nearest, and
+/// nearly free of what lies far from all points. `asked` [queries] 0: is not asked, gets 0, and may be anything; empty:
+/// all are.
 std::vector<std::uint8_t> any_within(const Exec& exec, Rows<const float, 3> points, Rows<const float, 3> queries,
-                                     double radius);
+                                     double radius, const std::vector<std::uint8_t>& asked = {});
 
 /// Fills graph.row_begin and graph.edge from graph.index.
 void build_transpose(KnnGraph& graph);

@@ -23,17 +23,11 @@ constexpr std::size_t kFrontViews = 32;  // of which front_opacity() is one
 std::vector<std::uint8_t> candidates_of(const Exec& exec, const Problem& input, const ObjectCore& core, double margin) {
   const auto n = std::size_t(input.cloud.size());
   const std::vector<float> centres = core_centres(input.cloud, core);
-  std::vector<float> others;
-  std::vector<std::size_t> row;
-  for (std::size_t i = 0; i < n; ++i) {
-    const float* p = &input.cloud.position[3 * i];
-    if (!core.member[i] && input.cloud.usable[i] && !is_fixed(input, i))
-      others.insert(others.end(), p, p + 3), row.push_back(i);
-  }
-  const std::vector<std::uint8_t> near =
-      any_within(exec, {centres.data(), core.count}, {others.data(), std::int64_t(row.size())}, margin);
-  std::vector<std::uint8_t> candidate(n, 0);
-  for (std::size_t k = 0; k < row.size(); ++k) candidate[row[k]] = !near[k];
+  std::vector<std::uint8_t> candidate(n);
+  for (std::size_t i = 0; i < n; ++i) candidate[i] = !core.member[i] && input.cloud.usable[i] && !is_fixed(input, i);
+  const std::vector<std::uint8_t> near = any_within(
+      exec, {centres.data(), core.count}, {input.cloud.position.data(), input.cloud.size()}, margin, candidate);
+  for (std::size_t i = 0; i < n; ++i) candidate[i] &= !near[i];
   return candidate;
 }
 

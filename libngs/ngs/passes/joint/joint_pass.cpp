@@ -64,6 +64,16 @@ void take_steps(PassRun& run, double keep_s, StepStore* store) {
 /// Nothing optimises: the labels as they come are the solution's.
 bool is_labels_alone(const PassRun& run) { return !run.on("joint") && !run.on("contours"); }
 
+/// The problem's, whose labels are still to come.
+Solution labels_alone(const PassRun& run) {
+  const Problem& problem = *run.problem;
+  const BoundarySet boundary = boundary_to_train(problem, run.training.joint.on.boundary, run.allow_empty);
+  return {.cloud = problem.cloud,
+          .source_row = {},
+          .labels = {},
+          .figures = {{"steps", 0.0}, {"boundary", double(boundary.size())}}};
+}
+
 }  // namespace
 
 std::vector<Effect> JointPass::effects() const { return joint_effects(); }
@@ -90,16 +100,19 @@ void JointPass::begin(PassRun& run) {
   // The field of the paper is trained against all that is rendered, and moves it.
   if (!run.on("nerf") && run.on("boundary")) problem.region = region_of(problem.labels);
   const TrainingOptions& o = run.training;
-  run.trainer = std::make_unique<JointTrainer>(
-      run.device_exec, run.monitor, JointSetup{o.joint, o.sample, o.rbf, problem, run.field}, run.allow_empty);
   run.watch.emplace(run.exec, run.watching, problem, run.budget);
-  run.watch->begin(*run.trainer);
-  if (is_labels_alone(run)) {
-    run.solution.emplace().figures = run.trainer->figures();
-    run.trainer.reset();  // as large as the model
-    run.solution->cloud = problem.cloud;
+  if (is_labels_alone(run)) {  // a trainer would be as large as the model
+    run.solution = labels_alone(run);
+    run.watch->begin([&] {
+      Solution start = *run.solution;
+      start.labels = problem.labels;
+      return start;
+    });
     return;
   }
+  run.trainer = std::make_unique<JointTrainer>(
+      run.device_exec, run.monitor, JointSetup{o.joint, o.sample, o.rbf, problem, run.field}, run.allow_empty);
+  run.watch->begin([&] { return run.trainer->result(); });
   run.solution = run.trainer->result();
   run.solution->converged = true;
 }

@@ -45,6 +45,14 @@ SplatOptions splat_of(SplatOptions splat, const JointSwitches& effects) {
 
 }  // namespace
 
+BoundarySet boundary_to_train(const Problem& input, bool boundary_effect, bool empty_boundary_is_fine) {
+  BoundarySet boundary = boundary_set(input.cloud, boundary_flags(input, boundary_effect));
+  if (boundary.size() == 0 && !empty_boundary_is_fine)
+    throw Error(ErrorCode::kNothingFound, "the boundary set is empty",
+                "lower --tau of ngs-variance, or pass --allow-empty to train labels alone");
+  return boundary;
+}
+
 struct JointTrainer::Impl {
   Exec exec;
   Monitor& monitor;
@@ -93,13 +101,8 @@ struct JointTrainer::Impl {
   std::size_t objects() const { return input.labels.size(); }
 
   void start(bool empty_boundary_is_fine) {
-    boundary = boundary_set(cloud, boundary_flags(input, effects.boundary));
-    if (boundary.size() == 0) {
-      if (!empty_boundary_is_fine)
-        throw Error(ErrorCode::kNothingFound, "the boundary set is empty",
-                    "lower --tau of ngs-variance, or pass --allow-empty to train labels alone");
-      effects.nerf = false;
-    }
+    boundary = boundary_to_train(input, effects.boundary, empty_boundary_is_fine);
+    if (boundary.size() == 0) effects.nerf = false;
     if (!effects.nerf) effects.align = effects.density = effects.smooth = effects.variance = false;
     steps = steps_of(options, input.views.size());
     start_labels();

@@ -42,10 +42,13 @@ struct JointSetup {
   std::vector<std::uint8_t> frozen = {};  // [N] 1: shape, opacity and colour stay; empty: input.held
 };
 
+/// What is boundary before the first step. kNothingFound where no usable Gaussian is (allow with
+/// `empty_boundary_is_fine`: labels are trained alone).
+BoundarySet boundary_to_train(const Problem& input, bool boundary_effect, bool empty_boundary_is_fine);
+
 class JointTrainer {
  public:
-  /// kNothingFound where no usable Gaussian is boundary (allow with `empty_boundary_is_fine`: labels are
-  /// trained alone).
+  /// Throws as boundary_to_train().
   JointTrainer(const Exec& exec, Monitor& monitor, const JointSetup& setup, bool empty_boundary_is_fine);
   ~JointTrainer();
 

@@ -23,10 +23,10 @@ void Watch::score(Json& line, const std::function<Solution()>& whole) {
   line["scoring_s"] = scoring_s_;
 }
 
-void Watch::begin(const JointTrainer& trainer) {
+void Watch::begin(const std::function<Solution()>& result) {
   if (options_.target || options_.traced) {
     Json line{{"t", seconds()}, {"stage", "start"}, {"step", 0}};
-    if (score_fits()) score(line, [&] { return trainer.result(); });
+    if (score_fits()) score(line, result);
     if (options_.traced) text_ += line.dump() + "\n";
   }
   last_s_ = seconds();

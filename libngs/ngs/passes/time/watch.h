@@ -23,7 +23,7 @@ class Watch {
   Watch(const Exec& exec, const WatchOptions& options, const Problem& problem, const Budget& budget);
 
   /// The model before the first step: a line of the trace without losses.
-  void begin(const JointTrainer& trainer);
+  void begin(const std::function<Solution()>& result);
   /// The steps to come, from where the trainer is, go on until only `keep_s` of the budget are left.
   void begin_steps(double keep_s, const JointTrainer& trainer);
   /// The same for contour iterations. Another is begun where what is left has time for its refinement and half of its

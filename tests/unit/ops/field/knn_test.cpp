@@ -69,19 +69,31 @@ TEST_CASE("any_within says what the nearest distance says, a tie included") {
     }
     if (radius < 1) CHECK(ties > 0);
   }
+  const std::vector<float> origin{0, 0, 0}, beside{1, 0, 0};  // as far from the only point as from its box
+  CHECK(any_within({}, rows(origin), rows(beside), 1) == std::vector<std::uint8_t>{1});
+  queries[0] = NAN;
+  std::vector<std::uint8_t> asked(300, 1), expected = any_within({}, rows(points), {queries.data() + 3, 299}, 1);
+  expected.insert(expected.begin(), 0), expected[7] = 0;
+  asked[0] = asked[7] = 0;
+  CHECK(any_within({}, rows(points), rows(queries), 1, asked) == expected);
+  CHECK_THROWS(any_within({}, rows(points), rows(queries), 1));
+  queries[0] = 0;
   CHECK(any_within({}, rows({}), rows(queries), 1) == std::vector<std::uint8_t>(300, 0));
   CHECK(any_within({}, rows(points), rows({}), 1).empty());
 }
 
 TEST_CASE("knn equals a full sort for every small number of points") {
-  constexpr int k = 4;
+  constexpr int kNeighbours = 4;
   test::Random random(1);
-  for (const std::size_t n : {1u, 2u, unsigned(k) - 1, unsigned(k), unsigned(k) + 1, 40u}) {
+  for (const std::size_t n :
+       {1u, 2u, unsigned(kNeighbours) - 1, unsigned(kNeighbours), unsigned(kNeighbours) + 1, 40u}) {
     CAPTURE(n);
     const auto points = random.uniform_vector<float>(3 * n, -1, 1),
                queries = random.uniform_vector<float>(3 * 9, -2, 2);
-    check_equal(nearest_points({}, rows(points), rows(queries), k), brute_force(points, queries, k, false));
-    if (n > 1) check_equal(nearest_others({}, rows(points), k), brute_force(points, points, k, true));
+    check_equal(nearest_points({}, rows(points), rows(queries), kNeighbours),
+                brute_force(points, queries, kNeighbours, false));
+    if (n > 1)
+      check_equal(nearest_others({}, rows(points), kNeighbours), brute_force(points, points, kNeighbours, true));
   }
 }
 
