@@ -89,7 +89,7 @@ void Console::progress(const std::string& stage, std::int64_t done, std::int64_t
 std::string Console::progress_line(const std::string& stage, std::int64_t done, std::int64_t total,
                                    double now_s) const {
   constexpr int kBar = 20;
-  const double taken_s = clock_.taken_s(now_s), left_s = clock_.left_s(total, now_s);
+  const double taken_s = clock_.taken_s(stage, now_s), left_s = clock_.left_s(stage, total, now_s);
   std::string text = (chain_.empty() ? "" : "[" + chain_ + "] ") + tool_ + ": " + stage;
   if (total > 0) text += (stage.empty() ? "" : " ") + std::to_string(done) + "/" + std::to_string(total);
   if (taken_s >= 1 && total > 0 && left_s >= 0) {
@@ -105,9 +105,7 @@ void Console::summary(const std::string& lines) {
 }
 
 void Console::stage_ended(const std::string& stage) {
-  if (stage != clock_.stage()) return;
-  clear_progress();
-  clock_.stage_ended();
+  if (clock_.stage_ended(stage)) clear_progress();
 }
 
 void Console::clear_progress() {

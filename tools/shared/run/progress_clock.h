@@ -1,7 +1,9 @@
 #pragma once
 // How long the part of the work has taken whose progress is told. A stage that counts anew, once for each of its parts,
-// begins another part: what it took before says nothing of what is left.
+// begins another part: what it took before says nothing of what is left. What another stage tells in between, such as
+// the scores that a trace asks for, does not.
 #include <cstdint>
+#include <map>
 #include <string>
 
 namespace ngs::cli {
@@ -9,21 +11,27 @@ namespace ngs::cli {
 class ProgressClock {
  public:
   void told(const std::string& stage, std::int64_t done, double now_s) {
-    if (began_s_ < 0 || stage != stage_ || done < done_) stage_ = stage, began_s_ = now_s, first_done_ = done;
-    done_ = done;
+    Part& part = parts_.try_emplace(stage, Part{now_s, done, done}).first->second;
+    if (done < part.done) part = {now_s, done, done};
+    part.done = done;
   }
-  void stage_ended() { began_s_ = -1; }
-  const std::string& stage() const { return stage_; }
-  double taken_s(double now_s) const { return now_s - began_s_; }
+  /// False: it has told nothing.
+  bool stage_ended(const std::string& stage) { return parts_.erase(stage) > 0; }
+  /// Of a stage that has told something.
+  double taken_s(const std::string& stage, double now_s) const { return now_s - parts_.at(stage).began_s; }
   /// Of `total` pieces, at the pace so far; negative where there is none yet.
-  double left_s(std::int64_t total, double now_s) const {
-    return done_ > first_done_ ? taken_s(now_s) * double(total - done_) / double(done_ - first_done_) : -1;
+  double left_s(const std::string& stage, std::int64_t total, double now_s) const {
+    const Part& part = parts_.at(stage);
+    const std::int64_t pace = part.done - part.first_done;
+    return pace > 0 ? (now_s - part.began_s) * double(total - part.done) / double(pace) : -1;
   }
 
  private:
-  std::string stage_;
-  double began_s_ = -1;  // as far as is known from its progress; -1: none was told
-  std::int64_t first_done_ = 0, done_ = 0;
+  struct Part {
+    double began_s;  // as far as is known from its progress
+    std::int64_t first_done, done;
+  };
+  std::map<std::string, Part> parts_;  // by stage
 };
 
 }  // namespace ngs::cli

@@ -13,6 +13,9 @@ Watch::Watch(const Exec& exec, const WatchOptions& options, const Problem& probl
       longest_score_s_(budget.foreseen_s(kCheckRenders * double(problem.views.size()))) {}
 
 void Watch::score(Json& line, const std::function<Solution()>& whole) {
+  const std::optional<Monitor::Scope> timed =
+      problem_.monitor != nullptr ? std::optional<Monitor::Scope>(std::in_place, *problem_.monitor, "score")
+                                  : std::nullopt;
   const double before = wall_seconds();
   const Agreement agreement = mean_agreement(training_agreement(exec_, problem_, whole()));
   const double took_s = wall_seconds() - before;
