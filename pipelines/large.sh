@@ -3,6 +3,8 @@
 #
 #   pipelines/large.sh six CAPTURE [OUT]    three rooms of CAPTURE: 6.2e6 Gaussians of museum, 300 photos of 2.1 Mpx
 #   pipelines/large.sh ten CAPTURE [OUT]    five rooms: 1.03e7 Gaussians of museum, 1000 photos of 0.3 Mpx
+#   pipelines/large.sh beside CAPTURE [OUT] CAPTURE alone, with two copies of its model behind its walls, and with nine
+#                                           where no camera looks: what Gaussians cost that do not show
 #   pipelines/large.sh balls [OUT]          100 objects at once: 1e6 Gaussians, 60 photos of 0.3 Mpx
 #
 #   CAPTURE   a folder with sparse/, images/, masks_label/ and point_cloud.compressed.ply, such as the scene museum
@@ -12,19 +14,20 @@
 # through its own, and a room has more views than the capture by taking cameras again. Object 2 of the first room is
 # cut out; the photos of the other rooms show nothing of it. What is made is made by ngs_large, a target of the build.
 #
-# stdout: a line per tool: TOOL WALL_S CPU_S PEAK_MIB EXIT_CODE. NGS_THREADS as ever.
+# stdout: a line per tool: TOOL WALL_S CPU_S PEAK_MIB EXIT_CODE; of beside, COPIES and where they are stand before
+# them. NGS_THREADS as ever.
 set -euo pipefail
 shopt -s inherit_errexit
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"
 
 case ${1:-} in
-  six | ten)
+  six | ten | beside)
     [ $# -ge 2 ] || fail 2 "expected a CAPTURE" "see $0 --help"
     what=$1 capture=$2 out=${3:-large/$1} ;;
   balls) what=$1 capture='' out=${2:-large/$1} ;;
   -h | --help) usage_of "$0"; exit 0 ;;
-  *) fail 2 "expected six, ten or balls" "see $0 --help" ;;
+  *) fail 2 "expected six, ten, beside or balls" "see $0 --help" ;;
 esac
 bin=$(find_bin)
 scene=$out/scene
@@ -49,11 +52,30 @@ timed() {
   if [ "$code" -ne 0 ]; then exit "$code"; fi
 }
 
+# The chain to a draft of the photos and masks in CAPTURE, with MODEL and what else import is to know.
+#   chain CAPTURE MODEL [OPTION...]
+chain() {
+  timed ngs-scene import "$1" --model "$2" --masks "$1/masks_label" --mask-mode label "${@:3}" -o "$out/scene.json"
+  timed ngs-variance "$out/scene.json" -o "$out/boundary.ply"
+  timed ngs-joint "$out/scene.json" "$out/boundary.ply" --quality draft -o "$out/labelled.ply"
+}
+
 mkdir -p "$out" || fail 8 "$out: cannot be made"
-[ -d "$scene" ] || make_scene
-objects=()
-[ "$what" = balls ] || objects=(--object-id angel=2)
-timed ngs-scene import "$scene" --model "$scene/point_cloud.ply" --masks "$scene/masks_label" --mask-mode label \
-  --hold-out every:10:5 "${objects[@]}" -o "$out/scene.json"
-timed ngs-variance "$out/scene.json" -o "$out/boundary.ply"
-timed ngs-joint "$out/scene.json" "$out/boundary.ply" --quality draft -o "$out/labelled.ply"
+case $what in
+  beside)
+    top=$out
+    for model in '1 outside' '3 hidden' '10 outside'; do
+      out=$top/${model/ /-}
+      echo "$model"
+      mkdir -p "$out"
+      # shellcheck disable=SC2086  # two words
+      [ -f "$out/model.ply" ] || tool ngs_large copies "$out/model.ply" "$capture" "$capture/point_cloud.compressed.ply" $model
+      chain "$capture" "$out/model.ply" --hold-out every:4:2 --object-id angel=2
+    done ;;
+  balls)
+    [ -d "$scene" ] || make_scene
+    chain "$scene" "$scene/point_cloud.ply" --hold-out every:10:5 ;;
+  *)
+    [ -d "$scene" ] || make_scene
+    chain "$scene" "$scene/point_cloud.ply" --hold-out every:10:5 --object-id angel=2 ;;
+esac

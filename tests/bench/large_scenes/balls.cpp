@@ -25,7 +25,10 @@ class Yard {
 
   int balls() const { return balls_; }
   double width() const { return side_; }
-  V centre(int ball) const { return {ball % side_ - 0.5 * (side_ - 1), kRadius, ball / side_ - 0.5 * (side_ - 1)}; }
+  V centre(int ball) const {
+    const int column = ball % side_, row = ball / side_;
+    return {column - 0.5 * (side_ - 1), kRadius, row - 0.5 * (side_ - 1)};
+  }
   static V colour(int ball) {
     const auto part = [&](double turn) { return 0.25 + 0.5 * std::fmod(ball * turn, 1.0); };
     return {part(0.618), part(0.414), part(0.732)};
@@ -83,8 +86,9 @@ GaussianCloud cloud_of(const Yard& yard, double gaussians) {
     }
   for (std::int64_t i = 0; i < line * line; ++i) {
     const double step = yard.width() / double(line);
-    const V at{(double(i % line) + 0.5) * step - 0.5 * yard.width(), -0.5 * step,
-               (double(i / line) + 0.5) * step - 0.5 * yard.width()};
+    const std::int64_t column = i % line, row = i / line;
+    const V at{(double(column) + 0.5) * step - 0.5 * yard.width(), -0.5 * step,
+               (double(row) + 0.5) * step - 0.5 * yard.width()};
     add(cloud, at, 0.5 * step, Yard::lit(yard.floor_colour(at), {0, 1, 0}));
   }
   return cloud;

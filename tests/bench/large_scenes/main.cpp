@@ -1,6 +1,7 @@
 // Scenes of a size that nobody has lying about, for pipelines/large.sh.
 //
 //   ngs_large rooms OUT CAPTURE MODEL ROOMS VIEWS WIDTHxHEIGHT   a capture several times side by side
+//   ngs_large copies OUT.ply CAPTURE MODEL COPIES hidden|outside  its model several times, for its own cameras
 //   ngs_large balls OUT BALLS GAUSSIANS VIEWS                    as many objects, with exact label maps
 #include <cstdio>
 #include <cstdlib>
@@ -15,7 +16,8 @@ namespace ngs::bench {
 namespace {
 
 int usage() {
-  std::cerr << "ngs_large rooms OUT CAPTURE MODEL ROOMS VIEWS WIDTHxHEIGHT | balls OUT BALLS GAUSSIANS VIEWS\n";
+  std::cerr << "ngs_large rooms OUT CAPTURE MODEL ROOMS VIEWS WIDTHxHEIGHT | copies OUT.ply CAPTURE MODEL COPIES "
+               "hidden|outside | balls OUT BALLS GAUSSIANS VIEWS\n";
   return 2;
 }
 
@@ -25,6 +27,13 @@ int make(int argc, char** argv) {
     RoomsOptions options{argv[3], argv[4], std::atoi(argv[5]), std::atoi(argv[6])};
     if (std::sscanf(argv[7], "%dx%d", &options.width_px, &options.height_px) != 2) return usage();
     write_rooms(options, argv[2]);
+    return 0;
+  }
+  if (what == "copies" && argc == 7) {
+    const bool hidden = std::string_view(argv[6]) == "hidden";
+    if (!hidden && std::string_view(argv[6]) != "outside") return usage();
+    write_copies({.capture = argv[3], .model = argv[4], .rooms = std::atoi(argv[5])},
+                 hidden ? CopiesStand::kBehindWalls : CopiesStand::kOutOfSight, argv[2]);
     return 0;
   }
   if (what == "balls" && argc == 6) {

@@ -13,12 +13,15 @@
 namespace ngs::bench {
 namespace {
 
+constexpr double kRoomStep = 3, kOutOfSightStep = 60;  // extents of the cameras
+
 template <class T>
 void append(std::vector<T>& to, const std::vector<T>& from) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
-GaussianCloud repeated(const GaussianCloud& room, int rooms, double step) {
+/// Copy r stands r steps along an axis from the first.
+GaussianCloud repeated(const GaussianCloud& room, int rooms, double step, std::size_t axis) {
   GaussianCloud all;
   all.origin = room.origin, all.sh_degree = room.sh_degree, all.antialiased = room.antialiased;
   for (int r = 0; r < rooms; ++r) {
@@ -26,7 +29,7 @@ GaussianCloud repeated(const GaussianCloud& room, int rooms, double step) {
     append(all.position, room.position), append(all.rotation, room.rotation), append(all.log_scale, room.log_scale);
     append(all.logit_opacity, room.logit_opacity), append(all.sh_dc, room.sh_dc), append(all.sh_rest, room.sh_rest);
     append(all.usable, room.usable);
-    for (std::size_t i = first; i < all.position.size(); i += 3) all.position[i] += float(r * step);
+    for (std::size_t i = first + axis; i < all.position.size(); i += 3) all.position[i] += float(r * step);
   }
   return all;
 }
@@ -69,7 +72,7 @@ LabelledPhoto picture_of(const RoomsOptions& options, const std::string& name, b
 
 void write_rooms(const RoomsOptions& options, const std::string& folder) {
   const std::vector<SceneView> given = io::read_colmap(io::find_colmap_model(options.capture)).views;
-  const double step = 3 * extent_x(given);
+  const double step = kRoomStep * extent_x(given);
   const auto rooms = std::size_t(options.rooms), wanted = std::size_t(options.views);
   std::vector<WrittenView> views;
   for (std::size_t v = 0; v < wanted; ++v) {
@@ -81,10 +84,18 @@ void write_rooms(const RoomsOptions& options, const std::string& folder) {
     camera.translation = camera.translation - camera.rotation * Vec3<double>{double(room) * step, 0, 0};
     views.push_back({camera, 2 * source + (room == 0 ? 0 : 1)});
   }
-  const GaussianCloud cloud = repeated(io::read_gaussian_ply(options.model).cloud, options.rooms, step);
+  const GaussianCloud cloud = repeated(io::read_gaussian_ply(options.model).cloud, options.rooms, step, 0);
   write_scene(folder, cloud, views, [&](std::size_t picture) {
     return picture_of(options, given[picture / 2].camera.name, picture % 2 == 0);
   });
+}
+
+void write_copies(const RoomsOptions& options, CopiesStand where, const std::string& path) {
+  const double extent = extent_x(io::read_colmap(io::find_colmap_model(options.capture)).views);
+  const GaussianCloud room = io::read_gaussian_ply(options.model).cloud;
+  const bool aside = where == CopiesStand::kBehindWalls;
+  io::write_strict_ply(
+      path, repeated(room, options.rooms, (aside ? kRoomStep : kOutOfSightStep) * extent, aside ? 0 : 1), {}, {});
 }
 
 }  // namespace ngs::bench
