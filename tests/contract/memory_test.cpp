@@ -1,4 +1,5 @@
-// The memory that ngs-variance says it needs is what it takes, and it leaves the SH bands in the file.
+// The memory that ngs-variance and ngs-joint say they need is what they take; the former leaves the SH bands in the
+// file.
 #include <doctest/doctest.h>
 
 #include <fstream>
@@ -24,34 +25,66 @@ GaussianCloud many_gaussians(std::int64_t n, int degree) {
   return cloud;
 }
 
-nlohmann::json report_of(const std::string& scene, const std::string& folder, bool dry) {
+using Words = std::vector<std::string>;
+
+/// The report of `words`, or of its dry run.
+nlohmann::json report_of(Words words, bool dry) {
+  for (const char* word : {"-w", "--allow-empty", "-q"}) words.emplace_back(word);
+  if (dry) words.emplace_back("--dry-run");
   test::ProcessSpec spec;
-  spec.argv = {NGS_TOOL_DIR "/ngs-variance", scene, "-o", folder + "/out.ply", "-w", "--allow-empty", "-q"};
-  if (dry) spec.argv.push_back("--dry-run");
+  spec.argv = std::move(words);
   const test::ProcessResult result = test::run_process(spec);
   REQUIRE(result.exit_code == 0);
   return nlohmann::json::parse(result.out);
 }
 
+/// The scene of the fixture with many Gaussians; the path of its scene.json.
+std::string large_scene(const std::string& folder, int degree) {
+  Scene scene = io::read_scene_json(test::fixture_folder() + "/scene.json");
+  const std::string name = folder + "/" + std::to_string(degree);
+  scene.model_path = name + ".ply";
+  io::write_strict_ply(scene.model_path, many_gaussians(400000, degree), {});
+  io::write_scene_json(name + ".json", scene);
+  return name + ".json";
+}
+
+double peak_mib(const nlohmann::json& run) { return run.at("stages").at("max_rss_mib").get<double>(); }
+
 }  // namespace
 
 TEST_CASE("ngs-variance --dry-run foresees the peak memory, and SH bands do not add to it") {
   const test::TempDir folder;
-  Scene scene = io::read_scene_json(test::fixture_folder() + "/scene.json");
   double peak[2];
   for (const int degree : {0, 2}) {
-    const std::string name = folder.path() + "/" + std::to_string(degree);
-    scene.model_path = name + ".ply";
-    io::write_strict_ply(scene.model_path, many_gaussians(400000, degree), {});
-    io::write_scene_json(name + ".json", scene);
-    const nlohmann::json plan = report_of(name + ".json", folder.path(), true).at("plan");
-    const nlohmann::json run = report_of(name + ".json", folder.path(), false);
-    const double measured = peak[degree / 2] = run.at("stages").at("max_rss_mib").get<double>();
+    const Words words{NGS_TOOL_DIR "/ngs-variance", large_scene(folder.path(), degree), "-o",
+                      folder.path() + "/out.ply"};
+    const nlohmann::json plan = report_of(words, true).at("plan");
+    const double measured = peak[degree / 2] = peak_mib(report_of(words, false));
     CHECK(plan.at("gaussians") == 400000);
     CHECK(plan.at("estimated_peak_mib").get<double>() >= measured * 0.95);
     CHECK(plan.at("estimated_peak_mib").get<double>() <= measured * 1.4);
   }
   CHECK(std::abs(peak[1] - peak[0]) < 45);  // the bands themselves are 37 MiB; a part of the file is in memory
+}
+
+TEST_CASE("ngs-joint --dry-run foresees the peak memory, of labels alone and with steps") {
+  const test::TempDir folder;
+  const std::string scene = large_scene(folder.path(), 1), boundary = folder.path() + "/boundary.ply";
+  report_of({NGS_TOOL_DIR "/ngs-variance", scene, "-o", boundary}, false);
+  for (const bool steps : {false, true}) {
+    CAPTURE(steps);
+    Words words{NGS_TOOL_DIR "/ngs-joint", scene, boundary, "-o", folder.path() + "/out.ply", "--quality", "draft"};
+    for (const std::string& word :
+         Words{"--effect", steps ? "joint=on" : "joint=off", "--effect", "mask-outliers=on", "--effect", "floaters=on"})
+      words.push_back(word);
+    const nlohmann::json plan = report_of(words, true).at("plan");
+    const double foreseen = plan.at(steps ? "estimated_peak_mib_with_steps" : "estimated_peak_mib").get<double>(),
+                 measured = peak_mib(report_of(words, false));
+    CAPTURE(foreseen);
+    CAPTURE(measured);
+    CHECK(foreseen >= measured * 0.95);
+    CHECK(foreseen <= measured * 1.6);
+  }
 }
 
 }  // namespace ngs

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "labelled_result.h"
+#include "memory_plan.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/content_hash.h"
 #include "ngs/io/formats/splat_format.h"
@@ -215,7 +216,9 @@ class MethodRun {
   }
 
   int plan(const Problem& problem) {
-    run_.plan(plan_json(problem));
+    Json plan = plan_json(problem);
+    plan.update(memory_plan(problem));
+    run_.plan(std::move(plan));
     return cli::kDone;
   }
 

@@ -11,6 +11,7 @@
 #include "ngs/options/name_of.h"
 #include "ngs/scene/view_names.h"
 #include "ngs/stages/render/render_options.h"
+#include "shared/scene/memory_model.h"
 #include "shared/scene/shard.h"
 
 namespace ngs::variance {
@@ -70,29 +71,20 @@ std::string made_with(const std::string& scene_path, const SplatOptions& splat) 
 }
 
 Json memory_plan(const GaussianCloud& cloud, const Scene& scene, std::size_t views) {
-  constexpr double kMib = 1024.0 * 1024.0, kProgramMib = 48;
   const auto objects = double(scene.objects.size()), n = double(cloud.size());
-  const double owners = std::min(objects, 2.0);         // objects that a Gaussian is part of, at most in the mean
-  const double few = std::min(objects, 3.0);            // of more, sums are kept for those alone that a tile shows
-  const double model = 57 + 12.0 * cloud.rest_count();  // position, rotation, scale, opacity, constant band, usable
-  const double sums = 32 + 64 * owners;                 // Evidence
-  const double prepared = 60;                           // what the projection takes from a Gaussian alone
-  // One view at a time, as if every Gaussian were visible and reached three tiles: id, record, depth, rectangle, first
-  // span, first slot and a flag; spans, whose lists grow by doubling; sums of the view; lists, entries and sums of the
-  // pairs.
-  const double row = 4 + 56 + 4 + 16 + 8 + 8 + 1, spans = 2 * 3 * 8, view_sums = 4 + 8 * (2 + 2 * few);
-  const double view = row + spans + view_sums + 3 * (8 + 12 + 4 * (2 + 2 * few));
-  const double labels = 20 * (owners + 1);  // written after the last view
-  const double per_gaussian = model + sums + std::max(prepared + view, labels);
+  const double owners = std::min(objects, 2.0);  // objects that a Gaussian is part of, at most in the mean
+  const double few = std::min(objects, 3.0);     // of more, sums are kept for those alone that a tile shows
+  const double sums = 32 + 64 * owners;          // Evidence
+  // One view at a time, as if every Gaussian were visible: its sums; lists, entries and sums of the pairs.
+  const double view = cli::kVisibleBytes + 4 + 8 * (2 + 2 * few) + cli::kTilesReached * (8 + 12 + 4 * (2 + 2 * few));
+  const double labels = cli::label_bytes(owners);  // written after the last view
+  const double per_gaussian = cli::model_bytes(cloud) + sums + std::max(cli::kPreparedBytes + view, labels);
   const double per_pixel = 1 + 4 * objects + 8;  // masks, and the image they are read from
-  double largest_view_px = 0;
-  for (const SceneView& v : scene.views)
-    largest_view_px = std::max(largest_view_px, double(v.camera.width_px) * v.camera.height_px);
   return {{"views", views},
           {"gaussians", cloud.size()},
           {"bytes_per_gaussian", per_gaussian},
           {"bytes_per_pixel", per_pixel},
-          {"estimated_peak_mib", std::ceil((per_gaussian * n + per_pixel * largest_view_px) / kMib + kProgramMib)}};
+          {"estimated_peak_mib", cli::peak_mib(per_gaussian * n + per_pixel * cli::largest_view_px(scene))}};
 }
 
 Scene scene_of(cli::Run& run, const io::EvidencePart& sum, const std::string& given) {

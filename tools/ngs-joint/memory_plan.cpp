@@ -1,0 +1,82 @@
+#include "memory_plan.h"
+
+#include <algorithm>
+
+#include "ngs/problem/coarse_input.h"
+#include "ngs/problem/region.h"
+#include "ngs/problem/view_list.h"
+#include "shared/scene/memory_model.h"
+
+namespace ngs::joint {
+namespace {
+
+/// Photos that are kept at the working size and at that of decisions, and what the core looks like at the latter.
+double kept_picture_bytes(const Scene& scene) {
+  constexpr double kMost = 256 * cli::kMib;  // of each
+  double px = 0;
+  for (const std::size_t v : photo_views(scene)) px += cli::view_px(scene.views[v]);
+  const double fewer = decision_shrink(scene) * decision_shrink(scene);
+  return std::min(kMost, 12 * px) + std::min(kMost, 12 * px / fewer) + std::min(kMost, 16 * px / fewer);
+}
+
+/// Photos and masks of the training views while steps are taken, and the images of a step.
+double step_picture_bytes(const Problem& problem) {
+  constexpr double kMost = 512 * cli::kMib;
+  constexpr double kBytesPerPx = 900;  // of losses, and of a refinement at twice the size
+  double px = 0;
+  for (const std::size_t v : problem.views) px += cli::view_px(problem.scene.views[v]);
+  return std::min(kMost, (12 + 4.0 * double(problem.labels.size())) * px) +
+         kBytesPerPx * cli::largest_view_px(problem.scene);
+}
+
+/// What steps train: values, gradients and two moments of the region's rows.
+double trained_bytes(const Problem& problem) {
+  const std::vector<std::uint8_t> region = region_of(problem.labels);
+  const auto rows = double(std::ranges::count(region, std::uint8_t(1)));
+  return rows * 4 * 4 * (14 + 3.0 * problem.cloud.rest_count() + double(problem.labels.size()));
+}
+
+/// Of the Gaussians, in the training view that shows most of them, of a few.
+double visible_share(const Problem& problem) {
+  constexpr std::size_t kViews = 8;
+  const GaussianCloud& cloud = problem.cloud;
+  std::int64_t most = 0;
+  for (const std::size_t v : spread_views(problem.views, kViews)) {
+    const Camera camera = relative_to(problem.scene.views[v].camera, cloud.origin);
+    std::int64_t visible = 0;
+    for (std::size_t i = 0; i < cloud.position.size(); i += 3) {
+      const Vec3<double> at = camera.rotation * Vec3<double>{double(cloud.position[i]), double(cloud.position[i + 1]),
+                                                             double(cloud.position[i + 2])} +
+                              camera.translation;
+      const double x = camera.fx * at.x + camera.cx * at.z, y = camera.fy * at.y + camera.cy * at.z;
+      visible += at.z > 0 && x >= 0 && x <= camera.width_px * at.z && y >= 0 && y <= camera.height_px * at.z;
+    }
+    most = std::max(most, visible);
+  }
+  return cloud.size() > 0 ? double(most) / double(cloud.size()) : 0;
+}
+
+/// Of a pass with so many channels, and of its way back, per visible Gaussian.
+double pass_bytes(double channels) { return 2 * cli::kVisibleBytes + cli::kTilesReached * (20 + 4 * channels); }
+
+}  // namespace
+
+Json memory_plan(const Problem& problem) {
+  const auto n = double(problem.cloud.size()), objects = double(problem.labels.size());
+  const double owners = std::min(objects, 2.0), shown = visible_share(problem);
+  const double model = cli::model_bytes(problem.cloud), drawn = model + cli::kPreparedBytes;
+  const double read = drawn + 4 + cli::label_bytes(owners);
+  const double evidence = 32 + 64 * owners + 4 * (objects + 1) + 12;  // of all views, of the others' labels, of a view
+  const double search = drawn + 16 + 8 + 1 + 3 * 8 + 2;               // for floaters, and the model without them
+  const double labels_alone = read + evidence + search + shown * pass_bytes(objects + 3);
+  const double steps = labels_alone + drawn + 4 * objects + shown * 4 * 12 * cli::kTilesReached;  // and their gradients
+  const double pictures = kept_picture_bytes(problem.scene);
+  return {{"visible_share", shown},
+          {"bytes_per_gaussian", labels_alone},
+          {"bytes_per_gaussian_with_steps", steps},
+          {"estimated_peak_mib", cli::peak_mib(labels_alone * n + pictures)},
+          {"estimated_peak_mib_with_steps",
+           cli::peak_mib(steps * n + trained_bytes(problem) + pictures + step_picture_bytes(problem))}};
+}
+
+}  // namespace ngs::joint
