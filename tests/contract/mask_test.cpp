@@ -90,7 +90,8 @@ TEST_CASE("a program is given prompts that satisfy the schema: points and a box,
             "v=$(sed -n 's/.*\"view\": \"\\(.*\\)\".*/\\1/p' \"$2\"); cp \"scene/masks_gt/$v\" \"$3\"\n");
   run_tool(dir, {"ngs-mask", "scene.json", "--prompts", "strokes.json", "-o", "asked", "-q", "--passes", "1",
                  "--segmenter", "sh segment.sh {image} {prompts} {out}", "--report", "asked.json"});
-  CHECK(test::read_bytes(dir.path() + "/comm") == "ngs-mask\n");  // as top and killall know the tool
+  if (!test::emulated())
+    CHECK(test::read_bytes(dir.path() + "/comm") == "ngs-mask\n");  // as top and killall know the tool
   for (int call = 0; call < 8; ++call) {
     CAPTURE(call);
     const std::string path = dir.path() + "/kept-" + std::to_string(call) + "-prompts.json";

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
+#include <sys/utsname.h>
 #include <sys/wait.h>
 #include <termios.h>
 #include <unistd.h>
@@ -14,7 +15,7 @@
 namespace ngs::test {
 namespace {
 
-constexpr double kLimitS = 60;
+constexpr double kLimitS = 60, kEmulatedLimitS = 1200;
 
 struct Pipe {
   int read_end = -1, write_end = -1;
@@ -62,9 +63,7 @@ bool drain(int descriptor, std::string& text) {
   return count > 0;
 }
 
-}  // namespace
-
-ProcessResult run_process(const ProcessSpec& spec) {
+ProcessResult run_within(double limit_s, const ProcessSpec& spec) {
   using Clock = std::chrono::steady_clock;
   signal(SIGPIPE, SIG_IGN);  // a program that does not read its stdin must not end the test
   Pipe in, out, err(spec.err_is_terminal);
@@ -98,13 +97,28 @@ ProcessResult run_process(const ProcessSpec& spec) {
     const bool due = spec.signal_after_ms >= 0 ? elapsed_s * 1e3 >= spec.signal_after_ms
                                                : result.err.find(spec.signal_after) != std::string::npos;
     if (!signal_sent && due) kill(child, spec.signal), signal_sent = true;
-    if (elapsed_s > kLimitS && !result.timed_out) kill(child, SIGKILL), result.timed_out = true;
+    if (elapsed_s > limit_s && !result.timed_out) kill(child, SIGKILL), result.timed_out = true;
   }
   int status = 0;
   waitpid(child, &status, 0);
   result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return result;
 }
+
+}  // namespace
+
+bool emulated() {
+  static const bool is = [] {
+    utsname own{};
+    ProcessSpec spec;
+    spec.argv = {"uname", "-m"};  // of this machine's own
+    const ProcessResult machine = run_within(kLimitS, spec);
+    return uname(&own) == 0 && machine.exit_code == 0 && machine.out != std::string(own.machine) + "\n";
+  }();
+  return is;
+}
+
+ProcessResult run_process(const ProcessSpec& spec) { return run_within(emulated() ? kEmulatedLimitS : kLimitS, spec); }
 
 ProcessResult run_command(std::vector<std::string> argv) {
   ProcessSpec spec;

@@ -21,8 +21,12 @@ struct ProcessSpec {
 struct ProcessResult {
   int exit_code = -1;  // 128 + number where a signal ended it, as in a shell
   std::string out, err;
-  bool timed_out = false;  // killed after 60 s
+  bool timed_out = false;  // killed after 60 s, under an emulator after 20 minutes
 };
+
+/// Whether an emulator of another processor runs this program (pipelines/aarch64.sh). Then it runs the tools too, 10 to
+/// 30 times slower, but not the compilers, shells and interpreters that a case starts.
+bool emulated();
 
 ProcessResult run_process(const ProcessSpec& spec);
 /// The same of a command and nothing else.
