@@ -21,7 +21,7 @@ struct ProcessSpec {
 struct ProcessResult {
   int exit_code = -1;  // 128 + number where a signal ended it, as in a shell
   std::string out, err;
-  bool timed_out = false;  // killed after 60 s, under an emulator after 20 minutes
+  bool timed_out = false;  // killed after 60 s, under an emulator after an hour
 };
 
 /// Whether an emulator of another processor runs this program (pipelines/aarch64.sh). Then it runs the tools too, 10 to
