@@ -18,7 +18,8 @@ while [ $# -gt 0 ]; do
     --most) most=${2:?--most: a number is missing}; shift 2 ;;
     --libcxx) libcxx=1; shift ;;
     -*) fail 2 "$1: no such option" "$0 --help" ;;
-    *) files+=("$(realpath "$1")"); shift ;;
+    *.h | *.cpp | *.cu | *.cuh) files+=("$(realpath "$1")"); shift ;;
+    *) fail 2 "$1: no C++ or CUDA source" "shellcheck -x reads shell scripts" ;;
   esac
 done
 [[ $most =~ ^[0-9]+$ ]] || fail 2 "--most $most: expected a number"
