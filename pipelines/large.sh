@@ -72,10 +72,9 @@ case $what in
       [ -f "$out/model.ply" ] || tool ngs_large copies "$out/model.ply" "$capture" "$capture/point_cloud.compressed.ply" $model
       chain "$capture" "$out/model.ply" --hold-out every:4:2 --object-id angel=2
     done ;;
-  balls)
-    [ -d "$scene" ] || make_scene
-    chain "$scene" "$scene/point_cloud.ply" --hold-out every:10:5 ;;
   *)
     [ -d "$scene" ] || make_scene
-    chain "$scene" "$scene/point_cloud.ply" --hold-out every:10:5 --object-id angel=2 ;;
+    objects=()
+    [ "$what" = balls ] || objects=(--object-id angel=2)
+    chain "$scene" "$scene/point_cloud.ply" --hold-out every:10:5 "${objects[@]}" ;;
 esac

@@ -5,6 +5,7 @@
 #include "ngs/problem/coarse_input.h"
 #include "ngs/problem/region.h"
 #include "ngs/problem/view_list.h"
+#include "ngs/stages/scene/view_shares.h"
 #include "shared/scene/memory_model.h"
 
 namespace ngs::joint {
@@ -39,21 +40,11 @@ double trained_bytes(const Problem& problem) {
 /// Of the Gaussians, in the training view that shows most of them, of a few.
 double visible_share(const Problem& problem) {
   constexpr std::size_t kViews = 8;
-  const GaussianCloud& cloud = problem.cloud;
-  std::int64_t most = 0;
-  for (const std::size_t v : spread_views(problem.views, kViews)) {
-    const Camera camera = relative_to(problem.scene.views[v].camera, cloud.origin);
-    std::int64_t visible = 0;
-    for (std::size_t i = 0; i < cloud.position.size(); i += 3) {
-      const Vec3<double> at = camera.rotation * Vec3<double>{double(cloud.position[i]), double(cloud.position[i + 1]),
-                                                             double(cloud.position[i + 2])} +
-                              camera.translation;
-      const double x = camera.fx * at.x + camera.cx * at.z, y = camera.fy * at.y + camera.cy * at.z;
-      visible += at.z > 0 && x >= 0 && x <= camera.width_px * at.z && y >= 0 && y <= camera.height_px * at.z;
-    }
-    most = std::max(most, visible);
-  }
-  return cloud.size() > 0 ? double(most) / double(cloud.size()) : 0;
+  const std::vector<std::int64_t> sample = sample_usable(problem.cloud);
+  double most = 0;
+  for (const std::size_t v : spread_views(problem.views, sample.empty() ? 0 : kViews))
+    most = std::max(most, view_shares(problem.cloud, problem.scene.views[v].camera, sample).inside);
+  return most;
 }
 
 /// Of a pass with so many channels, and of its way back, per visible Gaussian.

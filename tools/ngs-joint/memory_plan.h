@@ -5,7 +5,7 @@
 
 namespace ngs::joint {
 
-/// MiB at most, as if every Gaussian were visible in every view: of labels alone, and of a run that takes steps.
+/// MiB at most, as if passes went over whole views: of labels alone, and of a run that takes steps.
 Json memory_plan(const Problem& problem);
 
 }  // namespace ngs::joint

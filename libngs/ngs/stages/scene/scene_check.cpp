@@ -10,12 +10,12 @@
 #include "ngs/scene/shrink.h"
 #include "ngs/stages/render/render_options.h"
 #include "ngs/stages/scene/mask_check.h"
+#include "ngs/stages/scene/view_shares.h"
 
 namespace ngs {
 namespace {
 
 constexpr double kLowestInside = 0.01;
-constexpr std::int64_t kMostSampled = 1 << 18;  // Gaussians for the shares: exact to 0.1 % and fast for any model
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0;
@@ -24,30 +24,8 @@ double median(std::vector<double> values) {
   return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
 }
 
-struct Shares {
-  double in_front = 0, inside = 0;
-};
-
-Shares shares_of(const GaussianCloud& cloud, const Camera& camera, const std::vector<std::int64_t>& sample) {
-  std::int64_t in_front = 0, inside = 0;
-  for (const std::int64_t i : sample) {
-    const float* p = &cloud.position[std::size_t(i) * 3];
-    const Vec3<double> world{cloud.origin[0] + double(p[0]), cloud.origin[1] + double(p[1]),
-                             cloud.origin[2] + double(p[2])};
-    const Vec3<double> t = camera.rotation * world + camera.translation;
-    if (!(t.z > 0)) continue;
-    ++in_front;
-    const double x = camera.fx * t.x / t.z + camera.cx, y = camera.fy * t.y / t.z + camera.cy;
-    inside += x >= 0 && x < camera.width_px && y >= 0 && y < camera.height_px;
-  }
-  return {double(in_front) / double(sample.size()), double(inside) / double(sample.size())};
-}
-
-std::vector<std::int64_t> sample_usable(const GaussianCloud& cloud, const std::string& name) {
-  const std::int64_t stride = (cloud.size() + kMostSampled - 1) / kMostSampled;
-  std::vector<std::int64_t> sample;
-  for (std::int64_t i = 0; i < cloud.size(); i += stride)
-    if (cloud.usable[std::size_t(i)] != 0) sample.push_back(i);
+std::vector<std::int64_t> some_usable(const GaussianCloud& cloud, const std::string& name) {
+  std::vector<std::int64_t> sample = sample_usable(cloud);
   if (sample.empty())
     throw Error(ErrorCode::kNothingFound, name + ": no usable Gaussian, expected at least one finite row");
   return sample;
@@ -258,12 +236,12 @@ void check_cloud(const Exec& exec, Monitor& monitor, const SceneCheckOptions& op
                  SceneCheck& result) {
   const GaussianCloud& cloud = *in.cloud;
   const Scene& scene = in.scene;
-  const std::vector<std::int64_t> sample = sample_usable(cloud, scene.model_path);
+  const std::vector<std::int64_t> sample = some_usable(cloud, scene.model_path);
   result.sampled_gaussians = std::int64_t(sample.size());
   {
     const auto timed = monitor.scope("project");
     for_each_task(exec, std::int64_t(scene.views.size()), [&](std::int64_t i) {
-      const Shares shares = shares_of(cloud, scene.views[std::size_t(i)].camera, sample);
+      const ViewShares shares = view_shares(cloud, scene.views[std::size_t(i)].camera, sample);
       result.views[std::size_t(i)].in_front = shares.in_front, result.views[std::size_t(i)].inside = shares.inside;
     });
   }
