@@ -80,6 +80,8 @@ mutant ops/field/ray_query_kernels.h $t ops/field/ray_query.cpp "window through 
 mutant ops/field/ray_query_kernels.h $t ops/field/ray_query.cpp "spacing divided by K - 1 = 0" 's/samples > 1 \? samples - 1 : 1/samples - 1/'
 mutant ops/field/ray_query_kernels.h $t ops/field/ray_query.cpp "third component from the other two" 's/cosine = T\(1\) \/ sqrt\(x \* x \+ y \* y \+ T\(1\)\);/cosine = T(1) \/ sqrt(x * x + y * y + T(1)); cosine = sqrt(T(1) - cosine * cosine * (x * x + y * y));/'
 mutant ops/field/ray_query_kernels.h $t ops/field/ray_query.cpp "depth divided by no alpha" 's/if \(!\(covered > least_alpha\)\) return 0;//'
+mutant ops/field/ray_query_kernels.h grad/ray_query_grad_test.cpp ops/field/ray_query.cpp "depth gradient of a window that does not grow" 's/growth = span \* centre > epsilon \? span : T\(0\);/growth = T(0);/'
+mutant ops/field/ray_query.cpp grad/ray_query_grad_test.cpp ops/field/ray_query.cpp "depth gradient with a constant alpha" 's/add_bilinear\(x, y, -to_distance .*;//'
 mutant passes/components/object_core.cpp $t passes/components/object_core.cpp "radius of a core about the origin" 's/ - core\.centre\[a\];/;/'
 mutant math/pixel_grid.h $t ops/field/ray_query.cpp "positions beyond the border not clamped" 's/const double at = clamp3\(position_px - 0\.5, 0\.0, double\(size_px - 1\)\);/const double at = position_px - 0.5 < 0 ? 0 : position_px - 0.5;/'
 
@@ -97,6 +99,7 @@ mutant $f $t ops/field/rbf.cpp "nearest distance not subtracted" 's/dot\(x0 - xj
 mutant $f $t ops/field/rbf.cpp "d_j² - d_0² as a difference" 's/dot\(x0 - xj, \(q - x0\) \+ \(q - xj\)\)/dot(q - xj, q - xj) - dot(q - x0, q - x0)/'
 mutant $f $t ops/field/rbf.cpp "1e-6 added to the sum" 's/w\[j\] = w\[j\] \/ sum;/w[j] = w[j] \/ (sum + T(1e-6));/'
 mutant $f $t ops/field/rbf.cpp "softmax gradient without the mean" 's/g\[j\] = w\[j\] \* \(g\[j\] - mean\)/g[j] = w[j] * g[j]/'
+mutant ops/field/rbf_kernels.h grad/rbf_grad_test.cpp "" "queries that move as the boundary does" 's/\(vec3\(boundary\.row\(index\.row\(i\)\[j\]\)\) - q\)/(q - vec3(boundary.row(index.row(i)[j])))/'
 mutant ops/field/rbf.cpp $t ops/field/rbf.cpp "1 \/ 2h² overflows" 's/float\(std::min\((1\.0 \/ \(2\.0 \* width \* width\)), .*\)\);/float(\1);/'
 mutant ops/field/rbf.cpp $t ops/field/rbf.cpp "width 0 where points coincide" 's/spacing > 0 \? factor \* spacing : 1\.0/factor * spacing/'
 
@@ -144,6 +147,7 @@ f=ops/losses/loss_smooth_kernels.h
 mutant $f $t ops/losses/loss_smooth.cpp "|a|² - 2 a·b + |b|²" 's/term\[i\] = dot\(d, d\);/const Vec3<T> a = vec3(colour.row(i)), b = a + d; term[i] = dot(a, a) - T(2) * dot(a, b) + dot(b, b);/'
 mutant $f "$t grad/loss_smooth_grad_test.cpp" ops/losses/loss_smooth.cpp "sign of one gradient" 's/back\[0\] = -g\.x/back[0] = g.x/'
 mutant ops/losses/loss_smooth.cpp $t ops/losses/loss_smooth.cpp "the factor 3 of the estimate" 's/3 \* ratio \* ratio/ratio * ratio/'
+mutant ops/losses/loss_smooth.cpp unit/ops/losses/boundary_losses_test.cpp ops/losses/loss_smooth.cpp "one-sided differences as central ones" 's/axes \? x - step_length \* n\[a\] : x/x/'
 f=ops/losses/photometric_kernels.h
 mutant $f unit/ops/losses/photometric_test.cpp ops/losses/photometric_impl.cpp "SSIM with a variance below 0" 's/max_lanes\((moment\[kSquares\] - means), L\(T\(0\)\)\)/(\1)/'
 mutant $f $t "" "C2 dropped" 's/ \+ L\(T\(kC2\)\)//'
@@ -166,7 +170,8 @@ mutant $f $t $f "gap of one bound only" 's/gap \+= std::max\(g \* m\[i\], .*;/ga
 t=grad/joint_grad_test.cpp f=passes/joint/joint_stage.cpp
 mutant $f $t $f "colour continuity without its gradient" 's/(gradients\.sh_dc\[\*to \* 3 \+ c\] \+= float\()kShC0 \* /\10 * /'
 mutant $f $t $f "mask loss without its weight" 's/(loss_mask\(.*)/\1/; s/options\.lambda_mask, \&grad\.label\)/1.0, \&grad.label)/'
-mutant $f $t $f "label gradient without the sigmoid" 's/gradients\.label\[i\] \* sigmoid_slope\(logit\[i\]\)/gradients.label[i]/'
+mutant passes/joint/trained_labels.cpp $t passes/joint/trained_labels.cpp "label gradient without the sigmoid" 's/grad\[i\] \* sigmoid_slope\(logit_\[i\]\)/grad[i]/'
+mutant $f $t $f "the field's depth moves nothing" 's/if \(options\.field_depth\) move_depth/if (false) move_depth/'
 mutant $f $t $f "smoothness gradient doubled" 's/field->smoothness\(exec, rays, boundary\.positions\(\), options\.lambda_smooth/field->smoothness(exec, rays, boundary.positions(), 2 * options.lambda_smooth/'
 
 f=passes/contours/contour_stage.cpp t=unit/passes/contours/contour_stage_test.cpp
@@ -179,8 +184,8 @@ mutant $f $t $f "contours: no iteration at the full size" 's/iteration \+ 1 < it
 mutant passes/contours/refined_masks.cpp $t passes/contours/refined_masks.cpp "edges: enlarged, reach and band stay" 's/refine\.band_px \*= .*;//'
 mutant scene/enlarge.cpp unit/scene/enlarge_test.cpp scene/enlarge.cpp "enlarged: half a pixel beside" 's/\(i \+ 0\.5\) \* from_px \/ to_px - 0\.5/double(i) * from_px \/ to_px/'
 mutant scene/enlarge.cpp unit/scene/enlarge_test.cpp scene/enlarge.cpp "enlarged: beyond the border nothing" 's/sum \+= taps\.weight\[t\] \* double\(image/if (taps.pixel[t] > 0) &/'
-mutant passes/joint/label_start.h unit/passes/joint/label_start_test.cpp passes/joint/joint_stage.cpp "labels start at their share" 's/steps \* logit\(/logit(/'
-mutant passes/joint/label_start.h unit/passes/joint/label_start_test.cpp passes/joint/joint_stage.cpp "start of the labels without a bound" 's/return std::clamp\((steps \* logit\(.*\)), -most, most\);/return \1;/'
+mutant passes/joint/label_start.h unit/passes/joint/label_start_test.cpp passes/joint/trained_labels.cpp "labels start at their share" 's/steps \* logit\(/logit(/'
+mutant passes/joint/label_start.h unit/passes/joint/label_start_test.cpp passes/joint/trained_labels.cpp "start of the labels without a bound" 's/return std::clamp\((steps \* logit\(.*\)), -most, most\);/return \1;/'
 
 t="unit/ops/image/contour_refine_test.cpp stability/alignment_stability_test.cpp" f=ops/image/contour_refine.cpp
 mutant $f "$t" $f "densities of colours without a least variance" 's/\(i == j \? kColourNoise : 0\.0\)/0.0/; s/std::max\(c\[i\]\[i\], 0\.5 \* kColourNoise\)/c[i][i]/'

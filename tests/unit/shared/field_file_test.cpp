@@ -10,7 +10,7 @@ namespace {
 
 FieldShape small_shape() {
   FieldShape shape;
-  shape.hash = {3, 2, 6, 4, 16, false};
+  shape.hash = {3, 2, 6, 4, 16, true};
   shape.box = {{0.5f, -1, 2}, {0.25f, 0.25f, 0.25f}};
   shape.hidden = 16, shape.layers = 1, shape.direction_degree = 1, shape.features = 5, shape.concatenate = true;
   shape.objects = 4, shape.width = 1.0 / 3, shape.neighbours = 2, shape.boundary = 3;
@@ -26,7 +26,7 @@ BoundarySet three() {
 std::string written(const test::TempDir& dir) {
   SampleOptions sample;
   sample.depth_samples = 6, sample.depth_span = 0.07, sample.window = WindowCentre::kMean;
-  const std::string path = dir.file("field.safetensors");
+  std::string path = dir.file("field.safetensors");
   const JointField field(small_shape(), FieldOptions{}, 9);
   cli::write_field(path, &field, three(), sample);
   return path;
@@ -41,6 +41,7 @@ TEST_CASE("field file: what was written comes back, every bit") {
   CHECK(read.field.parameters().values == field.parameters().values);
   CHECK(read.field.shape().width == small_shape().width);
   CHECK(read.field.shape().concatenate);
+  CHECK(read.field.shape().hash.smoothstep);
   CHECK(read.field.shape().objects == 4);
   CHECK(read.field.shape().box.inv_extent.x == 0.25f);
   CHECK(read.boundary.position == three().position);
@@ -79,7 +80,7 @@ TEST_CASE("field file: a value that is not finite is refused") {
 
 TEST_CASE("field file: a run without a boundary leaves a file that holds no field") {
   const test::TempDir dir;
-  const std::string path = dir.file("field.safetensors");
+  std::string path = dir.file("field.safetensors");
   cli::write_field(path, nullptr, {}, {});
   CHECK_THROWS_AS(cli::read_field(path), Error);
 }

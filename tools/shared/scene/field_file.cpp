@@ -10,6 +10,7 @@ namespace ngs::cli {
 namespace {
 
 constexpr const char* kSchema = "ngs.nerf.1";
+constexpr const char* kSmoothstep = "hash_smoothstep";  // a file without it: the cells blend linearly
 constexpr const char* kRemedy = "write it again: ngs-joint --nerf";
 
 /// The shortest text that is this number: a fixed point would lose a small world's width.
@@ -74,6 +75,7 @@ void write_field(const std::string& path, const JointField* field, const Boundar
       else
         file.metadata[key] = text_of(value);
     });
+    if (field->shape().hash.smoothstep) file.metadata[kSmoothstep] = "1";
     file.metadata["window"] = sample.window == WindowCentre::kPixel ? "pixel" : "mean";
   }
   io::write_safetensors(path, file);
@@ -90,6 +92,7 @@ FieldModel read_field(const std::string& path) {
   visit_numbers(shape, sample, [&](const char* key, auto& value, double low, double high) {
     value = std::remove_reference_t<decltype(value)>(number_in(file, key, low, high));
   });
+  shape.hash.smoothstep = file.metadata.contains(kSmoothstep) && number_in(file, kSmoothstep, 0, 1) == 1;
   if (!are_hash_features(shape.hash.features) || shape.hash.max_resolution < shape.hash.base_resolution ||
       !(shape.width > 0))
     bad(path + ": hash_features, hash_finest or width are none that a run writes");

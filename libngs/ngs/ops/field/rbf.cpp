@@ -16,6 +16,20 @@ Matrix<const float> weights_of(const RbfField& field, const KnnGraph& graph) {
   return {field.weight.data(), graph.queries(), graph.neighbours};
 }
 
+/// ∂L/∂(exponent) [Q, K].
+std::vector<float> backward_exponents(const Exec& exec, const RbfProblem& problem, const RbfField& field,
+                                      Matrix<const float> grad_feature) {
+  const KnnGraph& graph = *problem.graph;
+  std::vector<float> grad(graph.index.size());
+  for_each_index(exec, graph.queries(),
+                 RbfBackwardExponent<float>{graph.indices(),
+                                            problem.feature,
+                                            weights_of(field, graph),
+                                            grad_feature,
+                                            {grad.data(), graph.queries(), graph.neighbours}});
+  return grad;
+}
+
 }  // namespace
 
 float inv_2h2(double width) {
@@ -60,18 +74,31 @@ RbfGradients rbf_backward(const Exec& exec, const RbfProblem& problem, const Rbf
       RbfBackwardFeature<float>{
           graph.row_begin.data(), graph.edge.data(), weight, grad_feature, {out.feature.data(), points, features}});
   if (!with_positions) return out;
-  std::vector<float> grad_exponent(graph.index.size());
-  const Matrix<float> exponent{grad_exponent.data(), graph.queries(), graph.neighbours};
-  for_each_index(exec, graph.queries(),
-                 RbfBackwardExponent<float>{graph.indices(), problem.feature, weight, grad_feature, exponent});
+  const std::vector<float> exponent = backward_exponents(exec, problem, field, grad_feature);
   for_each_index(exec, points,
                  RbfBackwardPosition<float>{graph.row_begin.data(),
                                             graph.edge.data(),
-                                            {exponent.data, exponent.n, exponent.c},
+                                            {exponent.data(), graph.queries(), graph.neighbours},
                                             problem.query,
                                             problem.boundary,
                                             inv_2h2(problem.width),
                                             {out.boundary.data(), points}});
+  return out;
+}
+
+std::vector<float> rbf_backward_queries(const Exec& exec, const RbfProblem& problem, const RbfField& field,
+                                        Matrix<const float> grad_feature) {
+  const KnnGraph& graph = *problem.graph;
+  std::vector<float> out(std::size_t(problem.query.n) * 3, 0.f);
+  if (graph.neighbours == 0) return out;
+  const std::vector<float> exponent = backward_exponents(exec, problem, field, grad_feature);
+  for_each_index(exec, problem.query.n,
+                 RbfBackwardQuery<float>{graph.indices(),
+                                         {exponent.data(), graph.queries(), graph.neighbours},
+                                         problem.query,
+                                         problem.boundary,
+                                         inv_2h2(problem.width),
+                                         {out.data(), problem.query.n}});
   return out;
 }
 

@@ -140,4 +140,27 @@ struct RbfBackwardPosition {
   }
 };
 
+/// ∂L/∂q_i = -Σ_j ∂L/∂a_ij (q_i - x_j) / h².                                       adjoint of Eq. (8)
+/// The neighbour lists count as constant. Owns row i.
+template <class T>
+struct RbfBackwardQuery {
+  static constexpr const char* kName = "rbf_backward_query";
+
+  Matrix<const std::uint32_t> index;  // [Q, K]
+  Matrix<const T> grad_exponent;      // [Q, K]  from RbfBackwardExponent
+  Rows<const T, 3> query;             // [Q, 3]
+  Rows<const T, 3> boundary;          // [B, 3]
+  T inv_2h2;
+  Rows<T, 3> grad_query;  // [Q, 3]  out, overwritten
+
+  NGS_HD void operator()(std::int64_t i) const {
+    const Vec3<T> q = vec3(query.row(i));
+    Vec3<T> sum{T(0), T(0), T(0)};
+    for (int j = 0; j < index.c; ++j) sum = sum + grad_exponent.row(i)[j] * (vec3(boundary.row(index.row(i)[j])) - q);
+    sum = (T(2) * inv_2h2) * sum;
+    T* g = grad_query.row(i);
+    g[0] = sum.x, g[1] = sum.y, g[2] = sum.z;
+  }
+};
+
 }  // namespace ngs

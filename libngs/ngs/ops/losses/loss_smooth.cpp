@@ -9,16 +9,27 @@
 #include "ngs/ops/losses/loss_smooth_kernels.h"
 
 namespace ngs {
-std::vector<float> jittered_points(const Exec& exec, Rows<const float, 3> points, std::uint64_t seed,
-                                   std::uint64_t first_index, double jitter_length) {
-  std::vector<float> moved(std::size_t(points.n) * 3);
-  for_each_index(exec, points.n, [&](std::int64_t i) {
-    double n[3];
-    rng_unit_vector(seed, RngStream::kSmoothJitter, first_index + std::uint64_t(i), n);
-    for (std::int64_t a = 0; a < 3; ++a)
-      moved[std::size_t(i * 3 + a)] = float(double(points.row(i)[a]) + jitter_length * n[a]);
+
+SmoothnessPairs smoothness_pairs(const Exec& exec, SmoothnessForm form, Rows<const float, 3> points, double step_length,
+                                 const SmoothnessDraw& draw) {
+  const bool axes = form == SmoothnessForm::kGradient;
+  const std::int64_t per_point = pairs_per_point(form);
+  SmoothnessPairs pairs{{}, {}, axes ? 2 * step_length : step_length};
+  pairs.from.resize(std::size_t(points.n * per_point) * 3), pairs.to.resize(pairs.from.size());
+  for_each_index(exec, points.n * per_point, [&](std::int64_t p) {
+    const std::int64_t i = p / per_point;
+    double n[3] = {0, 0, 0};
+    if (axes)
+      n[p % per_point] = 1;
+    else
+      rng_unit_vector(draw.seed, RngStream::kSmoothJitter, draw.first_index + std::uint64_t(i), n);
+    for (std::int64_t a = 0; a < 3; ++a) {
+      const double x = double(points.row(i)[a]);
+      pairs.from[std::size_t(p * 3 + a)] = float(axes ? x - step_length * n[a] : x);
+      pairs.to[std::size_t(p * 3 + a)] = float(x + step_length * n[a]);
+    }
   });
-  return moved;
+  return pairs;
 }
 
 double loss_smooth_backward(const Exec& exec, const SmoothnessScale& scale, const SmoothnessInputs& in, double weight,
@@ -28,9 +39,9 @@ double loss_smooth_backward(const Exec& exec, const SmoothnessScale& scale, cons
   const std::int64_t n = std::int64_t(colour.size() / 3);
   out.colour.resize(colour.size()), out.moved_colour.resize(colour.size());
   if (n == 0) return 0;
-  NGS_CHECK(scale.jitter_length > 0 && scale.unit_length > 0, "lengths must be positive");
-  const double ratio = scale.unit_length / scale.jitter_length;
-  const double factor = 3 * ratio * ratio / double(n);
+  NGS_CHECK(scale.pair_length > 0 && scale.unit_length > 0, "lengths must be positive");
+  const double ratio = scale.unit_length / scale.pair_length;
+  const double factor = 3 * ratio * ratio / double(n);  // of 3 pairs a point: ratio² / points
   std::vector<float> term(colour.size() / 3);
   const SmoothnessForwardBackward<float> kernel{{colour.data(), n},     {moved_colour.data(), n},
                                                 float(weight * factor), term.data(),

@@ -1,12 +1,14 @@
 #pragma once
 // L_smth: the field's colour changes slowly in space.                                 Eq. (18); D14
 //
-//   L = 3 (u/h)² · 1/N Σ_i ‖c(x_i + h n_i) - c(x_i)‖²,   n_i random unit vectors
+//   random     L = 3 (u/h)² · 1/N Σ_i ‖c(x_i + h n_i) - c(x_i)‖²,              n_i random unit vectors
+//   gradient   L = (u/2h)² · 1/N Σ_i Σ_k ‖c(x_i + h e_k) - c(x_i - h e_k)‖²,   e_k the three axes
 //
-// For small h this is an unbiased estimate of the mean of Σ_channels ‖u ∇c‖²: E (n·g)² = ‖g‖²/3. u is the
-// unit of length in which the gradient counts (the RBF width), so the loss does not depend on the unit of the
-// scene. It needs no second derivatives; the caller evaluates the field at both sets of points. No points:
-// loss 0.
+// The second is the mean of Σ_channels ‖u ∇c‖² itself, but for terms of h². The first is an unbiased estimate of it for
+// small h, from two colours a point instead of six: E (n·g)² = ‖g‖²/3. u is the unit of length in which the gradient
+// counts (the RBF width), so the loss does not depend on the unit of the scene. Neither needs second derivatives; the
+// caller evaluates the field at both ends of every pair. No pairs: loss 0.
+#include <cstdint>
 #include <vector>
 
 #include "ngs/backend/exec.h"
@@ -14,22 +16,37 @@
 
 namespace ngs {
 
+enum class SmoothnessForm : std::uint8_t { kRandom, kGradient };
+
 struct SmoothnessScale {
-  double jitter_length = 0;  // h > 0, world
-  double unit_length = 0;    // u > 0, world
+  double pair_length = 0;  // > 0, world
+  double unit_length = 0;  // u > 0, world
 };
 
-/// x_i + h n_i. `first_index` (for example step · points) makes the vectors of every step different.
-std::vector<float> jittered_points(const Exec& exec, Rows<const float, 3> points, std::uint64_t seed,
-                                   std::uint64_t first_index, double jitter_length);
+/// Pairs of points whose colours are to differ little, [P, 3] each: pairs [i P/N, (i + 1) P/N) are those of point i.
+struct SmoothnessPairs {
+  std::vector<float> from, to;
+  double length = 0;  // of a pair, world
+};
 
-/// Colours of the field at the points and at the jittered ones, [N, 3] each.
+constexpr int pairs_per_point(SmoothnessForm form) { return form == SmoothnessForm::kGradient ? 3 : 1; }
+
+/// What makes the random vectors of every step different: `first_index` (for example step · points).
+struct SmoothnessDraw {
+  std::uint64_t seed = 0, first_index = 0;
+};
+
+/// `step_length` h > 0, world.
+SmoothnessPairs smoothness_pairs(const Exec& exec, SmoothnessForm form, Rows<const float, 3> points, double step_length,
+                                 const SmoothnessDraw& draw);
+
+/// Colours of the field at both ends of the pairs, [P, 3] each.
 struct SmoothnessInputs {
   const std::vector<float>&colour, &moved_colour;
 };
 
 struct SmoothnessGradients {
-  std::vector<float> colour, moved_colour;  // [N, 3]
+  std::vector<float> colour, moved_colour;  // [P, 3]
 };
 
 /// The loss; `out` is overwritten with weight · its gradients.

@@ -1,5 +1,5 @@
 #pragma once
-// Smoothness of the field's colour by a random finite difference.                            Eq. (18); D14
+// Smoothness of the field's colour by finite differences.                                    Eq. (18); D14
 #include <cstdint>
 
 #include "ngs/core/hd.h"
@@ -8,7 +8,7 @@
 
 namespace ngs {
 
-/// term = ‖c(x + h n) - c(x)‖² and its gradients with respect to both colours. Owns row i.
+/// term = ‖c(to) - c(from)‖² of a pair and its gradients with respect to both colours. Owns row i.
 template <class T>
 struct SmoothnessForwardBackward {
   static constexpr const char* kName = "smoothness";

@@ -16,7 +16,8 @@ constexpr double kBoxWidths = 4;  // kernel widths that the encoding's box is la
 HashGridConfig hash_config(const Exec& exec, const JointField::Setup& s, double width) {
   const JointOptions& o = s.options;
   HashGridConfig config{
-      o.hash_levels, o.hash_features, o.hash_log2_table, o.hash_base, std::max(o.hash_base, o.hash_finest), false};
+      o.hash_levels,    o.hash_features, o.hash_log2_table, o.hash_base, std::max(o.hash_base, o.hash_finest),
+      o.hash_smoothstep};
   if (!s.effects.hash) config.levels = 1, config.max_resolution = config.base_resolution;
   if (s.effects.fine_hash) return config;
   const std::vector<HashLevel> levels = hash_levels(config);
@@ -44,6 +45,19 @@ FieldShape shape_of(const Exec& exec, const JointField::Setup& s) {
 
 FilmMlpConfig mlp_config(const FieldShape& s, int direction_degree) {
   return {s.hash.outputs() + (s.concatenate ? s.features : 0), s.features, s.hidden, s.layers, direction_degree};
+}
+
+/// ∂L/∂Δ [R]: rendering knows a density by σ Δ alone.                                            adjoint of Eq. (1)
+std::vector<float> spacing_gradient(const RayQueries& rays, const std::vector<float>& density,
+                                    const std::vector<float>& to_density) {
+  std::vector<float> out(rays.spacing.size(), 0.f);
+  const auto samples = std::size_t(rays.samples);
+  for (std::size_t r = 0; r < out.size(); ++r) {
+    double sum = 0;
+    for (std::size_t q = r * samples; q < (r + 1) * samples; ++q) sum += double(to_density[q]) * double(density[q]);
+    out[r] = float(sum / double(rays.spacing[r]));
+  }
+  return out;
 }
 
 // A head is a network with three outputs in (0, 1), of which an object takes one.
@@ -77,11 +91,12 @@ JointField::JointField(const FieldShape& shape, const FieldOptions& rates, std::
 }
 
 JointField::JointField(const Exec& exec, const Setup& s) : JointField(shape_of(exec, s), s.options, s.seed) {
-  smooth_points_ = s.options.smooth_points, smooth_step_ = s.options.smooth_step,
+  smooth_points_ = s.options.smooth_points, smooth_step_ = s.options.smooth_step, smooth_form_ = s.options.smooth_form;
   rate_literal_ = s.options.rate_literal;
   sample_ = s.sample;
   own_neighbours_ = !s.effects.rbf;
   if (s.options.field_positions) want_position_gradient();
+  if (s.options.field_depth) want_query_gradient();
   const auto features = std::size_t(shape_.features);
   for (std::size_t b = 0; b < std::size_t(shape_.boundary); ++b)  // beyond the colour: zero, moved by the gradient
     for (std::size_t f = 0; f < 3; ++f)
@@ -134,7 +149,8 @@ void JointField::evaluate(const Exec& exec, const Points& points, Sampled& out) 
     heads_[h].forward(exec, store_, out.inputs({}, 1, heads_[h].config()), out.heads[h]);
 }
 
-void JointField::differentiate(const Exec& exec, const Points& points, const Sampled& at, const OutputGradients& grad) {
+void JointField::differentiate(const Exec& exec, const Points& points, const Sampled& at, const OutputGradients& grad,
+                               std::vector<float>* to_points) {
   FilmMlpGradients inputs =
       mlp_.backward(exec, store_, at.inputs(points.direction, points.per_direction, mlp_.config()), at.network,
                     {grad.density, grad.rgb});
@@ -145,12 +161,12 @@ void JointField::differentiate(const Exec& exec, const Points& points, const Sam
     for (std::size_t i = 0; i < more.feature.size(); ++i) inputs.feature[i] += more.feature[i];
     for (std::size_t i = 0; i < more.condition.size(); ++i) inputs.condition[i] += more.condition[i];
   }
-  differentiate_inputs(exec, points, at, std::move(inputs));
+  differentiate_inputs(exec, points, at, std::move(inputs), to_points);
 }
 
-/// From the network's inputs to the tables, the features and the boundary's positions.
+/// From the network's inputs to the tables, the features, the boundary's positions and the points.
 void JointField::differentiate_inputs(const Exec& exec, const Points& points, const Sampled& at,
-                                      FilmMlpGradients inputs) {
+                                      FilmMlpGradients inputs, std::vector<float>* to_points) {
   const auto hash = std::size_t(shape_.hash.outputs()), features = std::size_t(shape_.features);
   const auto queries = std::size_t(points.position.n);
   if (shape_.concatenate) {
@@ -163,12 +179,15 @@ void JointField::differentiate_inputs(const Exec& exec, const Points& points, co
     inputs.feature = std::move(encoding);
   }
   hash_.backward(exec, store_, points.position, inputs.feature);
+  if (to_points != nullptr) hash_.backward_points(exec, store_, points.position, inputs.feature, *to_points);
   if (!shape_.film) return;
-  const RbfGradients out =
-      rbf_backward(exec, rbf_problem(points), at.rbf, {inputs.condition.data(), points.position.n, shape_.features},
-                   !position_grad_.empty());
+  const Matrix<const float> to_feature{inputs.condition.data(), points.position.n, shape_.features};
+  const RbfGradients out = rbf_backward(exec, rbf_problem(points), at.rbf, to_feature, !position_grad_.empty());
   for (std::size_t i = 0; i < out.feature.size(); ++i) store_.grads[feature_offset_ + i] += out.feature[i];
   for (std::size_t i = 0; i < out.boundary.size(); ++i) position_grad_[i] += out.boundary[i];
+  if (to_points == nullptr) return;
+  const std::vector<float> through_weights = rbf_backward_queries(exec, rbf_problem(points), at.rbf, to_feature);
+  for (std::size_t i = 0; i < through_weights.size(); ++i) (*to_points)[i] += through_weights[i];
 }
 
 VolumeInputs JointField::volume_inputs(const FieldRays& rays, const std::vector<float>& rgb,
@@ -179,6 +198,7 @@ VolumeInputs JointField::volume_inputs(const FieldRays& rays, const std::vector<
 
 const VolumeOutput& JointField::forward(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary,
                                         Vec3<float> background) {
+  query_grad_ = {};
   evaluate(exec, points_of(rays, boundary), sampled_);
   volume_forward(exec, volume_inputs(rays, sampled_.network.rgb, background), volume_);
   const auto objects = std::size_t(shape_.objects);
@@ -211,37 +231,42 @@ void JointField::backward(const Exec& exec, const FieldRays& rays, Rows<const fl
     for (std::size_t i = 0; i < sum.density.size(); ++i) sum.density[i] += of_head.density[i];
     object.push_back(std::move(of_head.rgb));
   }
-  differentiate(exec, points_of(rays, boundary), sampled_, {sum.density, sum.rgb, object});
+  differentiate(exec, points_of(rays, boundary), sampled_, {sum.density, sum.rgb, object},
+                wants_queries_ ? &query_grad_.position : nullptr);
+  if (wants_queries_) query_grad_.spacing = spacing_gradient(rays.rays, sampled_.network.density, sum.density);
 }
 
 double JointField::smoothness(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary, double weight,
                               std::int64_t step) {
   const std::int64_t queries = rays.rays.positions().n, count = std::min<std::int64_t>(smooth_points_, queries);
   if (count == 0) return 0;
+  const std::int64_t per_point = pairs_per_point(smooth_form_), pairs = count * per_point;
   std::vector<float> position, direction;
   for (std::int64_t i = 0; i < count; ++i) {
     const std::int64_t q = i * queries / count, ray = q / rays.rays.samples;
     position.insert(position.end(), rays.rays.position.begin() + q * 3, rays.rays.position.begin() + q * 3 + 3);
     direction.insert(direction.end(), rays.rays.direction.begin() + ray * 3, rays.rays.direction.begin() + ray * 3 + 3);
   }
-  const SmoothnessScale scale{smooth_step_ * shape_.width, shape_.width};
-  const std::vector<float> moved = jittered_points(exec, {position.data(), count}, seed_,
-                                                   std::uint64_t(step) * std::uint64_t(count), scale.jitter_length);
-  const std::vector<float>* sets[2] = {&position, &moved};
+  const SmoothnessPairs ends =
+      smoothness_pairs(exec, smooth_form_, {position.data(), count}, smooth_step_ * shape_.width,
+                       {seed_, std::uint64_t(step) * std::uint64_t(count)});
+  const std::vector<float>* sets[2] = {&ends.from, &ends.to};
   KnnGraph graph[2];
   Sampled at[2];
+  const auto points = [&](int k) {
+    return Points{{sets[k]->data(), pairs}, &graph[k], {direction.data(), count}, per_point, boundary};
+  };
   for (int k = 0; k < 2; ++k) {
-    graph[k] = nearest_points(exec, boundary, {sets[k]->data(), count}, shape_.neighbours);
+    graph[k] = nearest_points(exec, boundary, {sets[k]->data(), pairs}, shape_.neighbours);
     build_transpose(graph[k]);
-    evaluate(exec, {{sets[k]->data(), count}, &graph[k], {direction.data(), count}, 1, boundary}, at[k]);
+    evaluate(exec, points(k), at[k]);
   }
   SmoothnessGradients gradients;
-  const double loss = loss_smooth_backward(exec, scale, {at[0].network.rgb, at[1].network.rgb}, weight, gradients);
-  const std::vector<float> no_density(std::size_t(count), 0.f);
+  const double loss = loss_smooth_backward(exec, {ends.length, shape_.width}, {at[0].network.rgb, at[1].network.rgb},
+                                           weight, gradients);
+  const std::vector<float> no_density(std::size_t(pairs), 0.f);
   const std::vector<float>* grad[2] = {&gradients.colour, &gradients.moved_colour};
-  for (int k = 0; k < 2; ++k)
-    differentiate(exec, {{sets[k]->data(), count}, &graph[k], {direction.data(), count}, 1, boundary}, at[k],
-                  {no_density, *grad[k], {}});
+  for (int k = 0; k < 2; ++k) differentiate(exec, points(k), at[k], {no_density, *grad[k], {}});
   return loss;
 }
 

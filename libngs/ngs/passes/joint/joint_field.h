@@ -91,6 +91,11 @@ class JointField {
   /// [B, 3] of the steps since step(); empty unless it is wanted.
   const std::vector<float>& position_gradient() const { return position_grad_; }
 
+  /// From now on backward keeps what the losses ask of the query points and their spacing (C25).
+  void want_query_gradient() { wants_queries_ = true; }
+  /// Of the last backward; empty unless it is wanted.
+  const QueryGradients& query_gradient() const { return query_grad_; }
+
   /// L_smth (Eq. 18) at an evenly spaced subset of the last forward's query points; adds `weight` times its
   /// gradient.
   double smoothness(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary, double weight,
@@ -126,16 +131,21 @@ class JointField {
   AdamOptions adam_of(const ParamBlock& block) const;
   void evaluate(const Exec& exec, const Points& points, Sampled& out) const;
   void concatenate(Sampled& out) const;
-  void differentiate(const Exec& exec, const Points& points, const Sampled& at, const OutputGradients& grad);
-  void differentiate_inputs(const Exec& exec, const Points& points, const Sampled& at, FilmMlpGradients inputs);
+  /// `to_points` [Q, 3], overwritten; null: not wanted.
+  void differentiate(const Exec& exec, const Points& points, const Sampled& at, const OutputGradients& grad,
+                     std::vector<float>* to_points = nullptr);
+  void differentiate_inputs(const Exec& exec, const Points& points, const Sampled& at, FilmMlpGradients inputs,
+                            std::vector<float>* to_points);
   VolumeInputs volume_inputs(const FieldRays& rays, const std::vector<float>& rgb, Vec3<float> background) const;
   RbfProblem rbf_problem(const Points& points) const;
   Points points_of(const FieldRays& rays, Rows<const float, 3> boundary) const;
 
   FieldOptions rates_;
-  bool rate_literal_ = false, own_neighbours_ = false;  // the latter: not those of the artifact
+  bool rate_literal_ = false, wants_queries_ = false;
+  bool own_neighbours_ = false;  // not those of the artifact
   int smooth_points_ = 0;
   double smooth_step_ = 0;
+  SmoothnessForm smooth_form_ = SmoothnessForm::kRandom;
   SampleOptions sample_;
   FieldShape shape_;
   ParamStore store_;
@@ -149,6 +159,7 @@ class JointField {
   VolumeOutput volume_;
   std::vector<VolumeOutput> head_volume_;
   std::vector<float> mask_, position_grad_;
+  QueryGradients query_grad_;
 };
 
 }  // namespace ngs

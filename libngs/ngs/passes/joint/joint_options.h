@@ -7,6 +7,7 @@
 #include "ngs/ops/field/film_mlp.h"
 #include "ngs/ops/field/hash_grid.h"
 #include "ngs/ops/losses/loss_mask.h"
+#include "ngs/ops/losses/loss_smooth.h"
 #include "ngs/options/field.h"
 #include "ngs/passes/joint/joint_switches.h"
 #include "ngs/stages/boundary/rbf_stage.h"
@@ -34,6 +35,8 @@ inline constexpr NamedValue<Quality> kQualityNames[] = {{Quality::kDraft, "draft
                                                         {Quality::kReference, "reference"}};
 inline constexpr NamedValue<MaskLossForm> kMaskLossNames[] = {{MaskLossForm::kBce, "bce"},
                                                               {MaskLossForm::kLinear, "linear"}};
+inline constexpr NamedValue<SmoothnessForm> kSmoothnessNames[] = {{SmoothnessForm::kRandom, "random"},
+                                                                  {SmoothnessForm::kGradient, "gradient"}};
 
 /// Steps per training view of a quality: every view is visited that often.
 inline int epochs_of(Quality quality) {
@@ -57,7 +60,7 @@ struct FieldOptions {
   int hash_levels = 8, hash_features = 2, hash_log2_table = 15, hash_base = 16, hash_finest = 512;
   int mlp_hidden = 64, mlp_layers = 2, direction_degree = 2;
   int feature_values = 3;
-  bool concatenate = false, field_positions = false, field_masks = false;
+  bool hash_smoothstep = false, concatenate = false, field_positions = false, field_depth = false, field_masks = false;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -71,6 +74,8 @@ struct FieldOptions {
     visit(self.hash_base, Field<int>{"hash_base", "vertices", "coarsest resolution, along an axis", 2, 4096});
     visit(self.hash_finest,
           Field<int>{"hash_finest", "vertices", "finest resolution, along an axis", 2, kMaxHashResolution});
+    visit(self.hash_smoothstep,
+          Flag{"hash_smoothstep", "cells blend by 3t^2 - 2t^3: the field's gradient has no jumps at their faces"});
     visit(self.mlp_hidden, Field<int>{"mlp_hidden", "", "width of the network", 16, 128});
     visit(self.mlp_layers, Field<int>{"mlp_layers", "", "hidden layers, each modulated (Eq. 14)", 1, kMaxFilmLayers});
     visit(self.direction_degree,
@@ -81,6 +86,8 @@ struct FieldOptions {
     visit(self.concatenate, Flag{"concatenate", "f_inter is an input of the network too, beside f_hash"});
     visit(self.field_positions,
           Flag{"field_positions", "the NeRF's losses move the boundary Gaussians, through Eqs. 8-9 (C25)"});
+    visit(self.field_depth,
+          Flag{"field_depth", "the NeRF's losses move the rendered depth that its query points follow (C25)"});
     visit(self.field_masks,
           Flag{"field_masks", "the NeRF learns the objects' masks too: a probability at every query point"});
   }
@@ -103,6 +110,7 @@ struct JointOptions : FieldOptions {
   double rate_decay = 0.1;
   int smooth_points = 2048;
   double smooth_step = 0.01;
+  SmoothnessForm smooth_form = SmoothnessForm::kRandom;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -141,6 +149,10 @@ struct JointOptions : FieldOptions {
     visit(
         self.smooth_step,
         Field<double>{"smooth_step", "", "finite-difference step of L_smth, in kernel widths", 1e-6, 10}.of("smooth"));
+    visit(self.smooth_form,
+          Choice<SmoothnessForm>{"smooth_form", "L_smth: one random difference a point, or its gradient squared (D14)",
+                                 kSmoothnessNames}
+              .of("smooth"));
   }
 };
 

@@ -121,6 +121,7 @@ void JointPass::run(PassRun& run) {
   const TimePlan plan = run.budget.plan();
   if (run.store != nullptr && run.store->load(*run.trainer))
     run.say("resumed after step " + std::to_string(run.trainer->steps_done()));
+  run.solution.reset();  // of many objects as large as all that the steps keep
   take_steps(run, run.budget.left_s() - plan.steps_s, run.store);
   run.solution = run.trainer->result();
   run.solution->converged = true;

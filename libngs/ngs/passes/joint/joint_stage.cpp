@@ -13,7 +13,7 @@
 #include "ngs/ops/losses/photometric.h"
 #include "ngs/passes/joint/field_mask_loss.h"
 #include "ngs/passes/joint/first_queries.h"
-#include "ngs/passes/joint/label_start.h"
+#include "ngs/passes/joint/trained_labels.h"
 #include "ngs/passes/joint/view_cache.h"
 #include "ngs/problem/trained_rows.h"
 #include "ngs/problem/view_list.h"
@@ -65,11 +65,9 @@ struct JointTrainer::Impl {
   GroupRates rates;  // of a step, before they fall
 
   GaussianCloud cloud;
-  std::vector<float> label;  // [N, K] as it is rendered
   TrainedRows trained;
+  TrainedLabels labels;
   BoundarySet boundary;
-  std::vector<float> logit;             // [rows, K]
-  std::vector<std::uint8_t> trainable;  // [rows, K] seen and not fixed by hand
   std::unique_ptr<JointField> field;
   std::int64_t steps = 0, done = 0;
 
@@ -78,7 +76,6 @@ struct JointTrainer::Impl {
   PhotometricPass<float> photometric;
   CloudGradients gradients;
   GaussianMoments moments;
-  AdamMoments label_moments;
   KnnGraph cont_graph;
   ViewCache cache;
 
@@ -94,6 +91,7 @@ struct JointTrainer::Impl {
         rates(group_rates(s, effects)),
         cloud(s.input.cloud),
         trained(e, s.input.region, s.frozen.empty() ? s.input.held : s.frozen, cloud),
+        labels(trained),
         splat_options(trained.prepared(splat_of(s.input.splat, effects))),
         splat(splat_options),
         cache(input, effects) {}
@@ -105,7 +103,7 @@ struct JointTrainer::Impl {
     if (boundary.size() == 0) effects.nerf = false;
     if (!effects.nerf) effects.align = effects.density = effects.smooth = effects.variance = false;
     steps = steps_of(options, input.views.size());
-    start_labels();
+    labels.start(input, options.start_steps);
     if (boundary.size() > 1) {
       cont_graph = nearest_others(exec, boundary.positions(), rbf.neighbours);
       build_transpose(cont_graph);
@@ -117,30 +115,9 @@ struct JointTrainer::Impl {
     }
   }
 
-  void start_labels() {
-    const auto n = std::size_t(cloud.size()), k_count = objects();
-    label.resize(n * k_count), logit.resize(trained.size() * k_count), trainable.resize(logit.size());
-    const auto start = [&](std::size_t i, std::size_t k) {
-      const double prob = double(is_fixed(input, i) ? input.labels[k].label[i] : input.labels[k].prob[i]);
-      return float(start_log_odds(prob, options.start_steps));
-    };
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t k = 0; k < k_count; ++k) label[i * k_count + k] = sigmoid(start(i, k));
-    for (std::size_t r = 0; r < trained.size(); ++r)
-      for (std::size_t k = 0; k < k_count; ++k) {
-        const std::size_t i = trained.row(r);
-        trainable[r * k_count + k] = input.labels[k].views[i] > 0.f && !is_fixed(input, i);
-        logit[r * k_count + k] = start(i, k);
-      }
-  }
-
   /// To what is rendered, from what is trained.
   void put_back() {
-    const std::size_t k_count = objects();
-    for_each_index(exec, std::int64_t(trained.size()), [&](std::int64_t row) {
-      const auto r = std::size_t(row);
-      for (std::size_t k = 0; k < k_count; ++k) label[trained.row(r) * k_count + k] = sigmoid(logit[r * k_count + k]);
-    });
+    labels.put_back(exec);
     trained.put_back();
     refresh_positions(cloud, boundary);
   }
@@ -183,6 +160,7 @@ struct JointTrainer::Impl {
     const RenderedView& rendered;
     const ViewCache::View& view;
   };
+  void move_depth(const FieldRays& rays, const RenderedView& rendered, std::size_t n, ViewGradients& grad) const;
   LossTerms step_view(std::size_t n);
   ImageF field_terms(const FieldRays& rays, const StepImages& images, LossTerms& loss, ViewGradients& grad);
   void move_boundary();
@@ -236,6 +214,20 @@ void JointTrainer::Impl::move_boundary() {
       for (std::size_t a = 0; a < 3; ++a) gradients.position[*to * 3 + a] += grad[b * 3 + a];
 }
 
+/// C25: what the NeRF's losses ask of the depth that the query points follow, where they do.
+void JointTrainer::Impl::move_depth(const FieldRays& rays, const RenderedView& rendered, std::size_t n,
+                                    ViewGradients& grad) const {
+  const bool follows = done >= std::int64_t(input.views.size()) && sample.window == WindowCentre::kPixel;
+  if (!follows || rays.rays.rays() == 0 || field->query_gradient().position.empty()) return;
+  const auto blank = [&] { return ImageF(rendered.width_px, rendered.height_px, 1); };
+  if (grad.alpha.empty()) grad.alpha = blank();
+  grad.depth = blank();
+  const RayOptions window{sample.depth_samples, sample.depth_span, sample.depth_epsilon, 0};
+  const Camera camera = relative_to(input.scene.views[input.views[n]].camera, cloud.origin);
+  add_depth_gradients({camera, rays.rays, window, {&rendered.depth, &rendered.alpha}}, field->query_gradient(),
+                      {grad.depth, grad.alpha});
+}
+
 void JointTrainer::Impl::cont_term(LossTerms& loss) {
   if (!effects.cont || cont_graph.queries() == 0) return;
   std::vector<float> colour(boundary.row.size() * 3), grad;
@@ -258,7 +250,7 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
   const bool colour = effects.photometric || effects.align;
   RenderRequest request;
   request.colour = colour, request.depth = effects.nerf, request.background = input.background;
-  request.label = {label.data(), cloud.size(), int(objects())};
+  request.label = labels.rendered();
   const RenderedView& rendered = [&]() -> const RenderedView& {
     const auto timed = monitor.scope("splat forward");
     return splat.forward(exec, cloud, camera, request);
@@ -278,7 +270,11 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
     grad.colour = ImageF(camera.width_px, camera.height_px, 3);
   }
   ImageF weights;
-  if (effects.nerf) weights = field_terms(rays_of(n, rendered), {rendered, view}, loss, grad);
+  if (effects.nerf) {
+    const FieldRays rays = rays_of(n, rendered);
+    weights = field_terms(rays, {rendered, view}, loss, grad);
+    if (options.field_depth) move_depth(rays, rendered, n, grad);
+  }
   if (effects.mask && view.masks.available) {
     const auto timed = monitor.scope("mask loss");
     loss.mask = loss_mask(exec, {options.mask_loss, 1.0},
@@ -290,8 +286,7 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
     const auto timed = monitor.scope("splat backward");
     splat.backward(exec, grad, gradients, trained.wanted());  // where nothing is wanted, moments and steps stay zero
   }
-  for (std::size_t i = 0; i < logit.size(); ++i)
-    gradients.label[i] = trainable[i] ? gradients.label[i] * sigmoid_slope(logit[i]) : 0.f;
+  labels.to_logits(gradients.label);
   if (field) move_boundary();
   cont_term(loss);
   sum_up(loss);
@@ -307,7 +302,7 @@ void JointTrainer::Impl::sum_up(LossTerms& loss) const {
 void JointTrainer::Impl::update(double decay) {
   const auto timed = monitor.scope("adam");
   const std::int64_t t = done + 1;
-  adam_step(exec, {.lr = options.rate_label * decay}, t, {"label", logit, gradients.label}, label_moments);
+  labels.step(exec, options.rate_label * decay, t, gradients.label);
   if (effects.geometry) {
     GroupRates fallen = rates;
     for (double& rate : fallen) rate *= decay;
@@ -349,12 +344,7 @@ Solution JointTrainer::result() const {
   result.cloud = s.cloud;
   result.labels = s.input.labels;
   result.converged = finished();
-  const std::size_t k_count = s.objects();
-  for (std::size_t r = 0; r < s.trained.size(); ++r)
-    for (std::size_t k = 0; k < k_count; ++k) {
-      const std::size_t i = s.trained.row(r);
-      if (s.trainable[r * k_count + k]) result.labels[k].label[i] = result.labels[k].prob[i] = s.label[i * k_count + k];
-    }
+  s.labels.write(result.labels);
   result.figures = figures();
   return result;
 }
@@ -376,7 +366,7 @@ std::vector<StateBlock> JointTrainer::state() {
   };
   for (std::size_t g = 0; g < kGaussianGroups; ++g)
     stepped(kGroupColumns[g].name, s.trained.cloud().*kGroupColumns[g].value, s.moments[g]);
-  stepped("label", s.logit, s.label_moments);
+  stepped("label", s.labels.logit(), s.labels.moments());
   if (s.field) {
     ParamStore& store = s.field->parameters();
     blocks.push_back({"field", &store.values, store.values.size()});

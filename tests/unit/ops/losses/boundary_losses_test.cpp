@@ -194,16 +194,16 @@ TEST_CASE("loss_mask: the literal reading of the paper is the linear loss times 
   const ImageF p = random_image(random, 8, 8, 1);
   std::vector<float> truth = random.uniform_vector<float>(64, 0, 1);
   double printed = 0, ones = 0;
-  constexpr double eps = 1e-6;
+  constexpr double kEps = 1e-6;
   for (std::size_t i = 0; i < 64; ++i) {
     truth[i] = truth[i] > 0.5f ? 1.f : 0.f;
     const double m = double(p.data[i]), g = double(truth[i]);
-    printed += -m * std::log(g + eps) - (1 - m) * std::log(1 - g + eps);
+    printed += -m * std::log(g + kEps) - (1 - m) * std::log(1 - g + kEps);
     ones += g;
   }
   const ViewMasks masks = masks_of(8, 8, {truth});
   const double linear = loss_mask({}, {MaskLossForm::kLinear, 1}, {&p, &masks, nullptr, 1}, 1, nullptr).total;
-  CHECK(printed / 64 == doctest::Approx(-std::log(eps) * (linear + ones / 64)).epsilon(1e-5));
+  CHECK(printed / 64 == doctest::Approx(-std::log(kEps) * (linear + ones / 64)).epsilon(1e-5));
 }
 
 TEST_CASE("loss_mask gives the same bytes for 1 and 7 threads") {
@@ -242,34 +242,81 @@ TEST_CASE("loss_cont gives the same bytes for 1 and 7 threads") {
   CHECK(a == b);
 }
 
-TEST_CASE("loss_smooth: jittered points lie on spheres, differ between steps and repeat with the seed") {
+TEST_CASE("loss_smooth: random pairs lie on spheres, differ between steps and repeat with the seed") {
   const std::vector<float> points(3000, 0.5f);
   const Rows<const float, 3> rows{points.data(), 1000};
-  const auto a = jittered_points(threads(1), rows, 1, 0, 0.25), b = jittered_points(threads(7), rows, 1, 0, 0.25);
-  CHECK(a == b);
-  CHECK(jittered_points({}, rows, 1, 1000, 0.25) != a);
+  const auto pairs = [&](int workers, std::uint64_t first) {
+    return smoothness_pairs(threads(workers), SmoothnessForm::kRandom, rows, 0.25, {1, first});
+  };
+  const SmoothnessPairs a = pairs(1, 0);
+  CHECK(a.from == points);
+  CHECK(a.length == 0.25);
+  CHECK(a.to == pairs(7, 0).to);
+  CHECK(pairs(1, 1000).to != a.to);
   double mean[3] = {0, 0, 0};
   for (std::size_t i = 0; i < 1000; ++i) {
     double d2 = 0;
     for (std::size_t c = 0; c < 3; ++c)
-      d2 += std::pow(double(a[i * 3 + c]) - 0.5, 2), mean[c] += (double(a[i * 3 + c]) - 0.5) / 1000;
+      d2 += std::pow(double(a.to[i * 3 + c]) - 0.5, 2), mean[c] += (double(a.to[i * 3 + c]) - 0.5) / 1000;
     CHECK(std::sqrt(d2) == doctest::Approx(0.25).epsilon(1e-5));
   }
   for (const double m : mean) CHECK(std::abs(m) < 0.02);  // 4 standard deviations of the mean of 1000: 0.018
 }
 
-TEST_CASE("loss_smooth estimates the squared gradient of a linear field without bias") {
-  // c(x) = g·x in every channel with |g| = 3: Σ_channels |u ∇c|² = 3 · (2 · 3)² = 108 for u = 2.
-  std::vector<float> points(60000, 0.f);
-  const auto moved = jittered_points({}, {points.data(), 20000}, 5, 0, 0.1);
-  std::vector<float> colour(60000, 0.f), moved_colour(60000);
-  for (std::size_t i = 0; i < 20000; ++i)
-    for (std::size_t c = 0; c < 3; ++c)
-      moved_colour[i * 3 + c] = moved[i * 3] + 2 * moved[i * 3 + 1] - 2 * moved[i * 3 + 2];
+namespace {
+
+/// L_smth of colours that are a function of the place alone, at `points`.
+template <class Colour>
+double smoothness_of(SmoothnessForm form, const std::vector<float>& points, double h, double unit,
+                     const Colour& colour) {
+  const Rows<const float, 3> rows{points.data(), std::int64_t(points.size() / 3)};
+  const SmoothnessPairs pairs = smoothness_pairs({}, form, rows, h, {5, 0});
+  const auto colours = [&](const std::vector<float>& at) {
+    std::vector<float> values(at.size());
+    for (std::size_t i = 0; i < at.size(); i += 3)
+      for (std::size_t c = 0; c < 3; ++c) values[i + c] = float(colour(&at[i], c));
+    return values;
+  };
   SmoothnessGradients g;
-  const double loss = loss_smooth_backward({}, {.jitter_length = 0.1, .unit_length = 2}, {colour, moved_colour}, 1, g);
-  CHECK(loss == doctest::Approx(108).epsilon(0.03));  // relative standard deviation 0.9 / sqrt(20000) = 0.6 %
+  return loss_smooth_backward({}, {pairs.length, unit}, {colours(pairs.from), colours(pairs.to)}, 1, g);
+}
+
+}  // namespace
+
+TEST_CASE("loss_smooth: of a linear field one form is the squared gradient, the other an estimate without bias") {
+  // c(x) = g·x in every channel with |g| = 3: Σ_channels |u ∇c|² = 3 · (2 · 3)² = 108 for u = 2.
+  const auto linear = [](const float* x, std::size_t) { return x[0] + 2 * x[1] - 2 * x[2]; };
+  const std::vector<float> points(60000, 0.f);
+  // relative standard deviation 0.9 / sqrt(20000) = 0.6 %
+  CHECK(smoothness_of(SmoothnessForm::kRandom, points, 0.1, 2, linear) == doctest::Approx(108).epsilon(0.03));
+  CHECK(smoothness_of(SmoothnessForm::kGradient, {0.f, 0.f, 0.f}, 0.1, 2, linear) ==
+        doctest::Approx(108).epsilon(1e-6));
+  SmoothnessGradients g;
   CHECK(loss_smooth_backward({}, {}, {{}, {}}, 1, g) == 0);
+}
+
+TEST_CASE("loss_smooth: the error of the gradient form falls with the square of the step") {
+  // c = sin(k·x + phase of the channel), ∇c = k cos: central differences are k cos · (1 - k²h²/6 + ...).
+  const double k[3] = {3, -2, 1.5};
+  const auto phase = [&](const float* x, std::size_t c) {
+    return k[0] * double(x[0]) + k[1] * double(x[1]) + k[2] * double(x[2]) + double(c);
+  };
+  test::Random random(12);
+  const std::vector<float> points = random.uniform_vector<float>(300, -1, 1);
+  double squared = 0;
+  for (std::size_t i = 0; i < points.size(); i += 3)
+    for (std::size_t c = 0; c < 3; ++c)
+      squared += (k[0] * k[0] + k[1] * k[1] + k[2] * k[2]) * std::pow(std::cos(phase(&points[i], c)), 2) / 100;
+  const auto error = [&](double h) {
+    return std::abs(smoothness_of(SmoothnessForm::kGradient, points, h, 1,
+                                  [&](const float* x, std::size_t c) { return std::sin(phase(x, c)); }) /
+                        squared -
+                    1);
+  };
+  // Σ_k k_k⁴ h² / 3 / Σ k_k²: 2.2 h² of the whole; floats add 1e-7 / h.
+  CHECK(error(0.1) == doctest::Approx(0.0224).epsilon(0.1));
+  CHECK(error(0.01) < 3e-4);
+  CHECK(error(0.1) / error(0.05) == doctest::Approx(4).epsilon(0.05));
 }
 
 }  // namespace ngs
