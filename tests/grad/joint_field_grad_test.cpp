@@ -95,6 +95,19 @@ struct FieldCase {
   }
 };
 
+/// f(case, random) for every variant.
+template <class F>
+void for_each_case(std::uint64_t seed, const F& f) {
+  test::Random random(seed);
+  for (const Variant& v : kVariants) {
+    CAPTURE(v.features);
+    CAPTURE(v.concatenate);
+    CAPTURE(v.objects);
+    FieldCase c(v, random);
+    f(c, random);
+  }
+}
+
 double product(const std::vector<float>& a, const std::vector<double>& b) {
   double sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i) sum += double(a[i]) * b[i];
@@ -104,12 +117,7 @@ double product(const std::vector<float>& a, const std::vector<double>& b) {
 }  // namespace
 
 TEST_CASE("joint field: backward is the slope of what the field renders, in every block and in the positions") {
-  test::Random random(21);
-  for (const Variant& v : kVariants) {
-    CAPTURE(v.features);
-    CAPTURE(v.concatenate);
-    CAPTURE(v.objects);
-    FieldCase c(v, random);
+  for_each_case(21, [](FieldCase& c, test::Random& random) {
     c.field.want_position_gradient();
     c.differentiate();
     const std::vector<float> grads = c.field.parameters().grads, at_boundary = c.field.position_gradient();
@@ -125,16 +133,11 @@ TEST_CASE("joint field: backward is the slope of what the field renders, in ever
     const double slope = c.difference(c.boundary, direction, 4e-3);
     CHECK(std::abs(slope) > 4e-4);
     CHECK(product(at_boundary, direction) == doctest::Approx(slope).epsilon(0.02).scale(0.02));
-  }
+  });
 }
 
 TEST_CASE("joint field: what the query points and their spacing are asked is the slope of what the field renders") {
-  test::Random random(22);
-  for (const Variant& v : kVariants) {
-    CAPTURE(v.features);
-    CAPTURE(v.concatenate);
-    CAPTURE(v.objects);
-    FieldCase c(v, random);
+  for_each_case(22, [](FieldCase& c, test::Random& random) {
     c.field.want_query_gradient();
     c.differentiate();
     const QueryGradients asked = c.field.query_gradient();
@@ -147,7 +150,7 @@ TEST_CASE("joint field: what the query points and their spacing are asked is the
     const double spread = c.difference(c.rays.rays.spacing, wider, 4e-3);
     CHECK(std::abs(spread) > 4e-4);
     CHECK(product(asked.spacing, wider) == doctest::Approx(spread).epsilon(0.02).scale(0.02));
-  }
+  });
 }
 
 namespace {

@@ -80,7 +80,7 @@ TEST_CASE("field file: a value that is not finite is refused") {
 
 TEST_CASE("field file: a run without a boundary leaves a file that holds no field") {
   const test::TempDir dir;
-  std::string path = dir.file("field.safetensors");
+  const std::string path = dir.file("field.safetensors");
   cli::write_field(path, nullptr, {}, {});
   CHECK_THROWS_AS(cli::read_field(path), Error);
 }

@@ -59,8 +59,7 @@ struct DepthMapGradients {
 };
 
 /// What the query points ask of the depth map, added to `out`; nothing where a window is centred elsewhere. The nodes
-/// of the grid count as constant.                                                                     adjoint of Eq.
-/// (7)
+/// of the grid count as constant.                                                                   adjoint of Eq. (7)
 void add_depth_gradients(const FollowedDepth& in, const QueryGradients& grad, DepthMapGradients out);
 
 /// Bilinear reading of channel `c` at a pixel position; beyond the border the border's value.

@@ -45,7 +45,7 @@ BandRays band_rays(const Exec& exec, const FieldModel& model, const Camera& came
                    const std::vector<std::uint8_t>& band) {
   const SampleOptions& sample = model.sample;
   const double mean = boundary_box(camera, model.boundary.positions(), sample.bbox_pad_px).mean_distance;
-  const RayOptions options{sample.depth_samples, sample.depth_span, sample.depth_epsilon, mean};
+  const RayOptions options = ray_options(sample, mean);
   const DepthMap map{&view.depth, &view.alpha};
   BandRays out;
   out.rays.rays.samples = sample.depth_samples;

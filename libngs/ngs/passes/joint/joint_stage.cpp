@@ -5,7 +5,6 @@
 #include <numeric>
 #include <optional>
 
-#include "ngs/backend/for_each.h"
 #include "ngs/core/rng.h"
 #include "ngs/math/sh.h"
 #include "ngs/ops/field/knn.h"
@@ -222,7 +221,7 @@ void JointTrainer::Impl::move_depth(const FieldRays& rays, const RenderedView& r
   const auto blank = [&] { return ImageF(rendered.width_px, rendered.height_px, 1); };
   if (grad.alpha.empty()) grad.alpha = blank();
   grad.depth = blank();
-  const RayOptions window{sample.depth_samples, sample.depth_span, sample.depth_epsilon, 0};
+  const RayOptions window = ray_options(sample, 0);
   const Camera camera = relative_to(input.scene.views[input.views[n]].camera, cloud.origin);
   add_depth_gradients({camera, rays.rays, window, {&rendered.depth, &rendered.alpha}}, field->query_gradient(),
                       {grad.depth, grad.alpha});

@@ -34,6 +34,13 @@ std::int64_t most_queries(const SampleOptions& options, std::size_t views) {
   return std::int64_t(views) * (options.rows + extra) * (options.cols + extra) * options.depth_samples;
 }
 
+RayOptions ray_options(const SampleOptions& options, double mean_distance) {
+  return {.samples = options.depth_samples,
+          .depth_span = options.depth_span,
+          .depth_epsilon = options.depth_epsilon,
+          .mean_distance = mean_distance};
+}
+
 ViewSample sample_view(const Exec& exec, const SampleOptions& options, const Camera& camera,
                        Rows<const float, 3> boundary, const DepthMap& map) {
   ViewSample sample;
@@ -41,12 +48,7 @@ ViewSample sample_view(const Exec& exec, const SampleOptions& options, const Cam
   if (options.whole_image && sample.boundary.visible > 0)
     sample.boundary.box = {0, 0, double(camera.width_px), double(camera.height_px)};
   const PixelGrid grid = pixel_grid(sample.boundary.box, options.rows, options.cols, options.nodes);
-  sample.rays = ray_queries(exec, camera, grid,
-                            {.samples = options.depth_samples,
-                             .depth_span = options.depth_span,
-                             .depth_epsilon = options.depth_epsilon,
-                             .mean_distance = sample.boundary.mean_distance},
-                            map);
+  sample.rays = ray_queries(exec, camera, grid, ray_options(options, sample.boundary.mean_distance), map);
   return sample;
 }
 

@@ -52,6 +52,9 @@ struct SampleOptions {
 /// Upper bound of the number of query points.
 std::int64_t most_queries(const SampleOptions& options, std::size_t views);
 
+/// Of the rays of a view whose boundary is `mean_distance` away.
+RayOptions ray_options(const SampleOptions& options, double mean_distance);
+
 struct ViewSample {
   BoundaryBox
       boundary;  // visible == 0: no rays; its box is what the grid covers, the whole image if that was asked for
