@@ -68,6 +68,16 @@ mutant $f $t $f "components: only the core's own cells are linked" 's/if \(label
 mutant $f $t $f "components: rows fixed by hand change" 's/ \|\| is_fixed\(input, i\)//'
 mutant $f $t $f "components: another object's Gaussian is held" 's/finding\.disconnected\[i\] = 0;/(void)0;/'
 mutant passes/components/object_core.cpp $t passes/components/object_core.cpp "core: the best seen of the whole model" 's/cloud\.usable\[i\] && double\(object\.prob\[i\]\) >= options\.share/cloud.usable[i]/'
+t=unit/passes/seen_through/seen_through_test.cpp f=passes/seen_through/seen_through.cpp
+mutant $f $t $f "seen through: weighed as it is drawn" 's/, PixelWeight::kByVisibility//'
+mutant $f $t $f "seen through: without a vote" 's/gain > kSignificant/gain == gain/'
+mutant $f $t $f "seen through: the vote is for the labels as they are" 's/gain \+= \(now - mask\) \* \(now - mask\) - \(then/gain += -(now - mask) * (now - mask) + (then/'
+mutant $f $t $f "seen through: labels beyond doubt are asked" 's/ && labels\[k\]\.prob\[i\] < kCertainShare//'
+mutant $f $t $f "seen through: rows fixed by hand change" 's/ && !is_fixed\(problem, i\)//'
+mutant $f $t $f "seen through: the first object's mask of all" 's/object_weight\(v, doubt\.object\)/object_weight(v, 0)/'
+t=unit/ops/splat/evidence_test.cpp
+mutant ops/splat/evidence_tile.h $t ops/splat/tile_isa.cpp "evidence: visibility weighs as drawn" 's/if constexpr \(kByVisibility\) weight = weight \* hit\.transmittance;//'
+mutant ops/splat/evidence.cpp $t ops/splat/evidence.cpp "evidence: tiles of the first Gaussian alone" 's/std::any_of\(work\.visible, work\.visible \+ work\.entries,/std::any_of(work.visible, work.visible + std::min(work.entries, 1u),/'
 mutant passes/mask_outliers/mask_outliers.cpp unit/passes/mask_outliers/mask_outliers_test.cpp passes/mask_outliers/mask_outliers.cpp "trust: views that see nothing agree" 's/if \(found_\[n\] >= 0\) all\.push_back\(found_\[n\]\)/all.push_back(trust.disagreement[n])/'
 t=stability/geometry_stability_test.cpp
 mutant ops/field/sample_grid_kernels.h $t ops/field/sample_grid.cpp "Gaussians behind the camera count" 's/if \(!\(t\.z > kNearZ\)\) return;//'

@@ -1,6 +1,7 @@
 // Whoever asks a phase to stop waits for one view, however many there are: no phase loads another view afterwards.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <atomic>
 
 #include "ngs/passes/agreement.h"
@@ -10,9 +11,11 @@
 #include "ngs/passes/floaters/floaters.h"
 #include "ngs/passes/mask_outliers/mask_outliers.h"
 #include "ngs/passes/scene_probe.h"
+#include "ngs/passes/seen_through/seen_through.h"
 #include "ngs/problem/coarse_input.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/boundary/method_labels.h"
+#include "support/changed_labels.h"
 #include "support/joint_case.h"
 
 namespace ngs {
@@ -73,6 +76,12 @@ const Phase kPhases[] = {
     {"agreement",
      [](const StopCase&, const Problem& in) {
        training_agreement({}, in, {in.cloud, {}, in.labels, {}});
+     }},
+    {"seen through",
+     [](const StopCase&, const Problem& in) {
+       std::vector<LabelColumns> in_doubt = in.labels;
+       test::change(in_doubt[0].prob, [](float p) { return std::min(p, 0.7f); });
+       without_seen_through({}, in, std::move(in_doubt));
      }},
     {"straddling", [](const StopCase&, const Problem& in) { straddling({}, in, in.cloud, 0); }},
     {"refinement",

@@ -53,11 +53,14 @@ class TileObjects {
 };
 
 /// The pairs of one view with what each draws: [pairs, 2 + 2K] by slot, or where there are more than a few objects tile
-/// by tile, [entries of the tile, 2 + 2 objects of the tile].
+/// by tile, [entries of the tile, 2 + 2 objects of the tile]. Of some Gaussians, `wanted` [N] (null: all), in whose
+/// tiles alone anything is drawn.
 class ViewPairs {
  public:
-  ViewPairs(const Exec& exec, const GaussianCloud& cloud, const MaskedView& of, const SplatOptions& options)
+  ViewPairs(const Exec& exec, const GaussianCloud& cloud, const MaskedView& of, const SplatOptions& options,
+            const std::vector<std::uint8_t>* wanted)
       : binned_(exec, cloud_view(cloud, 0, nullptr), relative_camera(of.camera, cloud), options),
+        wanted_(wanted),
         columns_(2 + 2 * of.masks.target.size()),
         objects_(exec, of.masks, binned_.lists()) {
     const TileLists& lists = binned_.lists();
@@ -74,16 +77,16 @@ class ViewPairs {
   }
 
   std::int64_t chunks() const { return (std::int64_t(binned_.view().id.size()) + kChunk - 1) / kChunk; }
-  /// f(Gaussian, its sums, whether an object has any of it) for the Gaussians of a chunk with W > 0, of those `of` them
-  /// (null: all), in their order.
+  /// f(Gaussian, its sums, whether an object has any of it) for those of a chunk that are wanted and have W > 0, in
+  /// their order.
   template <class F>
-  void for_each_seen(std::int64_t chunk, const std::vector<std::uint8_t>* of, const F& f) const {
+  void for_each_seen(std::int64_t chunk, const F& f) const {
     const std::vector<std::uint32_t>& id = binned_.view().id;
     std::vector<double> sum(columns_);
     bool some = false;
     const auto end = std::min(id.size(), std::size_t((chunk + 1) * kChunk));
     for (auto v = std::size_t(chunk * kChunk); v < end; ++v) {
-      if (of != nullptr && !(*of)[id[v]]) continue;
+      if (!is_wanted(id[v])) continue;
       sum[0] = sum[1] = 0;
       if (some) std::fill(sum.begin() + 2, sum.end(), 0.0);
       some = by_tile()       ? sum_by_tile(v, sum.data())
@@ -99,6 +102,12 @@ class ViewPairs {
     std::uint32_t tile, entry;
   };
 
+  bool is_wanted(std::uint32_t gaussian) const { return wanted_ == nullptr || (*wanted_)[gaussian] != 0; }
+  bool any_wanted(const TileWork<float>& work) const {
+    return wanted_ == nullptr || std::any_of(work.visible, work.visible + work.entries,
+                                             [this](std::uint32_t v) { return is_wanted(binned_.view().id[v]); });
+  }
+
   bool by_tile() const { return columns_ > 2 + 2 * TileObjects::kFew; }
   std::size_t columns_of(std::size_t tile) const { return 2 + 2 * objects_.of(tile).size(); }
 
@@ -110,13 +119,15 @@ class ViewPairs {
     target.clear();
     for (const std::uint32_t k : objects_.of(t)) target.push_back(of.masks.target[k].data());
     TileWork<float> work = tile_work(binned_.view(), binned_.lists(), tile, of.camera, compat);
+    if (!any_wanted(work)) return;
     if (by_tile()) {
       for (std::uint32_t e = 0; e < work.entries; ++e) place_[work.slot[e]] = {std::uint32_t(t), e};
       while (in_order.size() < work.entries) in_order.push_back(std::uint32_t(in_order.size()));
       work.slot = in_order.data(), sums += first_[t];
     }
     kernels.evidence({work, of.masks.known.empty() ? nullptr : of.masks.known.data(), target.data(), int(target.size()),
-                      sums, scratch.values(evidence_scratch(int(target.size())))});
+                      sums, scratch.values(evidence_scratch(int(target.size()))),
+                      of.weight == PixelWeight::kByVisibility});
   }
 
   /// Adds what visible Gaussian v has in its tiles to sums that are 0; whether an object has any of it. C: columns, or
@@ -156,6 +167,7 @@ class ViewPairs {
   const float* pair_at(const Place& at) const { return sums_ + first_[at.tile] + at.entry * columns_of(at.tile); }
 
   BinnedView<float> binned_;
+  const std::vector<std::uint8_t>* wanted_;
   std::size_t columns_;
   TileObjects objects_;
   std::vector<std::size_t> first_;  // [tiles + 1] of a tile's sums
@@ -194,6 +206,10 @@ std::vector<double> sums_on_device(const Exec& exec, const GaussianCloud& cloud,
   return sums;
 }
 
+bool on_device(const Exec& exec, const MaskedView& view) {
+  return exec.device_ops != nullptr && view.weight == PixelWeight::kRendered;
+}
+
 void require_size(const MaskedView& view) {
   NGS_CHECK(view.masks.width_px == view.camera.width_px && view.masks.height_px == view.camera.height_px, "mask size");
 }
@@ -207,7 +223,7 @@ ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const MaskedVie
   require_size(view);
   NGS_CHECK(of == nullptr || std::int64_t(of->size()) == cloud.size(), "one flag per Gaussian");
   const auto columns = std::size_t(seen.columns());
-  if (exec.device_ops) {
+  if (on_device(exec, view)) {
     const std::vector<double> sums = sums_on_device(exec, cloud, view, options);
     for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
       const double* sum = &sums[i * columns];
@@ -217,10 +233,10 @@ ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const MaskedVie
     }
     return seen;
   }
-  const ViewPairs pairs(exec, cloud, view, options);
+  const ViewPairs pairs(exec, cloud, view, options, of);
   std::vector<ViewSums> part(std::size_t(pairs.chunks()), ViewSums{seen.objects, {}, {}});
   for_each_task(exec, pairs.chunks(), [&](std::int64_t chunk) {
-    pairs.for_each_seen(chunk, of,
+    pairs.for_each_seen(chunk,
                         [&part = part[std::size_t(chunk)], columns](std::uint32_t gaussian, const double* sum, bool) {
                           part.row.push_back(gaussian), part.sum.insert(part.sum.end(), sum, sum + columns);
                         });
@@ -232,7 +248,7 @@ ViewWeights view_weights(const Exec& exec, const GaussianCloud& cloud, const Mas
                          const SplatOptions& options, const std::vector<std::uint8_t>* of) {
   const int objects = int(view.masks.target.size());
   if (!view.masks.available) return {objects, 0};
-  if (exec.device_ops) {
+  if (on_device(exec, view)) {
     const ViewSums sums = view_sums(exec, cloud, view, options, of);
     ViewWeights seen(objects, 1);
     for (std::size_t v = 0; v < sums.size(); ++v) seen.add(0, sums.row[v], sums.at(v));
@@ -241,12 +257,11 @@ ViewWeights view_weights(const Exec& exec, const GaussianCloud& cloud, const Mas
   }
   require_size(view);
   NGS_CHECK(of == nullptr || std::int64_t(of->size()) == cloud.size(), "one flag per Gaussian");
-  const ViewPairs pairs(exec, cloud, view, options);
+  const ViewPairs pairs(exec, cloud, view, options, of);
   ViewWeights seen(objects, std::size_t(pairs.chunks()));
   for_each_task(exec, pairs.chunks(), [&](std::int64_t chunk) {
     const auto part = std::size_t(chunk);
-    pairs.for_each_seen(chunk, of,
-                        [&](std::uint32_t gaussian, const double* sum, bool) { seen.add(part, gaussian, sum); });
+    pairs.for_each_seen(chunk, [&](std::uint32_t gaussian, const double* sum, bool) { seen.add(part, gaussian, sum); });
     seen.shrink_to_fit(part);
   });
   return seen;
@@ -259,16 +274,16 @@ void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const Maske
   require_size(view);
   NGS_CHECK(int(masks.target.size()) == evidence.objects && evidence.gaussians == cloud.size(), "evidence shape");
   const std::size_t columns = 2 + 2 * masks.target.size();
-  if (exec.device_ops) {
+  if (on_device(exec, view)) {
     const std::vector<double> sums = sums_on_device(exec, cloud, view, options);
     for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i)
       if (sums[i * columns] > 0) evidence.add(i, &sums[i * columns]);
     return;
   }
-  const ViewPairs pairs(exec, cloud, view, options);
+  const ViewPairs pairs(exec, cloud, view, options, nullptr);
   std::vector<Evidence::FirstShares> put_off(std::size_t(pairs.chunks()));
   for_each_task(exec, pairs.chunks(), [&](std::int64_t chunk) {
-    pairs.for_each_seen(chunk, nullptr, [&](std::uint32_t gaussian, const double* sum, bool some) {
+    pairs.for_each_seen(chunk, [&](std::uint32_t gaussian, const double* sum, bool some) {
       some ? evidence.add(gaussian, sum, put_off[std::size_t(chunk)]) : evidence.add_nobodys(gaussian, sum[0], sum[1]);
     });
   });

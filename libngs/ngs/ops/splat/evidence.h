@@ -6,10 +6,17 @@
 
 namespace ngs {
 
+/// What a pixel counts for a Gaussian of opacity α there, before which a part T of the light is left.
+enum class PixelWeight : std::uint8_t {
+  kRendered,      // w = α T, what it adds to the picture
+  kByVisibility,  // α T², less where it only shows through others; on the CPU whatever the device
+};
+
 /// A camera and the masks of its view, at its size.
 struct MaskedView {
   const Camera& camera;
   const ViewMasks& masks;
+  PixelWeight weight = PixelWeight::kRendered;
 };
 
 /// What one view says of the Gaussians that it sees, or of those `of` them [N] (1: wanted; null: all). A view whose

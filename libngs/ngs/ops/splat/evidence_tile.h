@@ -7,8 +7,8 @@ namespace ngs {
 
 inline constexpr int kAnyObjects = -1;
 
-/// K objects, or any number.
-template <class L, int K>
+/// K objects, or any number. Weights are α T², not α T, where they are taken by visibility.
+template <class L, int K, bool kByVisibility>
 struct EvidenceSink {
   using S = typename LaneTraits<L>::Scalar;
   using F = typename LaneTraits<L>::Folded;
@@ -33,7 +33,9 @@ struct EvidenceSink {
   void begin_column(int) { sum.clear(sums()); }
   [[gnu::always_inline]] void add(std::uint32_t, const Contribution<L>& hit) {
     const S* planes = mask + std::size_t(hit.pack) * std::size_t((1 + objects()) * kLanes);
-    const L weight = hit.alpha * hit.transmittance, zero(S(0)), one(S(1));
+    L weight = hit.alpha * hit.transmittance;
+    if constexpr (kByVisibility) weight = weight * hit.transmittance;
+    const L zero(S(0)), one(S(1));
     L known;
     load_lanes(planes, known);
     sum.put(0, fma_lanes(weight, known, sum.get(0)));
@@ -66,7 +68,7 @@ struct EvidenceSink {
   }
 };
 
-template <class L, int K>
+template <class L, int K, bool kByVisibility = false>
 void evidence_tile(const EvidenceTile<typename LaneTraits<L>::Scalar>& in) {
   using S = typename LaneTraits<L>::Scalar;
   constexpr int kLanes = LaneTraits<L>::kLanes;
@@ -81,7 +83,7 @@ void evidence_tile(const EvidenceTile<typename LaneTraits<L>::Scalar>& in) {
       at[0] = S(1);
       for (int k = 0; k < in.objects; ++k) at[(1 + k) * kLanes] = S(in.target[k][pixel]);
     }
-  EvidenceSink<L, K> sink(in, in.scratch, in.scratch + planes * kTilePixels);
+  EvidenceSink<L, K, kByVisibility> sink(in, in.scratch, in.scratch + planes * kTilePixels);
   L transmittance[kPacksPerTile<L>];
   composite_tile<L>(in.work, transmittance, sink);
   sink.end_tile();

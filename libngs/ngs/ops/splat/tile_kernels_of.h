@@ -29,6 +29,7 @@ void backward_any(const BackwardTile<typename LaneTraits<L>::Scalar>& in) {
 
 template <class L>
 void evidence_any(const EvidenceTile<typename LaneTraits<L>::Scalar>& in) {
+  if (in.by_visibility) return evidence_tile<L, kAnyObjects, true>(in);
   if (in.objects == 0) return evidence_tile<L, 0>(in);
   if (in.objects == 1) return evidence_tile<L, 1>(in);
   if (in.objects == 3) return evidence_tile<L, 3>(in);  // the colours of a photo

@@ -127,8 +127,9 @@ struct EvidenceTile {
   const std::uint8_t* known;   // [H·W] or null: all
   const float* const* target;  // [objects][H·W]
   int objects;
-  S* pair;     // [pairs, 2 + 2 · objects]; the row of every entry is overwritten
-  S* scratch;  // [evidence_scratch(objects)]
+  S* pair;                     // [pairs, 2 + 2 · objects]; the row of every entry is overwritten
+  S* scratch;                  // [evidence_scratch(objects)]
+  bool by_visibility = false;  // weights are α T², not α T
 };
 
 /// The kernels of one lane type.

@@ -95,6 +95,67 @@ TEST_CASE("evidence equals a brute-force evaluation in double: counts exactly, w
   CHECK(scenes_at_a_threshold <= 3);
 }
 
+// As above: T is within 1e-6, and its square within twice that.
+TEST_CASE("evidence by visibility weighs a pixel by what is left of the light before the Gaussian") {
+  int compared = 0, apart = 0;
+  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    CAPTURE(seed);
+    const test::SplatCase c = test::splat_case(seed, 80, 61, 47);
+    const ViewMasks masks = two_discs(c.camera, 1);
+    std::vector<double> want(80 * 3), rendered(80);
+    double closest = 1;
+    const auto image = test::reference_render(c, {});
+    for (std::size_t p = 0; p < image.size(); ++p) {
+      closest = std::min(closest, image[p].closest_threshold);
+      double left = 1;
+      for (const auto& [g, w] : image[p].weight) {
+        const auto row = std::size_t(g);
+        const double by_visibility = masks.known[p] ? w * left : 0;
+        want[row * 3] += by_visibility, rendered[row] += masks.known[p] ? w : 0;
+        for (std::size_t k = 0; k < 2; ++k) want[row * 3 + 1 + k] += by_visibility * double(masks.target[k][p]);
+        left -= w;  // alpha T is what T falls by
+      }
+    }
+    if (closest < 1e-5) continue;
+    const MaskedView by_visibility{c.camera, masks, PixelWeight::kByVisibility};
+    const ViewSums sums = view_sums({.threads = 2}, test::float_cloud(c), by_visibility, {});
+    for (std::size_t v = 0; v < sums.size(); ++v) {
+      const std::size_t row = sums.row[v];
+      const double tolerance = 2e-6 * sums.at(v)[1];
+      CHECK(std::abs(sums.weight(v) - want[row * 3]) <= tolerance);
+      for (std::size_t k = 0; k < 2; ++k)
+        CHECK(std::abs(sums.object_weight(v, k) - want[row * 3 + 1 + k]) <= tolerance);
+      ++compared, apart += rendered[row] > 1.1 * want[row * 3];
+    }
+  }
+  CHECK(compared > 200);
+  CHECK(apart > 50);  // as rendered they would not pass
+}
+
+TEST_CASE("evidence of some Gaussians is that of all, left out what was not asked for, to the bit") {
+  const test::SplatCase c = test::splat_case(5, 300, 160, 120);
+  const GaussianCloud cloud = test::float_cloud(c);
+  std::vector<std::uint8_t> some(300);
+  some[7] = some[150] = 1;  // most tiles have neither
+  for (const std::size_t objects : {1, 6})
+    for (const PixelWeight weight : {PixelWeight::kRendered, PixelWeight::kByVisibility}) {
+      ViewMasks masks = two_discs(c.camera, 1);
+      masks.target.resize(objects, masks.target[0]);
+      const MaskedView view{c.camera, masks, weight};
+      const ViewSums all = view_sums({}, cloud, view, {}), few = view_sums({.threads = 2}, cloud, view, {}, &some);
+      std::size_t v = 0;
+      for (std::size_t a = 0; a < all.size(); ++a) {
+        if (!some[all.row[a]]) continue;
+        REQUIRE(v < few.size());
+        CHECK(few.row[v] == all.row[a]);
+        for (int s = 0; s < all.columns(); ++s) CHECK(few.at(v)[s] == all.at(a)[s]);
+        ++v;
+      }
+      CHECK(v == few.size());
+      CHECK(v > 0);
+    }
+}
+
 TEST_CASE("evidence of parts adds up to the evidence of the whole, bit for bit, in any order") {
   const test::SplatCase c = test::splat_case(2, 60, 50, 40);
   const GaussianCloud cloud = test::float_cloud(c);
@@ -212,6 +273,10 @@ TEST_CASE("evidence: every instruction set gives the bytes of plain C++") {
       Evidence b(cloud.size(), objects);
       add_view_evidence({.isa = isa}, cloud, {c.camera, masks}, {}, b);
       CHECK(test::same_evidence(a, b));
+      const auto by_visibility = [&](Isa of) {
+        return view_sums({.isa = of}, cloud, {c.camera, masks, PixelWeight::kByVisibility}, {}).sum;
+      };
+      CHECK(by_visibility(isa) == by_visibility(Isa::kPortable));
     }
   }
 }

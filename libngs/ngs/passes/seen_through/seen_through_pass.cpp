@@ -1,0 +1,46 @@
+#include "ngs/passes/seen_through/seen_through_pass.h"
+
+#include <cmath>
+
+#include "ngs/passes/detectors.h"
+#include "ngs/passes/seen_through/seen_through.h"
+
+namespace ngs {
+
+std::vector<Effect> SeenThroughPass::effects() const {
+  return {
+      {.name = "seen-through",
+       .help = "no label for what only shows through the object",
+       .saves = "its evidence by visibility and a vote of the masks",
+       .detector = {"what masks lose by the photos' edges, standard errors (0: fewer than 32 masks, or they err to one "
+                    "side)",
+                    kSignificant, "many masks are right on the mean: they can vote",
+                    [](SceneProbe& probe) { return 0 - probe.edge_gain(); }}}};
+}
+
+std::vector<EffectVerdict> SeenThroughPass::rules(const TrainingOptions& training) const {
+  if (training.joint.quality == Quality::kDraft) return {{"seen-through", false, "--quality draft"}};
+  return {};
+}
+
+void SeenThroughPass::begin(PassRun& run) {
+  if (!run.on("seen-through")) return;
+  const auto timed = run.monitor.scope("seen through");
+  Problem& problem = *run.problem;
+  SeenThrough finding = without_seen_through(run.exec, problem, problem.labels.taken());
+  problem.labels = std::move(finding.labels);
+  Json objects = Json::array();
+  std::int64_t count = 0;
+  for (std::size_t k = 0; k < finding.objects.size(); ++k) {
+    const SeenThrough::OfObject& of = finding.objects[k];
+    objects.push_back({{"object", problem.scene.objects[k].name},
+                       {"found", of.found},
+                       {"gain", std::isfinite(of.gain) ? Json(of.gain) : Json()},
+                       {"taken", of.taken}});
+    if (of.taken) count += of.found;
+  }
+  run.report["seen_through"] = {{"gaussians", count}, {"objects", std::move(objects)}};
+  if (count > 0) run.say(std::to_string(count) + " Gaussians only show through the object: not labelled as it");
+}
+
+}  // namespace ngs
