@@ -75,6 +75,9 @@ mutant $f $t $f "seen through: the vote is for the labels as they are" 's/gain \
 mutant $f $t $f "seen through: labels beyond doubt are asked" 's/ && labels\[k\]\.prob\[i\] < kCertainShare//'
 mutant $f $t $f "seen through: rows fixed by hand change" 's/ && !is_fixed\(problem, i\)//'
 mutant $f $t $f "seen through: the first object's mask of all" 's/object_weight\(v, doubt\.object\)/object_weight(v, 0)/'
+f=passes/seen_through/seen_through_pass.cpp
+mutant $f $t $f "seen through: the clock decides what steps begin with" 's/run\.on\("joint"\) \|\| //'
+mutant $f $t $f "seen through: begun however late" 's/if \(!has_time\(run\)\)/if (false)/'
 t=unit/ops/splat/evidence_test.cpp
 mutant ops/splat/evidence_tile.h $t ops/splat/tile_isa.cpp "evidence: visibility weighs as drawn" 's/if constexpr \(kByVisibility\) weight = weight \* hit\.transmittance;//'
 mutant ops/splat/evidence.cpp $t ops/splat/evidence.cpp "evidence: tiles of the first Gaussian alone" 's/std::any_of\(work\.visible, work\.visible \+ work\.entries,/std::any_of(work.visible, work.visible + std::min(work.entries, 1u),/'

@@ -38,6 +38,8 @@ class PipelineCase {
     pipeline_.declare(options, {});
     options.set_text(option, {value});
   }
+  /// As if the run had begun now, with so much time.
+  void time_budget(double seconds) { budget_ = Budget(wall_seconds(), seconds); }
   /// Decides both stages on the problem as it is, and runs nothing.
   const Decisions& decide() {
     pipeline_.decide(PassStage::kMend, run_, *run_.problem);

@@ -6,6 +6,21 @@
 #include "ngs/passes/seen_through/seen_through.h"
 
 namespace ngs {
+namespace {
+
+constexpr double kEvidenceRenders = 1, kVoteRenders = 0.25;  // the latter of each object
+constexpr double kShareOfTime = 0.5;
+
+double renders_per_view(const PassRun& run) {
+  return kEvidenceRenders + kVoteRenders * double(run.problem->labels.size());
+}
+
+/// Joint steps that are resumed must begin with the same labels, so that the clock has no say there.
+bool has_time(const PassRun& run) {
+  return run.on("joint") || run.budget.fits({renders_per_view(run), kShareOfTime}, run.problem->scene.views.size());
+}
+
+}  // namespace
 
 std::vector<Effect> SeenThroughPass::effects() const {
   return {
@@ -25,8 +40,14 @@ std::vector<EffectVerdict> SeenThroughPass::rules(const TrainingOptions& trainin
 
 void SeenThroughPass::begin(PassRun& run) {
   if (!run.on("seen-through")) return;
+  if (!has_time(run)) {
+    run.budget.note_cut();
+    run.report["seen_through"] = {{"left_out", "--time-budget has no time for it"}};
+    return;
+  }
   const auto timed = run.monitor.scope("seen through");
   Problem& problem = *run.problem;
+  const auto lap = run.budget.lap("seen through", renders_per_view(run) * double(problem.scene.views.size()));
   SeenThrough finding = without_seen_through(run.exec, problem, problem.labels.taken());
   problem.labels = std::move(finding.labels);
   Json objects = Json::array();

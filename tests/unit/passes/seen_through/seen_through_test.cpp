@@ -8,6 +8,7 @@
 #include "ngs/math/stable.h"
 #include "ngs/ops/splat/evidence.h"
 #include "ngs/passes/seen_through/seen_through_pass.h"
+#include "support/pipeline_case.h"
 
 namespace ngs {
 namespace {
@@ -129,6 +130,10 @@ TEST_CASE("seen through: of two objects each is asked about its own") {
   CHECK(found.objects[1].found == 1);
   CHECK(found.labels[0].label == pane.labels[0].label);
   CHECK(found.labels[1].label == LabelColumn({0, 0}));
+
+  for (ViewMasks& mask : pane.masks)  // all of the second's that is not the first's
+    for (std::size_t p = 0; p < mask.target[0].size(); ++p) mask.target[1][p] = 1 - mask.target[0][p];
+  CHECK(finding_of(pane.problem()).objects[1].found == 0);
 }
 
 TEST_CASE("seen through: asked where many masks refuse the photos' edges, and not in a draft") {
@@ -144,6 +149,23 @@ TEST_CASE("seen through: asked where many masks refuse the photos' edges, and no
   training.joint.quality = Quality::kDraft;
   REQUIRE(pass.rules(training).size() == 1);
   CHECK_FALSE(pass.rules(training)[0].on);
+}
+
+TEST_CASE("seen through: the labels of a run, unless its time is up; joint steps begin with them all the same") {
+  const Pane pane(12, 12);
+  const Problem in = pane.problem();
+  const TrainingOptions training;
+  const std::vector<std::string> alone{"all=off", "seen-through=on"};
+  test::PipelineCase run(in, training, alone), late(in, training, alone);
+  CHECK(run.run().solution->labels[0].label == LabelColumn({1, 0}));
+  CHECK(run.report()["seen_through"]["gaussians"] == 1);
+  CHECK(run.report()["seen_through"]["objects"][0]["object"] == "pane");
+  late.time_budget(1e-9);
+  CHECK(late.run().solution->labels[0].label == LabelColumn({1, 1}));
+  CHECK(late.report()["seen_through"].contains("left_out"));
+  test::PipelineCase trained(in, training, {"all=off", "seen-through=on", "joint=on"});
+  trained.time_budget(1e-9);  // resumed, they must begin with what they began with
+  CHECK(trained.run().report["seen_through"]["gaussians"] == 1);
 }
 
 TEST_CASE("seen through: an interrupted search takes nothing") {
