@@ -87,11 +87,10 @@ TEST_CASE("joint: every part of the method can be switched off alone, and matter
   constexpr std::int64_t kEveryViewOnce = 4, kSomeTwice = 6;
   const auto once = state_after(*c, small_options(kSomeTwice), kEveryViewOnce, 2),
              twice = state_after(*c, small_options(kSomeTwice), kSomeTwice, 2);
+  // Stages of their own, or the tool's: unit/stages, unit/passes.
   const std::set<std::string_view> elsewhere{
-      "windows", "exposure",           "floaters",        "components",   "mask-outliers", "joint", "contours",
-      "split",   "contour-iterations", "full-resolution", "seen-through", "antialias"};  // stages of their
-                                                                                         // own, or the
-                                                                                         // tool's
+      "windows",  "exposure", "floaters",           "components",      "mask-outliers", "joint",
+      "contours", "split",    "contour-iterations", "full-resolution", "seen-through",  "antialias"};
   const std::set<std::string_view> nothing_here{"region", "fine-hash"};  // small pictures, few levels: unit/stages
   for (const Effect& effect : Pipeline(all_passes()).effects()) {
     if (elsewhere.contains(effect.name) || nothing_here.contains(effect.name)) continue;

@@ -5,8 +5,8 @@
 // all of that within the mask. Where few views see it in the open, these traces are most of its weight. By visibility
 // they are not:
 //   f_T = Σ α T² M / Σ α T²     where the closed form is     f = Σ α T M / Σ α T     (T: what is left of the light)
-// A Gaussian that is labelled as the object and has f_T < 1/2 loses the label, unless the masks vote against it: object
-// by object, where both labels drawn differ, the pixels in which the mask agrees with the one and with the other.
+// A Gaussian that is labelled as the object and has f_T < 1/2 loses the label where the masks vote for that: object by
+// object, by the squared error of both labels drawn against the mask.
 #include <cstdint>
 #include <vector>
 
