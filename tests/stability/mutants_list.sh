@@ -68,6 +68,23 @@ mutant $f $t $f "components: only the core's own cells are linked" 's/if \(label
 mutant $f $t $f "components: rows fixed by hand change" 's/ \|\| is_fixed\(input, i\)//'
 mutant $f $t $f "components: another object's Gaussian is held" 's/finding\.disconnected\[i\] = 0;/(void)0;/'
 mutant passes/components/object_core.cpp $t passes/components/object_core.cpp "core: the best seen of the whole model" 's/cloud\.usable\[i\] && double\(object\.prob\[i\]\) >= options\.share/cloud.usable[i]/'
+t=unit/core/monitor_test.cpp
+mutant core/monitor.cpp $t core/monitor.cpp "limit: loops are not foreseen" 's/if \(now_s \+ rest_s > until_s_\)/if (rest_s < 0)/'
+mutant core/monitor.cpp $t core/monitor.cpp "limit: all loops are foreseen from the first" 's/if \(done <= 1\)/if (first_done_s_ == 0)/'
+mutant core/monitor.cpp $t core/monitor.cpp "limit: it outlives its scope" 's/monitor_\.told_ = false, monitor_\.until_s_ = kNever/monitor_.told_ = false/'
+t=unit/passes/broken_off_test.cpp
+mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: passes are not broken off" 's/if \(limit\.reached\(\)\) break_off\(run, name\);//'
+mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: a resumed run asks its clock" 's/if \(run\.resumed \|\| insisted/if (insisted/'
+mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: a resumed run does not repeat what was broken off" 's/if \(run\.resumed && was_broken_off/if (false \&\& was_broken_off/'
+mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: half a look is believed" 's/^  probe\.emplace\(run\.exec, run\.training, seen\);//'
+mutant passes/floaters/floaters_pass.cpp $t passes/floaters/floaters_pass.cpp "floaters: half a refit is kept" 's/if \(run\.monitor\.stop_requested\(\)\) return false;//'
+mutant passes/mask_outliers/mask_outliers_pass.cpp $t passes/mask_outliers/mask_outliers_pass.cpp "mask outliers: half of the labels are kept" 's/^    if \(run\.monitor\.stop_requested\(\)\) return;//'
+t=unit/passes/pipeline_test.cpp
+mutant passes/decisions.cpp $t passes/decisions.cpp "decisions: a verdict that asks first does not ask" 's/ && \(!v\.asks_first \|\| !e\.always\.empty\(\)\)//'
+mutant passes/decisions.cpp $t passes/decisions.cpp "decisions: a verdict that asks first is not heard" 's/v\.name == e\.name && v\.on != on/v.name == e.name \&\& v.on == on/'
+t=unit/passes/time_plan_test.cpp
+mutant passes/time/budget.h $t passes/time/budget.cpp "budget: pixels take no time" 's/ \+ work\.halvings \* halving_s_//'
+mutant passes/time/budget.cpp $t passes/time/budget.cpp "budget: reading files sets the pace" 's/^  if \(given\(\)\) laps_/  if (given()) pace_.add(unpaced_s(work), seconds), laps_/'
 t=unit/passes/seen_through/seen_through_test.cpp f=passes/seen_through/seen_through.cpp
 mutant $f $t $f "seen through: weighed as it is drawn" 's/, PixelWeight::kByVisibility//'
 mutant $f $t $f "seen through: without a vote" 's/gain > kSignificant/gain == gain/'
@@ -75,9 +92,8 @@ mutant $f $t $f "seen through: the vote is for the labels as they are" 's/gain \
 mutant $f $t $f "seen through: labels beyond doubt are asked" 's/ && labels\[k\]\.prob\[i\] < kCertainShare//'
 mutant $f $t $f "seen through: rows fixed by hand change" 's/ && !is_fixed\(problem, i\)//'
 mutant $f $t $f "seen through: the first object's mask of all" 's/object_weight\(v, doubt\.object\)/object_weight(v, 0)/'
-f=passes/seen_through/seen_through_pass.cpp
-mutant $f $t $f "seen through: the clock decides what steps begin with" 's/run\.on\("joint"\) \|\| //'
-mutant $f $t $f "seen through: begun however late" 's/if \(!has_time\(run\)\)/if (false)/'
+mutant passes/pipeline.cpp $t passes/pipeline.cpp "seen through: the clock decides what kept steps begin with" 's/ \|\| run\.store != nullptr//'
+mutant passes/seen_through/seen_through_pass.cpp $t passes/seen_through/seen_through_pass.cpp "seen through: half a look is believed" 's/if \(run\.monitor\.stop_requested\(\)\) return;//'
 t=unit/ops/splat/evidence_test.cpp
 mutant ops/splat/evidence_tile.h $t ops/splat/tile_isa.cpp "evidence: visibility weighs as drawn" 's/if constexpr \(kByVisibility\) weight = weight \* hit\.transmittance;//'
 mutant ops/splat/evidence.cpp $t ops/splat/evidence.cpp "evidence: tiles of the first Gaussian alone" 's/std::any_of\(work\.visible, work\.visible \+ work\.entries,/std::any_of(work.visible, work.visible + std::min(work.entries, 1u),/'

@@ -1,6 +1,8 @@
 #pragma once
 // The passes of ngs-joint on a problem in memory.
+#include <atomic>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,6 +10,16 @@
 #include "ngs/passes/pipeline.h"
 
 namespace ngs::test {
+
+/// Steps are kept, it says, and forgets them.
+class KeepsNothing final : public StepStore {
+ public:
+  bool load(JointTrainer&) override { return false; }
+  void save(JointTrainer&) override {}
+  void save_on_the_way(JointTrainer&) override {}
+  void taking_steps(bool) override {}
+  std::int64_t every() const override { return 0; }
+};
 
 /// One run; what it refers to must outlive it.
 class PipelineCase {
@@ -26,8 +38,8 @@ class PipelineCase {
              .budget = budget_,
              .report = report_,
              .allow_empty = true} {
-    run_.problem.emplace(problem);
-    run_.coarse = &problem;
+    coarse_.emplace(problem).monitor = &monitor_;
+    run_.problem.emplace(*coarse_), run_.coarse = &*coarse_;
   }
   PipelineCase(const PipelineCase&) = delete;
   PipelineCase& operator=(const PipelineCase&) = delete;
@@ -38,6 +50,12 @@ class PipelineCase {
     pipeline_.declare(options, {});
     options.set_text(option, {value});
   }
+  /// Asks a run to stop, as a signal does.
+  void stop_flag(const std::atomic<bool>& flag) { monitor_.stop_flag(&flag); }
+  /// As if another run with that state (PassRun::state) went on.
+  void goes_on_from(const Json& state) { run_.resumed = state; }
+  /// With steps that are kept, so that another run may go on.
+  void keeps_steps(StepStore& store) { run_.store = &store; }
   /// As if the run had begun now, with so much time.
   void time_budget(double seconds) { budget_ = Budget(wall_seconds(), seconds); }
   /// Decides both stages on the problem as it is, and runs nothing.
@@ -46,12 +64,15 @@ class PipelineCase {
     pipeline_.decide(PassStage::kOptimise, run_, *run_.problem);
     return decisions_;
   }
+  /// Decides and runs the first of the two stages.
+  void mend() { pipeline_.decide(PassStage::kMend, run_, *run_.problem), pipeline_.run(PassStage::kMend, run_); }
   PassRun& run() {
     for (const PassStage stage : {PassStage::kMend, PassStage::kOptimise})
       pipeline_.decide(stage, run_, *run_.problem), pipeline_.run(stage, run_);
     return run_;
   }
   const Problem& problem() const { return *run_.problem; }
+  const Solution& solution() const { return *run_.solution; }
   const Json& report() const { return report_; }
   Decisions& decisions() { return decisions_; }
 
@@ -64,6 +85,7 @@ class PipelineCase {
   Decisions decisions_;
   Budget budget_{0, std::nullopt};
   Json report_ = Json::object();
+  std::optional<Problem> coarse_;
   PassRun run_;
 };
 

@@ -26,7 +26,7 @@
 namespace ngs::joint {
 namespace {
 
-constexpr PassCost kLoadCost{2, 0.4};
+constexpr PassCost kLoadCost{{.halvings = 20}, 0.4};
 
 void refuse_if(bool wrong, const std::string& what, const std::string& remedy) {
   if (wrong) throw Error(ErrorCode::kUsage, what, remedy);
@@ -121,7 +121,7 @@ bool load_views(cli::Run& run, Budget& budget, const CoarseInput& full, const Co
   const double began_s = budget.elapsed_s(), until_s = began_s + kLoadCost.share * budget.left_s();
   const double loaded = full.preload(run.exec(), [&] { return budget.elapsed_s() < until_s; });
   if (loaded >= 1) coarse.preload(run.exec());
-  budget.took("load views", loaded * kLoadCost.renders * double(views), budget.elapsed_s() - began_s);
+  budget.loaded("load views", loaded * double(views) * kLoadCost.per_view, budget.elapsed_s() - began_s);
   return loaded >= 1;
 }
 
@@ -148,7 +148,7 @@ Json decided(const Decisions& decisions) {
   Json effects = Json::array();
   for (const EffectDecision& d : decisions.all())
     if (!belongs_to(decisions.effects(), d.effect->name, "contours"))
-      effects.push_back(std::string(d.effect->name) + (d.on ? "=on" : "=off"));
+      effects.push_back(std::string(d.effect->name) + (d.on || d.broken_off ? "=on" : "=off"));
   return effects;
 }
 

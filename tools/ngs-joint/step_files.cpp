@@ -53,8 +53,8 @@ std::string StepFile::path_in(const std::string& folder) {
   return (std::filesystem::path(folder) / "checkpoint.safetensors").string();
 }
 
-Json StepFile::resumed(const Json& known) const {
-  if (!setup_.resume || !std::filesystem::exists(path())) return Json::object();
+std::optional<Json> StepFile::resumed(const Json& known) const {
+  if (!setup_.resume || !std::filesystem::exists(path())) return std::nullopt;
   const Json run = Json::parse(io::read_safetensors(path()).meta("run"), nullptr, false);
   if (!has_all(run, known)) refuse_other_run(path());
   const Json passes = run.value("passes", Json());

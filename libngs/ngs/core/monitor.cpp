@@ -53,7 +53,34 @@ void Monitor::warn(std::string message) {
   warnings_.push_back(std::move(message));
 }
 
+Monitor::Limit::Limit(Monitor& monitor, double until_s) : monitor_(monitor) {
+  monitor_.told_ = false, monitor_.until_s_ = until_s;
+}
+
+Monitor::Limit::~Limit() { monitor_.told_ = false, monitor_.until_s_ = kNever; }
+
+bool Monitor::Limit::reached() const { return monitor_.told_; }
+
+/// Told once is told for good: nobody may go on with what somebody else has left off.
+bool Monitor::limit_reached() const {
+  const double until_s = until_s_;
+  if (until_s == kNever) return false;
+  if (told_ || wall_seconds() >= until_s) told_ = true;
+  return told_;
+}
+
+/// A tenth of a loop tells how long the rest takes.
+void Monitor::foresee_end(std::int64_t done, std::int64_t total) {
+  constexpr std::int64_t kTelling = 10, kLeast = 3;
+  const double now_s = wall_seconds();
+  if (done <= 1) first_done_s_ = now_s;
+  if (done < kLeast || kTelling * done < total || done >= total) return;
+  const double rest_s = (now_s - first_done_s_) / double(done - 1) * double(total - done);
+  if (now_s + rest_s > until_s_) until_s_ = now_s;
+}
+
 void Monitor::progress(std::int64_t done, std::int64_t total) {
+  if (until_s_ != kNever) foresee_end(done, total);
   if (on_progress) on_progress(current_->name, done, total);
 }
 

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <list>
 #include <string>
 #include <vector>
@@ -41,10 +42,25 @@ class Monitor {
   };
   Scope scope(std::string name) { return Scope(*this, std::move(name)); }
 
+  /// Until the end of its scope, stop_requested() is also true once wall_seconds() has come to `until_s`, and as soon
+  /// as the loop that tells its progress is foreseen to end later. Begins and ends on one thread; none in another.
+  class Limit {
+   public:
+    Limit(Monitor& monitor, double until_s);
+    ~Limit();
+    Limit(const Limit&) = delete;
+    Limit& operator=(const Limit&) = delete;
+    /// Somebody was told to stop for it, and has left off midway.
+    bool reached() const;
+
+   private:
+    Monitor& monitor_;
+  };
+
   void warn(std::string message);
   void progress(std::int64_t done, std::int64_t total);
-  /// True once the user (signal) or a budget asked the stage to end early with what it has.
-  bool stop_requested() const { return stop_ != nullptr && stop_->load(); }
+  /// True once the user (a signal) or a Limit asked the stage to end early with what it has. From several threads.
+  bool stop_requested() const { return (stop_ != nullptr && stop_->load()) || limit_reached(); }
 
   const StageNode& root() const { return root_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
@@ -56,10 +72,18 @@ class Monitor {
   void stop_flag(const std::atomic<bool>* flag) { stop_ = flag; }
 
  private:
+  static constexpr double kNever = std::numeric_limits<double>::infinity();
+
+  bool limit_reached() const;
+  void foresee_end(std::int64_t done, std::int64_t total);
+
   StageNode root_;
   StageNode* current_;
   std::vector<std::string> warnings_;
   const std::atomic<bool>* stop_ = nullptr;
+  std::atomic<double> until_s_ = kNever;
+  mutable std::atomic<bool> told_ = false;  // to stop, for the limit
+  double first_done_s_ = 0;                 // of the loop that tells its progress
 };
 
 /// Seconds since an arbitrary fixed point, monotonic.

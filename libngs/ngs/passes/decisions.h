@@ -18,6 +18,8 @@ struct EffectDecision {
   bool on;
   std::string reason;
   std::optional<double> measured = {};
+  bool broken_off = false;  // it was on
+  bool overruled = false;   // its detector said otherwise
 };
 
 /// A decision that something else than the scene takes: an option, or the time that is left.
@@ -26,6 +28,7 @@ struct EffectVerdict {
   bool on;
   std::string reason;
   std::string mode = "auto";
+  bool asks_first = false;  // it counts only where the effect's detector says otherwise
 };
 
 class Decisions {
@@ -39,6 +42,9 @@ class Decisions {
 
   /// Another decision that the scene has no say in; entries of --effect and earlier verdicts still win.
   void rule(EffectVerdict verdict) { verdicts_.push_back(std::move(verdict)); }
+
+  /// Of an effect that is on: it turned out not to be done.
+  void break_off(std::string_view name, std::string reason);
 
   /// Decides these effects, in their order. True: a detector was asked.
   bool decide(const std::vector<Effect>& some, SceneProbe& probe);
@@ -59,6 +65,7 @@ class Decisions {
  private:
   const EffectDecision* find(std::string_view name) const;
   std::optional<EffectDecision> settled_decision(const Effect& effect) const;
+  EffectDecision measured_decision(const Effect& effect, double measured) const;
 
   std::vector<Effect> effects_;
   EffectModes modes_;

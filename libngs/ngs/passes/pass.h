@@ -48,7 +48,7 @@ struct PassRun {
   const Problem* coarse = nullptr;      // what was read, at the size of decisions
   const QueryField* field = nullptr;    // query points of the initial model from a file; null: sampled
   StepStore* store = nullptr;           // null: nothing is kept
-  Json resumed = Json::object();        // by pass: what the run that is resumed did, where the clock decided it
+  std::optional<Json> resumed = {};     // by pass: what the run that is resumed did, where the clock decided it
   Json state = Json::object();          // the same of this run
 
   std::vector<float> floater = {};  // [N] 1: taken out of the model; empty: none
@@ -77,12 +77,13 @@ class Pass {
   virtual void declare(OptionSet&, OptionGroup /*group*/) {}
   /// What its options decide without naming an effect.
   virtual std::vector<EffectVerdict> rules(const TrainingOptions&) const { return {}; }
-  /// What it takes at most before it can be stopped; none: it follows the clock.
+  /// What it is foreseen to take; none: it follows the clock. Where it is stopped on the way, it changes nothing in the
+  /// run.
   virtual std::optional<PassCost> cost() const { return std::nullopt; }
   /// Tells the budget and the other passes what is to come. Asked before the decisions, and again after them; from the
   /// last pass to the first, so that a pass knows what follows.
   virtual void foresee(PassRun&) {}
-  /// Before any pass of its stage runs, whether it is on or off.
+  /// Before run(), whether it is on or off.
   virtual void begin(PassRun&) {}
   /// Where it is on.
   virtual void run(PassRun&) = 0;

@@ -6,15 +6,32 @@
 namespace ngs {
 namespace {
 
-/// Detectors of the optimising passes look at views; those of the mending ones at views that are loaded anyway.
-constexpr PassCost kDetectorsCost{1.5, 0.6};
+/// Detectors of the optimising passes look at views; those of the mending ones at views that are loaded anyway, and
+/// take no more than their passes may.
+constexpr PassCost kDetectorsCost{{.renders = 0.25, .halvings = 25}, 0.8};
+
+constexpr const char* kNoTime = "--time-budget has no time for it";
+constexpr const char* kBrokenOff = "broken_off";  // of the state that a resumed run repeats
+
+bool was_broken_off(const Json& before, std::string_view name) {
+  const Json names = before.value(kBrokenOff, Json::array());
+  return std::ranges::any_of(names, [&](const Json& n) { return n.is_string() && n.get<std::string>() == name; });
+}
+
+/// Nothing of a pass is left.
+void break_off(PassRun& run, std::string_view name) {
+  run.budget.note_cut();
+  run.decisions.break_off(name, "--time-budget: broken off, it would have taken too long");
+  run.state[kBrokenOff].push_back(std::string(name));
+  run.report["effects"] = run.decisions.json();
+}
 
 }  // namespace
 
 void leave_out_for_time(PassRun& run, std::string_view effect) {
   const bool insisted = run.decisions.mode(effect) != EffectMode::kAuto;
   if (!insisted && run.decisions.may_be_on(effect, *run.problem)) run.budget.note_cut();
-  run.decisions.rule({effect, false, "--time-budget has no time for it"});
+  run.decisions.rule({effect, false, kNoTime});
 }
 
 std::vector<Effect> Pipeline::effects() const {
@@ -60,24 +77,66 @@ void Pipeline::rule_by_time(PassStage stage, PassRun& run) const {
       leave_out_for_time(run, pass->effects().front().name);
   if (stage != PassStage::kOptimise) return;
   const TimePlan plan = run.budget.plan();
-  if (!plan.steps || !run.budget.fits(kDetectorsCost, run.problem->views.size())) leave_out_for_time(run, "joint");
-  if (!plan.field) leave_out_for_time(run, "nerf");
-  if (plan.contour_iterations == 0 && run.budget.contours.epochs > 0) leave_out_for_time(run, "contours");
+  const bool looks = run.budget.fits(kDetectorsCost, run.problem->views.size());
+  const auto leave_out = [&](std::string_view effect) {
+    if (!looks) return leave_out_for_time(run, effect);
+    run.decisions.rule({.name = effect, .on = false, .reason = kNoTime, .asks_first = true});
+  };
+  if (!plan.steps || !looks) leave_out_for_time(run, "joint");
+  if (!plan.field) leave_out("nerf");
+  if (plan.contour_iterations == 0 && run.budget.contours.epochs > 0) leave_out("contours");
+}
+
+/// Asks the detectors of a pass. Where they take too long, it and its parts are left out; what the probe then knows is
+/// of part of the views, and forgotten.
+bool Pipeline::decide_pass(const Pass& pass, PassRun& run, const Problem& seen, std::optional<SceneProbe>& probe,
+                           double until_s) const {
+  std::vector<Effect> effects = pass.effects();
+  if (!probe) probe.emplace(run.exec, run.training, seen);
+  {
+    const Monitor::Limit limit(run.monitor, until_s);
+    const bool asked = run.decisions.decide(effects, *probe);
+    if (!limit.reached()) return asked;
+  }
+  probe.emplace(run.exec, run.training, seen);
+  std::erase_if(effects, [&](const Effect& effect) { return run.decisions.decided(effect.name); });
+  for (const Effect& effect : effects) leave_out_for_time(run, effect.name);
+  run.decisions.decide(effects, *probe);
+  return true;
 }
 
 void Pipeline::decide(PassStage stage, PassRun& run, const Problem& seen) const {
   foresee(run);
   rule_by_time(stage, run);
   const auto timed = run.monitor.scope("detectors");
-  const double began_s = wall_seconds();
-  SceneProbe probe(run.exec, run.training, seen);
+  const double began_s = wall_seconds(), until_s = run.budget.end_of_s(kDetectorsCost.share);
+  std::optional<SceneProbe> probe;
   const std::size_t known = run.decisions.all().size();
-  const bool asked = run.decisions.decide(effects(stage), probe);
-  for (const EffectDecision& d : run.decisions.all() | std::views::drop(known))
+  bool asked = false;
+  for (const auto& pass : passes_) {
+    if (pass->stage() != stage || run.monitor.stop_requested()) continue;
+    const bool mends = stage == PassStage::kMend && pass->cost();
+    asked |= decide_pass(*pass, run, seen, probe, mends ? run.budget.end_of_s(pass->cost()->share) : until_s);
+  }
+  for (const EffectDecision& d : run.decisions.all() | std::views::drop(known)) {
     if (d.measured) run.say(decision_line(d));
+    if (d.overruled) run.budget.note_cut();
+  }
   if (asked && stage == PassStage::kOptimise)
-    run.budget.took("detectors", kDetectorsCost.renders * double(seen.views.size()), wall_seconds() - began_s);
+    run.budget.took("detectors", double(seen.views.size()) * kDetectorsCost.per_view, wall_seconds() - began_s);
   run.report["effects"] = run.decisions.json();
+}
+
+/// Runs a pass, or breaks it off where it takes more than its share: then nothing of it is left. What kept steps begin
+/// with must be the same where they are resumed: there the clock has no say.
+void Pipeline::run_in_time(Pass& pass, PassRun& run) const {
+  const std::string_view name = pass.effects().front().name;
+  const bool insisted = run.decisions.mode(name) != EffectMode::kAuto;
+  if (run.resumed && was_broken_off(*run.resumed, name)) return break_off(run, name);
+  if (run.resumed || insisted || run.store != nullptr || !pass.cost()) return pass.run(run);
+  const Monitor::Limit limit(run.monitor, run.budget.end_of_s(pass.cost()->share));
+  pass.run(run);
+  if (limit.reached()) break_off(run, name);
 }
 
 bool Pipeline::run(PassStage stage, PassRun& run) const {
@@ -90,8 +149,9 @@ bool Pipeline::run(PassStage stage, PassRun& run) const {
     }
     return !run.monitor.stop_requested();
   };
-  return each([&](Pass& pass) { pass.begin(run); }) && each([&](Pass& pass) {
-           if (run.on(pass.effects().front().name)) pass.run(run);
+  return each([&](Pass& pass) {
+           pass.begin(run);
+           if (run.on(pass.effects().front().name)) run_in_time(pass, run);
          }) &&
          each([&](Pass& pass) { pass.finish(run); });
 }

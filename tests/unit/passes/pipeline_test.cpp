@@ -12,51 +12,14 @@
 #include "ngs/stages/boundary/variance_stage.h"
 #include "ngs/stages/render/render_stage.h"
 #include "support/changed_labels.h"
-#include "support/joint_case.h"
+#include "support/effect_case.h"
 #include "support/pipeline_case.h"
 #include "support/switches.h"
 
 namespace ngs {
 namespace {
 
-/// The joint case, to be bent, and the passes of ngs-joint on it.
-struct EffectCase {
-  std::unique_ptr<test::JointCase> base = test::joint_case();
-  TrainingOptions training;
-  int contour_epochs = 4;
-  bool fine_photos = false;
-
-  EffectCase() {
-    JointOptions& joint = training.joint;
-    joint.steps = 12, joint.hash_levels = 3, joint.hash_log2_table = 8, joint.hash_finest = 48;
-    joint.mlp_hidden = 16, joint.smooth_points = 64;
-    training.sample.rows = training.sample.cols = 10, training.sample.depth_samples = 4;
-    for (SceneView& v : base->scene.views) v.image_path = "photo";
-  }
-  Problem input() const {
-    Problem in = base->input();
-    if (fine_photos) in.load_fine_photo = in.load_photo;
-    in.splat.antialiased = base->model.antialiased;
-    return in;
-  }
-  void relabel(double tau = 0.2) {
-    Monitor monitor;
-    VarianceOptions options;
-    options.tau = tau;
-    base->labels = label_gaussians(
-        options,
-        accumulate_evidence({}, monitor,
-                            {base->model, base->scene, {0, 1, 2, 3}, base->input().splat, base->input().load_masks}));
-  }
-  void render_photos(const SplatOptions& splat = {}) {
-    for (std::size_t v = 0; v < 4; ++v)
-      base->photos[v] = render({}, base->model, base->scene.views[v].camera, splat, {}).colour;
-  }
-  void paint(float value) {  // everything in one colour, photos too
-    std::fill(base->model.sh_dc.begin(), base->model.sh_dc.end(), value);
-    render_photos();
-  }
-};
+using test::EffectCase;
 
 void set_contours(const EffectCase& c, test::PipelineCase& passes) {
   passes.set("contour_epochs", std::to_string(c.contour_epochs));
@@ -161,24 +124,9 @@ void wide_pictures(EffectCase& c) {
 
 std::vector<Pair> pairs() {
   return {
-      {"exposure",
-       [](EffectCase& c) {
-         for (float& x : c.base->photos[1].data) x *= 0.8f;
-       },
-       as_it_is},
-      {"mask-outliers",
-       [](EffectCase& c) {
-         auto& mask = c.base->masks[1].target[0];
-         std::rotate(mask.begin(), mask.begin() + 480 + 14, mask.end());
-       },
-       as_it_is},
-      {"floaters",
-       [](EffectCase& c) {  // the wall's first Gaussians hang before the ball
-         for (std::size_t i = 160; i < 166; ++i)
-           c.base->model.position[3 * i] = 0.05f * float(i - 163), c.base->model.position[3 * i + 1] = 0,
-                                      c.base->model.position[3 * i + 2] = 1.5f;
-       },
-       as_it_is},
+      {"exposure", test::dark_photo, as_it_is},
+      {"mask-outliers", test::shifted_mask, as_it_is},
+      {"floaters", test::floaters_before, as_it_is},
       {"components",
        [](EffectCase& c) {  // a piece of the wall that one of sixteen views claims
          test::change(c.base->labels[0].views, [](float v) { return 4 * v; });
@@ -340,6 +288,24 @@ TEST_CASE("decisions: an entry wins over a verdict, a verdict over the detector,
     if (d.effect->name == "cont") CHECK((!d.on && d.mode == "replayed" && d.reason == "because"));
     if (d.effect->name == "smooth") CHECK((!d.on && d.reason == "needs nerf"));
   }
+}
+
+TEST_CASE("decisions: a verdict that asks first counts where the detector says otherwise, or where there is none") {
+  EffectCase flat, round;
+  view_dependent(round);
+  const auto decided = [](const EffectCase& c, std::string_view name) {
+    const Problem in = c.input();
+    test::PipelineCase passes(in, c.training, {"joint=on"});
+    for (const char* effect : {"sh", "box"})
+      passes.decisions().rule({.name = effect, .on = false, .reason = "no time", .asks_first = true});
+    for (EffectDecision d : passes.decide().all())
+      if (d.effect->name == name) return d;
+    throw std::logic_error("no such effect");
+  };
+  const EffectDecision needless = decided(flat, "sh"), wanted = decided(round, "sh"), always = decided(flat, "box");
+  CHECK((!needless.on && !needless.overruled && needless.reason != "no time"));
+  CHECK((!wanted.on && wanted.overruled && wanted.reason == "no time" && wanted.measured));
+  CHECK((!always.on && always.reason == "no time"));
 }
 
 TEST_CASE("decisions without a detector: what it needs, else an entry, else the first verdict, else always on") {

@@ -2,6 +2,9 @@
 
 #include <doctest/doctest.h>
 
+#include "ngs/passes/time/budget.h"
+#include "support/joint_case.h"
+
 namespace ngs {
 namespace {
 
@@ -92,6 +95,33 @@ TEST_CASE("epochs that fit only without the safety margin are all begun, and not
   CHECK((planned(7.9).epochs == 3 && planned(7.9).cut));
   CHECK((planned(0).epochs == 1 && planned(0).cut));
   CHECK((planned(-3).epochs == 1 && planned(-3).cut));
+}
+
+TEST_CASE("budget: work is foreseen in renders and in halvings of a picture, both of which are timed") {
+  const auto c = test::joint_case();
+  const Problem in = c->input();
+  Budget budget(wall_seconds(), 1000.0);
+  budget.measure({}, in, 0);
+  const double render_s = budget.foreseen_s(1), halving_s = budget.foreseen_s(ViewWork{.halvings = 1});
+  CHECK(render_s > 0);
+  CHECK(halving_s > 0);
+  CHECK(budget.foreseen_s(3.0 * ViewWork{2, 5}) == doctest::Approx(6 * render_s + 15 * halving_s));
+  CHECK(budget.fits({{.renders = 1}, 1}, 4));
+  CHECK_FALSE(budget.fits({{.renders = 2000 / render_s}, 1}, 4));
+  CHECK_FALSE(budget.fits({{.halvings = 2000 / halving_s}, 1}, 4));
+}
+
+TEST_CASE("budget: what passes take sets the pace of the rest, what reading files takes does not") {
+  const auto c = test::joint_case();
+  const Problem in = c->input();
+  Budget budget(wall_seconds(), 1000.0);
+  budget.measure({}, in, 0);
+  const double before_s = budget.foreseen_s(1);
+  budget.loaded("files", {.renders = 1}, 50);
+  CHECK(budget.foreseen_s(1) == before_s);
+  budget.took("pass", {.renders = 1}, 50);
+  CHECK(budget.foreseen_s(1) > 10 * before_s);
+  CHECK(budget.json().at("stages").size() == 2);
 }
 
 }  // namespace ngs

@@ -6,8 +6,9 @@
 namespace ngs {
 namespace {
 
-constexpr PassCost kWhole{8, 0.2}, kRefitEpoch{4.5, 0.12};
-constexpr double kSearchRenders = 5.5, kDraftSearchRenders = 4;
+constexpr PassCost kWhole{{.renders = 4.5, .halvings = 35}, 0.2};
+constexpr ViewWork kSearch{.renders = 1.3, .halvings = 35}, kDraftSearch{.renders = 0.9, .halvings = 35};
+constexpr double kRefitEpochRenders = 1.7, kRefitShare = 0.12;  // most of it is Gaussians, whatever the size
 constexpr int kDraftShrink = 2, kDraftRefitEpochs = 3;
 constexpr std::size_t kDraftViews = 48;
 
@@ -21,7 +22,7 @@ struct FloaterPlan {
 
 FloaterPlan plan_for(const PassRun& run) {
   FloaterPlan plan;
-  const Json kept = run.resumed.value("floaters", Json());
+  const Json kept = run.resumed ? run.resumed->value("floaters", Json()) : Json();
   if (kept.is_object() && kept.value("draft", Json()).is_boolean() &&
       kept.value("refit_epochs", Json()).is_number_integer()) {
     const auto epochs = kept["refit_epochs"].get<std::int64_t>();
@@ -59,25 +60,26 @@ Problem without(const Problem& problem, std::shared_ptr<const GaussianCloud> clo
   return next;
 }
 
-/// Takes them out, and refits what they covered.
-void remove(PassRun& run, const CoarseInput& coarse, int shrink, const FloaterFinding& finding, FloaterPlan& plan) {
-  Json& report = run.report["floaters"];
-  const double epoch_renders = kRefitEpoch.renders * double(run.problem->scene.views.size()) / double(shrink * shrink);
+/// Takes them out, and refits what they covered; false: it was asked to stop.
+bool remove(PassRun& run, const CoarseInput& coarse, const FloaterFinding& finding, FloaterPlan& plan) {
+  const double epoch_renders = kRefitEpochRenders * double(run.problem->scene.views.size());
   const int most = plan.draft ? kDraftRefitEpochs : RefitOptions{}.epochs;
-  if (plan.refit_epochs == 0) plan.refit_epochs = run.budget.epochs_that_fit(epoch_renders, kRefitEpoch.share, most);
+  if (plan.refit_epochs == 0) plan.refit_epochs = run.budget.epochs_that_fit(epoch_renders, kRefitShare, most);
   FloaterRemoval removal = [&] {
     const auto lap = run.budget.lap("refit", plan.refit_epochs * epoch_renders);
     return remove_floaters(run.exec, run.monitor, {.epochs = plan.refit_epochs}, coarse.get(), finding);
   }();
-  note(removal.figures, report);
   std::vector<LabelColumns> labels =
       labels_without_floaters(run.exec, run.monitor, *run.problem, removal.cloud, finding.floater);
+  if (run.monitor.stop_requested()) return false;
+  note(removal.figures, run.report["floaters"]);
   Problem next =
       without(*run.problem, std::make_shared<const GaussianCloud>(std::move(removal.cloud)), std::move(labels));
   run.problem.emplace(std::move(next));
   run.floater.assign(finding.floater.begin(), finding.floater.end());
   run.fields_fit = false;
   run.say(std::to_string(finding.count) + " floaters before the object were taken out (column ngs_floater)");
+  return true;
 }
 
 }  // namespace
@@ -99,19 +101,18 @@ void FloatersPass::run(PassRun& run) {
   const CoarseInput coarse(*run.problem, shrink);
   coarse.preload(run.exec);
   const FloaterFinding finding = [&] {
-    const double renders = plan.draft ? kDraftSearchRenders : kSearchRenders;
-    const auto lap = run.budget.lap("floaters", renders * double(run.problem->scene.views.size()));
+    const ViewWork& of_view = plan.draft ? kDraftSearch : kSearch;
+    const auto lap = run.budget.lap("floaters", double(run.problem->scene.views.size()) * of_view);
     return find_floaters(run.exec, run.monitor, options, coarse.get());
   }();
-  Json& report =
-      run.report["floaters"] = {{"removed", finding.count},
-                                {"reason", finding.count > 0 ? "the photos show the object behind them"
-                                                             : "what lies before the object hides too little of it"},
-                                {"seen_through", options.seen_through},
-                                {"least_hidden", options.least_hidden}};
-  note(finding.figures, report);
   if (run.monitor.stop_requested()) return;
-  if (finding.count > 0) remove(run, coarse, shrink, finding, plan);
+  if (finding.count > 0 && !remove(run, coarse, finding, plan)) return;
+  Json& report = run.report["floaters"];
+  report["removed"] = finding.count;
+  report["reason"] = finding.count > 0 ? "the photos show the object behind them"
+                                       : "what lies before the object hides too little of it";
+  report["seen_through"] = options.seen_through, report["least_hidden"] = options.least_hidden;
+  note(finding.figures, report);
   run.state["floaters"] = plan.json();
 }
 

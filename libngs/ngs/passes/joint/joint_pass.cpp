@@ -58,7 +58,7 @@ void take_steps(PassRun& run, double keep_s, StepStore* store) {
     if (store != nullptr && store->every() > 0 && progress.step % store->every() == 0) store->save_on_the_way(trainer);
   }
   const double renders = double(trainer.steps_done() - before) * step_renders(run.on("nerf"));
-  run.budget.took("steps", renders, wall_seconds() - began_s);
+  run.budget.took("steps", {.renders = renders}, wall_seconds() - began_s);
 }
 
 /// Nothing optimises: the labels as they come are the solution's.

@@ -97,6 +97,15 @@ void MaskOutliersPass::run(PassRun& run) {
   const auto outliers = std::make_shared<const MaskOutliers>(
       judge_views(run.exec, run.monitor, {}, *run.coarse, looked(*first_, run.exec, *run.coarse)));
   if (run.monitor.stop_requested()) return;
+  Problem next = *run.problem;
+  if (!outliers->ignored.empty()) {
+    next.load_masks = [load = next.load_masks, outliers](std::size_t view) {
+      return consistent_masks(*outliers, view, load(view));
+    };
+    next.labels = next.whole ? labels_without_views(run.exec, run.monitor, next, outliers->ignored)
+                             : labels_anew(run.exec, run.monitor, next, next.cloud);
+    if (run.monitor.stop_requested()) return;
+  }
   Json names = Json::array();
   for (const std::size_t v : outliers->ignored) {
     const std::string& name = run.problem->scene.views[v].camera.name;
@@ -106,13 +115,7 @@ void MaskOutliersPass::run(PassRun& run) {
   }
   Json& report = run.report["mask_outliers"] = {{"ignored", names}};
   for (const auto& [name, value] : outliers->figures) report[name] = value;
-  if (outliers->ignored.empty()) return;
-  Problem& problem = *run.problem;
-  problem.load_masks = [load = problem.load_masks, outliers](std::size_t view) {
-    return consistent_masks(*outliers, view, load(view));
-  };
-  problem.labels = problem.whole ? labels_without_views(run.exec, run.monitor, problem, outliers->ignored)
-                                 : labels_anew(run.exec, run.monitor, problem, problem.cloud);
+  run.problem.emplace(std::move(next));
 }
 
 }  // namespace ngs

@@ -8,17 +8,7 @@
 namespace ngs {
 namespace {
 
-constexpr double kEvidenceRenders = 1, kVoteRenders = 0.25;  // the latter of each object
-constexpr double kShareOfTime = 0.5;
-
-double renders_per_view(const PassRun& run) {
-  return kEvidenceRenders + kVoteRenders * double(run.problem->labels.size());
-}
-
-/// Joint steps that are resumed must begin with the same labels, so that the clock has no say there.
-bool has_time(const PassRun& run) {
-  return run.on("joint") || run.budget.fits({renders_per_view(run), kShareOfTime}, run.problem->scene.views.size());
-}
+constexpr double kRendersOfObject = 0.2;
 
 }  // namespace
 
@@ -38,17 +28,13 @@ std::vector<EffectVerdict> SeenThroughPass::rules(const TrainingOptions& trainin
   return {};
 }
 
-void SeenThroughPass::begin(PassRun& run) {
-  if (!run.on("seen-through")) return;
-  if (!has_time(run)) {
-    run.budget.note_cut();
-    run.report["seen_through"] = {{"left_out", "--time-budget has no time for it"}};
-    return;
-  }
+void SeenThroughPass::run(PassRun& run) {
   const auto timed = run.monitor.scope("seen through");
   Problem& problem = *run.problem;
-  const auto lap = run.budget.lap("seen through", renders_per_view(run) * double(problem.scene.views.size()));
-  SeenThrough finding = without_seen_through(run.exec, problem, problem.labels.taken());
+  const auto lap = run.budget.lap(
+      "seen through", kRendersOfObject * double(problem.labels.size()) * double(problem.scene.views.size()));
+  SeenThrough finding = without_seen_through(run.exec, problem, problem.labels);
+  if (run.monitor.stop_requested()) return;
   problem.labels = std::move(finding.labels);
   Json objects = Json::array();
   std::int64_t count = 0;

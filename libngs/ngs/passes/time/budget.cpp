@@ -7,6 +7,7 @@
 #include "ngs/core/error.h"
 #include "ngs/core/parse_number.h"
 #include "ngs/problem/view_list.h"
+#include "ngs/scene/shrink.h"
 #include "ngs/stages/render/render_stage.h"
 
 namespace ngs {
@@ -17,6 +18,24 @@ constexpr double kMeasuringShare = 0.02;  // of the budget
 constexpr std::size_t kMeasured = 5;      // renders
 constexpr double kCaution = 1.25;         // on what cannot be stopped
 
+/// Of a picture with as many pixels as the views have in the mean; the best of some times.
+double halving_s(const Problem& problem) {
+  double pixels = 0;
+  for (const std::size_t view : problem.views) {
+    const Camera& camera = problem.scene.views[view].camera;
+    pixels += double(camera.width_px) * double(camera.height_px) / double(problem.views.size());
+  }
+  const int side_px = std::max(2, int(std::sqrt(pixels)));
+  const ImageF picture(side_px, side_px, 3, 0.5f);
+  double best_s = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < kMeasured; ++i) {
+    const double began_s = wall_seconds();
+    shrunk(picture, 2);
+    best_s = std::min(best_s, wall_seconds() - began_s);
+  }
+  return best_s;
+}
+
 }  // namespace
 
 double Budget::left_s() const {
@@ -25,7 +44,8 @@ double Budget::left_s() const {
 
 void Budget::measure(const Exec& exec, const Problem& problem, double reading_s) {
   if (!given() || problem.views.empty()) return;
-  closing_s_ = kLeastClosing_s + 2 * reading_s;
+  closing_s_ = kLeastClosing_s + 1.5 * reading_s;
+  halving_s_ = halving_s(problem);
   const double began_s = wall_seconds(), most_s = kMeasuringShare * *seconds_;
   const auto rendering_s = [&](std::size_t view) {
     const double before_s = wall_seconds();
@@ -44,13 +64,16 @@ void Budget::measure(const Exec& exec, const Problem& problem, double reading_s)
 }
 
 bool Budget::fits(const PassCost& cost, std::size_t views) const {
-  return !given() || kCaution * foreseen_s(cost.renders * double(views)) <= cost.share * left_s();
+  return !given() || kCaution * foreseen_s(double(views) * cost.per_view) <= cost.share * left_s();
 }
 
-void Budget::took(std::string_view name, double renders, double seconds) {
-  if (!given()) return;
-  laps_.push_back({{"stage", name}, {"foreseen_s", foreseen_s(renders)}, {"took_s", seconds}});
-  pace_.add(renders * render_s_, seconds);
+void Budget::loaded(std::string_view name, const ViewWork& work, double seconds) {
+  if (given()) laps_.push_back({{"stage", name}, {"foreseen_s", foreseen_s(work)}, {"took_s", seconds}});
+}
+
+void Budget::took(std::string_view name, const ViewWork& work, double seconds) {
+  loaded(name, work, seconds);
+  if (given()) pace_.add(unpaced_s(work), seconds);
 }
 
 int Budget::epochs_that_fit(double renders, double share, int most) {
@@ -83,11 +106,8 @@ TimePlan Budget::plan_contours(std::optional<double> first_refine_s) const {
 }
 
 Json Budget::json() const {
-  return {{"seconds", seconds_.value_or(0)},
-          {"render_s", render_s_},
-          {"pace", pace_.factor()},
-          {"cut", cut_},
-          {"stages", laps_}};
+  return {{"seconds", seconds_.value_or(0)}, {"render_s", render_s_}, {"halving_s", halving_s_},
+          {"pace", pace_.factor()},          {"cut", cut_},           {"stages", laps_}};
 }
 
 std::optional<double> parse_seconds(const std::string& text) {

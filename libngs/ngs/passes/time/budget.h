@@ -1,7 +1,7 @@
 #pragma once
-// What --time-budget leaves time for. Every pass has a cost in renders of a view; one render is timed when the run
-// begins, and what the passes then take corrects the rest. What cannot stop midway is begun only where it is foreseen
-// to end in time; steps follow the clock itself (watch.h).
+// What --time-budget leaves time for. Every pass has a cost in renders of a view and in work on its pixels; both are
+// timed when the run begins, and what the passes then take corrects the rest. A pass is begun only where it is foreseen
+// to end in time, and broken off and undone where it does not; steps follow the clock itself (watch.h).
 #include <optional>
 #include <string_view>
 
@@ -11,9 +11,20 @@
 
 namespace ngs {
 
-/// Renders per view, and the share of the time left that they may take at most.
+/// Work on a view, or on several. A render is of the whole model; halving a picture of the view's size stands for what
+/// is done to pixels, however large the model is.
+struct ViewWork {
+  double renders = 0, halvings = 0;
+  friend ViewWork operator*(double times, const ViewWork& of) { return {times * of.renders, times * of.halvings}; }
+  friend ViewWork operator+(const ViewWork& a, const ViewWork& b) {
+    return {a.renders + b.renders, a.halvings + b.halvings};
+  }
+};
+
+/// Of a view, and the share of the time left that the pass may take at most.
 struct PassCost {
-  double renders, share = 1;
+  ViewWork per_view;
+  double share = 1;
 };
 
 /// Renders of training views that the joint steps take.
@@ -40,28 +51,35 @@ class Budget {
   /// Whether what takes `next_s` may still be begun.
   bool allows(double next_s) const { return !given() || next_s <= left_s(); }
 
-  /// Times a render of the first training view, and keeps the time for writing that reading took. Only where a budget
-  /// is given.
+  /// Times work on the first training view, and keeps the time for writing that reading took. Only where a budget is
+  /// given.
   void measure(const Exec& exec, const Problem& problem, double reading_s);
-  double foreseen_s(double renders) const { return renders * render_s_ * pace_.factor(); }
+  double foreseen_s(const ViewWork& work) const { return unpaced_s(work) * pace_.factor(); }
+  double foreseen_s(double renders) const { return foreseen_s(ViewWork{renders}); }
   bool fits(const PassCost& cost, std::size_t views) const;
+  /// wall_seconds() when `share` of the time left will be over.
+  double end_of_s(double share) const { return wall_seconds() + share * left_s(); }
 
   /// Until the end of its scope a pass is timed against what was foreseen for it.
   class Lap {
    public:
-    Lap(Budget& budget, std::string_view name, double renders)
-        : budget_(budget), name_(name), renders_(renders), began_s_(wall_seconds()) {}
-    ~Lap() { budget_.took(name_, renders_, wall_seconds() - began_s_); }
+    Lap(Budget& budget, std::string_view name, const ViewWork& work)
+        : budget_(budget), name_(name), work_(work), began_s_(wall_seconds()) {}
+    ~Lap() { budget_.took(name_, work_, wall_seconds() - began_s_); }
     Lap(const Lap&) = delete;
     Lap& operator=(const Lap&) = delete;
 
    private:
     Budget& budget_;
     std::string_view name_;
-    double renders_, began_s_;
+    ViewWork work_;
+    double began_s_;
   };
-  Lap lap(std::string_view name, double renders) { return {*this, name, renders}; }
-  void took(std::string_view name, double renders, double seconds);
+  Lap lap(std::string_view name, const ViewWork& work) { return {*this, name, work}; }
+  Lap lap(std::string_view name, double renders) { return lap(name, ViewWork{renders}); }
+  void took(std::string_view name, const ViewWork& work, double seconds);
+  /// The same of reading files, which tells nothing of the pace of the rest.
+  void loaded(std::string_view name, const ViewWork& work, double seconds);
 
   /// As many of `most` epochs of `renders` each as fit `share` of the time left, at least one.
   int epochs_that_fit(double renders, double share, int most);
@@ -80,11 +98,12 @@ class Budget {
   Json json() const;
 
  private:
+  double unpaced_s(const ViewWork& work) const { return work.renders * render_s_ + work.halvings * halving_s_; }
   IterationsCost contours_cost() const;
 
   double start_s_;
   std::optional<double> seconds_;
-  double render_s_ = 0, closing_s_ = 0;
+  double render_s_ = 0, halving_s_ = 0, closing_s_ = 0;
   Pace pace_{0.3};
   bool cut_ = false;
   Json laps_ = Json::array();

@@ -3,7 +3,9 @@
 #include <doctest/doctest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "ngs/math/stable.h"
 #include "ngs/ops/splat/evidence.h"
@@ -151,21 +153,35 @@ TEST_CASE("seen through: asked where many masks refuse the photos' edges, and no
   CHECK_FALSE(pass.rules(training)[0].on);
 }
 
-TEST_CASE("seen through: the labels of a run, unless its time is up; joint steps begin with them all the same") {
+TEST_CASE("seen through: the labels of a run, unless they take too long; kept steps begin with them all the same") {
   const Pane pane(12, 12);
   const Problem in = pane.problem();
-  const TrainingOptions training;
-  const std::vector<std::string> alone{"all=off", "seen-through=on"};
-  test::PipelineCase run(in, training, alone), late(in, training, alone);
-  CHECK(run.run().solution->labels[0].label == LabelColumn({1, 0}));
-  CHECK(run.report()["seen_through"]["gaussians"] == 1);
-  CHECK(run.report()["seen_through"]["objects"][0]["object"] == "pane");
-  late.time_budget(1e-9);
-  CHECK(late.run().solution->labels[0].label == LabelColumn({1, 1}));
-  CHECK(late.report()["seen_through"].contains("left_out"));
-  test::PipelineCase trained(in, training, {"all=off", "seen-through=on", "joint=on"});
-  trained.time_budget(1e-9);  // resumed, they must begin with what they began with
-  CHECK(trained.run().report["seen_through"]["gaussians"] == 1);
+  Problem slow = in;
+  slow.load_masks = [&](std::size_t view) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return in.load_masks(view);
+  };
+  const auto seen_through = [](test::PipelineCase& passes) -> PassRun& {
+    passes.decisions().rule({"seen-through", true, "the test"});
+    return passes.run();
+  };
+  const std::vector<std::string> alone{"all=off", "seen-through=auto"},
+      trained{"all=off", "seen-through=auto", "joint=on"};
+  test::PipelineCase whole(in, {}, alone);
+  CHECK(seen_through(whole).solution->labels[0].label == LabelColumn({1, 0}));
+  CHECK(whole.report()["seen_through"]["gaussians"] == 1);
+  CHECK(whole.report()["seen_through"]["objects"][0]["object"] == "pane");
+
+  test::PipelineCase late(slow, {}, alone);
+  late.time_budget(0.1);
+  CHECK(seen_through(late).solution->labels[0].label == LabelColumn({1, 1}));
+  CHECK_FALSE(late.decisions().on("seen-through"));
+  CHECK_FALSE(late.report().contains("seen_through"));
+
+  test::KeepsNothing store;
+  test::PipelineCase kept(slow, {}, trained);
+  kept.time_budget(0.1), kept.keeps_steps(store);
+  CHECK(seen_through(kept).report["seen_through"]["gaussians"] == 1);
 }
 
 TEST_CASE("seen through: an interrupted search takes nothing") {

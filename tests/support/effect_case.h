@@ -1,0 +1,70 @@
+#pragma once
+// The joint case, to be bent until a scene calls for an effect.
+#include <algorithm>
+#include <memory>
+
+#include "ngs/passes/joint/training_options.h"
+#include "ngs/stages/boundary/variance_stage.h"
+#include "ngs/stages/render/render_stage.h"
+#include "support/joint_case.h"
+
+namespace ngs::test {
+
+struct EffectCase {
+  std::unique_ptr<JointCase> base = joint_case();
+  TrainingOptions training;
+  int contour_epochs = 4;
+  bool fine_photos = false;
+
+  EffectCase() {
+    JointOptions& joint = training.joint;
+    joint.steps = 12, joint.hash_levels = 3, joint.hash_log2_table = 8, joint.hash_finest = 48;
+    joint.mlp_hidden = 16, joint.smooth_points = 64;
+    training.sample.rows = training.sample.cols = 10, training.sample.depth_samples = 4;
+    for (SceneView& v : base->scene.views) v.image_path = "photo";
+  }
+  Problem input() const {
+    Problem in = base->input();
+    if (fine_photos) in.load_fine_photo = in.load_photo;
+    in.splat.antialiased = base->model.antialiased;
+    return in;
+  }
+  void relabel(double tau = 0.2) {
+    Monitor monitor;
+    VarianceOptions options;
+    options.tau = tau;
+    base->labels = label_gaussians(
+        options,
+        accumulate_evidence({}, monitor,
+                            {base->model, base->scene, {0, 1, 2, 3}, base->input().splat, base->input().load_masks}));
+  }
+  void render_photos(const SplatOptions& splat = {}) {
+    for (std::size_t v = 0; v < 4; ++v)
+      base->photos[v] = render({}, base->model, base->scene.views[v].camera, splat, {}).colour;
+  }
+  void paint(float value) {  // everything in one colour, photos too
+    std::fill(base->model.sh_dc.begin(), base->model.sh_dc.end(), value);
+    render_photos();
+  }
+};
+
+/// Calls for exposure: one photo is darker.
+inline void dark_photo(EffectCase& c) {
+  for (float& x : c.base->photos[1].data) x *= 0.8f;
+}
+
+/// Calls for mask-outliers: one mask lies elsewhere.
+inline void shifted_mask(EffectCase& c) {
+  std::vector<float>& mask = c.base->masks[1].target[0];
+  std::rotate(mask.begin(), mask.begin() + 480 + 14, mask.end());
+}
+
+/// Calls for floaters: the wall's first Gaussians hang before the ball.
+inline void floaters_before(EffectCase& c) {
+  for (std::size_t i = 160; i < 166; ++i) {
+    float* at = &c.base->model.position[3 * i];
+    at[0] = 0.05f * float(i - 163), at[1] = 0, at[2] = 1.5f;
+  }
+}
+
+}  // namespace ngs::test

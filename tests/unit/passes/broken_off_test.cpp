@@ -1,0 +1,228 @@
+// Under --time-budget a pass that takes too long is broken off, and nothing of it is left. A run that is resumed does
+// the same again, whatever its clock says.
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "support/effect_case.h"
+#include "support/pipeline_case.h"
+
+namespace ngs {
+namespace {
+
+using test::EffectCase;
+
+constexpr int kSteps = 100;
+constexpr std::chrono::milliseconds kStep(10);
+
+/// A second of work before its detector answers, or before the first label is taken away.
+class SlowPass final : public Pass {
+ public:
+  enum class Part : std::uint8_t { kLooks, kWorks };
+  SlowPass(Part part, int& steps) : part_(part), steps_(steps) {}
+  PassStage stage() const override { return PassStage::kMend; }
+  std::vector<Effect> effects() const override {
+    return {{.name = "slow",
+             .help = "take time",
+             .saves = "a second",
+             .detector = {"one", 0.5, "none", [this](SceneProbe& probe) {
+                            if (part_ == Part::kLooks) work(*probe.problem().monitor);
+                            probe.label_views();
+                            return 1.0;
+                          }}}};
+  }
+  std::optional<PassCost> cost() const override { return PassCost{{.renders = 1}, 0.1}; }
+  void run(PassRun& run) override {
+    if (part_ == Part::kWorks) work(run.monitor);
+    if (run.monitor.stop_requested()) return;
+    std::vector<LabelColumns> labels = run.problem->labels;
+    labels[0].label[0] = 0;
+    run.problem->labels = std::move(labels);
+  }
+
+ private:
+  void work(Monitor& monitor) const {
+    for (steps_ = 0; steps_ < kSteps && !monitor.stop_requested();) {
+      std::this_thread::sleep_for(kStep);
+      monitor.progress(++steps_, kSteps);
+    }
+  }
+
+  Part part_;
+  int& steps_;
+};
+
+/// Counts the views that the probe knows, which the slow one may have left half done.
+class CountingPass final : public Pass {
+ public:
+  explicit CountingPass(std::size_t& views) : views_(views) {}
+  PassStage stage() const override { return PassStage::kMend; }
+  std::vector<Effect> effects() const override {
+    return {{.name = "counting",
+             .help = "count views",
+             .saves = "nothing",
+             .detector = {"views", 0.5, "none", [this](SceneProbe& probe) {
+                            views_ = probe.label_views().shown.size();
+                            return 0.0;
+                          }}}};
+  }
+  void run(PassRun&) override {}
+
+ private:
+  std::size_t& views_;
+};
+
+struct SlowCase {
+  EffectCase scene;
+  Problem in = scene.input();
+  int steps = 0;
+  std::size_t views = 0;
+  std::unique_ptr<test::PipelineCase> passes;
+
+  SlowCase(SlowPass::Part part, const std::string& entry, double budget_s = 3) {
+    std::vector<std::unique_ptr<Pass>> list = all_passes();
+    list.insert(list.begin(), std::make_unique<CountingPass>(views));
+    list.insert(list.begin(), std::make_unique<SlowPass>(part, steps));
+    const std::vector<std::string> entries{"all=off", entry, "counting=auto"};
+    passes = std::make_unique<test::PipelineCase>(in, scene.training, entries, std::move(list));
+    passes->time_budget(budget_s);
+  }
+  bool took_label() const { return passes->solution().labels[0].label[0] == 0; }
+  Json decision() const {
+    for (const Json& d : passes->report().at("effects"))
+      if (d.at("name") == "slow") return d;
+    return {};
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a pass that would take too long is broken off early, undone and told of") {
+  SlowCase c(SlowPass::Part::kWorks, "slow=auto");
+  const PassRun& run = c.passes->run();
+  CHECK(c.steps == kSteps / 10);  // of a second where 0.3 s are allowed
+  CHECK_FALSE(c.took_label());
+  CHECK(run.budget.cut());
+  CHECK(run.state == Json({{"broken_off", {"slow"}}}));
+  CHECK(c.decision().at("on") == false);
+  CHECK(c.decision().at("reason").get<std::string>().starts_with("--time-budget: broken off"));
+  CHECK_FALSE(run.solution->converged);
+}
+
+TEST_CASE("a detector that would take too long leaves its pass out, and others know nothing of its half look") {
+  SlowCase c(SlowPass::Part::kLooks, "slow=auto");
+  c.passes->run();
+  CHECK(c.steps == kSteps / 10);
+  CHECK_FALSE(c.took_label());
+  CHECK(c.decision().at("reason") == "--time-budget has no time for it");
+  CHECK(c.views == 4);
+}
+
+TEST_CASE("with time, by request, or in a run that is resumed, a pass runs to its end") {
+  for (const auto& [entry, budget_s] : {std::pair("slow=auto", 1e6), std::pair("slow=on", 3.0)}) {
+    SlowCase c(SlowPass::Part::kWorks, entry, budget_s);
+    const PassRun& run = c.passes->run();
+    CHECK(c.steps == kSteps);
+    CHECK(c.took_label());
+    CHECK(run.state == Json::object());
+  }
+  SlowCase resumed(SlowPass::Part::kWorks, "slow=auto");
+  resumed.passes->goes_on_from(Json::object());
+  resumed.passes->run();
+  CHECK(resumed.took_label());
+}
+
+TEST_CASE("a resumed run leaves out what was broken off, and keeps the same state") {
+  SlowCase c(SlowPass::Part::kWorks, "slow=auto", 1e6);
+  const Json state = {{"broken_off", {"slow"}}};
+  c.passes->goes_on_from(state);
+  const PassRun& run = c.passes->run();
+  CHECK(c.steps == 0);
+  CHECK_FALSE(c.took_label());
+  CHECK(run.state == state);
+  for (const Json& hostile :
+       {Json({{"broken_off", 3}}), Json({{"broken_off", {1, nullptr}}}), Json({{"broken_off", {{"slow", 1}}}})}) {
+    SlowCase other(SlowPass::Part::kWorks, "slow=auto", 1e6);
+    other.passes->goes_on_from(hostile);
+    other.passes->run();
+    CHECK(other.took_label());
+  }
+}
+
+namespace {
+
+/// All that a mending pass may change.
+struct Mended {
+  std::vector<float> label, prob, opacity, photos;
+  std::vector<bool> masked;
+  bool operator==(const Mended&) const = default;
+};
+
+Mended mended(const Problem& problem) {
+  Mended all{problem.labels[0].label.values(), problem.labels[0].prob.values(), problem.cloud.logit_opacity, {}, {}};
+  for (std::size_t v = 0; v < 4; ++v) {
+    const ImageF photo = problem.load_photo(v);
+    all.photos.insert(all.photos.end(), photo.data.begin(), photo.data.end());
+    all.masked.push_back(problem.load_masks(v).available);
+  }
+  return all;
+}
+
+/// A scene whose n-th picture raises the flag.
+struct StoppedCase {
+  EffectCase scene;
+  std::atomic<bool> stop = false;
+  int loads = 0, raises_at = 0;
+
+  Problem input() {
+    Problem in = scene.input();
+    in.load_masks = [this](std::size_t v) { return note(), scene.base->masks[v]; };
+    in.load_photo = [this](std::size_t v) { return note(), scene.base->photos[v]; };
+    return in;
+  }
+  void note() {
+    if (++loads == raises_at) stop = true;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a mending pass that is stopped, wherever it is, has changed nothing or all") {
+  struct Case {
+    const char* effect;
+    void (*needs)(EffectCase&);
+  };
+  for (const auto& [effect, needs] : {Case{"exposure", test::dark_photo}, Case{"mask-outliers", test::shifted_mask},
+                                      Case{"floaters", test::floaters_before}}) {
+    CAPTURE(effect);
+    const std::vector<std::string> entries{"all=off", effect + std::string("=on")};
+    StoppedCase c;
+    needs(c.scene);
+    const Problem in = c.input();
+    const Mended before = mended(in);
+    c.loads = 0;
+    test::PipelineCase whole(in, c.scene.training, entries);
+    whole.mend();
+    const int loads = c.loads;
+    const Mended after = mended(whole.problem());
+    REQUIRE(after != before);
+    int undone = 0;
+    for (int n = 1; n <= loads; ++n) {
+      c.loads = 0, c.raises_at = n, c.stop = false;
+      test::PipelineCase stopped(in, c.scene.training, entries);
+      stopped.stop_flag(c.stop);
+      stopped.mend();
+      c.raises_at = 0;
+      const Mended now = mended(stopped.problem());
+      const bool nothing = now == before;
+      undone += nothing;
+      CHECK((nothing || now == after));
+      CHECK(stopped.report().contains(effect == std::string("mask-outliers") ? "mask_outliers" : effect) != nothing);
+    }
+    CHECK(undone > 3);
+    MESSAGE(effect << ": " << undone << " of " << loads << " stops undo it");
+  }
+}
+
+}  // namespace ngs
