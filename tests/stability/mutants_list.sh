@@ -82,6 +82,13 @@ mutant passes/mask_outliers/mask_outliers_pass.cpp $t passes/mask_outliers/mask_
 t=unit/passes/pipeline_test.cpp
 mutant passes/decisions.cpp $t passes/decisions.cpp "decisions: a verdict that asks first does not ask" 's/ && \(!v\.asks_first \|\| !e\.always\.empty\(\)\)//'
 mutant passes/decisions.cpp $t passes/decisions.cpp "decisions: a verdict that asks first is not heard" 's/v\.name == e\.name && v\.on != on/v.name == e.name \&\& v.on == on/'
+t=unit/passes/joint/trained_labels_test.cpp
+mutant passes/joint/trained_labels.cpp $t passes/joint/trained_labels.cpp "labels: those of other objects are trained too" 's/if \(in_region\(input\.labels\[k\], row\)\)//'
+mutant passes/joint/trained_labels.cpp $t passes/joint/trained_labels.cpp "labels: nobody's Gaussian is not trained" 's/if \(!own\.empty\(\)\) return own;/if (!input.region.empty()) return own;/'
+mutant passes/joint/trained_labels.cpp $t passes/joint/trained_labels.cpp "labels: what no view saw is trained" 's/input\.labels\[k\]\.views\[i\] > 0\.f && //'
+t=unit/ops/image/mask_pair_test.cpp
+mutant ops/image/mask_pair.h $t "" "mask pairs: only where it is rendered" 's/if \(mask_says_object\(target\[pixel\(x, y\)\]\)\) at\.add\(x, y\);//'
+mutant ops/image/mask_pair.h $t "" "mask pairs: the band is of the part" 's/band_width_px\(0\.02, view_width_px, view_height_px\)/band_width_px(0.02, width_px(), height_px())/'
 t=unit/passes/time_plan_test.cpp
 mutant passes/time/budget.h $t passes/time/budget.cpp "budget: pixels take no time" 's/ \+ work\.halvings \* halving_s_//'
 mutant passes/time/budget.cpp $t passes/time/budget.cpp "budget: reading files sets the pace" 's/^  if \(given\(\)\) laps_/  if (given()) pace_.add(unpaced_s(work), seconds), laps_/'
@@ -199,7 +206,7 @@ mutant $f $t $f "gap of one bound only" 's/gap \+= std::max\(g \* m\[i\], .*;/ga
 t=grad/joint_grad_test.cpp f=passes/joint/joint_stage.cpp
 mutant $f $t $f "colour continuity without its gradient" 's/(gradients\.sh_dc\[\*to \* 3 \+ c\] \+= float\()kShC0 \* /\10 * /'
 mutant $f $t $f "mask loss without its weight" 's/(loss_mask\(.*)/\1/; s/options\.lambda_mask, \&grad\.label\)/1.0, \&grad.label)/'
-mutant passes/joint/trained_labels.cpp $t passes/joint/trained_labels.cpp "label gradient without the sigmoid" 's/grad\[i\] \* sigmoid_slope\(logit_\[i\]\)/grad[i]/'
+mutant passes/joint/trained_labels.cpp $t passes/joint/trained_labels.cpp "label gradient without the sigmoid" 's/grad\[place\] \* sigmoid_slope\(logit_\[cell\]\)/grad[place]/'
 mutant $f $t $f "the field's depth moves nothing" 's/if \(options\.field_depth\) move_depth/if (false) move_depth/'
 mutant $f $t $f "smoothness gradient doubled" 's/field->smoothness\(exec, rays, boundary\.positions\(\), options\.lambda_smooth/field->smoothness(exec, rays, boundary.positions(), 2 * options.lambda_smooth/'
 
@@ -323,7 +330,7 @@ mutant problem/window_input.cpp $t problem/window_input.cpp "no window where a m
 mutant stages/boundary/method_labels.cpp $t stages/boundary/method_labels.cpp "views that stay in the evidence" 's/    rest\.remove\(v\);//'
 mutant stages/boundary/method_labels.cpp $t stages/boundary/method_labels.cpp "rounding taken for evidence" 's/const bool unseen = .*;/const bool unseen = false;/'
 mutant problem/trained_rows.h $t passes/joint/joint_stage.cpp "gradients in the rows of others" 's/wanted_\.place\[i\] = std::int32_t\(rows_\.size\(\)\)/wanted_.place[i] = 0/'
-mutant problem/region.cpp $t problem/region.cpp "a region of everything" 's/object\.prob\[i\] >= kLeastRegionShare/true/'
+mutant problem/region.cpp $t problem/region.cpp "a region of everything" 's/object\.prob\[row\] >= kLeastRegionShare/true/'
 mutant problem/region.cpp $t problem/region.cpp "changed rows that do not count" 's/changed \+= !same;//'
 t=unit/passes/contours/refined_masks_test.cpp
 f=passes/contours/refined_masks.cpp

@@ -18,9 +18,10 @@ std::vector<Agreement> training_agreement(const Exec& exec, const Problem& probl
     const ViewMasks masks = problem.load_masks(view);
     if (!masks.available) return;
     const ImageF label = channels.view(exec, problem.scene.views[view].camera, problem.splat);
+    const std::vector<ShownBox> boxes = boxes_shown(label);
     Agreement sum;
     for (std::size_t k = 0; k < objects; ++k) {
-      const MaskPair pair(label, masks, k);
+      const MaskPair pair(label, masks, k, boxes[k]);
       sum.iou += iou(pair.counts(exec)), sum.biou += pair.biou(exec);
     }
     views.push_back({sum.iou / double(objects), sum.biou / double(objects)});

@@ -18,8 +18,9 @@ namespace {
 std::size_t add_view(const Exec& exec, const ImageF& rendered, const ViewMasks& masks, LabelViews& views) {
   double sum = 0;
   bool shown = false;
+  const std::vector<ShownBox> boxes = boxes_shown(rendered);
   for (std::size_t k = 0; k < masks.target.size(); ++k) {
-    const MaskPair pair(rendered, masks, k);
+    const MaskPair pair(rendered, masks, k, boxes[k]);
     const Confusion counts = pair.counts(exec);
     sum += disagreement(counts), shown |= !counts.both_empty();
     views.biou += pair.biou(exec);

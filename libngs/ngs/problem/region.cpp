@@ -12,9 +12,7 @@ namespace {
 
 void mark(const std::vector<LabelColumns>& labels, std::vector<std::uint8_t>& region) {
   for (const LabelColumns& object : labels)
-    for (std::size_t i = 0; i < region.size(); ++i)
-      region[i] |=
-          object.prob[i] >= kLeastRegionShare || label_says_object(object.label[i]) || is_set(object.boundary[i]);
+    for (std::size_t i = 0; i < region.size(); ++i) region[i] |= in_region(object, i);
 }
 
 std::uint32_t different_bits(float a, float b) {
@@ -38,6 +36,10 @@ bool same_row(const GaussianCloud& a, std::size_t i, const GaussianCloud& b, std
 }
 
 }  // namespace
+
+bool in_region(const LabelColumns& object, std::size_t row) {
+  return object.prob[row] >= kLeastRegionShare || label_says_object(object.label[row]) || is_set(object.boundary[row]);
+}
 
 std::vector<std::uint8_t> region_of(const std::vector<LabelColumns>& labels) {
   std::vector<std::uint8_t> region(labels.empty() ? 0 : labels.front().prob.size(), 0);

@@ -9,7 +9,11 @@ namespace ngs {
 /// (1 - kMaxInitialConfidence of passes/joint/label_start.h); below it a mask's weight is its contour's error.
 inline constexpr float kLeastRegionShare = 0.01f;
 
-/// [N] 1: partly an object's (prob of at least kLeastRegionShare), labelled, or boundary.
+/// Whether a row is of an object's region: partly the object's (prob of at least kLeastRegionShare), labelled, or
+/// boundary.
+bool in_region(const LabelColumns& object, std::size_t row);
+
+/// [N] 1: of some object's region.
 std::vector<std::uint8_t> region_of(const std::vector<LabelColumns>& labels);
 
 /// [N] 1: masks say that it is some object's, however little of it.

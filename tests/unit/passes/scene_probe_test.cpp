@@ -98,8 +98,8 @@ TEST_CASE("mask outliers: of several objects, the better of modal and alone is t
     show_objects_alone({}, {in.cloud, in.labels}, camera, {}, view);
     double modal = 0, alone = 0;
     for (std::size_t k = 0; k < kObjects; ++k)
-      modal += disagreement(MaskPair(modal_label, masks, k).counts({})),
-          alone += disagreement(MaskPair(view.label, masks, k).counts({}));
+      modal += disagreement(MaskPair(modal_label, masks, k, boxes_shown(modal_label)[k]).counts({})),
+          alone += disagreement(MaskPair(view.label, masks, k, boxes_shown(view.label)[k]).counts({}));
     modal_is_better += modal < alone, alone_is_better += alone < modal;
     better.push_back(std::min(modal, alone) / double(kObjects));
   }

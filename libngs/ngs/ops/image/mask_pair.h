@@ -1,5 +1,6 @@
 #pragma once
 // A rendered mask beside the view's own: what every measure of their agreement starts from.
+#include <algorithm>
 #include <vector>
 
 #include "ngs/ops/image/metrics.h"
@@ -15,31 +16,71 @@ inline std::vector<std::uint8_t> object_pixels(const std::vector<float>& target)
   return plane;
 }
 
-/// 0/1 planes of one object in one view; pixels of unknown mask are 0 in both.
-struct MaskPair {
-  int width_px, height_px;
-  std::vector<std::uint8_t> rendered, own;
+/// Pixels [x0, x1) x [y0, y1).
+struct ShownBox {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 
-  /// `label` [H, W, K] as rendered: object k where label_says_object().
-  MaskPair(const ImageF& label, const ViewMasks& masks, std::size_t k)
-      : width_px(masks.width_px), height_px(masks.height_px) {
-    const auto channels = std::size_t(label.channels);
-    for (std::size_t p = 0; p < masks.target[k].size(); ++p) {
-      const bool known = masks.known.empty() || masks.known[p];
-      rendered.push_back(known && label_says_object(label.data[p * channels + k]));
-      own.push_back(known && mask_says_object(masks.target[k][p]));
-    }
-  }
-
-  Confusion counts(const Exec& exec) const { return confusion(exec, plane(rendered), plane(own)); }
-  /// Boundary IoU, band 2 % of the diagonal.
-  double biou(const Exec& exec) const {
-    return boundary_iou(exec, chessboard_distance(plane(rendered)), chessboard_distance(plane(own)), width_px,
-                        band_width_px(0.02, width_px, height_px));
+  bool empty() const { return x0 >= x1; }
+  void add(int x, int y) { *this = empty() ? ShownBox{x, y, x + 1, y + 1} : joined({x, y, x + 1, y + 1}); }
+  void add(const ShownBox& other) {
+    if (!other.empty()) *this = empty() ? other : joined(other);
   }
 
  private:
-  MaskPlane plane(const std::vector<std::uint8_t>& mask) const { return {mask.data(), width_px, height_px}; }
+  ShownBox joined(const ShownBox& o) const {
+    return {std::min(x0, o.x0), std::min(y0, o.y0), std::max(x1, o.x1), std::max(y1, o.y1)};
+  }
+};
+
+/// Where `label` [H, W, K] shows each object; one sweep, in the order of memory, however many there are.
+inline std::vector<ShownBox> boxes_shown(const ImageF& label) {
+  const auto objects = std::size_t(label.channels);
+  std::vector<ShownBox> boxes(objects);
+  for (int y = 0; y < label.height_px; ++y)
+    for (int x = 0; x < label.width_px; ++x) {
+      const float* at = &label.data[label.index(x, y)];
+      for (std::size_t k = 0; k < objects; ++k)
+        if (label_says_object(at[k])) boxes[k].add(x, y);
+    }
+  return boxes;
+}
+
+/// 0/1 planes of one object in the part of a view where either shows it; pixels of unknown mask are 0 in both.
+struct MaskPair {
+  ShownBox at;
+  int view_width_px, view_height_px;
+  std::vector<std::uint8_t> rendered, own;
+
+  /// `label` [H, W, K] as rendered: object k where label_says_object(), all of which is in `shown`.
+  MaskPair(const ImageF& label, const ViewMasks& masks, std::size_t k, const ShownBox& shown)
+      : at(shown), view_width_px(masks.width_px), view_height_px(masks.height_px) {
+    const std::vector<float>& target = masks.target[k];
+    for (int y = 0; y < view_height_px; ++y)
+      for (int x = 0; x < view_width_px; ++x)
+        if (mask_says_object(target[pixel(x, y)])) at.add(x, y);
+    rendered.reserve(std::size_t(width_px()) * std::size_t(height_px())), own.reserve(rendered.capacity());
+    for (int y = at.y0; y < at.y1; ++y)
+      for (int x = at.x0; x < at.x1; ++x) {
+        const std::size_t p = pixel(x, y);
+        const bool known = masks.known.empty() || masks.known[p];
+        rendered.push_back(known && label_says_object(label.data[label.index(x, y, int(k))]));
+        own.push_back(known && mask_says_object(target[p]));
+      }
+  }
+
+  /// But for the pixels that neither shows.
+  Confusion counts(const Exec& exec) const { return confusion(exec, plane(rendered), plane(own)); }
+  /// Boundary IoU, band 2 % of the view's diagonal.
+  double biou(const Exec& exec) const {
+    return boundary_iou(exec, chessboard_distance(plane(rendered)), chessboard_distance(plane(own)), width_px(),
+                        band_width_px(0.02, view_width_px, view_height_px));
+  }
+
+ private:
+  int width_px() const { return at.x1 - at.x0; }
+  int height_px() const { return at.y1 - at.y0; }
+  std::size_t pixel(int x, int y) const { return std::size_t(y) * std::size_t(view_width_px) + std::size_t(x); }
+  MaskPlane plane(const std::vector<std::uint8_t>& mask) const { return {mask.data(), width_px(), height_px()}; }
 };
 
 }  // namespace ngs

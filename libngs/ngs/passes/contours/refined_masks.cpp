@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ngs/backend/for_each.h"
+#include "ngs/ops/image/mask_pair.h"
 #include "ngs/ops/image/metrics.h"
 #include "ngs/passes/detectors.h"
 #include "ngs/problem/view_list.h"
@@ -96,24 +97,59 @@ struct ObjectPart {
   PixelWindow coarse, fine;
 };
 
-/// About what the rendered mask [fine] and the view's own [coarse; may be empty] show, with what refinement looks at
+ShownBox box_of(const std::vector<float>& plane, int w, int h) {
+  ShownBox box;
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x)
+      if (plane[std::size_t(y) * std::size_t(w) + std::size_t(x)] > 0) box.add(x, y);
+  return box;
+}
+
+/// With a margin, inside of the picture.
+PixelWindow window_about(const ShownBox& box, int margin_px, int w, int h) {
+  if (box.empty()) return {};
+  const int x0 = std::max(0, box.x0 - margin_px), y0 = std::max(0, box.y0 - margin_px);
+  return {x0, y0, std::min(w, box.x1 + margin_px) - x0, std::min(h, box.y1 + margin_px) - y0};
+}
+
+/// About what is rendered [fine] and the view's own mask [coarse; may be empty] shows, with what refinement looks at
 /// and a few pixels more: all that is left out shows no object in either, and adds nothing to any sum. The whole
 /// picture where the sizes are not 1, 2 or 4 times each other: positions in the part would be rounded otherwise.
-ObjectPart part_of(const std::vector<std::uint8_t>& rendered, const std::vector<float>& own, const Camera& camera,
-                   const ImageF& photo, double reach_px) {
+ObjectPart part_of(const ShownBox& rendered, const std::vector<float>& own, const Camera& camera, const ImageF& photo,
+                   double reach_px) {
   constexpr double kMore_px = 8;
   const int w = camera.width_px, h = camera.height_px, scale = photo.width_px / w;
   const PixelWindow all{0, 0, w, h}, all_fine{0, 0, photo.width_px, photo.height_px};
   if ((scale != 1 && scale != 2 && scale != 4) || photo.width_px != scale * w || photo.height_px != scale * h)
     return {all, all_fine};
-  std::vector<float> shown = own.empty() ? std::vector<float>(std::size_t(w) * std::size_t(h)) : own;
-  for (std::size_t p = 0; p < rendered.size(); ++p) {
-    const std::size_t x = p % std::size_t(all_fine.w), y = p / std::size_t(all_fine.w);
-    if (rendered[p]) shown[y / std::size_t(scale) * std::size_t(w) + x / std::size_t(scale)] = 1;
-  }
+  ShownBox shown = own.empty() ? ShownBox{} : box_of(own, w, h);
+  if (!rendered.empty())
+    shown.add({rendered.x0 / scale, rendered.y0 / scale, (rendered.x1 - 1) / scale + 1, (rendered.y1 - 1) / scale + 1});
   const double margin_px = std::min(reach_px / scale + kMore_px, double(w + h));
-  const PixelWindow at = window_of({std::move(shown)}, w, h, int(std::ceil(margin_px)));
+  const PixelWindow at = window_about(shown, int(std::ceil(margin_px)), w, h);
   return {at, {at.x0 * scale, at.y0 * scale, at.w * scale, at.h * scale}};
+}
+
+/// A mask at the camera's size where it shows something.
+struct PartOfMask {
+  PixelWindow at;
+  std::vector<float> plane;  // [at.h, at.w]
+};
+
+ShownBox box_of(const PartOfMask& part) {
+  const ShownBox box = box_of(part.plane, part.at.w, part.at.h);
+  return {box.x0 + part.at.x0, box.y0 + part.at.y0, box.x1 + part.at.x0, box.y1 + part.at.y0};
+}
+
+/// [win.h, win.w]
+std::vector<float> plane_of(const PartOfMask& part, const PixelWindow& win) {
+  std::vector<float> plane(std::size_t(win.w) * std::size_t(win.h));
+  const int x0 = std::max(part.at.x0, win.x0), x1 = std::min(part.at.x0 + part.at.w, win.x0 + win.w);
+  const int y0 = std::max(part.at.y0, win.y0), y1 = std::min(part.at.y0 + part.at.h, win.y0 + win.h);
+  for (int y = y0; y < y1 && x0 < x1; ++y)
+    std::copy_n(part.plane.begin() + std::ptrdiff_t(y - part.at.y0) * part.at.w + (x0 - part.at.x0), x1 - x0,
+                plane.begin() + std::ptrdiff_t(y - win.y0) * win.w + (x0 - win.x0));
+  return plane;
 }
 
 /// One object of a view on the way to RefinedView.
@@ -122,27 +158,27 @@ class ObjectRefinement {
   ObjectRefinement(const ContourRefineOptions& refine, const ImageF& photo, const Camera& camera, RefinedView& out)
       : refine_(refine), photo_(photo), camera_(camera), out_(out) {}
 
-  /// The refined mask at the camera's size, and its agreement with the view's own of the same object [coarse; not
-  /// available: no such mask], which counts as 1 / `objects` of the view's.
-  std::vector<float> refined(const std::vector<std::uint8_t>& rendered, const ViewMasks& own, std::size_t objects) {
-    const auto [at, fine] = part_of(rendered, own.available ? own.target[0] : std::vector<float>(), camera_, photo_,
+  /// The refined mask of object k, of which `label` [fine, K] is in `shown`, and its agreement with the view's own of
+  /// the same object [coarse; not available: no such mask], which counts as 1 / K of the view's.
+  PartOfMask refined(const ImageF& label, std::size_t k, const ShownBox& shown, const ViewMasks& own) {
+    const double objects = label.channels;
+    const auto [at, fine] = part_of(shown, own.available ? own.target[0] : std::vector<float>(), camera_, photo_,
                                     std::max(refine_.reach_px, refine_.band_px));
-    std::vector<float> whole(std::size_t(camera_.width_px) * std::size_t(camera_.height_px));
     if (fine.w == 0) {
-      if (own.available) out_.rendered_biou += 1 / double(objects), out_.refined_biou += 1 / double(objects);
-      return whole;
+      if (own.available) out_.rendered_biou += 1 / objects, out_.refined_biou += 1 / objects;
+      return {};
     }
-    const std::vector<std::uint8_t> mask = cropped(rendered, photo_.width_px, 1, fine);
+    std::vector<std::uint8_t> mask;
+    mask.reserve(std::size_t(fine.w) * std::size_t(fine.h));
+    for (int y = fine.y0; y < fine.y0 + fine.h; ++y)
+      for (int x = fine.x0; x < fine.x0 + fine.w; ++x) mask.push_back(label_says_object(label.at(x, y, int(k))));
     ImageF photo(fine.w, fine.h, 0);
     photo.data = cropped(photo_.data, photo_.width_px, photo_.channels, fine), photo.channels = photo_.channels;
     std::vector<float> soft = refine_contour(refine_, {mask.data(), fine.w, fine.h}, photo);
     for (float& x : soft) x = label_says_object(x) ? 1.f : 0.f;
-    const std::vector<float> target = reduce(soft, fine.w, fine.h, at.w, at.h);
-    if (own.available) compare(mask, soft, target, {cropped(own, at), photo, double(objects)});
-    for (int y = 0; y < at.h; ++y)
-      std::copy_n(target.begin() + std::ptrdiff_t(y) * at.w, at.w,
-                  whole.begin() + std::ptrdiff_t(at.y0 + y) * camera_.width_px + at.x0);
-    return whole;
+    std::vector<float> target = reduce(soft, fine.w, fine.h, at.w, at.h);
+    if (own.available) compare(mask, soft, target, {cropped(own, at), photo, objects});
+    return {at, std::move(target)};
   }
 
  private:
@@ -193,17 +229,18 @@ RefinedView refine_view(const RefineSetup& setup, const SplatOptions& splat, con
   const std::size_t objects = model.objects();
   out.compared = own.available;
   ObjectRefinement refinement(refine, photo, camera, out);
-  std::vector<std::vector<float>> targets(objects);
-  std::vector<std::uint8_t> mask(std::size_t(photo.pixels()));
+  const std::vector<ShownBox> boxes = boxes_shown(label);
+  std::vector<PartOfMask> targets(objects);
+  ShownBox shown;
   for (std::size_t k = 0; k < objects; ++k) {
-    for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = label_says_object(label.data[p * objects + k]);
     ViewMasks one{own.width_px, own.height_px, {}, own.known, own.available};
     if (own.available) one.target.push_back(std::move(own.target[k]));
-    targets[k] = refinement.refined(mask, one, objects);
+    targets[k] = refinement.refined(label, k, boxes[k], one);
+    shown.add(box_of(targets[k]));
   }
-  out.window = window_of(targets, w, h, int(std::lround(setup.margin_px)));
+  out.window = window_about(shown, int(std::lround(setup.margin_px)), w, h);
   ViewMasks masks{out.window.w, out.window.h, {}, {}, out.window.w > 0};
-  for (const auto& target : targets) masks.target.push_back(cropped(target, w, 1, out.window));
+  for (const PartOfMask& target : targets) masks.target.push_back(plane_of(target, out.window));
   out.masks = RleMasks(std::move(masks));
   return out;
 }

@@ -285,7 +285,6 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
     const auto timed = monitor.scope("splat backward");
     splat.backward(exec, grad, gradients, trained.wanted());  // where nothing is wanted, moments and steps stay zero
   }
-  labels.to_logits(gradients.label);
   if (field) move_boundary();
   cont_term(loss);
   sum_up(loss);
