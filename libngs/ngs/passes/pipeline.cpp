@@ -69,7 +69,7 @@ void Pipeline::leave_out(PassStage stage, PassRun& run) const {
     if (pass->stage() == stage) leave_out_for_time(run, pass->effects().front().name);
 }
 
-/// Passes that cannot be stopped midway have to fit; those that take steps share what is left.
+/// Passes of which a part is worth nothing have to fit; those that take steps share what is left.
 void Pipeline::rule_by_time(PassStage stage, PassRun& run) const {
   if (!run.budget.given()) return;
   for (const auto& pass : passes_)

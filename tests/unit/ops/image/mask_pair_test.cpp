@@ -8,7 +8,7 @@
 namespace ngs {
 namespace {
 
-constexpr int kWidth_px = 37, kHeight_px = 23, kObjects = 4;
+constexpr int kWidth_px = 113, kHeight_px = 71, kObjects = 4;  // a band of 3 px, where a part would have 1
 constexpr std::size_t kPixels = std::size_t(kWidth_px) * kHeight_px;
 
 struct Planes {
