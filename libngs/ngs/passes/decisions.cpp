@@ -68,8 +68,8 @@ bool Decisions::decide(const std::vector<Effect>& some, SceneProbe& probe) {
 }
 
 void Decisions::break_off(std::string_view name, std::string reason) {
-  for (EffectDecision& d : all_)
-    if (d.effect->name == name) d.on = false, d.broken_off = true, d.reason = std::move(reason);
+  const auto found = std::ranges::find_if(all_, [&](const EffectDecision& d) { return d.effect->name == name; });
+  if (found != all_.end()) found->on = false, found->broken_off = true, found->reason = std::move(reason);
 }
 
 bool Decisions::on(std::string_view name) const {

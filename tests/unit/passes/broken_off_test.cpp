@@ -193,12 +193,13 @@ TEST_CASE("a mending pass that is stopped, wherever it is, has changed nothing o
     const char* effect;
     void (*needs)(EffectCase&);
   };
-  for (const auto& [effect, needs] : {Case{"exposure", test::dark_photo}, Case{"mask-outliers", test::shifted_mask},
-                                      Case{"floaters", test::floaters_before}}) {
+  for (const Case& one : {Case{"exposure", test::dark_photo}, Case{"mask-outliers", test::shifted_mask},
+                          Case{"floaters", test::floaters_before}}) {
+    const std::string effect = one.effect;
     CAPTURE(effect);
-    const std::vector<std::string> entries{"all=off", effect + std::string("=on")};
+    const std::vector<std::string> entries{"all=off", effect + "=on"};
     StoppedCase c;
-    needs(c.scene);
+    one.needs(c.scene);
     const Problem in = c.input();
     const Mended before = mended(in);
     c.loads = 0;
@@ -218,7 +219,7 @@ TEST_CASE("a mending pass that is stopped, wherever it is, has changed nothing o
       const bool nothing = now == before;
       undone += nothing;
       CHECK((nothing || now == after));
-      CHECK(stopped.report().contains(effect == std::string("mask-outliers") ? "mask_outliers" : effect) != nothing);
+      CHECK(stopped.report().contains(effect == "mask-outliers" ? "mask_outliers" : effect) != nothing);
     }
     CHECK(undone > 3);
     MESSAGE(effect << ": " << undone << " of " << loads << " stops undo it");
