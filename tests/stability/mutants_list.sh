@@ -73,7 +73,8 @@ mutant core/monitor.cpp $t core/monitor.cpp "limit: loops are not foreseen" 's/i
 mutant core/monitor.cpp $t core/monitor.cpp "limit: all loops are foreseen from the first" 's/if \(done <= 1\)/if (first_done_s_ == 0)/'
 mutant core/monitor.cpp $t core/monitor.cpp "limit: it outlives its scope" 's/monitor_\.told_ = false, monitor_\.until_s_ = kNever/monitor_.told_ = false/'
 t=unit/passes/broken_off_test.cpp
-mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: passes are not broken off" 's/if \(limit\.reached\(\)\) break_off\(run, name\);//'
+mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: passes are not broken off" 's/^  break_off\(run, name\);//'
+mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: what was broken off sets the pace" 's/run\.budget\.restore\(before\);//'
 mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: a resumed run asks its clock" 's/if \(run\.resumed \|\| insisted/if (insisted/'
 mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: a resumed run does not repeat what was broken off" 's/if \(run\.resumed && was_broken_off/if (false \&\& was_broken_off/'
 mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: half a look is believed" 's/^  probe\.emplace\(run\.exec, run\.training, seen\);//'

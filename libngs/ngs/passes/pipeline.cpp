@@ -134,9 +134,12 @@ void Pipeline::run_in_time(Pass& pass, PassRun& run) const {
   const bool insisted = run.decisions.mode(name) != EffectMode::kAuto;
   if (run.resumed && was_broken_off(*run.resumed, name)) return break_off(run, name);
   if (run.resumed || insisted || run.store != nullptr || !pass.cost()) return pass.run(run);
+  const Pace before = run.budget.pace();
   const Monitor::Limit limit(run.monitor, run.budget.end_of_s(pass.cost()->share));
   pass.run(run);
-  if (limit.reached()) break_off(run, name);
+  if (!limit.reached()) return;
+  run.budget.restore(before);
+  break_off(run, name);
 }
 
 bool Pipeline::run(PassStage stage, PassRun& run) const {

@@ -34,6 +34,7 @@ class SlowPass final : public Pass {
   }
   std::optional<PassCost> cost() const override { return PassCost{{.renders = 1}, 0.1}; }
   void run(PassRun& run) override {
+    const auto lap = run.budget.lap("slow", ViewWork{.renders = 1});
     if (part_ == Part::kWorks) work(run.monitor);
     if (run.monitor.stop_requested()) return;
     std::vector<LabelColumns> labels = run.problem->labels;
@@ -102,6 +103,8 @@ TEST_CASE("a pass that would take too long is broken off early, undone and told 
   SlowCase c(SlowPass::Part::kWorks, "slow=auto");
   const PassRun& run = c.passes->run();
   CHECK(c.steps == kSteps / 10);  // of a second where 0.3 s are allowed
+  CHECK(run.budget.pace().factor() == 1);
+  CHECK(run.budget.json().at("stages")[0].at("stage") == "slow");
   CHECK_FALSE(c.took_label());
   CHECK(run.budget.cut());
   CHECK(run.state == Json({{"broken_off", {"slow"}}}));

@@ -16,9 +16,6 @@ namespace ngs {
 struct ViewWork {
   double renders = 0, halvings = 0;
   friend ViewWork operator*(double times, const ViewWork& of) { return {times * of.renders, times * of.halvings}; }
-  friend ViewWork operator+(const ViewWork& a, const ViewWork& b) {
-    return {a.renders + b.renders, a.halvings + b.halvings};
-  }
 };
 
 /// Of a view, and the share of the time left that the pass may take at most.
@@ -78,7 +75,10 @@ class Budget {
   Lap lap(std::string_view name, const ViewWork& work) { return {*this, name, work}; }
   Lap lap(std::string_view name, double renders) { return lap(name, ViewWork{renders}); }
   void took(std::string_view name, const ViewWork& work, double seconds);
-  /// The same of reading files, which tells nothing of the pace of the rest.
+  /// What was broken off tells nothing of the pace of the rest: as it was before.
+  const Pace& pace() const { return pace_; }
+  void restore(const Pace& before) { pace_ = before; }
+  /// As took(), of reading files, which tells as little.
   void loaded(std::string_view name, const ViewWork& work, double seconds);
 
   /// As many of `most` epochs of `renders` each as fit `share` of the time left, at least one.
