@@ -1,7 +1,7 @@
 #include "ngs/passes/pipeline.h"
 
 #include <algorithm>
-#include <ranges>
+#include <span>
 
 namespace ngs {
 namespace {
@@ -61,7 +61,7 @@ std::vector<EffectVerdict> Pipeline::rules(const TrainingOptions& training) cons
 }
 
 void Pipeline::foresee(PassRun& run) const {
-  for (const auto& pass : passes_ | std::views::reverse) pass->foresee(run);
+  for (auto pass = passes_.rbegin(); pass != passes_.rend(); ++pass) (*pass)->foresee(run);
 }
 
 void Pipeline::leave_out(PassStage stage, PassRun& run) const {
@@ -118,7 +118,7 @@ void Pipeline::decide(PassStage stage, PassRun& run, const Problem& seen) const 
     const bool mends = stage == PassStage::kMend && pass->cost();
     asked |= decide_pass(*pass, run, seen, probe, mends ? run.budget.end_of_s(pass->cost()->share) : until_s);
   }
-  for (const EffectDecision& d : run.decisions.all() | std::views::drop(known)) {
+  for (const EffectDecision& d : std::span(run.decisions.all()).subspan(known)) {
     if (d.measured) run.say(decision_line(d));
     if (d.overruled) run.budget.note_cut();
   }
