@@ -74,7 +74,7 @@ class Pass {
   /// The pass itself first, then its parts that can be switched.
   virtual std::vector<Effect> effects() const = 0;
   /// Adds its options, as `group` under a name of its own.
-  virtual void declare(OptionSet&, OptionGroup /*group*/) {}
+  virtual void declare(OptionSet&, const OptionGroup& /*group*/) {}
   /// What its options decide without naming an effect.
   virtual std::vector<EffectVerdict> rules(const TrainingOptions&) const { return {}; }
   /// What it is foreseen to take; none: it follows the clock. Where it is stopped on the way, it changes nothing in the

@@ -23,7 +23,8 @@ class OversizedPass : public Pass {
                             return double(std::exp(*std::max_element(s.begin(), s.end())));
                           }}}};
   }
-  void declare(OptionSet& options, OptionGroup group) override {
+  void declare(OptionSet& options, const OptionGroup& given) override {
+    OptionGroup group = given;
     group.name = group.effect = "oversized";
     options.add(*this, std::move(group));
   }

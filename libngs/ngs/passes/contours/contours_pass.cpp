@@ -92,7 +92,8 @@ std::vector<Effect> ContoursPass::effects() const {
        .was = "fine-rounds"}};
 }
 
-void ContoursPass::declare(OptionSet& options, OptionGroup group) {
+void ContoursPass::declare(OptionSet& options, const OptionGroup& given) {
+  OptionGroup group = given;
   group.name = group.effect = "contours", group.about = "follow the photos' edges";
   options.add(options_, std::move(group));
 }

@@ -9,7 +9,7 @@ class ContoursPass : public Pass {
  public:
   PassStage stage() const override { return PassStage::kOptimise; }
   std::vector<Effect> effects() const override;
-  void declare(OptionSet& options, OptionGroup group) override;
+  void declare(OptionSet& options, const OptionGroup& group) override;
   std::vector<EffectVerdict> rules(const TrainingOptions& training) const override;
   void foresee(PassRun& run) override;
   void run(PassRun& run) override;
