@@ -14,6 +14,7 @@ struct EvidenceSink {
   using F = typename LaneTraits<L>::Folded;
   static constexpr int kLanes = LaneTraits<L>::kLanes, kSums = K == kAnyObjects ? 0 : 2 + 2 * K;
   static constexpr bool kTakesEmpty = true;
+  static constexpr std::uint32_t kSumsAhead = 24;  // pairs whose sums' memory is asked for before it is written
   const EvidenceTile<S>& in;
   const S* mask;  // [packs][1 + objects][lanes]: known, targets
   ChannelSums<L, kSums> sum;
@@ -29,6 +30,7 @@ struct EvidenceSink {
   void begin(std::uint32_t e) {
     entry = e, seen = e + 1, reached = false;
     total.clear(sums());
+    if (e + kSumsAhead < in.work.entries) __builtin_prefetch(row(e + kSumsAhead), 1);
   }
   void begin_column(int) { sum.clear(sums()); }
   [[gnu::always_inline]] void add(std::uint32_t, const Contribution<L>& hit) {

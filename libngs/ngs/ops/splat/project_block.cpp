@@ -242,29 +242,15 @@ void BlockProjector::record(PassRows& rows) const {
 
 /// As first_spans: the tiles of one row, counted from the rectangle's first.
 void BlockProjector::span_of(int row, PassRows& rows) const {
-  Column<int>&first_tile = rows.span_first[std::size_t(row)], &end_tile = rows.span_end[std::size_t(row)];
-  each_row([&rows, &first_tile, &end_tile, row](int i) {
+  Column<int>&first = rows.span_first[std::size_t(row)], &end = rows.span_end[std::size_t(row)];
+  each_row([&rows, &first, &end, row](int i) {
     const PowerForm<float> form{rows.along_u[i], rows.along_v[i], rows.across[i]};
-    const double a = double(form.a()), b = double(form.b()), inv_det = double(rows.inv_det[i]), inv_a = 1 / a;
-    const double cut = double(rows.two_cut[i]) * a, mean_x = rows.wide_x[i], mean_y = rows.wide_y[i];
-    const double half_height = double(rows.half_height[i]) + kSpanSlackPx;
-    const int y_px = (rows.y_begin[i] + row) * kTilePx;
-    const double y_lo = y_px + 0.5, y_hi = y_px + kTilePx - 0.5;
-    const double v_lo = max2(y_lo - mean_y, -half_height), v_hi = min2(y_hi - mean_y, half_height);
-    const double v_right = -b * double(rows.inv_c[i]) * double(rows.half_width[i]);
-    const double v_most = clamp3(v_right, v_lo, v_hi), v_least = clamp3(-v_right, v_lo, v_hi);
-    const double x_hi =
-        mean_x + inv_a * (1.0 * std::sqrt(max2(0.0, cut - v_most * v_most * inv_det)) - b * v_most) + kSpanSlackPx;
-    const double x_lo =
-        mean_x + inv_a * (-1.0 * std::sqrt(max2(0.0, cut - v_least * v_least * inv_det)) - b * v_least) - kSpanSlackPx;
-    const double to = rows.x_end[i], first = (x_lo - 0.5) / kTilePx, last = (x_hi - 0.5) / kTilePx;
-    const int from_tile = int(first > 0 ? (first < to ? first : to) : 0),
-              to_tile = int(last > -1 ? (last < to ? last : to) : -1);
-    const int span_first = from_tile < rows.x_begin[i] ? rows.x_begin[i] : from_tile;
-    const int span_last = to_tile < rows.x_end[i] - 1 ? to_tile : rows.x_end[i] - 1;
-    const bool misses = (v_lo > v_hi) | (x_hi < 0.5) | (span_last < span_first) | !rows.reaches[i] |
-                        (rows.y_begin[i] + row >= rows.y_end[i]);
-    first_tile[i] = misses ? 0 : span_first, end_tile[i] = misses ? 0 : span_last + 1;
+    const EllipseShape<float> shape{form.a(),      form.b(),           rows.two_cut[i],    rows.inv_det[i],
+                                    rows.inv_c[i], rows.half_width[i], rows.half_height[i]};
+    const int ty = rows.y_begin[i] + row;
+    const TileRange range = tiles_of_row(shape, rows.wide_x[i], rows.wide_y[i], {rows.x_begin[i], rows.x_end[i]}, ty);
+    const bool shown = (rows.reaches[i] != 0) & (ty < rows.y_end[i]);
+    first[i] = shown ? range.first : 0, end[i] = shown ? range.end : 0;
   });
 }
 

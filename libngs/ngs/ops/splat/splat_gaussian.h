@@ -127,42 +127,61 @@ NGS_HD SplatRecord<S> record_of(const ProjectedGaussian<S>& p, WideOf<S> mean_x,
           S(1) / p.conic_c};
 }
 
-/// Columns [x_lo, x_hi] (px, continuous) where the ellipse {quadratic form <= two_cut} meets the pixel-centre
-/// rows [y_lo, y_hi]; false if it does not. Exact up to rounding: the widest row is where the ellipse's own
-/// extreme point lies, or the band's edge nearest to it.
-template <class S>
-NGS_HD bool ellipse_columns(const SplatRecord<S>& g, double y_lo, double y_hi, double& x_lo, double& x_hi) {
-  const double a = double(g.form.a()), b = double(g.form.b()), inv_det = double(g.inv_det);
-  const double mean_x = double(g.mean_x), mean_y = double(g.mean_y), two_cut = double(g.two_cut);
-  const double half_height = double(g.half_height) + kSpanSlackPx;
-  const double v_lo = max2(y_lo - mean_y, -half_height), v_hi = min2(y_hi - mean_y, half_height);
-  if (v_lo > v_hi) return false;
-  const double v_right = -b * double(g.inv_c) * double(g.half_width);  // where the rightmost point lies
-  const double inv_a = 1 / a;
-  const auto row = [&](double v, double side) {
-    return mean_x + inv_a * (side * std::sqrt(max2(0.0, two_cut * a - v * v * inv_det)) - b * v);
-  };
-  x_hi = row(clamp3(v_right, v_lo, v_hi), 1.0) + kSpanSlackPx;
-  x_lo = row(clamp3(-v_right, v_lo, v_hi), -1.0) - kSpanSlackPx;
-  return true;
-}
-
-/// Tiles [first, end) of one row of tiles.
+/// Tiles [first, end) of one row of tiles: as they are kept, and as they are found.
 struct TileSpan {
   std::uint16_t first, end;
 };
+struct TileRange {
+  int first, end;
+};
+
+/// What tells the tiles that an ellipse {quadratic form <= two_cut} reaches; T is float or double.
+template <class T>
+struct EllipseShape {
+  static constexpr T kEps = std::numeric_limits<T>::epsilon();
+  T a, b, two_cut;            // of the quadratic form a u² + 2 b u v + c v²
+  T inv_det, inv_c;           // 1 / (a c - b²), 1 / c
+  T half_width, half_height;  // of its box                                    px
+};
+
+/// The tiles `within` a part of row `ty` whose pixel centres the ellipse about (mean_x, mean_y) can meet; {0, 0}: none.
+///
+/// The row's widest columns lie where the ellipse's own extreme points do, or at the row's edge nearest to them.
+/// Rounding adds tiles and takes none: the square is widened by what cancels in it, the column by what cancels in u.
+/// Without branches, so that a loop over Gaussians becomes one of packs.
+template <class T>
+NGS_HD inline TileRange tiles_of_row(const EllipseShape<T>& g, double mean_x, double mean_y, TileRange within, int ty) {
+  constexpr T kEps = EllipseShape<T>::kEps, kSlack = T(kSpanSlackPx);
+  const double y_lo = ty * kTilePx + 0.5, y_hi = y_lo + (kTilePx - 1);
+  const T height = g.half_height + kSlack;
+  const T v_lo = max2(T(y_lo - mean_y), -height), v_hi = min2(T(y_hi - mean_y), height);
+  const T v_right = -g.b * g.inv_c * g.half_width, v_most = clamp3(v_right, v_lo, v_hi),
+          v_least = clamp3(-v_right, v_lo, v_hi);
+  const T inv_a = T(1) / g.a, cut = T(1 + 8 * kEps) * g.two_cut * g.a;
+  const T right = -g.b * v_most, right_root = std::sqrt(max2(T(0), cut - v_most * v_most * g.inv_det));
+  const T left = -g.b * v_least, left_root = std::sqrt(max2(T(0), cut - v_least * v_least * g.inv_det));
+  const T right_slack = kSlack + (std::fabs(right) + right_root) * inv_a * (4 * kEps),
+          left_slack = kSlack + (std::fabs(left) + left_root) * inv_a * (4 * kEps);
+  // Pixel centres are at +0.5: column x is met when x + 0.5 lies in [x_lo, x_hi].
+  const T x = T(mean_x - 0.5), x_hi = x + (inv_a * (right + right_root) + right_slack),
+          x_lo = x + (inv_a * (left - left_root) - left_slack);
+  const T to = T(within.end), first = x_lo / T(kTilePx), last = x_hi / T(kTilePx);
+  const int from_tile = int(first > 0 ? (first < to ? first : to) : 0),
+            to_tile = int(last > -1 ? (last < to ? last : to) : -1);
+  const int span_first = from_tile < within.first ? within.first : from_tile,
+            span_last = to_tile < within.end - 1 ? to_tile : within.end - 1;
+  const bool misses = (v_lo > v_hi) | (x_hi < 0) | (span_last < span_first);
+  return {misses ? 0 : span_first, misses ? 0 : span_last + 1};
+}
 
 /// The tiles of row `ty` that a Gaussian reaches.
 template <class S>
-NGS_HD TileSpan tile_span(const SplatRecord<S>& record, const TileRect& r, int ty) {
-  double x_lo, x_hi;
-  if (!ellipse_columns(record, ty * kTilePx + 0.5, ty * kTilePx + kTilePx - 0.5, x_lo, x_hi) || x_hi < 0.5)
-    return {0, 0};
-  // Pixel centres are at +0.5: column x is touched when x + 0.5 lies in [x_lo, x_hi].
-  const int first = max2(int(r.x_begin), clamped_int((x_lo - 0.5) / kTilePx, 0, r.x_end));
-  const int last = min2(int(r.x_end) - 1, clamped_int((x_hi - 0.5) / kTilePx, -1, r.x_end));
-  if (last < first) return {0, 0};
-  return {std::uint16_t(first), std::uint16_t(last + 1)};
+NGS_HD TileSpan tile_span(const SplatRecord<S>& g, const TileRect& r, int ty) {
+  using T = std::conditional_t<std::is_same_v<S, float>, float, double>;  // a Dual's tiles have no derivative
+  const EllipseShape<T> shape{T(g.form.a()), T(g.form.b()),   T(g.two_cut),    T(g.inv_det),
+                              T(g.inv_c),    T(g.half_width), T(g.half_height)};
+  const TileRange range = tiles_of_row(shape, double(g.mean_x), double(g.mean_y), {r.x_begin, r.x_end}, ty);
+  return {std::uint16_t(range.first), std::uint16_t(range.end)};
 }
 
 /// Where a pixel's traversal ends in each family: below 1e-4, or at it.

@@ -84,6 +84,26 @@ inline void order_equals(const TileEntry* entry, const std::vector<std::uint32_t
   }
 }
 
+/// Sorts keys by their 8 bits from `shift` on; equal ones stay in the order that they have. Neighbours in the list are
+/// often neighbours in depth: with one counter per value each would wait for the one before it, so that quarters of the
+/// list have their own.
+inline void sort_by_digit(const std::uint64_t* from, std::uint64_t* to, std::uint32_t count, int shift) {
+  constexpr std::uint32_t kQuarters = 4, kValues = 256;
+  const std::uint32_t quarter = count / kQuarters;
+  std::array<std::array<std::uint32_t, kQuarters>, kValues> next{};  // how many; then where the next one goes
+  const auto digit = [&](std::uint32_t i) { return from[i] >> shift & (kValues - 1); };
+  const auto each = [&](const auto& f) {
+    for (std::uint32_t i = 0; i < quarter; ++i)
+      for (std::uint32_t q = 0; q < kQuarters; ++q) f(i + q * quarter, q);
+    for (std::uint32_t i = kQuarters * quarter; i < count; ++i) f(i, kQuarters - 1);
+  };
+  each([&](std::uint32_t i, std::uint32_t q) { ++next[digit(i)][q]; });
+  std::uint32_t at = 0;
+  for (auto& of_value : next)
+    for (std::uint32_t& n : of_value) at += std::exchange(n, at);
+  each([&](std::uint32_t i, std::uint32_t q) { to[next[digit(i)][q]++] = from[i]; });
+}
+
 /// Sorts the entries of one tile by (depth, index into the cloud) into its part of the lists.
 inline void sort_tile(const TileEntry* entry, std::uint32_t count, const std::vector<std::uint32_t>& id,
                       std::uint32_t* visible, std::uint32_t* slot) {
@@ -99,10 +119,7 @@ inline void sort_tile(const TileEntry* entry, std::uint32_t count, const std::ve
     std::sort(from, from + count);
   } else {
     for (int shift = 32; shift < 32 + int(std::bit_width(most - least)); shift += 8) {
-      std::array<std::uint32_t, 257> begin{};
-      for (std::uint32_t i = 0; i < count; ++i) ++begin[(from[i] >> shift & 255) + 1];
-      for (std::size_t k = 0; k < 256; ++k) begin[k + 1] += begin[k];
-      for (std::uint32_t i = 0; i < count; ++i) to[begin[from[i] >> shift & 255]++] = from[i];
+      sort_by_digit(from, to, count, shift);
       std::swap(from, to);
     }
   }
