@@ -4,16 +4,16 @@
 
 namespace ngs {
 
-PixelWindow window_of(const std::vector<std::vector<float>>& targets, int w, int h, int margin) {
-  int x0 = w, x1 = -1, y0 = h, y1 = -1;
-  for (const std::vector<float>& target : targets)
-    for (int y = 0; y < h; ++y)
-      for (int x = 0; x < w; ++x)
-        if (target[std::size_t(y) * std::size_t(w) + std::size_t(x)] > 0.f)
-          x0 = std::min(x0, x), x1 = std::max(x1, x), y0 = std::min(y0, y), y1 = std::max(y1, y);
-  if (x1 < 0) return {};
-  x0 = std::max(0, x0 - margin), y0 = std::max(0, y0 - margin);
-  return {x0, y0, std::min(w, x1 + 1 + margin) - x0, std::min(h, y1 + 1 + margin) - y0};
+PixelWindow window_about(const ShownBox& box, int margin_px, int w, int h) {
+  if (box.empty()) return {};
+  const int x0 = std::max(0, box.x0 - margin_px), y0 = std::max(0, box.y0 - margin_px);
+  return {x0, y0, std::min(w, box.x1 + margin_px) - x0, std::min(h, box.y1 + margin_px) - y0};
+}
+
+PixelWindow window_of(const std::vector<std::vector<float>>& targets, int w, int h, int margin_px) {
+  ShownBox shown;
+  for (const std::vector<float>& target : targets) shown.add(box_shown(target, w, h));
+  return window_about(shown, margin_px, w, h);
 }
 
 PixelWindow widened(const PixelWindow& win, int margin_px, int width_px, int height_px) {

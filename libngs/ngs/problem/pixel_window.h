@@ -2,6 +2,7 @@
 // A rectangle of a view: what a pass reads, renders or trains of it.
 #include <vector>
 
+#include "ngs/ops/image/mask_pair.h"
 #include "ngs/scene/camera.h"
 #include "ngs/scene/scene.h"
 
@@ -11,8 +12,11 @@ struct PixelWindow {
   int x0 = 0, y0 = 0, w = 0, h = 0;  // px
 };
 
-/// The pixels where any of the [h, w] targets exceeds 0, and a margin; empty where there are none.
-PixelWindow window_of(const std::vector<std::vector<float>>& targets, int w, int h, int margin);
+/// The box with a margin, inside of the picture; empty stays empty.
+PixelWindow window_about(const ShownBox& box, int margin_px, int w, int h);
+
+/// The same about the pixels where any of the [h, w] targets exceeds 0.
+PixelWindow window_of(const std::vector<std::vector<float>>& targets, int w, int h, int margin_px);
 
 /// With a margin, on to multiples of 16 px where the picture has them: whole tiles of the picture are whole tiles of
 /// the window, and what is drawn there has the same rounding. Empty stays empty.

@@ -45,6 +45,15 @@ inline std::vector<ShownBox> boxes_shown(const ImageF& label) {
   return boxes;
 }
 
+/// Where a plane [h, w] is above 0.
+inline ShownBox box_shown(const std::vector<float>& plane, int w, int h) {
+  ShownBox box;
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x)
+      if (plane[std::size_t(y) * std::size_t(w) + std::size_t(x)] > 0.f) box.add(x, y);
+  return box;
+}
+
 /// 0/1 planes of one object in the part of a view where either shows it; pixels of unknown mask are 0 in both.
 struct MaskPair {
   ShownBox at;

@@ -97,21 +97,6 @@ struct ObjectPart {
   PixelWindow coarse, fine;
 };
 
-ShownBox box_of(const std::vector<float>& plane, int w, int h) {
-  ShownBox box;
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x)
-      if (plane[std::size_t(y) * std::size_t(w) + std::size_t(x)] > 0) box.add(x, y);
-  return box;
-}
-
-/// With a margin, inside of the picture.
-PixelWindow window_about(const ShownBox& box, int margin_px, int w, int h) {
-  if (box.empty()) return {};
-  const int x0 = std::max(0, box.x0 - margin_px), y0 = std::max(0, box.y0 - margin_px);
-  return {x0, y0, std::min(w, box.x1 + margin_px) - x0, std::min(h, box.y1 + margin_px) - y0};
-}
-
 /// About what is rendered [fine] and the view's own mask [coarse; may be empty] shows, with what refinement looks at
 /// and a few pixels more: all that is left out shows no object in either, and adds nothing to any sum. The whole
 /// picture where the sizes are not 1, 2 or 4 times each other: positions in the part would be rounded otherwise.
@@ -122,7 +107,7 @@ ObjectPart part_of(const ShownBox& rendered, const std::vector<float>& own, cons
   const PixelWindow all{0, 0, w, h}, all_fine{0, 0, photo.width_px, photo.height_px};
   if ((scale != 1 && scale != 2 && scale != 4) || photo.width_px != scale * w || photo.height_px != scale * h)
     return {all, all_fine};
-  ShownBox shown = own.empty() ? ShownBox{} : box_of(own, w, h);
+  ShownBox shown = own.empty() ? ShownBox{} : box_shown(own, w, h);
   if (!rendered.empty())
     shown.add({rendered.x0 / scale, rendered.y0 / scale, (rendered.x1 - 1) / scale + 1, (rendered.y1 - 1) / scale + 1});
   const double margin_px = std::min(reach_px / scale + kMore_px, double(w + h));
@@ -137,7 +122,7 @@ struct PartOfMask {
 };
 
 ShownBox box_of(const PartOfMask& part) {
-  const ShownBox box = box_of(part.plane, part.at.w, part.at.h);
+  const ShownBox box = box_shown(part.plane, part.at.w, part.at.h);
   return {box.x0 + part.at.x0, box.y0 + part.at.y0, box.x1 + part.at.x0, box.y1 + part.at.y0};
 }
 
