@@ -97,13 +97,14 @@ void MaskOutliersPass::run(PassRun& run) {
   const auto outliers = std::make_shared<const MaskOutliers>(
       judge_views(run.exec, run.monitor, {}, *run.coarse, looked(*first_, run.exec, *run.coarse)));
   if (run.monitor.stop_requested()) return;
-  Problem next = *run.problem;
+  std::optional<Problem> next;
   if (!outliers->ignored.empty()) {
-    next.load_masks = [load = next.load_masks, outliers](std::size_t view) {
+    next.emplace(*run.problem);
+    next->load_masks = [load = next->load_masks, outliers](std::size_t view) {
       return consistent_masks(*outliers, view, load(view));
     };
-    next.labels = next.whole ? labels_without_views(run.exec, run.monitor, next, outliers->ignored)
-                             : labels_anew(run.exec, run.monitor, next, next.cloud);
+    next->labels = next->whole ? labels_without_views(run.exec, run.monitor, *next, outliers->ignored)
+                               : labels_anew(run.exec, run.monitor, *next, next->cloud);
     if (run.monitor.stop_requested()) return;
   }
   Json names = Json::array();
@@ -115,7 +116,7 @@ void MaskOutliersPass::run(PassRun& run) {
   }
   Json& report = run.report["mask_outliers"] = {{"ignored", names}};
   for (const auto& [name, value] : outliers->figures) report[name] = value;
-  run.problem.emplace(std::move(next));
+  if (next) run.problem.emplace(std::move(*next));
 }
 
 }  // namespace ngs
