@@ -14,15 +14,19 @@ double measured_by(const Effect& effect, SceneProbe& probe) {
   return effect.detector.measure(probe);
 }
 
+/// Null: not decided yet.
+template <class All>
+auto found_in(All& all, std::string_view name) -> decltype(all.data()) {
+  const auto found = std::ranges::find_if(all, [&](const EffectDecision& d) { return d.effect->name == name; });
+  return found == all.end() ? nullptr : &*found;
+}
+
 }  // namespace
 
 Decisions::Decisions(std::vector<Effect> effects, EffectModes modes, std::vector<EffectVerdict> verdicts)
     : effects_(std::move(effects)), modes_(std::move(modes)), verdicts_(std::move(verdicts)) {}
 
-const EffectDecision* Decisions::find(std::string_view name) const {
-  const auto found = std::ranges::find_if(all_, [&](const EffectDecision& d) { return d.effect->name == name; });
-  return found == all_.end() ? nullptr : &*found;
-}
+const EffectDecision* Decisions::find(std::string_view name) const { return found_in(all_, name); }
 
 /// An effect it needs that is off, whatever else is said, for it could not run; then an entry of --effect, then the
 /// first verdict, then being always on. Null: its detector is asked.
@@ -68,8 +72,8 @@ bool Decisions::decide(const std::vector<Effect>& some, SceneProbe& probe) {
 }
 
 void Decisions::break_off(std::string_view name, std::string reason) {
-  const auto found = std::ranges::find_if(all_, [&](const EffectDecision& d) { return d.effect->name == name; });
-  if (found != all_.end()) found->on = false, found->broken_off = true, found->reason = std::move(reason);
+  if (EffectDecision* decision = found_in(all_, name))
+    decision->on = false, decision->broken_off = true, decision->reason = std::move(reason);
 }
 
 bool Decisions::on(std::string_view name) const {
