@@ -81,7 +81,8 @@ mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: passes are not broken
 mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: what was broken off sets the pace" 's/run\.budget\.restore\(before\);//'
 mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: a resumed run asks its clock" 's/if \(run\.resumed \|\| insisted/if (insisted/'
 mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: a resumed run does not repeat what was broken off" 's/if \(run\.resumed && was_broken_off/if (false \&\& was_broken_off/'
-mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: half a look is believed" 's/^  probe\.emplace\(run\.exec, run\.training, seen\);//'
+mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: half a look sets the pace" 's/ \&\& !detection\.broken_off//'
+mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: half a look is believed" 's/^  by\.probe\.emplace\(run\.exec, run\.training, by\.seen\);//'
 mutant passes/floaters/floaters_pass.cpp $t passes/floaters/floaters_pass.cpp "floaters: half a refit is kept" 's/if \(run\.monitor\.stop_requested\(\)\) return false;//'
 mutant passes/mask_outliers/mask_outliers_pass.cpp $t passes/mask_outliers/mask_outliers_pass.cpp "mask outliers: half of the labels are kept" 's/^    if \(run\.monitor\.stop_requested\(\)\) return;//'
 t=unit/passes/pipeline_test.cpp

@@ -87,42 +87,47 @@ void Pipeline::rule_by_time(PassStage stage, PassRun& run) const {
   if (plan.contour_iterations == 0 && run.budget.contours.epochs > 0) leave_out("contours");
 }
 
+/// The detectors of a stage at work.
+struct Pipeline::Detection {
+  const Problem& seen;
+  double until_s;
+  std::optional<SceneProbe> probe = {};
+  bool asked = false, broken_off = false;
+};
+
 /// Asks the detectors of a pass. Where they take too long, it and its parts are left out; what the probe then knows is
 /// of part of the views, and forgotten.
-bool Pipeline::decide_pass(const Pass& pass, PassRun& run, const Problem& seen, std::optional<SceneProbe>& probe,
-                           double until_s) const {
+void Pipeline::decide_pass(const Pass& pass, PassRun& run, Detection& by) const {
   std::vector<Effect> effects = pass.effects();
-  if (!probe) probe.emplace(run.exec, run.training, seen);
+  if (!by.probe) by.probe.emplace(run.exec, run.training, by.seen);
   {
-    const Monitor::Limit limit(run.monitor, until_s);
-    const bool asked = run.decisions.decide(effects, *probe);
-    if (!limit.reached()) return asked;
+    const bool mends = pass.stage() == PassStage::kMend && pass.cost();
+    const Monitor::Limit limit(run.monitor, mends ? run.budget.end_of_s(pass.cost()->share) : by.until_s);
+    by.asked |= run.decisions.decide(effects, *by.probe);
+    if (!limit.reached()) return;
   }
-  probe.emplace(run.exec, run.training, seen);
+  by.broken_off = true;
+  by.probe.emplace(run.exec, run.training, by.seen);
   std::erase_if(effects, [&](const Effect& effect) { return run.decisions.decided(effect.name); });
   for (const Effect& effect : effects) leave_out_for_time(run, effect.name);
-  run.decisions.decide(effects, *probe);
-  return true;
+  run.decisions.decide(effects, *by.probe);
 }
 
 void Pipeline::decide(PassStage stage, PassRun& run, const Problem& seen) const {
   foresee(run);
   rule_by_time(stage, run);
   const auto timed = run.monitor.scope("detectors");
-  const double began_s = wall_seconds(), until_s = run.budget.end_of_s(kDetectorsCost.share);
-  std::optional<SceneProbe> probe;
+  const double began_s = wall_seconds();
   const std::size_t known = run.decisions.all().size();
-  bool asked = false;
-  for (const auto& pass : passes_) {
-    if (pass->stage() != stage || run.monitor.stop_requested()) continue;
-    const bool mends = stage == PassStage::kMend && pass->cost();
-    asked |= decide_pass(*pass, run, seen, probe, mends ? run.budget.end_of_s(pass->cost()->share) : until_s);
-  }
+  Detection detection{seen, run.budget.end_of_s(kDetectorsCost.share)};
+  for (const auto& pass : passes_)
+    if (pass->stage() == stage && !run.monitor.stop_requested()) decide_pass(*pass, run, detection);
   for (const EffectDecision& d : std::span(run.decisions.all()).subspan(known)) {
     if (d.measured) run.say(decision_line(d));
     if (d.overruled) run.budget.note_cut();
   }
-  if (asked && stage == PassStage::kOptimise)
+  // What was broken off tells nothing of the pace of the rest.
+  if (detection.asked && !detection.broken_off && stage == PassStage::kOptimise)
     run.budget.took("detectors", double(seen.views.size()) * kDetectorsCost.per_view, wall_seconds() - began_s);
   run.report["effects"] = run.decisions.json();
 }

@@ -28,8 +28,8 @@ class Pipeline {
 
  private:
   void rule_by_time(PassStage stage, PassRun& run) const;
-  bool decide_pass(const Pass& pass, PassRun& run, const Problem& seen, std::optional<SceneProbe>& probe,
-                   double until_s) const;
+  struct Detection;
+  void decide_pass(const Pass& pass, PassRun& run, Detection& by) const;
   void run_in_time(Pass& pass, PassRun& run) const;
   void foresee(PassRun& run) const;
 

@@ -20,8 +20,8 @@ constexpr std::chrono::milliseconds kStep(10);
 class SlowPass final : public Pass {
  public:
   enum class Part : std::uint8_t { kLooks, kWorks };
-  SlowPass(Part part, int& steps) : part_(part), steps_(steps) {}
-  PassStage stage() const override { return PassStage::kMend; }
+  SlowPass(Part part, PassStage stage, int& steps) : part_(part), stage_(stage), steps_(steps) {}
+  PassStage stage() const override { return stage_; }
   std::vector<Effect> effects() const override {
     return {{.name = "slow",
              .help = "take time",
@@ -51,6 +51,7 @@ class SlowPass final : public Pass {
   }
 
   Part part_;
+  PassStage stage_;
   int& steps_;
 };
 
@@ -81,10 +82,10 @@ struct SlowCase {
   std::size_t views = 0;
   std::unique_ptr<test::PipelineCase> passes;
 
-  SlowCase(SlowPass::Part part, const std::string& entry, double budget_s = 3) {
+  SlowCase(SlowPass::Part part, const std::string& entry, double budget_s = 3, PassStage stage = PassStage::kMend) {
     std::vector<std::unique_ptr<Pass>> list = all_passes();
     list.insert(list.begin(), std::make_unique<CountingPass>(views));
-    list.insert(list.begin(), std::make_unique<SlowPass>(part, steps));
+    list.insert(list.begin(), std::make_unique<SlowPass>(part, stage, steps));
     const std::vector<std::string> entries{"all=off", entry, "counting=auto"};
     passes = std::make_unique<test::PipelineCase>(in, scene.training, entries, std::move(list));
     passes->time_budget(budget_s);
@@ -120,6 +121,15 @@ TEST_CASE("a detector that would take too long leaves its pass out, and others k
   CHECK_FALSE(c.took_label());
   CHECK(c.decision().at("reason") == "--time-budget has no time for it");
   CHECK(c.views == 4);
+}
+
+TEST_CASE("detectors that are broken off tell nothing of the pace of the rest") {
+  SlowCase c(SlowPass::Part::kLooks, "slow=auto", 1, PassStage::kOptimise);
+  const PassRun& run = c.passes->run();
+  CHECK(c.steps > 0);
+  CHECK(c.steps < kSteps);
+  CHECK_FALSE(c.took_label());
+  CHECK(run.budget.pace().factor() == 1);
 }
 
 TEST_CASE("with time, by request, or in a run that is resumed, a pass runs to its end") {
