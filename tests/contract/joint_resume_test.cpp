@@ -247,8 +247,7 @@ TEST_CASE("ngs-joint refuses the checkpoint of another run before it looks for f
   const test::ProcessResult refused = c.joint("other", options + Words{"--resume", "--lambda-cont", "0.2"});
   INFO(refused.err);
   CHECK(refused.exit_code == 4);
-  CHECK(says(refused, "auto: exposure="));
-  CHECK_FALSE(says(refused, "auto: sh="));  // which is decided when floaters are out
+  CHECK_FALSE(says(refused, "auto: exposure="));
 }
 
 TEST_CASE("ngs-joint refuses a checkpoint whose step is none of its plan, or whose numbers are not finite") {
@@ -294,6 +293,42 @@ TEST_CASE("ngs-joint goes on where Gaussians of the model are not finite") {
   INFO(resumed.err);
   REQUIRE(resumed.exit_code == 0);
   CHECK(c.bytes("resumed") == c.bytes("whole"));
+}
+
+TEST_CASE("ngs-joint that resumes repeats what the interrupted run decided, and says what that had no time for") {
+  const Case c;
+  keep_six(c);
+  const Words resume =
+      kSteps + Words{"--checkpoint", c.keep, "--resume", "-w", "--report", c.dir.path() + "/resumed.json"};
+  io::TensorFile file = io::read_safetensors(c.kept);
+  const auto as_decided = nlohmann::ordered_json::parse(file.metadata.at("run"));
+  const auto outliers = [](const Json& effects) {
+    return *std::find_if(effects.begin(), effects.end(), [](const Json& e) { return e.at("name") == "mask-outliers"; });
+  };
+  auto run = as_decided;
+  const auto goes_on = [&](int exit_code) {
+    file.metadata["run"] = run.dump();
+    io::write_safetensors(c.kept, file);
+    const test::ProcessResult resumed = c.joint("resumed", resume);
+    INFO(resumed.err);
+    CHECK(resumed.exit_code == exit_code);
+    CHECK(says(resumed, "resumed after step 6") == (exit_code != 4));
+  };
+  run["left_out"] = {"mask-outliers"};
+  goes_on(7);
+  CHECK(outliers(figure(c, "resumed", "effects")).at("reason") == "--time-budget has no time for it");
+  run = as_decided;
+  *std::find(run.at("effects").begin(), run.at("effects").end(), "mask-outliers=off") = "mask-outliers=on";
+  goes_on(0);
+  CHECK(outliers(figure(c, "resumed", "effects")).at("on") == true);
+  CHECK(outliers(figure(c, "resumed", "effects")).at("mode") == "resumed");
+  for (const auto& [key, wrong] : {std::pair("left_out", Json{"everything", 3}),
+                                   {"left_out", Json(3)},
+                                   {"effects", Json(3)},
+                                   {"effects", Json{3, "mask-outliers=maybe", nullptr}}}) {
+    run = as_decided, run[key] = wrong;
+    goes_on(4);
+  }
 }
 
 TEST_CASE("ngs-joint that resumes removes the floaters that the interrupted run had decided on under its budget") {

@@ -8,6 +8,7 @@
 
 #include "ngs/passes/pass_list.h"
 #include "ngs/passes/pipeline.h"
+#include "ngs/passes/resumed_decisions.h"
 
 namespace ngs::test {
 
@@ -52,8 +53,11 @@ class PipelineCase {
   }
   /// Asks a run to stop, as a signal does.
   void stop_flag(const std::atomic<bool>& flag) { monitor_.stop_flag(&flag); }
-  /// As if another run with that state (PassRun::state) went on.
+  /// As if another run with that state (PassRun::state) went on, and with its decisions where they are kept.
   void goes_on_from(const Json& state) { run_.resumed = state; }
+  void goes_on_from(const Json& state, const Json& effects, const Json& left_out) {
+    goes_on_from(state), repeat_decisions(run_, effects, left_out);
+  }
   /// With steps that are kept, so that another run may go on.
   void keeps_steps(StepStore& store) { run_.store = &store; }
   /// As if the run had begun now, with so much time.

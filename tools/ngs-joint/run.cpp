@@ -13,6 +13,7 @@
 #include "ngs/io/image/photo.h"
 #include "ngs/io/ply/query_ply.h"
 #include "ngs/passes/joint/first_queries.h"
+#include "ngs/passes/resumed_decisions.h"
 #include "ngs/problem/coarse_input.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/boundary/variance_stage.h"
@@ -143,15 +144,6 @@ Json identity_of(cli::Run& run, Options& options, const Paths& paths, const Scen
           {"fast_atomics", options.steps.fast_atomics}};
 }
 
-/// Decisions that the state follows from: contours begin where it ends.
-Json decided(const Decisions& decisions) {
-  Json effects = Json::array();
-  for (const EffectDecision& d : decisions.all())
-    if (!belongs_to(decisions.effects(), d.effect->name, "contours"))
-      effects.push_back(std::string(d.effect->name) + (d.on || d.broken_off ? "=on" : "=off"));
-  return effects;
-}
-
 /// A run of a method on what was read.
 class MethodRun {
  public:
@@ -182,6 +174,8 @@ class MethodRun {
       throw Error(ErrorCode::kInconsistent, paths_.scene + ": no training view, expected at least one",
                   "hold out fewer views");
     PassRun passes = pass_run(from_files);
+    Json identity = keeps_steps() ? identity_of(run_, options_, paths_, input_.scene) : Json();
+    if (keeps_steps()) repeat_the_run_before(passes, identity);
     options_.pipeline.decide(PassStage::kFocus, passes, from_files);
     if (!options_.pipeline.run(PassStage::kFocus, passes)) return run_.stop_code();
     const Problem focused = *passes.problem;
@@ -195,10 +189,9 @@ class MethodRun {
     options_.pipeline.decide(PassStage::kMend, passes, coarse.get());
     if (const int stopped = run_.stop_code()) return stopped;  // nothing to go on from, and no checkpoint
     if (options_.choice.explain) return explain(passes, from_files);
-    Json identity = keeps_steps() ? identity_of(run_, options_, paths_, input_.scene) : Json();
     if (keeps_steps()) {
-      identity["effects"] = decided(decisions_);
-      passes.resumed = store_.resumed(identity);
+      identity["effects"] = kept_decisions(decisions_);
+      store_.resumed(identity);  // by options that the run before did not have
     }
     if (!options_.pipeline.run(PassStage::kMend, passes)) return run_.stop_code();
     coarse.forget();  // decisions that look at it are taken
@@ -209,6 +202,14 @@ class MethodRun {
  private:
   bool keeps_steps() const {
     return !options_.steps.checkpoint.empty() && options_.runs_passes() && !options_.choice.explain;
+  }
+
+  void repeat_the_run_before(PassRun& passes, const Json& identity) {
+    const std::optional<Json> before = store_.resumed(identity);
+    if (!before) return;
+    const Json state = before->value("passes", Json());
+    passes.resumed = state.is_object() ? state : Json::object();
+    repeat_decisions(passes, before->value("effects", Json()), before->value("left_out", Json()));
   }
 
   Json plan_json(const Problem& problem) const {
@@ -282,8 +283,9 @@ class MethodRun {
     const std::optional<QueryField> field = read_field(passes);
     passes.field = field ? &*field : nullptr;
     if (keeps_steps()) {
-      identity["effects"] = decided(decisions_), identity["passes"] = passes.state;
+      identity["effects"] = kept_decisions(decisions_), identity["passes"] = passes.state;
       identity["field"] = field ? io::content_hash(paths_.field).xxh3 : "";
+      if (!passes.left_out.empty()) identity["left_out"] = passes.left_out;
       store_.identify(identity);
       passes.store = &store_;
     }

@@ -57,8 +57,7 @@ std::optional<Json> StepFile::resumed(const Json& known) const {
   if (!setup_.resume || !std::filesystem::exists(path())) return std::nullopt;
   const Json run = Json::parse(io::read_safetensors(path()).meta("run"), nullptr, false);
   if (!has_all(run, known)) refuse_other_run(path());
-  const Json passes = run.value("passes", Json());
-  return passes.is_object() ? passes : Json::object();
+  return run;
 }
 
 void StepFile::save(JointTrainer& trainer) {

@@ -22,9 +22,8 @@ class StepFile : public StepStore {
   StepFile(Monitor& monitor, Setup setup) : setup_(std::move(setup)), on_the_way_(monitor) {}
 
   static std::string path_in(const std::string& folder);
-  /// What the passes of the run that is resumed did where the clock decided it (PassRun::state); none: there is no
-  /// such run. kInconsistent where it is of other things than what is `known` of this run, before the work for it is
-  /// done.
+  /// The identity of the run that is resumed; none: there is no such run. kInconsistent where it is of other things
+  /// than what is `known` of this run, before the work for it is done.
   std::optional<Json> resumed(const Json& known) const;
   /// Once it is known what the run follows from.
   void identify(const Json& identity) { identity_ = identity.dump(); }

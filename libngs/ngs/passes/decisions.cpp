@@ -71,6 +71,11 @@ bool Decisions::decide(const std::vector<Effect>& some, SceneProbe& probe) {
   return asked;
 }
 
+bool Decisions::ruled(std::string_view name) const {
+  return mode(name) != EffectMode::kAuto ||
+         std::ranges::any_of(verdicts_, [&](const EffectVerdict& v) { return v.name == name && !v.asks_first; });
+}
+
 void Decisions::break_off(std::string_view name, std::string reason) {
   if (EffectDecision* decision = found_in(all_, name))
     decision->on = false, decision->broken_off = true, decision->reason = std::move(reason);

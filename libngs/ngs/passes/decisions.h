@@ -43,6 +43,9 @@ class Decisions {
   /// Another decision that the scene has no say in; entries of --effect and earlier verdicts still win.
   void rule(EffectVerdict verdict) { verdicts_.push_back(std::move(verdict)); }
 
+  /// Whether --effect or a verdict decides it.
+  bool ruled(std::string_view name) const;
+
   /// Of an effect that is on: it turned out not to be done.
   void break_off(std::string_view name, std::string reason);
 

@@ -4,6 +4,7 @@
 // time, and reports. A new pass is a folder with a class like the others, and a line in pass_list.cpp.
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,7 @@ struct PassRun {
   StepStore* store = nullptr;           // null: nothing is kept
   std::optional<Json> resumed = {};     // by pass: what the run that is resumed did, where the clock decided it
   Json state = Json::object();          // the same of this run
+  std::set<std::string> left_out = {};  // effects, for want of time; without those of contours
 
   std::vector<float> floater = {};  // [N] 1: taken out of the model; empty: none
   bool fields_fit = true;           // query points made for the model that was read still belong to it

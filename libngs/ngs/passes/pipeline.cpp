@@ -26,11 +26,17 @@ void break_off(PassRun& run, std::string_view name) {
   run.report["effects"] = run.decisions.json();
 }
 
+/// An effect that would be on is off for want of time. A run that goes on plans its contours anew.
+void note_left_out(PassRun& run, std::string_view effect) {
+  run.budget.note_cut();
+  if (!belongs_to(run.decisions.effects(), effect, "contours")) run.left_out.emplace(effect);
+}
+
 }  // namespace
 
 void leave_out_for_time(PassRun& run, std::string_view effect) {
-  const bool insisted = run.decisions.mode(effect) != EffectMode::kAuto;
-  if (!insisted && run.decisions.may_be_on(effect, *run.problem)) run.budget.note_cut();
+  if (run.decisions.ruled(effect)) return;
+  if (run.decisions.may_be_on(effect, *run.problem)) note_left_out(run, effect);
   run.decisions.rule({effect, false, kNoTime});
 }
 
@@ -124,7 +130,7 @@ void Pipeline::decide(PassStage stage, PassRun& run, const Problem& seen) const 
     if (pass->stage() == stage && !run.monitor.stop_requested()) decide_pass(*pass, run, detection);
   for (const EffectDecision& d : std::span(run.decisions.all()).subspan(known)) {
     if (d.measured) run.say(decision_line(d));
-    if (d.overruled) run.budget.note_cut();
+    if (d.overruled) note_left_out(run, d.effect->name);
   }
   // What was broken off tells nothing of the pace of the rest.
   if (detection.asked && !detection.broken_off && stage == PassStage::kOptimise)

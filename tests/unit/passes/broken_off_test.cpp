@@ -163,6 +163,37 @@ TEST_CASE("a resumed run leaves out what was broken off, and keeps the same stat
   }
 }
 
+TEST_CASE("a resumed run decides as the run before it, and looks at nothing for that") {
+  SlowCase before(SlowPass::Part::kLooks, "slow=auto");  // whose detector was broken off
+  const PassRun& run = before.passes->run();
+  const Json effects = kept_decisions(run.decisions);
+  CHECK(std::ranges::count(effects, Json("slow=off")) == 1);
+  CHECK(std::ranges::none_of(effects, [](const Json& e) { return e.get<std::string>().starts_with("contours"); }));
+  CHECK(run.left_out == std::set<std::string>{"slow"});
+  for (const bool left_out : {true, false}) {
+    SlowCase c(SlowPass::Part::kLooks, "slow=auto", 1e6);
+    c.passes->goes_on_from(run.state, effects, left_out ? Json(run.left_out) : Json());
+    const PassRun& resumed = c.passes->run();
+    CHECK(c.steps == 0);
+    CHECK_FALSE(c.took_label());
+    CHECK(c.decision().at("reason") == (left_out ? "--time-budget has no time for it" : "--resume"));
+    CHECK(resumed.budget.cut() == left_out);
+    CHECK(kept_decisions(resumed.decisions) == effects);
+    CHECK(resumed.left_out.size() == std::size_t(left_out));
+  }
+  for (const Json& other : {Json{"slow=on"}, Json{"slow=on", 3, nullptr, "slow", "fast=off"}}) {
+    SlowCase c(SlowPass::Part::kLooks, "slow=auto", 1e6);
+    c.passes->goes_on_from(run.state, other, Json{"fast", 3});
+    c.passes->run();
+    CHECK(c.steps == 0);
+    CHECK(c.took_label());
+  }
+  SlowCase insists(SlowPass::Part::kLooks, "slow=on", 1e6);
+  insists.passes->goes_on_from(run.state, effects, Json(run.left_out));
+  CHECK_FALSE(insists.passes->run().budget.cut());
+  CHECK(insists.took_label());
+}
+
 namespace {
 
 /// All that a mending pass may change.
