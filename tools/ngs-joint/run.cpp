@@ -205,7 +205,7 @@ class MethodRun {
   }
 
   void repeat_the_run_before(PassRun& passes, const Json& identity) {
-    const std::optional<Json> before = store_.resumed(identity);
+    const std::optional<Json>& before = store_.resumed(identity);
     if (!before) return;
     const Json state = before->value("passes", Json());
     passes.resumed = state.is_object() ? state : Json::object();

@@ -53,11 +53,11 @@ std::string StepFile::path_in(const std::string& folder) {
   return (std::filesystem::path(folder) / "checkpoint.safetensors").string();
 }
 
-std::optional<Json> StepFile::resumed(const Json& known) const {
-  if (!setup_.resume || !std::filesystem::exists(path())) return std::nullopt;
-  const Json run = Json::parse(io::read_safetensors(path()).meta("run"), nullptr, false);
-  if (!has_all(run, known)) refuse_other_run(path());
-  return run;
+const std::optional<Json>& StepFile::resumed(const Json& known) {
+  if (!before_ && setup_.resume && std::filesystem::exists(path()))
+    before_ = Json::parse(io::read_safetensors(path()).meta("run"), nullptr, false);
+  if (before_ && !has_all(*before_, known)) refuse_other_run(path());
+  return before_;
 }
 
 void StepFile::save(JointTrainer& trainer) {

@@ -23,8 +23,8 @@ class StepFile : public StepStore {
 
   static std::string path_in(const std::string& folder);
   /// The identity of the run that is resumed; none: there is no such run. kInconsistent where it is of other things
-  /// than what is `known` of this run, before the work for it is done.
-  std::optional<Json> resumed(const Json& known) const;
+  /// than what is `known` of this run, before the work for it is done; asked again, it does not read the file again.
+  const std::optional<Json>& resumed(const Json& known);
   /// Once it is known what the run follows from.
   void identify(const Json& identity) { identity_ = identity.dump(); }
 
@@ -41,6 +41,7 @@ class StepFile : public StepStore {
   cli::Checkpoints on_the_way_;
   std::optional<cli::KeepsState> keeps_;
   std::string identity_;
+  std::optional<Json> before_;
 };
 
 }  // namespace ngs::joint

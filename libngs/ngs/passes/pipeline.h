@@ -36,7 +36,8 @@ class Pipeline {
   std::vector<std::unique_ptr<Pass>> passes_;
 };
 
-/// Leaves an effect out for want of time. Nothing is cut short where it was off anyway, or where --effect insists.
+/// Leaves an effect out for want of time. Nothing is cut short where it was off anyway, or where --effect or a verdict
+/// insists.
 void leave_out_for_time(PassRun& run, std::string_view effect);
 
 }  // namespace ngs
