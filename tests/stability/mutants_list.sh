@@ -7,7 +7,7 @@ mutant $f $t "" "no floor of the compensation" 's/sqrt\(max2\(ratio, T\(kCompens
 mutant $f $t "" "gradient of the opacity as 1 - s" 's/sigmoid\(-ctx\.logit_opacity\)/(T(1) - sigmoid(ctx.logit_opacity))/'
 mutant $f $t "" "direction of a zero offset" 's/length2 > T\(0\) \? T\(1\) \/ sqrt\(length2\) : T\(0\)/T(1) \/ sqrt(length2)/'
 mutant $f "$t grad/splat_grad_test.cpp" "" "off-diagonal gradient not halved" 's/g\.conic_b \/ T\(2\)/g.conic_b/'
-mutant ops/splat/splat_gaussian.h $t "" "no near plane" 's/if \(!\(t\.z > camera\.near_z\)\) return false;//'
+mutant ops/splat/splat_gaussian.h $t "" "no near plane" 's/t\.z > camera\.near_z && double/double/'
 mutant ops/splat/splat_gaussian.h $t "" "positions subtracted in float" 's/using W = WideOf<S>;/using W = S;/'
 f=ops/splat/splat_gaussian.h
 mutant $f unit/ops/splat/cull_test.cpp "" "cull: two sigma instead of three" 's/kRadii = 3\.5/kRadii = 2/'
@@ -378,3 +378,12 @@ mutant $f $t $f "label column: later values not counted on" 's/\+\+before\[later
 mutant $f $t $f "label column: pages shared that hold other values" 's/return a\.has == b\.has && .*;/return a.has == b.has;/'
 mutant $f $t $f "label column: rows come back that were cut off" 's/if \(rows < rows_ && rows % kPageRows != 0\)/if (false)/'
 mutant stages/fit/photo_refit.cpp unit/passes/floaters/floaters_test.cpp stages/fit/photo_refit.cpp "refit: rows that are not to be trained" 's/trained\(exec, in\.trained, /trained(exec, {}, /; s/kept\[r\] = !in\.trained\[row\]/kept[r] = 0/'
+t=unit/ops/splat/prepared_cloud_test.cpp
+mutant ops/splat/binned_view.h $t "" "where: tiles that nothing is asked of are drawn" 's/lists\.drawn = spans_reached\(.*\);/lists.drawn.clear();/'
+mutant ops/splat/tile_lists.h $t "" "where: spans of the first rows alone" 's/row < kFirstRows \? view\.first\[v\]\[std::size_t\(row\)\] : tile_span\(view\.record\[v\], r, ty\)/row < kFirstRows ? view.first[v][std::size_t(row)] : TileSpan{0, 0}/'
+mutant ops/splat/splat_gaussian.h $t "" "where: a tile short to the right" 's/kTilePx \* drawn\.x_end \* z/kTilePx * (drawn.x_end - 9) * z/'
+mutant ops/splat/project_block.cpp $t ops/splat/project_block.cpp "far: a block is as far as its farthest" 's/float\(z_least\) < columns_\.far_z/float(z_most) < columns_.far_z/'
+mutant stages/render/render_stage.cpp unit/stages/render/label_channels_test.cpp stages/render/render_stage.cpp "masks: where labels are sure alone" 's/> kHalfShare - kRounding/> 0.9f/'
+t=unit/passes/floaters/floaters_test.cpp
+mutant ops/splat/binned_view.h $t "ops/splat/front_layer.cpp" "where: what is asked of is not far either" 's/, some\.far_z = CloudView<S>::kEverything//'
+mutant passes/floaters/floaters.cpp $t passes/floaters/floaters.cpp "floaters: nothing is in front" 's/in_front\[row\] = 1;/in_front[row] = 0;/'

@@ -95,7 +95,7 @@ TEST_CASE("front layer: a Gaussian is in front of a surface an ulp behind it, no
         for (int i = 0; i < 3; ++i) camera.rotation(i, i) = 1;
         const ImageF surface(16, 16, 1, limit), far(16, 16, 1, 1e30f);
         const std::vector<std::uint8_t> candidate{1}, marked(256, 1);
-        const FrontView view({}, cloud, camera, {});
+        const FrontView view({}, {cloud}, camera, {});
         const FrontSums sums = view.sums({surface, candidate}, marked);
         const double whole = view.sums({far, candidate}, marked).front[0];
         const double front = sums.row.empty() ? 0 : sums.front[0], of_marked = sums.row.empty() ? 0 : sums.marked[0];

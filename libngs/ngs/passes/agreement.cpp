@@ -17,7 +17,7 @@ std::vector<Agreement> training_agreement(const Exec& exec, const Problem& probl
   for_each_view(problem.monitor, problem.views, [&](std::size_t, std::size_t view) {
     const ViewMasks masks = problem.load_masks(view);
     if (!masks.available) return;
-    const ImageF label = channels.view(exec, problem.scene.views[view].camera, problem.splat);
+    const ImageF label = channels.masks(exec, problem.scene.views[view].camera, problem.splat);
     const std::vector<ShownBox> boxes = boxes_shown(label);
     Agreement sum;
     for (std::size_t k = 0; k < objects; ++k) {

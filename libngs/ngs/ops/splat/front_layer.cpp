@@ -99,6 +99,12 @@ struct SumSink : FrontBase {
   }
 };
 
+CloudView<float> columns_of(const FrontModel& model) {
+  CloudView<float> columns = cloud_view(model.cloud, 0, nullptr);
+  columns.where = model.where, columns.far_z = model.far_z;
+  return columns;
+}
+
 void store_tile(const TileFrame& frame, const std::vector<L>& sum, ImageF& out) {
   float lane[kTilePixels];
   for (int c = 0; c < out.channels; ++c) {
@@ -125,11 +131,10 @@ struct FrontView::State {
   }
 };
 
-FrontView::FrontView(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options,
-                     const std::uint8_t* include)
+FrontView::FrontView(const Exec& exec, const FrontModel& model, const Camera& camera, const SplatOptions& options)
     : state_(std::make_unique<State>(
-          State{exec, camera, options.compat, cloud.size(),
-                BinnedView<float>(exec, cloud_view(cloud, 0, include), relative_camera(camera, cloud), options)})) {}
+          State{exec, camera, options.compat, model.cloud.size(),
+                BinnedView<float>(exec, columns_of(model), relative_camera(camera, model.cloud), options)})) {}
 FrontView::~FrontView() = default;
 
 ImageF FrontView::layer(const FrontQuery& query, Matrix<const float> value) const {

@@ -3,6 +3,7 @@
 //
 // A contribution is in front of pixel p where its Gaussian is a candidate and its camera z is below limit(p);
 // limit 0: no surface at this pixel, nothing is in front. Weights w = α T are those of rendering the whole model.
+#include <limits>
 #include <memory>
 
 #include "ngs/ops/splat/splat.h"
@@ -20,12 +21,18 @@ struct FrontSums {
   std::vector<double> front, marked;  // [rows]
 };
 
+/// A model, and what is known of the surface of all queries: it lies in tiles that one of `where` reaches, and no
+/// farther from the camera than `far_z`.
+struct FrontModel {
+  const GaussianCloud& cloud;
+  const std::uint8_t* where = nullptr;                   // [N] null: anywhere
+  float far_z = std::numeric_limits<float>::infinity();  // world
+};
+
 /// One view of a model, projected once for several looks at it.
 class FrontView {
  public:
-  /// `include` [N] 1: drawn; null: all are.
-  FrontView(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options,
-            const std::uint8_t* include = nullptr);
+  FrontView(const Exec& exec, const FrontModel& model, const Camera& camera, const SplatOptions& options);
   ~FrontView();
   FrontView(const FrontView&) = delete;
   FrontView& operator=(const FrontView&) = delete;

@@ -92,21 +92,25 @@ class BlockProjector {
 bool BlockProjector::may_reach(const BlockBounds& bounds) const {
   if (bounds.empty()) return false;
   const auto& w = view_.wide;
+  const TileRect& drawn = view_.drawn;
   const double far = std::numeric_limits<double>::infinity();
-  double left = far, right = far, above = far, below = far, z_most = -far;
+  double left = far, right = far, above = far, below = far, z_most = -far, z_least = far;
   for (int corner = 0; corner < 8; ++corner) {
     const float at[3] = {(corner & 1 ? bounds.hi : bounds.lo)[0], (corner & 2 ? bounds.hi : bounds.lo)[1],
                          (corner & 4 ? bounds.hi : bounds.lo)[2]};
     const Vec3<double> t = w.rotation * offset_from(view_.centre, at);
     const double column = w.f_x * t.x + w.c_x * t.z, row = w.f_y * t.y + w.c_y * t.z;
     const double slack = (View::kRadii * view_.blur_px + View::kRounding_px) * t.z;
-    left = min2(left, -column - slack), right = min2(right, column - kTilePx * view_.tiles_x * t.z - slack);
-    above = min2(above, -row - slack), below = min2(below, row - kTilePx * view_.tiles_y * t.z - slack);
-    z_most = max2(z_most, t.z);
+    left = min2(left, kTilePx * drawn.x_begin * t.z - column - slack);
+    right = min2(right, column - kTilePx * drawn.x_end * t.z - slack);
+    above = min2(above, kTilePx * drawn.y_begin * t.z - row - slack);
+    below = min2(below, row - kTilePx * drawn.y_end * t.z - slack);
+    z_most = max2(z_most, t.z), z_least = min2(z_least, t.z);
   }
   if (!std::isfinite(left + right + above + below + z_most)) return true;
   const double reach = View::kRadii * double(bounds.scale) * view_.spread;
-  return max2(max2(left, right), max2(above, below)) <= reach && float(z_most) > view_.camera.near_z;
+  return max2(max2(left, right), max2(above, below)) <= reach && float(z_most) > view_.camera.near_z &&
+         float(z_least) < columns_.far_z;
 }
 
 bool BlockProjector::any_included(std::int64_t block) const {
@@ -132,14 +136,15 @@ void BlockProjector::flag_rows(std::size_t base, std::uint8_t* reaches) const {
   to_camera(base, rows);
   const float *scale = &cloud_.scale_bound[base], *opacity = &cloud_.opacity[base];
   const auto w = view_.wide;
-  const double spread = view_.spread, blur_px = view_.blur_px, width = kTilePx * view_.tiles_x,
-               height = kTilePx * view_.tiles_y;
-  const float near_z = view_.camera.near_z;
-  each_row([&rows, scale, opacity, w, spread, blur_px, width, height, near_z](int i) {
+  const double spread = view_.spread, blur_px = view_.blur_px;
+  const double x_lo = kTilePx * view_.drawn.x_begin, x_hi = kTilePx * view_.drawn.x_end;
+  const double y_lo = kTilePx * view_.drawn.y_begin, y_hi = kTilePx * view_.drawn.y_end;
+  const float near_z = view_.camera.near_z, far_z = columns_.far_z;
+  each_row([=, &rows](int i) {
     const double z = rows.z[i], column = w.f_x * rows.x[i] + w.c_x * z, row = w.f_y * rows.y[i] + w.c_y * z;
-    const double off = max2(max2(-column, column - width * z), max2(-row, row - height * z));
+    const double off = max2(max2(x_lo * z - column, column - x_hi * z), max2(y_lo * z - row, row - y_hi * z));
     const double reach = View::kRadii * (double(scale[i]) * spread + blur_px * z) + View::kRounding_px * z;
-    rows.reaches[i] = !(off > reach) & (float(z) > near_z) & (opacity[i] >= float(kAlphaMin));
+    rows.reaches[i] = !(off > reach) & (float(z) > near_z) & (float(z) < far_z) & (opacity[i] >= float(kAlphaMin));
   });
   for (int i = 0; i < kPassRows; ++i) reaches[i] = std::uint8_t(rows.reaches[i]);
 }

@@ -89,7 +89,8 @@ RenderedView render(const Exec& exec, const GaussianCloud& cloud, const Camera& 
   const ChannelPlan<float> channels = channel_plan(request);
   RenderedView view;
   allocate(camera, channels, view);
-  const CloudView<float> on_view = cloud_view(cloud, options.max_sh_degree, request.include);
+  CloudView<float> on_view = cloud_view(cloud, options.max_sh_degree, request.include);
+  on_view.where = request.where;
   if (exec.device_ops) {
     device_view(exec, on_view, relative_camera(camera, cloud), options, channels)
         ->forward(planes<float>(channels, view));

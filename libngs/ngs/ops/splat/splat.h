@@ -33,6 +33,8 @@ struct RenderRequest {
   Matrix<const float> label;              // [N, K] label channel values in [0, 1]; n = 0: none
   Vec3<float> background{0, 0, 0};        // colour behind everything
   const std::uint8_t* include = nullptr;  // [N] 1: draw; null: draw all (amodal rendering passes a subset)
+  // [N] 1: of render(), tiles that none of these reaches may stay as if nothing were there; null: all tiles are drawn
+  const std::uint8_t* where = nullptr;
 };
 
 /// Forward only.

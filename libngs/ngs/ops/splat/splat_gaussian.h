@@ -14,12 +14,15 @@ namespace ngs {
 /// A cloud as arrays of S. Members as in GaussianCloud; null sh_dc: colour is not evaluated.
 template <class S>
 struct CloudView {
+  static constexpr float kEverything = std::numeric_limits<float>::infinity();
   std::int64_t size = 0;
   const S *position = nullptr, *rotation = nullptr, *log_scale = nullptr, *logit_opacity = nullptr;
   const S *sh_dc = nullptr, *sh_rest = nullptr;
   int sh_degree = 0;                                         // bands to evaluate
   int rest_stride = 0;                                       // coefficients stored per Gaussian
   const std::uint8_t *usable = nullptr, *include = nullptr;  // null: all
+  const std::uint8_t* where = nullptr;                       // tiles that none of these reaches are not asked for
+  float far_z = kEverything;                                 // nor is what is so far away, or farther
 
   NGS_HD GaussianShape<S> shape(std::int64_t i) const {
     return {rotation + i * 4, log_scale + i * 3, logit_opacity[i]};
@@ -213,6 +216,7 @@ struct ViewProjector {
   double spread, blur_px;  // of beside(): px · world per unit of scale; px
   int width_px, height_px, tiles_x, tiles_y;
   Compat compat;
+  TileRect drawn;  // of beside(): all tiles, or those that something is wanted of
 
   /// The centre of Gaussian i relative to the camera's, in world axes.
   NGS_HD Vec3<Wide> offset(const CloudView<S>& cloud, std::int64_t i) const {
@@ -220,7 +224,7 @@ struct ViewProjector {
   }
 
   static constexpr double kRadii = 3.5, kRounding_px = 2;
-  /// Whether tile_rect would be empty, found without the covariance; may be false although it is. What is bounded:
+  /// Whether tile_rect would not meet `drawn`, found without the covariance; may be false although it is. Bounded are:
   /// both radii are at most 3.33 (cov_xx + cov_yy + 0.32)^½ + 1 px and cov_xx + cov_yy <= (largest scale · `spread` /
   /// z)² + 2 blur. All multiplied by z; what the factors exceed 3.33 and 1 by is for rounding. Without branches: a loop
   /// over Gaussians becomes one of packs.
@@ -230,8 +234,9 @@ struct ViewProjector {
     const double x = double(t.x), y = double(t.y), z = double(t.z);
     const double column = double(wide.f_x) * x + double(wide.c_x) * z,
                  row = double(wide.f_y) * y + double(wide.c_y) * z;
-    const double right = column - kTilePx * tiles_x * z, below = row - kTilePx * tiles_y * z;
-    const double off = max2(max2(-column, right), max2(-row, below));
+    const double left = kTilePx * drawn.x_begin * z - column, right = column - kTilePx * drawn.x_end * z;
+    const double above = kTilePx * drawn.y_begin * z - row, below = row - kTilePx * drawn.y_end * z;
+    const double off = max2(max2(left, right), max2(above, below));
     const float largest =
         max2(max2(float(double(log_scale[0])), float(double(log_scale[1]))), float(double(log_scale[2])));
     return off > kRadii * (double(exp_at_least(largest)) * spread + blur_px * z) + kRounding_px * z;
@@ -243,7 +248,7 @@ struct ViewProjector {
     if ((cloud.usable && !cloud.usable[i]) || (cloud.include && !cloud.include[i])) return false;
     const Vec3<Wide> t_wide = wide.rotation * offset(cloud, i);
     const Vec3<S> t = narrowed<S>(t_wide);
-    if (!(t.z > camera.near_z)) return false;
+    if (!(t.z > camera.near_z && double(t.z) < double(cloud.far_z))) return false;
     ProjectionContext<S> ctx;
     const ProjectedGaussian<S> p = project_gaussian(camera, t, cloud.shape(i), ctx);
     if (!(p.opacity >= S(kAlphaMin)) || !(p.det > S(0)) || !isfinite(double(p.det)) || !isfinite(double(p.mean_x)) ||
@@ -262,6 +267,7 @@ template <class S>
 ViewProjector<S> view_projector(const Camera& camera, const SplatOptions& options) {
   const ProjectionCamera<double> c = projection_camera<double>(camera, options);
   const auto row_length = [](double f, double lo, double hi) { return f * portable_hypot(1.0, std::max(-lo, hi)); };
+  const int tiles_x = (camera.width_px + kTilePx - 1) / kTilePx, tiles_y = (camera.height_px + kTilePx - 1) / kTilePx;
   return {projection_camera<S>(camera, options),
           projection_camera<WideOf<S>>(camera, options),
           camera.centre(),
@@ -269,9 +275,10 @@ ViewProjector<S> view_projector(const Camera& camera, const SplatOptions& option
           std::sqrt(2 * c.blur + 0.32),
           camera.width_px,
           camera.height_px,
-          (camera.width_px + kTilePx - 1) / kTilePx,
-          (camera.height_px + kTilePx - 1) / kTilePx,
-          options.compat};
+          tiles_x,
+          tiles_y,
+          options.compat,
+          {0, std::uint16_t(tiles_x), 0, std::uint16_t(tiles_y)}};
 }
 
 /// Which channels are composited: rgb (if colour), the label columns, camera z (if depth).

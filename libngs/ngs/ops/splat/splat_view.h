@@ -13,10 +13,8 @@ namespace ngs {
 
 /// Projects every Gaussian of the cloud; keeps those that can reach a pixel.
 template <class S>
-ProjectedView<S> project_view(const Exec& exec, const CloudView<S>& cloud, const Camera& camera,
-                              const SplatOptions& options) {
+ProjectedView<S> project_view(const Exec& exec, const CloudView<S>& cloud, const ViewProjector<S>& projector) {
   constexpr std::int64_t kChunk = 1 << 11;
-  const ViewProjector<S> projector = view_projector<S>(camera, options);
   const std::int64_t chunks = (cloud.size + kChunk - 1) / kChunk;
   std::vector<ProjectedView<S>> part(std::size_t(chunks), ProjectedView<S>{});
   for_each_task(exec, chunks, [&](std::int64_t chunk) {
@@ -46,6 +44,12 @@ ProjectedView<S> project_view(const Exec& exec, const CloudView<S>& cloud, const
     p = {};  // the whole is never held twice
   }
   return all;
+}
+
+template <class S>
+ProjectedView<S> project_view(const Exec& exec, const CloudView<S>& cloud, const Camera& camera,
+                              const SplatOptions& options) {
+  return project_view(exec, cloud, view_projector<S>(camera, options));
 }
 
 /// Lists per tile, ordered by (depth, index).

@@ -38,6 +38,7 @@ struct ProjectedView {
 /// [slot_begin[v], slot_begin[v + 1]), so that per-pair results are summed per Gaussian in a fixed order.
 struct TileLists {
   int tiles_x = 0, tiles_y = 0;
+  std::vector<TileSpan> drawn;           // [tiles_y] those of a row that have lists; empty: all
   std::vector<std::int64_t> tile_begin;  // [tiles + 1]
   std::vector<std::uint32_t> visible;    // [pairs] index v
   std::vector<std::uint32_t> slot;       // [pairs]
@@ -130,6 +131,37 @@ inline void sort_tile(const TileEntry* entry, std::uint32_t count, const std::ve
   }
 }
 
+/// Of every row of tiles the span about those that the view reaches; {0, 0}: none.
+template <class S>
+std::vector<TileSpan> spans_reached(const ProjectedView<S>& view, int tiles_y) {
+  std::vector<TileSpan> reached(std::size_t(tiles_y), TileSpan{0, 0});
+  for (std::size_t v = 0; v < view.id.size(); ++v) {
+    const TileRect& r = view.rect[v];
+    for (int ty = r.y_begin; ty < r.y_end; ++ty) {
+      const int row = ty - r.y_begin;
+      const TileSpan span = row < kFirstRows ? view.first[v][std::size_t(row)] : tile_span(view.record[v], r, ty);
+      TileSpan& all = reached[std::size_t(ty)];
+      if (span.first >= span.end) continue;
+      all = all.first >= all.end ? span : TileSpan{std::min(all.first, span.first), std::max(all.end, span.end)};
+    }
+  }
+  return reached;
+}
+
+/// The rectangle about spans of all rows; empty where they are.
+inline TileRect box_of(const std::vector<TileSpan>& rows) {
+  TileRect box{0, 0, 0, 0};
+  for (std::size_t ty = 0; ty < rows.size(); ++ty) {
+    const auto [first, end] = rows[ty];
+    const auto y = std::uint16_t(ty), below = std::uint16_t(ty + 1);
+    if (first >= end) continue;
+    box = box.x_begin >= box.x_end
+              ? TileRect{first, end, y, below}
+              : TileRect{std::min(box.x_begin, first), std::max(box.x_end, end), box.y_begin, below};
+  }
+  return box;
+}
+
 /// Bins one view; each chunk of the visible Gaussians owns its own range of every tile's list.
 template <class S>
 class TileBinner {
@@ -142,9 +174,10 @@ class TileBinner {
     chunks_ = std::max<std::int64_t>(1, exec_.threads), per_chunk_ = (count + chunks_ - 1) / chunks_;
     scratch_.chunk.resize(std::size_t(chunks_));
     lists_.slot_begin.resize(std::size_t(count) + 1);
-    for_each_task(exec_, chunks_, [&](std::int64_t c) { count_pairs(c); });
+    const bool all = lists_.drawn.empty();
+    for_each_task(exec_, chunks_, [&](std::int64_t c) { all ? count_pairs<true>(c) : count_pairs<false>(c); });
     place_tiles();
-    for_each_task(exec_, chunks_, [&](std::int64_t c) { scatter(c); });
+    for_each_task(exec_, chunks_, [&](std::int64_t c) { all ? scatter<true>(c) : scatter<false>(c); });
     for_each_task(exec_, lists_.tiles(), [&](std::int64_t tile) {
       const auto begin = std::size_t(lists_.tile_begin[std::size_t(tile)]);
       const auto end = std::size_t(lists_.tile_begin[std::size_t(tile) + 1]);
@@ -159,6 +192,7 @@ class TileBinner {
   }
 
   /// The spans of a chunk, its pairs per tile, and slot_begin counted from the chunk's first.
+  template <bool kAll>
   void count_pairs(std::int64_t c) {
     BinScratch::Chunk& chunk = scratch_.chunk[std::size_t(c)];
     chunk.span.clear();
@@ -168,14 +202,24 @@ class TileBinner {
       lists_.slot_begin[v] = std::int64_t(slots);
       const TileRect& r = view_.rect[v];
       std::uint32_t* next = chunk.next.data() + std::ptrdiff_t(r.y_begin) * lists_.tiles_x;
-      for (const TileSpan span : view_.first[v]) slots += count(span, next), next += lists_.tiles_x;
-      for (int ty = r.y_begin + kFirstRows; ty < r.y_end; ++ty, next += lists_.tiles_x) {
-        chunk.span.push_back(tile_span(view_.record[v], r, ty));
+      int ty = r.y_begin;
+      for (const TileSpan span : view_.first[v]) slots += count(drawn<kAll>(span, ty++), next), next += lists_.tiles_x;
+      for (; ty < r.y_end; ++ty, next += lists_.tiles_x) {
+        chunk.span.push_back(drawn<kAll>(tile_span(view_.record[v], r, ty), ty));
         slots += count(chunk.span.back(), next);
       }
     }
     NGS_CHECK(slots <= 0xffffffff, "slots are counted in 32 bits");
     chunk.slots = std::uint32_t(slots);
+  }
+
+  /// The part of a span of row `ty` that has lists.
+  template <bool kAll>
+  TileSpan drawn(TileSpan span, int ty) const {
+    if (kAll || span.first >= span.end) return span;
+    const TileSpan row = lists_.drawn[std::size_t(ty)];
+    const TileSpan part{std::max(span.first, row.first), std::min(span.end, row.end)};
+    return part.first < part.end ? part : TileSpan{0, 0};
   }
 
   /// Counts the tiles of a span. Most have one or two, which no branch can foresee: these take none.
@@ -200,6 +244,7 @@ class TileBinner {
     scratch_.entry.resize(total), lists_.visible.resize(total), lists_.slot.resize(total);
   }
 
+  template <bool kAll>
   void scatter(std::int64_t c) {
     BinScratch::Chunk& chunk = scratch_.chunk[std::size_t(c)];
     std::uint32_t slot = chunk.slots;
@@ -210,8 +255,9 @@ class TileBinner {
       const auto depth = std::bit_cast<std::uint32_t>(float(double(view_.depth[v])));
       TileEntry entry{depth, std::uint32_t(v), slot};
       std::uint32_t* next = chunk.next.data() + std::ptrdiff_t(r.y_begin) * lists_.tiles_x;
-      for (const TileSpan span : view_.first[v]) put(span, next, entry), next += lists_.tiles_x;
-      for (int ty = r.y_begin + kFirstRows; ty < r.y_end; ++ty, next += lists_.tiles_x) put(*later++, next, entry);
+      int ty = r.y_begin;
+      for (const TileSpan span : view_.first[v]) put(drawn<kAll>(span, ty++), next, entry), next += lists_.tiles_x;
+      for (; ty < r.y_end; ++ty, next += lists_.tiles_x) put(*later++, next, entry);
       slot = entry.slot;
     }
   }
@@ -236,7 +282,7 @@ class TileBinner {
   std::int64_t chunks_ = 1, per_chunk_ = 0;
 };
 
-/// Lists per tile, ordered by (depth, index into the cloud); lists.tiles_x and tiles_y are given.
+/// Lists per tile, ordered by (depth, index into the cloud); lists.tiles_x, tiles_y and drawn are given.
 template <class S>
 void bin_tiles(const Exec& exec, const ProjectedView<S>& view, TileLists& lists, BinScratch& scratch) {
   TileBinner<S>(exec, view, lists, scratch).bin();

@@ -209,7 +209,7 @@ RefinedView refine_view(const RefineSetup& setup, const SplatOptions& splat, con
     refine.band_px *= setup.detail / out.detail, refine.reach_px *= setup.detail / out.detail;
   }
   const int fw = photo.width_px, fh = photo.height_px;
-  const ImageF label = model.view(serial, resized(camera, fw, fh), filter_at_scale(splat, double(fw) / w));
+  const ImageF label = model.masks(serial, resized(camera, fw, fh), filter_at_scale(splat, double(fw) / w));
   ViewMasks own = compare ? input.load_masks(v) : ViewMasks{};
   const std::size_t objects = model.objects();
   out.compared = own.available;

@@ -116,8 +116,7 @@ class FloaterSearch {
     for_each_view(input_.monitor, spread_views(views_, kFrontViews), [&](std::size_t, std::size_t v) {
       const Surface s = surface(v);
       if (s.pixels() == 0) return;
-      const ImageF layer =
-          FrontView(exec_, cloud(), camera(v), splat_).layer({s.limit, candidate_}, {none.data(), cloud().size(), 1});
+      const ImageF layer = front_view(v, s).layer({s.limit, candidate_}, {none.data(), cloud().size(), 1});
       for (std::size_t p = 0; p < s.limit.data.size(); ++p)
         if (s.limit.data[p] > 0) sum += double(layer.data[2 * p + 1]), ++pixels;
     });
@@ -133,6 +132,12 @@ class FloaterSearch {
     if (!without_) without_.emplace(input_.cloud);
     for (const std::size_t i : rows) without_->logit_opacity[i] = kRemovedLogit;
     splat_.prepared = prepare_cloud(exec_, *without_);  // its opacities have changed
+  }
+
+  /// What has to do with what lies in front of the core's surface.
+  FrontView front_view(std::size_t v, const Surface& surface) const {
+    const float far_z = *std::ranges::max_element(surface.limit.data);
+    return {exec_, {cloud(), core_.member.data(), far_z}, camera(v), splat_};
   }
 
   /// The core is the same in all rounds; its surfaces are kept up to 256 MiB.
@@ -199,21 +204,34 @@ class FloaterSearch {
                        [&](const std::vector<float>& target) { return !mask_says_object(target[p]); });
   }
 
+  /// [N] 1: candidates that lie in front of the surface in some view; all candidates where the core is so much of the
+  /// model that to look takes longer than it saves.
+  std::vector<std::uint8_t> candidates_in_front() {
+    constexpr std::int64_t kLookedAt = 8;  // cores of which the model has room for so many
+    if (kLookedAt * std::int64_t(core_.count) >= cloud().size()) return candidate_;
+    std::vector<std::uint8_t> in_front(candidate_.size(), 0);
+    for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) {
+      const Surface s = surface(v);
+      if (s.pixels() == 0) return;
+      const std::vector<std::uint8_t> none(s.limit.data.size(), 0);
+      for (const std::uint32_t row : front_view(v, s).sums({s.limit, candidate_}, none).row) in_front[row] = 1;
+    });
+    return in_front;
+  }
+
   /// Rows of the floaters of this round, and hidden_.
   std::vector<std::size_t> round() {
     const auto n = std::size_t(cloud().size());
-    // Of those that may be floaters: what the others show is not asked.
-    const auto weights = [this](std::size_t v) {
+    const std::vector<std::uint8_t> in_front = candidates_in_front();
+    const auto weights = [&](std::size_t v) {  // of these alone: colours of others are not asked
       const ViewMasks channels = colours_as_masks(input_.load_photo(v));
-      return view_weights(exec_, cloud(), {camera(v), channels}, splat_, &candidate_);
+      return view_weights(exec_, cloud(), {camera(v), channels}, splat_, &in_front);
     };
     LeaveOneOut colours(exec_, cloud().size(), 3, weights);
     if (!for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) { colours.add(v); })) return {};
     MeanColours elsewhere{std::vector<float>(4 * n)};
     colours.for_all([&](std::size_t i, const LeaveOneOut::Shares& all) { elsewhere.set(i, all); });
     std::vector<double> front(n), through(n), reach(n), own(n);
-    std::vector<std::uint8_t> drawn(n);  // what shows in a view, and all that is no candidate
-    for (std::size_t i = 0; i < n; ++i) drawn[i] = !candidate_[i];
     double surface_px = 0;
     for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) {
       const Surface s = surface(v);
@@ -222,10 +240,10 @@ class FloaterSearch {
       const ImageF photo = input_.load_photo(v);
       const std::shared_ptr<const ViewWeights> shown = colours.weights_of(v);
       colours.for_others_in(*shown, [&](std::size_t i, const LeaveOneOut::Shares& others, double weight) {
-        elsewhere.set(i, others), own[i] = weight, drawn[i] = 1;
+        elsewhere.set(i, others), own[i] = weight;
       });
-      const FrontQuery query{s.limit, candidate_};
-      const FrontView view(exec_, cloud(), camera(v), splat_, drawn.data());
+      const FrontQuery query{s.limit, in_front};
+      const FrontView view = front_view(v, s);
       const ImageF layer = view.layer(query, {elsewhere.value.data(), cloud().size(), 4});
       const FrontSums sums = view.sums(query, seen_through(v, s, photo, layer));
       for (std::size_t k = 0; k < sums.row.size(); ++k) {
@@ -233,17 +251,14 @@ class FloaterSearch {
         front[i] += sums.front[k], through[i] += sums.marked[k];
         if (own[i] > 0) reach[i] = std::max(reach[i], sums.front[k] / own[i]);
       }
-      colours.for_all_in(*shown, [&](std::size_t i, const LeaveOneOut::Shares& all) {
-        elsewhere.set(i, all), own[i] = 0, drawn[i] = 0;
-      });
+      colours.for_all_in(*shown,
+                         [&](std::size_t i, const LeaveOneOut::Shares& all) { elsewhere.set(i, all), own[i] = 0; });
     });
     if (stop_requested(input_.monitor)) return {};
     std::vector<std::size_t> found;
     double hidden_px = 0;
     for (std::size_t i = 0; i < n; ++i) {
-      if (!candidate_[i] || !(front[i] > 0) || reach[i] < options_.least_reach ||
-          through[i] < options_.seen_through * front[i])
-        continue;
+      if (!(front[i] > 0) || reach[i] < options_.least_reach || through[i] < options_.seen_through * front[i]) continue;
       found.push_back(i), hidden_px += through[i];
     }
     hidden_ = surface_px > 0 ? hidden_px / surface_px : 0;
@@ -287,6 +302,7 @@ std::vector<std::uint8_t> uncovered_rows(const Exec& exec, const Problem& input,
     const Camera& camera = input.scene.views[v].camera;
     RenderRequest request;
     request.colour = false, request.label = {label.data(), std::int64_t(label.size()), 1};
+    request.where = floater.data();
     ViewMasks covered{camera.width_px, camera.height_px, {}, {}, true};
     covered.target.push_back(std::move(render(exec, input.cloud, camera, with, request).label.data));
     for (float& pixel : covered.target[0]) pixel = float(pixel >= kDrawn);

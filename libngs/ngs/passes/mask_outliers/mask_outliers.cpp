@@ -76,14 +76,17 @@ class ConsensusViews {
   /// the model as it stands is not rendered; nor where they disagree by no more than `enough`.
   /// `shown` [N]: 1 for all that the view shows; null: for all.
   double disagreement_of(const Camera& camera, const Planes& mask, const std::uint8_t* shown, double enough) {
-    request_.include = consensus_.object.data();
+    request_.include = consensus_.object.data(), request_.where = nullptr;
     const double alone = disagreement(mask, drawn(camera, false));
     if (alone == kNothingThere || alone <= enough) return alone;
     request_.include = shown;
-    return std::min(alone, disagreement(mask, drawn(camera, consensus_.channels > consensus_.objects)));
+    // Where none of the objects is, the consensus shows none; which pixels the others have seen is asked everywhere.
+    request_.where = asks_seen() ? nullptr : consensus_.object.data();
+    return std::min(alone, disagreement(mask, drawn(camera, asks_seen())));
   }
 
  private:
+  bool asks_seen() const { return consensus_.channels > consensus_.objects; }
   /// `seen_only`: compared only where most of the pixel was seen by the others.
   Planes drawn(const Camera& camera, bool seen_only) const {
     const RenderedView view = render(exec_, input_.cloud, camera, input_.splat, request_);

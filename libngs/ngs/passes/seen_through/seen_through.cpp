@@ -64,6 +64,13 @@ struct Doubt {
   double all = 0, objects = 0;
 };
 
+/// [N] 1: one of these.
+std::vector<std::uint8_t> flags_of(const RowList& rows, std::int64_t n) {
+  std::vector<std::uint8_t> flag(std::size_t(n), 0);
+  for (const std::int64_t row : rows) flag[std::size_t(row)] = 1;
+  return flag;
+}
+
 /// By row.
 std::vector<Doubt> labels_in_doubt(const Problem& problem, const std::vector<LabelColumns>& labels) {
   std::vector<Doubt> doubts;
@@ -92,8 +99,7 @@ std::vector<RowList> rows_seen_through(const Exec& exec, const Problem& problem,
   RowList rows;
   for (const Doubt& doubt : doubts) rows.push_back(doubt.row);
   rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
-  std::vector<std::uint8_t> wanted(std::size_t(problem.cloud.size()));
-  for (const std::int64_t row : rows) wanted[std::size_t(row)] = 1;
+  const std::vector<std::uint8_t> wanted = flags_of(rows, problem.cloud.size());
   ViewsOf(exec, problem, rows).for_each([&](const Camera& camera, const ViewMasks& masks) {
     const MaskedView by_visibility{camera, masks, PixelWeight::kByVisibility};
     add_view(view_sums(exec, problem.cloud, by_visibility, problem.splat, &wanted), doubts);
@@ -123,9 +129,10 @@ double gain_without(const Exec& exec, const Problem& problem, std::size_t object
   both[0].label = both[1].label = label;
   for (const std::int64_t row : rows) both[1].label[std::size_t(row)] = 0;
   const LabelChannels channels(problem.cloud, both);
+  const std::vector<std::uint8_t> differ = flags_of(rows, problem.cloud.size());  // elsewhere the two are equal
   std::vector<double> votes;
   ViewsOf(exec, problem, rows).for_each([&](const Camera& camera, const ViewMasks& masks) {
-    const double of_view = vote(channels.view(exec, camera, problem.splat), masks, object);
+    const double of_view = vote(channels.view(exec, camera, problem.splat, differ.data()), masks, object);
     if (of_view != 0) votes.push_back(of_view);
   });
   return gain_in_errors(votes);

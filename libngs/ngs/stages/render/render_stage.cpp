@@ -66,12 +66,26 @@ std::vector<float> label_matrix(const std::vector<LabelColumns>& objects, std::s
 }  // namespace
 
 LabelChannels::LabelChannels(const GaussianCloud& cloud, const std::vector<LabelColumns>& objects)
-    : cloud_(cloud), objects_(objects.size()), label_(label_matrix(objects, std::size_t(cloud.size()))) {}
+    : cloud_(cloud),
+      objects_(objects.size()),
+      label_(label_matrix(objects, std::size_t(cloud.size()))),
+      object_(std::size_t(cloud.size()), 0) {
+  // A pixel's label is a mean of Gaussians' labels and 0, rounded: above a half only where one of them is.
+  constexpr float kRounding = 0.01f;
+  for (const LabelColumns& object : objects)
+    for (std::size_t i = 0; i < object_.size(); ++i) object_[i] |= object.label[i] > kHalfShare - kRounding;
+}
 
-ImageF LabelChannels::view(const Exec& exec, const Camera& camera, const SplatOptions& splat) const {
+ImageF LabelChannels::masks(const Exec& exec, const Camera& camera, const SplatOptions& splat) const {
+  return view(exec, camera, splat, object_.data());
+}
+
+ImageF LabelChannels::view(const Exec& exec, const Camera& camera, const SplatOptions& splat,
+                           const std::uint8_t* where) const {
   RenderRequest request;
   request.colour = false;
   request.label = {label_.data(), cloud_.size(), int(objects_)};
+  request.where = where;
   return std::move(render(exec, cloud_, camera, splat, request).label);
 }
 

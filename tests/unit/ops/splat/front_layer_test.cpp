@@ -64,7 +64,7 @@ TEST_CASE("what lies in front of a surface equals a brute-force evaluation in do
         std::vector<double> left = front;
         const Exec exec{.threads = threads};
         const FrontQuery query{c.limit, c.candidate};
-        const FrontView view(exec, c.cloud, c.splat.camera, {});
+        const FrontView view(exec, {c.cloud}, c.splat.camera, {});
         const ImageF got = view.layer(query, {c.value.data(), gaussians, 2});
         double worst = 0;
         for (std::size_t i = 0; i < layer.size(); ++i)
@@ -85,7 +85,7 @@ TEST_CASE("what lies in front of a surface equals a brute-force evaluation in do
 
 TEST_CASE("nothing is in front where there is no surface") {
   FrontCase c = front_case(3, 40);
-  const FrontView view({}, c.cloud, c.splat.camera, {});
+  const FrontView view({}, {c.cloud}, c.splat.camera, {});
   CHECK(!view.sums({c.limit, c.candidate}, c.marked).row.empty());
   c.limit = ImageF(45, 37, 1);
   CHECK(view.sums({c.limit, c.candidate}, c.marked).row.empty());

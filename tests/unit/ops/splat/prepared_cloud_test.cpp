@@ -283,4 +283,68 @@ TEST_CASE("tile lists: every pair of a Gaussian and a tile that it reaches is li
     }
 }
 
+/// [N] 1: one Gaussian in `every`, of those in the upper left eighth of the picture.
+std::vector<std::uint8_t> some_in_a_corner(const View& scene, std::size_t every) {
+  std::vector<std::uint8_t> some(std::size_t(scene.cloud.size()), 0);
+  const ProjectedView<float> view = project_view({}, scene.view(), scene.camera, scene.options);
+  for (std::size_t v = 0; v < view.id.size(); v += every)
+    some[view.id[v]] = view.rect[v].x_end <= 3 && view.rect[v].y_end <= 3;
+  return some;
+}
+
+TEST_CASE("where a view is looked at only about some Gaussians, their tiles are those of the whole view to the bit") {
+  int left_out = 0, drawn = 0;
+  for_each_scene([&](View& scene) {
+    const std::vector<std::uint8_t> some = some_in_a_corner(scene, 3);
+    std::vector<float> label(some.begin(), some.end());
+    RenderRequest request;
+    request.colour = false, request.include = scene.included();
+    request.label = {label.data(), scene.cloud.size(), 1};
+    const RenderedView whole = render({}, scene.cloud, scene.camera, scene.options, request);
+    request.where = some.data();
+    for (const bool prepared : {false, true}) {
+      SplatOptions options = scene.options;
+      if (prepared) options.prepared = prepare_cloud({}, scene.cloud);
+      const RenderedView part = render({.threads = 3}, scene.cloud, scene.camera, options, request);
+      CHECK(part.label.data == whole.label.data);
+      for (std::size_t p = 0; p < whole.alpha.data.size(); ++p) {
+        CHECK((part.alpha.data[p] == whole.alpha.data[p] || part.alpha.data[p] == 0));
+        left_out += part.alpha.data[p] != whole.alpha.data[p], drawn += part.label.data[p] > 0;
+      }
+    }
+  });
+  CHECK(left_out > 100000);
+  CHECK(drawn > 1000);
+}
+
+TEST_CASE("where most of a model is asked of, or none of it, a view is drawn as a whole, or not at all") {
+  View scene{random_cloud(3000, 7), camera_at(6), {}, {}};
+  std::vector<std::uint8_t> some(3000, 1);
+  RenderRequest request;
+  const RenderedView whole = render({}, scene.cloud, scene.camera, scene.options, request);
+  request.where = some.data();
+  CHECK(render({}, scene.cloud, scene.camera, scene.options, request).alpha.data == whole.alpha.data);
+  std::ranges::fill(some, std::uint8_t(0));
+  const RenderedView none = render({}, scene.cloud, scene.camera, scene.options, request);
+  CHECK(std::ranges::count(none.alpha.data, 0.f) == std::ssize(none.alpha.data));
+}
+
+TEST_CASE("nothing of a view that is as far as it is asked of is projected, and all that is nearer") {
+  for_each_scene([](View& scene) {
+    CloudView<float> near = scene.view();
+    near.far_z = 5;
+    const ProjectedView<float> all = project_view({}, scene.view(), scene.camera, scene.options);
+    std::vector<std::uint32_t> want;
+    for (std::size_t v = 0; v < all.id.size(); ++v)
+      if (all.depth[v] < 5) want.push_back(all.id[v]);
+    CHECK(project_view({}, near, scene.camera, scene.options).id == want);
+    scene.options.prepared = prepare_cloud({}, scene.cloud);
+    const BinnedView<float> binned({}, near, scene.camera, scene.options);
+    std::vector<std::uint32_t> got;
+    for (const std::size_t at : by_index(binned.view())) got.push_back(binned.view().id[at]);
+    CHECK(got == want);
+    CHECK(want.size() < all.id.size());
+  });
+}
+
 }  // namespace ngs

@@ -97,6 +97,30 @@ TEST_CASE("floaters in front of the object are found by photos alone, and nothin
   CHECK(finding.floater == c.find(3).floater);
 }
 
+TEST_CASE("the same floaters are found where the core is a small part of the model") {
+  FloaterCase c(false);
+  const FloaterFinding few = c.find();
+  const auto n = std::size_t(c.base->model.size());
+  REQUIRE(8 * few.figures.at("core") > double(n));
+  GaussianCloud large = c.base->model;
+  const std::size_t m = 20 * n;
+  large.resize(std::int64_t(m), large.sh_degree);
+  std::fill(large.usable.begin() + std::ptrdiff_t(n), large.usable.end(), std::uint8_t(0));  // of which none is drawn
+  c.base->model = large;
+  for (const auto column : kLabelColumns) {
+    std::vector<float> values = (c.base->labels[0].*column).values();
+    values.resize(m, 0.f);
+    c.base->labels[0].*column = LabelColumn(std::move(values));
+  }
+  const FloaterFinding many = c.find(2);
+  CHECK(many.count == few.count);
+  CHECK(std::equal(few.floater.begin(), few.floater.end(), many.floater.begin()));
+  for (const char* figure : {"core", "hidden", "noise", "margin", "candidates"}) {
+    INFO(std::string(figure));
+    CHECK(many.figures.at(figure) == few.figures.at(figure));
+  }
+}
+
 TEST_CASE("what the photos show in front of the object is no floater") {
   FloaterCase c(true);
   CHECK(c.find().count == 0);
