@@ -1,6 +1,7 @@
 #include "ngs/passes/scene_probe.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "ngs/ops/field/knn.h"
 #include "ngs/ops/image/mask_pair.h"
@@ -69,17 +70,22 @@ LabelViews SceneProbe::label_views_of(const std::vector<std::size_t>& some) {
 double SceneProbe::edge_gain() {
   if (edge_gain_) return *edge_gain_;
   if (problem_.views.size() < kManyMasks || !problem_.load_fine_photo) return edge_gain_.emplace(0);
-  edge_gain_ = edge_gain_of(kFirstVotes);
-  if (!(*edge_gain_ < -kClearVote)) edge_gain_ = edge_gain_of(kVotingViews);
+  const std::vector<std::size_t> all = spread_views(problem_.views, kVotingViews),
+                                 first = spread_views(all, kFirstVotes);
+  std::vector<std::size_t> rest;
+  std::ranges::set_difference(all, first, std::back_inserter(rest));
+  std::vector<RefinedView> votes(problem_.scene.views.size());
+  edge_gain_ = edge_gain_with(first, votes);
+  if (!(*edge_gain_ < -kClearVote)) edge_gain_ = edge_gain_with(rest, votes);
   return *edge_gain_;
 }
 
-double SceneProbe::edge_gain_of(std::size_t most_views) const {
-  const std::vector<std::size_t> views = spread_views(problem_.views, most_views);
+double SceneProbe::edge_gain_with(const std::vector<std::size_t>& views, std::vector<RefinedView>& votes) const {
   const ContourRefineOptions refine;
-  const std::vector<RefinedView> refined =
+  std::vector<RefinedView> more =
       refine_views(exec_, {refine, 0, problem_}, {problem_.cloud, problem_.labels}, views, views);
-  return stopped() ? 0 : gain_by_masks(refined);
+  for (const std::size_t v : views) votes[v] = std::move(more[v]);
+  return stopped() ? 0 : gain_by_masks(votes);
 }
 
 const BoundarySet& SceneProbe::boundary() {

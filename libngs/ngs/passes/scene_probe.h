@@ -15,6 +15,8 @@
 
 namespace ngs {
 
+struct RefinedView;
+
 /// What the labels as they come look like in the training views that have masks.
 struct LabelViews {
   std::vector<double> disagreement;  // of the model as it stands with the masks, 1 - IoU, summed over objects; per view
@@ -69,7 +71,8 @@ class SceneProbe {
   const Exec exec_;
   const TrainingOptions& training_;
   const Problem& problem_;
-  double edge_gain_of(std::size_t most_views) const;
+  /// Of the votes that there are and those of these views, which are added.
+  double edge_gain_with(const std::vector<std::size_t>& views, std::vector<RefinedView>& votes) const;
   LabelViews label_views_of(const std::vector<std::size_t>& views);
 
   std::optional<LabelViews> views_, sample_;

@@ -261,7 +261,11 @@ struct ChannelSink {
   void begin(std::uint32_t e) {
     const S* values = value.row(work.visible[e]);
     row.load(values);
-    if constexpr (C == 0) few.find(values, value.count);
+    if constexpr (C == 0) {
+      constexpr std::uint32_t kSoon = 8;  // entries until then: rows of many channels are waited for otherwise
+      if (e + kSoon < work.entries) __builtin_prefetch(value.row(work.visible[e + kSoon]));
+      few.find(values, value.count);
+    }
   }
   void begin_column(int) {}
   [[gnu::always_inline]] void add(std::uint32_t, const Contribution<L>& k) {

@@ -5,6 +5,7 @@
 #include <span>
 #include <unordered_set>
 
+#include "ngs/backend/for_each.h"
 #include "ngs/math/cell_grid.h"
 #include "ngs/stages/boundary/method_labels.h"
 
@@ -60,16 +61,33 @@ class LinkedCells {
   std::unordered_set<std::uint64_t> linked_;
 };
 
-/// 1: claimed, and not linked with the core.
-std::vector<std::uint8_t> far_from_core(const Exec& exec, const ComponentOptions& options, const Problem& input,
-                                        const LabelColumns& object) {
+using RowList = std::vector<std::size_t>;
+
+/// Rows that are claimed, and not linked with the core.
+RowList far_from_core(const Exec& exec, const ComponentOptions& options, const Problem& input,
+                      const LabelColumns& object) {
   const GaussianCloud& cloud = input.cloud;
-  std::vector<std::uint8_t> far(std::size_t(cloud.size()), 0);
+  RowList far;
   const std::optional<LinkedCells> cells = LinkedCells::of(exec, options, cloud, object);
-  for (std::size_t i = 0; cells && i < far.size(); ++i) {
+  for (std::size_t i = 0; cells && i < std::size_t(cloud.size()); ++i) {
     if (!cloud.usable[i] || !(double(object.prob[i]) > options.claimed) || is_fixed(input, i)) continue;
-    far[i] = double(object.views[i]) < cells->least_views() && !cells->has_near(&cloud.position[3 * i]);
+    if (double(object.views[i]) < cells->least_views() && !cells->has_near(&cloud.position[3 * i])) far.push_back(i);
   }
+  return far;
+}
+
+/// Of each object: one alone takes all threads, several one each.
+std::vector<RowList> far_from_cores(const Exec& exec, const ComponentOptions& options, const Problem& input,
+                                    const std::vector<LabelColumns>& objects) {
+  std::vector<RowList> far(objects.size());
+  const Exec serial;
+  if (objects.size() == 1)
+    far[0] = far_from_core(exec, options, input, objects[0]);
+  else
+    for_each_task(exec, std::ssize(objects), [&](std::int64_t task) {
+      const auto k = std::size_t(task);
+      far[k] = far_from_core(serial, options, input, objects[k]);
+    });
   return far;
 }
 
@@ -77,20 +95,17 @@ std::vector<std::uint8_t> far_from_core(const Exec& exec, const ComponentOptions
 
 std::int64_t count_disconnected(const Exec& exec, const ComponentOptions& options, const Problem& input) {
   std::int64_t count = 0;
-  for (const LabelColumns& object : input.labels) {
-    const std::vector<std::uint8_t> far = far_from_core(exec, options, input, object);
-    count += std::count(far.begin(), far.end(), std::uint8_t(1));
-  }
+  for (const RowList& far : far_from_cores(exec, options, input, input.labels)) count += std::ssize(far);
   return count;
 }
 
 ComponentFinding find_disconnected(const Exec& exec, const ComponentOptions& options, const Problem& input,
                                    std::vector<LabelColumns> labels) {
   ComponentFinding finding{std::move(labels), std::vector<std::uint8_t>(std::size_t(input.cloud.size()), 0)};
-  for (LabelColumns& object : finding.labels) {
-    const std::vector<std::uint8_t> far = far_from_core(exec, options, input, object);
-    for (std::size_t i = 0; i < far.size(); ++i) {
-      if (!far[i]) continue;
+  const std::vector<RowList> far = far_from_cores(exec, options, input, finding.labels);
+  for (std::size_t k = 0; k < far.size(); ++k) {
+    LabelColumns& object = finding.labels[k];
+    for (const std::size_t i : far[k]) {
       ++finding.count, finding.disconnected[i] = 1;
       object.label[i] = object.prob[i] = object.variance[i] = object.views[i] = object.boundary[i] = 0;
     }

@@ -21,9 +21,11 @@ struct Planes {
   std::vector<std::uint8_t> compared;             // [H·W]
 };
 
-Planes planes_of(const ViewMasks& masks) {
+Planes planes_of(const Exec& exec, const ViewMasks& masks) {
   Planes p;
-  for (const std::vector<float>& target : masks.target) p.object.push_back(object_pixels(target));
+  p.object.resize(masks.target.size());
+  for_each_task(exec, std::ssize(masks.target),
+                [&](std::int64_t k) { p.object[std::size_t(k)] = object_pixels(masks.target[std::size_t(k)]); });
   p.compared.assign(p.object.front().size(), 1);
   if (!masks.known.empty()) p.compared = masks.known;
   return p;
@@ -33,15 +35,22 @@ constexpr double kNothingThere = -1, kNoMask = -2;
 constexpr double kSettled = 0.5;  // of the threshold: views below it are not asked again
 
 /// 1 - IoU over all objects, where both can be compared; kNothingThere where neither shows any of them.
-double disagreement(const Planes& mask, const Planes& consensus) {
-  double both = 0, either = 0;
-  for (std::size_t k = 0; k < mask.object.size(); ++k)
+double disagreement(const Exec& exec, const Planes& mask, const Planes& consensus) {
+  std::vector<std::int64_t> both(mask.object.size(), 0), either = both;
+  for_each_task(exec, std::ssize(mask.object), [&](std::int64_t task) {
+    const auto k = std::size_t(task);
+    const std::uint8_t *own = mask.object[k].data(), *its = consensus.object[k].data();
+    const std::uint8_t *own_known = mask.compared.data(), *its_known = consensus.compared.data();
+    std::int64_t and_px = 0, or_px = 0;
     for (std::size_t i = 0; i < mask.compared.size(); ++i) {
-      if (!mask.compared[i] || !consensus.compared[i]) continue;
-      const bool m = mask.object[k][i] != 0, c = consensus.object[k][i] != 0;
-      both += m && c, either += m || c;
+      const bool known = (own_known[i] != 0) & (its_known[i] != 0), m = own[i] != 0, c = its[i] != 0;
+      and_px += known & m & c, or_px += known & (m | c);
     }
-  return either > 0 ? 1 - both / either : kNothingThere;
+    both[k] = and_px, either[k] = or_px;
+  });
+  const auto all = std::accumulate(either.begin(), either.end(), std::int64_t(0));
+  if (all == 0) return kNothingThere;
+  return 1 - double(std::accumulate(both.begin(), both.end(), std::int64_t(0))) / double(all);
 }
 
 /// What views say of every Gaussian, as label channels; last, where it is asked, that they have seen it.
@@ -77,12 +86,12 @@ class ConsensusViews {
   /// `shown` [N]: 1 for all that the view shows; null: for all.
   double disagreement_of(const Camera& camera, const Planes& mask, const std::uint8_t* shown, double enough) {
     request_.include = consensus_.object.data(), request_.where = nullptr;
-    const double alone = disagreement(mask, drawn(camera, false));
+    const double alone = disagreement(exec_, mask, drawn(camera, false));
     if (alone == kNothingThere || alone <= enough) return alone;
     request_.include = shown;
     // Where none of the objects is, the consensus shows none; which pixels the others have seen is asked everywhere.
     request_.where = asks_seen() ? nullptr : consensus_.object.data();
-    return std::min(alone, disagreement(mask, drawn(camera, asks_seen())));
+    return std::min(alone, disagreement(exec_, mask, drawn(camera, asks_seen())));
   }
 
  private:
@@ -93,11 +102,12 @@ class ConsensusViews {
     const std::size_t pixels = std::size_t(view.label.pixels());
     Planes p{{}, std::vector<std::uint8_t>(pixels, 1)};
     p.object.assign(consensus_.objects, std::vector<std::uint8_t>(pixels));
-    for (std::size_t i = 0; i < pixels; ++i) {
+    for_each_index(exec_, view.label.pixels(), [&](std::int64_t pixel) {
+      const auto i = std::size_t(pixel);
       const float* at = &view.label.data[i * consensus_.channels];
       for (std::size_t k = 0; k < consensus_.objects; ++k) p.object[k][i] = label_says_object(at[k]);
       if (seen_only) p.compared[i] = at[consensus_.objects] > 0.5f;
-    }
+    });
     return p;
   }
 
@@ -188,7 +198,8 @@ class Judge {
         others.for_others_in(*own, [&](std::size_t i, const LeaveOneOut::Shares& shares, double) {
           consensus.set(i, shares), shown[i] = 1;
         });
-      found_[n] = views.disagreement_of(camera(n), planes_of(masks), known ? shown.data() : nullptr, kNothingThere);
+      found_[n] =
+          views.disagreement_of(camera(n), planes_of(exec_, masks), known ? shown.data() : nullptr, kNothingThere);
       if (known)
         others.for_all_in(*own,
                           [&](std::size_t i, const LeaveOneOut::Shares& all) { consensus.set(i, all), shown[i] = 0; });
@@ -263,8 +274,8 @@ std::vector<double> first_look(const Exec& exec, const MaskOutlierOptions& optio
   const bool every = for_each_view(input.monitor, input.views, [&](std::size_t n, std::size_t view) {
     const ViewMasks masks = input.load_masks(view);
     if (masks.available)
-      found[n] =
-          views.disagreement_of(input.scene.views[view].camera, planes_of(masks), nullptr, kSettled * options.least);
+      found[n] = views.disagreement_of(input.scene.views[view].camera, planes_of(exec, masks), nullptr,
+                                       kSettled * options.least);
   });
   return every ? found : std::vector<double>();
 }
