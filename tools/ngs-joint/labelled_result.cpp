@@ -49,10 +49,11 @@ void write_result(cli::Run& run, const ResultSource& source, const Solution& sol
   for (std::size_t k = 0; k < solution.labels.size(); ++k)
     named.push_back({source.scene.objects[k].name, solution.labels[k]});
   std::vector<float> floater;
-  for (std::size_t row = 0; !source.floater.empty() && row < std::size_t(solution.cloud.size()); ++row)
+  for (std::size_t row = 0; !source.floater.empty() && row < std::size_t(solution.cloud->size()); ++row)
     floater.push_back(source.floater[solution.source_row.empty() ? row : std::size_t(solution.source_row[row])]);
   io::LabelledWrite write;
-  write.edited = &solution.cloud, write.source_row = solution.source_row, write.floater = floater;
+  if (solution.cloud.get() != &source.ply.cloud) write.edited = solution.cloud.get();
+  write.source_row = solution.source_row, write.floater = floater;
   io::write_labelled_ply(path, source.ply, named, write);
   for (const auto& [name, value] : solution.figures) run.result()[name] = value;
   run.result()["rows_changed"] = rows_changed(source.ply.cloud, source.labels, solution);

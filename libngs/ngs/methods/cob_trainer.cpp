@@ -158,7 +158,7 @@ Solution CobTrainer::result(Monitor& monitor) {
                    " reached the extraction threshold");
   }
   restore_fixed(input_, source_row_, out.labels);
-  out.cloud = cloud_, out.source_row = source_row_;
+  out.cloud = std::make_shared<const GaussianCloud>(cloud_), out.source_row = source_row_;
   out.figures["split"] = double(split_), out.figures["pruned"] = double(pruned_);
   out.figures["label_steps"] = double(label_steps_), out.figures["texture_steps"] = double(texture_steps_);
   out.figures["first_photometric_loss"] = first_photometric_, out.figures["last_photometric_loss"] = last_photometric_;

@@ -68,7 +68,7 @@ void decide(const BceOptions& options, std::vector<LabelColumns>& labels) {
 
 BceResult solve_bce(const Exec& exec, Monitor& monitor, const BceOptions& options, const Problem& input) {
   BceResult result;
-  result.method.cloud = input.cloud;
+  result.method.cloud = unchanged(input.cloud);
   std::vector<LabelColumns>& labels = result.method.labels = closed_form_labels(exec, monitor, input);
   const auto timed = monitor.scope("label solve");
   LabelSolveOptions solve;

@@ -33,7 +33,7 @@ double flash_threshold(const FlashOptions& options) {
 
 Solution run_flash(const Exec& exec, Monitor& monitor, const FlashOptions& options, const Problem& input) {
   Solution result;
-  result.cloud = input.cloud;
+  result.cloud = unchanged(input.cloud);
   result.labels = closed_form_labels(exec, monitor, input);
   const auto timed = monitor.scope("flash");
   const double threshold = flash_threshold(options);

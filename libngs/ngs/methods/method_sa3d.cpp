@@ -77,7 +77,7 @@ void later_pass(const Exec& exec, const Sa3dOptions& options, const Problem& inp
 Solution run_sa3d(const Exec& exec, Monitor& monitor, const Sa3dOptions& options, const Problem& input) {
   const auto timed = monitor.scope("sa3d");
   Solution result;
-  result.cloud = input.cloud;
+  result.cloud = unchanged(input.cloud);
   const double threshold = options.lambda / (1 + options.lambda);
   for (int k = 0; k < int(input.scene.objects.size()); ++k) {
     ObjectState state{k, threshold, input.cloud, Evidence(input.cloud.size(), 1), {}};

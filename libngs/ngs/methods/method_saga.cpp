@@ -203,7 +203,7 @@ class Saga {
 
 Solution run_saga(const Exec& exec, Monitor& monitor, const SagaOptions& options, const Problem& input) {
   Solution result;
-  result.cloud = input.cloud;
+  result.cloud = unchanged(input.cloud);
   result.labels = closed_form_labels(exec, monitor, input);
   if (input.views.empty())
     throw Error(ErrorCode::kInconsistent, "saga: no training view, expected at least one", "hold out fewer views");

@@ -78,11 +78,16 @@ inline double window_share(const Problem& problem, std::size_t view) {
 }
 
 struct Solution {
-  GaussianCloud cloud;                    // the input's, with optimised attributes; rows may be added or removed
-  std::vector<std::int64_t> source_row;   // [rows] input row each row descends from; empty: unchanged rows
-  std::vector<LabelColumns> labels;       // one per object; label is the method's decision, prob its soft value
-  std::map<std::string, double> figures;  // what the method has to say about itself: steps, losses, gap, ...
-  bool converged = true;                  // false: a budget ended it early with a usable result
+  std::shared_ptr<const GaussianCloud> cloud;  // the input's own where it is as it was; rows may be added or removed
+  std::vector<std::int64_t> source_row;        // [rows] input row each row descends from; empty: unchanged rows
+  std::vector<LabelColumns> labels;            // one per object; label is the method's decision, prob its soft value
+  std::map<std::string, double> figures;       // what the method has to say about itself: steps, losses, gap, ...
+  bool converged = true;                       // false: a budget ended it early with a usable result
 };
+
+/// The model of a Solution that leaves it as it is. It must outlive the solution: no copy is made.
+inline std::shared_ptr<const GaussianCloud> unchanged(const GaussianCloud& cloud) {
+  return {std::shared_ptr<const void>(), &cloud};
+}
 
 }  // namespace ngs

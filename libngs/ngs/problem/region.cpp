@@ -67,9 +67,10 @@ void keep_outside(const std::vector<LabelColumns>& given, std::vector<LabelColum
 std::int64_t rows_changed(const GaussianCloud& cloud, const std::vector<LabelColumns>& labels,
                           const Solution& solution) {
   std::int64_t changed = 0;
-  for (std::size_t row = 0; row < std::size_t(solution.cloud.size()); ++row) {
+  const bool same_model = solution.cloud.get() == &cloud && solution.source_row.empty();
+  for (std::size_t row = 0; row < std::size_t(solution.cloud->size()); ++row) {
     const std::size_t source = solution.source_row.empty() ? row : std::size_t(solution.source_row[row]);
-    bool same = same_row(solution.cloud, row, cloud, source);
+    bool same = same_model || same_row(*solution.cloud, row, cloud, source);
     for (std::size_t k = 0; same && k < labels.size(); ++k)
       for (const auto column : kLabelColumns)
         same &= same_value((solution.labels[k].*column)[row], (labels[k].*column)[source]);

@@ -42,8 +42,8 @@ const NamedRun kRuns[] = {
 void check_equal(const Solution& a, const Solution& b) {
   REQUIRE(a.labels.size() == b.labels.size());
   CHECK(a.source_row == b.source_row);
-  CHECK(a.cloud.position == b.cloud.position);
-  CHECK(a.cloud.sh_dc == b.cloud.sh_dc);
+  CHECK(a.cloud->position == b.cloud->position);
+  CHECK(a.cloud->sh_dc == b.cloud->sh_dc);
   for (std::size_t k = 0; k < a.labels.size(); ++k) {
     CHECK(a.labels[k].label == b.labels[k].label);
     CHECK(a.labels[k].prob == b.labels[k].prob);

@@ -186,8 +186,8 @@ TEST_CASE("cob's texture phases bring the photometric loss down and move geometr
   CHECK(r.figures.at("texture_steps") == 24);
   CHECK(r.figures.at("label_steps") == 32);
   CHECK(r.figures.at("last_photometric_loss") < r.figures.at("first_photometric_loss"));
-  CHECK(r.labels[0].label.size() == std::size_t(r.cloud.size()));
-  CHECK(r.source_row.size() == std::size_t(r.cloud.size()));
+  CHECK(r.labels[0].label.size() == std::size_t(r.cloud->size()));
+  CHECK(r.source_row.size() == std::size_t(r.cloud->size()));
 }
 
 TEST_CASE("cob refuses texture phases without photos and says how to go on") {

@@ -94,8 +94,8 @@ TEST_CASE("released changes colours against cob, but no label and no geometry of
   CobOptions cob = options.cob;
   cob.divisor = CobDivisor::kLiteral;
   const Solution without = run_cob({}, monitor, cob, c.input());
-  CHECK(with.cloud.sh_dc != without.cloud.sh_dc);
-  CHECK(with.cloud.position == without.cloud.position);
+  CHECK(with.cloud->sh_dc != without.cloud->sh_dc);
+  CHECK(with.cloud->position == without.cloud->position);
   CHECK(with.labels[0].prob == without.labels[0].prob);
   CHECK(with.figures.at("align") > 0);
 }

@@ -48,7 +48,7 @@ std::vector<float> masks_with(const EffectCase& c, const std::vector<std::string
   std::vector<float> values;
   for (const SceneView& view : c.base->scene.views) {
     const ImageF label =
-        render_labelled({}, {run.solution->cloud, run.solution->labels}, view.camera, {run.problem->splat}).label;
+        render_labelled({}, {*run.solution->cloud, run.solution->labels}, view.camera, {run.problem->splat}).label;
     values.insert(values.end(), label.data.begin(), label.data.end());
   }
   return values;

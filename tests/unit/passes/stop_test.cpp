@@ -75,7 +75,7 @@ const Phase kPhases[] = {
     {"floaters", [](const StopCase& c, const Problem& in) { find_floaters({}, c.monitor, {}, in); }},
     {"agreement",
      [](const StopCase&, const Problem& in) {
-       training_agreement({}, in, {in.cloud, {}, in.labels, {}});
+       training_agreement({}, in, {unchanged(in.cloud), {}, in.labels, {}});
      }},
     {"seen through",
      [](const StopCase&, const Problem& in) {

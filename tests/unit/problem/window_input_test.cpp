@@ -233,13 +233,13 @@ TEST_CASE("a step in windows is the step of the whole view, and rows that are no
   const Solution whole = trained(c.whole, region), windows = trained(*c.problem, region),
                  everything = trained(c.whole, {});
   const Solution every_row = trained(c.whole, std::vector<std::uint8_t>(region.size(), 1));
-  CHECK(every_row.cloud.position == everything.cloud.position);
+  CHECK(every_row.cloud->position == everything.cloud->position);
   CHECK(every_row.labels[0].prob == everything.labels[0].prob);
   std::int64_t outside = 0;
   for (std::size_t i = 0; i < region.size(); ++i) {
     const auto moved = [&](const Solution& s) {
-      return std::abs(s.cloud.position[3 * i] - c.whole.cloud.position[3 * i]) +
-             std::abs(s.cloud.logit_opacity[i] - c.whole.cloud.logit_opacity[i]);
+      return std::abs(s.cloud->position[3 * i] - c.whole.cloud.position[3 * i]) +
+             std::abs(s.cloud->logit_opacity[i] - c.whole.cloud.logit_opacity[i]);
     };
     if (!region[i]) {
       CHECK(moved(windows) == 0);

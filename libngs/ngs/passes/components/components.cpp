@@ -118,7 +118,7 @@ ComponentFinding find_disconnected(const Exec& exec, const ComponentOptions& opt
 
 std::int64_t withdraw_apart(const Exec& exec, const ComponentOptions& options, const Problem& input,
                             Solution& solution) {
-  const GaussianCloud& cloud = solution.cloud;
+  const GaussianCloud& cloud = *solution.cloud;
   std::int64_t count = 0;
   for (std::size_t k = 0; k < solution.labels.size(); ++k) {
     LabelColumns& object = solution.labels[k];

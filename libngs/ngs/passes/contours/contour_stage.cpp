@@ -149,7 +149,7 @@ TrainedRows split_model(const Exec& exec, const ContourSetup& setup, const Probl
 
 /// What was trained, back in its place.
 void put_back(const Exec& exec, const Solution& trained, const std::vector<std::int64_t>& rows, Model& model) {
-  scatter_rows(exec, trained.cloud, rows, model.cloud);
+  scatter_rows(exec, *trained.cloud, rows, model.cloud);
   scatter_labels(exec, trained.labels, rows, model.labels);
 }
 
@@ -170,7 +170,7 @@ class ContourRun {
       : exec_(exec),
         monitor_(monitor),
         setup_(setup),
-        model_{start.cloud, start.labels, start.source_row, setup.problem.fixed},
+        model_{*start.cloud, start.labels, start.source_row, setup.problem.fixed},
         views_(setup.problem.views) {
     if (model_.source_row.empty()) {
       model_.source_row.resize(std::size_t(model_.cloud.size()));
@@ -255,7 +255,8 @@ class ContourRun {
                          true);
     const auto whole = [&] {
       put_back(exec_, trainer.result(), rows.rows, model_);
-      return Solution{.cloud = model_.cloud, .source_row = model_.source_row, .labels = model_.labels, .figures = {}};
+      return Solution{
+          .cloud = unchanged(model_.cloud), .source_row = model_.source_row, .labels = model_.labels, .figures = {}};
     };
     bool ended = false;
     while (!trainer.finished() && !ended && !monitor_.stop_requested()) {
@@ -284,7 +285,8 @@ class ContourRun {
       result.figures["contour_biou_skipped"] = trial_->skipped;
     result.figures["contour_gaussians"] = double(model_.cloud.size());
     if (iterations_ == 0) return;
-    result.cloud = std::move(model_.cloud), result.labels = std::move(model_.labels);
+    result.cloud = std::make_shared<const GaussianCloud>(std::move(model_.cloud)),
+    result.labels = std::move(model_.labels);
     result.source_row = std::move(model_.source_row);
   }
 

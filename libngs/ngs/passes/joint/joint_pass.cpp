@@ -68,7 +68,7 @@ bool is_labels_alone(const PassRun& run) { return !run.on("joint") && !run.on("c
 Solution labels_alone(const PassRun& run) {
   const Problem& problem = *run.problem;
   const BoundarySet boundary = boundary_to_train(problem, run.training.joint.on.boundary, run.allow_empty);
-  return {.cloud = problem.cloud,
+  return {.cloud = unchanged(problem.cloud),
           .source_row = {},
           .labels = {},
           .figures = {{"steps", 0.0}, {"boundary", double(boundary.size())}}};

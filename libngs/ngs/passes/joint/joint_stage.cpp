@@ -339,7 +339,7 @@ JointProgress JointTrainer::step() {
 Solution JointTrainer::result() const {
   const Impl& s = *impl_;
   Solution result;
-  result.cloud = s.cloud;
+  result.cloud = std::make_shared<const GaussianCloud>(s.cloud);
   result.labels = s.input.labels;
   result.converged = finished();
   s.labels.write(result.labels);

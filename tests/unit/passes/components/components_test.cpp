@@ -133,8 +133,10 @@ TEST_CASE("a label that was trained apart from the object is taken back, one bes
   ComponentCase c;
   c.claim(200, 0, 9, 0.2f, kViews), c.claim(201, 0, 3.3f, 0.2f, kViews), c.claim(202, 0, 9, 0.8f, kViews);
   const Problem input = c.base->input();
-  Solution trained{
-      .cloud = c.base->model, .source_row = {}, .labels = std::vector<LabelColumns>(input.labels), .figures = {}};
+  Solution trained{.cloud = unchanged(c.base->model),
+                   .source_row = {},
+                   .labels = std::vector<LabelColumns>(input.labels),
+                   .figures = {}};
   for (const std::size_t row : {200, 201}) trained.labels[0].prob[row] = trained.labels[0].label[row] = 0.6f;
   CHECK(withdraw_apart({}, {}, input, trained) == 1);
   CHECK(trained.labels[0].prob[200] == 0.2f);
@@ -147,9 +149,11 @@ TEST_CASE("halves are taken back to the label of what they were halved from, row
   ComponentCase c;
   c.claim(200, 0, 9, 0.2f, kViews);
   Problem input = c.base->input();
-  Solution trained{
-      .cloud = c.base->model, .source_row = {}, .labels = std::vector<LabelColumns>(input.labels), .figures = {}};
-  for (std::size_t i = 0; i < std::size_t(trained.cloud.size()); ++i) trained.source_row.push_back(std::int64_t(i));
+  Solution trained{.cloud = unchanged(c.base->model),
+                   .source_row = {},
+                   .labels = std::vector<LabelColumns>(input.labels),
+                   .figures = {}};
+  for (std::size_t i = 0; i < std::size_t(trained.cloud->size()); ++i) trained.source_row.push_back(std::int64_t(i));
   std::swap(trained.source_row[200], trained.source_row[203]);
   trained.labels[0].prob[200] = 0.6f;
   CHECK(withdraw_apart({}, {}, input, trained) == 1);

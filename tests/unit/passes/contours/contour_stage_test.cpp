@@ -48,7 +48,7 @@ struct ContourCase {
   double mean_biou(const Solution& result) const {
     double sum = 0;
     for (std::size_t v = 0; v < 4; ++v) {
-      const RenderedView r = render_labelled({}, {result.cloud, result.labels}, base->scene.views[v].camera, {});
+      const RenderedView r = render_labelled({}, {*result.cloud, result.labels}, base->scene.views[v].camera, {});
       std::vector<std::uint8_t> a, b;
       for (std::size_t p = 0; p < r.label.data.size(); ++p)
         a.push_back(r.label.data[p] > 0.5f), b.push_back(base->masks[v].target[0][p] > 0.5f);
@@ -67,10 +67,10 @@ TEST_CASE("a model whose contours are misaligned with the photos' edges is moved
   CHECK(after.figures.at("contour_biou_refined") >= after.figures.at("contour_biou_rendered"));
   MESSAGE("boundary IoU of 1 px: " << c.mean_biou(before) << " -> " << c.mean_biou(after));
   CHECK(c.mean_biou(after) > c.mean_biou(before) + 0.1);
-  REQUIRE(std::int64_t(after.source_row.size()) == after.cloud.size());
-  CHECK(after.cloud.size() > before.cloud.size());
-  for (const std::int64_t row : after.source_row) CHECK((row >= 0 && row < before.cloud.size()));
-  for (const auto* values : {&after.cloud.position, &after.cloud.log_scale})
+  REQUIRE(std::int64_t(after.source_row.size()) == after.cloud->size());
+  CHECK(after.cloud->size() > before.cloud->size());
+  for (const std::int64_t row : after.source_row) CHECK((row >= 0 && row < before.cloud->size()));
+  for (const auto* values : {&after.cloud->position, &after.cloud->log_scale})
     for (const float x : *values) REQUIRE(std::isfinite(x));
   for (const float x : after.labels[0].label) REQUIRE(std::isfinite(x));
 }
@@ -82,7 +82,7 @@ TEST_CASE("contours: small photos are enlarged only where their contours then ag
   const Problem in = c.input();
   const Solution start = c.start(in), after = c.run(in);
   const auto refined = [&](int detail) {
-    return refine_views({}, {c.contour.refine, c.contour.margin_px, in, detail}, {start.cloud, start.labels}, in.views,
+    return refine_views({}, {c.contour.refine, c.contour.margin_px, in, detail}, {*start.cloud, start.labels}, in.views,
                         in.views);
   };
   const std::vector<RefinedView> small = refined(1), large = refined(2);
@@ -103,7 +103,7 @@ TEST_CASE("contours: in an enlarged photo a contour moves by the same part of th
   const Solution start = c.start(in);
   const auto area_px = [&](int detail) {
     const std::vector<RefinedView> refined =
-        refine_views({}, {c.contour.refine, c.contour.margin_px, in, detail}, {start.cloud, start.labels}, {0}, {});
+        refine_views({}, {c.contour.refine, c.contour.margin_px, in, detail}, {*start.cloud, start.labels}, {0}, {});
     const ViewMasks masks = refined[0].masks.unpacked();
     return std::accumulate(masks.target[0].begin(), masks.target[0].end(), 0.0);
   };
@@ -155,8 +155,8 @@ TEST_CASE("contours: what shows outside of the trained windows keeps its Gaussia
   for (std::size_t v = 0; v < 4; ++v) {
     RenderRequest request;
     const Camera& camera = c.base->scene.views[v].camera;
-    const RenderedView a = render({}, before.cloud, camera, {}, request),
-                       b = render({}, after.cloud, camera, {}, request);
+    const RenderedView a = render({}, *before.cloud, camera, {}, request),
+                       b = render({}, *after.cloud, camera, {}, request);
     for (int x = 0; x < 48; ++x)  // the first and the last row lie outside of every window
       for (const int y : {0, 39})
         for (int k = 0; k < 3; ++k)
@@ -180,19 +180,19 @@ TEST_CASE("contours: Gaussians that show in no trained window have no influence 
   for (const auto column : kLabelColumns) (crowded.base->labels[0].*column).resize(std::size_t(n + more));
   const Solution want = plain.run(plain.input()), got = crowded.run(crowded.input());
   CHECK(want.figures.at("contour_iterations") == 2);
-  REQUIRE(got.cloud.size() == want.cloud.size() + more);
+  REQUIRE(got.cloud->size() == want.cloud->size() + more);
   std::size_t at = 0;
   int moved = 0;
-  for (std::size_t i = 0; i < std::size_t(got.cloud.size()); ++i) {
+  for (std::size_t i = 0; i < std::size_t(got.cloud->size()); ++i) {
     const auto source = got.source_row[i];
     const bool added = source >= n;
-    moved += got.cloud.position[i * 3] != cloud.position[std::size_t(source) * 3];
-    const GaussianCloud& from = added ? cloud : want.cloud;
+    moved += got.cloud->position[i * 3] != cloud.position[std::size_t(source) * 3];
+    const GaussianCloud& from = added ? cloud : *want.cloud;
     const std::size_t row = added ? std::size_t(source) : at++;
     for (std::size_t a = 0; a < 3; ++a) {
-      REQUIRE(got.cloud.position[i * 3 + a] == from.position[row * 3 + a]);
-      REQUIRE(got.cloud.log_scale[i * 3 + a] == from.log_scale[row * 3 + a]);
-      REQUIRE(got.cloud.sh_dc[i * 3 + a] == from.sh_dc[row * 3 + a]);
+      REQUIRE(got.cloud->position[i * 3 + a] == from.position[row * 3 + a]);
+      REQUIRE(got.cloud->log_scale[i * 3 + a] == from.log_scale[row * 3 + a]);
+      REQUIRE(got.cloud->sh_dc[i * 3 + a] == from.sh_dc[row * 3 + a]);
     }
     REQUIRE(got.labels[0].prob[i] == (added ? 0.f : want.labels[0].prob[row]));
   }
@@ -211,14 +211,14 @@ TEST_CASE("contours: what is called after a step sees the whole model, not only 
                        in,
                        [&](const JointProgress&, JointTrainer& trainer, const std::function<Solution()>& whole) {
                          const Solution now = whole();
-                         ++calls, whole_rows = now.cloud.size();
-                         CHECK(now.labels[0].prob.size() == std::size_t(now.cloud.size()));
-                         CHECK(trainer.result().cloud.size() <= now.cloud.size());
+                         ++calls, whole_rows = now.cloud->size();
+                         CHECK(now.labels[0].prob.size() == std::size_t(now.cloud->size()));
+                         CHECK(trainer.result().cloud->size() <= now.cloud->size());
                          return calls == 3;
                        }},
                       c.start(in));
   CHECK(calls == 3);
-  CHECK(whole_rows == result.cloud.size());
+  CHECK(whole_rows == result.cloud->size());
   CHECK_FALSE(result.converged);
 }
 
@@ -254,9 +254,9 @@ TEST_CASE("contours: all iterations but the last may train at half the size") {
     c.contour.iterations = count, c.contour.on = test::contours_switched({"contour-iterations=on", entry});
     return c.run(in);
   };
-  CHECK(iterations(1, "full-resolution=off").cloud.position == iterations(1, "full-resolution=on").cloud.position);
+  CHECK(iterations(1, "full-resolution=off").cloud->position == iterations(1, "full-resolution=on").cloud->position);
   const Solution fine = iterations(2, "full-resolution=on"), early_coarse = iterations(2, "full-resolution=off");
-  CHECK(early_coarse.cloud.position != fine.cloud.position);
+  CHECK(early_coarse.cloud->position != fine.cloud->position);
   const double before = c.mean_biou(c.start(in));
   MESSAGE("boundary IoU of 1 px: " << before << ", fine " << c.mean_biou(fine) << ", early iteration coarse "
                                    << c.mean_biou(early_coarse));
@@ -288,8 +288,8 @@ TEST_CASE("contours: the result does not depend on the number of threads") {
   c.contour.on = test::contours_switched({"contour-iterations=on", "full-resolution=off"});
   const Problem in = c.input();
   const Solution one = c.run(in, 1), three = c.run(in, 3);
-  CHECK(one.cloud.position == three.cloud.position);
-  CHECK(one.cloud.logit_opacity == three.cloud.logit_opacity);
+  CHECK(one.cloud->position == three.cloud->position);
+  CHECK(one.cloud->logit_opacity == three.cloud->logit_opacity);
   CHECK(one.labels[0].label == three.labels[0].label);
   CHECK(one.source_row == three.source_row);
 }
@@ -309,7 +309,7 @@ TEST_CASE("contours: where the refined masks disagree with the given ones the mo
   const Solution before = c.start(in), after = c.run(in);
   CHECK(after.figures.at("contour_iterations") == 0);
   CHECK(after.figures.at("contour_biou_refined") < after.figures.at("contour_biou_rendered"));
-  CHECK(after.cloud.position == before.cloud.position);
+  CHECK(after.cloud->position == before.cloud->position);
   CHECK(after.labels[0].label == before.labels[0].label);
 }
 
@@ -348,7 +348,7 @@ TEST_CASE(
   ContourCase c;
   Problem in = c.input();
   const Solution before = c.start(in);
-  const auto unchanged = [&](const Problem& input) { CHECK(c.run(input).cloud.position == before.cloud.position); };
+  const auto unchanged = [&](const Problem& input) { CHECK(c.run(input).cloud->position == before.cloud->position); };
   Problem no_photo = in;
   no_photo.load_fine_photo = [](std::size_t) { return ImageF(); };
   unchanged(no_photo);

@@ -69,8 +69,8 @@ struct SevenViews {
 };
 
 bool same(const Solution& a, const Solution& b) {
-  return a.cloud.position == b.cloud.position && a.cloud.log_scale == b.cloud.log_scale &&
-         a.cloud.sh_dc == b.cloud.sh_dc && a.labels[0].label == b.labels[0].label && a.source_row == b.source_row;
+  return a.cloud->position == b.cloud->position && a.cloud->log_scale == b.cloud->log_scale &&
+         a.cloud->sh_dc == b.cloud->sh_dc && a.labels[0].label == b.labels[0].label && a.source_row == b.source_row;
 }
 
 TEST_CASE("photoless views: every third photo judges, and at least two of at least five") {
