@@ -86,7 +86,18 @@ void AtomicFile::write(const void* data, std::size_t bytes) {
     if (written < 0) fail("writing failed");
     from += written;
     bytes -= std::size_t(written);
+    written_bytes_ += written;
   }
+  start_write_back();
+}
+
+void AtomicFile::start_write_back() {
+#ifdef __linux__
+  constexpr std::int64_t kAtOnceBytes = 32 << 20;
+  if (direct_ || written_bytes_ - started_bytes_ < kAtOnceBytes) return;
+  ::sync_file_range(descriptor_, started_bytes_, written_bytes_ - started_bytes_, SYNC_FILE_RANGE_WRITE);
+  started_bytes_ = written_bytes_;  // where it cannot, commit() does it all
+#endif
 }
 
 void AtomicFile::commit() {

@@ -3,6 +3,7 @@
 // folder, commit() syncs and renames it. Without commit() (an exception, an early return) the temporary is
 // removed and whatever stood at the path stays as it was.
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -32,11 +33,14 @@ class AtomicFile {
 
  private:
   void fail(const char* what) const;
+  /// The disk begins with what there is, so that commit() waits for the rest alone.
+  void start_write_back();
 
   std::string path_;    // as given, for messages
   std::string target_;  // symbolic links resolved
   std::string temporary_;
   int descriptor_ = -1;
+  std::int64_t written_bytes_ = 0, started_bytes_ = 0;
   bool direct_ = false;
   UnfinishedFile unfinished_;  // removed by the signal handlers of the tools
 };

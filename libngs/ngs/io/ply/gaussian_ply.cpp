@@ -34,9 +34,9 @@ class Reader {
     find_columns();
     ply_.cloud.resize(ply_.rows.rows, bands_ == HigherBands::kRead ? degree() : 0);
     choose_origin();
-    copy_positions();
-    copy_attributes();
-    copy_labels();
+    find_labels();
+    copy_rows();
+    check_weight();
     read_comments();
     ply_.health = classify(ply_.cloud);
   }
@@ -143,39 +143,56 @@ class Reader {
     ply_.file.forget_pages();
   }
 
-  void copy_positions() {
+  /// All in one pass: a file of many objects has hundreds of columns, and its rows do not stay in memory.
+  void copy_rows() {
     for_each_row([&](std::int64_t i) {
-      for (std::size_t a = 0; a < 3; ++a) {
-        const PlyColumn& column = columns_.position[a];
-        ply_.cloud.position[std::size_t(i) * 3 + a] = column.type == PlyType::kFloat32 && ply_.cloud.origin[a] == 0
-                                                          ? column.value_float(i)
-                                                          : float(column.value(i) - ply_.cloud.origin[a]);
-      }
+      copy_position(i);
+      copy_attributes(i);
+      copy_labels(i);
     });
   }
 
-  void copy_attributes() {
-    GaussianCloud& cloud = ply_.cloud;
-    const std::size_t rest = columns_.rest.size() / 3;
-    for_each_row([&](std::int64_t i) {
-      const std::size_t r = std::size_t(i);
-      for (std::size_t k = 0; k < 4; ++k) cloud.rotation[r * 4 + k] = columns_.rotation[k].value_float(i);
-      for (std::size_t c = 0; c < 3; ++c) cloud.sh_dc[r * 3 + c] = columns_.sh_dc[c].value_float(i);
-      cloud.logit_opacity[r] = columns_.opacity.value_float(i);
-      float* scale = &cloud.log_scale[r * 3];
-      for (std::size_t k = 0; k < 2; ++k) scale[k] = columns_.scale[k].value_float(i);
-      scale[2] = columns_.scale[2] ? columns_.scale[2].value_float(i) : std::min(scale[0], scale[1]) - kLog1000;
-      if (bands_ == HigherBands::kCheckOnly) {
-        // A band that is not finite excludes the row; so does a constant band that is not.
-        for (const PlyColumn& column : columns_.rest)
-          if (!std::isfinite(column.value_float(i))) cloud.sh_dc[r * 3] = NAN;
-        return;
-      }
-      float* to = cloud.sh_rest.data() + r * rest * 3;
-      for (std::size_t k = 0; k < rest; ++k)
-        for (std::size_t c = 0; c < 3; ++c) to[k * 3 + c] = columns_.rest[c * rest + k].value_float(i);
-    });
+  void copy_position(std::int64_t i) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      const PlyColumn& column = columns_.position[a];
+      ply_.cloud.position[std::size_t(i) * 3 + a] = column.type == PlyType::kFloat32 && ply_.cloud.origin[a] == 0
+                                                        ? column.value_float(i)
+                                                        : float(column.value(i) - ply_.cloud.origin[a]);
+    }
   }
+
+  void copy_attributes(std::int64_t i) {
+    GaussianCloud& cloud = ply_.cloud;
+    const std::size_t r = std::size_t(i), rest = columns_.rest.size() / 3;
+    for (std::size_t k = 0; k < 4; ++k) cloud.rotation[r * 4 + k] = columns_.rotation[k].value_float(i);
+    for (std::size_t c = 0; c < 3; ++c) cloud.sh_dc[r * 3 + c] = columns_.sh_dc[c].value_float(i);
+    cloud.logit_opacity[r] = columns_.opacity.value_float(i);
+    float* scale = &cloud.log_scale[r * 3];
+    for (std::size_t k = 0; k < 2; ++k) scale[k] = columns_.scale[k].value_float(i);
+    scale[2] = columns_.scale[2] ? columns_.scale[2].value_float(i) : std::min(scale[0], scale[1]) - kLog1000;
+    if (bands_ == HigherBands::kCheckOnly) {
+      // A band that is not finite excludes the row; so does a constant band that is not.
+      for (const PlyColumn& column : columns_.rest)
+        if (!std::isfinite(column.value_float(i))) cloud.sh_dc[r * 3] = NAN;
+      return;
+    }
+    float* to = cloud.sh_rest.data() + r * rest * 3;
+    for (std::size_t k = 0; k < rest; ++k)
+      for (std::size_t c = 0; c < 3; ++c) to[k * 3 + c] = columns_.rest[c * rest + k].value_float(i);
+  }
+
+  void copy_labels(std::int64_t i) {
+    const auto row = std::size_t(i);
+    for (const auto& [from, to] : wanted_.others) (*to)[row] = from.value_float(i);
+    for (const WantedLabel& w : wanted_.labels) {
+      const float value = w.from.value_float(i);
+      check_range(w, value, i);
+      (*w.to)[row] = value;
+    }
+    if (wanted_.state) ply_.state[row] = state_of(wanted_.state.value_float(i));
+    if ((row + 1) % LabelColumn::kPageRows == 0 || i + 1 == ply_.rows.rows) share_views(row);
+  }
+  static std::uint8_t state_of(float v) { return v >= 0 && v <= 255 ? std::uint8_t(v) : std::uint8_t(0); }
 
   struct WantedLabel {
     PlyColumn from;
@@ -186,21 +203,22 @@ class Reader {
   struct Wanted {
     std::vector<WantedLabel> labels;
     std::vector<std::pair<PlyColumn, std::vector<float>*>> others;
+    PlyColumn state;
   };
 
   /// `to` stays empty where the column is absent.
-  void want(const std::string& column, std::vector<float>& to, Wanted& wanted) const {
+  void want(const std::string& column, std::vector<float>& to) {
     const PlyColumn from = ply_.rows.column(column);
-    if (from) wanted.others.push_back({from, &to}), to.resize(std::size_t(ply_.rows.rows));
+    if (from) wanted_.others.push_back({from, &to}), to.resize(std::size_t(ply_.rows.rows));
   }
 
-  void want_labels(const std::string& suffix, LabelColumns& set, Wanted& wanted) const {
+  void want_labels(const std::string& suffix, LabelColumns& set) {
     for (const LabelField& f : kLabelFields) {
       const std::string name = std::string(f.name) + suffix;
       const PlyColumn from = ply_.rows.column(name);
       if (!from) continue;
       (set.*f.column).resize(std::size_t(ply_.rows.rows));
-      wanted.labels.push_back({from, &(set.*f.column), name, f.column == &LabelColumns::views ? INFINITY : 1.f});
+      wanted_.labels.push_back({from, &(set.*f.column), name, f.column == &LabelColumns::views ? INFINITY : 1.f});
     }
   }
 
@@ -232,20 +250,6 @@ class Reader {
     }
   }
 
-  /// All in one pass: a file of many objects has hundreds of columns, and its rows do not stay in memory.
-  void read(const Wanted& wanted) {
-    for_each_row([&](std::int64_t i) {
-      const auto row = std::size_t(i);
-      for (const auto& [from, to] : wanted.others) (*to)[row] = from.value_float(i);
-      for (const WantedLabel& w : wanted.labels) {
-        const float value = w.from.value_float(i);
-        check_range(w, value, i);
-        (*w.to)[row] = value;
-      }
-      if ((row + 1) % LabelColumn::kPageRows == 0 || i + 1 == ply_.rows.rows) share_views(row);
-    });
-  }
-
   // Names of objects come from the comment where it agrees with the columns, else from the columns.
   std::vector<std::string> object_names() const {
     for (const std::string& comment : ply_.comments) {
@@ -266,7 +270,7 @@ class Reader {
     return object;
   }
 
-  void copy_labels() {
+  void find_labels() {
     const std::vector<std::string> names = object_names();
     if (names.size() == 1) ply_.object = checked(names[0]), ply_.names_object = true;
     const std::string prefix = std::string(kLabelFields[0].name) + "_";
@@ -279,16 +283,12 @@ class Reader {
       ply_.objects.push_back({checked(named != names.end() ? *named : suffix), {}});
       suffixes.push_back("_" + suffix);
     }
-    Wanted wanted;
-    std::vector<float> state;
-    want_labels("", ply_.labels, wanted);
-    for (std::size_t k = 0; k < suffixes.size(); ++k) want_labels(suffixes[k], ply_.objects[k].columns, wanted);
-    want(std::string(kFixedColumn), ply_.fixed, wanted);
-    want(std::string(kWeightColumn), ply_.weight, wanted);
-    want(std::string(kStateColumn), state, wanted);
-    read(wanted);
-    check_weight();
-    for (const float v : state) ply_.state.push_back(v >= 0 && v <= 255 ? std::uint8_t(v) : std::uint8_t(0));
+    want_labels("", ply_.labels);
+    for (std::size_t k = 0; k < suffixes.size(); ++k) want_labels(suffixes[k], ply_.objects[k].columns);
+    want(std::string(kFixedColumn), ply_.fixed);
+    want(std::string(kWeightColumn), ply_.weight);
+    wanted_.state = ply_.rows.column(std::string(kStateColumn));
+    if (wanted_.state) ply_.state.resize(std::size_t(ply_.rows.rows));
   }
 
   void read_comments() {
@@ -305,6 +305,7 @@ class Reader {
   std::string name_;
   HigherBands bands_;
   Columns columns_;
+  Wanted wanted_;
 };
 
 }  // namespace
