@@ -223,7 +223,7 @@ mutant $f $t $f "smoothness gradient doubled" 's/field->smoothness\(exec, rays, 
 f=passes/contours/contour_stage.cpp t=unit/passes/contours/contour_stage_test.cpp
 mutant $f $t $f "edges: what is not trained does not show" 's/!\(across\.weight\.value\(i\) > 0\)/true/'
 mutant $f $t $f "edges: all that shows is trained" 's/part\.frozen\.push_back\(!trained\)/part.frozen.push_back(0)/'
-mutant $f $t $f "edges: what was trained is not put back" 's/scatter_rows\(exec, trained\.cloud, rows, model\.cloud\);//'
+mutant $f $t $f "edges: what was trained is not put back" 's/scatter_rows\(exec, \*trained\.cloud, rows, model\.cloud\);//'
 mutant $f $t $f "edges: small photos are always walked enlarged" 's/if \(gain_in_errors.*\) return;$//'
 mutant $f $t $f "edges: trained labels get another start" 's/joint\.start_steps = 1;//'
 mutant $f $t $f "contours: no iteration at the full size" 's/iteration \+ 1 < iterations \&\& //'
@@ -378,12 +378,18 @@ mutant $f $t $f "label column: later values not counted on" 's/\+\+before\[later
 mutant $f $t $f "label column: pages shared that hold other values" 's/return a\.has == b\.has && .*;/return a.has == b.has;/'
 mutant $f $t $f "label column: rows come back that were cut off" 's/if \(rows < rows_ && rows % kPageRows != 0\)/if (false)/'
 mutant stages/fit/photo_refit.cpp unit/passes/floaters/floaters_test.cpp stages/fit/photo_refit.cpp "refit: rows that are not to be trained" 's/trained\(exec, in\.trained, /trained(exec, {}, /; s/kept\[r\] = !in\.trained\[row\]/kept[r] = 0/'
-t=unit/ops/splat/prepared_cloud_test.cpp
-mutant ops/splat/binned_view.h $t "" "where: tiles that nothing is asked of are drawn" 's/lists\.drawn = spans_reached\(.*\);/lists.drawn.clear();/'
-mutant ops/splat/tile_lists.h $t "" "where: spans of the first rows alone" 's/row < kFirstRows \? view\.first\[v\]\[std::size_t\(row\)\] : tile_span\(view\.record\[v\], r, ty\)/row < kFirstRows ? view.first[v][std::size_t(row)] : TileSpan{0, 0}/'
+t=unit/ops/splat/asked_test.cpp
+mutant ops/splat/binned_view.h $t "" "where: tiles that nothing is asked of are drawn" 's/lists\.last_z = last_asked\(.*\);/lists.last_z.clear();/'
+mutant ops/splat/tile_lists.h $t "" "where: spans of the first rows alone" 's/row < kFirstRows \? view\.first\[v\]\[std::size_t\(row\)\] : tile_span\(.*\);/row < kFirstRows ? view.first[v][std::size_t(row)] : TileSpan{0, 0};/'
 mutant ops/splat/splat_gaussian.h $t "" "where: a tile short to the right" 's/kTilePx \* drawn\.x_end \* z/kTilePx * (drawn.x_end - 9) * z/'
-mutant ops/splat/project_block.cpp $t ops/splat/project_block.cpp "far: a block is as far as its farthest" 's/float\(z_least\) < columns_\.far_z/float(z_most) < columns_.far_z/'
+mutant ops/splat/prepared/project_block.cpp $t ops/splat/prepared/project_block.cpp "far: a block is as far as its farthest" 's/float\(z_least\) < view_\.far_z/float(z_most) < view_.far_z/'
+mutant ops/splat/tile_lists.h $t "" "until: a tile ends at any of them" 's/row\[tx\] = std::max\(row\[tx\], double\(view\.depth\[v\]\)\)/row[tx] = double(view.depth[v])/'
+mutant ops/splat/tile_lists.h $t "" "until: the last one is left out too" 's/if \(depth <= lists_\.last_z/if (depth < lists_.last_z/'
+mutant ops/splat/binned_view.h $t "" "until: tiles of faint labels are drawn" 's/reached\[tile\] > 0 \? last\[tile\] : 0/last[tile]/'
+mutant ops/splat/prepared/prepared_cloud.cpp unit/ops/splat/prepared_cloud_test.cpp ops/splat/prepared/prepared_cloud.cpp "groups: not told of rows that move" 's/group_bounds\[std::size_t\(group\)\] = bounds_of_group\(last = group\);/last = group;/'
+mutant ops/splat/evidence.cpp unit/ops/splat/evidence_test.cpp ops/splat/evidence.cpp "evidence of some: by their rows" 's/wanted_ \? wanted_->number\[id\[v\]\] : id\[v\]/id[v]/'
+mutant ops/splat/prepared/curve_blocks.cpp unit/ops/splat/curve_blocks_test.cpp ops/splat/prepared/curve_blocks.cpp "curve: chunks write over each other" 's/for \(std::size_t c = 0; c < chunks_; \+\+c\) at \+= std::exchange\(next\[c \* kParts \+ p\], at\);/for (std::size_t c = 0; c < chunks_; ++c) at += std::exchange(next[c * kParts + p], part_begin_.back());/'
 mutant stages/render/render_stage.cpp unit/stages/render/label_channels_test.cpp stages/render/render_stage.cpp "masks: where labels are sure alone" 's/> kHalfShare - kRounding/> 0.9f/'
 t=unit/passes/floaters/floaters_test.cpp
-mutant ops/splat/binned_view.h $t "ops/splat/front_layer.cpp" "where: what is asked of is not far either" 's/, some\.far_z = CloudView<S>::kEverything//'
+mutant passes/floaters/floaters.cpp $t passes/floaters/floaters.cpp "floaters: the numbers for the rows" 's/found\.push_back\(std::size_t\(asked\.row\[i\]\)\)/found.push_back(i)/'
 mutant passes/floaters/floaters.cpp $t passes/floaters/floaters.cpp "floaters: nothing is in front" 's/in_front\[row\] = 1;/in_front[row] = 0;/'

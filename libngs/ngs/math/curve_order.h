@@ -23,6 +23,10 @@ constexpr std::uint64_t spread_by_three(std::uint64_t v) {
   return (v | v << 2) & 0x1249249249249249;
 }
 
+inline bool is_finite(const float* point) {
+  return std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
+}
+
 /// The box of some points, 2^21 cells a side.
 class MortonGrid {
  public:
@@ -32,9 +36,15 @@ class MortonGrid {
   void include(const float* point) {
     for (std::size_t a = 0; a < 3; ++a) low_[a] = std::min(low_[a], point[a]), high_[a] = std::max(high_[a], point[a]);
   }
-  /// The cell of a point that was included, below kCells.
+  /// All that the other includes.
+  void include(const MortonGrid& other) {
+    for (std::size_t a = 0; a < 3; ++a)
+      low_[a] = std::min(low_[a], other.low_[a]), high_[a] = std::max(high_[a], other.high_[a]);
+  }
+  /// The cell of a point that was included, below kCells; kCells of one that is not finite.
   std::uint64_t cell_of(const float* point) const {
     constexpr double kMost = (1 << 21) - 1;
+    if (!is_finite(point)) return kCells;
     std::uint64_t cell = 0;
     for (std::size_t a = 0; a < 3; ++a) {
       const double span = double(high_[a]) - double(low_[a]);
@@ -54,39 +64,34 @@ struct CurvePoint {
   std::uint32_t row;
 };
 
-inline bool is_finite(const float* point) {
-  return std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
-}
-
-/// By cell, rows of one cell in the order that they have. Digits in which all cells agree take no pass.
-inline void sort_by_cell(std::vector<CurvePoint>& rows) {
+/// By cell, rows of one cell in the order that they have. Digits in which all cells agree take no pass. `scratch` is as
+/// large, and overwritten.
+inline void sort_by_cell(std::span<CurvePoint> rows, std::span<CurvePoint> scratch) {
   constexpr std::size_t kBits = 8, kDigits = 8, kValues = std::size_t(1) << kBits;
   const auto digit = [](const CurvePoint& r, std::size_t d) { return std::size_t(r.cell >> (kBits * d)) % kValues; };
   std::array<std::array<std::size_t, kValues>, kDigits> count{};
   for (const CurvePoint& r : rows)
     for (std::size_t d = 0; d < kDigits; ++d) ++count[d][digit(r, d)];
-  std::vector<CurvePoint> sorted(rows.size());
+  std::span<CurvePoint> from = rows, to = scratch;
   for (std::size_t d = 0; d < kDigits; ++d) {
     if (rows.empty() || count[d][digit(rows.front(), d)] == rows.size()) continue;
     std::size_t at = 0;
     for (std::size_t& next : count[d]) at += std::exchange(next, at);
-    for (const CurvePoint& r : rows) sorted[count[d][digit(r, d)]++] = r;
-    rows.swap(sorted);
+    for (const CurvePoint& r : from) to[count[d][digit(r, d)]++] = r;
+    std::swap(from, to);
   }
+  if (from.data() != rows.data()) std::copy(from.begin(), from.end(), rows.begin());
 }
 
 /// The points [N, 3] along a Z-order curve through the box of the finite ones, 2^21 cells a side: the index of each.
 /// Points of one cell keep their order, and those without a finite coordinate of each axis come last.
 inline std::vector<std::uint32_t> curve_order(std::span<const float> points) {
   MortonGrid grid;
-  std::vector<CurvePoint> rows(points.size() / 3);
+  std::vector<CurvePoint> rows(points.size() / 3), scratch(rows.size());
   for (std::size_t i = 0; i < rows.size(); ++i)
     if (is_finite(&points[3 * i])) grid.include(&points[3 * i]);
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const float* point = &points[3 * i];
-    rows[i] = {is_finite(point) ? grid.cell_of(point) : MortonGrid::kCells, std::uint32_t(i)};
-  }
-  sort_by_cell(rows);
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = {grid.cell_of(&points[3 * i]), std::uint32_t(i)};
+  sort_by_cell(rows, scratch);
   std::vector<std::uint32_t> order(rows.size());
   for (std::size_t place = 0; place < rows.size(); ++place) order[place] = rows[place].row;
   return order;

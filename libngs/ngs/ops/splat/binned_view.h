@@ -1,32 +1,33 @@
 #pragma once
 // One view of a cloud, projected and sorted into tiles, by the fastest way there is. Internal to ops.
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <type_traits>
 
-#include "ngs/ops/splat/project_block.h"
+#include "ngs/ops/splat/asked.h"
+#include "ngs/ops/splat/prepared/project_block.h"
 #include "ngs/ops/splat/splat_view.h"
 
 namespace ngs {
 
-/// `camera` relative to the cloud's origin. Where options.prepared serves the cloud, the memory is lent by it. Where
-/// the cloud has `where`, tiles that none of these Gaussians reaches may have empty lists.
+/// `camera` relative to the cloud's origin. Where options.prepared serves the cloud, the memory is lent by it. Lists
+/// may lack what is not asked for.
 template <class S>
 class BinnedView {
  public:
-  BinnedView(const Exec& exec, const CloudView<S>& cloud, const Camera& camera, const SplatOptions& options) {
+  BinnedView(const Exec& exec, const CloudView<S>& cloud, const Camera& camera, const SplatOptions& options,
+             const Asked& asked = {}) {
     if constexpr (std::is_same_v<S, float>)
       if (options.prepared && options.prepared->serves(cloud)) lender_ = options.prepared;
     memory_ = lent();
     ViewProjector<S> projector = view_projector<S>(camera, options);
     TileLists& lists = memory_->lists;
     lists.tiles_x = projector.tiles_x, lists.tiles_y = projector.tiles_y;
-    lists.drawn.clear();
-    if (cloud.where != nullptr && are_few(cloud)) {
-      CloudView<S> some = cloud;
-      some.include = cloud.where, some.far_z = CloudView<S>::kEverything;
-      project(exec, some, projector);
-      lists.drawn = spans_reached(memory_->view, lists.tiles_y);
-      projector.drawn = box_of(lists.drawn);
+    lists.last_z = last_asked(exec, cloud, projector, asked);
+    if (!lists.last_z.empty()) {
+      projector.drawn = box_of(lists);
+      projector.far_z = just_beyond(*std::max_element(lists.last_z.begin(), lists.last_z.end()));
     }
     project(exec, cloud, projector);
     bin_tiles(exec, memory_->view, lists, memory_->bins);
@@ -47,12 +48,35 @@ class BinnedView {
   }
 
  private:
-  /// Whether what is asked of is so little that to find its tiles first takes less than it leaves out.
-  static bool are_few(const CloudView<S>& cloud) {
-    constexpr std::int64_t kFew = 8;  // of so many one
-    return kFew * std::count_if(cloud.where, cloud.where + cloud.size, [](auto flag) { return flag != 0; }) <
-           cloud.size;
+  /// TileLists::last_z. Where Gaussians say what is asked for, they are projected first.
+  std::vector<double> last_asked(const Exec& exec, const CloudView<S>& cloud, const ViewProjector<S>& projector,
+                                 const Asked& asked) {
+    const TileLists& lists = memory_->lists;
+    if (asked.limit != nullptr) return last_z_of(*asked.limit, lists);
+    const std::uint8_t* const until = are_few(asked.until, cloud.size) ? asked.until : nullptr;
+    if (until == nullptr && !are_few(asked.where, cloud.size)) return {};
+    CloudView<S> some = cloud;
+    some.include = until != nullptr ? until : asked.where;
+    project(exec, some, projector);
+    std::vector<double> last = last_z_of(memory_->view, lists, nullptr);
+    if (until == nullptr)
+      for (double& z : last) z = z > 0 ? std::numeric_limits<double>::infinity() : 0;
+    if (until != nullptr && asked.where != nullptr && asked.where != until) {
+      const std::vector<double> reached = last_z_of(memory_->view, lists, asked.where);
+      for (std::size_t tile = 0; tile < last.size(); ++tile) last[tile] = reached[tile] > 0 ? last[tile] : 0;
+    }
+    return last;
   }
+  /// Whether these are so few that to look for them first takes less than it leaves out: by a sample of the rows, since
+  /// to count all, in every view, would take longer than that.
+  static bool are_few(const std::uint8_t* flag, std::int64_t n) {
+    constexpr std::int64_t kFew = 8, kSample = 1 << 12;  // of so many one
+    std::int64_t found = 0, rows = 0;
+    for (std::int64_t i = 0; flag != nullptr && i < n; i += n / kSample + 1) found += flag[i] != 0, ++rows;
+    return kFew * found < rows;
+  }
+  /// The next float after z, which may be infinite.
+  static float just_beyond(double z) { return std::nextafter(float(z), std::numeric_limits<float>::infinity()); }
   void project(const Exec& exec, const CloudView<S>& cloud, const ViewProjector<S>& projector) {
     if constexpr (std::is_same_v<S, float>)
       if (lender_) return project_blocks(exec, *lender_, cloud, projector, *memory_);

@@ -58,8 +58,8 @@ class TileObjects {
 class ViewPairs {
  public:
   ViewPairs(const Exec& exec, const GaussianCloud& cloud, const MaskedView& of, const SplatOptions& options,
-            const std::vector<std::uint8_t>* wanted)
-      : binned_(exec, cloud_view(cloud, 0, nullptr), relative_camera(of.camera, cloud), options),
+            const RowNumbers* wanted)
+      : binned_(exec, cloud_view(cloud, 0, nullptr), relative_camera(of.camera, cloud), options, asked_of(wanted)),
         wanted_(wanted),
         columns_(2 + 2 * of.masks.target.size()),
         objects_(exec, of.masks, binned_.lists()) {
@@ -77,8 +77,8 @@ class ViewPairs {
   }
 
   std::int64_t chunks() const { return (std::int64_t(binned_.view().id.size()) + kChunk - 1) / kChunk; }
-  /// f(Gaussian, its sums, whether an object has any of it) for those of a chunk that are wanted and have W > 0, in
-  /// their order.
+  /// f(Gaussian or its number, its sums, whether an object has any of it) for those of a chunk that are wanted and have
+  /// W > 0, in their order.
   template <class F>
   void for_each_seen(std::int64_t chunk, const F& f) const {
     const std::vector<std::uint32_t>& id = binned_.view().id;
@@ -92,7 +92,7 @@ class ViewPairs {
       some = by_tile()       ? sum_by_tile(v, sum.data())
              : columns_ == 4 ? sum_up<4>(v, sum.data())
                              : sum_up<0>(v, sum.data());
-      if (sum[0] > 0) f(id[v], sum.data(), some);
+      if (sum[0] > 0) f(wanted_ ? wanted_->number[id[v]] : id[v], sum.data(), some);
     }
   }
 
@@ -102,7 +102,12 @@ class ViewPairs {
     std::uint32_t tile, entry;
   };
 
-  bool is_wanted(std::uint32_t gaussian) const { return wanted_ == nullptr || (*wanted_)[gaussian] != 0; }
+  /// What a Gaussian is seen of depends on nothing behind it.
+  static Asked asked_of(const RowNumbers* wanted) {
+    const std::uint8_t* const flags = wanted ? wanted->chosen.data() : nullptr;
+    return {flags, flags};
+  }
+  bool is_wanted(std::uint32_t gaussian) const { return wanted_ == nullptr || wanted_->has(gaussian); }
   bool any_wanted(const TileWork<float>& work) const {
     return wanted_ == nullptr || std::any_of(work.visible, work.visible + work.entries,
                                              [this](std::uint32_t v) { return is_wanted(binned_.view().id[v]); });
@@ -167,7 +172,7 @@ class ViewPairs {
   const float* pair_at(const Place& at) const { return sums_ + first_[at.tile] + at.entry * columns_of(at.tile); }
 
   BinnedView<float> binned_;
-  const std::vector<std::uint8_t>* wanted_;
+  const RowNumbers* wanted_;
   std::size_t columns_;
   TileObjects objects_;
   std::vector<std::size_t> first_;  // [tiles + 1] of a tile's sums
@@ -176,10 +181,10 @@ class ViewPairs {
 };
 
 /// The parts as one, by row.
-ViewSums merged(const Exec& exec, std::int64_t cloud_rows, int objects, const std::vector<ViewSums>& parts) {
+ViewSums merged(const Exec& exec, std::int64_t rows, int objects, const std::vector<ViewSums>& parts) {
   ViewSums all{objects, {}, {}};
   const auto columns = std::size_t(all.columns());
-  RowRanks ranks(cloud_rows);
+  RowRanks ranks(rows);
   std::size_t size = 0;
   for (const ViewSums& part : parts) ranks.add(part.row), size += part.size();
   ranks.count();
@@ -214,22 +219,25 @@ void require_size(const MaskedView& view) {
   NGS_CHECK(view.masks.width_px == view.camera.width_px && view.masks.height_px == view.camera.height_px, "mask size");
 }
 
+void require_numbers(const GaussianCloud& cloud, const RowNumbers* of) {
+  NGS_CHECK(of == nullptr || std::int64_t(of->number.size()) == cloud.size(), "a number for each Gaussian");
+}
+
 }  // namespace
 
 ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view, const SplatOptions& options,
-                   const std::vector<std::uint8_t>* of) {
+                   const RowNumbers* of) {
   ViewSums seen{int(view.masks.target.size()), {}, {}};
   if (!view.masks.available) return seen;
   require_size(view);
-  NGS_CHECK(of == nullptr || std::int64_t(of->size()) == cloud.size(), "one flag per Gaussian");
+  require_numbers(cloud, of);
   const auto columns = std::size_t(seen.columns());
   if (on_device(exec, view)) {
     const std::vector<double> sums = sums_on_device(exec, cloud, view, options);
     for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
       const double* sum = &sums[i * columns];
-      const bool wanted = of == nullptr || (*of)[i];
-      if (wanted && sum[0] > 0)
-        seen.row.push_back(std::uint32_t(i)), seen.sum.insert(seen.sum.end(), sum, sum + columns);
+      if (!(sum[0] > 0) || (of != nullptr && !of->has(i))) continue;
+      seen.row.push_back(of ? of->number[i] : std::uint32_t(i)), seen.sum.insert(seen.sum.end(), sum, sum + columns);
     }
     return seen;
   }
@@ -241,11 +249,11 @@ ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const MaskedVie
                           part.row.push_back(gaussian), part.sum.insert(part.sum.end(), sum, sum + columns);
                         });
   });
-  return merged(exec, cloud.size(), seen.objects, part);
+  return merged(exec, of ? of->size() : cloud.size(), seen.objects, part);
 }
 
 ViewWeights view_weights(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,
-                         const SplatOptions& options, const std::vector<std::uint8_t>* of) {
+                         const SplatOptions& options, const RowNumbers* of) {
   const int objects = int(view.masks.target.size());
   if (!view.masks.available) return {objects, 0};
   if (on_device(exec, view)) {
@@ -256,7 +264,7 @@ ViewWeights view_weights(const Exec& exec, const GaussianCloud& cloud, const Mas
     return seen;
   }
   require_size(view);
-  NGS_CHECK(of == nullptr || std::int64_t(of->size()) == cloud.size(), "one flag per Gaussian");
+  require_numbers(cloud, of);
   const ViewPairs pairs(exec, cloud, view, options, of);
   ViewWeights seen(objects, std::size_t(pairs.chunks()));
   for_each_task(exec, pairs.chunks(), [&](std::int64_t chunk) {

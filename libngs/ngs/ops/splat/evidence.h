@@ -1,5 +1,6 @@
 #pragma once
 // Mask evidence per Gaussian: one forward pass per view.                 m_ij before Eq. (3); PAPER.md §5.2
+#include "ngs/math/row_numbers.h"
 #include "ngs/ops/splat/splat.h"
 #include "ngs/scene/evidence.h"
 #include "ngs/scene/scene.h"
@@ -19,15 +20,15 @@ struct MaskedView {
   PixelWeight weight = PixelWeight::kRendered;
 };
 
-/// What one view says of the Gaussians that it sees, or of those `of` them [N] (1: wanted; null: all). A view whose
-/// masks are not available says nothing. A pixel's weights are those of rendering (occlusion
+/// What one view says of the Gaussians that it sees, or of those `of` them, whose rows are then their numbers there. A
+/// view whose masks are not available says nothing. A pixel's weights are those of rendering (occlusion
 /// included); pixels with masks.known == 0 are not counted.
 ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view, const SplatOptions& options,
-                   const std::vector<std::uint8_t>* of = nullptr);
+                   const RowNumbers* of = nullptr);
 
 /// The weights of that, packed.
 ViewWeights view_weights(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,
-                         const SplatOptions& options, const std::vector<std::uint8_t>* of = nullptr);
+                         const SplatOptions& options, const RowNumbers* of = nullptr);
 
 /// Adds that to `evidence`, without keeping it.
 void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,

@@ -55,6 +55,7 @@ bool has_surface(const L* limit) {
 }
 
 struct LayerSink : FrontBase {
+  const std::uint32_t* number;  // [N] of a Gaussian's row of `value`; null: there are no columns
   Matrix<const float> value;
   std::vector<L> sum;  // [C + 1, packs]
 
@@ -63,7 +64,7 @@ struct LayerSink : FrontBase {
   void add(int, const Contribution<L>& hit) {
     if (!may) return;
     const L weight = front_weight(hit);
-    const float* row = value.row(binned.view().id[v]);
+    const float* row = number ? value.row(number[binned.view().id[v]]) : nullptr;
     for (int c = 0; c < value.c; ++c) {
       L& s = sum[std::size_t(c * kPacks + hit.pack)];
       s = fma_lanes(weight, L(row[c]), s);
@@ -99,12 +100,6 @@ struct SumSink : FrontBase {
   }
 };
 
-CloudView<float> columns_of(const FrontModel& model) {
-  CloudView<float> columns = cloud_view(model.cloud, 0, nullptr);
-  columns.where = model.where, columns.far_z = model.far_z;
-  return columns;
-}
-
 void store_tile(const TileFrame& frame, const std::vector<L>& sum, ImageF& out) {
   float lane[kTilePixels];
   for (int c = 0; c < out.channels; ++c) {
@@ -121,33 +116,43 @@ struct FrontView::State {
   Camera camera;
   Compat compat;
   std::int64_t gaussians;
+  const ImageF& limit;
   BinnedView<float> binned;
 
-  void check(const FrontQuery& query) const {
-    NGS_CHECK(query.limit.width_px == camera.width_px && query.limit.height_px == camera.height_px &&
-                  query.limit.channels == 1,
+  void check(const Candidates& candidate) const {
+    NGS_CHECK(limit.width_px == camera.width_px && limit.height_px == camera.height_px && limit.channels == 1,
               "one limit per pixel");
-    NGS_CHECK(std::int64_t(query.candidate.size()) == gaussians, "one candidate flag per Gaussian");
+    NGS_CHECK(std::int64_t(candidate.size()) == gaussians, "one candidate flag per Gaussian");
   }
 };
 
-FrontView::FrontView(const Exec& exec, const FrontModel& model, const Camera& camera, const SplatOptions& options)
+FrontView::FrontView(const Exec& exec, const GaussianCloud& cloud, const ImageF& limit, const Camera& camera,
+                     const SplatOptions& options)
     : state_(std::make_unique<State>(
-          State{exec, camera, options.compat, model.cloud.size(),
-                BinnedView<float>(exec, columns_of(model), relative_camera(camera, model.cloud), options)})) {}
+          State{exec, camera, options.compat, cloud.size(), limit,
+                BinnedView<float>(exec, cloud_view(cloud, 0, nullptr), relative_camera(camera, cloud), options,
+                                  {.limit = &limit})})) {}
 FrontView::~FrontView() = default;
 
-ImageF FrontView::layer(const FrontQuery& query, Matrix<const float> value) const {
+ImageF FrontView::layer(const Candidates& candidate, const RowValues& values) const {
+  NGS_CHECK(std::int64_t(values.of.number.size()) == state_->gaussians && values.value.n == values.of.size(),
+            "a value row for each of some Gaussians");
+  return layer(candidate, values.of.number.data(), values.value);
+}
+
+ImageF FrontView::layer(const Candidates& candidate) const { return layer(candidate, nullptr, {nullptr, 0, 0}); }
+
+ImageF FrontView::layer(const Candidates& candidate, const std::uint32_t* number, Matrix<const float> value) const {
   const State& s = *state_;
   const BinnedView<float>& b = s.binned;
-  s.check(query);
-  NGS_CHECK(value.n == s.gaussians, "one value row per Gaussian");
+  s.check(candidate);
   ImageF out(s.camera.width_px, s.camera.height_px, value.c + 1);
   for_each_task(s.exec, b.lists().tiles(), [&](std::int64_t tile) {
     const TileWork<float> work = tile_work(b.view(), b.lists(), tile, s.camera, s.compat);
     const TileFrame& frame = work.frame;
-    LayerSink sink{{b, work, query.candidate, {}}, value, std::vector<L>(std::size_t((value.c + 1) * kPacks), L(0.f))};
-    tile_plane(frame, query.limit.data, sink.limit);
+    LayerSink sink{
+        {b, work, candidate, {}}, number, value, std::vector<L>(std::size_t((value.c + 1) * kPacks), L(0.f))};
+    tile_plane(frame, s.limit.data, sink.limit);
     if (!has_surface(sink.limit)) return;
     L transmittance[kPacks];
     composite_tile<L>(work, transmittance, sink);
@@ -156,18 +161,18 @@ ImageF FrontView::layer(const FrontQuery& query, Matrix<const float> value) cons
   return out;
 }
 
-FrontSums FrontView::sums(const FrontQuery& query, const std::vector<std::uint8_t>& marked) const {
+FrontSums FrontView::sums(const Candidates& candidate, const std::vector<std::uint8_t>& marked) const {
   const State& s = *state_;
   const BinnedView<float>& b = s.binned;
-  s.check(query);
-  NGS_CHECK(std::int64_t(marked.size()) == query.limit.pixels(), "one mark per pixel");
+  s.check(candidate);
+  NGS_CHECK(std::int64_t(marked.size()) == s.limit.pixels(), "one mark per pixel");
   std::vector<float> pairs(std::size_t(b.lists().pairs()) * 2, 0.f);
   const Matrix<float> pair{pairs.data(), b.lists().pairs(), 2};
   for_each_task(s.exec, b.lists().tiles(), [&](std::int64_t tile) {
     const TileWork<float> work = tile_work(b.view(), b.lists(), tile, s.camera, s.compat);
     const TileFrame& frame = work.frame;
-    SumSink sink{{b, work, query.candidate, {}}, pair, {}};
-    tile_plane(frame, query.limit.data, sink.limit);
+    SumSink sink{{b, work, candidate, {}}, pair, {}};
+    tile_plane(frame, s.limit.data, sink.limit);
     if (!has_surface(sink.limit)) return;
     tile_plane(frame, marked, sink.marked);
     L transmittance[kPacks];
@@ -175,7 +180,7 @@ FrontSums FrontView::sums(const FrontQuery& query, const std::vector<std::uint8_
   });
   FrontSums sums;
   for (std::size_t v = 0; v < b.view().id.size(); ++v) {
-    if (!query.candidate[b.view().id[v]]) continue;
+    if (!candidate[b.view().id[v]]) continue;
     double front = 0, of_marked = 0;
     for (std::int64_t slot = b.lists().slot_begin[v]; slot < b.lists().slot_begin[v + 1]; ++slot)
       front += double(pair.row(slot)[0]), of_marked += double(pair.row(slot)[1]);

@@ -3,17 +3,14 @@
 //
 // A contribution is in front of pixel p where its Gaussian is a candidate and its camera z is below limit(p);
 // limit 0: no surface at this pixel, nothing is in front. Weights w = α T are those of rendering the whole model.
-#include <limits>
 #include <memory>
 
+#include "ngs/math/row_numbers.h"
 #include "ngs/ops/splat/splat.h"
 
 namespace ngs {
 
-struct FrontQuery {
-  const ImageF& limit;                         // [H, W, 1] camera z, world
-  const std::vector<std::uint8_t>& candidate;  // [N]
-};
+using Candidates = std::vector<std::uint8_t>;  // [N]
 
 /// Σ w over the view's pixels where a Gaussian is in front, and over the marked of these, of those where it is not 0.
 struct FrontSums {
@@ -21,29 +18,33 @@ struct FrontSums {
   std::vector<double> front, marked;  // [rows]
 };
 
-/// A model, and what is known of the surface of all queries: it lies in tiles that one of `where` reaches, and no
-/// farther from the camera than `far_z`.
-struct FrontModel {
-  const GaussianCloud& cloud;
-  const std::uint8_t* where = nullptr;                   // [N] null: anywhere
-  float far_z = std::numeric_limits<float>::infinity();  // world
+/// A row of values for each of some Gaussians.
+struct RowValues {
+  const RowNumbers& of;
+  Matrix<const float> value;  // [of, C]
 };
 
-/// One view of a model, projected once for several looks at it.
+/// A surface in one view of a model, projected once for several looks at what is before it. What lies behind all of a
+/// tile's surface is left out.
 class FrontView {
  public:
-  FrontView(const Exec& exec, const FrontModel& model, const Camera& camera, const SplatOptions& options);
+  /// `limit` [H, W, 1] camera z, world; it must outlive the view.
+  FrontView(const Exec& exec, const GaussianCloud& cloud, const ImageF& limit, const Camera& camera,
+            const SplatOptions& options);
   ~FrontView();
   FrontView(const FrontView&) = delete;
   FrontView& operator=(const FrontView&) = delete;
 
-  /// [H, W, C + 1]: Σ w value and, last, Σ w, over the contributions in front. `value` [N, C].
-  ImageF layer(const FrontQuery& query, Matrix<const float> value) const;
+  /// [H, W, C + 1]: Σ w value and, last, Σ w, over the contributions in front. All candidates have values.
+  ImageF layer(const Candidates& candidate, const RowValues& values) const;
+  /// [H, W, 1]: Σ w alone.
+  ImageF layer(const Candidates& candidate) const;
   /// `marked` [H·W].
-  FrontSums sums(const FrontQuery& query, const std::vector<std::uint8_t>& marked) const;
+  FrontSums sums(const Candidates& candidate, const std::vector<std::uint8_t>& marked) const;
 
  private:
   struct State;
+  ImageF layer(const Candidates& candidate, const std::uint32_t* number, Matrix<const float> value) const;
   std::unique_ptr<State> state_;
 };
 

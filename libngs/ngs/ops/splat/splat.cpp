@@ -26,7 +26,7 @@ struct SplatPass::State {
   std::size_t rest_values = 0;  // of a Gaussian
 };
 
-SplatPass::SplatPass(SplatOptions options) : state_(std::make_unique<State>()) { state_->options = options; }
+SplatPass::SplatPass(SplatOptions options) : state_(std::make_unique<State>()) { state_->options = std::move(options); }
 SplatPass::~SplatPass() = default;
 SplatPass::SplatPass(SplatPass&&) noexcept = default;
 SplatPass& SplatPass::operator=(SplatPass&&) noexcept = default;
@@ -89,14 +89,14 @@ RenderedView render(const Exec& exec, const GaussianCloud& cloud, const Camera& 
   const ChannelPlan<float> channels = channel_plan(request);
   RenderedView view;
   allocate(camera, channels, view);
-  CloudView<float> on_view = cloud_view(cloud, options.max_sh_degree, request.include);
-  on_view.where = request.where;
+  const CloudView<float> on_view = cloud_view(cloud, options.max_sh_degree, request.include);
   if (exec.device_ops) {
     device_view(exec, on_view, relative_camera(camera, cloud), options, channels)
         ->forward(planes<float>(channels, view));
     return view;
   }
   SplatEngine<float> engine(float_tile_kernels(exec.isa), options, on_view, relative_camera(camera, cloud), channels);
+  engine.ask({request.where, request.until});
   engine.forward(exec, planes<float>(channels, view));
   return view;
 }

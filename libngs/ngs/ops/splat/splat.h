@@ -35,6 +35,9 @@ struct RenderRequest {
   const std::uint8_t* include = nullptr;  // [N] 1: draw; null: draw all (amodal rendering passes a subset)
   // [N] 1: of render(), tiles that none of these reaches may stay as if nothing were there; null: all tiles are drawn
   const std::uint8_t* where = nullptr;
+  // [N] 1: all with a label are of these, and render() is asked for labels alone: what lies behind the last of them in
+  // a tile may be left out; null: it is drawn
+  const std::uint8_t* until = nullptr;
 };
 
 /// Forward only.

@@ -17,6 +17,8 @@ class SplatEngine {
               const Camera& camera, const ChannelPlan<S>& plan)
       : kernels_(kernels), options_(options), cloud_(cloud), camera_(camera), plan_(plan) {}
 
+  /// Of views that are prepared from now on. What it names must outlive them.
+  void ask(const Asked& asked) { asked_ = asked; }
   /// Writes channel c to out[c] and 1 - T_final to out[count()].
   void forward(const Exec& exec, const std::vector<Plane<S>>& out) {
     prepare(exec);
@@ -25,7 +27,7 @@ class SplatEngine {
   /// The two halves of forward.
   void prepare(const Exec& exec) {
     binned_.reset();
-    binned_.emplace(exec, cloud_, camera_, options_);
+    binned_.emplace(exec, cloud_, camera_, options_, asked_);
     gather_channels(exec);
   }
   /// Other channels of the view that is prepared.
@@ -113,6 +115,7 @@ class SplatEngine {
   CloudView<S> cloud_;
   Camera camera_;
   ChannelPlan<S> plan_;
+  Asked asked_;
   std::optional<BinnedView<S>> binned_;
   std::vector<S> background_, channel_;  // [C], [V, C]
 };

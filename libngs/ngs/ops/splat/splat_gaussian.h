@@ -14,15 +14,12 @@ namespace ngs {
 /// A cloud as arrays of S. Members as in GaussianCloud; null sh_dc: colour is not evaluated.
 template <class S>
 struct CloudView {
-  static constexpr float kEverything = std::numeric_limits<float>::infinity();
   std::int64_t size = 0;
   const S *position = nullptr, *rotation = nullptr, *log_scale = nullptr, *logit_opacity = nullptr;
   const S *sh_dc = nullptr, *sh_rest = nullptr;
   int sh_degree = 0;                                         // bands to evaluate
   int rest_stride = 0;                                       // coefficients stored per Gaussian
   const std::uint8_t *usable = nullptr, *include = nullptr;  // null: all
-  const std::uint8_t* where = nullptr;                       // tiles that none of these reaches are not asked for
-  float far_z = kEverything;                                 // nor is what is so far away, or farther
 
   NGS_HD GaussianShape<S> shape(std::int64_t i) const {
     return {rotation + i * 4, log_scale + i * 3, logit_opacity[i]};
@@ -216,7 +213,8 @@ struct ViewProjector {
   double spread, blur_px;  // of beside(): px · world per unit of scale; px
   int width_px, height_px, tiles_x, tiles_y;
   Compat compat;
-  TileRect drawn;  // of beside(): all tiles, or those that something is wanted of
+  TileRect drawn;  // all tiles, or those that something is asked of
+  float far_z;     // what is so far away, or farther, is not asked for          world
 
   /// The centre of Gaussian i relative to the camera's, in world axes.
   NGS_HD Vec3<Wide> offset(const CloudView<S>& cloud, std::int64_t i) const {
@@ -248,7 +246,7 @@ struct ViewProjector {
     if ((cloud.usable && !cloud.usable[i]) || (cloud.include && !cloud.include[i])) return false;
     const Vec3<Wide> t_wide = wide.rotation * offset(cloud, i);
     const Vec3<S> t = narrowed<S>(t_wide);
-    if (!(t.z > camera.near_z && double(t.z) < double(cloud.far_z))) return false;
+    if (!(t.z > camera.near_z && double(t.z) < double(far_z))) return false;
     ProjectionContext<S> ctx;
     const ProjectedGaussian<S> p = project_gaussian(camera, t, cloud.shape(i), ctx);
     if (!(p.opacity >= S(kAlphaMin)) || !(p.det > S(0)) || !isfinite(double(p.det)) || !isfinite(double(p.mean_x)) ||
@@ -278,7 +276,8 @@ ViewProjector<S> view_projector(const Camera& camera, const SplatOptions& option
           tiles_x,
           tiles_y,
           options.compat,
-          {0, std::uint16_t(tiles_x), 0, std::uint16_t(tiles_y)}};
+          {0, std::uint16_t(tiles_x), 0, std::uint16_t(tiles_y)},
+          std::numeric_limits<float>::infinity()};
 }
 
 /// Which channels are composited: rgb (if colour), the label columns, camera z (if depth).

@@ -9,6 +9,7 @@
 #include "ngs/backend/for_each.h"
 #include "ngs/core/check.h"
 #include "ngs/ops/splat/splat_gaussian.h"
+#include "ngs/scene/views.h"
 
 namespace ngs {
 
@@ -38,7 +39,7 @@ struct ProjectedView {
 /// [slot_begin[v], slot_begin[v + 1]), so that per-pair results are summed per Gaussian in a fixed order.
 struct TileLists {
   int tiles_x = 0, tiles_y = 0;
-  std::vector<TileSpan> drawn;           // [tiles_y] those of a row that have lists; empty: all
+  std::vector<double> last_z;            // [tiles] camera z up to which Gaussians are listed, 0: none is; empty: all
   std::vector<std::int64_t> tile_begin;  // [tiles + 1]
   std::vector<std::uint32_t> visible;    // [pairs] index v
   std::vector<std::uint32_t> slot;       // [pairs]
@@ -131,34 +132,52 @@ inline void sort_tile(const TileEntry* entry, std::uint32_t count, const std::ve
   }
 }
 
-/// Of every row of tiles the span about those that the view reaches; {0, 0}: none.
+/// The tiles that visible Gaussian v reaches in row `ty` of its rectangle.
 template <class S>
-std::vector<TileSpan> spans_reached(const ProjectedView<S>& view, int tiles_y) {
-  std::vector<TileSpan> reached(std::size_t(tiles_y), TileSpan{0, 0});
-  for (std::size_t v = 0; v < view.id.size(); ++v) {
-    const TileRect& r = view.rect[v];
-    for (int ty = r.y_begin; ty < r.y_end; ++ty) {
-      const int row = ty - r.y_begin;
-      const TileSpan span = row < kFirstRows ? view.first[v][std::size_t(row)] : tile_span(view.record[v], r, ty);
-      TileSpan& all = reached[std::size_t(ty)];
-      if (span.first >= span.end) continue;
-      all = all.first >= all.end ? span : TileSpan{std::min(all.first, span.first), std::max(all.end, span.end)};
-    }
-  }
-  return reached;
+TileSpan span_of(const ProjectedView<S>& view, std::size_t v, int ty) {
+  const int row = ty - view.rect[v].y_begin;
+  return row < kFirstRows ? view.first[v][std::size_t(row)] : tile_span(view.record[v], view.rect[v], ty);
 }
 
-/// The rectangle about spans of all rows; empty where they are.
-inline TileRect box_of(const std::vector<TileSpan>& rows) {
-  TileRect box{0, 0, 0, 0};
-  for (std::size_t ty = 0; ty < rows.size(); ++ty) {
-    const auto [first, end] = rows[ty];
-    const auto y = std::uint16_t(ty), below = std::uint16_t(ty + 1);
-    if (first >= end) continue;
-    box = box.x_begin >= box.x_end
-              ? TileRect{first, end, y, below}
-              : TileRect{std::min(box.x_begin, first), std::max(box.x_end, end), box.y_begin, below};
+/// Of each tile the camera z of the last Gaussian that reaches it, 0 where none does. `of` [N] 1: of these; null: of
+/// all.
+template <class S>
+std::vector<double> last_z_of(const ProjectedView<S>& view, const TileLists& lists, const std::uint8_t* of) {
+  std::vector<double> last(std::size_t(lists.tiles()), 0.0);
+  for (std::size_t v = 0; v < view.id.size(); ++v) {
+    if (of != nullptr && !of[view.id[v]]) continue;
+    for (int ty = view.rect[v].y_begin; ty < view.rect[v].y_end; ++ty) {
+      const TileSpan span = span_of(view, v, ty);
+      double* row = last.data() + std::ptrdiff_t(ty) * lists.tiles_x;
+      for (int tx = span.first; tx < span.end; ++tx) row[tx] = std::max(row[tx], double(view.depth[v]));
+    }
   }
+  return last;
+}
+
+/// The same of a picture of it, [H, W, 1].
+inline std::vector<double> last_z_of(const ImageF& limit, const TileLists& lists) {
+  std::vector<double> last(std::size_t(lists.tiles()), 0.0);
+  for (int y = 0; y < limit.height_px; ++y)
+    for (int x = 0; x < limit.width_px; ++x) {
+      double& tile = last[std::size_t(y / kTilePx) * std::size_t(lists.tiles_x) + std::size_t(x / kTilePx)];
+      tile = std::max(tile, double(limit.at(x, y, 0)));
+    }
+  return last;
+}
+
+/// The rectangle about the tiles that have lists; empty where none has.
+inline TileRect box_of(const TileLists& lists) {
+  TileRect box{0, 0, 0, 0};
+  for (int ty = 0; ty < lists.tiles_y; ++ty)
+    for (int tx = 0; tx < lists.tiles_x; ++tx) {
+      if (!(lists.last_z[std::size_t(ty) * std::size_t(lists.tiles_x) + std::size_t(tx)] > 0)) continue;
+      const auto x = std::uint16_t(tx), y = std::uint16_t(ty), right = std::uint16_t(tx + 1),
+                 below = std::uint16_t(ty + 1);
+      box = box.x_begin >= box.x_end
+                ? TileRect{x, right, y, below}
+                : TileRect{std::min(box.x_begin, x), std::max(box.x_end, right), box.y_begin, below};
+    }
   return box;
 }
 
@@ -174,7 +193,7 @@ class TileBinner {
     chunks_ = std::max<std::int64_t>(1, exec_.threads), per_chunk_ = (count + chunks_ - 1) / chunks_;
     scratch_.chunk.resize(std::size_t(chunks_));
     lists_.slot_begin.resize(std::size_t(count) + 1);
-    const bool all = lists_.drawn.empty();
+    const bool all = lists_.last_z.empty();
     for_each_task(exec_, chunks_, [&](std::int64_t c) { all ? count_pairs<true>(c) : count_pairs<false>(c); });
     place_tiles();
     for_each_task(exec_, chunks_, [&](std::int64_t c) { all ? scatter<true>(c) : scatter<false>(c); });
@@ -203,23 +222,28 @@ class TileBinner {
       const TileRect& r = view_.rect[v];
       std::uint32_t* next = chunk.next.data() + std::ptrdiff_t(r.y_begin) * lists_.tiles_x;
       int ty = r.y_begin;
-      for (const TileSpan span : view_.first[v]) slots += count(drawn<kAll>(span, ty++), next), next += lists_.tiles_x;
+      for (const TileSpan span : view_.first[v])
+        slots += kAll ? count(span, next) : count_asked(v, span, ty, next), ++ty, next += lists_.tiles_x;
       for (; ty < r.y_end; ++ty, next += lists_.tiles_x) {
-        chunk.span.push_back(drawn<kAll>(tile_span(view_.record[v], r, ty), ty));
-        slots += count(chunk.span.back(), next);
+        chunk.span.push_back(tile_span(view_.record[v], r, ty));
+        slots += kAll ? count(chunk.span.back(), next) : count_asked(v, chunk.span.back(), ty, next);
       }
     }
     NGS_CHECK(slots <= 0xffffffff, "slots are counted in 32 bits");
     chunk.slots = std::uint32_t(slots);
   }
 
-  /// The part of a span of row `ty` that has lists.
-  template <bool kAll>
-  TileSpan drawn(TileSpan span, int ty) const {
-    if (kAll || span.first >= span.end) return span;
-    const TileSpan row = lists_.drawn[std::size_t(ty)];
-    const TileSpan part{std::max(span.first, row.first), std::min(span.end, row.end)};
-    return part.first < part.end ? part : TileSpan{0, 0};
+  /// f(tx) for the tiles of a span of row `ty` in whose lists Gaussian v is.
+  template <class F>
+  void for_each_asked(std::size_t v, TileSpan span, int ty, const F& f) const {
+    const double depth = double(view_.depth[v]);
+    for (int tx = span.first; tx < span.end; ++tx)
+      if (depth <= lists_.last_z[std::size_t(ty) * std::size_t(lists_.tiles_x) + std::size_t(tx)]) f(tx);
+  }
+  std::uint64_t count_asked(std::size_t v, TileSpan span, int ty, std::uint32_t* next) const {
+    std::uint64_t tiles = 0;
+    for_each_asked(v, span, ty, [&](int tx) { ++next[tx], ++tiles; });
+    return tiles;
   }
 
   /// Counts the tiles of a span. Most have one or two, which no branch can foresee: these take none.
@@ -256,14 +280,18 @@ class TileBinner {
       TileEntry entry{depth, std::uint32_t(v), slot};
       std::uint32_t* next = chunk.next.data() + std::ptrdiff_t(r.y_begin) * lists_.tiles_x;
       int ty = r.y_begin;
-      for (const TileSpan span : view_.first[v]) put(drawn<kAll>(span, ty++), next, entry), next += lists_.tiles_x;
-      for (; ty < r.y_end; ++ty, next += lists_.tiles_x) put(*later++, next, entry);
+      for (const TileSpan span : view_.first[v]) put<kAll>(span, ty++, next, entry), next += lists_.tiles_x;
+      for (; ty < r.y_end; ++ty, next += lists_.tiles_x) put<kAll>(*later++, ty, next, entry);
       slot = entry.slot;
     }
   }
 
-  /// Writes the entries of a span, from entry.slot on; as count(), without branches for its first two tiles.
-  void put(TileSpan span, std::uint32_t* next, TileEntry& entry) {
+  /// Writes the entries of a span of row `ty`, from entry.slot on; as count(), without branches for its first two
+  /// tiles.
+  template <bool kAll>
+  void put(TileSpan span, int ty, std::uint32_t* next, TileEntry& entry) {
+    if (!kAll)
+      return for_each_asked(entry.visible, span, ty, [&](int tx) { scratch_.entry[next[tx]++] = entry, ++entry.slot; });
     TileEntry nowhere, *const to = scratch_.entry.data();
     const int tiles = span.end - span.first;
     const std::uint32_t at[2] = {next[span.first], next[span.first + 1]}, slot = entry.slot;
@@ -282,7 +310,7 @@ class TileBinner {
   std::int64_t chunks_ = 1, per_chunk_ = 0;
 };
 
-/// Lists per tile, ordered by (depth, index into the cloud); lists.tiles_x, tiles_y and drawn are given.
+/// Lists per tile, ordered by (depth, index into the cloud); lists.tiles_x, tiles_y and last_z are given.
 template <class S>
 void bin_tiles(const Exec& exec, const ProjectedView<S>& view, TileLists& lists, BinScratch& scratch) {
   TileBinner<S>(exec, view, lists, scratch).bin();

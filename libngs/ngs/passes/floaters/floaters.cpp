@@ -111,14 +111,13 @@ class FloaterSearch {
     if (core_.count == 0) return 0;
     margin_ = core_margin(exec_, options_.core, cloud(), core_);
     candidate_ = candidates_of(exec_, input_, core_, margin_);
-    const std::vector<float> none(std::size_t(cloud().size()), 0.f);
     double sum = 0, pixels = 0;
     for_each_view(input_.monitor, spread_views(views_, kFrontViews), [&](std::size_t, std::size_t v) {
       const Surface s = surface(v);
       if (s.pixels() == 0) return;
-      const ImageF layer = front_view(v, s).layer({s.limit, candidate_}, {none.data(), cloud().size(), 1});
+      const ImageF layer = front_view(v, s).layer(candidate_);
       for (std::size_t p = 0; p < s.limit.data.size(); ++p)
-        if (s.limit.data[p] > 0) sum += double(layer.data[2 * p + 1]), ++pixels;
+        if (s.limit.data[p] > 0) sum += double(layer.data[p]), ++pixels;
     });
     return pixels > 0 ? sum / pixels : 0;
   }
@@ -136,8 +135,7 @@ class FloaterSearch {
 
   /// What has to do with what lies in front of the core's surface.
   FrontView front_view(std::size_t v, const Surface& surface) const {
-    const float far_z = *std::ranges::max_element(surface.limit.data);
-    return {exec_, {cloud(), core_.member.data(), far_z}, camera(v), splat_};
+    return {exec_, cloud(), surface.limit, camera(v), splat_};
   }
 
   /// The core is the same in all rounds; its surfaces are kept up to 256 MiB.
@@ -167,13 +165,13 @@ class FloaterSearch {
     return medians.empty() ? 1.0 : upper_median(medians);
   }
 
-  /// Mean photo colour of every Gaussian in some views, and 1; zeros where they do not show it.
+  /// Mean photo colour of some Gaussians in some views, and 1; zeros where they do not show it.
   struct MeanColours {
-    std::vector<float> value;  // [N, 4]
+    std::vector<float> value;  // [some, 4]
 
-    void set(std::size_t gaussian, const LeaveOneOut::Shares& shares) {
-      std::copy_n(shares.share, 3, &value[4 * gaussian]);
-      value[4 * gaussian + 3] = float(shares.seen);
+    void set(std::size_t number, const LeaveOneOut::Shares& shares) {
+      std::copy_n(shares.share, 3, &value[4 * number]);
+      value[4 * number + 3] = float(shares.seen);
     }
   };
 
@@ -214,20 +212,21 @@ class FloaterSearch {
       const Surface s = surface(v);
       if (s.pixels() == 0) return;
       const std::vector<std::uint8_t> none(s.limit.data.size(), 0);
-      for (const std::uint32_t row : front_view(v, s).sums({s.limit, candidate_}, none).row) in_front[row] = 1;
+      for (const std::uint32_t row : front_view(v, s).sums(candidate_, none).row) in_front[row] = 1;
     });
     return in_front;
   }
 
   /// Rows of the floaters of this round, and hidden_.
   std::vector<std::size_t> round() {
-    const auto n = std::size_t(cloud().size());
     const std::vector<std::uint8_t> in_front = candidates_in_front();
-    const auto weights = [&](std::size_t v) {  // of these alone: colours of others are not asked
+    const RowNumbers asked(in_front);
+    const auto n = std::size_t(asked.size());
+    const auto weights = [&](std::size_t v) {
       const ViewMasks channels = colours_as_masks(input_.load_photo(v));
-      return view_weights(exec_, cloud(), {camera(v), channels}, splat_, &in_front);
+      return view_weights(exec_, cloud(), {camera(v), channels}, splat_, &asked);
     };
-    LeaveOneOut colours(exec_, cloud().size(), 3, weights);
+    LeaveOneOut colours(exec_, asked.size(), 3, weights);
     if (!for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) { colours.add(v); })) return {};
     MeanColours elsewhere{std::vector<float>(4 * n)};
     colours.for_all([&](std::size_t i, const LeaveOneOut::Shares& all) { elsewhere.set(i, all); });
@@ -242,12 +241,11 @@ class FloaterSearch {
       colours.for_others_in(*shown, [&](std::size_t i, const LeaveOneOut::Shares& others, double weight) {
         elsewhere.set(i, others), own[i] = weight;
       });
-      const FrontQuery query{s.limit, in_front};
       const FrontView view = front_view(v, s);
-      const ImageF layer = view.layer(query, {elsewhere.value.data(), cloud().size(), 4});
-      const FrontSums sums = view.sums(query, seen_through(v, s, photo, layer));
+      const ImageF layer = view.layer(in_front, {asked, {elsewhere.value.data(), asked.size(), 4}});
+      const FrontSums sums = view.sums(in_front, seen_through(v, s, photo, layer));
       for (std::size_t k = 0; k < sums.row.size(); ++k) {
-        const std::size_t i = sums.row[k];
+        const std::size_t i = asked.number[sums.row[k]];
         front[i] += sums.front[k], through[i] += sums.marked[k];
         if (own[i] > 0) reach[i] = std::max(reach[i], sums.front[k] / own[i]);
       }
@@ -259,7 +257,7 @@ class FloaterSearch {
     double hidden_px = 0;
     for (std::size_t i = 0; i < n; ++i) {
       if (!(front[i] > 0) || reach[i] < options_.least_reach || through[i] < options_.seen_through * front[i]) continue;
-      found.push_back(i), hidden_px += through[i];
+      found.push_back(std::size_t(asked.row[i])), hidden_px += through[i];
     }
     hidden_ = surface_px > 0 ? hidden_px / surface_px : 0;
     return found;
@@ -302,7 +300,7 @@ std::vector<std::uint8_t> uncovered_rows(const Exec& exec, const Problem& input,
     const Camera& camera = input.scene.views[v].camera;
     RenderRequest request;
     request.colour = false, request.label = {label.data(), std::int64_t(label.size()), 1};
-    request.where = floater.data();
+    request.where = request.until = floater.data();
     ViewMasks covered{camera.width_px, camera.height_px, {}, {}, true};
     covered.target.push_back(std::move(render(exec, input.cloud, camera, with, request).label.data));
     for (float& pixel : covered.target[0]) pixel = float(pixel >= kDrawn);

@@ -8,6 +8,7 @@
 #include "ngs/math/median.h"
 #include "ngs/ops/image/mask_pair.h"
 #include "ngs/ops/splat/evidence.h"
+#include "ngs/problem/cloud_rows.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/scene/mask_threshold.h"
 #include "ngs/stages/boundary/leave_one_out.h"
@@ -85,12 +86,12 @@ class ConsensusViews {
   /// the model as it stands is not rendered; nor where they disagree by no more than `enough`.
   /// `shown` [N]: 1 for all that the view shows; null: for all.
   double disagreement_of(const Camera& camera, const Planes& mask, const std::uint8_t* shown, double enough) {
-    request_.include = consensus_.object.data(), request_.where = nullptr;
+    request_.include = consensus_.object.data(), request_.where = request_.until = nullptr;
     const double alone = disagreement(exec_, mask, drawn(camera, false));
     if (alone == kNothingThere || alone <= enough) return alone;
     request_.include = shown;
     // Where none of the objects is, the consensus shows none; which pixels the others have seen is asked everywhere.
-    request_.where = asks_seen() ? nullptr : consensus_.object.data();
+    request_.where = request_.until = asks_seen() ? nullptr : consensus_.object.data();
     return std::min(alone, disagreement(exec_, mask, drawn(camera, asks_seen())));
   }
 
@@ -135,15 +136,17 @@ class Judge {
     if (std::ranges::none_of(found_, [](double d) { return d == INFINITY; })) note(trust);
     trust.figures["rounds"] = 0;
     if (!asks()) return trust;
-    LeaveOneOut others(exec_, input_.cloud.size(), int(input_.scene.objects.size()), [this](std::size_t n) {
+    seen_ = RowNumbers(seen_rows());
+    LeaveOneOut others(exec_, seen_.size(), int(input_.scene.objects.size()), [this](std::size_t n) {
       const std::size_t view = input_.views[n];
-      return view_weights(exec_, whole_.cloud, {whole_.scene.views[view].camera, whole_.load_masks(view)},
-                          whole_.splat);
+      return view_weights(exec_, whole_.cloud, {whole_.scene.views[view].camera, whole_.load_masks(view)}, whole_.splat,
+                          &seen_);
     });
-    if (input_.whole && whole_.weight) {
+    if (known_weight()) {
       std::vector<std::size_t> all(input_.views.size());
       std::iota(all.begin(), all.end(), std::size_t(0));
-      others.start(input_.labels, *whole_.weight, all);
+      others.start(gather_labels(exec_, input_.labels, seen_.row), gather_column(exec_, *known_weight(), 1, seen_.row),
+                   all);
       gathered_.assign(all.size(), 1);
     }
     while (rounds < options_.rounds && !monitor.stop_requested()) {
@@ -163,6 +166,16 @@ class Judge {
 
  private:
   const Camera& camera(std::size_t n) const { return input_.scene.views[input_.views[n]].camera; }
+
+  /// [N] W of all views; null: not known.
+  const std::vector<float>* known_weight() const { return input_.whole && whole_.weight ? &*whole_.weight : nullptr; }
+  /// [N] 1: a view may show it.
+  std::vector<std::uint8_t> seen_rows() const {
+    std::vector<std::uint8_t> seen(std::size_t(input_.cloud.size()), 1);
+    if (const std::vector<float>* const weight = known_weight())
+      for (std::size_t i = 0; i < seen.size(); ++i) seen[i] = (*weight)[i] > 0;
+    return seen;
+  }
 
   /// Evidence of the trusted views, from that of those that were trusted before; false where too few have masks, or it
   /// was asked to stop.
@@ -184,7 +197,7 @@ class Judge {
     Consensus consensus(gaussians, input_.scene.objects.size(), true);
     ConsensusViews views(exec_, input_, consensus);
     std::vector<std::uint8_t> shown(gaussians, 0);
-    others.for_all([&](std::size_t i, const LeaveOneOut::Shares& all) { consensus.set(i, all); });
+    others.for_all([&](std::size_t i, const LeaveOneOut::Shares& all) { consensus.set(row(i), all); });
     const bool every = for_each_view(input_.monitor, input_.views, [&](std::size_t n, std::size_t view) {
       if (settled(n)) return;
       const ViewMasks masks = input_.load_masks(view);
@@ -196,13 +209,14 @@ class Judge {
       const bool known = own && !own->empty();  // what a view shows; else all is drawn
       if (known)
         others.for_others_in(*own, [&](std::size_t i, const LeaveOneOut::Shares& shares, double) {
-          consensus.set(i, shares), shown[i] = 1;
+          consensus.set(row(i), shares), shown[row(i)] = 1;
         });
       found_[n] =
           views.disagreement_of(camera(n), planes_of(exec_, masks), known ? shown.data() : nullptr, kNothingThere);
       if (known)
-        others.for_all_in(*own,
-                          [&](std::size_t i, const LeaveOneOut::Shares& all) { consensus.set(i, all), shown[i] = 0; });
+        others.for_all_in(*own, [&](std::size_t i, const LeaveOneOut::Shares& all) {
+          consensus.set(row(i), all), shown[row(i)] = 0;
+        });
     });
     if (!note(trust) || !every) return false;
     bool changed = false;
@@ -213,6 +227,7 @@ class Judge {
     return changed;
   }
 
+  std::size_t row(std::size_t number) const { return std::size_t(seen_.row[number]); }
   bool settled(std::size_t n) const { return found_[n] < kSettled * threshold_; }
   /// Whether there is a view to ask.
   bool asks() const {
@@ -239,6 +254,7 @@ class Judge {
   const MaskOutlierOptions& options_;
   const Problem& input_;
   const Problem& whole_;                          // the same in whole views, whose evidence is asked
+  RowNumbers seen_;                               // what the evidence is of
   std::vector<std::uint8_t> trusted_, gathered_;  // per entry of input.views
   std::vector<double> found_;                     // disagreement of each, or kNothingThere or kNoMask
   double threshold_ = 0;                          // of the round before

@@ -81,12 +81,14 @@ std::vector<Doubt> labels_in_doubt(const Problem& problem, const std::vector<Lab
   return doubts;
 }
 
-void add_view(const ViewSums& sums, std::vector<Doubt>& doubts) {
+/// `rows` of the doubts, as the sums number them.
+void add_view(const ViewSums& sums, const RowNumbers& rows, std::vector<Doubt>& doubts) {
   std::size_t v = 0;
   for (Doubt& doubt : doubts) {
-    while (v < sums.size() && sums.row[v] < doubt.row) ++v;
+    const std::uint32_t number = rows.number[std::size_t(doubt.row)];
+    while (v < sums.size() && sums.row[v] < number) ++v;
     if (v == sums.size()) return;
-    if (sums.row[v] == doubt.row) doubt.all += sums.weight(v), doubt.objects += sums.object_weight(v, doubt.object);
+    if (sums.row[v] == number) doubt.all += sums.weight(v), doubt.objects += sums.object_weight(v, doubt.object);
   }
 }
 
@@ -99,10 +101,10 @@ std::vector<RowList> rows_seen_through(const Exec& exec, const Problem& problem,
   RowList rows;
   for (const Doubt& doubt : doubts) rows.push_back(doubt.row);
   rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
-  const std::vector<std::uint8_t> wanted = flags_of(rows, problem.cloud.size());
+  const RowNumbers wanted(rows, problem.cloud.size());
   ViewsOf(exec, problem, rows).for_each([&](const Camera& camera, const ViewMasks& masks) {
     const MaskedView by_visibility{camera, masks, PixelWeight::kByVisibility};
-    add_view(view_sums(exec, problem.cloud, by_visibility, problem.splat, &wanted), doubts);
+    add_view(view_sums(exec, problem.cloud, by_visibility, problem.splat, &wanted), wanted, doubts);
   });
   for (const Doubt& doubt : doubts)
     if (2 * doubt.objects < doubt.all) found[doubt.object].push_back(doubt.row);

@@ -5,6 +5,7 @@
 
 #include "ngs/core/check.h"
 #include "ngs/ops/splat/evidence.h"
+#include "ngs/problem/cloud_rows.h"
 #include "ngs/problem/region.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/scene/mask_threshold.h"
@@ -114,12 +115,13 @@ std::vector<LabelColumns> labels_without_views(const Exec& exec, Monitor& monito
   const auto timed = monitor.scope("evidence");
   const Problem& whole = *input.whole;
   const std::size_t objects = input.labels.size();
-  const std::vector<std::uint8_t> claimed = claimed_rows(input.labels);
-  std::vector<float> seen_less(claimed.size(), 0.f);
-  LeaveOneOut rest(exec, whole.cloud.size(), int(objects), [&](std::size_t v) {
+  const RowNumbers claimed(claimed_rows(input.labels));
+  std::vector<LabelColumns> of_claimed = gather_labels(exec, input.labels, claimed.row);
+  std::vector<float> seen_less(of_claimed[0].prob.size(), 0.f);
+  LeaveOneOut rest(exec, claimed.size(), int(objects), [&](std::size_t v) {
     return view_weights(exec, whole.cloud, {whole.scene.views[v].camera, whole.load_masks(v)}, whole.splat, &claimed);
   });
-  rest.start(input.labels, *whole.weight, views);
+  rest.start(of_claimed, gather_column(exec, *whole.weight, 1, claimed.row), views);
   const bool every = for_each_view(&monitor, views, [&](std::size_t, std::size_t v) {
     const std::shared_ptr<const ViewWeights> own = rest.weights_of(v);
     for (std::size_t part = 0; part < own->parts(); ++part)
@@ -127,17 +129,18 @@ std::vector<LabelColumns> labels_without_views(const Exec& exec, Monitor& monito
     rest.remove(v);
   });
   if (!every) return input.labels;
-  std::vector<LabelColumns> labels = input.labels;
-  const VarianceOptions rule = rule_of(labels);
+  const VarianceOptions rule = rule_of(input.labels);
   std::vector<double> weight(1 + objects);
   for (std::size_t i = 0; i < seen_less.size(); ++i) {
     if (seen_less[i] == 0) continue;
-    const bool unseen = labels[0].views[i] <= seen_less[i];  // but for rounding, nothing of it is left
-    for (LabelColumns& c : labels) c.views[i] -= std::min(float(c.views[i]), seen_less[i]);
+    const bool unseen = of_claimed[0].views[i] <= seen_less[i];  // but for rounding, nothing of it is left
+    for (LabelColumns& c : of_claimed) c.views[i] -= std::min(float(c.views[i]), seen_less[i]);
     weight[0] = unseen ? 0 : rest.weight(i);
     for (std::size_t k = 0; k < objects; ++k) weight[1 + k] = unseen ? 0 : rest.object_weight(i, k);
-    set_labels(rule, weight.data(), i, labels);
+    set_labels(rule, weight.data(), i, of_claimed);
   }
+  std::vector<LabelColumns> labels = input.labels;
+  scatter_labels(exec, of_claimed, claimed.row, labels);
   keep_outside(input.labels, labels);
   restore_fixed(input, {}, labels);
   return labels;

@@ -69,23 +69,32 @@ LabelChannels::LabelChannels(const GaussianCloud& cloud, const std::vector<Label
     : cloud_(cloud),
       objects_(objects.size()),
       label_(label_matrix(objects, std::size_t(cloud.size()))),
-      object_(std::size_t(cloud.size()), 0) {
+      object_(std::size_t(cloud.size()), 0),
+      some_(object_) {
   // A pixel's label is a mean of Gaussians' labels and 0, rounded: above a half only where one of them is.
   constexpr float kRounding = 0.01f;
   for (const LabelColumns& object : objects)
-    for (std::size_t i = 0; i < object_.size(); ++i) object_[i] |= object.label[i] > kHalfShare - kRounding;
+    for (std::size_t i = 0; i < object_.size(); ++i) {
+      const float label = object.label[i];
+      object_[i] |= label > kHalfShare - kRounding, some_[i] |= label != 0;
+    }
 }
 
 ImageF LabelChannels::masks(const Exec& exec, const Camera& camera, const SplatOptions& splat) const {
-  return view(exec, camera, splat, object_.data());
+  return view(exec, camera, splat, object_.data(), some_.data());
 }
 
 ImageF LabelChannels::view(const Exec& exec, const Camera& camera, const SplatOptions& splat,
                            const std::uint8_t* where) const {
+  return view(exec, camera, splat, where, nullptr);
+}
+
+ImageF LabelChannels::view(const Exec& exec, const Camera& camera, const SplatOptions& splat, const std::uint8_t* where,
+                           const std::uint8_t* until) const {
   RenderRequest request;
   request.colour = false;
   request.label = {label_.data(), cloud_.size(), int(objects_)};
-  request.where = where;
+  request.where = where, request.until = until;
   return std::move(render(exec, cloud_, camera, splat, request).label);
 }
 

@@ -75,9 +75,13 @@ class LabelChannels {
 
  private:
   const GaussianCloud& cloud_;
+  ImageF view(const Exec& exec, const Camera& camera, const SplatOptions& splat, const std::uint8_t* where,
+              const std::uint8_t* until) const;
+
   std::size_t objects_;
   std::vector<float> label_;          // [N, K]
   std::vector<std::uint8_t> object_;  // [N] 1: a pixel that shows an object shows one of these
+  std::vector<std::uint8_t> some_;    // [N] 1: one of its labels is not 0
 };
 
 /// The objects of a model, each as if nothing else were there. `cloud` must outlive it.

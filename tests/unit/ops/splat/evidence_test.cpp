@@ -135,8 +135,7 @@ TEST_CASE("evidence by visibility weighs a pixel by what is left of the light be
 TEST_CASE("evidence of some Gaussians is that of all, left out what was not asked for, to the bit") {
   const test::SplatCase c = test::splat_case(5, 300, 160, 120);
   const GaussianCloud cloud = test::float_cloud(c);
-  std::vector<std::uint8_t> some(300);
-  some[7] = some[150] = 1;  // most tiles have neither
+  const RowNumbers some({7, 150}, 300);  // most tiles have neither
   for (const std::size_t objects : {1, 6})
     for (const PixelWeight weight : {PixelWeight::kRendered, PixelWeight::kByVisibility}) {
       ViewMasks masks = two_discs(c.camera, 1);
@@ -145,9 +144,9 @@ TEST_CASE("evidence of some Gaussians is that of all, left out what was not aske
       const ViewSums all = view_sums({}, cloud, view, {}), few = view_sums({.threads = 2}, cloud, view, {}, &some);
       std::size_t v = 0;
       for (std::size_t a = 0; a < all.size(); ++a) {
-        if (!some[all.row[a]]) continue;
+        if (!some.has(all.row[a])) continue;
         REQUIRE(v < few.size());
-        CHECK(few.row[v] == all.row[a]);
+        CHECK(few.row[v] == some.number[all.row[a]]);
         for (int s = 0; s < all.columns(); ++s) CHECK(few.at(v)[s] == all.at(a)[s]);
         ++v;
       }
@@ -285,10 +284,11 @@ TEST_CASE("evidence: packed weights are those of the sums, to the bit") {
   const test::SplatCase c = test::splat_case(5, 120, 61, 47);
   const GaussianCloud cloud = test::float_cloud(c);
   const ViewMasks two = two_discs(c.camera, 1);
-  std::vector<std::uint8_t> some(120);
-  for (std::size_t i = 0; i < some.size(); ++i) some[i] = i % 3 != 0;
+  std::vector<std::uint8_t> chosen(120);
+  for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i] = i % 3 != 0;
+  const RowNumbers some(chosen);
   for (const std::size_t objects : {1, 2, 6})
-    for (const auto* of : {static_cast<const std::vector<std::uint8_t>*>(nullptr), &std::as_const(some)}) {
+    for (const RowNumbers* of : {static_cast<const RowNumbers*>(nullptr), &some}) {
       ViewMasks masks = two;
       for (std::size_t k = 0; k < objects; ++k) masks.target.push_back(two.target[k % 2]);
       masks.target.erase(masks.target.begin(), masks.target.begin() + 2);

@@ -63,14 +63,19 @@ TEST_CASE("what lies in front of a surface equals a brute-force evaluation in do
       for (const int threads : {1, 3}) {
         std::vector<double> left = front;
         const Exec exec{.threads = threads};
-        const FrontQuery query{c.limit, c.candidate};
-        const FrontView view(exec, {c.cloud}, c.splat.camera, {});
-        const ImageF got = view.layer(query, {c.value.data(), gaussians, 2});
+        const FrontView view(exec, c.cloud, c.limit, c.splat.camera, {});
+        const RowNumbers of(c.candidate);  // every row but each fourth: a row's number is not its place in the model
+        std::vector<float> value;
+        for (const std::int64_t i : of.row)
+          value.insert(value.end(), {c.value[std::size_t(2 * i)], c.value[std::size_t(2 * i + 1)]});
+        const ImageF got = view.layer(c.candidate, {of, {value.data(), of.size(), 2}});
         double worst = 0;
         for (std::size_t i = 0; i < layer.size(); ++i)
           worst = std::max(worst, std::abs(double(got.data[i]) - layer[i]));
         CHECK(worst < 1e-6 * 60 * 4);
-        const FrontSums sums = view.sums(query, c.marked);
+        const ImageF weight = view.layer(c.candidate);
+        for (std::size_t p = 0; p < image.size(); ++p) CHECK(weight.data[p] == got.data[3 * p + 2]);
+        const FrontSums sums = view.sums(c.candidate, c.marked);
         for (std::size_t k = 0; k < sums.row.size(); ++k) {
           const std::size_t i = sums.row[k];
           CHECK(std::abs(sums.front[k] - front[i]) < 2e-3);
@@ -85,10 +90,9 @@ TEST_CASE("what lies in front of a surface equals a brute-force evaluation in do
 
 TEST_CASE("nothing is in front where there is no surface") {
   FrontCase c = front_case(3, 40);
-  const FrontView view({}, {c.cloud}, c.splat.camera, {});
-  CHECK(!view.sums({c.limit, c.candidate}, c.marked).row.empty());
+  CHECK(!FrontView({}, c.cloud, c.limit, c.splat.camera, {}).sums(c.candidate, c.marked).row.empty());
   c.limit = ImageF(45, 37, 1);
-  CHECK(view.sums({c.limit, c.candidate}, c.marked).row.empty());
+  CHECK(FrontView({}, c.cloud, c.limit, c.splat.camera, {}).sums(c.candidate, c.marked).row.empty());
 }
 
 }  // namespace ngs

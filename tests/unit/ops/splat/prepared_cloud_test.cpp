@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -8,95 +9,18 @@
 #include <numeric>
 #include <random>
 
-#include "ngs/ops/splat/binned_view.h"
-#include "ngs/ops/splat/cloud_view.h"
 #include "ngs/ops/splat/evidence.h"
+#include "support/random_splats.h"
 
 namespace ngs {
 namespace {
 
-constexpr float kInf = std::numeric_limits<float>::infinity(), kNan = std::numeric_limits<float>::quiet_NaN();
-
-/// Around the origin, most within 3 of it; sizes from specks to ones larger than the scene.
-GaussianCloud random_cloud(std::int64_t n, unsigned seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<float> normal;
-  GaussianCloud cloud;
-  cloud.resize(n, 1);
-  for (float& x : cloud.position) x = 1.5f * normal(random);
-  for (float& x : cloud.rotation) x = normal(random);
-  for (float& x : cloud.log_scale) x = -3.f + 1.5f * normal(random);
-  for (float& x : cloud.logit_opacity) x = 3.f * normal(random);
-  for (float& x : cloud.sh_dc) x = normal(random);
-  for (float& x : cloud.sh_rest) x = 0.2f * normal(random);
-  return cloud;
-}
-
-/// Every tenth row is one that arithmetic may stumble over; `usable` does not say so.
-void make_hostile(GaussianCloud& cloud) {
-  const float hostile[] = {kNan, kInf, -kInf, 0.f, 1e30f, -1e30f, 1e-40f, 39.f, -120.f};
-  const std::size_t kinds = std::size(hostile);
-  for (std::size_t i = 0; i < std::size_t(cloud.size()); i += 10) {
-    const float value = hostile[i / 10 % kinds];
-    switch (i / 10 / kinds % 6) {
-      case 0: cloud.position[3 * i + i % 3] = value; break;
-      case 1: cloud.rotation[4 * i + i % 4] = value; break;
-      case 2: cloud.log_scale[3 * i + i % 3] = value; break;
-      case 3: cloud.logit_opacity[i] = value; break;
-      case 4: std::fill_n(&cloud.log_scale[3 * i], 3, value); break;
-      default: std::fill_n(&cloud.rotation[4 * i], 4, value);
-    }
-  }
-}
-
-Camera camera_at(double z) {
-  Camera camera;
-  camera.width_px = 150, camera.height_px = 90;
-  camera.fx = 120, camera.fy = 118, camera.cx = 70.5, camera.cy = 46.25;
-  camera.rotation = {{1, 0, 0, 0, 0.8, -0.6, 0, 0.6, 0.8}};
-  camera.translation = {0.1, -0.2, z};
-  return camera;
-}
-
-struct View {
-  GaussianCloud cloud;
-  Camera camera;
-  SplatOptions options;
-  std::vector<std::uint8_t> include;  // empty: all
-  const std::uint8_t* included() const { return include.empty() ? nullptr : include.data(); }
-  CloudView<float> view() const { return cloud_view(cloud, 1, included()); }
-};
-
-/// f(scene) for clouds, cameras in front of and inside them, both families, filters and lists of the included.
-template <class F>
-void for_each_scene(const F& f) {
-  for (const bool hostile : {false, true})
-    for (const double z : {6.0, 0.5})
-      for (const Compat compat : {Compat::kInria, Compat::kGsplat})
-        for (const bool antialiased : {false, true})
-          for (const std::size_t every : {0, 2, 40}) {
-            INFO("hostile ", hostile, ", z ", z, ", compat ", int(compat), ", antialiased ", antialiased, ", one of ",
-                 every);
-            View scene{random_cloud(3000, 7), camera_at(z), {.compat = compat, .antialiased = antialiased}, {}};
-            if (hostile) make_hostile(scene.cloud);
-            for (std::size_t i = 0; every > 0 && i < 3000; ++i) scene.include.push_back(i % every == 0);
-            for (std::size_t i = 0; i < 100; ++i) scene.cloud.usable[7 * i] = 0;
-            f(scene);
-          }
-}
+using test::by_index, test::camera_at, test::for_each_scene, test::random_cloud, test::kInf, test::kNan;
+using View = test::RandomView;
 
 template <class T>
 bool same_bytes(const T& a, const T& b) {
   return std::memcmp(&a, &b, sizeof(T)) == 0;
-}
-
-/// The rows of a view that reach a tile, by their index into the cloud.
-std::vector<std::size_t> by_index(const ProjectedView<float>& view) {
-  std::vector<std::size_t> order;
-  for (std::size_t at = 0; at < view.id.size(); ++at)
-    if (view.rect[at].x_begin != view.rect[at].x_end) order.push_back(at);
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return view.id[a] < view.id[b]; });
-  return order;
 }
 
 /// Gaussian, its weight and that of the object.
@@ -175,6 +99,30 @@ TEST_CASE("prepared cloud: rows that change are told, wherever they lie") {
   });
 }
 
+TEST_CASE("prepared cloud: groups of blocks that no view reaches come back when their rows move before the camera") {
+  GaussianCloud cloud = random_cloud(20000, 5);
+  for (std::size_t i = 3 * 10000; i < 3 * 20000; ++i) cloud.position[i] -= 1e4f;  // behind the camera
+  const auto prepared = prepare_cloud({}, cloud);
+  CHECK(prepared->groups() > 3);
+  SplatOptions with;
+  with.prepared = prepared;
+  const auto same_rows = [&] {
+    const CloudView<float> view = cloud_view(cloud, 0, nullptr);
+    const ProjectedView<float> want = project_view({}, view, camera_at(6), {});
+    const BinnedView<float> got({.threads = 3}, view, camera_at(6), with);
+    const std::vector<std::size_t> order = by_index(got.view());
+    REQUIRE(order.size() == want.id.size());
+    for (std::size_t v = 0; v < order.size(); ++v) REQUIRE(same_row(got.view(), order[v], want, v));
+    return std::int64_t(order.size());
+  };
+  const std::int64_t before = same_rows();
+  std::vector<std::int64_t> rows;
+  for (std::size_t i = 3 * 10000; i < 3 * 20000; ++i) cloud.position[i] += 1e4f;
+  for (std::int64_t i = 10000; i < 20000; ++i) rows.push_back(i);
+  update_prepared({}, rows, *prepared);
+  CHECK(same_rows() > before + 5000);
+}
+
 TEST_CASE("prepared cloud: pictures and evidence keep their bits") {
   for_each_scene([](const View& scene) {
     SplatOptions prepared = scene.options;
@@ -200,7 +148,7 @@ TEST_CASE("prepared cloud: pictures and evidence keep their bits") {
 }
 
 TEST_CASE("prepared cloud: serves no other cloud") {
-  const GaussianCloud cloud = random_cloud(300, 1), other = cloud;
+  const GaussianCloud cloud = random_cloud(300, 1), other = random_cloud(300, 1);
   const auto prepared = prepare_cloud({}, cloud);
   CHECK(prepared->serves(cloud_view(cloud, 3, nullptr)));
   CHECK_FALSE(prepared->serves(cloud_view(other, 3, nullptr)));
@@ -255,7 +203,8 @@ TEST_CASE("tile lists: equal depths by index into the cloud, whatever order the 
 
 TEST_CASE("tile lists: every pair of a Gaussian and a tile that it reaches is listed once, its slots in order") {
   for (const float log_scale : {-5.f, -1.f, 0.5f})  // one or two tiles; several; rows beyond the first ones
-    for (const auto& [width_px, height_px] : {std::pair(150, 90), std::pair(11, 200), std::pair(200, 13)}) {
+    for (const std::array<int, 2> size : {std::array{150, 90}, std::array{11, 200}, std::array{200, 13}}) {
+      const int width_px = size[0], height_px = size[1];
       CAPTURE(log_scale);
       CAPTURE(width_px);
       GaussianCloud cloud = random_cloud(2000, 5);
@@ -281,70 +230,6 @@ TEST_CASE("tile lists: every pair of a Gaussian and a tile that it reaches is li
         CHECK(got == want);
       }
     }
-}
-
-/// [N] 1: one Gaussian in `every`, of those in the upper left eighth of the picture.
-std::vector<std::uint8_t> some_in_a_corner(const View& scene, std::size_t every) {
-  std::vector<std::uint8_t> some(std::size_t(scene.cloud.size()), 0);
-  const ProjectedView<float> view = project_view({}, scene.view(), scene.camera, scene.options);
-  for (std::size_t v = 0; v < view.id.size(); v += every)
-    some[view.id[v]] = view.rect[v].x_end <= 3 && view.rect[v].y_end <= 3;
-  return some;
-}
-
-TEST_CASE("where a view is looked at only about some Gaussians, their tiles are those of the whole view to the bit") {
-  int left_out = 0, drawn = 0;
-  for_each_scene([&](View& scene) {
-    const std::vector<std::uint8_t> some = some_in_a_corner(scene, 3);
-    std::vector<float> label(some.begin(), some.end());
-    RenderRequest request;
-    request.colour = false, request.include = scene.included();
-    request.label = {label.data(), scene.cloud.size(), 1};
-    const RenderedView whole = render({}, scene.cloud, scene.camera, scene.options, request);
-    request.where = some.data();
-    for (const bool prepared : {false, true}) {
-      SplatOptions options = scene.options;
-      if (prepared) options.prepared = prepare_cloud({}, scene.cloud);
-      const RenderedView part = render({.threads = 3}, scene.cloud, scene.camera, options, request);
-      CHECK(part.label.data == whole.label.data);
-      for (std::size_t p = 0; p < whole.alpha.data.size(); ++p) {
-        CHECK((part.alpha.data[p] == whole.alpha.data[p] || part.alpha.data[p] == 0));
-        left_out += part.alpha.data[p] != whole.alpha.data[p], drawn += part.label.data[p] > 0;
-      }
-    }
-  });
-  CHECK(left_out > 100000);
-  CHECK(drawn > 1000);
-}
-
-TEST_CASE("where most of a model is asked of, or none of it, a view is drawn as a whole, or not at all") {
-  View scene{random_cloud(3000, 7), camera_at(6), {}, {}};
-  std::vector<std::uint8_t> some(3000, 1);
-  RenderRequest request;
-  const RenderedView whole = render({}, scene.cloud, scene.camera, scene.options, request);
-  request.where = some.data();
-  CHECK(render({}, scene.cloud, scene.camera, scene.options, request).alpha.data == whole.alpha.data);
-  std::ranges::fill(some, std::uint8_t(0));
-  const RenderedView none = render({}, scene.cloud, scene.camera, scene.options, request);
-  CHECK(std::ranges::count(none.alpha.data, 0.f) == std::ssize(none.alpha.data));
-}
-
-TEST_CASE("nothing of a view that is as far as it is asked of is projected, and all that is nearer") {
-  for_each_scene([](View& scene) {
-    CloudView<float> near = scene.view();
-    near.far_z = 5;
-    const ProjectedView<float> all = project_view({}, scene.view(), scene.camera, scene.options);
-    std::vector<std::uint32_t> want;
-    for (std::size_t v = 0; v < all.id.size(); ++v)
-      if (all.depth[v] < 5) want.push_back(all.id[v]);
-    CHECK(project_view({}, near, scene.camera, scene.options).id == want);
-    scene.options.prepared = prepare_cloud({}, scene.cloud);
-    const BinnedView<float> binned({}, near, scene.camera, scene.options);
-    std::vector<std::uint32_t> got;
-    for (const std::size_t at : by_index(binned.view())) got.push_back(binned.view().id[at]);
-    CHECK(got == want);
-    CHECK(want.size() < all.id.size());
-  });
 }
 
 }  // namespace ngs

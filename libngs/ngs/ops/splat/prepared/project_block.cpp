@@ -1,4 +1,4 @@
-#include "ngs/ops/splat/project_block.h"
+#include "ngs/ops/splat/prepared/project_block.h"
 
 #include <limits>
 
@@ -61,13 +61,14 @@ class BlockProjector {
   BlockProjector(const PreparedCloud& cloud, const CloudView<float>& columns, const View& projector)
       : cloud_(cloud), columns_(columns), view_(projector) {}
 
+  /// Whether a row of it may reach a pixel.
+  bool may_reach(const BlockBounds& bounds) const;
   /// Flags the rows that may reach a pixel; their number.
   int flag(std::int64_t block, std::uint8_t* reaches) const;
   /// Writes the flagged rows from row `at` on.
   void project(std::int64_t block, const std::uint8_t* reaches, std::size_t at, ProjectedView<float>& out) const;
 
  private:
-  bool may_reach(const BlockBounds& bounds) const;
   void flag_rows(std::size_t base, std::uint8_t* reaches) const;
   /// project() of a pass that begins with row `base`.
   void project_all(std::size_t base, const std::uint8_t* reaches, std::size_t at, ProjectedView<float>& out) const;
@@ -110,7 +111,7 @@ bool BlockProjector::may_reach(const BlockBounds& bounds) const {
   if (!std::isfinite(left + right + above + below + z_most)) return true;
   const double reach = View::kRadii * double(bounds.scale) * view_.spread;
   return max2(max2(left, right), max2(above, below)) <= reach && float(z_most) > view_.camera.near_z &&
-         float(z_least) < columns_.far_z;
+         float(z_least) < view_.far_z;
 }
 
 bool BlockProjector::any_included(std::int64_t block) const {
@@ -139,7 +140,7 @@ void BlockProjector::flag_rows(std::size_t base, std::uint8_t* reaches) const {
   const double spread = view_.spread, blur_px = view_.blur_px;
   const double x_lo = kTilePx * view_.drawn.x_begin, x_hi = kTilePx * view_.drawn.x_end;
   const double y_lo = kTilePx * view_.drawn.y_begin, y_hi = kTilePx * view_.drawn.y_end;
-  const float near_z = view_.camera.near_z, far_z = columns_.far_z;
+  const float near_z = view_.camera.near_z, far_z = view_.far_z;
   each_row([=, &rows](int i) {
     const double z = rows.z[i], column = w.f_x * rows.x[i] + w.c_x * z, row = w.f_y * rows.y[i] + w.c_y * z;
     const double off = max2(max2(x_lo * z - column, column - x_hi * z), max2(y_lo * z - row, row - y_hi * z));
@@ -317,27 +318,30 @@ void BlockProjector::project(std::int64_t block, const std::uint8_t* reaches, st
 
 void project_blocks(const Exec& exec, const PreparedCloud& cloud, const CloudView<float>& columns,
                     const ViewProjector<float>& projector, PassMemory<float>& memory) {
-  constexpr std::int64_t kBlocks = 8;  // of a task
   const BlockProjector blocks(cloud, columns, projector);
-  const std::int64_t tasks = (cloud.blocks() + kBlocks - 1) / kBlocks;
-  const auto in_tasks = [&](const auto& f) {
-    for_each_task(exec, tasks, [&](std::int64_t task) {
-      for (std::int64_t b = task * kBlocks; b < std::min(cloud.blocks(), (task + 1) * kBlocks); ++b)
-        f(b, memory.reaches.data() + b * kBlockRows);
-    });
+  const auto in_blocks_of = [&](std::int64_t group, const auto& f) {
+    for (std::int64_t b = group * kGroupBlocks; b < std::min(cloud.blocks(), (group + 1) * kGroupBlocks); ++b)
+      f(std::size_t(b), memory.reaches.data() + b * kBlockRows);
   };
   memory.reaches.resize(std::size_t(cloud.blocks()) * kBlockRows);
   memory.first.resize(std::size_t(cloud.blocks()) + 1);
-  in_tasks([&](std::int64_t b, std::uint8_t* reaches) { memory.first[std::size_t(b) + 1] = blocks.flag(b, reaches); });
+  for_each_task(exec, cloud.groups(), [&](std::int64_t group) {
+    const bool some = blocks.may_reach(cloud.group_bounds[std::size_t(group)]);
+    in_blocks_of(group, [&](std::size_t b, std::uint8_t* reaches) {
+      memory.first[b + 1] = some ? blocks.flag(std::int64_t(b), reaches) : 0;
+    });
+  });
   memory.first[0] = 0;
   for (std::size_t b = 0; b + 1 < memory.first.size(); ++b) memory.first[b + 1] += memory.first[b];
   const auto visible = std::size_t(memory.first.back());
   ProjectedView<float>& out = memory.view;
   out.id.resize(visible), out.record.resize(visible), out.depth.resize(visible), out.rect.resize(visible);
   out.first.resize(visible);
-  in_tasks([&](std::int64_t b, const std::uint8_t* reaches) {
-    const auto at = std::size_t(memory.first[std::size_t(b)]), end = std::size_t(memory.first[std::size_t(b) + 1]);
-    if (at < end) blocks.project(b, reaches, at, out);
+  for_each_task(exec, cloud.groups(), [&](std::int64_t group) {
+    in_blocks_of(group, [&](std::size_t b, const std::uint8_t* reaches) {
+      if (memory.first[b] < memory.first[b + 1])
+        blocks.project(std::int64_t(b), reaches, std::size_t(memory.first[b]), out);
+    });
   });
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 // Projection of a prepared cloud in blocks of rows: ViewProjector::project, bit for bit, in loops that the compiler
 // makes ones of packs. Internal to ops.                                                     Eq. (2); PAPER.md §5.1
-#include "ngs/ops/splat/prepared_cloud.h"
+#include "ngs/ops/splat/prepared/prepared_cloud.h"
 
 namespace ngs {
 

@@ -1,15 +1,34 @@
-#include "ngs/ops/splat/prepared_cloud.h"
+#include "ngs/ops/splat/prepared/prepared_cloud.h"
 
 #include <algorithm>
 
 #include "ngs/backend/for_each.h"
-#include "ngs/math/curve_order.h"
 #include "ngs/ops/splat/cloud_view.h"
+#include "ngs/ops/splat/prepared/curve_blocks.h"
 
 namespace ngs {
 
+namespace {
+
+/// Rows that follow each other along the curve lie anywhere in the cloud: memory is asked for so many ahead.
+constexpr std::size_t kAhead = 16;
+
+void prefetch_row(const CloudView<float>& cloud, std::size_t i) {
+  __builtin_prefetch(cloud.position + 3 * i);
+  __builtin_prefetch(cloud.rotation + 4 * i);
+  __builtin_prefetch(cloud.log_scale + 3 * i);
+  __builtin_prefetch(cloud.logit_opacity + i);
+}
+
+}  // namespace
+
+void BlockBounds::cover(const BlockBounds& other) {
+  for (std::size_t k = 0; k < 3; ++k) lo[k] = min2(lo[k], other.lo[k]), hi[k] = max2(hi[k], other.hi[k]);
+  scale = max2(scale, other.scale);
+}
+
 PreparedCloud::PreparedCloud(const Exec& exec, const CloudView<float>& cloud)
-    : row(curve_order({cloud.position, std::size_t(3 * cloud.size)})), source_(cloud) {
+    : row(parallel_curve_order(exec, {cloud.position, std::size_t(3 * cloud.size)})), source_(cloud) {
   bounds.resize((row.size() + kBlockRows - 1) / kBlockRows);
   const std::size_t places = bounds.size() * kBlockRows;
   for (auto& column : position) column.resize(places);
@@ -17,9 +36,15 @@ PreparedCloud::PreparedCloud(const Exec& exec, const CloudView<float>& cloud)
   for (auto* column : {&opacity, &two_cut, &log2_opacity, &scale_bound}) column->resize(places);
   for_each_task(exec, blocks(), [&](std::int64_t block) {
     const auto begin = std::size_t(block) * kBlockRows, end = std::min(row.size(), begin + kBlockRows);
-    for (std::size_t place = begin; place < end; ++place) prepare_place(place);
+    for (std::size_t place = begin; place < end; ++place) {
+      if (place + kAhead < row.size()) prefetch_row(source_, row[place + kAhead]);
+      prepare_place(place);
+    }
+    for (std::size_t place = end; place < begin + kBlockRows; ++place) clear_place(place);
     bounds[std::size_t(block)] = bounds_of(block);
   });
+  group_bounds.resize((bounds.size() + kGroupBlocks - 1) / kGroupBlocks);
+  for (std::int64_t group = 0; group < groups(); ++group) group_bounds[std::size_t(group)] = bounds_of_group(group);
 }
 
 bool PreparedCloud::serves(const CloudView<float>& cloud) const {
@@ -40,6 +65,11 @@ void PreparedCloud::update(const Exec& exec, const std::vector<std::int64_t>& ro
   for_each_index(exec, blocks(), [&](std::int64_t block) {
     if (changed[std::size_t(block)]) bounds[std::size_t(block)] = bounds_of(block);
   });
+  for (std::int64_t block = 0, last = -1; block < blocks(); ++block) {
+    const std::int64_t group = block / kGroupBlocks;
+    if (!changed[std::size_t(block)] || group == last) continue;
+    group_bounds[std::size_t(group)] = bounds_of_group(last = group);
+  }
 }
 
 void PreparedCloud::prepare_place(std::size_t place) {
@@ -55,6 +85,12 @@ void PreparedCloud::prepare_place(std::size_t place) {
   scale_bound[place] = exp_at_least(max2(max2(log_scale[0], log_scale[1]), log_scale[2]));
 }
 
+void PreparedCloud::clear_place(std::size_t place) {
+  for (auto& column : position) column[place] = 0;
+  for (auto& column : shape) column[place] = 0;
+  opacity[place] = two_cut[place] = log2_opacity[place] = scale_bound[place] = 0;
+}
+
 BlockBounds PreparedCloud::bounds_of(std::int64_t block) const {
   BlockBounds b;
   for (auto i = std::size_t(block) * kBlockRows; i < std::size_t(block + 1) * kBlockRows; ++i) {
@@ -63,6 +99,14 @@ BlockBounds PreparedCloud::bounds_of(std::int64_t block) const {
       b.lo[k] = min2(b.lo[k], position[k][i]), b.hi[k] = max2(b.hi[k], position[k][i]);
     b.scale = max2(b.scale, scale_bound[i]);
   }
+  return b;
+}
+
+BlockBounds PreparedCloud::bounds_of_group(std::int64_t group) const {
+  BlockBounds b;
+  for (auto i = std::size_t(group) * kGroupBlocks; i < std::min(bounds.size(), std::size_t(group + 1) * kGroupBlocks);
+       ++i)
+    b.cover(bounds[i]);
   return b;
 }
 
