@@ -386,7 +386,7 @@ mutant ops/splat/prepared/project_block.cpp $t ops/splat/prepared/project_block.
 mutant ops/splat/tile_lists.h $t "" "until: a tile ends at any of them" 's/row\[tx\] = std::max\(row\[tx\], double\(view\.depth\[v\]\)\)/row[tx] = double(view.depth[v])/'
 mutant ops/splat/tile_lists.h $t "" "until: the last one is left out too" 's/if \(depth <= lists_\.last_z/if (depth < lists_.last_z/'
 mutant ops/splat/binned_view.h $t "" "until: tiles of faint labels are drawn" 's/reached\[tile\] > 0 \? last\[tile\] : 0/last[tile]/'
-mutant ops/splat/prepared/prepared_cloud.cpp unit/ops/splat/prepared_cloud_test.cpp ops/splat/prepared/prepared_cloud.cpp "groups: not told of rows that move" 's/group_bounds\[std::size_t\(group\)\] = bounds_of_group\(last = group\);/last = group;/'
+mutant ops/splat/prepared/prepared_cloud.cpp unit/ops/splat/prepared_cloud_test.cpp ops/splat/prepared/prepared_cloud.cpp "groups: not told of rows that move" '/if \(changed\[std::size_t\(block\)\]\)/,/^}/s/bound_groups\(\);//'
 mutant ops/splat/evidence.cpp unit/ops/splat/evidence_test.cpp ops/splat/evidence.cpp "evidence of some: by their rows" 's/wanted_ \? wanted_->number\[id\[v\]\] : id\[v\]/id[v]/'
 mutant ops/splat/prepared/curve_blocks.cpp unit/ops/splat/curve_blocks_test.cpp ops/splat/prepared/curve_blocks.cpp "curve: chunks write over each other" 's/for \(std::size_t c = 0; c < chunks_; \+\+c\) at \+= std::exchange\(next\[c \* kParts \+ p\], at\);/for (std::size_t c = 0; c < chunks_; ++c) at += std::exchange(next[c * kParts + p], part_begin_.back());/'
 mutant stages/render/render_stage.cpp unit/stages/render/label_channels_test.cpp stages/render/render_stage.cpp "masks: where labels are sure alone" 's/> kHalfShare - kRounding/> 0.9f/'

@@ -120,24 +120,24 @@ struct FrontView::State {
   BinnedView<float> binned;
 
   void check(const Candidates& candidate) const {
-    NGS_CHECK(limit.width_px == camera.width_px && limit.height_px == camera.height_px && limit.channels == 1,
-              "one limit per pixel");
     NGS_CHECK(std::int64_t(candidate.size()) == gaussians, "one candidate flag per Gaussian");
   }
 };
 
 FrontView::FrontView(const Exec& exec, const GaussianCloud& cloud, const ImageF& limit, const Camera& camera,
-                     const SplatOptions& options)
-    : state_(std::make_unique<State>(
-          State{exec, camera, options.compat, cloud.size(), limit,
-                BinnedView<float>(exec, cloud_view(cloud, 0, nullptr), relative_camera(camera, cloud), options,
-                                  {.limit = &limit})})) {}
+                     const SplatOptions& options) {
+  NGS_CHECK(limit.width_px == camera.width_px && limit.height_px == camera.height_px && limit.channels == 1,
+            "one limit per pixel");
+  state_ =
+      std::make_unique<State>(State{exec, camera, options.compat, cloud.size(), limit,
+                                    BinnedView<float>(exec, cloud_view(cloud, 0, nullptr),
+                                                      relative_camera(camera, cloud), options, {.limit = &limit})});
+}
 FrontView::~FrontView() = default;
 
-ImageF FrontView::layer(const Candidates& candidate, const RowValues& values) const {
-  NGS_CHECK(std::int64_t(values.of.number.size()) == state_->gaussians && values.value.n == values.of.size(),
-            "a value row for each of some Gaussians");
-  return layer(candidate, values.of.number.data(), values.value);
+ImageF FrontView::layer(const RowValues& values) const {
+  NGS_CHECK(values.value.n == values.of.size(), "a value row for each candidate");
+  return layer(values.of.chosen, values.of.number.data(), values.value);
 }
 
 ImageF FrontView::layer(const Candidates& candidate) const { return layer(candidate, nullptr, {nullptr, 0, 0}); }

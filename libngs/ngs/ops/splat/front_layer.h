@@ -18,7 +18,7 @@ struct FrontSums {
   std::vector<double> front, marked;  // [rows]
 };
 
-/// A row of values for each of some Gaussians.
+/// The candidates, and a row of values for each.
 struct RowValues {
   const RowNumbers& of;
   Matrix<const float> value;  // [of, C]
@@ -35,8 +35,8 @@ class FrontView {
   FrontView(const FrontView&) = delete;
   FrontView& operator=(const FrontView&) = delete;
 
-  /// [H, W, C + 1]: Σ w value and, last, Σ w, over the contributions in front. All candidates have values.
-  ImageF layer(const Candidates& candidate, const RowValues& values) const;
+  /// [H, W, C + 1]: Σ w value and, last, Σ w, over the contributions in front.
+  ImageF layer(const RowValues& values) const;
   /// [H, W, 1]: Σ w alone.
   ImageF layer(const Candidates& candidate) const;
   /// `marked` [H·W].

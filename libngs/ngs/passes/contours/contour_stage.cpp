@@ -285,7 +285,7 @@ class ContourRun {
       result.figures["contour_biou_skipped"] = trial_->skipped;
     result.figures["contour_gaussians"] = double(model_.cloud.size());
     if (iterations_ == 0) return;
-    result.cloud = std::make_shared<const GaussianCloud>(std::move(model_.cloud)),
+    result.cloud = std::make_shared<const GaussianCloud>(std::move(model_.cloud));
     result.labels = std::move(model_.labels);
     result.source_row = std::move(model_.source_row);
   }

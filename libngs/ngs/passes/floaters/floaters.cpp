@@ -219,8 +219,7 @@ class FloaterSearch {
 
   /// Rows of the floaters of this round, and hidden_.
   std::vector<std::size_t> round() {
-    const std::vector<std::uint8_t> in_front = candidates_in_front();
-    const RowNumbers asked(in_front);
+    const RowNumbers asked(candidates_in_front());
     const auto n = std::size_t(asked.size());
     const auto weights = [&](std::size_t v) {
       const ViewMasks channels = colours_as_masks(input_.load_photo(v));
@@ -242,8 +241,8 @@ class FloaterSearch {
         elsewhere.set(i, others), own[i] = weight;
       });
       const FrontView view = front_view(v, s);
-      const ImageF layer = view.layer(in_front, {asked, {elsewhere.value.data(), asked.size(), 4}});
-      const FrontSums sums = view.sums(in_front, seen_through(v, s, photo, layer));
+      const ImageF layer = view.layer({asked, {elsewhere.value.data(), asked.size(), 4}});
+      const FrontSums sums = view.sums(asked.chosen, seen_through(v, s, photo, layer));
       for (std::size_t k = 0; k < sums.row.size(); ++k) {
         const std::size_t i = asked.number[sums.row[k]];
         front[i] += sums.front[k], through[i] += sums.marked[k];

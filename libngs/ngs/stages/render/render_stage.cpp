@@ -84,11 +84,6 @@ ImageF LabelChannels::masks(const Exec& exec, const Camera& camera, const SplatO
   return view(exec, camera, splat, object_.data(), some_.data());
 }
 
-ImageF LabelChannels::view(const Exec& exec, const Camera& camera, const SplatOptions& splat,
-                           const std::uint8_t* where) const {
-  return view(exec, camera, splat, where, nullptr);
-}
-
 ImageF LabelChannels::view(const Exec& exec, const Camera& camera, const SplatOptions& splat, const std::uint8_t* where,
                            const std::uint8_t* until) const {
   RenderRequest request;

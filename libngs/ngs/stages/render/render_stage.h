@@ -66,18 +66,15 @@ RenderedView render_labelled(const Exec& exec, const LabelledModel& model, const
 class LabelChannels {
  public:
   LabelChannels(const GaussianCloud& cloud, const std::vector<LabelColumns>& objects);
-  /// [H, W, K]; `where` as in RenderRequest.
-  ImageF view(const Exec& exec, const Camera& camera, const SplatOptions& splat,
-              const std::uint8_t* where = nullptr) const;
+  /// [H, W, K]; `where` and `until` as in RenderRequest.
+  ImageF view(const Exec& exec, const Camera& camera, const SplatOptions& splat, const std::uint8_t* where = nullptr,
+              const std::uint8_t* until = nullptr) const;
   /// The same for those who ask label_says_object() alone: 0 where no object is near.
   ImageF masks(const Exec& exec, const Camera& camera, const SplatOptions& splat) const;
   std::size_t objects() const { return objects_; }
 
  private:
   const GaussianCloud& cloud_;
-  ImageF view(const Exec& exec, const Camera& camera, const SplatOptions& splat, const std::uint8_t* where,
-              const std::uint8_t* until) const;
-
   std::size_t objects_;
   std::vector<float> label_;          // [N, K]
   std::vector<std::uint8_t> object_;  // [N] 1: a pixel that shows an object shows one of these

@@ -68,7 +68,7 @@ TEST_CASE("what lies in front of a surface equals a brute-force evaluation in do
         std::vector<float> value;
         for (const std::int64_t i : of.row)
           value.insert(value.end(), {c.value[std::size_t(2 * i)], c.value[std::size_t(2 * i + 1)]});
-        const ImageF got = view.layer(c.candidate, {of, {value.data(), of.size(), 2}});
+        const ImageF got = view.layer({of, {value.data(), of.size(), 2}});
         double worst = 0;
         for (std::size_t i = 0; i < layer.size(); ++i)
           worst = std::max(worst, std::abs(double(got.data[i]) - layer[i]));
@@ -86,6 +86,12 @@ TEST_CASE("what lies in front of a surface equals a brute-force evaluation in do
       }
     }
   CHECK(compared >= 12);
+}
+
+TEST_CASE("a surface of another size than the view is refused before anything is read from it") {
+  const FrontCase c = front_case(3, 40);
+  for (const ImageF& limit : {ImageF(45, 37, 3), ImageF(44, 37, 1), ImageF(450, 370, 1)})
+    CHECK_THROWS(FrontView({}, c.cloud, limit, c.splat.camera, {}));
 }
 
 TEST_CASE("nothing is in front where there is no surface") {

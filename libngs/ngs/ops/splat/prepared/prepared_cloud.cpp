@@ -7,7 +7,6 @@
 #include "ngs/ops/splat/prepared/curve_blocks.h"
 
 namespace ngs {
-
 namespace {
 
 /// Rows that follow each other along the curve lie anywhere in the cloud: memory is asked for so many ahead.
@@ -43,8 +42,7 @@ PreparedCloud::PreparedCloud(const Exec& exec, const CloudView<float>& cloud)
     for (std::size_t place = end; place < begin + kBlockRows; ++place) clear_place(place);
     bounds[std::size_t(block)] = bounds_of(block);
   });
-  group_bounds.resize((bounds.size() + kGroupBlocks - 1) / kGroupBlocks);
-  for (std::int64_t group = 0; group < groups(); ++group) group_bounds[std::size_t(group)] = bounds_of_group(group);
+  bound_groups();
 }
 
 bool PreparedCloud::serves(const CloudView<float>& cloud) const {
@@ -65,11 +63,7 @@ void PreparedCloud::update(const Exec& exec, const std::vector<std::int64_t>& ro
   for_each_index(exec, blocks(), [&](std::int64_t block) {
     if (changed[std::size_t(block)]) bounds[std::size_t(block)] = bounds_of(block);
   });
-  for (std::int64_t block = 0, last = -1; block < blocks(); ++block) {
-    const std::int64_t group = block / kGroupBlocks;
-    if (!changed[std::size_t(block)] || group == last) continue;
-    group_bounds[std::size_t(group)] = bounds_of_group(last = group);
-  }
+  bound_groups();
 }
 
 void PreparedCloud::prepare_place(std::size_t place) {
@@ -102,12 +96,9 @@ BlockBounds PreparedCloud::bounds_of(std::int64_t block) const {
   return b;
 }
 
-BlockBounds PreparedCloud::bounds_of_group(std::int64_t group) const {
-  BlockBounds b;
-  for (auto i = std::size_t(group) * kGroupBlocks; i < std::min(bounds.size(), std::size_t(group + 1) * kGroupBlocks);
-       ++i)
-    b.cover(bounds[i]);
-  return b;
+void PreparedCloud::bound_groups() {
+  group_bounds.assign((bounds.size() + kGroupBlocks - 1) / kGroupBlocks, BlockBounds());
+  for (std::size_t block = 0; block < bounds.size(); ++block) group_bounds[block / kGroupBlocks].cover(bounds[block]);
 }
 
 std::shared_ptr<PreparedCloud> prepare_cloud(const Exec& exec, const GaussianCloud& cloud) {

@@ -59,7 +59,8 @@ class PreparedCloud {
   /// A row that no view draws.
   void clear_place(std::size_t place);
   BlockBounds bounds_of(std::int64_t block) const;
-  BlockBounds bounds_of_group(std::int64_t group) const;
+  /// group_bounds of the bounds.
+  void bound_groups();
 
   CloudView<float> source_;
   std::vector<std::uint32_t> place_of_;  // [N] a row's place; none before the first update
