@@ -24,7 +24,7 @@ shopt -s inherit_errexit
 
 top=$(cd "$pipelines/.." && pwd)
 results=$top/tests/bench/results
-questions=(captures removed museum masks recipes qualities effects ablation times kernels stability goals)
+questions=(captures no-harm removed museum masks recipes qualities effects ablation times kernels stability goals)
 for question in "${questions[@]}"; do
   # shellcheck disable=SC1090
   . "$pipelines/results/$question.sh"
@@ -152,5 +152,6 @@ case ${1:-} in
     defaults=$(hash_of_defaults) runs=$top/build/results/$commit
     for asked in "$@"; do
       if [ "$asked" = goals ]; then write_goals > "$results/goals.json"; else measure "$asked"; fi
+      if declare -F "verdict_$asked" > /dev/null; then "verdict_$asked"; fi
     done ;;
 esac

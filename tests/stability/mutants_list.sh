@@ -346,6 +346,7 @@ t=unit/passes/contours/refined_masks_test.cpp
 f=passes/contours/refined_masks.cpp
 mutant $f $t $f "masks: one-sided ones have a say" 's/masks_misaligned\(refined\) && masks_err_to_one_side\(refined\)/false/'
 mutant $f $t $f "masks: misaligned ones have no say" 's/masks_misaligned\(refined\) && masks_err_to_one_side\(refined\)/masks_misaligned(refined)/'
+mutant passes/contours/unexplained_contrast.cpp unit/passes/contours/unexplained_contrast_test.cpp passes/contours/unexplained_contrast.cpp "photos: a residual at pixels that were not moved" 's/if \(bool\(mask\[p\]\) == label_says_object/if (bool(mask[p]) != label_says_object/'
 mutant $f $t $f "masks: too large by much is no error to one side" 's/std::abs\(beyond - lacking\)/lacking - beyond/'
 
 t=unit/ops/splat/kept_view_test.cpp f=ops/splat/kept/kept_view.cpp

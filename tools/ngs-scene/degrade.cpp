@@ -19,8 +19,8 @@ struct DegradeOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.mask_noise,
-          Text{"mask_noise", "KIND:AMOUNT", "errors in every mask: erode:PX dilate:PX jitter:PX drop:P blob:P"});
+    visit(self.mask_noise, Text{"mask_noise", "KIND:AMOUNT",
+                                "errors in every mask: erode:PX dilate:PX jitter:PX snap:PX drop:P blob:P"});
     visit(self.missing, Field<double>{"missing", "of the views", "masks that are left out", 0, 1});
     visit(self.wrong, Field<double>{"wrong", "of the views", "masks that are another view's", 0, 1});
   }
@@ -44,6 +44,17 @@ void require_unique_stems(const std::string& folder, const std::vector<std::stri
           "move one of them out of the folder");
 }
 
+/// The photo of the mask's stem, at the mask's size: what contours snap to.
+ImageF photo_of(const io::FolderIndex& photos, const std::string& mask_name, const ImageU16& mask) {
+  const std::string path = photos.find_stem(mask_name);
+  if (path.empty())
+    throw Error(ErrorCode::kBadInput,
+                photos.folder() + ": no single image called " + image_stem(mask_name) +
+                    ", expected the photo of mask " + mask_name,
+                "name the folder of the photos: --photos images");
+  return io::resize_area(io::read_image_rgb(path), mask.width_px, mask.height_px);
+}
+
 void write_binary(const std::string& path, const ImageU16& mask) {
   ImageU8 image(mask.width_px, mask.height_px, 1);
   for (std::size_t p = 0; p < mask.data.size(); ++p) image.data[p] = mask.data[p] ? 255 : 0;
@@ -56,14 +67,20 @@ int degrade_command(int argc, char** argv) {
   cli::Tool tool("ngs-scene degrade",
                  "Make bad masks from good ones, in known amounts, to see what a method makes of them.",
                  {"ngs-scene degrade masks_gt --mask-noise dilate:3,jitter:2 -o masks_bad",
-                  "ngs-scene degrade masks_gt --missing 0.2 --wrong 0.1 --seed 3 -o masks_bad"});
+                  "ngs-scene degrade masks_gt --missing 0.2 --wrong 0.1 --seed 3 -o masks_bad",
+                  "ngs-scene degrade masks_gt --photos images --mask-noise snap:4 -o masks_bad"});
   DegradeOptions options;
   tool.options(options);
   const cli::Input& masks = tool.input("masks", "folder of masks, 0/255 by view");
+  const cli::Input& photos = tool.optional_input("--photos", "folder of the photos, for snap");
   const cli::Output& out = tool.output_dir("-o,--output", "folder for the degraded masks");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
     const synth::MaskNoise noise = synth::parse_mask_noise(options.mask_noise, synth::NoiseOf::kOneObject);
+    if (noise.snap_px > 0 && !photos)
+      throw Error(ErrorCode::kUsage, "--mask-noise snap without photos, expected --photos",
+                  "contours snap to the photos' edges: --photos images");
+    const io::FolderIndex photo_index(photos.path);
     const std::vector<std::string> names = io::list_images(masks.path);
     if (names.empty()) {
       run.nothing_found(masks.path + ": no image in this folder", "name the folder that holds the masks");
@@ -84,9 +101,11 @@ int degrade_command(int argc, char** argv) {
     bool any_object = false;
     for (std::size_t v = 0; v < names.size(); ++v) {
       if (fate[v] < 0) continue;
-      const ImageU16 mask = read_binary(masks.path + "/" + names[std::size_t(fate[v])]);
+      const std::string& name = names[std::size_t(fate[v])];
+      const ImageU16 mask = read_binary(masks.path + "/" + name);
+      const ImageF photo = noise.snap_px > 0 ? photo_of(photo_index, name, mask) : ImageF();
       write_binary(out.path + "/" + image_stem(names[v]) + ".png",
-                   synth::disturb_labels(run.exec(), mask, noise, {1, int(v), run.seed()}));
+                   synth::disturb_labels(run.exec(), mask, noise, {1, int(v), run.seed(), &photo}));
       any_object |= std::ranges::find(mask.data, std::uint16_t(1)) != mask.data.end();
     }
     if (!any_object && missing.size() < names.size())

@@ -56,7 +56,7 @@ void write_view(const Exec& exec, const std::string& folder, const SynthData& da
   for (std::size_t k = 0; k < data.scene.objects.size(); ++k)
     write_mask("objects/" + data.scene.objects[k].name, binary_mask(v.label, std::uint32_t(k) + 1));
   const auto disturbed = [&](std::uint32_t only_id) {
-    return synth::disturb_labels(exec, v.label, errors.noise, {only_id, int(view), errors.seed});
+    return synth::disturb_labels(exec, v.label, errors.noise, {only_id, int(view), errors.seed, &v.colour});
   };
   write_mask("masks", binary_mask(disturbed(target), 1));
   io::write_png16(in_folder(folder + "/labels", name), disturbed(0));

@@ -24,7 +24,8 @@ struct SynthOptions {
           Field<std::int64_t>{"scene_seed", "", "textures and layout; -1: as the recipe says", -1, 1ll << 53});
     visit(self.target, Text{"target", "NAME", "object that masks/ shows; default: as the recipe says"});
     visit(self.mask_noise, Text{"mask_noise", "KIND:AMOUNT",
-                                "errors in masks/ and labels/: erode:PX dilate:PX jitter:PX drop:P swap:P blob:P"});
+                                "errors in masks/ and labels/: erode:PX dilate:PX jitter:PX snap:PX drop:P "
+                                "swap:P blob:P"});
     visit(self.grey, Flag{"grey", "take the colours away; off: as the recipe says"});
     visit(self.fit, Flag{"fit", "write point_cloud.ply, fitted to the photos"});
   }

@@ -191,6 +191,15 @@ double gain_in_errors(const std::vector<double>& gains) {
   return error > 0 ? sum / n / error : sum == 0 ? 0 : std::copysign(INFINITY, sum);
 }
 
+double normal_score(double gain_in_errors, std::size_t views) {
+  if (views < 2) return 0;
+  const double freedom = double(views) - 1;
+  const double t = gain_in_errors * std::sqrt(freedom / double(views));  // with the unbiased variance
+  const double limit = (1 - 1 / (4 * freedom)) * std::sqrt(2 * freedom);
+  if (std::isinf(t)) return std::copysign(limit, t);
+  return t * (1 - 1 / (4 * freedom)) / std::sqrt(1 + t * t / (2 * freedom));
+}
+
 NarrowParts narrow_parts(MaskPlane mask) {
   constexpr std::int32_t kReach = kNarrow_px / 2;
   const std::vector<std::int32_t> depth = chessboard_distance(mask, Outside::kUnknown);

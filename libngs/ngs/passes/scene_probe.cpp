@@ -5,7 +5,7 @@
 
 #include "ngs/ops/field/knn.h"
 #include "ngs/ops/image/mask_pair.h"
-#include "ngs/passes/contours/refined_masks.h"
+#include "ngs/passes/contours/unexplained_contrast.h"
 #include "ngs/passes/detectors.h"
 #include "ngs/passes/effect.h"
 #include "ngs/problem/pixel_window.h"
@@ -30,6 +30,15 @@ std::size_t add_view(const Exec& exec, const ImageF& rendered, const ViewMasks& 
   const PixelWindow w = window_of(masks.target, masks.width_px, masks.height_px, kRegionMargin_px);
   if (w.w > 0) views.outside = std::max(views.outside, weight_outside(rendered, w.x0, w.y0, w.x0 + w.w, w.y0 + w.h));
   return masks.target.size();
+}
+
+constexpr double kMargin_px = 16;  // about the object, in pictures of the model
+
+/// `views` less `some`; both increase.
+std::vector<std::size_t> without(const std::vector<std::size_t>& views, const std::vector<std::size_t>& some) {
+  std::vector<std::size_t> rest;
+  std::ranges::set_difference(views, some, std::back_inserter(rest));
+  return rest;
 }
 
 }  // namespace
@@ -69,23 +78,24 @@ LabelViews SceneProbe::label_views_of(const std::vector<std::size_t>& some) {
 
 double SceneProbe::edge_gain() {
   if (edge_gain_) return *edge_gain_;
-  if (problem_.views.size() < kManyMasks || !problem_.load_fine_photo) return edge_gain_.emplace(0);
-  const std::vector<std::size_t> all = spread_views(problem_.views, kVotingViews),
-                                 first = spread_views(all, kFirstVotes);
-  std::vector<std::size_t> rest;
-  std::ranges::set_difference(all, first, std::back_inserter(rest));
-  std::vector<RefinedView> votes(problem_.scene.views.size());
-  edge_gain_ = edge_gain_with(first, votes);
-  if (!(*edge_gain_ < -kClearVote)) edge_gain_ = edge_gain_with(rest, votes);
-  return *edge_gain_;
-}
-
-double SceneProbe::edge_gain_with(const std::vector<std::size_t>& views, std::vector<RefinedView>& votes) const {
-  const ContourRefineOptions refine;
-  std::vector<RefinedView> more =
-      refine_views(exec_, {refine, 0, problem_}, {problem_.cloud, problem_.labels}, views, views);
-  for (const std::size_t v : views) votes[v] = std::move(more[v]);
-  return stopped() ? 0 : gain_by_masks(votes);
+  edge_gain_ = 0;
+  if (!problem_.load_fine_photo) return 0;
+  const std::vector<std::size_t> all = spread_views(problem_.views, kVotingViews);
+  std::vector<RefinedView> refined(problem_.scene.views.size());
+  const auto refine = [&](const std::vector<std::size_t>& views) {
+    std::vector<RefinedView> more = refine_views(exec_, {ContourRefineOptions{}, kMargin_px, problem_},
+                                                 {problem_.cloud, problem_.labels}, views, views);
+    for (const std::size_t v : views) refined[v] = std::move(more[v]);
+  };
+  const std::vector<std::size_t> few = spread_views(all, kPhotoViews);
+  refine(few);
+  if (unexplained_contrast(exec_, problem_, {problem_.cloud, problem_.labels}, few, refined) >= kExplained) return 0;
+  const std::vector<std::size_t> first = without(spread_views(all, kFirstVotes), few);
+  refine(first);
+  edge_gain_ = gain_by_masks(refined);
+  if (*edge_gain_ < -kClearVote || stopped()) return *edge_gain_;
+  refine(without(without(all, few), first));
+  return edge_gain_.emplace(gain_by_masks(refined));
 }
 
 const BoundarySet& SceneProbe::boundary() {

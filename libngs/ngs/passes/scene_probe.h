@@ -15,8 +15,6 @@
 
 namespace ngs {
 
-struct RefinedView;
-
 /// What the labels as they come look like in the training views that have masks.
 struct LabelViews {
   std::vector<double> disagreement;  // of the model as it stands with the masks, 1 - IoU, summed over objects; per view
@@ -26,11 +24,10 @@ struct LabelViews {
                        // whose mask is not empty; the others' pixels are all beyond
 };
 
-/// From here on the mean of masks, each wrong by a few pixels, may lie closer to an edge than refinement finds it.
-inline constexpr std::size_t kManyMasks = 32;
+inline constexpr std::size_t kPhotoViews = 4;  // in which photos are compared with the model's pictures
 inline constexpr std::size_t kVotingViews = 32;
 inline constexpr std::size_t kFirstVotes = 8;
-inline constexpr double kClearVote = 3;  // half as much again as what counts as significant
+inline constexpr double kClearVote = 2.5;  // of at most 8 views, whose normal score is below 3.6
 
 /// 1 - IoU; 0 where both masks are empty.
 double disagreement(const Confusion& counts);
@@ -58,10 +55,10 @@ class SceneProbe {
   /// Of all training views; the sample: of at most 24, evenly spread.
   const LabelViews& label_views();
   const LabelViews& label_sample();
-  /// How much better contours that follow the photos' edges agree with the masks than the labels as they come do, in
-  /// standard errors of the mean over at most kVotingViews views; over kFirstVotes of them where these say already, by
-  /// more than kClearVote errors, that they agree worse. 0 where masks have no say: fewer than kManyMasks, no photos,
-  /// or all wrong to one side.
+  /// How much better contours refined to the photos' edges agree with the masks than the contours of the labels do: a
+  /// normal score over at most kVotingViews views, or over kFirstVotes views if that is below -kClearVote. 0 where the
+  /// masks cannot tell: no photos, photos with edges that the model does not show
+  /// (passes/contours/unexplained_contrast.h), or masks that all err to one side.
   double edge_gain();
   const BoundarySet& boundary();
   Rows<const float, 3> boundary_colours();
@@ -71,8 +68,6 @@ class SceneProbe {
   const Exec exec_;
   const TrainingOptions& training_;
   const Problem& problem_;
-  /// Of the votes that there are and those of these views, which are added.
-  double edge_gain_with(const std::vector<std::size_t>& views, std::vector<RefinedView>& votes) const;
   LabelViews label_views_of(const std::vector<std::size_t>& views);
 
   std::optional<LabelViews> views_, sample_;

@@ -5,6 +5,7 @@
 //   ngs_results page PAGE RESULTS_DIR DEFAULTS   the page with all its blocks filled (markers.h)
 //   ngs_results help FILE                        the C++ header with the table of --quality
 //   ngs_results value FILE KEY SHOW [KEY=VALUE...]      one number, SHOW as in a column
+//   ngs_results score METRICS KEY                one number of a metrics.json of ngs-eval (readers.h)
 //   ngs_results about FILE                       wall seconds, a tab, the title
 #include <filesystem>
 #include <functional>
@@ -14,6 +15,7 @@
 #include "collect.h"
 #include "markers.h"
 #include "ngs/core/error.h"
+#include "readers.h"
 #include "table.h"
 
 namespace ngs::results {
@@ -57,6 +59,7 @@ const std::map<std::string, Command>& commands() {
       {"page", {3, [](const Words& w) { write_page(w[0], w[1], w[2]); }}},
       {"help", {1, [](const Words& w) { std::cout << help_header_of(read_result(w[0])); }}},
       {"value", {3, write_value}},
+      {"score", {2, [](const Words& w) { std::cout << read_scores(w[0]).at(w[1]) << "\n"; }}},
       {"about", {1, [](const Words& w) { write_about(w[0]); }}}};
   return all;
 }

@@ -204,4 +204,23 @@ TEST_CASE("narrow parts: a small solid thing has none, a large one of stripes no
   CHECK((none.all_px2 == 0 && none.narrow_px2 == 0));
 }
 
+TEST_CASE("normal_score: few views never reach significance, and the score is continuous in their number") {
+  CHECK(normal_score(-INFINITY, 1) == 0);
+  CHECK(normal_score(-INFINITY, 3) > -kSignificant);  // of three views none is enough
+  CHECK(normal_score(-INFINITY, 12) < -kSignificant);
+  CHECK(normal_score(-INFINITY, 3) == doctest::Approx(normal_score(-1e9, 3)));
+  // The quantiles of Student's t for 2 standard errors (0.02275): 2.255 of 11 degrees of freedom, 2.079 of 31, 2.025
+  // of 99.
+  const std::pair<std::size_t, double> quantiles[] = {{12, 2.255}, {32, 2.079}, {100, 2.025}};
+  for (const auto& [views, t] : quantiles)
+    CHECK(normal_score(t * std::sqrt(double(views) / double(views - 1)), views) == doctest::Approx(2).epsilon(0.005));
+  for (std::size_t views = 3; views < 101; ++views) {
+    CAPTURE(views);
+    const double step = normal_score(4, views + 1) - normal_score(4, views);
+    CHECK(step > 0);
+    CHECK(step < 0.4);
+  }
+  CHECK(normal_score(4, 32) - normal_score(4, 31) < 0.02);
+}
+
 }  // namespace ngs

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "ngs/ops/image/mask_pair.h"
+#include "ngs/passes/contours/unexplained_contrast.h"
 #include "ngs/passes/detectors.h"
 #include "ngs/passes/pass_list.h"
 #include "ngs/passes/pipeline.h"
@@ -215,30 +216,42 @@ TEST_CASE("region: a view that does not show the object is no reason to train on
 
 namespace {
 
-/// What the masks of the first `views` of the joint case say of their edges where there are 4 `times` of them; `loads`:
-/// photos that were looked at.
-double edge_gain(test::JointCase& c, std::size_t times, std::size_t views = 4, std::size_t* loads = nullptr) {
+/// The joint case with `views` views, copies of its four, and labels of the ball.
+std::unique_ptr<test::JointCase> many_views(std::size_t views) {
+  auto c = test::joint_case();
+  for (std::size_t v = 4; v < views; ++v)
+    c->scene.views.push_back(c->scene.views[v % 4]), c->photos.push_back(c->photos[v % 4]),
+        c->masks.push_back(c->masks[v % 4]);
+  for (SceneView& v : c->scene.views) v.image_path = "photo";
+  c->labels[0].prob = c->labels[0].label = c->is_ball;
+  return c;
+}
+
+/// The probe's gain; `loads`: photos that it refined contours in.
+double edge_gain(test::JointCase& c, std::size_t& loads) {
   Problem in = c.input();
-  in.load_fine_photo = [load = in.load_photo, loads](std::size_t v) {
-    if (loads != nullptr) ++*loads;
-    return load(v);
-  };
+  loads = 0;
+  in.load_fine_photo = [load = in.load_photo, &loads](std::size_t v) { return ++loads, load(v); };
   in.views.clear();
-  for (std::size_t i = 0; i < 4 * times; ++i) in.views.push_back(i / times % views);
+  for (std::size_t v = 0; v < c.scene.views.size(); ++v) in.views.push_back(v);
   const TrainingOptions training;
   return SceneProbe({}, training, in).edge_gain();
 }
 
-}  // namespace
+/// The same without a look at the photos: what the masks alone lead to.
+double gain_of_masks(test::JointCase& c) {
+  Problem in = c.input();
+  in.load_fine_photo = in.load_photo;
+  std::vector<std::size_t> all;
+  for (std::size_t v = 0; v < c.scene.views.size(); ++v) all.push_back(v);
+  return gain_by_masks(refine_views({}, {ContourRefineOptions{}, 0, in}, {c.model, c.labels}, all, all));
+}
 
-TEST_CASE("masks are asked about the photos' edges where there are many, and they err to both sides") {
-  const auto c = test::joint_case();
-  for (SceneView& v : c->scene.views) v.image_path = "photo";
-  c->labels[0].prob = c->labels[0].label = c->is_ball;
-  // A darker core of the ball: an edge beside the true contour, to which refinement goes.
-  for (std::size_t v = 0; v < 4; ++v) {
-    ImageF& photo = c->photos[v];
-    const std::vector<float>& mask = c->masks[v].target[0];
+/// A darker core of the ball: an edge inside of the true contour, to which refinement goes.
+void darken_core(test::JointCase& c) {
+  for (std::size_t v = 0; v < c.photos.size(); ++v) {
+    ImageF& photo = c.photos[v];
+    const std::vector<float>& mask = c.masks[v].target[0];
     for (int y = 1; y + 1 < photo.height_px; ++y)
       for (int x = 1; x + 1 < photo.width_px; ++x) {
         const auto in = [&](int dx, int dy) { return mask[std::size_t((y + dy) * photo.width_px + x + dx)] > 0.5f; };
@@ -246,12 +259,33 @@ TEST_CASE("masks are asked about the photos' edges where there are many, and the
         for (int k = 0; k < 3; ++k) photo.at(x, y, k) = core ? 0.f : 1.f;
       }
   }
-  CHECK(edge_gain(*c, 7) == 0);
-  std::size_t clear = 0, doubtful = 0;
-  CHECK(edge_gain(*c, 8, 4, &clear) < -kClearVote);
-  CHECK(clear == kFirstVotes);                 // these leave no doubt
-  CHECK(edge_gain(*c, 8, 1, &doubtful) == 0);  // the first view's errs to one side
-  CHECK(doubtful == kVotingViews);             // none is asked twice
+}
+
+}  // namespace
+
+TEST_CASE("edge gain: photos with edges that the model does not show overrule masks that disagree") {
+  const auto c = many_views(32);
+  darken_core(*c);
+  CHECK(gain_of_masks(*c) < -kSignificant);  // the masks alone would refuse
+  std::size_t loads = 0;
+  CHECK(edge_gain(*c, loads) == 0);
+  CHECK(loads == kPhotoViews);
+}
+
+TEST_CASE("edge gain: where the photos are the model's own pictures the masks decide, for any number of views") {
+  for (const std::size_t views : {4, 12, 31, 32}) {
+    CAPTURE(views);
+    const auto c = many_views(views);
+    for (std::size_t v = 0; v < views; ++v) {
+      RenderRequest request;
+      c->photos[v] = render({}, c->model, c->scene.views[v].camera, {}, request).colour;
+    }
+    std::size_t loads = 0;
+    const double gain = edge_gain(*c, loads);
+    CHECK(gain != 0);
+    CHECK(loads == (gain < -kClearVote ? std::min(views, kFirstVotes) : views));
+    if (loads == views) CHECK(gain == gain_of_masks(*c));
+  }
 }
 
 }  // namespace ngs

@@ -9,6 +9,7 @@
 #include "ngs/passes/contours/photoless_views.h"
 #include "ngs/passes/contours/refined_masks.h"
 #include "ngs/passes/contours/straddler_split.h"
+#include "ngs/passes/contours/unexplained_contrast.h"
 #include "ngs/passes/detectors.h"
 #include "ngs/problem/coarse_input.h"
 #include "ngs/problem/region.h"
@@ -318,7 +319,8 @@ class ContourRun {
     detail_ = kLargeDetail, refined_ = std::move(large);
   }
 
-  /// Whether the given masks have nothing against the refined ones; and what the figures say of both.
+  /// False where refined contours agree significantly less with the given masks and the masks are reliable: their
+  /// contours lie on edges, or the photos show no edge that the model does not. Fills the figures of both.
   bool agrees_with_masks() {
     double count = 0;
     for (const RefinedView& view : refined_) {
@@ -330,7 +332,9 @@ class ContourRun {
     if (count == 0) count = 1;
     for (double* sum : {&rendered_, &refined_biou_, &own_contrast_, &refined_contrast_, &rendered_contrast_})
       *sum /= count;
-    return !masks_refuse(refined_);
+    if (gain_by_masks(refined_) >= -kSignificant) return true;
+    return masks_misaligned(refined_) && unexplained_contrast(exec_, setup_.problem, {model_.cloud, model_.labels},
+                                                              setup_.problem.views, refined_) >= kExplained;
   }
 
   /// Without labels. `scene` with the windows' cameras.

@@ -63,7 +63,7 @@ std::vector<Effect> ContoursPass::effects() const {
       {.name = "contours",
        .help = "contours follow the photos' edges",
        .saves = "refinement, halving, training on the windows",
-       .detector = {"views that have a photo; 0: many masks are better than their edges", 0,
+       .detector = {"views that have a photo; 0: the photos add no edge and the masks refuse refined contours", 0,
                     "one is enough; the refinement then has its own test",
                     [](SceneProbe& probe) { return probe.edge_gain() < -kSignificant ? 0 : probe.photos(); },
                     has_photos, "no view has a photo"},

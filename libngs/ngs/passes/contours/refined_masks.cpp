@@ -74,24 +74,6 @@ void add_differences(const std::vector<float>& own, const std::vector<float>& re
   }
 }
 
-/// Mean colour difference across the contour, between pixels three apart: 0 where the photo shows no edge
-/// there.
-double contrast_of(const std::vector<std::uint8_t>& mask, const ImageF& photo) {
-  const int w = photo.width_px, h = photo.height_px;
-  double sum = 0, count = 0;
-  const auto add = [&](int x, int y, int dx, int dy) {
-    const auto in = [&](int a, int b) { return mask[std::size_t(b) * std::size_t(w) + std::size_t(a)] != 0; };
-    if (in(x, y) == in(x + dx, y + dy)) return;
-    double difference = 0;
-    for (int c = 0; c < photo.channels; ++c)
-      difference += std::abs(double(photo.at(x - dx, y - dy, c)) - double(photo.at(x + 2 * dx, y + 2 * dy, c)));
-    sum += difference, ++count;
-  };
-  for (int y = 1; y < h - 2; ++y)
-    for (int x = 1; x < w - 2; ++x) add(x, y, 1, 0), add(x, y, 0, 1);
-  return count > 0 ? sum / count : 0;
-}
-
 /// The part of a picture that has to do with one object, at the camera's size and at the photo's.
 struct ObjectPart {
   PixelWindow coarse, fine;
@@ -177,9 +159,9 @@ class ObjectRefinement {
                const std::vector<float>& target, const Own& own) {
     const int w = own.masks.width_px, h = own.masks.height_px, fw = own.photo.width_px, fh = own.photo.height_px;
     const int band_px = band_width_px(0.005, camera_.width_px, camera_.height_px);
-    out_.own_contrast += contrast_of(enlarged_mask(own.masks.target[0], w, h, fw, fh), own.photo);
-    out_.refined_contrast += contrast_of({refined.begin(), refined.end()}, own.photo);
-    out_.rendered_contrast += contrast_of(rendered, own.photo);
+    out_.own_contrast += contour_contrast(enlarged_mask(own.masks.target[0], w, h, fw, fh), own.photo);
+    out_.refined_contrast += contour_contrast({refined.begin(), refined.end()}, own.photo);
+    out_.rendered_contrast += contour_contrast(rendered, own.photo);
     out_.rendered_biou +=
         agreement(reduce({rendered.begin(), rendered.end()}, fw, fh, w, h), own.masks, band_px) / own.objects;
     out_.refined_biou += agreement(target, own.masks, band_px) / own.objects;
@@ -231,6 +213,22 @@ RefinedView refine_view(const RefineSetup& setup, const SplatOptions& splat, con
 }
 
 }  // namespace
+
+double contour_contrast(const std::vector<std::uint8_t>& mask, const ImageF& photo) {
+  const int w = photo.width_px, h = photo.height_px;
+  double sum = 0, count = 0;
+  const auto add = [&](int x, int y, int dx, int dy) {
+    const auto in = [&](int a, int b) { return mask[std::size_t(b) * std::size_t(w) + std::size_t(a)] != 0; };
+    if (in(x, y) == in(x + dx, y + dy)) return;
+    double difference = 0;
+    for (int c = 0; c < photo.channels; ++c)
+      difference += std::abs(double(photo.at(x - dx, y - dy, c)) - double(photo.at(x + 2 * dx, y + 2 * dy, c)));
+    sum += difference, ++count;
+  };
+  for (int y = 1; y < h - 2; ++y)
+    for (int x = 1; x < w - 2; ++x) add(x, y, 1, 0), add(x, y, 0, 1);
+  return count > 0 ? sum / count : 0;
+}
 
 std::vector<RefinedView> refine_views(const Exec& exec, const RefineSetup& setup, const LabelledModel& model,
                                       const std::vector<std::size_t>& views, const std::vector<std::size_t>& compared) {
@@ -294,9 +292,8 @@ bool masks_err_to_one_side(const std::vector<RefinedView>& refined) {
 
 double gain_by_masks(const std::vector<RefinedView>& refined) {
   if (masks_misaligned(refined) && masks_err_to_one_side(refined)) return 0;
-  return gain_in_errors(refinement_gains(refined));
+  const std::vector<double> gains = refinement_gains(refined);
+  return normal_score(gain_in_errors(gains), gains.size());
 }
-
-bool masks_refuse(const std::vector<RefinedView>& refined) { return gain_by_masks(refined) < -kSignificant; }
 
 }  // namespace ngs

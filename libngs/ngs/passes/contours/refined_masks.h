@@ -50,12 +50,14 @@ bool masks_misaligned(const std::vector<RefinedView>& refined);
 /// to 0.25.
 inline constexpr double kOneSided = 0.3;
 bool masks_err_to_one_side(const std::vector<RefinedView>& refined);
-/// How much better refined masks agree with the given ones than the rendered ones did, in standard errors of the mean
-/// over the views; 0 where the given masks have no say. Misaligned ones have it only where they err to both sides
-/// alike: what is wrong one by one is right on the mean.
+/// How much better refined masks agree with the given ones than the rendered ones did: the normal score of the mean
+/// gain over the views (detectors.h). 0 where the given masks cannot tell: misaligned ones that err to one side. Errors
+/// to both sides alike cancel in the mean over views.
 double gain_by_masks(const std::vector<RefinedView>& refined);
-/// Whether that is a significant loss.
-bool masks_refuse(const std::vector<RefinedView>& refined);
+
+/// Mean colour difference across the contour of the mask [H, W], between pixels three apart, summed over the channels;
+/// 0 without a contour. `photo` is of the mask's size.
+double contour_contrast(const std::vector<std::uint8_t>& mask, const ImageF& photo);
 
 /// The refined masks of a view of the scene's size `w` x `h`, whole: nothing is there outside of the window.
 ViewMasks whole_masks(const RefinedView& refined, int w, int h);

@@ -171,9 +171,10 @@ std::vector<Effect> joint_effects() {
       {.name = "joint",
        .help = "the steps of Eq. 20; off: labels as they come",
        .saves = "all steps before the photos' edges are followed",
-       .detector = {"what masks gain by the photos' edges, standard errors (0: fewer than 32 masks, or they err to one "
-                    "side)",
-                    -kSignificant, "many masks are right on the mean, and say that the labels as they come are better",
+       .detector = {"agreement with the masks gained by refined contours, normal score (0: the photos show edges that "
+                    "the model does not, or the masks err to one side)",
+                    -kSignificant,
+                    "the photos add no edge to the model, and refined contours agree less with the masks",
                     [](SceneProbe& probe) { return probe.edge_gain(); }}}};
   for (const JointPart& part : kParts) effects.push_back(part.effect);
   return effects;

@@ -13,14 +13,14 @@ constexpr double kRendersOfObject = 0.2;
 }  // namespace
 
 std::vector<Effect> SeenThroughPass::effects() const {
-  return {
-      {.name = "seen-through",
-       .help = "no label for what only shows through the object",
-       .saves = "its evidence by visibility and a vote of the masks",
-       .detector = {"what masks lose by the photos' edges, standard errors (0: fewer than 32 masks, or they err to one "
-                    "side)",
-                    kSignificant, "many masks are right on the mean: they can vote",
-                    [](SceneProbe& probe) { return 0 - probe.edge_gain(); }}}};
+  return {{.name = "seen-through",
+           .help = "no label for what only shows through the object",
+           .saves = "its evidence by visibility and a vote of the masks",
+           .detector = {
+               "agreement with the masks lost by refined contours, normal score (0: the photos show edges that the "
+               "model does not, or the masks err to one side)",
+               kSignificant, "the masks are right on the mean: they can vote",
+               [](SceneProbe& probe) { return 0 - probe.edge_gain(); }}}};
 }
 
 std::vector<EffectVerdict> SeenThroughPass::rules(const TrainingOptions& training) const {

@@ -72,6 +72,7 @@ class LabelChannels {
   /// The same for those who ask label_says_object() alone: 0 where no object is near.
   ImageF masks(const Exec& exec, const Camera& camera, const SplatOptions& splat) const;
   std::size_t objects() const { return objects_; }
+  const GaussianCloud& cloud() const { return cloud_; }
 
  private:
   const GaussianCloud& cloud_;

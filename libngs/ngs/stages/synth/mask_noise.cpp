@@ -9,6 +9,7 @@
 #include "ngs/core/error.h"
 #include "ngs/core/parse_number.h"
 #include "ngs/core/rng.h"
+#include "ngs/stages/synth/contour_snap.h"
 
 namespace ngs::synth {
 namespace {
@@ -155,7 +156,8 @@ void add_blobs(ImageU16& labels, double probability, int view, std::uint64_t see
 [[noreturn]] void refuse(const std::string& spec, NoiseOf of) {
   const std::string swap = of == NoiseOf::kLabelMaps ? "swap:P " : "";
   throw Error(ErrorCode::kUsage,
-              "mask noise: \"" + spec + "\", expected erode:PX, dilate:PX, jitter:PX (0..200), drop:P, " + swap +
+              "mask noise: \"" + spec +
+                  "\", expected erode:PX, dilate:PX, jitter:PX (0..200), snap:PX (0..50), drop:P, " + swap +
                   "or blob:P (0..1)",
               "several are joined by commas: --mask-noise jitter:1,drop:0.1");
 }
@@ -178,6 +180,8 @@ void parse_one(const std::string& spec, NoiseOf of, MaskNoise& noise) {
     set(noise.jitter_px, 200);
   else if (kind == "drop")
     set(noise.drop, 1);
+  else if (kind == "snap")
+    set(noise.snap_px, 50);
   else if (kind == "swap" && of == NoiseOf::kLabelMaps)
     set(noise.swap, 1);
   else if (kind == "blob")
@@ -200,11 +204,12 @@ MaskNoise parse_mask_noise(std::span<const std::string> specs, NoiseOf of) {
 }
 
 ImageU16 disturb_labels(const Exec& exec, const ImageU16& labels, const MaskNoise& noise, const MaskDraw& draw) {
-  const auto& [only_id, view, seed] = draw;
+  const auto& [only_id, view, seed, photo] = draw;
   ImageU16 result = labels;
   swap_and_drop(result, noise, view, seed);
   if (only_id > 0)
     for (std::uint16_t& id : result.data) id = id == only_id ? 1 : 0;
+  if (noise.snap_px > 0 && photo != nullptr) result = snap_contours(exec, result, *photo, noise.snap_px);
   if (noise.jitter_px > 0) jitter(exec, result, noise.jitter_px, view, seed);
   if (noise.dilate_px > 0)
     morph(exec, result, noise.dilate_px, [](std::uint16_t own, std::uint16_t other) { return own == 0 && other != 0; });

@@ -16,11 +16,14 @@ namespace ngs::synth {
 struct MaskNoise {
   double swap = 0;       // probability, per view and object: ids exchanged with another object in view
   double drop = 0;       // probability, per view and object: absent from the mask
+  double snap_px = 0;    // contours snap to wrong edges of the photo at most this far away (contour_snap.h)
   double jitter_px = 0;  // standard deviation of a smooth random displacement of the contour
   double dilate_px = 0;  // radius; an object grows over what is unlabelled
   double erode_px = 0;   // radius; an object shrinks from every other id
   double blob = 0;       // probability, per view and object: an ellipse on its contour added or cut off
-  bool any() const { return swap > 0 || drop > 0 || jitter_px > 0 || dilate_px > 0 || erode_px > 0 || blob > 0; }
+  bool any() const {
+    return swap > 0 || drop > 0 || snap_px > 0 || jitter_px > 0 || dilate_px > 0 || erode_px > 0 || blob > 0;
+  }
 };
 
 enum class NoiseOf : std::uint8_t { kLabelMaps, kOneObject };
@@ -34,6 +37,7 @@ struct MaskDraw {
   std::uint32_t only_id;
   int view;
   std::uint64_t seed;
+  const ImageF* photo = nullptr;  // of the labels' size; needed for snap_px
 };
 
 /// Erroneous copy of an exact label map.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "ngs/passes/detectors.h"
 #include "ngs/scene/mask_threshold.h"
 #include "ngs/stages/render/render_stage.h"
 #include "support/joint_case.h"
@@ -24,6 +25,8 @@ std::vector<RefinedView> views(double gain, double contrast, double beyond_px2, 
   }
   return some;
 }
+
+bool masks_refuse(const std::vector<RefinedView>& refined) { return gain_by_masks(refined) < -kSignificant; }
 
 }  // namespace
 

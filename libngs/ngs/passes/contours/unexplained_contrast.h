@@ -1,0 +1,23 @@
+#pragma once
+// Whether the photos show edges that the model itself does not.                                    PAPER.md §5.10
+//
+// Contour refinement moves contours to edges of the photos. Where the model's own picture equals the photo, every edge
+// of the photo is already an edge between Gaussians: nothing has to be split or moved, only the labels can be wrong,
+// and many masks tell these better than an edge does. Neither the masks' contours nor the refined ones can show this,
+// as both come from what is in question; the residual of the model's picture can.
+#include "ngs/passes/contours/refined_masks.h"
+
+namespace ngs {
+
+/// Mean absolute difference, summed over the colour channels, between photo and model picture at the pixels that
+/// refinement moved from one side to the other, divided by the mean contrast of the photos across the refined contours
+/// (refined_masks.h). Over the objects of `views`, which `refined` [scene views] must hold; a view without a photo is
+/// left out. 0: the model shows the photos exactly, or nothing was moved. At the camera's size.
+double unexplained_contrast(const Exec& exec, const Problem& problem, const LabelledModel& model,
+                            const std::vector<std::size_t>& views, const std::vector<RefinedView>& refined);
+
+/// Photos with less are explained by the model. Renderings of the model, saved as JPEG, have 0.03 to 0.06; photos that
+/// a splat was fitted to, at 28 to 34 dB, 0.14 to 0.46 (decision 078).
+inline constexpr double kExplained = 0.1;
+
+}  // namespace ngs
