@@ -89,7 +89,7 @@ double SceneProbe::edge_gain() {
   };
   const std::vector<std::size_t> few = spread_views(all, kPhotoViews);
   refine(few);
-  if (unexplained_contrast(exec_, problem_, {problem_.cloud, problem_.labels}, few, refined) >= kExplained) return 0;
+  if (!explains_photos(exec_, problem_, {problem_.cloud, problem_.labels}, refined)) return 0;
   const std::vector<std::size_t> first = without(spread_views(all, kFirstVotes), few);
   refine(first);
   edge_gain_ = gain_by_masks(refined);

@@ -319,8 +319,7 @@ class ContourRun {
     detail_ = kLargeDetail, refined_ = std::move(large);
   }
 
-  /// False where refined contours agree significantly less with the given masks and the masks are reliable: their
-  /// contours lie on edges, or the photos show no edge that the model does not. Fills the figures of both.
+  /// False where reliable masks agree significantly less with refined contours (PAPER.md §5.10). Fills both figures.
   bool agrees_with_masks() {
     double count = 0;
     for (const RefinedView& view : refined_) {
@@ -333,8 +332,7 @@ class ContourRun {
     for (double* sum : {&rendered_, &refined_biou_, &own_contrast_, &refined_contrast_, &rendered_contrast_})
       *sum /= count;
     if (gain_by_masks(refined_) >= -kSignificant) return true;
-    return masks_misaligned(refined_) && unexplained_contrast(exec_, setup_.problem, {model_.cloud, model_.labels},
-                                                              setup_.problem.views, refined_) >= kExplained;
+    return misaligned() && !explains_photos(exec_, setup_.problem, {model_.cloud, model_.labels}, refined_);
   }
 
   /// Without labels. `scene` with the windows' cameras.

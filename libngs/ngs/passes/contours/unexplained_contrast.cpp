@@ -17,6 +17,23 @@ struct ViewResidual {
   bool shows_object = false;
 };
 
+/// The model's picture of the window as the photo was reduced to the camera's size: rendered at the photo's size where
+/// that is `scale` times the camera's, then averaged.
+ImageF picture_of(const Problem& problem, const SplatOptions& splat, const GaussianCloud& cloud, const Camera& window,
+                  int scale) {
+  const Exec serial;
+  RenderRequest request;
+  request.background = problem.background;
+  const ImageF fine = render(serial, cloud, resized(window, scale * window.width_px, scale * window.height_px),
+                             filter_at_scale(splat, scale), request)
+                          .colour;
+  ImageF mean(window.width_px, window.height_px, 3);
+  for (int y = 0; y < fine.height_px; ++y)
+    for (int x = 0; x < fine.width_px; ++x)
+      for (int c = 0; c < 3; ++c) mean.at(x / scale, y / scale, c) += fine.at(x, y, c) / float(scale * scale);
+  return mean;
+}
+
 /// |photo - picture| summed over the channels, at pixel p.
 double difference_at(const ImageF& photo, const ImageF& picture, std::size_t p) {
   double sum = 0;
@@ -34,9 +51,8 @@ ViewResidual residual_of(const Problem& problem, const SplatOptions& splat, cons
   photo.width_px = win.w, photo.height_px = win.h;
   const Exec serial;
   const Camera camera = window_camera(problem.scene.views[v].camera, win);
-  RenderRequest request;
-  request.background = problem.background;
-  const ImageF picture = render(serial, labels.cloud(), camera, splat, request).colour;
+  const int scale = refined.detail == 2 || refined.detail == 4 ? int(refined.detail) : 1;
+  const ImageF picture = picture_of(problem, splat, labels.cloud(), camera, scale);
   const ImageF rendered = labels.masks(serial, camera, splat);
   const ViewMasks moved_to = refined.masks.unpacked();
   for (std::size_t k = 0; k < labels.objects(); ++k) {
@@ -72,6 +88,14 @@ double unexplained_contrast(const Exec& exec, const Problem& problem, const Labe
   }
   if (all.moved_px == 0) return 0;
   return all.contrast > 0 ? all.difference / all.moved_px / (all.contrast / shown) : INFINITY;
+}
+
+bool explains_photos(const Exec& exec, const Problem& problem, const LabelledModel& model,
+                     const std::vector<RefinedView>& refined) {
+  std::vector<std::size_t> compared;
+  for (std::size_t v = 0; v < refined.size(); ++v)
+    if (refined[v].compared) compared.push_back(v);
+  return unexplained_contrast(exec, problem, model, compared, refined) < kExplained;
 }
 
 }  // namespace ngs

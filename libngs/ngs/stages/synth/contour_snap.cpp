@@ -15,15 +15,6 @@ struct Displacement {
   double x_px = 0, y_px = 0;
 };
 
-/// Visits (x + dx, y + dy) of the disc about (x, y) that lies in an image of size w x h.
-template <class Visit>
-void for_each_in_disc(double radius_px, int x, int y, int w, int h, const Visit& visit) {
-  const int reach = int(std::floor(radius_px));
-  for (int dy = std::max(-reach, -y); dy <= std::min(reach, h - 1 - y); ++dy)
-    for (int dx = std::max(-reach, -x); dx <= std::min(reach, w - 1 - x); ++dx)
-      if (dx * dx + dy * dy <= radius_px * radius_px) visit(dx, dy);
-}
-
 class ContourSnap {
  public:
   ContourSnap(const Exec& exec, const ImageU16& labels, const ImageF& photo, double reach_px)
@@ -32,8 +23,7 @@ class ContourSnap {
     gradient_ = per_pixel<float>([&](int x, int y) { return gradient(x, y); });
     near_contour_ = per_pixel<std::uint8_t>([&](int x, int y) {
       bool near = false;
-      for_each_in_disc(kLeastMove_px - 0.5, x, y, w_, h_,
-                       [&](int dx, int dy) { near |= contour_[at(x + dx, y + dy)]; });
+      for_each_in_disc(kLeastMove_px - 0.5, x, y, [&](int dx, int dy) { near |= contour_[at(x + dx, y + dy)]; });
       return std::uint8_t(near);
     });
     move_ = per_pixel<Displacement>(
@@ -54,6 +44,15 @@ class ContourSnap {
   }
 
  private:
+  /// Visits the offsets (dx, dy) of the disc about (x, y) that lie in the image.
+  template <class Visit>
+  void for_each_in_disc(double radius_px, int x, int y, const Visit& visit) const {
+    const int reach = int(std::floor(radius_px));
+    for (int dy = std::max(-reach, -y); dy <= std::min(reach, h_ - 1 - y); ++dy)
+      for (int dx = std::max(-reach, -x); dx <= std::min(reach, w_ - 1 - x); ++dx)
+        if (dx * dx + dy * dy <= radius_px * radius_px) visit(dx, dy);
+  }
+
   std::size_t at(int x, int y) const { return std::size_t(y) * std::size_t(w_) + std::size_t(x); }
 
   template <class T, class Of>
@@ -83,10 +82,10 @@ class ContourSnap {
 
   Displacement nearest_wrong_edge(int x, int y) const {
     float own = 0;
-    for_each_in_disc(1.5, x, y, w_, h_, [&](int dx, int dy) { own = std::max(own, gradient_[at(x + dx, y + dy)]); });
+    for_each_in_disc(1.5, x, y, [&](int dx, int dy) { own = std::max(own, gradient_[at(x + dx, y + dy)]); });
     float strongest = kSnapRatio * own;
     Displacement best;
-    for_each_in_disc(reach_px_, x, y, w_, h_, [&](int dx, int dy) {
+    for_each_in_disc(reach_px_, x, y, [&](int dx, int dy) {
       const std::size_t q = at(x + dx, y + dy);
       if (near_contour_[q] || !(gradient_[q] > strongest)) return;
       strongest = gradient_[q], best = {double(dx), double(dy)};
@@ -98,7 +97,7 @@ class ContourSnap {
   Displacement smoothed(int x, int y) const {
     double weight = 0;
     Displacement sum;
-    for_each_in_disc(2 * reach_px_, x, y, w_, h_, [&](int dx, int dy) {
+    for_each_in_disc(2 * reach_px_, x, y, [&](int dx, int dy) {
       const std::size_t q = at(x + dx, y + dy);
       if (!contour_[q]) return;
       const double w = std::exp(-(dx * dx + dy * dy) / (reach_px_ * reach_px_));
