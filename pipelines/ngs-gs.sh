@@ -9,7 +9,7 @@
 #   --hold-out RULE      every:N:K or a file of names: views whose masks no stage sees, and which are scored
 #   --image-scale S      working size             (default: 1, 1/2, 1/3 ... so that no side exceeds 800 px)
 #   --quality Q          draft|standard|high|reference
-#   --method M           paper|bce|cob|flash|sa3d|saga|released
+#   --method M           ngs|ng-gs|bce|cob|flash|sa3d|saga|released
 #   --artifacts all      make queries.ply and field.ply too where no stage reads them (default: needed)
 #   --until FILE         stop at this artifact of OUT_DIR, e.g. --until boundary.ply
 #   -j N, --threads N    threads of every tool; as are --seed N, --log-format F, --allow-empty, -q, -v

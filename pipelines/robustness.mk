@@ -16,7 +16,7 @@ OUT ?= out/robustness
 ARGS ?=
 SEED ?= 0
 DAMAGES ?= exact erode dilate missing wrong blob
-METHODS ?= flash bce cob paper
+METHODS ?= flash bce cob ngs
 
 damage_exact := --missing 0
 damage_erode := --mask-noise erode:3,jitter:2

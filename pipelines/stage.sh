@@ -194,7 +194,7 @@ stage_joint() {
   if [ -n "$QUALITY" ]; then words+=(--quality "$QUALITY"); fi
   if [ -z "$field" ]; then say_unless_quiet "queries.ply and field.ply are not needed (--artifacts all makes them)"; fi
   case " ${words[*]/#--method=/--method } " in
-    *" --method ngs "* | *" --method ng-gs "* | *" --method paper "*) ;;
+    *" --method ngs "* | *" --method ng-gs "*) ;;
     *" --method "*)  # a baseline, which has no steps to trace
       trace=()
       step "rm -f $(at trace.jsonl)" ;;

@@ -161,7 +161,6 @@ class MethodRun {
       throw Error(ErrorCode::kInconsistent,
                   paths.effects_from + ": decided joint=off, expected steps that train the field of --nerf",
                   "leave out --nerf, or add --effect joint=on");
-    for (const std::string& renamed : modes_.renamed()) run.monitor().warn(renamed);
   }
 
   int operator()() {
@@ -326,7 +325,7 @@ class MethodRun {
 }  // namespace
 
 int run_method(cli::Run& run, Options& options, const Paths& paths, double start_s) {
-  options.settle(run.monitor());
+  options.training.joint.quality = options.choice.quality;
   io::require_ply_output(paths.labelled);
   check_options(run, options, paths);
   warn_of_baseline(run, options, paths);

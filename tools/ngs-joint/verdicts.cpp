@@ -6,12 +6,11 @@
 namespace ngs::joint {
 namespace {
 
-/// What the report says of its method, by the name that it has now.
+/// What the report says of its method.
 std::string method_of(const Json& report) {
   const Json options = report.is_object() ? report.value("options", Json()) : Json();
   const Json method = options.is_object() ? options.value("method", Json()) : Json();
-  if (!method.is_string()) return {};
-  return method == method_name(Method::kPaper) ? method_name(Method::kNgs) : method.get<std::string>();
+  return method.is_string() ? method.get<std::string>() : "";
 }
 
 /// The report's list of decisions; an empty one where it has none.

@@ -4,7 +4,7 @@
 // COB-GS (method cob, with the code's own divisor) plus a colour regulariser in the texture phases. For
 // comparison only: the regulariser sees no ray, no query point and no mask, it acts on the colours of the
 // 4096 Gaussians with the most undecided labels, and rendering masks does not read colours. What the paper
-// describes is --method paper.
+// describes is --method ng-gs.
 #include "ngs/methods/method_cob.h"
 #include "ngs/options/field.h"
 

@@ -26,7 +26,7 @@ std::string short_number(double value) {
 
 const Effect* find_effect(std::span<const Effect> effects, std::string_view name) {
   for (const Effect& e : effects)
-    if (e.name == name || (!e.was.empty() && e.was == name)) return &e;
+    if (e.name == name) return &e;
   return nullptr;
 }
 
@@ -66,7 +66,6 @@ void EffectModes::read(std::span<const Effect> effects, const std::string& entry
     for (const Effect& e : effects) set(e.name, mode, false);
     return;
   }
-  if (name != known->name) renamed_.push_back("--effect " + name + " is now called " + std::string(known->name));
   set(known->name, mode, true);
 }
 

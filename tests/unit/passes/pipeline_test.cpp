@@ -254,12 +254,11 @@ TEST_CASE("few steps come only before contour iterations at half the size, which
   CHECK_FALSE(go_on({"contours=on", "contour-iterations=off"}));
 }
 
-TEST_CASE("entries: the last one that names an effect counts, all names every one, earlier names are told") {
-  const EffectModes modes = test::modes_of({"all=off", "nerf=auto", "cont=on", "cont=auto", "strays=on"});
+TEST_CASE("entries: the last one that names an effect counts, all names every one") {
+  const EffectModes modes = test::modes_of({"all=off", "nerf=auto", "cont=on", "cont=auto", "components=on"});
   CHECK(modes.of("contours") == EffectMode::kOff);
   CHECK(modes.of("cont") == EffectMode::kAuto);
   CHECK(modes.of("components") == EffectMode::kOn);
-  CHECK(modes.renamed() == std::vector<std::string>{"--effect strays is now called components"});
   CHECK(test::modes_of({}).of("sh") == EffectMode::kAuto);
   for (const char* wrong : {"nerf", "nerv=on", "nerf=yes", "=on", "", "all"})
     CHECK_THROWS_AS(test::modes_of({wrong}), Error);

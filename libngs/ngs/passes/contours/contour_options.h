@@ -40,42 +40,29 @@ struct ContourOptions {
                      "refinements; 0: 2, or 3 where the masks' contours miss the photos' edges, and 2 more at high, "
                      "5 more at reference",
                      0, 100}
-              .of("contour-iterations")
-              .was("edge_rounds"));
-    visit(self.epochs,
-          Field<int>{"contour_epochs", "",
-                     "epochs of an iteration, half as many at half the size; 0: 15, fewer of many views", 0, 1'000'000}
-              .was("edge_visits"));
+              .of("contour-iterations"));
+    visit(self.epochs, Field<int>{"contour_epochs", "",
+                                  "epochs of an iteration, half as many at half the size; 0: 15, fewer of many views",
+                                  0, 1'000'000});
     visit(self.views,
-          Choice<ContourViews>{"contour_views", "whose photos are used; no held-out mask ever is", kContourViewsNames}
-              .was("edge_views"));
+          Choice<ContourViews>{"contour_views", "whose photos are used; no held-out mask ever is", kContourViewsNames});
     visit(self.photoless,
           Choice<PhotolessViews>{"contour_photoless",
                                  "views without a photo: left, trained on the model's own picture, or what serves "
                                  "views with a photo better",
-                                 kPhotolessViewsNames}
-              .was("edge_unseen"));
+                                 kPhotolessViewsNames});
     visit(self.refine.band_px,
-          Field<double>{"contour_band", "px of the photo", "how far a contour may move in an iteration", 0.5, 1e3}.was(
-              "edge_band"));
+          Field<double>{"contour_band", "px of the photo", "how far a contour may move in an iteration", 0.5, 1e3});
     visit(self.refine.reach_px, Field<double>{"contour_reach", "px of the photo",
-                                              "colours are learned from pixels this near the contour", 4, 1e4}
-                                    .was("edge_reach"));
-    visit(self.refine.colour_weight,
-          Field<double>{"contour_colour", "", "weight of the local colours", 0, 1e3}.was("edge_colour"));
-    visit(self.refine.shape_weight,
-          Field<double>{"contour_shape", "", "weight of the contour as rendered", 1e-6, 1e3}.was("edge_shape"));
+                                              "colours are learned from pixels this near the contour", 4, 1e4});
+    visit(self.refine.colour_weight, Field<double>{"contour_colour", "", "weight of the local colours", 0, 1e3});
+    visit(self.refine.shape_weight, Field<double>{"contour_shape", "", "weight of the contour as rendered", 1e-6, 1e3});
     visit(self.refine.ambiguity_weight,
-          Field<double>{"contour_ambiguity", "", "more of that weight where colours do not tell the sides", 0, 1e6}.was(
-              "edge_doubt"));
+          Field<double>{"contour_ambiguity", "", "more of that weight where colours do not tell the sides", 0, 1e6});
     visit(self.split_px,
-          Field<double>{"contour_split", "px", "halve Gaussians with more weight across contours", 0, 1e9}
-              .of("split")
-              .was("edge_split"));
-    visit(self.margin_px,
-          Field<double>{"contour_margin", "px", "margin of the trained window", 1, 1e5}.was("edge_margin"));
-    visit(self.rate,
-          Field<double>{"contour_rate", "", "factor on the rates of the Gaussians", 0, 1e3}.was("edge_rate"));
+          Field<double>{"contour_split", "px", "halve Gaussians with more weight across contours", 0, 1e9}.of("split"));
+    visit(self.margin_px, Field<double>{"contour_margin", "px", "margin of the trained window", 1, 1e5});
+    visit(self.rate, Field<double>{"contour_rate", "", "factor on the rates of the Gaussians", 0, 1e3});
   }
 };
 

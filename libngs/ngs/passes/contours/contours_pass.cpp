@@ -66,8 +66,7 @@ std::vector<Effect> ContoursPass::effects() const {
        .detector = {"views that have a photo; 0: many masks are better than their edges", 0,
                     "one is enough; the refinement then has its own test",
                     [](SceneProbe& probe) { return probe.edge_gain() < -kSignificant ? 0 : probe.photos(); },
-                    has_photos, "no view has a photo"},
-       .was = "edges"},
+                    has_photos, "no view has a photo"}},
       {.name = "split",
        .help = "halve what lies across contours",
        .saves = "the search for it, and the rows it adds",
@@ -79,8 +78,7 @@ std::vector<Effect> ContoursPass::effects() const {
        .help = "refine contours more than once",
        .saves = "all iterations but the first",
        .needs = "contours",
-       .always = "what replaced it cost up to 2 points of boundary IoU on scenes with inaccurate masks",
-       .was = "second-round"},
+       .always = "what replaced it cost up to 2 points of boundary IoU on scenes with inaccurate masks"},
       {.name = "full-resolution",
        .help = "all iterations at full size, after all steps; off: coarse to fine",
        .saves = "half of the other iterations' rows, columns and epochs, 0.7 of the steps before them",
@@ -88,8 +86,7 @@ std::vector<Effect> ContoursPass::effects() const {
        .detector = {"most of an object that lies in parts narrower than 9 px, share (1: some view has no photo)", 0.03,
                     "between solid things (at most 0.02) and small or thin ones (from 0.04), which half the size "
                     "leaves few pixels of",
-                    narrow_share},
-       .was = "fine-rounds"}};
+                    narrow_share}}};
 }
 
 void ContoursPass::declare(OptionSet& options, const OptionGroup& given) {
