@@ -19,7 +19,6 @@
 #include "ngs/stages/boundary/variance_stage.h"
 #include "photo_match.h"
 #include "shared/run/checkpoints.h"
-#include "shared/scene/field_file.h"
 #include "shared/scene/scene_model.h"
 #include "step_files.h"
 #include "verdicts.h"
@@ -41,9 +40,6 @@ void check_options(cli::Run& run, const Options& options, const Paths& paths) {
             "--checkpoint-every without --checkpoint, expected the folder to write to", "--checkpoint DIR");
   refuse_if(o.trace_every > 0 && paths.trace.empty() && o.target.empty(),
             "--trace-every without --trace or --target, expected what the scores are for", "--trace FILE");
-  const int features = options.training.joint.hash_features;
-  refuse_if(!are_hash_features(features), "--hash-features: " + std::to_string(features) + ", expected 1, 2, 4 or 8",
-            "2 is the default; --hash-levels adds resolutions");
   if (!options.runs_passes() && run.device_exec().device_ops != nullptr)
     throw Error(ErrorCode::kEnvironment, "--device cuda: only --method ngs and ng-gs have a CUDA path",
                 "use --device cpu");
@@ -57,7 +53,7 @@ void warn_of_baseline(cli::Run& run, const Options& options, const Paths& paths)
   const auto file = [&](const char* flag, const std::string& path) {
     if (!path.empty()) unused.push_back(flag);
   };
-  file("--field", paths.field), file("--nerf", paths.nerf), file("--trace", paths.trace);
+  file("--field", paths.field), file("--trace", paths.trace);
   const EffectModes modes(options.pipeline.effects(), options.choice.effect);
   if (options.choice.quality != MethodChoice{}.quality && modes.of("floaters") != EffectMode::kOn)
     unused.push_back("--quality");  // it says how thoroughly floaters are searched
@@ -69,14 +65,6 @@ void warn_of_baseline(cli::Run& run, const Options& options, const Paths& paths)
   std::string text;
   for (const std::string& flag : unused) text += (text.empty() ? "" : ", ") + flag;
   if (!text.empty()) run.monitor().warn(text + ": not used by --method " + method_name(options.choice.method));
-}
-
-void check_nerf(const Options& options, const Paths& paths, const EffectModes& modes) {
-  if (paths.nerf.empty() || !options.runs_passes()) return;
-  refuse_if(modes.of("nerf") == EffectMode::kOff, "--nerf with nerf off by --effect, expected a field to write",
-            "leave out one of them");
-  refuse_if(modes.of("joint") == EffectMode::kOff,
-            "--nerf with joint off by --effect, expected steps that train the field", "leave out one of them");
 }
 
 /// Everything that was read, and what refers to it.
@@ -153,15 +141,9 @@ class MethodRun {
         paths_(paths),
         budget_(start_s, parse_seconds(options.steps.time_budget)),
         modes_(options.pipeline.effects(), options.choice.effect),
-        decisions_(options.pipeline.effects(), modes_, verdicts_of(options, !paths.nerf.empty(), paths.effects_from)),
+        decisions_(options.pipeline.effects(), modes_, verdicts_of(options, paths.effects_from)),
         input_(run, options, paths),
-        store_(run.monitor(), {options.steps.checkpoint, options.steps.resume, options.steps.checkpoint_every}) {
-    check_nerf(options, paths, modes_);
-    if (!paths.nerf.empty() && options.runs_passes() && decisions_.settled("joint") == false)
-      throw Error(ErrorCode::kInconsistent,
-                  paths.effects_from + ": decided joint=off, expected steps that train the field of --nerf",
-                  "leave out --nerf, or add --effect joint=on");
-  }
+        store_(run.monitor(), {options.steps.checkpoint, options.steps.resume, options.steps.checkpoint_every}) {}
 
   int operator()() {
     Problem from_files = input_.problem(options_, run_.seed(), run_.monitor());
@@ -275,10 +257,6 @@ class MethodRun {
     options_.pipeline.decide(PassStage::kOptimise, passes, *passes.problem);
     if (const int stopped = run_.stop_code()) return stopped;
     run_.warn_unused([&](std::string_view effect) { return decisions_.on(effect); });
-    const bool writes_nerf = !paths_.nerf.empty() && passes.on("nerf");
-    if (!paths_.nerf.empty() && !writes_nerf)
-      run_.monitor().warn(
-          paths_.nerf + ": not written, there is no time for the steps that train the field; --time-budget with more");
     const std::optional<QueryField> field = read_field(passes);
     passes.field = field ? &*field : nullptr;
     if (keeps_steps()) {
@@ -290,12 +268,12 @@ class MethodRun {
     }
     if (!options_.pipeline.run(PassStage::kOptimise, passes)) return run_.stop_code();
     views.forget();
-    if (!writes_nerf) passes.trainer.reset();  // of no more use, and as large as the model
+    passes.trainer.reset();  // of no more use, and as large as the model
     malloc_trim(0);
-    return write(passes, writes_nerf);
+    return write(passes);
   }
 
-  int write(PassRun& passes, bool writes_nerf) {
+  int write(PassRun& passes) {
     const Solution& solution = *passes.solution;
     if (budget_.given()) run_.result()["budget"] = budget_.json();
     if (budget_.given() && !solution.converged)
@@ -305,9 +283,6 @@ class MethodRun {
     if (passes.watching.target && !passes.watch->target_met())
       run_.monitor().warn("--target " + options_.steps.target + ": not reached in the training views");
     write_result(run_, {input_.ply, input_.scene, input_.labels, passes.floater}, solution, paths_.labelled);
-    if (writes_nerf)
-      cli::write_field(paths_.nerf, passes.trainer->field(), passes.trainer->boundary(),
-                       sample_of(options_.training.sample, options_.training.joint));
     if (!paths_.trace.empty()) io::write_file(paths_.trace, passes.watch->trace());
     return solution.converged ? cli::kDone : cli::kBudgetHit;
   }

@@ -157,7 +157,7 @@ JointOptions window_options(const ContourSetup& setup, std::size_t views, bool e
   JointOptions joint = setup.training.joint;
   const int epochs = contour_epochs(setup.contour, setup.training.joint.quality, views);
   joint.steps = std::int64_t(early ? early_epochs(epochs) : epochs) * std::int64_t(views);
-  joint.rate_scale = setup.contour.rate * (early ? kEarlyRate : 1), joint.rate_literal = false;
+  joint.rate_scale = setup.contour.rate * (early ? kEarlyRate : 1);
   joint.start_steps = 1;                  // from the labels as they have been trained
   joint.on.nerf = joint.on.cont = false;  // rays are those of the whole image
   return joint;

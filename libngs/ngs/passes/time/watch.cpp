@@ -91,7 +91,6 @@ void Watch::write_step(const JointProgress& progress, double now_s, const std::f
               {"photometric", l.photometric},
               {"align", l.align},
               {"mask", l.mask},
-              {"field_mask", l.field_mask},
               {"cont", l.cont},
               {"smooth", l.smooth}}}};
   if ((step_ % every_ == 0 || progress.step == progress.steps) && score_fits()) score(line, whole);

@@ -12,11 +12,6 @@
 
 namespace ngs {
 
-/// Who draws the pixels at the contours.
-enum class BoundarySource : std::uint8_t { kSplat, kField };
-inline constexpr NamedValue<BoundarySource> kBoundaryNames[] = {{BoundarySource::kSplat, "splat"},
-                                                                {BoundarySource::kField, "field"}};
-
 struct RenderOptions {
   std::string views = "all";
   std::vector<std::string> layers;
@@ -25,8 +20,6 @@ struct RenderOptions {
   bool amodal = false;
   double threshold = 0.5;
   std::string background;
-  BoundarySource boundary = BoundarySource::kSplat;
-  double boundary_band = 5;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -40,11 +33,6 @@ struct RenderOptions {
     visit(self.threshold,
           Field<double>{"threshold", "", "PNG masks: 255 where the rendered mask exceeds this", 0.0, 1.0});
     visit(self.background, background_option());
-    visit(self.boundary,
-          Choice<BoundarySource>{"boundary", "contours as the splat shows them, or as the field of --nerf",
-                                 kBoundaryNames});
-    visit(self.boundary_band, Field<double>{"boundary_band", "px of the scene's working size",
-                                            "how far from a contour the field is shown", 1, 1e4});
   }
 };
 
