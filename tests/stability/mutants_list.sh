@@ -118,7 +118,6 @@ mutant passes/mask_outliers/mask_outliers.cpp unit/passes/mask_outliers/mask_out
 t=stability/geometry_stability_test.cpp
 mutant ops/field/sample_grid_kernels.h $t ops/field/sample_grid.cpp "Gaussians behind the camera count" 's/if \(!\(t\.z > kNearZ\)\) return;//'
 mutant ops/field/sample_grid_kernels.h $t ops/field/sample_grid.cpp "boxes thinner than a pixel divided" 's/if \(length < 1\) return .*;//'
-mutant ops/field/sample_grid_kernels.h unit/ops/field/sample_grid_test.cpp ops/field/sample_grid.cpp "half a step about nodes on the corners" 's/fitting \+ 1, 0\}/fitting + 1, step \/ 2}/'
 mutant ops/field/sample_grid_kernels.h $t ops/field/sample_grid.cpp "the box of nothing" 's/if \(sums\.visible == 0\) return \{\};//'
 mutant ops/field/sample_grid_kernels.h $t ops/field/sample_grid.cpp "box not clipped" 's/max2\(b\.min_x - pad_px, 0\.0\)/b.min_x - pad_px/'
 mutant ops/field/ray_query_kernels.h $t ops/field/ray_query.cpp "division by K - 1 = 0" 's/if \(samples == 1\) return .*;//'

@@ -67,8 +67,7 @@ int main(int argc, char** argv) {
     warn_unused(run, layers);
     choose_background(options.background, run.monitor(), scene);
     const double scale = options.scale > 0 ? options.scale : 1 / scene.image_scale;
-    const SplatOptions splat =
-        filter_at_scale(splat_options(raster, ply.cloud, scene), options.native_filter ? 1.0 : scale);
+    const SplatOptions splat = filter_at_scale(splat_options(raster, ply.cloud, scene), scale);
     const std::vector<std::size_t> views = wanted_views(run, scene, options.views);
     const std::vector<std::string> names = picture::file_names(scene, format.names);
     std::vector<std::string> files;

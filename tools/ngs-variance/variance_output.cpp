@@ -129,14 +129,9 @@ LabelledScene label(const VarianceOptions& options, const Scene& scene, const io
   return {scene, ply, label_gaussians(options, from), from.weights()};
 }
 
-void write_labels(cli::Run& run, const LabelledScene& labelled, const VarianceOptions& options,
-                  const std::string& path) {
+void write_labels(cli::Run& run, const LabelledScene& labelled, const std::string& path) {
   const auto timed = run.monitor().scope("write");
   const auto& [scene, ply, labels, weight] = labelled;
-  if (labels.size() > 1 && options.exclusive && options.label_threshold != VarianceOptions{}.label_threshold)
-    run.monitor().warn(
-        "--label-threshold is not used: of several objects the heaviest takes a Gaussian; --no-exclusive asks each by "
-        "itself");
   const std::int64_t boundary = report_counts(run, labelled);
   const bool any_evidence = std::any_of(labels.begin(), labels.end(), [](const LabelColumns& l) {
     return std::any_of(l.views.begin(), l.views.end(), [](float views) { return views > 0; });

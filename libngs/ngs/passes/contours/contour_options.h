@@ -25,13 +25,16 @@ struct ContourSwitches {
   bool full_resolution = true;  // in all of them; off: in the last alone
 };
 
+/// Gaussians with more weight across contours are halved.
+inline constexpr double kSplit_px = 3;
+
 struct ContourOptions {
   int iterations = 0, epochs = 0;  // 0: contour_iterations(), contour_epochs()
   ContourViews views = ContourViews::kAll;
   PhotolessViews photoless = PhotolessViews::kAuto;
   ContourRefineOptions refine;
-  double split_px = 3, margin_px = 64, rate = 1;
-  ContourSwitches on;  // as the effects are decided
+  double margin_px = 64;  // of the trained window; no flag sets it
+  ContourSwitches on;     // as the effects are decided
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -53,16 +56,6 @@ struct ContourOptions {
                                  kPhotolessViewsNames});
     visit(self.refine.band_px,
           Field<double>{"contour_band", "px of the photo", "how far a contour may move in an iteration", 0.5, 1e3});
-    visit(self.refine.reach_px, Field<double>{"contour_reach", "px of the photo",
-                                              "colours are learned from pixels this near the contour", 4, 1e4});
-    visit(self.refine.colour_weight, Field<double>{"contour_colour", "", "weight of the local colours", 0, 1e3});
-    visit(self.refine.shape_weight, Field<double>{"contour_shape", "", "weight of the contour as rendered", 1e-6, 1e3});
-    visit(self.refine.ambiguity_weight,
-          Field<double>{"contour_ambiguity", "", "more of that weight where colours do not tell the sides", 0, 1e6});
-    visit(self.split_px,
-          Field<double>{"contour_split", "px", "halve Gaussians with more weight across contours", 0, 1e9}.of("split"));
-    visit(self.margin_px, Field<double>{"contour_margin", "px", "margin of the trained window", 1, 1e5});
-    visit(self.rate, Field<double>{"contour_rate", "", "factor on the rates of the Gaussians", 0, 1e3});
   }
 };
 

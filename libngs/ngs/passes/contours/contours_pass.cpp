@@ -71,7 +71,7 @@ std::vector<Effect> ContoursPass::effects() const {
        .help = "halve what lies across contours",
        .saves = "the search for it, and the rows it adds",
        .needs = "contours",
-       .detector = {"most weight that a Gaussian can have on a wrong side, px", ContourOptions{}.split_px,
+       .detector = {"most weight that a Gaussian can have on a wrong side, px", kSplit_px,
                     "the default of --contour-split: nothing is halved",
                     [trained](SceneProbe& probe) { return straddling(probe, trained); }}},
       {.name = "contour-iterations",
@@ -100,8 +100,6 @@ std::vector<EffectVerdict> ContoursPass::rules(const TrainingOptions& training) 
   if (contour_epochs(options_, training.joint.quality, 1) == 0)
     rules.push_back({"contours", false, "no epochs: --quality draft without --contour-epochs"});
   if (options_.iterations == 1) rules.push_back({"contour-iterations", false, "--contour-iterations 1"});
-  if (options_.split_px < ContourOptions{}.split_px)  // less than its detector looks for
-    rules.push_back({"split", true, "--contour-split"});
   return rules;
 }
 

@@ -145,7 +145,7 @@ struct JointTrainer::Impl {
     if (done < std::int64_t(input.views.size())) {
       rays = first_queries().rays(v);
     } else {
-      rays = field->rays(exec, camera, boundary.positions(), sample.window == WindowCentre::kPixel ? map : DepthMap{});
+      rays = field->rays(exec, camera, boundary.positions(), map);
     }
     if (rays.rays.rays() > 0) rays.on_surface = rays_on_surface(camera, rays.rays, map);
     return rays;

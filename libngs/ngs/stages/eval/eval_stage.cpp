@@ -61,9 +61,8 @@ PairScore score_planes(const Exec& exec, const EvalOptions& options, const EvalP
   score.height_px = h;
   score.predicted_width_px = pair.predicted.width_px;
   score.predicted_height_px = pair.predicted.height_px;
-  score.scores =
-      score_mask(exec, {planes.predicted.data(), w, h}, {planes.truth.data(), w, h}, options.contour_tolerance,
-                 planes.is_void.empty() ? MaskPlane{} : MaskPlane{planes.is_void.data(), w, h});
+  score.scores = score_mask(exec, {planes.predicted.data(), w, h}, {planes.truth.data(), w, h}, kContourTolerance,
+                            planes.is_void.empty() ? MaskPlane{} : MaskPlane{planes.is_void.data(), w, h});
   return score;
 }
 

@@ -16,7 +16,6 @@ struct RenderOptions {
   std::string views = "all";
   std::vector<std::string> layers;
   double scale = 1.0;
-  bool native_filter = false;
   bool amodal = false;
   double threshold = 0.5;
   std::string background;
@@ -27,8 +26,6 @@ struct RenderOptions {
     visit(self.layers, Text{"layers", "color,mask,alpha,depth,labels,overlay", "what to render; default mask"});
     visit(self.scale,
           Field<double>{"scale", "", "image size relative to the scene's working size; 0: the photos' size", 0, 64.0});
-    visit(self.native_filter,
-          Flag{"native_filter", "0.3 px² low-pass at the rendered size, not that of the working size scaled"});
     visit(self.amodal, Flag{"amodal", "mask of the object alone, as if nothing stood before it"});
     visit(self.threshold,
           Field<double>{"threshold", "", "PNG masks: 255 where the rendered mask exceeds this", 0.0, 1.0});

@@ -27,7 +27,7 @@ ImageF random_image(test::Random& random, int width, int height, int channels) {
 
 /// A view of 40 x 30 px with a grid over its middle.
 struct AlignScene {
-  PixelGrid grid = pixel_grid({5, 4, 33, 27}, 6, 8, GridNodes::kCentres);
+  PixelGrid grid = pixel_grid({5, 4, 33, 27}, 6, 8);
   ImageF colour, alpha;
   std::vector<float> field_colour, field_alpha;
   explicit AlignScene(std::uint64_t seed) {
@@ -127,7 +127,7 @@ TEST_CASE("loss_align: the library's gradient is that of its loss and does not d
 
 TEST_CASE("density weights are sigmoids of the interpolated optical depth inside the box and 0.5 outside") {
   const PixelBox box{2, 1, 6, 5};
-  const PixelGrid grid = pixel_grid(box, 2, 2, GridNodes::kCentres);  // nodes at x 3, 5 and y 2, 4
+  const PixelGrid grid = pixel_grid(box, 2, 2);  // nodes at x 3, 5 and y 2, 4
   const ImageF w = density_weights({}, 8, 6, {grid, box, {0, 4, 0, 4}});
   CHECK(w.at(0, 0) == 0.5f);
   CHECK(w.at(7, 3) == 0.5f);
