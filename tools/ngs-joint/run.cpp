@@ -26,8 +26,6 @@
 namespace ngs::joint {
 namespace {
 
-constexpr PassCost kLoadCost{{.halvings = 20}, 0.4};
-
 void refuse_if(bool wrong, const std::string& what, const std::string& remedy) {
   if (wrong) throw Error(ErrorCode::kUsage, what, remedy);
 }
@@ -101,17 +99,12 @@ struct Input {
   }
 };
 
-/// Decodes photos and masks once, at both sizes that passes ask for. False: the time did not allow it.
-bool load_views(cli::Run& run, Budget& budget, const CoarseInput& full, const CoarseInput& coarse) {
-  const std::size_t views = full.get().scene.views.size();
-  if (!budget.fits(kLoadCost, views)) return true;  // they are then loaded where they are asked for
+/// Decodes photos and masks once, at both sizes that passes ask for. What the time does not allow is loaded where it is
+/// asked for.
+void load_views(cli::Run& run, Budget& budget, const CoarseInput& full, const CoarseInput& coarse) {
   const auto timed = run.monitor().scope("load views");
-  // A disk may be slower than any foresight: what is left to load then costs what the rest is foreseen to.
-  const double began_s = budget.elapsed_s(), until_s = began_s + kLoadCost.share * budget.left_s();
-  const double loaded = full.preload(run.exec(), [&] { return budget.elapsed_s() < until_s; });
-  if (loaded >= 1) coarse.preload(run.exec());
-  budget.loaded("load views", loaded * double(views) * kLoadCost.per_view, budget.elapsed_s() - began_s);
-  return loaded >= 1;
+  const double until_s = budget.end_of_s(kLoadShare);
+  if (full.preload(run.exec(), [&] { return wall_seconds() < until_s; }) >= 1) coarse.preload(run.exec());
 }
 
 /// All that the state of the joint steps follows from, as far as it is known before the passes run.
@@ -160,18 +153,18 @@ class MethodRun {
     options_.pipeline.decide(PassStage::kFocus, passes, from_files);
     if (!options_.pipeline.run(PassStage::kFocus, passes)) return run_.stop_code();
     const Problem focused = *passes.problem;
-    budget_.measure(run_.exec(), focused, input_.reading_s);
+    budget_.keep_for_writing(input_.reading_s);
     CoarseInput full(focused, 1), coarse(full.get(), decision_shrink(input_.scene));
     passes.problem.emplace(full.get()), passes.coarse = &coarse.get();
     if (options_.runs_passes()) {
-      if (!load_views(run_, budget_, full, coarse)) options_.pipeline.leave_out(PassStage::kMend, passes);
+      load_views(run_, budget_, full, coarse);
       compare_with_photos(run_, CoarseInput(from_files, decision_shrink(input_.scene), 0).get(), paths_.boundary);
     }
     options_.pipeline.decide(PassStage::kMend, passes, coarse.get());
     if (const int stopped = run_.stop_code()) return stopped;  // nothing to go on from, and no checkpoint
     if (options_.choice.explain) return explain(passes, from_files);
     if (keeps_steps()) {
-      identity["effects"] = kept_decisions(decisions_);
+      identity["effects"] = kept_decisions(options_.pipeline, decisions_);
       store_.resumed(identity);  // by options that the run before did not have
     }
     if (!options_.pipeline.run(PassStage::kMend, passes)) return run_.stop_code();
@@ -190,7 +183,7 @@ class MethodRun {
     if (!before) return;
     const Json state = before->value("passes", Json());
     passes.resumed = state.is_object() ? state : Json::object();
-    repeat_decisions(passes, before->value("effects", Json()), before->value("left_out", Json()));
+    repeat_decisions(options_.pipeline, passes, before->value("effects", Json()), before->value("left_out", Json()));
   }
 
   Json plan_json(const Problem& problem) const {
@@ -260,7 +253,7 @@ class MethodRun {
     const std::optional<QueryField> field = read_field(passes);
     passes.field = field ? &*field : nullptr;
     if (keeps_steps()) {
-      identity["effects"] = kept_decisions(decisions_), identity["passes"] = passes.state;
+      identity["effects"] = kept_decisions(options_.pipeline, decisions_), identity["passes"] = passes.state;
       identity["field"] = field ? io::content_hash(paths_.field).xxh3 : "";
       if (!passes.left_out.empty()) identity["left_out"] = passes.left_out;
       store_.identify(identity);
@@ -277,9 +270,8 @@ class MethodRun {
     const Solution& solution = *passes.solution;
     if (budget_.given()) run_.result()["budget"] = budget_.json();
     if (budget_.given() && !solution.converged)
-      run_.monitor().warn(
-          "--time-budget " + options_.steps.time_budget +
-          ": parts were left out or cut short for want of time; result.budget of the report has the times");
+      run_.monitor().warn("--time-budget " + options_.steps.time_budget +
+                          ": parts were left out or cut short for want of time");
     if (passes.watching.target && !passes.watch->target_met())
       run_.monitor().warn("--target " + options_.steps.target + ": not reached in the training views");
     write_result(run_, {input_.ply, input_.scene, input_.labels, passes.floater}, solution, paths_.labelled);

@@ -30,12 +30,6 @@ const Effect* find_effect(std::span<const Effect> effects, std::string_view name
   return nullptr;
 }
 
-bool belongs_to(std::span<const Effect> effects, std::string_view name, std::string_view whole) {
-  for (; !name.empty(); name = find_effect(effects, name)->needs)
-    if (name == whole) return true;
-  return false;
-}
-
 EffectModes::EffectModes(std::span<const Effect> effects, const std::vector<std::string>& entries) {
   for (const std::string& entry : entries) read(effects, entry);
   for (const Effect& e : effects)

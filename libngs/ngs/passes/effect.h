@@ -46,9 +46,6 @@ enum class EffectMode : std::uint8_t { kAuto, kOn, kOff };
 /// Null: there is none of that name.
 const Effect* find_effect(std::span<const Effect> effects, std::string_view name);
 
-/// Whether an effect is `whole`, or has nothing to do without it.
-bool belongs_to(std::span<const Effect> effects, std::string_view name, std::string_view whole);
-
 /// What --effect asks for.
 class EffectModes {
  public:

@@ -289,24 +289,6 @@ TEST_CASE("decisions: an entry wins over a verdict, a verdict over the detector,
   }
 }
 
-TEST_CASE("decisions: a verdict that asks first counts where the detector says otherwise, or where there is none") {
-  EffectCase flat, round;
-  view_dependent(round);
-  const auto decided = [](const EffectCase& c, std::string_view name) {
-    const Problem in = c.input();
-    test::PipelineCase passes(in, c.training, {"joint=on"});
-    for (const char* effect : {"sh", "box"})
-      passes.decisions().rule({.name = effect, .on = false, .reason = "no time", .asks_first = true});
-    for (EffectDecision d : passes.decide().all())
-      if (d.effect->name == name) return d;
-    throw std::logic_error("no such effect");
-  };
-  const EffectDecision needless = decided(flat, "sh"), wanted = decided(round, "sh"), always = decided(flat, "box");
-  CHECK((!needless.on && !needless.overruled && needless.reason != "no time"));
-  CHECK((!wanted.on && wanted.overruled && wanted.reason == "no time" && wanted.measured));
-  CHECK((!always.on && always.reason == "no time"));
-}
-
 TEST_CASE("decisions without a detector: what it needs, else an entry, else the first verdict, else always on") {
   const EffectVerdict no_steps{"joint", false, "no time"}, off{"nerf", false, "first"}, on{"nerf", true, "second"};
   const auto settled = [](std::string_view name, const std::vector<std::string>& entries,

@@ -22,13 +22,4 @@ int early_epochs(int epochs) {
   return int(std::ceil(kShare * epochs));
 }
 
-double early_iteration_share(const ContourSwitches& on, int epochs) {
-  constexpr double kHalfSize = 0.5;  // of a step's time: a quarter of the pixels, but all of the Gaussians
-  return on.full_resolution || epochs == 0 ? 1 : kHalfSize * early_epochs(epochs) / epochs;
-}
-
-bool may_try_pictures(const ContourOptions& contour, std::size_t views, std::size_t photos) {
-  return contour.photoless == PhotolessViews::kAuto && photos < views;
-}
-
 }  // namespace ngs

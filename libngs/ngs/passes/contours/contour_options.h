@@ -71,10 +71,4 @@ int contour_iterations(const ContourOptions& contour, Quality quality, bool misa
 /// Of `epochs` in the last iteration, those of an iteration at half the size.
 int early_epochs(int epochs);
 
-/// Time of the steps of an iteration before the last, as a share of the last's.
-double early_iteration_share(const ContourSwitches& on, int epochs);
-
-/// Whether a trial of pictures may come before the iterations, and take the time of one: some view has no photo.
-bool may_try_pictures(const ContourOptions& contour, std::size_t views, std::size_t photos);
-
 }  // namespace ngs
