@@ -39,7 +39,7 @@ int make_masks(cli::Run& run, const Options& options, const Files& files) {
   if (options.runs_a_program())
     run.warn_unused({"--window"}, "with --segmenter");
   else
-    run.warn_unused({"--points", "--segmenter-timeout-s"}, "without --segmenter");
+    run.warn_unused({"--segmenter-timeout-s"}, "without --segmenter");
   if (!files.model) cli::require_model(run, scene, files.scene.path);
   const std::string model_path = files.model ? files.model.path : scene.model_path;
   const auto marks = cli::read_marks(run, scene, options.which.view, files.marks);

@@ -23,7 +23,7 @@ using test::EffectCase;
 
 void set_contours(const EffectCase& c, test::PipelineCase& passes) {
   passes.set("contour_epochs", std::to_string(c.contour_epochs));
-  passes.set("contour_margin", "6"), passes.set("contour_reach", "8"), passes.set("contour_band", "3");
+  passes.set("contour_band", "3");
 }
 
 EffectDecision decision_on(const EffectCase& c, std::string_view name, const std::vector<std::string>& entries) {

@@ -127,7 +127,7 @@ TrainedRows split_model(const Exec& exec, const ContourSetup& setup, const Probl
   Straddling across = straddling(exec, window, model.cloud, 0);
   std::vector<float> kept = kept_rows(exec, setup, window.views, across.weight, model);
   if (setup.contour.on.split) {
-    const std::vector<CloudRow> rows = halved_rows(setup, across.px, kept);
+    const std::vector<CloudRow> rows = halved_rows(across.px, kept);
     edit_model(exec, setup, rows, model);
     edit_column(exec, rows, 1, kept);
     const auto halves =

@@ -14,34 +14,11 @@ constexpr std::size_t kDraftViews = 48;
 bool is_draft(const PassRun& run) {
   const Json kept = run.resumed ? run.resumed->value("floaters", Json()) : Json();
   if (kept.is_object() && kept.value("draft", Json()).is_boolean()) return kept["draft"].get<bool>();
-  return run.training.joint.quality == Quality::kDraft || run.budget.given();
+  return preset_of(run.training.joint.quality).half_floaters || run.budget.given();
 }
 
 void note(const std::map<std::string, double>& figures, Json& report) {
   for (const auto& [name, value] : figures) report[name] = value;
-}
-
-/// The problem with the model and labels that are left.
-Problem without(const Problem& problem, std::shared_ptr<const GaussianCloud> cloud, std::vector<LabelColumns> labels) {
-  Problem next{.cloud = *cloud,
-               .scene = problem.scene,
-               .views = problem.views,
-               .load_masks = problem.load_masks,
-               .load_photo = problem.load_photo,
-               .splat = problem.splat,
-               .background = problem.background,
-               .seed = problem.seed,
-               .fixed = problem.fixed,
-               .labels = std::move(labels),
-               .load_fine_photo = problem.load_fine_photo,
-               .held = problem.held,
-               .region = problem.region,
-               .window_share = problem.window_share,
-               .whole = problem.whole,
-               .owns = problem.owns,
-               .monitor = problem.monitor};
-  next.owns.push_back(std::move(cloud));
-  return next;
 }
 
 /// Takes them out, and refits what they covered; false: it was asked to stop.
@@ -53,7 +30,7 @@ bool remove(PassRun& run, const CoarseInput& coarse, const FloaterFinding& findi
   if (run.monitor.stop_requested()) return false;
   note(removal.figures, run.report["floaters"]);
   Problem next =
-      without(*run.problem, std::make_shared<const GaussianCloud>(std::move(removal.cloud)), std::move(labels));
+      run.problem->with_model(std::make_shared<const GaussianCloud>(std::move(removal.cloud)), std::move(labels));
   run.problem.emplace(std::move(next));
   run.floater.assign(finding.floater.begin(), finding.floater.end());
   run.fields_fit = false;

@@ -8,6 +8,7 @@
 #include "ngs/ops/field/hash_grid.h"
 #include "ngs/options/field.h"
 #include "ngs/passes/joint/joint_switches.h"
+#include "ngs/problem/preset.h"
 #include "ngs/stages/boundary/rbf_stage.h"
 #include "ngs/stages/boundary/sample_stage.h"
 
@@ -22,23 +23,6 @@ struct GaussianRates {
 
 /// About an object, where the anchor to the photos is kept to it (--effect region=off).
 inline constexpr int kRegionMargin_px = 64;
-
-enum class Quality : std::uint8_t { kDraft, kStandard, kHigh, kReference };
-inline constexpr NamedValue<Quality> kQualityNames[] = {{Quality::kDraft, "draft"},
-                                                        {Quality::kStandard, "standard"},
-                                                        {Quality::kHigh, "high"},
-                                                        {Quality::kReference, "reference"}};
-
-/// Steps per training view of a quality: every view is visited that often.
-inline int epochs_of(Quality quality) {
-  switch (quality) {
-    case Quality::kDraft: return 1;
-    case Quality::kStandard: return 10;
-    case Quality::kHigh: return 40;
-    case Quality::kReference: return 160;
-  }
-  return 10;
-}
 
 /// Share of the epochs that is taken before contour iterations at half the size, which do the rest of their work.
 inline constexpr double kEpochsBeforeContours = 0.3;
@@ -108,7 +92,7 @@ struct JointOptions : FieldOptions {
 };
 
 inline int epochs_of(const JointOptions& options) {
-  return int(std::ceil((options.contours_go_on ? kEpochsBeforeContours : 1) * epochs_of(options.quality)));
+  return int(std::ceil((options.contours_go_on ? kEpochsBeforeContours : 1) * preset_of(options.quality).epochs));
 }
 
 /// Steps of Eq. 20 in all, for `views` training views.
@@ -116,11 +100,11 @@ inline std::int64_t steps_of(const JointOptions& options, std::size_t views) {
   return options.steps > 0 ? options.steps : epochs_of(options) * std::int64_t(views);
 }
 
-/// The samples of a run: the whole image without its box (Sp), and for a draft half of the nodes and depths along each
-/// axis, because one epoch learns little from the field.
+/// The samples of a run: the whole image without its box (Sp), and half of the nodes and depths along each axis where
+/// the quality asks for it.
 inline SampleOptions sample_of(SampleOptions sample, const JointOptions& options) {
   sample.whole_image = !options.on.box;
-  if (options.quality != Quality::kDraft) return sample;
+  if (!preset_of(options.quality).half_samples) return sample;
   for (int* count : {&sample.rows, &sample.cols, &sample.depth_samples}) *count = (*count + 1) / 2;
   return sample;
 }

@@ -9,6 +9,7 @@
 #include "ngs/math/sh.h"
 #include "ngs/ops/field/knn.h"
 #include "ngs/ops/losses/loss_cont.h"
+#include "ngs/ops/losses/loss_mask.h"
 #include "ngs/ops/losses/photometric.h"
 #include "ngs/passes/joint/first_queries.h"
 #include "ngs/passes/joint/trained_labels.h"
